@@ -1,0 +1,22 @@
+// Cluster: what a clusterer says about one object at the moment of the question. Plain data, the
+// same for every engine; the Python array of clusters has these fields in this order.
+#pragma once
+
+#include <cstdint>
+
+namespace asap {
+
+struct Cluster {
+  std::int64_t id;      // never changes while the cluster lives
+  double x;             // px, centroid
+  double y;             // px
+  double vx;            // px/s
+  double vy;            // px/s
+  double cxx;           // px^2, covariance of the events about the centroid
+  double cxy;           // px^2
+  double cyy;           // px^2
+  std::int64_t size;    // live events
+  std::int64_t t_last;  // us, stamp of its newest event
+};
+
+}  // namespace asap

@@ -1,0 +1,25 @@
+// ClusterConfig: the parameters of event-by-event clustering and their check. The defaults are the
+// launch values of the authors' release.
+// Source: Rodriguez-Gomez et al., "Asynchronous Event-Based Clustering and Tracking for Intrusion
+// Monitoring in UAS", ICRA 2020; the symbols in brackets are the paper's.
+#pragma once
+
+#include <cstdint>
+
+namespace asap {
+
+struct ClusterConfig {
+  int width;               // px
+  int height;              // px
+  int window = 800;        // [S] events that are remembered, over all clusters
+  double radius = 20;      // [R] px, L1 distance within which an event joins a cluster
+  int probes = 1;          // [kappa] random live events of each cluster that are tried as well
+  double weight = 0.9;     // [alpha] weight of the newest event in the centre
+  int min_size = 15;       // [minN] events from which a cluster is reported, and probed beyond
+  std::uint64_t seed = 0;  // of the probes
+};
+
+// Returns its argument; throws std::invalid_argument that names the first bad field.
+const ClusterConfig& checked(const ClusterConfig& config);
+
+}  // namespace asap

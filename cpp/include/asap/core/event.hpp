@@ -1,0 +1,28 @@
+// Event: one brightness change of one pixel. 16 bytes, byte-identical to Metavision's EventCD, so
+// such arrays enter without a copy. The two bytes between p and t are padding without a value:
+// compare and hash fields, never raw bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+namespace asap {
+
+struct Event {
+  std::uint16_t x;  // px, to the right
+  std::uint16_t y;  // px, downwards; (0, 0) is top left
+  std::int16_t p;   // polarity: 1 = ON, 0 = OFF
+  std::int64_t t;   // us of the sensor's clock
+
+  friend bool operator==(const Event&, const Event&) = default;
+};
+
+using EventSpan = std::span<const Event>;
+
+static_assert(sizeof(Event) == 16 && offsetof(Event, x) == 0 && offsetof(Event, y) == 2 &&
+              offsetof(Event, p) == 4 && offsetof(Event, t) == 8);
+static_assert(std::is_trivially_copyable_v<Event> && std::is_standard_layout_v<Event>);
+
+}  // namespace asap

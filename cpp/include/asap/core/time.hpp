@@ -1,0 +1,45 @@
+// Time inside a run: nanoseconds, int64, on the run's own axis. TimeAxis ties that axis to the
+// stamps of the recording. Its zero is the whole second before the first stamp, so that at speed 1
+// multiples of a period that divides a second are the same on both. Stamps are divided by `speed`
+// (2 = twice as fast).
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+namespace asap {
+
+inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+inline constexpr std::int64_t kLongAgo = std::numeric_limits<std::int64_t>::min();
+
+class TimeAxis {
+ public:
+  TimeAxis() = default;
+  TimeAxis(std::int64_t first_stamp_us, double speed) noexcept
+      : zero_us_(first_stamp_us - floor_mod(first_stamp_us, 1'000'000)),
+        ns_per_us_(1000.0 / speed) {}
+
+  // Run time of a stamp; saturates at about 290 years.
+  std::int64_t to_ns(std::int64_t stamp_us) const noexcept {
+    const double ns = static_cast<double>(stamp_us - zero_us_) * ns_per_us_;
+    return static_cast<std::int64_t>(std::clamp(ns, -kLimit, kLimit));
+  }
+
+  // A run time on the recording's own axis. Exact to 0.25 us for Unix times.
+  double to_us(std::int64_t run_ns) const noexcept {
+    return static_cast<double>(zero_us_) + static_cast<double>(run_ns) / ns_per_us_;
+  }
+
+ private:
+  static constexpr double kLimit = 9.2e18;
+  static constexpr std::int64_t floor_mod(std::int64_t value, std::int64_t divisor) noexcept {
+    const std::int64_t rest = value % divisor;
+    return rest < 0 ? rest + divisor : rest;
+  }
+
+  std::int64_t zero_us_ = 0;
+  double ns_per_us_ = 1000.0;
+};
+
+}  // namespace asap

@@ -1,0 +1,63 @@
+// GammaFilter: keeps each event with probability gamma (the paper's random discard, section III of
+// ASAP, 2020). Whether event number i is kept depends on (seed, i, gamma) alone: the result does
+// not change with the way in which the stream is cut, and a smaller gamma keeps a subset. One
+// thread; O(1) per event and branch-free; no allocation.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "asap/core/event.hpp"
+#include "asap/core/random.hpp"
+
+namespace asap {
+
+// The 63-bit bar below which an event's random number must stay for the event to be kept.
+class KeepThreshold {
+ public:
+  // Throws std::invalid_argument unless 0 <= gamma <= 1.
+  static KeepThreshold checked(double gamma);
+
+  // For the hot path: out of range is clamped, NaN keeps all.
+  static constexpr KeepThreshold clamped(double gamma) noexcept {
+    if (!(gamma < 1.0)) return KeepThreshold{kAll};
+    if (gamma <= 0.0) return KeepThreshold{0};
+    return KeepThreshold{static_cast<std::uint64_t>(gamma * static_cast<double>(kAll))};
+  }
+
+  constexpr std::uint64_t value() const noexcept { return value_; }
+  constexpr bool keeps_all() const noexcept { return value_ == kAll; }
+
+ private:
+  static constexpr std::uint64_t kAll = std::uint64_t{1} << 63;
+  explicit constexpr KeepThreshold(std::uint64_t value) noexcept : value_(value) {}
+  std::uint64_t value_;
+};
+
+class GammaFilter {
+ public:
+  explicit GammaFilter(std::uint64_t seed = 0) noexcept : random_(seed) {}
+
+  // Writes the kept events to `out`, which holds at least events.size() (the tail beyond the kept
+  // ones is scratch). Returns how many were kept. The position advances by events.size().
+  std::size_t apply(EventSpan events, KeepThreshold threshold, Event* out) noexcept;
+
+  // One byte per event: 1 = kept. The position advances like in apply.
+  void mask(EventSpan events, KeepThreshold threshold, std::uint8_t* kept) noexcept;
+
+  // Passes over events that leave the stream undecided (stale ones).
+  void skip(std::size_t count) noexcept { position_ += count; }
+
+  // Events seen so far: the number of the next one.
+  std::uint64_t position() const noexcept { return position_; }
+
+ private:
+  bool keeps(std::uint64_t number, KeepThreshold threshold) const noexcept {
+    return (random_(number) >> 1) < threshold.value();
+  }
+
+  CounterRandom random_;
+  std::uint64_t position_ = 0;
+};
+
+}  // namespace asap

@@ -1,0 +1,124 @@
+// Validator: the door of the library. Behind it stamps never go back, pixels lie inside the sensor
+// and polarity is 0 or 1; what does not fit is dropped, clamped or refused, and always counted.
+//
+// One thread (the producer's). O(n), no allocation after construction. A block without a fault
+// passes in place, without a copy; a block with one is repaired into a fixed scratch buffer. A
+// stamp that goes back by less than kNewEpoch_us is a fault; by more, the sensor's clock was reset:
+// a new epoch starts, and time continues one microsecond after the last event.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "asap/core/event.hpp"
+
+namespace asap {
+
+enum class OnBad { drop, clamp, raise };
+
+// Events that did not pass, by reason.
+struct Rejections {
+  std::uint64_t nonmonotonic = 0;
+  std::uint64_t out_of_bounds = 0;
+  std::uint64_t bad_polarity = 0;
+  std::uint64_t bad_record = 0;  // unreadable, or a stamp beyond kMaxStamp_us
+  std::uint64_t before_start = 0;
+
+  std::uint64_t total() const noexcept {
+    return nonmonotonic + out_of_bounds + bad_polarity + bad_record + before_start;
+  }
+  friend bool operator==(const Rejections&, const Rejections&) = default;
+};
+
+// Events that passed, but not as they came. One event may count in several fields.
+struct Repairs {
+  std::uint64_t normalised_polarity = 0;  // p > 0 became 1, p < 0 became 0
+  std::uint64_t lifted_stamps = 0;        // set to the last stamp: tolerated disorder, OnBad::clamp
+  std::uint64_t clamped_positions = 0;    // moved to the edge of the sensor: OnBad::clamp
+
+  friend bool operator==(const Repairs&, const Repairs&) = default;
+};
+
+struct ValidatorConfig {
+  int width = 0;   // px; 0: x is not checked
+  int height = 0;  // px; 0: y is not checked
+  OnBad on_bad = OnBad::drop;
+  std::int64_t reorder_tolerance_us = 0;  // a stamp that goes back by this much is lifted, not bad
+};
+
+class Validator {
+ public:
+  // Stamps beyond +-2^52 us (142 years) would overflow when counted in nanoseconds.
+  static constexpr std::int64_t kMaxStamp_us = std::int64_t{1} << 52;
+  static constexpr std::int64_t kNewEpoch_us = 1'000'000;
+
+  explicit Validator(ValidatorConfig config = {});
+
+  // Calls sink(EventSpan) with runs of good events, in order; a run is valid during the call.
+  // With OnBad::raise throws std::invalid_argument, which names field, value and the number of the
+  // event, once everything before that event has been sunk.
+  template <class Sink>
+  void check(EventSpan events, Sink&& sink) {
+    std::size_t run = 0;  // first event of the clean run that is not sunk yet
+    for (std::size_t at = 0; at < events.size();) {
+      const EventSpan block = events.subspan(at, std::min(kBlock, events.size() - at));
+      if (pass_clean(block)) {
+        at += block.size();
+        continue;
+      }
+      if (at > run) sink(events.subspan(run, at - run));
+      const Repaired repaired = repair(block);
+      if (repaired.kept > 0) sink(EventSpan{scratch_.data(), repaired.kept});
+      if (repaired.fault != Fault::none) refuse(block[repaired.read], repaired.fault);
+      at += block.size();
+      run = at;
+    }
+    if (events.size() > run) sink(events.subspan(run));
+  }
+
+  // received() = events sunk + rejected().total()
+  std::uint64_t received() const noexcept { return received_; }
+  const Rejections& rejected() const noexcept { return rejected_; }
+  const Repairs& repaired() const noexcept { return repairs_; }
+  std::uint64_t normalised_polarity() const noexcept { return repairs_.normalised_polarity; }
+
+  // Stamp of the last event that passed; meaningless before the first.
+  std::int64_t last_us() const noexcept { return last_us_; }
+
+  // Epochs: how often the sensor's clock went back, and what is now added to its stamps.
+  std::uint64_t clock_resets() const noexcept { return clock_resets_; }
+  std::int64_t clock_offset_us() const noexcept { return clock_offset_us_; }
+
+  const ValidatorConfig& config() const noexcept { return config_; }
+
+ private:
+  static constexpr std::size_t kBlock = 256;
+
+  enum class Fault { none, bad_record, out_of_bounds, nonmonotonic };
+  struct Repaired {
+    std::size_t kept;           // events in the scratch buffer
+    std::size_t read;           // index in the block where the repair ended
+    Fault fault = Fault::none;  // of the event at `read`, if it is to be refused
+  };
+
+  bool pass_clean(EventSpan block) noexcept;
+  Repaired repair(EventSpan block) noexcept;
+  Fault mend(Event& event) noexcept;
+  void count(Fault fault) noexcept;
+  [[noreturn]] void refuse(const Event& event, Fault fault) const;
+
+  ValidatorConfig config_;
+  std::uint32_t max_x_;
+  std::uint32_t max_y_;
+  std::int64_t last_us_ = -kMaxStamp_us;  // stamp of the last event that passed
+  std::int64_t clock_offset_us_ = 0;
+  std::uint64_t clock_resets_ = 0;
+  std::uint64_t received_ = 0;
+  Rejections rejected_;
+  Repairs repairs_;
+  std::array<Event, kBlock> scratch_;
+};
+
+}  // namespace asap

@@ -1,0 +1,75 @@
+// TextDecoder: events from lines of numbers, "t x y p" or any other arrangement, as they arrive.
+//
+// One thread. Feed it bytes cut anywhere; an unfinished line waits in a fixed buffer for its end.
+// Columns are separated by blanks, tabs, commas or semicolons; empty lines and lines that begin
+// with
+// '#' or '%' are skipped. A line that is not an event is counted with its byte offset, never
+// thrown. O(bytes); allocates only in the vector that it fills. Polarity passes as it is written,
+// within 16 bits, and stamps as they come: order, sensor size and polarity are the Validator's.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "asap/core/event.hpp"
+
+namespace asap {
+
+struct TextConfig {
+  std::string order = "txyp";  // a letter per column: t, x and y once, p at most once; '-' skips
+  int time_exponent = 6;       // times are in 10^time_exponent us: 6 seconds, 0 us, -3 ns
+  bool clamp = false;          // positions beyond 16 bits move to the edge
+  std::uint64_t first_offset = 0;  // offset in the file of the first byte that is fed
+};
+
+class TextDecoder {
+ public:
+  static constexpr std::size_t kMaxLine = 1024;  // bytes; a longer line is no event
+  static constexpr std::size_t kMaxColumns = 16;
+  static constexpr std::size_t kNoted = 16;
+
+  explicit TextDecoder(const TextConfig& config = {});
+
+  // Appends the events of all lines that end in `bytes`.
+  void decode(std::span<const char> bytes, std::vector<Event>& events);
+
+  // The end of the input: decodes a last line that has no newline. Returns false if that line is
+  // bad, which means that the file was cut.
+  bool finish(std::vector<Event>& events);
+
+  // Lines with data = events + bad_records() + out_of_bounds()
+  std::uint64_t bad_records() const noexcept { return bad_records_; }
+  std::uint64_t out_of_bounds() const noexcept { return out_of_bounds_; }  // beyond 16 bits
+  std::uint64_t clamped_positions() const noexcept { return clamped_positions_; }
+
+  // Byte offsets of the first kNoted lines that were not decoded.
+  std::span<const std::uint64_t> noted() const noexcept { return {noted_.data(), noted_count_}; }
+
+ private:
+  enum class Column : std::uint8_t { t, x, y, p, skipped };
+  enum class Line : std::uint8_t { event, empty, bad_record, out_of_bounds };
+
+  Line take(const char* begin, const char* end, std::vector<Event>& events);
+  Line parse(const char* at, const char* end, Event& event) noexcept;
+  void keep_unfinished(const char* begin, const char* end) noexcept;
+
+  std::array<Column, kMaxColumns> columns_{};
+  std::size_t column_count_ = 0;
+  int time_exponent_;
+  bool clamp_;
+  std::uint64_t line_offset_;
+  std::uint64_t bad_records_ = 0;
+  std::uint64_t out_of_bounds_ = 0;
+  std::uint64_t clamped_positions_ = 0;
+  std::array<std::uint64_t, kNoted> noted_{};
+  std::size_t noted_count_ = 0;
+  std::array<char, kMaxLine + 1> unfinished_{};
+  std::size_t unfinished_size_ = 0;    // bytes kept
+  std::size_t unfinished_length_ = 0;  // bytes seen, kept or not
+};
+
+}  // namespace asap

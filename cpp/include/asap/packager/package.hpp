@@ -1,0 +1,31 @@
+// Package: the events handed to the algorithm in one go, with what the algorithm may want to know
+// about them. The events stay valid until the package is completed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "asap/core/event.hpp"
+
+namespace asap {
+
+struct Package {
+  EventSpan events;         // kept, oldest first; never empty
+  std::uint64_t index = 0;  // of the package, from 0
+  double gamma = 1.0;       // kept / offered of this package
+  double keep = 1.0;        // kept fraction smoothed over about 20 ms, for set_keep
+  std::size_t raw = 0;      // raw events that leave the ring when it is completed
+  std::size_t offered = 0;  // raw events behind it: raw, and those of takes that kept nothing
+  std::uint64_t stale_before = 0;     // events lost as too old since the package before
+  std::uint64_t overflow_before = 0;  // events lost to a full ring since the package before
+  std::int64_t start_ns = 0;          // run time at which it was taken
+
+  std::int64_t t_first() const noexcept { return events.front().t; }
+  std::int64_t t_last() const noexcept { return events.back().t; }
+  std::uint64_t lost_before() const noexcept { return stale_before + overflow_before; }
+
+  // An algorithm may simply take events.
+  operator EventSpan() const noexcept { return events; }
+};
+
+}  // namespace asap

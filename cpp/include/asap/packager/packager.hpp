@@ -1,0 +1,89 @@
+// Packager: carries out what a scheme decides. It asks the scheme, takes raw events from the head
+// of the ring, thins them, hands out the package and, when the algorithm has finished, feeds the
+// cost back and books every event. It reads no clock: the time is handed in, real or virtual.
+//
+// Called on the consumer's thread. O(1) per event, one virtual call per package, no allocation
+// after construction. Flush: whatever the scheme answers, something is taken as soon as the oldest
+// event has waited for the latency bound, the ring is full or the source has ended.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "asap/buffer/event_buffer.hpp"
+#include "asap/core/time.hpp"
+#include "asap/filter/gamma_filter.hpp"
+#include "asap/packager/package.hpp"
+#include "asap/schemes/rate_meter.hpp"
+#include "asap/schemes/scheme.hpp"
+#include "asap/telemetry/latency_histogram.hpp"
+#include "asap/telemetry/run_log.hpp"
+
+namespace asap {
+
+// What the consumer's side writes down; its owner keeps it beyond the run.
+struct Telemetry {
+  explicit Telemetry(std::int64_t latency_bound_ns) : latency(latency_bound_ns) {}
+
+  RunLog log;
+  LatencyHistogram latency;
+  std::uint64_t discarded = 0;
+  std::uint64_t stale = 0;
+  std::uint64_t delivered = 0;
+};
+
+class Packager {
+ public:
+  enum class Step { package, wait, ended };
+
+  // The answer to "what now?": a package, or how long to wait, or that nothing will come.
+  struct Next {
+    Step step = Step::wait;
+    Package package{};
+    std::int64_t until_ns = kNever;  // wait until this time ...
+    std::uint64_t until_tail = 0;    // ... or until the ring's tail has reached this index
+  };
+
+  // The referenced objects outlive the packager. Events of one package: at most the ring's
+  // capacity.
+  Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, std::uint64_t seed);
+
+  // Sets where stamps lie in run time; before the first event is pushed.
+  void set_axis(TimeAxis axis) noexcept { axis_ = axis; }
+  const TimeAxis& axis() const noexcept { return axis_; }
+
+  // Precondition: the package before is completed, and telemetry.log has room.
+  Next next(std::int64_t now_ns) noexcept;
+
+  // The algorithm has finished the package at end_ns.
+  void complete(const Package& package, std::int64_t end_ns) noexcept;
+
+ private:
+  Decision ask(const EventPieces& waiting, std::int64_t now_ns, bool ended) noexcept;
+  void meter(const EventPieces& waiting, const Decision& decision) noexcept;
+  void drop_stale(std::size_t count) noexcept;
+  EventSpan thin(const EventPieces& raw, double keep) noexcept;
+  Package package(EventSpan kept, const EventPieces& raw, std::int64_t now_ns) noexcept;
+  void discard_all(std::size_t raw, std::int64_t now_ns) noexcept;
+  void smooth_keep(double gamma, std::int64_t now_ns) noexcept;
+  std::int64_t span_ns(const Package& package) const noexcept;
+  PackageRow row_of(const Package& package, std::int64_t end_ns) const noexcept;
+
+  EventBuffer& buffer_;
+  Scheme& scheme_;
+  Telemetry& telemetry_;
+  TimeAxis axis_;
+  GammaFilter filter_;
+  RateMeter rate_meter_;
+  std::unique_ptr<Event[]> kept_;  // the package, unless it is a slice of the ring
+
+  std::uint64_t packages_ = 0;
+  std::int64_t previous_start_ns_ = kLongAgo;
+  double keep_ = 1.0;
+  std::size_t offered_without_package_ = 0;
+  std::uint64_t stale_since_package_ = 0;
+  std::uint64_t overflow_reported_ = 0;
+};
+
+}  // namespace asap

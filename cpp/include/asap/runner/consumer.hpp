@@ -1,0 +1,13 @@
+// Consumer: the algorithm as a runner sees it, a callable that takes a package (or, by conversion,
+// its events). Called on the consumer's thread, once per package.
+#pragma once
+
+#include <functional>
+
+#include "asap/packager/package.hpp"
+
+namespace asap {
+
+using Consumer = std::function<void(const Package&)>;
+
+}  // namespace asap

@@ -1,0 +1,27 @@
+// RunConfig: what the runners have in common.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "asap/filter/validator.hpp"
+#include "asap/schemes/scheme.hpp"
+
+namespace asap {
+
+struct RunConfig {
+  std::optional<double> latency_us{};  // latency bound; none: the scheme's own, else 10 ms
+  std::size_t capacity = 0;  // of the ring, events; 0: 2^20 or 60 Mev/s x 2 bounds, if more
+  std::uint64_t seed = 0;    // of the gamma filter
+  ValidatorConfig validator{};
+};
+
+// The bound in force. Throws std::invalid_argument for a value out of range, and when the scheme
+// has another bound of its own.
+std::int64_t latency_bound_ns(const RunConfig& config, const Scheme& scheme);
+
+// The ring's capacity in force.
+std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns) noexcept;
+
+}  // namespace asap

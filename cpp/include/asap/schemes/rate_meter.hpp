@@ -1,0 +1,40 @@
+// RateMeter: events per second over the last window of time, robust against bursts on one stamp,
+// single events and long silences. The window [begin, newest) is half-open, so that a burst half
+// seen does not count; it is at least 1 ms long and begins at the last mark before that, so there
+// is always a time to divide by. O(1) amortised per observation, fixed memory.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace asap {
+
+class RateMeter {
+ public:
+  // `count` more events have entered, from oldest_ns to newest_ns; time does not go back.
+  void observe(std::size_t count, std::int64_t oldest_ns, std::int64_t newest_ns) noexcept;
+
+  // Events per second; 0 before the first observation. In the first millisecond: what has entered
+  // so far, per millisecond.
+  double per_second() const noexcept;
+
+ private:
+  struct Mark {
+    std::int64_t time_ns;
+    std::uint64_t before;  // events before this time
+  };
+  static constexpr std::int64_t kWindowNs = 1'000'000;
+  static constexpr std::int64_t kMarkEveryNs = kWindowNs / 16;
+  static constexpr std::size_t kMarks = 32;  // power of two, > kWindowNs / kMarkEveryNs + 1
+
+  const Mark& mark(std::uint64_t i) const noexcept { return marks_[i % kMarks]; }
+
+  std::array<Mark, kMarks> marks_{};
+  std::uint64_t oldest_ = 0;  // marks [oldest_, end_) span the window
+  std::uint64_t end_ = 0;
+  Mark newest_{};
+  std::uint64_t total_ = 0;
+};
+
+}  // namespace asap

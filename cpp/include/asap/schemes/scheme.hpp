@@ -1,0 +1,91 @@
+// Scheme: the rule that decides size and gamma of the next package. The one seam of the library:
+// a scheme is told what waits (Backlog) and answers with a Decision; afterwards it is told what the
+// package really cost (Outcome). It reads no clock, draws no random number, touches no ring and
+// allocates nothing. Called on the consumer's thread, once or twice per package. Times are ns of
+// the run's axis (core/time.hpp).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "asap/core/time.hpp"
+
+namespace asap {
+
+// Counts of waiting events by their time; answers in O(log n) or better.
+class BacklogCounts {
+ public:
+  // Waiting raw events with time < time_ns: they are the oldest ones.
+  virtual std::size_t before(std::int64_t time_ns) const noexcept = 0;
+
+ protected:
+  ~BacklogCounts() = default;
+};
+
+// What waits when a scheme is asked. count >= 1.
+struct Backlog {
+  std::size_t count;  // raw events
+  std::int64_t now_ns;
+  std::int64_t oldest_ns;          // time of the oldest waiting event
+  std::int64_t previous_start_ns;  // start of the last package; kLongAgo before the first
+  bool due;  // the oldest has waited for the latency bound, the ring is full or the source has
+             // ended: the scheme takes something now
+  const BacklogCounts& counts;
+
+  std::int64_t age_ns() const noexcept { return now_ns - oldest_ns; }
+};
+
+// Wait (until a time or until so many events wait, whichever comes first), or take.
+struct Decision {
+  bool takes;
+  std::int64_t until_ns = kNever;
+  std::size_t until_count = std::numeric_limits<std::size_t>::max();
+  std::size_t stale = 0;  // oldest raw events to throw away first
+  std::size_t raw = 0;    // then the oldest raw events to take ...
+  double keep = 1.0;      // ... and the fraction of them to keep
+
+  static constexpr Decision wait_until(std::int64_t time_ns) noexcept {
+    return {.takes = false, .until_ns = time_ns};
+  }
+  static constexpr Decision wait_for(std::size_t count) noexcept {
+    return {.takes = false, .until_count = count};
+  }
+  static constexpr Decision take(std::size_t raw, double keep = 1.0) noexcept {
+    return {.takes = true, .raw = raw, .keep = keep};
+  }
+};
+
+// What a package really was. size may be 0: all of `raw` were discarded and no algorithm ran.
+struct Outcome {
+  std::size_t size;            // events kept
+  std::size_t raw;             // raw events taken
+  std::int64_t span_ns;        // newest minus oldest kept event
+  std::int64_t start_ns;       // the package was taken
+  std::int64_t processing_ns;  // until the algorithm had finished
+};
+
+// The constructor's parameters by name.
+using SchemeParameter = std::variant<std::int64_t, double>;
+using SchemeParameters = std::vector<std::pair<std::string_view, SchemeParameter>>;
+
+class Scheme {
+ public:
+  virtual ~Scheme() = default;
+
+  virtual Decision decide(const Backlog& backlog) noexcept = 0;
+  virtual void observe(const Outcome&) noexcept {}
+  // Back to the constructed state, before a run.
+  virtual void reset() noexcept {}
+
+  virtual std::string_view name() const noexcept = 0;
+  virtual SchemeParameters parameters() const { return {}; }
+  // The latency bound that the scheme was built with; 0 = it has none of its own.
+  virtual std::int64_t latency_bound_ns() const noexcept { return 0; }
+};
+
+}  // namespace asap

@@ -1,0 +1,27 @@
+// Ledger: where every event went. At every quiescent point
+//   received = rejected + filtered + discarded + stale + overflow + delivered + pending
+// All counts are events. Counters are written by one thread each; this is their snapshot.
+#pragma once
+
+#include <cstdint>
+
+namespace asap {
+
+struct Ledger {
+  std::uint64_t received = 0;   // handed to us
+  std::uint64_t rejected = 0;   // bad data: back in time, outside the sensor, ...
+  std::uint64_t filtered = 0;   // by a filter in front of gamma
+  std::uint64_t discarded = 0;  // by gamma: a choice
+  std::uint64_t stale = 0;      // thrown away as too old
+  std::uint64_t overflow = 0;   // did not fit into the ring: a failure
+  std::uint64_t delivered = 0;  // processed by the algorithm
+  std::uint64_t pending = 0;    // still in the ring, or in a package that was not finished
+
+  constexpr bool balanced() const noexcept {
+    return received == rejected + filtered + discarded + stale + overflow + delivered + pending;
+  }
+
+  friend bool operator==(const Ledger&, const Ledger&) = default;
+};
+
+}  // namespace asap

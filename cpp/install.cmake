@@ -1,0 +1,31 @@
+# What `cmake --install` puts into a prefix. All of it is relocatable; the Python wheel takes the
+# component `python` alone.
+include(CMakePackageConfigHelpers)
+
+set(_asap_cmake_dir "${CMAKE_INSTALL_LIBDIR}/cmake/asap")
+set(_asap_pc_dir "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+
+install(DIRECTORY include/asap "${CMAKE_CURRENT_BINARY_DIR}/include/asap"
+        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development
+        FILES_MATCHING PATTERN "*.hpp")
+
+foreach(_library core algorithms)
+  install(TARGETS asap_${_library} EXPORT asap-${_library}
+          ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
+  install(EXPORT asap-${_library} NAMESPACE asap::
+          DESTINATION "${_asap_cmake_dir}" COMPONENT development)
+endforeach()
+
+configure_package_config_file(asap-config.cmake.in asap-config.cmake
+                              INSTALL_DESTINATION "${_asap_cmake_dir}")
+write_basic_package_version_file(asap-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES "${CMAKE_CURRENT_BINARY_DIR}/asap-config.cmake"
+              "${CMAKE_CURRENT_BINARY_DIR}/asap-config-version.cmake"
+        DESTINATION "${_asap_cmake_dir}" COMPONENT development)
+
+file(RELATIVE_PATH _asap_prefix_from_pc "/${_asap_pc_dir}" "/")
+foreach(_library core algorithms)
+  configure_file(asap-${_library}.pc.in asap-${_library}.pc @ONLY)
+  install(FILES "${CMAKE_CURRENT_BINARY_DIR}/asap-${_library}.pc"
+          DESTINATION "${_asap_pc_dir}" COMPONENT development)
+endforeach()

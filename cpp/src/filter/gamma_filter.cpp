@@ -1,0 +1,37 @@
+#include "asap/filter/gamma_filter.hpp"
+
+#include <algorithm>
+
+#include "asap/core/check.hpp"
+
+namespace asap {
+
+KeepThreshold KeepThreshold::checked(double gamma) {
+  require(gamma >= 0.0 && gamma <= 1.0, "gamma", gamma, "must be a number between 0 and 1");
+  return clamped(gamma);
+}
+
+std::size_t GammaFilter::apply(EventSpan events, KeepThreshold threshold, Event* out) noexcept {
+  const std::uint64_t first = position_;
+  position_ += events.size();
+  if (threshold.keeps_all()) {
+    std::copy_n(events.data(), events.size(), out);
+    return events.size();
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    out[kept] = events[i];
+    kept += keeps(first + i, threshold) ? 1U : 0U;
+  }
+  return kept;
+}
+
+void GammaFilter::mask(EventSpan events, KeepThreshold threshold, std::uint8_t* kept) noexcept {
+  const std::uint64_t first = position_;
+  position_ += events.size();
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    kept[i] = keeps(first + i, threshold) ? 1U : 0U;
+  }
+}
+
+}  // namespace asap

@@ -1,0 +1,29 @@
+#include "asap/runner/consumer_loop.hpp"
+
+#include <algorithm>
+
+namespace asap {
+
+ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds patience) {
+  telemetry_.log.make_room();
+  const auto deadline = RunClock::Steady::now() + patience;
+  for (;;) {
+    const bool closed = buffer_.closed();
+    Packager::Next next{.until_tail = buffer_.head() + 1};
+    if (buffer_.size() > 0) {  // the clock runs once an event is there
+      next = packager_.next(clock_.now_ns());
+      if (next.step == Packager::Step::package) {
+        package = next.package;
+        return Next::package;
+      }
+    } else if (closed) {
+      return Next::ended;
+    }
+    if (RunClock::Steady::now() >= deadline) return Next::idle;
+
+    doorbell_.wait(next.until_tail, std::min(deadline, clock_.when(next.until_ns)),
+                   [&] { return buffer_.tail() >= next.until_tail || buffer_.closed() != closed; });
+  }
+}
+
+}  // namespace asap

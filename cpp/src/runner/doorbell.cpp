@@ -1,0 +1,67 @@
+#include "asap/runner/doorbell.hpp"
+
+#if defined(__linux__)
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <ctime>
+
+namespace asap {
+namespace {
+
+static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t) &&
+              std::atomic<std::uint32_t>::is_always_lock_free);
+
+}  // namespace
+
+void Doorbell::wake() noexcept {
+  if (asleep_.exchange(0, std::memory_order_acq_rel) == 0) return;
+  syscall(SYS_futex, &asleep_, FUTEX_WAKE_PRIVATE, 1, nullptr, nullptr, 0);
+}
+
+void Doorbell::sleep_until(Clock::time_point deadline) noexcept {
+  using std::chrono::duration_cast;
+  const auto since = deadline.time_since_epoch();
+  const auto seconds = duration_cast<std::chrono::seconds>(since);
+  timespec until{};  // steady_clock is CLOCK_MONOTONIC here, and so is this wait
+  until.tv_sec = static_cast<std::time_t>(seconds.count());
+  until.tv_nsec =
+      static_cast<long>(duration_cast<std::chrono::nanoseconds>(since - seconds).count());
+  syscall(SYS_futex, &asleep_, FUTEX_WAIT_BITSET_PRIVATE, 1, &until, nullptr,
+          FUTEX_BITSET_MATCH_ANY);
+}
+
+}  // namespace asap
+
+#else
+
+#include <condition_variable>
+#include <mutex>
+
+namespace asap {
+namespace {
+
+// One for all doorbells: the portable form wakes more than it must, but loses nothing.
+std::mutex mutex;
+std::condition_variable woken;
+
+}  // namespace
+
+void Doorbell::wake() noexcept {
+  if (asleep_.exchange(0, std::memory_order_acq_rel) == 0) return;
+  {
+    const std::lock_guard lock(mutex);
+  }
+  woken.notify_all();
+}
+
+void Doorbell::sleep_until(Clock::time_point deadline) noexcept {
+  std::unique_lock lock(mutex);
+  woken.wait_until(lock, deadline, [this] { return asleep_.load(std::memory_order_acquire) == 0; });
+}
+
+}  // namespace asap
+
+#endif

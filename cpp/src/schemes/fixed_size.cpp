@@ -1,0 +1,22 @@
+#include "asap/schemes/fixed_size.hpp"
+
+#include <algorithm>
+
+#include "asap/core/check.hpp"
+
+namespace asap {
+
+FixedSize::FixedSize(FixedSizeConfig config) : config_(config) {
+  require(config.size >= 1, "size", config.size, "must be at least 1 event");
+}
+
+Decision FixedSize::decide(const Backlog& backlog) noexcept {
+  if (backlog.count < config_.size && !backlog.due) return Decision::wait_for(config_.size);
+  return Decision::take(std::min(backlog.count, config_.size));
+}
+
+SchemeParameters FixedSize::parameters() const {
+  return {{"size", static_cast<std::int64_t>(config_.size)}};
+}
+
+}  // namespace asap

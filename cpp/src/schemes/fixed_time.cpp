@@ -1,0 +1,30 @@
+#include "asap/schemes/fixed_time.hpp"
+
+#include <cmath>
+
+#include "asap/core/check.hpp"
+
+namespace asap {
+namespace {
+
+std::int64_t checked_period_ns(double period_ms) {
+  require(period_ms >= 0.001 && period_ms <= 1e9, "period_ms", period_ms,
+          "must be between 0.001 (1 us) and 1e9 ms");
+  return std::llround(period_ms * 1e6);
+}
+
+}  // namespace
+
+FixedTime::FixedTime(FixedTimeConfig config)
+    : config_(config), period_ns_(checked_period_ns(config.period_ms)) {}
+
+Decision FixedTime::decide(const Backlog& backlog) noexcept {
+  const std::int64_t period = backlog.oldest_ns / period_ns_ - (backlog.oldest_ns % period_ns_ < 0);
+  const std::int64_t boundary_ns = (period + 1) * period_ns_;
+  if (backlog.now_ns < boundary_ns && !backlog.due) return Decision::wait_until(boundary_ns);
+  return Decision::take(backlog.counts.before(boundary_ns));
+}
+
+SchemeParameters FixedTime::parameters() const { return {{"period_ms", config_.period_ms}}; }
+
+}  // namespace asap

@@ -1,0 +1,43 @@
+#include "asap/synthetic/time_sorted_block.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace asap {
+
+TimeSortedBlock::TimeSortedBlock(std::int32_t width, std::int32_t height, std::size_t capacity)
+    : width_(static_cast<std::uint32_t>(width)),
+      height_(static_cast<std::uint32_t>(height)),
+      added_(capacity),
+      places_(kMaxStep_us),
+      sorted_(capacity) {}
+
+void TimeSortedBlock::open(std::int64_t start_us, std::int32_t step_us) noexcept {
+  start_us_ = start_us;
+  step_us_ = step_us;
+  size_ = 0;
+}
+
+EventSpan TimeSortedBlock::close() noexcept {
+  const auto places_end = places_.begin() + step_us_;
+  std::fill(places_.begin(), places_end, 0U);
+  for (std::size_t i = 0; i < size_; ++i) ++places_[added_[i].offset_us];
+
+  std::uint32_t before = 0;
+  for (auto place = places_.begin(); place != places_end; ++place) {
+    before += std::exchange(*place, before);
+  }
+
+  for (std::size_t i = 0; i < size_; ++i) {
+    const Added& added = added_[i];
+    Event& event = sorted_[places_[added.offset_us]++];
+    // Field by field: the padding of the buffer stays zero.
+    event.x = added.x;
+    event.y = added.y;
+    event.p = static_cast<std::int16_t>(added.on);
+    event.t = start_us_ + added.offset_us;
+  }
+  return {sorted_.data(), size_};
+}
+
+}  // namespace asap

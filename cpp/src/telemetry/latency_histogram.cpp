@@ -1,0 +1,63 @@
+#include "asap/telemetry/latency_histogram.hpp"
+
+#include <cmath>
+
+#include "asap/core/check.hpp"
+
+namespace asap {
+
+double LatencyHistogram::mean_ns() const noexcept {
+  if (count_ == 0) return 0.0;
+  const double sum = static_cast<double>(sum_high_) * 0x1.0p64 + static_cast<double>(sum_low_);
+  return sum / static_cast<double>(count_);
+}
+
+double LatencyHistogram::quantile_ns(double q) const {
+  require(q >= 0.0 && q <= 1.0, "q", q, "must be a number between 0 and 1");
+  if (count_ == 0) return 0.0;
+  const double wanted = std::ceil(q * static_cast<double>(count_));
+  const std::uint64_t rank = std::max<std::uint64_t>(static_cast<std::uint64_t>(wanted), 1);
+  if (rank >= count_) return static_cast<double>(max_ns_);
+  std::uint64_t seen = 0;
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    seen += bins_[bin];
+    if (seen >= rank) return std::min(middle_of(bin), static_cast<double>(max_ns_));
+  }
+  return static_cast<double>(max_ns_);
+}
+
+LatencyHistogram::State LatencyHistogram::state() const {
+  State state{.bound_ns = bound_ns_,
+              .max_ns = max_ns_,
+              .within_bound = within_bound_,
+              .sum_low = sum_low_,
+              .sum_high = sum_high_,
+              .bins = {}};
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    if (bins_[bin] > 0) state.bins.emplace_back(static_cast<std::uint32_t>(bin), bins_[bin]);
+  }
+  return state;
+}
+
+LatencyHistogram LatencyHistogram::restored(const State& state) {
+  LatencyHistogram histogram(state.bound_ns);
+  histogram.max_ns_ = state.max_ns;
+  histogram.within_bound_ = state.within_bound;
+  histogram.sum_low_ = state.sum_low;
+  histogram.sum_high_ = state.sum_high;
+  for (const auto& [bin, count] : state.bins) {
+    require(bin < kBins, "bin", bin, "does not exist; the file is damaged");
+    histogram.bins_[bin] += count;
+    histogram.count_ += count;
+  }
+  return histogram;
+}
+
+double LatencyHistogram::middle_of(std::size_t bin) noexcept {
+  if (bin < 2 * kBinsPerOctave) return static_cast<double>(bin);  // one value per bin
+  const auto octave = static_cast<int>(bin / kBinsPerOctave) - 1;
+  const auto mantissa = static_cast<double>(bin % kBinsPerOctave + kBinsPerOctave);
+  return std::ldexp(mantissa + 0.5, octave) - 0.5;
+}
+
+}  // namespace asap

@@ -1,0 +1,349 @@
+"""Numbers from events and from runs, in plain NumPy: what plots, tables and reports have in common.
+
+Times are seconds from the first event; rates are events per second; windows are half-open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from asap.experiment import Run
+
+__all__ = [
+    "Cost",
+    "Description",
+    "Diagnosis",
+    "decimate",
+    "describe",
+    "diagnose",
+    "fit_cost",
+    "median_in_windows",
+    "rate",
+    "time_s",
+]
+
+_MAX_BINS = 10_000_000
+_ROUNDING_US = 1e-6  # no algorithm handles an event in a picosecond
+
+Floats = NDArray[np.float64]
+
+
+def rate(events: NDArray[np.void], bin_us: float) -> tuple[Floats, Floats]:
+    """Event rate in windows of equal length, the first of which begins with the first event.
+
+    Parameters
+    ----------
+    events : ndarray, shape (n,), EVENT_DTYPE
+        Events in time order.
+    bin_us : float
+        Length of a window in us.
+
+    Returns
+    -------
+    time_s : ndarray, shape (m,)
+        Begin of each window, s from the first event.
+    rate_hz : ndarray, shape (m,)
+        Events per second in it.
+
+    Raises
+    ------
+    ValueError
+        `bin_us` is not positive, or so short that there would be more than ten million windows.
+    """
+    _require(bin_us > 0, "bin_us", bin_us, "must be positive")
+    if events.size == 0:
+        return np.empty(0), np.empty(0)
+    elapsed_us = events["t"] - events["t"][0]
+    _require(
+        int(elapsed_us[-1]) / bin_us < _MAX_BINS, "bin_us", bin_us, "too short for this duration"
+    )
+    counts = np.bincount((elapsed_us // bin_us).astype(np.int64))
+    time_s = np.arange(counts.size, dtype=np.float64) * (bin_us / 1e6)
+    return time_s, counts.astype(np.float64) * (1e6 / bin_us)
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a recording holds: counts, duration and rates (ev/s; peaks over aligned windows)."""
+
+    events: int
+    duration_s: float
+    on_share: float
+    rate_mean_hz: float
+    rate_peak_1ms_hz: float
+    rate_peak_10ms_hz: float
+
+
+def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
+    """Count, duration, rates and share of ON events of a recording, block by block.
+
+    Parameters
+    ----------
+    blocks : iterable of ndarray, EVENT_DTYPE
+        The recording in time order; it is read once and never held as a whole.
+
+    Returns
+    -------
+    Description
+        Mean rate = events / (last time - first time); a recording without duration has rate 0.
+    """
+    events = on = 0
+    t_first = t_last = 0
+    fine, coarse = _PeakCount(1_000), _PeakCount(10_000)
+    for block in blocks:
+        if block.size == 0:
+            continue
+        t = block["t"]
+        if events == 0:
+            t_first = int(t[0])
+        events += block.size
+        on += int(np.count_nonzero(block["p"] > 0))
+        t_last = int(t[-1])
+        fine.add(t - t_first)
+        coarse.add(t - t_first)
+    duration_s = (t_last - t_first) / 1e6
+    return Description(
+        events=events,
+        duration_s=duration_s,
+        on_share=on / events if events else 0.0,
+        rate_mean_hz=events / duration_s if duration_s > 0 else 0.0,
+        rate_peak_1ms_hz=fine.peak * 1e3,
+        rate_peak_10ms_hz=coarse.peak * 1e2,
+    )
+
+
+class _PeakCount:
+    """Largest number of events in one aligned window, over blocks that may cut a window."""
+
+    def __init__(self, window_us: int) -> None:
+        self.peak = 0
+        self._window_us = window_us
+        self._open_window = -1
+        self._open_count = 0
+
+    def add(self, elapsed_us: NDArray[np.int64]) -> None:
+        windows, counts = np.unique(elapsed_us // self._window_us, return_counts=True)
+        if windows[0] == self._open_window:
+            counts[0] += self._open_count
+        self.peak = max(self.peak, int(counts.max()))
+        self._open_window, self._open_count = int(windows[-1]), int(counts[-1])
+
+
+def decimate(x: Floats, y: Floats, points: int) -> tuple[Floats, Floats]:
+    """Thin a curve for drawing: smallest and largest y of every column of pixels stay.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Not decreasing.
+    y : ndarray, shape (n,)
+        One value for each x.
+    points : int
+        The most points to keep, at least 4.
+
+    Returns
+    -------
+    x, y : ndarray, shape (m,)
+        At most `points` of the given points in their order, the first and the last among them.
+
+    Raises
+    ------
+    ValueError
+        `points` is below 4.
+    """
+    _require(points >= 4, "points", points, "must be at least 4")
+    if x.size <= points:
+        return x, y
+    columns = (points - 2) // 2
+    column = np.minimum((x - x[0]) / max(x[-1] - x[0], 1e-300) * columns, columns - 1)
+    column = column.astype(np.int64)
+    by_height = np.lexsort((y, column))
+    begins = np.flatnonzero(np.diff(column, prepend=-1))
+    ends = np.append(begins[1:], x.size) - 1
+    keep = np.unique(np.concatenate(([0, x.size - 1], by_height[begins], by_height[ends])))
+    return x[keep], y[keep]
+
+
+def time_s(run: Run) -> Floats:
+    """Start of each package in s from the first event, shape (packages,)."""
+    rows = run.packages
+    if rows.size == 0:
+        return np.empty(0)
+    return np.asarray((rows["start_us"] - rows["t_first"][0]) / 1e6, np.float64)
+
+
+def median_in_windows(run: Run, column: str, window_ms: float) -> tuple[Floats, Floats]:
+    """Median of a column of ``run.packages`` over the packages that start in each window.
+
+    Parameters
+    ----------
+    run : Run
+        A finished run.
+    column : str
+        Name of the column, for example ``"margin_us"``.
+    window_ms : float
+        Length of a window in ms.
+
+    Returns
+    -------
+    time_s : ndarray, shape (m,)
+        Begin of each window in which a package started, s from the first event.
+    median : ndarray, shape (m,)
+        In the unit of the column.
+
+    Raises
+    ------
+    ValueError
+        `window_ms` is not positive, or there is no such column.
+    """
+    _require(window_ms > 0, "window_ms", window_ms, "must be positive")
+    names = run.packages.dtype.names or ()
+    _require(column in names, "column", column, f"use one of {', '.join(names)}")
+    window_s = window_ms / 1e3
+    windows, begins = np.unique(np.floor(time_s(run) / window_s), return_index=True)
+    parts = np.split(run.packages[column], begins[1:]) if windows.size else []
+    return windows * window_s, np.array([np.median(part) for part in parts], np.float64)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """A package of n events takes ``alpha_us + beta_ns n / 1000`` us."""
+
+    alpha_us: float
+    beta_ns: float
+
+    def throughput_hz(self, bound_us: float) -> float:
+        """Largest event rate whose latency stays below the bound at full load.
+
+        a* = (1 - 2 alpha / L) / beta: theory T6 of the project's control notes.
+        """
+        share = max(0.0, 1 - 2 * self.alpha_us / bound_us) if bound_us > 0 else 0.0
+        if self.beta_ns > 0:
+            return share / self.beta_ns * 1e9
+        return np.inf if share > 0 else 0.0
+
+
+def fit_cost(run: Run) -> Cost:
+    """Least-squares line through the measured processing times of the packages.
+
+    Neither coefficient is below zero: where the line says so, the other one alone is fitted.
+    A run without packages costs nothing.
+    """
+    size = run.packages["size"].astype(np.float64)
+    processing_us = run.packages["processing_us"].astype(np.float64)
+    if size.size == 0:
+        return Cost(0.0, 0.0)
+    spread = size - size.mean()
+    if (variance := float(spread @ spread)) > 0:
+        beta_us = float(spread @ processing_us) / variance
+        alpha_us = float(processing_us.mean() - beta_us * size.mean())
+        if beta_us < _ROUNDING_US:
+            return Cost(float(processing_us.mean()), 0.0)
+        if alpha_us >= 0:
+            return Cost(alpha_us, beta_us * 1e3)
+    squares = float(size @ size)
+    return Cost(0.0, float(size @ processing_us) / squares * 1e3 if squares > 0 else 0.0)
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What limited a run, and what would lift the limit; everything but the first is estimated.
+
+    Attributes
+    ----------
+    limit : str
+        ``"camera"``: nearly all good events were in time. ``"scheme"``: the algorithm could have
+        done it. ``"machine"``: it could, but the replay itself was late by much of the bound.
+        ``"bound"``: a longer one would do. ``"algorithm"``: only a cheaper one would.
+    cost : Cost
+        From the packages of the run.
+    offered_hz : float
+        Mean event rate.
+    needed_hz : float
+        Throughput that keeps the wanted share of the events.
+    bound_us : float or None
+        Latency bound that gives it; None where no bound does.
+    speedup : float
+        How many times faster the algorithm would have to be, at the bound of the run.
+    """
+
+    limit: str
+    cost: Cost
+    offered_hz: float
+    needed_hz: float
+    bound_us: float | None
+    speedup: float
+
+
+def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
+    """Find what kept a run from delivering the wanted share of its events in time.
+
+    The events that came in each window of one latency bound are compared with what the estimated
+    cost lets through (T6): a longer load cannot be buffered within the bound.
+    """
+    cost = fit_cost(run)
+    bound_us = run.latency_bound_us
+    rates_hz = _offered_rates(run, bound_us)
+    needed_hz = _throughput_to_keep(rates_hz, wanted)
+    # T6 solved for L, and for a factor on alpha and beta together.
+    load = cost.beta_ns * needed_hz / 1e9
+    needed_bound_us = 2 * cost.alpha_us / (1 - load) if load < 1 else None
+    speedup = load + 2 * cost.alpha_us / bound_us
+    if _good_in_time(run) >= wanted:
+        limit = "camera"
+    elif speedup <= 1:
+        late_us = run.lateness.quantile(0.99) if run.lateness is not None else 0.0
+        limit = "machine" if late_us > bound_us / 2 else "scheme"
+    else:
+        limit = "algorithm" if needed_bound_us is None else "bound"
+    mean_hz = float(rates_hz.mean()) if rates_hz.size else 0.0
+    return Diagnosis(limit, cost, mean_hz, needed_hz, needed_bound_us, speedup)
+
+
+def _good_in_time(run: Run) -> float:
+    """Share in time of the events that neither the validator nor the user's filter took out."""
+    ledger = run.ledger
+    good = ledger.received - ledger.rejected - ledger.filtered
+    return run.in_time * ledger.received / good if good else 1.0
+
+
+def _offered_rates(run: Run, window_us: float) -> Floats:
+    """Event rate (wall time) in windows over the run, losses before the packages included."""
+    rows = run.packages
+    if rows.size == 0:
+        return np.empty(0)
+    total = np.cumsum(rows["offered"] + rows["stale"] + rows["overflow"], dtype=np.float64)
+    # Within a package the events count as evenly spread from its first to just after its last.
+    at_us = np.column_stack((rows["t_first"], rows["t_last"] + 1)).ravel() - rows["t_first"][0]
+    at_us = np.maximum.accumulate(at_us) / run.speed
+    before_and_after = np.column_stack((np.append(0.0, total[:-1]), total)).ravel()
+    duration_us = float(at_us[-1])
+    windows = min(max(round(duration_us / window_us), 1), 1_000_000)
+    edges_us = np.linspace(0.0, duration_us, windows + 1)
+    counts = np.diff(np.interp(edges_us, at_us, before_and_after))
+    return np.asarray(counts * (windows * 1e6 / duration_us), np.float64)
+
+
+def _throughput_to_keep(rates_hz: Floats, share: float) -> float:
+    """Cap c for which sum(min(rate, c)) is the given share of sum(rate)."""
+    if rates_hz.size == 0:
+        return 0.0
+    ascending = np.sort(rates_hz)
+    # With the cap at ascending[i], the i smaller ones pass whole and the others are cut to it.
+    below = np.append(0.0, np.cumsum(ascending)[:-1])
+    others = np.arange(ascending.size, 0, -1)
+    passed = below + others * ascending
+    wanted = share * float(ascending.sum())
+    i = min(int(np.searchsorted(passed, wanted)), ascending.size - 1)
+    return float((wanted - below[i]) / others[i])
+
+
+def _require(ok: bool, field: str, value: Any, remedy: str) -> None:
+    if not ok:
+        raise ValueError(f"{field} = {value}: {remedy}")

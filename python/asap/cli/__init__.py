@@ -1,0 +1,82 @@
+"""The command ``asap``.
+
+Results go to stdout, everything else to stderr; ``--json`` prints one object and nothing else. Exit
+codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable or corrupt, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import warnings
+from collections.abc import Sequence
+
+import asap
+from asap import table
+from asap.cli import demo, info, report, run
+from asap.cli.outcome import INTERRUPTED, OK, Failure, say
+
+__all__ = ["main"]
+
+_EXAMPLES = """\
+examples:
+  asap demo
+  asap info flight.aedat4
+  asap run flight.aedat4 --latency 10ms --report flight.html
+  asap run flight.aedat4 --cost 100us+300ns --scheme asap2020 --set rate_bound=2e6
+
+exit codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable or corrupt, 130 interrupted
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments; those of the process if None.
+
+    Returns
+    -------
+    int
+        0 ok, 1 a check failed, 2 usage, 3 input unreadable or corrupt, 130 interrupted.
+    """
+    try:
+        arguments = _parser().parse_args(argv)
+    except SystemExit as end:
+        return int(end.code or 0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        warnings.showwarning = lambda message, *_, **__: say(f"warning: {message}")
+        try:
+            code: int = arguments.verb(arguments)
+            sys.stdout.flush()
+            return code
+        except Failure as failure:
+            say(f"error: {failure}")
+            return failure.code
+        except KeyboardInterrupt:
+            say("interrupted")
+            if last := asap.last_run():
+                say(f"the run up to there:\n{table.format_ledger(last.ledger, last.rejected)}")
+            return INTERRUPTED
+        except BrokenPipeError:
+            # The reader of the pipe is gone; nothing may be flushed into it at exit.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return OK
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="asap",
+        description="Event-camera events to the algorithm as soon as possible.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"asap {asap.__version__}")
+    verbs = parser.add_subparsers(metavar="VERB", required=True)
+    for verb in (demo, run, info, report):
+        verb.add(verbs)
+    return parser

@@ -1,0 +1,73 @@
+"""Schemes and algorithms by name, and their parameters as NAME=VALUE."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from typing import Any
+
+import asap
+from asap.cli.outcome import USAGE, Failure
+
+__all__ = ["ALGORITHMS", "algorithm_of", "scheme_of", "schemes"]
+
+_SCHEMES = {
+    "fixed_size": "FixedSize",
+    "fixed_time": "FixedTime",
+    "single_event": "SingleEvent",
+    "greedy": "Greedy",
+    "asap2020": "Asap2020",
+    "asap2022": "Asap2022",
+    "deadline": "Deadline",
+    "dead_beat": "DeadBeat",
+}
+ALGORITHMS = {"clusters": "ClusterTracker"}
+
+
+def schemes() -> list[str]:
+    """Names of the schemes that this version has."""
+    return [name for name, attribute in _SCHEMES.items() if hasattr(asap, attribute)]
+
+
+def scheme_of(name: str | None, settings: Sequence[str]) -> asap.Scheme | None:
+    """Make the scheme with its NAME=VALUE parameters; None leaves the choice to the library."""
+    if name is None:
+        if settings:
+            raise Failure(USAGE, f"--set {settings[0]}: say which scheme, with --scheme")
+        return None
+    make = getattr(asap, _SCHEMES[name])
+    defaults = make().parameters
+    scheme: asap.Scheme = make(**dict(_setting(text, name, defaults) for text in settings))
+    return scheme
+
+
+def _setting(text: str, scheme: str, defaults: dict[str, Any]) -> tuple[str, Any]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise Failure(USAGE, f"--set {text}: write NAME=VALUE")
+    if name not in defaults:
+        raise Failure(USAGE, f"--set {text}: {scheme} has no {name}; {_nearest(name, defaults)}")
+    try:
+        number = float(value)
+    except ValueError as error:
+        raise Failure(USAGE, f"--set {text}: {value!r} is no number") from error
+    whole = isinstance(defaults[name], int) and number.is_integer()
+    return name, int(number) if whole else number
+
+
+def _nearest(name: str, known: dict[str, Any]) -> str:
+    close = difflib.get_close_matches(name, known, n=1)
+    if close:
+        return f"did you mean {close[0]}?"
+    return f"it has {', '.join(known)}" if known else "it has no parameters"
+
+
+def algorithm_of(name: str, recording: asap.Recording) -> Any:
+    """Make the algorithm for the sensor of a recording."""
+    if not (recording.width and recording.height):
+        raise Failure(
+            USAGE,
+            f"{recording.path} does not say how large its sensor is; "
+            f"{name} needs --width and --height",
+        )
+    return getattr(asap, ALGORITHMS[name])(recording.width, recording.height)

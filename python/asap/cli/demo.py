@@ -1,0 +1,49 @@
+"""``asap demo``: the paper's two experiments, and whether the log shows what the paper claims."""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from asap import progress, table
+from asap.cli.options import add_verb
+from asap.cli.outcome import CHECK_FAILED, OK, need_matplotlib, print_json, writing
+
+__all__ = ["add"]
+
+
+def add(verbs: Any) -> None:
+    """Add the verb to the parser."""
+    verb = add_verb(verbs, "demo", _call, "the paper's two experiments on synthetic scenes")
+    verb.add_argument("--out", type=Path, default=Path("asap-demo"), metavar="DIR")
+    verb.add_argument("--quick", action="store_true", help="shorter scenes")
+
+
+def _call(arguments: Any) -> int:
+    need_matplotlib()
+    from asap import demo
+
+    with writing(), progress.on_terminal() as on_progress:
+        runs, paths = demo.run(arguments.out, quick=arguments.quick, on_progress=on_progress)
+    claims = [demo.claims(run) for run in runs]
+    if arguments.json:
+        print_json(
+            {
+                "schema_version": 1,
+                "runs": [run.summary() for run in runs],
+                "claims": [[asdict(claim) for claim in of_run] for of_run in claims],
+                "files": [str(path) for path in paths],
+            }
+        )
+    else:
+        for run, of_run in zip(runs, claims, strict=True):
+            print(table.format_run(run), end="\n\n")
+            for claim in of_run:
+                print(f"  {'holds' if claim.holds else 'FAILS':<7}{claim.sentence}")
+                print(textwrap.indent(textwrap.fill(claim.seen, 69), " " * 9))
+            print()
+        for path in paths:
+            print(f"wrote {path}")
+    return OK if all(claim.holds for of_run in claims for claim in of_run) else CHECK_FAILED

@@ -1,0 +1,69 @@
+"""Options that verbs share: the recording, values with units, files to write."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import asap
+
+__all__ = ["add_recording", "add_verb", "open_recording", "typed", "writable"]
+
+T = TypeVar("T")
+
+
+def add_verb(verbs: Any, name: str, call: Callable[[Any], int], words: str) -> Any:
+    """Add a verb with what every verb has; `call` gets the arguments and returns the exit code."""
+    parser = verbs.add_parser(name, help=words, description=words[0].upper() + words[1:] + ".")
+    parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
+    parser.set_defaults(verb=call)
+    return parser
+
+
+def add_recording(parser: argparse.ArgumentParser) -> None:
+    """Add the recording and how to read it."""
+    parser.add_argument("file", metavar="FILE")
+    parser.add_argument("--width", type=int, help="of the sensor, px; where the file has none")
+    parser.add_argument("--height", type=int)
+    parser.add_argument("--order", help="columns of a text file or plain array, such as txyp")
+    parser.add_argument("--time-unit", choices=("us", "s"))
+    parser.add_argument(
+        "--on-bad",
+        choices=("drop", "clamp", "raise"),
+        default="drop",
+        help="what happens to bad events (default: dropped and counted)",
+    )
+
+
+def open_recording(arguments: Any) -> asap.Recording:
+    """Open what `add_recording` asked for."""
+    return asap.read(
+        arguments.file,
+        width=arguments.width,
+        height=arguments.height,
+        order=arguments.order,
+        time_unit=arguments.time_unit,
+        on_bad=arguments.on_bad,
+    )
+
+
+def typed(parse: Callable[..., T], field: str) -> Callable[[str], T]:
+    """Let argparse show the message of a parser of `asap.units`."""
+
+    def parse_argument(text: str) -> T:
+        try:
+            return parse(text, field=field)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
+
+    return parse_argument
+
+
+def writable(text: str) -> Path:
+    """Refuse a file without a folder before the run, not after it."""
+    path = Path(text)
+    if not path.parent.is_dir():
+        raise argparse.ArgumentTypeError(f"{text}: there is no folder {path.parent}")
+    return path

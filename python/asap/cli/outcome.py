@@ -1,0 +1,88 @@
+"""How a verb ends: exit codes, what is told on stderr, and the one object of ``--json``."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import asap
+
+__all__ = [
+    "BAD_INPUT",
+    "CHECK_FAILED",
+    "INTERRUPTED",
+    "OK",
+    "USAGE",
+    "Failure",
+    "need_matplotlib",
+    "print_json",
+    "reading",
+    "say",
+    "usage",
+    "writing",
+]
+
+OK, CHECK_FAILED, USAGE, BAD_INPUT, INTERRUPTED = 0, 1, 2, 3, 130
+
+
+class Failure(Exception):
+    """What the user is told, and the exit code."""
+
+    def __init__(self, code: int, message: str) -> None:
+        super().__init__(message)
+        self.code = code
+
+
+@contextmanager
+def usage() -> Iterator[None]:
+    """Turn what the user asked for and cannot have into wrong use."""
+    try:
+        yield
+    except ValueError as error:
+        raise Failure(USAGE, str(error)) from error
+
+
+@contextmanager
+def reading(arguments: Any) -> Iterator[None]:
+    """Tell input that cannot be read from options that contradict each other."""
+    try:
+        yield
+    except (asap.io.UnsupportedFormat, asap.io.CorruptFile, RuntimeError) as error:
+        raise Failure(BAD_INPUT, str(error)) from error
+    except OSError as error:
+        name = error.filename or getattr(arguments, "file", "input")
+        raise Failure(BAD_INPUT, f"{name}: {error.strerror or error}") from error
+    except ValueError as error:
+        lenient = getattr(arguments, "on_bad", "raise") != "raise"
+        raise Failure(USAGE if lenient else BAD_INPUT, str(error)) from error
+
+
+@contextmanager
+def writing() -> Iterator[None]:
+    """Tell that a result cannot be written where the user wants it."""
+    try:
+        yield
+    except OSError as error:
+        raise Failure(USAGE, f"{error.filename}: {error.strerror}") from error
+
+
+def need_matplotlib() -> None:
+    """Say that a figure cannot be drawn before the run, not after it."""
+    try:
+        importlib.import_module("asap.plots")
+    except ImportError as error:
+        raise Failure(USAGE, str(error)) from error
+
+
+def print_json(value: dict[str, Any]) -> None:
+    """Print the one object of ``--json``."""
+    print(json.dumps(value, indent=2))
+
+
+def say(message: str) -> None:
+    """Tell the user something that is no result."""
+    print(f"asap: {message}", file=sys.stderr)

@@ -1,0 +1,41 @@
+"""``asap report``: one HTML page about saved runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import asap
+from asap.cli.options import add_verb, writable
+from asap.cli.outcome import OK, need_matplotlib, print_json, reading, writing
+
+__all__ = ["add"]
+
+
+def add(verbs: Any) -> None:
+    """Add the verb to the parser."""
+    verb = add_verb(verbs, "report", _call, "one HTML page about saved runs")
+    verb.add_argument("runs", nargs="+", type=Path, metavar="RUN.json")
+    verb.add_argument(
+        "-o",
+        "--out",
+        type=writable,
+        metavar="OUT.html",
+        help="default: the first run's name with .html",
+    )
+
+
+def _call(arguments: Any) -> int:
+    need_matplotlib()
+    from asap import report
+
+    with reading(arguments):
+        runs = [asap.load_run(path) for path in arguments.runs]
+    out = arguments.out or arguments.runs[0].with_suffix(".html")
+    with writing():
+        report.write(runs, out)
+    if arguments.json:
+        print_json({"schema_version": 1, "runs": len(runs), "file": str(out)})
+    else:
+        print(f"wrote {out}")
+    return OK

@@ -1,0 +1,80 @@
+"""``asap run``: a recording through a closed loop, in real or in virtual time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import asap
+from asap import progress, table, units
+from asap.cli.choices import ALGORITHMS, algorithm_of, scheme_of, schemes
+from asap.cli.options import add_recording, add_verb, open_recording, typed, writable
+from asap.cli.outcome import OK, need_matplotlib, print_json, reading, usage, writing
+
+__all__ = ["add"]
+
+
+def add(verbs: Any) -> None:
+    """Add the verb to the parser."""
+    verb = add_verb(verbs, "run", _call, "run an algorithm on a recording, in closed loop")
+    add_recording(verb)
+    verb.add_argument("--algorithm", choices=sorted(ALGORITHMS), help="default: clusters")
+    verb.add_argument(
+        "--cost",
+        type=typed(units.parse_cost, "cost"),
+        metavar="100us+300ns",
+        help="virtual time: an algorithm that takes this per package + per event",
+    )
+    verb.add_argument("--scheme", choices=schemes())
+    verb.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        dest="settings",
+        help="a parameter of the scheme, for example rate_bound=5e6; repeatable",
+    )
+    verb.add_argument(
+        "--latency",
+        type=typed(units.parse_duration_us, "latency"),
+        metavar="10ms",
+        help="latency bound",
+    )
+    verb.add_argument("--speed", type=float, default=1.0, help="of the replay, 1 = as recorded")
+    verb.add_argument("--seed", type=int, default=0)
+    verb.add_argument("--report", type=writable, metavar="OUT.html")
+    verb.add_argument("--save", type=writable, metavar="RUN.json")
+
+
+def _call(arguments: Any) -> int:
+    if arguments.report:
+        need_matplotlib()
+    with usage():
+        scheme = scheme_of(arguments.scheme, arguments.settings)
+        cost = asap.LinearCost(*arguments.cost) if arguments.cost else None
+    with reading(arguments):
+        recording = open_recording(arguments)
+    name = arguments.algorithm or (None if cost else "clusters")
+    with usage():
+        algorithm = algorithm_of(name, recording) if name else None
+    options: dict[str, Any] = {
+        "algorithm": algorithm,
+        "scheme": scheme,
+        "latency_ms": None if arguments.latency is None else arguments.latency / 1e3,
+        "on_bad": arguments.on_bad,
+        "seed": arguments.seed,
+    }
+    with reading(arguments), progress.on_terminal() as on_progress:
+        if cost is not None:
+            run = asap.simulate(recording, cost=cost, on_progress=on_progress, **options)
+        else:
+            run = asap.run(recording, speed=arguments.speed, on_progress=on_progress, **options)
+    with writing():
+        if arguments.save:
+            run.save(arguments.save)
+        if arguments.report:
+            run.report(arguments.report)
+    if arguments.json:
+        print_json(run.summary())
+    else:
+        print(table.format_run(run))
+    return OK

@@ -1,0 +1,377 @@
+"""Events in memory: one dtype, and the way into it by field name.
+
+NumPy's ``astype`` and pybind11's default cast copy structured arrays by *position*: a source that
+stores ``t`` first comes out scrambled, without an error. Nothing here does that.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["EVENT_DTYPE", "Events", "as_events"]
+
+Events: TypeAlias = npt.NDArray[np.void]
+Column: TypeAlias = npt.NDArray[Any]
+Columns: TypeAlias = dict[str, Column]
+
+# Offsets 0 2 4 8, 16 bytes. Without align=True np.concatenate would pack them to 14 bytes.
+EVENT_DTYPE = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")], align=True)
+
+# What the producers call the four columns.
+FIELD_NAMES = {
+    "t": ("t", "ts", "timestamp", "time"),
+    "x": ("x",),
+    "y": ("y",),
+    "p": ("p", "on", "polarity", "pol"),
+}
+_UNDERSTOOD = "; ".join(f"{role}: {', '.join(names)}" for role, names in FIELD_NAMES.items())
+
+# A unit of time is 10^exponent us.
+TIME_EXPONENTS = {"s": 6, "ms": 3, "us": 0, "ns": -3}
+
+_MAX_ADDRESS = 65535
+_MAX_INT64 = 2**63 - 1
+
+
+def as_events(
+    source: Any,
+    *,
+    order: str | None = None,
+    time_unit: str = "us",
+    copy: bool | None = None,
+) -> Events:
+    """Events of any common layout as one array in ``EVENT_DTYPE``, matched by field name.
+
+    Parameters
+    ----------
+    source
+        One of
+
+        * a structured array of shape (N,), fields in any order, width and stride: time ``t``,
+          ``ts``, ``timestamp`` or ``time``; ``x``; ``y``; polarity ``p``, ``on``, ``polarity``
+          or ``pol``, as names or titles; also one record of it, or a list of records;
+        * a mapping or a data frame with these columns, each of shape (N,);
+        * four columns ``(t, x, y, p)`` in a tuple or list, in this order or in `order`
+          (a ``p`` of None: every event is ON);
+        * an array of shape (N, len(order)), with `order`;
+        * None or something empty: no events.
+    order
+        What the columns are, for sources without names: an arrangement of ``t``, ``x``, ``y`` and
+        ``p``, such as ``"txyp"`` or ``"yxt"`` (without ``p`` every event is ON).
+    time_unit
+        Unit of numeric times: ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``. Times are rounded to
+        microseconds, half to even. ``datetime64`` and ``timedelta64`` carry their own unit.
+    copy
+        None copies where needed, True always, False never: an error where a copy is needed.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (N,), dtype ``EVENT_DTYPE``: x, y in px, p 1 = ON (source > 0) or 0 = OFF, t in us.
+        It is `source` itself, without a copy, if that has this dtype, is contiguous and aligned to
+        8 bytes and its polarity is 0 or 1.
+
+    Raises
+    ------
+    TypeError
+        A path (use ``asap.load``), fields that cannot be matched, a column that is not numeric.
+    ValueError
+        A value that an event cannot hold (named with its field and index), floating times with
+        ``time_unit="us"``, columns of different lengths, an array without `order`, a copy that
+        ``copy=False`` forbids.
+    """
+    exponent = time_exponent(time_unit)
+    as_it_is = isinstance(source, np.ndarray) and is_event_memory(source)
+    if as_it_is and not copy and _has_plain_polarity(source):
+        return plain_view(source)
+    columns = columns_of(source, order)
+    if copy is False:
+        raise ValueError(
+            "copy = False: this source cannot be taken without a copy; give a contiguous array in "
+            "asap.EVENT_DTYPE with polarity 0 or 1, or leave copy out"
+        )
+    for role, column in columns.items():
+        if role == "t" and column.dtype.kind == "f" and time_unit == "us":
+            raise ValueError(
+                f"time_unit = 'us': t is {column.dtype}; floating times need their unit, "
+                "such as time_unit='s'"
+            )
+        bad = misfits(role, column, exponent)
+        if bad is not None and bad.any():
+            raise ValueError(misfit_message(role, column, int(np.argmax(bad))))
+    return pack(columns, exponent)
+
+
+def time_exponent(time_unit: str) -> int:
+    """Exponent e of a unit of 10^e us."""
+    if time_unit not in TIME_EXPONENTS:
+        raise ValueError(f"time_unit = {time_unit!r}: use one of {', '.join(TIME_EXPONENTS)}")
+    return TIME_EXPONENTS[time_unit]
+
+
+def check_order(order: str) -> str:
+    """Return `order` if it names t, x, y once and p at most once."""
+    if sorted(order) not in (sorted("txyp"), sorted("txy")):
+        raise ValueError(
+            f"order = {order!r}: name the columns with t, x, y and p, each once (p may be absent), "
+            "such as 'txyp' or 'yxt'"
+        )
+    return order
+
+
+def columns_of(source: Any, order: str | None = None) -> Columns:
+    """Find the columns t, x, y and, if there is one, p of a source: arrays of one length."""
+    columns = _find_columns(source, order)
+    columns = {role: _numeric(role, column) for role, column in columns.items()}
+    lengths = {role: len(column) for role, column in columns.items()}
+    if len(set(lengths.values())) > 1:
+        raise ValueError(f"lengths = {lengths}: the columns of events must be equally long")
+    return columns
+
+
+def misfits(role: str, column: Column, exponent: int = 0) -> npt.NDArray[np.bool_] | None:
+    """Mark the values that an event cannot hold; None where there can be none."""
+    kind, size = column.dtype.kind, column.dtype.itemsize
+    if kind in "mM":
+        return np.isnat(column)
+    if kind == "b":
+        return None
+    if role == "p":
+        return np.isnan(column) if kind == "f" else None
+    if role == "t":
+        if kind == "f":
+            in_reach: npt.NDArray[np.bool_] = np.abs(column) < 2.0**62 / 10.0**exponent
+            return ~in_reach
+        if size < 8 and exponent <= 0:
+            return None
+        limit = _MAX_INT64 // 10 ** max(exponent, 0)
+        return _outside(column, -limit, limit)
+    if kind == "f":
+        inside = (column >= 0) & (column <= _MAX_ADDRESS)
+        pixel: npt.NDArray[np.bool_] = inside & (column == np.floor(column))
+        return ~pixel
+    if kind == "u" and size <= 2:
+        return None
+    return _outside(column, 0, _MAX_ADDRESS)
+
+
+def misfit_message(role: str, column: Column, index: int, first: int = 0) -> str:
+    """Field, value, event number (the column begins with event `first`) and remedy."""
+    if role == "t":
+        remedy = "no time in 64-bit us; check time_unit"
+    elif role == "p":
+        remedy = "no polarity"
+    else:
+        remedy = f"no pixel: whole numbers from 0 to {_MAX_ADDRESS}; drop or repair these events"
+    return f"{role} = {column[index]} (event {first + index}): {remedy}"
+
+
+def pack(columns: Columns, exponent: int = 0, *, normalise: bool = True) -> Events:
+    """Columns without misfits as events.
+
+    Without `normalise`, a polarity other than 0 and 1 becomes -1 or 2, for a validator to count.
+    """
+    events: Events = np.zeros(len(columns["t"]), EVENT_DTYPE)
+    events["t"] = _to_us(columns["t"], exponent)
+    events["x"] = columns["x"]
+    events["y"] = columns["y"]
+    if "p" not in columns:
+        events["p"] = 1
+        return events
+    on = columns["p"] > 0
+    events["p"] = on
+    if not normalise:
+        odd = columns["p"] != on
+        events["p"][odd] = np.where(on[odd], 2, -1)
+    return events
+
+
+def is_event_memory(array: npt.NDArray[Any]) -> bool:
+    """Whether the core can read the array as it lies in memory."""
+    return (
+        array.dtype == EVENT_DTYPE
+        and array.ndim == 1
+        and array.flags.c_contiguous
+        and array.ctypes.data % 8 == 0
+        and not np.ma.is_masked(array)
+    )
+
+
+def plain_view(events: Events) -> Events:
+    """Return the same memory as a plain array (no recarray, no memmap) in ``EVENT_DTYPE``."""
+    dtype = events.dtype
+    if type(events) is np.ndarray and dtype.type is np.void and dtype.isalignedstruct:
+        return events
+    return events.view(EVENT_DTYPE, np.ndarray)
+
+
+def _has_plain_polarity(events: Events) -> bool:
+    p = events["p"]
+    return p.size == 0 or bool(p.min() >= 0 and p.max() <= 1)
+
+
+def _find_columns(source: Any, order: str | None) -> Mapping[str, Any]:
+    if isinstance(source, (str, bytes, os.PathLike)):
+        raise TypeError(f"source = {source!r}: a path is read with asap.load(path)")
+    if order is not None:
+        check_order(order)
+    if source is None or (isinstance(source, (list, tuple)) and not source):
+        return _no_columns()
+    if isinstance(source, (np.ndarray, np.void)):
+        return _columns_of_array(source, order)
+    if isinstance(source, Mapping):
+        return _by_name(source, _positions(list(source)), order)
+    if isinstance(source, (list, tuple)):
+        return _columns_of_sequence(source, order)
+    names = getattr(source, "column_names", None)  # Arrow, whose .columns are the data
+    if names is None:
+        names = getattr(source, "columns", None)  # pandas, Polars
+    if names is not None and order is None:
+        return _by_name(source, _positions(list(names)), order)
+    if hasattr(source, "to_numpy"):
+        return _columns_of_array(np.asarray(source.to_numpy()), order)
+    if hasattr(source, "__array__"):
+        return _columns_of_array(np.asarray(source), order)
+    raise TypeError(f"source is a {type(source).__name__}: {_remedy()}")
+
+
+def _columns_of_array(array: npt.NDArray[Any] | np.void, order: str | None) -> Mapping[str, Any]:
+    if np.ma.is_masked(array):
+        raise ValueError("source is a masked array: give array.compressed(), without the mask")
+    array = np.asarray(array)
+    fields = array.dtype.fields
+    if fields is not None:
+        array = array.reshape(1) if array.ndim == 0 else array
+        if array.ndim != 1:
+            raise ValueError(f"shape = {array.shape}: give events as a one-dimensional array")
+        places = {name: (field[0], field[1]) for name, field in fields.items()}
+        return _by_name(array, places, order)
+    if array.size == 0:
+        return _no_columns()
+    if array.ndim != 2:
+        raise TypeError(f"source is an array of {array.dtype}, shape {array.shape}: {_remedy()}")
+    if order is None:
+        raise ValueError(
+            f"order = None: an array of shape {array.shape} does not say what its columns are; "
+            "give order, such as order='txyp'"
+        )
+    if array.shape[1] != len(order):
+        raise ValueError(
+            f"order = {order!r}: names {len(order)} columns, the array has {array.shape[1]} "
+            f"(shape {array.shape})"
+        )
+    return {role: array[:, i] for i, role in enumerate(order)}
+
+
+def _columns_of_sequence(source: Sequence[Any], order: str | None) -> Mapping[str, Any]:
+    if all(isinstance(item, np.void) and item.dtype.names for item in source):
+        if any(item.dtype != source[0].dtype for item in source):
+            raise TypeError("source: records of different dtypes")
+        return _columns_of_array(np.array(source, dtype=source[0].dtype), order)
+    roles = order or "txyp"
+    plain = [len(item) for item in source if isinstance(item, (list, tuple))]
+    if len(source) == len(roles) and all(_is_column(item) for item in source):
+        if len(plain) == len(roles) and set(plain) == {len(roles)}:
+            raise TypeError(
+                f"source: {len(roles)} lists of {len(roles)} may be columns or events; give arrays "
+                "for columns, or one array of shape (N, 4) with order"
+            )
+        return {
+            role: item
+            for role, item in zip(roles, source, strict=True)
+            if not (role == "p" and item is None)
+        }
+    if len(plain) == len(source):
+        return _columns_of_array(np.asarray(source), order)
+    raise TypeError(f"source is a {type(source).__name__} of {len(source)}: {_remedy()}")
+
+
+def _is_column(item: Any) -> bool:
+    return item is None or isinstance(item, (list, tuple)) or hasattr(item, "__array__")
+
+
+def _positions(names: list[Any]) -> dict[Any, Any]:
+    return dict(zip(names, range(len(names)), strict=True))
+
+
+def _by_name(source: Any, places: Mapping[Any, Any], order: str | None) -> dict[str, Any]:
+    """Match the roles; two names may share a role only if they are one place (name and title)."""
+    found = ", ".join(map(str, places)) or "none"
+    if order is not None:
+        raise ValueError(
+            f"order = {order!r}: this source names its columns ({found}); leave order out"
+        )
+    matched: dict[str, Any] = {}
+    for role, names in FIELD_NAMES.items():
+        candidates = [name for name in names if name in places]
+        if not candidates or any(places[name] != places[candidates[0]] for name in candidates):
+            fault = "no field" if not candidates else f"two fields ({', '.join(candidates)})"
+            raise TypeError(f"{fault} for {role} among: {found}; understood are {_UNDERSTOOD}")
+        matched[role] = source[candidates[0]]
+    return {role: column for role, column in matched.items() if column is not None or role != "p"}
+
+
+def _no_columns() -> Columns:
+    return {role: np.empty(0, np.int64) for role in "txyp"}
+
+
+def _numeric(role: str, column: Any) -> Column:
+    if hasattr(column, "to_numpy"):
+        column = column.to_numpy()
+    values: Column = np.asarray(column)
+    if np.ma.is_masked(column):
+        raise ValueError(f"{role} is a masked array: give only the events that are valid")
+    if values.dtype.kind == "O":
+        missing = [i for i, value in enumerate(values.flat) if value is None]
+        if missing:
+            raise ValueError(f"{role} = None (event {missing[0]}): every event needs a number")
+        values = np.asarray(values.tolist())
+    if values.ndim == 1 and values.size == 0:
+        return values if values.dtype.kind in "biu" else np.empty(0, np.int64)
+    if values.ndim != 1:
+        raise TypeError(f"{role}: a column has one dimension, this one has shape {values.shape}")
+    if values.dtype.kind not in ("biufmM" if role == "t" else "biuf"):
+        raise TypeError(f"{role}: a column of {values.dtype} holds no numbers")
+    return values.astype(np.float64, copy=False) if values.dtype.kind == "f" else values
+
+
+def _outside(column: Column, low: int, high: int) -> npt.NDArray[np.bool_] | None:
+    if len(column) == 0 or (low <= int(column.min()) and int(column.max()) <= high):
+        return None
+    # A bound that the type cannot hold is never crossed, and not every NumPy compares with it.
+    limits = np.iinfo(column.dtype)
+    bad = np.zeros(len(column), np.bool_)
+    if limits.min < low:
+        bad |= column < low
+    if limits.max > high:
+        bad |= column > high
+    return bad
+
+
+def _to_us(t: Column, exponent: int) -> npt.NDArray[np.int64]:
+    kind = t.dtype.kind
+    if kind in "mM":
+        stamps: Column = t.astype("M8[us]" if kind == "M" else "m8[us]")
+        return stamps.view(np.int64)
+    if kind == "f":
+        return np.rint(t * 10.0**exponent).astype(np.int64)
+    whole: npt.NDArray[np.int64] = t.astype(np.int64)
+    if exponent >= 0:
+        whole *= 10**exponent
+        return whole
+    us, rest = np.divmod(whole, 10**-exponent)
+    half = 10**-exponent // 2
+    us[(rest > half) | ((rest == half) & (us % 2 == 1))] += 1
+    return us
+
+
+def _remedy() -> str:
+    return (
+        f"give an array with named fields ({_UNDERSTOOD}), four columns (t, x, y, p), or an array "
+        "of shape (N, 4) with order"
+    )

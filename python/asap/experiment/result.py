@@ -1,0 +1,273 @@
+"""Run: what a run has left behind, and its JSON form."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import _core
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["LEDGER_FIELDS", "Ledger", "Named", "Run", "load_run"]
+
+SCHEMA_VERSION = 1
+LEDGER_FIELDS = (
+    "received",
+    "rejected",
+    "filtered",
+    "discarded",
+    "stale",
+    "overflow",
+    "delivered",
+    "pending",
+)
+
+
+class Ledger(Mapping[str, int]):
+    """Where every event went, in events; attributes and mapping keys.
+
+    received = rejected + filtered + discarded (gamma) + stale + overflow + delivered + pending.
+    """
+
+    def __init__(self, counts: Mapping[str, int]) -> None:
+        self._counts = {name: int(counts.get(name, 0)) for name in LEDGER_FIELDS}
+
+    def __getitem__(self, name: str) -> int:
+        return self._counts[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._counts)
+
+    def __len__(self) -> int:
+        return len(self._counts)
+
+    def __getattr__(self, name: str) -> int:
+        counts: dict[str, int] = self.__dict__.get("_counts", {})
+        if name not in counts:
+            raise AttributeError(f"a ledger has no entry {name!r}")
+        return counts[name]
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{name}={count}" for name, count in self._counts.items())
+        return f"Ledger({counts})"
+
+    @property
+    def balanced(self) -> bool:
+        """Whether received equals the sum of the others."""
+        return self["received"] == sum(self._counts.values()) - self["received"]
+
+
+@dataclass(frozen=True)
+class Named:
+    """A scheme or an algorithm as a saved run knows it: by name and parameters."""
+
+    name: str
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, thing: Any) -> Named:
+        """Describe a live object."""
+        name = getattr(thing, "name", None) or getattr(thing, "__name__", type(thing).__name__)
+        return cls(str(name), dict(getattr(thing, "parameters", {})))
+
+    def as_json(self) -> dict[str, Any]:
+        """Flatten to one JSON object."""
+        return {"name": self.name, **self.parameters}
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run has left behind.
+
+    Attributes
+    ----------
+    packages : ndarray
+        One row per package: index, start_us, processing_us, t_first, t_last, offered, size, gamma,
+        event_rate, rate, margin_us, latency_max_us, stale, overflow.
+    ledger : Ledger
+        Where every event went.
+    latency : LatencyHistogram
+        Of delivered events, us: .mean .max .count .quantile(q).
+    rejected : dict
+        Rejected events by reason.
+    scheme, algorithm
+        The objects of the run, with their state; of a loaded run their names and parameters.
+    mode : str
+        "virtual" (simulate) or "real" (run).
+    latency_bound_us : float
+        The bound in force.
+    clock_resets : int
+        How often the sensor's clock jumped back by 1 s or more; time then continued 1 us later.
+    lateness : LatencyHistogram or None
+        In real time: how late the paced producer pushed, us, which is this machine's own jitter.
+    """
+
+    packages: NDArray[np.void]
+    ledger: Ledger
+    latency: _core.LatencyHistogram
+    rejected: dict[str, int]
+    scheme: Any
+    algorithm: Any
+    mode: str
+    latency_bound_us: float
+    source: dict[str, Any]
+    speed: float = 1.0
+    clock_resets: int = 0
+    lateness: _core.LatencyHistogram | None = None
+
+    @property
+    def kept(self) -> float:
+        """Delivered / received; 1 of nothing."""
+        return _share(self.ledger.delivered, self.ledger.received)
+
+    @property
+    def in_time(self) -> float:
+        """Delivered within the bound / received; 1 of nothing."""
+        return _share(self.latency.within_bound, self.ledger.received)
+
+    def summary(self) -> dict[str, Any]:
+        """Sum the run up as one JSON object."""
+        packages = self.packages
+        wall_s = self.source["duration_s"] / self.speed
+        count = int(packages.size)
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "mode": self.mode,
+            "source": dict(self.source),
+            "scheme": Named.of(self.scheme).as_json(),
+            "algorithm": Named.of(self.algorithm).as_json(),
+            "latency_bound_us": self.latency_bound_us,
+            "speed": self.speed,
+            "ledger": dict(self.ledger),
+            "rejected": dict(self.rejected),
+            "clock_resets": self.clock_resets,
+            "kept": self.kept,
+            "in_time": self.in_time,
+            "latency_us": {
+                "mean": self.latency.mean,
+                "p50": self.latency.quantile(0.5),
+                "p99": self.latency.quantile(0.99),
+                "max": self.latency.max,
+            },
+            "packages": {
+                "count": count,
+                "per_s": count / wall_s if wall_s > 0 else 0.0,
+                "size_mean": float(packages["size"].mean()) if count else 0.0,
+                "size_max": int(packages["size"].max()) if count else 0,
+            },
+            "gamma": {
+                "mean": _share(int(packages["size"].sum()), int(packages["offered"].sum())),
+                "min": float(packages["gamma"].min()) if count else 1.0,
+            },
+            "cpu": _busy_share(packages, self.speed),
+            "pacing_us": None
+            if self.lateness is None
+            else {
+                "p50": self.lateness.quantile(0.5),
+                "p99": self.lateness.quantile(0.99),
+                "max": self.lateness.max,
+            },
+            "version": _core.__version__,
+        }
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the run to a JSON file: summary, packages and latencies.
+
+        `load_run` and `asap report` read it.
+        """
+        document = self.summary()
+        document["rows"] = {
+            name: self.packages[name].tolist() for name in self.packages.dtype.names or ()
+        }
+        document["latency_histogram"] = self.latency.state()
+        document["lateness_histogram"] = None if self.lateness is None else self.lateness.state()
+        Path(path).write_text(json.dumps(document, allow_nan=False), encoding="utf-8")
+
+    def plot(self) -> Figure:
+        """Draw the paper's figure: package size, R, gamma, margin and latency over time."""
+        from asap import plots
+
+        return plots.figure(self)
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Write one self-contained HTML file."""
+        from asap import report
+
+        report.write([self], path)
+
+    def __str__(self) -> str:
+        from asap import table
+
+        return table.format_run(self)
+
+
+def load_run(path: str | os.PathLike[str]) -> Run:
+    """Read a run that `Run.save` wrote.
+
+    Raises
+    ------
+    ValueError
+        The file holds no run, or one of another schema.
+    OSError
+        The file cannot be read.
+    """
+    try:
+        document = json.loads(Path(path).read_text(encoding="utf-8"))
+        return _from_document(document)
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(
+            f"{os.fspath(path)}: not a run that asap has saved ({error}); "
+            "make one with run.save(path) or asap run --save PATH"
+        ) from error
+
+
+def _from_document(document: dict[str, Any]) -> Run:
+    if document["schema_version"] != SCHEMA_VERSION:
+        raise ValueError(f"schema_version {document['schema_version']} is not {SCHEMA_VERSION}")
+    rows = document["rows"]
+    packages = np.zeros(len(rows["index"]), _core.PACKAGE_DTYPE)
+    for name in packages.dtype.names or ():
+        packages[name] = rows[name]
+    scheme, algorithm = dict(document["scheme"]), dict(document["algorithm"])
+    return Run(
+        packages=packages,
+        ledger=Ledger(document["ledger"]),
+        latency=_histogram(document["latency_histogram"]),
+        rejected=dict(document["rejected"]),
+        scheme=Named(scheme.pop("name"), scheme),
+        algorithm=Named(algorithm.pop("name"), algorithm),
+        mode=document["mode"],
+        latency_bound_us=float(document["latency_bound_us"]),
+        source=dict(document["source"]),
+        speed=float(document["speed"]),
+        clock_resets=int(document["clock_resets"]),
+        lateness=_histogram(document["lateness_histogram"])
+        if document["lateness_histogram"]
+        else None,
+    )
+
+
+def _histogram(state: Any) -> _core.LatencyHistogram:
+    *scalars, bins = state
+    return _core.LatencyHistogram.restored((*scalars, [tuple(one) for one in bins]))
+
+
+def _share(part: int, whole: int) -> float:
+    return part / whole if whole else 1.0
+
+
+def _busy_share(packages: NDArray[np.void], speed: float) -> float:
+    if packages.size == 0:
+        return 0.0
+    first, last = packages[0], packages[-1]
+    elapsed_us = (last["start_us"] - first["start_us"]) / speed + last["processing_us"]
+    return float(packages["processing_us"].sum() / elapsed_us) if elapsed_us > 0 else 0.0

@@ -1,0 +1,266 @@
+"""simulate and run: the same packager and schemes under a virtual and under a real clock."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from asap import _core
+from asap.experiment.result import LEDGER_FIELDS, Ledger, Run
+from asap.experiment.source import Source
+
+__all__ = ["Progress", "last_run", "run", "simulate"]
+
+Progress = Callable[[int, "int | None", dict[str, int]], object]
+
+_CHUNK = 1 << 15  # events between two looks at Ctrl-C
+_last: Run | None = None
+
+
+def last_run() -> Run | None:
+    """Return the newest run of this process, also one that an exception has cut short.
+
+    Returns
+    -------
+    Run or None
+        None before the first run.
+    """
+    return _last
+
+
+def simulate(
+    source: Any,
+    *,
+    cost: _core.LinearCost,
+    scheme: _core.Scheme | None = None,
+    latency_ms: float | None = None,
+    algorithm: Any = None,
+    width: int | None = None,
+    height: int | None = None,
+    on_bad: str = "drop",
+    seed: int = 0,
+    capacity: int | None = None,
+    on_progress: Progress | None = None,
+) -> Run:
+    """Run in virtual time: events arrive at their stamps, a package costs what `cost` says.
+
+    Repeatable bit for bit, and as fast as the machine can.
+
+    Parameters
+    ----------
+    source : path, Recording, array or iterable of arrays
+        Arrays in any layout that `as_events` accepts.
+    cost : LinearCost
+        The simulated algorithm.
+    scheme : Scheme, optional
+        Default: Asap2020().
+    latency_ms : float, optional
+        Latency bound, ms. Default: the scheme's own, else 10.
+    algorithm : optional
+        A real algorithm that gets the packages too; its time is not measured.
+    width, height : int, optional
+        Sensor, px. Default: from the file; without both no bounds are checked.
+    on_bad : {"drop", "clamp", "raise"}
+        What happens to bad events; dropped ones are counted by reason.
+    seed : int
+        Of the gamma filter.
+    capacity : int, optional
+        Of the ring, events. Default: at least 2**20.
+    on_progress : callable, optional
+        Called as on_progress(done, total or None, ledger) between chunks.
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    ValueError
+        A bad argument, named with its value and the remedy; bad events with on_bad="raise".
+    """
+    scheme = scheme if scheme is not None else _core.Asap2020()
+    stream = Source(source, width=width, height=height, on_bad=on_bad)
+    config = _config(
+        stream, scheme, latency_ms=latency_ms, on_bad=on_bad, seed=seed, capacity=capacity
+    )
+    simulator = _core.Simulator(scheme, cost, config, algorithm)
+    try:
+        for events in stream:
+            for begin in range(0, events.size, _CHUNK):
+                simulator.feed(events[begin : begin + _CHUNK])
+            if on_progress is not None:
+                on_progress(stream.events, stream.total_hint, _counts(simulator.ledger))
+        simulator.finish()
+    finally:
+        shown = algorithm if algorithm is not None else cost
+        outcome = _remember(simulator, stream, config, scheme, shown, mode="virtual")
+    return outcome
+
+
+def run(
+    source: Any,
+    *,
+    algorithm: Any,
+    scheme: _core.Scheme | None = None,
+    latency_ms: float | None = None,
+    speed: float = 1.0,
+    width: int | None = None,
+    height: int | None = None,
+    on_bad: str = "drop",
+    seed: int = 0,
+    capacity: int | None = None,
+    on_progress: Progress | None = None,
+) -> Run:
+    """Replay a recording in real time: paced by its stamps, the algorithm measured by the clock.
+
+    The algorithm runs on the caller's thread, the paced producer on its own.
+
+    Parameters
+    ----------
+    source : path, Recording, array or iterable of arrays
+        Arrays in any layout that `as_events` accepts.
+    algorithm
+        One of ours, an object with process(events) and, if it has it, set_keep(gamma), or a
+        callable. Events come as a read-only array in EVENT_DTYPE, valid as long as it is kept.
+    scheme : Scheme, optional
+        Default: Asap2020().
+    latency_ms : float, optional
+        Latency bound, ms. Default: the scheme's own, else 10.
+    speed : float
+        2 replays twice as fast: stamps are divided by it. t_first, t_last and start_us of the log
+        stay on the recording's axis, everything else is wall time.
+    width, height : int, optional
+        Sensor, px. Default: from the file; without both no bounds are checked.
+    on_bad : {"drop", "clamp", "raise"}
+        What happens to bad events; dropped ones are counted by reason.
+    seed : int
+        Of the gamma filter.
+    capacity : int, optional
+        Of the ring, events. Default: at least 2**20.
+    on_progress : callable, optional
+        Called as on_progress(done, total or None, ledger) about every 20 ms.
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    ValueError
+        A bad argument, named with its value and the remedy; bad events with on_bad="raise".
+    Exception
+        Of the algorithm: unchanged; `last_run()` holds the run up to there.
+    """
+    scheme = scheme if scheme is not None else _core.Asap2020()
+    stream = Source(source, width=width, height=height, on_bad=on_bad)
+    config = _config(
+        stream, scheme, latency_ms=latency_ms, on_bad=on_bad, seed=seed, capacity=capacity
+    )
+    replay = _core.Replay(scheme, config, speed)
+
+    def poll() -> None:
+        if on_progress is not None:
+            counts = _counts(replay.ledger)
+            on_progress(counts["received"] - counts["pending"], stream.total_hint, counts)
+
+    try:
+        if stream.array is not None:
+            for events in stream:
+                replay.run(events, algorithm, poll)
+        else:
+            _replay_stream(replay, stream, algorithm, poll)
+    finally:
+        outcome = _remember(replay, stream, config, scheme, algorithm, mode="real", speed=speed)
+    return outcome
+
+
+def _replay_stream(
+    replay: _core.Replay, stream: Source, algorithm: Any, poll: Callable[[], None]
+) -> None:
+    """Replay what has to be read first: a thread of its own reads ahead."""
+    ahead = _core.ReadAhead()
+    errors: list[BaseException] = []
+
+    def read() -> None:
+        try:
+            for events in stream:
+                if not ahead.feed(events):
+                    return
+        except BaseException as error:  # raised again on the caller's thread
+            errors.append(error)
+        finally:
+            ahead.finish()
+
+    reader = threading.Thread(target=read, name="asap-reader", daemon=True)
+    reader.start()
+    try:
+        replay.run(ahead, algorithm, poll)
+    finally:
+        ahead.cancel()
+        reader.join()
+    if errors:
+        raise errors[0]
+
+
+def _config(
+    stream: Source,
+    scheme: _core.Scheme,
+    *,
+    latency_ms: float | None,
+    on_bad: str,
+    seed: int,
+    capacity: int | None,
+) -> _core.RunConfig:
+    if latency_ms is not None and not 0.01 <= latency_ms <= 1e7:
+        raise ValueError(f"latency_ms = {latency_ms}: must be between 0.01 and 1e7 ms")
+    if capacity is not None and capacity < 1:
+        raise ValueError(f"capacity = {capacity}: must be at least 1 event")
+    if not 0 <= seed < 1 << 64:
+        raise ValueError(f"seed = {seed}: must be at least 0 and below 2**64")
+    validator = _core.Validator(width=stream.width or 0, height=stream.height or 0, on_bad=on_bad)
+    return _core.RunConfig(
+        latency_us=None if latency_ms is None else latency_ms * 1e3,
+        capacity=capacity or 0,
+        seed=seed,
+        validator=validator,
+    )
+
+
+def _remember(
+    runner: _core.Simulator | _core.Replay,
+    stream: Source,
+    config: _core.RunConfig,
+    scheme: _core.Scheme,
+    algorithm: Any,
+    *,
+    mode: str,
+    speed: float = 1.0,
+) -> Run:
+    """Make the Run of what there is, however the runner ended, and keep it for last_run()."""
+    global _last
+    rejected = dict(runner.validator.rejected)
+    counts = _counts(runner.ledger)
+    for reason, count in stream.rejected.items():  # the reader's door comes before the runner's
+        rejected[reason] = rejected.get(reason, 0) + count
+        counts["received"] += count
+        counts["rejected"] += count
+    _last = Run(
+        packages=runner.packages,
+        ledger=Ledger(counts),
+        latency=runner.latency,
+        rejected=rejected,
+        scheme=scheme,
+        algorithm=algorithm,
+        mode=mode,
+        latency_bound_us=config.latency_bound_us(scheme),
+        source=stream.describe(runner.validator.last_us),
+        clock_resets=stream.clock_resets + runner.validator.clock_resets,
+        speed=speed,
+        lateness=runner.lateness if isinstance(runner, _core.Replay) else None,
+    )
+    return _last
+
+
+def _counts(ledger: _core.Ledger) -> dict[str, int]:
+    return {name: getattr(ledger, name) for name in LEDGER_FIELDS}

@@ -1,0 +1,95 @@
+"""What `source` may be: a path, a recording, an array, or any iterable of arrays."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from asap.events import Events, as_events
+from asap.io import Recording, read
+
+__all__ = ["Source"]
+
+
+class Source:
+    """A stream of arrays in EVENT_DTYPE, with what is known about where it comes from.
+
+    Iterating keeps count: `events` and `first_us` hold for what has been handed out so far.
+    """
+
+    def __init__(self, source: Any, *, width: int | None, height: int | None, on_bad: str) -> None:
+        if isinstance(source, (str, os.PathLike)):
+            source = read(source, width=width, height=height, on_bad=on_bad)
+        self.recording = source if isinstance(source, Recording) else None
+        self.array: Events | None = None
+        self._chunks: Iterable[Any]
+        self._kind = "array"
+        if self.recording is not None:
+            self._chunks = self.recording
+        elif _is_iterable_of_arrays(source):
+            self._chunks = source
+            self._kind = str(getattr(source, "name", "stream"))
+        else:
+            self.array = as_events(source)
+            self._chunks = (self.array,)
+
+        self.width = width if width is not None else getattr(source, "width", None)
+        self.height = height if height is not None else getattr(source, "height", None)
+        self.events = 0
+        self.first_us: int | None = None
+        self._ended = False
+
+    def __iter__(self) -> Iterator[Events]:
+        for chunk in self._chunks:
+            events = as_events(chunk)
+            if events.size == 0:
+                continue
+            if self.first_us is None:
+                self.first_us = int(events["t"][0])
+            self.events += events.size
+            yield events
+        self._ended = True
+
+    @property
+    def total_hint(self) -> int | None:
+        """How many events there will be, as soon as that is known."""
+        if self.array is not None:
+            return int(self.array.size)
+        return self.events if self._ended else None
+
+    @property
+    def rejected(self) -> dict[str, int]:
+        """Events that the reader of the file rejected, by reason."""
+        return dict(self.recording.rejected) if self.recording is not None else {}
+
+    @property
+    def clock_resets(self) -> int:
+        """How often the reader of the file saw the sensor's clock jump back."""
+        return self.recording.clock_resets if self.recording is not None else 0
+
+    def describe(self, last_us: int) -> dict[str, Any]:
+        """Describe the source as in the JSON summary; its last good stamp is `last_us`."""
+        duration_us = 0 if self.first_us is None else max(last_us - self.first_us, 0)
+        recording = self.recording
+        return {
+            "path": os.fspath(recording.path) if recording is not None else None,
+            "format": recording.format if recording is not None else self._kind,
+            "width": self.width,
+            "height": self.height,
+            "events": self.events,
+            "duration_s": duration_us * 1e-6,
+        }
+
+
+def _is_iterable_of_arrays(source: Any) -> bool:
+    # A dict, a list or a tuple are columns, and so is what can turn itself into an array.
+    return (
+        isinstance(source, Iterable)
+        and not isinstance(source, (np.ndarray, dict, list, tuple))
+        and not hasattr(source, "__array__")
+        and not hasattr(source, "to_numpy")
+        and not hasattr(source, "columns")
+    )

@@ -1,0 +1,13 @@
+"""Event files: which format it is, and the events in it, checked and in chunks."""
+
+from .errors import CorruptFile, TruncatedFileWarning, UnsupportedFormat
+from .recording import Recording, load, read
+
+__all__ = [
+    "CorruptFile",
+    "Recording",
+    "TruncatedFileWarning",
+    "UnsupportedFormat",
+    "load",
+    "read",
+]

@@ -1,0 +1,82 @@
+"""Columns of a file as events: values that no event can hold are counted, not raised."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..events import (
+    Columns,
+    Events,
+    columns_of,
+    is_event_memory,
+    misfit_message,
+    misfits,
+    pack,
+    plain_view,
+    time_exponent,
+)
+from .errors import UnsupportedFormat
+from .reader import Losses, Options
+
+__all__ = ["events_of", "file_columns"]
+
+_MAX_ADDRESS = 65535
+
+
+def file_columns(path: Path, source: Any, order: str | None) -> Columns:
+    """Find the columns; a file without them is of a format that nobody reads."""
+    try:
+        return columns_of(source, order)
+    except TypeError as error:
+        raise UnsupportedFormat(f"{path}: {error}") from error
+
+
+def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> Events:
+    """Events of an array or a mapping of columns; `first` is the number of its first event.
+
+    Without a time unit, floating times are seconds and integers microseconds.
+    """
+    if isinstance(source, np.ndarray) and options.time_unit is None and is_event_memory(source):
+        return plain_view(source)
+    columns = file_columns(losses.path, source, options.order)
+    unit = options.time_unit or ("s" if columns["t"].dtype.kind == "f" else "us")
+    exponent = time_exponent(unit)
+    bad = {role: misfits(role, column, exponent) for role, column in columns.items()}
+    found = {role: mask for role, mask in bad.items() if mask is not None and mask.any()}
+    if found:
+        columns = _without(columns, found, losses, first)
+    return pack(columns, exponent, normalise=False)
+
+
+def _without(
+    columns: Columns, found: dict[str, npt.NDArray[np.bool_]], losses: Losses, first: int
+) -> Columns:
+    if losses.on_bad == "raise":
+        role = min(found, key=lambda name: int(np.argmax(found[name])))
+        raise ValueError(misfit_message(role, columns[role], int(np.argmax(found[role])), first))
+    none = np.zeros(len(columns["t"]), np.bool_)
+    unreadable, outside = none.copy(), none.copy()
+    for role, mask in found.items():
+        if role in "tp":
+            unreadable |= mask
+        else:
+            whole = columns[role] == np.floor(columns[role])  # False for NaN
+            unreadable |= mask & ~whole
+            outside |= mask & whole
+    outside &= ~unreadable
+    if losses.on_bad == "clamp":
+        columns = columns | {role: _clamped(columns[role]) for role in ("x", "y")}
+        losses.clamped_positions += int(outside.sum())
+        outside = none
+    losses.bad_record += int(unreadable.sum())
+    losses.out_of_bounds += int(outside.sum())
+    good = ~(unreadable | outside)
+    return {role: column[good] for role, column in columns.items()}
+
+
+def _clamped(column: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    return np.where(column > _MAX_ADDRESS, _MAX_ADDRESS, np.where(column < 0, 0, column))

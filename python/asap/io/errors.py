@@ -1,0 +1,41 @@
+"""What can be wrong with a file, and the border where foreign libraries' errors become ours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+__all__ = ["CorruptFile", "TruncatedFileWarning", "UnsupportedFormat", "foreign"]
+
+
+class UnsupportedFormat(ValueError):
+    """No reader serves this format."""
+
+
+class CorruptFile(ValueError):
+    """A file that cannot be read, or not further: the message names the byte offset."""
+
+    def __init__(self, path: Path, offset: int, fault: str) -> None:
+        super().__init__(f"{path}: byte {offset}: {fault}")
+        self.path = path
+        self.offset = offset
+        self.fault = fault
+
+    def __reduce__(self) -> tuple[type[CorruptFile], tuple[Path, int, str]]:
+        return type(self), (self.path, self.offset, self.fault)
+
+
+class TruncatedFileWarning(UserWarning):
+    """The file ends too early; what came before was read."""
+
+
+@contextmanager
+def foreign(path: Path, offset: int = 0) -> Iterator[None]:
+    """Turn whatever a library raises into `CorruptFile`, panics outside ``Exception`` included."""
+    try:
+        yield
+    except (OSError, CorruptFile, UnsupportedFormat, KeyboardInterrupt, SystemExit, GeneratorExit):
+        raise
+    except BaseException as error:
+        raise CorruptFile(path, offset, f"{error or type(error).__name__}") from error

@@ -1,0 +1,67 @@
+"""What a reader of one format is, and the book it keeps while it reads."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+from ..events import Events
+from .errors import CorruptFile, TruncatedFileWarning
+
+__all__ = ["CHUNK", "Losses", "Options", "Reader"]
+
+CHUNK = 1 << 16  # events that a reader hands on at once, about
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the user says about the file."""
+
+    order: str | None
+    time_unit: str | None
+
+
+@dataclass
+class Losses:
+    """What a reader could not turn into events, while it reads."""
+
+    path: Path
+    on_bad: str
+    bad_record: int = 0
+    out_of_bounds: int = 0
+    clamped_positions: int = 0
+    bad_offsets: list[int] = field(default_factory=list)  # of the first bad records
+    cut: CorruptFile | None = None
+
+    def truncated(self, offset: int, fault: str) -> None:
+        """Note that nothing good follows `offset`: a warning, or an error if bad data raise."""
+        self.cut = CorruptFile(self.path, offset, fault)
+        if self.on_bad == "raise":
+            raise self.cut
+        warnings.warn(f"{self.cut}; what came before was read", TruncatedFileWarning, stacklevel=2)
+
+
+class Reader(Protocol):
+    """The events of one file. It is opened by a path and `Options`, and may be read repeatedly."""
+
+    @property
+    def format(self) -> str:
+        """Name of the format."""
+        ...
+
+    @property
+    def width(self) -> int | None:
+        """Width of the sensor in px, if the file states it."""
+        ...
+
+    @property
+    def height(self) -> int | None:
+        """Height of the sensor in px, if the file states it."""
+        ...
+
+    def chunks(self, losses: Losses) -> Iterator[Events]:
+        """Read from the start: events in ``EVENT_DTYPE``, order and sensor size not yet checked."""
+        ...

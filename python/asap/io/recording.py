@@ -1,0 +1,237 @@
+"""A recording: the events of a file in chunks, every one checked."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from .. import _core
+from ..events import EVENT_DTYPE, Events, plain_view
+from .aedat4 import Aedat4Reader
+from .numpy_files import NpyReader, NpzReader
+from .reader import Losses, Options, Reader
+from .sniff import sniff
+from .text import TextReader
+
+__all__ = ["Recording", "load", "read"]
+
+_READERS: dict[str, Callable[[Path, Options], Reader]] = {
+    "npy": NpyReader,
+    "npz": NpzReader,
+    "text": TextReader,
+    "aedat4": Aedat4Reader,
+}
+
+
+class Recording:
+    """Events of a file, read in chunks and checked; iterate it as often as you like.
+
+    Iterating yields arrays in ``EVENT_DTYPE`` of shape (n,), n > 0: x, y in px, p 1 = ON or 0, t in
+    us and never decreasing. A clock that jumps back by 1 s or more starts a new epoch: time
+    continues 1 us after the last event. Arrays of a mapped file are read-only.
+
+    Made by `read`.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        width: int | None = None,
+        height: int | None = None,
+        order: str | None = None,
+        time_unit: str | None = None,
+        on_bad: str = "drop",
+        reorder_tolerance_us: int = 0,
+    ) -> None:
+        self._path = Path(path)
+        self._on_bad = on_bad
+        self._reorder_tolerance_us = reorder_tolerance_us
+        options = Options(order, time_unit)
+        self._reader = _READERS[sniff(self._path)](self._path, options)
+        self._width = width if self._reader.width is None else self._reader.width
+        self._height = height if self._reader.height is None else self._reader.height
+        self._losses, self._validator = self._books()
+
+    @property
+    def path(self) -> Path:
+        """Where the file is."""
+        return self._path
+
+    @property
+    def format(self) -> str:
+        """``"npy"``, ``"npz"``, ``"text"``, ``"csv"`` or ``"aedat4"``."""
+        return self._reader.format
+
+    @property
+    def width(self) -> int | None:
+        """Width of the sensor in px: from the file, else as given, else None (x is not checked)."""
+        return self._width
+
+    @property
+    def height(self) -> int | None:
+        """Height of the sensor in px: from the file, else as given, else None."""
+        return self._height
+
+    @property
+    def received(self) -> int:
+        """Events read so far in the latest iteration: those yielded plus all of `rejected`."""
+        return self._validator.received + self._losses.bad_record + self._losses.out_of_bounds
+
+    @property
+    def rejected(self) -> dict[str, int]:
+        """Events that were dropped so far in the latest iteration, by reason."""
+        reasons = dict(self._validator.rejected)
+        reasons["bad_record"] += self._losses.bad_record
+        reasons["out_of_bounds"] += self._losses.out_of_bounds
+        return reasons
+
+    @property
+    def repaired(self) -> dict[str, int]:
+        """Events that were changed so far: polarity not 0 or 1, stamps lifted, pixels clamped."""
+        kinds = dict(self._validator.repaired)
+        kinds["clamped_positions"] += self._losses.clamped_positions
+        return kinds
+
+    @property
+    def clock_resets(self) -> int:
+        """How often the sensor's clock jumped back by 1 s or more."""
+        return self._validator.clock_resets
+
+    @property
+    def bad_offsets(self) -> tuple[int, ...]:
+        """Byte offsets of the first bad records, where the format knows them."""
+        return tuple(self._losses.bad_offsets)
+
+    @property
+    def truncated_at(self) -> int | None:
+        """Byte offset where the file ended too early, None if it did not."""
+        return None if self._losses.cut is None else self._losses.cut.offset
+
+    def __iter__(self) -> Iterator[Events]:
+        losses, validator = self._losses, self._validator = self._books()
+        for events in self._reader.chunks(losses):
+            good = validator.check(events)
+            if len(good):
+                yield plain_view(good)
+        if losses.cut is not None and validator.received == 0:
+            raise losses.cut
+
+    def __repr__(self) -> str:
+        size = f"{self.width}x{self.height}" if self.width and self.height else "size unknown"
+        return f"Recording({str(self._path)!r}, {self.format}, {size})"
+
+    def _books(self) -> tuple[Losses, _core.Validator]:
+        validator = _core.Validator(
+            width=self._width or 0,
+            height=self._height or 0,
+            on_bad=self._on_bad,
+            reorder_tolerance_us=self._reorder_tolerance_us,
+        )
+        return Losses(self._path, self._on_bad), validator
+
+
+def read(
+    path: str | os.PathLike[str],
+    *,
+    width: int | None = None,
+    height: int | None = None,
+    order: str | None = None,
+    time_unit: str | None = None,
+    on_bad: str = "drop",
+    reorder_tolerance_us: int = 0,
+) -> Recording:
+    """Open an event file: ``.npy``, ``.npz``, text ``t x y p``, csv or AEDAT4.
+
+    The format is found by content, then by name. Nothing but the header is read yet.
+
+    Parameters
+    ----------
+    path
+        The file.
+    width, height
+        Size of the sensor in px, where the file does not state it. Without it pixels are not
+        checked.
+    order
+        What the columns are, for files without names: an arrangement of ``t``, ``x``, ``y`` and
+        ``p`` such as ``"yxt"`` (without ``p`` every event is ON). Text: the header line, else
+        ``"txyp"``.
+    time_unit
+        ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``. None decides: for text by the header or by a
+        decimal point in the times, for arrays by their type (floating: seconds).
+    on_bad
+        Events out of order, outside the sensor or unreadable: ``"drop"`` and count them,
+        ``"clamp"`` them where that is possible, or ``"raise"``.
+    reorder_tolerance_us
+        A stamp that goes back by at most this much is lifted to the last one, not bad.
+
+    Returns
+    -------
+    Recording
+        Iterate it for arrays; ``.rejected`` tells what was dropped, by reason.
+
+    Raises
+    ------
+    UnsupportedFormat
+        A ValueError: no reader serves this format.
+    CorruptFile
+        A ValueError with the byte offset: nothing can be read, or ``on_bad="raise"``.
+    ValueError
+        A bad option, or columns that need `order` or `time_unit`.
+    OSError
+        The file cannot be opened.
+    RuntimeError
+        The format needs an extra that is not installed.
+
+    Warns
+    -----
+    TruncatedFileWarning
+        While iterating: the file ends too early; what came before was yielded.
+    """
+    return Recording(
+        path,
+        width=width,
+        height=height,
+        order=order,
+        time_unit=time_unit,
+        on_bad=on_bad,
+        reorder_tolerance_us=reorder_tolerance_us,
+    )
+
+
+def load(
+    path: str | os.PathLike[str],
+    *,
+    width: int | None = None,
+    height: int | None = None,
+    order: str | None = None,
+    time_unit: str | None = None,
+    on_bad: str = "drop",
+    reorder_tolerance_us: int = 0,
+) -> Events:
+    """Read a whole event file into one array; parameters, errors and warnings as in `read`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (N,), dtype ``EVENT_DTYPE``, t in us and never decreasing; writable.
+    """
+    recording = read(
+        path,
+        width=width,
+        height=height,
+        order=order,
+        time_unit=time_unit,
+        on_bad=on_bad,
+        reorder_tolerance_us=reorder_tolerance_us,
+    )
+    chunks = list(recording)
+    events: Events = np.empty(sum(map(len, chunks)), EVENT_DTYPE)
+    start = 0
+    for chunk in chunks:
+        events[start : start + len(chunk)] = chunk
+        start += len(chunk)
+    return events

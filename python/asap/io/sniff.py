@@ -1,0 +1,84 @@
+"""Which format a file has: by its first bytes, then by its name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from .errors import CorruptFile, UnsupportedFormat
+
+__all__ = ["SERVED", "sniff"]
+
+SERVED = "npy, npz, text (t x y p), csv, aedat4"
+
+_HEAD = 4096
+_SERVED_BYTES = (
+    (b"\x93NUMPY", "npy"),
+    (b"PK\x03\x04", "npz"),
+    (b"PK\x05\x06", "npz"),
+    (b"#!AER-DAT4.0", "aedat4"),
+)
+_OTHER_BYTES = (
+    (b"#!AER-DAT", "AEDAT 1 to 3"),
+    (b"\x89HDF\r\n\x1a\n", "HDF5"),
+    (b"Event Stream", "Event Stream"),
+    (b"#ROSBAG", "rosbag 1"),
+    (b"SQLite format 3\x00", "rosbag 2"),
+    (b"\x89MCAP", "MCAP"),
+    (b"MATLAB 5.0", "MATLAB"),
+)
+_OTHER_SUFFIXES = {
+    ".raw": "Prophesee RAW",
+    ".dat": "Prophesee DAT",
+    ".es": "Event Stream",
+    ".aedat": "AEDAT 1 to 3",
+    ".h5": "HDF5",
+    ".hdf5": "HDF5",
+    ".mat": "MATLAB",
+    ".bag": "rosbag 1",
+    ".db3": "rosbag 2",
+    ".mcap": "MCAP",
+    ".bs2": "40-bit ATIS",
+    ".bin": "40-bit ATIS",
+}
+_PROPHESEE_HEADER = (b"% evt ", b"% format EVT", b"% Data file containing", b"% camera_integrator")
+
+
+def sniff(path: Path) -> str:
+    """Return ``"npy"``, ``"npz"``, ``"aedat4"`` or ``"text"``.
+
+    Raises
+    ------
+    UnsupportedFormat
+        No reader serves it.
+    CorruptFile
+        It is empty, or not what its name promises.
+    """
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+    if not head:
+        raise CorruptFile(path, 0, "the file is empty")
+    for magic, name in _SERVED_BYTES:
+        if head.startswith(magic):
+            return name
+    for magic, name in _OTHER_BYTES:
+        if head.startswith(magic):
+            raise _unsupported(path, name)
+    suffix = path.suffix.lower()
+    if suffix in (".npy", ".npz", ".aedat4"):
+        raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
+    if suffix in _OTHER_SUFFIXES:
+        raise _unsupported(path, _OTHER_SUFFIXES[suffix])
+    if any(mark in head for mark in _PROPHESEE_HEADER):
+        raise _unsupported(path, "Prophesee RAW or DAT")
+    if not _is_text(head):
+        raise _unsupported(path, "this format")
+    return "text"
+
+
+def _unsupported(path: Path, name: str) -> UnsupportedFormat:
+    return UnsupportedFormat(f"{path}: {name} is not read yet; what is: {SERVED}")
+
+
+def _is_text(head: bytes) -> bool:
+    strange = sum(byte < 32 and byte not in b"\t\n\r\f" for byte in head)
+    return b"\x00" not in head and strange * 100 <= len(head)

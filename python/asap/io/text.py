@@ -1,0 +1,208 @@
+"""Text: one event per line, ``t x y p`` or any other arrangement, decoded by the native core.
+
+What the columns and the unit of time are is decided from the first lines, unless the user says it:
+
+* columns: a header line with names (``t,x,y,p``, also after a ``#``), else four columns are
+  ``t x y p``, and any other number of them needs `order`;
+* unit: the header (``t_us``, ``time [s]``), else seconds if a time is written with a decimal
+  point, else microseconds. Where every column is written like a float (NumPy's ``savetxt``) and the
+  times are whole, both are possible, and the user is asked;
+* a first line of two numbers is the sensor's width and height.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from .. import _core
+from ..events import FIELD_NAMES, Events, check_order, time_exponent
+from .errors import CorruptFile
+from .reader import Losses, Options
+
+__all__ = ["TextReader"]
+
+_HEAD = 1 << 14
+_PIECE = 1 << 18
+_NUMBER = re.compile(rb"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_SEPARATORS = re.compile(rb"[ \t,;\r]+")
+_UNIT = re.compile(r"[\W_]*(s|sec|seconds?|ms|us|µs|ns)[\W_]*")
+_UNITS = {"s": "s", "sec": "s", "second": "s", "seconds": "s", "µs": "us"}
+
+
+@dataclass(frozen=True)
+class _Layout:
+    order: str  # a letter per column, '-' for one that is skipped
+    unit: str
+    start: int  # byte of the first data line
+    separator: bytes
+    width: int | None
+    height: int | None
+
+
+class TextReader:
+    """Lines of numbers; a line that is no event is counted as ``bad_record`` with its offset."""
+
+    def __init__(self, path: Path, options: Options) -> None:
+        self._path = path
+        with path.open("rb") as file:
+            self._layout = _find_layout(path, file.read(_HEAD), options)
+        self.format = "csv" if self._layout.separator in b",;" else "text"
+        self.width, self.height = self._layout.width, self._layout.height
+
+    def chunks(self, losses: Losses) -> Iterator[Events]:
+        """Decode in pieces of a quarter of a megabyte."""
+        layout = self._layout
+        decoder = _core.TextDecoder(
+            order=layout.order,
+            time_exponent=time_exponent(layout.unit),
+            clamp=losses.on_bad == "clamp",
+            first_offset=layout.start,
+        )
+        at = last_line = layout.start
+        with self._path.open("rb") as file:
+            file.seek(layout.start)
+            while piece := file.read(_PIECE):
+                if b"\n" in piece:
+                    last_line = at + piece.rindex(b"\n") + 1
+                at += len(piece)
+                yield self._counted(decoder, decoder.decode(piece), losses)
+        events, ended_well = decoder.finish()
+        yield self._counted(decoder, events, losses)
+        if not ended_well:
+            losses.truncated(last_line, "the last line is cut")
+
+    def _counted(self, decoder: _core.TextDecoder, events: Events, losses: Losses) -> Events:
+        losses.bad_record = decoder.bad_records
+        losses.out_of_bounds = decoder.out_of_bounds
+        losses.clamped_positions = decoder.clamped_positions
+        losses.bad_offsets = list(decoder.noted)
+        if losses.bad_offsets and losses.on_bad == "raise":
+            offset = losses.bad_offsets[0]
+            with self._path.open("rb") as file:
+                file.seek(offset)
+                line = file.readline(80).strip().decode("ascii", "replace")
+            raise CorruptFile(self._path, offset, f"no event {self._layout.order!r}: {line!r}")
+        return events
+
+
+def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
+    at = 3 if head.startswith(b"\xef\xbb\xbf") else 0
+    names: list[str] = []
+    sensor: tuple[int, int] | None = None
+    start = at
+    rows: list[list[bytes]] = []
+    separator = b" "
+    lines = head[at:].splitlines(keepends=True)
+    if len(head) == _HEAD and len(lines) > 1:
+        lines.pop()  # the head ends inside it
+    for line in lines:
+        at += len(line)
+        text = line.strip()
+        if not text or text[:1] in b"#%":
+            if not rows and not names:
+                names = _names(text.lstrip(b"#% \t"), commented=True)
+            continue
+        fields = [field for field in _SEPARATORS.split(text) if field]
+        numeric = [_NUMBER.fullmatch(field) is not None for field in fields]
+        if not rows and not any(numeric):
+            names = _names(text, commented=False)
+            start = at
+        elif not rows and sensor is None and len(fields) == 2 and text.replace(b" ", b"").isdigit():
+            sensor = (int(fields[0]), int(fields[1]))
+            start = at
+        elif all(numeric):
+            rows.append(fields)
+            separator = separator if len(rows) > 1 else _separator(text)
+    unit = options.time_unit
+    if options.order is not None:
+        order = check_order(options.order)
+    elif names:
+        order, named_unit = _order_of(path, names)
+        unit = unit or named_unit
+    else:
+        order = "txyp"
+    if rows:
+        rows = _of_common_length(path, rows, order, options.order is not None or bool(names))
+        if options.order is None and not names:
+            _check_polarity(path, rows)
+    width, height = sensor or (None, None)
+    return _Layout(order, unit or _unit_of(path, rows, order), start, separator, width, height)
+
+
+def _separator(text: bytes) -> bytes:
+    return next((mark for mark in (b",", b";", b"\t") if mark in text), b" ")
+
+
+def _names(text: bytes, *, commented: bool) -> list[str]:
+    """Column names of a header line; of a comment only if they contain t, x and y."""
+    line = text.decode("utf-8", "replace").lower()
+    split = re.split(r"[,;]", line) if re.search(r"[,;]", line) else line.split()
+    names = [name.strip().strip("\"'") for name in split]
+    if commented and not {"t", "x", "y"} <= {_role(name)[0] for name in names}:
+        return []
+    return names
+
+
+def _role(name: str) -> tuple[str, str | None]:
+    """Role of a column, '-' for none, and the unit that its name states."""
+    for role, known in FIELD_NAMES.items():
+        if name in known:
+            return role, None
+    for known_time in sorted(FIELD_NAMES["t"], key=len, reverse=True):
+        unit = _UNIT.fullmatch(name[len(known_time) :]) if name.startswith(known_time) else None
+        if unit:
+            return "t", _UNITS.get(unit[1], unit[1])
+    return "-", None
+
+
+def _order_of(path: Path, names: list[str]) -> tuple[str, str | None]:
+    roles = [_role(name) for name in names]
+    order = "".join(role for role, _ in roles)
+    if sorted(order.replace("-", "")) not in (sorted("txyp"), sorted("txy")):
+        raise ValueError(
+            f"order = None: the header of {path} names the columns {', '.join(names)}; "
+            "say what they are, such as order='txyp'"
+        )
+    return order, next((unit for role, unit in roles if role == "t"), None)
+
+
+def _of_common_length(
+    path: Path, rows: list[list[bytes]], order: str, known: bool
+) -> list[list[bytes]]:
+    length, _ = Counter(map(len, rows)).most_common(1)[0]
+    if length != len(order):
+        what = f"order = {order!r}" if known else "order = None"
+        raise ValueError(
+            f"{what}: the lines of {path} have {length} columns; name each, such as order='txyp'"
+        )
+    return [row for row in rows if len(row) == length]
+
+
+def _check_polarity(path: Path, rows: list[list[bytes]]) -> None:
+    polarity = [float(row[3]) for row in rows]
+    if any(abs(p) > 127 or p != int(p) for p in polarity):
+        raise ValueError(
+            f"order = None: the fourth column of {path} holds no polarity (it begins with "
+            f"{rows[0][3].decode()}); say what the columns are, such as order='xypt'"
+        )
+
+
+def _unit_of(path: Path, rows: list[list[bytes]], order: str) -> str:
+    times = [row[order.index("t")] for row in rows]
+    if not any(_is_float(time) for time in times):
+        return "us"
+    everywhere = all(_is_float(field) for row in rows for field in row)
+    if everywhere and all(float(time).is_integer() for time in times):
+        raise ValueError(
+            f"time_unit = None: the times of {path} are whole numbers written as floats; "
+            "say time_unit='s' or time_unit='us'"
+        )
+    return "s"
+
+
+def _is_float(field: bytes) -> bool:
+    return any(mark in field for mark in b".eE")

@@ -1,0 +1,395 @@
+"""Figures of runs and events.
+
+Pixels with y down, time in s from the first event, ON red, OFF blue. Every function draws into the
+axes (or figure) that it is given, makes its own otherwise, and returns them; pyplot and the global
+style stay untouched. Needs matplotlib: ``asap-events[report]``.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import analysis
+
+try:
+    import matplotlib
+    from matplotlib.figure import Figure, SubFigure
+    from matplotlib.patches import Ellipse
+except ImportError as error:
+    raise ImportError("asap.plots needs matplotlib: install asap-events[report]") from error
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from asap.experiment import Run
+
+__all__ = ["clusters", "control", "figure", "frame", "rate", "svg"]
+
+# Okabe and Ito's colours: told apart by every kind of colour vision.
+BLUE, VERMILION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#a14f7c"
+INK, FAINT = "#33383d", "#9aa1a8"
+
+_ON, _OFF = (214, 39, 40), (31, 90, 180)
+
+_STYLE: Any = {
+    "font.size": 9,
+    "axes.edgecolor": FAINT,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "axes.titlesize": 9,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "axes.facecolor": "none",
+    "grid.color": FAINT,
+    "grid.alpha": 0.3,
+    "grid.linewidth": 0.6,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "lines.linewidth": 1.1,
+    "figure.facecolor": "white",
+}
+
+
+class _Figure(Figure):
+    """A figure that a notebook shows without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        png = io.BytesIO()
+        self.savefig(png, format="png", dpi=110)
+        return png.getvalue()
+
+
+def figure(
+    run: Run, *, size_inches: tuple[float, float] = (7.0, 8.4), points: int = 2000
+) -> Figure:
+    """Draw the paper's figure of a run on a page of its own; see `control`.
+
+    Parameters
+    ----------
+    run : Run
+        A finished run.
+    size_inches : (float, float)
+        Width and height of the page.
+    points : int
+        The most points of one curve.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Shown by a notebook as it is; ``.savefig(path)`` writes it.
+    """
+    with matplotlib.rc_context(_STYLE):
+        page = _Figure(figsize=size_inches, layout="constrained")
+    control(run, figure=page, points=points)
+    return page
+
+
+def control(
+    run: Run, *, figure: Figure | SubFigure | None = None, points: int = 2000
+) -> Figure | SubFigure:
+    """Draw what the closed loop did, over time: the figures of the 2020 paper, and the latency.
+
+    Five rows share the time axis: package size; event rate, filtered rate R and the rate bound a;
+    gamma; margin (processing time - span, below zero is real time); largest latency of each package
+    with the latency bound.
+
+    Parameters
+    ----------
+    run : Run
+        A finished run.
+    figure : Figure or SubFigure, optional
+        An empty one to draw into.
+    points : int
+        The most points of one curve; the smallest and the largest of what lies between stay.
+
+    Returns
+    -------
+    Figure or SubFigure
+        The one with the rows, as ``.axes``.
+
+    Notes
+    -----
+    The curves of Tapia, Gomez Eguiluz, Martinez-de Dios, Ollero: ASAP: Adaptive Scheme for
+    Asynchronous Processing of Event-based Vision Algorithms, ICRA 2020 workshop; latency is ours.
+    """
+    with matplotlib.rc_context(_STYLE):
+        figure = figure or _Figure(figsize=(7.0, 8.4), layout="constrained")
+        rows = figure.subplots(len(_ROWS), 1, sharex=True)
+        for axes, draw in zip(rows, _ROWS, strict=True):
+            draw(_Curves(run, points), axes)
+            axes.margins(x=0.01)
+        rows[-1].set_xlabel("time from the first event [s]")
+        figure.align_ylabels()
+    return figure
+
+
+def svg(figure: Figure) -> str:
+    """Write a figure as SVG text: letters as letters, and the same bytes every time.
+
+    Parameters
+    ----------
+    figure : Figure
+        Any figure of this module.
+
+    Returns
+    -------
+    str
+        An SVG document.
+    """
+    text = io.StringIO()
+    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "asap"}):
+        figure.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()
+
+
+class _Curves:
+    """The columns of a run as curves of few points."""
+
+    def __init__(self, run: Run, points: int) -> None:
+        self.run = run
+        self._points = points
+        self._time_s = analysis.time_s(run)
+
+    def values(self, column: str, scale: float = 1.0) -> analysis.Floats:
+        return np.asarray(self.run.packages[column] * scale, np.float64)
+
+    def draw(self, axes: Axes, values: analysis.Floats, **style: Any) -> None:
+        time_s, thinned = analysis.decimate(self._time_s, values, self._points)
+        axes.plot(time_s, thinned, **style)
+
+
+def _draw_size(curves: _Curves, axes: Axes) -> None:
+    size = curves.values("size")
+    curves.draw(axes, size, color=BLUE)
+    _log_if_decades(axes, size)
+    axes.set(title="package size", ylabel="events")
+
+
+def _draw_rates(curves: _Curves, axes: Axes) -> None:
+    peak_hz = max(curves.values("event_rate").max(initial=0), 1.0)
+    unit, scale = ("Mev/s", 1e-6) if peak_hz >= 1e6 else ("kev/s", 1e-3)
+    curves.draw(axes, curves.values("event_rate", scale), color=FAINT, label="event rate")
+    curves.draw(axes, curves.values("rate", scale), color=GREEN, label="filtered, R")
+    rate_bound = curves.run.scheme.parameters.get("rate_bound")
+    if rate_bound:
+        _line(axes, rate_bound * scale, "bound, a")
+    axes.set(title="rates", ylabel=unit)
+    _legend(axes)
+
+
+def _draw_gamma(curves: _Curves, axes: Axes) -> None:
+    curves.draw(axes, curves.values("gamma"), color=PURPLE)
+    axes.set(title="gamma", ylabel="kept", ylim=(-0.03, 1.06))
+
+
+def _draw_margin(curves: _Curves, axes: Axes) -> None:
+    margin_ms = curves.values("margin_us", 1e-3)
+    bottom, top, off_scale = _limits(margin_ms)
+    hidden = f"; {off_scale} off scale" if off_scale else ""
+    curves.draw(axes, margin_ms, color=BLUE, label=f"below 0: real time{hidden}")
+    axes.axhline(0, color=INK, linewidth=0.8)
+    axes.set(title="margin", ylabel="ms", ylim=(bottom, top))
+    _legend(axes)
+
+
+def _limits(values: analysis.Floats) -> tuple[float, float, int]:
+    """Limits that hold zero and nearly all values, and the number of those outside.
+
+    One package at the start, large for want of a measurement, would flatten all others.
+    """
+    if values.size == 0:
+        return -1.0, 1.0, 0
+    low, high = (float(q) for q in np.quantile(values, (0.005, 0.995)))
+    low, high = min(low, 0.0), max(high, 0.0)
+    room = 0.25 * (high - low) or 1.0
+    bottom, top = low - room, high + room
+    return bottom, top, int(np.count_nonzero((values < bottom) | (values > top)))
+
+
+def _draw_latency(curves: _Curves, axes: Axes) -> None:
+    latency_ms = curves.values("latency_max_us", 1e-3)
+    curves.draw(axes, latency_ms, color=BLUE, label="oldest event of a package")
+    _line(axes, curves.run.latency_bound_us / 1e3, "bound")
+    _log_if_decades(axes, latency_ms)
+    axes.set(title="latency", ylabel="ms")
+    _legend(axes)
+
+
+_ROWS: tuple[Callable[[_Curves, Axes], None], ...] = (
+    _draw_size,
+    _draw_rates,
+    _draw_gamma,
+    _draw_margin,
+    _draw_latency,
+)
+
+
+def frame(events: NDArray[np.void], width: int, height: int, *, ax: Axes | None = None) -> Axes:
+    """Draw events as an image: a pixel is red where ON prevails, blue where OFF does.
+
+    Parameters
+    ----------
+    events : ndarray, shape (n,), EVENT_DTYPE
+        For example those of 5 ms. Events outside the sensor are not drawn.
+    width, height : int
+        Of the sensor, px.
+    ax : Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    Axes
+    """
+    axes = ax or _own_axes((5.0, 5.0 * height / width))
+    inside = (events["x"] < width) & (events["y"] < height)
+    pixel = events["y"][inside].astype(np.int64) * width + events["x"][inside]
+    sign = np.where(events["p"][inside] > 0, 1, -1)
+    balance = np.bincount(pixel, sign, minlength=width * height)
+    image = np.full((width * height, 3), 255, np.uint8)
+    # A tie is the last event's.
+    image[pixel] = np.where(sign[:, None] > 0, _ON, _OFF)
+    image[balance > 0] = _ON
+    image[balance < 0] = _OFF
+    axes.imshow(image.reshape(height, width, 3), interpolation="nearest")
+    axes.set(xlabel="x [px]", ylabel="y [px]")
+    axes.grid(False)
+    return axes
+
+
+def clusters(
+    events: NDArray[np.void],
+    clusters: NDArray[np.void],
+    width: int,
+    height: int,
+    *,
+    ax: Axes | None = None,
+    lookahead_ms: float = 0.0,
+) -> Axes:
+    """Draw clusters over the frame of their events: ellipses of two standard deviations.
+
+    Parameters
+    ----------
+    events : ndarray, shape (n,), EVENT_DTYPE
+        The events below, for example the last 5 ms.
+    clusters : ndarray, shape (m,)
+        ``ClusterTracker.clusters``: fields id, x, y, vx, vy, cxx, cxy, cyy.
+    width, height : int
+        Of the sensor, px.
+    ax : Axes, optional
+        Where to draw.
+    lookahead_ms : float
+        A line from each centre shows its way in this time; 0 draws none.
+
+    Returns
+    -------
+    Axes
+    """
+    axes = frame(events, width, height, ax=ax)
+    for cluster in clusters:
+        axes.add_patch(_ellipse(cluster))
+        x, y = float(cluster["x"]), float(cluster["y"])
+        if lookahead_ms > 0:
+            dx, dy = (float(cluster[v]) * lookahead_ms / 1e3 for v in ("vx", "vy"))
+            axes.plot([x, x + dx], [y, y + dy], color=INK, linewidth=1.2)
+        label = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none"}
+        axes.text(
+            x,
+            y,
+            str(cluster["id"]),
+            color=INK,
+            fontsize=8,
+            ha="center",
+            va="center",
+            bbox=label,
+            clip_on=True,
+        )
+    axes.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
+    return axes
+
+
+def _ellipse(cluster: Mapping[str, Any] | np.void) -> Ellipse:
+    covariance = np.array(
+        [[cluster["cxx"], cluster["cxy"]], [cluster["cxy"], cluster["cyy"]]], np.float64
+    )
+    variances, axes = np.linalg.eigh(covariance)
+    minor, major = 4 * np.sqrt(np.maximum(variances, 0))
+    angle = np.degrees(np.arctan2(axes[1, 1], axes[0, 1]))
+    return Ellipse(
+        (float(cluster["x"]), float(cluster["y"])),
+        major,
+        minor,
+        angle=angle,
+        fill=False,
+        edgecolor=INK,
+        linewidth=1.4,
+    )
+
+
+def rate(events: NDArray[np.void], bin_us: float = 10_000, *, ax: Axes | None = None) -> Axes:
+    """Draw the event rate in windows of `bin_us`; see `analysis.rate`.
+
+    Parameters
+    ----------
+    events : ndarray, shape (n,), EVENT_DTYPE
+        In time order.
+    bin_us : float
+        Length of a window in us.
+    ax : Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    Axes
+    """
+    time_s, rate_hz = analysis.rate(events, bin_us)
+    axes = ax or _own_axes((7.0, 2.4))
+    unit, scale = ("Mev/s", 1e-6) if rate_hz.max(initial=0) >= 1e6 else ("kev/s", 1e-3)
+    time_s, thinned = analysis.decimate(time_s, rate_hz * scale, 2000)
+    axes.plot(time_s, thinned, color=BLUE, drawstyle="steps-post")
+    axes.set(xlabel="time from the first event [s]", ylabel=f"event rate [{unit}]")
+    axes.set_ylim(bottom=0)
+    return axes
+
+
+def _own_axes(size_inches: tuple[float, float]) -> Axes:
+    with matplotlib.rc_context(_STYLE):
+        return _Figure(figsize=size_inches, layout="constrained").add_subplot()
+
+
+def _legend(axes: Axes) -> None:
+    # Beside the title, where no curve can be.
+    axes.legend(
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        borderaxespad=0.2,
+        ncols=3,
+        handlelength=1.5,
+        handletextpad=0.5,
+        columnspacing=1.2,
+    )
+
+
+def _line(axes: Axes, at: float, label: str) -> None:
+    axes.axhline(at, color=VERMILION, linestyle=(0, (5, 3)), linewidth=1.2, label=label)
+
+
+def _log_if_decades(axes: Axes, values: analysis.Floats) -> None:
+    positive = values[values > 0]
+    if positive.size and positive.max() >= 10 * positive.min():
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(lambda value, _: f"{value:,g}")
+        axes.yaxis.set_minor_formatter(lambda value, _: "")

@@ -1,0 +1,215 @@
+"""A run as text: a short table for terminal and log file, and the verdict in words."""
+
+from __future__ import annotations
+
+import os
+import re
+import textwrap
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from asap import analysis, units
+
+if TYPE_CHECKING:
+    from asap.experiment import Run
+
+__all__ = [
+    "LEDGER_WORDS",
+    "format_ledger",
+    "format_run",
+    "reasons_of",
+    "subtitle",
+    "title",
+    "verdict",
+]
+
+_WIDTH = 78
+
+LEDGER_WORDS = {
+    "received": "handed to ASAP",
+    "rejected": "bad data, such as times that go back",
+    "filtered": "taken out by the filter in front",
+    "discarded": "thinned out by gamma, at random: a choice",
+    "stale": "thrown away as too old for the bound",
+    "overflow": "did not fit into the buffer: a failure",
+    "pending": "still waiting at the end",
+    "delivered": "processed by the algorithm",
+}
+"""Every entry of the ledger in words, in the order in which an event may leave."""
+
+
+def format_run(run: Run) -> str:
+    """Write a run as a short text table that ends with the verdict.
+
+    Parameters
+    ----------
+    run : Run
+        A finished run.
+
+    Returns
+    -------
+    str
+        Lines of at most 78 columns without colours, fit for a log file.
+    """
+    summary = run.summary()
+    latency, packages, gamma = summary["latency_us"], summary["packages"], summary["gamma"]
+    bound = units.duration(run.latency_bound_us)
+    rows = [
+        ("kept", units.share(run.kept)),
+        ("in time", f"{units.share(run.in_time)} within {bound}"),
+        (
+            "latency",
+            f"p50 {units.duration(latency['p50'])}, p99 {units.duration(latency['p99'])}, "
+            f"max {units.duration(latency['max'])}",
+        ),
+        (
+            "packages",
+            f"{units.count(packages['count'])}, {units.count(packages['per_s'])} per s; "
+            f"size mean {units.count(packages['size_mean'])}, "
+            f"max {units.count(packages['size_max'])}",
+        ),
+        ("gamma", f"mean {gamma['mean']:.3f}, min {gamma['min']:.3f}"),
+        ("busy", f"{units.share(summary['cpu'])} of the time in the algorithm"),
+    ]
+    if pacing := summary["pacing_us"]:
+        late = f"p99 {units.duration(pacing['p99'])}, max {units.duration(pacing['max'])}"
+        rows.append(("jitter", f"{late}: this machine's, in the pace of the replay"))
+    lines = [title(summary), *_wrap(subtitle(summary)), ""]
+    lines += [f"  {name:<11}{value}" for name, value in rows]
+    lines += ["", format_ledger(run.ledger, run.rejected), "", *_wrap(verdict(run))]
+    return "\n".join(lines)
+
+
+def format_ledger(ledger: Mapping[str, int], rejected: Mapping[str, int] | None = None) -> str:
+    """Write where every event went, one line for each cause.
+
+    Parameters
+    ----------
+    ledger : mapping
+        The eight counts by name.
+    rejected : mapping, optional
+        The rejected events by reason.
+
+    Returns
+    -------
+    str
+        Eight lines; one more for the reasons, and one if the ledger is not balanced.
+    """
+    width = max(len(units.count(value)) for value in ledger.values())
+    lines = []
+    for name, words in LEDGER_WORDS.items():
+        share = units.share(ledger[name] / ledger["received"]) if ledger[name] else ""
+        number = f"{units.count(ledger[name]):>{width}}"
+        lines.append(f"  {name:<11}{number}  {share:>8}  {words}")
+        if name == "rejected" and (reasons := reasons_of(rejected or {})):
+            lines.append(f"{'':<13}{reasons}")
+    missing = 2 * ledger["received"] - sum(ledger.values())
+    if missing:
+        lines.append(f"  NOT BALANCED: {units.count(missing)} events are unaccounted for")
+    return "\n".join(lines)
+
+
+def reasons_of(rejected: Mapping[str, int]) -> str:
+    """Write the counts that are not zero, such as ``"1,200 nonmonotonic, 3 out_of_bounds"``."""
+    return ", ".join(f"{units.count(count)} {name}" for name, count in rejected.items() if count)
+
+
+def title(summary: Mapping[str, Any]) -> str:
+    """Name a run by its recording (its format, where it has no path) and its scheme."""
+    source = summary["source"]
+    name = os.path.basename(source["path"] or "") or source["format"]
+    return f"{name}: {summary['scheme']['name']}"
+
+
+def subtitle(summary: Mapping[str, Any]) -> str:
+    """Say what was run: recording, clock, algorithm and the parameters of the scheme."""
+    source, scheme = summary["source"], dict(summary["scheme"])
+    size = f"{source['width']} x {source['height']} px, " if source["width"] else ""
+    clock = "virtual time" if summary["mode"] == "virtual" else "real time"
+    if summary["speed"] != 1:
+        clock += f" at {summary['speed']:g} times the speed"
+    name = scheme.pop("name")
+    parameters = ", ".join(f"{key} {_value(value)}" for key, value in scheme.items())
+    return (
+        f"{size}{units.count(source['events'])} events in {source['duration_s']:.3g} s, {clock}, "
+        f"algorithm {summary['algorithm']['name']}, scheme {name}"
+        + (f" ({parameters})" if parameters else "")
+    )
+
+
+def verdict(run: Run) -> str:
+    """Say what limited a run, what that cost, and what would have kept 95 % of the events.
+
+    Parameters
+    ----------
+    run : Run
+        A finished run.
+
+    Returns
+    -------
+    str
+        Three sentences on one line. What follows from the measured processing times is marked as
+        estimated.
+    """
+    if run.ledger.received == 0:
+        return "Verdict: nothing was received, so there is nothing to judge."
+    found = analysis.diagnose(run)
+    limit = {"scheme": f"scheme ({run.scheme.name})"}.get(found.limit, found.limit)
+    return (
+        f"Verdict: the {limit} limits, {units.share(run.in_time)} came through in time. "
+        f"{_explanation(run, found)} {_losses(run)}"
+    )
+
+
+def _explanation(run: Run, found: analysis.Diagnosis) -> str:
+    bound = units.duration(run.latency_bound_us)
+    per_package = units.duration(found.cost.alpha_us)
+    per_event = units.duration(found.cost.beta_ns / 1e3)
+    cost = f"At an estimated cost of {per_package} per package + {per_event} per event"
+    cheaper = f"an algorithm {found.speedup:.1f} times as fast"
+    if getattr(run.scheme, "parameters", {}).get("rate_bound", found.needed_hz) < found.needed_hz:
+        cheaper += " (with a higher rate_bound)"
+    passes_hz = found.cost.throughput_hz(run.latency_bound_us)
+    if found.limit == "bound" and found.bound_us is not None:
+        return (
+            f"{cost}, keeping 95 % takes a bound of {units.duration(found.bound_us)} or {cheaper}."
+        )
+    if found.limit == "algorithm":
+        return (
+            f"{cost} no bound is long enough to keep 95 %, which takes a throughput of "
+            f"{units.rate(found.needed_hz)}; {cheaper} would do within {bound}."
+        )
+    if found.limit == "machine" and run.lateness is not None:
+        return (
+            f"The replay itself was late, by {units.duration(run.lateness.quantile(0.99))} (p99) "
+            f"and {units.duration(run.lateness.max)} at most; repeat it on a quiet machine, "
+            "or in virtual time."
+        )
+    if passes_hz == float("inf"):
+        return f"{cost} the algorithm keeps up with any rate within {bound}."
+    return (
+        f"{cost} the algorithm can do up to {units.rate(passes_hz)} within {bound}; "
+        f"{units.rate(found.offered_hz)} were offered on average."
+    )
+
+
+def _losses(run: Run) -> str:
+    ledger = run.ledger
+    causes = ("rejected", "filtered", "discarded", "stale", "overflow", "pending")
+    shares = {cause: ledger[cause] / ledger["received"] for cause in causes}
+    shares["delivered late"] = run.kept - run.in_time
+    lost = [f"{units.share(share)} {cause}" for cause, share in shares.items() if share > 0]
+    return f"Lost: {', '.join(lost)}." if lost else "Nothing was lost."
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, (int, float)) and value == round(value):
+        return units.count(value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _wrap(text: str) -> list[str]:
+    # A number stays on the line of its unit.
+    tied = re.sub(r"(?<=[\d<>]) (?=\S)", "\xa0", text)
+    lines = textwrap.wrap(tied, _WIDTH, break_long_words=False, break_on_hyphens=False)
+    return [line.replace("\xa0", " ") for line in lines]

@@ -1,0 +1,135 @@
+"""Numbers with units: read from the command line, written for a reader."""
+
+from __future__ import annotations
+
+import math
+import re
+
+__all__ = [
+    "count",
+    "duration",
+    "parse_cost",
+    "parse_duration_us",
+    "rate",
+    "share",
+]
+
+_NS_PER_UNIT = {"ns": 1, "us": 10**3, "µs": 10**3, "ms": 10**6, "s": 10**9}
+_NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([^\W\d]*)\s*")
+
+
+def parse_duration_us(text: str, *, field: str = "duration") -> float:
+    """Microseconds of a duration with its unit, such as ``"10ms"``.
+
+    Parameters
+    ----------
+    text : str
+        A number and one of the units ns, us, ms, s.
+    field : str
+        How the value is called in an error message.
+
+    Returns
+    -------
+    float
+        Microseconds, finite and not negative.
+
+    Raises
+    ------
+    ValueError
+        No unit, an unknown unit, no number, or a negative one.
+
+    Examples
+    --------
+    >>> parse_duration_us("10ms")
+    10000.0
+    """
+    return _parse_ns(text, field) / 1e3
+
+
+def parse_cost(text: str, *, field: str = "cost") -> tuple[float, float]:
+    """Cost model alpha + beta n of an algorithm, such as ``"100us+300ns"``.
+
+    Parameters
+    ----------
+    text : str
+        The time per package, a plus sign, the time per event; each with its unit.
+    field : str
+        How the value is called in an error message.
+
+    Returns
+    -------
+    alpha_us : float
+        Time per package in us.
+    beta_ns : float
+        Time per event in ns.
+
+    Raises
+    ------
+    ValueError
+        Not two terms, or a term without a unit.
+
+    Examples
+    --------
+    >>> parse_cost("100us+300ns")
+    (100.0, 300.0)
+    """
+    # A plus sign inside a number follows its "e".
+    terms = re.split(r"(?<![eE])\+", text)
+    if len(terms) != 2:
+        raise _error(field, text, "write time per package + time per event, such as 100us+300ns")
+    alpha_us = parse_duration_us(terms[0], field=f"{field}, per package")
+    return alpha_us, _parse_ns(terms[1], f"{field}, per event")
+
+
+def duration(value_us: float) -> str:
+    """Write microseconds with at most three digits and a fitting unit, such as ``"4.21 ms"``."""
+    for unit, size_us in (("s", 1e6), ("ms", 1e3), ("us", 1.0)):
+        if abs(value_us) >= 0.9995 * size_us:
+            return f"{_three_digits(value_us / size_us)} {unit}"
+    return f"{_three_digits(value_us * 1e3)} ns" if value_us else "0 us"
+
+
+def rate(value_hz: float) -> str:
+    """Write events per second with at most three digits, such as ``"6.53 Mev/s"``."""
+    for prefix, size in (("G", 1e9), ("M", 1e6), ("k", 1e3)):
+        if abs(value_hz) >= 0.9995 * size:
+            return f"{_three_digits(value_hz / size)} {prefix}ev/s"
+    return f"{_three_digits(value_hz)} ev/s"
+
+
+def count(value: float) -> str:
+    """Write a whole number in groups of three digits, such as ``"27,300,000"``."""
+    return f"{round(value):,}"
+
+
+def share(value: float) -> str:
+    """Write a fraction in percent; neither 0 nor 100 % is ever shown for less or more than that."""
+    percent = 100 * value
+    if 0 < percent < 0.1:
+        return "< 0.1 %"
+    if 99.9 < percent < 100:
+        return "> 99.9 %"
+    return f"{percent:.1f} %"
+
+
+def _parse_ns(text: str, field: str) -> float:
+    match = _NUMBER_AND_UNIT.fullmatch(text)
+    if match is None:
+        raise _error(field, text, "write a number and its unit, such as 10ms")
+    number, unit = match.groups()
+    if not unit:
+        raise _error(field, text, f"the unit is missing, for example {number}ms or {number}us")
+    if unit not in _NS_PER_UNIT:
+        raise _error(field, text, f"unknown unit {unit!r}, use one of ns, us, ms, s")
+    value_ns = float(number) * _NS_PER_UNIT[unit]
+    if not (math.isfinite(value_ns) and value_ns >= 0):
+        raise _error(field, text, "must be finite and not negative")
+    return value_ns
+
+
+def _three_digits(value: float) -> str:
+    return f"{value:,.0f}" if abs(value) >= 999.5 else f"{value:.3g}"
+
+
+def _error(field: str, value: str, remedy: str) -> ValueError:
+    return ValueError(f"{field} = {value}: {remedy}")

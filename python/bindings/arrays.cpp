@@ -1,0 +1,40 @@
+#include "arrays.hpp"
+
+#include <pybind11/gil_safe_call_once.h>
+
+namespace asap::python {
+
+py::dtype event_dtype() {
+  PYBIND11_CONSTINIT static py::gil_safe_call_once_and_store<py::dtype> storage;
+  return storage
+      .call_once_and_store_result([]() -> py::dtype {
+        py::list fields;
+        fields.append(py::make_tuple("x", "<u2"));
+        fields.append(py::make_tuple("y", "<u2"));
+        fields.append(py::make_tuple("p", "<i2"));
+        fields.append(py::make_tuple("t", "<i8"));
+        return py::module_::import("numpy").attr("dtype")(fields, py::arg("align") = true);
+      })
+      .get_stored();
+}
+
+EventSpan as_span(const py::array& events) {
+  const bool fits = events.ndim() == 1 && events.dtype().equal(event_dtype()) &&
+                    (events.flags() & py::array::c_style) != 0 &&
+                    reinterpret_cast<std::uintptr_t>(events.data()) % alignof(Event) == 0;
+  if (!fits) {
+    throw py::type_error(
+        "events: expected a contiguous one-dimensional array in "
+        "asap.EVENT_DTYPE; convert with asap.as_events(...)");
+  }
+  return {static_cast<const Event*>(events.data()), static_cast<std::size_t>(events.size())};
+}
+
+py::array view_of(EventSpan events, py::handle owner) {
+  py::array view(event_dtype(), {static_cast<py::ssize_t>(events.size())},
+                 {static_cast<py::ssize_t>(sizeof(Event))}, events.data(), owner);
+  view.attr("flags").attr("writeable") = false;
+  return view;
+}
+
+}  // namespace asap::python

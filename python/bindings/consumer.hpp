@@ -1,0 +1,15 @@
+// What a runner calls per package, made of a Python object.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include "asap/runner/consumer.hpp"
+
+namespace asap::python {
+
+// One of ours runs natively, without the GIL. Any other object is called with a read-only array:
+// its process(events) or, if it has none, itself; set_keep(gamma) before it, if it has one. None is
+// an empty consumer. Call with the GIL held; `algorithm` must outlive the consumer.
+Consumer consumer_of(const pybind11::object& algorithm);
+
+}  // namespace asap::python

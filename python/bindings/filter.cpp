@@ -1,0 +1,68 @@
+// The layer `filter`: GammaFilter. (Validator has a file of its own.)
+#include "asap/filter/gamma_filter.hpp"
+
+#include "arrays.hpp"
+#include "layers.hpp"
+
+namespace asap::python {
+namespace {
+
+constexpr const char* kGammaFilterDoc = R"(Keeps each event with probability gamma, reproducibly.
+
+Whether event number i is kept depends on (seed, i, gamma) alone: not on how the stream is cut into
+arrays. A smaller gamma keeps a subset. The gamma filter of ASAP (Tapia et al., 2020).
+
+Parameters
+----------
+seed : int
+    0 <= seed < 2**64.
+)";
+
+py::array apply(GammaFilter& filter, const py::array& events, double gamma) {
+  const EventSpan span = as_span(events);
+  const KeepThreshold threshold = KeepThreshold::checked(gamma);
+  std::vector<Event> kept(span.size());
+  {
+    const py::gil_scoped_release release;  // pure C++: other Python threads may run
+    kept.resize(filter.apply(span, threshold, kept.data()));
+  }
+  return moved_to_array(std::move(kept));
+}
+
+py::array_t<bool> mask(GammaFilter& filter, const py::array& events, double gamma) {
+  const EventSpan span = as_span(events);
+  const KeepThreshold threshold = KeepThreshold::checked(gamma);
+  py::array_t<bool> kept(static_cast<py::ssize_t>(span.size()));
+  auto* bytes = reinterpret_cast<std::uint8_t*>(kept.mutable_data());
+  {
+    const py::gil_scoped_release release;
+    filter.mask(span, threshold, bytes);
+  }
+  return kept;
+}
+
+}  // namespace
+
+void bind_filter(py::module_& m) {
+  py::class_<GammaFilter>(m, "GammaFilter", kGammaFilterDoc)
+      .def(py::init<std::uint64_t>(), py::kw_only(), py::arg("seed") = 0)
+      .def("apply", &apply, py::arg("events").noconvert(), py::arg("gamma"),
+           R"(The kept events, a new array of shape (k,) in EVENT_DTYPE.
+
+Parameters
+----------
+events : ndarray of shape (n,) in EVENT_DTYPE
+gamma : float
+    Probability that an event is kept, 0 <= gamma <= 1; 1 keeps all.
+
+Raises
+------
+ValueError
+    gamma is NaN or outside [0, 1]; the position does not move.
+)")
+      .def("mask", &mask, py::arg("events").noconvert(), py::arg("gamma"),
+           "Like apply, but a bool array of shape (n,): True where the event is kept.")
+      .def_property_readonly("position", &GammaFilter::position, "Events seen so far.");
+}
+
+}  // namespace asap::python

@@ -1,0 +1,17 @@
+// The bind functions of the layers, in the order of the include graph.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace asap::python {
+
+void bind_filter(pybind11::module_& m);
+void bind_validator(pybind11::module_& m);
+void bind_schemes(pybind11::module_& m);
+void bind_telemetry(pybind11::module_& m);
+void bind_runner(pybind11::module_& m);
+void bind_formats(pybind11::module_& m);
+void bind_synthetic(pybind11::module_& m);
+void bind_algorithms(pybind11::module_& m);
+
+}  // namespace asap::python

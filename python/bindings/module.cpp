@@ -1,0 +1,19 @@
+// The extension asap._core: a table of contents. One file per layer of the C++ core, no logic.
+#include <pybind11/pybind11.h>
+
+#include "asap/version.hpp"
+#include "layers.hpp"
+
+PYBIND11_MODULE(_core, m) {
+  m.doc() = "Native core of asap.";
+  m.attr("__version__") = std::string(asap::kVersion);
+
+  asap::python::bind_filter(m);
+  asap::python::bind_validator(m);
+  asap::python::bind_schemes(m);
+  asap::python::bind_telemetry(m);
+  asap::python::bind_runner(m);
+  asap::python::bind_formats(m);
+  asap::python::bind_synthetic(m);
+  asap::python::bind_algorithms(m);
+}

@@ -1,0 +1,172 @@
+// The layer `runner`: simulated algorithm, virtual time, real time. Python drives them chunk by
+// chunk (asap.experiment); the loops themselves run natively, without the GIL.
+#include <pybind11/stl.h>
+
+#include <memory>
+
+#include "arrays.hpp"
+#include "asap/runner/linear_cost.hpp"
+#include "asap/runner/read_ahead.hpp"
+#include "asap/runner/replay.hpp"
+#include "asap/runner/simulator.hpp"
+#include "consumer.hpp"
+#include "layers.hpp"
+#include "telemetry.hpp"
+
+namespace asap::python {
+namespace {
+
+// Throws the Python exception of a signal that has arrived (Ctrl-C).
+void check_signals() {
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+template <class Runner, class Class>
+void bind_results(Class& cls) {
+  cls.def_property_readonly("ledger", &Runner::ledger, "Where every event went.")
+      .def_property_readonly(
+          "validator", [](const Runner& runner) { return runner.validator(); },
+          "What was rejected or repaired at the door.")
+      .def_property_readonly(
+          "packages", [](const Runner& runner) { return rows_of(runner.telemetry().log); },
+          "One row per package, in PACKAGE_DTYPE: a read-only copy.")
+      .def_property_readonly(
+          "latency", [](const Runner& runner) { return runner.telemetry().latency; },
+          "Latency per delivered event (a copy).");
+}
+
+// A run without the GIL; `poll` is called with it.
+void replay_source(Replay& replay, EventSource& source, const py::object& algorithm,
+                   const py::object& poll) {
+  const Consumer consumer = consumer_of(algorithm);
+  const Replay::Poll poll_python = [&] {
+    const py::gil_scoped_acquire acquire;
+    check_signals();
+    if (!poll.is_none()) poll();
+  };
+  const py::gil_scoped_release release;  // the producer's pace must not hang on Python
+  replay.run(source, consumer, poll_python);
+}
+
+}  // namespace
+
+void bind_runner(py::module_& m) {
+  py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
+      .def(py::init([](std::optional<double> latency_us, std::size_t capacity, std::uint64_t seed,
+                       const Validator& validator) {
+             return RunConfig{latency_us, capacity, seed, validator.config()};
+           }),
+           py::kw_only(), py::arg("latency_us"), py::arg("capacity"), py::arg("seed"),
+           py::arg("validator"))
+      .def(
+          "latency_bound_us",
+          [](const RunConfig& config, const Scheme& scheme) {
+            return static_cast<double>(latency_bound_ns(config, scheme)) * 1e-3;
+          },
+          py::arg("scheme"), "The latency bound in force, us.");
+
+  py::class_<LinearCost>(m, "LinearCost", R"(A simulated algorithm.
+
+A package of n events costs X (alpha + beta n); X is lognormal of mean 1 with sigma = noise, one draw
+per package.
+
+Parameters
+----------
+alpha_us : float
+    Fixed cost of a package, us.
+beta_ns : float
+    Cost of an event, ns.
+noise : float
+    Sigma of the logarithm; 0: none.
+seed : int
+    0 <= seed < 2**64.
+)")
+      .def(py::init([](double alpha_us, double beta_ns, double noise, std::uint64_t seed) {
+             return LinearCost({alpha_us, beta_ns, noise, seed});
+           }),
+           py::arg("alpha_us"), py::arg("beta_ns"), py::kw_only(), py::arg("noise") = 0.0,
+           py::arg("seed") = 0)
+      .def_property_readonly("name", [](const LinearCost&) { return "linear_cost"; })
+      .def_property_readonly("parameters",
+                             [](const LinearCost& cost) {
+                               py::dict result;
+                               result["alpha_us"] = cost.config().alpha_us;
+                               result["beta_ns"] = cost.config().beta_ns;
+                               result["noise"] = cost.config().noise;
+                               result["seed"] = cost.config().seed;
+                               return result;
+                             })
+      .def("__repr__", [](const LinearCost& cost) {
+        return py::str("LinearCost(alpha_us={}, beta_ns={}, noise={}, seed={})")
+            .format(cost.config().alpha_us, cost.config().beta_ns, cost.config().noise,
+                    cost.config().seed);
+      });
+
+  auto simulator =
+      py::class_<Simulator>(m, "Simulator", "A run in virtual time, fed chunk by chunk.");
+  simulator
+      .def(py::init([](Scheme& scheme, const LinearCost& cost, const RunConfig& config,
+                       const py::object& algorithm) {
+             return std::make_unique<Simulator>(scheme, cost, config, consumer_of(algorithm));
+           }),
+           py::arg("scheme"), py::arg("cost"), py::arg("config"), py::arg("algorithm") = py::none(),
+           py::keep_alive<1, 2>(), py::keep_alive<1, 5>())
+      .def(
+          "feed",
+          [](Simulator& self, const py::array& events) {
+            const EventSpan span = as_span(events);
+            const py::gil_scoped_release release;  // a Python algorithm takes it back per package
+            self.feed(span);
+          },
+          py::arg("events").noconvert(), "Events in arrival order; runs as far as they allow.")
+      .def(
+          "finish",
+          [](Simulator& self) {
+            const py::gil_scoped_release release;
+            self.finish();
+          },
+          "No event follows: what waits is delivered.");
+  bind_results<Simulator>(simulator);
+
+  py::class_<ReadAhead>(m, "ReadAhead", "Decouples the paced producer from the reader of a source.")
+      .def(py::init<>())
+      .def(
+          "feed",
+          [](ReadAhead& self, const py::array& events) {
+            const EventSpan span = as_span(events);
+            const py::gil_scoped_release release;  // blocks while all blocks are full
+            return self.feed(span);
+          },
+          py::arg("events").noconvert(), "Blocks while full; False: cancelled, stop reading.")
+      .def("finish", &ReadAhead::finish, "No feed follows.")
+      .def("cancel", &ReadAhead::cancel, "Feeds and the producer stop waiting.");
+
+  auto replay = py::class_<Replay>(m, "Replay", "A recording paced in real time.");
+  replay
+      .def(py::init([](Scheme& scheme, const RunConfig& config, double speed) {
+             return std::make_unique<Replay>(scheme, ReplayConfig{.speed = speed}, config);
+           }),
+           py::arg("scheme"), py::arg("config"), py::arg("speed") = 1.0, py::keep_alive<1, 2>())
+      .def(
+          "run",
+          [](Replay& self, const py::array& events, const py::object& algorithm,
+             const py::object& poll) {
+            SpanSource source(as_span(events));
+            replay_source(self, source, algorithm, poll);
+          },
+          py::arg("events").noconvert(), py::arg("algorithm"), py::arg("poll") = py::none(),
+          "Replays an array; the algorithm runs on this thread.")
+      .def(
+          "run",
+          [](Replay& self, ReadAhead& source, const py::object& algorithm, const py::object& poll) {
+            replay_source(self, source, algorithm, poll);
+          },
+          py::arg("source"), py::arg("algorithm"), py::arg("poll") = py::none(),
+          "Replays what a reader's thread feeds.")
+      .def_property_readonly(
+          "lateness", [](const Replay& self) { return self.lateness(); },
+          "How late the producer pushed, us: its own and the machine's jitter, per push.");
+  bind_results<Replay>(replay);
+}
+
+}  // namespace asap::python

@@ -1,0 +1,92 @@
+// The layer `telemetry`: ledger, latency per event, rows of the packages.
+#include "telemetry.hpp"
+
+#include <pybind11/stl.h>
+
+#include "asap/telemetry/latency_histogram.hpp"
+#include "asap/telemetry/ledger.hpp"
+#include "layers.hpp"
+
+namespace asap::python {
+namespace {
+
+using HistogramState =
+    std::tuple<std::int64_t, std::int64_t, std::uint64_t, std::uint64_t, std::uint64_t,
+               std::vector<std::pair<std::uint32_t, std::uint64_t>>>;
+
+HistogramState state_of(const LatencyHistogram& histogram) {
+  const LatencyHistogram::State s = histogram.state();
+  return {s.bound_ns, s.max_ns, s.within_bound, s.sum_low, s.sum_high, s.bins};
+}
+
+LatencyHistogram restored(const HistogramState& state) {
+  const auto& [bound_ns, max_ns, within_bound, sum_low, sum_high, bins] = state;
+  return LatencyHistogram::restored({bound_ns, max_ns, within_bound, sum_low, sum_high, bins});
+}
+
+}  // namespace
+
+py::array_t<PackageRow> rows_of(const RunLog& log) {
+  py::array_t<PackageRow> rows(static_cast<py::ssize_t>(log.size()));
+  PackageRow* out = rows.mutable_data();
+  for (std::size_t i = 0; i < log.size(); ++i) out[i] = log[i];
+  rows.attr("flags").attr("writeable") = false;
+  return rows;
+}
+
+void bind_telemetry(py::module_& m) {
+  PYBIND11_NUMPY_DTYPE(PackageRow, index, start_us, processing_us, t_first, t_last, offered, size,
+                       gamma, event_rate, rate, margin_us, latency_max_us, stale, overflow);
+  m.attr("PACKAGE_DTYPE") = py::dtype::of<PackageRow>();
+
+  py::class_<LatencyHistogram>(m, "LatencyHistogram", R"(Latency per delivered event, in us.
+
+Fixed memory; a quantile is within 0.4 %, the rest is exact.
+)")
+      .def_property_readonly("count", &LatencyHistogram::count, "Events delivered.")
+      .def_property_readonly(
+          "mean", [](const LatencyHistogram& h) { return h.mean_ns() * 1e-3; }, "us")
+      .def_property_readonly(
+          "max", [](const LatencyHistogram& h) { return static_cast<double>(h.max_ns()) * 1e-3; },
+          "us")
+      .def_property_readonly("within_bound", &LatencyHistogram::within_bound,
+                             "Events delivered within the latency bound.")
+      .def(
+          "quantile", [](const LatencyHistogram& h, double q) { return h.quantile_ns(q) * 1e-3; },
+          py::arg("q"),
+          R"(The latency in us that the fraction q of the delivered events does not exceed.
+
+Raises
+------
+ValueError
+    q is NaN or outside [0, 1].
+)")
+      .def("state", &state_of, "All that is recorded, as plain numbers.")
+      .def_static("restored", &restored, py::arg("state"), "The histogram of a state().");
+
+  py::class_<Ledger>(m, "Ledger", R"(Where every event went, in events.
+
+received = rejected + filtered + discarded + stale + overflow + delivered + pending
+)")
+      .def(py::init([](std::uint64_t received, std::uint64_t rejected, std::uint64_t filtered,
+                       std::uint64_t discarded, std::uint64_t stale, std::uint64_t overflow,
+                       std::uint64_t delivered, std::uint64_t pending) {
+             return Ledger{received, rejected, filtered,  discarded,
+                           stale,    overflow, delivered, pending};
+           }),
+           py::kw_only(), py::arg("received") = 0, py::arg("rejected") = 0, py::arg("filtered") = 0,
+           py::arg("discarded") = 0, py::arg("stale") = 0, py::arg("overflow") = 0,
+           py::arg("delivered") = 0, py::arg("pending") = 0)
+      .def_readonly("received", &Ledger::received, "Events handed to asap.")
+      .def_readonly("rejected", &Ledger::rejected, "Bad data.")
+      .def_readonly("filtered", &Ledger::filtered, "Taken out by a filter in front of gamma.")
+      .def_readonly("discarded", &Ledger::discarded, "Taken out by gamma: a choice.")
+      .def_readonly("stale", &Ledger::stale, "Thrown away as too old.")
+      .def_readonly("overflow", &Ledger::overflow, "Did not fit into the ring: a failure.")
+      .def_readonly("delivered", &Ledger::delivered, "Processed by the algorithm.")
+      .def_readonly("pending", &Ledger::pending, "Waiting, or in a package not finished.")
+      .def_property_readonly("balanced", &Ledger::balanced, "received = the sum of the others.")
+      .def("__eq__", [](const Ledger& a, const Ledger& b) { return a == b; });
+}
+
+}  // namespace asap::python

@@ -1,0 +1,81 @@
+#include "asap/filter/validator.hpp"
+
+#include <pybind11/pybind11.h>
+
+#include <string>
+#include <vector>
+
+#include "arrays.hpp"
+#include "asap/core/check.hpp"
+#include "layers.hpp"
+
+namespace asap::python {
+
+namespace {
+
+OnBad on_bad_from(const std::string& name) {
+  if (name == "drop") return OnBad::drop;
+  if (name == "clamp") return OnBad::clamp;
+  if (name == "raise") return OnBad::raise;
+  throw_bad_value("on_bad", "'" + name + "'", "use 'drop', 'clamp' or 'raise'");
+}
+
+// The array itself where all of it is good, else what is left of it.
+py::array check(Validator& validator, const py::array& events) {
+  const EventSpan all = as_span(events);
+  std::vector<Event> kept;
+  bool untouched = all.empty();
+  {
+    py::gil_scoped_release release;  // pure C++ on memory that `events` keeps alive
+    validator.check(all, [&](EventSpan run) {
+      untouched = run.data() == all.data() && run.size() == all.size();
+      if (!untouched) kept.insert(kept.end(), run.begin(), run.end());
+    });
+  }
+  if (untouched) return events;
+  return moved_to_array(std::move(kept));
+}
+
+py::dict rejected(const Validator& validator) {
+  const Rejections& by = validator.rejected();
+  py::dict reasons;
+  reasons["nonmonotonic"] = by.nonmonotonic;
+  reasons["out_of_bounds"] = by.out_of_bounds;
+  reasons["bad_polarity"] = by.bad_polarity;
+  reasons["bad_record"] = by.bad_record;
+  reasons["before_start"] = by.before_start;
+  return reasons;
+}
+
+py::dict repaired(const Validator& validator) {
+  const Repairs& by = validator.repaired();
+  py::dict kinds;
+  kinds["normalised_polarity"] = by.normalised_polarity;
+  kinds["lifted_stamps"] = by.lifted_stamps;
+  kinds["clamped_positions"] = by.clamped_positions;
+  return kinds;
+}
+
+}  // namespace
+
+void bind_validator(py::module_& m) {
+  py::class_<Validator>(m, "Validator")
+      .def(py::init([](int width, int height, const std::string& on_bad,
+                       std::int64_t reorder_tolerance_us) {
+             return Validator({.width = width,
+                               .height = height,
+                               .on_bad = on_bad_from(on_bad),
+                               .reorder_tolerance_us = reorder_tolerance_us});
+           }),
+           py::kw_only(), py::arg("width") = 0, py::arg("height") = 0, py::arg("on_bad") = "drop",
+           py::arg("reorder_tolerance_us") = 0)
+      .def("check", &check, py::arg("events").noconvert())
+      .def_property_readonly("received", &Validator::received)
+      .def_property_readonly("rejected", &rejected)
+      .def_property_readonly("repaired", &repaired)
+      .def_property_readonly("last_us", &Validator::last_us)
+      .def_property_readonly("clock_resets", &Validator::clock_resets)
+      .def_property_readonly("clock_offset_us", &Validator::clock_offset_us);
+}
+
+}  // namespace asap::python

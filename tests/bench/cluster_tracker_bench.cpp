@@ -1,0 +1,77 @@
+// Bar: at most 110 ns per event at the launch values, on every stream; the rival is the rule as
+// published, every cluster looked at for every event.
+#include "asap/algorithms/cluster_tracker.hpp"
+
+#include <benchmark/benchmark.h>
+
+#include <cstddef>
+#include <vector>
+
+#include "algorithms/cluster_streams.hpp"
+#include "algorithms/naive_clusterer.hpp"
+
+namespace {
+
+using asap::test::make_scene;
+
+const std::vector<asap::Event>& golden() {
+  static const auto events = asap::test::golden_stream(60'000);
+  return events;
+}
+
+// Twenty discs of up to 600 px/s, about 0.86 million events per second.
+const std::vector<asap::Event>& quiet_scene() {
+  static const auto events = make_scene({}, 60'000);
+  return events;
+}
+
+// The same with 5 Hz of noise per pixel, a third of all events.
+const std::vector<asap::Event>& noisy_scene() {
+  static const auto events = make_scene({.noise_hz = 5}, 60'000);
+  return events;
+}
+
+using Stream = const std::vector<asap::Event>& (*)();
+
+// Time per event.
+void set_cost(benchmark::State& state, std::size_t events) {
+  state.counters["per_event"] = benchmark::Counter(
+      static_cast<double>(events),
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+void BM_ClusterTracker(benchmark::State& state, Stream stream, asap::ClusterConfig config) {
+  const auto& events = stream();
+  asap::ClusterTracker tracker(config);
+  for (auto _ : state) {
+    tracker.reset();
+    tracker.process(events);
+    benchmark::ClobberMemory();
+  }
+  set_cost(state, events.size());
+}
+
+void BM_RivalAsPublished(benchmark::State& state, Stream stream, asap::ClusterConfig config) {
+  const auto& events = stream();
+  for (auto _ : state) {
+    asap::test::NaiveClusterer clusterer(config, asap::UniformProbe(config.seed));
+    for (const asap::Event& event : events) clusterer.update(event);
+    benchmark::ClobberMemory();
+  }
+  set_cost(state, events.size());
+}
+
+constexpr asap::ClusterConfig kLaunch{.width = 346, .height = 260};
+constexpr asap::ClusterConfig kNoProbes{.width = 346, .height = 260, .probes = 0};
+constexpr asap::ClusterConfig kLarge{.width = 346, .height = 260, .window = 3200, .min_size = 60};
+
+BENCHMARK_CAPTURE(BM_ClusterTracker, golden, golden, kLaunch);
+BENCHMARK_CAPTURE(BM_RivalAsPublished, golden, golden, kLaunch);
+BENCHMARK_CAPTURE(BM_ClusterTracker, quiet, quiet_scene, kLaunch);
+BENCHMARK_CAPTURE(BM_RivalAsPublished, quiet, quiet_scene, kLaunch);
+BENCHMARK_CAPTURE(BM_ClusterTracker, noisy, noisy_scene, kLaunch);
+BENCHMARK_CAPTURE(BM_RivalAsPublished, noisy, noisy_scene, kLaunch);
+BENCHMARK_CAPTURE(BM_ClusterTracker, noisy_without_probes, noisy_scene, kNoProbes);
+BENCHMARK_CAPTURE(BM_ClusterTracker, noisy_large_window, noisy_scene, kLarge);
+
+}  // namespace

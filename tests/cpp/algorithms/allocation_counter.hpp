@@ -1,0 +1,10 @@
+// Counts this thread's calls of operator new, which the test executable of this layer replaces.
+#pragma once
+
+#include <cstddef>
+
+namespace asap::test {
+
+std::size_t allocations() noexcept;
+
+}  // namespace asap::test

@@ -1,0 +1,54 @@
+#include "algorithms/allocation_counter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <vector>
+
+namespace {
+
+thread_local std::size_t count = 0;
+
+void* counted(std::size_t size) {
+  ++count;
+  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+  throw std::bad_alloc();
+}
+
+void* counted(std::size_t size, std::align_val_t alignment) {
+  ++count;
+  const auto step = static_cast<std::size_t>(alignment);
+  if (void* memory = std::aligned_alloc(step, (size + step - 1) / step * step)) return memory;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
+std::size_t asap::test::allocations() noexcept { return count; }
+
+// The array and nothrow forms of the standard library call these.
+void* operator new(std::size_t size) { return counted(size); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, alignment);
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace {
+
+struct alignas(64) Wide {
+  char bytes[64];
+};
+
+TEST(AllocationCounter, Counts) {
+  const std::size_t before = asap::test::allocations();
+  const std::vector<int> plain(100);
+  const std::vector<Wide> aligned(100);
+  EXPECT_EQ(asap::test::allocations() - before, 2U);
+}
+
+}  // namespace

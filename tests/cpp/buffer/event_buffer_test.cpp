@@ -1,0 +1,285 @@
+#include "asap/buffer/event_buffer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <thread>
+#include <vector>
+
+#include "asap/core/random.hpp"
+#include "support/errors.hpp"
+#include "support/streams.hpp"
+
+namespace asap {
+namespace {
+
+using test::error_of;
+using test::evenly_spaced;
+using test::Events;
+using test::number_of;
+using test::numbered;
+using test::numbers_of;
+
+using Numbers = std::vector<std::uint64_t>;
+
+constexpr std::uint64_t kNearTheEnd = std::numeric_limits<std::uint64_t>::max() - 5;
+
+Numbers waiting_in(EventBuffer& buffer) {
+  const EventPieces pieces = buffer.peek();
+  Numbers numbers = numbers_of(pieces.first);
+  for (const Event& event : pieces.second) numbers.push_back(number_of(event));
+  return numbers;
+}
+
+// The capacities where masks and wraps go wrong.
+class EventBufferOfSize : public testing::TestWithParam<std::size_t> {};
+INSTANTIATE_TEST_SUITE_P(, EventBufferOfSize,
+                         testing::Values(1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 1023, 1024, 1025));
+
+TEST_P(EventBufferOfSize, HoldsExactlyItsCapacity) {
+  const std::size_t capacity = GetParam();
+  EventBuffer buffer(capacity);
+  EXPECT_EQ(buffer.capacity(), capacity);
+  const Events events = evenly_spaced(capacity + 1, 1);
+  for (std::size_t i = 0; i < capacity; ++i) {
+    ASSERT_EQ(buffer.push(EventSpan(events).subspan(i, 1)), 1u);
+    ASSERT_EQ(buffer.size(), i + 1);
+  }
+  EXPECT_EQ(buffer.overflow(), 0u);
+  EXPECT_EQ(buffer.push(EventSpan(events).last(1)), 0u);
+  EXPECT_EQ(buffer.overflow(), 1u);
+  EXPECT_EQ(waiting_in(buffer), numbers_of(EventSpan(events).first(capacity)));
+}
+
+TEST_P(EventBufferOfSize, KeepsTheOldestOfASpanThatIsTooLarge) {
+  const std::size_t capacity = GetParam();
+  EventBuffer buffer(capacity);
+  const Events events = evenly_spaced(3 * capacity + 2, 1);
+  EXPECT_EQ(buffer.push(events), capacity);
+  EXPECT_EQ(buffer.overflow(), 2 * capacity + 2);
+  EXPECT_EQ(waiting_in(buffer), numbers_of(EventSpan(events).first(capacity)));
+}
+
+TEST_P(EventBufferOfSize, ConsumeFreesExactlyThatMany) {
+  const std::size_t capacity = GetParam();
+  EventBuffer buffer(capacity);
+  const Events events = evenly_spaced(2 * capacity, 1);
+  buffer.push(EventSpan(events).first(capacity));
+  for (std::size_t i = 0; i < capacity; ++i) {
+    ASSERT_EQ(waiting_in(buffer), numbers_of(EventSpan(events).subspan(i, capacity)));
+    buffer.consume(1);
+    ASSERT_EQ(buffer.size(), capacity - 1);
+    ASSERT_EQ(buffer.push(EventSpan(events).subspan(capacity + i, 1)), 1u);
+    ASSERT_EQ(buffer.push(EventSpan(events).first(1)), 0u);
+  }
+  EXPECT_EQ(waiting_in(buffer), numbers_of(EventSpan(events).last(capacity)));
+  EXPECT_EQ(buffer.overflow(), capacity);
+}
+
+// The same calls on the ring and on a plain queue; everything that can be seen must agree.
+void compare_with_a_queue(std::size_t capacity, std::uint64_t first_index, std::uint64_t count) {
+  EventBuffer buffer(capacity, first_index);
+  std::deque<Event> queue;
+  const CounterRandom random(capacity);
+  std::uint64_t overflow = 0;
+  std::uint64_t number = 0;
+  std::vector<Event> batch;
+  for (std::uint64_t round = 0; number < count; ++round) {
+    batch.clear();
+    const std::uint64_t pushed = random(2 * round) % (2 * capacity + 1);
+    for (std::uint64_t i = 0; i < pushed; ++i) {
+      batch.push_back(numbered(number, static_cast<std::int64_t>(number)));
+      ++number;
+    }
+    const std::size_t fits = std::min<std::size_t>(pushed, capacity - queue.size());
+    queue.insert(queue.end(), batch.begin(), batch.begin() + static_cast<std::ptrdiff_t>(fits));
+    overflow += pushed - fits;
+    ASSERT_EQ(buffer.push(batch), fits);
+    ASSERT_EQ(buffer.overflow(), overflow);
+    ASSERT_EQ(buffer.size(), queue.size());
+
+    const std::size_t limit = random(2 * round + 1) % (capacity + 2);
+    const EventPieces pieces = buffer.peek(limit);
+    ASSERT_EQ(pieces.size(), std::min(limit, queue.size()));
+    ASSERT_TRUE(std::equal(pieces.first.begin(), pieces.first.end(), queue.begin()));
+    ASSERT_TRUE(std::equal(pieces.second.begin(), pieces.second.end(),
+                           queue.begin() + static_cast<std::ptrdiff_t>(pieces.first.size())));
+    for (std::size_t i = 0; i < pieces.size(); i += 1 + pieces.size() / 4) {
+      ASSERT_EQ(pieces[i], queue[i]);
+    }
+    const std::size_t consumed = pieces.size() - pieces.size() / 3;
+    buffer.consume(consumed);
+    queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(consumed));
+    ASSERT_EQ(buffer.size(), queue.size());
+    ASSERT_EQ(buffer.tail() - buffer.head(), queue.size());
+  }
+}
+
+TEST_P(EventBufferOfSize, AgreesWithAQueue) { compare_with_a_queue(GetParam(), 0, 100'000); }
+
+TEST_P(EventBufferOfSize, AgreesWithAQueueWhereTheIndicesWrap) {
+  compare_with_a_queue(GetParam(), kNearTheEnd, 100'000);
+}
+
+TEST(EventBuffer, AgreesWithAQueueOverSixteenMillionEvents) {
+  compare_with_a_queue(1000, kNearTheEnd - 1'000'000, std::uint64_t{1} << 24);
+}
+
+TEST(EventBuffer, PeekGivesTwoContiguousPieces) {
+  EventBuffer buffer(4);
+  const Events events = evenly_spaced(8, 1);
+  buffer.push(EventSpan(events).first(4));
+  buffer.peek();
+  buffer.consume(3);
+  buffer.push(EventSpan(events).subspan(4, 3));
+  const EventPieces pieces = buffer.peek();
+  EXPECT_EQ(numbers_of(pieces.first), (Numbers{3}));
+  EXPECT_EQ(numbers_of(pieces.second), (Numbers{4, 5, 6}));
+  EXPECT_EQ(numbers_of(buffer.peek(1).first), (Numbers{3}));
+  EXPECT_TRUE(buffer.peek(1).second.empty());
+  EXPECT_EQ(buffer.peek(0).size(), 0u);
+}
+
+TEST(EventBuffer, TakesAnEmptySpan) {
+  EventBuffer buffer(1);
+  EXPECT_EQ(buffer.push({}), 0u);
+  EXPECT_EQ(buffer.size(), 0u);
+  EXPECT_EQ(buffer.overflow(), 0u);
+  EXPECT_EQ(buffer.peek().size(), 0u);
+}
+
+TEST(EventBuffer, RefusesACapacityThatCannotBe) {
+  const auto error = [](std::size_t capacity) {
+    return error_of([capacity] { EventBuffer buffer(capacity); });
+  };
+  EXPECT_EQ(error(0), "capacity = 0: must be between 1 and 2^40 events");
+  EXPECT_EQ(error(std::numeric_limits<std::size_t>::max() - 1),
+            "capacity = 18446744073709551614: must be between 1 and 2^40 events");
+  EXPECT_EQ(error(EventBuffer::kMaxCapacity + 1),
+            "capacity = 1099511627777: must be between 1 and 2^40 events");
+}
+
+// Threads meet only where the scheduler lets them: random pauses make them meet everywhere.
+void pause(std::uint64_t bits) {
+  if (bits % 8 == 0) std::this_thread::yield();
+  if (bits % 512 == 0) {
+    std::this_thread::sleep_for(std::chrono::microseconds((bits >> 16) % 10));
+  }
+}
+
+class EventBufferOnTwoThreads : public testing::TestWithParam<std::size_t> {};
+INSTANTIATE_TEST_SUITE_P(, EventBufferOnTwoThreads, testing::Values(1, 2, 3, 4, 7, 32, 1000));
+
+TEST_P(EventBufferOnTwoThreads, NothingIsLostDoubledOrTorn) {
+  constexpr std::uint64_t kEvents = 100'000;
+  EventBuffer buffer(GetParam(), kNearTheEnd);
+  std::thread producer([&] {
+    const CounterRandom random(1);
+    Events batch;
+    std::uint64_t next = 0;
+    for (std::uint64_t round = 0; next < kEvents; ++round) {
+      const std::uint64_t bits = random(round);
+      batch.clear();
+      const std::uint64_t size = std::min(1 + bits % (GetParam() + 1), kEvents - next);
+      for (std::uint64_t i = 0; i < size; ++i) {
+        batch.push_back(numbered(next + i, static_cast<std::int64_t>(~(next + i))));
+      }
+      const std::size_t taken = buffer.push(batch);
+      next += taken;  // what did not fit is offered again
+      if (taken == 0) std::this_thread::yield();
+      pause(bits >> 20);
+    }
+    buffer.close();
+  });
+
+  const CounterRandom random(2);
+  std::uint64_t next = 0;
+  for (std::uint64_t round = 0;; ++round) {
+    const std::uint64_t bits = random(round);
+    const bool closed = buffer.closed();
+    const EventPieces pieces = buffer.peek(1 + bits % (GetParam() + 1));
+    if (pieces.size() == 0 && closed) break;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      ASSERT_EQ(pieces[i], numbered(next, static_cast<std::int64_t>(~next)));
+      ++next;
+    }
+    pause(bits >> 20);
+    buffer.consume(pieces.size());
+    if (pieces.size() == 0) std::this_thread::yield();
+  }
+  producer.join();
+  EXPECT_EQ(next, kEvents);
+}
+
+TEST_P(EventBufferOnTwoThreads, EveryEventIsDeliveredOrCounted) {
+  constexpr std::uint64_t kEvents = 200'000;
+  EventBuffer buffer(GetParam());
+  std::thread producer([&] {
+    const CounterRandom random(3);
+    Events batch;
+    for (std::uint64_t next = 0; next < kEvents;) {
+      const std::uint64_t bits = random(next);
+      batch.clear();
+      for (std::uint64_t i = bits % 20; i < 20 && next < kEvents; ++i) {
+        batch.push_back(numbered(next, static_cast<std::int64_t>(next)));
+        ++next;
+      }
+      buffer.push(batch);
+      pause(bits >> 20);
+    }
+    buffer.close();
+  });
+
+  std::uint64_t delivered = 0;
+  std::int64_t last = -1;
+  for (;;) {
+    const bool closed = buffer.closed();
+    const EventPieces pieces = buffer.peek();
+    if (pieces.size() == 0 && closed) break;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      ASSERT_LT(last, pieces[i].t);
+      last = pieces[i].t;
+    }
+    delivered += pieces.size();
+    buffer.consume(pieces.size());
+    if (pieces.size() == 0) std::this_thread::yield();
+  }
+  producer.join();
+  EXPECT_EQ(delivered + buffer.overflow(), kEvents);
+}
+
+TEST(EventBuffer, AfterClosedOneMorePeekSeesEverything) {
+  constexpr int kRounds = 20'000;
+  const Events events = evenly_spaced(3, 1);
+  std::deque<EventBuffer> buffers;
+  for (int i = 0; i < kRounds; ++i) buffers.emplace_back(std::size_t{4});
+  std::thread producer([&] {
+    for (EventBuffer& buffer : buffers) {
+      buffer.push(EventSpan(events).first(1));
+      buffer.push(EventSpan(events).last(2));
+      buffer.close();
+    }
+  });
+  for (EventBuffer& buffer : buffers) {
+    while (!buffer.closed()) std::this_thread::yield();
+    ASSERT_EQ(waiting_in(buffer), (Numbers{0, 1, 2}));
+  }
+  producer.join();
+}
+
+TEST(EventBuffer, PushAfterAFullRingSeesTheFreedPlaces) {
+  EventBuffer buffer(2);
+  const Events events = evenly_spaced(4, 1);
+  EXPECT_EQ(buffer.push(EventSpan(events).first(3)), 2u);
+  buffer.peek();
+  buffer.consume(2);
+  EXPECT_EQ(buffer.push(EventSpan(events).last(2)), 2u);
+  EXPECT_EQ(waiting_in(buffer), (Numbers{2, 3}));
+}
+
+}  // namespace
+}  // namespace asap

@@ -1,0 +1,38 @@
+#include "asap/core/check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <limits>
+
+#include "support/errors.hpp"
+
+namespace asap {
+namespace {
+
+using test::error_of;
+
+TEST(Require, PassesWhatIsRight) { EXPECT_NO_THROW(require(true, "size", 1, "be good")); }
+
+TEST(Require, NamesFieldValueAndRemedy) {
+  EXPECT_EQ(error_of([] { require(false, "size", 0, "must be at least 1 event"); }),
+            "size = 0: must be at least 1 event");
+}
+
+TEST(Require, WritesNumbersInFull) {
+  const auto text = [](auto value) {
+    const std::string error = error_of([value] { require(false, "f", value, "r"); });
+    return error.substr(4, error.size() - 7);
+  };
+  EXPECT_EQ(text(-1.1), "-1.1");
+  EXPECT_EQ(text(0.1), "0.1");
+  EXPECT_EQ(text(1e300), "1e+300");
+  EXPECT_EQ(text(1234567.25), "1234567.25");
+  EXPECT_EQ(text(std::numeric_limits<double>::quiet_NaN()), "nan");
+  EXPECT_EQ(text(-std::numeric_limits<double>::infinity()), "-inf");
+  EXPECT_EQ(text(std::numeric_limits<std::uint64_t>::max()), "18446744073709551615");
+  EXPECT_EQ(text(std::numeric_limits<std::int64_t>::min()), "-9223372036854775808");
+}
+
+}  // namespace
+}  // namespace asap

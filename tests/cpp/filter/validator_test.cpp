@@ -1,0 +1,324 @@
+#include "asap/filter/validator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "asap/core/random.hpp"
+
+namespace asap {
+namespace {
+
+using Events = std::vector<Event>;
+
+constexpr std::int64_t kSecond_us = 1'000'000;
+
+Events check(Validator& validator, EventSpan events) {
+  Events good;
+  validator.check(events, [&](EventSpan run) { good.insert(good.end(), run.begin(), run.end()); });
+  return good;
+}
+
+std::vector<std::int64_t> times(const Events& events) {
+  std::vector<std::int64_t> t;
+  for (const Event& event : events) t.push_back(event.t);
+  return t;
+}
+
+Events at_times(const std::vector<std::int64_t>& t) {
+  Events events;
+  for (const std::int64_t stamp : t) events.push_back({1, 2, 1, stamp});
+  return events;
+}
+
+Events good_events(std::size_t count) {
+  Events events;
+  for (std::size_t i = 0; i < count; ++i) {
+    events.push_back({static_cast<std::uint16_t>(i % 346), static_cast<std::uint16_t>(i % 260),
+                      static_cast<std::int16_t>(i % 2), static_cast<std::int64_t>(i / 3)});
+  }
+  return events;
+}
+
+std::string refusal(Validator& validator, EventSpan events) {
+  try {
+    check(validator, events);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(Validator, PassesGoodEventsInPlaceAsOneRun) {
+  const Events events = good_events(100'000);
+  Validator validator({.width = 346, .height = 260});
+  std::vector<EventSpan> runs;
+  validator.check(events, [&](EventSpan run) { runs.push_back(run); });
+  ASSERT_EQ(runs.size(), 1u);
+  EXPECT_EQ(runs[0].data(), events.data());
+  EXPECT_EQ(runs[0].size(), events.size());
+  EXPECT_EQ(validator.received(), events.size());
+  EXPECT_EQ(validator.rejected(), Rejections{});
+  EXPECT_EQ(validator.repaired(), Repairs{});
+}
+
+TEST(Validator, SinksNothingForNoEvents) {
+  Validator validator;
+  validator.check({}, [](EventSpan) { FAIL(); });
+  EXPECT_EQ(validator.received(), 0u);
+}
+
+TEST(Validator, DropsAndCountsPixelsOutsideTheSensor) {
+  Validator validator({.width = 346, .height = 260});
+  const Events events{{345, 259, 1, 0}, {346, 0, 1, 1}, {0, 260, 1, 2}, {65535, 65535, 0, 3}};
+  EXPECT_EQ(check(validator, events), Events(events.begin(), events.begin() + 1));
+  EXPECT_EQ(validator.rejected(), (Rejections{.out_of_bounds = 3}));
+}
+
+TEST(Validator, WithoutASizeTakesEveryPixel) {
+  Validator validator;
+  const Events events{{65535, 65535, 1, 0}};
+  EXPECT_EQ(check(validator, events), events);
+}
+
+TEST(Validator, ClampsPixelsToTheEdge) {
+  Validator validator({.width = 346, .height = 260, .on_bad = OnBad::clamp});
+  const Events good = check(validator, Events{{346, 7, 1, 0}, {5, 300, 0, 1}, {9, 9, 1, 2}});
+  EXPECT_EQ(good, (Events{{345, 7, 1, 0}, {5, 259, 0, 1}, {9, 9, 1, 2}}));
+  EXPECT_EQ(validator.repaired(), (Repairs{.clamped_positions = 2}));
+  EXPECT_EQ(validator.rejected(), Rejections{});
+}
+
+TEST(Validator, NormalisesPolarityAndCountsIt) {
+  Validator validator;
+  const Events good =
+      check(validator,
+            Events{{1, 1, -1, 0}, {1, 1, 0, 0}, {1, 1, 1, 0}, {1, 1, 2, 0}, {1, 1, -32768, 0}});
+  std::vector<int> polarity;
+  for (const Event& event : good) polarity.push_back(event.p);
+  EXPECT_EQ(polarity, (std::vector<int>{0, 0, 1, 1, 0}));
+  EXPECT_EQ(validator.normalised_polarity(), 3u);
+  EXPECT_EQ(validator.rejected(), Rejections{});
+}
+
+TEST(Validator, DropsABackStepOfLessThanASecond) {
+  Validator validator;
+  const Events good =
+      check(validator, at_times({kSecond_us, 2 * kSecond_us, kSecond_us + 1, 2 * kSecond_us}));
+  EXPECT_EQ(times(good), (std::vector<std::int64_t>{kSecond_us, 2 * kSecond_us, 2 * kSecond_us}));
+  EXPECT_EQ(validator.rejected(), (Rejections{.nonmonotonic = 1}));
+  EXPECT_EQ(validator.clock_resets(), 0u);
+}
+
+TEST(Validator, ComparesStampsAcrossCalls) {
+  Validator validator;
+  check(validator, at_times({100}));
+  EXPECT_TRUE(check(validator, at_times({99})).empty());
+  EXPECT_EQ(times(check(validator, at_times({100}))), (std::vector<std::int64_t>{100}));
+  EXPECT_EQ(validator.rejected().nonmonotonic, 1u);
+}
+
+TEST(Validator, ADroppedEventDoesNotMoveTime) {
+  Validator validator({.width = 10, .height = 10});
+  const Events good = check(validator, Events{{1, 1, 1, 5}, {99, 1, 1, 500}, {1, 1, 1, 6}});
+  EXPECT_EQ(times(good), (std::vector<std::int64_t>{5, 6}));
+}
+
+TEST(Validator, LiftsTolerableBackSteps) {
+  Validator validator({.reorder_tolerance_us = 10});
+  EXPECT_EQ(times(check(validator, at_times({100, 90, 89, 101}))),
+            (std::vector<std::int64_t>{100, 100, 101}));
+  EXPECT_EQ(validator.rejected(), (Rejections{.nonmonotonic = 1}));
+  EXPECT_EQ(validator.repaired(), (Repairs{.lifted_stamps = 1}));
+}
+
+TEST(Validator, ClampLiftsEverySmallBackStep) {
+  Validator validator({.on_bad = OnBad::clamp});
+  EXPECT_EQ(times(check(validator, at_times({kSecond_us, 1, kSecond_us + 1}))),
+            (std::vector<std::int64_t>{kSecond_us, kSecond_us, kSecond_us + 1}));
+  EXPECT_EQ(validator.rejected(), Rejections{});
+}
+
+TEST(Validator, AClockResetStartsAnEpochThatGoesOnWithTime) {
+  Validator validator;
+  const auto reset = at_times({5 * kSecond_us, 4 * kSecond_us, 4 * kSecond_us + 7});
+  EXPECT_EQ(times(check(validator, reset)),
+            (std::vector<std::int64_t>{5 * kSecond_us, 5 * kSecond_us + 1, 5 * kSecond_us + 8}));
+  EXPECT_EQ(validator.clock_resets(), 1u);
+  EXPECT_EQ(validator.clock_offset_us(), kSecond_us + 1);
+  EXPECT_EQ(validator.rejected(), Rejections{});
+}
+
+TEST(Validator, UnwrapsACounterThatWrapsTwice) {
+  constexpr std::int64_t kWrap = std::int64_t{1} << 31;
+  Validator validator;
+  const Events good = check(validator, at_times({kWrap - 1, 0, kWrap - 1, 0, 1}));
+  EXPECT_EQ(times(good),
+            (std::vector<std::int64_t>{kWrap - 1, kWrap, 2 * kWrap - 1, 2 * kWrap, 2 * kWrap + 1}));
+  EXPECT_EQ(validator.clock_resets(), 2u);
+}
+
+TEST(Validator, BackStepsAreMeasuredInsideTheNewEpoch) {
+  Validator validator;
+  const Events good = check(validator, at_times({5 * kSecond_us, 0, 100, 50, 100 - kSecond_us}));
+  EXPECT_EQ(times(good), (std::vector<std::int64_t>{5 * kSecond_us, 5 * kSecond_us + 1,
+                                                    5 * kSecond_us + 101, 5 * kSecond_us + 102}));
+  EXPECT_EQ(validator.rejected(), (Rejections{.nonmonotonic = 1}));
+  EXPECT_EQ(validator.clock_resets(), 2u);
+}
+
+TEST(Validator, KeepsTheOffsetWhereStampsLookGoodWithoutIt) {
+  Validator validator;
+  check(validator, at_times({5 * kSecond_us, 4 * kSecond_us}));
+  const Events good = check(validator, at_times({7 * kSecond_us, 7 * kSecond_us + 1}));
+  EXPECT_EQ(times(good), (std::vector<std::int64_t>{8 * kSecond_us + 1, 8 * kSecond_us + 2}));
+}
+
+TEST(Validator, StampsThatWouldOverflowAreBadRecords) {
+  constexpr std::int64_t kLimit = Validator::kMaxStamp_us;
+  Validator validator;
+  const Events good =
+      check(validator, at_times({std::numeric_limits<std::int64_t>::min(), -kLimit - 1, -kLimit, 0,
+                                 kLimit + 1, kLimit, std::numeric_limits<std::int64_t>::max()}));
+  EXPECT_EQ(times(good), (std::vector<std::int64_t>{-kLimit, 0, kLimit}));
+  EXPECT_EQ(validator.rejected(), (Rejections{.bad_record = 4}));
+}
+
+TEST(Validator, TimeNeverPassesTheLimitByEpochs) {
+  constexpr std::int64_t kLimit = Validator::kMaxStamp_us;
+  Validator validator;
+  EXPECT_EQ(times(check(validator, at_times({kLimit, 0, 1}))), (std::vector<std::int64_t>{kLimit}));
+  EXPECT_EQ(validator.rejected().bad_record, 2u);
+  EXPECT_EQ(validator.clock_resets(), 0u);
+}
+
+TEST(Validator, RaiseSinksWhatCameBeforeAndNamesTheEvent) {
+  Validator validator({.width = 346, .height = 260, .on_bad = OnBad::raise});
+  Events events = good_events(1000);
+  events[700].y = 260;
+  Events good;
+  try {
+    validator.check(events,
+                    [&](EventSpan run) { good.insert(good.end(), run.begin(), run.end()); });
+    FAIL() << "nothing was thrown";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("y = 260 (event 700): ")) << error.what();
+  }
+  EXPECT_EQ(good, Events(events.begin(), events.begin() + 700));
+  EXPECT_EQ(validator.received(), 701u);
+  EXPECT_EQ(validator.rejected(), (Rejections{.out_of_bounds = 1}));
+}
+
+TEST(Validator, RaiseNamesEachField) {
+  const ValidatorConfig config{.width = 10, .height = 10, .on_bad = OnBad::raise};
+  const auto of = [&](const Events& events) {
+    Validator validator(config);
+    return refusal(validator, events);
+  };
+  EXPECT_TRUE(of({{10, 0, 1, 0}}).starts_with("x = 10 (event 0): "));
+  EXPECT_TRUE(of({{0, 0, 1, 9}, {0, 0, 1, 8}}).starts_with("t = 8 (event 1): goes back behind 9"));
+  EXPECT_TRUE(of(at_times({Validator::kMaxStamp_us + 1})).starts_with("t = 4503599627370497 "));
+}
+
+TEST(Validator, RaiseCountsEventsOverAllCalls) {
+  Validator validator({.on_bad = OnBad::raise});
+  check(validator, at_times({1, 2, 3}));
+  EXPECT_NE(refusal(validator, at_times({4, 3})).find("(event 4)"), std::string::npos);
+}
+
+TEST(Validator, RefusesBadConfigurationByName) {
+  const auto error_of = [](ValidatorConfig config) -> std::string {
+    try {
+      const Validator validator(config);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_TRUE(error_of({.width = -1}).starts_with("width = -1: "));
+  EXPECT_TRUE(error_of({.height = 65537}).starts_with("height = 65537: "));
+  EXPECT_TRUE(error_of({.reorder_tolerance_us = -1}).starts_with("reorder_tolerance_us = -1: "));
+  EXPECT_TRUE(
+      error_of({.reorder_tolerance_us = kSecond_us}).starts_with("reorder_tolerance_us = "));
+  EXPECT_EQ(error_of({.width = 65536, .height = 65536}), "accepted");
+}
+
+// Streams with every fault in them: the laws hold whatever the policy and however the stream is
+// cut.
+
+Events storm(std::uint64_t seed, std::size_t count) {
+  const CounterRandom random(seed);
+  const unsigned fault_every = 2 + static_cast<unsigned>(random(count) % 400);
+  Events events;
+  std::int64_t t = 10 * kSecond_us;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint64_t bits = random(i);
+    t += static_cast<std::int64_t>(bits % 4);
+    Event event{static_cast<std::uint16_t>((bits >> 8) % 346),
+                static_cast<std::uint16_t>((bits >> 20) % 260),
+                static_cast<std::int16_t>((bits >> 32) % 2), t};
+    if ((bits >> 33) % fault_every == 0) {
+      switch ((bits >> 50) % 6) {
+        case 0:
+          event.t -= static_cast<std::int64_t>((bits >> 40) % 50);
+          break;
+        case 1:
+          t = static_cast<std::int64_t>((bits >> 40) % 1000);
+          break;
+        case 2:
+          event.x = static_cast<std::uint16_t>(bits >> 40);
+          break;
+        case 3:
+          event.y = static_cast<std::uint16_t>(bits >> 40);
+          break;
+        case 4:
+          event.p = static_cast<std::int16_t>(bits >> 40);
+          break;
+        default:
+          event.t = static_cast<std::int64_t>(bits);
+          break;
+      }
+    }
+    events.push_back(event);
+  }
+  return events;
+}
+
+TEST(Validator, OutputIsOrderedAndTheLedgerExactInAnyStorm) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const Events events = storm(seed, 3000);
+    const ValidatorConfig config{.width = 346,
+                                 .height = 260,
+                                 .on_bad = seed % 2 == 0 ? OnBad::drop : OnBad::clamp,
+                                 .reorder_tolerance_us = static_cast<std::int64_t>(seed % 3) * 20};
+    Validator whole(config);
+    const Events good = check(whole, events);
+    ASSERT_EQ(whole.received(), events.size()) << "seed " << seed;
+    ASSERT_EQ(whole.received(), good.size() + whole.rejected().total()) << "seed " << seed;
+    for (std::size_t i = 0; i < good.size(); ++i) {
+      ASSERT_TRUE(i == 0 || good[i - 1].t <= good[i].t) << "seed " << seed << " event " << i;
+      ASSERT_TRUE(good[i].x < 346 && good[i].y < 260 && (good[i].p == 0 || good[i].p == 1));
+      ASSERT_TRUE(good[i].t <= Validator::kMaxStamp_us && good[i].t >= -Validator::kMaxStamp_us);
+    }
+
+    Validator pieces(config);
+    Events joined;
+    const CounterRandom cut(seed);
+    for (std::size_t at = 0, i = 0; at < events.size(); ++i) {
+      const std::size_t size = std::min<std::size_t>(cut(i) % 700, events.size() - at);
+      const Events part = check(pieces, EventSpan(events).subspan(at, size));
+      joined.insert(joined.end(), part.begin(), part.end());
+      at += size;
+    }
+    ASSERT_EQ(joined, good) << "seed " << seed;
+    ASSERT_EQ(pieces.rejected(), whole.rejected()) << "seed " << seed;
+    ASSERT_EQ(pieces.repaired(), whole.repaired()) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace asap

@@ -1,0 +1,48 @@
+// The headers of the hot path compile without exceptions and without RTTI, as on-board code often
+// is: every one of them is included and its templates are used. Compiled, never run.
+#include "asap/buffer/event_buffer.hpp"
+#include "asap/core/check.hpp"
+#include "asap/core/event.hpp"
+#include "asap/core/random.hpp"
+#include "asap/core/time.hpp"
+#include "asap/filter/gamma_filter.hpp"
+#include "asap/filter/validator.hpp"
+#include "asap/packager/package.hpp"
+#include "asap/packager/packager.hpp"
+#include "asap/runner/clock.hpp"
+#include "asap/runner/consumer.hpp"
+#include "asap/runner/consumer_loop.hpp"
+#include "asap/runner/doorbell.hpp"
+#include "asap/runner/event_source.hpp"
+#include "asap/runner/linear_cost.hpp"
+#include "asap/runner/read_ahead.hpp"
+#include "asap/runner/replay.hpp"
+#include "asap/runner/run_config.hpp"
+#include "asap/runner/simulator.hpp"
+#include "asap/schemes/asap2020.hpp"
+#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed_time.hpp"
+#include "asap/schemes/greedy.hpp"
+#include "asap/schemes/rate_meter.hpp"
+#include "asap/schemes/scheme.hpp"
+#include "asap/schemes/single_event.hpp"
+#include "asap/telemetry/latency_histogram.hpp"
+#include "asap/telemetry/ledger.hpp"
+#include "asap/telemetry/run_log.hpp"
+
+#if defined(__cpp_exceptions) || defined(__cpp_rtti)
+#error "this file is to be compiled with -fno-exceptions -fno-rtti"
+#endif
+
+template class asap::BasicEventBuffer<>;
+template void asap::require<int>(bool, std::string_view, int, std::string_view);
+template void asap::require<double>(bool, std::string_view, double, std::string_view);
+
+std::size_t use_the_templates(asap::Validator& validator, asap::EventBuffer& buffer,
+                              asap::Doorbell& doorbell, asap::EventSpan events) {
+  std::size_t pushed = 0;
+  validator.check(events, [&](asap::EventSpan good) { pushed += buffer.push(good); });
+  doorbell.announce(buffer.tail());
+  doorbell.wait(0, asap::Doorbell::Clock::time_point::min(), [] { return true; });
+  return pushed;
+}

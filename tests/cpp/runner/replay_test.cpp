@@ -1,0 +1,348 @@
+// In real time, on a machine that may be busy: nothing here asks for a latency below 50 ms.
+#include "asap/runner/replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <limits>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "asap/runner/read_ahead.hpp"
+#include "asap/schemes/asap2020.hpp"
+#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/greedy.hpp"
+#include "asap/schemes/single_event.hpp"
+#include "support/errors.hpp"
+#include "support/streams.hpp"
+
+namespace asap {
+namespace {
+
+using test::at_times;
+using test::evenly_spaced;
+using test::Events;
+using Steady = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+constexpr std::int64_t kHour_us = 3'600'000'000;
+
+struct Trouble {
+  int code;
+};
+
+// The code of the Trouble that a call ends with; 0: none.
+template <class Action>
+int trouble_of(Action&& action) {
+  try {
+    action();
+  } catch (const Trouble& trouble) {
+    return trouble.code;
+  }
+  return 0;
+}
+
+// Events in chunks, with trouble at the end.
+class TroubledSource final : public EventSource {
+ public:
+  TroubledSource(EventSpan events, std::size_t chunk) : events_(events), chunk_(chunk) {}
+
+  EventSpan next() override {
+    if (events_.empty()) throw Trouble{3};
+    const EventSpan chunk = events_.first(std::min(chunk_, events_.size()));
+    events_ = events_.subspan(chunk.size());
+    return chunk;
+  }
+
+ private:
+  EventSpan events_;
+  std::size_t chunk_;
+};
+
+// One chunk, then nothing, neither events nor the end, until it is cancelled.
+class SilentSource final : public EventSource {
+ public:
+  explicit SilentSource(EventSpan events) : first_(events) {}
+
+  EventSpan next() override {
+    if (!first_.empty()) return std::exchange(first_, {});
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return cancelled_; });
+    return {};
+  }
+  void cancel() noexcept override {
+    {
+      const std::lock_guard lock(mutex_);
+      cancelled_ = true;
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  EventSpan first_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool cancelled_ = false;
+};
+
+TEST(Replay, DeliversEveryEventInOrder) {
+  const Events events = test::random_stream(1, 20'000, 1'600'000'000'000'000);
+  Asap2020 scheme({.rate_bound = 1e9, .first_size = 50});
+  Replay replay(scheme, {.speed = 50});
+  SpanSource source(events);
+  Events delivered;
+  replay.run(source, [&](EventSpan package) {
+    delivered.insert(delivered.end(), package.begin(), package.end());
+  });
+  EXPECT_EQ(delivered, events);
+  EXPECT_EQ(replay.ledger(), (Ledger{.received = 20'000, .delivered = 20'000}));
+  EXPECT_EQ(replay.telemetry().latency.count(), 20'000u);
+}
+
+TEST(Replay, APackageStartsAfterItsEventsHaveArrived) {
+  const Events events = evenly_spaced(5000, 40, 1'600'000'000'123'456);
+  FixedSize scheme({.size = 100});
+  Replay replay(scheme, {.speed = 4});
+  SpanSource source(events);
+  replay.run(source, [](const Package&) {});
+  const RunLog& log = replay.telemetry().log;
+  ASSERT_GE(log.size(), 50u);
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    EXPECT_GE(log[i].start_us, static_cast<double>(log[i].t_last));
+    EXPECT_GE(log[i].latency_max_us, log[i].processing_us);
+  }
+}
+
+TEST(Replay, ThinsByTheHashAlone) {
+  const Events events = evenly_spaced(20'000, 5);
+  Asap2020 scheme({.rate_bound = 1e4, .first_size = 100});
+  Replay replay(scheme, {}, {.seed = 5});
+  SpanSource source(events);
+  std::uint64_t delivered = 0;
+  replay.run(source, [&](const Package& package) {
+    EXPECT_EQ(package.gamma,
+              static_cast<double>(package.events.size()) / static_cast<double>(package.offered));
+    delivered += package.events.size();
+  });
+  EXPECT_GT(replay.ledger().discarded, 1000u);
+  EXPECT_EQ(replay.ledger().delivered, delivered);
+  EXPECT_TRUE(replay.ledger().balanced());
+  EXPECT_EQ(replay.ledger().pending, 0u);
+}
+
+TEST(Replay, RunsAsFastAsAsked) {
+  const Events events = evenly_spaced(2000, 1000);  // two seconds
+  Greedy scheme;
+  Replay replay(scheme, {.speed = 10});
+  SpanSource source(events);
+  const auto begin = Steady::now();
+  replay.run(source, [](const Package&) {});
+  const auto elapsed = Steady::now() - begin;
+  EXPECT_GE(elapsed, 199ms);
+  EXPECT_LT(elapsed, 1500ms);
+  EXPECT_EQ(replay.ledger().delivered, 2000u);
+}
+
+TEST(Replay, OfNothingEndsAtOnce) {
+  Greedy scheme;
+  Replay replay(scheme);
+  SpanSource source({});
+  replay.run(source, [](const Package&) { FAIL(); });
+  EXPECT_EQ(replay.ledger(), Ledger{});
+}
+
+TEST(Replay, CountsWhatItRejects) {
+  const Events events{{1, 1, 1, 0}, {10, 1, 1, 1}, {1, 1, 1, 5}, {1, 1, 1, 4}};
+  Greedy scheme;
+  Replay replay(scheme, {}, {.validator = {.width = 10, .height = 10}});
+  SpanSource source(events);
+  replay.run(source, [](const Package&) {});
+  EXPECT_EQ(replay.ledger(), (Ledger{.received = 4, .rejected = 2, .delivered = 2}));
+  EXPECT_EQ(replay.rejected(), (Rejections{.nonmonotonic = 1, .out_of_bounds = 1}));
+}
+
+TEST(Replay, AnExceptionOfTheAlgorithmComesOutUnchanged) {
+  const Events events = evenly_spaced(50'000, 20);  // a second
+  FixedSize scheme({.size = 10});
+  Replay replay(scheme);
+  SpanSource source(events);
+  int calls = 0;
+  const int code = trouble_of([&] {
+    replay.run(source, [&](const Package&) {
+      if (++calls == 4) throw Trouble{7};
+    });
+  });
+  EXPECT_EQ(code, 7);
+  EXPECT_EQ(calls, 4);
+  const Ledger ledger = replay.ledger();
+  EXPECT_EQ(ledger.delivered, 30u);
+  EXPECT_GE(ledger.pending, 10u);
+  EXPECT_TRUE(ledger.balanced());
+}
+
+TEST(Replay, AnExceptionOfTheSourceComesOutWhenAllIsDelivered) {
+  const Events events = evenly_spaced(1000, 20);
+  Greedy scheme;
+  Replay replay(scheme);
+  TroubledSource source(events, 300);
+  EXPECT_EQ(trouble_of([&] { replay.run(source, [](const Package&) {}); }), 3);
+  EXPECT_EQ(replay.ledger(), (Ledger{.received = 1000, .delivered = 1000}));
+}
+
+TEST(Replay, AValidatorThatRefusesLeavesABalancedLedger) {
+  Events events = evenly_spaced(1000, 20);
+  events[700].t = 0;
+  Greedy scheme;
+  Replay replay(scheme, {}, {.validator = {.on_bad = OnBad::raise}});
+  SpanSource source(events);
+  const std::string error = test::error_of([&] { replay.run(source, [](const Package&) {}); });
+  EXPECT_EQ(error.substr(0, 19), "t = 0 (event 700): ");
+  EXPECT_EQ(replay.ledger(), (Ledger{.received = 701, .rejected = 1, .delivered = 700}));
+}
+
+TEST(Replay, StopsWithinHalfASecondWhileTheNextEventIsAnHourAway) {
+  const Events events = at_times({0, 10, 20 + kHour_us, 30 + kHour_us});
+  Greedy scheme;
+  Replay replay(scheme);
+  SpanSource source(events);
+  Steady::time_point asked;
+  const int code = trouble_of([&] {
+    replay.run(
+        source, [](const Package&) {},
+        [&] {
+          if (replay.ledger().delivered == 2) {
+            asked = Steady::now();
+            throw Trouble{9};
+          }
+        });
+  });
+  EXPECT_LT(Steady::now() - asked, 500ms);
+  EXPECT_EQ(code, 9);
+  EXPECT_EQ(replay.ledger(), (Ledger{.received = 4, .delivered = 2, .pending = 2}));
+}
+
+TEST(Replay, StopsWhileTheSourceIsSilent) {
+  const Events events = at_times({0, 10});
+  Greedy scheme;
+  Replay replay(scheme);
+  SilentSource source(events);
+  const int code = trouble_of([&] {
+    replay.run(
+        source, [](const Package&) {},
+        [&] {
+          if (replay.ledger().delivered == 2) throw Trouble{9};
+        });
+  });
+  EXPECT_EQ(code, 9);
+  EXPECT_TRUE(replay.ledger().balanced());
+}
+
+TEST(Replay, StopsWhileAReaderIsSilent) {
+  const Events events = at_times({0, 10});
+  Greedy scheme;
+  Replay replay(scheme);
+  ReadAhead source;
+  ASSERT_TRUE(source.feed(events));
+  const int code = trouble_of([&] {
+    replay.run(
+        source, [](const Package&) {},
+        [&] {
+          if (replay.ledger().delivered == 2) throw Trouble{9};
+        });
+  });
+  EXPECT_EQ(code, 9);
+  EXPECT_FALSE(source.feed(events)) << "the reader is told to stop";
+}
+
+TEST(Replay, StopsFromAnyPackage) {
+  const Events events = evenly_spaced(20'000, 5);
+  for (int last = 1; last < 40; last += 3) {
+    SingleEvent scheme;
+    Replay replay(scheme);
+    SpanSource source(events);
+    int calls = 0;
+    const int code = trouble_of([&] {
+      replay.run(source, [&](const Package&) {
+        if (++calls == last) throw Trouble{last};
+      });
+    });
+    ASSERT_EQ(code, last);
+    ASSERT_TRUE(replay.ledger().balanced());
+    ASSERT_EQ(replay.ledger().delivered, static_cast<std::uint64_t>(last) - 1);
+  }
+}
+
+TEST(Replay, ASlowAlgorithmDoesNotDelayTheProducer) {
+  const Events events = evenly_spaced(5000, 20);  // 100 ms
+  SingleEvent scheme;
+  Replay replay(scheme, {}, {.capacity = 64});
+  SpanSource source(events);
+  bool first = true;
+  replay.run(source, [&](const Package&) {
+    if (std::exchange(first, false)) std::this_thread::sleep_for(500ms);
+  });
+  const Ledger ledger = replay.ledger();
+  EXPECT_EQ(ledger.received, 5000u);
+  EXPECT_GE(ledger.overflow, 4000u);
+  EXPECT_EQ(ledger.delivered + ledger.overflow, 5000u);
+  EXPECT_LT(replay.lateness().max_ns(), 400'000'000) << "it pushed while the algorithm slept";
+  // What was lost while the first package was in work is told with the next one.
+  EXPECT_GE(replay.telemetry().log[1].overflow, 4000);
+}
+
+TEST(Replay, TheLedgerIsBalancedFromPollToo) {
+  Events events = evenly_spaced(20'000, 10);
+  for (std::size_t i = 0; i < events.size(); i += 7) events[i].x = 60'000;
+  Asap2020 scheme({.rate_bound = 5e4, .first_size = 100});
+  Replay replay(scheme, {}, {.capacity = 256, .validator = {.width = 50'000}});
+  SpanSource source(events);
+  int polls = 0;
+  std::uint64_t received = 0;
+  replay.run(
+      source, [](const Package&) {},
+      [&] {
+        ++polls;
+        const Ledger ledger = replay.ledger();
+        EXPECT_TRUE(ledger.balanced());
+        EXPECT_GE(ledger.received, received);
+        received = ledger.received;
+      });
+  EXPECT_GE(polls, 2);
+  EXPECT_EQ(replay.ledger().received, 20'000u);
+  EXPECT_GE(replay.ledger().rejected, 20'000u / 7);
+  EXPECT_TRUE(replay.ledger().balanced());
+}
+
+TEST(Replay, PollsWhileTheAlgorithmIsBusyAndWhileNothingComes) {
+  Events events = evenly_spaced(60, 1000);
+  events.push_back(test::numbered(0, 400'000));
+  SingleEvent scheme;
+  Replay replay(scheme);
+  SpanSource source(events);
+  int busy = 0;
+  int idle = 0;
+  replay.run(
+      source, [](const Package&) { std::this_thread::sleep_for(2ms); },
+      [&] { ++(replay.telemetry().delivered < 60 ? busy : idle); });
+  EXPECT_GE(busy, 2);
+  EXPECT_GE(idle, 2);
+}
+
+TEST(Replay, RefusesABadConfigurationByName) {
+  Greedy scheme;
+  const auto error = [&](ReplayConfig config) {
+    return test::error_of([&] { Replay replay(scheme, config); });
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(error({.speed = 0}), "speed = 0: must be between 0.001 and 1e6");
+  EXPECT_EQ(error({.speed = -1}), "speed = -1: must be between 0.001 and 1e6");
+  EXPECT_EQ(error({.speed = kNaN}), "speed = nan: must be between 0.001 and 1e6");
+  EXPECT_EQ(error({.pacing_us = -1}), "pacing_us = -1: must be between 0 and 1000 us");
+  EXPECT_EQ(error({.pacing_us = 1e6}), "pacing_us = 1000000: must be between 0 and 1000 us");
+}
+
+}  // namespace
+}  // namespace asap

@@ -1,0 +1,403 @@
+#include "asap/runner/simulator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "asap/schemes/asap2020.hpp"
+#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed_time.hpp"
+#include "asap/schemes/greedy.hpp"
+#include "asap/schemes/single_event.hpp"
+#include "runner/naive_simulator.hpp"
+#include "support/errors.hpp"
+#include "support/streams.hpp"
+
+namespace asap {
+namespace {
+
+using test::at_times;
+using test::evenly_spaced;
+using test::Events;
+using test::number_of;
+
+constexpr std::int64_t kUnix_us = 1'600'000'000'000'000;
+constexpr std::int64_t kHour_us = 3'600'000'000;
+
+struct Row {
+  double start_us;
+  double processing_us;
+  std::int64_t t_first;
+  std::int64_t t_last;
+  std::int64_t size;
+
+  friend bool operator==(const Row&, const Row&) = default;
+  friend std::ostream& operator<<(std::ostream& out, const Row& row) {
+    return out << row.start_us << " + " << row.processing_us << " us: " << row.size << " events "
+               << row.t_first << ".." << row.t_last;
+  }
+};
+
+std::vector<Row> rows_of(const Simulator& simulator) {
+  std::vector<Row> rows;
+  const RunLog& log = simulator.telemetry().log;
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    rows.push_back(
+        {log[i].start_us, log[i].processing_us, log[i].t_first, log[i].t_last, log[i].size});
+  }
+  return rows;
+}
+
+// A package of n events costs 100 + 10 n us.
+LinearCost slow() { return LinearCost({.alpha_us = 100, .beta_ns = 10'000}); }
+
+std::vector<Row> simulate(Scheme& scheme, EventSpan events, RunConfig config = {}) {
+  Simulator simulator(scheme, slow(), config);
+  simulator.feed(events);
+  simulator.finish();
+  EXPECT_TRUE(simulator.ledger().balanced());
+  EXPECT_EQ(simulator.ledger().pending, 0u);
+  return rows_of(simulator);
+}
+
+// ---- small runs, worked out by hand
+
+const Events kSmall = at_times({0, 50, 60, 70, 500, 900});
+
+TEST(Simulator, FixedSizeByHand) {
+  FixedSize scheme({.size = 2});
+  EXPECT_EQ(
+      simulate(scheme, kSmall),
+      (std::vector<Row>{{50, 120, 0, 50, 2}, {170, 120, 60, 70, 2}, {900, 120, 500, 900, 2}}));
+}
+
+TEST(Simulator, GreedyByHand) {
+  Greedy scheme;
+  EXPECT_EQ(simulate(scheme, kSmall), (std::vector<Row>{{0, 110, 0, 0, 1},
+                                                        {110, 130, 50, 70, 3},
+                                                        {500, 110, 500, 500, 1},
+                                                        {900, 110, 900, 900, 1}}));
+}
+
+TEST(Simulator, SingleEventByHand) {
+  SingleEvent scheme;
+  EXPECT_EQ(simulate(scheme, kSmall), (std::vector<Row>{{0, 110, 0, 0, 1},
+                                                        {110, 110, 50, 50, 1},
+                                                        {220, 110, 60, 60, 1},
+                                                        {330, 110, 70, 70, 1},
+                                                        {500, 110, 500, 500, 1},
+                                                        {900, 110, 900, 900, 1}}));
+}
+
+TEST(Simulator, FixedTimeByHand) {
+  FixedTime scheme({.period_ms = 0.1});
+  EXPECT_EQ(
+      simulate(scheme, kSmall),
+      (std::vector<Row>{{100, 140, 0, 70, 4}, {600, 110, 500, 500, 1}, {900, 110, 900, 900, 1}}));
+}
+
+TEST(Simulator, Asap2020ByHand) {
+  // 120 us for a span of 50: doubled to 4.
+  Asap2020 scheme({.epsilon = 0, .first_size = 2});
+  EXPECT_EQ(simulate(scheme, kSmall),
+            (std::vector<Row>{{50, 120, 0, 50, 2}, {900, 140, 60, 900, 4}}));
+}
+
+TEST(Simulator, FlushesAtTheLatencyBound) {
+  FixedSize scheme({.size = 10});
+  const Events events = at_times({0, 100, 4000, 12'000});
+  EXPECT_EQ(
+      simulate(scheme, events, {.latency_us = 1000}),
+      (std::vector<Row>{
+          {1000, 120, 0, 100, 2}, {5000, 110, 4000, 4000, 1}, {12'000, 110, 12'000, 12'000, 1}}));
+}
+
+TEST(Simulator, AnArrivalAtTheEndOfAPackageIsSeenAfterIt) {
+  Greedy scheme;
+  EXPECT_EQ(
+      simulate(scheme, at_times({0, 110, 111})),
+      (std::vector<Row>{{0, 110, 0, 0, 1}, {110, 110, 110, 110, 1}, {220, 110, 111, 111, 1}}));
+}
+
+TEST(Simulator, APackageInWorkHoldsItsPlaceInTheRing) {
+  SingleEvent scheme;
+  Simulator simulator(scheme, slow(), {.capacity = 2});
+  simulator.feed(at_times({0, 50, 60, 70, 200, 300}));
+  simulator.finish();
+  // 0 is in work until 110 and 50 waits: 60 and 70 do not fit. 200 waits behind 50, in work from
+  // 110 to 220, and so does 300 behind 200.
+  EXPECT_EQ(rows_of(simulator), (std::vector<Row>{{0, 110, 0, 0, 1},
+                                                  {110, 110, 50, 50, 1},
+                                                  {220, 110, 200, 200, 1},
+                                                  {330, 110, 300, 300, 1}}));
+  EXPECT_EQ(simulator.telemetry().log[1].overflow, 2);
+  EXPECT_EQ(simulator.ledger(), (Ledger{.received = 6, .overflow = 2, .delivered = 4}));
+}
+
+TEST(Simulator, OfNothingIsNothing) {
+  Greedy scheme;
+  EXPECT_TRUE(simulate(scheme, {}).empty());
+  Simulator never_fed(scheme, slow());
+  EXPECT_EQ(never_fed.ledger(), Ledger{});
+}
+
+TEST(Simulator, OneEvent) {
+  FixedSize scheme;
+  EXPECT_EQ(simulate(scheme, at_times({7})), (std::vector<Row>{{7, 110, 7, 7, 1}}));
+}
+
+TEST(Simulator, AllOnOneStamp) {
+  FixedSize scheme({.size = 400});
+  EXPECT_EQ(
+      simulate(scheme, evenly_spaced(1000, 0, 5)),
+      (std::vector<Row>{{5, 4100, 5, 5, 400}, {4105, 4100, 5, 5, 400}, {8205, 2100, 5, 5, 200}}));
+}
+
+TEST(Simulator, A10_AHugeGapCostsNothingAndLeavesNoBacklog) {
+  FixedSize scheme({.size = 2});
+  EXPECT_EQ(
+      simulate(scheme, at_times({0, 10, 20, 30 + 10 * kHour_us, 40 + 10 * kHour_us})),
+      (std::vector<Row>{{10, 120, 0, 10, 2},
+                        {10'020, 110, 20, 20, 1},
+                        {40 + 10.0 * kHour_us, 120, 30 + 10 * kHour_us, 40 + 10 * kHour_us, 2}}));
+}
+
+TEST(Simulator, UnixStampsStayExact) {
+  FixedSize scheme({.size = 2});
+  Events events = kSmall;
+  for (Event& event : events) event.t += kUnix_us;
+  const std::vector<Row> small = simulate(scheme, kSmall);
+  const std::vector<Row> later = simulate(scheme, events);
+  ASSERT_EQ(later.size(), small.size());
+  for (std::size_t i = 0; i < small.size(); ++i) {
+    EXPECT_EQ(later[i].start_us, small[i].start_us + kUnix_us);
+    EXPECT_EQ(later[i].processing_us, small[i].processing_us);
+    EXPECT_EQ(later[i].t_first, small[i].t_first + kUnix_us);
+  }
+}
+
+TEST(Simulator, AbsurdCostsEndAtTheEndOfTime) {
+  SingleEvent scheme;
+  Simulator simulator(scheme, LinearCost({.alpha_us = 1e9, .beta_ns = 1e9, .noise = 5}));
+  simulator.feed(evenly_spaced(100'000, 1'000'000));
+  simulator.finish();
+  EXPECT_TRUE(simulator.ledger().balanced());
+  EXPECT_EQ(simulator.ledger().pending, 0u);
+}
+
+// ---- every scheme, over random streams
+
+using MakeScheme = std::function<std::unique_ptr<Scheme>()>;
+
+const std::vector<MakeScheme> kSchemes{
+    [] { return std::make_unique<FixedSize>(FixedSizeConfig{.size = 37}); },
+    [] { return std::make_unique<FixedTime>(FixedTimeConfig{.period_ms = 0.7}); },
+    [] { return std::make_unique<FixedTime>(FixedTimeConfig{.period_ms = 20}); },
+    [] { return std::make_unique<SingleEvent>(); },
+    [] { return std::make_unique<Greedy>(); },
+    [] { return std::make_unique<Asap2020>(Asap2020Config{.rate_bound = 2e5, .first_size = 20}); },
+    [] { return std::make_unique<Asap2020>(); },
+};
+
+const std::vector<LinearCostConfig> kCosts{
+    {.alpha_us = 1, .beta_ns = 10},
+    {.alpha_us = 100, .beta_ns = 300},
+    {.alpha_us = 50, .beta_ns = 20'000, .noise = 1, .seed = 3},
+    {.alpha_us = 0, .beta_ns = 0},
+};
+
+TEST(Simulator, AgreesWithTheNaiveSimulatorRowByRow) {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    const Events events = test::random_stream(seed, 4000, seed % 2 == 0 ? 0 : kUnix_us);
+    for (std::size_t s = 0; s < kSchemes.size(); ++s) {
+      for (const LinearCostConfig& cost : kCosts) {
+        for (const std::size_t capacity : {std::size_t{3}, std::size_t{64}, std::size_t{1} << 20}) {
+          SCOPED_TRACE(testing::Message() << "seed " << seed << ", scheme " << s << ", alpha "
+                                          << cost.alpha_us << ", capacity " << capacity);
+          const auto scheme = kSchemes[s]();
+          Simulator simulator(*scheme, LinearCost(cost),
+                              {.latency_us = 5000, .capacity = capacity, .seed = seed});
+          simulator.feed(events);
+          simulator.finish();
+          const auto naive_scheme = kSchemes[s]();
+          test::NaiveSimulator naive(*naive_scheme, LinearCost(cost), 5'000'000, capacity, seed);
+          naive.run(events);
+
+          const RunLog& log = simulator.telemetry().log;
+          ASSERT_EQ(simulator.ledger(), naive.ledger);
+          ASSERT_EQ(log.size(), naive.rows.size());
+          for (std::size_t i = 0; i < log.size(); ++i) {
+            const PackageRow& row = log[i];
+            const PackageRow& expected = naive.rows[i];
+            ASSERT_EQ(row.index, expected.index);
+            ASSERT_DOUBLE_EQ(row.start_us, expected.start_us) << i;
+            ASSERT_DOUBLE_EQ(row.processing_us, expected.processing_us) << i;
+            ASSERT_EQ(row.t_first, expected.t_first) << i;
+            ASSERT_EQ(row.t_last, expected.t_last) << i;
+            ASSERT_EQ(row.offered, expected.offered) << i;
+            ASSERT_EQ(row.size, expected.size) << i;
+            ASSERT_DOUBLE_EQ(row.gamma, expected.gamma) << i;
+            ASSERT_DOUBLE_EQ(row.event_rate, expected.event_rate) << i;
+            ASSERT_DOUBLE_EQ(row.rate, expected.rate) << i;
+            ASSERT_DOUBLE_EQ(row.margin_us, expected.margin_us) << i;
+            ASSERT_DOUBLE_EQ(row.latency_max_us, expected.latency_max_us) << i;
+            ASSERT_EQ(row.stale, 0) << i;
+            ASSERT_EQ(row.overflow, expected.overflow) << i;
+          }
+        }
+      }
+    }
+  }
+}
+
+// Over the columns of the log: rows have no padding, but a hash of fields says which ones count.
+std::uint64_t hash_of(const RunLog& log) {
+  std::uint64_t hash = 0;
+  const auto add = [&](auto value) { hash = mix(hash ^ std::bit_cast<std::uint64_t>(value)); };
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    const PackageRow& row = log[i];
+    add(row.index);
+    add(row.start_us);
+    add(row.processing_us);
+    add(row.t_first);
+    add(row.t_last);
+    add(row.offered);
+    add(row.size);
+    add(row.gamma);
+    add(row.event_rate);
+    add(row.rate);
+    add(row.margin_us);
+    add(row.latency_max_us);
+    add(row.stale);
+    add(row.overflow);
+  }
+  return hash;
+}
+
+// Fed in random chunks of up to `largest` events; the delivered events count in the hash too.
+std::uint64_t hash_of_run(Scheme& scheme, EventSpan events, std::size_t largest,
+                          std::uint64_t seed) {
+  std::uint64_t hash = 0;
+  Simulator simulator(
+      scheme, LinearCost({.alpha_us = 100, .beta_ns = 900, .noise = 0.3, .seed = seed}),
+      {.latency_us = 5000, .capacity = 512, .seed = seed}, [&](const Package& package) {
+        hash = mix(hash ^ std::bit_cast<std::uint64_t>(package.keep));
+        for (const Event& event : package.events) hash = mix(hash ^ number_of(event));
+      });
+  const CounterRandom random(largest);
+  for (std::size_t at = 0; at < events.size();) {
+    const std::size_t size = std::min(1 + random(at) % largest, events.size() - at);
+    simulator.feed(events.subspan(at, size));
+    simulator.feed({});
+    at += size;
+    EXPECT_TRUE(simulator.ledger().balanced());
+  }
+  simulator.finish();
+  return mix(hash ^ hash_of(simulator.telemetry().log));
+}
+
+TEST(Simulator, GivesTheSameBytesForAnyChunks) {
+  const Events events = test::random_stream(11, 6000);
+  for (std::size_t s = 0; s < kSchemes.size(); ++s) {
+    const auto scheme = kSchemes[s]();
+    const std::uint64_t whole = hash_of_run(*scheme, events, events.size(), 1);
+    for (const std::size_t largest : {1u, 2u, 17u, 500u, 3000u}) {
+      EXPECT_EQ(hash_of_run(*scheme, events, largest, 1), whole)
+          << scheme->name() << ", chunks of up to " << largest;
+    }
+  }
+}
+
+TEST(Simulator, GivesTheSameBytesForTheSameSeed) {
+  const Events events = test::random_stream(12, 6000);
+  Asap2020 scheme({.rate_bound = 2e5, .first_size = 20});
+  const std::uint64_t once = hash_of_run(scheme, events, 1000, 5);
+  EXPECT_EQ(hash_of_run(scheme, events, 1000, 5), once);
+  EXPECT_NE(hash_of_run(scheme, events, 1000, 6), once);
+}
+
+// ---- losses and errors
+
+TEST(Simulator, CountsOverflowExactly) {
+  Greedy scheme;
+  Simulator simulator(scheme, slow(), {.capacity = 10});
+  // One is taken at once and holds its place; of the 99 others nine find one.
+  simulator.feed(at_times({0}));
+  Events burst = evenly_spaced(99, 0, 1);
+  burst.push_back(test::numbered(0, 100'000));
+  simulator.feed(burst);
+  simulator.finish();
+  EXPECT_EQ(simulator.ledger(), (Ledger{.received = 101, .overflow = 90, .delivered = 11}));
+}
+
+struct Trouble {
+  int code;
+};
+
+TEST(Simulator, AnExceptionOfTheConsumerComesOutUnchanged) {
+  for (const std::size_t chunk : {1u, 10u, 1000u}) {
+    FixedSize scheme({.size = 10});
+    int calls = 0;
+    Simulator simulator(scheme, slow(), {.capacity = 200}, [&](const Package&) {
+      if (++calls == 4) throw Trouble{7};
+    });
+    const Events events = evenly_spaced(1000, 30);
+    int code = 0;
+    std::size_t fed = 0;
+    try {
+      for (; fed < events.size(); fed += chunk) {
+        simulator.feed(EventSpan(events).subspan(fed, std::min(chunk, events.size() - fed)));
+      }
+    } catch (const Trouble& trouble) {
+      code = trouble.code;
+    }
+    EXPECT_EQ(code, 7);
+    EXPECT_EQ(calls, 4);
+    EXPECT_EQ(simulator.telemetry().log.size(), 3u);
+    const Ledger ledger = simulator.ledger();
+    EXPECT_EQ(ledger.delivered, 30u);
+    EXPECT_EQ(ledger.received, fed + chunk);
+    EXPECT_EQ(ledger.pending, ledger.received - 30);
+    EXPECT_TRUE(ledger.balanced());
+  }
+}
+
+TEST(Simulator, AValidatorThatRefusesLeavesABalancedLedger) {
+  FixedSize scheme({.size = 10});
+  Simulator simulator(scheme, slow(), {.validator = {.on_bad = OnBad::raise}});
+  Events events = evenly_spaced(1000, 30);
+  events[700].t = 0;
+  const std::string error = test::error_of([&] { simulator.feed(events); });
+  EXPECT_EQ(error.substr(0, 20), "t = 0 (event 700): g");
+  EXPECT_EQ(simulator.ledger().received, 701u);
+  EXPECT_EQ(simulator.ledger().rejected, 1u);
+  EXPECT_TRUE(simulator.ledger().balanced());
+}
+
+TEST(Simulator, CountsRejectedEvents) {
+  Greedy scheme;
+  Simulator simulator(scheme, slow(), {.validator = {.width = 10, .height = 10}});
+  simulator.feed(Events{{1, 1, 1, 0}, {10, 1, 1, 1}, {1, 10, 1, 2}, {1, 1, 1, 3}, {1, 1, 1, 2}});
+  simulator.finish();
+  EXPECT_EQ(simulator.ledger(), (Ledger{.received = 5, .rejected = 3, .delivered = 2}));
+  EXPECT_EQ(simulator.rejected(), (Rejections{.nonmonotonic = 1, .out_of_bounds = 2}));
+}
+
+TEST(Simulator, KnowsHowManyWereInTime) {
+  Greedy scheme;
+  Simulator simulator(scheme, slow(), {.latency_us = 150});
+  simulator.feed(kSmall);
+  simulator.finish();
+  // 0 takes 110 us; 50, 60, 70 are done at 240; 500 and 900 take 110.
+  EXPECT_EQ(simulator.telemetry().latency.within_bound(), 3u);
+  EXPECT_EQ(simulator.telemetry().latency.max_ns(), 190'000);
+}
+
+}  // namespace
+}  // namespace asap

@@ -1,0 +1,30 @@
+// A scheme whose rule is a lambda, and which writes down what it is told.
+#pragma once
+
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "asap/schemes/scheme.hpp"
+
+namespace asap::test {
+
+class ScriptedScheme final : public Scheme {
+ public:
+  using Rule = std::function<Decision(const Backlog&)>;
+
+  explicit ScriptedScheme(Rule rule) : rule_(std::move(rule)) {}
+
+  Decision decide(const Backlog& backlog) noexcept override { return rule_(backlog); }
+  void observe(const Outcome& outcome) noexcept override { outcomes.push_back(outcome); }
+  void reset() noexcept override { ++resets; }
+  std::string_view name() const noexcept override { return "scripted"; }
+
+  std::vector<Outcome> outcomes;
+  int resets = 0;
+
+ private:
+  Rule rule_;
+};
+
+}  // namespace asap::test

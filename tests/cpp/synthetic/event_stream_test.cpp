@@ -1,0 +1,82 @@
+#include "asap/synthetic/event_stream.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "asap/synthetic/flight_over_chairs.hpp"
+#include "asap/synthetic/shaken_pattern.hpp"
+
+namespace {
+
+std::atomic<int> allocations{0};
+
+}  // namespace
+
+// Counts what the test executable allocates. Not inlined: GCC would then see new meet free().
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc{};
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace asap {
+namespace {
+
+// Blocks of 3, 1 and 2 events.
+class ThreeBlocks final : public EventStream {
+ public:
+  EventSpan next() noexcept override {
+    constexpr std::array<std::size_t, 5> kEnds{3, 4, 6, 6, 6};
+    const std::size_t begin = end_;
+    end_ = kEnds.at(block_++);
+    return EventSpan(events_).subspan(begin, end_ - begin);
+  }
+
+ private:
+  std::array<Event, 6> events_{
+      {{0, 0, 0, 0}, {0, 0, 0, 1}, {0, 0, 0, 2}, {0, 0, 0, 3}, {0, 0, 0, 4}, {0, 0, 0, 5}}};
+  std::size_t block_ = 0;
+  std::size_t end_ = 0;
+};
+
+TEST(EventStream, IsReadInWholeBlocksUntilThereIsEnough) {
+  ThreeBlocks stream;
+  EXPECT_EQ(read_events(stream, 1).size(), 3U);
+  EXPECT_EQ(read_events(stream, 1).size(), 1U);
+  const auto rest = read_events(stream, 3);
+  ASSERT_EQ(rest.size(), 2U);
+  EXPECT_EQ(rest.front().t, 4);
+  EXPECT_TRUE(read_events(stream, 1).empty());
+
+  ThreeBlocks exact;
+  EXPECT_EQ(read_events(exact, 3).size(), 3U);
+  EXPECT_EQ(read_events(exact, 2).size(), 3U);
+}
+
+TEST(EventStream, AllocatesNothingAfterConstruction) {
+  ShakenPattern shaken{{.duration_us = 300'000}};
+  FlightOverChairs flight{{.width = 120,
+                           .height = 100,
+                           .duration_us = 8'000'000,
+                           .last_rate_hz = 0.3e6,
+                           .chair_px = 20}};
+  for (EventStream* stream :
+       {static_cast<EventStream*>(&shaken), static_cast<EventStream*>(&flight)}) {
+    const int before = allocations;
+    std::size_t events = 0;
+    for (EventSpan block = stream->next(); !block.empty(); block = stream->next()) {
+      events += block.size();
+    }
+    EXPECT_EQ(allocations, before);
+    EXPECT_GT(events, 100'000U);
+  }
+}
+
+}  // namespace
+}  // namespace asap

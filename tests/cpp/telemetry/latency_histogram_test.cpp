@@ -1,0 +1,124 @@
+#include "asap/telemetry/latency_histogram.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "asap/core/random.hpp"
+#include "support/errors.hpp"
+
+namespace asap {
+namespace {
+
+constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+
+// The smallest value that at least the fraction q does not exceed.
+std::int64_t exact_quantile(const std::vector<std::int64_t>& sorted, double q) {
+  const double wanted = std::ceil(q * static_cast<double>(sorted.size()));
+  return sorted[static_cast<std::size_t>(std::max(wanted, 1.0)) - 1];
+}
+
+TEST(LatencyHistogram, QuantilesAreWithinHalfAPercent) {
+  const std::vector<std::function<double(double)>> distributions{
+      [](double u) { return 1e3 * u; },
+      [](double u) { return 5e6 + 1e4 * u; },
+      [](double u) { return -1e6 * std::log1p(-u); },
+      [](double u) { return 1e4 * std::pow(1 - u, -1.2); },
+      [](double u) { return u < 0.9 ? 1e5 + u : 9e9 + u; },
+      [](double u) { return std::pow(2.0, 62 * u); },
+      [](double u) { return std::floor(300 * u); },
+      [](double) { return 12345.0; },
+  };
+  for (std::size_t d = 0; d < distributions.size(); ++d) {
+    const CounterRandom random(d);
+    LatencyHistogram histogram;
+    std::vector<std::int64_t> values;
+    for (std::uint64_t i = 0; i < 20'001; ++i) {
+      values.push_back(static_cast<std::int64_t>(distributions[d](random.uniform(i))));
+      histogram.record(values.back());
+    }
+    std::sort(values.begin(), values.end());
+    double last = 0;
+    for (const double q : {0.0, 1e-9, 0.001, 0.01, 0.25, 0.5, 0.75, 0.9, 0.99, 0.999, 1.0}) {
+      const auto exact = static_cast<double>(exact_quantile(values, q));
+      const double quantile = histogram.quantile_ns(q);
+      EXPECT_NEAR(quantile, exact, 0.005 * exact) << "distribution " << d << ", q = " << q;
+      EXPECT_LE(quantile, static_cast<double>(values.back()));
+      EXPECT_GE(quantile, last) << "quantiles do not fall";
+      last = quantile;
+    }
+    EXPECT_EQ(histogram.quantile_ns(1.0), static_cast<double>(values.back()));
+    EXPECT_EQ(histogram.max_ns(), values.back());
+  }
+}
+
+TEST(LatencyHistogram, EveryBinKeepsItsPromise) {
+  for (int octave = 0; octave < 63; ++octave) {
+    for (std::int64_t step = 0; step < 512; ++step) {
+      const std::int64_t base = std::int64_t{1} << octave;
+      const auto value = base + static_cast<std::int64_t>(static_cast<double>(base) *
+                                                          static_cast<double>(step) / 512);
+      if (value < base) continue;
+      LatencyHistogram histogram;
+      histogram.record(value);
+      histogram.record(kMost);
+      ASSERT_NEAR(histogram.quantile_ns(0.5), static_cast<double>(value),
+                  0.004 * static_cast<double>(value));
+    }
+  }
+}
+
+TEST(LatencyHistogram, MeanMaxAndCountsAreExact) {
+  LatencyHistogram histogram(1000);
+  for (const std::int64_t value : {0, 1, 999, 1000, 1001, 123'457}) histogram.record(value);
+  EXPECT_EQ(histogram.count(), 6u);
+  EXPECT_EQ(histogram.within_bound(), 4u);
+  EXPECT_EQ(histogram.bound_ns(), 1000);
+  EXPECT_EQ(histogram.max_ns(), 123'457);
+  EXPECT_EQ(histogram.mean_ns(), (1 + 999 + 1000 + 1001 + 123'457) / 6.0);
+}
+
+TEST(LatencyHistogram, SumsBeyondSixtyFourBits) {
+  LatencyHistogram histogram;
+  for (int i = 0; i < 100; ++i) histogram.record(kMost);
+  EXPECT_DOUBLE_EQ(histogram.mean_ns(), static_cast<double>(kMost));
+  EXPECT_EQ(histogram.max_ns(), kMost);
+  EXPECT_EQ(histogram.quantile_ns(1.0), static_cast<double>(kMost));
+}
+
+TEST(LatencyHistogram, ANegativeLatencyCountsAsZero) {
+  LatencyHistogram histogram(0);
+  histogram.record(-5);
+  histogram.record(std::numeric_limits<std::int64_t>::min());
+  EXPECT_EQ(histogram.count(), 2u);
+  EXPECT_EQ(histogram.within_bound(), 2u);
+  EXPECT_EQ(histogram.max_ns(), 0);
+  EXPECT_EQ(histogram.mean_ns(), 0.0);
+}
+
+TEST(LatencyHistogram, OfNothingIsZero) {
+  const LatencyHistogram histogram;
+  EXPECT_EQ(histogram.count(), 0u);
+  EXPECT_EQ(histogram.mean_ns(), 0.0);
+  EXPECT_EQ(histogram.max_ns(), 0);
+  for (const double q : {0.0, 0.5, 1.0}) EXPECT_EQ(histogram.quantile_ns(q), 0.0);
+}
+
+TEST(LatencyHistogram, RefusesAFractionThatIsNone) {
+  const LatencyHistogram histogram;
+  const auto error = [&](double q) {
+    return test::error_of([&] { (void)histogram.quantile_ns(q); });
+  };
+  EXPECT_EQ(error(-0.1), "q = -0.1: must be a number between 0 and 1");
+  EXPECT_EQ(error(1.1), "q = 1.1: must be a number between 0 and 1");
+  EXPECT_EQ(error(std::numeric_limits<double>::quiet_NaN()),
+            "q = nan: must be a number between 0 and 1");
+}
+
+}  // namespace
+}  // namespace asap

@@ -1,0 +1,221 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from asap import analysis
+from fake_run import PACKAGES_DTYPE, empty_run, fake_run
+
+EVENT_DTYPE = np.dtype(
+    {
+        "names": ["x", "y", "p", "t"],
+        "formats": ["<u2", "<u2", "<i2", "<i8"],
+        "offsets": [0, 2, 4, 8],
+        "itemsize": 16,
+    }
+)
+
+
+def events_at(t, p=1):
+    events = np.zeros(len(t), EVENT_DTYPE)
+    events["t"], events["p"] = t, p
+    return events
+
+
+def packages(**columns):
+    rows = np.zeros(len(next(iter(columns.values()))), PACKAGES_DTYPE)
+    for name, values in columns.items():
+        rows[name] = values
+    return rows
+
+
+def test_rate_counts_half_open_windows_from_the_first_event():
+    time_s, rate_hz = analysis.rate(events_at([1000, 1000, 1999, 2000, 4500]), 1000)
+    assert time_s.tolist() == [0, 0.001, 0.002, 0.003]
+    assert rate_hz.tolist() == [3000, 1000, 0, 1000]
+
+
+def test_rate_of_no_events_is_empty():
+    time_s, rate_hz = analysis.rate(events_at([]), 1000)
+    assert time_s.size == rate_hz.size == 0
+
+
+@pytest.mark.parametrize("bin_us", [0, -1, 1])
+def test_rate_refuses_windows_that_cannot_be(bin_us):
+    with pytest.raises(ValueError, match=f"bin_us = {bin_us}: "):
+        analysis.rate(events_at([0, 10**16]), bin_us)
+
+
+@given(st.lists(st.integers(0, 100_000), max_size=200), st.lists(st.integers(0, 200), max_size=5))
+def test_description_does_not_depend_on_the_cuts(t, cuts):
+    events = events_at(np.sort(np.array(t, np.int64)) + 10**15, p=np.arange(len(t)) % 2)
+    whole = analysis.describe([events])
+    assert analysis.describe(np.split(events, sorted(cuts))) == whole
+    if t:
+        elapsed = events["t"] - events["t"][0]
+        assert whole.events == len(t)
+        assert whole.rate_peak_1ms_hz == np.bincount(elapsed // 1000).max() * 1e3
+        assert whole.rate_peak_10ms_hz == np.bincount(elapsed // 10_000).max() * 1e2
+        assert whole.duration_s == pytest.approx(elapsed[-1] / 1e6)
+        assert whole.on_share == (len(t) // 2) / len(t)
+
+
+def test_description_of_nothing_has_no_rate():
+    nothing = analysis.describe([])
+    assert (nothing.events, nothing.duration_s, nothing.rate_mean_hz) == (0, 0, 0)
+
+
+@given(
+    arrays(np.float64, st.integers(1, 400), elements=st.floats(-1e6, 1e6)),
+    st.integers(4, 60),
+    st.booleans(),
+)
+def test_decimation_keeps_ends_and_extremes_in_order(y, points, uneven):
+    x = np.cumsum(np.arange(y.size) % 7 if uneven else np.ones(y.size))
+    kept_x, kept_y = analysis.decimate(x, y, points)
+    assert kept_x.size <= max(points, 4)
+    assert np.all(np.diff(kept_x) >= 0)
+    assert kept_y.min() == y.min() and kept_y.max() == y.max()
+    assert (kept_x[0], kept_y[0]) == (x[0], y[0])
+    assert (kept_x[-1], kept_y[-1]) == (x[-1], y[-1])
+    assert set(zip(kept_x, kept_y, strict=True)) <= set(zip(x, y, strict=True))
+
+
+def test_decimation_keeps_the_extremes_of_every_column():
+    x, y = np.arange(1000.0), np.zeros(1000)
+    y[[105, 505, 905]] = 1, -1, 2
+    _, kept = analysis.decimate(x, y, 22)
+    assert sorted(set(kept)) == [-1, 0, 1, 2]
+
+
+def test_decimation_leaves_few_points_alone_and_needs_four():
+    x = y = np.arange(5.0)
+    assert analysis.decimate(x, y, 5)[0] is x
+    with pytest.raises(ValueError, match=r"points = 3: "):
+        analysis.decimate(x, y, 3)
+
+
+def test_median_in_windows_skips_windows_without_a_package():
+    run = fake_run(duration_s=0.0)
+    run.packages = packages(
+        start_us=[100, 200, 900, 3000, 3999], t_first=[100] * 5, margin_us=[1, 9, 5, 7, 8]
+    )
+    time_s, median = analysis.median_in_windows(run, "margin_us", 1.0)
+    assert time_s.tolist() == [0, 0.002, 0.003]
+    assert median.tolist() == [5, 7, 8]
+
+
+def test_median_in_windows_names_what_is_wrong():
+    run = fake_run(duration_s=0.1)
+    with pytest.raises(ValueError, match=r"column = colour: use one of index, start_us"):
+        analysis.median_in_windows(run, "colour", 100)
+    with pytest.raises(ValueError, match=r"window_ms = 0: "):
+        analysis.median_in_windows(run, "margin_us", 0)
+
+
+def test_an_empty_run_has_empty_curves():
+    run = empty_run()
+    assert analysis.time_s(run).size == 0
+    assert analysis.median_in_windows(run, "margin_us", 100)[1].size == 0
+    assert analysis.fit_cost(run) == analysis.Cost(0, 0)
+    assert analysis.diagnose(run).limit == "camera"
+
+
+def run_with(size, processing_us):
+    run = fake_run(duration_s=0.0)
+    run.packages = packages(size=size, processing_us=processing_us)
+    return run
+
+
+@given(st.floats(0, 1e4), st.floats(0, 1e4))
+def test_cost_line_is_found_again(alpha_us, beta_ns):
+    size = np.array([1, 10, 500, 20_000])
+    cost = analysis.fit_cost(run_with(size, alpha_us + beta_ns * size / 1e3))
+    assert cost.alpha_us == pytest.approx(alpha_us, rel=1e-6, abs=1e-6 * beta_ns + 0.02)
+    assert cost.beta_ns == pytest.approx(beta_ns, rel=1e-6, abs=1e-6 * alpha_us + 2e-3)
+
+
+@pytest.mark.parametrize(
+    ("size", "processing_us", "cost"),
+    [
+        ([100, 100], [30, 50], (0, 400)),  # one size: no line, all of it per event
+        ([10, 20], [50, 30], (40, 0)),  # falling: all of it per package
+        ([10, 20], [10, 30], (0, 1400)),  # the line begins below zero
+        ([0, 0], [10, 10], (0, 0)),
+    ],
+)
+def test_cost_is_never_negative(size, processing_us, cost):
+    fitted = analysis.fit_cost(run_with(size, processing_us))
+    assert (fitted.alpha_us, fitted.beta_ns) == pytest.approx(cost)
+
+
+def test_throughput_at_a_bound():
+    cost = analysis.Cost(100, 200)
+    assert cost.throughput_hz(10_000) == pytest.approx(0.98 * 5e6)
+    assert cost.throughput_hz(200) == 0
+    assert analysis.Cost(100, 0).throughput_hz(10_000) == np.inf
+    assert analysis.Cost(0, 0).throughput_hz(0) == 0
+
+
+def steady(rate, **parameters):
+    return fake_run(rates=(rate, rate), duration_s=1.0, rate_bound=None, **parameters)
+
+
+def test_nearly_everything_in_time_means_that_the_camera_limits():
+    diagnosis = analysis.diagnose(steady(1e6))
+    assert diagnosis.limit == "camera"
+    assert diagnosis.offered_hz == pytest.approx(1e6, rel=0.05)
+    assert diagnosis.cost.alpha_us == pytest.approx(100, rel=0.01)
+    assert diagnosis.cost.beta_ns == pytest.approx(150, rel=0.01)
+
+
+def test_bad_events_are_not_the_algorithms_fault():
+    assert analysis.diagnose(steady(1e6, rejected=10_000_000)).limit == "camera"
+
+
+def test_a_load_above_one_means_that_the_algorithm_limits():
+    run = fake_run(rates=(12e6, 12e6), duration_s=1.0)
+    diagnosis = analysis.diagnose(run)
+    assert diagnosis.limit == "algorithm"
+    assert diagnosis.bound_us is None
+    # rho = 1.8; 95 % of it and 2 alpha/L of overhead.
+    assert diagnosis.speedup == pytest.approx(0.95 * 1.8 + 0.02, rel=0.03)
+
+
+def test_a_short_bound_limits_and_the_longer_one_is_told():
+    diagnosis = analysis.diagnose(steady(2e6, bound_us=150.0))
+    assert diagnosis.limit == "bound"
+    assert diagnosis.bound_us == pytest.approx(200 / (1 - 0.95 * 0.3), rel=0.03)
+
+
+def test_a_rate_bound_far_below_the_throughput_is_the_schemes_choice():
+    run = fake_run(rates=(4e6, 4e6), duration_s=1.0, rate_bound=1e6)
+    assert analysis.diagnose(run).limit == "scheme"
+
+
+def test_what_was_lost_before_a_package_counts_as_offered():
+    without = analysis.diagnose(steady(1e6)).offered_hz
+    assert analysis.diagnose(steady(1e6, overflow=500_000)).offered_hz == pytest.approx(
+        without + 5e5, rel=0.01
+    )
+
+
+@given(st.lists(st.floats(0, 1e7), min_size=1, max_size=30), st.floats(0.01, 1))
+def test_needed_throughput_lets_the_share_through(rates, share):
+    rates = np.array(rates)
+    cap = analysis._throughput_to_keep(rates, share)
+    assert np.minimum(rates, cap).sum() == pytest.approx(share * rates.sum(), rel=1e-9, abs=1e-9)
+
+
+def test_single_events_on_one_stamp_are_all_offered():
+    run = fake_run(duration_s=0.0)
+    run.packages = packages(t_first=[5, 5, 5, 7], t_last=[5, 5, 5, 7], offered=[1, 1, 1, 1])
+    rates_hz = analysis._offered_rates(run, 1.0)
+    assert rates_hz.sum() * 1e-6 == pytest.approx(4)
+
+
+def test_a_faster_replay_offers_more_events_per_second():
+    once, twice = steady(1e6), steady(1e6, speed=2.0)
+    ratio = analysis.diagnose(twice).offered_hz / analysis.diagnose(once).offered_hz
+    assert ratio == pytest.approx(2, rel=1e-6)

@@ -1,0 +1,316 @@
+"""The house rules that a machine can check: arrows, mirrors, openings, versions, banned words."""
+
+from __future__ import annotations
+
+import ast
+import importlib.metadata
+import os
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+import asap
+from house import INCLUDE, ROOT, name_of, sources
+
+# What a layer may include, besides itself.
+MAY_INCLUDE = {
+    "core": set(),
+    "buffer": {"core"},
+    "filter": {"core"},
+    "schemes": {"core"},
+    "telemetry": {"core"},
+    "packager": {"core", "buffer", "filter", "schemes", "telemetry"},
+    "runner": {"core", "buffer", "filter", "schemes", "telemetry", "packager"},
+    "formats": {"core"},
+    "synthetic": {"core"},
+    "algorithms": {"core"},
+}
+
+# A module of asap may import those on lines above its own.
+PYTHON_LAYERS = (
+    {"_core", "units"},
+    {"events"},
+    {"io", "synthetic"},
+    {"experiment"},
+    {"analysis"},
+    {"plots", "table"},
+    {"report", "progress"},
+    {"demo"},
+    {"cli"},
+    {"__main__"},
+)
+# run.plot(), run.report() and print(run) import their module when they are called.
+ARROWS_UP = {("experiment", "plots"), ("experiment", "report"), ("experiment", "table")}
+USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
+
+WITHOUT_A_TEST_OF_ITS_OWN = {
+    "algorithms/cluster.hpp": "plain data",
+    "runner/consumer.hpp": "an alias",
+    "schemes/scheme.hpp": "an interface; every scheme's test speaks it",
+}
+
+WITHOUT_A_HEADER_OF_ITS_OWN = {
+    "packager/allocation_test.cpp": "a promise of the whole hot path",
+}
+
+HEADERS = [path.relative_to(INCLUDE / "asap").as_posix() for path in INCLUDE.rglob("*.hpp")]
+PYTHON = sorted((ROOT / "python" / "asap").rglob("*.py"))
+NATIVE = {".cpp", ".hpp"}
+
+
+# ---- arrows ---------------------------------------------------------------------------------
+
+
+def includes(path: Path) -> Iterator[str]:
+    for match in re.finditer(r'^\s*#\s*include\s*["<]([^">]+)[">]', path.read_text(), re.M):
+        yield match[1]
+
+
+def layer_of(path: Path) -> str:
+    return path.relative_to(ROOT / "cpp").parts[-2]
+
+
+def test_every_layer_is_known() -> None:
+    assert {path.name for path in (INCLUDE / "asap").iterdir() if path.is_dir()} == set(MAY_INCLUDE)
+
+
+def test_native_includes_point_down() -> None:
+    up = []
+    for path in sources("cpp", suffixes=NATIVE):
+        layer = layer_of(path)
+        for header in includes(path):
+            if not header.startswith("asap/"):
+                continue
+            other = header.split("/")[1]
+            if other != layer and other not in MAY_INCLUDE[layer]:
+                up.append(f"{name_of(path)} includes {header}")
+    assert not up
+
+
+def test_native_code_knows_neither_python_nor_foreign_libraries() -> None:
+    foreign = [
+        f"{name_of(path)} includes {header}"
+        for path in sources("cpp", suffixes=NATIVE)
+        for header in includes(path)
+        if "/" in header
+        and not header.startswith(("asap/", "sys/", "linux/"))
+        and not (header.startswith("Eigen/") and layer_of(path) == "algorithms")
+    ]
+    assert not foreign
+
+
+def test_bindings_include_the_core_and_themselves_only() -> None:
+    allowed = ("asap/", "pybind11/")
+    foreign = [
+        f"{name_of(path)} includes {header}"
+        for path in sources("python/bindings", suffixes=NATIVE)
+        for header in includes(path)
+        if "/" in header and not header.startswith(allowed)
+    ]
+    assert not foreign
+
+
+def imports(path: Path) -> Iterator[tuple[str, bool]]:
+    """Modules of asap that a file imports ("" = asap itself), and whether inside a function."""
+    package = path.relative_to(ROOT / "python").parent.parts
+
+    def walk(node: ast.AST, inside: bool) -> Iterator[tuple[str, bool]]:
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING":
+                continue
+            if isinstance(child, ast.Import):
+                names = [alias.name for alias in child.names]
+            elif isinstance(child, ast.ImportFrom):
+                base = list(package[: len(package) + 1 - child.level] if child.level else ())
+                base += [child.module] if child.module else []
+                names = [".".join([*base, alias.name]) for alias in child.names]
+            else:
+                names = []
+            for name in names:
+                top, *rest = name.split(".")
+                if top == "asap":
+                    yield (rest[0] if rest else ""), inside
+            is_function = isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))
+            yield from walk(child, inside or is_function)
+
+    yield from walk(ast.parse(path.read_text()), False)
+
+
+def test_python_imports_point_down() -> None:
+    rank = {name: i for i, names in enumerate(PYTHON_LAYERS) for name in names}
+    up = []
+    for path in PYTHON:
+        module = path.relative_to(ROOT / "python" / "asap").with_suffix("").parts[0]
+        if module == "__init__":
+            continue
+        assert module in rank, f"{name_of(path)}: give it a place in PYTHON_LAYERS"
+        for other, inside in imports(path):
+            if other == module or (inside and (module, other) in ARROWS_UP):
+                continue
+            exported = other not in rank  # a name of the facade, such as asap.run
+            if not (module in USE_THE_FACADE if exported else rank[other] < rank[module]):
+                up.append(f"{name_of(path)} imports asap{'.' if other else ''}{other}")
+    assert not up
+
+
+# ---- headers --------------------------------------------------------------------------------
+
+
+def test_every_header_has_a_test_of_the_same_path() -> None:
+    tests = ROOT / "tests" / "cpp"
+    missing = {
+        header
+        for header in HEADERS
+        if not (tests / header).with_name(Path(header).stem + "_test.cpp").is_file()
+    }
+    assert missing == set(WITHOUT_A_TEST_OF_ITS_OWN)
+
+
+def test_every_test_has_a_header_of_the_same_path() -> None:
+    tests = ROOT / "tests" / "cpp"
+    helpers = {path.relative_to(tests).as_posix() for path in tests.rglob("*.hpp")}
+    orphans = [
+        name
+        for path in tests.glob("*/*_test.cpp")
+        for name in [path.relative_to(tests).as_posix()]
+        if name.replace("_test.cpp", ".hpp") not in {*HEADERS, *helpers}
+    ]
+    assert set(orphans) == set(WITHOUT_A_HEADER_OF_ITS_OWN)
+
+
+def test_sources_mirror_headers() -> None:
+    orphans = [
+        name_of(path)
+        for path in (ROOT / "cpp" / "src").rglob("*.cpp")
+        if path.relative_to(ROOT / "cpp" / "src").with_suffix(".hpp").as_posix() not in HEADERS
+    ]
+    assert not orphans
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_header_opens_with_what_it_is(header: str) -> None:
+    lines = (INCLUDE / "asap" / header).read_text().splitlines()
+    opening = lines[: lines.index("#pragma once")]
+    assert 1 <= len(opening) <= 16
+    assert all(line.startswith("//") for line in opening)
+
+
+@pytest.mark.slow
+def test_every_header_compiles_alone() -> None:
+    compiler = os.environ.get("CXX") or shutil.which("c++") or shutil.which("g++")
+    assert compiler, "no C++ compiler found: install g++ or set CXX"
+    flags = ["-std=c++20", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{INCLUDE}"]
+
+    def errors(header: str) -> str:
+        # Twice: it has to guard itself too.
+        text = 2 * f'#include "asap/{header}"\n'
+        done = subprocess.run(
+            [compiler, *flags, "-x", "c++", "-"], input=text, capture_output=True, text=True
+        )
+        return f"{header}\n{done.stderr}" if done.returncode else ""
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        broken = [text for text in pool.map(errors, sorted(HEADERS)) if text]
+    assert not broken, "\n".join(broken)
+
+
+# ---- Python ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", PYTHON, ids=name_of)
+def test_module_says_what_it_is_and_what_it_exports(path: Path) -> None:
+    tree = ast.parse(path.read_text())
+    assert ast.get_docstring(tree)
+    assigned = {
+        target.id
+        for node in tree.body
+        if isinstance(node, ast.Assign)
+        for target in node.targets
+        if isinstance(target, ast.Name)
+    }
+    assert "__all__" in assigned or path.name == "__main__.py"
+
+
+SCALAR = re.compile(r"int|float|bool|np\.(u?int|float)\d+|np\.bool_|'[mM]8\[us\]'( if .*)?")
+
+
+def test_astype_makes_plain_numbers_only() -> None:
+    """Between structured dtypes it copies by position and scrambles the columns."""
+    structured = []
+    for path in PYTHON:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if (
+                isinstance(node, ast.Call)
+                and isinstance(node.func, ast.Attribute)
+                and node.func.attr == "astype"
+                and node.args
+            ):
+                kind = ast.unparse(node.args[0])
+                if not SCALAR.fullmatch(kind):
+                    structured.append(f"{name_of(path)}:{node.lineno}: astype({kind})")
+    assert not structured
+
+
+def test_bindings_never_cast_arrays() -> None:
+    """pybind11 casts an array_t argument by default, structured ones by position."""
+    casts = [
+        f"{name_of(path)}: {match[0]}"
+        for path in sources("python/bindings", suffixes=NATIVE)
+        for match in re.finditer(
+            r"force" + r"cast|(?:const )?py::array_t<[^;={}()]*>\s*&?\s*\w+\s*[,)]",
+            path.read_text(),
+        )
+    ]
+    assert not casts
+
+
+# ---- every file -----------------------------------------------------------------------------
+
+BANNED = {
+    "a pickle may run code": r"allow_pickle\s*=\s*" + "True",
+    "finish it or leave it out": r"\b(TO" + r"DO|FIX" + r"ME|X" + r"XX)\b",
+    "a path of one machine": r"(?<![\w.~$}])/(?:work|root|home|opt)/",
+    "tab": r"\t",
+    "trailing space": r"[ \t]+$",
+}
+
+
+@pytest.mark.parametrize("why", BANNED)
+def test_no_file_holds(why: str) -> None:
+    pattern = re.compile(BANNED[why], re.M)
+    found = [
+        f"{name_of(path)}:{text.count(chr(10), 0, match.start()) + 1}: {match[0]!r}"
+        for path in sources()
+        for text in [path.read_text(encoding="utf-8")]
+        for match in pattern.finditer(text)
+    ]
+    assert not found
+
+
+# A test mirrors its header, so it may not be split and may be longer.
+@pytest.mark.parametrize(("folders", "limit"), [(("cpp", "python"), 400), (("tests",), 800)])
+def test_files_are_short(folders: tuple[str, ...], limit: int) -> None:
+    lines = {name_of(path): len(path.read_text().splitlines()) for path in sources(*folders)}
+    assert not {name: count for name, count in lines.items() if count > limit}
+
+
+def test_files_end_with_one_newline() -> None:
+    texts = {name_of(path): path.read_text() for path in sources()}
+    assert not [name for name, text in texts.items() if not re.search(r"[^\n]\n\Z", text)]
+
+
+# ---- version --------------------------------------------------------------------------------
+
+
+def test_version_is_the_same_everywhere() -> None:
+    written = re.search(r'^version = "([0-9.]+)"$', (ROOT / "pyproject.toml").read_text(), re.M)
+    assert written is not None
+    assert asap._core.__version__ == written[1]  # C++: asap::kVersion
+    assert asap.__version__ == written[1]
+    assert importlib.metadata.version("asap-events") == written[1]
+    assert f"## [{written[1]}]" in (ROOT / "CHANGELOG.md").read_text()

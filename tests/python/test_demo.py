@@ -1,0 +1,75 @@
+"""The paper's two experiments: the log must show what the paper claims."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from asap import analysis, demo
+
+
+@pytest.fixture(scope="module")
+def abrupt_motion():
+    return demo.abrupt_motion()
+
+
+def test_abrupt_motion_shows_the_claims_of_the_paper(abrupt_motion):
+    for claim in demo.claims(abrupt_motion):
+        assert claim.holds, claim
+    assert abrupt_motion.ledger.balanced
+    assert abrupt_motion.ledger.overflow == 0
+
+
+def test_abrupt_motion_from_the_log(abrupt_motion):
+    # The same, said once more without the code of the demo.
+    rows = abrupt_motion.packages
+    time_s = (rows["start_us"] - rows["start_us"][0]) / 1e6
+    quiet, moderate, abrupt = (
+        rows[(time_s > begin) & (time_s < end)]
+        for begin, end in ((0.2, 0.4), (1.8, 2.0), (4.5, 4.9))
+    )
+    assert (rows["gamma"][time_s < 2.0] == 1).all()
+    assert np.median(quiet["size"]) < 100 < 500 < np.median(moderate["size"])
+    assert np.median(moderate["size"]) < 2000 < np.median(abrupt["size"])
+    assert abrupt["gamma"].max() < 0.6
+    kept_per_second = abrupt["size"].sum() / 0.4
+    assert kept_per_second == pytest.approx(5e6, rel=0.1)
+    assert abrupt["offered"].sum() / 0.4 > 11e6
+
+
+def test_flight_stays_in_real_time_in_virtual_time():
+    run = demo.flight(virtual=True)
+    for claim in demo.claims(run):
+        assert claim.holds, claim
+    windows_s, margins = analysis.median_in_windows(run, "margin_us", 100)
+    assert (margins[windows_s >= 0.2] < 0).all()
+    assert run.ledger.discarded == 0
+    assert run.algorithm.clusters.size > 0
+
+
+def test_flight_in_real_time():
+    run = demo.flight(duration_s=1.0)
+    assert run.ledger.balanced
+    claims = demo.claims(run)
+    assert claims[0].holds, claims[0]
+    # The machine may steal tens of ms from a test; the share itself is reported by `asap demo`.
+    _, margins = analysis.median_in_windows(run, "margin_us", 100)
+    assert np.mean(margins < 0) > 0.5
+
+
+def test_claims_can_fail(abrupt_motion):
+    # The same log with gamma at 1 and sizes that do not grow.
+    rows = abrupt_motion.packages.copy()
+    rows["gamma"], rows["size"] = 1, 100
+    broken = dataclasses.replace(abrupt_motion, packages=rows)
+    assert not any(claim.holds for claim in demo.claims(broken)[:1])
+    assert not demo.claims(broken)[2].holds
+
+
+def test_run_writes_figures_and_report(tmp_path):
+    pytest.importorskip("matplotlib")
+    runs, paths = demo.run(tmp_path / "out", quick=True)
+    assert len(runs) == 2
+    assert [path.suffix for path in paths] == [".svg", ".svg", ".html"]
+    for path in paths:
+        assert path.stat().st_size > 10_000

@@ -1,0 +1,173 @@
+"""ASAP as a stranger gets it: wheel, sdist, find_package, add_subdirectory, pkg-config."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import tarfile
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import asap
+from house import ROOT, cmake, native_build, run
+
+pytestmark = pytest.mark.slow
+
+CONSUMER = ROOT / "tests" / "consumer"
+STRICT = "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror"
+
+
+# ---- Python ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An sdist of the checkout, and a wheel made from that sdist alone."""
+    folder = tmp_path_factory.mktemp("dist")
+    run([sys.executable, "-m", "build", "--outdir", folder, ROOT])
+    return folder
+
+
+@pytest.fixture(scope="module")
+def stranger(dist: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The bin folder of an environment with the wheel and what it requires, no more."""
+    folder = tmp_path_factory.mktemp("stranger")
+    venv.create(folder, with_pip=True)
+    run([folder / "bin" / "pip", "install", *dist.glob("*.whl")])
+    return folder / "bin"
+
+
+def test_wheel_holds_the_package_alone(dist: Path) -> None:
+    (wheel,) = dist.glob("*.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    info = f"asap_events-{asap.__version__}.dist-info/"
+    assert [name for name in names if not name.startswith(("asap/", info))] == []
+    assert {Path(name).suffix for name in names if name.startswith("asap/")} == {
+        *(".py", ".pyi", ".so", ".typed"),
+    }
+    assert {"asap/py.typed", "asap/_core.pyi", info + "licenses/LICENSE"} <= set(names)
+
+
+def test_sdist_holds_the_sources_and_no_build(dist: Path) -> None:
+    (sdist,) = dist.glob("*.tar.gz")
+    with tarfile.open(sdist) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    assert {"LICENSE", "README.md", "pyproject.toml", "cpp/CMakeLists.txt"} <= names
+    tops = {name.split("/")[0] for name in names if not name.startswith(".")}
+    assert tops <= {
+        *("CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "LICENSE", "PKG-INFO", ""),
+        *("README.md", "cpp", "notebooks", "pyproject.toml", "python", "tests"),
+    }
+
+
+def test_import_from_elsewhere(stranger: Path, tmp_path: Path) -> None:
+    where = run([stranger / "python", "-c", "import asap; print(asap.__file__)"], cwd=tmp_path)
+    assert where.startswith(str(stranger.parent))
+
+
+def test_command(stranger: Path, tmp_path: Path) -> None:
+    assert run([stranger / "asap", "--version"], cwd=tmp_path) == f"asap {asap.__version__}\n"
+
+
+def test_numpy_is_enough_for_a_run(stranger: Path, tmp_path: Path) -> None:
+    program = """if True:
+        import asap
+        scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+        tracker = asap.ClusterTracker(scene.width, scene.height)
+        run = asap.simulate(scene, cost=asap.LinearCost(20, 150), algorithm=tracker)
+        assert run.ledger.balanced and tracker.clusters.size
+        print(run)
+    """
+    assert "Verdict" in run([stranger / "python", "-c", program], cwd=tmp_path)
+    assert "numpy" in run([stranger / "pip", "list"]).lower()
+
+
+def test_without_matplotlib_a_figure_names_the_extra(stranger: Path, tmp_path: Path) -> None:
+    program = """if True:
+        import asap
+        scene = asap.synthetic.FlightOverChairs(duration_s=0.01)
+        asap.simulate(scene, cost=asap.LinearCost(20, 150)).plot()
+    """
+    output = run([stranger / "python", "-c", program], cwd=tmp_path, check=False)
+    assert "asap-events[report]" in output.splitlines()[-1]
+
+
+# ---- C++ ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An installed asap that was moved after the installation."""
+    folder = tmp_path_factory.mktemp("prefix")
+    run(["cmake", "--install", native_build(), "--prefix", folder / "installed"])
+    return (folder / "installed").rename(folder / "moved")
+
+
+def eigen() -> dict[str, str]:
+    """Where Eigen was found: a consumer has to know it too if it came from a wheel."""
+    cache = (native_build() / "CMakeCache.txt").read_text()
+    return dict(re.findall(r"^(Eigen3_DIR):PATH=(.*)$", cache, re.M))
+
+
+def assert_it_works(consumer: Path) -> None:
+    output = run([consumer])
+    assert re.fullmatch(r"(\d+) received, \1 delivered in \d+ packages, \d+ clusters\n", output)
+
+
+def test_find_package(prefix: Path, tmp_path: Path) -> None:
+    cmake(CONSUMER / "find_package", tmp_path, CMAKE_PREFIX_PATH=prefix, **eigen())
+    assert_it_works(tmp_path / "consumer")
+
+
+def test_find_package_refuses_another_version(prefix: Path, tmp_path: Path) -> None:
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n"
+        "find_package(asap 99.0 REQUIRED)\n"
+    )
+    with pytest.raises(AssertionError, match=f"version: {re.escape(asap.__version__)}"):
+        cmake(tmp_path, tmp_path / "build", CMAKE_PREFIX_PATH=prefix)
+
+
+def test_the_core_alone_needs_no_eigen(prefix: Path, tmp_path: Path) -> None:
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n"
+        "find_package(asap REQUIRED COMPONENTS core)\n"
+        "add_executable(stranger main.cpp)\ntarget_link_libraries(stranger asap::core)\n"
+    )
+    (tmp_path / "main.cpp").write_text(
+        "#include <asap/schemes/asap2020.hpp>\nint main() { return asap::Asap2020{}.name()[0]; }\n"
+    )
+    absent = {"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON"}
+    cmake(tmp_path, tmp_path / "build", CMAKE_PREFIX_PATH=prefix, **absent)
+    assert subprocess.run([tmp_path / "build" / "stranger"], check=False).returncode == ord("a")
+
+
+def test_add_subdirectory(tmp_path: Path) -> None:
+    """With a stranger's strict flags on our headers, and without our optional tools."""
+    absent = {
+        f"CMAKE_DISABLE_FIND_PACKAGE_{name}": "ON"
+        for name in ("GTest", "benchmark", "pybind11", "Python")
+    }
+    cmake(
+        CONSUMER / "add_subdirectory",
+        tmp_path,
+        ASAP_SOURCE_DIR=ROOT,
+        CMAKE_CXX_FLAGS=STRICT,
+        **absent,
+        **eigen(),
+    )
+    assert_it_works(tmp_path / "consumer")
+
+
+def test_pkg_config(prefix: Path, tmp_path: Path) -> None:
+    (folder,) = prefix.rglob("pkgconfig")
+    env = {**os.environ, "PKG_CONFIG_PATH": str(folder)}
+    flags = run(["pkg-config", "--cflags", "--libs", "asap-algorithms"], env=env).split()
+    consumer = tmp_path / "consumer"
+    run(["c++", "-std=c++20", "-O1", CONSUMER / "main.cpp", *flags, "-o", consumer])
+    assert_it_works(consumer)

@@ -1,0 +1,69 @@
+"""Real recordings: decoded columns equal the hashes of the manifest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asap
+from event_files import DATA, facts, recording, sha256_txyp
+
+SERVED = [
+    ("text/slider_davis240.txt", "text", None),
+    ("text/night_davis346.csv", "csv", None),
+    ("derived/office.npy", "npy", None),
+    ("derived/office.npz", "npz", None),
+    ("derived/office.txt", "text", None),
+    ("aedat/office_davis346.aedat4", "aedat4", (346, 260)),
+    ("aedat/cars_davis346.aedat4", "aedat4", (346, 260)),
+]
+
+
+@pytest.mark.parametrize(("name", "fmt", "sensor"), SERVED, ids=[row[0] for row in SERVED])
+def test_equal_to_the_manifest(name: str, fmt: str, sensor: tuple[int, int] | None) -> None:
+    if fmt == "aedat4":
+        pytest.importorskip("aedat")
+    known = facts(name)
+    rec = asap.read(recording(name))
+    chunks = list(rec)
+    events = np.concatenate(chunks)
+    assert rec.format == fmt
+    assert (rec.width, rec.height) == (sensor or (None, None))
+    assert len(events) == known["events"]
+    assert sha256_txyp(events) == known["sha256_txyp"]
+    assert set(rec.rejected.values()) == {0}
+    assert sha256_txyp(asap.load(recording(name))) == known["sha256_txyp"]
+
+
+def test_hands_with_their_order() -> None:
+    files = sorted((DATA / "text/hands").glob("*.csv"))
+    if not files:
+        recording("text/hands")
+    for path in files:
+        known = facts(f"text/hands/{path.name}")
+        events = asap.load(path, order="yxt", width=1280, height=800)
+        assert sha256_txyp(events) == known["sha256_txyp"], path.name
+
+
+def test_hands_without_order_is_a_question() -> None:
+    with pytest.raises(ValueError, match=r"order = None: the lines of .* have 3 columns"):
+        asap.read(recording("text/hands/30201.csv"))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "evt/laser_evt2.raw", "evt/drive_hd_evt3.raw", "derived/office.dat", "derived/office.es",
+        "derived/office.aedat2.aedat", "derived/office.aedat31.aedat", "derived/office.dsec.h5",
+        "derived/office.psee.h5", "mat/boat_davis346.mat", "ros/mono_100.db3",
+        "ros/room_person_evt3.bag", "gestures/clap.bs2", "atis/face_ncaltech.bin",
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("renamed", [False, True])
+def test_formats_without_a_reader_say_so(name: str, renamed: bool, tmp_path: object) -> None:
+    path = recording(name)
+    if renamed:  # the content alone, under a name that says nothing
+        path = type(path)(str(tmp_path)) / "recording"
+        path.write_bytes(recording(name).read_bytes())
+    with pytest.raises(asap.io.UnsupportedFormat, match=r"npy, npz, text \(t x y p\), csv, aedat4"):
+        asap.read(path)

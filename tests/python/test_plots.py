@@ -1,0 +1,180 @@
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from fake_run import empty_run, fake_run
+
+matplotlib = pytest.importorskip("matplotlib")
+
+from matplotlib.figure import Figure  # noqa: E402
+
+from asap import plots  # noqa: E402
+
+EVENT_DTYPE = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")], align=True)
+CLUSTER_DTYPE = np.dtype(
+    [("id", "<i8"), *((name, "<f8") for name in ("x", "y", "vx", "vy", "cxx", "cxy", "cyy"))]
+)
+
+
+def events_of(*rows):
+    return np.array(list(rows), EVENT_DTYPE)
+
+
+def curve(axes, i=0):
+    return axes.get_lines()[i].get_data()
+
+
+def test_the_figure_has_the_papers_curves_on_one_time_axis():
+    run = fake_run()
+    figure = plots.figure(run)
+    assert [axes.get_title(loc="left") for axes in figure.axes] == [
+        "package size",
+        "rates",
+        "gamma",
+        "margin",
+        "latency",
+    ]
+    first, *others = figure.axes
+    assert all(first.get_shared_x_axes().joined(first, other) for other in others)
+    size, rates, gamma, margin, latency = figure.axes
+    for axes, column, scale in (
+        (size, "size", 1),
+        (rates, "event_rate", 1e-6),
+        (gamma, "gamma", 1),
+        (margin, "margin_us", 1e-3),
+        (latency, "latency_max_us", 1e-3),
+    ):
+        time_s, values = curve(axes)
+        assert values.max() == pytest.approx(run.packages[column].max() * scale)
+        assert values.min() == pytest.approx(run.packages[column].min() * scale)
+        assert time_s[0] == pytest.approx(0.0005) and time_s[-1] <= 5
+        assert len(values) <= 2000 < run.packages.size
+    assert size.get_yscale() == "log"
+    assert curve(rates, 1)[1].max() == pytest.approx(run.packages["rate"].max() * 1e-6)
+    assert set(curve(rates, 2)[1]) == {5.0}
+    assert set(curve(margin, 1)[1]) == {0}
+    assert set(curve(latency, 1)[1]) == {10.0}
+
+
+def test_a_few_outliers_do_not_flatten_the_margin_but_are_counted():
+    run = fake_run(duration_s=1.0)
+    run.packages["margin_us"][:2] = -50_000
+    margin = plots.figure(run).axes[3]
+    assert margin.get_ylim()[0] > -1 and margin.get_ylim()[1] > 0
+    assert "2 off scale" in margin.get_legend().get_texts()[0].get_text()
+    assert curve(margin)[1].min() == -50
+    run.packages["margin_us"] = 0
+    margin = plots.figure(run).axes[3]
+    assert "off scale" not in margin.get_legend().get_texts()[0].get_text()
+
+
+def test_every_axis_names_its_unit():
+    axes = plots.figure(fake_run()).axes
+    assert [each.get_ylabel() for each in axes] == ["events", "Mev/s", "kept", "ms", "ms"]
+    assert axes[-1].get_xlabel() == "time from the first event [s]"
+    slow = plots.figure(fake_run(rates=(1e4, 1e5), duration_s=0.1))
+    assert slow.axes[1].get_ylabel() == "kev/s"
+
+
+def test_a_scheme_without_rate_bound_has_no_line_for_it():
+    rates = plots.figure(fake_run(rate_bound=None, duration_s=0.1)).axes[1]
+    assert len(rates.get_lines()) == 2
+
+
+def test_an_empty_run_has_an_empty_figure():
+    assert len(plots.figure(empty_run()).axes) == 5
+
+
+def test_a_figure_that_is_given_is_drawn_into():
+    page = Figure()
+    left, right = page.subfigures(1, 2)
+    assert plots.control(fake_run(duration_s=0.1), figure=left) is left
+    assert len(left.axes) == 5 and not right.axes
+
+
+def test_a_notebook_shows_the_figure_without_pyplot():
+    assert plots.figure(fake_run(duration_s=0.1))._repr_png_().startswith(b"\x89PNG")
+
+
+def test_the_global_style_stays_as_it_is():
+    plots.figure(fake_run(duration_s=0.1))
+    plots.rate(events_of((0, 0, 1, 0)))
+    changed = {
+        name
+        for name, value in matplotlib.rcParamsOrig.items()
+        if matplotlib.rcParams[name] != value
+    }
+    assert changed <= {"backend"}
+
+
+def test_pyplot_is_never_imported():
+    code = "import sys, asap.plots, asap.report; sys.exit('matplotlib.pyplot' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_missing_matplotlib_names_the_extra():
+    code = "import sys; sys.modules['matplotlib'] = None; import asap.plots"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.returncode != 0
+    assert "asap-events[report]" in result.stderr
+
+
+def test_a_frame_shows_on_red_and_off_blue_with_y_down():
+    axes = plots.frame(
+        events_of((1, 0, 1, 0), (2, 1, 0, 1), (0, 1, 0, 2), (0, 1, 1, 3), (9, 9, 1, 4)), 3, 2
+    )
+    image = axes.get_images()[0].get_array()
+    assert image.shape == (2, 3, 3)
+    assert axes.yaxis_inverted()
+    red, blue = image[0, 1], image[1, 2]
+    assert red[0] > 2 * red[2] and blue[2] > 2 * blue[0]
+    assert (image[1, 0] == red).all()  # a tie: the last event's
+    assert (image[0, 0] == 255).all()
+
+
+def test_clusters_are_ellipses_of_two_standard_deviations():
+    cluster = np.array([(7, 30, 20, 100, 0, 9.0, 0.0, 4.0)], CLUSTER_DTYPE)
+    axes = plots.clusters(events_of((1, 1, 1, 0)), cluster, 60, 40, lookahead_ms=20)
+    (ellipse,) = axes.patches
+    assert ellipse.center == (30, 20)
+    assert (ellipse.width, ellipse.height) == pytest.approx((12, 8))
+    assert abs(ellipse.angle) % 180 == pytest.approx(0)
+    assert axes.texts[0].get_text() == "7"
+    assert curve(axes)[0].tolist() == [30, 32]
+
+
+def test_a_tilted_cluster_is_drawn_tilted():
+    cluster = np.array([(1, 30, 20, 0, 0, 5.0, 4.0, 5.0)], CLUSTER_DTYPE)
+    (ellipse,) = plots.clusters(events_of((1, 1, 1, 0)), cluster, 60, 40).patches
+    assert ellipse.angle % 180 == pytest.approx(45)
+    assert (ellipse.width, ellipse.height) == pytest.approx((12, 4))
+    assert not ellipse.axes.get_lines()
+
+
+def test_the_rate_is_drawn_over_time():
+    axes = plots.rate(events_of(*((0, 0, 1, t) for t in (0, 1, 2, 1500))), 1000)
+    time_s, rate_khz = curve(axes)
+    assert time_s.tolist() == [0, 0.001]
+    assert rate_khz.tolist() == [3, 1]
+    assert axes.get_ylabel() == "event rate [kev/s]"
+
+
+@pytest.mark.parametrize("draw", ["frame", "clusters", "rate"])
+def test_axes_that_are_given_are_used_and_returned(draw):
+    axes = Figure().add_subplot()
+    events = events_of((1, 1, 1, 0))
+    calls = {
+        "frame": lambda: plots.frame(events, 4, 4, ax=axes),
+        "clusters": lambda: plots.clusters(events, np.empty(0, CLUSTER_DTYPE), 4, 4, ax=axes),
+        "rate": lambda: plots.rate(events, 1000, ax=axes),
+    }
+    assert calls[draw]() is axes
+
+
+def test_svg_text_is_the_same_every_time():
+    run = fake_run(duration_s=0.1)
+    text = plots.svg(plots.figure(run))
+    assert text == plots.svg(plots.figure(run))
+    assert "<text" in text and "dc:date" not in text

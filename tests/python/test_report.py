@@ -1,0 +1,163 @@
+import html
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+from fake_run import empty_run, fake_run
+
+pytest.importorskip("matplotlib")
+
+from asap import report, table
+
+
+class Page(HTMLParser):
+    """Collects tags and checks that every one of them is closed in order."""
+
+    VOID = ("meta", "link", "img", "br", "hr", "input")
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.open = [], []
+        self.feed(text)
+        assert not self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+@pytest.fixture(scope="module")
+def run():
+    return fake_run(duration_s=0.5, rejected=3, stale=40, overflow=2, pending=11)
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write_and_read(runs, **options):
+        return report.write(runs, tmp_path / "report.html", **options).read_text("utf-8")
+
+    return write_and_read
+
+
+@pytest.fixture(scope="module")
+def text(run, tmp_path_factory):
+    """The page about one run."""
+    return report.write(run, tmp_path_factory.mktemp("page") / "report.html").read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def text_of_two(run, tmp_path_factory):
+    """The page about two runs."""
+    path = tmp_path_factory.mktemp("page") / "report.html"
+    return report.write([run, fake_run(duration_s=0.1)], path).read_text("utf-8")
+
+
+def test_the_page_forbids_everything_from_outside_and_asks_for_nothing(text_of_two):
+    page = Page(text_of_two)
+    policies = [
+        attributes["content"]
+        for tag, attributes in page.tags
+        if attributes.get("http-equiv") == "Content-Security-Policy"
+    ]
+    assert policies == ["default-src 'none'; style-src 'unsafe-inline'; img-src data:"]
+    tags = {tag for tag, _ in page.tags}
+    assert not tags & {
+        "script",
+        "link",
+        "iframe",
+        "object",
+        "img",
+        "image",
+        "base",
+        "foreignobject",
+    }
+    for tag, attributes in page.tags:
+        for name, value in attributes.items():
+            assert not name.startswith("on"), (tag, name)
+            if name in ("href", "xlink:href", "src", "action"):
+                assert value.startswith("#"), (tag, value)
+    without_namespaces = re.sub(r'xmlns(:\w+)?="[^"]*"', "", text_of_two)
+    assert not re.search(r"(https?:)?//\w", without_namespaces)
+    assert "@import" not in text_of_two and "<!DOCTYPE svg" not in text_of_two
+
+
+def test_identifiers_are_unique_and_references_find_them(text_of_two):
+    page = Page(text_of_two)
+    identifiers = [attributes["id"] for _, attributes in page.tags if "id" in attributes]
+    assert len(identifiers) == len(set(identifiers))
+    used = [a.get("xlink:href") or a.get("href") or "" for _, a in page.tags]
+    used += [
+        u for _, a in page.tags for u in re.findall(r"url\((#[^)]*)\)", a.get("clip-path", ""))
+    ]
+    used = [reference for reference in used if reference]
+    assert used and {reference[1:] for reference in used} <= set(identifiers)
+
+
+def test_values_are_escaped(write):
+    evil = "<img src=x onerror=alert(1)>&\"'.npy"
+    text = write(fake_run(duration_s=0.1, source=evil), title="</title><script>x</script>")
+    assert "<script" not in text and "<img" not in text
+    assert html.escape(evil) in text
+    Page(text)
+
+
+def test_the_page_says_what_the_table_says(text, run):
+    text = html.unescape(text).replace("\xa0", " ")
+    for cause, words in table.LEDGER_WORDS.items():
+        assert words in text and f"<td>{run.ledger[cause]:,}</td>" in text
+    verdict = table.verdict(run)
+    assert verdict.partition(". ")[2] in text
+    assert "Verdict" in text
+
+
+def test_the_numbers_are_embedded_as_json(text, run):
+    (numbers,) = re.findall(r"<template[^>]*>(.*?)</template>", text, flags=re.DOTALL)
+    numbers = json.loads(html.unescape(numbers))
+    assert numbers["summary"] == run.summary()
+    assert numbers["packages"]["size"] == run.packages["size"].tolist()
+    assert numbers["packages"]["t_last"] == run.packages["t_last"].tolist()
+    assert numbers["packages"]["margin_us"] == pytest.approx(
+        run.packages["margin_us"].tolist(), rel=1e-5, abs=0.01
+    )
+
+
+def test_packages_that_are_too_many_to_embed_are_announced(write, run, monkeypatch):
+    monkeypatch.setattr(report, "_MAX_EMBEDDED_PACKAGES", 10)
+    text = write(run)
+    assert f"{run.packages.size:,} packages are not embedded" in text
+    assert '"t_last"' not in text
+
+
+def test_several_runs_stand_side_by_side(text, text_of_two):
+    assert "Side by side" in text_of_two
+    assert "Side by side" not in text
+
+
+def test_figures_follow_the_readers_look(text):
+    assert "prefers-color-scheme:dark" in text
+    figures = re.findall(r"<svg.*?</svg>", text, flags=re.DOTALL)
+    assert len(figures) == 2
+    colours = set(re.findall(r"(?:fill|stroke): (#\w+)", "".join(figures)))
+    assert colours <= {"#000000"}, "every colour must have a name in the style sheet"
+
+
+def test_the_same_run_gives_the_same_bytes(write, text, run):
+    assert write([run]) == text
+
+
+def test_an_empty_run_has_a_report(write):
+    Page(write(empty_run()))
+
+
+def test_no_run_is_an_error(tmp_path):
+    with pytest.raises(ValueError, match=r"runs = \[\]: "):
+        report.write([], tmp_path / "report.html")

@@ -1,0 +1,161 @@
+"""Run: ledger, summary, saving and loading."""
+
+import json
+
+import numpy as np
+import pytest
+
+import asap
+import streams
+
+
+@pytest.fixture(scope="module")
+def run():
+    return asap.simulate(
+        streams.poisson(8e6, 0.1),
+        cost=asap.LinearCost(100, 150),
+        scheme=asap.Asap2020(rate_bound=2e6),
+        latency_ms=5,
+        width=346,
+        height=260,
+    )
+
+
+def test_columns_of_the_log(run):
+    assert run.packages.dtype.names == (
+        "index", "start_us", "processing_us", "t_first", "t_last", "offered", "size", "gamma",
+        "event_rate", "rate", "margin_us", "latency_max_us", "stale", "overflow",
+    )  # fmt: skip
+    rows = run.packages
+    assert not rows.flags.writeable
+    for name in rows.dtype.names:
+        assert np.isfinite(rows[name]).all(), name
+    span = rows["t_last"] - rows["t_first"]
+    np.testing.assert_allclose(rows["rate"], rows["size"] / np.maximum(span, 1) * 1e6)
+    np.testing.assert_allclose(rows["margin_us"], rows["processing_us"] - span, atol=1e-6)
+    latest = rows["start_us"] + rows["processing_us"] - rows["t_first"]
+    np.testing.assert_allclose(rows["latency_max_us"], latest, atol=1e-3)
+    assert (rows["start_us"][1:] >= (rows["start_us"] + rows["processing_us"])[:-1] - 1e-6).all()
+
+
+def test_ledger_is_attributes_and_mapping(run):
+    ledger = run.ledger
+    assert list(ledger) == [
+        "received", "rejected", "filtered", "discarded", "stale", "overflow", "delivered",
+        "pending",
+    ]  # fmt: skip
+    assert ledger["received"] == ledger.received > 0
+    assert ledger.balanced
+    assert ledger.discarded > 0
+    assert dict(ledger)["delivered"] == run.packages["size"].sum()
+    with pytest.raises(AttributeError, match="lost"):
+        _ = ledger.lost
+    unbalanced = type(ledger)({**ledger, "pending": 1})
+    assert not unbalanced.balanced
+
+
+def test_summary_is_the_documented_object(run):
+    summary = run.summary()
+    assert json.loads(json.dumps(summary, allow_nan=False)) == summary
+    assert set(summary) >= {
+        "schema_version", "mode", "source", "scheme", "algorithm", "latency_bound_us", "ledger",
+        "kept", "in_time", "latency_us", "packages", "gamma", "cpu", "version",
+    }  # fmt: skip
+    assert summary["schema_version"] == 1
+    assert summary["mode"] == "virtual"
+    assert set(summary["source"]) == {"path", "format", "width", "height", "events", "duration_s"}
+    assert summary["source"]["events"] == run.ledger.received
+    assert summary["source"]["duration_s"] == pytest.approx(0.1, rel=0.01)
+    assert summary["scheme"]["name"] == "asap2020"
+    assert summary["scheme"]["rate_bound"] == 2e6
+    assert summary["latency_bound_us"] == 5000
+    assert summary["kept"] == run.ledger.delivered / run.ledger.received
+    assert set(summary["latency_us"]) == {"mean", "p50", "p99", "max"}
+    assert summary["packages"]["count"] == run.packages.size
+    assert summary["packages"]["per_s"] == pytest.approx(run.packages.size / 0.1, rel=0.01)
+    assert summary["gamma"]["min"] == run.packages["gamma"].min() < summary["gamma"]["mean"] < 1
+    assert 0 < summary["cpu"] <= 1
+    assert summary["version"] == asap.__version__
+
+
+def test_save_and_load(run, tmp_path):
+    path = tmp_path / "run.json"
+    run.save(path)
+    again = asap.load_run(path)
+    assert again.summary() == run.summary()
+    np.testing.assert_array_equal(again.packages, run.packages)
+    for q in (0, 0.1, 0.5, 0.99, 1):
+        assert again.latency.quantile(q) == run.latency.quantile(q)
+    assert again.in_time == run.in_time
+    assert again.ledger == run.ledger
+    assert str(again) == str(run)
+
+
+@pytest.mark.parametrize(
+    "content", ["", "[]", "{}", '{"schema_version": 99}', "\x00\x01", '{"rows": 3}']
+)
+def test_what_is_no_run_is_refused(content, tmp_path):
+    path = tmp_path / "other.json"
+    path.write_text(content)
+    with pytest.raises(ValueError, match="not a run that asap has saved"):
+        asap.load_run(path)
+
+
+def test_damaged_histogram_is_refused(run, tmp_path):
+    path = tmp_path / "run.json"
+    run.save(path)
+    document = json.loads(path.read_text())
+    document["latency_histogram"][-1][0][0] = 10**6
+    path.write_text(json.dumps(document))
+    with pytest.raises(ValueError, match="bin = 1000000"):
+        asap.load_run(path)
+
+
+def test_latency_quantiles(run):
+    latency = run.latency
+    values = [latency.quantile(q) for q in np.linspace(0, 1, 50)]
+    assert values == sorted(values)
+    assert values[-1] == latency.max
+    with pytest.raises(ValueError, match=r"q = 1\.5"):
+        latency.quantile(1.5)
+
+
+def test_plot_and_report(run, tmp_path):
+    pytest.importorskip("matplotlib")
+    figure = run.plot()
+    assert len(figure.axes) >= 4
+    run.report(tmp_path / "run.html")
+    assert "</html>" in (tmp_path / "run.html").read_text()
+
+
+def test_schemes_show_name_and_parameters():
+    assert asap.Asap2020().parameters == {
+        "rate_bound": 5e6, "epsilon": 0.05, "first_size": 1000, "max_size": 50_000, "min_size": 1,
+    }  # fmt: skip
+    assert asap.FixedSize(size=3).parameters == {"size": 3}
+    assert asap.FixedTime().parameters == {"period_ms": 1.0}
+    assert [s.name for s in (asap.Greedy(), asap.SingleEvent())] == ["greedy", "single_event"]
+    assert repr(asap.FixedSize(size=3)) == "FixedSize(size=3)"
+    with pytest.raises(TypeError):
+        asap.FixedSize(3)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: asap.FixedSize(size=0), "size = 0"),
+        (lambda: asap.FixedTime(period_ms=0), "period_ms = 0"),
+        (lambda: asap.FixedTime(period_ms=float("nan")), "period_ms = nan"),
+        (lambda: asap.Asap2020(rate_bound=0), "rate_bound = 0"),
+        (lambda: asap.Asap2020(epsilon=1), "epsilon = 1"),
+        (lambda: asap.Asap2020(first_size=10, max_size=5), "first_size|max_size"),
+        (lambda: asap.LinearCost(-1, 0), "alpha_us = -1"),
+        (lambda: asap.LinearCost(1, float("inf")), "beta_ns = inf"),
+        (lambda: asap.LinearCost(1, 1, noise=-0.1), "noise = -0.1"),
+        (lambda: asap.GammaFilter().apply(streams.make([1]), 1.1), "gamma = 1.1"),
+        (lambda: asap.GammaFilter().mask(streams.make([1]), float("nan")), "gamma = nan"),
+    ],
+)
+def test_bad_configuration_names_field_and_value(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()

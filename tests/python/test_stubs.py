@@ -1,0 +1,123 @@
+"""_core.pyi says what the extension has: names by stubtest, signatures by the docstrings."""
+
+from __future__ import annotations
+
+import ast
+import operator
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from asap import _core
+from house import ROOT, run
+
+STUB = ast.parse((ROOT / "python" / "asap" / "_core.pyi").read_text())
+
+# (kind, name, default as source text or None)
+Signature = list[tuple[str, str, "str | None"]]
+ANY: Signature = [("any", "*args, **kwargs", None)]
+
+
+@pytest.mark.slow
+def test_stubtest_finds_nothing(tmp_path: Path) -> None:
+    pytest.importorskip("mypy")
+    run([sys.executable, "-m", "mypy.stubtest", "asap._core"], cwd=tmp_path)
+
+
+def signature(function: ast.FunctionDef) -> Signature:
+    """Names, kinds and defaults of the arguments, without self."""
+    arguments = function.args
+    if arguments.vararg:
+        return ANY
+    positional = [*arguments.posonlyargs, *arguments.args]
+    missing: list[ast.expr | None] = [None] * (len(positional) - len(arguments.defaults))
+    pairs = [
+        *zip(positional, [*missing, *arguments.defaults], strict=True),
+        *zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True),
+    ]
+    return [
+        (
+            "keyword" if argument in arguments.kwonlyargs else "positional",
+            argument.arg,
+            None if default is None else ast.unparse(default),
+        )
+        for argument, default in pairs
+        if argument.arg != "self"
+    ]
+
+
+def signatures_of_stub(owner: ast.ClassDef | ast.Module) -> dict[str, list[Signature]]:
+    """By name; more than one for an overloaded function. Not for operators and properties."""
+    found: dict[str, list[Signature]] = {}
+    for node in owner.body:
+        if isinstance(node, ast.FunctionDef) and not is_operator_or_property(node):
+            found.setdefault(node.name, []).append(signature(node))
+    return found
+
+
+def is_operator_or_property(function: ast.FunctionDef) -> bool:
+    if function.name.startswith("__") and function.name != "__init__":
+        return True
+    return any(ast.unparse(decorator) == "property" for decorator in function.decorator_list)
+
+
+def without_defaults(arguments: Signature) -> list[tuple[str, str]]:
+    return [(kind, name) for kind, name, _ in arguments]
+
+
+def look_up(path: str) -> Any:
+    return operator.attrgetter(path)(_core)
+
+
+def signatures_of_docstring(path: str, docstring: str) -> list[Signature]:
+    """pybind11 opens a docstring with the signature, or numbers one line per overload."""
+    name = path.rpartition(".")[2]
+    first, *rest = docstring.splitlines()
+    if rest and rest[0] == "Overloaded function.":
+        lines = [match[1] for line in rest if (match := re.match(rf"\d+\. ({name}\(.*)", line))]
+    else:
+        lines = [first]
+    return [signature(parsed(line)) for line in lines]
+
+
+def parsed(line: str) -> ast.FunctionDef:
+    (function,) = ast.parse(f"def {line}: ...").body
+    assert isinstance(function, ast.FunctionDef)
+    return function
+
+
+def callables_of_stub() -> Iterator[tuple[str, list[Signature]]]:
+    for name, signatures in signatures_of_stub(STUB).items():
+        yield name, signatures
+    for node in STUB.body:
+        if isinstance(node, ast.ClassDef):
+            for name, signatures in signatures_of_stub(node).items():
+                yield f"{node.name}.{name}", signatures
+
+
+CALLABLES = dict(callables_of_stub())
+
+
+@pytest.mark.parametrize("path", [path for path, found in CALLABLES.items() if ANY not in found])
+def test_signature(path: str) -> None:
+    thing = look_up(path)
+    assert thing.__doc__
+    documented, stubbed = signatures_of_docstring(path, thing.__doc__), CALLABLES[path]
+    if len(documented) == 1:  # overloads in the stub tell types apart, not arguments
+        assert [without_defaults(one) for one in stubbed[1:]] == [
+            without_defaults(documented[0]) for _ in stubbed[1:]
+        ]
+        stubbed = stubbed[:1]
+    assert documented == stubbed
+
+
+@pytest.mark.parametrize("path", [path for path, found in CALLABLES.items() if ANY in found])
+def test_arbitrary_arguments_stand_for_no_constructor(path: str) -> None:
+    name, _, method = path.partition(".")
+    assert method == "__init__"
+    with pytest.raises(TypeError, match="No constructor defined"):
+        look_up(name)()

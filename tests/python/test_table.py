@@ -1,0 +1,137 @@
+import re
+
+import pytest
+
+import asap
+import streams
+from asap import table
+from fake_run import FakeLedger, empty_run, fake_run
+
+
+def steady(rate, **parameters):
+    return fake_run(rates=(rate, rate), duration_s=1.0, **parameters)
+
+
+RUNS = {
+    "abrupt": fake_run(),
+    "losses": steady(4e6, rate_bound=1e6, rejected=7, stale=3000, overflow=5, pending=77),
+    "bound": steady(2e6, rate_bound=None, bound_us=150.0),
+    "long name": steady(1e6, source="/a/" + "x" * 90 + ".aedat4", mode="real"),
+    "empty": empty_run(),
+}
+
+
+@pytest.mark.parametrize("run", RUNS.values(), ids=RUNS.keys())
+def test_a_table_is_plain_text_that_does_not_wrap(run):
+    lines = table.format_run(run).splitlines()
+    assert all(len(line) <= 80 for line in lines if "xxx" not in line)
+    assert "\n".join(lines).isascii() and "\x1b" not in "\n".join(lines)
+    assert not any(line != line.rstrip() for line in lines)
+
+
+def test_the_table_shows_what_was_kept_beside_the_latency():
+    text = table.format_run(fake_run(rates=(12e6, 12e6), duration_s=1.0, bound_us=700.0))
+    run = fake_run(rates=(12e6, 12e6), duration_s=1.0, bound_us=700.0)
+    assert f"kept       {100 * run.kept:.1f} %" in text
+    assert f"in time    {100 * run.in_time:.1f} % within 700 us" in text
+    assert re.search(r"latency    p50 \d+ us, p99 \d+ us, max \S+ [um]s\n", text)
+    assert f"packages   {run.packages.size:,}, " in text
+    assert f"min {run.packages['gamma'].min():.3f}" in text
+
+
+def test_every_loss_stands_in_its_own_line_with_its_cause():
+    lines = table.format_ledger(RUNS["losses"].ledger).splitlines()
+    counts = {line.split()[0]: int(line.split()[1].replace(",", "")) for line in lines}
+    assert counts == RUNS["losses"].ledger
+    assert (
+        len(
+            {
+                line.index(f"{count:,}") + len(f"{count:,}")
+                for line, count in zip(lines, counts.values(), strict=True)
+            }
+        )
+        == 1
+    )
+    assert "did not fit into the buffer" in next(line for line in lines if "overflow" in line)
+
+
+def test_an_unbalanced_ledger_is_not_hidden():
+    ledger = FakeLedger(dict(RUNS["losses"].ledger, received=RUNS["losses"].ledger.received + 12))
+    assert table.format_ledger(ledger).splitlines()[-1] == (
+        "  NOT BALANCED: 12 events are unaccounted for"
+    )
+
+
+def test_the_title_names_recording_and_scheme():
+    summary = fake_run(duration_s=0.1, source="/data/flight.aedat4").summary()
+    assert table.title(summary) == "flight.aedat4: asap2020"
+    summary["source"].update(path=None, format="array")
+    assert table.title(summary) == "array: asap2020"
+
+
+def test_the_table_ends_with_the_verdict():
+    run = RUNS["abrupt"]
+    tail = table.format_run(run).split("\n\n")[-1]
+    assert tail.replace("\n", " ") == table.verdict(run)
+
+
+@pytest.mark.parametrize(
+    ("run", "words"),
+    [
+        (steady(1e6), ["the camera limits", "Nothing was lost."]),
+        (steady(12e6), ["the algorithm limits", "no bound is long enough", "times as fast"]),
+        (RUNS["bound"], ["the bound limits", "takes a bound of 2", "100.0 % delivered late"]),
+        (RUNS["losses"], ["the scheme (asap2020) limits", "discarded", "< 0.1 % overflow"]),
+        (RUNS["empty"], ["nothing was received"]),
+    ],
+)
+def test_the_verdict_says_what_limits_and_what_was_lost(run, words):
+    verdict = table.verdict(run)
+    assert all(word in verdict for word in words), verdict
+
+
+def test_what_the_verdict_derives_is_called_estimated():
+    assert "estimated cost of 100 us per package + 150 ns per event" in table.verdict(steady(12e6))
+
+
+def test_a_machine_that_cannot_keep_pace_is_not_the_schemes_fault():
+    run = steady(1e6, mode="real", bound_us=450.0, rate_bound=5e5)
+    assert run.in_time < 0.95
+    verdict = table.verdict(run)
+    assert "the machine limits" in verdict and "late, by 228 us (p99) and 230 us" in verdict
+
+
+def test_a_free_algorithm_has_no_limit():
+    run = steady(1e6, beta_ns=0.0)
+    assert "keeps up with any rate" in table.verdict(run)
+
+
+def test_no_line_ends_between_a_number_and_its_unit():
+    for run in RUNS.values():
+        lines = table.format_run(run).split("\n\n")[-1].splitlines()
+        assert not any(line[-1].isdigit() for line in lines[:-1])
+
+
+def test_rejected_events_are_told_by_reason():
+    lines = table.format_ledger(RUNS["losses"].ledger, {"nonmonotonic": 7, "bad_record": 0})
+    after = lines.splitlines()[2]
+    assert after.strip() == "7 nonmonotonic"
+    assert len(table.format_ledger(RUNS["losses"].ledger, {"nonmonotonic": 0}).splitlines()) == 8
+
+
+def test_real_time_is_shown_with_the_machines_own_jitter():
+    real = table.format_run(fake_run(duration_s=0.1, mode="real", speed=2.0))
+    assert "real time at 2 times the speed" in real
+    assert "jitter     p99 230 us, max 230 us" in real
+    assert "jitter" not in table.format_run(fake_run(duration_s=0.1))
+
+
+def test_verdict_names_a_rate_bound_that_would_be_in_the_way():
+    cost = asap.LinearCost(alpha_us=100, beta_ns=300)
+    events = streams.poisson(6e6, 0.1)
+    low, high = (
+        asap.simulate(events, cost=cost, scheme=asap.Asap2020(rate_bound=bound))
+        for bound in (2e6, 1e9)
+    )
+    assert "rate_bound" in table.verdict(low)
+    assert "rate_bound" not in table.verdict(high)
