@@ -6,7 +6,6 @@ namespace asap {
 namespace {
 
 constexpr std::int64_t kSmoothingNs = 20'000'000;
-constexpr std::int64_t kLeastSpanNs = 1000;  // of a rate: stamps have 1 us
 
 // Waiting events are in time order, so a count by time is a binary search.
 class RingCounts final : public BacklogCounts {
@@ -27,8 +26,6 @@ class RingCounts final : public BacklogCounts {
   const TimeAxis& axis_;
 };
 
-std::int64_t as_count(std::uint64_t value) noexcept { return static_cast<std::int64_t>(value); }
-
 }  // namespace
 
 Packager::Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, std::uint64_t seed)
@@ -47,13 +44,15 @@ Packager::Next Packager::next(std::int64_t now_ns) noexcept {
     if (waiting.size() == 0) {
       return {.step = ended ? Step::ended : Step::wait, .until_tail = buffer_.head() + 1};
     }
-    const Decision decision = ask(waiting, now_ns, ended);
+    const std::int64_t oldest_ns = axis_.to_ns(waiting[0].t);
+    const Decision decision = ask(waiting, oldest_ns, now_ns, ended);
     if (!decision.takes) {
       return {.step = Step::wait,
               .until_ns = decision.until_ns,
               .until_tail = buffer_.head() + decision.until_count};
     }
-    meter(waiting, decision);
+    const std::size_t leaving = decision.stale + decision.raw;
+    rate_meter_.observe(leaving, oldest_ns, axis_.to_ns(waiting[leaving - 1].t));
     if (decision.stale > 0) drop_stale(decision.stale);
     if (decision.raw == 0) continue;  // all that waited was stale
 
@@ -64,8 +63,8 @@ Packager::Next Packager::next(std::int64_t now_ns) noexcept {
   }
 }
 
-Decision Packager::ask(const EventPieces& waiting, std::int64_t now_ns, bool ended) noexcept {
-  const std::int64_t oldest_ns = axis_.to_ns(waiting[0].t);
+Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
+                       bool ended) noexcept {
   const std::int64_t flush_ns = oldest_ns + telemetry_.latency.bound_ns();
   const bool due = ended || now_ns >= flush_ns || waiting.size() == buffer_.capacity();
   const RingCounts counts(waiting, axis_);
@@ -89,11 +88,6 @@ Decision Packager::ask(const EventPieces& waiting, std::int64_t now_ns, bool end
   return decision;
 }
 
-void Packager::meter(const EventPieces& waiting, const Decision& decision) noexcept {
-  const std::size_t leaving = decision.stale + decision.raw;
-  rate_meter_.observe(leaving, axis_.to_ns(waiting[0].t), axis_.to_ns(waiting[leaving - 1].t));
-}
-
 void Packager::drop_stale(std::size_t count) noexcept {
   filter_.skip(count);
   buffer_.consume(count);
@@ -114,7 +108,9 @@ EventSpan Packager::thin(const EventPieces& raw, double keep) noexcept {
 
 Package Packager::package(EventSpan kept, const EventPieces& raw, std::int64_t now_ns) noexcept {
   const std::size_t offered = raw.size() + offered_without_package_;
-  const double gamma = static_cast<double>(kept.size()) / static_cast<double>(offered);
+  const double gamma = kept.size() == offered
+                           ? 1.0
+                           : static_cast<double>(kept.size()) / static_cast<double>(offered);
   smooth_keep(gamma, now_ns);
   return {.events = kept,
           .index = packages_,
@@ -135,6 +131,7 @@ void Packager::discard_all(std::size_t raw, std::int64_t now_ns) noexcept {
 }
 
 void Packager::smooth_keep(double gamma, std::int64_t now_ns) noexcept {
+  if (gamma == keep_) return;
   if (previous_start_ns_ == kLongAgo) {
     keep_ = gamma;
     return;
@@ -148,46 +145,32 @@ void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
   for (const Event& event : package.events) {
     telemetry_.latency.record(end_ns - axis_.to_ns(event.t));
   }
-  telemetry_.log.append(row_of(package, end_ns));
-  telemetry_.delivered += package.events.size();
-  telemetry_.discarded += package.raw - package.events.size();
-  scheme_.observe({.size = package.events.size(),
+  const std::size_t size = package.events.size();
+  const std::int64_t processing_ns = end_ns - package.start_ns;
+  const RateMeter::Window entered = rate_meter_.window();
+  telemetry_.log.append({.start_ns = package.start_ns,
+                         .processing_ns = processing_ns,
+                         .t_first = package.t_first(),
+                         .t_last = package.t_last(),
+                         .offered = package.offered,
+                         .size = size,
+                         .stale = package.stale_before,
+                         .overflow = package.overflow_before,
+                         .rate_events = entered.events,
+                         .rate_ns = entered.ns});
+  telemetry_.delivered += size;
+  telemetry_.discarded += package.raw - size;
+  scheme_.observe({.size = size,
                    .raw = package.raw,
-                   .span_ns = span_ns(package),
+                   .span_ns = axis_.to_ns(package.t_last()) - axis_.to_ns(package.t_first()),
                    .start_ns = package.start_ns,
-                   .processing_ns = end_ns - package.start_ns});
+                   .processing_ns = processing_ns});
   buffer_.consume(package.raw);
   ++packages_;
   previous_start_ns_ = package.start_ns;
   offered_without_package_ = 0;
   stale_since_package_ = 0;
   overflow_reported_ += package.overflow_before;
-}
-
-std::int64_t Packager::span_ns(const Package& package) const noexcept {
-  return axis_.to_ns(package.t_last()) - axis_.to_ns(package.t_first());
-}
-
-PackageRow Packager::row_of(const Package& package, std::int64_t end_ns) const noexcept {
-  const std::int64_t processing_ns = end_ns - package.start_ns;
-  const std::int64_t span = span_ns(package);
-  const auto size = static_cast<double>(package.events.size());
-  return {
-      .index = as_count(package.index),
-      .start_us = axis_.to_us(package.start_ns),
-      .processing_us = static_cast<double>(processing_ns) * 1e-3,
-      .t_first = package.t_first(),
-      .t_last = package.t_last(),
-      .offered = as_count(package.offered),
-      .size = as_count(package.events.size()),
-      .gamma = package.gamma,
-      .event_rate = rate_meter_.per_second(),
-      .rate = size * 1e9 / static_cast<double>(std::max(span, kLeastSpanNs)),
-      .margin_us = static_cast<double>(processing_ns - span) * 1e-3,
-      .latency_max_us = static_cast<double>(end_ns - axis_.to_ns(package.t_first())) * 1e-3,
-      .stale = as_count(package.stale_before),
-      .overflow = as_count(package.overflow_before),
-  };
 }
 
 }  // namespace asap

@@ -16,12 +16,10 @@ void RateMeter::observe(std::size_t count, std::int64_t oldest_ns,
   while (oldest_ + 1 < end_ && newest_ns - mark(oldest_ + 1).time_ns >= kWindowNs) ++oldest_;
 }
 
-double RateMeter::per_second() const noexcept {
-  if (end_ == 0) return 0.0;
+RateMeter::Window RateMeter::window() const noexcept {
   const std::int64_t elapsed_ns = newest_.time_ns - mark(oldest_).time_ns;
-  if (elapsed_ns < kWindowNs) return static_cast<double>(total_) * (1e9 / kWindowNs);
-  return static_cast<double>(newest_.before - mark(oldest_).before) * 1e9 /
-         static_cast<double>(elapsed_ns);
+  if (end_ == 0 || elapsed_ns < kWindowNs) return {total_, kWindowNs};
+  return {newest_.before - mark(oldest_).before, elapsed_ns};
 }
 
 }  // namespace asap

@@ -71,7 +71,7 @@ TEST(Allocations, TheLogGrowsByOneBlockAtATime) {
     for (std::size_t i = 0; i < RunLog::kBlockRows; ++i) {
       log.make_room();
       log.make_room();
-      log.append(PackageRow{});
+      log.append(PackageRecord{});
     }
     EXPECT_LE(allocations, before + 2) << "the block, and its place in the list";
   }

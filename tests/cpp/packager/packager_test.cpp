@@ -159,7 +159,7 @@ TEST(Packager, LogsARowPerPackage) {
   rig.push(at_times({100, 150, 300, 400, 500, 600}));
   rig.deliver(1000 * kMicrosecond, 500 * kMicrosecond);
   ASSERT_EQ(rig.telemetry.log.size(), 1u);
-  const PackageRow& row = rig.telemetry.log[0];
+  const PackageRow row = rig.telemetry.log[0];
   EXPECT_EQ(row.index, 0);
   EXPECT_EQ(row.start_us, 1000.0);
   EXPECT_EQ(row.processing_us, 500.0);
@@ -199,7 +199,7 @@ TEST(Packager, DividesStampsBySpeed) {
   rig.packager.set_axis(TimeAxis(5'000'000, 2.0));
   rig.push(at_times({5'000'100, 5'000'300}));
   rig.deliver(1000 * kMicrosecond, 10 * kMicrosecond);
-  const PackageRow& row = rig.telemetry.log[0];
+  const PackageRow row = rig.telemetry.log[0];
   EXPECT_EQ(row.start_us, 5'002'000.0);
   EXPECT_EQ(row.t_first, 5'000'100);
   EXPECT_DOUBLE_EQ(row.rate, 2e4);  // two in 100 us of wall time
@@ -541,7 +541,7 @@ TEST(Packager, ReferenceDefect5_AbsurdTimesGiveNoNaN) {
       if (rig.deliver(now_ns, cost_ns)) delivered += rig.last.size();
     }
     for (std::size_t i = 0; i < rig.telemetry.log.size(); ++i) {
-      const PackageRow& row = rig.telemetry.log[i];
+      const PackageRow row = rig.telemetry.log[i];
       for (const double value : {row.start_us, row.processing_us, row.gamma, row.event_rate,
                                  row.rate, row.margin_us, row.latency_max_us}) {
         ASSERT_TRUE(std::isfinite(value));

@@ -233,7 +233,7 @@ TEST(Simulator, AgreesWithTheNaiveSimulatorRowByRow) {
           ASSERT_EQ(simulator.ledger(), naive.ledger);
           ASSERT_EQ(log.size(), naive.rows.size());
           for (std::size_t i = 0; i < log.size(); ++i) {
-            const PackageRow& row = log[i];
+            const PackageRow row = log[i];
             const PackageRow& expected = naive.rows[i];
             ASSERT_EQ(row.index, expected.index);
             ASSERT_DOUBLE_EQ(row.start_us, expected.start_us) << i;
@@ -261,7 +261,7 @@ std::uint64_t hash_of(const RunLog& log) {
   std::uint64_t hash = 0;
   const auto add = [&](auto value) { hash = mix(hash ^ std::bit_cast<std::uint64_t>(value)); };
   for (std::size_t i = 0; i < log.size(); ++i) {
-    const PackageRow& row = log[i];
+    const PackageRow row = log[i];
     add(row.index);
     add(row.start_us);
     add(row.processing_us);

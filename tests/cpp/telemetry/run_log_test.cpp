@@ -5,6 +5,19 @@
 namespace asap {
 namespace {
 
+PackageRecord record(std::int64_t start_ns) {
+  return {.start_ns = start_ns,
+          .processing_ns = 150'000,
+          .t_first = 1'000'100,
+          .t_last = 1'000'300,
+          .offered = 80,
+          .size = 20,
+          .stale = 3,
+          .overflow = 5,
+          .rate_events = 400,
+          .rate_ns = 1'000'000};
+}
+
 TEST(RunLog, KeepsItsRowsAcrossBlocks) {
   constexpr std::size_t kRows = 3 * RunLog::kBlockRows + 1;
   RunLog log;
@@ -12,11 +25,9 @@ TEST(RunLog, KeepsItsRowsAcrossBlocks) {
   for (std::size_t i = 0; i < kRows; ++i) {
     log.make_room();
     log.make_room();  // once more does nothing
-    PackageRow row{};
-    row.index = static_cast<std::int64_t>(i);
-    row.start_us = static_cast<double>(i) + 0.5;
-    row.overflow = static_cast<std::int64_t>(2 * i);
-    log.append(row);
+    PackageRecord one = record(static_cast<std::int64_t>(1000 * i + 500));
+    one.overflow = 2 * i;
+    log.append(one);
     ASSERT_EQ(log.size(), i + 1);
   }
   for (std::size_t i = 0; i < kRows; ++i) {
@@ -26,18 +37,41 @@ TEST(RunLog, KeepsItsRowsAcrossBlocks) {
   }
 }
 
-TEST(RunLog, RowsStayWhereTheyAre) {
+TEST(RunLog, MakesRowsOfRecords) {
   RunLog log;
-  PackageRow row{};
-  row.index = 7;
-  log.append(row);
-  const PackageRow* const first = &log[0];
-  for (std::size_t i = 0; i < 2 * RunLog::kBlockRows; ++i) {
-    log.make_room();
-    log.append(PackageRow{});
-  }
-  EXPECT_EQ(first, &log[0]);
-  EXPECT_EQ(first->index, 7);
+  log.set_axis(TimeAxis(1'000'100, 1.0));  // run time 0 is 1 s
+  log.append(record(320'000));
+  const PackageRow row = log[0];
+  EXPECT_EQ(row.start_us, 1'000'320.0);
+  EXPECT_EQ(row.processing_us, 150.0);
+  EXPECT_EQ(row.t_first, 1'000'100);
+  EXPECT_EQ(row.t_last, 1'000'300);
+  EXPECT_EQ(row.offered, 80);
+  EXPECT_EQ(row.size, 20);
+  EXPECT_EQ(row.gamma, 0.25);
+  EXPECT_EQ(row.event_rate, 400e3);
+  EXPECT_EQ(row.rate, 20 / 200e-6);
+  EXPECT_EQ(row.margin_us, 150.0 - 200.0);
+  EXPECT_EQ(row.latency_max_us, 320.0 + 150.0 - 100.0);
+  EXPECT_EQ(row.stale, 3);
+  EXPECT_EQ(row.overflow, 5);
+}
+
+TEST(RunLog, KeepsDurationsInWallTimeAtAnySpeed) {
+  RunLog log;
+  log.set_axis(TimeAxis(1'000'100, 2.0));
+  log.append(record(320'000));
+  EXPECT_EQ(log[0].start_us, 1'000'640.0) << "on the axis of the recording";
+  EXPECT_EQ(log[0].margin_us, 150.0 - 100.0);
+  EXPECT_EQ(log[0].rate, 20 / 100e-6);
+}
+
+TEST(RunLog, ASpanOfZeroCountsAsOneMicrosecond) {
+  RunLog log;
+  PackageRecord one = record(0);
+  one.t_last = one.t_first;
+  log.append(one);
+  EXPECT_EQ(log[0].rate, 20e6);
 }
 
 }  // namespace

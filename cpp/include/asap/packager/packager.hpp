@@ -50,7 +50,10 @@ class Packager {
   Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, std::uint64_t seed);
 
   // Sets where stamps lie in run time; before the first event is pushed.
-  void set_axis(TimeAxis axis) noexcept { axis_ = axis; }
+  void set_axis(TimeAxis axis) noexcept {
+    axis_ = axis;
+    telemetry_.log.set_axis(axis);
+  }
   const TimeAxis& axis() const noexcept { return axis_; }
 
   // Precondition: the package before is completed, and telemetry.log has room.
@@ -60,15 +63,13 @@ class Packager {
   void complete(const Package& package, std::int64_t end_ns) noexcept;
 
  private:
-  Decision ask(const EventPieces& waiting, std::int64_t now_ns, bool ended) noexcept;
-  void meter(const EventPieces& waiting, const Decision& decision) noexcept;
+  Decision ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
+               bool ended) noexcept;
   void drop_stale(std::size_t count) noexcept;
   EventSpan thin(const EventPieces& raw, double keep) noexcept;
   Package package(EventSpan kept, const EventPieces& raw, std::int64_t now_ns) noexcept;
   void discard_all(std::size_t raw, std::int64_t now_ns) noexcept;
   void smooth_keep(double gamma, std::int64_t now_ns) noexcept;
-  std::int64_t span_ns(const Package& package) const noexcept;
-  PackageRow row_of(const Package& package, std::int64_t end_ns) const noexcept;
 
   EventBuffer& buffer_;
   Scheme& scheme_;

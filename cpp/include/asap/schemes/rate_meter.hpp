@@ -15,9 +15,18 @@ class RateMeter {
   // `count` more events have entered, from oldest_ns to newest_ns; time does not go back.
   void observe(std::size_t count, std::int64_t oldest_ns, std::int64_t newest_ns) noexcept;
 
-  // Events per second; 0 before the first observation. In the first millisecond: what has entered
-  // so far, per millisecond.
-  double per_second() const noexcept;
+  struct Window {
+    std::uint64_t events;
+    std::int64_t ns;  // > 0
+
+    double per_second() const noexcept {
+      return static_cast<double>(events) * 1e9 / static_cast<double>(ns);
+    }
+  };
+
+  // What has entered lately. In the first millisecond: all that has entered, in one millisecond.
+  Window window() const noexcept;
+  double per_second() const noexcept { return window().per_second(); }
 
  private:
   struct Mark {

@@ -1,0 +1,32 @@
+#include "asap/telemetry/run_log.hpp"
+
+#include <algorithm>
+
+namespace asap {
+
+PackageRow RunLog::operator[](std::size_t i) const noexcept {
+  const PackageRecord& record = blocks_[i / kBlockRows][i % kBlockRows];
+  const std::int64_t first_ns = axis_.to_ns(record.t_first);
+  const std::int64_t span_ns = axis_.to_ns(record.t_last) - first_ns;
+  const std::int64_t end_ns = record.start_ns + record.processing_ns;
+  const auto size = static_cast<double>(record.size);
+  return {
+      .index = static_cast<std::int64_t>(i),
+      .start_us = axis_.to_us(record.start_ns),
+      .processing_us = static_cast<double>(record.processing_ns) * 1e-3,
+      .t_first = record.t_first,
+      .t_last = record.t_last,
+      .offered = static_cast<std::int64_t>(record.offered),
+      .size = static_cast<std::int64_t>(record.size),
+      .gamma = size / static_cast<double>(record.offered),
+      .event_rate =
+          static_cast<double>(record.rate_events) * 1e9 / static_cast<double>(record.rate_ns),
+      .rate = size * 1e9 / static_cast<double>(std::max<std::int64_t>(span_ns, 1000)),
+      .margin_us = static_cast<double>(record.processing_ns - span_ns) * 1e-3,
+      .latency_max_us = static_cast<double>(end_ns - first_ns) * 1e-3,
+      .stale = static_cast<std::int64_t>(record.stale),
+      .overflow = static_cast<std::int64_t>(record.overflow),
+  };
+}
+
+}  // namespace asap
