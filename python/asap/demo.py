@@ -88,7 +88,7 @@ def run(
     paths : list of Path
         The files written: two figures, one report.
     """
-    from asap import report
+    from asap import plots, report
 
     out = Path(out)
     out.mkdir(parents=True, exist_ok=True)
@@ -99,7 +99,7 @@ def run(
     paths = []
     for number, (name, result) in enumerate(zip(("abrupt_motion", "flight"), runs, strict=True)):
         paths.append(out / f"{number + 1}_{name}.svg")
-        result.plot().savefig(paths[-1])
+        paths[-1].write_text(plots.svg(result.plot()), encoding="utf-8")
     paths.append(out / "report.html")
     report.write(runs, paths[-1], title="ASAP: the paper's two experiments")
     return runs, paths
