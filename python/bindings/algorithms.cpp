@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/check.hpp"
@@ -57,7 +58,7 @@ for Intrusion Monitoring in UAS", ICRA 2020; the defaults are the launch values 
 
 std::unique_ptr<ClusterTracker> make_tracker(int width, int height, const std::string& engine,
                                              int window, double radius, int probes, double weight,
-                                             int min_size, std::uint64_t seed) {
+                                             int min_size, const py::object& seed) {
   if (engine != "compat") throw_bad_value("engine", engine, "must be \"compat\"");
   return std::make_unique<ClusterTracker>(ClusterConfig{.width = width,
                                                         .height = height,
@@ -66,7 +67,7 @@ std::unique_ptr<ClusterTracker> make_tracker(int width, int height, const std::s
                                                         .probes = probes,
                                                         .weight = weight,
                                                         .min_size = min_size,
-                                                        .seed = seed});
+                                                        .seed = whole_number("seed", seed)});
 }
 
 py::dict parameters(const ClusterTracker& tracker) {

@@ -1,6 +1,7 @@
 // The layer `filter`: GammaFilter. (Validator has a file of its own.)
 #include "asap/filter/gamma_filter.hpp"
 
+#include "arguments.hpp"
 #include "arrays.hpp"
 #include "layers.hpp"
 
@@ -45,7 +46,8 @@ py::array_t<bool> mask(GammaFilter& filter, const py::array& events, double gamm
 
 void bind_filter(py::module_& m) {
   py::class_<GammaFilter>(m, "GammaFilter", kGammaFilterDoc)
-      .def(py::init<std::uint64_t>(), py::kw_only(), py::arg("seed") = 0)
+      .def(py::init([](const py::object& seed) { return GammaFilter(whole_number("seed", seed)); }),
+           py::kw_only(), py::arg("seed") = 0)
       .def("apply", &apply, py::arg("events").noconvert(), py::arg("gamma"),
            R"(The kept events, a new array of shape (k,) in EVENT_DTYPE.
 

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/runner/linear_cost.hpp"
 #include "asap/runner/read_ahead.hpp"
@@ -52,9 +53,10 @@ void replay_source(Replay& replay, EventSource& source, const py::object& algori
 
 void bind_runner(py::module_& m) {
   py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
-      .def(py::init([](std::optional<double> latency_us, std::size_t capacity, std::uint64_t seed,
-                       const Validator& validator) {
-             return RunConfig{latency_us, capacity, seed, validator.config()};
+      .def(py::init([](std::optional<double> latency_us, const py::object& capacity,
+                       const py::object& seed, const Validator& validator) {
+             return RunConfig{latency_us, whole_number("capacity", capacity),
+                              whole_number("seed", seed), validator.config()};
            }),
            py::kw_only(), py::arg("latency_us"), py::arg("capacity"), py::arg("seed"),
            py::arg("validator"))
@@ -81,8 +83,8 @@ noise : float
 seed : int
     0 <= seed < 2**64.
 )")
-      .def(py::init([](double alpha_us, double beta_ns, double noise, std::uint64_t seed) {
-             return LinearCost({alpha_us, beta_ns, noise, seed});
+      .def(py::init([](double alpha_us, double beta_ns, double noise, const py::object& seed) {
+             return LinearCost({alpha_us, beta_ns, noise, whole_number("seed", seed)});
            }),
            py::arg("alpha_us"), py::arg("beta_ns"), py::kw_only(), py::arg("noise") = 0.0,
            py::arg("seed") = 0)

@@ -1,6 +1,7 @@
 // The layer `schemes`: the schemes that a user chooses from. Keyword-only, all with defaults.
 #include <pybind11/stl.h>
 
+#include "arguments.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/fixed_size.hpp"
 #include "asap/schemes/fixed_time.hpp"
@@ -47,8 +48,10 @@ Parameters
 size : int
     Events per package, at least 1.
 )")
-      .def(py::init([](std::size_t size) { return FixedSize({.size = size}); }), py::kw_only(),
-           py::arg("size") = 1000);
+      .def(py::init([](const py::object& size) {
+             return FixedSize({.size = whole_number("size", size)});
+           }),
+           py::kw_only(), py::arg("size") = 1000);
 
   py::class_<FixedTime, Scheme>(m, "FixedTime", R"(One package per period of event time.
 
@@ -85,13 +88,13 @@ epsilon : float
 first_size, max_size, min_size : int
     First, largest and least package size, in kept events.
 )")
-      .def(py::init([](double rate_bound, double epsilon, std::size_t first_size,
-                       std::size_t max_size, std::size_t min_size) {
+      .def(py::init([](double rate_bound, double epsilon, const py::object& first_size,
+                       const py::object& max_size, const py::object& min_size) {
              return Asap2020({.rate_bound = rate_bound,
                               .epsilon = epsilon,
-                              .first_size = first_size,
-                              .max_size = max_size,
-                              .min_size = min_size});
+                              .first_size = whole_number("first_size", first_size),
+                              .max_size = whole_number("max_size", max_size),
+                              .min_size = whole_number("min_size", min_size)});
            }),
            py::kw_only(), py::arg("rate_bound") = 5e6, py::arg("epsilon") = 0.05,
            py::arg("first_size") = 1000, py::arg("max_size") = 50'000, py::arg("min_size") = 1);

@@ -144,6 +144,12 @@ def test_schemes_show_name_and_parameters():
     ("make", "message"),
     [
         (lambda: asap.FixedSize(size=0), "size = 0"),
+        (lambda: asap.FixedSize(size=-1), "size = -1"),
+        (lambda: asap.FixedSize(size=2**64), "size = 18446744073709551616"),
+        (lambda: asap.Asap2020(max_size=-5), "max_size = -5"),
+        (lambda: asap.GammaFilter(seed=-1), "seed = -1"),
+        (lambda: asap.LinearCost(1, 1, seed=2**64), "seed = 18446744073709551616"),
+        (lambda: asap.ClusterTracker(346, 260, seed=-1), "seed = -1"),
         (lambda: asap.FixedTime(period_ms=0), "period_ms = 0"),
         (lambda: asap.FixedTime(period_ms=float("nan")), "period_ms = nan"),
         (lambda: asap.Asap2020(rate_bound=0), "rate_bound = 0"),

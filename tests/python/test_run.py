@@ -244,3 +244,13 @@ def test_an_endless_source_is_left_when_the_algorithm_fails():
 
     with pytest.raises(RuntimeError):
         asap.run(source(), algorithm=algorithm)
+
+
+def test_an_algorithm_is_needed():
+    with pytest.raises(TypeError, match="algorithm = None"):
+        asap.run(streams.make([1]), algorithm=None)
+
+
+def test_a_numpy_integer_is_a_seed():
+    seeds = np.arange(3)
+    assert asap.simulate(streams.make([1]), cost=asap.LinearCost(1, 1), seed=seeds[2]).kept == 1

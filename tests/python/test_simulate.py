@@ -253,12 +253,15 @@ def test_exception_of_the_source_comes_out_unchanged():
         ({"seed": -1}, "seed = -1"),
         ({"on_bad": "ignore"}, "on_bad = 'ignore'"),
         ({"width": -3}, "width = -3"),
+        ({"seed": 2**64}, "seed = 18446744073709551616"),
         ({"algorithm": 7}, "algorithm"),
+        ({"scheme": "greedy"}, "scheme = 'greedy'"),
+        ({"cost": 5}, "cost = 5"),
     ],
 )
 def test_bad_arguments_are_named(arguments, message):
     with pytest.raises((ValueError, TypeError), match=message):
-        asap.simulate(streams.make([1, 2, 3]), cost=COST, **arguments)
+        asap.simulate(streams.make([1, 2, 3]), **{"cost": COST, **arguments})
 
 
 def test_nothing_received():
@@ -276,3 +279,20 @@ def test_quiet_scene_never_waits_on_a_count():
         run = asap.simulate(events, cost=COST, scheme=scheme, latency_ms=10)
         assert run.packages["size"][0] == 10
         assert run.packages["start_us"][0] == 10_000
+
+
+@pytest.mark.parametrize("kind", [list, tuple, iter, lambda chunks: (c for c in chunks)])
+def test_source_may_be_any_iterable_of_arrays(kind):
+    events = streams.poisson(1e5, 0.1)
+    run = asap.simulate(kind([events[:100], None, events[100:]]), cost=COST)
+    assert run.ledger.delivered == events.size
+
+
+def test_source_may_be_columns_or_a_foreign_layout():
+    events = streams.poisson(1e5, 0.1)
+    columns = [events[name] for name in "txyp"]
+    foreign = np.zeros(events.size, [("t", "<u8"), ("x", "<u2"), ("y", "<u2"), ("on", "?")])
+    for name, other in zip("txyp", ("t", "x", "y", "on"), strict=True):
+        foreign[other] = events[name]
+    for source in (columns, tuple(columns), dict(zip("txyp", columns, strict=True)), foreign):
+        assert asap.simulate(source, cost=COST).ledger.delivered == events.size

@@ -79,7 +79,9 @@ def simulate(
     ValueError
         A bad argument, named with its value and the remedy; bad events with on_bad="raise".
     """
-    scheme = scheme if scheme is not None else _core.Asap2020()
+    if not isinstance(cost, _core.LinearCost):
+        raise TypeError(f"cost = {cost!r}: give asap.LinearCost(alpha_us, beta_ns)")
+    scheme = _scheme(scheme)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = _config(
         stream, scheme, latency_ms=latency_ms, on_bad=on_bad, seed=seed, capacity=capacity
@@ -152,7 +154,9 @@ def run(
     Exception
         Of the algorithm: unchanged; `last_run()` holds the run up to there.
     """
-    scheme = scheme if scheme is not None else _core.Asap2020()
+    if algorithm is None:
+        raise TypeError("algorithm = None: give what the events are for, or use asap.simulate")
+    scheme = _scheme(scheme)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = _config(
         stream, scheme, latency_ms=latency_ms, on_bad=on_bad, seed=seed, capacity=capacity
@@ -203,6 +207,14 @@ def _replay_stream(
         raise errors[0]
 
 
+def _scheme(scheme: Any) -> _core.Scheme:
+    if scheme is None:
+        return _core.Asap2020()
+    if not isinstance(scheme, _core.Scheme):
+        raise TypeError(f"scheme = {scheme!r}: give a scheme such as asap.Greedy()")
+    return scheme
+
+
 def _config(
     stream: Source,
     scheme: _core.Scheme,
@@ -216,8 +228,6 @@ def _config(
         raise ValueError(f"latency_ms = {latency_ms}: must be between 0.01 and 1e7 ms")
     if capacity is not None and capacity < 1:
         raise ValueError(f"capacity = {capacity}: must be at least 1 event")
-    if not 0 <= seed < 1 << 64:
-        raise ValueError(f"seed = {seed}: must be at least 0 and below 2**64")
     validator = _core.Validator(width=stream.width or 0, height=stream.height or 0, on_bad=on_bad)
     return _core.RunConfig(
         latency_us=None if latency_ms is None else latency_ms * 1e3,

@@ -85,11 +85,14 @@ class Source:
 
 
 def _is_iterable_of_arrays(source: Any) -> bool:
-    # A dict, a list or a tuple are columns, and so is what can turn itself into an array.
-    return (
-        isinstance(source, Iterable)
-        and not isinstance(source, (np.ndarray, dict, list, tuple))
-        and not hasattr(source, "__array__")
-        and not hasattr(source, "to_numpy")
-        and not hasattr(source, "columns")
+    if isinstance(source, (list, tuple)):
+        # Four plain columns are one source of events; arrays with fields are a chunk each.
+        return bool(source) and all(_is_chunk(item) for item in source)
+    is_array = isinstance(source, (np.ndarray, dict)) or any(
+        hasattr(source, name) for name in ("__array__", "to_numpy", "columns")
     )
+    return isinstance(source, Iterable) and not is_array
+
+
+def _is_chunk(item: Any) -> bool:
+    return item is None or getattr(getattr(item, "dtype", None), "names", None) is not None
