@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "algorithms/allocation_counter.hpp"
 #include "algorithms/brute_force_moments.hpp"
 #include "algorithms/cluster_streams.hpp"
+#include "support/allocation_counter.hpp"
 
 namespace {
 

@@ -1,11 +1,9 @@
-// The hot path allocates nothing: push, ring, gamma filter, package, feed back, log. Every operator
-// new of this executable is counted, per thread.
+// The hot path allocates nothing: push, ring, gamma filter, package, feed back, log.
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
-#include <new>
 #include <string>
 #include <vector>
 
@@ -16,40 +14,13 @@
 #include "asap/schemes/greedy.hpp"
 #include "asap/schemes/single_event.hpp"
 #include "asap/telemetry/run_log.hpp"
+#include "support/allocation_counter.hpp"
 #include "support/streams.hpp"
-
-namespace {
-
-thread_local std::uint64_t allocations = 0;
-
-void* allocate(std::size_t size, std::size_t alignment) {
-  ++allocations;
-  const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
-  if (void* memory = std::aligned_alloc(alignment, rounded)) return memory;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) { return allocate(size, alignof(std::max_align_t)); }
-void* operator new[](std::size_t size) { return allocate(size, alignof(std::max_align_t)); }
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return allocate(size, static_cast<std::size_t>(alignment));
-}
-void* operator new[](std::size_t size, std::align_val_t alignment) {
-  return allocate(size, static_cast<std::size_t>(alignment));
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
 namespace asap {
 namespace {
+
+using test::allocations;
 
 // How many events go through: a million, or 10^8 when the long tests are asked for.
 std::uint64_t events_to_run() {
@@ -57,23 +28,28 @@ std::uint64_t events_to_run() {
   return asked != nullptr && std::string(asked) == "1" ? 100'000'000 : 1'000'000;
 }
 
+struct alignas(64) Wide {
+  char bytes[64];
+};
+
 TEST(Allocations, AreCounted) {
-  const std::uint64_t before = allocations;
+  const std::uint64_t before = allocations();
   const auto one = std::make_unique<int>(1);
   const std::vector<int> two(100);
-  EXPECT_EQ(allocations, before + 2);
+  const std::vector<Wide> three(100);
+  EXPECT_EQ(allocations(), before + 3);
 }
 
 TEST(Allocations, TheLogGrowsByOneBlockAtATime) {
   RunLog log;
   for (std::size_t block = 1; block <= 5; ++block) {
-    const std::uint64_t before = allocations;
+    const std::uint64_t before = allocations();
     for (std::size_t i = 0; i < RunLog::kBlockRows; ++i) {
       log.make_room();
       log.make_room();
       log.append(PackageRecord{});
     }
-    EXPECT_LE(allocations, before + 2) << "the block, and its place in the list";
+    EXPECT_LE(allocations(), before + 2) << "the block, and its place in the list";
   }
 }
 
@@ -90,17 +66,17 @@ void allocates_nothing(Scheme& scheme) {
     Packager packager(buffer, scheme, telemetry, done);
     packager.set_axis(TimeAxis(0, 1.0));
     for (std::size_t at = 0; at < events.size(); at += kBatch, done += kBatch) {
-      const std::uint64_t before = allocations;
+      const std::uint64_t before = allocations();
       const EventSpan batch = EventSpan(events).subspan(at, kBatch);
       buffer.push(batch);
-      allocated += allocations - before;
+      allocated += allocations() - before;
       std::int64_t now_ns = 1000 * batch.back().t;
       for (;;) {
         telemetry.log.make_room();  // between packages: the one place that may allocate
-        const std::uint64_t before_package = allocations;
+        const std::uint64_t before_package = allocations();
         const Packager::Next next = packager.next(now_ns);
         if (next.step == Packager::Step::package) packager.complete(next.package, now_ns += 500);
-        allocated += allocations - before_package;
+        allocated += allocations() - before_package;
         if (next.step != Packager::Step::package) break;
       }
     }

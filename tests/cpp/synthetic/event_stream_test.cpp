@@ -3,27 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <atomic>
-#include <cstdlib>
-#include <new>
 
 #include "asap/synthetic/flight_over_chairs.hpp"
 #include "asap/synthetic/shaken_pattern.hpp"
-
-namespace {
-
-std::atomic<int> allocations{0};
-
-}  // namespace
-
-// Counts what the test executable allocates. Not inlined: GCC would then see new meet free().
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc{};
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include "support/allocation_counter.hpp"
 
 namespace asap {
 namespace {
@@ -68,12 +51,12 @@ TEST(EventStream, AllocatesNothingAfterConstruction) {
                            .chair_px = 20}};
   for (EventStream* stream :
        {static_cast<EventStream*>(&shaken), static_cast<EventStream*>(&flight)}) {
-    const int before = allocations;
+    const std::size_t before = test::allocations();
     std::size_t events = 0;
     for (EventSpan block = stream->next(); !block.empty(); block = stream->next()) {
       events += block.size();
     }
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(test::allocations(), before);
     EXPECT_GT(events, 100'000U);
   }
 }

@@ -1,11 +1,7 @@
-#include "algorithms/allocation_counter.hpp"
-
-#include <gtest/gtest.h>
+#include "support/allocation_counter.hpp"
 
 #include <cstdlib>
-#include <memory>
 #include <new>
-#include <vector>
 
 namespace {
 
@@ -37,18 +33,3 @@ void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
-
-namespace {
-
-struct alignas(64) Wide {
-  char bytes[64];
-};
-
-TEST(AllocationCounter, Counts) {
-  const std::size_t before = asap::test::allocations();
-  const std::vector<int> plain(100);
-  const std::vector<Wide> aligned(100);
-  EXPECT_EQ(asap::test::allocations() - before, 2U);
-}
-
-}  // namespace

@@ -1,4 +1,4 @@
-// Counts this thread's calls of operator new, which the test executable of this layer replaces.
+// Counts this thread's calls of operator new, which every test executable replaces.
 #pragma once
 
 #include <cstddef>
