@@ -254,3 +254,33 @@ def test_an_algorithm_is_needed():
 def test_a_numpy_integer_is_a_seed():
     seeds = np.arange(3)
     assert asap.simulate(streams.make([1]), cost=asap.LinearCost(1, 1), seed=seeds[2]).kept == 1
+
+
+@pytest.mark.usefixtures("no_thread_left")
+def test_an_endless_source_is_left_when_the_algorithm_is_refused():
+    def source():
+        while True:
+            yield streams.poisson(1e6, 0.1)
+
+    with pytest.raises(TypeError, match="algorithm"):
+        asap.run(source(), algorithm=3)
+
+
+def test_the_total_of_a_stream_is_known_when_it_has_been_read():
+    totals = []
+    events = streams.poisson(1e5, 0.3)
+    asap.run(
+        iter(np.array_split(events, 5)),
+        algorithm=lambda events: None,
+        on_progress=lambda done, total, ledger: totals.append(total),
+    )
+    assert totals[-1] == events.size
+
+
+def test_a_saved_run_keeps_its_speed(tmp_path):
+    run = asap.run(streams.poisson(1e5, 0.1), algorithm=lambda events: None, speed=2)
+    run.save(tmp_path / "run.json")
+    again = asap.load_run(tmp_path / "run.json")
+    assert again.speed == 2
+    assert again.summary() == run.summary()
+    assert again.lateness.max == run.lateness.max

@@ -296,3 +296,23 @@ def test_source_may_be_columns_or_a_foreign_layout():
         foreign[other] = events[name]
     for source in (columns, tuple(columns), dict(zip("txyp", columns, strict=True)), foreign):
         assert asap.simulate(source, cost=COST).ledger.delivered == events.size
+
+
+def test_in_time_counts_what_came_within_the_bound():
+    # Two packages of one event; the second waits 900 us for the first.
+    events = streams.make([0, 100])
+    cost = asap.LinearCost(1000, 0)
+    run = asap.simulate(events, cost=cost, scheme=asap.Greedy(), latency_ms=1.5)
+    assert (run.kept, run.in_time) == (1, 0.5)
+    assert run.latency.max == 1900
+
+
+def test_rejections_of_reader_and_run_add_up(tmp_path):
+    path = tmp_path / "events.csv"
+    path.write_text("0,1,1,1\n10,400,1,1\ngarbage\n20,2,2,0\n")
+    recording = asap.read(path)  # without a sensor: positions are not checked yet
+    run = asap.simulate(recording, cost=COST, width=346, height=260)
+    assert run.rejected["bad_record"] == run.rejected["out_of_bounds"] == 1
+    assert run.ledger.rejected == 2
+    assert run.ledger.received == 4
+    assert run.ledger.balanced
