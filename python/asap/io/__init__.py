@@ -1,7 +1,7 @@
 """Event files: which format it is, and the events in it, checked and in chunks."""
 
-from .errors import CorruptFile, TruncatedFileWarning, UnsupportedFormat
-from .recording import Recording, load, read
+from asap.io.errors import CorruptFile, TruncatedFileWarning, UnsupportedFormat
+from asap.io.recording import Recording, load, read
 
 __all__ = [
     "CorruptFile",

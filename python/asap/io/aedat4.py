@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ..events import Events
-from .columns import events_of
-from .errors import CorruptFile, foreign
-from .reader import Losses, Options
+from asap.events import Events
+from asap.io.columns import events_of
+from asap.io.errors import CorruptFile, foreign
+from asap.io.reader import Losses, Options
 
 __all__ = ["Aedat4Reader"]
 

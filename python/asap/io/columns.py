@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..events import (
+from asap.events import (
     Columns,
     Events,
     columns_of,
@@ -19,8 +19,8 @@ from ..events import (
     plain_view,
     time_exponent,
 )
-from .errors import UnsupportedFormat
-from .reader import Losses, Options
+from asap.io.errors import UnsupportedFormat
+from asap.io.reader import Losses, Options
 
 __all__ = ["events_of", "file_columns"]
 

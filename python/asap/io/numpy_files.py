@@ -15,10 +15,10 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib import format as npy
 
-from ..events import FIELD_NAMES, Events
-from .columns import events_of, file_columns
-from .errors import CorruptFile, UnsupportedFormat, foreign
-from .reader import CHUNK, Losses, Options
+from asap.events import FIELD_NAMES, Events
+from asap.io.columns import events_of, file_columns
+from asap.io.errors import CorruptFile, UnsupportedFormat, foreign
+from asap.io.reader import CHUNK, Losses, Options
 
 __all__ = ["NpyReader", "NpzReader"]
 

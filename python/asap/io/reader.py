@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-from ..events import Events
-from .errors import CorruptFile, TruncatedFileWarning
+from asap.events import Events
+from asap.io.errors import CorruptFile, TruncatedFileWarning
 
 __all__ = ["CHUNK", "Losses", "Options", "Reader"]
 

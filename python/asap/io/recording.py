@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import _core
-from ..events import EVENT_DTYPE, Events, plain_view
-from .aedat4 import Aedat4Reader
-from .numpy_files import NpyReader, NpzReader
-from .reader import Losses, Options, Reader
-from .sniff import sniff
-from .text import TextReader
+from asap import _core
+from asap.events import EVENT_DTYPE, Events, plain_view
+from asap.io.aedat4 import Aedat4Reader
+from asap.io.numpy_files import NpyReader, NpzReader
+from asap.io.reader import Losses, Options, Reader
+from asap.io.sniff import sniff
+from asap.io.text import TextReader
 
 __all__ = ["Recording", "load", "read"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .errors import CorruptFile, UnsupportedFormat
+from asap.io.errors import CorruptFile, UnsupportedFormat
 
 __all__ = ["SERVED", "sniff"]
 

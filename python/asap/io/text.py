@@ -18,10 +18,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from .. import _core
-from ..events import FIELD_NAMES, Events, check_order, time_exponent
-from .errors import CorruptFile
-from .reader import Losses, Options
+from asap import _core
+from asap.events import FIELD_NAMES, Events, check_order, time_exponent
+from asap.io.errors import CorruptFile
+from asap.io.reader import Losses, Options
 
 __all__ = ["TextReader"]
 
