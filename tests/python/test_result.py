@@ -91,6 +91,15 @@ def test_save_and_load(run, tmp_path):
     assert str(again) == str(run)
 
 
+def test_shows_itself_on_one_line_and_is_itself(run, tmp_path):
+    assert repr(run).startswith("<Run: virtual time, asap2020, ")
+    assert f"kept {run.kept:.4g}" in repr(run)
+    assert "\n" not in repr(run)
+    assert run == run
+    run.save(tmp_path / "run.json")
+    assert asap.load_run(tmp_path / "run.json") != run  # compare summaries
+
+
 @pytest.mark.parametrize(
     "content", ["", "[]", "{}", '{"schema_version": 99}', "\x00\x01", '{"rows": 3}']
 )

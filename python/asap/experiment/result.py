@@ -84,7 +84,7 @@ class Named:
         return {"name": self.name, **self.parameters}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Run:
     """What a run has left behind.
 
@@ -203,6 +203,12 @@ class Run:
         from asap import report
 
         report.write([self], path)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Run: {self.mode} time, {Named.of(self.scheme).name}, {self.packages.size} packages, "
+            f"kept {self.kept:.4g}, in time {self.in_time:.4g}>"
+        )
 
     def __str__(self) -> str:
         from asap import table
