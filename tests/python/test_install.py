@@ -87,6 +87,20 @@ def test_numpy_is_enough_for_a_run(stranger: Path, tmp_path: Path) -> None:
     assert "numpy" in run([stranger / "pip", "list"]).lower()
 
 
+def test_editable_installation_follows_the_python_sources(dist: Path, tmp_path: Path) -> None:
+    run(["tar", "--extract", "--file", *dist.glob("*.tar.gz"), "--directory", tmp_path])
+    (source,) = tmp_path.iterdir()
+    venv.create(tmp_path / "venv", with_pip=True)
+    binaries = tmp_path / "venv" / "bin"
+    run([binaries / "pip", "install", "--editable", source])
+    edited = source / "python" / "asap" / "units.py"
+    edited.write_text(edited.read_text() + "\nEDITED = True\n")
+    program = (
+        "import asap; from asap import units; print(asap.GammaFilter().position, units.EDITED)"
+    )
+    assert run([binaries / "python", "-c", program], cwd=tmp_path) == "0 True\n"
+
+
 def test_without_matplotlib_a_figure_names_the_extra(stranger: Path, tmp_path: Path) -> None:
     program = """if True:
         import asap
