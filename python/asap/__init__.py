@@ -1,7 +1,8 @@
 """ASAP: events of an event camera to the algorithm as soon as possible, never overflowing it.
 
 `run` replays a recording in real time, `simulate` runs it in virtual time; both return a `Run`.
-The scheme and the first algorithm are those of Tapia et al., ASAP (ICRA workshop 2020).
+The default scheme, `Deadline`, keeps a latency bound; `Asap2020` and the clustering are those of
+Tapia et al., ASAP (ICRA workshop 2020).
 """
 
 from __future__ import annotations
@@ -10,8 +11,16 @@ import importlib
 from typing import Any
 
 from asap._core import (
+    ArcStar,
     Asap2020,
+    Asap2022,
+    BackgroundActivityFilter,
     ClusterTracker,
+    DeadBeat,
+    Deadline,
+    EFast,
+    EHarris,
+    FAHarris,
     FixedSize,
     FixedTime,
     GammaFilter,
@@ -22,13 +31,31 @@ from asap._core import (
     __version__,
 )
 from asap.events import EVENT_DTYPE, as_events
-from asap.experiment import Run, last_run, load_run, run, simulate
+from asap.experiment import (
+    Comparison,
+    Run,
+    compare,
+    last_run,
+    load_run,
+    oracle,
+    run,
+    simulate,
+)
 from asap.io import Recording, load, read
 
 __all__ = [
     "EVENT_DTYPE",
+    "ArcStar",
     "Asap2020",
+    "Asap2022",
+    "BackgroundActivityFilter",
     "ClusterTracker",
+    "Comparison",
+    "DeadBeat",
+    "Deadline",
+    "EFast",
+    "EHarris",
+    "FAHarris",
     "FixedSize",
     "FixedTime",
     "GammaFilter",
@@ -41,18 +68,24 @@ __all__ = [
     "__version__",
     "analysis",
     "as_events",
+    "compare",
     "last_run",
     "load",
     "load_run",
+    "metrics",
+    "oracle",
     "plots",
+    "profiles",
     "read",
     "report",
     "run",
     "simulate",
+    "study",
     "synthetic",
 ]
 
-_MODULES = ("analysis", "plots", "report", "synthetic")  # imported when they are first used
+# Imported when they are first used.
+_MODULES = ("analysis", "metrics", "plots", "profiles", "report", "study", "synthetic")
 
 
 def __getattr__(name: str) -> Any:

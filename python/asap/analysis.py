@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from asap.experiment.cost import Cost, bound_needed_us, cost_of, fit_cost
+
 if TYPE_CHECKING:
     from asap.experiment import Run
 
@@ -19,6 +21,7 @@ __all__ = [
     "Cost",
     "Description",
     "Diagnosis",
+    "cost_of",
     "decimate",
     "describe",
     "diagnose",
@@ -29,7 +32,6 @@ __all__ = [
 ]
 
 _MAX_BINS = 10_000_000
-_ROUNDING_US = 1e-6  # no algorithm handles an event in a picosecond
 
 Floats = NDArray[np.float64]
 
@@ -212,46 +214,6 @@ def median_in_windows(run: Run, column: str, window_ms: float) -> tuple[Floats, 
 
 
 @dataclass(frozen=True)
-class Cost:
-    """A package of n events takes ``alpha_us + beta_ns n / 1000`` us."""
-
-    alpha_us: float
-    beta_ns: float
-
-    def throughput_hz(self, bound_us: float) -> float:
-        """Largest event rate whose latency stays below the bound at full load.
-
-        a* = (1 - 2 alpha / L) / beta: theory T6 of the project's control notes.
-        """
-        share = max(0.0, 1 - 2 * self.alpha_us / bound_us) if bound_us > 0 else 0.0
-        if self.beta_ns > 0:
-            return share / self.beta_ns * 1e9
-        return np.inf if share > 0 else 0.0
-
-
-def fit_cost(run: Run) -> Cost:
-    """Least-squares line through the measured processing times of the packages.
-
-    Neither coefficient is below zero: where the line says so, the other one alone is fitted.
-    A run without packages costs nothing.
-    """
-    size = run.packages["size"].astype(np.float64)
-    processing_us = run.packages["processing_us"].astype(np.float64)
-    if size.size == 0:
-        return Cost(0.0, 0.0)
-    spread = size - size.mean()
-    if (variance := float(spread @ spread)) > 0:
-        beta_us = float(spread @ processing_us) / variance
-        alpha_us = float(processing_us.mean() - beta_us * size.mean())
-        if beta_us < _ROUNDING_US:
-            return Cost(float(processing_us.mean()), 0.0)
-        if alpha_us >= 0:
-            return Cost(alpha_us, beta_us * 1e3)
-    squares = float(size @ size)
-    return Cost(0.0, float(size @ processing_us) / squares * 1e3 if squares > 0 else 0.0)
-
-
-@dataclass(frozen=True)
 class Diagnosis:
     """What limited a run, and what would lift the limit; everything but the first is estimated.
 
@@ -261,8 +223,10 @@ class Diagnosis:
         ``"camera"``: nearly all good events were in time. ``"scheme"``: the algorithm could have
         done it. ``"machine"``: it could, but the replay itself was late by much of the bound.
         ``"bound"``: a longer one would do. ``"algorithm"``: only a cheaper one would.
+        ``"fixed cost"``: the bound was not kept and could not be, whatever the events
+        (`Cost.least_bound_us`).
     cost : Cost
-        From the packages of the run.
+        Learned by the scheme, else from the packages of the run.
     offered_hz : float
         Mean event rate.
     needed_hz : float
@@ -287,7 +251,7 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     The events that came in each window of one latency bound are compared with what the estimated
     cost lets through (T6): a longer load cannot be buffered within the bound.
     """
-    cost = fit_cost(run)
+    cost = cost_of(run)
     bound_us = run.latency_bound_us
     rates_hz = _offered_rates(run, bound_us)
     needed_hz = _throughput_to_keep(rates_hz, wanted)
@@ -295,7 +259,9 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     load = cost.beta_ns * needed_hz / 1e9
     needed_bound_us = 2 * cost.alpha_us / (1 - load) if load < 1 else None
     speedup = load + 2 * cost.alpha_us / bound_us
-    if _good_in_time(run) >= wanted:
+    if bound_needed_us(run) is not None:
+        limit = "fixed cost"
+    elif _good_in_time(run) >= wanted:
         limit = "camera"
     elif speedup <= 1:
         late_us = run.lateness.quantile(0.99) if run.lateness is not None else 0.0

@@ -9,17 +9,33 @@ Processing of Event-based Vision Algorithms*, ICRA 2020 workshop, experiments.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any, ClassVar
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from asap import _core
 from asap.events import EVENT_DTYPE, Events
 
-__all__ = ["FlightOverChairs", "ShakenPattern", "SyntheticStream"]
+__all__ = ["FlightOverChairs", "Reader", "ShakenPattern", "SyntheticStream", "joined"]
 
 _EVENTS_PER_ARRAY = 2**16
+
+
+class Reader(Protocol):
+    """One reading of a stream, from its start."""
+
+    def read(self, at_least: int) -> Events:
+        """Return a new array of at least so many events, fewer at the end, then none."""
+        ...
+
+
+def joined(arrays: Sequence[Events]) -> Events:
+    """One array of all these events; np.concatenate alone would drop the padding."""
+    events = np.empty(sum(map(len, arrays)), EVENT_DTYPE)
+    if arrays:
+        np.concatenate(arrays, out=events)
+    return events
 
 
 class SyntheticStream:
@@ -35,7 +51,7 @@ class SyntheticStream:
         How the stream is called in tables and files.
     """
 
-    name: ClassVar[str]
+    name: str
     _native: ClassVar[Callable[..., _core.EventStream]]
 
     def __init__(self, **parameters: Any) -> None:
@@ -82,17 +98,13 @@ class SyntheticStream:
             16 bytes per event, twice that while it is put together: 0.9 GB for the default
             ``ShakenPattern``. Iterate where memory is short.
         """
-        arrays = list(self)
-        events = np.empty(sum(map(len, arrays)), EVENT_DTYPE)  # concatenate would drop the padding
-        if arrays:
-            np.concatenate(arrays, out=events)
-        return events
+        return joined(list(self))
 
     def __repr__(self) -> str:
         arguments = ", ".join(f"{name}={value!r}" for name, value in self._parameters.items())
         return f"{type(self).__name__}({arguments})"
 
-    def _open(self) -> _core.EventStream:
+    def _open(self) -> Reader:
         arguments = self.parameters
         arguments["duration_us"] = round(arguments.pop("duration_s") * 1e6)
         return type(self)._native(**arguments)

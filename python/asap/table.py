@@ -129,7 +129,9 @@ def subtitle(summary: Mapping[str, Any]) -> str:
     if summary["speed"] != 1:
         clock += f" at {summary['speed']:g} times the speed"
     name = scheme.pop("name")
-    parameters = ", ".join(f"{key} {_value(value)}" for key, value in scheme.items())
+    parameters = ", ".join(
+        f"{key} {_value(value)}" for key, value in scheme.items() if value is not None
+    )
     return (
         f"{size}{units.count(source['events'])} events in {source['duration_s']:.3g} s, {clock}, "
         f"algorithm {summary['algorithm']['name']}, scheme {name}"
@@ -153,6 +155,8 @@ def verdict(run: Run) -> str:
     """
     if run.ledger.received == 0:
         return "Verdict: nothing was received, so there is nothing to judge."
+    if run.packages.size == 0:
+        return f"Verdict: nothing reached the algorithm. {_losses(run)}"
     found = analysis.diagnose(run)
     limit = {"scheme": f"scheme ({run.scheme.name})"}.get(found.limit, found.limit)
     return (
@@ -169,6 +173,8 @@ def _explanation(run: Run, found: analysis.Diagnosis) -> str:
     cheaper = f"an algorithm {found.speedup:.1f} times as fast"
     if getattr(run.scheme, "parameters", {}).get("rate_bound", found.needed_hz) < found.needed_hz:
         cheaper += " (with a higher rate_bound)"
+    if found.limit == "fixed cost":
+        return f"{cost} {_impossible(run, found.cost)}"
     passes_hz = found.cost.throughput_hz(run.latency_bound_us)
     if found.limit == "bound" and found.bound_us is not None:
         return (
@@ -190,6 +196,21 @@ def _explanation(run: Run, found: analysis.Diagnosis) -> str:
     return (
         f"{cost} the algorithm can do up to {units.rate(passes_hz)} within {bound}; "
         f"{units.rate(found.offered_hz)} were offered on average."
+    )
+
+
+def _impossible(run: Run, cost: analysis.Cost) -> str:
+    bound_us = run.latency_bound_us
+    p99, most = (f"{us / bound_us:.3g}" for us in (run.latency.quantile(0.99), run.latency.max))
+    least_us = cost.least_bound_us
+    if least_us > 4 * cost.alpha_us:
+        cheaper = f"an algorithm that does a single event in {units.duration(bound_us / 2)}"
+    else:
+        cheaper = f"a fixed cost of {units.duration(bound_us / 4)}"
+    return (
+        f"the bound of {units.duration(bound_us)} cannot be kept: latency was {p99} (p99) and "
+        f"{most} (max) times as long. It takes a bound of at least about "
+        f"{units.duration(least_us)}, or {cheaper} or less."
     )
 
 

@@ -12,4 +12,8 @@ namespace asap::python {
 // an empty consumer. Call with the GIL held; `algorithm` must outlive the consumer.
 Consumer consumer_of(const pybind11::object& algorithm);
 
+// Whether the library owns the algorithm's loop over the events: then it runs without the GIL, and
+// anytime.
+bool is_native(const pybind11::object& algorithm);
+
 }  // namespace asap::python

@@ -10,8 +10,11 @@ void bind_validator(pybind11::module_& m);
 void bind_schemes(pybind11::module_& m);
 void bind_telemetry(pybind11::module_& m);
 void bind_runner(pybind11::module_& m);
+void bind_study(pybind11::module_& m);
+void bind_rivals(pybind11::module_& m);
 void bind_formats(pybind11::module_& m);
 void bind_synthetic(pybind11::module_& m);
 void bind_algorithms(pybind11::module_& m);
+void bind_corners(pybind11::module_& m);
 
 }  // namespace asap::python

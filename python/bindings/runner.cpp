@@ -2,10 +2,15 @@
 // chunk (asap.experiment); the loops themselves run natively, without the GIL.
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "arguments.hpp"
 #include "arrays.hpp"
+#include "asap/core/check.hpp"
 #include "asap/runner/linear_cost.hpp"
 #include "asap/runner/read_ahead.hpp"
 #include "asap/runner/replay.hpp"
@@ -36,6 +41,19 @@ void bind_results(Class& cls) {
           "Latency per delivered event (a copy).");
 }
 
+std::vector<Outage> outages_of(
+    const std::optional<std::vector<std::pair<double, double>>>& outages_ms) {
+  constexpr double kLargestMs = 9e12;
+  std::vector<Outage> outages;
+  for (const auto& [begin_ms, end_ms] :
+       outages_ms.value_or(std::vector<std::pair<double, double>>{})) {
+    require(std::abs(begin_ms) <= kLargestMs && std::abs(end_ms) <= kLargestMs, "outages_ms",
+            begin_ms, "give begin and end in ms");
+    outages.push_back({std::llround(begin_ms * 1e6), std::llround(end_ms * 1e6)});
+  }
+  return outages;
+}
+
 // A run without the GIL; `poll` is called with it.
 void replay_source(Replay& replay, EventSource& source, const py::object& algorithm,
                    const py::object& poll) {
@@ -52,14 +70,22 @@ void replay_source(Replay& replay, EventSource& source, const py::object& algori
 }  // namespace
 
 void bind_runner(py::module_& m) {
+  m.def("is_native", &is_native, py::arg("algorithm"),
+        "Whether the library owns the algorithm's loop over the events of a package.");
+
   py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
       .def(py::init([](std::optional<double> latency_us, const py::object& capacity,
-                       const py::object& seed, const Validator& validator) {
-             return RunConfig{latency_us, whole_number("capacity", capacity),
-                              whole_number("seed", seed), validator.config()};
+                       const py::object& seed, const Validator& validator, bool anytime,
+                       bool flush) {
+             return RunConfig{.latency_us = latency_us,
+                              .capacity = whole_number("capacity", capacity),
+                              .seed = whole_number("seed", seed),
+                              .validator = validator.config(),
+                              .execution = anytime ? Execution::anytime : Execution::whole,
+                              .flush = flush};
            }),
            py::kw_only(), py::arg("latency_us"), py::arg("capacity"), py::arg("seed"),
-           py::arg("validator"))
+           py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true)
       .def(
           "latency_bound_us",
           [](const RunConfig& config, const Scheme& scheme) {
@@ -70,7 +96,7 @@ void bind_runner(py::module_& m) {
   py::class_<LinearCost>(m, "LinearCost", R"(A simulated algorithm.
 
 A package of n events costs X (alpha + beta n); X is lognormal of mean 1 with sigma = noise, one draw
-per package.
+per package. beta may drift, and outages stop the algorithm: it neither starts nor goes on.
 
 Parameters
 ----------
@@ -82,22 +108,49 @@ noise : float
     Sigma of the logarithm; 0: none.
 seed : int
     0 <= seed < 2**64.
+drift : array_like, shape (n,), optional
+    Factors on beta, one for each ms of the run; the last one stays. A run's time begins at the whole
+    second before its first event.
+outages_ms : array_like, shape (n, 2), optional
+    Begin and end of each outage, ms of the run, in order.
+
+Raises
+------
+ValueError
+    A value out of range, or outages that overlap.
 )")
-      .def(py::init([](double alpha_us, double beta_ns, double noise, const py::object& seed) {
-             return LinearCost({alpha_us, beta_ns, noise, whole_number("seed", seed)});
+      .def(py::init([](double alpha_us, double beta_ns, double noise, const py::object& seed,
+                       const std::optional<std::vector<double>>& drift,
+                       const std::optional<std::vector<std::pair<double, double>>>& outages_ms) {
+             return LinearCost({.alpha_us = alpha_us,
+                                .beta_ns = beta_ns,
+                                .noise = noise,
+                                .seed = whole_number("seed", seed),
+                                .drift = drift.value_or(std::vector<double>{}),
+                                .outages = outages_of(outages_ms)});
            }),
            py::arg("alpha_us"), py::arg("beta_ns"), py::kw_only(), py::arg("noise") = 0.0,
-           py::arg("seed") = 0)
+           py::arg("seed") = 0, py::arg("drift") = py::none(), py::arg("outages_ms") = py::none())
       .def_property_readonly("name", [](const LinearCost&) { return "linear_cost"; })
-      .def_property_readonly("parameters",
-                             [](const LinearCost& cost) {
-                               py::dict result;
-                               result["alpha_us"] = cost.config().alpha_us;
-                               result["beta_ns"] = cost.config().beta_ns;
-                               result["noise"] = cost.config().noise;
-                               result["seed"] = cost.config().seed;
-                               return result;
-                             })
+      .def_property_readonly(
+          "parameters",
+          [](const LinearCost& cost) {
+            py::dict result;
+            result["alpha_us"] = cost.config().alpha_us;
+            result["beta_ns"] = cost.config().beta_ns;
+            result["noise"] = cost.config().noise;
+            result["seed"] = cost.config().seed;
+            if (!cost.config().drift.empty()) {
+              result["drift"] = cost.config().drift;
+            }
+            py::list outages_ms;
+            for (const Outage& outage : cost.config().outages) {
+              outages_ms.append(std::pair(static_cast<double>(outage.begin_ns) * 1e-6,
+                                          static_cast<double>(outage.end_ns) * 1e-6));
+            }
+            if (!outages_ms.empty()) result["outages_ms"] = outages_ms;
+            return result;
+          })
       .def("__repr__", [](const LinearCost& cost) {
         return py::str("LinearCost(alpha_us={}, beta_ns={}, noise={}, seed={})")
             .format(cost.config().alpha_us, cost.config().beta_ns, cost.config().noise,
@@ -127,7 +180,14 @@ seed : int
             const py::gil_scoped_release release;
             self.finish();
           },
-          "No event follows: what waits is delivered.");
+          "No event follows: what waits is delivered.")
+      .def_property_readonly(
+          "slots", [](const Simulator& self) { return rows_of(self.slots()); },
+          "One row per 1 ms of stamps that holds an event, in SLOT_DTYPE: a read-only copy.")
+      .def_property_readonly(
+          "busy_us",
+          [](const Simulator& self) { return static_cast<double>(self.busy_ns()) * 1e-3; },
+          "Time during which the algorithm worked, us.");
   bind_results<Simulator>(simulator);
 
   py::class_<ReadAhead>(m, "ReadAhead", "Decouples the paced producer from the reader of a source.")

@@ -1,8 +1,13 @@
 // The layer `schemes`: the schemes that a user chooses from. Keyword-only, all with defaults.
 #include <pybind11/stl.h>
 
+#include <optional>
+
 #include "arguments.hpp"
 #include "asap/schemes/asap2020.hpp"
+#include "asap/schemes/asap2022.hpp"
+#include "asap/schemes/dead_beat.hpp"
+#include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed_size.hpp"
 #include "asap/schemes/fixed_time.hpp"
 #include "asap/schemes/greedy.hpp"
@@ -69,8 +74,26 @@ period_ms : float
   py::class_<SingleEvent, Scheme>(m, "SingleEvent", "Every event is a package of its own.")
       .def(py::init<>());
 
-  py::class_<Greedy, Scheme>(m, "Greedy", "All that waits, whenever the algorithm is free.")
-      .def(py::init<>());
+  py::class_<Greedy, Scheme>(m, "Greedy", R"(All that waits, whenever the algorithm is free.
+
+Parameters
+----------
+efficiency : float, optional
+    Share of a package's time that goes into its events, 0 < efficiency < 1: caps the package, oldest
+    first, and the rest waits, which shortens the longest latency after abrupt changes. Keep it well
+    above the mean load; 0.97 is a good one. None: no cap.
+)")
+      .def(py::init(
+               [](std::optional<double> efficiency) { return Greedy({.efficiency = efficiency}); }),
+           py::kw_only(), py::arg("efficiency") = py::none())
+      .def_property_readonly(
+          "parameters",
+          [](const Greedy& scheme) {
+            py::dict result = parameters(scheme);
+            if (result.empty()) result["efficiency"] = py::none();
+            return result;
+          },
+          "The constructor's arguments by name.");
 
   py::class_<Asap2020, Scheme>(m, "Asap2020", R"(The scheme of the paper (Tapia et al., 2020).
 
@@ -98,6 +121,130 @@ first_size, max_size, min_size : int
            }),
            py::kw_only(), py::arg("rate_bound") = 5e6, py::arg("epsilon") = 0.05,
            py::arg("first_size") = 1000, py::arg("max_size") = 50'000, py::arg("min_size") = 1);
+
+  py::class_<Asap2022, Scheme>(m, "Asap2022",
+                               R"(The law of the public node of Tapia et al., 2022: a baseline.
+
+The package size is an arc tangent of the logarithm of the processing time in ms, from min_size at
+min_processing_ms to max_size at max_processing_ms; it does not see the event rate and may have two
+stable values. gamma falls as the rate of the driver's containers (1000 events or 20 ms) approaches its
+largest recent value, and chatters at a constant rate. Flushed when the oldest event has waited for the
+latency bound. The defaults suit an algorithm of 100 us per package and 300 ns per event, within 10 ms.
+
+Parameters
+----------
+min_processing_ms, max_processing_ms : float
+    Limits of the processing time.
+min_size, max_size : int
+    Package sizes at these limits, in kept events.
+kappa : float
+    Steepness of the size law, positive.
+min_gamma, max_gamma : float
+    Range of gamma; 0 <= min_gamma <= max_gamma <= 1.
+first_size : int
+    Size before the first package is finished.
+)")
+      .def(py::init([](double min_processing_ms, double max_processing_ms,
+                       const py::object& min_size, const py::object& max_size, double kappa,
+                       double min_gamma, double max_gamma, const py::object& first_size) {
+             return Asap2022({.min_processing_ms = min_processing_ms,
+                              .max_processing_ms = max_processing_ms,
+                              .min_size = whole_number("min_size", min_size),
+                              .max_size = whole_number("max_size", max_size),
+                              .kappa = kappa,
+                              .min_gamma = min_gamma,
+                              .max_gamma = max_gamma,
+                              .first_size = whole_number("first_size", first_size)});
+           }),
+           py::kw_only(), py::arg("min_processing_ms") = 0.2, py::arg("max_processing_ms") = 10.0,
+           py::arg("min_size") = 100, py::arg("max_size") = 29'700, py::arg("kappa") = 1.0,
+           py::arg("min_gamma") = 0.1, py::arg("max_gamma") = 1.0, py::arg("first_size") = 1000);
+
+  py::class_<Deadline, Scheme>(m, "Deadline", R"(As many events as possible within a latency bound.
+
+The reservoir law. While the algorithm keeps up, nothing is discarded. In overload the older part of
+what waits is thinned so that it is finished in time; the newest events stay behind untouched, as many
+as could still be finished if no more came. A package that takes longer than foreseen ends on time
+nevertheless, where the library runs the algorithm's loop.
+
+Parameters
+----------
+latency_ms : float
+    The bound L, from an event's timestamp to the end of its package. 0.01 to 1e7 ms.
+overhead : float
+    Permitted share of the processor for the fixed cost of packages; 0 = any. A small one makes
+    fewer and larger packages, at the price of latency in quiet scenes.
+min_interval_ms : float
+    Shortest time between the starts of two packages.
+knee : float
+    K: no package is longer than K times its fixed cost (or L / 10). 0 = off. Below 33 it trades
+    throughput for a lower median latency.
+first_alpha_us, first_beta_ns : float
+    Assumed fixed cost of a package and cost of an event, until they are measured.
+
+Attributes
+----------
+alpha_us, beta_ns : float
+    What a package and an event cost at present, as measured.
+
+Raises
+------
+ValueError
+    A parameter is out of range.
+)")
+      .def(py::init([](double latency_ms, double overhead, double min_interval_ms, double knee,
+                       double first_alpha_us, double first_beta_ns) {
+             return Deadline({.latency_ms = latency_ms,
+                              .overhead = overhead,
+                              .min_interval_ms = min_interval_ms,
+                              .knee = knee,
+                              .first_alpha_us = first_alpha_us,
+                              .first_beta_ns = first_beta_ns});
+           }),
+           py::kw_only(), py::arg("latency_ms") = 10.0, py::arg("overhead") = 0.25,
+           py::arg("min_interval_ms") = 0.0, py::arg("knee") = 0.0,
+           py::arg("first_alpha_us") = 50.0, py::arg("first_beta_ns") = 100.0)
+      .def_property_readonly("alpha_us", [](const Deadline& s) { return s.alpha_ns() * 1e-3; })
+      .def_property_readonly("beta_ns", &Deadline::beta_ns);
+
+  py::class_<DeadBeat, Scheme>(m, "DeadBeat", R"(The simplest law that keeps a latency bound.
+
+Every package takes all that waits and is planned to last half the bound at most, so nothing that waits
+is older than that. What does not fit is thinned evenly. Settles in one package. `Deadline` keeps more
+of a short rush.
+
+Parameters
+----------
+latency_ms : float
+    The bound L, from an event's timestamp to the end of its package. 0.01 to 1e7 ms.
+knee : float
+    K: in overload no package is longer than K times its fixed cost, which keeps 1 - 1 / K of the
+    throughput. 0 = off.
+overhead : float
+    Permitted share of the processor for the fixed cost of packages; 0 = any.
+min_interval_ms : float
+    Shortest time between the starts of two packages.
+
+Attributes
+----------
+alpha_us, beta_ns : float
+    What a package and an event cost at present, as measured.
+
+Raises
+------
+ValueError
+    A parameter is out of range.
+)")
+      .def(py::init([](double latency_ms, double knee, double overhead, double min_interval_ms) {
+             return DeadBeat({.latency_ms = latency_ms,
+                              .knee = knee,
+                              .overhead = overhead,
+                              .min_interval_ms = min_interval_ms});
+           }),
+           py::kw_only(), py::arg("latency_ms") = 10.0, py::arg("knee") = 33.0,
+           py::arg("overhead") = 0.25, py::arg("min_interval_ms") = 0.0)
+      .def_property_readonly("alpha_us", [](const DeadBeat& s) { return s.alpha_ns() * 1e-3; })
+      .def_property_readonly("beta_ns", &DeadBeat::beta_ns);
 }
 
 }  // namespace asap::python

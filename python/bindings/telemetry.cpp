@@ -34,10 +34,23 @@ py::array_t<PackageRow> rows_of(const RunLog& log) {
   return rows;
 }
 
+py::array_t<SlotRow> rows_of(const SlotLog& log) {
+  py::array_t<SlotRow> rows(static_cast<py::ssize_t>(log.slots().size()));
+  SlotRow* out = rows.mutable_data();
+  for (const Slot& slot : log.slots()) {
+    *out++ = {slot.slot, slot.received, slot.delivered,
+              static_cast<double>(slot.latency_max_ns) * 1e-3};
+  }
+  rows.attr("flags").attr("writeable") = false;
+  return rows;
+}
+
 void bind_telemetry(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(PackageRow, index, start_us, processing_us, t_first, t_last, offered, size,
                        gamma, event_rate, rate, margin_us, latency_max_us, stale, overflow);
   m.attr("PACKAGE_DTYPE") = py::dtype::of<PackageRow>();
+  PYBIND11_NUMPY_DTYPE(SlotRow, slot, received, delivered, latency_max_us);
+  m.attr("SLOT_DTYPE") = py::dtype::of<SlotRow>();
 
   py::class_<LatencyHistogram>(m, "LatencyHistogram", R"(Latency per delivered event, in us.
 

@@ -4,12 +4,23 @@
 #include <pybind11/numpy.h>
 
 #include "asap/telemetry/run_log.hpp"
+#include "asap/telemetry/slot_log.hpp"
 
 namespace asap::python {
 
 namespace py = pybind11;
 
+// A slot as it is read.
+struct SlotRow {
+  std::int64_t slot;
+  std::int64_t received;
+  std::int64_t delivered;
+  double latency_max_us;
+};
+
 // A copy in PACKAGE_DTYPE, one row per package.
 py::array_t<PackageRow> rows_of(const RunLog& log);
+// A copy in SLOT_DTYPE, one row per slot.
+py::array_t<SlotRow> rows_of(const SlotLog& log);
 
 }  // namespace asap::python

@@ -42,8 +42,9 @@ void BM_EndToEnd(benchmark::State& state) {
   std::uint64_t delivered = 0;
   for (auto _ : state) {
     asap::EventBuffer buffer(std::size_t{1} << 16);
+    const asap::AgeSlots ages(156'250);
     asap::Telemetry telemetry(std::int64_t{1} << 60);
-    asap::Packager packager(buffer, scheme, telemetry, 1);
+    asap::Packager packager(buffer, ages, scheme, telemetry, {.seed = 1});
     packager.set_axis(asap::TimeAxis(0, 1.0));
     std::thread producer([&] {
       for (std::size_t at = 0; at < events.size();) {

@@ -33,13 +33,14 @@ void BM_Packager(benchmark::State& state) {
   const std::vector<Event> events = events_of_one_round(state);
   asap::FixedSize scheme({.size = static_cast<std::size_t>(state.range(0))});
   asap::EventBuffer buffer(events.size());
+  const asap::AgeSlots ages(156'250);
   std::optional<asap::Telemetry> telemetry;
   std::uint64_t sum = 0;
   for (auto _ : state) {
     state.PauseTiming();
     buffer.push(events);
     telemetry.emplace(kBound_ns);
-    asap::Packager packager(buffer, scheme, *telemetry, 1);
+    asap::Packager packager(buffer, ages, scheme, *telemetry, {.seed = 1});
     packager.set_axis(asap::TimeAxis(0, 1.0));
     state.ResumeTiming();
     std::int64_t now_ns = events.back().t * 1000;

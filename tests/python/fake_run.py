@@ -60,6 +60,7 @@ class FakeRun:
         self.algorithm = SimpleNamespace(name="linear_cost", parameters={"alpha_us": 100.0})
         self.latency = FakeLatency(packages["latency_max_us"])
         self.lateness = FakeLatency(np.array([60.0, 230.0])) if mode == "real" else None
+        self.learned = None
         received = ledger.received
         in_time = packages["size"][packages["latency_max_us"] <= bound_us].sum()
         self.kept = ledger.delivered / received if received else 1.0

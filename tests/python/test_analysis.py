@@ -184,9 +184,38 @@ def test_a_load_above_one_means_that_the_algorithm_limits():
 
 
 def test_a_short_bound_limits_and_the_longer_one_is_told():
-    diagnosis = analysis.diagnose(steady(2e6, bound_us=150.0))
+    diagnosis = analysis.diagnose(steady(4e6, bound_us=450.0))
     assert diagnosis.limit == "bound"
-    assert diagnosis.bound_us == pytest.approx(200 / (1 - 0.95 * 0.3), rel=0.03)
+    assert diagnosis.bound_us == pytest.approx(200 / (1 - 0.95 * 0.6), rel=0.03)
+
+
+def test_below_four_fixed_costs_no_bound_can_be_promised():
+    assert analysis.diagnose(steady(2e6, bound_us=150.0)).limit == "fixed cost"
+    assert analysis.diagnose(steady(4e6, bound_us=390.0)).limit == "fixed cost"
+    assert analysis.diagnose(steady(4e6, bound_us=410.0)).limit == "bound"
+
+
+def test_the_least_bound_is_four_fixed_costs_or_two_events():
+    assert analysis.Cost(100, 300).least_bound_us == 400
+    assert analysis.Cost(100, 1e6).least_bound_us == 2200
+
+
+def test_what_the_scheme_has_learned_counts_before_the_line():
+    run = run_with(np.arange(1, 13), np.full(12, 50.0))
+    line = analysis.fit_cost(run)
+    assert analysis.cost_of(run) == line
+    run.learned = analysis.Cost(40, 1000)
+    assert analysis.cost_of(run) == run.learned
+    run.learned = analysis.Cost(60, 1000)  # no package took that long
+    assert analysis.cost_of(run) == analysis.Cost(50, 1000)
+    run.packages = run.packages[:7]  # still with the first guess in it
+    assert analysis.cost_of(run) == line
+
+
+def test_the_diagnosis_takes_what_the_scheme_has_learned():
+    run = steady(1e6)
+    run.learned = analysis.Cost(70, 200)
+    assert analysis.diagnose(run).cost == run.learned
 
 
 def test_a_rate_bound_far_below_the_throughput_is_the_schemes_choice():

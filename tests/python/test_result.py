@@ -1,6 +1,7 @@
 """Run: ledger, summary, saving and loading."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -59,7 +60,8 @@ def test_summary_is_the_documented_object(run):
     assert json.loads(json.dumps(summary, allow_nan=False)) == summary
     assert set(summary) >= {
         "schema_version", "mode", "source", "scheme", "algorithm", "latency_bound_us", "ledger",
-        "kept", "in_time", "latency_us", "packages", "gamma", "cpu", "version",
+        "kept", "in_time", "latency_us", "packages", "gamma", "cpu", "version", "bound_kept",
+        "bound_needed_us", "learned_cost",
     }  # fmt: skip
     assert summary["schema_version"] == 1
     assert summary["mode"] == "virtual"
@@ -76,6 +78,60 @@ def test_summary_is_the_documented_object(run):
     assert summary["gamma"]["min"] == run.packages["gamma"].min() < summary["gamma"]["mean"] < 1
     assert 0 < summary["cpu"] <= 1
     assert summary["version"] == asap.__version__
+
+
+def of_cost(alpha_us, scheme=None, **options):
+    return asap.simulate(
+        streams.poisson(1e5, 0.5), cost=asap.LinearCost(alpha_us, 300), scheme=scheme, **options
+    )
+
+
+@pytest.mark.parametrize("scheme", [asap.Deadline, asap.DeadBeat, asap.Greedy])
+def test_a_bound_below_the_fixed_cost_is_reported(scheme, tmp_path):
+    learns = scheme is not asap.Greedy
+    parameters = {"latency_ms": 10} if learns else {"efficiency": 0.97}
+    late = of_cost(11_000, scheme(**parameters), latency_ms=10, opaque=True)
+    summary = late.summary()
+    assert late.bound_kept is summary["bound_kept"] is False
+    assert late.latency.max > 1.01 * 10_000
+    assert summary["bound_needed_us"] == pytest.approx(44_000, rel=0.01)
+    if learns:
+        assert summary["learned_cost"]["alpha_us"] == pytest.approx(11_000, rel=0.01)
+    else:
+        assert summary["learned_cost"] is None
+    late.save(tmp_path / "late.json")
+    assert asap.load_run(tmp_path / "late.json").summary() == summary
+
+
+@pytest.mark.parametrize(("late", "kept"), [(1.0, True), (1.009, True), (1.011, False)])
+def test_a_bound_is_kept_to_one_in_a_hundred(run, late, kept):
+    assert replace(run, latency_bound_us=run.latency.max / late).bound_kept is kept
+
+
+def test_a_bound_that_was_kept_needs_no_other():
+    in_time = of_cost(3000).summary()  # 4 alpha > L, but the load is low
+    assert in_time["bound_kept"] is True
+    assert in_time["bound_needed_us"] is None
+
+
+def test_a_bound_missed_for_another_reason_needs_no_other():
+    run = asap.simulate(
+        streams.poisson(1e5, 0.5),
+        cost=asap.LinearCost(100, 300, outages_ms=[(100, 200)]),
+        scheme=asap.Greedy(),
+    )
+    assert not run.bound_kept
+    assert run.summary()["bound_needed_us"] is None
+
+
+def test_a_run_keeps_what_its_scheme_had_learned_then():
+    scheme = asap.Deadline()
+    first = of_cost(500, scheme)
+    before = first.summary()
+    of_cost(1000, scheme)
+    assert scheme.alpha_us == pytest.approx(1000, rel=0.01)
+    assert first.summary() == before
+    assert before["learned_cost"]["alpha_us"] == pytest.approx(500, rel=0.01)
 
 
 def test_save_and_load(run, tmp_path):

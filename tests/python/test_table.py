@@ -15,7 +15,8 @@ def steady(rate, **parameters):
 RUNS = {
     "abrupt": fake_run(),
     "losses": steady(4e6, rate_bound=1e6, rejected=7, stale=3000, overflow=5, pending=77),
-    "bound": steady(2e6, rate_bound=None, bound_us=150.0),
+    "bound": steady(4e6, rate_bound=None, bound_us=450.0),
+    "fixed cost": steady(2e6, rate_bound=None, bound_us=150.0),
     "long name": steady(1e6, source="/a/" + "x" * 90 + ".aedat4", mode="real"),
     "empty": empty_run(),
 }
@@ -80,7 +81,7 @@ def test_the_table_ends_with_the_verdict():
     [
         (steady(1e6), ["the camera limits", "Nothing was lost."]),
         (steady(12e6), ["the algorithm limits", "no bound is long enough", "times as fast"]),
-        (RUNS["bound"], ["the bound limits", "takes a bound of 2", "100.0 % delivered late"]),
+        (RUNS["bound"], ["the bound limits", "takes a bound of 4", "% delivered late"]),
         (RUNS["losses"], ["the scheme (asap2020) limits", "discarded", "< 0.1 % overflow"]),
         (RUNS["empty"], ["nothing was received"]),
     ],
@@ -135,3 +136,35 @@ def test_verdict_names_a_rate_bound_that_would_be_in_the_way():
     )
     assert "rate_bound" in table.verdict(low)
     assert "rate_bound" not in table.verdict(high)
+
+
+def test_a_bound_that_cannot_be_kept_is_told_with_what_would_be_needed():
+    run = RUNS["fixed cost"]
+    p99, most = (f"{us / 150:.3g}" for us in (run.latency.quantile(0.99), run.latency.max))
+    assert table.verdict(run).startswith(
+        "Verdict: the fixed cost limits, 0.0 % came through in time. At an estimated cost of "
+        "100 us per package + 150 ns per event the bound of 150 us cannot be kept: latency was "
+        f"{p99} (p99) and {most} (max) times as long. It takes a bound of at least about 400 us, "
+        "or a fixed cost of 37.5 us or less. Lost: "
+    )
+
+
+def test_events_that_are_too_dear_one_by_one_are_told_as_that():
+    run = asap.simulate(
+        streams.poisson(1e3, 1), cost=asap.LinearCost(100, 5e6), latency_ms=5, opaque=True
+    )
+    words = "a bound of at least about 10.2 ms, or an algorithm that does a single event in 2.5 ms"
+    assert words in table.verdict(run)
+
+
+def test_nothing_is_said_about_a_cost_that_was_never_seen():
+    run = fake_run(duration_s=0.0, stale=10)
+    assert table.verdict(run) == ("Verdict: nothing reached the algorithm. Lost: 100.0 % stale.")
+
+
+def test_a_parameter_that_is_not_set_is_not_shown():
+    run = steady(1e6)
+    run.scheme.parameters = {"efficiency": None, "rate_bound": 0}
+    assert "scheme asap2020 (rate_bound 0)" in table.subtitle(run.summary())
+    run.scheme.parameters = {"efficiency": None}
+    assert table.subtitle(run.summary()).endswith("scheme asap2020")

@@ -7,10 +7,14 @@ namespace {
 
 constexpr std::int64_t kSmoothingNs = 20'000'000;
 
-// Waiting events are in time order, so a count by time is a binary search.
+constexpr std::int64_t kGraceShare = 100;  // of the latency bound: an outage is longer than that
+
+// Waiting events are in time order, so an exact count by time is a binary search.
 class RingCounts final : public BacklogCounts {
  public:
-  RingCounts(const EventPieces& waiting, const TimeAxis& axis) : waiting_(waiting), axis_(axis) {}
+  RingCounts(const EventPieces& waiting, const TimeAxis& axis, const AgeSlots& ages,
+             std::uint64_t head, std::int64_t now_ns)
+      : waiting_(waiting), axis_(axis), ages_(ages), head_(head), now_ns_(now_ns) {}
 
   std::size_t before(std::int64_t time_ns) const noexcept override {
     const auto is_before = [&](const Event& event) { return axis_.to_ns(event.t) < time_ns; };
@@ -21,20 +25,42 @@ class RingCounts final : public BacklogCounts {
     return count(waiting_.first) + count(waiting_.second);
   }
 
+  std::size_t about_before(std::int64_t time_ns) const noexcept override {
+    return ages_.before(time_ns, now_ns_, head_, waiting_.size());
+  }
+
  private:
   const EventPieces& waiting_;
   const TimeAxis& axis_;
+  const AgeSlots& ages_;
+  const std::uint64_t head_;
+  const std::int64_t now_ns_;
 };
+
+double fraction(std::size_t kept, std::size_t offered) noexcept {
+  return kept == offered ? 1.0 : static_cast<double>(kept) / static_cast<double>(offered);
+}
+
+EventPieces part_of(const EventPieces& pieces, std::size_t begin, std::size_t end) noexcept {
+  const std::size_t wrap = pieces.first.size();
+  const std::size_t first = std::min(begin, wrap);
+  const std::size_t second = std::max(begin, wrap);
+  return {pieces.first.subspan(first, std::min(end, wrap) - first),
+          pieces.second.subspan(second - wrap, std::max(end, wrap) - second)};
+}
 
 }  // namespace
 
-Packager::Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, std::uint64_t seed)
+Packager::Packager(EventBuffer& buffer, const AgeSlots& ages, Scheme& scheme, Telemetry& telemetry,
+                   PackagerConfig config)
     : buffer_(buffer),
+      ages_(ages),
       scheme_(scheme),
       telemetry_(telemetry),
-      filter_(seed),
+      filter_(config.seed),
+      config_(config),
       kept_(std::make_unique_for_overwrite<Event[]>(buffer.capacity())) {
-  scheme_.reset();
+  scheme_.reset(config.execution);
 }
 
 Packager::Next Packager::next(std::int64_t now_ns) noexcept {
@@ -44,30 +70,34 @@ Packager::Next Packager::next(std::int64_t now_ns) noexcept {
     if (waiting.size() == 0) {
       return {.step = ended ? Step::ended : Step::wait, .until_tail = buffer_.head() + 1};
     }
-    const std::int64_t oldest_ns = axis_.to_ns(waiting[0].t);
-    const Decision decision = ask(waiting, oldest_ns, now_ns, ended);
+    const Decision decision = ask(waiting, axis_.to_ns(waiting[0].t), now_ns, ended);
     if (!decision.takes) {
       return {.step = Step::wait,
               .until_ns = decision.until_ns,
               .until_tail = buffer_.head() + decision.until_count};
     }
-    const std::size_t leaving = decision.stale + decision.raw;
-    rate_meter_.observe(leaving, oldest_ns, axis_.to_ns(waiting[leaving - 1].t));
     if (decision.stale > 0) drop_stale(decision.stale);
-    if (decision.raw == 0) continue;  // all that waited was stale
+    if (decision.raw == 0) continue;  // to be asked again about what is left
 
-    const EventPieces raw = buffer_.peek(decision.raw);
-    const EventSpan kept = thin(raw, decision.keep);
-    if (!kept.empty()) return {.step = Step::package, .package = package(kept, raw, now_ns)};
-    discard_all(raw.size(), now_ns);
+    Package package = open(decision, now_ns);
+    if (!is_anytime_) {
+      thin(package, 0, decision.raw, decision.keep);
+      if (package.events.empty()) {
+        complete(package, now_ns);
+        continue;
+      }
+      package.gamma = fraction(package.events.size(), package.offered);
+    }
+    package.keep = smoothed_keep(package.gamma, now_ns);
+    return {.step = Step::package, .package = package};
   }
 }
 
 Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
                        bool ended) noexcept {
-  const std::int64_t flush_ns = oldest_ns + telemetry_.latency.bound_ns();
+  const std::int64_t flush_ns = config_.flush ? oldest_ns + telemetry_.latency.bound_ns() : kNever;
   const bool due = ended || now_ns >= flush_ns || waiting.size() == buffer_.capacity();
-  const RingCounts counts(waiting, axis_);
+  const RingCounts counts(waiting, axis_, ages_, buffer_.head(), now_ns);
   Decision decision = scheme_.decide({.count = waiting.size(),
                                       .now_ns = now_ns,
                                       .oldest_ns = oldest_ns,
@@ -77,8 +107,9 @@ Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::
   if (!decision.takes && due) decision = Decision::take(waiting.size());
   if (decision.takes) {
     decision.stale = std::min(decision.stale, waiting.size());
-    decision.raw = std::clamp<std::size_t>(decision.raw, 1, waiting.size());
+    if (decision.stale == 0) decision.raw = std::max<std::size_t>(decision.raw, 1);
     decision.raw = std::min(decision.raw, waiting.size() - decision.stale);
+    decision.keep = decision.keep < 1.0 ? std::max(decision.keep, 0.0) : 1.0;
   } else {
     // A wait that is over already would not let time pass.
     decision.until_ns = std::clamp(decision.until_ns, now_ns + 1, flush_ns);
@@ -89,59 +120,95 @@ Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::
 }
 
 void Packager::drop_stale(std::size_t count) noexcept {
+  const EventPieces stale = buffer_.peek(count);
+  rate_meter_.observe(count, axis_.to_ns(stale[0].t), axis_.to_ns(stale[count - 1].t));
   filter_.skip(count);
   buffer_.consume(count);
   telemetry_.stale += count;
   stale_since_package_ += count;
 }
 
-EventSpan Packager::thin(const EventPieces& raw, double keep) noexcept {
-  const KeepThreshold threshold = KeepThreshold::clamped(keep);
-  if (threshold.keeps_all() && raw.second.empty()) {
-    filter_.skip(raw.first.size());
-    return raw.first;  // a slice of the ring: the consumer owns it until it is consumed
+Package Packager::open(const Decision& decision, std::int64_t now_ns) noexcept {
+  raw_ = buffer_.peek(decision.raw);
+  handed_out_ = 0;
+  is_anytime_ = config_.execution == Execution::anytime && decision.budget_ns != kNever;
+  if (is_anytime_) {
+    plan_ = AnytimePlan(decision, now_ns, telemetry_.latency.bound_ns() / kGraceShare);
   }
-  std::size_t size = filter_.apply(raw.first, threshold, kept_.get());
-  size += filter_.apply(raw.second, threshold, kept_.get() + size);
-  return {kept_.get(), size};
-}
-
-Package Packager::package(EventSpan kept, const EventPieces& raw, std::int64_t now_ns) noexcept {
-  const std::size_t offered = raw.size() + offered_without_package_;
-  const double gamma = kept.size() == offered
-                           ? 1.0
-                           : static_cast<double>(kept.size()) / static_cast<double>(offered);
-  smooth_keep(gamma, now_ns);
-  return {.events = kept,
+  return {.events = {},
           .index = packages_,
-          .gamma = gamma,
-          .keep = keep_,
-          .raw = raw.size(),
-          .offered = offered,
+          .gamma = decision.keep,
+          .raw = 0,
+          .offered = offered_without_package_,
           .stale_before = stale_since_package_,
           .overflow_before = buffer_.overflow() - overflow_reported_,
           .start_ns = now_ns};
 }
 
-void Packager::discard_all(std::size_t raw, std::int64_t now_ns) noexcept {
-  telemetry_.discarded += raw;
-  offered_without_package_ += raw;
-  buffer_.consume(raw);
-  scheme_.observe({.size = 0, .raw = raw, .span_ns = 0, .start_ns = now_ns, .processing_ns = 0});
+EventSpan Packager::stratum(Package& package, std::int64_t now_ns) noexcept {
+  while (is_anytime_) {
+    const std::size_t size = package.events.size() - handed_out_;
+    const AnytimePlan::Stratum stratum = plan_.next(now_ns, size);
+    handed_out_ = package.events.size();
+    if (stratum.begin == stratum.end) {
+      package.gamma = fraction(package.events.size(), package.offered);
+      return {};
+    }
+    const EventSpan kept = thin(package, stratum.begin, stratum.end, stratum.keep);
+    if (!kept.empty()) return kept;
+  }
+  const EventSpan rest = package.events.subspan(handed_out_);
+  handed_out_ = package.events.size();
+  return rest;
 }
 
-void Packager::smooth_keep(double gamma, std::int64_t now_ns) noexcept {
-  if (gamma == keep_) return;
-  if (previous_start_ns_ == kLongAgo) {
-    keep_ = gamma;
-    return;
+// Keeps a fraction of the package's raw events [begin, end), which follow those before.
+EventSpan Packager::thin(Package& package, std::size_t begin, std::size_t end,
+                         double keep) noexcept {
+  const EventPieces raw = part_of(raw_, begin, end);
+  const std::size_t before = package.events.size();
+  const KeepThreshold threshold = KeepThreshold::clamped(keep);
+  package.raw = end;
+  package.offered = end + offered_without_package_;
+  const EventSpan slice = raw.second.empty() ? raw.first : raw.second;
+  const bool follows = before == 0 || package.events.data() + before == slice.data();
+  if (threshold.keeps_all() && follows && (raw.first.empty() || raw.second.empty())) {
+    filter_.skip(slice.size());  // a slice of the ring: the consumer owns it until it is consumed
+    package.events = {before == 0 ? slice.data() : package.events.data(), before + slice.size()};
+  } else {
+    if (before > 0 && package.events.data() != kept_.get()) {
+      std::copy(package.events.begin(), package.events.end(), kept_.get());
+    }
+    std::size_t size = before;
+    size += filter_.apply(raw.first, threshold, kept_.get() + size);
+    size += filter_.apply(raw.second, threshold, kept_.get() + size);
+    package.events = {kept_.get(), size};
   }
+  return package.events.subspan(before);
+}
+
+// All raw events of the package have been decided, none is kept: they count to the next package.
+void Packager::discard_all(const Package& package, std::int64_t end_ns) noexcept {
+  telemetry_.discarded += package.raw;
+  offered_without_package_ += package.raw;
+  buffer_.consume(package.raw);
+  scheme_.observe({.size = 0,
+                   .raw = package.raw,
+                   .span_ns = 0,
+                   .start_ns = package.start_ns,
+                   .processing_ns = end_ns - package.start_ns});
+}
+
+double Packager::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept {
+  if (gamma == keep_ || previous_start_ns_ == kLongAgo) return gamma;
   const auto elapsed = static_cast<double>(now_ns - previous_start_ns_);
   const double weight = elapsed / (elapsed + static_cast<double>(kSmoothingNs));
-  keep_ += (gamma - keep_) * weight;
+  return keep_ + (gamma - keep_) * weight;
 }
 
 void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
+  rate_meter_.observe(package.raw, axis_.to_ns(raw_[0].t), axis_.to_ns(raw_[package.raw - 1].t));
+  if (package.events.empty()) return discard_all(package, end_ns);
   for (const Event& event : package.events) {
     telemetry_.latency.record(end_ns - axis_.to_ns(event.t));
   }
@@ -167,6 +234,7 @@ void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
                    .processing_ns = processing_ns});
   buffer_.consume(package.raw);
   ++packages_;
+  keep_ = smoothed_keep(fraction(size, package.offered), package.start_ns);
   previous_start_ns_ = package.start_ns;
   offered_without_package_ = 0;
   stale_since_package_ = 0;

@@ -26,4 +26,17 @@ ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds
   }
 }
 
+void ConsumerLoop::work(Package package, const Consumer& algorithm) {
+  std::int64_t now_ns = package.start_ns;
+  for (EventSpan events = packager_.stratum(package, now_ns); !events.empty();
+       events = packager_.stratum(package, now_ns)) {
+    Package part = package;
+    part.events = events;
+    algorithm(part);
+    package.continues = true;
+    now_ns = clock_.now_ns();
+  }
+  packager_.complete(package, now_ns);
+}
+
 }  // namespace asap

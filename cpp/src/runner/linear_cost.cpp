@@ -2,24 +2,77 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "asap/core/check.hpp"
 
 namespace asap {
+namespace {
 
-LinearCost::LinearCost(LinearCostConfig config) : config_(config), random_(config.seed) {
-  require(config.alpha_us >= 0 && config.alpha_us <= 1e9, "alpha_us", config.alpha_us,
+constexpr std::int64_t kDriftStepNs = 1'000'000;
+constexpr double kEndOfTimeNs = 9.2e18;  // absurd costs end here
+
+}  // namespace
+
+LinearCost::LinearCost(LinearCostConfig config)
+    : config_(std::move(config)), random_(config_.seed) {
+  require(config_.alpha_us >= 0 && config_.alpha_us <= 1e9, "alpha_us", config_.alpha_us,
           "must be between 0 and 1e9 us");
-  require(config.beta_ns >= 0 && config.beta_ns <= 1e9, "beta_ns", config.beta_ns,
+  require(config_.beta_ns >= 0 && config_.beta_ns <= 1e9, "beta_ns", config_.beta_ns,
           "must be between 0 and 1e9 ns");
-  require(config.noise >= 0 && config.noise <= 5, "noise", config.noise, "must be between 0 and 5");
+  require(config_.noise >= 0 && config_.noise <= 5, "noise", config_.noise,
+          "must be between 0 and 5");
+  for (const double factor : config_.drift) {
+    require(factor >= 0 && factor <= 1e6, "drift", factor, "give factors between 0 and 1e6");
+  }
+  std::int64_t free_ns = std::numeric_limits<std::int64_t>::min();
+  for (const Outage& outage : config_.outages) {
+    require(outage.begin_ns >= free_ns, "outages", outage.begin_ns,
+            "give them in order, each beginning after the one before has ended, ns");
+    require(outage.end_ns > outage.begin_ns, "outages", outage.end_ns,
+            "an outage ends after it has begun, ns");
+    free_ns = outage.end_ns;
+  }
 }
 
-std::int64_t LinearCost::processing_ns(std::uint64_t index, std::size_t size) const noexcept {
-  const double mean_ns = config_.alpha_us * 1e3 + config_.beta_ns * static_cast<double>(size);
+PackageCost LinearCost::package(std::uint64_t index, std::int64_t start_ns) const noexcept {
   const double factor = config_.noise > 0 ? noise_factor(index) : 1.0;
-  return std::max<std::int64_t>(std::llround(std::min(mean_ns * factor, 9e18)), 1);
+  return {.fixed_ns = factor * config_.alpha_us * 1e3, .event_ns = factor * event_ns(start_ns)};
+}
+
+std::int64_t LinearCost::done_ns(std::int64_t begin_ns, double work_ns) const noexcept {
+  const double longest_ns = kEndOfTimeNs - static_cast<double>(begin_ns);
+  std::int64_t left_ns = std::max<std::int64_t>(std::llround(std::min(work_ns, longest_ns)), 1);
+  std::int64_t now_ns = begin_ns;
+  for (auto outage = outage_after(now_ns); outage != config_.outages.end(); ++outage) {
+    const std::int64_t until_ns = std::max(outage->begin_ns, now_ns);
+    if (left_ns <= until_ns - now_ns) break;
+    left_ns -= until_ns - now_ns;
+    now_ns = outage->end_ns;
+  }
+  return now_ns + std::min(left_ns, static_cast<std::int64_t>(kEndOfTimeNs) - now_ns);
+}
+
+std::int64_t LinearCost::start_ns(std::int64_t now_ns) const noexcept {
+  auto outage = outage_after(now_ns);
+  for (; outage != config_.outages.end() && outage->begin_ns <= now_ns; ++outage) {
+    now_ns = outage->end_ns;  // the next one may begin there
+  }
+  return now_ns;
+}
+
+double LinearCost::event_ns(std::int64_t now_ns) const noexcept {
+  if (config_.drift.empty()) return config_.beta_ns;
+  const auto last = static_cast<std::int64_t>(config_.drift.size()) - 1;
+  const std::int64_t step = std::clamp<std::int64_t>(now_ns / kDriftStepNs, 0, last);
+  return config_.beta_ns * config_.drift[static_cast<std::size_t>(step)];
+}
+
+std::vector<Outage>::const_iterator LinearCost::outage_after(std::int64_t time_ns) const noexcept {
+  return std::upper_bound(
+      config_.outages.begin(), config_.outages.end(), time_ns,
+      [](std::int64_t time, const Outage& outage) { return time < outage.end_ns; });
 }
 
 double LinearCost::noise_factor(std::uint64_t index) const noexcept {

@@ -32,7 +32,9 @@ Replay::Replay(Scheme& scheme, ReplayConfig replay, RunConfig config)
       validator_(config.validator),
       telemetry_(latency_bound_ns(config, scheme)),
       buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
-      packager_(buffer_, scheme, telemetry_, config.seed),
+      ages_(age_slot_ns(telemetry_.latency.bound_ns())),
+      packager_(buffer_, ages_, scheme, telemetry_,
+                {.seed = config.seed, .execution = config.execution, .flush = config.flush}),
       loop_(buffer_, packager_, telemetry_, doorbell_, clock_) {}
 
 void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
@@ -113,7 +115,10 @@ void Replay::push_arrived() noexcept {
   while (count < arriving_.size() && packager_.axis().to_ns(arriving_[count].t) <= until_ns) {
     ++count;
   }
-  buffer_.push(arriving_.first(count));
+  const std::uint64_t first = buffer_.tail();
+  const std::size_t taken = buffer_.push(arriving_.first(count));
+  ages_.observe(arriving_.first(taken), first,
+                [&](std::int64_t stamp) { return packager_.axis().to_ns(stamp); });
   doorbell_.announce(buffer_.tail());
   arriving_ = arriving_.subspan(count);
   lateness_.record(now_ns - first_ns);
@@ -127,8 +132,7 @@ void Replay::consume(const Consumer& consumer, const Poll& poll) {
     const auto next = loop_.next(package, std::chrono::nanoseconds(kPollEveryNs));
     if (next == ConsumerLoop::Next::ended) return;
     if (next == ConsumerLoop::Next::package) {
-      consumer(package);
-      loop_.complete(package);
+      loop_.work(package, consumer);
       if (polled_ns != kLongAgo && package.start_ns - polled_ns < kPollEveryNs) continue;
       polled_ns = package.start_ns;
     }

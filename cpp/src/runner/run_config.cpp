@@ -35,4 +35,8 @@ std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns
       std::clamp(static_cast<std::size_t>(events), kLeastCapacity, 64 * kLeastCapacity));
 }
 
+std::int64_t age_slot_ns(std::int64_t latency_bound_ns) noexcept {
+  return std::max<std::int64_t>(latency_bound_ns / 64, 1);
+}
+
 }  // namespace asap

@@ -25,10 +25,10 @@ Asap2020::Asap2020(Asap2020Config config) : config_(config) {
           config.max_size, "must be at least min_size and at most 2^40 events");
   require(config.first_size >= config.min_size && config.first_size <= config.max_size,
           "first_size", config.first_size, "must lie between min_size and max_size");
-  reset();
+  reset(Execution::whole);
 }
 
-void Asap2020::reset() noexcept {
+void Asap2020::reset(Execution) noexcept {
   size_ = static_cast<double>(config_.first_size);
   gamma_ = 1.0;
 }

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 import asap
 from asap import table
-from asap.cli import demo, info, report, run
+from asap.cli import compare, demo, info, report, run, study
 from asap.cli.outcome import INTERRUPTED, OK, Failure, say
 
 __all__ = ["main"]
@@ -25,6 +25,8 @@ examples:
   asap info flight.aedat4
   asap run flight.aedat4 --latency 10ms --report flight.html
   asap run flight.aedat4 --cost 100us+300ns --scheme asap2020 --set rate_bound=2e6
+  asap compare flight.aedat4 --cost 100us+300ns --latency 10ms
+  asap compare bursts --cost slow --report bursts.html
 
 exit codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable or corrupt, 130 interrupted
 """
@@ -77,6 +79,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"asap {asap.__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True)
-    for verb in (demo, run, info, report):
+    for verb in (demo, run, compare, study, info, report):
         verb.add(verbs)
     return parser

@@ -22,9 +22,9 @@ def add_verb(verbs: Any, name: str, call: Callable[[Any], int], words: str) -> A
     return parser
 
 
-def add_recording(parser: argparse.ArgumentParser) -> None:
+def add_recording(parser: argparse.ArgumentParser, metavar: str = "FILE") -> None:
     """Add the recording and how to read it."""
-    parser.add_argument("file", metavar="FILE")
+    parser.add_argument("file", metavar=metavar)
     parser.add_argument("--width", type=int, help="of the sensor, px; where the file has none")
     parser.add_argument("--height", type=int)
     parser.add_argument("--order", help="columns of a text file or plain array, such as txyp")

@@ -8,7 +8,16 @@ import asap
 from asap import progress, table, units
 from asap.cli.choices import ALGORITHMS, algorithm_of, scheme_of, schemes
 from asap.cli.options import add_recording, add_verb, open_recording, typed, writable
-from asap.cli.outcome import OK, need_matplotlib, print_json, reading, usage, writing
+from asap.cli.outcome import (
+    OK,
+    USAGE,
+    Failure,
+    need_matplotlib,
+    print_json,
+    reading,
+    usage,
+    writing,
+)
 
 __all__ = ["add"]
 
@@ -23,6 +32,11 @@ def add(verbs: Any) -> None:
         type=typed(units.parse_cost, "cost"),
         metavar="100us+300ns",
         help="virtual time: an algorithm that takes this per package + per event",
+    )
+    verb.add_argument(
+        "--opaque",
+        action="store_true",
+        help="with --cost: it takes a package as a whole, as a Python callback does",
     )
     verb.add_argument("--scheme", choices=schemes())
     verb.add_argument(
@@ -46,6 +60,8 @@ def add(verbs: Any) -> None:
 
 
 def _call(arguments: Any) -> int:
+    if arguments.opaque and not arguments.cost:
+        raise Failure(USAGE, "--opaque: it is about the algorithm that --cost simulates")
     if arguments.report:
         need_matplotlib()
     with usage():
@@ -65,6 +81,7 @@ def _call(arguments: Any) -> int:
     }
     with reading(arguments), progress.on_terminal() as on_progress:
         if cost is not None:
+            options["opaque"] = arguments.opaque
             run = asap.simulate(recording, cost=cost, on_progress=on_progress, **options)
         else:
             run = asap.run(recording, speed=arguments.speed, on_progress=on_progress, **options)

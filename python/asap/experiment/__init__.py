@@ -1,6 +1,17 @@
 """Experiments: a stream of events through ASAP into an algorithm, in virtual or in real time."""
 
+from asap.experiment.comparison import Comparison, Row, compare, oracle
 from asap.experiment.result import Run, load_run
 from asap.experiment.runners import last_run, run, simulate
 
-__all__ = ["Run", "last_run", "load_run", "run", "simulate"]
+__all__ = [
+    "Comparison",
+    "Row",
+    "Run",
+    "compare",
+    "last_run",
+    "load_run",
+    "oracle",
+    "run",
+    "simulate",
+]

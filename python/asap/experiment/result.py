@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _core
+from asap.experiment.cost import BOUND_KEPT, Cost, bound_needed_us
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -109,6 +110,11 @@ class Run:
         How often the sensor's clock jumped back by 1 s or more; time then continued 1 us later.
     lateness : LatencyHistogram or None
         In real time: how late the paced producer pushed, us, which is this machine's own jitter.
+    slots : ndarray or None
+        In virtual time: one row per 1 ms of stamps that holds an event: slot (ms), received,
+        delivered (events), latency_max_us. Not saved.
+    learned : Cost or None
+        What the scheme had learned of the algorithm's cost by the end; None where it learns none.
     """
 
     packages: NDArray[np.void]
@@ -123,6 +129,14 @@ class Run:
     speed: float = 1.0
     clock_resets: int = 0
     lateness: _core.LatencyHistogram | None = None
+    slots: NDArray[np.void] | None = None
+    learned: Cost | None = None
+
+    def __post_init__(self) -> None:
+        if self.learned is None and hasattr(self.scheme, "alpha_us"):
+            # Now: the same scheme may learn something else in its next run.
+            learned = Cost(float(self.scheme.alpha_us), float(self.scheme.beta_ns))
+            object.__setattr__(self, "learned", learned)
 
     @property
     def kept(self) -> float:
@@ -133,6 +147,11 @@ class Run:
     def in_time(self) -> float:
         """Delivered within the bound / received; 1 of nothing."""
         return _share(self.latency.within_bound, self.ledger.received)
+
+    @property
+    def bound_kept(self) -> bool:
+        """Whether no event was delivered later than 1.01 times the bound."""
+        return self.latency.max <= BOUND_KEPT * self.latency_bound_us
 
     def summary(self) -> dict[str, Any]:
         """Sum the run up as one JSON object."""
@@ -146,6 +165,9 @@ class Run:
             "scheme": Named.of(self.scheme).as_json(),
             "algorithm": Named.of(self.algorithm).as_json(),
             "latency_bound_us": self.latency_bound_us,
+            "bound_kept": self.bound_kept,
+            "bound_needed_us": bound_needed_us(self),
+            "learned_cost": None if self.learned is None else asdict(self.learned),
             "speed": self.speed,
             "ledger": dict(self.ledger),
             "rejected": dict(self.rejected),
@@ -259,6 +281,7 @@ def _from_document(document: dict[str, Any]) -> Run:
         lateness=_histogram(document["lateness_histogram"])
         if document["lateness_histogram"]
         else None,
+        learned=Cost(**learned) if (learned := document.get("learned_cost")) else None,
     )
 
 

@@ -10,7 +10,7 @@ from asap import _core
 from asap.experiment.result import LEDGER_FIELDS, Ledger, Run
 from asap.experiment.source import Source
 
-__all__ = ["Progress", "last_run", "run", "simulate"]
+__all__ = ["Progress", "last_run", "make_config", "remember", "run", "simulate"]
 
 Progress = Callable[[int, "int | None", dict[str, int]], object]
 
@@ -36,6 +36,7 @@ def simulate(
     scheme: _core.Scheme | None = None,
     latency_ms: float | None = None,
     algorithm: Any = None,
+    opaque: bool = False,
     width: int | None = None,
     height: int | None = None,
     on_bad: str = "drop",
@@ -54,11 +55,14 @@ def simulate(
     cost : LinearCost
         The simulated algorithm.
     scheme : Scheme, optional
-        Default: Asap2020().
+        Default: Deadline(latency_ms=latency_ms).
     latency_ms : float, optional
         Latency bound, ms. Default: the scheme's own, else 10.
     algorithm : optional
-        A real algorithm that gets the packages too; its time is not measured.
+        A real algorithm that gets the packages too, each when it is done; its time is not measured.
+    opaque : bool
+        True: the simulated algorithm takes a package as a whole, as a Python callback does. False:
+        the library owns its loop, looks at the clock inside a package and ends it on time.
     width, height : int, optional
         Sensor, px. Default: from the file; without both no bounds are checked.
     on_bad : {"drop", "clamp", "raise"}
@@ -81,10 +85,15 @@ def simulate(
     """
     if not isinstance(cost, _core.LinearCost):
         raise TypeError(f"cost = {cost!r}: give asap.LinearCost(alpha_us, beta_ns)")
-    scheme = _scheme(scheme)
+    scheme = _scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
-    config = _config(
-        stream, scheme, latency_ms=latency_ms, on_bad=on_bad, seed=seed, capacity=capacity
+    config = make_config(
+        stream,
+        latency_ms=latency_ms,
+        on_bad=on_bad,
+        seed=seed,
+        capacity=capacity,
+        anytime=not opaque,
     )
     simulator = _core.Simulator(scheme, cost, config, algorithm)
     try:
@@ -96,7 +105,7 @@ def simulate(
         simulator.finish()
     finally:
         shown = algorithm if algorithm is not None else cost
-        outcome = _remember(simulator, stream, config, scheme, shown, mode="virtual")
+        outcome = remember(simulator, stream, config, scheme, shown, mode="virtual")
     return outcome
 
 
@@ -124,9 +133,10 @@ def run(
         Arrays in any layout that `as_events` accepts.
     algorithm
         One of ours, an object with process(events) and, if it has it, set_keep(gamma), or a
-        callable. Events come as a read-only array in EVENT_DTYPE, valid as long as it is kept.
+        callable. Events come as a read-only array in EVENT_DTYPE, valid as long as it is kept. The
+        loop over the events of one of ours belongs to the library, which can end a package on time.
     scheme : Scheme, optional
-        Default: Asap2020().
+        Default: Deadline(latency_ms=latency_ms).
     latency_ms : float, optional
         Latency bound, ms. Default: the scheme's own, else 10.
     speed : float
@@ -156,10 +166,15 @@ def run(
     """
     if algorithm is None:
         raise TypeError("algorithm = None: give what the events are for, or use asap.simulate")
-    scheme = _scheme(scheme)
+    scheme = _scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
-    config = _config(
-        stream, scheme, latency_ms=latency_ms, on_bad=on_bad, seed=seed, capacity=capacity
+    config = make_config(
+        stream,
+        latency_ms=latency_ms,
+        on_bad=on_bad,
+        seed=seed,
+        capacity=capacity,
+        anytime=_core.is_native(algorithm),
     )
     replay = _core.Replay(scheme, config, speed)
 
@@ -175,7 +190,7 @@ def run(
         else:
             _replay_stream(replay, stream, algorithm, poll)
     finally:
-        outcome = _remember(replay, stream, config, scheme, algorithm, mode="real", speed=speed)
+        outcome = remember(replay, stream, config, scheme, algorithm, mode="real", speed=speed)
     return outcome
 
 
@@ -207,23 +222,25 @@ def _replay_stream(
         raise errors[0]
 
 
-def _scheme(scheme: Any) -> _core.Scheme:
+def _scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
     if scheme is None:
-        return _core.Asap2020()
+        return _core.Deadline() if latency_ms is None else _core.Deadline(latency_ms=latency_ms)
     if not isinstance(scheme, _core.Scheme):
         raise TypeError(f"scheme = {scheme!r}: give a scheme such as asap.Greedy()")
     return scheme
 
 
-def _config(
+def make_config(
     stream: Source,
-    scheme: _core.Scheme,
     *,
     latency_ms: float | None,
-    on_bad: str,
-    seed: int,
-    capacity: int | None,
+    on_bad: str = "drop",
+    seed: int = 0,
+    capacity: int | None = None,
+    anytime: bool = True,
+    flush: bool = True,
 ) -> _core.RunConfig:
+    """Check what the runners have in common, and put it together for the native ones."""
     if latency_ms is not None and not 0.01 <= latency_ms <= 1e7:
         raise ValueError(f"latency_ms = {latency_ms}: must be between 0.01 and 1e7 ms")
     if capacity is not None and capacity < 1:
@@ -234,10 +251,12 @@ def _config(
         capacity=capacity or 0,
         seed=seed,
         validator=validator,
+        anytime=anytime,
+        flush=flush,
     )
 
 
-def _remember(
+def remember(
     runner: _core.Simulator | _core.Replay,
     stream: Source,
     config: _core.RunConfig,
@@ -268,6 +287,7 @@ def _remember(
         clock_resets=stream.clock_resets + runner.validator.clock_resets,
         speed=speed,
         lateness=runner.lateness if isinstance(runner, _core.Replay) else None,
+        slots=runner.slots if isinstance(runner, _core.Simulator) else None,
     )
     return _last
 

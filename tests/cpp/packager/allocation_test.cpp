@@ -5,10 +5,12 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "asap/packager/packager.hpp"
 #include "asap/schemes/asap2020.hpp"
+#include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed_size.hpp"
 #include "asap/schemes/fixed_time.hpp"
 #include "asap/schemes/greedy.hpp"
@@ -53,6 +55,20 @@ TEST(Allocations, TheLogGrowsByOneBlockAtATime) {
   }
 }
 
+// Asks for all that a scheme may ask for, and takes an anytime package that has to be thinned.
+class Hurried final : public Scheme {
+ public:
+  Decision decide(const Backlog& backlog) noexcept override {
+    if (backlog.count > 3000) return Decision::drop(500);
+    const std::int64_t time_ns = backlog.now_ns - 1'000'000;
+    const std::size_t older = backlog.counts.before(time_ns) + backlog.counts.about_before(time_ns);
+    Decision decision = Decision::take(1 + older);
+    decision.budget_ns = 2000;
+    return decision;
+  }
+  std::string_view name() const noexcept override { return "hurried"; }
+};
+
 void allocates_nothing(Scheme& scheme) {
   constexpr std::size_t kBatch = 1000;
   constexpr std::size_t kRounds = 500;  // before a new packager: the log must not grow for ever
@@ -62,20 +78,26 @@ void allocates_nothing(Scheme& scheme) {
   std::uint64_t delivered = 0;
   while (done < events_to_run()) {
     EventBuffer buffer(4 * kBatch);
+    AgeSlots ages(156'250);
     Telemetry telemetry(10'000'000);
-    Packager packager(buffer, scheme, telemetry, done);
+    Packager packager(buffer, ages, scheme, telemetry, {.seed = done});
     packager.set_axis(TimeAxis(0, 1.0));
     for (std::size_t at = 0; at < events.size(); at += kBatch, done += kBatch) {
       const std::uint64_t before = allocations();
       const EventSpan batch = EventSpan(events).subspan(at, kBatch);
-      buffer.push(batch);
+      const std::uint64_t first = buffer.tail();
+      const std::size_t taken = buffer.push(batch);
+      ages.observe(batch.first(taken), first, [](std::int64_t stamp) { return 1000 * stamp; });
       allocated += allocations() - before;
       std::int64_t now_ns = 1000 * batch.back().t;
       for (;;) {
         telemetry.log.make_room();  // between packages: the one place that may allocate
         const std::uint64_t before_package = allocations();
-        const Packager::Next next = packager.next(now_ns);
-        if (next.step == Packager::Step::package) packager.complete(next.package, now_ns += 500);
+        Packager::Next next = packager.next(now_ns);
+        if (next.step == Packager::Step::package) {
+          while (!packager.stratum(next.package, now_ns).empty()) now_ns += 500;
+          packager.complete(next.package, now_ns);
+        }
         allocated += allocations() - before_package;
         if (next.step != Packager::Step::package) break;
       }
@@ -97,6 +119,10 @@ TEST(Allocations, NoneOnTheHotPath) {
   allocates_nothing(greedy);
   Asap2020 asap2020({.rate_bound = 1e6, .first_size = 20});
   allocates_nothing(asap2020);
+  Hurried hurried;
+  allocates_nothing(hurried);
+  Deadline deadline;
+  allocates_nothing(deadline);
 }
 
 }  // namespace

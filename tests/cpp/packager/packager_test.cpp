@@ -40,13 +40,15 @@ constexpr std::size_t kHuge = std::numeric_limits<std::size_t>::max();
 class Rig {
  public:
   explicit Rig(Scheme& scheme, std::size_t capacity = 1024, std::uint64_t seed = 0)
-      : buffer(capacity), packager(buffer, scheme, telemetry, seed) {
+      : buffer(capacity), packager(buffer, ages, scheme, telemetry, {.seed = seed}) {
     packager.set_axis(TimeAxis(0, 1.0));
   }
 
   void push(EventSpan events) {
     received += events.size();
-    buffer.push(events);
+    const std::uint64_t first = buffer.tail();
+    const std::size_t taken = buffer.push(events);
+    ages.observe(events.first(taken), first, [](std::int64_t stamp) { return 1000 * stamp; });
   }
 
   Packager::Next next(std::int64_t now_ns) {
@@ -73,6 +75,7 @@ class Rig {
   }
 
   EventBuffer buffer;
+  AgeSlots ages{kBound_ns / 64};
   Telemetry telemetry{kBound_ns};
   Packager packager;
   std::uint64_t received = 0;
@@ -129,6 +132,34 @@ TEST(Packager, CountsByTimeAcrossTheWrap) {
   rig.push(at_times({100, 200, 300, 400}));
   rig.deliver(0);
   EXPECT_EQ(before, 3u);
+}
+
+TEST(Packager, CountsByAgeSlotsWithinTheSlot) {
+  std::vector<std::size_t> about;
+  ScriptedScheme scheme([&](const Backlog& backlog) {
+    for (const std::int64_t t_us : {-1, 0, 5000, 9999, 20'000}) {
+      about.push_back(backlog.counts.about_before(t_us * kMicrosecond));
+    }
+    return Decision::take(50);
+  });
+  Rig rig(scheme);
+  rig.push(evenly_spaced(200, 50));  // a slot is 156.25 us
+  rig.deliver(9950 * kMicrosecond);
+  EXPECT_EQ(about, (std::vector<std::size_t>{0, 0, 100, 200, 200}));
+  rig.deliver(9950 * kMicrosecond);
+  about.erase(about.begin(), about.begin() + 5);
+  EXPECT_EQ(about, (std::vector<std::size_t>{0, 0, 50, 150, 150})) << "of those that still wait";
+}
+
+TEST(Packager, TellsTheSchemeHowTheAlgorithmRuns) {
+  for (const Execution execution : {Execution::whole, Execution::anytime}) {
+    ScriptedScheme scheme = taking(1);
+    EventBuffer buffer(8);
+    const AgeSlots ages(1);
+    Telemetry telemetry(kBound_ns);
+    const Packager packager(buffer, ages, scheme, telemetry, {.execution = execution});
+    EXPECT_EQ(scheme.execution, execution);
+  }
 }
 
 TEST(Packager, HandsOutAPackageWithItsStory) {

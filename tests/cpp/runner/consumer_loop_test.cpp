@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdint>
 #include <thread>
+#include <vector>
 
 #include "asap/schemes/fixed_size.hpp"
 #include "support/scripted_scheme.hpp"
@@ -17,7 +19,7 @@ using namespace std::chrono_literals;
 
 struct Rig {
   explicit Rig(Scheme& scheme, std::int64_t bound_ns = 10'000'000)
-      : telemetry(bound_ns), packager(buffer, scheme, telemetry, 0) {
+      : telemetry(bound_ns), packager(buffer, ages, scheme, telemetry, {.seed = 0}) {
     packager.set_axis(TimeAxis(0, 1.0));
     clock.start(0);
   }
@@ -28,6 +30,7 @@ struct Rig {
   }
 
   EventBuffer buffer{1024};
+  AgeSlots ages{1'000'000};
   Telemetry telemetry;
   Packager packager;
   Doorbell doorbell;
@@ -117,6 +120,131 @@ TEST(ConsumerLoop, DoesNotOversleepTheEnd) {
   Package package;
   ASSERT_EQ(rig.loop.next(package, 20s), Next::package);
   EXPECT_LT(package.start_ns, 10'000'000'000);
+}
+
+// ---- work: whole, or part by part
+
+struct Trouble {};
+
+Decision within(std::int64_t budget_ns, std::size_t raw) {
+  Decision decision = Decision::take(raw);
+  decision.budget_ns = budget_ns;
+  return decision;
+}
+
+constexpr std::int64_t kMinute_ns = 60'000'000'000;
+
+TEST(ConsumerLoop, AWholePackageIsOnePart) {
+  FixedSize scheme({.size = 640});
+  Rig rig(scheme);
+  rig.push(test::evenly_spaced(640, 1));
+  Package package;
+  ASSERT_EQ(rig.loop.next(package, 10s), Next::package);
+  int calls = 0;
+  rig.loop.work(package, [&](const Package& part) {
+    ++calls;
+    EXPECT_EQ(part.events.size(), 640u);
+    EXPECT_FALSE(part.continues);
+    std::this_thread::sleep_for(5ms);
+  });
+  EXPECT_EQ(calls, 1);
+  EXPECT_EQ(rig.telemetry.delivered, 640u);
+  EXPECT_GE(rig.telemetry.log[0].processing_us, 5000.0);
+  EXPECT_EQ(rig.buffer.size(), 0u);
+}
+
+TEST(ConsumerLoop, AnAnytimePackageComesPartByPart) {
+  test::ScriptedScheme scheme([](const Backlog&) { return within(kMinute_ns, 640); });
+  Rig rig(scheme);
+  const test::Events events = test::evenly_spaced(640, 1);
+  rig.push(events);
+  Package package;
+  ASSERT_EQ(rig.loop.next(package, 10s), Next::package);
+  test::Events seen;
+  std::vector<bool> continues;
+  rig.loop.work(package, [&](const Package& part) {
+    EXPECT_EQ(part.events.size(), 64u);
+    EXPECT_EQ(part.index, 0u);
+    EXPECT_EQ(part.start_ns, package.start_ns);
+    EXPECT_EQ(rig.telemetry.delivered, 0u);
+    seen.insert(seen.end(), part.events.begin(), part.events.end());
+    continues.push_back(part.continues);
+  });
+  EXPECT_EQ(seen, events);
+  std::vector<bool> expected(10, true);
+  expected[0] = false;
+  EXPECT_EQ(continues, expected);
+  EXPECT_EQ(rig.telemetry.log.size(), 1u);
+  EXPECT_EQ(rig.telemetry.delivered, 640u);
+}
+
+// The steady clock stands between the parts: what an overlong one has cost thins the next.
+TEST(ConsumerLoop, LooksAtTheClockBetweenParts) {
+  test::ScriptedScheme scheme([](const Backlog& backlog) {
+    return backlog.count < 640 ? Decision::take(backlog.count) : within(4'000'000, 640);
+  });
+  Rig rig(scheme, 100 * kMinute_ns);  // a grace of a minute
+  rig.push(test::evenly_spaced(640, 1));
+  Package package;
+  ASSERT_EQ(rig.loop.next(package, 10s), Next::package);
+  std::vector<std::size_t> sizes;
+  rig.loop.work(package, [&](const Package& part) {
+    sizes.push_back(part.events.size());
+    if (sizes.size() == 1) std::this_thread::sleep_for(5ms);
+  });
+  ASSERT_GE(sizes.size(), 2u);
+  EXPECT_EQ(sizes[0], 64u);
+  EXPECT_LT(sizes[1], 32u);
+  EXPECT_GE(rig.telemetry.log[0].processing_us, 5000.0);
+  EXPECT_EQ(rig.telemetry.log[0].offered, 640);
+}
+
+TEST(ConsumerLoop, AStallLeavesTheRestToTheNextPackage) {
+  test::ScriptedScheme scheme([](const Backlog& backlog) { return within(1, backlog.count); });
+  Rig rig(scheme, 100'000);  // a grace of a microsecond
+  rig.push(test::evenly_spaced(640, 1));
+  Package package;
+  ASSERT_EQ(rig.loop.next(package, 10s), Next::package);
+  int calls = 0;
+  rig.loop.work(package, [&](const Package&) {
+    ++calls;
+    std::this_thread::sleep_for(1ms);
+  });
+  EXPECT_EQ(calls, 1);
+  EXPECT_EQ(rig.telemetry.log[0].offered, 64);
+  EXPECT_EQ(rig.buffer.size(), 576u);
+}
+
+TEST(ConsumerLoop, APackageOfWhichNothingIsKeptRunsNoAlgorithm) {
+  test::ScriptedScheme scheme([](const Backlog& backlog) {
+    Decision decision = within(-1, backlog.count);
+    decision.keep = 0.0;
+    decision.event_ns = 1.0;
+    return decision;
+  });
+  Rig rig(scheme);
+  rig.push(test::evenly_spaced(640, 1));
+  Package package;
+  ASSERT_EQ(rig.loop.next(package, 10s), Next::package);
+  rig.loop.work(package, [](const Package&) { FAIL(); });
+  EXPECT_EQ(rig.telemetry.discarded, 640u);
+  EXPECT_EQ(rig.buffer.size(), 0u);
+}
+
+TEST(ConsumerLoop, AnExceptionLeavesThePackageInTheRing) {
+  test::ScriptedScheme scheme([](const Backlog&) { return within(kMinute_ns, 640); });
+  Rig rig(scheme);
+  rig.push(test::evenly_spaced(1000, 1));
+  Package package;
+  ASSERT_EQ(rig.loop.next(package, 10s), Next::package);
+  int calls = 0;
+  EXPECT_THROW(rig.loop.work(package,
+                             [&](const Package&) {
+                               if (++calls == 3) throw Trouble{};
+                             }),
+               Trouble);
+  EXPECT_EQ(rig.telemetry.delivered + rig.telemetry.discarded, 0u);
+  EXPECT_EQ(rig.buffer.size(), 1000u);
 }
 
 }  // namespace

@@ -2,27 +2,30 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "support/errors.hpp"
 
 namespace asap {
 namespace {
 
+constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kEndOfTimeNs = 9'200'000'000'000'000'000;
+
 TEST(LinearCost, WithoutNoiseIsALine) {
   const LinearCost cost({.alpha_us = 100, .beta_ns = 300});
   for (const std::uint64_t index : {0u, 1u, 99u}) {
-    EXPECT_EQ(cost.processing_ns(index, 0), 100'000);
-    EXPECT_EQ(cost.processing_ns(index, 1), 100'300);
-    EXPECT_EQ(cost.processing_ns(index, 1'000'000), 300'100'000);
+    const PackageCost package = cost.package(index, 77);
+    EXPECT_EQ(package.fixed_ns, 100'000);
+    EXPECT_EQ(package.event_ns, 300);
+    EXPECT_EQ(package.of(0), 100'000);
+    EXPECT_EQ(package.of(1), 100'300);
+    EXPECT_EQ(package.of(1'000'000), 300'100'000);
   }
-}
-
-TEST(LinearCost, IsAtLeastANanosecond) {
-  EXPECT_EQ(LinearCost({.alpha_us = 0, .beta_ns = 0}).processing_ns(0, 5), 1);
-  EXPECT_EQ(LinearCost({.alpha_us = 0, .beta_ns = 0.1}).processing_ns(0, 1), 1);
 }
 
 TEST(LinearCost, TheNoiseHasMeanOne) {
@@ -33,7 +36,7 @@ TEST(LinearCost, TheNoiseHasMeanOne) {
     double sum_of_logs = 0;
     double squares_of_logs = 0;
     for (std::uint64_t i = 0; i < kCount; ++i) {
-      const double factor = static_cast<double>(cost.processing_ns(i, 1)) / 1e6;
+      const double factor = cost.package(i, 0).of(1) / 1e6;
       sum += factor;
       sum_of_logs += std::log(factor);
       squares_of_logs += std::log(factor) * std::log(factor);
@@ -46,16 +49,124 @@ TEST(LinearCost, TheNoiseHasMeanOne) {
   }
 }
 
+TEST(LinearCost, OneDrawScalesTheWholePackage) {
+  const LinearCost cost({.alpha_us = 100, .beta_ns = 300, .noise = 0.5, .drift = {2.0}});
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    const PackageCost package = cost.package(i, 0);
+    EXPECT_DOUBLE_EQ(package.event_ns / 600, package.fixed_ns / 100'000);  // alpha does not drift
+  }
+}
+
 TEST(LinearCost, IsAFunctionOfSeedAndIndex) {
   const LinearCost one({.noise = 0.5, .seed = 1});
   const LinearCost same({.noise = 0.5, .seed = 1});
   const LinearCost other({.noise = 0.5, .seed = 2});
   int differ = 0;
   for (std::uint64_t i = 0; i < 100; ++i) {
-    EXPECT_EQ(one.processing_ns(99 - i, 10), same.processing_ns(99 - i, 10));
-    differ += one.processing_ns(i, 10) != other.processing_ns(i, 10) ? 1 : 0;
+    EXPECT_EQ(one.package(99 - i, 5).fixed_ns, same.package(99 - i, 10).fixed_ns);
+    differ += one.package(i, 0).fixed_ns != other.package(i, 0).fixed_ns ? 1 : 0;
   }
   EXPECT_GT(differ, 95);
+}
+
+TEST(LinearCost, DriftsInStepsOfAMillisecond) {
+  const LinearCost cost({.alpha_us = 100, .beta_ns = 300, .drift = {1.0, 0.5, 3.0}});
+  const auto expect = [&](std::int64_t time_ns, double event_ns) {
+    EXPECT_EQ(cost.event_ns(time_ns), event_ns) << time_ns;
+    EXPECT_EQ(cost.package(0, time_ns).event_ns, event_ns) << time_ns;
+    EXPECT_EQ(cost.package(0, time_ns).fixed_ns, 100'000) << time_ns;
+  };
+  expect(-5 * kMillisecond, 300);  // the first one before its time
+  expect(0, 300);
+  expect(kMillisecond - 1, 300);
+  expect(kMillisecond, 150);
+  expect(2 * kMillisecond - 1, 150);
+  expect(2 * kMillisecond, 900);
+  expect(kEndOfTimeNs, 900);  // the last one stays
+}
+
+TEST(LinearCost, TheMeanCostOfAnEventKnowsNoNoise) {
+  EXPECT_EQ(LinearCost({.beta_ns = 300, .noise = 0.5}).event_ns(7), 300);
+}
+
+TEST(LinearCost, WorkTakesAtLeastANanosecond) {
+  const LinearCost cost;
+  EXPECT_EQ(cost.done_ns(50, 0.0), 51);
+  EXPECT_EQ(cost.done_ns(50, 0.1), 51);
+  EXPECT_EQ(cost.done_ns(50, 1.4), 51);
+  EXPECT_EQ(cost.done_ns(50, 1.6), 52);
+  EXPECT_EQ(cost.done_ns(-50, 80.0), 30);
+}
+
+TEST(LinearCost, WorkStopsInOutages) {
+  const LinearCost cost({.outages = {{100, 200}, {250, 300}, {300, 310}}});
+  EXPECT_EQ(cost.done_ns(0, 99), 99);
+  EXPECT_EQ(cost.done_ns(0, 100), 100);  // done as the outage begins
+  EXPECT_EQ(cost.done_ns(0, 101), 201);
+  EXPECT_EQ(cost.done_ns(0, 150), 250);
+  EXPECT_EQ(cost.done_ns(0, 151), 311);  // two outages in a row
+  EXPECT_EQ(cost.done_ns(0, 1000), 1160);
+  EXPECT_EQ(cost.done_ns(99, 2), 201);
+  EXPECT_EQ(cost.done_ns(310, 7), 317);
+}
+
+TEST(LinearCost, WorkThatBeginsInAnOutageWaitsForItsEnd) {
+  const LinearCost cost({.outages = {{100, 200}, {250, 300}}});
+  EXPECT_EQ(cost.done_ns(100, 1), 201);
+  EXPECT_EQ(cost.done_ns(150, 1), 201);
+  EXPECT_EQ(cost.done_ns(199, 50), 250);
+  EXPECT_EQ(cost.done_ns(199, 51), 301);
+  EXPECT_EQ(cost.done_ns(200, 50), 250);  // it has just ended
+}
+
+TEST(LinearCost, AnAlgorithmStartsOutsideOutages) {
+  const LinearCost cost({.outages = {{100, 200}, {250, 300}}});
+  for (const std::int64_t free_ns : {-1, 0, 99, 200, 201, 249, 300, 1000}) {
+    EXPECT_EQ(cost.start_ns(free_ns), free_ns);
+  }
+  EXPECT_EQ(cost.start_ns(100), 200);
+  EXPECT_EQ(cost.start_ns(199), 200);
+  EXPECT_EQ(cost.start_ns(250), 300);
+  EXPECT_EQ(cost.start_ns(299), 300);
+}
+
+// Nanosecond by nanosecond.
+TEST(LinearCost, OutagesAgreeWithACount) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const CounterRandom random(seed);
+    std::vector<Outage> outages;
+    std::int64_t free_ns = 0;
+    for (std::uint64_t i = 0; i < 10; ++i) {
+      const std::int64_t begin_ns = free_ns + static_cast<std::int64_t>(random(2 * i) % 30);
+      free_ns = begin_ns + 1 + static_cast<std::int64_t>(random(2 * i + 1) % 30);
+      outages.push_back({begin_ns, free_ns});
+    }
+    const LinearCost cost({.outages = outages});
+    const auto is_out = [&](std::int64_t time_ns) {
+      return std::any_of(outages.begin(), outages.end(), [&](const Outage& outage) {
+        return outage.begin_ns <= time_ns && time_ns < outage.end_ns;
+      });
+    };
+    for (std::int64_t begin_ns = 0; begin_ns < 300; begin_ns += 7) {
+      std::int64_t now_ns = begin_ns;
+      while (is_out(now_ns)) ++now_ns;
+      ASSERT_EQ(cost.start_ns(begin_ns), now_ns);
+      for (int work_ns = 1; work_ns < 200; ++work_ns) {
+        while (is_out(now_ns)) ++now_ns;
+        ++now_ns;
+        ASSERT_EQ(cost.done_ns(begin_ns, work_ns), now_ns) << begin_ns << " + " << work_ns;
+      }
+    }
+  }
+}
+
+TEST(LinearCost, NothingIsDoneAfterTheEndOfTime) {
+  const LinearCost cost;
+  EXPECT_EQ(cost.done_ns(0, 1e30), kEndOfTimeNs);
+  EXPECT_EQ(cost.done_ns(kEndOfTimeNs - 1'000'000, 1e30), kEndOfTimeNs);
+  const LinearCost broken({.outages = {{1000, kEndOfTimeNs - 500}}});
+  EXPECT_EQ(broken.done_ns(0, 1'000'000), kEndOfTimeNs);
+  EXPECT_EQ(broken.start_ns(5000), kEndOfTimeNs - 500);
 }
 
 TEST(LinearCost, RefusesABadConfigurationByName) {
@@ -68,6 +179,22 @@ TEST(LinearCost, RefusesABadConfigurationByName) {
   EXPECT_EQ(error({.beta_ns = 2e9}), "beta_ns = 2000000000: must be between 0 and 1e9 ns");
   EXPECT_EQ(error({.noise = -0.5}), "noise = -0.5: must be between 0 and 5");
   EXPECT_EQ(error({.noise = kNaN}), "noise = nan: must be between 0 and 5");
+  EXPECT_EQ(error({.drift = {1, -0.5}}), "drift = -0.5: give factors between 0 and 1e6");
+  EXPECT_EQ(error({.drift = {kNaN, 1}}), "drift = nan: give factors between 0 and 1e6");
+  EXPECT_EQ(error({.drift = {2e6}}), "drift = 2000000: give factors between 0 and 1e6");
+}
+
+TEST(LinearCost, RefusesOutagesThatOverlapOrEndBeforeTheyBegin) {
+  const auto error = [](std::vector<Outage> outages) {
+    return test::error_of([=] { LinearCost cost({.outages = outages}); });
+  };
+  EXPECT_EQ(error({{10, 20}, {20, 30}}), "nothing was thrown");
+  EXPECT_EQ(error({{10, 20}, {19, 30}}),
+            "outages = 19: give them in order, each beginning after the one before has ended, ns");
+  EXPECT_EQ(error({{10, 20}, {5, 8}}),
+            "outages = 5: give them in order, each beginning after the one before has ended, ns");
+  EXPECT_EQ(error({{10, 10}}), "outages = 10: an outage ends after it has begun, ns");
+  EXPECT_EQ(error({{10, 9}}), "outages = 9: an outage ends after it has begun, ns");
 }
 
 }  // namespace

@@ -1,28 +1,45 @@
 // A run in virtual time, written down as directly as possible: one event after the other, a deque
-// for the ring, no chunks, no packager. What the Simulator must agree with, row by row.
+// for the ring, no chunks, no packager, anytime execution as in notebooks/theory.md, 7. What the
+// Simulator must agree with, row by row.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <vector>
 
 #include "asap/core/random.hpp"
 #include "asap/filter/gamma_filter.hpp"
+#include "asap/runner/admission.hpp"
 #include "asap/runner/linear_cost.hpp"
 #include "asap/schemes/rate_meter.hpp"
 #include "asap/schemes/scheme.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/run_log.hpp"
+#include "asap/telemetry/slot_log.hpp"
 
 namespace asap::test {
 
+struct NaiveConfig {
+  std::int64_t bound_ns = 10'000'000;
+  std::size_t capacity = std::size_t{1} << 20;
+  std::uint64_t seed = 0;
+  Execution execution = Execution::whole;
+  bool flush = true;
+  Admission* admission = nullptr;
+};
+
 class NaiveSimulator final : public BacklogCounts {
  public:
-  NaiveSimulator(Scheme& scheme, LinearCost cost, std::int64_t bound_ns, std::size_t capacity,
-                 std::uint64_t seed)
-      : scheme_(scheme), cost_(cost), bound_ns_(bound_ns), capacity_(capacity), random_(seed) {
-    scheme.reset();
+  NaiveSimulator(Scheme& scheme, LinearCost cost, NaiveConfig config)
+      : scheme_(scheme),
+        cost_(cost),
+        config_(config),
+        random_(config.seed),
+        admission_random_(config.seed ^ 0x61646d6974) {
+    scheme.reset(config.execution);
   }
 
   void run(EventSpan events) {
@@ -30,12 +47,18 @@ class NaiveSimulator final : public BacklogCounts {
     zero_us_ = events[0].t - events[0].t % 1'000'000;
     future_.assign(events.begin(), events.end());
     ledger.received = events.size();
+    for (const Event& event : events) ++slot_of(event).received;
     now_ns_ = ns(future_.front());
+    next_ask_ns_ = now_ns_;
     for (;;) {
       let_arrive_until(now_ns_);
       if (ring_.empty() && future_.empty()) return;
       if (ring_.empty()) {
         now_ns_ = ns(future_.front());
+        continue;
+      }
+      if (cost_.start_ns(now_ns_) > now_ns_) {
+        now_ns_ = cost_.start_ns(now_ns_);
         continue;
       }
       const Decision decision = decide();
@@ -53,25 +76,60 @@ class NaiveSimulator final : public BacklogCounts {
     return count;
   }
 
+  std::size_t about_before(std::int64_t time_ns) const noexcept override { return before(time_ns); }
+
   std::vector<PackageRow> rows;
+  std::vector<Event> delivered;
+  std::map<std::int64_t, Slot> slots;  // by their number
   Ledger ledger;
+  std::int64_t busy_ns = 0;
 
  private:
+  Slot& slot_of(const Event& event) {
+    const std::int64_t slot = (event.t - (event.t % 1000 + 1000) % 1000) / 1000;
+    return slots.insert({slot, {slot, 0, 0, 0}}).first->second;
+  }
+
   std::int64_t ns(const Event& event) const noexcept { return (event.t - zero_us_) * 1000; }
 
   void let_arrive_until(std::int64_t time_ns) {
     while (!future_.empty() && ns(future_.front()) <= time_ns) {
-      if (ring_.size() + in_work_ < capacity_) {
-        ring_.push_back(future_.front());
-      } else {
-        ++ledger.overflow;
-      }
+      ask_admission_until(ns(future_.front()));
+      arrive(future_.front());
       future_.pop_front();
+    }
+    if (!future_.empty()) ask_admission_until(time_ns);
+  }
+
+  void arrive(const Event& event) {
+    ++arrived_;
+    const std::uint64_t bar = KeepThreshold::clamped(admission_gamma_).value();
+    if (config_.admission != nullptr && (admission_random_(admission_number_++) >> 1) >= bar) {
+      ++ledger.discarded;
+    } else if (ring_.size() == config_.capacity) {
+      ++ledger.overflow;
+    } else {
+      ring_.push_back(event);
     }
   }
 
+  void ask_admission_until(std::int64_t time_ns) {
+    if (config_.admission == nullptr) return;
+    for (; next_ask_ns_ <= time_ns; next_ask_ns_ += config_.admission->period_ns()) {
+      const std::size_t waiting = ring_.size() - in_work_;
+      admission_gamma_ =
+          config_.admission->gamma({.now_ns = next_ask_ns_,
+                                    .arrived = arrived_,
+                                    .waiting = waiting,
+                                    .oldest_ns = waiting > 0 ? ns(ring_[in_work_]) : next_ask_ns_});
+      arrived_ = 0;
+    }
+  }
+
+  std::int64_t flush_ns() const { return config_.flush ? ns(ring_[0]) + config_.bound_ns : kNever; }
+
   bool due() const {
-    return future_.empty() || ring_.size() == capacity_ || now_ns_ - ns(ring_[0]) >= bound_ns_;
+    return future_.empty() || ring_.size() == config_.capacity || now_ns_ >= flush_ns();
   }
 
   Decision decide() {
@@ -87,7 +145,7 @@ class NaiveSimulator final : public BacklogCounts {
 
   // One arrival, or the deadline, at a time.
   void wait(const Decision& decision) {
-    const std::int64_t deadline_ns = std::min(decision.until_ns, ns(ring_[0]) + bound_ns_);
+    const std::int64_t deadline_ns = std::min(decision.until_ns, flush_ns());
     while (ring_.size() < decision.until_count && !due()) {
       if (ns(future_.front()) > deadline_ns) {
         now_ns_ = deadline_ns;
@@ -99,33 +157,94 @@ class NaiveSimulator final : public BacklogCounts {
   }
 
   void take(const Decision& decision) {
-    std::vector<Event> kept;
+    drop(std::min(decision.stale, ring_.size()));
     const std::size_t raw = std::min(decision.raw, ring_.size());
-    meter_.observe(raw, ns(ring_[0]), ns(ring_[raw - 1]));
-    for (std::size_t i = 0; i < raw; ++i) {
-      const bool keeps = (random_(number_++) >> 1) < KeepThreshold::clamped(decision.keep).value();
-      if (keeps) kept.push_back(ring_.front());
-      ring_.pop_front();
-    }
-    ledger.discarded += raw - kept.size();
-    offered_ += raw;
+    if (raw == 0) return;
+    const std::uint64_t overflow = ledger.overflow;
     const std::int64_t start_ns = now_ns_;
+    std::vector<Event> kept;
+    if (config_.execution == Execution::anytime && decision.budget_ns != kNever) {
+      run_anytime(decision, raw, cost_.package(begun_++, start_ns), kept);
+    } else {
+      thin(raw, decision.keep, kept);
+      if (!kept.empty()) pass(cost_.package(begun_++, start_ns).of(kept.size()));
+    }
+    meter_.observe(in_work_, ns(ring_[0]), ns(ring_[in_work_ - 1]));
+    offered_ += in_work_;
+    ledger.discarded += in_work_ - kept.size();
+    busy_ns += now_ns_ - start_ns;
     std::int64_t span_ns = 0;
     if (!kept.empty()) {
-      const std::uint64_t overflow = ledger.overflow;
-      in_work_ = raw;
-      now_ns_ += cost_.processing_ns(rows.size(), kept.size());
-      let_arrive_until(now_ns_);
-      in_work_ = 0;
       span_ns = ns(kept.back()) - ns(kept.front());
       book(kept, start_ns, overflow - overflow_reported_);
       overflow_reported_ = overflow;
     }
     scheme_.observe({.size = kept.size(),
-                     .raw = raw,
+                     .raw = in_work_,
                      .span_ns = span_ns,
                      .start_ns = start_ns,
                      .processing_ns = now_ns_ - start_ns});
+    ring_.erase(ring_.begin(), ring_.begin() + static_cast<std::ptrdiff_t>(in_work_));
+    in_work_ = 0;
+  }
+
+  void drop(std::size_t stale) {
+    if (stale == 0) return;
+    meter_.observe(stale, ns(ring_[0]), ns(ring_[stale - 1]));
+    ring_.erase(ring_.begin(), ring_.begin() + static_cast<std::ptrdiff_t>(stale));
+    number_ += stale;
+    ledger.stale += stale;
+    stale_ += stale;
+  }
+
+  // The next `count` raw events of the package.
+  std::size_t thin(std::size_t count, double keep, std::vector<Event>& kept) {
+    std::size_t size = 0;
+    for (std::size_t i = 0; i < count; ++i, ++in_work_) {
+      if ((random_(number_++) >> 1) >= KeepThreshold::clamped(keep).value()) continue;
+      kept.push_back(ring_[in_work_]);
+      ++size;
+    }
+    return size;
+  }
+
+  // Events arrive while the algorithm works.
+  void pass(double work_ns) {
+    now_ns_ = cost_.done_ns(now_ns_, work_ns);
+    let_arrive_until(now_ns_);
+  }
+
+  // N raw events, M strata; `end`, k0, tau, m, b, q and f as in 6.2.
+  void run_anytime(const Decision& decision, std::size_t raw, PackageCost cost,
+                   std::vector<Event>& kept) {
+    const std::size_t strata = std::clamp<std::size_t>(raw / 64, 1, 16);
+    const double M = static_cast<double>(strata);
+    const double N = static_cast<double>(raw);
+    const double n = decision.keep * N;
+    constexpr std::int64_t kAges = 1'000'000'000'000'000;
+    const std::int64_t end = now_ns_ + std::clamp<std::int64_t>(decision.budget_ns, 0, kAges);
+    const double k0 = std::max(1.0, n / 32);
+    double tau = 0;
+    double m = 0;
+    pass(cost.fixed_ns);
+    for (std::size_t j = 0; j < strata; ++j) {
+      const std::int64_t now = now_ns_;
+      if (j > 0 && now > end + config_.bound_ns / 100) return;  // an outage
+      const double left = static_cast<double>(end - now) / (M - static_cast<double>(j));
+      const double b = (decision.event_ns * k0 + tau) / (k0 + m);
+      double q = b > 0 ? std::min(left / b, N / M) : (left >= 0 ? N / M : 0.0);
+      if (j + 1 == strata && q > 0 && q < N / M) {  // two standard deviations, less the grace
+        const double grace = static_cast<double>(config_.bound_ns / 100) / b;
+        q -= std::max(0.0, 2 * std::sqrt(q * (1 - q / (N / M))) - grace);
+      }
+      const double f = std::max(0.02 * n / M, j == 0 ? 1.0 : 0.0);
+      if (q < f) q = std::min(f, N / M);
+      const std::size_t size =
+          thin(raw * (j + 1) / strata - raw * j / strata, std::max(q, 0.0) / (N / M), kept);
+      if (size > 0) pass(cost.event_ns * static_cast<double>(size));
+      tau += static_cast<double>(now_ns_ - now);
+      m += static_cast<double>(size);
+    }
   }
 
   void book(const std::vector<Event>& kept, std::int64_t start_ns, std::uint64_t overflow) {
@@ -144,29 +263,44 @@ class NaiveSimulator final : public BacklogCounts {
     row.rate = size / (static_cast<double>(std::max<std::int64_t>(span_ns, 1000)) * 1e-9);
     row.margin_us = static_cast<double>(now_ns_ - start_ns - span_ns) * 1e-3;
     row.latency_max_us = static_cast<double>(now_ns_ - ns(kept.front())) * 1e-3;
+    row.stale = static_cast<std::int64_t>(stale_);
     row.overflow = static_cast<std::int64_t>(overflow);
     rows.push_back(row);
+    delivered.insert(delivered.end(), kept.begin(), kept.end());
+    for (const Event& event : kept) {
+      Slot& slot = slot_of(event);
+      ++slot.delivered;
+      slot.latency_max_ns = std::max(slot.latency_max_ns, now_ns_ - ns(event));
+    }
     ledger.delivered += kept.size();
     offered_ = 0;
+    stale_ = 0;
     previous_start_ns_ = start_ns;
   }
 
   Scheme& scheme_;
   LinearCost cost_;
-  std::int64_t bound_ns_;
-  std::size_t capacity_;
+  NaiveConfig config_;
   CounterRandom random_;
+  CounterRandom admission_random_;
   RateMeter meter_;
 
   std::int64_t zero_us_ = 0;
   std::int64_t now_ns_ = 0;
   std::deque<Event> future_;
-  std::deque<Event> ring_;
-  std::size_t in_work_ = 0;  // raw events of the package in work: they keep their places
-  std::uint64_t number_ = 0;
+  std::deque<Event> ring_;    // the package in work included
+  std::size_t in_work_ = 0;   // raw events of it
+  std::uint64_t begun_ = 0;   // packages: each has a draw of its own
+  std::uint64_t number_ = 0;  // of the next raw event to be thinned
   std::size_t offered_ = 0;
+  std::uint64_t stale_ = 0;
   std::uint64_t overflow_reported_ = 0;
   std::int64_t previous_start_ns_ = kLongAgo;
+
+  std::int64_t next_ask_ns_ = 0;
+  double admission_gamma_ = 1.0;
+  std::size_t arrived_ = 0;
+  std::uint64_t admission_number_ = 0;
 };
 
 }  // namespace asap::test

@@ -2,12 +2,19 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
 
+#include "asap/buffer/age_slots.hpp"
+#include "asap/runner/simulator.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "support/errors.hpp"
+#include "support/scripted_scheme.hpp"
+#include "support/streams.hpp"
 
 namespace asap {
 namespace {
@@ -53,6 +60,35 @@ TEST(RunConfig, TheRingHoldsTwoBoundsOfTheFastestSensor) {
   }
   EXPECT_EQ(ring_capacity({}, 10'000'000'000'000), std::size_t{1} << 26);
   EXPECT_EQ(ring_capacity({.capacity = 1000}, 10'000'000), 1000u);
+}
+
+TEST(RunConfig, AnAgeSlotIsA64thOfTheBound) {
+  EXPECT_EQ(age_slot_ns(10'000'000), 156'250);
+  EXPECT_EQ(age_slot_ns(10'000), 156);
+  EXPECT_EQ(age_slot_ns(1), 1);
+  // The slots reach back to twice the bound, whatever the rounding.
+  for (const std::int64_t bound_ns : {10'000, 10'063, 9'999'999, 1'000'000'007}) {
+    EXPECT_GT((AgeSlots::kSlots + 1) * age_slot_ns(bound_ns), 19 * bound_ns / 10);
+  }
+}
+
+TEST(RunConfig, TheExecutionAndTheFlushReachTheScheme) {
+  std::vector<bool> due;
+  test::ScriptedScheme scheme([&](const Backlog& backlog) {
+    due.push_back(backlog.due);
+    return Decision::wait_for(1000);
+  });
+  const test::Events events = test::evenly_spaced(3, 50'000);
+  for (const Execution execution : {Execution::whole, Execution::anytime}) {
+    for (const bool flush : {false, true}) {
+      due.clear();
+      Simulator simulator(scheme, LinearCost(), {.execution = execution, .flush = flush});
+      simulator.feed(events);
+      simulator.finish();
+      EXPECT_EQ(scheme.execution, execution);
+      EXPECT_EQ(std::count(due.begin(), due.end(), true), flush ? 3 : 1);
+    }
+  }
 }
 
 }  // namespace

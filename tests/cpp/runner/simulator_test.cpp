@@ -15,6 +15,7 @@
 #include "asap/schemes/fixed_time.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "asap/schemes/single_event.hpp"
+#include "runner/agreement.hpp"
 #include "runner/naive_simulator.hpp"
 #include "support/errors.hpp"
 #include "support/streams.hpp"
@@ -226,30 +227,11 @@ TEST(Simulator, AgreesWithTheNaiveSimulatorRowByRow) {
           simulator.feed(events);
           simulator.finish();
           const auto naive_scheme = kSchemes[s]();
-          test::NaiveSimulator naive(*naive_scheme, LinearCost(cost), 5'000'000, capacity, seed);
+          test::NaiveSimulator naive(*naive_scheme, LinearCost(cost),
+                                     {.bound_ns = 5'000'000, .capacity = capacity, .seed = seed});
           naive.run(events);
-
-          const RunLog& log = simulator.telemetry().log;
-          ASSERT_EQ(simulator.ledger(), naive.ledger);
-          ASSERT_EQ(log.size(), naive.rows.size());
-          for (std::size_t i = 0; i < log.size(); ++i) {
-            const PackageRow row = log[i];
-            const PackageRow& expected = naive.rows[i];
-            ASSERT_EQ(row.index, expected.index);
-            ASSERT_DOUBLE_EQ(row.start_us, expected.start_us) << i;
-            ASSERT_DOUBLE_EQ(row.processing_us, expected.processing_us) << i;
-            ASSERT_EQ(row.t_first, expected.t_first) << i;
-            ASSERT_EQ(row.t_last, expected.t_last) << i;
-            ASSERT_EQ(row.offered, expected.offered) << i;
-            ASSERT_EQ(row.size, expected.size) << i;
-            ASSERT_DOUBLE_EQ(row.gamma, expected.gamma) << i;
-            ASSERT_DOUBLE_EQ(row.event_rate, expected.event_rate) << i;
-            ASSERT_DOUBLE_EQ(row.rate, expected.rate) << i;
-            ASSERT_DOUBLE_EQ(row.margin_us, expected.margin_us) << i;
-            ASSERT_DOUBLE_EQ(row.latency_max_us, expected.latency_max_us) << i;
-            ASSERT_EQ(row.stale, 0) << i;
-            ASSERT_EQ(row.overflow, expected.overflow) << i;
-          }
+          test::expect_agreement(simulator, naive);
+          if (testing::Test::HasFailure()) return;
         }
       }
     }

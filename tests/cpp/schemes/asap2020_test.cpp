@@ -164,7 +164,7 @@ TEST(Asap2020, ResetBringsTheFirstStateBack) {
       {.size = 300, .raw = 300, .span_ns = 1000, .start_ns = 0, .processing_ns = 1'000'000});
   EXPECT_NE(wish(scheme).keep, 1.0);
   EXPECT_NE(wish(scheme).raw, 300u);
-  scheme.reset();
+  scheme.reset(Execution::whole);
   EXPECT_EQ(wish(scheme).keep, 1.0);
   EXPECT_EQ(wish(scheme).raw, 300u);
 }

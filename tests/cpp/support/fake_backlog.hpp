@@ -25,6 +25,8 @@ class FakeBacklog final : public BacklogCounts {
     return static_cast<std::size_t>(end - times_ns_.begin());
   }
 
+  std::size_t about_before(std::int64_t time_ns) const noexcept override { return before(time_ns); }
+
   Backlog at(std::int64_t now_ns, bool due = false) const {
     return {.count = times_ns_.size(),
             .now_ns = now_ns,

@@ -17,11 +17,15 @@ class ScriptedScheme final : public Scheme {
 
   Decision decide(const Backlog& backlog) noexcept override { return rule_(backlog); }
   void observe(const Outcome& outcome) noexcept override { outcomes.push_back(outcome); }
-  void reset() noexcept override { ++resets; }
+  void reset(Execution e) noexcept override {
+    ++resets;
+    execution = e;
+  }
   std::string_view name() const noexcept override { return "scripted"; }
 
   std::vector<Outcome> outcomes;
   int resets = 0;
+  Execution execution = Execution::whole;
 
  private:
   Rule rule_;

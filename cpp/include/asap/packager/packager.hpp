@@ -5,15 +5,24 @@
 // Called on the consumer's thread. O(1) per event, one virtual call per package, no allocation
 // after construction. Flush: whatever the scheme answers, something is taken as soon as the oldest
 // event has waited for the latency bound, the ring is full or the source has ended.
+//
+//   const auto next = packager.next(now);                       // a package, or how long to wait
+//   while (!(part = packager.stratum(package, now)).empty()) {  // all of it, or a stratum at a
+//   time
+//     process(part);
+//   }
+//   packager.complete(package, now);
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 
+#include "asap/buffer/age_slots.hpp"
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/core/time.hpp"
 #include "asap/filter/gamma_filter.hpp"
+#include "asap/packager/anytime_plan.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/schemes/rate_meter.hpp"
 #include "asap/schemes/scheme.hpp"
@@ -33,6 +42,12 @@ struct Telemetry {
   std::uint64_t delivered = 0;
 };
 
+struct PackagerConfig {
+  std::uint64_t seed = 0;                    // of the gamma filter
+  Execution execution = Execution::anytime;  // of the algorithm
+  bool flush = true;  // false: only a full ring or the end of the source forces a scheme
+};
+
 class Packager {
  public:
   enum class Step { package, wait, ended };
@@ -47,7 +62,8 @@ class Packager {
 
   // The referenced objects outlive the packager. Events of one package: at most the ring's
   // capacity.
-  Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, std::uint64_t seed);
+  Packager(EventBuffer& buffer, const AgeSlots& ages, Scheme& scheme, Telemetry& telemetry,
+           PackagerConfig config = {});
 
   // Sets where stamps lie in run time; before the first event is pushed.
   void set_axis(TimeAxis axis) noexcept {
@@ -59,25 +75,37 @@ class Packager {
   // Precondition: the package before is completed, and telemetry.log has room.
   Next next(std::int64_t now_ns) noexcept;
 
-  // The algorithm has finished the package at end_ns.
+  // The kept events to process next, at now_ns; empty: the package is finished. A whole package
+  // comes at once, an anytime package stratum by stratum; package.events are those so far.
+  EventSpan stratum(Package& package, std::int64_t now_ns) noexcept;
+
+  // The algorithm has finished the package at end_ns. Precondition: stratum() has been called.
   void complete(const Package& package, std::int64_t end_ns) noexcept;
 
  private:
   Decision ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
                bool ended) noexcept;
   void drop_stale(std::size_t count) noexcept;
-  EventSpan thin(const EventPieces& raw, double keep) noexcept;
-  Package package(EventSpan kept, const EventPieces& raw, std::int64_t now_ns) noexcept;
-  void discard_all(std::size_t raw, std::int64_t now_ns) noexcept;
-  void smooth_keep(double gamma, std::int64_t now_ns) noexcept;
+  Package open(const Decision& decision, std::int64_t now_ns) noexcept;
+  EventSpan thin(Package& package, std::size_t begin, std::size_t end, double keep) noexcept;
+  void discard_all(const Package& package, std::int64_t end_ns) noexcept;
+  double smoothed_keep(double gamma, std::int64_t now_ns) const noexcept;
 
   EventBuffer& buffer_;
+  const AgeSlots& ages_;
   Scheme& scheme_;
   Telemetry& telemetry_;
   TimeAxis axis_;
   GammaFilter filter_;
   RateMeter rate_meter_;
+  const PackagerConfig config_;
   std::unique_ptr<Event[]> kept_;  // the package, unless it is a slice of the ring
+
+  // The package in work.
+  EventPieces raw_{};  // its raw events, and more if it ends early
+  AnytimePlan plan_;
+  bool is_anytime_ = false;
+  std::size_t handed_out_ = 0;  // kept events
 
   std::uint64_t packages_ = 0;
   std::int64_t previous_start_ns_ = kLongAgo;

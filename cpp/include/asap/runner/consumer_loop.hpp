@@ -1,8 +1,7 @@
 // ConsumerLoop: the consumer's side of a run in real time. Waits for the next package, and takes
 // the time that the algorithm needs for it: from the moment the package is taken to complete().
 //
-//   while (loop.next(package, patience) != Next::ended) { process(package); loop.complete(package);
-//   }
+//   while (loop.next(package, patience) != Next::ended) loop.work(package, algorithm);
 //
 // One thread. Never polls: it sleeps at the doorbell.
 #pragma once
@@ -12,6 +11,7 @@
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/packager/packager.hpp"
 #include "asap/runner/clock.hpp"
+#include "asap/runner/consumer.hpp"
 #include "asap/runner/doorbell.hpp"
 
 namespace asap {
@@ -33,7 +33,10 @@ class ConsumerLoop {
   // delivered.
   Next next(Package& package, std::chrono::nanoseconds patience);
 
-  // The algorithm has finished the package.
+  // Hands the package to the algorithm, whole or part by part, and completes it.
+  void work(Package package, const Consumer& algorithm);
+
+  // For a caller who has processed package.events himself.
   void complete(const Package& package) noexcept { packager_.complete(package, clock_.now_ns()); }
 
  private:

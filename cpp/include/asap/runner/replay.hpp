@@ -12,6 +12,7 @@
 #include <functional>
 #include <stop_token>
 
+#include "asap/buffer/age_slots.hpp"
 #include "asap/packager/packager.hpp"
 #include "asap/runner/clock.hpp"
 #include "asap/runner/consumer.hpp"
@@ -60,6 +61,7 @@ class Replay {
   Validator validator_;  // the producer's, like arriving_ and lateness_
   Telemetry telemetry_;  // the consumer's
   EventBuffer buffer_;
+  AgeSlots ages_;
   Packager packager_;
   Doorbell doorbell_;
   RunClock clock_;

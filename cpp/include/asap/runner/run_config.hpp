@@ -15,6 +15,10 @@ struct RunConfig {
   std::size_t capacity = 0;  // of the ring, events; 0: 2^20 or 60 Mev/s x 2 bounds, if more
   std::uint64_t seed = 0;    // of the gamma filter
   ValidatorConfig validator{};
+  // Of the algorithm. anytime: the callable may get a package in several parts, in time order.
+  Execution execution = Execution::anytime;
+  bool flush =
+      true;  // false, for experiments: nothing is taken because it has waited for the bound
 };
 
 // The bound in force. Throws std::invalid_argument for a value out of range, and when the scheme
@@ -23,5 +27,8 @@ std::int64_t latency_bound_ns(const RunConfig& config, const Scheme& scheme);
 
 // The ring's capacity in force.
 std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns) noexcept;
+
+// The width of the age slots: a 64th of the bound.
+std::int64_t age_slot_ns(std::int64_t latency_bound_ns) noexcept;
 
 }  // namespace asap

@@ -32,7 +32,7 @@ class Asap2020 final : public Scheme {
 
   Decision decide(const Backlog& backlog) noexcept override;
   void observe(const Outcome& outcome) noexcept override;
-  void reset() noexcept override;
+  void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "asap2020"; }
   SchemeParameters parameters() const override;
 

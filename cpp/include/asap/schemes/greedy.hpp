@@ -1,18 +1,37 @@
-// Greedy: when the algorithm is free it gets all that waits, gamma 1. Without parameters, and
-// optimal for the latency as long as the algorithm keeps up; no bound on anything as soon as it
-// does not.
+// Greedy: when the algorithm is free it gets all that waits, gamma 1. Optimal for the latency at a
+// constant rate as long as the algorithm keeps up; no bound on anything as soon as it does not.
+//
+// With an efficiency eta a package is capped at n = eta / (1 - eta) alpha / beta, of which eta is
+// time for events: oldest first, the rest waits. That shortens the longest latency after abrupt
+// changes (notebooks/theory.md, T4), as long as eta stays well above the mean load. alpha and beta
+// are learned. O(1) per package.
 #pragma once
 
+#include <optional>
+
+#include "asap/schemes/cost_model.hpp"
 #include "asap/schemes/scheme.hpp"
 
 namespace asap {
 
+struct GreedyConfig {
+  std::optional<double> efficiency{};  // eta, 0 < eta < 1; none: no cap. 0.97 is a good one
+};
+
 class Greedy final : public Scheme {
  public:
-  Decision decide(const Backlog& backlog) noexcept override {
-    return Decision::take(backlog.count);
-  }
+  explicit Greedy(GreedyConfig config = {});
+
+  Decision decide(const Backlog& backlog) noexcept override;
+  void observe(const Outcome& outcome) noexcept override;
+  void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "greedy"; }
+  // Without a cap there is no number to tell.
+  SchemeParameters parameters() const override;
+
+ private:
+  const GreedyConfig config_;
+  CostModel cost_;
 };
 
 }  // namespace asap

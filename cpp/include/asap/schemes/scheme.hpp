@@ -17,11 +17,14 @@
 
 namespace asap {
 
-// Counts of waiting events by their time; answers in O(log n) or better.
+// Counts of waiting events by their time.
 class BacklogCounts {
  public:
-  // Waiting raw events with time < time_ns: they are the oldest ones.
+  // Waiting raw events with time < time_ns: they are the oldest ones. O(log n).
   virtual std::size_t before(std::int64_t time_ns) const noexcept = 0;
+  // The same in O(1), right to the share of one age slot (buffer/age_slots.hpp); what is older than
+  // the slots counts as their oldest. Never decreases with time_ns, never more than count.
+  virtual std::size_t about_before(std::int64_t time_ns) const noexcept = 0;
 
  protected:
   ~BacklogCounts() = default;
@@ -40,6 +43,11 @@ struct Backlog {
   std::int64_t age_ns() const noexcept { return now_ns - oldest_ns; }
 };
 
+// How the algorithm runs. whole: it takes a package in one call. anytime: the library owns the loop
+// over its events and looks at the clock in between, so a package can end on time whatever it
+// costs.
+enum class Execution { whole, anytime };
+
 // Wait (until a time or until so many events wait, whichever comes first), or take.
 struct Decision {
   bool takes;
@@ -48,6 +56,11 @@ struct Decision {
   std::size_t stale = 0;  // oldest raw events to throw away first
   std::size_t raw = 0;    // then the oldest raw events to take ...
   double keep = 1.0;      // ... and the fraction of them to keep
+  // Anytime execution: the package is to end budget_ns after its start, and `keep` is only the
+  // plan; event_ns is the expected cost of an event. Without a budget, and where the execution is
+  // `whole`, `keep` holds.
+  std::int64_t budget_ns = kNever;
+  double event_ns = 0.0;
 
   static constexpr Decision wait_until(std::int64_t time_ns) noexcept {
     return {.takes = false, .until_ns = time_ns};
@@ -58,12 +71,16 @@ struct Decision {
   static constexpr Decision take(std::size_t raw, double keep = 1.0) noexcept {
     return {.takes = true, .raw = raw, .keep = keep};
   }
+  // Throw away and be asked again about what is left.
+  static constexpr Decision drop(std::size_t stale) noexcept {
+    return {.takes = true, .stale = stale};
+  }
 };
 
 // What a package really was. size may be 0: all of `raw` were discarded and no algorithm ran.
 struct Outcome {
   std::size_t size;            // events kept
-  std::size_t raw;             // raw events taken
+  std::size_t raw;             // raw events taken; an anytime package may leave some to the next
   std::int64_t span_ns;        // newest minus oldest kept event
   std::int64_t start_ns;       // the package was taken
   std::int64_t processing_ns;  // until the algorithm had finished
@@ -79,8 +96,8 @@ class Scheme {
 
   virtual Decision decide(const Backlog& backlog) noexcept = 0;
   virtual void observe(const Outcome&) noexcept {}
-  // Back to the constructed state, before a run.
-  virtual void reset() noexcept {}
+  // Back to the constructed state, before a run whose algorithm runs like that.
+  virtual void reset(Execution) noexcept {}
 
   virtual std::string_view name() const noexcept = 0;
   virtual SchemeParameters parameters() const { return {}; }

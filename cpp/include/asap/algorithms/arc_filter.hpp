@@ -1,0 +1,42 @@
+// ArcFilter: lets the first event of an edge through and holds back the burst behind it: an event
+// passes if the last one of its polarity at the pixel is older than window_us, or if the other
+// polarity fired since. A quarter of the events pass. One thread. O(1) per event, no allocation
+// after construction.
+// Source: Alzugaray, Chli, "Asynchronous Corner Detection and Tracking for Event Cameras in Real
+// Time", RA-L 2018; as in its release a pixel without an event counts as fired at time 0.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "asap/algorithms/recent_times.hpp"
+#include "asap/algorithms/sensor_frame.hpp"
+#include "asap/core/event.hpp"
+
+namespace asap {
+
+class ArcFilter {
+ public:
+  // Throws std::invalid_argument that names "filter_us", the field of the detectors that filter,
+  // unless 0 <= window_us <= RecentTimes::kMaxWindow_us.
+  ArcFilter(const SensorFrame& frame, std::int64_t window_us);
+
+  // Precondition: the event lies in the frame.
+  bool passes(const Event& event) noexcept {
+    const RecentTimes::Time now = times_.time_of(event.t);
+    RecentTimes::Time* pixel = times_.data() + 2 * (event.y * width_ + event.x);
+    const std::size_t own = event.p > 0 ? 1 : 0;
+    const RecentTimes::Time last = pixel[own];
+    pixel[own] = now;
+    return static_cast<int>(now - last > window_us_) | static_cast<int>(pixel[1 - own] > last);
+  }
+
+  void clear() noexcept { times_.clear(); }
+
+ private:
+  std::size_t width_;
+  RecentTimes::Time window_us_;
+  RecentTimes times_;  // OFF and ON of a pixel side by side
+};
+
+}  // namespace asap

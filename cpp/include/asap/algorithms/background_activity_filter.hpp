@@ -1,0 +1,58 @@
+// BackgroundActivityFilter: drops events without company. An event passes if one of its eight
+// neighbours, of either polarity, fired at most window_us before it; its own pixel does not count.
+// A rejected event is company for others all the same. One thread. O(1) per event, no allocation
+// after construction. Belongs in front of the discarder, which would take the company away.
+// Source: Delbruck, "Frame-free dynamic digital vision", 2008.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "asap/algorithms/recent_times.hpp"
+#include "asap/algorithms/sensor_frame.hpp"
+#include "asap/core/event.hpp"
+
+namespace asap {
+
+struct BackgroundActivityFilterConfig {
+  int width;                      // px
+  int height;                     // px
+  std::int64_t window_us = 5000;  // 1 000 to 10 000 is usual
+};
+
+class BackgroundActivityFilter {
+ public:
+  using Config = BackgroundActivityFilterConfig;
+
+  // Throws std::invalid_argument that names the bad field.
+  explicit BackgroundActivityFilter(const Config& config);
+
+  // Writes the events that pass to `out`, which holds at least events.size() (the tail beyond them
+  // is scratch) and may be the events' own memory. Returns how many passed. Events outside the
+  // frame do not pass and are counted.
+  std::size_t process(EventSpan events, Event* out) noexcept;
+
+  // The fraction of the events that reaches the filter, in [0, 1]: neighbours become as rare, so
+  // the window grows to window_us / gamma, at most RecentTimes::kMaxWindow_us.
+  void set_keep(double gamma);
+
+  // Back to the state after construction.
+  void reset() noexcept;
+
+  // Events dropped because they lie outside the frame.
+  std::uint64_t rejected() const noexcept { return rejected_; }
+
+  const Config& config() const noexcept { return config_; }
+
+ private:
+  bool update(const Event& event) noexcept;
+
+  Config config_;
+  SensorFrame frame_;
+  std::size_t stride_;
+  RecentTimes::Time window_us_;
+  RecentTimes times_;  // a border of one pixel lies around the frame
+  std::uint64_t rejected_ = 0;
+};
+
+}  // namespace asap

@@ -1,0 +1,67 @@
+// OrderSurface: a surface of active events that keeps the order instead of the time: per pixel and
+// polarity the number of the latest event, or of its stamp. Four bytes, whatever the stamps, and as
+// good for every rule that only compares. A border of kPad pixels that never fire lies around the
+// frame. One thread. O(1) per event and no allocation after construction. After 2^31 numbers the
+// pixels are renumbered, which keeps their order exactly: one sort of them all.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "asap/algorithms/sensor_frame.hpp"
+#include "asap/core/event.hpp"
+
+namespace asap {
+
+class OrderSurface {
+ public:
+  using Number = std::int32_t;
+  static constexpr Number kNever = 0;
+  static constexpr std::uint32_t kPad = 4;
+
+  // Numbers stay below `limit`, which is larger than the number of pixels.
+  explicit OrderSurface(const SensorFrame& frame,
+                        Number limit = std::numeric_limits<Number>::max());
+
+  // The pixel under an event of the frame, on the plane of its polarity. Rows are stride() apart.
+  Number* pixel(const Event& event) noexcept {
+    const std::size_t plane = event.p > 0 ? plane_ : 0;
+    return numbers_.data() + plane + (event.y + kPad) * stride_ + event.x + kPad;
+  }
+  std::ptrdiff_t stride() const noexcept { return static_cast<std::ptrdiff_t>(stride_); }
+
+  // Number of the next event: larger than all.
+  Number next() noexcept {
+    if (newest_ >= limit_ - 1) [[unlikely]]
+      renumber();
+    return ++newest_;
+  }
+
+  // Number of a stamp: equal stamps, equal numbers. A stamp that goes back counts as the latest.
+  // One surface numbers either events or stamps.
+  Number next(std::int64_t stamp_us) noexcept {
+    if (stamp_us <= last_us_) return newest_;
+    last_us_ = stamp_us;
+    return next();
+  }
+
+  void clear() noexcept;
+
+ private:
+  static constexpr Number kFirst = kNever + 1;
+
+  void renumber() noexcept;
+
+  std::size_t stride_;
+  std::size_t plane_;
+  Number limit_;
+  Number newest_ = kFirst;
+  std::int64_t last_us_ = std::numeric_limits<std::int64_t>::min();
+  std::vector<Number> numbers_;
+  std::unique_ptr<Number[]> scratch_;  // for renumber(); untouched, and so not resident, until then
+};
+
+}  // namespace asap

@@ -1,0 +1,56 @@
+// RecentTimes: one time per cell, in four bytes, for rules that ask only whether it is younger than
+// a window of at most kMaxWindow_us. Times count from an origin that moves up when they would
+// overflow, about every 18 minutes; what is then older than any window becomes `never`, which
+// changes no answer. One thread. O(1) but for that move, which is one pass over the cells;
+// allocates in the constructor only. Stamps that go back count as the latest one.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace asap {
+
+class RecentTimes {
+ public:
+  using Time = std::int32_t;
+  static constexpr std::int64_t kMaxWindow_us = 500'000'000;
+  static constexpr Time kLongAgo = -(1 << 30);  // outside of every window
+
+  // `never`: the time of a cell without an event. Either kLongAgo, or 0: time 0 is the stamp 0, or
+  // the microsecond before the first stamp if that is negative.
+  RecentTimes(std::size_t cells, Time never) : never_(never), times_(cells, never) {}
+
+  // The time of a stamp. Times read earlier are void when the origin has moved; the cells are not.
+  Time time_of(std::int64_t stamp_us) noexcept {
+    last_us_ = std::max(last_us_, stamp_us);
+    const std::uint64_t since_origin = distance(origin_us_, last_us_);
+    if (!started_ || since_origin > kMaxTime) [[unlikely]]
+      return move_origin();
+    return static_cast<Time>(since_origin);
+  }
+
+  Time* data() noexcept { return times_.data(); }
+
+  void clear() noexcept;
+
+ private:
+  static constexpr std::uint64_t kMaxTime = std::numeric_limits<Time>::max();
+
+  // later - earlier, without overflow.
+  static std::uint64_t distance(std::int64_t earlier, std::int64_t later) noexcept {
+    return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
+  }
+
+  Time move_origin() noexcept;
+
+  Time never_;
+  bool started_ = false;
+  std::int64_t origin_us_ = 0;
+  std::int64_t last_us_ = std::numeric_limits<std::int64_t>::min();
+  std::vector<Time> times_;
+};
+
+}  // namespace asap

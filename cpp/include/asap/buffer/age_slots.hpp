@@ -1,0 +1,103 @@
+// AgeSlots: which events of the ring came before a given time, in O(1). Time is cut into slots of
+// fixed width; for each of the last 128 the producer notes the ring index of its first event, with
+// one compare per event or less. The consumer interpolates inside a slot, so a count is right to
+// the share of one slot. One producer thread, one consumer thread; no allocation. What for:
+// notebooks/theory.md, section 6.
+//
+// Memory order. Entries are relaxed: they steer, they decide about no event. newest_ is stored with
+// release after the entries of its slot, so a reader of newest_ sees them. A reader that is held up
+// for more than 128 slots may meet entries of later slots: counts are then too high, but stay
+// within what waits, because they are clipped.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "asap/core/check.hpp"
+#include "asap/core/event.hpp"
+
+namespace asap {
+
+class AgeSlots {
+ public:
+  static constexpr std::int64_t kSlots = 128;
+
+  explicit AgeSlots(std::int64_t width_ns) : width_ns_(width_ns) {
+    require(width_ns >= 1, "width_ns", width_ns, "must be at least 1 ns");
+  }
+
+  // Producer. Events in time order, the first of which lies at this ring index; to_ns gives the
+  // time of a stamp.
+  template <class ToNs>
+  void observe(EventSpan events, std::uint64_t first_index, const ToNs& to_ns) noexcept {
+    while (!events.empty() && to_ns(events.back().t) >= next_ns_) {
+      const auto begin = std::partition_point(
+          events.begin(), events.end(), [&](const Event& e) { return to_ns(e.t) < next_ns_; });
+      const auto passed = static_cast<std::size_t>(begin - events.begin());
+      first_index += passed;
+      events = events.subspan(passed);
+      open(slot_of(to_ns(events.front().t)), first_index);
+    }
+  }
+
+  // Consumer. Of the `count` events from ring index `head` on, those before time_ns; now_ns ends
+  // the newest slot.
+  std::size_t before(std::int64_t time_ns, std::int64_t now_ns, std::uint64_t head,
+                     std::size_t count) const noexcept {
+    const std::int64_t newest = newest_.load(std::memory_order_acquire);
+    const std::int64_t slot = slot_of(time_ns);
+    if (slot > newest) return count;
+    if (slot <= newest - kSlots) return 0;
+    const std::size_t begin = waiting_before(slot, head, count);
+    const std::size_t end = slot == newest ? count : waiting_before(slot + 1, head, count);
+    const std::int64_t begin_ns = slot * width_ns_;
+    const std::int64_t end_ns = slot == newest
+                                    ? std::clamp(now_ns, begin_ns + 1, begin_ns + width_ns_)
+                                    : begin_ns + width_ns_;
+    if (time_ns >= end_ns) return end;
+    const double share =
+        static_cast<double>(time_ns - begin_ns) / static_cast<double>(end_ns - begin_ns);
+    return begin +
+           static_cast<std::size_t>(share * static_cast<double>(std::max(end, begin) - begin));
+  }
+
+ private:
+  static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::min() / 2;
+  static constexpr std::size_t kEntries = 2 * kSlots;  // old ones are overwritten late
+
+  std::int64_t slot_of(std::int64_t time_ns) const noexcept {
+    return time_ns / width_ns_ - (time_ns % width_ns_ < 0 ? 1 : 0);
+  }
+  static std::size_t entry_of(std::int64_t slot) noexcept {
+    return static_cast<std::size_t>(slot) % kEntries;
+  }
+
+  // Producer. This slot, and the empty ones since the newest, begin at this index.
+  void open(std::int64_t slot, std::uint64_t index) noexcept {
+    const std::int64_t newest = newest_.load(std::memory_order_relaxed);
+    for (std::int64_t s = std::max(newest + 1, slot - kSlots); s <= slot; ++s) {
+      first_[entry_of(s)].store(index, std::memory_order_relaxed);
+    }
+    newest_.store(slot, std::memory_order_release);
+    next_ns_ = (slot + 1) * width_ns_;
+  }
+
+  std::size_t waiting_before(std::int64_t slot, std::uint64_t head,
+                             std::size_t count) const noexcept {
+    const std::uint64_t index = first_[entry_of(slot)].load(std::memory_order_relaxed);
+    const auto ahead = static_cast<std::int64_t>(index - head);
+    return static_cast<std::size_t>(
+        std::clamp<std::int64_t>(ahead, 0, static_cast<std::int64_t>(count)));
+  }
+
+  const std::int64_t width_ns_;
+  std::array<std::atomic<std::uint64_t>, kEntries> first_{};
+  std::atomic<std::int64_t> newest_{kNone};
+  std::int64_t next_ns_ = std::numeric_limits<std::int64_t>::min();  // the producer's own
+};
+
+}  // namespace asap

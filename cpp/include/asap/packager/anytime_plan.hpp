@@ -1,0 +1,46 @@
+// AnytimePlan: how an anytime package keeps its budget. The raw events are cut into strata of equal
+// count, in time order; before each of them the clock is read and the kept fraction is planned anew
+// from the time that is left and from what an event has cost so far in this package, so that the
+// package ends on time whatever the algorithm costs. Arithmetic only: the time is handed in. O(1)
+// per stratum. Source: notebooks/theory.md, section 7.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "asap/schemes/scheme.hpp"
+
+namespace asap {
+
+class AnytimePlan {
+ public:
+  AnytimePlan() = default;
+  // For the raw events of the decision, in a package that started at start_ns. An outage that takes
+  // it more than grace_ns beyond its budget ends it: the strata that are left stay in the ring.
+  AnytimePlan(const Decision& decision, std::int64_t start_ns, std::int64_t grace_ns) noexcept;
+
+  struct Stratum {
+    std::size_t begin = 0;  // raw events of the package
+    std::size_t end = 0;    // begin == end: the package is finished
+    double keep = 1.0;
+  };
+
+  // The stratum to process from now on; `size` events were kept of the one before.
+  Stratum next(std::int64_t now_ns, std::size_t size) noexcept;
+
+ private:
+  double keep(std::int64_t now_ns) const noexcept;
+  double excess(double size, double raw, double event_ns) const noexcept;
+
+  std::size_t raw_ = 0;
+  std::size_t strata_ = 0;
+  std::size_t done_ = 0;     // strata handed out
+  double planned_ = 0;       // events to keep of all
+  std::int64_t end_ns_ = 0;  // of the budget
+  std::int64_t grace_ns_ = 0;
+  double weight_ = 1;  // events that spent_ns_ stands for, those of the prior included
+  double spent_ns_ = 0;
+  std::int64_t stratum_start_ns_ = 0;
+};
+
+}  // namespace asap

@@ -1,0 +1,73 @@
+// Asap2022: the law of the node that its authors published with Tapia, Martinez-de Dios, Gomez
+// Eguiluz, Ollero, Autonomous Robots 46, 2022, in pull form. A baseline: keep Deadline for work.
+//
+//   size    S atan(kappa ln H) + c, H in ms: min_size at the least processing time, max_size at the
+//           longest. It does not see the event rate, and may have two stable values
+//   gamma   top - (r - r_min) / (r_max - r_min) (top - min_gamma); r = 500 / (time of the last 500
+//           containers), r_max and r_min leak by 1 % per container towards each other, top falls
+//           from max_gamma to min_gamma as H grows. At a constant rate gamma chatters, 0.7 on
+//           average
+//
+// Containers are the driver's, counted over the events that leave the ring. There is no start-up
+// lock: top begins at max_gamma; and no NaN: the 500 containers take at least 1 us, gamma is
+// clipped to [0, 1]. Flush at the latency bound. O(1) per package and container, no allocation.
+#pragma once
+
+#include <array>
+
+#include "asap/schemes/driver_containers.hpp"
+#include "asap/schemes/scheme.hpp"
+
+namespace asap {
+
+struct Asap2022Config {
+  double min_processing_ms = 0.2;  // limits of H
+  double max_processing_ms = 10.0;
+  std::size_t min_size = 100;
+  std::size_t max_size = 29'700;
+  double kappa = 1.0;  // steepness of the size law
+  double min_gamma = 0.1;
+  double max_gamma = 1.0;
+  std::size_t first_size = 1000;
+};
+
+class Asap2022 final : public Scheme {
+ public:
+  explicit Asap2022(Asap2022Config config = {});
+
+  Decision decide(const Backlog& backlog) noexcept override;
+  void observe(const Outcome& outcome) noexcept override;
+  void reset(Execution execution) noexcept override;
+  std::string_view name() const noexcept override { return "asap2022"; }
+  SchemeParameters parameters() const override;
+
+ private:
+  static constexpr std::size_t kWindow = 500;  // containers
+
+  void pass_containers(std::int64_t oldest_ns) noexcept;
+  void adapt_gamma(std::int64_t container_ns) noexcept;
+  void adapt_size(double processing_ms) noexcept;
+  double kept_of(double raw) const noexcept;
+  std::size_t raw_for_size() const noexcept;
+
+  const Asap2022Config config_;
+  double scale_;  // S
+
+  double size_;  // a whole number
+  double top_gamma_;
+  double gamma_;       // of the open container
+  double mean_gamma_;  // of the last containers
+  double r_max_;       // containers per second
+  double r_min_;
+
+  DriverContainers containers_;
+  std::array<std::int64_t, kWindow> container_ns_{};
+  std::uint64_t container_count_ = 0;
+
+  // The take that is not yet counted into containers.
+  std::size_t taken_ = 0;
+  std::int64_t asked_oldest_ns_ = 0;
+  std::int64_t asked_now_ns_ = 0;
+};
+
+}  // namespace asap

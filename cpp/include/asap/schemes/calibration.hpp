@@ -1,0 +1,24 @@
+// Calibration: the sizes that show a cost model what it cannot see in steady state (notebooks/
+// theory.md, section 8). The first packages double in size, which also keeps a wrong first guess
+// harmless; later, while events are discarded, every 16th package is half as large.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+namespace asap {
+
+// Whether package `index` (from 0) belongs to the slow start.
+constexpr bool is_early(std::uint64_t index) noexcept { return index < 15; }
+
+// The largest size of package `index`: 2, 4, 8 ... 32768, then any.
+constexpr double slow_start_size(std::uint64_t index) noexcept {
+  if (!is_early(index)) return std::numeric_limits<double>::infinity();
+  return static_cast<double>(std::uint64_t{2} << index);
+}
+
+constexpr bool is_dithered(std::uint64_t index) noexcept {
+  return !is_early(index) && index % 16 == 15;
+}
+
+}  // namespace asap

@@ -1,0 +1,58 @@
+// DeadBeat: the simplest law that keeps a latency bound L (notebooks/theory.md, section 5). No
+// package is longer than L / 2, and every package takes all that waits: then nothing that waits is
+// older than L / 2 when a package starts, and L when it ends. What does not fit is thinned evenly.
+// It settles in one package: no rate estimate, no gain, no integrator. `Deadline` keeps more at the
+// end of a rush; this is the text-book.
+//
+//   1 hold     while packages would waste the processor and nobody suffers (hold.hpp)
+//   2 length   T = L / 2; in overload no longer than the knee K alpha, where throughput saturates
+//   3 stale    the package ends before the oldest event is L old; what cannot make it is dropped
+//   4 count    n = (H - alpha) / beta of the N events that are there
+//
+// Called on the consumer's thread, once or twice per package. O(1), no allocation.
+#pragma once
+
+#include "asap/schemes/cost_model.hpp"
+#include "asap/schemes/hold.hpp"
+#include "asap/schemes/scheme.hpp"
+
+namespace asap {
+
+struct DeadBeatConfig {
+  double latency_ms = 10.0;      // L
+  double knee = 33.0;            // K: keeps 1 - 1 / K of the throughput; 0 = T is always L / 2
+  double overhead = 0.25;        // permitted share of fixed costs in the processor, 0 = any
+  double min_interval_ms = 0.0;  // shortest time between package starts
+};
+
+class DeadBeat final : public Scheme {
+ public:
+  explicit DeadBeat(DeadBeatConfig config = {});
+
+  Decision decide(const Backlog& backlog) noexcept override;
+  void observe(const Outcome& outcome) noexcept override;
+  void reset(Execution execution) noexcept override;
+  std::string_view name() const noexcept override { return "dead_beat"; }
+  SchemeParameters parameters() const override;
+  std::int64_t latency_bound_ns() const noexcept override { return latency_bound_ns_; }
+
+  // What a package costs, as far as it is known.
+  double alpha_ns() const noexcept { return cost_.alpha_ns(); }
+  double beta_ns() const noexcept { return cost_.beta_ns(); }
+
+ private:
+  double length_ns(double work_ns) noexcept;
+  double size(double budget_ns, double waiting) const noexcept;
+  double caution() const noexcept;  // zeta
+
+  const DeadBeatConfig config_;
+  const std::int64_t latency_bound_ns_;
+  const HoldRule hold_;
+  CostModel cost_;
+  Execution execution_;
+  std::uint64_t packages_;  // k, done
+  bool is_overloaded_;      // the knee is in force
+  int calm_;                // decisions in a row with little to do
+};
+
+}  // namespace asap

@@ -1,0 +1,82 @@
+// Deadline: as many events as possible within the latency bound L of their stamps, and none later.
+// The reservoir law (notebooks/theory.md, section 6): when more waits than can be finished in time,
+// only the older head of the backlog is thinned and executed. The newest events stay behind raw,
+// exactly as much work as could still be finished in time if arrivals stopped now; so when a rush
+// ends, there is something left to serve. A package of length T that leaves events up to age x
+// behind must satisfy 2T + x <= L.
+//
+// There is no rate estimate and no integrator in the loop, so nothing lags. Called on the
+// consumer's thread, once or twice per package. At most 64 counts by age and one exact one, no
+// allocation. Where the bound is below what the algorithm needs at all, it plans with four fixed
+// costs.
+#pragma once
+
+#include "asap/schemes/cost_model.hpp"
+#include "asap/schemes/hold.hpp"
+#include "asap/schemes/reservoir_price.hpp"
+#include "asap/schemes/scheme.hpp"
+
+namespace asap {
+
+struct DeadlineConfig {
+  double latency_ms = 10.0;      // L, the one number that a user must know
+  double overhead = 0.25;        // permitted share of fixed costs in the processor, 0 = any
+  double min_interval_ms = 0.0;  // shortest time between package starts
+  double knee = 0.0;             // K: no package longer than K alpha (or L / 10), 0 = L / 2
+  double first_alpha_us = 50.0;  // cost of a package before one has been seen
+  double first_beta_ns = 100.0;  // cost of an event, likewise
+};
+
+class Deadline final : public Scheme {
+ public:
+  explicit Deadline(DeadlineConfig config = {});
+
+  Decision decide(const Backlog& backlog) noexcept override;
+  void observe(const Outcome& outcome) noexcept override;
+  void reset(Execution execution) noexcept override;
+  std::string_view name() const noexcept override { return "deadline"; }
+  SchemeParameters parameters() const override;
+  std::int64_t latency_bound_ns() const noexcept override { return latency_bound_ns_; }
+
+  // What a package costs, as far as it is known.
+  double alpha_ns() const noexcept { return cost_.alpha_ns(); }
+  double beta_ns() const noexcept { return cost_.beta_ns(); }
+
+ private:
+  // What the present estimates allow.
+  struct Limits {
+    double latency_ns;   // L, less a margin for noise
+    double longest_ns;   // T_hi, of a package
+    double shortest_ns;  // T_lo, of a package in overload
+  };
+  struct Lengths {
+    double package_ns;  // H, of this package
+    double next_ns;     // T_n, of the next one
+  };
+
+  Limits limits() const noexcept;
+  std::size_t stale(const Backlog& backlog, const Limits& limits) const noexcept;
+  Lengths lengths(const Backlog& backlog, const Limits& limits, double room_ns) const noexcept;
+  double reserve(const Backlog& backlog, const Lengths& lengths, double latency_ns) const noexcept;
+  Decision take_all(const Backlog& backlog, double budget_ns) const noexcept;
+  Decision thin(const Backlog& backlog, double reserve, double budget_ns) const noexcept;
+  Decision take(double raw, double size, double budget_ns) const noexcept;
+
+  bool is_whole() const noexcept { return execution_ == Execution::whole; }
+  bool is_early() const noexcept;
+  bool is_sure() const noexcept;
+  double caution() const noexcept;    // zeta
+  double reservoir() const noexcept;  // phi: 1 = full
+
+  const DeadlineConfig config_;
+  const std::int64_t latency_bound_ns_;
+  const HoldRule hold_;
+  CostModel cost_;
+  Execution execution_;
+  std::uint64_t packages_;  // k, done
+  ReservoirPrice price_;
+  int calm_;        // packages in a row of which nothing was discarded
+  bool has_slack_;  // the backlog of the last decision was short work
+};
+
+}  // namespace asap

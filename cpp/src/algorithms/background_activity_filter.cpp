@@ -1,0 +1,70 @@
+#include "asap/algorithms/background_activity_filter.hpp"
+
+#include "asap/algorithms/int4.hpp"
+#include "asap/core/check.hpp"
+
+namespace asap {
+namespace {
+
+using Time = RecentTimes::Time;
+
+const BackgroundActivityFilterConfig& checked(const BackgroundActivityFilterConfig& config) {
+  require(0 <= config.window_us && config.window_us <= RecentTimes::kMaxWindow_us, "window_us",
+          config.window_us, "must be 0 to 500000000 us");
+  return config;
+}
+
+// Whether a neighbour fired at `oldest` or later. Reads four pixels of a row where three are meant.
+bool has_company(const Time* own, std::ptrdiff_t stride, Time oldest) noexcept {
+  const auto young = [&](const Time* row) {
+    return Int4::mask_above(Int4::load(row - 1), oldest - 1);
+  };
+  const std::uint32_t outer = young(own - stride) | young(own + stride);
+  return ((outer & 0b111) | (young(own) & 0b101)) != 0;
+}
+
+}  // namespace
+
+BackgroundActivityFilter::BackgroundActivityFilter(const Config& config)
+    : config_(checked(config)),
+      frame_(config.width, config.height),
+      stride_(frame_.width() + 2),
+      window_us_(static_cast<Time>(config.window_us)),
+      times_(stride_ * (frame_.height() + 2) + 1, RecentTimes::kLongAgo) {}
+
+bool BackgroundActivityFilter::update(const Event& event) noexcept {
+  if (!frame_.contains(event)) [[unlikely]] {
+    ++rejected_;
+    return false;
+  }
+  const Time now = times_.time_of(event.t);
+  Time* own = times_.data() + (event.y + 1U) * stride_ + event.x + 1;
+  const bool passes = has_company(own, static_cast<std::ptrdiff_t>(stride_), now - window_us_);
+  *own = now;
+  return passes;
+}
+
+std::size_t BackgroundActivityFilter::process(EventSpan events, Event* out) noexcept {
+  std::size_t passed = 0;
+  for (const Event event : events) {
+    const bool passes = update(event);
+    out[passed] = event;
+    passed += passes;
+  }
+  return passed;
+}
+
+void BackgroundActivityFilter::set_keep(double gamma) {
+  require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
+  constexpr auto kLongest = static_cast<double>(RecentTimes::kMaxWindow_us);
+  const auto window = static_cast<double>(config_.window_us);
+  window_us_ = static_cast<Time>(window < kLongest * gamma ? window / gamma : kLongest);
+}
+
+void BackgroundActivityFilter::reset() noexcept {
+  times_.clear();
+  window_us_ = static_cast<Time>(config_.window_us);
+  rejected_ = 0;
+}
+
+}  // namespace asap

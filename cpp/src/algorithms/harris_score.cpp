@@ -1,0 +1,98 @@
+#include "asap/algorithms/harris_score.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "asap/core/check.hpp"
+
+namespace asap {
+namespace {
+
+// Five columns of gradients, and three lanes of zeros.
+constexpr std::size_t kLanes = 8;
+constexpr std::size_t kSide = 5;
+typedef std::int16_t Columns __attribute__((vector_size(2 * kLanes)));
+
+constexpr std::array<int, kSide> kSmooth{1, 4, 6, 4, 1};
+constexpr std::array<int, kSide> kDerive{1, 2, 0, -2, -1};
+constexpr double kScale = 12;  // of the kernel
+
+// One row of pixels folded with a kernel, for each of the 512 rows there are.
+struct alignas(16) Folded {
+  std::array<std::int16_t, kLanes> columns;
+};
+
+constexpr std::array<Folded, 512> fold(const std::array<int, kSide>& kernel) {
+  std::array<Folded, 512> table{};
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    for (std::size_t column = 0; column < kSide; ++column) {
+      int sum = 0;
+      for (std::size_t k = 0; k < kSide; ++k) {
+        if ((row >> (column + k)) & 1) sum += kernel[k];
+      }
+      table[row].columns[column] = static_cast<std::int16_t>(sum);
+    }
+  }
+  return table;
+}
+
+constexpr auto kSmoothed = fold(kSmooth);
+constexpr auto kDerived = fold(kDerive);
+
+Columns look_up(const std::array<Folded, 512>& table, std::uint32_t row) noexcept {
+  Columns columns;
+  std::memcpy(&columns, &table[row], sizeof(columns));
+  return columns;
+}
+
+// Weights of the window: exp(-(i^2 + j^2) / 2), i and j from -2 to 2, here per axis and before they
+// are normalised.
+constexpr double kNear = 0.60653065971263342;  // exp(-1/2)
+constexpr double kFar = 0.13533528323661269;   // exp(-2)
+constexpr double kAxis = 1 + 2 * (kNear + kFar);
+constexpr double kUnit = 1 / (kAxis * kAxis * kScale * kScale);
+
+double weighted(const std::array<Columns, kSide>& rows) noexcept {
+  const Columns inner = rows[1] + rows[3];
+  const Columns outer = rows[0] + rows[4];
+  const auto row_sum = [](const Columns& row) {
+    return row[2] + kNear * (row[1] + row[3]) + kFar * (row[0] + row[4]);
+  };
+  return kUnit * (row_sum(rows[2]) + kNear * row_sum(inner) + kFar * row_sum(outer));
+}
+
+}  // namespace
+
+double checked_threshold(double threshold) {
+  require(std::isfinite(threshold), "threshold", threshold, "must be finite");
+  return threshold;
+}
+
+double harris_score(const PatchRows& rows) noexcept {
+  std::array<Columns, 9> smoothed;
+  std::array<Columns, 9> derived;
+  for (std::size_t y = 0; y < rows.size(); ++y) {
+    smoothed[y] = look_up(kSmoothed, rows[y]);
+    derived[y] = look_up(kDerived, rows[y]);
+  }
+  std::array<Columns, kSide> xx;
+  std::array<Columns, kSide> xy;
+  std::array<Columns, kSide> yy;
+  for (std::size_t y = 0; y < kSide; ++y) {
+    const Columns gx =
+        derived[y] + derived[y + 4] + 4 * (derived[y + 1] + derived[y + 3]) + 6 * derived[y + 2];
+    const Columns gy = smoothed[y] - smoothed[y + 4] + 2 * (smoothed[y + 1] - smoothed[y + 3]);
+    xx[y] = gx * gx;
+    xy[y] = gx * gy;
+    yy[y] = gy * gy;
+  }
+  const double a = weighted(xx);
+  const double b = weighted(xy);
+  const double d = weighted(yy);
+  return a * d - b * b - 0.04 * (a + d) * (a + d);
+}
+
+}  // namespace asap

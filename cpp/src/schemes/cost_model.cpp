@@ -1,0 +1,191 @@
+#include "asap/schemes/cost_model.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "asap/core/check.hpp"
+
+namespace asap {
+namespace {
+
+constexpr double kLeastAlphaNs = 200.0;
+constexpr double kLeastBetaNs = 0.1;
+constexpr double kLeastCostNs = 1.0;
+constexpr double kMostCostNs = 1e15;  // eleven days
+constexpr double kMostSize = 0x1p40;
+
+constexpr std::uint64_t kPriorLasts = 6;  // packages
+constexpr std::uint64_t kClipsFrom = 8;   // packages: before, every one is news
+constexpr std::size_t kPriorBucket = 13;  // sizes from 8192
+constexpr double kPriorWeight = 0.05;
+constexpr double kSpread = 8.0;  // largest / smallest size
+constexpr double kLeastWeight = 0.25;
+constexpr double kMostWeight = 16.0;
+constexpr double kMostScale = 3.0;
+constexpr double kMostRise = 2.0;
+constexpr double kFirstSigma = 0.2;
+
+double outlier_limit(double sigma) noexcept { return 3.0 * sigma + 0.03; }
+
+}  // namespace
+
+CostModel::CostModel(CostModelConfig config) : config_(config) {
+  require(config.first_alpha_us >= 0.001 && config.first_alpha_us <= 1e9, "first_alpha_us",
+          config.first_alpha_us, "must be between 0.001 and 1e9 us");
+  require(config.first_beta_ns >= 0.001 && config.first_beta_ns <= 1e9, "first_beta_ns",
+          config.first_beta_ns, "must be between 0.001 and 1e9 ns");
+  reset();
+}
+
+void CostModel::reset() noexcept {
+  alpha_ns_ = config_.first_alpha_us * 1e3;
+  beta_ns_ = config_.first_beta_ns;
+  scale_ = 1.0;
+  sigma_ = kFirstSigma;
+  streak_ = 0;
+  rise_ = 0.0;
+  count_ = 0;
+  level_start_ = 0;
+  smallest_ = kMostSize;
+  largest_ = 0.0;
+  buckets_ = {};
+  for (const std::size_t octave : {std::size_t{0}, kPriorBucket}) {
+    const auto size = static_cast<double>(std::size_t{1} << octave);
+    buckets_[octave] = {kPriorWeight, size, line_ns(size), true};
+  }
+}
+
+void CostModel::update(std::size_t size, double processing_ns) noexcept {
+  if (!(processing_ns >= 0)) return;
+  const double n = std::clamp(static_cast<double>(size), 1.0, kMostSize);
+  const double expected_ns = predict_ns(n);
+  const double error = std::clamp(processing_ns, kLeastCostNs, kMostCostNs) / expected_ns - 1.0;
+  const double noise = std::min(std::abs(error), outlier_limit(sigma_));
+  const double cost_ns =
+      std::clamp(expected_ns * (1.0 + clipped(error)), kLeastCostNs, kMostCostNs);
+  smallest_ = std::min(smallest_, n);
+  largest_ = std::max(largest_, n);
+  forget();
+  remember(n, cost_ns);
+  fit();
+  if (on_level() >= kClipsFrom) follow(n, cost_ns, noise);
+  ++count_;
+}
+
+double CostModel::clipped(double error) noexcept {
+  if (on_level() < kClipsFrom) return error;
+  const double limit = outlier_limit(sigma_);
+  if (std::abs(error) <= limit) {
+    streak_ = 0;
+    return error;
+  }
+  const int side = error > 0 ? 1 : -1;
+  rise_ = streak_ > 0 ? std::min(rise_, error) : error;
+  streak_ = streak_ * side >= 0 ? streak_ + side : side;
+  if (std::abs(streak_) < 3) return std::clamp(error, -limit, limit);
+  streak_ = 0;
+  if (rise_ <= kMostRise) return std::min(error, kMostRise);
+  start_level(1.0 + rise_);
+  return error;
+}
+
+// What is known, times the factor, is but the first guess about an algorithm that has changed.
+// (Otherwise a whole package that has become 100 times as dear is repeated twenty times. A cost
+// that falls needs no such haste: cheap packages are short.)
+void CostModel::start_level(double factor) noexcept {
+  rebase(scale_ * factor);
+  for (Bucket& bucket : buckets_) {
+    bucket.weight = std::min(bucket.weight, kPriorWeight);
+    bucket.is_prior = true;
+  }
+  sigma_ = std::max(sigma_, kFirstSigma);
+  level_start_ = count_;
+  smallest_ = kMostSize;
+  largest_ = 0.0;
+}
+
+void CostModel::forget() noexcept {
+  for (Bucket& bucket : buckets_) {
+    if (bucket.weight > kLeastWeight) {
+      bucket.weight = std::max(kLeastWeight, 0.998 * bucket.weight);
+    } else if (bucket.is_prior && on_level() >= kPriorLasts && knows_both_parts()) {
+      // With weights of 1 / c^2 a prior that is far too small would rule for ever.
+      bucket.weight = 0.0;
+    }
+  }
+}
+
+// After a change of level: whether the sizes since tell alpha from beta without the memory of
+// before.
+bool CostModel::knows_both_parts() const noexcept {
+  return level_start_ == 0 || largest_ >= kSpread * smallest_;
+}
+
+void CostModel::remember(double size, double cost_ns) noexcept {
+  const auto octave = static_cast<std::size_t>(std::bit_width(static_cast<std::size_t>(size))) - 1;
+  Bucket& bucket = buckets_[std::min(octave, buckets_.size() - 1)];
+  if (bucket.weight < 0.2) {
+    bucket = {1.0, size, cost_ns, false};
+    return;
+  }
+  bucket.weight = std::min(bucket.weight + 1.0, kMostWeight);
+  const double gain = 1.0 / std::max(bucket.weight, 2.0);
+  bucket.size += gain * (size - bucket.size);
+  bucket.cost_ns += gain * (cost_ns - bucket.cost_ns);
+}
+
+void CostModel::fit() noexcept {
+  double s0 = 0, s1 = 0, s2 = 0, y0 = 0, y1 = 0;
+  for (const Bucket& bucket : buckets_) {
+    if (bucket.weight <= 0) continue;
+    const double q = bucket.weight / (bucket.cost_ns * bucket.cost_ns);
+    s0 += q;
+    s1 += q * bucket.size;
+    s2 += q * bucket.size * bucket.size;
+    y0 += q * bucket.cost_ns;
+    y1 += q * bucket.size * bucket.cost_ns;
+  }
+  const double determinant = s0 * s2 - s1 * s1;
+  if (determinant > 1e-9 * s0 * s2) {
+    double alpha_ns = (y0 * s2 - y1 * s1) / determinant;
+    double beta_ns = (s0 * y1 - s1 * y0) / determinant;
+    if (alpha_ns < kLeastAlphaNs) {
+      alpha_ns = kLeastAlphaNs;
+      beta_ns = std::max(kLeastBetaNs, (y1 - alpha_ns * s1) / s2);
+    }
+    if (beta_ns < kLeastBetaNs) {
+      beta_ns = kLeastBetaNs;
+      alpha_ns = std::max(kLeastAlphaNs, (y0 - beta_ns * s1) / s0);
+    }
+    alpha_ns_ = alpha_ns;
+    beta_ns_ = beta_ns;
+    return;
+  }
+  // One size only: it says nothing about the parts, but what they sum to. (Otherwise a
+  // wrong prior stays as long as n does not change.)
+  const double a = alpha_ns_;
+  const double b = beta_ns_;
+  const double factor = (a * y0 + b * y1) / (a * a * s0 + 2.0 * a * b * s1 + b * b * s2);
+  alpha_ns_ = std::max(kLeastAlphaNs, factor * a);
+  beta_ns_ = std::max(kLeastBetaNs, factor * b);
+}
+
+void CostModel::follow(double size, double cost_ns, double noise) noexcept {
+  scale_ += 0.2 * (std::clamp(cost_ns / line_ns(size), 0.1, 10.0) - scale_);
+  sigma_ = std::max(0.01, sigma_ + 0.05 * (noise - sigma_));
+  if (scale_ > kMostScale || scale_ < 1.0 / kMostScale) rebase(scale_);
+}
+
+// The factor becomes part of what is remembered. (Otherwise a cost that has jumped by more
+// than 10 is never reached, as the memory of the cheap packages outweighs the others for ever.)
+void CostModel::rebase(double factor) noexcept {
+  for (Bucket& bucket : buckets_) {
+    bucket.cost_ns = std::clamp(factor * bucket.cost_ns, kLeastCostNs, kMostCostNs);
+  }
+  alpha_ns_ *= factor;
+  beta_ns_ *= factor;
+  scale_ = 1.0;
+}
+
+}  // namespace asap

@@ -1,0 +1,94 @@
+#include "asap/schemes/dead_beat.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "asap/schemes/calibration.hpp"
+#include "asap/schemes/latency_bound.hpp"
+
+namespace asap {
+
+DeadBeat::DeadBeat(DeadBeatConfig config)
+    : config_(config),
+      latency_bound_ns_(checked_latency_ns(config.latency_ms)),
+      hold_(config.overhead, config.min_interval_ms) {
+  checked_knee(config.knee);
+  reset(Execution::whole);
+}
+
+void DeadBeat::reset(Execution execution) noexcept {
+  cost_.reset();
+  execution_ = execution;
+  packages_ = 0;
+  is_overloaded_ = false;
+  calm_ = 0;
+}
+
+Decision DeadBeat::decide(const Backlog& backlog) noexcept {
+  const auto latency_ns = static_cast<double>(latency_bound_ns_);
+  if (const auto wait = hold_.wait(backlog, cost_, caution(), latency_ns)) return *wait;
+
+  const double length_ns =
+      this->length_ns(caution() * cost_.predict_ns(static_cast<double>(backlog.count)));
+  double budget_ns = length_ns / caution();
+  const double room_ns = (latency_ns - static_cast<double>(backlog.age_ns())) / caution();
+  std::size_t stale = 0;
+  if (room_ns < budget_ns / 2) {
+    stale = backlog.counts.before(backlog.now_ns - std::llround(length_ns));
+    if (stale >= backlog.count) return Decision::drop(backlog.count);
+  } else {
+    budget_ns = std::min(budget_ns, room_ns);
+  }
+
+  const std::size_t raw = backlog.count - stale;
+  const auto waiting = static_cast<double>(raw);
+  Decision decision = Decision::take(raw, size(budget_ns, waiting) / waiting);
+  decision.stale = stale;
+  if (execution_ == Execution::whole) return decision;
+  decision.budget_ns = std::max<std::int64_t>(std::llround(budget_ns), 1);
+  decision.event_ns = cost_.beta_ns();
+  return decision;
+}
+
+double DeadBeat::length_ns(double work_ns) noexcept {
+  const double cap_ns = static_cast<double>(latency_bound_ns_) / 2;
+  if (config_.knee == 0) return cap_ns;
+  const double knee_ns =
+      std::max({config_.knee * cost_.alpha_ns(), cap_ns / 5, hold_.min_interval_ns()});
+  const double length_ns = is_overloaded_ ? std::min(cap_ns, knee_ns) : cap_ns;
+  if (!is_overloaded_) {
+    is_overloaded_ = work_ns > cap_ns;  // from the next package on
+    calm_ = 0;
+  } else {
+    calm_ = work_ns <= 0.9 * knee_ns ? calm_ + 1 : 0;
+    is_overloaded_ = calm_ < 4;
+  }
+  return length_ns;
+}
+
+double DeadBeat::size(double budget_ns, double waiting) const noexcept {
+  const double alpha_ns = cost_.alpha_ns();
+  double size = std::max(budget_ns - alpha_ns, alpha_ns / 4) / cost_.beta_ns();
+  size = std::min(size, slow_start_size(packages_));
+  if (size < waiting && is_dithered(packages_)) size /= 2;
+  return std::min(waiting, std::max(size, 1.0));
+}
+
+double DeadBeat::caution() const noexcept {
+  return execution_ == Execution::whole ? 1.0 + cost_.sigma() : 1.0;
+}
+
+void DeadBeat::observe(const Outcome& outcome) noexcept {
+  if (outcome.size == 0) return;  // no algorithm ran
+  cost_.update(outcome.size, static_cast<double>(outcome.processing_ns));
+  ++packages_;
+}
+
+SchemeParameters DeadBeat::parameters() const {
+  return {{"latency_ms", config_.latency_ms},
+          {"knee", config_.knee},
+          {"overhead", config_.overhead},
+          {"min_interval_ms", config_.min_interval_ms}};
+}
+
+}  // namespace asap

@@ -1,0 +1,212 @@
+#include "asap/schemes/deadline.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "asap/core/check.hpp"
+#include "asap/schemes/calibration.hpp"
+#include "asap/schemes/latency_bound.hpp"
+
+namespace asap {
+namespace {
+
+constexpr double kAgeSlots = 64.0;      // per bound, as in the ring
+constexpr double kLeastAgeNs = 1000.0;  // of a load
+constexpr double kLongestBudgetNs = 1e18;
+constexpr double kWholeCaution = 2.5;  // z: nothing stops a whole package that is late
+constexpr std::uint64_t kSurePackages = 4;
+constexpr int kCalm = 4;  // packages until an overload is over
+
+double age_ns(const Backlog& backlog) noexcept {
+  return static_cast<double>(std::max<std::int64_t>(backlog.age_ns(), 0));
+}
+
+double count(const Backlog& backlog) noexcept { return static_cast<double>(backlog.count); }
+
+// Waiting events up to that age.
+double younger(const Backlog& backlog, double age_ns) noexcept {
+  const std::size_t older =
+      backlog.counts.about_before(backlog.now_ns - static_cast<std::int64_t>(age_ns));
+  return static_cast<double>(backlog.count - std::min(older, backlog.count));
+}
+
+}  // namespace
+
+Deadline::Deadline(DeadlineConfig config)
+    : config_(config),
+      latency_bound_ns_(checked_latency_ns(config.latency_ms)),
+      hold_(config.overhead, config.min_interval_ms),
+      cost_({.first_alpha_us = config.first_alpha_us, .first_beta_ns = config.first_beta_ns}) {
+  checked_knee(config.knee);
+  reset(Execution::whole);
+}
+
+void Deadline::reset(Execution execution) noexcept {
+  cost_.reset();
+  execution_ = execution;
+  packages_ = 0;
+  price_ = {};
+  calm_ = 0;
+  has_slack_ = false;
+}
+
+Decision Deadline::decide(const Backlog& backlog) noexcept {
+  const Limits limits = this->limits();
+  if (const auto wait = hold_.wait(backlog, cost_, caution(), limits.latency_ns)) return *wait;
+  if (const std::size_t stale = this->stale(backlog, limits); stale > 0) {
+    return Decision::drop(stale);
+  }
+  const double work_ns = caution() * cost_.predict_ns(count(backlog));
+  has_slack_ = work_ns < limits.longest_ns / 2;
+
+  const double room_ns = std::max(limits.latency_ns - age_ns(backlog), 1.0);
+  const double budget_ns = std::min(limits.longest_ns, room_ns);
+  // A fixed cost that rules the bound out is believed only as long as a single event costs as much.
+  const bool is_doubted = 4.0 * cost_.alpha_ns() > static_cast<double>(latency_bound_ns_);
+  if (is_doubted && is_dithered(packages_)) return take(1.0, 1.0, budget_ns);
+  if (work_ns <= budget_ns) return take_all(backlog, budget_ns);
+  const Lengths lengths = this->lengths(backlog, limits, room_ns);
+  if (work_ns <= lengths.package_ns) return take_all(backlog, lengths.package_ns);
+  return thin(backlog, reserve(backlog, lengths, limits.latency_ns), lengths.package_ns);
+}
+
+Deadline::Limits Deadline::limits() const noexcept {
+  const double alpha_ns = cost_.alpha_ns();
+  double latency_ns = static_cast<double>(latency_bound_ns_);
+  // Not on the strength of a first guess.
+  if (!is_early()) latency_ns = std::max(latency_ns, 4.0 * alpha_ns);
+  latency_ns *= 1.0 - std::min(0.1, 0.05 * std::max(0.0, cost_.sigma() - 0.05));
+
+  const double least_ns = std::min(hold_.min_interval_ns(), latency_ns / 2);
+  double longest_ns = latency_ns / (is_whole() ? 3 : 2);
+  if (config_.knee > 0) {
+    longest_ns = std::min(longest_ns, std::max(config_.knee * alpha_ns, latency_ns / 10));
+  }
+  longest_ns = std::max(longest_ns, least_ns);
+  const double shortest_ns = std::max(std::sqrt(12.0 * alpha_ns * latency_ns), least_ns);
+  return {latency_ns, longest_ns, std::min(longest_ns, shortest_ns)};
+}
+
+// None while the oldest event can still make it. Else all that is older than L - T_lo, so that
+// there is time for a package afterwards.
+std::size_t Deadline::stale(const Backlog& backlog, const Limits& limits) const noexcept {
+  const double least_ns = std::min(1.5 * cost_.alpha_ns(), limits.latency_ns / 2);
+  if (age_ns(backlog) + least_ns <= limits.latency_ns) return 0;
+  const double keep_ns = limits.latency_ns - std::max(limits.shortest_ns, least_ns);
+  const std::int64_t keep = static_cast<std::int64_t>(keep_ns);
+  return std::min(backlog.counts.before(backlog.now_ns - keep), backlog.count);
+}
+
+Deadline::Lengths Deadline::lengths(const Backlog& backlog, const Limits& limits,
+                                    double room_ns) const noexcept {
+  const double latency_ns = limits.latency_ns;
+  const double alpha_ns = cost_.alpha_ns();
+  const double event_ns = caution() * cost_.beta_ns();
+  const double recent_ns = latency_ns / 20;
+  const double load_now = event_ns * younger(backlog, recent_ns) / recent_ns;
+  const double load = event_ns * count(backlog) / std::max(age_ns(backlog), kLeastAgeNs);
+  const double phi = reservoir();
+
+  double length_ns = limits.shortest_ns;
+  if (load > phi) {
+    length_ns = (1.0 - 0.1 * phi) * latency_ns * (load - phi) / (2.0 * load - phi);
+  }
+  length_ns = std::clamp(length_ns, limits.shortest_ns, limits.longest_ns);
+  const double in_time_ns = std::min(length_ns, room_ns);
+  if (load_now >= 1 || !is_sure()) return {in_time_ns, length_ns};
+  // The rush is over: the next packages will be short, and this one may use all the time there is.
+  const double next_ns =
+      std::min(length_ns, std::max(3.0 * alpha_ns, 2.0 * alpha_ns / (1.0 - load_now)));
+  const bool is_long = !is_whole() && load_now <= 1.0 - 2.0 * alpha_ns / length_ns;
+  return {is_long ? room_ns : in_time_ns, next_ns};
+}
+
+// How many of the youngest events stay behind: those up to the largest age x for which an event of
+// any age a < x is still in time when this package and all that is older in the reserve are done.
+double Deadline::reserve(const Backlog& backlog, const Lengths& lengths,
+                         double latency_ns) const noexcept {
+  const double beta_ns = cost_.beta_ns();
+  const double time_ns =
+      reservoir() * (latency_ns - lengths.package_ns - 2.0 * cost_.alpha_ns()) / caution();
+  const double oldest_ns = std::min(latency_ns - lengths.next_ns - lengths.package_ns, time_ns);
+  const double slot_ns = latency_ns / kAgeSlots;
+  double lead_ns = 0.0;  // max over a of: a - beta #(age <= a)
+  double left = 0.0;     // #(age <= x)
+  for (double age_ns = 0.0; age_ns < oldest_ns;) {
+    age_ns = std::min(age_ns + slot_ns, oldest_ns);
+    const double next = younger(backlog, age_ns);
+    if (beta_ns * next + lead_ns > time_ns) {
+      return std::clamp((time_ns - lead_ns) / beta_ns, left, next);
+    }
+    left = next;
+    lead_ns = std::max(lead_ns, age_ns - beta_ns * left);
+  }
+  return left;
+}
+
+Decision Deadline::take_all(const Backlog& backlog, double budget_ns) const noexcept {
+  const double raw = count(backlog);
+  if (!is_whole()) return take(raw, raw, budget_ns);
+  const double slice = std::min(raw, slow_start_size(packages_));
+  return take(slice, slice, budget_ns);
+}
+
+Decision Deadline::thin(const Backlog& backlog, double reserve, double budget_ns) const noexcept {
+  const double waiting = count(backlog);
+  const double alpha_ns = cost_.alpha_ns();
+  const double affordable_ns = std::max(budget_ns / caution() - alpha_ns, alpha_ns / 4.0);
+  const double affordable = std::max(1.0, std::floor(affordable_ns / cost_.beta_ns()));
+  const double raw = std::min(waiting, std::max(waiting - std::floor(reserve), affordable));
+  const double size = std::min({raw, affordable, slow_start_size(packages_)});
+  if (!is_whole()) return take(raw, size, budget_ns);
+  if (is_early()) return take(size, size, budget_ns);  // a slice: discard nothing without need
+  const bool is_half = size < raw && is_dithered(packages_);
+  return take(raw, is_half ? std::max(1.0, size / 2) : size, budget_ns);
+}
+
+Decision Deadline::take(double raw, double size, double budget_ns) const noexcept {
+  Decision decision = Decision::take(static_cast<std::size_t>(raw), size / raw);
+  if (is_whole()) return decision;
+  decision.budget_ns = std::llround(std::clamp(budget_ns, 1.0, kLongestBudgetNs));
+  decision.event_ns = cost_.beta_ns();
+  return decision;
+}
+
+void Deadline::observe(const Outcome& outcome) noexcept {
+  if (outcome.size == 0) return;  // no algorithm ran
+  cost_.update(outcome.size, static_cast<double>(outcome.processing_ns));
+  ++packages_;
+  if (static_cast<double>(outcome.size) < 0.999 * static_cast<double>(outcome.raw)) {
+    const double longest_ns = 0.5 * static_cast<double>(latency_bound_ns_);
+    const double share = static_cast<double>(outcome.processing_ns) / longest_ns;
+    price_.pay(cost_.alpha_ns() * std::max(0.0, 1.0 - share));
+    calm_ = 0;
+    return;
+  }
+  calm_ = std::min(calm_ + 1, kCalm);
+  if (calm_ == kCalm && has_slack_) price_.settle();
+}
+
+bool Deadline::is_early() const noexcept { return asap::is_early(packages_); }
+
+double Deadline::caution() const noexcept {
+  return is_whole() ? 1.0 + kWholeCaution * cost_.sigma() : 1.0;
+}
+
+// Whether the cost model may be trusted with all the time there is. An anytime package ends on time
+// even if it may not, so a few packages will do.
+bool Deadline::is_sure() const noexcept {
+  return is_whole() ? !is_early() : packages_ >= kSurePackages;
+}
+
+double Deadline::reservoir() const noexcept {
+  return price_.share(static_cast<double>(latency_bound_ns_));
+}
+
+SchemeParameters Deadline::parameters() const {
+  return {{"latency_ms", config_.latency_ms},           {"overhead", config_.overhead},
+          {"min_interval_ms", config_.min_interval_ms}, {"knee", config_.knee},
+          {"first_alpha_us", config_.first_alpha_us},   {"first_beta_ns", config_.first_beta_ns}};
+}
+
+}  // namespace asap

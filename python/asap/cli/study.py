@@ -1,0 +1,76 @@
+"""``asap study``: the whole comparison, its tables beside the reference's, and the goals."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from asap import progress
+from asap.cli.options import add_verb
+from asap.cli.outcome import CHECK_FAILED, OK, print_json, say, usage, writing
+
+__all__ = ["add"]
+
+
+def add(verbs: Any) -> None:
+    """Add the verb to the parser."""
+    verb = add_verb(verbs, "study", _call, "every scheme over all scenarios, against the goals")
+    form = verb.add_mutually_exclusive_group()
+    form.add_argument("--quick", action="store_true", help="a part, in less than 2 minutes")
+    form.add_argument("--full", action="store_true", help="three seeds, rows with hindsight")
+    verb.add_argument("--out", type=Path, default=Path("asap-study"), metavar="DIR")
+    verb.add_argument("--workers", type=_workers, metavar="N", help="processes (default: cores)")
+    verb.add_argument("--fresh", action="store_true", help="forget what DIR holds of earlier runs")
+
+
+def _workers(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text}: give a number of processes, at least 1")
+    return int(text)
+
+
+def _call(arguments: Any) -> int:
+    from asap.study import study
+
+    form = "quick" if arguments.quick else "full" if arguments.full else "default"
+    with usage(), writing(), progress.on_terminal() as on_progress:
+        found = study(
+            arguments.out,
+            form=form,
+            workers=arguments.workers,
+            fresh=arguments.fresh,
+            figures=_can_draw(),
+            command="asap study" if form == "default" else f"asap study --{form}",
+            on_progress=on_progress,
+        )
+    if arguments.json:
+        print_json(
+            {
+                "schema_version": 1,
+                "form": form,
+                "goals": [asdict(goal) for goal in found.goals],
+                "seconds": found.seconds,
+                "taken_from_file": found.taken_from_file,
+                "files": [str(path) for path in found.paths],
+            }
+        )
+    else:
+        for goal in found.goals:
+            word = {True: "pass", False: "FAIL", None: "-"}[goal.holds]
+            print(f"{goal.id:<4} {word:<5} {goal.test}")
+            print(f"           {goal.measured}  (goal: {goal.target})")
+        for path in found.paths:
+            print(f"wrote {path}")
+    return OK if found.holds else CHECK_FAILED
+
+
+def _can_draw() -> bool:
+    try:
+        importlib.import_module("asap.study.figures")
+    except ImportError:
+        say("no figures: they need matplotlib; install asap-events[report]")
+        return False
+    return True

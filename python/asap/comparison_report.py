@@ -1,0 +1,155 @@
+"""One self-contained HTML page about a comparison, in the look of the page about runs.
+
+No script, no font and no image from outside; every value is escaped; the numbers are embedded as
+JSON. Needs matplotlib: ``asap-events[report]``.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterator
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from asap import comparison_figures, comparison_table, plots, report, table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from asap.experiment.comparison import Comparison, Row
+
+__all__ = ["write"]
+
+_STYLE = """
+.contest td,.contest th+th{text-align:right;white-space:nowrap}
+.contest tbody th{min-width:7.5em}
+.contest td.score{min-width:8.5em}
+.contest td.score i{display:block;height:5px;border-radius:3px;background:var(--line);
+margin-top:5px;overflow:hidden}
+.contest td.score u{display:block;height:100%;background:var(--green)}
+.contest .late{color:var(--vermilion);font-weight:600}
+.contest .oracle>*{border-top:2px solid var(--line);color:var(--soft)}
+"""
+
+
+def write(
+    comparison: Comparison, path: str | os.PathLike[str], title: str = "ASAP comparison"
+) -> Path:
+    """Write one HTML file about a comparison.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        What `asap.compare` returns.
+    path : path-like
+        The file to write; an existing one is replaced.
+    title : str
+        Heading of the page.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+
+    Notes
+    -----
+    The numbers stand in ``<template data-comparison>`` as JSON: what ``comparison.summary()`` says.
+    """
+    page = report._PAGE.format(
+        title=escape(title), style=report._STYLE + _STYLE, body=_article(comparison)
+    )
+    path = Path(path)
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def _article(comparison: Comparison) -> str:
+    numbers = escape(json.dumps(comparison.summary(), separators=(",", ":")), quote=False)
+    headline, rest = comparison_table.verdict(comparison).split(". ", maxsplit=1)
+    wide = comparison_figures.figure(comparison, width_inches=8.6)
+    narrow = comparison_figures.figure(comparison, width_inches=4.1, columns=1, points=300)
+    return f"""
+<article>
+<h2>{escape(comparison_table.title(comparison))}</h2>
+<p class="sub">{report._text(comparison_table.subtitle(comparison))}</p>
+<div class="scroll">{_table(comparison)}</div>
+<aside style="margin-top:24px"><h3>Verdict</h3>
+<p><strong>{report._text(headline)}.</strong> {report._text(rest)}</p></aside>
+<figure>
+{_svg(wide, "w", "wide")}
+{_svg(narrow, "n", "narrow")}
+<figcaption>Every scheme over time: the latest event of each moment, and the share of the events
+that was finished. Latencies beyond 100 L are drawn at 100 L.</figcaption>
+</figure>
+<details><summary>What the columns say</summary><dl>{"".join(_words())}</dl></details>
+<details><summary>The schemes and their parameters</summary>
+<div class="scroll"><table class="plain">{"".join(_parameters(comparison))}</table></div></details>
+<template data-comparison>{numbers}</template>
+</article>"""
+
+
+def _table(comparison: Comparison) -> str:
+    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in comparison_table.COLUMNS)
+    rows = [_row(row, comparison.latency_ms) for row in comparison.rows]
+    name, *cells = comparison_table.oracle_cells(comparison)
+    oracle = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
+    rows.append(f'<tr class="oracle"><th scope="row">{escape(name)}</th>{oracle}</tr>')
+    return (
+        f'<table class="contest"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{''.join(rows)}</tbody></table>"
+    )
+
+
+def _row(row: Row, latency_ms: float) -> str:
+    texts = dict(
+        zip(comparison_table.COLUMNS, comparison_table.cells(row, latency_ms), strict=True)
+    )
+    name = texts.pop("scheme")
+    percent = 100 * min(row.score, 1.0)
+    bar = f'<i aria-hidden="true"><u style="width:{percent:.1f}%"></u></i>'
+    late = {"p99/L": row.p99_us, "max": row.max_us}
+    cells = [
+        f'<td class="score">{escape(text)}{bar}</td>'
+        if column == "score"
+        else f'<td class="late">{escape(text)}</td>'
+        if comparison_table.exceeds(late.get(column, 0.0), latency_ms)
+        else f"<td>{escape(text)}</td>"
+        for column, text in texts.items()
+    ]
+    return f'<tr><th scope="row">{escape(name)}</th>{"".join(cells)}</tr>'
+
+
+def _words() -> Iterator[str]:
+    for name, words in comparison_table.COLUMNS.items():
+        yield f"<dt>{escape(name)}</dt><dd>{escape(words)}</dd>"
+
+
+def _parameters(comparison: Comparison) -> Iterator[str]:
+    for row in comparison.rows:
+        parameters = comparison.runs[row.label].scheme.parameters
+        words = ", ".join(f"{name} {table._value(value)}" for name, value in parameters.items())
+        yield (
+            f'<tr><th scope="row">{escape(row.label)}</th><td>{escape(row.scheme)}</td>'
+            f"<td>{escape(words or 'none')}</td></tr>"
+        )
+
+
+def _svg(figure: Figure, prefix: str, css_class: str) -> str:
+    """Inline SVG: own identifiers, no outside reference, colours by name."""
+    figure.set_facecolor("none")
+    svg = plots.svg(figure)
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", svg)
+    for colour, variable in report._LOOK.items():
+        svg = svg.replace(colour, variable)
+    label = "Curves of every scheme: latency and kept share over time"
+    return svg.replace("<svg ", f'<svg class="{css_class}" role="img" aria-label="{label}" ', 1)

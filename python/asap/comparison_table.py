@@ -1,0 +1,224 @@
+"""A comparison as text: one line per scheme, the oracle below them, and what the numbers say."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from asap import units
+
+if TYPE_CHECKING:
+    from asap.experiment.comparison import Comparison, Row
+
+__all__ = [
+    "COLUMNS",
+    "KEEPS",
+    "cells",
+    "exceeds",
+    "format_comparison",
+    "oracle_cells",
+    "subtitle",
+    "title",
+    "verdict",
+]
+
+_WIDTH = 100
+KEEPS = 1.005  # of the bound: shown with three digits, that is the bound
+_ALL = 0.9995  # of the oracle, likewise
+_SHORT = 10.0  # latency bounds
+_MOST_NAMES = 5
+_READ = (
+    "Read score and p99/L as a pair: much finished but late is no use, and neither is a low "
+    "latency of the few events that were not thrown away."
+)
+
+COLUMNS = {
+    "scheme": "the rule that decides size and gamma of a package",
+    "score": "events finished in time, as a share of what the oracle could finish in time",
+    "kept": "events finished, in time or late, of all that came in",
+    "p50": "median latency of the events that were finished",
+    "p99": "one in a hundred of them was later",
+    "p99/L": "the same in latency bounds: up to 1.00 the bound is kept",
+    "max": "the latest of them",
+    "gap": "the longest time in which events came in and not one of them was finished",
+    "overflow": "events lost because the buffer was full, of all",
+    "pkg/s": "packages per second",
+    "busy": "share of the time that the algorithm worked",
+}
+"""Every column in words."""
+
+
+def format_comparison(comparison: Comparison) -> str:
+    """Write a comparison as a text table, best score first, with a sentence on what it says.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        What `asap.compare` returns.
+
+    Returns
+    -------
+    str
+        Lines of at most 100 columns without colours, fit for a log file.
+    """
+    table = [tuple(COLUMNS), *(cells(row, comparison.latency_ms) for row in comparison.rows)]
+    table.append(oracle_cells(comparison))
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    lines = [_line(line, widths) for line in table]
+    rule = "-" * (sum(widths) + 2 * len(widths) - 2)
+    return "\n".join(
+        [
+            title(comparison),
+            *_wrap(subtitle(comparison)),
+            "",
+            lines[0],
+            rule,
+            *lines[1:-1],
+            rule,
+            lines[-1],
+            "",
+            *_wrap(verdict(comparison)),
+        ]
+    )
+
+
+def title(comparison: Comparison) -> str:
+    """Name a comparison by its recording or profile."""
+    count = len(comparison.rows)
+    schemes = "one scheme" if count == 1 else f"{count} schemes"
+    return f"{comparison.name}: {schemes} beside the oracle"
+
+
+def subtitle(comparison: Comparison) -> str:
+    """Say what was compared: recording, algorithm, bound."""
+    source, cost = comparison.source, comparison.cost.parameters
+    sensor = f"{source['width']} x {source['height']} px, " if source["width"] else ""
+    speed = f" ({comparison.speed:g} times as fast as recorded)" if comparison.speed != 1 else ""
+    noise = f", noise {cost['noise']:g}" if cost["noise"] else ""
+    drift = ", drifting" if "drift" in cost else ""
+    outages = ", with outages" if "outages_ms" in cost else ""
+    whole = ", package by package as a whole (opaque)" if comparison.opaque else ""
+    return (
+        f"{sensor}{units.count(source['events'])} events in {source['duration_s']:.3g} s{speed}; "
+        f"an algorithm of {units.duration(cost['alpha_us'])} per package + "
+        f"{units.duration(cost['beta_ns'] / 1e3)} per event{noise}{drift}{outages}{whole}; "
+        f"latency bound L = {units.duration(comparison.latency_ms * 1e3)}; virtual time"
+    )
+
+
+def cells(row: Row, latency_ms: float) -> tuple[str, ...]:
+    """Write a row, one text for each of `COLUMNS`."""
+    return (
+        row.label,
+        f"{row.score:.3f}",
+        units.share(row.kept),
+        *(units.duration(value_us) for value_us in (row.p50_us, row.p99_us)),
+        _ratio(row.p99_us / (latency_ms * 1e3)),
+        units.duration(row.max_us),
+        units.duration(row.gap_ms * 1e3) if row.gap_ms else "-",
+        units.share(row.overflow) if row.overflow else "-",
+        units.count(row.packages_per_s),
+        f"{100 * row.cpu:.0f} %",
+    )
+
+
+def oracle_cells(comparison: Comparison) -> tuple[str, ...]:
+    """Write the oracle's line, one text for each of `COLUMNS`: empty where it has no number."""
+    name = "oracle (opaque)" if comparison.opaque else "oracle"
+    share = units.share(_oracle_share(comparison))
+    return (name, "1.000", share, *[""] * (len(COLUMNS) - 3))
+
+
+def exceeds(latency_us: float, latency_ms: float) -> bool:
+    """Whether a latency is above the bound by more than the table can show."""
+    return latency_us > KEEPS * latency_ms * 1e3
+
+
+def verdict(comparison: Comparison) -> str:
+    """Say who keeps the bound, who is best at that, and how to read the pair of score and p99/L.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        What `asap.compare` returns.
+
+    Returns
+    -------
+    str
+        Sentences on one line.
+    """
+    bound_us = comparison.latency_ms * 1e3
+    bound = units.duration(bound_us)
+    if comparison.received == 0:
+        return "Nothing was received, so there is nothing to judge."
+    if comparison.oracle <= 0:
+        return (
+            f"No scheme can finish anything within {bound}: one package takes longer. Give a "
+            "longer bound or a faster algorithm."
+        )
+    keepers = [
+        row
+        for row in comparison.rows
+        if row.kept and not exceeds(row.p99_us, comparison.latency_ms)
+    ]
+    if not keepers:
+        return f"No scheme keeps the bound of {bound} for 99 % of what it finishes. {_READ}"
+    late = [row.label for row in keepers if exceeds(row.max_us, comparison.latency_ms)]
+    never = [row.label for row in keepers if row.label not in late]
+    sentences = [_best(keepers, bound_us)]
+    if never:
+        sentences.append(f"Every event that was finished is in time with {_listed(never)}.")
+    if late:
+        sentences.append(f"At least 99 % of them are with {_listed(late)}.")
+    sentences.append(_READ)
+    lasted = comparison.source["duration_s"] * 1e6 / bound_us
+    if lasted < _SHORT:
+        sentences.append(
+            f"Mind that these events last for no more than {lasted:.2g} L: start and end weigh "
+            "heavily in the score."
+        )
+    return " ".join(sentences)
+
+
+def _best(keepers: Sequence[Row], bound_us: float) -> str:
+    best, bound = keepers[0], units.duration(bound_us)
+    p99 = f"{_ratio(best.p99_us / bound_us)} L"
+    perfect = [row for row in keepers if row.score >= _ALL]
+    if len(perfect) > 1:
+        return (
+            f"{len(perfect)} schemes finish all that anybody could have finished within {bound}, "
+            f"{best.label} with the lowest p99, {p99}."
+        )
+    share = "all that anybody" if perfect else f"{units.share(best.score)} of what a clairvoyant"
+    return (
+        f"Of those that keep the bound {best.label} does most: {share} could have finished within "
+        f"{bound}, its p99 at {p99}."
+    )
+
+
+def _oracle_share(comparison: Comparison) -> float:
+    return comparison.oracle / comparison.received if comparison.received else 1.0
+
+
+def _ratio(value: float) -> str:
+    return f"{value:.2f}" if value < 9.995 else f"{value:,.3g}" if value < 1000 else f"{value:,.0f}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    if len(names) > _MOST_NAMES:
+        names = [*names[: _MOST_NAMES - 2], f"{len(names) - _MOST_NAMES + 2} others"]
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def _line(texts: Sequence[str], widths: Sequence[int]) -> str:
+    (name, width), *others = zip(texts, widths, strict=True)
+    return "  ".join([name.ljust(width), *(text.rjust(size) for text, size in others)]).rstrip()
+
+
+def _wrap(text: str) -> list[str]:
+    # A number stays on the line of its unit.
+    tied = re.sub(r"(?<=[\d<>]) (?=\S)", "\xa0", text)
+    lines = textwrap.wrap(tied, _WIDTH, break_long_words=False, break_on_hyphens=False)
+    return [line.replace("\xa0", " ") for line in lines]

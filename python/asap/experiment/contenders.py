@@ -1,0 +1,116 @@
+"""Contenders: the schemes of a comparison, made anew for every run from its latency and cost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from asap import _core
+
+__all__ = ["Contender", "labelled", "of_schemes", "rivals", "user_schemes"]
+
+Make = Callable[[float, _core.LinearCost], _core.Scheme]
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A scheme under a label, ready to be put to any latency and cost.
+
+    Attributes
+    ----------
+    label : str
+        How it is called in tables.
+    make : callable
+        Called as make(latency_ms, cost); returns a new scheme. One without a latency bound of its
+        own gets the run's; the cost is for rivals that know what a package will cost.
+    flush : bool
+        Whether it gives out what waits when the oldest event has reached the latency bound.
+    opaque : bool
+        Whether the algorithm takes a package as a whole, as a Python callback does.
+    """
+
+    label: str
+    make: Make
+    flush: bool = True
+    opaque: bool = False
+
+
+def user_schemes() -> list[Contender]:
+    """Return what a user chooses from: the usual fixed packages, the published schemes, ours."""
+    return [
+        Contender("FixedSize 1000", lambda latency_ms, cost: _core.FixedSize(size=1000)),
+        Contender("FixedTime 1 ms", lambda latency_ms, cost: _core.FixedTime(period_ms=1.0)),
+        Contender("Greedy", lambda latency_ms, cost: _core.Greedy()),
+        Contender("Greedy 0.97", lambda latency_ms, cost: _core.Greedy(efficiency=0.97)),
+        Contender("Asap2020", lambda latency_ms, cost: _core.Asap2020()),
+        Contender("Asap2022", lambda latency_ms, cost: _core.Asap2022()),
+        Contender("DeadBeat", lambda latency_ms, cost: _core.DeadBeat(latency_ms=latency_ms)),
+        Contender("Deadline", lambda latency_ms, cost: _core.Deadline(latency_ms=latency_ms)),
+    ]
+
+
+def rivals() -> list[Contender]:
+    """Return the baselines of the benchmark: exact rules of others, no products."""
+    return [
+        Contender("SingleEvent", lambda latency_ms, cost: _core.SingleEvent()),
+        Contender("jAER timer", lambda latency_ms, cost: _core.JaerTimer(latency_ms, cost)),
+        Contender("greedy+PIE", lambda latency_ms, cost: _core.GreedyPie(latency_ms)),
+        Contender("greedy+rate-gamma", lambda latency_ms, cost: _core.GreedyRateGamma(latency_ms)),
+        Contender("greedy+clear", lambda latency_ms, cost: _core.GreedyClear(latency_ms)),
+        Contender("Clipper AIMD", lambda latency_ms, cost: _core.ClipperAimd(latency_ms)),
+        Contender("Spark PID", lambda latency_ms, cost: _core.SparkPid(latency_ms)),
+    ]
+
+
+def labelled(schemes: Any) -> dict[str, _core.Scheme]:
+    """Give every scheme a label: its key in a mapping, else its class and what sets it apart.
+
+    Parameters
+    ----------
+    schemes : mapping of str to Scheme, or iterable of Scheme
+
+    Raises
+    ------
+    ValueError
+        There is none, or one scheme stands twice: it has one state.
+    TypeError
+        Something is no scheme.
+    """
+    named = isinstance(schemes, Mapping)
+    given = schemes.values() if named else schemes
+    listed = [given] if isinstance(given, _core.Scheme) else list(given)
+    for scheme in listed:
+        if not isinstance(scheme, _core.Scheme):
+            raise TypeError(f"schemes: {scheme!r} is no scheme such as asap.Greedy()")
+    if not listed:
+        raise ValueError("schemes = []: give at least one, or None for the usual ones")
+    if len({id(scheme) for scheme in listed}) < len(listed):
+        raise ValueError("schemes: one of them stands there twice, but it can run only once")
+    labels = map(str, schemes) if named else _labels(listed)
+    return dict(zip(labels, listed, strict=True))
+
+
+def of_schemes(schemes: Mapping[str, _core.Scheme]) -> list[Contender]:
+    """Make contenders of schemes that exist already."""
+    return [Contender(label, _always(scheme)) for label, scheme in schemes.items()]
+
+
+def _always(scheme: _core.Scheme) -> Make:
+    return lambda latency_ms, cost: scheme
+
+
+def _labels(schemes: Sequence[_core.Scheme]) -> list[str]:
+    """Class names; where two are of one class, with the parameters in which they differ."""
+    labels: list[str] = []
+    for scheme in schemes:
+        kin = [other.parameters for other in schemes if type(other) is type(scheme)]
+        differing = [
+            f"{name}={value:g}"
+            for name, value in scheme.parameters.items()
+            if value is not None and any(other[name] != value for other in kin)
+        ]
+        label = " ".join([type(scheme).__name__, *differing])
+        twins = sum(other == label or other.startswith(f"{label} (") for other in labels)
+        labels.append(f"{label} ({twins + 1})" if twins else label)
+    return labels

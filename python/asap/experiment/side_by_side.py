@@ -1,0 +1,165 @@
+"""side_by_side: one pass over a stream feeds every contender and the oracle; memory stays flat.
+
+Each run equals the one that ``simulate`` would give, bit for bit: the runs share the events and
+nothing else.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from asap import _core
+from asap.events import Events
+from asap.experiment.contenders import Contender
+from asap.experiment.result import Run
+from asap.experiment.runners import Progress, make_config, remember
+from asap.experiment.source import Source
+
+__all__ = ["CheckedStream", "SideBySide", "side_by_side"]
+
+_CHUNK = 1 << 16  # events that all get before any gets more
+
+
+class SideBySide(NamedTuple):
+    """What one pass has found."""
+
+    runs: list[Run]  #: in the order of the contenders
+    oracle: float  #: OB(L) for an algorithm whose loop the library owns, events
+    opaque_oracle: float  #: the same for one that takes a package as a whole
+
+
+class CheckedStream(Source):
+    """A source behind one door for all: good events only, their stamps compressed by `speed`.
+
+    `speed` makes a quiet recording a busy one: t becomes t0 + (t - t0) / speed in whole us, where
+    t0 is the first good stamp.
+    """
+
+    def __init__(
+        self,
+        source: Any,
+        *,
+        width: int | None = None,
+        height: int | None = None,
+        on_bad: str = "drop",
+        speed: float = 1.0,
+    ) -> None:
+        if not 1e-6 <= speed <= 1e6:
+            raise ValueError(f"speed = {speed}: must be between 1e-6 and 1e6")
+        super().__init__(source, width=width, height=height, on_bad=on_bad)
+        self._speed = speed
+        self._door = _core.Validator(width=self.width or 0, height=self.height or 0, on_bad=on_bad)
+        self._begin_us: int | None = None
+
+    def __iter__(self) -> Iterator[Events]:
+        for chunk in super().__iter__():
+            good = self._door.check(chunk)
+            if good.size:
+                yield good if self._speed == 1.0 else self._compressed(good)
+
+    @property
+    def rejected(self) -> dict[str, int]:
+        """Events that the reader of the file and the door have rejected, by reason."""
+        rejected = super().rejected
+        for reason, count in self._door.rejected.items():
+            rejected[reason] = rejected.get(reason, 0) + count
+        return rejected
+
+    @property
+    def clock_resets(self) -> int:
+        """How often the reader of the file and the door saw the sensor's clock jump back."""
+        return super().clock_resets + self._door.clock_resets
+
+    def _compressed(self, events: Events) -> Events:
+        if self._begin_us is None:
+            self._begin_us = int(events["t"][0])
+        compressed: Events = events.copy()
+        elapsed_us = np.floor((events["t"] - self._begin_us) / self._speed)
+        compressed["t"] = self._begin_us + elapsed_us.astype(np.int64)
+        return compressed
+
+
+def side_by_side(
+    stream: CheckedStream,
+    contenders: Sequence[Contender],
+    *,
+    cost: _core.LinearCost,
+    latency_ms: float,
+    seed: int = 0,
+    capacity: int | None = None,
+    threads: int | None = None,
+    on_progress: Progress | None = None,
+) -> SideBySide:
+    """Run every contender and both oracles over one reading of a stream, in virtual time.
+
+    Parameters
+    ----------
+    stream : CheckedStream
+        Read once, chunk by chunk.
+    contenders : sequence of Contender
+        Of different labels.
+    cost : LinearCost
+        The simulated algorithm; every run has its own copy, with the same draws.
+    latency_ms : float
+        The latency bound of all, ms.
+    seed : int
+        Of the gamma filters.
+    capacity : int, optional
+        Of each ring, events. Default: at least 2**20.
+    threads : int, optional
+        That feed the runs; as many as there are cores unless given. The result does not depend on
+        it.
+    on_progress : callable, optional
+        Called as on_progress(done, total or None, {}) between chunks.
+
+    Returns
+    -------
+    SideBySide
+
+    Raises
+    ------
+    ValueError
+        A bad argument, named with its value and the remedy.
+    """
+    configs = [
+        make_config(
+            stream,
+            latency_ms=latency_ms,
+            seed=seed,
+            capacity=capacity,
+            anytime=not contender.opaque,
+            flush=contender.flush,
+        )
+        for contender in contenders
+    ]
+    schemes = [contender.make(latency_ms, cost) for contender in contenders]
+    simulators = [
+        _core.Simulator(scheme, cost, config)
+        for scheme, config in zip(schemes, configs, strict=True)
+    ]
+    oracles = [_core.Oracle(cost, latency_ms * 1e3, opaque=opaque) for opaque in (False, True)]
+    feeds = [simulator.feed for simulator in simulators] + [oracle.feed for oracle in oracles]
+    threads = threads if threads is not None else os.cpu_count() or 1
+    with ThreadPoolExecutor(threads) as pool:  # feeding releases the GIL
+        for events in stream:
+            for begin in range(0, events.size, _CHUNK):
+                chunk = events[begin : begin + _CHUNK]
+                _wait_for([pool.submit(feed, chunk) for feed in feeds])
+            if on_progress is not None:
+                on_progress(stream.events, stream.total_hint, {})
+        _wait_for([pool.submit(simulator.finish) for simulator in simulators])
+    runs = [
+        remember(simulator, stream, config, scheme, cost, mode="virtual")
+        for simulator, config, scheme in zip(simulators, configs, schemes, strict=True)
+    ]
+    return SideBySide(runs, oracles[0].bound, oracles[1].bound)
+
+
+def _wait_for(tasks: Iterable[Future[None]]) -> None:
+    for task in tasks:
+        task.result()

@@ -1,0 +1,97 @@
+"""The cost models of the comparison: simulated algorithms, and the latency asked of each."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from asap import _core
+from asap.profiles.draws import Draws, Floats, portable
+
+__all__ = ["COSTS", "LATENCY_MS", "CostModel", "cost", "drift", "outages_ms"]
+
+
+class CostModel(NamedTuple):
+    """A simulated algorithm and the latency that is asked of it."""
+
+    alpha_us: float  #: per package
+    beta_ns: float  #: per event
+    noise: float  #: sigma of the logarithm
+    latency_ms: float  #: the bound
+    drifts: bool = False  #: beta changes in time
+    fails: bool = False  #: outages
+
+
+COSTS = {
+    "fast": CostModel(alpha_us=20.0, beta_ns=20.0, noise=0.05, latency_ms=2.0),
+    "slow": CostModel(alpha_us=100.0, beta_ns=300.0, noise=0.05, latency_ms=10.0),
+    "slow_tv": CostModel(100.0, 300.0, noise=0.10, latency_ms=10.0, drifts=True),
+    "slow_ht": CostModel(100.0, 300.0, noise=0.50, latency_ms=10.0, fails=True),
+}
+LATENCY_MS = {name: model.latency_ms for name, model in COSTS.items()}
+
+
+def cost(name: str, *, seed: int = 1, duration_s: float = 5.0) -> _core.LinearCost:
+    """Return one of `COSTS` as a simulated algorithm for a run of that length.
+
+    Parameters
+    ----------
+    name : str
+        fast, slow, slow_tv (beta drifts) or slow_ht (heavy tail: costs scatter, with outages).
+    seed : int
+        0 or more; the costs' own seed is 100 more, so that they are not those of the arrivals.
+    duration_s : float
+        How long the drift is tabled and outages are drawn; afterwards beta stays as it is.
+
+    Raises
+    ------
+    ValueError
+        There is no such name.
+    """
+    if name not in COSTS:
+        raise ValueError(f"cost = {name!r}: give one of {', '.join(COSTS)}")
+    model = COSTS[name]
+    return _core.LinearCost(
+        model.alpha_us,
+        model.beta_ns,
+        noise=model.noise,
+        seed=100 + seed,
+        drift=drift(duration_s) if model.drifts else None,
+        outages_ms=outages_ms(duration_s, seed=100 + seed) if model.fails else None,
+    )
+
+
+def drift(duration_s: float) -> Floats:
+    """Factors on beta of slow_tv, one per ms: a sine of 1 s period, half as much again from 2.75 s.
+
+    Returns
+    -------
+    ndarray of shape (n,), n = duration in ms
+    """
+    t = np.arange(math.ceil(duration_s * 1e3)) * 1e-3
+    return portable((1.0 + 0.5 * np.sin(2.0 * np.pi * t)) * np.where(t > 2.75, 1.5, 1.0))
+
+
+def outages_ms(duration_s: float, *, seed: int) -> Floats:
+    """Outages of slow_ht: 10 per second at random, Pareto of shape 1.5 from 1 ms to 30 ms.
+
+    Returns
+    -------
+    ndarray of shape (n, 2)
+        Begin and end, ms; one that would overlap the one before is put off to its end.
+    """
+    draws = Draws(seed)
+    mean_gap_ms, begin_ms, free_ms = 100.0, 0.0, 0.0
+    outages: list[tuple[float, float]] = []
+    while True:
+        gaps = draws.exponential(mean_gap_ms, 64)
+        durations = np.minimum((1.0 - draws.uniform(64)) ** (-1.0 / 1.5), 30.0)
+        for gap, duration in zip(np.round(gaps, 6), np.round(durations, 6), strict=True):  # to ns
+            begin_ms += gap
+            if begin_ms >= duration_s * 1e3:
+                return np.array(outages, np.float64).reshape(-1, 2)
+            late_ms = max(begin_ms, free_ms)
+            free_ms = late_ms + duration
+            outages.append((late_ms, free_ms))

@@ -1,0 +1,180 @@
+"""Carry out tasks through any executor, resumable: every finished one is a line of a file."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import asdict
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias
+
+from asap import _core
+from asap.study.measure import Figures, Measured
+from asap.study.probes import Steady, Window
+from asap.study.results import Outcome, Results, Task
+
+__all__ = ["Ran", "key_of", "run"]
+
+OnProgress = Callable[[int, "int | None", Any], None]
+_Future: TypeAlias = "Future[tuple[Outcome, float]]"
+
+
+class Ran(NamedTuple):
+    """What `run` returns."""
+
+    results: Results
+    taken_from_file: int  #: tasks that an earlier call had finished
+    seconds: float  #: of processor time for all tasks, earlier calls included
+
+
+def run(
+    tasks: Sequence[Task],
+    *,
+    state: Path,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    fresh: bool = False,
+    on_progress: OnProgress | None = None,
+) -> Ran:
+    """Measure every task that the state file does not hold yet.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+        Cases and probes.
+    state : Path
+        One JSON object per line and finished task. A task is known again by its parameters, the
+        version and the build of the library. A line that was cut short counts for nothing.
+    executor : concurrent.futures.Executor, optional
+        Where tasks are carried out; a pool of processes unless given. It is not shut down.
+    workers : int, optional
+        Processes of that pool; as many as there are processors unless given.
+    fresh : bool
+        Forget what the file holds.
+    on_progress : callable, optional
+        Called as on_progress(done, total, None), in simulated events.
+
+    Returns
+    -------
+    Ran
+
+    Raises
+    ------
+    KeyboardInterrupt
+        Ctrl-C: what is finished stays in the file, the next call goes on from there. Tasks that run
+        in another thread or process are waited for, unless the signal has ended them too.
+    """
+    if fresh:
+        state.unlink(missing_ok=True)
+    known = _read(state)
+    keys = [key_of(task) for task in tasks]
+    missing = {key: task for key, task in zip(keys, tasks, strict=True) if key not in known}
+    weights = {key: task.weight() for key, task in missing.items()}
+    _end_last_line(state)
+    with state.open("a", encoding="utf-8") as lines, _pool(executor, workers) as pool:
+
+        def keep(key: str, outcome: Outcome, seconds: float) -> None:
+            line = {"key": key, "task": missing[key].name, "seconds": round(seconds, 3)}
+            lines.write(json.dumps({**line, "outcome": asdict(outcome)}) + "\n")
+            lines.flush()
+            known[key] = (outcome, seconds)
+
+        # The heavy ones first, so that none is left alone at the end.
+        heavy_first = sorted(missing, key=lambda key: -weights[key])
+        futures = {pool.submit(_timed, missing[key]): key for key in heavy_first}
+        done = 0.0
+        try:
+            for future in as_completed(futures):
+                key = futures.pop(future)
+                keep(key, *future.result())
+                done += weights[key]
+                if on_progress is not None:
+                    on_progress(round(done), round(sum(weights.values())), None)
+        except BaseException:
+            _keep_what_runs(futures, keep)
+            raise
+    found = [known[key] for key in keys]
+    return Ran(
+        Results(zip(tasks, (outcome for outcome, _ in found), strict=True)),
+        len(tasks) - len(missing),
+        sum(seconds for _, seconds in found),
+    )
+
+
+def _keep_what_runs(
+    futures: dict[_Future, str], keep: Callable[[str, Outcome, float], None]
+) -> None:
+    """Call off what has not begun, wait for the rest; workers that were stopped too have died."""
+    running = [future for future in futures if not future.cancel()]
+    for future in running:
+        if future.exception() is None:
+            keep(futures[future], *future.result())
+
+
+def key_of(task: Task) -> str:
+    """Return what tells a task and the library that carries it out from all others."""
+    words = [type(task).__name__, asdict(task), _core.__version__, _build()]
+    return hashlib.sha256(json.dumps(words, sort_keys=True).encode()).hexdigest()[:24]
+
+
+@cache
+def _build() -> str:
+    """Digest of the extension: two builds of one version may measure differently."""
+    return hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()
+
+
+def _timed(task: Task) -> tuple[Outcome, float]:
+    begin_s = time.process_time()
+    outcome = task.measure()
+    return outcome, time.process_time() - begin_s
+
+
+@contextmanager
+def _pool(executor: Executor | None, workers: int | None) -> Iterator[Executor]:
+    if executor is not None:
+        yield executor
+        return
+    # Spawned: a fork may inherit a lock that a thread of this process holds.
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(
+        workers or os.cpu_count(), mp_context=context, initializer=_die_of_interrupt
+    ) as pool:
+        yield pool
+
+
+def _die_of_interrupt() -> None:
+    """Ctrl-C reaches the workers too: let them go without a word."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def _read(state: Path) -> dict[str, tuple[Outcome, float]]:
+    known = {}
+    for line in state.read_text(encoding="utf-8").splitlines() if state.exists() else ():
+        try:
+            entry = json.loads(line)
+            known[entry["key"]] = (_outcome(entry["outcome"]), float(entry["seconds"]))
+        except (ValueError, KeyError, TypeError):
+            continue  # cut short, or of another version
+    return known
+
+
+def _outcome(fields: dict[str, Any]) -> Outcome:
+    if "figures" in fields:
+        figures = {label: Figures(**values) for label, values in fields["figures"].items()}
+        return Measured(fields["events"], fields["oracle"], figures)
+    return Steady(**fields) if "theory_us" in fields else Window(**fields)
+
+
+def _end_last_line(state: Path) -> None:
+    """Begin on a line of our own, whatever an interruption has left."""
+    if state.exists() and not state.read_bytes().endswith(b"\n"):
+        with state.open("ab") as lines:
+            lines.write(b"\n")

@@ -1,0 +1,312 @@
+// The layer `algorithms`: BackgroundActivityFilter and the corner detectors.
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "arrays.hpp"
+#include "asap/algorithms/arc_star.hpp"
+#include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/algorithms/e_fast.hpp"
+#include "asap/algorithms/e_harris.hpp"
+#include "asap/algorithms/fa_harris.hpp"
+#include "layers.hpp"
+
+namespace asap::python {
+namespace {
+
+using namespace py::literals;
+
+constexpr const char* kBackgroundActivityFilterDoc = R"(Drops events without company.
+
+An event passes if one of its eight neighbours, of either polarity, fired at most `window_us` before it.
+Its own pixel does not count; a rejected event is company for others all the same. Put it before whatever
+discards events at random, which would take the company away.
+
+Parameters
+----------
+width, height : int
+    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`.
+window_us : int
+    us, 0 to 500 000 000; 1000 to 10 000 is usual.
+
+Raises
+------
+ValueError
+    A parameter is out of range; the message names it.
+
+Notes
+-----
+A few nanoseconds per event. One thread at a time. A stamp that goes back counts as the latest one.
+Source: Delbruck, "Frame-free dynamic digital vision", 2008.
+)";
+
+constexpr const char* kEFastDoc = R"(Finds corners by the order of the events alone.
+
+An event is a corner if on a circle of 16 pixels around it 3 to 6 neighbouring ones fired later than all
+others, and 4 to 8 on a circle of 20, counting the latest event of its polarity at each pixel.
+
+Parameters
+----------
+width, height : int
+    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`; those within
+    4 px of the border are never corners.
+
+Raises
+------
+ValueError
+    A parameter is out of range; the message names it.
+
+Notes
+-----
+One thread at a time. A stamp that goes back counts as the latest one. Source: Mueggler, Bartolozzi,
+Scaramuzza, "Fast Event-based Corner Detection", BMVC 2017. The authors' release swaps the sides of its
+surface, which changes some labels where width is not height; here they are as published.
+)";
+
+constexpr const char* kArcStarDoc = R"(Finds corners by the length of the newest arc.
+
+Only events are tested whose pixel was silent for `filter_us` in their polarity, or fired in the other
+since. Such an event is a corner if on a circle of 16 pixels around it the newest arc has at most 6 or 10
+to 13 of them, and on a circle of 20 at most 8 or 12 to 16.
+
+Parameters
+----------
+width, height : int
+    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`; those within
+    4 px of the border are never corners.
+filter_us : int
+    us, 0 to 500 000 000.
+
+Raises
+------
+ValueError
+    A parameter is out of range; the message names it.
+
+Notes
+-----
+One thread at a time. A stamp that goes back counts as the latest one. A pixel without an event counts as
+fired at time 0, as in the authors' release, or just before the first stamp if that is negative. Source:
+Alzugaray, Chli, "Asynchronous Corner Detection and Tracking for Event Cameras in Real Time", RA-L 2018.
+)";
+
+constexpr const char* kEHarrisDoc = R"(Finds corners by the Harris score of the newest pixels.
+
+The 25 pixels of the 9 x 9 window around an event that fired last, in its polarity, are a black and white
+patch. The event is a corner if there are 25 and the Harris score of the patch exceeds `threshold`.
+
+Parameters
+----------
+width, height : int
+    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`; those within
+    4 px of the left and upper border, or 3 px of the others, are never corners.
+threshold : float
+    Of the score.
+
+Raises
+------
+ValueError
+    A parameter is out of range; the message names it.
+
+Notes
+-----
+One thread at a time. Only the order of the events matters, not their stamps. Source: Vasco, Glover,
+Bartolozzi, "Fast Event-based Harris Corner Detection Exploiting the Advantages of Event-driven Cameras",
+IROS 2016, with the constants of the public implementation.
+)";
+
+constexpr const char* kFAHarrisDoc =
+    R"(Finds corners in two steps: the arcs of ArcStar propose, the Harris score decides.
+
+Both steps look only at events that pass the filter of ArcStar. The score is that of EHarris.
+
+Parameters
+----------
+width, height : int
+    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`; those within
+    4 px of the border are ignored altogether.
+filter_us : int
+    us, 0 to 500 000 000.
+threshold : float
+    Of the score.
+
+Raises
+------
+ValueError
+    A parameter is out of range; the message names it.
+
+Notes
+-----
+One thread at a time. A stamp that goes back counts as the latest one. Source: Li, Shi, Zhang, Li, Liu,
+"FA-Harris: A Fast and Asynchronous Corner Detector for Event Cameras", IROS 2019, with the constants of
+its release; equal stamps, undefined there, are ordered by arrival.
+)";
+
+py::array passing(BackgroundActivityFilter& filter, const py::array& events) {
+  const EventSpan span = as_span(events);
+  std::vector<Event> passed(span.size());
+  {
+    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
+    const py::gil_scoped_release release;
+    passed.resize(filter.process(span, passed.data()));
+  }
+  return moved_to_array(std::move(passed));
+}
+
+template <class Detector>
+py::array_t<bool> corners(Detector& detector, const py::array& events) {
+  const EventSpan span = as_span(events);
+  py::array_t<bool> labels(static_cast<py::ssize_t>(span.size()));
+  auto* bytes = reinterpret_cast<std::uint8_t*>(labels.mutable_data());
+  {
+    const py::gil_scoped_release release;  // as above
+    detector.process(span, {bytes, span.size()});
+  }
+  return labels;
+}
+
+py::dict parameters(const BackgroundActivityFilterConfig& config) {
+  return py::dict("window_us"_a = config.window_us);
+}
+py::dict parameters(const EFastConfig&) { return {}; }
+py::dict parameters(const ArcStarConfig& config) {
+  return py::dict("filter_us"_a = config.filter_us);
+}
+py::dict parameters(const EHarrisConfig& config) {
+  return py::dict("threshold"_a = config.threshold);
+}
+py::dict parameters(const FAHarrisConfig& config) {
+  return py::dict("filter_us"_a = config.filter_us, "threshold"_a = config.threshold);
+}
+
+// What all of them have besides the constructor and process.
+template <class Algorithm>
+void bind_rest(py::class_<Algorithm>& type, const char* name, const char* keep_doc) {
+  type.def("set_keep", &Algorithm::set_keep, "gamma"_a, keep_doc)
+      .def("reset", &Algorithm::reset, "Back to the state after construction.")
+      .def_property_readonly(
+          "width", [](const Algorithm& self) { return self.config().width; }, "px")
+      .def_property_readonly(
+          "height", [](const Algorithm& self) { return self.config().height; }, "px")
+      .def_property_readonly(
+          "name", [name](const Algorithm&) { return name; }, "Name of the algorithm in reports.")
+      .def_property_readonly(
+          "parameters", [](const Algorithm& self) { return parameters(self.config()); },
+          "dict of the constructor's keyword parameters.")
+      .def_property_readonly("rejected", &Algorithm::rejected,
+                             "Events dropped because they lie outside the frame.");
+}
+
+template <class Detector>
+void bind_detector(py::class_<Detector>& type, const char* name) {
+  type.def("process", &corners<Detector>, py::arg("events").noconvert(),
+           R"(Takes the next events of the stream.
+
+Parameters
+----------
+events : ndarray of shape (n,) in EVENT_DTYPE
+
+Returns
+-------
+ndarray of bool, shape (n,)
+    True where the event is a corner.
+
+Raises
+------
+TypeError
+    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+)");
+  bind_rest(type, name,
+            R"(Tells the fraction of the events that reaches the detector, 0 <= gamma <= 1.
+
+Checked, without effect: the published rule holds no rate that could be corrected.
+
+Raises
+------
+ValueError
+    gamma is NaN or outside [0, 1].
+)");
+}
+
+void bind_filter_in_front(py::module_& m) {
+  constexpr BackgroundActivityFilterConfig kDefault{.width = 0, .height = 0};
+  py::class_<BackgroundActivityFilter> type(m, "BackgroundActivityFilter",
+                                            kBackgroundActivityFilterDoc);
+  type.def(py::init([](int width, int height, std::int64_t window_us) {
+             return std::make_unique<BackgroundActivityFilter>(BackgroundActivityFilterConfig{
+                 .width = width, .height = height, .window_us = window_us});
+           }),
+           "width"_a, "height"_a, py::kw_only(), "window_us"_a = kDefault.window_us)
+      .def("process", &passing, py::arg("events").noconvert(),
+           R"(Takes the next events of the stream and returns those that pass.
+
+Parameters
+----------
+events : ndarray of shape (n,) in EVENT_DTYPE
+
+Returns
+-------
+ndarray of shape (k,) in EVENT_DTYPE
+    A new array.
+
+Raises
+------
+TypeError
+    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+)");
+  bind_rest(type, "background_activity",
+            R"(Tells the fraction of the events that reaches the filter, 0 <= gamma <= 1.
+
+Neighbours become as rare, so the window grows to window_us / gamma, at most 500 s. Tell nothing, or 1,
+to a filter in front of the discarder.
+
+Raises
+------
+ValueError
+    gamma is NaN or outside [0, 1].
+)");
+}
+
+}  // namespace
+
+void bind_corners(py::module_& m) {
+  bind_filter_in_front(m);
+
+  py::class_<EFast> e_fast(m, "EFast", kEFastDoc);
+  e_fast.def(py::init([](int width, int height) {
+               return std::make_unique<EFast>(EFastConfig{.width = width, .height = height});
+             }),
+             "width"_a, "height"_a);
+  bind_detector(e_fast, "e_fast");
+
+  constexpr ArcStarConfig kArcStar{.width = 0, .height = 0};
+  py::class_<ArcStar> arc_star(m, "ArcStar", kArcStarDoc);
+  arc_star.def(py::init([](int width, int height, std::int64_t filter_us) {
+                 return std::make_unique<ArcStar>(
+                     ArcStarConfig{.width = width, .height = height, .filter_us = filter_us});
+               }),
+               "width"_a, "height"_a, py::kw_only(), "filter_us"_a = kArcStar.filter_us);
+  bind_detector(arc_star, "arc_star");
+
+  constexpr EHarrisConfig kEHarris{.width = 0, .height = 0};
+  py::class_<EHarris> e_harris(m, "EHarris", kEHarrisDoc);
+  e_harris.def(py::init([](int width, int height, double threshold) {
+                 return std::make_unique<EHarris>(
+                     EHarrisConfig{.width = width, .height = height, .threshold = threshold});
+               }),
+               "width"_a, "height"_a, py::kw_only(), "threshold"_a = kEHarris.threshold);
+  bind_detector(e_harris, "e_harris");
+
+  constexpr FAHarrisConfig kFAHarris{.width = 0, .height = 0};
+  py::class_<FAHarris> fa_harris(m, "FAHarris", kFAHarrisDoc);
+  fa_harris.def(
+      py::init([](int width, int height, std::int64_t filter_us, double threshold) {
+        return std::make_unique<FAHarris>(FAHarrisConfig{
+            .width = width, .height = height, .filter_us = filter_us, .threshold = threshold});
+      }),
+      "width"_a, "height"_a, py::kw_only(), "filter_us"_a = kFAHarris.filter_us,
+      "threshold"_a = kFAHarris.threshold);
+  bind_detector(fa_harris, "fa_harris");
+}
+
+}  // namespace asap::python

@@ -1,0 +1,119 @@
+// The layer `study`: the oracles, and what checks the simulator against the real clock.
+#include <chrono>
+#include <cmath>
+
+#include "arrays.hpp"
+#include "asap/core/check.hpp"
+#include "asap/study/busy_wait.hpp"
+#include "asap/study/clairvoyant.hpp"
+#include "asap/study/oracle.hpp"
+#include "asap/study/scheduling_jitter.hpp"
+#include "layers.hpp"
+
+namespace asap::python {
+
+void bind_study(py::module_& m) {
+  py::class_<Oracle>(m, "Oracle", R"(The most events that any policy can finish in time.
+
+Fed chunk by chunk; notebooks/theory.md, section 9.
+
+Parameters
+----------
+cost : LinearCost
+    What the algorithm costs.
+latency_us : float
+    The latency bound, us.
+opaque : bool
+    The algorithm takes a package in one call: with noise, cheap packages can't run on.
+)")
+      .def(py::init([](const LinearCost& cost, double latency_us, bool opaque) {
+             return Oracle(cost, latency_us, opaque ? Execution::whole : Execution::anytime);
+           }),
+           py::arg("cost"), py::arg("latency_us"), py::arg("opaque") = false)
+      .def(
+          "feed",
+          [](Oracle& self, const py::array& events) {
+            const EventSpan span = as_span(events);
+            const py::gil_scoped_release release;  // pure C++: other Python threads may run
+            self.feed(span);
+          },
+          py::arg("events").noconvert(), "Events in arrival order.")
+      .def_property_readonly("bound", &Oracle::bound,
+                             "Of the events so far: how many can be finished in time.");
+
+  m.def(
+      "clairvoyant_latency_us",
+      [](const py::array& events, const LinearCost& cost, double bin_us) {
+        const EventSpan span = as_span(events);
+        const py::gil_scoped_release release;  // pure C++: other Python threads may run
+        return static_cast<double>(clairvoyant_latency_ns(span, cost, bin_us)) * 1e-3;
+      },
+      py::arg("events").noconvert(), py::arg("cost"), py::arg("bin_us") = 10.0,
+      R"(The smallest possible maximum latency without drops.
+
+Parameters
+----------
+events : ndarray of EVENT_DTYPE, shape (n,)
+    A window, in order of time; the algorithm is idle before it and drains the queue after it.
+cost : LinearCost
+    Without noise.
+bin_us : float
+    Packages begin and end between bins of this width, us; 1: between any two stamps, 0: anywhere.
+
+Returns
+-------
+float
+    us; 0 for no events.
+
+Raises
+------
+ValueError
+    The cost has noise, or bin_us is out of range.
+
+References
+----------
+notebooks/theory.md, section 9.
+)");
+
+  py::class_<BusyWait>(m, "BusyWait", R"(An algorithm of known cost in real time: it spins.
+
+Parameters
+----------
+alpha_us : float
+    At the start of a package, us.
+beta_ns : float
+    Per event, ns.
+)")
+      .def(py::init([](double alpha_us, double beta_ns) {
+             return BusyWait({.alpha_us = alpha_us, .beta_ns = beta_ns});
+           }),
+           py::arg("alpha_us"), py::arg("beta_ns"))
+      .def_property_readonly("name", [](const BusyWait&) { return "busy_wait"; })
+      .def_property_readonly("parameters",
+                             [](const BusyWait& self) {
+                               return py::dict(py::arg("alpha_us") = self.config().alpha_us,
+                                               py::arg("beta_ns") = self.config().beta_ns);
+                             })
+      .def(
+          "process",
+          [](BusyWait& self, const py::array& events) {
+            const EventSpan span = as_span(events);
+            const py::gil_scoped_release release;  // nothing of Python is needed to spin
+            self.begin();
+            self.process(span);
+          },
+          py::arg("events").noconvert(), "Spins for a package of these events.");
+
+  m.def(
+      "scheduling_jitter",
+      [](double duration_s) {
+        require(duration_s >= 0 && duration_s <= 3600, "duration_s", duration_s,
+                "must be between 0 and 3600 s");
+        const py::gil_scoped_release release;  // pure C++, for a while
+        return scheduling_jitter(std::chrono::nanoseconds(std::llround(duration_s * 1e9)));
+      },
+      py::arg("duration_s"),
+      "Times between two looks at the clock of a thread that does nothing else.");
+}
+
+}  // namespace asap::python

@@ -1,0 +1,130 @@
+#include "asap/algorithms/order_surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <limits>
+#include <set>
+#include <vector>
+
+#include "asap/core/random.hpp"
+#include "support/allocation_counter.hpp"
+
+namespace {
+
+using asap::Event;
+using asap::OrderSurface;
+using asap::SensorFrame;
+
+Event at(std::uint16_t x, std::uint16_t y, int p = 0) {
+  return {.x = x, .y = y, .p = static_cast<std::int16_t>(p), .t = 0};
+}
+
+TEST(OrderSurface, NumbersEventsInOrder) {
+  OrderSurface surface(SensorFrame(5, 5));
+  const auto first = surface.next();
+  EXPECT_GT(first, OrderSurface::kNever);
+  EXPECT_GT(surface.next(), first);
+}
+
+TEST(OrderSurface, EqualStampsHaveEqualNumbers) {
+  OrderSurface surface(SensorFrame(5, 5));
+  const auto lowest = surface.next(std::numeric_limits<std::int64_t>::min());
+  EXPECT_GT(lowest, OrderSurface::kNever);
+  const auto first = surface.next(-7);
+  EXPECT_GT(first, lowest);
+  EXPECT_EQ(surface.next(-7), first);
+  EXPECT_EQ(surface.next(-100), first);  // back: the latest
+  const auto last = surface.next(std::numeric_limits<std::int64_t>::max());
+  EXPECT_GT(last, first);
+  EXPECT_EQ(surface.next(0), last);
+}
+
+TEST(OrderSurface, EveryPixelOfEachPolarityIsItsOwn) {
+  OrderSurface surface(SensorFrame(7, 5));
+  std::set<OrderSurface::Number*> pixels;
+  for (std::uint16_t y = 0; y < 5; ++y) {
+    for (std::uint16_t x = 0; x < 7; ++x) {
+      pixels.insert(surface.pixel(at(x, y, 0)));
+      pixels.insert(surface.pixel(at(x, y, 1)));
+    }
+  }
+  EXPECT_EQ(pixels.size(), 70U);
+  EXPECT_EQ(surface.pixel(at(3, 2)) + 1, surface.pixel(at(4, 2)));
+  EXPECT_EQ(surface.pixel(at(3, 2)) + surface.stride(), surface.pixel(at(3, 3)));
+}
+
+TEST(OrderSurface, AnyPositivePolarityIsOn) {
+  OrderSurface surface(SensorFrame(7, 5));
+  EXPECT_EQ(surface.pixel(at(3, 2, 32767)), surface.pixel(at(3, 2, 1)));
+  EXPECT_EQ(surface.pixel(at(3, 2, -32768)), surface.pixel(at(3, 2, 0)));
+}
+
+TEST(OrderSurface, ABorderThatNeverFiresLiesAroundTheFrame) {
+  OrderSurface surface(SensorFrame(3, 2));
+  for (const int p : {0, 1}) {
+    for (std::uint16_t y = 0; y < 2; ++y) {
+      for (std::uint16_t x = 0; x < 3; ++x) *surface.pixel(at(x, y, p)) = surface.next();
+    }
+  }
+  for (const int p : {0, 1}) {
+    const auto* corner = surface.pixel(at(0, 0, p)) - 4 * surface.stride() - 4;
+    int fired = 0;
+    for (int y = 0; y < 2 + 8; ++y) {
+      for (int x = 0; x < 3 + 8; ++x) fired += corner[y * surface.stride() + x] > 0;
+    }
+    EXPECT_EQ(fired, 6);
+  }
+}
+
+// Two surfaces beside each other, one of which renumbers every few events.
+template <class Next>
+void expect_same_order(Next next) {
+  constexpr int kSide = 3;
+  const SensorFrame frame(kSide, kSide);
+  OrderSurface wide(frame);
+  OrderSurface tight(frame, 25);
+  const asap::CounterRandom random(1);
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    const std::uint64_t bits = random(i);
+    const Event event = at(static_cast<std::uint16_t>(bits % 3),
+                           static_cast<std::uint16_t>((bits >> 8) % 3), (bits >> 16) & 1 ? 1 : 0);
+    const auto stamp = static_cast<std::int64_t>(i / 3);
+    const auto number = next(tight, stamp);  // first: it may renumber the pixels
+    *tight.pixel(event) = number;
+    *wide.pixel(event) = next(wide, stamp);
+    ASSERT_LT(number, 25);
+    for (std::uint16_t a = 0; a < 2 * kSide * kSide; ++a) {
+      for (std::uint16_t b = 0; b < a; ++b) {
+        const auto pixel = [](OrderSurface& surface, std::uint16_t n) {
+          return *surface.pixel(at(static_cast<std::uint16_t>(n % kSide),
+                                   static_cast<std::uint16_t>(n / kSide % kSide),
+                                   n / (kSide * kSide)));
+        };
+        ASSERT_EQ(pixel(tight, a) <=> pixel(tight, b), pixel(wide, a) <=> pixel(wide, b));
+        ASSERT_EQ(pixel(tight, a) == 0, pixel(wide, a) == 0);
+      }
+    }
+  }
+}
+
+TEST(OrderSurface, RenumberingKeepsTheOrderOfEvents) {
+  expect_same_order([](OrderSurface& surface, std::int64_t) { return surface.next(); });
+}
+
+TEST(OrderSurface, RenumberingKeepsTheOrderOfStamps) {
+  expect_same_order([](OrderSurface& surface, std::int64_t t) { return surface.next(t); });
+}
+
+TEST(OrderSurface, RenumbersAndClearsWithoutAllocation) {
+  OrderSurface surface(SensorFrame(3, 3), 25);
+  const std::size_t before = asap::test::allocations();
+  for (int i = 0; i < 200; ++i) *surface.pixel(at(1, 1)) = surface.next();
+  surface.clear();
+  EXPECT_EQ(asap::test::allocations(), before);
+  EXPECT_EQ(*surface.pixel(at(1, 1)), OrderSurface::kNever);
+  EXPECT_EQ(surface.next(-5), surface.next(-5));  // stamps are forgotten too
+  EXPECT_LT(surface.next(), 10);
+}
+
+}  // namespace

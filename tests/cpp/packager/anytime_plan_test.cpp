@@ -1,0 +1,218 @@
+#include "asap/packager/anytime_plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <vector>
+
+namespace asap {
+namespace {
+
+constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Decision within(std::int64_t budget_ns, std::size_t raw, double event_ns = 0.0, double keep = 1.0) {
+  Decision decision = Decision::take(raw, keep);
+  decision.budget_ns = budget_ns;
+  decision.event_ns = event_ns;
+  return decision;
+}
+
+struct Executed {
+  std::vector<AnytimePlan::Stratum> strata;
+  std::size_t size = 0;  // events kept
+  std::int64_t end_ns = 0;
+  std::int64_t longest_ns = 0;  // stratum
+};
+
+// An algorithm that needs cost_ns(j) for an event of stratum j; exactly the planned share is kept.
+Executed execute(const Decision& decision, const std::function<double(std::size_t)>& cost_ns,
+                 std::int64_t start_ns = 0, std::int64_t grace_ns = kMillisecond) {
+  AnytimePlan plan(decision, start_ns, grace_ns);
+  Executed run;
+  run.end_ns = start_ns;
+  std::size_t size = 0;
+  for (;;) {
+    const AnytimePlan::Stratum stratum = plan.next(run.end_ns, size);
+    if (stratum.begin == stratum.end) return run;
+    size = static_cast<std::size_t>(
+        std::llround(stratum.keep * static_cast<double>(stratum.end - stratum.begin)));
+    const std::int64_t work_ns =
+        std::llround(cost_ns(run.strata.size()) * static_cast<double>(size));
+    run.strata.push_back(stratum);
+    run.size += size;
+    run.end_ns += work_ns;
+    run.longest_ns = std::max(run.longest_ns, work_ns);
+  }
+}
+
+Executed execute(const Decision& decision, double cost_ns) {
+  return execute(decision, [=](std::size_t) { return cost_ns; });
+}
+
+TEST(AnytimePlan, CutsTheRawEventsIntoStrataOfEqualCount) {
+  for (const std::size_t raw :
+       {1u, 2u, 63u, 64u, 127u, 128u, 200u, 777u, 1023u, 1024u, 1025u, 9999u, 1'000'003u}) {
+    const Executed run = execute(within(kMillisecond, raw), 0.0);
+    const std::size_t strata = std::clamp<std::size_t>(raw / 64, 1, 16);
+    ASSERT_EQ(run.strata.size(), strata) << raw;
+    for (std::size_t j = 0; j < strata; ++j) {
+      EXPECT_EQ(run.strata[j].begin, raw * j / strata);
+      EXPECT_EQ(run.strata[j].end, raw * (j + 1) / strata);
+    }
+    EXPECT_EQ(run.strata.back().end, raw);
+  }
+}
+
+TEST(AnytimePlan, OfNothingIsFinished) {
+  AnytimePlan plan;
+  const AnytimePlan::Stratum stratum = plan.next(5, 0);
+  EXPECT_EQ(stratum.begin, stratum.end);
+}
+
+TEST(AnytimePlan, KeepsAllThatFits) {
+  for (const double expected_ns : {0.0, 100.0, 990.0}) {
+    const Executed run = execute(within(kMillisecond, 1000, expected_ns), 990.0);
+    EXPECT_EQ(run.size, 1000u);
+    for (const auto& stratum : run.strata) EXPECT_EQ(stratum.keep, 1.0);
+  }
+}
+
+TEST(AnytimePlan, EndsOnTimeAtConstantCost) {
+  for (const double cost_ns : {150.0, 1000.0, 3000.0}) {
+    for (const double expected : {0.5, 1.0, 2.0}) {
+      const Executed run = execute(within(kMillisecond, 10'000, expected * cost_ns), cost_ns);
+      EXPECT_LE(std::abs(run.end_ns - kMillisecond), run.longest_ns) << cost_ns;
+      EXPECT_EQ(run.strata.size(), 16u);
+    }
+    const Executed run = execute(within(kMillisecond, 10'000, cost_ns), cost_ns);
+    EXPECT_NEAR(static_cast<double>(run.end_ns), 1e6, 1e4) << cost_ns;
+    EXPECT_NEAR(static_cast<double>(run.size), 1e6 / cost_ns, 1e4 / cost_ns + 1);
+  }
+}
+
+TEST(AnytimePlan, PlansAnewWhenTheCostJumpsInsideThePackage) {
+  constexpr std::int64_t kBudget_ns = kMillisecond;
+  const auto jumps = [](std::size_t j) { return j < 4 ? 200.0 : 2000.0; };
+  const Executed run = execute(within(kBudget_ns, 10'000, 200.0, 0.5), jumps);
+  EXPECT_EQ(run.strata.size(), 16u);
+  // Four sixteenths, ten for the stratum of the jump, the rest at its floor; as planned: 7.75.
+  EXPECT_GT(run.end_ns, kBudget_ns * 15 / 16);
+  EXPECT_LT(run.end_ns, kBudget_ns * 11 / 10);
+
+  const auto falls = [](std::size_t j) { return j < 4 ? 2000.0 : 200.0; };
+  const Executed faster = execute(within(kBudget_ns, 10'000, 2000.0, 0.05), falls);
+  EXPECT_LE(faster.end_ns, kBudget_ns);
+  EXPECT_GT(faster.end_ns, kBudget_ns / 2) << "as planned: 0.325";
+  EXPECT_GT(faster.strata.back().keep, 3 * faster.strata.front().keep);
+}
+
+// k0 = 6400 / 32: the expectation counts as 200 events.
+TEST(AnytimePlan, WeighsTheExpectationAgainstWhatThePackageHasShown) {
+  AnytimePlan plan(within(2 * kMillisecond, 6400, 1000.0), 7, kMillisecond);
+  EXPECT_DOUBLE_EQ(plan.next(7, 0).keep, 2e6 / 16 / 1000 / 400);
+  // 100 events in 300 us.
+  const double b = (200 * 1000.0 + 300'000) / (200 + 100);
+  EXPECT_DOUBLE_EQ(plan.next(300'007, 100).keep, 1.7e6 / 15 / b / 400);
+  // 50 more in 20 us.
+  const double c = (200 * 1000.0 + 320'000) / (200 + 150);
+  EXPECT_DOUBLE_EQ(plan.next(320'007, 50).keep, 1.68e6 / 14 / c / 400);
+}
+
+TEST(AnytimePlan, TheFirstReadingIsNoWork) {
+  // What passes before the first stratum is the package's fixed cost.
+  AnytimePlan plan(within(2 * kMillisecond, 6400, 1000.0), 0, kMillisecond);
+  EXPECT_DOUBLE_EQ(plan.next(400'000, 0).keep, 1.6e6 / 16 / 1000 / 400);
+}
+
+TEST(AnytimePlan, OfASmallPlanTheExpectationWeighsAsOneEvent) {
+  AnytimePlan plan(within(10'000, 128, 1000.0, 0.1), 0, kMillisecond);
+  (void)plan.next(0, 0);
+  EXPECT_DOUBLE_EQ(plan.next(3000, 2).keep, 7000 / ((1000.0 + 3000) / 3) / 64);
+}
+
+TEST(AnytimePlan, NoStratumStaysEmpty) {
+  for (const std::int64_t budget_ns : {std::int64_t{0}, std::int64_t{-1}, kLongAgo}) {
+    for (const double keep : {1.0, 0.5, 0.0}) {
+      AnytimePlan plan(within(budget_ns, 6400, 1000.0, keep), 0, kMillisecond);
+      // The first one has an event in expectation, whatever the plan was.
+      EXPECT_DOUBLE_EQ(plan.next(0, 8).keep, std::max(0.02 * keep, 1.0 / 400));
+      for (int j = 1; j < 16; ++j) EXPECT_DOUBLE_EQ(plan.next(10 * j, 8).keep, 0.02 * keep);
+    }
+  }
+}
+
+TEST(AnytimePlan, TheLastStratumAllowsForChance) {
+  // 100 of 400 events of 1 us fit into what is left; their number scatters by sqrt(75) = 8.66.
+  const auto last_keep = [](std::int64_t grace_ns) {
+    AnytimePlan plan(within(6'100'000, 6400, 1000.0, 1.0), 0, grace_ns);
+    for (int j = 0; j < 15; ++j) (void)plan.next(400'000 * j, 400);
+    return plan.next(6'000'000, 400).keep;
+  };
+  EXPECT_NEAR(400 * last_keep(kMillisecond), 100.0, 1e-9);
+  EXPECT_NEAR(400 * last_keep(10'000), 100.0 - (2 * std::sqrt(75.0) - 10), 1e-9);
+  EXPECT_NEAR(400 * last_keep(0), 100.0 - 2 * std::sqrt(75.0), 1e-9);
+}
+
+TEST(AnytimePlan, ALatePackageGoesOnAtItsFloor) {
+  AnytimePlan plan(within(kMillisecond, 6400, 1000.0), 0, kMillisecond);
+  (void)plan.next(0, 0);
+  EXPECT_DOUBLE_EQ(plan.next(kMillisecond + 1, 10).keep, 0.02);
+  EXPECT_DOUBLE_EQ(plan.next(2 * kMillisecond, 8).keep, 0.02);
+}
+
+TEST(AnytimePlan, AnOutageEndsThePackageBeyondItsGrace) {
+  constexpr std::int64_t kStart_ns = 5 * kMillisecond;
+  AnytimePlan on_time(within(kMillisecond, 6400), kStart_ns, 500);
+  EXPECT_EQ(on_time.next(kStart_ns, 0).end, 400u);
+  EXPECT_EQ(on_time.next(kStart_ns + kMillisecond + 500, 1).end, 800u);
+  const AnytimePlan::Stratum none = on_time.next(kStart_ns + kMillisecond + 501, 1);
+  EXPECT_EQ(none.begin, none.end);
+}
+
+TEST(AnytimePlan, SomethingIsProcessedHoweverLate) {
+  AnytimePlan plan(within(kMillisecond, 6400), 0, 500);
+  EXPECT_EQ(plan.next(3600 * 1000 * kMillisecond, 0).end, 400u);
+  const AnytimePlan::Stratum none = plan.next(3600 * 1000 * kMillisecond, 8);
+  EXPECT_EQ(none.begin, none.end);
+}
+
+TEST(AnytimePlan, WithoutAnExpectationItTriesAndLearns) {
+  for (const double nothing : {0.0, -5.0, -kInfinity, kNaN}) {
+    const Executed run = execute(within(kMillisecond, 6400, nothing), 1000.0);
+    EXPECT_EQ(run.strata.front().keep, 1.0);
+    EXPECT_NEAR(static_cast<double>(run.size), 1000, 100) << nothing;
+    EXPECT_NEAR(static_cast<double>(run.end_ns), 1e6, 1e5) << nothing;
+  }
+}
+
+TEST(AnytimePlan, AlwaysPlansAFraction) {
+  for (const double event_ns : {0.0, 1e-300, 1e300, kInfinity, kNaN, -kInfinity}) {
+    for (const std::int64_t budget_ns : {kLongAgo, std::int64_t{0}, kMillisecond, kNever}) {
+      for (const double keep : {0.0, 1e-300, 1.0}) {
+        for (const std::int64_t start_ns : {std::int64_t{-9'200'000'000'000'000'000},
+                                            std::int64_t{0}, 9'200'000'000'000'000'000}) {
+          AnytimePlan plan(within(budget_ns, 6400, event_ns, keep), start_ns, kMillisecond);
+          for (std::int64_t j = 0; j < 16; ++j) {
+            const double fraction = plan.next(start_ns + j % 3, j % 2 == 0 ? 0 : 400).keep;
+            ASSERT_GE(fraction, 0.0);
+            ASSERT_LE(fraction, 1.0);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(AnytimePlan, AnInfiniteExpectationIsCautious) {
+  AnytimePlan plan(within(kMillisecond, 6400, kInfinity), 0, kMillisecond);
+  EXPECT_DOUBLE_EQ(plan.next(0, 0).keep, 0.02);
+}
+
+}  // namespace
+}  // namespace asap

@@ -1,0 +1,450 @@
+// Anytime packages through the packager: strata, where their events lie, what leaves the ring.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "asap/core/random.hpp"
+#include "asap/packager/packager.hpp"
+#include "asap/telemetry/ledger.hpp"
+#include "support/scripted_scheme.hpp"
+#include "support/streams.hpp"
+
+namespace asap {
+namespace {
+
+using test::at_times;
+using test::evenly_spaced;
+using test::Events;
+using test::numbers_of;
+using test::ScriptedScheme;
+
+using Numbers = std::vector<std::uint64_t>;
+using Step = Packager::Step;
+
+constexpr std::int64_t kMicrosecond = 1000;
+constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kBound_ns = 10 * kMillisecond;
+constexpr std::int64_t kGrace_ns = kBound_ns / 100;
+
+Decision within(std::int64_t budget_ns, std::size_t raw, double event_ns = 0.0, double keep = 1.0) {
+  Decision decision = Decision::take(raw, keep);
+  decision.budget_ns = budget_ns;
+  decision.event_ns = event_ns;
+  return decision;
+}
+
+ScriptedScheme always(Decision decision) {
+  return ScriptedScheme([=](const Backlog&) { return decision; });
+}
+
+Numbers numbers_between(std::uint64_t begin, std::uint64_t end) {
+  Numbers numbers;
+  for (std::uint64_t i = begin; i < end; ++i) numbers.push_back(i);
+  return numbers;
+}
+
+// A ring and a packager whose algorithm needs event_ns per event.
+class Rig {
+ public:
+  explicit Rig(Scheme& scheme, std::size_t capacity = 4096, PackagerConfig config = {})
+      : buffer(capacity), packager(buffer, ages, scheme, telemetry, config) {
+    packager.set_axis(TimeAxis(0, 1.0));
+  }
+
+  void push(EventSpan events) {
+    received += events.size();
+    buffer.push(events);
+  }
+
+  // Opens a package; a test that expects one fails without.
+  Package open(std::int64_t now_ns = 0) {
+    telemetry.log.make_room();
+    const Packager::Next next = packager.next(now_ns);
+    EXPECT_EQ(next.step, Step::package);
+    return next.package;
+  }
+
+  // Runs a package to its end; the parts, each as it was handed out.
+  std::vector<Numbers> run(Package& package, double event_ns, std::int64_t now_ns = 0) {
+    std::vector<Numbers> parts;
+    for (;;) {
+      const EventSpan part = packager.stratum(package, now_ns);
+      if (part.empty()) break;
+      EXPECT_EQ(part.data() + part.size(), package.events.data() + package.events.size());
+      parts.push_back(numbers_of(part));
+      now_ns += std::llround(event_ns * static_cast<double>(part.size()));
+    }
+    packager.complete(package, now_ns);
+    return parts;
+  }
+
+  Ledger ledger() const {
+    return {.received = received,
+            .discarded = telemetry.discarded,
+            .stale = telemetry.stale,
+            .overflow = buffer.overflow(),
+            .delivered = telemetry.delivered,
+            .pending = buffer.size()};
+  }
+
+  EventBuffer buffer;
+  AgeSlots ages{kBound_ns / 64};
+  Telemetry telemetry{kBound_ns};
+  Packager packager;
+  std::uint64_t received = 0;
+};
+
+TEST(Anytime, NextOpensAPackageAndStrataShowItsEvents) {
+  ScriptedScheme scheme = always(within(kMillisecond, 640));
+  Rig rig(scheme);
+  rig.push(evenly_spaced(1000, 1));
+  Package package = rig.open(7);
+  EXPECT_EQ(scheme.execution, Execution::anytime);
+  EXPECT_TRUE(package.events.empty());
+  EXPECT_EQ(package.raw, 0u);
+  EXPECT_EQ(package.gamma, 1.0);
+  EXPECT_EQ(package.start_ns, 7);
+  EXPECT_EQ(rig.packager.stratum(package, 7).size(), 64u);
+  EXPECT_EQ(package.events.size(), 64u);
+  EXPECT_EQ(package.raw, 64u);
+  EXPECT_EQ(package.offered, 64u);
+  EXPECT_EQ(rig.packager.stratum(package, 100).size(), 64u);
+  EXPECT_EQ(package.events.size(), 128u);
+  const std::vector<Numbers> rest = rig.run(package, 1.0, 200);
+  ASSERT_EQ(rest.size(), 8u);
+  EXPECT_EQ(rest.back(), numbers_between(576, 640));
+  EXPECT_EQ(numbers_of(package.events), numbers_between(0, 640));
+  EXPECT_EQ(rig.buffer.size(), 360u);
+  EXPECT_EQ(rig.telemetry.log[0].size, 640);
+  EXPECT_EQ(rig.telemetry.log[0].processing_us, (200 - 7 + 8 * 64) * 1e-3);
+  ASSERT_EQ(scheme.outcomes.size(), 1u);
+  EXPECT_EQ(scheme.outcomes[0].raw, 640u);
+  EXPECT_EQ(scheme.outcomes[0].size, 640u);
+  EXPECT_EQ(scheme.outcomes[0].span_ns, 639 * kMicrosecond);
+  EXPECT_TRUE(rig.ledger().balanced());
+}
+
+TEST(Anytime, AWholePackageComesAtOnce) {
+  const auto comes_at_once = [](Decision decision, Execution execution) {
+    ScriptedScheme scheme = always(decision);
+    Rig rig(scheme, 4096, {.execution = execution});
+    rig.push(evenly_spaced(1000, 1));
+    Package package = rig.open();
+    EXPECT_EQ(scheme.execution, execution);
+    EXPECT_EQ(package.events.size(), 640u);
+    EXPECT_EQ(package.raw, 640u);
+    const std::vector<Numbers> parts = rig.run(package, 1000.0);
+    ASSERT_EQ(parts.size(), 1u);
+    EXPECT_EQ(parts[0], numbers_between(0, 640));
+  };
+  comes_at_once(Decision::take(640), Execution::anytime);
+  comes_at_once(within(1, 640, 1000.0), Execution::whole);
+}
+
+// ---- where the events lie
+
+TEST(Anytime, WhileEverythingIsKeptAPackageIsASliceOfTheRing) {
+  ScriptedScheme scheme = always(within(kMillisecond, 640));
+  Rig rig(scheme);
+  rig.push(evenly_spaced(1000, 1));
+  const Event* const ring = rig.buffer.peek().first.data();
+  Package package = rig.open();
+  for (std::size_t j = 0; j < 10; ++j) {
+    const EventSpan part = rig.packager.stratum(package, 0);
+    EXPECT_EQ(part.data(), ring + 64 * j);
+    EXPECT_EQ(package.events.data(), ring);
+    EXPECT_EQ(package.events.size(), 64 * (j + 1));
+  }
+  EXPECT_TRUE(rig.packager.stratum(package, 0).empty());
+  rig.packager.complete(package, 0);
+  EXPECT_EQ(rig.buffer.head(), 640u);
+}
+
+TEST(Anytime, AThinnedStratumMovesThePackageOutOfTheRing) {
+  ScriptedScheme scheme = always(within(100 * kMicrosecond, 640, 1.0));
+  Rig rig(scheme, 1024, {.seed = 9});
+  rig.push(evenly_spaced(1000, 1));
+  const Event* const ring = rig.buffer.peek().first.data();
+  Package package = rig.open();
+  const EventSpan first = rig.packager.stratum(package, 0);
+  EXPECT_EQ(first.data(), ring);
+  const EventSpan second = rig.packager.stratum(package, 90 * kMicrosecond);
+  EXPECT_LT(second.size(), 64u);
+  EXPECT_GT(second.size(), 0u);
+  EXPECT_NE(package.events.data(), ring);
+  EXPECT_EQ(second.data(), package.events.data() + 64);
+  EXPECT_EQ(numbers_of(package.events.first(64)), numbers_between(0, 64));
+  EXPECT_EQ(numbers_of(first), numbers_between(0, 64)) << "what was handed out stays valid";
+}
+
+TEST(Anytime, AcrossTheWrapAPackageIsOnePiece) {
+  for (const std::size_t turned : {1u, 63u, 64u, 100u, 320u, 639u}) {
+    ScriptedScheme scheme([&](const Backlog& backlog) {
+      return backlog.count < 640 ? Decision::take(backlog.count) : within(kMillisecond, 640);
+    });
+    Rig rig(scheme, 640);
+    rig.push(evenly_spaced(turned, 0));
+    Package before = rig.open();
+    rig.run(before, 0.0);
+    rig.push(evenly_spaced(640, 1));
+    Package package = rig.open();
+    const std::vector<Numbers> parts = rig.run(package, 1.0);
+    EXPECT_EQ(numbers_of(package.events), numbers_between(0, 640));
+    ASSERT_EQ(parts.size(), 10u);
+    for (std::size_t j = 0; j < 10; ++j) EXPECT_EQ(parts[j], numbers_between(64 * j, 64 * j + 64));
+  }
+}
+
+// ---- early end
+
+TEST(Anytime, AnOutageLeavesTheUntouchedStrataInTheRing) {
+  ScriptedScheme scheme = always(within(kMillisecond, 640, 100.0));
+  Rig rig(scheme, 1024, {.seed = 4});
+  rig.push(evenly_spaced(1000, 1));
+  Package package = rig.open();
+  (void)rig.packager.stratum(package, 0);
+  (void)rig.packager.stratum(package, 10);
+  (void)rig.packager.stratum(package, 20);
+  const std::int64_t late_ns = kMillisecond + kGrace_ns + 1;
+  EXPECT_TRUE(rig.packager.stratum(package, late_ns).empty());
+  EXPECT_EQ(package.raw, 192u);
+  rig.packager.complete(package, late_ns);
+  EXPECT_EQ(rig.buffer.head(), 192u);
+  EXPECT_EQ(rig.telemetry.log[0].offered, 192);
+  EXPECT_EQ(scheme.outcomes[0].raw, 192u);
+  EXPECT_EQ(rig.ledger(), (Ledger{.received = 1000, .delivered = 192, .pending = 808}));
+  Package next = rig.open(late_ns);
+  EXPECT_EQ(rig.run(next, 1.0, late_ns).front(), numbers_between(192, 256));
+}
+
+TEST(Anytime, EventsLeftInTheRingMeetTheSameHash) {
+  // Whatever was executed, event number i is decided by random(i).
+  int asked = 0;
+  ScriptedScheme scheme([&](const Backlog& backlog) {
+    return asked++ == 0 ? within(1, 640, 1e9) : Decision::take(backlog.count, 0.5);
+  });
+  Rig rig(scheme, 1024, {.seed = 4});
+  rig.push(evenly_spaced(1000, 1));
+  Package early = rig.open();
+  (void)rig.packager.stratum(early, 0);
+  while (!rig.packager.stratum(early, kBound_ns).empty()) continue;
+  rig.packager.complete(early, kBound_ns);
+  const std::uint64_t head = rig.buffer.head();
+  EXPECT_LT(head, 640u);
+  Package rest = rig.open(kBound_ns);
+  const CounterRandom random(4);
+  Numbers expected;
+  for (std::uint64_t i = head; i < 1000; ++i) {
+    if (random(i) >> 63 == 0) expected.push_back(i);
+  }
+  EXPECT_EQ(numbers_of(rest.events), expected);
+}
+
+// ---- packages of which nothing is kept
+
+TEST(Anytime, APackageOfWhichNothingWasKeptCountsToTheNext) {
+  int asked = 0;
+  ScriptedScheme scheme([&](const Backlog&) {
+    return ++asked <= 2 ? within(-1, 100, 1.0, 0.0) : within(kMillisecond, 100);
+  });
+  Rig rig(scheme);
+  rig.push(evenly_spaced(1000, 1));
+  for (int i = 0; i < 2; ++i) {
+    Package none = rig.open(5);
+    EXPECT_EQ(none.index, 0u);
+    EXPECT_TRUE(rig.packager.stratum(none, 5).empty());
+    EXPECT_TRUE(none.events.empty());
+    EXPECT_EQ(none.raw, 100u);
+    rig.packager.complete(none, 12);
+  }
+  EXPECT_EQ(rig.telemetry.log.size(), 0u);
+  EXPECT_EQ(rig.telemetry.discarded, 200u);
+  ASSERT_EQ(scheme.outcomes.size(), 2u);
+  EXPECT_EQ(scheme.outcomes[1].size, 0u);
+  EXPECT_EQ(scheme.outcomes[1].raw, 100u);
+  EXPECT_EQ(scheme.outcomes[1].span_ns, 0);
+  EXPECT_EQ(scheme.outcomes[1].start_ns, 5);
+  EXPECT_EQ(scheme.outcomes[1].processing_ns, 7);
+  Package package = rig.open(12);
+  EXPECT_EQ(package.index, 0u);
+  rig.run(package, 1.0, 12);
+  EXPECT_EQ(package.offered, 300u);
+  EXPECT_EQ(rig.telemetry.log[0].offered, 300);
+  EXPECT_DOUBLE_EQ(rig.telemetry.log[0].gamma, 1.0 / 3);
+  EXPECT_EQ(rig.ledger(),
+            (Ledger{.received = 1000, .discarded = 200, .delivered = 100, .pending = 700}));
+}
+
+TEST(Anytime, StrataOfWhichNothingIsKeptArePassedOver) {
+  // Without time left, of 64 events 1.28 are kept: some strata keep none.
+  ScriptedScheme scheme = always(within(0, 1024, 1.0));
+  Rig rig(scheme, 2048, {.seed = 2});
+  rig.push(evenly_spaced(1024, 1));
+  Package package = rig.open();
+  const std::vector<Numbers> parts = rig.run(package, 0.0);
+  Numbers expected;
+  std::size_t strata = 0;
+  const CounterRandom random(2);
+  const std::uint64_t threshold = KeepThreshold::checked(0.02).value();
+  for (std::uint64_t j = 0; j < 16; ++j) {
+    const std::size_t before = expected.size();
+    for (std::uint64_t i = 64 * j; i < 64 * j + 64; ++i) {
+      if ((random(i) >> 1) < threshold) expected.push_back(i);
+    }
+    if (expected.size() > before) ++strata;
+  }
+  EXPECT_LT(strata, 16u);
+  EXPECT_EQ(parts.size(), strata);
+  EXPECT_EQ(numbers_of(package.events), expected);
+  EXPECT_EQ(package.raw, 1024u);
+}
+
+// ---- gamma and keep
+
+TEST(Anytime, GammaIsAsPlannedAndTheRowAsItWas) {
+  ScriptedScheme scheme = always(within(kMillisecond, 640, 1.0, 0.25));
+  Rig rig(scheme);
+  rig.push(evenly_spaced(1000, 1));
+  Package package = rig.open();
+  EXPECT_EQ(package.gamma, 0.25);
+  EXPECT_EQ(package.keep, 0.25) << "the first package sets it";
+  rig.run(package, 0.0);
+  EXPECT_EQ(rig.telemetry.log[0].gamma, 1.0) << "there was time for all";
+}
+
+TEST(Anytime, TheSmoothedKeptFractionFollowsWhatWasKept) {
+  // Planned is 0.25, kept is all: keep before a package is a step from what was, towards the plan.
+  ScriptedScheme scheme = always(within(kMillisecond, 100, 1.0, 0.25));
+  Rig rig(scheme, 65'536);
+  rig.push(evenly_spaced(60'000, 1));
+  double keep = 0;
+  for (std::int64_t i = 0; i < 500; ++i) {
+    Package package = rig.open(i * kMillisecond / 5);
+    keep = package.keep;
+    rig.run(package, 0.0, i * kMillisecond / 5);
+  }
+  EXPECT_NEAR(keep, 1.0, 0.02);
+}
+
+// ---- drop, flush
+
+TEST(Anytime, ADropAsksAgainAboutWhatIsLeft) {
+  std::vector<std::size_t> told;
+  ScriptedScheme scheme([&](const Backlog& backlog) {
+    told.push_back(backlog.count);
+    return told.size() <= 2 ? Decision::drop(10) : within(kMillisecond, 5);
+  });
+  Rig rig(scheme);
+  rig.push(evenly_spaced(100, 1));
+  Package package = rig.open();
+  EXPECT_EQ(told, (std::vector<std::size_t>{100, 90, 80}));
+  EXPECT_EQ(package.stale_before, 20u);
+  EXPECT_EQ(rig.run(package, 1.0), (std::vector<Numbers>{numbers_between(20, 25)}));
+  EXPECT_EQ(rig.ledger(), (Ledger{.received = 100, .stale = 20, .delivered = 5, .pending = 75}));
+}
+
+TEST(Anytime, ADropOfEverythingWaitsForMore) {
+  ScriptedScheme scheme([](const Backlog& backlog) { return Decision::drop(backlog.count); });
+  Rig rig(scheme);
+  rig.push(evenly_spaced(100, 1));
+  const Packager::Next next = rig.packager.next(0);
+  EXPECT_EQ(next.step, Step::wait);
+  EXPECT_EQ(next.until_tail, 101u);
+  EXPECT_EQ(rig.ledger(), (Ledger{.received = 100, .stale = 100}));
+}
+
+TEST(Anytime, WithoutFlushTheBoundForcesNothing) {
+  std::vector<bool> due;
+  ScriptedScheme scheme([&](const Backlog& backlog) {
+    due.push_back(backlog.due);
+    return Decision::wait_for(1000);
+  });
+  Rig rig(scheme, 8, {.flush = false});
+  rig.push(evenly_spaced(7, 1));
+  for (const std::int64_t now_ns : {std::int64_t{0}, kBound_ns, 1000 * kBound_ns}) {
+    const Packager::Next next = rig.packager.next(now_ns);
+    EXPECT_EQ(next.step, Step::wait);
+    EXPECT_EQ(next.until_ns, kNever);
+    EXPECT_EQ(next.until_tail, 8u);
+  }
+  rig.push(evenly_spaced(1, 1, 7));
+  EXPECT_EQ(rig.open(1000 * kBound_ns).events.size(), 8u) << "a full ring still does";
+  EXPECT_EQ(due, (std::vector<bool>{false, false, false, true}));
+}
+
+TEST(Anytime, WithoutFlushTheEndOfTheSourceStillForcesAScheme) {
+  ScriptedScheme scheme([](const Backlog&) { return Decision::wait_for(1000); });
+  Rig rig(scheme, 16, {.flush = false});
+  rig.push(evenly_spaced(7, 1));
+  rig.buffer.close();
+  EXPECT_EQ(rig.open(0).events.size(), 7u);
+}
+
+// ---- whatever happens
+
+TEST(Anytime, LosesNothingAndDoublesNothing) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const CounterRandom random(seed);
+    std::uint64_t draws = 0;
+    const auto draw = [&](std::uint64_t limit) { return random(draws++) % limit; };
+    ScriptedScheme scheme([&](const Backlog& backlog) {
+      const double keeps[] = {1, 0.3, 0};
+      const double costs[] = {0, 100, 10'000};
+      Decision decision = within(static_cast<std::int64_t>(draw(3)) * kMillisecond / 2,
+                                 1 + draw(2 * backlog.count), costs[draw(3)], keeps[draw(3)]);
+      if (draw(4) == 0) decision.budget_ns = kNever;
+      return decision;
+    });
+    const std::size_t capacity = 500 + 300 * draw(8);
+    Rig rig(scheme, capacity, {.seed = seed});
+    const Events events = evenly_spaced(30'000, 1);
+    std::size_t at = 0;
+    std::int64_t now_ns = 0;
+    std::int64_t last = -1;
+    while (at < events.size() || rig.buffer.size() > 0) {
+      const std::size_t free = capacity - rig.buffer.size();
+      const std::size_t more = std::min<std::size_t>({draw(900), free, events.size() - at});
+      rig.push(EventSpan(events).subspan(at, more));
+      at += more;
+      const Packager::Next next = rig.packager.next(now_ns);
+      if (next.step != Step::package) {
+        now_ns = std::min(next.until_ns, now_ns + kMillisecond);
+        continue;
+      }
+      Package package = next.package;
+      rig.telemetry.log.make_room();
+      const std::uint64_t head = rig.buffer.head();
+      Numbers parts;
+      for (;;) {
+        const EventSpan part = rig.packager.stratum(package, now_ns);
+        if (part.empty()) break;
+        for (const std::uint64_t number : numbers_of(part)) parts.push_back(number);
+        now_ns += static_cast<std::int64_t>(draw(draw(10) == 0 ? 5'000'000 : 50'000));
+      }
+      ASSERT_EQ(numbers_of(package.events), parts);
+      for (const std::uint64_t number : parts) {
+        ASSERT_GT(static_cast<std::int64_t>(number), last);
+        last = static_cast<std::int64_t>(number);
+      }
+      rig.packager.complete(package, now_ns);
+      ASSERT_EQ(rig.buffer.head(), head + package.raw);
+      ASSERT_GE(package.raw, 1u);
+      ASSERT_LT(last, static_cast<std::int64_t>(rig.buffer.head()));
+      ASSERT_TRUE(rig.ledger().balanced());
+    }
+    std::uint64_t offered = 0;
+    for (std::size_t i = 0; i < rig.telemetry.log.size(); ++i) {
+      offered += static_cast<std::uint64_t>(rig.telemetry.log[i].offered);
+    }
+    EXPECT_LE(offered, 30'000u);
+    EXPECT_EQ(rig.ledger().delivered + rig.ledger().discarded, 30'000u);
+  }
+}
+
+}  // namespace
+}  // namespace asap

@@ -1,0 +1,367 @@
+#include "asap/schemes/cost_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "asap/core/random.hpp"
+#include "asap/schemes/calibration.hpp"
+#include "support/errors.hpp"
+
+namespace asap {
+namespace {
+
+using test::error_of;
+
+constexpr double kAlphaNs = 100e3;
+constexpr double kBetaNs = 300.0;
+constexpr double kLatencyNs = 10e6;
+
+// About normal, mean 0, variance 1.
+double normal(const CounterRandom& random, std::uint64_t index) {
+  double sum = 0;
+  for (std::uint64_t i = 0; i < 12; ++i) sum += random.uniform(12 * index + i);
+  return sum - 6;
+}
+
+// Overload: the size of a package follows from the model's own estimate, its length is the knee.
+double next_size(const CostModel& model, std::uint64_t index, double floor_ns) {
+  const double length_ns =
+      std::clamp(33 * model.alpha_ns(), std::max(floor_ns, 1.0), kLatencyNs / 2);
+  const double size =
+      std::max(length_ns - model.alpha_ns(), model.alpha_ns() / 4) / model.beta_ns();
+  return std::clamp(std::floor(std::min(size, slow_start_size(index))), 1.0, 1e7);
+}
+
+// The true cost of package `index` is factor(index) (alpha + beta n), with 5 % of noise.
+double cost_ns(double size, double factor, const CounterRandom& random, std::uint64_t index) {
+  return factor * (kAlphaNs + kBetaNs * size) * std::exp(0.05 * normal(random, index));
+}
+
+using Factor = std::function<double(std::uint64_t)>;
+
+struct Errors {
+  double alpha, beta, prediction;  // relative; the worst of the packages after the warm-up
+};
+
+Errors closed_loop(CostModel model, const Factor& factor, std::uint64_t seed,
+                   std::uint64_t warm_up = 100, std::uint64_t packages = 2000) {
+  const CounterRandom random(seed);
+  Errors worst{};
+  for (std::uint64_t k = 0; k < packages; ++k) {
+    const double f = factor(k);
+    const double size = next_size(model, k, kLatencyNs / 10);
+    if (k >= warm_up) {
+      const double expected_ns = f * (kAlphaNs + kBetaNs * size);
+      worst.alpha = std::max(worst.alpha, std::abs(model.alpha_ns() / (f * kAlphaNs) - 1));
+      worst.beta = std::max(worst.beta, std::abs(model.beta_ns() / (f * kBetaNs) - 1));
+      worst.prediction =
+          std::max(worst.prediction, std::abs(model.predict_ns(size) / expected_ns - 1));
+    }
+    model.update(static_cast<std::size_t>(size), cost_ns(size, f, random, k));
+  }
+  return worst;
+}
+
+TEST(CostModel, StartsWithItsFirstGuess) {
+  const CostModel model;
+  EXPECT_DOUBLE_EQ(model.alpha_ns(), 50e3);
+  EXPECT_DOUBLE_EQ(model.beta_ns(), 100.0);
+  EXPECT_DOUBLE_EQ(model.predict_ns(1000), 150e3);
+  EXPECT_DOUBLE_EQ(model.sigma(), 0.2);
+  EXPECT_EQ(model.count(), 0u);
+}
+
+TEST(CostModel, FindsAnExactLine) {
+  CostModel model;
+  for (std::size_t size = 1; size <= 64; size *= 2) {
+    model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
+  }
+  EXPECT_EQ(model.count(), 7u);  // the seventh drops the first guess
+  EXPECT_NEAR(model.alpha_ns(), kAlphaNs, 1e-6 * kAlphaNs);
+  EXPECT_NEAR(model.beta_ns(), kBetaNs, 1e-6 * kBetaNs);
+  EXPECT_NEAR(model.predict_ns(1e6), kAlphaNs + kBetaNs * 1e6, 1e-3 * kBetaNs * 1e6);
+}
+
+TEST(CostModel, FirstFitByHand) {
+  CostModel model({.first_alpha_us = 1, .first_beta_ns = 1});
+  model.update(1, 2000);  // replaces the first guess at 1: the line goes through (1, 2000) and
+  EXPECT_NEAR(model.predict_ns(1), 2000, 1e-6);  // the guess at 8192, which is 9192
+  EXPECT_NEAR(model.predict_ns(8192), 9192, 1e-6);
+  model.update(1, 4000);  // halfway
+  EXPECT_NEAR(model.predict_ns(1), 3000, 1e-6);
+  model.update(1, 6000);  // a third of the way
+  EXPECT_NEAR(model.predict_ns(1), 4000, 3);
+}
+
+TEST(CostModel, OtherSizesAreNotForgotten) {
+  CostModel model;
+  for (std::size_t k = 0; k < 24; ++k) {
+    const std::size_t size = std::size_t{1} << (k % 12);
+    model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
+  }
+  const CounterRandom random(4);
+  for (std::uint64_t k = 0; k < 5000; ++k) model.update(1000, cost_ns(1000, 1, random, k));
+  EXPECT_NEAR(model.alpha_ns(), kAlphaNs, 0.25 * kAlphaNs);
+  EXPECT_NEAR(model.beta_ns(), kBetaNs, 0.25 * kBetaNs);
+  EXPECT_NEAR(model.predict_ns(1000), 400e3, 20e3);
+}
+
+TEST(CostModel, RecoversASteadyCostInClosedLoop) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const Errors worst = closed_loop(CostModel(), [](std::uint64_t) { return 1.0; }, seed);
+    EXPECT_LT(worst.alpha, 0.35) << seed;
+    EXPECT_LT(worst.beta, 0.12) << seed;
+    EXPECT_LT(worst.prediction, 0.12) << seed;
+  }
+}
+
+TEST(CostModel, FollowsADriftingCost) {
+  const Factor drift = [](std::uint64_t k) {
+    return 1 + 0.5 * std::sin(static_cast<double>(k) / 80);
+  };
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    EXPECT_LT(closed_loop(CostModel(), drift, seed).prediction, 0.2) << seed;
+  }
+}
+
+TEST(CostModel, FollowsAStepWithinAFewPackages) {
+  for (const double step : {3.0, 1 / 3.0, 30.0, 1 / 30.0}) {
+    const Factor factor = [=](std::uint64_t k) { return k < 200 ? 1.0 : step; };
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      EXPECT_LT(closed_loop(CostModel(), factor, seed, 240, 400).prediction, 0.3)
+          << step << ", seed " << seed;
+    }
+  }
+}
+
+TEST(CostModel, ClipsOneOutlierAndTheSecondButNotTheThird) {
+  const auto trained = [] {
+    CostModel model;
+    for (std::size_t k = 0; k < 60; ++k) {
+      const std::size_t size = std::size_t{1} << (k % 12);
+      model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
+    }
+    return model;
+  };
+  CostModel model = trained();
+  const double normal_ns = model.predict_ns(1024);
+  model.update(1024, 100 * normal_ns);
+  model.update(1024, 100 * normal_ns);
+  EXPECT_LT(model.predict_ns(1024), 1.1 * normal_ns);
+  model.update(1024, 100 * normal_ns);
+  EXPECT_GT(model.predict_ns(1024), 1.2 * normal_ns);
+
+  CostModel turning = trained();  // three on the other side count from the first of them
+  for (int k = 0; k < 5; ++k) {
+    turning.update(1024, k < 2 ? 100 * normal_ns : 0.01 * normal_ns);
+  }
+  EXPECT_LT(turning.predict_ns(1024), 0.85 * normal_ns);
+
+  CostModel alternating = trained();  // outliers on both sides are no new level
+  for (int k = 0; k < 6; ++k) {
+    alternating.update(1024, k % 2 == 0 ? 100 * normal_ns : 0.01 * normal_ns);
+  }
+  EXPECT_NEAR(alternating.predict_ns(1024), normal_ns, 0.1 * normal_ns);
+}
+
+// Packages as long as the estimate says: at 100 times the cost the first ones take 100 times as
+// long as they should, and the third is the last of them.
+TEST(CostModel, ARiseToAHundredfoldCostsAFewPackages) {
+  struct Cost {
+    double alpha, beta;  // factors
+  };
+  for (const Cost jump : {Cost{1, 100}, Cost{100, 100}, Cost{1, 10}, Cost{10, 10}, Cost{100, 1}}) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      const CounterRandom random(seed);
+      CostModel model;
+      for (std::uint64_t k = 0; k < 260; ++k) {
+        const double size = next_size(model, k, kLatencyNs / 10);
+        const bool is_dear = k >= 200;
+        const double alpha_ns = kAlphaNs * (is_dear ? jump.alpha : 1);
+        const double beta_ns = kBetaNs * (is_dear ? jump.beta : 1);
+        const double cost = (alpha_ns + beta_ns * size) * std::exp(0.05 * normal(random, k));
+        // A fixed cost shows only when the sizes of before are forgotten.
+        if (k >= (jump.alpha > jump.beta ? 216u : 204u)) {
+          EXPECT_LT(cost, 1.5 * model.predict_ns(size) + 1)
+              << jump.beta << ", " << seed << ", " << k;
+        }
+        model.update(static_cast<std::size_t>(size), cost);
+      }
+      if (jump.beta > 1) {
+        EXPECT_NEAR(model.beta_ns() / (kBetaNs * jump.beta), 1, 0.5) << seed;
+      }
+    }
+  }
+}
+
+// What is known of other sizes rises by the least of the three.
+TEST(CostModel, ANewLevelIsLearnedAnew) {
+  CostModel model;
+  for (std::size_t k = 0; k < 60; ++k) {
+    const std::size_t size = std::size_t{1} << (k % 12);
+    model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
+  }
+  for (int k = 0; k < 10; ++k) model.update(1024, 1.2 * (kAlphaNs + kBetaNs * 1024));
+  const double small_ns = model.predict_ns(1);
+  const double normal_ns = model.predict_ns(1024);
+  for (const double factor : {5.0, 100.0, 7.0}) model.update(1024, factor * normal_ns);
+  EXPECT_NEAR(model.predict_ns(1024) / normal_ns, 6, 1);
+  EXPECT_NEAR(model.predict_ns(1) / small_ns, 5, 0.7);
+  EXPECT_GE(model.sigma(), 0.2);       // as careful as at the start
+  model.update(1024, 10 * normal_ns);  // and every package is news
+  EXPECT_NEAR(model.predict_ns(1024) / normal_ns, 8, 1.5);
+}
+
+TEST(CostModel, LearnsTheNoise) {
+  for (const double noise : {0.0, 0.05, 0.3}) {
+    CostModel model;
+    const CounterRandom random(9);
+    for (std::uint64_t k = 0; k < 1000; ++k) {
+      const std::size_t size = std::size_t{1} << (k % 12);
+      const double mean_ns = kAlphaNs + kBetaNs * static_cast<double>(size);
+      model.update(size, mean_ns * (1 + std::max(-0.9, noise * normal(random, k))));
+    }
+    const double mean_error = std::max(0.01, 0.8 * noise);  // E|x| of a normal x
+    EXPECT_GT(model.sigma(), 0.7 * mean_error);
+    EXPECT_LT(model.sigma(), 1.5 * mean_error);
+  }
+}
+
+// At constant n the two parameters are not separately observable. An alpha that is too small makes
+// the knee small, and the small packages confirm it. What the slow start has seen prevents that.
+TEST(CostModel, DoesNotRunAwayInClosedLoop) {
+  const auto efficiency = [](bool slow_start, std::uint64_t seed) {
+    const CounterRandom random(seed);
+    CostModel model;
+    double events = 0, time_ns = 0;
+    for (std::uint64_t k = 0; k < 3000; ++k) {
+      const double size = next_size(model, slow_start ? k : k + 1000, 0);
+      const double cost = cost_ns(size, 1, random, k);
+      model.update(static_cast<std::size_t>(size), cost);
+      if (k < 1000) continue;
+      events += size;
+      time_ns += cost;
+    }
+    return events / time_ns * kBetaNs;  // 1 = no time lost to alpha
+  };
+  double worst = 1, worst_without = 1;
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    worst = std::min(worst, efficiency(true, seed));
+    worst_without = std::min(worst_without, efficiency(false, seed));
+  }
+  EXPECT_GT(worst, 0.95);
+  EXPECT_LT(worst_without, 0.5);  // the trap is there
+}
+
+TEST(CostModel, WrongFirstGuessesAreGoneAfterSixUpdates) {
+  for (const double alpha_error : {0.01, 1.0, 100.0}) {
+    for (const double beta_error : {0.01, 1.0, 100.0}) {
+      CostModel model({.first_alpha_us = 100 * alpha_error, .first_beta_ns = 300 * beta_error});
+      std::size_t size = 2;
+      for (int k = 0; k < 7; ++k, size *= 2) {
+        model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
+      }
+      EXPECT_NEAR(model.alpha_ns(), kAlphaNs, 1e-6 * kAlphaNs);
+      EXPECT_NEAR(model.beta_ns(), kBetaNs, 1e-6 * kBetaNs);
+    }
+  }
+}
+
+// One size tells alpha and beta not apart, but what they sum to.
+TEST(CostModel, WrongFirstGuessesAreGoneAfterSixUpdatesOfOneSize) {
+  for (const double error : {1e-4, 0.01, 100.0, 1e4}) {
+    for (const std::size_t size : {1u, 100u, 10'000u, 100'000'000u}) {
+      CostModel model({.first_alpha_us = 100 * error, .first_beta_ns = 300 * error});
+      const double n = static_cast<double>(size);
+      for (int k = 0; k < 7; ++k) model.update(size, kAlphaNs + kBetaNs * n);
+      EXPECT_NEAR(model.predict_ns(n) / (kAlphaNs + kBetaNs * n), 1.0, 1e-6)
+          << error << " at " << size;
+    }
+  }
+}
+
+TEST(CostModel, NeverNegativeNorNaNWhateverIsFed) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> times = {0,    -1,       kNaN, kInfinity, -kInfinity, 1e300,
+                                     1e18, 4.9e-324, 1,    1e5,       1e5,        1e9};
+  const std::vector<std::size_t> sizes = {
+      0, 1, 2, 100, 8192, std::size_t{1} << 24, std::numeric_limits<std::size_t>::max()};
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const CounterRandom random(seed);
+    CostModel model({.first_alpha_us = seed % 3 == 0 ? 0.001 : 1e9,
+                     .first_beta_ns = seed % 2 == 0 ? 0.001 : 1e9});
+    const std::uint64_t run = 1 + seed % 40;  // how long the same is fed
+    for (std::uint64_t k = 0; k < 1000; ++k) {
+      model.update(sizes[random(2 * (k / run)) % sizes.size()],
+                   times[random(2 * (k / run) + 1) % times.size()]);
+      ASSERT_TRUE(std::isfinite(model.alpha_ns()) && model.alpha_ns() > 0) << seed << ", " << k;
+      ASSERT_TRUE(std::isfinite(model.beta_ns()) && model.beta_ns() > 0) << seed << ", " << k;
+      ASSERT_TRUE(std::isfinite(model.sigma()) && model.sigma() >= 0.01) << seed << ", " << k;
+      ASSERT_TRUE(std::isfinite(model.predict_ns(1e18)));
+    }
+  }
+}
+
+// Times of nothing and of eleven days at any size; then the sizes of an anytime consumer.
+TEST(CostModel, RecoversFromWhatIsAbsurd) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const CounterRandom random(seed);
+    CostModel model;
+    for (std::uint64_t k = 0; k < 500; ++k) {
+      model.update(std::size_t{1} << (random(2 * k) % 20), random(2 * k + 1) % 2 == 0 ? 0.0 : 1e15);
+    }
+    for (std::uint64_t k = 0; k < 200; ++k) {
+      const double size = std::min(next_size(model, k, kLatencyNs / 10), 16'000.0);
+      model.update(static_cast<std::size_t>(size), cost_ns(size, 1, random, k));
+    }
+    EXPECT_NEAR(model.predict_ns(16'000), 4.9e6, 0.5e6) << seed;
+  }
+}
+
+TEST(CostModel, WhatIsNoTimeIsNoUpdate) {
+  CostModel model;
+  model.update(100, std::numeric_limits<double>::quiet_NaN());
+  model.update(100, -1);
+  EXPECT_EQ(model.count(), 0u);
+  EXPECT_DOUBLE_EQ(model.predict_ns(1000), 150e3);
+  model.update(100, 0);  // an algorithm that returns at once is one
+  EXPECT_EQ(model.count(), 1u);
+  EXPECT_LT(model.predict_ns(100), 1000);
+}
+
+TEST(CostModel, ResetBringsTheFirstStateBack) {
+  CostModel model({.first_alpha_us = 7, .first_beta_ns = 8});
+  const auto learn = [&] {
+    for (std::size_t k = 0; k < 100; ++k) model.update(k * k, 1e5 + 1e3 * static_cast<double>(k));
+    return std::vector<double>{model.alpha_ns(), model.beta_ns(), model.sigma()};
+  };
+  const auto once = learn();
+  model.reset();
+  EXPECT_EQ(model.count(), 0u);
+  EXPECT_DOUBLE_EQ(model.alpha_ns(), 7000);
+  EXPECT_DOUBLE_EQ(model.beta_ns(), 8);
+  EXPECT_EQ(learn(), once);
+}
+
+TEST(CostModel, RefusesABadFirstGuess) {
+  const auto error = [](CostModelConfig config) {
+    return error_of([=] { CostModel model(config); });
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const std::string us = ": must be between 0.001 and 1e9 us";
+  const std::string ns = ": must be between 0.001 and 1e9 ns";
+  EXPECT_EQ(error({.first_alpha_us = 0}), "first_alpha_us = 0" + us);
+  EXPECT_EQ(error({.first_alpha_us = -1}), "first_alpha_us = -1" + us);
+  EXPECT_EQ(error({.first_alpha_us = kNaN}), "first_alpha_us = nan" + us);
+  EXPECT_EQ(error({.first_beta_ns = 0}), "first_beta_ns = 0" + ns);
+  EXPECT_EQ(error({.first_beta_ns = 2e9}), "first_beta_ns = 2000000000" + ns);
+}
+
+}  // namespace
+}  // namespace asap

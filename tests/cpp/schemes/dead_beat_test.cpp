@@ -1,0 +1,270 @@
+#include "asap/schemes/dead_beat.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "asap/core/random.hpp"
+#include "schemes/steady_backlog.hpp"
+#include "support/errors.hpp"
+#include "support/fake_backlog.hpp"
+
+namespace asap {
+namespace {
+
+using test::error_of;
+using test::FakeBacklog;
+using test::Law;
+using test::run_steady;
+
+constexpr std::int64_t kNow = 1'000'000'000;
+constexpr std::int64_t kMs = 1'000'000;
+constexpr double kAlphaNs = 100e3;
+constexpr double kBetaNs = 300.0;
+
+// A scheme that knows its algorithm: alpha = 100 us, beta = 300 ns, hardly any noise.
+DeadBeat trained(DeadBeatConfig config, Execution execution = Execution::anytime,
+                 std::uint64_t packages = 400) {
+  DeadBeat scheme(config);
+  scheme.reset(execution);
+  for (std::uint64_t k = 0; k < packages; ++k) {
+    const std::size_t size = std::size_t{1} << (k % 14);
+    scheme.observe({.size = size,
+                    .raw = size,
+                    .span_ns = 0,
+                    .start_ns = 0,
+                    .processing_ns = std::llround(kAlphaNs + kBetaNs * static_cast<double>(size))});
+  }
+  return scheme;
+}
+
+// `count` events, the oldest of that age, evenly up to now.
+FakeBacklog evenly(std::size_t count, std::int64_t age_ns) {
+  std::vector<std::int64_t> times;
+  for (std::size_t i = 0; i < count; ++i) {
+    times.push_back(kNow - age_ns +
+                    static_cast<std::int64_t>(i) * age_ns / static_cast<std::int64_t>(count));
+  }
+  return FakeBacklog(std::move(times));
+}
+
+Decision decide(DeadBeat& scheme, std::size_t count, std::int64_t age_ns) {
+  const FakeBacklog events = evenly(count, age_ns);
+  return scheme.decide(events.at(kNow));
+}
+
+double size_of(const Decision& decision) {
+  return decision.keep * static_cast<double>(decision.raw);
+}
+
+TEST(DeadBeat, TakesAllThatWaitsWhileItFits) {
+  DeadBeat scheme = trained({.knee = 0});
+  const Decision decision = decide(scheme, 10'000, 2 * kMs);
+  EXPECT_TRUE(decision.takes);
+  EXPECT_EQ(decision.raw, 10'000u);
+  EXPECT_EQ(decision.keep, 1.0);
+  EXPECT_EQ(decision.stale, 0u);
+  EXPECT_EQ(decision.budget_ns, 5 * kMs);
+  EXPECT_NEAR(decision.event_ns, kBetaNs, 1e-3);
+}
+
+TEST(DeadBeat, ThinsToHalfTheBound) {
+  DeadBeat scheme = trained({.knee = 0});
+  const Decision decision = decide(scheme, 50'000, 5 * kMs);
+  EXPECT_EQ(decision.raw, 50'000u);  // all of it leaves
+  EXPECT_NEAR(size_of(decision), (5e6 - 1e5) / 300, 1);
+  EXPECT_EQ(decision.budget_ns, 5 * kMs);
+}
+
+TEST(DeadBeat, EndsBeforeTheOldestIsTooOld) {
+  DeadBeat scheme = trained({.knee = 0});
+  const Decision decision = decide(scheme, 50'000, 7 * kMs);
+  EXPECT_EQ(decision.budget_ns, 3 * kMs);
+  EXPECT_NEAR(size_of(decision), (3e6 - 1e5) / 300, 1);
+  EXPECT_EQ(decision.stale, 0u);
+}
+
+TEST(DeadBeat, DropsWhatIsTooOldForHalfAPackage) {
+  DeadBeat scheme = trained({.knee = 0});
+  EXPECT_EQ(decide(scheme, 80'000, 7'500'000).stale, 0u);
+  const Decision decision = decide(scheme, 80'000, 8 * kMs);
+  EXPECT_EQ(decision.stale, 30'000u);  // older than 5 ms
+  EXPECT_EQ(decision.raw, 50'000u);
+  EXPECT_EQ(decision.budget_ns, 5 * kMs);
+}
+
+TEST(DeadBeat, DropsAllWhereAllIsTooOld) {
+  DeadBeat scheme = trained({.knee = 0});
+  const FakeBacklog events({kNow - 30 * kMs, kNow - 20 * kMs});
+  const Decision decision = scheme.decide(events.at(kNow, true));
+  EXPECT_TRUE(decision.takes);
+  EXPECT_EQ(decision.stale, 2u);
+  EXPECT_EQ(decision.raw, 0u);
+}
+
+TEST(DeadBeat, TheKneeIsInForceFromTheNextPackageOnAndWhileThereIsMuchToDo) {
+  DeadBeat scheme = trained({.knee = 33});
+  const auto budget_us = [&](std::size_t count) {
+    return std::lround(static_cast<double>(decide(scheme, count, kMs).budget_ns) / 1e3);
+  };
+  EXPECT_EQ(budget_us(1000), 5000);
+  EXPECT_EQ(budget_us(20'000), 5000);
+  EXPECT_EQ(budget_us(20'000), 3300);
+  EXPECT_EQ(budget_us(9'000), 3300);  // 2.8 ms < 0.9 x 3.3 ms
+  for (int calm = 1; calm < 3; ++calm) EXPECT_EQ(budget_us(9'000), 3300);
+  EXPECT_EQ(budget_us(10'000), 3300);  // 3.1 ms: not calm
+  for (int calm = 0; calm < 4; ++calm) EXPECT_EQ(budget_us(9'000), 3300);
+  EXPECT_EQ(budget_us(9'000), 5000);
+}
+
+TEST(DeadBeat, TheKneeHasAFloorAndACap) {
+  const auto budget_ms = [](DeadBeatConfig config) {
+    DeadBeat scheme = trained(config);
+    decide(scheme, 500'000, kMs);
+    return static_cast<double>(decide(scheme, 500'000, kMs).budget_ns) / 1e6;
+  };
+  EXPECT_NEAR(budget_ms({.knee = 5}), 1.0, 1e-3);     // L / 10
+  EXPECT_NEAR(budget_ms({.knee = 1000}), 5.0, 1e-3);  // L / 2
+  EXPECT_NEAR(budget_ms({.knee = 20}), 2.0, 1e-3);
+  EXPECT_NEAR(budget_ms({.knee = 20, .min_interval_ms = 4}), 4.0, 1e-3);
+}
+
+TEST(DeadBeat, StartsSlowlyAndDithersWhileItThins) {
+  DeadBeat fresh;
+  EXPECT_NEAR(size_of(decide(fresh, 1000, kMs)), 2, 1e-9);
+  DeadBeat early = trained({.knee = 0}, Execution::anytime, 3);
+  EXPECT_NEAR(size_of(decide(early, 1000, kMs)), 16, 1e-9);
+  DeadBeat dithered = trained({.knee = 0}, Execution::anytime, 415);
+  EXPECT_NEAR(size_of(decide(dithered, 50'000, kMs)), (5e6 - 1e5) / 300 / 2, 1);
+  EXPECT_EQ(decide(dithered, 10'000, kMs).keep, 1.0);
+}
+
+TEST(DeadBeat, ALastResortIsAQuarterAlphaOfEvents) {
+  DeadBeat scheme = trained({.latency_ms = 0.2, .knee = 0});
+  EXPECT_NEAR(size_of(decide(scheme, 1000, 50'000)), kAlphaNs / 4 / kBetaNs, 1e-2);
+}
+
+// Nothing stops a whole package, so it is planned with 1 + sigma times the cost.
+TEST(DeadBeat, AWholePackageIsPlannedWithCaution) {
+  DeadBeat scheme = trained({.knee = 0}, Execution::whole);
+  const Decision decision = decide(scheme, 50'000, 5 * kMs);
+  EXPECT_NEAR(size_of(decision), (5e6 / 1.01 - 1e5) / 300, 1);  // sigma is at its least, 0.01
+  EXPECT_EQ(decision.budget_ns, kNever);
+  EXPECT_EQ(decision.event_ns, 0.0);
+}
+
+TEST(DeadBeat, HoldsForTheOverheadUnlessDue) {
+  DeadBeat scheme = trained({.overhead = 0.25});
+  const FakeBacklog events = evenly(10, 50'000);
+  Backlog backlog = events.at(kNow);
+  backlog.previous_start_ns = kNow - 100'000;
+  const Decision waits = scheme.decide(backlog);
+  EXPECT_FALSE(waits.takes);
+  EXPECT_NEAR(static_cast<double>(waits.until_ns - kNow), 300e3, 1);
+  backlog.due = true;
+  EXPECT_TRUE(scheme.decide(backlog).takes);
+}
+
+TEST(DeadBeat, KeepsTheBoundAndWhatTheoryAllows) {
+  const auto slow = [](std::size_t) { return Law{kAlphaNs, kBetaNs}; };
+  for (const double rho : {1.5, 3.0, 10.0}) {
+    DeadBeat plain({.knee = 0});
+    const auto run = run_steady(plain, Execution::anytime, rho / 0.3, 2000 * kMs, slow);
+    EXPECT_NEAR(run.kept, 0.98 / rho, 0.01 / rho);  // (1 - 2 alpha / L) / rho
+    EXPECT_LE(run.latency_ns, 1.001 * 10e6);
+    EXPECT_EQ(run.stale, 0u);
+
+    DeadBeat knee({.knee = 20});
+    const auto short_run = run_steady(knee, Execution::anytime, rho / 0.3, 2000 * kMs, slow);
+    EXPECT_NEAR(short_run.kept, 0.95 / rho, 0.01 / rho);  // (1 - 1 / K) / rho
+    EXPECT_LE(short_run.latency_ns, 1.001 * 10e6);
+
+    DeadBeat whole({.knee = 0});
+    const auto opaque = run_steady(whole, Execution::whole, rho / 0.3, 2000 * kMs, slow);
+    EXPECT_GT(opaque.kept, 0.93 / rho);
+    EXPECT_LE(opaque.latency_ns, 1.05 * 10e6);
+  }
+}
+
+TEST(DeadBeat, AlwaysDecidesSomethingValid) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const CounterRandom random(seed);
+    const auto power = [&](std::uint64_t i, double decades) {
+      return std::pow(10.0, decades * random.uniform(i));
+    };
+    DeadBeat scheme({.latency_ms = 0.01 * power(1000, 9),
+                     .knee = seed % 2 == 0 ? 0 : power(1001, 6),
+                     .overhead = random.uniform(1002),
+                     .min_interval_ms = seed % 3 == 0 ? 0 : power(1003, 7)});
+    scheme.reset(seed % 5 == 0 ? Execution::whole : Execution::anytime);
+    for (std::uint64_t k = 0; k < 100; ++k) {
+      const FakeBacklog events = evenly(static_cast<std::size_t>(power(9 * k, 3)),
+                                        static_cast<std::int64_t>(power(9 * k + 1, 11)));
+      Backlog backlog = events.at(kNow, random(9 * k + 2) % 2 == 0);
+      backlog.previous_start_ns = kNow - static_cast<std::int64_t>(power(9 * k + 3, 10));
+      if (random(9 * k + 4) % 16 == 0) backlog.previous_start_ns = kLongAgo;
+      const Decision decision = scheme.decide(backlog);
+      if (decision.takes) {
+        ASSERT_GE(decision.raw + decision.stale, 1u);
+        ASSERT_LE(decision.raw + decision.stale, backlog.count);
+        ASSERT_GE(decision.keep, 0.0);
+        ASSERT_LE(decision.keep, 1.0);
+        ASSERT_GE(decision.budget_ns, 1);
+      } else {
+        ASSERT_FALSE(backlog.due);
+        ASSERT_TRUE(decision.until_ns > kNow);
+      }
+      scheme.observe({.size = static_cast<std::size_t>(power(9 * k + 5, 12)) - 1,
+                      .raw = backlog.count,
+                      .span_ns = 0,
+                      .start_ns = kNow,
+                      .processing_ns = static_cast<std::int64_t>(power(9 * k + 6, 18)) - 1});
+    }
+  }
+}
+
+TEST(DeadBeat, ATakeThatKeptNothingTeachesNothing) {
+  DeadBeat scheme;
+  scheme.observe({.size = 0, .raw = 50, .span_ns = 0, .start_ns = 0, .processing_ns = 0});
+  EXPECT_EQ(scheme.alpha_ns(), 50e3);
+  EXPECT_EQ(scheme.beta_ns(), 100.0);
+  EXPECT_NEAR(size_of(decide(scheme, 1000, kMs)), 2, 1e-9);
+}
+
+TEST(DeadBeat, ResetBringsTheFirstStateBack) {
+  DeadBeat scheme = trained({});
+  decide(scheme, 500'000, kMs);
+  EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 1);
+  EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 1e-3);
+  scheme.reset(Execution::anytime);
+  EXPECT_EQ(scheme.alpha_ns(), 50e3);
+  const Decision decision = decide(scheme, 500'000, kMs);
+  EXPECT_NEAR(size_of(decision), 2, 1e-9);
+  EXPECT_EQ(decision.budget_ns, 5 * kMs);  // and not the knee
+}
+
+TEST(DeadBeat, TellsItsNameAndParameters) {
+  EXPECT_EQ(DeadBeat().name(), "dead_beat");
+  EXPECT_EQ(DeadBeat().latency_bound_ns(), 10 * kMs);
+  EXPECT_EQ(DeadBeat({.latency_ms = 2.5}).latency_bound_ns(), 2'500'000);
+  EXPECT_EQ(
+      DeadBeat().parameters(),
+      (SchemeParameters{
+          {"latency_ms", 10.0}, {"knee", 33.0}, {"overhead", 0.25}, {"min_interval_ms", 0.0}}));
+}
+
+TEST(DeadBeat, RefusesABadConfigurationByName) {
+  const auto error = [](DeadBeatConfig config) {
+    return error_of([=] { DeadBeat scheme(config); });
+  };
+  EXPECT_EQ(error({.latency_ms = 0}), "latency_ms = 0: must be between 0.01 and 1e7 ms");
+  EXPECT_EQ(error({.knee = 0.5}), "knee = 0.5: must be 0 (off) or between 1 and 1e6");
+  EXPECT_EQ(error({.overhead = 2}), "overhead = 2: must be between 0 (no limit) and 1");
+  EXPECT_EQ(error({.min_interval_ms = -1}), "min_interval_ms = -1: must be between 0 and 1e7 ms");
+}
+
+}  // namespace
+}  // namespace asap

@@ -1,0 +1,353 @@
+"""asap.compare and asap.oracle: rows against single runs, the oracle against all schedules."""
+
+import hashlib
+import itertools
+import json
+import threading
+
+import numpy as np
+import pytest
+
+import asap
+import streams
+from asap.experiment import contenders
+from asap.experiment.side_by_side import CheckedStream, side_by_side
+
+COST = asap.LinearCost(alpha_us=100, beta_ns=300, noise=0.05, seed=3)
+EVENTS = streams.poisson(6e6, 0.1)  # rho = 1.8
+
+
+def schemes():
+    return {
+        "size": asap.FixedSize(size=500),
+        "greedy": asap.Greedy(),
+        "paper": asap.Asap2020(),
+        "deadline": asap.Deadline(latency_ms=5),
+    }
+
+
+def digest(run):
+    columns = [run.packages[name] for name in run.packages.dtype.names]
+    columns += [run.slots[name] for name in run.slots.dtype.names]
+    return hashlib.sha256(b"".join(column.tobytes() for column in columns)).hexdigest()
+
+
+@pytest.fixture(scope="module")
+def comparison():
+    return asap.compare(EVENTS, cost=COST, schemes=schemes(), seed=7)
+
+
+@pytest.mark.parametrize("label", schemes())
+@pytest.mark.parametrize("opaque", [False, True])
+def test_every_run_is_that_of_simulate(label, opaque):
+    found = asap.compare(EVENTS, cost=COST, schemes=schemes(), seed=7, opaque=opaque)
+    alone = asap.simulate(
+        EVENTS, cost=COST, scheme=schemes()[label], latency_ms=5, seed=7, opaque=opaque
+    )
+    run = found.runs[label]
+    assert digest(run) == digest(alone)
+    assert run.summary() == alone.summary()
+    assert run.latency.state() == alone.latency.state()
+
+
+def test_bad_events_are_counted_in_every_run_and_never_reach_the_oracle():
+    bad = EVENTS.copy()
+    bad["t"][1000:30_000:2] = -1  # go back
+    bad["x"][5::50] = 9999
+    options = {"width": 346, "height": 260}
+    found = asap.compare(bad, cost=COST, schemes=schemes(), seed=7, **options)
+    alone = asap.simulate(
+        bad, cost=COST, scheme=schemes()["paper"], latency_ms=5, seed=7, **options
+    )
+    assert digest(found.runs["paper"]) == digest(alone)
+    assert found.runs["paper"].summary() == alone.summary()
+    assert found.runs["paper"].ledger.rejected > 14_500
+    good = (bad["t"] >= 0) & (bad["x"] < 346)
+    assert found.received == np.count_nonzero(good)
+    assert found.oracle == asap.oracle(bad[good].copy(), cost=COST, latency_ms=5)
+    assert found.oracle == asap.oracle(bad, cost=COST, latency_ms=5, **options)
+    with pytest.raises(ValueError, match="9999"):
+        asap.compare(bad[:900], cost=COST, on_bad="raise", **options)
+
+
+def test_rows_are_the_runs_in_numbers(comparison):
+    assert set(comparison.runs) == set(schemes()) == {row.label for row in comparison.rows}
+    for row in comparison:
+        run = comparison.runs[row.label]
+        assert row.scheme == run.scheme.name
+        assert row.score == run.latency.within_bound / comparison.oracle
+        assert (row.kept, row.in_time) == (run.kept, run.in_time)
+        assert row.p50_us == run.latency.quantile(0.5)
+        assert row.p99_us == run.latency.quantile(0.99)
+        assert row.max_us == run.latency.max
+        assert row.gap_ms == asap.metrics.gap_ms(run.slots)
+        assert row.overflow == 0
+        ends_us = run.packages["start_us"] + run.packages["processing_us"]
+        elapsed_s = max(ends_us[-1] - EVENTS["t"][0], EVENTS["t"][-1] - EVENTS["t"][0]) / 1e6
+        assert row.packages_per_s == pytest.approx(run.packages.size / elapsed_s)
+        assert row.cpu == pytest.approx(run.packages["processing_us"].sum() / 1e6 / elapsed_s)
+        assert 0 < row.cpu <= 1
+        assert comparison[row.label] is row
+
+
+def test_no_scheme_beats_the_oracle_and_the_best_is_first(comparison):
+    scores = [row.score for row in comparison.rows]
+    assert max(scores) <= 1.001
+    assert scores == sorted(scores, reverse=True)
+    assert comparison.rows[0].label == "deadline"
+    assert scores[0] > 0.9 > 0.5 > comparison["greedy"].score
+
+
+def test_equal_scores_are_sorted_by_latency():
+    quiet = streams.poisson(1e5, 0.1)
+    found = asap.compare(
+        quiet, cost=COST, schemes=[asap.FixedSize(size=150), asap.Greedy(), asap.FixedTime()]
+    )
+    assert [row.score for row in found] == [1.0, 1.0, 1.0]
+    assert [row.label for row in found] == ["Greedy", "FixedTime", "FixedSize"]
+
+
+def test_overflow_is_a_share():
+    found = asap.compare(EVENTS, cost=COST, schemes=[asap.Greedy()], capacity=1024)
+    ledger = found.runs["Greedy"].ledger
+    assert found["Greedy"].overflow == ledger.overflow / ledger.received > 0.1
+
+
+# ---- the oracle -----------------------------------------------------------------------------
+
+
+def most_in_time(t_us, alpha_us, beta_us, latency_us):
+    """The best of all schedules: every subset, cut into packages in every way, served greedily."""
+    count = len(t_us)
+    for size in range(count, 0, -1):
+        for kept in itertools.combinations(t_us, size):
+            for cuts in itertools.product([False, True], repeat=size - 1):
+                now, begin = 0, 0
+                for end in [*(i + 1 for i, cut in enumerate(cuts) if cut), size]:
+                    package = kept[begin:end]
+                    now = max(now, package[-1]) + alpha_us + beta_us * len(package)
+                    if now > package[0] + latency_us:
+                        break
+                    begin = end
+                else:
+                    return size
+    return 0
+
+
+def test_oracle_of_the_trivial_cases():
+    events = streams.make(np.arange(0, 10_000, 100))
+    assert asap.oracle(events, cost=asap.LinearCost(10, 100), latency_ms=1) == events.size
+    assert asap.oracle(events, cost=asap.LinearCost(1000, 0), latency_ms=0.5) == 0
+    assert asap.oracle(events[:0], cost=COST, latency_ms=1) == 0
+    # All at once: what fits into L - alpha.
+    burst = streams.make(np.full(1000, 5))
+    assert asap.oracle(burst, cost=asap.LinearCost(100, 10_000), latency_ms=1) == pytest.approx(90)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_oracle_is_above_the_best_of_all_schedules(seed):
+    t = np.sort(np.random.default_rng(seed).integers(1, 2000, 7))
+    best = most_in_time(t.tolist(), 100, 150, 700)
+    bound = asap.oracle(streams.make(t), cost=asap.LinearCost(100, 150_000), latency_ms=0.7)
+    assert best <= bound + 1e-9
+    assert bound <= 7
+
+
+def test_opaque_runs_are_scored_against_the_opaque_oracle():
+    noisy = asap.LinearCost(100, 300, noise=0.5, seed=1)
+    options = {"cost": noisy, "latency_ms": 5}
+    anytime, opaque = (asap.oracle(EVENTS, opaque=opaque, **options) for opaque in (False, True))
+    assert opaque < anytime
+    found = asap.compare(EVENTS, opaque=True, schemes=[asap.Deadline(latency_ms=5)], **options)
+    assert found.opaque and found.oracle == opaque
+    assert "opaque" in str(found)
+    seen = asap.compare(EVENTS, schemes=[asap.Deadline(latency_ms=5)], **options)
+    assert seen.oracle == anytime
+    assert "opaque" not in str(seen)
+
+
+# ---- the source -----------------------------------------------------------------------------
+
+
+def test_does_not_depend_on_the_cut_or_the_threads(comparison):
+    cuts = np.sort(np.random.default_rng(1).integers(0, EVENTS.size, 50))
+    found = asap.compare(np.split(EVENTS, cuts), cost=COST, schemes=schemes(), seed=7)
+    assert found.oracle == comparison.oracle
+    assert found.rows == comparison.rows
+    made = [contenders.Contender("x", lambda *_: asap.Greedy())] * 3
+    for threads in (1, 3):
+        runs, _, _ = side_by_side(
+            CheckedStream(EVENTS), made, cost=COST, latency_ms=5, seed=7, threads=threads
+        )
+        assert {digest(run) for run in runs} == {digest(comparison.runs["greedy"])}
+
+
+def test_a_contender_that_does_not_flush_waits_for_its_size():
+    made = [
+        contenders.Contender(label, lambda *_: asap.FixedSize(size=1000), flush=flush)
+        for label, flush in (("flushes", True), ("waits", False))
+    ]
+    quiet = streams.make(np.arange(0, 200_000, 100))
+    runs = side_by_side(CheckedStream(quiet), made, cost=COST, latency_ms=5).runs
+    assert runs[0].latency.max < 6000
+    assert runs[1].latency.max > 99_000
+
+
+def test_a_chunk_of_bad_events_alone_does_not_set_the_time():
+    good = streams.make(np.arange(5_000_000, 5_001_000))
+    bad = streams.make([4_900_000], x=[9999])
+    options = {"cost": COST, "schemes": [asap.Greedy()], "width": 346, "height": 260, "speed": 2}
+    found = asap.compare([bad, good], **options)
+    assert found.received == 1000
+    assert found.source["events"] == 1001
+    assert digest(found.runs["Greedy"]) == digest(asap.compare(good, **options).runs["Greedy"])
+
+
+def test_a_profile_is_a_source():
+    profile = asap.profiles.Profile("high", duration_s=0.05)
+    found = asap.compare(profile, cost=COST, schemes=[asap.Greedy()])
+    assert found.name == "high"
+    assert found.received == profile.events().size
+    assert str(found).startswith("high: one scheme beside the oracle\n346 x 260 px, ")
+
+
+@pytest.mark.parametrize("make", [iter, lambda arrays: (one for one in arrays)])
+def test_what_can_be_read_only_once_is_refused(make):
+    with pytest.raises(ValueError, match="read only once; give a path, an array"):
+        asap.compare(make([EVENTS]), cost=COST)
+
+
+def test_speed_compresses_the_stamps():
+    slow = streams.make(1000 + 40 * np.arange(5000))
+    fast = streams.make(1000 + 4 * np.arange(5000))
+    options = {"cost": COST, "latency_ms": 5, "seed": 1}
+    found = asap.compare(slow, speed=10, schemes=[asap.Asap2020()], **options)
+    given = asap.compare(fast, schemes=[asap.Asap2020()], **options)
+    assert found.rows == given.rows
+    assert digest(found.runs["Asap2020"]) == digest(given.runs["Asap2020"])
+    assert found.oracle == given.oracle == asap.oracle(slow, cost=COST, latency_ms=5, speed=10)
+    assert found.source["duration_s"] == pytest.approx(4 * 4999e-6)
+    assert "(10 times as fast as recorded)" in str(found)
+
+
+def test_a_back_step_of_the_clock_is_judged_before_the_compression():
+    t = np.concatenate((np.arange(5_000_000, 5_001_000), np.arange(1000, 2000)))
+    found = asap.compare(streams.make(t), cost=COST, speed=100, schemes=[asap.Greedy()])
+    assert found.runs["Greedy"].ledger.rejected == 0
+    assert found.runs["Greedy"].clock_resets == 1
+
+
+def test_progress_is_told():
+    seen = []
+    asap.compare(
+        [EVENTS[:1000], EVENTS[1000:]],
+        cost=COST,
+        schemes=[asap.Greedy()],
+        on_progress=lambda *told: seen.append(told),
+    )
+    assert seen == [(1000, None, {}), (EVENTS.size, None, {})]
+
+
+def test_an_error_of_the_source_comes_out_and_leaves_no_thread():
+    class Broken:
+        def __iter__(self):
+            yield EVENTS[:1000]
+            raise OSError("the disk is gone")
+
+    with pytest.raises(OSError, match="the disk is gone"):
+        asap.compare(Broken(), cost=COST, schemes=[asap.Greedy()])
+    assert threading.active_count() == 1
+
+
+# ---- schemes and arguments ------------------------------------------------------------------
+
+
+def test_the_usual_schemes_and_with_all_the_rivals():
+    usual = asap.compare(EVENTS[:2000], cost=COST)
+    labels = {row.label for row in usual}
+    assert {"Deadline", "DeadBeat", "Asap2020", "Asap2022", "Greedy", "FixedSize 1000"} <= labels
+    assert usual.latency_ms == 10
+    everything = asap.compare(EVENTS[:2000], cost=COST, all=True)
+    assert {row.label for row in everything} - labels == {
+        *("SingleEvent", "jAER timer", "greedy+PIE", "greedy+rate-gamma", "greedy+clear"),
+        *("Clipper AIMD", "Spark PID"),
+    }
+
+
+@pytest.mark.parametrize(
+    ("given", "labels"),
+    [
+        ([asap.Greedy(), asap.FixedSize()], ["Greedy", "FixedSize"]),
+        (
+            [asap.FixedSize(size=10), asap.FixedSize(size=20)],
+            ["FixedSize size=10", "FixedSize size=20"],
+        ),
+        ([asap.Greedy(), asap.Greedy(efficiency=0.9)], ["Greedy", "Greedy efficiency=0.9"]),
+        ([asap.SingleEvent(), asap.SingleEvent()], ["SingleEvent", "SingleEvent (2)"]),
+        ({"mine": asap.Greedy()}, ["mine"]),
+        (asap.Greedy(), ["Greedy"]),
+    ],
+)
+def test_labels(given, labels):
+    assert list(contenders.labelled(given)) == labels
+
+
+ONE = asap.Greedy()
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "words"),
+    [
+        ({"cost": (100, 300)}, TypeError, "give asap.LinearCost"),
+        ({"schemes": []}, ValueError, r"schemes = \[\]: give at least one"),
+        ({"schemes": ["greedy"]}, TypeError, "'greedy' is no scheme"),
+        ({"schemes": [ONE, ONE]}, ValueError, "stands there twice"),
+        ({"schemes": [asap.Deadline(latency_ms=5)], "latency_ms": 10}, ValueError, "= 5, 10: two"),
+        ({"latency_ms": 0}, ValueError, "latency_ms = 0: must be between"),
+        ({"speed": 0}, ValueError, "speed = 0: must be between"),
+        ({"speed": float("nan")}, ValueError, "speed = nan"),
+        ({"capacity": 0}, ValueError, "capacity = 0"),
+    ],
+)
+def test_bad_arguments_are_named(options, error, words):
+    with pytest.raises(error, match=words):
+        asap.compare(EVENTS[:10], **{"cost": COST, **options})
+
+
+def test_the_bound_is_the_schemes_own_else_10_ms():
+    def bound(*given, **options):
+        return asap.compare(EVENTS[:10], cost=COST, schemes=list(given), **options).latency_ms
+
+    assert bound(asap.Greedy(), asap.Deadline(latency_ms=3)) == 3
+    assert bound(asap.Greedy()) == 10
+    assert bound(asap.Greedy(), latency_ms=4) == 4
+
+
+# ---- what it shows --------------------------------------------------------------------------
+
+
+def test_summary_is_json(comparison):
+    summary = json.loads(json.dumps(comparison.summary(), allow_nan=False))
+    assert summary["schema_version"] == 1
+    assert summary["latency_bound_us"] == 5000
+    assert summary["oracle"] == {
+        "events": comparison.oracle,
+        "in_time": comparison.oracle / EVENTS.size,
+    }
+    assert [one["label"] for one in summary["schemes"]] == [row.label for row in comparison]
+    first = summary["schemes"][0]
+    assert first["scheme"] == "deadline" and first["parameters"]["latency_ms"] == 5
+    assert first["score"] == comparison.rows[0].score
+    assert summary["cost"]["alpha_us"] == 100
+    assert summary["source"]["events"] == EVENTS.size
+
+
+def test_the_same_twice(comparison):
+    again = asap.compare(EVENTS, cost=COST, schemes=schemes(), seed=7)
+    assert again.rows == comparison.rows
+    other = asap.compare(EVENTS, cost=COST, schemes=schemes(), seed=8)
+    assert other["paper"] != comparison["paper"]
+
+
+def test_repr_is_short(comparison):
+    assert repr(comparison).startswith("<Comparison: array, 5 ms: deadline 0.9")

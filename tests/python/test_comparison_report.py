@@ -1,0 +1,148 @@
+"""A comparison as figure and as page."""
+
+import html
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import asap
+import streams
+
+pytest.importorskip("matplotlib")
+
+from asap import comparison_figures, comparison_report, comparison_table, plots
+from test_report import Page
+
+COST = asap.LinearCost(alpha_us=100, beta_ns=300)
+EVENTS = streams.poisson(6e6, 0.05)
+
+
+@pytest.fixture(scope="module")
+def comparison():
+    schemes = {"greedy & co <b>": asap.Greedy(), "ours": asap.Deadline(latency_ms=5)}
+    return asap.compare(EVENTS, cost=COST, schemes=schemes)
+
+
+@pytest.fixture(scope="module")
+def page(comparison, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "out.html"
+    comparison.report(path)
+    return path.read_text("utf-8")
+
+
+def titles(axes):
+    return axes.get_title(loc="left"), axes.get_title(loc="right")
+
+
+def test_a_row_of_the_figure_for_each_scheme_best_first(comparison):
+    axes = comparison.plot().axes
+    assert len(axes) == 2 * (1 + 2)
+    first, second = comparison.rows
+    assert titles(axes[2])[0] == first.label == "ours"
+    assert titles(axes[3])[0] == f"score {first.score:.3f}"
+    assert titles(axes[4])[0] == second.label
+    assert "p99" in titles(axes[4])[1] and "kept 100.0 %" in titles(axes[5])[1]
+    assert all(axes[0].get_shared_x_axes().joined(axes[0], other) for other in axes[1:])
+
+
+def test_one_column_for_narrow_screens(comparison):
+    axes = comparison_figures.figure(comparison, columns=1).axes
+    assert [titles(one)[0] for one in axes] == [
+        "events that come in",
+        *(text for row in comparison.rows for text in (row.label, f"score {row.score:.3f}")),
+    ]
+
+
+def test_the_curves_are_those_of_the_slots(comparison):
+    axes = comparison_figures.figure(comparison, points=10).axes
+    slots = comparison.runs["ours"].slots
+    assert slots.size == 50
+    time_s, latency_ms = axes[2].get_lines()[0].get_data()
+    np.testing.assert_allclose(time_s, 0.0025 + 0.005 * np.arange(10))
+    windows = slots["latency_max_us"].reshape(10, 5)
+    np.testing.assert_allclose(latency_ms, windows.max(axis=1) / 1e3)
+    bound = axes[2].get_lines()[1]
+    assert bound.get_ydata()[0] == 5 and bound.get_label() == "bound L"
+    received = slots["received"].reshape(10, 5).sum(axis=1)
+    rate = axes[0].collections[0].get_paths()[0].vertices[:, 1]
+    assert rate.max() == pytest.approx(received.max() / 0.005 / 1e6)
+    kept = axes[3].collections[0].get_paths()[0].vertices[:, 1]
+    delivered = slots["delivered"].reshape(10, 5).sum(axis=1)
+    assert kept.max() == pytest.approx((delivered / received).max())
+
+
+def test_late_windows_have_the_other_colour(comparison):
+    axes = comparison_figures.figure(comparison).axes
+
+    def area(collection):
+        return max((path.vertices[:, 1].max() for path in collection.get_paths()), default=0.0)
+
+    ours, greedy = axes[3].collections, axes[5].collections
+    assert area(ours[0]) > 0.3 and area(ours[1]) == 0
+    assert area(greedy[1]) == 1
+    assert ours[0].get_label() == "kept, all in time"
+
+
+def test_latencies_beyond_the_axis_stay_at_its_edge():
+    found = asap.compare(EVENTS, cost=COST, schemes=[asap.SingleEvent()], latency_ms=1)
+    latency = found.plot().axes[2].get_lines()[0].get_ydata()
+    assert found["SingleEvent"].max_us > 1e6
+    assert latency.max() == 100
+
+
+def test_a_figure_of_nothing():
+    empty = asap.compare(EVENTS[:0], cost=COST, schemes=[asap.Greedy()])
+    assert plots.svg(empty.plot())
+
+
+def test_the_page_is_well_formed_and_asks_for_nothing(page):
+    tags = Page(page).tags
+    assert not [tag for tag, _ in tags if tag in ("script", "link", "img", "iframe")]
+    links = [attributes for _, attributes in tags if {"src", "href"} & attributes.keys()]
+    assert all(attributes.get("href", "#").startswith("#") for attributes in links)
+    assert "default-src 'none'" in page
+    identifiers = [attributes["id"] for _, attributes in tags if "id" in attributes]
+    assert len(identifiers) == len(set(identifiers))
+
+
+def test_the_page_says_what_the_table_says(page, comparison):
+    text = html.unescape(re.sub(r"<[^>]*>", " ", page)).replace("\xa0", " ")
+    for row in comparison.rows:
+        for cell in comparison_table.cells(row, 5.0):
+            assert cell in text
+    for words in (*comparison_table.COLUMNS, *comparison_table.COLUMNS.values()):
+        assert words in text
+    assert comparison_table.subtitle(comparison) in text
+    assert "overhead 0.25" in text
+
+
+def test_labels_are_escaped_and_what_is_late_is_marked(page):
+    assert "co <b>" not in page
+    assert "greedy &amp; co &lt;b&gt;" in page
+    rows = re.findall(r'<tr><th scope="row">(.*?)</th>(.*?)</tr>', page)
+    marked = {name: cells.count('class="late"') for name, cells in rows[:2]}
+    assert marked == {"ours": 0, "greedy &amp; co &lt;b&gt;": 2}
+    assert re.search(r'<u style="width:9\d\.\d%">', page)
+
+
+def test_p99_and_max_are_marked_one_by_one(comparison, tmp_path):
+    ours = replace(comparison["ours"], p50_us=100.0, p99_us=4000.0, max_us=6000.0)
+    path = comparison_report.write(replace(comparison, rows=[ours]), tmp_path / "x.html")
+    text = path.read_text("utf-8")
+    assert text.count('class="late"') == 1 and '<td class="late">6 ms</td>' in text
+    both = replace(comparison, rows=[replace(ours, p99_us=6000.0)])
+    text = comparison_report.write(both, path).read_text("utf-8")
+    assert text.count('class="late"') == 2
+
+
+def test_the_numbers_are_embedded(page, comparison):
+    text = re.search(r"<template data-comparison>(.*?)</template>", page, re.DOTALL)[1]
+    assert json.loads(html.unescape(text)) == json.loads(json.dumps(comparison.summary()))
+
+
+def test_write_returns_the_path_and_takes_a_title(comparison, tmp_path):
+    path = comparison_report.write(comparison, tmp_path / "x.html", "A & B")
+    assert "<h1>A &amp; B</h1>" in path.read_text("utf-8")

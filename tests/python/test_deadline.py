@@ -1,0 +1,180 @@
+"""Deadline and DeadBeat as Python sees them. The laws are tested natively."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import asap
+import streams
+from asap import cli
+
+COST = asap.LinearCost(alpha_us=100, beta_ns=300)
+NAN, INFINITY = float("nan"), float("inf")
+
+DEADLINE = {
+    "latency_ms": 10.0,
+    "overhead": 0.25,
+    "min_interval_ms": 0.0,
+    "knee": 0.0,
+    "first_alpha_us": 50.0,
+    "first_beta_ns": 100.0,
+}
+DEAD_BEAT = {"latency_ms": 10.0, "knee": 33.0, "overhead": 0.25, "min_interval_ms": 0.0}
+
+both = pytest.mark.parametrize(
+    ("make", "name", "defaults"),
+    [(asap.Deadline, "deadline", DEADLINE), (asap.DeadBeat, "dead_beat", DEAD_BEAT)],
+    ids=["Deadline", "DeadBeat"],
+)
+
+
+@pytest.fixture(scope="module")
+def overload():
+    return streams.poisson(8e6, 0.2)  # rho = 2.4
+
+
+@both
+def test_name_parameters_and_repr(make, name, defaults):
+    scheme = make()
+    assert scheme.name == name
+    assert scheme.parameters == defaults
+    inside = ", ".join(f"{key}={value}" for key, value in defaults.items())
+    assert repr(scheme) == f"{make.__name__}({inside})"
+    with pytest.raises(TypeError):
+        make(10.0)
+
+
+@both
+def test_every_parameter_arrives_under_its_name(make, name, defaults):
+    others = {key: value + 3 + i / 8 for i, (key, value) in enumerate(defaults.items())}
+    others["overhead"] = 0.125
+    assert make(**others).parameters == others
+
+
+BAD = {
+    "latency_ms": [0, -1, 0.009, 1.1e7, NAN, INFINITY],
+    "overhead": [-0.01, 1.01, NAN],
+    "min_interval_ms": [-1, 1.1e7, NAN],
+    "knee": [-1, 0.5, 2e6, NAN],
+    "first_alpha_us": [0, -1, 1.1e9, NAN],
+    "first_beta_ns": [0, -1, 1.1e9, NAN],
+}
+
+
+@pytest.mark.parametrize(
+    ("make", "field", "value"),
+    [
+        (make, field, value)
+        for make, fields in ((asap.Deadline, DEADLINE), (asap.DeadBeat, DEAD_BEAT))
+        for field in fields
+        for value in BAD[field]
+    ],
+)
+def test_a_bad_parameter_is_refused_by_name(make, field, value):
+    with pytest.raises(ValueError, match=rf"^{field} = -?[\d.einfa+]+: must be "):
+        make(**{field: value})
+
+
+def test_parameters_at_their_limits_are_taken():
+    for limits in (
+        {"latency_ms": 0.01, "overhead": 0, "min_interval_ms": 0, "knee": 0},
+        {"latency_ms": 1e7, "overhead": 1, "min_interval_ms": 1e7, "knee": 1e6},
+    ):
+        assert asap.Deadline(**limits).parameters["latency_ms"] == limits["latency_ms"]
+        assert asap.DeadBeat(**limits).parameters["overhead"] == limits["overhead"]
+
+
+# ---- the default -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("asked", "got"), [(None, 10.0), (3, 3.0)])
+def test_simulate_and_run_take_it_when_nothing_else_is_said(asked, got):
+    events = streams.poisson(1e4, 0.05)
+    for run in (
+        asap.simulate(events, cost=COST, latency_ms=asked),
+        asap.run(events, algorithm=lambda events: None, latency_ms=asked),
+    ):
+        assert run.scheme.name == "deadline"
+        assert run.scheme.parameters == {**DEADLINE, "latency_ms": got}
+        assert run.latency_bound_us == 1e3 * got
+
+
+@pytest.mark.parametrize(
+    ("words", "got"), [((), 10.0), (("--latency", "3ms"), 3.0)], ids=["10 ms", "3 ms"]
+)
+def test_the_command_line_takes_it_when_nothing_else_is_said(words, got, tmp_path, capsys):
+    path = tmp_path / "events.npy"
+    np.save(path, streams.poisson(1e5, 0.1))
+    for algorithm in (("--cost", "100us+300ns"), ("--width", "346", "--height", "260")):
+        assert cli.main(["run", str(path), *algorithm, *words, "--json"]) == 0
+        summary = json.loads(capsys.readouterr().out)
+        assert summary["scheme"] == {"name": "deadline", **DEADLINE, "latency_ms": got}
+        assert summary["latency_bound_us"] == 1e3 * got
+
+
+# ---- the bound -------------------------------------------------------------------------------
+
+
+@both
+def test_two_different_bounds_are_refused(make, name, defaults):
+    events = streams.make([0, 1])
+    differs = r"^latency_[mu]s = \d+: differs from the bound of the scheme; "
+    with pytest.raises(ValueError, match=differs):
+        asap.simulate(events, cost=COST, scheme=make(), latency_ms=5)
+    with pytest.raises(ValueError, match=differs):
+        asap.run(events, algorithm=len, scheme=make(latency_ms=5), latency_ms=10)
+    assert asap.simulate(events, cost=COST, scheme=make(), latency_ms=10).kept == 1
+
+
+@both
+@pytest.mark.parametrize("opaque", [False, True], ids=["anytime", "opaque"])
+@pytest.mark.parametrize("latency_ms", [3, 10, 30])
+def test_the_bound_is_kept_in_overload(overload, make, name, defaults, opaque, latency_ms):
+    run = asap.simulate(overload, cost=COST, scheme=make(latency_ms=latency_ms), opaque=opaque)
+    assert run.latency_bound_us == 1e3 * latency_ms
+    assert run.bound_kept
+    assert run.ledger.balanced
+    assert run.ledger.overflow == run.ledger.pending == 0
+    ideal = (1 - 2 * 0.1 / latency_ms) / 2.4
+    in_flight = latency_ms / 200  # what waits when the source ends is worth up to a bound more
+    assert 0.93 * ideal < run.in_time < 1.02 * ideal * (1 + in_flight)
+
+
+@both
+def test_opaque_execution_changes_the_outcome(overload, make, name, defaults):
+    anytime, opaque = (
+        asap.simulate(overload, cost=COST, scheme=make(), opaque=opaque) for opaque in (False, True)
+    )
+    assert not np.array_equal(anytime.packages["size"], opaque.packages["size"])
+    # A whole package has no budget that it could be thinned to: it starts small.
+    assert opaque.packages["size"][:4].sum() < anytime.packages["size"][:4].sum()
+
+
+# ---- what it learns --------------------------------------------------------------------------
+
+
+@both
+def test_it_starts_from_its_first_guess_and_learns_the_cost(overload, make, name, defaults):
+    scheme = make()
+    assert (scheme.alpha_us, scheme.beta_ns) == (50.0, 100.0)
+    first = asap.simulate(overload, cost=COST, scheme=scheme)
+    assert scheme.alpha_us == pytest.approx(100, rel=0.02)
+    assert scheme.beta_ns == pytest.approx(300, rel=0.02)
+    again = asap.simulate(overload, cost=COST, scheme=scheme)  # forgotten between runs
+    np.testing.assert_array_equal(again.packages, first.packages)
+
+
+def test_the_first_guess_is_a_parameter():
+    scheme = asap.Deadline(first_alpha_us=7, first_beta_ns=8)
+    assert (scheme.alpha_us, scheme.beta_ns) == pytest.approx((7, 8))
+
+
+@both
+def test_what_it_learned_cannot_be_set(make, name, defaults):
+    with pytest.raises(AttributeError):
+        make().alpha_us = 1
+    with pytest.raises(AttributeError):
+        make().beta_ns = 1
