@@ -8,14 +8,16 @@
 namespace asap {
 namespace {
 
-constexpr double kEfficientAlphas = 19.0;  // a package of 20 alpha spends 95 % on events
+constexpr double kEfficientShare = 0.05;  // of the fixed cost in an efficient package
 constexpr double kManyEvents = 1e15;
 
-// As many are worth a package at once: it would be efficient, or fill half the bound.
-std::size_t enough(const CostModel& cost, double caution, double latency_ns) noexcept {
+// As many are worth a package at once: its fixed cost would be within the permitted share, or it
+// would fill half the bound.
+std::size_t enough(const CostModel& cost, double overhead, double caution,
+                   double latency_ns) noexcept {
   const double alpha_ns = cost.alpha_ns();
-  const double size =
-      std::min(kEfficientAlphas * alpha_ns, latency_ns / 2 / caution - alpha_ns) / cost.beta_ns();
+  const double efficient_ns = alpha_ns / std::max(overhead, kEfficientShare) - alpha_ns;
+  const double size = std::min(efficient_ns, latency_ns / 2 / caution - alpha_ns) / cost.beta_ns();
   return static_cast<std::size_t>(std::ceil(std::clamp(size, 1.0, kManyEvents)));
 }
 
@@ -49,7 +51,7 @@ std::optional<Decision> HoldRule::wait(const Backlog& backlog, const CostModel& 
   if (interval < shortest) {
     return Decision::wait_until(std::min(backlog.previous_start_ns + shortest, flush_ns));
   }
-  const std::size_t count = enough(cost, caution, latency_ns);
+  const std::size_t count = enough(cost, overhead_, caution, latency_ns);
   if (backlog.count >= count) return std::nullopt;
   Decision decision = Decision::wait_until(std::min(backlog.previous_start_ns + hold, flush_ns));
   decision.until_count = count;

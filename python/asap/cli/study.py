@@ -21,6 +21,9 @@ def add(verbs: Any) -> None:
     form = verb.add_mutually_exclusive_group()
     form.add_argument("--quick", action="store_true", help="a part, in less than 2 minutes")
     form.add_argument("--full", action="store_true", help="three seeds, rows with hindsight")
+    form.add_argument(
+        "--realtime", action="store_true", help="the simulator beside this machine's clock instead"
+    )
     verb.add_argument("--out", type=Path, default=Path("asap-study"), metavar="DIR")
     verb.add_argument("--workers", type=_workers, metavar="N", help="processes (default: cores)")
     verb.add_argument("--fresh", action="store_true", help="forget what DIR holds of earlier runs")
@@ -33,6 +36,8 @@ def _workers(text: str) -> int:
 
 
 def _call(arguments: Any) -> int:
+    if arguments.realtime:
+        return _beside_the_clock(arguments)
     from asap.study import study
 
     form = "quick" if arguments.quick else "full" if arguments.full else "default"
@@ -65,6 +70,23 @@ def _call(arguments: Any) -> int:
         for path in found.paths:
             print(f"wrote {path}")
     return OK if found.holds else CHECK_FAILED
+
+
+def _beside_the_clock(arguments: Any) -> int:
+    from asap.study import realtime
+
+    with usage(), writing():
+        pairs = realtime.replay_beside_simulation()
+        table = realtime.format_pairs(pairs, realtime.scheduling_jitter(5.0))
+        arguments.out.mkdir(parents=True, exist_ok=True)
+        path = arguments.out / "realtime.md"
+        path.write_text(table + "\n", encoding="utf-8")
+    if arguments.json:
+        print_json({"schema_version": 1, "form": "realtime", "pairs": realtime.as_json(pairs)})
+    else:
+        print(table)
+        print(f"wrote {path}")
+    return OK
 
 
 def _can_draw() -> bool:

@@ -14,7 +14,7 @@ from asap import _core
 from asap.experiment import Run, run, simulate
 from asap.profiles import Profile
 
-__all__ = ["Pair", "format_pairs", "replay_beside_simulation", "scheduling_jitter"]
+__all__ = ["Pair", "as_json", "format_pairs", "replay_beside_simulation", "scheduling_jitter"]
 
 PROFILES = ("low", "uav", "flicker", "steps", "bursts", "high")
 
@@ -106,6 +106,14 @@ def format_pairs(pairs: Sequence[Pair], jitter: _core.LatencyHistogram) -> str:
         f"misses {_ms(jitter.max)} ms at most and {_ms(jitter.quantile(0.99999))} ms at p99.999.",
     ]
     return "\n".join(lines)
+
+
+def as_json(pairs: Sequence[Pair]) -> list[dict[str, Any]]:
+    """Both summaries of each pair."""
+    return [
+        {"profile": pair.profile, "real": pair.real.summary(), "virtual": pair.virtual.summary()}
+        for pair in pairs
+    ]
 
 
 def _ms(time_us: float) -> str:

@@ -76,15 +76,23 @@ TEST(Hold, NoLongerThanAQuarterOfTheBound) {
   EXPECT_FALSE(wait(rule, {.interval_ns = 2'500'000}));
 }
 
-// 19 alpha / beta = 6333.3 events, or a package of half the bound.
+// With (1 / u - 1) alpha / beta events the fixed cost of the package is the share u by itself.
+TEST(Hold, EndsWhenAPackageKeepsTheOverheadByItself) {
+  const HoldRule rule(0.25, 0);  // 3 alpha / beta = 1000 events
+  const auto waits = wait(rule, {.count = 999});
+  ASSERT_TRUE(waits);
+  EXPECT_EQ(waits->until_count, 1000u);
+  EXPECT_FALSE(wait(rule, {.count = 1000}));
+}
+
 TEST(Hold, EndsWhenAPackageIsEfficient) {
-  const HoldRule rule(0.25, 0);
+  const HoldRule rule(0.001, 0);  // an overhead below 5 %: 19 alpha / beta = 6333.3 events
   const auto waits = wait(rule, {.count = 6333});
   ASSERT_TRUE(waits);
   EXPECT_EQ(waits->until_count, 6334u);
   EXPECT_FALSE(wait(rule, {.count = 6334}));
 
-  // 4 (alpha + beta n) = 5 ms at n = 3833.3.
+  // Or it would fill half the bound: 4 (alpha + beta n) = 5 ms at n = 3833.3.
   const auto careful = wait(rule, {.count = 3833, .caution = 4.0});
   ASSERT_TRUE(careful);
   EXPECT_EQ(careful->until_count, 3834u);

@@ -1,0 +1,63 @@
+"""The simulator beside the clock: the same stream in both, and the table of the pairs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asap
+from asap import _core
+from asap.cli import main
+from asap.study import realtime
+
+
+def test_both_clocks_get_the_same_events_and_keep_the_books():
+    pairs = realtime.replay_beside_simulation(("low",), duration_s=0.3)
+    (pair,) = pairs
+    assert pair.real.mode == "real"
+    assert pair.virtual.mode == "virtual"
+    assert pair.real.ledger.received == pair.virtual.ledger.received > 20_000
+    assert pair.real.ledger.balanced
+    assert pair.real.scheme.name == pair.virtual.scheme.name == "deadline"
+
+
+def test_a_busy_wait_costs_what_it_says():
+    events = asap.profiles.Profile("low", duration_s=0.1).events()
+    run = asap.run(events, algorithm=_core.BusyWait(200.0, 1000.0), scheme=asap.FixedSize(size=500))
+    rows = run.packages
+    assert np.all(rows["processing_us"] >= 200 + rows["size"])
+
+
+def test_a_python_caller_is_spun_for_as_well():
+    events = asap.profiles.Profile("low", duration_s=0.02).events()
+    jitter = realtime.scheduling_jitter(0.01)
+    assert jitter.count > 100
+    algorithm = _core.BusyWait(10.0, 0.0)
+    algorithm.process(events)
+    assert algorithm.parameters == {"alpha_us": 10.0, "beta_ns": 0.0}
+
+
+def test_the_table_has_both_columns():
+    pairs = realtime.replay_beside_simulation(("low",), duration_s=0.1)
+    table = realtime.format_pairs(pairs, realtime.scheduling_jitter(0.01))
+    row = next(line for line in table.splitlines() if line.startswith("| low |"))
+    assert row.count("|") == 8
+    assert " / ".join(f"{one.kept:.3f}" for one in (pairs[0].real, pairs[0].virtual)) in row
+    assert "Scheduling jitter" in table
+
+
+def test_the_command_writes_the_table(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(realtime, "PROFILES", ("low",))
+    short = realtime.replay_beside_simulation(("low",), duration_s=0.1)
+    monkeypatch.setattr(realtime, "replay_beside_simulation", lambda: short)
+    monkeypatch.setattr(realtime, "scheduling_jitter", lambda _: _core.scheduling_jitter(0.01))
+    assert main(["study", "--realtime", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "realtime.md").read_text() in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("field", "value"), [("alpha_us", -1.0), ("beta_ns", float("nan"))])
+def test_a_bad_cost_is_refused_by_name(field, value):
+    with pytest.raises(ValueError, match=field):
+        _core.BusyWait(**{"alpha_us": 1.0, "beta_ns": 1.0, field: value})
+    with pytest.raises(ValueError, match="duration_s"):
+        realtime.scheduling_jitter(-1.0)
