@@ -34,4 +34,12 @@ void GammaFilter::mask(EventSpan events, KeepThreshold threshold, std::uint8_t* 
   }
 }
 
+KeepThreshold GammaFilter::keeping(std::size_t count, std::size_t events,
+                                   std::uint64_t* numbers) const noexcept {
+  if (count >= events) return KeepThreshold::all();
+  for (std::size_t i = 0; i < events; ++i) numbers[i] = random_(position_ + i) >> 1;
+  std::nth_element(numbers, numbers + count, numbers + events);
+  return KeepThreshold{numbers[count]};
+}
+
 }  // namespace asap

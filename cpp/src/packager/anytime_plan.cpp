@@ -1,7 +1,6 @@
 #include "asap/packager/anytime_plan.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace asap {
 namespace {
@@ -10,7 +9,6 @@ constexpr std::size_t kMostStrata = 16;
 constexpr std::size_t kLeastStratum = 64;  // raw events: reading the clock must cost nothing
 constexpr double kPriorShare = 1.0 / 32;   // of the planned events: weight of the expected cost
 constexpr double kCoverage = 0.02;         // of the planned events: no stratum stays empty
-constexpr double kSpread = 2.0;            // standard deviations
 constexpr std::int64_t kLongestNs = 1'000'000'000'000'000;
 
 }  // namespace
@@ -25,6 +23,10 @@ AnytimePlan::AnytimePlan(const Decision& decision, std::int64_t start_ns,
       weight_(std::max(1.0, kPriorShare * planned_)),
       spent_ns_(weight_ * std::max(0.0, decision.event_ns)) {}
 
+std::size_t AnytimePlan::longest_stratum(std::size_t raw) noexcept {
+  return raw / kMostStrata + 2 * kLeastStratum;
+}
+
 AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) noexcept {
   if (done_ > 0) {
     spent_ns_ += static_cast<double>(now_ns - stratum_start_ns_);
@@ -32,8 +34,10 @@ AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) no
     if (now_ns > end_ns_ + grace_ns_) return {};
   }
   if (done_ == strata_) return {};
-  const Stratum stratum{
-      .begin = raw_ * done_ / strata_, .end = raw_ * (done_ + 1) / strata_, .keep = keep(now_ns)};
+  const Stratum stratum{.begin = raw_ * done_ / strata_,
+                        .end = raw_ * (done_ + 1) / strata_,
+                        .keep = keep(now_ns),
+                        .is_last = done_ + 1 == strata_};
   ++done_;
   stratum_start_ns_ = now_ns;
   return stratum;
@@ -45,19 +49,10 @@ double AnytimePlan::keep(std::int64_t now_ns) const noexcept {
       static_cast<double>(end_ns_ - now_ns) / (strata - static_cast<double>(done_));
   const double event_ns = spent_ns_ / weight_;
   const double raw = static_cast<double>(raw_) / strata;
-  double size = event_ns * raw <= left_ns ? raw : left_ns / event_ns;
-  if (done_ + 1 == strata_) size -= excess(size, raw, event_ns);
+  const double size = event_ns * raw <= left_ns ? raw : left_ns / event_ns;
   // Without an event in the first stratum a fixed cost beyond the budget would be paid for nothing.
   const double least = std::max(kCoverage * planned_ / strata, done_ == 0 ? 1.0 : 0.0);
   return std::clamp(std::max(size, least) / raw, 0.0, 1.0);
-}
-
-// The last stratum keeps a random number of events and nothing follows that could make up for it:
-// by how much it may exceed its plan, beyond the grace.
-double AnytimePlan::excess(double size, double raw, double event_ns) const noexcept {
-  if (!(size > 0.0 && size < raw)) return 0.0;
-  const double spread = kSpread * std::sqrt(size * (1.0 - size / raw));
-  return std::max(0.0, spread - static_cast<double>(grace_ns_) / event_ns);
 }
 
 }  // namespace asap

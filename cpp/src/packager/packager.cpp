@@ -59,7 +59,9 @@ Packager::Packager(EventBuffer& buffer, const AgeSlots& ages, Scheme& scheme, Te
       telemetry_(telemetry),
       filter_(config.seed),
       config_(config),
-      kept_(std::make_unique_for_overwrite<Event[]>(buffer.capacity())) {
+      kept_(std::make_unique_for_overwrite<Event[]>(buffer.capacity())),
+      numbers_(std::make_unique_for_overwrite<std::uint64_t[]>(
+          AnytimePlan::longest_stratum(buffer.capacity()))) {
   scheme_.reset(config.execution);
 }
 
@@ -81,7 +83,7 @@ Packager::Next Packager::next(std::int64_t now_ns) noexcept {
 
     Package package = open(decision, now_ns);
     if (!is_anytime_) {
-      thin(package, 0, decision.raw, decision.keep);
+      thin(package, 0, decision.raw, KeepThreshold::clamped(decision.keep));
       if (package.events.empty()) {
         complete(package, now_ns);
         continue;
@@ -154,7 +156,7 @@ EventSpan Packager::stratum(Package& package, std::int64_t now_ns) noexcept {
       package.gamma = fraction(package.events.size(), package.offered);
       return {};
     }
-    const EventSpan kept = thin(package, stratum.begin, stratum.end, stratum.keep);
+    const EventSpan kept = thin(package, stratum.begin, stratum.end, threshold_of(stratum));
     if (!kept.empty()) return kept;
   }
   const EventSpan rest = package.events.subspan(handed_out_);
@@ -162,12 +164,20 @@ EventSpan Packager::stratum(Package& package, std::int64_t now_ns) noexcept {
   return rest;
 }
 
-// Keeps a fraction of the package's raw events [begin, end), which follow those before.
+// In the last stratum no clock makes up for a chance in the number of events: it is kept to.
+KeepThreshold Packager::threshold_of(const AnytimePlan::Stratum& stratum) noexcept {
+  if (!stratum.is_last) return KeepThreshold::clamped(stratum.keep);
+  constexpr double kRounding = 1e-6;
+  const std::size_t raw = stratum.end - stratum.begin;
+  const double size = stratum.keep * static_cast<double>(raw) + kRounding;
+  return filter_.keeping(static_cast<std::size_t>(size), raw, numbers_.get());
+}
+
+// Keeps some of the package's raw events [begin, end), which follow those before.
 EventSpan Packager::thin(Package& package, std::size_t begin, std::size_t end,
-                         double keep) noexcept {
+                         KeepThreshold threshold) noexcept {
   const EventPieces raw = part_of(raw_, begin, end);
   const std::size_t before = package.events.size();
-  const KeepThreshold threshold = KeepThreshold::clamped(keep);
   package.raw = end;
   package.offered = end + offered_without_package_;
   const EventSpan slice = raw.second.empty() ? raw.first : raw.second;

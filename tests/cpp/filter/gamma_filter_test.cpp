@@ -237,5 +237,20 @@ TEST(GammaFilter, NeighboursAreIndependent) {
   }
 }
 
+TEST(GammaFilter, AThresholdKeepsExactlyAsManyAsAsked) {
+  const test::Events events = test::evenly_spaced(500, 1);
+  std::vector<std::uint64_t> numbers(events.size());
+  test::Events out(events.size());
+  for (const std::size_t before : {0u, 77u}) {
+    for (const std::size_t count : {0u, 1u, 250u, 499u, 500u, 900u}) {
+      GammaFilter filter(3);
+      filter.skip(before);
+      const KeepThreshold threshold = filter.keeping(count, events.size(), numbers.data());
+      EXPECT_EQ(filter.position(), before);
+      EXPECT_EQ(filter.apply(events, threshold, out.data()), std::min<std::size_t>(count, 500));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace asap

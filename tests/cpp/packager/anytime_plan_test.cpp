@@ -147,16 +147,16 @@ TEST(AnytimePlan, NoStratumStaysEmpty) {
   }
 }
 
-TEST(AnytimePlan, TheLastStratumAllowsForChance) {
-  // 100 of 400 events of 1 us fit into what is left; their number scatters by sqrt(75) = 8.66.
-  const auto last_keep = [](std::int64_t grace_ns) {
-    AnytimePlan plan(within(6'100'000, 6400, 1000.0, 1.0), 0, grace_ns);
-    for (int j = 0; j < 15; ++j) (void)plan.next(400'000 * j, 400);
-    return plan.next(6'000'000, 400).keep;
-  };
-  EXPECT_NEAR(400 * last_keep(kMillisecond), 100.0, 1e-9);
-  EXPECT_NEAR(400 * last_keep(10'000), 100.0 - (2 * std::sqrt(75.0) - 10), 1e-9);
-  EXPECT_NEAR(400 * last_keep(0), 100.0 - 2 * std::sqrt(75.0), 1e-9);
+TEST(AnytimePlan, SaysWhichStratumIsTheLast) {
+  for (const std::size_t raw : {1u, 127u, 128u, 6400u}) {
+    AnytimePlan plan(within(kMillisecond, raw, 1.0), 0, kMillisecond);
+    for (std::size_t end = 0; end < raw;) {
+      const AnytimePlan::Stratum stratum = plan.next(0, 0);
+      end = stratum.end;
+      EXPECT_EQ(stratum.is_last, end == raw);
+      EXPECT_LE(stratum.end - stratum.begin, AnytimePlan::longest_stratum(raw));
+    }
+  }
 }
 
 TEST(AnytimePlan, ALatePackageGoesOnAtItsFloor) {

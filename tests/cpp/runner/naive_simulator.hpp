@@ -208,6 +208,20 @@ class NaiveSimulator final : public BacklogCounts {
     return size;
   }
 
+  // The same for the last stratum, which keeps a certain number: those of the smallest numbers.
+  std::size_t thin_to(std::size_t count, double keep, std::vector<Event>& kept) {
+    const auto size = static_cast<std::size_t>(keep * static_cast<double>(count) + 1e-6);
+    std::vector<std::uint64_t> numbers;
+    for (std::size_t i = 0; i < count; ++i) numbers.push_back(random_(number_ + i) >> 1);
+    std::vector<std::uint64_t> sorted = numbers;
+    std::sort(sorted.begin(), sorted.end());
+    for (std::size_t i = 0; i < count; ++i, ++in_work_) {
+      if (size == count || numbers[i] < sorted[size]) kept.push_back(ring_[in_work_]);
+    }
+    number_ += count;
+    return size;
+  }
+
   // Events arrive while the algorithm works.
   void pass(double work_ns) {
     now_ns_ = cost_.done_ns(now_ns_, work_ns);
@@ -233,14 +247,12 @@ class NaiveSimulator final : public BacklogCounts {
       const double left = static_cast<double>(end - now) / (M - static_cast<double>(j));
       const double b = (decision.event_ns * k0 + tau) / (k0 + m);
       double q = b > 0 ? std::min(left / b, N / M) : (left >= 0 ? N / M : 0.0);
-      if (j + 1 == strata && q > 0 && q < N / M) {  // two standard deviations, less the grace
-        const double grace = static_cast<double>(config_.bound_ns / 100) / b;
-        q -= std::max(0.0, 2 * std::sqrt(q * (1 - q / (N / M))) - grace);
-      }
       const double f = std::max(0.02 * n / M, j == 0 ? 1.0 : 0.0);
       if (q < f) q = std::min(f, N / M);
+      const std::size_t count = raw * (j + 1) / strata - raw * j / strata;
+      const double keep = std::max(q, 0.0) / (N / M);
       const std::size_t size =
-          thin(raw * (j + 1) / strata - raw * j / strata, std::max(q, 0.0) / (N / M), kept);
+          j + 1 < strata ? thin(count, keep, kept) : thin_to(count, std::min(keep, 1.0), kept);
       if (size > 0) pass(cost.event_ns * static_cast<double>(size));
       tau += static_cast<double>(now_ns_ - now);
       m += static_cast<double>(size);

@@ -25,10 +25,13 @@ class KeepThreshold {
     return KeepThreshold{static_cast<std::uint64_t>(gamma * static_cast<double>(kAll))};
   }
 
+  static constexpr KeepThreshold all() noexcept { return KeepThreshold{kAll}; }
+
   constexpr std::uint64_t value() const noexcept { return value_; }
   constexpr bool keeps_all() const noexcept { return value_ == kAll; }
 
  private:
+  friend class GammaFilter;
   static constexpr std::uint64_t kAll = std::uint64_t{1} << 63;
   explicit constexpr KeepThreshold(std::uint64_t value) noexcept : value_(value) {}
   std::uint64_t value_;
@@ -44,6 +47,11 @@ class GammaFilter {
 
   // One byte per event: 1 = kept. The position advances like in apply.
   void mask(EventSpan events, KeepThreshold threshold, std::uint8_t* kept) noexcept;
+
+  // The threshold that keeps exactly `count` of the next `events` events; the position stays.
+  // `numbers` is scratch for as many. O(events).
+  KeepThreshold keeping(std::size_t count, std::size_t events,
+                        std::uint64_t* numbers) const noexcept;
 
   // Passes over events that leave the stream undecided (stale ones).
   void skip(std::size_t count) noexcept { position_ += count; }

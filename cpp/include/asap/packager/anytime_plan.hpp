@@ -23,14 +23,17 @@ class AnytimePlan {
     std::size_t begin = 0;  // raw events of the package
     std::size_t end = 0;    // begin == end: the package is finished
     double keep = 1.0;
+    bool is_last = false;  // nothing follows that could make up for a chance in its number
   };
+
+  // Raw events in a stratum of a package of so many.
+  static std::size_t longest_stratum(std::size_t raw) noexcept;
 
   // The stratum to process from now on; `size` events were kept of the one before.
   Stratum next(std::int64_t now_ns, std::size_t size) noexcept;
 
  private:
   double keep(std::int64_t now_ns) const noexcept;
-  double excess(double size, double raw, double event_ns) const noexcept;
 
   std::size_t raw_ = 0;
   std::size_t strata_ = 0;

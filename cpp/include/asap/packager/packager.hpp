@@ -87,7 +87,9 @@ class Packager {
                bool ended) noexcept;
   void drop_stale(std::size_t count) noexcept;
   Package open(const Decision& decision, std::int64_t now_ns) noexcept;
-  EventSpan thin(Package& package, std::size_t begin, std::size_t end, double keep) noexcept;
+  KeepThreshold threshold_of(const AnytimePlan::Stratum& stratum) noexcept;
+  EventSpan thin(Package& package, std::size_t begin, std::size_t end,
+                 KeepThreshold threshold) noexcept;
   void discard_all(const Package& package, std::int64_t end_ns) noexcept;
   double smoothed_keep(double gamma, std::int64_t now_ns) const noexcept;
 
@@ -99,7 +101,8 @@ class Packager {
   GammaFilter filter_;
   RateMeter rate_meter_;
   const PackagerConfig config_;
-  std::unique_ptr<Event[]> kept_;  // the package, unless it is a slice of the ring
+  std::unique_ptr<Event[]> kept_;             // the package, unless it is a slice of the ring
+  std::unique_ptr<std::uint64_t[]> numbers_;  // scratch: the random numbers of a stratum
 
   // The package in work.
   EventPieces raw_{};  // its raw events, and more if it ends early
