@@ -56,8 +56,8 @@ def figure(
     rows = comparison.rows
     lines = 1 + len(rows) * 2 // columns
     # Fixed titles: to look for a place for each takes longer than to draw the page.
-    with matplotlib.rc_context({**plots._STYLE, "axes.titley": 1.0}):
-        page = plots._Figure(
+    with matplotlib.rc_context({**plots.STYLE, "axes.titley": 1.0}):
+        page = plots.NotebookFigure(
             figsize=(width_inches, _FRAME_INCHES + _PANEL_INCHES * lines), layout="constrained"
         )
         grid = page.subplots(lines, columns, sharex=True, squeeze=False)

@@ -8,17 +8,14 @@ from __future__ import annotations
 
 import json
 import os
-import re
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asap import comparison_figures, comparison_table, plots, report, table
+from asap import comparison_figures, comparison_table, page, table
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from asap.experiment.comparison import Comparison, Row
 
 __all__ = ["write"]
@@ -33,6 +30,9 @@ margin-top:5px;overflow:hidden}
 .contest .late{color:var(--vermilion);font-weight:600}
 .contest .oracle>*{border-top:2px solid var(--line);color:var(--soft)}
 """
+
+
+_CURVES = "Curves of every scheme: latency and kept share over time"
 
 
 def write(
@@ -63,11 +63,11 @@ def write(
     -----
     The numbers stand in ``<template data-comparison>`` as JSON: what ``comparison.summary()`` says.
     """
-    page = report._PAGE.format(
-        title=escape(title), style=report._STYLE + _STYLE, body=_article(comparison)
+    html = page.PAGE.format(
+        title=escape(title), style=page.STYLE + _STYLE, body=_article(comparison)
     )
     path = Path(path)
-    path.write_text(page, encoding="utf-8")
+    path.write_text(html, encoding="utf-8")
     return path
 
 
@@ -79,13 +79,13 @@ def _article(comparison: Comparison) -> str:
     return f"""
 <article>
 <h2>{escape(comparison_table.title(comparison))}</h2>
-<p class="sub">{report._text(comparison_table.subtitle(comparison))}</p>
+<p class="sub">{page.text(comparison_table.subtitle(comparison))}</p>
 <div class="scroll">{_table(comparison)}</div>
 <aside style="margin-top:24px"><h3>Verdict</h3>
-<p><strong>{report._text(headline)}.</strong> {report._text(rest)}</p></aside>
+<p><strong>{page.text(headline)}.</strong> {page.text(rest)}</p></aside>
 <figure>
-{_svg(wide, "w", "wide")}
-{_svg(narrow, "n", "narrow")}
+{page.inline_svg(wide, "w", "wide", _CURVES)}
+{page.inline_svg(narrow, "n", "narrow", _CURVES)}
 <figcaption>Every scheme over time: the latest event of each moment, and the share of the events
 that was finished. Latencies beyond 100 L are drawn at 100 L.</figcaption>
 </figure>
@@ -135,21 +135,10 @@ def _words() -> Iterator[str]:
 def _parameters(comparison: Comparison) -> Iterator[str]:
     for row in comparison.rows:
         parameters = comparison.runs[row.label].scheme.parameters
-        words = ", ".join(f"{name} {table._value(value)}" for name, value in parameters.items())
+        words = ", ".join(
+            f"{name} {table.parameter_value(value)}" for name, value in parameters.items()
+        )
         yield (
             f'<tr><th scope="row">{escape(row.label)}</th><td>{escape(row.scheme)}</td>'
             f"<td>{escape(words or 'none')}</td></tr>"
         )
-
-
-def _svg(figure: Figure, prefix: str, css_class: str) -> str:
-    """Inline SVG: own identifiers, no outside reference, colours by name."""
-    figure.set_facecolor("none")
-    svg = plots.svg(figure)
-    svg = svg[svg.index("<svg") :]
-    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
-    svg = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", svg)
-    for colour, variable in report._LOOK.items():
-        svg = svg.replace(colour, variable)
-    label = "Curves of every scheme: latency and kept share over time"
-    return svg.replace("<svg ", f'<svg class="{css_class}" role="img" aria-label="{label}" ', 1)

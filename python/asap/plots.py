@@ -36,7 +36,7 @@ INK, FAINT = "#33383d", "#9aa1a8"
 
 _ON, _OFF = (214, 39, 40), (31, 90, 180)
 
-_STYLE: Any = {
+STYLE: Any = {
     "font.size": 9,
     "axes.edgecolor": FAINT,
     "axes.labelcolor": INK,
@@ -64,7 +64,7 @@ _STYLE: Any = {
 }
 
 
-class _Figure(Figure):
+class NotebookFigure(Figure):
     """A figure that a notebook shows without pyplot."""
 
     def _repr_png_(self) -> bytes:
@@ -92,8 +92,8 @@ def figure(
     matplotlib.figure.Figure
         Shown by a notebook as it is; ``.savefig(path)`` writes it.
     """
-    with matplotlib.rc_context(_STYLE):
-        page = _Figure(figsize=size_inches, layout="constrained")
+    with matplotlib.rc_context(STYLE):
+        page = NotebookFigure(figsize=size_inches, layout="constrained")
     control(run, figure=page, points=points)
     return page
 
@@ -126,8 +126,8 @@ def control(
     The curves of Tapia, Gomez Eguiluz, Martinez-de Dios, Ollero: ASAP: Adaptive Scheme for
     Asynchronous Processing of Event-based Vision Algorithms, ICRA 2020 workshop; latency is ours.
     """
-    with matplotlib.rc_context(_STYLE):
-        figure = figure or _Figure(figsize=(7.0, 8.4), layout="constrained")
+    with matplotlib.rc_context(STYLE):
+        figure = figure or NotebookFigure(figsize=(7.0, 8.4), layout="constrained")
         rows = figure.subplots(len(_ROWS), 1, sharex=True)
         for axes, draw in zip(rows, _ROWS, strict=True):
             draw(_Curves(run, points), axes)
@@ -366,8 +366,8 @@ def rate(events: NDArray[np.void], bin_us: float = 10_000, *, ax: Axes | None = 
 
 
 def _own_axes(size_inches: tuple[float, float]) -> Axes:
-    with matplotlib.rc_context(_STYLE):
-        return _Figure(figsize=size_inches, layout="constrained").add_subplot()
+    with matplotlib.rc_context(STYLE):
+        return NotebookFigure(figsize=size_inches, layout="constrained").add_subplot()
 
 
 def _legend(axes: Axes) -> None:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import plots, table, units
+from asap import page, plots, table, units
 
 if TYPE_CHECKING:
     from asap.experiment import Run
@@ -27,15 +27,6 @@ if TYPE_CHECKING:
 __all__ = ["write"]
 
 _MAX_EMBEDDED_PACKAGES = 100_000
-
-_LOOK = {
-    plots.BLUE: "var(--blue)",
-    plots.VERMILION: "var(--vermilion)",
-    plots.GREEN: "var(--green)",
-    plots.PURPLE: "var(--purple)",
-    plots.INK: "var(--ink)",
-    plots.FAINT: "var(--faint)",
-}
 
 
 def write(
@@ -74,9 +65,9 @@ def write(
         raise ValueError("runs = []: give at least one run")
     parts = [_compare(runs)] if len(runs) > 1 else []
     parts += [_article(run, number) for number, run in enumerate(runs)]
-    page = _PAGE.format(title=escape(title), style=_STYLE, body="\n".join(parts))
+    html = page.PAGE.format(title=escape(title), style=page.STYLE, body="\n".join(parts))
     path = Path(path)
-    path.write_text(page, encoding="utf-8")
+    path.write_text(html, encoding="utf-8")
     return path
 
 
@@ -86,12 +77,12 @@ def _article(run: Run, number: int) -> str:
     return f"""
 <article id="run-{number}">
 <h2>{escape(name)}</h2>
-<p class="sub">{_text(table.subtitle(summary))}</p>
+<p class="sub">{page.text(table.subtitle(summary))}</p>
 <div class="tiles">{"".join(_tiles(run, summary))}</div>
 {_verdict(run)}
 <figure>
-{_svg(run, f"r{number}w", name, size_inches=(8.6, 8.4), points=2000, css_class="wide")}
-{_svg(run, f"r{number}n", name, size_inches=(4.1, 7.6), points=700, css_class="narrow")}
+{_curves(run, f"r{number}w", name, (8.6, 8.4), 2000, "wide")}
+{_curves(run, f"r{number}n", name, (4.1, 7.6), 700, "narrow")}
 <figcaption>What the closed loop did, package by package.</figcaption>
 </figure>
 <h3>Where every event went</h3>
@@ -129,14 +120,17 @@ def _verdict(run: Run) -> str:
     headline, stop, rest = re.split(r"(\.(?: |$))", sentences, maxsplit=1)
     headline = headline[:1].upper() + headline[1:] + stop
     return (
-        f"<aside><h3>{_text(word)}</h3>"
-        f"<p><strong>{_text(headline)}</strong>{_text(rest)}</p></aside>"
+        f"<aside><h3>{page.text(word)}</h3>"
+        f"<p><strong>{page.text(headline)}</strong>{page.text(rest)}</p></aside>"
     )
 
 
-def _text(text: str) -> str:
-    """Escaped, with every number tied to its unit."""
-    return escape(re.sub(r"(?<=[\d<>]) (?=\S)", "\xa0", text))
+def _curves(
+    run: Run, prefix: str, name: str, size_inches: tuple[float, float], points: int, css_class: str
+) -> str:
+    figure = plots.figure(run, size_inches=size_inches, points=points)
+    label = f"Curves of {name}: package size, rates, gamma, margin, latency over time"
+    return page.inline_svg(figure, prefix, css_class, label)
 
 
 def _ledger(run: Run) -> str:
@@ -217,134 +211,3 @@ def _six_digits(column: NDArray[Any]) -> list[float]:
         return list(column.tolist())
     largest = max(float(np.abs(column).max(initial=0)), 1e-9)
     return list(np.round(column, max(5 - math.floor(math.log10(largest)), 0)).tolist())
-
-
-def _svg(
-    run: Run,
-    prefix: str,
-    name: str,
-    *,
-    size_inches: tuple[float, float],
-    points: int,
-    css_class: str,
-) -> str:
-    """Inline SVG of the run's figure: own identifiers, no outside reference, colours by name."""
-    page = plots.figure(run, size_inches=size_inches, points=points)
-    page.set_facecolor("none")
-    svg = plots.svg(page)
-    svg = svg[svg.index("<svg") :]
-    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
-    svg = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", svg)
-    for colour, variable in _LOOK.items():
-        svg = svg.replace(colour, variable)
-    label = escape(f"Curves of {name}: package size, rates, gamma, margin, latency over time")
-    return svg.replace("<svg ", f'<svg class="{css_class}" role="img" aria-label="{label}" ', 1)
-
-
-_STYLE = """
-:root{color-scheme:light dark;--page:#f5f6f7;--card:#fff;--ink:#22272c;--soft:#5b646d;
---faint:#9aa1a8;--line:#e2e5e8;--blue:#0072b2;--vermilion:#d55e00;--green:#009e73;--purple:#a14f7c;
---amber:#c98a00}
-@media (prefers-color-scheme:dark){:root{--page:#14171a;--card:#1d2125;--ink:#e6e9ec;--soft:#a3acb5;
---faint:#6c757e;--line:#30363c;--blue:#56b4e9;--vermilion:#ff8a3d;--green:#2fc79c;--purple:#df8fbb;
---amber:#f0b83c}}
-*{box-sizing:border-box}
-body{margin:0;background:var(--page);color:var(--ink);
-font:16px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"Helvetica Neue",sans-serif}
-main,header,footer{max-width:940px;margin:0 auto;padding:0 20px}
-header{padding-top:36px}
-h1{font-size:1.9rem;line-height:1.2;margin:0;letter-spacing:-.01em}
-h2{font-size:1.3rem;line-height:1.3;margin:0;overflow-wrap:anywhere}
-h3{font-size:.95rem;margin:28px 0 10px}
-header p,.sub,figcaption,footer{color:var(--soft);font-size:.9rem;margin:4px 0 0;
-overflow-wrap:anywhere}
-section,article{background:var(--card);border:1px solid var(--line);border-radius:12px;
-padding:24px;margin:24px 0}
-.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(125px,1fr));gap:16px 12px;
-margin:22px 0}
-.tiles b{display:block;font-size:1.45rem;line-height:1.2;font-variant-numeric:tabular-nums}
-.tiles span{display:block;font-weight:600;font-size:.85rem}
-.tiles small{display:block;color:var(--soft);font-size:.78rem;line-height:1.35}
-aside{border-left:4px solid var(--blue);background:var(--page);border-radius:0 8px 8px 0;
-padding:12px 16px;margin:0 0 24px}
-aside h3{margin:0;color:var(--blue);font-size:.78rem;letter-spacing:.08em;text-transform:uppercase}
-aside p{margin:4px 0 0}
-figure{margin:0}
-figure svg{display:block;width:100%;height:auto}
-svg text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,sans-serif!important}
-.narrow{display:none!important}
-.bar{display:flex;height:18px;gap:2px;border-radius:6px;overflow:hidden;background:var(--line)}
-.bar i{min-width:3px}
-.delivered i,i.delivered{background:var(--green)}
-.discarded i,i.discarded{background:var(--purple)}
-.overflow i,i.overflow{background:var(--vermilion)}
-.stale i,i.stale{background:var(--amber)}
-.rejected i,i.rejected{background:var(--ink)}
-.filtered i,i.filtered{background:var(--blue)}
-.pending i,i.pending{background:var(--faint)}
-.scroll{overflow-x:auto}
-table{border-collapse:collapse;width:100%;font-size:.9rem;margin:10px 0 0}
-th,td{padding:6px 14px 6px 0;text-align:left;border-bottom:1px solid var(--line);
-vertical-align:top}
-tr:last-child>*{border-bottom:0}
-th{font-weight:600;white-space:nowrap}
-td{font-variant-numeric:tabular-nums}
-.ledger th i{display:inline-block;width:10px;height:10px;border-radius:3px;margin-right:9px}
-.ledger td:nth-child(2),.ledger td:nth-child(3),.compare td,.compare th+th{text-align:right;
-white-space:nowrap}
-.ledger td:last-child{color:var(--soft);width:60%}
-.compare th[scope=row]{white-space:normal;overflow-wrap:break-word;min-width:9.5em}
-.plain{width:auto}
-.plain th{font-weight:400;color:var(--soft)}
-details{margin-top:24px}
-summary{cursor:pointer;font-weight:600;font-size:.95rem}
-a{color:var(--blue)}
-footer{padding-bottom:40px}
-dl{display:grid;grid-template-columns:max-content 1fr;gap:3px 16px;margin:10px 0 0}
-dt{font-weight:600;color:var(--ink)}
-dd{margin:0}
-@media (max-width:640px){main,header,footer{padding:0 12px}header{padding-top:22px}
-section,article{padding:16px 14px}h1{font-size:1.5rem}
-.tiles{grid-template-columns:repeat(2,1fr)}
-.wide{display:none!important}.narrow{display:block!important}
-.ledger tr{display:grid;grid-template-columns:1fr max-content 5em;
-border-bottom:1px solid var(--line);padding:6px 0}
-.ledger tr>*{border:0;padding:0 0 0 10px}.ledger tr>th{padding-left:0}
-.ledger td:last-child{grid-column:1/-1;width:auto;padding-left:19px;font-size:.8rem}
-dl{grid-template-columns:1fr}dd{margin-bottom:6px}}
-@media print{body{background:none}section,article{border:0;padding:0}}
-"""
-
-_PAGE = """<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" \
-content="default-src 'none'; style-src 'unsafe-inline'; img-src data:">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}</title>
-<style>{style}</style>
-</head>
-<body>
-<header><h1>{title}</h1>
-<p>Events to the algorithm as soon as possible: what was kept, how late it was, and why.</p>
-</header>
-<main>
-{body}
-</main>
-<footer>
-<h3>Words</h3>
-<dl>
-<dt>package</dt><dd>the events handed to the algorithm in one go; its size is their number</dd>
-<dt>span</dt><dd>newest minus oldest timestamp in a package</dd>
-<dt>margin</dt><dd>processing time minus span: below zero is real time, near zero is responsive</dd>
-<dt>gamma</dt><dd>the fraction of the events that is kept; the others leave at random</dd>
-<dt>R, a</dt><dd>the rate after thinning, and the bound above which gamma falls</dd>
-<dt>latency</dt><dd>from an event's timestamp to the end of its processing; of delivered events
-only, so read it beside what was kept</dd>
-<dt>estimated</dt><dd>from a straight line through the processing times of the packages</dd>
-</dl>
-</footer>
-</body>
-</html>
-"""

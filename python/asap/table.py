@@ -17,6 +17,7 @@ __all__ = [
     "LEDGER_WORDS",
     "format_ledger",
     "format_run",
+    "parameter_value",
     "reasons_of",
     "subtitle",
     "title",
@@ -130,7 +131,7 @@ def subtitle(summary: Mapping[str, Any]) -> str:
         clock += f" at {summary['speed']:g} times the speed"
     name = scheme.pop("name")
     parameters = ", ".join(
-        f"{key} {_value(value)}" for key, value in scheme.items() if value is not None
+        f"{key} {parameter_value(value)}" for key, value in scheme.items() if value is not None
     )
     return (
         f"{size}{units.count(source['events'])} events in {source['duration_s']:.3g} s, {clock}, "
@@ -223,10 +224,11 @@ def _losses(run: Run) -> str:
     return f"Lost: {', '.join(lost)}." if lost else "Nothing was lost."
 
 
-def _value(value: Any) -> str:
-    if isinstance(value, (int, float)) and value == round(value):
-        return units.count(value)
-    return f"{value:g}" if isinstance(value, float) else str(value)
+def parameter_value(parameter: Any) -> str:
+    """Write the value of a parameter."""
+    if isinstance(parameter, (int, float)) and parameter == round(parameter):
+        return units.count(parameter)
+    return f"{parameter:g}" if isinstance(parameter, float) else str(parameter)
 
 
 def _wrap(text: str) -> list[str]:

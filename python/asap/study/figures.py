@@ -89,7 +89,7 @@ def write(folder: Path, results: Results) -> list[Path]:
 
 def heat_map(results: Results) -> Figure:
     """Draw the scores: schemes by the nine profiles, one panel per cost model."""
-    with matplotlib.rc_context(plots._STYLE):
+    with matplotlib.rc_context(plots.STYLE):
         figure = Figure(figsize=(9.6, 6.4), layout="constrained")
         panels = figure.subplots(2, 2, sharey=True)
         for axes, model in zip(panels.flat, MODELS, strict=True):
@@ -157,7 +157,7 @@ def _even(score: Any) -> Any:
 
 def score_and_latency(results: Results) -> Figure:
     """Draw the share of the oracle that each scheme misses against its p99, one panel per model."""
-    with matplotlib.rc_context(plots._STYLE):
+    with matplotlib.rc_context(plots.STYLE):
         figure = Figure(figsize=(9.6, 7.0), layout="constrained")
         panels = figure.subplots(2, 2, sharex=True, sharey=True)
         for axes, model in zip(panels.flat, MODELS, strict=True):
@@ -271,7 +271,7 @@ def step_response() -> Figure:
         seed=case.seed,
         threads=1,
     )
-    with matplotlib.rc_context(plots._STYLE):
+    with matplotlib.rc_context(plots.STYLE):
         figure = Figure(figsize=(9.6, 4.4), layout="constrained")
         panels = figure.subplots(2, len(_IN_STEP), sharex=True, sharey="row")
         for column, (label, run) in enumerate(zip(_IN_STEP, found.runs, strict=True)):
