@@ -41,6 +41,7 @@ from asap.experiment import (
     run,
     simulate,
 )
+from asap.inspection import Inspection, check
 from asap.io import Recording, load, read
 
 __all__ = [
@@ -60,6 +61,7 @@ __all__ = [
     "FixedTime",
     "GammaFilter",
     "Greedy",
+    "Inspection",
     "LinearCost",
     "Recording",
     "Run",
@@ -68,6 +70,7 @@ __all__ = [
     "__version__",
     "analysis",
     "as_events",
+    "check",
     "compare",
     "last_run",
     "load",

@@ -21,6 +21,7 @@ __all__ = [
     "Cost",
     "Description",
     "Diagnosis",
+    "PeakCount",
     "cost_of",
     "decimate",
     "describe",
@@ -97,7 +98,7 @@ def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
     """
     events = on = 0
     t_first = t_last = 0
-    fine, coarse = _PeakCount(1_000), _PeakCount(10_000)
+    fine, coarse = PeakCount(1_000), PeakCount(10_000)
     for block in blocks:
         if block.size == 0:
             continue
@@ -120,16 +121,18 @@ def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
     )
 
 
-class _PeakCount:
+class PeakCount:
     """Largest number of events in one aligned window, over blocks that may cut a window."""
 
     def __init__(self, window_us: int) -> None:
+        """Count in windows of this length, the first of which begins at 0."""
         self.peak = 0
         self._window_us = window_us
         self._open_window = -1
         self._open_count = 0
 
     def add(self, elapsed_us: NDArray[np.int64]) -> None:
+        """Count the times of one block, at least one, none before those of the last block."""
         windows, counts = np.unique(elapsed_us // self._window_us, return_counts=True)
         if windows[0] == self._open_window:
             counts[0] += self._open_count

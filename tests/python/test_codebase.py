@@ -39,9 +39,10 @@ PYTHON_LAYERS = (
     {"io", "synthetic"},
     {"experiment", "profiles"},
     {"analysis"},
-    {"plots", "table", "comparison_table"},
-    {"page", "progress", "comparison_figures"},
-    {"report", "comparison_report"},
+    {"inspection"},
+    {"plots", "table", "comparison_table", "inspection_table"},
+    {"page", "progress", "comparison_figures", "inspection_figures"},
+    {"report", "comparison_report", "inspection_report"},
     {"demo", "study"},
     {"cli"},
     {"__main__"},
@@ -54,6 +55,9 @@ ARROWS_UP = {
     ("experiment", "comparison_figures"),
     ("experiment", "comparison_report"),
     ("experiment", "comparison_table"),
+    ("inspection", "inspection_figures"),
+    ("inspection", "inspection_report"),
+    ("inspection", "inspection_table"),
 }
 USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 

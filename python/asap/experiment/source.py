@@ -11,7 +11,7 @@ import numpy as np
 from asap.events import Events, as_events
 from asap.io import Recording, read
 
-__all__ = ["Source"]
+__all__ = ["Source", "is_iterable_of_arrays"]
 
 
 class Source:
@@ -29,7 +29,7 @@ class Source:
         self._kind = "array"
         if self.recording is not None:
             self._chunks = self.recording
-        elif _is_iterable_of_arrays(source):
+        elif is_iterable_of_arrays(source):
             self._chunks = source
             self._kind = str(getattr(source, "name", "stream"))
         else:
@@ -84,7 +84,8 @@ class Source:
         }
 
 
-def _is_iterable_of_arrays(source: Any) -> bool:
+def is_iterable_of_arrays(source: Any) -> bool:
+    """Whether it is a stream of arrays, and not one source of events."""
     if isinstance(source, (list, tuple)):
         # Four plain columns are one source of events; arrays with fields are a chunk each.
         return bool(source) and all(_is_chunk(item) for item in source)

@@ -120,6 +120,25 @@ class Recording:
         if losses.cut is not None and validator.received == 0:
             raise losses.cut
 
+    def raw(self) -> Iterator[Events]:
+        """Read it once without the checks: what the file holds, in its own order.
+
+        Yields
+        ------
+        numpy.ndarray
+            Shape (n,), n > 0, ``EVENT_DTYPE``: stamps may go back, pixels may lie outside the
+            sensor; a polarity other than 0 and 1 is below 0 or above 1. Records that no event can
+            hold are dropped and counted in `rejected` as ever, whatever `on_bad` is.
+        """
+        losses, self._validator = Losses(self._path, "drop"), self._books()[1]
+        self._losses, count = losses, 0
+        for events in self._reader.chunks(losses):
+            if len(events):
+                count += len(events)
+                yield plain_view(events)
+        if losses.cut is not None and count == 0:
+            raise losses.cut
+
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}" if self.width and self.height else "size unknown"
         return f"Recording({str(self._path)!r}, {self.format}, {size})"

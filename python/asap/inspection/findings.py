@@ -1,0 +1,239 @@
+"""From what the meters show to verdicts: ok, note or wrong, in words and with a remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from asap import units
+from asap.inspection.door import Door, Passed
+from asap.inspection.meters import CROWD, GAP_US, STUCK_US, Duplicates, Gaps, Stamps
+from asap.inspection.pixels import MAX_SIDE, PixelMap
+from asap.inspection.rates import RateMeter
+from asap.inspection.raw_source import RawSource
+from asap.inspection.result import NOTE, OK, WRONG, Finding
+from asap.inspection.tally import Tally
+
+__all__ = ["Meters", "judge"]
+
+WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset
+WRONG_DUPLICATES = 1e-3  # of the good events; sound recordings have a few
+WRONG_HOT = 0.1  # of the good events
+ENOUGH = 100  # events, to expect both polarities
+
+_COUNTER_BITS = (23, 24, 30, 31, 32)  # of cameras and formats, in us
+
+
+@dataclass
+class Meters:
+    """All that looks at the events, and what only needs counting."""
+
+    door: Door
+    gaps: Gaps
+    stamps: Stamps
+    duplicates: Duplicates
+    pixels: PixelMap
+    rates: RateMeter
+    events: int = 0
+    on: int = 0
+    first_stamp_us: int | None = None
+    begin_us: int = 0
+    end_us: int = 0
+
+    def begin(self, passed: Passed) -> None:
+        """Count a block, which is not empty."""
+        if self.first_stamp_us is None:
+            self.first_stamp_us = int(passed.stamps[0])
+            self.begin_us = int(passed.events["t"][0])
+        self.end_us = int(passed.events["t"][-1])
+        self.events += len(passed.events)
+        self.on += int(np.count_nonzero(passed.events["p"]))
+
+    @property
+    def duration_us(self) -> int:
+        """From the first to the last good event."""
+        return self.end_us - self.begin_us
+
+
+def judge(raw: RawSource, meters: Meters) -> Iterator[Finding]:
+    """Judge every check, once the source has been read."""
+    door, stamps = meters.door, meters.stamps
+    yield _empty(door, meters, raw)
+    yield _records(raw, door)
+    yield _truncated(raw)
+    yield _out_of_bounds(raw, door, meters.pixels)
+    yield _found(
+        "back_steps",
+        door.back_steps,
+        WRONG,
+        f"largest {units.duration(door.largest_back_step_us)}" if door.back_steps.count else "",
+        "A run drops and counts them. asap.read(..., reorder_tolerance_us="
+        f"{door.largest_back_step_us}) lifts them to the stamp before; sorting the events "
+        "repairs the file, if their stamps are right.",
+    )
+    yield _found(
+        "clock_resets",
+        door.clock_resets,
+        WRONG,
+        _reset_words(door),
+        "The stamps before and after are of two clocks: split the recording there. A run goes on "
+        "1 us after the last event.",
+    )
+    yield _gaps(meters.gaps)
+    yield _found(
+        "same_stamp",
+        stamps.crowded,
+        NOTE,
+        f"at most {units.count(stamps.most)} events on one stamp",
+        f"More than {CROWD} events on one stamp: a rate over so short a span says nothing; "
+        "ASAP's own meter looks at time and count. Is the sensor saturated, or are the stamps "
+        "coarse?",
+    )
+    yield _found(
+        "stuck_time",
+        stamps.stuck,
+        WRONG,
+        f"{units.duration(stamps.stuck_us)} in all" if stamps.stuck.count else "",
+        f"The clock stood while events came in, then jumped by {units.duration(STUCK_US)} or more: "
+        "latencies below that are not in these stamps. Look for stamps per frame or per USB "
+        "packet instead of per event.",
+    )
+    yield _duplicates(meters)
+    yield _polarity(meters)
+    yield _hot_pixels(meters)
+
+
+def _found(name: str, tally: Tally, verdict: str, detail: str, remedy: str) -> Finding:
+    if tally.count == 0:
+        return Finding(name, 0, OK, detail)
+    return Finding(name, tally.count, verdict, detail, remedy, tally.event, tally.t_us)
+
+
+def _empty(door: Door, meters: Meters, raw: RawSource) -> Finding:
+    if meters.events:
+        return Finding("empty", 0, OK, f"{units.count(meters.events)} good events")
+    if door.seen + raw.bad_records + raw.out_of_bounds == 0:
+        return Finding("empty", 1, NOTE, "no events", "Nothing was recorded, or not written.")
+    return Finding("empty", 1, WRONG, "not one good event", "See the other checks.")
+
+
+def _records(raw: RawSource, door: Door) -> Finding:
+    count = raw.bad_records + door.unreadable.count
+    if count == 0:
+        return Finding("bad_records", 0, OK, "")
+    return Finding(
+        "bad_records",
+        count,
+        WRONG,
+        "records that are no events, or whose stamps are no times",
+        "A run drops and counts them. Are order and time unit right? Else the file is damaged "
+        "there.",
+        door.unreadable.event,
+        door.unreadable.t_us,
+        raw.first_bad_byte,
+    )
+
+
+def _truncated(raw: RawSource) -> Finding:
+    if raw.cut_at_byte is None:
+        return Finding("truncated", 0, OK, "")
+    return Finding(
+        "truncated",
+        1,
+        WRONG,
+        "the file ends too early, or breaks",
+        "What stands before is read. Copy the file again; a recording that was never closed "
+        "lost its end.",
+        byte=raw.cut_at_byte,
+    )
+
+
+def _out_of_bounds(raw: RawSource, door: Door, pixels: PixelMap) -> Finding:
+    count = raw.out_of_bounds + door.outside.count
+    known = bool(raw.width and raw.height)
+    sensor = f"{raw.width} x {raw.height} px" if known else "sensor unknown: not checked"
+    if count:
+        remedy = (
+            "A run drops and counts them. Many: is the sensor's size right, are x and y swapped? "
+            "A few: transmission errors."
+        )
+        outside = door.outside
+        return Finding("out_of_bounds", count, WRONG, sensor, remedy, outside.event, outside.t_us)
+    if known:
+        return Finding("out_of_bounds", 0, OK, sensor)
+    rows, columns = pixels.counts.shape
+    reach = f"addresses up to x = {columns - 1}, y = {rows - 1}"
+    if pixels.beyond:
+        reach = f"{units.count(pixels.beyond)} events beyond {MAX_SIDE} px"
+    remedy = "Say the size: width=, height= (--width, --height)."
+    return Finding("out_of_bounds", 0, NOTE, f"{sensor}; {reach}", remedy)
+
+
+def _reset_words(door: Door) -> str:
+    if door.clock_resets.count == 0:
+        return ""
+    fall_us = door.largest_reset_us
+    words = f"back by {units.duration(fall_us)}"
+    bits = [bits for bits in _COUNTER_BITS if abs(fall_us - 2**bits) < 0.01 * 2**bits]
+    return f"{words}, as a counter of {bits[0]} bits wraps" if bits else words
+
+
+def _gaps(gaps: Gaps) -> Finding:
+    verdict = WRONG if gaps.longest_us >= WRONG_GAP_US else NOTE
+    return _found(
+        "gaps",
+        gaps.tally,
+        verdict,
+        f"longest {units.duration(gaps.longest_us)}",
+        f"No event for {units.duration(GAP_US)} or more: a still scene behind a noise filter, or "
+        "lost data. Compare with the driver's own counters.",
+    )
+
+
+def _duplicates(meters: Meters) -> Finding:
+    tally = meters.duplicates.tally
+    share = tally.count / meters.events if meters.events else 0.0
+    return _found(
+        "duplicates",
+        tally,
+        WRONG if share > WRONG_DUPLICATES else NOTE,
+        f"{units.share(share)} of the events" if tally.count else "",
+        "A pixel cannot fire twice in 1 us: the same data were written twice, or the stamps are "
+        "coarse. A run takes each as an event.",
+    )
+
+
+def _polarity(meters: Meters) -> Finding:
+    tally, events, on = meters.door.odd_polarity, meters.events, meters.on
+    share = f"{units.share(on / events)} ON" if events else ""
+    if tally.count == 0 and events >= ENOUGH and on in (0, events):
+        return Finding(
+            "polarity", 0, NOTE, share, "One polarity only: the other was lost, or never written."
+        )
+    return _found(
+        "polarity",
+        tally,
+        NOTE,
+        f"neither 0 nor 1; {share}" if tally.count else share,
+        "Read as ON where it is above 0, else as OFF: right for -1 and 1. Other values: is this "
+        "column the polarity?",
+    )
+
+
+def _hot_pixels(meters: Meters) -> Finding:
+    hot = meters.pixels.hot()
+    if hot.size == 0:
+        share = int(meters.pixels.busiest()["events"].sum()) / max(meters.events, 1)
+        return Finding("hot_pixels", 0, OK, f"the 10 busiest hold {units.share(share)}")
+    share = int(hot["events"].sum()) / meters.events
+    where = ", ".join(f"({x}, {y})" for x, y, _ in hot[:3].tolist())
+    more = f" and {hot.size - 3} more" if hot.size > 3 else ""
+    return Finding(
+        "hot_pixels",
+        hot.size,
+        WRONG if share >= WRONG_HOT else NOTE,
+        f"{units.share(share)} of the events: {where}{more}",
+        "Mask them in the camera, or put asap.BackgroundActivityFilter in front of the algorithm.",
+    )

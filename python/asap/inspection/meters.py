@@ -1,0 +1,111 @@
+"""Meters on the stream of good events: silence, crowded stamps, duplicates. Flat memory.
+
+Every meter sees blocks in time order that may cut a stamp, and tells the same however they are cut.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asap.inspection.door import Passed
+from asap.inspection.tally import Integers, Tally
+
+__all__ = ["CROWD", "GAP_US", "STUCK_US", "Duplicates", "Gaps", "Stamps"]
+
+GAP_US = 100_000  # so long without an event is a gap
+CROWD = 100  # events on one stamp; sound recordings have up to 94
+STUCK_US = 1_000  # a crowded stamp after which time jumps by so much: the clock stood
+
+
+class Gaps:
+    """Times without an event; a gap is told by the event that ends it."""
+
+    def __init__(self) -> None:
+        self.tally = Tally()
+        self.longest_us = 0
+        self._last_us: int | None = None
+
+    def add(self, passed: Passed) -> None:
+        """See a block, which is not empty."""
+        t: Integers = passed.events["t"]
+        before = t[0] if self._last_us is None else self._last_us
+        silent_us = np.diff(t, prepend=before)
+        self.longest_us = max(self.longest_us, int(silent_us.max()))
+        ends = np.flatnonzero(silent_us >= GAP_US)
+        self.tally.add(passed.numbers[ends], passed.stamps[ends])
+        self._last_us = int(t[-1])
+
+
+class Stamps:
+    """Runs of events on one stamp; a run is told by its first event."""
+
+    def __init__(self) -> None:
+        self.crowded = Tally()
+        self.stuck = Tally()
+        self.most = 0
+        self.stuck_us = 0
+        self._open: tuple[int, int, int, int] | None = None  # stamp, size, number, own stamp
+
+    def add(self, passed: Passed) -> None:
+        """See a block, which is not empty."""
+        t: Integers = passed.events["t"]
+        begins = np.flatnonzero(np.diff(t, prepend=t[0] - 1))
+        stamps, numbers, own = t[begins], passed.numbers[begins], passed.stamps[begins]
+        sizes = np.diff(begins, append=len(t))
+        if self._open is not None:
+            stamp, size, number, own_stamp = self._open
+            if stamp == stamps[0]:
+                sizes[0] += size
+                numbers[0], own[0] = number, own_stamp
+            else:
+                stamps, sizes = np.append(stamp, stamps), np.append(size, sizes)
+                numbers, own = np.append(number, numbers), np.append(own_stamp, own)
+        self._close(sizes[:-1], np.diff(stamps), numbers[:-1], own[:-1])
+        self._open = (int(stamps[-1]), int(sizes[-1]), int(numbers[-1]), int(own[-1]))
+
+    def finish(self) -> None:
+        """Close the last run: no time passes after it."""
+        if self._open is not None:
+            _, *last = self._open
+            size, number, own = (np.array([value]) for value in last)
+            self._close(size, np.zeros(1, np.int64), number, own)
+            self._open = None
+
+    def _close(self, sizes: Integers, jumps_us: Integers, numbers: Integers, own: Integers) -> None:
+        self.most = max(self.most, int(sizes.max(initial=0)))
+        crowded = sizes > CROWD
+        stuck = crowded & (jumps_us >= STUCK_US)
+        self.crowded.add(numbers[crowded], own[crowded])
+        self.stuck.add(numbers[stuck], own[stuck])
+        self.stuck_us += int(jumps_us[stuck].sum())
+
+
+class Duplicates:
+    """Events that equal an earlier one in x, y, p and t.
+
+    Equal stamps are neighbours, so that only the distinct events of the open stamp are remembered.
+    """
+
+    def __init__(self) -> None:
+        self.tally = Tally()
+        self._open_us: int | None = None
+        self._remembered = np.empty(0, np.int64)
+
+    def add(self, passed: Passed) -> None:
+        """See a block, which is not empty."""
+        events = passed.events
+        t: Integers = events["t"]
+        if self._open_us != t[0]:
+            self._remembered = np.empty(0, np.int64)
+        # 33 bits for pixel and polarity, above them the number of the stamp in the block.
+        stamp = np.cumsum(np.diff(t, prepend=t[0]) > 0)
+        pixel = events["y"].astype(np.int64) << 16 | events["x"]
+        keys = np.append(self._remembered, stamp << 33 | pixel << 1 | events["p"])
+        order = np.argsort(keys, kind="stable")
+        ascending = keys[order]
+        again = order[1:][ascending[1:] == ascending[:-1]] - self._remembered.size
+        again.sort()
+        self.tally.add(passed.numbers[again], passed.stamps[again])
+        last = ascending[np.searchsorted(ascending, stamp[-1] << 33) :]
+        self._remembered = np.unique(last & ((1 << 33) - 1))
+        self._open_us = int(t[-1])

@@ -1,0 +1,129 @@
+"""What is inspected, as its file or array has it: unchecked, in its own order, in even blocks."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asap.events import EVENT_DTYPE, Events, columns_of, is_event_memory
+from asap.experiment.source import is_iterable_of_arrays
+from asap.io import Recording, read
+from asap.io.columns import events_of
+from asap.io.reader import Losses, Options
+
+__all__ = ["BLOCK", "RawSource"]
+
+BLOCK = 1 << 16  # events in a block, at most
+
+
+class RawSource:
+    """A path, a recording, an array or an iterable of arrays, read once.
+
+    What could not become an event at all is in `bad_records`, `out_of_bounds`, `first_bad_byte`
+    and `cut_at_byte`, once it has been read.
+    """
+
+    def __init__(
+        self,
+        source: Any,
+        *,
+        width: int | None,
+        height: int | None,
+        order: str | None,
+        time_unit: str | None,
+    ) -> None:
+        self._options = Options(order, time_unit)
+        self.recording: Recording | None = None
+        if isinstance(source, (str, os.PathLike)):
+            self.recording = read(
+                source, width=width, height=height, order=order, time_unit=time_unit
+            )
+        elif isinstance(source, Recording):
+            for name, value in (("order", order), ("time_unit", time_unit)):
+                if value is not None:
+                    raise ValueError(f"{name} = {value!r}: a recording is open; say it to read()")
+            self.recording = source
+        is_stream = self.recording is None and is_iterable_of_arrays(source)
+        # A table may have a width and a height too: those of the table.
+        known = source if is_stream else self.recording
+        self.width, self.height = (
+            given if stated is None else int(stated)
+            for given, stated in (
+                (width, getattr(known, "width", None)),
+                (height, getattr(known, "height", None)),
+            )
+        )
+        self.format = self.recording.format if self.recording is not None else "array"
+        if is_stream:
+            self.format = str(getattr(source, "name", "stream"))
+        self._chunks: Iterable[Any] = source if is_stream else (source,)
+        self._losses = Losses(Path(self.format), "drop")
+
+    @property
+    def path(self) -> str | None:
+        """Where the file is; None for what is no file."""
+        return os.fspath(self.recording.path) if self.recording is not None else None
+
+    @property
+    def bad_records(self) -> int:
+        """Records that no event can hold."""
+        return self._rejected("bad_record")
+
+    @property
+    def out_of_bounds(self) -> int:
+        """Pixels that no event can hold."""
+        return self._rejected("out_of_bounds")
+
+    @property
+    def first_bad_byte(self) -> int | None:
+        """Byte offset of the first bad record, where the format knows it."""
+        offsets = self.recording.bad_offsets if self.recording is not None else ()
+        return offsets[0] if offsets else None
+
+    @property
+    def cut_at_byte(self) -> int | None:
+        """Byte offset where the file ended too early, None if it did not."""
+        return self.recording.truncated_at if self.recording is not None else None
+
+    def __iter__(self) -> Iterator[Events]:
+        """Blocks of `BLOCK` events in ``EVENT_DTYPE``, the last one shorter; none is empty."""
+        return _evenly(self.recording.raw() if self.recording is not None else self._arrays())
+
+    def _arrays(self) -> Iterator[Events]:
+        first = 0
+        for chunk in self._chunks:
+            if not (isinstance(chunk, np.ndarray) and is_event_memory(chunk)):
+                chunk = columns_of(chunk, self._options.order)
+            options = Options(None, self._options.time_unit)
+            events = events_of(chunk, options, self._losses, first)
+            first += len(events)
+            yield events
+
+    def _rejected(self, reason: str) -> int:
+        if self.recording is not None:
+            return self.recording.rejected[reason]
+        return int(getattr(self._losses, reason))
+
+
+def _evenly(chunks: Iterable[Events]) -> Iterator[Events]:
+    block: Events = np.empty(BLOCK, EVENT_DTYPE)
+    filled = 0
+    for events in chunks:
+        while len(events):
+            if filled == 0 and len(events) >= BLOCK:
+                yield events[:BLOCK]
+                events = events[BLOCK:]
+                continue
+            taken = events[: BLOCK - filled]
+            block[filled : filled + len(taken)] = taken
+            filled += len(taken)
+            events = events[len(taken) :]
+            if filled == BLOCK:
+                yield block
+                filled = 0
+    if filled:
+        yield block[:filled]

@@ -1,0 +1,104 @@
+"""Figures of an inspection: the rate over time, and how many events every pixel had.
+
+Needs matplotlib: ``asap-events[report]``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from asap import analysis, plots, units  # first: it says which extra is missing
+
+import matplotlib  # isort: skip
+from matplotlib.colors import LogNorm  # isort: skip
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from asap.inspection import Inspection
+
+__all__ = ["figure"]
+
+_MARKED = 50  # hot pixels with a circle
+
+
+def figure(
+    inspection: Inspection, *, size_inches: tuple[float, float] = (7.5, 7.0), points: int = 2000
+) -> Figure:
+    """Draw the rate over time, above the map of the pixels with circles around the hot ones.
+
+    Parameters
+    ----------
+    inspection : Inspection
+        What `asap.check` returns.
+    size_inches : (float, float)
+        Width and height of the page.
+    points : int
+        The most points of a curve; the smallest and the largest of what lies between stay.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Shown by a notebook as it is; ``.savefig(path)`` writes it.
+    """
+    with matplotlib.rc_context(plots.STYLE):
+        page = plots.NotebookFigure(figsize=size_inches, layout="constrained")
+        rate, pixels = page.subplots(2, 1, height_ratios=(1, 2.6))
+        _draw_rate(rate, inspection, points)
+        _draw_pixels(pixels, inspection)
+    return page
+
+
+def _draw_rate(axes: Axes, inspection: Inspection, points: int) -> None:
+    time_s, mean_hz, peak_hz = inspection.rate_curve.T
+    unit, scale = ("Mev/s", 1e-6) if peak_hz.max(initial=0) >= 1e6 else ("kev/s", 1e-3)
+    window_ms = 1e3 * (time_s[1] - time_s[0]) if time_s.size > 1 else 1.0
+    if window_ms > 1.5:
+        axes.plot(
+            *analysis.decimate(time_s, peak_hz * scale, points),
+            color=plots.FAINT,
+            label="largest in 1 ms",
+        )
+    axes.plot(
+        *analysis.decimate(time_s, mean_hz * scale, points),
+        color=plots.BLUE,
+        drawstyle="steps-post",
+        label=f"in {window_ms:.0f} ms",
+    )
+    axes.set(title="event rate", xlabel="time from the first event [s]", ylabel=unit)
+    axes.set_ylim(bottom=0)
+    axes.margins(x=0.01)
+    plots._legend(axes)
+
+
+def _draw_pixels(axes: Axes, inspection: Inspection) -> None:
+    counts = inspection.pixel_counts
+    largest = max(int(counts.max(initial=1)), 2)
+    picture = axes.imshow(
+        np.ma.masked_equal(counts, 0),
+        norm=LogNorm(1, largest),
+        cmap="cividis",
+        interpolation="nearest",
+        aspect="equal",
+    )
+    axes.grid(False)
+    axes.figure.colorbar(picture, ax=axes, label="events of a pixel", shrink=0.8, pad=0.02)
+    hot = inspection.hot_pixels[:_MARKED]
+    if hot.size:
+        axes.scatter(
+            hot["x"],
+            hot["y"],
+            s=70,
+            facecolors="none",
+            edgecolors=plots.VERMILION,
+            linewidths=1.3,
+        )
+    rows, columns = counts.shape
+    axes.set(xlim=(-0.5, columns - 0.5), ylim=(rows - 0.5, -0.5), xlabel="x [px]", ylabel="y [px]")
+    total = inspection.hot_pixels.size
+    share = int(inspection.hot_pixels["events"].sum()) / max(inspection.events, 1)
+    words = f"{units.count(total)}, with {units.share(share)} of the events" if total else "none"
+    axes.set_title(f"hot pixels: {words}")

@@ -1,0 +1,680 @@
+"""asap.check: every anomaly is found, as often as it is there and where it is there first."""
+
+from __future__ import annotations
+
+import json
+import re
+import tracemalloc
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import asap
+import corrupt
+from asap import inspection_table
+from asap.events import Events
+from asap.inspection import raw_source
+from asap.io import CorruptFile
+from event_files import DATA, WRITERS, facts, recording, write_csv
+
+SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
+EVENTS = corrupt.clean_events(70_000)  # more than one block
+
+
+def outcome(inspection: asap.Inspection) -> dict[str, tuple[int, str, int | None, int | None]]:
+    """Of every check that is not ok: count, verdict, number and stamp of the first event."""
+    return {
+        name: (finding.count, finding.verdict, finding.event, finding.t_us)
+        for name, finding in inspection.findings.items()
+        if finding.verdict != "ok"
+    }
+
+
+def place(events: Events, found: np.ndarray) -> tuple[int, int]:
+    """Number and stamp of the first of these."""
+    first = int(np.flatnonzero(found)[0])
+    return first, int(events["t"][first])
+
+
+def check(events: Any, **options: Any) -> asap.Inspection:
+    return asap.check(events, **SENSOR, **options)
+
+
+# ---- a clean recording ----------------------------------------------------------------------
+
+
+def test_a_clean_recording_is_ok() -> None:
+    found = check(EVENTS)
+    assert outcome(found) == {}
+    assert {finding.count for finding in found.findings.values()} == {0}
+    assert found.ok and found.verdict == "ok"
+    assert str(found).endswith("Verdict: ok. Nothing is wrong with this recording.")
+
+
+def test_facts_of_a_clean_recording() -> None:
+    found = check(EVENTS)
+    elapsed = EVENTS["t"] - EVENTS["t"][0]
+    assert (found.events, found.received) == (EVENTS.size, EVENTS.size)
+    assert found.t_first_us == EVENTS["t"][0]
+    assert found.duration_s == elapsed[-1] / 1e6
+    assert found.on_share == np.mean(EVENTS["p"])
+    assert found.rate_mean_hz == EVENTS.size / found.duration_s
+    assert found.rate_peak_1ms_hz == np.bincount(elapsed // 1_000).max() * 1e3
+    assert found.rate_peak_10ms_hz == np.bincount(elapsed // 10_000).max() * 1e2
+    assert found.rate_peak_100ms_hz == np.bincount(elapsed // 100_000).max() * 1e1
+    assert found.longest_gap_us == np.diff(elapsed).max()
+    assert found.most_on_one_stamp == 1
+    counts = np.zeros((corrupt.HEIGHT, corrupt.WIDTH), int)
+    np.add.at(counts, (EVENTS["y"], EVENTS["x"]), 1)
+    np.testing.assert_array_equal(found.pixel_counts, counts)
+    top = found.busiest_pixels
+    assert top["events"].tolist() == np.sort(counts.ravel())[:-11:-1].tolist()
+    assert (counts[top["y"], top["x"]] == top["events"]).all()
+
+
+# ---- one anomaly each -----------------------------------------------------------------------
+
+
+def test_back_steps() -> None:
+    bad = corrupt.back_steps(EVENTS, 40)
+    went_back = bad["t"] != EVENTS["t"]
+    found = check(bad)
+    assert outcome(found) == {"back_steps": (40, "wrong", *place(bad, went_back))}
+    largest = int((EVENTS["t"][:-1] - bad["t"][1:])[went_back[1:]].max())
+    assert f"largest {largest} us" in found.findings["back_steps"].detail
+    assert f"reorder_tolerance_us={largest})" in found.findings["back_steps"].remedy
+
+
+def test_a_step_back_by_1_us_is_one_and_an_equal_stamp_is_none() -> None:
+    bad = EVENTS[:10].copy()
+    bad["t"][4] = bad["t"][3]
+    assert outcome(check(bad)) == {}
+    bad["t"][4] -= 1
+    assert outcome(check(bad)) == {"back_steps": (1, "wrong", 4, int(bad["t"][4]))}
+
+
+def test_clock_reset() -> None:
+    bad = corrupt.clock_reset(EVENTS, 66_000, to_us=17)
+    found = check(bad)
+    assert outcome(found) == {"clock_resets": (1, "wrong", 66_000, 17)}
+    assert found.duration_s == (EVENTS["t"][-1] - EVENTS["t"][0]) / 1e6 - (
+        (EVENTS["t"][66_000] - EVENTS["t"][65_999] - 1) / 1e6
+    )
+
+
+def test_the_largest_of_several_resets_is_told() -> None:
+    bad = EVENTS[:9].copy()
+    bad["t"] = [9_000_000, 9_000_001, 7_000_000, 7_000_001, 3_500_001, 3_500_009, 0, 1, 2]
+    found = check(bad)
+    assert outcome(found) == {"clock_resets": (3, "wrong", 2, 7_000_000)}
+    assert found.findings["clock_resets"].detail == "back by 3.5 s"
+    assert found.duration_s == (1 + 1 + 1 + 1 + 8 + 1 + 2) / 1e6
+
+
+@pytest.mark.parametrize(("by_us", "words"), [(1 << 24, "24 bits"), (1 << 31, "31 bits")])
+def test_a_counter_that_wraps_is_named(by_us: int, words: str) -> None:
+    bad = EVENTS[:1000].copy()
+    bad["t"] = (by_us + 5 * (np.arange(1000) - 500)) % by_us
+    found = check(bad)
+    assert outcome(found) == {"clock_resets": (1, "wrong", 500, 0)}
+    assert f"as a counter of {words} wraps" in found.findings["clock_resets"].detail
+    bad["t"][500:] += by_us // 3
+    assert "wraps" not in check(bad).findings["clock_resets"].detail
+
+
+def test_a_step_of_one_second_is_a_reset_and_a_shorter_one_is_not() -> None:
+    bad = EVENTS[:2000].copy()
+    bad["t"] += 2_000_000
+    last = int(bad["t"][999])
+    for step_us, name in ((999_999, "back_steps"), (1_000_000, "clock_resets")):
+        bad["t"][1000] = last - step_us
+        bad["t"][1001:] = last + 5
+        found = check(bad[:1001])
+        assert outcome(found) == {name: (1, "wrong", 1000, last - step_us)}
+
+
+def test_outside_the_sensor() -> None:
+    bad = corrupt.outside_sensor(EVENTS, 30)
+    outside = (bad["x"] >= corrupt.WIDTH) | (bad["y"] >= corrupt.HEIGHT)
+    assert outcome(check(bad)) == {"out_of_bounds": (30, "wrong", *place(bad, outside))}
+
+
+def test_the_edge_of_the_sensor_is_inside() -> None:
+    bad = EVENTS[:4].copy()
+    bad["x"], bad["y"] = [345, 346, 0, 0], [259, 0, 260, 0]
+    assert outcome(check(bad)) == {
+        "out_of_bounds": (2, "wrong", 1, int(bad["t"][1])),
+    }
+
+
+def test_without_a_sensor_size_addresses_are_not_checked_and_that_is_said() -> None:
+    found = asap.check(EVENTS)
+    assert outcome(found) == {"out_of_bounds": (0, "note", None, None)}
+    assert "addresses up to x = 345, y = 259" in found.findings["out_of_bounds"].detail
+    assert found.ok and found.verdict == "note"
+    assert asap.check(corrupt.outside_sensor(EVENTS, 30)).ok
+    half = asap.check(corrupt.outside_sensor(EVENTS, 30), width=corrupt.WIDTH)
+    assert outcome(half)["out_of_bounds"][:2] == (15, "wrong")
+
+
+def test_a_map_of_unknown_size_is_bounded() -> None:
+    bad = EVENTS[:100].copy()
+    bad["x"][7] = bad["y"][9] = 65_535
+    found = asap.check(bad)
+    assert found.pixel_counts.sum() == 98
+    assert "; 2 events beyond 4096 px" in found.findings["out_of_bounds"].detail
+
+
+@pytest.mark.parametrize(
+    ("gap_us", "expected"),
+    [(99_999, None), (100_000, "note"), (999_999, "note"), (1_000_000, "wrong")],
+)
+def test_gaps(gap_us: int, expected: str | None) -> None:
+    bad, begin = EVENTS.copy(), raw_source.BLOCK
+    bad["t"][begin:] += gap_us - (bad["t"][begin] - bad["t"][begin - 1])
+    found = check(bad)
+    assert found.longest_gap_us == gap_us
+    at = (begin, int(bad["t"][begin]))
+    assert outcome(found) == ({"gaps": (1, expected, *at)} if expected else {})
+
+
+def test_many_events_on_one_stamp() -> None:
+    crowd = EVENTS.copy()
+    crowd["t"][65_500:65_601] = crowd["t"][65_500]  # over the end of a block
+    crowd["t"][65_601:] -= crowd["t"][65_601] - crowd["t"][65_600] - 999
+    found = check(crowd)
+    at = (65_500, int(crowd["t"][65_500]))
+    assert outcome(found) == {"same_stamp": (1, "note", *at)}
+    assert found.most_on_one_stamp == 101
+    crowd["t"][65_600] += 1
+    assert outcome(check(crowd)) == {}
+
+
+def test_stuck_time() -> None:
+    crowd = EVENTS.copy()
+    crowd["t"][65_500:65_601] = crowd["t"][65_500]
+    crowd["t"][65_601:] -= crowd["t"][65_601] - crowd["t"][65_600] - 1000
+    found = check(crowd)
+    at = (65_500, int(crowd["t"][65_500]))
+    assert outcome(found) == {"same_stamp": (1, "note", *at), "stuck_time": (1, "wrong", *at)}
+    assert found.findings["stuck_time"].detail == "1 ms in all"
+
+
+def test_a_last_stamp_that_is_crowded_counts() -> None:
+    found = check(corrupt.one_stamp(EVENTS, 69_890, 110))
+    at = (69_890, int(EVENTS["t"][69_890]))
+    assert outcome(found) == {"same_stamp": (1, "note", *at)}
+
+
+@pytest.mark.parametrize(("count", "verdict"), [(70, "note"), (71, "wrong")])
+def test_duplicates(count: int, verdict: str) -> None:
+    bad = corrupt.duplicates(EVENTS, count)[: 70_000 + count]
+    again = np.append(False, (np.diff(bad["t"]) == 0))
+    assert outcome(check(bad)) == {"duplicates": (count, verdict, *place(bad, again))}
+
+
+@pytest.mark.parametrize(("events", "verdict"), [(999, "note"), (998, "wrong")])
+def test_one_duplicate_in_a_thousand_is_not_wrong_yet(events: int, verdict: str) -> None:
+    bad = np.repeat(EVENTS[:events], 1 + (np.arange(events) == 5))
+    assert outcome(check(bad)) == {"duplicates": (1, verdict, 6, int(bad["t"][5]))}
+
+
+def test_a_duplicate_equals_in_all_columns_and_need_not_follow_at_once() -> None:
+    bad = EVENTS[:8].copy()
+    bad["t"] = bad["t"][0]
+    bad["x"] = [1, 1, 1, 2, 1, 1, 3, 3]
+    bad["y"] = [5, 6, 5, 5, 5, 5, 5, 5]
+    bad["p"] = [0, 0, 1, 0, 0, 1, 0, 0]
+    assert outcome(check(bad))["duplicates"] == (3, "wrong", 4, int(bad["t"][0]))
+    assert outcome(check(bad[::-1]))["duplicates"] == (3, "wrong", 1, int(bad["t"][0]))
+    bad["t"] += np.arange(8)
+    assert outcome(check(bad)) == {}
+
+
+def test_odd_polarity() -> None:
+    bad = corrupt.odd_polarity(EVENTS, 50)
+    odd = (bad["p"] < 0) | (bad["p"] > 1)
+    found = check(bad)
+    assert outcome(found) == {"polarity": (50, "note", *place(bad, odd))}
+    assert found.on_share == np.mean(EVENTS["p"])
+
+
+@pytest.mark.parametrize("p", [0, 1])
+def test_one_polarity_only_is_worth_knowing(p: int) -> None:
+    bad = EVENTS[:100].copy()
+    bad["p"] = p
+    found = check(bad)
+    assert outcome(found) == {"polarity": (0, "note", None, None)}
+    assert "One polarity only" in found.findings["polarity"].remedy
+    assert outcome(check(bad[:99])) == {}
+
+
+def with_busy(pixels: list[tuple[int, int]], times: int) -> Events:
+    """Of the clean events, `times` are moved to each of these pixels."""
+    bad = EVENTS.copy()
+    numbers = np.arange(len(pixels) * times) * (EVENTS.size // (len(pixels) * times))
+    bad["x"][numbers], bad["y"][numbers] = np.repeat(np.array(pixels), times, axis=0).T
+    return bad
+
+
+def test_hot_pixels() -> None:
+    found = check(with_busy([(7, 0), (200, 100), (201, 100)], 300))
+    assert outcome(found) == {"hot_pixels": (3, "note", None, None)}
+    hot = {(x, y): events for x, y, events in found.hot_pixels.tolist()}
+    assert set(hot) == {(7, 0), (200, 100), (201, 100)}  # at an edge, and a pair
+    for (x, y), events in hot.items():
+        assert found.pixel_counts[y, x] == events
+    assert "1.3 % of the events" in found.findings["hot_pixels"].detail
+    assert found.hot_pixels["events"].tolist() == sorted(hot.values(), reverse=True)
+
+
+def test_hot_pixels_that_hold_a_tenth_are_wrong() -> None:
+    assert outcome(check(with_busy([(200, 100)], 7_000)))["hot_pixels"][:2] == (1, "wrong")
+    assert outcome(check(with_busy([(200, 100)], 6_900)))["hot_pixels"][:2] == (1, "note")
+
+
+def test_a_busy_line_is_not_hot() -> None:
+    found = check(with_busy([(x, 100) for x in range(20)], 300))
+    assert outcome(found) == {}
+    assert len(found.hot_pixels) == 0
+
+
+def test_a_pixel_with_few_events_is_not_hot() -> None:
+    quiet = EVENTS[:1000].copy()
+    quiet["x"][::10], quiet["y"][::10] = 200, 100
+    assert outcome(check(quiet)) == {"hot_pixels": (1, "wrong", None, None)}
+    quiet["x"][0] = 30
+    assert (quiet["x"] == 200).sum() - (EVENTS["x"][:1000] == 200).sum() <= 100
+    busy = (quiet["x"] == 200) & (quiet["y"] == 100)
+    assert busy.sum() == 99
+    assert outcome(check(quiet)) == {}
+
+
+def test_stamps_that_no_time_is() -> None:
+    bad = EVENTS.copy()
+    bad["t"][66_000] = 2**60
+    bad["t"][5] = -(2**60)
+    assert outcome(check(bad)) == {"bad_records": (2, "wrong", 5, -(2**60))}
+
+
+def test_nothing() -> None:
+    found = check(EVENTS[:0])
+    assert outcome(found) == {"empty": (1, "note", None, None)}
+    assert (found.events, found.received, found.t_first_us) == (0, 0, None)
+    json.dumps(found.summary(), allow_nan=False)
+    assert "Nothing is wrong" in str(found)
+
+
+def test_not_one_good_event() -> None:
+    bad = EVENTS[:10].copy()
+    bad["x"] = 400
+    found = check(bad)
+    assert outcome(found)["empty"] == (1, "wrong", None, None)
+    assert outcome(found)["out_of_bounds"][0] == found.received == 10
+
+
+def test_one_event() -> None:
+    found = check(EVENTS[:1])
+    assert outcome(found) == {}
+    assert (found.duration_s, found.rate_mean_hz, found.rate_peak_1ms_hz) == (0, 0, 1000)
+
+
+# ---- all at once ----------------------------------------------------------------------------
+
+
+def slowly(events: Events) -> dict[str, tuple[int, int | None, int | None]]:
+    """The definitions, one event after the other: count, number and stamp of the first."""
+    found: dict[str, list[tuple[int, int]]] = {
+        name: []
+        for name in (
+            *("bad_records", "out_of_bounds", "back_steps", "clock_resets", "gaps"),
+            *("same_stamp", "stuck_time", "duplicates", "polarity"),
+        )
+    }
+    last: int | None = None
+    offset = 0
+    run: list[tuple[int, int, tuple[int, ...]]] = []
+
+    def close(jump_us: int) -> None:
+        first = run[0][:2]
+        if len(run) > 100:
+            found["same_stamp"].append(first)
+            if jump_us >= 1000:
+                found["stuck_time"].append(first)
+        run.clear()
+
+    for number, (x, y, p, t) in enumerate(events.tolist()):
+        here = (number, t)
+        if abs(t) > 2**52:
+            found["bad_records"].append(here)
+            continue
+        if x >= corrupt.WIDTH or y >= corrupt.HEIGHT:
+            found["out_of_bounds"].append(here)
+            continue
+        if last is not None and t + offset < last:
+            if last - (t + offset) < 1_000_000:
+                found["back_steps"].append(here)
+                continue
+            found["clock_resets"].append(here)
+            offset = last + 1 - t
+        if p not in (0, 1):
+            found["polarity"].append(here)
+        now = t + offset
+        if last is not None and now - last >= 100_000:
+            found["gaps"].append(here)
+        if last is not None and now != last:
+            close(now - last)
+        if (x, y, int(p > 0)) in [one for *_, one in run]:
+            found["duplicates"].append(here)
+        run.append((number, t, (x, y, int(p > 0))))
+        last = now
+    if run:
+        close(0)
+    return {name: (len(at), *(at[0] if at else (None, None))) for name, at in found.items()}
+
+
+WILD = st.lists(
+    st.tuples(
+        st.sampled_from([0, 3, 345, 346]),
+        st.sampled_from([0, 259, 260]),
+        st.sampled_from([0, 1, 1, -1, 2]),
+        st.sampled_from([0, 0, 0, 1, 7, 5000, 120_000, -3, -900_000, -(2**24), 2**60]),
+        st.sampled_from([1, 1, 1, 90, 101]),
+    ),
+    max_size=25,
+)
+
+
+@settings(deadline=None, max_examples=60)
+@given(WILD, st.sampled_from([5, 64, 1 << 16]))
+def test_wild_streams_are_told_as_by_the_definitions(
+    rows: list[tuple[int, int, int, int, int]], block: int
+) -> None:
+    parts, t = [], 10_000_000
+    for x, y, p, step, times in rows:
+        if abs(step) < 2**60:
+            t += step
+        stamp = t if abs(step) < 2**60 else step
+        parts += [(x, (y + i) % 261 if times > 1 else y, p, stamp) for i in range(times)]
+    events = np.array(parts, asap.EVENT_DTYPE) if parts else EVENTS[:0]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(raw_source, "BLOCK", block)
+        found = check(events)
+    expected = slowly(events)
+    told = {
+        name: (found.findings[name].count, found.findings[name].event, found.findings[name].t_us)
+        for name in expected
+        if name != "polarity" or found.findings[name].count
+    }
+    assert told == {name: expected[name] for name in told}
+    lost = sum(told[name][0] for name in ("bad_records", "out_of_bounds", "back_steps"))
+    assert found.events == events.size - lost
+    assert found.pixel_counts.sum() == found.events
+
+
+def everything_wrong() -> Events:
+    bad = corrupt.back_steps(EVENTS[:20_000], 40)
+    bad = corrupt.outside_sensor(bad, 30, seed=1)
+    bad = corrupt.duplicates(corrupt.odd_polarity(bad, 50, seed=2), 30, seed=3)
+    bad = corrupt.one_stamp(bad, 9_000, 700)
+    bad = corrupt.gap(corrupt.clock_reset(bad, 15_000), 17_000, 40_000_000)
+    bad["x"][::9], bad["y"][::9] = 30, 40
+    return bad
+
+
+@pytest.mark.parametrize("block", [7, 257, 1 << 16])
+def test_blocks_do_not_matter(block: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    bad = everything_wrong()
+    whole = check(bad)
+    assert set(outcome(whole)) == {
+        *("out_of_bounds", "back_steps", "clock_resets", "gaps", "same_stamp", "stuck_time"),
+        *("duplicates", "polarity", "hot_pixels"),
+    }
+    monkeypatch.setattr(raw_source, "BLOCK", block)
+    for cut in (bad, iter([bad[:5], None, bad[5:5], bad[5:15_001], bad[15_001:]])):
+        found = check(cut)
+        assert found.findings == whole.findings
+        np.testing.assert_array_equal(found.rate_curve, whole.rate_curve)
+        np.testing.assert_array_equal(found.pixel_counts, whole.pixel_counts)
+        assert found.summary()["rate_hz"] == whole.summary()["rate_hz"]
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_counts_are_those_of_the_reader(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / f"bad.{kind}"
+    WRITERS[kind](path, everything_wrong())
+    found = check(path)
+    rec = asap.read(path, **SENSOR)
+    good = sum(map(len, rec))
+    assert found.format == rec.format
+    assert (found.events, found.received) == (good, rec.received)
+    assert rec.rejected["nonmonotonic"] == found.findings["back_steps"].count > 0
+    assert rec.rejected["out_of_bounds"] == found.findings["out_of_bounds"].count > 0
+    assert rec.clock_resets == found.findings["clock_resets"].count == 1
+    assert rec.repaired["normalised_polarity"] == found.findings["polarity"].count > 0
+
+
+# ---- files ----------------------------------------------------------------------------------
+
+
+def test_a_line_that_is_no_event(tmp_path: Path) -> None:
+    path = tmp_path / "events.csv"
+    write_csv(path, EVENTS[:300])
+    lines = path.read_text().splitlines(keepends=True)
+    offset = len("".join(lines[:50]))
+    path.write_text("".join([*lines[:50], "garbage,1\n", "?\n", *lines[50:]]))
+    found = check(path)
+    assert outcome(found) == {"bad_records": (2, "wrong", None, None)}
+    assert found.findings["bad_records"].byte == offset
+    assert (found.events, found.received) == (300, 302)
+    for on_bad in ("raise", "clamp"):  # which is for what is read, not for what is inspected
+        assert asap.check(asap.read(path, **SENSOR, on_bad=on_bad)).findings == found.findings
+
+
+def test_values_that_no_event_can_hold(tmp_path: Path) -> None:
+    columns = {name: EVENTS[name][:200].astype(float) for name in "txyp"}
+    columns["t"] /= 1e6
+    columns["t"][7], columns["x"][9] = np.nan, 70_000.0
+    np.savez(tmp_path / "bad.npz", **columns)
+    for source in (tmp_path / "bad.npz", columns):
+        assert {name: found[:2] for name, found in outcome(check(source)).items()} == {
+            "bad_records": (1, "wrong"),
+            "out_of_bounds": (1, "wrong"),
+        }
+
+
+def test_a_truncated_file_is_inspected_up_to_there(tmp_path: Path) -> None:
+    path = tmp_path / "events.npy"
+    np.save(path, EVENTS)
+    corrupt.cut_file(path, path.stat().st_size - 16 * 1000 - 3)
+    found = check(path)
+    assert outcome(found) == {"truncated": (1, "wrong", None, None)}
+    assert found.findings["truncated"].byte == path.stat().st_size - 13
+    assert found.events == EVENTS.size - 1001
+
+
+def test_a_file_that_cannot_be_read_raises(tmp_path: Path) -> None:
+    (tmp_path / "events.npy").write_bytes(b"no recording")
+    with pytest.raises(CorruptFile, match="byte 0"):
+        check(tmp_path / "events.npy")
+    with pytest.raises(FileNotFoundError):
+        check(tmp_path / "none.npy")
+
+
+def test_raw_is_what_the_file_holds(tmp_path: Path) -> None:
+    bad = everything_wrong()
+    np.save(tmp_path / "bad.npy", bad)
+    rec = asap.read(tmp_path / "bad.npy", **SENSOR, on_bad="raise")
+    raw = np.concatenate(list(rec.raw()))
+    for name in "txyp":
+        np.testing.assert_array_equal(raw[name], bad[name])
+    assert set(rec.rejected.values()) == {0}
+    with pytest.raises(ValueError, match="t = "):
+        list(rec)
+
+
+# ---- sources --------------------------------------------------------------------------------
+
+
+def test_sources(tmp_path: Path) -> None:
+    bad = everything_wrong()
+    np.save(tmp_path / "bad.npy", bad)
+    findings = check(bad).findings
+    assert check(str(tmp_path / "bad.npy")).findings == findings
+    assert asap.check(asap.read(tmp_path / "bad.npy", **SENSOR)).findings == findings
+    assert check({name: bad[name] for name in "txyp"}).findings == findings
+    assert check(tuple(bad[name] for name in "txyp")).findings == findings
+    table = np.stack([bad[name] for name in "xytp"], axis=1)
+    assert check(table, order="xytp").findings == findings
+    nanoseconds = {**{name: bad[name] for name in "xyp"}, "t": bad["t"] * 1000}
+    assert check(nanoseconds, time_unit="ns").findings == findings
+
+
+def test_a_scene_states_its_sensor() -> None:
+    found = asap.check(asap.synthetic.FlightOverChairs(duration_s=0.02))
+    assert (found.width, found.height) == (346, 260)
+    assert found.findings["out_of_bounds"].verdict == "ok"
+
+
+def test_the_width_of_a_table_is_not_that_of_a_sensor() -> None:
+    class Frame(SimpleNamespace):
+        def __getitem__(self, name: str) -> np.ndarray:
+            return EVENTS[name][:10]
+
+    found = asap.check(Frame(columns=["t", "x", "y", "p"], width=4, height=10))
+    assert (found.width, found.height) == (None, None)
+
+
+@pytest.mark.parametrize("option", [{"order": "txyp"}, {"time_unit": "us"}])
+def test_an_open_recording_is_not_told_how_to_be_read(option: Any, tmp_path: Path) -> None:
+    np.save(tmp_path / "events.npy", EVENTS[:10])
+    with pytest.raises(ValueError, match=f"{next(iter(option))} = .*a recording is open"):
+        asap.check(asap.read(tmp_path / "events.npy"), **option)
+
+
+def test_what_is_no_source_is_refused() -> None:
+    with pytest.raises(TypeError, match="source is a"):
+        asap.check(np.zeros(3))
+
+
+def test_memory_is_flat() -> None:
+    blocks = 24
+    stream = (corrupt.clean_events(1 << 16, seed=i, start_us=i * 10**6) for i in range(blocks))
+    tracemalloc.start()
+    found = check(stream)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert found.events == blocks << 16
+    assert peak < found.events * 16 / 2
+
+
+# ---- the rate over time ---------------------------------------------------------------------
+
+
+def test_the_curve_of_a_short_recording_has_every_ms() -> None:
+    elapsed = EVENTS["t"] - EVENTS["t"][0]
+    time_s, mean_hz, peak_hz = check(EVENTS).rate_curve.T
+    counts = np.bincount(elapsed // 1000)
+    np.testing.assert_allclose(time_s, np.arange(counts.size) / 1e3)
+    np.testing.assert_array_equal(mean_hz, counts * 1e3)
+    np.testing.assert_array_equal(peak_hz, mean_hz)
+
+
+def test_the_curve_of_a_long_recording_is_bounded_and_loses_nothing() -> None:
+    long = EVENTS.copy()
+    long["t"] = long["t"][0] + (long["t"] - long["t"][0]) * 150
+    elapsed = long["t"] - long["t"][0]
+    assert 32e6 < elapsed[-1] < 65e6
+    time_s, mean_hz, peak_hz = check(long).rate_curve.T
+    counts = np.bincount(elapsed // 1000, minlength=-(-(elapsed[-1] // 1000 + 1) // 4) * 4)
+    in_four = counts[: time_s.size * 4].reshape(-1, 4)
+    np.testing.assert_allclose(time_s, np.arange(time_s.size) * 4e-3)
+    np.testing.assert_array_equal(mean_hz, in_four.sum(axis=1) * 250.0)
+    np.testing.assert_array_equal(peak_hz, in_four.max(axis=1) * 1e3)
+
+
+# ---- words ----------------------------------------------------------------------------------
+
+
+def test_the_table() -> None:
+    found = check(everything_wrong())
+    lines = str(found).splitlines()
+    assert max(map(len, lines)) <= 100
+    for name, finding in found.findings.items():
+        (line,) = [line for line in lines if line.startswith(name.replace("_", " ") + "  ")]
+        assert re.search(rf"  {finding.count:,}  {finding.verdict}\b", line)
+    words = " ".join(" ".join(lines).split())
+    assert "Verdict: wrong. Look at: out of bounds, back steps, clock resets, gaps" in words
+    for finding in found.findings.values():
+        assert (finding.remedy in words) and bool(finding.remedy) == (finding.verdict != "ok")
+    assert words.index("stuck time: ") < words.index("same stamp: ")  # what is wrong comes first
+    assert f"first: event {found.findings['back_steps'].event:,} at t =" in words
+
+
+def test_every_check_is_in_words() -> None:
+    assert list(inspection_table.CHECKS) == list(check(EVENTS[:10]).findings)
+
+
+def test_summary_is_plain_json() -> None:
+    found = check(everything_wrong())
+    summary = json.loads(json.dumps(found.summary(), allow_nan=False))
+    assert summary["schema_version"] == 1
+    assert summary["verdict"] == "wrong" and not found.ok
+    assert summary["source"]["events"] == found.events
+    assert summary["checks"]["back_steps"]["event"] == found.findings["back_steps"].event
+    assert summary["hot_pixels"] == [
+        {"x": 30, "y": 40, "events": int(found.pixel_counts[40, 30])},
+    ]
+    assert summary["busiest_pixels"][0] == summary["hot_pixels"][0]
+    assert repr(found) == f"Inspection('array', {found.events} events, wrong)"
+
+
+# ---- real recordings ------------------------------------------------------------------------
+
+KNOWN = [
+    ("text/slider_davis240.txt", {}),
+    ("text/night_davis346.csv", {"hot_pixels": 1}),
+    ("derived/office.npy", {}),
+    ("derived/office.npz", {}),
+    ("aedat/office_davis346.aedat4", {}),
+    ("aedat/cars_davis346.aedat4", {}),
+]
+
+
+@pytest.mark.parametrize(("name", "notes"), KNOWN, ids=[name for name, _ in KNOWN])
+def test_real_recordings(name: str, notes: dict[str, int]) -> None:
+    if name.endswith("aedat4"):
+        pytest.importorskip("aedat")
+    known = facts(name)
+    sensor = (240, 180) if "240" in name else (346, 260)
+    found = asap.check(recording(name), width=sensor[0], height=sensor[1])
+    assert outcome(found) == {check: (count, "note", None, None) for check, count in notes.items()}
+    assert_facts(found, known)
+
+
+def assert_facts(found: asap.Inspection, known: dict[str, Any]) -> None:
+    assert (found.events, found.t_first_us) == (known["events"], known["t_first_us"])
+    assert found.rate_peak_1ms_hz == pytest.approx(known["peak_1ms_ev_s"])
+    assert found.rate_peak_10ms_hz == pytest.approx(known["peak_10ms_ev_s"])
+    assert found.longest_gap_us == known["max_gap_us"]
+    assert found.most_on_one_stamp == known["max_events_on_one_timestamp"]
+    assert found.findings["back_steps"].count == known["backward_steps"]
+    assert (found.pixel_counts > 0).sum() == known["pixels_seen"]
+    top = found.busiest_pixels["events"].sum() / found.events
+    assert top == pytest.approx(known["share_of_10_busiest_pixels"], abs=6e-5)
+
+
+def test_waving_hands() -> None:
+    files = sorted((DATA / "text/hands").glob("*.csv"))
+    if not files:
+        recording("text/hands")
+    for path in files:
+        found = asap.check(path, order="yxt", width=1280, height=800)
+        assert found.ok, path.name
+        assert {name for name in outcome(found)} <= {"polarity"}, path.name  # there is none
+        assert found.events == facts(f"text/hands/{path.name}")["events"]

@@ -1,0 +1,126 @@
+"""An inspection as figure and as page."""
+
+import html
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import asap
+import corrupt
+
+pytest.importorskip("matplotlib")
+
+from asap import inspection_figures, inspection_report, inspection_table, plots
+from test_report import Page
+
+EVENTS = corrupt.clean_events(20_000)
+
+
+def inspect(events):
+    return asap.check(events, width=corrupt.WIDTH, height=corrupt.HEIGHT)
+
+
+@pytest.fixture(scope="module")
+def inspection():
+    bad = corrupt.back_steps(EVENTS, 30)
+    bad["x"][::50], bad["y"][::50] = 30, 40
+    bad["x"][1::50], bad["y"][1::50] = 300, 200
+    return inspect(bad)
+
+
+@pytest.fixture(scope="module")
+def text(inspection, tmp_path_factory):
+    named = replace(inspection, path="a <b> & c.npy")
+    return named.report(tmp_path_factory.mktemp("page") / "out.html").read_text("utf-8")
+
+
+def circles(axes):
+    return [tuple(place) for one in axes.collections for place in one.get_offsets()]
+
+
+def test_the_rate_is_that_of_the_inspection(inspection):
+    rate, _pixels, _bar = inspection.plot().axes
+    (line,) = rate.lines
+    time_s, mean_hz, _ = inspection.rate_curve.T
+    np.testing.assert_array_equal(line.get_xdata(), time_s)
+    np.testing.assert_allclose(line.get_ydata(), mean_hz / 1e3)
+    assert rate.get_ylabel() == "kev/s" and line.get_label() == "in 1 ms"
+
+
+def test_a_long_recording_shows_its_peaks_too():
+    events = EVENTS.copy()
+    events["t"] = events["t"][0] + (events["t"] - events["t"][0]) * 300
+    inspection = inspect(events)
+    rate, *_ = inspection.plot().axes
+    assert [line.get_label() for line in rate.lines] == ["largest in 1 ms", "in 2 ms"]
+    assert max(rate.lines[0].get_ydata()) * 1e3 == pytest.approx(inspection.rate_peak_1ms_hz)
+
+
+def test_hot_pixels_have_circles(inspection):
+    pixels = inspection.plot().axes[1]
+    assert sorted(circles(pixels)) == [(30, 40), (300, 200)]
+    assert pixels.get_title(loc="left") == "hot pixels: 2, with 4.0 % of the events"
+    (picture,) = pixels.images
+    np.testing.assert_array_equal(picture.get_array().filled(0), inspection.pixel_counts)
+    assert pixels.get_ylim() == (259.5, -0.5)  # y down
+
+
+def test_none_is_hot():
+    pixels = inspect(EVENTS).plot().axes[1]
+    assert circles(pixels) == []
+    assert pixels.get_title(loc="left") == "hot pixels: none"
+
+
+def test_nothing_can_be_drawn_as_well(tmp_path):
+    for nothing in (inspect(EVENTS[:0]), asap.check(EVENTS[:0])):
+        Page(nothing.report(tmp_path / "out.html").read_text("utf-8"))
+
+
+def test_a_curve_has_no_more_points_than_asked_for(inspection):
+    page = inspection_figures.figure(inspection, points=20)
+    assert len(page.axes[0].lines[0].get_xdata()) <= 20
+
+
+def test_the_page_is_closed_and_escaped(text):
+    page = Page(text)
+    assert "a &lt;b&gt; &amp; c.npy" in text and "<b> & c" not in text
+    assert not [tag for tag, _ in page.tags if tag in ("script", "link", "iframe")]
+    assert text.count("<svg ") == 2
+    outside = [value for _, some in page.tags for name, value in some.items() if "href" in name]
+    assert all(value.startswith(("#", "data:image/png;base64,")) for value in outside)
+
+
+def test_every_check_has_a_line(text, inspection):
+    for name, finding in inspection.findings.items():
+        head = f'<th scope="row">{name.replace("_", " ")}</th>'
+        row = re.search(rf'<tr class="(\w+)">{head}(.*?)</tr>', text)
+        assert row[1] == finding.verdict
+        assert f"<td>{finding.count}</td>" in row[2]
+    for words in inspection_table.CHECKS.values():
+        assert html.escape(words) in text
+    plain = html.unescape(text).replace("\xa0", " ")
+    for finding in inspection.findings.values():
+        assert finding.remedy in plain
+
+
+def test_the_numbers_are_those_of_the_summary(text, inspection):
+    (numbers,) = re.findall(r"<template data-inspection>(.*?)</template>", text, re.S)
+    expected = replace(inspection, path="a <b> & c.npy").summary()
+    assert json.loads(html.unescape(numbers)) == json.loads(json.dumps(expected))
+
+
+def test_identifiers_are_unique_and_colours_follow_the_look(text):
+    names = re.findall(r'\bid="([^"]+)"', text)
+    assert len(names) == len(set(names))
+    assert plots.VERMILION not in re.sub(r"<style>.*?</style>", "", text, flags=re.S)
+
+
+def test_what_is_said_about_runs_is_not_said_here(text, tmp_path):
+    assert "gamma" not in re.sub(r"<style>.*?</style>", "", text, flags=re.S)
+    inspection = inspect(EVENTS)
+    path = inspection_report.write(inspection, tmp_path / "x.html", title="1 < 2")
+    assert path == tmp_path / "x.html"
+    assert "<title>1 &lt; 2</title>" in path.read_text("utf-8")
