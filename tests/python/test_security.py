@@ -48,6 +48,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     "command",
     [
         "info flight.npy --json",
+        "check flight.npy --report check.html",
         "run flight.npy --width 346 --height 260 --json",
         "run flight.npy --cost 100us+300ns --report run.html",
         "report run.json",

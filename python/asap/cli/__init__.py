@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 import asap
 from asap import table
-from asap.cli import compare, demo, info, report, run, study
+from asap.cli import check, compare, demo, info, report, run, study
 from asap.cli.outcome import INTERRUPTED, OK, Failure, say
 
 __all__ = ["main"]
@@ -23,6 +23,7 @@ _EXAMPLES = """\
 examples:
   asap demo
   asap info flight.aedat4
+  asap check flight.aedat4
   asap run flight.aedat4 --latency 10ms --report flight.html
   asap run flight.aedat4 --cost 100us+300ns --scheme asap2020 --set rate_bound=2e6
   asap compare flight.aedat4 --cost 100us+300ns --latency 10ms
@@ -79,6 +80,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"asap {asap.__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True)
-    for verb in (demo, run, compare, study, info, report):
+    for verb in (demo, run, compare, study, info, check, report):
         verb.add(verbs)
     return parser

@@ -22,13 +22,18 @@ def add_verb(verbs: Any, name: str, call: Callable[[Any], int], words: str) -> A
     return parser
 
 
-def add_recording(parser: argparse.ArgumentParser, metavar: str = "FILE") -> None:
-    """Add the recording and how to read it."""
+def add_recording(
+    parser: argparse.ArgumentParser, metavar: str = "FILE", *, on_bad: bool = True
+) -> None:
+    """Add the recording and how to read it; without `on_bad`, bad events are always counted."""
     parser.add_argument("file", metavar=metavar)
     parser.add_argument("--width", type=int, help="of the sensor, px; where the file has none")
     parser.add_argument("--height", type=int)
     parser.add_argument("--order", help="columns of a text file or plain array, such as txyp")
     parser.add_argument("--time-unit", choices=("us", "s"))
+    if not on_bad:
+        parser.set_defaults(on_bad="drop")
+        return
     parser.add_argument(
         "--on-bad",
         choices=("drop", "clamp", "raise"),

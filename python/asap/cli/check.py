@@ -1,0 +1,33 @@
+"""``asap check``: what is wrong with a recording."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import asap
+from asap.cli.options import add_recording, add_verb, open_recording, writable
+from asap.cli.outcome import CHECK_FAILED, OK, need_matplotlib, print_json, reading, writing
+
+__all__ = ["add"]
+
+
+def add(verbs: Any) -> None:
+    """Add the verb to the parser."""
+    verb = add_verb(verbs, "check", _call, "what is wrong with a recording, where, and what helps")
+    add_recording(verb, on_bad=False)
+    verb.add_argument("--report", type=writable, metavar="OUT.html")
+
+
+def _call(arguments: Any) -> int:
+    if arguments.report:
+        need_matplotlib()
+    with reading(arguments):
+        inspection = asap.check(open_recording(arguments))
+    with writing():
+        if arguments.report:
+            inspection.report(arguments.report)
+    if arguments.json:
+        print_json(inspection.summary())
+    else:
+        print(inspection)
+    return OK if inspection.ok else CHECK_FAILED
