@@ -63,12 +63,14 @@ def write(
     -----
     The numbers stand in ``<template data-comparison>`` as JSON: what ``comparison.summary()`` says.
     """
-    html = page.PAGE.format(
-        title=escape(title), style=page.STYLE + _STYLE, body=_article(comparison)
+    return page.write(
+        path,
+        title,
+        _article(comparison),
+        style=_STYLE,
+        intro=page.INTRO_OF_RUNS,
+        words=page.WORDS_OF_RUNS,
     )
-    path = Path(path)
-    path.write_text(html, encoding="utf-8")
-    return path
 
 
 def _article(comparison: Comparison) -> str:

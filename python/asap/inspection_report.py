@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
@@ -60,14 +59,7 @@ def write(
     -----
     The numbers stand in ``<template data-inspection>`` as JSON: ``inspection.summary()``.
     """
-    html = page.PAGE.format(
-        title=escape(title), style=page.STYLE + _STYLE, body=_article(inspection)
-    )
-    # What is said there is about runs.
-    html = re.sub(r"<p>Events to the algorithm.*?</p>|<h3>Words</h3>.*?</dl>", "", html, flags=re.S)
-    path = Path(path)
-    path.write_text(html, encoding="utf-8")
-    return path
+    return page.write(path, title, _article(inspection), style=_STYLE)
 
 
 def _article(inspection: Inspection) -> str:

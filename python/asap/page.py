@@ -5,8 +5,10 @@ One self-contained file: no script, nothing fetched, everything that comes from 
 
 from __future__ import annotations
 
+import os
 import re
 from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asap import plots
@@ -14,7 +16,7 @@ from asap import plots
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["PAGE", "STYLE", "inline_svg", "text"]
+__all__ = ["INTRO_OF_RUNS", "WORDS_OF_RUNS", "inline_svg", "text", "write"]
 
 _LOOK = {
     plots.BLUE: "var(--blue)",
@@ -24,6 +26,24 @@ _LOOK = {
     plots.INK: "var(--ink)",
     plots.FAINT: "var(--faint)",
 }
+
+
+def write(
+    path: str | os.PathLike[str],
+    title: str,
+    body: str,
+    *,
+    style: str = "",
+    intro: str = "",
+    words: str = "",
+) -> Path:
+    """Write one page: `title` is escaped here, the rest is HTML."""
+    html = _PAGE.format(
+        title=escape(title), style=_STYLE + style, intro=intro, body=body, words=words
+    )
+    path = Path(path)
+    path.write_text(html, encoding="utf-8")
+    return path
 
 
 def text(words: str) -> str:
@@ -44,7 +64,7 @@ def inline_svg(figure: Figure, prefix: str, css_class: str, label: str) -> str:
     return svg.replace("<svg ", described, 1)
 
 
-STYLE = """
+_STYLE = """
 :root{color-scheme:light dark;--page:#f5f6f7;--card:#fff;--ink:#22272c;--soft:#5b646d;
 --faint:#9aa1a8;--line:#e2e5e8;--blue:#0072b2;--vermilion:#d55e00;--green:#009e73;--purple:#a14f7c;
 --amber:#c98a00}
@@ -118,7 +138,23 @@ dl{grid-template-columns:1fr}dd{margin-bottom:6px}}
 @media print{body{background:none}section,article{border:0;padding:0}}
 """
 
-PAGE = """<!doctype html>
+INTRO_OF_RUNS = """\
+<p>Events to the algorithm as soon as possible: what was kept, how late it was, and why.</p>"""
+
+WORDS_OF_RUNS = """\
+<h3>Words</h3>
+<dl>
+<dt>package</dt><dd>the events handed to the algorithm in one go; its size is their number</dd>
+<dt>span</dt><dd>newest minus oldest timestamp in a package</dd>
+<dt>margin</dt><dd>processing time minus span: below zero is real time, near zero is responsive</dd>
+<dt>gamma</dt><dd>the fraction of the events that is kept; the others leave at random</dd>
+<dt>R, a</dt><dd>the rate after thinning, and the bound above which gamma falls</dd>
+<dt>latency</dt><dd>from an event's timestamp to the end of its processing; of delivered events
+only, so read it beside what was kept</dd>
+<dt>estimated</dt><dd>from a straight line through the processing times of the packages</dd>
+</dl>"""
+
+_PAGE = """<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
@@ -130,23 +166,13 @@ content="default-src 'none'; style-src 'unsafe-inline'; img-src data:">
 </head>
 <body>
 <header><h1>{title}</h1>
-<p>Events to the algorithm as soon as possible: what was kept, how late it was, and why.</p>
+{intro}
 </header>
 <main>
 {body}
 </main>
 <footer>
-<h3>Words</h3>
-<dl>
-<dt>package</dt><dd>the events handed to the algorithm in one go; its size is their number</dd>
-<dt>span</dt><dd>newest minus oldest timestamp in a package</dd>
-<dt>margin</dt><dd>processing time minus span: below zero is real time, near zero is responsive</dd>
-<dt>gamma</dt><dd>the fraction of the events that is kept; the others leave at random</dd>
-<dt>R, a</dt><dd>the rate after thinning, and the bound above which gamma falls</dd>
-<dt>latency</dt><dd>from an event's timestamp to the end of its processing; of delivered events
-only, so read it beside what was kept</dd>
-<dt>estimated</dt><dd>from a straight line through the processing times of the packages</dd>
-</dl>
+{words}
 </footer>
 </body>
 </html>

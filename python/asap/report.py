@@ -65,10 +65,9 @@ def write(
         raise ValueError("runs = []: give at least one run")
     parts = [_compare(runs)] if len(runs) > 1 else []
     parts += [_article(run, number) for number, run in enumerate(runs)]
-    html = page.PAGE.format(title=escape(title), style=page.STYLE, body="\n".join(parts))
-    path = Path(path)
-    path.write_text(html, encoding="utf-8")
-    return path
+    return page.write(
+        path, title, "\n".join(parts), intro=page.INTRO_OF_RUNS, words=page.WORDS_OF_RUNS
+    )
 
 
 def _article(run: Run, number: int) -> str:
