@@ -10,7 +10,6 @@
 namespace asap {
 namespace {
 
-constexpr std::int64_t kDriftStepNs = 1'000'000;
 constexpr double kEndOfTimeNs = 9.2e18;  // absurd costs end here
 
 }  // namespace

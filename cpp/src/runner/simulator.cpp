@@ -33,20 +33,16 @@ void Simulator::feed(EventSpan events) {
 void Simulator::finish() {
   buffer_.close();
   now_ns_ = std::max(now_ns_, known_until_ns_);
-  while (is_working_) {
-    now_ns_ = busy_until_ns_;
-    go_on();
-  }
   for (;;) {
+    while (is_working_) {
+      now_ns_ = busy_until_ns_;
+      go_on();
+    }
     now_ns_ = cost_.start_ns(now_ns_);
     telemetry_.log.make_room();
     const Packager::Next next = packager_.next(now_ns_);
     if (next.step != Packager::Step::package) return;  // a closed source is never waited for
     begin(next.package);
-    while (is_working_) {
-      now_ns_ = busy_until_ns_;
-      go_on();
-    }
   }
 }
 

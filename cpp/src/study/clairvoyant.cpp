@@ -12,8 +12,6 @@
 namespace asap {
 namespace {
 
-constexpr std::int64_t kDriftStepNs = 1'000'000;
-
 // Events that no boundary parts.
 struct Bin {
   std::int64_t oldest_ns;
@@ -89,8 +87,8 @@ class Window {
     std::int64_t best_ns = end_ns(size, cost_.start_ns(start_ns));
     // The cost per event is that of the start: it may pay to wait for a cheaper millisecond.
     const auto steps = static_cast<std::int64_t>(cost_.config().drift.size());
-    for (std::int64_t step = start_ns / kDriftStepNs + 1; step < steps; ++step) {
-      const std::int64_t later_ns = cost_.start_ns(step * kDriftStepNs);
+    for (std::int64_t step = start_ns / LinearCost::kDriftStepNs + 1; step < steps; ++step) {
+      const std::int64_t later_ns = cost_.start_ns(step * LinearCost::kDriftStepNs);
       if (later_ns >= best_ns) break;
       best_ns = std::min(best_ns, end_ns(size, later_ns));
     }

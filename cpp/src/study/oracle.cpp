@@ -10,7 +10,6 @@
 namespace asap {
 namespace {
 
-constexpr std::int64_t kDriftStepNs = 1'000'000;
 constexpr double kFreeNs = 1e-3;  // an event that costs less counts as free: sums stay finite
 
 }  // namespace
@@ -72,9 +71,9 @@ void Oracle::enter_next_stretch(Cursor& cursor) const noexcept {
     cursor.end_ns = is_out ? outage.end_ns : outage.begin_ns;
     if (is_out) return;
   }
-  const std::int64_t step = cursor.begin_ns / kDriftStepNs;
+  const std::int64_t step = cursor.begin_ns / LinearCost::kDriftStepNs;
   if (step + 1 < static_cast<std::int64_t>(config.drift.size())) {
-    cursor.end_ns = std::min(cursor.end_ns, (step + 1) * kDriftStepNs);
+    cursor.end_ns = std::min(cursor.end_ns, (step + 1) * LinearCost::kDriftStepNs);
   }
   const double event_ns = cost_.event_ns(cursor.begin_ns) * noise_factor_;
   if (event_ns < kFreeNs) {

@@ -39,6 +39,8 @@ struct PackageCost {
 
 class LinearCost {
  public:
+  static constexpr std::int64_t kDriftStepNs = 1'000'000;
+
   explicit LinearCost(LinearCostConfig config = {});
 
   // Of package number `index` that starts at start_ns.
