@@ -5,7 +5,6 @@
 namespace asap {
 namespace {
 
-constexpr std::size_t kMostStrata = 16;
 constexpr std::size_t kLeastStratum = 64;  // raw events: reading the clock must cost nothing
 constexpr double kPriorShare = 1.0 / 32;   // of the planned events: weight of the expected cost
 constexpr double kCoverage = 0.02;         // of the planned events: no stratum stays empty

@@ -7,32 +7,29 @@ namespace {
 
 constexpr std::int64_t kSmoothingNs = 20'000'000;
 
+// Of one time in a package: steps of the table, each of which a stratum may cut.
+constexpr std::size_t kMostRuns = ArrivalTimes::kSteps + AnytimePlan::kMostStrata;
+
 constexpr std::int64_t kGraceShare = 100;  // of the latency bound: an outage is longer than that
 
 // Waiting events are in time order, so an exact count by time is a binary search.
 class RingCounts final : public BacklogCounts {
  public:
-  RingCounts(const EventPieces& waiting, const TimeAxis& axis, const AgeSlots& ages,
-             std::uint64_t head, std::int64_t now_ns)
-      : waiting_(waiting), axis_(axis), ages_(ages), head_(head), now_ns_(now_ns) {}
+  RingCounts(const EventPieces& waiting, const EventTimes& times, std::uint64_t head,
+             std::int64_t now_ns)
+      : waiting_(waiting), times_(times), head_(head), now_ns_(now_ns) {}
 
   std::size_t before(std::int64_t time_ns) const noexcept override {
-    const auto is_before = [&](const Event& event) { return axis_.to_ns(event.t) < time_ns; };
-    const auto count = [&](EventSpan events) {
-      const auto end = std::partition_point(events.begin(), events.end(), is_before);
-      return static_cast<std::size_t>(end - events.begin());
-    };
-    return count(waiting_.first) + count(waiting_.second);
+    return times_.before(time_ns, waiting_, head_);
   }
 
   std::size_t about_before(std::int64_t time_ns) const noexcept override {
-    return ages_.before(time_ns, now_ns_, head_, waiting_.size());
+    return times_.about_before(time_ns, now_ns_, waiting_, head_);
   }
 
  private:
   const EventPieces& waiting_;
-  const TimeAxis& axis_;
-  const AgeSlots& ages_;
+  const EventTimes& times_;
   const std::uint64_t head_;
   const std::int64_t now_ns_;
 };
@@ -51,17 +48,18 @@ EventPieces part_of(const EventPieces& pieces, std::size_t begin, std::size_t en
 
 }  // namespace
 
-Packager::Packager(EventBuffer& buffer, const AgeSlots& ages, Scheme& scheme, Telemetry& telemetry,
-                   PackagerConfig config)
+Packager::Packager(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
+                   Telemetry& telemetry, PackagerConfig config)
     : buffer_(buffer),
-      ages_(ages),
       scheme_(scheme),
       telemetry_(telemetry),
+      times_(times),
       filter_(config.seed),
       config_(config),
       kept_(std::make_unique_for_overwrite<Event[]>(buffer.capacity())),
       numbers_(std::make_unique_for_overwrite<std::uint64_t[]>(
-          AnytimePlan::longest_stratum(buffer.capacity()))) {
+          AnytimePlan::longest_stratum(buffer.capacity()))),
+      kept_times_(times.by_arrival() ? kMostRuns : 0) {
   scheme_.reset(config.execution);
 }
 
@@ -72,7 +70,7 @@ Packager::Next Packager::next(std::int64_t now_ns) noexcept {
     if (waiting.size() == 0) {
       return {.step = ended ? Step::ended : Step::wait, .until_tail = buffer_.head() + 1};
     }
-    const Decision decision = ask(waiting, axis_.to_ns(waiting[0].t), now_ns, ended);
+    const Decision decision = ask(waiting, times_.of(waiting[0], buffer_.head()), now_ns, ended);
     if (!decision.takes) {
       return {.step = Step::wait,
               .until_ns = decision.until_ns,
@@ -98,8 +96,9 @@ Packager::Next Packager::next(std::int64_t now_ns) noexcept {
 Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
                        bool ended) noexcept {
   const std::int64_t flush_ns = config_.flush ? oldest_ns + telemetry_.latency.bound_ns() : kNever;
-  const bool due = ended || now_ns >= flush_ns || waiting.size() == buffer_.capacity();
-  const RingCounts counts(waiting, axis_, ages_, buffer_.head(), now_ns);
+  const bool due = ended || now_ns >= flush_ns || waiting.size() == buffer_.capacity() ||
+                   buffer_.head() < flush_until_;
+  const RingCounts counts(waiting, times_, buffer_.head(), now_ns);
   Decision decision = scheme_.decide({.count = waiting.size(),
                                       .now_ns = now_ns,
                                       .oldest_ns = oldest_ns,
@@ -123,9 +122,11 @@ Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::
 
 void Packager::drop_stale(std::size_t count) noexcept {
   const EventPieces stale = buffer_.peek(count);
-  rate_meter_.observe(count, axis_.to_ns(stale[0].t), axis_.to_ns(stale[count - 1].t));
+  const std::uint64_t head = buffer_.head();
+  rate_meter_.observe(count, times_.of(stale[0], head),
+                      times_.of(stale[count - 1], head + count - 1));
   filter_.skip(count);
-  buffer_.consume(count);
+  consume(count);
   telemetry_.stale += count;
   stale_since_package_ += count;
 }
@@ -133,6 +134,7 @@ void Packager::drop_stale(std::size_t count) noexcept {
 Package Packager::open(const Decision& decision, std::int64_t now_ns) noexcept {
   raw_ = buffer_.peek(decision.raw);
   handed_out_ = 0;
+  kept_times_.clear();
   is_anytime_ = config_.execution == Execution::anytime && decision.budget_ns != kNever;
   if (is_anytime_) {
     plan_ = AnytimePlan(decision, now_ns, telemetry_.latency.bound_ns() / kGraceShare);
@@ -177,6 +179,7 @@ KeepThreshold Packager::threshold_of(const AnytimePlan::Stratum& stratum) noexce
 EventSpan Packager::thin(Package& package, std::size_t begin, std::size_t end,
                          KeepThreshold threshold) noexcept {
   const EventPieces raw = part_of(raw_, begin, end);
+  const std::uint64_t head = buffer_.head();
   const std::size_t before = package.events.size();
   package.raw = end;
   package.offered = end + offered_without_package_;
@@ -185,13 +188,24 @@ EventSpan Packager::thin(Package& package, std::size_t begin, std::size_t end,
   if (threshold.keeps_all() && follows && (raw.first.empty() || raw.second.empty())) {
     filter_.skip(slice.size());  // a slice of the ring: the consumer owns it until it is consumed
     package.events = {before == 0 ? slice.data() : package.events.data(), before + slice.size()};
+    for (std::size_t at = begin; times_.by_arrival() && at < end;) {
+      const std::int64_t time_ns = times_.of(raw_[at], head + at);
+      at = times_.same_until(head + at, head + end) - head;
+      kept_times_.note(before + (at - begin), time_ns);
+    }
   } else {
     if (before > 0 && package.events.data() != kept_.get()) {
       std::copy(package.events.begin(), package.events.end(), kept_.get());
     }
     std::size_t size = before;
-    size += filter_.apply(raw.first, threshold, kept_.get() + size);
-    size += filter_.apply(raw.second, threshold, kept_.get() + size);
+    for (std::size_t at = begin; at < end;) {
+      const std::size_t until = times_.same_until(head + at, head + end) - head;
+      const EventPieces together = part_of(raw_, at, until);
+      size += filter_.apply(together.first, threshold, kept_.get() + size);
+      size += filter_.apply(together.second, threshold, kept_.get() + size);
+      if (times_.by_arrival()) kept_times_.note(size, times_.of(raw_[at], head + at));
+      at = until;
+    }
     package.events = {kept_.get(), size};
   }
   return package.events.subspan(before);
@@ -201,7 +215,7 @@ EventSpan Packager::thin(Package& package, std::size_t begin, std::size_t end,
 void Packager::discard_all(const Package& package, std::int64_t end_ns) noexcept {
   telemetry_.discarded += package.raw;
   offered_without_package_ += package.raw;
-  buffer_.consume(package.raw);
+  consume(package.raw);
   scheme_.observe({.size = 0,
                    .raw = package.raw,
                    .span_ns = 0,
@@ -216,17 +230,39 @@ double Packager::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept
   return keep_ + (gamma - keep_) * weight;
 }
 
-void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
-  rate_meter_.observe(package.raw, axis_.to_ns(raw_[0].t), axis_.to_ns(raw_[package.raw - 1].t));
-  if (package.events.empty()) return discard_all(package, end_ns);
-  for (const Event& event : package.events) {
-    telemetry_.latency.record(end_ns - axis_.to_ns(event.t));
+// Returns the time of the oldest event.
+std::int64_t Packager::record_latencies(EventSpan events, std::int64_t end_ns) noexcept {
+  if (!times_.by_arrival()) {
+    for (const Event& event : events) {
+      telemetry_.latency.record(end_ns - axis().to_ns(event.t));
+    }
+    return axis().to_ns(events.front().t);
   }
+  std::size_t at = 0;
+  for (const KeptTimes::Run& run : kept_times_.runs()) {
+    telemetry_.latency.record(end_ns - run.time_ns, run.end - at);
+    at = run.end;
+  }
+  return kept_times_.runs().front().time_ns;
+}
+
+void Packager::consume(std::size_t count) noexcept {
+  buffer_.consume(count);
+  times_.release(buffer_.head());
+}
+
+void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
+  const std::uint64_t head = buffer_.head();
+  rate_meter_.observe(package.raw, times_.of(raw_[0], head),
+                      times_.of(raw_[package.raw - 1], head + package.raw - 1));
+  if (package.events.empty()) return discard_all(package, end_ns);
+  const std::int64_t oldest_ns = record_latencies(package.events, end_ns);
   const std::size_t size = package.events.size();
   const std::int64_t processing_ns = end_ns - package.start_ns;
   const RateMeter::Window entered = rate_meter_.window();
   telemetry_.log.append({.start_ns = package.start_ns,
                          .processing_ns = processing_ns,
+                         .oldest_ns = oldest_ns,
                          .t_first = package.t_first(),
                          .t_last = package.t_last(),
                          .offered = package.offered,
@@ -239,10 +275,10 @@ void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
   telemetry_.discarded += package.raw - size;
   scheme_.observe({.size = size,
                    .raw = package.raw,
-                   .span_ns = axis_.to_ns(package.t_last()) - axis_.to_ns(package.t_first()),
+                   .span_ns = axis().to_ns(package.t_last()) - axis().to_ns(package.t_first()),
                    .start_ns = package.start_ns,
                    .processing_ns = processing_ns});
-  buffer_.consume(package.raw);
+  consume(package.raw);
   ++packages_;
   keep_ = smoothed_keep(fraction(size, package.offered), package.start_ns);
   previous_start_ns_ = package.start_ns;

@@ -8,7 +8,9 @@ ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds
   telemetry_.log.make_room();
   const auto deadline = RunClock::Steady::now() + patience;
   for (;;) {
-    const bool closed = buffer_.closed();
+    const Asked now = asked();
+    if (now.abandoned) return Next::ended;
+    packager_.flush(now.flush);
     Packager::Next next{.until_tail = buffer_.head() + 1};
     if (buffer_.size() > 0) {  // the clock runs once an event is there
       next = packager_.next(clock_.now_ns());
@@ -16,14 +18,30 @@ ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds
         package = next.package;
         return Next::package;
       }
-    } else if (closed) {
+    } else if (now.closed) {
       return Next::ended;
     }
     if (RunClock::Steady::now() >= deadline) return Next::idle;
 
     doorbell_.wait(next.until_tail, std::min(deadline, clock_.when(next.until_ns)),
-                   [&] { return buffer_.tail() >= next.until_tail || buffer_.closed() != closed; });
+                   [&] { return buffer_.tail() >= next.until_tail || asked() != now; });
   }
+}
+
+ConsumerLoop::Asked ConsumerLoop::asked() const noexcept {
+  return {.closed = buffer_.closed(),
+          .abandoned = abandoned_.load(std::memory_order_acquire),
+          .flush = flush_.load(std::memory_order_acquire)};
+}
+
+void ConsumerLoop::flush() noexcept {
+  flush_.store(buffer_.tail(), std::memory_order_release);
+  doorbell_.wake();
+}
+
+void ConsumerLoop::abandon() noexcept {
+  abandoned_.store(true, std::memory_order_release);
+  doorbell_.wake();
 }
 
 void ConsumerLoop::work(Package package, const Consumer& algorithm) {

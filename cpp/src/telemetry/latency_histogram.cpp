@@ -8,22 +8,23 @@ namespace asap {
 
 double LatencyHistogram::mean_ns() const noexcept {
   if (count_ == 0) return 0.0;
-  const double sum = static_cast<double>(sum_high_) * 0x1.0p64 + static_cast<double>(sum_low_);
-  return sum / static_cast<double>(count_);
+  const double sum =
+      static_cast<double>(sum_high_.load()) * 0x1.0p64 + static_cast<double>(sum_low_.load());
+  return sum / static_cast<double>(count_.load());
 }
 
 double LatencyHistogram::quantile_ns(double q) const {
   require(q >= 0.0 && q <= 1.0, "q", q, "must be a number between 0 and 1");
   if (count_ == 0) return 0.0;
-  const double wanted = std::ceil(q * static_cast<double>(count_));
+  const double wanted = std::ceil(q * static_cast<double>(count_.load()));
   const std::uint64_t rank = std::max<std::uint64_t>(static_cast<std::uint64_t>(wanted), 1);
-  if (rank >= count_) return static_cast<double>(max_ns_);
+  if (rank >= count_) return static_cast<double>(max_ns_.load());
   std::uint64_t seen = 0;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     seen += bins_[bin];
-    if (seen >= rank) return std::min(middle_of(bin), static_cast<double>(max_ns_));
+    if (seen >= rank) return std::min(middle_of(bin), static_cast<double>(max_ns_.load()));
   }
-  return static_cast<double>(max_ns_);
+  return static_cast<double>(max_ns_.load());
 }
 
 LatencyHistogram::State LatencyHistogram::state() const {
@@ -47,7 +48,7 @@ LatencyHistogram LatencyHistogram::restored(const State& state) {
   histogram.sum_high_ = state.sum_high;
   for (const auto& [bin, count] : state.bins) {
     require(bin < kBins, "bin", bin, "does not exist; the file is damaged");
-    histogram.bins_[bin] += count;
+    histogram.bins_.add(bin, count);
     histogram.count_ += count;
   }
   return histogram;

@@ -5,9 +5,9 @@
 namespace asap {
 
 PackageRow RunLog::operator[](std::size_t i) const noexcept {
-  const PackageRecord& record = blocks_[i / kBlockRows][i % kBlockRows];
-  const std::int64_t first_ns = axis_.to_ns(record.t_first);
-  const std::int64_t span_ns = axis_.to_ns(record.t_last) - first_ns;
+  const std::size_t place = most_rows_ == 0 ? i : i % most_rows_;
+  const PackageRecord& record = blocks_[place / kBlockRows][place % kBlockRows];
+  const std::int64_t span_ns = axis_.to_ns(record.t_last) - axis_.to_ns(record.t_first);
   const std::int64_t end_ns = record.start_ns + record.processing_ns;
   const auto size = static_cast<double>(record.size);
   return {
@@ -23,7 +23,7 @@ PackageRow RunLog::operator[](std::size_t i) const noexcept {
           static_cast<double>(record.rate_events) * 1e9 / static_cast<double>(record.rate_ns),
       .rate = size * 1e9 / static_cast<double>(std::max<std::int64_t>(span_ns, 1000)),
       .margin_us = static_cast<double>(record.processing_ns - span_ns) * 1e-3,
-      .latency_max_us = static_cast<double>(end_ns - first_ns) * 1e-3,
+      .latency_max_us = static_cast<double>(end_ns - record.oldest_ns) * 1e-3,
       .stale = static_cast<std::int64_t>(record.stale),
       .overflow = static_cast<std::int64_t>(record.overflow),
   };

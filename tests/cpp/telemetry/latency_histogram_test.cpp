@@ -23,6 +23,27 @@ std::int64_t exact_quantile(const std::vector<std::int64_t>& sorted, double q) {
   return sorted[static_cast<std::size_t>(std::max(wanted, 1.0)) - 1];
 }
 
+TEST(LatencyHistogram, RecordsManyAtOnceAsOneByOne) {
+  LatencyHistogram together(1'000'000);
+  LatencyHistogram singly(1'000'000);
+  const std::int64_t latencies[] = {-5, 0, 999'999, 1'000'000, 1'000'001, std::int64_t{1} << 62};
+  std::size_t count = 1;
+  for (const std::int64_t latency_ns : latencies) {
+    together.record(latency_ns, count);
+    for (std::size_t i = 0; i < count; ++i) singly.record(latency_ns);
+    count = 3 * count + 1;
+  }
+  const LatencyHistogram::State a = together.state();
+  const LatencyHistogram::State b = singly.state();
+  EXPECT_EQ(a.bins, b.bins);
+  EXPECT_EQ(a.max_ns, b.max_ns);
+  EXPECT_EQ(a.within_bound, b.within_bound);
+  EXPECT_EQ(a.sum_low, b.sum_low);
+  EXPECT_EQ(a.sum_high, b.sum_high);
+  EXPECT_GT(a.sum_high, 0u);
+  EXPECT_EQ(together.count(), singly.count());
+}
+
 TEST(LatencyHistogram, QuantilesAreWithinHalfAPercent) {
   const std::vector<std::function<double(double)>> distributions{
       [](double u) { return 1e3 * u; },

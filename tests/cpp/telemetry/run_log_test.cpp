@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include "support/errors.hpp"
+
 namespace asap {
 namespace {
 
 PackageRecord record(std::int64_t start_ns) {
   return {.start_ns = start_ns,
           .processing_ns = 150'000,
+          .oldest_ns = 100'000,
           .t_first = 1'000'100,
           .t_last = 1'000'300,
           .offered = 80,
@@ -64,6 +67,28 @@ TEST(RunLog, KeepsDurationsInWallTimeAtAnySpeed) {
   EXPECT_EQ(log[0].start_us, 1'000'640.0) << "on the axis of the recording";
   EXPECT_EQ(log[0].margin_us, 150.0 - 100.0);
   EXPECT_EQ(log[0].rate, 20 / 100e-6);
+}
+
+TEST(RunLog, ABoundedOneKeepsTheNewestRowsAndExactTotals) {
+  constexpr std::size_t kRows = RunLog::kBlockRows + 10;
+  RunLog log(RunLog::kBlockRows);
+  for (std::size_t i = 0; i < kRows; ++i) {
+    log.make_room();
+    PackageRecord one = record(static_cast<std::int64_t>(1000 * i));
+    one.size = i == 3 ? 5 : 20;
+    log.append(one);
+  }
+  EXPECT_EQ(log.size(), kRows);
+  EXPECT_EQ(log.first(), 10u);
+  EXPECT_EQ(log[10].start_us, 10.0);
+  EXPECT_EQ(log[kRows - 1].start_us, static_cast<double>(kRows - 1));
+  EXPECT_EQ(log.totals().count, kRows);
+  EXPECT_EQ(log.totals().size, 20 * kRows - 15);
+  EXPECT_EQ(log.totals().gamma_min, 5.0 / 80.0) << "of a row that has gone";
+}
+
+TEST(RunLog, ABoundIsAMultipleOfABlock) {
+  EXPECT_EQ(test::error_of([] { RunLog log(100); }), "most_rows = 100: must be a multiple of 4096");
 }
 
 TEST(RunLog, ASpanOfZeroCountsAsOneMicrosecond) {

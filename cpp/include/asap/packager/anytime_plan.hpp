@@ -14,6 +14,8 @@ namespace asap {
 
 class AnytimePlan {
  public:
+  static constexpr std::size_t kMostStrata = 16;
+
   AnytimePlan() = default;
   // For the raw events of the decision, in a package that started at start_ns. An outage that takes
   // it more than grace_ns beyond its budget ends it: the strata that are left stay in the ring.

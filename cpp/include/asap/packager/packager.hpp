@@ -18,11 +18,13 @@
 #include <cstdint>
 #include <memory>
 
-#include "asap/buffer/age_slots.hpp"
 #include "asap/buffer/event_buffer.hpp"
+#include "asap/core/relaxed.hpp"
 #include "asap/core/time.hpp"
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/packager/anytime_plan.hpp"
+#include "asap/packager/event_times.hpp"
+#include "asap/packager/kept_times.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/schemes/rate_meter.hpp"
 #include "asap/schemes/scheme.hpp"
@@ -33,13 +35,15 @@ namespace asap {
 
 // What the consumer's side writes down; its owner keeps it beyond the run.
 struct Telemetry {
-  explicit Telemetry(std::int64_t latency_bound_ns) : latency(latency_bound_ns) {}
+  // most_rows: see RunLog.
+  explicit Telemetry(std::int64_t latency_bound_ns, std::size_t most_rows = 0)
+      : log(most_rows), latency(latency_bound_ns) {}
 
   RunLog log;
   LatencyHistogram latency;
-  std::uint64_t discarded = 0;
-  std::uint64_t stale = 0;
-  std::uint64_t delivered = 0;
+  Relaxed<std::uint64_t> discarded;
+  Relaxed<std::uint64_t> stale;
+  Relaxed<std::uint64_t> delivered;
 };
 
 struct PackagerConfig {
@@ -62,15 +66,18 @@ class Packager {
 
   // The referenced objects outlive the packager. Events of one package: at most the ring's
   // capacity.
-  Packager(EventBuffer& buffer, const AgeSlots& ages, Scheme& scheme, Telemetry& telemetry,
+  Packager(EventBuffer& buffer, const EventTimes& times, Scheme& scheme, Telemetry& telemetry,
            PackagerConfig config = {});
 
   // Sets where stamps lie in run time; before the first event is pushed.
   void set_axis(TimeAxis axis) noexcept {
-    axis_ = axis;
+    times_.set_axis(axis);
     telemetry_.log.set_axis(axis);
   }
-  const TimeAxis& axis() const noexcept { return axis_; }
+  const TimeAxis& axis() const noexcept { return times_.axis(); }
+
+  // The events before this ring index are due, whatever the scheme waits for.
+  void flush(std::uint64_t until_index) noexcept { flush_until_ = until_index; }
 
   // Precondition: the package before is completed, and telemetry.log has room.
   Next next(std::int64_t now_ns) noexcept;
@@ -92,12 +99,13 @@ class Packager {
                  KeepThreshold threshold) noexcept;
   void discard_all(const Package& package, std::int64_t end_ns) noexcept;
   double smoothed_keep(double gamma, std::int64_t now_ns) const noexcept;
+  std::int64_t record_latencies(EventSpan events, std::int64_t end_ns) noexcept;
+  void consume(std::size_t count) noexcept;
 
   EventBuffer& buffer_;
-  const AgeSlots& ages_;
   Scheme& scheme_;
   Telemetry& telemetry_;
-  TimeAxis axis_;
+  EventTimes times_;
   GammaFilter filter_;
   RateMeter rate_meter_;
   const PackagerConfig config_;
@@ -109,7 +117,9 @@ class Packager {
   AnytimePlan plan_;
   bool is_anytime_ = false;
   std::size_t handed_out_ = 0;  // kept events
+  KeptTimes kept_times_;        // by arrival only
 
+  std::uint64_t flush_until_ = 0;
   std::uint64_t packages_ = 0;
   std::int64_t previous_start_ns_ = kLongAgo;
   double keep_ = 1.0;

@@ -13,14 +13,17 @@ class RunClock {
  public:
   using Steady = std::chrono::steady_clock;
 
-  // Now is run time `now_ns`.
-  void start(std::int64_t now_ns) noexcept {
-    steady_start_ = Steady::now();
+  // Now, or `start`, is run time `now_ns`.
+  void start(std::int64_t now_ns, Steady::time_point start = Steady::now()) noexcept {
+    steady_start_ = start;
     run_start_ns_ = now_ns;
   }
 
-  std::int64_t now_ns() const noexcept {
-    return run_start_ns_ + std::chrono::nanoseconds(Steady::now() - steady_start_).count();
+  std::int64_t now_ns() const noexcept { return at(Steady::now()); }
+
+  // Run time of a time of the steady clock.
+  std::int64_t at(Steady::time_point time) const noexcept {
+    return run_start_ns_ + std::chrono::nanoseconds(time - steady_start_).count();
   }
 
   // When the steady clock shows this run time; what is centuries away stays out of reach.

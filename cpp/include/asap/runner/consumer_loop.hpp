@@ -3,10 +3,12 @@
 //
 //   while (loop.next(package, patience) != Next::ended) loop.work(package, algorithm);
 //
-// One thread. Never polls: it sleeps at the doorbell.
+// One thread, but for flush() and abandon(). Never polls: it sleeps at the doorbell.
 #pragma once
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/packager/packager.hpp"
@@ -33,6 +35,12 @@ class ConsumerLoop {
   // delivered.
   Next next(Package& package, std::chrono::nanoseconds patience);
 
+  // Any thread. What is in the ring now is due.
+  void flush() noexcept;
+
+  // Any thread. next() says ended, whatever still waits.
+  void abandon() noexcept;
+
   // Hands the package to the algorithm, whole or part by part, and completes it.
   void work(Package package, const Consumer& algorithm);
 
@@ -40,11 +48,23 @@ class ConsumerLoop {
   void complete(const Package& package) noexcept { packager_.complete(package, clock_.now_ns()); }
 
  private:
+  // What other threads have asked for.
+  struct Asked {
+    bool closed;
+    bool abandoned;
+    std::uint64_t flush;
+
+    friend bool operator==(const Asked&, const Asked&) = default;
+  };
+  Asked asked() const noexcept;
+
   EventBuffer& buffer_;
   Packager& packager_;
   Telemetry& telemetry_;
   Doorbell& doorbell_;
   const RunClock& clock_;
+  std::atomic<bool> abandoned_{false};
+  std::atomic<std::uint64_t> flush_{0};  // ring index
 };
 
 }  // namespace asap

@@ -1,10 +1,11 @@
 // LatencyHistogram: the distribution of the latency per event, in fixed memory. 128 bins per
 // octave, so a quantile is within 0.4 % of the truth; count, mean, max and the count within the
-// bound are exact. One thread; O(1) per event, no allocation after construction. The idea of
-// HdrHistogram.
+// bound are exact. One thread records; a copy may be taken by any thread meanwhile. O(1) per event,
+// no allocation after construction. The idea of HdrHistogram.
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -12,23 +13,42 @@
 #include <utility>
 #include <vector>
 
+#include "asap/core/relaxed.hpp"
+
 namespace asap {
 
 class LatencyHistogram {
  public:
   explicit LatencyHistogram(std::int64_t bound_ns = std::numeric_limits<std::int64_t>::max())
-      : bound_ns_(bound_ns), bins_(kBins, 0) {}
+      : bound_ns_(bound_ns) {}
 
   // A negative latency (a stamp ahead of the clock) counts as 0.
   void record(std::int64_t latency_ns) noexcept {
     latency_ns = std::max<std::int64_t>(latency_ns, 0);
     const auto value = static_cast<std::uint64_t>(latency_ns);
-    ++bins_[bin_of(value)];
+    bins_.add(bin_of(value), 1);
     ++count_;
     within_bound_ += latency_ns <= bound_ns_ ? 1U : 0U;
-    max_ns_ = std::max(max_ns_, latency_ns);
+    max_ns_ = std::max(max_ns_.load(), latency_ns);
     sum_low_ += value;
     sum_high_ += sum_low_ < value ? 1U : 0U;
+  }
+
+  // `count` < 2^32 events of the same latency.
+  void record(std::int64_t latency_ns, std::size_t count) noexcept {
+    latency_ns = std::max<std::int64_t>(latency_ns, 0);
+    const auto value = static_cast<std::uint64_t>(latency_ns);
+    bins_.add(bin_of(value), count);
+    count_ += count;
+    within_bound_ += latency_ns <= bound_ns_ ? count : 0U;
+    max_ns_ = std::max(max_ns_.load(), latency_ns);
+    // value * count in 128 bits, from halves of 32
+    const std::uint64_t low = (value & 0xffff'ffffU) * count;  // count < 2^32
+    const std::uint64_t high = (value >> 32) * count;
+    const std::uint64_t product = low + (high << 32);
+    sum_high_ += (high >> 32) + (product < low ? 1U : 0U);
+    sum_low_ += product;
+    sum_high_ += sum_low_ < product ? 1U : 0U;
   }
 
   std::uint64_t count() const noexcept { return count_; }
@@ -67,12 +87,32 @@ class LatencyHistogram {
   static double middle_of(std::size_t bin) noexcept;
 
   std::int64_t bound_ns_;
-  std::vector<std::uint64_t> bins_;
-  std::uint64_t count_ = 0;
-  std::uint64_t within_bound_ = 0;
-  std::int64_t max_ns_ = 0;
-  std::uint64_t sum_low_ = 0;
-  std::uint64_t sum_high_ = 0;
+  // Plain numbers, so that a histogram is made and read fast; atomic where two threads meet.
+  class Bins {
+   public:
+    Bins() : counts_(kBins, 0) {}
+    Bins(const Bins& other) : counts_(kBins) { *this = other; }
+    Bins& operator=(const Bins& other) noexcept {
+      for (std::size_t i = 0; i < kBins; ++i) {
+        auto& count = const_cast<std::uint64_t&>(other.counts_[i]);
+        counts_[i] = std::atomic_ref(count).load(std::memory_order_relaxed);
+      }
+      return *this;
+    }
+    void add(std::size_t bin, std::uint64_t count) noexcept {
+      std::atomic_ref(counts_[bin]).store(counts_[bin] + count, std::memory_order_relaxed);
+    }
+    std::uint64_t operator[](std::size_t bin) const noexcept { return counts_[bin]; }
+
+   private:
+    std::vector<std::uint64_t> counts_;
+  };
+  Bins bins_;
+  Relaxed<std::uint64_t> count_;
+  Relaxed<std::uint64_t> within_bound_;
+  Relaxed<std::int64_t> max_ns_;
+  Relaxed<std::uint64_t> sum_low_;
+  Relaxed<std::uint64_t> sum_high_;
 };
 
 }  // namespace asap

@@ -1,7 +1,8 @@
 // RunLog: one row per package. The hot path appends a PackageRecord of whole numbers; ratios and
 // times on the recording's own axis are made when a row is read. Records live in blocks that are
 // allocated by make_room(), between packages and never on the hot path; append() does not allocate.
-// One thread writes; read it when the run is over.
+// A bounded log keeps the newest rows, and exact totals of all. One thread writes; read rows when
+// the run is over, size() and totals() at any time.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +10,10 @@
 #include <memory>
 #include <vector>
 
+#include "asap/core/check.hpp"
+#include "asap/core/relaxed.hpp"
 #include "asap/core/time.hpp"
+#include "asap/telemetry/package_totals.hpp"
 
 namespace asap {
 
@@ -17,6 +21,7 @@ namespace asap {
 struct PackageRecord {
   std::int64_t start_ns;       // taken
   std::int64_t processing_ns;  // wall (or virtual) time until the algorithm had finished
+  std::int64_t oldest_ns;      // when the oldest kept event came
   std::int64_t t_first;        // us, oldest kept event
   std::int64_t t_last;         // us, newest kept event
   std::uint64_t offered;       // raw events behind the package
@@ -49,30 +54,49 @@ class RunLog {
  public:
   static constexpr std::size_t kBlockRows = 4096;
 
-  RunLog() { make_room(); }
+  // most_rows: 0 = all rows are kept; else a multiple of kBlockRows, allocated at once.
+  explicit RunLog(std::size_t most_rows = 0) : most_rows_(most_rows) {
+    require(most_rows % kBlockRows == 0, "most_rows", most_rows, "must be a multiple of 4096");
+    do add_block();
+    while (allocated() < most_rows);
+  }
 
   // Where stamps lie in run time; before a row is read.
   void set_axis(TimeAxis axis) noexcept { axis_ = axis; }
 
   // Makes sure that the next append() has its place; allocates one block in kBlockRows calls.
   void make_room() {
-    if (size_ == blocks_.size() * kBlockRows) {
-      blocks_.push_back(std::make_unique_for_overwrite<PackageRecord[]>(kBlockRows));
-    }
+    if (size_ == allocated() && most_rows_ == 0) add_block();
   }
 
   // Precondition: make_room() since the last append().
   void append(const PackageRecord& record) noexcept {
-    blocks_[size_ / kBlockRows][size_ % kBlockRows] = record;
+    const std::size_t place = most_rows_ == 0 ? size_.load() : size_ % most_rows_;
+    blocks_[place / kBlockRows][place % kBlockRows] = record;
+    if (most_rows_ > 0) totals_.add(record.offered, record.size, record.processing_ns);
     ++size_;
   }
 
+  // Rows [first(), size()) are kept.
+  std::size_t first() const noexcept {
+    return most_rows_ > 0 && size_ > most_rows_ ? size_ - most_rows_ : 0;
+  }
   std::size_t size() const noexcept { return size_; }
   PackageRow operator[](std::size_t i) const noexcept;
 
+  // Of a bounded log.
+  const PackageTotals& totals() const noexcept { return totals_; }
+
  private:
+  std::size_t allocated() const noexcept { return blocks_.size() * kBlockRows; }
+  void add_block() {
+    blocks_.push_back(std::make_unique_for_overwrite<PackageRecord[]>(kBlockRows));
+  }
+
+  const std::size_t most_rows_;
   std::vector<std::unique_ptr<PackageRecord[]>> blocks_;
-  std::size_t size_ = 0;
+  Relaxed<std::size_t> size_;
+  PackageTotals totals_;
   TimeAxis axis_;
 };
 

@@ -1,0 +1,133 @@
+// ArrivalTimes: when the events of the ring arrived, by their ring index. In a live pipeline an
+// event's age counts from its arrival, not from the sensor's stamp. The producer notes (index,
+// time) before a push; pushes that follow within one step share the time of the first, so an event
+// is at most one step younger than the table says, never older.
+//
+// One producer thread, one consumer thread; wait-free, no allocation after construction. note():
+// O(1); of(), before(): O(log kSteps). Bounded: beyond half of its entries, for a consumer that has
+// stalled, the steps double with every 1/32 more, so the table always spans the backlog and an age
+// stays right to a few percent; when it is full, the last step goes on.
+//
+// Who owns what: tail_ is the producer's, head_ the consumer's. An entry is published by tail_
+// before the ring publishes its events. The newest entry's time may still move while no event of it
+// is in the ring, hence the relaxed atomics.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "asap/core/check.hpp"
+
+namespace asap {
+
+class ArrivalTimes {
+ public:
+  static constexpr std::size_t kSteps = 8192;
+
+  explicit ArrivalTimes(std::int64_t step_ns)
+      : step_ns_(step_ns), entries_(std::make_unique<Entry[]>(kSteps)) {
+    require(step_ns >= 1 && step_ns <= kLongestStepNs, "step_ns", step_ns,
+            "must be between 1 ns and 10^12 ns");
+  }
+
+  // Producer, before the push: events from this ring index on arrive now. Times do not go back.
+  void note(std::uint64_t index, std::int64_t now_ns) noexcept {
+    const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
+    if (tail > 0) {
+      Entry& newest = entry(tail - 1);
+      if (newest.first.load(std::memory_order_relaxed) == index) {  // nothing of it was taken
+        newest.time_ns.store(now_ns, std::memory_order_relaxed);
+        return;
+      }
+      const std::int64_t elapsed_ns = now_ns - newest.time_ns.load(std::memory_order_relaxed);
+      if (elapsed_ns < step_ns_) return;
+      const auto used = static_cast<std::size_t>(tail - head_.load(std::memory_order_acquire));
+      if (used == kSteps || elapsed_ns < step_ns_ << doublings(used)) return;
+    }
+    entry(tail).first.store(index, std::memory_order_relaxed);
+    entry(tail).time_ns.store(now_ns, std::memory_order_relaxed);
+    tail_.store(tail + 1, std::memory_order_release);
+  }
+
+  // Consumer. The time of an event that waits.
+  std::int64_t of(std::uint64_t index) const noexcept {
+    return entry(step_of(index)).time_ns.load(std::memory_order_relaxed);
+  }
+
+  // Consumer. The events [index, same_until) came in one step; at most end.
+  std::uint64_t same_until(std::uint64_t index, std::uint64_t end) const noexcept {
+    const std::uint64_t next = step_of(index) + 1;
+    if (next == tail_.load(std::memory_order_acquire)) return end;
+    return std::min(end, entry(next).first.load(std::memory_order_relaxed));
+  }
+
+  // Consumer. Of the `count` events from ring index `head` on, those before time_ns.
+  std::size_t before(std::int64_t time_ns, std::uint64_t head, std::size_t count) const noexcept {
+    const std::uint64_t step = first_step([&](const Entry& entry) {
+      return entry.time_ns.load(std::memory_order_relaxed) >= time_ns;
+    });
+    if (step == tail_.load(std::memory_order_acquire)) return count;
+    const std::uint64_t index = entry(step).first.load(std::memory_order_relaxed);
+    if (index <= head) return 0;
+    return std::min(count, static_cast<std::size_t>(index - head));
+  }
+
+  // Consumer. Events before this ring index will not be asked for any more.
+  void release(std::uint64_t index) noexcept {
+    const std::uint64_t tail = tail_.load(std::memory_order_acquire);
+    std::uint64_t head = head_.load(std::memory_order_relaxed);
+    while (head + 1 < tail && entry(head + 1).first.load(std::memory_order_relaxed) <= index) {
+      ++head;
+    }
+    head_.store(head, std::memory_order_release);
+  }
+
+ private:
+  struct Entry {
+    std::atomic<std::uint64_t> first{0};  // ring index of its first event
+    std::atomic<std::int64_t> time_ns{0};
+  };
+  static constexpr std::int64_t kLongestStepNs = 1'000'000'000'000;
+
+  static int doublings(std::size_t used) noexcept {
+    return used > kSteps / 2 ? static_cast<int>((used - kSteps / 2) / (kSteps / 32)) : 0;
+  }
+
+  Entry& entry(std::uint64_t i) noexcept { return entries_[i % kSteps]; }
+  const Entry& entry(std::uint64_t i) const noexcept { return entries_[i % kSteps]; }
+
+  // The step that holds an event of this index.
+  std::uint64_t step_of(std::uint64_t index) const noexcept {
+    return first_step([&](const Entry& entry) {
+             return entry.first.load(std::memory_order_relaxed) > index;
+           }) -
+           1;
+  }
+
+  // The first step that `is_beyond`; those behind it are, too.
+  template <class IsBeyond>
+  std::uint64_t first_step(const IsBeyond& is_beyond) const noexcept {
+    std::uint64_t begin = head_.load(std::memory_order_relaxed);
+    std::uint64_t end = tail_.load(std::memory_order_acquire);
+    while (begin < end) {
+      const std::uint64_t middle = begin + (end - begin) / 2;
+      if (is_beyond(entry(middle))) {
+        end = middle;
+      } else {
+        begin = middle + 1;
+      }
+    }
+    return begin;
+  }
+
+  static constexpr std::size_t kApart = 128;  // as in the ring
+  const std::int64_t step_ns_;
+  const std::unique_ptr<Entry[]> entries_;
+  alignas(kApart) std::atomic<std::uint64_t> tail_{0};
+  alignas(kApart) std::atomic<std::uint64_t> head_{0};
+};
+
+}  // namespace asap

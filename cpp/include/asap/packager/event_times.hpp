@@ -1,0 +1,72 @@
+// EventTimes: when an event came, as the packager and the schemes see it. Of a recording that is
+// its stamp on the run's axis; in a live pipeline its arrival, because the sensor's clock is not
+// ours and a transport delay must make no event stale. One branch that is always the same; the
+// consumer's thread.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "asap/buffer/age_slots.hpp"
+#include "asap/buffer/arrival_times.hpp"
+#include "asap/buffer/event_buffer.hpp"
+#include "asap/core/time.hpp"
+
+namespace asap {
+
+class EventTimes {
+ public:
+  // The referenced object outlives this one. By stamp:
+  EventTimes(const AgeSlots& ages) noexcept : ages_(&ages) {}
+  // By arrival:
+  EventTimes(ArrivalTimes& arrivals) noexcept : arrivals_(&arrivals) {}
+
+  bool by_arrival() const noexcept { return arrivals_ != nullptr; }
+
+  // Where stamps lie in run time.
+  void set_axis(TimeAxis axis) noexcept { axis_ = axis; }
+  const TimeAxis& axis() const noexcept { return axis_; }
+
+  // Run time of a waiting event, which lies at this ring index.
+  std::int64_t of(const Event& event, std::uint64_t index) const noexcept {
+    return by_arrival() ? arrivals_->of(index) : axis_.to_ns(event.t);
+  }
+
+  // The end of the waiting events [index, end) that can be treated together.
+  std::uint64_t same_until(std::uint64_t index, std::uint64_t end) const noexcept {
+    return by_arrival() ? arrivals_->same_until(index, end) : end;
+  }
+
+  // Of the waiting events, the oldest of which lies at ring index `head`: those before time_ns.
+  std::size_t before(std::int64_t time_ns, const EventPieces& waiting,
+                     std::uint64_t head) const noexcept {
+    if (by_arrival()) return arrivals_->before(time_ns, head, waiting.size());
+    const auto count = [&](EventSpan events) {
+      const auto end = std::partition_point(events.begin(), events.end(), [&](const Event& event) {
+        return axis_.to_ns(event.t) < time_ns;
+      });
+      return static_cast<std::size_t>(end - events.begin());
+    };
+    return count(waiting.first) + count(waiting.second);
+  }
+
+  // The same, right to the share of one age slot.
+  std::size_t about_before(std::int64_t time_ns, std::int64_t now_ns, const EventPieces& waiting,
+                           std::uint64_t head) const noexcept {
+    if (by_arrival()) return arrivals_->before(time_ns, head, waiting.size());
+    return ages_->before(time_ns, now_ns, head, waiting.size());
+  }
+
+  // Events before this ring index have left the ring.
+  void release(std::uint64_t head) noexcept {
+    if (by_arrival()) arrivals_->release(head);
+  }
+
+ private:
+  const AgeSlots* ages_ = nullptr;
+  ArrivalTimes* arrivals_ = nullptr;
+  TimeAxis axis_;
+};
+
+}  // namespace asap

@@ -1,0 +1,77 @@
+// LiveRun: one run of a live pipeline, from its first event to its end: ring, clock, packager and
+// what they count. The producer pushes, the consumer loops, any thread may look at the counters.
+// The event's time is its arrival on the steady clock; a wall clock that steps has no effect.
+// Memory is bounded at construction: the ring, as much again for a package, and 3 MiB.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "asap/buffer/arrival_times.hpp"
+#include "asap/packager/packager.hpp"
+#include "asap/runner/clock.hpp"
+#include "asap/runner/consumer_loop.hpp"
+#include "asap/runner/doorbell.hpp"
+#include "asap/runner/run_config.hpp"
+#include "asap/telemetry/ledger.hpp"
+
+namespace asap {
+
+class LiveRun {
+ public:
+  using Steady = RunClock::Steady;
+  static constexpr std::size_t kLogRows = 4 * RunLog::kBlockRows;
+
+  // The scheme outlives the run.
+  LiveRun(Scheme& scheme, const RunConfig& config);
+
+  // Producer. Wait-free. What does not fit into the ring is dropped and counted.
+  void push(EventSpan events, std::optional<Steady::time_point> arrival = {});
+
+  // Once the producer has gone: nothing follows.
+  void close() noexcept;
+
+  // Consumer; flush() and abandon() from any thread.
+  ConsumerLoop& loop() noexcept { return loop_; }
+
+  // Consumer: no package will be taken or booked any more.
+  void finish() noexcept { finished_.store(true, std::memory_order_release); }
+
+  // Any thread. A snapshot, in which a package that is being booked may still count as pending;
+  // after close() and finish() every term is counted on its own.
+  Ledger ledger() const noexcept;
+  Rejections rejected() const noexcept;
+  std::uint64_t clock_resets() const noexcept { return clock_resets_; }
+  // Time since the first arrival, until close().
+  std::int64_t elapsed_ns() const noexcept;
+  // Latencies and totals from any thread; rows once the run is over.
+  const Telemetry& telemetry() const noexcept { return telemetry_; }
+
+ private:
+  void begin(const Event& first, Steady::time_point arrival) noexcept;
+  void put(EventSpan good) noexcept;
+  void publish_counts() noexcept;
+
+  Validator validator_;  // the producer's, like arrival_ns_ and begun_
+  Telemetry telemetry_;  // the consumer's
+  EventBuffer buffer_;
+  ArrivalTimes arrivals_;
+  Packager packager_;
+  Doorbell doorbell_;
+  RunClock clock_;
+  ConsumerLoop loop_;
+
+  std::atomic<bool> finished_{false};
+  bool begun_ = false;
+  std::int64_t arrival_ns_ = 0;  // of the newest push
+  std::int64_t first_arrival_ns_ = 0;
+  std::int64_t closed_ns_ = 0;
+  // What the validator has counted by the end of the last push.
+  struct {
+    Relaxed<std::uint64_t> nonmonotonic, out_of_bounds, bad_polarity, bad_record, before_start;
+  } rejected_;
+  Relaxed<std::uint64_t> clock_resets_;
+};
+
+}  // namespace asap

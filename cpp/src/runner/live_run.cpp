@@ -1,0 +1,109 @@
+#include "asap/runner/live_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace asap {
+namespace {
+
+// An event's age is right to this share of the bound.
+constexpr std::int64_t kStepsPerBound = 1024;
+
+std::int64_t arrival_step_ns(std::int64_t latency_bound_ns) {
+  return std::max<std::int64_t>(latency_bound_ns / kStepsPerBound, 1);
+}
+
+}  // namespace
+
+LiveRun::LiveRun(Scheme& scheme, const RunConfig& config)
+    : validator_(config.validator),
+      telemetry_(latency_bound_ns(config, scheme), kLogRows),
+      buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
+      arrivals_(arrival_step_ns(telemetry_.latency.bound_ns())),
+      packager_(buffer_, arrivals_, scheme, telemetry_,
+                {.seed = config.seed, .execution = config.execution, .flush = config.flush}),
+      loop_(buffer_, packager_, telemetry_, doorbell_, clock_) {}
+
+void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival) {
+  struct Publish {
+    LiveRun& run;
+    ~Publish() { run.publish_counts(); }
+  } publish{*this};  // also when the validator refuses an event
+  bool timed = false;
+  validator_.check(events, [&](EventSpan good) {
+    if (!timed) {
+      const Steady::time_point now = Steady::now();
+      const Steady::time_point came = std::min(arrival.value_or(now), now);
+      if (!begun_) begin(good.front(), came);
+      arrival_ns_ = std::max(arrival_ns_, clock_.at(came));
+      timed = true;
+    }
+    put(good);
+  });
+}
+
+void LiveRun::begin(const Event& first, Steady::time_point arrival) noexcept {
+  const TimeAxis axis(first.t, 1.0);
+  packager_.set_axis(axis);
+  first_arrival_ns_ = axis.to_ns(first.t);
+  clock_.start(first_arrival_ns_, arrival);
+  arrival_ns_ = first_arrival_ns_;
+  begun_ = true;
+}
+
+void LiveRun::put(EventSpan good) noexcept {
+  arrivals_.note(buffer_.tail(), arrival_ns_);
+  buffer_.push(good);
+  doorbell_.announce(buffer_.tail());
+}
+
+void LiveRun::publish_counts() noexcept {
+  const Rejections& counts = validator_.rejected();
+  rejected_.nonmonotonic = counts.nonmonotonic;
+  rejected_.out_of_bounds = counts.out_of_bounds;
+  rejected_.bad_polarity = counts.bad_polarity;
+  rejected_.bad_record = counts.bad_record;
+  rejected_.before_start = counts.before_start;
+  clock_resets_ = validator_.clock_resets();
+}
+
+void LiveRun::close() noexcept {
+  closed_ns_ = begun_ ? clock_.now_ns() : first_arrival_ns_;
+  buffer_.close();
+  doorbell_.wake();
+}
+
+Rejections LiveRun::rejected() const noexcept {
+  return {.nonmonotonic = rejected_.nonmonotonic,
+          .out_of_bounds = rejected_.out_of_bounds,
+          .bad_polarity = rejected_.bad_polarity,
+          .bad_record = rejected_.bad_record,
+          .before_start = rejected_.before_start};
+}
+
+Ledger LiveRun::ledger() const noexcept {
+  // Then what the two sides own may be read.
+  const bool over = finished_.load(std::memory_order_acquire) && buffer_.closed();
+  // The consumer's counts first: what it has booked has been pushed.
+  Ledger ledger{.discarded = telemetry_.discarded,
+                .stale = telemetry_.stale,
+                .delivered = telemetry_.delivered};
+  const std::uint64_t tail = buffer_.tail();
+  ledger.overflow = buffer_.overflow();
+  ledger.rejected = rejected().total();
+  if (over) {
+    ledger.received = validator_.received();
+    ledger.pending = buffer_.size();
+  } else {
+    ledger.received = ledger.rejected + ledger.overflow + tail;
+    ledger.pending = tail - ledger.discarded - ledger.stale - ledger.delivered;
+  }
+  return ledger;
+}
+
+std::int64_t LiveRun::elapsed_ns() const noexcept {
+  if (buffer_.closed()) return closed_ns_ - first_arrival_ns_;
+  return buffer_.tail() == 0 ? 0 : clock_.now_ns() - first_arrival_ns_;
+}
+
+}  // namespace asap

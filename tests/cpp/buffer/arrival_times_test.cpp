@@ -1,0 +1,151 @@
+#include "asap/buffer/arrival_times.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdint>
+#include <thread>
+#include <vector>
+
+#include "asap/core/random.hpp"
+#include "support/errors.hpp"
+
+namespace asap {
+namespace {
+
+constexpr std::size_t kSteps = ArrivalTimes::kSteps;
+
+TEST(ArrivalTimes, KnowsWhenAnEventArrived) {
+  ArrivalTimes times(10);
+  times.note(0, 1000);  // events 0..4
+  times.note(5, 1020);  // 5
+  times.note(6, 1050);  // 6...
+  EXPECT_EQ(times.of(0), 1000);
+  EXPECT_EQ(times.of(4), 1000);
+  EXPECT_EQ(times.of(5), 1020);
+  EXPECT_EQ(times.of(6), 1050);
+  EXPECT_EQ(times.of(1000), 1050);
+  EXPECT_EQ(times.same_until(0, 8), 5u);
+  EXPECT_EQ(times.same_until(2, 4), 4u);
+  EXPECT_EQ(times.same_until(5, 8), 6u);
+  EXPECT_EQ(times.same_until(6, 8), 8u);
+}
+
+TEST(ArrivalTimes, CountsWhatCameBefore) {
+  ArrivalTimes times(10);
+  times.note(0, 1000);
+  times.note(5, 1020);
+  times.note(6, 1050);
+  EXPECT_EQ(times.before(1000, 0, 9), 0u);
+  EXPECT_EQ(times.before(1001, 0, 9), 5u);
+  EXPECT_EQ(times.before(1021, 0, 9), 6u);
+  EXPECT_EQ(times.before(1051, 0, 9), 9u);
+  EXPECT_EQ(times.before(1021, 2, 9), 4u);
+  EXPECT_EQ(times.before(1021, 2, 3), 3u) << "never more than what waits";
+  EXPECT_EQ(times.before(1001, 5, 2), 0u);
+}
+
+TEST(ArrivalTimes, PushesOfOneStepShareTheTimeOfTheFirst) {
+  ArrivalTimes times(10);
+  times.note(0, 1000);
+  times.note(5, 1009);
+  times.note(6, 1010);
+  EXPECT_EQ(times.of(5), 1000);
+  EXPECT_EQ(times.of(6), 1010);
+}
+
+TEST(ArrivalTimes, APushThatTookNothingLeavesNoTrace) {
+  ArrivalTimes times(10);
+  times.note(0, 1000);
+  times.note(5, 1020);  // the ring is full
+  times.note(5, 1070);
+  times.note(6, 1090);
+  EXPECT_EQ(times.of(4), 1000);
+  EXPECT_EQ(times.of(5), 1070);
+  EXPECT_EQ(times.of(6), 1090);
+}
+
+TEST(ArrivalTimes, StayRightWhereverTheyAreReleased) {
+  for (std::uint64_t head = 0; head < 40; ++head) {
+    ArrivalTimes times(10);
+    for (std::uint64_t i = 0; i < 40; i += 4) times.note(i, 1000 + 10 * static_cast<int>(i));
+    times.release(head);
+    for (std::uint64_t i = head; i < 40; ++i) {
+      ASSERT_EQ(times.of(i), 1000 + 10 * static_cast<int>(i / 4 * 4)) << head;
+    }
+    ASSERT_EQ(times.before(1000 + 200, head, 40 - head), head < 20 ? 20 - head : 0u);
+  }
+}
+
+TEST(ArrivalTimes, GoesOnForEverWhenReleased) {
+  ArrivalTimes times(10);
+  for (std::uint64_t i = 0; i < 5 * kSteps; ++i) {
+    times.note(3 * i, 1000 + 10 * static_cast<std::int64_t>(i));
+    times.release(3 * i);
+    ASSERT_EQ(times.of(3 * i), 1000 + 10 * static_cast<std::int64_t>(i));
+  }
+}
+
+TEST(ArrivalTimes, ABacklogOfAnyLengthKeepsItsAgesToAFewPercent) {
+  constexpr std::int64_t kEnd = 4'000'000;
+  ArrivalTimes times(10);
+  std::vector<std::int64_t> pushed;
+  for (std::int64_t now = 0; now < kEnd; now += 10) {
+    times.note(pushed.size(), now);
+    pushed.push_back(now);
+  }
+  for (std::size_t i = 0; i < pushed.size(); ++i) {
+    ASSERT_LE(times.of(i), pushed[i]) << "never younger than it is";
+    ASSERT_LE(pushed[i] - times.of(i), pushed[i] / 100);
+  }
+}
+
+TEST(ArrivalTimes, AFullTableGoesOnWithItsLastStep) {
+  ArrivalTimes times(1);
+  std::uint64_t index = 0;
+  std::int64_t now = 0;
+  for (; index < 2 * kSteps; ++index) times.note(index, now += std::int64_t{1} << 20);
+  EXPECT_EQ(times.of(0), std::int64_t{1} << 20);
+  EXPECT_EQ(times.of(index - 1), times.of(kSteps - 1));
+  times.release(index - 1);
+  times.note(index, now += 10);
+  EXPECT_EQ(times.of(index), now);
+}
+
+TEST(ArrivalTimes, AreReadByAnotherThread) {
+  constexpr std::uint64_t kEvents = 400'000;
+  ArrivalTimes times(7);
+  std::atomic<std::uint64_t> tail{0};  // the ring's
+  std::jthread producer([&] {
+    const CounterRandom random(3);
+    std::int64_t now = 0;
+    std::uint64_t draw = 0;
+    for (std::uint64_t i = 0; i < kEvents;) {
+      now += static_cast<std::int64_t>(random(draw++) % 10);
+      times.note(i, now);
+      i += random(draw++) % 5;  // none, when the ring is full
+      tail.store(i, std::memory_order_release);
+    }
+  });
+  std::int64_t last = 0;
+  for (std::uint64_t head = 0; head < kEvents;) {
+    const std::uint64_t end = tail.load(std::memory_order_acquire);
+    if (end == head) continue;
+    const std::int64_t first_ns = times.of(head);
+    ASSERT_GE(first_ns, last);
+    last = times.of(end - 1);
+    ASSERT_GE(last, first_ns);
+    ASSERT_EQ(times.before(last + 1, head, end - head), end - head);
+    ASSERT_EQ(times.before(first_ns, head, end - head), 0u);
+    head = end;
+    times.release(head);
+  }
+}
+
+TEST(ArrivalTimes, RefusesAStepOutOfRange) {
+  EXPECT_EQ(test::error_of([] { ArrivalTimes times(0); }),
+            "step_ns = 0: must be between 1 ns and 10^12 ns");
+}
+
+}  // namespace
+}  // namespace asap

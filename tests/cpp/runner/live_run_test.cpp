@@ -1,0 +1,119 @@
+// One thread: what is pushed, counted and timed. Two threads: pipeline_test.cpp.
+#include "asap/runner/live_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "asap/schemes/greedy.hpp"
+#include "support/allocation_counter.hpp"
+#include "support/streams.hpp"
+
+namespace asap {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+void deliver_all(LiveRun& run) {
+  Package package;
+  while (run.loop().next(package, 0ns) == ConsumerLoop::Next::package) {
+    run.loop().complete(package);
+  }
+}
+
+constexpr RunConfig kWhole{.execution = Execution::whole};
+
+TEST(LiveRun, AgesCountFromTheArrivalWhateverTheStamps) {
+  Greedy scheme;
+  LiveRun run(scheme, kWhole);
+  const auto arrival = Steady::now() - 5s;
+  run.push(test::evenly_spaced(100, 1'000'000'000, 77), arrival);  // stamps of 28 hours
+  run.push(test::at_times({200'000'000'000}), arrival + 2s);
+  deliver_all(run);
+  const LatencyHistogram& latency = run.telemetry().latency;
+  EXPECT_EQ(latency.count(), 101u);
+  EXPECT_GE(latency.max_ns(), 5'000'000'000);
+  EXPECT_LT(latency.max_ns(), 50'000'000'000);
+  EXPECT_NEAR(latency.mean_ns(), static_cast<double>(latency.max_ns()) - 2e9 / 101, 1e6);
+  const PackageRow row = run.telemetry().log[0];
+  EXPECT_EQ(row.latency_max_us, static_cast<double>(latency.max_ns()) * 1e-3);
+  EXPECT_NEAR(row.start_us + row.processing_us - 77, row.latency_max_us, 1.0)
+      << "the run's axis begins with the first arrival at its stamp";
+}
+
+TEST(LiveRun, AnArrivalInTheFutureIsNowAndOneBeforeTheLastIsThat) {
+  Greedy scheme;
+  LiveRun run(scheme, kWhole);
+  run.push(test::at_times({1}), Steady::now() - 1s);
+  run.push(test::at_times({2}), Steady::now() - 9s);
+  deliver_all(run);
+  EXPECT_LT(run.telemetry().latency.max_ns(), 5'000'000'000);
+  run.push(test::at_times({3}), Steady::now() + 100s);
+  deliver_all(run);
+  EXPECT_EQ(run.ledger().delivered, 3u);
+}
+
+TEST(LiveRun, CountsWhatTheDoorRejects) {
+  Greedy scheme;
+  RunConfig config = kWhole;
+  config.validator = {.width = 50, .height = 50};
+  LiveRun run(scheme, config);
+  run.push(test::evenly_spaced(60, 10));  // x = 50 ... 59 are outside
+  run.push(test::at_times({5}));          // back in time
+  EXPECT_EQ(run.rejected().out_of_bounds, 10u);
+  EXPECT_EQ(run.rejected().nonmonotonic, 1u);
+  EXPECT_EQ(run.ledger(), (Ledger{.received = 61, .rejected = 11, .pending = 50}));
+}
+
+TEST(LiveRun, ARefusedEventIsCountedAndSoIsWhatCameBefore) {
+  Greedy scheme;
+  RunConfig config = kWhole;
+  config.validator = {.width = 50, .height = 50, .on_bad = OnBad::raise};
+  LiveRun run(scheme, config);
+  EXPECT_THROW(run.push(test::evenly_spaced(60, 10), {}), std::invalid_argument);
+  EXPECT_EQ(run.ledger(), (Ledger{.received = 51, .rejected = 1, .pending = 50}));
+}
+
+TEST(LiveRun, TheNewestThatDoNotFitOverflow) {
+  Greedy scheme;
+  RunConfig config = kWhole;
+  config.capacity = 100;
+  LiveRun run(scheme, config);
+  run.push(test::evenly_spaced(150, 1), {});
+  EXPECT_EQ(run.ledger(), (Ledger{.received = 150, .overflow = 50, .pending = 100}));
+  Package package;
+  ASSERT_EQ(run.loop().next(package, 0ns), ConsumerLoop::Next::package);
+  EXPECT_EQ(package.lost_before(), 50u);
+  EXPECT_EQ(test::number_of(package.events.front()), 0u);
+}
+
+TEST(LiveRun, EveryTermIsCountedOnItsOwnInTheEnd) {
+  Greedy scheme;
+  LiveRun run(scheme, kWhole);
+  run.push(test::evenly_spaced(1000, 10), {});
+  deliver_all(run);
+  run.push(test::evenly_spaced(500, 10, 100'000), {});
+  run.close();
+  run.finish();
+  EXPECT_EQ(run.ledger(), (Ledger{.received = 1500, .delivered = 1000, .pending = 500}));
+  const std::int64_t elapsed_ns = run.elapsed_ns();
+  EXPECT_GT(elapsed_ns, 0);
+  EXPECT_EQ(run.elapsed_ns(), elapsed_ns);
+}
+
+TEST(LiveRun, AllocatesNothingAfterConstruction) {
+  Greedy scheme;
+  LiveRun run(scheme, kWhole);
+  const test::Events events = test::evenly_spaced(50, 0, 1000);
+  const std::size_t before = test::allocations();
+  for (std::size_t i = 0; i < 2 * LiveRun::kLogRows; ++i) {
+    run.push(events, {});
+    deliver_all(run);
+  }
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(run.telemetry().log.totals().count, 2 * LiveRun::kLogRows);
+}
+
+}  // namespace
+}  // namespace asap

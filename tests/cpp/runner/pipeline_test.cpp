@@ -1,0 +1,304 @@
+// In real time, on a machine that may be busy: nothing here asks for a latency below 100 ms.
+#include "asap/runner/pipeline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include "asap/schemes/asap2020.hpp"
+#include "asap/schemes/deadline.hpp"
+#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/greedy.hpp"
+#include "support/scripted_scheme.hpp"
+#include "support/streams.hpp"
+
+namespace asap {
+namespace {
+
+using Next = Pipeline::Next;
+using test::at_times;
+using test::evenly_spaced;
+using test::Events;
+using Steady = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+constexpr RunConfig kWhole{.execution = Execution::whole};
+constexpr auto kLong = std::chrono::nanoseconds(20s);  // a test that waits so long has failed
+
+// Waits for ever, unless something is due.
+test::ScriptedScheme::Rule only_when_due() {
+  return [](const Backlog& backlog) {
+    return backlog.due ? Decision::take(backlog.count) : Decision::wait_for(1'000'000);
+  };
+}
+
+// Pushes chunks with stamps that go on, until the pipeline refuses; counts what it has pushed.
+struct Camera {
+  explicit Camera(Pipeline& pipeline, std::size_t chunk, std::uint64_t most = ~std::uint64_t{0})
+      : thread([this, &pipeline, chunk, most] {
+          Events events = evenly_spaced(chunk, 0);
+          for (std::int64_t t = 0; pushed < most && pipeline.push(events); ++t) {
+            pushed += chunk;
+            for (Event& event : events) event.t = t + 1;
+          }
+        }) {}
+
+  std::atomic<std::uint64_t> pushed{0};
+  std::jthread thread;
+};
+
+TEST(Pipeline, DeliversWhatAnotherThreadPushesInOrder) {
+  const Events events = evenly_spaced(300'000, 1);
+  Deadline scheme({.latency_ms = 200});
+  Pipeline pipeline(scheme, kWhole);
+  std::jthread producer([&] {
+    for (std::size_t i = 0; i < events.size(); i += 1000) {
+      EXPECT_TRUE(pipeline.push(EventSpan(events).subspan(i, 1000)));
+    }
+    pipeline.stop();
+  });
+  std::uint64_t next = 0;
+  std::uint64_t index = 0;
+  Package package;
+  while (pipeline.next(package, kLong) == Next::package) {
+    EXPECT_EQ(package.index, index++);
+    for (const Event& event : package.events) ASSERT_EQ(test::number_of(event), next++);
+  }
+  producer.join();
+  const PipelineStats stats = pipeline.stats();
+  EXPECT_EQ(stats.ledger.received, 300'000u);
+  EXPECT_EQ(stats.ledger.delivered, 300'000u);
+  EXPECT_EQ(stats.ledger, (Ledger{.received = 300'000, .delivered = 300'000}));
+  EXPECT_EQ(stats.packages.count, index);
+  EXPECT_EQ(stats.packages.size, 300'000u);
+  EXPECT_EQ(stats.latency.count(), 300'000u);
+  EXPECT_FALSE(stats.open);
+}
+
+TEST(Pipeline, TheLedgerBalancesOverMillionsInOverload) {
+  constexpr std::uint64_t kEvents = 4'000'000;
+  Asap2020 scheme({.rate_bound = 1e5, .first_size = 100});
+  Pipeline pipeline(scheme, {.capacity = 20'000, .validator = {.width = 400, .height = 400}});
+  Camera camera(pipeline, 777, kEvents);
+  std::jthread watcher([&](const std::stop_token& done) {
+    while (!done.stop_requested()) {
+      const PipelineStats stats = pipeline.stats();
+      EXPECT_TRUE(stats.ledger.balanced());
+      EXPECT_LE(stats.ledger.delivered, stats.ledger.received);
+      std::this_thread::yield();
+    }
+  });
+  std::jthread stopper([&] {
+    camera.thread.join();
+    pipeline.stop();
+  });
+  std::uint64_t delivered = 0;
+  pipeline.run([&](const Package& package) { delivered += package.events.size(); });
+  stopper.join();
+  watcher.request_stop();
+  watcher.join();
+  const Ledger ledger = pipeline.ledger();
+  EXPECT_TRUE(ledger.balanced());
+  EXPECT_EQ(ledger.received, camera.pushed);
+  EXPECT_EQ(ledger.rejected, ledger.received / 777 * 377) << "x from 400 on";
+  EXPECT_EQ(ledger.delivered, delivered);
+  EXPECT_EQ(ledger.pending, 0u);
+  EXPECT_GT(ledger.discarded, 0u);
+}
+
+TEST(Pipeline, TheLastEventOfABurstIsDeliveredWithinTheBound) {
+  test::ScriptedScheme scheme(only_when_due());
+  Pipeline pipeline(scheme, {.latency_us = 30'000, .execution = Execution::whole});
+  Package package;
+  EXPECT_EQ(pipeline.next(package, 1ms), Next::idle);
+  pipeline.push(evenly_spaced(100, 1));
+  const auto pushed = Steady::now();
+  ASSERT_EQ(pipeline.next(package, kLong), Next::package);
+  EXPECT_GE(Steady::now() - pushed, 20ms) << "the scheme waits as long as it may";
+  EXPECT_LT(Steady::now() - pushed, 1s);
+  EXPECT_EQ(package.events.size(), 100u);
+}
+
+TEST(Pipeline, FlushWaitsForNothing) {
+  test::ScriptedScheme scheme(only_when_due());
+  Pipeline pipeline(scheme, {.latency_us = 1e9, .execution = Execution::whole});
+  pipeline.push(evenly_spaced(100, 1));
+  Package package;
+  EXPECT_EQ(pipeline.next(package, 5ms), Next::idle);
+  std::jthread other([&] {
+    std::this_thread::sleep_for(5ms);
+    pipeline.flush();
+  });
+  ASSERT_EQ(pipeline.next(package, kLong), Next::package);
+  EXPECT_EQ(package.events.size(), 100u);
+  pipeline.push(at_times({1000}));
+  EXPECT_EQ(pipeline.next(package, 5ms), Next::idle) << "what came after the flush waits";
+}
+
+TEST(Pipeline, StopDrains) {
+  FixedSize scheme({.size = 10});
+  Pipeline pipeline(scheme, kWhole);
+  pipeline.push(evenly_spaced(95, 1));
+  pipeline.stop();
+  std::size_t delivered = 0;
+  Package package;
+  while (pipeline.next(package, kLong) == Next::package) delivered += package.events.size();
+  EXPECT_EQ(delivered, 95u);
+  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 95, .delivered = 95}));
+}
+
+TEST(Pipeline, StopWithoutDrainingEndsAfterThePackageInWork) {
+  FixedSize scheme({.size = 10});
+  Pipeline pipeline(scheme, kWhole);
+  pipeline.push(evenly_spaced(95, 1));
+  Package package;
+  ASSERT_EQ(pipeline.next(package, kLong), Next::package);
+  pipeline.stop();
+  pipeline.stop(false);
+  EXPECT_EQ(pipeline.next(package, kLong), Next::ended);
+  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 95, .delivered = 10, .pending = 85}));
+}
+
+TEST(Pipeline, APackageGivenUpStaysPending) {
+  FixedSize scheme({.size = 10});
+  Pipeline pipeline(scheme, kWhole);
+  pipeline.push(evenly_spaced(95, 1));
+  Package package;
+  ASSERT_EQ(pipeline.next(package, kLong), Next::package);
+  pipeline.abandon();
+  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 95, .pending = 95}));
+  EXPECT_EQ(pipeline.next(package, kLong), Next::ended);
+}
+
+TEST(Pipeline, APushAfterStopIsRefusedAndNotCounted) {
+  Greedy scheme;
+  Pipeline pipeline(scheme, kWhole);
+  EXPECT_TRUE(pipeline.push(at_times({1})));
+  pipeline.stop();
+  EXPECT_FALSE(pipeline.push(at_times({2})));
+  EXPECT_EQ(pipeline.ledger().received, 1u);
+}
+
+TEST(Pipeline, EndsFromAnyStateSoon) {
+  for (int round = 0; round < 300; ++round) {
+    Deadline scheme({.latency_ms = 5});
+    Pipeline pipeline(scheme, {.capacity = 5000});
+    Camera camera(pipeline, 1 + static_cast<std::size_t>(round) * 7,
+                  round % 3 == 0 ? 0 : 1'000'000'000);
+    std::jthread consumer;
+    if (round % 5 != 0) consumer = std::jthread([&] { pipeline.run([](EventSpan) {}); });
+    if (round % 2 != 0) std::this_thread::sleep_for(std::chrono::microseconds(round * 3));
+    const auto asked = Steady::now();
+    pipeline.stop(round % 4 == 0);
+    if (consumer.joinable()) consumer.join();
+    camera.thread.join();
+    ASSERT_LT(Steady::now() - asked, 2s);
+    ASSERT_TRUE(pipeline.ledger().balanced());
+    ASSERT_EQ(pipeline.ledger().received, camera.pushed);
+    if (round % 4 == 0 && round % 5 != 0) {
+      ASSERT_EQ(pipeline.ledger().pending, 0u);
+    }
+  }
+}
+
+TEST(Pipeline, StopsFromInsideTheAlgorithm) {
+  Greedy scheme;
+  Pipeline pipeline(scheme);
+  pipeline.push(evenly_spaced(10, 1));
+  int calls = 0;
+  pipeline.run([&](EventSpan) {
+    ++calls;
+    pipeline.stop();
+  });
+  EXPECT_EQ(calls, 1);
+  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 10, .delivered = 10}));
+}
+
+TEST(Pipeline, AnExceptionComesOutUnchangedAndStops) {
+  struct Trouble {
+    int code;
+  };
+  FixedSize scheme({.size = 10});
+  Pipeline pipeline(scheme);
+  pipeline.push(evenly_spaced(30, 1));
+  int calls = 0;
+  const auto work = [&](EventSpan) {
+    if (++calls == 2) throw Trouble{7};
+  };
+  int code = 0;
+  try {
+    pipeline.run(work);
+  } catch (const Trouble& trouble) {
+    code = trouble.code;
+  }
+  EXPECT_EQ(code, 7);
+  EXPECT_FALSE(pipeline.push(at_times({1000})));
+  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 30, .delivered = 10, .pending = 20}));
+  pipeline.start();
+  EXPECT_EQ(pipeline.ledger(), Ledger{});
+  pipeline.push(evenly_spaced(10, 1));
+  pipeline.stop();
+  pipeline.run(work);
+  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 10, .delivered = 10}));
+}
+
+TEST(Pipeline, RestartsFromNothingWhileTheCameraGoesOn) {
+  Greedy scheme;
+  Pipeline pipeline(scheme, {.capacity = 5000});
+  std::atomic<bool> done = false;
+  std::jthread camera([&] {  // it does not know that the pipeline restarts
+    const Events events = evenly_spaced(100, 0);
+    while (!done) pipeline.push(events);
+  });
+  for (int round = 0; round < 50; ++round) {
+    std::size_t delivered = 0;
+    pipeline.run([&](EventSpan events) {
+      delivered += events.size();
+      if (delivered > 1000) pipeline.stop();
+    });
+    ASSERT_TRUE(pipeline.ledger().balanced());
+    ASSERT_EQ(pipeline.ledger().delivered, delivered);
+    ASSERT_EQ(pipeline.ledger().pending, 0u);
+    pipeline.start();
+  }
+  done = true;
+}
+
+TEST(Pipeline, StartWhileOpenChangesNothing) {
+  Greedy scheme;
+  Pipeline pipeline(scheme);
+  pipeline.push(at_times({1}));
+  pipeline.start();
+  EXPECT_EQ(pipeline.ledger().received, 1u);
+}
+
+TEST(Pipeline, HasOneConsumerAtATime) {
+  Greedy scheme;
+  Pipeline pipeline(scheme, kWhole);
+  pipeline.push(at_times({1}));
+  pipeline.run([&](EventSpan) {
+    Package package;
+    EXPECT_THROW(pipeline.next(package, 0ns), std::logic_error);
+    EXPECT_THROW(pipeline.start(), std::logic_error);
+    pipeline.stop();
+  });
+  Package package;
+  Pipeline anytime(scheme);
+  EXPECT_THROW(anytime.next(package, 0ns), std::logic_error);
+}
+
+TEST(Pipeline, CountsWhatTheDriverReports) {
+  Greedy scheme;
+  Pipeline pipeline(scheme);
+  pipeline.upstream_lost(1);
+  pipeline.upstream_lost(2, 40);
+  EXPECT_EQ(pipeline.stats().upstream_marks, 3u);
+  EXPECT_EQ(pipeline.stats().upstream_packets, 40u);
+  EXPECT_EQ(pipeline.ledger(), Ledger{});
+}
+
+}  // namespace
+}  // namespace asap
