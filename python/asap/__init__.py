@@ -33,6 +33,7 @@ from asap._core import (
 from asap.events import EVENT_DTYPE, as_events
 from asap.experiment import (
     Comparison,
+    Pipeline,
     Run,
     compare,
     last_run,
@@ -63,6 +64,7 @@ __all__ = [
     "Greedy",
     "Inspection",
     "LinearCost",
+    "Pipeline",
     "Recording",
     "Run",
     "Scheme",

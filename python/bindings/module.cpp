@@ -13,6 +13,7 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_schemes(m);
   asap::python::bind_telemetry(m);
   asap::python::bind_runner(m);
+  asap::python::bind_pipeline(m);
   asap::python::bind_study(m);
   asap::python::bind_rivals(m);
   asap::python::bind_formats(m);

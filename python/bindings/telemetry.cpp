@@ -27,9 +27,9 @@ LatencyHistogram restored(const HistogramState& state) {
 }  // namespace
 
 py::array_t<PackageRow> rows_of(const RunLog& log) {
-  py::array_t<PackageRow> rows(static_cast<py::ssize_t>(log.size()));
+  py::array_t<PackageRow> rows(static_cast<py::ssize_t>(log.size() - log.first()));
   PackageRow* out = rows.mutable_data();
-  for (std::size_t i = 0; i < log.size(); ++i) out[i] = log[i];
+  for (std::size_t i = log.first(); i < log.size(); ++i) *out++ = log[i];
   rows.attr("flags").attr("writeable") = false;
   return rows;
 }

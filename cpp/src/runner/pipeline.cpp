@@ -64,9 +64,10 @@ void Pipeline::complete() {
 
 void Pipeline::abandon() {
   stop(false);
-  const Working working(*this);
+  if (consuming_.exchange(true, std::memory_order_acq_rel)) return;  // it will see the end itself
   has_package_ = false;
   run_->finish();
+  consuming_.store(false, std::memory_order_release);
 }
 
 void Pipeline::run(const Consumer& consumer, const Poll& poll) {

@@ -1,11 +1,13 @@
 """Experiments: a stream of events through ASAP into an algorithm, in virtual or in real time."""
 
 from asap.experiment.comparison import Comparison, Row, compare, oracle
+from asap.experiment.pipeline import Pipeline
 from asap.experiment.result import Run, load_run
 from asap.experiment.runners import last_run, run, simulate
 
 __all__ = [
     "Comparison",
+    "Pipeline",
     "Row",
     "Run",
     "compare",

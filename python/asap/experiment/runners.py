@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 from asap import _core
 from asap.experiment.result import LEDGER_FIELDS, Ledger, Run
 from asap.experiment.source import Source
 
-__all__ = ["Progress", "last_run", "make_config", "remember", "run", "simulate"]
+__all__ = ["Progress", "as_scheme", "last_run", "make_config", "remember", "run", "simulate"]
 
 Progress = Callable[[int, "int | None", dict[str, int]], object]
 
@@ -85,7 +85,7 @@ def simulate(
     """
     if not isinstance(cost, _core.LinearCost):
         raise TypeError(f"cost = {cost!r}: give asap.LinearCost(alpha_us, beta_ns)")
-    scheme = _scheme(scheme, latency_ms)
+    scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = make_config(
         stream,
@@ -166,7 +166,7 @@ def run(
     """
     if algorithm is None:
         raise TypeError("algorithm = None: give what the events are for, or use asap.simulate")
-    scheme = _scheme(scheme, latency_ms)
+    scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = make_config(
         stream,
@@ -222,7 +222,8 @@ def _replay_stream(
         raise errors[0]
 
 
-def _scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
+def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
+    """Check the scheme, or make the default one."""
     if scheme is None:
         return _core.Deadline() if latency_ms is None else _core.Deadline(latency_ms=latency_ms)
     if not isinstance(scheme, _core.Scheme):
@@ -230,8 +231,15 @@ def _scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
     return scheme
 
 
+class Sensor(Protocol):
+    """What make_config asks of a source: the sensor in px, as far as it is known."""
+
+    width: int | None
+    height: int | None
+
+
 def make_config(
-    stream: Source,
+    stream: Sensor,
     *,
     latency_ms: float | None,
     on_bad: str = "drop",

@@ -67,7 +67,8 @@ class Pipeline {
   // The algorithm has finished the package: its cost is measured up to here.
   void complete();
 
-  // The package in work is given up: its events stay pending.
+  // Stops without draining; the package in work is given up and stays pending. From any thread: if
+  // another one is inside, that one ends as after stop(false).
   void abandon();
 
   // Until stop(). `poll` is called every 20 ms or, while the algorithm works, between two packages;
