@@ -233,9 +233,9 @@ double Packager::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept
 // Returns the time of the oldest event.
 std::int64_t Packager::record_latencies(EventSpan events, std::int64_t end_ns) noexcept {
   if (!times_.by_arrival()) {
-    for (const Event& event : events) {
-      telemetry_.latency.record(end_ns - axis().to_ns(event.t));
-    }
+    LatencyHistogram::Batch latencies(telemetry_.latency);
+    const TimeAxis axis_here = axis();  // in registers
+    for (const Event& event : events) latencies.record(end_ns - axis_here.to_ns(event.t));
     return axis().to_ns(events.front().t);
   }
   std::size_t at = 0;

@@ -26,11 +26,16 @@ std::int64_t exact_quantile(const std::vector<std::int64_t>& sorted, double q) {
 TEST(LatencyHistogram, RecordsManyAtOnceAsOneByOne) {
   LatencyHistogram together(1'000'000);
   LatencyHistogram singly(1'000'000);
+  LatencyHistogram batched(1'000'000);
   const std::int64_t latencies[] = {-5, 0, 999'999, 1'000'000, 1'000'001, std::int64_t{1} << 62};
   std::size_t count = 1;
   for (const std::int64_t latency_ns : latencies) {
     together.record(latency_ns, count);
-    for (std::size_t i = 0; i < count; ++i) singly.record(latency_ns);
+    LatencyHistogram::Batch batch(batched);
+    for (std::size_t i = 0; i < count; ++i) {
+      singly.record(latency_ns);
+      batch.record(latency_ns);
+    }
     count = 3 * count + 1;
   }
   const LatencyHistogram::State a = together.state();
@@ -42,6 +47,13 @@ TEST(LatencyHistogram, RecordsManyAtOnceAsOneByOne) {
   EXPECT_EQ(a.sum_high, b.sum_high);
   EXPECT_GT(a.sum_high, 0u);
   EXPECT_EQ(together.count(), singly.count());
+  const LatencyHistogram::State c = batched.state();
+  EXPECT_EQ(c.bins, b.bins);
+  EXPECT_EQ(c.max_ns, b.max_ns);
+  EXPECT_EQ(c.within_bound, b.within_bound);
+  EXPECT_EQ(c.sum_low, b.sum_low);
+  EXPECT_EQ(c.sum_high, b.sum_high);
+  EXPECT_EQ(batched.count(), singly.count());
 }
 
 TEST(LatencyHistogram, QuantilesAreWithinHalfAPercent) {

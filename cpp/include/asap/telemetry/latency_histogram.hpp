@@ -51,6 +51,37 @@ class LatencyHistogram {
     sum_high_ += sum_low_ < product ? 1U : 0U;
   }
 
+  // Many events of their own latencies: the sums are booked once, when the batch ends.
+  class Batch {
+   public:
+    explicit Batch(LatencyHistogram& histogram) noexcept
+        : histogram_(histogram), bound_ns_(histogram.bound_ns_) {}
+    ~Batch() { histogram_.book(*this); }
+    Batch(const Batch&) = delete;
+    Batch& operator=(const Batch&) = delete;
+
+    void record(std::int64_t latency_ns) noexcept {
+      latency_ns = std::max<std::int64_t>(latency_ns, 0);
+      const auto value = static_cast<std::uint64_t>(latency_ns);
+      histogram_.bins_.add(bin_of(value), 1);
+      ++count_;
+      within_bound_ += latency_ns <= bound_ns_ ? 1U : 0U;
+      max_ns_ = std::max(max_ns_, latency_ns);
+      sum_low_ += value;
+      sum_high_ += sum_low_ < value ? 1U : 0U;
+    }
+
+   private:
+    friend class LatencyHistogram;
+    LatencyHistogram& histogram_;
+    const std::int64_t bound_ns_;
+    std::uint64_t count_ = 0;
+    std::uint64_t within_bound_ = 0;
+    std::int64_t max_ns_ = 0;
+    std::uint64_t sum_low_ = 0;
+    std::uint64_t sum_high_ = 0;
+  };
+
   std::uint64_t count() const noexcept { return count_; }
   std::uint64_t within_bound() const noexcept { return within_bound_; }
   std::int64_t bound_ns() const noexcept { return bound_ns_; }
@@ -83,6 +114,13 @@ class LatencyHistogram {
     const int octave = std::max(static_cast<int>(std::bit_width(value)) - kMantissaBits - 1, 0);
     return static_cast<std::size_t>(octave) * kBinsPerOctave +
            static_cast<std::size_t>(value >> octave);
+  }
+  void book(const Batch& batch) noexcept {
+    count_ += batch.count_;
+    within_bound_ += batch.within_bound_;
+    max_ns_ = std::max(max_ns_.load(), batch.max_ns_);
+    sum_low_ += batch.sum_low_;
+    sum_high_ += batch.sum_high_ + (sum_low_ < batch.sum_low_ ? 1U : 0U);
   }
   static double middle_of(std::size_t bin) noexcept;
 
