@@ -87,7 +87,7 @@ void bind_stats(py::module_& m) {
       .def_property_readonly("packages",
                              [](const PipelineStats& stats) { return stats.packages.count.load(); })
       .def_property_readonly(
-          "offered", [](const PipelineStats& stats) { return stats.packages.offered.load(); })
+          "thinned", [](const PipelineStats& stats) { return stats.packages.thinned.load(); })
       .def_property_readonly("size",
                              [](const PipelineStats& stats) { return stats.packages.size.load(); })
       .def_property_readonly(

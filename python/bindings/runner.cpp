@@ -16,6 +16,7 @@
 #include "asap/runner/replay.hpp"
 #include "asap/runner/simulator.hpp"
 #include "consumer.hpp"
+#include "front_filter.hpp"
 #include "layers.hpp"
 #include "telemetry.hpp"
 
@@ -75,17 +76,19 @@ void bind_runner(py::module_& m) {
 
   py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
       .def(py::init([](std::optional<double> latency_us, const py::object& capacity,
-                       const py::object& seed, const Validator& validator, bool anytime,
-                       bool flush) {
+                       const py::object& seed, const Validator& validator, bool anytime, bool flush,
+                       const py::object& before) {
              return RunConfig{.latency_us = latency_us,
                               .capacity = whole_number("capacity", capacity),
                               .seed = whole_number("seed", seed),
                               .validator = validator.config(),
                               .execution = anytime ? Execution::anytime : Execution::whole,
-                              .flush = flush};
+                              .flush = flush,
+                              .before = front_filter_of(before)};
            }),
            py::kw_only(), py::arg("latency_us"), py::arg("capacity"), py::arg("seed"),
-           py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true)
+           py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true,
+           py::arg("before") = py::none())
       .def(
           "latency_bound_us",
           [](const RunConfig& config, const Scheme& scheme) {

@@ -15,7 +15,7 @@
 namespace {
 
 constexpr std::size_t kPushes = 100;  // of one round
-constexpr asap::RunConfig kWhole{
+const asap::RunConfig kWhole{
     .latency_us = 1e6, .capacity = std::size_t{1} << 20, .execution = asap::Execution::whole};
 
 // By arrival: the pipeline.

@@ -1,14 +1,12 @@
 #include "asap/packager/packager.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace asap {
 namespace {
 
 constexpr std::int64_t kSmoothingNs = 20'000'000;
-
-// Of one time in a package: steps of the table, each of which a stratum may cut.
-constexpr std::size_t kMostRuns = ArrivalTimes::kSteps + AnytimePlan::kMostStrata;
 
 constexpr std::int64_t kGraceShare = 100;  // of the latency bound: an outage is longer than that
 
@@ -34,16 +32,11 @@ class RingCounts final : public BacklogCounts {
   const std::int64_t now_ns_;
 };
 
-double fraction(std::size_t kept, std::size_t offered) noexcept {
-  return kept == offered ? 1.0 : static_cast<double>(kept) / static_cast<double>(offered);
-}
-
-EventPieces part_of(const EventPieces& pieces, std::size_t begin, std::size_t end) noexcept {
-  const std::size_t wrap = pieces.first.size();
-  const std::size_t first = std::min(begin, wrap);
-  const std::size_t second = std::max(begin, wrap);
-  return {pieces.first.subspan(first, std::min(end, wrap) - first),
-          pieces.second.subspan(second - wrap, std::max(end, wrap) - second)};
+// Kept by the gamma filter, of what came to it.
+double gamma_of(const Package& package) noexcept {
+  const std::size_t kept = package.events.size();
+  const std::size_t passed = package.offered - package.filtered;
+  return kept == passed ? 1.0 : static_cast<double>(kept) / static_cast<double>(passed);
 }
 
 }  // namespace
@@ -54,16 +47,12 @@ Packager::Packager(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
       scheme_(scheme),
       telemetry_(telemetry),
       times_(times),
-      filter_(config.seed),
-      config_(config),
-      kept_(std::make_unique_for_overwrite<Event[]>(buffer.capacity())),
-      numbers_(std::make_unique_for_overwrite<std::uint64_t[]>(
-          AnytimePlan::longest_stratum(buffer.capacity()))),
-      kept_times_(times.by_arrival() ? kMostRuns : 0) {
-  scheme_.reset(config.execution);
+      config_(std::move(config)),
+      thinner_(times_, buffer.capacity(), config_.seed, config_.before) {
+  scheme_.reset(config_.execution);
 }
 
-Packager::Next Packager::next(std::int64_t now_ns) noexcept {
+Packager::Next Packager::next(std::int64_t now_ns) {
   for (;;) {
     const bool ended = buffer_.closed();  // before the peek, which then sees all there will be
     const EventPieces waiting = buffer_.peek();
@@ -81,12 +70,12 @@ Packager::Next Packager::next(std::int64_t now_ns) noexcept {
 
     Package package = open(decision, now_ns);
     if (!is_anytime_) {
-      thin(package, 0, decision.raw, KeepThreshold::clamped(decision.keep));
+      add(package, 0, decision.raw, {.keep = decision.keep});
       if (package.events.empty()) {
         complete(package, now_ns);
         continue;
       }
-      package.gamma = fraction(package.events.size(), package.offered);
+      package.gamma = gamma_of(package);
     }
     package.keep = smoothed_keep(package.gamma, now_ns);
     return {.step = Step::package, .package = package};
@@ -125,7 +114,7 @@ void Packager::drop_stale(std::size_t count) noexcept {
   const std::uint64_t head = buffer_.head();
   rate_meter_.observe(count, times_.of(stale[0], head),
                       times_.of(stale[count - 1], head + count - 1));
-  filter_.skip(count);
+  thinner_.skip(count);
   consume(count);
   telemetry_.stale += count;
   stale_since_package_ += count;
@@ -134,7 +123,7 @@ void Packager::drop_stale(std::size_t count) noexcept {
 Package Packager::open(const Decision& decision, std::int64_t now_ns) noexcept {
   raw_ = buffer_.peek(decision.raw);
   handed_out_ = 0;
-  kept_times_.clear();
+  thinner_.begin(raw_, buffer_.head());
   is_anytime_ = config_.execution == Execution::anytime && decision.budget_ns != kNever;
   if (is_anytime_) {
     plan_ = AnytimePlan(decision, now_ns, telemetry_.latency.bound_ns() / kGraceShare);
@@ -144,21 +133,24 @@ Package Packager::open(const Decision& decision, std::int64_t now_ns) noexcept {
           .gamma = decision.keep,
           .raw = 0,
           .offered = offered_without_package_,
+          .filtered = filtered_without_package_,
           .stale_before = stale_since_package_,
           .overflow_before = buffer_.overflow() - overflow_reported_,
           .start_ns = now_ns};
 }
 
-EventSpan Packager::stratum(Package& package, std::int64_t now_ns) noexcept {
+EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
   while (is_anytime_) {
     const std::size_t size = package.events.size() - handed_out_;
     const AnytimePlan::Stratum stratum = plan_.next(now_ns, size);
     handed_out_ = package.events.size();
     if (stratum.begin == stratum.end) {
-      package.gamma = fraction(package.events.size(), package.offered);
+      package.gamma = gamma_of(package);
       return {};
     }
-    const EventSpan kept = thin(package, stratum.begin, stratum.end, threshold_of(stratum));
+    // In the last stratum no clock makes up for a chance in the number of events.
+    const EventSpan kept = add(package, stratum.begin, stratum.end,
+                               {.keep = stratum.keep, .exactly = stratum.is_last});
     if (!kept.empty()) return kept;
   }
   const EventSpan rest = package.events.subspan(handed_out_);
@@ -166,55 +158,22 @@ EventSpan Packager::stratum(Package& package, std::int64_t now_ns) noexcept {
   return rest;
 }
 
-// In the last stratum no clock makes up for a chance in the number of events: it is kept to.
-KeepThreshold Packager::threshold_of(const AnytimePlan::Stratum& stratum) noexcept {
-  if (!stratum.is_last) return KeepThreshold::clamped(stratum.keep);
-  constexpr double kRounding = 1e-6;
-  const std::size_t raw = stratum.end - stratum.begin;
-  const double size = stratum.keep * static_cast<double>(raw) + kRounding;
-  return filter_.keeping(static_cast<std::size_t>(size), raw, numbers_.get());
-}
-
-// Keeps some of the package's raw events [begin, end), which follow those before.
-EventSpan Packager::thin(Package& package, std::size_t begin, std::size_t end,
-                         KeepThreshold threshold) noexcept {
-  const EventPieces raw = part_of(raw_, begin, end);
-  const std::uint64_t head = buffer_.head();
-  const std::size_t before = package.events.size();
+// Decides the package's raw events [begin, end), which follow those before.
+EventSpan Packager::add(Package& package, std::size_t begin, std::size_t end, Share share) {
+  const EventSpan kept = thinner_.decide(begin, end, share);
+  package.events = thinner_.events();
   package.raw = end;
-  package.offered = end + offered_without_package_;
-  const EventSpan slice = raw.second.empty() ? raw.first : raw.second;
-  const bool follows = before == 0 || package.events.data() + before == slice.data();
-  if (threshold.keeps_all() && follows && (raw.first.empty() || raw.second.empty())) {
-    filter_.skip(slice.size());  // a slice of the ring: the consumer owns it until it is consumed
-    package.events = {before == 0 ? slice.data() : package.events.data(), before + slice.size()};
-    for (std::size_t at = begin; times_.by_arrival() && at < end;) {
-      const std::int64_t time_ns = times_.of(raw_[at], head + at);
-      at = times_.same_until(head + at, head + end) - head;
-      kept_times_.note(before + (at - begin), time_ns);
-    }
-  } else {
-    if (before > 0 && package.events.data() != kept_.get()) {
-      std::copy(package.events.begin(), package.events.end(), kept_.get());
-    }
-    std::size_t size = before;
-    for (std::size_t at = begin; at < end;) {
-      const std::size_t until = times_.same_until(head + at, head + end) - head;
-      const EventPieces together = part_of(raw_, at, until);
-      size += filter_.apply(together.first, threshold, kept_.get() + size);
-      size += filter_.apply(together.second, threshold, kept_.get() + size);
-      if (times_.by_arrival()) kept_times_.note(size, times_.of(raw_[at], head + at));
-      at = until;
-    }
-    package.events = {kept_.get(), size};
-  }
-  return package.events.subspan(before);
+  package.offered = offered_without_package_ + end;
+  package.filtered = filtered_without_package_ + thinner_.filtered();
+  return kept;
 }
 
 // All raw events of the package have been decided, none is kept: they count to the next package.
 void Packager::discard_all(const Package& package, std::int64_t end_ns) noexcept {
-  telemetry_.discarded += package.raw;
-  offered_without_package_ += package.raw;
+  telemetry_.filtered += thinner_.filtered();
+  telemetry_.discarded += package.raw - thinner_.filtered();
+  offered_without_package_ = package.offered;
+  filtered_without_package_ = package.filtered;
   consume(package.raw);
   scheme_.observe({.size = 0,
                    .raw = package.raw,
@@ -239,11 +198,11 @@ std::int64_t Packager::record_latencies(EventSpan events, std::int64_t end_ns) n
     return axis().to_ns(events.front().t);
   }
   std::size_t at = 0;
-  for (const KeptTimes::Run& run : kept_times_.runs()) {
+  for (const KeptTimes::Run& run : thinner_.arrivals().runs()) {
     telemetry_.latency.record(end_ns - run.time_ns, run.end - at);
     at = run.end;
   }
-  return kept_times_.runs().front().time_ns;
+  return thinner_.arrivals().runs().front().time_ns;
 }
 
 void Packager::consume(std::size_t count) noexcept {
@@ -266,13 +225,15 @@ void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
                          .t_first = package.t_first(),
                          .t_last = package.t_last(),
                          .offered = package.offered,
+                         .filtered = package.filtered,
                          .size = size,
                          .stale = package.stale_before,
                          .overflow = package.overflow_before,
                          .rate_events = entered.events,
                          .rate_ns = entered.ns});
   telemetry_.delivered += size;
-  telemetry_.discarded += package.raw - size;
+  telemetry_.filtered += thinner_.filtered();
+  telemetry_.discarded += package.raw - thinner_.filtered() - size;
   scheme_.observe({.size = size,
                    .raw = package.raw,
                    .span_ns = axis().to_ns(package.t_last()) - axis().to_ns(package.t_first()),
@@ -280,9 +241,10 @@ void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
                    .processing_ns = processing_ns});
   consume(package.raw);
   ++packages_;
-  keep_ = smoothed_keep(fraction(size, package.offered), package.start_ns);
+  keep_ = smoothed_keep(gamma_of(package), package.start_ns);
   previous_start_ns_ = package.start_ns;
   offered_without_package_ = 0;
+  filtered_without_package_ = 0;
   stale_since_package_ = 0;
   overflow_reported_ += package.overflow_before;
 }

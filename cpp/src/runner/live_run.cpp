@@ -21,7 +21,10 @@ LiveRun::LiveRun(Scheme& scheme, const RunConfig& config)
       buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
       arrivals_(arrival_step_ns(telemetry_.latency.bound_ns())),
       packager_(buffer_, arrivals_, scheme, telemetry_,
-                {.seed = config.seed, .execution = config.execution, .flush = config.flush}),
+                {.seed = config.seed,
+                 .execution = config.execution,
+                 .flush = config.flush,
+                 .before = config.before}),
       loop_(buffer_, packager_, telemetry_, doorbell_, clock_) {}
 
 void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival) {
@@ -85,7 +88,8 @@ Ledger LiveRun::ledger() const noexcept {
   // Then what the two sides own may be read.
   const bool over = finished_.load(std::memory_order_acquire) && buffer_.closed();
   // The consumer's counts first: what it has booked has been pushed.
-  Ledger ledger{.discarded = telemetry_.discarded,
+  Ledger ledger{.filtered = telemetry_.filtered,
+                .discarded = telemetry_.discarded,
                 .stale = telemetry_.stale,
                 .delivered = telemetry_.delivered};
   const std::uint64_t tail = buffer_.tail();
@@ -96,7 +100,7 @@ Ledger LiveRun::ledger() const noexcept {
     ledger.pending = buffer_.size();
   } else {
     ledger.received = ledger.rejected + ledger.overflow + tail;
-    ledger.pending = tail - ledger.discarded - ledger.stale - ledger.delivered;
+    ledger.pending = tail - ledger.filtered - ledger.discarded - ledger.stale - ledger.delivered;
   }
   return ledger;
 }

@@ -34,7 +34,10 @@ Replay::Replay(Scheme& scheme, ReplayConfig replay, RunConfig config)
       buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
       ages_(age_slot_ns(telemetry_.latency.bound_ns())),
       packager_(buffer_, ages_, scheme, telemetry_,
-                {.seed = config.seed, .execution = config.execution, .flush = config.flush}),
+                {.seed = config.seed,
+                 .execution = config.execution,
+                 .flush = config.flush,
+                 .before = config.before}),
       loop_(buffer_, packager_, telemetry_, doorbell_, clock_) {}
 
 void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
@@ -59,7 +62,8 @@ void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll
 Ledger Replay::ledger() const noexcept {
   const bool finished = buffer_.closed();  // then what the producer owned may be read
   const std::uint64_t tail = buffer_.tail();
-  Ledger ledger{.discarded = telemetry_.discarded,
+  Ledger ledger{.filtered = telemetry_.filtered,
+                .discarded = telemetry_.discarded,
                 .stale = telemetry_.stale,
                 .overflow = buffer_.overflow(),
                 .delivered = telemetry_.delivered,

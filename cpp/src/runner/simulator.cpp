@@ -20,7 +20,10 @@ Simulator::Simulator(Scheme& scheme, LinearCost cost, RunConfig config, Consumer
       buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
       ages_(age_slot_ns(telemetry_.latency.bound_ns())),
       packager_(buffer_, ages_, scheme, telemetry_,
-                {.seed = config.seed, .execution = config.execution, .flush = config.flush}) {
+                {.seed = config.seed,
+                 .execution = config.execution,
+                 .flush = config.flush,
+                 .before = config.before}) {
   if (auto* admission = dynamic_cast<Admission*>(&scheme)) {
     gate_.emplace(*admission, config.seed ^ kAdmissionSeed);
   }
@@ -50,6 +53,7 @@ Ledger Simulator::ledger() const noexcept {
   const std::uint64_t at_the_gate = gate_ ? good_ - gate_->seen() : 0;
   return {.received = validator_.received(),
           .rejected = validator_.rejected().total(),
+          .filtered = telemetry_.filtered,
           .discarded = telemetry_.discarded + (gate_ ? gate_->discarded() : 0),
           .stale = telemetry_.stale,
           .overflow = buffer_.overflow(),
@@ -144,7 +148,7 @@ bool Simulator::wait(const Packager::Next& next) noexcept {
   return true;
 }
 
-void Simulator::begin(const Package& package) noexcept {
+void Simulator::begin(const Package& package) {
   working_ = package;
   is_working_ = true;
   working_cost_ = cost_.package(begun_++, package.start_ns);

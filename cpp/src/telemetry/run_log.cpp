@@ -18,7 +18,7 @@ PackageRow RunLog::operator[](std::size_t i) const noexcept {
       .t_last = record.t_last,
       .offered = static_cast<std::int64_t>(record.offered),
       .size = static_cast<std::int64_t>(record.size),
-      .gamma = size / static_cast<double>(record.offered),
+      .gamma = size / static_cast<double>(record.offered - record.filtered),
       .event_rate =
           static_cast<double>(record.rate_events) * 1e9 / static_cast<double>(record.rate_ns),
       .rate = size * 1e9 / static_cast<double>(std::max<std::int64_t>(span_ns, 1000)),

@@ -37,6 +37,10 @@ class Pipeline:
         Latency bound, ms. Default: the scheme's own, else 10.
     scheme : Scheme, optional
         Default: Deadline(latency_ms=latency_ms).
+    before : optional
+        A filter in front of the scheme's discarding, such as BackgroundActivityFilter: an object
+        with process(events) that returns the events that pass, or a callable. Its time is part of
+        the measured cost; what it drops is `filtered` in the ledger.
     width, height : int, optional
         Sensor, px; without both no bounds are checked.
     on_bad : {"drop", "clamp", "raise"}
@@ -66,6 +70,7 @@ class Pipeline:
         *,
         latency_ms: float | None = None,
         scheme: _core.Scheme | None = None,
+        before: Any = None,
         width: int | None = None,
         height: int | None = None,
         on_bad: str = "drop",
@@ -81,6 +86,7 @@ class Pipeline:
             seed=seed,
             capacity=capacity,
             anytime=False,
+            before=before,
         )
         self.latency_bound_us = config.latency_bound_us(self.scheme)
         self._native = _core.LivePipeline(self.scheme, config)
@@ -189,7 +195,7 @@ class Pipeline:
                 "size_max": stats.size_max,
             },
             "gamma": {
-                "mean": stats.size / stats.offered if stats.offered else 1.0,
+                "mean": stats.size / stats.thinned if stats.thinned else 1.0,
                 "min": stats.gamma_min,
             },
             "cpu": stats.busy_s / elapsed_s if elapsed_s > 0 else 0.0,

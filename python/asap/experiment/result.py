@@ -187,7 +187,7 @@ class Run:
                 "size_max": int(packages["size"].max()) if count else 0,
             },
             "gamma": {
-                "mean": _share(int(packages["size"].sum()), int(packages["offered"].sum())),
+                "mean": _share(int(packages["size"].sum()), _thinned(packages)),
                 "min": float(packages["gamma"].min()) if count else 1.0,
             },
             "cpu": _busy_share(packages, self.speed),
@@ -292,6 +292,11 @@ def _histogram(state: Any) -> _core.LatencyHistogram:
 
 def _share(part: int, whole: int) -> float:
     return part / whole if whole else 1.0
+
+
+def _thinned(packages: NDArray[np.void]) -> int:
+    """Events that came to the gamma filter: without those that a filter in front had dropped."""
+    return int(np.rint(packages["size"] / packages["gamma"]).sum())
 
 
 def _busy_share(packages: NDArray[np.void], speed: float) -> float:

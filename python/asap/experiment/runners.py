@@ -37,6 +37,7 @@ def simulate(
     latency_ms: float | None = None,
     algorithm: Any = None,
     opaque: bool = False,
+    before: Any = None,
     width: int | None = None,
     height: int | None = None,
     on_bad: str = "drop",
@@ -63,6 +64,10 @@ def simulate(
     opaque : bool
         True: the simulated algorithm takes a package as a whole, as a Python callback does. False:
         the library owns its loop, looks at the clock inside a package and ends it on time.
+    before : optional
+        A filter in front of the scheme's discarding, such as BackgroundActivityFilter: an object
+        with process(events) that returns the events that pass, or a callable. Here it costs
+        nothing; what it drops is `filtered` in the ledger.
     width, height : int, optional
         Sensor, px. Default: from the file; without both no bounds are checked.
     on_bad : {"drop", "clamp", "raise"}
@@ -94,6 +99,7 @@ def simulate(
         seed=seed,
         capacity=capacity,
         anytime=not opaque,
+        before=before,
     )
     simulator = _core.Simulator(scheme, cost, config, algorithm)
     try:
@@ -116,6 +122,7 @@ def run(
     scheme: _core.Scheme | None = None,
     latency_ms: float | None = None,
     speed: float = 1.0,
+    before: Any = None,
     width: int | None = None,
     height: int | None = None,
     on_bad: str = "drop",
@@ -142,6 +149,10 @@ def run(
     speed : float
         2 replays twice as fast: stamps are divided by it. t_first, t_last and start_us of the log
         stay on the recording's axis, everything else is wall time.
+    before : optional
+        A filter in front of the scheme's discarding, such as BackgroundActivityFilter: an object
+        with process(events) that returns the events that pass, or a callable. Its time is part of
+        the measured cost; what it drops is `filtered` in the ledger.
     width, height : int, optional
         Sensor, px. Default: from the file; without both no bounds are checked.
     on_bad : {"drop", "clamp", "raise"}
@@ -175,6 +186,7 @@ def run(
         seed=seed,
         capacity=capacity,
         anytime=_core.is_native(algorithm),
+        before=before,
     )
     replay = _core.Replay(scheme, config, speed)
 
@@ -247,6 +259,7 @@ def make_config(
     capacity: int | None = None,
     anytime: bool = True,
     flush: bool = True,
+    before: Any = None,
 ) -> _core.RunConfig:
     """Check what the runners have in common, and put it together for the native ones."""
     if latency_ms is not None and not 0.01 <= latency_ms <= 1e7:
@@ -261,6 +274,7 @@ def make_config(
         validator=validator,
         anytime=anytime,
         flush=flush,
+        before=before,
     )
 
 

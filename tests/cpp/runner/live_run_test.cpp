@@ -22,7 +22,7 @@ void deliver_all(LiveRun& run) {
   }
 }
 
-constexpr RunConfig kWhole{.execution = Execution::whole};
+const RunConfig kWhole{.execution = Execution::whole};
 
 TEST(LiveRun, AgesCountFromTheArrivalWhateverTheStamps) {
   Greedy scheme;

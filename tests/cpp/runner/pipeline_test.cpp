@@ -25,7 +25,7 @@ using test::Events;
 using Steady = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr RunConfig kWhole{.execution = Execution::whole};
+const RunConfig kWhole{.execution = Execution::whole};
 constexpr auto kLong = std::chrono::nanoseconds(20s);  // a test that waits so long has failed
 
 // Waits for ever, unless something is due.

@@ -13,7 +13,8 @@ PackageRecord record(std::int64_t start_ns) {
           .oldest_ns = 100'000,
           .t_first = 1'000'100,
           .t_last = 1'000'300,
-          .offered = 80,
+          .offered = 100,
+          .filtered = 20,
           .size = 20,
           .stale = 3,
           .overflow = 5,
@@ -49,9 +50,9 @@ TEST(RunLog, MakesRowsOfRecords) {
   EXPECT_EQ(row.processing_us, 150.0);
   EXPECT_EQ(row.t_first, 1'000'100);
   EXPECT_EQ(row.t_last, 1'000'300);
-  EXPECT_EQ(row.offered, 80);
+  EXPECT_EQ(row.offered, 100);
   EXPECT_EQ(row.size, 20);
-  EXPECT_EQ(row.gamma, 0.25);
+  EXPECT_EQ(row.gamma, 0.25) << "of what passed the filter in front";
   EXPECT_EQ(row.event_rate, 400e3);
   EXPECT_EQ(row.rate, 20 / 200e-6);
   EXPECT_EQ(row.margin_us, 150.0 - 200.0);

@@ -10,13 +10,14 @@
 namespace asap {
 
 struct Package {
-  EventSpan events;         // kept, oldest first; never empty when the algorithm sees it
-  std::uint64_t index = 0;  // of the package, from 0
-  bool continues = false;   // a later part of an anytime package
-  double gamma = 1.0;       // kept / offered of this package; as planned while parts are to come
-  double keep = 1.0;        // kept fraction smoothed over about 20 ms, for set_keep
-  std::size_t raw = 0;      // raw events that leave the ring when it is completed
-  std::size_t offered = 0;  // raw events behind it: raw, and those of takes that kept nothing
+  EventSpan events;          // kept, oldest first; never empty when the algorithm sees it
+  std::uint64_t index = 0;   // of the package, from 0
+  bool continues = false;    // a later part of an anytime package
+  double gamma = 1.0;        // kept / (offered - filtered); as planned while parts are to come
+  double keep = 1.0;         // kept fraction smoothed over about 20 ms, for set_keep
+  std::size_t raw = 0;       // raw events that leave the ring when it is completed
+  std::size_t offered = 0;   // raw events behind it: raw, and those of takes that kept nothing
+  std::size_t filtered = 0;  // of these, dropped by the filter in front
   std::uint64_t stale_before = 0;     // events lost as too old since the package before
   std::uint64_t overflow_before = 0;  // events lost to a full ring since the package before
   std::int64_t start_ns = 0;          // run time at which it was taken

@@ -1,6 +1,6 @@
 // Packager: carries out what a scheme decides. It asks the scheme, takes raw events from the head
-// of the ring, thins them, hands out the package and, when the algorithm has finished, feeds the
-// cost back and books every event. It reads no clock: the time is handed in, real or virtual.
+// of the ring, has them thinned, hands out the package and, when the algorithm has finished, feeds
+// the cost back and books every event. It reads no clock: the time is handed in, real or virtual.
 //
 // Called on the consumer's thread. O(1) per event, one virtual call per package, no allocation
 // after construction. Flush: whatever the scheme answers, something is taken as soon as the oldest
@@ -16,16 +16,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/core/relaxed.hpp"
 #include "asap/core/time.hpp"
-#include "asap/filter/gamma_filter.hpp"
+#include "asap/filter/front_filter.hpp"
 #include "asap/packager/anytime_plan.hpp"
 #include "asap/packager/event_times.hpp"
-#include "asap/packager/kept_times.hpp"
 #include "asap/packager/package.hpp"
+#include "asap/packager/thinner.hpp"
 #include "asap/schemes/rate_meter.hpp"
 #include "asap/schemes/scheme.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
@@ -41,6 +40,7 @@ struct Telemetry {
 
   RunLog log;
   LatencyHistogram latency;
+  Relaxed<std::uint64_t> filtered;
   Relaxed<std::uint64_t> discarded;
   Relaxed<std::uint64_t> stale;
   Relaxed<std::uint64_t> delivered;
@@ -49,7 +49,8 @@ struct Telemetry {
 struct PackagerConfig {
   std::uint64_t seed = 0;                    // of the gamma filter
   Execution execution = Execution::anytime;  // of the algorithm
-  bool flush = true;  // false: only a full ring or the end of the source forces a scheme
+  bool flush = true;     // false: only a full ring or the end of the source forces a scheme
+  FrontFilter before{};  // may be none
 };
 
 class Packager {
@@ -79,12 +80,14 @@ class Packager {
   // The events before this ring index are due, whatever the scheme waits for.
   void flush(std::uint64_t until_index) noexcept { flush_until_ = until_index; }
 
-  // Precondition: the package before is completed, and telemetry.log has room.
-  Next next(std::int64_t now_ns) noexcept;
+  // Precondition: the package before is completed or given up, and telemetry.log has room. Throws,
+  // like stratum(), what the filter in front throws: then the package is given up, its raw events
+  // are still in the ring.
+  Next next(std::int64_t now_ns);
 
   // The kept events to process next, at now_ns; empty: the package is finished. A whole package
   // comes at once, an anytime package stratum by stratum; package.events are those so far.
-  EventSpan stratum(Package& package, std::int64_t now_ns) noexcept;
+  EventSpan stratum(Package& package, std::int64_t now_ns);
 
   // The algorithm has finished the package at end_ns. Precondition: stratum() has been called.
   void complete(const Package& package, std::int64_t end_ns) noexcept;
@@ -94,9 +97,7 @@ class Packager {
                bool ended) noexcept;
   void drop_stale(std::size_t count) noexcept;
   Package open(const Decision& decision, std::int64_t now_ns) noexcept;
-  KeepThreshold threshold_of(const AnytimePlan::Stratum& stratum) noexcept;
-  EventSpan thin(Package& package, std::size_t begin, std::size_t end,
-                 KeepThreshold threshold) noexcept;
+  EventSpan add(Package& package, std::size_t begin, std::size_t end, Share share);
   void discard_all(const Package& package, std::int64_t end_ns) noexcept;
   double smoothed_keep(double gamma, std::int64_t now_ns) const noexcept;
   std::int64_t record_latencies(EventSpan events, std::int64_t end_ns) noexcept;
@@ -106,24 +107,22 @@ class Packager {
   Scheme& scheme_;
   Telemetry& telemetry_;
   EventTimes times_;
-  GammaFilter filter_;
   RateMeter rate_meter_;
   const PackagerConfig config_;
-  std::unique_ptr<Event[]> kept_;             // the package, unless it is a slice of the ring
-  std::unique_ptr<std::uint64_t[]> numbers_;  // scratch: the random numbers of a stratum
+  Thinner thinner_;
 
   // The package in work.
   EventPieces raw_{};  // its raw events, and more if it ends early
   AnytimePlan plan_;
   bool is_anytime_ = false;
   std::size_t handed_out_ = 0;  // kept events
-  KeptTimes kept_times_;        // by arrival only
 
   std::uint64_t flush_until_ = 0;
   std::uint64_t packages_ = 0;
   std::int64_t previous_start_ns_ = kLongAgo;
   double keep_ = 1.0;
   std::size_t offered_without_package_ = 0;
+  std::size_t filtered_without_package_ = 0;
   std::uint64_t stale_since_package_ = 0;
   std::uint64_t overflow_reported_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "asap/filter/front_filter.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/schemes/scheme.hpp"
 
@@ -19,6 +20,7 @@ struct RunConfig {
   Execution execution = Execution::anytime;
   bool flush =
       true;  // false, for experiments: nothing is taken because it has waited for the bound
+  FrontFilter before{};  // in front of the gamma filter; may be none
 };
 
 // The bound in force. Throws std::invalid_argument for a value out of range, and when the scheme

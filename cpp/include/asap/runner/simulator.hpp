@@ -52,7 +52,7 @@ class Simulator {
   // ring.
   bool work();
   bool wait(const Packager::Next& next) noexcept;
-  void begin(const Package& package) noexcept;
+  void begin(const Package& package);
   void go_on();  // with the next part of the package, or complete it
   void admit(std::size_t count) noexcept;
   std::size_t arrivals_by(std::int64_t time_ns) const noexcept;

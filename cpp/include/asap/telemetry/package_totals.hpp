@@ -11,20 +11,20 @@ namespace asap {
 
 struct PackageTotals {
   Relaxed<std::uint64_t> count;    // packages
-  Relaxed<std::uint64_t> offered;  // raw events behind them
+  Relaxed<std::uint64_t> thinned;  // events that came to the gamma filter
   Relaxed<std::uint64_t> size;     // events kept
   Relaxed<std::uint64_t> size_max;
   Relaxed<std::int64_t> processing_ns;
   Relaxed<double> gamma_min = 1.0;
 
-  void add(std::uint64_t package_offered, std::uint64_t package_size,
+  void add(std::uint64_t package_thinned, std::uint64_t package_size,
            std::int64_t package_processing_ns) noexcept {
     ++count;
-    offered += package_offered;
+    thinned += package_thinned;
     size += package_size;
     size_max = std::max(size_max.load(), package_size);
     processing_ns += package_processing_ns;
-    const double gamma = static_cast<double>(package_size) / static_cast<double>(package_offered);
+    const double gamma = static_cast<double>(package_size) / static_cast<double>(package_thinned);
     gamma_min = std::min(gamma_min.load(), gamma);
   }
 };

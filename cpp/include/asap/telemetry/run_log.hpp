@@ -25,6 +25,7 @@ struct PackageRecord {
   std::int64_t t_first;        // us, oldest kept event
   std::int64_t t_last;         // us, newest kept event
   std::uint64_t offered;       // raw events behind the package
+  std::uint64_t filtered;      // of these, dropped by the filter in front
   std::uint64_t size;          // events kept
   std::uint64_t stale;         // events lost as too old since the package before
   std::uint64_t overflow;      // events lost to a full ring since the package before
@@ -41,7 +42,7 @@ struct PackageRow {
   std::int64_t t_last;   // us
   std::int64_t offered;
   std::int64_t size;
-  double gamma;           // size / offered
+  double gamma;           // size / what came to the gamma filter
   double event_rate;      // events/s entering, over the last 1 ms or more
   double rate;            // R: kept events/s, size / max(span, 1 us)
   double margin_us;       // processing time - span
@@ -73,7 +74,8 @@ class RunLog {
   void append(const PackageRecord& record) noexcept {
     const std::size_t place = most_rows_ == 0 ? size_.load() : size_ % most_rows_;
     blocks_[place / kBlockRows][place % kBlockRows] = record;
-    if (most_rows_ > 0) totals_.add(record.offered, record.size, record.processing_ns);
+    if (most_rows_ > 0)
+      totals_.add(record.offered - record.filtered, record.size, record.processing_ns);
     ++size_;
   }
 

@@ -1,0 +1,70 @@
+// Thinner: makes the events of a package of raw ones: those that pass the filter in front, if there
+// is one, and the gamma filter, contiguous and in order; and notes when they arrived. Where every
+// raw event is kept and the ring does not wrap, they are a slice of the ring, without a copy.
+//
+// Called on the consumer's thread. O(1) per event, no allocation after construction. Throws what
+// the filter in front throws: then the package is lost, its raw events are still in the ring.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "asap/buffer/event_buffer.hpp"
+#include "asap/filter/front_filter.hpp"
+#include "asap/filter/gamma_filter.hpp"
+#include "asap/packager/event_times.hpp"
+#include "asap/packager/kept_times.hpp"
+
+namespace asap {
+
+// Which share of raw events is wanted, by chance or, where nothing follows that could make up for
+// the chance in their number, exactly.
+struct Share {
+  double keep = 1.0;
+  bool exactly = false;
+};
+
+class Thinner {
+ public:
+  // `times` outlives the thinner. A package has at most `capacity` raw events.
+  Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t seed, FrontFilter before);
+
+  // A new package of these waiting events, the first of which lies at ring index `head`.
+  void begin(const EventPieces& raw, std::uint64_t head) noexcept;
+
+  // Decides the raw events [begin, end), which follow those before, and returns the kept ones. With
+  // a filter in front the share is still that of the raw events, as far as enough of them pass.
+  EventSpan decide(std::size_t begin, std::size_t end, Share share);
+
+  // The package so far: its events, and how many the filter in front has dropped.
+  EventSpan events() const noexcept { return events_; }
+  std::size_t filtered() const noexcept { return filtered_; }
+  // When its events arrived; only for times by arrival.
+  const KeptTimes& arrivals() const noexcept { return kept_times_; }
+
+  // Passes over events that leave the stream undecided.
+  void skip(std::size_t count) noexcept { gamma_.skip(count); }
+
+ private:
+  EventSpan take_slice(EventSpan slice, std::size_t begin) noexcept;
+  EventSpan thin(std::size_t begin, std::size_t end, Share share) noexcept;
+  EventSpan filter_and_thin(std::size_t begin, std::size_t end, Share share);
+  KeepThreshold threshold(std::size_t events, Share share) const noexcept;
+  void leave_the_ring() noexcept;
+
+  const EventTimes& times_;
+  const FrontFilter before_;
+  GammaFilter gamma_;
+  const std::unique_ptr<Event[]> kept_;             // the package, unless it is a slice of the ring
+  const std::unique_ptr<std::uint64_t[]> numbers_;  // scratch: the random numbers of a share
+
+  EventPieces raw_{};
+  std::uint64_t head_ = 0;
+  EventSpan events_{};
+  std::size_t filtered_ = 0;
+  KeptTimes kept_times_;
+  KeptTimes passed_times_;  // of the events behind the filter in front
+};
+
+}  // namespace asap

@@ -1,0 +1,132 @@
+#include "asap/packager/thinner.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "asap/packager/anytime_plan.hpp"
+
+namespace asap {
+namespace {
+
+// Of one time in a package: steps of the table, each of which a stratum may cut.
+constexpr std::size_t kMostRuns = ArrivalTimes::kSteps + AnytimePlan::kMostStrata;
+
+EventPieces part_of(const EventPieces& pieces, std::size_t begin, std::size_t end) noexcept {
+  const std::size_t wrap = pieces.first.size();
+  const std::size_t first = std::min(begin, wrap);
+  const std::size_t second = std::max(begin, wrap);
+  return {pieces.first.subspan(first, std::min(end, wrap) - first),
+          pieces.second.subspan(second - wrap, std::max(end, wrap) - second)};
+}
+
+}  // namespace
+
+Thinner::Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t seed,
+                 FrontFilter before)
+    : times_(times),
+      before_(std::move(before)),
+      gamma_(seed),
+      kept_(std::make_unique_for_overwrite<Event[]>(capacity)),
+      numbers_(
+          std::make_unique_for_overwrite<std::uint64_t[]>(AnytimePlan::longest_stratum(capacity))),
+      kept_times_(times.by_arrival() ? kMostRuns : 0),
+      passed_times_(times.by_arrival() && before_ ? kMostRuns : 1) {}
+
+void Thinner::begin(const EventPieces& raw, std::uint64_t head) noexcept {
+  raw_ = raw;
+  head_ = head;
+  events_ = {};
+  filtered_ = 0;
+  kept_times_.clear();
+}
+
+EventSpan Thinner::decide(std::size_t begin, std::size_t end, Share share) {
+  if (before_) return filter_and_thin(begin, end, share);
+  const EventPieces raw = part_of(raw_, begin, end);
+  const EventSpan slice = raw.second.empty() ? raw.first : raw.second;
+  const bool follows = events_.empty() || events_.data() + events_.size() == slice.data();
+  if (share.keep >= 1.0 && follows && (raw.first.empty() || raw.second.empty())) {
+    return take_slice(slice, begin);
+  }
+  return thin(begin, end, share);
+}
+
+// The consumer owns the slots until they are consumed.
+EventSpan Thinner::take_slice(EventSpan slice, std::size_t begin) noexcept {
+  gamma_.skip(slice.size());
+  const std::size_t size = events_.size();
+  events_ = {size == 0 ? slice.data() : events_.data(), size + slice.size()};
+  const std::size_t end = begin + slice.size();
+  for (std::size_t at = begin; times_.by_arrival() && at < end;) {
+    const std::int64_t time_ns = times_.of(raw_[at], head_ + at);
+    at = times_.same_until(head_ + at, head_ + end) - head_;
+    kept_times_.note(size + (at - begin), time_ns);
+  }
+  return slice;
+}
+
+EventSpan Thinner::thin(std::size_t begin, std::size_t end, Share share) noexcept {
+  leave_the_ring();
+  const KeepThreshold bar = threshold(end - begin, share);
+  const std::size_t before = events_.size();
+  std::size_t size = before;
+  for (std::size_t at = begin; at < end;) {
+    const std::size_t until = times_.same_until(head_ + at, head_ + end) - head_;
+    const EventPieces together = part_of(raw_, at, until);
+    size += gamma_.apply(together.first, bar, kept_.get() + size);
+    size += gamma_.apply(together.second, bar, kept_.get() + size);
+    if (times_.by_arrival()) kept_times_.note(size, times_.of(raw_[at], head_ + at));
+    at = until;
+  }
+  events_ = {kept_.get(), size};
+  return events_.subspan(before);
+}
+
+// First all of them through the filter in front, so that the share is planned with what has passed.
+EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share share) {
+  const std::size_t before = events_.size();
+  Event* const passing = kept_.get() + before;
+  std::size_t passed = 0;
+  const auto pass = [&](EventSpan events) {
+    if (!events.empty()) passed += std::min(before_(events, passing + passed), events.size());
+  };
+  passed_times_.clear();
+  for (std::size_t at = begin; at < end;) {
+    const std::size_t until = times_.same_until(head_ + at, head_ + end) - head_;
+    const EventPieces together = part_of(raw_, at, until);
+    pass(together.first);
+    pass(together.second);
+    passed_times_.note(passed, times_.of(raw_[at], head_ + at));
+    at = until;
+  }
+  filtered_ += end - begin - passed;
+
+  const double wanted = share.keep * static_cast<double>(end - begin);
+  const KeepThreshold bar = threshold(
+      passed,
+      {.keep = passed > 0 ? wanted / static_cast<double>(passed) : 1.0, .exactly = share.exactly});
+  std::size_t size = before;
+  std::size_t at = 0;
+  for (const KeptTimes::Run& run : passed_times_.runs()) {
+    size += gamma_.apply({passing + at, run.end - at}, bar, kept_.get() + size);
+    if (times_.by_arrival()) kept_times_.note(size, run.time_ns);
+    at = run.end;
+  }
+  events_ = {kept_.get(), size};
+  return events_.subspan(before);
+}
+
+KeepThreshold Thinner::threshold(std::size_t events, Share share) const noexcept {
+  if (!share.exactly || share.keep >= 1.0) return KeepThreshold::clamped(share.keep);
+  constexpr double kRounding = 1e-6;
+  const double size = share.keep * static_cast<double>(events) + kRounding;
+  return gamma_.keeping(static_cast<std::size_t>(size), events, numbers_.get());
+}
+
+void Thinner::leave_the_ring() noexcept {
+  if (events_.empty() || events_.data() == kept_.get()) return;
+  std::copy(events_.begin(), events_.end(), kept_.get());
+  events_ = {kept_.get(), events_.size()};
+}
+
+}  // namespace asap

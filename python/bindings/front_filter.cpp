@@ -1,0 +1,71 @@
+#include "front_filter.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "asap/algorithms/background_activity_filter.hpp"
+#include "package_arrays.hpp"
+
+namespace asap::python {
+namespace {
+
+struct PythonFilter {
+  py::object filter;
+  py::object process;
+  PackageArrays arrays;
+};
+
+// The last copy of a filter may go where the GIL is not held.
+std::shared_ptr<PythonFilter> held(py::object filter, py::object process) {
+  return {new PythonFilter{std::move(filter), std::move(process), {}}, [](PythonFilter* gone) {
+            const py::gil_scoped_acquire acquire;
+            delete gone;
+          }};
+}
+
+template <class Filter>
+FrontFilter native(const py::object& object) {
+  auto* filter = object.cast<Filter*>();
+  return [filter, keep_alive = held(object, {})](EventSpan events, Event* out) {
+    return filter->process(events, out);
+  };
+}
+
+std::size_t pass(PythonFilter& python, EventSpan events, Event* out) {
+  const py::gil_scoped_acquire acquire;
+  const py::object answer = python.process(python.arrays.array_of(events));
+  if (!py::isinstance<py::array>(answer)) {
+    throw py::type_error("before: process(events) returned " +
+                         py::cast<std::string>(py::repr(py::type::of(answer))) +
+                         ", expected the events that pass, an array in EVENT_DTYPE");
+  }
+  const auto array = py::reinterpret_borrow<py::array>(answer);
+  const EventSpan passed = as_span(array);
+  if (passed.size() > events.size()) {
+    throw py::value_error("before: process(events) returned " + std::to_string(passed.size()) +
+                          " of " + std::to_string(events.size()) +
+                          " events; a filter does not add any");
+  }
+  std::copy(passed.begin(), passed.end(), out);
+  return passed.size();
+}
+
+}  // namespace
+
+FrontFilter front_filter_of(const py::object& filter) {
+  if (filter.is_none()) return {};
+  if (py::isinstance<BackgroundActivityFilter>(filter)) {
+    return native<BackgroundActivityFilter>(filter);
+  }
+  const bool has_process = py::hasattr(filter, "process");
+  if (!has_process && !PyCallable_Check(filter.ptr())) {
+    throw py::type_error("before: expected an object with process(events) or a callable, got " +
+                         py::cast<std::string>(py::repr(filter)));
+  }
+  const auto python = held(filter, has_process ? filter.attr("process") : filter);
+  return [python](EventSpan events, Event* out) { return pass(*python, events, out); };
+}
+
+}  // namespace asap::python

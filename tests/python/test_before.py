@@ -1,0 +1,140 @@
+"""A filter in front (before=): in simulate, run and Pipeline, native and Python."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asap
+from streams import poisson
+
+WIDTH, HEIGHT = 346, 260
+COST = asap.LinearCost(alpha_us=50, beta_ns=200)
+
+
+class Sparse:
+    """Lets every fourth event pass."""
+
+    def __init__(self):
+        self.seen = 0
+
+    def process(self, events):
+        first = -self.seen % 4
+        self.seen += events.size
+        return events[first::4].copy()
+
+
+def baf():
+    return asap.BackgroundActivityFilter(WIDTH, HEIGHT, window_us=10_000)
+
+
+def stream(rate=1e6, duration_s=0.05, seed=1):
+    return poisson(rate, duration_s, seed)
+
+
+def test_the_filter_sees_every_event_and_the_ledger_says_what_it_dropped():
+    events = stream()
+    passing = baf().process(events)
+    assert 0 < passing.size < events.size
+    seen = []
+    run = asap.simulate(
+        events, cost=COST, scheme=asap.FixedSize(size=100), before=baf(), algorithm=seen.append
+    )
+    assert run.ledger.filtered == events.size - passing.size
+    assert run.ledger.delivered == passing.size
+    assert run.ledger.balanced
+    np.testing.assert_array_equal(np.concatenate(seen), passing)
+    assert (run.packages["offered"] >= run.packages["size"]).all()
+    assert run.packages["offered"].sum() <= events.size
+    assert (run.packages["gamma"] == 1).all(), "gamma is of what passed the filter"
+    assert run.summary()["gamma"]["mean"] == 1
+
+
+def test_gamma_thins_what_passed():
+    events = stream()
+    run = asap.simulate(
+        events, cost=asap.LinearCost(50, 20_000), latency_ms=5, before=Sparse(), opaque=True
+    )
+    assert run.ledger.balanced
+    assert run.ledger.discarded > 0
+    undecided = run.ledger.stale + run.ledger.overflow
+    assert run.ledger.filtered == pytest.approx(0.75 * (events.size - undecided), abs=2)
+    passed = run.packages["size"] / run.packages["gamma"]
+    np.testing.assert_allclose(passed, run.packages["offered"] / 4, atol=0.76)
+
+
+def test_a_filter_of_our_own_and_its_python_double_agree():
+    class Double:
+        def __init__(self):
+            self.filter = baf()
+
+        def process(self, events):
+            return self.filter.process(events)
+
+    def ledger(before):
+        return asap.simulate(stream(), cost=COST, latency_ms=5, before=before).ledger
+
+    assert ledger(baf()) == ledger(Double()) == ledger(Double().process)
+
+
+def test_under_the_clock_too():
+    events = stream(duration_s=0.02)
+    seen = []
+    run = asap.run(events, algorithm=seen.append, before=Sparse(), latency_ms=50)
+    assert run.ledger.balanced
+    assert run.ledger.filtered == pytest.approx(0.75 * events.size, abs=1)
+    assert sum(part.size for part in seen) == run.ledger.delivered
+
+
+def test_live_too():
+    events = stream()
+    with asap.Pipeline(latency_ms=50, before=Sparse()) as pipeline:
+        pipeline.push(events)
+        pipeline.stop()
+        delivered = [package.events for package in pipeline]
+        ledger = pipeline.ledger
+    assert ledger.balanced
+    assert ledger.filtered == pytest.approx(0.75 * events.size, abs=1)
+    assert sum(part.size for part in delivered) == ledger.delivered > 0
+    assert pipeline.stats()["gamma"]["mean"] == pytest.approx(
+        ledger.delivered / (ledger.delivered + ledger.discarded)
+    )
+
+
+class Boom(Exception):
+    pass
+
+
+def test_an_exception_of_the_filter_comes_out_unchanged():
+    def before(events):
+        raise Boom
+
+    with pytest.raises(Boom):
+        asap.simulate(stream(), cost=COST, before=before)
+    run = asap.last_run()
+    assert run.ledger.balanced
+    assert run.ledger.pending > 0
+    with pytest.raises(Boom):
+        asap.run(stream(duration_s=0.01), algorithm=lambda events: None, before=before)
+    assert asap.last_run().ledger.balanced
+    with asap.Pipeline(before=before) as pipeline:
+        pipeline.push(stream())
+        pipeline.flush()
+        with pytest.raises(Boom):
+            next(iter(pipeline))
+    assert pipeline.ledger.balanced
+    assert pipeline.ledger.pending == stream().size
+
+
+@pytest.mark.parametrize(
+    ("before", "error", "message"),
+    [
+        (3, TypeError, "before: expected an object with process"),
+        (lambda events: events["t"], TypeError, "EVENT_DTYPE"),
+        (lambda events: None, TypeError, "before: .* expected the events that pass"),
+        (lambda events: np.repeat(events, 2), ValueError, "does not add any"),
+    ],
+)
+def test_what_is_no_filter_is_refused(before, error, message):
+    with pytest.raises(error, match=message):
+        asap.simulate(stream(), cost=COST, before=before)
