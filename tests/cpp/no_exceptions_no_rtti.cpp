@@ -1,6 +1,7 @@
 // The headers of the hot path compile without exceptions and without RTTI, as on-board code often
 // is: every one of them is included and its templates are used. Compiled, never run.
 #include "asap/buffer/age_slots.hpp"
+#include "asap/buffer/arrival_times.hpp"
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
@@ -19,6 +20,7 @@
 #include "asap/runner/doorbell.hpp"
 #include "asap/runner/event_source.hpp"
 #include "asap/runner/linear_cost.hpp"
+#include "asap/runner/push_door.hpp"
 #include "asap/runner/read_ahead.hpp"
 #include "asap/runner/replay.hpp"
 #include "asap/runner/run_config.hpp"
@@ -50,6 +52,9 @@
 #endif
 
 template class asap::BasicEventBuffer<>;
+template class asap::BasicArrivalTimes<>;
+template class asap::BasicDoorbell<>;
+template class asap::BasicPushDoor<>;
 template void asap::require<int>(bool, std::string_view, int, std::string_view);
 template void asap::require<double>(bool, std::string_view, double, std::string_view);
 

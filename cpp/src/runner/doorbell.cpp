@@ -11,17 +11,16 @@
 namespace asap {
 namespace {
 
-static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t) &&
-              std::atomic<std::uint32_t>::is_always_lock_free);
+static_assert(sizeof(FutexSleep::Word) == sizeof(std::uint32_t) &&
+              FutexSleep::Word::is_always_lock_free);
 
 }  // namespace
 
-void Doorbell::wake() noexcept {
-  if (asleep_.exchange(0, std::memory_order_acq_rel) == 0) return;
-  syscall(SYS_futex, &asleep_, FUTEX_WAKE_PRIVATE, 1, nullptr, nullptr, 0);
+void FutexSleep::wake(Word& word) noexcept {
+  syscall(SYS_futex, &word, FUTEX_WAKE_PRIVATE, 1, nullptr, nullptr, 0);
 }
 
-void Doorbell::sleep_until(Clock::time_point deadline) noexcept {
+void FutexSleep::sleep(Word& word, Clock::time_point deadline) noexcept {
   using std::chrono::duration_cast;
   const auto since = deadline.time_since_epoch();
   const auto seconds = duration_cast<std::chrono::seconds>(since);
@@ -29,8 +28,7 @@ void Doorbell::sleep_until(Clock::time_point deadline) noexcept {
   until.tv_sec = static_cast<std::time_t>(seconds.count());
   until.tv_nsec =
       static_cast<long>(duration_cast<std::chrono::nanoseconds>(since - seconds).count());
-  syscall(SYS_futex, &asleep_, FUTEX_WAIT_BITSET_PRIVATE, 1, &until, nullptr,
-          FUTEX_BITSET_MATCH_ANY);
+  syscall(SYS_futex, &word, FUTEX_WAIT_BITSET_PRIVATE, 1, &until, nullptr, FUTEX_BITSET_MATCH_ANY);
 }
 
 }  // namespace asap
@@ -49,17 +47,16 @@ std::condition_variable woken;
 
 }  // namespace
 
-void Doorbell::wake() noexcept {
-  if (asleep_.exchange(0, std::memory_order_acq_rel) == 0) return;
+void FutexSleep::wake(Word&) noexcept {
   {
     const std::lock_guard lock(mutex);
   }
   woken.notify_all();
 }
 
-void Doorbell::sleep_until(Clock::time_point deadline) noexcept {
+void FutexSleep::sleep(Word& word, Clock::time_point deadline) noexcept {
   std::unique_lock lock(mutex);
-  woken.wait_until(lock, deadline, [this] { return asleep_.load(std::memory_order_acquire) == 0; });
+  woken.wait_until(lock, deadline, [&] { return word.load(std::memory_order_acquire) != 1; });
 }
 
 }  // namespace asap

@@ -19,15 +19,18 @@
 #include <cstdint>
 #include <memory>
 
+#include "asap/core/atomics.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {
 
-class ArrivalTimes {
+template <class Atomics = StdAtomics, std::size_t steps = 8192>
+class BasicArrivalTimes {
  public:
-  static constexpr std::size_t kSteps = 8192;
+  static constexpr std::size_t kSteps = steps;
+  static_assert(steps >= 32);
 
-  explicit ArrivalTimes(std::int64_t step_ns)
+  explicit BasicArrivalTimes(std::int64_t step_ns)
       : step_ns_(step_ns), entries_(std::make_unique<Entry[]>(kSteps)) {
     require(step_ns >= 1 && step_ns <= kLongestStepNs, "step_ns", step_ns,
             "must be between 1 ns and 10^12 ns");
@@ -86,9 +89,11 @@ class ArrivalTimes {
   }
 
  private:
+  template <class Value>
+  using Atomic = typename Atomics::template Atomic<Value>;
   struct Entry {
-    std::atomic<std::uint64_t> first{0};  // ring index of its first event
-    std::atomic<std::int64_t> time_ns{0};
+    Atomic<std::uint64_t> first{0};  // ring index of its first event
+    Atomic<std::int64_t> time_ns{0};
   };
   static constexpr std::int64_t kLongestStepNs = 1'000'000'000'000;
 
@@ -126,8 +131,10 @@ class ArrivalTimes {
   static constexpr std::size_t kApart = 128;  // as in the ring
   const std::int64_t step_ns_;
   const std::unique_ptr<Entry[]> entries_;
-  alignas(kApart) std::atomic<std::uint64_t> tail_{0};
-  alignas(kApart) std::atomic<std::uint64_t> head_{0};
+  alignas(kApart) Atomic<std::uint64_t> tail_{0};
+  alignas(kApart) Atomic<std::uint64_t> head_{0};
 };
+
+using ArrivalTimes = BasicArrivalTimes<>;
 
 }  // namespace asap

@@ -23,6 +23,7 @@
 #include <limits>
 #include <memory>
 
+#include "asap/core/atomics.hpp"
 #include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
 
@@ -37,12 +38,6 @@ struct EventPieces {
   const Event& operator[](std::size_t i) const noexcept {
     return i < first.size() ? first[i] : second[i - first.size()];
   }
-};
-
-// The atomics of the production build; a model checker passes its own.
-struct StdAtomics {
-  template <class Value>
-  using Atomic = std::atomic<Value>;
 };
 
 template <class Atomics = StdAtomics>

@@ -12,11 +12,25 @@
 #include <chrono>
 #include <cstdint>
 
+#include "asap/core/atomics.hpp"
+
 namespace asap {
 
-class Doorbell {
- public:
+// The system call behind the doorbell.
+struct FutexSleep {
   using Clock = std::chrono::steady_clock;
+  using Word = std::atomic<std::uint32_t>;
+
+  // Sleeps while the word is 1, until wake() or the deadline; may return early.
+  static void sleep(Word& word, Clock::time_point deadline) noexcept;
+  // Wakes who sleeps there, once the word is no longer 1.
+  static void wake(Word& word) noexcept;
+};
+
+template <class Atomics = StdAtomics, class Sleep = FutexSleep>
+class BasicDoorbell {
+ public:
+  using Clock = FutexSleep::Clock;
 
   // Producer, after every push: the ring's tail is now `tail`. noexcept, wait-free while nobody
   // sleeps.
@@ -26,7 +40,9 @@ class Doorbell {
   }
 
   // Any thread: the consumer shall look up, whatever it waits for.
-  void wake() noexcept;
+  void wake() noexcept {
+    if (asleep_.exchange(0, std::memory_order_acq_rel) != 0) Sleep::wake(asleep_);
+  }
 
   // Consumer. Sleeps until announce() has reached `wanted_tail`, until wake() or until the
   // deadline, whichever is first; may also return early. `ready` is asked once after the
@@ -35,15 +51,18 @@ class Doorbell {
   void wait(std::uint64_t wanted_tail, Clock::time_point deadline, Ready&& ready) noexcept {
     wanted_.store(wanted_tail, std::memory_order_relaxed);
     asleep_.exchange(1, std::memory_order_acq_rel);
-    if (!ready()) sleep_until(deadline);
+    if (!ready()) Sleep::sleep(asleep_, deadline);
     asleep_.exchange(0, std::memory_order_acq_rel);
   }
 
  private:
-  void sleep_until(Clock::time_point deadline) noexcept;
+  template <class Value>
+  using Atomic = typename Atomics::template Atomic<Value>;
 
-  alignas(128) std::atomic<std::uint32_t> asleep_{0};  // 1 while the consumer sleeps
-  std::atomic<std::uint64_t> wanted_{0};
+  alignas(128) Atomic<std::uint32_t> asleep_{0};  // 1 while the consumer sleeps
+  Atomic<std::uint64_t> wanted_{0};
 };
+
+using Doorbell = BasicDoorbell<>;
 
 }  // namespace asap

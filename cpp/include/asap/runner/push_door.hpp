@@ -7,14 +7,22 @@
 #include <cstdint>
 #include <thread>
 
+#include "asap/core/atomics.hpp"
+
 namespace asap {
 
-class PushDoor {
+// How close() waits for the producer inside.
+struct YieldingWait {
+  static void pause() noexcept { std::this_thread::yield(); }
+};
+
+template <class Atomics = StdAtomics, class Wait = YieldingWait>
+class BasicPushDoor {
  public:
   // The producer's visit: inside while the object lives, if it is let in.
   class Visit {
    public:
-    explicit Visit(PushDoor& door) noexcept : door_(door), inside_(door.enter()) {}
+    explicit Visit(BasicPushDoor& door) noexcept : door_(door), inside_(door.enter()) {}
     ~Visit() {
       if (inside_) door_.leave();
     }
@@ -25,7 +33,7 @@ class PushDoor {
     bool inside() const noexcept { return inside_; }
 
    private:
-    PushDoor& door_;
+    BasicPushDoor& door_;
     const bool inside_;
   };
 
@@ -33,7 +41,7 @@ class PushDoor {
   void open() noexcept { state_.fetch_or(kOpen, std::memory_order_acq_rel); }
   void close() noexcept {
     state_.fetch_and(~kOpen, std::memory_order_acq_rel);
-    while ((state_.load(std::memory_order_acquire) & kInside) != 0) std::this_thread::yield();
+    while ((state_.load(std::memory_order_acquire) & kInside) != 0) Wait::pause();
   }
   bool is_open() const noexcept { return (state_.load(std::memory_order_acquire) & kOpen) != 0; }
 
@@ -49,7 +57,9 @@ class PushDoor {
   }
   void leave() noexcept { state_.fetch_and(~kInside, std::memory_order_acq_rel); }
 
-  alignas(128) std::atomic<std::uint32_t> state_{0};
+  alignas(128) typename Atomics::template Atomic<std::uint32_t> state_{0};
 };
+
+using PushDoor = BasicPushDoor<>;
 
 }  // namespace asap
