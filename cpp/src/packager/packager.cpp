@@ -59,6 +59,11 @@ Packager::Next Packager::next(std::int64_t now_ns) {
     if (waiting.size() == 0) {
       return {.step = ended ? Step::ended : Step::wait, .until_tail = buffer_.head() + 1};
     }
+    if (config_.drop_oldest && waiting.size() == buffer_.capacity() && waiting.size() > 1) {
+      telemetry_.overflow += waiting.size() / 2;
+      pass_over(waiting.size() / 2);
+      continue;
+    }
     const Decision decision = ask(waiting, times_.of(waiting[0], buffer_.head()), now_ns, ended);
     if (!decision.takes) {
       return {.step = Step::wait,
@@ -110,14 +115,19 @@ Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::
 }
 
 void Packager::drop_stale(std::size_t count) noexcept {
-  const EventPieces stale = buffer_.peek(count);
-  const std::uint64_t head = buffer_.head();
-  rate_meter_.observe(count, times_.of(stale[0], head),
-                      times_.of(stale[count - 1], head + count - 1));
-  thinner_.skip(count);
-  consume(count);
+  pass_over(count);
   telemetry_.stale += count;
   stale_since_package_ += count;
+}
+
+// The oldest leave the ring undecided.
+void Packager::pass_over(std::size_t count) noexcept {
+  const EventPieces oldest = buffer_.peek(count);
+  const std::uint64_t head = buffer_.head();
+  rate_meter_.observe(count, times_.of(oldest[0], head),
+                      times_.of(oldest[count - 1], head + count - 1));
+  thinner_.skip(count);
+  consume(count);
 }
 
 Package Packager::open(const Decision& decision, std::int64_t now_ns) noexcept {
@@ -135,7 +145,7 @@ Package Packager::open(const Decision& decision, std::int64_t now_ns) noexcept {
           .offered = offered_without_package_,
           .filtered = filtered_without_package_,
           .stale_before = stale_since_package_,
-          .overflow_before = buffer_.overflow() - overflow_reported_,
+          .overflow_before = overflow() - overflow_reported_,
           .start_ns = now_ns};
 }
 
@@ -163,7 +173,8 @@ EventSpan Packager::add(Package& package, std::size_t begin, std::size_t end, Sh
   const EventSpan kept = thinner_.decide(begin, end, share);
   package.events = thinner_.events();
   package.raw = end;
-  package.offered = offered_without_package_ + end;
+  const std::uint64_t thinned = times_.thinned(buffer_.head() + end - 1) - thinned_reported_;
+  package.offered = offered_without_package_ + thinned + end;
   package.filtered = filtered_without_package_ + thinner_.filtered();
   return kept;
 }
@@ -212,8 +223,11 @@ void Packager::consume(std::size_t count) noexcept {
 
 void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
   const std::uint64_t head = buffer_.head();
-  rate_meter_.observe(package.raw, times_.of(raw_[0], head),
-                      times_.of(raw_[package.raw - 1], head + package.raw - 1));
+  const std::uint64_t last = head + package.raw - 1;
+  const std::uint64_t thinned = times_.thinned(last);
+  rate_meter_.observe(package.raw + (thinned - thinned_reported_), times_.of(raw_[0], head),
+                      times_.of(raw_[package.raw - 1], last));
+  thinned_reported_ = thinned;
   if (package.events.empty()) return discard_all(package, end_ns);
   const std::int64_t oldest_ns = record_latencies(package.events, end_ns);
   const std::size_t size = package.events.size();

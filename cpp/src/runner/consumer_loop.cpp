@@ -3,19 +3,29 @@
 #include <algorithm>
 
 namespace asap {
+namespace {
+
+std::int64_t ns(RunClock::Steady::time_point time) noexcept {
+  return std::chrono::nanoseconds(time.time_since_epoch()).count();
+}
+
+}  // namespace
 
 ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds patience) {
   telemetry_.log.make_room();
-  const auto deadline = RunClock::Steady::now() + patience;
+  const auto entered = RunClock::Steady::now();
+  watch_.looks_up(ns(entered), telemetry_.latency.bound_ns());
+  const auto deadline = entered + patience;
   for (;;) {
     const Asked now = asked();
     if (now.abandoned) return Next::ended;
-    packager_.flush(now.flush);
+    heed(now);
     Packager::Next next{.until_tail = buffer_.head() + 1};
     if (buffer_.size() > 0) {  // the clock runs once an event is there
       next = packager_.next(clock_.now_ns());
       if (next.step == Packager::Step::package) {
         package = next.package;
+        watch_.works();
         return Next::package;
       }
     } else if (now.closed) {
@@ -23,16 +33,39 @@ ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds
     }
     if (RunClock::Steady::now() >= deadline) return Next::idle;
 
+    if (room_ != nullptr) room_->announce(buffer_.head());
+    watch_.sleeps();
     doorbell_.wait(next.until_tail, std::min(deadline, clock_.when(next.until_ns)),
                    [&] { return buffer_.tail() >= next.until_tail || asked() != now; });
+    watch_.looks_up(ns(RunClock::Steady::now()), telemetry_.latency.bound_ns());
   }
 }
 
 ConsumerLoop::Asked ConsumerLoop::asked() const noexcept {
   return {.closed = buffer_.closed(),
           .abandoned = abandoned_.load(std::memory_order_acquire),
-          .flush = flush_.load(std::memory_order_acquire)};
+          .flush = flush_.load(std::memory_order_acquire),
+          .bound_ns = bound_ns_.load(std::memory_order_acquire)};
 }
+
+void ConsumerLoop::heed(const Asked& asked) noexcept {
+  packager_.flush(asked.flush);
+  if (asked.bound_ns != 0 && asked.bound_ns != telemetry_.latency.bound_ns()) {
+    packager_.set_latency_bound(asked.bound_ns);
+  }
+  if (room_ != nullptr) room_->announce(buffer_.head());
+}
+
+void ConsumerLoop::set_latency_bound(std::int64_t bound_ns) noexcept {
+  bound_ns_.store(bound_ns, std::memory_order_release);
+  doorbell_.wake();
+}
+
+bool ConsumerLoop::stalled(std::size_t waiting) const noexcept {
+  return waiting > 0 && watch_.stalled(ns(RunClock::Steady::now()), telemetry_.latency.bound_ns());
+}
+
+void ConsumerLoop::begin() noexcept { watch_.begins(ns(RunClock::Steady::now())); }
 
 void ConsumerLoop::flush() noexcept {
   flush_.store(buffer_.tail(), std::memory_order_release);

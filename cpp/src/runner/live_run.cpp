@@ -8,6 +8,7 @@ namespace {
 
 // An event's age is right to this share of the bound.
 constexpr std::int64_t kStepsPerBound = 1024;
+constexpr std::uint64_t kIntakeSeed = 0x696e74616b65;  // not the gamma filter's numbers
 
 std::int64_t arrival_step_ns(std::int64_t latency_bound_ns) {
   return std::max<std::int64_t>(latency_bound_ns / kStepsPerBound, 1);
@@ -24,10 +25,13 @@ LiveRun::LiveRun(Scheme& scheme, const RunConfig& config)
                 {.seed = config.seed,
                  .execution = config.execution,
                  .flush = config.flush,
-                 .before = config.before}),
-      loop_(buffer_, packager_, telemetry_, doorbell_, clock_) {}
+                 .before = config.before,
+                 .drop_oldest = config.when_full == WhenFull::oldest}),
+      intake_(buffer_, arrivals_, doorbell_, config.when_full, config.seed ^ kIntakeSeed),
+      loop_(buffer_, packager_, telemetry_, doorbell_, clock_, intake_.room()) {}
 
-void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival) {
+void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival,
+                   const Intake::Poll& poll) {
   struct Publish {
     LiveRun& run;
     ~Publish() { run.publish_counts(); }
@@ -41,7 +45,10 @@ void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival) 
       arrival_ns_ = std::max(arrival_ns_, clock_.at(came));
       timed = true;
     }
-    put(good);
+    heed_clock();
+    intake_.take(good, arrival_ns_, poll);
+    most_waiting_ = std::max<std::uint64_t>(most_waiting_, buffer_.filled(most_waiting_));
+    sensor_delay_.note(good.back().t, arrival_ns_);
   });
 }
 
@@ -51,13 +58,21 @@ void LiveRun::begin(const Event& first, Steady::time_point arrival) noexcept {
   first_arrival_ns_ = axis.to_ns(first.t);
   clock_.start(first_arrival_ns_, arrival);
   arrival_ns_ = first_arrival_ns_;
+  loop_.begin();
   begun_ = true;
 }
 
-void LiveRun::put(EventSpan good) noexcept {
-  arrivals_.note(buffer_.tail(), arrival_ns_);
-  buffer_.push(good);
-  doorbell_.announce(buffer_.tail());
+// A sensor that begins anew: what came before shall not wait for what comes now.
+void LiveRun::heed_clock() noexcept {
+  if (validator_.clock_resets() == clock_resets_) return;
+  clock_resets_ = validator_.clock_resets();
+  sensor_delay_.forget();
+  loop_.flush();
+}
+
+void LiveRun::set_latency_bound(std::int64_t bound_ns) noexcept {
+  arrivals_.set_step(arrival_step_ns(bound_ns));
+  loop_.set_latency_bound(bound_ns);
 }
 
 void LiveRun::publish_counts() noexcept {
@@ -67,7 +82,6 @@ void LiveRun::publish_counts() noexcept {
   rejected_.bad_polarity = counts.bad_polarity;
   rejected_.bad_record = counts.bad_record;
   rejected_.before_start = counts.before_start;
-  clock_resets_ = validator_.clock_resets();
 }
 
 void LiveRun::close() noexcept {
@@ -91,17 +105,18 @@ Ledger LiveRun::ledger() const noexcept {
   Ledger ledger{.filtered = telemetry_.filtered,
                 .discarded = telemetry_.discarded,
                 .stale = telemetry_.stale,
+                .overflow = telemetry_.overflow,
                 .delivered = telemetry_.delivered};
   const std::uint64_t tail = buffer_.tail();
-  ledger.overflow = buffer_.overflow();
+  ledger.pending = over ? buffer_.size()
+                        : tail - ledger.filtered - ledger.discarded - ledger.stale -
+                              ledger.overflow - ledger.delivered;
+  const std::uint64_t thinned = intake_.discarded();
+  const std::uint64_t overflow = buffer_.overflow();
   ledger.rejected = rejected().total();
-  if (over) {
-    ledger.received = validator_.received();
-    ledger.pending = buffer_.size();
-  } else {
-    ledger.received = ledger.rejected + ledger.overflow + tail;
-    ledger.pending = tail - ledger.filtered - ledger.discarded - ledger.stale - ledger.delivered;
-  }
+  ledger.received = over ? validator_.received() : ledger.rejected + thinned + overflow + tail;
+  ledger.discarded += thinned;
+  ledger.overflow += overflow;
   return ledger;
 }
 

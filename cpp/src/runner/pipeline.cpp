@@ -1,6 +1,9 @@
 #include "asap/runner/pipeline.hpp"
 
 #include <stdexcept>
+#include <utility>
+
+#include "asap/schemes/deadline.hpp"
 
 namespace asap {
 namespace {
@@ -26,14 +29,58 @@ class Pipeline::Working {
 };
 
 Pipeline::Pipeline(Scheme& scheme, RunConfig config)
-    : scheme_(scheme), config_(config), run_(std::make_unique<LiveRun>(scheme, config)) {
+    : scheme_(scheme),
+      config_(std::move(config)),
+      latency_bound_ns_(asap::latency_bound_ns(config_, scheme)),
+      run_(std::make_unique<LiveRun>(scheme, config_)) {
   door_.open();
 }
 
-bool Pipeline::push(EventSpan events, Arrival arrival) {
+Pipeline::Pipeline(RunConfig config, Consumer algorithm)
+    : Pipeline(std::make_unique<Deadline>(
+                   DeadlineConfig{.latency_ms = config.latency_us.value_or(10'000.0) * 1e-3}),
+               config, std::move(algorithm)) {}
+
+Pipeline::Pipeline(std::unique_ptr<Scheme> scheme, RunConfig config, Consumer algorithm)
+    : own_scheme_(std::move(scheme)),
+      scheme_(*own_scheme_),
+      config_(std::move(config)),
+      latency_bound_ns_(asap::latency_bound_ns(config_, scheme_)),
+      run_(std::make_unique<LiveRun>(scheme_, config_)),
+      algorithm_(std::move(algorithm)) {
+  if (!algorithm_) throw std::invalid_argument("algorithm: none; give what the events are for");
+  door_.open();
+  set_to_work();
+}
+
+Pipeline::~Pipeline() {
+  stop(false);
+  if (worker_.joinable()) worker_.join();
+}
+
+void Pipeline::set_to_work() {
+  worker_ = std::thread([this] {
+    try {
+      run(algorithm_);
+    } catch (...) {
+      error_ = std::current_exception();
+    }
+  });
+}
+
+void Pipeline::join() {
+  if (!worker_.joinable()) return;
+  if (worker_.get_id() == std::this_thread::get_id()) {
+    throw std::logic_error("pipeline: the worker cannot wait for itself; stop() is enough");
+  }
+  worker_.join();
+  if (error_) std::rethrow_exception(std::exchange(error_, {}));
+}
+
+bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
   const PushDoor::Visit visit(door_);
   if (!visit.inside()) return false;
-  run_->push(events, arrival);
+  run_->push(events, arrival, poll);
   return true;
 }
 
@@ -100,21 +147,39 @@ void Pipeline::flush() {
 void Pipeline::stop(bool drain) {
   const std::lock_guard lock(control_);
   const bool was_open = door_.is_open();
+  run_->leave();
   door_.close();
   if (was_open) run_->close();
   if (!drain) run_->loop().abandon();
 }
 
 void Pipeline::start() {
+  if (!algorithm_) return begin();
+  if (door_.is_open()) return;
+  join();
+  begin();
+  set_to_work();
+}
+
+void Pipeline::begin() {
   const Working working(*this);
   const std::lock_guard lock(control_);
   if (door_.is_open()) return;
   if (has_package_) throw std::logic_error("pipeline: a package is in work; complete() it first");
   run_.reset();  // its memory first
+  if (scheme_.latency_bound_ns() != 0) scheme_.set_latency_bound_ns(latency_bound_ns_);
   run_ = std::make_unique<LiveRun>(scheme_, config_);
   upstream_marks_ = 0;
   upstream_packets_ = 0;
   door_.open();
+}
+
+void Pipeline::set_latency(double latency_us) {
+  const std::int64_t bound_ns = checked_latency_bound_ns(latency_us);
+  const std::lock_guard lock(control_);
+  latency_bound_ns_ = bound_ns;
+  config_.latency_us = latency_us;
+  run_->set_latency_bound(bound_ns);
 }
 
 Ledger Pipeline::ledger() const {
@@ -133,7 +198,12 @@ PipelineStats Pipeline::stats() const {
           .clock_resets = run_->clock_resets(),
           .upstream_marks = upstream_marks_.load(std::memory_order_relaxed),
           .upstream_packets = upstream_packets_.load(std::memory_order_relaxed),
-          .open = door_.is_open()};
+          .open = door_.is_open(),
+          .stalled = run_->stalled(),
+          .most_waiting = run_->most_waiting(),
+          .latency_bound_ns = latency_bound_ns_,
+          .sensor_delay_ns = run_->sensor_delay().last_ns(),
+          .sensor_delay_max_ns = run_->sensor_delay().max_ns()};
 }
 
 }  // namespace asap

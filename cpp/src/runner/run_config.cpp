@@ -15,14 +15,17 @@ constexpr std::size_t kLeastCapacity = std::size_t{1} << 20;
 
 }  // namespace
 
+std::int64_t checked_latency_bound_ns(double latency_us) {
+  require(latency_us >= 10 && latency_us <= 1e10, "latency_us", latency_us,
+          "must be between 10 and 1e10 us");
+  return std::llround(latency_us * 1e3);
+}
+
 std::int64_t latency_bound_ns(const RunConfig& config, const Scheme& scheme) {
   const std::int64_t own_ns = scheme.latency_bound_ns();
   if (!config.latency_us) return own_ns > 0 ? own_ns : kDefaultLatencyNs;
-  const double latency_us = *config.latency_us;
-  require(latency_us >= 10 && latency_us <= 1e10, "latency_us", latency_us,
-          "must be between 10 and 1e10 us");
-  const std::int64_t wanted_ns = std::llround(latency_us * 1e3);
-  require(own_ns == 0 || own_ns == wanted_ns, "latency_us", latency_us,
+  const std::int64_t wanted_ns = checked_latency_bound_ns(*config.latency_us);
+  require(own_ns == 0 || own_ns == wanted_ns, "latency_us", *config.latency_us,
           "differs from the bound of the scheme; give one of the two");
   return wanted_ns;
 }

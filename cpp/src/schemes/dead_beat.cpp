@@ -25,7 +25,7 @@ void DeadBeat::reset(Execution execution) noexcept {
 }
 
 Decision DeadBeat::decide(const Backlog& backlog) noexcept {
-  const auto latency_ns = static_cast<double>(latency_bound_ns_);
+  const auto latency_ns = static_cast<double>(latency_bound_ns_.load());
   if (const auto wait = hold_.wait(backlog, cost_, caution(), latency_ns)) return *wait;
 
   const double length_ns =
@@ -51,7 +51,7 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
 }
 
 double DeadBeat::length_ns(double work_ns) noexcept {
-  const double cap_ns = static_cast<double>(latency_bound_ns_) / 2;
+  const double cap_ns = static_cast<double>(latency_bound_ns_.load()) / 2;
   if (config_.knee == 0) return cap_ns;
   const double knee_ns =
       std::max({config_.knee * cost_.alpha_ns(), cap_ns / 5, hold_.min_interval_ns()});
@@ -85,7 +85,7 @@ void DeadBeat::observe(const Outcome& outcome) noexcept {
 }
 
 SchemeParameters DeadBeat::parameters() const {
-  return {{"latency_ms", config_.latency_ms},
+  return {{"latency_ms", latency_ms(latency_bound_ns_, config_.latency_ms)},
           {"knee", config_.knee},
           {"overhead", config_.overhead},
           {"min_interval_ms", config_.min_interval_ms}};

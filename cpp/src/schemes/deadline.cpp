@@ -62,7 +62,7 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
   const double room_ns = std::max(limits.latency_ns - age_ns(backlog), 1.0);
   const double budget_ns = std::min(limits.longest_ns, room_ns);
   // A fixed cost that rules the bound out is believed only as long as a single event costs as much.
-  const bool is_doubted = 4.0 * cost_.alpha_ns() > static_cast<double>(latency_bound_ns_);
+  const bool is_doubted = 4.0 * cost_.alpha_ns() > static_cast<double>(latency_bound_ns_.load());
   if (is_doubted && is_dithered(packages_)) return take(1.0, 1.0, budget_ns);
   if (work_ns <= budget_ns) return take_all(backlog, budget_ns);
   const Lengths lengths = this->lengths(backlog, limits, room_ns);
@@ -72,7 +72,7 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
 
 Deadline::Limits Deadline::limits() const noexcept {
   const double alpha_ns = cost_.alpha_ns();
-  double latency_ns = static_cast<double>(latency_bound_ns_);
+  double latency_ns = static_cast<double>(latency_bound_ns_.load());
   // Not on the strength of a first guess.
   if (!is_early()) latency_ns = std::max(latency_ns, 4.0 * alpha_ns);
   latency_ns *= 1.0 - std::min(0.1, 0.05 * std::max(0.0, cost_.sigma() - 0.05));
@@ -177,7 +177,7 @@ void Deadline::observe(const Outcome& outcome) noexcept {
   cost_.update(outcome.size, static_cast<double>(outcome.processing_ns));
   ++packages_;
   if (static_cast<double>(outcome.size) < 0.999 * static_cast<double>(outcome.raw)) {
-    const double longest_ns = 0.5 * static_cast<double>(latency_bound_ns_);
+    const double longest_ns = 0.5 * static_cast<double>(latency_bound_ns_.load());
     const double share = static_cast<double>(outcome.processing_ns) / longest_ns;
     price_.pay(cost_.alpha_ns() * std::max(0.0, 1.0 - share));
     calm_ = 0;
@@ -200,13 +200,16 @@ bool Deadline::is_sure() const noexcept {
 }
 
 double Deadline::reservoir() const noexcept {
-  return price_.share(static_cast<double>(latency_bound_ns_));
+  return price_.share(static_cast<double>(latency_bound_ns_.load()));
 }
 
 SchemeParameters Deadline::parameters() const {
-  return {{"latency_ms", config_.latency_ms},           {"overhead", config_.overhead},
-          {"min_interval_ms", config_.min_interval_ms}, {"knee", config_.knee},
-          {"first_alpha_us", config_.first_alpha_us},   {"first_beta_ns", config_.first_beta_ns}};
+  return {{"latency_ms", latency_ms(latency_bound_ns_, config_.latency_ms)},
+          {"overhead", config_.overhead},
+          {"min_interval_ms", config_.min_interval_ms},
+          {"knee", config_.knee},
+          {"first_alpha_us", config_.first_alpha_us},
+          {"first_beta_ns", config_.first_beta_ns}};
 }
 
 }  // namespace asap

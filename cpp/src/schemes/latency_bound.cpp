@@ -18,4 +18,9 @@ double checked_knee(double knee) {
   return knee;
 }
 
+double latency_ms(std::int64_t bound_ns, double configured_ms) noexcept {
+  if (bound_ns == std::llround(configured_ms * 1e6)) return configured_ms;
+  return static_cast<double>(bound_ns) / 1e6;
+}
+
 }  // namespace asap

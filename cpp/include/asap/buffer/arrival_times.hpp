@@ -21,6 +21,7 @@
 
 #include "asap/core/atomics.hpp"
 #include "asap/core/check.hpp"
+#include "asap/core/relaxed.hpp"
 
 namespace asap {
 
@@ -36,22 +37,26 @@ class BasicArrivalTimes {
             "must be between 1 ns and 10^12 ns");
   }
 
-  // Producer, before the push: events from this ring index on arrive now. Times do not go back.
-  void note(std::uint64_t index, std::int64_t now_ns) noexcept {
+  // Producer, before the push: events from this ring index on arrive now, and so many have been
+  // thinned out before them. Times do not go back.
+  void note(std::uint64_t index, std::int64_t now_ns, std::uint64_t thinned = 0) noexcept {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
     if (tail > 0) {
       Entry& newest = entry(tail - 1);
       if (newest.first.load(std::memory_order_relaxed) == index) {  // nothing of it was taken
         newest.time_ns.store(now_ns, std::memory_order_relaxed);
+        newest.thinned.store(thinned, std::memory_order_relaxed);
         return;
       }
       const std::int64_t elapsed_ns = now_ns - newest.time_ns.load(std::memory_order_relaxed);
-      if (elapsed_ns < step_ns_) return;
+      const std::int64_t step_ns = step_ns_;
+      if (elapsed_ns < step_ns) return;
       const auto used = static_cast<std::size_t>(tail - head_.load(std::memory_order_acquire));
-      if (used == kSteps || elapsed_ns < step_ns_ << doublings(used)) return;
+      if (used == kSteps || elapsed_ns < step_ns << doublings(used)) return;
     }
     entry(tail).first.store(index, std::memory_order_relaxed);
     entry(tail).time_ns.store(now_ns, std::memory_order_relaxed);
+    entry(tail).thinned.store(thinned, std::memory_order_relaxed);
     tail_.store(tail + 1, std::memory_order_release);
   }
 
@@ -59,6 +64,14 @@ class BasicArrivalTimes {
   std::int64_t of(std::uint64_t index) const noexcept {
     return entry(step_of(index)).time_ns.load(std::memory_order_relaxed);
   }
+
+  // Consumer. How many events had been thinned out when the step of this event began.
+  std::uint64_t thinned(std::uint64_t index) const noexcept {
+    return entry(step_of(index)).thinned.load(std::memory_order_relaxed);
+  }
+
+  // Any thread: another width of the steps from now on; between 1 ns and 10^12 ns.
+  void set_step(std::int64_t step_ns) noexcept { step_ns_ = step_ns; }
 
   // Consumer. The events [index, same_until) came in one step; at most end.
   std::uint64_t same_until(std::uint64_t index, std::uint64_t end) const noexcept {
@@ -94,6 +107,7 @@ class BasicArrivalTimes {
   struct Entry {
     Atomic<std::uint64_t> first{0};  // ring index of its first event
     Atomic<std::int64_t> time_ns{0};
+    Atomic<std::uint64_t> thinned{0};  // before it, since the beginning
   };
   static constexpr std::int64_t kLongestStepNs = 1'000'000'000'000;
 
@@ -129,7 +143,7 @@ class BasicArrivalTimes {
   }
 
   static constexpr std::size_t kApart = 128;  // as in the ring
-  const std::int64_t step_ns_;
+  Relaxed<std::int64_t> step_ns_;
   const std::unique_ptr<Entry[]> entries_;
   alignas(kApart) Atomic<std::uint64_t> tail_{0};
   alignas(kApart) Atomic<std::uint64_t> head_{0};

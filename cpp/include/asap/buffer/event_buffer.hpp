@@ -76,6 +76,14 @@ class BasicEventBuffer {
     return taken;
   }
 
+  // Producer. Events that wait, at least when they are more than `enough`: looks at the consumer's
+  // index only then.
+  std::size_t filled(std::size_t enough) noexcept {
+    const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
+    if (tail - head_copy_ > enough) head_copy_ = head_.load(std::memory_order_acquire);
+    return static_cast<std::size_t>(tail - head_copy_);
+  }
+
   // Producer. No push follows.
   void close() noexcept { closed_.store(true, std::memory_order_release); }
 

@@ -58,6 +58,11 @@ class EventTimes {
     return ages_->before(time_ns, now_ns, head, waiting.size());
   }
 
+  // Events thinned out before this one, a waiting one, since the beginning: right to a step.
+  std::uint64_t thinned(std::uint64_t index) const noexcept {
+    return by_arrival() ? arrivals_->thinned(index) : 0;
+  }
+
   // Events before this ring index have left the ring.
   void release(std::uint64_t head) noexcept {
     if (by_arrival()) arrivals_->release(head);

@@ -43,14 +43,16 @@ struct Telemetry {
   Relaxed<std::uint64_t> filtered;
   Relaxed<std::uint64_t> discarded;
   Relaxed<std::uint64_t> stale;
+  Relaxed<std::uint64_t> overflow;  // dropped from a full ring by the consumer's side
   Relaxed<std::uint64_t> delivered;
 };
 
 struct PackagerConfig {
   std::uint64_t seed = 0;                    // of the gamma filter
   Execution execution = Execution::anytime;  // of the algorithm
-  bool flush = true;     // false: only a full ring or the end of the source forces a scheme
-  FrontFilter before{};  // may be none
+  bool flush = true;         // false: only a full ring or the end of the source forces a scheme
+  FrontFilter before{};      // may be none
+  bool drop_oldest = false;  // of a ring found full, the older half
 };
 
 class Packager {
@@ -77,6 +79,12 @@ class Packager {
   }
   const TimeAxis& axis() const noexcept { return times_.axis(); }
 
+  // Another latency bound, between two packages.
+  void set_latency_bound(std::int64_t bound_ns) noexcept {
+    telemetry_.latency.set_bound_ns(bound_ns);
+    scheme_.set_latency_bound_ns(bound_ns);
+  }
+
   // The events before this ring index are due, whatever the scheme waits for.
   void flush(std::uint64_t until_index) noexcept { flush_until_ = until_index; }
 
@@ -96,6 +104,8 @@ class Packager {
   Decision ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
                bool ended) noexcept;
   void drop_stale(std::size_t count) noexcept;
+  void pass_over(std::size_t count) noexcept;
+  std::uint64_t overflow() const noexcept { return buffer_.overflow() + telemetry_.overflow; }
   Package open(const Decision& decision, std::int64_t now_ns) noexcept;
   EventSpan add(Package& package, std::size_t begin, std::size_t end, Share share);
   void discard_all(const Package& package, std::int64_t end_ns) noexcept;
@@ -125,6 +135,7 @@ class Packager {
   std::size_t filtered_without_package_ = 0;
   std::uint64_t stale_since_package_ = 0;
   std::uint64_t overflow_reported_ = 0;
+  std::uint64_t thinned_reported_ = 0;  // events thinned out before they came to the ring
 };
 
 }  // namespace asap

@@ -3,7 +3,8 @@
 //
 //   while (loop.next(package, patience) != Next::ended) loop.work(package, algorithm);
 //
-// One thread, but for flush() and abandon(). Never polls: it sleeps at the doorbell.
+// One thread, but for flush(), abandon(), set_latency_bound() and stalled(). Never polls: it sleeps
+// at the doorbell.
 #pragma once
 
 #include <atomic>
@@ -15,6 +16,7 @@
 #include "asap/runner/clock.hpp"
 #include "asap/runner/consumer.hpp"
 #include "asap/runner/doorbell.hpp"
+#include "asap/runner/stall_watch.hpp"
 
 namespace asap {
 
@@ -22,14 +24,16 @@ class ConsumerLoop {
  public:
   enum class Next { package, idle, ended };
 
-  // The referenced objects outlive the loop.
+  // The referenced objects outlive the loop. `room`: where a producer sleeps that waits for free
+  // slots; may be none.
   ConsumerLoop(EventBuffer& buffer, Packager& packager, Telemetry& telemetry, Doorbell& doorbell,
-               const RunClock& clock) noexcept
+               const RunClock& clock, Doorbell* room = nullptr) noexcept
       : buffer_(buffer),
         packager_(packager),
         telemetry_(telemetry),
         doorbell_(doorbell),
-        clock_(clock) {}
+        clock_(clock),
+        room_(room) {}
 
   // Waits for a package, at most for `patience` (then idle). ended: the source has ended and all is
   // delivered.
@@ -37,6 +41,15 @@ class ConsumerLoop {
 
   // Any thread. What is in the ring now is due.
   void flush() noexcept;
+
+  // Any thread. Another latency bound, from the next look on.
+  void set_latency_bound(std::int64_t bound_ns) noexcept;
+
+  // Any thread. The consumer has been away for too long, though `waiting` events wait for it.
+  bool stalled(std::size_t waiting) const noexcept;
+
+  // Producer, before the first push.
+  void begin() noexcept;
 
   // Any thread. next() says ended, whatever still waits.
   void abandon() noexcept;
@@ -53,18 +66,23 @@ class ConsumerLoop {
     bool closed;
     bool abandoned;
     std::uint64_t flush;
+    std::int64_t bound_ns;  // 0: as it was
 
     friend bool operator==(const Asked&, const Asked&) = default;
   };
   Asked asked() const noexcept;
+  void heed(const Asked& asked) noexcept;
 
   EventBuffer& buffer_;
   Packager& packager_;
   Telemetry& telemetry_;
   Doorbell& doorbell_;
   const RunClock& clock_;
+  Doorbell* const room_;
+  StallWatch watch_;
   std::atomic<bool> abandoned_{false};
-  std::atomic<std::uint64_t> flush_{0};  // ring index
+  std::atomic<std::uint64_t> flush_{0};    // ring index
+  std::atomic<std::int64_t> bound_ns_{0};  // 0: as it was
 };
 
 }  // namespace asap

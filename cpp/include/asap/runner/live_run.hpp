@@ -13,7 +13,9 @@
 #include "asap/runner/clock.hpp"
 #include "asap/runner/consumer_loop.hpp"
 #include "asap/runner/doorbell.hpp"
+#include "asap/runner/intake.hpp"
 #include "asap/runner/run_config.hpp"
+#include "asap/runner/sensor_delay.hpp"
 #include "asap/telemetry/ledger.hpp"
 
 namespace asap {
@@ -26,8 +28,16 @@ class LiveRun {
   // The scheme outlives the run.
   LiveRun(Scheme& scheme, const RunConfig& config);
 
-  // Producer. Wait-free. What does not fit into the ring is dropped and counted.
-  void push(EventSpan events, std::optional<Steady::time_point> arrival = {});
+  // Producer. Wait-free, unless config.when_full is block: see Intake::take for `poll`. A stamp
+  // that shows that the sensor's clock was set back makes what waits due.
+  void push(EventSpan events, std::optional<Steady::time_point> arrival = {},
+            const Intake::Poll& poll = {});
+
+  // Any thread. A producer that waits for room gives up.
+  void leave() noexcept { intake_.leave(); }
+
+  // Any thread. Another latency bound, from the consumer's next look on.
+  void set_latency_bound(std::int64_t bound_ns) noexcept;
 
   // Once the producer has gone: nothing follows.
   void close() noexcept;
@@ -43,6 +53,11 @@ class LiveRun {
   Ledger ledger() const noexcept;
   Rejections rejected() const noexcept;
   std::uint64_t clock_resets() const noexcept { return clock_resets_; }
+  const SensorDelay& sensor_delay() const noexcept { return sensor_delay_; }
+  // The consumer has been away for too long.
+  bool stalled() const noexcept { return loop_.stalled(buffer_.size()); }
+  // The most events that have waited at once.
+  std::uint64_t most_waiting() const noexcept { return most_waiting_; }
   // Time since the first arrival, until close().
   std::int64_t elapsed_ns() const noexcept;
   // Latencies and totals from any thread; rows once the run is over.
@@ -50,7 +65,7 @@ class LiveRun {
 
  private:
   void begin(const Event& first, Steady::time_point arrival) noexcept;
-  void put(EventSpan good) noexcept;
+  void heed_clock() noexcept;
   void publish_counts() noexcept;
 
   Validator validator_;  // the producer's, like arrival_ns_ and begun_
@@ -59,6 +74,7 @@ class LiveRun {
   ArrivalTimes arrivals_;
   Packager packager_;
   Doorbell doorbell_;
+  Intake intake_;
   RunClock clock_;
   ConsumerLoop loop_;
 
@@ -72,6 +88,8 @@ class LiveRun {
     Relaxed<std::uint64_t> nonmonotonic, out_of_bounds, bad_polarity, bad_record, before_start;
   } rejected_;
   Relaxed<std::uint64_t> clock_resets_;
+  Relaxed<std::uint64_t> most_waiting_;
+  SensorDelay sensor_delay_;
 };
 
 }  // namespace asap

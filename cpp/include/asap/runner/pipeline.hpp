@@ -1,9 +1,13 @@
 // Pipeline: live events from any thread to the algorithm, in packages, within the latency bound.
 // The producer pushes and is never blocked; the consumer works on its own thread; any thread may
-// look, flush and stop. No thread of its own, no polling.
+// look, flush and stop. No polling.
+//
+//   Pipeline pipeline{{.latency_us = 10'000}, [&](EventSpan events) { tracker.process(events); }};
+//   driver.on_events([&](EventSpan events) { pipeline.push(events); });   // any thread
+//
+// works on a thread of its own. Or, with a scheme of your choice, on yours:
 //
 //   Pipeline pipeline{scheme, {.latency_us = 10'000}};
-//   driver.on_events([&](EventSpan events) { pipeline.push(events); });   // any thread
 //   pipeline.run([&](EventSpan events) { tracker.process(events); });     // until stop()
 //
 // An event's age counts from its push (or the arrival time given with it), not from its stamp.
@@ -12,10 +16,12 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <thread>
 
 #include "asap/runner/consumer.hpp"
 #include "asap/runner/live_run.hpp"
@@ -36,6 +42,11 @@ struct PipelineStats {
   std::uint64_t upstream_marks = 0;    // "events are missing here"
   std::uint64_t upstream_packets = 0;  // packets known to be lost
   bool open = true;                    // pushes are taken
+  bool stalled = false;                // the consumer has been away for too long (StallWatch)
+  std::uint64_t most_waiting = 0;      // events that have been in the ring at once
+  std::int64_t latency_bound_ns = 0;   // in force from the consumer's next look on
+  std::int64_t sensor_delay_ns = 0;    // of the last push, beyond the least of late (SensorDelay)
+  std::int64_t sensor_delay_max_ns = 0;
 };
 
 class Pipeline {
@@ -46,14 +57,18 @@ class Pipeline {
 
   // Open from the start. The scheme outlives the pipeline.
   explicit Pipeline(Scheme& scheme, RunConfig config = {});
-  ~Pipeline() { stop(false); }
+  // With a worker: a thread that runs the algorithm, under Deadline, until stop(). See join().
+  Pipeline(RunConfig config, Consumer algorithm);
+  // Gives up what still waits, and waits for the worker to end its package.
+  ~Pipeline();
 
   // ---- producer: any thread, one at a time; wait-free, no allocation
 
-  // False, and nothing is counted: after stop(), or while another thread pushes. Events that do not
-  // fit into the ring are dropped and counted. An arrival in the future counts as now, one before
-  // that of the last push as that. With OnBad::raise throws std::invalid_argument.
-  bool push(EventSpan events, Arrival arrival = {});
+  // False, and nothing is counted: after stop(), or while another thread pushes. Where the ring is
+  // full config.when_full decides; `poll` is for WhenFull::block alone, see Intake::take. An
+  // arrival in the future counts as now, one before that of the last push as that. With
+  // OnBad::raise throws std::invalid_argument.
+  bool push(EventSpan events, Arrival arrival = {}, const Poll& poll = {});
 
   // The driver has lost events before they came here.
   void upstream_lost(std::uint64_t marks, std::uint64_t packets = 0) noexcept;
@@ -76,6 +91,12 @@ class Pipeline {
   // in work pending.
   void run(const Consumer& consumer, const Poll& poll = {});
 
+  // ---- the worker, if there is one
+
+  // Waits until it has ended: after stop(), or because the algorithm has thrown; then throws that.
+  // std::logic_error from inside the algorithm.
+  void join();
+
   // ---- any thread
 
   // What waits now is due, whatever the scheme waits for.
@@ -87,8 +108,13 @@ class Pipeline {
   void stop(bool drain = true);
 
   // After stop(): a new run, with an empty ring and all counts at 0. std::logic_error while a
-  // consumer is inside or a package in work; no event of the run before may be in use.
+  // consumer is inside or a package in work; no event of the run before may be in use. Waits for a
+  // worker that still drains, and lets it begin anew.
   void start();
+
+  // Another latency bound, from the consumer's next look on and for later runs; for a scheme that
+  // has one, too. The ring keeps its capacity. Throws std::invalid_argument for one out of range.
+  void set_latency(double latency_us);
 
   bool is_open() const noexcept { return door_.is_open(); }
   Ledger ledger() const;
@@ -100,8 +126,14 @@ class Pipeline {
  private:
   class Working;
 
+  Pipeline(std::unique_ptr<Scheme> scheme, RunConfig config, Consumer algorithm);
+  void begin();
+  void set_to_work();
+
+  const std::unique_ptr<Scheme> own_scheme_;
   Scheme& scheme_;
-  const RunConfig config_;
+  RunConfig config_;
+  std::int64_t latency_bound_ns_;
   mutable std::mutex control_;  // start, stop, flush and the snapshots; never push or next
   std::unique_ptr<LiveRun> run_;
   PushDoor door_;
@@ -111,6 +143,10 @@ class Pipeline {
   std::atomic<bool> consuming_{false};  // a consumer is inside
   Package package_;                     // in work, if has_package_
   bool has_package_ = false;
+
+  const Consumer algorithm_;  // of the worker
+  std::exception_ptr error_;  // what it has thrown
+  std::thread worker_;
 };
 
 }  // namespace asap

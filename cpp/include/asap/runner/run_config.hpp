@@ -7,6 +7,7 @@
 
 #include "asap/filter/front_filter.hpp"
 #include "asap/filter/validator.hpp"
+#include "asap/runner/when_full.hpp"
 #include "asap/schemes/scheme.hpp"
 
 namespace asap {
@@ -20,8 +21,12 @@ struct RunConfig {
   Execution execution = Execution::anytime;
   bool flush =
       true;  // false, for experiments: nothing is taken because it has waited for the bound
-  FrontFilter before{};  // in front of the gamma filter; may be none
+  FrontFilter before{};                 // in front of the gamma filter; may be none
+  WhenFull when_full = WhenFull::thin;  // the ring of a live pipeline
 };
+
+// Throws std::invalid_argument for a bound out of range.
+std::int64_t checked_latency_bound_ns(double latency_us);
 
 // The bound in force. Throws std::invalid_argument for a value out of range, and when the scheme
 // has another bound of its own.

@@ -12,6 +12,7 @@
 // Called on the consumer's thread, once or twice per package. O(1), no allocation.
 #pragma once
 
+#include "asap/core/relaxed.hpp"
 #include "asap/schemes/cost_model.hpp"
 #include "asap/schemes/hold.hpp"
 #include "asap/schemes/scheme.hpp"
@@ -35,6 +36,9 @@ class DeadBeat final : public Scheme {
   std::string_view name() const noexcept override { return "dead_beat"; }
   SchemeParameters parameters() const override;
   std::int64_t latency_bound_ns() const noexcept override { return latency_bound_ns_; }
+  void set_latency_bound_ns(std::int64_t bound_ns) noexcept override {
+    latency_bound_ns_ = bound_ns;
+  }
 
   // What a package costs, as far as it is known.
   double alpha_ns() const noexcept { return cost_.alpha_ns(); }
@@ -46,7 +50,7 @@ class DeadBeat final : public Scheme {
   double caution() const noexcept;  // zeta
 
   const DeadBeatConfig config_;
-  const std::int64_t latency_bound_ns_;
+  Relaxed<std::int64_t> latency_bound_ns_;
   const HoldRule hold_;
   CostModel cost_;
   Execution execution_;

@@ -11,6 +11,7 @@
 // costs.
 #pragma once
 
+#include "asap/core/relaxed.hpp"
 #include "asap/schemes/cost_model.hpp"
 #include "asap/schemes/hold.hpp"
 #include "asap/schemes/reservoir_price.hpp"
@@ -37,6 +38,9 @@ class Deadline final : public Scheme {
   std::string_view name() const noexcept override { return "deadline"; }
   SchemeParameters parameters() const override;
   std::int64_t latency_bound_ns() const noexcept override { return latency_bound_ns_; }
+  void set_latency_bound_ns(std::int64_t bound_ns) noexcept override {
+    latency_bound_ns_ = bound_ns;
+  }
 
   // What a package costs, as far as it is known.
   double alpha_ns() const noexcept { return cost_.alpha_ns(); }
@@ -69,7 +73,7 @@ class Deadline final : public Scheme {
   double reservoir() const noexcept;  // phi: 1 = full
 
   const DeadlineConfig config_;
-  const std::int64_t latency_bound_ns_;
+  Relaxed<std::int64_t> latency_bound_ns_;
   const HoldRule hold_;
   CostModel cost_;
   Execution execution_;

@@ -101,8 +101,10 @@ class Scheme {
 
   virtual std::string_view name() const noexcept = 0;
   virtual SchemeParameters parameters() const { return {}; }
-  // The latency bound that the scheme was built with; 0 = it has none of its own.
+  // The latency bound that the scheme plans with; 0 = it has none of its own. Any thread.
   virtual std::int64_t latency_bound_ns() const noexcept { return 0; }
+  // Another bound, 10 us to 10^4 s, from the next decision on; nothing to a scheme without one.
+  virtual void set_latency_bound_ns(std::int64_t) noexcept {}
 };
 
 }  // namespace asap

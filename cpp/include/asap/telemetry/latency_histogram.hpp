@@ -85,6 +85,8 @@ class LatencyHistogram {
   std::uint64_t count() const noexcept { return count_; }
   std::uint64_t within_bound() const noexcept { return within_bound_; }
   std::int64_t bound_ns() const noexcept { return bound_ns_; }
+  // Another bound: within_bound() goes on with it.
+  void set_bound_ns(std::int64_t bound_ns) noexcept { bound_ns_ = bound_ns; }
   std::int64_t max_ns() const noexcept { return max_ns_; }
   // 0 of nothing recorded.
   double mean_ns() const noexcept;
@@ -124,7 +126,7 @@ class LatencyHistogram {
   }
   static double middle_of(std::size_t bin) noexcept;
 
-  std::int64_t bound_ns_;
+  Relaxed<std::int64_t> bound_ns_;
   // Plain numbers, so that a histogram is made and read fast; atomic where two threads meet.
   class Bins {
    public:

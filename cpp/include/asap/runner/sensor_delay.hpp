@@ -1,0 +1,50 @@
+// SensorDelay: how much longer than at best events take from the sensor to the pipeline. The two
+// clocks share no zero and run at different speeds, so the difference (arrival - stamp) is compared
+// with its own minimum over the last 5 to 10 seconds: a skew of 100 ppm is then worth less than a
+// millisecond, and no step of a wall clock matters. Reported only; no decision depends on it. The
+// producer's thread notes, any thread may read. Source: a running minimum, as clock filters use it.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "asap/core/relaxed.hpp"
+
+namespace asap {
+
+class SensorDelay {
+ public:
+  static constexpr std::int64_t kWindowNs = 5'000'000'000;
+
+  // The newest event of a push: its stamp, and when it came on the host's steady clock.
+  void note(std::int64_t stamp_us, std::int64_t arrival_ns) noexcept {
+    const std::int64_t difference_ns = arrival_ns - stamp_us * 1000;
+    if (arrival_ns - window_start_ns_ >= kWindowNs || window_start_ns_ == kNone) {
+      before_ns_ = window_start_ns_ == kNone ? kNone : least_ns_;
+      window_start_ns_ = arrival_ns;
+      least_ns_ = difference_ns;
+    }
+    least_ns_ = std::min(least_ns_, difference_ns);
+    last_ns_ = difference_ns - std::min(least_ns_, before_ns_);
+    max_ns_ = std::max(max_ns_.load(), last_ns_.load());
+  }
+
+  // The sensor's clock has been set back: what was learnt about it is void.
+  void forget() noexcept { window_start_ns_ = kNone; }
+
+  // Beyond the least delay of late; of the last push, and the longest so far. Never negative.
+  std::int64_t last_ns() const noexcept { return last_ns_; }
+  std::int64_t max_ns() const noexcept { return max_ns_; }
+
+ private:
+  static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
+
+  std::int64_t window_start_ns_ = kNone;
+  std::int64_t least_ns_ = kNone;   // of this window
+  std::int64_t before_ns_ = kNone;  // of the window before
+  Relaxed<std::int64_t> last_ns_;
+  Relaxed<std::int64_t> max_ns_;
+};
+
+}  // namespace asap
