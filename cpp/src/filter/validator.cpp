@@ -11,7 +11,7 @@ namespace {
 constexpr int kAddresses = 65536;  // x and y are 16 bits wide
 
 std::uint32_t largest_address(int size) noexcept {
-  return static_cast<std::uint32_t>((size == 0 ? kAddresses : size) - 1);
+  return static_cast<std::uint32_t>(size == 0 ? kAddresses : size) - 1;
 }
 
 bool is_polarity(std::int16_t p) noexcept { return static_cast<std::uint16_t>(p) <= 1; }

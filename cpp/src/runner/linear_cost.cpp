@@ -31,6 +31,8 @@ LinearCost::LinearCost(LinearCostConfig config)
             "give them in order, each beginning after the one before has ended, ns");
     require(outage.end_ns > outage.begin_ns, "outages", outage.end_ns,
             "an outage ends after it has begun, ns");
+    require(outage.end_ns <= static_cast<std::int64_t>(kEndOfTimeNs), "outages", outage.end_ns,
+            "an outage ends within 9.2e18 ns of run time");
     free_ns = outage.end_ns;
   }
 }

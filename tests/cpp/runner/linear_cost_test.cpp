@@ -197,5 +197,15 @@ TEST(LinearCost, RefusesOutagesThatOverlapOrEndBeforeTheyBegin) {
   EXPECT_EQ(error({{10, 9}}), "outages = 9: an outage ends after it has begun, ns");
 }
 
+// Found by the fuzzer: an algorithm that started behind the end of time was done before.
+TEST(LinearCost, RefusesAnOutageThatNeverEnds) {
+  const auto last = static_cast<std::int64_t>(9.2e18);
+  EXPECT_EQ(test::error_of([=] { LinearCost({.outages = {{0, last + 1}}}); }),
+            "outages = 9200000000000000001: an outage ends within 9.2e18 ns of run time");
+  const LinearCost cost({.outages = {{0, last}}});
+  EXPECT_EQ(cost.start_ns(5), last);
+  EXPECT_EQ(cost.done_ns(last, 100.0), last);
+}
+
 }  // namespace
 }  // namespace asap

@@ -24,7 +24,7 @@ struct LinearCostConfig {
   double noise = 0.0;       // sigma of the logarithm
   std::uint64_t seed = 0;
   std::vector<double> drift{};    // factors on beta, one per ms of run time; the last one stays
-  std::vector<Outage> outages{};  // in order, not overlapping
+  std::vector<Outage> outages{};  // in order, not overlapping, none for ever
 };
 
 // The draw of one package: what it costs before its first event, and per event.
