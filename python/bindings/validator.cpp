@@ -2,9 +2,11 @@
 
 #include <pybind11/pybind11.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/core/check.hpp"
 #include "layers.hpp"
@@ -18,6 +20,13 @@ OnBad on_bad_from(const std::string& name) {
   if (name == "clamp") return OnBad::clamp;
   if (name == "raise") return OnBad::raise;
   throw_bad_value("on_bad", "'" + name + "'", "use 'drop', 'clamp' or 'raise'");
+}
+
+// What no int holds has its field named as well; the Validator knows the limits.
+int small_number(const char* field, const py::object& value) {
+  const std::uint64_t number = whole_number(field, value);
+  require(number <= std::numeric_limits<int>::max(), field, number, "is too large");
+  return static_cast<int>(number);
 }
 
 // The array itself where all of it is good, else what is left of it.
@@ -60,12 +69,13 @@ py::dict repaired(const Validator& validator) {
 
 void bind_validator(py::module_& m) {
   py::class_<Validator>(m, "Validator")
-      .def(py::init([](int width, int height, const std::string& on_bad,
-                       std::int64_t reorder_tolerance_us) {
-             return Validator({.width = width,
-                               .height = height,
+      .def(py::init([](const py::object& width, const py::object& height, const std::string& on_bad,
+                       const py::object& reorder_tolerance_us) {
+             return Validator({.width = small_number("width", width),
+                               .height = small_number("height", height),
                                .on_bad = on_bad_from(on_bad),
-                               .reorder_tolerance_us = reorder_tolerance_us});
+                               .reorder_tolerance_us =
+                                   small_number("reorder_tolerance_us", reorder_tolerance_us)});
            }),
            py::kw_only(), py::arg("width") = 0, py::arg("height") = 0, py::arg("on_bad") = "drop",
            py::arg("reorder_tolerance_us") = 0)

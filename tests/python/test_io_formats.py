@@ -88,6 +88,8 @@ class TestEveryFormat:
             asap.read(path, width=-1)
         with pytest.raises(ValueError, match="height = 70000"):
             asap.read(path, height=70000)
+        with pytest.raises(ValueError, match=f"width = {2**40}"):
+            asap.read(path, width=2**40)
 
 
 class TestNpy:
@@ -231,6 +233,8 @@ class TestText:
         rec = asap.read(text(tmp_path, "346 260\n5 1 2 0\n6 346 2 0\n"))
         assert (rec.width, rec.height) == (346, 260)
         assert txyp(np.concatenate(list(rec))) == [(5, 1, 2, 0)]
+        with pytest.raises(ValueError, match="width = 99999999999"):
+            asap.load(text(tmp_path, "99999999999 5\n1 2 3 1\n"))
 
     @pytest.mark.parametrize(
         ("header", "time", "t_us"),

@@ -298,6 +298,17 @@ def test_source_may_be_columns_or_a_foreign_layout():
         assert asap.simulate(source, cost=COST).ledger.delivered == events.size
 
 
+def test_the_width_of_a_table_is_not_that_of_a_sensor():
+    class Frame(dict):
+        columns, width, height = property(list), 4, 10
+
+    events = streams.poisson(1e5, 0.01)
+    frame = Frame({name: events[name] for name in "txyp"})
+    run = asap.simulate(frame, cost=COST)
+    assert (run.source["width"], run.source["height"]) == (None, None)
+    assert run.ledger.delivered == events.size
+
+
 def test_in_time_counts_what_came_within_the_bound():
     # Two packages of one event; the second waits 900 us for the first.
     events = streams.make([0, 100])

@@ -36,8 +36,10 @@ class Source:
             self.array = as_events(source)
             self._chunks = (self.array,)
 
-        self.width = width if width is not None else getattr(source, "width", None)
-        self.height = height if height is not None else getattr(source, "height", None)
+        # A table may have a width and a height too: those of the table.
+        known = source if self.array is None else None
+        self.width = width if width is not None else getattr(known, "width", None)
+        self.height = height if height is not None else getattr(known, "height", None)
         self.events = 0
         self.first_us: int | None = None
         self._ended = False

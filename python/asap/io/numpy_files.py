@@ -61,7 +61,8 @@ class NpyReader:
     def _map(self) -> npt.NDArray[Any]:
         shape = (self._rows, *self._row)
         if 0 in shape:
-            return np.empty(shape, self._dtype)
+            with foreign(self._path, self._offset):
+                return np.empty(shape, self._dtype)
         order: Any = "F" if self._fortran else "C"
         mapped = np.memmap(self._path, self._dtype, "r", self._offset, shape, order)
         return mapped.view(np.ndarray)
