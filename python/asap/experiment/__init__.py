@@ -2,8 +2,9 @@
 
 from asap.experiment.comparison import Comparison, Row, compare, oracle
 from asap.experiment.pipeline import Pipeline
-from asap.experiment.result import Run, load_run
+from asap.experiment.result import Run
 from asap.experiment.runners import last_run, run, simulate
+from asap.experiment.saved_run import load_run
 
 __all__ = [
     "Comparison",

@@ -18,7 +18,7 @@ from asap.experiment.cost import BOUND_KEPT, Cost, bound_needed_us
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["LEDGER_FIELDS", "Ledger", "Named", "Run", "load_run"]
+__all__ = ["LEDGER_FIELDS", "SCHEMA_VERSION", "Ledger", "Named", "Run"]
 
 SCHEMA_VERSION = 1
 LEDGER_FIELDS = (
@@ -236,58 +236,6 @@ class Run:
         from asap import table
 
         return table.format_run(self)
-
-
-def load_run(path: str | os.PathLike[str]) -> Run:
-    """Read a run that `Run.save` wrote.
-
-    Raises
-    ------
-    ValueError
-        The file holds no run, or one of another schema.
-    OSError
-        The file cannot be read.
-    """
-    try:
-        document = json.loads(Path(path).read_text(encoding="utf-8"))
-        return _from_document(document)
-    except (KeyError, TypeError, ValueError) as error:
-        raise ValueError(
-            f"{os.fspath(path)}: not a run that asap has saved ({error}); "
-            "make one with run.save(path) or asap run --save PATH"
-        ) from error
-
-
-def _from_document(document: dict[str, Any]) -> Run:
-    if document["schema_version"] != SCHEMA_VERSION:
-        raise ValueError(f"schema_version {document['schema_version']} is not {SCHEMA_VERSION}")
-    rows = document["rows"]
-    packages = np.zeros(len(rows["index"]), _core.PACKAGE_DTYPE)
-    for name in packages.dtype.names or ():
-        packages[name] = rows[name]
-    scheme, algorithm = dict(document["scheme"]), dict(document["algorithm"])
-    return Run(
-        packages=packages,
-        ledger=Ledger(document["ledger"]),
-        latency=_histogram(document["latency_histogram"]),
-        rejected=dict(document["rejected"]),
-        scheme=Named(scheme.pop("name"), scheme),
-        algorithm=Named(algorithm.pop("name"), algorithm),
-        mode=document["mode"],
-        latency_bound_us=float(document["latency_bound_us"]),
-        source=dict(document["source"]),
-        speed=float(document["speed"]),
-        clock_resets=int(document["clock_resets"]),
-        lateness=_histogram(document["lateness_histogram"])
-        if document["lateness_histogram"]
-        else None,
-        learned=Cost(**learned) if (learned := document.get("learned_cost")) else None,
-    )
-
-
-def _histogram(state: Any) -> _core.LatencyHistogram:
-    *scalars, bins = state
-    return _core.LatencyHistogram.restored((*scalars, [tuple(one) for one in bins]))
 
 
 def _share(part: int, whole: int) -> float:
