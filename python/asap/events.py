@@ -337,7 +337,10 @@ def _numeric(role: str, column: Any) -> Column:
         raise TypeError(f"{role}: a column has one dimension, this one has shape {values.shape}")
     if values.dtype.kind not in ("biufmM" if role == "t" else "biuf"):
         raise TypeError(f"{role}: a column of {values.dtype} holds no numbers")
-    return values.astype(np.float64, copy=False) if values.dtype.kind == "f" else values
+    if values.dtype.kind != "f":
+        return values
+    with np.errstate(over="ignore"):  # what becomes infinite is refused by its value
+        return values.astype(np.float64, copy=False)
 
 
 def _outside(column: Column, low: int, high: int) -> npt.NDArray[np.bool_] | None:

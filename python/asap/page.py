@@ -42,7 +42,7 @@ def write(
         title=escape(title), style=_STYLE + style, intro=intro, body=body, words=words
     )
     path = Path(path)
-    path.write_text(html, encoding="utf-8")
+    path.write_text(html, encoding="utf-8", errors="replace")  # a file name may be no text
     return path
 
 

@@ -12,7 +12,7 @@ using namespace asap;
 namespace {
 
 constexpr std::int64_t kEndOfTimeNs = 9'200'000'000'000'000'000;
-constexpr std::size_t kMostWaiting = std::size_t{1} << 20;  // as the default ring holds
+constexpr std::size_t kMostWaiting = std::size_t{1} << 16;
 
 // Events spread evenly from the oldest to now.
 class EvenBacklog final : public BacklogCounts {

@@ -65,6 +65,37 @@ def test_whole_microseconds_survive(us):
     assert units.parse_duration_us(f"{us}us") == us
 
 
+WORDS = st.lists(
+    st.one_of(
+        st.sampled_from(("ms", "us", "µs", "ns", "s", "+", "-", "e", ".", "1e400", "inf", "nan")),
+        st.sampled_from((" ", "_", "\n", "\u0661", "9" * 400)),
+        st.integers(0, 10**6).map(str),
+        st.characters(),
+    ),
+    max_size=6,
+).map("".join)
+
+
+@given(WORDS)
+def test_any_text_is_a_finite_duration_or_refused_by_name(text):
+    try:
+        us = units.parse_duration_us(text, field="latency")
+    except ValueError as error:
+        assert str(error).startswith("latency = ")
+    else:
+        assert 0 <= us < float("inf")
+
+
+@given(WORDS, WORDS)
+def test_any_text_is_a_finite_cost_or_refused_by_name(alpha, beta):
+    try:
+        cost = units.parse_cost(f"{alpha}+{beta}")
+    except ValueError as error:
+        assert str(error).startswith("cost")
+    else:
+        assert all(0 <= value < float("inf") for value in cost)
+
+
 @pytest.mark.parametrize(
     ("us", "text"),
     [

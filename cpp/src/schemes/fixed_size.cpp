@@ -5,9 +5,15 @@
 #include "asap/core/check.hpp"
 
 namespace asap {
+namespace {
+
+constexpr std::size_t kLargestSize = std::size_t{1} << 40;
+
+}  // namespace
 
 FixedSize::FixedSize(FixedSizeConfig config) : config_(config) {
-  require(config.size >= 1, "size", config.size, "must be at least 1 event");
+  require(config.size >= 1 && config.size <= kLargestSize, "size", config.size,
+          "must be between 1 and 2^40 events");
 }
 
 Decision FixedSize::decide(const Backlog& backlog) noexcept {

@@ -47,7 +47,10 @@ TEST(FixedSize, TellsItsNameAndParameters) {
 
 TEST(FixedSize, RefusesPackagesOfNothing) {
   EXPECT_EQ(test::error_of([] { FixedSize scheme({.size = 0}); }),
-            "size = 0: must be at least 1 event");
+            "size = 0: must be between 1 and 2^40 events");
+  // Found by the fuzzer: such a size read -1 among the parameters.
+  EXPECT_EQ(test::error_of([] { FixedSize scheme({.size = ~std::size_t{0}}); }),
+            "size = 18446744073709551615: must be between 1 and 2^40 events");
 }
 
 }  // namespace
