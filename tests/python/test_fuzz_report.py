@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 import asap
 import streams
 from asap.cli import main
-from fuzzing import INTERESTING, TIMES, effort
+from fuzzing import INTERESTING, effort
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 ATTACK = "</title></template><script>alert(1)</script><img src=http://x.example/ onerror=a()>\"'&"
@@ -115,7 +115,7 @@ def test_a_changed_run(saved: tuple[Path, dict[str, Any]], data: st.DataObject) 
         path = data.draw(st.sampled_from(places(document)))
         put(document, path, data.draw(VALUES))
     with pytest.MonkeyPatch.context() as patch:
-        if TIMES == 1:  # most of a second for each page
+        if data.draw(st.integers(0, 19)) > 0:  # the figures take most of a second
             patch.setattr("asap.report._curves", lambda *_: "")
         report(folder, document)
 
