@@ -159,6 +159,9 @@ LIES = {
     "less than nothing": ("ledger", "stale", -1),
     "no number": ("scheme", "rate_bound", "fast"),
     "a part that is missing": ("source", "duration_s", None),
+    "infinity": ("algorithm", "alpha_us", float("inf")),
+    "more than all": ("rows", "gamma", 0, 1.5),
+    "a package beyond all": ("rows", "start_us", 0, 1e300),
     "a time beyond all": ("source", "duration_s", 1e300),
 }
 
