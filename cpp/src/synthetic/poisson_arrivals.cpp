@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "asap/core/check.hpp"
+#include "near_normal.hpp"
 #include "portable_exp.hpp"
 #include "scene_checks.hpp"
 
@@ -17,17 +18,6 @@ const PoissonArrivalsConfig& checked(const PoissonArrivalsConfig& config) {
   synthetic::require_view_and_time(config);
   require(config.noise >= 0.0 && config.noise <= 1.0, "noise", config.noise, "give 0 to 1");
   return config;
-}
-
-// Normal to the eye: the sum of twelve uniforms, of mean 0 and variance 1, exact in integers.
-double near_normal(const CounterRandom& random, std::uint64_t number) noexcept {
-  constexpr double kMean = 6.0 - 12 * 0x1.0p-17;
-  std::uint64_t sum = 0;
-  for (std::uint64_t draw = 3 * number; draw < 3 * number + 3; ++draw) {
-    const std::uint64_t bits = random(draw);
-    for (int lane = 0; lane < 64; lane += 16) sum += bits >> lane & 0xffffU;
-  }
-  return static_cast<double>(sum) * 0x1.0p-16 - kMean;
 }
 
 }  // namespace
@@ -92,7 +82,7 @@ bool PoissonArrivals::to_next_event() noexcept {
 
 void PoissonArrivals::open_step(double rate_hz) noexcept {
   const auto step = static_cast<std::uint64_t>(elapsed_us_ / kStep_us);
-  const double normal = near_normal(flicker_, step);
+  const double normal = synthetic::near_normal(flicker_, step);
   log_factor_ =
       step == 0 ? normal : kMemory * log_factor_ + std::sqrt(1.0 - kMemory * kMemory) * normal;
   const double exponent = config_.noise * log_factor_ - 0.5 * config_.noise * config_.noise;

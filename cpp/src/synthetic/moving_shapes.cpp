@@ -1,0 +1,172 @@
+#include "asap/synthetic/moving_shapes.hpp"
+
+#include <algorithm>
+
+#include "asap/core/check.hpp"
+#include "asap/core/random.hpp"
+#include "near_normal.hpp"
+#include "portable_log.hpp"
+#include "scene_checks.hpp"
+
+namespace asap {
+namespace {
+
+constexpr double kContrast = 0.25;        // mean threshold, in log brightness
+constexpr double kContrastSpread = 0.12;  // of the pixels, relative
+constexpr double kLeastContrast = 0.1;
+constexpr double kLeastBrightness = 0.02;
+constexpr std::size_t kMaxShapes = 10'000;
+
+static_assert(MovingShapes::kStep_us <= ContrastPixel::kRefractory_us,
+              "a pixel fires once in a step at most");
+
+const MovingShapesConfig& checked(const MovingShapesConfig& config) {
+  synthetic::require_view_and_time(config);
+  require(config.duration_us % MovingShapes::kStep_us == 0, "duration_us", config.duration_us,
+          "give a multiple of 250 us");
+  require(config.shapes.size() <= kMaxShapes, "shapes", config.shapes.size(),
+          "give 10000 shapes at most");
+  for (const MovingShape& shape : config.shapes) {
+    require(shape.brightness >= kLeastBrightness && shape.brightness <= 1.0, "brightness",
+            shape.brightness, "give 0.02 to 1");
+  }
+  return config;
+}
+
+std::vector<RigidShape> shapes_of(const MovingShapesConfig& config) {
+  std::vector<RigidShape> shapes;
+  for (const MovingShape& shape : config.shapes) shapes.emplace_back(shape.kind, shape.radius_px);
+  return shapes;
+}
+
+std::vector<RigidMotion> motions_of(const MovingShapesConfig& config) {
+  std::vector<RigidMotion> motions;
+  for (const MovingShape& shape : config.shapes) motions.emplace_back(shape.motion);
+  return motions;
+}
+
+double level_of(double brightness) noexcept {
+  return synthetic::portable_log(std::max(kLeastBrightness, brightness));
+}
+
+std::size_t pixels_of(const MovingShapesConfig& config) noexcept {
+  return static_cast<std::size_t>(config.width) * static_cast<std::size_t>(config.height);
+}
+
+}  // namespace
+
+MovingShapes::MovingShapes(const MovingShapesConfig& config)
+    : config_(checked(config)),
+      shapes_(shapes_of(config)),
+      motions_(motions_of(config)),
+      canvas_(config.width, config.height, kGround),
+      noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(0)),
+      pixels_(pixels_of(config)),
+      shown_(pixels_of(config), kGround),
+      seen_block_(config.width, config.height, pixels_of(config)),
+      noise_block_(config.width, config.height, kStep_us),
+      events_(pixels_of(config) + kStep_us),
+      labels_(events_.size()),
+      poses_(config.shapes.size()) {
+  paint();
+  make_pixels();
+}
+
+EventSpan MovingShapes::next() noexcept {
+  size_ = 0;
+  while (elapsed_us_ < config_.duration_us) {
+    for (std::size_t i = 0; i < motions_.size(); ++i) {
+      poses_[i] = motions_[i].pose();
+      motions_[i].advance();
+    }
+    paint();
+
+    seen_block_.open(config_.t0_us + elapsed_us_, kStep_us);
+    noise_block_.open(config_.t0_us + elapsed_us_, kStep_us);
+    see();
+    noise_.add_to(noise_block_, elapsed_us_);
+    elapsed_us_ += kStep_us;
+    merge(seen_block_.close(), noise_block_.close());
+    if (size_ > 0) break;
+  }
+  return {events_.data(), size_};
+}
+
+void MovingShapes::make_pixels() {
+  const CounterRandom random{CounterRandom(config_.seed)(1)};
+  const CounterRandom offsets{CounterRandom(config_.seed)(2)};
+  const auto threshold = [&](std::uint64_t number) {
+    const double spread = kContrastSpread * synthetic::near_normal(random, number);
+    return std::max(kLeastContrast, kContrast * (1.0 + spread));
+  };
+  const double ground = level_of(kGround);
+  for (std::size_t pixel = 0; pixel < pixels_.size(); ++pixel) {
+    const double on = threshold(2 * pixel);
+    const double off = threshold(2 * pixel + 1);
+    const double reference = ground + kContrast * (offsets.uniform(pixel) - 0.5);
+    pixels_[pixel] = ContrastPixel(on, off, ground, reference);
+  }
+  for (const std::uint32_t pixel : canvas_.touched()) {
+    const double brightness = canvas_.brightness(pixel);
+    if (brightness == kGround) continue;
+    const double on = threshold(2 * pixel);
+    const double off = threshold(2 * pixel + 1);
+    const double level = level_of(brightness);
+    pixels_[pixel] = ContrastPixel(on, off, level, level);
+    shown_[pixel] = brightness;
+  }
+}
+
+void MovingShapes::paint() noexcept {
+  canvas_.begin();
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    canvas_.paint(shapes_[i], motions_[i].pose(), config_.shapes[i].brightness,
+                  static_cast<std::int32_t>(i));
+  }
+}
+
+void MovingShapes::see() noexcept {
+  const auto width = static_cast<std::uint32_t>(config_.width);
+  for (const std::uint32_t pixel : canvas_.touched()) {
+    const double brightness = canvas_.brightness(pixel);
+    if (brightness == shown_[pixel]) continue;
+    shown_[pixel] = brightness;
+    const auto change = pixels_[pixel].move_to(level_of(brightness), elapsed_us_, kStep_us);
+    if (!change) continue;
+    seen_block_.add(static_cast<std::int32_t>(pixel % width),
+                    static_cast<std::int32_t>(pixel / width), change->on, change->offset_us);
+  }
+}
+
+// Both are in time order; what the shapes caused goes first at equal times.
+void MovingShapes::merge(EventSpan seen, EventSpan noise) noexcept {
+  const auto width = static_cast<std::uint32_t>(config_.width);
+  auto next_noise = noise.begin();
+  const auto add = [&](const Event& event, std::int32_t label) {
+    events_[size_] = event;
+    labels_[size_++] = label;
+  };
+  for (const Event& event : seen) {
+    for (; next_noise != noise.end() && next_noise->t < event.t; ++next_noise) {
+      add(*next_noise, kNoise);
+    }
+    add(event, canvas_.owner(event.x + width * event.y));
+  }
+  for (; next_noise != noise.end(); ++next_noise) add(*next_noise, kNoise);
+}
+
+std::vector<Pose> poses_of(const MovingShapesConfig& config) {
+  std::vector<RigidMotion> motions = motions_of(checked(config));
+  std::vector<Pose> poses;
+  poses.reserve(motions.size() *
+                (static_cast<std::size_t>(config.duration_us / MovingShapes::kStep_us) + 1));
+  for (std::int64_t t_us = 0; t_us <= config.duration_us; t_us += MovingShapes::kStep_us) {
+    for (RigidMotion& motion : motions) {
+      poses.push_back(motion.pose());
+      motion.advance();
+    }
+  }
+  return poses;
+}
+
+}  // namespace asap

@@ -1,0 +1,117 @@
+#include "asap/synthetic/rigid_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "asap/core/check.hpp"
+#include "asap/synthetic/unit_vector.hpp"
+
+namespace asap {
+namespace {
+
+constexpr double kTan60 = 1.7320508075688772;
+constexpr double kTan18 = 0.32491969623290633;
+
+double length_px(PlanePoint point) noexcept {
+  return std::sqrt(point.x * point.x + point.y * point.y);
+}
+
+}  // namespace
+
+RigidShape::RigidShape(ShapeKind kind, double radius_px)
+    : reach_px_(radius_px), inner_px_(radius_px) {
+  require(radius_px >= 1.0 && radius_px <= kMaxRadius_px, "radius_px", radius_px,
+          "give 1 to 1000 px");
+  switch (kind) {
+    case ShapeKind::kDisk:
+      return;
+    case ShapeKind::kSquare:
+      add_box(radius_px, radius_px);
+      break;
+    case ShapeKind::kRectangle:
+      add_box(radius_px, 0.5 * radius_px);
+      break;
+    case ShapeKind::kTriangle:
+      add_ring(3, kTan60, 1.2 * radius_px, 1.2 * radius_px);
+      break;
+    case ShapeKind::kStar:
+      add_ring(10, kTan18, 1.3 * radius_px, 0.5 * radius_px);
+      convex_ = false;
+      break;
+  }
+  join_vertices();
+}
+
+double RigidShape::distance_px(PlanePoint point) const noexcept {
+  if (size_ == 0) return length_px(point) - reach_px_;
+  double nearest = reach_px_ * reach_px_ + point.x * point.x + point.y * point.y;
+  nearest *= 2.0;  // no outline is farther
+  bool inside = false;
+  for (std::size_t i = 0; i < size_; ++i) {
+    const PlanePoint along = edges_[i].along;
+    const double x = point.x - vertices_[i].x;
+    const double y = point.y - vertices_[i].y;
+    const double part =
+        std::clamp((x * along.x + y * along.y) * edges_[i].inverse_square, 0.0, 1.0);
+    const double away_x = x - part * along.x;
+    const double away_y = y - part * along.y;
+    nearest = std::min(nearest, away_x * away_x + away_y * away_y);
+
+    // A ray to the left of the point meets the outline an odd number of times from inside.
+    const bool above = y < 0.0;
+    const bool next_above = y < along.y;
+    const bool right_of_edge = (x * along.y > y * along.x) == (along.y > 0.0);
+    if (above != next_above && right_of_edge) inside = !inside;
+  }
+  return inside ? -std::sqrt(nearest) : std::sqrt(nearest);
+}
+
+double RigidShape::coverage(PlanePoint point) const noexcept {
+  if (size_ > 0 && convex_) {
+    // Inside this is the distance, outside a lower bound of it: cheap where it decides.
+    const double beyond_px = beyond_edges_px(point);
+    if (beyond_px >= 0.5) return 0.0;
+    if (beyond_px <= 0.0) return std::min(0.5 - beyond_px, 1.0);
+  }
+  return std::clamp(0.5 - distance_px(point), 0.0, 1.0);
+}
+
+double RigidShape::beyond_edges_px(PlanePoint point) const noexcept {
+  double beyond_px = -reach_px_;
+  for (std::size_t i = 0; i < size_; ++i) {
+    const PlanePoint outward = edges_[i].outward;
+    beyond_px = std::max(beyond_px, (point.x - vertices_[i].x) * outward.x +
+                                        (point.y - vertices_[i].y) * outward.y);
+  }
+  return beyond_px;
+}
+
+void RigidShape::add_ring(std::size_t vertices, double half_tangent, double even_px,
+                          double odd_px) noexcept {
+  UnitVector direction{0.0, -1.0};
+  for (; size_ < vertices; ++size_) {
+    const double radius_px = size_ % 2 == 0 ? even_px : odd_px;
+    vertices_[size_] = {radius_px * direction.x, radius_px * direction.y};
+    direction = direction.turned(half_tangent);
+  }
+}
+
+void RigidShape::add_box(double half_x, double half_y) noexcept {
+  vertices_ = {{{-half_x, -half_y}, {half_x, -half_y}, {half_x, half_y}, {-half_x, half_y}}};
+  size_ = 4;
+}
+
+void RigidShape::join_vertices() noexcept {
+  reach_px_ = 0.0;
+  for (std::size_t i = 0; i < size_; ++i) {
+    const PlanePoint from = vertices_[i];
+    const PlanePoint to = vertices_[(i + 1) % size_];
+    const PlanePoint along{to.x - from.x, to.y - from.y};
+    const double length = length_px(along);
+    edges_[i] = {along, 1.0 / (length * length), {along.y / length, -along.x / length}};
+    reach_px_ = std::max(reach_px_, length_px(from));
+  }
+  inner_px_ = -distance_px({0.0, 0.0});
+}
+
+}  // namespace asap
