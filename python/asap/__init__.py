@@ -84,13 +84,23 @@ __all__ = [
     "read",
     "report",
     "run",
+    "scenes",
     "simulate",
     "study",
     "synthetic",
 ]
 
 # Imported when they are first used.
-_MODULES = ("analysis", "metrics", "plots", "profiles", "report", "study", "synthetic")
+_MODULES = (
+    "analysis",
+    "metrics",
+    "plots",
+    "profiles",
+    "report",
+    "scenes",
+    "study",
+    "synthetic",
+)
 
 
 def __getattr__(name: str) -> Any:

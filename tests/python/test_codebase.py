@@ -37,11 +37,11 @@ PYTHON_LAYERS = (
     {"_core", "metrics", "units"},
     {"events"},
     {"io", "synthetic"},
-    {"experiment", "profiles"},
+    {"experiment", "profiles", "scenes"},
     {"analysis"},
     {"inspection"},
     {"plots", "table", "comparison_table", "inspection_table"},
-    {"page", "progress", "comparison_figures", "inspection_figures"},
+    {"page", "progress", "comparison_figures", "inspection_figures", "scene_figures"},
     {"report", "comparison_report", "inspection_report"},
     {"demo", "study"},
     {"cli"},
@@ -58,6 +58,7 @@ ARROWS_UP = {
     ("inspection", "inspection_figures"),
     ("inspection", "inspection_report"),
     ("inspection", "inspection_table"),
+    ("scenes", "scene_figures"),
 }
 USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 

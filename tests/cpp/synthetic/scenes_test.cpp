@@ -65,9 +65,9 @@ TEST_P(NamedScene, HasTheRateAndTheNoiseOfTheReferenceAndIsGolden) {
 INSTANTIATE_TEST_SUITE_P(OfTheReference, NamedScene,
                          ::testing::Values(Named{'A', 442'961, 0.15, 16916199683697660347U},
                                            Named{'B', 908'251, 0.07, 11490253122079847854U},
-                                           Named{'C', 370'249, 0.24, 0U},
-                                           Named{'D', 1'050'519, 0.64, 0U},
-                                           Named{'E', 370'206, 0.12, 0U}),
+                                           Named{'C', 370'249, 0.24, 7598723766737847742U},
+                                           Named{'D', 1'050'519, 0.64, 10256965524886902094U},
+                                           Named{'E', 370'206, 0.12, 11855167677685037038U}),
                          [](const auto& one) { return std::string(1, one.param.name); });
 
 double speed_px_s(const MovingShape& shape) {
