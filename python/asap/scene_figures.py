@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
-from matplotlib.patches import Circle
+from numpy.typing import NDArray
 
 from asap import plots, scenes
 
@@ -29,7 +29,7 @@ def snapshot(
 ) -> plots.NotebookFigure:
     """Draw the events of the window that ends at a moment, and the truth at that moment.
 
-    A circle is as wide as its object reaches, a line is its way in the next 100 ms, a dot a corner.
+    Dark: the true outlines and the objects' numbers. Green: each one's way in the next 100 ms.
 
     Parameters
     ----------
@@ -53,32 +53,57 @@ def snapshot(
         )
         axes = figure.add_subplot()
         plots.frame(scene.events[first:end], scene.width, scene.height, ax=axes)
-        for thing, reach_px in zip(truth, scene.reaches_px, strict=True):
-            x, y = float(thing["x"]), float(thing["y"])
-            axes.add_patch(Circle((x, y), reach_px, fill=False, color=plots.INK, linewidth=0.8))
-            ahead_x, ahead_y = (float(thing[v]) * _LOOKAHEAD_S for v in ("vx", "vy"))
-            axes.plot([x, x + ahead_x], [y, y + ahead_y], color=plots.GREEN, linewidth=1.0)
-            axes.text(x, y, str(thing["id"]), fontsize=6, ha="center", va="center")
-        vertices = scene.vertices(t_us)
-        axes.plot(vertices["x"], vertices["y"], ".", color=plots.INK, markersize=1.5)
+        axes.images[0].set_interpolation("none")  # as many pixels as the sensor has
+        axes.plot(*_joined(_outlines(scene, t_us)), color=plots.INK, linewidth=0.8)
+        ways = [
+            np.array([[x, y], [x + vx * _LOOKAHEAD_S, y + vy * _LOOKAHEAD_S]])
+            for _, x, y, vx, vy in truth.tolist()
+        ]
+        axes.plot(*_joined(ways), color=plots.GREEN, linewidth=1.0)
+        for number, x, y, *_ in truth.tolist():
+            axes.text(x, y, str(number), fontsize=6, ha="center", va="center")
         axes.set(xlim=(-0.5, scene.width - 0.5), ylim=(scene.height - 0.5, -0.5))
         axes.set_title(f"{scene.name}: {window_ms:g} ms before {t_us * 1e-6:.3f} s")
     return figure
 
 
-def documented() -> list[tuple[Scene, float | None]]:
-    """Scenes of the documentation, each with the moment that is shown, ms."""
+def _outlines(scene: Scene, t_us: float) -> list[NDArray[np.float64]]:
+    """Each object's outline as points of shape (n, 2), closed."""
+    vertices = scene.vertices(t_us)
+    angles = np.linspace(0.0, 2 * np.pi, 25)
+    outlines = []
+    for thing, reach_px in zip(scene.truth(t_us), scene.reaches_px, strict=True):
+        own = vertices[vertices["id"] == thing["id"]]
+        if own.size:
+            outline = np.stack([np.append(own[v], own[v][0]) for v in "xy"], axis=1)
+        else:
+            circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+            outline = [thing["x"], thing["y"]] + reach_px * circle
+        outlines.append(outline)
+    return outlines
+
+
+def _joined(lines: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """All lines as one, with gaps: shape (2, n)."""
+    gap = np.full((1, 2), np.nan)
+    parts = [part for line in lines for part in (line, gap)]
+    points: NDArray[np.float64] = np.concatenate([gap, *parts]).T
+    return points
+
+
+def documented() -> list[tuple[Scene, float | None, float]]:
+    """Scenes of the documentation, each with the moment that is shown and its window, ms."""
     return [
-        *((make(), None) for make in (scenes.A, scenes.B, scenes.C, scenes.D, scenes.E)),
-        *((make(), None) for make in (scenes.F, scenes.G)),
-        (scenes.timing(20, 346, 260, 600), None),
-        (scenes.corners("slow"), None),
-        (scenes.stop_and_go(), 690.0),
-        (scenes.occlusion(), 600.0),
+        *((make(), None, 15.0) for make in (scenes.A, scenes.B, scenes.C, scenes.D, scenes.E)),
+        (scenes.F(), None, 15.0),
+        (scenes.G(), None, 5.0),
+        (scenes.corners("slow"), None, 15.0),
+        (scenes.stop_and_go(), 690.0, 15.0),
+        (scenes.occlusion(), 600.0, 15.0),
     ]
 
 
 if __name__ == "__main__":
-    for pictured, moment_ms in documented():
-        picture = plots.svg(snapshot(pictured, moment_ms))
+    for pictured, moment_ms, before_ms in documented():
+        picture = plots.svg(snapshot(pictured, moment_ms, window_ms=before_ms))
         Path(sys.argv[1], f"scene_{pictured.name}.svg").write_text(picture, encoding="utf-8")

@@ -56,11 +56,12 @@ TEST_F(Canvas, LaterShapesHideEarlierOnes) {
 }
 
 TEST_F(Canvas, ForgetsAShapeThatMovedButNotWhoWasThere) {
+  const RigidShape disk{ShapeKind::kDisk, 5.0};
   canvas_.begin();
-  canvas_.paint(square_, pose(10.25, 10.0), 0.1, 7);
+  canvas_.paint(disk, pose(10.25, 10.0), 0.1, 7);
   ASSERT_DOUBLE_EQ(canvas_.brightness(at(5, 10)), 0.5 * 0.75 + 0.1 * 0.25);
   canvas_.begin();
-  canvas_.paint(square_, pose(11.25, 10.0), 0.1, 7);
+  canvas_.paint(disk, pose(11.25, 10.0), 0.1, 7);
   EXPECT_EQ(canvas_.brightness(at(5, 10)), 0.5);
   EXPECT_EQ(canvas_.owner(at(5, 10)), 7);
   EXPECT_TRUE(std::ranges::count(canvas_.touched(), at(5, 10)) == 1);

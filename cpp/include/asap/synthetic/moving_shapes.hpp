@@ -2,7 +2,7 @@
 // object of every event, and where every object is. Each pixel sees the log of its brightness and
 // has thresholds of its own (ContrastPixel); noise is added that knows nothing of the pixels.
 // Motion goes in steps of 250 us, one block each. Thread and allocation as EventStream; the cost
-// goes with the area of the shapes. Source: docs of asap.scenes, "limits" included.
+// goes with the area of the shapes. Limits: notebooks/scenes.md.
 #pragma once
 
 #include <cstddef>

@@ -1,22 +1,10 @@
-"""Scenes with truth: shapes that move before a camera, and what every event belongs to.
-
-By these trackers are judged. `A` to `G` are named and fixed but for their seed; `timing`,
-`corners`, `stop_and_go` and `occlusion` take parameters. The same arguments give the same events on
-every machine; they are made natively, when they are first touched.
-
-Shapes (disk, square, rectangle, triangle, star in turn; dark and bright in turn) move in steps of
-250 us before an even ground. A pixel sees the log of its brightness, has thresholds of its own
-around 0.25, and is blind for 0.3 ms after an event; background noise is independent of all that.
-
-Limits, to be stated wherever results are shown: motion is quantised at 0.25 ms; there is no lens,
-no bandwidth, no motion of the background; edges are of one contrast, shapes rigid.
-"""
+"""Scene: events with exact truth, lazily made, and its thinned copies."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,22 +16,7 @@ from asap.synthetic import joined
 if TYPE_CHECKING:
     from asap.plots import NotebookFigure
 
-__all__ = [
-    "CORNER_DTYPE",
-    "TRUTH_DTYPE",
-    "A",
-    "B",
-    "C",
-    "D",
-    "E",
-    "F",
-    "G",
-    "Scene",
-    "corners",
-    "occlusion",
-    "stop_and_go",
-    "timing",
-]
+__all__ = ["CORNER_DTYPE", "TRUTH_DTYPE", "Scene", "ThinnedScene"]
 
 TRUTH_DTYPE = np.dtype([("id", "<i4"), ("x", "<f8"), ("y", "<f8"), ("vx", "<f8"), ("vy", "<f8")])
 CORNER_DTYPE = np.dtype([("id", "<i4"), ("x", "<f8"), ("y", "<f8")])
@@ -55,7 +28,7 @@ _EVENTS_PER_ARRAY = 2**16
 
 
 class Scene:
-    """Events with exact truth. Made by the functions of this module.
+    """Events with exact truth. Made by the functions of `asap.scenes`.
 
     Iterating yields the events in arrays of about 2**16, made as they are read: a scene is a source
     for `asap.run` and `asap.simulate`. `events` and `labels` are made once and kept.
@@ -232,7 +205,8 @@ class Scene:
     def _poses_at(self, t_us: float) -> NDArray[np.float64]:
         if not 0 <= t_us <= self.duration_us:
             raise ValueError(f"t_us = {t_us}: give a time from 0 to {self.duration_us} us")
-        return self._track[int(t_us // _STEP_US)]
+        poses: NDArray[np.float64] = self._track[int(t_us // _STEP_US)]
+        return poses
 
 
 class ThinnedScene(Scene):
@@ -256,201 +230,3 @@ class ThinnedScene(Scene):
             kept = keep.mask(events, self._gamma)
             if kept.any():
                 yield joined([events[kept]]), labels[kept]
-
-
-def _named(name: str, seed: int) -> Scene:
-    return Scene(_core.SceneLayout.named(name, seed), name=name, seed=seed)
-
-
-def A(seed: int = 0) -> Scene:
-    """20 objects on small orbits, 60 to 120 px/s; 346 x 260 px, 1.5 s, 0.5 Hz/px of noise."""
-    return _named("A", seed)
-
-
-def B(seed: int = 0) -> Scene:
-    """As `A`, but 10 to 400 px/s."""
-    return _named("B", seed)
-
-
-def C(seed: int = 0) -> Scene:
-    """8 objects that cross each other, 80 to 200 px/s; 346 x 260 px, 2 s, 0.5 Hz/px of noise."""
-    return _named("C", seed)
-
-
-def D(seed: int = 0) -> Scene:
-    """As `A`, with 5 Hz/px of noise: two thirds of the events."""
-    return _named("D", seed)
-
-
-def E(seed: int = 0) -> Scene:
-    """As `C`, a little smaller, on 240 x 180 px: more crossings."""
-    return _named("E", seed)
-
-
-def F(seed: int = 0) -> Scene:
-    """8 objects of very different size and speed: radius 3 to 20 px, 20 to 600 px/s; 2 s."""
-    return _named("F", seed)
-
-
-def G(seed: int = 0) -> Scene:
-    """30 objects of radius 6 to 14 px, up to 250 px/s; 640 x 480 px, 2 s, 2 Hz/px of noise."""
-    return _named("G", seed)
-
-
-def timing(
-    n: int,
-    width: int,
-    height: int,
-    speed: float,
-    radius: tuple[float, float] = (6.0, 11.0),
-    seed: int = 0,
-    *,
-    noise_hz: float = 0.5,
-    duration_s: float = 1.0,
-) -> Scene:
-    """Free objects, for timing at a rate and a resolution of your choice.
-
-    Parameters
-    ----------
-    n : int
-        How many objects.
-    width, height : int
-        Of the sensor, px.
-    speed : float
-        The fastest, at most 2000 px/s; the others down to 0.4 of it.
-    radius : (float, float)
-        From, to, px.
-    seed : int
-        0 <= seed < 2**64.
-    noise_hz : float
-        Background events per second and pixel, at most ``1e6 / (width * height)``.
-    duration_s : float
-        A multiple of 250 us.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
-    """
-    if not 0.01 <= duration_s <= 86_400:
-        raise ValueError(f"duration_s = {duration_s}: give 0.01 to 86400 s")
-    layout = _core.SceneLayout.free_shapes(
-        count=n,
-        width=width,
-        height=height,
-        duration_us=round(duration_s * 1e6),
-        radius_px=radius,
-        speed_px_s=(0.4 * speed, speed),
-        noise_hz=noise_hz,
-        seed=seed,
-    )
-    return Scene(layout, name="timing", seed=seed)
-
-
-_CORNERS = {"slow": (120.0, 0.5), "fast": (700.0, 0.5), "noisy": (300.0, 8.0)}
-
-
-def corners(
-    kind: Literal["slow", "fast", "noisy"] = "slow",
-    width: int = 346,
-    height: int = 260,
-    seed: int = 0,
-    *,
-    duration_s: float = 1.0,
-) -> Scene:
-    """8 turning objects of radius 12 to 26 px, whose corners `Scene.vertices` knows.
-
-    Parameters
-    ----------
-    kind : {"slow", "fast", "noisy"}
-        Up to 120 px/s; up to 700 px/s; up to 300 px/s with 8 Hz/px of noise.
-    width, height : int
-        Of the sensor, px.
-    seed : int
-        0 <= seed < 2**64.
-    duration_s : float
-        A multiple of 250 us.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
-    """
-    if kind not in _CORNERS:
-        raise ValueError(f"kind = {kind!r}: give one of {', '.join(_CORNERS)}")
-    speed, noise_hz = _CORNERS[kind]
-    scene = timing(
-        8, width, height, speed, (12.0, 26.0), seed, noise_hz=noise_hz, duration_s=duration_s
-    )
-    scene.name = f"corners_{kind}"
-    return scene
-
-
-def stop_and_go(
-    gap_ms: float = 300.0,
-    *,
-    speed: float = 150.0,
-    radius: float = 8.0,
-    noise_hz: float = 0.5,
-    seed: int = 0,
-) -> Scene:
-    """One object that moves for 0.7 s, stands still for the gap, and moves on for 0.7 s.
-
-    Parameters
-    ----------
-    gap_ms : float
-        0 to 10000 ms; rounded down to steps of 0.25 ms.
-    speed, radius : float
-        20 to 1000 px/s, 2 to 20 px.
-    noise_hz : float
-        Background events per second and pixel.
-    seed : int
-        Decides on the kind of shape, its place and its direction.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
-    """
-    layout = _core.SceneLayout.stop_and_go(
-        gap_us=_gap_us(gap_ms), speed_px_s=speed, radius_px=radius, noise_hz=noise_hz, seed=seed
-    )
-    return Scene(layout, name="stop_and_go", seed=seed)
-
-
-def occlusion(
-    gap_ms: float = 300.0,
-    *,
-    speed: float = 150.0,
-    radius: float = 8.0,
-    noise_hz: float = 0.5,
-    seed: int = 0,
-) -> Scene:
-    """Object 0 crosses the view; object 1, a bright square at rest, hides it for the gap.
-
-    Parameters
-    ----------
-    gap_ms : float
-        Least time without an event of object 0, ms; 0 to what a square of half the view can hide.
-    speed, radius : float
-        20 to 1000 px/s, 2 to 20 px.
-    noise_hz : float
-        Background events per second and pixel.
-    seed : int
-        Decides on the kind of shape, its height in the view and its direction.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
-    """
-    layout = _core.SceneLayout.occlusion(
-        gap_us=_gap_us(gap_ms), speed_px_s=speed, radius_px=radius, noise_hz=noise_hz, seed=seed
-    )
-    return Scene(layout, name="occlusion", seed=seed)
-
-
-def _gap_us(gap_ms: float) -> int:
-    if not 0 <= gap_ms <= 10_000:
-        raise ValueError(f"gap_ms = {gap_ms}: give 0 to 10000 ms")
-    return round(gap_ms * 1e3)
