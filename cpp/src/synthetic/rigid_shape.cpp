@@ -80,8 +80,8 @@ double RigidShape::beyond_edges_px(PlanePoint point) const noexcept {
   double beyond_px = -reach_px_;
   for (std::size_t i = 0; i < size_; ++i) {
     const PlanePoint outward = edges_[i].outward;
-    beyond_px = std::max(beyond_px, (point.x - vertices_[i].x) * outward.x +
-                                        (point.y - vertices_[i].y) * outward.y);
+    beyond_px = std::max(
+        beyond_px, (point.x - vertices_[i].x) * outward.x + (point.y - vertices_[i].y) * outward.y);
   }
   return beyond_px;
 }
