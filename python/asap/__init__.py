@@ -30,6 +30,7 @@ from asap._core import (
     SingleEvent,
     __version__,
 )
+from asap.accuracy import KeepCurve, keep_curve, score
 from asap.events import EVENT_DTYPE, as_events
 from asap.experiment import (
     Comparison,
@@ -63,6 +64,7 @@ __all__ = [
     "GammaFilter",
     "Greedy",
     "Inspection",
+    "KeepCurve",
     "LinearCost",
     "Pipeline",
     "Recording",
@@ -74,6 +76,7 @@ __all__ = [
     "as_events",
     "check",
     "compare",
+    "keep_curve",
     "last_run",
     "load",
     "load_run",
@@ -85,6 +88,7 @@ __all__ = [
     "report",
     "run",
     "scenes",
+    "score",
     "simulate",
     "study",
     "synthetic",

@@ -37,11 +37,18 @@ PYTHON_LAYERS = (
     {"_core", "metrics", "units"},
     {"events"},
     {"io", "synthetic"},
-    {"experiment", "profiles", "scenes"},
+    {"accuracy", "experiment", "profiles", "scenes"},
     {"analysis"},
     {"inspection"},
-    {"plots", "table", "comparison_table", "inspection_table"},
-    {"page", "progress", "comparison_figures", "inspection_figures", "scene_figures"},
+    {"plots", "table", "accuracy_table", "comparison_table", "inspection_table"},
+    {
+        "page",
+        "progress",
+        "accuracy_figures",
+        "comparison_figures",
+        "inspection_figures",
+        "scene_figures",
+    },
     {"report", "comparison_report", "inspection_report"},
     {"demo", "study"},
     {"cli"},
@@ -49,6 +56,8 @@ PYTHON_LAYERS = (
 )
 # .plot(), .report() and print() of a result import their module when they are called.
 ARROWS_UP = {
+    ("accuracy", "accuracy_figures"),
+    ("accuracy", "accuracy_table"),
     ("experiment", "plots"),
     ("experiment", "report"),
     ("experiment", "table"),

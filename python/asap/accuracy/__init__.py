@@ -1,0 +1,11 @@
+"""Accuracy: what an algorithm gets right where the truth is known, and what discarding costs.
+
+`score` judges one run, `keep_curve` one algorithm over the kept fraction gamma. Each figure has a
+file of its own; all of them read the `Trace` of a tracker or the matches of its samples.
+"""
+
+from asap.accuracy.curve import KeepCurve, KeepRow, keep_curve
+from asap.accuracy.scene import Scene
+from asap.accuracy.scoring import score
+
+__all__ = ["KeepCurve", "KeepRow", "Scene", "keep_curve", "score"]

@@ -1,0 +1,98 @@
+"""The matching protocol: which cluster is which object, sample by sample."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap.accuracy.trace import Sample
+
+__all__ = ["GATE_PX", "Matched", "distances", "match"]
+
+GATE_PX = 12.0  #: a cluster farther from a centre than this is not the object
+
+
+class Matched(NamedTuple):
+    """One sample with its matches.
+
+    Attributes
+    ----------
+    sample : Sample
+    pairs : ndarray of int64, shape (tp, 2)
+        Row of the object and row of the cluster, the nearest first.
+    distances : ndarray of float64, shape (tp,)
+        px.
+    counted : ndarray of bool, shape (m,)
+        Clusters that are matched or false; not those that are excused by an inactive object.
+    switches : int
+        Objects matched to another id than before.
+    memory : dict of int to int
+        Id last matched to each object, this sample included.
+    """
+
+    sample: Sample
+    pairs: NDArray[np.int64]
+    distances: NDArray[np.float64]
+    counted: NDArray[np.bool_]
+    switches: int
+    memory: dict[int, int]
+
+
+def match(samples: Iterable[Sample]) -> list[Matched]:
+    """Match clusters to objects in every sample.
+
+    Parameters
+    ----------
+    samples : iterable of Sample
+        In time order.
+
+    Returns
+    -------
+    list of Matched
+
+    Notes
+    -----
+    Candidates are pairs of a cluster and an active object less than 12 px apart. They are taken
+    greedily, one to one: pairs that repeat the id that the object had last, then the others, each
+    by ascending distance. A cluster left over is false unless it is within 12 px of an inactive
+    object. The memory of an object's id survives misses.
+    """
+    memory: dict[int, int] = {}
+    return [_match(sample, memory) for sample in samples]
+
+
+def _match(sample: Sample, memory: dict[int, int]) -> Matched:
+    ids = sample.clusters.ids
+    distance = distances(sample)
+    rows, columns = np.nonzero((distance < GATE_PX) & sample.active[:, None])
+    last = np.array([memory.get(one, -1) for one in sample.objects.tolist()], np.int64)
+    repeats = ids[columns] == last[rows]
+    taken_objects: set[int] = set()
+    taken_clusters: set[int] = set()
+    pairs = []
+    switches = 0
+    for candidate in np.lexsort((distance[rows, columns], ~repeats)):
+        row, column = int(rows[candidate]), int(columns[candidate])
+        if row in taken_objects or column in taken_clusters:
+            continue
+        taken_objects.add(row)
+        taken_clusters.add(column)
+        pairs.append((row, column))
+        label, id = int(sample.objects[row]), int(ids[column])
+        switches += memory.get(label, id) != id
+        memory[label] = id
+    excused = np.any((distance < GATE_PX) & ~sample.active[:, None], axis=0)
+    matched = np.isin(np.arange(ids.size), list(taken_clusters))
+    table = np.array(pairs, np.int64).reshape(-1, 2)
+    return Matched(
+        sample, table, distance[table[:, 0], table[:, 1]], matched | ~excused, switches, {**memory}
+    )
+
+
+def distances(sample: Sample) -> NDArray[np.float64]:
+    """Return the distances of every object to every cluster, shape (k, m), px."""
+    between = sample.centres[:, None] - sample.clusters.positions[None]
+    return np.asarray(np.hypot(between[..., 0], between[..., 1]))

@@ -1,0 +1,177 @@
+"""score: how good an algorithm is on a scene whose truth is known."""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any
+
+import numpy as np
+
+from asap.accuracy.corners import corners
+from asap.accuracy.hota import hota
+from asap.accuracy.idf1 import idf1
+from asap.accuracy.labels import SETTLED_US, event_accuracy, noise_leak, time_to_confirm
+from asap.accuracy.matching import match
+from asap.accuracy.mota import mota, ratio
+from asap.accuracy.nees import nees
+from asap.accuracy.partition import compare_partitions
+from asap.accuracy.scene import NOISE, Scene, check_scene
+from asap.accuracy.trace import Feed, Trace, follow, run_through
+
+__all__ = ["can_be_told", "score"]
+
+
+def score(
+    tracker: Any,
+    scene: Scene,
+    *,
+    before: Any = None,
+    gamma: float = 1.0,
+    told: bool = True,
+    seed: int = 0,
+) -> dict[str, float]:
+    """Score a tracker, or a corner detector, on a scene with truth.
+
+    Parameters
+    ----------
+    tracker : object with process(events)
+        Fresh, or reset. A tracker has ``clusters_at(t_us)`` or ``clusters``, a structured array
+        with id, x, y and, as far as it knows them, vx, vy, t_last and the covariance pxx, pxy, pyy
+        of the position's error; its ``process`` may return the id of each event, -1 for none. An
+        algorithm without clusters whose ``process`` returns a bool for each event is a corner
+        detector.
+    scene : Scene
+        Such as ``asap.scenes.A()``: events, labels (-1 = noise), truth(t_us), width, height; for a
+        corner detector also vertices(t_us).
+    before : object with process(events), optional
+        A filter in front, such as `asap.BackgroundActivityFilter`: returns the events that pass, or
+        a bool for each. Labels follow the events that pass.
+    gamma : float
+        Fraction of the events behind the filter that is kept, uniformly and independently.
+    told : bool
+        Whether the algorithm gets ``set_keep(gamma)``, where it has it; not called at gamma = 1.
+    seed : int
+        Of the thinning.
+
+    Returns
+    -------
+    dict
+        NaN where a figure does not exist. Of a tracker:
+
+        ================================= ==================================================
+        mota, id_switches                 1 - (FN + FP + switches) / (TP + FN)
+        recall, precision                 TP / (TP + FN), TP / (TP + FP)
+        true_positives, false_negatives,  samples of active objects that are matched, missed;
+        false_positives                   clusters without an object
+        position_rms                      px
+        velocity_rms                      fraction of the rms speed
+        idf1                              one assignment of ids to objects for the whole scene
+        hota, det_a, ass_a                similarity 1 - d / 24 px
+        event_accuracy, noise_leak        events returned with their object's id; noise with any
+        v_measure, homogeneity,           the events as a partition, noise as a class;
+        completeness, ari, f_measure      ``*_objects``: the events of objects only
+        nees, nees_low, nees_high         errors against pxx, pxy, pyy; its 95 % interval
+        time_to_confirm_ms, confirmed     median wait for the first id; objects that got one
+        ================================= ==================================================
+
+        Of a corner detector: precision, recall, false_positive_rate, f_measure, corner_events,
+        true_corners. Of both: ns_per_event, ns_per_event_p50, ns_per_event_p999 (time in filter and
+        algorithm by the events that enter the first of them; whole, and quantiles over the packages
+        of 5 ms), events (of the scene) and processed (that reached the algorithm).
+
+    Raises
+    ------
+    TypeError
+        No scene, or neither a tracker nor a corner detector.
+    ValueError
+        gamma is not in (0, 1], or an array does not fit the events.
+
+    Notes
+    -----
+    Every 5 ms from 100 ms on, clusters are matched greedily to active objects (those with 5 events
+    since the previous sample) less than 12 px away; event figures are of events after 200 ms. The
+    events of a package are those before its sample time. Without ``clusters_at`` positions are
+    extrapolated by vx (t - t_last).
+
+    Examples
+    --------
+    >>> asap.score(asap.ClusterTracker(346, 260), asap.scenes.A(seed=0))["mota"]  # doctest: +SKIP
+    """
+    check_scene(scene)
+    if not 0 < gamma <= 1:
+        raise ValueError(f"gamma = {gamma}: must be in (0, 1]")
+    if gamma < 1 and told and can_be_told(tracker):
+        _tell(tracker, gamma, filter_upstream=before is not None)
+    options: dict[str, Any] = {"before": before, "gamma": gamma, "seed": seed}
+    if hasattr(tracker, "clusters") or hasattr(tracker, "clusters_at"):
+        trace = follow(tracker, scene, **options)
+        figures, feed = _of_tracker(trace), trace.feed
+    else:
+        feed = run_through(tracker, scene, **options)
+        if feed.returned is None or feed.returned.dtype != np.bool_:
+            raise TypeError(
+                f"tracker = {tracker!r}: it has neither clusters nor clusters_at(t_us), and its "
+                "process does not return a bool for each event"
+            )
+        figures = corners(scene, feed)._asdict()
+    return {**figures, **_cost(feed), "events": scene.events.size, "processed": feed.indices.size}
+
+
+def can_be_told(algorithm: Any) -> bool:
+    """Whether an algorithm takes the kept fraction."""
+    return hasattr(algorithm, "set_keep")
+
+
+def _tell(algorithm: Any, gamma: float, *, filter_upstream: bool) -> None:
+    if _takes_filter_upstream(algorithm.set_keep):
+        algorithm.set_keep(gamma, filter_upstream=filter_upstream)
+    else:
+        algorithm.set_keep(gamma)
+
+
+def _takes_filter_upstream(set_keep: Any) -> bool:
+    try:
+        return "filter_upstream" in inspect.signature(set_keep).parameters
+    except ValueError:  # native: the signature is the first line of its docstring
+        return "filter_upstream" in (set_keep.__doc__ or "").partition("\n")[0]
+
+
+def _of_tracker(trace: Trace) -> dict[str, float]:
+    matches = match(trace.samples)
+    found = hota(matches)
+    return {
+        **mota(matches)._asdict(),
+        "idf1": idf1(matches),
+        "hota": found.hota,
+        "det_a": found.detection,
+        "ass_a": found.association,
+        "event_accuracy": event_accuracy(trace, matches),
+        "noise_leak": noise_leak(trace),
+        **_partitions(trace),
+        **nees(matches)._asdict(),
+        **time_to_confirm(trace, matches)._asdict(),
+    }
+
+
+def _partitions(trace: Trace) -> dict[str, float]:
+    settled = trace.t_us >= SETTLED_US
+    labels = trace.labels[settled]
+    ids = trace.ids[settled] if trace.ids is not None else labels[:0]
+    whole = compare_partitions(labels[: ids.size], ids)
+    of_objects = labels[: ids.size] != NOISE
+    objects = compare_partitions(labels[: ids.size][of_objects], ids[of_objects])
+    return {
+        **whole._asdict(),
+        **{f"{name}_objects": value for name, value in objects._asdict().items()},
+    }
+
+
+def _cost(feed: Feed) -> dict[str, float]:
+    worked = feed.entered > 0
+    each = feed.busy_ns[worked] / feed.entered[worked]
+    p50, p999 = np.quantile(each, (0.5, 0.999)) if each.size else (np.nan, np.nan)
+    return {
+        "ns_per_event": ratio(int(feed.busy_ns.sum()), int(feed.entered.sum())),
+        "ns_per_event_p50": float(p50),
+        "ns_per_event_p999": float(p999),
+    }

@@ -1,0 +1,251 @@
+"""Trace: what a tracker said about a scene, moment by moment and event by event."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import _core
+from asap.accuracy.passing import passed
+from asap.accuracy.scene import NOISE, Scene
+from asap.accuracy.snapshot import Snapshot, clusters_at
+
+__all__ = [
+    "PERIOD_US",
+    "START_US",
+    "Feed",
+    "Sample",
+    "Trace",
+    "follow",
+    "run_through",
+    "sample_times",
+]
+
+START_US = 100_000  #: the first sample
+PERIOD_US = 5_000  #: from one to the next
+ACTIVE_EVENTS = 5  #: of an object since the previous sample, to count as active
+
+
+class Sample(NamedTuple):
+    """A moment: what is there, and what the tracker says.
+
+    Attributes
+    ----------
+    t_us : int
+    objects : ndarray of int64, shape (k,)
+        Ids of the objects.
+    centres, speeds : ndarray of float64, shape (k, 2)
+        px; px/s.
+    active : ndarray of bool, shape (k,)
+        At least 5 events since the previous sample.
+    clusters : Snapshot
+    """
+
+    t_us: int
+    objects: NDArray[np.int64]
+    centres: NDArray[np.float64]
+    speeds: NDArray[np.float64]
+    active: NDArray[np.bool_]
+    clusters: Snapshot
+
+
+@dataclass(frozen=True)
+class Feed:
+    """The events that reached an algorithm, and what it returned for them.
+
+    Attributes
+    ----------
+    indices : ndarray of int64, shape (m,)
+        Into the events of the scene.
+    returned : ndarray, shape (m,), or None
+        An id or a bool for each; None where the algorithm returns nothing of that kind.
+    entered : ndarray of int64, shape (packages,)
+        Events of each package that went into the filter in front, without one into the algorithm.
+    busy_ns : ndarray of int64, shape (packages,)
+        Time in the filter and the algorithm.
+    """
+
+    indices: NDArray[np.int64]
+    returned: NDArray[Any] | None
+    entered: NDArray[np.int64]
+    busy_ns: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A tracker over a scene.
+
+    Attributes
+    ----------
+    samples : list of Sample
+        Every 5 ms from 100 ms on, up to the last event.
+    t_us, labels : ndarray, shape (m,)
+        Stamp and true label of the events that reached the tracker.
+    ids : ndarray of int64, shape (m,), or None
+        Returned for them; None where the tracker returns none.
+    first_us : dict of int to int
+        Stamp of the first event of each object in the scene.
+    feed : Feed
+    """
+
+    samples: list[Sample]
+    t_us: NDArray[np.int64]
+    labels: NDArray[np.int64]
+    ids: NDArray[np.int64] | None
+    first_us: dict[int, int]
+    feed: Feed
+
+
+def sample_times(events: NDArray[np.void]) -> list[int]:
+    """Every 5 ms from 100 ms on, not after the last event; us."""
+    end_us = int(events["t"][-1]) if events.size else -1
+    return list(range(START_US, end_us + 1, PERIOD_US))
+
+
+class _Door:
+    """Package by package through filter, thinning and algorithm."""
+
+    def __init__(self, algorithm: Any, scene: Scene, before: Any, gamma: float, seed: int) -> None:
+        self._algorithm, self._events, self._before = algorithm, scene.events, before
+        self._gamma, self._thinning = gamma, _core.GammaFilter(seed=seed)
+        self._indices: list[NDArray[np.int64]] = []
+        self._returned: list[Any] = []
+        self._entered: list[int] = []
+        self._busy_ns: list[int] = []
+
+    def feed(self, begin: int, end: int) -> NDArray[np.int64]:
+        """Hand over events [begin, end); return the indices of those that passed the filter."""
+        events, busy_ns = self._events[begin:end], 0
+        kept = np.arange(events.size)
+        if self._before is not None:
+            start_ns = time.perf_counter_ns()
+            returned = self._before.process(events)
+            busy_ns = time.perf_counter_ns() - start_ns
+            kept = passed(returned, events)
+        passing = begin + kept
+        if self._gamma < 1:
+            kept = kept[self._thinning.mask(events[kept], self._gamma)]
+        package = events if kept.size == events.size else events[kept]
+        start_ns = time.perf_counter_ns()
+        returned = self._algorithm.process(package)
+        self._busy_ns.append(busy_ns + time.perf_counter_ns() - start_ns)
+        self._entered.append(events.size if self._before is not None else package.size)
+        self._indices.append(begin + kept)
+        self._returned.append(_per_event(returned, package.size))
+        return passing
+
+    def close(self) -> Feed:
+        """Put the packages together."""
+        returned = self._returned
+        whole = returned and all(one is not None for one in returned)
+        return Feed(
+            np.concatenate([np.empty(0, np.int64), *self._indices]),
+            np.concatenate(returned) if whole else None,
+            np.array(self._entered, np.int64),
+            np.array(self._busy_ns, np.int64),
+        )
+
+
+def _per_event(returned: Any, size: int) -> NDArray[Any] | None:
+    """Ids or bools, one for each event; None for anything else."""
+    values = np.asarray(returned)
+    if values.dtype != np.bool_ and not np.issubdtype(values.dtype, np.integer):
+        return None
+    if values.shape != (size,):
+        raise ValueError(
+            f"process returned an array of shape {values.shape} for {size} events: must be one id "
+            "or one bool for each event, or None"
+        )
+    return values
+
+
+def _packages(events: NDArray[np.void]) -> Iterator[tuple[int, int, int | None]]:
+    """Yield the events up to each sample time as (begin, end, time), then those after the last."""
+    times = sample_times(events)
+    ends = np.searchsorted(events["t"], times)
+    begin = 0
+    for end, t_us in zip(ends.tolist(), times, strict=True):
+        yield begin, end, t_us
+        begin = end
+    yield begin, events.size, None
+
+
+def follow(
+    tracker: Any, scene: Scene, *, before: Any = None, gamma: float = 1.0, seed: int = 0
+) -> Trace:
+    """Let a tracker follow a scene and note what it says at every sample time.
+
+    Parameters
+    ----------
+    tracker, scene, before, gamma, seed
+        As in `asap.score`.
+
+    Returns
+    -------
+    Trace
+
+    Notes
+    -----
+    An object is active if it caused at least 5 events since the previous sample that passed the
+    filter; gamma does not count, so that all of them stand against the same samples.
+    """
+    labels = np.asarray(scene.labels).astype(np.int64)
+    door = _Door(tracker, scene, before, gamma, seed)
+    samples = []
+    for begin, end, t_us in _packages(scene.events):
+        passing = door.feed(begin, end)
+        if t_us is None:
+            break
+        recent = passing[scene.events["t"][passing] >= t_us - PERIOD_US]
+        samples.append(_sample(tracker, scene, t_us, labels[recent]))
+    feed = door.close()
+    ids = feed.returned
+    return Trace(
+        samples,
+        scene.events["t"][feed.indices],
+        labels[feed.indices],
+        None if ids is None else ids.astype(np.int64),
+        _first_us(scene.events["t"], labels),
+        feed,
+    )
+
+
+def run_through(
+    algorithm: Any, scene: Scene, *, before: Any = None, gamma: float = 1.0, seed: int = 0
+) -> Feed:
+    """Put a scene through an algorithm without clusters, in the same packages as `follow`."""
+    door = _Door(algorithm, scene, before, gamma, seed)
+    for begin, end, _ in _packages(scene.events):
+        door.feed(begin, end)
+    return door.close()
+
+
+def _sample(tracker: Any, scene: Scene, t_us: int, recent: NDArray[np.int64]) -> Sample:
+    truth = scene.truth(t_us)
+    caused = {
+        int(label): int(count)
+        for label, count in zip(*np.unique(recent, return_counts=True), strict=True)
+    }
+    objects = truth["id"].astype(np.int64)
+    return Sample(
+        t_us=t_us,
+        objects=objects,
+        centres=np.stack([truth["x"], truth["y"]], axis=-1).astype(np.float64),
+        speeds=np.stack([truth["vx"], truth["vy"]], axis=-1).astype(np.float64),
+        active=np.array([caused.get(one, 0) >= ACTIVE_EVENTS for one in objects.tolist()], bool),
+        clusters=clusters_at(tracker, t_us),
+    )
+
+
+def _first_us(t_us: NDArray[np.int64], labels: NDArray[np.int64]) -> dict[int, int]:
+    objects, first = np.unique(labels, return_index=True)
+    return {
+        int(label): int(t_us[index])
+        for label, index in zip(objects, first, strict=True)
+        if label != NOISE
+    }

@@ -1,0 +1,99 @@
+"""Scores over the kept fraction as text: a line for each gamma, mean and spread over seeds."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from asap.accuracy import KeepCurve, KeepRow
+
+__all__ = ["CORNER_COLUMNS", "TRACKER_COLUMNS", "cell", "columns_of", "format_keep_curve", "told"]
+
+TRACKER_COLUMNS = {
+    "mota": ("MOTA", "1 - (misses + false clusters + id switches) / objects; may be negative"),
+    "id_switches": ("switches", "matched objects whose id is another than before, per run"),
+    "idf1": ("IDF1", "one assignment of ids to objects for the whole scene"),
+    "hota": ("HOTA", "detection and association over all strictnesses of the match"),
+    "position_rms": ("px", "rms error of the position"),
+    "velocity_rms": ("velocity", "rms error of the velocity, of the rms speed"),
+    "v_measure": ("V", "events as a partition, noise as a class"),
+}
+CORNER_COLUMNS = {
+    "precision": ("precision", "share of the events called corners that are corners"),
+    "recall": ("recall", "share of the corner events that are called so"),
+    "false_positive_rate": ("false", "share of the other events that are called corners"),
+    "f_measure": ("F", "harmonic mean of precision and recall"),
+    "corner_events": ("corners", "events called corners"),
+}
+"""Every column: heading, and what it is in words."""
+
+
+def format_keep_curve(curve: KeepCurve) -> str:
+    """Write the scores of an algorithm over gamma as a text table.
+
+    Parameters
+    ----------
+    curve : KeepCurve
+        What `asap.keep_curve` returns.
+
+    Returns
+    -------
+    str
+        Lines of at most 100 columns without colours, fit for a log file.
+    """
+    rows = curve.rows
+    columns = columns_of(rows[0])
+    head = ("gamma", "", *(heading for heading, _ in columns.values()))
+    table = [
+        head,
+        *((f"{row.gamma:g}", told(row), *(cell(row, c) for c in columns)) for row in rows),
+    ]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    lines = [_line(line, widths) for line in table]
+    behind = f" behind {curve.before}" if curve.before else ""
+    seeds = "1 seed" if rows[0].seeds == 1 else f"{rows[0].seeds} seeds: mean ± standard deviation"
+    return "\n".join(
+        [
+            f"{curve.algorithm}{behind} on {curve.scene}, {seeds}",
+            "",
+            lines[0],
+            "-" * (sum(widths) + 2 * len(widths) - 2),
+            *lines[1:],
+        ]
+    )
+
+
+def columns_of(row: KeepRow) -> dict[str, tuple[str, str]]:
+    """Return the columns of a tracker, or those of a corner detector."""
+    return TRACKER_COLUMNS if "mota" in row.mean else CORNER_COLUMNS
+
+
+def told(row: KeepRow) -> str:
+    """Say whether the algorithm knew gamma."""
+    return {None: "", True: "told", False: "not told"}[row.told]
+
+
+def cell(row: KeepRow, column: str) -> str:
+    """Write mean and spread; nothing where the figure does not exist."""
+    mean, spread = row.mean[column], row.spread[column]
+    if math.isnan(mean):
+        return "-"
+    text = _number(mean, column)
+    return text if math.isnan(spread) else f"{text} ±{_number(spread, column)}"
+
+
+def _number(value: float, column: str) -> str:
+    if column == "velocity_rms":
+        return f"{100 * value:.0f} %"
+    if column == "corner_events":
+        return f"{value:,.0f}"
+    if column in ("id_switches", "position_rms"):
+        return f"{value:.1f}" if column == "id_switches" else f"{value:.2f}"
+    return f"{value:.3f}".replace("0.", ".", 1)
+
+
+def _line(cells: tuple[str, ...], widths: list[int]) -> str:
+    name, way, *numbers = cells
+    right = (f"{text:>{width}}" for text, width in zip(numbers, widths[2:], strict=True))
+    return "  ".join((f"{name:<{widths[0]}}", f"{way:<{widths[1]}}", *right)).rstrip()
