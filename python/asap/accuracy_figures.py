@@ -29,13 +29,17 @@ _COLOURS = (plots.BLUE, plots.VERMILION, plots.GREEN, plots.PURPLE, plots.INK, p
 _SHARES = {"mota", "hota", "idf1", "precision", "recall", "f_measure", "v_measure"}
 
 
-def figure(curves: Sequence[KeepCurve], *, width_inches: float = 9.0) -> Figure:
+def figure(
+    curves: Sequence[KeepCurve], *, title: str | None = None, width_inches: float = 9.0
+) -> Figure:
     """Draw scores over gamma, a colour for each curve: told as a line, not told dashed.
 
     Parameters
     ----------
     curves : sequence of KeepCurve
         All of trackers, or all of corner detectors.
+    title : str, optional
+        Of the page.
     width_inches : float
         Of the page.
 
@@ -54,6 +58,8 @@ def figure(curves: Sequence[KeepCurve], *, width_inches: float = 9.0) -> Figure:
             for curve, colour in zip(curves, _cycle(curves), strict=True):
                 draw(axes, curve, column, colour=colour)
             axes.set_title(columns[column][0])
+        if title:
+            page.suptitle(title, x=0.01, ha="left", fontsize=10)
         handles, labels = panels[0].get_legend_handles_labels()
         page.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4))
     return page

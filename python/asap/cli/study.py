@@ -24,6 +24,9 @@ def add(verbs: Any) -> None:
     form.add_argument(
         "--realtime", action="store_true", help="the simulator beside this machine's clock instead"
     )
+    verb.add_argument(
+        "--accuracy", action="store_true", help="scores of the algorithms over gamma instead"
+    )
     verb.add_argument("--out", type=Path, default=Path("asap-study"), metavar="DIR")
     verb.add_argument("--workers", type=_workers, metavar="N", help="processes (default: cores)")
     verb.add_argument("--fresh", action="store_true", help="forget what DIR holds of earlier runs")
@@ -36,11 +39,13 @@ def _workers(text: str) -> int:
 
 
 def _call(arguments: Any) -> int:
+    if arguments.accuracy:
+        return _accuracy(arguments)
     if arguments.realtime:
         return _beside_the_clock(arguments)
     from asap.study import study
 
-    form = "quick" if arguments.quick else "full" if arguments.full else "default"
+    form = _form(arguments)
     with usage(), writing(), progress.on_terminal() as on_progress:
         found = study(
             arguments.out,
@@ -70,6 +75,50 @@ def _call(arguments: Any) -> int:
         for path in found.paths:
             print(f"wrote {path}")
     return OK if found.holds else CHECK_FAILED
+
+
+def _form(arguments: Any) -> str:
+    return "quick" if arguments.quick else "full" if arguments.full else "default"
+
+
+def _accuracy(arguments: Any) -> int:
+    from asap.study import accuracy_document, accuracy_study
+
+    form = _form(arguments)
+    with usage(), writing(), progress.on_terminal() as on_progress:
+        if arguments.realtime:
+            raise ValueError("--accuracy and --realtime: give one of them")
+        found = accuracy_study(
+            arguments.out,
+            form=form,
+            workers=arguments.workers,
+            fresh=arguments.fresh,
+            figures=_can_draw(),
+            command="asap study --accuracy" + ("" if form == "default" else f" --{form}"),
+            on_progress=on_progress,
+        )
+    for label in found.missing:
+        say(f"{label}: not in this build")
+    if arguments.json:
+        print_json(
+            {
+                "schema_version": 1,
+                "form": form,
+                "accuracy": [curve.to_dict() for curve in found.curves],
+                "seconds": found.seconds,
+                "taken_from_file": found.taken_from_file,
+                "files": [str(path) for path in found.paths],
+            }
+        )
+        return OK
+    for column, heading in (("mota", "MOTA"), ("f_measure", "corners, F")):
+        some = [curve for curve in found.curves if column in curve.rows[0].mean]
+        corners = [curve for curve in some if "mota" not in curve.rows[0].mean]
+        if shown := some if column == "mota" else corners:
+            print(f"{heading}\n\n{accuracy_document.by_scene(shown, column)}\n")
+    for path in found.paths:
+        print(f"wrote {path}")
+    return OK
 
 
 def _beside_the_clock(arguments: Any) -> int:

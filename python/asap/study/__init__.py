@@ -2,12 +2,23 @@
 
 ``asap study`` on the command line, `study` here. A study is made of cases (a stream, a cost and the
 contenders that go through it) and probes; they run through any executor, each finished one is kept,
-and what they show is judged by goals and written as tables beside the reference's.
+and what they show is judged by goals and written as tables beside the reference's. `accuracy_study`
+scores the algorithms instead, over scenes and the kept fraction.
 """
 
+from asap.study.accuracy_conduct import AccuracyStudy, accuracy_study
 from asap.study.cases import FORMS, Case
 from asap.study.conduct import Study, study
 from asap.study.goals import Goal
 from asap.study.results import Results
 
-__all__ = ["FORMS", "Case", "Goal", "Results", "Study", "study"]
+__all__ = [
+    "FORMS",
+    "AccuracyStudy",
+    "Case",
+    "Goal",
+    "Results",
+    "Study",
+    "accuracy_study",
+    "study",
+]

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from asap.profiles import LATENCY_MS
+from asap.study.accuracy_cases import Accuracy, AccuracyCase
 from asap.study.cases import NAMED, Case
 from asap.study.contenders import HINDSIGHT
 from asap.study.measure import Figures, Measured
@@ -13,8 +14,8 @@ from asap.study.probes import CapProbe, Steady, SteadyProbe, Window
 
 __all__ = ["MODELS", "Finding", "Outcome", "Results", "Task"]
 
-Task: TypeAlias = Case | SteadyProbe | CapProbe
-Outcome: TypeAlias = Measured | Steady | Window
+Task: TypeAlias = Case | SteadyProbe | CapProbe | AccuracyCase
+Outcome: TypeAlias = Measured | Steady | Window | Accuracy
 
 MODELS = tuple(LATENCY_MS)
 _LONG_GAP_MS = 60.0

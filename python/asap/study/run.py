@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from asap import _core
+from asap.study.accuracy_cases import Accuracy
 from asap.study.measure import Figures, Measured
 from asap.study.probes import Steady, Window
 from asap.study.results import Outcome, Results, Task
@@ -170,6 +171,8 @@ def _outcome(fields: dict[str, Any]) -> Outcome:
     if "figures" in fields:
         figures = {label: Figures(**values) for label, values in fields["figures"].items()}
         return Measured(fields["events"], fields["oracle"], figures)
+    if "scored" in fields:
+        return Accuracy.restored(fields)
     return Steady(**fields) if "theory_us" in fields else Window(**fields)
 
 
