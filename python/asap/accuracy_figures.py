@@ -23,8 +23,19 @@ if TYPE_CHECKING:
 
 __all__ = ["draw", "figure"]
 
-_TRACKER = ("mota", "hota", "position_rms", "id_switches")
-_CORNERS = ("precision", "recall", "f_measure", "false_positive_rate")
+_TRACKER = {
+    "mota": "MOTA",
+    "hota": "HOTA",
+    "position_rms": "position error [px]",
+    "id_switches": "id switches",
+}
+_CORNERS = {
+    "precision": "precision",
+    "recall": "recall",
+    "f_measure": "F",
+    "false_positive_rate": "false-positive rate",
+}
+_LEGEND_COLUMNS = 4
 _COLOURS = (plots.BLUE, plots.VERMILION, plots.GREEN, plots.PURPLE, plots.INK, plots.FAINT)
 _SHARES = {"mota", "hota", "idf1", "precision", "recall", "f_measure", "v_measure"}
 
@@ -52,16 +63,18 @@ def figure(
     columns = accuracy_table.columns_of(curves[0].rows[0])
     shown = _TRACKER if columns is accuracy_table.TRACKER_COLUMNS else _CORNERS
     with matplotlib.rc_context({**plots.STYLE, "axes.titley": 1.0}):
-        page = plots.NotebookFigure(figsize=(width_inches, 2.6), layout="constrained")
+        page = plots.NotebookFigure(layout="constrained")
         panels = page.subplots(1, len(shown))
-        for axes, column in zip(panels, shown, strict=True):
+        for axes, (column, words) in zip(panels, shown.items(), strict=True):
             for curve, colour in zip(curves, _cycle(curves), strict=True):
                 draw(axes, curve, column, colour=colour)
-            axes.set_title(columns[column][0])
+            axes.set_title(words)
         if title:
             page.suptitle(title, x=0.01, ha="left", fontsize=10)
         handles, labels = panels[0].get_legend_handles_labels()
-        page.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4))
+        page.legend(handles, labels, loc="outside lower center", ncols=_LEGEND_COLUMNS)
+        lines = -(-len(labels) // _LEGEND_COLUMNS)
+        page.set_size_inches(width_inches, 2.2 + 0.2 * lines)
     return page
 
 

@@ -15,7 +15,7 @@ TRACKER_COLUMNS = {
     "id_switches": ("switches", "matched objects whose id is another than before, per run"),
     "idf1": ("IDF1", "one assignment of ids to objects for the whole scene"),
     "hota": ("HOTA", "detection and association over all strictnesses of the match"),
-    "position_rms": ("px", "rms error of the position"),
+    "position_rms": ("rms px", "rms error of the position"),
     "velocity_rms": ("velocity", "rms error of the velocity, of the rms speed"),
     "v_measure": ("V", "events as a partition, noise as a class"),
 }

@@ -116,6 +116,14 @@ def test_clusters_that_are_excused_do_not_count():
     assert hota(match([excused])) == (1, 1, 1)
 
 
+def test_idf1_does_not_credit_a_cluster_that_is_excused():
+    # 8 is near object 0 too, but only an inactive object keeps it from being false.
+    both, alone = {7: HERE, 8: NEAR}, {8: HERE}
+    samples = samples_of([{0: HERE, 1: (50.0, 60.0)}] * 4, [both] * 3 + [alone])
+    samples = [one._replace(active=np.array([True, False])) for one in samples]
+    assert idf1(match(samples)) == 2 * 3 / (4 + 4)
+
+
 def test_hota_of_a_perfect_tracker_and_of_none():
     seen = [{7: HERE, 8: THERE}] * 4
     assert hota(match(samples_of([{0: HERE, 1: THERE}] * 4, seen))) == pytest.approx((1, 1, 1))
@@ -186,6 +194,8 @@ def test_partitions_by_hand():
     assert split == pytest.approx((1, 0, 0, 0, 6 / 7))
     crossed = compare_partitions([1, 1, 2, 2], [8, 9, 8, 9])
     assert crossed == pytest.approx((0, 0, 0, -0.5, 0.5), abs=1e-12)
+    mixed = compare_partitions([1, 1, 1, 2], [8, 8, 9, 9])
+    assert mixed.f_measure == pytest.approx((3 * 4 / 5 + 2 / 3) / 4)
     assert all(map(math.isnan, compare_partitions([], [])))
 
 

@@ -154,7 +154,7 @@ def test_the_table_has_a_line_for_each_row():
     lines = str(CURVE).splitlines()
     assert lines[0] == "fast behind BAF on A, 2 seeds: mean ± standard deviation"
     head = re.split(r"\s{2,}", lines[2].strip())
-    assert head == ["gamma", "MOTA", "switches", "IDF1", "HOTA", "px", "velocity", "V"]
+    assert head == ["gamma", "MOTA", "switches", "IDF1", "HOTA", "rms px", "velocity", "V"]
     assert [line.split()[:3] for line in lines[4:]] == [
         ["1", ".950", "±.071"],
         ["0.2", "told", ".850"],
@@ -187,7 +187,12 @@ def test_the_figure_has_a_line_told_and_one_not_told():
     pytest.importorskip("matplotlib")
     page = CURVE.plot()
     mota = page.axes[0]
-    assert [axes.get_title(loc="left") for axes in page.axes] == ["MOTA", "HOTA", "px", "switches"]
+    assert [axes.get_title(loc="left") for axes in page.axes] == [
+        "MOTA",
+        "HOTA",
+        "position error [px]",
+        "id switches",
+    ]
     lines = [bars.lines[0] for bars in mota.containers]
     assert [line.get_xdata().tolist() for line in lines] == [[1, 0.2], [1, 0.2]]
     assert [line.get_ydata().tolist() for line in lines] == [

@@ -2,6 +2,8 @@
 
 import json
 import math
+import sys
+import types
 from concurrent.futures import Executor, Future
 
 import numpy as np
@@ -102,6 +104,15 @@ def test_every_algorithm_of_this_build_is_scored():
             assert hasattr(rung.make(64, 64), "clusters") is not rung.corners
 
 
+def test_scenes_are_those_of_asap_scenes(monkeypatch):
+    scenes = types.ModuleType("asap.scenes")
+    scenes.A = lambda seed: ("A", seed)
+    scenes.corners = lambda kind, seed: ("corners", kind, seed)
+    monkeypatch.setitem(sys.modules, "asap.scenes", scenes)
+    assert accuracy_cases.scene_of("A", 3) == ("A", 3)
+    assert accuracy_cases.scene_of("corners_noisy", 4) == ("corners", "noisy", 4)
+
+
 def test_a_case_is_scored_at_every_gamma(small):
     found = AccuracyCase("BAF + best", "A", 7, (1.0, 0.5)).measure()
     assert [(one.gamma, one.told, one.seed) for one in found.scored] == [
@@ -168,7 +179,9 @@ def test_every_scene_has_its_figure(small, tmp_path):
 
 def test_cells_are_mean_and_spread_by_scene():
     def curve(scene, *motas, before=None):
-        scored = [Scored(1.0, None, s, {"mota": mota, "ns_per_event": 12.4}) for s, mota in motas]
+        scored = [
+            Scored(1.0, None, s, {"mota": mota, "ns_per_event_p50": 12.4}) for s, mota in motas
+        ]
         return KeepCurve("fast", scene, before, scored)
 
     curves = [
@@ -184,7 +197,7 @@ def test_cells_are_mean_and_spread_by_scene():
         ["fast", "1", "", ".950 ±.071", "-"],
         ["BAF + fast", "1", "", ".500", ""],
     ]
-    assert "| 12 |" in accuracy_document.by_scene(curves, "ns_per_event")
+    assert "| 12 |" in accuracy_document.by_scene(curves, "ns_per_event_p50")
 
 
 def test_unknown_forms_and_no_workers_are_refused(tmp_path):

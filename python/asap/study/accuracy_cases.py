@@ -147,6 +147,8 @@ def _exists(rung: Rung) -> bool:
 
 
 def scene_of(name: str, seed: int) -> Scene:
-    """Make a scene of `asap.scenes`."""
-    scene: Scene = getattr(importlib.import_module("asap.scenes"), name)(seed=seed)
+    """Make a scene of `asap.scenes`: "A" to "G", or "corners_slow", "corners_noisy"."""
+    scenes: Any = importlib.import_module("asap.scenes")
+    make, _, kind = name.partition("_")
+    scene: Scene = getattr(scenes, make)(*([kind] if kind else []), seed=seed)
     return scene
