@@ -110,9 +110,9 @@ def draw(axes: Axes, curve: KeepCurve, column: str, *, colour: str = plots.BLUE)
     axes.set_xlim(gammas[-1] * 1.15, gammas[0] / 1.15)
     axes.set_xlabel("gamma")
     if column in _SHARES:
-        axes.set_ylim(max(-0.5, min(-0.03, axes.get_ylim()[0])), 1.04)
+        axes.set_ylim(max(-0.5, min(-0.03, axes.get_ylim()[0])), 1.04, auto=True)
     else:
-        axes.set_ylim(bottom=0)
+        axes.set_ylim(bottom=0, auto=True)  # the next curve may be higher
 
 
 def _line(axes: Axes, rows: Sequence[KeepRow], column: str, **style: Any) -> None:

@@ -207,6 +207,24 @@ def test_the_figure_has_a_line_told_and_one_not_told():
     assert mota.get_ylim()[0] < -0.35
 
 
+def test_every_curve_of_a_figure_is_in_sight():
+    pytest.importorskip("matplotlib")
+    from asap import accuracy_figures
+
+    low = curve_of([(1.0, None, 0.9)])
+    high = KeepCurve(
+        "b",
+        "A",
+        None,
+        [Scored(1.0, None, 0, {**low.scored[0].figures, "position_rms": 9, "mota": -0.4})],
+    )
+    mota, _, position, _ = accuracy_figures.figure([low, high], title="scene A").axes
+    assert position.get_ylim()[0] == 0 and 9 < position.get_ylim()[1] < 12
+    assert -0.5 <= mota.get_ylim()[0] < -0.4
+    colours = {bars.lines[0].get_color() for bars in position.containers}
+    assert len(colours) == 2
+
+
 def test_a_curve_that_was_never_told_is_one_line():
     pytest.importorskip("matplotlib")
     page = curve_of([(1.0, None, 0.9), (0.2, False, 0.8)], before=None).plot()

@@ -44,8 +44,9 @@ def score(
         Such as ``asap.scenes.A()``: events, labels (-1 = noise), truth(t_us), width, height; for a
         corner detector also vertices(t_us).
     before : object with process(events), optional
-        A filter in front, such as `asap.BackgroundActivityFilter`: returns the events that pass, or
-        a bool for each. Labels follow the events that pass.
+        A fresh filter in front, such as `asap.BackgroundActivityFilter`: returns the events that
+        pass, or a bool for each. Labels follow the events that pass; active objects are then those
+        with 5 such events.
     gamma : float
         Fraction of the events behind the filter that is kept, uniformly and independently.
     told : bool
@@ -89,8 +90,8 @@ def score(
     Notes
     -----
     Every 5 ms from 100 ms on, clusters are matched greedily to active objects (those with 5 events
-    since the previous sample) less than 12 px away; event figures are of events after 200 ms. The
-    events of a package are those before its sample time. Without ``clusters_at`` positions are
+    since the previous sample) less than 12 px away; event figures are of the events after 200 ms
+    that reached the tracker. The events of a package are those before its sample time. Without ``clusters_at`` positions are
     extrapolated by vx (t - t_last).
 
     Examples
