@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -80,17 +81,21 @@ def cell(row: KeepRow, column: str) -> str:
     if math.isnan(mean):
         return "-"
     text = _number(mean, column)
-    return text if math.isnan(spread) else f"{text} ±{_number(spread, column)}"
+    if not math.isnan(spread):
+        text += f"±{_number(spread, column)}"
+    return f"{text} %" if column == "velocity_rms" else text
 
 
 def _number(value: float, column: str) -> str:
     if column == "velocity_rms":
-        return f"{100 * value:.0f} %"
+        return f"{100 * value:.0f}"
     if column == "corner_events":
         return f"{value:,.0f}"
-    if column in ("id_switches", "position_rms"):
-        return f"{value:.1f}" if column == "id_switches" else f"{value:.2f}"
-    return f"{value:.3f}".replace("0.", ".", 1)
+    if column == "id_switches":
+        return f"{value:.1f}" if value < 100 else f"{value:.0f}"
+    if column == "position_rms":
+        return f"{value:.2f}"
+    return re.sub(r"^(-?)0\.", r"\1.", f"{value:.3f}")
 
 
 def _line(cells: tuple[str, ...], widths: list[int]) -> str:

@@ -156,12 +156,25 @@ def test_the_table_has_a_line_for_each_row():
     head = re.split(r"\s{2,}", lines[2].strip())
     assert head == ["gamma", "MOTA", "switches", "IDF1", "HOTA", "rms px", "velocity", "V"]
     assert [line.split()[:3] for line in lines[4:]] == [
-        ["1", ".950", "±.071"],
-        ["0.2", "told", ".850"],
+        ["1", ".950±.071", "0.5±0.0"],
+        ["0.2", "told", ".850±.071"],
         ["0.2", "not", "told"],
     ]
-    assert "-.350 ±.071" in lines[6]
-    assert lines[4].split()[-3] == "-"  # no velocity
+    assert "-.350±.071" in lines[6]
+    assert lines[4].split()[-2] == "-"  # no velocity
+    assert max(map(len, lines)) <= 100
+
+
+def test_large_figures_fit_into_the_line():
+    figures = {"mota": -10.5, "id_switches": 985.0, "idf1": 0.5, "hota": 0.5, "v_measure": 0.5}
+    figures |= {"position_rms": 10.5, "velocity_rms": 12.15}
+    scored = [
+        Scored(0.05, False, seed, {name: value * seed for name, value in figures.items()})
+        for seed in (0, 1, 2)
+    ]
+    lines = str(KeepCurve("fast", "A", None, scored)).splitlines()
+    assert lines[-1].split()[3:6] == ["-10.500±10.500", "985±985", ".500±.500"]
+    assert "1215±1215 %" in lines[-1]
     assert max(map(len, lines)) <= 100
 
 

@@ -194,7 +194,7 @@ def test_cells_are_mean_and_spread_by_scene():
         [cell.strip() for cell in line.split("|")[1:-1]] for line in lines if "-:" not in line
     ] == [
         ["", "gamma", "", "A", "B"],
-        ["fast", "1", "", ".950 ±.071", "-"],
+        ["fast", "1", "", ".950±.071", "-"],
         ["BAF + fast", "1", "", ".500", ""],
     ]
     assert "| 12 |" in accuracy_document.by_scene(curves, "ns_per_event_p50")

@@ -91,8 +91,8 @@ def score(
     -----
     Every 5 ms from 100 ms on, clusters are matched greedily to active objects (those with 5 events
     since the previous sample) less than 12 px away; event figures are of the events after 200 ms
-    that reached the tracker. The events of a package are those before its sample time. Without ``clusters_at`` positions are
-    extrapolated by vx (t - t_last).
+    that reached the tracker. The events of a package are those before its sample time. Without
+    ``clusters_at`` positions are extrapolated by vx (t - t_last).
 
     Examples
     --------
