@@ -257,6 +257,12 @@ def test_a_corner_is_within_3_and_a_half_px(dx, count):
     assert asap.score(Detector(lambda events: events["y"] > 0), scene)["true_corners"] == count
 
 
+def test_a_vertex_of_another_object_makes_no_corner():
+    scene = Triangle([(50, 50, 0, 0), (200, 200, 0, 0)])
+    scene.vertices = lambda t_us: Triangle.vertices(scene, 0)[2:]  # of object 1, at object 0
+    assert asap.score(Detector(lambda events: events["y"] > 0), scene)["true_corners"] == 0
+
+
 def test_a_detector_that_finds_nothing_has_no_precision():
     found = asap.score(Detector(lambda events: events["y"] > 999), Triangle([(50, 50, 100, 0)]))
     assert math.isnan(found["precision"]) and found["recall"] == 0 and found["f_measure"] == 0
