@@ -202,6 +202,8 @@ def test_events_that_did_not_go_in_are_refused(field):
             passed(changed, events)
     with pytest.raises(ValueError, match="were not handed to it"):
         passed(events[[0, 0]], events)
+    with pytest.raises(ValueError, match="in another order"):
+        passed(events[[1, 0]], events)
     with pytest.raises(ValueError, match="must be the events that pass, or a bool"):
         passed(np.array([1, 2]), events)
 

@@ -31,7 +31,7 @@ def passed(returned: Any, events: NDArray[np.void]) -> NDArray[np.int64]:
     Raises
     ------
     ValueError
-        Events came out that did not go in.
+        Events came out that did not go in, or in another order.
     """
     found = np.asarray(returned)
     if found.dtype == np.bool_ and found.shape == events.shape:
@@ -52,7 +52,9 @@ def passed(returned: Any, events: NDArray[np.void]) -> NDArray[np.int64]:
         raise ValueError("before.process returned events that were not handed to it")
     indices = np.empty(found.size, np.int64)
     indices[back] = order[place]
-    return np.sort(indices)
+    if np.any(np.diff(indices) < 0):
+        raise ValueError("before.process returned the events in another order")
+    return indices
 
 
 def _sorted_keys(
