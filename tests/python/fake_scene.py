@@ -64,7 +64,7 @@ class FakeTracker:
 
     def clusters_at(self, t_us):
         rows = [(*row, 0, 0)[:5] for row in self._clusters(t_us)]
-        return np.array([(*row, t_us) for row in rows], CLUSTER_DTYPE)
+        return np.array([(*row, t_us - 1000) for row in rows], CLUSTER_DTYPE)
 
     def set_keep(self, gamma):
         self.keeps.append(gamma)
