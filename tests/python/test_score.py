@@ -159,6 +159,14 @@ def test_thinning_changes_neither_what_is_active_nor_what_the_filter_sees():
     assert np.concatenate(other.packages).tolist() != kept.tolist()
 
 
+def test_active_may_be_what_the_tracker_can_see():
+    scene = FakeScene([(50, 50, 0, 0)])
+    assert asap.score(perfect(scene), scene, active="kept")["true_positives"] == 7
+    assert asap.score(perfect(scene), scene, gamma=0.3, active="kept")["true_positives"] == 0
+    with pytest.raises(ValueError, match='give "produced" or "kept"'):
+        asap.score(perfect(scene), scene, active="all")
+
+
 def test_thinned_labels_stay_with_their_events():
     scene = noisy()
     found = asap.score(perfect(scene, ids=by_truth(scene)), scene, gamma=0.5)

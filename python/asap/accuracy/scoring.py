@@ -29,6 +29,7 @@ def score(
     gamma: float = 1.0,
     told: bool = True,
     seed: int = 0,
+    active: str = "produced",
 ) -> dict[str, float]:
     """Score a tracker, or a corner detector, on a scene with truth.
 
@@ -53,6 +54,10 @@ def score(
         Whether the algorithm gets ``set_keep(gamma)``, where it has it; not called at gamma = 1.
     seed : int
         Of the thinning.
+    active : {"produced", "kept"}
+        Which events make an object active, 5 of them since the previous sample: those that passed
+        the filter, so that every gamma stands against the same samples, or those that reached the
+        tracker, so that an object which is left with too few is no miss.
 
     Returns
     -------
@@ -85,7 +90,7 @@ def score(
     TypeError
         No scene, or neither a tracker nor a corner detector.
     ValueError
-        gamma is not in (0, 1], or an array does not fit the events.
+        gamma is not in (0, 1], active is unknown, or an array does not fit the events.
 
     Notes
     -----
@@ -103,9 +108,11 @@ def score(
         raise ValueError(f"gamma = {gamma}: must be in (0, 1]")
     if gamma < 1 and told and can_be_told(tracker):
         _tell(tracker, gamma, filter_upstream=before is not None)
+    if active not in ("produced", "kept"):
+        raise ValueError(f'active = {active!r}: give "produced" or "kept"')
     options: dict[str, Any] = {"before": before, "gamma": gamma, "seed": seed}
     if hasattr(tracker, "clusters") or hasattr(tracker, "clusters_at"):
-        trace = follow(tracker, scene, **options)
+        trace = follow(tracker, scene, active=active, **options)
         figures, feed = _of_tracker(trace), trace.feed
     else:
         feed = run_through(tracker, scene, **options)

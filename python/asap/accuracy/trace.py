@@ -139,6 +139,11 @@ class _Door:
         self._returned.append(_per_event(returned, package.size))
         return passing
 
+    @property
+    def last(self) -> NDArray[np.int64]:
+        """Indices of the last package's events."""
+        return self._indices[-1]
+
     def close(self) -> Feed:
         """Put the packages together."""
         returned = self._returned
@@ -176,23 +181,24 @@ def _packages(events: NDArray[np.void]) -> Iterator[tuple[int, int, int | None]]
 
 
 def follow(
-    tracker: Any, scene: Scene, *, before: Any = None, gamma: float = 1.0, seed: int = 0
+    tracker: Any,
+    scene: Scene,
+    *,
+    before: Any = None,
+    gamma: float = 1.0,
+    seed: int = 0,
+    active: str = "produced",
 ) -> Trace:
     """Let a tracker follow a scene and note what it says at every sample time.
 
     Parameters
     ----------
-    tracker, scene, before, gamma, seed
+    tracker, scene, before, gamma, seed, active
         As in `asap.score`.
 
     Returns
     -------
     Trace
-
-    Notes
-    -----
-    An object is active if it caused at least 5 events since the previous sample that passed the
-    filter; gamma does not count, so that all of them stand against the same samples.
     """
     labels = np.asarray(scene.labels).astype(np.int64)
     door = _Door(tracker, scene, before, gamma, seed)
@@ -201,7 +207,8 @@ def follow(
         passing = door.feed(begin, end)
         if t_us is None:
             break
-        recent = passing[scene.events["t"][passing] >= t_us - PERIOD_US]
+        seen = passing if active == "produced" else door.last
+        recent = seen[scene.events["t"][seen] >= t_us - PERIOD_US]
         samples.append(_sample(tracker, scene, t_us, labels[recent]))
     feed = door.close()
     ids = feed.returned
