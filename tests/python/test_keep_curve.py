@@ -15,13 +15,17 @@ from fake_scene import FakeScene, perfect
 SCENE = FakeScene([(50, 50, 0, 0), (150, 100, 0, 0)], end_us=120_001)
 
 
+OTHER = FakeScene([(50, 50, 0, 0)])
+
+
 @pytest.fixture
 def calls(monkeypatch):
     """Every call of score as (gamma, told, seed, has a filter); the score is made up."""
     seen = []
 
-    def score(tracker, scene, *, before, gamma, told, seed):
+    def score(tracker, scene, *, before, gamma, told, seed, active):
         seen.append((gamma, told, seed, before is not None))
+        assert active == ("kept" if scene is OTHER else "produced")
         return {"mota": gamma - seed, "idf1": math.nan}
 
     monkeypatch.setattr(module, "score", score)
@@ -61,6 +65,11 @@ def test_the_usual_gammas_and_seeds(calls):
     asap.keep_curve(made, lambda seed: SCENE)
     assert sorted({call[0] for call in calls}) == [0.05, 0.1, 0.2, 0.5, 1]
     assert {call[2] for call in calls} == {0, 1, 2}
+
+
+def test_what_makes_an_object_active_is_handed_on(calls):
+    asap.keep_curve(made, OTHER, gammas=(1, 0.5), seeds=(0,), active="kept")
+    assert len(calls) == 3
 
 
 def test_what_cannot_be_told_is_not(calls):

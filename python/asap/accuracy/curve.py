@@ -140,6 +140,7 @@ def keep_curve(
     gammas: Sequence[float] = GAMMAS,
     seeds: Sequence[int] = (0, 1, 2),
     before: Callable[[int, int], Any] | None = None,
+    active: str = "produced",
 ) -> KeepCurve:
     """Score an algorithm with less and less of the events, told and not told how many are kept.
 
@@ -156,6 +157,8 @@ def keep_curve(
     before : callable, optional
         A class or function of (width, height) that makes the filter in front. It sees every event:
         the thinning is behind it.
+    active : {"produced", "kept"}
+        As in `score`.
 
     Returns
     -------
@@ -186,7 +189,9 @@ def keep_curve(
     scenes: list[Scene] = []
     for seed in seeds:
         scenes.append(scene(seed) if callable(scene) else scene)
-        scored += scores_of(algorithm, scenes[-1], gammas=gammas, seed=seed, before=before)
+        scored += scores_of(
+            algorithm, scenes[-1], gammas=gammas, seed=seed, before=before, active=active
+        )
     size = scenes[0].width, scenes[0].height
     return KeepCurve(
         _name(algorithm, *size),
@@ -203,6 +208,7 @@ def scores_of(
     gammas: Sequence[float],
     seed: int,
     before: Callable[[int, int], Any] | None = None,
+    active: str = "produced",
 ) -> list[Scored]:
     """Score on one scene at every gamma, told (where the algorithm can be) and not told."""
 
@@ -214,6 +220,7 @@ def scores_of(
             gamma=gamma,
             told=bool(told),
             seed=seed,
+            active=active,
         )
         return Scored(gamma, told, seed, found)
 
