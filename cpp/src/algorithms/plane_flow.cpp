@@ -1,0 +1,84 @@
+#include "asap/algorithms/plane_flow.hpp"
+
+#include "asap/core/check.hpp"
+
+namespace asap {
+namespace {
+
+constexpr std::size_t kBorder = PlaneFit::kReach;
+
+const PlaneFlowConfig& checked(const PlaneFlowConfig& config) {
+  require(1 <= config.window_us && config.window_us <= PlaneFit::kMaxWindow_us, "window_us",
+          config.window_us, "must be 1 to 10000000 us");
+  require(3 <= config.min_points && config.min_points <= 25, "min_points", config.min_points,
+          "must be 3 to 25 px of the 5 x 5 window");
+  return config;
+}
+
+// A plane this flat tells no velocity: faster than 1000 px in 1 us.
+bool is_flat(double squared_slope) noexcept { return squared_slope < 1e-6; }
+
+}  // namespace
+
+PlaneFlow::PlaneFlow(const Config& config)
+    : config_(checked(config)),
+      frame_(config.width, config.height),
+      stride_(frame_.width() + 2 * kBorder),
+      plane_(stride_ * (frame_.height() + 2 * kBorder)),
+      times_(2 * plane_ + PlaneFit::kLanes, RecentTimes::kLongAgo) {}
+
+bool PlaneFlow::update(const Event& event, Flow& flow) noexcept {
+  if (!frame_.contains(event)) [[unlikely]] {
+    ++rejected_;
+    return false;
+  }
+  const RecentTimes::Time now = times_.time_of(event.t);
+  RecentTimes::Time* const own = times_.data() + (event.p > 0 ? plane_ : 0) +
+                                 (event.y + kBorder) * stride_ + event.x + kBorder;
+  *own = now;
+
+  PlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_),
+               static_cast<RecentTimes::Time>(config_.window_us));
+  TimePlane plane;
+  if (fit.points() < config_.min_points || !fit.fit(plane)) return false;
+  if (config_.refit && fit.drop_outliers(plane) > 0) {
+    if (fit.points() < config_.min_points || !fit.fit(plane)) return false;
+  }
+  const double squared_slope = plane.a * plane.a + plane.b * plane.b;
+  if (is_flat(squared_slope)) return false;
+  constexpr double kUsPerS = 1e6;
+  flow.vx = static_cast<float>(kUsPerS * plane.a / squared_slope);
+  flow.vy = static_cast<float>(kUsPerS * plane.b / squared_slope);
+  return true;
+}
+
+std::size_t PlaneFlow::process(EventSpan events) noexcept {
+  std::size_t with_flow = 0;
+  for (const Event& event : events) {
+    Flow flow;
+    with_flow += update(event, flow);
+  }
+  return with_flow;
+}
+
+std::size_t PlaneFlow::process(EventSpan events, std::span<Flow> flows) {
+  require(flows.size() == events.size(), "flows.size()", flows.size(),
+          "must be the number of events");
+  std::size_t with_flow = 0;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    flows[i] = {};
+    with_flow += update(events[i], flows[i]);
+  }
+  return with_flow;
+}
+
+void PlaneFlow::set_keep(double gamma) {
+  require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
+}
+
+void PlaneFlow::reset() noexcept {
+  times_.clear();
+  rejected_ = 0;
+}
+
+}  // namespace asap
