@@ -1,9 +1,21 @@
 #include "consumer.hpp"
 
 #include <memory>
+#include <vector>
 
+#include "asap/algorithms/arc_star.hpp"
+#include "asap/algorithms/background_activity_filter.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
+#include "asap/algorithms/e_fast.hpp"
+#include "asap/algorithms/e_harris.hpp"
+#include "asap/algorithms/event_image.hpp"
+#include "asap/algorithms/fa_harris.hpp"
+#include "asap/algorithms/hot_pixel_mask.hpp"
+#include "asap/algorithms/plane_flow.hpp"
+#include "asap/algorithms/speed_invariant_time_surface.hpp"
+#include "asap/algorithms/threshold_ordinal_surface.hpp"
 #include "asap/study/busy_wait.hpp"
+#include "exact_type.hpp"
 #include "package_arrays.hpp"
 
 namespace asap::python {
@@ -16,14 +28,49 @@ struct PythonAlgorithm {
   PackageArrays arrays;
 };
 
+template <class Algorithm>
+Consumer native(const py::object& algorithm) {
+  auto* ours = algorithm.cast<Algorithm*>();
+  return [ours](const Package& package) {
+    if (!package.continues) ours->set_keep(package.keep);
+    ours->process(package.events);
+  };
+}
+
+// What passes goes nowhere: the filter is there to be timed.
+template <class Filter>
+Consumer native_filter(const py::object& algorithm) {
+  auto* ours = algorithm.cast<Filter*>();
+  return [ours, passed = std::vector<Event>()](const Package& package) mutable {
+    if (!package.continues) ours->set_keep(package.keep);
+    if (passed.size() < package.events.size()) passed.resize(package.events.size());
+    ours->process(package.events, passed.data());
+  };
+}
+
+template <class... Algorithms>
+Consumer first_native(const py::object& algorithm) {
+  Consumer consumer;
+  ((is_exactly<Algorithms>(algorithm) && (consumer = native<Algorithms>(algorithm))) || ...);
+  return consumer;
+}
+
+template <class... Filters>
+Consumer first_native_filter(const py::object& algorithm) {
+  Consumer consumer;
+  ((is_exactly<Filters>(algorithm) && (consumer = native_filter<Filters>(algorithm))) || ...);
+  return consumer;
+}
+
 // Empty: it is none of ours.
 Consumer native_consumer_of(const py::object& algorithm) {
-  if (py::isinstance<ClusterTracker>(algorithm)) {
-    auto* tracker = algorithm.cast<ClusterTracker*>();
-    return [tracker](const Package& package) {
-      if (!package.continues) tracker->set_keep(package.keep);
-      tracker->process(package.events);
-    };
+  if (Consumer consumer =
+          first_native<ClusterTracker, EFast, ArcStar, EHarris, FAHarris, ThresholdOrdinalSurface,
+                       SpeedInvariantTimeSurface, PlaneFlow, EventImage>(algorithm)) {
+    return consumer;
+  }
+  if (Consumer consumer = first_native_filter<BackgroundActivityFilter, HotPixelMask>(algorithm)) {
+    return consumer;
   }
   if (py::isinstance<BusyWait>(algorithm)) {
     auto* busy_wait = algorithm.cast<BusyWait*>();

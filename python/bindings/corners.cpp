@@ -11,6 +11,7 @@
 #include "asap/algorithms/e_harris.hpp"
 #include "asap/algorithms/fa_harris.hpp"
 #include "layers.hpp"
+#include "per_event.hpp"
 
 namespace asap::python {
 namespace {
@@ -179,24 +180,6 @@ py::dict parameters(const FAHarrisConfig& config) {
   return py::dict("filter_us"_a = config.filter_us, "threshold"_a = config.threshold);
 }
 
-// What all of them have besides the constructor and process.
-template <class Algorithm>
-void bind_rest(py::class_<Algorithm>& type, const char* name, const char* keep_doc) {
-  type.def("set_keep", &Algorithm::set_keep, "gamma"_a, keep_doc)
-      .def("reset", &Algorithm::reset, "Back to the state after construction.")
-      .def_property_readonly(
-          "width", [](const Algorithm& self) { return self.config().width; }, "px")
-      .def_property_readonly(
-          "height", [](const Algorithm& self) { return self.config().height; }, "px")
-      .def_property_readonly(
-          "name", [name](const Algorithm&) { return name; }, "Name of the algorithm in reports.")
-      .def_property_readonly(
-          "parameters", [](const Algorithm& self) { return parameters(self.config()); },
-          "dict of the constructor's keyword parameters.")
-      .def_property_readonly("rejected", &Algorithm::rejected,
-                             "Events dropped because they lie outside the frame.");
-}
-
 template <class Detector>
 void bind_detector(py::class_<Detector>& type, const char* name) {
   type.def("process", &corners<Detector>, py::arg("events").noconvert(),
@@ -216,7 +199,7 @@ Raises
 TypeError
     `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
 )");
-  bind_rest(type, name,
+  bind_rest(type, name, &parameters,
             R"(Tells the fraction of the events that reaches the detector, 0 <= gamma <= 1.
 
 Checked, without effect: the published rule holds no rate that could be corrected.
@@ -254,7 +237,7 @@ Raises
 TypeError
     `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
 )");
-  bind_rest(type, "background_activity",
+  bind_rest(type, "background_activity", &parameters,
             R"(Tells the fraction of the events that reaches the filter, 0 <= gamma <= 1.
 
 Neighbours become as rare, so the window grows to window_us / gamma, at most 500 s. Tell nothing, or 1,

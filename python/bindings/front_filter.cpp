@@ -6,6 +6,8 @@
 #include <string>
 
 #include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/algorithms/hot_pixel_mask.hpp"
+#include "exact_type.hpp"
 #include "package_arrays.hpp"
 
 namespace asap::python {
@@ -56,9 +58,10 @@ std::size_t pass(PythonFilter& python, EventSpan events, Event* out) {
 
 FrontFilter front_filter_of(const py::object& filter) {
   if (filter.is_none()) return {};
-  if (py::isinstance<BackgroundActivityFilter>(filter)) {
+  if (is_exactly<BackgroundActivityFilter>(filter)) {
     return native<BackgroundActivityFilter>(filter);
   }
+  if (is_exactly<HotPixelMask>(filter)) return native<HotPixelMask>(filter);
   const bool has_process = py::hasattr(filter, "process");
   if (!has_process && !PyCallable_Check(filter.ptr())) {
     throw py::type_error("before: expected an object with process(events) or a callable, got " +

@@ -18,5 +18,9 @@ void bind_synthetic(pybind11::module_& m);
 void bind_scenes(pybind11::module_& m);
 void bind_algorithms(pybind11::module_& m);
 void bind_corners(pybind11::module_& m);
+void bind_hot_pixels(pybind11::module_& m);
+void bind_surfaces(pybind11::module_& m);
+void bind_flow(pybind11::module_& m);
+void bind_event_image(pybind11::module_& m);
 
 }  // namespace asap::python

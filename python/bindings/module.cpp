@@ -21,4 +21,8 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_scenes(m);
   asap::python::bind_algorithms(m);
   asap::python::bind_corners(m);
+  asap::python::bind_hot_pixels(m);
+  asap::python::bind_surfaces(m);
+  asap::python::bind_flow(m);
+  asap::python::bind_event_image(m);
 }

@@ -13,6 +13,7 @@ import pytest
 
 import asap as package
 from asap import cli, progress
+from asap.cli.choices import ALGORITHMS, algorithm_of
 from asap.io import CorruptFile, UnsupportedFormat
 from fake_run import fake_run
 
@@ -181,6 +182,14 @@ def test_run_hands_its_options_on(api, asap):
     parameters = options["scheme"].parameters
     assert parameters == {"rate_bound": 1e6, "first_size": 500}
     assert isinstance(parameters["first_size"], int)
+
+
+@pytest.mark.parametrize("name", ALGORITHMS)
+def test_algorithms_by_name_are_made_for_the_sensor(name):
+    recording = SimpleNamespace(width=346, height=260)
+    algorithm = algorithm_of(name, recording)
+    assert type(algorithm).__name__ == ALGORITHMS[name]
+    assert (algorithm.width, algorithm.height) == (346, 260)
 
 
 def test_a_cost_means_virtual_time(api, asap):

@@ -21,7 +21,18 @@ _SCHEMES = {
     "deadline": "Deadline",
     "dead_beat": "DeadBeat",
 }
-ALGORITHMS = {"clusters": "ClusterTracker"}
+ALGORITHMS = {
+    "clusters": "ClusterTracker",
+    "baf": "BackgroundActivityFilter",
+    "hot_pixels": "HotPixelMask",
+    "e_fast": "EFast",
+    "arc_star": "ArcStar",
+    "e_harris": "EHarris",
+    "fa_harris": "FAHarris",
+    "tos": "ThresholdOrdinalSurface",
+    "sits": "SpeedInvariantTimeSurface",
+    "flow": "PlaneFlow",
+}
 
 
 def schemes() -> list[str]:

@@ -1,0 +1,105 @@
+// The layer `algorithms`: PlaneFlow.
+#include <cstdint>
+#include <memory>
+
+#include "arrays.hpp"
+#include "asap/algorithms/plane_flow.hpp"
+#include "layers.hpp"
+#include "per_event.hpp"
+
+namespace asap::python {
+namespace {
+
+using namespace py::literals;
+
+constexpr const char* kDoc = R"(Optical flow of each event, normal to its edge, by a plane fit.
+
+The times at which the pixels of the 5 x 5 window fired last, in the event's polarity and within
+`window_us`, lie near a plane; its slope is the inverse of the edge's velocity.
+
+Parameters
+----------
+width, height : int
+    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`.
+window_us : int
+    us, 1 to 10 000 000: older events do not count.
+min_points : int
+    Fewest pixels of a fit, the event's own included, 3 to 25.
+refit : bool
+    Fit a second time without the pixels farther from the first plane than twice the rms distance.
+
+Raises
+------
+ValueError
+    A parameter is out of range; the message names it.
+
+Notes
+-----
+One thread at a time. A stamp that goes back counts as the latest one. Source: Benosman, Clercq, Lagorce,
+Ieng, Bartolozzi, "Event-Based Visual Flow", IEEE TNNLS 2014.
+)";
+
+py::array_t<float> flows(PlaneFlow& flow, const py::array& events) {
+  static_assert(sizeof(Flow) == 2 * sizeof(float));
+  const EventSpan span = as_span(events);
+  py::array_t<float> result({static_cast<py::ssize_t>(span.size()), py::ssize_t{2}});
+  auto* out = reinterpret_cast<Flow*>(result.mutable_data());
+  {
+    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
+    const py::gil_scoped_release release;
+    flow.process(span, {out, span.size()});
+  }
+  return result;
+}
+
+py::dict parameters(const PlaneFlowConfig& config) {
+  return py::dict("window_us"_a = config.window_us, "min_points"_a = config.min_points,
+                  "refit"_a = config.refit);
+}
+
+}  // namespace
+
+void bind_flow(py::module_& m) {
+  constexpr PlaneFlowConfig kDefault{.width = 0, .height = 0};
+  py::class_<PlaneFlow> type(m, "PlaneFlow", kDoc);
+  type.def(py::init([](int width, int height, std::int64_t window_us, int min_points, bool refit) {
+             return std::make_unique<PlaneFlow>(PlaneFlowConfig{.width = width,
+                                                                .height = height,
+                                                                .window_us = window_us,
+                                                                .min_points = min_points,
+                                                                .refit = refit});
+           }),
+           "width"_a, "height"_a, py::kw_only(), "window_us"_a = kDefault.window_us,
+           "min_points"_a = kDefault.min_points, "refit"_a = kDefault.refit)
+      .def("process", &flows, py::arg("events").noconvert(),
+           R"(Takes the next events of the stream.
+
+Parameters
+----------
+events : ndarray of shape (n,) in EVENT_DTYPE
+
+Returns
+-------
+ndarray of float32, shape (n, 2)
+    vx and vy of each event, px/s, x to the right and y down. NaN where the events around give no flow:
+    too few, all on a line, or all at once.
+
+Raises
+------
+TypeError
+    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+)");
+  bind_rest(type, "plane_flow", &parameters,
+            R"(Tells the fraction of the events that reaches the algorithm, 0 <= gamma <= 1.
+
+Checked, without effect: a longer window would reach back to edges that passed before, which turns the flow
+around. Fewer events have a flow when neighbours are discarded.
+
+Raises
+------
+ValueError
+    gamma is NaN or outside [0, 1].
+)");
+}
+
+}  // namespace asap::python

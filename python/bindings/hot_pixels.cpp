@@ -1,0 +1,138 @@
+// The layer `algorithms`: HotPixelMask.
+#include <pybind11/stl.h>
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "asap/algorithms/hot_pixel_mask.hpp"
+#include "layers.hpp"
+#include "per_event.hpp"
+
+namespace asap::python {
+namespace {
+
+using namespace py::literals;
+
+using Pairs = std::vector<std::pair<int, int>>;
+
+constexpr const char* kDoc = R"(Drops the events of hot pixels.
+
+Which these are is given, learned from a recording with `learn`, or learned on the way, among each
+`learn_events` events. A pixel is hot, as for `asap.check`, if it has at least 100 events, a thousandth of
+all, and five times as many as the second busiest of the 24 pixels around it. Once masked it stays masked
+until `reset`.
+
+Parameters
+----------
+width, height : int
+    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`.
+pixels : sequence of (x, y)
+    Masked from the beginning, px; ``asap.check(source).hot_pixels[["x", "y"]].tolist()`` fits.
+learn_events : int
+    Events from which is learned on the way, again and again; up to 10^9. 0: never.
+
+Raises
+------
+ValueError
+    A parameter is out of range; the message names it.
+
+Notes
+-----
+One thread at a time. Only pixels count, not stamps and polarities. Three hot pixels within 2 px of each
+other take each other for a moving edge: give them.
+)";
+
+py::array passing(HotPixelMask& mask, const py::array& events) {
+  const EventSpan span = as_span(events);
+  std::vector<Event> passed(span.size());
+  {
+    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
+    const py::gil_scoped_release release;
+    passed.resize(mask.process(span, passed.data()));
+  }
+  return moved_to_array(std::move(passed));
+}
+
+std::size_t learned(HotPixelMask& mask, const py::array& events) {
+  const EventSpan span = as_span(events);
+  const py::gil_scoped_release release;  // as above
+  return mask.learn(span);
+}
+
+Pairs pairs_of(const std::vector<MaskedPixel>& pixels) {
+  Pairs pairs;
+  for (const auto& [x, y] : pixels) pairs.emplace_back(x, y);
+  return pairs;
+}
+
+py::dict parameters(const HotPixelMaskConfig& config) {
+  return py::dict("pixels"_a = pairs_of(config.pixels), "learn_events"_a = config.learn_events);
+}
+
+}  // namespace
+
+void bind_hot_pixels(py::module_& m) {
+  constexpr std::int64_t kLearnEvents = 100'000;
+  py::class_<HotPixelMask> type(m, "HotPixelMask", kDoc);
+  type.def(py::init([](int width, int height, const Pairs& pixels, std::int64_t learn_events) {
+             HotPixelMaskConfig config{
+                 .width = width, .height = height, .learn_events = learn_events};
+             for (const auto& [x, y] : pixels) config.pixels.push_back({x, y});
+             return std::make_unique<HotPixelMask>(config);
+           }),
+           "width"_a, "height"_a, py::kw_only(), "pixels"_a = py::tuple(),
+           "learn_events"_a = kLearnEvents)
+      .def("process", &passing, py::arg("events").noconvert(),
+           R"(Takes the next events of the stream and returns those that pass.
+
+Parameters
+----------
+events : ndarray of shape (n,) in EVENT_DTYPE
+
+Returns
+-------
+ndarray of shape (k,) in EVENT_DTYPE
+    A new array.
+
+Raises
+------
+TypeError
+    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+)")
+      .def("learn", &learned, py::arg("events").noconvert(),
+           R"(Masks the hot pixels of these events as well, judged by these events alone.
+
+Parameters
+----------
+events : ndarray of shape (n,) in EVENT_DTYPE
+    Some seconds of a recording; a calm scene shows hot pixels best.
+
+Returns
+-------
+int
+    How many pixels of `events` are hot.
+
+Raises
+------
+TypeError
+    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+)")
+      .def_property_readonly(
+          "pixels", [](const HotPixelMask& self) { return pairs_of(self.pixels()); },
+          "list of (x, y), px: the masked pixels, row by row.");
+  bind_rest(type, "hot_pixels", &parameters,
+            R"(Tells the fraction of the events that reaches the mask, 0 <= gamma <= 1.
+
+Checked, without effect: a hot pixel's share of all events stays what it is.
+
+Raises
+------
+ValueError
+    gamma is NaN or outside [0, 1].
+)");
+}
+
+}  // namespace asap::python

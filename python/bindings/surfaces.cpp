@@ -1,0 +1,142 @@
+// The layer `algorithms`: the surfaces that events change around their pixel.
+#include <memory>
+
+#include "arrays.hpp"
+#include "asap/algorithms/speed_invariant_time_surface.hpp"
+#include "asap/algorithms/threshold_ordinal_surface.hpp"
+#include "layers.hpp"
+#include "per_event.hpp"
+
+namespace asap::python {
+namespace {
+
+using namespace py::literals;
+
+constexpr const char* kThresholdOrdinalDoc = R"(How recently each pixel fired, in 8 bits (TOS).
+
+Age is counted in events of the neighbourhood: an event takes 1 from every pixel of the `side` x `side`
+window around it, to 0 what thereby falls below 255 - 2 `side`, and sets its own to 255. So edges are as
+wide whatever their speed.
+
+Parameters
+----------
+width, height : int
+    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`.
+side : int
+    px of the window, odd, 3 to 127.
+
+Raises
+------
+ValueError
+    A parameter is out of range; the message names it.
+
+Notes
+-----
+One thread at a time. Only the order of the events matters, not stamps and polarities. Source: Glover,
+Dinale, De Souza Rosa, Bamford, Bartolozzi, "luvHarris: A Practical Corner Detector for Event-Cameras",
+TPAMI 2021. Public releases clear from one value lower.
+)";
+
+constexpr const char* kSpeedInvariantDoc = R"(The order in which neighbouring pixels fired (SITS).
+
+Ranks go from (2 `radius` + 1)^2, the newest, down to 0. An event takes 1 from every pixel of the window
+around it that ranks above its own, and sets its own to the top: the same picture at any speed.
+
+Parameters
+----------
+width, height : int
+    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`.
+radius : int
+    px, 1 to 127; the window is 2 `radius` + 1 wide.
+
+Raises
+------
+ValueError
+    A parameter is out of range; the message names it.
+
+Notes
+-----
+One thread at a time. Only the order of the events matters, not stamps and polarities. Source:
+Manderscheid, Sironi, Bourdis, Migliore, Lepetit, "Speed Invariant Time Surface for Learning to Detect
+Corner Points with Event-Based Cameras", CVPR 2019, with one surface for both polarities; two of them
+keep polarities apart.
+)";
+
+template <class Surface>
+void take(Surface& surface, const py::array& events) {
+  const EventSpan span = as_span(events);
+  // Pure C++ on memory that `events` keeps alive: other Python threads may run.
+  const py::gil_scoped_release release;
+  surface.process(span);
+}
+
+template <class Surface>
+py::array_t<typename Surface::Value> values(const Surface& surface) {
+  py::array_t<typename Surface::Value> copy({surface.config().height, surface.config().width});
+  surface.copy_to({copy.mutable_data(), static_cast<std::size_t>(copy.size())});
+  return copy;
+}
+
+py::dict parameters(const ThresholdOrdinalSurfaceConfig& config) {
+  return py::dict("side"_a = config.side);
+}
+py::dict parameters(const SpeedInvariantTimeSurfaceConfig& config) {
+  return py::dict("radius"_a = config.radius);
+}
+
+template <class Surface>
+void bind_surface(py::class_<Surface>& type, const char* name, const char* surface_doc) {
+  type.def("process", &take<Surface>, py::arg("events").noconvert(),
+           R"(Takes the next events of the stream.
+
+Parameters
+----------
+events : ndarray of shape (n,) in EVENT_DTYPE
+
+Raises
+------
+TypeError
+    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+)")
+      .def_property_readonly("surface", &values<Surface>, surface_doc);
+  bind_rest(type, name, &parameters,
+            R"(Tells the fraction of the events that reaches the surface, 0 <= gamma <= 1.
+
+Checked, without effect: the published rule ages by the events around and holds no rate to correct.
+
+Raises
+------
+ValueError
+    gamma is NaN or outside [0, 1].
+)");
+}
+
+}  // namespace
+
+void bind_surfaces(py::module_& m) {
+  constexpr ThresholdOrdinalSurfaceConfig kThresholdOrdinal{.width = 0, .height = 0};
+  py::class_<ThresholdOrdinalSurface> threshold_ordinal(m, "ThresholdOrdinalSurface",
+                                                        kThresholdOrdinalDoc);
+  threshold_ordinal.def(
+      py::init([](int width, int height, int side) {
+        return std::make_unique<ThresholdOrdinalSurface>(
+            ThresholdOrdinalSurfaceConfig{.width = width, .height = height, .side = side});
+      }),
+      "width"_a, "height"_a, py::kw_only(), "side"_a = kThresholdOrdinal.side);
+  bind_surface(threshold_ordinal, "threshold_ordinal_surface",
+               "ndarray of uint8, shape (height, width): a copy. 255: fired last; 0: long ago.");
+
+  constexpr SpeedInvariantTimeSurfaceConfig kSpeedInvariant{.width = 0, .height = 0};
+  py::class_<SpeedInvariantTimeSurface> speed_invariant(m, "SpeedInvariantTimeSurface",
+                                                        kSpeedInvariantDoc);
+  speed_invariant.def(
+      py::init([](int width, int height, int radius) {
+        return std::make_unique<SpeedInvariantTimeSurface>(
+            SpeedInvariantTimeSurfaceConfig{.width = width, .height = height, .radius = radius});
+      }),
+      "width"_a, "height"_a, py::kw_only(), "radius"_a = kSpeedInvariant.radius);
+  bind_surface(speed_invariant, "speed_invariant_time_surface",
+               "ndarray of uint16, shape (height, width): a copy. (2 radius + 1)^2: fired last.");
+}
+
+}  // namespace asap::python
