@@ -14,19 +14,35 @@ std::int32_t from_centre(std::size_t index) noexcept {
   return static_cast<std::int32_t>(index) - static_cast<std::int32_t>(PlaneFit::kReach);
 }
 
+template <class Sum>
 struct Moments {
-  std::int64_t zeroth = 0;
-  std::int64_t first = 0;
-  std::int64_t second = 0;
+  Sum zeroth;
+  Sum first;
+  Sum second;
 };
 
-// Of a row of column sums, along x.
-Moments moments(const Row& columns) noexcept {
-  const std::int64_t far = columns[0] + columns[4];
-  const std::int64_t near = columns[1] + columns[3];
-  return {.zeroth = far + near + columns[2],
-          .first = 2 * std::int64_t{columns[4] - columns[0]} + columns[3] - columns[1],
-          .second = 4 * far + near};
+// Of five values at -2 .. 2.
+template <class Sum>
+Moments<Sum> moments(Sum v0, Sum v1, Sum v2, Sum v3, Sum v4) noexcept {
+  const Sum far = v0 + v4;
+  const Sum near = v1 + v3;
+  return {.zeroth = far + near + v2, .first = 2 * (v4 - v0) + v3 - v1, .second = 4 * far + near};
+}
+
+Moments<std::int64_t> along_x(const Row& columns) noexcept {
+  return moments<std::int64_t>(columns[0], columns[1], columns[2], columns[3], columns[4]);
+}
+
+Moments<Row> along_y(const std::array<Row, kSide>& rows) noexcept {
+  Moments<Row> columns;
+  for (std::size_t x = 0; x < kLanes; ++x) {
+    const auto [zeroth, first, second] =
+        moments(rows[0][x], rows[1][x], rows[2][x], rows[3][x], rows[4][x]);
+    columns.zeroth[x] = zeroth;
+    columns.first[x] = first;
+    columns.second[x] = second;
+  }
+  return columns;
 }
 
 }  // namespace
@@ -45,34 +61,21 @@ PlaneFit::PlaneFit(const Time* centre, std::ptrdiff_t stride, Time window_us) no
 }
 
 int PlaneFit::points() const noexcept {
-  int points = 0;
+  Row columns{};
   for (const Row& row : used_) {
-    for (std::size_t x = 0; x < kSide; ++x) points += row[x];
+    for (std::size_t x = 0; x < kLanes; ++x) columns[x] += row[x];
   }
-  return points;
+  return std::accumulate(columns.begin(), columns.begin() + kSide, 0);
 }
 
 bool PlaneFit::fit(TimePlane& plane) const noexcept {
-  Row count{};  // column sums: of 1, y, y^2, t, y t
-  Row sum_y{};
-  Row sum_yy{};
-  Row sum_t{};
-  Row sum_yt{};
-  for (std::size_t row = 0; row < kSide; ++row) {
-    const std::int32_t y = from_centre(row);
-    for (std::size_t x = 0; x < kLanes; ++x) {
-      count[x] += used_[row][x];
-      sum_y[x] += y * used_[row][x];
-      sum_yy[x] += y * y * used_[row][x];
-      sum_t[x] += times_[row][x];
-      sum_yt[x] += y * times_[row][x];
-    }
-  }
-  const auto [n, sx, sxx] = moments(count);
-  const auto [sy, sxy, unused_y] = moments(sum_y);
-  const auto [st, sxt, unused_t] = moments(sum_t);
-  const std::int64_t syy = moments(sum_yy).zeroth;
-  const std::int64_t syt = moments(sum_yt).zeroth;
+  const Moments<Row> of_used = along_y(used_);
+  const Moments<Row> of_times = along_y(times_);
+  const auto [n, sx, sxx] = along_x(of_used.zeroth);
+  const auto [sy, sxy, sxxy] = along_x(of_used.first);
+  const auto [st, sxt, sxxt] = along_x(of_times.zeroth);
+  const std::int64_t syy = along_x(of_used.second).zeroth;
+  const std::int64_t syt = along_x(of_times.first).zeroth;
 
   // n times the sums without their means.
   const std::int64_t cxx = n * sxx - sx * sx;
@@ -96,12 +99,15 @@ int PlaneFit::drop_outliers(const TimePlane& plane) noexcept {
   constexpr double kFactor = 4.0;  // of squares
   std::array<std::array<double, kLanes>, kSide> squares;
   std::array<double, kLanes> sums{};
+  std::array<double, kLanes> of_columns;
+  for (std::size_t x = 0; x < kLanes; ++x) of_columns[x] = plane.a * from_centre(x);
   for (std::size_t y = 0; y < kSide; ++y) {
     const double of_row = plane.b * from_centre(y) + plane.c;
     for (std::size_t x = 0; x < kLanes; ++x) {
-      const double distance = times_[y][x] - (plane.a * from_centre(x) + of_row);
-      squares[y][x] = used_[y][x] * distance * distance;
-      sums[x] += squares[y][x];
+      const double distance = times_[y][x] - (of_columns[x] + of_row);
+      const double square = distance * distance * used_[y][x];
+      squares[y][x] = square;
+      sums[x] += square;
     }
   }
   const double sum = std::accumulate(sums.begin(), sums.end(), 0.0);

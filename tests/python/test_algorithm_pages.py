@@ -1,0 +1,58 @@
+"""notebooks/algorithms: a page per algorithm, short, linked, and its example runs."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+import asap
+from asap.cli.choices import ALGORITHMS
+from house import ROOT, name_of, run
+
+FOLDER = ROOT / "notebooks" / "algorithms"
+INDEX = FOLDER / "README.md"
+PAGES = sorted(set(FOLDER.glob("*.md")) - {INDEX})
+
+WITHOUT_A_PAGE = {"ClusterTracker"}  # in the README and the notebooks
+
+
+def algorithms() -> set[str]:
+    kinds = [kind for kind in vars(asap).values() if isinstance(kind, type)]
+    return {kind.__name__ for kind in kinds if hasattr(kind, "set_keep")} - WITHOUT_A_PAGE
+
+
+def title(page: Path) -> str:
+    return page.read_text().splitlines()[0].removeprefix("# ")
+
+
+def test_every_algorithm_has_a_page() -> None:
+    assert {title(page) for page in PAGES} == algorithms()
+
+
+def test_the_index_names_all_pages_and_commands() -> None:
+    rows = re.findall(r"^\| \[(\w+)\]\((\S+)\) .*\| (?:`(\w+)` )?\|$", INDEX.read_text(), re.M)
+    assert [(name, link) for name, link, _ in sorted(rows, key=lambda row: row[1])] == [
+        (title(page), page.name) for page in PAGES
+    ]
+    commands = {command: name for name, _, command in rows if command}
+    assert commands == {key: name for key, name in ALGORITHMS.items() if name in algorithms()}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_page_is_short_and_complete(page: Path) -> None:
+    text = page.read_text()
+    assert len(text.splitlines()) <= 45
+    assert "**Cost** " in text and "**`set_keep(gamma)`** " in text
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        assert (FOLDER / target).is_file(), target
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_example_runs(page: Path, tmp_path: Path) -> None:
+    (example,) = re.findall(r"^```python\n(.*?)^```$", page.read_text(), re.M | re.S)
+    script = tmp_path / "example.py"
+    script.write_text(example)
+    run([sys.executable, "-W", "error", script], cwd=tmp_path)
