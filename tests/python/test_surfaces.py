@@ -287,3 +287,22 @@ def test_a_derived_class_is_not_native() -> None:
     assert not is_native(corners)
     asap.simulate(golden_stream(), cost=asap.LinearCost(1, 1), algorithm=corners)
     assert corners.found == 694
+
+
+def test_the_mask_in_front() -> None:
+    events = golden_stream()[:20_000]
+    x, y = events[0][["x", "y"]].tolist()
+    masked = int(((events["x"] == x) & (events["y"] == y)).sum())
+
+    class Double(HotPixelMask):
+        calls = 0
+
+        def process(self, events: Any) -> Any:
+            self.calls += 1
+            return super().process(events)
+
+    mask, double = (kind(WIDTH, HEIGHT, pixels=[(x, y)]) for kind in (HotPixelMask, Double))
+    cost = asap.LinearCost(10, 2)
+    runs = [asap.simulate(events, cost=cost, before=before) for before in (mask, double)]
+    assert [run.ledger["filtered"] for run in runs] == [masked, masked]
+    assert double.calls > 0

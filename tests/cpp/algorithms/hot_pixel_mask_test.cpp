@@ -109,6 +109,8 @@ TEST(HotPixelMask, LearnsOnTheWay) {
   HotPixelMask other({.width = 40, .height = 30, .learn_events = 901});
   for (int i = 0; i < 3; ++i) passed(other, fewer);
   EXPECT_EQ(other.pixels(), (Pixels{{20, 20}}));
+  passed(other, Events(901, at(5, 6)));  // and again and again
+  EXPECT_EQ(other.pixels(), (Pixels{{5, 6}, {20, 20}}));
 }
 
 TEST(HotPixelMask, WhatIsMaskedStaysUntilReset) {
