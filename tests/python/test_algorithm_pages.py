@@ -45,7 +45,7 @@ def test_the_index_names_all_pages_and_commands() -> None:
 def test_page_is_short_and_complete(page: Path) -> None:
     text = page.read_text()
     assert len(text.splitlines()) <= 45
-    assert "**Cost** " in text and "**`set_keep(gamma)`** " in text
+    assert "**Cost** " in text and "**`set_keep(gamma)`**" in text
     for target in re.findall(r"\]\(([^)\s]+)\)", text):
         assert (FOLDER / target).is_file(), target
 
