@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -51,8 +52,9 @@ Events edge(int sx, int sy, std::int16_t p = 1) {
       events.push_back({.x = x, .y = y, .p = p, .t = 1'000'000 + sx * x + sy * y});
     }
   }
-  std::stable_sort(events.begin(), events.end(),
-                   [](const Event& a, const Event& b) { return a.t < b.t; });
+  std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
+    return std::tie(a.t, a.y, a.x) < std::tie(b.t, b.y, b.x);
+  });
   return events;
 }
 
