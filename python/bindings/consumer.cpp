@@ -10,6 +10,7 @@
 #include "asap/algorithms/e_harris.hpp"
 #include "asap/algorithms/event_image.hpp"
 #include "asap/algorithms/fa_harris.hpp"
+#include "asap/algorithms/feature_tracker.hpp"
 #include "asap/algorithms/hot_pixel_mask.hpp"
 #include "asap/algorithms/plane_flow.hpp"
 #include "asap/algorithms/speed_invariant_time_surface.hpp"
@@ -66,7 +67,8 @@ Consumer first_native_filter(const py::object& algorithm) {
 Consumer native_consumer_of(const py::object& algorithm) {
   if (Consumer consumer =
           first_native<ClusterTracker, EFast, ArcStar, EHarris, FAHarris, ThresholdOrdinalSurface,
-                       SpeedInvariantTimeSurface, PlaneFlow, EventImage>(algorithm)) {
+                       SpeedInvariantTimeSurface, PlaneFlow, EventImage, FeatureTracker>(
+              algorithm)) {
     return consumer;
   }
   if (Consumer consumer = first_native_filter<BackgroundActivityFilter, HotPixelMask>(algorithm)) {

@@ -22,5 +22,6 @@ void bind_hot_pixels(pybind11::module_& m);
 void bind_surfaces(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
 void bind_event_image(pybind11::module_& m);
+void bind_features(pybind11::module_& m);
 
 }  // namespace asap::python

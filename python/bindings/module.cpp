@@ -25,4 +25,5 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_surfaces(m);
   asap::python::bind_flow(m);
   asap::python::bind_event_image(m);
+  asap::python::bind_features(m);
 }

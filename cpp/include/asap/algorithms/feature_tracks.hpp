@@ -1,0 +1,87 @@
+// FeatureTracks: follows corners, event by event. A corner event with company (more than m of its 8
+// neighbours are among the last B corner events) moves the first-created track within the radius to
+// itself and ends the others there; where there is none it begins a track. Tracks that took none of
+// the last B corner events end with the next event that has company.
+// One thread. update() is O(1), whatever the number of tracks: no two are within the radius of each
+// other. No allocation after construction. A stamp that goes back counts as the latest one.
+// Source: feature_config.hpp; the results are those of the release, which searches linearly.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "asap/algorithms/cell_grid.hpp"
+#include "asap/algorithms/centre_grid.hpp"
+#include "asap/algorithms/discounted_motion.hpp"
+#include "asap/algorithms/feature_config.hpp"
+#include "asap/algorithms/feature_track.hpp"
+#include "asap/algorithms/sensor_frame.hpp"
+#include "asap/core/event.hpp"
+
+namespace asap {
+
+class FeatureTracks {
+ public:
+  static constexpr std::int32_t kNoId = -1;
+
+  // Throws std::invalid_argument that names the bad field.
+  explicit FeatureTracks(const FeatureConfig& config);
+
+  // Takes one corner event of the frame. Returns the id of the track that took it, or kNoId.
+  std::int32_t update(const Event& corner) noexcept;
+
+  // Number of tracks.
+  std::size_t size() const noexcept { return tracks_.size() - free_.size(); }
+
+  // The tracks, first created first. Allocates only where `tracks` must grow.
+  void read(std::vector<FeatureTrack>& tracks) const;
+
+  // Back to the state after construction.
+  void clear() noexcept;
+
+ private:
+  using Slot = CentreGrid::Slot;
+  static constexpr Slot kNone = CentreGrid::kNone;
+
+  struct Track {
+    std::uint16_t x;
+    std::uint16_t y;
+    Slot older;  // neighbours in the order of t_last
+    Slot newer;
+    std::int64_t t_first;
+    std::int64_t t_last;
+    std::uint64_t created;  // number of creation
+    std::uint64_t size;
+    DiscountedMotion motion;
+  };
+
+  std::int64_t remember(const Event& corner) noexcept;
+  bool has_company(const Event& corner, std::int64_t oldest_us) const noexcept;
+  Slot assign(const Event& corner) noexcept;
+  void begin(Slot slot, const Event& corner) noexcept;
+  void move(Slot slot, const Event& corner) noexcept;
+  void end(Slot slot) noexcept;
+  void append(Slot slot) noexcept;
+  void unlink(Slot slot) noexcept;
+
+  SensorFrame frame_;
+  std::int32_t reach_;  // px^2, the radius squared
+  int min_neighbours_;
+  double velocity_us_;
+  std::vector<std::int64_t> latest_us_;  // corner event of each pixel
+  std::vector<std::int64_t> window_us_;  // stamps of the last B corner events, a ring
+  std::size_t cursor_ = 0;
+  bool full_ = false;
+  std::int64_t now_us_ = 0;
+
+  CellGrid grid_;
+  CentreGrid places_;
+  std::vector<Track> tracks_;
+  std::vector<Slot> free_;
+  Slot oldest_ = kNone;  // ends of the order of t_last
+  Slot newest_ = kNone;
+  std::uint64_t created_ = 0;
+};
+
+}  // namespace asap

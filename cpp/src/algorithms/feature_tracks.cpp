@@ -1,0 +1,180 @@
+#include "asap/algorithms/feature_tracks.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace asap {
+namespace {
+
+constexpr std::int64_t kNever_us = std::numeric_limits<std::int64_t>::min();
+
+// Ids are 31 bits, as labels are; after 2^31 of them they begin again.
+std::int32_t id_of(std::uint64_t created) noexcept {
+  return static_cast<std::int32_t>(created & 0x7fffffffU);
+}
+
+// Without overflow, whatever the stamps.
+double distance_us(std::int64_t earlier, std::int64_t later) noexcept {
+  return static_cast<double>(static_cast<std::uint64_t>(later) -
+                             static_cast<std::uint64_t>(earlier));
+}
+
+}  // namespace
+
+FeatureTracks::FeatureTracks(const FeatureConfig& config)
+    : frame_(checked(config).width, config.height),
+      reach_(config.radius * config.radius),
+      min_neighbours_(config.min_neighbours),
+      velocity_us_(static_cast<double>(config.velocity_us)),
+      latest_us_(std::size_t{frame_.width()} * frame_.height()),
+      window_us_(static_cast<std::size_t>(config.window)),
+      grid_(config.width, config.height, config.radius),
+      places_(grid_.size(), window_us_.size()),
+      tracks_(window_us_.size()) {
+  free_.reserve(tracks_.size());
+  clear();
+}
+
+std::int32_t FeatureTracks::update(const Event& corner) noexcept {
+  const std::int64_t oldest_us = remember(corner);
+  if (!frame_.contains(corner, 1) || !has_company(corner, oldest_us)) return kNoId;
+
+  Slot slot = assign(corner);
+  if (slot != kNone) {
+    move(slot, corner);
+  } else {
+    slot = free_.back();
+    free_.pop_back();
+    begin(slot, corner);
+  }
+  const std::int32_t id = id_of(tracks_[slot].created);
+  while (oldest_ != kNone && tracks_[oldest_].t_last <= oldest_us) end(oldest_);
+  return id;
+}
+
+// Returns the stamp of the oldest corner event that is remembered.
+std::int64_t FeatureTracks::remember(const Event& corner) noexcept {
+  now_us_ = std::max(now_us_, corner.t);
+  latest_us_[std::size_t{corner.y} * frame_.width() + corner.x] = now_us_;
+  window_us_[cursor_] = now_us_;
+  if (++cursor_ == window_us_.size()) {
+    cursor_ = 0;
+    full_ = true;
+  }
+  return window_us_[full_ ? cursor_ : 0];
+}
+
+// As released: the event counts itself too and one is taken off, also where all stamps that are
+// remembered are equal and it did not count.
+bool FeatureTracks::has_company(const Event& corner, std::int64_t oldest_us) const noexcept {
+  const std::size_t stride = frame_.width();
+  const std::int64_t* row = &latest_us_[(corner.y - std::size_t{1}) * stride + corner.x - 1];
+  int company = -1;
+  for (int y = 0; y < 3; ++y, row += stride) {
+    company += (row[0] > oldest_us) + (row[1] > oldest_us) + (row[2] > oldest_us);
+  }
+  return company > min_neighbours_;
+}
+
+// The first-created track within the radius, or none. Ends all others there.
+FeatureTracks::Slot FeatureTracks::assign(const Event& corner) noexcept {
+  Slot first = kNone;
+  grid_.for_each_around(grid_.cell(corner.x, corner.y), [&](std::size_t cell) {
+    for (Slot slot = places_.first(cell), next; slot != kNone; slot = next) {
+      next = places_.next(slot);
+      const std::int32_t dx = tracks_[slot].x - corner.x;
+      const std::int32_t dy = tracks_[slot].y - corner.y;
+      if (dx * dx + dy * dy > reach_) continue;
+      if (first == kNone) {
+        first = slot;
+        continue;
+      }
+      const bool is_older = tracks_[slot].created < tracks_[first].created;
+      end(is_older ? first : slot);
+      first = is_older ? slot : first;
+    }
+  });
+  return first;
+}
+
+void FeatureTracks::begin(Slot slot, const Event& corner) noexcept {
+  Track& track = tracks_[slot];
+  track = {.x = corner.x,
+           .y = corner.y,
+           .older = kNone,
+           .newer = kNone,
+           .t_first = now_us_,
+           .t_last = now_us_,
+           .created = created_++,
+           .size = 1,
+           .motion = {}};
+  track.motion.add(corner.x, corner.y, 0, velocity_us_);
+  places_.enter(slot, grid_.cell(corner.x, corner.y));
+  append(slot);
+}
+
+void FeatureTracks::move(Slot slot, const Event& corner) noexcept {
+  Track& track = tracks_[slot];
+  track.motion.add(corner.x, corner.y, distance_us(track.t_last, now_us_), velocity_us_);
+  track.x = corner.x;
+  track.y = corner.y;
+  track.t_last = now_us_;
+  ++track.size;
+  places_.move(slot, grid_.cell(corner.x, corner.y));
+  unlink(slot);
+  append(slot);
+}
+
+void FeatureTracks::end(Slot slot) noexcept {
+  places_.leave(slot);
+  unlink(slot);
+  free_.push_back(slot);
+}
+
+void FeatureTracks::append(Slot slot) noexcept {
+  tracks_[slot].older = newest_;
+  tracks_[slot].newer = kNone;
+  (newest_ == kNone ? oldest_ : tracks_[newest_].newer) = slot;
+  newest_ = slot;
+}
+
+void FeatureTracks::unlink(Slot slot) noexcept {
+  const Slot older = tracks_[slot].older;
+  const Slot newer = tracks_[slot].newer;
+  (older == kNone ? oldest_ : tracks_[older].newer) = newer;
+  (newer == kNone ? newest_ : tracks_[newer].older) = older;
+}
+
+void FeatureTracks::read(std::vector<FeatureTrack>& tracks) const {
+  tracks.clear();
+  for (Slot slot = oldest_; slot != kNone; slot = tracks_[slot].newer) {
+    const Track& track = tracks_[slot];
+    const DiscountedMotion::Velocity velocity = track.motion.velocity();  // px/us
+    tracks.push_back({.id = static_cast<std::int64_t>(track.created),
+                      .x = static_cast<double>(track.x),
+                      .y = static_cast<double>(track.y),
+                      .vx = velocity.x * 1e6,
+                      .vy = velocity.y * 1e6,
+                      .size = static_cast<std::int64_t>(track.size),
+                      .t_first = track.t_first,
+                      .t_last = track.t_last});
+  }
+  std::sort(tracks.begin(), tracks.end(),
+            [](const FeatureTrack& a, const FeatureTrack& b) { return a.id < b.id; });
+  for (FeatureTrack& track : tracks) track.id = id_of(static_cast<std::uint64_t>(track.id));
+}
+
+void FeatureTracks::clear() noexcept {
+  std::fill(latest_us_.begin(), latest_us_.end(), kNever_us);
+  cursor_ = 0;
+  full_ = false;
+  now_us_ = kNever_us;
+  places_.clear();
+  free_.clear();
+  for (std::size_t slot = tracks_.size(); slot-- > 0;) free_.push_back(static_cast<Slot>(slot));
+  oldest_ = kNone;
+  newest_ = kNone;
+  created_ = 0;
+}
+
+}  // namespace asap

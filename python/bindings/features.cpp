@@ -1,0 +1,184 @@
+// The layer `algorithms`: FeatureTracker.
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "asap/algorithms/feature_tracker.hpp"
+#include "asap/core/check.hpp"
+#include "layers.hpp"
+
+namespace asap::python {
+namespace {
+
+using namespace py::literals;
+
+constexpr const char* kFeatureTrackerDoc = R"(Finds corners and follows them, event by event.
+
+A corner event has company if more than `min_neighbours` of its eight neighbours are among the last
+`window` corner events. It then moves the oldest track within `radius` to itself and ends all others
+there; where there is none it begins a track. A track that took none of the last `window` corner events
+ends with the next event that has company.
+
+Parameters
+----------
+width, height : int
+    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`; those at the
+    border are never tracked.
+detector : str
+    "arc_star", "e_fast", "e_harris" or "fa_harris": asap.ArcStar and so on, with its defaults;
+    "every_event" if the events are corners already.
+window : int
+    B, corner events that are remembered, 1 to 65535.
+radius : int
+    px, how far a corner moves between two of its events, 0 to 16384: half of the release's search window w.
+min_neighbours : int
+    m, 0 to 7.
+velocity_us : int
+    us, how far back the velocity looks, 1 to 10**9. Without effect on anything else.
+
+Raises
+------
+ValueError
+    A parameter is out of range; the message names it.
+
+Notes
+-----
+The cost of an event does not depend on the number of tracks. One thread at a time. A stamp that goes back
+counts as the latest one. Source: the authors' release of the event feature tracker of the GRVC
+(grvc_ef_tracker), which the ASAP papers use, with its launch values; ids and velocities are ours.
+)";
+
+constexpr std::array<std::pair<const char*, CornerSource>, 5> kDetectors{
+    {{"arc_star", CornerSource::arc_star},
+     {"e_fast", CornerSource::e_fast},
+     {"e_harris", CornerSource::e_harris},
+     {"fa_harris", CornerSource::fa_harris},
+     {"every_event", CornerSource::every_event}}};
+
+CornerSource source_of(const std::string& detector) {
+  for (const auto& [name, source] : kDetectors) {
+    if (detector == name) return source;
+  }
+  throw_bad_value("detector", detector,
+                  R"(must be "arc_star", "e_fast", "e_harris", "fa_harris" or "every_event")");
+}
+
+const char* name_of(CornerSource source) {
+  return std::find_if(kDetectors.begin(), kDetectors.end(),
+                      [&](const auto& detector) { return detector.second == source; })
+      ->first;
+}
+
+std::unique_ptr<FeatureTracker> make_tracker(int width, int height, const std::string& detector,
+                                             int window, int radius, int min_neighbours,
+                                             std::int64_t velocity_us) {
+  return std::make_unique<FeatureTracker>(FeatureConfig{.width = width,
+                                                        .height = height,
+                                                        .detector = source_of(detector),
+                                                        .window = window,
+                                                        .radius = radius,
+                                                        .min_neighbours = min_neighbours,
+                                                        .velocity_us = velocity_us});
+}
+
+py::dict parameters(const FeatureTracker& tracker) {
+  const FeatureConfig& config = tracker.config();
+  return py::dict("detector"_a = name_of(config.detector), "window"_a = config.window,
+                  "radius"_a = config.radius, "min_neighbours"_a = config.min_neighbours,
+                  "velocity_us"_a = config.velocity_us);
+}
+
+std::optional<py::array_t<std::int32_t>> process(FeatureTracker& tracker, const py::array& events,
+                                                 bool labels) {
+  const EventSpan span = as_span(events);
+  std::vector<std::int32_t> ids(labels ? span.size() : 0);
+  {
+    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
+    const py::gil_scoped_release release;
+    if (labels) {
+      tracker.process(span, ids);
+    } else {
+      tracker.process(span);
+    }
+  }
+  if (!labels) return std::nullopt;
+  return moved_to_array(std::move(ids));
+}
+
+}  // namespace
+
+void bind_features(py::module_& m) {
+  PYBIND11_NUMPY_DTYPE(FeatureTrack, id, x, y, vx, vy, size, t_first, t_last);
+
+  constexpr FeatureConfig kDefault{.width = 0, .height = 0};
+  py::class_<FeatureTracker>(m, "FeatureTracker", kFeatureTrackerDoc)
+      .def(py::init(&make_tracker), "width"_a, "height"_a, py::kw_only(),
+           "detector"_a = name_of(kDefault.detector), "window"_a = kDefault.window,
+           "radius"_a = kDefault.radius, "min_neighbours"_a = kDefault.min_neighbours,
+           "velocity_us"_a = kDefault.velocity_us)
+      .def("process", &process, py::arg("events").noconvert(), "labels"_a = true,
+           R"(Takes the next events of the stream.
+
+Parameters
+----------
+events : ndarray of shape (n,) in EVENT_DTYPE
+labels : bool
+    False: no array is made.
+
+Returns
+-------
+ndarray of int32, shape (n,), or None
+    The id of the track that took each event. -1: it is no corner, a corner without company, or outside
+    the frame.
+
+Raises
+------
+TypeError
+    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+)")
+      .def_property_readonly(
+          "tracks", [](const FeatureTracker& tracker) { return moved_to_array(tracker.tracks()); },
+          R"(Structured array, one row per track, first begun first.
+
+id : int64, never changes while the track lives
+x, y : float64, px, of the newest event
+vx, vy : float64, px/s, regression of x and y on t, older events weighing less by `velocity_us`; 0 until
+    there are events at two times
+size : int64, corner events that it took
+t_first, t_last : int64, us, stamps of its first and newest event
+
+A new array, not changed by later events.
+)")
+      .def("set_keep", &FeatureTracker::set_keep, "gamma"_a,
+           R"(Tells the fraction of the events that reaches the tracker, 0 <= gamma <= 1.
+
+Checked, without effect: the window counts corner events and so stretches in time by itself.
+
+Raises
+------
+ValueError
+    gamma is NaN or outside [0, 1].
+)")
+      .def("reset", &FeatureTracker::reset, "Back to the state after construction.")
+      .def_property_readonly(
+          "width", [](const FeatureTracker& tracker) { return tracker.config().width; }, "px")
+      .def_property_readonly(
+          "height", [](const FeatureTracker& tracker) { return tracker.config().height; }, "px")
+      .def_property_readonly(
+          "name", [](const FeatureTracker&) { return "features"; },
+          "Name of the algorithm in reports.")
+      .def_property_readonly("parameters", &parameters,
+                             "dict of the constructor's keyword parameters.")
+      .def_property_readonly("rejected", &FeatureTracker::rejected,
+                             "Events dropped because they lie outside the frame.");
+}
+
+}  // namespace asap::python
