@@ -11,10 +11,13 @@
 namespace asap {
 namespace {
 
-// Five columns of gradients, and three lanes of zeros.
+// Five columns of gradients, so placed that columns of equal weight stand four lanes apart: 2, 1, 0
+// and 3, 4. The other lanes are zeros.
 constexpr std::size_t kLanes = 8;
 constexpr std::size_t kSide = 5;
 typedef std::int16_t Columns __attribute__((vector_size(2 * kLanes)));
+typedef std::int64_t Halves __attribute__((vector_size(2 * kLanes)));
+constexpr std::array<std::size_t, kSide> kLaneOf{2, 1, 0, 5, 6};
 
 constexpr std::array<int, kSide> kSmooth{1, 4, 6, 4, 1};
 constexpr std::array<int, kSide> kDerive{1, 2, 0, -2, -1};
@@ -33,7 +36,7 @@ constexpr std::array<Folded, 512> fold(const std::array<int, kSide>& kernel) {
       for (std::size_t k = 0; k < kSide; ++k) {
         if ((row >> (column + k)) & 1) sum += kernel[k];
       }
-      table[row].columns[column] = static_cast<std::int16_t>(sum);
+      table[row].columns[kLaneOf[column]] = static_cast<std::int16_t>(sum);
     }
   }
   return table;
@@ -55,13 +58,20 @@ constexpr double kFar = 0.13533528323661269;   // exp(-2)
 constexpr double kAxis = 1 + 2 * (kNear + kFar);
 constexpr double kUnit = 1 / (kAxis * kAxis * kScale * kScale);
 
+// Lanes 0 to 2: the sums of the columns at distance 0 to 2 from the middle one.
+Columns folded(Columns columns) noexcept {
+  const Halves halves = reinterpret_cast<Halves>(columns);
+  return columns + reinterpret_cast<Columns>(Halves{halves[1], halves[0]});
+}
+
+// What has the same weight is added up in integers first.
 double weighted(const std::array<Columns, kSide>& rows) noexcept {
-  const Columns inner = rows[1] + rows[3];
-  const Columns outer = rows[0] + rows[4];
-  const auto row_sum = [](const Columns& row) {
-    return row[2] + kNear * (row[1] + row[3]) + kFar * (row[0] + row[4]);
-  };
-  return kUnit * (row_sum(rows[2]) + kNear * row_sum(inner) + kFar * row_sum(outer));
+  const Columns middle = folded(rows[2]);
+  const Columns inner = folded(rows[1] + rows[3]);
+  const Columns outer = folded(rows[0] + rows[4]);
+  return kUnit *
+         (middle[0] + kNear * (middle[1] + inner[0]) + kFar * (middle[2] + outer[0]) +
+          kNear * kNear * inner[1] + kNear * kFar * (inner[2] + outer[1]) + kFar * kFar * outer[2]);
 }
 
 }  // namespace

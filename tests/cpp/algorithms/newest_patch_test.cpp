@@ -64,8 +64,14 @@ std::vector<std::int32_t> draw(std::uint64_t seed, std::size_t fired, std::int32
   return numbers;
 }
 
-TEST(NewestPatch, SelectsAsSortingDoes) {
-  NewestPatch patch;  // one for all: what it remembers must not show
+// On a machine without AVX2 both paths are the portable one.
+class NewestPatchPaths : public testing::TestWithParam<NewestPatch::Path> {};
+
+INSTANTIATE_TEST_SUITE_P(NewestPatch, NewestPatchPaths,
+                         testing::Values(NewestPatch::Path::fastest, NewestPatch::Path::portable));
+
+TEST_P(NewestPatchPaths, SelectsAsSortingDoes) {
+  NewestPatch patch(GetParam());  // one for all: what it remembers must not show
   std::uint64_t seed = 0;
   for (const std::size_t fired : {25U, 26U, 40U, 80U}) {
     for (const std::int32_t newest :
@@ -81,8 +87,8 @@ TEST(NewestPatch, SelectsAsSortingDoes) {
   }
 }
 
-TEST(NewestPatch, AFullWindowOfNeighbouringNumbers) {
-  NewestPatch patch;
+TEST_P(NewestPatchPaths, AFullWindowOfNeighbouringNumbers) {
+  NewestPatch patch(GetParam());
   std::vector<std::int32_t> numbers;
   for (std::int32_t i = 0; i < 81; ++i) numbers.push_back(1 + i);
   std::swap(numbers[40], numbers[80]);
@@ -91,8 +97,8 @@ TEST(NewestPatch, AFullWindowOfNeighbouringNumbers) {
   EXPECT_EQ(rows, newest_by_sorting(numbers));
 }
 
-TEST(NewestPatch, FewerThan25AreNone) {
-  NewestPatch patch;
+TEST_P(NewestPatchPaths, FewerThan25AreNone) {
+  NewestPatch patch(GetParam());
   for (const std::size_t fired : {1U, 2U, 24U}) {
     for (const std::int32_t newest : {25, 1000, 1 << 30}) {
       PatchRows rows;
