@@ -166,11 +166,7 @@ ASAP_AVX2 PatchSearch select_avx2(const Number* centre, std::ptrdiff_t stride, N
   }
   const int bar = low + (1 << step);
 
-  // A pixel that never fired is as old as the count of numbers: it must not be among them.
-  const bool counts_never = *centre >> shift < bar;
-  if (counts_never && fired_around(centre, stride) < NewestPatch::kPixels) {
-    return PatchSearch::too_few;
-  }
+  // No pixel among them never fired: those are all of one age, so the count would be 80.
   depth = bar << shift;
   rows_below(ages, bar, rows);
   return PatchSearch::found;
