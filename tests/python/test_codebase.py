@@ -77,6 +77,7 @@ WITHOUT_A_TEST_OF_ITS_OWN = {
     "core/atomics.hpp": "an alias",
     "runner/admission.hpp": "an interface; the gate's test speaks it",
     "runner/consumer.hpp": "an alias",
+    "runner/when_full.hpp": "an enumeration",
     "schemes/scheme.hpp": "an interface; every scheme's test speaks it",
 }
 
