@@ -133,9 +133,18 @@ def assert_it_works(consumer: Path) -> None:
     assert re.fullmatch(r"(\d+) received, \1 delivered in \d+ packages, \d+ clusters\n", output)
 
 
+def assert_it_lives(live: Path) -> None:
+    output = run([live])
+    found = re.match(r"(\d+) received, (\d+) delivered in \d+ packages, the slowest", output)
+    assert found, output
+    received, delivered = map(int, found.groups())
+    assert 0 < delivered <= received
+
+
 def test_find_package(prefix: Path, tmp_path: Path) -> None:
     cmake(CONSUMER / "find_package", tmp_path, CMAKE_PREFIX_PATH=prefix, **eigen())
     assert_it_works(tmp_path / "consumer")
+    assert_it_lives(tmp_path / "live")
 
 
 def test_find_package_refuses_another_version(prefix: Path, tmp_path: Path) -> None:
@@ -176,6 +185,7 @@ def test_add_subdirectory(tmp_path: Path) -> None:
         **eigen(),
     )
     assert_it_works(tmp_path / "consumer")
+    assert_it_lives(tmp_path / "live")
 
 
 def test_pkg_config(prefix: Path, tmp_path: Path) -> None:

@@ -45,8 +45,9 @@ def test_python_examples_run(tmp_path: Path) -> None:
         run([sys.executable, "-W", "error", script], cwd=tmp_path)
 
 
-def test_cpp_example_is_the_consumer_that_is_built_and_run() -> None:
-    assert blocks("cpp") == [(ROOT / "tests" / "consumer" / "main.cpp").read_text()]
+def test_cpp_examples_are_the_consumers_that_are_built_and_run() -> None:
+    consumer = ROOT / "tests" / "consumer"
+    assert blocks("cpp") == [(consumer / name).read_text() for name in ("main.cpp", "live.cpp")]
 
 
 def commands() -> list[str]:
