@@ -7,10 +7,11 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <thread>
-#include <vector>
+#include <utility>
 
 #include "../cpp/support/streams.hpp"
 #include "asap/buffer/arrival_times.hpp"
@@ -194,7 +195,9 @@ std::uint64_t restart_again_and_again(std::uint64_t seed, std::uint64_t events) 
   FixedSize by_size({.size = 1 + draw(20)});
   Greedy greedy;
   Scheme& scheme = draw(2) == 0 ? static_cast<Scheme&>(by_size) : greedy;
-  Pipeline pipeline(scheme, {.latency_us = 2000, .capacity = 1 + draw(32)});
+  const WhenFull rules[] = {WhenFull::thin, WhenFull::newest, WhenFull::oldest, WhenFull::block};
+  Pipeline pipeline(scheme,
+                    {.latency_us = 2000, .capacity = 1 + draw(32), .when_full = rules[seed % 4]});
   std::jthread watcher([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       const PipelineStats stats = pipeline.stats();
@@ -204,10 +207,11 @@ std::uint64_t restart_again_and_again(std::uint64_t seed, std::uint64_t events) 
       std::this_thread::yield();
     }
   });
-  std::jthread flusher([&](const std::stop_token& stop) {
+  std::jthread flusher([&, latency_us = 1000.0](const std::stop_token& stop) mutable {
     while (!stop.stop_requested()) {
       pipeline.flush();
       pipeline.push({});  // a second producer, who has nothing
+      pipeline.set_latency(std::exchange(latency_us, 3000 - latency_us));
       std::this_thread::yield();
     }
   });
@@ -222,7 +226,7 @@ std::uint64_t restart_again_and_again(std::uint64_t seed, std::uint64_t events) 
 
 // From quiet to loud.
 std::uint32_t noise_of(std::uint64_t schedule) {
-  return std::uint32_t{1} << (5 + 2 * (schedule % 4));
+  return std::uint32_t{1} << (5 + 2 * ((schedule + schedule / 4) % 4));
 }
 
 TEST(Race, RingDoorbellDoorAndArrivalTimes) {
@@ -249,7 +253,7 @@ TEST(Race, TheEndOfManyShortStreams) {
   }
 }
 
-TEST(Race, PipelineWatchedFlushedStoppedAndRestarted) {
+TEST(Race, PipelineWatchedFlushedChangedStoppedAndRestarted) {
   const Extent extent = is_long() ? Extent{20, 2'500'000} : Extent{4, 200'000};
   const std::uint64_t before = test::noises();
   std::uint64_t pushed = 0;
