@@ -195,7 +195,8 @@ void Packager::discard_all(const Package& package, std::int64_t end_ns) noexcept
 
 double Packager::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept {
   if (gamma == keep_ || previous_start_ns_ == kLongAgo) return gamma;
-  const auto elapsed = static_cast<double>(now_ns - previous_start_ns_);
+  const auto elapsed =
+      static_cast<double>(std::max(now_ns, previous_start_ns_) - previous_start_ns_);
   const double weight = elapsed / (elapsed + static_cast<double>(kSmoothingNs));
   return keep_ + (gamma - keep_) * weight;
 }

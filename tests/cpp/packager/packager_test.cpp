@@ -639,6 +639,21 @@ TEST(Packager, TakesThatKeepNothingLowerTheKeptFraction) {
   EXPECT_NEAR(sum / static_cast<double>(count), 0.1, 0.06);
 }
 
+TEST(Packager, AClockThatStepsBackLeavesTheKeptFractionAFraction) {
+  double gamma = 1.0;
+  ScriptedScheme scheme(
+      [&](const Backlog& backlog) { return Decision::take(backlog.count, gamma); });
+  Rig rig(scheme, 4096);
+  rig.push(evenly_spaced(1000, 1));
+  rig.deliver(50 * kMillisecond);
+  gamma = 0.5;
+  for (const std::int64_t now_ns : {40 * kMillisecond, 19 * kMillisecond, std::int64_t{0}}) {
+    rig.push(evenly_spaced(1000, 1));
+    const auto package = rig.deliver(now_ns);
+    EXPECT_EQ(package->keep, 1.0) << "no time has passed";
+  }
+}
+
 // ---- the promises, over random streams, schemes and decisions
 
 void keeps_its_promises(Scheme& scheme, std::uint64_t seed, std::size_t capacity, bool loses) {
