@@ -24,6 +24,7 @@ constexpr double kLeastWeight = 0.25;
 constexpr double kMostWeight = 16.0;
 constexpr double kMostScale = 3.0;
 constexpr double kMostRise = 2.0;
+constexpr double kMostFall = -0.5;
 constexpr double kFirstSigma = 0.2;
 
 double outlier_limit(double sigma) noexcept { return 3.0 * sigma + 0.03; }
@@ -44,7 +45,7 @@ void CostModel::reset() noexcept {
   scale_ = 1.0;
   sigma_ = kFirstSigma;
   streak_ = 0;
-  rise_ = 0.0;
+  least_ = 0.0;
   count_ = 0;
   level_start_ = 0;
   smallest_ = kMostSize;
@@ -81,18 +82,20 @@ double CostModel::clipped(double error) noexcept {
     return error;
   }
   const int side = error > 0 ? 1 : -1;
-  rise_ = streak_ > 0 ? std::min(rise_, error) : error;
-  streak_ = streak_ * side >= 0 ? streak_ + side : side;
+  const bool goes_on = streak_ * side > 0;
+  least_ = goes_on && std::abs(least_) < std::abs(error) ? least_ : error;
+  streak_ = goes_on ? streak_ + side : side;
   if (std::abs(streak_) < 3) return std::clamp(error, -limit, limit);
   streak_ = 0;
-  if (rise_ <= kMostRise) return std::min(error, kMostRise);
-  start_level(1.0 + rise_);
+  if (least_ <= kMostRise && least_ >= kMostFall) return std::min(error, kMostRise);
+  start_level(1.0 + least_);
   return error;
 }
 
 // What is known, times the factor, is but the first guess about an algorithm that has changed.
-// (Otherwise a whole package that has become 100 times as dear is repeated twenty times. A cost
-// that falls needs no such haste: cheap packages are short.)
+// (Otherwise a whole package that has become 100 times as dear is repeated twenty times. And where
+// the cost falls, packages grow and the old, dear memory of small ones looks like a fixed cost for
+// hundreds of packages.)
 void CostModel::start_level(double factor) noexcept {
   rebase(scale_ * factor);
   for (Bucket& bucket : buckets_) {

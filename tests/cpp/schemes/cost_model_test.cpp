@@ -217,6 +217,24 @@ TEST(CostModel, ANewLevelIsLearnedAnew) {
   EXPECT_NEAR(model.predict_ns(1024) / normal_ns, 8, 1.5);
 }
 
+// The packages grow, so the sizes of before do not come back to tell what they cost now.
+TEST(CostModel, AFallOfTheCostIsNotTakenForAFixedCost) {
+  for (const double factor : {2.5, 4.6, 100.0}) {
+    CostModel model;
+    for (std::size_t k = 0; k < 60; ++k) {
+      const std::size_t size = std::size_t{1} << (k % 12);
+      model.update(size, factor * (10e3 + 87e3 * static_cast<double>(size)));
+    }
+    for (int k = 0; k < 30; ++k) model.update(9, factor * (10e3 + 87e3 * 9));
+    for (int k = 0; k < 4; ++k) model.update(9, 10e3 + 87e3 * 9);
+    for (const std::size_t size : {44u, 60u, 70u, 80u, 50u, 90u}) {
+      model.update(size, 10e3 + 87e3 * static_cast<double>(size));
+    }
+    EXPECT_LT(model.alpha_ns(), 100e3) << factor;
+    EXPECT_NEAR(model.beta_ns() / 87e3, 1, 0.05) << factor;
+  }
+}
+
 TEST(CostModel, LearnsTheNoise) {
   for (const double noise : {0.0, 0.05, 0.3}) {
     CostModel model;

@@ -6,7 +6,7 @@
 // when its sizes come back, so old evidence about other sizes stays. The line is a weighted least
 // squares fit through the buckets; a fast common scale follows a cost that varies as a whole.
 // Single outliers are clipped, the third in a row on one side is a new level; one that is more than
-// three times as dear is learned anew.
+// three times as dear, or less than half as dear, is learned anew.
 //
 // Called on the consumer's thread, once per package. O(1), no allocation. Whatever is fed, the
 // estimates are positive and finite.
@@ -63,8 +63,8 @@ class CostModel {
   double beta_ns_;
   double scale_;
   double sigma_;
-  int streak_;   // outliers in a row: > 0 too slow, < 0 too fast
-  double rise_;  // the least of them that were too slow
+  int streak_;    // outliers in a row: > 0 too slow, < 0 too fast
+  double least_;  // the smallest error of them
   std::uint64_t count_;
   std::uint64_t level_start_;  // count_ when the present level began
   double smallest_;            // size since then
