@@ -51,10 +51,13 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
 }
 
 double DeadBeat::length_ns(double work_ns) noexcept {
-  const double cap_ns = static_cast<double>(latency_bound_ns_.load()) / 2;
+  const auto latency_ns = static_cast<double>(latency_bound_ns_.load());
+  const double cap_ns = latency_ns / 2;
   if (config_.knee == 0) return cap_ns;
+  // Never shorter than the wait before it: else what has come meanwhile would look like overload
+  // for ever, and be thinned by a processor that is idle.
   const double knee_ns =
-      std::max({config_.knee * cost_.alpha_ns(), cap_ns / 5, hold_.min_interval_ns()});
+      std::max({config_.knee * cost_.alpha_ns(), cap_ns / 5, hold_.longest_ns(cost_, latency_ns)});
   const double length_ns = is_overloaded_ ? std::min(cap_ns, knee_ns) : cap_ns;
   if (!is_overloaded_) {
     is_overloaded_ = work_ns > cap_ns;  // from the next package on

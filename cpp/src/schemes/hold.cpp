@@ -36,14 +36,21 @@ HoldRule::HoldRule(double overhead, double min_interval_ms)
           "must be between 0 and 1e7 ms");
 }
 
+double HoldRule::shortest_ns(double latency_ns) const noexcept {
+  return std::min(min_interval_ns_, latency_ns / 2);
+}
+
+double HoldRule::longest_ns(const CostModel& cost, double latency_ns) const noexcept {
+  const double affordable_ns =
+      overhead_ > 0 ? std::min(cost.alpha_ns() / overhead_, latency_ns / 4) : 0.0;
+  return std::max(affordable_ns, shortest_ns(latency_ns));
+}
+
 std::optional<Decision> HoldRule::wait(const Backlog& backlog, const CostModel& cost,
                                        double caution, double latency_ns) const noexcept {
   if (backlog.due) return std::nullopt;
-  const double shortest_ns = std::min(min_interval_ns_, latency_ns / 2);
-  const double affordable_ns =
-      overhead_ > 0 ? std::min(cost.alpha_ns() / overhead_, latency_ns / 4) : 0.0;
-  const std::int64_t shortest = std::llround(shortest_ns);
-  const std::int64_t hold = std::llround(std::max(affordable_ns, shortest_ns));
+  const std::int64_t shortest = std::llround(shortest_ns(latency_ns));
+  const std::int64_t hold = std::llround(longest_ns(cost, latency_ns));
 
   const std::int64_t interval = interval_ns(backlog);
   if (interval >= hold || backlog.age_ns() >= hold) return std::nullopt;

@@ -189,6 +189,19 @@ TEST(DeadBeat, KeepsTheBoundAndWhatTheoryAllows) {
   }
 }
 
+TEST(DeadBeat, LeavesAnOverloadWhereItWaitsForLongerThanTheKnee) {
+  // 45 us an event every 69 us; between two starts it waits for 3.4 ms, the knee is 1.9 ms.
+  for (const Execution execution : {Execution::anytime, Execution::whole}) {
+    DeadBeat scheme({.latency_ms = 13.5, .knee = 3.2, .overhead = 0.1});
+    const auto cost = [](std::size_t index) {
+      const double factor = index == 100 ? 8 : 1;  // an overload for once
+      return Law{.alpha_ns = factor * 600e3, .beta_ns = factor * 45e3};
+    };
+    const auto run = run_steady(scheme, execution, 1.0 / 69, 10'000 * kMs, cost);
+    EXPECT_EQ(run.kept, 1.0);
+  }
+}
+
 TEST(DeadBeat, AlwaysDecidesSomethingValid) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     const CounterRandom random(seed);

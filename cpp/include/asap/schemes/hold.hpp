@@ -28,7 +28,12 @@ class HoldRule {
 
   double min_interval_ns() const noexcept { return min_interval_ns_; }
 
+  // The longest time between two package starts that is waited for.
+  double longest_ns(const CostModel& cost, double latency_ns) const noexcept;
+
  private:
+  double shortest_ns(double latency_ns) const noexcept;
+
   const double overhead_;
   const double min_interval_ns_;
 };
