@@ -10,6 +10,7 @@ import pytest
 from house import ROOT, native_build, run
 
 LAYERS = sorted({path.parent.name for path in (ROOT / "tests" / "cpp").glob("*/*_test.cpp")})
+LAYERS.append("simulation")
 
 
 @pytest.mark.slow

@@ -1,0 +1,66 @@
+// ReferenceDoor: what the validator does, written down event by event from its header.
+#pragma once
+
+#include <cstdint>
+
+#include "asap/filter/validator.hpp"
+
+namespace asap::simulation {
+
+class ReferenceDoor {
+ public:
+  explicit ReferenceDoor(const ValidatorConfig& config) noexcept : config_(config) {}
+
+  // Repairs the event. False: it is rejected.
+  bool passes(Event& event) noexcept {
+    ++received;
+    if (event.t > kLatest || event.t < -kLatest) return reject(rejected.bad_record);
+    const bool clamps = config_.on_bad == OnBad::clamp;
+    const int last_x = config_.width == 0 ? 65535 : config_.width - 1;
+    const int last_y = config_.height == 0 ? 65535 : config_.height - 1;
+    const bool inside = event.x <= last_x && event.y <= last_y;
+    if (!inside && !clamps) return reject(rejected.out_of_bounds);
+
+    std::int64_t offset_us = offset_us_;
+    std::int64_t t = event.t + offset_us;
+    if (any_ && t < last_us_) {
+      const std::int64_t back_us = last_us_ - t;
+      if (back_us >= 1'000'000) {
+        t = last_us_ + 1;
+        offset_us = t - event.t;
+      } else if (clamps || back_us <= config_.reorder_tolerance_us) {
+        t = last_us_;
+      } else {
+        return reject(rejected.nonmonotonic);
+      }
+    }
+    if (t > kLatest) return reject(rejected.bad_record);
+    resets += offset_us != offset_us_ ? 1U : 0U;
+    offset_us_ = offset_us;
+    if (event.x > last_x) event.x = static_cast<std::uint16_t>(last_x);
+    if (event.y > last_y) event.y = static_cast<std::uint16_t>(last_y);
+    event.p = event.p >= 1 ? 1 : 0;
+    event.t = last_us_ = t;
+    any_ = true;
+    return true;
+  }
+
+  std::uint64_t received = 0;
+  Rejections rejected;
+  std::uint64_t resets = 0;
+
+ private:
+  static constexpr std::int64_t kLatest = std::int64_t{1} << 52;
+
+  static bool reject(std::uint64_t& reason) noexcept {
+    ++reason;
+    return false;
+  }
+
+  const ValidatorConfig config_;
+  bool any_ = false;
+  std::int64_t last_us_ = 0;
+  std::int64_t offset_us_ = 0;
+};
+
+}  // namespace asap::simulation

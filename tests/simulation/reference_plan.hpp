@@ -1,0 +1,112 @@
+// ReferencePlan: the strata of an anytime package, from notebooks/theory.md, section 7. Which
+// events a stratum keeps follows from the seed, their numbers and the threshold alone.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "asap/schemes/scheme.hpp"
+
+namespace asap::simulation {
+
+// The number that decides an event: SplitMix64, 63 bits.
+inline std::uint64_t event_number(std::uint64_t seed, std::uint64_t index) noexcept {
+  constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15U;
+  const auto shuffled = [](std::uint64_t z) {
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+    return z ^ (z >> 31);
+  };
+  return shuffled(shuffled(seed + kStep) + index * kStep) >> 1;
+}
+
+class ReferencePlan {
+ public:
+  ReferencePlan() = default;
+  ReferencePlan(const Decision& decision, std::int64_t start_ns, std::int64_t grace_ns)
+      : raw_(decision.raw),
+        strata_(std::clamp<std::size_t>(raw_ / 64, 1, 16)),
+        planned_(decision.keep * static_cast<double>(raw_)),
+        end_ns_(start_ns + std::clamp<std::int64_t>(decision.budget_ns, 0, 1'000'000'000'000'000)),
+        grace_ns_(grace_ns),
+        events_(std::max(1.0, planned_ / 32)),
+        spent_ns_(events_ * (decision.event_ns > 0 ? decision.event_ns : 0)) {}
+
+  struct Stratum {
+    std::size_t begin;
+    std::size_t end;  // begin == end: done
+    double keep;
+    bool is_last;
+  };
+
+  // `size` events were kept of the stratum before.
+  Stratum next(std::int64_t now_ns, std::size_t size) noexcept {
+    if (done_ > 0) {
+      spent_ns_ += static_cast<double>(now_ns - stratum_start_ns_);
+      events_ += static_cast<double>(size);
+      if (now_ns > end_ns_ + grace_ns_) return {0, 0, 0, false};
+    }
+    if (done_ == strata_) return {0, 0, 0, false};
+    const std::size_t j = done_++;
+    stratum_start_ns_ = now_ns;
+    const auto count = static_cast<double>(strata_);
+    const double raw = static_cast<double>(raw_) / count;
+    const double left_ns = static_cast<double>(end_ns_ - now_ns) / static_cast<double>(strata_ - j);
+    const double event_ns = spent_ns_ / events_;
+    double size_planned = left_ns / event_ns;
+    if (event_ns * raw <= left_ns) size_planned = raw;
+    const double least = std::max(0.02 * planned_ / count, j == 0 ? 1.0 : 0.0);
+    if (!(size_planned >= least)) size_planned = least;
+    return {raw_ * j / strata_, raw_ * (j + 1) / strata_, std::clamp(size_planned / raw, 0.0, 1.0),
+            j + 1 == strata_};
+  }
+
+ private:
+  std::size_t raw_ = 0;
+  std::size_t strata_ = 0;
+  double planned_ = 0;
+  std::int64_t end_ns_ = 0;
+  std::int64_t grace_ns_ = 0;
+  double events_ = 1;
+  double spent_ns_ = 0;
+  std::int64_t stratum_start_ns_ = 0;
+  std::size_t done_ = 0;
+};
+
+// Appends the indices of [begin, end) that are kept.
+class ReferenceFilter {
+ public:
+  explicit ReferenceFilter(std::uint64_t seed) noexcept : seed_(seed) {}
+
+  void keep(std::uint64_t begin, std::uint64_t end, double gamma,
+            std::vector<std::uint64_t>& kept) {
+    const auto threshold = static_cast<std::uint64_t>(gamma * 0x1.0p63);
+    for (std::uint64_t i = begin; i < end; ++i) {
+      if (gamma >= 1 || event_number(seed_, i) < threshold) kept.push_back(i);
+    }
+  }
+
+  // Those of the smallest numbers, so many of them as gamma says.
+  void keep_exactly(std::uint64_t begin, std::uint64_t end, double gamma,
+                    std::vector<std::uint64_t>& kept) {
+    const auto size = static_cast<std::size_t>(gamma * static_cast<double>(end - begin) + 1e-6);
+    if (size >= end - begin) return keep(begin, end, 1, kept);
+    numbers_.clear();
+    for (std::uint64_t i = begin; i < end; ++i) numbers_.push_back(event_number(seed_, i));
+    sorted_ = numbers_;
+    std::nth_element(sorted_.begin(), sorted_.begin() + static_cast<std::ptrdiff_t>(size),
+                     sorted_.end());
+    for (std::uint64_t i = begin; i < end; ++i) {
+      if (numbers_[i - begin] < sorted_[size]) kept.push_back(i);
+    }
+  }
+
+ private:
+  const std::uint64_t seed_;
+  std::vector<std::uint64_t> numbers_;
+  std::vector<std::uint64_t> sorted_;
+};
+
+}  // namespace asap::simulation
