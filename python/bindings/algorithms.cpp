@@ -1,98 +1,231 @@
-// The layer `algorithms`: ClusterTracker.
+// The layer `algorithms`: ClusterTracker, with either engine.
 #include <pybind11/stl.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/check.hpp"
+#include "cluster_trackers.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
 namespace {
 
-constexpr const char* kClusterTrackerDoc = R"(Finds the moving objects in a stream, event by event.
+using Tracker = EitherClusterTracker;
 
-An event joins the oldest cluster whose centre, or one of whose randomly probed events, lies within
-`radius`; it merges all others for which that holds; where there is none it founds a new cluster. Only
-the last `window` events count, over all clusters together.
+constexpr const char* kClusterTrackerDoc =
+    R"(Finds and follows the moving objects in a stream, event by event.
 
 Parameters
 ----------
 width, height : int
     Size of the sensor, px. Events outside are dropped and counted in `rejected`.
 engine : str
-    "compat": the results of the published rule, with its parameters below.
-window : int
-    S, events that are remembered, 1 to 65535.
-radius : float
-    R, px, L1 distance.
-probes : int
-    kappa, live events of a cluster that are tried at random beside its centre.
-weight : float
-    alpha, weight of the newest event in the centre, 0 to 1.
-min_size : int
-    minN, events from which a cluster has an id and is listed, and beyond which it is probed.
-seed : int
-    Of the probes. The same seed and events give the same results on every platform.
+    "fast": own design. Noise is left out by itself; clusters have an outline, a velocity by Kalman
+    filter, and an id that survives crossings, stops and short occlusions; `set_keep` matters.
+    "compat": exactly the published rule: an event joins the oldest cluster whose centre, or one of
+    whose randomly probed events, lies within `radius`; it merges all others for which that holds;
+    where there is none it founds a new cluster. Only the last `window` events count.
+**parameters
+    Of the engine, none needed. "compat": window=800 (S, events), radius=20.0 (R, px, L1 distance),
+    probes=1 (kappa), weight=0.9 (alpha), min_size=15 (minN, events), seed=0 (of the probes).
+    "fast": support="reject" ("estimate": noise is counted and not left out; "off") and the numbers
+    that `parameters` lists, units in the names. Worth knowing: support_window_ms=5.0 (a neighbour
+    that fired within it makes an event no noise), birth_radius_px=18.0 (gate of a young cluster),
+    max_radius_px=40.0 (longest half-axis of the gate), confirm_events=14.0 (recent events from which
+    it has an id), coast_ms=250.0 (how long an id outlives its events), slots=128 (clusters at a time).
 
 Raises
 ------
 ValueError
     A parameter is out of range; the message names it.
+TypeError
+    The engine has no such parameter, or the value is no number.
 
 Notes
 -----
-The cost of an event does not depend on the number of clusters. One thread at a time.
+The cost of an event does not depend on the number of clusters. One thread at a time. The same events
+(and seed) give the same results however they are cut into calls.
 
-The window is exactly the last `window` events; the authors' release, which forgets by time, keeps more
-where stamps are equal. Source: Rodriguez-Gomez et al., "Asynchronous Event-Based Clustering and Tracking
-for Intrusion Monitoring in UAS", ICRA 2020; the defaults are the launch values of its release.
+Source of "compat": Rodriguez-Gomez et al., "Asynchronous Event-Based Clustering and Tracking for
+Intrusion Monitoring in UAS", ICRA 2020; the defaults are the launch values of its release. Its window
+is exactly the last `window` events; the release, which forgets by time, keeps more where stamps are equal.
 )";
 
-std::unique_ptr<ClusterTracker> make_tracker(int width, int height, const std::string& engine,
-                                             int window, double radius, int probes, double weight,
-                                             int min_size, const py::object& seed) {
-  if (engine != "compat") throw_bad_value("engine", engine, "must be \"compat\"");
-  return std::make_unique<ClusterTracker>(ClusterConfig{.width = width,
-                                                        .height = height,
-                                                        .window = window,
-                                                        .radius = radius,
-                                                        .probes = probes,
-                                                        .weight = weight,
-                                                        .min_size = min_size,
-                                                        .seed = whole_number("seed", seed)});
+constexpr std::array<std::pair<const char*, ClusterSupport>, 3> kSupports{
+    {{"off", ClusterSupport::kOff},
+     {"estimate", ClusterSupport::kEstimate},
+     {"reject", ClusterSupport::kReject}}};
+
+template <class Number>
+Number number(const std::string& name, const py::handle& value) {
+  try {
+    return py::cast<Number>(value);
+  } catch (const py::cast_error&) {
+    throw py::type_error(name + " = " + py::cast<std::string>(py::repr(value)) + ": must be " +
+                         (std::is_integral_v<Number> ? "a whole number" : "a number"));
+  }
 }
 
-py::dict parameters(const ClusterTracker& tracker) {
-  const ClusterConfig& config = tracker.config();
+[[noreturn]] void throw_unknown(const std::string& name, const char* engine) {
+  throw py::type_error("ClusterTracker: engine \"" + std::string(engine) + "\" has no parameter " +
+                       name);
+}
+
+ClusterSupport support_of(const py::handle& value) {
+  const auto text = py::cast<std::string>(py::str(value));
+  for (const auto& [name, support] : kSupports) {
+    if (text == name) return support;
+  }
+  throw_bad_value("support", text, "must be \"off\", \"estimate\" or \"reject\"");
+}
+
+ClusterTrackerConfig fast_config(int width, int height, const py::kwargs& given) {
+  ClusterTrackerConfig config{.width = width, .height = height};
+  for (const auto& [key, value] : given) {
+    const auto name = py::cast<std::string>(key);
+    bool known = name == "support";
+    if (known) config.support = support_of(value);
+    for (const ClusterTrackerParameter& parameter : cluster_tracker_parameters()) {
+      if (parameter.name != name) continue;
+      known = true;
+      std::visit(
+          [&](auto field) {
+            config.*field = number<std::remove_reference_t<decltype(config.*field)>>(name, value);
+          },
+          parameter.field);
+    }
+    if (!known) throw_unknown(name, "fast");
+  }
+  return config;
+}
+
+CompatClusterConfig compat_config(int width, int height, const py::kwargs& given) {
+  CompatClusterConfig config{.width = width, .height = height};
+  for (const auto& [key, value] : given) {
+    const auto name = py::cast<std::string>(key);
+    if (name == "window") {
+      config.window = number<int>(name, value);
+    } else if (name == "radius") {
+      config.radius = number<double>(name, value);
+    } else if (name == "probes") {
+      config.probes = number<int>(name, value);
+    } else if (name == "weight") {
+      config.weight = number<double>(name, value);
+    } else if (name == "min_size") {
+      config.min_size = number<int>(name, value);
+    } else if (name == "seed") {
+      config.seed = whole_number("seed", py::reinterpret_borrow<py::object>(value));
+    } else {
+      throw_unknown(name, "compat");
+    }
+  }
+  return config;
+}
+
+std::unique_ptr<Tracker> make_tracker(int width, int height, const std::string& engine,
+                                      const py::kwargs& parameters) {
+  if (engine == "fast") {
+    return std::make_unique<Tracker>(
+        Tracker{ClusterTracker(fast_config(width, height, parameters))});
+  }
+  if (engine == "compat") {
+    return std::make_unique<Tracker>(
+        Tracker{CompatClusterTracker(compat_config(width, height, parameters))});
+  }
+  throw_bad_value("engine", engine, "must be \"fast\" or \"compat\"");
+}
+
+py::dict parameters_of(const CompatClusterTracker& tracker) {
+  const CompatClusterConfig& config = tracker.config();
   using namespace py::literals;
   return py::dict("engine"_a = "compat", "window"_a = config.window, "radius"_a = config.radius,
                   "probes"_a = config.probes, "weight"_a = config.weight,
                   "min_size"_a = config.min_size, "seed"_a = config.seed);
 }
 
-std::optional<py::array_t<std::int32_t>> process(ClusterTracker& tracker, const py::array& events,
+py::dict parameters_of(const ClusterTracker& tracker) {
+  const ClusterTrackerConfig& config = tracker.config();
+  py::dict parameters;
+  parameters["engine"] = "fast";
+  for (const auto& [name, support] : kSupports) {
+    if (support == config.support) parameters["support"] = name;
+  }
+  for (const ClusterTrackerParameter& parameter : cluster_tracker_parameters()) {
+    std::visit(
+        [&](auto field) {
+          parameters[py::str(parameter.name.data(), parameter.name.size())] = config.*field;
+        },
+        parameter.field);
+  }
+  return parameters;
+}
+
+std::optional<py::array_t<std::int32_t>> process(Tracker& tracker, const py::array& events,
                                                  bool labels) {
   const EventSpan span = as_span(events);
   std::vector<std::int32_t> ids(labels ? span.size() : 0);
   {
     // Pure C++ on memory that `events` keeps alive: other Python threads may run.
     const py::gil_scoped_release release;
-    if (labels) {
-      tracker.process(span, ids);
-    } else {
-      tracker.process(span);
-    }
+    std::visit(
+        [&](auto& engine) {
+          if (labels) {
+            engine.process(span, ids);
+          } else {
+            engine.process(span);
+          }
+        },
+        tracker.engine);
   }
   if (!labels) return std::nullopt;
   return moved_to_array(std::move(ids));
+}
+
+py::array clusters(const Tracker& tracker) {
+  return std::visit(
+      [](const auto& engine) -> py::array { return moved_to_array(engine.clusters()); },
+      tracker.engine);
+}
+
+py::array clusters_at(Tracker& tracker, std::int64_t t_us) {
+  if (auto* fast = std::get_if<ClusterTracker>(&tracker.engine)) {
+    return moved_to_array(fast->clusters_at(t_us));
+  }
+  return clusters(tracker);
+}
+
+void advance_to(Tracker& tracker, std::int64_t t_us) {
+  if (auto* fast = std::get_if<ClusterTracker>(&tracker.engine)) fast->advance_to(t_us);
+}
+
+void set_keep(Tracker& tracker, double gamma, bool filter_upstream) {
+  if (auto* fast = std::get_if<ClusterTracker>(&tracker.engine)) {
+    fast->set_keep(gamma, filter_upstream);
+  } else {
+    std::get<CompatClusterTracker>(tracker.engine).set_keep(gamma);
+  }
+}
+
+// What only the fast engine counts.
+template <std::uint64_t (ClusterTracker::*Count)() const noexcept>
+std::uint64_t count(const Tracker& tracker) {
+  const auto* fast = std::get_if<ClusterTracker>(&tracker.engine);
+  return fast == nullptr ? 0 : (fast->*Count)();
+}
+
+template <class Read>
+auto reading(Read read) {
+  return [read](const Tracker& tracker) { return std::visit(read, tracker.engine); };
 }
 
 }  // namespace
@@ -100,13 +233,9 @@ std::optional<py::array_t<std::int32_t>> process(ClusterTracker& tracker, const 
 void bind_algorithms(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(Cluster, id, x, y, vx, vy, cxx, cxy, cyy, size, t_last);
 
-  constexpr ClusterConfig kDefault{.width = 0, .height = 0};
-  py::class_<ClusterTracker>(m, "ClusterTracker", kClusterTrackerDoc)
+  py::class_<Tracker>(m, "ClusterTracker", kClusterTrackerDoc)
       .def(py::init(&make_tracker), py::arg("width"), py::arg("height"), py::kw_only(),
-           py::arg("engine") = "compat", py::arg("window") = kDefault.window,
-           py::arg("radius") = kDefault.radius, py::arg("probes") = kDefault.probes,
-           py::arg("weight") = kDefault.weight, py::arg("min_size") = kDefault.min_size,
-           py::arg("seed") = kDefault.seed)
+           py::arg("engine") = "fast")
       .def("process", &process, py::arg("events").noconvert(), py::arg("labels") = true,
            R"(Takes the next events of the stream.
 
@@ -119,32 +248,51 @@ labels : bool
 Returns
 -------
 ndarray of int32, shape (n,), or None
-    The id of the cluster that took each event. -1: it has no id yet, for want of `min_size` events, or
-    the event lies outside the frame.
+    The id of the cluster that took each event. -1: noise, a cluster that has no id yet, or outside the
+    frame.
 
 Raises
 ------
 TypeError
     `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
 )")
-      .def_property_readonly(
-          "clusters",
-          [](const ClusterTracker& tracker) { return moved_to_array(tracker.clusters()); },
-          R"(Structured array, one row per cluster of at least `min_size` events, sorted by id.
+      .def_property_readonly("clusters", &clusters,
+                             R"(Structured array, one row per cluster that has an id, sorted by id.
 
 id : int64, never changes while the cluster lives; a merge keeps the smaller
-x, y : float64, px, mean of the live events
-vx, vy : float64, px/s, regression of x and y on t over the live events: rough for windows of ms
-cxx, cxy, cyy : float64, px^2, covariance of the live events
-size : int64, live events
+x, y : float64, px. "fast": centre of the outline, predicted for the latest time. "compat": mean of the
+    live events
+vx, vy : float64, px/s. "fast": Kalman filter. "compat": regression of x and y on t over the live
+    events, rough for windows of ms
+cxx, cxy, cyy : float64, px^2, covariance of its events: its extent
+size : int64. "fast": events of about the last `mass_ms`. "compat": live events
 t_last : int64, us, stamp of the newest event
 
-A new array, not changed by later events.
+A new array, not changed by later events. "fast" leaves out objects that have stopped or are hidden; they
+keep their id for a while.
 )")
-      .def("set_keep", &ClusterTracker::set_keep, py::arg("gamma"),
-           R"(Tells the fraction of the events that reaches the tracker, 0 <= gamma <= 1.
+      .def("clusters_at", &clusters_at, py::arg("t_us"),
+           R"(The clusters at t_us >= the latest stamp.
 
-Checked, without effect in "compat": its window counts events and so stretches in time by itself.
+"fast": as `clusters` after advance_to(t_us). "compat", which knows no motion: `clusters`.
+)")
+      .def("advance_to", &advance_to, py::arg("t_us"),
+           R"(Time has come to t_us, us, without events: in "fast" clusters starve, coast and die.
+
+Later events with older stamps count as of t_us. Before the first event, for the past, and in "compat",
+which forgets by events alone: nothing happens.
+)")
+      .def("set_keep", &set_keep, py::arg("gamma"), py::arg("filter_upstream") = false,
+           R"(Tells the fraction of the events that reaches the tracker.
+
+Parameters
+----------
+gamma : float
+    0 <= gamma <= 1. 1 changes nothing. "fast" adapts all that counts events or looks for neighbours;
+    cheap enough for every package. "compat" checks it: its window counts events and so stretches in
+    time by itself.
+filter_upstream : bool
+    A noise filter stands before the discarder.
 
 Raises
 ------
@@ -152,19 +300,32 @@ ValueError
     gamma is NaN or outside [0, 1].
 )")
       .def(
-          "reset", &ClusterTracker::reset,
+          "reset",
+          [](Tracker& tracker) {
+            std::visit([](auto& engine) { engine.reset(); }, tracker.engine);
+          },
           "Back to the state after construction, seed included: the same events, the same results.")
       .def_property_readonly(
-          "width", [](const ClusterTracker& tracker) { return tracker.config().width; }, "px")
+          "width", reading([](const auto& engine) { return engine.config().width; }), "px")
       .def_property_readonly(
-          "height", [](const ClusterTracker& tracker) { return tracker.config().height; }, "px")
+          "height", reading([](const auto& engine) { return engine.config().height; }), "px")
       .def_property_readonly(
-          "name", [](const ClusterTracker&) { return "clusters"; },
-          "Name of the algorithm in reports.")
-      .def_property_readonly("parameters", &parameters,
+          "name", [](const Tracker&) { return "clusters"; }, "Name of the algorithm in reports.")
+      .def_property_readonly(
+          "engine",
+          [](const Tracker& tracker) { return tracker.engine.index() == 0 ? "fast" : "compat"; },
+          "\"fast\" or \"compat\".")
+      .def_property_readonly("parameters",
+                             reading([](const auto& engine) { return parameters_of(engine); }),
                              "dict of the constructor's keyword parameters.")
-      .def_property_readonly("rejected", &ClusterTracker::rejected,
-                             "Events dropped because they lie outside the frame.");
+      .def_property_readonly("rejected",
+                             reading([](const auto& engine) { return engine.rejected(); }),
+                             "Events dropped because they lie outside the frame.")
+      .def_property_readonly(
+          "unsupported", &count<&ClusterTracker::unsupported>,
+          "Events without a recent event among their neighbours; 0 in \"compat\".")
+      .def_property_readonly("refused", &count<&ClusterTracker::refused>,
+                             "Clusters not begun because all `slots` were taken; 0 in \"compat\".");
 }
 
 }  // namespace asap::python

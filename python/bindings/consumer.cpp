@@ -5,7 +5,6 @@
 
 #include "asap/algorithms/arc_star.hpp"
 #include "asap/algorithms/background_activity_filter.hpp"
-#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/algorithms/e_fast.hpp"
 #include "asap/algorithms/e_harris.hpp"
 #include "asap/algorithms/event_image.hpp"
@@ -16,6 +15,7 @@
 #include "asap/algorithms/speed_invariant_time_surface.hpp"
 #include "asap/algorithms/threshold_ordinal_surface.hpp"
 #include "asap/study/busy_wait.hpp"
+#include "cluster_trackers.hpp"
 #include "exact_type.hpp"
 #include "package_arrays.hpp"
 
@@ -65,10 +65,9 @@ Consumer first_native_filter(const py::object& algorithm) {
 
 // Empty: it is none of ours.
 Consumer native_consumer_of(const py::object& algorithm) {
-  if (Consumer consumer =
-          first_native<ClusterTracker, EFast, ArcStar, EHarris, FAHarris, ThresholdOrdinalSurface,
-                       SpeedInvariantTimeSurface, PlaneFlow, EventImage, FeatureTracker>(
-              algorithm)) {
+  if (Consumer consumer = first_native<EitherClusterTracker, EFast, ArcStar, EHarris, FAHarris,
+                                       ThresholdOrdinalSurface, SpeedInvariantTimeSurface,
+                                       PlaneFlow, EventImage, FeatureTracker>(algorithm)) {
     return consumer;
   }
   if (Consumer consumer = first_native_filter<BackgroundActivityFilter, HotPixelMask>(algorithm)) {

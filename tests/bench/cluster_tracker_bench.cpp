@@ -40,7 +40,7 @@ void set_cost(benchmark::State& state, std::size_t events) {
       benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-void BM_ClusterTracker(benchmark::State& state, Stream stream, asap::ClusterConfig config) {
+void BM_ClusterTracker(benchmark::State& state, Stream stream, asap::CompatClusterConfig config) {
   const auto& events = stream();
   asap::ClusterTracker tracker(config);
   for (auto _ : state) {
@@ -51,7 +51,7 @@ void BM_ClusterTracker(benchmark::State& state, Stream stream, asap::ClusterConf
   set_cost(state, events.size());
 }
 
-void BM_RivalAsPublished(benchmark::State& state, Stream stream, asap::ClusterConfig config) {
+void BM_RivalAsPublished(benchmark::State& state, Stream stream, asap::CompatClusterConfig config) {
   const auto& events = stream();
   for (auto _ : state) {
     asap::test::NaiveClusterer clusterer(config, asap::UniformProbe(config.seed));
@@ -61,9 +61,9 @@ void BM_RivalAsPublished(benchmark::State& state, Stream stream, asap::ClusterCo
   set_cost(state, events.size());
 }
 
-constexpr asap::ClusterConfig kLaunch{.width = 346, .height = 260};
-constexpr asap::ClusterConfig kNoProbes{.width = 346, .height = 260, .probes = 0};
-constexpr asap::ClusterConfig kLarge{.width = 346, .height = 260, .window = 3200, .min_size = 60};
+constexpr asap::CompatClusterConfig kLaunch{.width = 346, .height = 260};
+constexpr asap::CompatClusterConfig kNoProbes{.width = 346, .height = 260, .probes = 0};
+constexpr asap::CompatClusterConfig kLarge{.width = 346, .height = 260, .window = 3200, .min_size = 60};
 
 BENCHMARK_CAPTURE(BM_ClusterTracker, golden, golden, kLaunch);
 BENCHMARK_CAPTURE(BM_RivalAsPublished, golden, golden, kLaunch);

@@ -102,7 +102,9 @@ def includes(path: Path) -> Iterator[str]:
 
 
 def layer_of(path: Path) -> str:
-    return path.relative_to(ROOT / "cpp").parts[-2]
+    """cpp/src/<layer>/... and cpp/include/asap/<layer>/..., sub-folders included."""
+    parts = path.relative_to(ROOT / "cpp").parts
+    return parts[1] if parts[0] == "src" else parts[2]
 
 
 def test_every_layer_is_known() -> None:
@@ -206,7 +208,7 @@ def test_every_test_has_a_header_of_the_same_path() -> None:
     helpers = {path.relative_to(tests).as_posix() for path in tests.rglob("*.hpp")}
     orphans = [
         name
-        for path in tests.glob("*/*_test.cpp")
+        for path in tests.glob("*/**/*_test.cpp")
         for name in [path.relative_to(tests).as_posix()]
         if name.replace("_test.cpp", ".hpp") not in {*HEADERS, *helpers}
     ]

@@ -2,74 +2,71 @@
 
 #include <cstddef>
 
-#include "asap/algorithms/window_clusterer.hpp"
+#include "asap/algorithms/fast/engine.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {
 
-class ClusterTracker::Engine {
+class ClusterTracker::State {
  public:
-  explicit Engine(const Config& config)
-      : config_(checked(config)), clusterer_(config_, UniformProbe(config_.seed)) {}
+  explicit State(const Config& given) : config(checked(given)), engine(config) {}
 
-  // The id of the cluster that took the event, or kNoId.
-  std::int32_t process(const Event& event) noexcept {
-    if (event.x >= config_.width || event.y >= config_.height) {
-      ++rejected_;
-      return WindowClusterer<>::kNoId;
-    }
-    return clusterer_[clusterer_.update(event)].id;
-  }
-
-  void read(std::vector<Cluster>& clusters) const { clusterer_.read(clusters); }
-
-  void reset() noexcept {
-    clusterer_.clear();
-    rejected_ = 0;
-  }
-
-  std::uint64_t rejected() const noexcept { return rejected_; }
-  const Config& config() const noexcept { return config_; }
-
- private:
-  Config config_;
-  WindowClusterer<> clusterer_;
-  std::uint64_t rejected_ = 0;
+  Config config;
+  fast::Engine engine;
 };
 
-ClusterTracker::ClusterTracker(const Config& config) : engine_(std::make_unique<Engine>(config)) {}
+ClusterTracker::ClusterTracker(const Config& config) : state_(std::make_unique<State>(config)) {}
 ClusterTracker::~ClusterTracker() = default;
 ClusterTracker::ClusterTracker(ClusterTracker&&) noexcept = default;
 ClusterTracker& ClusterTracker::operator=(ClusterTracker&&) noexcept = default;
 
-void ClusterTracker::process(EventSpan events) noexcept {
-  Engine& engine = *engine_;
-  for (const Event& event : events) engine.process(event);
-}
+void ClusterTracker::process(EventSpan events) noexcept { state_->engine.process(events, nullptr); }
 
 void ClusterTracker::process(EventSpan events, std::span<std::int32_t> labels) {
   require(labels.size() == events.size(), "labels.size()", labels.size(),
           "must be the number of events");
-  Engine& engine = *engine_;
-  for (std::size_t i = 0; i < events.size(); ++i) labels[i] = engine.process(events[i]);
+  state_->engine.process(events, labels.data());
 }
 
 std::vector<Cluster> ClusterTracker::clusters() const {
   std::vector<Cluster> clusters;
-  engine_->read(clusters);
+  state_->engine.read(clusters);
   return clusters;
 }
 
-void ClusterTracker::clusters(std::vector<Cluster>& clusters) const { engine_->read(clusters); }
-
-void ClusterTracker::set_keep(double gamma) {
-  require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
+void ClusterTracker::clusters(std::vector<Cluster>& clusters) const {
+  state_->engine.read(clusters);
 }
 
-void ClusterTracker::reset() noexcept { engine_->reset(); }
+std::vector<Cluster> ClusterTracker::clusters_at(std::int64_t t_us) {
+  advance_to(t_us);
+  return clusters();
+}
 
-std::uint64_t ClusterTracker::rejected() const noexcept { return engine_->rejected(); }
+void ClusterTracker::clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) {
+  advance_to(t_us);
+  state_->engine.read(clusters);
+}
 
-const ClusterTracker::Config& ClusterTracker::config() const noexcept { return engine_->config(); }
+void ClusterTracker::advance_to(std::int64_t t_us) noexcept { state_->engine.advance_to(t_us); }
+
+void ClusterTracker::set_keep(double gamma, bool filter_upstream) {
+  require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
+  state_->engine.set_keep(gamma, filter_upstream);
+}
+
+void ClusterTracker::reset() noexcept { state_->engine.reset(); }
+
+std::uint64_t ClusterTracker::rejected() const noexcept {
+  return state_->engine.counters().rejected;
+}
+
+std::uint64_t ClusterTracker::unsupported() const noexcept {
+  return state_->engine.counters().unsupported;
+}
+
+std::uint64_t ClusterTracker::refused() const noexcept { return state_->engine.counters().refused; }
+
+const ClusterTracker::Config& ClusterTracker::config() const noexcept { return state_->config; }
 
 }  // namespace asap

@@ -20,6 +20,9 @@ TEST(Int4, Portable) {
   EXPECT_EQ(PortableInt4::mask_above(lanes, -1), 0b0101U);
   EXPECT_EQ(PortableInt4::mask_above(lanes, kLow), 0b0111U);
   EXPECT_EQ(PortableInt4::largest(lanes), kHigh);
+  // Ages across the wrap: 3 - kHigh is 2^31 - 4 ahead, 3 - kLow that much behind.
+  EXPECT_EQ(PortableInt4::mask_young(lanes, 3, 3), 0b0001U | 0b1100U);
+  EXPECT_EQ(PortableInt4::mask_young(lanes, 3, 4), 0b0011U | 0b1100U);
   const auto counts = PortableInt4::count_above(PortableInt4::of(1, 2, 3, 4), lanes, -2);
   EXPECT_EQ(counts, (PortableInt4::Lanes{2, 3, 4, 4}));
   EXPECT_EQ(PortableInt4::sum(counts), 13);
@@ -30,7 +33,7 @@ TEST(Int4, Portable) {
 
 // All that the type in use says about two rows of numbers and a bar.
 template <class Int4>
-std::array<std::int64_t, 11> answers(const std::array<std::int32_t, 8>& numbers, std::int32_t bar) {
+std::array<std::int64_t, 12> answers(const std::array<std::int32_t, 8>& numbers, std::int32_t bar) {
   const auto a = Int4::load(&numbers[0]);
   const auto b = Int4::of(numbers[4], numbers[5], numbers[6], numbers[7]);
   std::array<std::int32_t, 4> larger;
@@ -48,6 +51,7 @@ std::array<std::int64_t, 11> answers(const std::array<std::int32_t, 8>& numbers,
           counts[3],
           Int4::largest(a),
           Int4::mask_above(b, bar),
+          Int4::mask_young(b, numbers[0], bar),
           Int4::sum(Int4::count_above(Int4::zero(), a, bar))};
 }
 

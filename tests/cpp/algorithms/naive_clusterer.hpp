@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "asap/algorithms/cluster_config.hpp"
+#include "asap/algorithms/compat_cluster_config.hpp"
 #include "asap/algorithms/uniform_probe.hpp"
 #include "asap/core/event.hpp"
 
@@ -32,7 +32,7 @@ class NaiveClusterer {
     std::vector<Member> members;  // in time order
   };
 
-  NaiveClusterer(const ClusterConfig& config, Sampler sampler)
+  NaiveClusterer(const CompatClusterConfig& config, Sampler sampler)
       : config_(config), sampler_(std::move(sampler)) {}
 
   // Returns the cluster that took the event; valid until the next event.
@@ -128,7 +128,7 @@ class NaiveClusterer {
     return c;
   }
 
-  ClusterConfig config_;
+  CompatClusterConfig config_;
   Sampler sampler_;
   std::vector<State> clusters_;  // in order of creation
   std::uint64_t events_ = 0;

@@ -44,6 +44,16 @@ struct PortableInt4 {
     return mask;
   }
 
+  // Bit i: now - lane i, modulo 2^32, is at most `age`.
+  static std::uint32_t mask_young(const Lanes& lanes, std::int32_t now, std::int32_t age) noexcept {
+    std::uint32_t mask = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto since = static_cast<std::uint32_t>(now) - static_cast<std::uint32_t>(lanes[i]);
+      mask |= static_cast<std::uint32_t>(static_cast<std::int32_t>(since) <= age) << i;
+    }
+    return mask;
+  }
+
   // `counts`, and one more in each lane above the bar.
   static Lanes count_above(Lanes counts, const Lanes& lanes, std::int32_t bar) noexcept {
     for (std::size_t i = 0; i < 4; ++i) counts[i] += lanes[i] > bar;
@@ -87,6 +97,12 @@ struct Sse2Int4 {
   static std::uint32_t mask_above(Lanes lanes, std::int32_t bar) noexcept {
     const __m128i above = _mm_cmpgt_epi32(lanes, _mm_set1_epi32(bar));
     return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(above)));
+  }
+
+  static std::uint32_t mask_young(Lanes lanes, std::int32_t now, std::int32_t age) noexcept {
+    const __m128i since = _mm_sub_epi32(_mm_set1_epi32(now), lanes);
+    const __m128i old = _mm_cmpgt_epi32(since, _mm_set1_epi32(age));
+    return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(old))) ^ 0b1111U;
   }
 
   static Lanes count_above(Lanes counts, Lanes lanes, std::int32_t bar) noexcept {

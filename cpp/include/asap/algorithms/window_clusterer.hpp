@@ -18,7 +18,7 @@
 #include "asap/algorithms/cell_grid.hpp"
 #include "asap/algorithms/centre_grid.hpp"
 #include "asap/algorithms/cluster.hpp"
-#include "asap/algorithms/cluster_config.hpp"
+#include "asap/algorithms/compat_cluster_config.hpp"
 #include "asap/algorithms/event_window.hpp"
 #include "asap/algorithms/probe_index.hpp"
 #include "asap/algorithms/uniform_probe.hpp"
@@ -46,7 +46,7 @@ class WindowClusterer {
   };
 
   // Precondition: the configuration is checked.
-  WindowClusterer(const ClusterConfig& config, Sampler sampler)
+  WindowClusterer(const CompatClusterConfig& config, Sampler sampler)
       : radius_(config.radius),
         reach_(static_cast<int>(std::min(config.radius, 0x1p20))),
         probes_(static_cast<std::uint64_t>(config.probes)),

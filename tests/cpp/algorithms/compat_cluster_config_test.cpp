@@ -1,4 +1,4 @@
-#include "asap/algorithms/cluster_config.hpp"
+#include "asap/algorithms/compat_cluster_config.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 
 namespace {
 
-using asap::ClusterConfig;
+using asap::CompatClusterConfig;
 
-std::string complaint(const std::function<void(ClusterConfig&)>& spoil) {
-  ClusterConfig config{.width = 346, .height = 260};
+std::string complaint(const std::function<void(CompatClusterConfig&)>& spoil) {
+  CompatClusterConfig config{.width = 346, .height = 260};
   spoil(config);
   try {
     asap::checked(config);
@@ -22,8 +22,8 @@ std::string complaint(const std::function<void(ClusterConfig&)>& spoil) {
   return "none";
 }
 
-TEST(ClusterConfig, DefaultsAreTheLaunchValues) {
-  const ClusterConfig config{.width = 346, .height = 260};
+TEST(CompatClusterConfig, DefaultsAreTheLaunchValues) {
+  const CompatClusterConfig config{.width = 346, .height = 260};
   EXPECT_EQ(config.window, 800);
   EXPECT_EQ(config.radius, 20);
   EXPECT_EQ(config.probes, 1);
@@ -32,7 +32,7 @@ TEST(ClusterConfig, DefaultsAreTheLaunchValues) {
   EXPECT_EQ(&asap::checked(config), &config);
 }
 
-TEST(ClusterConfig, ErrorsNameFieldValueAndRemedy) {
+TEST(CompatClusterConfig, ErrorsNameFieldValueAndRemedy) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(complaint([](auto& c) { c.width = 0; }), "width = 0: must be 1 to 65536 px");
@@ -52,7 +52,7 @@ TEST(ClusterConfig, ErrorsNameFieldValueAndRemedy) {
             "min_size = -1: must be at least 0 events");
 }
 
-TEST(ClusterConfig, LimitsAreAllowed) {
+TEST(CompatClusterConfig, LimitsAreAllowed) {
   EXPECT_EQ(complaint([](auto& c) { c.width = 65536; }), "none");
   EXPECT_EQ(complaint([](auto& c) { c.window = 65535; }), "none");
   EXPECT_EQ(complaint([](auto& c) { c.radius = 0; }), "none");

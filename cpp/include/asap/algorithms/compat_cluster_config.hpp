@@ -1,14 +1,14 @@
-// ClusterConfig: the parameters of event-by-event clustering and their check. The defaults are the
-// launch values of the authors' release.
-// Source: Rodriguez-Gomez et al., "Asynchronous Event-Based Clustering and Tracking for Intrusion
-// Monitoring in UAS", ICRA 2020; the symbols in brackets are the paper's.
+// CompatClusterConfig: the parameters of event-by-event clustering and their check. The defaults
+// are the launch values of the authors' release. Source: Rodriguez-Gomez et al., "Asynchronous
+// Event-Based Clustering and Tracking for Intrusion Monitoring in UAS", ICRA 2020; the symbols in
+// brackets are the paper's.
 #pragma once
 
 #include <cstdint>
 
 namespace asap {
 
-struct ClusterConfig {
+struct CompatClusterConfig {
   int width;               // px
   int height;              // px
   int window = 800;        // [S] events that are remembered, over all clusters
@@ -20,6 +20,6 @@ struct ClusterConfig {
 };
 
 // Returns its argument; throws std::invalid_argument that names the first bad field.
-const ClusterConfig& checked(const ClusterConfig& config);
+const CompatClusterConfig& checked(const CompatClusterConfig& config);
 
 }  // namespace asap

@@ -1,4 +1,4 @@
-#include "asap/algorithms/cluster_config.hpp"
+#include "asap/algorithms/compat_cluster_config.hpp"
 
 #include <cmath>
 
@@ -6,7 +6,7 @@
 
 namespace asap {
 
-const ClusterConfig& checked(const ClusterConfig& config) {
+const CompatClusterConfig& checked(const CompatClusterConfig& config) {
   constexpr int kMaxSide = 65536;    // pixel coordinates are 16 bits
   constexpr int kMaxWindow = 65535;  // window positions are 16 bits
 

@@ -1,0 +1,70 @@
+// Contour: the outline of an object as a radius per direction, 16 bins, and the variance of the
+// events about it. The edges of an object fire unevenly, so the plain mean of its events wobbles;
+// the radial residual d - rho(direction) does not. One thread. O(1), no allocation.
+// Source: own design.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace asap::fast {
+
+inline constexpr std::size_t kContourBins = 16;
+
+struct ContourRule {
+  float clip_px;           // [kclip]
+  std::uint8_t memory;     // [kn] events per bin
+  std::uint8_t min_known;  // [kmin]
+};
+
+struct alignas(32) Contour {
+  static constexpr float kFirstVariance_px2 = 4;
+  static constexpr float kVarianceMemory = 64;  // events
+
+  std::array<float, kContourBins> radius{};
+  std::array<std::uint8_t, kContourBins> count{};
+  float variance = kFirstVariance_px2;  // [r2]
+  float polarity = 0;                   // mean, OFF = -1, ON = 1
+
+  bool known(std::size_t bin, const ContourRule& rule) const noexcept {
+    return count[bin] >= rule.min_known;
+  }
+
+  // Distance of an event from the outline, outwards.
+  float residual(std::size_t bin, float distance) const noexcept { return distance - radius[bin]; }
+
+  void learn(std::size_t bin, float distance, const ContourRule& rule) noexcept {
+    const float outwards = residual(bin, distance);
+    const float clipped = std::clamp(outwards, -rule.clip_px, rule.clip_px);
+    if (known(bin, rule)) variance += (clipped * clipped - variance) / kVarianceMemory;
+    count[bin] = std::min<std::uint8_t>(rule.memory, static_cast<std::uint8_t>(count[bin] + 1));
+    radius[bin] += outwards / static_cast<float>(count[bin]);
+  }
+
+  void forget_radius() noexcept { count.fill(0); }
+};
+
+// The direction of a displacement, by table: rounded to px and clamped to +-32.
+class DirectionTable {
+ public:
+  DirectionTable();
+
+  std::size_t bin(float dx, float dy) const noexcept {
+    return bins_[index(dy) * kSide + index(dx)];
+  }
+
+ private:
+  static constexpr int kReach = 32;
+  static constexpr std::size_t kSide = 2 * kReach;
+
+  static std::size_t index(float d) noexcept {
+    constexpr float kLimit = kReach;
+    return static_cast<std::size_t>(std::clamp(d, -kLimit, kLimit - 1) + (kLimit + 0.5F));
+  }
+
+  std::array<std::uint8_t, kSide * kSide> bins_;
+};
+
+}  // namespace asap::fast

@@ -1,0 +1,78 @@
+// How a track takes an event that nobody contests: exponential mean and covariance with a memory in
+// events. Once the outline is known, the displacement is blended with twice the radial residual,
+// because edges fire unevenly and the plain mean wobbles with them. Inline, O(1), no allocation.
+// Source: own design.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "asap/algorithms/fast/contour.hpp"
+#include "asap/algorithms/fast/gate.hpp"
+#include "asap/algorithms/fast/stamp.hpp"
+#include "asap/algorithms/fast/track.hpp"
+
+namespace asap::fast {
+
+// 1/n for the memories of the means.
+class Reciprocals {
+ public:
+  explicit Reciprocals(std::uint32_t most) : values_(most + 1, 1.0F) {
+    for (std::uint32_t n = 1; n <= most; ++n) values_[n] = 1 / static_cast<float>(n);
+  }
+  float operator[](std::uint32_t n) const noexcept { return values_[n]; }
+
+ private:
+  std::vector<float> values_;
+};
+
+struct UpdateRule {
+  std::uint32_t mean_events = 60;         // [n_eff]
+  std::uint32_t covariance_events = 300;  // [n_S]
+  std::uint32_t contour_mask = 3;  // the contour learns the events whose number has none of these
+  ContourRule contour;
+};
+
+struct WeightRule {
+  float least;  // [wmin]
+  float scale;  // [wk]
+};
+
+// Of the plain mean, by inverse variances: textured objects, whose events fill their outline, fall
+// back to it.
+inline float mean_weight(const Track& track, const Contour& contour,
+                         const WeightRule& rule) noexcept {
+  const float scatter = 2 * rule.scale * contour.variance;
+  const float spread = 0.5F * (track.sxx + track.syy) + 0.5F;
+  return std::clamp(scatter / (scatter + spread), rule.least, 1.0F);
+}
+
+inline void take(Track& track, Contour& contour, const Sight& s, Stamp now, float sign,
+                 const UpdateRule& rule, const Reciprocals& reciprocals,
+                 const DirectionTable& directions) noexcept {
+  const std::uint32_t n = ++track.events;
+  const float gain = reciprocals[std::min(n, rule.mean_events)];
+  const float spread_gain = reciprocals[std::min(n, rule.covariance_events)];
+  const float distance = std::sqrt(s.dx * s.dx + s.dy * s.dy);
+  const std::size_t bin = directions.bin(s.dx, s.dy);
+  contour.polarity += gain * (sign - contour.polarity);
+
+  const float residual = contour.residual(bin, distance);
+  if ((n & rule.contour_mask) == 0) contour.learn(bin, distance, rule.contour);
+  float blend = 1;
+  if (n >= rule.mean_events && contour.known(bin, rule.contour) && distance > 0) {
+    const float clip = rule.contour.clip_px;
+    const float clipped = std::clamp(residual, -clip, clip);
+    blend = track.mean_weight + (1 - track.mean_weight) * 2 * clipped / distance;
+  }
+  track.x = s.mean_x + gain * blend * s.dx;
+  track.y = s.mean_y + gain * blend * s.dy;
+  track.stamp = now;
+  track.sxx += spread_gain * ((1 - gain) * s.dx * s.dx - track.sxx);
+  track.sxy += spread_gain * ((1 - gain) * s.dx * s.dy - track.sxy);
+  track.syy += spread_gain * ((1 - gain) * s.dy * s.dy - track.syy);
+}
+
+}  // namespace asap::fast

@@ -1,0 +1,31 @@
+// What a track is to the outside: a Cluster, predicted for the clock's time. Pure function, O(1).
+#pragma once
+
+#include <cmath>
+
+#include "asap/algorithms/cluster.hpp"
+#include "asap/algorithms/fast/event_clock.hpp"
+#include "asap/algorithms/fast/gate.hpp"
+#include "asap/algorithms/fast/stamp.hpp"
+#include "asap/algorithms/fast/track.hpp"
+
+namespace asap::fast {
+
+inline Cluster report(const Track& track, const Life& life, const EventClock& clock) noexcept {
+  const Sight s = sight_of(track, clock.now(), 0, 0);
+  const bool fresh = track.events != life.events;
+  const Stamp last = fresh ? track.stamp : life.last_event;
+  const float mass = life.mass + static_cast<float>(track.events - life.events);
+  return {.id = track.id,
+          .x = s.mean_x,
+          .y = s.mean_y,
+          .vx = track.vx,
+          .vy = track.vy,
+          .cxx = track.sxx,
+          .cxy = track.sxy,
+          .cyy = track.syy,
+          .size = std::lround(mass),
+          .t_last = clock.latest_us() - age_us(clock.now(), last)};
+}
+
+}  // namespace asap::fast

@@ -1,0 +1,46 @@
+// Settings: the configuration of ClusterTracker in the units of the engine (float, s, px, us), and
+// what the kept fraction changes of it. Pure data; O(1), no allocation.
+#pragma once
+
+#include <cstdint>
+
+#include "asap/algorithms/cluster_tracker_config.hpp"
+#include "asap/algorithms/fast/contact.hpp"
+#include "asap/algorithms/fast/gate.hpp"
+#include "asap/algorithms/fast/kalman.hpp"
+#include "asap/algorithms/fast/lifecycle.hpp"
+#include "asap/algorithms/fast/mean_update.hpp"
+#include "asap/algorithms/fast/merge.hpp"
+#include "asap/algorithms/fast/pairs.hpp"
+
+namespace asap::fast {
+
+struct Settings {
+  // Precondition: the configuration is checked.
+  explicit Settings(const ClusterTrackerConfig& config) noexcept;
+
+  // Random discarding leaves gamma of the events: the mean remembers fewer, the contour learns from
+  // more of them, neighbours are as rare, so company counts for longer. `filtered_upstream`: a
+  // filter before the discarder has judged them already. gamma = 1 changes nothing.
+  void set_keep(const ClusterTrackerConfig& config, double gamma, bool filtered_upstream) noexcept;
+
+  std::int32_t tick_us;
+  std::int32_t warmup_us;
+  std::int32_t link_us;
+  std::int32_t support_window_us;
+  float seed_s;
+  float seed_events;
+  float cell_px;
+  bool asks_support;
+  bool rejects;
+  UpdateRule update;
+  WeightRule weight;
+  ContactRule contact;
+  GateRule gate;
+  KalmanRule kalman;
+  LifeRule life;
+  PairRule pairs;
+  MergeRule merge;
+};
+
+}  // namespace asap::fast

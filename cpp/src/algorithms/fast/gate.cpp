@@ -1,0 +1,55 @@
+#include "asap/algorithms/fast/gate.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace asap::fast {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+}  // namespace
+
+float largest_variance(const Track& track) noexcept {
+  const float half_sum = 0.5F * (track.sxx + track.syy);
+  const float half_difference = 0.5F * (track.sxx - track.syy);
+  return half_sum + std::sqrt(half_difference * half_difference + track.sxy * track.sxy);
+}
+
+void shape_birth_gate(Track& track, const GateRule& rule) noexcept {
+  constexpr float kNothing = 1e6F;  // an ellipse without points
+  track.inverse_circle2 = 1 / (rule.birth_radius_px * rule.birth_radius_px);
+  track.qa = kNothing;
+  track.qb = 0;
+  track.qc = kNothing;
+}
+
+void shape_gate(Track& track, const GateRule& rule, float largest_variance_px2, bool mature,
+                float doubt_px2) noexcept {
+  const float own = rule.circle_scale * std::sqrt(largest_variance_px2) + rule.circle_padding_px;
+  const float radius = mature ? std::max(rule.min_radius_px, std::min(own, rule.birth_radius_px))
+                              : rule.birth_radius_px;
+  track.inverse_circle2 = 1 / (radius * radius);
+
+  const float padding = rule.padding_px * rule.padding_px + doubt_px2;
+  const float a = track.sxx + padding;
+  const float b = track.sxy;
+  const float c = track.syy + padding;
+  const float scale2 = rule.scale * rule.scale;
+  const float longest2 = scale2 * (largest_variance_px2 + padding);
+  const float most2 = rule.max_radius_px * rule.max_radius_px;
+  const float shrink = std::max(1.0F, longest2 / most2);
+  const float factor = shrink / (scale2 * (a * c - b * b));
+  track.qa = c * factor;
+  track.qb = -b * factor;
+  track.qc = a * factor;
+}
+
+float gate_area(const Track& track, const GateRule& rule, bool mature) noexcept {
+  if (!mature) return kPi * rule.birth_radius_px * rule.birth_radius_px;
+  const float determinant = std::max(0.0F, track.sxx * track.syy - track.sxy * track.sxy);
+  return kPi * std::max(rule.min_radius_px * rule.min_radius_px,
+                        rule.scale * rule.scale * std::sqrt(determinant));
+}
+
+}  // namespace asap::fast

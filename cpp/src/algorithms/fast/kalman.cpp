@@ -1,0 +1,82 @@
+#include "asap/algorithms/fast/kalman.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "asap/algorithms/fast/decay.hpp"
+
+namespace asap::fast {
+namespace {
+
+float seconds(Stamp now, Stamp then) noexcept {
+  return 1e-6F * static_cast<float>(age_us(now, then));
+}
+
+// Of the mean, given how many of its events are new.
+float measurement_variance(const Track& track, float contour_variance, std::uint32_t fresh,
+                           const KalmanRule& rule) noexcept {
+  const float w = track.mean_weight;
+  const float spread =
+      w * w * 0.5F * (track.sxx + track.syy) + (1 - w) * (1 - w) * 2 * contour_variance;
+  const auto memory = static_cast<float>(rule.mean_events);
+  const float share = std::min(1.0F, static_cast<float>(fresh) / memory);
+  return std::max(rule.min_measurement_px2, rule.measurement_scale * spread / (memory * share));
+}
+
+}  // namespace
+
+void kalman_update(Track& track, KalmanState& state, float contour_variance,
+                   const KalmanRule& rule) noexcept {
+  const std::uint32_t fresh = track.events - state.events;
+  if (fresh < kKalmanEvents) return;
+  const float dt = std::max(0.0F, seconds(track.stamp, state.stamp));
+  const float speed2 = track.vx * track.vx + track.vy * track.vy;
+  const float moving = rule.acceleration + rule.per_speed3 * speed2 * std::sqrt(speed2);
+  const float q = track.partners > 0 ? rule.contact : std::min(rule.most, moving);
+
+  state.x += track.vx * dt;
+  state.y += track.vy * dt;
+  state.pxx += 2 * dt * state.pxv + dt * dt * state.pvv + q * dt * dt * dt / 3;
+  state.pxv += dt * state.pvv + q * dt * dt / 2;
+  state.pvv += q * dt;
+
+  const float s = state.pxx + measurement_variance(track, contour_variance, fresh, rule);
+  const float kx = state.pxx / s;
+  const float kv = state.pxv / s;
+  const float ex = track.x - state.x;
+  const float ey = track.y - state.y;
+  state.x += kx * ex;
+  state.y += kx * ey;
+  track.vx += kv * ex;
+  track.vy += kv * ey;
+  state.pvv -= kv * state.pxv;
+  state.pxv *= 1 - kx;
+  state.pxx *= 1 - kx;
+  state.stamp = track.stamp;
+  state.events = track.events;
+}
+
+void kalman_starve(Track& track, KalmanState& state, Stamp now, float velocity_decay_s) noexcept {
+  const auto moved_s = [&](Stamp then) {
+    return velocity_decay_s * (1 - decay(std::max(0.0F, seconds(now, then)) / velocity_decay_s));
+  };
+  const float mean_s = moved_s(track.stamp);
+  const float state_s = moved_s(state.stamp);
+  track.x += track.vx * mean_s;
+  track.y += track.vy * mean_s;
+  state.x += track.vx * state_s;
+  state.y += track.vy * state_s;
+
+  const float dt = std::max(0.0F, seconds(now, state.stamp));
+  state.pxx = std::min(kMaxVariance_px2, state.pxx + 2 * dt * state.pxv + dt * dt * state.pvv);
+  state.pxv += dt * state.pvv;
+  // pvv >= pxv^2 / pxx keeps the covariance one.
+  state.pxv = std::min(state.pxv, std::sqrt(state.pxx * state.pvv));
+  const float slower = 1 - state_s / velocity_decay_s;
+  track.vx *= slower;
+  track.vy *= slower;
+  track.stamp = now;
+  state.stamp = now;
+}
+
+}  // namespace asap::fast

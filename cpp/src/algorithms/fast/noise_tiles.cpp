@@ -1,0 +1,79 @@
+#include "asap/algorithms/fast/noise_tiles.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "asap/algorithms/fast/decay.hpp"
+
+namespace asap::fast {
+namespace {
+
+constexpr int kSmallestShift = 4;
+constexpr std::size_t kMostTiles = 512;
+constexpr float kMemory_s = 0.2F;
+
+std::size_t tiles_along(int side, int shift) {
+  return (static_cast<std::size_t>(side - 1) >> shift) + 1;
+}
+
+int shift_for(int width, int height) {
+  int shift = kSmallestShift;
+  while (tiles_along(width, shift) * tiles_along(height, shift) > kMostTiles) ++shift;
+  return shift;
+}
+
+}  // namespace
+
+NoiseTiles::NoiseTiles(int width, int height)
+    : shift_(shift_for(width, height)),
+      columns_(tiles_along(width, shift_)),
+      tiles_(columns_ * tiles_along(height, shift_)),
+      sorted_(tiles_.size()) {
+  const auto length = [&](std::size_t index, int side) {
+    return static_cast<float>(std::min(1 << shift_, side - static_cast<int>(index << shift_)));
+  };
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    tiles_[i].pixels = length(i % columns_, width) * length(i / columns_, height);
+  }
+}
+
+void NoiseTiles::update(float dt_s) noexcept {
+  age_s_ += dt_s;
+  const float weight = low_pass_weight(decay(dt_s / kMemory_s), dt_s, age_s_);
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    Tile& tile = tiles_[i];
+    const float rate = static_cast<float>(tile.events) / (dt_s * tile.pixels);
+    tile.rate_hz += weight * (rate - tile.rate_hz);
+    tile.events = 0;
+    sorted_[i] = tile.rate_hz;
+  }
+  const auto low = sorted_.begin() + static_cast<std::ptrdiff_t>(3 * sorted_.size() / 10);
+  std::nth_element(sorted_.begin(), low, sorted_.end());
+  // The 30 % quantile lies .52 standard deviations below the mean of the counts, which the low pass
+  // takes over twice its time constant.
+  const float events = *low * 2 * kMemory_s * static_cast<float>(1 << (2 * shift_));
+  rate_hz_ = *low * (1 + 0.52F / std::sqrt(std::max(1.0F, events)));
+}
+
+void NoiseTiles::clear() noexcept {
+  for (Tile& tile : tiles_) {
+    tile.events = 0;
+    tile.rate_hz = 0;
+  }
+  age_s_ = 0;
+  rate_hz_ = 0;
+}
+
+float noise_with_support(float unsupported_hz, float window_s) noexcept {
+  float all_hz = unsupported_hz;
+  for (int iteration = 0; iteration < 12; ++iteration) {
+    all_hz = unsupported_hz / decay(std::min(1.0F, 8 * all_hz * window_s));
+  }
+  return all_hz;
+}
+
+float supported_noise(float noise_hz, float window_s) noexcept {
+  return noise_hz * (1 - decay(8 * noise_hz * window_s));
+}
+
+}  // namespace asap::fast

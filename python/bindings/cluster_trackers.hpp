@@ -1,0 +1,23 @@
+// What asap.ClusterTracker is behind its one face: either engine.
+#pragma once
+
+#include <variant>
+
+#include "asap/algorithms/cluster_tracker.hpp"
+#include "asap/algorithms/compat_cluster_tracker.hpp"
+
+namespace asap::python {
+
+struct EitherClusterTracker {
+  std::variant<ClusterTracker, CompatClusterTracker> engine;
+
+  // Per package: what a runner calls.
+  void process(EventSpan events) noexcept {
+    std::visit([&](auto& tracker) { tracker.process(events); }, engine);
+  }
+  void set_keep(double gamma) {
+    std::visit([&](auto& tracker) { tracker.set_keep(gamma); }, engine);
+  }
+};
+
+}  // namespace asap::python

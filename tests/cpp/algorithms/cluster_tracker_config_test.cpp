@@ -1,0 +1,89 @@
+#include "asap/algorithms/cluster_tracker_config.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace {
+
+using asap::ClusterTrackerConfig;
+
+std::string complaint(const std::function<void(ClusterTrackerConfig&)>& spoil) {
+  ClusterTrackerConfig config{.width = 346, .height = 260};
+  spoil(config);
+  try {
+    asap::checked(config);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ClusterTrackerConfig, DefaultsAreAllowed) {
+  EXPECT_EQ(complaint([](auto&) {}), "");
+}
+
+TEST(ClusterTrackerConfig, EveryParameterRefusesWhatIsNoPositiveNumber) {
+  for (const auto& parameter : asap::cluster_tracker_parameters()) {
+    const std::string name(parameter.name);
+    std::visit(
+        [&](auto field) {
+          using Value =
+              std::remove_reference_t<decltype(std::declval<ClusterTrackerConfig>().*field)>;
+          std::vector<Value> bad{0, -1, std::numeric_limits<Value>::max()};
+          if constexpr (std::is_floating_point_v<Value>) {
+            bad.push_back(std::numeric_limits<Value>::quiet_NaN());
+            bad.push_back(std::numeric_limits<Value>::infinity());
+          }
+          for (const Value value : bad) {
+            const auto text = complaint([&](auto& config) { config.*field = value; });
+            EXPECT_TRUE(text.starts_with(name + " = ")) << name << ' ' << value << ": " << text;
+            EXPECT_NE(text.find("must be "), std::string::npos) << text;
+          }
+        },
+        parameter.field);
+  }
+}
+
+TEST(ClusterTrackerConfig, NamesAreUniqueAndFieldsDiffer) {
+  std::set<std::string_view> names;
+  for (const auto& parameter : asap::cluster_tracker_parameters()) {
+    EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name;
+    ClusterTrackerConfig config{.width = 1, .height = 1};
+    std::visit([&](auto field) { config.*field = 77; }, parameter.field);
+    int changed = 0;
+    for (const auto& other : asap::cluster_tracker_parameters()) {
+      changed += std::visit([&](auto field) { return config.*field == 77; }, other.field);
+    }
+    EXPECT_EQ(changed, 1) << parameter.name;
+  }
+}
+
+TEST(ClusterTrackerConfig, OrderIsChecked) {
+  EXPECT_EQ(complaint([](auto& c) { c.min_radius_px = 19; }),
+            "min_radius_px = 19: must be at most birth_radius_px = 18");
+  EXPECT_EQ(complaint([](auto& c) { c.max_radius_px = 6; }),
+            "min_radius_px = 7: must be at most max_radius_px = 6");
+  EXPECT_EQ(complaint([](auto& c) { c.die_events = 15; }),
+            "die_events = 15: must be at most confirm_events = 14");
+  EXPECT_EQ(complaint([](auto& c) { c.contour_min_events = 17; }),
+            "contour_min_events = 17: must be at most contour_events = 16");
+  EXPECT_NE(complaint([](auto& c) { c.acceleration_px2_s3 = 1e8; }), "");
+}
+
+TEST(ClusterTrackerConfig, FrameAndCellsAreChecked) {
+  EXPECT_EQ(complaint([](auto& c) { c.width = 0; }), "width = 0: must be 1 to 16384 px");
+  EXPECT_EQ(complaint([](auto& c) { c.height = 16385; }), "height = 16385: must be 1 to 16384 px");
+  EXPECT_EQ(complaint([](auto& c) { c.cell_px = 6; }), "cell_px = 6: must be a power of two");
+}
+
+}  // namespace

@@ -1,0 +1,196 @@
+#include "asap/algorithms/fast/engine.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "asap/core/random.hpp"
+
+namespace {
+
+using asap::Cluster;
+using asap::ClusterSupport;
+using asap::ClusterTrackerConfig;
+using asap::Event;
+using asap::fast::Engine;
+
+// A ring of events that moves and stops: the outline of a disk, leading edge ON.
+struct Disk {
+  double x = 60;
+  double y = 60;
+  double vx = 100;
+  double vy = 0;
+  double radius = 8;
+};
+
+void add_disk(std::vector<Event>& events, const Disk& disk, double from_s, double to_s,
+              double rate_hz = 10'000, std::uint64_t seed = 1) {
+  const asap::CounterRandom random(seed);
+  std::uint64_t drawn = 0;
+  for (double t = from_s; t < to_s; t += 1 / rate_hz) {
+    const double angle = 6.2831853 * random.uniform(drawn++);
+    const double r = disk.radius + random.uniform(drawn++) - 0.5;
+    const double x = disk.x + disk.vx * t + r * std::cos(angle);
+    const double y = disk.y + disk.vy * t + r * std::sin(angle);
+    events.push_back({.x = static_cast<std::uint16_t>(x),
+                      .y = static_cast<std::uint16_t>(y),
+                      .p = static_cast<std::int16_t>(std::cos(angle) > 0),
+                      .t = static_cast<std::int64_t>(1e6 * t)});
+  }
+}
+
+void sort_by_time(std::vector<Event>& events) {
+  std::stable_sort(events.begin(), events.end(),
+                   [](const Event& a, const Event& b) { return a.t < b.t; });
+}
+
+std::vector<Cluster> clusters_of(const Engine& engine) {
+  std::vector<Cluster> clusters;
+  engine.read(clusters);
+  return clusters;
+}
+
+constexpr ClusterTrackerConfig kFrame{.width = 346, .height = 260};
+
+TEST(Engine, FollowsADisk) {
+  std::vector<Event> events;
+  add_disk(events, {}, 0, 1);
+  Engine engine(kFrame);
+  std::vector<std::int32_t> labels(events.size());
+  engine.process(events, labels.data());
+  const auto clusters = clusters_of(engine);
+  ASSERT_EQ(clusters.size(), 1U);
+  EXPECT_EQ(clusters[0].id, 0);
+  EXPECT_NEAR(clusters[0].x, 159.5, 1);  // pixels are cut off, not rounded
+  EXPECT_NEAR(clusters[0].y, 59.5, 1);
+  EXPECT_NEAR(clusters[0].vx, 100, 15);
+  EXPECT_NEAR(clusters[0].vy, 0, 15);
+  EXPECT_NEAR(clusters[0].cxx, 32, 8);  // of a ring: half the squared radius
+  EXPECT_EQ(clusters[0].t_last, events.back().t);
+  const std::set<std::int32_t> late(labels.begin() + 3000, labels.end());
+  EXPECT_EQ(late, (std::set<std::int32_t>{-1, 0}));
+  EXPECT_LT(std::count(labels.begin() + 3000, labels.end(), -1), 700);  // without company
+}
+
+TEST(Engine, CrossingDisksKeepTheirIds) {
+  std::vector<Event> events;
+  add_disk(events, {.x = 50, .y = 100, .vx = 150}, 0, 1.2);
+  add_disk(events, {.x = 230, .y = 108, .vx = -150}, 0, 1.2, 10'000, 2);
+  sort_by_time(events);
+  Engine engine(kFrame);
+  engine.process(events, nullptr);
+  const auto clusters = clusters_of(engine);
+  ASSERT_EQ(clusters.size(), 2U);
+  std::vector<Event> half(events.begin(), events.begin() + 4000);
+  Engine before(kFrame);
+  before.process(half, nullptr);
+  const auto early = clusters_of(before);
+  ASSERT_EQ(early.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(clusters[i].id, early[i].id);
+    EXPECT_GT(clusters[i].vx * early[i].vx, 0);
+  }
+}
+
+TEST(Engine, TwoEdgesOfALargeObjectAreOne) {
+  std::vector<Event> events;
+  add_disk(events, {.x = 60, .y = 120, .vx = 200, .radius = 20}, 0, 0.8, 30'000);
+  Engine engine(kFrame);
+  engine.process(events, nullptr);
+  EXPECT_EQ(clusters_of(engine).size(), 1U);
+}
+
+TEST(Engine, ObjectsThatComeApartAreSplit) {
+  std::vector<Event> events;
+  add_disk(events, {.x = 100, .y = 100, .vx = 0, .radius = 5}, 0, 1);
+  Disk other{.x = 104, .y = 100, .vx = 0, .radius = 5};
+  add_disk(events, other, 0, 0.3, 10'000, 2);
+  other.vx = 150;
+  other.x -= 0.3 * 150;
+  add_disk(events, other, 0.3, 1, 10'000, 2);
+  sort_by_time(events);
+  Engine engine(kFrame);
+  engine.process(events, nullptr);
+  EXPECT_EQ(clusters_of(engine).size(), 2U);
+}
+
+TEST(Engine, NoiseAloneIsNoCluster) {
+  for (const double rate_hz : {0.5, 5.0, 20.0}) {
+    for (const auto support :
+         {ClusterSupport::kOff, ClusterSupport::kEstimate, ClusterSupport::kReject}) {
+      ClusterTrackerConfig config = kFrame;
+      config.support = support;
+      Engine engine(config);
+      const asap::CounterRandom random(7);
+      const double step_us = 1e6 / (rate_hz * config.width * config.height);
+      for (std::uint64_t i = 0; static_cast<double>(i) * step_us < 0.5e6; ++i) {
+        const Event event{.x = static_cast<std::uint16_t>(random(2 * i) % 346),
+                          .y = static_cast<std::uint16_t>(random(2 * i + 1) % 260),
+                          .p = 1,
+                          .t = static_cast<std::int64_t>(static_cast<double>(i) * step_us)};
+        std::int32_t label = 0;
+        engine.process({&event, 1}, &label);
+        ASSERT_EQ(label, -1) << rate_hz;
+      }
+    }
+  }
+}
+
+TEST(Engine, WhereNothingIsRejectedUnsupportedEventsAreCounted) {
+  ClusterTrackerConfig config = kFrame;
+  std::vector<Event> events(10, Event{.x = 50, .y = 50, .p = 1, .t = 5});
+  for (const auto support : {ClusterSupport::kEstimate, ClusterSupport::kReject}) {
+    config.support = support;
+    Engine engine(config);
+    engine.process(events, nullptr);
+    EXPECT_EQ(engine.counters().unsupported, 10U);
+  }
+  config.support = ClusterSupport::kOff;
+  Engine engine(config);
+  engine.process(events, nullptr);
+  EXPECT_EQ(engine.counters().unsupported, 0U);
+}
+
+TEST(Engine, AStoppedObjectKeepsItsId) {
+  for (const double gap_s : {0.1, 0.2, 0.3}) {
+    std::vector<Event> events;
+    add_disk(events, {}, 0, 0.7);
+    Engine engine(kFrame);
+    engine.process(events, nullptr);
+    engine.advance_to(static_cast<std::int64_t>(1e6 * (0.7 + gap_s)));
+    EXPECT_TRUE(clusters_of(engine).empty()) << gap_s;
+    events.clear();
+    add_disk(events, {.x = 60 - 100 * gap_s}, 0.7 + gap_s, 1.4 + gap_s);
+    engine.process(events, nullptr);
+    const auto clusters = clusters_of(engine);
+    ASSERT_EQ(clusters.size(), 1U) << gap_s;
+    EXPECT_EQ(clusters[0].id, 0) << gap_s;
+  }
+}
+
+TEST(Engine, AnObjectThatComesOutAgainKeepsItsId) {
+  std::vector<Event> events;
+  add_disk(events, {.vx = 150}, 0, 0.7);
+  add_disk(events, {.vx = 150}, 1.0, 1.5);
+  Engine engine(kFrame);
+  engine.process(events, nullptr);
+  const auto clusters = clusters_of(engine);
+  ASSERT_EQ(clusters.size(), 1U);
+  EXPECT_EQ(clusters[0].id, 0);
+}
+
+TEST(Engine, AnotherObjectAfterALongTimeHasAnotherId) {
+  std::vector<Event> events;
+  add_disk(events, {.vx = 0}, 0, 0.5);
+  add_disk(events, {.vx = 0}, 1.5, 2);
+  Engine engine(kFrame);
+  engine.process(events, nullptr);
+  const auto clusters = clusters_of(engine);
+  ASSERT_EQ(clusters.size(), 1U);
+  EXPECT_EQ(clusters[0].id, 1);
+}
+
+}  // namespace

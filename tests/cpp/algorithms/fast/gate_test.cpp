@@ -1,0 +1,110 @@
+#include "asap/algorithms/fast/gate.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using asap::fast::gate_area;
+using asap::fast::gate_value;
+using asap::fast::GateRule;
+using asap::fast::largest_variance;
+using asap::fast::shape_birth_gate;
+using asap::fast::shape_gate;
+using asap::fast::sight_of;
+using asap::fast::Track;
+
+constexpr GateRule kRule{.birth_radius_px = 18,
+                         .min_radius_px = 7,
+                         .max_radius_px = 40,
+                         .scale = 2,
+                         .padding_px = 2,
+                         .circle_scale = 2,
+                         .circle_padding_px = 5};
+
+Track track_with(float sxx, float sxy, float syy) {
+  Track track;
+  track.sxx = sxx;
+  track.sxy = sxy;
+  track.syy = syy;
+  return track;
+}
+
+float value_at(const Track& track, float x, float y) {
+  return gate_value(track, sight_of(track, track.stamp, x, y));
+}
+
+TEST(Sight, LooksFromThePredictedMean) {
+  Track track;
+  track.x = 10;
+  track.y = 20;
+  track.vx = 100;
+  track.vy = -50;
+  track.stamp = 0xfffffff0U;
+  const auto s = sight_of(track, 0xfffffff0U + 20'000, 15, 15);  // across the wrap
+  EXPECT_FLOAT_EQ(s.mean_x, 12);
+  EXPECT_FLOAT_EQ(s.mean_y, 19);
+  EXPECT_FLOAT_EQ(s.dx, 3);
+  EXPECT_FLOAT_EQ(s.dy, -4);
+}
+
+TEST(Gate, OfANewbornIsACircle) {
+  Track track;
+  shape_birth_gate(track, kRule);
+  EXPECT_LE(value_at(track, 0, 17.9F), 1);
+  EXPECT_GT(value_at(track, 13, 13), 1);
+}
+
+TEST(Gate, EllipseFollowsTheCovariance) {
+  Track track = track_with(96, 0, 0);  // half-axes 2 sqrt(96 + 4) = 20 and 2 sqrt(4) = 4
+  shape_gate(track, kRule, largest_variance(track), true, 0);
+  EXPECT_NEAR(value_at(track, 20, 0), 1, 1e-4);
+  EXPECT_LT(value_at(track, 19, 0), 1);
+  EXPECT_GT(value_at(track, 21, 0), 1);
+}
+
+TEST(Gate, EllipseTurnsWithTheCovariance) {
+  Track track = track_with(50, 45, 50);
+  shape_gate(track, kRule, largest_variance(track), true, 0);
+  EXPECT_LT(value_at(track, 13.5F, 13.5F), 1);
+  EXPECT_GT(value_at(track, 13.5F, -13.5F), 1);
+}
+
+TEST(Gate, CircleFollowsTheExtentOnceMature) {
+  Track track = track_with(4, 0, 4);  // circle: 2 * 2 + 5
+  shape_gate(track, kRule, 4, true, 0);
+  EXPECT_NEAR(value_at(track, 9, 0), 1, 1e-4);
+  shape_gate(track, kRule, 4, false, 0);
+  EXPECT_NEAR(value_at(track, 18, 0), 1, 1e-4);
+  Track small = track_with(0.1F, 0, 0.1F);
+  shape_gate(small,
+             {.birth_radius_px = 18,
+              .min_radius_px = 7,
+              .max_radius_px = 40,
+              .scale = 2,
+              .padding_px = 0.1F,
+              .circle_scale = 2,
+              .circle_padding_px = 0.1F},
+             0.1F, true, 0);
+  EXPECT_NEAR(value_at(small, 7, 0), 1, 1e-4);
+}
+
+TEST(Gate, HasALongestAxis) {
+  Track track = track_with(5000, 0, 100);
+  shape_gate(track, kRule, 5000, true, 0);
+  EXPECT_NEAR(value_at(track, 40, 0), 1, 1e-4);
+}
+
+TEST(Gate, DoubtWidensIt) {
+  Track track = track_with(96, 0, 96);
+  shape_gate(track, kRule, 96, true, 125);  // half-axis 2 sqrt(225)
+  EXPECT_NEAR(value_at(track, 30, 0), 1, 1e-4);
+}
+
+TEST(Gate, AreaIsThatOfTheEllipseButNoLessThanTheSmallestCircle) {
+  constexpr float kPi = 3.14159265F;
+  EXPECT_NEAR(gate_area(track_with(100, 0, 100), kRule, true), kPi * 400, 0.1);
+  EXPECT_NEAR(gate_area(track_with(1, 0, 1), kRule, true), kPi * 49, 0.1);
+  EXPECT_NEAR(gate_area(track_with(1, 0, 1), kRule, false), kPi * 324, 0.1);
+}
+
+}  // namespace

@@ -1,0 +1,113 @@
+#include "asap/algorithms/fast/kalman.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace {
+
+using namespace asap::fast;
+
+constexpr KalmanRule kRule{.acceleration = 5e3F,
+                           .per_speed3 = 0.055F,
+                           .most = 1e7F,
+                           .contact = 5e3F,
+                           .measurement_scale = 4,
+                           .min_measurement_px2 = 0.05F,
+                           .mean_events = 60};
+
+// A track that moves at vx and is measured every 2 ms, for a second, with 40 events in between.
+Track followed(float vx, KalmanState& state) {
+  Track track;
+  track.sxx = track.syy = 25;
+  track.mean_weight = 0.2F;
+  for (int step = 0; step < 500; ++step) {
+    track.stamp = static_cast<Stamp>(2000 * step);
+    track.x = vx * 2e-3F * static_cast<float>(step) + (step % 2 == 0 ? 0.05F : -0.05F);
+    track.events += 40;
+    kalman_update(track, state, 0.3F, kRule);
+  }
+  return track;
+}
+
+TEST(Kalman, FindsTheVelocity) {
+  for (const float vx : {0.0F, 50.0F, -400.0F}) {
+    KalmanState state;
+    const Track track = followed(vx, state);
+    EXPECT_NEAR(track.vx, vx, 3 + 0.02F * std::abs(vx));
+    EXPECT_NEAR(track.vy, 0, 1e-3F);
+    EXPECT_NEAR(state.x, track.x, 0.2F);
+    EXPECT_GT(state.pvv, 0);
+    EXPECT_GE(state.pxx * state.pvv, state.pxv * state.pxv);
+  }
+}
+
+TEST(Kalman, AFastTrackIsFollowedMoreCloselyThanASlowOne) {
+  KalmanState slow;
+  KalmanState fast;
+  followed(10, slow);
+  followed(400, fast);
+  EXPECT_GT(fast.pvv, 10 * slow.pvv);
+}
+
+TEST(Kalman, InContactTheAccelerationIsTheOneOfContact) {
+  KalmanState state;
+  Track track = followed(400, state);
+  KalmanState touching = state;
+  Track partner = track;
+  partner.partners = 1;
+  for (Track* t : {&track, &partner}) {
+    t->stamp += 2000;
+    t->events += 40;
+  }
+  kalman_update(track, state, 0.3F, kRule);
+  kalman_update(partner, touching, 0.3F, kRule);
+  EXPECT_LT(touching.pvv, state.pvv);
+}
+
+TEST(Kalman, WaitsForEightEvents) {
+  Track track;
+  KalmanState state;
+  track.x = 5;
+  track.events = 7;
+  kalman_update(track, state, 1, kRule);
+  EXPECT_EQ(state.x, 0);
+  track.events = 8;
+  kalman_update(track, state, 1, kRule);
+  EXPECT_GT(state.x, 1);
+  EXPECT_EQ(state.events, 8U);
+}
+
+TEST(Kalman, FewEventsCountLess) {
+  const auto moved = [](std::uint32_t events) {
+    Track track;
+    track.sxx = track.syy = 100;
+    track.x = 5;
+    track.events = events;
+    KalmanState state;
+    kalman_update(track, state, 1, kRule);
+    return state.x;
+  };
+  EXPECT_LT(moved(8), moved(60));
+  EXPECT_EQ(moved(60), moved(1000));
+}
+
+// However it is cut into ticks, a starved track comes to rest after velocity * decay time.
+TEST(Kalman, AStarvedTrackComesToRest) {
+  for (const int ticks : {1, 10, 1000}) {
+    Track track;
+    KalmanState state;
+    track.vx = 200;
+    for (int i = 1; i <= ticks; ++i) {
+      kalman_starve(track, state, static_cast<Stamp>(1'000'000 / ticks * i), 0.1F);
+    }
+    EXPECT_NEAR(track.x, 20, 0.1F) << ticks;
+    EXPECT_NEAR(state.x, 20, 0.1F) << ticks;
+    EXPECT_LT(track.vx, 0.1F);
+    EXPECT_EQ(track.stamp, 1'000'000U);
+    EXPECT_LE(state.pxx, kMaxVariance_px2);
+    EXPECT_GE(state.pxx * state.pvv * 1.001F, state.pxv * state.pxv);
+  }
+}
+
+}  // namespace

@@ -1,0 +1,102 @@
+#include "asap/algorithms/fast/mean_update.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace {
+
+using namespace asap::fast;
+
+const UpdateRule kRule{.mean_events = 60,
+                       .covariance_events = 300,
+                       .contour_mask = 3,
+                       .contour = {.clip_px = 5, .memory = 16, .min_known = 3}};
+const Reciprocals kReciprocals(300);
+const DirectionTable kDirections;
+
+void give(Track& track, Contour& contour, float x, float y, float sign = 1, Stamp now = 0) {
+  take(track, contour, sight_of(track, now, x, y), now, sign, kRule, kReciprocals, kDirections);
+}
+
+TEST(MeanUpdate, BeginsAsThePlainMeanAndCovariance) {
+  Track track;
+  Contour contour;
+  for (const float x : {1.0F, 5.0F, 3.0F, 7.0F}) give(track, contour, x, 2 * x);
+  EXPECT_FLOAT_EQ(track.x, 4);
+  EXPECT_FLOAT_EQ(track.y, 8);
+  EXPECT_FLOAT_EQ(track.sxx, 5);
+  EXPECT_FLOAT_EQ(track.sxy, 10);
+  EXPECT_FLOAT_EQ(track.syy, 20);
+  EXPECT_EQ(track.events, 4U);
+}
+
+TEST(MeanUpdate, MovesOnWithTheVelocity) {
+  Track track;
+  Contour contour;
+  track.vx = 1000;
+  give(track, contour, 0, 0);
+  give(track, contour, 10, 0, 1, 10'000);
+  EXPECT_FLOAT_EQ(track.x, 10);
+  EXPECT_EQ(track.sxx, 0);
+  EXPECT_EQ(track.stamp, 10'000U);
+}
+
+TEST(MeanUpdate, FirstEventIsTheMean) {
+  Track track;
+  Contour contour;
+  give(track, contour, 7, 9);
+  EXPECT_EQ(track.x, 7);
+  EXPECT_EQ(track.y, 9);
+  EXPECT_EQ(track.sxx, 0);
+}
+
+// A disk of radius 8 whose right half fires ten times as often: the plain mean is drawn there.
+TEST(MeanUpdate, AKnownOutlineHoldsTheCentre) {
+  const auto centre_with = [](float mean_weight) {
+    Track track;
+    Contour contour;
+    for (int i = 0; i < 16 * 200; ++i) {
+      const float angle = 0.3927F * static_cast<float>(i);
+      give(track, contour, 8 * std::cos(angle), 8 * std::sin(angle));
+    }
+    track.mean_weight = mean_weight;
+    for (int i = 0; i < 200; ++i) {
+      const float angle = 0.3927F * static_cast<float>(i);
+      if (std::cos(angle) > 0 || i % 10 == 0)
+        give(track, contour, 8 * std::cos(angle), 8 * std::sin(angle));
+    }
+    return track.x;
+  };
+  EXPECT_GT(centre_with(1), 3);
+  EXPECT_LT(std::abs(centre_with(0.1F)), 2.2F);
+}
+
+TEST(MeanUpdate, WeightIsLowWhereTheOutlineIsSharp) {
+  Track track;
+  track.sxx = track.syy = 50;
+  Contour contour;
+  contour.variance = 0.5F;
+  EXPECT_NEAR(mean_weight(track, contour, {.least = 0.01F, .scale = 1}), 1 / 51.5, 1e-4);
+  EXPECT_FLOAT_EQ(mean_weight(track, contour, {.least = 0.1F, .scale = 1}), 0.1F);
+  contour.variance = 1e6F;
+  EXPECT_NEAR(mean_weight(track, contour, {.least = 0.1F, .scale = 1}), 1, 1e-4);
+}
+
+TEST(MeanUpdate, PolarityIsTheMeanSign) {
+  Track track;
+  Contour contour;
+  for (int i = 0; i < 40; ++i) give(track, contour, 0, 0, i % 4 == 0 ? -1.0F : 1.0F);
+  EXPECT_NEAR(contour.polarity, 0.5, 1e-4);
+}
+
+TEST(MeanUpdate, TheContourLearnsEveryFourthEvent) {
+  Track track;
+  Contour contour;
+  for (int i = 0; i < 7; ++i) give(track, contour, 0, 0);
+  int learnt = 0;
+  for (const auto count : contour.count) learnt += count;
+  EXPECT_EQ(learnt, 1);
+}
+
+}  // namespace

@@ -1,0 +1,65 @@
+#include "asap/algorithms/fast/settings.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using asap::ClusterTrackerConfig;
+using asap::fast::Settings;
+
+constexpr ClusterTrackerConfig kConfig{.width = 346, .height = 260};
+
+TEST(Settings, AreTheConfigurationInOtherUnits) {
+  const Settings s(kConfig);
+  EXPECT_EQ(s.tick_us, 1000);
+  EXPECT_EQ(s.link_us, 40'000);
+  EXPECT_EQ(s.support_window_us, 5000);
+  EXPECT_FLOAT_EQ(s.life.mass_s, 0.03F);
+  EXPECT_FLOAT_EQ(s.life.coast_s, 0.25F);
+  EXPECT_EQ(s.update.mean_events, 60U);
+  EXPECT_EQ(s.update.contour_mask, 3U);
+  EXPECT_TRUE(s.rejects);
+}
+
+TEST(Settings, MemoriesOfEventsFollowTheKeptFraction) {
+  Settings s(kConfig);
+  const auto told = [&](double gamma) {
+    s.set_keep(kConfig, gamma, false);
+    return s.update.mean_events;
+  };
+  EXPECT_EQ(told(0.5), 60U);
+  EXPECT_EQ(told(0.25), 30U);
+  EXPECT_EQ(s.kalman.mean_events, 30U);
+  EXPECT_EQ(s.update.contour_mask, 0U);
+  EXPECT_EQ(told(0), 20U);
+  EXPECT_EQ(told(0.5), 60U);
+  EXPECT_EQ(s.update.contour_mask, 1U);
+}
+
+TEST(Settings, SupportLooksBackForLongerUntilItCannotJudge) {
+  Settings s(kConfig);
+  s.set_keep(kConfig, 0.5, false);
+  EXPECT_EQ(s.support_window_us, 10'000);
+  EXPECT_TRUE(s.rejects);
+  s.set_keep(kConfig, 0.1, false);
+  EXPECT_EQ(s.support_window_us, 50'000);
+  EXPECT_FALSE(s.rejects);
+  s.set_keep(kConfig, 0, false);
+  EXPECT_EQ(s.support_window_us, 50'000);
+  s.set_keep(kConfig, 0.5, true);
+  EXPECT_FALSE(s.rejects);
+  s.set_keep(kConfig, 1, true);
+  EXPECT_TRUE(s.rejects);
+  EXPECT_EQ(s.support_window_us, 5000);
+}
+
+TEST(Settings, RejectOnlyIfAsked) {
+  ClusterTrackerConfig config = kConfig;
+  config.support = asap::ClusterSupport::kEstimate;
+  EXPECT_FALSE(Settings(config).rejects);
+  EXPECT_TRUE(Settings(config).asks_support);
+  config.support = asap::ClusterSupport::kOff;
+  EXPECT_FALSE(Settings(config).asks_support);
+}
+
+}  // namespace
