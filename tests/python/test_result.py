@@ -214,7 +214,7 @@ def test_schemes_show_name_and_parameters():
         (lambda: asap.Asap2020(max_size=-5), "max_size = -5"),
         (lambda: asap.GammaFilter(seed=-1), "seed = -1"),
         (lambda: asap.LinearCost(1, 1, seed=2**64), "seed = 18446744073709551616"),
-        (lambda: asap.ClusterTracker(346, 260, seed=-1), "seed = -1"),
+        (lambda: asap.ClusterTracker(346, 260, engine="compat", seed=-1), "seed = -1"),
         (lambda: asap.FixedTime(period_ms=0), "period_ms = 0"),
         (lambda: asap.FixedTime(period_ms=float("nan")), "period_ms = nan"),
         (lambda: asap.Asap2020(rate_bound=0), "rate_bound = 0"),

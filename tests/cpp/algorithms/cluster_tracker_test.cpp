@@ -151,7 +151,7 @@ TEST(ClusterTracker, InSilenceClustersGo) {
     const auto labels = labels_of(fresh, later);
     EXPECT_GT(*std::max_element(labels.begin(), labels.end()), 4);
     EXPECT_TRUE(
-        std::none_of(labels.begin(), labels.begin() + 500, [](auto id) { return id >= 0; }));
+        std::none_of(labels.begin(), labels.begin() + 100, [](auto id) { return id >= 0; }));
   }
 }
 

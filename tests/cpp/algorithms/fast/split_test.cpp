@@ -108,6 +108,7 @@ TEST(Split, HomeIsNearestToThePrediction) {
   life.kalman.y = 50;
   EXPECT_LT(home_of(frame.find(), track, life, 0)->x, 40);
   track.vx = 2000;
+  track.stamp = 20'000;
   EXPECT_GT(home_of(frame.find(20'000), track, life, 20'000)->x, 40);
   EXPECT_EQ(home_of(frame.find().first(1), track, life, 0), nullptr);
 }
