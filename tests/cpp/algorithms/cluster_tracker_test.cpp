@@ -249,6 +249,19 @@ TEST(ClusterTracker, AStampCounterThatWrapsGoesOn) {
   EXPECT_EQ(ids(tracker.clusters()), ids(whole.clusters()));
 }
 
+// One event each 100 s for an hour and more: stamps modulo 2^32 us come round again.
+TEST(ClusterTracker, AnEventOfAnHourAgoIsNoCompany) {
+  ClusterTracker tracker(kFrame);
+  std::vector<Event> events{{.x = 50, .y = 50, .p = 1, .t = 0}};
+  constexpr std::int64_t kRound_us = std::int64_t{1} << 32;
+  for (std::int64_t t = 0; t < kRound_us; t += 100'000'000) {
+    events.push_back({.x = 200, .y = 200, .p = 1, .t = t});
+  }
+  events.push_back({.x = 51, .y = 50, .p = 1, .t = kRound_us + 1000});
+  tracker.process(events);
+  EXPECT_EQ(tracker.unsupported(), events.size());
+}
+
 TEST(ClusterTracker, SurvivesAnyStamps) {
   constexpr std::int64_t kLow = std::numeric_limits<std::int64_t>::min();
   constexpr std::int64_t kHigh = std::numeric_limits<std::int64_t>::max();

@@ -86,6 +86,14 @@ TEST(AreOne, ThoseThatComeApartNever) {
   }
 }
 
+TEST(AreOne, ThoseThatPassRoundEachOtherNever) {
+  Two two(Phase::kConfirmed, Phase::kConfirmed);
+  for (float t = 0; t < 1; t += kTick_s) {
+    const Candidate pair{two.a, two.b, 16 * std::cos(6 * t), 16 * std::sin(6 * t), 16};
+    ASSERT_FALSE(are_one(two.tracks, pair, kTick_s, kRule)) << t;
+  }
+}
+
 TEST(AreOne, ThoseThatStandStillNotYet) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
   two.tracks[two.a].vx = two.tracks[two.b].vx = 0;
