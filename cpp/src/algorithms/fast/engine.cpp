@@ -43,11 +43,14 @@ Engine::Engine(const ClusterTrackerConfig& config)
       tracks_(static_cast<std::size_t>(config.slots)),
       pairs_(static_cast<std::size_t>(config.slots)),
       parts_(map_),
-      reciprocals_(longest_memory(config)) {}
+      reciprocals_(longest_memory(config)) {
+  clear_maps();
+}
 
 void Engine::reset() noexcept {
   settings_ = Settings(config_);
   clock_ = {};
+  clear_maps();
   noise_.clear();
   coarse_.clear();
   tracks_.clear();
@@ -60,13 +63,15 @@ void Engine::set_keep(double gamma, bool filtered_upstream) noexcept {
   settings_.set_keep(config_, gamma, filtered_upstream);
 }
 
+void Engine::clear_maps() noexcept {
+  support_.clear(clock_.now());
+  owners_.clear(clock_.now());
+  orphans_.clear(clock_.now());
+}
+
 void Engine::start() noexcept {
-  const Stamp now = clock_.now();
-  support_.clear(now);
-  owners_.clear(now);
-  orphans_.clear(now);
   started_us_ = clusters_us_ = frame_us_ = noise_us_ = clock_.now_us();
-  next_tick_ = now + static_cast<Stamp>(settings_.tick_us);
+  next_tick_ = clock_.now() + static_cast<Stamp>(settings_.tick_us);
   clusters_are_due_ = true;
   birth_threshold_ = kNever;
 }
@@ -179,9 +184,7 @@ Tracks::Slot Engine::nearest_around(const Event& event, std::size_t cell, Stamp 
 Tracks::Slot Engine::try_birth(const Event& event, std::size_t cell, Stamp now) noexcept {
   if (!settings_.asks_support) noise_.count(event.x, event.y);
   if (orphans_.count(cell, now) < birth_threshold_) return Tracks::kNone;
-  const auto x = static_cast<float>(event.x);
-  const auto y = static_cast<float>(event.y);
-  const Slot slot = begin_track(x, y);
+  const Slot slot = begin_track(static_cast<float>(event.x), static_cast<float>(event.y));
   if (slot != Tracks::kNone) orphans_.forget(cell);
   return slot;
 }

@@ -72,6 +72,7 @@ class Engine {
   Slot begin_track(float x, float y) noexcept;
 
   // ---- per tick ----
+  void clear_maps() noexcept;
   void start() noexcept;
   void tick() noexcept;
   void tend_clusters() noexcept;

@@ -13,6 +13,8 @@ namespace asap::fast {
 class EventClock {
  public:
   static constexpr std::uint64_t kBackStep_us = 1'000'000;
+  // The time of the first event: a second before Stamp wraps, so that every run sees it wrap.
+  static constexpr std::uint64_t kOrigin_us = (std::uint64_t{1} << 32) - 1'000'000;
 
   void advance(std::int64_t t_us) noexcept {
     if (t_us >= latest_us_) [[likely]] {
@@ -20,7 +22,6 @@ class EventClock {
     } else if (started_ && distance(t_us, latest_us_) <= kBackStep_us) {
       return;
     }
-    if (!started_) now_us_ = static_cast<std::uint64_t>(t_us);
     started_ = true;
     latest_us_ = t_us;
   }
@@ -45,7 +46,7 @@ class EventClock {
 
   bool started_ = false;
   std::int64_t latest_us_ = 0;
-  std::uint64_t now_us_ = 0;
+  std::uint64_t now_us_ = kOrigin_us;
 };
 
 }  // namespace asap::fast
