@@ -184,7 +184,7 @@ def test_time_alone_changes_nothing() -> None:
 
 def test_parameters_are_keyword_only() -> None:
     with pytest.raises(TypeError):
-        asap.ClusterTracker(WIDTH, HEIGHT, "compat")  # type: ignore[misc]
+        asap.ClusterTracker(WIDTH, HEIGHT, "compat")  # type: ignore[call-arg]
 
 
 def test_parameters_rebuild_the_tracker() -> None:
@@ -226,7 +226,7 @@ def test_other_arrays_are_refused() -> None:
         with pytest.raises(TypeError, match="as_events"):
             tracker.process(bad)
     with pytest.raises(TypeError):
-        tracker.process([(1, 2, 0, 3)])  # type: ignore[arg-type]
+        tracker.process([(1, 2, 0, 3)])  # type: ignore[call-overload]
     assert tracker.process(as_events(packed)).shape == (100,)
 
 
