@@ -40,7 +40,9 @@ TEST(SpeedInvariantTimeSurface, AgreesWithTheDefinition) {
       SpeedInvariantTimeSurface surface(
           {.width = wild.width, .height = wild.height, .radius = radius});
       asap::test::NaiveSpeedInvariantTimeSurface naive(wild.width, wild.height, radius);
-      for (std::size_t i = 0; i < events.size(); ++i) {
+      // The naive form of a huge neighbourhood costs 65 000 pixels per event.
+      const std::size_t count = radius == 127 ? 300 : events.size();
+      for (std::size_t i = 0; i < count; ++i) {
         surface.process({&events[i], 1});
         naive.update(events[i]);
         if (i % 100 == 99) {

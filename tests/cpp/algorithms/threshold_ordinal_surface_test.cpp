@@ -39,7 +39,9 @@ TEST(ThresholdOrdinalSurface, AgreesWithTheDefinition) {
     for (const int side : {3, 7, 15, 17, 127}) {
       ThresholdOrdinalSurface surface({.width = wild.width, .height = wild.height, .side = side});
       asap::test::NaiveThresholdOrdinalSurface naive(wild.width, wild.height, side);
-      for (std::size_t i = 0; i < events.size(); ++i) {
+      // The naive form of a huge neighbourhood costs 65 000 pixels per event.
+      const std::size_t count = side == 127 ? 300 : events.size();
+      for (std::size_t i = 0; i < count; ++i) {
         surface.process({&events[i], 1});
         naive.update(events[i]);
         if (i % 100 == 99) {
