@@ -15,6 +15,7 @@
 #include "arrays.hpp"
 #include "asap/core/check.hpp"
 #include "cluster_trackers.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
@@ -176,7 +177,7 @@ std::optional<py::array_t<std::int32_t>> process(Tracker& tracker, const py::arr
   std::vector<std::int32_t> ids(labels ? span.size() : 0);
   {
     // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     std::visit(
         [&](auto& engine) {
           if (labels) {

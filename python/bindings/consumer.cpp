@@ -1,6 +1,7 @@
 #include "consumer.hpp"
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "asap/algorithms/arc_star.hpp"
@@ -17,7 +18,7 @@
 #include "asap/study/busy_wait.hpp"
 #include "cluster_trackers.hpp"
 #include "exact_type.hpp"
-#include "package_arrays.hpp"
+#include "gil.hpp"
 
 namespace asap::python {
 namespace {
@@ -89,7 +90,7 @@ bool is_native(const py::object& algorithm) {
   return static_cast<bool>(native_consumer_of(algorithm));
 }
 
-Consumer consumer_of(const py::object& algorithm) {
+Consumer consumer_of(const py::object& algorithm, PackageArrays arrays) {
   if (algorithm.is_none()) return {};
   if (Consumer native = native_consumer_of(algorithm)) return native;
   const bool has_process = py::hasattr(algorithm, "process");
@@ -100,10 +101,12 @@ Consumer consumer_of(const py::object& algorithm) {
   auto python = std::make_shared<PythonAlgorithm>();
   python->process = has_process ? algorithm.attr("process") : algorithm;
   python->set_keep = py::getattr(algorithm, "set_keep", py::none());
+  python->arrays = std::move(arrays);
   return [python](const Package& package) {
-    const py::gil_scoped_acquire acquire;
-    if (!python->set_keep.is_none() && !package.continues) python->set_keep(package.keep);
-    python->process(python->arrays.array_of(package.events));
+    with_gil([&] {
+      if (!python->set_keep.is_none() && !package.continues) python->set_keep(package.keep);
+      python->process(python->arrays.array_of(package.events));
+    });
   };
 }
 

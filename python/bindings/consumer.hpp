@@ -4,13 +4,14 @@
 #include <pybind11/pybind11.h>
 
 #include "asap/runner/consumer.hpp"
+#include "package_arrays.hpp"
 
 namespace asap::python {
 
 // One of ours runs natively, without the GIL. Any other object is called with a read-only array:
 // its process(events) or, if it has none, itself; set_keep(gamma) before it, if it has one. None is
 // an empty consumer. Call with the GIL held; `algorithm` must outlive the consumer.
-Consumer consumer_of(const pybind11::object& algorithm);
+Consumer consumer_of(const pybind11::object& algorithm, PackageArrays arrays = {});
 
 // Whether the library owns the algorithm's loop over the events: then it runs without the GIL, and
 // anytime.

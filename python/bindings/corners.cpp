@@ -10,6 +10,7 @@
 #include "asap/algorithms/e_fast.hpp"
 #include "asap/algorithms/e_harris.hpp"
 #include "asap/algorithms/fa_harris.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
 
@@ -148,7 +149,7 @@ py::array passing(BackgroundActivityFilter& filter, const py::array& events) {
   std::vector<Event> passed(span.size());
   {
     // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     passed.resize(filter.process(span, passed.data()));
   }
   return moved_to_array(std::move(passed));
@@ -160,7 +161,7 @@ py::array_t<bool> corners(Detector& detector, const py::array& events) {
   py::array_t<bool> labels(static_cast<py::ssize_t>(span.size()));
   auto* bytes = reinterpret_cast<std::uint8_t*>(labels.mutable_data());
   {
-    const py::gil_scoped_release release;  // as above
+    const WithoutGil release;  // as above
     detector.process(span, {bytes, span.size()});
   }
   return labels;

@@ -3,6 +3,7 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
@@ -24,7 +25,7 @@ py::array apply(GammaFilter& filter, const py::array& events, double gamma) {
   const KeepThreshold threshold = KeepThreshold::checked(gamma);
   std::vector<Event> kept(span.size());
   {
-    const py::gil_scoped_release release;  // pure C++: other Python threads may run
+    const WithoutGil release;  // pure C++: other Python threads may run
     kept.resize(filter.apply(span, threshold, kept.data()));
   }
   return moved_to_array(std::move(kept));
@@ -36,7 +37,7 @@ py::array_t<bool> mask(GammaFilter& filter, const py::array& events, double gamm
   py::array_t<bool> kept(static_cast<py::ssize_t>(span.size()));
   auto* bytes = reinterpret_cast<std::uint8_t*>(kept.mutable_data());
   {
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     filter.mask(span, threshold, bytes);
   }
   return kept;

@@ -6,6 +6,7 @@
 
 #include "arrays.hpp"
 #include "asap/formats/text.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
@@ -19,7 +20,7 @@ py::array decode(TextDecoder& decoder, const py::bytes& bytes) {
   std::vector<Event> events;
   events.reserve(text.size() / kTypicalLine);
   {
-    py::gil_scoped_release release;  // pure C++ on memory that `bytes` keeps alive
+    const WithoutGil release;  // pure C++ on memory that `bytes` keeps alive
     decoder.decode(text, events);
   }
   return moved_to_array(std::move(events));

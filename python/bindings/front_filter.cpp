@@ -8,6 +8,7 @@
 #include "asap/algorithms/background_activity_filter.hpp"
 #include "asap/algorithms/hot_pixel_mask.hpp"
 #include "exact_type.hpp"
+#include "gil.hpp"
 #include "package_arrays.hpp"
 
 namespace asap::python {
@@ -22,7 +23,7 @@ struct PythonFilter {
 // The last copy of a filter may go where the GIL is not held.
 std::shared_ptr<PythonFilter> held(py::object filter, py::object process) {
   return {new PythonFilter{std::move(filter), std::move(process), {}}, [](PythonFilter* gone) {
-            const py::gil_scoped_acquire acquire;
+            const WithGil gil;
             delete gone;
           }};
 }
@@ -35,8 +36,8 @@ FrontFilter native(const py::object& object) {
   };
 }
 
+// With the GIL.
 std::size_t pass(PythonFilter& python, EventSpan events, Event* out) {
-  const py::gil_scoped_acquire acquire;
   const py::object answer = python.process(python.arrays.array_of(events));
   if (!py::isinstance<py::array>(answer)) {
     throw py::type_error("before: process(events) returned " +
@@ -68,7 +69,9 @@ FrontFilter front_filter_of(const py::object& filter) {
                          py::cast<std::string>(py::repr(filter)));
   }
   const auto python = held(filter, has_process ? filter.attr("process") : filter);
-  return [python](EventSpan events, Event* out) { return pass(*python, events, out); };
+  return [python](EventSpan events, Event* out) {
+    return with_gil([&] { return pass(*python, events, out); });
+  };
 }
 
 }  // namespace asap::python

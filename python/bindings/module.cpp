@@ -2,12 +2,14 @@
 #include <pybind11/pybind11.h>
 
 #include "asap/version.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 
 PYBIND11_MODULE(_core, m) {
   m.doc() = "Native core of asap.";
   m.attr("__version__") = std::string(asap::kVersion);
 
+  asap::python::watch_exit_and_fork();
   asap::python::bind_filter(m);
   asap::python::bind_validator(m);
   asap::python::bind_schemes(m);

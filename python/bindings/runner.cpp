@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,16 +18,12 @@
 #include "asap/runner/simulator.hpp"
 #include "consumer.hpp"
 #include "front_filter.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 #include "telemetry.hpp"
 
 namespace asap::python {
 namespace {
-
-// Throws the Python exception of a signal that has arrived (Ctrl-C).
-void check_signals() {
-  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-}
 
 template <class Runner, class Class>
 void bind_results(Class& cls) {
@@ -55,16 +52,32 @@ std::vector<Outage> outages_of(
   return outages;
 }
 
+WhenFull when_full_from(const std::string& name) {
+  if (name == "thin") return WhenFull::thin;
+  if (name == "newest") return WhenFull::newest;
+  if (name == "oldest") return WhenFull::oldest;
+  if (name == "block") return WhenFull::block;
+  throw_bad_value("when_full", "'" + name + "'", "use 'thin', 'newest', 'oldest' or 'block'");
+}
+
+// Ends a thread that replays while the interpreter exits, without a word.
+[[noreturn]] void throw_system_exit() {
+  PyErr_SetNone(PyExc_SystemExit);
+  throw py::error_already_set();
+}
+
 // A run without the GIL; `poll` is called with it.
 void replay_source(Replay& replay, EventSource& source, const py::object& algorithm,
                    const py::object& poll) {
   const Consumer consumer = consumer_of(algorithm);
   const Replay::Poll poll_python = [&] {
-    const py::gil_scoped_acquire acquire;
-    check_signals();
-    if (!poll.is_none()) poll();
+    with_gil([&] {
+      if (is_exiting()) throw_system_exit();
+      check_signals();
+      if (!poll.is_none()) poll();
+    });
   };
-  const py::gil_scoped_release release;  // the producer's pace must not hang on Python
+  const WithoutGil release;  // the producer's pace must not hang on Python
   replay.run(source, consumer, poll_python);
 }
 
@@ -77,18 +90,19 @@ void bind_runner(py::module_& m) {
   py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
       .def(py::init([](std::optional<double> latency_us, const py::object& capacity,
                        const py::object& seed, const Validator& validator, bool anytime, bool flush,
-                       const py::object& before) {
+                       const py::object& before, const std::string& when_full) {
              return RunConfig{.latency_us = latency_us,
                               .capacity = whole_number("capacity", capacity),
                               .seed = whole_number("seed", seed),
                               .validator = validator.config(),
                               .execution = anytime ? Execution::anytime : Execution::whole,
                               .flush = flush,
-                              .before = front_filter_of(before)};
+                              .before = front_filter_of(before),
+                              .when_full = when_full_from(when_full)};
            }),
            py::kw_only(), py::arg("latency_us"), py::arg("capacity"), py::arg("seed"),
            py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true,
-           py::arg("before") = py::none())
+           py::arg("before") = py::none(), py::arg("when_full") = "thin")
       .def(
           "latency_bound_us",
           [](const RunConfig& config, const Scheme& scheme) {
@@ -173,14 +187,14 @@ ValueError
           "feed",
           [](Simulator& self, const py::array& events) {
             const EventSpan span = as_span(events);
-            const py::gil_scoped_release release;  // a Python algorithm takes it back per package
+            const WithoutGil release;  // a Python algorithm takes it back per package
             self.feed(span);
           },
           py::arg("events").noconvert(), "Events in arrival order; runs as far as they allow.")
       .def(
           "finish",
           [](Simulator& self) {
-            const py::gil_scoped_release release;
+            const WithoutGil release;
             self.finish();
           },
           "No event follows: what waits is delivered.")
@@ -199,7 +213,7 @@ ValueError
           "feed",
           [](ReadAhead& self, const py::array& events) {
             const EventSpan span = as_span(events);
-            const py::gil_scoped_release release;  // blocks while all blocks are full
+            const WithoutGil release;  // blocks while all blocks are full
             return self.feed(span);
           },
           py::arg("events").noconvert(), "Blocks while full; False: cancelled, stop reading.")

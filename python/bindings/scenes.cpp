@@ -12,6 +12,7 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
@@ -22,7 +23,7 @@ py::tuple read(MovingShapes& stream, std::size_t at_least) {
   std::vector<Event> events;
   std::vector<std::int32_t> labels;
   {
-    const py::gil_scoped_release release;  // pure C++: other Python threads may run
+    const WithoutGil release;  // pure C++: other Python threads may run
     while (events.size() < at_least) {
       const EventSpan block = stream.next();
       if (block.empty()) break;
@@ -38,7 +39,7 @@ py::array track(const MovingShapesConfig& layout) {
   static_assert(sizeof(Pose) == 6 * sizeof(double));
   std::vector<Pose> poses;
   {
-    const py::gil_scoped_release release;  // pure C++
+    const WithoutGil release;  // pure C++
     poses = poses_of(layout);
   }
   const auto shapes = static_cast<py::ssize_t>(layout.shapes.size());

@@ -8,6 +8,7 @@
 #include "asap/study/clairvoyant.hpp"
 #include "asap/study/oracle.hpp"
 #include "asap/study/scheduling_jitter.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
@@ -34,7 +35,7 @@ opaque : bool
           "feed",
           [](Oracle& self, const py::array& events) {
             const EventSpan span = as_span(events);
-            const py::gil_scoped_release release;  // pure C++: other Python threads may run
+            const WithoutGil release;  // pure C++: other Python threads may run
             self.feed(span);
           },
           py::arg("events").noconvert(), "Events in arrival order.")
@@ -45,7 +46,7 @@ opaque : bool
       "clairvoyant_latency_us",
       [](const py::array& events, const LinearCost& cost, double bin_us) {
         const EventSpan span = as_span(events);
-        const py::gil_scoped_release release;  // pure C++: other Python threads may run
+        const WithoutGil release;  // pure C++: other Python threads may run
         return static_cast<double>(clairvoyant_latency_ns(span, cost, bin_us)) * 1e-3;
       },
       py::arg("events").noconvert(), py::arg("cost"), py::arg("bin_us") = 10.0,
@@ -98,7 +99,7 @@ beta_ns : float
           "process",
           [](BusyWait& self, const py::array& events) {
             const EventSpan span = as_span(events);
-            const py::gil_scoped_release release;  // nothing of Python is needed to spin
+            const WithoutGil release;  // nothing of Python is needed to spin
             self.begin();
             self.process(span);
           },
@@ -109,7 +110,7 @@ beta_ns : float
       [](double duration_s) {
         require(duration_s >= 0 && duration_s <= 3600, "duration_s", duration_s,
                 "must be between 0 and 3600 s");
-        const py::gil_scoped_release release;  // pure C++, for a while
+        const WithoutGil release;  // pure C++, for a while
         return scheduling_jitter(std::chrono::nanoseconds(std::llround(duration_s * 1e9)));
       },
       py::arg("duration_s"),

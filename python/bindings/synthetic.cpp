@@ -6,6 +6,7 @@
 #include "asap/synthetic/flight_over_chairs.hpp"
 #include "asap/synthetic/poisson_arrivals.hpp"
 #include "asap/synthetic/shaken_pattern.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
@@ -14,7 +15,7 @@ namespace {
 py::array read(EventStream& stream, std::size_t at_least) {
   std::vector<Event> events;
   {
-    const py::gil_scoped_release release;  // pure C++: other Python threads may run
+    const WithoutGil release;  // pure C++: other Python threads may run
     events = read_events(stream, at_least);
   }
   return moved_to_array(std::move(events));

@@ -9,6 +9,7 @@
 #include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/core/check.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
@@ -35,7 +36,7 @@ py::array check(Validator& validator, const py::array& events) {
   std::vector<Event> kept;
   bool untouched = all.empty();
   {
-    py::gil_scoped_release release;  // pure C++ on memory that `events` keeps alive
+    const WithoutGil release;  // pure C++ on memory that `events` keeps alive
     validator.check(all, [&](EventSpan run) {
       untouched = run.data() == all.data() && run.size() == all.size();
       if (!untouched) kept.insert(kept.end(), run.begin(), run.end());
@@ -69,16 +70,18 @@ py::dict repaired(const Validator& validator) {
 
 void bind_validator(py::module_& m) {
   py::class_<Validator>(m, "Validator")
-      .def(py::init([](const py::object& width, const py::object& height, const std::string& on_bad,
-                       const py::object& reorder_tolerance_us) {
-             return Validator({.width = small_number("width", width),
-                               .height = small_number("height", height),
-                               .on_bad = on_bad_from(on_bad),
-                               .reorder_tolerance_us =
-                                   small_number("reorder_tolerance_us", reorder_tolerance_us)});
-           }),
-           py::kw_only(), py::arg("width") = 0, py::arg("height") = 0, py::arg("on_bad") = "drop",
-           py::arg("reorder_tolerance_us") = 0)
+      .def(
+          py::init([](const py::object& width, const py::object& height, const std::string& on_bad,
+                      const py::object& reorder_tolerance_us, const py::object& warmup_discard_us) {
+            return Validator(
+                {.width = small_number("width", width),
+                 .height = small_number("height", height),
+                 .on_bad = on_bad_from(on_bad),
+                 .reorder_tolerance_us = small_number("reorder_tolerance_us", reorder_tolerance_us),
+                 .warmup_discard_us = small_number("warmup_discard_us", warmup_discard_us)});
+          }),
+          py::kw_only(), py::arg("width") = 0, py::arg("height") = 0, py::arg("on_bad") = "drop",
+          py::arg("reorder_tolerance_us") = 0, py::arg("warmup_discard_us") = 0)
       .def("check", &check, py::arg("events").noconvert())
       .def_property_readonly("received", &Validator::received)
       .def_property_readonly("rejected", &rejected)

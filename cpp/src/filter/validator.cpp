@@ -8,6 +8,7 @@ namespace asap {
 
 namespace {
 
+constexpr std::int64_t kLongestWarmUp_us = 1'000'000'000;
 constexpr int kAddresses = 65536;  // x and y are 16 bits wide
 
 std::uint32_t largest_address(int size) noexcept {
@@ -21,7 +22,8 @@ bool is_polarity(std::int16_t p) noexcept { return static_cast<std::uint16_t>(p)
 Validator::Validator(ValidatorConfig config)
     : config_(config),
       max_x_(largest_address(config.width)),
-      max_y_(largest_address(config.height)) {
+      max_y_(largest_address(config.height)),
+      warming_up_(config.warmup_discard_us > 0) {
   require(config.width >= 0 && config.width <= kAddresses, "width", config.width,
           "give the sensor's width in pixels, at most 65536, or 0 for no check");
   require(config.height >= 0 && config.height <= kAddresses, "height", config.height,
@@ -29,10 +31,12 @@ Validator::Validator(ValidatorConfig config)
   require(config.reorder_tolerance_us >= 0 && config.reorder_tolerance_us < kNewEpoch_us,
           "reorder_tolerance_us", config.reorder_tolerance_us,
           "give 0 to 999999 us; a stamp that goes back by 1 s starts a new epoch");
+  require(config.warmup_discard_us >= 0 && config.warmup_discard_us <= kLongestWarmUp_us,
+          "warmup_discard_us", config.warmup_discard_us, "give 0 to 1e9 us");
 }
 
 bool Validator::pass_clean(EventSpan block) noexcept {
-  if (clock_offset_us_ != 0) return false;
+  if (clock_offset_us_ != 0 || warming_up_) return false;
   // One flag for the whole block: no branch per event. Stamps that do not decrease and end below
   // the limit are all below it; the lower limit is where last_us_ starts.
   std::int64_t last = last_us_;
@@ -52,16 +56,27 @@ Validator::Repaired Validator::repair(EventSpan block) noexcept {
   for (std::size_t i = 0; i < block.size(); ++i) {
     ++received_;
     Event event = block[i];
-    const Fault fault = mend(event);
+    const Fault fault = warms_up(event) ? Fault::before_start : mend(event);
     if (fault == Fault::none) {
       last_us_ = event.t;
       scratch_[kept++] = event;
       continue;
     }
     count(fault);
-    if (config_.on_bad == OnBad::raise) return {.kept = kept, .read = i, .fault = fault};
+    if (config_.on_bad == OnBad::raise && fault != Fault::before_start)
+      return {.kept = kept, .read = i, .fault = fault};
   }
   return {.kept = kept, .read = block.size()};
+}
+
+// Before anything else: the rest of an earlier run need not make sense.
+bool Validator::warms_up(const Event& event) noexcept {
+  if (!warming_up_) return false;
+  if (event.t < -kMaxStamp_us || event.t > kMaxStamp_us) return true;
+  if (event.t <= warm_up_last_us_ - kNewEpoch_us) warm_up_first_us_ = event.t;
+  warm_up_last_us_ = event.t;
+  warming_up_ = event.t - warm_up_first_us_ < config_.warmup_discard_us;
+  return warming_up_;
 }
 
 Validator::Fault Validator::mend(Event& event) noexcept {
@@ -100,6 +115,7 @@ void Validator::count(Fault fault) noexcept {
   rejected_.bad_record += fault == Fault::bad_record;
   rejected_.out_of_bounds += fault == Fault::out_of_bounds;
   rejected_.nonmonotonic += fault == Fault::nonmonotonic;
+  rejected_.before_start += fault == Fault::before_start;
 }
 
 void Validator::refuse(const Event& event, Fault fault) const {

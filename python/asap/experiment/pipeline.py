@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from types import TracebackType
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from asap import _core
 from asap.events import as_events
-from asap.experiment.result import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named
-from asap.experiment.runners import as_scheme, make_config
+from asap.experiment.live_stats import ledger_of, state_of, summary
+from asap.experiment.result import Ledger, Named
+from asap.experiment.runners import as_scheme, check_latency, make_config
 
 __all__ = ["Pipeline"]
 
 _CHUNK = 1 << 16  # events pushed without another thread's turn
+
+# A call of a Python algorithm costs microseconds: over the first packages it shall pay off.
+_FIRST_PACKAGES = 1000
+_SMALL_PACKAGE = 100  # events
 
 
 class _Live:
@@ -27,12 +36,20 @@ class _Live:
 class Pipeline:
     """Live events to the algorithm, in packages, within the latency bound.
 
-    Any thread pushes and is never blocked; the loop over the pipeline works, and its body is the
-    measured work. An event's age counts from its push, or from the arrival time given with it, not
-    from its stamp. Leaving the ``with`` block stops the pipeline.
+    Any thread pushes and is never blocked; one thread works: in a loop over the pipeline, whose
+    body is the measured work, or in `run`, if the pipeline has an algorithm. An event's age counts
+    from its push, or from the arrival time given with it, not from its stamp. Leaving the ``with``
+    block stops the pipeline.
+
+    At the end of the interpreter all pipelines are stopped. In a forked process every method of a
+    pipeline made before raises RuntimeError.
 
     Parameters
     ----------
+    algorithm : optional
+        For `run`: one of ours, an object with process(events) and, if it has it, set_keep(gamma),
+        or a callable. The loop over the events of one of ours belongs to the library, which can end
+        a package on time. Without one, iterate over the pipeline.
     latency_ms : float, optional
         Latency bound, ms. Default: the scheme's own, else 10.
     scheme : Scheme, optional
@@ -48,7 +65,18 @@ class Pipeline:
     seed : int
         Of the gamma filter.
     capacity : int, optional
-        Of the ring, events. Default: at least 2**20. What does not fit is dropped and counted.
+        Of the ring, events. Default: at least 2**20.
+    when_full : {"thin", "newest", "oldest", "block"}
+        What gives way when events come faster than they leave the ring. "thin": beyond three
+        quarters, the more the ring fills the fewer events get in, by chance; they count as
+        discarded. "newest": what does not fit is dropped. "oldest": finding the ring full, the
+        consumer drops the older half. "block": push waits for room, which another thread has to
+        make; only for sources that can wait, such as files.
+    reorder_tolerance_us : int
+        A stamp that goes back by at most this much, us, is set to the one before and not rejected.
+    warmup_discard_us : int
+        Events whose stamp lies less than this, us, after the first one are dropped and counted as
+        `before_start`: what a camera sends first may be left over from its run before.
 
     Raises
     ------
@@ -63,10 +91,15 @@ class Pipeline:
             camera.on_events(pipeline.push)
             for package in pipeline:
                 my_algorithm(package.events)
+
+        with asap.Pipeline(asap.ClusterTracker(346, 260), latency_ms=10) as pipeline:
+            camera.on_events(pipeline.push)
+            pipeline.run()
     """
 
     def __init__(
         self,
+        algorithm: Any = None,
         *,
         latency_ms: float | None = None,
         scheme: _core.Scheme | None = None,
@@ -76,7 +109,15 @@ class Pipeline:
         on_bad: str = "drop",
         seed: int = 0,
         capacity: int | None = None,
+        when_full: str = "thin",
+        reorder_tolerance_us: int = 0,
+        warmup_discard_us: int = 0,
     ) -> None:
+        if not (algorithm is None or callable(algorithm) or hasattr(algorithm, "process")):
+            raise TypeError(
+                f"algorithm = {algorithm!r}: give an object with process(events) or a callable"
+            )
+        self.algorithm = algorithm
         self.scheme = as_scheme(scheme, latency_ms)
         self._live = _Live(width, height)
         config = make_config(
@@ -85,14 +126,19 @@ class Pipeline:
             on_bad=on_bad,
             seed=seed,
             capacity=capacity,
-            anytime=False,
+            anytime=_core.is_native(algorithm),
             before=before,
+            when_full=when_full,
+            reorder_tolerance_us=reorder_tolerance_us,
+            warmup_discard_us=warmup_discard_us,
         )
-        self.latency_bound_us = config.latency_bound_us(self.scheme)
         self._native = _core.LivePipeline(self.scheme, config)
+        self._small_is_known = algorithm is None or _core.is_native(algorithm)
+
+    # ---- the camera's side
 
     def push(self, events: Any, arrival_time: float | None = None) -> None:
-        """Hand events over; from any one thread at a time. Never blocks.
+        """Hand events over; from any one thread at a time. Waits only with when_full="block".
 
         Parameters
         ----------
@@ -118,15 +164,76 @@ class Pipeline:
         """Note what the driver lost before it came here: beside the ledger, not in it."""
         self._native.upstream_lost(marks, packets)
 
+    # ---- the algorithm's side
+
     def __iter__(self) -> Iterator[_core.LivePackage]:
         """Yield packages until `stop`; from yield to the next turn is the processing time.
 
-        A package has .events (read-only, valid as long as it is kept), .gamma, .t_first, .t_last
-        (us), .index and .lost_before. Leaving the loop by break or an exception leaves the package
-        in work pending and, at the end of the ``with`` block, stops the pipeline.
+        A package has .events (read-only, valid as long as it is kept), .gamma, .keep, .t_first,
+        .t_last (us), .index, .lost_before = .stale_before + .overflow_before and .filtered. Leaving
+        the loop by break or an exception leaves the package in work pending and, at the end of the
+        ``with`` block, stops the pipeline.
+
+        Raises
+        ------
+        RuntimeError
+            The pipeline has an algorithm, or another thread consumes.
         """
+        if self.algorithm is not None:
+            raise RuntimeError(
+                "iterate: this pipeline has an algorithm; call run(), or make it without one"
+            )
+        return self._packages()
+
+    def _packages(self) -> Iterator[_core.LivePackage]:
         while (package := self._native.next()) is not None:
             yield package
+            del package  # its memory is free again, unless the loop keeps it
+
+    def run(self) -> None:
+        """Let the algorithm work on this thread until `stop`, then return.
+
+        Each call gets a read-only array, valid as long as it is kept; set_keep(gamma) comes before
+        it, if the algorithm has it.
+
+        Raises
+        ------
+        RuntimeError
+            The pipeline has no algorithm, or another thread consumes.
+        Exception
+            Of the algorithm: unchanged. The pipeline is stopped, and the package in work pending.
+
+        Warns
+        -----
+        RuntimeWarning
+            Once, if a Python algorithm's packages hold fewer than 100 events on average after the
+            first 1000 packages: the call then costs as much as the work.
+        """
+        if self.algorithm is None:
+            raise RuntimeError(
+                "run: this pipeline has no algorithm; give it one, as in "
+                "asap.Pipeline(algorithm), or iterate: for package in pipeline"
+            )
+        self._native.run(self.algorithm, None if self._small_is_known else self._look_at_size)
+        self._look_at_size()
+
+    def _look_at_size(self) -> None:
+        if self._small_is_known:
+            return
+        stats = self._native.stats()
+        if stats.packages < _FIRST_PACKAGES:
+            return
+        self._small_is_known = True
+        mean = stats.size / stats.packages
+        if mean < _SMALL_PACKAGE:
+            warnings.warn(
+                f"packages of {mean:.0f} events on average: calling Python for each costs about as "
+                "much as the work; allow a longer latency_ms, or use an algorithm of asap's own",
+                RuntimeWarning,
+                stacklevel=3,
+            )
+
+    # ---- any thread
 
     def flush(self) -> None:
         """Deliver what waits now, whatever the scheme waits for; from any thread."""
@@ -146,61 +253,69 @@ class Pipeline:
         """Begin anew after `stop`, with an empty ring and all counts at 0."""
         self._native.start()
 
+    def set_latency(self, latency_ms: float) -> None:
+        """Change the latency bound, ms, from the next package on; the ring keeps its capacity.
+
+        The scheme's own bound, if it has one, follows.
+
+        Raises
+        ------
+        ValueError
+            Out of range.
+        """
+        check_latency(latency_ms)
+        self._native.set_latency(latency_ms * 1e3)
+
     @property
     def is_open(self) -> bool:
         """Whether events are taken."""
         return self._native.is_open
 
     @property
+    def state(self) -> str:
+        """Say "open", "stalled" or "stopped".
+
+        Stalled: open and something waits, but the algorithm has been away for four times as long as
+        a package takes, the latency bound at least. That ends by itself when it comes back.
+        """
+        return state_of(self._native.stats())
+
+    @property
+    def latency_bound_us(self) -> float:
+        """The latency bound in force, us."""
+        return self._native.stats().latency_bound_us
+
+    @property
     def ledger(self) -> Ledger:
         """Where every event went; at any time."""
-        return _ledger(self._native.ledger)
+        return ledger_of(self._native.ledger)
+
+    @property
+    def packages(self) -> NDArray[np.void]:
+        """The newest 16384 rows of the log, as `run.packages`: a copy, when the run is over.
+
+        Raises
+        ------
+        RuntimeError
+            The pipeline is open, or the algorithm still works on what waited.
+        """
+        return self._native.packages
 
     def stats(self) -> dict[str, Any]:
-        """Sum up the run since the last start as one JSON object; at any time, from any thread."""
-        stats = self._native.stats()
-        ledger = _ledger(stats.ledger)
-        latency, elapsed_s = stats.latency, stats.elapsed_s
-        received = ledger["received"]
-        return {
-            "schema_version": SCHEMA_VERSION,
-            "mode": "live",
-            "open": stats.open,
-            "source": {
-                "path": None,
-                "format": "live",
-                "width": self._live.width,
-                "height": self._live.height,
-                "events": received,
-                "duration_s": elapsed_s,
-            },
-            "scheme": Named.of(self.scheme).as_json(),
-            "latency_bound_us": self.latency_bound_us,
-            "ledger": dict(ledger),
-            "rejected": stats.rejected,
-            "clock_resets": stats.clock_resets,
-            "upstream_lost": {"marks": stats.upstream_marks, "packets": stats.upstream_packets},
-            "kept": ledger["delivered"] / received if received else 1.0,
-            "in_time": latency.within_bound / received if received else 1.0,
-            "latency_us": {
-                "mean": latency.mean,
-                "p50": latency.quantile(0.5),
-                "p99": latency.quantile(0.99),
-                "max": latency.max,
-            },
-            "packages": {
-                "count": stats.packages,
-                "per_s": stats.packages / elapsed_s if elapsed_s > 0 else 0.0,
-                "size_mean": stats.size / stats.packages if stats.packages else 0.0,
-                "size_max": stats.size_max,
-            },
-            "gamma": {
-                "mean": stats.size / stats.thinned if stats.thinned else 1.0,
-                "min": stats.gamma_min,
-            },
-            "cpu": stats.busy_s / elapsed_s if elapsed_s > 0 else 0.0,
-            "version": _core.__version__,
-        }
+        """Sum up the run since the last start as one JSON object; at any time, from any thread.
+
+        Beside the keys of `run.summary()`: state; most_waiting, events that were in the ring at
+        once; sensor_delay_us, how much longer than at best events of late took from the sensor to
+        push; upstream_lost; pinned, package arrays that Python still holds.
+        """
+        return summary(
+            self._native.stats(),
+            scheme=self.scheme,
+            algorithm=self.algorithm,
+            width=self._live.width,
+            height=self._live.height,
+            pinned=self._native.pinned,
+        )
 
     def __enter__(self) -> Pipeline:
         """Start it, if it is stopped."""
@@ -217,9 +332,8 @@ class Pipeline:
         self._native.abandon()
 
     def __repr__(self) -> str:
-        state = "open" if self.is_open else "stopped"
-        return f"<Pipeline: {state}, {Named.of(self.scheme).name}, {self.ledger!r}>"
-
-
-def _ledger(native: _core.Ledger) -> Ledger:
-    return Ledger({name: getattr(native, name) for name in LEDGER_FIELDS})
+        name = Named.of(self.scheme).name
+        try:
+            return f"<Pipeline: {self.state}, {name}, {self.ledger!r}>"
+        except RuntimeError:
+            return f"<Pipeline: created before fork, {name}>"

@@ -10,7 +10,16 @@ from asap import _core
 from asap.experiment.result import LEDGER_FIELDS, Ledger, Run
 from asap.experiment.source import Source
 
-__all__ = ["Progress", "as_scheme", "last_run", "make_config", "remember", "run", "simulate"]
+__all__ = [
+    "Progress",
+    "as_scheme",
+    "check_latency",
+    "last_run",
+    "make_config",
+    "remember",
+    "run",
+    "simulate",
+]
 
 Progress = Callable[[int, "int | None", dict[str, int]], object]
 
@@ -243,6 +252,12 @@ def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
     return scheme
 
 
+def check_latency(latency_ms: float) -> None:
+    """Refuse a latency bound out of range."""
+    if not 0.01 <= latency_ms <= 1e7:
+        raise ValueError(f"latency_ms = {latency_ms}: must be between 0.01 and 1e7 ms")
+
+
 class Sensor(Protocol):
     """What make_config asks of a source: the sensor in px, as far as it is known."""
 
@@ -260,13 +275,22 @@ def make_config(
     anytime: bool = True,
     flush: bool = True,
     before: Any = None,
+    when_full: str = "thin",
+    reorder_tolerance_us: int = 0,
+    warmup_discard_us: int = 0,
 ) -> _core.RunConfig:
     """Check what the runners have in common, and put it together for the native ones."""
-    if latency_ms is not None and not 0.01 <= latency_ms <= 1e7:
-        raise ValueError(f"latency_ms = {latency_ms}: must be between 0.01 and 1e7 ms")
+    if latency_ms is not None:
+        check_latency(latency_ms)
     if capacity is not None and capacity < 1:
         raise ValueError(f"capacity = {capacity}: must be at least 1 event")
-    validator = _core.Validator(width=stream.width or 0, height=stream.height or 0, on_bad=on_bad)
+    validator = _core.Validator(
+        width=stream.width or 0,
+        height=stream.height or 0,
+        on_bad=on_bad,
+        reorder_tolerance_us=reorder_tolerance_us,
+        warmup_discard_us=warmup_discard_us,
+    )
     return _core.RunConfig(
         latency_us=None if latency_ms is None else latency_ms * 1e3,
         capacity=capacity or 0,
@@ -275,6 +299,7 @@ def make_config(
         anytime=anytime,
         flush=flush,
         before=before,
+        when_full=when_full,
     )
 
 

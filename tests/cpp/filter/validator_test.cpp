@@ -14,6 +14,7 @@ namespace asap {
 namespace {
 
 using Events = std::vector<Event>;
+using Times = std::vector<std::int64_t>;
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 
@@ -230,6 +231,39 @@ TEST(Validator, RaiseCountsEventsOverAllCalls) {
   EXPECT_NE(refusal(validator, at_times({4, 3})).find("(event 4)"), std::string::npos);
 }
 
+TEST(Validator, WhatComesDuringTheWarmUpIsBeforeTheStart) {
+  Validator validator({.warmup_discard_us = 100});
+  EXPECT_EQ(times(check(validator, at_times({50, 149, 150, 149, 151}))), (Times{150, 151}));
+  EXPECT_EQ(validator.rejected().before_start, 2U);
+  EXPECT_EQ(validator.rejected().nonmonotonic, 1U);
+  EXPECT_EQ(validator.received(), 5U);
+}
+
+TEST(Validator, TheWarmUpEndsOnce) {
+  Validator validator({.warmup_discard_us = 100});
+  EXPECT_EQ(times(check(validator, at_times({0, 100}))), (Times{100}));
+  EXPECT_EQ(times(check(validator, at_times({101, 5 * kSecond_us, 0, 1}))),
+            (Times{101, 5 * kSecond_us, 5 * kSecond_us + 1, 5 * kSecond_us + 2}));
+  EXPECT_EQ(validator.clock_resets(), 1U);
+}
+
+TEST(Validator, TheWarmUpCountsFromTheResetOfTheClock) {
+  Validator validator({.warmup_discard_us = 100});
+  const Events events = at_times({9 * kSecond_us, 9 * kSecond_us + 50, 3, 90, 103});
+  EXPECT_EQ(times(check(validator, events)), (Times{103}));
+  EXPECT_EQ(validator.rejected().before_start, 4U);
+  EXPECT_EQ(validator.clock_resets(), 0U);
+}
+
+TEST(Validator, NothingIsRefusedDuringTheWarmUp) {
+  Validator validator({.width = 4, .on_bad = OnBad::raise, .warmup_discard_us = 100});
+  const std::int64_t no_time = std::numeric_limits<std::int64_t>::max();
+  const Events rest{{1, 1, 1, 50}, {9, 1, 1, 20}, {1, 1, 7, no_time}, {1, 1, 1, 149}};
+  EXPECT_TRUE(check(validator, rest).empty());
+  EXPECT_EQ(validator.rejected().before_start, 4U);
+  EXPECT_EQ(refusal(validator, Events{{9, 1, 1, 150}}).substr(0, 5), "x = 9");
+}
+
 TEST(Validator, RefusesBadConfigurationByName) {
   const auto error_of = [](ValidatorConfig config) -> std::string {
     try {
@@ -246,6 +280,8 @@ TEST(Validator, RefusesBadConfigurationByName) {
   EXPECT_TRUE(error_of({.reorder_tolerance_us = -1}).starts_with("reorder_tolerance_us = -1: "));
   EXPECT_TRUE(
       error_of({.reorder_tolerance_us = kSecond_us}).starts_with("reorder_tolerance_us = "));
+  EXPECT_TRUE(error_of({.warmup_discard_us = -1}).starts_with("warmup_discard_us = -1: "));
+  EXPECT_TRUE(error_of({.warmup_discard_us = 1'000'000'001}).starts_with("warmup_discard_us = "));
   EXPECT_EQ(error_of({.width = 65536, .height = 65536}), "accepted");
 }
 

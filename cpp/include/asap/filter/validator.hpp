@@ -4,7 +4,8 @@
 // One thread (the producer's). O(n), no allocation after construction. A block without a fault
 // passes in place, without a copy; a block with one is repaired into a fixed scratch buffer. A
 // stamp that goes back by less than kNewEpoch_us is a fault; by more, the sensor's clock was reset:
-// a new epoch starts, and time continues one microsecond after the last event.
+// a new epoch starts, and time continues one microsecond after the last event. With a warm-up, what
+// comes within it after the first event, or the first after such a reset, is before the start.
 #pragma once
 
 #include <algorithm>
@@ -23,8 +24,8 @@ struct Rejections {
   std::uint64_t nonmonotonic = 0;
   std::uint64_t out_of_bounds = 0;
   std::uint64_t bad_polarity = 0;
-  std::uint64_t bad_record = 0;  // unreadable, or a stamp beyond kMaxStamp_us
-  std::uint64_t before_start = 0;
+  std::uint64_t bad_record = 0;    // unreadable, or a stamp beyond kMaxStamp_us
+  std::uint64_t before_start = 0;  // during the warm-up, whatever else is wrong with it
 
   std::uint64_t total() const noexcept {
     return nonmonotonic + out_of_bounds + bad_polarity + bad_record + before_start;
@@ -46,6 +47,7 @@ struct ValidatorConfig {
   int height = 0;  // px; 0: y is not checked
   OnBad on_bad = OnBad::drop;
   std::int64_t reorder_tolerance_us = 0;  // a stamp that goes back by this much is lifted, not bad
+  std::int64_t warmup_discard_us = 0;     // what a camera sends first may be of the run before
 };
 
 class Validator {
@@ -96,7 +98,7 @@ class Validator {
  private:
   static constexpr std::size_t kBlock = 256;
 
-  enum class Fault { none, bad_record, out_of_bounds, nonmonotonic };
+  enum class Fault { none, bad_record, out_of_bounds, nonmonotonic, before_start };
   struct Repaired {
     std::size_t kept;           // events in the scratch buffer
     std::size_t read;           // index in the block where the repair ended
@@ -106,6 +108,7 @@ class Validator {
   bool pass_clean(EventSpan block) noexcept;
   Repaired repair(EventSpan block) noexcept;
   Fault mend(Event& event) noexcept;
+  bool warms_up(const Event& event) noexcept;
   void count(Fault fault) noexcept;
   [[noreturn]] void refuse(const Event& event, Fault fault) const;
 
@@ -113,6 +116,9 @@ class Validator {
   std::uint32_t max_x_;
   std::uint32_t max_y_;
   std::int64_t last_us_ = -kMaxStamp_us;  // stamp of the last event that passed
+  bool warming_up_;
+  std::int64_t warm_up_first_us_ = kMaxStamp_us;  // the warm-up counts from this stamp
+  std::int64_t warm_up_last_us_ = kMaxStamp_us;
   std::int64_t clock_offset_us_ = 0;
   std::uint64_t clock_resets_ = 0;
   std::uint64_t received_ = 0;

@@ -1,0 +1,206 @@
+#include "live_pipeline.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "asap/core/check.hpp"
+#include "consumer.hpp"
+#include "gil.hpp"
+#include "telemetry.hpp"
+
+namespace asap::python {
+namespace {
+
+constexpr auto kPatience = std::chrono::milliseconds(50);  // Ctrl-C is seen this soon
+
+// All pipelines; looked at when the interpreter exits. With the GIL.
+struct Known {
+  std::weak_ptr<Pipeline> pipeline;
+  std::uint64_t forks;
+};
+std::vector<Known>& known() {
+  static auto& all = *new std::vector<Known>;  // outlives every pipeline
+  return all;
+}
+
+void make_known(const std::shared_ptr<Pipeline>& pipeline, std::uint64_t forks) {
+  std::erase_if(known(), [](const Known& one) { return one.pipeline.expired(); });
+  known().push_back({pipeline, forks});
+}
+
+void stop_all() {
+  std::vector<std::shared_ptr<Pipeline>> running;
+  with_gil([&] {
+    for (const Known& one : known()) {
+      if (one.forks != forks()) continue;
+      if (auto pipeline = one.pipeline.lock()) running.push_back(std::move(pipeline));
+    }
+  });
+  for (const auto& pipeline : running) pipeline->stop(false);
+}
+
+Pipeline::Arrival arrival_of(std::optional<double> arrival_time) {
+  if (!arrival_time) return std::nullopt;
+  require(std::abs(*arrival_time) <= 1e9, "arrival_time", *arrival_time,
+          "give time.monotonic() of the arrival, in seconds");
+  const std::chrono::nanoseconds since(std::llround(*arrival_time * 1e9));
+  return std::chrono::steady_clock::time_point(since);
+}
+
+}  // namespace
+
+class LivePipeline::Guest {
+ public:
+  explicit Guest(const LivePipeline& host) : host_(host) { ++host_.guests_; }
+  ~Guest() { --host_.guests_; }
+  Guest(const Guest&) = delete;
+  Guest& operator=(const Guest&) = delete;
+
+ private:
+  const LivePipeline& host_;
+};
+
+LivePipeline::LivePipeline(Scheme& scheme, const RunConfig& config)
+    : pipeline_(std::make_shared<Pipeline>(scheme, config)),
+      forks_(forks()),
+      push_may_wait_(config.when_full == WhenFull::block) {
+  make_known(pipeline_, forks_);
+}
+
+LivePipeline::~LivePipeline() {
+  if (forks_ != forks()) static_cast<void>(new std::shared_ptr<Pipeline>(std::move(pipeline_)));
+}
+
+Pipeline& LivePipeline::native() const {
+  require_own_process();
+  return *pipeline_;
+}
+
+void LivePipeline::require_own_process() const {
+  if (forks_ == forks()) return;
+  throw std::runtime_error(
+      "pipeline: created before fork, in the parent process; make a new one in this process, or "
+      "use multiprocessing with 'spawn'");
+}
+
+bool LivePipeline::push(const py::array& events, std::optional<double> arrival_time) {
+  Pipeline& pipeline = native();
+  const EventSpan span = as_span(events);
+  const Pipeline::Arrival arrival = arrival_of(arrival_time);
+  if (is_exiting()) return true;
+  // To take the GIL again may take another thread's 5 ms: longer than the push.
+  if (!push_may_wait_) return pipeline.push(span, arrival);
+  const WithoutGil released;
+  return pipeline.push(span, arrival, [&] {
+    with_gil([&] {
+      require_own_process();
+      check_signals();
+    });
+  });
+}
+
+std::optional<LivePackage> LivePipeline::next() {
+  Pipeline& pipeline = native();
+  while (!is_exiting()) {
+    Package package;
+    Pipeline::Next next{};
+    {
+      const Guest guest(*this);
+      const WithoutGil released;
+      next = pipeline.next(package, kPatience);
+    }
+    if (next == Pipeline::Next::ended) return std::nullopt;
+    if (next == Pipeline::Next::package) {
+      LivePackage result{arrays_.array_of(package.events), package};
+      result.package.events = {};
+      return result;
+    }
+    check_signals();
+  }
+  return std::nullopt;
+}
+
+void LivePipeline::run(const py::object& algorithm, const py::object& poll) {
+  Pipeline& pipeline = native();
+  const Consumer consumer = consumer_of(algorithm, arrays_);
+  if (is_exiting()) return;
+  const Guest guest(*this);
+  const WithoutGil released;  // a Python algorithm takes it back per package
+  pipeline.run(consumer, [&] {
+    with_gil([&] {
+      require_own_process();
+      check_signals();
+      if (!poll.is_none()) poll();
+    });
+  });
+}
+
+void LivePipeline::flush() {
+  Pipeline& pipeline = native();
+  const WithoutGil released;
+  pipeline.flush();
+}
+
+void LivePipeline::stop(bool drain) {
+  Pipeline& pipeline = native();
+  if (is_exiting()) return;   // has been, or is being
+  const WithoutGil released;  // a push under way may need it
+  pipeline.stop(drain);
+}
+
+void LivePipeline::abandon() {
+  if (forks_ != forks() || is_exiting()) return;
+  const WithoutGil released;
+  pipeline_->abandon();
+}
+
+void LivePipeline::start() {
+  Pipeline& pipeline = native();
+  if (is_exiting()) throw std::runtime_error("pipeline: the interpreter exits");
+  const Guest guest(*this);
+  const WithoutGil released;
+  pipeline.start();
+}
+
+void LivePipeline::set_latency(double latency_us) {
+  Pipeline& pipeline = native();
+  const WithoutGil released;
+  pipeline.set_latency(latency_us);
+}
+
+void LivePipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) {
+  native().upstream_lost(marks, packets);
+}
+
+Ledger LivePipeline::ledger() const {
+  const Pipeline& pipeline = native();
+  const WithoutGil released;
+  return pipeline.ledger();
+}
+
+PipelineStats LivePipeline::stats() const {
+  const Pipeline& pipeline = native();
+  const WithoutGil released;
+  return pipeline.stats();
+}
+
+py::array LivePipeline::packages() const {
+  const Pipeline& pipeline = native();
+  if (pipeline.is_open()) {
+    throw std::runtime_error(
+        "packages: the pipeline is open; stop() it, then read the rows (stats() at any time)");
+  }
+  if (guests_ > 0) {
+    throw std::runtime_error(
+        "packages: a consumer still works; wait for the end of its loop, then read the rows");
+  }
+  return rows_of(pipeline.telemetry().log);
+}
+
+void stop_pipelines_on_exit() { on_exit(stop_all); }
+
+}  // namespace asap::python

@@ -1,0 +1,78 @@
+// LivePipeline: the pipeline as Python holds it. Waits without the GIL and looks at Ctrl-C every 50
+// ms or more often; ends when the interpreter exits; refuses a process that was forked from that of
+// its making, where other threads may have been inside. Called with the GIL.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "asap/runner/pipeline.hpp"
+#include "package_arrays.hpp"
+
+namespace asap::python {
+
+struct LivePackage {
+  py::array events;
+  Package package;  // but for its events, which were the ring's
+};
+
+class LivePipeline {
+ public:
+  LivePipeline(Scheme& scheme, const RunConfig& config);
+  // In a forked process nothing is destroyed: a lock inside may be held by a thread that is gone.
+  ~LivePipeline();
+  LivePipeline(const LivePipeline&) = delete;
+  LivePipeline& operator=(const LivePipeline&) = delete;
+
+  // False: refused, nothing is counted. Waits only where the ring's rule is to block. While the
+  // interpreter exits events go nowhere, without a word.
+  bool push(const py::array& events, std::optional<double> arrival_time);
+
+  // None: stopped.
+  std::optional<LivePackage> next();
+
+  // Until it is stopped; `poll` is called about every 20 ms.
+  void run(const py::object& algorithm, const py::object& poll);
+
+  // As Pipeline's.
+  void complete() { native().complete(); }
+  void flush();
+  void stop(bool drain);
+  void start();
+  void set_latency(double latency_us);
+  void upstream_lost(std::uint64_t marks, std::uint64_t packets);
+  bool is_open() const { return native().is_open(); }
+  Ledger ledger() const;
+  PipelineStats stats() const;
+
+  // Nothing in a forked process, so that a with block can be left there.
+  void abandon();
+
+  // The newest rows of the log: a copy. RuntimeError before the end of the run.
+  py::array packages() const;
+
+  // Arrays of packages that Python still holds.
+  std::size_t pinned() const noexcept { return arrays_.pinned(); }
+
+ private:
+  class Guest;
+
+  Pipeline& native() const;
+  void require_own_process() const;
+
+  std::shared_ptr<Pipeline> pipeline_;
+  const std::uint64_t forks_;
+  const bool push_may_wait_;
+  PackageArrays arrays_;
+  mutable int guests_ = 0;  // threads that may change the log
+};
+
+// Ends all pipelines, when the interpreter exits. Once, when the module is made.
+void stop_pipelines_on_exit();
+
+}  // namespace asap::python

@@ -1,0 +1,303 @@
+"""What a live pipeline promises to Python: exceptions, stopping, views, the GIL."""
+
+from __future__ import annotations
+
+import gc
+import itertools
+import os
+import threading
+import time
+import traceback
+
+import numpy as np
+import pytest
+
+import asap
+import streams
+from children import LONG, PATIENCE
+
+SMALL = {"scheme": asap.FixedSize(size=10), "capacity": 256}
+
+
+def native_threads_are_back_to(count):
+    """Whether they are, soon: the kernel's part of a thread ends a moment after its join."""
+    until = time.monotonic() + 5
+    while native_threads() > count and time.monotonic() < until:
+        time.sleep(0.001)
+    return native_threads() <= count
+
+
+def native_threads():
+    return len(os.listdir("/proc/self/task"))
+
+
+class Mine(Exception):
+    pass
+
+
+# ---- exceptions -----------------------------------------------------------------------------
+
+
+def broken(events):
+    if events["t"][0] >= 10:
+        raise Mine("unchanged")
+
+
+def loop_that_breaks(pipeline):
+    for package in pipeline:
+        broken(package.events)
+
+
+def run_that_breaks(pipeline):
+    pipeline.run()
+
+
+@pytest.mark.parametrize(
+    ("work", "algorithm"), [(loop_that_breaks, None), (run_that_breaks, broken)]
+)
+def test_exceptions_come_out_unchanged_and_it_begins_anew(work, algorithm):
+    pipeline = asap.Pipeline(algorithm, **SMALL)
+    events = streams.make(np.arange(30))
+    for _ in range(1000):
+        with pytest.raises(Mine, match="unchanged") as caught, pipeline:
+            pipeline.push(events)
+            work(pipeline)
+        assert traceback.extract_tb(caught.value.__traceback__)[-1].name == "broken"
+        assert not pipeline.is_open
+        ledger = pipeline.ledger
+        assert ledger.balanced
+        assert (ledger.delivered, ledger.pending) == (10, 20)
+    pipeline.start()
+    assert pipeline.ledger.received == 0
+
+
+def test_an_exception_of_set_keep_comes_out_unchanged():
+    class Algorithm:
+        def set_keep(self, gamma):
+            raise Mine
+
+        def process(self, events):
+            raise AssertionError
+
+    pipeline = asap.Pipeline(Algorithm(), **SMALL)
+    pipeline.push(streams.make([1]))
+    pipeline.flush()
+    with pytest.raises(Mine):
+        pipeline.run()
+    assert (pipeline.state, pipeline.ledger.pending) == ("stopped", 1)
+
+
+# ---- stopping -------------------------------------------------------------------------------
+
+
+def make(kind, full):
+    """A pipeline, and what its consumer does."""
+
+    def stop(events):
+        pipeline.stop(drain=False)
+
+    algorithms = {
+        "native": asap.ClusterTracker(346, 260),
+        "callback": lambda events: None,
+        "stopping callback": stop,
+    }
+    pipeline = asap.Pipeline(algorithms.get(kind), when_full=full, **SMALL)
+
+    def loop():
+        for package in pipeline:
+            if kind == "stopping loop":
+                stop(package.events)
+
+    return pipeline, loop if pipeline.algorithm is None else pipeline.run
+
+
+def push_until_stopped(pipeline, events):
+    try:
+        while True:
+            pipeline.push(events)
+    except RuntimeError:
+        pass
+
+
+STATES = list(
+    itertools.product(
+        ["none", "loop", "stopping loop", "native", "callback", "stopping callback"],
+        ["no camera", "camera"],
+        ["thin", "oldest", "block"],
+        [True, False],
+    )
+)
+
+
+@pytest.mark.filterwarnings("ignore:packages of")
+def test_stops_from_any_state_and_leaves_no_thread():
+    events = streams.make(np.zeros(100))
+    before = native_threads()
+    slowest = 0.0
+    for trial in range(10_000 if LONG else 200):
+        kind, camera, full, drain = STATES[trial % len(STATES)]
+        pipeline, consume = make(kind, full)
+        threads = []
+        if kind != "none":
+            threads.append(threading.Thread(target=consume))
+        if camera == "camera":
+            threads.append(threading.Thread(target=push_until_stopped, args=(pipeline, events)))
+        for thread in threads:
+            thread.start()
+        time.sleep((trial % 5) * 0.001)
+        began = time.monotonic()
+        pipeline.stop(drain=drain)
+        pipeline.stop()  # again: nothing happens
+        for thread in threads:
+            thread.join(10)
+            assert not thread.is_alive()
+        slowest = max(slowest, time.monotonic() - began)
+        assert pipeline.state == "stopped"
+        assert pipeline.ledger.balanced
+        if drain and kind in ("loop", "native", "callback"):
+            assert pipeline.ledger.pending == 0
+    assert slowest < 0.5 * PATIENCE
+    assert native_threads_are_back_to(before)
+
+
+def test_a_stopped_pipeline_refuses_what_it_should():
+    pipeline = asap.Pipeline(**SMALL)
+    pipeline.stop()
+    pipeline.stop(drain=False)
+    pipeline.flush()
+    assert list(pipeline) == []
+    assert list(pipeline) == []
+
+
+# ---- views ----------------------------------------------------------------------------------
+
+
+def test_packages_that_are_kept_for_ever_are_never_overwritten():
+    events = streams.poisson(1e6, 0.05, seed=1)
+    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=100))
+    pipeline.push(events)
+    pipeline.stop()
+    kept, columns, passed = [], [], 0
+    for package in pipeline:
+        if package.index % 3 == 0:
+            kept.append(package)
+        elif package.index % 3 == 1:
+            columns.append((package.index, package.events["t"][::7]))  # a view of a view
+        passed += len(package)
+    del package
+    assert passed == events.size
+    for package in kept:
+        at = 100 * package.index
+        assert package.events.tolist() == events[at : at + 100].tolist()
+    for index, column in columns:
+        at = 100 * index
+        assert column.tolist() == events["t"][at : at + 100][::7].tolist()
+    starts = [package.events.__array_interface__["data"][0] for package in kept]
+    assert len(set(starts)) == len(kept)
+    assert pipeline.stats()["pinned"] == len(kept) + len(columns)
+    kept.clear()
+    columns.clear()
+    del package, column
+    gc.collect()
+    assert pipeline.stats()["pinned"] == 0
+
+
+def test_memory_is_used_again_when_nothing_is_kept():
+    starts = set()
+    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=100))
+    pipeline.push(streams.make(np.arange(100_000)))
+    pipeline.stop()
+    for package in pipeline:
+        starts.add(package.events.__array_interface__["data"][0])
+        assert pipeline.stats()["pinned"] <= 2
+    assert len(starts) <= 2
+
+
+def test_a_callback_s_arrays_are_pinned_and_counted_too():
+    kept = []
+    pipeline = asap.Pipeline(kept.append, scheme=asap.FixedSize(size=100))
+    events = streams.make(np.arange(1000))
+    pipeline.push(events)
+    pipeline.stop()
+    pipeline.run()
+    assert pipeline.stats()["pinned"] == 10
+    assert np.concatenate(kept).tolist() == events.tolist()
+    assert not any(array.flags.writeable for array in kept)
+    del kept[:]
+    assert pipeline.stats()["pinned"] == 0
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="no /proc here")
+def test_memory_is_flat_when_nothing_is_kept():
+    def resident():
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    events = streams.make(np.zeros(50_000))
+    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=1000))
+    packages = iter(pipeline)
+
+    def work(rounds):
+        for _ in range(rounds):
+            pipeline.push(events)
+            for _ in range(50):
+                assert len(next(packages)) == 1000
+
+    work(50)  # the ring, and 16384 rows of the log later
+    work(300)
+    before = resident()
+    work(300)
+    assert resident() - before < 1 << 20
+
+
+# ---- the GIL --------------------------------------------------------------------------------
+
+WAITS = {
+    "in the loop": lambda: (asap.Pipeline(), list),
+    "in run": lambda: (asap.Pipeline(lambda events: None), asap.Pipeline.run),
+    "for room": lambda: (
+        asap.Pipeline(capacity=16, when_full="block"),
+        lambda pipeline: pipeline.push(streams.make(np.zeros(100))),
+    ),
+}
+
+
+@pytest.mark.parametrize("where", WAITS)
+def test_others_go_on_while_a_thread_waits(where):
+    pipeline, wait = WAITS[where]()
+    waiting = threading.Thread(target=wait, args=(pipeline,))
+    waiting.start()
+    turns = sum(1 for _ in range(20) if time.sleep(0.005) is None and waiting.is_alive())
+    pipeline.stop(drain=False)
+    waiting.join(10)
+    assert turns == 20
+    assert not waiting.is_alive()
+
+
+def test_others_go_on_while_a_native_algorithm_works():
+    pipeline = asap.Pipeline(asap.ClusterTracker(346, 260), capacity=1 << 16)
+    events = streams.make(np.arange(1000))
+    turns = [0]
+
+    def push():
+        try:
+            while True:
+                pipeline.push(events)
+                turns[0] += 1
+                time.sleep(0)
+        except RuntimeError:
+            pass
+
+    threading.Thread(target=push).start()
+    threading.Timer(0.3, pipeline.stop, [False]).start()
+    pipeline.run()
+    assert turns[0] > 20
+    assert pipeline.ledger.delivered > 1000
+
+
+def test_waiting_costs_next_to_nothing():
+    pipeline = asap.Pipeline()
+    threading.Timer(2.0, pipeline.stop).start()
+    began = time.process_time()
+    list(pipeline)
+    assert (time.process_time() - began) / 2.0 < 0.10

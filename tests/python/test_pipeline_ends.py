@@ -1,0 +1,310 @@
+"""How a live pipeline ends with its process: interpreter exit, Ctrl-C, SIGTERM, fork."""
+
+from __future__ import annotations
+
+import os
+import signal
+from textwrap import dedent, indent
+
+import pytest
+
+from children import LONG, PATIENCE, run_script, send_when_ready
+
+SAY_THAT_IT_RUNS = """
+time.sleep(0.2)
+print(time.monotonic(), flush=True)
+"""
+
+# What a daemon thread does while the interpreter exits.
+BUSY = {
+    "waits in the loop": "in_background(lambda: list(asap.Pipeline()))",
+    "waits in run": "in_background(asap.Pipeline(lambda events: None).run)",
+    "works in the loop": """
+        def work(pipeline, tracker=asap.ClusterTracker(346, 260)):
+            for package in pipeline:
+                tracker.process(package.events)
+        pipeline = asap.Pipeline()
+        in_background(camera, pipeline)
+        in_background(work, pipeline)
+        """,
+    "works natively in run": """
+        pipeline = asap.Pipeline(asap.ClusterTracker(346, 260))
+        in_background(camera, pipeline)
+        in_background(pipeline.run)
+        """,
+    "works in a callback": """
+        pipeline = asap.Pipeline(lambda events: events["x"].sum())
+        in_background(camera, pipeline, 100_000)
+        in_background(pipeline.run)
+        """,
+    "never leaves a callback": """
+        def spin(events):
+            while True: pass
+        pipeline = asap.Pipeline(spin)
+        fill(pipeline, 10)
+        in_background(pipeline.run)
+        """,
+    "sleeps in a callback": """
+        pipeline = asap.Pipeline(lambda events: time.sleep(0.65))
+        fill(pipeline, 10)
+        in_background(pipeline.run)
+        """,
+    "waits for room": """
+        pipeline = asap.Pipeline(capacity=64, when_full="block")
+        in_background(fill, pipeline, 1000)
+        """,
+    "filters in front": """
+        pipeline = asap.Pipeline(lambda events: None, before=lambda events: events[::2].copy())
+        in_background(camera, pipeline)
+        in_background(pipeline.run)
+        """,
+    "is done, and a filter in front is left": """
+        pipeline = asap.Pipeline(before=lambda events: events)
+        fill(pipeline, 10)
+        """,
+    "begins again and again": """
+        def again(pipeline):
+            while True:
+                with pipeline:
+                    after(0.001, pipeline.stop)
+                    list(pipeline)
+        in_background(again, asap.Pipeline(capacity=64))
+        """,
+    "replays": """
+        events = np.zeros(2, asap.EVENT_DTYPE)
+        events["t"] = [0, 3_600_000_000]
+        in_background(lambda: asap.run(events, algorithm=lambda events: None))
+        """,
+}
+
+
+@pytest.mark.parametrize("what", BUSY)
+def test_the_interpreter_exits_while_a_thread(what):
+    for _ in range(10 if LONG else 1):
+        ended = run_script(dedent(BUSY[what]) + SAY_THAT_IT_RUNS)
+        assert ended.code == 0, ended.errors
+        assert "terminate" not in ended.errors
+        assert ended.took_s < 1.0 * PATIENCE
+
+
+def test_nothing_waits_any_more_when_the_interpreter_exits():
+    ended = run_script(
+        """
+        pipeline = asap.Pipeline()
+        fill(pipeline, 10)
+        """,
+        before=dedent(
+            """
+            import atexit
+            @atexit.register  # runs after the hook that stops the pipelines
+            def report():
+                fill(pipeline, 10)  # goes nowhere
+                print(pipeline.state, list(pipeline), pipeline.ledger.pending)
+                pipeline.stop()
+                try:
+                    pipeline.start()
+                except RuntimeError as error:
+                    print(error)
+            """
+        ),
+    )
+    assert ended.code == 0, ended.errors
+    assert ended.lines == ["stopped [] 10", "pipeline: the interpreter exits"]
+
+
+INTERRUPTED = {
+    "a waiting loop": "list(pipeline)",
+    "the body of a loop": """
+        fill(pipeline, 10)
+        for package in pipeline:
+            time.sleep(60)
+        """,
+    "a busy body": """
+        in_background(camera, pipeline)
+        for package in pipeline:
+            package.events["x"].sum()
+        """,
+    "run that waits": """
+        pipeline = asap.Pipeline(lambda events: None)
+        pipeline.run()
+        """,
+    "run with a busy callback": """
+        pipeline = asap.Pipeline(lambda events: events["x"].sum())
+        in_background(camera, pipeline)
+        pipeline.run()
+        """,
+    "run with a native algorithm": """
+        pipeline = asap.Pipeline(asap.ClusterTracker(346, 260))
+        in_background(camera, pipeline)
+        pipeline.run()
+        """,
+    "a push that waits for room": """
+        pipeline = asap.Pipeline(capacity=64, when_full="block")
+        fill(pipeline, 1000)
+        """,
+    "looks and flushes": """
+        in_background(camera, pipeline)
+        in_background(lambda: list(pipeline))
+        while True:
+            pipeline.flush()
+            pipeline.stats()
+        """,
+    "stops and starts": """
+        pipeline = asap.Pipeline(capacity=64)
+        while True:
+            pipeline.stop()
+            pipeline.start()
+        """,
+}
+
+
+INTERRUPT_ME = """
+sent = []
+def interrupt():
+    sent.append(time.monotonic())
+    os.kill(os.getpid(), signal.SIGINT)
+pipeline = asap.Pipeline()
+after(0.3, interrupt)
+try:
+{}
+except KeyboardInterrupt:
+    took = time.monotonic() - sent[0]
+pipeline.stop(drain=False)
+print(took)
+"""
+
+
+@pytest.mark.parametrize("what", INTERRUPTED)
+def test_ctrl_c_interrupts(what):
+    ended = run_script(INTERRUPT_ME.format(indent(dedent(INTERRUPTED[what]), "    ")))
+    assert ended.code == 0, ended.errors
+    assert float(ended.lines[-1]) < 0.1 * PATIENCE
+
+
+def test_sigterm_ends_the_process():
+    code = send_when_ready(
+        """
+        print("ready", flush=True)
+        list(asap.Pipeline())
+        """,
+        signal.SIGTERM,
+    )
+    assert code == -signal.SIGTERM
+
+
+needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+
+FORKED = """
+    import warnings
+    warnings.simplefilter("ignore")  # that a process with threads forks
+
+    def child_says(report):
+        read, write = os.pipe()
+        if os.fork() == 0:
+            try:
+                os.write(write, str(report()).encode())
+            finally:
+                os.close(write)
+                sys.exit(0)  # through atexit and all destructors
+        os.close(write)
+        with os.fdopen(read) as file:
+            answer = file.read()
+        _, status = os.wait()
+        return answer, os.waitstatus_to_exitcode(status)
+"""
+
+
+@needs_fork
+def test_a_forked_process_refuses_every_method():
+    ended = run_script(
+        FORKED
+        + """
+    events = np.zeros(10, asap.EVENT_DTYPE)
+    pipeline = asap.Pipeline(capacity=64, scheme=asap.Greedy())
+    called = asap.Pipeline(lambda events: None, capacity=64)
+    waiting = asap.Pipeline(capacity=64)
+    in_background(lambda: list(waiting))
+    blocked = asap.Pipeline(capacity=64, when_full="block")
+    in_background(fill, blocked, 1000)
+    time.sleep(0.1)
+
+    def refused():
+        calls = {
+            "push": lambda: pipeline.push(events),
+            "iterate": lambda: list(pipeline),
+            "run": called.run,
+            "flush": pipeline.flush,
+            "stop": waiting.stop,
+            "start": pipeline.start,
+            "stats": pipeline.stats,
+            "ledger": lambda: pipeline.ledger,
+            "packages": lambda: pipeline.packages,
+            "state": lambda: pipeline.state,
+            "set_latency": lambda: pipeline.set_latency(5),
+            "upstream_lost": lambda: pipeline.upstream_lost(1),
+            "is_open": lambda: pipeline.is_open,
+        }
+        others = []
+        for name, call in calls.items():
+            try:
+                call()
+                others.append(name)
+            except RuntimeError as error:
+                if "created before fork" not in str(error):
+                    others.append((name, str(error)))
+        fresh = asap.Pipeline(scheme=asap.Greedy())
+        fresh.push(events)
+        fresh.stop()
+        return others, repr(pipeline), len(next(iter(fresh)))
+
+    print(*child_says(refused), sep="|")
+    pipeline.push(events)
+    pipeline.stop()
+    print(sum(len(package) for package in pipeline), blocked.ledger.pending)
+    """
+    )
+    assert ended.code == 0, ended.errors
+    said, code = ended.lines[0].split("|")
+    assert said == "([], '<Pipeline: created before fork, greedy>', 10)"
+    assert code == "0"
+    assert ended.lines[1] == "10 64"
+
+
+@needs_fork
+def test_a_fork_in_the_body_leaves_the_with_block_quietly():
+    ended = run_script(
+        """
+    with asap.Pipeline(scheme=asap.FixedSize(size=10)) as pipeline:
+        fill(pipeline, 20)
+        for package in pipeline:
+            if os.fork() == 0:
+                held = package.events["t"].tolist() == list(range(10))
+                sys.exit(7 if held else 8)
+            print(os.waitstatus_to_exitcode(os.wait()[1]), pipeline.is_open)
+            pipeline.stop()
+            break
+    """
+    )
+    assert ended.code == 0, ended.errors
+    assert ended.lines == ["7 True"]
+
+
+@needs_fork
+def test_a_callback_that_forks_ends_the_run_of_the_child():
+    ended = run_script(
+        """
+    def fork(events):
+        global parent
+        parent = os.fork()
+    pipeline = asap.Pipeline(fork, scheme=asap.Greedy())
+    fill(pipeline, 10)
+    after(1.0, pipeline.stop)
+    try:
+        pipeline.run()
+    except RuntimeError as error:
+        sys.exit(7 if "created before fork" in str(error) and parent == 0 else 8)
+    print(os.waitstatus_to_exitcode(os.wait()[1]), pipeline.ledger.delivered)
+    """
+    )
+    assert ended.code == 0, ended.errors
+    assert ended.lines == ["7 10"]
