@@ -196,7 +196,7 @@ def test_7_events_cleared_where_nobody_listens() -> None:
     """There nobody learns what was lost; here every event has its line in the ledger."""
     events = streams.make(np.arange(1000))
     events["x"][::100] = 400
-    with asap.Pipeline(width=346, height=260, capacity=256) as pipeline:
+    with asap.Pipeline(width=346, height=260, capacity=256, when_full="newest") as pipeline:
         pipeline.push(events)  # and no loop
         now = {"received": 1000, "rejected": 10, "pending": 256, "overflow": 734}
         assert dict(pipeline.ledger) == dict.fromkeys(pipeline.ledger, 0) | now
