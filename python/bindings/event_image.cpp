@@ -13,6 +13,7 @@
 #include "arrays.hpp"
 #include "asap/algorithms/event_image.hpp"
 #include "asap/core/check.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
 
@@ -85,7 +86,7 @@ py::tuple images(EventImage& image, const py::array& events) {
   std::size_t complete = 0;
   {
     // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     complete = image.process(span, [&](const ImageView& view) {
       values.insert(values.end(), view.values.begin(), view.values.end());
       times_us.insert(times_us.end(), {view.begin_us, view.end_us});

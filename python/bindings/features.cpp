@@ -13,6 +13,7 @@
 #include "arrays.hpp"
 #include "asap/algorithms/feature_tracker.hpp"
 #include "asap/core/check.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
@@ -102,7 +103,7 @@ std::optional<py::array_t<std::int32_t>> process(FeatureTracker& tracker, const 
   std::vector<std::int32_t> ids(labels ? span.size() : 0);
   {
     // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     if (labels) {
       tracker.process(span, ids);
     } else {

@@ -4,6 +4,7 @@
 
 #include "arrays.hpp"
 #include "asap/algorithms/plane_flow.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
 
@@ -46,7 +47,7 @@ py::array_t<float> flows(PlaneFlow& flow, const py::array& events) {
   auto* out = reinterpret_cast<Flow*>(result.mutable_data());
   {
     // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     flow.process(span, {out, span.size()});
   }
   return result;

@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "asap/algorithms/hot_pixel_mask.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
 
@@ -50,7 +51,7 @@ py::array passing(HotPixelMask& mask, const py::array& events) {
   std::vector<Event> passed(span.size());
   {
     // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     passed.resize(mask.process(span, passed.data()));
   }
   return moved_to_array(std::move(passed));
@@ -58,7 +59,7 @@ py::array passing(HotPixelMask& mask, const py::array& events) {
 
 std::size_t learned(HotPixelMask& mask, const py::array& events) {
   const EventSpan span = as_span(events);
-  const py::gil_scoped_release release;  // as above
+  const WithoutGil release;  // as above
   return mask.learn(span);
 }
 

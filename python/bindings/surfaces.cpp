@@ -4,6 +4,7 @@
 #include "arrays.hpp"
 #include "asap/algorithms/speed_invariant_time_surface.hpp"
 #include "asap/algorithms/threshold_ordinal_surface.hpp"
+#include "gil.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
 
@@ -66,7 +67,7 @@ template <class Surface>
 void take(Surface& surface, const py::array& events) {
   const EventSpan span = as_span(events);
   // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-  const py::gil_scoped_release release;
+  const WithoutGil release;
   surface.process(span);
 }
 

@@ -301,6 +301,16 @@ def test_bindings_never_cast_arrays() -> None:
     assert not casts
 
 
+def test_bindings_cross_the_gil_in_one_place() -> None:
+    """Elsewhere the end of the interpreter would catch a thread on the way: see gil.hpp."""
+    crossings = {
+        name_of(path)
+        for path in sources("python/bindings", suffixes=NATIVE)
+        if "gil_scoped_" in path.read_text()
+    }
+    assert crossings == {"python/bindings/gil.cpp", "python/bindings/gil.hpp"}
+
+
 # ---- every file -----------------------------------------------------------------------------
 
 BANNED = {
