@@ -170,6 +170,7 @@ try:
 except KeyboardInterrupt:
     took = time.monotonic() - sent[0]
 pipeline.stop(drain=False)
+assert pipeline.ledger.balanced
 print(took)
 """
 

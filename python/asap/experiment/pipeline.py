@@ -188,7 +188,6 @@ class Pipeline:
     def _packages(self) -> Iterator[_core.LivePackage]:
         while (package := self._native.next()) is not None:
             yield package
-            del package  # its memory is free again, unless the loop keeps it
 
     def run(self) -> None:
         """Let the algorithm work on this thread until `stop`, then return.
