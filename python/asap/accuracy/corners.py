@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from asap.accuracy.mota import ratio
 from asap.accuracy.scene import NOISE, Scene
 from asap.accuracy.trace import Feed
 
-__all__ = ["RADIUS_PX", "Corners", "corners"]
+__all__ = ["RADIUS_PX", "Corners", "corners", "near_a_vertex"]
 
 RADIUS_PX = 3.5  #: an event this near to a vertex of its own object is a true corner
 _STEP_US = 250  # of the truth of asap.scenes
@@ -56,7 +55,7 @@ def corners(scene: Scene, feed: Feed) -> Corners:
     assert feed.returned is not None
     called = feed.returned.astype(bool)
     labels = np.asarray(scene.labels)[feed.indices].astype(np.int64)
-    truth = _near_a_vertex(scene, scene.events[feed.indices], labels)
+    truth = near_a_vertex(scene, scene.events[feed.indices], labels)
     hits = int(np.sum(called & truth))
     precision, recall = ratio(hits, int(called.sum())), ratio(hits, int(truth.sum()))
     return Corners(
@@ -69,17 +68,43 @@ def corners(scene: Scene, feed: Feed) -> Corners:
     )
 
 
-def _near_a_vertex(
+def near_a_vertex(
     scene: Any, events: NDArray[np.void], labels: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
+    """Return which events are true corners.
+
+    Parameters
+    ----------
+    scene : Scene
+        With ``vertices(t_us)``; fast where it names them in the same order at all times.
+    events : ndarray, shape (n,), EVENT_DTYPE
+        In time order.
+    labels : ndarray of int64, shape (n,)
+        Their objects.
+    """
     near = np.zeros(events.size, bool)
-    step = events["t"] // _STEP_US
-    bounds = np.flatnonzero(np.diff(step, prepend=-1, append=-1))
-    for begin, end in pairwise(bounds.tolist()):
-        vertices = scene.vertices(int(step[begin]) * _STEP_US)
-        now = slice(begin, end)
-        dx = events["x"][now, None] - vertices["x"][None]
-        dy = events["y"][now, None] - vertices["y"][None]
-        own = (labels[now, None] == vertices["id"][None]) & (labels[now, None] != NOISE)
-        near[now] = np.any(own & (dx**2 + dy**2 <= RADIUS_PX**2), axis=1)
+    if events.size == 0:
+        return near
+    steps, at = np.unique(events["t"] // _STEP_US, return_inverse=True)
+    ids, places = _at_each(scene, steps.tolist())
+    for label in np.unique(ids[ids != NOISE]):
+        mine = np.flatnonzero(labels == label)
+        columns = np.flatnonzero(np.any(ids == label, axis=0))
+        now = at[mine, None], columns[None]
+        dx = events["x"][mine, None] - places[now][..., 0]
+        dy = events["y"][mine, None] - places[now][..., 1]
+        near[mine] = np.any((ids[now] == label) & (dx**2 + dy**2 <= RADIUS_PX**2), axis=1)
     return near
+
+
+def _at_each(scene: Any, steps: list[int]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return object and place of the vertices, one row for each step; what is missing is noise."""
+    found = [scene.vertices(step * _STEP_US) for step in steps]
+    most = max(len(vertices) for vertices in found)
+    ids = np.full((len(steps), most), NOISE, np.int64)
+    places = np.full((len(steps), most, 2), np.inf)
+    for row, vertices in enumerate(found):
+        ids[row, : len(vertices)] = vertices["id"]
+        places[row, : len(vertices), 0] = vertices["x"]
+        places[row, : len(vertices), 1] = vertices["y"]
+    return ids, places

@@ -24,6 +24,7 @@ __all__ = [
     "follow",
     "run_through",
     "sample_times",
+    "samples_without_clusters",
 ]
 
 START_US = 100_000  #: the first sample
@@ -209,7 +210,8 @@ def follow(
             break
         seen = passing if active == "produced" else door.last
         recent = seen[scene.events["t"][seen] >= t_us - PERIOD_US]
-        samples.append(_sample(tracker, scene, t_us, labels[recent]))
+        sample = _sample(scene, t_us, labels[recent])
+        samples.append(sample._replace(clusters=clusters_at(tracker, t_us)))
     feed = door.close()
     ids = feed.returned
     return Trace(
@@ -232,7 +234,26 @@ def run_through(
     return door.close()
 
 
-def _sample(tracker: Any, scene: Scene, t_us: int, recent: NDArray[np.int64]) -> Sample:
+def samples_without_clusters(scene: Scene) -> list[Sample]:
+    """Return what there is at every sample time, for whoever asks the tracker himself.
+
+    Parameters
+    ----------
+    scene : Scene
+        All its events make an object active.
+    """
+    t_us, labels = scene.events["t"], np.asarray(scene.labels).astype(np.int64)
+    times = sample_times(scene.events)
+    begins, ends = (
+        np.searchsorted(t_us, np.array(times, np.int64) - before) for before in (PERIOD_US, 0)
+    )
+    return [
+        _sample(scene, time_us, labels[begin:end])
+        for time_us, begin, end in zip(times, begins.tolist(), ends.tolist(), strict=True)
+    ]
+
+
+def _sample(scene: Scene, t_us: int, recent: NDArray[np.int64]) -> Sample:
     truth = scene.truth(t_us)
     caused = {
         int(label): int(count)
@@ -245,7 +266,7 @@ def _sample(tracker: Any, scene: Scene, t_us: int, recent: NDArray[np.int64]) ->
         centres=np.stack([truth["x"], truth["y"]], axis=-1).astype(np.float64),
         speeds=np.stack([truth["vx"], truth["vy"]], axis=-1).astype(np.float64),
         active=np.array([caused.get(one, 0) >= ACTIVE_EVENTS for one in objects.tolist()], bool),
-        clusters=clusters_at(tracker, t_us),
+        clusters=Snapshot(np.empty(0, np.int64), np.empty((0, 2))),
     )
 
 
