@@ -27,6 +27,9 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "--accuracy", action="store_true", help="scores of the algorithms over gamma instead"
     )
+    verb.add_argument(
+        "--ladder", action="store_true", help="every consumer under every scheme instead"
+    )
     verb.add_argument("--out", type=Path, default=Path("asap-study"), metavar="DIR")
     verb.add_argument("--workers", type=_workers, metavar="N", help="processes (default: cores)")
     verb.add_argument("--fresh", action="store_true", help="forget what DIR holds of earlier runs")
@@ -39,6 +42,8 @@ def _workers(text: str) -> int:
 
 
 def _call(arguments: Any) -> int:
+    if arguments.ladder:
+        return _ladder(arguments)
     if arguments.accuracy:
         return _accuracy(arguments)
     if arguments.realtime:
@@ -116,6 +121,43 @@ def _accuracy(arguments: Any) -> int:
         corners = [curve for curve in some if "mota" not in curve.rows[0].mean]
         if shown := some if column == "mota" else corners:
             print(f"{heading}\n\n{accuracy_document.by_scene(shown, column)}\n")
+    for path in found.paths:
+        print(f"wrote {path}")
+    return OK
+
+
+def _ladder(arguments: Any) -> int:
+    from asap.study import ladder_document, ladder_study
+
+    form = _form(arguments)
+    with usage(), writing(), progress.on_terminal() as on_progress:
+        if arguments.realtime or arguments.accuracy:
+            raise ValueError("--ladder, --accuracy and --realtime: give one of them")
+        found = ladder_study(
+            arguments.out,
+            form=form,
+            workers=arguments.workers,
+            fresh=arguments.fresh,
+            figures=_can_draw(),
+            command="asap study --ladder" + ("" if form == "default" else f" --{form}"),
+            on_progress=on_progress,
+        )
+    for label in found.missing:
+        say(f"{label}: not in this build")
+    if arguments.json:
+        print_json(
+            {
+                "schema_version": 1,
+                "form": form,
+                "ladder": [row.to_dict() for row in found.rows],
+                "seconds": found.seconds,
+                "taken_from_file": found.taken_from_file,
+                "files": [str(path) for path in found.paths],
+            }
+        )
+        return OK
+    print(f"finished within L\n\n{ladder_document.in_time_table(found.rows)}\n")
+    print(f"accuracy in use\n\n{ladder_document.accuracy_table(found.rows, 'in_use')}\n")
     for path in found.paths:
         print(f"wrote {path}")
     return OK

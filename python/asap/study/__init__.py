@@ -3,13 +3,15 @@
 ``asap study`` on the command line, `study` here. A study is made of cases (a stream, a cost and the
 contenders that go through it) and probes; they run through any executor, each finished one is kept,
 and what they show is judged by goals and written as tables beside the reference's. `accuracy_study`
-scores the algorithms instead, over scenes and the kept fraction.
+scores the algorithms instead, over scenes and the kept fraction; `ladder_study` puts every consumer
+of the library to one stream that overloads the slow ones.
 """
 
 from asap.study.accuracy_conduct import AccuracyStudy, accuracy_study
 from asap.study.cases import FORMS, Case
 from asap.study.conduct import Study, study
 from asap.study.goals import Goal
+from asap.study.ladder_conduct import LadderStudy, ladder_study
 from asap.study.results import Results
 
 __all__ = [
@@ -17,8 +19,10 @@ __all__ = [
     "AccuracyStudy",
     "Case",
     "Goal",
+    "LadderStudy",
     "Results",
     "Study",
     "accuracy_study",
+    "ladder_study",
     "study",
 ]

@@ -9,13 +9,17 @@ from asap.profiles import LATENCY_MS
 from asap.study.accuracy_cases import Accuracy, AccuracyCase
 from asap.study.cases import NAMED, Case
 from asap.study.contenders import HINDSIGHT
+from asap.study.ladder_cases import LadderCase, LadderReplay, Outcomes
+from asap.study.ladder_cost import CostCase, Costs
 from asap.study.measure import Figures, Measured
 from asap.study.probes import CapProbe, Steady, SteadyProbe, Window
 
 __all__ = ["MODELS", "Finding", "Outcome", "Results", "Task"]
 
-Task: TypeAlias = Case | SteadyProbe | CapProbe | AccuracyCase
-Outcome: TypeAlias = Measured | Steady | Window | Accuracy
+Task: TypeAlias = (
+    Case | SteadyProbe | CapProbe | AccuracyCase | CostCase | LadderCase | LadderReplay
+)
+Outcome: TypeAlias = Measured | Steady | Window | Accuracy | Costs | Outcomes
 
 MODELS = tuple(LATENCY_MS)
 _LONG_GAP_MS = 60.0

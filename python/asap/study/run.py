@@ -18,6 +18,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 from asap import _core
 from asap.study.accuracy_cases import Accuracy
+from asap.study.ladder_cases import Outcomes
+from asap.study.ladder_cost import Costs
 from asap.study.measure import Figures, Measured
 from asap.study.probes import Steady, Window
 from asap.study.results import Outcome, Results, Task
@@ -173,6 +175,10 @@ def _outcome(fields: dict[str, Any]) -> Outcome:
         return Measured(fields["events"], fields["oracle"], figures)
     if "scored" in fields:
         return Accuracy.restored(fields)
+    if "tried" in fields:
+        return Costs.restored(fields)
+    if "schemes" in fields:
+        return Outcomes.restored(fields)
     return Steady(**fields) if "theory_us" in fields else Window(**fields)
 
 

@@ -1,0 +1,169 @@
+"""What is left of the accuracy when a scheme has decided what arrives, and when.
+
+Told twice. *Delivered*: the algorithm is asked at every sample time after the last event before it
+that the scheme let through, as `asap.score` does; latency costs nothing. *In use*: it is asked what
+it knows at that moment, which is what the packages have told it that were finished by then. The
+truth is that of the moment in both. For a detector of corners: labels of the delivered events among
+themselves; and of all events of the stream, where one that was not finished in time is no corner.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap.accuracy import Scene
+from asap.accuracy.corners import near_a_vertex
+from asap.accuracy.matching import match
+from asap.accuracy.mota import mota, ratio
+from asap.accuracy.snapshot import clusters_at
+from asap.accuracy.trace import Sample, sample_times, samples_without_clusters
+from asap.experiment import Run
+
+__all__ = ["Delivery", "Recorder", "Used", "corner_accuracy", "everything", "tracker_accuracy"]
+
+_STEP_US = 1000
+
+
+class Delivery(NamedTuple):
+    """A package."""
+
+    events: NDArray[np.void]
+    keep: float  #: the fraction that the algorithm was told
+    done_us: float
+
+
+class Used(NamedTuple):
+    """Accuracy told twice: MOTA of a tracker, F of a detector."""
+
+    delivered: float
+    in_use: float
+
+
+class Recorder:
+    """An algorithm that only keeps what it gets."""
+
+    def __init__(self) -> None:
+        self._packages: list[tuple[NDArray[np.void], float]] = []
+        self._keep = 1.0
+
+    def set_keep(self, gamma: float) -> None:
+        """Note what an algorithm would be told."""
+        self._keep = gamma
+
+    def process(self, events: NDArray[np.void]) -> None:
+        """Keep a package."""
+        self._packages.append((events.copy(), self._keep))
+
+    def deliveries(self, run: Run) -> list[Delivery]:
+        """Put the times of a run in virtual time to its packages."""
+        rows = run.packages[run.packages["size"] > 0]
+        done_us = (rows["start_us"] + rows["processing_us"]).tolist()
+        return [
+            Delivery(events, keep, done)
+            for (events, keep), done in zip(self._packages, done_us, strict=True)
+        ]
+
+
+def everything(scene: Scene) -> list[Delivery]:
+    """Return all events, each millisecond of them done at once."""
+    stamps = scene.events["t"]
+    cuts = np.searchsorted(stamps, np.arange(_STEP_US, int(stamps[-1]), _STEP_US))
+    return [
+        Delivery(events, 1.0, float(events["t"][-1]))
+        for events in np.split(scene.events, cuts)
+        if events.size
+    ]
+
+
+def tracker_accuracy(make: Callable[[], Any], scene: Scene, deliveries: Sequence[Delivery]) -> Used:
+    """MOTA of a tracker that gets these packages."""
+    return Used(
+        _mota(make(), scene, _split_at(deliveries, sample_times(scene.events))),
+        _mota(make(), scene, deliveries),
+    )
+
+
+def _mota(tracker: Any, scene: Any, deliveries: Sequence[Delivery]) -> float:
+    samples = []
+    following = 0
+    for sample in _samples(scene):
+        while following < len(deliveries) and deliveries[following].done_us <= sample.t_us:
+            if hasattr(tracker, "set_keep"):
+                tracker.set_keep(deliveries[following].keep)
+            tracker.process(deliveries[following].events)
+            following += 1
+        samples.append(sample._replace(clusters=clusters_at(tracker, sample.t_us)))
+    return mota(match(samples)).mota
+
+
+def _split_at(deliveries: Sequence[Delivery], times_us: Sequence[int]) -> list[Delivery]:
+    """Cut packages at the sample times, as if each part were done with its last event."""
+    parts = []
+    for one in deliveries:
+        stamps = one.events["t"]
+        inside = [t for t in times_us if stamps[0] < t <= stamps[-1]]
+        for events in np.split(one.events, np.searchsorted(stamps, inside)):
+            if events.size:
+                parts.append(Delivery(events, one.keep, float(events["t"][-1]) + 0.5))
+    return parts
+
+
+@lru_cache(maxsize=1)
+def _samples(scene: Scene) -> list[Sample]:
+    return samples_without_clusters(scene)
+
+
+def corner_accuracy(
+    detector: Any, scene: Scene, deliveries: Sequence[Delivery], latency_us: float
+) -> Used:
+    """F of a detector that gets these packages."""
+    called, in_time, events = [], [], []
+    for one in deliveries:
+        if hasattr(detector, "set_keep"):
+            detector.set_keep(one.keep)
+        called.append(detector.process(one.events))
+        in_time.append(one.done_us - one.events["t"] <= latency_us)
+        events.append(one.events)
+    if not called:
+        return Used(float("nan"), 0.0)
+    is_corner, all_corners = _truth(scene, np.concatenate(events))
+    found = np.concatenate(called)
+    finished = found & np.concatenate(in_time)
+    return Used(_f(found, is_corner, int(is_corner.sum())), _f(finished, is_corner, all_corners))
+
+
+def _f(called: NDArray[np.bool_], is_corner: NDArray[np.bool_], corners: int) -> float:
+    return ratio(2 * int(np.sum(called & is_corner)), int(called.sum()) + corners)
+
+
+def _truth(scene: Any, delivered: NDArray[np.void]) -> tuple[NDArray[np.bool_], int]:
+    """Return which delivered events are corners, and how many of the whole scene are."""
+    truth = _corners(scene)
+    return truth[_places(scene.events, delivered)], int(truth.sum())
+
+
+@lru_cache(maxsize=1)
+def _corners(scene: Scene) -> NDArray[np.bool_]:
+    return near_a_vertex(scene, scene.events, np.asarray(scene.labels).astype(np.int64))
+
+
+def _places(events: NDArray[np.void], some: NDArray[np.void]) -> NDArray[np.int64]:
+    """Return the indices of some of the events, in the same order.
+
+    Of events that are alike, such as two of one pixel in one microsecond, any will do.
+    """
+
+    def keys(of: NDArray[np.void]) -> NDArray[np.int64]:
+        t, y, x = (of[name].astype(np.int64) for name in "tyx")
+        found: NDArray[np.int64] = (t << 26) | (y << 13) | x
+        return found
+
+    whole = keys(events)
+    order = np.argsort(whole, kind="stable")
+    found: NDArray[np.int64] = order[np.searchsorted(whole, keys(some), sorter=order)]
+    return found
