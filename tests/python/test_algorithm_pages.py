@@ -16,12 +16,10 @@ FOLDER = ROOT / "notebooks" / "algorithms"
 INDEX = FOLDER / "README.md"
 PAGES = sorted(set(FOLDER.glob("*.md")) - {INDEX})
 
-WITHOUT_A_PAGE = {"ClusterTracker"}  # in the README and the notebooks
-
 
 def algorithms() -> set[str]:
     kinds = [kind for kind in vars(asap).values() if isinstance(kind, type)]
-    return {kind.__name__ for kind in kinds if hasattr(kind, "set_keep")} - WITHOUT_A_PAGE
+    return {kind.__name__ for kind in kinds if hasattr(kind, "set_keep")}
 
 
 def title(page: Path) -> str:
