@@ -31,7 +31,10 @@ struct Object {
   Life life{};
   float now_s = 0;
 
-  Object() { track.phase = Phase::kTentative; }
+  Object() {
+    track.phase = Phase::kTentative;
+    life.near_confirmed = false;
+  }
 
   // One tick with so many events.
   Fate tick(std::uint32_t events, float dt_s = 0.002F, float noise_hz = 0) {

@@ -90,7 +90,7 @@ struct Life {
   float seen_y = 0;
   float usual_vx = 0;  // px/s, then
   float usual_vy = 0;
-  bool near_confirmed = false;  // a tentative one in reach of a confirmed one
+  bool near_confirmed = true;  // in reach of a confirmed one, or nobody has looked yet
 };
 
 class Tracks {
