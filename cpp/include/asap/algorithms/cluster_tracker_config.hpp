@@ -24,7 +24,8 @@ struct ClusterTrackerConfig {
   int cell_px = 4;  // side of the cells that remember their owner, a power of two
 
   ClusterSupport support = ClusterSupport::kReject;
-  double support_window_ms = 5;  // [baf] age up to which a neighbour is company
+  double support_window_ms = 5;  // [baf] age up to which a neighbour is company; where noise is
+                                 // rare longer, up to seed_ms
 
   double tick_ms = 1;     // [tick] period of the work that is not done per event
   double warmup_ms = 30;  // [warm] no births before: the noise rate is being learnt

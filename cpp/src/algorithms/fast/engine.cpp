@@ -74,6 +74,7 @@ void Engine::start() noexcept {
   next_tick_ = clock_.now() + static_cast<Stamp>(settings_.tick_us);
   clusters_are_due_ = true;
   birth_threshold_ = kNever;
+  support_window_us_ = settings_.support_window_us;
 }
 
 // ---- per event ----
@@ -99,8 +100,7 @@ std::int32_t Engine::process(const Event& event) noexcept {
   if (age_us(now, next_tick_) >= 0) [[unlikely]]
     tick();
 
-  if (settings_.asks_support &&
-      !support_.touch(event.x, event.y, now, settings_.support_window_us)) {
+  if (settings_.asks_support && !support_.touch(event.x, event.y, now, support_window_us_)) {
     noise_.count(event.x, event.y);
     ++counters_.unsupported;
     if (settings_.rejects) return kNoId;
@@ -109,9 +109,7 @@ std::int32_t Engine::process(const Event& event) noexcept {
   OwnerGrid::Cell& cell = owners_[index];
   Track& track = tracks_[cell.slot];
   if (cell.generation == track.generation && age_us(now, cell.stamp) <= settings_.link_us) {
-    const auto x = static_cast<float>(event.x);
-    const auto y = static_cast<float>(event.y);
-    const Sight s = sight_of(track, now, x, y);
+    const Sight s = sight_of(track, now, static_cast<float>(event.x), static_cast<float>(event.y));
     if (gate_value(track, s) <= 1) {
       if (track.partners > 0) [[unlikely]]
         return give(cell.slot, cell, event, now);
@@ -251,11 +249,11 @@ bool Engine::tend(Slot slot, const Tick& tick) noexcept {
 
   if (track.has_id() && is_starved(life)) {
     kalman_starve(track, life.kalman, tick.now, settings_.life.velocity_decay_s);
+    if (!is_listed(track, life, settings_.life)) wait_where_seen(track, life);
   }
   if (life.starved_s == 0) remember_motion(track, life, tick);
   const Contour& contour = tracks_.contour(slot);
   kalman_update(track, life.kalman, contour.variance, settings_.kalman);
-
   track.mean_weight = mean_weight(track, contour, settings_.weight);
 
   const float extent2 = largest_variance(track);
@@ -315,10 +313,13 @@ void Engine::tend_frame() noexcept {
 void Engine::measure_noise() noexcept {
   noise_.update(seconds(clock_.now_us() - noise_us_));
   noise_us_ = clock_.now_us();
-  const float window_s = 1e-6F * static_cast<float>(settings_.support_window_us);
+  const auto window_s = [&] { return 1e-6F * static_cast<float>(support_window_us_); };
   noise_hz_ = noise_.rate_hz();
-  if (settings_.asks_support) noise_hz_ = noise_with_support(noise_hz_, window_s);
-  if (settings_.rejects) noise_hz_ = supported_noise(noise_hz_, window_s);
+  if (settings_.asks_support) noise_hz_ = noise_with_support(noise_hz_, window_s());
+  // A neighbour is of use for as long as the counters of births remember it.
+  const auto seed_us = static_cast<std::int32_t>(1e6F * settings_.seed_s);
+  support_window_us_ = support_window_us(noise_hz_, settings_.support_window_us, seed_us);
+  if (settings_.rejects) noise_hz_ = supported_noise(noise_hz_, window_s());
 
   if (clock_.now_us() - started_us_ < static_cast<std::uint64_t>(settings_.warmup_us)) return;
   const float around_px = 3 * settings_.cell_px;

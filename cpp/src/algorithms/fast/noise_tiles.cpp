@@ -76,4 +76,13 @@ float supported_noise(float noise_hz, float window_s) noexcept {
   return noise_hz * (1 - decay(8 * noise_hz * window_s));
 }
 
+std::int32_t support_window_us(float noise_hz, std::int32_t shortest_us,
+                               std::int32_t longest_us) noexcept {
+  constexpr float kMostCompany = 0.1F;  // noise events around a pixel within the window
+  const float allowed_us = 1e6F * kMostCompany / std::max(1e-3F, 8 * noise_hz);
+  const auto longest = static_cast<float>(std::max(shortest_us, longest_us));
+  return static_cast<std::int32_t>(
+      std::clamp(allowed_us, static_cast<float>(shortest_us), longest));
+}
+
 }  // namespace asap::fast

@@ -20,6 +20,13 @@ void remember_motion(const Track& track, Life& life, const Tick& tick) noexcept 
   life.usual_vy += weight * (track.vy - life.usual_vy);
 }
 
+void wait_where_seen(Track& track, Life& life) noexcept {
+  track.x = life.kalman.x = life.seen_x;
+  track.y = life.kalman.y = life.seen_y;
+  track.vx = 0;
+  track.vy = 0;
+}
+
 Tracks::Slot lost_track_of(const Tracks& tracks, Tracks::Slot newborn, Stamp now,
                            const LifeRule& rule) noexcept {
   Tracks::Slot best = Tracks::kNone;

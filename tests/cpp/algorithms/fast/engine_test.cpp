@@ -139,6 +139,32 @@ TEST(Engine, NoiseAloneIsNoCluster) {
   }
 }
 
+TEST(Engine, ASlowEdgeIsCompanyInLittleNoise) {
+  std::vector<Event> events;
+  add_disk(events, {.vx = 10, .radius = 11}, 0, 0.6, 1'500);
+  Engine engine(kFrame);
+  engine.process(events, nullptr);
+  EXPECT_LT(engine.counters().unsupported, events.size() / 2);
+  EXPECT_EQ(clusters_of(engine).size(), 1U);
+}
+
+TEST(Engine, ANewbornWaitsUntilItIsKnownWhoIsNear) {
+  Engine engine(kFrame);
+  std::vector<Event> events;
+  add_disk(events, {}, 0, 0.5);
+  // Twelve px before it, and at once more events than an object needs.
+  for (std::int64_t i = 0; i < 60; ++i) {
+    events.push_back({.x = static_cast<std::uint16_t>(129 + i % 3),
+                      .y = static_cast<std::uint16_t>(59 + i / 3 % 3),
+                      .p = 1,
+                      .t = 499'000 + 10 * i});
+  }
+  sort_by_time(events);
+  engine.process(events, nullptr);
+  engine.advance_to(502'000);
+  EXPECT_EQ(clusters_of(engine).size(), 1U);
+}
+
 TEST(Engine, WhereNothingIsRejectedUnsupportedEventsAreCounted) {
   ClusterTrackerConfig config = kFrame;
   std::vector<Event> events(10, Event{.x = 50, .y = 50, .p = 1, .t = 5});
@@ -169,6 +195,21 @@ TEST(Engine, AStoppedObjectKeepsItsId) {
     ASSERT_EQ(clusters.size(), 1U) << gap_s;
     EXPECT_EQ(clusters[0].id, 0) << gap_s;
   }
+}
+
+TEST(Engine, AStoppedObjectIsFoundWhereItStopped) {
+  std::vector<Event> events;
+  add_disk(events, {.vx = 200, .radius = 11}, 0, 0.7, 30'000);
+  Engine engine(kFrame);
+  engine.process(events, nullptr);
+  engine.advance_to(1'000'000);
+  events.clear();
+  add_disk(events, {.x = 400, .vx = -200, .radius = 11}, 1.0, 1.02, 30'000);
+  engine.process(events, nullptr);
+  const auto clusters = clusters_of(engine);
+  ASSERT_EQ(clusters.size(), 1U);
+  EXPECT_EQ(clusters[0].id, 0);
+  EXPECT_NEAR(clusters[0].x, 198, 6);
 }
 
 TEST(Engine, AnObjectThatComesOutAgainKeepsItsId) {

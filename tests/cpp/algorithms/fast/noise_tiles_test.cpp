@@ -11,6 +11,7 @@ namespace {
 
 using asap::fast::noise_with_support;
 using asap::fast::NoiseTiles;
+using asap::fast::support_window_us;
 using asap::fast::supported_noise;
 
 // `busy`: share of the columns in which objects fire a hundred times as much.
@@ -62,6 +63,13 @@ TEST(NoiseSupport, InvertsTheShareThatHasNone) {
     EXPECT_NEAR(supported_noise(all_hz, 0.005F), all_hz - unsupported, 1e-3F * all_hz);
   }
   EXPECT_TRUE(std::isfinite(noise_with_support(1e6F, 0.05F)));
+}
+
+TEST(NoiseSupport, TheLessNoiseTheLongerItsWindow) {
+  EXPECT_EQ(support_window_us(0, 5'000, 15'000), 15'000);
+  EXPECT_EQ(support_window_us(1.25F, 5'000, 15'000), 10'000);  // 0.1 events of 8 pixels
+  EXPECT_EQ(support_window_us(50, 5'000, 15'000), 5'000);
+  EXPECT_EQ(support_window_us(0, 25'000, 15'000), 25'000);
 }
 
 }  // namespace

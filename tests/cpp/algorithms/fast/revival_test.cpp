@@ -84,4 +84,18 @@ TEST(Revival, RemembersPositionAndUsualVelocity) {
   EXPECT_NEAR(life.usual_vx, 100, 0.1F);
 }
 
+TEST(Revival, WhoIsNotListedWaitsWhereItWasSeen) {
+  Hidden hidden;
+  Track& track = hidden.tracks[hidden.lost];
+  Life& life = hidden.tracks.life(hidden.lost);
+  track.vx = track.vy = 30;
+  wait_where_seen(track, life);
+  const Sight s = sight_of(track, 100'000, 100, 50);
+  EXPECT_EQ(s.dx, 0);
+  EXPECT_EQ(s.dy, 0);
+  EXPECT_EQ(life.kalman.x, 100);
+  EXPECT_EQ(life.kalman.y, 50);
+  EXPECT_EQ(hidden.found_at(145, 50), hidden.lost);
+}
+
 }  // namespace

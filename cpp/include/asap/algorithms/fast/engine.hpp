@@ -111,8 +111,9 @@ class Engine {
   std::uint64_t clusters_us_ = 0;  // when each half ran last
   std::uint64_t frame_us_ = 0;
   std::uint64_t noise_us_ = 0;
-  float noise_hz_ = 0;         // per pixel, that reaches the tracks [lambda_eff]
-  float birth_threshold_ = 0;  // [theta]
+  std::int32_t support_window_us_ = 0;  // as long as the noise allows
+  float noise_hz_ = 0;                  // per pixel, that reaches the tracks [lambda_eff]
+  float birth_threshold_ = 0;           // [theta]
   std::int32_t next_id_ = 0;
 };
 

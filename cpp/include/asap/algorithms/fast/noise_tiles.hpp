@@ -50,4 +50,9 @@ float noise_with_support(float unsupported_hz, float window_s) noexcept;
 // And of what has one.
 float supported_noise(float noise_hz, float window_s) noexcept;
 
+// How long ago a neighbour may have fired to be company: as long as the noise allows, because the
+// pixels of a slow edge fire tens of ms apart, and at least `shortest_us`.
+std::int32_t support_window_us(float noise_hz, std::int32_t shortest_us,
+                               std::int32_t longest_us) noexcept;
+
 }  // namespace asap::fast

@@ -13,6 +13,10 @@ namespace asap::fast {
 // Remembers position and usual velocity of a track that sees events.
 void remember_motion(const Track& track, Life& life, const Tick& tick) noexcept;
 
+// Puts a track that is not listed any more to where it saw its last events: there its gate finds an
+// object that stopped.
+void wait_where_seen(Track& track, Life& life) noexcept;
+
 // The unlisted track that the newborn continues, or kNone.
 Tracks::Slot lost_track_of(const Tracks& tracks, Tracks::Slot newborn, Stamp now,
                            const LifeRule& rule) noexcept;
