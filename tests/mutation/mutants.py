@@ -1,0 +1,189 @@
+"""The mutants: each a line of the core or of the live path, broken as a tired hand would."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+INCLUDE = "cpp/include/asap/"
+SOURCE = "cpp/src/"
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """`old`, which stands once in the file, becomes `new`; one of the tests has to fail."""
+
+    words: str
+    file: str
+    old: str
+    new: str
+    tests: tuple[str, ...]
+    # Race detection: it knows the order of memory, which this machine may not show.
+    threads: bool = False
+
+
+def in_file(
+    file: str, *tests: str, threads: bool = False, **changes: tuple[str, str]
+) -> list[Mutant]:
+    return [
+        Mutant(words.replace("_", " "), file, old, new, tests, threads)
+        for words, (old, new) in changes.items()
+    ]
+
+
+MUTANTS: list[Mutant] = [
+    *in_file(
+        INCLUDE + "buffer/event_buffer.hpp",
+        "buffer",
+        threads=True,
+        tail_published_relaxed=(
+            "tail_.store(tail + taken, std::memory_order_release)",
+            "tail_.store(tail + taken, std::memory_order_relaxed)",
+        ),
+        head_published_relaxed=(
+            "+ count, std::memory_order_release)",
+            "+ count, std::memory_order_relaxed)",
+        ),
+    ),
+    *in_file(
+        INCLUDE + "buffer/event_buffer.hpp",
+        "buffer",
+        consume_off_by_one=(
+            "(std::memory_order_relaxed) + count,",
+            "(std::memory_order_relaxed) + count + 1,",
+        ),
+        overflow_not_counted=(
+            "overflow_.store(lost + (events.size() - taken)",
+            "overflow_.store(lost",
+        ),
+        copy_of_head_never_refreshed=(
+            "if (capacity_ - (tail - head_copy_) < events.size()) {",
+            "if (capacity_ - (tail - head_copy_) > events.size()) {",
+        ),
+    ),
+    *in_file(
+        INCLUDE + "buffer/arrival_times.hpp",
+        "buffer",
+        full_table_overwrites_its_oldest_step=("used == kSteps || ", ""),
+        event_of_the_step_before=(
+            "std::memory_order_relaxed) > index;",
+            "std::memory_order_relaxed) >= index;",
+        ),
+    ),
+    *in_file(
+        INCLUDE + "runner/push_door.hpp",
+        "runner",
+        visitor_at_a_shut_door_stays_inside=("if ((before & kInside) == 0) leave();", ""),
+    ),
+    *in_file(
+        INCLUDE + "runner/stall_watch.hpp",
+        "runner",
+        sleep_counts_as_stall=("return !sleeps_ && now_ns", "return now_ns"),
+    ),
+    *in_file(
+        INCLUDE + "runner/sensor_delay.hpp",
+        "runner",
+        least_delay_forgotten_with_its_window=("std::min(least_ns_, before_ns_)", "least_ns_"),
+    ),
+    *in_file(
+        SOURCE + "runner/intake.cpp",
+        "runner",
+        forgotten_wake=("  doorbell_.announce(buffer_.tail());\n", ""),
+        thinned_not_counted=("    discarded_ += block.size() - kept;\n", ""),
+        thinning_below_the_mark_instead_of_above=(
+            "filled(enough) > enough",
+            "filled(enough) <= enough",
+        ),
+        thinning_threshold_inverted=(
+            "KeepThreshold::clamped(most * static_cast<double>(room))",
+            "KeepThreshold::clamped(1.0 - most * static_cast<double>(room))",
+        ),
+        producer_not_told_to_leave=("  left_.store(true, std::memory_order_release);\n", ""),
+    ),
+    *in_file(
+        SOURCE + "runner/live_run.cpp",
+        "runner",
+        arrival_clamp_removed=("std::min(arrival.value_or(now), now)", "arrival.value_or(now)"),
+        arrivals_go_back=("std::max(arrival_ns_, clock_.at(came))", "clock_.at(came)"),
+        clock_reset_flushes_nothing=(
+            "  sensor_delay_.forget();\n  loop_.flush();",
+            "  sensor_delay_.forget();",
+        ),
+        bound_not_applied=("  loop_.set_latency_bound(bound_ns);\n", ""),
+        overflow_of_the_consumer_lost=(
+            "ledger.overflow += overflow;",
+            "ledger.overflow = overflow;",
+        ),
+        thinned_missing_in_the_ledger=("  ledger.discarded += thinned;\n", ""),
+        end_without_wake=("  buffer_.close();\n  doorbell_.wake();", "  buffer_.close();"),
+    ),
+    *in_file(
+        SOURCE + "runner/pipeline.cpp",
+        "runner",
+        forgotten_leave=("  run_->leave();\n", ""),
+        swallowed_exception=("    run_->finish();\n    throw;", "    run_->finish();"),
+        swallowed_exception_of_the_worker=("      error_ = std::current_exception();\n", ""),
+        stop_always_drains=("  if (!drain) run_->loop().abandon();\n", ""),
+        later_runs_have_the_old_bound=("  latency_bound_ns_ = bound_ns;\n", ""),
+    ),
+    *in_file(
+        SOURCE + "runner/consumer_loop.cpp",
+        "runner",
+        lost_flush=("  packager_.flush(asked.flush);\n", ""),
+        flush_without_wake=(
+            "flush_.store(buffer_.tail(), std::memory_order_release);\n  doorbell_.wake();",
+            "flush_.store(buffer_.tail(), std::memory_order_release);",
+        ),
+    ),
+    *in_file(
+        SOURCE + "packager/packager.cpp",
+        "packager",
+        "runner",
+        drop_oldest_not_counted=("      telemetry_.overflow += waiting.size() / 2;\n", ""),
+        stale_not_counted=("  telemetry_.stale += count;\n", ""),
+        lost_events_shift_the_random_numbers=("  thinner_.skip(count);\n", ""),
+        due_after_the_bound_instead_of_at_it=("now_ns >= flush_ns ||", "now_ns > flush_ns ||"),
+        full_ring_is_not_due=(
+            " || waiting.size() == buffer_.capacity() ||\n                   buffer_",
+            " ||\n                   buffer_",
+        ),
+        filtered_counted_twice=("package.raw - thinner_.filtered() - size;", "package.raw - size;"),
+        overflow_reported_again=("  overflow_reported_ += package.overflow_before;\n", ""),
+        consumes_what_was_offered=(
+            "  consume(package.raw);\n  ++packages_;",
+            "  consume(package.offered);\n  ++packages_;",
+        ),
+    ),
+    *in_file(
+        SOURCE + "filter/validator.cpp",
+        "filter",
+        stamp_back_by_the_tolerance_is_bad=(
+            "back > config_.reorder_tolerance_us",
+            "back >= config_.reorder_tolerance_us",
+        ),
+        second_back_is_no_epoch=("back >= kNewEpoch_us", "back > kNewEpoch_us"),
+    ),
+    *in_file(
+        SOURCE + "schemes/asap2020.cpp",
+        "schemes",
+        gamma_grows_in_overload=(
+            "gamma_ * config_.rate_bound / rate)",
+            "gamma_ * rate / config_.rate_bound)",
+        ),
+    ),
+    *in_file(
+        INCLUDE + "telemetry/latency_histogram.hpp",
+        "telemetry",
+        at_the_bound_is_late=(
+            "latency_ns <= bound_ns_ ? count : 0U",
+            "latency_ns < bound_ns_ ? count : 0U",
+        ),
+    ),
+    *in_file(
+        INCLUDE + "filter/gamma_filter.hpp",
+        "filter",
+        gamma_keeps_what_it_should_discard=(
+            "(random_(number) >> 1) < threshold",
+            "(random_(number) >> 1) >= threshold",
+        ),
+    ),
+]

@@ -1,0 +1,72 @@
+// 12 Mev/s in real time, and an algorithm that keeps up: nothing may be lost, and what ASAP itself
+// costs is the processor time of both threads less the algorithm's.
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/runner/pipeline.hpp"
+#include "camera.hpp"
+#include "measure.hpp"
+#include "parts.hpp"
+
+namespace asap::soak {
+
+void steady(double seconds, std::uint64_t seed) {
+  constexpr double kRate = 12e6;
+  constexpr std::size_t kCapacity = std::size_t{1} << 20;
+  BackgroundActivityFilter filter({.width = Camera::kWidth, .height = Camera::kHeight});
+  std::vector<Event> passed(std::size_t{1} << 16);
+  std::uint64_t seen = 0;
+  double begun_s = 0;      // processor time of the worker, as of its first package ...
+  double ended_s = 0;      // ... and of its last
+  double algorithm_s = 0;  // in between, inside the algorithm
+  MemoryWatch memory(seconds);
+  Camera camera(static_cast<std::size_t>(kRate * 1e-3), seed);
+  Pipeline pipeline({.latency_us = 10'000, .capacity = kCapacity}, [&](EventSpan events) {
+    const double before_s = thread_cpu_s();
+    if (seen == 0) begun_s = before_s;
+    for (std::size_t at = 0; at < events.size(); at += passed.size()) {
+      filter.process(events.subspan(at, std::min(passed.size(), events.size() - at)),
+                     passed.data());
+    }
+    seen += events.size();
+    ended_s = thread_cpu_s();
+    algorithm_s += ended_s - before_s;
+  });
+
+  const auto start = Steady::now();
+  Camera::Pushed pushed;
+  std::atomic<bool> done = false;
+  std::thread producer([&] {
+    pushed = camera.push_paced(pipeline, kRate, seconds);
+    done = true;
+  });
+  while (!done) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    memory.look();
+  }
+  const double elapsed_s = seconds_since(start);
+  producer.join();
+  pipeline.stop();
+  pipeline.join();
+
+  const PipelineStats stats = pipeline.stats();
+  const Ledger& ledger = stats.ledger;
+  figure("steady_events", pushed.events);
+  figure("steady_wrong",
+         !(ledger.balanced() && ledger.received == pushed.events && ledger.delivered == seen));
+  figure("steady_overflow", ledger.overflow);
+  figure("steady_kept", static_cast<double>(seen) / static_cast<double>(pushed.events));
+  figure("steady_cpu_percent", 100 * (pushed.cpu_s + ended_s - begun_s - algorithm_s) / elapsed_s);
+  figure("steady_push_percent", 100 * pushed.cpu_s / elapsed_s);
+  figure("steady_p99_ms", stats.latency.quantile_ns(0.99) * 1e-6);
+  figure("steady_max_ms", static_cast<double>(stats.latency.max_ns()) * 1e-6);
+  figure("steady_longest_push_ms", 1e3 * pushed.longest_s);
+  figure("steady_late_ms", 1e3 * pushed.late_s);
+  figure("memory_above_ring_mib",
+         memory.resident() - static_cast<double>(kCapacity * sizeof(Event)) / (1 << 20));
+  figure("steady_memory_growth_mib", memory.growth());
+}
+
+}  // namespace asap::soak
