@@ -8,6 +8,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -15,7 +16,7 @@ from pathlib import Path
 import pytest
 
 import asap
-from house import INCLUDE, ROOT, name_of, sources
+from house import INCLUDE, ROOT, name_of, run, sources
 
 # What a layer may include, besides itself.
 MAY_INCLUDE = {
@@ -341,6 +342,10 @@ def test_files_are_short(folders: tuple[str, ...], limit: int) -> None:
     files = [path for path in sources(*folders) if path.suffix != ".pyi"]
     lines = {name_of(path): len(path.read_text().splitlines()) for path in files}
     assert not {name: count for name, count in lines.items() if count > limit}
+
+
+def test_every_mutant_still_finds_its_line() -> None:
+    run([sys.executable, ROOT / "tests" / "mutation" / "mutate.py", "--check"])
 
 
 def test_files_end_with_one_newline() -> None:

@@ -1,8 +1,12 @@
 // Five times what the algorithm can do: under the latency bound, and under a scheme that knows no
 // gamma, where the ring thins. Overflow has to end within a second, the latency stays bounded.
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/deadline.hpp"
@@ -19,16 +23,31 @@ constexpr double kAlpha_us = 100;
 constexpr double kBeta_ns = 1000;
 constexpr double kRate = 5e6;
 
-// How long the algorithm needed for a ring full of events and the package before.
-double full_ring_ms(std::size_t capacity, const PipelineStats& stats, double elapsed_s) {
-  const auto size_max = static_cast<double>(stats.packages.size_max.load());
-  const auto delivered = static_cast<double>(stats.ledger.delivered);
-  return 1e3 * elapsed_s * (static_cast<double>(capacity) + size_max) / delivered;
-}
+// When packages ended, and how many events had been delivered by then.
+struct Progress {
+  std::vector<std::pair<Steady::time_point, std::uint64_t>> ends;
+
+  void note(std::size_t size) {
+    ends.emplace_back(Steady::now(), (ends.empty() ? 0 : ends.back().second) + size);
+  }
+  // The longest that the algorithm has taken for so many events, whatever kept it.
+  double longest_ms(std::uint64_t events) const {
+    Steady::duration longest{};
+    for (std::size_t from = 0, to = 0; to < ends.size(); ++to) {
+      while (ends[to].second - ends[from].second >= events) {
+        longest = std::max(longest, ends[to].first - ends[from].first);
+        ++from;
+      }
+    }
+    return std::chrono::duration<double, std::milli>(longest).count();
+  }
+};
 
 void overloaded(const std::string& name, Scheme& scheme, const RunConfig& config, double seconds,
                 std::uint64_t seed) {
   BusyWait work({.alpha_us = kAlpha_us, .beta_ns = kBeta_ns});
+  Progress progress;
+  progress.ends.reserve(static_cast<std::size_t>(seconds * 1e4));
   MemoryWatch memory(seconds);
   Camera camera(static_cast<std::size_t>(kRate * 1e-3), seed);
   Pipeline pipeline(scheme, config);
@@ -36,6 +55,7 @@ void overloaded(const std::string& name, Scheme& scheme, const RunConfig& config
     pipeline.run([&](const Package& package) {
       if (!package.continues) work.begin();
       work.process(package.events);
+      progress.note(package.events.size());
     });
   });
   Camera::Pushed pushed;
@@ -45,22 +65,21 @@ void overloaded(const std::string& name, Scheme& scheme, const RunConfig& config
     done = true;
   });
   std::uint64_t settled_overflow = 0;  // by the end of the first second
-  const auto start = Steady::now();
-  while (!done) {
+  for (const auto start = Steady::now(); !done;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     memory.look();
     if (seconds_since(start) <= 1) settled_overflow = pipeline.ledger().overflow;
   }
-  const double elapsed_s = seconds_since(start);
   producer.join();
   pipeline.stop(false);
   consumer.join();
 
   const PipelineStats stats = pipeline.stats();
   const Ledger& ledger = stats.ledger;
+  // Without a bound of the scheme the ring is the queue: what it holds, and the package in work.
   const double bound_ms = scheme.latency_bound_ns() > 0
                               ? static_cast<double>(scheme.latency_bound_ns()) * 1e-6
-                              : full_ring_ms(config.capacity, stats, elapsed_s);
+                              : progress.longest_ms(config.capacity + 2 * stats.packages.size_max);
   figure(name + "_events", pushed.events);
   figure(name + "_wrong", !(ledger.balanced() && ledger.received == pushed.events));
   figure(name + "_overflow", ledger.overflow - settled_overflow);
@@ -77,6 +96,7 @@ void overloaded(const std::string& name, Scheme& scheme, const RunConfig& config
 void overload(double seconds, std::uint64_t seed) {
   Deadline deadline({.latency_ms = 10});
   overloaded("deadline", deadline, {}, seconds / 2, seed);
+  figure("deadline_alpha_us", deadline.alpha_ns() * 1e-3);
   FixedSize fixed_size({.size = 1000});
   const RunConfig config{
       .capacity = 262'144, .execution = Execution::whole, .when_full = WhenFull::thin};
