@@ -47,7 +47,8 @@ void overloaded(const std::string& name, Scheme& scheme, const RunConfig& config
                 std::uint64_t seed) {
   BusyWait work({.alpha_us = kAlpha_us, .beta_ns = kBeta_ns});
   Progress progress;
-  progress.ends.reserve(static_cast<std::size_t>(seconds * 1e4));
+  progress.ends.resize(static_cast<std::size_t>(seconds * 2e3));  // memory that is there already
+  progress.ends.clear();
   MemoryWatch memory(seconds);
   Camera camera(static_cast<std::size_t>(kRate * 1e-3), seed);
   Pipeline pipeline(scheme, config);

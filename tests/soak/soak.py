@@ -30,7 +30,8 @@ def main() -> int:
     options = parser.parse_args()
     seed = int.from_bytes(os.urandom(4), "big") if options.seed is None else options.seed
 
-    print(f"seed {seed}, {machine()}", flush=True)
+    before = load()
+    print(f"seed {seed}, {machine()}, load {before}", flush=True)
     found: dict[str, float] = {}
     failed = missed = False
     for part in options.parts:
@@ -48,7 +49,7 @@ def main() -> int:
             missed |= not goal.reached(value)
             failed |= goal.exact and not goal.reached(value)
     if not options.no_log:
-        log(options.minutes, found)
+        log(options.minutes, f"{machine()}, load {before} to {load()}", found)
     return 1 if failed or (missed and options.strict) else 0
 
 
@@ -72,11 +73,15 @@ def number(value: float) -> str:
 
 
 def machine() -> str:
-    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
-    return f"{platform.machine()}, {os.cpu_count()} cores, load {load:.1f}"
+    return f"{platform.machine()}, {os.cpu_count()} cores"
 
 
-def log(minutes: float, found: dict[str, float]) -> None:
+def load() -> str:
+    """How many threads want to run; with more than cores the figures are those of the others."""
+    return f"{os.getloadavg()[0]:.1f}"
+
+
+def log(minutes: float, where: str, found: dict[str, float]) -> None:
     """One line: date, commit, machine, minutes, and every figure that has a goal or a count."""
     commit = git("rev-parse", "--short", "HEAD")
     if git("status", "--porcelain", "--", "cpp", "tests/soak/*.cpp"):
@@ -89,7 +94,7 @@ def log(minutes: float, found: dict[str, float]) -> None:
     )
     today = datetime.datetime.now(datetime.timezone.utc).date()
     with (HERE / "LOG.md").open("a", encoding="utf-8") as file:
-        file.write(f"| {today} | {commit} | {machine()} | {minutes:g} | {words} |\n")
+        file.write(f"| {today} | {commit} | {where} | {minutes:g} | {words} |\n")
 
 
 def git(*words: str) -> str:

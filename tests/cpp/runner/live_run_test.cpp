@@ -52,6 +52,7 @@ TEST(LiveRun, AnArrivalInTheFutureIsNowAndOneBeforeTheLastIsThat) {
   run.push(test::at_times({3}), Steady::now() + 100s);
   deliver_all(run);
   EXPECT_EQ(run.ledger().delivered, 3u);
+  EXPECT_LT(run.sensor_delay().max_ns(), 5'000'000'000);
 }
 
 TEST(LiveRun, CountsWhatTheDoorRejects) {

@@ -266,7 +266,8 @@ TEST(Replay, CountsWhatItRejects) {
 TEST(Replay, AnExceptionOfTheAlgorithmComesOutUnchanged) {
   const Events events = evenly_spaced(50'000, 20);  // a second
   FixedSize scheme({.size = 10});
-  Replay replay(scheme);
+  // No flush, however long this thread may have to wait for its turn.
+  Replay replay(scheme, {}, {.latency_us = 1e9, .capacity = 65'536});
   SpanSource source(events);
   int calls = 0;
   const int code = trouble_of([&] {
