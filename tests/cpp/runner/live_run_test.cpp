@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "asap/schemes/greedy.hpp"
 #include "support/allocation_counter.hpp"
+#include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
 namespace asap {
@@ -87,6 +89,29 @@ TEST(LiveRun, TheNewestThatDoNotFitOverflow) {
   ASSERT_EQ(run.loop().next(package, 0ns), ConsumerLoop::Next::package);
   EXPECT_EQ(package.lost_before(), 50u);
   EXPECT_EQ(test::number_of(package.events.front()), 0u);
+}
+
+TEST(LiveRun, WhatTheFilterInFrontDropsIsFilteredAndNothingElse) {
+  test::ScriptedScheme scheme(
+      [](const Backlog& backlog) { return Decision::take(backlog.count, 0.25); });
+  RunConfig config = kWhole;
+  config.before = [](EventSpan events, Event* out) {
+    Event* const end = std::copy_if(events.begin(), events.end(), out,
+                                    [](const Event& event) { return event.p == 0; });
+    return static_cast<std::size_t>(end - out);
+  };
+  LiveRun run(scheme, config);
+  run.push(test::evenly_spaced(1000, 10));  // every second one
+  deliver_all(run);
+  const Ledger ledger = run.ledger();
+  EXPECT_EQ(ledger.filtered, 500u);
+  EXPECT_GT(ledger.discarded, 100u);
+  EXPECT_EQ(ledger.discarded + ledger.delivered, 500u);
+  run.push(test::Events(10, {1, 0, 1, 10'000}));  // none
+  deliver_all(run);
+  EXPECT_EQ(run.ledger().filtered, 510u);
+  EXPECT_EQ(run.ledger().discarded, ledger.discarded);
+  EXPECT_EQ(run.ledger().pending, 0u);
 }
 
 TEST(LiveRun, EveryTermIsCountedOnItsOwnInTheEnd) {

@@ -134,7 +134,9 @@ TEST(Pipeline, FlushWaitsForNothing) {
     std::this_thread::sleep_for(5ms);
     pipeline.flush();
   });
+  const auto asked = Steady::now();
   ASSERT_EQ(pipeline.next(package, kLong), Next::package);
+  EXPECT_LT(Steady::now() - asked, kLong / 2) << "the flush wakes who sleeps";
   EXPECT_EQ(package.events.size(), 100u);
   pipeline.push(at_times({1000}));
   EXPECT_EQ(pipeline.next(package, 5ms), Next::idle) << "what came after the flush waits";
