@@ -19,7 +19,7 @@ from pathlib import Path
 from mutants import MUTANTS, Mutant
 
 ROOT = Path(__file__).resolve().parents[2]
-COPIED = ("CMakeLists.txt", "pyproject.toml", "cpp", "tests/cpp", "tests/race")
+COPIED = ("CMakeLists.txt", "pyproject.toml", "cpp", "tests")
 WANTED = 0.95
 
 
