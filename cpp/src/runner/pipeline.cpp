@@ -166,9 +166,8 @@ void Pipeline::begin() {
   const std::lock_guard lock(control_);
   if (door_.is_open()) return;
   if (has_package_) throw std::logic_error("pipeline: a package is in work; complete() it first");
-  run_.reset();  // its memory first
   if (scheme_.latency_bound_ns() != 0) scheme_.set_latency_bound_ns(latency_bound_ns_);
-  run_ = std::make_unique<LiveRun>(scheme_, config_);
+  run_ = std::make_unique<LiveRun>(scheme_, config_);  // or the run before stays, if this throws
   upstream_marks_ = 0;
   upstream_packets_ = 0;
   door_.open();

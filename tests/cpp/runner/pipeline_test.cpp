@@ -279,6 +279,27 @@ TEST(Pipeline, StartWhileOpenChangesNothing) {
   EXPECT_EQ(pipeline.ledger().received, 1u);
 }
 
+TEST(Pipeline, AStartThatFailsLeavesTheRunBefore) {
+  struct Stubborn final : Scheme {
+    std::int64_t bound_ns = 1'000'000;
+    Decision decide(const Backlog& backlog) noexcept override {
+      return Decision::take(backlog.count);
+    }
+    std::int64_t latency_bound_ns() const noexcept override { return bound_ns; }
+    std::string_view name() const noexcept override { return "stubborn"; }
+  } scheme;
+  Pipeline pipeline(scheme, {.latency_us = 1000});
+  pipeline.push(at_times({1}));
+  pipeline.abandon();
+  scheme.bound_ns = 2'000'000;
+  EXPECT_THROW(pipeline.start(), std::invalid_argument);
+  EXPECT_FALSE(pipeline.is_open());
+  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 1, .pending = 1}));
+  scheme.bound_ns = 1'000'000;
+  pipeline.start();
+  EXPECT_TRUE(pipeline.push(at_times({1})));
+}
+
 TEST(Pipeline, HasOneConsumerAtATime) {
   Greedy scheme;
   Pipeline pipeline(scheme, kWhole);
