@@ -70,7 +70,7 @@ def cmake(source: Path, build: Path, **variables: str | Path) -> None:
 
 @functools.cache
 def native_build() -> Path:
-    """The C++ libraries and their tests, built once per session and up to date."""
-    build = ROOT / "build" / "tests"
+    """The C++ libraries and their tests, built once and up to date; also by the preset release."""
+    build = ROOT / "build" / "release"
     cmake(ROOT, build, ASAP_TESTS="ON")
     return build
