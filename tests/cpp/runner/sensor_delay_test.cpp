@@ -44,6 +44,13 @@ TEST(SensorDelay, RemembersTheLeastForAWindow) {
   EXPECT_EQ(delay.last_ns(), 0) << "it has become the rule";
 }
 
+TEST(SensorDelay, StampsMayBeNegative) {  // a run's axis begins where they do
+  SensorDelay delay;
+  delay.note(-5'000'000, -5 * kSecond);
+  delay.note(-4'990'000, -5 * kSecond + 13 * kMillisecond);
+  EXPECT_EQ(delay.last_ns(), 3 * kMillisecond);
+}
+
 TEST(SensorDelay, AClockSetBackBeginsAnew) {
   SensorDelay delay;
   delay.note(50'000'000, 0);

@@ -20,8 +20,9 @@ class SensorDelay {
   // The newest event of a push: its stamp, and when it came on the host's steady clock.
   void note(std::int64_t stamp_us, std::int64_t arrival_ns) noexcept {
     const std::int64_t difference_ns = arrival_ns - stamp_us * 1000;
-    if (arrival_ns - window_start_ns_ >= kWindowNs || window_start_ns_ == kNone) {
-      before_ns_ = window_start_ns_ == kNone ? kNone : least_ns_;
+    const bool is_first = window_start_ns_ == kNone;
+    if (is_first || arrival_ns - window_start_ns_ >= kWindowNs) {
+      before_ns_ = is_first ? kNone : least_ns_;
       window_start_ns_ = arrival_ns;
       least_ns_ = difference_ns;
     }
