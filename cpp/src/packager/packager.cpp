@@ -224,11 +224,10 @@ void Packager::consume(std::size_t count) noexcept {
 
 void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
   const std::uint64_t head = buffer_.head();
-  const std::uint64_t last = head + package.raw - 1;
-  const std::uint64_t thinned = times_.thinned(last);
-  rate_meter_.observe(package.raw + (thinned - thinned_reported_), times_.of(raw_[0], head),
-                      times_.of(raw_[package.raw - 1], last));
-  thinned_reported_ = thinned;
+  const std::size_t came = package.offered - offered_without_package_;  // the thinned out included
+  rate_meter_.observe(came, times_.of(raw_[0], head),
+                      times_.of(raw_[package.raw - 1], head + package.raw - 1));
+  thinned_reported_ += came - package.raw;
   if (package.events.empty()) return discard_all(package, end_ns);
   const std::int64_t oldest_ns = record_latencies(package.events, end_ns);
   const std::size_t size = package.events.size();

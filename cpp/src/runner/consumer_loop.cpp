@@ -5,6 +5,8 @@
 namespace asap {
 namespace {
 
+constexpr std::int64_t kPollEveryNs = 20'000'000;
+
 std::int64_t ns(RunClock::Steady::time_point time) noexcept {
   return std::chrono::nanoseconds(time.time_since_epoch()).count();
 }
@@ -88,6 +90,21 @@ void ConsumerLoop::work(Package package, const Consumer& algorithm) {
     now_ns = clock_.now_ns();
   }
   packager_.complete(package, now_ns);
+}
+
+void ConsumerLoop::run(const Consumer& algorithm, const Poll& poll) {
+  Package package;
+  std::int64_t polled_ns = kLongAgo;
+  for (;;) {
+    const Next next = this->next(package, std::chrono::nanoseconds(kPollEveryNs));
+    if (next == Next::ended) return;
+    if (next == Next::package) {
+      work(package, algorithm);
+      if (polled_ns != kLongAgo && package.start_ns - polled_ns < kPollEveryNs) continue;
+      polled_ns = package.start_ns;
+    }
+    if (poll) poll();
+  }
 }
 
 }  // namespace asap

@@ -14,6 +14,12 @@ std::int64_t arrival_step_ns(std::int64_t latency_bound_ns) {
   return std::max<std::int64_t>(latency_bound_ns / kStepsPerBound, 1);
 }
 
+PackagerConfig live_packager_config(const RunConfig& config) {
+  PackagerConfig packager = packager_config(config);
+  packager.drop_oldest = config.when_full == WhenFull::oldest;
+  return packager;
+}
+
 }  // namespace
 
 LiveRun::LiveRun(Scheme& scheme, const RunConfig& config)
@@ -21,12 +27,7 @@ LiveRun::LiveRun(Scheme& scheme, const RunConfig& config)
       telemetry_(latency_bound_ns(config, scheme), kLogRows),
       buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
       arrivals_(arrival_step_ns(telemetry_.latency.bound_ns())),
-      packager_(buffer_, arrivals_, scheme, telemetry_,
-                {.seed = config.seed,
-                 .execution = config.execution,
-                 .flush = config.flush,
-                 .before = config.before,
-                 .drop_oldest = config.when_full == WhenFull::oldest}),
+      packager_(buffer_, arrivals_, scheme, telemetry_, live_packager_config(config)),
       intake_(buffer_, arrivals_, doorbell_, config.when_full, config.seed ^ kIntakeSeed),
       loop_(buffer_, packager_, telemetry_, doorbell_, clock_, intake_.room()) {}
 

@@ -6,11 +6,6 @@
 #include "asap/schemes/deadline.hpp"
 
 namespace asap {
-namespace {
-
-constexpr std::chrono::nanoseconds kPollEvery = std::chrono::milliseconds(20);
-
-}  // namespace
 
 // The consumer's side has one guest at a time.
 class Pipeline::Working {
@@ -119,24 +114,14 @@ void Pipeline::abandon() {
 
 void Pipeline::run(const Consumer& consumer, const Poll& poll) {
   const Working working(*this);
-  ConsumerLoop& loop = run_->loop();
-  auto polled = std::chrono::steady_clock::now();
   try {
-    for (Package package;;) {
-      const Next next = loop.next(package, kPollEvery);
-      if (next == Next::ended) return run_->finish();
-      if (next == Next::package) loop.work(package, consumer);
-      if (!poll) continue;
-      const auto now = std::chrono::steady_clock::now();
-      if (now - polled < kPollEvery) continue;
-      polled = now;
-      poll();
-    }
+    run_->loop().run(consumer, poll);
   } catch (...) {
     stop(false);
     run_->finish();
     throw;
   }
+  run_->finish();
 }
 
 void Pipeline::flush() {

@@ -10,8 +10,7 @@
 namespace asap {
 namespace {
 
-constexpr std::int64_t kLongestChunkNs = 1'000'000;  // of stamps in one push
-constexpr std::int64_t kPollEveryNs = 20'000'000;
+constexpr std::int64_t kLongestChunkNs = 1'000'000;            // of stamps in one push
 constexpr auto kLongestSleep = std::chrono::milliseconds(20);  // a stop is seen this soon
 
 ReplayConfig checked(ReplayConfig config) {
@@ -33,11 +32,7 @@ Replay::Replay(Scheme& scheme, ReplayConfig replay, RunConfig config)
       telemetry_(latency_bound_ns(config, scheme)),
       buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
       ages_(age_slot_ns(telemetry_.latency.bound_ns())),
-      packager_(buffer_, ages_, scheme, telemetry_,
-                {.seed = config.seed,
-                 .execution = config.execution,
-                 .flush = config.flush,
-                 .before = config.before}),
+      packager_(buffer_, ages_, scheme, telemetry_, packager_config(config)),
       loop_(buffer_, packager_, telemetry_, doorbell_, clock_) {}
 
 void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
@@ -54,7 +49,7 @@ void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll
       buffer_.close();
       doorbell_.wake();
     });
-    consume(consumer, poll);
+    loop_.run(consumer, poll);
   }
   if (producer_error) std::rethrow_exception(producer_error);
 }
@@ -127,21 +122,6 @@ void Replay::push_arrived() noexcept {
   arriving_ = arriving_.subspan(count);
   lateness_.record(now_ns - first_ns);
   next_push_ns_ = until_ns + std::llround(replay_.pacing_us * 1e3);
-}
-
-void Replay::consume(const Consumer& consumer, const Poll& poll) {
-  Package package;
-  std::int64_t polled_ns = kLongAgo;
-  for (;;) {
-    const auto next = loop_.next(package, std::chrono::nanoseconds(kPollEveryNs));
-    if (next == ConsumerLoop::Next::ended) return;
-    if (next == ConsumerLoop::Next::package) {
-      loop_.work(package, consumer);
-      if (polled_ns != kLongAgo && package.start_ns - polled_ns < kPollEveryNs) continue;
-      polled_ns = package.start_ns;
-    }
-    if (poll) poll();
-  }
 }
 
 }  // namespace asap

@@ -30,6 +30,13 @@ std::int64_t latency_bound_ns(const RunConfig& config, const Scheme& scheme) {
   return wanted_ns;
 }
 
+PackagerConfig packager_config(const RunConfig& config) {
+  return {.seed = config.seed,
+          .execution = config.execution,
+          .flush = config.flush,
+          .before = config.before};
+}
+
 std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns) noexcept {
   if (config.capacity > 0) return config.capacity;
   const double events = kHighestRate * 2.0 * static_cast<double>(latency_bound_ns) * 1e-9;

@@ -19,11 +19,7 @@ Simulator::Simulator(Scheme& scheme, LinearCost cost, RunConfig config, Consumer
       telemetry_(latency_bound_ns(config, scheme)),
       buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
       ages_(age_slot_ns(telemetry_.latency.bound_ns())),
-      packager_(buffer_, ages_, scheme, telemetry_,
-                {.seed = config.seed,
-                 .execution = config.execution,
-                 .flush = config.flush,
-                 .before = config.before}) {
+      packager_(buffer_, ages_, scheme, telemetry_, packager_config(config)) {
   if (auto* admission = dynamic_cast<Admission*>(&scheme)) {
     gate_.emplace(*admission, config.seed ^ kAdmissionSeed);
   }

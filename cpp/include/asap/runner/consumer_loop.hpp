@@ -10,6 +10,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/packager/packager.hpp"
@@ -23,6 +24,7 @@ namespace asap {
 class ConsumerLoop {
  public:
   enum class Next { package, idle, ended };
+  using Poll = std::function<void()>;
 
   // The referenced objects outlive the loop. `room`: where a producer sleeps that waits for free
   // slots; may be none.
@@ -56,6 +58,10 @@ class ConsumerLoop {
 
   // Hands the package to the algorithm, whole or part by part, and completes it.
   void work(Package package, const Consumer& algorithm);
+
+  // Works until next() says ended. `poll` is called every 20 ms or, while the algorithm works,
+  // between two packages; it may throw. What either throws comes out unchanged.
+  void run(const Consumer& algorithm, const Poll& poll = {});
 
   // For a caller who has processed package.events himself.
   void complete(const Package& package) noexcept { packager_.complete(package, clock_.now_ns()); }

@@ -17,7 +17,6 @@
 #include <chrono>
 #include <cstdint>
 #include <exception>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -53,7 +52,7 @@ class Pipeline {
  public:
   using Next = ConsumerLoop::Next;
   using Arrival = std::optional<std::chrono::steady_clock::time_point>;
-  using Poll = std::function<void()>;
+  using Poll = ConsumerLoop::Poll;
 
   // Open from the start. The scheme outlives the pipeline.
   explicit Pipeline(Scheme& scheme, RunConfig config = {});

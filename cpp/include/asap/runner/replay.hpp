@@ -9,7 +9,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <stop_token>
 
 #include "asap/buffer/age_slots.hpp"
@@ -31,7 +30,7 @@ struct ReplayConfig {
 
 class Replay {
  public:
-  using Poll = std::function<void()>;
+  using Poll = ConsumerLoop::Poll;
 
   // The scheme outlives the replay.
   Replay(Scheme& scheme, ReplayConfig replay = {}, RunConfig config = {});
@@ -55,7 +54,6 @@ class Replay {
   void start(const Event& first) noexcept;
   void pace(const std::stop_token& stop);
   void push_arrived() noexcept;
-  void consume(const Consumer& consumer, const Poll& poll);
 
   const ReplayConfig replay_;
   Validator validator_;  // the producer's, like arriving_ and lateness_

@@ -7,6 +7,7 @@
 
 #include "asap/filter/front_filter.hpp"
 #include "asap/filter/validator.hpp"
+#include "asap/packager/packager.hpp"
 #include "asap/runner/when_full.hpp"
 #include "asap/schemes/scheme.hpp"
 
@@ -31,6 +32,9 @@ std::int64_t checked_latency_bound_ns(double latency_us);
 // The bound in force. Throws std::invalid_argument for a value out of range, and when the scheme
 // has another bound of its own.
 std::int64_t latency_bound_ns(const RunConfig& config, const Scheme& scheme);
+
+// What the packager has to know of it.
+PackagerConfig packager_config(const RunConfig& config);
 
 // The ring's capacity in force.
 std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns) noexcept;
