@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -491,6 +492,13 @@ def test_steps_in_detail():
     assert row_of(table, "Deadline").split("|")[-2].strip() == "0"
 
 
+def test_origin_names_command_time_and_machine():
+    words = document.origin("asap study --full", 90.0)
+    assert words.startswith("`asap study --full`, ")
+    assert f"{os.cpu_count()} cores" in words
+    assert words.endswith("; 1.5 minutes of processor time")
+
+
 def test_document_names_machine_command_and_misses(tmp_path):
     results = fake({"score": 0.96}, at("steps", "slow_tv"))
     path = tmp_path / "study.md"
@@ -504,9 +512,7 @@ def test_document_names_machine_command_and_misses(tmp_path):
         figures=[tmp_path / "scores.svg"],
     )
     text = path.read_text()
-    assert "`asap study --full`" in text
-    assert document.machine() in text
-    assert "1.5 minutes" in text
+    assert f"{document.origin('asap study --full', 90.0)}. Form full" in text
     assert "![scores](scores.svg)" in text
     assert text.count("**FAIL**") == 1
     assert "| G1 |" in next(line for line in text.splitlines() if "**FAIL**" in line)

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import argparse
 import importlib
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from asap import progress
 from asap.cli.options import add_verb
-from asap.cli.outcome import CHECK_FAILED, OK, print_json, say, usage, writing
+from asap.cli.outcome import CHECK_FAILED, OK, USAGE, Failure, print_json, say, usage, writing
 
 __all__ = ["add"]
+
+_Found = TypeVar("_Found")
 
 
 def add(verbs: Any) -> None:
@@ -42,124 +45,55 @@ def _workers(text: str) -> int:
 
 
 def _call(arguments: Any) -> int:
-    if arguments.ladder:
-        return _ladder(arguments)
-    if arguments.accuracy:
-        return _accuracy(arguments)
-    if arguments.realtime:
-        return _beside_the_clock(arguments)
+    asked = [kind for kind in _KINDS if getattr(arguments, kind)]
+    if len(asked) > 1:
+        raise Failure(USAGE, " and ".join(f"--{kind}" for kind in asked) + ": give one of them")
+    return _KINDS[asked[0]](arguments) if asked else _schemes(arguments)
+
+
+def _schemes(arguments: Any) -> int:
     from asap.study import study
 
-    form = _form(arguments)
-    with usage(), writing(), progress.on_terminal() as on_progress:
-        found = study(
-            arguments.out,
-            form=form,
-            workers=arguments.workers,
-            fresh=arguments.fresh,
-            figures=_can_draw(),
-            command="asap study" if form == "default" else f"asap study --{form}",
-            on_progress=on_progress,
-        )
+    found = _conducted(arguments, study, "asap study")
     if arguments.json:
-        print_json(
-            {
-                "schema_version": 1,
-                "form": form,
-                "goals": [asdict(goal) for goal in found.goals],
-                "seconds": found.seconds,
-                "taken_from_file": found.taken_from_file,
-                "files": [str(path) for path in found.paths],
-            }
-        )
+        _print_json(arguments, found, goals=[asdict(goal) for goal in found.goals])
     else:
         for goal in found.goals:
             word = {True: "pass", False: "FAIL", None: "-"}[goal.holds]
             print(f"{goal.id:<4} {word:<5} {goal.test}")
             print(f"           {goal.measured}  (goal: {goal.target})")
-        for path in found.paths:
-            print(f"wrote {path}")
+        _print_paths(found)
     return OK if found.holds else CHECK_FAILED
-
-
-def _form(arguments: Any) -> str:
-    return "quick" if arguments.quick else "full" if arguments.full else "default"
 
 
 def _accuracy(arguments: Any) -> int:
     from asap.study import accuracy_document, accuracy_study
 
-    form = _form(arguments)
-    with usage(), writing(), progress.on_terminal() as on_progress:
-        if arguments.realtime:
-            raise ValueError("--accuracy and --realtime: give one of them")
-        found = accuracy_study(
-            arguments.out,
-            form=form,
-            workers=arguments.workers,
-            fresh=arguments.fresh,
-            figures=_can_draw(),
-            command="asap study --accuracy" + ("" if form == "default" else f" --{form}"),
-            on_progress=on_progress,
-        )
-    for label in found.missing:
-        say(f"{label}: not in this build")
+    found = _conducted(arguments, accuracy_study, "asap study --accuracy")
+    _say_missing(found)
     if arguments.json:
-        print_json(
-            {
-                "schema_version": 1,
-                "form": form,
-                "accuracy": [curve.to_dict() for curve in found.curves],
-                "seconds": found.seconds,
-                "taken_from_file": found.taken_from_file,
-                "files": [str(path) for path in found.paths],
-            }
-        )
+        _print_json(arguments, found, accuracy=[curve.to_dict() for curve in found.curves])
         return OK
     for column, heading in (("mota", "MOTA"), ("f_measure", "corners, F")):
         some = [curve for curve in found.curves if column in curve.rows[0].mean]
         corners = [curve for curve in some if "mota" not in curve.rows[0].mean]
         if shown := some if column == "mota" else corners:
             print(f"{heading}\n\n{accuracy_document.by_scene(shown, column)}\n")
-    for path in found.paths:
-        print(f"wrote {path}")
+    _print_paths(found)
     return OK
 
 
 def _ladder(arguments: Any) -> int:
     from asap.study import ladder_document, ladder_study
 
-    form = _form(arguments)
-    with usage(), writing(), progress.on_terminal() as on_progress:
-        if arguments.realtime or arguments.accuracy:
-            raise ValueError("--ladder, --accuracy and --realtime: give one of them")
-        found = ladder_study(
-            arguments.out,
-            form=form,
-            workers=arguments.workers,
-            fresh=arguments.fresh,
-            figures=_can_draw(),
-            command="asap study --ladder" + ("" if form == "default" else f" --{form}"),
-            on_progress=on_progress,
-        )
-    for label in found.missing:
-        say(f"{label}: not in this build")
+    found = _conducted(arguments, ladder_study, "asap study --ladder")
+    _say_missing(found)
     if arguments.json:
-        print_json(
-            {
-                "schema_version": 1,
-                "form": form,
-                "ladder": [row.to_dict() for row in found.rows],
-                "seconds": found.seconds,
-                "taken_from_file": found.taken_from_file,
-                "files": [str(path) for path in found.paths],
-            }
-        )
+        _print_json(arguments, found, ladder=[row.to_dict() for row in found.rows])
         return OK
     print(f"finished within L\n\n{ladder_document.in_time_table(found.rows)}\n")
     print(f"accuracy in use\n\n{ladder_document.accuracy_table(found.rows, 'in_use')}\n")
-    for path in found.paths:
-        print(f"wrote {path}")
+    _print_paths(found)
     return OK
 
 
@@ -178,6 +112,46 @@ def _beside_the_clock(arguments: Any) -> int:
         print(table)
         print(f"wrote {path}")
     return OK
+
+
+_KINDS = {"ladder": _ladder, "accuracy": _accuracy, "realtime": _beside_the_clock}
+
+
+def _form(arguments: Any) -> str:
+    return "quick" if arguments.quick else "full" if arguments.full else "default"
+
+
+def _conducted(arguments: Any, study: Callable[..., _Found], command: str) -> _Found:
+    form = _form(arguments)
+    with usage(), writing(), progress.on_terminal() as on_progress:
+        return study(
+            arguments.out,
+            form=form,
+            workers=arguments.workers,
+            fresh=arguments.fresh,
+            figures=_can_draw(),
+            command=command if form == "default" else f"{command} --{form}",
+            on_progress=on_progress,
+        )
+
+
+def _say_missing(found: Any) -> None:
+    for label in found.missing:
+        say(f"{label}: not in this build")
+
+
+def _print_json(arguments: Any, found: Any, **figures: Any) -> None:
+    rest = {
+        "seconds": found.seconds,
+        "taken_from_file": found.taken_from_file,
+        "files": [str(path) for path in found.paths],
+    }
+    print_json({"schema_version": 1, "form": _form(arguments), **figures, **rest})
+
+
+def _print_paths(found: Any) -> None:
+    for path in found.paths:
+        print(f"wrote {path}")
 
 
 def _can_draw() -> bool:

@@ -16,8 +16,7 @@ from asap.study.accuracy_cases import (
     accuracy_cases,
     missing_rungs,
 )
-from asap.study.cases import FORMS
-from asap.study.conduct import OnProgress
+from asap.study.conduct import OnProgress, made_ready
 from asap.study.results import Results
 from asap.study.run import run
 
@@ -63,12 +62,7 @@ def accuracy_study(
     ValueError
         There is no such form.
     """
-    if form not in FORMS:
-        raise ValueError(f"form = {form!r}: give one of {', '.join(FORMS)}")
-    if workers is not None and workers < 1:
-        raise ValueError(f"workers = {workers}: give at least 1")
-    out = Path(out)
-    out.mkdir(parents=True, exist_ok=True)
+    out = made_ready(out, form, workers)
     ran = run(
         list(accuracy_cases(form)),
         state=out / "accuracy.jsonl",

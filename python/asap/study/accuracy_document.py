@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import datetime
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from asap import _core, accuracy_table
+from asap import accuracy_table
 from asap.accuracy import KeepCurve, KeepRow
-from asap.study.document import machine
+from asap.study.document import origin
 from asap.study.tables import markdown
 
 __all__ = ["by_scene", "label_of", "write"]
@@ -52,12 +51,10 @@ def write(
     missing : sequence of str
         Algorithms that this build does not have.
     """
-    date = datetime.date.today().isoformat()
     seeds = max((row.seeds for curve in curves for row in curve.rows), default=0)
     parts = [
         "# Accuracy against the kept fraction",
-        f"`{command}`, {date}, asap {_core.__version__}, {machine()}; {seconds / 60:.1f} minutes "
-        f"of processor time; {seeds} seed{'s' * (seeds != 1)} of scene and thinning.",
+        f"{origin(command, seconds)}; {seeds} seed{'s' * (seeds != 1)} of scene and thinning.",
         _HOW_TO_READ,
         *([f"Not in this build: {', '.join(missing)}."] if missing else []),
         *(f"![{figure.stem.replace('_', ' ')}]({figure.name})" for figure in figures),

@@ -14,7 +14,7 @@ from asap.study.probes import probes
 from asap.study.results import Results
 from asap.study.run import run
 
-__all__ = ["Study", "study"]
+__all__ = ["Study", "made_ready", "study"]
 
 OnProgress = Callable[[int, "int | None", Any], None]
 
@@ -32,6 +32,17 @@ class Study(NamedTuple):
     def holds(self) -> bool:
         """Whether no goal was missed."""
         return all(goal.holds is not False for goal in self.goals)
+
+
+def made_ready(out: str | Path, form: str, workers: int | None) -> Path:
+    """Check what every kind of study is asked for, and make its folder."""
+    if form not in FORMS:
+        raise ValueError(f"form = {form!r}: give one of {', '.join(FORMS)}")
+    if workers is not None and workers < 1:
+        raise ValueError(f"workers = {workers}: give at least 1")
+    folder = Path(out)
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
 
 
 def study(
@@ -77,12 +88,7 @@ def study(
     ValueError
         There is no such form.
     """
-    if form not in FORMS:
-        raise ValueError(f"form = {form!r}: give one of {', '.join(FORMS)}")
-    if workers is not None and workers < 1:
-        raise ValueError(f"workers = {workers}: give at least 1")
-    out = Path(out)
-    out.mkdir(parents=True, exist_ok=True)
+    out = made_ready(out, form, workers)
     ran = run(
         [*cases(form), *probes(form)],
         state=out / "state.jsonl",

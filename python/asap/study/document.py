@@ -14,7 +14,7 @@ from asap.study.cases import FORMS
 from asap.study.goals import Goal
 from asap.study.results import MODELS, Results
 
-__all__ = ["machine", "write"]
+__all__ = ["origin", "write"]
 
 _FORM_WORDS = dict(
     zip(
@@ -67,11 +67,9 @@ def write(
     figures : iterable of Path
         Beside the document.
     """
-    date = datetime.date.today().isoformat()
     parts = [
         "# Study of the schemes",
-        f"`{command}`, {date}, asap {_core.__version__}, {machine()}; {seconds / 60:.1f} minutes "
-        f"of processor time. Form {_FORM_WORDS[form]}.",
+        f"{origin(command, seconds)}. Form {_FORM_WORDS[form]}.",
         _HOW_TO_READ,
         "## Goals",
         tables.goal_table(goals),
@@ -131,9 +129,13 @@ def _deviations(results: Results) -> str:
     )
 
 
-def machine() -> str:
-    """Name the machine: processor, cores, system."""
-    return f"{_processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}"
+def origin(command: str, seconds: float) -> str:
+    """Say what has measured a document's figures: command, date, version, machine, time taken."""
+    date = datetime.date.today().isoformat()
+    machine = f"{_processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}"
+    version = f"asap {_core.__version__}"
+    minutes = f"{seconds / 60:.1f} minutes of processor time"
+    return f"`{command}`, {date}, {version}, {machine}; {minutes}"
 
 
 def _processor() -> str:

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from asap.study import ladder_document
-from asap.study.cases import FORMS
-from asap.study.conduct import OnProgress
+from asap.study.conduct import OnProgress, made_ready
 from asap.study.ladder_cases import LadderCase, LadderReplay, Outcomes, ToldCase
 from asap.study.ladder_cost import CostCase, Costs
 from asap.study.ladder_results import LadderRow, OverLatency, Told, over_latency, row, told_rows
@@ -66,12 +65,7 @@ def ladder_study(
     ValueError
         There is no such form.
     """
-    if form not in FORMS:
-        raise ValueError(f"form = {form!r}: give one of {', '.join(FORMS)}")
-    if workers is not None and workers < 1:
-        raise ValueError(f"workers = {workers}: give at least 1")
-    out = Path(out)
-    out.mkdir(parents=True, exist_ok=True)
+    out = made_ready(out, form, workers)
     if fresh:
         (out / "ladder.jsonl").unlink(missing_ok=True)
     missing = missing_rungs()

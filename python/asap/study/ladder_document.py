@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import datetime
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
-from asap import _core
-from asap.study.document import machine
+from asap.study.document import origin
 from asap.study.ladder_cases import REAL_LATENCY_MS
 from asap.study.ladder_results import Figures, LadderRow, Mean, OverLatency, Told
 from asap.study.ladder_rungs import LATENCY_MS, SLOWDOWN
@@ -74,13 +72,11 @@ def write(
     missing : sequence of str
         Consumers that this build does not have.
     """
-    date = datetime.date.today().isoformat()
     seeds = max(row.seeds for row in rows)
     late_ms = max(row.late_us for row in rows) / 1e3
     parts = [
         "# ASAP over the ladder",
-        f"`{command}`, {date}, asap {_core.__version__}, {machine()}; {seconds / 60:.1f} minutes "
-        f"of processor time; {seeds} seed{'s' * (seeds != 1)}.",
+        f"{origin(command, seconds)}; {seeds} seed{'s' * (seeds != 1)}.",
         _HOW_TO_READ,
         *([f"Not in this build: {', '.join(missing)}."] if missing else []),
         *(f"![{figure.stem}]({figure.name})" for figure in figures),
