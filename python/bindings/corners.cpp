@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "arrays.hpp"
 #include "asap/algorithms/arc_star.hpp"
@@ -144,24 +143,14 @@ One thread at a time. A stamp that goes back counts as the latest one. Source: L
 its release; equal stamps, undefined there, are ordered by arrival.
 )";
 
-py::array passing(BackgroundActivityFilter& filter, const py::array& events) {
-  const EventSpan span = as_span(events);
-  std::vector<Event> passed(span.size());
-  {
-    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const WithoutGil release;
-    passed.resize(filter.process(span, passed.data()));
-  }
-  return moved_to_array(std::move(passed));
-}
-
 template <class Detector>
 py::array_t<bool> corners(Detector& detector, const py::array& events) {
   const EventSpan span = as_span(events);
   py::array_t<bool> labels(static_cast<py::ssize_t>(span.size()));
   auto* bytes = reinterpret_cast<std::uint8_t*>(labels.mutable_data());
   {
-    const WithoutGil release;  // as above
+    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
+    const WithoutGil release;
     detector.process(span, {bytes, span.size()});
   }
   return labels;
@@ -220,24 +209,8 @@ void bind_filter_in_front(py::module_& m) {
              return std::make_unique<BackgroundActivityFilter>(BackgroundActivityFilterConfig{
                  .width = width, .height = height, .window_us = window_us});
            }),
-           "width"_a, "height"_a, py::kw_only(), "window_us"_a = kDefault.window_us)
-      .def("process", &passing, py::arg("events").noconvert(),
-           R"(Takes the next events of the stream and returns those that pass.
-
-Parameters
-----------
-events : ndarray of shape (n,) in EVENT_DTYPE
-
-Returns
--------
-ndarray of shape (k,) in EVENT_DTYPE
-    A new array.
-
-Raises
-------
-TypeError
-    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
-)");
+           "width"_a, "height"_a, py::kw_only(), "window_us"_a = kDefault.window_us);
+  bind_passing(type);
   bind_rest(type, "background_activity", &parameters,
             R"(Tells the fraction of the events that reaches the filter, 0 <= gamma <= 1.
 

@@ -46,20 +46,10 @@ One thread at a time. Only pixels count, not stamps and polarities. Three hot pi
 other take each other for a moving edge: give them.
 )";
 
-py::array passing(HotPixelMask& mask, const py::array& events) {
-  const EventSpan span = as_span(events);
-  std::vector<Event> passed(span.size());
-  {
-    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const WithoutGil release;
-    passed.resize(mask.process(span, passed.data()));
-  }
-  return moved_to_array(std::move(passed));
-}
-
 std::size_t learned(HotPixelMask& mask, const py::array& events) {
   const EventSpan span = as_span(events);
-  const WithoutGil release;  // as above
+  // Pure C++ on memory that `events` keeps alive: other Python threads may run.
+  const WithoutGil release;
   return mask.learn(span);
 }
 
@@ -85,25 +75,9 @@ void bind_hot_pixels(py::module_& m) {
              return std::make_unique<HotPixelMask>(config);
            }),
            "width"_a, "height"_a, py::kw_only(), "pixels"_a = py::tuple(),
-           "learn_events"_a = kLearnEvents)
-      .def("process", &passing, py::arg("events").noconvert(),
-           R"(Takes the next events of the stream and returns those that pass.
-
-Parameters
-----------
-events : ndarray of shape (n,) in EVENT_DTYPE
-
-Returns
--------
-ndarray of shape (k,) in EVENT_DTYPE
-    A new array.
-
-Raises
-------
-TypeError
-    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
-)")
-      .def("learn", &learned, py::arg("events").noconvert(),
+           "learn_events"_a = kLearnEvents);
+  bind_passing(type);
+  type.def("learn", &learned, py::arg("events").noconvert(),
            R"(Masks the hot pixels of these events as well, judged by these events alone.
 
 Parameters

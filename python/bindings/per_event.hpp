@@ -3,9 +3,47 @@
 
 #include <pybind11/pybind11.h>
 
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "gil.hpp"
+
 namespace asap::python {
 
 namespace py = pybind11;
+
+// process() of an algorithm that lets some of the events pass.
+template <class Filter>
+void bind_passing(py::class_<Filter>& type) {
+  const auto passing = [](Filter& filter, const py::array& events) {
+    const EventSpan span = as_span(events);
+    std::vector<Event> passed(span.size());
+    {
+      // Pure C++ on memory that `events` keeps alive: other Python threads may run.
+      const WithoutGil release;
+      passed.resize(filter.process(span, passed.data()));
+    }
+    return moved_to_array(std::move(passed));
+  };
+  type.def("process", passing, py::arg("events").noconvert(),
+           R"(Takes the next events of the stream and returns those that pass.
+
+Parameters
+----------
+events : ndarray of shape (n,) in EVENT_DTYPE
+
+Returns
+-------
+ndarray of shape (k,) in EVENT_DTYPE
+    A new array.
+
+Raises
+------
+TypeError
+    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+)");
+}
 
 // `parameters` makes the dict of the constructor's keyword parameters.
 template <class Algorithm>

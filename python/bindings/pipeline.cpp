@@ -5,21 +5,12 @@
 #include "layers.hpp"
 #include "live_pipeline.hpp"
 #include "telemetry.hpp"
+#include "validator.hpp"
 
 namespace asap::python {
 namespace {
 
 double us(std::int64_t ns) { return static_cast<double>(ns) * 1e-3; }
-
-py::dict dict_of(const Rejections& by) {
-  py::dict reasons;
-  reasons["nonmonotonic"] = by.nonmonotonic;
-  reasons["out_of_bounds"] = by.out_of_bounds;
-  reasons["bad_polarity"] = by.bad_polarity;
-  reasons["bad_record"] = by.bad_record;
-  reasons["before_start"] = by.before_start;
-  return reasons;
-}
 
 void bind_stats(py::module_& m) {
   py::class_<PipelineStats>(m, "PipelineStats", "How a pipeline does: a snapshot.")

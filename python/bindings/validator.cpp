@@ -1,6 +1,4 @@
-#include "asap/filter/validator.hpp"
-
-#include <pybind11/pybind11.h>
+#include "validator.hpp"
 
 #include <limits>
 #include <string>
@@ -46,17 +44,6 @@ py::array check(Validator& validator, const py::array& events) {
   return moved_to_array(std::move(kept));
 }
 
-py::dict rejected(const Validator& validator) {
-  const Rejections& by = validator.rejected();
-  py::dict reasons;
-  reasons["nonmonotonic"] = by.nonmonotonic;
-  reasons["out_of_bounds"] = by.out_of_bounds;
-  reasons["bad_polarity"] = by.bad_polarity;
-  reasons["bad_record"] = by.bad_record;
-  reasons["before_start"] = by.before_start;
-  return reasons;
-}
-
 py::dict repaired(const Validator& validator) {
   const Repairs& by = validator.repaired();
   py::dict kinds;
@@ -67,6 +54,16 @@ py::dict repaired(const Validator& validator) {
 }
 
 }  // namespace
+
+py::dict dict_of(const Rejections& by) {
+  py::dict reasons;
+  reasons["nonmonotonic"] = by.nonmonotonic;
+  reasons["out_of_bounds"] = by.out_of_bounds;
+  reasons["bad_polarity"] = by.bad_polarity;
+  reasons["bad_record"] = by.bad_record;
+  reasons["before_start"] = by.before_start;
+  return reasons;
+}
 
 void bind_validator(py::module_& m) {
   py::class_<Validator>(m, "Validator")
@@ -84,7 +81,8 @@ void bind_validator(py::module_& m) {
           py::arg("reorder_tolerance_us") = 0, py::arg("warmup_discard_us") = 0)
       .def("check", &check, py::arg("events").noconvert())
       .def_property_readonly("received", &Validator::received)
-      .def_property_readonly("rejected", &rejected)
+      .def_property_readonly("rejected",
+                             [](const Validator& self) { return dict_of(self.rejected()); })
       .def_property_readonly("repaired", &repaired)
       .def_property_readonly("last_us", &Validator::last_us)
       .def_property_readonly("clock_resets", &Validator::clock_resets)

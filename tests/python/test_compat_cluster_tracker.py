@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from functools import partial
 from typing import Any
 
@@ -14,6 +13,7 @@ from hypothesis.extra import numpy as hnp
 
 import asap
 from asap import EVENT_DTYPE, as_events
+from threads import turns_meanwhile
 
 CLUSTER_FIELDS = ["id", "x", "y", "vx", "vy", "cxx", "cxy", "cyy", "size", "t_last"]
 WIDTH, HEIGHT = 346, 260
@@ -267,19 +267,6 @@ def test_reset_is_a_new_tracker() -> None:
 
 
 def test_other_threads_run_meanwhile() -> None:
-    """The GIL is released: another thread counts while one call works."""
     events = noise(3_000_000)
     tracker = ClusterTracker(WIDTH, HEIGHT)
-    done = threading.Event()
-
-    def work() -> None:
-        tracker.process(events, labels=False)
-        done.set()
-
-    worker = threading.Thread(target=work)
-    worker.start()
-    turns = 0
-    while not done.wait(0.001):  # would return once at most if the call held the GIL
-        turns += 1
-    worker.join()
-    assert turns > 5
+    assert turns_meanwhile(lambda: tracker.process(events, labels=False)) > 5

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -11,7 +10,8 @@ import pytest
 
 import asap
 from asap import EVENT_DTYPE, ArcStar, FeatureTracker, as_events
-from test_corners import golden_stream
+from golden import golden_stream
+from threads import turns_meanwhile
 
 TRACK_FIELDS = ["id", "x", "y", "vx", "vy", "size", "t_first", "t_last"]
 WIDTH, HEIGHT = 346, 260
@@ -167,19 +167,6 @@ def test_simulate_drives_it_natively() -> None:
 
 
 def test_other_threads_run_meanwhile() -> None:
-    """The GIL is released: another thread counts while one call works."""
     events = np.tile(golden_stream(), 10)
     tracker = FeatureTracker(WIDTH, HEIGHT)
-    done = threading.Event()
-
-    def work() -> None:
-        tracker.process(events)
-        done.set()
-
-    worker = threading.Thread(target=work)
-    worker.start()
-    turns = 0
-    while not done.wait(0.001):  # would return once at most if the call held the GIL
-        turns += 1
-    worker.join()
-    assert turns > 2
+    assert turns_meanwhile(lambda: tracker.process(events)) > 2

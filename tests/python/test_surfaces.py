@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -21,6 +20,7 @@ from asap import (
 )
 from asap._core import is_native
 from golden import golden_stream
+from threads import turns_meanwhile
 
 WIDTH, HEIGHT = 346, 260
 
@@ -224,22 +224,9 @@ def test_other_arrays_are_refused(algorithm: Any) -> None:
 
 @pytest.mark.parametrize("algorithm", ALL)
 def test_other_threads_run_meanwhile(algorithm: Any) -> None:
-    """The GIL is released: another thread counts while one call works."""
     events = np.tile(golden_stream(), 20)
     one = algorithm(WIDTH, HEIGHT, count=100_000) if algorithm is EventImage else make(algorithm)
-    done = threading.Event()
-
-    def work() -> None:
-        one.process(events)
-        done.set()
-
-    worker = threading.Thread(target=work)
-    worker.start()
-    turns = 0
-    while not done.wait(0.001):  # would return once at most if the call held the GIL
-        turns += 1
-    worker.join()
-    assert turns > 2
+    assert turns_meanwhile(lambda: one.process(events)) > 2
 
 
 @pytest.mark.parametrize("algorithm", [*OLDER, *ALL])
