@@ -2,6 +2,7 @@
 // chunk (asap.experiment); the loops themselves run natively, without the GIL.
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -25,6 +26,24 @@
 namespace asap::python {
 namespace {
 
+py::object none_or_arrays(const KeptMask* mask) {
+  if (mask == nullptr) return py::none();
+  KeptMask::Reading reading;
+  {
+    const WithoutGil release;  // pure C++ on what the run has left behind
+    reading = mask->read();
+  }
+  const auto size = static_cast<py::ssize_t>(reading.kept.size());
+  py::array_t<bool> kept(size);
+  std::copy(reading.kept.begin(), reading.kept.end(), kept.mutable_data());
+  const auto packages = static_cast<py::ssize_t>(reading.first.size());
+  py::array_t<std::int64_t> first(packages, reading.first.data());
+  for (const py::array& array : {py::array(kept), py::array(first)}) {
+    array.attr("flags").attr("writeable") = false;
+  }
+  return py::make_tuple(kept, first);
+}
+
 template <class Runner, class Class>
 void bind_results(Class& cls) {
   cls.def_property_readonly("ledger", &Runner::ledger, "Where every event went.")
@@ -36,7 +55,11 @@ void bind_results(Class& cls) {
           "One row per package, in PACKAGE_DTYPE: a read-only copy.")
       .def_property_readonly(
           "latency", [](const Runner& runner) { return runner.telemetry().latency; },
-          "Latency per delivered event (a copy).");
+          "Latency per delivered event (a copy).")
+      .def_property_readonly(
+          "kept_mask", [](const Runner& runner) { return none_or_arrays(runner.kept_mask()); },
+          "With keep_mask: of every received event, delivered or not; of every package, its "
+          "first.");
 }
 
 std::vector<Outage> outages_of(
@@ -90,7 +113,7 @@ void bind_runner(py::module_& m) {
   py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
       .def(py::init([](std::optional<double> latency_us, const py::object& capacity,
                        const py::object& seed, const Validator& validator, bool anytime, bool flush,
-                       const py::object& before, const std::string& when_full) {
+                       const py::object& before, const std::string& when_full, bool keep_mask) {
              return RunConfig{.latency_us = latency_us,
                               .capacity = whole_number("capacity", capacity),
                               .seed = whole_number("seed", seed),
@@ -98,11 +121,13 @@ void bind_runner(py::module_& m) {
                               .execution = anytime ? Execution::anytime : Execution::whole,
                               .flush = flush,
                               .before = front_filter_of(before),
-                              .when_full = when_full_from(when_full)};
+                              .when_full = when_full_from(when_full),
+                              .keep_mask = keep_mask};
            }),
            py::kw_only(), py::arg("latency_us"), py::arg("capacity"), py::arg("seed"),
            py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true,
-           py::arg("before") = py::none(), py::arg("when_full") = "thin")
+           py::arg("before") = py::none(), py::arg("when_full") = "thin",
+           py::arg("keep_mask") = false)
       .def(
           "latency_bound_us",
           [](const RunConfig& config, const Scheme& scheme) {

@@ -56,6 +56,16 @@ def test_a_stream_of_arrays_gives_what_one_array_gives():
     np.testing.assert_array_equal(pieces.column("t"), events["t"])
 
 
+def test_the_mask_leads_back_to_the_users_array():
+    events = streams.poisson(1e6, 0.05, seed=3)
+    chunks = np.array_split(events, 7)
+    got = []
+    run = asap.run(iter(chunks), algorithm=got.append, capacity=2000, keep_mask=True)
+    assert run.kept_mask.shape == events.shape
+    np.testing.assert_array_equal(events[run.kept_mask], np.concatenate(got))
+    assert run.packages["first"].size == len(got)
+
+
 def test_takes_as_long_as_the_recording_divided_by_speed():
     events = streams.poisson(1e5, 0.6)
     began = time.monotonic()

@@ -327,3 +327,44 @@ def test_rejections_of_reader_and_run_add_up(tmp_path):
     assert run.ledger.rejected == 2
     assert run.ledger.received == 4
     assert run.ledger.balanced
+
+
+@pytest.mark.parametrize("opaque", [False, True])
+def test_the_mask_leads_back_to_the_users_array(opaque):
+    events = streams.poisson(6e6, 0.03, seed=4)
+    events["x"] = np.arange(events.size) % 400  # a fifth lies outside the sensor
+    got = []
+    run = asap.simulate(
+        events,
+        cost=COST,
+        latency_ms=5,
+        algorithm=lambda package: got.append(package.copy()),
+        opaque=opaque,
+        width=320,
+        height=65536,
+        keep_mask=True,
+    )
+    assert run.ledger.rejected > 0 and run.ledger.discarded > 0
+    assert run.kept_mask.shape == events.shape and not run.kept_mask.flags.writeable
+    np.testing.assert_array_equal(events[run.kept_mask], np.concatenate(got))
+
+    first, size = run.packages["first"], run.packages["size"]
+    kept = np.flatnonzero(run.kept_mask)
+    begin = np.cumsum(size) - size  # of each package, among the kept
+    assert (first <= kept[begin]).all()
+    assert (first[1:] > kept[begin[1:] - 1]).all()
+    assert (events["t"][kept[begin]] == run.packages["t_first"]).all()
+
+
+def test_no_mask_unless_asked():
+    run = asap.simulate(streams.poisson(1e5, 0.01, seed=1), cost=COST)
+    assert run.kept_mask is None
+    assert "first" not in run.packages.dtype.names
+
+
+def test_a_saved_run_knows_where_its_packages_begin(tmp_path):
+    run = asap.simulate(streams.poisson(1e6, 0.005, seed=1), cost=COST, keep_mask=True)
+    run.save(tmp_path / "run.json")
+    loaded = asap.load_run(tmp_path / "run.json")
+    np.testing.assert_array_equal(loaded.packages, run.packages)
+    assert loaded.kept_mask is None

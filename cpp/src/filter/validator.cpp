@@ -19,8 +19,9 @@ bool is_polarity(std::int16_t p) noexcept { return static_cast<std::uint16_t>(p)
 
 }  // namespace
 
-Validator::Validator(ValidatorConfig config)
+Validator::Validator(ValidatorConfig config, BitLog* passed)
     : config_(config),
+      passed_(passed),
       max_x_(largest_address(config.width)),
       max_y_(largest_address(config.height)),
       warming_up_(config.warmup_discard_us > 0) {
@@ -35,7 +36,7 @@ Validator::Validator(ValidatorConfig config)
           "warmup_discard_us", config.warmup_discard_us, "give 0 to 1e9 us");
 }
 
-bool Validator::pass_clean(EventSpan block) noexcept {
+bool Validator::pass_clean(EventSpan block) {
   if (clock_offset_us_ != 0 || warming_up_) return false;
   // One flag for the whole block: no branch per event. Stamps that do not decrease and end below
   // the limit are all below it; the lower limit is where last_us_ starts.
@@ -48,15 +49,17 @@ bool Validator::pass_clean(EventSpan block) noexcept {
   if (bad || last > kMaxStamp_us) return false;
   last_us_ = last;
   received_ += block.size();
+  if (passed_ != nullptr) passed_->append(block.size(), true);
   return true;
 }
 
-Validator::Repaired Validator::repair(EventSpan block) noexcept {
+Validator::Repaired Validator::repair(EventSpan block) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < block.size(); ++i) {
     ++received_;
     Event event = block[i];
     const Fault fault = warms_up(event) ? Fault::before_start : mend(event);
+    if (passed_ != nullptr) passed_->append(fault == Fault::none);
     if (fault == Fault::none) {
       last_us_ = event.t;
       scratch_[kept++] = event;

@@ -56,6 +56,7 @@ Packager::Next Packager::next(std::int64_t now_ns) {
   for (;;) {
     const bool ended = buffer_.closed();  // before the peek, which then sees all there will be
     const EventPieces waiting = buffer_.peek();
+    if (config_.kept_mask != nullptr) config_.kept_mask->make_room(waiting.size());
     if (waiting.size() == 0) {
       return {.step = ended ? Step::ended : Step::wait, .until_tail = buffer_.head() + 1};
     }
@@ -127,6 +128,7 @@ void Packager::pass_over(std::size_t count) noexcept {
   rate_meter_.observe(count, times_.of(oldest[0], head),
                       times_.of(oldest[count - 1], head + count - 1));
   thinner_.skip(count);
+  if (config_.kept_mask != nullptr) config_.kept_mask->passed_over(count);
   consume(count);
 }
 
@@ -228,6 +230,9 @@ void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
   rate_meter_.observe(came, times_.of(raw_[0], head),
                       times_.of(raw_[package.raw - 1], head + package.raw - 1));
   thinned_reported_ += came - package.raw;
+  if (config_.kept_mask != nullptr) {
+    config_.kept_mask->packaged(raw_, package.raw, package.events);
+  }
   if (package.events.empty()) return discard_all(package, end_ns);
   const std::int64_t oldest_ns = record_latencies(package.events, end_ns);
   const std::size_t size = package.events.size();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "asap/core/check.hpp"
+
 namespace asap {
 namespace {
 
@@ -15,6 +17,7 @@ std::int64_t arrival_step_ns(std::int64_t latency_bound_ns) {
 }
 
 PackagerConfig live_packager_config(const RunConfig& config) {
+  require(!config.keep_mask, "keep_mask", 1, "not with live events; give it to a recording's run");
   PackagerConfig packager = packager_config(config);
   packager.drop_oldest = config.when_full == WhenFull::oldest;
   return packager;

@@ -28,11 +28,13 @@ struct Stopped {};
 
 Replay::Replay(Scheme& scheme, ReplayConfig replay, RunConfig config)
     : replay_(checked(replay)),
-      validator_(config.validator),
+      kept_mask_(config.keep_mask ? std::make_unique<KeptMask>() : nullptr),
+      validator_(config.validator, kept_mask_ ? &kept_mask_->passed() : nullptr),
       telemetry_(latency_bound_ns(config, scheme)),
       buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
-      ages_(age_slot_ns(telemetry_.latency.bound_ns())),
-      packager_(buffer_, ages_, scheme, telemetry_, packager_config(config)),
+      intake_(buffer_, telemetry_.latency.bound_ns(), kept_mask_.get()),
+      packager_(buffer_, intake_.ages(), scheme, telemetry_,
+                packager_config(config, kept_mask_.get())),
       loop_(buffer_, packager_, telemetry_, doorbell_, clock_) {}
 
 void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
@@ -106,7 +108,7 @@ void Replay::pace(const std::stop_token& stop) {
   }
 }
 
-void Replay::push_arrived() noexcept {
+void Replay::push_arrived() {
   const std::int64_t now_ns = clock_.now_ns();
   const std::int64_t first_ns = packager_.axis().to_ns(arriving_.front().t);
   const std::int64_t until_ns = std::min(now_ns, first_ns + kLongestChunkNs);
@@ -114,10 +116,7 @@ void Replay::push_arrived() noexcept {
   while (count < arriving_.size() && packager_.axis().to_ns(arriving_[count].t) <= until_ns) {
     ++count;
   }
-  const std::uint64_t first = buffer_.tail();
-  const std::size_t taken = buffer_.push(arriving_.first(count));
-  ages_.observe(arriving_.first(taken), first,
-                [&](std::int64_t stamp) { return packager_.axis().to_ns(stamp); });
+  intake_.push(arriving_.first(count), packager_.axis());
   doorbell_.announce(buffer_.tail());
   arriving_ = arriving_.subspan(count);
   lateness_.record(now_ns - first_ns);

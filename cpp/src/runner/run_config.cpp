@@ -30,11 +30,12 @@ std::int64_t latency_bound_ns(const RunConfig& config, const Scheme& scheme) {
   return wanted_ns;
 }
 
-PackagerConfig packager_config(const RunConfig& config) {
+PackagerConfig packager_config(const RunConfig& config, KeptMask* kept_mask) {
   return {.seed = config.seed,
           .execution = config.execution,
           .flush = config.flush,
-          .before = config.before};
+          .before = config.before,
+          .kept_mask = kept_mask};
 }
 
 std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns) noexcept {

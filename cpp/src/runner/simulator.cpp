@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "asap/core/check.hpp"
+
 namespace asap {
 namespace {
 
@@ -15,12 +17,15 @@ constexpr std::uint64_t kAdmissionSeed = 0x61646d6974;  // not the gamma filter'
 Simulator::Simulator(Scheme& scheme, LinearCost cost, RunConfig config, Consumer consumer)
     : cost_(std::move(cost)),
       consumer_(std::move(consumer)),
-      validator_(config.validator),
+      kept_mask_(config.keep_mask ? std::make_unique<KeptMask>() : nullptr),
+      validator_(config.validator, kept_mask_ ? &kept_mask_->passed() : nullptr),
       telemetry_(latency_bound_ns(config, scheme)),
       buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
-      ages_(age_slot_ns(telemetry_.latency.bound_ns())),
-      packager_(buffer_, ages_, scheme, telemetry_, packager_config(config)) {
+      intake_(buffer_, telemetry_.latency.bound_ns(), kept_mask_.get()),
+      packager_(buffer_, intake_.ages(), scheme, telemetry_,
+                packager_config(config, kept_mask_.get())) {
   if (auto* admission = dynamic_cast<Admission*>(&scheme)) {
+    require(!config.keep_mask, "keep_mask", 1, "not with a scheme that filters on arrival");
     gate_.emplace(*admission, config.seed ^ kAdmissionSeed);
   }
 }
@@ -131,7 +136,7 @@ bool Simulator::work() {
   return true;
 }
 
-bool Simulator::wait(const Packager::Next& next) noexcept {
+bool Simulator::wait(const Packager::Next& next) {
   const std::uint64_t missing = next.until_tail - buffer_.tail();
   const std::size_t by_time = arrivals_by(next.until_ns);
   if (missing > by_time && by_time == arriving_.size() && next.until_ns >= known_until_ns_) {
@@ -168,11 +173,8 @@ void Simulator::go_on() {
   packager_.complete(working_, now_ns_);
 }
 
-void Simulator::admit(std::size_t count) noexcept {
-  const std::uint64_t first = buffer_.tail();
-  const std::size_t taken = buffer_.push(arriving_.first(count));
-  ages_.observe(arriving_.first(taken), first,
-                [&](std::int64_t stamp) { return packager_.axis().to_ns(stamp); });
+void Simulator::admit(std::size_t count) {
+  intake_.push(arriving_.first(count), packager_.axis());
   arriving_ = arriving_.subspan(count);
 }
 

@@ -18,7 +18,7 @@ from asap.experiment.cost import BOUND_KEPT, Cost, bound_needed_us
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["LEDGER_FIELDS", "SCHEMA_VERSION", "Ledger", "Named", "Run"]
+__all__ = ["LEDGER_FIELDS", "SCHEMA_VERSION", "Ledger", "Named", "Run", "with_first"]
 
 SCHEMA_VERSION = 1
 LEDGER_FIELDS = (
@@ -93,7 +93,8 @@ class Run:
     ----------
     packages : ndarray
         One row per package: index, start_us, processing_us, t_first, t_last, offered, size, gamma,
-        event_rate, rate, margin_us, latency_max_us, stale, overflow.
+        event_rate, rate, margin_us, latency_max_us, stale, overflow. With keep_mask=True also
+        first: where the `offered` raw events behind the package begin in the source.
     ledger : Ledger
         Where every event went.
     latency : LatencyHistogram
@@ -113,6 +114,11 @@ class Run:
     slots : ndarray or None
         In virtual time: one row per 1 ms of stamps that holds an event: slot (ms), received,
         delivered (events), latency_max_us. Not saved.
+    kept_mask : ndarray of bool, shape (events,), or None
+        With keep_mask=True: of every event of the source, whether the algorithm got it;
+        ``events[run.kept_mask]`` are the delivered ones, in order. Where the reader of a file has
+        dropped some, the events are those that `load` gives. Of equal events the first counts as
+        kept. Not saved.
     learned : Cost or None
         What the scheme had learned of the algorithm's cost by the end; None where it learns none.
     """
@@ -130,6 +136,7 @@ class Run:
     clock_resets: int = 0
     lateness: _core.LatencyHistogram | None = None
     slots: NDArray[np.void] | None = None
+    kept_mask: NDArray[np.bool_] | None = None
     learned: Cost | None = None
 
     def __post_init__(self) -> None:
@@ -236,6 +243,16 @@ class Run:
         from asap import table
 
         return table.format_run(self)
+
+
+def with_first(packages: NDArray[np.void], first: NDArray[np.int64]) -> NDArray[np.void]:
+    """Add the column `first` to the rows of the packages."""
+    extended = np.empty(packages.shape, [*_core.PACKAGE_DTYPE.descr, ("first", "<i8")])
+    for name in packages.dtype.names or ():
+        extended[name] = packages[name]
+    extended["first"] = first
+    extended.flags.writeable = False
+    return extended
 
 
 def _share(part: int, whole: int) -> float:

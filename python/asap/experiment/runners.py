@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from asap import _core
-from asap.experiment.result import LEDGER_FIELDS, Ledger, Run
+from asap.experiment.result import LEDGER_FIELDS, Ledger, Run, with_first
 from asap.experiment.source import Source
 
 __all__ = [
@@ -52,6 +52,7 @@ def simulate(
     on_bad: str = "drop",
     seed: int = 0,
     capacity: int | None = None,
+    keep_mask: bool = False,
     on_progress: Progress | None = None,
 ) -> Run:
     """Run in virtual time: events arrive at their stamps, a package costs what `cost` says.
@@ -85,6 +86,9 @@ def simulate(
         Of the gamma filter.
     capacity : int, optional
         Of the ring, events. Default: at least 2**20.
+    keep_mask : bool
+        Note which events the algorithm got, `Run.kept_mask`, and where packages begin, the column
+        `first` of `Run.packages`. Takes 3 bits of memory per event.
     on_progress : callable, optional
         Called as on_progress(done, total or None, ledger) between chunks.
 
@@ -109,6 +113,7 @@ def simulate(
         capacity=capacity,
         anytime=not opaque,
         before=before,
+        keep_mask=keep_mask,
     )
     simulator = _core.Simulator(scheme, cost, config, algorithm)
     try:
@@ -137,6 +142,7 @@ def run(
     on_bad: str = "drop",
     seed: int = 0,
     capacity: int | None = None,
+    keep_mask: bool = False,
     on_progress: Progress | None = None,
 ) -> Run:
     """Replay a recording in real time: paced by its stamps, the algorithm measured by the clock.
@@ -170,6 +176,8 @@ def run(
         Of the gamma filter.
     capacity : int, optional
         Of the ring, events. Default: at least 2**20.
+    keep_mask : bool
+        As in `simulate`.
     on_progress : callable, optional
         Called as on_progress(done, total or None, ledger) about every 20 ms.
 
@@ -196,6 +204,7 @@ def run(
         capacity=capacity,
         anytime=_core.is_native(algorithm),
         before=before,
+        keep_mask=keep_mask,
     )
     replay = _core.Replay(scheme, config, speed)
 
@@ -278,6 +287,7 @@ def make_config(
     when_full: str = "thin",
     reorder_tolerance_us: int = 0,
     warmup_discard_us: int = 0,
+    keep_mask: bool = False,
 ) -> _core.RunConfig:
     """Check what the runners have in common, and put it together for the native ones."""
     if latency_ms is not None:
@@ -300,6 +310,7 @@ def make_config(
         flush=flush,
         before=before,
         when_full=when_full,
+        keep_mask=keep_mask,
     )
 
 
@@ -321,8 +332,12 @@ def remember(
         rejected[reason] = rejected.get(reason, 0) + count
         counts["received"] += count
         counts["rejected"] += count
+    packages, kept_mask = runner.packages, None
+    if runner.kept_mask is not None:
+        kept_mask, first = runner.kept_mask
+        packages = with_first(packages, first)
     _last = Run(
-        packages=runner.packages,
+        packages=packages,
         ledger=Ledger(counts),
         latency=runner.latency,
         rejected=rejected,
@@ -335,6 +350,7 @@ def remember(
         speed=speed,
         lateness=runner.lateness if isinstance(runner, _core.Replay) else None,
         slots=runner.slots if isinstance(runner, _core.Simulator) else None,
+        kept_mask=kept_mask,
     )
     return _last
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from asap import _core
 from asap.experiment.cost import Cost
-from asap.experiment.result import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named, Run
+from asap.experiment.result import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named, Run, with_first
 
 __all__ = ["load_run"]
 
@@ -82,6 +82,8 @@ def _from_document(document: Any) -> Run:
 
 def _packages(rows: dict[str, Any]) -> NDArray[np.void]:
     packages = np.zeros(len(rows["index"]), _core.PACKAGE_DTYPE)
+    if "first" in rows:
+        packages = with_first(packages, np.zeros(packages.size, np.int64)).copy()
     for name in packages.dtype.names or ():
         column = np.asarray(rows[name])
         is_whole = packages.dtype[name].kind == "i"

@@ -355,6 +355,16 @@ TEST(Validator, OutputIsOrderedAndTheLedgerExactInAnyStorm) {
     ASSERT_EQ(joined, good) << "seed " << seed;
     ASSERT_EQ(pieces.rejected(), whole.rejected()) << "seed " << seed;
     ASSERT_EQ(pieces.repaired(), whole.repaired()) << "seed " << seed;
+
+    BitLog passed;
+    Validator noting(config, &passed);
+    Validator single(config);
+    check(noting, events);
+    ASSERT_EQ(passed.size(), events.size()) << "seed " << seed;
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      const bool passes = check(single, EventSpan(events).subspan(i, 1)).size() == 1;
+      ASSERT_EQ(passed[i], passes) << "seed " << seed << " event " << i;
+    }
   }
 }
 

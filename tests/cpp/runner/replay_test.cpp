@@ -104,6 +104,28 @@ TEST(Replay, DeliversEveryEventInOrder) {
   EXPECT_EQ(replay.telemetry().latency.count(), 20'000u);
 }
 
+TEST(Replay, TheMaskLeadsBackToTheEventsThatWereGiven) {
+  Events events = test::random_stream(2, 20'000);
+  for (std::size_t i = 0; i < events.size(); i += 100) events[i].p = 7;  // comes as 1
+  for (std::size_t i = 50; i < events.size(); i += 100) events[i].t = -1;
+  Asap2020 scheme({.rate_bound = 1e5, .first_size = 50});
+  Replay replay(scheme, {.speed = 50}, {.keep_mask = true});
+  SpanSource source(events);
+  std::vector<std::uint64_t> delivered;
+  replay.run(source, [&](EventSpan package) {
+    for (const Event& event : package) delivered.push_back(test::number_of(event));
+  });
+  const KeptMask::Reading reading = replay.kept_mask()->read();
+  std::vector<std::uint64_t> kept;
+  for (std::size_t i = 0; i < reading.kept.size(); ++i) {
+    if (reading.kept[i] == 1) kept.push_back(i);
+  }
+  EXPECT_EQ(reading.kept.size(), events.size());
+  EXPECT_EQ(kept, delivered);
+  EXPECT_LT(kept.size(), 19'800u);
+  EXPECT_EQ(reading.first.size(), replay.telemetry().log.size());
+}
+
 TEST(Replay, APackageStartsAfterItsEventsHaveArrived) {
   const Events events = evenly_spaced(5000, 40, 1'600'000'000'123'456);
   FixedSize scheme({.size = 100});

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <functional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "asap/schemes/asap2020.hpp"
+#include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed_size.hpp"
 #include "asap/schemes/fixed_time.hpp"
 #include "asap/schemes/greedy.hpp"
@@ -369,6 +371,82 @@ TEST(Simulator, CountsRejectedEvents) {
   simulator.finish();
   EXPECT_EQ(simulator.ledger(), (Ledger{.received = 5, .rejected = 3, .delivered = 2}));
   EXPECT_EQ(simulator.rejected(), (Rejections{.nonmonotonic = 1, .out_of_bounds = 2}));
+}
+
+// Losses of every kind: rejected, filtered, discarded by gamma, stale, overflow.
+TEST(Simulator, TheMaskLeadsBackToTheEventsThatWereGiven) {
+  const FrontFilter every_fourth_is_noise = [](EventSpan events, Event* out) {
+    std::size_t passed = 0;
+    for (const Event& event : events) {
+      if (number_of(event) % 4 != 0) out[passed++] = event;
+    }
+    return passed;
+  };
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const Events events = test::random_stream(seed, 20'000);
+    Deadline deadline({.latency_ms = 1.0});
+    Asap2020 asap2020({.rate_bound = 1e5, .first_size = 20});
+    Scheme& scheme = seed % 2 == 0 ? static_cast<Scheme&>(deadline) : asap2020;
+    Events delivered;
+    Simulator simulator(scheme, LinearCost({.alpha_us = 30, .beta_ns = 5000}),
+                        {.latency_us = 1000,
+                         .capacity = seed % 3 == 0 ? 50u : 5000u,
+                         .validator = {.width = 15'000},
+                         .execution = seed % 4 < 2 ? Execution::anytime : Execution::whole,
+                         .before = seed % 5 < 2 ? every_fourth_is_noise : FrontFilter{},
+                         .keep_mask = true},
+                        [&](const Package& package) {
+                          delivered.insert(delivered.end(), package.events.begin(),
+                                           package.events.end());
+                        });
+    for (std::size_t at = 0; at < events.size(); at += 700) {
+      simulator.feed(EventSpan(events).subspan(at, std::min<std::size_t>(700, events.size() - at)));
+    }
+    simulator.finish();
+
+    const KeptMask::Reading reading = simulator.kept_mask()->read();
+    ASSERT_EQ(reading.kept.size(), events.size());
+    Events kept;
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      if (reading.kept[i] == 1) kept.push_back(events[i]);
+    }
+    EXPECT_EQ(kept, delivered);
+
+    const RunLog& log = simulator.telemetry().log;
+    ASSERT_EQ(reading.first.size(), log.size());
+    auto event = delivered.begin();  // of the kept ones, the first of this package
+    std::int64_t after = 0;          // the last one of the package before
+    for (std::size_t i = 0; i < log.size(); ++i) {
+      const auto first_kept = static_cast<std::int64_t>(number_of(*event));
+      ASSERT_GE(reading.first[i], after);
+      ASSERT_LE(reading.first[i], first_kept);
+      ASSERT_LE(log[i].offered, static_cast<std::int64_t>(events.size()) - reading.first[i]);
+      if (log[i].gamma == 1.0 && seed % 5 >= 2) {
+        ASSERT_EQ(reading.first[i], first_kept);
+      }
+      event += log[i].size;
+      after = static_cast<std::int64_t>(number_of(*(event - 1))) + 1;
+    }
+  }
+}
+
+TEST(Simulator, KeepsNoMaskUnlessAsked) {
+  Greedy scheme;
+  EXPECT_EQ(Simulator(scheme, slow()).kept_mask(), nullptr);
+}
+
+TEST(Simulator, WhatWaitsWhenARunEndsEarlyIsNotKept) {
+  FixedSize scheme({.size = 10});
+  int calls = 0;
+  Simulator simulator(scheme, slow(), {.keep_mask = true}, [&](const Package&) {
+    if (++calls == 3) throw Trouble{7};
+  });
+  const Events events = evenly_spaced(100, 30);
+  EXPECT_THROW(simulator.feed(events), Trouble);
+  const KeptMask::Reading reading = simulator.kept_mask()->read();
+  EXPECT_EQ(std::count(reading.kept.begin(), reading.kept.end(), 1), 20);
+  EXPECT_EQ(reading.first, (std::vector<std::int64_t>{0, 10}));
 }
 
 TEST(Simulator, KnowsHowManyWereInTime) {

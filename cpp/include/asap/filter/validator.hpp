@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "asap/core/bit_log.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
@@ -56,7 +57,8 @@ class Validator {
   static constexpr std::int64_t kMaxStamp_us = std::int64_t{1} << 52;
   static constexpr std::int64_t kNewEpoch_us = 1'000'000;
 
-  explicit Validator(ValidatorConfig config = {});
+  // `passed`, if given, outlives the validator: one bit per event that has come, 1 = sunk.
+  explicit Validator(ValidatorConfig config = {}, BitLog* passed = nullptr);
 
   // Calls sink(EventSpan) with runs of good events, in order; a run is valid during the call.
   // With OnBad::raise throws std::invalid_argument, which names field, value and the number of the
@@ -105,14 +107,15 @@ class Validator {
     Fault fault = Fault::none;  // of the event at `read`, if it is to be refused
   };
 
-  bool pass_clean(EventSpan block) noexcept;
-  Repaired repair(EventSpan block) noexcept;
+  bool pass_clean(EventSpan block);
+  Repaired repair(EventSpan block);
   Fault mend(Event& event) noexcept;
   bool warms_up(const Event& event) noexcept;
   void count(Fault fault) noexcept;
   [[noreturn]] void refuse(const Event& event, Fault fault) const;
 
   ValidatorConfig config_;
+  BitLog* passed_;
   std::uint32_t max_x_;
   std::uint32_t max_y_;
   std::int64_t last_us_ = -kMaxStamp_us;  // stamp of the last event that passed

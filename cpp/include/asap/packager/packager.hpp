@@ -23,6 +23,7 @@
 #include "asap/filter/front_filter.hpp"
 #include "asap/packager/anytime_plan.hpp"
 #include "asap/packager/event_times.hpp"
+#include "asap/packager/kept_mask.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/packager/thinner.hpp"
 #include "asap/schemes/rate_meter.hpp"
@@ -53,6 +54,7 @@ struct PackagerConfig {
   bool flush = true;         // false: only a full ring or the end of the source forces a scheme
   FrontFilter before{};      // may be none
   bool drop_oldest = false;  // of a ring found full, the older half
+  KeptMask* kept_mask = nullptr;  // to note what is kept; may be none, else outlives the packager
 };
 
 class Packager {

@@ -9,15 +9,16 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <stop_token>
 
-#include "asap/buffer/age_slots.hpp"
 #include "asap/packager/packager.hpp"
 #include "asap/runner/clock.hpp"
 #include "asap/runner/consumer.hpp"
 #include "asap/runner/consumer_loop.hpp"
 #include "asap/runner/doorbell.hpp"
 #include "asap/runner/event_source.hpp"
+#include "asap/runner/recording_intake.hpp"
 #include "asap/runner/run_config.hpp"
 #include "asap/telemetry/ledger.hpp"
 
@@ -46,6 +47,8 @@ class Replay {
   const Rejections& rejected() const noexcept { return validator_.rejected(); }
   const Validator& validator() const noexcept { return validator_; }
   const Telemetry& telemetry() const noexcept { return telemetry_; }
+  // Which events were delivered, if config.keep_mask; else null. Read it after run().
+  const KeptMask* kept_mask() const noexcept { return kept_mask_.get(); }
   // How late the producer pushed: its own and the machine's jitter, per push.
   const LatencyHistogram& lateness() const noexcept { return lateness_; }
 
@@ -53,13 +56,14 @@ class Replay {
   void produce(EventSource& source, const std::stop_token& stop);
   void start(const Event& first) noexcept;
   void pace(const std::stop_token& stop);
-  void push_arrived() noexcept;
+  void push_arrived();
 
   const ReplayConfig replay_;
+  const std::unique_ptr<KeptMask> kept_mask_;
   Validator validator_;  // the producer's, like arriving_ and lateness_
   Telemetry telemetry_;  // the consumer's
   EventBuffer buffer_;
-  AgeSlots ages_;
+  RecordingIntake intake_;
   Packager packager_;
   Doorbell doorbell_;
   RunClock clock_;

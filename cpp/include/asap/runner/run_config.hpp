@@ -24,6 +24,7 @@ struct RunConfig {
       true;  // false, for experiments: nothing is taken because it has waited for the bound
   FrontFilter before{};                 // in front of the gamma filter; may be none
   WhenFull when_full = WhenFull::thin;  // the ring of a live pipeline
+  bool keep_mask = false;               // of a recording: note which events were delivered
 };
 
 // Throws std::invalid_argument for a bound out of range.
@@ -34,7 +35,7 @@ std::int64_t checked_latency_bound_ns(double latency_us);
 std::int64_t latency_bound_ns(const RunConfig& config, const Scheme& scheme);
 
 // What the packager has to know of it.
-PackagerConfig packager_config(const RunConfig& config);
+PackagerConfig packager_config(const RunConfig& config, KeptMask* kept_mask = nullptr);
 
 // The ring's capacity in force.
 std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns) noexcept;

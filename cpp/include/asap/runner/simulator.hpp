@@ -7,13 +7,14 @@
 //   10'000}}; while (read(chunk)) simulator.feed(chunk); simulator.finish();
 #pragma once
 
+#include <memory>
 #include <optional>
 
-#include "asap/buffer/age_slots.hpp"
 #include "asap/packager/packager.hpp"
 #include "asap/runner/admission_gate.hpp"
 #include "asap/runner/consumer.hpp"
 #include "asap/runner/linear_cost.hpp"
+#include "asap/runner/recording_intake.hpp"
 #include "asap/runner/run_config.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/slot_log.hpp"
@@ -22,7 +23,8 @@ namespace asap {
 
 class Simulator {
  public:
-  // The scheme outlives the simulator. One that is an Admission as well also filters on arrival.
+  // The scheme outlives the simulator. One that is an Admission as well also filters on arrival,
+  // and then no mask is kept.
   Simulator(Scheme& scheme, LinearCost cost, RunConfig config = {}, Consumer consumer = {});
 
   // Events in arrival order. Runs as far as they allow. An exception of the consumer or of the
@@ -35,6 +37,8 @@ class Simulator {
   const Rejections& rejected() const noexcept { return validator_.rejected(); }
   const Validator& validator() const noexcept { return validator_; }
   const Telemetry& telemetry() const noexcept { return telemetry_; }
+  // Which events were delivered, if config.keep_mask; else null. Read it after finish().
+  const KeptMask* kept_mask() const noexcept { return kept_mask_.get(); }
   const SlotLog& slots() const noexcept { return slots_; }
   // Virtual time during which the algorithm worked, ns.
   std::int64_t busy_ns() const noexcept { return busy_ns_; }
@@ -51,19 +55,20 @@ class Simulator {
   // arrivals end before that. Meanwhile events arrive, and the package still holds its place in the
   // ring.
   bool work();
-  bool wait(const Packager::Next& next) noexcept;
+  bool wait(const Packager::Next& next);
   void begin(const Package& package);
   void go_on();  // with the next part of the package, or complete it
-  void admit(std::size_t count) noexcept;
+  void admit(std::size_t count);
   std::size_t arrivals_by(std::int64_t time_ns) const noexcept;
 
   LinearCost cost_;
   Consumer consumer_;
+  const std::unique_ptr<KeptMask> kept_mask_;
   Validator validator_;
   Telemetry telemetry_;
   SlotLog slots_;
   EventBuffer buffer_;
-  AgeSlots ages_;
+  RecordingIntake intake_;
   Packager packager_;
   std::optional<AdmissionGate> gate_;
 
