@@ -198,8 +198,8 @@ py::array clusters(const Tracker& tracker) {
       tracker.engine);
 }
 
-py::array clusters_at(Tracker& tracker, std::int64_t t_us) {
-  if (auto* fast = std::get_if<ClusterTracker>(&tracker.engine)) {
+py::array clusters_at(const Tracker& tracker, std::int64_t t_us) {
+  if (const auto* fast = std::get_if<ClusterTracker>(&tracker.engine)) {
     return moved_to_array(fast->clusters_at(t_us));
   }
   return clusters(tracker);
@@ -273,15 +273,18 @@ A new array, not changed by later events. "fast" leaves out objects that have st
 keep their id for a while.
 )")
       .def("clusters_at", &clusters_at, py::arg("t_us"),
-           R"(The clusters at t_us >= the latest stamp.
+           R"(What `clusters` would be at t_us, us, if nothing came until then.
 
-"fast": as `clusters` after advance_to(t_us). "compat", which knows no motion: `clusters`.
+Asking changes nothing: events of before t_us may follow. "fast": positions are predicted, and objects
+without events are left out in time. "compat", which knows no motion: `clusters`. A t_us of the past is
+the latest time.
 )")
       .def("advance_to", &advance_to, py::arg("t_us"),
            R"(Time has come to t_us, us, without events: in "fast" clusters starve, coast and die.
 
-Later events with older stamps count as of t_us. Before the first event, for the past, and in "compat",
-which forgets by events alone: nothing happens.
+For whoever knows that no event came; to look ahead, `clusters_at`. Later events with older stamps count
+as of t_us. Before the first event, for the past, and in "compat", which forgets by events alone: nothing
+happens.
 )")
       .def("set_keep", &set_keep, py::arg("gamma"), py::arg("filter_upstream") = false,
            R"(Tells the fraction of the events that reaches the tracker.

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import asap
 from asap import EVENT_DTYPE, ClusterTracker
@@ -57,6 +59,32 @@ def test_clusters_at_looks_ahead_and_silence_hides() -> None:
     tracker.process(disk(0.7, 1.0, vx=0.0), labels=False)
     tracker.advance_to(2_000_000)
     assert len(tracker.clusters) == 0
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    engine=st.sampled_from(["fast", "compat"]),
+    kept=st.sampled_from([0.05, 0.2, 1.0]),
+    seed=st.integers(0, 2**32 - 1),
+)
+def test_asking_changes_nothing(engine: str, kept: float, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    events = np.concatenate([disk(0, 0.2, seed=1), disk(0.25, 0.4, vx=120.0, seed=2)])
+    events = events[random.random(events.size) < kept]
+    silent, asked = (ClusterTracker(WIDTH, HEIGHT, engine=engine) for _ in range(2))
+    cuts = np.sort(random.integers(0, events.size, 40))
+    for part in np.split(events, cuts):
+        labels = silent.process(part)
+        assert np.array_equal(asked.process(part), labels)
+        last_us = int(part["t"][-1]) if part.size else 0
+        for ahead_us in random.integers(-10_000, 100_000, 2).tolist():
+            asked.clusters_at(last_us + ahead_us)
+        assert np.array_equal(asked.clusters, silent.clusters)
+        if random.random() < 0.3:
+            gamma = float(random.random())
+            silent.set_keep(gamma)
+            asked.set_keep(gamma)
+    assert len(silent.clusters_at(10**9)) == (0 if engine == "fast" else len(silent.clusters))
 
 
 def test_without_labels_the_state_is_the_same() -> None:

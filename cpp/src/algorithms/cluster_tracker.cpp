@@ -29,23 +29,21 @@ void ClusterTracker::process(EventSpan events, std::span<std::int32_t> labels) {
 }
 
 std::vector<Cluster> ClusterTracker::clusters() const {
-  std::vector<Cluster> clusters;
-  state_->engine.read(clusters);
-  return clusters;
+  return clusters_at(state_->engine.latest_us());
 }
 
 void ClusterTracker::clusters(std::vector<Cluster>& clusters) const {
-  state_->engine.read(clusters);
+  clusters_at(state_->engine.latest_us(), clusters);
 }
 
-std::vector<Cluster> ClusterTracker::clusters_at(std::int64_t t_us) {
-  advance_to(t_us);
-  return clusters();
+std::vector<Cluster> ClusterTracker::clusters_at(std::int64_t t_us) const {
+  std::vector<Cluster> clusters;
+  clusters_at(t_us, clusters);
+  return clusters;
 }
 
-void ClusterTracker::clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) {
-  advance_to(t_us);
-  state_->engine.read(clusters);
+void ClusterTracker::clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const {
+  state_->engine.read(t_us, clusters);
 }
 
 void ClusterTracker::advance_to(std::int64_t t_us) noexcept { state_->engine.advance_to(t_us); }

@@ -155,6 +155,68 @@ TEST(ClusterTracker, InSilenceClustersGo) {
   }
 }
 
+bool are_same(const std::vector<Cluster>& a, const std::vector<Cluster>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Cluster& c, const Cluster& d) {
+    return c.id == d.id && c.x == d.x && c.y == d.y && c.vx == d.vx && c.vy == d.vy &&
+           c.cxx == d.cxx && c.cxy == d.cxy && c.cyy == d.cyy && c.size == d.size &&
+           c.t_last == d.t_last;
+  });
+}
+
+// A tenth of the events, too few for a tick per event, and silences.
+TEST(ClusterTracker, AskingChangesNothing) {
+  const asap::CounterRandom random(3);
+  std::vector<Event> events;
+  for (const Event& event : scene(200'000)) {
+    const bool silent = event.t / 100'000 % 5 == 1;
+    if (!silent && random.uniform(static_cast<std::uint64_t>(event.t)) < 0.1)
+      events.push_back(event);
+  }
+  ClusterTracker silent(kFrame);
+  ClusterTracker asked(kFrame);
+  std::size_t answers = 0;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const std::uint64_t draw = random(events.size() + i);
+    if (draw % 4096 == 0) {
+      for (ClusterTracker* tracker : {&silent, &asked})
+        tracker->set_keep(draw % 8192 == 0 ? 0.1 : 0.3);
+    }
+    std::int32_t a = 0;
+    std::int32_t b = 0;
+    silent.process({&events[i], 1}, {&a, 1});
+    if (draw % 16 < 4) {
+      const auto ahead_us = std::int64_t{1} << (draw >> 4) % 40;
+      answers += asked.clusters_at(events[i].t + ahead_us).size() + asked.clusters().size();
+    }
+    asked.process({&events[i], 1}, {&b, 1});
+    ASSERT_EQ(a, b) << i;
+  }
+  EXPECT_GT(answers, events.size() / 4);
+  EXPECT_GE(silent.clusters().size(), 5U) << events.back().t;
+  EXPECT_TRUE(are_same(silent.clusters(), asked.clusters()));
+}
+
+// What is foreseen is what comes, if nothing comes.
+TEST(ClusterTracker, ClustersAtAreThoseOfTheTimeThatComes) {
+  const auto events = scene();
+  ClusterTracker tracker(kFrame);
+  tracker.process(events);
+  for (const std::int64_t ahead_us : {3'000, 20'000, 50'000, 80'000}) {
+    const auto foreseen = tracker.clusters_at(events.back().t + ahead_us);
+    ClusterTracker later(kFrame);
+    later.process(events);
+    later.advance_to(events.back().t + ahead_us);
+    const auto come = later.clusters();
+    ASSERT_EQ(foreseen.size(), come.size()) << ahead_us;
+    for (std::size_t i = 0; i < come.size(); ++i) {
+      EXPECT_EQ(foreseen[i].id, come[i].id);
+      EXPECT_NEAR(foreseen[i].x, come[i].x, 0.5);
+      EXPECT_NEAR(foreseen[i].y, come[i].y, 0.5);
+      EXPECT_EQ(foreseen[i].t_last, come[i].t_last);
+    }
+  }
+}
+
 TEST(ClusterTracker, BeforeTheFirstEventTimeMeansNothing) {
   ClusterTracker tracker(kFrame);
   ClusterTracker other(kFrame);

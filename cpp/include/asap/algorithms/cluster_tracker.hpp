@@ -44,12 +44,14 @@ class ClusterTracker {
   // The same without allocation once `clusters` has the capacity.
   void clusters(std::vector<Cluster>& clusters) const;
 
-  // The clusters at t_us, after advance_to(t_us). A t_us of the past is the latest time.
-  std::vector<Cluster> clusters_at(std::int64_t t_us);
-  void clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters);
+  // What `clusters` would be at t_us if nothing came until then. Asking changes nothing: events of
+  // before t_us may follow. A t_us of the past is the latest time.
+  std::vector<Cluster> clusters_at(std::int64_t t_us) const;
+  void clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const;
 
   // Time has come to t_us without events: clusters starve, coast and die. Later events with older
-  // stamps count as of t_us. Before the first event, and for the past: nothing happens.
+  // stamps count as of t_us. Before the first event, and for the past: nothing happens. For whoever
+  // knows that no event came; to look ahead, clusters_at().
   void advance_to(std::int64_t t_us) noexcept;
 
   // The fraction of the events that reaches the tracker, in [0, 1]: its memories, which count

@@ -5,10 +5,10 @@
 #include <limits>
 
 #include "asap/algorithms/fast/contact.hpp"
+#include "asap/algorithms/fast/foresight.hpp"
 #include "asap/algorithms/fast/kalman.hpp"
 #include "asap/algorithms/fast/lifecycle.hpp"
 #include "asap/algorithms/fast/merge.hpp"
-#include "asap/algorithms/fast/report.hpp"
 #include "asap/algorithms/fast/revival.hpp"
 
 namespace asap::fast {
@@ -32,8 +32,7 @@ std::uint32_t longest_memory(const ClusterTrackerConfig& config) noexcept {
 Engine::Engine(const ClusterTrackerConfig& config)
     : config_(config),
       settings_(config),
-      width_(static_cast<std::uint32_t>(config.width)),
-      height_(static_cast<std::uint32_t>(config.height)),
+      frame_{static_cast<std::uint32_t>(config.width), static_cast<std::uint32_t>(config.height)},
       map_(config.width, config.height, config.cell_px),
       support_(config.width, config.height),
       owners_(map_),
@@ -88,7 +87,7 @@ void Engine::process(EventSpan events, std::int32_t* labels) noexcept {
 }
 
 std::int32_t Engine::process(const Event& event) noexcept {
-  if (event.x >= width_ || event.y >= height_) [[unlikely]] {
+  if (event.x >= frame_.width || event.y >= frame_.height) [[unlikely]] {
     ++counters_.rejected;
     return kNoId;
   }
@@ -244,7 +243,7 @@ bool Engine::tend(Slot slot, const Tick& tick) noexcept {
   Track& track = tracks_[slot];
   Life& life = tracks_.life(slot);
   const Fate fate = live(track, life, tick, settings_.life, settings_.gate);
-  if (fate == Fate::kDies || has_left(track, tick.now)) return false;
+  if (fate == Fate::kDies || has_left(track, tick.now, frame_)) return false;
   if (fate == Fate::kConfirmed) confirm(slot);
 
   if (track.has_id() && is_starved(life)) {
@@ -283,13 +282,6 @@ void Engine::confirm(Slot slot) noexcept {
     track.id = next_id_++;
   }
   find_sibling(tracks_, slot, clock_.now(), settings_.pairs);
-}
-
-bool Engine::has_left(const Track& track, Stamp now) const noexcept {
-  const Sight s = sight_of(track, now, 0, 0);
-  const auto right = static_cast<float>(width_ + 2);
-  const auto bottom = static_cast<float>(height_ + 2);
-  return !(s.mean_x >= -3 && s.mean_x <= right && s.mean_y >= -3 && s.mean_y <= bottom);
 }
 
 void Engine::remove(Slot slot) noexcept {
@@ -386,15 +378,14 @@ bool Engine::begin_part(Slot parent, const PartFinder::Part& part, float share) 
 
 // ---- output ----
 
-void Engine::read(std::vector<Cluster>& clusters) const {
+void Engine::read(std::int64_t t_us, std::vector<Cluster>& clusters) const {
   clusters.clear();
-  for (const Slot slot : tracks_.active()) {
-    const Life& life = tracks_.life(slot);
-    if (is_listed(tracks_[slot], life, settings_.life))
-      clusters.push_back(report(tracks_[slot], life, clock_));
-  }
-  std::sort(clusters.begin(), clusters.end(),
-            [](const Cluster& a, const Cluster& b) { return a.id < b.id; });
+  EventClock clock = clock_;
+  clock.advance_to(t_us);
+  const std::uint64_t elapsed_us = clock.now_us() - clusters_us_;
+  if (elapsed_us > kSilence_us) return;
+  const Tick tick(clock.now(), seconds(elapsed_us), noise_hz_, settings_.life);
+  foresee(tracks_, clock, tick, settings_, frame_, clusters);
 }
 
 }  // namespace asap::fast

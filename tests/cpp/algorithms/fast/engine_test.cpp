@@ -49,7 +49,7 @@ void sort_by_time(std::vector<Event>& events) {
 
 std::vector<Cluster> clusters_of(const Engine& engine) {
   std::vector<Cluster> clusters;
-  engine.read(clusters);
+  engine.read(engine.latest_us(), clusters);
   return clusters;
 }
 

@@ -17,6 +17,7 @@
 #include "asap/algorithms/fast/coarse_index.hpp"
 #include "asap/algorithms/fast/contour.hpp"
 #include "asap/algorithms/fast/event_clock.hpp"
+#include "asap/algorithms/fast/frame.hpp"
 #include "asap/algorithms/fast/gate.hpp"
 #include "asap/algorithms/fast/mean_update.hpp"
 #include "asap/algorithms/fast/noise_tiles.hpp"
@@ -52,8 +53,12 @@ class Engine {
   // Time has come to t_us without events: clusters starve, coast and die.
   void advance_to(std::int64_t t_us) noexcept;
 
-  // The listed clusters at the latest time, by id. Allocates only where `clusters` must grow.
-  void read(std::vector<Cluster>& clusters) const;
+  // The listed clusters at t_us, by id, if nothing comes until then; a t_us of the past is the
+  // latest time. Allocates only where `clusters` must grow.
+  void read(std::int64_t t_us, std::vector<Cluster>& clusters) const;
+
+  // The latest stamp.
+  std::int64_t latest_us() const noexcept { return clock_.latest_us(); }
 
   void set_keep(double gamma, bool filtered_upstream) noexcept;
   void reset() noexcept;
@@ -85,12 +90,10 @@ class Engine {
   void split(Slot slot) noexcept;
   bool begin_part(Slot parent, const PartFinder::Part& part, float share) noexcept;
   void remove(Slot slot) noexcept;
-  bool has_left(const Track& track, Stamp now) const noexcept;
 
   ClusterTrackerConfig config_;
   Settings settings_;
-  std::uint32_t width_;
-  std::uint32_t height_;
+  Frame frame_;
   CellMap map_;
   EventClock clock_;
   SupportMap support_;

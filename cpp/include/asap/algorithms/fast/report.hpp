@@ -1,4 +1,5 @@
-// What a track is to the outside: a Cluster, predicted for the clock's time. Pure function, O(1).
+// What a track is to the outside: a Cluster, predicted for the clock's time. The track has lived up
+// to then. Pure function, O(1).
 #pragma once
 
 #include <cmath>
@@ -13,9 +14,6 @@ namespace asap::fast {
 
 inline Cluster report(const Track& track, const Life& life, const EventClock& clock) noexcept {
   const Sight s = sight_of(track, clock.now(), 0, 0);
-  const bool fresh = track.events != life.events;
-  const Stamp last = fresh ? track.stamp : life.last_event;
-  const float mass = life.mass + static_cast<float>(track.events - life.events);
   return {.id = track.id,
           .x = s.mean_x,
           .y = s.mean_y,
@@ -24,8 +22,8 @@ inline Cluster report(const Track& track, const Life& life, const EventClock& cl
           .cxx = track.sxx,
           .cxy = track.sxy,
           .cyy = track.syy,
-          .size = std::lround(mass),
-          .t_last = clock.latest_us() - age_us(clock.now(), last)};
+          .size = std::lround(life.mass),
+          .t_last = clock.latest_us() - age_us(clock.now(), life.last_event)};
 }
 
 }  // namespace asap::fast
