@@ -232,7 +232,7 @@ auto reading(Read read) {
 }  // namespace
 
 void bind_algorithms(py::module_& m) {
-  PYBIND11_NUMPY_DTYPE(Cluster, id, x, y, vx, vy, cxx, cxy, cyy, size, t_last);
+  PYBIND11_NUMPY_DTYPE(Cluster, id, x, y, vx, vy, cxx, cxy, cyy, size, t_last, pxx, pxy, pyy);
 
   py::class_<Tracker>(m, "ClusterTracker", kClusterTrackerDoc)
       .def(py::init(&make_tracker), py::arg("width"), py::arg("height"), py::kw_only(),
@@ -268,6 +268,9 @@ vx, vy : float64, px/s. "fast": Kalman filter. "compat": regression of x and y o
 cxx, cxy, cyy : float64, px^2, covariance of its events: its extent
 size : int64. "fast": events of about the last `mass_ms`. "compat": live events
 t_last : int64, us, stamp of the newest event
+pxx, pxy, pyy : float64, px^2, covariance of the error of x and y. "fast": of the Kalman filter, and of
+    the outline's centre, which is only as good as the edges that have been seen. "compat", which does
+    not know it: infinite, pxy = 0
 
 A new array, not changed by later events. "fast" leaves out objects that have stopped or are hidden; they
 keep their id for a while.

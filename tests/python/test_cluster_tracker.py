@@ -13,7 +13,7 @@ import asap
 from asap import EVENT_DTYPE, ClusterTracker
 
 WIDTH, HEIGHT = 346, 260
-FIELDS = ["id", "x", "y", "vx", "vy", "cxx", "cxy", "cyy", "size", "t_last"]
+FIELDS = ["id", "x", "y", "vx", "vy", "cxx", "cxy", "cyy", "size", "t_last", "pxx", "pxy", "pyy"]
 
 
 def disk(start_s: float, end_s: float, *, vx: float = 100.0, seed: int = 0) -> np.ndarray:
@@ -85,6 +85,12 @@ def test_asking_changes_nothing(engine: str, kept: float, seed: int) -> None:
             silent.set_keep(gamma)
             asked.set_keep(gamma)
     assert len(silent.clusters_at(10**9)) == (0 if engine == "fast" else len(silent.clusters))
+
+
+def test_errors_are_as_large_as_stated() -> None:
+    for scene in (asap.scenes.B(seed=20), asap.scenes.C(seed=20)):
+        found = asap.score(ClusterTracker(scene.width, scene.height), scene)
+        assert 1 < found["nees"] < 4
 
 
 def test_without_labels_the_state_is_the_same() -> None:

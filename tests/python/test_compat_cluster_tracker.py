@@ -15,7 +15,21 @@ import asap
 from asap import EVENT_DTYPE, as_events
 from threads import turns_meanwhile
 
-CLUSTER_FIELDS = ["id", "x", "y", "vx", "vy", "cxx", "cxy", "cyy", "size", "t_last"]
+CLUSTER_FIELDS = [
+    "id",
+    "x",
+    "y",
+    "vx",
+    "vy",
+    "cxx",
+    "cxy",
+    "cyy",
+    "size",
+    "t_last",
+    "pxx",
+    "pxy",
+    "pyy",
+]
 WIDTH, HEIGHT = 346, 260
 ClusterTracker = partial(asap.ClusterTracker, engine="compat")
 

@@ -115,6 +115,7 @@ def test_our_tracker_follows_an_object():
     scene = FakeScene([(50, 50, 0, 0), (150, 100, 0, 0)], end_us=200_001)
     found = asap.score(asap.ClusterTracker(346, 260, engine="compat", min_size=5), scene)
     assert found["mota"] == 1 and found["position_rms"] < 1e-9
+    assert math.isnan(found["nees"]) and math.isnan(found["nees_high"])  # infinite: not stated
 
 
 # ---- filter, thinning, telling --------------------------------------------------------------

@@ -40,8 +40,8 @@ def clusters_at(tracker: Any, t_us: int) -> Snapshot:
     tracker : object
         With ``clusters_at(t_us)``, which extrapolates by itself, or ``clusters``. Either gives a
         structured array with id, x, y and, where the tracker knows them, vx, vy [px/s], t_last [us]
-        and the covariance pxx, pxy, pyy [px^2] of the position's error. The fields cxx, cxy, cyy
-        are the extent of a cluster, not its error, and are not read.
+        and the covariance pxx, pxy, pyy [px^2] of the error of x, y (infinite: it knows
+        none). The fields cxx, cxy, cyy are its extent, not its error, and are not read.
     t_us : int
         Not before the last event that the tracker has seen.
 
@@ -61,7 +61,8 @@ def clusters_at(tracker: Any, t_us: int) -> Snapshot:
         positions = positions + velocities * ((t_us - table["t_last"]) * 1e-6)[:, None]
     covariances = None
     if {"pxx", "pxy", "pyy"} <= set(names):
-        covariances = _columns(table, "pxx", "pxy", "pxy", "pyy").reshape(-1, 2, 2)
+        stated = _columns(table, "pxx", "pxy", "pxy", "pyy").reshape(-1, 2, 2)
+        covariances = stated if np.all(np.isfinite(stated)) else None
     return Snapshot(table["id"].astype(np.int64), positions, velocities, covariances)
 
 

@@ -37,10 +37,12 @@ std::vector<std::int32_t> labels_of(ClusterTracker& tracker, const std::vector<E
 void expect_sane(const std::vector<Cluster>& clusters) {
   for (const Cluster& c : clusters) {
     ASSERT_GE(c.id, 0);
-    for (const double value : {c.x, c.y, c.vx, c.vy, c.cxx, c.cxy, c.cyy}) {
+    for (const double value : {c.x, c.y, c.vx, c.vy, c.cxx, c.cxy, c.cyy, c.pxx, c.pxy, c.pyy}) {
       ASSERT_TRUE(std::isfinite(value));
     }
     ASSERT_GE(c.cxx, 0);
+    ASSERT_GT(c.pxx, 0);
+    ASSERT_GT(c.pxx * c.pyy, c.pxy * c.pxy);
     ASSERT_GE(c.size, 0);
   }
 }
@@ -129,6 +131,7 @@ TEST(ClusterTracker, ClustersAtAreExtrapolated) {
   for (std::size_t i = 0; i < now.size(); ++i) {
     EXPECT_NEAR(then[i].x, now[i].x + 500e-6 * now[i].vx, 1e-3);
     EXPECT_EQ(then[i].t_last, now[i].t_last);
+    EXPECT_GT(then[i].pxx, now[i].pxx);
   }
   EXPECT_EQ(tracker.clusters_at(0).size(), then.size());  // the past is now
 }
@@ -159,7 +162,7 @@ bool are_same(const std::vector<Cluster>& a, const std::vector<Cluster>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Cluster& c, const Cluster& d) {
     return c.id == d.id && c.x == d.x && c.y == d.y && c.vx == d.vx && c.vy == d.vy &&
            c.cxx == d.cxx && c.cxy == d.cxy && c.cyy == d.cyy && c.size == d.size &&
-           c.t_last == d.t_last;
+           c.t_last == d.t_last && c.pxx == d.pxx && c.pxy == d.pxy && c.pyy == d.pyy;
   });
 }
 

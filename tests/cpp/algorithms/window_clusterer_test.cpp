@@ -128,6 +128,7 @@ OracleRun expect_equals_oracle(const CompatClusterConfig& config,
       EXPECT_EQ(reported[k].size, static_cast<std::int64_t>(expected[k].members.size()));
       EXPECT_EQ(reported[k].t_last, expected[k].members.back().event.t);
       const Cluster& c = reported[k];
+      EXPECT_TRUE(std::isinf(c.pxx) && std::isinf(c.pyy) && c.pxy == 0);
       asap::test::expect_moments({c.x, c.y}, {c.cxx, c.cxy, c.cyy}, {c.vx * 1e-6, c.vy * 1e-6},
                                  asap::test::BruteForce(members(expected[k])));
     }

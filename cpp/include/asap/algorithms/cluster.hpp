@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 namespace asap {
 
@@ -17,6 +18,10 @@ struct Cluster {
   double cyy;           // px^2
   std::int64_t size;    // live events
   std::int64_t t_last;  // us, stamp of its newest event
+  // px^2, covariance of the error of x and y; infinite: the engine does not know it.
+  double pxx = std::numeric_limits<double>::infinity();
+  double pxy = 0;
+  double pyy = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace asap

@@ -9,6 +9,7 @@
 #include "asap/algorithms/fast/kalman.hpp"
 #include "asap/algorithms/fast/lifecycle.hpp"
 #include "asap/algorithms/fast/merge.hpp"
+#include "asap/algorithms/fast/position_error.hpp"
 #include "asap/algorithms/fast/revival.hpp"
 
 namespace asap::fast {
@@ -251,7 +252,8 @@ bool Engine::tend(Slot slot, const Tick& tick) noexcept {
     if (!is_listed(track, life, settings_.life)) wait_where_seen(track, life);
   }
   if (life.starved_s == 0) remember_motion(track, life, tick);
-  const Contour& contour = tracks_.contour(slot);
+  Contour& contour = tracks_.contour(slot);
+  doubt_outline(contour, track, life.extent_px, tick.dt_s);
   kalman_update(track, life.kalman, contour.variance, settings_.kalman);
   track.mean_weight = mean_weight(track, contour, settings_.weight);
 

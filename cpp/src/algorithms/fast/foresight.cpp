@@ -20,7 +20,10 @@ void foresee(const Tracks& tracks, const EventClock& clock, const Tick& tick,
   for (const Tracks::Slot slot : tracks.active()) {
     Track track = tracks[slot];
     Life life = tracks.life(slot);
-    if (live_on(track, life, tick, settings, frame)) clusters.push_back(report(track, life, clock));
+    if (!live_on(track, life, tick, settings, frame)) continue;
+    const PositionError error =
+        position_error(track, life.kalman, tracks.contour(slot), tick.now, settings.kalman);
+    clusters.push_back(report(track, life, error, clock));
   }
   std::sort(clusters.begin(), clusters.end(),
             [](const Cluster& a, const Cluster& b) { return a.id < b.id; });

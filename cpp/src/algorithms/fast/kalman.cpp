@@ -23,6 +23,19 @@ float measurement_variance(const Track& track, float contour_variance, std::uint
   return std::max(rule.min_measurement_px2, rule.measurement_scale * spread / (memory * share));
 }
 
+float acceleration_density(const Track& track, const KalmanRule& rule) noexcept {
+  if (track.partners > 0) return rule.contact;
+  const float speed2 = track.vx * track.vx + track.vy * track.vy;
+  return std::min(rule.most, rule.acceleration + rule.per_speed3 * speed2 * std::sqrt(speed2));
+}
+
+// Moves the covariance on by dt, s.
+void predict(KalmanState& state, float dt, float q) noexcept {
+  state.pxx += 2 * dt * state.pxv + dt * dt * state.pvv + q * dt * dt * dt / 3;
+  state.pxv += dt * state.pvv + q * dt * dt / 2;
+  state.pvv += q * dt;
+}
+
 }  // namespace
 
 void kalman_update(Track& track, KalmanState& state, float contour_variance,
@@ -30,15 +43,9 @@ void kalman_update(Track& track, KalmanState& state, float contour_variance,
   const std::uint32_t fresh = track.events - state.events;
   if (fresh < kKalmanEvents) return;
   const float dt = std::max(0.0F, seconds(track.stamp, state.stamp));
-  const float speed2 = track.vx * track.vx + track.vy * track.vy;
-  const float moving = rule.acceleration + rule.per_speed3 * speed2 * std::sqrt(speed2);
-  const float q = track.partners > 0 ? rule.contact : std::min(rule.most, moving);
-
   state.x += track.vx * dt;
   state.y += track.vy * dt;
-  state.pxx += 2 * dt * state.pxv + dt * dt * state.pvv + q * dt * dt * dt / 3;
-  state.pxv += dt * state.pvv + q * dt * dt / 2;
-  state.pvv += q * dt;
+  predict(state, dt, acceleration_density(track, rule));
 
   const float s = state.pxx + measurement_variance(track, contour_variance, fresh, rule);
   const float kx = state.pxx / s;
@@ -54,6 +61,13 @@ void kalman_update(Track& track, KalmanState& state, float contour_variance,
   state.pxx *= 1 - kx;
   state.stamp = track.stamp;
   state.events = track.events;
+}
+
+float position_variance(const Track& track, const KalmanState& state, Stamp now,
+                        const KalmanRule& rule) noexcept {
+  KalmanState then = state;
+  predict(then, std::max(0.0F, seconds(now, state.stamp)), acceleration_density(track, rule));
+  return then.pxx;
 }
 
 void kalman_starve(Track& track, KalmanState& state, Stamp now, float velocity_decay_s) noexcept {

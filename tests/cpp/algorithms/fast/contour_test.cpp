@@ -71,11 +71,13 @@ TEST(Contour, VarianceIsThatOfKnownDirectionsClipped) {
 
 TEST(Contour, ForgettingKeepsTheVariance) {
   Contour contour;
+  contour.doubt = 0.001F;
   for (int i = 0; i < 50; ++i) contour.learn(0, 10, kRule);
   const float variance = contour.variance;
   contour.forget_radius();
   EXPECT_FALSE(contour.known(0, kRule));
   EXPECT_EQ(contour.variance, variance);
+  EXPECT_EQ(contour.doubt, Contour::kFirstDoubt);
   contour.learn(0, 4, kRule);
   EXPECT_FLOAT_EQ(contour.radius[0], 4);
 }

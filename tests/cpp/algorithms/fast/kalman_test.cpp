@@ -42,6 +42,22 @@ TEST(Kalman, FindsTheVelocity) {
   }
 }
 
+TEST(Kalman, ThePositionGrowsUncertainAheadOfTime) {
+  KalmanState state;
+  const Track track = followed(100, state);
+  const KalmanState before = state;
+  const auto variance = [&](Stamp ahead_us) {
+    return position_variance(track, state, state.stamp + ahead_us, kRule);
+  };
+  EXPECT_EQ(variance(0), state.pxx);
+  const float dt = 0.02F;
+  const float q = kRule.acceleration + kRule.per_speed3 * 1e6F;
+  const float grown = state.pxx + 2 * dt * state.pxv + dt * dt * state.pvv + q * dt * dt * dt / 3;
+  EXPECT_NEAR(variance(20'000), grown, 0.02F * grown);
+  EXPECT_EQ(variance(static_cast<Stamp>(-5000)), state.pxx);  // never the past
+  EXPECT_EQ(state.pvv, before.pvv);
+}
+
 TEST(Kalman, AFastTrackIsFollowedMoreCloselyThanASlowOne) {
   KalmanState slow;
   KalmanState fast;

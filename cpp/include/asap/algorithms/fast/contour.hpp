@@ -22,11 +22,13 @@ struct ContourRule {
 struct alignas(32) Contour {
   static constexpr float kFirstVariance_px2 = 4;
   static constexpr float kVarianceMemory = 64;  // events
+  static constexpr float kFirstDoubt = 0.05F;
 
   std::array<float, kContourBins> radius{};
   std::array<std::uint8_t, kContourBins> count{};
   float variance = kFirstVariance_px2;  // [r2]
   float polarity = 0;                   // mean, OFF = -1, ON = 1
+  float doubt = kFirstDoubt;            // variance of its centre, by the covariance of the events
 
   bool known(std::size_t bin, const ContourRule& rule) const noexcept {
     return count[bin] >= rule.min_known;
@@ -43,7 +45,10 @@ struct alignas(32) Contour {
     radius[bin] += outwards / static_cast<float>(count[bin]);
   }
 
-  void forget_radius() noexcept { count.fill(0); }
+  void forget_radius() noexcept {
+    count.fill(0);
+    doubt = kFirstDoubt;
+  }
 };
 
 // The direction of a displacement, by table: rounded to px and clamped to +-32.

@@ -25,6 +25,10 @@ inline constexpr std::uint32_t kKalmanEvents = 8;  // that are new at an update
 void kalman_update(Track& track, KalmanState& state, float contour_variance,
                    const KalmanRule& rule) noexcept;
 
+// px^2, of the position along each axis, predicted for `now`.
+float position_variance(const Track& track, const KalmanState& state, Stamp now,
+                        const KalmanRule& rule) noexcept;
+
 // Without events: the velocity decays with the time constant, mean and state move on with it to
 // `now`, the covariance grows up to kMaxVariance_px2.
 inline constexpr float kMaxVariance_px2 = 100;

@@ -7,12 +7,14 @@
 #include "asap/algorithms/cluster.hpp"
 #include "asap/algorithms/fast/event_clock.hpp"
 #include "asap/algorithms/fast/gate.hpp"
+#include "asap/algorithms/fast/position_error.hpp"
 #include "asap/algorithms/fast/stamp.hpp"
 #include "asap/algorithms/fast/track.hpp"
 
 namespace asap::fast {
 
-inline Cluster report(const Track& track, const Life& life, const EventClock& clock) noexcept {
+inline Cluster report(const Track& track, const Life& life, const PositionError& error,
+                      const EventClock& clock) noexcept {
   const Sight s = sight_of(track, clock.now(), 0, 0);
   return {.id = track.id,
           .x = s.mean_x,
@@ -23,7 +25,10 @@ inline Cluster report(const Track& track, const Life& life, const EventClock& cl
           .cxy = track.sxy,
           .cyy = track.syy,
           .size = std::lround(life.mass),
-          .t_last = clock.latest_us() - age_us(clock.now(), life.last_event)};
+          .t_last = clock.latest_us() - age_us(clock.now(), life.last_event),
+          .pxx = error.xx,
+          .pxy = error.xy,
+          .pyy = error.yy};
 }
 
 }  // namespace asap::fast
