@@ -409,6 +409,43 @@ TEST(ClusterTracker, FindsThemAmongATenthOfTheEventsWhenTold) {
   EXPECT_GE(found + 1, whole.clusters().size());
 }
 
+// A third of the events of the disks there: at a tenth their masses stay below the thresholds of
+// all events.
+TEST(ClusterTracker, FindsWeakObjectsAmongATenthOfTheEvents) {
+  const auto all = asap::test::make_scene(
+      {.objects = 8, .speed = 100, .noise_hz = 0.2, .edge_density = 1.5}, 200'000);
+  const asap::CounterRandom random(9);
+  std::vector<Event> events;
+  for (std::uint64_t i = 0; i < all.size(); ++i) {
+    if (random.uniform(i) < 0.1) events.push_back(all[i]);
+  }
+  ClusterTracker tracker(kFrame);
+  tracker.set_keep(0.1);
+  tracker.process(events);
+  EXPECT_GE(tracker.clusters().size(), 7U);
+  EXPECT_LE(tracker.clusters().size(), 9U);
+}
+
+TEST(ClusterTracker, NoiseAloneMakesNoClusterHoweverFewAreKept) {
+  const asap::CounterRandom random(10);
+  for (const double gamma : {0.05, 0.1, 0.2}) {
+    for (const double noise_hz : {0.5, 5.0}) {
+      const double period_us = 1e6 / (noise_hz * gamma * kFrame.width * kFrame.height);
+      std::vector<Event> events(static_cast<std::size_t>(2e6 / period_us));
+      for (std::uint64_t i = 0; i < events.size(); ++i) {
+        events[i] = {.x = static_cast<std::uint16_t>(random(2 * i) % 346),
+                     .y = static_cast<std::uint16_t>(random(2 * i + 1) % 260),
+                     .p = 0,
+                     .t = static_cast<std::int64_t>(period_us * static_cast<double>(i))};
+      }
+      ClusterTracker tracker(kFrame);
+      tracker.set_keep(gamma);
+      const auto labels = labels_of(tracker, events);
+      EXPECT_EQ(*std::max_element(labels.begin(), labels.end()), -1) << gamma << ' ' << noise_hz;
+    }
+  }
+}
+
 TEST(ClusterTracker, LabelsOfAnotherSizeAreRefused) {
   ClusterTracker tracker(kFrame);
   const std::vector<Event> events(3, Event{.x = 0, .y = 0, .p = 0, .t = 0});

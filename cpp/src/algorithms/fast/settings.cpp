@@ -19,6 +19,15 @@ constexpr double kLeastGamma = 0.01;
 constexpr double kLeastGammaUnfiltered = 0.15;
 constexpr double kLeastGammaFiltered = 0.75;
 
+// Thresholds of masses: those of weak objects lie not far above, and fall with gamma; but so few
+// events as these may be one edge.
+constexpr double kFewestConfirm = 0.36;
+constexpr double kFewestSeed = 2.0 / 3;
+
+float thinned(double events, double gamma, double fewest) noexcept {
+  return single(events * std::clamp(4 * gamma, fewest, 1.0));
+}
+
 std::uint32_t contour_mask(double gamma) noexcept {
   if (gamma >= 0.75) return 3;
   return gamma >= 0.3 ? 1 : 0;
@@ -31,7 +40,6 @@ Settings::Settings(const ClusterTrackerConfig& c) noexcept
       warmup_us(microseconds(c.warmup_ms)),
       link_us(microseconds(c.link_ms)),
       seed_s(seconds(c.seed_ms)),
-      seed_events(single(c.seed_events)),
       cell_px(single(c.cell_px)),
       asks_support(c.support != ClusterSupport::kOff),
       update{.covariance_events = static_cast<std::uint32_t>(c.covariance_events),
@@ -57,8 +65,6 @@ Settings::Settings(const ClusterTrackerConfig& c) noexcept
              .measurement_scale = single(c.measurement_scale),
              .min_measurement_px2 = single(c.min_measurement_px2)},
       life{.mass_s = seconds(c.mass_ms),
-           .confirm_events = single(c.confirm_events),
-           .die_events = single(c.die_events),
            .die_sigma = single(c.die_sigma),
            .confirm_evidence = single(c.confirm_evidence),
            .drop_evidence = single(c.drop_evidence),
@@ -88,6 +94,9 @@ void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
   const double longest = std::max(kLongestWindow_ms, c.support_window_ms);
   const double window = std::min(longest, c.support_window_ms / gamma);
   support_window_us = microseconds(window);
+  seed_events = thinned(c.seed_events, gamma, kFewestSeed);
+  life.confirm_events = thinned(c.confirm_events, gamma, kFewestConfirm);
+  life.die_events = thinned(c.die_events, gamma, kFewestConfirm);
   life.birth_rate_hz = single(c.birth_rate_hz * gamma);
   rejects = c.support == ClusterSupport::kReject &&
             gamma >= (filtered_upstream ? kLeastGammaFiltered : kLeastGammaUnfiltered);

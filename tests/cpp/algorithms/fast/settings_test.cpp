@@ -53,6 +53,34 @@ TEST(Settings, SupportLooksBackForLongerUntilItCannotJudge) {
   EXPECT_EQ(s.support_window_us, 5000);
 }
 
+TEST(Settings, AFilterUpstreamMattersWhereEventsWouldBeRejected) {
+  for (const double gamma : {0.05, 0.1, 0.15, 0.2, 0.5, 0.74, 0.75, 1.0}) {
+    Settings alone(kConfig);
+    Settings filtered(kConfig);
+    alone.set_keep(kConfig, gamma, false);
+    filtered.set_keep(kConfig, gamma, true);
+    EXPECT_EQ(alone.rejects, gamma >= 0.15) << gamma;
+    EXPECT_EQ(filtered.rejects, gamma >= 0.75) << gamma;
+  }
+}
+
+TEST(Settings, WhereFewEventsAreKeptFewerMakeACluster) {
+  Settings s(kConfig);
+  s.set_keep(kConfig, 0.25, false);
+  EXPECT_EQ(s.seed_events, 6);
+  EXPECT_EQ(s.life.confirm_events, 14);
+  EXPECT_EQ(s.life.die_events, 2);
+  s.set_keep(kConfig, 0.2, false);
+  EXPECT_FLOAT_EQ(s.seed_events, 4.8F);
+  EXPECT_FLOAT_EQ(s.life.confirm_events, 11.2F);
+  EXPECT_FLOAT_EQ(s.life.die_events, 1.6F);
+  s.set_keep(kConfig, 0, false);
+  EXPECT_FLOAT_EQ(s.seed_events, 4);
+  EXPECT_FLOAT_EQ(s.life.confirm_events, 5.04F);
+  s.set_keep(kConfig, 1, false);
+  EXPECT_EQ(s.life.confirm_events, 14);
+}
+
 TEST(Settings, RejectOnlyIfAsked) {
   ClusterTrackerConfig config = kConfig;
   config.support = asap::ClusterSupport::kEstimate;

@@ -14,18 +14,18 @@
 namespace asap::fast {
 
 struct LifeRule {
-  float mass_s;             // [tau_mass]
-  float confirm_events;     // [m_conf]
-  float die_events;         // [m_die]
-  float die_sigma;          // [die_s]
-  float birth_rate_hz = 0;  // [rho0], times gamma
-  float confirm_evidence;   // [llr_conf]
-  float drop_evidence;      // [-llr_die]
-  float starve_ratio;       // [starve]
-  float velocity_decay_s;   // [vdec]
-  float hide_s;             // [hide]
-  float coast_s;            // [coast]
-  float mature_s;           // [mature]
+  float mass_s;              // [tau_mass]
+  float confirm_events = 0;  // [m_conf], fewer with gamma
+  float die_events = 0;      // [m_die], likewise
+  float die_sigma;           // [die_s]
+  float birth_rate_hz = 0;   // [rho0], times gamma
+  float confirm_evidence;    // [llr_conf]
+  float drop_evidence;       // [-llr_die]
+  float starve_ratio;        // [starve]
+  float velocity_decay_s;    // [vdec]
+  float hide_s;              // [hide]
+  float coast_s;             // [coast]
+  float mature_s;            // [mature]
 };
 
 // What one tick has in common for all tracks.

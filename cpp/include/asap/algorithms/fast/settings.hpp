@@ -20,8 +20,9 @@ struct Settings {
   explicit Settings(const ClusterTrackerConfig& config) noexcept;
 
   // Random discarding leaves gamma of the events: the mean remembers fewer, the contour learns from
-  // more of them, neighbours are as rare, so company counts for longer. `filtered_upstream`: a
-  // filter before the discarder has judged them already. gamma = 1 changes nothing.
+  // more of them, neighbours are as rare, so company counts for longer, and fewer events make a
+  // cluster. `filtered_upstream`: a filter before the discarder has judged them already, so from
+  // 0.15 to 0.75 none is rejected; below none is anyway. gamma = 1 changes nothing.
   void set_keep(const ClusterTrackerConfig& config, double gamma, bool filtered_upstream) noexcept;
 
   std::int32_t tick_us;
