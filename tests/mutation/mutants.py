@@ -89,14 +89,15 @@ MUTANTS: list[Mutant] = [
         "runner",
         forgotten_wake=("  doorbell_.announce(buffer_.tail());\n", ""),
         thinned_not_counted=("    discarded_ += block.size() - kept;\n", ""),
-        thinning_below_the_mark_instead_of_above=(
-            "filled(enough) > enough",
-            "filled(enough) <= enough",
+        thinning_knows_not_how_much_comes=(
+            "buffer_.filled(most - events.size()) > most - events.size()",
+            "buffer_.filled(most) > most",
         ),
-        thinning_threshold_inverted=(
-            "KeepThreshold::clamped(most * static_cast<double>(room))",
-            "KeepThreshold::clamped(1.0 - most * static_cast<double>(room))",
+        thinning_lets_in_more_than_fits=(
+            "if (events <= room) return chance;",
+            "return chance;",
         ),
+        thinning_by_the_room_not_its_square=("left * left * thinned", "left * thinned"),
         producer_not_told_to_leave=("  left_.store(true, std::memory_order_release);\n", ""),
     ),
     *in_file(

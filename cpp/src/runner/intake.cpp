@@ -8,21 +8,34 @@ namespace {
 
 constexpr auto kPollEvery = std::chrono::milliseconds(20);
 
-// Of a ring's capacity; below it nothing is thinned.
+// Of a ring's capacity; up to there nothing is thinned.
 std::size_t thinning_begins(std::size_t capacity) noexcept { return capacity - capacity / 4; }
+
+// How many of a push the law lets in.
+double admitted(std::size_t events, std::size_t room, std::size_t capacity) noexcept {
+  const double reserve = 0.25 * static_cast<double>(capacity);
+  const double before = std::max(static_cast<double>(room) - reserve, 0.0);
+  const double whole = std::min(static_cast<double>(events), before);
+  const double thinned = static_cast<double>(events) - whole;
+  const double left = std::min(static_cast<double>(room), reserve);
+  return whole + left * left * thinned / (reserve * reserve + left * thinned);
+}
 
 }  // namespace
 
 void Intake::take(EventSpan events, std::int64_t arrival_ns, const Poll& poll) {
-  const std::size_t enough = thinning_begins(buffer_.capacity());
-  if (when_full_ == WhenFull::thin && buffer_.filled(enough) > enough) {
-    return thin(events, arrival_ns);
+  if (when_full_ == WhenFull::block) return put_waiting(events, arrival_ns, poll);
+  if (when_full_ == WhenFull::thin) {
+    const std::size_t most = thinning_begins(buffer_.capacity());
+    if (events.size() > most || buffer_.filled(most - events.size()) > most - events.size()) {
+      return thin(events, arrival_ns);
+    }
   }
-  if (when_full_ != WhenFull::block) {
-    filter_.skip(events.size());
-    put(events, arrival_ns);
-    return;
-  }
+  filter_.skip(events.size());
+  put(events, arrival_ns);
+}
+
+void Intake::put_waiting(EventSpan events, std::int64_t arrival_ns, const Poll& poll) {
   struct Overflow {
     Intake& intake;
     EventSpan& events;
@@ -51,18 +64,31 @@ std::size_t Intake::put(EventSpan events, std::int64_t arrival_ns) noexcept {
 }
 
 void Intake::thin(EventSpan events, std::int64_t arrival_ns) noexcept {
-  const std::size_t capacity = buffer_.capacity();
-  const double most = 4.0 / static_cast<double>(capacity);
+  std::size_t room = buffer_.capacity() - buffer_.filled(0);
+  if (room == 0) {
+    filter_.skip(events.size());
+    put(events, arrival_ns);
+    return;
+  }
+  double wanted = admitted(events.size(), room, buffer_.capacity());
   while (!events.empty()) {
     const EventSpan block = events.first(std::min(events.size(), kBlock));
-    const std::size_t room = capacity - buffer_.filled(0);
-    const auto bar = room > 0 ? KeepThreshold::clamped(most * static_cast<double>(room))
-                              : KeepThreshold::all();  // let it overflow: nobody empties the ring
-    const std::size_t kept = filter_.apply(block, bar, scratch_.data());
+    const double share = wanted / static_cast<double>(events.size());
+    const std::size_t kept = filter_.apply(block, bar(share, block.size(), room), scratch_.data());
     discarded_ += block.size() - kept;
     put({scratch_.data(), kept}, arrival_ns);
+    wanted -= static_cast<double>(kept);
     events = events.subspan(block.size());
+    room = buffer_.capacity() - buffer_.filled(0);
   }
+}
+
+// By chance, but never more than there is room for.
+KeepThreshold Intake::bar(double share, std::size_t events, std::size_t room) noexcept {
+  const KeepThreshold chance = KeepThreshold::clamped(share);
+  if (events <= room) return chance;
+  const KeepThreshold most = filter_.keeping(room, events, numbers_.data());
+  return chance.value() < most.value() ? chance : most;
 }
 
 void Intake::wait_for_room(std::size_t wanted, const Poll& poll) {

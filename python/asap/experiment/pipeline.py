@@ -68,10 +68,10 @@ class Pipeline:
         Of the ring, events. Default: at least 2**20.
     when_full : {"thin", "newest", "oldest", "block"}
         What gives way when events come faster than they leave the ring. "thin": beyond three
-        quarters, the more the ring fills the fewer events get in, by chance; they count as
-        discarded. "newest": what does not fit is dropped. "oldest": finding the ring full, the
-        consumer drops the older half. "block": push waits for room, which another thread has to
-        make; only for sources that can wait, such as files.
+        quarters, the more the ring fills the fewer events get in, by chance, evenly over a push of
+        any size; the others count as discarded. "newest": what does not fit is dropped. "oldest":
+        finding the ring full, the consumer drops the older half. "block": push waits for room,
+        which another thread has to make; only for sources that can wait, such as files.
     reorder_tolerance_us : int
         A stamp that goes back by at most this much, us, is set to the one before and not rejected.
     warmup_discard_us : int

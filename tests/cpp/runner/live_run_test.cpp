@@ -82,6 +82,7 @@ TEST(LiveRun, TheNewestThatDoNotFitOverflow) {
   Greedy scheme;
   RunConfig config = kWhole;
   config.capacity = 100;
+  config.when_full = WhenFull::newest;
   LiveRun run(scheme, config);
   run.push(test::evenly_spaced(150, 1), {});
   EXPECT_EQ(run.ledger(), (Ledger{.received = 150, .overflow = 50, .pending = 100}));

@@ -2,11 +2,14 @@
 // Wait-free and without a system call but for the one that wakes a consumer who sleeps; with
 // WhenFull::block it waits for room instead. No allocation.
 //
-// The thinning has no state but the ring itself: of events that find it filled to a share f of its
-// capacity beyond 3/4 the fraction 4 (1 - f) gets in, so a ring that somebody empties never fills,
-// whatever comes, and opens by itself. A push that finds it emptier than that gets in whole; what
-// finds it full is overflow: nobody empties it. (The rule of halving a threshold again and again,
-// made continuous.)
+// The thinning has no state but the ring itself. A push that leaves a quarter q of the ring free
+// gets in whole. Beyond, where r slots are free, an event gets in with probability (r / q)^2, so
+// that m events take the room from r to r / (1 + r m / q^2). All events of a push have the same
+// chance, such that it ends where that law does: what gets in is uniform in time, and no size of
+// push overflows. A ring that somebody empties never fills, whatever comes, and opens by itself;
+// one that nobody empties is full after some q^2 events, and what finds it full is overflow.
+// (Halving a threshold again and again, made continuous; by the square, because its integral is
+// the same bits everywhere.)
 #pragma once
 
 #include <array>
@@ -54,7 +57,9 @@ class Intake {
   static constexpr std::size_t kBlock = 256;
 
   std::size_t put(EventSpan events, std::int64_t arrival_ns) noexcept;
+  void put_waiting(EventSpan events, std::int64_t arrival_ns, const Poll& poll);
   void thin(EventSpan events, std::int64_t arrival_ns) noexcept;
+  KeepThreshold bar(double share, std::size_t events, std::size_t room) noexcept;
   void wait_for_room(std::size_t wanted, const Poll& poll);
 
   EventBuffer& buffer_;
@@ -66,6 +71,7 @@ class Intake {
   Doorbell room_;  // the producer sleeps there
   std::atomic<bool> left_{false};
   std::array<Event, kBlock> scratch_;
+  std::array<std::uint64_t, kBlock> numbers_;
 };
 
 }  // namespace asap

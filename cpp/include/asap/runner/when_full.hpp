@@ -5,7 +5,8 @@ namespace asap {
 
 enum class WhenFull {
   // Beyond three quarters, the more the ring fills the fewer events of a push get in, by chance:
-  // the thinning stays uniform and counts as discarded. What does not fit even so is the newest.
+  // the thinning stays uniform, whatever the size of a push, and counts as discarded. Only a push
+  // that finds the ring full, because nobody empties it, is overflow. See Intake.
   thin,
   newest,  // what does not fit is dropped
   oldest,  // finding the ring full, the consumer drops the older half
