@@ -49,9 +49,9 @@ PARTS: dict[str, dict[str, Goal]] = {
         "steady_longest_push_ms": Goal("R3", "longest push", "ms"),
         "steady_late_ms": Goal("R3", "latest packet of the camera's thread", "ms"),
         "memory_above_ring_mib": Goal("R6", "resident beyond ring", "MiB", most=8),
-        "memory_above_promise_mib": Goal(
-            "R6", "beyond ring and package", "MiB", most=8, exact=True
-        ),
+        "memory_after_stalls_mib": Goal("R6", "after ten stalls of 200 ms", "MiB", most=8),
+        "memory_of_pipeline_mib": Goal("R6", "of it the pipeline's", "MiB", most=6, exact=True),
+        "stalled_overflow": Goal("R4", "overflow in these stalls", most=0),
         "steady_memory_growth_mib": Goal("R6", "growth once warm", "MiB", most=1),
     },
     "overload": {

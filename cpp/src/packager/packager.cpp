@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "asap/core/check.hpp"
+
 namespace asap {
 namespace {
 
@@ -48,7 +50,8 @@ Packager::Packager(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
       telemetry_(telemetry),
       times_(times),
       config_(std::move(config)),
-      thinner_(times_, buffer.capacity(), config_.seed, config_.before) {
+      thinner_(times_, buffer.capacity(), config_.seed, config_.before, config_.most_copied) {
+  require(config_.most_copied >= 1, "most_copied", config_.most_copied, "must be at least 1");
   scheme_.reset(config_.execution);
 }
 
@@ -163,6 +166,7 @@ EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
     // In the last stratum no clock makes up for a chance in the number of events.
     const EventSpan kept = add(package, stratum.begin, stratum.end,
                                {.keep = stratum.keep, .exactly = stratum.is_last});
+    if (package.raw < stratum.end) plan_ = {};  // it is full
     if (!kept.empty()) return kept;
   }
   const EventSpan rest = package.events.subspan(handed_out_);
@@ -170,13 +174,14 @@ EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
   return rest;
 }
 
-// Decides the package's raw events [begin, end), which follow those before.
+// Decides the package's raw events [begin, end), which follow those before, or as many as fit.
 EventSpan Packager::add(Package& package, std::size_t begin, std::size_t end, Share share) {
   const EventSpan kept = thinner_.decide(begin, end, share);
   package.events = thinner_.events();
-  package.raw = end;
-  const std::uint64_t thinned = times_.thinned(buffer_.head() + end - 1) - thinned_reported_;
-  package.offered = offered_without_package_ + thinned + end;
+  package.raw = thinner_.decided();
+  const std::uint64_t last = buffer_.head() + package.raw - 1;
+  const std::uint64_t thinned = times_.thinned(last) - thinned_reported_;
+  package.offered = offered_without_package_ + thinned + package.raw;
   package.filtered = filtered_without_package_ + thinner_.filtered();
   return kept;
 }

@@ -22,13 +22,14 @@ EventPieces part_of(const EventPieces& pieces, std::size_t begin, std::size_t en
 }  // namespace
 
 Thinner::Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t seed,
-                 FrontFilter before)
+                 FrontFilter before, std::size_t most_copied)
     : times_(times),
       before_(std::move(before)),
       gamma_(seed),
-      kept_(std::make_unique_for_overwrite<Event[]>(capacity)),
-      numbers_(
-          std::make_unique_for_overwrite<std::uint64_t[]>(AnytimePlan::longest_stratum(capacity))),
+      most_copied_(std::min(capacity, most_copied)),
+      most_numbers_(AnytimePlan::longest_stratum(most_copied_)),
+      kept_(std::make_unique_for_overwrite<Event[]>(most_copied_)),
+      numbers_(std::make_unique_for_overwrite<std::uint64_t[]>(most_numbers_)),
       kept_times_(times.by_arrival() ? kMostRuns : 0),
       passed_times_(times.by_arrival() && before_ ? kMostRuns : 1) {}
 
@@ -37,17 +38,17 @@ void Thinner::begin(const EventPieces& raw, std::uint64_t head) noexcept {
   head_ = head;
   events_ = {};
   filtered_ = 0;
+  decided_ = 0;
   kept_times_.clear();
 }
 
 EventSpan Thinner::decide(std::size_t begin, std::size_t end, Share share) {
   if (before_) return filter_and_thin(begin, end, share);
   const EventPieces raw = part_of(raw_, begin, end);
-  const EventSpan slice = raw.second.empty() ? raw.first : raw.second;
+  const EventSpan slice = raw.first.empty() ? raw.second : raw.first;
   const bool follows = events_.empty() || events_.data() + events_.size() == slice.data();
-  if (share.keep >= 1.0 && follows && (raw.first.empty() || raw.second.empty())) {
-    return take_slice(slice, begin);
-  }
+  const bool is_enough = slice.size() == end - begin || !fits(end - begin);
+  if (share.keep >= 1.0 && follows && is_enough) return take_slice(slice, begin);
   return thin(begin, end, share);
 }
 
@@ -62,16 +63,20 @@ EventSpan Thinner::take_slice(EventSpan slice, std::size_t begin) noexcept {
     at = times_.same_until(head_ + at, head_ + end) - head_;
     kept_times_.note(size + (at - begin), time_ns);
   }
+  decided_ = end;
   return slice;
 }
 
 EventSpan Thinner::thin(std::size_t begin, std::size_t end, Share share) noexcept {
+  decided_ = begin;
+  if (is_slice() && !fits(end - begin)) return {};
   leave_the_ring();
   const KeepThreshold bar = threshold(end - begin, share);
   const std::size_t before = events_.size();
   std::size_t size = before;
-  for (std::size_t at = begin; at < end;) {
-    const std::size_t until = times_.same_until(head_ + at, head_ + end) - head_;
+  for (std::size_t& at = decided_; at < end && size < most_copied_;) {
+    const std::size_t together_until = times_.same_until(head_ + at, head_ + end) - head_;
+    const std::size_t until = std::min(together_until, at + (most_copied_ - size));
     const EventPieces together = part_of(raw_, at, until);
     size += gamma_.apply(together.first, bar, kept_.get() + size);
     size += gamma_.apply(together.second, bar, kept_.get() + size);
@@ -85,6 +90,7 @@ EventSpan Thinner::thin(std::size_t begin, std::size_t end, Share share) noexcep
 // First all of them through the filter in front, so that the share is planned with what has passed.
 EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share share) {
   const std::size_t before = events_.size();
+  end = std::min(end, begin + (most_copied_ - before));
   Event* const passing = kept_.get() + before;
   std::size_t passed = 0;
   const auto pass = [&](EventSpan events) {
@@ -99,6 +105,7 @@ EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share sha
     passed_times_.note(passed, times_.of(raw_[at], head_ + at));
     at = until;
   }
+  decided_ = end;
   filtered_ += end - begin - passed;
 
   const double wanted = share.keep * static_cast<double>(end - begin);
@@ -117,14 +124,16 @@ EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share sha
 }
 
 KeepThreshold Thinner::threshold(std::size_t events, Share share) const noexcept {
-  if (!share.exactly || share.keep >= 1.0) return KeepThreshold::clamped(share.keep);
+  if (!share.exactly || share.keep >= 1.0 || events > most_numbers_) {
+    return KeepThreshold::clamped(share.keep);
+  }
   constexpr double kRounding = 1e-6;
   const double size = share.keep * static_cast<double>(events) + kRounding;
   return gamma_.keeping(static_cast<std::size_t>(size), events, numbers_.get());
 }
 
 void Thinner::leave_the_ring() noexcept {
-  if (events_.empty() || events_.data() == kept_.get()) return;
+  if (!is_slice()) return;
   std::copy(events_.begin(), events_.end(), kept_.get());
   events_ = {kept_.get(), events_.size()};
 }

@@ -20,6 +20,7 @@ PackagerConfig live_packager_config(const RunConfig& config) {
   require(!config.keep_mask, "keep_mask", 1, "not with live events; give it to a recording's run");
   PackagerConfig packager = packager_config(config);
   packager.drop_oldest = config.when_full == WhenFull::oldest;
+  packager.most_copied = LiveRun::kMostCopied;
   return packager;
 }
 

@@ -39,8 +39,10 @@ constexpr std::size_t kHuge = std::numeric_limits<std::size_t>::max();
 // A ring and a packager, with the books of what went in.
 class Rig {
  public:
-  explicit Rig(Scheme& scheme, std::size_t capacity = 1024, std::uint64_t seed = 0)
-      : buffer(capacity), packager(buffer, ages, scheme, telemetry, {.seed = seed}) {
+  explicit Rig(Scheme& scheme, std::size_t capacity = 1024, std::uint64_t seed = 0,
+               std::size_t most_copied = kHuge)
+      : buffer(capacity),
+        packager(buffer, ages, scheme, telemetry, {.seed = seed, .most_copied = most_copied}) {
     packager.set_axis(TimeAxis(0, 1.0));
   }
 
@@ -659,7 +661,7 @@ TEST(Packager, AClockThatStepsBackLeavesTheKeptFractionAFraction) {
 void keeps_its_promises(Scheme& scheme, std::uint64_t seed, std::size_t capacity, bool loses) {
   const CounterRandom random(seed);
   const Events events = test::random_stream(seed, 5000);
-  Rig rig(scheme, capacity, seed);
+  Rig rig(scheme, capacity, seed, seed % 2 == 0 ? kHuge : 1 + capacity / 4);
   std::int64_t now_ns = 0;
   std::int64_t last = -1;  // number of the newest event delivered
   std::size_t at = 0;

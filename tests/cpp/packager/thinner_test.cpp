@@ -30,8 +30,9 @@ FrontFilter every(std::uint64_t nth) {
 
 // A ring with waiting events from index `first` on, and a thinner over it.
 struct Rig {
-  explicit Rig(FrontFilter before = {}, std::uint64_t first = 0, std::uint64_t seed = 7)
-      : buffer(kCapacity, first), thinner(times, kCapacity, seed, std::move(before)) {}
+  explicit Rig(FrontFilter before = {}, std::uint64_t first = 0, std::uint64_t seed = 7,
+               std::size_t most_copied = kCapacity)
+      : buffer(kCapacity, first), thinner(times, kCapacity, seed, std::move(before), most_copied) {}
 
   void push(EventSpan events) { buffer.push(events); }
   void begin() { thinner.begin(buffer.peek(), buffer.head()); }
@@ -92,6 +93,106 @@ TEST(Thinner, ExactlyKeepsTheNumber) {
     const std::size_t wanted = static_cast<std::size_t>(keep * 64 + 1e-6);
     EXPECT_EQ(rig.thinner.decide(0, 64, {.keep = keep, .exactly = true}).size(), wanted);
   }
+}
+
+// ---- at most 100 copied events
+
+Rig bounded(std::uint64_t first = 0, FrontFilter before = {}) {
+  return Rig(std::move(before), first, 7, 100);
+}
+
+TEST(ThinnerBounded, ASliceIsNotACopy) {
+  Rig rig = bounded();
+  rig.push(evenly_spaced(500, 10));
+  rig.begin();
+  EXPECT_EQ(rig.thinner.decide(0, 300, {}).size(), 300u);
+  EXPECT_EQ(rig.thinner.decide(300, 500, {}).size(), 200u);
+  EXPECT_EQ(rig.thinner.decided(), 500u);
+}
+
+TEST(ThinnerBounded, ASliceThatCannotBeCopiedEndsWithTheRing) {
+  Rig rig = bounded(kCapacity - 300);
+  rig.push(evenly_spaced(500, 10));
+  rig.begin();
+  const Event* const slots = rig.buffer.peek().first.data();
+  rig.thinner.decide(0, 280, {});
+  rig.thinner.decide(280, 320, {});
+  EXPECT_EQ(rig.thinner.events().data(), slots);
+  EXPECT_EQ(numbers_of(rig.thinner.events()), multiples(1, 300));
+  EXPECT_EQ(rig.thinner.decided(), 300u);
+}
+
+TEST(ThinnerBounded, WhatFitsIsCopiedAcrossTheEnd) {
+  Rig rig = bounded(kCapacity - 50);
+  rig.push(evenly_spaced(500, 10));
+  rig.begin();
+  EXPECT_EQ(rig.thinner.decide(0, 100, {}).size(), 100u);
+  EXPECT_EQ(rig.thinner.decided(), 100u);
+}
+
+TEST(ThinnerBounded, EndsWhereItIsFullAndTheRestChangesNothing) {
+  Rig whole;
+  Rig rig = bounded();
+  for (Rig* each : {&whole, &rig}) each->push(evenly_spaced(500, 10));
+  whole.begin();
+  whole.thinner.decide(0, 500, {.keep = 0.5});
+  std::vector<std::uint64_t> kept;
+  std::size_t packages = 0;
+  for (std::size_t left = 500; left > 0; left -= rig.thinner.decided(), ++packages) {
+    rig.begin();
+    rig.thinner.decide(0, left, {.keep = 0.5});
+    const std::vector<std::uint64_t> numbers = numbers_of(rig.thinner.events());
+    ASSERT_LE(numbers.size(), 100u);
+    ASSERT_TRUE(numbers.size() == 100 || rig.thinner.decided() == left);
+    kept.insert(kept.end(), numbers.begin(), numbers.end());
+    rig.buffer.consume(rig.thinner.decided());
+  }
+  EXPECT_EQ(kept, numbers_of(whole.thinner.events()));
+  EXPECT_EQ(packages, 3u);
+}
+
+TEST(ThinnerBounded, ASliceThatCouldNotBeCopiedStays) {
+  Rig rig = bounded();
+  rig.push(evenly_spaced(500, 10));
+  rig.begin();
+  rig.thinner.decide(0, 40, {});
+  rig.thinner.decide(40, 100, {.keep = 0.5});
+  EXPECT_EQ(rig.thinner.decided(), 100u) << "a copy";
+  rig.begin();
+  EXPECT_EQ(rig.thinner.decided(), 0u);
+  rig.thinner.decide(0, 80, {});
+  EXPECT_TRUE(rig.thinner.decide(80, 160, {.keep = 0.5}).empty());
+  EXPECT_EQ(rig.thinner.decided(), 80u);
+  EXPECT_EQ(rig.thinner.events().size(), 80u);
+}
+
+TEST(ThinnerBounded, AFilterInFrontGetsNoMoreThanItCanPass) {
+  Rig rig = bounded(0, every(4));
+  rig.push(evenly_spaced(500, 10));
+  rig.begin();
+  rig.thinner.decide(0, 60, {});
+  EXPECT_EQ(rig.thinner.decided(), 60u);
+  rig.thinner.decide(60, 500, {});
+  EXPECT_EQ(rig.thinner.decided(), 145u);  // 85 places are left
+  EXPECT_EQ(numbers_of(rig.thinner.events()), multiples(4, 145));
+  EXPECT_EQ(rig.thinner.filtered(), 145u - 37);
+}
+
+TEST(ThinnerBounded, NotesWhenTheKeptOnesCame) {
+  EventBuffer buffer(kCapacity);
+  ArrivalTimes arrivals(1);
+  EventTimes times(arrivals);
+  Thinner thinner(times, kCapacity, 7, {}, 100);
+  for (int push = 0; push < 20; ++push) {
+    arrivals.note(buffer.tail(), 1000 * push);
+    buffer.push(evenly_spaced(25, 1));
+  }
+  thinner.begin(buffer.peek(), 0);
+  thinner.decide(0, 500, {.keep = 0.5});
+  ASSERT_EQ(thinner.events().size(), 100u);
+  EXPECT_EQ(thinner.arrivals().runs().back().end, 100u);
+  EXPECT_EQ(thinner.arrivals().runs().back().time_ns,
+            static_cast<std::int64_t>((thinner.decided() - 1) / 25) * 1000);
 }
 
 TEST(ThinnerBehindAFilter, KeepsAllThatPass) {

@@ -92,6 +92,23 @@ TEST(LiveRun, TheNewestThatDoNotFitOverflow) {
   EXPECT_EQ(test::number_of(package.events.front()), 0u);
 }
 
+TEST(LiveRun, APackageThatIsCopiedIsBoundedAndTheRestFollows) {
+  constexpr std::size_t kEvents = LiveRun::kMostCopied + 40'000;
+  test::ScriptedScheme scheme(
+      [](const Backlog& backlog) { return Decision::take(backlog.count, 1 - 1e-9); });
+  RunConfig config = kWhole;
+  config.capacity = 2 * LiveRun::kMostCopied;
+  LiveRun run(scheme, config);
+  run.push(test::evenly_spaced(kEvents, 0), {});
+  for (const std::size_t size : {LiveRun::kMostCopied, kEvents - LiveRun::kMostCopied}) {
+    Package package;
+    ASSERT_EQ(run.loop().next(package, 0ns), ConsumerLoop::Next::package);
+    EXPECT_EQ(package.events.size(), size);
+    run.loop().complete(package);
+  }
+  EXPECT_EQ(run.ledger(), (Ledger{.received = kEvents, .delivered = kEvents}));
+}
+
 TEST(LiveRun, WhatTheFilterInFrontDropsIsFilteredAndNothingElse) {
   test::ScriptedScheme scheme(
       [](const Backlog& backlog) { return Decision::take(backlog.count, 0.25); });

@@ -16,6 +16,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/core/relaxed.hpp"
@@ -55,6 +56,8 @@ struct PackagerConfig {
   FrontFilter before{};      // may be none
   bool drop_oldest = false;  // of a ring found full, the older half
   KeptMask* kept_mask = nullptr;  // to note what is kept; may be none, else outlives the packager
+  // Kept events of a package that is no slice of the ring; what is more follows as the next one.
+  std::size_t most_copied = std::numeric_limits<std::size_t>::max();
 };
 
 class Packager {

@@ -1,6 +1,7 @@
 // Thinner: makes the events of a package of raw ones: those that pass the filter in front, if there
 // is one, and the gamma filter, contiguous and in order; and notes when they arrived. Where every
-// raw event is kept and the ring does not wrap, they are a slice of the ring, without a copy.
+// raw event is kept and the ring does not wrap, they are a slice of the ring, without a copy; other
+// packages are copied and may be bounded: what would not fit is left undecided, for the next one.
 //
 // Called on the consumer's thread. O(1) per event, no allocation after construction. Throws what
 // the filter in front throws: then the package is lost, its raw events are still in the ring.
@@ -8,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "asap/buffer/event_buffer.hpp"
@@ -27,15 +29,21 @@ struct Share {
 
 class Thinner {
  public:
-  // `times` outlives the thinner. A package has at most `capacity` raw events.
-  Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t seed, FrontFilter before);
+  // `times` outlives the thinner. A package has at most `capacity` raw events, and at most
+  // `most_copied` kept ones unless it is a slice of the ring.
+  Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t seed, FrontFilter before,
+          std::size_t most_copied = std::numeric_limits<std::size_t>::max());
 
   // A new package of these waiting events, the first of which lies at ring index `head`.
   void begin(const EventPieces& raw, std::uint64_t head) noexcept;
 
   // Decides the raw events [begin, end), which follow those before, and returns the kept ones. With
   // a filter in front the share is still that of the raw events, as far as enough of them pass.
+  // Where the package is full it ends before: see decided().
   EventSpan decide(std::size_t begin, std::size_t end, Share share);
+
+  // Raw events of the package that are decided.
+  std::size_t decided() const noexcept { return decided_; }
 
   // The package so far: its events, and how many the filter in front has dropped.
   EventSpan events() const noexcept { return events_; }
@@ -51,11 +59,15 @@ class Thinner {
   EventSpan thin(std::size_t begin, std::size_t end, Share share) noexcept;
   EventSpan filter_and_thin(std::size_t begin, std::size_t end, Share share);
   KeepThreshold threshold(std::size_t events, Share share) const noexcept;
+  bool fits(std::size_t more) const noexcept { return events_.size() + more <= most_copied_; }
+  bool is_slice() const noexcept { return !events_.empty() && events_.data() != kept_.get(); }
   void leave_the_ring() noexcept;
 
   const EventTimes& times_;
   const FrontFilter before_;
   GammaFilter gamma_;
+  const std::size_t most_copied_;
+  const std::size_t most_numbers_;
   const std::unique_ptr<Event[]> kept_;             // the package, unless it is a slice of the ring
   const std::unique_ptr<std::uint64_t[]> numbers_;  // scratch: the random numbers of a share
 
@@ -63,6 +75,7 @@ class Thinner {
   std::uint64_t head_ = 0;
   EventSpan events_{};
   std::size_t filtered_ = 0;
+  std::size_t decided_ = 0;
   KeptTimes kept_times_;
   KeptTimes passed_times_;  // of the events behind the filter in front
 };

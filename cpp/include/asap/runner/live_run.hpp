@@ -1,7 +1,9 @@
 // LiveRun: one run of a live pipeline, from its first event to its end: ring, clock, packager and
 // what they count. The producer pushes, the consumer loops, any thread may look at the counters.
 // The event's time is its arrival on the steady clock; a wall clock that steps has no effect.
-// Memory is bounded at construction: the ring, as much again for a package, and 3 MiB.
+// Memory is bounded at construction: the ring and 6 MiB. A package that is thinned or lies across
+// the ring's end has at most kMostCopied events; what the scheme has taken beyond follows as the
+// next.
 #pragma once
 
 #include <atomic>
@@ -24,6 +26,7 @@ class LiveRun {
  public:
   using Steady = RunClock::Steady;
   static constexpr std::size_t kLogRows = 4 * RunLog::kBlockRows;
+  static constexpr std::size_t kMostCopied = std::size_t{1} << 17;
 
   // The scheme outlives the run.
   LiveRun(Scheme& scheme, const RunConfig& config);
