@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import gc
+import os
+import subprocess
+import sys
 import threading
 import time
 
@@ -246,6 +249,25 @@ def test_when_full_push_waits():
     assert stamps.tolist() == list(range(5000))
     assert pipeline.packages["size"].max() <= 1000
     assert pipeline.ledger.overflow == 0
+
+
+def test_a_ring_that_cannot_be_had_names_the_field():
+    code = """
+import resource, asap
+resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
+for make in (asap.Pipeline, lambda **kw: asap.simulate(asap.synthetic.FlightOverChairs(
+        duration_s=0.01), cost=asap.LinearCost(1, 1), **kw)):
+    try:
+        make(capacity=2**30)
+    except MemoryError as error:
+        print(error)
+"""
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+    run = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    message = "capacity = 1073741824: needs 16 GiB of memory, which cannot be had; choose less\n"
+    assert run.stdout == 2 * message
 
 
 # ---- an algorithm of the pipeline's own -----------------------------------------------------

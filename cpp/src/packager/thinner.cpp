@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "asap/core/allocate.hpp"
 #include "asap/packager/anytime_plan.hpp"
 
 namespace asap {
@@ -28,8 +29,8 @@ Thinner::Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t se
       gamma_(seed),
       most_copied_(std::min(capacity, most_copied)),
       most_numbers_(AnytimePlan::longest_stratum(most_copied_)),
-      kept_(std::make_unique_for_overwrite<Event[]>(most_copied_)),
-      numbers_(std::make_unique_for_overwrite<std::uint64_t[]>(most_numbers_)),
+      kept_(allocate<Event>(most_copied_, "capacity", capacity)),
+      numbers_(allocate<std::uint64_t>(most_numbers_, "capacity", capacity)),
       kept_times_(times.by_arrival() ? kMostRuns : 0),
       passed_times_(times.by_arrival() && before_ ? kMostRuns : 1) {}
 

@@ -59,6 +59,7 @@ void Intake::put_waiting(EventSpan events, std::int64_t arrival_ns, const Poll& 
 std::size_t Intake::put(EventSpan events, std::int64_t arrival_ns) noexcept {
   arrivals_.note(buffer_.tail(), arrival_ns, discarded_);
   const std::size_t taken = buffer_.push(events);
+  most_waiting_ = std::max<std::uint64_t>(most_waiting_, buffer_.filled(most_waiting_));
   doorbell_.announce(buffer_.tail());
   return taken;
 }

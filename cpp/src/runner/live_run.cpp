@@ -52,7 +52,6 @@ void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival,
     }
     heed_clock();
     intake_.take(good, arrival_ns_, poll);
-    most_waiting_ = std::max<std::uint64_t>(most_waiting_, buffer_.filled(most_waiting_));
     sensor_delay_.note(good.back().t, arrival_ns_);
   });
 }

@@ -65,7 +65,8 @@ class Pipeline:
     seed : int
         Of the gamma filter.
     capacity : int, optional
-        Of the ring, events. Default: at least 2**20.
+        Of the ring, events. Default: at least 2**20. MemoryError if that much, 16 bytes an event,
+        cannot be had.
     when_full : {"thin", "newest", "oldest", "block"}
         What gives way when events come faster than they leave the ring. "thin": beyond three
         quarters, the more the ring fills the fewer events get in, by chance, evenly over a push of

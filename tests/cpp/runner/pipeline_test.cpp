@@ -398,6 +398,16 @@ TEST(PipelineBlock, AFileIsNeitherThinnedNorLost) {
   EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 200'000, .delivered = 200'000}));
 }
 
+TEST(PipelineBlock, SaysHowManyWaitWhileThePushWaits) {
+  Greedy scheme;
+  Pipeline pipeline(scheme, whole(64, WhenFull::block));
+  const auto poll = [&] {
+    EXPECT_EQ(pipeline.stats().most_waiting, 64u);
+    throw std::runtime_error("interrupted");
+  };
+  EXPECT_THROW(pipeline.push(evenly_spaced(100, 1), {}, poll), std::runtime_error);
+}
+
 TEST(PipelineBlock, StopFreesTheProducer) {
   Greedy scheme;
   Pipeline pipeline(scheme, whole(64, WhenFull::block));

@@ -24,12 +24,15 @@ void* counted(std::size_t size, std::align_val_t alignment) {
 
 std::size_t asap::test::allocations() noexcept { return count; }
 
-// The array forms of the standard library call these. A sanitizer's nothrow form would not, and its
-// memory would come to our delete.
+// The array forms of the standard library call these. A sanitizer's nothrow forms would not, and
+// their memory would come to our delete.
 void* operator new(std::size_t size) { return counted(size); }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++count;
   return std::malloc(size == 0 ? 1 : size);
+}
+void* operator new[](std::size_t size, const std::nothrow_t& tag) noexcept {
+  return operator new(size, tag);
 }
 void* operator new(std::size_t size, std::align_val_t alignment) {
   return counted(size, alignment);

@@ -23,6 +23,7 @@
 #include <limits>
 #include <memory>
 
+#include "asap/core/allocate.hpp"
 #include "asap/core/atomics.hpp"
 #include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
@@ -45,11 +46,12 @@ class BasicEventBuffer {
  public:
   static constexpr std::size_t kMaxCapacity = std::size_t{1} << 40;
 
+  // Throws std::invalid_argument for a capacity out of range, NoMemory for one that cannot be had.
   // `first_index` starts the 64-bit indices elsewhere than at 0, for tests of their wrap.
   explicit BasicEventBuffer(std::size_t capacity, std::uint64_t first_index = 0)
       : capacity_(checked(capacity)),
         mask_(std::bit_ceil(capacity) - 1),
-        slots_(std::make_unique_for_overwrite<Event[]>(std::bit_ceil(capacity))),
+        slots_(allocate<Event>(std::bit_ceil(capacity), "capacity", capacity)),
         tail_(first_index),
         head_copy_(first_index),
         head_(first_index),

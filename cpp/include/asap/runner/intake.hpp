@@ -53,6 +53,9 @@ class Intake {
   // Events that the thinning has discarded.
   std::uint64_t discarded() const noexcept { return discarded_; }
 
+  // The most events that have waited at once, also while the producer waits for room.
+  std::uint64_t most_waiting() const noexcept { return most_waiting_; }
+
  private:
   static constexpr std::size_t kBlock = 256;
 
@@ -68,6 +71,7 @@ class Intake {
   const WhenFull when_full_;
   GammaFilter filter_;
   Relaxed<std::uint64_t> discarded_;
+  Relaxed<std::uint64_t> most_waiting_;
   Doorbell room_;  // the producer sleeps there
   std::atomic<bool> left_{false};
   std::array<Event, kBlock> scratch_;

@@ -60,7 +60,7 @@ class LiveRun {
   // The consumer has been away for too long.
   bool stalled() const noexcept { return loop_.stalled(buffer_.size()); }
   // The most events that have waited at once.
-  std::uint64_t most_waiting() const noexcept { return most_waiting_; }
+  std::uint64_t most_waiting() const noexcept { return intake_.most_waiting(); }
   // Time since the first arrival, until close().
   std::int64_t elapsed_ns() const noexcept;
   // Latencies and totals from any thread; rows once the run is over.
@@ -91,7 +91,6 @@ class LiveRun {
     Relaxed<std::uint64_t> nonmonotonic, out_of_bounds, bad_polarity, bad_record, before_start;
   } rejected_;
   Relaxed<std::uint64_t> clock_resets_;
-  Relaxed<std::uint64_t> most_waiting_;
   SensorDelay sensor_delay_;
 };
 

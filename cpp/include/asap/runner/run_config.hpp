@@ -15,8 +15,9 @@ namespace asap {
 
 struct RunConfig {
   std::optional<double> latency_us{};  // latency bound; none: the scheme's own, else 10 ms
-  std::size_t capacity = 0;  // of the ring, events; 0: 2^20 or 60 Mev/s x 2 bounds, if more
-  std::uint64_t seed = 0;    // of the gamma filter
+  // Of the ring, events; 0: 2^20 or 60 Mev/s x 2 bounds, if more. NoMemory if it cannot be had.
+  std::size_t capacity = 0;
+  std::uint64_t seed = 0;  // of the gamma filter
   ValidatorConfig validator{};
   // Of the algorithm. anytime: the callable may get a package in several parts, in time order.
   Execution execution = Execution::anytime;
