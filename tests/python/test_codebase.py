@@ -85,6 +85,7 @@ WITHOUT_A_TEST_OF_ITS_OWN = {
 WITHOUT_A_HEADER_OF_ITS_OWN = {
     "packager/allocation_test.cpp": "a promise of the whole hot path",
     "packager/anytime_test.cpp": "the packager, stratum by stratum",
+    "packager/bounded_test.cpp": "the packager, of packages that do not fit",
     "runner/allocation_test.cpp": "the same of a live pipeline",
     "runner/simulator_anytime_test.cpp": "the simulator: anytime, outages, admission",
 }

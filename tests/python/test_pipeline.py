@@ -45,7 +45,7 @@ def test_delivers_what_another_thread_pushes():
 
 
 def test_a_package_says_what_it_is():
-    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=10), capacity=30)
+    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=10), capacity=30, when_full="newest")
     pipeline.push(streams.make(np.arange(40)))
     pipeline.stop()
     package = next(iter(pipeline))
@@ -235,10 +235,10 @@ def test_when_full_the_oldest_go():
 
 def test_when_full_it_thins():
     ledger, stamps = overfull("thin")
-    assert ledger.discarded > 500
-    assert ledger.discarded + ledger.overflow == 4000
+    assert ledger.overflow == 0
+    assert 4000 < ledger.discarded < 4050
     assert stamps[:700].tolist() == list(range(700))
-    assert stamps[-1] > 1000
+    assert stamps[-1] > 2000
 
 
 def test_when_full_push_waits():

@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <type_traits>
 
 namespace asap {
 
@@ -29,7 +28,6 @@ class NoMemory : public std::bad_alloc {
 
 // So many values, as the field with this value asks for.
 template <class Value>
-  requires std::is_trivially_default_constructible_v<Value>
 std::unique_ptr<Value[]> allocate(std::size_t count, std::string_view field, std::size_t value) {
   constexpr std::size_t kMost = std::numeric_limits<std::ptrdiff_t>::max() / sizeof(Value);
   Value* const memory = count <= kMost ? new (std::nothrow) Value[count] : nullptr;
