@@ -11,13 +11,20 @@ std::int64_t ns(RunClock::Steady::time_point time) noexcept {
   return std::chrono::nanoseconds(time.time_since_epoch()).count();
 }
 
+// A patience may be for ever.
+RunClock::Steady::time_point later(RunClock::Steady::time_point now,
+                                   std::chrono::nanoseconds patience) noexcept {
+  constexpr auto kEnd = RunClock::Steady::time_point::max();
+  return patience < kEnd - now ? now + patience : kEnd;
+}
+
 }  // namespace
 
 ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds patience) {
   telemetry_.log.make_room();
   const auto entered = RunClock::Steady::now();
   watch_.looks_up(ns(entered), telemetry_.latency.bound_ns());
-  const auto deadline = entered + patience;
+  const auto deadline = later(entered, patience);
   for (;;) {
     const Asked now = asked();
     if (now.abandoned) return Next::ended;
@@ -30,6 +37,7 @@ ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds
         watch_.works();
         return Next::package;
       }
+      if (next.step == Packager::Step::ended) return Next::ended;  // nothing of the rest was kept
     } else if (now.closed) {
       return Next::ended;
     }

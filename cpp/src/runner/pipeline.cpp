@@ -89,8 +89,7 @@ Pipeline::Next Pipeline::next(Package& package, std::chrono::nanoseconds patienc
   if (config_.execution != Execution::whole) {
     throw std::logic_error("pipeline: next() needs .execution = Execution::whole; or use run()");
   }
-  if (has_package_) run_->loop().complete(package_);
-  has_package_ = false;
+  complete_package();
   const Next next = run_->loop().next(package_, patience);
   has_package_ = next == Next::package;
   if (next == Next::ended) run_->finish();
@@ -100,6 +99,10 @@ Pipeline::Next Pipeline::next(Package& package, std::chrono::nanoseconds patienc
 
 void Pipeline::complete() {
   const Working working(*this);
+  complete_package();
+}
+
+void Pipeline::complete_package() {
   if (has_package_) run_->loop().complete(package_);
   has_package_ = false;
 }
@@ -114,6 +117,7 @@ void Pipeline::abandon() {
 
 void Pipeline::run(const Consumer& consumer, const Poll& poll) {
   const Working working(*this);
+  complete_package();
   try {
     run_->loop().run(consumer, poll);
   } catch (...) {

@@ -46,6 +46,27 @@ TEST(ConsumerLoop, IsIdleWhenNothingComes) {
   EXPECT_EQ(rig.loop.next(package, 5ms), Next::idle);
 }
 
+TEST(ConsumerLoop, WaitsForEver) {
+  FixedSize scheme;
+  Rig rig(scheme);
+  std::jthread other([&] { rig.loop.abandon(); });
+  Package package;
+  EXPECT_EQ(rig.loop.next(package, std::chrono::nanoseconds::max()), Next::ended);
+}
+
+TEST(ConsumerLoop, EndsWhenNothingOfTheRestIsKept) {
+  test::ScriptedScheme scheme([](const Backlog& backlog) {
+    return backlog.due ? Decision::take(backlog.count, 0.0) : Decision::wait_for(100);
+  });
+  Rig rig(scheme);
+  rig.push(test::evenly_spaced(10, 1));
+  rig.buffer.close();
+  Package package;
+  EXPECT_EQ(rig.loop.next(package, 10s), Next::ended);
+  EXPECT_EQ(rig.telemetry.discarded, 10u);
+  EXPECT_LT(rig.clock.now_ns(), 5'000'000'000) << "it has slept";
+}
+
 TEST(ConsumerLoop, TimesTheAlgorithm) {
   FixedSize scheme({.size = 2});
   Rig rig(scheme);

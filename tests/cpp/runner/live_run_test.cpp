@@ -57,6 +57,17 @@ TEST(LiveRun, AnArrivalInTheFutureIsNowAndOneBeforeTheLastIsThat) {
   EXPECT_LT(run.sensor_delay().max_ns(), 5'000'000'000);
 }
 
+TEST(LiveRun, AnArrivalBeforeTheClockBeganIsItsBeginning) {
+  Greedy scheme;
+  LiveRun run(scheme, kWhole);
+  run.push(test::at_times({1}), Steady::time_point::min());
+  deliver_all(run);
+  EXPECT_EQ(run.ledger().delivered, 1u);
+  const std::int64_t uptime_ns = Steady::now().time_since_epoch() / 1ns;
+  EXPECT_NEAR(static_cast<double>(run.telemetry().latency.max_ns()), static_cast<double>(uptime_ns),
+              20e9);
+}
+
 TEST(LiveRun, CountsWhatTheDoorRejects) {
   Greedy scheme;
   RunConfig config = kWhole;

@@ -315,6 +315,22 @@ TEST(Pipeline, HasOneConsumerAtATime) {
   EXPECT_THROW(anytime.next(package, 0ns), std::logic_error);
 }
 
+TEST(Pipeline, RunCompletesThePackageOfNext) {
+  FixedSize scheme({.size = 10});
+  Pipeline pipeline(scheme, kWhole);
+  pipeline.push(evenly_spaced(30, 1));
+  Package package;
+  ASSERT_EQ(pipeline.next(package, kLong), Next::package);
+  pipeline.stop();
+  Events delivered;
+  pipeline.run(
+      [&](EventSpan events) { delivered.insert(delivered.end(), events.begin(), events.end()); });
+  ASSERT_EQ(delivered.size(), 20u);
+  EXPECT_EQ(number_of(delivered.front()), 10u) << "none twice";
+  pipeline.complete();
+  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 30, .delivered = 30}));
+}
+
 TEST(Pipeline, CountsWhatTheDriverReports) {
   Greedy scheme;
   Pipeline pipeline(scheme);

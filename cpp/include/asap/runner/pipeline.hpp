@@ -85,9 +85,9 @@ class Pipeline {
   // another one is inside, that one ends as after stop(false).
   void abandon();
 
-  // Until stop(). `poll` is called every 20 ms or, while the algorithm works, between two packages;
-  // it may throw. An exception of either comes out unchanged, the pipeline stopped and the package
-  // in work pending.
+  // Until stop(); completes the package of next(), if one is in work. `poll` is called every 20 ms
+  // or, while the algorithm works, between two packages; it may throw. An exception of either comes
+  // out unchanged, the pipeline stopped and the package in work pending.
   void run(const Consumer& consumer, const Poll& poll = {});
 
   // ---- the worker, if there is one
@@ -126,6 +126,7 @@ class Pipeline {
   class Working;
 
   Pipeline(std::unique_ptr<Scheme> scheme, RunConfig config, Consumer algorithm);
+  void complete_package();
   void begin();
   void set_to_work();
 
