@@ -50,6 +50,23 @@ def test_the_filter_sees_every_event_and_the_ledger_says_what_it_dropped():
     assert run.summary()["gamma"]["mean"] == 1
 
 
+def test_a_filter_may_answer_with_a_slice():
+    events = stream(duration_s=0.01)
+    seen = []
+    run = asap.simulate(
+        events,
+        cost=COST,
+        scheme=asap.Greedy(),
+        before=lambda e: e[::-2][::-1],
+        algorithm=seen.append,
+    )
+    assert run.ledger.filtered + run.ledger.delivered == events.size
+    sizes = run.packages["offered"]
+    begins = np.cumsum(sizes) - sizes
+    expected = [events[b : b + n][::-2][::-1] for b, n in zip(begins, sizes, strict=True)]
+    np.testing.assert_array_equal(np.concatenate(seen), np.concatenate(expected))
+
+
 def test_gamma_thins_what_passed():
     events = stream()
     run = asap.simulate(
@@ -115,7 +132,7 @@ def test_an_exception_of_the_filter_comes_out_unchanged():
     assert run.ledger.balanced
     assert run.ledger.pending > 0
     with pytest.raises(Boom):
-        asap.run(stream(duration_s=0.01), algorithm=lambda events: None, before=before)
+        asap.run(stream(duration_s=0.01), algorithm=len, latency_ms=1000, before=before)
     assert asap.last_run().ledger.balanced
     with asap.Pipeline(before=before) as pipeline:
         pipeline.push(stream())
