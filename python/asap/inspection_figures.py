@@ -1,4 +1,4 @@
-"""Figures of an inspection: the rate over time, and how many events every pixel had.
+"""Figures of an inspection: the rate over time, the times between events, the map of the pixels.
 
 Needs matplotlib: ``asap-events[report]``.
 """
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asap import analysis, plots, units  # first: it says which extra is missing
+from asap.inspection.intervals import BINS_FROM_US
 
 import matplotlib  # isort: skip
 from matplotlib.colors import LogNorm  # isort: skip
@@ -26,9 +27,9 @@ _MARKED = 50  # hot pixels with a circle
 
 
 def figure(
-    inspection: Inspection, *, size_inches: tuple[float, float] = (7.5, 7.0), points: int = 2000
+    inspection: Inspection, *, size_inches: tuple[float, float] = (7.5, 8.6), points: int = 2000
 ) -> Figure:
-    """Draw the rate over time, above the map of the pixels with circles around the hot ones.
+    """Draw rate over time, times between events, and the pixels with circles around hot ones.
 
     Parameters
     ----------
@@ -46,8 +47,9 @@ def figure(
     """
     with matplotlib.rc_context(plots.STYLE):
         page = plots.NotebookFigure(figsize=size_inches, layout="constrained")
-        rate, pixels = page.subplots(2, 1, height_ratios=(1, 2.6))
+        rate, intervals, pixels = page.subplots(3, 1, height_ratios=(1, 0.9, 2.6))
         _draw_rate(rate, inspection, points)
+        _draw_intervals(intervals, inspection)
         _draw_pixels(pixels, inspection)
     return page
 
@@ -72,6 +74,19 @@ def _draw_rate(axes: Axes, inspection: Inspection, points: int) -> None:
     axes.set_ylim(bottom=0)
     axes.margins(x=0.01)
     plots._legend(axes)
+
+
+def _draw_intervals(axes: Axes, inspection: Inspection) -> None:
+    counts = inspection.interval_counts
+    total = max(int(counts.sum()), 1)
+    last = int(np.flatnonzero(counts)[-1]) if counts.any() else 0
+    axes.bar(np.arange(last + 1), 100 / total * counts[: last + 1], color=plots.BLUE, width=0.92)
+    from_us = BINS_FROM_US[: last + 1 : max(1, last // 8)].tolist()
+    axes.set_xticks(
+        range(0, last + 1, max(1, last // 8)), [units.duration(value) for value in from_us]
+    )
+    axes.set(title="time since the event before", ylabel="% of events", xlabel="from, by octaves")
+    axes.grid(False, axis="x")
 
 
 def _draw_pixels(axes: Axes, inspection: Inspection) -> None:

@@ -28,7 +28,10 @@ _STYLE = """
 .checks .ok td:nth-child(3){color:var(--green)}
 """
 
-_CURVES = "Event rate over time, and a map of how many events every pixel had"
+_CURVES = (
+    "Event rate over time, a histogram of the times between events, and a map of how many events "
+    "every pixel had"
+)
 
 
 def write(
@@ -67,8 +70,8 @@ def _article(inspection: Inspection) -> str:
     facts = inspection_table.facts(inspection)
     _, _, sentences = inspection_table.verdict(inspection).partition(": ")
     sentences = sentences[:1].upper() + sentences[1:]
-    wide = inspection_figures.figure(inspection, size_inches=(8.6, 8.2))
-    narrow = inspection_figures.figure(inspection, size_inches=(4.1, 5.4), points=700)
+    wide = inspection_figures.figure(inspection, size_inches=(8.6, 10.0))
+    narrow = inspection_figures.figure(inspection, size_inches=(4.1, 7.2), points=700)
     return f"""
 <article>
 <h2>{escape(inspection_table.title(inspection))}</h2>
@@ -80,7 +83,8 @@ def _article(inspection: Inspection) -> str:
 <figure style="margin-top:24px">
 {page.inline_svg(wide, "w", "wide", _CURVES)}
 {page.inline_svg(narrow, "n", "narrow", _CURVES)}
-<figcaption>The good events: how many in each moment, and how many of each pixel.</figcaption>
+<figcaption>The good events: how many in each moment, how long after the one before, and how many
+of each pixel.</figcaption>
 </figure>
 <details><summary>The ten busiest pixels</summary>
 <div class="scroll"><table class="plain">{"".join(_pixels(inspection))}</table></div></details>

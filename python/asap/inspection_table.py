@@ -7,6 +7,8 @@ import re
 import textwrap
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from asap import units
 
 if TYPE_CHECKING:
@@ -35,6 +37,8 @@ CHECKS = {
     "gaps": "100 ms or more without an event; from 1 s on something is wrong",
     "same_stamp": "stamps that more than 100 events share",
     "stuck_time": "such stamps after which the time jumps by 1 ms or more",
+    "banding": "4 or more events on one stamp, then none for 10 us or more; told when they hold a "
+    "tenth of the events",
     "duplicates": "events that equal an earlier one in all: wrong beyond one in a thousand",
     "polarity": "values other than 0 and 1",
     "hot_pixels": "pixels with at least 100 events, 0.1 % of all, and five times those of the "
@@ -102,7 +106,21 @@ def facts(inspection: Inspection) -> dict[str, str]:
         "duration": units.duration(inspection.duration_s * 1e6),
         "rate": f"mean {units.rate(rate)}, peak "
         + ", ".join(f"{units.rate(value)} in {window}" for window, value in peaks.items()),
+        "intervals": _intervals(inspection),
     }
+
+
+def _intervals(inspection: Inspection) -> str:
+    counts = inspection.interval_counts
+    total = int(counts.sum())
+    if total == 0:
+        return "none"
+    below = np.cumsum(counts) / total
+    half, most = (units.duration(1 << int(np.searchsorted(below, q))) for q in (0.5, 0.99))
+    return (
+        f"{units.share(counts[0] / total)} on the stamp before, half below {half}, 99 % below "
+        f"{most}, longest {units.duration(inspection.longest_gap_us)}"
+    )
 
 
 def named(finding: Finding) -> str:

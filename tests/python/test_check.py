@@ -205,6 +205,36 @@ def test_stuck_time() -> None:
     assert found.findings["stuck_time"].detail == "1 ms in all"
 
 
+@pytest.mark.parametrize(
+    ("size", "apart_us", "bands", "share"),
+    [
+        (4, 10, 1750, "10.0 %"),
+        (4, 9, 0, ""),
+        (3, 10, 0, ""),
+        (5, 10, 1400, "10.0 %"),
+    ],
+)
+def test_bands_of_equal_stamps(size: int, apart_us: int, bands: int, share: str) -> None:
+    banded = EVENTS.copy()
+    step = np.full(banded.size, 9)  # a tenth of the events stand in bands, the others alone
+    at = np.arange(1000, 8000)
+    step[at] = np.where((at - 1000) % size == 0, apart_us, 0)
+    step[8000] = apart_us
+    banded["t"] = 5 + np.cumsum(step)
+    found = check(banded)
+    first = (1000, int(banded["t"][1000]))
+    assert outcome(found) == ({"banding": (bands, "note", *first)} if bands else {})
+    assert found.findings["banding"].detail == (f"{share} of the events in bands" if share else "")
+
+
+def test_less_than_a_tenth_in_bands_is_no_banding() -> None:
+    banded = corrupt.one_stamp(EVENTS, 1000, 4)
+    banded["t"][1004:] += 10
+    found = check(banded)
+    assert outcome(found) == {}
+    assert found.findings["banding"].detail == "< 0.1 % of the events in bands"
+
+
 def test_a_last_stamp_that_is_crowded_counts() -> None:
     found = check(corrupt.one_stamp(EVENTS, 69_890, 110))
     at = (69_890, int(EVENTS["t"][69_890]))
@@ -415,6 +445,7 @@ def test_wild_streams_are_told_as_by_the_definitions(
     lost = sum(told[name][0] for name in ("bad_records", "out_of_bounds", "back_steps"))
     assert found.events == events.size - lost
     assert found.pixel_counts.sum() == found.events
+    assert found.interval_counts.sum() == max(found.events - 1, 0)
 
 
 def everything_wrong() -> Events:
@@ -620,6 +651,25 @@ def test_every_check_is_in_words() -> None:
     assert list(inspection_table.CHECKS) == list(check(EVENTS[:10]).findings)
 
 
+def test_intervals_by_octaves() -> None:
+    events = EVENTS[:9].copy()
+    events["t"] = 100 + np.cumsum([0, 0, 1, 2, 3, 4, 7, 8, 1 << 20])
+    found = check(events)
+    assert found.interval_counts[:5].tolist() == [1, 1, 2, 2, 1]
+    assert found.interval_counts.sum() == 8
+    assert found.summary()["intervals"] == [
+        {"from_us": 0, "events": 1},
+        {"from_us": 1, "events": 1},
+        {"from_us": 2, "events": 2},
+        {"from_us": 4, "events": 2},
+        {"from_us": 8, "events": 1},
+        {"from_us": 1 << 20, "events": 1},
+    ]
+    words = inspection_table.facts(found)["intervals"]
+    assert words == "12.5 % on the stamp before, half below 4 us, 99 % below 2.1 s, longest 1.05 s"
+    assert inspection_table.facts(check(EVENTS[:1]))["intervals"] == "none"
+
+
 def test_summary_is_plain_json() -> None:
     found = check(everything_wrong())
     summary = json.loads(json.dumps(found.summary(), allow_nan=False))
@@ -676,5 +726,6 @@ def test_waving_hands() -> None:
     for path in files:
         found = asap.check(path, order="yxt", width=1280, height=800)
         assert found.ok, path.name
-        assert {name for name in outcome(found)} <= {"polarity"}, path.name  # there is none
+        # There is no polarity, and its sensor stamps a whole column at once.
+        assert {"banding"} <= set(outcome(found)) <= {"polarity", "banding"}, path.name
         assert found.events == facts(f"text/hands/{path.name}")["events"]

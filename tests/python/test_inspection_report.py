@@ -42,7 +42,7 @@ def circles(axes):
 
 
 def test_the_rate_is_that_of_the_inspection(inspection):
-    rate, _pixels, _bar = inspection.plot().axes
+    rate, *_ = inspection.plot().axes
     (line,) = rate.lines
     time_s, mean_hz, _ = inspection.rate_curve.T
     np.testing.assert_array_equal(line.get_xdata(), time_s)
@@ -59,8 +59,16 @@ def test_a_long_recording_shows_its_peaks_too():
     assert max(rate.lines[0].get_ydata()) * 1e3 == pytest.approx(inspection.rate_peak_1ms_hz)
 
 
+def test_the_intervals_are_those_of_the_inspection(inspection):
+    intervals = inspection.plot().axes[1]
+    counts = np.trim_zeros(inspection.interval_counts, "b")
+    heights = [bar.get_height() for bar in intervals.patches]
+    np.testing.assert_allclose(heights, 100 * counts / (inspection.events - 1))
+    assert intervals.get_xticklabels()[0].get_text() == "0 us"
+
+
 def test_hot_pixels_have_circles(inspection):
-    pixels = inspection.plot().axes[1]
+    pixels = inspection.plot().axes[2]
     assert sorted(circles(pixels)) == [(30, 40), (300, 200)]
     assert pixels.get_title(loc="left") == "hot pixels: 2, with 4.0 % of the events"
     (picture,) = pixels.images
@@ -69,7 +77,7 @@ def test_hot_pixels_have_circles(inspection):
 
 
 def test_none_is_hot():
-    pixels = inspect(EVENTS).plot().axes[1]
+    pixels = inspect(EVENTS).plot().axes[2]
     assert circles(pixels) == []
     assert pixels.get_title(loc="left") == "hot pixels: none"
 

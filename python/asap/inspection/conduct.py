@@ -9,6 +9,7 @@ import numpy as np
 
 from asap.inspection.door import Door
 from asap.inspection.findings import Meters, judge
+from asap.inspection.intervals import Intervals
 from asap.inspection.meters import Duplicates, Gaps, Stamps
 from asap.inspection.pixels import PixelMap
 from asap.inspection.rates import RateMeter
@@ -64,7 +65,13 @@ def check(
     raw = RawSource(source, width=width, height=height, order=order, time_unit=time_unit)
     door = Door(raw.width, raw.height)
     meters = Meters(
-        door, Gaps(), Stamps(), Duplicates(), PixelMap(raw.width, raw.height), RateMeter()
+        door,
+        Gaps(),
+        Stamps(),
+        Duplicates(),
+        PixelMap(raw.width, raw.height),
+        RateMeter(),
+        Intervals(),
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", TruncatedFileWarning)  # it becomes a finding
@@ -73,7 +80,7 @@ def check(
             if len(passed.events) == 0:
                 continue
             meters.begin(passed)
-            for meter in (meters.gaps, meters.stamps, meters.duplicates):
+            for meter in (meters.gaps, meters.stamps, meters.duplicates, meters.intervals):
                 meter.add(passed)
             meters.pixels.add(passed.events)
             meters.rates.add(passed.events["t"] - meters.begin_us)
@@ -102,5 +109,6 @@ def check(
         hot_pixels=meters.pixels.hot(),
         busiest_pixels=meters.pixels.busiest(),
         pixel_counts=meters.pixels.counts,
+        interval_counts=meters.intervals.counts,
         rate_curve=np.column_stack((time_s, mean_hz, peak_hz)),
     )

@@ -9,7 +9,17 @@ import numpy as np
 
 from asap import units
 from asap.inspection.door import Door, Passed
-from asap.inspection.meters import CROWD, GAP_US, STUCK_US, Duplicates, Gaps, Stamps
+from asap.inspection.intervals import Intervals
+from asap.inspection.meters import (
+    BAND,
+    BAND_GAP_US,
+    CROWD,
+    GAP_US,
+    STUCK_US,
+    Duplicates,
+    Gaps,
+    Stamps,
+)
 from asap.inspection.pixels import MAX_SIDE, PixelMap
 from asap.inspection.rates import RateMeter
 from asap.inspection.raw_source import RawSource
@@ -21,6 +31,7 @@ __all__ = ["Meters", "judge"]
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset
 WRONG_DUPLICATES = 1e-3  # of the good events; sound recordings have a few
 WRONG_HOT = 0.1  # of the good events
+BANDED = 0.1  # of the good events
 ENOUGH = 100  # events, to expect both polarities
 
 _COUNTER_BITS = (23, 24, 30, 31, 32)  # of cameras and formats, in us
@@ -36,6 +47,7 @@ class Meters:
     duplicates: Duplicates
     pixels: PixelMap
     rates: RateMeter
+    intervals: Intervals
     events: int = 0
     on: int = 0
     first_stamp_us: int | None = None
@@ -100,6 +112,7 @@ def judge(raw: RawSource, meters: Meters) -> Iterator[Finding]:
         "latencies below that are not in these stamps. Look for stamps per frame or per USB "
         "packet instead of per event.",
     )
+    yield _banding(meters)
     yield _duplicates(meters)
     yield _polarity(meters)
     yield _hot_pixels(meters)
@@ -189,6 +202,21 @@ def _gaps(gaps: Gaps) -> Finding:
         f"longest {units.duration(gaps.longest_us)}",
         f"No event for {units.duration(GAP_US)} or more: a still scene behind a noise filter, or "
         "lost data. Compare with the driver's own counters.",
+    )
+
+
+def _banding(meters: Meters) -> Finding:
+    bands = meters.stamps.bands
+    share = meters.stamps.banded_events / meters.events if meters.events else 0.0
+    words = f"{units.share(share)} of the events in bands" if bands.count else ""
+    return _found(
+        "banding",
+        bands if share >= BANDED else Tally(),
+        NOTE,
+        words,
+        f"Bands of {BAND} or more events on one stamp, then none for {BAND_GAP_US} us or more: "
+        "coarse stamps, or a sensor whose readout saturates. The order within a band, and what is "
+        "shorter than the time between two, is not in these stamps.",
     )
 
 

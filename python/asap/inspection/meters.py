@@ -10,11 +10,13 @@ import numpy as np
 from asap.inspection.door import Passed
 from asap.inspection.tally import Integers, Tally
 
-__all__ = ["CROWD", "GAP_US", "STUCK_US", "Duplicates", "Gaps", "Stamps"]
+__all__ = ["BAND", "BAND_GAP_US", "CROWD", "GAP_US", "STUCK_US", "Duplicates", "Gaps", "Stamps"]
 
 GAP_US = 100_000  # so long without an event is a gap
 CROWD = 100  # events on one stamp; sound recordings have up to 94
 STUCK_US = 1_000  # a crowded stamp after which time jumps by so much: the clock stood
+BAND = 4  # events on one stamp ...
+BAND_GAP_US = 10  # ... and none for so long: a band; sound recordings have 0.1 % of events in bands
 
 
 class Gaps:
@@ -42,6 +44,8 @@ class Stamps:
     def __init__(self) -> None:
         self.crowded = Tally()
         self.stuck = Tally()
+        self.bands = Tally()
+        self.banded_events = 0
         self.most = 0
         self.stuck_us = 0
         self._open: tuple[int, int, int, int] | None = None  # stamp, size, number, own stamp
@@ -75,8 +79,11 @@ class Stamps:
         self.most = max(self.most, int(sizes.max(initial=0)))
         crowded = sizes > CROWD
         stuck = crowded & (jumps_us >= STUCK_US)
+        band = (sizes >= BAND) & (jumps_us >= BAND_GAP_US)
         self.crowded.add(numbers[crowded], own[crowded])
         self.stuck.add(numbers[stuck], own[stuck])
+        self.bands.add(numbers[band], own[band])
+        self.banded_events += int(sizes[band].sum())
         self.stuck_us += int(jumps_us[stuck].sum())
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _core
+from asap.inspection.intervals import BINS_FROM_US
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -91,6 +92,8 @@ class Inspection:
         Hot pixels, and the ten busiest ones; busiest first.
     pixel_counts : ndarray, shape (rows, columns)
         Events of each pixel; at most 4096 x 4096 of them.
+    interval_counts : ndarray, shape (55,)
+        Events by the time since the one before: 0 us, 1 us, 2 to 3, 4 to 7 and so on by octaves.
     rate_curve : ndarray, shape (windows, 3)
         Time in s from the first event; mean and largest 1-ms rate in ev/s. Windows of 1 ms, of more
         where a recording is longer than 16 s.
@@ -115,6 +118,7 @@ class Inspection:
     hot_pixels: npt.NDArray[np.void]
     busiest_pixels: npt.NDArray[np.void]
     pixel_counts: npt.NDArray[np.int64]
+    interval_counts: npt.NDArray[np.int64]
     rate_curve: npt.NDArray[np.float64]
 
     @property
@@ -155,6 +159,13 @@ class Inspection:
             },
             "longest_gap_us": self.longest_gap_us,
             "most_on_one_stamp": self.most_on_one_stamp,
+            "intervals": [
+                {"from_us": from_us, "events": events}
+                for from_us, events in zip(
+                    BINS_FROM_US.tolist(), self.interval_counts.tolist(), strict=True
+                )
+                if events
+            ],
             "checks": checks,
             "hot_pixels": _rows(self.hot_pixels),
             "busiest_pixels": _rows(self.busiest_pixels),
