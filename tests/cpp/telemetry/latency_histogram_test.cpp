@@ -142,6 +142,25 @@ TEST(LatencyHistogram, OfNothingIsZero) {
   for (const double q : {0.0, 0.5, 1.0}) EXPECT_EQ(histogram.quantile_ns(q), 0.0);
 }
 
+TEST(LatencyHistogram, IsRestoredFromItsState) {
+  LatencyHistogram histogram(1000);
+  for (const std::int64_t latency : {0, 3, 1000, 1001, 5'000'000}) histogram.record(latency);
+  histogram.record(kMost, 7);  // the sum has more than 64 bits
+  LatencyHistogram::State state = histogram.state();
+  const LatencyHistogram restored = LatencyHistogram::restored(state);
+  EXPECT_EQ(restored.count(), 12u);
+  EXPECT_EQ(restored.within_bound(), 3u);
+  EXPECT_EQ(restored.bound_ns(), 1000);
+  EXPECT_EQ(restored.max_ns(), kMost);
+  EXPECT_EQ(restored.mean_ns(), histogram.mean_ns());
+  for (const double q : {0.0, 0.2, 0.4, 1.0}) {
+    EXPECT_EQ(restored.quantile_ns(q), histogram.quantile_ns(q));
+  }
+  state.bins.emplace_back(1 << 20, 1);
+  EXPECT_EQ(test::error_of([&] { LatencyHistogram::restored(state); }),
+            "bin = 1048576: does not exist; the file is damaged");
+}
+
 TEST(LatencyHistogram, RefusesAFractionThatIsNone) {
   const LatencyHistogram histogram;
   const auto error = [&](double q) {
