@@ -103,7 +103,10 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "runner/live_run.cpp",
         "runner",
-        arrival_clamp_removed=("std::min(arrival.value_or(now), now)", "arrival.value_or(now)"),
+        arrival_clamp_removed=(
+            "std::clamp(arrival.value_or(now), Steady::time_point{}, now)",
+            "arrival.value_or(now)",
+        ),
         arrivals_go_back=("std::max(arrival_ns_, clock_.at(came))", "clock_.at(came)"),
         clock_reset_flushes_nothing=(
             "  sensor_delay_.forget();\n  loop_.flush();",
