@@ -8,6 +8,7 @@ namespace {
 constexpr std::size_t kLeastStratum = 64;  // raw events: reading the clock must cost nothing
 constexpr double kPriorShare = 1.0 / 32;   // of the planned events: weight of the expected cost
 constexpr double kCoverage = 0.02;         // of the planned events: no stratum stays empty
+constexpr double kDear = 3.0;              // times the cost so far: algorithms vary
 constexpr std::int64_t kLongestNs = 1'000'000'000'000'000;
 
 }  // namespace
@@ -28,7 +29,9 @@ std::size_t AnytimePlan::longest_stratum(std::size_t raw) noexcept {
 
 AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) noexcept {
   if (done_ > 0) {
-    spent_ns_ += static_cast<double>(now_ns - stratum_start_ns_);
+    const auto stratum_ns = static_cast<double>(now_ns - stratum_start_ns_);
+    if (done_ > 1) judge(stratum_ns, static_cast<double>(size));  // the fixed cost is in the first
+    spent_ns_ += stratum_ns;
     weight_ += static_cast<double>(size);
     if (now_ns > end_ns_ + grace_ns_) return {};
   }
@@ -40,6 +43,23 @@ AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) no
   ++done_;
   stratum_start_ns_ = now_ns;
   return stratum;
+}
+
+void AnytimePlan::judge(double stratum_ns, double size) noexcept {
+  if (size <= 0) return;
+  const double expected_ns = size * (spent_ns_ - outage_ns_ - suspect_ns_) / weight_;
+  if (stratum_ns <= kDear * expected_ns) {
+    outage_ns_ += suspect_ns_;
+    suspect_ns_ = 0;
+    return;
+  }
+  const double excess_ns = stratum_ns - expected_ns;
+  const bool is_first = suspect_ns_ == 0;  // two in a row are no outage, but dear events
+  suspect_ns_ = is_first && excess_ns > static_cast<double>(grace_ns_) ? excess_ns : 0;
+}
+
+std::int64_t AnytimePlan::outage_ns() const noexcept {
+  return static_cast<std::int64_t>(outage_ns_ + suspect_ns_);
 }
 
 double AnytimePlan::keep(std::int64_t now_ns) const noexcept {

@@ -46,6 +46,8 @@ void Deadline::reset(Execution execution) noexcept {
   execution_ = execution;
   packages_ = 0;
   price_ = {};
+  reserve_ = {};
+  age_ns_ = 0.0;
   calm_ = 0;
   has_slack_ = false;
 }
@@ -56,6 +58,12 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
   if (const std::size_t stale = this->stale(backlog, limits); stale > 0) {
     return Decision::drop(stale);
   }
+  const Decision decision = plan(backlog, limits);
+  age_ns_ = age_ns(backlog);
+  return decision;
+}
+
+Decision Deadline::plan(const Backlog& backlog, const Limits& limits) noexcept {
   const double work_ns = caution() * cost_.predict_ns(count(backlog));
   has_slack_ = work_ns < limits.longest_ns / 2;
 
@@ -76,6 +84,7 @@ Deadline::Limits Deadline::limits() const noexcept {
   // Not on the strength of a first guess.
   if (!is_early()) latency_ns = std::max(latency_ns, 4.0 * alpha_ns);
   latency_ns *= 1.0 - std::min(0.1, 0.05 * std::max(0.0, cost_.sigma() - 0.05));
+  latency_ns -= reserve_.ns(latency_ns, alpha_ns);
 
   const double least_ns = std::min(hold_.min_interval_ns(), latency_ns / 2);
   double longest_ns = latency_ns / (is_whole() ? 3 : 2);
@@ -174,7 +183,10 @@ Decision Deadline::take(double raw, double size, double budget_ns) const noexcep
 
 void Deadline::observe(const Outcome& outcome) noexcept {
   if (outcome.size == 0) return;  // no algorithm ran
-  cost_.update(outcome.size, static_cast<double>(outcome.processing_ns));
+  cost_.update(outcome.size, static_cast<double>(outcome.work_ns()));
+  reserve_.observe(age_ns_ + static_cast<double>(outcome.processing_ns),
+                   static_cast<double>(outcome.span_ns),
+                   static_cast<double>(latency_bound_ns_.load()));
   ++packages_;
   if (static_cast<double>(outcome.size) < 0.999 * static_cast<double>(outcome.raw)) {
     const double longest_ns = 0.5 * static_cast<double>(latency_bound_ns_.load());

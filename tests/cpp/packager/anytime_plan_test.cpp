@@ -175,6 +175,53 @@ TEST(AnytimePlan, AnOutageEndsThePackageBeyondItsGrace) {
   EXPECT_EQ(none.begin, none.end);
 }
 
+// Strata of 100 us each, all of 400 events, on top of which stratum j takes extra_ns(j).
+std::int64_t outage_ns(std::size_t strata, const std::function<std::int64_t(std::size_t)>& extra) {
+  AnytimePlan plan(within(100 * kMillisecond, 6400, 250.0), 0, kMillisecond / 10);
+  std::int64_t now_ns = 0;
+  (void)plan.next(now_ns, 0);
+  for (std::size_t j = 0; j < strata; ++j) {
+    now_ns += 100'000 + extra(j);
+    (void)plan.next(now_ns, 400);
+  }
+  return plan.outage_ns();
+}
+
+TEST(AnytimePlan, AStratumThatTakesFarTooLongHasMetAnOutage) {
+  const auto at = [](std::size_t first, std::int64_t ns) {
+    return [=](std::size_t j) { return j == first ? ns : 0; };
+  };
+  for (const std::size_t j : {1u, 7u, 14u, 15u}) {
+    EXPECT_EQ(outage_ns(16, at(j, 4 * kMillisecond)), 4 * kMillisecond) << j;
+  }
+  EXPECT_EQ(outage_ns(8, at(7, 4 * kMillisecond)), 4 * kMillisecond);  // it ended the package
+  EXPECT_EQ(outage_ns(16, at(3, 190'000)), 0);                         // algorithms vary
+  EXPECT_EQ(outage_ns(16, at(3, 210'000)), 210'000);
+  const auto twice = [](std::size_t j) { return j % 5 == 3 ? 2 * kMillisecond : 0; };
+  EXPECT_EQ(outage_ns(16, twice), 6 * kMillisecond);  // 3, 8, 13
+}
+
+TEST(AnytimePlan, TheFixedCostIsNoOutage) {
+  EXPECT_EQ(outage_ns(16, [](std::size_t j) { return j == 0 ? 4 * kMillisecond : 0; }), 0);
+}
+
+TEST(AnytimePlan, DearEventsAreNoOutage) {
+  for (const std::size_t from : {1u, 6u, 14u}) {
+    const auto rise = [=](std::size_t j) { return j >= from ? 9 * kMillisecond / 10 : 0; };
+    EXPECT_EQ(outage_ns(16, rise), 0) << from;
+  }
+}
+
+// Far too long for its events, but so short that only a late package has such strata.
+TEST(AnytimePlan, WhatIsShorterThanTheGraceIsNoOutage) {
+  AnytimePlan plan(within(kMillisecond, 6400, 250.0), 0, kMillisecond);
+  (void)plan.next(0, 0);
+  (void)plan.next(100'000, 400);
+  (void)plan.next(100'000, 0);  // an empty stratum says nothing
+  (void)plan.next(600'000, 8);
+  EXPECT_EQ(plan.outage_ns(), 0);
+}
+
 TEST(AnytimePlan, SomethingIsProcessedHoweverLate) {
   AnytimePlan plan(within(kMillisecond, 6400), 0, 500);
   EXPECT_EQ(plan.next(3600 * 1000 * kMillisecond, 0).end, 400u);

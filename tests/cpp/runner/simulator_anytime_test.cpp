@@ -229,6 +229,10 @@ TEST(SimulatorAnytime, AnOutageEndsAPackageEarlyAndLeavesTheRestInTheRing) {
   EXPECT_EQ(log[2].offered, 1100);
   EXPECT_EQ(simulator.ledger(), (Ledger{.received = 1601, .delivered = 1601}));
   EXPECT_EQ(simulator.busy_ns(), (2 + 9051 + 1101) * kMicrosecond);
+  ASSERT_EQ(scheme.outcomes.size(), 3u);
+  EXPECT_EQ(scheme.outcomes[0].outage_ns, 0);
+  EXPECT_EQ(scheme.outcomes[1].work_ns(), 501 * kMicrosecond);
+  EXPECT_EQ(scheme.outcomes[2].outage_ns, 0);
 }
 
 TEST(SimulatorAnytime, AnAlgorithmThatIsOutStartsLater) {

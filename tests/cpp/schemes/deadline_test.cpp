@@ -306,7 +306,6 @@ TEST(Deadline, LongPackagesCostTheReserveNothing) {
   Deadline scheme = trained();
   const FakeBacklog events = evenly(50'000, 5 * kMs);
   for (int k = 0; k < 100; ++k) {
-    decide(scheme, events);
     observe(scheme, 16'384, 20'000, kAlphaNs + kBetaNs * 16'384);  // 5.015 ms
   }
   EXPECT_NEAR(budget_ms(decide(scheme, events)), 3.6, 2e-3);
@@ -369,6 +368,43 @@ TEST(Deadline, KeepsAMarginForNoise) {
   EXPECT_LT(least, 0.98);          // the noise was felt
   EXPECT_LT(model.sigma(), 0.05);  // and is forgotten
   EXPECT_NEAR(budget_ms(decide(scheme, evenly(1, kMs), 50 * kMs)), 5.0, 1e-6);
+}
+
+TEST(Deadline, KeepsAReserveForOutages) {
+  const FakeBacklog events = evenly(50'000, 5 * kMs);
+  // Packages of 5 ms, taken when their oldest event was 5 ms old, and then an outage.
+  const auto budget_after = [&](std::int64_t outage_ns) {
+    Deadline scheme = trained();
+    decide(scheme, events);
+    for (int k = 0; k < 8; ++k) {
+      scheme.observe({.size = 16'384,
+                      .raw = 16'384,
+                      .span_ns = 4 * kMs,
+                      .start_ns = 0,
+                      .processing_ns = std::llround(kAlphaNs + kBetaNs * 16'384) + outage_ns,
+                      .outage_ns = outage_ns});
+    }
+    return budget_ms(decide(scheme, events));
+  };
+  EXPECT_NEAR(budget_after(0), 3.6, 2e-3);
+  // Half a package is late, eight times: a fifth of the bound is kept free, and 5 ms are over.
+  EXPECT_NEAR(budget_after(2 * kMs), 8.0 - 5.0, 0.01);
+}
+
+TEST(Deadline, DoesNotTakeOutagesForAFixedCost) {
+  Deadline scheme = trained();
+  for (int k = 0; k < 400; ++k) {
+    const std::size_t size = 1000 + static_cast<std::size_t>(k) * 37 % 12'000;
+    const auto work_ns = std::llround(kAlphaNs + kBetaNs * static_cast<double>(size));
+    scheme.observe({.size = size,
+                    .raw = size,
+                    .span_ns = 0,
+                    .start_ns = 0,
+                    .processing_ns = work_ns + 4 * kMs,
+                    .outage_ns = 4 * kMs});
+  }
+  EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 0.01 * kAlphaNs);
+  EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 0.01 * kBetaNs);
 }
 
 TEST(Deadline, AnImpossibleBoundIsReplacedByFourFixedCosts) {

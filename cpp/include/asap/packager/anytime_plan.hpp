@@ -1,8 +1,9 @@
 // AnytimePlan: how an anytime package keeps its budget. The raw events are cut into strata of equal
 // count, in time order; before each of them the clock is read and the kept fraction is planned anew
 // from the time that is left and from what an event has cost so far in this package, so that the
-// package ends on time whatever the algorithm costs. Arithmetic only: the time is handed in. O(1)
-// per stratum. Source: notebooks/theory.md, section 7.
+// package ends on time whatever the algorithm costs. A stratum that takes far longer than its like,
+// between two that do not, has met an outage: the thread did not run. Arithmetic only: the time is
+// handed in. O(1) per stratum. Source: notebooks/theory.md, section 7.
 #pragma once
 
 #include <cstddef>
@@ -34,8 +35,12 @@ class AnytimePlan {
   // The stratum to process from now on; `size` events were kept of the one before.
   Stratum next(std::int64_t now_ns, std::size_t size) noexcept;
 
+  // Of the package's time so far: what went into outages that show. None before the second stratum.
+  std::int64_t outage_ns() const noexcept;
+
  private:
   double keep(std::int64_t now_ns) const noexcept;
+  void judge(double stratum_ns, double size) noexcept;
 
   std::size_t raw_ = 0;
   std::size_t strata_ = 0;
@@ -46,6 +51,8 @@ class AnytimePlan {
   double weight_ = 1;  // events that spent_ns_ stands for, those of the prior included
   double spent_ns_ = 0;
   std::int64_t stratum_start_ns_ = 0;
+  double outage_ns_ = 0;   // certainly
+  double suspect_ns_ = 0;  // of the last stratum: an outage, or events that have become dear
 };
 
 }  // namespace asap

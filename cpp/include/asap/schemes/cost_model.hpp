@@ -6,7 +6,9 @@
 // when its sizes come back, so old evidence about other sizes stays. The line is a weighted least
 // squares fit through the buckets; a fast common scale follows a cost that varies as a whole.
 // Single outliers are clipped, the third in a row on one side is a new level; one that is more than
-// three times as dear, or less than half as dear, is learned anew.
+// three times as dear, or less than half as dear, is learned anew. What is known to be an outage is
+// no cost (Outcome::outage_ns): an anytime package ends on time with fewer events, whatever kept
+// it, and its time would pass for a fixed cost. The reference takes the wall time.
 //
 // Called on the consumer's thread, once per package. O(1), no allocation. Whatever is fed, the
 // estimates are positive and finite.

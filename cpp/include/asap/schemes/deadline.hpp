@@ -14,6 +14,7 @@
 #include "asap/core/relaxed.hpp"
 #include "asap/schemes/cost_model.hpp"
 #include "asap/schemes/hold.hpp"
+#include "asap/schemes/outage_reserve.hpp"
 #include "asap/schemes/reservoir_price.hpp"
 #include "asap/schemes/scheme.hpp"
 
@@ -49,7 +50,7 @@ class Deadline final : public Scheme {
  private:
   // What the present estimates allow.
   struct Limits {
-    double latency_ns;   // L, less a margin for noise
+    double latency_ns;   // L, less a margin for noise and one for outages
     double longest_ns;   // T_hi, of a package
     double shortest_ns;  // T_lo, of a package in overload
   };
@@ -60,6 +61,7 @@ class Deadline final : public Scheme {
 
   Limits limits() const noexcept;
   std::size_t stale(const Backlog& backlog, const Limits& limits) const noexcept;
+  Decision plan(const Backlog& backlog, const Limits& limits) noexcept;
   Lengths lengths(const Backlog& backlog, const Limits& limits, double room_ns) const noexcept;
   double reserve(const Backlog& backlog, const Lengths& lengths, double latency_ns) const noexcept;
   Decision take_all(const Backlog& backlog, double budget_ns) const noexcept;
@@ -79,6 +81,8 @@ class Deadline final : public Scheme {
   Execution execution_;
   std::uint64_t packages_;  // k, done
   ReservoirPrice price_;
+  OutageReserve reserve_;
+  double age_ns_;   // of the oldest event, when the last package was taken
   int calm_;        // packages in a row of which nothing was discarded
   bool has_slack_;  // the backlog of the last decision was short work
 };

@@ -84,6 +84,9 @@ struct Outcome {
   std::int64_t span_ns;        // newest minus oldest kept event
   std::int64_t start_ns;       // the package was taken
   std::int64_t processing_ns;  // until the algorithm had finished
+  std::int64_t outage_ns = 0;  // of that: the algorithm did not run, as far as it shows
+
+  std::int64_t work_ns() const noexcept { return processing_ns - outage_ns; }
 };
 
 // The constructor's parameters by name.

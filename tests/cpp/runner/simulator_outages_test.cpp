@@ -1,0 +1,89 @@
+// R4 on a machine with company: an algorithm five times too slow that is taken off the processor
+// again and again, under Deadline, in virtual time.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "asap/core/random.hpp"
+#include "asap/runner/simulator.hpp"
+#include "asap/schemes/deadline.hpp"
+#include "support/streams.hpp"
+
+namespace asap {
+namespace {
+
+constexpr double kAlphaUs = 100;
+constexpr double kBetaNs = 5000;
+constexpr std::int64_t kSecondUs = 1'000'000;
+
+// So many ms off the processor in every on + off, give or take 30 %.
+std::vector<Outage> time_slices(double on_ms, double off_ms, std::uint64_t seed) {
+  const CounterRandom random(seed);
+  std::vector<Outage> outages;
+  double now_ms = on_ms * random.uniform(0);
+  for (std::uint64_t i = 1; now_ms < 2100; i += 2) {
+    const double end_ms = now_ms + off_ms * (0.7 + 0.6 * random.uniform(i));
+    outages.push_back({std::llround(now_ms * 1e6), std::llround(end_ms * 1e6)});
+    now_ms = end_ms + on_ms * (0.7 + 0.6 * random.uniform(i + 1));
+  }
+  return outages;
+}
+
+struct Result {
+  double p99, max;  // of the latency, in bounds
+  double kept, in_time;
+  double alpha_us, beta_ns;  // as learnt
+};
+
+Result overloaded(double latency_ms, std::vector<Outage> outages) {
+  Deadline scheme({.latency_ms = latency_ms});
+  Simulator simulator(
+      scheme,
+      LinearCost({.alpha_us = kAlphaUs, .beta_ns = kBetaNs, .outages = std::move(outages)}));
+  simulator.feed(test::evenly_spaced(2 * kSecondUs, 1));
+  simulator.finish();
+  const LatencyHistogram& latency = simulator.telemetry().latency;
+  const auto received = static_cast<double>(simulator.ledger().received);
+  return {.p99 = latency.quantile_ns(0.99) * 1e-6 / latency_ms,
+          .max = static_cast<double>(latency.max_ns()) * 1e-6 / latency_ms,
+          .kept = static_cast<double>(latency.count()) / received,
+          .in_time = static_cast<double>(latency.within_bound()) / received,
+          .alpha_us = scheme.alpha_ns() * 1e-3,
+          .beta_ns = scheme.beta_ns()};
+}
+
+TEST(SimulatorOutages, WithoutThemTheBoundHolds) {
+  const Result alone = overloaded(10, {});
+  EXPECT_LE(alone.max, 1.001);
+  EXPECT_GT(alone.kept, 0.195);
+  EXPECT_NEAR(alone.alpha_us, kAlphaUs, 1);
+}
+
+TEST(SimulatorOutages, HalfTheProcessorInSlices) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Result company = overloaded(10, time_slices(4, 4, seed));
+    EXPECT_LT(company.p99, 1.2) << seed;  // 1.3 without a reserve
+    EXPECT_GT(company.kept, 0.093) << seed;
+    EXPECT_GT(company.in_time, 0.088) << seed;
+    EXPECT_NEAR(company.alpha_us, kAlphaUs, 0.6 * kAlphaUs) << seed;
+    EXPECT_NEAR(company.beta_ns, kBetaNs, 0.05 * kBetaNs) << seed;
+
+    const Result patient = overloaded(20, time_slices(4, 4, seed));
+    EXPECT_LT(patient.p99, 1.07) << seed;
+    EXPECT_GT(patient.in_time, 0.093) << seed;
+  }
+}
+
+TEST(SimulatorOutages, ASliceNowAndThen) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Result company = overloaded(10, time_slices(20, 4, seed));
+    EXPECT_LT(company.p99, 1.1) << seed;
+    EXPECT_GT(company.in_time, 0.155) << seed;
+    EXPECT_NEAR(company.alpha_us, kAlphaUs, 0.3 * kAlphaUs) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace asap
