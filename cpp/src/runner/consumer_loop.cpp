@@ -22,7 +22,7 @@ RunClock::Steady::time_point later(RunClock::Steady::time_point now,
 
 ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds patience) {
   telemetry_.log.make_room();
-  const auto entered = RunClock::Steady::now();
+  const auto entered = System::now();
   watch_.looks_up(ns(entered), telemetry_.latency.bound_ns());
   const auto deadline = later(entered, patience);
   for (;;) {
@@ -41,13 +41,13 @@ ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds
     } else if (now.closed) {
       return Next::ended;
     }
-    if (RunClock::Steady::now() >= deadline) return Next::idle;
+    if (System::now() >= deadline) return Next::idle;
 
     if (room_ != nullptr) room_->announce(buffer_.head());
     watch_.sleeps();
     doorbell_.wait(next.until_tail, std::min(deadline, clock_.when(next.until_ns)),
                    [&] { return buffer_.tail() >= next.until_tail || asked() != now; });
-    watch_.looks_up(ns(RunClock::Steady::now()), telemetry_.latency.bound_ns());
+    watch_.looks_up(ns(System::now()), telemetry_.latency.bound_ns());
   }
 }
 
@@ -72,10 +72,10 @@ void ConsumerLoop::set_latency_bound(std::int64_t bound_ns) noexcept {
 }
 
 bool ConsumerLoop::stalled(std::size_t waiting) const noexcept {
-  return waiting > 0 && watch_.stalled(ns(RunClock::Steady::now()), telemetry_.latency.bound_ns());
+  return waiting > 0 && watch_.stalled(ns(System::now()), telemetry_.latency.bound_ns());
 }
 
-void ConsumerLoop::begin() noexcept { watch_.begins(ns(RunClock::Steady::now())); }
+void ConsumerLoop::begin() noexcept { watch_.begins(ns(System::now())); }
 
 void ConsumerLoop::flush() noexcept {
   flush_.store(buffer_.tail(), std::memory_order_release);

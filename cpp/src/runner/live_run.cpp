@@ -44,7 +44,7 @@ void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival,
   bool timed = false;
   validator_.check(events, [&](EventSpan good) {
     if (!timed) {
-      const Steady::time_point now = Steady::now();
+      const Steady::time_point now = System::now();
       const Steady::time_point came = std::clamp(arrival.value_or(now), Steady::time_point{}, now);
       if (!begun_) begin(good.front(), came);
       arrival_ns_ = std::max(arrival_ns_, clock_.at(came));

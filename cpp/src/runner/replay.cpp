@@ -100,7 +100,7 @@ void Replay::pace(const std::stop_token& stop) {
     const std::int64_t wanted_ns =
         std::max(packager_.axis().to_ns(arriving_.front().t), next_push_ns_);
     if (clock_.now_ns() < wanted_ns) {
-      const auto soon = RunClock::Steady::now() + kLongestSleep;
+      const auto soon = System::now() + kLongestSleep;
       std::this_thread::sleep_until(std::min(clock_.when(wanted_ns), soon));
       continue;
     }

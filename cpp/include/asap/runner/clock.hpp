@@ -1,25 +1,26 @@
 // RunClock: the steady clock on the run's axis. The producer starts it before the first push; the
-// consumer may read it once it has seen an event. The wall clock is never looked at.
+// consumer may read it once it has seen an event.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 
 #include "asap/core/time.hpp"
+#include "asap/runner/system.hpp"
 
 namespace asap {
 
 class RunClock {
  public:
-  using Steady = std::chrono::steady_clock;
+  using Steady = System::Clock;
 
   // Now, or `start`, is run time `now_ns`.
-  void start(std::int64_t now_ns, Steady::time_point start = Steady::now()) noexcept {
+  void start(std::int64_t now_ns, Steady::time_point start = System::now()) noexcept {
     steady_start_ = start;
     run_start_ns_ = now_ns;
   }
 
-  std::int64_t now_ns() const noexcept { return at(Steady::now()); }
+  std::int64_t now_ns() const noexcept { return at(System::now()); }
 
   // Run time of a time of the steady clock.
   std::int64_t at(Steady::time_point time) const noexcept {

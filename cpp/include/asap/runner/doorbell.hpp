@@ -9,28 +9,17 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <cstdint>
 
 #include "asap/core/atomics.hpp"
+#include "asap/runner/system.hpp"
 
 namespace asap {
 
-// The system call behind the doorbell.
-struct FutexSleep {
-  using Clock = std::chrono::steady_clock;
-  using Word = std::atomic<std::uint32_t>;
-
-  // Sleeps while the word is 1, until wake() or the deadline; may return early.
-  static void sleep(Word& word, Clock::time_point deadline) noexcept;
-  // Wakes who sleeps there, once the word is no longer 1.
-  static void wake(Word& word) noexcept;
-};
-
-template <class Atomics = StdAtomics, class Sleep = FutexSleep>
+template <class Atomics = StdAtomics, class Sleep = System>
 class BasicDoorbell {
  public:
-  using Clock = FutexSleep::Clock;
+  using Clock = System::Clock;
 
   // Producer, after every push: the ring's tail is now `tail`. noexcept, wait-free while nobody
   // sleeps.

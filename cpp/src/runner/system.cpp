@@ -1,4 +1,10 @@
-#include "asap/runner/doorbell.hpp"
+#include "asap/runner/system.hpp"
+
+namespace asap {
+
+System::Clock::time_point System::now() noexcept { return Clock::now(); }
+
+}  // namespace asap
 
 #if defined(__linux__)
 
@@ -11,16 +17,15 @@
 namespace asap {
 namespace {
 
-static_assert(sizeof(FutexSleep::Word) == sizeof(std::uint32_t) &&
-              FutexSleep::Word::is_always_lock_free);
+static_assert(sizeof(System::Word) == sizeof(std::uint32_t) && System::Word::is_always_lock_free);
 
 }  // namespace
 
-void FutexSleep::wake(Word& word) noexcept {
+void System::wake(Word& word) noexcept {
   syscall(SYS_futex, &word, FUTEX_WAKE_PRIVATE, 1, nullptr, nullptr, 0);
 }
 
-void FutexSleep::sleep(Word& word, Clock::time_point deadline) noexcept {
+void System::sleep(Word& word, Clock::time_point deadline) noexcept {
   using std::chrono::duration_cast;
   const auto since = deadline.time_since_epoch();
   const auto seconds = duration_cast<std::chrono::seconds>(since);
@@ -47,14 +52,14 @@ std::condition_variable woken;
 
 }  // namespace
 
-void FutexSleep::wake(Word&) noexcept {
+void System::wake(Word&) noexcept {
   {
     const std::lock_guard lock(mutex);
   }
   woken.notify_all();
 }
 
-void FutexSleep::sleep(Word& word, Clock::time_point deadline) noexcept {
+void System::sleep(Word& word, Clock::time_point deadline) noexcept {
   std::unique_lock lock(mutex);
   woken.wait_until(lock, deadline, [&] { return word.load(std::memory_order_acquire) != 1; });
 }
