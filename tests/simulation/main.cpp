@@ -3,6 +3,7 @@
 //
 //   simulation --seeds 0..9999 [--jobs 2]               a range; exit 1 if a seed fails
 //   simulation --seeds sample                           200 of them; ASAP_LONG_TESTS=1: 10,000
+//   simulation --life live ...                          a whole live pipeline instead of its parts
 //   simulation --seed 17 [--faults 5] [--until 1234]    one seed, its setup and its last steps
 //   simulation --golden FILE                            fingerprints of known runs, 5 of them or,
 //                                                       with ASAP_LONG_TESTS=1, all; exit 1 if one
@@ -25,6 +26,7 @@ struct Options {
   std::string_view seeds;
   std::string_view seed;
   std::string_view golden;
+  bool live = false;
   unsigned faults = kAllFaults;
   std::uint64_t until = kToTheEnd;
   std::uint64_t fingerprints = 0;
@@ -48,6 +50,9 @@ bool parse(int argc, char** argv, Options& options) {
       options.seed = value;
     } else if (name == "--golden") {
       options.golden = value;
+    } else if (name == "--life") {
+      ok = value == "live" || value == "parts";
+      options.live = value == "live";
     } else if (name == "--faults") {
       ok = parse(value, options.faults);
     } else if (name == "--until") {
@@ -71,7 +76,7 @@ bool are_long() {
 
 int run_range(const Options& options) {
   const std::size_t dots = options.seeds.find("..");
-  SearchConfig config{.jobs = options.jobs};
+  SearchConfig config{.jobs = options.jobs, .live = options.live};
   if (options.seeds == "sample") {
     config.last = are_long() ? 9999 : 199;
   } else if (dots == std::string_view::npos ||
@@ -82,7 +87,7 @@ int run_range(const Options& options) {
   }
   const SearchResult sum = search(config);
   for (const std::uint64_t seed : sum.failures) {
-    std::fputs(report(minimise({.seed = seed})).c_str(), stdout);
+    std::fputs(report(minimise({.seed = seed, .live = options.live})).c_str(), stdout);
   }
   std::printf(
       "%llu seeds, %llu events, %llu packages, %llu steps, recovery judged in %llu; "
@@ -94,7 +99,8 @@ int run_range(const Options& options) {
 }
 
 int run_seed(const Options& options) {
-  TrialConfig config{.faults = options.faults, .until = options.until, .fingerprint = true};
+  TrialConfig config{
+      .faults = options.faults, .until = options.until, .fingerprint = true, .live = options.live};
   if (!parse(options.seed, config.seed)) return 2;
   const TrialResult result = run_trial(config);
   std::fputs((result.report.empty() ? describe(config) : result.report).c_str(), stdout);
@@ -143,7 +149,7 @@ int run(int argc, char** argv) {
   }
   std::fputs(
       "usage: simulation --seeds A..B|sample [--jobs J] | --seed N [--faults MASK] [--until STEP]\n"
-      "       | --golden FILE | --fingerprints N\n",
+      "       | --golden FILE | --fingerprints N; --life live|parts before it\n",
       stderr);
   return 2;
 }

@@ -16,7 +16,7 @@ SearchResult search(const SearchConfig& config) {
   const std::uint64_t count = config.last - config.first + 1;
   const auto work = [&] {
     for (std::uint64_t i = next++; i < count; i = next++) {
-      const TrialResult result = run_trial({.seed = config.first + i});
+      const TrialResult result = run_trial({.seed = config.first + i, .live = config.live});
       const std::lock_guard lock(mutex);
       ++sum.seeds;
       sum.events += result.events;
@@ -53,7 +53,8 @@ Minimal minimise(const TrialConfig& config) {
 std::string report(const Minimal& minimal) {
   const std::string seed = std::to_string(minimal.config.seed);
   return "seed " + seed + "\n" + minimal.result.report + "  again: simulation --seed " + seed +
-         " --faults " + std::to_string(minimal.config.faults) + " --until " +
+         (minimal.config.live ? " --life live" : "") + " --faults " +
+         std::to_string(minimal.config.faults) + " --until " +
          std::to_string(minimal.result.steps) + "\n";
 }
 

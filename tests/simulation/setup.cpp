@@ -163,6 +163,15 @@ std::unique_ptr<Scheme> make_scheme(const Setup& setup) {
   return nullptr;
 }
 
+Belief belief(const Setup& setup, const Scheme& scheme) {
+  const auto of = [&](const auto& bounded) -> Belief {
+    return {bounded.alpha_ns(), bounded.beta_ns()};
+  };
+  if (setup.scheme.kind == Kind::deadline) return of(static_cast<const Deadline&>(scheme));
+  if (setup.scheme.kind == Kind::dead_beat) return of(static_cast<const DeadBeat&>(scheme));
+  return {};
+}
+
 std::string text(const Setup& setup) {
   constexpr std::array kPolicies{"drop", "clamp", "raise"};
   std::array<char, 1024> line{};

@@ -67,6 +67,12 @@ struct Setup {
 Setup draw_setup(std::uint64_t seed);
 SchemeSetup draw_scheme(Draw& draw, const Setup& setup, std::size_t kinds);
 std::unique_ptr<Scheme> make_scheme(const Setup& setup);
+// What a scheme that keeps a bound believes that a package costs.
+struct Belief {
+  double alpha_ns = 0;
+  double beta_ns = 0;
+};
+Belief belief(const Setup& setup, const Scheme& scheme);
 std::string text(const Setup& setup);
 
 }  // namespace asap::simulation

@@ -1,8 +1,11 @@
 #include "trial.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "life.hpp"
+#include "live_life.hpp"
+#include "live_setup.hpp"
 
 namespace asap::simulation {
 namespace {
@@ -14,6 +17,7 @@ constexpr std::uint64_t kSlowStart = 16;  // packages
 
 struct Run {
   Setup setup;
+  std::optional<LiveSetup> live{};
   std::vector<Fault> faults;
   Tally tally{};
 };
@@ -33,9 +37,11 @@ void run(Run& run, Journal& journal) {
   auto scheme = make_scheme(run.setup);
   std::vector<bool> changed(run.faults.size(), false);
   for (bool again = true; again;) {
-    {
-      Life life(run.setup, *scheme, world);
-      life.run();
+    if (run.live) {
+      LiveLife(run.setup, *run.live, *scheme, world).run();
+      scheme = make_scheme(run.setup);  // the other one may have another bound by now
+    } else {
+      Life(run.setup, *scheme, world).run();
     }
     again = !stream.ended() && !journal.over();
     if (!again) return;
@@ -102,14 +108,19 @@ Run draw_run(const TrialConfig& config) {
   Run run{.setup = draw_setup(config.seed), .faults = {}};
   run.faults = draw_faults(run.setup, config.faults);
   configure(run.setup, run.faults);
+  if (config.live) run.live = draw_live(run.setup);
   return run;
+}
+
+std::string text(const Run& run) {
+  return text(run.setup) + (run.live ? text(*run.live) : "") + text(run.faults);
 }
 
 }  // namespace
 
 TrialResult run_trial(const TrialConfig& config) {
   Run faulty = draw_run(config);
-  const std::string drawn = text(faulty.setup) + text(faulty.faults);
+  const std::string drawn = text(faulty);
   Sha256 hash;
   if (config.fingerprint) faulty.tally.fingerprint = &hash;
   Journal journal(config.until);
@@ -117,7 +128,9 @@ TrialResult run_trial(const TrialConfig& config) {
   TrialResult result{.seed = config.seed};
   result.events = faulty.tally.received;
   result.packages = faulty.tally.packages;
-  if (!journal.over() && !faulty.faults.empty() && can_be_judged(faulty)) {
+  if (config.live) {
+    result.judged = faulty.tally.judged > 0;
+  } else if (!journal.over() && !faulty.faults.empty() && can_be_judged(faulty)) {
     Run twin{.setup = faulty.setup, .faults = {}};
     Journal calm(kToTheEnd);
     run(twin, calm);
@@ -138,9 +151,6 @@ TrialResult run_trial(const TrialConfig& config) {
   return result;
 }
 
-std::string describe(const TrialConfig& config) {
-  const Run run = draw_run(config);
-  return text(run.setup) + text(run.faults);
-}
+std::string describe(const TrialConfig& config) { return text(draw_run(config)); }
 
 }  // namespace asap::simulation

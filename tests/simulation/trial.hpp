@@ -17,6 +17,7 @@ struct TrialConfig {
   unsigned faults = kAllFaults;     // bit i: fault i may happen
   std::uint64_t until = kToTheEnd;  // steps
   bool fingerprint = false;
+  bool live = false;  // a pipeline on a machine of virtual time, else its parts
 };
 
 struct TrialResult {

@@ -34,6 +34,9 @@ class WatchedScheme final : public Scheme {
   void reset(Execution execution) noexcept override { scheme_.reset(execution); }
   std::string_view name() const noexcept override { return scheme_.name(); }
   std::int64_t latency_bound_ns() const noexcept override { return scheme_.latency_bound_ns(); }
+  void set_latency_bound_ns(std::int64_t bound_ns) noexcept override {
+    scheme_.set_latency_bound_ns(bound_ns);
+  }
 
  private:
   Scheme& scheme_;
