@@ -9,13 +9,22 @@ namespace asap::simulation {
 namespace {
 
 constexpr std::size_t kExactTable = 4000;  // as many waiting events have a step each
-constexpr std::size_t kBlock = 256;        // of a push that is thinned
 constexpr std::int64_t kCalmBounds = 20;
 constexpr std::uint64_t kCalmPackages = 60;
 
 template <class Number>
 double number(Number value) noexcept {
   return static_cast<double>(value);
+}
+
+// The rule of Intake: of m events that leave less than a quarter q free, r slots become
+// r / (1 + r m / q^2).
+double admitted(std::size_t offered, std::size_t room, std::size_t capacity) noexcept {
+  const double quarter = number(capacity) / 4;
+  const double whole = std::clamp(number(room) - quarter, 0.0, number(offered));
+  const double rest = number(offered) - whole;
+  const double left = number(room) - whole;
+  return whole + left - left / (1.0 + left * rest / (quarter * quarter));
 }
 
 }  // namespace
@@ -76,25 +85,18 @@ void LiveShadow::hold_admission(std::size_t offered, std::uint64_t taken, std::u
     return journal_.equal(Law::ledger, thinned, 0u, "thinned by a rule that does not");
   }
   const std::size_t quarter = capacity / 4;
-  journal_.hold(Law::gamma, thinned == 0 || room - taken <= quarter,
-                "thinned, though there is room", number(room - taken), number(quarter));
-  // A ring that somebody empties never fills.
-  const bool is_emptied = capacity >= 4096 && room >= 256 && offered <= quarter;
-  journal_.hold(Law::ledger, overflow == 0 || !is_emptied, "overflow instead of thinning",
+  const bool leaves_a_quarter = room >= offered + quarter;
+  journal_.hold(Law::gamma, thinned == 0 || !leaves_a_quarter, "thinned, though there is room",
+                number(room), number(offered + quarter));
+  journal_.hold(Law::ledger, overflow == 0 || room == 0, "overflow instead of thinning",
                 number(overflow), number(room));
-  if (room >= quarter || room == 0 || (overflow > 0 && offered > kBlock)) return;
-  // The share that gets in falls with the room, from block to block. Over all pushes: one alone
-  // says little.
-  const auto share = [&](std::size_t free) {
-    return std::min(1.0, 4.0 * static_cast<double>(free) / static_cast<double>(capacity));
-  };
-  let_in_ += static_cast<double>(taken + overflow);
-  let_in_most_ += static_cast<double>(offered) * share(room);
-  let_in_least_ += static_cast<double>(offered) * share(room - taken);
-  journal_.hold(Law::gamma, let_in_ <= let_in_most_ + 7 * std::sqrt(let_in_most_) + 4,
-                "get in by thinning, at most", let_in_, let_in_most_);
-  journal_.hold(Law::gamma, let_in_ >= let_in_least_ - 7 * std::sqrt(let_in_least_) - 4,
-                "get in by thinning, at least", let_in_, let_in_least_);
+  constexpr std::size_t kEnough = 64;  // below, what fits cuts off chance
+  if (leaves_a_quarter || room < kEnough) return;
+  // Over all pushes: one alone says little.
+  let_in_ += static_cast<double>(taken);
+  let_in_by_law_ += admitted(offered, room, capacity);
+  journal_.hold(Law::gamma, std::abs(let_in_ - let_in_by_law_) <= 7 * std::sqrt(let_in_by_law_) + 4,
+                "get in by thinning", let_in_, let_in_by_law_);
 }
 
 void LiveShadow::flushes() noexcept {

@@ -104,9 +104,8 @@ class LiveShadow {
   Asked looked_;
   std::int64_t longest_bound_ns_;
   std::size_t most_waiting_ = 0;
-  double let_in_ = 0;  // by the thinning, and between what and what
-  double let_in_least_ = 0;
-  double let_in_most_ = 0;
+  double let_in_ = 0;  // by the thinning
+  double let_in_by_law_ = 0;
 
   // Consumer
   std::size_t head_ = 0;
