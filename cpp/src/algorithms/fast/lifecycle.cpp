@@ -10,7 +10,8 @@ namespace {
 
 constexpr float kFastRate_s = 0.008F;
 constexpr float kSlowRate_s = 0.06F;
-constexpr float kExtent_s = 0.2F;
+constexpr float kMotion_s = 0.2F;
+constexpr float kExtent_s = 1;  // two that part slowly must not become the usual
 constexpr float kShortestTentative_s = 0.005F;
 constexpr float kLongestTentative_s = 0.15F;
 constexpr float kWaitNearConfirmed_s = 0.03F;  // a fragment is merged before it has an id
@@ -95,6 +96,7 @@ Tick::Tick(Stamp at, float elapsed_s, float noise, const LifeRule& rule) noexcep
       mass_decay(decay(elapsed_s / rule.mass_s)),
       fast_decay(decay(elapsed_s / kFastRate_s)),
       slow_decay(decay(elapsed_s / kSlowRate_s)),
+      motion_decay(decay(elapsed_s / kMotion_s)),
       extent_decay(decay(elapsed_s / kExtent_s)) {}
 
 Fate live(Track& track, Life& life, const Tick& tick, const LifeRule& rule,

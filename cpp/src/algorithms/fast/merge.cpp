@@ -53,20 +53,43 @@ bool move_alike(const Tracks& tracks, const Candidate& pair) noexcept {
   return velocity_difference(a, b) <= 2 * std::sqrt(variance) + 0.2F * fastest(a, b) + 10;
 }
 
-bool overlap_and_move_alike(const Tracks& tracks, const Candidate& pair,
-                            const MergeState& state) noexcept {
+// Whether two that had been apart would have parted again, had each gone on as before they met.
+bool would_have_parted(const Life& a, const Life& b, float hold_s) noexcept {
+  constexpr float kApart_px = 10;
+  constexpr float kAgeOfStrangers_s = 0.1F;
+  constexpr float kLongest_s = 0.3F;  // who moved alike before leaves no other evidence
+  if (std::min(a.confirmed_s, b.confirmed_s) <= kAgeOfStrangers_s) return true;
+  const float speed = length(a.usual_vx - b.usual_vx, a.usual_vy - b.usual_vy);
+  return hold_s * speed >= kApart_px || hold_s >= kLongest_s;
+}
+
+bool overlap_and_move_alike(const Tracks& tracks, const Candidate& pair, const MergeState& state,
+                            bool siblings) noexcept {
   const Track& a = tracks[pair.keeper];
   const Track& b = tracks[pair.other];
   const float extent =
       std::max(tracks.life(pair.keeper).extent_px, tracks.life(pair.other).extent_px);
   return pair.distance_px < 0.7F * extent && state.hold_s >= 0.03F && state.travel_px >= 3 &&
-         velocity_difference(a, b) < 0.6F * fastest(a, b) + 25;
+         velocity_difference(a, b) < 0.6F * fastest(a, b) + 25 &&
+         (siblings ||
+          would_have_parted(tracks.life(pair.keeper), tracks.life(pair.other), state.hold_s));
+}
+
+// Two whole outlines side by side, one known for long, are two objects, however alike they move.
+bool stand_apart(const Tracks& tracks, const Candidate& pair) noexcept {
+  constexpr float kEstablished_s = 0.2F;
+  const Life& keeper = tracks.life(pair.keeper);
+  const Life& other = tracks.life(pair.other);
+  if (std::max(keeper.confirmed_s, other.confirmed_s) < kEstablished_s) return false;
+  const auto* last = keeper.partners.begin() + tracks[pair.keeper].partners;
+  return std::find(keeper.partners.begin(), last, pair.other) == last;
 }
 
 // Two that could each be an object: only a long way together makes them one.
 bool are_one_whole(const Tracks& tracks, const Candidate& pair, const MergeState& state,
                    bool siblings) noexcept {
-  if (overlap_and_move_alike(tracks, pair, state)) return true;
+  if (stand_apart(tracks, pair)) return false;
+  if (overlap_and_move_alike(tracks, pair, state, siblings)) return true;
   if (!siblings && !move_alike(tracks, pair)) return false;
   return state.hold_s >= 0.03F && state.travel_px >= 20;
 }
@@ -74,7 +97,7 @@ bool are_one_whole(const Tracks& tracks, const Candidate& pair, const MergeState
 // Two of which one at least shows a single edge.
 bool are_one_in_parts(const Tracks& tracks, const Candidate& pair, const MergeState& state,
                       bool siblings) noexcept {
-  if (overlap_and_move_alike(tracks, pair, state)) return true;
+  if (overlap_and_move_alike(tracks, pair, state, siblings)) return true;
   const float younger_s =
       std::min(tracks.life(pair.keeper).confirmed_s, tracks.life(pair.other).confirmed_s);
   if (younger_s < 0.08F) return state.hold_s >= 0.01F && state.travel_px >= 1.5F;

@@ -15,7 +15,7 @@ void remember_motion(const Track& track, Life& life, const Tick& tick) noexcept 
   const Sight s = sight_of(track, tick.now, 0, 0);
   life.seen_x = s.mean_x;
   life.seen_y = s.mean_y;
-  const float weight = 1 - tick.extent_decay;
+  const float weight = 1 - tick.motion_decay;
   life.usual_vx += weight * (track.vx - life.usual_vx);
   life.usual_vy += weight * (track.vy - life.usual_vy);
 }

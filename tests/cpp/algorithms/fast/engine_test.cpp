@@ -117,6 +117,17 @@ TEST(Engine, ObjectsThatComeApartAreSplit) {
   EXPECT_EQ(clusters_of(engine).size(), 2U);
 }
 
+TEST(Engine, ObjectsThatComeApartSlowlyAreSplit) {
+  std::vector<Event> events;
+  add_disk(events, {.x = 100, .y = 100, .vx = 0, .radius = 5}, 0, 1.4);
+  Disk other{.x = 104, .y = 100, .vx = 18, .radius = 5};
+  add_disk(events, other, 0, 1.4, 10'000, 2);
+  sort_by_time(events);
+  Engine engine(kFrame);
+  engine.process(events, nullptr);
+  EXPECT_EQ(clusters_of(engine).size(), 2U);
+}
+
 TEST(Engine, NoiseAloneIsNoCluster) {
   for (const double rate_hz : {0.5, 5.0, 20.0}) {
     for (const auto support :

@@ -38,6 +38,7 @@ struct Tick {
   float mass_decay;
   float fast_decay;
   float slow_decay;
+  float motion_decay;
   float extent_decay;
 };
 
