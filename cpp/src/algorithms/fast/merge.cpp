@@ -75,20 +75,9 @@ bool overlap_and_move_alike(const Tracks& tracks, const Candidate& pair, const M
           would_have_parted(tracks.life(pair.keeper), tracks.life(pair.other), state.hold_s));
 }
 
-// Two whole outlines side by side, one known for long, are two objects, however alike they move.
-bool stand_apart(const Tracks& tracks, const Candidate& pair) noexcept {
-  constexpr float kEstablished_s = 0.2F;
-  const Life& keeper = tracks.life(pair.keeper);
-  const Life& other = tracks.life(pair.other);
-  if (std::max(keeper.confirmed_s, other.confirmed_s) < kEstablished_s) return false;
-  const auto* last = keeper.partners.begin() + tracks[pair.keeper].partners;
-  return std::find(keeper.partners.begin(), last, pair.other) == last;
-}
-
 // Two that could each be an object: only a long way together makes them one.
 bool are_one_whole(const Tracks& tracks, const Candidate& pair, const MergeState& state,
                    bool siblings) noexcept {
-  if (stand_apart(tracks, pair)) return false;
   if (overlap_and_move_alike(tracks, pair, state, siblings)) return true;
   if (!siblings && !move_alike(tracks, pair)) return false;
   return state.hold_s >= 0.03F && state.travel_px >= 20;

@@ -40,11 +40,6 @@ struct Two {
     tracks.contour(a).polarity = of_a;
     tracks.contour(b).polarity = of_b;
   }
-  void touch() {
-    tracks[a].partners = tracks[b].partners = 1;
-    tracks.life(a).partners[0] = b;
-    tracks.life(b).partners[0] = a;
-  }
   // Time until they are taken for one while `speed` drives them apart, or -1.
   float until_one(float speed_px_s = 0) {
     for (float t = 0; t < 1; t += kTick_s) {
@@ -73,24 +68,12 @@ TEST(AreOne, EdgesOfOneObjectSoonerThanWholeObjects) {
   edges.polarity(1, -1);
   EXPECT_NEAR(edges.until_one(), 0.15F, 0.005F);  // 15 px
   Two whole(Phase::kConfirmed, Phase::kConfirmed);
-  whole.touch();
   EXPECT_NEAR(whole.until_one(), 0.2F, 0.005F);  // 20 px
-}
-
-TEST(AreOne, WholeOnesThatDoNotTouchNeverOnceOneIsEstablished) {
-  Two two(Phase::kConfirmed, Phase::kConfirmed);
-  two.tracks.life(two.b).confirmed_s = 0;
-  EXPECT_EQ(two.until_one(), -1);
-  Two newborns(Phase::kConfirmed, Phase::kConfirmed);
-  newborns.tracks.life(newborns.a).confirmed_s = 0.19F;
-  newborns.tracks.life(newborns.b).confirmed_s = 0.19F;
-  EXPECT_NEAR(newborns.until_one(), 0.2F, 0.005F);
 }
 
 TEST(AreOne, ThoseThatMetWhenTheyWouldHaveParted) {
   const auto until_one = [](float usual_vx, bool siblings, float age_s = 1) {
     Two two(Phase::kConfirmed, Phase::kConfirmed);
-    two.touch();
     two.tracks.life(two.a).extent_px = 30;  // they overlap
     two.tracks.life(two.b).confirmed_s = age_s;
     two.tracks.life(two.b).usual_vx = usual_vx;
@@ -105,7 +88,6 @@ TEST(AreOne, ThoseThatMetWhenTheyWouldHaveParted) {
 
 TEST(AreOne, ThoseThatMetAndMovedAlikeBeforeAfterLong) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
-  two.touch();
   two.tracks.life(two.a).extent_px = 30;
   two.tracks[two.a].vx = two.tracks[two.b].vx = 30;  // 20 px take longer
   EXPECT_NEAR(two.until_one(), 0.3F, 0.003F);
@@ -121,7 +103,6 @@ TEST(AreOne, YoungEdgesAtOnce) {
 TEST(AreOne, ThoseThatComeApartNever) {
   for (const float polarity : {0.0F, 1.0F}) {
     Two two(Phase::kConfirmed, Phase::kConfirmed);
-    two.touch();
     two.polarity(polarity, -polarity);
     EXPECT_EQ(two.until_one(60), -1);
   }
@@ -129,7 +110,6 @@ TEST(AreOne, ThoseThatComeApartNever) {
 
 TEST(AreOne, ThoseThatPassRoundEachOtherNever) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
-  two.touch();
   for (float t = 0; t < 1; t += kTick_s) {
     const Candidate pair{two.a, two.b, 16 * std::cos(6 * t), 16 * std::sin(6 * t), 16};
     ASSERT_FALSE(are_one(two.tracks, pair, kTick_s, kRule)) << t;
@@ -138,18 +118,15 @@ TEST(AreOne, ThoseThatPassRoundEachOtherNever) {
 
 TEST(AreOne, ThoseThatStandStillNotYet) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
-  two.touch();
   two.tracks[two.a].vx = two.tracks[two.b].vx = 0;
   EXPECT_EQ(two.until_one(), -1);
 }
 
 TEST(AreOne, VelocitiesThatDifferForbidItUnlessTheyAreSiblings) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
-  two.touch();
   two.tracks[two.b].vx = 200;
   EXPECT_EQ(two.until_one(), -1);
   Two siblings(Phase::kConfirmed, Phase::kConfirmed);
-  siblings.touch();
   siblings.tracks[siblings.b].vx = 200;
   find_sibling(siblings.tracks, siblings.b, 0, kPairs);
   ASSERT_TRUE(are_siblings(siblings.tracks, siblings.a, siblings.b));
@@ -158,7 +135,6 @@ TEST(AreOne, VelocitiesThatDifferForbidItUnlessTheyAreSiblings) {
 
 TEST(AreOne, AnotherPartnerBeginsAnew) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
-  two.touch();
   const auto c = two.add(0, Phase::kConfirmed, 3);
   for (int i = 0; i < 300; ++i) {
     const Candidate pair{two.a, i % 2 == 0 ? two.b : c, 16, 0, 16};
