@@ -24,9 +24,10 @@ void* counted(std::size_t size, std::align_val_t alignment) {
 
 std::size_t asap::test::allocations() noexcept { return count; }
 
-// The array forms of the standard library call these. A sanitizer's nothrow forms would not, and
-// their memory would come to our delete.
+// All forms, the array ones too: a sanitizer brings its own of those that are left out, and memory
+// of one family would come to the delete of the other.
 void* operator new(std::size_t size) { return counted(size); }
+void* operator new[](std::size_t size) { return counted(size); }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++count;
   return std::malloc(size == 0 ? 1 : size);
@@ -37,7 +38,14 @@ void* operator new[](std::size_t size, const std::nothrow_t& tag) noexcept {
 void* operator new(std::size_t size, std::align_val_t alignment) {
   return counted(size, alignment);
 }
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+  return counted(size, alignment);
+}
 void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
