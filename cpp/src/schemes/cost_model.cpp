@@ -64,7 +64,7 @@ void CostModel::update(std::size_t size, double processing_ns) noexcept {
   const double error = std::clamp(processing_ns, kLeastCostNs, kMostCostNs) / expected_ns - 1.0;
   const double noise = std::min(std::abs(error), outlier_limit(sigma_));
   const double cost_ns =
-      std::clamp(expected_ns * (1.0 + clipped(error)), kLeastCostNs, kMostCostNs);
+      std::clamp(expected_ns * (1.0 + clipped(error, n)), kLeastCostNs, kMostCostNs);
   smallest_ = std::min(smallest_, n);
   largest_ = std::max(largest_, n);
   forget();
@@ -74,7 +74,7 @@ void CostModel::update(std::size_t size, double processing_ns) noexcept {
   ++count_;
 }
 
-double CostModel::clipped(double error) noexcept {
+double CostModel::clipped(double error, double size) noexcept {
   if (on_level() < kClipsFrom) return error;
   const double limit = outlier_limit(sigma_);
   if (std::abs(error) <= limit) {
@@ -88,16 +88,23 @@ double CostModel::clipped(double error) noexcept {
   if (std::abs(streak_) < 3) return std::clamp(error, -limit, limit);
   streak_ = 0;
   if (least_ <= kMostRise && least_ >= kMostFall) return std::min(error, kMostRise);
-  start_level(1.0 + least_);
+  start_level(1.0 + least_, size);
   return error;
 }
 
 // What is known, times the factor, is but the first guess about an algorithm that has changed.
 // (Otherwise a whole package that has become 100 times as dear is repeated twenty times. And where
 // the cost falls, packages grow and the old, dear memory of small ones looks like a fixed cost for
-// hundreds of packages.)
-void CostModel::start_level(double factor) noexcept {
-  rebase(scale_ * factor);
+// hundreds of packages.) A fall that the fixed cost alone explains says nothing about the rest.
+void CostModel::start_level(double factor, double size) noexcept {
+  const double fall_ns = (1.0 - factor) * predict_ns(size);
+  const bool is_fixed_cost = fall_ns > 0.0 && fall_ns < alpha_ns();
+  rebase(is_fixed_cost ? scale_ : scale_ * factor);
+  if (is_fixed_cost) {
+    for (Bucket& bucket : buckets_) {
+      bucket.cost_ns = std::max(bucket.cost_ns - fall_ns, kLeastAlphaNs);
+    }
+  }
   for (Bucket& bucket : buckets_) {
     bucket.weight = std::min(bucket.weight, kPriorWeight);
     bucket.is_prior = true;
@@ -112,17 +119,17 @@ void CostModel::forget() noexcept {
   for (Bucket& bucket : buckets_) {
     if (bucket.weight > kLeastWeight) {
       bucket.weight = std::max(kLeastWeight, 0.998 * bucket.weight);
-    } else if (bucket.is_prior && on_level() >= kPriorLasts && knows_both_parts()) {
+    } else if (bucket.is_prior && on_level() >= kPriorLasts && knows_better(bucket)) {
       // With weights of 1 / c^2 a prior that is far too small would rule for ever.
       bucket.weight = 0.0;
     }
   }
 }
 
-// After a change of level: whether the sizes since tell alpha from beta without the memory of
-// before.
-bool CostModel::knows_both_parts() const noexcept {
-  return level_start_ == 0 || largest_ >= kSpread * smallest_;
+// After a change of level: whether the sizes since tell alpha from beta without this memory of
+// before. About far larger ones they never do.
+bool CostModel::knows_better(const Bucket& prior) const noexcept {
+  return level_start_ == 0 || (largest_ >= kSpread * smallest_ && prior.size <= kSpread * largest_);
 }
 
 void CostModel::remember(double size, double cost_ns) noexcept {

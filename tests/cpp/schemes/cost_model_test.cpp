@@ -235,6 +235,23 @@ TEST(CostModel, AFallOfTheCostIsNotTakenForAFixedCost) {
   }
 }
 
+// Small packages of a calm scene, after an overload in which alpha was taken too high.
+TEST(CostModel, AFallThatTheFixedCostExplainsSaysNothingAboutTheEvents) {
+  CostModel model;
+  for (std::size_t k = 0; k < 60; ++k) {
+    const std::size_t size = std::size_t{1} << (k % 14);
+    model.update(size, 4 * kAlphaNs + kBetaNs * static_cast<double>(size));
+  }
+  const CounterRandom random(3);
+  for (std::uint64_t k = 0; k < 300; ++k) {
+    const std::size_t size = 40 + random(2 * k) % 60;
+    const double mean_ns = kAlphaNs + kBetaNs * static_cast<double>(size);
+    model.update(size, mean_ns * (1 + 0.1 * normal(random, 1000 + k)));
+  }
+  EXPECT_NEAR(model.alpha_ns() / kAlphaNs, 1, 0.1);
+  EXPECT_NEAR(model.beta_ns() / kBetaNs, 1, 0.25);
+}
+
 TEST(CostModel, LearnsTheNoise) {
   for (const double noise : {0.0, 0.05, 0.3}) {
     CostModel model;

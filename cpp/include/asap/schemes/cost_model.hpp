@@ -6,9 +6,10 @@
 // when its sizes come back, so old evidence about other sizes stays. The line is a weighted least
 // squares fit through the buckets; a fast common scale follows a cost that varies as a whole.
 // Single outliers are clipped, the third in a row on one side is a new level; one that is more than
-// three times as dear, or less than half as dear, is learned anew. What is known to be an outage is
-// no cost (Outcome::outage_ns): an anytime package ends on time with fewer events, whatever kept
-// it, and its time would pass for a fixed cost. The reference takes the wall time.
+// three times as dear, or less than half as dear, is learned anew, but for a fall that the fixed
+// cost alone explains and for sizes far beyond those that have come since. What is known to be an
+// outage is no cost (Outcome::outage_ns): an anytime package ends on time with fewer events,
+// whatever kept it, and its time would pass for a fixed cost. The reference takes the wall time.
 //
 // Called on the consumer's thread, once per package. O(1), no allocation. Whatever is fed, the
 // estimates are positive and finite.
@@ -50,14 +51,14 @@ class CostModel {
   };
 
   double line_ns(double size) const noexcept { return alpha_ns_ + beta_ns_ * size; }
-  double clipped(double error) noexcept;
+  double clipped(double error, double size) noexcept;
   void forget() noexcept;
-  bool knows_both_parts() const noexcept;
+  bool knows_better(const Bucket& prior) const noexcept;
   void remember(double size, double cost_ns) noexcept;
   void fit() noexcept;
   void follow(double size, double cost_ns, double noise) noexcept;
   void rebase(double factor) noexcept;
-  void start_level(double factor) noexcept;
+  void start_level(double factor, double size) noexcept;
   std::uint64_t on_level() const noexcept { return count_ - level_start_; }
 
   const CostModelConfig config_;
