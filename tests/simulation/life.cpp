@@ -64,16 +64,6 @@ void Life::run() {
 
 // ---- faults
 
-bool Life::happens(FaultKind kind) noexcept {
-  for (std::size_t i = 0; i < world_.faults.size(); ++i) {
-    const Fault& fault = world_.faults[i];
-    if (fault.kind != kind || world_.over[i] || world_.stream.position() < fault.begin) continue;
-    world_.over[i] = true;
-    return true;
-  }
-  return false;
-}
-
 std::int64_t Life::clock_ns() noexcept {
   return consumer_ns_ - world_.cost.step_back_ns(world_.stream.position());
 }
@@ -87,10 +77,10 @@ std::int64_t Life::lag_ns() noexcept {
 
 void Life::produce() {
   in_producer_ = true;
-  if (happens(FaultKind::stop)) {
+  if (world_.happens(FaultKind::stop)) {
     stop(draw_.chance(0.5));
     if (draw_.chance(0.5)) stop(draw_.chance(0.5));
-  } else if (happens(FaultKind::restart) || happens(FaultKind::reconfigure)) {
+  } else if (world_.happens(FaultKind::restart) || world_.happens(FaultKind::reconfigure)) {
     stop(true);
   } else if (sent_ < outbox_.size()) {
     push_arrived();
@@ -327,21 +317,21 @@ void Life::begin_package() {
 void Life::go_on() {
   const std::int64_t now_ns = clock_ns();
   if (package_.events.size() > 0) {  // the algorithm has been at work
-    if (happens(FaultKind::gone)) {
+    if (world_.happens(FaultKind::gone)) {
       journal_.step("gone", now_ns);
       doing_ = Doing::gone;
       consumer_ns_ = kNever;
       if (draw_.chance(0.5)) stop(draw_.chance(0.5));
       return;
     }
-    if (happens(FaultKind::exception)) {  // out of Pipeline::run
+    if (world_.happens(FaultKind::exception)) {  // out of Pipeline::run
       journal_.step("exception", now_ns);
       stop(false);
       doing_ = Doing::gone;
       consumer_ns_ = kNever;
       return;
     }
-    if (happens(FaultKind::stop)) stop(draw_.chance(0.5));
+    if (world_.happens(FaultKind::stop)) stop(draw_.chance(0.5));
   }
   const bool is_whole = !package_.events.empty() && package_.raw > 0 && !setup_.asks_stratum;
   if (is_whole && setup_.execution == Execution::whole) return complete(now_ns);

@@ -12,28 +12,16 @@
 #include "asap/buffer/arrival_times.hpp"
 #include "asap/packager/packager.hpp"
 #include "asap/telemetry/ledger.hpp"
-#include "consumer_cost.hpp"
 #include "journal.hpp"
 #include "reference_door.hpp"
 #include "shadow.hpp"
-#include "stream.hpp"
 #include "watched_scheme.hpp"
+#include "world.hpp"
 
 namespace asap::simulation {
 
 class Life final : private SchemeWatcher {
  public:
-  // What one life hands to the next.
-  struct World {
-    const std::vector<Fault>& faults;
-    Stream& stream;
-    ConsumerCost& cost;
-    Draw& draw;
-    Journal& journal;
-    Tally& tally;
-    std::vector<bool> over{};  // faults that have happened: stops, exceptions, restarts
-  };
-
   Life(const Setup& setup, Scheme& scheme, World& world);
 
   void run();
@@ -48,8 +36,7 @@ class Life final : private SchemeWatcher {
   void told(const Outcome& outcome) noexcept override;
 
   // Faults
-  bool happens(FaultKind kind) noexcept;  // now, once
-  std::int64_t clock_ns() noexcept;       // the consumer's look at the clock
+  std::int64_t clock_ns() noexcept;  // the consumer's look at the clock
   std::int64_t lag_ns() noexcept;
 
   // Producer

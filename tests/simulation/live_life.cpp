@@ -24,7 +24,7 @@ System::Clock::time_point at(std::int64_t time_ns) noexcept {
 
 }  // namespace
 
-LiveLife::LiveLife(const Setup& setup, const LiveSetup& live, Scheme& scheme, Life::World& world)
+LiveLife::LiveLife(const Setup& setup, const LiveSetup& live, Scheme& scheme, World& world)
     : setup_(setup),
       live_(live),
       world_(world),
@@ -145,16 +145,6 @@ void LiveLife::told(const Outcome& outcome) noexcept {
 
 // ---- world
 
-bool LiveLife::happens(FaultKind kind) noexcept {
-  for (std::size_t i = 0; i < world_.faults.size(); ++i) {
-    const Fault& fault = world_.faults[i];
-    if (fault.kind != kind || world_.over[i] || world_.stream.position() < fault.begin) continue;
-    world_.over[i] = true;
-    return true;
-  }
-  return false;
-}
-
 std::int64_t LiveLife::lag_ns() noexcept {
   if (setup_.lag_ns == 0 || draw_.chance(0.7)) return 0;
   return draw_.between(0, setup_.lag_ns);
@@ -197,9 +187,9 @@ void LiveLife::read_packet() {
 
 void LiveLife::produce() {
   const bool is_calm = world_.stream.position() >= setup_.faults_end();
-  if (happens(FaultKind::stop)) {
+  if (world_.happens(FaultKind::stop)) {
     stop(draw_.chance(0.5));
-  } else if (happens(FaultKind::restart) || happens(FaultKind::reconfigure)) {
+  } else if (world_.happens(FaultKind::restart) || world_.happens(FaultKind::reconfigure)) {
     stop(true);
   } else if (!is_calm && world_.stream.position() >= live_.abandoned_at) {
     stop(false);
@@ -330,11 +320,11 @@ void LiveLife::work(const Package& package) {
   }
   run_until(time_ns_ + cost_ns + cost.of_ns(package.events.size()));
   if (own_loop_) return;
-  if (happens(FaultKind::gone)) {  // until somebody stops the pipeline
+  if (world_.happens(FaultKind::gone)) {  // until somebody stops the pipeline
     while (!journal_.over() && next_ns() != kNever) act();
     fail();
   }
-  if (happens(FaultKind::exception)) fail();
+  if (world_.happens(FaultKind::exception)) fail();
 }
 
 // Until the pipeline has stopped itself others wait for its lock.

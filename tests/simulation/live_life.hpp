@@ -11,16 +11,18 @@
 #include <vector>
 
 #include "asap/runner/pipeline.hpp"
-#include "life.hpp"
 #include "live_setup.hpp"
 #include "live_shadow.hpp"
 #include "machine.hpp"
+#include "reference_door.hpp"
+#include "watched_scheme.hpp"
+#include "world.hpp"
 
 namespace asap::simulation {
 
 class LiveLife final : private SchemeWatcher, private Machine {
  public:
-  LiveLife(const Setup& setup, const LiveSetup& live, Scheme& scheme, Life::World& world);
+  LiveLife(const Setup& setup, const LiveSetup& live, Scheme& scheme, World& world);
 
   // From start to stop; again, and again, where the seed restarts the same pipeline.
   void run();
@@ -37,7 +39,6 @@ class LiveLife final : private SchemeWatcher, private Machine {
   void told(const Outcome& outcome) noexcept override;
 
   // World
-  bool happens(FaultKind kind) noexcept;  // now, once
   std::int64_t lag_ns() noexcept;
   std::int64_t next_ns() const noexcept { return std::min(packet_ns_, ask_ns_); }
   void run_until(std::int64_t time_ns);
@@ -59,7 +60,7 @@ class LiveLife final : private SchemeWatcher, private Machine {
 
   const Setup& setup_;
   const LiveSetup& live_;
-  Life::World& world_;
+  World& world_;
   Journal& journal_;
   Draw& draw_;
   const bool own_loop_;
