@@ -100,15 +100,15 @@ const ClusterTrackerConfig& checked(const ClusterTrackerConfig& config) {
   require(is_side(config.width), "width", config.width, "must be 1 to 16384 px");
   require(is_side(config.height), "height", config.height, "must be 1 to 16384 px");
 
-  for (const auto& [parameter, least, most] : kParameters) {
+  for (const auto& limited : kParameters) {  // clang 14 captures no structured binding
     std::visit(
         [&](auto field) {
           const auto value = config.*field;
           const auto number = static_cast<double>(value);
-          require(least <= number && number <= most, parameter.name, value,
-                  range_text(least, most));  // false for NaN
+          require(limited.least <= number && number <= limited.most, limited.parameter.name, value,
+                  range_text(limited.least, limited.most));  // false for NaN
         },
-        parameter.field);
+        limited.parameter.field);
   }
   require(std::has_single_bit(static_cast<unsigned>(config.cell_px)), "cell_px", config.cell_px,
           "must be a power of two");
