@@ -53,7 +53,7 @@ def voluntary_switches() -> int:
 def test_1_a_queue_without_end() -> None:
     """There the queue of a slow consumer grows; here the ring drops the newest and counts them."""
     events = streams.make(np.arange(100_000))
-    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=10), capacity=1000)
+    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=10), capacity=1000, when_full="newest")
     pipeline.push(events)
     before = resident_bytes()
     for _ in range(100):  # 160 MB

@@ -265,7 +265,7 @@ def test_processes_and_threads_find_the_same(tmp_path):
     assert in_processes.results.pairs == in_threads.results.pairs == read_again.results.pairs
     assert read_again.taken_from_file == 2
     assert read_again.seconds == pytest.approx(in_processes.seconds, abs=0.01)
-    assert in_processes.seconds > 0.005
+    assert in_processes.seconds > 0
 
 
 # ---- goals ----------------------------------------------------------------------------------
