@@ -3,10 +3,9 @@
 //
 //   simulation --seeds 0..9999 [--jobs 2]               a range; exit 1 if a seed fails
 //   simulation --seeds sample                           200 of them; ASAP_LONG_TESTS=1: 10,000
-//   (live 3829) simulation --life live ...                          a whole live pipeline instead
-//   of its parts simulation --seed 17 [--faults 5] [--until 1234]    one seed, its setup and its
-//   last steps simulation --golden FILE                            fingerprints of known runs, 5 of
-//   them or,
+//   simulation --life live ...                          a whole live pipeline instead of its parts
+//   simulation --seed 17 [--faults 5] [--until 1234]    one seed, its setup and its last steps
+//   simulation --golden FILE                            fingerprints of known runs, 5 of them or,
 //                                                       with ASAP_LONG_TESTS=1, all; exit 1 if one
 //                                                       differs
 //   simulation --fingerprints 20                        prints such a file
