@@ -15,8 +15,6 @@
 namespace asap::python {
 namespace {
 
-constexpr auto kPatience = std::chrono::milliseconds(50);  // Ctrl-C is seen this soon
-
 // All pipelines; looked at when the interpreter exits. With the GIL.
 struct Known {
   std::weak_ptr<Pipeline> pipeline;
@@ -87,6 +85,11 @@ void LivePipeline::require_own_process() const {
       "use multiprocessing with 'spawn'");
 }
 
+void LivePipeline::look_up() const {
+  require_own_process();
+  check_signals();
+}
+
 bool LivePipeline::push(const py::array& events, std::optional<double> arrival_time) {
   Pipeline& pipeline = native();
   const EventSpan span = as_span(events);
@@ -95,33 +98,24 @@ bool LivePipeline::push(const py::array& events, std::optional<double> arrival_t
   // To take the GIL again may take another thread's 5 ms: longer than the push.
   if (!push_may_wait_) return pipeline.push(span, arrival);
   const WithoutGil released;
-  return pipeline.push(span, arrival, [&] {
-    with_gil([&] {
-      require_own_process();
-      check_signals();
-    });
-  });
+  return pipeline.push(span, arrival, [&] { with_gil([&] { look_up(); }); });
 }
 
 std::optional<LivePackage> LivePipeline::next() {
   Pipeline& pipeline = native();
-  while (!is_exiting()) {
-    Package package;
-    Pipeline::Next next{};
-    {
-      const Guest guest(*this);
-      const WithoutGil released;
-      next = pipeline.next(package, kPatience);
-    }
-    if (next == Pipeline::Next::ended) return std::nullopt;
-    if (next == Pipeline::Next::package) {
-      LivePackage result{arrays_.array_of(package.events), package};
-      result.package.events = {};
-      return result;
-    }
-    check_signals();
+  if (is_exiting()) return std::nullopt;
+  Package package;
+  Pipeline::Next next{};
+  {
+    const Guest guest(*this);
+    const WithoutGil released;
+    next = pipeline.next(package, std::chrono::nanoseconds::max(),
+                         [&] { with_gil([&] { look_up(); }); });
   }
-  return std::nullopt;
+  if (next == Pipeline::Next::ended) return std::nullopt;
+  LivePackage result{arrays_.array_of(package.events), package};
+  result.package.events = {};
+  return result;
 }
 
 void LivePipeline::run(const py::object& algorithm, const py::object& poll) {
@@ -132,8 +126,7 @@ void LivePipeline::run(const py::object& algorithm, const py::object& poll) {
   const WithoutGil released;  // a Python algorithm takes it back per package
   pipeline.run(consumer, [&] {
     with_gil([&] {
-      require_own_process();
-      check_signals();
+      look_up();
       if (!poll.is_none()) poll();
     });
   });

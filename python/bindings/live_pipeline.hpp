@@ -1,5 +1,5 @@
-// LivePipeline: the pipeline as Python holds it. Waits without the GIL and looks at Ctrl-C every 50
-// ms or more often; ends when the interpreter exits; refuses a process that was forked from that of
+// LivePipeline: the pipeline as Python holds it. Waits without the GIL and looks at Ctrl-C every 20
+// ms; ends when the interpreter exits; refuses a process that was forked from that of
 // its making, where other threads may have been inside. Called with the GIL.
 #pragma once
 
@@ -64,6 +64,7 @@ class LivePipeline {
 
   Pipeline& native() const;
   void require_own_process() const;
+  void look_up() const;  // what a thread that waits must not miss: Ctrl-C, a fork
 
   std::shared_ptr<Pipeline> pipeline_;
   const std::uint64_t forks_;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import queue
 import subprocess
 import sys
 import threading
@@ -14,6 +15,7 @@ import pytest
 
 import asap
 import streams
+from doors import packages_of
 
 
 def push_all(pipeline, events, chunk=500):
@@ -181,15 +183,25 @@ def test_bad_events_can_be_refused():
 
 
 def test_has_one_consumer():
+    refused = queue.Queue()
+
+    def consume():
+        try:
+            list(pipeline)
+        except RuntimeError as error:
+            refused.put(str(error))
+
     with asap.Pipeline() as pipeline:
-        waiting = threading.Thread(target=lambda: list(pipeline))
-        waiting.start()
-        time.sleep(0.05)
-        with pytest.raises(RuntimeError, match="another thread consumes"):
-            for _ in range(50):  # it is inside but for moments
-                next(iter(pipeline))
-        pipeline.stop()
-        waiting.join()
+        consumers = [threading.Thread(target=consume) for _ in range(2)]
+        for consumer in consumers:
+            consumer.start()
+        try:
+            assert "another thread consumes" in refused.get(timeout=60)
+        finally:
+            pipeline.stop()
+            for consumer in consumers:
+                consumer.join()
+    assert refused.empty(), "who came first stays"
 
 
 @pytest.mark.parametrize(
@@ -302,14 +314,9 @@ def test_the_loop_and_run_and_both_clocks_cut_the_same_packages():
     events = streams.poisson(1e6, 0.02)
     sizes = []
     for algorithm in (None, lambda events: None, asap.ClusterTracker(346, 260)):
-        pipeline = asap.Pipeline(algorithm, scheme=asap.FixedSize(size=700), latency_ms=1e4)
-        pipeline.push(events)
-        pipeline.stop()
-        if algorithm is None:
-            assert sum(len(package) for package in pipeline) == events.size
-        else:
-            pipeline.run()
-        sizes.append(pipeline.packages["size"].tolist())
+        scheme = asap.FixedSize(size=700)
+        packages = packages_of(algorithm, events, scheme=scheme, latency_ms=1e4)
+        sizes.append(packages["size"].tolist())
     cost = asap.LinearCost(alpha_us=1, beta_ns=1)
     simulated = asap.simulate(events, cost=cost, scheme=asap.FixedSize(size=700), latency_ms=1e4)
     assert sizes == [simulated.packages["size"].tolist()] * 3

@@ -5,7 +5,7 @@
 namespace asap {
 namespace {
 
-constexpr std::int64_t kPollEveryNs = 20'000'000;
+constexpr std::chrono::nanoseconds kPollEvery = std::chrono::milliseconds(20);
 
 std::int64_t ns(RunClock::Steady::time_point time) noexcept {
   return std::chrono::nanoseconds(time.time_since_epoch()).count();
@@ -20,7 +20,16 @@ RunClock::Steady::time_point later(RunClock::Steady::time_point now,
 
 }  // namespace
 
-ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds patience) {
+ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds patience,
+                                      const Poll& poll) {
+  for (; poll && patience > kPollEvery; patience -= kPollEvery) {
+    if (const Next next = wait(package, kPollEvery); next != Next::idle) return next;
+    poll();
+  }
+  return wait(package, patience);
+}
+
+ConsumerLoop::Next ConsumerLoop::wait(Package& package, std::chrono::nanoseconds patience) {
   telemetry_.log.make_room();
   const auto entered = System::now();
   watch_.looks_up(ns(entered), telemetry_.latency.bound_ns());
@@ -103,14 +112,10 @@ void ConsumerLoop::work(Package package, const Consumer& algorithm) {
 void ConsumerLoop::run(const Consumer& algorithm, const Poll& poll) {
   Package package;
   std::int64_t polled_ns = kLongAgo;
-  for (;;) {
-    const Next next = this->next(package, std::chrono::nanoseconds(kPollEveryNs));
-    if (next == Next::ended) return;
-    if (next == Next::package) {
-      work(package, algorithm);
-      if (polled_ns != kLongAgo && package.start_ns - polled_ns < kPollEveryNs) continue;
-      polled_ns = package.start_ns;
-    }
+  while (next(package, std::chrono::nanoseconds::max(), poll) != Next::ended) {
+    work(package, algorithm);
+    if (polled_ns != kLongAgo && package.start_ns - polled_ns < kPollEvery.count()) continue;
+    polled_ns = package.start_ns;
     if (poll) poll();
   }
 }

@@ -84,13 +84,14 @@ void Pipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcep
   upstream_packets_.fetch_add(packets, std::memory_order_relaxed);
 }
 
-Pipeline::Next Pipeline::next(Package& package, std::chrono::nanoseconds patience) {
+Pipeline::Next Pipeline::next(Package& package, std::chrono::nanoseconds patience,
+                              const Poll& poll) {
   const Working working(*this);
   if (config_.execution != Execution::whole) {
     throw std::logic_error("pipeline: next() needs .execution = Execution::whole; or use run()");
   }
   complete_package();
-  const Next next = run_->loop().next(package_, patience);
+  const Next next = run_->loop().next(package_, patience, poll);
   has_package_ = next == Next::package;
   if (next == Next::ended) run_->finish();
   if (has_package_) package = package_;

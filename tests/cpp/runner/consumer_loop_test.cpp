@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -52,6 +53,21 @@ TEST(ConsumerLoop, WaitsForEver) {
   std::jthread other([&] { rig.loop.abandon(); });
   Package package;
   EXPECT_EQ(rig.loop.next(package, std::chrono::nanoseconds::max()), Next::ended);
+}
+
+TEST(ConsumerLoop, PollsWhileItWaits) {
+  FixedSize scheme;
+  Rig rig(scheme);
+  Package package;
+  int polls = 0;
+  EXPECT_EQ(rig.loop.next(package, 50ms, [&] { ++polls; }), Next::idle);
+  EXPECT_EQ(polls, 2) << "after 20 and 40 ms";
+  EXPECT_EQ(rig.loop.next(package, 20ms, [&] { ++polls; }), Next::idle);
+  EXPECT_EQ(polls, 2) << "the caller is back in time to look himself";
+  const auto stop = [] { throw std::runtime_error("Ctrl-C"); };
+  EXPECT_THROW(rig.loop.next(package, std::chrono::nanoseconds::max(), stop), std::runtime_error);
+  rig.push(test::evenly_spaced(2000, 1));
+  EXPECT_EQ(rig.loop.next(package, std::chrono::nanoseconds::max(), stop), Next::package);
 }
 
 TEST(ConsumerLoop, EndsWhenNothingOfTheRestIsKept) {

@@ -315,6 +315,18 @@ TEST(Pipeline, HasOneConsumerAtATime) {
   EXPECT_THROW(anytime.next(package, 0ns), std::logic_error);
 }
 
+TEST(Pipeline, AConsumerThatWaitsIsNotThrownOutByAnother) {
+  Greedy scheme;
+  Pipeline pipeline(scheme, kWhole);
+  Package package;
+  const auto other = [&] {
+    Package none;
+    EXPECT_THROW(pipeline.next(none, 0ns), std::logic_error);
+    pipeline.push(at_times({1}));
+  };
+  EXPECT_EQ(pipeline.next(package, kLong, other), Next::package);
+}
+
 TEST(Pipeline, RunCompletesThePackageOfNext) {
   FixedSize scheme({.size = 10});
   Pipeline pipeline(scheme, kWhole);

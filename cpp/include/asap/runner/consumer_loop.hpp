@@ -37,9 +37,9 @@ class ConsumerLoop {
         clock_(clock),
         room_(room) {}
 
-  // Waits for a package, at most for `patience` (then idle). ended: the source has ended and all is
-  // delivered.
-  Next next(Package& package, std::chrono::nanoseconds patience);
+  // Waits for a package, at most for `patience` (then idle); calls `poll` every 20 ms of it, which
+  // may throw. ended: the source has ended and all is delivered.
+  Next next(Package& package, std::chrono::nanoseconds patience, const Poll& poll = {});
 
   // Any thread. What is in the ring now is due.
   void flush() noexcept;
@@ -76,6 +76,7 @@ class ConsumerLoop {
 
     friend bool operator==(const Asked&, const Asked&) = default;
   };
+  Next wait(Package& package, std::chrono::nanoseconds patience);
   Asked asked() const noexcept;
   void heed(const Asked& asked) noexcept;
 

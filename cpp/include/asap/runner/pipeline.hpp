@@ -75,8 +75,9 @@ class Pipeline {
   // ---- consumer: one thread at a time, else std::logic_error
 
   // Waits for a package, at most for `patience` (then idle), and completes the one before. ended:
-  // stopped. For a pipeline whose execution is `whole`, else std::logic_error.
-  Next next(Package& package, std::chrono::nanoseconds patience);
+  // stopped. Meanwhile `poll` is called every 20 ms; it may throw. For a pipeline whose execution
+  // is `whole`, else std::logic_error.
+  Next next(Package& package, std::chrono::nanoseconds patience, const Poll& poll = {});
 
   // The algorithm has finished the package: its cost is measured up to here.
   void complete();
