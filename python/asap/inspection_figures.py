@@ -81,10 +81,8 @@ def _draw_intervals(axes: Axes, inspection: Inspection) -> None:
     total = max(int(counts.sum()), 1)
     last = int(np.flatnonzero(counts)[-1]) if counts.any() else 0
     axes.bar(np.arange(last + 1), 100 / total * counts[: last + 1], color=plots.BLUE, width=0.92)
-    from_us = BINS_FROM_US[: last + 1 : max(1, last // 8)].tolist()
-    axes.set_xticks(
-        range(0, last + 1, max(1, last // 8)), [units.duration(value) for value in from_us]
-    )
+    ticks = range(0, last + 1, max(1, last // 8))
+    axes.set_xticks(ticks, [units.duration(int(BINS_FROM_US[tick])) for tick in ticks])
     axes.set(title="time since the event before", ylabel="% of events", xlabel="from, by octaves")
     axes.grid(False, axis="x")
 

@@ -9,6 +9,7 @@ import pytest
 
 import asap
 from asap.cli import main
+from doors import packages_of
 from event_files import recording
 
 SIZE = 700
@@ -32,18 +33,6 @@ def boundaries(packages: Any) -> list[tuple[int, int, int]]:
     return [tuple(row) for row in packages[["t_first", "t_last", "size"]].tolist()]
 
 
-def live(events: Any, algorithm: Any) -> Any:
-    """The rows of a pipeline in one of its three forms."""
-    pipeline = asap.Pipeline(algorithm, scheme=fixed_size(), **FOR_EVER, **SENSOR)
-    pipeline.push(events)
-    pipeline.stop()
-    if algorithm is None:
-        assert sum(len(package) for package in pipeline) == events.size
-    else:
-        pipeline.run()
-    return pipeline.packages
-
-
 @pytest.mark.parametrize("name", RECORDINGS)
 def test_the_same_packages_through_every_door(name: str, tmp_path: Any) -> None:
     if name.endswith("aedat4"):
@@ -65,4 +54,5 @@ def test_the_same_packages_through_every_door(name: str, tmp_path: Any) -> None:
 
     assert boundaries(asap.run(path, algorithm=len, speed=1000.0, **options).packages) == expected
     for algorithm in (None, len, asap.ClusterTracker(346, 260)):
-        assert boundaries(live(events, algorithm)) == expected
+        live = packages_of(algorithm, events, scheme=fixed_size(), **FOR_EVER, **SENSOR)
+        assert boundaries(live) == expected

@@ -68,11 +68,6 @@ std::int64_t Life::clock_ns() noexcept {
   return consumer_ns_ - world_.cost.step_back_ns(world_.stream.position());
 }
 
-std::int64_t Life::lag_ns() noexcept {
-  if (setup_.lag_ns == 0 || draw_.chance(0.7)) return 0;
-  return draw_.between(0, setup_.lag_ns);
-}
-
 // ---- producer
 
 void Life::produce() {
@@ -113,7 +108,7 @@ void Life::read_packet() {
     }
   }
   // The arrival is what the producer says; never in the future, never before the last.
-  const std::int64_t said_ns = producer_ns_ - (draw_.chance(0.9) ? 0 : lag_ns());
+  const std::int64_t said_ns = producer_ns_ - (draw_.chance(0.9) ? 0 : world_.lag_ns());
   arrival_ns_ = has_begun_ ? std::max(arrival_ns_, said_ns) : said_ns;
   bool threw = false;
   try {
@@ -128,7 +123,7 @@ void Life::read_packet() {
                 static_cast<double>(door_.rejected().total()),
                 static_cast<double>(reference_door_.rejected.total()));
   journal_.equal(Law::protocol, door_.clock_resets(), reference_door_.resets, "clock resets");
-  if (setup_.by_arrival) producer_ns_ += lag_ns();
+  if (setup_.by_arrival) producer_ns_ += world_.lag_ns();
 }
 
 // In the middle of the door's check: a run of good events.
@@ -160,7 +155,7 @@ void Life::begin(const Event& first) {
 }
 
 void Life::push(EventSpan events, const std::uint32_t* numbers) {
-  const std::int64_t until_ns = producer_ns_ + lag_ns();
+  const std::int64_t until_ns = producer_ns_ + world_.lag_ns();
   const std::uint64_t first = buffer_.tail();
   if (setup_.by_arrival) {
     let_consumer(until_ns);
@@ -177,7 +172,7 @@ void Life::push(EventSpan events, const std::uint32_t* numbers) {
                   [this](std::int64_t stamp) { return packager_.axis().to_ns(stamp); });
     shadow_.observed_ages();
   }
-  if (buffer_.tail() >= wanted_tail_) wake(producer_ns_ + lag_ns());
+  if (buffer_.tail() >= wanted_tail_) wake(producer_ns_ + world_.lag_ns());
   if (draw_.chance(0.002)) {  // ConsumerLoop::flush, from any thread
     flush_wanted_ = buffer_.tail();
     wake(producer_ns_);
@@ -194,7 +189,7 @@ void Life::push_arrived() {
   const std::size_t begin = sent_;
   sent_ = end;
   push(EventSpan(outbox_).subspan(begin, end - begin), outbox_numbers_.data() + begin);
-  producer_ns_ += lag_ns();
+  producer_ns_ += world_.lag_ns();
   if (sent_ < outbox_.size()) {
     producer_ns_ = std::max(producer_ns_, axis.to_ns(outbox_[sent_].t));
   }
@@ -263,7 +258,7 @@ void Life::ask() {
   }
   const std::int64_t now_ns = clock_ns();
   const std::int64_t begun_ns = consumer_ns_;
-  let_producer(begun_ns + lag_ns());
+  let_producer(begun_ns + world_.lag_ns());
   telemetry_.log.make_room();
   shadow_.asking(now_ns);
   const Packager::Next next = packager_.next(now_ns);
@@ -283,10 +278,11 @@ void Life::sleep(std::uint64_t tail, std::int64_t until_ns) noexcept {
   const std::int64_t now_ns = consumer_ns_;
   doing_ = Doing::sleeps;
   wanted_tail_ = tail;
-  consumer_ns_ = until_ns > kEndOfTimeNs ? kNever : std::max(until_ns, now_ns + 1) + lag_ns();
+  consumer_ns_ =
+      until_ns > kEndOfTimeNs ? kNever : std::max(until_ns, now_ns + 1) + world_.lag_ns();
   // What has happened between the question and the sleep; and sometimes without a reason.
   const bool is_there = buffer_.tail() >= tail || buffer_.closed() || abandoned_;
-  if (is_there || draw_.chance(0.01)) wake(now_ns + 1 + lag_ns());
+  if (is_there || draw_.chance(0.01)) wake(now_ns + 1 + world_.lag_ns());
 }
 
 void Life::wake(std::int64_t time_ns) noexcept {
@@ -309,7 +305,7 @@ void Life::begin_package() {
     const EventSpan all = packager_.stratum(package_, consumer_ns_);
     shadow_.part(package_, all, consumer_ns_);
   }
-  consumer_ns_ += world_.cost.fixed_ns() + lag_ns();
+  consumer_ns_ += world_.cost.fixed_ns() + world_.lag_ns();
   if (!is_anytime) consumer_ns_ += world_.cost.of_ns(package_.events.size());
 }
 
@@ -336,23 +332,23 @@ void Life::go_on() {
   const bool is_whole = !package_.events.empty() && package_.raw > 0 && !setup_.asks_stratum;
   if (is_whole && setup_.execution == Execution::whole) return complete(now_ns);
   const bool is_first = package_.events.empty();
-  let_producer(consumer_ns_ + lag_ns());
+  let_producer(consumer_ns_ + world_.lag_ns());
   const EventSpan part = packager_.stratum(package_, now_ns);
   shadow_.part(package_, part, now_ns);
   if (part.empty()) return complete(now_ns);
   journal_.step("part", now_ns, package_.raw, package_.events.size());
-  consumer_ns_ += world_.cost.of_ns(part.size()) + lag_ns();
+  consumer_ns_ += world_.cost.of_ns(part.size()) + world_.lag_ns();
   if (is_first && !setup_.fixed_cost_first) consumer_ns_ += world_.cost.fixed_ns();
 }
 
 void Life::complete(std::int64_t end_ns) {
   journal_.step("complete", end_ns, package_.raw, package_.events.size());
-  let_producer(consumer_ns_ + lag_ns());
+  let_producer(consumer_ns_ + world_.lag_ns());
   shadow_.completing(package_, end_ns);
   packager_.complete(package_, end_ns);
   shadow_.completed(telemetry_.log);
   doing_ = Doing::sleeps;
-  consumer_ns_ += lag_ns();
+  consumer_ns_ += world_.lag_ns();
   Tally& tally = world_.tally;
   if (tally.calm_ns == kNever && world_.stream.position() >= setup_.faults_end()) {
     tally.calm_ns = consumer_ns_;
@@ -366,7 +362,7 @@ void Life::asked(const Backlog& backlog) noexcept { shadow_.asked(backlog, draw_
 
 void Life::decided(const Backlog& backlog, const Decision& decision) noexcept {
   shadow_.decided(backlog, decision);
-  let_producer(consumer_ns_ + lag_ns());
+  let_producer(consumer_ns_ + world_.lag_ns());
 }
 
 void Life::told(const Outcome& outcome) noexcept { shadow_.told(outcome); }

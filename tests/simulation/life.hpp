@@ -37,7 +37,6 @@ class Life final : private SchemeWatcher {
 
   // Faults
   std::int64_t clock_ns() noexcept;  // the consumer's look at the clock
-  std::int64_t lag_ns() noexcept;
 
   // Producer
   void produce();

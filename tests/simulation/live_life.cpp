@@ -97,7 +97,7 @@ LiveLife::Time LiveLife::now() noexcept {
   if (journal_.over()) give_up();
   shadow_->looks();
   const std::int64_t before_ns = time_ns_;
-  run_until(time_ns_ + lag_ns());
+  run_until(time_ns_ + world_.lag_ns());
   const std::int64_t now_ns = draw_.chance(0.5) ? before_ns : time_ns_;
   shadow_->saw(now_ns);
   return at(now_ns);
@@ -121,7 +121,7 @@ void LiveLife::sleep(System::Word& word, Time deadline) noexcept {
   if (word == 1) time_ns_ = std::max(time_ns_, until_ns);
   shadow_->wakes_up();
   if (journal_.over()) return give_up();
-  run_until(time_ns_ + lag_ns());
+  run_until(time_ns_ + world_.lag_ns());
 }
 
 void LiveLife::wake(System::Word& word) noexcept {
@@ -144,11 +144,6 @@ void LiveLife::told(const Outcome& outcome) noexcept {
 }
 
 // ---- world
-
-std::int64_t LiveLife::lag_ns() noexcept {
-  if (setup_.lag_ns == 0 || draw_.chance(0.7)) return 0;
-  return draw_.between(0, setup_.lag_ns);
-}
 
 void LiveLife::run_until(std::int64_t time_ns) {
   while (!journal_.over() && next_ns() <= time_ns) act();
@@ -309,7 +304,7 @@ void LiveLife::work(const Package& package) {
                 package.events.size());
   shadow_->part(package, position);
   shadow_->works();
-  std::int64_t cost_ns = lag_ns();
+  std::int64_t cost_ns = world_.lag_ns();
   if (!package.continues) {
     cost.begin(position);
     if (cost.is_odd()) {

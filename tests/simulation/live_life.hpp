@@ -39,7 +39,6 @@ class LiveLife final : private SchemeWatcher, private Machine {
   void told(const Outcome& outcome) noexcept override;
 
   // World
-  std::int64_t lag_ns() noexcept;
   std::int64_t next_ns() const noexcept { return std::min(packet_ns_, ask_ns_); }
   void run_until(std::int64_t time_ns);
   void act();

@@ -33,7 +33,7 @@ void run(Run& run, Journal& journal) {
   Stream stream(first, run.faults);
   ConsumerCost cost(first, run.faults);
   Draw draw(first.seed, 8);
-  World world{run.faults, stream, cost, draw, journal, run.tally};
+  World world{run.faults, stream, cost, draw, journal, run.tally, first.lag_ns};
   auto scheme = make_scheme(run.setup);
   std::vector<bool> changed(run.faults.size(), false);
   for (bool again = true; again;) {

@@ -12,4 +12,9 @@ bool World::happens(FaultKind kind) noexcept {
   return false;
 }
 
+std::int64_t World::lag_ns() noexcept {
+  if (longest_lag_ns == 0 || draw.chance(0.7)) return 0;
+  return draw.between(0, longest_lag_ns);
+}
+
 }  // namespace asap::simulation

@@ -100,12 +100,8 @@ void CostModel::start_level(double factor, double size) noexcept {
   const double fall_ns = (1.0 - factor) * predict_ns(size);
   const bool is_fixed_cost = fall_ns > 0.0 && fall_ns < alpha_ns();
   rebase(is_fixed_cost ? scale_ : scale_ * factor);
-  if (is_fixed_cost) {
-    for (Bucket& bucket : buckets_) {
-      bucket.cost_ns = std::max(bucket.cost_ns - fall_ns, kLeastAlphaNs);
-    }
-  }
   for (Bucket& bucket : buckets_) {
+    if (is_fixed_cost) bucket.cost_ns = std::max(bucket.cost_ns - fall_ns, kLeastAlphaNs);
     bucket.weight = std::min(bucket.weight, kPriorWeight);
     bucket.is_prior = true;
   }

@@ -333,8 +333,8 @@ def remember(
         counts["received"] += count
         counts["rejected"] += count
     packages, kept_mask = runner.packages, None
-    if runner.kept_mask is not None:
-        kept_mask, first = runner.kept_mask
+    if (mask := runner.kept_mask) is not None:  # put together anew at every look
+        kept_mask, first = mask
         packages = with_first(packages, first)
     _last = Run(
         packages=packages,

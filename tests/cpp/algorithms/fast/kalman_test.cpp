@@ -4,17 +4,11 @@
 
 #include <cmath>
 
+#include "algorithms/fast/kalman_rule.hpp"
+
 namespace {
 
 using namespace asap::fast;
-
-constexpr KalmanRule kRule{.acceleration = 5e3F,
-                           .per_speed3 = 0.055F,
-                           .most = 1e7F,
-                           .contact = 5e3F,
-                           .measurement_scale = 4,
-                           .min_measurement_px2 = 0.05F,
-                           .mean_events = 60};
 
 // A track that moves at vx and is measured every 2 ms, for a second, with 40 events in between.
 Track followed(float vx, KalmanState& state) {

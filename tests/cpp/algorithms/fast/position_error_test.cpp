@@ -4,16 +4,12 @@
 
 #include <cmath>
 
+#include "algorithms/fast/kalman_rule.hpp"
+
 namespace {
 
 using namespace asap::fast;
 
-constexpr KalmanRule kRule{.acceleration = 5e3F,
-                           .per_speed3 = 0.055F,
-                           .most = 1e7F,
-                           .contact = 5e3F,
-                           .measurement_scale = 4,
-                           .min_measurement_px2 = 0.05F};
 constexpr float kExtent_px = 5;
 
 float doubt_after(float speed, float time_s, std::uint8_t partners = 0,
