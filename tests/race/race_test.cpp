@@ -84,7 +84,10 @@ void stream_through_the_ring(std::uint64_t seed, std::uint64_t events) {
     const std::uint64_t start = ring.tail();
     while (pushed < events) {
       const PushDoor::Visit visit(door);
-      if (!visit.inside()) continue;
+      if (!visit.inside()) {
+        std::this_thread::yield();  // the other may wait for this processor to get out
+        continue;
+      }
       batch.resize(std::min<std::uint64_t>(1 + draw_batch(kLargestBatch), events - pushed));
       fill(batch, pushed);
       times.note(ring.tail() - start, static_cast<std::int64_t>(pushed));
@@ -101,10 +104,12 @@ void stream_through_the_ring(std::uint64_t seed, std::uint64_t events) {
   });
   std::jthread other([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
-      const PushDoor::Visit visit(door);  // in the producer's way, at times
-      if (is_woken) bell.wake();
-      EXPECT_LE(ring.size(), ring.capacity());
-      std::this_thread::yield();
+      {
+        const PushDoor::Visit visit(door);  // in the producer's way, at times
+        if (is_woken) bell.wake();
+        EXPECT_LE(ring.size(), ring.capacity());
+      }
+      std::this_thread::yield();  // outside: on one processor the producer would never get in
     }
   });
 
@@ -158,6 +163,8 @@ std::uint64_t run_once(Pipeline& pipeline, Draw& draw, std::uint64_t events) {
         next += batch.size();
       } else if (!pipeline.is_open()) {
         break;
+      } else {
+        std::this_thread::yield();
       }
     }
     pushed = next;
