@@ -66,6 +66,7 @@ struct Run {
     fuzz::check(decision.stale + decision.raw >= 1);
     fuzz::check(decision.keep >= 0.0 && decision.keep <= 1.0);
     fuzz::check(decision.budget_ns >= 1);
+    fuzz::check(std::isfinite(decision.fixed_ns) && decision.fixed_ns >= 0.0);
     fuzz::check(std::isfinite(decision.event_ns) && decision.event_ns >= 0.0);
     if (decision.raw > 0) complete(scheme, decision);
   }

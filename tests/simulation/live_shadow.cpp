@@ -32,7 +32,7 @@ double admitted(std::size_t offered, std::size_t room, std::size_t capacity) noe
 LiveShadow::LiveShadow(const Setup& setup, const LiveSetup& live, std::int64_t bound_ns,
                        Journal& journal, Tally& tally)
     : live_(live), setup_(setup), journal_(journal), tally_(tally), longest_bound_ns_(bound_ns) {
-  setup_.latency_ns = asked_.bound_ns = looked_.bound_ns = bound_ns;
+  setup_.latency_ns = asked_.bound_ns = looked_.bound_ns = heeded_bound_ns_ = bound_ns;
 }
 
 // ---- the world
@@ -41,7 +41,7 @@ void LiveShadow::begins(const Event& first, std::int64_t came_ns, std::int64_t n
   has_begun_ = true;
   arrival_ns_ = TimeAxis(first.t, 1.0).to_ns(first.t);
   offset_ns_ = arrival_ns_ - came_ns;
-  stall_.looks_up(now_ns, false, setup_.latency_ns);
+  stall_.looks_up(now_ns, false, heeded_bound_ns_);
 }
 
 void LiveShadow::pushed(const Pushed& pushed, const Ledger& before, const Ledger& after) {
@@ -120,9 +120,8 @@ void LiveShadow::unrest() noexcept {
 
 void LiveShadow::hold_stalled(bool stalled, std::int64_t now_ns) {
   const bool any = waiting() > 0;
-  const std::int64_t bound_ns = setup_.latency_ns;
-  const bool may = any && !has_slept_ && stall_.may_be_stalled(now_ns, bound_ns);
-  const bool must = any && !has_slept_ && stall_.must_be_stalled(now_ns, bound_ns);
+  const bool may = any && !has_slept_ && stall_.may_be_stalled(now_ns, heeded_bound_ns_);
+  const bool must = any && !has_slept_ && stall_.must_be_stalled(now_ns, heeded_bound_ns_);
   journal_.hold(Law::liveness, stalled ? may : !must, "stalled", stalled, must);
 }
 
@@ -150,7 +149,8 @@ void LiveShadow::saw(std::int64_t now_ns) {
   seen_ns_ = now_ns;
   if (enters_) entered_ns_ = now_ns;
   if (enters_ || has_slept_) {
-    stall_.looks_up(now_ns, enters_ && is_working_, setup_.latency_ns);
+    stall_.looks_up(now_ns, enters_ && is_working_, heeded_bound_ns_);
+    heeded_bound_ns_ = asked_.bound_ns;
     is_working_ = is_working_ && !enters_;
     waits_ = enters_ = has_slept_ = false;
   } else if (!is_working_) {
@@ -190,6 +190,7 @@ void LiveShadow::asked(const Backlog& backlog) {
 
 void LiveShadow::decided(const Backlog& backlog, const Decision& decision, const Belief& belief) {
   belief_ = belief;
+  keep_ = std::clamp(decision.keep, 0.0, 1.0);
   hold_decision(setup_, backlog, decision, journal_);
   waits_ = !decision.takes && !backlog.due;
   raw_ = 0;
@@ -291,7 +292,7 @@ void LiveShadow::told(const Outcome& outcome) {
 // Once nothing has gone wrong for a while, and as far as the scheme knows what a package costs, no
 // kept event is later than the bound (Deadline: or four fixed costs): but for an event or two, the
 // lags of the machine and, where nothing can end a package early, the chance in how many events it
-// keeps, or a fixed cost that is no part of its plan (an anytime package of one stratum).
+// keeps.
 void LiveShadow::hold_latency(std::int64_t latency_ns, const Outcome& outcome) {
   largest_latency_ns_ = std::max(largest_latency_ns_, latency_ns);
   if (!is_calm()) return;
@@ -302,14 +303,10 @@ void LiveShadow::hold_latency(std::int64_t latency_ns, const Outcome& outcome) {
   double bound_ns = number(setup_.latency_ns);
   if (setup_.scheme.kind == Kind::deadline) bound_ns = std::max(bound_ns, 4 * belief_.alpha_ns);
   double events = 2;
-  double fixed_ns = 0;
-  if (setup_.execution == Execution::anytime) {
-    fixed_ns = outcome.raw < 128 ? belief_.alpha_ns : 0;
-  } else {
-    events += 6 * std::sqrt(kept * (1 - kept / static_cast<double>(outcome.raw)));
+  if (setup_.execution == Execution::whole) {
+    events += 6 * std::sqrt(number(outcome.raw) * keep_ * (1 - keep_));
   }
-  const double limit_ns = 1.03 * bound_ns + fixed_ns +
-                          events * setup_.beta_ns * (1 + setup_.cost_noise) +
+  const double limit_ns = 1.03 * bound_ns + events * setup_.beta_ns * (1 + setup_.cost_noise) +
                           8 * number(setup_.lag_ns);
   ++tally_.judged;
   journal_.hold(Law::liveness, number(latency_ns) <= limit_ns, "latency of the oldest kept event",

@@ -116,6 +116,7 @@ class LiveShadow {
   bool has_slept_ = false;
   bool is_working_ = false;
   StallReference stall_;
+  std::int64_t heeded_bound_ns_;  // in force since the last look, whatever came of it
 
   // The question and its answer.
   bool waits_ = false;
@@ -130,6 +131,7 @@ class LiveShadow {
 
   // The package.
   Belief belief_{};
+  double keep_ = 1;  // as planned
   bool is_anytime_ = false;
   std::size_t raw_ = 0;
   std::size_t cursor_ = 0;         // ring index; the kept events before are known

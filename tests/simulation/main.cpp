@@ -78,8 +78,7 @@ int run_range(const Options& options) {
   const std::size_t dots = options.seeds.find("..");
   SearchConfig config{.jobs = options.jobs, .live = options.live};
   if (options.seeds == "sample") {
-    constexpr std::uint64_t kLiveUntil = 3828;  // beyond, 3829 and 6719 of 10,001 are open
-    config.last = !are_long() ? 199 : options.live ? kLiveUntil : 9999;
+    config.last = are_long() ? 9999 : 199;
   } else if (dots == std::string_view::npos ||
              !parse(options.seeds.substr(0, dots), config.first) ||
              !parse(options.seeds.substr(dots + 2), config.last) || config.last < config.first) {

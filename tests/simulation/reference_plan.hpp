@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -31,6 +32,8 @@ class ReferencePlan {
         planned_(decision.keep * static_cast<double>(raw_)),
         end_ns_(start_ns + std::clamp<std::int64_t>(decision.budget_ns, 0, 1'000'000'000'000'000)),
         grace_ns_(grace_ns),
+        fixed_ns_(decision.fixed_ns > 0 ? std::min(std::floor(decision.fixed_ns), 1e15) : 0),
+        start_ns_(start_ns),
         events_(std::max(1.0, planned_ / 32)),
         spent_ns_(events_ * (decision.event_ns > 0 ? decision.event_ns : 0)) {}
 
@@ -53,7 +56,10 @@ class ReferencePlan {
     stratum_start_ns_ = now_ns;
     const auto count = static_cast<double>(strata_);
     const double raw = static_cast<double>(raw_) / count;
-    const double left_ns = static_cast<double>(end_ns_ - now_ns) / static_cast<double>(strata_ - j);
+    const double passed_ns = static_cast<double>(now_ns - start_ns_);
+    const double to_pay_ns = j == 0 && fixed_ns_ > passed_ns ? fixed_ns_ - passed_ns : 0;
+    const double left_ns =
+        (static_cast<double>(end_ns_ - now_ns) - to_pay_ns) / static_cast<double>(strata_ - j);
     const double event_ns = spent_ns_ / events_;
     double size_planned = left_ns / event_ns;
     if (event_ns * raw <= left_ns) size_planned = raw;
@@ -69,6 +75,8 @@ class ReferencePlan {
   double planned_ = 0;
   std::int64_t end_ns_ = 0;
   std::int64_t grace_ns_ = 0;
+  double fixed_ns_ = 0;
+  std::int64_t start_ns_ = 0;
   double events_ = 1;
   double spent_ns_ = 0;
   std::int64_t stratum_start_ns_ = 0;

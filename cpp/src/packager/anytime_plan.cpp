@@ -11,6 +11,11 @@ constexpr double kCoverage = 0.02;         // of the planned events: no stratum 
 constexpr double kDear = 3.0;              // times the cost so far: algorithms vary
 constexpr std::int64_t kLongestNs = 1'000'000'000'000'000;
 
+// Of a number that may be any.
+std::int64_t bounded_ns(double ns) noexcept {
+  return ns > 0 ? static_cast<std::int64_t>(std::min(ns, static_cast<double>(kLongestNs))) : 0;
+}
+
 }  // namespace
 
 AnytimePlan::AnytimePlan(const Decision& decision, std::int64_t start_ns,
@@ -20,6 +25,7 @@ AnytimePlan::AnytimePlan(const Decision& decision, std::int64_t start_ns,
       planned_(decision.keep * static_cast<double>(raw_)),
       end_ns_(start_ns + std::clamp<std::int64_t>(decision.budget_ns, 0, kLongestNs)),
       grace_ns_(grace_ns),
+      fixed_end_ns_(start_ns + bounded_ns(decision.fixed_ns)),
       weight_(std::max(1.0, kPriorShare * planned_)),
       spent_ns_(weight_ * std::max(0.0, decision.event_ns)) {}
 
@@ -64,8 +70,9 @@ std::int64_t AnytimePlan::outage_ns() const noexcept {
 
 double AnytimePlan::keep(std::int64_t now_ns) const noexcept {
   const auto strata = static_cast<double>(strata_);
+  const std::int64_t from_ns = done_ == 0 ? std::max(now_ns, fixed_end_ns_) : now_ns;
   const double left_ns =
-      static_cast<double>(end_ns_ - now_ns) / (strata - static_cast<double>(done_));
+      static_cast<double>(end_ns_ - from_ns) / (strata - static_cast<double>(done_));
   const double event_ns = spent_ns_ / weight_;
   const double raw = static_cast<double>(raw_) / strata;
   const double size = event_ns * raw <= left_ns ? raw : left_ns / event_ns;

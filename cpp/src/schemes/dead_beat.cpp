@@ -46,6 +46,7 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
   decision.stale = stale;
   if (execution_ == Execution::whole) return decision;
   decision.budget_ns = std::max<std::int64_t>(std::llround(budget_ns), 1);
+  decision.fixed_ns = cost_.alpha_ns();
   decision.event_ns = cost_.beta_ns();
   return decision;
 }

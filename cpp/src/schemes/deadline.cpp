@@ -177,6 +177,7 @@ Decision Deadline::take(double raw, double size, double budget_ns) const noexcep
   Decision decision = Decision::take(static_cast<std::size_t>(raw), size / raw);
   if (is_whole()) return decision;
   decision.budget_ns = std::llround(std::clamp(budget_ns, 1.0, kLongestBudgetNs));
+  decision.fixed_ns = cost_.alpha_ns();
   decision.event_ns = cost_.beta_ns();
   return decision;
 }

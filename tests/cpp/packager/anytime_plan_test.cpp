@@ -130,6 +130,52 @@ TEST(AnytimePlan, TheFirstReadingIsNoWork) {
   EXPECT_DOUBLE_EQ(plan.next(400'000, 0).keep, 1.6e6 / 16 / 1000 / 400);
 }
 
+Decision with_fixed_cost(double fixed_ns, Decision decision) {
+  decision.fixed_ns = fixed_ns;
+  return decision;
+}
+
+TEST(AnytimePlan, LeavesTimeForTheFixedCost) {
+  for (const std::size_t raw : {100u, 6400u}) {
+    const double each = 6e5 / 10'000 / static_cast<double>(raw);
+    const Decision decision = with_fixed_cost(400'000, within(kMillisecond, raw, 10'000, 0.1));
+    EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(5, 0).keep, each);
+    EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(300'005, 0).keep, each) << "partly over";
+    EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(500'005, 0).keep, each * 5 / 6) << "over";
+  }
+}
+
+TEST(AnytimePlan, WithAFixedCostItIsRatherShortThanLate) {
+  for (const std::size_t raw : {100u, 130u, 1000u, 10'000u}) {
+    for (const double expected_ns : {100'000.0, 300'000.0, 500'000.0}) {
+      const Decision decision =
+          with_fixed_cost(expected_ns, within(kMillisecond, raw, 12'000, 0.01));
+      AnytimePlan plan(decision, 0, kMillisecond);
+      std::int64_t now_ns = 0;
+      AnytimePlan::Stratum stratum = plan.next(0, 0);
+      while (stratum.begin != stratum.end) {
+        const double kept =
+            std::floor(stratum.keep * static_cast<double>(stratum.end - stratum.begin));
+        now_ns += (stratum.begin == 0 ? 300'000 : 0) + std::llround(12'000 * kept);
+        stratum = plan.next(now_ns, static_cast<std::size_t>(kept));
+      }
+      const double strata = static_cast<double>(std::clamp<std::size_t>(raw / 64, 1, 16));
+      const double unforeseen_ns = std::max(300'000.0 - expected_ns, 0.0) / strata;
+      EXPECT_LE(static_cast<double>(now_ns), 1e6 + unforeseen_ns + 12'000) << raw;
+      EXPECT_GE(static_cast<double>(now_ns), 6e5) << raw;
+    }
+  }
+}
+
+// k0 = 200.
+TEST(AnytimePlan, WhatTheFirstStratumHasTakenIsItsEventsCost) {
+  for (const double fixed_ns : {0.0, 50'000.0, 900'000.0}) {
+    AnytimePlan plan(with_fixed_cost(fixed_ns, within(2 * kMillisecond, 6400, 1000.0)), 0, 0);
+    (void)plan.next(0, 0);
+    EXPECT_DOUBLE_EQ(plan.next(300'000, 100).keep, 1.7e6 / 15 / (500'000.0 / 300) / 400);
+  }
+}
+
 TEST(AnytimePlan, OfASmallPlanTheExpectationWeighsAsOneEvent) {
   AnytimePlan plan(within(10'000, 128, 1000.0, 0.1), 0, kMillisecond);
   (void)plan.next(0, 0);
@@ -240,11 +286,13 @@ TEST(AnytimePlan, WithoutAnExpectationItTriesAndLearns) {
 
 TEST(AnytimePlan, AlwaysPlansAFraction) {
   for (const double event_ns : {0.0, 1e-300, 1e300, kInfinity, kNaN, -kInfinity}) {
+    const double fixed_ns = event_ns;
     for (const std::int64_t budget_ns : {kLongAgo, std::int64_t{0}, kMillisecond, kNever}) {
       for (const double keep : {0.0, 1e-300, 1.0}) {
         for (const std::int64_t start_ns : {std::int64_t{-9'200'000'000'000'000'000},
                                             std::int64_t{0}, 9'200'000'000'000'000'000}) {
-          AnytimePlan plan(within(budget_ns, 6400, event_ns, keep), start_ns, kMillisecond);
+          AnytimePlan plan(with_fixed_cost(fixed_ns, within(budget_ns, 6400, event_ns, keep)),
+                           start_ns, kMillisecond);
           for (std::int64_t j = 0; j < 16; ++j) {
             const double fraction = plan.next(start_ns + j % 3, j % 2 == 0 ? 0 : 400).keep;
             ASSERT_GE(fraction, 0.0);

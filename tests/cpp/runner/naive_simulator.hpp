@@ -240,11 +240,14 @@ class NaiveSimulator final : public BacklogCounts {
     const double k0 = std::max(1.0, n / 32);
     double tau = 0;
     double m = 0;
+    const std::int64_t fixed_end = now_ns_ + std::llround(std::floor(decision.fixed_ns));
     pass(cost.fixed_ns);
+    const double fixed = std::max(0.0, static_cast<double>(fixed_end - now_ns_));
     for (std::size_t j = 0; j < strata; ++j) {
       const std::int64_t now = now_ns_;
       if (j > 0 && now > end + config_.bound_ns / 100) return;  // an outage
-      const double left = static_cast<double>(end - now) / (M - static_cast<double>(j));
+      const double to_pay = j == 0 ? fixed : 0;
+      const double left = (static_cast<double>(end - now) - to_pay) / (M - static_cast<double>(j));
       const double b = (decision.event_ns * k0 + tau) / (k0 + m);
       double q = b > 0 ? std::min(left / b, N / M) : (left >= 0 ? N / M : 0.0);
       const double f = std::max(0.02 * n / M, j == 0 ? 1.0 : 0.0);

@@ -44,12 +44,14 @@ ScriptedScheme::Rule at_random(std::uint64_t seed) {
     if (bits % 8 == 2) return Decision::drop(part);
     const double keeps[] = {1, 1, 0.5, 0.03, 0, random.uniform(asked)};
     const std::int64_t budgets[] = {kNever, -7, 0, 50'000, 400'000, 3'000'000, kNever - 1};
+    const double fixed[] = {0, 0, 30'000, 2e6};
     const double costs[] = {0, 1, 300, 20'000, 1e7};
     Decision take = Decision::take(part, keeps[number(16, 6)]);
     if (number(24, 4) > 0) take.raw = backlog.count;
     if (number(28, 8) == 0) take.raw = 1 + backlog.counts.before(backlog.now_ns - kMillisecond);
     if (number(32, 16) == 0) take.stale = part / 2;
     take.budget_ns = budgets[number(40, 7)];
+    take.fixed_ns = fixed[number(52, 4)];
     take.event_ns = costs[number(48, 5)];
     return take;
   };

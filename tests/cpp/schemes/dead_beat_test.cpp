@@ -68,6 +68,7 @@ TEST(DeadBeat, TakesAllThatWaitsWhileItFits) {
   EXPECT_EQ(decision.keep, 1.0);
   EXPECT_EQ(decision.stale, 0u);
   EXPECT_EQ(decision.budget_ns, 5 * kMs);
+  EXPECT_NEAR(decision.fixed_ns, kAlphaNs, 1e-3);
   EXPECT_NEAR(decision.event_ns, kBetaNs, 1e-3);
 }
 

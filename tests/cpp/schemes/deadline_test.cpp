@@ -125,6 +125,7 @@ TEST(Deadline, TakesAllThatFits) {
   EXPECT_EQ(decision.raw, 10'000u);
   EXPECT_EQ(decision.keep, 1.0);
   EXPECT_NEAR(budget_ms(decision), 5.0, 1e-6);  // T_hi
+  EXPECT_NEAR(decision.fixed_ns, kAlphaNs, 1e-3);
   EXPECT_NEAR(decision.event_ns, kBetaNs, 1e-3);
   // Until the oldest is L old.
   EXPECT_NEAR(budget_ms(decide(scheme, evenly(5000, 7 * kMs))), 3.0, 1e-6);
@@ -426,6 +427,7 @@ TEST(Deadline, AWholePackageIsShorterAndPlannedWithCaution) {
   EXPECT_EQ(fits.raw, 10'500u);
   EXPECT_EQ(fits.keep, 1.0);
   EXPECT_EQ(fits.budget_ns, kNever);
+  EXPECT_EQ(fits.fixed_ns, 0.0);
   EXPECT_EQ(fits.event_ns, 0.0);
   const Decision decision = decide(scheme, evenly(50'000, 5 * kMs));
   EXPECT_NEAR(size_of(decision), (10e6 / 3 / 1.025 - 1e5) / 300, 2);

@@ -57,9 +57,10 @@ struct Decision {
   std::size_t raw = 0;    // then the oldest raw events to take ...
   double keep = 1.0;      // ... and the fraction of them to keep
   // Anytime execution: the package is to end budget_ns after its start, and `keep` is only the
-  // plan; event_ns is the expected cost of an event. Without a budget, and where the execution is
-  // `whole`, `keep` holds.
+  // plan; it is expected to cost fixed_ns and event_ns per event. Without a budget, and where the
+  // execution is `whole`, `keep` holds.
   std::int64_t budget_ns = kNever;
+  double fixed_ns = 0.0;
   double event_ns = 0.0;
 
   static constexpr Decision wait_until(std::int64_t time_ns) noexcept {
