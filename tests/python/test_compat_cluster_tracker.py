@@ -172,6 +172,8 @@ def test_any_events_and_parameters_keep_the_sums(
         ({"probes": -1}, r"probes = -1: "),
         ({"weight": 1.5}, r"weight = 1\.5: "),
         ({"min_size": -1}, r"min_size = -1: "),
+        ({"motion": "mean"}, r'motion = mean: must be "window" or "kalman"'),
+        ({"motion": None}, r"motion = None: "),
         ({"engine": "slow"}, r'engine = slow: must be "fast" or "compat"'),
     ],
 )
@@ -214,9 +216,33 @@ def test_parameters_rebuild_the_tracker() -> None:
         "weight": 0.9,
         "min_size": 15,
         "seed": 2**64 - 1,
+        "motion": "window",
     }
     twin = asap.ClusterTracker(tracker.width, tracker.height, **tracker.parameters)
     assert np.array_equal(tracker.process(two_blobs()), twin.process(two_blobs()))
+
+
+def test_motion_by_the_filter() -> None:
+    window, kalman = ClusterTracker(WIDTH, HEIGHT), ClusterTracker(WIDTH, HEIGHT, motion="kalman")
+    assert kalman.parameters == {**window.parameters, "motion": "kalman"}
+    events = two_blobs(20_000, start_us=1_600_000_000_000_000)[:19_000]
+    assert np.array_equal(window.process(events), kalman.process(events))
+    still, moving = np.sort(kalman.clusters, order="y")
+    plain = np.sort(window.clusters, order="y")
+    assert (moving["vx"], moving["vy"]) == pytest.approx((200, -100), abs=50)
+    assert (still["vx"], still["vy"]) == pytest.approx((0, 0), abs=20)
+    assert moving["x"] == pytest.approx(59.5 + 200 * 0.95, abs=0.7)  # pixels are rounded down
+    assert moving["y"] == pytest.approx(199.5 - 100 * 0.95, abs=0.7)
+    assert (plain[1]["cxx"], plain[1]["size"]) == (moving["cxx"], moving["size"])
+    ahead = kalman.clusters_at(int(events["t"][-1]) + 20_000)
+    step = np.sort(ahead, order="y")[1]["x"] - moving["x"]
+    assert step == pytest.approx(0.02 * moving["vx"], abs=1e-6)
+    assert np.array_equal(kalman.clusters_at(0), kalman.clusters)
+    kalman.advance_to(2**62)
+    kalman.set_keep(0.2)
+    kalman.reset()
+    kalman.process(events)
+    assert np.array_equal(np.sort(kalman.clusters, order="y"), np.array([still, moving]))
 
 
 @pytest.mark.parametrize("bad", [-0.1, 1.1, float("nan")])

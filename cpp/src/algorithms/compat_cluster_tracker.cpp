@@ -1,11 +1,17 @@
 #include "asap/algorithms/compat_cluster_tracker.hpp"
 
 #include <cstddef>
+#include <limits>
 
 #include "asap/algorithms/window_clusterer.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {
+namespace {
+
+constexpr std::int64_t kTheLatest = std::numeric_limits<std::int64_t>::min();
+
+}  // namespace
 
 class CompatClusterTracker::Engine {
  public:
@@ -21,7 +27,9 @@ class CompatClusterTracker::Engine {
     return clusterer_[clusterer_.update(event)].id;
   }
 
-  void read(std::vector<Cluster>& clusters) const { clusterer_.read(clusters); }
+  void read(std::int64_t t_us, std::vector<Cluster>& clusters) const {
+    clusterer_.read(clusters, t_us);
+  }
 
   void reset() noexcept {
     clusterer_.clear();
@@ -55,14 +63,20 @@ void CompatClusterTracker::process(EventSpan events, std::span<std::int32_t> lab
   for (std::size_t i = 0; i < events.size(); ++i) labels[i] = engine.process(events[i]);
 }
 
-std::vector<Cluster> CompatClusterTracker::clusters() const {
+std::vector<Cluster> CompatClusterTracker::clusters() const { return clusters_at(kTheLatest); }
+
+void CompatClusterTracker::clusters(std::vector<Cluster>& clusters) const {
+  clusters_at(kTheLatest, clusters);
+}
+
+std::vector<Cluster> CompatClusterTracker::clusters_at(std::int64_t t_us) const {
   std::vector<Cluster> clusters;
-  engine_->read(clusters);
+  clusters_at(t_us, clusters);
   return clusters;
 }
 
-void CompatClusterTracker::clusters(std::vector<Cluster>& clusters) const {
-  engine_->read(clusters);
+void CompatClusterTracker::clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const {
+  engine_->read(t_us, clusters);
 }
 
 void CompatClusterTracker::set_keep(double gamma) {

@@ -29,6 +29,7 @@ TEST(CompatClusterConfig, DefaultsAreTheLaunchValues) {
   EXPECT_EQ(config.probes, 1);
   EXPECT_EQ(config.weight, 0.9);
   EXPECT_EQ(config.min_size, 15);
+  EXPECT_EQ(config.motion, asap::CompatMotion::kWindow);
   EXPECT_EQ(&asap::checked(config), &config);
 }
 

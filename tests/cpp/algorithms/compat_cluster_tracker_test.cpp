@@ -18,6 +18,7 @@ namespace {
 
 using asap::Cluster;
 using asap::CompatClusterTracker;
+using asap::CompatMotion;
 using asap::Event;
 
 std::vector<std::int32_t> labels_of(CompatClusterTracker& tracker,
@@ -144,7 +145,8 @@ TEST(CompatClusterTracker, AllocatesOnlyInTheConstructor) {
   // The second setting has more big clusters than the probe index has keys.
   for (const asap::CompatClusterConfig& config :
        {asap::CompatClusterConfig{.width = 346, .height = 260, .probes = 2},
-        asap::CompatClusterConfig{.width = 346, .height = 260, .radius = 2, .min_size = 0}}) {
+        asap::CompatClusterConfig{.width = 346, .height = 260, .radius = 2, .min_size = 0},
+        asap::CompatClusterConfig{.width = 346, .height = 260, .motion = CompatMotion::kKalman}}) {
     CompatClusterTracker tracker(config);
     std::vector<std::int32_t> labels(events.size());
     std::vector<Cluster> clusters;
@@ -152,6 +154,7 @@ TEST(CompatClusterTracker, AllocatesOnlyInTheConstructor) {
     const std::size_t before = asap::test::allocations();
     tracker.process(events, labels);
     tracker.clusters(clusters);
+    tracker.clusters_at(events.back().t + 1000, clusters);
     tracker.set_keep(0.5);
     tracker.reset();
     tracker.process(events);
@@ -203,11 +206,129 @@ TEST(CompatClusterTracker, MeasuresTheVelocityOverAWindowOfMinutes) {
   }
 }
 
+TEST(CompatClusterTracker, MotionDecidesPositionAndVelocityAlone) {
+  const auto events = asap::test::make_scene({.noise_hz = 5}, 30'000);
+  CompatClusterTracker published{{.width = 346, .height = 260}};
+  CompatClusterTracker filtered{{.width = 346, .height = 260, .motion = CompatMotion::kKalman}};
+  EXPECT_EQ(labels_of(filtered, events), labels_of(published, events));
+  const auto a = published.clusters();
+  const auto b = filtered.clusters();
+  ASSERT_EQ(a.size(), b.size());
+  int others = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].id, b[i].id);
+    EXPECT_EQ(a[i].size, b[i].size);
+    EXPECT_EQ(a[i].t_last, b[i].t_last);
+    EXPECT_EQ(a[i].cxy, b[i].cxy);
+    others += a[i].x != b[i].x && a[i].vx != b[i].vx;
+  }
+  EXPECT_GT(others, 5);
+}
+
+TEST(CompatClusterTracker, TheFilterMeasuresPositionAndVelocity) {
+  for (const std::int64_t start : {std::int64_t{0}, std::int64_t{1'600'000'000'000'000}}) {
+    CompatClusterTracker tracker{{.width = 346, .height = 260, .motion = CompatMotion::kKalman}};
+    tracker.process(moving_blob(start, 250, -150, 20, 50'000));  // 1 s; the window holds 16 ms
+    const auto clusters = tracker.clusters();
+    ASSERT_EQ(clusters.size(), 1U);
+    EXPECT_NEAR(clusters[0].vx, 250, 50);
+    EXPECT_NEAR(clusters[0].vy, -150, 50);
+    EXPECT_NEAR(clusters[0].x, 59.5 + 250, 0.7);  // pixels are rounded down
+    EXPECT_NEAR(clusters[0].y, 199.5 - 150, 0.7);
+  }
+}
+
+TEST(CompatClusterTracker, LooksAheadWithTheFilterAndChangesNothing) {
+  CompatClusterTracker tracker{{.width = 346, .height = 260, .motion = CompatMotion::kKalman}};
+  const auto events = moving_blob(0, 250, -150, 20, 50'000);
+  tracker.process(events);
+  const auto now = tracker.clusters();
+  ASSERT_EQ(now.size(), 1U);
+  const auto x_at = [&](std::int64_t t_us) { return tracker.clusters_at(t_us)[0].x; };
+  const std::int64_t last = events.back().t;
+  EXPECT_EQ(x_at(last), now[0].x);
+  EXPECT_EQ(x_at(last - 10'000), now[0].x);
+  EXPECT_NEAR(x_at(last + 10'000), now[0].x + now[0].vx * 0.01, 1e-9);
+  EXPECT_NEAR(x_at(last + 10'000'000), now[0].x + now[0].vx * 0.1, 2);
+  EXPECT_EQ(x_at(last + 10'000'000), x_at(last + 20'000'000));
+  EXPECT_EQ(tracker.clusters()[0].x, now[0].x);
+  EXPECT_EQ(tracker.clusters_at(last + 10'000)[0].size, now[0].size);
+}
+
+TEST(CompatClusterTracker, WithoutTheFilterNothingIsAhead) {
+  CompatClusterTracker tracker{{.width = 346, .height = 260}};
+  const auto events = moving_blob(0, 250, -150, 500, 2000);
+  tracker.process(events);
+  EXPECT_EQ(tracker.clusters_at(events.back().t + 10'000)[0].x, tracker.clusters()[0].x);
+}
+
+// A cluster that never had min_size events absorbs one that had, and shrank: id and motion pass on.
+TEST(CompatClusterTracker, TheMotionGoesWithTheId) {
+  CompatClusterTracker tracker{{.width = 100,
+                                .height = 20,
+                                .window = 8,
+                                .radius = 10,
+                                .probes = 0,
+                                .weight = 0.5,
+                                .min_size = 4,
+                                .motion = CompatMotion::kKalman}};
+  const auto at = [](std::uint16_t x) { return Event{.x = x, .y = 5, .p = 0, .t = 0}; };
+  EXPECT_EQ(labels_of(tracker, {at(30), at(30), at(30), at(30), at(80), at(80), at(80), at(50),
+                                at(50), at(50), at(40)}),
+            (std::vector<std::int32_t>{-1, -1, -1, 0, -1, -1, -1, -1, -1, -1, 0}));
+  ASSERT_EQ(tracker.clusters().size(), 1U);
+  EXPECT_EQ(tracker.clusters()[0].size, 5);
+  EXPECT_EQ(tracker.clusters()[0].x, 30);
+}
+
+// A stray event is older than the cluster that it becomes one with: the larger keeps its motion.
+TEST(CompatClusterTracker, TheMotionOfTheLargerSurvivesAMerge) {
+  CompatClusterTracker tracker{{.width = 100,
+                                .height = 20,
+                                .radius = 10,
+                                .probes = 0,
+                                .min_size = 3,
+                                .motion = CompatMotion::kKalman}};
+  const auto at = [](std::uint16_t x) { return Event{.x = x, .y = 5, .p = 0, .t = 0}; };
+  EXPECT_EQ(labels_of(tracker, {at(50), at(30), at(30), at(30), at(30), at(40)}),
+            (std::vector<std::int32_t>{-1, -1, -1, 0, 0, 0}));
+  ASSERT_EQ(tracker.clusters().size(), 1U);
+  EXPECT_EQ(tracker.clusters()[0].x, 30);
+}
+
+TEST(CompatClusterTracker, TheFilterFollowsFromTheEventsAlone) {
+  const auto events = asap::test::make_scene({.noise_hz = 5}, 30'000);
+  const CompatClusterTracker::Config config{
+      .width = 346, .height = 260, .motion = CompatMotion::kKalman};
+  CompatClusterTracker whole(config);
+  CompatClusterTracker cut(config);
+  whole.process(events);
+  cut.process(asap::EventSpan(events).subspan(20'000));
+  cut.reset();
+  for (std::size_t i = 0; i < events.size(); i += 1000) {
+    cut.process(asap::EventSpan(events).subspan(i, 1000));
+  }
+  const auto a = whole.clusters();
+  const auto b = cut.clusters();
+  ASSERT_EQ(a.size(), b.size());
+  ASSERT_FALSE(a.empty());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].x, b[i].x);
+    EXPECT_EQ(a[i].vx, b[i].vx);
+  }
+}
+
 TEST(CompatClusterTracker, SurvivesAnyStamps) {
   constexpr std::int64_t kLow = std::numeric_limits<std::int64_t>::min();
   constexpr std::int64_t kHigh = std::numeric_limits<std::int64_t>::max();
   CompatClusterTracker tracker{
       {.width = 346, .height = 260, .window = 50, .probes = 2, .min_size = 3}};
+  CompatClusterTracker filtered{{.width = 346,
+                                 .height = 260,
+                                 .window = 50,
+                                 .probes = 2,
+                                 .min_size = 3,
+                                 .motion = CompatMotion::kKalman}};
   std::mt19937_64 random(1);
   for (int i = 0; i < 3000; ++i) {
     const std::int64_t stamps[] = {kLow, kHigh, 0, -1, static_cast<std::int64_t>(random())};
@@ -215,10 +336,12 @@ TEST(CompatClusterTracker, SurvivesAnyStamps) {
                       .y = static_cast<std::uint16_t>(random() % 260),
                       .p = 0,
                       .t = stamps[random() % 5]};
-    tracker.process({&event, 1});
-    for (const Cluster& c : tracker.clusters()) {
-      ASSERT_TRUE(std::isfinite(c.vx));
-      ASSERT_TRUE(std::isfinite(c.vy));
+    for (CompatClusterTracker* each : {&tracker, &filtered}) {
+      each->process({&event, 1});
+      for (const Cluster& c : each->clusters_at(stamps[random() % 5])) {
+        ASSERT_TRUE(std::isfinite(c.x) && std::isfinite(c.y));
+        ASSERT_TRUE(std::isfinite(c.vx) && std::isfinite(c.vy));
+      }
     }
   }
 }

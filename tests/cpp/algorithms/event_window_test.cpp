@@ -35,6 +35,7 @@ TEST(EventWindow, OldestStandsWhereTheNextGoes) {
     }
     window.append({.x = 0, .y = 0, .p = 0, .t = i}, 0, 0);
     EXPECT_EQ(window.oldest_t(), i < 3 ? 0 : i - 2);
+    EXPECT_EQ(window.newest_t(), i);
   }
 }
 

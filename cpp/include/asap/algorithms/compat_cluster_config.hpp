@@ -8,6 +8,12 @@
 
 namespace asap {
 
+// What position and velocity of a cluster are. Which event joins what does not depend on it.
+enum class CompatMotion {
+  kWindow,  // as published: mean of the live events; their regression on time, rough within ms
+  kKalman,  // of a filter over the events' means, at the latest time (ClusterMotion)
+};
+
 struct CompatClusterConfig {
   int width;               // px
   int height;              // px
@@ -17,6 +23,7 @@ struct CompatClusterConfig {
   double weight = 0.9;     // [alpha] weight of the newest event in the centre
   int min_size = 15;       // [minN] events from which a cluster is reported, and probed beyond
   std::uint64_t seed = 0;  // of the probes
+  CompatMotion motion = CompatMotion::kWindow;
 };
 
 // Returns its argument; throws std::invalid_argument that names the first bad field.

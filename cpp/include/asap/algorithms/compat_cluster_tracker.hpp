@@ -2,8 +2,9 @@
 // results of the published clustering (CompatClusterConfig: its parameters and their source). Each
 // cluster has an id, centroid, covariance and velocity. One thread at a time. process() is O(1) per
 // event, whatever the number of clusters, and allocates nothing; all memory is taken in the
-// constructor. The velocity is the regression of x and y on t over the live events: exact
-// arithmetic, but a rough estimate where the window lasts only milliseconds.
+// constructor. The velocity is the regression of x and y on t over the live events, exact
+// arithmetic but a rough estimate where the window lasts only milliseconds, or of a Kalman filter
+// (Config::motion).
 #pragma once
 
 #include <cstdint>
@@ -40,6 +41,11 @@ class CompatClusterTracker {
 
   // The same without allocation once `clusters` has the capacity.
   void clusters(std::vector<Cluster>& clusters) const;
+
+  // The same with positions predicted for t_us, by a filter that looks up to 0.1 s ahead; else
+  // `clusters`: events alone make the rule forget. A t_us of the past is the latest time.
+  std::vector<Cluster> clusters_at(std::int64_t t_us) const;
+  void clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const;
 
   // The fraction of the events that reaches the tracker, in [0, 1]. Checked, without effect: the
   // published rule does not know it, its window of S events stretches in time by itself.

@@ -12,12 +12,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "asap/algorithms/cell_grid.hpp"
 #include "asap/algorithms/centre_grid.hpp"
+#include "asap/algorithms/chain_velocity.hpp"
 #include "asap/algorithms/cluster.hpp"
+#include "asap/algorithms/cluster_motion.hpp"
 #include "asap/algorithms/compat_cluster_config.hpp"
 #include "asap/algorithms/event_window.hpp"
 #include "asap/algorithms/probe_index.hpp"
@@ -58,7 +61,8 @@ class WindowClusterer {
         window_(static_cast<std::size_t>(config.window)),
         centres_(grid_.size(), window_.capacity()),
         index_(probes_ > 0 ? grid_.size() : 0, probes_ > 0 ? window_.capacity() : 0),
-        states_(window_.capacity()) {
+        states_(window_.capacity()),
+        motions_(config.motion == CompatMotion::kKalman ? window_.capacity() : 0) {
     free_.reserve(states_.size());
     assigned_.reserve(states_.size());
     keyless_.reserve(states_.size());
@@ -74,7 +78,12 @@ class WindowClusterer {
     ++events_;
 
     State& state = states_[slot];
-    if (state.id == kNoId && size_of(state) >= min_size_) state.id = issue_id();
+    if (state.id == kNoId && size_of(state) >= min_size_) {
+      state.id = issue_id();
+      if (follows()) motions_[slot].begin(state.moments.centroid(), event.t);
+    }
+    if (follows() && state.id != kNoId)
+      motions_[slot].take(event.x, event.y, event.t, state.moments);
     if (probes_ > 0 && state.key == kSmall && size_of(state) > min_size_) enter_index(slot);
     return slot;
   }
@@ -86,11 +95,15 @@ class WindowClusterer {
   std::size_t live() const noexcept { return states_.size() - free_.size(); }
 
   // The clusters of at least min_size events, by id. Allocates only where `clusters` must grow.
-  void read(std::vector<Cluster>& clusters) const {
+  // `t_us`: for which their positions are predicted if a filter follows them, not the past.
+  void read(std::vector<Cluster>& clusters,
+            std::int64_t t_us = std::numeric_limits<std::int64_t>::min()) const {
     clusters.clear();
     for (std::size_t slot = 0; slot < used_; ++slot) {
       const State& state = states_[slot];
-      if (size_of(state) > 0 && size_of(state) >= min_size_) clusters.push_back(report(state));
+      if (size_of(state) == 0 || size_of(state) < min_size_) continue;
+      clusters.push_back(report(state));
+      if (follows()) predict(clusters.back(), motions_[slot], std::max(t_us, window_.newest_t()));
     }
     std::sort(clusters.begin(), clusters.end(),
               [](const Cluster& a, const Cluster& b) { return a.id < b.id; });
@@ -121,6 +134,8 @@ class WindowClusterer {
   static constexpr int kHysteresis = 5;
   static constexpr ProbeIndex::Key kSmall = ProbeIndex::kNoKey;
   static constexpr ProbeIndex::Key kKeyless = kSmall - 1;  // big, but the index was full
+
+  bool follows() const noexcept { return !motions_.empty(); }
 
   static std::uint64_t size_of(const State& state) noexcept { return state.moments.count(); }
 
@@ -286,6 +301,7 @@ class WindowClusterer {
     });
     window_.join(to.newest, from.newest);
     to.created = states_[older].created;
+    if (follows() && to.id == kNoId && from.id != kNoId) motions_[kept] = motions_[gone];
     to.id = smaller_id(to.id, from.id);
     to.moments += from.moments;
     from.moments = {};
@@ -336,7 +352,7 @@ class WindowClusterer {
   Cluster report(const State& state) const noexcept {
     const Vector2 centroid = state.moments.centroid();
     const Covariance covariance = state.moments.covariance();
-    const Vector2 velocity = velocity_of(state);
+    const Vector2 velocity = chain_velocity(window_, state.newest, state.moments);
     return {.id = state.id,
             .x = centroid.x,
             .y = centroid.y,
@@ -349,30 +365,12 @@ class WindowClusterer {
             .t_last = window_[state.newest].t};
   }
 
-  // px/us
-  Vector2 velocity_of(const State& state) const noexcept {
-    const std::int64_t now = window_[state.newest].t;
-    const auto span =
-        static_cast<std::uint64_t>(now) - static_cast<std::uint64_t>(window_.oldest_t());
-    return state.moments.resolves(span) ? state.moments.velocity(now) : walked_velocity(state, now);
-  }
-
-  // The same regression where the sums of squared times overflow: windows of minutes.
-  Vector2 walked_velocity(const State& state, std::int64_t now) const noexcept {
-    const auto n = static_cast<double>(size_of(state));
-    const Vector2 mean = state.moments.centroid();
-    double t = 0, tt = 0, xt = 0, yt = 0;
-    window_.for_each(state.newest, [&](Position position) {
-      const EventWindow::Entry& entry = window_[position];
-      const double age = static_cast<double>(now) - static_cast<double>(entry.t);
-      t += age;
-      tt += age * age;
-      xt -= (entry.x - mean.x) * age;
-      yt -= (entry.y - mean.y) * age;
-    });
-    const double spread = tt - t * t / n;
-    if (!(spread > 0)) return {0, 0};
-    return {xt / spread, yt / spread};
+  static void predict(Cluster& cluster, const ClusterMotion& motion, std::int64_t t_us) noexcept {
+    const Vector2 position = motion.position_at(t_us);
+    cluster.x = position.x;
+    cluster.y = position.y;
+    cluster.vx = motion.velocity().x;
+    cluster.vy = motion.velocity().y;
   }
 
   double radius_;
@@ -387,6 +385,7 @@ class WindowClusterer {
   CentreGrid centres_;
   ProbeIndex index_;
   std::vector<State> states_;
+  std::vector<ClusterMotion> motions_;  // [slot], of those with an id; empty: not asked for
   std::vector<Slot> free_;
   std::vector<Slot> assigned_;  // of the event in hand
   std::vector<Slot> keyless_;   // big clusters that found the index full
