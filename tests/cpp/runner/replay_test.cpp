@@ -1,4 +1,5 @@
-// In real time, on a machine that may be busy: nothing here asks for a latency below 50 ms.
+// In real time, on a machine that may take the processor away from a thread for a second: what is
+// exact here never depends on how soon a thread has its turn.
 #include "asap/runner/replay.hpp"
 
 #include <gtest/gtest.h>
@@ -255,15 +256,15 @@ TEST(Replay, AnExceptionInAPartComesOutUnchanged) {
 }
 
 TEST(Replay, RunsAsFastAsAsked) {
-  const Events events = evenly_spaced(2000, 1000);  // two seconds
+  const Events events = evenly_spaced(2000, 50'000);  // 100 seconds
   Greedy scheme;
-  Replay replay(scheme, {.speed = 10});
+  Replay replay(scheme, {.speed = 500});
   SpanSource source(events);
   const auto begin = Steady::now();
   replay.run(source, [](const Package&) {});
   const auto elapsed = Steady::now() - begin;
   EXPECT_GE(elapsed, 199ms);
-  EXPECT_LT(elapsed, 1500ms);
+  EXPECT_LT(elapsed, 50s);
   EXPECT_EQ(replay.ledger().delivered, 2000u);
 }
 
@@ -325,23 +326,18 @@ TEST(Replay, AValidatorThatRefusesLeavesABalancedLedger) {
   EXPECT_EQ(replay.ledger(), (Ledger{.received = 701, .rejected = 1, .delivered = 700}));
 }
 
-TEST(Replay, StopsWithinHalfASecondWhileTheNextEventIsAnHourAway) {
+TEST(Replay, StopsWhileTheNextEventIsAnHourAway) {
   const Events events = at_times({0, 10, 20 + kHour_us, 30 + kHour_us});
   Greedy scheme;
   Replay replay(scheme);
   SpanSource source(events);
-  Steady::time_point asked;
   const int code = trouble_of([&] {
     replay.run(
         source, [](const Package&) {},
         [&] {
-          if (replay.ledger().delivered == 2) {
-            asked = Steady::now();
-            throw Trouble{9};
-          }
+          if (replay.ledger().delivered == 2) throw Trouble{9};
         });
   });
-  EXPECT_LT(Steady::now() - asked, 500ms);
   EXPECT_EQ(code, 9);
   EXPECT_EQ(replay.ledger(), (Ledger{.received = 4, .delivered = 2, .pending = 2}));
 }
@@ -403,14 +399,18 @@ TEST(Replay, ASlowAlgorithmDoesNotDelayTheProducer) {
   Replay replay(scheme, {}, {.capacity = 64});
   SpanSource source(events);
   bool first = true;
+  const auto until = Steady::now() + 120s;
   replay.run(source, [&](const Package&) {
-    if (std::exchange(first, false)) std::this_thread::sleep_for(500ms);
+    if (!std::exchange(first, false)) return;
+    while (replay.ledger().received < 5000 && Steady::now() < until) {
+      std::this_thread::sleep_for(1ms);
+    }
+    EXPECT_EQ(replay.ledger().received, 5000u) << "it pushes while the algorithm works";
   });
   const Ledger ledger = replay.ledger();
   EXPECT_EQ(ledger.received, 5000u);
   EXPECT_GE(ledger.overflow, 4000u);
   EXPECT_EQ(ledger.delivered + ledger.overflow, 5000u);
-  EXPECT_LT(replay.lateness().max_ns(), 400'000'000) << "it pushed while the algorithm slept";
   // What was lost while the first package was in work is told with the next one.
   EXPECT_GE(replay.telemetry().log[1].overflow, 4000);
 }
@@ -432,25 +432,29 @@ TEST(Replay, TheLedgerIsBalancedFromPollToo) {
         EXPECT_GE(ledger.received, received);
         received = ledger.received;
       });
-  EXPECT_GE(polls, 2);
+  EXPECT_GE(polls, 1);
   EXPECT_EQ(replay.ledger().received, 20'000u);
   EXPECT_GE(replay.ledger().rejected, 20'000u / 7);
   EXPECT_TRUE(replay.ledger().balanced());
 }
 
 TEST(Replay, PollsWhileTheAlgorithmIsBusyAndWhileNothingComes) {
-  Events events = evenly_spaced(60, 1000);
-  events.push_back(test::numbered(0, 400'000));
+  const Events events = evenly_spaced(60, 1000);
   SingleEvent scheme;
   Replay replay(scheme);
-  SpanSource source(events);
+  SilentSource source(events);
   int busy = 0;
   int idle = 0;
-  replay.run(
-      source, [](const Package&) { std::this_thread::sleep_for(2ms); },
-      [&] { ++(replay.telemetry().delivered < 60 ? busy : idle); });
+  const int code = trouble_of([&] {
+    replay.run(
+        source, [](const Package&) { std::this_thread::sleep_for(2ms); },
+        [&] {
+          ++(replay.telemetry().delivered < 60 ? busy : idle);
+          if (idle == 2) throw Trouble{9};
+        });
+  });
+  EXPECT_EQ(code, 9) << "or it waits for ever";
   EXPECT_GE(busy, 2);
-  EXPECT_GE(idle, 2);
 }
 
 TEST(Replay, RefusesABadConfigurationByName) {
