@@ -97,7 +97,7 @@ def test_a_filter_of_our_own_and_its_python_double_agree():
 def test_under_the_clock_too():
     events = stream(duration_s=0.02)
     seen = []
-    run = asap.run(events, algorithm=seen.append, before=Sparse(), latency_ms=50)
+    run = asap.run(events, algorithm=seen.append, before=Sparse(), scheme=asap.Greedy())
     assert run.ledger.balanced
     assert run.ledger.filtered == pytest.approx(0.75 * events.size, abs=1)
     assert sum(part.size for part in seen) == run.ledger.delivered
@@ -105,7 +105,7 @@ def test_under_the_clock_too():
 
 def test_live_too():
     events = stream()
-    with asap.Pipeline(latency_ms=50, before=Sparse()) as pipeline:
+    with asap.Pipeline(latency_ms=60_000, capacity=1 << 20, before=Sparse()) as pipeline:
         pipeline.push(events)
         pipeline.stop()
         delivered = [package.events for package in pipeline]
@@ -132,9 +132,9 @@ def test_an_exception_of_the_filter_comes_out_unchanged():
     assert run.ledger.balanced
     assert run.ledger.pending > 0
     with pytest.raises(Boom):
-        asap.run(stream(duration_s=0.01), algorithm=len, latency_ms=1000, before=before)
+        asap.run(stream(duration_s=0.01), algorithm=len, scheme=asap.Greedy(), before=before)
     assert asap.last_run().ledger.balanced
-    with asap.Pipeline(before=before) as pipeline:
+    with asap.Pipeline(scheme=asap.Greedy(), before=before) as pipeline:
         pipeline.push(stream())
         pipeline.flush()
         with pytest.raises(Boom):

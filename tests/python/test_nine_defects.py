@@ -22,7 +22,7 @@ import asap
 import streams
 from house import ROOT, name_of, run, sources
 
-FAR_TOO_LONG_S = 30.0
+FAR_TOO_LONG_S = 120.0
 
 
 @contextmanager
@@ -81,6 +81,7 @@ def test_2_a_configuration_read_while_another_thread_writes_it() -> None:
             while pipeline.is_open:
                 pipeline.flush()
                 looks.append(pipeline.stats()["ledger"])
+                time.sleep(0)  # the camera's turn
 
         def camera() -> None:
             for begin in range(0, events.size, 500):
@@ -144,10 +145,14 @@ def test_3_threads_joined_that_never_started() -> None:
     assert said == f"tasks {before}"
 
 
-@pytest.mark.parametrize("scheme", [asap.FixedSize(size=1000), asap.FixedTime(period_ms=1e6), None])
-def test_4_a_part_of_a_package_kept_for_ever(scheme: asap.Scheme | None) -> None:
+@pytest.mark.parametrize(
+    ("scheme", "latency_ms"),
+    # Deadline, the default, does not wait for its bound, but drops what is older.
+    [(asap.FixedSize(size=1000), 10), (asap.FixedTime(period_ms=1e6), 10), (None, 10_000)],
+)
+def test_4_a_part_of_a_package_kept_for_ever(scheme: asap.Scheme | None, latency_ms: float) -> None:
     """There the last events of a scene wait for the next ones; here for the latency bound."""
-    with asap.Pipeline(scheme=scheme, latency_ms=10) as pipeline, not_for_ever(pipeline):
+    with asap.Pipeline(scheme=scheme, latency_ms=latency_ms) as pipeline, not_for_ever(pipeline):
         for number in range(3):
             pipeline.push(streams.make([1000 * number, 1000 * number + 1]))
             package = next(iter(pipeline))  # nothing follows
@@ -185,10 +190,11 @@ def test_6_waiting_that_polls() -> None:
     with asap.Pipeline() as pipeline:
         timer = threading.Timer(0.5, pipeline.stop)
         timer.start()
-        begun_s, switches = time.thread_time(), voluntary_switches()
+        begun_s, switches, began = time.thread_time(), voluntary_switches(), time.monotonic()
         assert list(pipeline) == []
-        assert voluntary_switches() - switches < 100
-        assert time.thread_time() - begun_s < 0.1
+        waited_s = time.monotonic() - began  # the timer may be late
+        assert voluntary_switches() - switches < 100 * (1 + waited_s)
+        assert time.thread_time() - begun_s < 0.1 * (1 + waited_s)
         timer.join()
 
 

@@ -17,6 +17,9 @@ import asap
 import streams
 from doors import packages_of
 
+# Deadline, the default, drops what is too old, which is a matter of whose turn it is.
+AN_HOUR = {"latency_ms": 3.6e6, "capacity": 1 << 20}
+
 
 def push_all(pipeline, events, chunk=500):
     """A camera: pushes everything from a thread of its own, then stops the pipeline."""
@@ -33,7 +36,7 @@ def push_all(pipeline, events, chunk=500):
 
 def test_delivers_what_another_thread_pushes():
     events = streams.poisson(1e6, 0.2)
-    with asap.Pipeline(latency_ms=500, width=346, height=260) as pipeline:
+    with asap.Pipeline(**AN_HOUR, width=346, height=260) as pipeline:
         camera = push_all(pipeline, events)
         packages = [(package.index, package.events.copy()) for package in pipeline]
         camera.join()
@@ -70,13 +73,17 @@ def test_events_stay_valid_as_long_as_they_are_kept():
 
 
 def test_the_loop_body_is_what_is_measured():
-    with asap.Pipeline() as pipeline:
+    with asap.Pipeline(scheme=asap.Greedy()) as pipeline:
+        begun = time.monotonic()
         pipeline.push(streams.make([1, 2]))
         for _ in pipeline:
             time.sleep(0.05)
             pipeline.stop()
-        assert 50e3 <= pipeline.stats()["latency_us"]["max"] < 2e6
-        assert pipeline.stats()["cpu"] > 0.5
+        took_us = 1e6 * (time.monotonic() - begun)
+    stats, rows = pipeline.stats(), pipeline.packages
+    assert 50e3 <= rows["processing_us"][0] <= stats["latency_us"]["max"] < took_us + 1e3
+    share = rows["processing_us"][0] / (1e6 * stats["source"]["duration_s"])
+    assert stats["cpu"] == pytest.approx(share)
 
 
 def test_an_age_counts_from_the_arrival_time():
@@ -91,9 +98,7 @@ def test_stop_ends_the_loop_from_another_thread():
     with asap.Pipeline() as pipeline:
         timer = threading.Timer(0.05, pipeline.stop)
         timer.start()
-        begin = time.monotonic()
         assert list(pipeline) == []
-        assert time.monotonic() - begin < 2
         timer.join()
 
 
@@ -390,17 +395,30 @@ def test_the_scheme_s_bound_follows():
     assert scheme.parameters["latency_ms"] == 5
 
 
+def becomes(pipeline, state):
+    """Whether it does, however long the other thread has to wait for its turn."""
+    until = time.monotonic() + 60
+    while pipeline.state != state and time.monotonic() < until:
+        time.sleep(0.001)
+    return pipeline.state == state
+
+
 def test_a_consumer_that_stays_away_is_a_stall():
     pipeline = asap.Pipeline(latency_ms=1, scheme=asap.Greedy())
     assert pipeline.state == "open"
     pipeline.push(streams.make([1]))
-    while pipeline.state != "stalled":
-        time.sleep(0.001)
+    assert becomes(pipeline, "stalled")
     assert pipeline.stats()["state"] == "stalled"
     assert "stalled" in repr(pipeline)
-    assert len(next(iter(pipeline))) == 1
-    assert pipeline.state == "open"
-    pipeline.stop()
+    packages = []
+    consumer = threading.Thread(target=lambda: packages.extend(pipeline))
+    consumer.start()
+    try:
+        assert becomes(pipeline, "open")  # it waits for the next one, which is no stall
+    finally:
+        pipeline.stop()
+        consumer.join()
+    assert [len(package) for package in packages] == [1]
     assert pipeline.state == pipeline.stats()["state"] == "stopped"
 
 
@@ -438,14 +456,14 @@ def test_the_log_is_not_there_while_a_consumer_still_works():
 
     def algorithm(events):
         entered.set()
-        leave.wait()
+        leave.wait(60)
 
     pipeline = asap.Pipeline(algorithm, scheme=asap.Greedy())
     pipeline.push(streams.make([1]))
     pipeline.stop()
     working = threading.Thread(target=pipeline.run)
     working.start()
-    entered.wait()
+    assert entered.wait(60)
     with pytest.raises(RuntimeError, match="a consumer still works"):
         _ = pipeline.packages
     leave.set()

@@ -160,12 +160,16 @@ INTERRUPTED = {
 
 INTERRUPT_ME = """
 sent = []
+ready = threading.Event()
 def interrupt():
+    ready.wait()
+    time.sleep(0.3)
     sent.append(time.monotonic())
     os.kill(os.getpid(), signal.SIGINT)
 pipeline = asap.Pipeline()
-after(0.3, interrupt)
+in_background(interrupt)
 try:
+    ready.set()
 {}
 except KeyboardInterrupt:
     took = time.monotonic() - sent[0]
@@ -227,6 +231,8 @@ def test_a_forked_process_refuses_every_method():
     in_background(lambda: list(waiting))
     blocked = asap.Pipeline(capacity=64, when_full="block")
     in_background(fill, blocked, 1000)
+    while blocked.ledger.pending < 64:
+        time.sleep(0.001)
     time.sleep(0.1)
 
     def refused():

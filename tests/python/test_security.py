@@ -99,14 +99,19 @@ def sockets_of(process: int) -> set[str]:
 
 
 def watched(program: list[str], cwd: Path) -> tuple[int, set[str], set[tuple[str, str, str]]]:
-    """Exit code, sockets ever held, and listeners that came up, of a process and while it ran."""
+    """Exit code, sockets ever held, and listeners that came up, of a process and while it ran.
+
+    Its standard input ends when a listener has been seen.
+    """
     before, held, new = listeners(), set(), set()
     with subprocess.Popen(
-        program, cwd=cwd, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+        program, cwd=cwd, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL
     ) as process:
         while process.poll() is None:
             held |= sockets_of(process.pid)
             new |= {one for one in listeners() - before if one[2] in held}
+            if new:
+                process.stdin.close()
             time.sleep(0.02)
     return process.returncode, held, new
 
@@ -131,13 +136,13 @@ def test_no_verb_listens(command: str, folder: Path) -> None:
 
 
 LISTENS = """if True:
-    import socket, sys
+    import select, socket, sys
     kind = getattr(socket, sys.argv[1])
     one = socket.socket(socket.AF_INET, kind)
     one.bind(("127.0.0.1", 0))
     if kind == socket.SOCK_STREAM:
         one.listen()
-    __import__("time").sleep(1)
+    select.select([sys.stdin], [], [], 60)
 """
 
 

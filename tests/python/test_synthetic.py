@@ -2,8 +2,6 @@ from __future__ import annotations
 
 import inspect
 import itertools
-import threading
-import time
 from typing import Any
 
 import numpy as np
@@ -13,6 +11,7 @@ from hypothesis import strategies as st
 
 from asap import EVENT_DTYPE
 from asap.synthetic import FlightOverChairs, ShakenPattern, SyntheticStream
+from threads import turns_meanwhile
 
 SCENES = [ShakenPattern, FlightOverChairs]
 
@@ -160,23 +159,9 @@ def test_a_stream_without_events_yields_none() -> None:
 
 
 def test_other_threads_run_while_events_are_made() -> None:
-    turns: list[float] = []
-    stop = threading.Event()
-
-    def take_turns() -> None:
-        while not stop.wait(0.001):
-            turns.append(time.perf_counter())
-
     stream = FlightOverChairs(duration_s=60.0, last_rate_hz=1e-3, noise_hz=0.0)
-    thread = threading.Thread(target=take_turns)
-    thread.start()
-    begin = time.perf_counter()
     assert list(stream) == []  # one call into the native loop
-    end = time.perf_counter()
-    stop.set()
-    thread.join()
-    quarter = (end - begin) / 4
-    assert any(begin + quarter < turn < end - quarter for turn in turns)
+    assert turns_meanwhile(lambda: list(stream)) > 2
 
 
 @pytest.mark.parametrize(
