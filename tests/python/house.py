@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import functools
 import os
 import shutil
@@ -42,6 +43,7 @@ def run(
     """What the command writes; where it fails, an AssertionError with the end of that."""
     words = [str(word) for word in command]
     assert shutil.which(words[0]), f"{words[0]} is missing: see the apt-get line of README.md"
+    faulthandler.cancel_dump_traceback_later()  # pytest's limit: a build may take longer
     done = subprocess.run(
         words,
         cwd=cwd,

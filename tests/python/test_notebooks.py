@@ -33,7 +33,8 @@ EXECUTE = """if True:
     manager = KernelManager(kernel_name="python3")
     manager.kernel_spec.argv[0] = sys.executable
     notebook = nbformat.read(sys.argv[1], as_version=4)
-    nbclient.NotebookClient(notebook, km=manager, timeout=300).execute(cwd=sys.argv[2])
+    limits = {"timeout": 900, "startup_timeout": 300}
+    nbclient.NotebookClient(notebook, km=manager, **limits).execute(cwd=sys.argv[2])
 """
 
 
