@@ -268,8 +268,23 @@ def test_a_first_guess_200_times_too_low_is_forgotten_within_ten_packages(name, 
 # ---- in real time ----------------------------------------------------------------------------
 
 
-def replay(algorithm, name):
-    run = asap.run(load((5e3, 600)), algorithm=algorithm, scheme=SCHEMES[name](), latency_ms=L_MS)
+def for_as_long(goes_on):
+    """600 ms of a load, and the same again while it is asked for, a minute at most."""
+    events = load((5e3, 600))
+    for _ in range(100):
+        yield events
+        time.sleep(0.6)
+        if not goes_on():
+            break
+        events = events.copy()
+        events["t"] += 600_000
+
+
+def replay(algorithm, name, goes_on=lambda: False):
+    """What a busy machine delays beyond the bound is dropped, so there may have to be more."""
+    run = asap.run(
+        for_as_long(goes_on), algorithm=algorithm, scheme=SCHEMES[name](), latency_ms=L_MS
+    )
     assert run.ledger.balanced
     assert run.ledger.pending == 0
     assert run.ledger.overflow == 0
@@ -278,37 +293,40 @@ def replay(algorithm, name):
 
 @every_scheme
 def test_f1_real_time_an_algorithm_that_becomes_100_times_slower(name):
-    seen = 0
+    seen = slow = 0
 
     def algorithm(events):
-        nonlocal seen
+        nonlocal seen, slow
         seen += events.size
+        slow += events["t"][-1] >= 300_000
         time.sleep(events.size * (4e-6 if events["t"][-1] < 300_000 else 400e-6))  # rho 0.02, 2
 
-    run = replay(algorithm, name)
+    run = replay(algorithm, name, lambda: slow == 0)
     assert run.ledger.delivered == seen
+    assert slow > 0  # it went on
     if name in BOUNDED:
-        assert run.packages["t_last"][-1] > 300_000  # it went on, but for what came too late
         assert run.ledger.discarded + run.ledger.stale > 0
     else:
-        assert run.packages["t_last"][-1] > 550_000  # to the end
+        assert run.ledger.delivered == run.ledger.received
 
 
 @every_scheme
 def test_f2_real_time_an_algorithm_that_stalls_once(name):
-    stalled = []
+    stalled, since = [], []
 
     def algorithm(events):
-        if not stalled and events["t"][-1] > 100_000:
+        if stalled:
+            since.append(events.size)
+        elif events["t"][-1] > 100_000:
             stalled.append(int(events["t"][-1]))
             time.sleep(0.3)
 
-    run = replay(algorithm, name)
+    run = replay(algorithm, name, lambda: len(since) < 10)
     assert stalled
     assert run.latency.max >= 300_000
-    assert run.packages["t_last"][-1] > (stalled[0] if name in BOUNDED else 550_000)
-    # The backlog of the stall does not stay.
-    assert run.packages["latency_max_us"][-5:].min() < 200_000
+    assert len(since) >= 10
+    # The backlog of the stall does not stay, whatever the machine does once in a while.
+    assert run.packages["latency_max_us"][-len(since) :].min() < 200_000
 
 
 @every_scheme
