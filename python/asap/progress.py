@@ -23,9 +23,9 @@ def on_terminal() -> Iterator[OnProgress | None]:
     Yields
     ------
     callable or None
-        None when stderr is no terminal: logs and pipes stay clean.
+        None when stderr is no terminal, or closed: logs and pipes stay clean.
     """
-    if not sys.stderr.isatty():
+    if sys.stderr is None or not sys.stderr.isatty():
         yield None
         return
     try:

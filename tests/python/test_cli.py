@@ -389,6 +389,9 @@ def test_progress_is_for_terminals_only(monkeypatch):
     monkeypatch.setattr(sys, "stderr", io.StringIO())
     with progress.on_terminal() as on_progress:
         assert on_progress is None
+    monkeypatch.setattr(sys, "stderr", None)  # closed
+    with progress.on_terminal() as on_progress:
+        assert on_progress is None
 
 
 class Terminal(io.StringIO):
@@ -496,3 +499,29 @@ class TestInstalled:
         command = f"{sys.executable} -m asap info {recording} | true"
         result = subprocess.run(command, shell=True, capture_output=True, text=True)
         assert result.stderr == ""
+
+    @pytest.mark.parametrize("verb", ["info {}", "run {} --cost 1us+1ns --json"])
+    def test_a_closed_stream_is_no_error(self, recording, verb):
+        command = f"{sys.executable} -m asap {verb.format(recording)}"
+        said = subprocess.run(command, shell=True, capture_output=True, text=True)
+        result = subprocess.run(f"{command} >&-", shell=True, capture_output=True, text=True)
+        assert (result.returncode, result.stderr) == (0, "")
+        result = subprocess.run(f"{command} 2>&-", shell=True, capture_output=True, text=True)
+        assert (result.returncode, result.stdout) == (0, said.stdout)
+
+    def test_a_message_for_a_closed_stderr_does_not_take_stdout(self, recording):
+        recording.write_bytes(recording.read_bytes()[:-1])
+        command = f"{sys.executable} -m asap info {recording} --json 2>&-"
+        result = subprocess.run(command, shell=True, capture_output=True, text=True)
+        assert json.loads(result.stdout)["events"] == 99_999
+
+    @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
+    def test_a_full_disk_is_named(self, recording):
+        virtual = ("run", recording, "--cost", "1us+1ns")
+        result = self.call(*virtual, "--save", "/dev/full")
+        assert (result.returncode, result.stdout) == (2, "")
+        assert result.stderr == "asap: error: /dev/full: No space left on device\n"
+        command = f"{sys.executable} -m asap info {recording} >/dev/full"
+        result = subprocess.run(command, shell=True, capture_output=True, text=True)
+        assert result.returncode == 2
+        assert result.stderr == "asap: error: stdout: No space left on device\n"

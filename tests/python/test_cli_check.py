@@ -1,13 +1,14 @@
 """asap check as a user calls it."""
 
 import json
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
 
 import asap
 import corrupt
-from asap import cli
+from asap import cli, progress
 from event_files import write_csv
 
 SENSOR = ("--width", corrupt.WIDTH, "--height", corrupt.HEIGHT)
@@ -43,6 +44,13 @@ def test_a_clean_recording(call, save):
     assert (code, err) == (0, "")
     assert "sensor unknown: not checked; addresses up to x = 345, y = 259" in out
     assert "Verdict: ok, with a note." in out and "--width, --height" in out
+
+
+def test_how_far_it_has_come_is_told_at_a_terminal(call, save, monkeypatch):
+    told = []
+    monkeypatch.setattr(progress, "on_terminal", lambda: nullcontext(lambda *so: told.append(so)))
+    assert call(save(corrupt.clean_events(70_000)), *SENSOR)[0] == 0
+    assert told == [(1 << 16, None, {}), (70_000, None, {})]
 
 
 def test_something_wrong(call, save):

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import asap
 from asap import table
 from asap.cli import check, compare, demo, info, report, run, study
-from asap.cli.outcome import INTERRUPTED, OK, Failure, say
+from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, say
 
 __all__ = ["main"]
 
@@ -55,7 +55,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         warnings.showwarning = lambda message, *_, **__: say(f"warning: {message}")
         try:
             code: int = arguments.verb(arguments)
-            sys.stdout.flush()
+            if sys.stdout is not None:  # None: closed, nobody wants the result
+                sys.stdout.flush()
             return code
         except Failure as failure:
             say(f"error: {failure}")
@@ -66,9 +67,17 @@ def main(argv: Sequence[str] | None = None) -> int:
                 say(f"the run up to there:\n{table.format_ledger(last.ledger, last.rejected)}")
             return INTERRUPTED
         except BrokenPipeError:
-            # The reader of the pipe is gone; nothing may be flushed into it at exit.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            _drop_stdout()  # the reader of the pipe is gone
             return OK
+        except OSError as error:  # files that verbs read and write are their own matter
+            _drop_stdout()
+            say(f"error: {error.filename or 'stdout'}: {error.strerror or error}")
+            return USAGE
+
+
+def _drop_stdout() -> None:
+    """Let what is still in its buffer go nowhere at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import asap
+from asap import progress
 from asap.cli.options import add_recording, add_verb, open_recording, writable
 from asap.cli.outcome import CHECK_FAILED, OK, need_matplotlib, print_json, reading, writing
 
@@ -21,10 +22,10 @@ def add(verbs: Any) -> None:
 def _call(arguments: Any) -> int:
     if arguments.report:
         need_matplotlib()
-    with reading(arguments):
-        inspection = asap.check(open_recording(arguments))
-    with writing():
-        if arguments.report:
+    with reading(arguments), progress.on_terminal() as on_progress:
+        inspection = asap.check(open_recording(arguments), on_progress=on_progress)
+    if arguments.report:
+        with writing(arguments.report):
             inspection.report(arguments.report)
     if arguments.json:
         print_json(inspection.summary())

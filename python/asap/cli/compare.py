@@ -90,8 +90,8 @@ def _call(arguments: Any) -> int:
             all=arguments.all,
             on_progress=on_progress,
         )
-    with writing():
-        if arguments.report:
+    if arguments.report:
+        with writing(arguments.report):
             comparison.report(arguments.report)
     if arguments.json:
         print_json(comparison.summary())

@@ -25,7 +25,7 @@ def _call(arguments: Any) -> int:
     need_matplotlib()
     from asap import demo
 
-    with writing(), progress.on_terminal() as on_progress:
+    with writing(arguments.out), progress.on_terminal() as on_progress:
         runs, paths = demo.run(arguments.out, quick=arguments.quick, on_progress=on_progress)
     claims = [demo.claims(run) for run in runs]
     if arguments.json:

@@ -62,12 +62,12 @@ def reading(arguments: Any) -> Iterator[None]:
 
 
 @contextmanager
-def writing() -> Iterator[None]:
+def writing(path: object) -> Iterator[None]:
     """Tell that a result cannot be written where the user wants it."""
     try:
         yield
-    except OSError as error:
-        raise Failure(USAGE, f"{error.filename}: {error.strerror}") from error
+    except OSError as error:  # on a full disk without a name
+        raise Failure(USAGE, f"{error.filename or path}: {error.strerror or error}") from error
 
 
 def need_matplotlib() -> None:
@@ -85,4 +85,6 @@ def print_json(value: dict[str, Any]) -> None:
 
 def say(message: str) -> None:
     """Tell the user something that is no result."""
+    if sys.stderr is None:  # closed; print would take stdout
+        return
     print(f"asap: {message}", file=sys.stderr)

@@ -32,7 +32,7 @@ def _call(arguments: Any) -> int:
     with reading(arguments):
         runs = [asap.load_run(path) for path in arguments.runs]
     out = arguments.out or arguments.runs[0].with_suffix(".html")
-    with writing():
+    with writing(out):
         report.write(runs, out)
     if arguments.json:
         print_json({"schema_version": 1, "runs": len(runs), "file": str(out)})

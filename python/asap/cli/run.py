@@ -85,10 +85,11 @@ def _call(arguments: Any) -> int:
             run = asap.simulate(recording, cost=cost, on_progress=on_progress, **options)
         else:
             run = asap.run(recording, speed=arguments.speed, on_progress=on_progress, **options)
-    with writing():
-        if arguments.save:
+    if arguments.save:
+        with writing(arguments.save):
             run.save(arguments.save)
-        if arguments.report:
+    if arguments.report:
+        with writing(arguments.report):
             run.report(arguments.report)
     if arguments.json:
         print_json(run.summary())

@@ -100,7 +100,7 @@ def _ladder(arguments: Any) -> int:
 def _beside_the_clock(arguments: Any) -> int:
     from asap.study import realtime
 
-    with usage(), writing():
+    with usage(), writing(arguments.out):
         pairs = realtime.replay_beside_simulation()
         table = realtime.format_pairs(pairs, realtime.scheduling_jitter(5.0))
         arguments.out.mkdir(parents=True, exist_ok=True)
@@ -123,7 +123,7 @@ def _form(arguments: Any) -> str:
 
 def _conducted(arguments: Any, study: Callable[..., _Found], command: str) -> _Found:
     form = _form(arguments)
-    with usage(), writing(), progress.on_terminal() as on_progress:
+    with usage(), writing(arguments.out), progress.on_terminal() as on_progress:
         return study(
             arguments.out,
             form=form,

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from asap.experiment.runners import Progress
 from asap.inspection.door import Door
 from asap.inspection.findings import Meters, judge
 from asap.inspection.intervals import Intervals
@@ -27,6 +28,7 @@ def check(
     height: int | None = None,
     order: str | None = None,
     time_unit: str | None = None,
+    on_progress: Progress | None = None,
 ) -> Inspection:
     """Look for everything that can be wrong with a recording: how often, and where first.
 
@@ -41,6 +43,8 @@ def check(
         checked, which the result says.
     order, time_unit
         How to read a file or array that does not say it, as in `read`.
+    on_progress : callable, optional
+        Called as on_progress(done, None, {}) after each block: events looked at so far.
 
     Returns
     -------
@@ -77,6 +81,8 @@ def check(
         warnings.simplefilter("ignore", TruncatedFileWarning)  # it becomes a finding
         for block in raw:
             passed = door.check(block)
+            if on_progress is not None:
+                on_progress(door.seen, None, {})
             if len(passed.events) == 0:
                 continue
             meters.begin(passed)
