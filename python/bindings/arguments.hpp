@@ -1,5 +1,5 @@
 // Whole numbers from Python. pybind11 answers a negative one with a list of signatures; here it is
-// a ValueError that names field and value, as everywhere.
+// a ValueError, and what is no number a TypeError, that names field and value, as everywhere.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -15,7 +15,12 @@ namespace asap::python {
 inline std::uint64_t whole_number(const char* field, const pybind11::object& value) {
   namespace py = pybind11;
   const auto number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
-  if (!number) throw py::error_already_set();
+  if (!number) {
+    if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
+    PyErr_Clear();
+    throw py::type_error(std::string(field) + " = " + py::cast<std::string>(py::repr(value)) +
+                         ": give a whole number");
+  }
   const std::uint64_t result = PyLong_AsUnsignedLongLong(number.ptr());
   if (PyErr_Occurred() != nullptr) {
     PyErr_Clear();

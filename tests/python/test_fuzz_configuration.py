@@ -261,6 +261,34 @@ def test_bad_arguments_are_refused_by_name(of: str, field: str) -> None:
             make[of](**{field: BAD_ARGUMENTS[field].bad(rng)})
 
 
+@pytest.mark.parametrize("value", ["10", b"1", [], 1j, object(), np.arange(2), NAN])
+@pytest.mark.parametrize("field", [*BAD_ARGUMENTS, "reorder_tolerance_us"])
+def test_what_is_no_number_is_refused_by_name(field: str, value: Any) -> None:
+    error = ValueError if field == "latency_ms" and value is NAN else TypeError
+    with pytest.raises(error, match=f"^{field} = ") as caught:
+        asap.Pipeline(**{field: value})
+    assert repr(value) in str(caught.value)
+    if field == "latency_ms":
+        for refuse in (
+            asap.Pipeline().set_latency,
+            lambda bound: asap.oracle(EVENTS, cost=asap.LinearCost(1, 1), latency_ms=bound),
+            lambda bound: asap.compare(EVENTS, cost=asap.LinearCost(1, 1), latency_ms=bound),
+        ):
+            with pytest.raises(error, match=r"^latency_ms = "):
+                refuse(value)
+
+
+def test_an_error_of_the_number_itself_comes_out_unchanged() -> None:
+    class Number:
+        def __index__(self) -> int:
+            raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        asap.FixedSize(size=Number())
+    with pytest.raises(TypeError, match=r"^size = 'x': give a whole number$"):
+        asap.FixedSize(size="x")
+
+
 @pytest.mark.parametrize("speed", [0.0, -1.0, NAN, INFINITY, 1e-300, 1e300, 0.000999, 1000001.0])
 def test_a_bad_speed_is_refused_by_name(speed: float) -> None:
     with pytest.raises(ValueError, match=r"^speed = "):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from asap import _core, metrics
 from asap.experiment.contenders import labelled, of_schemes, rivals, user_schemes
 from asap.experiment.result import Named, Run
-from asap.experiment.runners import Progress
+from asap.experiment.runners import Progress, check_latency
 from asap.experiment.side_by_side import CheckedStream, side_by_side
 
 if TYPE_CHECKING:
@@ -333,7 +333,7 @@ def oracle(
     notebooks/theory.md, section 9. With noise a bound in expectation.
     """
     _check_cost(cost)
-    _check_bound(latency_ms)
+    check_latency(latency_ms)
     found = _core.Oracle(cost, latency_ms * 1e3, opaque=opaque)
     for events in CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed):
         found.feed(events)
@@ -343,11 +343,6 @@ def oracle(
 def _check_cost(cost: Any) -> None:
     if not isinstance(cost, _core.LinearCost):
         raise TypeError(f"cost = {cost!r}: give asap.LinearCost(alpha_us, beta_ns)")
-
-
-def _check_bound(latency_ms: float) -> None:
-    if not 0.01 <= latency_ms <= 1e7:
-        raise ValueError(f"latency_ms = {latency_ms}: must be between 0.01 and 1e7 ms")
 
 
 def _require_replayable(source: Any) -> None:
@@ -362,7 +357,7 @@ def _require_replayable(source: Any) -> None:
 def _common_bound_ms(schemes: Iterable[_core.Scheme], latency_ms: float | None) -> float:
     """Find the one bound of all: the user's, else the schemes' own, else 10 ms."""
     if latency_ms is not None:
-        _check_bound(latency_ms)
+        check_latency(latency_ms)
     own = (scheme.parameters.get("latency_ms") for scheme in schemes)
     bounds = {bound for bound in (*own, latency_ms) if bound is not None}
     if len(bounds) > 1:

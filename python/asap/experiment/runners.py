@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import threading
 from collections.abc import Callable
 from typing import Any, Protocol
@@ -253,7 +254,9 @@ def _replay_stream(
 
 
 def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
-    """Check the scheme, or make the default one."""
+    """Check the scheme and the bound, or make the default scheme."""
+    if latency_ms is not None:
+        check_latency(latency_ms)
     if scheme is None:
         return _core.Deadline() if latency_ms is None else _core.Deadline(latency_ms=latency_ms)
     if not isinstance(scheme, _core.Scheme):
@@ -262,9 +265,22 @@ def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
 
 
 def check_latency(latency_ms: float) -> None:
-    """Refuse a latency bound out of range."""
-    if not 0.01 <= latency_ms <= 1e7:
+    """Refuse a latency bound that is no number or out of range."""
+    try:
+        in_range = bool(0.01 <= latency_ms <= 1e7)
+    except (TypeError, ValueError):  # text, an array
+        raise TypeError(f"latency_ms = {latency_ms!r}: give a number, in ms") from None
+    if not in_range:
         raise ValueError(f"latency_ms = {latency_ms}: must be between 0.01 and 1e7 ms")
+
+
+def _whole(name: str, value: Any) -> int:
+    if value is None:
+        return 0
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} = {value!r}: give a whole number") from None
 
 
 class Sensor(Protocol):
@@ -292,18 +308,19 @@ def make_config(
     """Check what the runners have in common, and put it together for the native ones."""
     if latency_ms is not None:
         check_latency(latency_ms)
-    if capacity is not None and capacity < 1:
+    slots = _whole("capacity", capacity)
+    if capacity is not None and slots < 1:
         raise ValueError(f"capacity = {capacity}: must be at least 1 event")
     validator = _core.Validator(
-        width=stream.width or 0,
-        height=stream.height or 0,
+        width=_whole("width", stream.width),
+        height=_whole("height", stream.height),
         on_bad=on_bad,
         reorder_tolerance_us=reorder_tolerance_us,
         warmup_discard_us=warmup_discard_us,
     )
     return _core.RunConfig(
         latency_us=None if latency_ms is None else latency_ms * 1e3,
-        capacity=capacity or 0,
+        capacity=slots,
         seed=seed,
         validator=validator,
         anytime=anytime,
