@@ -17,6 +17,7 @@ void bind_formats(pybind11::module_& m);
 void bind_synthetic(pybind11::module_& m);
 void bind_scenes(pybind11::module_& m);
 void bind_algorithms(pybind11::module_& m);
+void bind_rival_trackers(pybind11::module_& m);
 void bind_corners(pybind11::module_& m);
 void bind_hot_pixels(pybind11::module_& m);
 void bind_surfaces(pybind11::module_& m);

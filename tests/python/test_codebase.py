@@ -27,7 +27,10 @@ MAY_INCLUDE = {
     "telemetry": {"core"},
     "packager": {"core", "buffer", "filter", "schemes", "telemetry"},
     "runner": {"core", "buffer", "filter", "schemes", "telemetry", "packager"},
-    "study": {"core", "buffer", "filter", "schemes", "telemetry", "packager", "runner"},
+    "study": {
+        *("core", "buffer", "filter", "schemes", "telemetry", "packager", "runner"),
+        "algorithms",  # its rivals are built of their parts
+    },
     "formats": {"core"},
     "synthetic": {"core"},
     "algorithms": {"core"},
