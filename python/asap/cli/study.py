@@ -31,6 +31,9 @@ def add(verbs: Any) -> None:
         "--accuracy", action="store_true", help="scores of the algorithms over gamma instead"
     )
     verb.add_argument(
+        "--rivals", action="store_true", help="the cluster tracker beside its rivals instead"
+    )
+    verb.add_argument(
         "--ladder", action="store_true", help="every consumer under every scheme instead"
     )
     verb.add_argument("--out", type=Path, default=Path("asap-study"), metavar="DIR")
@@ -83,6 +86,18 @@ def _accuracy(arguments: Any) -> int:
     return OK
 
 
+def _rivals(arguments: Any) -> int:
+    from asap.study import rivals_document, rivals_study
+
+    found = _conducted(arguments, rivals_study, "asap study --rivals")
+    if arguments.json:
+        _print_json(arguments, found, rivals=[curve.to_dict() for curve in found.curves])
+        return OK
+    print(f"{rivals_document.verdict(found.curves)}\n\n{rivals_document.table(found.curves)}\n")
+    _print_paths(found)
+    return OK
+
+
 def _ladder(arguments: Any) -> int:
     from asap.study import ladder_document, ladder_study
 
@@ -114,7 +129,12 @@ def _beside_the_clock(arguments: Any) -> int:
     return OK
 
 
-_KINDS = {"ladder": _ladder, "accuracy": _accuracy, "realtime": _beside_the_clock}
+_KINDS = {
+    "ladder": _ladder,
+    "accuracy": _accuracy,
+    "rivals": _rivals,
+    "realtime": _beside_the_clock,
+}
 
 
 def _form(arguments: Any) -> str:

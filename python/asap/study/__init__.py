@@ -3,8 +3,9 @@
 ``asap study`` on the command line, `study` here. A study is made of cases (a stream, a cost and the
 contenders that go through it) and probes; they run through any executor, each finished one is kept,
 and what they show is judged by goals and written as tables beside the reference's. `accuracy_study`
-scores the algorithms instead, over scenes and the kept fraction; `ladder_study` puts every consumer
-of the library to one stream that overloads the slow ones.
+scores the algorithms instead, over scenes and the kept fraction; `rivals_study` puts the cluster
+tracker beside its rivals; `ladder_study` puts every consumer of the library to one stream that
+overloads the slow ones.
 """
 
 from asap.study.accuracy_conduct import AccuracyStudy, accuracy_study
@@ -13,6 +14,7 @@ from asap.study.conduct import Study, study
 from asap.study.goals import Goal
 from asap.study.ladder_conduct import LadderStudy, ladder_study
 from asap.study.results import Results
+from asap.study.rivals_conduct import RivalsStudy, rivals_study
 
 __all__ = [
     "FORMS",
@@ -21,8 +23,10 @@ __all__ = [
     "Goal",
     "LadderStudy",
     "Results",
+    "RivalsStudy",
     "Study",
     "accuracy_study",
     "ladder_study",
+    "rivals_study",
     "study",
 ]

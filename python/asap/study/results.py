@@ -13,13 +13,14 @@ from asap.study.ladder_cases import LadderCase, LadderReplay, Outcomes
 from asap.study.ladder_cost import CostCase, Costs
 from asap.study.measure import Figures, Measured
 from asap.study.probes import CapProbe, Steady, SteadyProbe, Window
+from asap.study.rivals_cases import Rivalry, RivalsCase
 
 __all__ = ["MODELS", "Finding", "Outcome", "Results", "Task"]
 
 Task: TypeAlias = (
-    Case | SteadyProbe | CapProbe | AccuracyCase | CostCase | LadderCase | LadderReplay
+    Case | SteadyProbe | CapProbe | AccuracyCase | RivalsCase | CostCase | LadderCase | LadderReplay
 )
-Outcome: TypeAlias = Measured | Steady | Window | Accuracy | Costs | Outcomes
+Outcome: TypeAlias = Measured | Steady | Window | Accuracy | Rivalry | Costs | Outcomes
 
 MODELS = tuple(LATENCY_MS)
 _LONG_GAP_MS = 60.0

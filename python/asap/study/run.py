@@ -23,6 +23,7 @@ from asap.study.ladder_cost import Costs
 from asap.study.measure import Figures, Measured
 from asap.study.probes import Steady, Window
 from asap.study.results import Outcome, Results, Task
+from asap.study.rivals_cases import Rivalry
 
 __all__ = ["Ran", "key_of", "run"]
 
@@ -175,6 +176,8 @@ def _outcome(fields: dict[str, Any]) -> Outcome:
         return Measured(fields["events"], fields["oracle"], figures)
     if "scored" in fields:
         return Accuracy.restored(fields)
+    if "rivals" in fields:
+        return Rivalry(**fields)
     if "tried" in fields:
         return Costs.restored(fields)
     if "schemes" in fields:

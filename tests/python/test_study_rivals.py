@@ -1,0 +1,245 @@
+"""asap study --rivals: what it runs, what it keeps, what it writes."""
+
+import json
+from concurrent.futures import Executor, Future
+
+import pytest
+
+import asap
+from asap import _core
+from asap.accuracy.curve import KeepCurve, Scored
+from asap.cli import main
+from asap.study import RivalsStudy, rivals_cases, rivals_document, rivals_study
+from asap.study.accuracy_cases import Rung
+from asap.study.rivals_cases import COLUMNS, OURS, RIVALS, RivalsCase
+from fake_scene import FakeScene, perfect
+
+BAF = asap.BackgroundActivityFilter
+SCENE = FakeScene([(50, 50, 0, 0), (150, 100, 0, 0)], end_us=120_001)
+
+
+class AtOnce(Executor):
+    """Does everything when it is submitted."""
+
+    def submit(self, function, *arguments, **named):
+        future = Future()
+        future.set_result(function(*arguments, **named))
+        return future
+
+
+class Blind:
+    """Never sees anything."""
+
+    def __init__(self, width, height):
+        self.clusters = _core.ClusterTracker(width, height).clusters
+
+    def process(self, events, labels=True):
+        pass
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """Two trackers, one scene; the scenes and seeds that were made."""
+    made = []
+
+    def scene_of(name, seed):
+        made.append((name, seed))
+        return SCENE
+
+    def tracker(width, height):
+        return perfect(SCENE)
+
+    rivals = {OURS: Rung(OURS, tracker), "blind": Rung("blind", Blind)}
+    monkeypatch.setattr(rivals_cases, "RIVALS", rivals)
+    monkeypatch.setattr("asap.study.rivals_conduct.RIVALS", rivals)
+    monkeypatch.setattr(rivals_cases, "scene_of", scene_of)
+    monkeypatch.setattr(rivals_cases, "costs_ns", lambda rungs, scene: dict.fromkeys(rungs, 7.4))
+    monkeypatch.setattr(
+        rivals_cases,
+        "RivalsCase",
+        lambda scene, seed: RivalsCase(scene, seed, tuple(rivals)),
+    )
+    return made
+
+
+# ---- cases ----------------------------------------------------------------------------------
+
+
+def test_forms_take_the_scenes_and_seeds_that_they_say():
+    def seeds(form):
+        found = {}
+        for case in rivals_cases.rivals_cases(form):
+            found.setdefault(case.scene, []).append(case.seed)
+        return found
+
+    ten, six = list(range(200, 210)), list(range(200, 206))
+    assert seeds("quick") == {"A": [200], "E": [200]}
+    assert seeds("default") == {**dict.fromkeys("ABCDE", ten), **dict.fromkeys("FG", six)}
+    assert {scene: len(of) for scene, of in seeds("full").items()} == {
+        **dict.fromkeys("ABCDE", 20),
+        **dict.fromkeys("FG", 12),
+    }
+
+
+def test_the_rivals_are_those_that_their_labels_name():
+    assert RIVALS[OURS].before is None and RIVALS[OURS].make(64, 48).engine == "fast"
+    for label, rung in RIVALS.items():
+        assert label == (f"BAF + {rung.algorithm}" if rung.before else rung.algorithm)
+        assert rung.before in (None, BAF)
+    for radius_px in (16, 20):
+        made = RIVALS[f"BAF + first design R{radius_px}"].make(64, 48)
+        assert isinstance(made, _core.OwnerCellTracker)
+        assert (made.width, made.height, made.radius_px) == (64, 48, radius_px)
+    assert isinstance(RIVALS["jAER-type core"].make(64, 48), _core.JaerClusterTracker)
+    steady = RIVALS["BAF + compat steady"].make(64, 48).parameters
+    assert (steady["engine"], steady["window"], steady["probes"]) == ("compat", 2000, 0)
+
+
+def test_a_case_scores_and_times_everybody(monkeypatch):
+    monkeypatch.setattr(rivals_cases, "scene_of", lambda name, seed: SCENE)
+    labels = (OURS, "BAF + jAER-type core")
+    found = RivalsCase("A", 200, labels).measure().rivals
+    assert tuple(found) == labels
+    assert all(tuple(one) == COLUMNS for one in found.values())
+    assert all(one["ns_per_event"] > 0 for one in found.values())
+
+
+def test_they_take_turns_and_the_median_counts(monkeypatch):
+    turns = []
+    costs = {OURS: [9, 1, 2, 3, 4], "other": [50, 60, 40, 10, 90]}
+
+    def turn_ns(rung, scene, packages):
+        turns.append(rung.algorithm)
+        assert sum(package.size for package in packages) == scene.events.size
+        return costs[rung.algorithm][(len(turns) - 1) // 2] * scene.events.size
+
+    monkeypatch.setattr(rivals_cases, "_turn_ns", turn_ns)
+    rungs = {name: Rung(name, Blind) for name in costs}
+    assert rivals_cases.costs_ns(rungs, SCENE) == {OURS: 3, "other": 50}
+    assert turns == [OURS, "other"] * 5
+
+
+def test_the_filter_stands_in_front_when_scored_and_when_timed():
+    seen = []
+
+    class Counting(Blind):
+        def process(self, events, labels=True):
+            seen.append(events.size)
+
+    noise = FakeScene([], end_us=120_001)
+    noise.events = SCENE.events[::50].copy()  # far apart in time: no company
+    noise.labels = SCENE.labels[::50]
+    for before in (None, BAF):
+        rung = Rung("counting", Counting, before)
+        rivals_cases._scored(rung, noise)
+        rivals_cases.costs_ns({"counting": rung}, noise)
+    assert seen.count(0) >= 5 and sum(seen) >= 6 * noise.events.size
+
+
+# ---- the whole ------------------------------------------------------------------------------
+
+
+def test_the_study_writes_and_goes_on_where_it_stopped(small, tmp_path):
+    found = rivals_study(tmp_path, form="quick", executor=AtOnce(), command="as typed")
+    assert small == [("A", 200), ("E", 200)]
+    assert [(curve.scene, curve.before, curve.algorithm) for curve in found.curves] == [
+        (scene, None, name) for scene in "AE" for name in (OURS, "blind")
+    ]
+    assert found.curves[0].rows[0].mean["mota"] == 1
+    assert found.curves[1].rows[0].mean["mota"] == 0
+    text = found.paths[0].read_text()
+    assert found.paths == [tmp_path / "rivals.md"] and "`as typed`" in text
+    assert "No rival has a higher mean MOTA on any scene." in text
+    assert rivals_document.table(found.curves) in text
+    small.clear()
+    again = rivals_study(tmp_path, form="quick", executor=AtOnce())
+    assert small == [] and again.taken_from_file == 2
+    assert [one.to_dict() for one in again.curves] == [one.to_dict() for one in found.curves]
+    rivals_study(tmp_path, form="quick", executor=AtOnce(), fresh=True)
+    assert len(small) == 2
+
+
+def curve(name, scene, *motas, before=None):
+    rest = {"id_switches": 2, "position_rms": 1, "velocity_rms": 0.25, "ns_per_event": 12.4}
+    scored = [
+        Scored(1.0, None, seed, {"mota": mota, **rest}) for seed, mota in enumerate(motas, 200)
+    ]
+    return KeepCurve(name, scene, before, scored)
+
+
+CURVES = [
+    curve(OURS, "A", 1.0, 0.9),
+    curve("old", "A", 0.5, 0.9, before="BAF"),
+    curve(OURS, "B", 0.5, 0.5),
+    curve("old", "B", 0.4, 0.75, before="BAF"),
+]
+
+
+def test_the_table_has_a_row_for_each_scene_and_tracker():
+    lines = rivals_document.table(CURVES).splitlines()
+    cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines[2:]]
+    rest = ["2.0±0.0", "1.00±0.00", "25±0 %", "12"]
+    assert cells == [
+        [OURS, "A", "2", ".950±.071", "", *rest],
+        ["BAF + old", "A", "2", ".700±.283", "1 / 1 / 0", *rest],
+        [OURS, "B", "2", ".500±.000", "", *rest],
+        ["BAF + old", "B", "2", ".575±.247", "1 / 0 / 1", *rest],
+    ]
+
+
+def test_prototypes_stand_beside():
+    first = "BAF + first design R16"
+    curves = [curve("first design R16", scene, 0.5, before="BAF") for scene in "CG"]
+    lines = rivals_document.beside_prototypes([*curves, *CURVES]).splitlines()
+    assert lines[0] == "|  | C | G | A | B |"
+    assert lines[2:] == [
+        f"| {first} | .500 (.849/.901) | .500 (.713) |  |  |",
+        f"| {OURS} |  |  | .950 (1.000) | .500 (.990) |",
+        "| BAF + old |  |  | .700 | .575 |",
+    ]
+    assert set(rivals_document._MOTA_OF_PROTOTYPES) == set(RIVALS)
+
+
+def test_the_verdict_names_who_is_better():
+    assert rivals_document.verdict(CURVES) == (
+        "Higher mean MOTA than `fast`: BAF + old on B (by .0750)."
+    )
+    assert rivals_document.verdict(CURVES[:2]) == "No rival has a higher mean MOTA on any scene."
+
+
+def test_unknown_forms_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="form = 'slow': give one of quick, default, full"):
+        rivals_study(tmp_path, form="slow")
+
+
+# ---- the command ----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def asked(monkeypatch, tmp_path):
+    """What the command asks the study for; the study is made up."""
+    seen = []
+
+    def study(out, **options):
+        seen.append((out, options))
+        return RivalsStudy(CURVES, [tmp_path / "rivals.md"], 3, 2.0)
+
+    monkeypatch.setattr("asap.study.rivals_study", study)
+    return seen
+
+
+def test_command_prints_verdict_and_table(asked, tmp_path, capsys):
+    assert main(["study", "--rivals", "--quick", "--out", str(tmp_path)]) == 0
+    out, _ = capsys.readouterr()
+    assert out.startswith("Higher mean MOTA than `fast`: BAF + old on B")
+    assert rivals_document.table(CURVES) in out and out.endswith("rivals.md\n")
+    assert (asked[0][0], asked[0][1]["form"]) == (tmp_path, "quick")
+    assert asked[0][1]["command"] == "asap study --rivals --quick"
+
+
+def test_command_with_json(asked, tmp_path, capsys):
+    assert main(["study", "--rivals", "--json", "--out", str(tmp_path)]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["form"], document["taken_from_file"]) == ("default", 3)
+    assert [one["algorithm"] for one in document["rivals"]] == [OURS, "old"] * 2
+    assert document["rivals"][0]["rows"][0]["mean"]["ns_per_event"] == 12.4
