@@ -57,9 +57,10 @@ class ReferencePlan {
     const auto count = static_cast<double>(strata_);
     const double raw = static_cast<double>(raw_) / count;
     const double passed_ns = static_cast<double>(now_ns - start_ns_);
-    const double to_pay_ns = j == 0 && fixed_ns_ > passed_ns ? fixed_ns_ - passed_ns : 0;
-    const double left_ns =
-        (static_cast<double>(end_ns_ - now_ns) - to_pay_ns) / static_cast<double>(strata_ - j);
+    double left_ns = static_cast<double>(end_ns_ - now_ns) / static_cast<double>(strata_ - j);
+    if (strata_ == 1 && fixed_ns_ > passed_ns && left_ns > 0) {
+      left_ns = std::max(left_ns - (fixed_ns_ - passed_ns), left_ns / 2);
+    }
     const double event_ns = spent_ns_ / events_;
     double size_planned = left_ns / event_ns;
     if (event_ns * raw <= left_ns) size_planned = raw;

@@ -70,9 +70,12 @@ std::int64_t AnytimePlan::outage_ns() const noexcept {
 
 double AnytimePlan::keep(std::int64_t now_ns) const noexcept {
   const auto strata = static_cast<double>(strata_);
-  const std::int64_t from_ns = done_ == 0 ? std::max(now_ns, fixed_end_ns_) : now_ns;
-  const double left_ns =
-      static_cast<double>(end_ns_ - from_ns) / (strata - static_cast<double>(done_));
+  auto left_ns = static_cast<double>(end_ns_ - now_ns);
+  if (strata_ == 1) {  // half of it for events: what is believed may be wrong
+    left_ns -=
+        std::clamp(static_cast<double>(fixed_end_ns_ - now_ns), 0.0, std::max(left_ns / 2, 0.0));
+  }
+  left_ns /= strata - static_cast<double>(done_);
   const double event_ns = spent_ns_ / weight_;
   const double raw = static_cast<double>(raw_) / strata;
   const double size = event_ns * raw <= left_ns ? raw : left_ns / event_ns;

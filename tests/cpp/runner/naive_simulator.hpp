@@ -246,8 +246,8 @@ class NaiveSimulator final : public BacklogCounts {
     for (std::size_t j = 0; j < strata; ++j) {
       const std::int64_t now = now_ns_;
       if (j > 0 && now > end + config_.bound_ns / 100) return;  // an outage
-      const double to_pay = j == 0 ? fixed : 0;
-      const double left = (static_cast<double>(end - now) - to_pay) / (M - static_cast<double>(j));
+      double left = static_cast<double>(end - now) / (M - static_cast<double>(j));
+      if (strata == 1 && left > 0) left = std::max(left - fixed, left / 2);
       const double b = (decision.event_ns * k0 + tau) / (k0 + m);
       double q = b > 0 ? std::min(left / b, N / M) : (left >= 0 ? N / M : 0.0);
       const double f = std::max(0.02 * n / M, j == 0 ? 1.0 : 0.0);
