@@ -314,6 +314,7 @@ void Engine::measure_noise() noexcept {
   const auto seed_us = static_cast<std::int32_t>(1e6F * settings_.seed_s);
   support_window_us_ = support_window_us(noise_hz_, settings_.support_window_us, seed_us);
   if (settings_.rejects) noise_hz_ = supported_noise(noise_hz_, window_s());
+  settings_.update.far_trust = far_trust(noise_hz_);
 
   if (clock_.now_us() - started_us_ < static_cast<std::uint64_t>(settings_.warmup_us)) return;
   const float around_px = 3 * settings_.cell_px;

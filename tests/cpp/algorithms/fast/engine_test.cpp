@@ -42,6 +42,19 @@ void add_disk(std::vector<Event>& events, const Disk& disk, double from_s, doubl
   }
 }
 
+void add_noise(std::vector<Event>& events, double rate_hz, double to_s) {
+  const asap::CounterRandom random(7);
+  std::uint64_t drawn = 0;
+  if (rate_hz == 0) return;
+  const double step_s = 1 / (rate_hz * 346 * 260);
+  for (double t = step_s; t < to_s; t += step_s) {
+    events.push_back({.x = static_cast<std::uint16_t>(346 * random.uniform(drawn++)),
+                      .y = static_cast<std::uint16_t>(260 * random.uniform(drawn++)),
+                      .p = static_cast<std::int16_t>(random.uniform(drawn++) < 0.5),
+                      .t = static_cast<std::int64_t>(1e6 * t)});
+  }
+}
+
 void sort_by_time(std::vector<Event>& events) {
   std::stable_sort(events.begin(), events.end(),
                    [](const Event& a, const Event& b) { return a.t < b.t; });
@@ -148,6 +161,33 @@ TEST(Engine, NoiseAloneIsNoCluster) {
       }
     }
   }
+}
+
+// Root mean square error of the velocity of a disk of 100 px/s, seen every 5 ms.
+double velocity_error(double noise_hz) {
+  std::vector<Event> events;
+  add_disk(events, {}, 0, 2);
+  add_noise(events, noise_hz, 2);
+  sort_by_time(events);
+  Engine engine(kFrame);
+  double sum = 0;
+  int seen = 0;
+  std::int64_t next_us = 200'000;
+  for (const Event& event : events) {
+    engine.process({&event, 1}, nullptr);
+    if (event.t < next_us) continue;
+    next_us += 5'000;
+    for (const Cluster& cluster : clusters_of(engine)) {
+      sum += (cluster.vx - 100) * (cluster.vx - 100) + cluster.vy * cluster.vy;
+      ++seen;
+    }
+  }
+  return std::sqrt(sum / seen);
+}
+
+TEST(Engine, NoiseAroundAnObjectDoesNotMoveIt) {
+  EXPECT_LT(velocity_error(0), 10);
+  EXPECT_LT(velocity_error(8), 14);
 }
 
 TEST(Engine, ASlowEdgeIsCompanyInLittleNoise) {

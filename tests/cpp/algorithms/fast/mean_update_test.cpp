@@ -72,6 +72,52 @@ TEST(MeanUpdate, AKnownOutlineHoldsTheCentre) {
   EXPECT_LT(std::abs(centre_with(0.1F)), 2.2F);
 }
 
+TEST(MeanUpdate, TrustFadesWithTheDistanceFromTheOutline) {
+  for (const float side : {-1.0F, 1.0F}) {
+    EXPECT_EQ(trust(side * 3, 0.1F, 0), 1);
+    EXPECT_NEAR(trust(side * 4.5F, 0.1F, 0), 0.5, 1e-6);
+    EXPECT_EQ(trust(side * 6, 0.1F, 0), 0);
+    EXPECT_EQ(trust(side * 20, 0.1F, 0.25F), 0.25F);
+    EXPECT_EQ(trust(side * 20, 0.3F, 0), 0);
+    EXPECT_EQ(trust(side * 20, 0.4F, 0), 0.5F);
+    EXPECT_EQ(trust(side * 20, 1, 0), 1);
+  }
+}
+
+TEST(MeanUpdate, FarEventsAreTrustedWhereNoiseIsRare) {
+  EXPECT_EQ(far_trust(0), 1);
+  EXPECT_EQ(far_trust(0.1F), 1);
+  EXPECT_NEAR(far_trust(0.3F), 0.5, 1e-6);
+  EXPECT_EQ(far_trust(0.5F), 0);
+  EXPECT_EQ(far_trust(5), 0);
+}
+
+// How far one event moves a disk of radius 8 that is known.
+float moved_by(float distance, float mean_weight, float noise_hz) {
+  UpdateRule rule = kRule;
+  rule.far_trust = far_trust(noise_hz);
+  Track track;
+  Contour contour;
+  const auto hit = [&](float x, float y) {
+    take(track, contour, sight_of(track, 0, x, y), 0, 1, rule, kReciprocals, kDirections);
+  };
+  for (int i = 0; i < 16 * 200; ++i) {
+    const float angle = 2.4F * static_cast<float>(i);  // no direction is left out
+    hit(8 * std::cos(angle), 8 * std::sin(angle));
+  }
+  track.mean_weight = mean_weight;
+  const float before = track.x;
+  hit(before + distance, track.y);
+  return track.x - before;
+}
+
+TEST(MeanUpdate, InNoiseEventsFarFromASharpOutlineMoveNothing) {
+  EXPECT_EQ(moved_by(16, 0.1F, 1), 0);
+  EXPECT_GT(moved_by(16, 0.1F, 0), 0.05F);
+  EXPECT_GT(moved_by(10, 0.1F, 1), 0.05F);
+  EXPECT_GT(moved_by(16, 0.6F, 1), 0.05F);
+}
+
 TEST(MeanUpdate, WeightIsLowWhereTheOutlineIsSharp) {
   Track track;
   track.sxx = track.syy = 50;

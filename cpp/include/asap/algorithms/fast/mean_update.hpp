@@ -1,6 +1,7 @@
 // How a track takes an event that nobody contests: exponential mean and covariance with a memory in
 // events. Once the outline is known, the displacement is blended with twice the radial residual,
-// because edges fire unevenly and the plain mean wobbles with them. Inline, O(1), no allocation.
+// because edges fire unevenly and the plain mean wobbles with them; where noise is common, events
+// far from the outline do not count. Inline, O(1), no allocation.
 // Source: own design.
 #pragma once
 
@@ -32,8 +33,17 @@ struct UpdateRule {
   std::uint32_t mean_events = 60;         // [n_eff]
   std::uint32_t covariance_events = 300;  // [n_S]
   std::uint32_t contour_mask = 3;  // the contour learns the events whose number has none of these
+  float far_trust = 1;             // of events far from the outline
   ContourRule contour;
 };
+
+// Events far from an outline are the object's, whose outline is not exact or whose motion changes,
+// unless noise is common: hz per pixel, of what reaches the tracks.
+inline float far_trust(float noise_hz) noexcept {
+  constexpr float kRare_hz = 0.1F;
+  constexpr float kCommon_hz = 0.5F;
+  return std::clamp((kCommon_hz - noise_hz) / (kCommon_hz - kRare_hz), 0.0F, 1.0F);
+}
 
 struct WeightRule {
   float least;  // [wmin]
@@ -47,6 +57,16 @@ inline float mean_weight(const Track& track, const Contour& contour,
   const float scatter = 2 * rule.scale * contour.variance;
   const float spread = 0.5F * (track.sxx + track.syy) + 0.5F;
   return std::clamp(scatter / (scatter + spread), rule.least, 1.0F);
+}
+
+// How much an event counts at this distance from the outline: fully up to 3 px, from 6 px on `far`.
+// Textured objects, told by the weight of their plain mean, have events of their own there.
+inline float trust(float residual, float mean_weight, float far) noexcept {
+  constexpr float kNone_px = 6;
+  constexpr float kFade_px = 3;
+  const float near = (kNone_px - std::abs(residual)) * (1 / kFade_px);
+  const float textured = 5 * mean_weight - 1.5F;
+  return std::clamp(std::max(near, textured), far, 1.0F);
 }
 
 inline void take(Track& track, Contour& contour, const Sight& s, Stamp now, float sign,
@@ -66,6 +86,7 @@ inline void take(Track& track, Contour& contour, const Sight& s, Stamp now, floa
     const float clip = rule.contour.clip_px;
     const float clipped = std::clamp(residual, -clip, clip);
     blend = track.mean_weight + (1 - track.mean_weight) * 2 * clipped / distance;
+    blend *= trust(residual, track.mean_weight, rule.far_trust);
   }
   track.x = s.mean_x + gain * blend * s.dx;
   track.y = s.mean_y + gain * blend * s.dy;
