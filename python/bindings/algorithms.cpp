@@ -9,14 +9,13 @@
 #include <string_view>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/core/check.hpp"
 #include "cluster_trackers.hpp"
-#include "gil.hpp"
 #include "layers.hpp"
+#include "per_event.hpp"
 
 namespace asap::python {
 namespace {
@@ -193,23 +192,8 @@ py::dict parameters_of(const ClusterTracker& tracker) {
 
 std::optional<py::array_t<std::int32_t>> process(Tracker& tracker, const py::array& events,
                                                  bool labels) {
-  const EventSpan span = as_span(events);
-  std::vector<std::int32_t> ids(labels ? span.size() : 0);
-  {
-    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const WithoutGil release;
-    std::visit(
-        [&](auto& engine) {
-          if (labels) {
-            engine.process(span, ids);
-          } else {
-            engine.process(span);
-          }
-        },
-        tracker.engine);
-  }
-  if (!labels) return std::nullopt;
-  return moved_to_array(std::move(ids));
+  return std::visit([&](auto& engine) { return process_labelled(engine, events, labels); },
+                    tracker.engine);
 }
 
 py::array clusters(const Tracker& tracker) {

@@ -5,16 +5,14 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "arrays.hpp"
 #include "asap/algorithms/feature_tracker.hpp"
 #include "asap/core/check.hpp"
-#include "gil.hpp"
 #include "layers.hpp"
+#include "per_event.hpp"
 
 namespace asap::python {
 namespace {
@@ -97,23 +95,6 @@ py::dict parameters(const FeatureTracker& tracker) {
                   "velocity_us"_a = config.velocity_us);
 }
 
-std::optional<py::array_t<std::int32_t>> process(FeatureTracker& tracker, const py::array& events,
-                                                 bool labels) {
-  const EventSpan span = as_span(events);
-  std::vector<std::int32_t> ids(labels ? span.size() : 0);
-  {
-    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const WithoutGil release;
-    if (labels) {
-      tracker.process(span, ids);
-    } else {
-      tracker.process(span);
-    }
-  }
-  if (!labels) return std::nullopt;
-  return moved_to_array(std::move(ids));
-}
-
 }  // namespace
 
 void bind_features(py::module_& m) {
@@ -125,7 +106,8 @@ void bind_features(py::module_& m) {
            "detector"_a = name_of(kDefault.detector), "window"_a = kDefault.window,
            "radius"_a = kDefault.radius, "min_neighbours"_a = kDefault.min_neighbours,
            "velocity_us"_a = kDefault.velocity_us)
-      .def("process", &process, py::arg("events").noconvert(), "labels"_a = true,
+      .def("process", &process_labelled<FeatureTracker>, py::arg("events").noconvert(),
+           "labels"_a = true,
            R"(Takes the next events of the stream.
 
 Parameters

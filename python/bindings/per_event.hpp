@@ -3,6 +3,8 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,6 +14,25 @@
 namespace asap::python {
 
 namespace py = pybind11;
+
+// process() of a tracker that gives every event an id. `labels` false: no array is made.
+template <class Tracker>
+std::optional<py::array_t<std::int32_t>> process_labelled(Tracker& tracker, const py::array& events,
+                                                          bool labels) {
+  const EventSpan span = as_span(events);
+  std::vector<std::int32_t> ids(labels ? span.size() : 0);
+  {
+    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
+    const WithoutGil release;
+    if (labels) {
+      tracker.process(span, ids);
+    } else {
+      tracker.process(span);
+    }
+  }
+  if (!labels) return std::nullopt;
+  return moved_to_array(std::move(ids));
+}
 
 // process() of an algorithm that lets some of the events pass.
 template <class Filter>

@@ -1,14 +1,11 @@
 // The layer `study`, its rival trackers: baselines of the cluster tracker, with its face.
 #include <cstdint>
-#include <optional>
-#include <utility>
-#include <vector>
 
 #include "arrays.hpp"
 #include "asap/study/jaer_cluster_tracker.hpp"
 #include "asap/study/owner_cell_tracker.hpp"
-#include "gil.hpp"
 #include "layers.hpp"
+#include "per_event.hpp"
 
 #include <pybind11/stl.h>
 
@@ -16,28 +13,10 @@ namespace asap::python {
 namespace {
 
 template <class Tracker>
-std::optional<py::array_t<std::int32_t>> process(Tracker& tracker, const py::array& events,
-                                                 bool labels) {
-  const EventSpan span = as_span(events);
-  std::vector<std::int32_t> ids(labels ? span.size() : 0);
-  {
-    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const WithoutGil release;
-    if (labels) {
-      tracker.process(span, ids);
-    } else {
-      tracker.process(span);
-    }
-  }
-  if (!labels) return std::nullopt;
-  return moved_to_array(std::move(ids));
-}
-
-template <class Tracker>
 void bind_face(py::class_<Tracker>& bound, const char* name) {
   bound
-      .def("process", &process<Tracker>, py::arg("events").noconvert(), py::arg("labels") = true,
-           "As ClusterTracker.process.")
+      .def("process", &process_labelled<Tracker>, py::arg("events").noconvert(),
+           py::arg("labels") = true, "As ClusterTracker.process.")
       .def_property_readonly(
           "clusters",
           [](const Tracker& tracker) -> py::array { return moved_to_array(tracker.clusters()); },

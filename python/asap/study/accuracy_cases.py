@@ -28,6 +28,11 @@ class Rung(NamedTuple):
     before: Maker | None = None
     corners: bool = False
 
+    def made_for(self, scene: Scene) -> tuple[Any, Any | None]:
+        """Make the algorithm and the filter anew."""
+        before = self.before(scene.width, scene.height) if self.before else None
+        return self.make(scene.width, scene.height), before
+
 
 def _compat(**parameters: Any) -> Maker:
     return lambda width, height: _core.ClusterTracker(width, height, engine="compat", **parameters)

@@ -125,8 +125,7 @@ def costs_ns(rungs: dict[str, Rung], scene: Scene) -> dict[str, float]:
 
 
 def _turn_ns(rung: Rung, scene: Scene, packages: list[Any]) -> int:
-    tracker = rung.make(scene.width, scene.height)
-    before = rung.before(scene.width, scene.height) if rung.before else None
+    tracker, before = rung.made_for(scene)
     begin_ns = time.thread_time_ns()
     for package in packages:
         tracker.process(package if before is None else before.process(package), labels=False)
@@ -135,6 +134,5 @@ def _turn_ns(rung: Rung, scene: Scene, packages: list[Any]) -> int:
 
 def _scored(rung: Rung, scene: Scene) -> dict[str, float]:
     """Of the figures of `asap.score`, those of the table: the others take twice as long."""
-    tracker = rung.make(scene.width, scene.height)
-    before = rung.before(scene.width, scene.height) if rung.before else None
+    tracker, before = rung.made_for(scene)
     return mota(match(follow(tracker, scene, before=before).samples))._asdict()

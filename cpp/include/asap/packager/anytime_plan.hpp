@@ -1,11 +1,10 @@
 // AnytimePlan: how an anytime package keeps its budget. The raw events are cut into strata of equal
 // count, in time order; before each of them the clock is read and the kept fraction is planned anew
 // from the time that is left and from what an event has cost so far in this package, so that the
-// package ends on time whatever the algorithm costs. The fixed cost is in the first
-// stratum, and made up for in the others; where there is but one, time is left for it. A stratum
-// that takes far longer than its like, between two that do not, has met an outage: the thread did
-// not run. Arithmetic only: the time is handed in. O(1) per stratum. Source: notebooks/theory.md,
-// section 7.
+// package ends on time whatever the algorithm costs. The fixed cost is in the first stratum, and
+// the others make up for it; where there is but one, time is left for it. A stratum that takes far
+// longer than its like, between two that do not, has met an outage: the thread did not run.
+// Arithmetic only: the time is handed in. O(1) per stratum. Source: notebooks/theory.md, section 7.
 #pragma once
 
 #include <cstddef>
