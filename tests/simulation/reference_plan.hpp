@@ -58,9 +58,7 @@ class ReferencePlan {
     const double raw = static_cast<double>(raw_) / count;
     const double passed_ns = static_cast<double>(now_ns - start_ns_);
     double left_ns = static_cast<double>(end_ns_ - now_ns) / static_cast<double>(strata_ - j);
-    if (strata_ == 1 && fixed_ns_ > passed_ns && left_ns > 0) {
-      left_ns = std::max(left_ns - (fixed_ns_ - passed_ns), left_ns / 2);
-    }
+    if (strata_ == 1 && fixed_ns_ > passed_ns) left_ns -= fixed_ns_ - passed_ns;
     const double event_ns = spent_ns_ / events_;
     double size_planned = left_ns / event_ns;
     if (event_ns * raw <= left_ns) size_planned = raw;

@@ -71,10 +71,8 @@ std::int64_t AnytimePlan::outage_ns() const noexcept {
 double AnytimePlan::keep(std::int64_t now_ns) const noexcept {
   const auto strata = static_cast<double>(strata_);
   auto left_ns = static_cast<double>(end_ns_ - now_ns);
-  if (strata_ == 1) {  // half of it for events: what is believed may be wrong
-    left_ns -=
-        std::clamp(static_cast<double>(fixed_end_ns_ - now_ns), 0.0, std::max(left_ns / 2, 0.0));
-  }
+  // If it takes all, the least gets through, and what that costs corrects a wrong belief.
+  if (strata_ == 1) left_ns -= std::max(static_cast<double>(fixed_end_ns_ - now_ns), 0.0);
   left_ns /= strata - static_cast<double>(done_);
   const double event_ns = spent_ns_ / weight_;
   const double raw = static_cast<double>(raw_) / strata;

@@ -141,7 +141,15 @@ TEST(AnytimePlan, TheOnlyStratumLeavesTimeForTheFixedCost) {
   EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(300'005, 0).keep, 0.6) << "partly over";
   EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(500'005, 0).keep, 0.5) << "over";
   const Decision dear = with_fixed_cost(900'000, within(kMillisecond, 100, 10'000));
-  EXPECT_DOUBLE_EQ(AnytimePlan(dear, 5, 0).next(5, 0).keep, 0.5) << "if it is true";
+  EXPECT_DOUBLE_EQ(AnytimePlan(dear, 5, 0).next(5, 0).keep, 0.1);
+}
+
+TEST(AnytimePlan, AFixedCostBeyondTheBudgetLeavesTheLeast) {
+  // If it is true, the package is late anyway; if not, its time tells the cost model so.
+  const Decision decision = with_fixed_cost(1'500'000, within(kMillisecond, 100, 0.1));
+  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(5, 0).keep, 0.02) << "2 % of the plan: 2";
+  const Decision small = with_fixed_cost(1'500'000, within(kMillisecond, 20, 0.1));
+  EXPECT_DOUBLE_EQ(AnytimePlan(small, 5, 0).next(5, 0).keep, 1.0 / 20);
 }
 
 TEST(AnytimePlan, OfSeveralTheOthersMakeUpForTheFixedCost) {

@@ -247,7 +247,7 @@ class NaiveSimulator final : public BacklogCounts {
       const std::int64_t now = now_ns_;
       if (j > 0 && now > end + config_.bound_ns / 100) return;  // an outage
       double left = static_cast<double>(end - now) / (M - static_cast<double>(j));
-      if (strata == 1 && left > 0) left = std::max(left - fixed, left / 2);
+      if (strata == 1) left -= fixed;
       const double b = (decision.event_ns * k0 + tau) / (k0 + m);
       double q = b > 0 ? std::min(left / b, N / M) : (left >= 0 ? N / M : 0.0);
       const double f = std::max(0.02 * n / M, j == 0 ? 1.0 : 0.0);
