@@ -64,6 +64,11 @@ def simulate(events, name, opaque, *, alpha_us=ALPHA_US, beta_ns=BETA_NS, **cost
     return run
 
 
+def steps_of_cost(seed):
+    """Factors on beta for 2 s: another one, 0.5 to 2, every 50 ms."""
+    return np.repeat(2 ** np.random.default_rng(seed).uniform(-1, 1, 40), 50)
+
+
 def after(run, time_ms):
     """The slots of 1 ms from a time on."""
     return run.slots[run.slots["slot"] >= time_ms]
@@ -167,6 +172,32 @@ def test_f3_two_costs_20_times_apart_by_chance(name, opaque):
     run = simulate(load((1e5, 3000)), name, opaque, drift=bimodal)  # mean rho 3.2
     assert run.in_time > 0.15
     assert run.latency.max < 6e3 * L_MS
+
+
+@pytest.mark.parametrize("scheme", [asap.Deadline, asap.DeadBeat])
+@pytest.mark.parametrize("seed", [None, 1, 4])
+def test_f3_dear_events_and_a_tight_bound(scheme, seed):
+    """70 events are a bound. From the first package on, though nothing is known of the cost."""
+    drift = None if seed is None else steps_of_cost(seed)
+    run = asap.simulate(
+        load((1.5e5, 2000)),
+        cost=asap.LinearCost(4, 14e3, drift=drift),
+        scheme=scheme(latency_ms=1),
+    )
+    assert run.latency.max <= 1.1e3
+    assert run.latency.quantile(0.99) <= 1e3
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_f3_a_fall_is_not_taken_for_a_fixed_cost_that_was_none(seed):
+    """Larger packages have been cheaper, so small ones seem to be all fixed cost."""
+    run = asap.simulate(
+        load((1.5e6, 2000)),
+        cost=asap.LinearCost(3, 4300, noise=0.05, drift=steps_of_cost(seed)),
+        latency_ms=5,
+        opaque=True,
+    )
+    assert run.latency.max <= 1.6e3 * 5  # a package three times as dear
 
 
 @both_executions

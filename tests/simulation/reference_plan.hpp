@@ -28,7 +28,7 @@ class ReferencePlan {
   ReferencePlan() = default;
   ReferencePlan(const Decision& decision, std::int64_t start_ns, std::int64_t grace_ns)
       : raw_(decision.raw),
-        strata_(std::clamp<std::size_t>(raw_ / 64, 1, 16)),
+        strata_(count(decision)),
         planned_(decision.keep * static_cast<double>(raw_)),
         end_ns_(start_ns + std::clamp<std::int64_t>(decision.budget_ns, 0, 1'000'000'000'000'000)),
         grace_ns_(grace_ns),
@@ -69,6 +69,19 @@ class ReferencePlan {
   }
 
  private:
+  // Of 64 events, or shorter: none longer than a 16th of the budget, or 2 us.
+  static std::size_t count(const Decision& decision) {
+    const double raw = static_cast<double>(decision.raw);
+    const double budget_ns = static_cast<double>(decision.budget_ns);
+    const double most_ns =
+        decision.event_ns < decision.most_event_ns ? decision.most_event_ns : decision.event_ns;
+    double work_ns = decision.keep * raw * most_ns;
+    if (!(work_ns < budget_ns)) work_ns = budget_ns;
+    double strata = std::max(std::floor(raw / 64), work_ns / std::max(budget_ns / 16, 2000.0));
+    strata = std::min({strata, raw, 16.0});
+    return strata >= 1 ? static_cast<std::size_t>(strata) : 1;
+  }
+
   std::size_t raw_ = 0;
   std::size_t strata_ = 0;
   double planned_ = 0;

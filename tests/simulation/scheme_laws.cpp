@@ -57,6 +57,8 @@ void hold_bounded(const Setup& setup, const Backlog& backlog, const Decision& de
   const double event_ns = decision.event_ns;
   journal.hold(Law::protocol, std::isfinite(event_ns) && (!is_anytime || event_ns > 0),
                "cost of an event", event_ns);
+  journal.hold(Law::protocol, !is_anytime || decision.most_event_ns >= event_ns,
+               "the most that an event costs", decision.most_event_ns);
   journal.hold(Law::protocol, std::isfinite(decision.fixed_ns) && decision.fixed_ns >= 0,
                "fixed cost", decision.fixed_ns);
 }

@@ -6,10 +6,24 @@ namespace asap {
 namespace {
 
 constexpr std::size_t kLeastStratum = 64;  // raw events: reading the clock must cost nothing
+constexpr double kLeastStratumNs = 2000;   // likewise, where events are dear
 constexpr double kPriorShare = 1.0 / 32;   // of the planned events: weight of the expected cost
 constexpr double kCoverage = 0.02;         // of the planned events: no stratum stays empty
 constexpr double kDear = 3.0;              // times the cost so far: algorithms vary
 constexpr std::int64_t kLongestNs = 1'000'000'000'000'000;
+
+// Of kLeastStratum events, or so many that none takes longer than its share of the budget.
+std::size_t strata(const Decision& decision) noexcept {
+  constexpr auto kMost = static_cast<double>(AnytimePlan::kMostStrata);
+  const auto raw = static_cast<double>(decision.raw);
+  const double work_ns = decision.keep * raw * std::max(decision.event_ns, decision.most_event_ns);
+  const auto budget_ns = static_cast<double>(decision.budget_ns);
+  const double share_ns = std::max(budget_ns / kMost, kLeastStratumNs);
+  const double by_time = (work_ns < budget_ns ? work_ns : budget_ns) / share_ns;
+  const auto by_count = static_cast<double>(decision.raw / kLeastStratum);
+  return static_cast<std::size_t>(
+      std::max(1.0, std::min({kMost, raw, std::max(by_count, by_time)})));
+}
 
 // Of a number that may be any.
 std::int64_t bounded_ns(double ns) noexcept {
@@ -21,8 +35,9 @@ std::int64_t bounded_ns(double ns) noexcept {
 AnytimePlan::AnytimePlan(const Decision& decision, std::int64_t start_ns,
                          std::int64_t grace_ns) noexcept
     : raw_(decision.raw),
-      strata_(std::clamp<std::size_t>(raw_ / kLeastStratum, 1, kMostStrata)),
+      strata_(strata(decision)),
       planned_(decision.keep * static_cast<double>(raw_)),
+      start_ns_(start_ns),
       end_ns_(start_ns + std::clamp<std::int64_t>(decision.budget_ns, 0, kLongestNs)),
       grace_ns_(grace_ns),
       fixed_end_ns_(start_ns + bounded_ns(decision.fixed_ns)),
@@ -37,6 +52,7 @@ AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) no
   if (done_ > 0) {
     const auto stratum_ns = static_cast<double>(now_ns - stratum_start_ns_);
     if (done_ > 1) judge(stratum_ns, static_cast<double>(size));  // the fixed cost is in the first
+    if (done_ == 1 && strata_ > 1) first_ = {size, now_ns - start_ns_};
     spent_ns_ += stratum_ns;
     weight_ += static_cast<double>(size);
     if (now_ns > end_ns_ + grace_ns_) return {};

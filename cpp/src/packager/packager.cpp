@@ -263,7 +263,9 @@ void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
                    .span_ns = axis().to_ns(package.t_last()) - axis().to_ns(package.t_first()),
                    .start_ns = package.start_ns,
                    .processing_ns = processing_ns,
-                   .outage_ns = is_anytime_ ? plan_.outage_ns() : 0});
+                   .outage_ns = is_anytime_ ? plan_.outage_ns() : 0,
+                   .first_size = is_anytime_ ? plan_.first().size : 0,
+                   .first_ns = is_anytime_ ? plan_.first().time_ns : 0});
   consume(package.raw);
   ++packages_;
   keep_ = smoothed_keep(gamma_of(package), package.start_ns);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "asap/core/check.hpp"
 
@@ -26,6 +27,8 @@ constexpr double kMostScale = 3.0;
 constexpr double kMostRise = 2.0;
 constexpr double kMostFall = -0.5;
 constexpr double kFirstSigma = 0.2;
+constexpr double kScaleGain = 0.2;
+constexpr double kSigmaGain = 0.05;
 
 double outlier_limit(double sigma) noexcept { return 3.0 * sigma + 0.03; }
 
@@ -50,6 +53,7 @@ void CostModel::reset() noexcept {
   level_start_ = 0;
   smallest_ = kMostSize;
   largest_ = 0.0;
+  last_event_ns_ = std::numeric_limits<double>::infinity();
   buckets_ = {};
   for (const std::size_t octave : {std::size_t{0}, kPriorBucket}) {
     const auto size = static_cast<double>(std::size_t{1} << octave);
@@ -57,20 +61,33 @@ void CostModel::reset() noexcept {
   }
 }
 
-void CostModel::update(std::size_t size, double processing_ns) noexcept {
+double CostModel::most_event_ns() const noexcept {
+  return on_level() <= kPriorLasts ? std::max(beta_ns(), last_event_ns_) : beta_ns();
+}
+
+void CostModel::update(std::size_t size, double processing_ns, std::size_t first_size,
+                       double first_ns) noexcept {
+  const bool has_parts = first_size > 0 && first_size < size;
+  if (has_parts) learn(first_size, first_ns, {.scale = kScaleGain / 2, .sigma = 0.0});
+  if (size > 0) learn(size, processing_ns, {has_parts ? kScaleGain / 2 : kScaleGain, kSigmaGain});
+}
+
+void CostModel::learn(std::size_t size, double processing_ns, Gains gains) noexcept {
   if (!(processing_ns >= 0)) return;
-  const double n = std::clamp(static_cast<double>(size), 1.0, kMostSize);
+  const double n = std::min(static_cast<double>(size), kMostSize);
+  const double measured_ns = std::clamp(processing_ns, kLeastCostNs, kMostCostNs);
+  last_event_ns_ = measured_ns / n;
   const double expected_ns = predict_ns(n);
-  const double error = std::clamp(processing_ns, kLeastCostNs, kMostCostNs) / expected_ns - 1.0;
+  const double error = measured_ns / expected_ns - 1.0;
   const double noise = std::min(std::abs(error), outlier_limit(sigma_));
-  const double cost_ns =
-      std::clamp(expected_ns * (1.0 + clipped(error, n)), kLeastCostNs, kMostCostNs);
+  double cost_ns = std::clamp(expected_ns * (1.0 + clipped(error, n)), kLeastCostNs, kMostCostNs);
+  if (bucket(n).is_new()) cost_ns = std::min(cost_ns, measured_ns);
   smallest_ = std::min(smallest_, n);
   largest_ = std::max(largest_, n);
   forget();
   remember(n, cost_ns);
   fit();
-  if (on_level() >= kClipsFrom) follow(n, cost_ns, noise);
+  if (on_level() >= kClipsFrom) follow(n, cost_ns, noise, gains);
   ++count_;
 }
 
@@ -98,7 +115,7 @@ double CostModel::clipped(double error, double size) noexcept {
 // hundreds of packages.) A fall that the fixed cost alone explains says nothing about the rest.
 void CostModel::start_level(double factor, double size) noexcept {
   const double fall_ns = (1.0 - factor) * predict_ns(size);
-  const bool is_fixed_cost = fall_ns > 0.0 && fall_ns < alpha_ns();
+  const bool is_fixed_cost = fall_ns > 0.0 && fall_ns < alpha_ns() && fall_ns < least_cost_ns();
   rebase(is_fixed_cost ? scale_ : scale_ * factor);
   for (Bucket& bucket : buckets_) {
     if (is_fixed_cost) bucket.cost_ns = std::max(bucket.cost_ns - fall_ns, kLeastAlphaNs);
@@ -109,6 +126,15 @@ void CostModel::start_level(double factor, double size) noexcept {
   level_start_ = count_;
   smallest_ = kMostSize;
   largest_ = 0.0;
+}
+
+// Of what is remembered. No fixed cost is larger.
+double CostModel::least_cost_ns() const noexcept {
+  double least_ns = kMostCostNs;
+  for (const Bucket& bucket : buckets_) {
+    if (bucket.weight > 0) least_ns = std::min(least_ns, scale_ * bucket.cost_ns);
+  }
+  return least_ns;
 }
 
 void CostModel::forget() noexcept {
@@ -128,10 +154,14 @@ bool CostModel::knows_better(const Bucket& prior) const noexcept {
   return level_start_ == 0 || (largest_ >= kSpread * smallest_ && prior.size <= kSpread * largest_);
 }
 
-void CostModel::remember(double size, double cost_ns) noexcept {
+CostModel::Bucket& CostModel::bucket(double size) noexcept {
   const auto octave = static_cast<std::size_t>(std::bit_width(static_cast<std::size_t>(size))) - 1;
-  Bucket& bucket = buckets_[std::min(octave, buckets_.size() - 1)];
-  if (bucket.weight < 0.2) {
+  return buckets_[std::min(octave, buckets_.size() - 1)];
+}
+
+void CostModel::remember(double size, double cost_ns) noexcept {
+  Bucket& bucket = this->bucket(size);
+  if (bucket.is_new()) {
     bucket = {1.0, size, cost_ns, false};
     return;
   }
@@ -177,9 +207,9 @@ void CostModel::fit() noexcept {
   beta_ns_ = std::max(kLeastBetaNs, factor * b);
 }
 
-void CostModel::follow(double size, double cost_ns, double noise) noexcept {
-  scale_ += 0.2 * (std::clamp(cost_ns / line_ns(size), 0.1, 10.0) - scale_);
-  sigma_ = std::max(0.01, sigma_ + 0.05 * (noise - sigma_));
+void CostModel::follow(double size, double cost_ns, double noise, Gains gains) noexcept {
+  scale_ += gains.scale * (std::clamp(cost_ns / line_ns(size), 0.1, 10.0) - scale_);
+  sigma_ = std::max(0.01, sigma_ + gains.sigma * (noise - sigma_));
   if (scale_ > kMostScale || scale_ < 1.0 / kMostScale) rebase(scale_);
 }
 

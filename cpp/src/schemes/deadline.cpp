@@ -156,7 +156,7 @@ double Deadline::reserve(const Backlog& backlog, const Lengths& lengths,
 Decision Deadline::take_all(const Backlog& backlog, double budget_ns) const noexcept {
   const double raw = count(backlog);
   if (!is_whole()) return take(raw, raw, budget_ns);
-  const double slice = std::min(raw, slow_start_size(packages_));
+  const double slice = std::min({raw, slow_start_size(packages_), safe_size(budget_ns)});
   return take(slice, slice, budget_ns);
 }
 
@@ -166,11 +166,16 @@ Decision Deadline::thin(const Backlog& backlog, double reserve, double budget_ns
   const double affordable_ns = std::max(budget_ns / caution() - alpha_ns, alpha_ns / 4.0);
   const double affordable = std::max(1.0, std::floor(affordable_ns / cost_.beta_ns()));
   const double raw = std::min(waiting, std::max(waiting - std::floor(reserve), affordable));
-  const double size = std::min({raw, affordable, slow_start_size(packages_)});
-  if (!is_whole()) return take(raw, size, budget_ns);
+  const double most = std::min(raw, affordable);
+  if (!is_whole()) return take(raw, std::min(most, slow_start_size(packages_)), budget_ns);
+  const double size = std::min({most, slow_start_size(packages_), safe_size(budget_ns)});
   if (is_early()) return take(size, size, budget_ns);  // a slice: discard nothing without need
   const bool is_half = size < raw && is_dithered(packages_);
   return take(raw, is_half ? std::max(1.0, size / 2) : size, budget_ns);
+}
+
+double Deadline::safe_size(double budget_ns) const noexcept {
+  return asap::safe_size(budget_ns / caution(), cost_.most_event_ns());
 }
 
 Decision Deadline::take(double raw, double size, double budget_ns) const noexcept {
@@ -179,12 +184,14 @@ Decision Deadline::take(double raw, double size, double budget_ns) const noexcep
   decision.budget_ns = std::llround(std::clamp(budget_ns, 1.0, kLongestBudgetNs));
   decision.fixed_ns = cost_.alpha_ns();
   decision.event_ns = cost_.beta_ns();
+  decision.most_event_ns = cost_.most_event_ns();
   return decision;
 }
 
 void Deadline::observe(const Outcome& outcome) noexcept {
   if (outcome.size == 0) return;  // no algorithm ran
-  cost_.update(outcome.size, static_cast<double>(outcome.work_ns()));
+  cost_.update(outcome.size, static_cast<double>(outcome.work_ns()), outcome.first_size,
+               static_cast<double>(outcome.first_ns));
   reserve_.observe(age_ns_ + static_cast<double>(outcome.processing_ns),
                    static_cast<double>(outcome.span_ns),
                    static_cast<double>(latency_bound_ns_.load()));

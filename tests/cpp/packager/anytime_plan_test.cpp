@@ -136,12 +136,10 @@ Decision with_fixed_cost(double fixed_ns, Decision decision) {
 }
 
 TEST(AnytimePlan, TheOnlyStratumLeavesTimeForTheFixedCost) {
-  const Decision decision = with_fixed_cost(400'000, within(kMillisecond, 100, 10'000));
+  const Decision decision = with_fixed_cost(940'000, within(kMillisecond, 100, 1000));
   EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(5, 0).keep, 0.6);
   EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(300'005, 0).keep, 0.6) << "partly over";
-  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(500'005, 0).keep, 0.5) << "over";
-  const Decision dear = with_fixed_cost(900'000, within(kMillisecond, 100, 10'000));
-  EXPECT_DOUBLE_EQ(AnytimePlan(dear, 5, 0).next(5, 0).keep, 0.1);
+  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(950'005, 0).keep, 0.5) << "over";
 }
 
 TEST(AnytimePlan, AFixedCostBeyondTheBudgetLeavesTheLeast) {
@@ -159,9 +157,44 @@ TEST(AnytimePlan, OfSeveralTheOthersMakeUpForTheFixedCost) {
 }
 
 TEST(AnytimePlan, OfASmallPlanTheExpectationWeighsAsOneEvent) {
-  AnytimePlan plan(within(10'000, 128, 1000.0, 0.1), 0, kMillisecond);
+  AnytimePlan plan(within(10'000, 128, 300.0, 0.1), 0, kMillisecond);
   (void)plan.next(0, 0);
-  EXPECT_DOUBLE_EQ(plan.next(3000, 2).keep, 7000 / ((1000.0 + 3000) / 3) / 64);
+  EXPECT_DOUBLE_EQ(plan.next(3000, 2).keep, 7000 / ((300.0 + 3000) / 3) / 64);
+}
+
+// Strata of a package of so many events that need work_ns in all, or may need it.
+std::size_t strata(std::size_t raw, std::int64_t budget_ns, double work_ns, bool may = false) {
+  Decision decision = within(budget_ns, raw, may ? 1.0 : work_ns / static_cast<double>(raw));
+  if (may) decision.most_event_ns = work_ns / static_cast<double>(raw);
+  return execute(decision, 0.0).strata.size();
+}
+
+TEST(AnytimePlan, NoStratumOfDearEventsIsLongerThanItsShareOfTheBudget) {
+  for (const bool may : {false, true}) {
+    EXPECT_EQ(strata(100, 1'600'000, 199'000, may), 1u);
+    EXPECT_EQ(strata(100, 1'600'000, 201'000, may), 2u);
+    EXPECT_EQ(strata(100, 1'600'000, 1'590'000, may), 15u);
+    EXPECT_EQ(strata(100, 1'600'000, 1'610'000, may), 16u);
+    EXPECT_EQ(strata(100, 1'600'000, 1e12, may), 16u);
+    EXPECT_EQ(strata(5, 1'600'000, 1e12, may), 5u) << "one event is the least";
+    EXPECT_EQ(strata(320, 1'600'000, 301'000, may), 5u) << "64 events each are shorter";
+    EXPECT_EQ(strata(100, 9000, 1e12, may), 4u) << "2 us: reading the clock must cost nothing";
+    EXPECT_EQ(strata(100, 1000, 1e12, may), 1u);
+  }
+}
+
+TEST(AnytimePlan, TellsWhatItWasUntilTheEndOfTheFirstStratum) {
+  AnytimePlan plan(within(kMillisecond, 6400, 100.0), 7, 0);
+  (void)plan.next(1007, 0);  // a fixed cost, paid before
+  EXPECT_EQ(plan.first().size, 0u);
+  (void)plan.next(50'007, 300);
+  (void)plan.next(90'007, 200);
+  EXPECT_EQ(plan.first().size, 300u);
+  EXPECT_EQ(plan.first().time_ns, 50'000);
+  AnytimePlan one(within(kMillisecond, 60, 100.0), 0, 0);
+  (void)one.next(0, 0);
+  (void)one.next(6000, 60);
+  EXPECT_EQ(one.first().size, 0u) << "there are not two sizes";
 }
 
 TEST(AnytimePlan, NoStratumStaysEmpty) {
@@ -269,6 +302,13 @@ TEST(AnytimePlan, WithoutAnExpectationItTriesAndLearns) {
 TEST(AnytimePlan, AlwaysPlansAFraction) {
   for (const double event_ns : {0.0, 1e-300, 1e300, kInfinity, kNaN, -kInfinity}) {
     const double fixed_ns = event_ns;
+    for (const double most_ns : {0.0, 1.0, kInfinity, kNaN, -kInfinity}) {
+      Decision decision = within(kMillisecond, 100, event_ns);
+      decision.most_event_ns = most_ns;
+      const Executed run = execute(decision, 10.0);
+      ASSERT_LE(run.strata.size(), 16u);
+      ASSERT_EQ(run.strata.back().end, 100u);
+    }
     for (const std::int64_t budget_ns : {kLongAgo, std::int64_t{0}, kMillisecond, kNever}) {
       for (const double keep : {0.0, 1e-300, 1.0}) {
         for (const std::int64_t start_ns : {std::int64_t{-9'200'000'000'000'000'000},

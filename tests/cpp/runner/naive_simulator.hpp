@@ -231,10 +231,17 @@ class NaiveSimulator final : public BacklogCounts {
   // N raw events, M strata; `end`, k0, tau, m, b, q and f as in 6.2.
   void run_anytime(const Decision& decision, std::size_t raw, PackageCost cost,
                    std::vector<Event>& kept) {
-    const std::size_t strata = std::clamp<std::size_t>(raw / 64, 1, 16);
-    const double M = static_cast<double>(strata);
     const double N = static_cast<double>(raw);
     const double n = decision.keep * N;
+    const double H = static_cast<double>(decision.budget_ns);
+    const double share = std::max(H / 16, 2000.0);
+    std::size_t strata = raw / 64;
+    for (std::size_t m = strata + 1; m <= 16; ++m) {
+      const double m_ns = static_cast<double>(m) * share;
+      if (n * std::max(decision.event_ns, decision.most_event_ns) >= m_ns && H >= m_ns) strata = m;
+    }
+    strata = std::clamp<std::size_t>(strata, 1, std::clamp<std::size_t>(raw, 1, 16));
+    const double M = static_cast<double>(strata);
     constexpr std::int64_t kAges = 1'000'000'000'000'000;
     const std::int64_t end = now_ns_ + std::clamp<std::int64_t>(decision.budget_ns, 0, kAges);
     const double k0 = std::max(1.0, n / 32);

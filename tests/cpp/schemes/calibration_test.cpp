@@ -19,6 +19,13 @@ TEST(Calibration, SizesDoubleOverTheFirstFifteenPackages) {
   }
 }
 
+TEST(Calibration, ASafeSizeKeepsTheBudgetIfAllOfTheCostIsThatOfTheEvents) {
+  EXPECT_EQ(safe_size(1000, 10), 100.0);
+  EXPECT_EQ(safe_size(1000, 300), 3.0);
+  EXPECT_EQ(safe_size(1000, 1e6), 2.0);
+  EXPECT_EQ(safe_size(1000, std::numeric_limits<double>::infinity()), 2.0);
+}
+
 TEST(Calibration, EverySixteenthPackageAfterwardsIsDithered) {
   std::vector<std::uint64_t> dithered;
   for (std::uint64_t index = 0; index < 50; ++index) {

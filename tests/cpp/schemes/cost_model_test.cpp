@@ -252,6 +252,74 @@ TEST(CostModel, AFallThatTheFixedCostExplainsSaysNothingAboutTheEvents) {
   EXPECT_NEAR(model.beta_ns() / kBetaNs, 1, 0.25);
 }
 
+// In closed loop n falls as beta rises, and c stays: a fixed cost, as it seems. One event tells.
+TEST(CostModel, OfANewSizeALowCostIsTheTruth) {
+  const auto trained = [] {
+    CostModel model;
+    for (int k = 0; k < 20; ++k) {
+      for (const std::size_t size : {40u, 70u, 150u}) model.update(size, 500e3);
+    }
+    EXPECT_GT(model.alpha_ns(), 400e3);
+    return model;
+  };
+  CostModel cheap = trained();
+  cheap.update(1, 10e3);
+  EXPECT_NEAR(cheap.alpha_ns(), 10e3, 10e3);
+  CostModel dear = trained();
+  dear.update(1, 50e6);
+  EXPECT_LT(dear.alpha_ns(), 700e3) << "an outage is clipped";
+  CostModel known = trained();
+  known.update(40, 10e3);
+  EXPECT_GT(known.alpha_ns(), 350e3) << "and what is known is";
+}
+
+TEST(CostModel, NoFixedCostIsLargerThanAPackage) {
+  CostModel model;
+  for (int k = 0; k < 8; ++k) model.update(63, 110e3);
+  for (int k = 0; k < 40; ++k) {  // a level on which nothing tells of so small packages
+    for (const std::size_t size : {220u, 371u, 596u}) model.update(size, 1.4e6);
+  }
+  const double before_ns = model.predict_ns(220);
+  for (int k = 0; k < 3; ++k) model.update(220, 0.42 * before_ns);
+  EXPECT_GT(model.predict_ns(1000), 0.2 * before_ns);
+}
+
+TEST(CostModel, UntilItKnowsAllOfTheLastCostMayBeThatOfItsEvents) {
+  CostModel model;
+  EXPECT_EQ(model.most_event_ns(), std::numeric_limits<double>::infinity());
+  for (std::size_t k = 0; k < 6; ++k) {
+    const std::size_t size = std::size_t{4} << k;
+    model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
+    EXPECT_DOUBLE_EQ(model.most_event_ns(), kAlphaNs / static_cast<double>(size) + kBetaNs);
+  }
+  model.update(8, kAlphaNs + kBetaNs * 8);  // the first guess is forgotten
+  EXPECT_EQ(model.most_event_ns(), model.beta_ns());
+  for (int k = 0; k < 20; ++k) model.update(64, kAlphaNs + kBetaNs * 64);
+  for (int k = 0; k < 3; ++k) model.update(64, 10 * (kAlphaNs + kBetaNs * 64));
+  EXPECT_DOUBLE_EQ(model.most_event_ns(), 10 * (kAlphaNs + kBetaNs * 64) / 64) << "a new level";
+}
+
+TEST(CostModel, OfAPackageInPartsTheFirstIsASecondSize) {
+  CostModel whole({.first_alpha_us = 5});
+  CostModel parts({.first_alpha_us = 5});
+  const CounterRandom random(5);
+  for (std::uint64_t k = 0; k < 200; ++k) {
+    const double factor = std::exp(0.2 * normal(random, k));
+    const double whole_ns = factor * (kAlphaNs + kBetaNs * 900);
+    whole.update(900, whole_ns);
+    parts.update(900, whole_ns, 60, factor * (kAlphaNs + kBetaNs * 60));
+  }
+  EXPECT_GT(std::abs(whole.alpha_ns() / kAlphaNs - 1), 0.3) << "one size tells nothing";
+  EXPECT_NEAR(parts.alpha_ns() / kAlphaNs, 1, 0.15);
+  EXPECT_NEAR(parts.beta_ns() / kBetaNs, 1, 0.15);
+  EXPECT_NEAR(parts.sigma(), whole.sigma(), 0.02) << "of packages";
+  CostModel same;
+  CostModel none;
+  for (const std::size_t first : {0u, 900u, 901u}) same.update(900, 1e6, first, 1e3);
+  for (int k = 0; k < 3; ++k) none.update(900, 1e6);
+  EXPECT_EQ(same.predict_ns(60), none.predict_ns(60)) << "no part";
+}
+
 TEST(CostModel, LearnsTheNoise) {
   for (const double noise : {0.0, 0.05, 0.3}) {
     CostModel model;

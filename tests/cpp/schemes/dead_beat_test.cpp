@@ -157,6 +157,38 @@ TEST(DeadBeat, AWholePackageIsPlannedWithCaution) {
   EXPECT_EQ(decision.event_ns, 0.0);
 }
 
+// Of 4 ms for 10 events nobody knows what 16 will cost; L / 2 with caution is 4.2 ms.
+TEST(DeadBeat, AWholePackageIsNotLargerThanIsSafe) {
+  for (const Execution execution : {Execution::whole, Execution::anytime}) {
+    DeadBeat scheme({.knee = 0});
+    scheme.reset(execution);
+    for (int k = 0; k < 3; ++k) {
+      scheme.observe(
+          {.size = 10, .raw = 10, .span_ns = 0, .start_ns = 0, .processing_ns = 4 * kMs});
+    }
+    const Decision decision = decide(scheme, 1000, kMs);
+    const bool is_whole = execution == Execution::whole;
+    EXPECT_NEAR(size_of(decision), is_whole ? 10 : 16, 1e-9);
+    EXPECT_DOUBLE_EQ(decision.most_event_ns, is_whole ? 0 : 4e5);
+  }
+}
+
+TEST(DeadBeat, APackageOfSeveralPartsTellsItsFixedCost) {
+  DeadBeat scheme({.knee = 0});
+  scheme.reset(Execution::anytime);
+  for (int k = 0; k < 30; ++k) {
+    scheme.observe({.size = 1600,
+                    .raw = 1600,
+                    .span_ns = 0,
+                    .start_ns = 0,
+                    .processing_ns = std::llround(kAlphaNs + kBetaNs * 1600),
+                    .first_size = 100,
+                    .first_ns = std::llround(kAlphaNs + kBetaNs * 100)});
+  }
+  EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 0.001 * kAlphaNs);
+  EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 0.001 * kBetaNs);
+}
+
 TEST(DeadBeat, HoldsForTheOverheadUnlessDue) {
   DeadBeat scheme = trained({.overhead = 0.25});
   const FakeBacklog events = evenly(10, 50'000);

@@ -408,6 +408,25 @@ TEST(Deadline, DoesNotTakeOutagesForAFixedCost) {
   EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 0.01 * kBetaNs);
 }
 
+TEST(Deadline, APackageOfSeveralPartsTellsItsFixedCost) {
+  Deadline scheme;
+  scheme.reset(Execution::anytime);
+  const FakeBacklog events = evenly(10, kMs);
+  EXPECT_EQ(decide(scheme, events).most_event_ns, std::numeric_limits<double>::infinity());
+  for (int k = 0; k < 30; ++k) {
+    scheme.observe({.size = 1600,
+                    .raw = 1600,
+                    .span_ns = 0,
+                    .start_ns = 0,
+                    .processing_ns = std::llround(kAlphaNs + kBetaNs * 1600),
+                    .first_size = 100,
+                    .first_ns = std::llround(kAlphaNs + kBetaNs * 100)});
+  }
+  EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 0.001 * kAlphaNs);
+  EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 0.001 * kBetaNs);
+  EXPECT_EQ(decide(scheme, events, 50 * kMs).most_event_ns, scheme.beta_ns());
+}
+
 TEST(Deadline, AnImpossibleBoundIsReplacedByFourFixedCosts) {
   Deadline scheme = trained({.latency_ms = 10}, Execution::anytime, 400, 5e6);
   EXPECT_EQ(scheme.latency_bound_ns(), 10 * kMs);
@@ -419,6 +438,16 @@ TEST(Deadline, AnImpossibleBoundIsReplacedByFourFixedCosts) {
 }
 
 // ---- an algorithm that takes a package in one call --------------------------------------------
+
+// Of 3 ms for 10 events nobody knows what 16 will cost.
+TEST(Deadline, AWholePackageIsNotLargerThanIsSafe) {
+  Deadline scheme;
+  scheme.reset(Execution::whole);
+  for (int k = 0; k < 3; ++k) {
+    scheme.observe({.size = 10, .raw = 10, .span_ns = 0, .start_ns = 0, .processing_ns = 3 * kMs});
+  }
+  EXPECT_EQ(decide(scheme, evenly(1000, kMs), 50 * kMs).raw, 7u);  // T_hi / zeta = 2.22 ms
+}
 
 // zeta = 1 + 2.5 sigma = 1.025, T_hi = L / 3.
 TEST(Deadline, AWholePackageIsShorterAndPlannedWithCaution) {

@@ -36,6 +36,13 @@ class AnytimePlan {
   // The stratum to process from now on; `size` events were kept of the one before.
   Stratum next(std::int64_t now_ns, std::size_t size) noexcept;
 
+  // What it was until the end of the first stratum, fixed cost included; nothing before the second.
+  struct Part {
+    std::size_t size = 0;
+    std::int64_t time_ns = 0;
+  };
+  Part first() const noexcept { return first_; }
+
   // Of the package's time so far: what went into outages that show. None before the second stratum.
   std::int64_t outage_ns() const noexcept;
 
@@ -45,14 +52,16 @@ class AnytimePlan {
 
   std::size_t raw_ = 0;
   std::size_t strata_ = 0;
-  std::size_t done_ = 0;     // strata handed out
-  double planned_ = 0;       // events to keep of all
+  std::size_t done_ = 0;  // strata handed out
+  double planned_ = 0;    // events to keep of all
+  std::int64_t start_ns_ = 0;
   std::int64_t end_ns_ = 0;  // of the budget
   std::int64_t grace_ns_ = 0;
   std::int64_t fixed_end_ns_ = 0;  // as expected, of the fixed cost
   double weight_ = 1;              // events that spent_ns_ stands for, those of the prior included
   double spent_ns_ = 0;
   std::int64_t stratum_start_ns_ = 0;
+  Part first_;
   double outage_ns_ = 0;   // certainly
   double suspect_ns_ = 0;  // of the last stratum: an outage, or events that have become dear
 };

@@ -3,6 +3,8 @@
 // harmless; later, while events are discarded, every 16th package is half as large.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -15,6 +17,12 @@ constexpr bool is_early(std::uint64_t index) noexcept { return index < 15; }
 constexpr double slow_start_size(std::uint64_t index) noexcept {
   if (!is_early(index)) return std::numeric_limits<double>::infinity();
   return static_cast<double>(std::uint64_t{2} << index);
+}
+
+// Of a package that nothing ends, while little is known: the bound holds even if all of its cost is
+// that of its events. Two are tried whatever they cost.
+inline double safe_size(double budget_ns, double most_event_ns) noexcept {
+  return std::max(slow_start_size(0), std::floor(budget_ns / most_event_ns));
 }
 
 constexpr bool is_dithered(std::uint64_t index) noexcept {

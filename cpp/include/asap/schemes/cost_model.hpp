@@ -3,13 +3,14 @@
 //
 // In closed loop n hardly varies, and then alpha and beta are not separately observable: a plain
 // recursive fit runs away. Here each octave of n has a bucket of its own that is overwritten only
-// when its sizes come back, so old evidence about other sizes stays. The line is a weighted least
-// squares fit through the buckets; a fast common scale follows a cost that varies as a whole.
-// Single outliers are clipped, the third in a row on one side is a new level; one that is more than
-// three times as dear, or less than half as dear, is learned anew, but for a fall that the fixed
-// cost alone explains and for sizes far beyond those that have come since. What is known to be an
-// outage is no cost (Outcome::outage_ns): an anytime package ends on time with fewer events,
-// whatever kept it, and its time would pass for a fixed cost. The reference takes the wall time.
+// when its sizes come back. The line is a weighted least squares fit through the buckets; a fast
+// common scale follows a cost that varies as a whole. An anytime package shows two sizes at once,
+// its first part and all of it. Single outliers are clipped, but for low costs of new sizes: a
+// package may take longer than it costs, never less. The third in a row on one side is a new level;
+// one that is more than three times as dear, or less than half as dear, is learned anew, but for a
+// fall that the fixed cost alone explains and for sizes far beyond those that have come since. What
+// is known to be an outage is no cost (Outcome::outage_ns): it would pass for a fixed cost. The
+// reference takes the wall time.
 //
 // Called on the consumer's thread, once per package. O(1), no allocation. Whatever is fed, the
 // estimates are positive and finite.
@@ -30,16 +31,22 @@ class CostModel {
  public:
   explicit CostModel(CostModelConfig config = {});
 
-  // A package of `size` events took processing_ns. What is no time (NaN, negative) is ignored.
-  void update(std::size_t size, double processing_ns) noexcept;
+  // A package of `size` events took processing_ns; of several parts, the first_size events of the
+  // first one took first_ns, fixed cost included. What is no time (NaN, negative) is ignored, and
+  // so are packages without an event.
+  void update(std::size_t size, double processing_ns, std::size_t first_size = 0,
+              double first_ns = 0.0) noexcept;
   void reset() noexcept;
 
   double alpha_ns() const noexcept { return scale_ * alpha_ns_; }
   double beta_ns() const noexcept { return scale_ * beta_ns_; }
   double predict_ns(double size) const noexcept { return scale_ * line_ns(size); }
+  // What an event costs at most: until the line rests on packages alone, all of the last one's cost
+  // may be that of its events. Infinite before the first.
+  double most_event_ns() const noexcept;
   // Relative noise of the package times.
   double sigma() const noexcept { return sigma_; }
-  // Packages learned from.
+  // Packages learned from, first parts included.
   std::uint64_t count() const noexcept { return count_; }
 
  private:
@@ -48,15 +55,25 @@ class CostModel {
     double size;     // mean of its packages
     double cost_ns;  // likewise
     bool is_prior;   // not measured
+
+    bool is_new() const noexcept { return weight < 0.2; }
   };
 
+  struct Gains {
+    double scale;
+    double sigma;
+  };
+
+  void learn(std::size_t size, double processing_ns, Gains gains) noexcept;
   double line_ns(double size) const noexcept { return alpha_ns_ + beta_ns_ * size; }
   double clipped(double error, double size) noexcept;
+  double least_cost_ns() const noexcept;
   void forget() noexcept;
   bool knows_better(const Bucket& prior) const noexcept;
+  Bucket& bucket(double size) noexcept;
   void remember(double size, double cost_ns) noexcept;
   void fit() noexcept;
-  void follow(double size, double cost_ns, double noise) noexcept;
+  void follow(double size, double cost_ns, double noise, Gains gains) noexcept;
   void rebase(double factor) noexcept;
   void start_level(double factor, double size) noexcept;
   std::uint64_t on_level() const noexcept { return count_ - level_start_; }
@@ -72,6 +89,7 @@ class CostModel {
   std::uint64_t level_start_;  // count_ when the present level began
   double smallest_;            // size since then
   double largest_;
+  double last_event_ns_;            // all of the last package's cost, by event
   std::array<Bucket, 24> buckets_;  // by log2 of the size
 };
 

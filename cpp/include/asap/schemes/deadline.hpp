@@ -66,6 +66,7 @@ class Deadline final : public Scheme {
   double reserve(const Backlog& backlog, const Lengths& lengths, double latency_ns) const noexcept;
   Decision take_all(const Backlog& backlog, double budget_ns) const noexcept;
   Decision thin(const Backlog& backlog, double reserve, double budget_ns) const noexcept;
+  double safe_size(double budget_ns) const noexcept;
   Decision take(double raw, double size, double budget_ns) const noexcept;
 
   bool is_whole() const noexcept { return execution_ == Execution::whole; }

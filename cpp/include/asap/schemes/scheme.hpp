@@ -57,11 +57,12 @@ struct Decision {
   std::size_t raw = 0;    // then the oldest raw events to take ...
   double keep = 1.0;      // ... and the fraction of them to keep
   // Anytime execution: the package is to end budget_ns after its start, and `keep` is only the
-  // plan; it is expected to cost fixed_ns and event_ns per event. Without a budget, and where the
-  // execution is `whole`, `keep` holds.
+  // plan; it is expected to cost fixed_ns and event_ns per event, and no event more than
+  // most_event_ns. Without a budget, and where the execution is `whole`, `keep` holds.
   std::int64_t budget_ns = kNever;
   double fixed_ns = 0.0;
   double event_ns = 0.0;
+  double most_event_ns = 0.0;
 
   static constexpr Decision wait_until(std::int64_t time_ns) noexcept {
     return {.takes = false, .until_ns = time_ns};
@@ -86,6 +87,8 @@ struct Outcome {
   std::int64_t start_ns;       // the package was taken
   std::int64_t processing_ns;  // until the algorithm had finished
   std::int64_t outage_ns = 0;  // of that: the algorithm did not run, as far as it shows
+  std::size_t first_size = 0;  // events of an anytime package's first part, if it had several ...
+  std::int64_t first_ns = 0;   // ... and what that took, the fixed cost included
 
   std::int64_t work_ns() const noexcept { return processing_ns - outage_ns; }
 };
