@@ -74,12 +74,14 @@ constexpr std::array<std::pair<const char*, CompatMotion>, 2> kMotions{
 
 template <class Number>
 Number number(const std::string& name, const py::handle& value) {
-  try {
-    return py::cast<Number>(value);
-  } catch (const py::cast_error&) {
-    throw py::type_error(name + " = " + py::cast<std::string>(py::repr(value)) + ": must be " +
-                         (std::is_integral_v<Number> ? "a whole number" : "a number"));
+  constexpr bool whole = std::is_integral_v<Number>;
+  py::detail::make_caster<Number> caster;
+  if (caster.load(value, !whole)) return py::detail::cast_op<Number>(caster);
+  if (whole && PyIndex_Check(value.ptr()) != 0) {
+    throw_bad_value(name.c_str(), shown(value), "out of range");
   }
+  throw py::type_error(name + " = " + shown(value) + ": must be " +
+                       (whole ? "a whole number" : "a number"));
 }
 
 [[noreturn]] void throw_unknown(const std::string& name, const char* engine) {

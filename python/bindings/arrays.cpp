@@ -23,9 +23,9 @@ EventSpan as_span(const py::array& events) {
                     (events.flags() & py::array::c_style) != 0 &&
                     reinterpret_cast<std::uintptr_t>(events.data()) % alignof(Event) == 0;
   if (!fits) {
-    throw py::type_error(
-        "events: expected a contiguous one-dimensional array in "
-        "asap.EVENT_DTYPE; convert with asap.as_events(...)");
+    const auto shape = py::cast<std::string>(py::str(events.attr("shape")));
+    const auto dtype = py::cast<std::string>(py::str(events.dtype()));
+    throw py::type_error("events = array of shape " + shape + ", " + dtype + ": " + kGiveEvents);
   }
   return {static_cast<const Event*>(events.data()), static_cast<std::size_t>(events.size())};
 }

@@ -22,6 +22,10 @@ namespace py = pybind11;
 // aligned flag, which py::dtype::of<> lacks, np.concatenate would pack it to 14 bytes.)
 py::dtype event_dtype();
 
+// The remedy where something else is given.
+constexpr const char* kGiveEvents =
+    "give a contiguous one-dimensional array in asap.EVENT_DTYPE; asap.as_events(...) makes one";
+
 // The events of an array in EVENT_DTYPE; valid while the array lives.
 EventSpan as_span(const py::array& events);
 

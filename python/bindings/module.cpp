@@ -4,6 +4,7 @@
 #include "asap/version.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
+#include "refusals.hpp"
 
 PYBIND11_MODULE(_core, m) {
   m.doc() = "Native core of asap.";
@@ -29,4 +30,5 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_flow(m);
   asap::python::bind_event_image(m);
   asap::python::bind_features(m);
+  asap::python::refuse_in_words(m);
 }

@@ -1,0 +1,116 @@
+#include "refusals.hpp"
+
+#include <string>
+#include <string_view>
+
+#include "misfit.hpp"
+
+namespace asap::python {
+namespace {
+
+namespace py = pybind11;
+using py::detail::function_record;
+
+using Dispatcher = PyObject* (*)(PyObject*, PyObject* const*, std::size_t, PyObject*);
+Dispatcher pybind11_dispatcher = nullptr;  // the same for all functions
+
+constexpr const char* kIncompatible = "(): incompatible ";
+
+// pybind11 allocates an object when it is first used before its __init__; this stands in the place
+// of the allocation.
+void* refuse_unmade(std::size_t) {
+  throw py::type_error(
+      "an object of asap without __init__: make it by its constructor; a subclass with an __init__ "
+      "of its own calls super().__init__(...) first");
+}
+
+// pybind11's own, called for its nameless base class, throws through the interpreter, which ends
+// the process: pickle of protocol 0 and 1 does so.
+PyObject* call_class(PyObject* type, PyObject* args, PyObject* kwargs) {
+  try {
+    return py::detail::pybind11_meta_call(type, args, kwargs);
+  } catch (const std::exception&) {
+    PyErr_SetString(PyExc_TypeError, "this object cannot be copied or pickled: make another one");
+    return nullptr;
+  }
+}
+
+bool is_list_of_signatures(const py::error_already_set& error, const function_record& function) {
+  const auto text = py::cast<std::string>(py::str(error.value()));
+  return text.starts_with(std::string(function.name) + kIncompatible);
+}
+
+void explain(const function_record& function, const Call& call) {
+  py::error_already_set error;
+  try {
+    if (function.next == nullptr && is_list_of_signatures(error, function)) {
+      if (const auto misfit = find_misfit(function.signature, call)) {
+        py::set_error(misfit->error, misfit->message.c_str());
+        return;
+      }
+    }
+    error.restore();
+  } catch (py::error_already_set& own) {  // of an argument
+    own.restore();
+  }
+}
+
+PyObject* dispatch(PyObject* self, PyObject* const* values, std::size_t count, PyObject* names) {
+  PyObject* result = pybind11_dispatcher(self, values, count, names);
+  if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError) != 0) {
+    explain(*py::detail::function_record_ptr_from_PyObject(self),
+            {values, static_cast<std::size_t>(PyVectorcall_NARGS(count)), names});
+  }
+  return result;
+}
+
+// pybind11 would cut np.float32(1.9) or a Decimal down to a whole number.
+void take_whole_numbers_only(function_record& function) {
+  const std::string_view signature = function.signature;
+  for (auto& argument : function.args) {
+    if (argument.name == nullptr) continue;
+    const std::string typed = " " + std::string(argument.name) + ": " + std::string(kWholeNumber);
+    if (signature.find(typed) != std::string_view::npos) argument.convert = false;
+  }
+}
+
+void refuse_in_function(py::handle bound) {
+  const py::handle callable = py::detail::get_function(bound);
+  if (!callable || PyCFunction_Check(callable.ptr()) == 0) return;
+  PyObject* self = PyCFunction_GET_SELF(callable.ptr());
+  auto* record = self == nullptr ? nullptr : py::detail::function_record_ptr_from_PyObject(self);
+  if (record == nullptr || (record->def->ml_flags & METH_FASTCALL) == 0) return;
+  auto* call = reinterpret_cast<Dispatcher>(reinterpret_cast<void (*)()>(record->def->ml_meth));
+  if (call == &dispatch) return;
+  pybind11_dispatcher = call;
+  take_whole_numbers_only(*record);
+  record->def->ml_meth = reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(&dispatch));
+}
+
+void refuse_in_class(py::handle type) {
+  auto* info = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(type.ptr()));
+  if (info == nullptr) return;
+  info->operator_new = &refuse_unmade;
+  for (const auto item :
+       py::reinterpret_borrow<py::object>(type.attr("__dict__")).attr("values")()) {
+    refuse_in_function(item);
+    for (const char* part : {"fget", "fset", "__func__"}) {
+      refuse_in_function(py::getattr(item, part, py::none()));
+    }
+  }
+}
+
+}  // namespace
+
+void refuse_in_words(const py::module_& m) {
+  py::detail::get_internals().default_metaclass->tp_call = &call_class;
+  for (const auto& [name, item] : py::cast<py::dict>(m.attr("__dict__"))) {
+    if (PyType_Check(item.ptr()) != 0) {
+      refuse_in_class(item);
+    } else {
+      refuse_in_function(item);
+    }
+  }
+}
+
+}  // namespace asap::python

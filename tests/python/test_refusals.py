@@ -1,0 +1,195 @@
+"""A call that cannot be made is refused in words: argument, value, remedy; nothing crashes."""
+
+from __future__ import annotations
+
+import copy
+import copyreg
+import decimal
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asap
+from asap import _core
+
+EVENTS = np.zeros(5, asap.EVENT_DTYPE)
+CLASSES = [item for item in vars(_core).values() if isinstance(item, type)]
+COST = asap.LinearCost(1, 1)
+UNMADE = "without __init__: make it by its constructor"
+
+
+# ---- objects that were never made -----------------------------------------------------------
+
+
+@pytest.mark.parametrize("cls", CLASSES, ids=lambda cls: cls.__name__)
+def test_object_without_init_is_refused_wherever_it_is_used(cls: type) -> None:
+    unmade = cls.__new__(cls)
+    for name, item in vars(cls).items():
+        if isinstance(item, property):
+            with pytest.raises(TypeError, match=UNMADE):
+                getattr(unmade, name)
+        elif callable(item) and not name.startswith("__") and name != "_pybind11_conduit_v1_":
+            with pytest.raises(TypeError):  # of too few arguments, unless there are none
+                getattr(unmade, name)()
+    if hasattr(cls, "process"):
+        with pytest.raises(TypeError, match=UNMADE):
+            unmade.process(EVENTS)
+
+
+def test_derived_class_that_does_not_call_init_is_refused() -> None:
+    class Forgetful(asap.Deadline):
+        def __init__(self) -> None:
+            pass
+
+    class TooEarly(asap.ClusterTracker):
+        def __init__(self) -> None:
+            self.process(EVENTS)
+            super().__init__(10, 10)
+
+    with pytest.raises(TypeError, match=r"__init__\(\) must be called"):
+        Forgetful()
+    with pytest.raises(TypeError, match=UNMADE):
+        TooEarly()
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda new: asap.simulate(EVENTS, cost=COST, scheme=new(asap.Deadline)),
+        lambda new: asap.simulate(EVENTS, cost=new(asap.LinearCost)),
+        lambda new: asap.simulate(EVENTS, cost=COST, algorithm=new(asap.EFast)),
+        lambda new: asap.simulate(EVENTS, cost=COST, before=new(asap.HotPixelMask)),
+        lambda new: asap.run(EVENTS, algorithm=new(asap.ClusterTracker)),
+        lambda new: asap.Pipeline(scheme=new(asap.Greedy)),
+    ],
+)
+def test_object_without_init_is_refused_as_an_argument(use: Callable[..., Any]) -> None:
+    with pytest.raises(TypeError, match=UNMADE):
+        use(lambda cls: cls.__new__(cls))
+
+
+@pytest.mark.parametrize("made", [asap.Deadline(), asap.EFast(9, 9), COST], ids=repr)
+@pytest.mark.parametrize(
+    "duplicate",
+    [
+        copy.copy,
+        copy.deepcopy,
+        *(lambda made, protocol=p: pickle.dumps(made, protocol) for p in range(6)),
+        lambda made: copyreg._reduce_ex(made, 0),
+        lambda made: type(made).__mro__[-2](),
+    ],
+)
+def test_objects_are_neither_copied_nor_pickled(made: Any, duplicate: Callable[..., Any]) -> None:
+    with pytest.raises(TypeError, match="pickle"):
+        duplicate(made)
+
+
+# ---- arguments that do not fit --------------------------------------------------------------
+
+ARRAY = r"give a contiguous one-dimensional array in asap.EVENT_DTYPE; asap.as_events\(...\)"
+
+MISFITS: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any], str]] = [
+    (asap.Deadline, (), {"latency_ms": "x"}, "latency_ms = 'x': give a number"),
+    (asap.Deadline, (), {"latency_ms": None}, "latency_ms = None: give a number"),
+    (asap.Deadline, (), {"latency_ms": 1j}, "latency_ms = 1j: give a number"),
+    (asap.Deadline, (), {"latncy_ms": 3}, "latncy_ms = 3: no such argument; it takes latency_ms,"),
+    (asap.Deadline, (5,), {}, "5: too many values without a name; it takes latency_ms, overhead"),
+    (asap.SingleEvent, (5,), {}, "5: too many values without a name; it takes none"),
+    (asap.Greedy, (), {"efficiency": "x"}, "efficiency = 'x': give a number or None"),
+    (asap.LinearCost, ("a", None), {}, "alpha_us = 'a': give a number"),
+    (asap.LinearCost, (1,), {}, "beta_ns is missing: give a number"),
+    (asap.LinearCost, (1, 2), {"alpha_us": 3}, "alpha_us = 3: given by position already"),
+    (asap.LinearCost, (1, 2), {"drift": 3}, r"drift = 3: give a Sequence\[number\] or None"),
+    (asap.EFast, (1.5, 3), {}, "width = 1.5: give a whole number"),
+    (asap.EFast, (None, None), {}, "width = None: give a whole number"),
+    (asap.EFast, (9, [9]), {}, r"height = \[9\]: give a whole number"),
+    (asap.ClusterTracker, (9, 9), {"engine": 5}, "engine = 5: give text"),
+    (asap.ClusterTracker, (9, 9), {"engine": "\ud800"}, r"engine = '\\ud800': give text"),
+    (asap.ClusterTracker, (9, 9), {"slots": "x"}, "slots = 'x': must be a whole number"),
+    (asap.PlaneFlow, (9, 9), {"refit": "x"}, "refit = 'x': give True or False"),
+    (asap.EventImage, (9, 9), {"channels": "on"}, r"channels = 'on': give a Sequence\[str\]"),
+    (asap.EFast(9, 9).process, ([],), {}, rf"events = \[\]: {ARRAY}"),
+    (asap.EFast(9, 9).process, (None,), {}, f"events = None: {ARRAY}"),
+    (asap.EFast(9, 9).process, (), {}, f"events is missing: {ARRAY}"),
+    (asap.EFast(9, 9).process, (np.zeros((2, 3)),), {}, r"events = array of shape \(2, 3\), fl"),
+    (asap.EFast(9, 9).process, (EVENTS[::2],), {}, rf"events = array of shape \(3,\).*: {ARRAY}"),
+    (asap.EFast.process, (3, EVENTS), {}, "self = 3: give an asap.EFast"),
+    (asap.EFast(9, 9).set_keep, ("x",), {}, "gamma = 'x': give a number"),
+    (asap.EFast(9, 9).reset, (1,), {}, "1: too many values without a name; it takes none"),
+    (asap.ClusterTracker(9, 9).process, (EVENTS, "x"), {}, "labels = 'x': give True or False"),
+    (asap.ClusterTracker(9, 9).clusters_at, (1.5,), {}, "t_us = 1.5: give a whole number"),
+    (_core.Oracle, (asap.Greedy(), 1.0), {}, r"cost = Greedy\(.*\): give an asap.LinearCost"),
+]
+
+
+@pytest.mark.parametrize(("call", "values", "named", "words"), MISFITS)
+def test_argument_that_does_not_fit_is_named(
+    call: Callable[..., Any], values: tuple[Any, ...], named: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(TypeError, match=f"^{words}"):
+        call(*values, **named)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: asap.EFast(10**12, 9), "width = 1000000000000: too large"),
+        (lambda: asap.EFast(9, -(10**12)), "height = -1000000000000: too small"),
+        (lambda: asap.EFast(10**5000, 9), "width = <int>: too large"),
+        (lambda: asap.FixedSize(size=10**5000), "size = <int>: must be at least 0"),
+        (lambda: asap.ClusterTracker(9, 9, slots=10**12), "slots = 1000000000000: out of range"),
+        (lambda: asap.ClusterTracker(9, 9).clusters_at(2**64), f"t_us = {2**64}: too large"),
+        (lambda: asap.Deadline(latency_ms=10**400), r"latency_ms = 1(0+)\.\.\.: out of range$"),
+    ],
+)
+def test_number_out_of_every_range_is_named(call: Callable[[], Any], words: str) -> None:
+    with pytest.raises(ValueError, match=f"^{words}"):
+        call()
+
+
+@pytest.mark.parametrize("width", [np.float32(9.7), decimal.Decimal("9.7"), np.float16(9)])
+def test_no_fraction_is_cut_down_to_a_whole_number(width: Any) -> None:
+    with pytest.raises(TypeError, match=r"^width = .*: give a whole number"):
+        asap.EFast(width, 9)
+    with pytest.raises(TypeError, match=r"^slots = .*: must be a whole number"):
+        asap.ClusterTracker(9, 9, slots=width)
+
+
+def test_whole_numbers_of_numpy_are_taken() -> None:
+    assert asap.EFast(np.uint8(9), np.int64(8)).height == 8
+    assert asap.ClusterTracker(9, 9, slots=np.int16(7)).parameters["slots"] == 7
+
+
+class Mine:
+    """An object with errors of its own."""
+
+    def __float__(self) -> float:
+        raise KeyError("mine")
+
+    def __index__(self) -> int:
+        raise KeyError("mine")
+
+    def __repr__(self) -> str:
+        raise KeyError("mine")
+
+
+def test_error_of_the_argument_itself_comes_out_unchanged() -> None:
+    for call in (lambda: asap.Deadline(latency_ms=Mine()), lambda: asap.EFast(9, Mine())):
+        with pytest.raises(KeyError, match="mine"):
+            call()
+
+
+def test_value_that_cannot_be_shown_is_told_by_its_type() -> None:
+    with pytest.raises(TypeError, match=r"^events = <Mine>: give"):
+        asap.EFast(9, 9).process(Mine())
+
+
+def test_type_error_of_a_callback_comes_out_unchanged() -> None:
+    def algorithm(events: np.ndarray) -> None:
+        raise TypeError("process(): incompatible with me")
+
+    with pytest.raises(TypeError, match=r"^process\(\): incompatible with me$"):
+        asap.run(EVENTS, algorithm=algorithm)
