@@ -2,18 +2,22 @@
 
 #include <algorithm>
 
+#include "asap/algorithms/cluster_tracker_config.hpp"
 #include "asap/algorithms/fast/kalman.hpp"
 
 namespace asap {
 namespace {
 
-// The fast engine's, for its one setting.
-constexpr fast::KalmanRule kRule{.acceleration = 5e3F,
-                                 .per_speed3 = 0.055F,
-                                 .most = 1e7F,
-                                 .contact = 5e3F,
-                                 .measurement_scale = 4,
-                                 .min_measurement_px2 = 0.05F};
+constexpr float single(double value) { return static_cast<float>(value); }
+
+// The fast engine's, as it is without a setting of its own.
+constexpr ClusterTrackerConfig kFast{.width = 1, .height = 1};
+constexpr fast::KalmanRule kRule{.acceleration = single(kFast.acceleration_px2_s3),
+                                 .per_speed3 = single(kFast.acceleration_per_speed_px),
+                                 .most = single(kFast.max_acceleration_px2_s3),
+                                 .contact = single(kFast.contact_acceleration_px2_s3),
+                                 .measurement_scale = single(kFast.measurement_scale),
+                                 .min_measurement_px2 = single(kFast.min_measurement_px2)};
 
 }  // namespace
 
