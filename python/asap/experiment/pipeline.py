@@ -245,7 +245,8 @@ class Pipeline:
         Parameters
         ----------
         drain : bool
-            True: what waits is delivered first. False: it stays pending.
+            True: what waits is delivered first, as the scheme decides: `Deadline` drops what has
+            become stale by then too, and the ledger counts it. False: it stays pending.
         """
         self._native.stop(drain)
 
