@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import subprocess
+import sys
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -226,6 +228,46 @@ def test_what_is_finished_is_not_run_again(tmp_path, measured):
     assert measured == []
     run_tasks(tasks, state=state, executor=AtOnce(), fresh=True)
     assert sorted(measured) == [0, 1, 2, 3]
+
+
+INTERRUPTED = """
+import multiprocessing, os, signal, sys, threading, time
+from pathlib import Path
+from asap.study.probes import SteadyProbe
+from asap.study.run import run
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores it
+
+def interrupt_all(*_):
+    os.killpg(0, signal.SIGINT)
+
+def interrupt_as_they_begin():
+    while not multiprocessing.active_children():
+        time.sleep(0.001)
+    interrupt_all()
+
+state, when = Path(sys.argv[1]), sys.argv[2]
+if when == "begin":
+    threading.Thread(target=interrupt_as_they_begin).start()
+endless = SteadyProbe("slow", 1e6, duration_s=8e4)
+first = SteadyProbe("slow", 1e5, duration_s=0.05)
+waiting = [SteadyProbe("slow", 1e3, seed=seed) for seed in range(200)]
+try:
+    run([endless, first, *waiting], state=state, workers=2, on_progress=interrupt_all)
+except KeyboardInterrupt:
+    sys.exit(130)
+"""
+
+
+@pytest.mark.parametrize("when", ["begin", "work"])
+def test_interrupt_of_all_processes_is_quiet(tmp_path, when):
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED, tmp_path / "state.jsonl", when],
+        start_new_session=True,
+        capture_output=True,
+        text=True,
+        timeout=100,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 
 def test_line_that_was_cut_short_is_run_again(tmp_path, measured):

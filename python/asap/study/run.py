@@ -7,10 +7,11 @@ import json
 import multiprocessing
 import os
 import signal
+import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
@@ -93,9 +94,12 @@ def run(
 
         # The heavy ones first, so that none is left alone at the end.
         heavy_first = sorted(missing, key=lambda key: -weights[key])
-        futures = {pool.submit(_timed, missing[key]): key for key in heavy_first}
+        futures: dict[_Future, str] = {}
         done = 0.0
         try:
+            with _held_back_interrupt():
+                for key in heavy_first:
+                    futures[pool.submit(_timed, missing[key])] = key
             for future in as_completed(futures):
                 key = futures.pop(future)
                 keep(key, *future.result())
@@ -103,7 +107,13 @@ def run(
                 if on_progress is not None:
                     on_progress(round(done), round(sum(weights.values())), None)
         except BaseException:
-            _keep_what_runs(futures, keep)
+            if (
+                executor is None
+            ):  # the pool alone may: its thread would stumble over a cancelled one
+                pool.shutdown(wait=False, cancel_futures=True)
+            else:
+                _cancel(futures)
+            _keep_what_ran(futures, keep)
             raise
     found = [known[key] for key in keys]
     return Ran(
@@ -113,14 +123,19 @@ def run(
     )
 
 
-def _keep_what_runs(
+def _cancel(futures: Iterable[_Future]) -> None:
+    for future in futures:
+        future.cancel()
+
+
+def _keep_what_ran(
     futures: dict[_Future, str], keep: Callable[[str, Outcome, float], None]
 ) -> None:
-    """Call off what has not begun, wait for the rest; workers that were stopped too have died."""
-    running = [future for future in futures if not future.cancel()]
-    for future in running:
-        if future.exception() is None:
-            keep(futures[future], *future.result())
+    """Wait for what had begun; workers that were stopped too have died."""
+    for future, key in futures.items():
+        with suppress(CancelledError):
+            if future.exception() is None:
+                keep(key, *future.result())
 
 
 def key_of(task: Task) -> str:
@@ -154,9 +169,27 @@ def _pool(executor: Executor | None, workers: int | None) -> Iterator[Executor]:
         yield pool
 
 
+@contextmanager
+def _held_back_interrupt() -> Iterator[None]:
+    """Ctrl-C counts at the end, and in a process that begins meanwhile once it allows it."""
+    arrived = []
+    here = threading.current_thread() is threading.main_thread()
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])  # the new process inherits it
+    handler = signal.signal(signal.SIGINT, lambda *_: arrived.append(True)) if here else None
+    try:
+        yield
+    finally:
+        if here:
+            signal.signal(signal.SIGINT, handler)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    if arrived:
+        raise KeyboardInterrupt
+
+
 def _die_of_interrupt() -> None:
     """Ctrl-C reaches the workers too: let them go without a word."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
 
 
 def _read(state: Path) -> dict[str, tuple[Outcome, float]]:
