@@ -89,9 +89,12 @@ Fit fit_text(py::handle value) {  // a lone surrogate has no UTF-8
 
 Fit when(bool fits) { return fits ? Fit::kYes : Fit::kWrongKind; }
 
-bool has_truth(py::handle value) {
+Fit fit_truth(py::handle value) {
   const PyNumberMethods* methods = Py_TYPE(value.ptr())->tp_as_number;
-  return value.is_none() || (methods != nullptr && methods->nb_bool != nullptr);
+  if (!value.is_none() && (methods == nullptr || methods->nb_bool == nullptr)) {
+    return Fit::kWrongKind;
+  }
+  return verdict(PyObject_IsTrue(value.ptr()) < 0 ? py::object() : py::none());
 }
 
 Fit fit(std::string_view type, py::handle value) {
@@ -99,7 +102,7 @@ Fit fit(std::string_view type, py::handle value) {
   if (value.is_none() && type.ends_with("| None")) return Fit::kYes;
   if (type.starts_with(kNumber)) return fit_number(value);
   if (type.starts_with(kWholeNumber)) return fit_whole_number(value);
-  if (type.starts_with("bool")) return when(has_truth(value));
+  if (type.starts_with("bool")) return fit_truth(value);
   if (type.starts_with("str")) return fit_text(value);
   if (type.starts_with("bytes")) return when(py::isinstance<py::bytes>(value));
   if (type.starts_with("numpy.ndarray")) return when(py::isinstance<py::array>(value));
@@ -150,6 +153,7 @@ std::string names_of(const std::vector<Parameter>& parameters) {
 // for the text does not tell how many bits there are.
 std::optional<Misfit> out_of_range(const std::vector<Given>& all) {
   const Given* largest = nullptr;
+  bool negative = false;
   py::object most = py::int_(0);
   const py::int_ most_of_32_bits(0x7fffffff);
   for (const Given& given : all) {
@@ -159,10 +163,11 @@ std::optional<Misfit> out_of_range(const std::vector<Given>& all) {
     if (!(size > most) || (number > py::int_(0) && number <= most_of_32_bits)) continue;
     most = size;
     largest = &given;
+    negative = number < py::int_(0);
   }
   if (largest == nullptr) return std::nullopt;
   return Misfit{PyExc_ValueError, named(largest->parameter->name, largest->value) +
-                                      (largest->value < py::int_(0) ? "too small" : "too large")};
+                                      (negative ? "too small" : "too large")};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "misfit.hpp"
+#include "turns.hpp"
 
 namespace asap::python {
 namespace {
@@ -56,12 +57,25 @@ void explain(const function_record& function, const Call& call) {
 }
 
 PyObject* dispatch(PyObject* self, PyObject* const* values, std::size_t count, PyObject* names) {
+  const auto by_position = static_cast<std::size_t>(PyVectorcall_NARGS(count));
+  if (by_position > 0) wait_for_turn(values[0]);
   PyObject* result = pybind11_dispatcher(self, values, count, names);
   if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError) != 0) {
-    explain(*py::detail::function_record_ptr_from_PyObject(self),
-            {values, static_cast<std::size_t>(PyVectorcall_NARGS(count)), names});
+    explain(*py::detail::function_record_ptr_from_PyObject(self), {values, by_position, names});
   }
   return result;
+}
+
+// Of what works without the GIL.
+PyObject* dispatch_work(PyObject* self, PyObject* const* values, std::size_t count,
+                        PyObject* names) {
+  if (PyVectorcall_NARGS(count) == 0) return dispatch(self, values, count, names);
+  const Turn turn(values[0]);
+  return dispatch(self, values, count, names);
+}
+
+PyCFunction as_method(Dispatcher function) {
+  return reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(function));
 }
 
 // pybind11 would cut np.float32(1.9) or a Decimal down to a whole number.
@@ -81,16 +95,20 @@ void refuse_in_function(py::handle bound) {
   auto* record = self == nullptr ? nullptr : py::detail::function_record_ptr_from_PyObject(self);
   if (record == nullptr || (record->def->ml_flags & METH_FASTCALL) == 0) return;
   auto* call = reinterpret_cast<Dispatcher>(reinterpret_cast<void (*)()>(record->def->ml_meth));
-  if (call == &dispatch) return;
+  if (call == &dispatch || call == &dispatch_work) return;
   pybind11_dispatcher = call;
   take_whole_numbers_only(*record);
-  record->def->ml_meth = reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(&dispatch));
+  const std::string_view name = record->name;
+  const bool works = name == "process" || name == "learn" || name == "apply" || name == "mask";
+  record->def->ml_meth = as_method(works ? &dispatch_work : &dispatch);
 }
 
 void refuse_in_class(py::handle type) {
   auto* info = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(type.ptr()));
   if (info == nullptr) return;
   info->operator_new = &refuse_unmade;
+  // Else an object could be told that it is of another class of ours.
+  reinterpret_cast<PyTypeObject*>(type.ptr())->tp_flags |= Py_TPFLAGS_IMMUTABLETYPE;
   for (const auto item :
        py::reinterpret_borrow<py::object>(type.attr("__dict__")).attr("values")()) {
     refuse_in_function(item);

@@ -14,6 +14,7 @@ import pytest
 
 import asap
 from asap import _core
+from children import run_script
 
 EVENTS = np.zeros(5, asap.EVENT_DTYPE)
 CLASSES = [item for item in vars(_core).values() if isinstance(item, type)]
@@ -110,6 +111,7 @@ MISFITS: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any], str]] =
     (asap.ClusterTracker, (9, 9), {"engine": "\ud800"}, r"engine = '\\ud800': give text"),
     (asap.ClusterTracker, (9, 9), {"slots": "x"}, "slots = 'x': must be a whole number"),
     (asap.PlaneFlow, (9, 9), {"refit": "x"}, "refit = 'x': give True or False"),
+    (asap.PlaneFlow, (9, 9), {"refit": np.zeros(2)}, r"refit = array\(.*: give True or False"),
     (asap.EventImage, (9, 9), {"channels": "on"}, r"channels = 'on': give a Sequence\[str\]"),
     (asap.EFast(9, 9).process, ([],), {}, rf"events = \[\]: {ARRAY}"),
     (asap.EFast(9, 9).process, (None,), {}, f"events = None: {ARRAY}"),
@@ -133,9 +135,18 @@ def test_argument_that_does_not_fit_is_named(
         call(*values, **named)
 
 
+class Large:
+    def __index__(self) -> int:
+        return 2**70
+
+    def __repr__(self) -> str:
+        return "Large()"
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
+        (lambda: asap.EFast(Large(), 9), r"width = Large\(\): too large"),
         (lambda: asap.EFast(10**12, 9), "width = 1000000000000: too large"),
         (lambda: asap.EFast(9, -(10**12)), "height = -1000000000000: too small"),
         (lambda: asap.EFast(10**5000, 9), "width = <int>: too large"),
@@ -193,3 +204,38 @@ def test_type_error_of_a_callback_comes_out_unchanged() -> None:
 
     with pytest.raises(TypeError, match=r"^process\(\): incompatible with me$"):
         asap.run(EVENTS, algorithm=algorithm)
+
+
+# ---- one object, several threads ------------------------------------------------------------
+
+
+def test_threads_take_turns_at_one_object() -> None:
+    ended = run_script("""
+        events = np.zeros(2000, asap.EVENT_DTYPE)
+        events["x"], events["y"] = np.arange(2000) % 60, np.arange(2000) % 40
+        events["t"] = np.arange(2000) * 10
+        tracker = asap.ClusterTracker(64, 48, engine="compat")
+        gamma = asap.GammaFilter()
+
+        def work():
+            for _ in range(100):
+                tracker.process(events)
+                gamma.mask(events, 0.5)
+                tracker.clusters
+                tracker.reset()
+
+        threads = [threading.Thread(target=work) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        print(gamma.position)
+    """)
+    assert (ended.code, ended.lines) == (0, ["800000"])
+
+
+def test_object_keeps_its_class() -> None:
+    corners = asap.EFast(9, 9)
+    with pytest.raises(TypeError, match="__class__"):
+        corners.__class__ = asap.ArcStar
+    assert corners.process(EVENTS).shape == EVENTS.shape
