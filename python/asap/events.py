@@ -109,14 +109,14 @@ def as_events(
 
 def time_exponent(time_unit: str) -> int:
     """Exponent e of a unit of 10^e us."""
-    if time_unit not in TIME_EXPONENTS:
+    if not isinstance(time_unit, str) or time_unit not in TIME_EXPONENTS:
         raise ValueError(f"time_unit = {time_unit!r}: use one of {', '.join(TIME_EXPONENTS)}")
     return TIME_EXPONENTS[time_unit]
 
 
 def check_order(order: str) -> str:
     """Return `order` if it names t, x, y once and p at most once."""
-    if sorted(order) not in (sorted("txyp"), sorted("txy")):
+    if not isinstance(order, Sequence) or sorted(order) not in (sorted("txyp"), sorted("txy")):
         raise ValueError(
             f"order = {order!r}: name the columns with t, x, y and p, each once (p may be absent), "
             "such as 'txyp' or 'yxt'"

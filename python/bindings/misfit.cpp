@@ -14,6 +14,7 @@ namespace {
 namespace py = pybind11;
 
 constexpr std::string_view kNumber = "typing.SupportsFloat | typing.SupportsIndex";
+constexpr std::string_view kSequence = "collections.abc.Sequence[";
 constexpr std::string_view kOurs = "asap._core.";
 
 struct Parameter {
@@ -97,6 +98,24 @@ Fit fit_truth(py::handle value) {
   return verdict(PyObject_IsTrue(value.ptr()) < 0 ? py::object() : py::none());
 }
 
+Fit fit(std::string_view type, py::handle value);
+
+// Element by element; `types` are those of a tuple, or the one of all.
+Fit fit_elements(const std::vector<std::string_view>& types, bool is_tuple, py::handle value) {
+  const bool text = py::isinstance<py::str>(value) || py::isinstance<py::bytes>(value);
+  if (text || PySequence_Check(value.ptr()) == 0) return Fit::kWrongKind;
+  const auto all =
+      py::reinterpret_steal<py::object>(PySequence_Fast(value.ptr(), "expected a sequence"));
+  if (!all) return verdict(all);
+  const std::size_t count = py::len(all);
+  if (is_tuple && count != types.size()) return Fit::kWrongKind;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Fit element = fit(types[is_tuple ? i : 0], all[py::int_(i)]);
+    if (element != Fit::kYes) return element;
+  }
+  return Fit::kYes;
+}
+
 Fit fit(std::string_view type, py::handle value) {
   if (type == "object") return Fit::kYes;
   if (value.is_none() && type.ends_with("| None")) return Fit::kYes;
@@ -110,7 +129,10 @@ Fit fit(std::string_view type, py::handle value) {
     const std::string name(split(type.substr(kOurs.size()), " | ")[0]);
     return when(py::isinstance(value, py::module_::import("asap._core").attr(name.c_str())));
   }
-  return Fit::kWrongKind;  // containers, element by element, are not looked into
+  const bool is_tuple = type.starts_with("tuple[");
+  if (!is_tuple && !type.starts_with(kSequence)) return Fit::kYes;  // not known here
+  const std::size_t begin = type.find('[') + 1;
+  return fit_elements(split(type.substr(begin, type.rfind(']') - begin), ", "), is_tuple, value);
 }
 
 void replace(std::string& text, std::string_view what, std::string_view by) {

@@ -464,3 +464,10 @@ def test_bench_profile(benchmark: Any) -> None:
         return sum(len(events) for events in Profile("high", duration_s=1.0))
 
     benchmark.extra_info["events"] = benchmark(read)
+
+
+@pytest.mark.parametrize("duration_s", [float("nan"), float("inf"), -1.0, 1e12])
+def test_duration_of_a_cost_without_end_is_refused(duration_s):
+    for call in (profiles.drift, lambda seconds: profiles.outages_ms(seconds, seed=1)):
+        with pytest.raises(ValueError, match=r"^duration_s = "):
+            call(duration_s)

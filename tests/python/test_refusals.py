@@ -104,6 +104,9 @@ MISFITS: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any], str]] =
     (asap.LinearCost, (1,), {}, "beta_ns is missing: give a number"),
     (asap.LinearCost, (1, 2), {"alpha_us": 3}, "alpha_us = 3: given by position already"),
     (asap.LinearCost, (1, 2), {"drift": 3}, r"drift = 3: give a Sequence\[number\] or None"),
+    (asap.LinearCost, (1, 2), {"drift": [1.0, "x"]}, r"drift = \[1.0, 'x'\]: give a Sequence"),
+    (asap.LinearCost, (1, 2), {"outages_ms": [(1,)]}, r"outages_ms = \[\(1,\)\]: give a Sequence"),
+    (asap.LinearCost, (1, 2), {"outages_ms": [(1, 2)], "drift": 3}, "drift = 3: give a"),
     (asap.EFast, (1.5, 3), {}, "width = 1.5: give a whole number"),
     (asap.EFast, (None, None), {}, "width = None: give a whole number"),
     (asap.EFast, (9, [9]), {}, r"height = \[9\]: give a whole number"),
@@ -239,3 +242,28 @@ def test_object_keeps_its_class() -> None:
     with pytest.raises(TypeError, match="__class__"):
         corners.__class__ = asap.ArcStar
     assert corners.process(EVENTS).shape == EVENTS.shape
+
+
+# ---- what Python checks by itself -----------------------------------------------------------
+
+
+@pytest.mark.parametrize("unit", [[], {}, set(), None, 5, "h"], ids=repr)
+def test_time_unit_of_any_kind_is_named(unit: Any) -> None:
+    with pytest.raises(ValueError, match=r"^time_unit = "):
+        asap.as_events(EVENTS, time_unit=unit)
+
+
+@pytest.mark.parametrize("order", [5, 1.5, object(), "txx", []], ids=type)
+def test_order_of_any_kind_is_named(order: Any) -> None:
+    with pytest.raises(ValueError, match=r"^order = "):
+        asap.as_events(np.zeros((2, 4), int), order=order)
+
+
+@pytest.mark.parametrize("speed", [None, "1", 1j, [1.0], np.ones(2)], ids=repr)
+def test_speed_that_is_no_number_is_named(speed: Any) -> None:
+    with pytest.raises(TypeError, match=r"^speed = "):
+        asap.oracle(EVENTS, cost=COST, latency_ms=10, speed=speed)
+    with pytest.raises(TypeError, match=r"^speed = "):
+        asap.compare(EVENTS, cost=COST, speed=speed)
+    with pytest.raises(TypeError, match=r"^speed = "):
+        asap.run(EVENTS, algorithm=lambda _: None, speed=speed)

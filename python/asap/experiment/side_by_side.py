@@ -49,7 +49,11 @@ class CheckedStream(Source):
         on_bad: str = "drop",
         speed: float = 1.0,
     ) -> None:
-        if not 1e-6 <= speed <= 1e6:
+        try:
+            in_range = bool(1e-6 <= speed <= 1e6)
+        except (TypeError, ValueError):  # text, an array
+            raise TypeError(f"speed = {speed!r}: give a number") from None
+        if not in_range:
             raise ValueError(f"speed = {speed}: must be between 1e-6 and 1e6")
         super().__init__(source, width=width, height=height, on_bad=on_bad)
         self._speed = speed

@@ -70,6 +70,7 @@ def drift(duration_s: float) -> Floats:
     -------
     ndarray of shape (n,), n = duration in ms
     """
+    _check_duration(duration_s)
     t = np.arange(math.ceil(duration_s * 1e3)) * 1e-3
     return portable((1.0 + 0.5 * np.sin(2.0 * np.pi * t)) * np.where(t > 2.75, 1.5, 1.0))
 
@@ -82,6 +83,7 @@ def outages_ms(duration_s: float, *, seed: int) -> Floats:
     ndarray of shape (n, 2)
         Begin and end, ms; one that would overlap the one before is put off to its end.
     """
+    _check_duration(duration_s)
     draws = Draws(seed)
     mean_gap_ms, begin_ms, free_ms = 100.0, 0.0, 0.0
     outages: list[tuple[float, float]] = []
@@ -95,3 +97,8 @@ def outages_ms(duration_s: float, *, seed: int) -> Floats:
             late_ms = max(begin_ms, free_ms)
             free_ms = late_ms + duration
             outages.append((late_ms, free_ms))
+
+
+def _check_duration(duration_s: float) -> None:
+    if not 0 <= duration_s <= 86_400:
+        raise ValueError(f"duration_s = {duration_s}: give 0 to 86400 s")

@@ -104,8 +104,8 @@ class Pipeline {
 
   // No push is taken any more; the consumer gets what waits (drain) or, after the package in work,
   // nothing more: the rest stays pending. The scheme decides to the end: Deadline drops what has
-  // become stale in the drain too. Does not wait for the consumer. Again: only drain = false makes a
-  // difference.
+  // become stale in the drain too. Does not wait for the consumer. Again: only drain = false makes
+  // a difference.
   void stop(bool drain = true);
 
   // After stop(): a new run, with an empty ring and all counts at 0. std::logic_error while a
