@@ -92,7 +92,7 @@ OwnerCellMerge::Slot OwnerCellMerge::join(fast::Tracks& tracks, fast::OwnerGrid&
   for (std::size_t cell = 0; cell < cells_; ++cell) {
     fast::OwnerGrid::Cell& owner = owners[cell];
     if (owner.slot != gone || owner.generation != other.generation) continue;
-    owner.slot = survivor;
+    owner.slot = static_cast<std::uint8_t>(survivor);
     owner.generation = track.generation;
   }
   return gone;

@@ -141,7 +141,7 @@ std::int32_t OwnerCellTracker::process(const Event& event) noexcept {
     if (slot == fast::Tracks::kNone) slot = try_birth(event, index);
     if (slot == fast::Tracks::kNone) return -1;
   }
-  cell = {clock_.now(), slot, tracks_[slot].generation};
+  cell = {clock_.now(), tracks_[slot].generation, static_cast<std::uint8_t>(slot)};
   take(slot, event);
   return tracks_[slot].id;
 }

@@ -77,8 +77,9 @@ TEST_F(OwnerCellMergeTest, MomentsAreThoseOfTheUnion) {
 TEST_F(OwnerCellMergeTest, TheCellsOfTheOneThatGoesAreTheOthers) {
   const Slot one = confirmed(40, 50);
   const Slot two = tentative(50, 54);
-  owners[30] = {7, two, tracks[two].generation};
-  owners[31] = {7, two, static_cast<std::uint16_t>(tracks[two].generation - 1)};
+  const auto slot = static_cast<std::uint8_t>(two);
+  owners[30] = {7, tracks[two].generation, slot};
+  owners[31] = {7, static_cast<std::uint16_t>(tracks[two].generation - 1), slot};
   merge.join_tentative(tracks, owners);
   EXPECT_EQ(owners[30].slot, one);
   EXPECT_EQ(owners[30].generation, tracks[one].generation);

@@ -22,7 +22,7 @@ constexpr std::uint64_t kSilence_us = std::uint64_t{1} << 28;
 
 float seconds(std::uint64_t us) noexcept { return 1e-6F * static_cast<float>(us); }
 
-float sign_of(const Event& event) noexcept { return event.p > 0 ? 1.0F : -1.0F; }
+std::int8_t sign_of(const Event& event) noexcept { return event.p > 0 ? 1 : -1; }
 
 std::uint32_t longest_memory(const ClusterTrackerConfig& config) noexcept {
   return static_cast<std::uint32_t>(std::max(config.mean_events, config.covariance_events));
@@ -43,6 +43,7 @@ Engine::Engine(const ClusterTrackerConfig& config)
       tracks_(static_cast<std::size_t>(config.slots)),
       pairs_(static_cast<std::size_t>(config.slots)),
       parts_(map_),
+      halves_(map_),
       reciprocals_(longest_memory(config)) {
   clear_maps();
 }
@@ -114,6 +115,7 @@ std::int32_t Engine::process(const Event& event) noexcept {
       if (track.partners > 0) [[unlikely]]
         return give(cell.slot, cell, event, now);
       cell.stamp = now;
+      cell.sign = sign_of(event);
       take(track, tracks_.contour(cell.slot), s, now, sign_of(event), settings_.update,
            reciprocals_, directions_);
       return track.id;
@@ -133,7 +135,7 @@ std::int32_t Engine::give(Slot slot, OwnerGrid::Cell& cell, const Event& event,
                      directions_);
   }
   Track& track = tracks_[slot];
-  cell = {now, slot, track.generation};
+  cell = {now, track.generation, static_cast<std::uint8_t>(slot), sign_of(event)};
   const Sight s = sight_of(track, now, x, y);
   if (in_contact) {
     take_in_contact(track, tracks_.contour(slot), s, now, sign_of(event), settings_.update,
@@ -259,15 +261,13 @@ bool Engine::tend(Slot slot, const Tick& tick) noexcept {
 
   const float extent2 = largest_variance(track);
   life.extent_px = std::sqrt(extent2);
-  if (track.partners == 0) {
-    const float dt_s = std::max(1e-6F, std::min(tick.dt_s, life.age_s));
-    life.usual_extent2 +=
-        low_pass_weight(tick.extent_decay, dt_s, life.age_s) * (extent2 - life.usual_extent2);
-  }
+  if (track.partners == 0) remember_extent(life, extent2, tick);
   if (track.has_id()) {
     const bool mature = life.age_s >= settings_.life.mature_s;
     shape_gate(track, settings_.gate, extent2, mature, is_starved(life) ? life.kalman.pxx : 0);
   }
+  const bool doubtful = looks_double(track, contour, life, tick.noise_hz, settings_.gate);
+  life.double_s = doubtful ? life.double_s + tick.dt_s : 0;
   const Sight s = sight_of(track, tick.now, 0, 0);
   coarse_.place(slot, s.mean_x, s.mean_y);
   return true;
@@ -317,9 +317,7 @@ void Engine::measure_noise() noexcept {
   settings_.update.far_trust = far_trust(noise_hz_);
 
   if (clock_.now_us() - started_us_ < static_cast<std::uint64_t>(settings_.warmup_us)) return;
-  const float around_px = 3 * settings_.cell_px;
-  const float expected = noise_hz_ * around_px * around_px * settings_.seed_s;
-  birth_threshold_ = std::max(settings_.seed_events, expected + 4 * std::sqrt(expected) + 2);
+  birth_threshold_ = settings_.birth_threshold(noise_hz_);
 }
 
 void Engine::merge_pairs(float dt_s) noexcept {
@@ -345,6 +343,7 @@ void Engine::split_next() noexcept {
   for (std::size_t tries = 0; tries < active.size(); ++tries) {
     next_split_ = next_split_ + 1 < active.size() ? next_split_ + 1 : 0;
     const Slot slot = active[next_split_];
+    if (is_double(tracks_.life(slot))) return halve(slot);
     if (has_grown(tracks_[slot], tracks_.life(slot))) return split(slot);
   }
 }
@@ -354,29 +353,36 @@ void Engine::split(Slot slot) noexcept {
   const auto parts = parts_.find(owners_, tracks_, slot, now, settings_.link_us);
   const PartFinder::Part* home = home_of(parts, tracks_[slot], tracks_.life(slot), now);
   if (home == nullptr) return;
-  std::size_t cells = 0;
-  std::size_t given = 0;
-  for (const auto& part : parts) cells += part.cells.size();
+  float given = 0;
   for (const auto& part : parts) {
     if (part.distance(*home) < settings_.gate.birth_radius_px) continue;
-    const float share = static_cast<float>(part.cells.size()) / static_cast<float>(cells);
-    if (begin_part(slot, part, share)) given += part.cells.size();
+    const float share = share_of(part, parts);
+    if (begin_part(slot, part, share) != Tracks::kNone) given += share;
   }
   if (given == 0) return;
-  const float kept = 1 - static_cast<float>(given) / static_cast<float>(cells);
-  keep_part(tracks_, slot, *home, kept, settings_.cell_px, now);
+  keep_part(tracks_, slot, *home, 1 - given, settings_.cell_px, now);
   ++counters_.splits;
 }
 
-bool Engine::begin_part(Slot parent, const PartFinder::Part& part, float share) noexcept {
+void Engine::halve(Slot slot) noexcept {
+  tracks_.life(slot).double_s = 0;
+  const auto halves = halves_.find(owners_, tracks_, slot, clock_.now());
+  if (halves.empty()) return;
+  const float share = share_of(halves[1], halves);
+  const Slot twin = begin_part(slot, halves[1], share);
+  if (twin == Tracks::kNone) return;
+  keep_part(tracks_, slot, halves[0], 1 - share, settings_.cell_px, clock_.now());
+  raise_twin(tracks_, slot, twin, share, settings_.gate);
+  tracks_[twin].id = next_id_++;
+  ++counters_.splits;
+}
+
+Tracks::Slot Engine::begin_part(Slot parent, const PartFinder::Part& part, float share) noexcept {
   const Slot slot = begin_track(part.x, part.y);
-  if (slot == Tracks::kNone) return false;
+  if (slot == Tracks::kNone) return slot;
   inherit_part(tracks_, parent, slot, part, share, settings_.cell_px);
-  for (const std::size_t cell : part.cells) {
-    owners_[cell].slot = slot;
-    owners_[cell].generation = tracks_[slot].generation;
-  }
-  return true;
+  owners_.give(part.cells, slot, tracks_[slot].generation);
+  return slot;
 }
 
 // ---- output ----

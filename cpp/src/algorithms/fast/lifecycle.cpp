@@ -8,6 +8,7 @@
 namespace asap::fast {
 namespace {
 
+constexpr float kShortest_s = 1e-6F;
 constexpr float kFastRate_s = 0.008F;
 constexpr float kSlowRate_s = 0.06F;
 constexpr float kMotion_s = 0.2F;
@@ -99,9 +100,14 @@ Tick::Tick(Stamp at, float elapsed_s, float noise, const LifeRule& rule) noexcep
       motion_decay(decay(elapsed_s / kMotion_s)),
       extent_decay(decay(elapsed_s / kExtent_s)) {}
 
+void remember_extent(Life& life, float extent2, const Tick& tick) noexcept {
+  const float dt_s = std::max(kShortest_s, std::min(tick.dt_s, life.age_s));
+  const float weight = low_pass_weight(tick.extent_decay, dt_s, life.age_s);
+  life.usual_extent2 += weight * (extent2 - life.usual_extent2);
+}
+
 Fate live(Track& track, Life& life, const Tick& tick, const LifeRule& rule,
           const GateRule& gate) noexcept {
-  constexpr float kShortest_s = 1e-6F;
   life.age_s += tick.dt_s;
   const float dt_s = std::max(kShortest_s, std::min(tick.dt_s, life.age_s));
   const auto fresh = static_cast<float>(track.events - life.events);

@@ -11,6 +11,9 @@ namespace {
 // Opposite edges of a large object are confirmed apart; the extents of edges are small.
 constexpr float kConfirmedMargin_px = 8;
 
+// Parts of one object lie closer, each with an id.
+constexpr float kNeighbour_px = 35;
+
 // Standard deviation along a direction, at least a pixel.
 float spread_along(const Track& track, float ux, float uy) noexcept {
   return std::sqrt(
@@ -85,7 +88,9 @@ void Pairs::meet(Tracks& tracks, std::size_t i, std::size_t j, float dx, float d
     add_partner(tracks[b.slot], tracks.life(b.slot), a.slot);
   }
   const bool second_keeps = a.has_id && !b.has_id;
-  if (a.has_id != b.has_id) tracks.life(second_keeps ? b.slot : a.slot).near_confirmed = true;
+  const bool close = !(a.has_id && b.has_id) || distance < kNeighbour_px;
+  if (b.has_id && close) tracks.life(a.slot).near_confirmed = true;
+  if (a.has_id && close) tracks.life(b.slot).near_confirmed = true;
   Candidate& nearest = nearest_[second_keeps ? j : i];
   if (nearest.other != Tracks::kNone && nearest.distance_px <= distance) return;
   nearest = second_keeps ? Candidate{b.slot, a.slot, -dx, -dy, distance}

@@ -83,6 +83,12 @@ Settings::Settings(const ClusterTrackerConfig& c) noexcept
   set_keep(c, 1, false);
 }
 
+float Settings::birth_threshold(float noise_hz) const noexcept {
+  const float around_px = 3 * cell_px;
+  const float expected = noise_hz * around_px * around_px * seed_s;
+  return std::max(seed_events, expected + 4 * std::sqrt(expected) + 2);
+}
+
 void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
                         bool filtered_upstream) noexcept {
   gamma = std::max(gamma, kLeastGamma);

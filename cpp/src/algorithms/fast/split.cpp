@@ -26,7 +26,7 @@ std::span<const PartFinder::Part> PartFinder::find(OwnerGrid& owners, const Trac
   mark(owners, tracks, slot, now, link_us, here.mean_x, here.mean_y, reach_px);
   cells_.clear();
   std::size_t found = 0;
-  const auto window = static_cast<std::size_t>(columns_ * rows_);
+  const auto window = static_cast<std::size_t>(window_.columns * window_.rows);
   for (std::size_t start = 0; start < window && found < kMaxParts; ++start) {
     if (owned_[start] == 0) continue;
     const std::size_t first = cells_.size();
@@ -42,11 +42,11 @@ std::span<const PartFinder::Part> PartFinder::find(OwnerGrid& owners, const Trac
 
 // Of the cells from `first` on, which it turns from cells of the window into cells of the grid.
 PartFinder::Part PartFinder::part_of(std::size_t first) noexcept {
-  const auto side = static_cast<std::size_t>(columns_);
+  const auto side = static_cast<std::size_t>(window_.columns);
   Part part{0, 0, std::span<const std::size_t>(cells_).subspan(first)};
   for (std::size_t k = first; k < cells_.size(); ++k) {
-    const std::size_t row = cells_[k] / side + static_cast<std::size_t>(top_);
-    const std::size_t column = cells_[k] % side + static_cast<std::size_t>(left_);
+    const std::size_t row = cells_[k] / side + static_cast<std::size_t>(window_.top);
+    const std::size_t column = cells_[k] % side + static_cast<std::size_t>(window_.left);
     cells_[k] = row * map_.stride() + column;
     part.x += map_.centre(column);
     part.y += map_.centre(row);
@@ -59,16 +59,11 @@ PartFinder::Part PartFinder::part_of(std::size_t first) noexcept {
 void PartFinder::mark(OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot, Stamp now,
                       std::int32_t link_us, float x, float y, float reach_px) noexcept {
   const auto half = std::min(kMaxHalf, map_.cells_in(reach_px));
-  const int column = map_.nearest_column(x);
-  const int row = map_.nearest_row(y);
-  left_ = std::max(1, column - half);
-  top_ = std::max(1, row - half);
-  columns_ = std::min(static_cast<int>(map_.stride()) - 2, column + half) - left_ + 1;
-  rows_ = std::min(static_cast<int>(map_.rows()) - 2, row + half) - top_ + 1;
+  window_ = map_.window(x, y, half);
   std::uint8_t* owned = owned_.data();
-  for (int r = top_; r < top_ + rows_; ++r) {
+  for (int r = window_.top; r < window_.top + window_.rows; ++r) {
     const std::size_t line = static_cast<std::size_t>(r) * map_.stride();
-    for (int c = left_; c < left_ + columns_; ++c) {
+    for (int c = window_.left; c < window_.left + window_.columns; ++c) {
       const OwnerGrid::Cell& cell = owners[line + static_cast<std::size_t>(c)];
       *owned++ = cell.slot == slot && cell.generation == tracks[slot].generation &&
                  age_us(now, cell.stamp) <= link_us;
@@ -81,12 +76,12 @@ void PartFinder::grow(std::size_t start) noexcept {
   std::size_t next = cells_.size();
   cells_.push_back(start);
   owned_[start] = 0;
-  const auto side = static_cast<std::size_t>(columns_);
+  const auto side = static_cast<std::size_t>(window_.columns);
   for (; next < cells_.size(); ++next) {
     const int row = static_cast<int>(cells_[next] / side);
     const int column = static_cast<int>(cells_[next] % side);
-    const int last_row = std::min(rows_ - 1, row + kReach_cells);
-    const int last_column = std::min(columns_ - 1, column + kReach_cells);
+    const int last_row = std::min(window_.rows - 1, row + kReach_cells);
+    const int last_column = std::min(window_.columns - 1, column + kReach_cells);
     for (int r = std::max(0, row - kReach_cells); r <= last_row; ++r) {
       for (int c = std::max(0, column - kReach_cells); c <= last_column; ++c) {
         const auto neighbour = static_cast<std::size_t>(r) * side + static_cast<std::size_t>(c);
@@ -96,6 +91,12 @@ void PartFinder::grow(std::size_t start) noexcept {
       }
     }
   }
+}
+
+float share_of(const PartFinder::Part& part, std::span<const PartFinder::Part> parts) noexcept {
+  std::size_t cells = 0;
+  for (const PartFinder::Part& one : parts) cells += one.cells.size();
+  return static_cast<float>(part.cells.size()) / static_cast<float>(cells);
 }
 
 bool has_grown(const Track& track, const Life& life) noexcept {

@@ -141,6 +141,37 @@ TEST(Engine, ObjectsThatComeApartSlowlyAreSplit) {
   EXPECT_EQ(clusters_of(engine).size(), 2U);
 }
 
+TEST(Engine, ObjectsBornAsOneAreTwoSoon) {
+  std::vector<Event> events;
+  add_disk(events, {.x = 60, .y = 90, .vx = 100, .vy = -25}, 0, 0.6);
+  add_disk(events, {.x = 60, .y = 106, .vx = 100, .vy = 25}, 0, 0.6, 10'000, 2);
+  sort_by_time(events);
+  Engine engine(kFrame);
+  const auto at = [&](std::int64_t t_us) {
+    const auto begin = std::partition_point(events.begin(), events.end(), [&](const Event& event) {
+      return event.t <= engine.latest_us();
+    });
+    const auto end = std::partition_point(events.begin(), events.end(),
+                                          [&](const Event& event) { return event.t < t_us; });
+    engine.process({&*begin, static_cast<std::size_t>(end - begin)}, nullptr);
+    return clusters_of(engine);
+  };
+  EXPECT_EQ(at(70'000).size(), 1U);
+  const auto early = at(200'000);
+  ASSERT_EQ(early.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const bool upper = early[i].y < 100;
+    EXPECT_NEAR(early[i].x, 79.5, 3);
+    EXPECT_NEAR(early[i].y, upper ? 85 : 111, 3);
+  }
+  EXPECT_EQ(early[0].id, 0);
+  EXPECT_EQ(early[1].id, 1);
+  const auto late = at(600'000);
+  ASSERT_EQ(late.size(), 2U);
+  EXPECT_EQ(late[0].id, early[0].id);
+  EXPECT_EQ(late[1].id, early[1].id);
+}
+
 TEST(Engine, NoiseAloneIsNoCluster) {
   for (const double rate_hz : {0.5, 5.0, 20.0}) {
     for (const auto support :

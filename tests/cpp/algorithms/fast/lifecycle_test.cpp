@@ -150,4 +150,15 @@ TEST(Lifecycle, RemembersTheLastEvent) {
   EXPECT_EQ(object.life.last_event, 2000U);
 }
 
+TEST(Lifecycle, TheUsualExtentIsTheMeanAtFirst) {
+  Life life;
+  life.age_s = 0.002F;
+  const Tick tick(0, 0.002F, 0, kRule);
+  remember_extent(life, 40, tick);
+  EXPECT_FLOAT_EQ(life.usual_extent2, 40);
+  life.age_s = 0.008F;
+  remember_extent(life, 60, tick);
+  EXPECT_FLOAT_EQ(life.usual_extent2, 45);
+}
+
 }  // namespace

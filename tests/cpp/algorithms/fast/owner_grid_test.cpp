@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <set>
 
 namespace {
@@ -47,12 +48,38 @@ TEST(CellMap, ColumnsAndPositionsAgree) {
   EXPECT_EQ(map.cells_in(11), 2);
 }
 
+TEST(CellMap, AWindowStaysInTheFrame) {
+  const CellMap map(40, 20, 4);  // 10 x 5 cells
+  const auto inner = map.window(17, 9, 1);
+  EXPECT_EQ(inner.left, 4);
+  EXPECT_EQ(inner.top, 2);
+  EXPECT_EQ(inner.columns, 3);
+  EXPECT_EQ(inner.rows, 3);
+  const auto outer = map.window(-30, 60, 2);
+  EXPECT_EQ(outer.left, 1);
+  EXPECT_EQ(outer.columns, 3);
+  EXPECT_EQ(outer.top, 3);
+  EXPECT_EQ(outer.rows, 3);
+}
+
+TEST(OwnerGrid, GivesCellsAway) {
+  const CellMap map(8, 8, 4);
+  OwnerGrid grid(map);
+  const std::array cells{map.cell(3, 3), map.cell(7, 3)};
+  grid[cells[0]] = {77, 2, 1, -1};
+  grid.give(cells, 255, 9);
+  EXPECT_EQ(grid[cells[0]].slot, 255);
+  EXPECT_EQ(grid[cells[1]].generation, 9);
+  EXPECT_EQ(grid[cells[0]].stamp, 77U);
+  EXPECT_EQ(grid[cells[0]].sign, -1);
+}
+
 TEST(OwnerGrid, BeginsWithStaleCellsAndScrubsOldOnes) {
   const CellMap map(8, 8, 4);
   OwnerGrid grid(map);
   grid.clear(77);
   EXPECT_EQ(grid[map.cell(3, 3)].stamp, long_before(77));
-  grid[map.cell(3, 3)] = {77, 1, 2};
+  grid[map.cell(3, 3)] = {77, 2, 1};
   const asap::fast::Stamp later = 77 + 1'200'000'000U;
   grid.scrub(later, asap::fast::Scrubber::kRound_us);
   EXPECT_EQ(grid[map.cell(3, 3)].stamp, long_before(later));

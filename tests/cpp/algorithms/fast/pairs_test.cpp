@@ -80,6 +80,17 @@ TEST(Pairs, ATentativeOneKeepsTheMixedPairAndKnowsIt) {
   EXPECT_EQ(scene.tracks[confirmed].partners, 0);
 }
 
+TEST(Pairs, ConfirmedOnesKnowWhoIsClose) {
+  Scene scene;
+  const auto a = scene.add(0, 0, true, 100);
+  const auto b = scene.add(34, 0, true, 100);
+  const auto c = scene.add(70, 0, true, 100);  // in reach of b: 1.6 (10 + 10) + 8 + 8 = 48
+  scene.find();
+  EXPECT_TRUE(scene.tracks.life(a).near_confirmed);
+  EXPECT_TRUE(scene.tracks.life(b).near_confirmed);
+  EXPECT_FALSE(scene.tracks.life(c).near_confirmed);
+}
+
 TEST(Pairs, TheOlderKeepsTheNearestOfItsLike) {
   Scene scene;
   const auto a = scene.add(0, 0, true);

@@ -90,4 +90,10 @@ TEST(Settings, RejectOnlyIfAsked) {
   EXPECT_FALSE(Settings(config).asks_support);
 }
 
+TEST(Settings, BirthsNeedMoreThanNoise) {
+  const Settings s(kConfig);
+  EXPECT_FLOAT_EQ(s.birth_threshold(0), 6);
+  EXPECT_NEAR(s.birth_threshold(1), 2.16 + 4 * 1.4697 + 2, 1e-3);  // 12 x 12 px, 15 ms
+}
+
 }  // namespace

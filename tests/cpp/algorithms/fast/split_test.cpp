@@ -25,7 +25,8 @@ struct Frame {
   void own(std::size_t x, std::size_t y, std::size_t columns, std::size_t rows, Stamp stamp = 0) {
     for (std::size_t r = 0; r < rows; ++r) {
       for (std::size_t c = 0; c < columns; ++c) {
-        owners[map.cell(x + 4 * c, y + 4 * r)] = {stamp, slot, tracks[slot].generation};
+        owners[map.cell(x + 4 * c, y + 4 * r)] = {stamp, tracks[slot].generation,
+                                                  static_cast<std::uint8_t>(slot)};
       }
     }
   }
@@ -55,6 +56,15 @@ TEST(PartFinder, AGapOfOneCellConnects) {
   apart.own(40, 48, 2, 2);
   apart.own(56, 48, 2, 2);
   EXPECT_EQ(apart.find().size(), 2U);
+}
+
+TEST(Split, PartsShareByCells) {
+  Frame frame;
+  frame.own(20, 48, 3, 2);
+  frame.own(60, 48, 3, 6);
+  const auto parts = frame.find();
+  EXPECT_FLOAT_EQ(share_of(parts[0], parts), 0.25F);
+  EXPECT_FLOAT_EQ(share_of(parts[1], parts), 0.75F);
 }
 
 TEST(PartFinder, SmallStaleAndForeignCellsDoNotCount) {

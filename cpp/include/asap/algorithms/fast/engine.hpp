@@ -19,6 +19,7 @@
 #include "asap/algorithms/fast/event_clock.hpp"
 #include "asap/algorithms/fast/frame.hpp"
 #include "asap/algorithms/fast/gate.hpp"
+#include "asap/algorithms/fast/halves.hpp"
 #include "asap/algorithms/fast/mean_update.hpp"
 #include "asap/algorithms/fast/noise_tiles.hpp"
 #include "asap/algorithms/fast/orphan_grid.hpp"
@@ -88,7 +89,8 @@ class Engine {
   void merge_pairs(float dt_s) noexcept;
   void split_next() noexcept;
   void split(Slot slot) noexcept;
-  bool begin_part(Slot parent, const PartFinder::Part& part, float share) noexcept;
+  void halve(Slot slot) noexcept;
+  Slot begin_part(Slot parent, const PartFinder::Part& part, float share) noexcept;
   void remove(Slot slot) noexcept;
 
   ClusterTrackerConfig config_;
@@ -104,6 +106,7 @@ class Engine {
   Tracks tracks_;
   Pairs pairs_;
   PartFinder parts_;
+  HalfFinder halves_;
   std::size_t next_split_ = 0;
   Reciprocals reciprocals_;
   DirectionTable directions_;

@@ -48,6 +48,9 @@ enum class Fate { kLives, kConfirmed, kDies };
 Fate live(Track& track, Life& life, const Tick& tick, const LifeRule& rule,
           const GateRule& gate) noexcept;
 
+// The usual extent of a track that sees its whole object, and no other.
+void remember_extent(Life& life, float extent2, const Tick& tick) noexcept;
+
 // Whether the track has gone without events for so long that it must have stopped.
 inline constexpr float kStarved_s = 0.01F;
 inline bool is_starved(const Life& life) noexcept { return life.starved_s > kStarved_s; }

@@ -25,6 +25,9 @@ struct Settings {
   // 0.15 to 0.75 none is rejected; below none is anyway. gamma = 1 changes nothing.
   void set_keep(const ClusterTrackerConfig& config, double gamma, bool filtered_upstream) noexcept;
 
+  // Recent events without a cluster around a cell that noise alone stays below.
+  float birth_threshold(float noise_hz) const noexcept;
+
   std::int32_t tick_us;
   std::int32_t warmup_us;
   std::int32_t link_us;

@@ -49,13 +49,13 @@ class PartFinder {
 
   CellMap map_;
   std::array<std::uint8_t, kSide * kSide> owned_{};  // and not in a part yet
-  int left_ = 0;                                     // of the window, cells of the grid
-  int top_ = 0;
-  int columns_ = 0;
-  int rows_ = 0;
+  CellMap::Window window_;
   std::vector<std::size_t> cells_;
   std::array<Part, kMaxParts> parts_{};
 };
+
+// Of the cells of all parts.
+float share_of(const PartFinder::Part& part, std::span<const PartFinder::Part> parts) noexcept;
 
 // Whether a track, alone, has become much larger than it was.
 bool has_grown(const Track& track, const Life& life) noexcept;

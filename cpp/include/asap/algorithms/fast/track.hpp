@@ -77,6 +77,7 @@ struct Life {
   float fast_rate_hz = 0;
   float slow_rate_hz = 0;
   float evidence = 0;        // [llr] for an object against noise
+  float double_s = 0;        // for which it has looked like two objects
   float extent_px = 0;       // [ext] largest standard deviation
   float usual_extent2 = 0;   // px^2 [lref]
   std::uint32_t events = 0;  // of the track, at the last tick
