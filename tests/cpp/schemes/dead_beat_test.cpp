@@ -11,6 +11,7 @@
 #include "schemes/steady_backlog.hpp"
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
+#include "support/outcomes.hpp"
 
 namespace asap {
 namespace {
@@ -176,15 +177,7 @@ TEST(DeadBeat, AWholePackageIsNotLargerThanIsSafe) {
 TEST(DeadBeat, APackageOfSeveralPartsTellsItsFixedCost) {
   DeadBeat scheme({.knee = 0});
   scheme.reset(Execution::anytime);
-  for (int k = 0; k < 30; ++k) {
-    scheme.observe({.size = 1600,
-                    .raw = 1600,
-                    .span_ns = 0,
-                    .start_ns = 0,
-                    .processing_ns = std::llround(kAlphaNs + kBetaNs * 1600),
-                    .first_size = 100,
-                    .first_ns = std::llround(kAlphaNs + kBetaNs * 100)});
-  }
+  for (int k = 0; k < 30; ++k) scheme.observe(test::in_parts(1600, 100, kAlphaNs, kBetaNs));
   EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 0.001 * kAlphaNs);
   EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 0.001 * kBetaNs);
 }

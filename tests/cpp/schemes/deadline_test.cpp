@@ -11,6 +11,7 @@
 #include "schemes/steady_backlog.hpp"
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
+#include "support/outcomes.hpp"
 
 namespace asap {
 namespace {
@@ -413,15 +414,7 @@ TEST(Deadline, APackageOfSeveralPartsTellsItsFixedCost) {
   scheme.reset(Execution::anytime);
   const FakeBacklog events = evenly(10, kMs);
   EXPECT_EQ(decide(scheme, events).most_event_ns, std::numeric_limits<double>::infinity());
-  for (int k = 0; k < 30; ++k) {
-    scheme.observe({.size = 1600,
-                    .raw = 1600,
-                    .span_ns = 0,
-                    .start_ns = 0,
-                    .processing_ns = std::llround(kAlphaNs + kBetaNs * 1600),
-                    .first_size = 100,
-                    .first_ns = std::llround(kAlphaNs + kBetaNs * 100)});
-  }
+  for (int k = 0; k < 30; ++k) scheme.observe(test::in_parts(1600, 100, kAlphaNs, kBetaNs));
   EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 0.001 * kAlphaNs);
   EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 0.001 * kBetaNs);
   EXPECT_EQ(decide(scheme, events, 50 * kMs).most_event_ns, scheme.beta_ns());
