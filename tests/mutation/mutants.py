@@ -158,6 +158,31 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
+        SOURCE + "packager/anytime_plan.cpp",
+        "packager",
+        strata_by_count_alone=("std::max(by_count, by_time)", "by_count"),
+        strata_as_if_the_guess_were_true=(
+            "std::max(decision.event_ns, decision.most_event_ns)",
+            "decision.event_ns",
+        ),
+        fixed_cost_of_one_part_forgotten=(
+            "if (strata_ == 1) left_ns -= ",
+            "if (false) left_ns -= ",
+        ),
+        first_part_without_its_fixed_cost=("now_ns - start_ns_}", "now_ns - stratum_start_ns_}"),
+    ),
+    *in_file(
+        SOURCE + "schemes/cost_model.cpp",
+        "schemes",
+        first_part_not_learned=("if (has_parts) learn(", "if (false) learn("),
+        low_cost_of_a_new_size_clipped=("if (bucket(n).is_new()) cost_ns", "if (false) cost_ns"),
+        fixed_cost_beyond_the_cheapest_package=(" && fall_ns < least_cost_ns()", ""),
+        guess_trusted_from_the_first_package_on=(
+            "return on_level() <= kPriorLasts ?",
+            "return count_ < 0U ?",
+        ),
+    ),
+    *in_file(
         SOURCE + "filter/validator.cpp",
         "filter",
         stamp_back_by_the_tolerance_is_bad=(

@@ -275,13 +275,14 @@ TEST(CostModel, OfANewSizeALowCostIsTheTruth) {
 
 TEST(CostModel, NoFixedCostIsLargerThanAPackage) {
   CostModel model;
-  for (int k = 0; k < 8; ++k) model.update(63, 110e3);
-  for (int k = 0; k < 40; ++k) {  // a level on which nothing tells of so small packages
+  for (int k = 0; k < 10; ++k) model.update(63, 110e3);
+  for (int k = 0; k < 3; ++k) model.update(220, 1.35e6);  // a new level: 63 may cost 370 us
+  for (int k = 0; k < 40; ++k) {
     for (const std::size_t size : {220u, 371u, 596u}) model.update(size, 1.4e6);
   }
-  const double before_ns = model.predict_ns(220);
-  for (int k = 0; k < 3; ++k) model.update(220, 0.42 * before_ns);
-  EXPECT_GT(model.predict_ns(1000), 0.2 * before_ns);
+  EXPECT_GT(model.alpha_ns(), 1e6);
+  for (int k = 0; k < 3; ++k) model.update(220, 0.42 * 1.4e6);
+  EXPECT_GT(model.predict_ns(1000), 0.4e6);
 }
 
 TEST(CostModel, UntilItKnowsAllOfTheLastCostMayBeThatOfItsEvents) {
