@@ -29,12 +29,13 @@ class ReferencePlan {
   ReferencePlan(const Decision& decision, std::int64_t start_ns, std::int64_t grace_ns)
       : raw_(decision.raw),
         strata_(count(decision)),
+        probe_(probe(decision, strata_)),
         planned_(decision.keep * static_cast<double>(raw_)),
         end_ns_(start_ns + std::clamp<std::int64_t>(decision.budget_ns, 0, 1'000'000'000'000'000)),
         grace_ns_(grace_ns),
         fixed_ns_(decision.fixed_ns > 0 ? std::min(std::floor(decision.fixed_ns), 1e15) : 0),
         start_ns_(start_ns),
-        events_(std::max(1.0, planned_ / 32)),
+        events_(std::max(1.0, trust(decision) * (planned_ / 32))),
         spent_ns_(events_ * (decision.event_ns > 0 ? decision.event_ns : 0)) {}
 
   struct Stratum {
@@ -46,13 +47,16 @@ class ReferencePlan {
 
   // `size` events were kept of the stratum before.
   Stratum next(std::int64_t now_ns, std::size_t size) noexcept {
-    if (done_ > 0) {
+    if (parts_ > 0) {
       spent_ns_ += static_cast<double>(now_ns - stratum_start_ns_);
       events_ += static_cast<double>(size);
       if (now_ns > end_ns_ + grace_ns_) return {0, 0, 0, false};
     }
     if (done_ == strata_) return {0, 0, 0, false};
-    const std::size_t j = done_++;
+    const bool is_probe = probe_ > 0 && parts_ == 0;
+    const std::size_t j = done_;
+    ++parts_;
+    done_ += is_probe ? 0 : 1;
     stratum_start_ns_ = now_ns;
     const auto count = static_cast<double>(strata_);
     const double raw = static_cast<double>(raw_) / count;
@@ -64,11 +68,17 @@ class ReferencePlan {
     if (event_ns * raw <= left_ns) size_planned = raw;
     const double least = std::max(0.02 * planned_ / count, j == 0 ? 1.0 : 0.0);
     if (!(size_planned >= least)) size_planned = least;
-    return {raw_ * j / strata_, raw_ * (j + 1) / strata_, std::clamp(size_planned / raw, 0.0, 1.0),
-            j + 1 == strata_};
+    const std::size_t begin = j == 0 && !is_probe ? probe_ : raw_ * j / strata_;
+    const std::size_t end = is_probe ? probe_ : raw_ * (j + 1) / strata_;
+    return {begin, end, std::clamp(size_planned / raw, 0.0, 1.0), j + 1 == strata_};
   }
 
  private:
+  static double trust(const Decision& decision) {
+    const bool is_doubted = decision.most_event_ns > decision.event_ns;
+    return is_doubted ? decision.event_ns / decision.most_event_ns : 1;
+  }
+
   // Of 64 events, or shorter: none longer than a 16th of the budget, or 2 us.
   static std::size_t count(const Decision& decision) {
     const double raw = static_cast<double>(decision.raw);
@@ -82,8 +92,20 @@ class ReferencePlan {
     return strata >= 1 ? static_cast<std::size_t>(strata) : 1;
   }
 
+  // Of the first stratum: so many as are in time even if an event costs the most that it may.
+  static std::size_t probe(const Decision& decision, std::size_t strata) {
+    if (strata < 2 || decision.budget_ns <= 0) return 0;
+    if (!(decision.most_event_ns > decision.event_ns)) return 0;
+    const double share_ns = static_cast<double>(decision.budget_ns) / static_cast<double>(strata);
+    double safe = share_ns / decision.most_event_ns;
+    if (!(safe >= 1)) safe = 1;
+    return safe < static_cast<double>(decision.raw / strata) ? static_cast<std::size_t>(safe) : 0;
+  }
+
   std::size_t raw_ = 0;
   std::size_t strata_ = 0;
+  std::size_t probe_ = 0;
+  std::size_t parts_ = 0;
   double planned_ = 0;
   std::int64_t end_ns_ = 0;
   std::int64_t grace_ns_ = 0;

@@ -25,6 +25,22 @@ std::size_t strata(const Decision& decision) noexcept {
       std::max(1.0, std::min({kMost, raw, std::max(by_count, by_time)})));
 }
 
+// In the expected cost of an event, which may be more.
+double trust(const Decision& decision) noexcept {
+  const bool is_doubted = decision.event_ns < decision.most_event_ns;
+  return is_doubted ? decision.event_ns / decision.most_event_ns : 1.0;
+}
+
+// Raw events of the first stratum that come before the rest of it: so few that they keep to its
+// share of the time even if an event costs the most that it may.
+std::size_t probe(const Decision& decision, std::size_t strata) noexcept {
+  if (trust(decision) == 1.0 || strata == 1 || decision.budget_ns <= 0) return 0;
+  const double share_ns = static_cast<double>(decision.budget_ns) / static_cast<double>(strata);
+  const double safe = std::max(1.0, share_ns / decision.most_event_ns);
+  const auto raw = static_cast<double>(decision.raw / strata);
+  return safe < raw ? static_cast<std::size_t>(safe) : 0;
+}
+
 // Of a number that may be any.
 std::int64_t bounded_ns(double ns) noexcept {
   return ns > 0 ? static_cast<std::int64_t>(std::min(ns, static_cast<double>(kLongestNs))) : 0;
@@ -36,12 +52,13 @@ AnytimePlan::AnytimePlan(const Decision& decision, std::int64_t start_ns,
                          std::int64_t grace_ns) noexcept
     : raw_(decision.raw),
       strata_(strata(decision)),
+      probe_(probe(decision, strata_)),
       planned_(decision.keep * static_cast<double>(raw_)),
       start_ns_(start_ns),
       end_ns_(start_ns + std::clamp<std::int64_t>(decision.budget_ns, 0, kLongestNs)),
       grace_ns_(grace_ns),
       fixed_end_ns_(start_ns + bounded_ns(decision.fixed_ns)),
-      weight_(std::max(1.0, kPriorShare * planned_)),
+      weight_(std::max(1.0, kPriorShare * trust(decision) * planned_)),
       spent_ns_(weight_ * std::max(0.0, decision.event_ns)) {}
 
 std::size_t AnytimePlan::longest_stratum(std::size_t raw) noexcept {
@@ -49,20 +66,22 @@ std::size_t AnytimePlan::longest_stratum(std::size_t raw) noexcept {
 }
 
 AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) noexcept {
-  if (done_ > 0) {
+  if (parts_ > 0) {
     const auto stratum_ns = static_cast<double>(now_ns - stratum_start_ns_);
-    if (done_ > 1) judge(stratum_ns, static_cast<double>(size));  // the fixed cost is in the first
-    if (done_ == 1 && strata_ > 1) first_ = {size, now_ns - start_ns_};
+    if (parts_ > 1) judge(stratum_ns, static_cast<double>(size));  // the fixed cost is in the first
+    if (parts_ == 1 && strata_ > 1) first_ = {size, now_ns - start_ns_};
     spent_ns_ += stratum_ns;
     weight_ += static_cast<double>(size);
     if (now_ns > end_ns_ + grace_ns_) return {};
   }
   if (done_ == strata_) return {};
-  const Stratum stratum{.begin = raw_ * done_ / strata_,
-                        .end = raw_ * (done_ + 1) / strata_,
+  const bool is_probe = probe_ > 0 && parts_ == 0;
+  const Stratum stratum{.begin = done_ == 0 && !is_probe ? probe_ : raw_ * done_ / strata_,
+                        .end = is_probe ? probe_ : raw_ * (done_ + 1) / strata_,
                         .keep = keep(now_ns),
                         .is_last = done_ + 1 == strata_};
-  ++done_;
+  ++parts_;
+  if (!is_probe) ++done_;
   stratum_start_ns_ = now_ns;
   return stratum;
 }

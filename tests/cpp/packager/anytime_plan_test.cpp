@@ -175,12 +175,53 @@ TEST(AnytimePlan, NoStratumOfDearEventsIsLongerThanItsShareOfTheBudget) {
     EXPECT_EQ(strata(100, 1'600'000, 201'000, may), 2u);
     EXPECT_EQ(strata(100, 1'600'000, 1'590'000, may), 15u);
     EXPECT_EQ(strata(100, 1'600'000, 1'610'000, may), 16u);
-    EXPECT_EQ(strata(100, 1'600'000, 1e12, may), 16u);
+    EXPECT_EQ(strata(100, 1'600'000, 1e12, may), may ? 17u : 16u) << "one event before the others";
     EXPECT_EQ(strata(5, 1'600'000, 1e12, may), 5u) << "one event is the least";
     EXPECT_EQ(strata(320, 1'600'000, 301'000, may), 5u) << "64 events each are shorter";
-    EXPECT_EQ(strata(100, 9000, 1e12, may), 4u) << "2 us: reading the clock must cost nothing";
+    EXPECT_EQ(strata(100, 9000, 1e12, may), may ? 5u : 4u)
+        << "2 us: reading the clock must cost nothing";
     EXPECT_EQ(strata(100, 1000, 1e12, may), 1u);
   }
+}
+
+TEST(AnytimePlan, WhereItMightTakeTooLongTheFirstStratumBeginsWithAFew) {
+  Decision decision = within(1'600'000, 1600, 100.0);  // as expected 10 us a stratum, of 100 us
+  decision.most_event_ns = 10'000;
+  const auto cost_ns = [](std::size_t) { return 10'000.0; };
+  const Executed dear = execute(decision, cost_ns);
+  ASSERT_EQ(dear.strata.size(), 17u);
+  EXPECT_EQ(dear.strata[0].end, 10u);
+  EXPECT_EQ(dear.strata[0].keep, 1.0);
+  EXPECT_EQ(dear.strata[1].begin, 10u);
+  EXPECT_EQ(dear.strata[1].end, 100u);
+  EXPECT_EQ(dear.strata[2].end, 200u);
+  EXPECT_LE(dear.end_ns, 1'900'000) << "without, 2.6 ms";
+  const Executed cheap = execute(decision, 100.0);
+  EXPECT_EQ(cheap.size, 1600u) << "nothing is lost";
+  decision.most_event_ns = kInfinity;
+  EXPECT_EQ(execute(decision, 100.0).strata[0].end, 1u);
+  decision.most_event_ns = 1000;  // then it would fit
+  EXPECT_EQ(execute(decision, 100.0).strata[0].end, 100u);
+  decision.most_event_ns = 10'000;
+  decision.keep = 0.01;  // the clock may allow more than was planned
+  EXPECT_EQ(execute(decision, 100.0).strata[0].end, 10u);
+  decision.event_ns = 10'000;  // no doubt
+  EXPECT_EQ(execute(decision, 100.0).strata[0].end, 100u);
+}
+
+TEST(AnytimePlan, AnExpectationThatIsDoubtedWeighsLess) {
+  Decision decision = within(kMillisecond, 6400, 100.0);
+  const auto second = [&](double most_ns) {
+    decision.most_event_ns = most_ns;
+    AnytimePlan plan(decision, 0, 0);
+    std::int64_t now_ns = 0;
+    AnytimePlan::Stratum stratum = plan.next(0, 0);
+    now_ns += 1000 * static_cast<std::int64_t>(stratum.end);
+    return plan.next(now_ns, stratum.end).keep * 400;  // in strata of 400
+  };
+  const double time_ns = 1e6 - 400e3;
+  EXPECT_DOUBLE_EQ(second(0), time_ns / 15 / ((200 * 100.0 + 400e3) / 600));
+  EXPECT_DOUBLE_EQ(second(125), time_ns / 15 / ((160 * 100.0 + 400e3) / 560));
 }
 
 TEST(AnytimePlan, TellsWhatItWasUntilTheEndOfTheFirstStratum) {
@@ -306,7 +347,7 @@ TEST(AnytimePlan, AlwaysPlansAFraction) {
       Decision decision = within(kMillisecond, 100, event_ns);
       decision.most_event_ns = most_ns;
       const Executed run = execute(decision, 10.0);
-      ASSERT_LE(run.strata.size(), 16u);
+      ASSERT_LE(run.strata.size(), 17u);
       ASSERT_EQ(run.strata.back().end, 100u);
     }
     for (const std::int64_t budget_ns : {kLongAgo, std::int64_t{0}, kMillisecond, kNever}) {

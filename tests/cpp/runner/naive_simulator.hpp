@@ -244,22 +244,34 @@ class NaiveSimulator final : public BacklogCounts {
     const double M = static_cast<double>(strata);
     constexpr std::int64_t kAges = 1'000'000'000'000'000;
     const std::int64_t end = now_ns_ + std::clamp<std::int64_t>(decision.budget_ns, 0, kAges);
-    const double k0 = std::max(1.0, n / 32);
+    const bool doubted = decision.most_event_ns > decision.event_ns;
+    const double trust = doubted ? decision.event_ns / decision.most_event_ns : 1.0;
+    const double k0 = std::max(1.0, n / 32 * trust);
     double tau = 0;
     double m = 0;
     const std::int64_t fixed_end = now_ns_ + std::llround(std::floor(decision.fixed_ns));
     pass(cost.fixed_ns);
     const double fixed = std::max(0.0, static_cast<double>(fixed_end - now_ns_));
+    std::size_t probe = 0;
+    if (strata > 1 && doubted && H > 0) {
+      const double safe = std::max(1.0, H / M / decision.most_event_ns);
+      if (safe < std::floor(N / M)) probe = static_cast<std::size_t>(safe);
+    }
+    std::vector<std::pair<std::size_t, std::size_t>> parts;  // of stratum j so many
+    if (probe > 0) parts.emplace_back(0, probe);
     for (std::size_t j = 0; j < strata; ++j) {
+      const std::size_t count = raw * (j + 1) / strata - raw * j / strata;
+      parts.emplace_back(j, j == 0 ? count - probe : count);
+    }
+    for (const auto& [j, count] : parts) {
       const std::int64_t now = now_ns_;
-      if (j > 0 && now > end + config_.bound_ns / 100) return;  // an outage
+      if (&j != &parts.front().first && now > end + config_.bound_ns / 100) return;  // an outage
       double left = static_cast<double>(end - now) / (M - static_cast<double>(j));
       if (strata == 1) left -= fixed;
       const double b = (decision.event_ns * k0 + tau) / (k0 + m);
       double q = b > 0 ? std::min(left / b, N / M) : (left >= 0 ? N / M : 0.0);
       const double f = std::max(0.02 * n / M, j == 0 ? 1.0 : 0.0);
       if (q < f) q = std::min(f, N / M);
-      const std::size_t count = raw * (j + 1) / strata - raw * j / strata;
       const double keep = std::max(q, 0.0) / (N / M);
       const std::size_t size =
           j + 1 < strata ? thin(count, keep, kept) : thin_to(count, std::min(keep, 1.0), kept);

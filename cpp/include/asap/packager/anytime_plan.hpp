@@ -2,7 +2,8 @@
 // count, in time order; before each of them the clock is read and the kept fraction is planned anew
 // from the time that is left and from what an event has cost so far in this package, so that the
 // package ends on time whatever the algorithm costs. The fixed cost is in the first stratum, and
-// the others make up for it; where there is but one, time is left for it. A stratum that takes far
+// the others make up for it; where there is but one, time is left for it. Where an event may cost
+// more than expected a few of the first stratum come before the rest. A stratum that takes far
 // longer than its like, between two that do not, has met an outage: the thread did not run.
 // Arithmetic only: the time is handed in. O(1) per stratum. Source: notebooks/theory.md, section 7.
 #pragma once
@@ -52,8 +53,10 @@ class AnytimePlan {
 
   std::size_t raw_ = 0;
   std::size_t strata_ = 0;
-  std::size_t done_ = 0;  // strata handed out
-  double planned_ = 0;    // events to keep of all
+  std::size_t probe_ = 0;
+  std::size_t parts_ = 0;  // handed out: the probe and ...
+  std::size_t done_ = 0;   // ... strata
+  double planned_ = 0;     // events to keep of all
   std::int64_t start_ns_ = 0;
   std::int64_t end_ns_ = 0;  // of the budget
   std::int64_t grace_ns_ = 0;
