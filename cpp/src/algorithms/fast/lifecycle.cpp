@@ -39,6 +39,7 @@ Fate judge_tentative(const Life& life, float noise_hz, const LifeRule& rule) noe
       life.mass < rule.confirm_events + noise_bound(expected, 2)) {
     return Fate::kLives;
   }
+  if (life.may_be_fragment) return Fate::kLives;
   if (life.near_confirmed && life.age_s <= kWaitNearConfirmed_s) return Fate::kLives;
   return Fate::kConfirmed;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "asap/algorithms/fast/fragment.hpp"
 #include "asap/algorithms/fast/gate.hpp"
 
 namespace asap::fast {
@@ -55,6 +56,7 @@ void Pairs::find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept {
     Life& life = tracks.life(slot);
     track.partners = 0;
     life.near_confirmed = false;
+    life.may_be_fragment = false;
     const Sight s = sight_of(track, now, 0, 0);
     places_.push_back({s.mean_x, s.mean_y, life.extent_px, slot, track.has_id()});
     nearest_.push_back({Tracks::kNone, Tracks::kNone, 0, 0, 0});
@@ -91,6 +93,13 @@ void Pairs::meet(Tracks& tracks, std::size_t i, std::size_t j, float dx, float d
   const bool close = !(a.has_id && b.has_id) || distance < kNeighbour_px;
   if (b.has_id && close) tracks.life(a.slot).near_confirmed = true;
   if (a.has_id && close) tracks.life(b.slot).near_confirmed = true;
+  if (a.has_id != b.has_id) {
+    const Tracks::Slot newborn = second_keeps ? b.slot : a.slot;
+    const Tracks::Slot grown = second_keeps ? a.slot : b.slot;
+    if (may_be_fragment(tracks, newborn, grown, dx, dy)) {
+      tracks.life(newborn).may_be_fragment = true;
+    }
+  }
   Candidate& nearest = nearest_[second_keeps ? j : i];
   if (nearest.other != Tracks::kNone && nearest.distance_px <= distance) return;
   nearest = second_keeps ? Candidate{b.slot, a.slot, -dx, -dy, distance}

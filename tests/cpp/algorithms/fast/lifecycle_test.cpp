@@ -84,6 +84,14 @@ TEST(Lifecycle, ANewbornBesideAConfirmedOneWaits) {
   EXPECT_NEAR(object.until(Fate::kConfirmed, 10, 0.1F), 0.03F, 0.0035F);
 }
 
+TEST(Lifecycle, WhatMayBeAFragmentWaitsForAsLongAsItMay) {
+  Object object;
+  object.life.may_be_fragment = true;
+  EXPECT_EQ(object.until(Fate::kConfirmed, 10, 0.1F), -1);
+  object.life.may_be_fragment = false;
+  EXPECT_EQ(object.tick(10), Fate::kConfirmed);
+}
+
 TEST(Lifecycle, AnObjectThatStopsIsHiddenThenCoastsThenDies) {
   Object object;
   for (int i = 0; i < 100; ++i) object.tick(20);

@@ -91,6 +91,23 @@ TEST(Pairs, ConfirmedOnesKnowWhoIsClose) {
   EXPECT_FALSE(scene.tracks.life(c).near_confirmed);
 }
 
+TEST(Pairs, ANewbornOnAGrownOneMayBeItsFragment) {
+  Scene scene;
+  const auto grown = scene.add(0, 0, true);
+  const auto newborn = scene.add(10, 0, false);
+  scene.tracks[grown].inverse_circle2 = 1e-2F;          // a gate of 10 px ...
+  scene.tracks[grown].qa = scene.tracks[grown].qc = 1;  // ... without an ellipse to speak of
+  scene.tracks.life(grown).mass = 100;
+  scene.tracks.life(grown).age_s = 1;
+  scene.find();
+  EXPECT_TRUE(scene.tracks.life(newborn).may_be_fragment);
+  EXPECT_FALSE(scene.tracks.life(grown).may_be_fragment);
+  scene.tracks[newborn].x = 20;
+  scene.find();
+  EXPECT_FALSE(scene.tracks.life(newborn).may_be_fragment);
+  EXPECT_TRUE(scene.tracks.life(newborn).near_confirmed);
+}
+
 TEST(Pairs, TheOlderKeepsTheNearestOfItsLike) {
   Scene scene;
   const auto a = scene.add(0, 0, true);

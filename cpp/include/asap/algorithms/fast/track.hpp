@@ -91,7 +91,8 @@ struct Life {
   float seen_y = 0;
   float usual_vx = 0;  // px/s, then
   float usual_vy = 0;
-  bool near_confirmed = true;  // in reach of a confirmed one, or nobody has looked yet
+  bool near_confirmed = true;    // in reach of a confirmed one, or nobody has looked yet
+  bool may_be_fragment = false;  // of one
 };
 
 class Tracks {
