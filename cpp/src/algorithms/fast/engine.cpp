@@ -365,9 +365,8 @@ void Engine::split(Slot slot) noexcept {
 }
 
 void Engine::halve(Slot slot) noexcept {
-  tracks_.life(slot).double_s = 0;
   const auto halves = halves_.find(owners_, tracks_, slot, clock_.now());
-  if (halves.empty()) return;
+  if (!have_moved_apart(tracks_.life(slot), halves)) return;
   const float share = share_of(halves[1], halves);
   const Slot twin = begin_part(slot, halves[1], share);
   if (twin == Tracks::kNone) return;

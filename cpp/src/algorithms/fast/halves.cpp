@@ -111,6 +111,30 @@ HalfFinder::Part HalfFinder::part_of(std::size_t first, std::size_t count) const
   return part;
 }
 
+bool have_moved_apart(Life& life, std::span<const HalfFinder::Part> halves) noexcept {
+  constexpr float kMoved_px = 3;
+  constexpr float kMovedShare = 0.2F;  // the ends of a long object in rotation waver by less
+  constexpr float kSameAxis = 0.85F;   // cosine
+  constexpr float kWindow_s = 0.3F;
+  if (halves.empty()) {
+    life.double_s = 0;
+    return false;
+  }
+  const HalvesSeen now{halves[1].x - halves[0].x, halves[1].y - halves[0].y, life.age_s};
+  const HalvesSeen first = life.halves;
+  const float distance = length(now.dx, now.dy);
+  const float before = length(first.dx, first.dy);
+  const float cosine = std::abs(now.dx * first.dx + now.dy * first.dy) / (distance * before);
+  if (before == 0 || now.at_s - first.at_s > kWindow_s || cosine < kSameAxis) {
+    life.halves = now;
+    return false;
+  }
+  if (std::abs(distance - before) < std::max(kMoved_px, kMovedShare * before)) return false;
+  life.double_s = 0;
+  life.halves = {};
+  return true;
+}
+
 void raise_twin(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, float share,
                 const GateRule& gate) noexcept {
   constexpr float kFitting_px2 = 2;  // so that neither looks double before it is known

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 
@@ -185,6 +186,57 @@ TEST(HalfFinder, ASmallObjectHasNoHalves) {
     small.owners[small.map.cell(x, 44)].stamp = Frame::kNow - 50'000;
   }
   EXPECT_TRUE(small.find().empty());  // 2 x 3 cells: too few each
+}
+
+// Halves so far apart, the second in such a direction; both looks are a doubt old.
+struct Seen {
+  Life life;
+
+  bool look(float age_s, float px, float degrees = 0) {
+    const float angle = degrees * 3.14159265F / 180;
+    const HalfFinder::Part halves[] = {{50, 50, {}},
+                                       {50 + px * std::cos(angle), 50 + px * std::sin(angle), {}}};
+    life.age_s = age_s;
+    life.double_s = 0.04F;
+    return have_moved_apart(life, halves);
+  }
+};
+
+TEST(HaveMovedApart, EitherWayAndByMoreThanEndsWaver) {
+  for (const float sign : {-1.0F, 1.0F}) {
+    Seen near;
+    EXPECT_FALSE(near.look(1, 12));
+    EXPECT_FALSE(near.look(1.01F, 12 + 2.9F * sign));
+    EXPECT_EQ(near.life.double_s, 0.04F);
+    EXPECT_TRUE(near.look(1.02F, 12 + 3.1F * sign));
+    EXPECT_EQ(near.life.double_s, 0);
+    EXPECT_FALSE(near.look(1.03F, 12));  // the first look of another doubt
+    Seen wide;
+    EXPECT_FALSE(wide.look(1, 30));
+    EXPECT_FALSE(wide.look(1.01F, 30 + 5.9F * sign));
+    EXPECT_TRUE(wide.look(1.02F, 30 + 6.1F * sign));
+  }
+}
+
+TEST(HaveMovedApart, AlongOneAxisWithin300Ms) {
+  Seen turned;
+  EXPECT_FALSE(turned.look(1, 12));
+  EXPECT_FALSE(turned.look(1.01F, 18, 33));  // cosine .84: begins anew
+  EXPECT_FALSE(turned.look(1.02F, 18, 30));
+  EXPECT_TRUE(turned.look(1.03F, 12, 180 + 30));  // either may come first
+  Seen slow;
+  EXPECT_FALSE(slow.look(1, 12));
+  EXPECT_FALSE(slow.look(1.31F, 18));
+  EXPECT_FALSE(slow.look(1.60F, 18));
+  EXPECT_TRUE(slow.look(1.60F, 12));
+}
+
+TEST(HaveMovedApart, NoHalvesEndTheDoubtButNotTheMemory) {
+  Seen seen;
+  EXPECT_FALSE(seen.look(1, 12));
+  EXPECT_FALSE(have_moved_apart(seen.life, {}));
+  EXPECT_EQ(seen.life.double_s, 0);
+  EXPECT_TRUE(seen.look(1.01F, 18));
 }
 
 TEST(RaiseTwin, SharesThePast) {

@@ -1,7 +1,8 @@
 // Halves: two objects that were born as one. Their track is long, yet its events do not lie on one
 // outline, with nobody near whose edges these could be; and each half of its cells shows both
-// polarities, as an object in motion does and a single edge does not. Such a track is cut across
-// its long axis, and both halves have an id at once: as a newborn the second would be merged again.
+// polarities, as an object in motion does and a single edge does not; and they come nearer or part,
+// as the ends of one long object do not. Such a track is cut across its long axis, and both halves
+// have an id at once: as a newborn the second would be merged again.
 // One thread, at the tick. O(cells in a window), allocates in the constructor only.
 // Source: own design.
 #pragma once
@@ -61,6 +62,10 @@ class HalfFinder {
   std::vector<std::size_t> cells_;  // of the grid, those of the first half before the others
   std::array<Part, 2> halves_{};
 };
+
+// Whether the halves, if any, have come nearer or parted since they were first seen. Looks for as
+// long as the track is doubtful; once they are, or there are none, the doubt begins anew.
+bool have_moved_apart(Life& life, std::span<const HalfFinder::Part> halves) noexcept;
 
 // Makes the child of a split a grown track beside its parent, whose past it shares; the parent has
 // been left with its own share of the mass. The caller gives it an id.

@@ -68,6 +68,13 @@ struct MergeState {
   float dy = 0;
 };
 
+// How the halves of a track that looks like two objects lay to each other; none seen: no distance.
+struct HalvesSeen {
+  float dx = 0;  // px
+  float dy = 0;
+  float at_s = 0;  // age of the track
+};
+
 struct Life {
   float age_s = 0;
   float confirmed_s = 0;  // since it was confirmed
@@ -84,6 +91,7 @@ struct Life {
   Stamp last_event = 0;      // up to the last tick
   KalmanState kalman;
   MergeState merge;
+  HalvesSeen halves;
   std::array<std::uint16_t, kMaxPartners> partners{};
   std::uint16_t sibling = MergeState::kNobody;
   std::uint16_t sibling_generation = 0;
