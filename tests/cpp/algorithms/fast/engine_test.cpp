@@ -143,8 +143,8 @@ TEST(Engine, ObjectsThatComeApartSlowlyAreSplit) {
 
 TEST(Engine, ObjectsBornAsOneAreTwoSoon) {
   std::vector<Event> events;
-  add_disk(events, {.x = 60, .y = 90, .vx = 100, .vy = -25}, 0, 0.6);
-  add_disk(events, {.x = 60, .y = 106, .vx = 100, .vy = 25}, 0, 0.6, 10'000, 2);
+  add_disk(events, {.x = 60, .y = 90, .vx = 100, .vy = -40}, 0, 0.6);
+  add_disk(events, {.x = 60, .y = 106, .vx = 100, .vy = 40}, 0, 0.6, 10'000, 2);
   sort_by_time(events);
   Engine engine(kFrame);
   const auto at = [&](std::int64_t t_us) {
@@ -162,7 +162,7 @@ TEST(Engine, ObjectsBornAsOneAreTwoSoon) {
   for (std::size_t i = 0; i < 2; ++i) {
     const bool upper = early[i].y < 100;
     EXPECT_NEAR(early[i].x, 79.5, 3);
-    EXPECT_NEAR(early[i].y, upper ? 85 : 111, 3);
+    EXPECT_NEAR(early[i].y, upper ? 81.5 : 113.5, 3);
   }
   EXPECT_EQ(early[0].id, 0);
   EXPECT_EQ(early[1].id, 1);
