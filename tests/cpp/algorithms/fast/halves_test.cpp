@@ -210,7 +210,7 @@ TEST(HaveMovedApart, EitherWayAndByMoreThanEndsWaver) {
     EXPECT_EQ(near.life.double_s, 0.04F);
     EXPECT_TRUE(near.look(1.02F, 12 + 3.1F * sign));
     EXPECT_EQ(near.life.double_s, 0);
-    EXPECT_FALSE(near.look(1.03F, 12));  // the first look of another doubt
+    EXPECT_FALSE(near.look(1.03F, 20));  // the first look of another doubt
     Seen wide;
     EXPECT_FALSE(wide.look(1, 30));
     EXPECT_FALSE(wide.look(1.01F, 30 + 5.9F * sign));
