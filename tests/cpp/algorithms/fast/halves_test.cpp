@@ -6,17 +6,11 @@
 #include <cstdint>
 #include <functional>
 
+#include "algorithms/fast/gate_rule.hpp"
+
 namespace {
 
 using namespace asap::fast;
-
-constexpr GateRule kGate{.birth_radius_px = 18,
-                         .min_radius_px = 7,
-                         .max_radius_px = 40,
-                         .scale = 2.3F,
-                         .padding_px = 2,
-                         .circle_scale = 2.2F,
-                         .circle_padding_px = 5};
 
 struct Doubtful {
   Track track{};

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "algorithms/fast/gate_rule.hpp"
+
 namespace {
 
 using namespace asap::fast;
@@ -18,13 +20,6 @@ constexpr LifeRule kRule{.mass_s = 0.03F,
                          .hide_s = 0.06F,
                          .coast_s = 0.2F,
                          .mature_s = 0.04F};
-constexpr GateRule kGate{.birth_radius_px = 18,
-                         .min_radius_px = 7,
-                         .max_radius_px = 40,
-                         .scale = 2.3F,
-                         .padding_px = 2,
-                         .circle_scale = 2.2F,
-                         .circle_padding_px = 5};
 
 struct Object {
   Track track{};
