@@ -54,7 +54,7 @@ TypeError
 
 Notes
 -----
-The cost of an event does not depend on the number of clusters. One thread at a time. The same events
+The cost of an event does not depend on the number of clusters. Threads take turns. The same events
 (and seed) give the same results however they are cut into calls.
 
 Source of "compat": Rodriguez-Gomez et al., "Asynchronous Event-Based Clustering and Tracking for

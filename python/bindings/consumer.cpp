@@ -19,6 +19,7 @@
 #include "cluster_trackers.hpp"
 #include "exact_type.hpp"
 #include "gil.hpp"
+#include "turns.hpp"
 
 namespace asap::python {
 namespace {
@@ -33,7 +34,8 @@ struct PythonAlgorithm {
 template <class Algorithm>
 Consumer native(const py::object& algorithm) {
   auto* ours = algorithm.cast<Algorithm*>();
-  return [ours](const Package& package) {
+  return [ours, turns = turns_at(algorithm)](const Package& package) {
+    const NativeTurn turn(*turns);
     if (!package.continues) ours->set_keep(package.keep);
     ours->process(package.events);
   };
@@ -43,7 +45,9 @@ Consumer native(const py::object& algorithm) {
 template <class Filter>
 Consumer native_filter(const py::object& algorithm) {
   auto* ours = algorithm.cast<Filter*>();
-  return [ours, passed = std::vector<Event>()](const Package& package) mutable {
+  return [ours, turns = turns_at(algorithm),
+          passed = std::vector<Event>()](const Package& package) mutable {
+    const NativeTurn turn(*turns);
     if (!package.continues) ours->set_keep(package.keep);
     if (passed.size() < package.events.size()) passed.resize(package.events.size());
     ours->process(package.events, passed.data());

@@ -38,7 +38,7 @@ ValueError
 
 Notes
 -----
-A few nanoseconds per event. One thread at a time. A stamp that goes back counts as the latest one.
+A few nanoseconds per event. Threads take turns. A stamp that goes back counts as the latest one.
 Source: Delbruck, "Frame-free dynamic digital vision", 2008.
 )";
 
@@ -60,7 +60,7 @@ ValueError
 
 Notes
 -----
-One thread at a time. A stamp that goes back counts as the latest one. Source: Mueggler, Bartolozzi,
+Threads take turns. A stamp that goes back counts as the latest one. Source: Mueggler, Bartolozzi,
 Scaramuzza, "Fast Event-based Corner Detection", BMVC 2017. The authors' release swaps the sides of its
 surface, which changes some labels where width is not height; here they are as published.
 )";
@@ -86,7 +86,7 @@ ValueError
 
 Notes
 -----
-One thread at a time. A stamp that goes back counts as the latest one. A pixel without an event counts as
+Threads take turns. A stamp that goes back counts as the latest one. A pixel without an event counts as
 fired at time 0, as in the authors' release, or just before the first stamp if that is negative. Source:
 Alzugaray, Chli, "Asynchronous Corner Detection and Tracking for Event Cameras in Real Time", RA-L 2018.
 )";
@@ -111,7 +111,7 @@ ValueError
 
 Notes
 -----
-One thread at a time. Only the order of the events matters, not their stamps. Source: Vasco, Glover,
+Threads take turns. Only the order of the events matters, not their stamps. Source: Vasco, Glover,
 Bartolozzi, "Fast Event-based Harris Corner Detection Exploiting the Advantages of Event-driven Cameras",
 IROS 2016, with the constants of the public implementation.
 )";
@@ -138,7 +138,7 @@ ValueError
 
 Notes
 -----
-One thread at a time. A stamp that goes back counts as the latest one. Source: Li, Shi, Zhang, Li, Liu,
+Threads take turns. A stamp that goes back counts as the latest one. Source: Li, Shi, Zhang, Li, Liu,
 "FA-Harris: A Fast and Asynchronous Corner Detector for Event Cameras", IROS 2019, with the constants of
 its release; equal stamps, undefined there, are ordered by arrival.
 )";

@@ -46,7 +46,7 @@ ValueError
 
 Notes
 -----
-One thread at a time. A stamp that goes back counts as the latest one. Each image costs a pass over the
+Threads take turns. A stamp that goes back counts as the latest one. Each image costs a pass over the
 pixels. Channels as in Sanket et al., "EVDodgeNet", ICRA 2020, and Zhu et al., "EV-FlowNet", RSS 2018.
 )";
 

@@ -50,7 +50,7 @@ ValueError
 
 Notes
 -----
-The cost of an event does not depend on the number of tracks. One thread at a time. A stamp that goes back
+The cost of an event does not depend on the number of tracks. Threads take turns. A stamp that goes back
 counts as the latest one. Source: the authors' release of the event feature tracker of the GRVC
 (grvc_ef_tracker), which the ASAP papers use, with its launch values; ids and velocities are ours.
 )";

@@ -36,7 +36,7 @@ ValueError
 
 Notes
 -----
-One thread at a time. A stamp that goes back counts as the latest one. Source: Benosman, Clercq, Lagorce,
+Threads take turns. A stamp that goes back counts as the latest one. Source: Benosman, Clercq, Lagorce,
 Ieng, Bartolozzi, "Event-Based Visual Flow", IEEE TNNLS 2014.
 )";
 

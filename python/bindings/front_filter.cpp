@@ -10,6 +10,7 @@
 #include "exact_type.hpp"
 #include "gil.hpp"
 #include "package_arrays.hpp"
+#include "turns.hpp"
 
 namespace asap::python {
 namespace {
@@ -31,7 +32,9 @@ std::shared_ptr<PythonFilter> held(py::object filter, py::object process) {
 template <class Filter>
 FrontFilter native(const py::object& object) {
   auto* filter = object.cast<Filter*>();
-  return [filter, keep_alive = held(object, {})](EventSpan events, Event* out) {
+  return [filter, turns = turns_at(object), keep_alive = held(object, {})](EventSpan events,
+                                                                           Event* out) {
+    const NativeTurn turn(*turns);
     return filter->process(events, out);
   };
 }

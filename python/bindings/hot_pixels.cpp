@@ -42,7 +42,7 @@ ValueError
 
 Notes
 -----
-One thread at a time. Only pixels count, not stamps and polarities. Three hot pixels within 2 px of each
+Threads take turns. Only pixels count, not stamps and polarities. Three hot pixels within 2 px of each
 other take each other for a moving edge: give them.
 )";
 

@@ -25,15 +25,10 @@ void* refuse_unmade(std::size_t) {
       "of its own calls super().__init__(...) first");
 }
 
-// pybind11's own, called for its nameless base class, throws through the interpreter, which ends
-// the process: pickle of protocol 0 and 1 does so.
-PyObject* call_class(PyObject* type, PyObject* args, PyObject* kwargs) {
-  try {
-    return py::detail::pybind11_meta_call(type, args, kwargs);
-  } catch (const std::exception&) {
-    PyErr_SetString(PyExc_TypeError, "this object cannot be copied or pickled: make another one");
-    return nullptr;
-  }
+// Python's own way for pickle of protocol 0 and 1 calls pybind11's nameless base class, which ends
+// the process.
+py::object refuse_copy(const py::object&) {
+  throw py::type_error("this object cannot be copied or pickled: make another one");
 }
 
 bool is_list_of_signatures(const py::error_already_set& error, const function_record& function) {
@@ -56,9 +51,8 @@ void explain(const function_record& function, const Call& call) {
   }
 }
 
-PyObject* dispatch(PyObject* self, PyObject* const* values, std::size_t count, PyObject* names) {
+PyObject* call(PyObject* self, PyObject* const* values, std::size_t count, PyObject* names) {
   const auto by_position = static_cast<std::size_t>(PyVectorcall_NARGS(count));
-  if (by_position > 0) wait_for_turn(values[0]);
   PyObject* result = pybind11_dispatcher(self, values, count, names);
   if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError) != 0) {
     explain(*py::detail::function_record_ptr_from_PyObject(self), {values, by_position, names});
@@ -66,12 +60,18 @@ PyObject* dispatch(PyObject* self, PyObject* const* values, std::size_t count, P
   return result;
 }
 
+PyObject* dispatch(PyObject* self, PyObject* const* values, std::size_t count, PyObject* names) {
+  const bool has_object = PyVectorcall_NARGS(count) > 0;
+  const CallersTurn turn(has_object ? turns_under_way_at(values[0]) : nullptr);
+  return call(self, values, count, names);
+}
+
 // Of what works without the GIL.
 PyObject* dispatch_work(PyObject* self, PyObject* const* values, std::size_t count,
                         PyObject* names) {
-  if (PyVectorcall_NARGS(count) == 0) return dispatch(self, values, count, names);
-  const Turn turn(values[0]);
-  return dispatch(self, values, count, names);
+  const bool has_object = PyVectorcall_NARGS(count) > 0;
+  const CallersTurn turn(has_object ? turns_at(values[0]) : nullptr);
+  return call(self, values, count, names);
 }
 
 PyCFunction as_method(Dispatcher function) {
@@ -107,6 +107,7 @@ void refuse_in_class(py::handle type) {
   auto* info = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(type.ptr()));
   if (info == nullptr) return;
   info->operator_new = &refuse_unmade;
+  type.attr("__reduce__") = py::cpp_function(&refuse_copy, py::is_method(type));
   // Else an object could be told that it is of another class of ours.
   reinterpret_cast<PyTypeObject*>(type.ptr())->tp_flags |= Py_TPFLAGS_IMMUTABLETYPE;
   for (const auto item :
@@ -121,7 +122,6 @@ void refuse_in_class(py::handle type) {
 }  // namespace
 
 void refuse_in_words(const py::module_& m) {
-  py::detail::get_internals().default_metaclass->tp_call = &call_class;
   for (const auto& [name, item] : py::cast<py::dict>(m.attr("__dict__"))) {
     if (PyType_Check(item.ptr()) != 0) {
       refuse_in_class(item);

@@ -33,7 +33,7 @@ ValueError
 
 Notes
 -----
-One thread at a time. Only the order of the events matters, not stamps and polarities. Source: Glover,
+Threads take turns. Only the order of the events matters, not stamps and polarities. Source: Glover,
 Dinale, De Souza Rosa, Bamford, Bartolozzi, "luvHarris: A Practical Corner Detector for Event-Cameras",
 TPAMI 2021. Public releases clear from one value lower.
 )";
@@ -57,7 +57,7 @@ ValueError
 
 Notes
 -----
-One thread at a time. Only the order of the events matters, not stamps and polarities. Source:
+Threads take turns. Only the order of the events matters, not stamps and polarities. Source:
 Manderscheid, Sironi, Bourdis, Migliore, Lepetit, "Speed Invariant Time Surface for Learning to Detect
 Corner Points with Event-Based Cameras", CVPR 2019, with one surface for both polarities; two of them
 keep polarities apart.

@@ -1,9 +1,7 @@
 #include "turns.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <cstdint>
-#include <thread>
+#include <utility>
 #include <vector>
 
 #include "gil.hpp"
@@ -11,45 +9,69 @@
 namespace asap::python {
 namespace {
 
-constexpr auto kLook = std::chrono::microseconds(50);
-
-struct Work {
+struct Known {
   PyObject* object;
-  unsigned long thread;
-  std::uint64_t forks;  // a thread of the parent process does not come to its end here
+  std::weak_ptr<Turns> turns;
+  std::uint64_t forks;  // a thread of the parent process does not give its turn back here
 };
 
-std::vector<Work>& all() {
-  static auto& works = *new std::vector<Work>;  // outlives every thread
-  return works;
-}
-
-bool is_at_work_elsewhere(PyObject* object) {
-  return std::ranges::any_of(all(), [&](const Work& work) {
-    return work.object == object && work.thread != PyThread_get_thread_ident() &&
-           work.forks == forks();
-  });
+// Of the objects that are worked with.
+std::vector<Known>& known() {
+  static auto& all = *new std::vector<Known>;  // outlives every thread
+  std::erase_if(all, [](const Known& one) { return one.turns.expired() || one.forks != forks(); });
+  return all;
 }
 
 }  // namespace
 
-void wait_for_turn(py::handle object) {
-  while (!all().empty() && !is_exiting() && is_at_work_elsewhere(object.ptr())) {
-    const WithoutGil release;  // the other one needs it to come to its end
-    std::this_thread::sleep_for(kLook);
+bool Turns::try_take() noexcept {
+  std::uint32_t own = serving_.load(std::memory_order_acquire);
+  if (!next_.compare_exchange_strong(own, own + 1, std::memory_order_acquire)) return false;
+  owner_ = std::this_thread::get_id();
+  return true;
+}
+
+void Turns::take() noexcept {
+  const std::uint32_t own = next_.fetch_add(1, std::memory_order_relaxed);
+  for (;;) {
+    const std::uint32_t now = serving_.load(std::memory_order_acquire);
+    if (now == own) break;
+    serving_.wait(now, std::memory_order_acquire);
   }
+  owner_ = std::this_thread::get_id();
 }
 
-Turn::Turn(py::handle object) : object_(object) {
-  wait_for_turn(object);
-  all().push_back({object.ptr(), PyThread_get_thread_ident(), forks()});
+void Turns::give_back() noexcept {
+  owner_ = std::thread::id();
+  serving_.fetch_add(1, std::memory_order_release);
+  serving_.notify_all();
 }
 
-Turn::~Turn() {
-  const auto own = std::ranges::find_if(all(), [this](const Work& work) {
-    return work.object == object_.ptr() && work.thread == PyThread_get_thread_ident();
-  });
-  if (own != all().end()) all().erase(own);
+std::shared_ptr<Turns> turns_under_way_at(py::handle object) {
+  const auto& all = known();
+  const auto found = std::ranges::find(all, object.ptr(), &Known::object);
+  return found == all.end() ? nullptr : found->turns.lock();
+}
+
+std::shared_ptr<Turns> turns_at(py::handle object) {
+  if (auto turns = turns_under_way_at(object)) return turns;
+  auto turns = std::make_shared<Turns>();
+  known().push_back({object.ptr(), turns, forks()});
+  return turns;
+}
+
+CallersTurn::CallersTurn(std::shared_ptr<Turns> turns) {
+  if (turns == nullptr || turns->are_mine()) return;
+  if (!turns->try_take()) {
+    if (is_exiting()) return;  // who has it may never come back
+    const WithoutGil release;  // who has it may need it to come to its end
+    turns->take();
+  }
+  turns_ = std::move(turns);
+}
+
+CallersTurn::~CallersTurn() {
+  if (turns_ != nullptr) turns_->give_back();
 }
 
 }  // namespace asap::python

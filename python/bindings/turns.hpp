@@ -1,25 +1,63 @@
-// Turns at an object: its process() works without the GIL, so another thread's call of the same
-// object waits here until that one is done. Never in a circle: such a process() calls no Python.
-// With the GIL; while no process() is at work a look at an empty list.
+// Turns at an object that is worked with natively, without the GIL: by its own process(), or by a
+// runner that it was given to, package by package. Who calls it from another thread meanwhile comes
+// in between, in the order of asking, and finds it as the last package has left it.
+//
+// Never in a circle: who works natively calls no Python while it is its turn.
 #pragma once
 
 #include <pybind11/pybind11.h>
 
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+
 namespace asap::python {
 
-// Waits until no other thread is at work with the object.
-void wait_for_turn(pybind11::handle object);
-
-// While it lives this thread is at work with the object.
-class Turn {
+// First come, first served: a plain mutex would let a runner that is never idle pass a reader for
+// ever. Without the GIL, but for try_take.
+class Turns {
  public:
-  explicit Turn(pybind11::handle object);
-  ~Turn();
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
+  bool try_take() noexcept;
+  void take() noexcept;
+  void give_back() noexcept;
+  bool are_mine() const noexcept { return owner_ == std::this_thread::get_id(); }
 
  private:
-  pybind11::handle object_;
+  std::atomic<std::uint32_t> next_{0};
+  std::atomic<std::uint32_t> serving_{0};
+  std::atomic<std::thread::id> owner_{};
+};
+
+// Of that object: found, or made for as long as somebody holds them. With the GIL.
+std::shared_ptr<Turns> turns_at(pybind11::handle object);
+
+// Null: nobody works with it natively. With the GIL.
+std::shared_ptr<Turns> turns_under_way_at(pybind11::handle object);
+
+// While it lives it is this thread's turn, a native worker's.
+class NativeTurn {
+ public:
+  explicit NativeTurn(Turns& turns) noexcept : turns_(turns) { turns_.take(); }
+  ~NativeTurn() { turns_.give_back(); }
+  NativeTurn(const NativeTurn&) = delete;
+  NativeTurn& operator=(const NativeTurn&) = delete;
+
+ private:
+  Turns& turns_;
+};
+
+// While it lives it is this thread's turn, a caller's from Python: taken with the GIL, which is let
+// go while another one has it. None if `turns` is null, if this thread has it already, or at exit.
+class CallersTurn {
+ public:
+  explicit CallersTurn(std::shared_ptr<Turns> turns);
+  ~CallersTurn();
+  CallersTurn(const CallersTurn&) = delete;
+  CallersTurn& operator=(const CallersTurn&) = delete;
+
+ private:
+  std::shared_ptr<Turns> turns_;
 };
 
 }  // namespace asap::python

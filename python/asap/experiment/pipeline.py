@@ -194,7 +194,8 @@ class Pipeline:
         """Let the algorithm work on this thread until `stop`, then return.
 
         Each call gets a read-only array, valid as long as it is kept; set_keep(gamma) comes before
-        it, if the algorithm has it.
+        it, if the algorithm has it. Algorithms of the library may be read by any thread meanwhile,
+        as in tracker.clusters: they are as the last package has left them.
 
         Raises
         ------
