@@ -176,6 +176,7 @@ MUTANTS: list[Mutant] = [
         "schemes",
         first_part_not_learned=("if (has_parts) learn(", "if (false) learn("),
         low_cost_of_a_new_size_clipped=("if (bucket(n).is_new()) cost_ns", "if (false) cost_ns"),
+        single_event_refutes_no_fixed_cost=("if (n == 1.0 && ", "if (false && "),
         fixed_cost_beyond_the_cheapest_package=(" && fall_ns < least_cost_ns()", ""),
         guess_trusted_from_the_first_package_on=(
             "return on_level() <= kPriorLasts ?",

@@ -26,6 +26,7 @@ constexpr double kMostWeight = 16.0;
 constexpr double kMostScale = 3.0;
 constexpr double kMostRise = 2.0;
 constexpr double kMostFall = -0.5;
+constexpr double kRefuted = 0.25;  // of the fixed cost
 constexpr double kFirstSigma = 0.2;
 constexpr double kScaleGain = 0.2;
 constexpr double kSigmaGain = 0.05;
@@ -81,6 +82,8 @@ void CostModel::learn(std::size_t size, double processing_ns, Gains gains) noexc
   const double error = measured_ns / expected_ns - 1.0;
   const double noise = std::min(std::abs(error), outlier_limit(sigma_));
   double cost_ns = std::clamp(expected_ns * (1.0 + clipped(error, n)), kLeastCostNs, kMostCostNs);
+  // A single event, the look of a scheme that doubts, costs at least what is fixed.
+  if (n == 1.0 && measured_ns < kRefuted * alpha_ns()) bucket(n) = {};
   if (bucket(n).is_new()) cost_ns = std::min(cost_ns, measured_ns);
   smallest_ = std::min(smallest_, n);
   largest_ = std::max(largest_, n);

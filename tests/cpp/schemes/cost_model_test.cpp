@@ -273,6 +273,32 @@ TEST(CostModel, OfANewSizeALowCostIsTheTruth) {
   EXPECT_GT(known.alpha_ns(), 350e3) << "and what is known is";
 }
 
+// What has been a fixed cost for long, at that size too, is none any more.
+TEST(CostModel, ASingleEventRefutesAFixedCost) {
+  const auto trained = [] {
+    CostModel model;
+    const CounterRandom random(3);
+    for (std::uint64_t k = 0; k < 900; ++k) {  // with so much noise that 100 us may be some
+      const double noise = std::exp(0.6 * normal(random, k));
+      model.update(k % 3 == 0 ? 1 : 50 * (k % 3), noise * 500e3);
+    }
+    EXPECT_NEAR(model.alpha_ns(), 500e3, 200e3);
+    return model;
+  };
+  CostModel one = trained();
+  one.update(1, 100e3);
+  EXPECT_LT(one.alpha_ns(), 150e3);
+  CostModel more = trained();
+  more.update(2, 100e3);
+  EXPECT_LT(more.alpha_ns(), 250e3) << "a size that is new";
+  CostModel noise = trained();
+  noise.update(1, 200e3);
+  EXPECT_GT(noise.alpha_ns(), 250e3);
+  CostModel known = trained();
+  known.update(50, 100e3);
+  EXPECT_GT(known.alpha_ns(), 250e3);
+}
+
 TEST(CostModel, NoFixedCostIsLargerThanAPackage) {
   CostModel model;
   for (int k = 0; k < 10; ++k) model.update(63, 110e3);
