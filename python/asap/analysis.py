@@ -5,14 +5,17 @@ Times are seconds from the first event; rates are events per second; windows are
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import sys
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asap.experiment.cost import Cost, bound_needed_us, cost_of, fit_cost
+from asap import checks
+from asap.events import as_events
+from asap.experiment.cost import Cost, bound_needed_us, check_run, cost_of, fit_cost
 
 if TYPE_CHECKING:
     from asap.experiment import Run
@@ -33,6 +36,7 @@ __all__ = [
 ]
 
 _MAX_BINS = 10_000_000
+_POSITIVE = "must be positive and finite"
 
 Floats = NDArray[np.float64]
 
@@ -59,13 +63,14 @@ def rate(events: NDArray[np.void], bin_us: float) -> tuple[Floats, Floats]:
     ValueError
         `bin_us` is not positive, or so short that there would be more than ten million windows.
     """
-    _require(bin_us > 0, "bin_us", bin_us, "must be positive")
+    events = as_events(events)
+    checks.number("bin_us", bin_us, sys.float_info.min, sys.float_info.max, _POSITIVE)
     if events.size == 0:
         return np.empty(0), np.empty(0)
     elapsed_us = events["t"] - events["t"][0]
-    _require(
-        int(elapsed_us[-1]) / bin_us < _MAX_BINS, "bin_us", bin_us, "too short for this duration"
-    )
+    fits = int(elapsed_us[-1]) / bin_us < _MAX_BINS
+    checks.require(fits, "bin_us", bin_us, "too short for this duration")
+    bin_us = float(bin_us)
     counts = np.bincount((elapsed_us // bin_us).astype(np.int64))
     time_s = np.arange(counts.size, dtype=np.float64) * (bin_us / 1e6)
     return time_s, counts.astype(np.float64) * (1e6 / bin_us)
@@ -81,6 +86,12 @@ class Description:
     rate_mean_hz: float
     rate_peak_1ms_hz: float
     rate_peak_10ms_hz: float
+
+
+def _blocks(blocks: Iterable[NDArray[np.void]]) -> Iterator[NDArray[np.void]]:
+    if not isinstance(blocks, Iterable) or isinstance(blocks, (str, np.ndarray)):
+        raise TypeError(checks.named("blocks", blocks, "give a recording, or a list of arrays"))
+    return (as_events(block) for block in blocks)
 
 
 def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
@@ -99,7 +110,7 @@ def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
     events = on = 0
     t_first = t_last = 0
     fine, coarse = PeakCount(1_000), PeakCount(10_000)
-    for block in blocks:
+    for block in _blocks(blocks):
         if block.size == 0:
             continue
         t = block["t"]
@@ -126,6 +137,7 @@ class PeakCount:
 
     def __init__(self, window_us: int) -> None:
         """Count in windows of this length, the first of which begins at 0."""
+        checks.whole("window_us", window_us, 1, 2**62, "give at least 1 us")
         self.peak = 0
         self._window_us = window_us
         self._open_window = -1
@@ -133,6 +145,8 @@ class PeakCount:
 
     def add(self, elapsed_us: NDArray[np.int64]) -> None:
         """Count the times of one block, at least one, none before those of the last block."""
+        elapsed_us = checks.column("elapsed_us", elapsed_us)
+        checks.require(elapsed_us.size > 0, "elapsed_us", elapsed_us, "give at least one time")
         windows, counts = np.unique(elapsed_us // self._window_us, return_counts=True)
         if windows[0] == self._open_window:
             counts[0] += self._open_count
@@ -162,7 +176,9 @@ def decimate(x: Floats, y: Floats, points: int) -> tuple[Floats, Floats]:
     ValueError
         `points` is below 4.
     """
-    _require(points >= 4, "points", points, "must be at least 4")
+    x, y = checks.column("x", x), checks.column("y", y)
+    checks.require(x.size == y.size, "y", y, f"give one value for each of the {x.size} x")
+    checks.whole("points", points, 4, 2**62, "must be at least 4")
     if x.size <= points:
         return x, y
     columns = (points - 2) // 2
@@ -177,6 +193,7 @@ def decimate(x: Floats, y: Floats, points: int) -> tuple[Floats, Floats]:
 
 def time_s(run: Run) -> Floats:
     """Start of each package in s from the first event, shape (packages,)."""
+    check_run(run)
     rows = run.packages
     if rows.size == 0:
         return np.empty(0)
@@ -207,10 +224,10 @@ def median_in_windows(run: Run, column: str, window_ms: float) -> tuple[Floats, 
     ValueError
         `window_ms` is not positive, or there is no such column.
     """
-    _require(window_ms > 0, "window_ms", window_ms, "must be positive")
-    names = run.packages.dtype.names or ()
-    _require(column in names, "column", column, f"use one of {', '.join(names)}")
-    window_s = window_ms / 1e3
+    check_run(run)
+    checks.number("window_ms", window_ms, sys.float_info.min, sys.float_info.max, _POSITIVE)
+    checks.choice("column", column, run.packages.dtype.names or ())
+    window_s = float(window_ms) / 1e3
     windows, begins = np.unique(np.floor(time_s(run) / window_s), return_index=True)
     parts = np.split(run.packages[column], begins[1:]) if windows.size else []
     return windows * window_s, np.array([np.median(part) for part in parts], np.float64)
@@ -255,6 +272,7 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     cost lets through (T6): a longer load cannot be buffered within the bound.
     """
     cost = cost_of(run)
+    checks.number("wanted", wanted, 0, 1, "give a share from 0 to 1")
     bound_us = run.latency_bound_us
     rates_hz = _offered_rates(run, bound_us)
     needed_hz = _throughput_to_keep(rates_hz, wanted)
@@ -311,8 +329,3 @@ def _throughput_to_keep(rates_hz: Floats, share: float) -> float:
     wanted = share * float(ascending.sum())
     i = min(int(np.searchsorted(passed, wanted)), ascending.size - 1)
     return float((wanted - below[i]) / others[i])
-
-
-def _require(ok: bool, field: str, value: Any, remedy: str) -> None:
-    if not ok:
-        raise ValueError(f"{field} = {value}: {remedy}")

@@ -13,6 +13,8 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from asap.checks import flag, is_masked, named, unmasked
+
 __all__ = ["EVENT_DTYPE", "Events", "as_events"]
 
 Events: TypeAlias = npt.NDArray[np.void]
@@ -81,11 +83,15 @@ def as_events(
     TypeError
         A path (use ``asap.load``), fields that cannot be matched, a column that is not numeric.
     ValueError
-        A value that an event cannot hold (named with its field and index), floating times with
-        ``time_unit="us"``, columns of different lengths, an array without `order`, a copy that
-        ``copy=False`` forbids.
+        A value that an event cannot hold (named with its field and index), one that a mask hides,
+        floating times with ``time_unit="us"``, columns of different lengths, an array without
+        `order`, a copy that ``copy=False`` forbids.
     """
     exponent = time_exponent(time_unit)
+    if order is not None:
+        check_order(order)
+    if copy is not None:
+        flag("copy", copy)
     as_it_is = isinstance(source, np.ndarray) and is_event_memory(source)
     if as_it_is and not copy and _has_plain_polarity(source):
         return plain_view(source)
@@ -198,7 +204,7 @@ def is_event_memory(array: npt.NDArray[Any]) -> bool:
         and array.ndim == 1
         and array.flags.c_contiguous
         and array.ctypes.data % 8 == 0
-        and not np.ma.is_masked(array)
+        and not is_masked(array)
     )
 
 
@@ -218,8 +224,6 @@ def _has_plain_polarity(events: Events) -> bool:
 def _find_columns(source: Any, order: str | None) -> Mapping[str, Any]:
     if isinstance(source, (str, bytes, os.PathLike)):
         raise TypeError(f"source = {source!r}: a path is read with asap.load(path)")
-    if order is not None:
-        check_order(order)
     if source is None or (isinstance(source, (list, tuple)) and not source):
         return _no_columns()
     if isinstance(source, (np.ndarray, np.void)):
@@ -237,12 +241,11 @@ def _find_columns(source: Any, order: str | None) -> Mapping[str, Any]:
         return _columns_of_array(np.asarray(source.to_numpy()), order)
     if hasattr(source, "__array__"):
         return _columns_of_array(np.asarray(source), order)
-    raise TypeError(f"source is a {type(source).__name__}: {_remedy()}")
+    raise TypeError(named("source", source, _remedy()))
 
 
 def _columns_of_array(array: npt.NDArray[Any] | np.void, order: str | None) -> Mapping[str, Any]:
-    if np.ma.is_masked(array):
-        raise ValueError("source is a masked array: give array.compressed(), without the mask")
+    unmasked("source", array)
     array = np.asarray(array)
     fields = array.dtype.fields
     if fields is not None:
@@ -311,7 +314,9 @@ def _by_name(source: Any, places: Mapping[Any, Any], order: str | None) -> dict[
         candidates = [name for name in names if name in places]
         if not candidates or any(places[name] != places[candidates[0]] for name in candidates):
             fault = "no field" if not candidates else f"two fields ({', '.join(candidates)})"
-            raise TypeError(f"{fault} for {role} among: {found}; understood are {_UNDERSTOOD}")
+            raise TypeError(
+                f"source: {fault} for {role} among: {found}; understood are {_UNDERSTOOD}"
+            )
         matched[role] = source[candidates[0]]
     return {role: column for role, column in matched.items() if column is not None or role != "p"}
 
@@ -323,9 +328,8 @@ def _no_columns() -> Columns:
 def _numeric(role: str, column: Any) -> Column:
     if hasattr(column, "to_numpy"):
         column = column.to_numpy()
+    unmasked(role, column)
     values: Column = np.asarray(column)
-    if np.ma.is_masked(column):
-        raise ValueError(f"{role} is a masked array: give only the events that are valid")
     if values.dtype.kind == "O":
         missing = [i for i, value in enumerate(values.flat) if value is None]
         if missing:

@@ -7,10 +7,13 @@ section 10.
 
 from __future__ import annotations
 
+import sys
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+
+from asap import _core, checks
 
 __all__ = ["Load", "gap_ms", "load", "recovery_ms", "settle_ms"]
 
@@ -35,6 +38,8 @@ def gap_ms(slots: npt.NDArray[np.void], ignore_last: int = 60) -> int:
         The longest run of 1 ms slots with input but nothing delivered. A slot without events ends
         a run.
     """
+    _check_slots(slots)
+    checks.whole("ignore_last", ignore_last, 0, 2**62, "give 0 ms or more")
     if slots.size == 0:
         return 0
     counted = slots["slot"] <= slots["slot"][-1] - ignore_last
@@ -65,6 +70,7 @@ def settle_ms(
         ms to the end of the last slot of the phase that is later than 1.1 L or without a result,
         mean over the steps. phase_ms - 4 (496 of 500): never settled. 0 without steps.
     """
+    _check_phases(slots, phase_ms, bound_us)
     late = _is_late(slots, bound_us) | (slots["delivered"] == 0)
     return _mean_disturbance_ms(slots["slot"][late], steps_ms, phase_ms)
 
@@ -85,6 +91,7 @@ def recovery_ms(
         ms to the end of the last slot of the phase that is later than 1.1 L or keeps less than
         98 %, mean over the steps. phase_ms - 4: never recovered. 0 without steps.
     """
+    _check_phases(slots, phase_ms, bound_us)
     lossy = slots["delivered"] < _KEPT * slots["received"]
     return _mean_disturbance_ms(
         slots["slot"][_is_late(slots, bound_us) | lossy], steps_ms, phase_ms
@@ -111,11 +118,23 @@ def load(packages: npt.NDArray[np.void]) -> Load:
     Load
         Over all packages but the first, which has no interval; (0, 1) where there is no other.
     """
+    remedy = "give run.packages"
+    checks.rows("packages", packages, _core.PACKAGE_DTYPE, remedy)
     if packages.size < 2:
         return Load(0.0, 1.0)
     interval_us = np.maximum(np.diff(packages["start_us"]), 1e-3)
     ratio = packages["processing_us"][1:] / interval_us
     return Load(float(ratio.mean()), float(np.mean(ratio <= 1.0)))
+
+
+def _check_slots(slots: npt.NDArray[np.void]) -> None:
+    checks.rows("slots", slots, _core.SLOT_DTYPE, "give run.slots of a run in virtual time")
+
+
+def _check_phases(slots: npt.NDArray[np.void], phase_ms: int, bound_us: float) -> None:
+    _check_slots(slots)
+    checks.whole("phase_ms", phase_ms, _LAST_MS, 2**31, f"give at least {_LAST_MS} ms")
+    checks.number("bound_us", bound_us, 0, sys.float_info.max, "give 0 us or more")
 
 
 def _is_late(slots: npt.NDArray[np.void], bound_us: float) -> npt.NDArray[Any]:
@@ -125,7 +144,10 @@ def _is_late(slots: npt.NDArray[np.void], bound_us: float) -> npt.NDArray[Any]:
 def _mean_disturbance_ms(
     disturbed: npt.NDArray[np.int64], steps_ms: npt.ArrayLike, phase_ms: int
 ) -> float:
-    steps = np.asarray(steps_ms, np.int64)
+    given = checks.column("steps_ms", steps_ms)
+    is_whole = bool(np.all((np.abs(given) < 2**53) & (given == np.floor(given))))
+    checks.require(is_whole, "steps_ms", steps_ms, "give whole ms")
+    steps = given.astype(np.int64)
     if steps.size == 0:
         return 0.0
     last = np.searchsorted(disturbed, steps + phase_ms) - 1

@@ -11,7 +11,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asap import plots
+from asap import checks, plots
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,7 +41,7 @@ def write(
     html = _PAGE.format(
         title=escape(title), style=_STYLE + style, intro=intro, body=body, words=words
     )
-    path = Path(path)
+    path = checks.folder_or_file("path", path)
     path.write_text(html, encoding="utf-8", errors="replace")  # a file name may be no text
     return path
 

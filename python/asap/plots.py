@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import analysis
+from asap import analysis, checks
+from asap.events import as_events
 
 try:
     import matplotlib
@@ -254,6 +255,9 @@ def frame(events: NDArray[np.void], width: int, height: int, *, ax: Axes | None 
     -------
     Axes
     """
+    events = as_events(events)
+    for name, side in (("width", width), ("height", height)):
+        checks.whole(name, side, 1, 65536, "give the sensor's side in px, 1 to 65536")
     axes = ax or _own_axes((5.0, 5.0 * height / width))
     inside = (events["x"] < width) & (events["y"] < height)
     pixel = events["y"][inside].astype(np.int64) * width + events["x"][inside]

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from asap import _core
+from asap import _core, checks
 from asap.events import EVENT_DTYPE, Events
 
 __all__ = ["FlightOverChairs", "Reader", "ShakenPattern", "SyntheticStream", "joined"]
@@ -32,6 +32,12 @@ class Reader(Protocol):
 
 def joined(arrays: Sequence[Events]) -> Events:
     """One array of all these events; np.concatenate alone would drop the padding."""
+    if not isinstance(arrays, Sequence) or isinstance(arrays, str):
+        raise TypeError(checks.named("arrays", arrays, "give a list of arrays"))
+    for array in arrays:
+        checks.unmasked("arrays", array)
+        if getattr(array, "dtype", None) != EVENT_DTYPE or array.ndim != 1:
+            raise TypeError(checks.named("arrays", array, "give arrays in asap.EVENT_DTYPE"))
     events = np.empty(sum(map(len, arrays)), EVENT_DTYPE)
     if arrays:
         np.concatenate(arrays, out=events)
@@ -56,10 +62,8 @@ class SyntheticStream:
 
     def __init__(self, **parameters: Any) -> None:
         duration_s, seed = parameters["duration_s"], parameters["seed"]
-        if not 0.01 <= duration_s <= 86_400:
-            raise ValueError(f"duration_s = {duration_s}: give 0.01 to 86400 s")
-        if not 0 <= seed < 2**64:
-            raise ValueError(f"seed = {seed}: give an integer from 0 to 2**64 - 1")
+        checks.number("duration_s", duration_s, 0.01, 86_400, "give 0.01 to 86400 s")
+        checks.whole("seed", seed, 0, 2**64 - 1, "give an integer from 0 to 2**64 - 1")
         self._parameters = parameters
         self._open()  # checks the other parameters
 
@@ -106,7 +110,7 @@ class SyntheticStream:
 
     def _open(self) -> Reader:
         arguments = self.parameters
-        arguments["duration_us"] = round(arguments.pop("duration_s") * 1e6)
+        arguments["duration_us"] = round(float(arguments.pop("duration_s")) * 1e6)
         return type(self)._native(**arguments)
 
 

@@ -108,7 +108,7 @@ def test_median_in_windows_skips_windows_without_a_package():
 
 def test_median_in_windows_names_what_is_wrong():
     run = fake_run(duration_s=0.1)
-    with pytest.raises(ValueError, match=r"column = colour: use one of index, start_us"):
+    with pytest.raises(ValueError, match=r"column = 'colour': give one of index, start_us"):
         analysis.median_in_windows(run, "colour", 100)
     with pytest.raises(ValueError, match=r"window_ms = 0: "):
         analysis.median_in_windows(run, "margin_us", 0)

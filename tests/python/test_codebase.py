@@ -38,7 +38,8 @@ MAY_INCLUDE = {
 
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
-    {"_core", "metrics", "units"},
+    {"_core", "checks"},
+    {"metrics", "units"},
     {"events"},
     {"io", "synthetic"},
     {"accuracy", "experiment", "profiles", "scenes"},

@@ -318,8 +318,22 @@ class TestValuesThatDoNotFit:
 
     def test_masked_arrays(self) -> None:
         x = np.ma.masked_array(X, [False, True, False, False])
-        with pytest.raises(ValueError, match="masked"):
+        with pytest.raises(
+            ValueError, match=r"^x = masked array: take out or repair .* give array.data"
+        ):
             asap.as_events((T, x, Y, P))
+
+    @pytest.mark.parametrize(
+        "dtype", [asap.EVENT_DTYPE, [("t", "f8"), ("x", "u1"), ("y", "u1"), ("p", "?")]], ids=len
+    )
+    def test_events_with_a_masked_field(self, dtype: Any) -> None:
+        events = np.ma.masked_array(np.zeros(3, dtype))
+        assert len(asap.as_events(events, time_unit="ms")) == 3
+        events["p"][1] = np.ma.masked
+        with pytest.raises(ValueError, match=r"^source = masked array: take out"):
+            asap.as_events(events, time_unit="ms")
+        valid = events[~events.mask["p"]].data
+        assert len(asap.as_events(valid, time_unit="ms")) == 2
 
 
 class TestWhatIsNoEvents:

@@ -421,7 +421,7 @@ def test_outages() -> None:
 
 
 def test_an_unknown_cost_model_is_named() -> None:
-    with pytest.raises(ValueError, match=r"^cost = 'cheap': give one of fast, slow, slow_tv"):
+    with pytest.raises(ValueError, match=r"^name = 'cheap': give one of fast, slow, slow_tv"):
         profiles.cost("cheap")
 
 

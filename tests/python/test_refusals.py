@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import copy
 import decimal
+import math
 import pickle
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import asap
-from asap import _core
+from asap import _core, analysis, metrics, profiles, scenes, synthetic
+from asap.study import accuracy_study, ladder_study, rivals_study, study
 from children import run_script
+from fake_scene import FakeScene
 from threads import TRIES
 
 EVENTS = np.zeros(5, asap.EVENT_DTYPE)
@@ -292,3 +296,196 @@ def test_speed_that_is_no_number_is_named(speed: Any) -> None:
         asap.compare(EVENTS, cost=COST, speed=speed)
     with pytest.raises(TypeError, match=r"^speed = "):
         asap.run(EVENTS, algorithm=lambda _: None, speed=speed)
+
+
+RUN = asap.simulate(EVENTS, cost=COST)
+SCENE = FakeScene([(50, 50, 0, 0)], end_us=120_001)
+THIN = scenes.timing(1, 64, 48, 50.0, (4.0, 8.0), duration_s=0.02)
+CURVE = np.arange(9.0)
+
+NO_NUMBERS = (
+    None,
+    "x",
+    [],
+    object(),
+    1j,
+    np.ones(1),
+    np.ones(2),
+    np.ones((2, 2)),
+    np.empty(0),
+    len,
+)
+NO_SHARES = (*NO_NUMBERS, math.nan, -1, 10**5000)
+NO_WHOLES = (*NO_SHARES, 1.5)
+NO_PATHS = (None, [], object(), 1.5, np.ones(2))
+NO_SEQUENCES = (None, "x", [], object(), 1.5, np.ones((2, 2)), np.empty(0), len)
+NO_TABLES = (None, "x", object(), 1.5, np.ones(2), np.zeros((2, 2)), np.zeros(2, [("a", int)]))
+NO_FLAGS = ("x", [], object(), np.ones(2), np.empty(0), len)
+NO_CALLBACKS = ("x", [], object(), math.nan, 1, np.ones(2))
+NO_NAMES = (None, "x", [], object(), 1.5, np.ones(2), np.empty(0), np.zeros(2, [("a", int)]))
+
+
+def nothing(events: np.ndarray) -> None:
+    raise AssertionError("the algorithm was called")
+
+
+class Nobody:
+    def submit(self, *_: object) -> None:
+        raise AssertionError("the study has begun")
+
+
+def studies(field: str, values: tuple[Any, ...]) -> list[tuple[Any, ...]]:
+    def call(made: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda **named: made(**{"out": "never", "executor": Nobody(), **named})
+
+    made = (study, accuracy_study, ladder_study, rivals_study)
+    return [(call(one), field, values) for one in made]
+
+
+DOORS: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
+    (lambda **named: asap.run(EVENTS, algorithm=nothing, **named), "on_progress", NO_CALLBACKS),
+    (lambda **named: asap.simulate(EVENTS, cost=COST, **named), "on_progress", NO_CALLBACKS),
+    (lambda **named: asap.simulate(EVENTS, cost=COST, **named), "opaque", NO_FLAGS),
+    (lambda **named: asap.simulate(EVENTS, cost=COST, **named), "width", NO_WHOLES[1:]),
+    (lambda **named: asap.compare(EVENTS, cost=COST, **named), "on_progress", NO_CALLBACKS),
+    (lambda **named: asap.compare(EVENTS, cost=COST, **named), "schemes", (1.5, object(), len)),
+    (lambda **named: asap.compare(EVENTS, cost=COST, **named), "opaque", NO_FLAGS),
+    (lambda **named: asap.compare(EVENTS, cost=COST, **named), "all", NO_FLAGS),
+    (lambda **named: asap.compare(EVENTS, cost=COST, **named), "height", NO_WHOLES[1:]),
+    (lambda **named: asap.check(EVENTS, **named), "on_progress", NO_CALLBACKS),
+    (lambda **named: asap.check(EVENTS, **named), "width", NO_WHOLES[1:]),
+    (lambda **named: asap.check(EVENTS, **named), "order", NO_NAMES[1:]),
+    (lambda **named: asap.check(EVENTS, **named), "time_unit", NO_NAMES[1:]),
+    (lambda **named: asap.as_events(EVENTS, **named), "order", NO_NAMES[1:]),
+    (lambda **named: asap.as_events(EVENTS, **named), "copy", NO_FLAGS),
+    (asap.as_events, "source", (5, object(), 1j, len)),
+    (asap.read, "path", NO_PATHS),
+    (asap.load_run, "path", NO_PATHS),
+    (RUN.save, "path", NO_PATHS),
+    (RUN.report, "path", NO_PATHS),
+    (asap.check(EVENTS).report, "path", NO_PATHS),
+    (lambda **named: asap.score(asap.EFast(346, 260), SCENE, **named), "gamma", NO_SHARES),
+    (lambda **named: asap.score(asap.EFast(346, 260), SCENE, **named), "told", NO_FLAGS),
+    (lambda **named: asap.score(asap.EFast(346, 260), SCENE, **named), "active", NO_NAMES),
+    (lambda **named: asap.score(asap.EFast(346, 260), SCENE, **named), "before", (1, "x", len)),
+    (lambda **named: asap.score(scene=SCENE, **named), "tracker", (None, 1, "x", len)),
+    (lambda **named: asap.keep_curve(asap.EFast, SCENE, **named), "gammas", (*NO_SEQUENCES, [2])),
+    (lambda **named: asap.keep_curve(asap.EFast, SCENE, **named), "seeds", (*NO_SEQUENCES, [1.5])),
+    (lambda **named: asap.keep_curve(scene=SCENE, **named), "algorithm", (None, 1, "x")),
+    *studies("out", NO_PATHS),
+    *studies("form", NO_NAMES),
+    *studies("executor", ("x", [], object(), 1.5, np.ones(2))),
+    *studies("workers", (*NO_WHOLES[1:], 0)),
+    *studies("fresh", NO_FLAGS),
+    *studies("figures", NO_FLAGS),
+    *studies("on_progress", NO_CALLBACKS),
+    (lambda n: scenes.timing(n, 64, 48, 50.0), "n", NO_WHOLES),
+    (lambda width: scenes.timing(1, width, 48, 50.0), "width", (*NO_WHOLES, 15)),
+    (lambda height: scenes.timing(1, 64, height, 50.0), "height", (*NO_WHOLES, 15)),
+    (lambda speed: scenes.timing(1, 64, 48, speed), "speed", NO_SHARES),
+    (
+        lambda radius: scenes.timing(1, 64, 48, 50.0, radius),
+        "radius",
+        (*NO_SEQUENCES, (1,), (2, 1)),
+    ),
+    (lambda **named: scenes.timing(1, 64, 48, 50.0, **named), "duration_s", NO_SHARES),
+    (scenes.corners, "kind", NO_NAMES),
+    (scenes.corners, "duration_s", NO_SHARES),
+    (scenes.stop_and_go, "gap_ms", NO_SHARES),
+    (scenes.stop_and_go, "speed", NO_SHARES),
+    (scenes.stop_and_go, "radius", NO_SHARES),
+    (scenes.occlusion, "gap_ms", NO_SHARES),
+    (scenes.occlusion, "speed", NO_SHARES),
+    (scenes.occlusion, "radius", NO_SHARES),
+    (THIN.truth, "t_us", NO_SHARES),
+    (THIN.vertices, "t_us", NO_SHARES),
+    (THIN.thin, "gamma", NO_SHARES),
+    (lambda **named: profiles.Profile("low", **named), "duration_s", NO_SHARES),
+    (lambda **named: profiles.Profile("low", **named), "seed", NO_WHOLES),
+    (lambda **named: profiles.Profile("low", **named), "scale", NO_SHARES),
+    (lambda **named: profiles.Profile("low", **named), "name", NO_NAMES[2:]),
+    (profiles.RandomRate, "pieces", (None, *NO_CALLBACKS)),
+    (profiles.cost, "name", NO_NAMES),
+    (lambda seed: profiles.cost("slow", seed=seed), "seed", NO_WHOLES),
+    (profiles.drift, "duration_s", NO_SHARES),
+    (lambda seed: profiles.outages_ms(0.1, seed=seed), "seed", NO_WHOLES),
+    (lambda profile: profiles.scenario(profile, "slow"), "profile", NO_NAMES),
+    (lambda cost_model: profiles.scenario("low", cost_model), "cost_model", NO_NAMES),
+    (synthetic.ShakenPattern, "duration_s", NO_SHARES),
+    (synthetic.joined, "arrays", (None, "x", 5, EVENTS, [5], [np.zeros((2, 2))], [EVENTS[["t"]]])),
+    (synthetic.FlightOverChairs, "seed", NO_WHOLES),
+    (lambda bin_us: analysis.rate(EVENTS, bin_us), "bin_us", (*NO_SHARES, 0, math.inf)),
+    (analysis.describe, "blocks", (None, "x", object(), 1.5, EVENTS)),
+    (analysis.PeakCount, "window_us", (*NO_WHOLES, 0)),
+    (analysis.PeakCount(9).add, "elapsed_us", (None, "x", [], object(), 1.5, np.ones((2, 2)))),
+    (lambda x: analysis.decimate(x, CURVE, 8), "x", (*NO_TABLES[:4], [[1], [1, 2]])),
+    (lambda y: analysis.decimate(CURVE, y, 8), "y", (*NO_TABLES[:5], [])),
+    (lambda points: analysis.decimate(CURVE, CURVE, points), "points", (*NO_WHOLES, 3)),
+    (analysis.time_s, "run", (None, "x", EVENTS)),
+    (analysis.diagnose, "run", (None, "x", EVENTS)),
+    (analysis.fit_cost, "run", (None, "x", EVENTS)),
+    (lambda wanted: analysis.diagnose(RUN, wanted=wanted), "wanted", (*NO_SHARES, 1.5)),
+    (lambda run: analysis.median_in_windows(run, "size", 1), "run", (None, "x", EVENTS)),
+    (lambda column: analysis.median_in_windows(RUN, column, 1), "column", NO_NAMES),
+    (lambda window_ms: analysis.median_in_windows(RUN, "size", window_ms), "window_ms", NO_SHARES),
+    (analysis.Cost(1, 1).throughput_hz, "bound_us", NO_SHARES),
+    (metrics.gap_ms, "slots", (*NO_TABLES, RUN.slots.reshape(1, -1))),
+    (lambda ignore_last: metrics.gap_ms(RUN.slots, ignore_last), "ignore_last", NO_WHOLES),
+    (lambda slots: metrics.settle_ms(slots, [1], 9, 1), "slots", NO_TABLES),
+    (lambda slots: metrics.recovery_ms(slots, [1], 9, 1), "slots", NO_TABLES),
+    (
+        lambda steps_ms: metrics.settle_ms(RUN.slots, steps_ms, 9, 1),
+        "steps_ms",
+        ([1.5], *NO_TABLES[:4]),
+    ),
+    (lambda phase_ms: metrics.recovery_ms(RUN.slots, [1], phase_ms, 1), "phase_ms", NO_WHOLES),
+    (lambda bound_us: metrics.settle_ms(RUN.slots, [1], 9, bound_us), "bound_us", NO_SHARES),
+    (metrics.load, "packages", NO_TABLES),
+]
+
+
+@pytest.mark.parametrize(("call", "field", "values"), DOORS)
+def test_argument_of_any_kind_is_named(
+    call: Callable[..., Any],
+    field: str,
+    values: tuple[Any, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for value in values:
+        with pytest.raises((TypeError, ValueError), match=rf"^{field} = .+: "):
+            call(**{field: value})
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_refusal_is_one_line_of_any_value() -> None:
+    for value, words in (
+        (np.zeros((400, 400)), r"active = array\(\[\[0., 0., .{180,220}: give one of"),
+        (10**5000, "active = <int>: give one of"),
+    ):
+        with pytest.raises(ValueError, match=f"^{words}"):
+            asap.score(asap.EFast(346, 260), SCENE, active=value)
+
+
+def test_scene_of_no_kind_is_named_before_an_algorithm_is_made() -> None:
+    for scene in (None, "x", 1.5, np.ones(2)):
+        with pytest.raises(TypeError, match=r"^scene: "):
+            asap.keep_curve(nothing, scene)
+
+
+def test_masked_events_are_refused_by_every_door() -> None:
+    masked = np.ma.masked_array(EVENTS.copy())
+    masked["x"][3] = np.ma.masked
+    for call in (
+        lambda: asap.simulate(masked, cost=COST),
+        lambda: asap.simulate([EVENTS, masked], cost=COST),
+        lambda: asap.Pipeline().push(masked),
+        lambda: asap.check(masked),
+        lambda: analysis.rate(masked, 100),
+        lambda: analysis.describe([masked]),
+        lambda: synthetic.joined([EVENTS, masked]),
+        lambda: metrics.load(np.ma.masked_array(RUN.packages, True)),
+    ):
+        with pytest.raises(ValueError, match=r"^\w+ = masked array: take out"):
+            call()

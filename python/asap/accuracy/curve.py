@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asap.accuracy.scene import Scene
+from asap import checks
+from asap.accuracy.scene import Scene, check_scene
 from asap.accuracy.scoring import can_be_told, score
 
 if TYPE_CHECKING:
@@ -177,10 +178,14 @@ def keep_curve(
     Uniform and independent thinning (`asap.GammaFilter`). An algorithm without ``set_keep`` is not
     told.
     """
-    if not seeds or not gammas:
-        raise ValueError(f"gammas = {gammas}, seeds = {seeds}: give at least one of each")
+    for gamma in checks.listed("gammas", gammas):
+        checks.number("gammas", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
+    for seed in checks.listed("seeds", seeds):
+        checks.whole("seeds", seed, 0, 2**64 - 1, "must be at least 0 and below 2**64")
     for name, make in (("algorithm", algorithm), ("before", before)):
-        if make is not None and (not callable(make) or _is_an_object(make)):
+        if name == "before" and make is None:
+            continue
+        if not callable(make) or _is_an_object(make):
             raise TypeError(
                 f"{name} = {make!r}: give its class or a function of (width, height), as every run "
                 "needs a fresh one"
@@ -189,6 +194,7 @@ def keep_curve(
     scenes: list[Scene] = []
     for seed in seeds:
         scenes.append(scene(seed) if callable(scene) else scene)
+        check_scene(scenes[-1])
         scored += scores_of(
             algorithm, scenes[-1], gammas=gammas, seed=seed, before=before, active=active
         )

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from asap.checks import unmasked
 from asap.events import EVENT_DTYPE
 
 __all__ = ["NOISE", "Scene", "check_scene"]
@@ -66,6 +67,8 @@ def check_scene(scene: Any) -> None:
             f"scene: a {type(scene).__name__} without {', '.join(missing)}; take one of "
             "asap.scenes, or give an object with events, labels, truth(t_us), width and height"
         )
+    for name in ("events", "labels"):
+        unmasked(f"scene.{name}", getattr(scene, name))
     events, labels = scene.events, np.asarray(scene.labels)
     if getattr(events, "dtype", None) != EVENT_DTYPE:
         raise TypeError("scene.events: not in EVENT_DTYPE; convert with asap.as_events")

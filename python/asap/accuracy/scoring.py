@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import inspect
+import math
 from typing import Any
 
 import numpy as np
 
+from asap import checks
 from asap.accuracy.corners import corners
 from asap.accuracy.hota import hota
 from asap.accuracy.idf1 import idf1
@@ -104,12 +106,14 @@ def score(
     >>> asap.score(asap.ClusterTracker(346, 260), asap.scenes.A(seed=0))["mota"]  # doctest: +SKIP
     """
     check_scene(scene)
-    if not 0 < gamma <= 1:
-        raise ValueError(f"gamma = {gamma}: must be in (0, 1]")
+    checks.choice("active", active, ("produced", "kept"))
+    checks.number("gamma", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
+    checks.flag("told", told)
+    for name, value in (("tracker", tracker), ("before", before)):
+        if not (hasattr(value, "process") or (name == "before" and value is None)):
+            raise TypeError(checks.named(name, value, "give an object with process(events)"))
     if gamma < 1 and told and can_be_told(tracker):
         _tell(tracker, gamma, filter_upstream=before is not None)
-    if active not in ("produced", "kept"):
-        raise ValueError(f'active = {active!r}: give "produced" or "kept"')
     options: dict[str, Any] = {"before": before, "gamma": gamma, "seed": seed}
     if hasattr(tracker, "clusters") or hasattr(tracker, "clusters_at"):
         trace = follow(tracker, scene, active=active, **options)

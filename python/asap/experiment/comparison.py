@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from asap import _core, metrics
+from asap import _core, checks, metrics
 from asap.experiment.contenders import labelled, of_schemes, rivals, user_schemes
 from asap.experiment.result import Named, Run
 from asap.experiment.runners import Progress, check_latency
@@ -254,6 +254,9 @@ def compare(
     """
     _check_cost(cost)
     _require_replayable(source)
+    for name, value in (("opaque", opaque), ("all", all)):
+        checks.flag(name, value)
+    checks.callback("on_progress", on_progress)
     given = {} if schemes is None else labelled(schemes)
     bound_ms = _common_bound_ms(given.values(), latency_ms)
     contenders = user_schemes() if schemes is None else of_schemes(given)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from asap import _core
+from asap import _core, checks
 
 __all__ = ["Contender", "labelled", "of_schemes", "rivals", "user_schemes"]
 
@@ -79,6 +79,8 @@ def labelled(schemes: Any) -> dict[str, _core.Scheme]:
     """
     named = isinstance(schemes, Mapping)
     given = schemes.values() if named else schemes
+    if not isinstance(given, (_core.Scheme, Iterable)):
+        raise TypeError(checks.named("schemes", given, "give schemes such as [asap.Greedy()]"))
     listed = [given] if isinstance(given, _core.Scheme) else list(given)
     for scheme in listed:
         if not isinstance(scheme, _core.Scheme):

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from asap import checks
 
 if TYPE_CHECKING:
     from asap.experiment.result import Run
 
-__all__ = ["BOUND_KEPT", "Cost", "bound_needed_us", "cost_of", "fit_cost"]
+__all__ = ["BOUND_KEPT", "Cost", "bound_needed_us", "check_run", "cost_of", "fit_cost"]
 
 BOUND_KEPT = 1.01  # times the bound: one stratum of a package may run over it
 
@@ -30,6 +33,7 @@ class Cost:
 
         a* = (1 - 2 alpha / L) / beta: theory T6 of the project's control notes.
         """
+        checks.number("bound_us", bound_us, 0, sys.float_info.max, "give 0 us or more")
         share = max(0.0, 1 - 2 * self.alpha_us / bound_us) if bound_us > 0 else 0.0
         if self.beta_ns > 0:
             return share / self.beta_ns * 1e9
@@ -50,6 +54,7 @@ def fit_cost(run: Run) -> Cost:
     Neither coefficient is below zero: where the line says so, the other one alone is fitted.
     A run without packages costs nothing.
     """
+    check_run(run)
     size = run.packages["size"].astype(np.float64)
     processing_us = run.packages["processing_us"].astype(np.float64)
     if size.size == 0:
@@ -68,11 +73,18 @@ def fit_cost(run: Run) -> Cost:
 
 def cost_of(run: Run) -> Cost:
     """Cost that the scheme had learned by the end of the run; where it learns none, the fit."""
+    check_run(run)
     rows = run.packages
     if run.learned is None or rows.size < _FIRST_GUESS_LASTS:
         return fit_cost(run)
     # An outage can make the fixed cost look larger than it is, but no package costs less.
     return Cost(min(run.learned.alpha_us, float(rows["processing_us"].min())), run.learned.beta_ns)
+
+
+def check_run(run: Any) -> None:
+    """Refuse what is no run."""
+    if not hasattr(run, "packages"):
+        raise TypeError(checks.named("run", run, "give a run of asap.run or asap.simulate"))
 
 
 def bound_needed_us(run: Run) -> float | None:

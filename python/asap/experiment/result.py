@@ -6,13 +6,12 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core
+from asap import _core, checks
 from asap.experiment.cost import BOUND_KEPT, Cost, bound_needed_us
 
 if TYPE_CHECKING:
@@ -219,7 +218,9 @@ class Run:
         }
         document["latency_histogram"] = self.latency.state()
         document["lateness_histogram"] = None if self.lateness is None else self.lateness.state()
-        Path(path).write_text(json.dumps(document, allow_nan=False), encoding="utf-8")
+        checks.folder_or_file("path", path).write_text(
+            json.dumps(document, allow_nan=False), encoding="utf-8"
+        )
 
     def plot(self) -> Figure:
         """Draw the paper's figure: package size, R, gamma, margin and latency over time."""

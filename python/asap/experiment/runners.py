@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import operator
 import threading
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from asap import _core
+from asap import _core, checks
 from asap.experiment.result import LEDGER_FIELDS, Ledger, Run, with_first
 from asap.experiment.source import Source
 
@@ -104,6 +103,8 @@ def simulate(
     """
     if not isinstance(cost, _core.LinearCost):
         raise TypeError(f"cost = {cost!r}: give asap.LinearCost(alpha_us, beta_ns)")
+    checks.flag("opaque", opaque)
+    checks.callback("on_progress", on_progress)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = make_config(
@@ -195,6 +196,7 @@ def run(
     """
     if algorithm is None:
         raise TypeError("algorithm = None: give what the events are for, or use asap.simulate")
+    checks.callback("on_progress", on_progress)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = make_config(
@@ -266,21 +268,11 @@ def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
 
 def check_latency(latency_ms: float) -> None:
     """Refuse a latency bound that is no number or out of range."""
-    try:
-        in_range = bool(0.01 <= latency_ms <= 1e7)
-    except (TypeError, ValueError):  # text, an array
-        raise TypeError(f"latency_ms = {latency_ms!r}: give a number, in ms") from None
-    if not in_range:
-        raise ValueError(f"latency_ms = {latency_ms}: must be between 0.01 and 1e7 ms")
+    checks.number("latency_ms", latency_ms, 0.01, 1e7, "must be between 0.01 and 1e7 ms")
 
 
 def _whole(name: str, value: Any) -> int:
-    if value is None:
-        return 0
-    try:
-        return operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} = {value!r}: give a whole number") from None
+    return 0 if value is None else checks.index(name, value)
 
 
 class Sensor(Protocol):

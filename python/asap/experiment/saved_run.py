@@ -9,13 +9,12 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core
+from asap import _core, checks
 from asap.experiment.cost import Cost
 from asap.experiment.result import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named, Run, with_first
 
@@ -37,8 +36,10 @@ def load_run(path: str | os.PathLike[str]) -> Run:
     OSError
         The file cannot be read.
     """
+    file = checks.folder_or_file("path", path)
     try:
-        document = json.loads(Path(path).read_text(encoding="utf-8"), parse_constant=_no_number)
+        text = file.read_text(encoding="utf-8")
+        document = json.loads(text, parse_constant=_no_number)
         if _depth(document) > _DEEPEST:
             raise ValueError("objects inside objects inside objects")
         return _from_document(document)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asap import _core
+from asap.checks import number
 from asap.events import Events
 from asap.experiment.contenders import Contender
 from asap.experiment.result import Run
@@ -49,12 +50,7 @@ class CheckedStream(Source):
         on_bad: str = "drop",
         speed: float = 1.0,
     ) -> None:
-        try:
-            in_range = bool(1e-6 <= speed <= 1e6)
-        except (TypeError, ValueError):  # text, an array
-            raise TypeError(f"speed = {speed!r}: give a number") from None
-        if not in_range:
-            raise ValueError(f"speed = {speed}: must be between 1e-6 and 1e6")
+        number("speed", speed, 1e-6, 1e6, "must be between 1e-6 and 1e6")
         super().__init__(source, width=width, height=height, on_bad=on_bad)
         self._speed = speed
         self._door = _core.Validator(width=self.width or 0, height=self.height or 0, on_bad=on_bad)

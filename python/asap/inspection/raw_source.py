@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from asap.checks import whole
 from asap.events import EVENT_DTYPE, Events, columns_of, is_event_memory
 from asap.experiment.source import is_iterable_of_arrays
 from asap.io import Recording, read
@@ -37,6 +38,9 @@ class RawSource:
         time_unit: str | None,
     ) -> None:
         self._options = Options(order, time_unit)
+        for name, side in (("width", width), ("height", height)):
+            if side is not None:
+                whole(name, side, 0, 65536, "give the sensor's side in px, at most 65536, or None")
         self.recording: Recording | None = None
         if isinstance(source, (str, os.PathLike)):
             self.recording = read(

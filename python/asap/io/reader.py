@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-from asap.events import Events
+from asap.events import Events, check_order, time_exponent
 from asap.io.errors import CorruptFile, TruncatedFileWarning
 
 __all__ = ["CHUNK", "Losses", "Options", "Reader"]
@@ -22,6 +22,12 @@ class Options:
 
     order: str | None
     time_unit: str | None
+
+    def __post_init__(self) -> None:
+        if self.order is not None:
+            check_order(self.order)
+        if self.time_unit is not None:
+            time_exponent(self.time_unit)
 
 
 @dataclass

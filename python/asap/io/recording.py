@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from asap import _core
+from asap import _core, checks
 from asap.events import EVENT_DTYPE, Events, plain_view
 from asap.io.aedat4 import Aedat4Reader
 from asap.io.numpy_files import NpyReader, NpzReader
@@ -47,7 +47,10 @@ class Recording:
         on_bad: str = "drop",
         reorder_tolerance_us: int = 0,
     ) -> None:
-        self._path = Path(path)
+        self._path = checks.folder_or_file("path", path)
+        for name, side in (("width", width), ("height", height)):
+            if side is not None:
+                checks.index(name, side)
         self._on_bad = on_bad
         self._reorder_tolerance_us = reorder_tolerance_us
         options = Options(order, time_unit)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asap import _core
+from asap import _core, checks
 from asap.profiles.draws import Draws, Floats, portable
 
 __all__ = ["COSTS", "LATENCY_MS", "CostModel", "cost", "drift", "outages_ms"]
@@ -50,8 +50,8 @@ def cost(name: str, *, seed: int = 1, duration_s: float = 5.0) -> _core.LinearCo
     ValueError
         There is no such name.
     """
-    if name not in COSTS:
-        raise ValueError(f"cost = {name!r}: give one of {', '.join(COSTS)}")
+    checks.choice("name", name, COSTS)
+    checks.whole("seed", seed, 0, 2**64 - 101, "give 0 or more, and below 2**64 - 100")
     model = COSTS[name]
     return _core.LinearCost(
         model.alpha_us,
@@ -84,6 +84,7 @@ def outages_ms(duration_s: float, *, seed: int) -> Floats:
         Begin and end, ms; one that would overlap the one before is put off to its end.
     """
     _check_duration(duration_s)
+    checks.whole("seed", seed, 0, 2**64 - 1, "give 0 or more, and below 2**64")
     draws = Draws(seed)
     mean_gap_ms, begin_ms, free_ms = 100.0, 0.0, 0.0
     outages: list[tuple[float, float]] = []
@@ -100,5 +101,4 @@ def outages_ms(duration_s: float, *, seed: int) -> Floats:
 
 
 def _check_duration(duration_s: float) -> None:
-    if not 0 <= duration_s <= 86_400:
-        raise ValueError(f"duration_s = {duration_s}: give 0 to 86400 s")
+    checks.number("duration_s", duration_s, 0, 86_400, "give 0 to 86400 s")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Iterator
 
 import numpy as np
 
-from asap import _core
+from asap import _core, checks
 from asap.events import Events
 from asap.profiles.draws import Floats, portable
 from asap.profiles.rates import PROFILES, RandomRate, Rate
@@ -74,8 +74,9 @@ class Profile(SyntheticStream):
             raise ValueError(
                 f"rate = {rate!r}: give a function of t, s, or one of {', '.join(PROFILES)}"
             )
-        if not 0.0 <= scale < math.inf:
-            raise ValueError(f"scale = {scale}: give a factor of 0 or more")
+        checks.number("scale", scale, 0, sys.float_info.max, "give a factor of 0 or more")
+        if not (name is None or isinstance(name, str)):
+            raise TypeError(checks.named("name", name, "give text or None"))
         called = rate if isinstance(rate, str) else getattr(rate, "__name__", "<lambda>")
         self.name = name or ("profile" if called == "<lambda>" else called)
         super().__init__(

@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from asap import checks
 from asap.profiles.draws import Draws, Floats
 
 __all__ = ["FURTHER", "PROFILES", "RandomRate", "Rate"]
@@ -57,6 +58,8 @@ class RandomRate:
     """
 
     def __init__(self, pieces: Callable[[Draws], Pieces]) -> None:
+        if not callable(pieces):
+            raise TypeError(checks.named("pieces", pieces, "give a callable"))
         self._pieces = pieces
 
     def seeded(self, seed: int) -> Rate:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from asap import _core
+from asap import _core, checks
 from asap.scenes.scene import CORNER_DTYPE, TRUTH_DTYPE, Scene
 
 __all__ = [
@@ -111,14 +111,22 @@ def timing(
     ValueError
         An argument is out of its range; the message names it.
     """
-    if not 0.01 <= duration_s <= 86_400:
-        raise ValueError(f"duration_s = {duration_s}: give 0.01 to 86400 s")
+    checks.whole("n", n, 0, 10_000, "give 0 to 10000")
+    for name, side in (("width", width), ("height", height)):
+        checks.whole(name, side, 16, 8192, "give 16 to 8192 px")
+    ends = checks.listed("radius", radius)
+    checks.require(len(ends) == 2, "radius", radius, "give two numbers, from and to, px")
+    for end in ends:
+        checks.number("radius", end, 1, 8192, "give at least 1 px")
+    checks.require(ends[0] <= ends[1], "radius", radius, "give the smaller one first")
+    checks.number("speed", speed, 0, 2000, "give 0 to 2000 px/s")
+    checks.number("duration_s", duration_s, 0.01, 86_400, "give 0.01 to 86400 s")
     layout = _core.SceneLayout.free_shapes(
         count=n,
         width=width,
         height=height,
-        duration_us=round(duration_s * 1e6),
-        radius_px=radius,
+        duration_us=round(float(duration_s) * 1e6),
+        radius_px=(ends[0], ends[1]),
         speed_px_s=(0.4 * speed, speed),
         noise_hz=noise_hz,
         seed=seed,
@@ -155,8 +163,7 @@ def corners(
     ValueError
         An argument is out of its range; the message names it.
     """
-    if kind not in _CORNERS:
-        raise ValueError(f"kind = {kind!r}: give one of {', '.join(_CORNERS)}")
+    checks.choice("kind", kind, _CORNERS)
     speed, noise_hz = _CORNERS[kind]
     scene = timing(
         8, width, height, speed, (12.0, 26.0), seed, noise_hz=noise_hz, duration_s=duration_s
@@ -191,6 +198,7 @@ def stop_and_go(
     ValueError
         An argument is out of its range; the message names it.
     """
+    _check_object(speed, radius)
     layout = _core.SceneLayout.stop_and_go(
         gap_us=_gap_us(gap_ms), speed_px_s=speed, radius_px=radius, noise_hz=noise_hz, seed=seed
     )
@@ -219,6 +227,7 @@ def occlusion(
     ValueError
         An argument is out of its range; the message names it.
     """
+    _check_object(speed, radius)
     layout = _core.SceneLayout.occlusion(
         gap_us=_gap_us(gap_ms), speed_px_s=speed, radius_px=radius, noise_hz=noise_hz, seed=seed
     )
@@ -226,6 +235,10 @@ def occlusion(
 
 
 def _gap_us(gap_ms: float) -> int:
-    if not 0 <= gap_ms <= 10_000:
-        raise ValueError(f"gap_ms = {gap_ms}: give 0 to 10000 ms")
-    return round(gap_ms * 1e3)
+    checks.number("gap_ms", gap_ms, 0, 10_000, "give 0 to 10000 ms")
+    return round(float(gap_ms) * 1e3)
+
+
+def _check_object(speed: float, radius: float) -> None:
+    checks.number("speed", speed, 20, 1000, "give 20 to 1000 px/s")
+    checks.number("radius", radius, 2, 20, "give 2 to 20 px")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core
+from asap import _core, checks
 from asap.events import Events
 from asap.synthetic import joined
 
@@ -203,8 +203,8 @@ class Scene:
         return np.repeat(np.arange(len(sizes), dtype=np.int32), sizes)
 
     def _poses_at(self, t_us: float) -> NDArray[np.float64]:
-        if not 0 <= t_us <= self.duration_us:
-            raise ValueError(f"t_us = {t_us}: give a time from 0 to {self.duration_us} us")
+        remedy = f"give a time from 0 to {self.duration_us} us"
+        checks.number("t_us", t_us, 0, self.duration_us, remedy)
         poses: NDArray[np.float64] = self._track[int(t_us // _STEP_US)]
         return poses
 
@@ -219,8 +219,7 @@ class ThinnedScene(Scene):
         self._layout = whole._layout
         self._gamma = gamma
         self._thin_seed = seed
-        if not 0 <= gamma <= 1:
-            raise ValueError(f"gamma = {gamma}: give 0 to 1")
+        checks.number("gamma", gamma, 0, 1, "give 0 to 1")
         _core.GammaFilter(seed=seed)  # checks it
 
     def blocks(self) -> Iterator[tuple[Events, Labels]]:

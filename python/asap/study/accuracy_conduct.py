@@ -62,7 +62,15 @@ def accuracy_study(
     ValueError
         There is no such form.
     """
-    out = made_ready(out, form, workers)
+    out = made_ready(
+        out,
+        form,
+        executor=executor,
+        workers=workers,
+        fresh=fresh,
+        figures=figures,
+        on_progress=on_progress,
+    )
     ran = run(
         list(accuracy_cases(form)),
         state=out / "accuracy.jsonl",

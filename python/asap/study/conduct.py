@@ -7,6 +7,7 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from asap import checks
 from asap.study import document
 from asap.study.cases import FORMS, cases
 from asap.study.goals import Goal, goals
@@ -34,13 +35,26 @@ class Study(NamedTuple):
         return all(goal.holds is not False for goal in self.goals)
 
 
-def made_ready(out: str | Path, form: str, workers: int | None) -> Path:
+def made_ready(
+    out: str | Path,
+    form: str,
+    *,
+    executor: Executor | None,
+    workers: int | None,
+    fresh: bool,
+    figures: bool,
+    on_progress: OnProgress | None,
+) -> Path:
     """Check what every kind of study is asked for, and make its folder."""
-    if form not in FORMS:
-        raise ValueError(f"form = {form!r}: give one of {', '.join(FORMS)}")
-    if workers is not None and workers < 1:
-        raise ValueError(f"workers = {workers}: give at least 1")
-    folder = Path(out)
+    folder = checks.folder_or_file("out", out)
+    checks.choice("form", form, FORMS)
+    if executor is not None and not hasattr(executor, "submit"):
+        raise TypeError(checks.named("executor", executor, "give a concurrent.futures.Executor"))
+    if workers is not None:
+        checks.whole("workers", workers, 1, 10_000, "give at least 1")
+    checks.flag("fresh", fresh)
+    checks.flag("figures", figures)
+    checks.callback("on_progress", on_progress)
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 
@@ -88,7 +102,15 @@ def study(
     ValueError
         There is no such form.
     """
-    out = made_ready(out, form, workers)
+    out = made_ready(
+        out,
+        form,
+        executor=executor,
+        workers=workers,
+        fresh=fresh,
+        figures=figures,
+        on_progress=on_progress,
+    )
     ran = run(
         [*cases(form), *probes(form)],
         state=out / "state.jsonl",

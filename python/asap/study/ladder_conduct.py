@@ -65,7 +65,15 @@ def ladder_study(
     ValueError
         There is no such form.
     """
-    out = made_ready(out, form, workers)
+    out = made_ready(
+        out,
+        form,
+        executor=executor,
+        workers=workers,
+        fresh=fresh,
+        figures=figures,
+        on_progress=on_progress,
+    )
     if fresh:
         (out / "ladder.jsonl").unlink(missing_ok=True)
     missing = missing_rungs()

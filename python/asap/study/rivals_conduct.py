@@ -56,7 +56,15 @@ def rivals_study(
     ValueError
         There is no such form.
     """
-    out = made_ready(out, form, workers)
+    out = made_ready(
+        out,
+        form,
+        executor=executor,
+        workers=workers,
+        fresh=fresh,
+        figures=figures,
+        on_progress=on_progress,
+    )
     ran = run(
         list(rivals_cases(form)),
         state=out / "rivals.jsonl",

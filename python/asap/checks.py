@@ -1,0 +1,152 @@
+"""What an argument has to be, said once: a refusal names the field, its value and the remedy.
+
+As core/check.hpp and the bindings do it for what is native: ValueError for a value out of range,
+TypeError for one of the wrong kind. An error of the argument itself comes out unchanged.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = [
+    "callback",
+    "choice",
+    "column",
+    "flag",
+    "folder_or_file",
+    "index",
+    "is_masked",
+    "listed",
+    "named",
+    "number",
+    "require",
+    "rows",
+    "unmasked",
+    "whole",
+]
+
+_LONGEST = 200
+_UNMASK = "take out or repair what is masked, and give array.data"
+
+
+def named(field: str, value: Any, remedy: str) -> str:
+    """Field, value and remedy in one line; a value that cannot be shown is told by its type."""
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # a whole number may have too many digits to be written
+        text = f"<{type(value).__name__}>"
+    return f"{field} = {text if len(text) <= _LONGEST else text[:_LONGEST] + '...'}: {remedy}"
+
+
+def require(ok: bool, field: str, value: Any, remedy: str) -> None:
+    """Refuse a value that is not ok."""
+    if not ok:
+        raise ValueError(named(field, value, remedy))
+
+
+def number(field: str, value: Any, low: float, high: float, remedy: str) -> None:
+    """Refuse what is no number, or none from low to high."""
+    try:
+        in_range = None if getattr(value, "shape", ()) else bool(low <= value <= high)
+    except (TypeError, ValueError):  # None, text
+        in_range = None
+    if in_range is None:
+        raise TypeError(named(field, value, "give a number"))
+    require(in_range, field, value, remedy)
+
+
+def index(field: str, value: Any) -> int:
+    """Refuse what is no whole number."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(named(field, value, "give a whole number")) from None
+
+
+def whole(field: str, value: Any, low: int, high: int, remedy: str) -> None:
+    """Refuse what is no whole number, or none from low to high."""
+    require(low <= index(field, value) <= high, field, value, remedy)
+
+
+def listed(field: str, values: Any) -> list[Any]:
+    """Refuse what holds no values, or gives them only once."""
+    try:
+        len(values)  # a generator has none
+        found = list(values)
+    except TypeError:
+        raise TypeError(named(field, values, "give a list")) from None
+    require(bool(found), field, values, "give at least one")
+    return found
+
+
+def flag(field: str, value: Any) -> None:
+    """Refuse what is neither true nor false by itself, such as a text or an array."""
+    try:
+        bool(value)
+        is_one = value is None or hasattr(type(value), "__bool__")
+    except ValueError:  # an array
+        is_one = False
+    if not is_one:
+        raise TypeError(named(field, value, "give True or False"))
+
+
+def choice(field: str, value: Any, choices: Iterable[str]) -> None:
+    """Refuse what is none of these texts."""
+    choices = tuple(choices)
+    is_one = isinstance(value, str) and value in choices
+    require(is_one, field, value, f"give one of {', '.join(choices)}")
+
+
+def callback(field: str, value: Any) -> None:
+    """Refuse what cannot be called, unless it is None."""
+    if value is not None and not callable(value):
+        raise TypeError(named(field, value, "give a callable or None"))
+
+
+def folder_or_file(field: str, value: Any) -> Path:
+    """Refuse what is no path."""
+    try:
+        return Path(value)
+    except TypeError:
+        raise TypeError(named(field, value, "give a path")) from None
+
+
+def is_masked(array: Any) -> bool:
+    """Whether a mask hides an element, or a field of one (which np.ma.is_masked cannot tell)."""
+    if not isinstance(array, np.ma.MaskedArray):
+        return False
+    mask: Any = np.ma.getmaskarray(array)
+    parts = [mask] if mask.dtype.names is None else [mask[name] for name in mask.dtype.names]
+    return any(bool(part.any()) for part in parts)
+
+
+def unmasked(field: str, array: Any) -> None:
+    """Refuse an array with a mask that hides something."""
+    if is_masked(array):
+        raise ValueError(f"{field} = masked array: {_UNMASK}")
+
+
+def column(field: str, values: Any) -> npt.NDArray[Any]:
+    """Refuse what is no one-dimensional array of numbers."""
+    unmasked(field, values)
+    try:
+        array: npt.NDArray[Any] = np.asarray(values)
+    except ValueError:  # lists of different lengths
+        array = np.empty((), object)
+    if array.ndim != 1 or array.dtype.kind not in "biuf":
+        raise TypeError(named(field, values, "give a one-dimensional array of numbers"))
+    return array
+
+
+def rows(field: str, value: Any, dtype: np.dtype[Any], remedy: str) -> None:
+    """Refuse what is no one-dimensional array with the fields of a table."""
+    unmasked(field, value)
+    found = getattr(getattr(value, "dtype", None), "names", None) or ()
+    if np.ndim(value) != 1 or not set(dtype.names or ()) <= set(found):
+        raise TypeError(named(field, value, remedy))
