@@ -4,6 +4,23 @@
 
 namespace asap::python {
 
+namespace {
+
+py::handle plain_type() {
+  PYBIND11_CONSTINIT static py::gil_safe_call_once_and_store<py::object> storage;
+  return storage
+      .call_once_and_store_result([] { return py::module_::import("numpy").attr("ndarray"); })
+      .get_stored();
+}
+
+// Its memory alone would not tell what the mask hides.
+bool has_mask(const py::array& events) {
+  if (py::type::handle_of(events).is(plain_type())) return false;
+  return py::isinstance(events, py::module_::import("numpy.ma").attr("MaskedArray"));
+}
+
+}  // namespace
+
 py::dtype event_dtype() {
   PYBIND11_CONSTINIT static py::gil_safe_call_once_and_store<py::dtype> storage;
   return storage
@@ -19,13 +36,15 @@ py::dtype event_dtype() {
 }
 
 EventSpan as_span(const py::array& events) {
-  const bool fits = events.ndim() == 1 && events.dtype().equal(event_dtype()) &&
+  const bool masked = has_mask(events);
+  const bool fits = !masked && events.ndim() == 1 && events.dtype().equal(event_dtype()) &&
                     (events.flags() & py::array::c_style) != 0 &&
                     reinterpret_cast<std::uintptr_t>(events.data()) % alignof(Event) == 0;
   if (!fits) {
     const auto shape = py::cast<std::string>(py::str(events.attr("shape")));
     const auto dtype = py::cast<std::string>(py::str(events.dtype()));
-    throw py::type_error("events = array of shape " + shape + ", " + dtype + ": " + kGiveEvents);
+    throw py::type_error((masked ? "events = masked array of shape " : "events = array of shape ") +
+                         shape + ", " + dtype + ": " + kGiveEvents);
   }
   return {static_cast<const Event*>(events.data()), static_cast<std::size_t>(events.size())};
 }

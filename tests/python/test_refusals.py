@@ -489,3 +489,6 @@ def test_masked_events_are_refused_by_every_door() -> None:
     ):
         with pytest.raises(ValueError, match=r"^\w+ = masked array: take out"):
             call()
+    for call in (asap.EFast(9, 9).process, asap.ClusterTracker(9, 9).process):
+        with pytest.raises(TypeError, match=rf"^events = masked array of shape \(5,\).*: {ARRAY}"):
+            call(masked)
