@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import signal
 import subprocess
 import sys
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
@@ -245,6 +246,9 @@ def interrupt_as_they_begin():
         time.sleep(0.001)
     interrupt_all()
 
+def die(*_):
+    os.kill(os.getpid(), signal.SIGKILL)
+
 state, when = Path(sys.argv[1]), sys.argv[2]
 if when == "begin":
     threading.Thread(target=interrupt_as_they_begin).start()
@@ -252,14 +256,15 @@ endless = SteadyProbe("slow", 1e6, duration_s=8e4)
 first = SteadyProbe("slow", 1e5, duration_s=0.05)
 waiting = [SteadyProbe("slow", 1e3, seed=seed) for seed in range(200)]
 try:
-    run([endless, first, *waiting], state=state, workers=2, on_progress=interrupt_all)
+    at_first = die if when == "death" else interrupt_all
+    run([endless, first, *waiting], state=state, workers=2, on_progress=at_first)
 except KeyboardInterrupt:
     sys.exit(130)
 """
 
 
-@pytest.mark.parametrize("when", ["begin", "work"])
-def test_interrupt_of_all_processes_is_quiet(tmp_path, when):
+def interrupted(tmp_path, when):
+    """Run two workers, one without an end; come back when nobody holds the output any more."""
     done = subprocess.run(
         [sys.executable, "-c", INTERRUPTED, tmp_path / "state.jsonl", when],
         start_new_session=True,
@@ -267,7 +272,17 @@ def test_interrupt_of_all_processes_is_quiet(tmp_path, when):
         text=True,
         timeout=100,
     )
-    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("when", ["begin", "work"])
+def test_interrupt_of_all_processes_is_quiet(tmp_path, when):
+    assert interrupted(tmp_path, when) == (130, "", "")
+
+
+def test_workers_do_not_outlive_the_study(tmp_path):
+    code, *_ = interrupted(tmp_path, "death")  # it waits for them
+    assert code == -signal.SIGKILL
 
 
 def test_line_that_was_cut_short_is_run_again(tmp_path, measured):

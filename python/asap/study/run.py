@@ -164,7 +164,7 @@ def _pool(executor: Executor | None, workers: int | None) -> Iterator[Executor]:
     # Spawned: a fork may inherit a lock that a thread of this process holds.
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(
-        workers or os.cpu_count(), mp_context=context, initializer=_die_of_interrupt
+        workers or os.cpu_count(), mp_context=context, initializer=_die_in_company
     ) as pool:
         yield pool
 
@@ -186,10 +186,18 @@ def _held_back_interrupt() -> Iterator[None]:
         raise KeyboardInterrupt
 
 
-def _die_of_interrupt() -> None:
-    """Ctrl-C reaches the workers too: let them go without a word."""
+def _die_in_company() -> None:
+    """Let a worker go with its parent, or of a Ctrl-C, which reaches it too: without a word."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+    threading.Thread(target=_follow_parent, daemon=True).start()
+
+
+def _follow_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:  # of a worker there is one
+        parent.join()
+        os._exit(1)
 
 
 def _read(state: Path) -> dict[str, tuple[Outcome, float]]:
