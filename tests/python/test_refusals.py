@@ -240,30 +240,59 @@ def test_threads_take_turns_at_one_object() -> None:
     assert (ended.code, ended.lines) == (0, ["800000"])
 
 
-def rejected_meanwhile(run: Callable[[asap.BackgroundActivityFilter], object]) -> set[int]:
+STEP = 100_000
+OUTSIDE = np.zeros(40 * STEP, asap.EVENT_DTYPE)  # of the filter's frame
+OUTSIDE["x"], OUTSIDE["t"] = 100, np.arange(OUTSIDE.size) // 50
+
+
+def noise_of(calls: Callable[[Any], object]) -> tuple[Any, threading.Thread]:
     noise = asap.BackgroundActivityFilter(50, 50)
-    worker = threading.Thread(target=run, args=(noise,))
+    worker = threading.Thread(target=calls, args=(noise,))
     worker.start()
-    values = set()
-    while worker.is_alive():
-        values.add(noise.rejected)
-    return values
+    return noise, worker
 
 
-def test_reader_finds_what_the_last_package_of_a_run_has_left() -> None:
-    size = 100_000
-    events = np.zeros(40 * size, asap.EVENT_DTYPE)
-    events["x"], events["t"] = 100, np.arange(events.size) // 50  # all outside of the frame
-    scheme = asap.FixedSize(size=size)
+def as_algorithm(noise: Any) -> None:
+    scheme = asap.FixedSize(size=STEP)
+    asap.simulate(OUTSIDE, cost=COST, scheme=scheme, algorithm=noise)
+
+
+def in_front(noise: Any) -> None:
+    asap.simulate(OUTSIDE, cost=COST, before=noise)
+
+
+def by_calls(noise: Any) -> None:
+    for _ in range(400):
+        noise.process(OUTSIDE[:STEP])
+
+
+@pytest.mark.parametrize("work", [as_algorithm, by_calls])
+def test_reader_finds_what_the_last_package_has_left(work: Callable[[Any], object]) -> None:
     values: set[int] = set()
     for _ in range(TRIES):  # a busy machine may give the reader no turn during a run
-        values |= rejected_meanwhile(
-            lambda noise: asap.simulate(events, algorithm=noise, scheme=scheme, cost=COST)
-        )
+        noise, worker = noise_of(work)
+        while worker.is_alive():
+            values.add(noise.rejected)
         if len(values) > 20:
             break
     assert len(values) > 20
-    assert {value % size for value in values} == {0}
+    assert {value % STEP for value in values} == {0}
+
+
+@pytest.mark.parametrize("work", [as_algorithm, in_front])
+def test_threads_do_not_work_with_one_object_at_once(work: Callable[[Any], object]) -> None:
+    calls = 0
+    for _ in range(TRIES):
+        noise, worker = noise_of(work)
+        before = calls
+        while worker.is_alive() and calls - before < 100:
+            noise.process(OUTSIDE[:STEP])
+            calls += 1
+        worker.join()
+        assert noise.rejected == OUTSIDE.size + (calls - before) * STEP  # none was lost
+        if calls > 20:
+            break
+    assert calls > 20
 
 
 def test_object_keeps_its_class() -> None:
