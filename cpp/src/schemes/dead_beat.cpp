@@ -40,7 +40,8 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
     budget_ns = std::min(budget_ns, room_ns);
   }
 
-  const std::size_t raw = backlog.count - stale;
+  const bool is_single = asap::is_single(packages_, cost_.alpha_ns(), latency_ns);
+  const std::size_t raw = is_single ? 1 : backlog.count - stale;
   const auto waiting = static_cast<double>(raw);
   Decision decision = Decision::take(raw, size(budget_ns, waiting) / waiting);
   decision.stale = stale;

@@ -69,9 +69,8 @@ Decision Deadline::plan(const Backlog& backlog, const Limits& limits) noexcept {
 
   const double room_ns = std::max(limits.latency_ns - age_ns(backlog), 1.0);
   const double budget_ns = std::min(limits.longest_ns, room_ns);
-  // A fixed cost that rules the bound out is believed only as long as a single event costs as much.
-  const bool is_doubted = 4.0 * cost_.alpha_ns() > static_cast<double>(latency_bound_ns_.load());
-  if (is_doubted && is_dithered(packages_)) return take(1.0, 1.0, budget_ns);
+  const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
+  if (is_single(packages_, cost_.alpha_ns(), bound_ns)) return take(1.0, 1.0, budget_ns);
   if (work_ns <= budget_ns) return take_all(backlog, budget_ns);
   const Lengths lengths = this->lengths(backlog, limits, room_ns);
   if (work_ns <= lengths.package_ns) return take_all(backlog, lengths.package_ns);

@@ -34,5 +34,11 @@ TEST(Calibration, EverySixteenthPackageAfterwardsIsDithered) {
   EXPECT_EQ(dithered, (std::vector<std::uint64_t>{15, 31, 47}));
 }
 
+TEST(Calibration, AFixedCostThatRulesTheBoundOutIsLookedAt) {
+  EXPECT_TRUE(is_single(31, 2.6e6, 10e6));
+  EXPECT_FALSE(is_single(31, 2.4e6, 10e6));
+  EXPECT_FALSE(is_single(30, 2.6e6, 10e6));
+}
+
 }  // namespace
 }  // namespace asap

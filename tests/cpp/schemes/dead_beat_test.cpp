@@ -61,6 +61,19 @@ double size_of(const Decision& decision) {
   return decision.keep * static_cast<double>(decision.raw);
 }
 
+TEST(DeadBeat, DoubtsAFixedCostThatRulesTheBoundOut) {
+  for (const Execution execution : {Execution::whole, Execution::anytime}) {
+    DeadBeat doubts = trained({.latency_ms = 0.39}, execution, 399);
+    const Decision one = decide(doubts, 100, kMs / 10);
+    EXPECT_EQ(one.raw, 1u);
+    EXPECT_EQ(one.keep, 1.0);
+    DeadBeat later = trained({.latency_ms = 0.39}, execution, 400);
+    EXPECT_GT(decide(later, 100, kMs / 10).raw, 1u);
+    DeadBeat believes = trained({.latency_ms = 0.41}, execution, 399);
+    EXPECT_GT(decide(believes, 100, kMs / 10).raw, 1u);
+  }
+}
+
 TEST(DeadBeat, TakesAllThatWaitsWhileItFits) {
   DeadBeat scheme = trained({.knee = 0});
   const Decision decision = decide(scheme, 10'000, 2 * kMs);

@@ -96,6 +96,19 @@ TEST(Deadline, HoldsForTheOverheadUnlessDue) {
   EXPECT_TRUE(scheme.decide(backlog).takes);
 }
 
+TEST(Deadline, DoubtsAFixedCostThatRulesTheBoundOut) {
+  for (const Execution execution : {Execution::whole, Execution::anytime}) {
+    Deadline doubts = trained({.latency_ms = 0.39}, execution, 399);
+    const Decision one = decide(doubts, evenly(100, 100 * kUs));
+    EXPECT_EQ(one.raw, 1u);
+    EXPECT_EQ(one.keep, 1.0);
+    Deadline later = trained({.latency_ms = 0.39}, execution, 400);
+    EXPECT_GT(decide(later, evenly(100, 100 * kUs)).raw, 1u);
+    Deadline believes = trained({.latency_ms = 0.41}, execution, 399);
+    EXPECT_GT(decide(believes, evenly(100, 100 * kUs)).raw, 1u);
+  }
+}
+
 TEST(Deadline, DropsWhatHasNoChanceAndIsAskedAgain) {
   Deadline scheme = trained();
   // 1.5 alpha before the bound nothing is lost yet.

@@ -29,4 +29,10 @@ constexpr bool is_dithered(std::uint64_t index) noexcept {
   return !is_early(index) && index % 16 == 15;
 }
 
+// Whether package `index` is a single event: a fixed cost that rules the bound out is believed only
+// as long as that costs as much.
+constexpr bool is_single(std::uint64_t index, double alpha_ns, double latency_ns) noexcept {
+  return 4.0 * alpha_ns > latency_ns && is_dithered(index);
+}
+
 }  // namespace asap
