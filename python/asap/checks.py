@@ -87,11 +87,7 @@ def listed(field: str, values: Any) -> list[Any]:
 
 def flag(field: str, value: Any) -> None:
     """Refuse what is neither true nor false by itself, such as a text or an array."""
-    try:
-        bool(value)
-        is_one = value is None or hasattr(type(value), "__bool__")
-    except ValueError:  # an array
-        is_one = False
+    is_one = value is None or (hasattr(type(value), "__bool__") and not getattr(value, "shape", ()))
     if not is_one:
         raise TypeError(named(field, value, "give True or False"))
 
