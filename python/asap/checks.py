@@ -27,6 +27,7 @@ __all__ = [
     "number",
     "require",
     "rows",
+    "sides",
     "unmasked",
     "whole",
 ]
@@ -72,6 +73,13 @@ def index(field: str, value: Any) -> int:
 def whole(field: str, value: Any, low: int, high: int, remedy: str) -> None:
     """Refuse what is no whole number, or none from low to high."""
     require(low <= index(field, value) <= high, field, value, remedy)
+
+
+def sides(width: Any, height: Any) -> None:
+    """Refuse a sensor's sides that are no whole numbers; None: not known."""
+    for field, side in (("width", width), ("height", height)):
+        if side is not None:
+            index(field, side)
 
 
 def listed(field: str, values: Any) -> list[Any]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from asap.checks import index
+from asap.checks import sides
 from asap.events import Events, as_events
 from asap.io import Recording, read
 
@@ -41,9 +41,7 @@ class Source:
         known = source if self.array is None else None
         self.width = width if width is not None else getattr(known, "width", None)
         self.height = height if height is not None else getattr(known, "height", None)
-        for name, side in (("width", self.width), ("height", self.height)):
-            if side is not None:
-                index(name, side)
+        sides(self.width, self.height)
         self.events = 0
         self.first_us: int | None = None
         self._ended = False
