@@ -1,6 +1,7 @@
 #include "consumer.hpp"
 
 #include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -35,7 +36,7 @@ template <class Algorithm>
 Consumer native(const py::object& algorithm) {
   auto* ours = algorithm.cast<Algorithm*>();
   return [ours, turns = turns_at(algorithm)](const Package& package) {
-    const NativeTurn turn(*turns);
+    const std::lock_guard turn(*turns);
     if (!package.continues) ours->set_keep(package.keep);
     ours->process(package.events);
   };
@@ -47,7 +48,7 @@ Consumer native_filter(const py::object& algorithm) {
   auto* ours = algorithm.cast<Filter*>();
   return [ours, turns = turns_at(algorithm),
           passed = std::vector<Event>()](const Package& package) mutable {
-    const NativeTurn turn(*turns);
+    const std::lock_guard turn(*turns);
     if (!package.continues) ours->set_keep(package.keep);
     if (passed.size() < package.events.size()) passed.resize(package.events.size());
     ours->process(package.events, passed.data());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 
@@ -34,7 +35,7 @@ FrontFilter native(const py::object& object) {
   auto* filter = object.cast<Filter*>();
   return [filter, turns = turns_at(object), keep_alive = held(object, {})](EventSpan events,
                                                                            Event* out) {
-    const NativeTurn turn(*turns);
+    const std::lock_guard turn(*turns);
     return filter->process(events, out);
   };
 }

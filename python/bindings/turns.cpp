@@ -24,14 +24,14 @@ std::vector<Known>& known() {
 
 }  // namespace
 
-bool Turns::try_take() noexcept {
+bool Turns::try_lock() noexcept {
   std::uint32_t own = serving_.load(std::memory_order_acquire);
   if (!next_.compare_exchange_strong(own, own + 1, std::memory_order_acquire)) return false;
   owner_ = std::this_thread::get_id();
   return true;
 }
 
-void Turns::take() noexcept {
+void Turns::lock() noexcept {
   const std::uint32_t own = next_.fetch_add(1, std::memory_order_relaxed);
   for (;;) {
     const std::uint32_t now = serving_.load(std::memory_order_acquire);
@@ -41,7 +41,7 @@ void Turns::take() noexcept {
   owner_ = std::this_thread::get_id();
 }
 
-void Turns::give_back() noexcept {
+void Turns::unlock() noexcept {
   owner_ = std::thread::id();
   serving_.fetch_add(1, std::memory_order_release);
   serving_.notify_all();
@@ -62,16 +62,16 @@ std::shared_ptr<Turns> turns_at(py::handle object) {
 
 CallersTurn::CallersTurn(std::shared_ptr<Turns> turns) {
   if (turns == nullptr || turns->are_mine()) return;
-  if (!turns->try_take()) {
+  if (!turns->try_lock()) {
     if (is_exiting()) return;  // who has it may never come back
     const WithoutGil release;  // who has it may need it to come to its end
-    turns->take();
+    turns->lock();
   }
   turns_ = std::move(turns);
 }
 
 CallersTurn::~CallersTurn() {
-  if (turns_ != nullptr) turns_->give_back();
+  if (turns_ != nullptr) turns_->unlock();
 }
 
 }  // namespace asap::python

@@ -14,13 +14,13 @@
 
 namespace asap::python {
 
-// First come, first served: a plain mutex would let a runner that is never idle pass a reader for
-// ever. Without the GIL, but for try_take.
+// A mutex by which who comes first is served first: another one would let a runner that is never
+// idle pass a reader for ever. lock() without the GIL.
 class Turns {
  public:
-  bool try_take() noexcept;
-  void take() noexcept;
-  void give_back() noexcept;
+  bool try_lock() noexcept;
+  void lock() noexcept;
+  void unlock() noexcept;
   bool are_mine() const noexcept { return owner_ == std::this_thread::get_id(); }
 
  private:
@@ -34,18 +34,6 @@ std::shared_ptr<Turns> turns_at(pybind11::handle object);
 
 // Null: nobody works with it natively. With the GIL.
 std::shared_ptr<Turns> turns_under_way_at(pybind11::handle object);
-
-// While it lives it is this thread's turn, a native worker's.
-class NativeTurn {
- public:
-  explicit NativeTurn(Turns& turns) noexcept : turns_(turns) { turns_.take(); }
-  ~NativeTurn() { turns_.give_back(); }
-  NativeTurn(const NativeTurn&) = delete;
-  NativeTurn& operator=(const NativeTurn&) = delete;
-
- private:
-  Turns& turns_;
-};
 
 // While it lives it is this thread's turn, a caller's from Python: taken with the GIL, which is let
 // go while another one has it. None if `turns` is null, if this thread has it already, or at exit.
