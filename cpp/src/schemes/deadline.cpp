@@ -65,7 +65,7 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
 
 Decision Deadline::plan(const Backlog& backlog, const Limits& limits) noexcept {
   const double work_ns = caution() * cost_.predict_ns(count(backlog));
-  has_slack_ = work_ns < limits.longest_ns / 2;
+  has_slack_ = backlog.count == 1 || work_ns < limits.longest_ns / 2;
 
   const double room_ns = std::max(limits.latency_ns - age_ns(backlog), 1.0);
   const double budget_ns = std::min(limits.longest_ns, room_ns);
@@ -77,11 +77,15 @@ Decision Deadline::plan(const Backlog& backlog, const Limits& limits) noexcept {
   return thin(backlog, reserve(backlog, lengths, limits.latency_ns), lengths.package_ns);
 }
 
+// The bound; four fixed costs where that is more, but not on the strength of a first guess.
+double Deadline::reachable_ns() const noexcept {
+  const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
+  return is_early() ? bound_ns : std::max(bound_ns, 4.0 * cost_.alpha_ns());
+}
+
 Deadline::Limits Deadline::limits() const noexcept {
   const double alpha_ns = cost_.alpha_ns();
-  double latency_ns = static_cast<double>(latency_bound_ns_.load());
-  // Not on the strength of a first guess.
-  if (!is_early()) latency_ns = std::max(latency_ns, 4.0 * alpha_ns);
+  double latency_ns = reachable_ns();
   latency_ns *= 1.0 - std::min(0.1, 0.05 * std::max(0.0, cost_.sigma() - 0.05));
   latency_ns -= reserve_.ns(latency_ns, alpha_ns);
 
@@ -191,9 +195,10 @@ void Deadline::observe(const Outcome& outcome) noexcept {
   if (outcome.size == 0) return;  // no algorithm ran
   cost_.update(outcome.size, static_cast<double>(outcome.work_ns()), outcome.first_size,
                static_cast<double>(outcome.first_ns));
-  reserve_.observe(age_ns_ + static_cast<double>(outcome.processing_ns),
-                   static_cast<double>(outcome.span_ns),
-                   static_cast<double>(latency_bound_ns_.load()));
+  if (!is_early()) {  // else the first guess may be to blame
+    reserve_.observe(age_ns_ + static_cast<double>(outcome.processing_ns),
+                     static_cast<double>(outcome.span_ns), reachable_ns());
+  }
   ++packages_;
   if (static_cast<double>(outcome.size) < 0.999 * static_cast<double>(outcome.raw)) {
     const double longest_ns = 0.5 * static_cast<double>(latency_bound_ns_.load());

@@ -59,6 +59,7 @@ class Deadline final : public Scheme {
     double next_ns;     // T_n, of the next one
   };
 
+  double reachable_ns() const noexcept;
   Limits limits() const noexcept;
   std::size_t stale(const Backlog& backlog, const Limits& limits) const noexcept;
   Decision plan(const Backlog& backlog, const Limits& limits) noexcept;

@@ -13,7 +13,8 @@ namespace asap {
 
 class OutageReserve {
  public:
-  // A package ended with its oldest event latency_ns old, its newest span_ns less.
+  // A package ended with its oldest event latency_ns old, its newest span_ns less. bound_ns is what
+  // can be kept: a cost that breaks the bound is no outage.
   void observe(double latency_ns, double span_ns, double bound_ns) noexcept {
     const double late_ns = latency_ns - bound_ns;
     const bool is_late = late_ns > kGrace * bound_ns;
