@@ -126,4 +126,56 @@ inline std::vector<Event> make_scene(const Scene& scene, std::size_t count) {
   return events;
 }
 
+// A bar that crosses the frame and turns; its four edges fire in proportion to the motion across
+// them.
+struct Bar {
+  double length = 36;
+  double width = 6;
+  double speed = 120;  // px/s, to the right
+  double angle = 0.8;  // of the long edges, rad
+  double turn = 0;     // rad/s
+  double edge_density = 3;
+  double noise_hz = 0.5;  // per pixel
+  std::uint64_t seed = 1;
+};
+
+inline std::vector<Event> make_bar(const Bar& bar, double duration_s) {
+  constexpr double kStep = 250e-6;
+  constexpr double kWidth = 346;
+  constexpr double kHeight = 260;
+  const CounterRandom random(bar.seed);
+  std::uint64_t draws = 0;
+  const auto uniform = [&] { return random.uniform(draws++); };
+  std::vector<Event> events;
+  const auto add = [&](double x, double y, double t) {
+    if (x < 0 || y < 0 || x >= kWidth || y >= kHeight) return;
+    events.push_back({.x = static_cast<std::uint16_t>(x),
+                      .y = static_cast<std::uint16_t>(y),
+                      .p = static_cast<std::int16_t>(uniform() < 0.5),
+                      .t = static_cast<std::int64_t>(t * 1e6)});
+  };
+  double due = 0;  // events
+  double noise = 0;
+  for (double t = 0; t < duration_s; t += kStep) {
+    const double angle = bar.angle + bar.turn * t;
+    for (int edge = 0; edge < 4; ++edge) {
+      const double along = angle + edge * std::numbers::pi / 2;
+      const double long_px = edge % 2 == 0 ? bar.length : bar.width;
+      const double across_px = edge % 2 == 0 ? bar.width : bar.length;
+      const double place = (uniform() - 0.5) * long_px;  // of one point of the edge
+      const double across = bar.speed * std::sin(along) + bar.turn * place;
+      for (due += bar.edge_density * long_px * std::abs(across) * kStep; due >= 1; --due) {
+        const double x =
+            60 + bar.speed * t + place * std::cos(along) - across_px / 2 * std::sin(along);
+        const double y = 130 + place * std::sin(along) + across_px / 2 * std::cos(along);
+        add(x + uniform() - 0.5, y + uniform() - 0.5, t);
+      }
+    }
+    for (noise += bar.noise_hz * kWidth * kHeight * kStep; noise >= 1; --noise) {
+      add(kWidth * uniform(), kHeight * uniform(), t);
+    }
+  }
+  return events;
+}
+
 }  // namespace asap::test

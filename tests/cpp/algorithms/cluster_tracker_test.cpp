@@ -426,6 +426,26 @@ TEST(ClusterTracker, FindsWeakObjectsAmongATenthOfTheEvents) {
   EXPECT_LE(tracker.clusters().size(), 9U);
 }
 
+// Its halves look like two objects that were born as one. A longer one is cut while it turns.
+TEST(ClusterTracker, ABarIsOneObject) {
+  for (const auto& [length, turn] : {std::pair{24.0, 0.0}, {24.0, 1.5}, {36.0, 0.0}}) {
+    for (const double angle : {0.8, 1.6, 2.4}) {
+      const auto events =
+          asap::test::make_bar({.length = length, .angle = angle, .turn = turn}, 1.5);
+      ClusterTracker tracker(kFrame);
+      std::vector<std::size_t> seen;  // clusters every 50 ms, once it has been found
+      std::int64_t look = 500'000;
+      for (const Event& event : events) {
+        tracker.process({&event, 1});
+        if (event.t < look) continue;
+        seen.push_back(tracker.clusters().size());
+        look += 50'000;
+      }
+      EXPECT_EQ(seen, std::vector<std::size_t>(20, 1)) << length << ' ' << angle << ' ' << turn;
+    }
+  }
+}
+
 TEST(ClusterTracker, NoiseAloneMakesNoClusterHoweverFewAreKept) {
   const asap::CounterRandom random(10);
   for (const double gamma : {0.05, 0.1, 0.2}) {
