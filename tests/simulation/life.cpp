@@ -350,7 +350,10 @@ void Life::complete(std::int64_t end_ns) {
   doing_ = Doing::sleeps;
   consumer_ns_ += world_.lag_ns();
   Tally& tally = world_.tally;
-  if (tally.calm_ns == kNever && world_.stream.position() >= setup_.faults_end()) {
+  const std::int64_t usual_ns = std::max(setup_.latency_ns, setup_.scheme.period_ns);
+  const bool has_caught_up = setup_.keeps_a_bound() || shadow_.longest_wait_ns(end_ns) <= usual_ns;
+  const bool is_over = world_.stream.position() >= setup_.faults_end();
+  if (tally.calm_ns == kNever && is_over && has_caught_up) {
     tally.calm_ns = consumer_ns_;
     tally.calm_package = shadow_.packages();
   }

@@ -62,6 +62,9 @@ struct Setup {
   std::size_t faults_end() const noexcept { return events * 2 / 5; }
   std::size_t judged_from() const noexcept { return events * 4 / 5; }
   double load() const noexcept { return beta_ns / gap_ns; }
+  bool keeps_a_bound() const noexcept {
+    return scheme.kind == Kind::deadline || scheme.kind == Kind::dead_beat;
+  }
 };
 
 Setup draw_setup(std::uint64_t seed);

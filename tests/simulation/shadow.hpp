@@ -32,7 +32,7 @@ struct Tally {
   std::int64_t judged_latency_ns = 0;     // the largest
   std::int64_t judged_start_ns = kNever;  // when the first of them came
   std::uint64_t judged_package = 0;
-  std::int64_t calm_ns = kNever;  // when the last fault was over
+  std::int64_t calm_ns = kNever;  // when the last fault was over, and what it had left to do
   std::uint64_t calm_package = 0;
   std::uint64_t odd_package = kNoPackage;  // the last whose cost was at fault
   std::uint64_t odd_packages = 0;          // how many
@@ -70,6 +70,9 @@ class Shadow {
 
   std::uint64_t packages() const noexcept { return packages_; }
   std::size_t waiting() const noexcept { return held_.size() - head_; }
+  std::int64_t longest_wait_ns(std::int64_t now_ns) const noexcept {
+    return waiting() == 0 ? 0 : now_ns - held_[head_].time_ns;
+  }
 
  private:
   struct Held {

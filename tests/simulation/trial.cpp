@@ -61,23 +61,15 @@ bool has(const std::vector<Fault>& faults, FaultKind kind) {
                      [kind](const Fault& fault) { return fault.kind == kind; });
 }
 
-// The part of the time that a scheme without gamma spends working, while it catches up.
-double busy(const Setup& setup) {
-  if (setup.scheme.kind != Kind::fixed_time) return setup.load();
-  return setup.load() + setup.alpha_ns / static_cast<double>(setup.scheme.period_ns);
-}
-
 // Whether enough calm has gone by for a judgement, and the setup is one whose loop must recover.
 bool can_be_judged(const Run& run) {
   const Setup& setup = run.setup;
   const Tally& tally = run.tally;
-  const bool keeps_a_bound =
-      setup.scheme.kind == Kind::deadline || setup.scheme.kind == Kind::dead_beat;
   // Without gamma a backlog must drain: only where there is room for it.
-  const bool drains = setup.scheme.kind <= Kind::greedy && busy(setup) < 0.4 &&
+  const bool drains = setup.scheme.kind <= Kind::greedy && setup.load() < 0.4 &&
                       setup.scheme.kind != Kind::single_event &&
                       setup.scheme.kind != Kind::fixed_size && setup.scheme.efficiency == 0;
-  if (!keeps_a_bound && !drains) return false;
+  if (!setup.keeps_a_bound() && !drains) return false;
   if (has(run.faults, FaultKind::reconfigure) || has(run.faults, FaultKind::odd_ring)) return false;
   const double per_bound = static_cast<double>(setup.latency_ns) / setup.gap_ns;
   if (static_cast<double>(setup.capacity) < 16 * per_bound) return false;
