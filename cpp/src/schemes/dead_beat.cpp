@@ -28,8 +28,7 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
   const auto latency_ns = static_cast<double>(latency_bound_ns_.load());
   if (const auto wait = hold_.wait(backlog, cost_, caution(), latency_ns)) return *wait;
 
-  const double length_ns =
-      this->length_ns(caution() * cost_.predict_ns(static_cast<double>(backlog.count)));
+  const double length_ns = this->length_ns(backlog.count);
   double budget_ns = length_ns / caution();
   const double room_ns = (latency_ns - static_cast<double>(backlog.age_ns())) / caution();
   std::size_t stale = 0;
@@ -53,7 +52,8 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
   return decision;
 }
 
-double DeadBeat::length_ns(double work_ns) noexcept {
+double DeadBeat::length_ns(std::size_t waiting) noexcept {
+  const double work_ns = caution() * cost_.predict_ns(static_cast<double>(waiting));
   const auto latency_ns = static_cast<double>(latency_bound_ns_.load());
   const double cap_ns = latency_ns / 2;
   if (config_.knee == 0) return cap_ns;
@@ -66,7 +66,8 @@ double DeadBeat::length_ns(double work_ns) noexcept {
     is_overloaded_ = work_ns > cap_ns;  // from the next package on
     calm_ = 0;
   } else {
-    calm_ = work_ns <= 0.9 * knee_ns ? calm_ + 1 : 0;
+    const bool is_little = waiting == 1 || work_ns <= 0.9 * knee_ns;
+    calm_ = is_little ? calm_ + 1 : 0;
     is_overloaded_ = calm_ < 4;
   }
   return length_ns;

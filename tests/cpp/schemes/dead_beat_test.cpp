@@ -135,6 +135,23 @@ TEST(DeadBeat, TheKneeIsInForceFromTheNextPackageOnAndWhileThereIsMuchToDo) {
   EXPECT_EQ(budget_us(9'000), 5000);
 }
 
+// With a knee of less than two events, one of every two that came together would be lost for ever
+// (the simulation's seed 512626).
+TEST(DeadBeat, OneEventAtATimeIsNoOverload) {
+  DeadBeat scheme({.knee = 1});  // L / 10, and an event takes 0.95 of that
+  scheme.reset(Execution::anytime);
+  for (std::size_t k = 0; k < 60; ++k) {
+    const std::size_t size = 1 + k % 3;
+    const auto cost_ns = 100'000 + 850'000 * static_cast<std::int64_t>(size);
+    scheme.observe(
+        {.size = size, .raw = size, .span_ns = 0, .start_ns = 0, .processing_ns = cost_ns});
+  }
+  EXPECT_NEAR(size_of(decide(scheme, 10, kMs)), 4.9e6 / 850e3, 0.01);
+  EXPECT_LT(size_of(decide(scheme, 2, kMs)), 1.1);
+  for (int calm = 0; calm < 4; ++calm) decide(scheme, 1, kMs);
+  EXPECT_EQ(size_of(decide(scheme, 2, kMs)), 2.0);
+}
+
 TEST(DeadBeat, TheKneeHasAFloorAndACap) {
   const auto budget_ms = [](DeadBeatConfig config) {
     DeadBeat scheme = trained(config);

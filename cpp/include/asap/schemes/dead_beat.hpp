@@ -45,7 +45,7 @@ class DeadBeat final : public Scheme {
   double beta_ns() const noexcept { return cost_.beta_ns(); }
 
  private:
-  double length_ns(double work_ns) noexcept;
+  double length_ns(std::size_t waiting) noexcept;
   double size(double budget_ns, double waiting) const noexcept;
   double caution() const noexcept;  // zeta
 
