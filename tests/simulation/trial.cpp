@@ -73,10 +73,10 @@ bool can_be_judged(const Run& run) {
   if (has(run.faults, FaultKind::reconfigure) || has(run.faults, FaultKind::odd_ring)) return false;
   const double per_bound = static_cast<double>(setup.latency_ns) / setup.gap_ns;
   if (static_cast<double>(setup.capacity) < 16 * per_bound) return false;
-  // A bound of a few events is a matter of luck: where the filter keeps two of seven too many in a
-  // whole package, nothing stops it; and where a knee of two events is thinned in a rush (packages
-  // of L / 10), a load of 0.9 is an overload that goes on (seed 545069: kept 0.88).
-  if (40 * setup.beta_ns > static_cast<double>(setup.latency_ns)) return false;
+  // A bound of a few events is a matter of luck, the more so for a whole package: where the filter
+  // keeps two of seven too many, nothing stops it.
+  const double few = setup.execution == Execution::whole ? 40 : 20;
+  if (few * setup.beta_ns > static_cast<double>(setup.latency_ns)) return false;
   // What a cost model has learned in a slow start, or in the few packages after a change of level,
   // it keeps for long: a weakness that is known.
   if (tally.odd_package < kSlowStart) return false;
