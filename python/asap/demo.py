@@ -88,7 +88,8 @@ def run(
     paths : list of Path
         The files written: two figures, one report.
     """
-    from asap import plots, report
+    from asap import plots
+    from asap.report import run_report
 
     out = Path(out)
     out.mkdir(parents=True, exist_ok=True)
@@ -101,7 +102,7 @@ def run(
         paths.append(out / f"{number + 1}_{name}.svg")
         paths[-1].write_text(plots.svg(result.plot()), encoding="utf-8")
     paths.append(out / "report.html")
-    report.write(runs, paths[-1], title="ASAP: the paper's two experiments")
+    run_report.write(runs, paths[-1], title="ASAP: the paper's two experiments")
     return runs, paths
 
 

@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 
 import asap
 import corrupt
-from asap import inspection_table
 from asap.events import Events
 from asap.inspection import raw_source
 from asap.io import CorruptFile
+from asap.report import inspection_table
 from event_files import DATA, WRITERS, facts, recording, write_csv
 
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}

@@ -45,34 +45,19 @@ PYTHON_LAYERS = (
     {"accuracy", "experiment", "profiles", "scenes"},
     {"analysis"},
     {"inspection"},
-    {"plots", "table", "accuracy_table", "comparison_table", "inspection_table"},
-    {
-        "page",
-        "progress",
-        "accuracy_figures",
-        "comparison_figures",
-        "inspection_figures",
-        "scene_figures",
-    },
-    {"report", "comparison_report", "inspection_report"},
+    {"plots", "progress"},
+    {"report"},
     {"demo", "study"},
     {"cli"},
     {"__main__"},
 )
 # .plot(), .report() and print() of a result import their module when they are called.
 ARROWS_UP = {
-    ("accuracy", "accuracy_figures"),
-    ("accuracy", "accuracy_table"),
+    ("accuracy", "report"),
     ("experiment", "plots"),
     ("experiment", "report"),
-    ("experiment", "table"),
-    ("experiment", "comparison_figures"),
-    ("experiment", "comparison_report"),
-    ("experiment", "comparison_table"),
-    ("inspection", "inspection_figures"),
-    ("inspection", "inspection_report"),
-    ("inspection", "inspection_table"),
-    ("scenes", "scene_figures"),
+    ("inspection", "report"),
+    ("scenes", "report"),
 }
 USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 

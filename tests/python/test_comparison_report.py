@@ -13,8 +13,9 @@ import streams
 
 pytest.importorskip("matplotlib")
 
-from asap import comparison_figures, comparison_report, comparison_table, plots
-from test_report import Page
+from asap import plots
+from asap.report import comparison_figures, comparison_report, comparison_table
+from test_run_report import Page
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)
 EVENTS = streams.poisson(6e6, 0.05)

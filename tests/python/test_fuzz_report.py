@@ -116,7 +116,7 @@ def test_a_changed_run(saved: tuple[Path, dict[str, Any]], data: st.DataObject) 
         put(document, path, data.draw(VALUES))
     with pytest.MonkeyPatch.context() as patch:
         if data.draw(st.integers(0, 19)) > 0:  # the figures take most of a second
-            patch.setattr("asap.report._curves", lambda *_: "")
+            patch.setattr("asap.report.run_report._curves", lambda *_: "")
         report(folder, document)
 
 

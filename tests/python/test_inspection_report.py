@@ -13,8 +13,9 @@ import corrupt
 
 pytest.importorskip("matplotlib")
 
-from asap import inspection_figures, inspection_report, inspection_table, plots
-from test_report import Page
+from asap import plots
+from asap.report import inspection_figures, inspection_report, inspection_table
+from test_run_report import Page
 
 EVENTS = corrupt.clean_events(20_000)
 

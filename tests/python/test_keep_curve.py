@@ -231,7 +231,7 @@ def test_the_figure_has_a_line_told_and_one_not_told():
 
 def test_every_curve_of_a_figure_is_in_sight():
     pytest.importorskip("matplotlib")
-    from asap import accuracy_figures
+    from asap.report import accuracy_figures
 
     low = curve_of([(1.0, None, 0.9)])
     high = KeepCurve(

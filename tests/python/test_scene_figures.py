@@ -9,7 +9,8 @@ from house import ROOT
 
 pytest.importorskip("matplotlib")
 
-from asap import plots, scene_figures
+from asap import plots
+from asap.report import scene_figures
 
 
 @pytest.fixture(scope="module")

@@ -120,7 +120,7 @@ class KeepCurve:
 
     def plot(self) -> Figure:
         """Draw the main scores over gamma, told and not told, with the spread over the seeds."""
-        from asap import accuracy_figures
+        from asap.report import accuracy_figures
 
         return accuracy_figures.figure([self])
 
@@ -129,7 +129,7 @@ class KeepCurve:
         return f"<KeepCurve: {self.algorithm} on {self.scene}: gamma {rows}>"
 
     def __str__(self) -> str:
-        from asap import accuracy_table
+        from asap.report import accuracy_table
 
         return accuracy_table.format_keep_curve(self)
 

@@ -13,9 +13,9 @@ import warnings
 from collections.abc import Sequence
 
 import asap
-from asap import table
 from asap.cli import check, compare, demo, info, report, run, study
 from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, say
+from asap.report import run_table
 
 __all__ = ["main"]
 
@@ -64,7 +64,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         except KeyboardInterrupt:
             say("interrupted")
             if last := asap.last_run():
-                say(f"the run up to there:\n{table.format_ledger(last.ledger, last.rejected)}")
+                say(f"the run up to there:\n{run_table.format_ledger(last.ledger, last.rejected)}")
             return INTERRUPTED
         except BrokenPipeError:
             _drop_stdout()  # the reader of the pipe is gone

@@ -7,9 +7,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from asap import progress, table
+from asap import progress
 from asap.cli.options import add_verb
 from asap.cli.outcome import CHECK_FAILED, OK, need_matplotlib, print_json, writing
+from asap.report import run_table
 
 __all__ = ["add"]
 
@@ -39,7 +40,7 @@ def _call(arguments: Any) -> int:
         )
     else:
         for run, of_run in zip(runs, claims, strict=True):
-            print(table.format_run(run), end="\n\n")
+            print(run_table.format_run(run), end="\n\n")
             for claim in of_run:
                 print(f"  {'holds' if claim.holds else 'FAILS':<7}{claim.sentence}")
                 print(textwrap.indent(textwrap.fill(claim.seen, 69), " " * 9))

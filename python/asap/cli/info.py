@@ -6,9 +6,10 @@ import os
 from dataclasses import asdict
 from typing import Any
 
-from asap import analysis, table, units
+from asap import analysis, units
 from asap.cli.options import add_recording, add_verb, open_recording
 from asap.cli.outcome import OK, print_json, reading
+from asap.report import run_table
 
 __all__ = ["add"]
 
@@ -53,7 +54,7 @@ def _call(arguments: Any) -> int:
         "rate": f"mean {units.rate(found.rate_mean_hz)}, "
         f"peak {units.rate(found.rate_peak_10ms_hz)} in 10 ms, "
         f"{units.rate(found.rate_peak_1ms_hz)} in 1 ms",
-        "rejected": table.reasons_of(recording.rejected) or "none",
+        "rejected": run_table.reasons_of(recording.rejected) or "none",
     }
     print(os.path.basename(arguments.file))
     for name, value in rows.items():

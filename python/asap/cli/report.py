@@ -27,13 +27,13 @@ def add(verbs: Any) -> None:
 
 def _call(arguments: Any) -> int:
     need_matplotlib()
-    from asap import report
+    from asap.report import run_report
 
     with reading(arguments):
         runs = [asap.load_run(path) for path in arguments.runs]
     out = arguments.out or arguments.runs[0].with_suffix(".html")
     with writing(out):
-        report.write(runs, out)
+        run_report.write(runs, out)
     if arguments.json:
         print_json({"schema_version": 1, "runs": len(runs), "file": str(out)})
     else:

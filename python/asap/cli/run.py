@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import asap
-from asap import progress, table, units
+from asap import progress, units
 from asap.cli.choices import ALGORITHMS, algorithm_of, scheme_of, schemes
 from asap.cli.options import add_recording, add_verb, open_recording, typed, writable
 from asap.cli.outcome import (
@@ -18,6 +18,7 @@ from asap.cli.outcome import (
     usage,
     writing,
 )
+from asap.report import run_table
 
 __all__ = ["add"]
 
@@ -94,5 +95,5 @@ def _call(arguments: Any) -> int:
     if arguments.json:
         print_json(run.summary())
     else:
-        print(table.format_run(run))
+        print(run_table.format_run(run))
     return OK

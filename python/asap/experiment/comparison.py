@@ -170,13 +170,13 @@ class Comparison:
 
     def plot(self) -> Figure:
         """Draw latency and kept share over time, a row of the figure for each scheme."""
-        from asap import comparison_figures
+        from asap.report import comparison_figures
 
         return comparison_figures.figure(self)
 
     def report(self, path: str | os.PathLike[str]) -> None:
         """Write one self-contained HTML file."""
-        from asap import comparison_report
+        from asap.report import comparison_report
 
         comparison_report.write(self, path)
 
@@ -185,7 +185,7 @@ class Comparison:
         return f"<Comparison: {self.name}, {self.latency_ms:g} ms: {scores}>"
 
     def __str__(self) -> str:
-        from asap import comparison_table
+        from asap.report import comparison_table
 
         return comparison_table.format_comparison(self)
 

@@ -230,9 +230,9 @@ class Run:
 
     def report(self, path: str | os.PathLike[str]) -> None:
         """Write one self-contained HTML file."""
-        from asap import report
+        from asap.report import run_report
 
-        report.write([self], path)
+        run_report.write([self], path)
 
     def __repr__(self) -> str:
         return (
@@ -241,9 +241,9 @@ class Run:
         )
 
     def __str__(self) -> str:
-        from asap import table
+        from asap.report import run_table
 
-        return table.format_run(self)
+        return run_table.format_run(self)
 
 
 def with_first(packages: NDArray[np.void], first: NDArray[np.int64]) -> NDArray[np.void]:

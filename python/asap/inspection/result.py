@@ -174,18 +174,18 @@ class Inspection:
 
     def plot(self) -> Figure:
         """Draw the rate over time and the map of the pixels; needs matplotlib."""
-        from asap import inspection_figures
+        from asap.report import inspection_figures
 
         return inspection_figures.figure(self)
 
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write one HTML page; needs matplotlib."""
-        from asap import inspection_report
+        from asap.report import inspection_report
 
         return inspection_report.write(self, path)
 
     def __str__(self) -> str:
-        from asap import inspection_table
+        from asap.report import inspection_table
 
         return inspection_table.format_inspection(self)
 

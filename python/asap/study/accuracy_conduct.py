@@ -102,7 +102,8 @@ def curves_of(results: Results) -> list[KeepCurve]:
 
 
 def _draw(folder: Path, curves: Iterable[KeepCurve]) -> list[Path]:
-    from asap import accuracy_figures, plots
+    from asap import plots
+    from asap.report import accuracy_figures
 
     by_scene: dict[str, list[KeepCurve]] = {}
     for curve in curves:

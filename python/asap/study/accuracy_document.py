@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from asap import accuracy_table
 from asap.accuracy import KeepCurve, KeepRow
+from asap.report import accuracy_table
 from asap.study.document import origin
 from asap.study.tables import markdown
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from asap import accuracy_table
 from asap.accuracy import KeepCurve
+from asap.report import accuracy_table
 from asap.study.accuracy_document import label_of
 from asap.study.document import origin
 from asap.study.rivals_cases import OURS

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import comparison_table, plots, units  # first: it says which extra is missing
+from asap import plots, units  # first: it says which extra is missing
+from asap.report import comparison_table
 
 import matplotlib  # isort: skip
 from matplotlib.ticker import LogLocator, NullLocator  # isort: skip

@@ -13,7 +13,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asap import comparison_figures, comparison_table, page, table
+from asap.report import comparison_figures, comparison_table, page, run_table
 
 if TYPE_CHECKING:
     from asap.experiment.comparison import Comparison, Row
@@ -138,7 +138,7 @@ def _parameters(comparison: Comparison) -> Iterator[str]:
     for row in comparison.rows:
         parameters = comparison.runs[row.label].scheme.parameters
         words = ", ".join(
-            f"{name} {table.parameter_value(value)}" for name, value in parameters.items()
+            f"{name} {run_table.parameter_value(value)}" for name, value in parameters.items()
         )
         yield (
             f'<tr><th scope="row">{escape(row.label)}</th><td>{escape(row.scheme)}</td>'

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import page, plots, table, units
+from asap import plots, units
+from asap.report import page, run_table
 
 if TYPE_CHECKING:
     from asap.experiment import Run
@@ -72,11 +73,11 @@ def write(
 
 def _article(run: Run, number: int) -> str:
     summary = run.summary()
-    name = table.title(summary)
+    name = run_table.title(summary)
     return f"""
 <article id="run-{number}">
 <h2>{escape(name)}</h2>
-<p class="sub">{page.text(table.subtitle(summary))}</p>
+<p class="sub">{page.text(run_table.subtitle(summary))}</p>
 <div class="tiles">{"".join(_tiles(run, summary))}</div>
 {_verdict(run)}
 <figure>
@@ -115,7 +116,7 @@ def _sizes(packages: Mapping[str, float]) -> str:
 
 
 def _verdict(run: Run) -> str:
-    word, _, sentences = table.verdict(run).partition(": ")
+    word, _, sentences = run_table.verdict(run).partition(": ")
     headline, stop, rest = re.split(r"(\.(?: |$))", sentences, maxsplit=1)
     headline = headline[:1].upper() + headline[1:] + stop
     return (
@@ -137,9 +138,9 @@ def _ledger(run: Run) -> str:
     received = ledger["received"]
     rows = []
     bar = []
-    for cause, words in table.LEDGER_WORDS.items():
+    for cause, words in run_table.LEDGER_WORDS.items():
         share = ledger[cause] / received if received else 0.0
-        if cause == "rejected" and (reasons := table.reasons_of(run.rejected)):
+        if cause == "rejected" and (reasons := run_table.reasons_of(run.rejected)):
             words += f": {reasons}"
         rows.append(
             f'<tr class="{cause}"><th scope="row"><i></i>{cause}</th>'
@@ -168,8 +169,9 @@ def _compare(runs: Sequence[Run]) -> str:
             units.count(summary["packages"]["per_s"]),
             units.count(summary["ledger"]["overflow"]),
         )
+        name = escape(run_table.title(summary))
         rows.append(
-            f'<tr><th scope="row"><a href="#run-{number}">{escape(table.title(summary))}</a></th>'
+            f'<tr><th scope="row"><a href="#run-{number}">{name}</a></th>'
             + "".join(f"<td>{escape(cell)}</td>" for cell in cells)
             + "</tr>"
         )

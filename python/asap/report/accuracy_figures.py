@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asap import accuracy_table, plots  # first: it says which extra is missing
+from asap import plots  # first: it says which extra is missing
+from asap.report import accuracy_table
 
 import matplotlib  # isort: skip
 from matplotlib.ticker import FixedLocator, NullLocator  # isort: skip

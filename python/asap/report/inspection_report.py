@@ -13,7 +13,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asap import inspection_figures, inspection_table, page, units
+from asap import units
+from asap.report import inspection_figures, inspection_table, page
 
 if TYPE_CHECKING:
     from asap.inspection import Inspection

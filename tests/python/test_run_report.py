@@ -9,7 +9,7 @@ from fake_run import empty_run, fake_run
 
 pytest.importorskip("matplotlib")
 
-from asap import report, table
+from asap.report import run_report, run_table
 
 
 class Page(HTMLParser):
@@ -43,7 +43,7 @@ def run():
 @pytest.fixture
 def write(tmp_path):
     def write_and_read(runs, **options):
-        return report.write(runs, tmp_path / "report.html", **options).read_text("utf-8")
+        return run_report.write(runs, tmp_path / "report.html", **options).read_text("utf-8")
 
     return write_and_read
 
@@ -51,14 +51,14 @@ def write(tmp_path):
 @pytest.fixture(scope="module")
 def text(run, tmp_path_factory):
     """The page about one run."""
-    return report.write(run, tmp_path_factory.mktemp("page") / "report.html").read_text("utf-8")
+    return run_report.write(run, tmp_path_factory.mktemp("page") / "report.html").read_text("utf-8")
 
 
 @pytest.fixture(scope="module")
 def text_of_two(run, tmp_path_factory):
     """The page about two runs."""
     path = tmp_path_factory.mktemp("page") / "report.html"
-    return report.write([run, fake_run(duration_s=0.1)], path).read_text("utf-8")
+    return run_report.write([run, fake_run(duration_s=0.1)], path).read_text("utf-8")
 
 
 def test_the_page_forbids_everything_from_outside_and_asks_for_nothing(text_of_two):
@@ -112,9 +112,9 @@ def test_values_are_escaped(write):
 
 def test_the_page_says_what_the_table_says(text, run):
     text = html.unescape(text).replace("\xa0", " ")
-    for cause, words in table.LEDGER_WORDS.items():
+    for cause, words in run_table.LEDGER_WORDS.items():
         assert words in text and f"<td>{run.ledger[cause]:,}</td>" in text
-    verdict = table.verdict(run)
+    verdict = run_table.verdict(run)
     assert verdict.partition(". ")[2] in text
     assert "Verdict" in text
 
@@ -131,7 +131,7 @@ def test_the_numbers_are_embedded_as_json(text, run):
 
 
 def test_packages_that_are_too_many_to_embed_are_announced(write, run, monkeypatch):
-    monkeypatch.setattr(report, "_MAX_EMBEDDED_PACKAGES", 10)
+    monkeypatch.setattr(run_report, "_MAX_EMBEDDED_PACKAGES", 10)
     text = write(run)
     assert f"{run.packages.size:,} packages are not embedded" in text
     assert '"t_last"' not in text
@@ -160,4 +160,4 @@ def test_an_empty_run_has_a_report(write):
 
 def test_no_run_is_an_error(tmp_path):
     with pytest.raises(ValueError, match=r"runs = \[\]: "):
-        report.write([], tmp_path / "report.html")
+        run_report.write([], tmp_path / "report.html")

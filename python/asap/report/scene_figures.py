@@ -1,6 +1,6 @@
 """Pictures of scenes: the events of some milliseconds and the truth over them.
 
-Needs matplotlib: ``asap-events[report]``. ``python -m asap.scene_figures FOLDER`` writes the
+Needs matplotlib: ``asap-events[report]``. ``python -m asap.report.scene_figures FOLDER`` writes the
 pictures of notebooks/scenes.md.
 """
 
