@@ -12,8 +12,8 @@ import pytest
 import asap
 from asap.accuracy.curve import GAMMAS, KeepCurve, Scored
 from asap.cli import main
-from asap.study import AccuracyStudy, accuracy_cases, accuracy_document, accuracy_study
-from asap.study.accuracy_cases import RUNGS, AccuracyCase, Rung
+from asap.study import AccuracyStudy, accuracy, accuracy_study
+from asap.study.accuracy.cases import RUNGS, AccuracyCase, Rung
 from asap.study.run import key_of
 from fake_scene import FakeScene, perfect
 
@@ -66,9 +66,9 @@ def small(monkeypatch):
         "next": Rung("next", not_there),
         "all": Rung("all", Detector, corners=True),
     }
-    monkeypatch.setattr(accuracy_cases, "RUNGS", rungs)
-    monkeypatch.setattr("asap.study.accuracy_conduct.RUNGS", rungs)
-    monkeypatch.setattr(accuracy_cases, "scene_of", scene_of)
+    monkeypatch.setattr(accuracy.cases, "RUNGS", rungs)
+    monkeypatch.setattr("asap.study.accuracy.conduct.RUNGS", rungs)
+    monkeypatch.setattr(accuracy.cases, "scene_of", scene_of)
     return made
 
 
@@ -77,7 +77,7 @@ def small(monkeypatch):
 
 def test_forms_take_the_scenes_seeds_and_gammas_that_they_say(small):
     quick, default, full = (
-        list(accuracy_cases.accuracy_cases(form)) for form in ("quick", "default", "full")
+        list(accuracy.cases.accuracy_cases(form)) for form in ("quick", "default", "full")
     )
     trackers = [case for case in default if case.rung == "best"]
     assert [(case.scene, case.seed) for case in trackers] == [
@@ -92,11 +92,11 @@ def test_forms_take_the_scenes_seeds_and_gammas_that_they_say(small):
     }
     assert {case.seed for case in full} == set(range(10))
     assert {case.scene for case in full} >= set("ABCDEFG")
-    assert accuracy_cases.missing_rungs() == ["next"]
+    assert accuracy.cases.missing_rungs() == ["next"]
 
 
 def test_every_algorithm_of_this_build_is_scored():
-    missing = accuracy_cases.missing_rungs()
+    missing = accuracy.cases.missing_rungs()
     assert set(missing) <= {"fast", "BAF + fast"}
     for label, rung in RUNGS.items():
         assert label == (f"BAF + {rung.algorithm}" if rung.before else rung.algorithm)
@@ -109,8 +109,8 @@ def test_scenes_are_those_of_asap_scenes(monkeypatch):
     scenes.A = lambda seed: ("A", seed)
     scenes.corners = lambda kind, seed: ("corners", kind, seed)
     monkeypatch.setitem(sys.modules, "asap.scenes", scenes)
-    assert accuracy_cases.scene_of("A", 3) == ("A", 3)
-    assert accuracy_cases.scene_of("corners_noisy", 4) == ("corners", "noisy", 4)
+    assert accuracy.cases.scene_of("A", 3) == ("A", 3)
+    assert accuracy.cases.scene_of("corners_noisy", 4) == ("corners", "noisy", 4)
 
 
 def test_a_case_is_scored_at_every_gamma(small):
@@ -122,7 +122,7 @@ def test_a_case_is_scored_at_every_gamma(small):
     ]
     assert small == [("A", 7)]
     assert found.scored[0].figures["processed"] < found.scored[0].figures["events"]
-    keys = {key_of(case) for case in accuracy_cases.accuracy_cases("quick")}
+    keys = {key_of(case) for case in accuracy.cases.accuracy_cases("quick")}
     assert len(keys) == 5
 
 
@@ -189,7 +189,7 @@ def test_cells_are_mean_and_spread_by_scene():
         curve("B", (0, math.nan)),
         curve("A", (0, 0.5), before="BAF"),
     ]
-    lines = accuracy_document.by_scene(curves, "mota").splitlines()
+    lines = accuracy.document.by_scene(curves, "mota").splitlines()
     assert [
         [cell.strip() for cell in line.split("|")[1:-1]] for line in lines if "-:" not in line
     ] == [
@@ -197,7 +197,7 @@ def test_cells_are_mean_and_spread_by_scene():
         ["fast", "1", "", ".950±.071", "-"],
         ["BAF + fast", "1", "", ".500", ""],
     ]
-    assert "| 12 |" in accuracy_document.by_scene(curves, "ns_per_event_p50")
+    assert "| 12 |" in accuracy.document.by_scene(curves, "ns_per_event_p50")
 
 
 def test_unknown_forms_and_no_workers_are_refused(tmp_path):

@@ -13,21 +13,14 @@ from asap import _core, scenes
 from asap.accuracy import score
 from asap.accuracy.trace import follow, samples_without_clusters
 from asap.cli import main
-from asap.study import (
-    ladder_accuracy,
-    ladder_cases,
-    ladder_conduct,
-    ladder_document,
-    ladder_rungs,
-    ladder_study,
-)
-from asap.study.ladder_accuracy import Delivery, Recorder, corner_accuracy, tracker_accuracy
-from asap.study.ladder_cases import LadderCase, Loaded, Outcomes, ToldCase
-from asap.study.ladder_cost import Costs, fit
-from asap.study.ladder_naive import NaiveClusterer
-from asap.study.ladder_results import Mean, row
-from asap.study.ladder_rungs import RUNGS, LadderRung
-from asap.study.ladder_settings import (
+from asap.study import ladder, ladder_study
+from asap.study.ladder.accuracy import Delivery, Recorder, corner_accuracy, tracker_accuracy
+from asap.study.ladder.cases import LadderCase, Loaded, Outcomes, ToldCase
+from asap.study.ladder.cost import Costs, fit
+from asap.study.ladder.naive import NaiveClusterer
+from asap.study.ladder.results import Mean, row
+from asap.study.ladder.rungs import RUNGS, LadderRung
+from asap.study.ladder.settings import (
     BASELINES,
     OURS,
     Setting,
@@ -57,7 +50,7 @@ def whole(scene, done_after_us=0.0):
     """Every event a package of its own millisecond, done so much later than its last event."""
     return [
         one._replace(done_us=one.done_us + done_after_us)
-        for one in ladder_accuracy.everything(scene)
+        for one in ladder.accuracy.everything(scene)
     ]
 
 
@@ -176,7 +169,7 @@ def test_what_is_never_delivered_is_missed():
 
 def test_a_package_with_a_long_gap_is_cut_at_each_sample_once():
     events = SCENE.events[[0, 1, -2, -1]]
-    parts = ladder_accuracy._split_at([Delivery(events, 0.5, 1e6)], [105_000, 110_000, 115_000])
+    parts = ladder.accuracy._split_at([Delivery(events, 0.5, 1e6)], [105_000, 110_000, 115_000])
     assert [part.events.size for part in parts] == [2, 2]
     assert [part.keep for part in parts] == [0.5, 0.5]
 
@@ -245,10 +238,10 @@ def test_naive_clusterer_is_the_rule_of_compat():
 
 
 def test_every_consumer_of_this_build_is_on_the_ladder():
-    assert set(ladder_rungs.missing_rungs()) <= {"fast", "fast, 300 ns"}
-    stream = ladder_rungs.stream("small", 0)
+    assert set(ladder.rungs.missing_rungs()) <= {"fast", "fast, 300 ns"}
+    stream = ladder.rungs.stream("small", 0)
     for label, rung in RUNGS.items():
-        if label not in ladder_rungs.missing_rungs():
+        if label not in ladder.rungs.missing_rungs():
             made = rung.make(stream.width, stream.height)
             made.process(stream.events[:100])
             assert (rung.score == "tracker") is hasattr(made, "clusters")
@@ -266,7 +259,7 @@ def missing(monkeypatch):
         raise ValueError("engine = next: not in this build")
 
     monkeypatch.setitem(RUNGS, "next", LadderRung(not_there))
-    monkeypatch.setattr(ladder_conduct, "_QUICK", ("BAF", "EFast", "compat, 2 us", "next"))
+    monkeypatch.setattr(ladder.conduct, "_QUICK", ("BAF", "EFast", "compat, 2 us", "next"))
 
 
 def test_quick_form_writes_what_it_says_and_goes_on_where_it_stopped(missing, tmp_path):
@@ -293,7 +286,7 @@ def test_quick_form_writes_what_it_says_and_goes_on_where_it_stopped(missing, tm
 
 
 def test_told_otherwise_is_the_same_run_with_another_word(monkeypatch):
-    monkeypatch.setattr(ladder_cases, "stream", lambda size, seed: SCENE)
+    monkeypatch.setattr(ladder.cases, "stream", lambda size, seed: SCENE)
     told = []
 
     class Listens(Last):
@@ -343,17 +336,17 @@ def test_rows_hold_mean_and_spread_over_the_seeds():
 
 
 def test_tables_show_what_does_not_exist_as_a_dash():
-    lines = ladder_document.accuracy_table([made_row(in_use=(None,))], "in_use").splitlines()
+    lines = ladder.document.accuracy_table([made_row(in_use=(None,))], "in_use").splitlines()
     assert lines[2].startswith("| compat | MOTA | .800 | - |")
-    assert "| 500 | 4 | .250 | .400 |" in ladder_document.in_time_table([made_row()])
+    assert "| 500 | 4 | .250 | .400 |" in ladder.document.in_time_table([made_row()])
 
 
 def test_figure_has_a_line_for_each_scheme_and_a_name_for_each_rung():
     pytest.importorskip("matplotlib")
-    from asap.study import ladder_figures
+    from asap.study.ladder import figures
 
     rows = [made_row("BAF", 5.0), made_row("EFast", 60.0), made_row("compat", 500.0, (-1.0,))]
-    page = ladder_figures.figure(rows)
+    page = figures.figure(rows)
     whole, trackers, corners = page.axes
     assert {text.get_text() for text in whole.texts} == {"BAF", "EFast", "compat"}
     assert {text.get_text() for text in corners.texts} == {"EFast"}
@@ -363,7 +356,7 @@ def test_figure_has_a_line_for_each_scheme_and_a_name_for_each_rung():
 
 def test_crowded_names_move_apart():
     pytest.importorskip("matplotlib")
-    from asap.study.ladder_figures import _apart
+    from asap.study.ladder.figures import _apart
 
     places = _apart(np.array([1.0, 1.01, 1.02, 3.0]), 0.2, 0.5)
     assert np.diff(places).min() == pytest.approx(0.2, rel=1e-3)
@@ -376,7 +369,7 @@ def test_command_prints_tables_or_json(monkeypatch, tmp_path, capsys):
 
     def study(out, **options):
         seen.append(options)
-        return ladder_conduct.LadderStudy(
+        return ladder.conduct.LadderStudy(
             [made_row()], [], [], ["fast"], [tmp_path / "ladder.md"], 3, 2.0
         )
 

@@ -9,9 +9,9 @@ import asap
 from asap import _core
 from asap.accuracy.curve import KeepCurve, Scored
 from asap.cli import main
-from asap.study import RivalsStudy, rivals_cases, rivals_document, rivals_study
-from asap.study.accuracy_cases import Rung
-from asap.study.rivals_cases import COLUMNS, OURS, RIVALS, RivalsCase
+from asap.study import RivalsStudy, rivals, rivals_study
+from asap.study.accuracy.cases import Rung
+from asap.study.rivals.cases import COLUMNS, OURS, RIVALS, RivalsCase
 from fake_scene import FakeScene, perfect
 
 BAF = asap.BackgroundActivityFilter
@@ -49,15 +49,15 @@ def small(monkeypatch):
     def tracker(width, height):
         return perfect(SCENE)
 
-    rivals = {OURS: Rung(OURS, tracker), "blind": Rung("blind", Blind)}
-    monkeypatch.setattr(rivals_cases, "RIVALS", rivals)
-    monkeypatch.setattr("asap.study.rivals_conduct.RIVALS", rivals)
-    monkeypatch.setattr(rivals_cases, "scene_of", scene_of)
-    monkeypatch.setattr(rivals_cases, "costs_ns", lambda rungs, scene: dict.fromkeys(rungs, 7.4))
+    both = {OURS: Rung(OURS, tracker), "blind": Rung("blind", Blind)}
+    monkeypatch.setattr(rivals.cases, "RIVALS", both)
+    monkeypatch.setattr("asap.study.rivals.conduct.RIVALS", both)
+    monkeypatch.setattr(rivals.cases, "scene_of", scene_of)
+    monkeypatch.setattr(rivals.cases, "costs_ns", lambda rungs, scene: dict.fromkeys(rungs, 7.4))
     monkeypatch.setattr(
-        rivals_cases,
+        rivals.cases,
         "RivalsCase",
-        lambda scene, seed: RivalsCase(scene, seed, tuple(rivals)),
+        lambda scene, seed: RivalsCase(scene, seed, tuple(both)),
     )
     return made
 
@@ -68,7 +68,7 @@ def small(monkeypatch):
 def test_forms_take_the_scenes_and_seeds_that_they_say():
     def seeds(form):
         found = {}
-        for case in rivals_cases.rivals_cases(form):
+        for case in rivals.cases.rivals_cases(form):
             found.setdefault(case.scene, []).append(case.seed)
         return found
 
@@ -96,7 +96,7 @@ def test_the_rivals_are_those_that_their_labels_name():
 
 
 def test_a_case_scores_and_times_everybody(monkeypatch):
-    monkeypatch.setattr(rivals_cases, "scene_of", lambda name, seed: SCENE)
+    monkeypatch.setattr(rivals.cases, "scene_of", lambda name, seed: SCENE)
     labels = (OURS, "BAF + jAER-type core")
     found = RivalsCase("A", 200, labels).measure().rivals
     assert tuple(found) == labels
@@ -113,9 +113,9 @@ def test_they_take_turns_and_the_median_counts(monkeypatch):
         assert sum(package.size for package in packages) == scene.events.size
         return costs[rung.algorithm][(len(turns) - 1) // 2] * scene.events.size
 
-    monkeypatch.setattr(rivals_cases, "_turn_ns", turn_ns)
+    monkeypatch.setattr(rivals.cases, "_turn_ns", turn_ns)
     rungs = {name: Rung(name, Blind) for name in costs}
-    assert rivals_cases.costs_ns(rungs, SCENE) == {OURS: 3, "other": 50}
+    assert rivals.cases.costs_ns(rungs, SCENE) == {OURS: 3, "other": 50}
     assert turns == [OURS, "other"] * 5
 
 
@@ -131,8 +131,8 @@ def test_the_filter_stands_in_front_when_scored_and_when_timed():
     noise.labels = SCENE.labels[::50]
     for before in (None, BAF):
         rung = Rung("counting", Counting, before)
-        rivals_cases._scored(rung, noise)
-        rivals_cases.costs_ns({"counting": rung}, noise)
+        rivals.cases._scored(rung, noise)
+        rivals.cases.costs_ns({"counting": rung}, noise)
     assert seen.count(0) >= 5 and sum(seen) >= 6 * noise.events.size
 
 
@@ -150,7 +150,7 @@ def test_the_study_writes_and_goes_on_where_it_stopped(small, tmp_path):
     text = found.paths[0].read_text()
     assert found.paths == [tmp_path / "rivals.md"] and "`as typed`" in text
     assert "No rival has a higher mean MOTA on any scene." in text
-    assert rivals_document.table(found.curves) in text
+    assert rivals.document.table(found.curves) in text
     small.clear()
     again = rivals_study(tmp_path, form="quick", executor=AtOnce())
     assert small == [] and again.taken_from_file == 2
@@ -176,7 +176,7 @@ CURVES = [
 
 
 def test_the_table_has_a_row_for_each_scene_and_tracker():
-    lines = rivals_document.table(CURVES).splitlines()
+    lines = rivals.document.table(CURVES).splitlines()
     cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines[2:]]
     rest = ["2.0±0.0", "1.00±0.00", "25±0 %", "12"]
     assert cells == [
@@ -190,21 +190,21 @@ def test_the_table_has_a_row_for_each_scene_and_tracker():
 def test_prototypes_stand_beside():
     first = "BAF + first design R16"
     curves = [curve("first design R16", scene, 0.5, before="BAF") for scene in "CG"]
-    lines = rivals_document.beside_prototypes([*curves, *CURVES]).splitlines()
+    lines = rivals.document.beside_prototypes([*curves, *CURVES]).splitlines()
     assert lines[0] == "|  | C | G | A | B |"
     assert lines[2:] == [
         f"| {first} | .500 (.849/.901) | .500 (.713) |  |  |",
         f"| {OURS} |  |  | .950 (1.000) | .500 (.990) |",
         "| BAF + old |  |  | .700 | .575 |",
     ]
-    assert set(rivals_document._MOTA_OF_PROTOTYPES) == set(RIVALS)
+    assert set(rivals.document._MOTA_OF_PROTOTYPES) == set(RIVALS)
 
 
 def test_the_verdict_names_who_is_better():
-    assert rivals_document.verdict(CURVES) == (
+    assert rivals.document.verdict(CURVES) == (
         "Higher mean MOTA than `fast`: BAF + old on B (by .0750)."
     )
-    assert rivals_document.verdict(CURVES[:2]) == "No rival has a higher mean MOTA on any scene."
+    assert rivals.document.verdict(CURVES[:2]) == "No rival has a higher mean MOTA on any scene."
 
 
 def test_unknown_forms_are_refused(tmp_path):
@@ -232,7 +232,7 @@ def test_command_prints_verdict_and_table(asked, tmp_path, capsys):
     assert main(["study", "--rivals", "--quick", "--out", str(tmp_path)]) == 0
     out, _ = capsys.readouterr()
     assert out.startswith("Higher mean MOTA than `fast`: BAF + old on B")
-    assert rivals_document.table(CURVES) in out and out.endswith("rivals.md\n")
+    assert rivals.document.table(CURVES) in out and out.endswith("rivals.md\n")
     assert (asked[0][0], asked[0][1]["form"]) == (tmp_path, "quick")
     assert asked[0][1]["command"] == "asap study --rivals --quick"
 

@@ -70,7 +70,7 @@ def _schemes(arguments: Any) -> int:
 
 
 def _accuracy(arguments: Any) -> int:
-    from asap.study import accuracy_document, accuracy_study
+    from asap.study import accuracy, accuracy_study
 
     found = _conducted(arguments, accuracy_study, "asap study --accuracy")
     _say_missing(found)
@@ -81,33 +81,33 @@ def _accuracy(arguments: Any) -> int:
         some = [curve for curve in found.curves if column in curve.rows[0].mean]
         corners = [curve for curve in some if "mota" not in curve.rows[0].mean]
         if shown := some if column == "mota" else corners:
-            print(f"{heading}\n\n{accuracy_document.by_scene(shown, column)}\n")
+            print(f"{heading}\n\n{accuracy.document.by_scene(shown, column)}\n")
     _print_paths(found)
     return OK
 
 
 def _rivals(arguments: Any) -> int:
-    from asap.study import rivals_document, rivals_study
+    from asap.study import rivals, rivals_study
 
     found = _conducted(arguments, rivals_study, "asap study --rivals")
     if arguments.json:
         _print_json(arguments, found, rivals=[curve.to_dict() for curve in found.curves])
         return OK
-    print(f"{rivals_document.verdict(found.curves)}\n\n{rivals_document.table(found.curves)}\n")
+    print(f"{rivals.document.verdict(found.curves)}\n\n{rivals.document.table(found.curves)}\n")
     _print_paths(found)
     return OK
 
 
 def _ladder(arguments: Any) -> int:
-    from asap.study import ladder_document, ladder_study
+    from asap.study import ladder, ladder_study
 
     found = _conducted(arguments, ladder_study, "asap study --ladder")
     _say_missing(found)
     if arguments.json:
         _print_json(arguments, found, ladder=[row.to_dict() for row in found.rows])
         return OK
-    print(f"finished within L\n\n{ladder_document.in_time_table(found.rows)}\n")
-    print(f"accuracy in use\n\n{ladder_document.accuracy_table(found.rows, 'in_use')}\n")
+    print(f"finished within L\n\n{ladder.document.in_time_table(found.rows)}\n")
+    print(f"accuracy in use\n\n{ladder.document.accuracy_table(found.rows, 'in_use')}\n")
     _print_paths(found)
     return OK
 

@@ -8,13 +8,13 @@ tracker beside its rivals; `ladder_study` puts every consumer of the library to 
 overloads the slow ones.
 """
 
-from asap.study.accuracy_conduct import AccuracyStudy, accuracy_study
+from asap.study.accuracy.conduct import AccuracyStudy, accuracy_study
 from asap.study.cases import FORMS, Case
 from asap.study.conduct import Study, study
 from asap.study.goals import Goal
-from asap.study.ladder_conduct import LadderStudy, ladder_study
+from asap.study.ladder.conduct import LadderStudy, ladder_study
 from asap.study.results import Results
-from asap.study.rivals_conduct import RivalsStudy, rivals_study
+from asap.study.rivals.conduct import RivalsStudy, rivals_study
 
 __all__ = [
     "FORMS",

@@ -6,14 +6,14 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from asap.profiles import LATENCY_MS
-from asap.study.accuracy_cases import Accuracy, AccuracyCase
+from asap.study.accuracy.cases import Accuracy, AccuracyCase
 from asap.study.cases import NAMED, Case
 from asap.study.contenders import HINDSIGHT
-from asap.study.ladder_cases import LadderCase, LadderReplay, Outcomes
-from asap.study.ladder_cost import CostCase, Costs
+from asap.study.ladder.cases import LadderCase, LadderReplay, Outcomes
+from asap.study.ladder.cost import CostCase, Costs
 from asap.study.measure import Figures, Measured
 from asap.study.probes import CapProbe, Steady, SteadyProbe, Window
-from asap.study.rivals_cases import Rivalry, RivalsCase
+from asap.study.rivals.cases import Rivalry, RivalsCase
 
 __all__ = ["MODELS", "Finding", "Outcome", "Results", "Task"]
 

@@ -18,13 +18,13 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from asap import _core
-from asap.study.accuracy_cases import Accuracy
-from asap.study.ladder_cases import Outcomes
-from asap.study.ladder_cost import Costs
+from asap.study.accuracy.cases import Accuracy
+from asap.study.ladder.cases import Outcomes
+from asap.study.ladder.cost import Costs
 from asap.study.measure import Figures, Measured
 from asap.study.probes import Steady, Window
 from asap.study.results import Outcome, Results, Task
-from asap.study.rivals_cases import Rivalry
+from asap.study.rivals.cases import Rivalry
 
 __all__ = ["Ran", "key_of", "run"]
 

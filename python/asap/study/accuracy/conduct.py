@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from asap.accuracy import KeepCurve
-from asap.study import accuracy_document
-from asap.study.accuracy_cases import (
+from asap.study.accuracy import document
+from asap.study.accuracy.cases import (
     RUNGS,
     Accuracy,
     AccuracyCase,
@@ -82,7 +82,7 @@ def accuracy_study(
     curves, missing = curves_of(ran.results), missing_rungs()
     drawn = _draw(out, curves) if figures else []
     path = out / "accuracy.md"
-    accuracy_document.write(
+    document.write(
         path, curves, command=command, seconds=ran.seconds, figures=drawn, missing=missing
     )
     return AccuracyStudy(curves, missing, [path, *drawn], ran.taken_from_file, ran.seconds)

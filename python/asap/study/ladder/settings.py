@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from asap import _core
 from asap.experiment import simulate
-from asap.study.ladder_rungs import LATENCY_MS
+from asap.study.ladder.rungs import LATENCY_MS
 
 __all__ = ["BASELINES", "OURS", "Setting", "Tried", "best", "best_for_all", "ours", "tried"]
 

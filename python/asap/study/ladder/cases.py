@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from asap import _core
 from asap.accuracy import Scene
 from asap.experiment import Run, run, simulate
-from asap.study.ladder_accuracy import (
+from asap.study.ladder.accuracy import (
     Delivery,
     Recorder,
     Used,
@@ -24,8 +24,8 @@ from asap.study.ladder_accuracy import (
     everything,
     tracker_accuracy,
 )
-from asap.study.ladder_rungs import LATENCY_MS, RUNGS, SLOWDOWN, LadderRung, stream
-from asap.study.ladder_settings import Setting
+from asap.study.ladder.rungs import LATENCY_MS, RUNGS, SLOWDOWN, LadderRung, stream
+from asap.study.ladder.settings import Setting
 
 __all__ = ["REAL_LATENCY_MS", "LadderCase", "LadderReplay", "Loaded", "Outcomes", "ToldCase"]
 

@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from asap.study.document import origin
-from asap.study.ladder_cases import REAL_LATENCY_MS
-from asap.study.ladder_results import Figures, LadderRow, Mean, OverLatency, Told
-from asap.study.ladder_rungs import LATENCY_MS, SLOWDOWN
+from asap.study.ladder.cases import REAL_LATENCY_MS
+from asap.study.ladder.results import Figures, LadderRow, Mean, OverLatency, Told
+from asap.study.ladder.rungs import LATENCY_MS, SLOWDOWN
 from asap.study.tables import markdown
 
 __all__ = ["accuracy_table", "in_time_table", "write"]

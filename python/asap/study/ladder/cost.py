@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap.study.ladder_rungs import RUNGS, SLOWDOWN, LadderRung, stream
-from asap.study.ladder_settings import Setting, Tried, tried
+from asap.study.ladder.rungs import RUNGS, SLOWDOWN, LadderRung, stream
+from asap.study.ladder.settings import Setting, Tried, tried
 
 __all__ = ["CostCase", "Costs", "fit"]
 

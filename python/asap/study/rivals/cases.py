@@ -16,7 +16,7 @@ from asap.accuracy import Scene
 from asap.accuracy.matching import match
 from asap.accuracy.mota import mota
 from asap.accuracy.trace import follow
-from asap.study.accuracy_cases import RUNGS, Maker, Rung, scene_of
+from asap.study.accuracy.cases import RUNGS, Maker, Rung, scene_of
 
 __all__ = ["OURS", "RIVALS", "Rivalry", "RivalsCase", "rivals_cases"]
 

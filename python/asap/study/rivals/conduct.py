@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from asap.accuracy.curve import KeepCurve, Scored
-from asap.study import rivals_document
 from asap.study.conduct import OnProgress, made_ready
 from asap.study.results import Results
-from asap.study.rivals_cases import RIVALS, Rivalry, RivalsCase, rivals_cases
+from asap.study.rivals import document
+from asap.study.rivals.cases import RIVALS, Rivalry, RivalsCase, rivals_cases
 from asap.study.run import run
 
 __all__ = ["RivalsStudy", "rivals_study"]
@@ -75,7 +75,7 @@ def rivals_study(
     )
     curves = curves_of(ran.results)
     path = out / "rivals.md"
-    rivals_document.write(path, curves, command=command, seconds=ran.seconds)
+    document.write(path, curves, command=command, seconds=ran.seconds)
     return RivalsStudy(curves, [path], ran.taken_from_file, ran.seconds)
 
 

@@ -6,13 +6,13 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from asap.study import ladder_document
 from asap.study.conduct import OnProgress, made_ready
-from asap.study.ladder_cases import LadderCase, LadderReplay, Outcomes, ToldCase
-from asap.study.ladder_cost import CostCase, Costs
-from asap.study.ladder_results import LadderRow, OverLatency, Told, over_latency, row, told_rows
-from asap.study.ladder_rungs import LATENCY_MS, RUNGS, SLOWDOWN, missing_rungs
-from asap.study.ladder_settings import BASELINES, OURS, Setting, best, best_for_all, ours
+from asap.study.ladder import document
+from asap.study.ladder.cases import LadderCase, LadderReplay, Outcomes, ToldCase
+from asap.study.ladder.cost import CostCase, Costs
+from asap.study.ladder.results import LadderRow, OverLatency, Told, over_latency, row, told_rows
+from asap.study.ladder.rungs import LATENCY_MS, RUNGS, SLOWDOWN, missing_rungs
+from asap.study.ladder.settings import BASELINES, OURS, Setting, best, best_for_all, ours
 from asap.study.run import Ran, run
 
 __all__ = ["LadderStudy", "ladder_study"]
@@ -118,7 +118,7 @@ def ladder_study(
     )
     if figures:
         found.paths.append(_draw(out / "ladder.svg", rows))
-    ladder_document.write(
+    document.write(
         found.paths[0],
         rows,
         found.bounds,
@@ -205,7 +205,7 @@ def _on_the_slow_computer(costs: Costs) -> tuple[float, float]:
 
 def _draw(path: Path, rows: list[LadderRow]) -> Path:
     from asap import plots
-    from asap.study import ladder_figures
+    from asap.study.ladder import figures
 
-    path.write_text(plots.svg(ladder_figures.figure(rows)), encoding="utf-8")
+    path.write_text(plots.svg(figures.figure(rows)), encoding="utf-8")
     return path

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from asap.study.ladder_cases import LadderCase, Loaded, Outcomes, ToldCase
-from asap.study.ladder_cost import Costs
-from asap.study.ladder_rungs import RUNGS, SLOWDOWN
-from asap.study.ladder_settings import Setting
+from asap.study.ladder.cases import LadderCase, Loaded, Outcomes, ToldCase
+from asap.study.ladder.cost import Costs
+from asap.study.ladder.rungs import RUNGS, SLOWDOWN
+from asap.study.ladder.settings import Setting
 from asap.study.results import Results
 
 __all__ = ["LadderRow", "Mean", "OverLatency", "Told", "over_latency", "row", "told_rows"]

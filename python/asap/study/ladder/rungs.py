@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple
 
 from asap import _core, scenes
 from asap.accuracy import Scene
-from asap.study import ladder_naive
+from asap.study.ladder import naive
 
 __all__ = ["LATENCY_MS", "RUNGS", "SLOWDOWN", "LadderRung", "missing_rungs", "stream"]
 
@@ -46,7 +46,7 @@ class LadderRung(NamedTuple):
     @property
     def opaque(self) -> bool:
         """Whether it gets a package as a whole, as a Python callback does."""
-        return self.make is ladder_naive.make
+        return self.make is naive.make
 
 
 def _fast(width: int, height: int) -> Any:
@@ -76,7 +76,7 @@ RUNGS: dict[str, LadderRung] = {
     "fast, 300 ns": LadderRung(_fast, "tracker", _fast, (5.0, 300.0)),  # a smaller computer
     "compat, 450 ns": LadderRung(_compat, "tracker", _compat, (1.0, 450.0)),  # without an index
     "compat, 2 us": LadderRung(_compat, "tracker", _compat, (1.0, 2000.0)),  # the authors' class
-    "compat, Python": LadderRung(ladder_naive.make, "tracker", _compat),
+    "compat, Python": LadderRung(naive.make, "tracker", _compat),
 }
 """By label, about in the order of their cost."""
 

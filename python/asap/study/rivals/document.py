@@ -7,9 +7,9 @@ from pathlib import Path
 
 from asap.accuracy import KeepCurve
 from asap.report import accuracy_table
-from asap.study.accuracy_document import label_of
+from asap.study.accuracy.document import label_of
 from asap.study.document import origin
-from asap.study.rivals_cases import OURS
+from asap.study.rivals.cases import OURS
 from asap.study.tables import markdown
 
 __all__ = ["beside_prototypes", "table", "verdict", "write"]

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import plots  # first: it says which extra is missing
-from asap.study.ladder_results import LadderRow, Mean
-from asap.study.ladder_settings import BASELINES, OURS
+from asap.study.ladder.results import LadderRow, Mean
+from asap.study.ladder.settings import BASELINES, OURS
 
 import matplotlib  # isort: skip
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator  # isort: skip

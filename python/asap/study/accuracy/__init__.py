@@ -1,0 +1,3 @@
+"""What the algorithms get right, over scenes and the fraction of events kept."""
+
+__all__ = ["cases", "conduct", "document"]
