@@ -48,7 +48,8 @@ class ReferencePlan {
   // `size` events were kept of the stratum before.
   Stratum next(std::int64_t now_ns, std::size_t size) noexcept {
     if (parts_ > 0) {
-      spent_ns_ += static_cast<double>(now_ns - stratum_start_ns_);
+      const auto part_ns = static_cast<double>(now_ns - stratum_start_ns_);
+      spent_ns_ += parts_ > 1 ? part_ns : first_ns(part_ns, now_ns, static_cast<double>(size));
       events_ += static_cast<double>(size);
       if (now_ns > end_ns_ + grace_ns_) return {0, 0, 0, false};
     }
@@ -74,6 +75,13 @@ class ReferencePlan {
   }
 
  private:
+  // Of the first part: what goes beyond the fixed cost, or what was expected, if that is more.
+  double first_ns(double part_ns, std::int64_t now_ns, double size) const noexcept {
+    const double beyond_ns = static_cast<double>(now_ns - start_ns_) - fixed_ns_;
+    const double expected_ns = size * spent_ns_ / events_;
+    return std::min(part_ns, beyond_ns > expected_ns ? beyond_ns : expected_ns);
+  }
+
   static double trust(const Decision& decision) {
     const bool is_doubted = decision.most_event_ns > decision.event_ns;
     return is_doubted ? decision.event_ns / decision.most_event_ns : 1;

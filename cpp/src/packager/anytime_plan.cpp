@@ -70,7 +70,7 @@ AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) no
     const auto stratum_ns = static_cast<double>(now_ns - stratum_start_ns_);
     if (parts_ > 1) judge(stratum_ns, static_cast<double>(size));  // the fixed cost is in the first
     if (parts_ == 1 && strata_ > 1) first_ = {size, now_ns - start_ns_};
-    spent_ns_ += stratum_ns;
+    spent_ns_ += parts_ == 1 ? first_events_ns(stratum_ns, static_cast<double>(size)) : stratum_ns;
     weight_ += static_cast<double>(size);
     if (now_ns > end_ns_ + grace_ns_) return {};
   }
@@ -84,6 +84,13 @@ AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) no
   if (!is_probe) ++done_;
   stratum_start_ns_ = now_ns;
   return stratum;
+}
+
+// Of the first part's time: without the fixed cost, as expected, but not less than its events were
+// expected to take.
+double AnytimePlan::first_events_ns(double part_ns, double size) const noexcept {
+  const double beyond_ns = part_ns - static_cast<double>(fixed_end_ns_ - stratum_start_ns_);
+  return std::min(part_ns, std::max(beyond_ns, size * spent_ns_ / weight_));
 }
 
 void AnytimePlan::judge(double stratum_ns, double size) noexcept {

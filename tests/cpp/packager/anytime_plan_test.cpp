@@ -150,10 +150,27 @@ TEST(AnytimePlan, AFixedCostBeyondTheBudgetLeavesTheLeast) {
   EXPECT_DOUBLE_EQ(AnytimePlan(small, 5, 0).next(5, 0).keep, 1.0 / 20);
 }
 
-TEST(AnytimePlan, OfSeveralTheOthersMakeUpForTheFixedCost) {
-  AnytimePlan plan(with_fixed_cost(400'000, within(2 * kMillisecond, 6400, 1000.0)), 0, 0);
-  EXPECT_DOUBLE_EQ(plan.next(0, 0).keep, 2e6 / 16 / 1000 / 400);
-  EXPECT_DOUBLE_EQ(plan.next(500'000, 100).keep, 1.5e6 / 15 / (700'000.0 / 300) / 400);
+// An event is expected to cost 1 us, which weighs as 200 events; the first stratum, of 100, takes
+// 500 us in all.
+TEST(AnytimePlan, WhatTheFixedCostTakesIsNotTheEvents) {
+  const auto second = [](double fixed_ns) {
+    AnytimePlan plan(with_fixed_cost(fixed_ns, within(2 * kMillisecond, 6400, 1000.0)), 7, 0);
+    EXPECT_DOUBLE_EQ(plan.next(7, 0).keep, 2e6 / 16 / 1000 / 400);
+    return plan.next(500'007, 100).keep;
+  };
+  const auto planned = [](double events_ns) {
+    return 1.5e6 / 15 / ((200'000 + events_ns) / 300) / 400;
+  };
+  EXPECT_DOUBLE_EQ(second(0), planned(500'000));
+  EXPECT_DOUBLE_EQ(second(200'000), planned(300'000));
+  EXPECT_DOUBLE_EQ(second(450'000), planned(100'000)) << "not less than was expected of them";
+  EXPECT_DOUBLE_EQ(second(1e9), planned(100'000));
+}
+
+TEST(AnytimePlan, OfTheFirstPartTheEventsTookNoMoreThanAll) {
+  AnytimePlan plan(with_fixed_cost(450'000, within(2 * kMillisecond, 6400, 1000.0)), 0, 0);
+  (void)plan.next(0, 0);
+  EXPECT_DOUBLE_EQ(plan.next(60'000, 100).keep, 1.94e6 / 15 / (260'000.0 / 300) / 400);
 }
 
 TEST(AnytimePlan, OfASmallPlanTheExpectationWeighsAsOneEvent) {

@@ -1,8 +1,8 @@
 // AnytimePlan: how an anytime package keeps its budget. The raw events are cut into strata of equal
 // count, in time order; before each of them the clock is read and the kept fraction is planned anew
 // from the time that is left and from what an event has cost so far in this package, so that the
-// package ends on time whatever the algorithm costs. The fixed cost is in the first stratum, and
-// the others make up for it; where there is but one, time is left for it. Where an event may cost
+// package ends on time whatever the algorithm costs. The fixed cost is in the first stratum, and is
+// no cost of its events; where there is but one, time is left for it. Where an event may cost
 // more than expected a few of the first stratum come before the rest. A stratum that takes far
 // longer than its like, between two that do not, has met an outage: the thread did not run.
 // Arithmetic only: the time is handed in. O(1) per stratum. Source: notebooks/theory.md, section 7.
@@ -49,6 +49,7 @@ class AnytimePlan {
 
  private:
   double keep(std::int64_t now_ns) const noexcept;
+  double first_events_ns(double part_ns, double size) const noexcept;
   void judge(double stratum_ns, double size) noexcept;
 
   std::size_t raw_ = 0;
