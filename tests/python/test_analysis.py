@@ -195,8 +195,8 @@ def test_below_four_fixed_costs_no_bound_can_be_promised():
     assert analysis.diagnose(steady(4e6, bound_us=410.0)).limit == "bound"
 
 
-def test_the_least_bound_is_four_fixed_costs_or_two_events():
-    assert analysis.Cost(100, 300).least_bound_us == 400
+def test_the_least_bound_is_two_and_a_half_fixed_costs_or_two_events():
+    assert analysis.Cost(100, 300).least_bound_us == 250
     assert analysis.Cost(100, 1e6).least_bound_us == 2200
 
 

@@ -146,8 +146,8 @@ def test_a_bound_that_cannot_be_kept_is_told_with_what_would_be_needed():
     assert run_table.verdict(run).startswith(
         "Verdict: the fixed cost limits, 0.0 % came through in time. At an estimated cost of "
         "100 us per package + 150 ns per event the bound of 150 us cannot be kept: latency was "
-        f"{p99} (p99) and {most} (max) times as long. It takes a bound of at least about 400 us, "
-        "or a fixed cost of 37.5 us or less. Lost: "
+        f"{p99} (p99) and {most} (max) times as long. It takes a bound of at least about 250 us, "
+        "or a fixed cost of 60 us or less. Lost: "
     )
 
 

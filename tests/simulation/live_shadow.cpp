@@ -290,9 +290,8 @@ void LiveShadow::told(const Outcome& outcome) {
 }
 
 // Once nothing has gone wrong for a while, and as far as the scheme knows what a package costs, no
-// kept event is later than the bound (Deadline: or four fixed costs): but for an event or two, the
-// lags of the machine and, where nothing can end a package early, the chance in how many events it
-// keeps.
+// kept event is later than the bound, or 2.5 fixed costs: but for an event or two, the lags of the
+// machine and, where nothing can end a package early, the chance in how many events it keeps.
 void LiveShadow::hold_latency(std::int64_t latency_ns, const Outcome& outcome) {
   largest_latency_ns_ = std::max(largest_latency_ns_, latency_ns);
   if (!is_calm()) return;
@@ -300,8 +299,7 @@ void LiveShadow::hold_latency(std::int64_t latency_ns, const Outcome& outcome) {
   const auto processing_ns = static_cast<double>(outcome.processing_ns);
   const double believed_ns = belief_.alpha_ns + belief_.beta_ns * kept;
   if (std::abs(processing_ns - believed_ns) > 0.05 * believed_ns) return;
-  double bound_ns = number(setup_.latency_ns);
-  if (setup_.scheme.kind == Kind::deadline) bound_ns = std::max(bound_ns, 4 * belief_.alpha_ns);
+  const double bound_ns = std::max(number(setup_.latency_ns), 2.5 * belief_.alpha_ns);
   double events = 2;
   if (setup_.execution == Execution::whole) {
     events += 6 * std::sqrt(number(outcome.raw) * keep_ * (1 - keep_));

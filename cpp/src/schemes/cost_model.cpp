@@ -28,6 +28,8 @@ constexpr double kMostRise = 2.0;
 constexpr double kMostFall = -0.5;
 constexpr double kRefuted = 0.25;  // of the fixed cost
 constexpr double kFirstSigma = 0.2;
+constexpr double kLeastSigma = 0.01;
+constexpr double kMostSigma = 0.4;
 constexpr double kScaleGain = 0.2;
 constexpr double kSigmaGain = 0.05;
 
@@ -212,7 +214,7 @@ void CostModel::fit() noexcept {
 
 void CostModel::follow(double size, double cost_ns, double noise, Gains gains) noexcept {
   scale_ += gains.scale * (std::clamp(cost_ns / line_ns(size), 0.1, 10.0) - scale_);
-  sigma_ = std::max(0.01, sigma_ + gains.sigma * (noise - sigma_));
+  sigma_ = std::clamp(sigma_ + gains.sigma * (noise - sigma_), kLeastSigma, kMostSigma);
   if (scale_ > kMostScale || scale_ < 1.0 / kMostScale) rebase(scale_);
 }
 

@@ -45,7 +45,8 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
   Decision decision = Decision::take(raw, size(budget_ns, waiting) / waiting);
   decision.stale = stale;
   if (execution_ == Execution::whole) return decision;
-  decision.budget_ns = std::max<std::int64_t>(std::llround(budget_ns), 1);
+  // As much as size() grants.
+  decision.budget_ns = std::llround(std::max({budget_ns, 1.25 * cost_.alpha_ns(), 1.0}));
   decision.fixed_ns = cost_.alpha_ns();
   decision.event_ns = cost_.beta_ns();
   decision.most_event_ns = cost_.most_event_ns();

@@ -14,6 +14,7 @@ constexpr double kAgeSlots = 64.0;      // per bound, as in the ring
 constexpr double kLeastAgeNs = 1000.0;  // of a load
 constexpr double kLongestBudgetNs = 1e18;
 constexpr double kWholeCaution = 2.5;  // z: nothing stops a whole package that is late
+constexpr double kReach = 2.5;         // fixed costs
 constexpr std::uint64_t kSurePackages = 4;
 constexpr int kCalm = 4;  // packages until an overload is over
 
@@ -77,20 +78,25 @@ Decision Deadline::plan(const Backlog& backlog, const Limits& limits) noexcept {
   return thin(backlog, reserve(backlog, lengths, limits.latency_ns), lengths.package_ns);
 }
 
-// The bound; four fixed costs where that is more, but not on the strength of a first guess.
+// The bound; what two packages take that are little more than their fixed cost where that is more,
+// but not on the strength of a first guess.
 double Deadline::reachable_ns() const noexcept {
   const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
-  return is_early() ? bound_ns : std::max(bound_ns, 4.0 * cost_.alpha_ns());
+  return is_early() ? bound_ns : std::max(bound_ns, kReach * cost_.alpha_ns());
 }
 
 Deadline::Limits Deadline::limits() const noexcept {
   const double alpha_ns = cost_.alpha_ns();
   double latency_ns = reachable_ns();
-  latency_ns *= 1.0 - std::min(0.1, 0.05 * std::max(0.0, cost_.sigma() - 0.05));
+  latency_ns *= 1.0 - 0.05 * std::max(0.0, cost_.sigma() - 0.05);
   latency_ns -= reserve_.ns(latency_ns, alpha_ns);
 
   const double least_ns = std::min(hold_.min_interval_ns(), latency_ns / 2);
-  double longest_ns = latency_ns / (is_whole() ? 3 : 2);
+  double longest_ns = latency_ns / 2;
+  if (is_whole()) {
+    // Shorter, as nothing stops it, unless that would leave little but fixed costs.
+    longest_ns = std::clamp(4.0 * caution() * alpha_ns, latency_ns / 3, longest_ns);
+  }
   if (config_.knee > 0) {
     longest_ns = std::min(longest_ns, std::max(config_.knee * alpha_ns, latency_ns / 10));
   }

@@ -13,9 +13,18 @@ from asap import checks
 if TYPE_CHECKING:
     from asap.experiment.result import Run
 
-__all__ = ["BOUND_KEPT", "Cost", "bound_needed_us", "check_run", "cost_of", "fit_cost"]
+__all__ = [
+    "BOUND_KEPT",
+    "LEAST_BOUND",
+    "Cost",
+    "bound_needed_us",
+    "check_run",
+    "cost_of",
+    "fit_cost",
+]
 
 BOUND_KEPT = 1.01  # times the bound: one stratum of a package may run over it
+LEAST_BOUND = 2.5  # fixed costs
 
 _ROUNDING_US = 1e-6  # no algorithm handles an event in a picosecond
 _FIRST_GUESS_LASTS = 8  # packages
@@ -41,11 +50,12 @@ class Cost:
 
     @property
     def least_bound_us(self) -> float:
-        """Shortest latency bound that can be promised: four fixed costs, or two single events.
+        """Shortest latency bound that can be promised: 2.5 fixed costs, or two single events.
 
-        Section 7.11 of the control notes; an event that just misses a package waits for its end.
+        An event that just misses a package waits for its end, and one of 1.25 fixed costs is the
+        shortest that is worth its while (theory, section 6).
         """
-        return max(4 * self.alpha_us, 2 * (self.alpha_us + self.beta_ns / 1e3))
+        return max(LEAST_BOUND * self.alpha_us, 2 * (self.alpha_us + self.beta_ns / 1e3))
 
 
 def fit_cost(run: Run) -> Cost:

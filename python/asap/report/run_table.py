@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from asap import analysis, units
+from asap.experiment.cost import LEAST_BOUND
 
 if TYPE_CHECKING:
     from asap.experiment import Run
@@ -204,10 +205,10 @@ def _impossible(run: Run, cost: analysis.Cost) -> str:
     bound_us = run.latency_bound_us
     p99, most = (f"{us / bound_us:.3g}" for us in (run.latency.quantile(0.99), run.latency.max))
     least_us = cost.least_bound_us
-    if least_us > 4 * cost.alpha_us:
+    if least_us > LEAST_BOUND * cost.alpha_us:
         cheaper = f"an algorithm that does a single event in {units.duration(bound_us / 2)}"
     else:
-        cheaper = f"a fixed cost of {units.duration(bound_us / 4)}"
+        cheaper = f"a fixed cost of {units.duration(bound_us / LEAST_BOUND)}"
     return (
         f"the bound of {units.duration(bound_us)} cannot be kept: latency was {p99} (p99) and "
         f"{most} (max) times as long. It takes a bound of at least about "

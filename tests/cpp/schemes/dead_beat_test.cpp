@@ -303,6 +303,21 @@ TEST(DeadBeat, ATakeThatKeptNothingTeachesNothing) {
   EXPECT_NEAR(size_of(decide(scheme, 1000, kMs)), 2, 1e-9);
 }
 
+// Else the clock would end every package before its second event.
+TEST(DeadBeat, AFixedCostBeyondTheBudgetIsGrantedAndAQuarterMore) {
+  DeadBeat scheme({.latency_ms = 10});
+  scheme.reset(Execution::anytime);
+  for (std::uint64_t k = 0; k < 400; ++k) {
+    const std::size_t size = std::size_t{1} << (k % 14);
+    scheme.observe({.size = size,
+                    .raw = size,
+                    .span_ns = 0,
+                    .start_ns = 0,
+                    .processing_ns = std::llround(6e6 + kBetaNs * static_cast<double>(size))});
+  }
+  EXPECT_NEAR(static_cast<double>(decide(scheme, 1000, kMs).budget_ns), 7.5e6, 1e3);
+}
+
 TEST(DeadBeat, ResetBringsTheFirstStateBack) {
   DeadBeat scheme = trained({});
   decide(scheme, 500'000, kMs);

@@ -7,7 +7,7 @@
 //
 // There is no rate estimate and no integrator in the loop, so nothing lags. Called on the
 // consumer's thread, once or twice per package. At most 64 counts by age and one exact one, no
-// allocation. Where the bound is below what the algorithm needs at all, it plans with four fixed
+// allocation. Where the bound is below what the algorithm needs at all, it plans with 2.5 fixed
 // costs.
 #pragma once
 
