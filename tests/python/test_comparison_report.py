@@ -120,6 +120,13 @@ def test_the_page_says_what_the_table_says(page, comparison):
     assert "overhead 0.25" in text
 
 
+def test_on_a_narrow_screen_each_number_has_the_name_of_its_column(page):
+    style = page[page.index("<style>") : page.index("</style>")]
+    names = re.findall(r'\.contest td:nth-child\((\d+)\)::before\{content:"(.*?)"\}', style)
+    expected = [*enumerate(comparison_table.COLUMNS, start=1)][1:]
+    assert [(int(place), name) for place, name in names] == expected
+
+
 def test_labels_are_escaped_and_what_is_late_is_marked(page):
     assert "co <b>" not in page
     assert "greedy &amp; co &lt;b&gt;" in page

@@ -4,6 +4,7 @@ import html
 import json
 import re
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -66,6 +67,18 @@ def test_the_intervals_are_those_of_the_inspection(inspection):
     heights = [bar.get_height() for bar in intervals.patches]
     np.testing.assert_allclose(heights, 100 * counts / (inspection.events - 1))
     assert intervals.get_xticklabels()[0].get_text() == "0 us"
+
+
+@pytest.mark.parametrize("width_inches", [4.1, 7.5, 8.6])
+def test_labels_of_the_intervals_do_not_meet(inspection, width_inches):
+    counts = np.zeros_like(inspection.interval_counts)
+    counts[:15] = 1
+    spread = replace(inspection, interval_counts=counts)
+    page = inspection_figures.figure(spread, size_inches=(width_inches, 7.2))
+    page.draw_without_rendering()
+    boxes = [label.get_window_extent() for label in page.axes[1].get_xticklabels()]
+    assert len(boxes) >= 5
+    assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
 
 
 def test_hot_pixels_have_circles(inspection):

@@ -34,9 +34,9 @@ def figure(
 ) -> Figure:
     """Draw latency and kept share over time for each scheme, best score first.
 
-    The first row shows the events that came in. For each scheme the latest event of each moment
-    with the latency bound, and beside it (in one column: below it) the share of the events that was
-    finished.
+    The first row shows the events that came in. For each scheme the largest latency of the events
+    of each moment with the latency bound, and beside it (in one column: below it) the share of the
+    events that was finished.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class _Curves(NamedTuple):
 
     time_s: NDArray[np.float64]
     rate_hz: NDArray[np.float64]
-    latency_ms: NDArray[np.float64]  # of the latest event, NaN where nothing was finished
+    latency_ms: NDArray[np.float64]  # the largest, NaN where nothing was finished
     kept: NDArray[np.float64]  # NaN where nothing came in
     on_time: NDArray[np.bool_]
 

@@ -21,9 +21,11 @@ if TYPE_CHECKING:
 __all__ = ["write"]
 
 _STYLE = """
+.contest th,.contest td{padding-right:9px}
+.contest tr>:last-child{padding-right:0}
 .contest td,.contest th+th{text-align:right;white-space:nowrap}
-.contest tbody th{min-width:7.5em}
-.contest td.score{min-width:8.5em}
+.contest tbody th{white-space:normal;overflow-wrap:anywhere;min-width:7.5em}
+.contest td.score{min-width:5em}
 .contest td.score i{display:block;height:5px;border-radius:3px;background:var(--line);
 margin-top:5px;overflow:hidden}
 .contest td.score u{display:block;height:100%;background:var(--green)}
@@ -31,6 +33,23 @@ margin-top:5px;overflow:hidden}
 .contest .oracle>*{border-top:2px solid var(--line);color:var(--soft)}
 """
 
+# On a narrow screen a scheme is a block: its name and score, below them the rest, each with its
+# column's name.
+_NARROW = """
+@media (max-width:640px){
+.contest{display:block}
+.contest tbody{display:block}
+.contest thead{display:none}
+.contest tr{display:grid;grid-template-columns:repeat(5,1fr);gap:6px 8px;padding:10px 0;
+border-bottom:1px solid var(--line)}
+.contest tr>*{border:0!important;padding:0}
+.contest tbody th{grid-column:1/4;min-width:0}
+.contest td.score,.contest .oracle td:nth-child(2){grid-column:4/6}
+.contest td{font-size:.8rem;line-height:1.3}
+.contest td:empty{display:none}
+.contest td::before{display:block;color:var(--soft);font-weight:400;font-size:.7rem}
+%s}
+"""
 
 _CURVES = "Curves of every scheme: latency and kept share over time"
 
@@ -67,7 +86,7 @@ def write(
         path,
         title,
         _article(comparison),
-        style=_STYLE,
+        style=_STYLE + _NARROW % "".join(_names()),
         intro=page.INTRO_OF_RUNS,
         words=page.WORDS_OF_RUNS,
     )
@@ -88,8 +107,8 @@ def _article(comparison: Comparison) -> str:
 <figure>
 {page.inline_svg(wide, "w", "wide", _CURVES)}
 {page.inline_svg(narrow, "n", "narrow", _CURVES)}
-<figcaption>Every scheme over time: the latest event of each moment, and the share of the events
-that was finished. Latencies beyond 100 L are drawn at 100 L.</figcaption>
+<figcaption>Every scheme over time: the largest latency of the events of each moment, and the share
+of the events that was finished. Latencies beyond 100 L are drawn at 100 L.</figcaption>
 </figure>
 <details><summary>What the columns say</summary><dl>{"".join(_words())}</dl></details>
 <details><summary>The schemes and their parameters</summary>
@@ -108,6 +127,12 @@ def _table(comparison: Comparison) -> str:
         f'<table class="contest"><thead><tr>{head}</tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table>"
     )
+
+
+def _names() -> Iterator[str]:
+    for number, name in enumerate(comparison_table.COLUMNS, start=1):
+        if number > 1:  # the scheme's own name needs none
+            yield f'.contest td:nth-child({number})::before{{content:"{name}"}}\n'
 
 
 def _row(row: Row, latency_ms: float) -> str:

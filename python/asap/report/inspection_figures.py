@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["figure"]
 
 _MARKED = 50  # hot pixels with a circle
+_LABELS_PER_INCH = 1.5  # of the page: more would run into each other
 
 
 def figure(
@@ -49,7 +50,7 @@ def figure(
         page = plots.NotebookFigure(figsize=size_inches, layout="constrained")
         rate, intervals, pixels = page.subplots(3, 1, height_ratios=(1, 0.9, 2.6))
         _draw_rate(rate, inspection, points)
-        _draw_intervals(intervals, inspection)
+        _draw_intervals(intervals, inspection, max(2, int(_LABELS_PER_INCH * size_inches[0])))
         _draw_pixels(pixels, inspection)
     return page
 
@@ -76,12 +77,12 @@ def _draw_rate(axes: Axes, inspection: Inspection, points: int) -> None:
     plots._legend(axes)
 
 
-def _draw_intervals(axes: Axes, inspection: Inspection) -> None:
+def _draw_intervals(axes: Axes, inspection: Inspection, most_labels: int) -> None:
     counts = inspection.interval_counts
     total = max(int(counts.sum()), 1)
     last = int(np.flatnonzero(counts)[-1]) if counts.any() else 0
     axes.bar(np.arange(last + 1), 100 / total * counts[: last + 1], color=plots.BLUE, width=0.92)
-    ticks = range(0, last + 1, max(1, last // 8))
+    ticks = range(0, last + 1, -(-(last + 1) // most_labels))
     axes.set_xticks(ticks, [units.duration(int(BINS_FROM_US[tick])) for tick in ticks])
     axes.set(title="time since the event before", ylabel="% of events", xlabel="from, by octaves")
     axes.grid(False, axis="x")

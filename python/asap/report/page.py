@@ -105,7 +105,10 @@ svg text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,sans-serif!import
 .rejected i,i.rejected{background:var(--ink)}
 .filtered i,i.filtered{background:var(--blue)}
 .pending i,i.pending{background:var(--faint)}
-.scroll{overflow-x:auto}
+.scroll{overflow-x:auto;background:linear-gradient(90deg,var(--card) 40%,transparent) 0/40px 100%
+no-repeat local,linear-gradient(270deg,var(--card) 40%,transparent) 100%/40px 100% no-repeat local,
+linear-gradient(90deg,var(--faint),transparent) 0/10px calc(100% - 4px) no-repeat scroll,
+linear-gradient(270deg,var(--faint),transparent) 100%/10px calc(100% - 4px) no-repeat scroll}
 table{border-collapse:collapse;width:100%;font-size:.9rem;margin:10px 0 0}
 th,td{padding:6px 14px 6px 0;text-align:left;border-bottom:1px solid var(--line);
 vertical-align:top}
