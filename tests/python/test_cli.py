@@ -1,3 +1,4 @@
+import argparse
 import io
 import json
 import os
@@ -141,6 +142,70 @@ def test_wrong_use_exits_with_2_and_says_what_is_right(api, asap, arguments, wor
     assert "run" not in api.calls and "simulate" not in api.calls
 
 
+def parsers():
+    parser = cli._parser()
+    verbs = next(one for one in parser._actions if isinstance(one, argparse._SubParsersAction))
+    return [parser, *verbs.choices.values()]
+
+
+def test_every_argument_has_a_help_text_with_its_default():
+    for parser in parsers():
+        for one in parser._actions:
+            if isinstance(one, argparse._SubParsersAction):
+                continue
+            words = f"{parser.prog} {one.dest}: {one.help}"
+            assert one.help, words
+            if one.default not in (None, False, [], argparse.SUPPRESS):
+                shown = f"{one.default:g}" if isinstance(one.default, float) else f"{one.default}"
+                assert re.search(rf"default: {shown}\b|default: dropped", one.help), words
+
+
+def test_the_study_says_how_long_it_takes(asap):
+    words = " ".join(asap("study", "--help")[1].split())
+    for said in ("less than 2 minutes", "less than 30 minutes", "less than 90 minutes"):
+        assert said in words
+
+
+@pytest.mark.parametrize("verb", ["run", "info", "check"])
+def test_a_profile_is_no_recording(asap, verb):
+    code, out, err = asap(verb, "bursts")
+    assert (code, out) == (2, "")
+    assert "bursts: no such file; it is a profile, for asap compare" in err
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "words"),
+    [
+        ("1,2,3\n", [], "--order is missing: the lines of {} have 3 columns; name each, such as "),
+        ("1,2,3\n", [], "such as --order txyp\n"),
+        ("a,b,c\n1,2,3\n", [], "--order is missing: the header of"),
+        ("1,2,3\n", ["--order", "txq"], "--order txq: name the columns"),
+        ("1,2,3\n", ["--order", "txyp"], "--order txyp: the lines of"),
+        ("1.0,2.0,3.0,1.0\n", [], "say --time-unit s or --time-unit us\n"),
+    ],
+)
+def test_columns_are_asked_for_as_on_the_command_line(asap, tmp_path, text, options, words):
+    path = tmp_path / "events.csv"
+    path.write_text(text)
+    code, out, err = asap("info", path, *options)
+    assert (code, out) == (2, "")
+    assert words.format(path) in err
+
+
+def test_a_plain_array_needs_its_order(asap, tmp_path):
+    np.save(tmp_path / "a.npy", np.ones((2, 4)))
+    assert "; give --order, such as --order txyp\n" in asap("info", tmp_path / "a.npy")[2]
+    np.save(tmp_path / "b.npy", np.zeros(2, EVENT_DTYPE))
+    assert "; leave --order out\n" in asap("info", tmp_path / "b.npy", "--order", "txyp")[2]
+
+
+@pytest.mark.parametrize(("unit", "duration"), [("s", "1 s"), ("ms", "1 ms"), ("ns", "1 us")])
+def test_units_of_time_are_those_of_the_library(asap, tmp_path, unit, duration):
+    path = tmp_path / "events.csv"
+    path.write_text("0,1,1,1\n1000,1,1,1\n" if unit == "ns" else "0,1,1,1\n1,1,1,1\n")
+    assert f"duration  {duration}\n" in asap("info", path, "--time-unit", unit)[1]
+
+
 def test_a_scheme_that_this_version_lacks_is_not_offered(api, asap, monkeypatch):
     assert asap("run", "f", "--scheme", "greedy")[0] == 0
     monkeypatch.delattr(package, "Greedy")
@@ -272,9 +337,13 @@ def test_an_output_that_cannot_be_written_is_told(api, asap, tmp_path):
 
 def test_save_and_report_write_their_files(api, asap, tmp_path):
     saved, page = tmp_path / "run.json", tmp_path / "run.html"
-    assert asap("run", "f", "--save", saved, "--report", page)[0] == 0
+    code, out, err = asap("run", "f", "--save", saved, "--report", page)
+    assert (code, err) == (0, "")
+    assert out.endswith(f"\nwrote {saved}\nwrote {page}\n")
     assert json.loads(saved.read_text()) == api.result.summary()
     assert page.read_text().startswith("<!doctype html>")
+    out = asap("run", "f", "--json", "--save", saved, "--report", page)[1]
+    assert json.loads(out) == api.result.summary()
 
 
 def test_info_describes_the_recording(api, asap):

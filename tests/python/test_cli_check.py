@@ -93,7 +93,7 @@ def test_report(call, save, tmp_path):
     pytest.importorskip("matplotlib")
     path = tmp_path / "out.html"
     code, out, _ = call(save(corrupt.back_steps(EVENTS, 3)), *SENSOR, "--report", path)
-    assert code == 1 and "Verdict: wrong" in out
+    assert code == 1 and "Verdict: wrong" in out and out.endswith(f"\nwrote {path}\n")
     assert "flight &amp; co.npy" in path.read_text("utf-8")
 
 
@@ -120,4 +120,4 @@ def test_what_cannot_be_read(call, tmp_path):
     columns = tmp_path / "three.csv"
     columns.write_text("1,2,3\n4,5,6\n")
     code, out, err = call(columns)
-    assert (code, out) == (2, "") and "name each, such as order='txyp'" in err
+    assert (code, out) == (2, "") and "name each, such as --order txyp" in err

@@ -6,8 +6,16 @@ from typing import Any
 
 import asap
 from asap import progress
-from asap.cli.options import add_recording, add_verb, open_recording, writable
-from asap.cli.outcome import CHECK_FAILED, OK, need_matplotlib, print_json, reading, writing
+from asap.cli.options import add_recording, add_report, add_verb, open_recording
+from asap.cli.outcome import (
+    CHECK_FAILED,
+    OK,
+    need_matplotlib,
+    print_json,
+    print_written,
+    reading,
+    writing,
+)
 
 __all__ = ["add"]
 
@@ -16,7 +24,7 @@ def add(verbs: Any) -> None:
     """Add the verb to the parser."""
     verb = add_verb(verbs, "check", _call, "what is wrong with a recording, where, and what helps")
     add_recording(verb, on_bad=False)
-    verb.add_argument("--report", type=writable, metavar="OUT.html")
+    add_report(verb)
 
 
 def _call(arguments: Any) -> int:
@@ -31,4 +39,5 @@ def _call(arguments: Any) -> int:
         print_json(inspection.summary())
     else:
         print(inspection)
+        print_written(arguments.report)
     return OK if inspection.ok else CHECK_FAILED

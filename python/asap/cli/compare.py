@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import asap
 from asap import profiles, progress, units
-from asap.cli.options import add_recording, add_verb, open_recording, typed, writable
+from asap.cli.options import add_recording, add_report, add_verb, open_recording, typed
 from asap.cli.outcome import (
     BAD_INPUT,
     OK,
@@ -16,6 +16,7 @@ from asap.cli.outcome import (
     Failure,
     need_matplotlib,
     print_json,
+    print_written,
     reading,
     usage,
     writing,
@@ -35,7 +36,12 @@ class _Named(NamedTuple):
 def add(verbs: Any) -> None:
     """Add the verb to the parser."""
     verb = add_verb(verbs, "compare", _call, "every scheme on the same events, beside the oracle")
-    add_recording(verb, metavar="FILE|PROFILE")
+    add_recording(
+        verb,
+        metavar="FILE|PROFILE",
+        words="a recording: .npy, .npz, text or AEDAT4; or event rates over time by name: "
+        f"{', '.join(profiles.PROFILES)}",
+    )
     verb.add_argument(
         "--cost",
         type=typed(_parse_cost, "cost"),
@@ -60,16 +66,18 @@ def add(verbs: Any) -> None:
         "--speed",
         type=float,
         default=1.0,
-        help="compress the stamps: 10 makes a quiet recording ten times as busy",
+        help="compress the stamps: 10 makes a quiet recording ten times as busy (default: 1)",
     )
     verb.add_argument(
         "--duration",
         type=typed(units.parse_duration_us, "duration"),
         metavar="2s",
-        help="of a profile",
+        help="of a profile (default: 5s; with a cost model by name, that of the study)",
     )
-    verb.add_argument("--seed", type=int, default=1, help="of profile, cost and gamma filter")
-    verb.add_argument("--report", type=writable, metavar="OUT.html")
+    verb.add_argument(
+        "--seed", type=int, default=0, help="of profile, cost and gamma filter (default: 0)"
+    )
+    add_report(verb)
 
 
 def _call(arguments: Any) -> int:
@@ -97,6 +105,7 @@ def _call(arguments: Any) -> int:
         print_json(comparison.summary())
     else:
         print(comparison)
+        print_written(arguments.report)
     return OK
 
 

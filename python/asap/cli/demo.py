@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import textwrap
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from asap import progress
-from asap.cli.options import add_verb
-from asap.cli.outcome import CHECK_FAILED, OK, need_matplotlib, print_json, writing
+from asap.cli.options import add_out, add_verb
+from asap.cli.outcome import (
+    CHECK_FAILED,
+    OK,
+    need_matplotlib,
+    print_json,
+    print_written,
+    writing,
+)
 from asap.report import run_table
 
 __all__ = ["add"]
@@ -18,7 +24,7 @@ __all__ = ["add"]
 def add(verbs: Any) -> None:
     """Add the verb to the parser."""
     verb = add_verb(verbs, "demo", _call, "the paper's two experiments on synthetic scenes")
-    verb.add_argument("--out", type=Path, default=Path("asap-demo"), metavar="DIR")
+    add_out(verb, "asap-demo")
     verb.add_argument("--quick", action="store_true", help="shorter scenes")
 
 
@@ -45,6 +51,5 @@ def _call(arguments: Any) -> int:
                 print(f"  {'holds' if claim.holds else 'FAILS':<7}{claim.sentence}")
                 print(textwrap.indent(textwrap.fill(claim.seen, 69), " " * 9))
             print()
-        for path in paths:
-            print(f"wrote {path}")
+        print_written(*paths)
     return OK if all(claim.holds for of_run in claims for claim in of_run) else CHECK_FAILED

@@ -8,8 +8,19 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import asap
+from asap import profiles
+from asap.cli.outcome import USAGE, Failure
+from asap.events import TIME_EXPONENTS
 
-__all__ = ["add_recording", "add_verb", "open_recording", "typed", "writable"]
+__all__ = [
+    "add_out",
+    "add_recording",
+    "add_report",
+    "add_verb",
+    "open_recording",
+    "typed",
+    "writable",
+]
 
 T = TypeVar("T")
 
@@ -23,14 +34,25 @@ def add_verb(verbs: Any, name: str, call: Callable[[Any], int], words: str) -> A
 
 
 def add_recording(
-    parser: argparse.ArgumentParser, metavar: str = "FILE", *, on_bad: bool = True
+    parser: argparse.ArgumentParser,
+    metavar: str = "FILE",
+    *,
+    words: str = "a recording: .npy, .npz, text or AEDAT4",
+    on_bad: bool = True,
 ) -> None:
     """Add the recording and how to read it; without `on_bad`, bad events are always counted."""
-    parser.add_argument("file", metavar=metavar)
-    parser.add_argument("--width", type=int, help="of the sensor, px; where the file has none")
-    parser.add_argument("--height", type=int)
+    parser.add_argument("file", metavar=metavar, help=words)
+    for side in ("--width", "--height"):
+        parser.add_argument(
+            side, type=int, metavar="PX", help="of the sensor, where the file has none"
+        )
     parser.add_argument("--order", help="columns of a text file or plain array, such as txyp")
-    parser.add_argument("--time-unit", choices=("us", "s"))
+    parser.add_argument(
+        "--time-unit",
+        choices=tuple(TIME_EXPONENTS),
+        help="of the times in the file (default: its header's, else s where they have a decimal "
+        "point or are floats, us where not)",
+    )
     if not on_bad:
         parser.set_defaults(on_bad="drop")
         return
@@ -42,8 +64,22 @@ def add_recording(
     )
 
 
+def add_report(parser: argparse.ArgumentParser) -> None:
+    """Add the page to write."""
+    words = "write one HTML page with table and figure"
+    parser.add_argument("--report", type=writable, metavar="OUT.html", help=words)
+
+
+def add_out(parser: argparse.ArgumentParser, default: str) -> None:
+    """Add the folder to write to."""
+    words = f"folder of what is written (default: {default})"
+    parser.add_argument("--out", type=Path, default=Path(default), metavar="DIR", help=words)
+
+
 def open_recording(arguments: Any) -> asap.Recording:
     """Open what `add_recording` asked for."""
+    if arguments.file in profiles.PROFILES and not Path(arguments.file).exists():
+        raise Failure(USAGE, f"{arguments.file}: no such file; it is a profile, for asap compare")
     return asap.read(
         arguments.file,
         width=arguments.width,

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import importlib
 import json
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import asap
@@ -20,6 +22,7 @@ __all__ = [
     "Failure",
     "need_matplotlib",
     "print_json",
+    "print_written",
     "reading",
     "say",
     "usage",
@@ -52,13 +55,22 @@ def reading(arguments: Any) -> Iterator[None]:
     try:
         yield
     except (asap.io.UnsupportedFormat, asap.io.CorruptFile, RuntimeError) as error:
-        raise Failure(BAD_INPUT, str(error)) from error
+        raise Failure(BAD_INPUT, _as_options(str(error))) from error
     except OSError as error:
         name = error.filename or getattr(arguments, "file", "input")
         raise Failure(BAD_INPUT, f"{name}: {error.strerror or error}") from error
     except ValueError as error:
         lenient = getattr(arguments, "on_bad", "raise") != "raise"
-        raise Failure(USAGE if lenient else BAD_INPUT, str(error)) from error
+        raise Failure(USAGE if lenient else BAD_INPUT, _as_options(str(error))) from error
+
+
+def _as_options(message: str) -> str:
+    """Call `order` and `time_unit` as the command line does."""
+    for name, option in (("order", "--order"), ("time_unit", "--time-unit")):
+        message = message.replace(f"{name} = None: ", f"{option} is missing: ")
+        message = re.sub(rf"\b{name} ?= ?'(\w*)'", rf"{option} \1", message)
+        message = re.sub(rf"\b(give|leave|with|check) {name}\b", rf"\1 {option}", message)
+    return message
 
 
 @contextmanager
@@ -81,6 +93,13 @@ def need_matplotlib() -> None:
 def print_json(value: dict[str, Any]) -> None:
     """Print the one object of ``--json``."""
     print(json.dumps(value, indent=2))
+
+
+def print_written(*paths: Path | None) -> None:
+    """Name the files that were written, in their order."""
+    for path in paths:
+        if path is not None:
+            print(f"wrote {path}")
 
 
 def say(message: str) -> None:

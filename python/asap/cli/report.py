@@ -7,7 +7,7 @@ from typing import Any
 
 import asap
 from asap.cli.options import add_verb, writable
-from asap.cli.outcome import OK, need_matplotlib, print_json, reading, writing
+from asap.cli.outcome import OK, need_matplotlib, print_json, print_written, reading, writing
 
 __all__ = ["add"]
 
@@ -15,7 +15,7 @@ __all__ = ["add"]
 def add(verbs: Any) -> None:
     """Add the verb to the parser."""
     verb = add_verb(verbs, "report", _call, "one HTML page about saved runs")
-    verb.add_argument("runs", nargs="+", type=Path, metavar="RUN.json")
+    verb.add_argument("runs", nargs="+", type=Path, metavar="RUN.json", help="of asap run --save")
     verb.add_argument(
         "-o",
         "--out",
@@ -37,5 +37,5 @@ def _call(arguments: Any) -> int:
     if arguments.json:
         print_json({"schema_version": 1, "runs": len(runs), "file": str(out)})
     else:
-        print(f"wrote {out}")
+        print_written(out)
     return OK

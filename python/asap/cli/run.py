@@ -7,13 +7,21 @@ from typing import Any
 import asap
 from asap import progress, units
 from asap.cli.choices import ALGORITHMS, algorithm_of, scheme_of, schemes
-from asap.cli.options import add_recording, add_verb, open_recording, typed, writable
+from asap.cli.options import (
+    add_recording,
+    add_report,
+    add_verb,
+    open_recording,
+    typed,
+    writable,
+)
 from asap.cli.outcome import (
     OK,
     USAGE,
     Failure,
     need_matplotlib,
     print_json,
+    print_written,
     reading,
     usage,
     writing,
@@ -39,7 +47,7 @@ def add(verbs: Any) -> None:
         action="store_true",
         help="with --cost: it takes a package as a whole, as a Python callback does",
     )
-    verb.add_argument("--scheme", choices=schemes())
+    verb.add_argument("--scheme", choices=schemes(), help="default: deadline")
     verb.add_argument(
         "--set",
         action="append",
@@ -52,12 +60,16 @@ def add(verbs: Any) -> None:
         "--latency",
         type=typed(units.parse_duration_us, "latency"),
         metavar="10ms",
-        help="latency bound",
+        help="latency bound (default: the scheme's own, else 10ms)",
     )
-    verb.add_argument("--speed", type=float, default=1.0, help="of the replay, 1 = as recorded")
-    verb.add_argument("--seed", type=int, default=0)
-    verb.add_argument("--report", type=writable, metavar="OUT.html")
-    verb.add_argument("--save", type=writable, metavar="RUN.json")
+    verb.add_argument(
+        "--speed", type=float, default=1.0, help="of the replay (default: 1, as recorded)"
+    )
+    verb.add_argument("--seed", type=int, default=0, help="of the gamma filter (default: 0)")
+    add_report(verb)
+    verb.add_argument(
+        "--save", type=writable, metavar="RUN.json", help="keep the run, for asap report"
+    )
 
 
 def _call(arguments: Any) -> int:
@@ -96,4 +108,5 @@ def _call(arguments: Any) -> int:
         print_json(run.summary())
     else:
         print(run_table.format_run(run))
+        print_written(arguments.save, arguments.report)
     return OK

@@ -6,12 +6,21 @@ import argparse
 import importlib
 from collections.abc import Callable
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any, TypeVar
 
 from asap import progress
-from asap.cli.options import add_verb
-from asap.cli.outcome import CHECK_FAILED, OK, USAGE, Failure, print_json, say, usage, writing
+from asap.cli.options import add_out, add_verb
+from asap.cli.outcome import (
+    CHECK_FAILED,
+    OK,
+    USAGE,
+    Failure,
+    print_json,
+    print_written,
+    say,
+    usage,
+    writing,
+)
 
 __all__ = ["add"]
 
@@ -20,10 +29,13 @@ _Found = TypeVar("_Found")
 
 def add(verbs: Any) -> None:
     """Add the verb to the parser."""
-    verb = add_verb(verbs, "study", _call, "every scheme over all scenarios, against the goals")
+    words = "every scheme over all scenarios, against the goals; less than 30 minutes on two cores"
+    verb = add_verb(verbs, "study", _call, words)
     form = verb.add_mutually_exclusive_group()
     form.add_argument("--quick", action="store_true", help="a part, in less than 2 minutes")
-    form.add_argument("--full", action="store_true", help="three seeds, rows with hindsight")
+    form.add_argument(
+        "--full", action="store_true", help="three seeds, rows with hindsight; less than 90 minutes"
+    )
     form.add_argument(
         "--realtime", action="store_true", help="the simulator beside this machine's clock instead"
     )
@@ -36,7 +48,7 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "--ladder", action="store_true", help="every consumer under every scheme instead"
     )
-    verb.add_argument("--out", type=Path, default=Path("asap-study"), metavar="DIR")
+    add_out(verb, "asap-study")
     verb.add_argument("--workers", type=_workers, metavar="N", help="processes (default: cores)")
     verb.add_argument("--fresh", action="store_true", help="forget what DIR holds of earlier runs")
 
@@ -65,7 +77,7 @@ def _schemes(arguments: Any) -> int:
             word = {True: "pass", False: "FAIL", None: "-"}[goal.holds]
             print(f"{goal.id:<4} {word:<5} {goal.test}")
             print(f"           {goal.measured}  (goal: {goal.target})")
-        _print_paths(found)
+        print_written(*found.paths)
     return OK if found.holds else CHECK_FAILED
 
 
@@ -82,7 +94,7 @@ def _accuracy(arguments: Any) -> int:
         corners = [curve for curve in some if "mota" not in curve.rows[0].mean]
         if shown := some if column == "mota" else corners:
             print(f"{heading}\n\n{accuracy.document.by_scene(shown, column)}\n")
-    _print_paths(found)
+    print_written(*found.paths)
     return OK
 
 
@@ -94,7 +106,7 @@ def _rivals(arguments: Any) -> int:
         _print_json(arguments, found, rivals=[curve.to_dict() for curve in found.curves])
         return OK
     print(f"{rivals.document.verdict(found.curves)}\n\n{rivals.document.table(found.curves)}\n")
-    _print_paths(found)
+    print_written(*found.paths)
     return OK
 
 
@@ -108,7 +120,7 @@ def _ladder(arguments: Any) -> int:
         return OK
     print(f"finished within L\n\n{ladder.document.in_time_table(found.rows)}\n")
     print(f"accuracy in use\n\n{ladder.document.accuracy_table(found.rows, 'in_use')}\n")
-    _print_paths(found)
+    print_written(*found.paths)
     return OK
 
 
@@ -125,7 +137,7 @@ def _beside_the_clock(arguments: Any) -> int:
         print_json({"schema_version": 1, "form": "realtime", "pairs": realtime.as_json(pairs)})
     else:
         print(table)
-        print(f"wrote {path}")
+        print_written(path)
     return OK
 
 
@@ -167,11 +179,6 @@ def _print_json(arguments: Any, found: Any, **figures: Any) -> None:
         "files": [str(path) for path in found.paths],
     }
     print_json({"schema_version": 1, "form": _form(arguments), **figures, **rest})
-
-
-def _print_paths(found: Any) -> None:
-    for path in found.paths:
-        print(f"wrote {path}")
 
 
 def _can_draw() -> bool:
