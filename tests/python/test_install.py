@@ -141,6 +141,11 @@ def assert_it_lives(live: Path) -> None:
     assert 0 < delivered <= received
 
 
+def test_the_licence_comes_with_the_binaries(prefix: Path) -> None:
+    installed = prefix / "share" / "doc" / "asap" / "LICENSE"
+    assert installed.read_text() == (ROOT / "LICENSE").read_text()
+
+
 def test_find_package(prefix: Path, tmp_path: Path) -> None:
     cmake(CONSUMER / "find_package", tmp_path, CMAKE_PREFIX_PATH=prefix, **eigen())
     assert_it_works(tmp_path / "consumer")
