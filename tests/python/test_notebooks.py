@@ -66,6 +66,12 @@ def test_notebook_is_kept_without_output(path: Path) -> None:
             assert cell.execution_count is None
 
 
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=name_of)
+def test_notebook_looks_for_nothing_beside_the_repository(path: Path) -> None:
+    cells = nbformat.read(path, as_version=4).cells
+    assert not [cell.source for cell in cells if cell.cell_type == "code" and "../" in cell.source]
+
+
 def test_notebook_over_recordings_is_kept_as_it_ran() -> None:
     notebook = nbformat.read(CLUSTERS, as_version=4)
     nbformat.validate(notebook)
