@@ -189,10 +189,10 @@ def test_a_short_bound_limits_and_the_longer_one_is_told():
     assert diagnosis.bound_us == pytest.approx(200 / (1 - 0.95 * 0.6), rel=0.03)
 
 
-def test_below_four_fixed_costs_no_bound_can_be_promised():
+def test_below_two_and_a_half_fixed_costs_no_bound_can_be_promised():
     assert analysis.diagnose(steady(2e6, bound_us=150.0)).limit == "fixed cost"
-    assert analysis.diagnose(steady(4e6, bound_us=390.0)).limit == "fixed cost"
-    assert analysis.diagnose(steady(4e6, bound_us=410.0)).limit == "bound"
+    assert analysis.diagnose(steady(4e6, bound_us=240.0)).limit == "fixed cost"
+    assert analysis.diagnose(steady(4e6, bound_us=260.0)).limit == "bound"
 
 
 def test_the_least_bound_is_two_and_a_half_fixed_costs_or_two_events():
