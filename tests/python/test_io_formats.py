@@ -148,12 +148,12 @@ class TestNpy:
 
     def test_values_that_do_not_fit_are_counted(self, tmp_path: Path) -> None:
         wide = np.zeros(6, [("t", "f8"), ("x", "i4"), ("y", "f8"), ("p", "i8")])
-        wide["t"] = [1, 2, np.nan, 3, 4, 5]
+        wide["t"] = [1, 2, np.nan, 3, 4, 5.5]
         wide["x"] = [1, -1, 2, 70000, 3, 4]
         wide["y"] = [1, 1, 2, 2, 0.5, 6]
         np.save(tmp_path / "events.npy", wide)
         rec = asap.read(tmp_path / "events.npy")
-        assert txyp(np.concatenate(list(rec))) == [(10**6, 1, 1, 0), (5 * 10**6, 4, 6, 0)]
+        assert txyp(np.concatenate(list(rec))) == [(10**6, 1, 1, 0), (5_500_000, 4, 6, 0)]
         assert rec.rejected["out_of_bounds"] == 2
         assert rec.rejected["bad_record"] == 2
         assert rec.received == 6
@@ -164,6 +164,34 @@ class TestNpy:
 
         with pytest.raises(ValueError, match=r"x = -1 \(event 1\)"):
             asap.load(tmp_path / "events.npy", on_bad="raise")
+
+
+@pytest.mark.parametrize("suffix", ["npy", "npz"])
+class TestFloatingTimes:
+    def write(self, path: Path, times: list[float]) -> Path:
+        rows = np.zeros(len(times), [("t", "f8"), ("x", "u2"), ("y", "u2"), ("p", "u1")])
+        rows["t"] = times
+        (np.save if path.suffix == ".npy" else np.savez)(path, rows)
+        return path
+
+    def test_whole_ones_could_be_both(self, tmp_path: Path, suffix: str) -> None:
+        path = self.write(tmp_path / f"events.{suffix}", [0, 1000, np.nan, 2000])
+        with pytest.raises(ValueError, match=rf"^time_unit = None: .*events\.{suffix} are whole"):
+            asap.load(path)
+        for time_unit, scale in (("us", 1), ("s", 10**6)):
+            assert asap.load(path, time_unit=time_unit)["t"].tolist() == [
+                0,
+                1000 * scale,
+                2000 * scale,
+            ]
+
+    def test_fractions_are_seconds(self, tmp_path: Path, suffix: str) -> None:
+        path = self.write(tmp_path / f"events.{suffix}", [0, 1, 1.5])
+        assert asap.load(path)["t"].tolist() == [0, 10**6, 1_500_000]
+
+    def test_whole_ones_after_a_fraction_are_seconds(self, tmp_path: Path, suffix: str) -> None:
+        path = self.write(tmp_path / f"events.{suffix}", [0.5] * (1 << 16) + [1.0] * 5)
+        assert asap.load(path)["t"][-1] == 10**6
 
 
 class TestNpz:

@@ -19,7 +19,7 @@ from asap.events import (
     plain_view,
     time_exponent,
 )
-from asap.io.errors import UnsupportedFormat
+from asap.io.errors import UnsupportedFormat, unclear_unit
 from asap.io.reader import Losses, Options
 
 __all__ = ["events_of", "file_columns"]
@@ -38,18 +38,26 @@ def file_columns(path: Path, source: Any, order: str | None) -> Columns:
 def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> Events:
     """Events of an array or a mapping of columns; `first` is the number of its first event.
 
-    Without a time unit, floating times are seconds and integers microseconds.
+    Without a time unit, floating times are seconds and integers microseconds; floats that begin as
+    whole numbers could be both, and the user is asked.
     """
     if isinstance(source, np.ndarray) and options.time_unit is None and is_event_memory(source):
         return plain_view(source)
     columns = file_columns(losses.path, source, options.order)
     unit = options.time_unit or ("s" if columns["t"].dtype.kind == "f" else "us")
+    if options.time_unit is None and unit == "s" and first == 0 and _all_whole(columns["t"]):
+        raise unclear_unit(losses.path)
     exponent = time_exponent(unit)
     bad = {role: misfits(role, column, exponent) for role, column in columns.items()}
     found = {role: mask for role, mask in bad.items() if mask is not None and mask.any()}
     if found:
         columns = _without(columns, found, losses, first)
     return pack(columns, exponent, normalise=False)
+
+
+def _all_whole(times: npt.NDArray[Any]) -> bool:
+    finite = times[np.isfinite(times)]
+    return finite.size > 0 and bool((finite == np.floor(finite)).all())
 
 
 def _without(

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["CorruptFile", "TruncatedFileWarning", "UnsupportedFormat", "foreign"]
+__all__ = ["CorruptFile", "TruncatedFileWarning", "UnsupportedFormat", "foreign", "unclear_unit"]
 
 
 class UnsupportedFormat(ValueError):
@@ -28,6 +28,14 @@ class CorruptFile(ValueError):
 
 class TruncatedFileWarning(UserWarning):
     """The file ends too early; what came before was read."""
+
+
+def unclear_unit(path: Path) -> ValueError:
+    """Whole numbers that are stored as floats: seconds or microseconds, only the user knows."""
+    return ValueError(
+        f"time_unit = None: the times of {path} are whole numbers written as floats; "
+        "say time_unit='s' or time_unit='us'"
+    )
 
 
 @contextmanager

@@ -181,7 +181,8 @@ def read(
         ``"txyp"``.
     time_unit
         ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``. None decides: for text by the header or by a
-        decimal point in the times, for arrays by their type (floating: seconds).
+        decimal point in the times, for arrays by their type (floating: seconds). Whole numbers that
+        are stored as floats could be both: then it has to be said.
     on_bad
         Events out of order, outside the sensor or unreadable: ``"drop"`` and count them,
         ``"clamp"`` them where that is possible, or ``"raise"``.

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from asap import _core
 from asap.events import FIELD_NAMES, Events, check_order, time_exponent
-from asap.io.errors import CorruptFile
+from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
 
 __all__ = ["TextReader"]
@@ -197,10 +197,7 @@ def _unit_of(path: Path, rows: list[list[bytes]], order: str) -> str:
         return "us"
     everywhere = all(_is_float(field) for row in rows for field in row)
     if everywhere and all(float(time).is_integer() for time in times):
-        raise ValueError(
-            f"time_unit = None: the times of {path} are whole numbers written as floats; "
-            "say time_unit='s' or time_unit='us'"
-        )
+        raise unclear_unit(path)
     return "s"
 
 
