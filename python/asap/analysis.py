@@ -240,6 +240,7 @@ class Diagnosis:
     Attributes
     ----------
     limit : str
+        ``"data"``: bad events were most of the loss, and too many for the wanted share.
         ``"camera"``: nearly all good events were in time. ``"scheme"``: the algorithm could have
         done it. ``"machine"``: it could, but the replay itself was late by much of the bound.
         ``"bound"``: a longer one would do. ``"algorithm"``: only a cheaper one would.
@@ -280,7 +281,9 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     load = cost.beta_ns * needed_hz / 1e9
     needed_bound_us = 2 * cost.alpha_us / (1 - load) if load < 1 else None
     speedup = load + 2 * cost.alpha_us / bound_us
-    if bound_needed_us(run) is not None:
+    if _bad_data_limit(run, wanted):
+        limit = "data"
+    elif bound_needed_us(run) is not None:
         limit = "fixed cost"
     elif _good_in_time(run) >= wanted:
         limit = "camera"
@@ -291,6 +294,13 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
         limit = "algorithm" if needed_bound_us is None else "bound"
     mean_hz = float(rates_hz.mean()) if rates_hz.size else 0.0
     return Diagnosis(limit, cost, mean_hz, needed_hz, needed_bound_us, speedup)
+
+
+def _bad_data_limit(run: Run, wanted: float) -> bool:
+    """Whether bad events alone are too many, and more than all that was lost of the good ones."""
+    ledger = run.ledger
+    lost = ledger.received * (1 - run.in_time) - ledger.filtered
+    return ledger.rejected > (1 - wanted) * ledger.received and 2 * ledger.rejected >= lost
 
 
 def _good_in_time(run: Run) -> float:

@@ -171,7 +171,7 @@ def test_nearly_everything_in_time_means_that_the_camera_limits():
 
 
 def test_bad_events_are_not_the_algorithms_fault():
-    assert analysis.diagnose(steady(1e6, rejected=10_000_000)).limit == "camera"
+    assert analysis.diagnose(steady(1e6, rejected=10_000_000)).limit == "data"
 
 
 def test_a_load_above_one_means_that_the_algorithm_limits():

@@ -1,5 +1,6 @@
 import re
 
+import numpy as np
 import pytest
 
 import asap
@@ -89,6 +90,23 @@ def test_the_table_ends_with_the_verdict():
 def test_the_verdict_says_what_limits_and_what_was_lost(run, words):
     verdict = run_table.verdict(run)
     assert all(word in verdict for word in words), verdict
+
+
+@pytest.mark.parametrize(
+    ("bad", "in_time", "lost"), [(999, "0.1 %", "99.9 %"), (1000, "0.0 %", "100.0 %")]
+)
+def test_bad_data_are_told_as_what_limits(bad, in_time, lost):
+    events = streams.make(np.arange(1000), x=np.where(np.arange(1000) < bad, 400, 5))
+    run = asap.simulate(events, cost=asap.LinearCost(1, 1), width=346, height=260)
+    assert run_table.verdict(run) == (
+        f"Verdict: the data limit, {in_time} came through in time. {bad:,} of 1,000 events were "
+        f"rejected ({bad:,} out_of_bounds); asap.check shows where. Lost: {lost} rejected."
+    )
+
+
+def test_some_bad_data_do_not_hide_what_lost_more():
+    assert "the algorithm limits" in run_table.verdict(steady(12e6, rejected=1_000_000))
+    assert "the camera limits" in run_table.verdict(steady(1e6, rejected=40_000))
 
 
 def test_what_the_verdict_derives_is_called_estimated():

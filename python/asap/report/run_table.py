@@ -157,17 +157,23 @@ def verdict(run: Run) -> str:
     """
     if run.ledger.received == 0:
         return "Verdict: nothing was received, so there is nothing to judge."
-    if run.packages.size == 0:
-        return f"Verdict: nothing reached the algorithm. {_losses(run)}"
     found = analysis.diagnose(run)
-    limit = {"scheme": f"scheme ({run.scheme.name})"}.get(found.limit, found.limit)
+    if run.packages.size == 0 and found.limit != "data":
+        return f"Verdict: nothing reached the algorithm. {_losses(run)}"
+    limits = {"scheme": f"scheme ({run.scheme.name}) limits", "data": "data limit"}
     return (
-        f"Verdict: the {limit} limits, {units.share(run.in_time)} came through in time. "
+        f"Verdict: the {limits.get(found.limit, f'{found.limit} limits')}, "
+        f"{units.share(run.in_time)} came through in time. "
         f"{_explanation(run, found)} {_losses(run)}"
     )
 
 
 def _explanation(run: Run, found: analysis.Diagnosis) -> str:
+    if found.limit == "data":
+        return (
+            f"{units.count(run.ledger.rejected)} of {units.count(run.ledger.received)} events were "
+            f"rejected ({reasons_of(run.rejected)}); asap.check shows where."
+        )
     bound = units.duration(run.latency_bound_us)
     per_package = units.duration(found.cost.alpha_us)
     per_event = units.duration(found.cost.beta_ns / 1e3)
