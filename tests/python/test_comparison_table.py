@@ -71,7 +71,8 @@ def test_the_oracle_shows_what_can_be_kept(comparison):
 
 def test_the_subtitle_says_what_was_compared(comparison):
     assert table.subtitle(comparison) == (
-        f"{EVENTS.size:,} events in 0.05 s; an algorithm of 100 us per package + 300 ns per event; "
+        f"sensor unknown, addresses not checked, {EVENTS.size:,} events in 0.05 s; "
+        "an algorithm of 100 us per package + 300 ns per event; "
         "latency bound L = 5 ms; virtual time"
     )
     drifting = asap.LinearCost(1, 2, noise=0.1, drift=[1.0, 2.0], outages_ms=[(1.0, 2.0)])

@@ -5,7 +5,7 @@ import pytest
 
 import asap
 import streams
-from asap.report import run_table
+from asap.report import comparison_table, run_table
 from fake_run import FakeLedger, empty_run, fake_run
 
 
@@ -69,6 +69,25 @@ def test_the_title_names_recording_and_scheme():
     assert run_table.title(summary) == "flight.aedat4: asap2020"
     summary["source"].update(path=None, format="array")
     assert run_table.title(summary) == "array: asap2020"
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "words"),
+    [
+        (None, None, "sensor unknown, addresses not checked"),
+        (346, 260, "346 x 260 px"),
+        (346, None, "346 x ? px, y not checked"),
+        (None, 260, "? x 260 px, x not checked"),
+    ],
+)
+def test_what_is_not_checked_is_said_once(width, height, words):
+    sensor = {"width": width, "height": height}
+    cost = asap.LinearCost(1, 1)
+    run = asap.simulate(streams.make([1, 2]), cost=cost, **sensor)
+    assert run_table.subtitle(run.summary()).startswith(f"{words}, 2 events in ")
+    assert run_table.format_run(run).count("not checked") == words.count("not checked")
+    comparison = asap.compare(streams.make([1, 2]), cost=cost, **sensor)
+    assert comparison_table.subtitle(comparison).startswith(f"{words}, 2 events in ")
 
 
 def test_the_table_ends_with_the_verdict():

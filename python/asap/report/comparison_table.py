@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from asap import units
+from asap.report.run_table import sensor
 
 if TYPE_CHECKING:
     from asap.experiment.comparison import Comparison, Row
@@ -94,14 +95,14 @@ def title(comparison: Comparison) -> str:
 def subtitle(comparison: Comparison) -> str:
     """Say what was compared: recording, algorithm, bound."""
     source, cost = comparison.source, comparison.cost.parameters
-    sensor = f"{source['width']} x {source['height']} px, " if source["width"] else ""
     speed = f" ({comparison.speed:g} times as fast as recorded)" if comparison.speed != 1 else ""
     noise = f", noise {cost['noise']:g}" if cost["noise"] else ""
     drift = ", drifting" if "drift" in cost else ""
     outages = ", with outages" if "outages_ms" in cost else ""
     whole = ", package by package as a whole (opaque)" if comparison.opaque else ""
     return (
-        f"{sensor}{units.count(source['events'])} events in {source['duration_s']:.3g} s{speed}; "
+        f"{sensor(source)}, {units.count(source['events'])} events in "
+        f"{source['duration_s']:.3g} s{speed}; "
         f"an algorithm of {units.duration(cost['alpha_us'])} per package + "
         f"{units.duration(cost['beta_ns'] / 1e3)} per event{noise}{drift}{outages}{whole}; "
         f"latency bound L = {units.duration(comparison.latency_ms * 1e3)}; virtual time"

@@ -20,6 +20,7 @@ __all__ = [
     "format_run",
     "parameter_value",
     "reasons_of",
+    "sensor",
     "subtitle",
     "title",
     "verdict",
@@ -126,7 +127,6 @@ def title(summary: Mapping[str, Any]) -> str:
 def subtitle(summary: Mapping[str, Any]) -> str:
     """Say what was run: recording, clock, algorithm and the parameters of the scheme."""
     source, scheme = summary["source"], dict(summary["scheme"])
-    size = f"{source['width']} x {source['height']} px, " if source["width"] else ""
     clock = "virtual time" if summary["mode"] == "virtual" else "real time"
     if summary["speed"] != 1:
         clock += f" at {summary['speed']:g} times the speed"
@@ -135,10 +135,20 @@ def subtitle(summary: Mapping[str, Any]) -> str:
         f"{key} {parameter_value(value)}" for key, value in scheme.items() if value is not None
     )
     return (
-        f"{size}{units.count(source['events'])} events in {source['duration_s']:.3g} s, {clock}, "
+        f"{sensor(source)}, {units.count(source['events'])} events in "
+        f"{source['duration_s']:.3g} s, {clock}, "
         f"algorithm {summary['algorithm']['name']}, scheme {name}"
         + (f" ({parameters})" if parameters else "")
     )
+
+
+def sensor(source: Mapping[str, Any]) -> str:
+    """Name the sensor of a source, and which addresses could not be checked for want of it."""
+    width, height = source["width"], source["height"]
+    if not (width or height):
+        return "sensor unknown, addresses not checked"
+    unchecked = "" if width and height else f", {'y' if width else 'x'} not checked"
+    return f"{width or '?'} x {height or '?'} px{unchecked}"
 
 
 def verdict(run: Run) -> str:
