@@ -229,7 +229,7 @@ def compare(
     speed : float
         10 compresses the stamps by ten: a quiet recording becomes one that overloads the algorithm.
     width, height : int, optional
-        Sensor, px. Default: from the file; without both no bounds are checked.
+        Sensor, px. Default: from the file; a side that is not known is not checked.
     on_bad : {"drop", "clamp", "raise"}
         What happens to bad events; dropped ones are counted by reason.
     capacity : int, optional

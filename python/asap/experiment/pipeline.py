@@ -59,7 +59,7 @@ class Pipeline:
         with process(events) that returns the events that pass, or a callable. Its time is part of
         the measured cost; what it drops is `filtered` in the ledger.
     width, height : int, optional
-        Sensor, px; without both no bounds are checked.
+        Sensor, px; a side that is not known is not checked.
     on_bad : {"drop", "clamp", "raise"}
         What happens to bad events; dropped ones are counted by reason.
     seed : int
@@ -128,6 +128,7 @@ class Pipeline:
             seed=seed,
             capacity=capacity,
             anytime=_core.is_native(algorithm),
+            algorithm=algorithm,
             before=before,
             when_full=when_full,
             reorder_tolerance_us=reorder_tolerance_us,

@@ -79,7 +79,7 @@ def simulate(
         with process(events) that returns the events that pass, or a callable. Here it costs
         nothing; what it drops is `filtered` in the ledger.
     width, height : int, optional
-        Sensor, px. Default: from the file; without both no bounds are checked.
+        Sensor, px. Default: from the file; a side that is not known is not checked.
     on_bad : {"drop", "clamp", "raise"}
         What happens to bad events; dropped ones are counted by reason.
     seed : int
@@ -114,6 +114,7 @@ def simulate(
         seed=seed,
         capacity=capacity,
         anytime=not opaque,
+        algorithm=algorithm,
         before=before,
         keep_mask=keep_mask,
     )
@@ -171,7 +172,7 @@ def run(
         with process(events) that returns the events that pass, or a callable. Its time is part of
         the measured cost; what it drops is `filtered` in the ledger.
     width, height : int, optional
-        Sensor, px. Default: from the file; without both no bounds are checked.
+        Sensor, px. Default: from the file; a side that is not known is not checked.
     on_bad : {"drop", "clamp", "raise"}
         What happens to bad events; dropped ones are counted by reason.
     seed : int
@@ -206,6 +207,7 @@ def run(
         seed=seed,
         capacity=capacity,
         anytime=_core.is_native(algorithm),
+        algorithm=algorithm,
         before=before,
         keep_mask=keep_mask,
     )
@@ -291,6 +293,7 @@ def make_config(
     capacity: int | None = None,
     anytime: bool = True,
     flush: bool = True,
+    algorithm: Any = None,
     before: Any = None,
     when_full: str = "thin",
     reorder_tolerance_us: int = 0,
@@ -310,6 +313,8 @@ def make_config(
         reorder_tolerance_us=reorder_tolerance_us,
         warmup_discard_us=warmup_discard_us,
     )
+    _check_frame("algorithm", algorithm, stream)
+    _check_frame("before", before, stream)
     return _core.RunConfig(
         latency_us=None if latency_ms is None else latency_ms * 1e3,
         capacity=slots,
@@ -321,6 +326,21 @@ def make_config(
         when_full=when_full,
         keep_mask=keep_mask,
     )
+
+
+def _check_frame(field: str, worker: Any, stream: Sensor) -> None:
+    """Refuse one of ours that is made for a smaller sensor: it would drop what lies outside."""
+    if not any(base.__module__ == _core.__name__ for base in type(worker).__mro__):
+        return
+    own: tuple[int, int] = (worker.width, worker.height)
+    needed = tuple(map(max, own, (stream.width or 0, stream.height or 0)))
+    if needed != own:
+        name = type(worker).__name__
+        raise ValueError(
+            f"{field} = {name} for {own[0]} x {own[1]} px: the events come from a sensor of "
+            f"{stream.width or '?'} x {stream.height or '?'} px; "
+            f"make it {name}({needed[0]}, {needed[1]}), with its other arguments"
+        )
 
 
 def remember(

@@ -1,0 +1,94 @@
+"""The sensor of an algorithm or a filter against that of the source: too small is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asap
+from streams import make
+
+EVENTS = make(np.arange(1000))  # 346 x 260 px
+COST = asap.LinearCost(1, 1)
+
+
+def run(source: Any, worker: Any, **sensor: int) -> object:
+    return asap.run(source, algorithm=worker, **sensor)
+
+
+def simulate(source: Any, worker: Any, **sensor: int) -> object:
+    return asap.simulate(source, cost=COST, algorithm=worker, **sensor)
+
+
+def filtered(source: Any, worker: Any, **sensor: int) -> object:
+    return asap.simulate(source, cost=COST, before=worker, **sensor)
+
+
+def live(source: Any, worker: Any, **sensor: int) -> object:
+    return asap.Pipeline(worker, **sensor)
+
+
+def live_filtered(source: Any, worker: Any, **sensor: int) -> object:
+    return asap.Pipeline(before=worker, **sensor)
+
+
+DOORS = [run, simulate, filtered, live, live_filtered]
+
+
+@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("size", [(34, 34), (346, 34), (34, 260)])
+def test_one_that_is_too_small_is_named_with_the_source_and_the_remedy(
+    door: Callable[..., object], size: tuple[int, int]
+) -> None:
+    worker = asap.BackgroundActivityFilter(*size)
+    field = "before" if "filtered" in door.__name__ else "algorithm"
+    words = (
+        rf"^{field} = BackgroundActivityFilter for {size[0]} x {size[1]} px: .* 346 x 260 px; "
+        r"make it BackgroundActivityFilter\(346, 260\)"
+    )
+    with pytest.raises(ValueError, match=words):
+        door(EVENTS, worker, width=346, height=260)
+    assert worker.rejected == 0
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_one_known_side_is_enough(door: Callable[..., object]) -> None:
+    with pytest.raises(ValueError, match=r"\? x 260 px; make it BackgroundActivityFilter\(34, 260"):
+        door(EVENTS, asap.BackgroundActivityFilter(34, 34), height=260)
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_what_is_larger_or_not_known_is_taken(door: Callable[..., object]) -> None:
+    door(EVENTS, asap.BackgroundActivityFilter(640, 480), width=346, height=260)
+    door(EVENTS, asap.BackgroundActivityFilter(34, 34))
+
+
+@pytest.mark.parametrize("door", [run, simulate, filtered])
+def test_the_file_knows_the_sensor(door: Callable[..., object], tmp_path: Path) -> None:
+    np.savez(tmp_path / "events.npz", events=EVENTS, width=346, height=260)
+    with pytest.raises(ValueError, match="346 x 260 px"):
+        door(tmp_path / "events.npz", asap.BackgroundActivityFilter(34, 34))
+
+
+class Derived(asap.BackgroundActivityFilter):
+    pass
+
+
+class OfTheUser:
+    width = height = 3  # of who knows what
+
+    def process(self, events: np.ndarray) -> np.ndarray:
+        return events
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_size_is_known_of_the_librarys_own_and_what_is_derived_from_them(
+    door: Callable[..., object],
+) -> None:
+    with pytest.raises(ValueError, match=r"make it Derived\(346, 260\)"):
+        door(EVENTS, Derived(34, 34), width=346, height=260)
+    door(EVENTS, OfTheUser(), width=346, height=260)
