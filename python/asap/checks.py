@@ -30,6 +30,7 @@ __all__ = [
     "sides",
     "unmasked",
     "whole",
+    "worker",
 ]
 
 _LONGEST = 200
@@ -111,6 +112,14 @@ def callback(field: str, value: Any) -> None:
     """Refuse what cannot be called, unless it is None."""
     if value is not None and not callable(value):
         raise TypeError(named(field, value, "give a callable or None"))
+
+
+def worker(field: str, value: Any) -> None:
+    """Refuse the class of an algorithm or a filter, where an object of it is meant."""
+    if isinstance(value, type) and hasattr(value, "process"):
+        raise TypeError(
+            named(field, value, f"give an object of it, such as {value.__name__}(346, 260)")
+        )
 
 
 def folder_or_file(field: str, value: Any) -> Path:

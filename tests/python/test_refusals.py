@@ -521,3 +521,21 @@ def test_masked_events_are_refused_by_every_door() -> None:
     for call in (asap.EFast(9, 9).process, asap.ClusterTracker(9, 9).process):
         with pytest.raises(TypeError, match=rf"^events = masked array of shape \(5,\).*: {ARRAY}"):
             call(masked)
+
+
+@pytest.mark.parametrize(
+    ("call", "field"),
+    [
+        (lambda cls: asap.run(EVENTS, algorithm=cls), "algorithm"),
+        (lambda cls: asap.simulate(EVENTS, cost=COST, algorithm=cls), "algorithm"),
+        (lambda cls: asap.simulate(EVENTS, cost=COST, before=cls), "before"),
+        (asap.Pipeline, "algorithm"),
+        (lambda cls: asap.Pipeline(before=cls), "before"),
+        (lambda cls: asap.score(cls, SCENE), "tracker"),
+        (lambda cls: asap.score(asap.ClusterTracker(64, 48), SCENE, before=cls), "before"),
+    ],
+)
+def test_class_is_no_object_of_it(call: Callable[[type], object], field: str) -> None:
+    words = rf"^{field} = <class .*EFast'>: give an object of it, such as EFast\(346, 260\)$"
+    with pytest.raises(TypeError, match=words):
+        call(asap.EFast)

@@ -110,6 +110,7 @@ def score(
     checks.number("gamma", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
     checks.flag("told", told)
     for name, value in (("tracker", tracker), ("before", before)):
+        checks.worker(name, value)
         if not (hasattr(value, "process") or (name == "before" and value is None)):
             raise TypeError(checks.named(name, value, "give an object with process(events)"))
     if gamma < 1 and told and can_be_told(tracker):

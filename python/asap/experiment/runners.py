@@ -313,8 +313,9 @@ def make_config(
         reorder_tolerance_us=reorder_tolerance_us,
         warmup_discard_us=warmup_discard_us,
     )
-    _check_frame("algorithm", algorithm, stream)
-    _check_frame("before", before, stream)
+    for field, worker in (("algorithm", algorithm), ("before", before)):
+        checks.worker(field, worker)
+        _check_frame(field, worker, stream)
     return _core.RunConfig(
         latency_us=None if latency_ms is None else latency_ms * 1e3,
         capacity=slots,
