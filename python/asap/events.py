@@ -241,7 +241,9 @@ def _find_columns(source: Any, order: str | None) -> Mapping[str, Any]:
         return _columns_of_array(np.asarray(source.to_numpy()), order)
     if hasattr(source, "__array__"):
         return _columns_of_array(np.asarray(source), order)
-    raise TypeError(named("source", source, _remedy()))
+    uncalled = callable(source) and hasattr(source, "__name__")
+    remedy = f"call it: {source.__name__}()" if uncalled else _remedy()
+    raise TypeError(named("source", source, remedy))
 
 
 def _columns_of_array(array: npt.NDArray[Any] | np.void, order: str | None) -> Mapping[str, Any]:

@@ -539,3 +539,28 @@ def test_class_is_no_object_of_it(call: Callable[[type], object], field: str) ->
     words = rf"^{field} = <class .*EFast'>: give an object of it, such as EFast\(346, 260\)$"
     with pytest.raises(TypeError, match=words):
         call(asap.EFast)
+
+
+SOURCES = [
+    lambda source: asap.simulate(source, cost=COST),
+    lambda source: asap.run(source, algorithm=nothing),
+    lambda source: asap.compare(source, cost=COST),
+    lambda source: asap.oracle(source, cost=COST, latency_ms=10),
+]
+
+
+@pytest.mark.parametrize("call", SOURCES)
+def test_source_is_never_none_but_may_be_empty(call: Callable[[Any], Any]) -> None:
+    with pytest.raises(TypeError, match=r"^source = None: give a path, a recording or arrays"):
+        call(None)
+    call([])
+    call(EVENTS[:0])
+
+
+@pytest.mark.parametrize("call", [asap.as_events, *SOURCES])
+def test_method_that_was_not_called_is_told_so(call: Callable[[Any], Any]) -> None:
+    stream = synthetic.FlightOverChairs(duration_s=0.01)
+    with pytest.raises(TypeError, match=r"^source = <bound method .*: call it: events\(\)$"):
+        call(stream.events)
+    with pytest.raises(TypeError, match=r"^source = <function A .*: call it: A\(\)$"):
+        call(scenes.A)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from asap.checks import sides
+from asap.checks import named, sides
 from asap.events import Events, as_events
 from asap.io import Recording, read
 
@@ -22,6 +22,8 @@ class Source:
     """
 
     def __init__(self, source: Any, *, width: int | None, height: int | None, on_bad: str) -> None:
+        if source is None:
+            raise TypeError(named("source", source, "give a path, a recording or arrays of events"))
         if isinstance(source, (str, os.PathLike)):
             source = read(source, width=width, height=height, on_bad=on_bad)
         self.recording = source if isinstance(source, Recording) else None
