@@ -233,13 +233,11 @@ def test_other_threads_run_meanwhile(algorithm: Any) -> None:
 def test_it_runs_natively_and_is_told_what_is_kept(algorithm: Any) -> None:
     one = make(algorithm)
     assert is_native(one)
-    run = asap.simulate(
-        golden_stream()[:20_000], cost=asap.LinearCost(10, 2), algorithm=one, width=999, height=999
-    )
+    run = asap.simulate(golden_stream()[:20_000], cost=asap.LinearCost(10, 2), algorithm=one)
     assert run.ledger["delivered"] == 20_000
     assert run.algorithm is one
     outside = streams.make([0], x=[998])
-    asap.simulate(outside, cost=asap.LinearCost(10, 2), algorithm=one, width=999, height=999)
+    asap.simulate(outside, cost=asap.LinearCost(10, 2), algorithm=one)
     assert one.rejected == 1
 
 
