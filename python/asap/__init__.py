@@ -8,7 +8,7 @@ Tapia et al., ASAP (ICRA workshop 2020).
 from __future__ import annotations
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from asap._core import (
     ArcStar,
@@ -119,7 +119,15 @@ _MODULES = (
 )
 
 
-def __getattr__(name: str) -> Any:
-    if name in _MODULES:
-        return importlib.import_module(f"asap.{name}")
-    raise AttributeError(f"module 'asap' has no attribute {name!r}")
+if TYPE_CHECKING:
+    from asap import analysis, metrics, plots, profiles, report, scenes, study, synthetic
+else:  # a type checker would take any name for one of a module that has a __getattr__
+
+    def __getattr__(name: str) -> Any:
+        if name in _MODULES:
+            return importlib.import_module(f"asap.{name}")
+        raise AttributeError(f"module 'asap' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_MODULES})

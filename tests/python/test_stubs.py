@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import operator
+import os
 import re
 import sys
 from collections.abc import Iterator
@@ -12,6 +13,7 @@ from typing import Any
 
 import pytest
 
+import asap
 from asap import _core
 from house import ROOT, run
 
@@ -26,6 +28,24 @@ ANY: Signature = [("any", "*args, **kwargs", None)]
 def test_stubtest_finds_nothing(tmp_path: Path) -> None:
     pytest.importorskip("mypy")
     run([sys.executable, "-m", "mypy.stubtest", "asap._core"], cwd=tmp_path)
+
+
+def test_lazy_modules_are_listed() -> None:
+    names = run([sys.executable, "-c", "import asap; print(*dir(asap))"]).split()
+    assert set(asap.__all__) <= set(names)
+
+
+@pytest.mark.slow
+def test_type_checker_knows_the_lazy_modules_and_no_other_name(tmp_path: Path) -> None:
+    pytest.importorskip("mypy")
+    uses = "import asap\n\nasap.scenes.A()\nasap.plots.frame\nasap.simulat\n"
+    (tmp_path / "uses.py").write_text(uses)
+    environment = {**os.environ, "MYPYPATH": str(ROOT / "python")}
+    command = [sys.executable, "-m", "mypy", "--strict", "uses.py"]
+    found = run(command, cwd=tmp_path, env=environment, check=False).splitlines()
+    assert [line for line in found if line.startswith("uses.py")] == [
+        'uses.py:5: error: Module has no attribute "simulat"; maybe "simulate"?  [attr-defined]'
+    ]
 
 
 def signature(function: ast.FunctionDef) -> Signature:
