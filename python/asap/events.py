@@ -130,9 +130,19 @@ def check_order(order: str) -> str:
     return order
 
 
-def columns_of(source: Any, order: str | None = None) -> Columns:
-    """Find the columns t, x, y and, if there is one, p of a source: arrays of one length."""
+def example_order(columns: int) -> str:
+    """Give an order for so many columns, as an example."""
+    return "txy" if columns == 3 else "txyp"
+
+
+def columns_of(source: Any, order: str | None = None, *, first: int | None = None) -> Columns:
+    """Find the columns t, x, y and, if there is one, p of a source: arrays of one length.
+
+    Of an array only the `first` events are looked at, if it is given.
+    """
     columns = _find_columns(source, order)
+    if first is not None:
+        columns = {role: column[:first] for role, column in columns.items()}
     columns = {role: _numeric(role, column) for role, column in columns.items()}
     lengths = {role: len(column) for role, column in columns.items()}
     if len(set(lengths.values())) > 1:
@@ -263,7 +273,7 @@ def _columns_of_array(array: npt.NDArray[Any] | np.void, order: str | None) -> M
     if order is None:
         raise ValueError(
             f"order = None: an array of shape {array.shape} does not say what its columns are; "
-            "give order, such as order='txyp'"
+            f"give order, such as order={example_order(array.shape[1])!r}"
         )
     if array.shape[1] != len(order):
         raise ValueError(

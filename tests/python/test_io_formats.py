@@ -119,7 +119,13 @@ class TestNpy:
         rows[:, 2] /= 1e6
         np.save(tmp_path / "events.npy", rows)
         assert_equal_events(asap.load(tmp_path / "events.npy", order="xytp"), EVENTS)
-        with pytest.raises(ValueError, match="order = None"):
+        words = r"events\.npy: order = None: an array of shape \(1000, 4\) .* order='txyp'$"
+        with pytest.raises(ValueError, match=words):
+            asap.read(tmp_path / "events.npy")
+
+    def test_three_columns_need_three_letters(self, tmp_path: Path) -> None:
+        np.save(tmp_path / "events.npy", np.zeros((9, 3), int))
+        with pytest.raises(ValueError, match=r"shape \(9, 3\) .* order='txy'$"):
             asap.read(tmp_path / "events.npy")
 
     def test_cut_by_columns_nothing_is_whole(self, tmp_path: Path) -> None:
@@ -232,6 +238,12 @@ class TestNpz:
         with pytest.raises(ValueError, match="equally long"):
             asap.load(tmp_path / "a.npz")
 
+    def test_rows_need_their_order(self, tmp_path: Path) -> None:
+        np.savez(tmp_path / "a.npz", np.zeros((70_000, 4), int))
+        words = r"a\.npz: order = None: an array of shape \(70000, 4\) "
+        with pytest.raises(ValueError, match=words):
+            asap.load(tmp_path / "a.npz")
+
 
 class TestText:
     def test_header_names_the_columns(self, tmp_path: Path) -> None:
@@ -248,6 +260,8 @@ class TestText:
         assert txyp(asap.load(path)) == [(5, 1, 2, 0), (7, 3, 4, 1)]
 
     def test_header_that_names_no_events(self, tmp_path: Path) -> None:
+        with pytest.raises(ValueError, match=r"a, b, c; say .* order='txy'$"):
+            asap.read(text(tmp_path, "a,b,c\n5,1,2\n"))
         path = text(tmp_path, "a,b,c,d\n5,1,2,0\n")
         with pytest.raises(ValueError, match=r"order = None: the header of .* a, b, c, d"):
             asap.read(path)
@@ -294,6 +308,21 @@ class TestText:
         rows[:, 0] /= 1000
         np.savetxt(tmp_path / "events.txt", rows)
         assert asap.load(tmp_path / "events.txt")["t"].tolist() == [1000, 2000]
+
+    @pytest.mark.parametrize(
+        ("line", "order", "words"),
+        [
+            ("5 1 2", None, "have 3 columns; name each, such as order='txy'"),
+            ("5 1 2", "txyp", "have 3 columns; name each, such as order='txy'"),
+            ("5 1 2 0", "txy", "have 4 columns; name each, such as order='txyp'"),
+            ("5 1 2 0 9", None, "have 5 columns; only a header line can name them, such as"),
+        ],
+    )
+    def test_remedy_has_a_letter_for_each_column(
+        self, tmp_path: Path, line: str, order: str | None, words: str
+    ) -> None:
+        with pytest.raises(ValueError, match=words):
+            asap.read(text(tmp_path, f"{line}\n"), order=order)
 
     def test_columns_in_another_order_are_not_taken_for_txyp(self, tmp_path: Path) -> None:
         with pytest.raises(ValueError, match="holds no polarity"):

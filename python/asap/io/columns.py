@@ -27,12 +27,16 @@ __all__ = ["events_of", "file_columns"]
 _MAX_ADDRESS = 65535
 
 
-def file_columns(path: Path, source: Any, order: str | None) -> Columns:
+def file_columns(
+    path: Path, source: Any, order: str | None, *, first: int | None = None
+) -> Columns:
     """Find the columns; a file without them is of a format that nobody reads."""
     try:
-        return columns_of(source, order)
+        return columns_of(source, order, first=first)
     except TypeError as error:
         raise UnsupportedFormat(f"{path}: {error}") from error
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
 
 
 def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> Events:

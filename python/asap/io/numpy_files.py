@@ -48,7 +48,7 @@ class NpyReader:
         self._end = self._offset + self._rows * row_bytes
         if self._rows < self._promised and (self._fortran or self._rows == 0):
             raise CorruptFile(path, self._end, f"{self._promised} events promised, the file ends")
-        file_columns(path, self._map()[:1], options.order)
+        file_columns(path, self._map(), options.order, first=1)
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Map the file and convert it piece by piece."""
@@ -91,6 +91,7 @@ class NpzReader:
             arrays = {key: self._array(archive, key) for key in self._keys}
         if len(arrays) == 1:
             (events,) = arrays.values()
+            file_columns(self._path, events, self._options.order, first=1)
             for start in range(0, len(events), CHUNK):
                 yield events_of(events[start : start + CHUNK], self._options, losses, start)
             return

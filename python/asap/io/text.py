@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from asap import _core
-from asap.events import FIELD_NAMES, Events, check_order, time_exponent
+from asap.events import FIELD_NAMES, Events, check_order, example_order, time_exponent
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
 
@@ -165,7 +165,7 @@ def _order_of(path: Path, names: list[str]) -> tuple[str, str | None]:
     if sorted(order.replace("-", "")) not in (sorted("txyp"), sorted("txy")):
         raise ValueError(
             f"order = None: the header of {path} names the columns {', '.join(names)}; "
-            "say what they are, such as order='txyp'"
+            f"say what they are, such as order={example_order(len(names))!r}"
         )
     return order, next((unit for role, unit in roles if role == "t"), None)
 
@@ -176,9 +176,10 @@ def _of_common_length(
     length, _ = Counter(map(len, rows)).most_common(1)[0]
     if length != len(order):
         what = f"order = {order!r}" if known else "order = None"
-        raise ValueError(
-            f"{what}: the lines of {path} have {length} columns; name each, such as order='txyp'"
-        )
+        remedy = "only a header line can name them, such as 't x y p'"
+        if length in (3, 4):
+            remedy = f"name each, such as order={example_order(length)!r}"
+        raise ValueError(f"{what}: the lines of {path} have {length} columns; {remedy}")
     return [row for row in rows if len(row) == length]
 
 
