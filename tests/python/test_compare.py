@@ -17,6 +17,12 @@ COST = asap.LinearCost(alpha_us=100, beta_ns=300, noise=0.05, seed=3)
 EVENTS = streams.poisson(6e6, 0.1)  # rho = 1.8
 
 
+def test_a_text_is_no_schemes():
+    words = r"^schemes = 'all': give schemes such as \[asap.Greedy\(\)\], .* all=True adds"
+    with pytest.raises(TypeError, match=words):
+        asap.compare(EVENTS, cost=COST, schemes="all")
+
+
 def schemes():
     return {
         "size": asap.FixedSize(size=500),

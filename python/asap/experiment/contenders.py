@@ -77,6 +77,9 @@ def labelled(schemes: Any) -> dict[str, _core.Scheme]:
     TypeError
         Something is no scheme.
     """
+    if isinstance(schemes, str):
+        remedy = "give schemes such as [asap.Greedy()], or leave it out; all=True adds baselines"
+        raise TypeError(checks.named("schemes", schemes, remedy))
     named = isinstance(schemes, Mapping)
     given = schemes.values() if named else schemes
     if not isinstance(given, (_core.Scheme, Iterable)):
