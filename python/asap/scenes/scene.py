@@ -169,6 +169,7 @@ class Scene:
         window_ms : float
             How far back the events go.
         """
+        from asap import plots  # noqa: F401  first: it says which extra is missing
         from asap.report import scene_figures
 
         return scene_figures.snapshot(self, t_ms, window_ms=window_ms)
