@@ -55,6 +55,14 @@ def test_ledger_is_attributes_and_mapping(run):
     assert not unbalanced.balanced
 
 
+def test_duration_has_no_more_digits_than_the_stamps():
+    run = asap.simulate(streams.make([0, 169_941]), cost=asap.LinearCost(1, 1))
+    assert json.dumps(run.summary()["source"]["duration_s"]) == "0.169941"
+    with asap.Pipeline() as pipeline:
+        elapsed_s = pipeline.stats()["source"]["duration_s"]
+    assert elapsed_s == round(elapsed_s, 6)
+
+
 def test_summary_is_the_documented_object(run):
     summary = run.summary()
     assert json.loads(json.dumps(summary, allow_nan=False)) == summary

@@ -46,7 +46,7 @@ def summary(
             "width": width,
             "height": height,
             "events": received,
-            "duration_s": elapsed_s,
+            "duration_s": round(elapsed_s, 6),
         },
         "scheme": Named.of(scheme).as_json(),
         "algorithm": None if algorithm is None else Named.of(algorithm).as_json(),

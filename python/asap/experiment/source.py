@@ -86,7 +86,7 @@ class Source:
             "width": self.width,
             "height": self.height,
             "events": self.events,
-            "duration_s": duration_us * 1e-6,
+            "duration_s": duration_us / 1e6,
         }
 
 
