@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import checks
-from asap.events import as_events
+from asap.events import events_of_argument
 from asap.experiment.cost import Cost, bound_needed_us, check_run, cost_of, fit_cost
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def rate(events: NDArray[np.void], bin_us: float) -> tuple[Floats, Floats]:
     ValueError
         `bin_us` is not positive, or so short that there would be more than ten million windows.
     """
-    events = as_events(events)
+    events = events_of_argument("events", events)
     checks.number("bin_us", bin_us, sys.float_info.min, sys.float_info.max, _POSITIVE)
     if events.size == 0:
         return np.empty(0), np.empty(0)
@@ -91,7 +91,7 @@ class Description:
 def _blocks(blocks: Iterable[NDArray[np.void]]) -> Iterator[NDArray[np.void]]:
     if not isinstance(blocks, Iterable) or isinstance(blocks, (str, np.ndarray)):
         raise TypeError(checks.named("blocks", blocks, "give a recording, or a list of arrays"))
-    return (as_events(block) for block in blocks)
+    return (events_of_argument("blocks", block) for block in blocks)
 
 
 def describe(blocks: Iterable[NDArray[np.void]]) -> Description:

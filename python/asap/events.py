@@ -113,6 +113,17 @@ def as_events(
     return pack(columns, exponent)
 
 
+def events_of_argument(field: str, events: Any) -> Events:
+    """`as_events` of an argument that is called otherwise, which its refusals then name."""
+    try:
+        return as_events(events)
+    except (TypeError, ValueError) as error:
+        words = str(error)
+        if not words.startswith("source"):
+            raise
+        raise type(error)(field + words.removeprefix("source")) from None
+
+
 def time_exponent(time_unit: str) -> int:
     """Exponent e of a unit of 10^e us."""
     if not isinstance(time_unit, str) or time_unit not in TIME_EXPONENTS:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import analysis, checks
-from asap.events import as_events
+from asap.events import events_of_argument
 
 try:
     import matplotlib
@@ -255,7 +255,7 @@ def frame(events: NDArray[np.void], width: int, height: int, *, ax: Axes | None 
     -------
     Axes
     """
-    events = as_events(events)
+    events = events_of_argument("events", events)
     for name, side in (("width", width), ("height", height)):
         checks.whole(name, side, 1, 65536, "give the sensor's side in px, 1 to 65536")
     axes = ax or _own_axes((5.0, 5.0 * height / width))

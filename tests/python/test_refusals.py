@@ -564,3 +564,28 @@ def test_method_that_was_not_called_is_told_so(call: Callable[[Any], Any]) -> No
         call(stream.events)
     with pytest.raises(TypeError, match=r"^source = <function A .*: call it: A\(\)$"):
         call(scenes.A)
+
+
+@pytest.mark.parametrize(
+    ("call", "field"),
+    [
+        (asap.Pipeline().push, "events"),
+        (lambda events: analysis.rate(events, 100), "events"),
+        (lambda events: analysis.describe([events]), "blocks"),
+        (lambda events: pytest.importorskip("asap.plots").frame(events, 9, 9), "events"),
+        (lambda events: pytest.importorskip("asap.plots").rate(events), "events"),
+    ],
+)
+def test_events_are_refused_by_the_name_of_the_argument(
+    call: Callable[[Any], object], field: str
+) -> None:
+    for value, words in (
+        ("a.npy", " = 'a.npy': a path is read with asap.load"),
+        (5, " = 5: give an array with named fields"),
+        (np.zeros(5), r" is an array of float64, shape \(5,\): give"),
+        (EVENTS[["t", "x"]], ": no field for y among: t, x;"),
+    ):
+        with pytest.raises(TypeError, match=f"^{field}{words}"):
+            call(value)
+    with pytest.raises(ValueError, match=r"^order = None: "):
+        call(np.zeros((5, 4)))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _core
-from asap.events import as_events
+from asap.events import events_of_argument
 from asap.experiment.live_stats import ledger_of, state_of, summary
 from asap.experiment.result import Ledger, Named
 from asap.experiment.runners import as_scheme, check_latency, make_config
@@ -156,7 +156,7 @@ class Pipeline:
         ValueError
             A bad event with on_bad="raise"; those before it are taken.
         """
-        array = as_events(events)
+        array = events_of_argument("events", events)
         for begin in range(0, max(array.size, 1), _CHUNK):
             if not self._native.push(array[begin : begin + _CHUNK], arrival_time):
                 reason = "another thread is pushing" if self.is_open else "the pipeline is stopped"
