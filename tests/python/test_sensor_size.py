@@ -92,3 +92,9 @@ def test_size_is_known_of_the_librarys_own_and_what_is_derived_from_them(
     with pytest.raises(ValueError, match=r"make it Derived\(346, 260\)"):
         door(EVENTS, Derived(34, 34), width=346, height=260)
     door(EVENTS, OfTheUser(), width=346, height=260)
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_what_is_ours_but_no_algorithm_is_refused_as_that(door: Callable[..., object]) -> None:
+    with pytest.raises(TypeError, match="process"):
+        door(EVENTS, asap.GammaFilter(), width=346, height=260)
