@@ -119,7 +119,9 @@ def test_a_missing_matplotlib_names_the_extra(use):
     code = f"import sys; sys.modules['matplotlib'] = None; {use}"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert result.returncode != 0
-    assert "asap-events[report]" in result.stderr
+    last = result.stderr.splitlines()[-1]
+    assert last.startswith("ImportError: ")
+    assert last.endswith(" needs matplotlib: install asap-events[report]")
 
 
 def test_a_frame_shows_on_red_and_off_blue_with_y_down():

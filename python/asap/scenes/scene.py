@@ -169,8 +169,11 @@ class Scene:
         window_ms : float
             How far back the events go.
         """
-        from asap import plots  # noqa: F401  first: it says which extra is missing
-        from asap.report import scene_figures
+        try:
+            from asap.report import scene_figures
+        except ModuleNotFoundError as error:
+            words = "a picture of a scene needs matplotlib: install asap-events[report]"
+            raise ImportError(words) from error
 
         return scene_figures.snapshot(self, t_ms, window_ms=window_ms)
 
