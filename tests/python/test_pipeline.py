@@ -83,7 +83,7 @@ def test_the_loop_body_is_what_is_measured():
     stats, rows = pipeline.stats(), pipeline.packages
     assert 50e3 <= rows["processing_us"][0] <= stats["latency_us"]["max"] < took_us + 1e3
     share = rows["processing_us"][0] / (1e6 * stats["source"]["duration_s"])
-    assert stats["cpu"] == pytest.approx(share)
+    assert stats["cpu"] == pytest.approx(share, rel=1e-4)  # a duration of whole us
 
 
 def test_an_age_counts_from_the_arrival_time():
