@@ -141,16 +141,8 @@ def check_order(order: str) -> str:
     return order
 
 
-def example_order(columns: int) -> str:
-    """Give an order for so many columns, as an example."""
-    return "txy" if columns == 3 else "txyp"
-
-
 def columns_of(source: Any, order: str | None = None, *, first: int | None = None) -> Columns:
-    """Find the columns t, x, y and, if there is one, p of a source: arrays of one length.
-
-    Of an array only the `first` events are looked at, if it is given.
-    """
+    """Find the columns t, x, y and, if any, p: arrays of one length; of an array the `first`."""
     columns = _find_columns(source, order)
     if first is not None:
         columns = {role: column[:first] for role, column in columns.items()}
@@ -284,7 +276,7 @@ def _columns_of_array(array: npt.NDArray[Any] | np.void, order: str | None) -> M
     if order is None:
         raise ValueError(
             f"order = None: an array of shape {array.shape} does not say what its columns are; "
-            f"give order, such as order={example_order(array.shape[1])!r}"
+            f"give order, such as order={'txyp'[: max(array.shape[1], 3)]!r}"
         )
     if array.shape[1] != len(order):
         raise ValueError(

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from asap import _core
-from asap.events import FIELD_NAMES, Events, check_order, example_order, time_exponent
+from asap.events import FIELD_NAMES, Events, check_order, time_exponent
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
 
@@ -165,7 +165,7 @@ def _order_of(path: Path, names: list[str]) -> tuple[str, str | None]:
     if sorted(order.replace("-", "")) not in (sorted("txyp"), sorted("txy")):
         raise ValueError(
             f"order = None: the header of {path} names the columns {', '.join(names)}; "
-            f"say what they are, such as order={example_order(len(names))!r}"
+            f"say what they are, such as order={'txyp'[: max(len(names), 3)]!r}"
         )
     return order, next((unit for role, unit in roles if role == "t"), None)
 
@@ -178,7 +178,7 @@ def _of_common_length(
         what = f"order = {order!r}" if known else "order = None"
         remedy = "only a header line can name them, such as 't x y p'"
         if length in (3, 4):
-            remedy = f"name each, such as order={example_order(length)!r}"
+            remedy = f"name each, such as order={'txyp'[:length]!r}"
         raise ValueError(f"{what}: the lines of {path} have {length} columns; {remedy}")
     return [row for row in rows if len(row) == length]
 
