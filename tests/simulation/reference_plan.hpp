@@ -75,8 +75,10 @@ class ReferencePlan {
   }
 
  private:
-  // Of the first part: what goes beyond the fixed cost, or what was expected, if that is more.
+  // Of the first part: what goes beyond the fixed cost, or what was expected, if that is more. All,
+  // if half of the fixed cost passed before.
   double first_ns(double part_ns, std::int64_t now_ns, double size) const noexcept {
+    if (static_cast<double>(2 * (stratum_start_ns_ - start_ns_)) > fixed_ns_) return part_ns;
     const double beyond_ns = static_cast<double>(now_ns - start_ns_) - fixed_ns_;
     const double expected_ns = size * spent_ns_ / events_;
     return std::min(part_ns, beyond_ns > expected_ns ? beyond_ns : expected_ns);

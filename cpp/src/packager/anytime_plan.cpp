@@ -86,10 +86,12 @@ AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) no
   return stratum;
 }
 
-// Of the first part's time: without the fixed cost, as expected, but not less than its events were
-// expected to take.
+// Of the first part's time: without the fixed cost, as expected, unless that has passed before it;
+// but not less than its events were expected to take.
 double AnytimePlan::first_events_ns(double part_ns, double size) const noexcept {
-  const double beyond_ns = part_ns - static_cast<double>(fixed_end_ns_ - stratum_start_ns_);
+  const std::int64_t fixed_ns = fixed_end_ns_ - stratum_start_ns_;
+  if (fixed_ns < stratum_start_ns_ - start_ns_) return part_ns;
+  const double beyond_ns = part_ns - static_cast<double>(fixed_ns);
   return std::min(part_ns, std::max(beyond_ns, size * spent_ns_ / weight_));
 }
 

@@ -167,6 +167,16 @@ TEST(AnytimePlan, WhatTheFixedCostTakesIsNotTheEvents) {
   EXPECT_DOUBLE_EQ(second(1e9), planned(100'000));
 }
 
+TEST(AnytimePlan, AFixedCostThatHasPassedBeforeIsNotLookedForAgain) {
+  const auto second = [](std::int64_t first_ns) {
+    AnytimePlan plan(with_fixed_cost(400'000, within(2 * kMillisecond, 6400, 1000.0)), 0, 0);
+    (void)plan.next(first_ns, 0);
+    return plan.next(first_ns + 300'000, 100).keep;
+  };
+  EXPECT_DOUBLE_EQ(second(210'000), 1.49e6 / 15 / (500'000.0 / 300) / 400);
+  EXPECT_DOUBLE_EQ(second(190'000), 1.51e6 / 15 / (300'000.0 / 300) / 400) << "most is to come";
+}
+
 TEST(AnytimePlan, OfTheFirstPartTheEventsTookNoMoreThanAll) {
   AnytimePlan plan(with_fixed_cost(450'000, within(2 * kMillisecond, 6400, 1000.0)), 0, 0);
   (void)plan.next(0, 0);
