@@ -117,7 +117,7 @@ def test_a_bound_is_kept_to_one_in_a_hundred(run, late, kept):
 
 
 def test_a_bound_that_was_kept_needs_no_other():
-    in_time = of_cost(4500).summary()  # 2.5 alpha > L, but the load is low
+    in_time = of_cost(4200).summary()  # 2.5 alpha > L, but the load is low
     assert in_time["bound_kept"] is True
     assert in_time["bound_needed_us"] is None
 

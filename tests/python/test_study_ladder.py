@@ -294,7 +294,7 @@ def test_told_otherwise_is_the_same_run_with_another_word(monkeypatch):
             told.append(gamma)
 
     monkeypatch.setitem(RUNGS, "listens", LadderRung(lambda w, h: Listens(), "tracker"))
-    case = ("listens", 0, 10.0, 1e6, {OURS: ours()}, "whole", 3.0)
+    case = ("listens", 0, 10.0, 5e5, {OURS: ours()}, "whole", 3.0)
     whole_case = LadderCase(*case).measure()
     kept = whole_case.schemes[OURS].kept
     assert min(told[:-1]) < kept < 1  # the scheme says what it keeps, package by package

@@ -332,7 +332,7 @@ def make_config(
 def _check_frame(field: str, worker: Any, stream: Sensor) -> None:
     """Refuse one of ours that is made for a smaller sensor: it would drop what lies outside."""
     ours = any(base.__module__ == _core.__name__ for base in type(worker).__mro__)
-    if not (ours and hasattr(type(worker), "process")):
+    if not (ours and hasattr(type(worker), "width")):
         return
     own: tuple[int, int] = (worker.width, worker.height)
     needed = tuple(map(max, own, (stream.width or 0, stream.height or 0)))
