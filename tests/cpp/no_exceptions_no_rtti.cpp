@@ -1,5 +1,9 @@
-// The headers of the hot path compile without exceptions and without RTTI, as on-board code often
-// is: every one of them is included and its templates are used. Compiled, never run.
+// An application without exceptions and without RTTI, as on-board code often is: it includes every
+// header of the hot path, uses their templates, and runs schemes whose type information is nowhere.
+#include <cstdio>
+#include <string_view>
+#include <vector>
+
 #include "asap/buffer/age_slots.hpp"
 #include "asap/buffer/arrival_times.hpp"
 #include "asap/buffer/event_buffer.hpp"
@@ -58,11 +62,50 @@ template class asap::BasicPushDoor<>;
 template void asap::require<int>(bool, std::string_view, int, std::string_view);
 template void asap::require<double>(bool, std::string_view, double, std::string_view);
 
-std::size_t use_the_templates(asap::Validator& validator, asap::EventBuffer& buffer,
-                              asap::Doorbell& doorbell, asap::EventSpan events) {
+namespace {
+
+using asap::Backlog, asap::Decision;
+
+class Own final : public asap::Scheme {
+ public:
+  Decision decide(const Backlog& backlog) noexcept override {
+    return Decision::take(backlog.count);
+  }
+  std::string_view name() const noexcept override { return "own"; }
+};
+
+std::size_t pushed_through_templates(asap::EventSpan events) {
+  asap::Validator validator;
+  asap::EventBuffer buffer(events.size());
+  asap::Doorbell doorbell;
   std::size_t pushed = 0;
   validator.check(events, [&](asap::EventSpan good) { pushed += buffer.push(good); });
   doorbell.announce(buffer.tail());
   doorbell.wait(0, asap::Doorbell::Clock::time_point::min(), [] { return true; });
   return pushed;
+}
+
+std::size_t simulated(asap::Scheme& scheme, asap::EventSpan events) {
+  asap::Simulator simulator(scheme, asap::LinearCost({.alpha_us = 100, .beta_ns = 50}));
+  simulator.feed(events);
+  simulator.finish();
+  return simulator.ledger().delivered;
+}
+
+bool all_of(std::size_t expected, std::size_t actual, const char* by) {
+  if (actual != expected) std::printf("%s: %zu of %zu events\n", by, actual, expected);
+  return actual == expected;
+}
+
+}  // namespace
+
+int main() {
+  std::vector<asap::Event> events;
+  for (std::int64_t i = 0; i < 1000; ++i) events.push_back({1, 2, 1, 10 * i});
+  Own own;
+  asap::SingleEvent single_event;
+  bool ok = all_of(events.size(), pushed_through_templates(events), "templates");
+  ok &= all_of(events.size(), simulated(own, events), "a scheme of its own");
+  ok &= all_of(events.size(), simulated(single_event, events), "single_event");
+  return ok ? 0 : 1;
 }

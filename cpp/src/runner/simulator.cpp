@@ -24,7 +24,7 @@ Simulator::Simulator(Scheme& scheme, LinearCost cost, RunConfig config, Consumer
       intake_(buffer_, telemetry_.latency.bound_ns(), kept_mask_.get()),
       packager_(buffer_, intake_.ages(), scheme, telemetry_,
                 packager_config(config, kept_mask_.get())) {
-  if (auto* admission = dynamic_cast<Admission*>(&scheme)) {
+  if (Admission* admission = scheme.admission()) {
     require(!config.keep_mask, "keep_mask", 1, "not with a scheme that filters on arrival");
     gate_.emplace(*admission, config.seed ^ kAdmissionSeed);
   }

@@ -291,6 +291,7 @@ class Admitting final : public Scheme, public Admission {
 
   Decision decide(const Backlog& backlog) noexcept override { return rule_(backlog); }
   std::string_view name() const noexcept override { return "admitting"; }
+  Admission* admission() noexcept override { return this; }
   double gamma(const Arrivals& arrivals) noexcept override {
     told.push_back(arrivals);
     return gamma_(arrivals);

@@ -23,8 +23,8 @@ namespace asap {
 
 class Simulator {
  public:
-  // The scheme outlives the simulator. One that is an Admission as well also filters on arrival,
-  // and then no mask is kept.
+  // The scheme outlives the simulator. One with an admission also filters on arrival, and then
+  // no mask is kept.
   Simulator(Scheme& scheme, LinearCost cost, RunConfig config = {}, Consumer consumer = {});
 
   // Events in arrival order. Runs as far as they allow. An exception of the consumer or of the
