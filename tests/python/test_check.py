@@ -380,7 +380,7 @@ def slowly(events: Events) -> dict[str, tuple[int, int | None, int | None]]:
 
     for number, (x, y, p, t) in enumerate(events.tolist()):
         here = (number, t)
-        if abs(t) > 2**52:
+        if abs(t) > 2**52 - 2**50:
             found["bad_records"].append(here)
             continue
         if x >= corrupt.WIDTH or y >= corrupt.HEIGHT:

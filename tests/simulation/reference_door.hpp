@@ -14,7 +14,7 @@ class ReferenceDoor {
   // Repairs the event. False: it is rejected.
   bool passes(Event& event) noexcept {
     ++received;
-    if (event.t > kLatest || event.t < -kLatest) return reject(rejected.bad_record);
+    if (event.t > kLatestStamp || event.t < -kLatestStamp) return reject(rejected.bad_record);
     const bool clamps = config_.on_bad == OnBad::clamp;
     const int last_x = config_.width == 0 ? 65535 : config_.width - 1;
     const int last_y = config_.height == 0 ? 65535 : config_.height - 1;
@@ -51,6 +51,7 @@ class ReferenceDoor {
 
  private:
   static constexpr std::int64_t kLatest = std::int64_t{1} << 52;
+  static constexpr std::int64_t kLatestStamp = std::int64_t{3} << 50;  // as it comes
 
   static bool reject(std::uint64_t& reason) noexcept {
     ++reason;

@@ -7,7 +7,7 @@
 namespace asap::simulation {
 namespace {
 
-constexpr std::int64_t kLimit = std::int64_t{1} << 52;  // of a stamp, us
+constexpr std::int64_t kLimit = std::int64_t{3} << 50;  // of a stamp, us
 
 // What a rate fault makes of the mean gap.
 double rate_factor(const Fault& fault, std::size_t number) {

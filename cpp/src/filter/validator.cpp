@@ -17,6 +17,10 @@ std::uint32_t largest_address(int size) noexcept {
 
 bool is_polarity(std::int16_t p) noexcept { return static_cast<std::uint16_t>(p) <= 1; }
 
+bool is_stamp(std::int64_t t) noexcept {
+  return t >= -Validator::kMaxRawStamp_us && t <= Validator::kMaxRawStamp_us;
+}
+
 }  // namespace
 
 Validator::Validator(ValidatorConfig config, BitLog* passed)
@@ -46,7 +50,7 @@ bool Validator::pass_clean(EventSpan block) {
     bad |= (event.x > max_x_) | (event.y > max_y_) | !is_polarity(event.p) | (event.t < last);
     last = event.t;
   }
-  if (bad || last > kMaxStamp_us) return false;
+  if (bad || last > kMaxRawStamp_us) return false;
   last_us_ = last;
   received_ += block.size();
   if (passed_ != nullptr) passed_->append(block.size(), true);
@@ -75,7 +79,7 @@ Validator::Repaired Validator::repair(EventSpan block) {
 // Before anything else: the rest of an earlier run need not make sense.
 bool Validator::warms_up(const Event& event) noexcept {
   if (!warming_up_) return false;
-  if (event.t < -kMaxStamp_us || event.t > kMaxStamp_us) return true;
+  if (!is_stamp(event.t)) return true;
   if (event.t <= warm_up_last_us_ - kNewEpoch_us) warm_up_first_us_ = event.t;
   warm_up_last_us_ = event.t;
   warming_up_ = event.t - warm_up_first_us_ < config_.warmup_discard_us;
@@ -83,7 +87,7 @@ bool Validator::warms_up(const Event& event) noexcept {
 }
 
 Validator::Fault Validator::mend(Event& event) noexcept {
-  if (event.t < -kMaxStamp_us || event.t > kMaxStamp_us) return Fault::bad_record;
+  if (!is_stamp(event.t)) return Fault::bad_record;
   const bool inside = event.x <= max_x_ && event.y <= max_y_;
   if (!inside && config_.on_bad != OnBad::clamp) return Fault::out_of_bounds;
 

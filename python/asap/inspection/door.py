@@ -17,7 +17,7 @@ from asap.inspection.tally import Integers, Tally
 
 __all__ = ["Door", "Passed"]
 
-_MAX_STAMP_US = 1 << 52  # beyond it the core refuses a stamp
+_MAX_STAMP_US = (1 << 52) - (1 << 50)  # beyond it the core refuses a stamp
 
 
 class Passed(NamedTuple):

@@ -180,7 +180,7 @@ TEST(Validator, KeepsTheOffsetWhereStampsLookGoodWithoutIt) {
 }
 
 TEST(Validator, StampsThatWouldOverflowAreBadRecords) {
-  constexpr std::int64_t kLimit = Validator::kMaxStamp_us;
+  constexpr std::int64_t kLimit = Validator::kMaxRawStamp_us;
   Validator validator;
   const Events good =
       check(validator, at_times({std::numeric_limits<std::int64_t>::min(), -kLimit - 1, -kLimit, 0,
@@ -191,10 +191,24 @@ TEST(Validator, StampsThatWouldOverflowAreBadRecords) {
 
 TEST(Validator, TimeNeverPassesTheLimitByEpochs) {
   constexpr std::int64_t kLimit = Validator::kMaxStamp_us;
+  constexpr std::int64_t kStamp = Validator::kMaxRawStamp_us;
   Validator validator;
-  EXPECT_EQ(times(check(validator, at_times({kLimit, 0, 1}))), (std::vector<std::int64_t>{kLimit}));
-  EXPECT_EQ(validator.rejected().bad_record, 2u);
-  EXPECT_EQ(validator.clock_resets(), 0u);
+  const std::int64_t rest = kLimit - kStamp - 1;
+  EXPECT_EQ(times(check(validator, at_times({kStamp, 0, rest + 1, rest}))),
+            (Times{kStamp, kStamp + 1, kLimit}));
+  EXPECT_EQ(times(check(validator, at_times({0, 1}))), Times{});
+  EXPECT_EQ(validator.rejected().bad_record, 3u);
+  EXPECT_EQ(validator.clock_resets(), 1u);
+}
+
+TEST(Validator, TimeGoesOnAfterADamagedStamp) {
+  constexpr std::int64_t kDay_us = 86'400 * kSecond_us;
+  for (const std::int64_t damaged :
+       {Validator::kMaxStamp_us, Validator::kMaxRawStamp_us, Validator::kMaxRawStamp_us - 1}) {
+    Validator validator;
+    check(validator, at_times({0, damaged}));
+    EXPECT_EQ(check(validator, at_times({1, 2, 3, kDay_us, 365 * kDay_us})).size(), 5u) << damaged;
+  }
 }
 
 TEST(Validator, RaiseSinksWhatCameBeforeAndNamesTheEvent) {

@@ -25,7 +25,7 @@ struct Rejections {
   std::uint64_t nonmonotonic = 0;
   std::uint64_t out_of_bounds = 0;
   std::uint64_t bad_polarity = 0;
-  std::uint64_t bad_record = 0;    // unreadable, or a stamp beyond kMaxStamp_us
+  std::uint64_t bad_record = 0;    // unreadable, or a stamp beyond kMaxRawStamp_us
   std::uint64_t before_start = 0;  // during the warm-up, whatever else is wrong with it
 
   std::uint64_t total() const noexcept {
@@ -53,8 +53,10 @@ struct ValidatorConfig {
 
 class Validator {
  public:
-  // Stamps beyond +-2^52 us (142 years) would overflow when counted in nanoseconds.
+  // Times beyond +-2^52 us (142 years) would overflow when counted in nanoseconds.
   static constexpr std::int64_t kMaxStamp_us = std::int64_t{1} << 52;
+  // A stamp as it comes stays below by 35 years, so that time can continue after a damaged one.
+  static constexpr std::int64_t kMaxRawStamp_us = kMaxStamp_us - (std::int64_t{1} << 50);
   static constexpr std::int64_t kNewEpoch_us = 1'000'000;
 
   // `passed`, if given, outlives the validator: one bit per event that has come, 1 = sunk.
@@ -118,7 +120,7 @@ class Validator {
   BitLog* passed_;
   std::uint32_t max_x_;
   std::uint32_t max_y_;
-  std::int64_t last_us_ = -kMaxStamp_us;  // stamp of the last event that passed
+  std::int64_t last_us_ = -kMaxRawStamp_us;  // stamp of the last event that passed
   bool warming_up_;
   std::int64_t warm_up_first_us_ = kMaxStamp_us;  // the warm-up counts from this stamp
   std::int64_t warm_up_last_us_ = kMaxStamp_us;
