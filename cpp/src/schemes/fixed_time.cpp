@@ -19,8 +19,7 @@ FixedTime::FixedTime(FixedTimeConfig config)
     : config_(config), period_ns_(checked_period_ns(config.period_ms)) {}
 
 Decision FixedTime::decide(const Backlog& backlog) noexcept {
-  const std::int64_t period = backlog.oldest_ns / period_ns_ - (backlog.oldest_ns % period_ns_ < 0);
-  const std::int64_t boundary_ns = (period + 1) * period_ns_;
+  const std::int64_t boundary_ns = (floor_div(backlog.oldest_ns, period_ns_) + 1) * period_ns_;
   if (backlog.now_ns < boundary_ns && !backlog.due) return Decision::wait_until(boundary_ns);
   return Decision::take(backlog.counts.before(boundary_ns));
 }

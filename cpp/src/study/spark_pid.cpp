@@ -48,8 +48,7 @@ void SparkPid::reset(Execution) noexcept { limit_count_ = 0; }
 
 // The next multiple of T.
 std::int64_t SparkPid::close_after(std::int64_t time_ns) const noexcept {
-  const std::int64_t period = time_ns / period_ns_ - (time_ns % period_ns_ < 0);
-  return (period + 1) * period_ns_;
+  return (floor_div(time_ns, period_ns_) + 1) * period_ns_;
 }
 
 double SparkPid::most_events(std::int64_t close_ns) const noexcept {

@@ -7,9 +7,7 @@ namespace {
 
 constexpr std::int64_t kSlotUs = 1000;
 
-std::int64_t slot_of(std::int64_t stamp_us) noexcept {
-  return stamp_us / kSlotUs - (stamp_us % kSlotUs < 0 ? 1 : 0);
-}
+std::int64_t slot_of(std::int64_t stamp_us) noexcept { return floor_div(stamp_us, kSlotUs); }
 
 // Cuts the events of the first one's slot off the front.
 EventSpan next_slot(EventSpan& events) noexcept {

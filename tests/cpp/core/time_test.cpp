@@ -9,6 +9,16 @@ namespace {
 
 constexpr std::int64_t kUnix_us = 1'600'000'000'123'456;
 
+TEST(FloorDiv, RoundsDownOnBothSidesOfZero) {
+  EXPECT_EQ(floor_div(0, 3), 0);
+  EXPECT_EQ(floor_div(2, 3), 0);
+  EXPECT_EQ(floor_div(3, 3), 1);
+  EXPECT_EQ(floor_div(-1, 3), -1);
+  EXPECT_EQ(floor_div(-3, 3), -1);
+  EXPECT_EQ(floor_div(-4, 3), -2);
+  EXPECT_EQ(floor_div(kLongAgo, 1), kLongAgo);
+}
+
 TEST(TimeAxis, BeginsAtTheWholeSecondBeforeTheFirstStamp) {
   EXPECT_EQ(TimeAxis(0, 1.0).to_ns(0), 0);
   EXPECT_EQ(TimeAxis(999'999, 1.0).to_ns(999'999), 999'999'000);

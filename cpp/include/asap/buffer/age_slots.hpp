@@ -19,6 +19,7 @@
 
 #include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
+#include "asap/core/time.hpp"
 
 namespace asap {
 
@@ -70,7 +71,7 @@ class AgeSlots {
   static constexpr std::size_t kEntries = 2 * kSlots;  // old ones are overwritten late
 
   std::int64_t slot_of(std::int64_t time_ns) const noexcept {
-    return time_ns / width_ns_ - (time_ns % width_ns_ < 0 ? 1 : 0);
+    return floor_div(time_ns, width_ns_);
   }
   static std::size_t entry_of(std::int64_t slot) noexcept {
     return static_cast<std::size_t>(slot) % kEntries;

@@ -13,12 +13,16 @@ namespace asap {
 inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 inline constexpr std::int64_t kLongAgo = std::numeric_limits<std::int64_t>::min();
 
+// Rounds down on both sides of zero. divisor > 0.
+constexpr std::int64_t floor_div(std::int64_t value, std::int64_t divisor) noexcept {
+  return value / divisor - (value % divisor < 0 ? 1 : 0);
+}
+
 class TimeAxis {
  public:
   TimeAxis() = default;
   TimeAxis(std::int64_t first_stamp_us, double speed) noexcept
-      : zero_us_(first_stamp_us - floor_mod(first_stamp_us, 1'000'000)),
-        ns_per_us_(1000.0 / speed) {}
+      : zero_us_(floor_div(first_stamp_us, kSecond_us) * kSecond_us), ns_per_us_(1000.0 / speed) {}
 
   // Run time of a stamp; saturates at about 290 years.
   std::int64_t to_ns(std::int64_t stamp_us) const noexcept {
@@ -33,10 +37,7 @@ class TimeAxis {
 
  private:
   static constexpr double kLimit = 9.2e18;
-  static constexpr std::int64_t floor_mod(std::int64_t value, std::int64_t divisor) noexcept {
-    const std::int64_t rest = value % divisor;
-    return rest < 0 ? rest + divisor : rest;
-  }
+  static constexpr std::int64_t kSecond_us = 1'000'000;
 
   std::int64_t zero_us_ = 0;
   double ns_per_us_ = 1000.0;
