@@ -9,7 +9,6 @@ namespace asap {
 namespace {
 
 constexpr double kLeastGamma = 0.02;
-constexpr std::size_t kLargestSize = std::size_t{1} << 40;
 constexpr double kGammaRecovery = 1.02;      // per package
 constexpr std::int64_t kLeastSpanNs = 2000;  // of a rate: stamps have 1 us
 

@@ -8,7 +8,6 @@
 namespace asap {
 namespace {
 
-constexpr std::size_t kLargestSize = std::size_t{1} << 40;
 constexpr double kFirstRate = 5e5;
 constexpr double kLeak = 0.99;
 constexpr double kLeastWindowNs = 1000;

@@ -5,11 +5,6 @@
 #include "asap/core/check.hpp"
 
 namespace asap {
-namespace {
-
-constexpr std::size_t kLargestSize = std::size_t{1} << 40;
-
-}  // namespace
 
 FixedSize::FixedSize(FixedSizeConfig config) : config_(config) {
   require(config.size >= 1 && config.size <= kLargestSize, "size", config.size,

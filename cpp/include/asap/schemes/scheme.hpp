@@ -95,6 +95,9 @@ struct Outcome {
   std::int64_t work_ns() const noexcept { return processing_ns - outage_ns; }
 };
 
+// Of a package, where a parameter limits it: events.
+inline constexpr std::size_t kLargestSize = std::size_t{1} << 40;
+
 // The constructor's parameters by name.
 using SchemeParameter = std::variant<std::int64_t, double>;
 using SchemeParameters = std::vector<std::pair<std::string_view, SchemeParameter>>;
