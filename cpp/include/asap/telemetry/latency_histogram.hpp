@@ -23,16 +23,7 @@ class LatencyHistogram {
       : bound_ns_(bound_ns) {}
 
   // A negative latency (a stamp ahead of the clock) counts as 0.
-  void record(std::int64_t latency_ns) noexcept {
-    latency_ns = std::max<std::int64_t>(latency_ns, 0);
-    const auto value = static_cast<std::uint64_t>(latency_ns);
-    bins_.add(bin_of(value), 1);
-    ++count_;
-    within_bound_ += latency_ns <= bound_ns_ ? 1U : 0U;
-    max_ns_ = std::max(max_ns_.load(), latency_ns);
-    sum_low_ += value;
-    sum_high_ += sum_low_ < value ? 1U : 0U;
-  }
+  void record(std::int64_t latency_ns) noexcept { record(latency_ns, 1); }
 
   // `count` < 2^32 events of the same latency.
   void record(std::int64_t latency_ns, std::size_t count) noexcept {
@@ -45,10 +36,9 @@ class LatencyHistogram {
     // value * count in 128 bits, from halves of 32
     const std::uint64_t low = (value & 0xffff'ffffU) * count;  // count < 2^32
     const std::uint64_t high = (value >> 32) * count;
-    const std::uint64_t product = low + (high << 32);
-    sum_high_ += (high >> 32) + (product < low ? 1U : 0U);
+    const std::uint64_t product = value * count;
     sum_low_ += product;
-    sum_high_ += sum_low_ < product ? 1U : 0U;
+    sum_high_ += ((high + (low >> 32)) >> 32) + (sum_low_ < product ? 1U : 0U);
   }
 
   // Many events of their own latencies: the sums are booked once, when the batch ends.
