@@ -175,6 +175,19 @@ def test_the_core_alone_needs_no_eigen(prefix: Path, tmp_path: Path) -> None:
     assert subprocess.run([tmp_path / "build" / "stranger"], check=False).returncode == ord("a")
 
 
+@pytest.mark.parametrize("absent", [{"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON"}, {}], ids=len)
+def test_algorithms_may_be_optional(absent: dict[str, str], prefix: Path, tmp_path: Path) -> None:
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n"
+        "find_package(asap REQUIRED COMPONENTS core OPTIONAL_COMPONENTS algorithms)\n"
+        "set(known FALSE)\nif(TARGET asap::algorithms)\n  set(known TRUE)\nendif()\n"
+        "file(WRITE ${CMAKE_BINARY_DIR}/known ${known},${asap_algorithms_FOUND})\n"
+    )
+    cmake(tmp_path, tmp_path / "build", CMAKE_PREFIX_PATH=prefix, **(absent or eigen()))
+    known = (tmp_path / "build" / "known").read_text()
+    assert known == ("FALSE," if absent else "TRUE,TRUE")
+
+
 def test_add_subdirectory(tmp_path: Path) -> None:
     """With a stranger's strict flags on our headers, and without our optional tools."""
     absent = {
