@@ -1,5 +1,5 @@
-# What `cmake --install` puts into a prefix. All of it is relocatable; the Python wheel takes the
-# component `python` alone.
+# What `cmake --install` puts into a prefix. All of it is relocatable, unless a directory is given
+# as an absolute one; the Python wheel takes the component `python` alone.
 include(CMakePackageConfigHelpers)
 
 set(_asap_cmake_dir "${CMAKE_INSTALL_LIBDIR}/cmake/asap")
@@ -23,7 +23,15 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/asap-config.cmake"
               "${CMAKE_CURRENT_BINARY_DIR}/asap-config-version.cmake"
         DESTINATION "${_asap_cmake_dir}" COMPONENT development)
 
-file(RELATIVE_PATH _asap_prefix_from_pc "/${_asap_pc_dir}" "/")
+if(IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}")
+  set(_asap_pc_prefix "${CMAKE_INSTALL_PREFIX}")
+else()
+  file(RELATIVE_PATH _asap_prefix_from_pc "/${_asap_pc_dir}" "/")
+  set(_asap_pc_prefix "\${pcfiledir}/${_asap_prefix_from_pc}")
+endif()
+# What is absolute takes the place of the prefix.
+cmake_path(APPEND _asap_pc_libdir "\${prefix}" "${CMAKE_INSTALL_LIBDIR}")
+cmake_path(APPEND _asap_pc_includedir "\${prefix}" "${CMAKE_INSTALL_INCLUDEDIR}")
 foreach(_library core algorithms)
   configure_file(asap-${_library}.pc.in asap-${_library}.pc @ONLY)
   install(FILES "${CMAKE_CURRENT_BINARY_DIR}/asap-${_library}.pc"

@@ -213,3 +213,15 @@ def test_pkg_config(prefix: Path, tmp_path: Path) -> None:
     consumer = tmp_path / "consumer"
     run(["c++", "-std=c++20", "-O1", CONSUMER / "main.cpp", *flags, "-o", consumer])
     assert_it_works(consumer)
+
+
+@pytest.mark.parametrize("include", ["include", "/elsewhere/include"])
+def test_pkg_config_knows_absolute_directories(include: str, tmp_path: Path) -> None:
+    places = {"PREFIX": "/prefix", "LIBDIR": "/somewhere/lib", "INCLUDEDIR": include}
+    settings = [f"-DCMAKE_INSTALL_{name}={place}" for name, place in places.items()]
+    settings += [f"-D{name}={place}" for name, place in eigen().items()]
+    run(["cmake", "-S", ROOT, "-B", tmp_path, *settings])
+    env = {**os.environ, "PKG_CONFIG_PATH": str(tmp_path / "cpp")}
+    for name, place in (("libdir", "/somewhere/lib"), ("includedir", include)):
+        found = run(["pkg-config", f"--variable={name}", "asap-core"], env=env).strip()
+        assert found == str(Path("/prefix", place))
