@@ -295,6 +295,18 @@ def test_threads_do_not_work_with_one_object_at_once(work: Callable[[Any], objec
     assert calls > 20
 
 
+def test_reader_finds_what_the_last_check_has_left() -> None:
+    validator = _core.Validator(width=50)
+    worker = threading.Thread(target=validator.check, args=(OUTSIDE,))
+    worker.start()
+    received = set()
+    while worker.is_alive():
+        received.add(validator.received)
+    worker.join()
+    assert received <= {0, OUTSIDE.size}
+    assert validator.received == validator.rejected["out_of_bounds"] == OUTSIDE.size
+
+
 def test_object_keeps_its_class() -> None:
     corners = asap.EFast(9, 9)
     with pytest.raises(TypeError, match="__class__"):
