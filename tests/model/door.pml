@@ -1,45 +1,86 @@
-/* PushDoor: two producers, one thread that closes and opens again. When close() has returned nobody
- * is inside, and nothing is pushed until the door is opened. Steps as in push_door.hpp.
+/* PushDoor: two producers, one thread that shuts, twice, and begins anew. Every run is ended once,
+ * by the one who shuts or by the last one out, when nobody is inside; nothing is pushed after that
+ * until the next run. Nobody who shuts waits. Steps as in push_door.hpp and pipeline.cpp.
  *
  * Each of these mutants must be refuted:
- *   -DCLOSE_WITHOUT_WAIT   close() does not wait for the one inside
+ *   -DSHUT_ENDS            who shuts ends the run, though somebody is inside
+ *   -DNOBODY_ENDS          the last one out does not end the run
+ *   -DOUT_BEFORE_END       the last one out leaves, then ends the run
+ *   -DBEGIN_WITHOUT_WAIT   a new run begins while somebody is inside
  *   -DINTRUDER_LEAVES      who finds somebody inside takes his mark away
  *   -DLOOK_THEN_ENTER      entering is two operations
- *   -DNOBODY_LEAVES        a producer at a shut door leaves his mark behind
+ *   -DLOOK_THEN_LEAVE      leaving is two operations
  */
 bool open, inside;   /* the two bits of the word */
 byte guests;         /* who really is inside */
-bool shut = true;    /* close() has returned */
+bool ended = true;
+byte turn;            /* the number of the run */
 byte pushed;
-
-inline leave() { inside = false }
 
 inline enter(let_in) {
 #ifdef LOOK_THEN_ENTER
-  was_open = open; was_inside = inside;
-  inside = true;
-#else
-  d_step { was_open = open; was_inside = inside; inside = true }
-#endif
-  let_in = false;
+  let_in = open && !inside;
   if
-  :: was_open && !was_inside -> let_in = true
-#ifdef INTRUDER_LEAVES
-  :: else -> leave()
-#else
-#ifdef NOBODY_LEAVES
+  :: let_in -> inside = true
   :: else
+  fi;
 #else
-  :: !was_open && !was_inside -> leave()
-  :: was_inside
+  d_step {
+    let_in = open && !inside;
+    if
+    :: let_in -> inside = true
+    :: else
+    fi
+  };
 #endif
+#ifdef INTRUDER_LEAVES
+  if
+  :: !let_in -> inside = false
+  :: else
+  fi
 #endif
+}
+
+inline end_run() {
+  assert(!ended && guests == 0);
+  copy = pushed;
+  assert(copy == pushed);
+  ended = true
+}
+
+inline leave(last) {
+#ifdef LOOK_THEN_LEAVE
+  last = !open;
+  if
+  :: !last -> inside = false
+  :: else
+  fi;
+#else
+  d_step {
+    last = !open;
+    if
+    :: !last -> inside = false
+    :: else
+    fi
+  };
+#endif
+  if
+  :: last ->
+#ifdef OUT_BEFORE_END
+    inside = false;
+#endif
+#ifndef NOBODY_ENDS
+    end_run();
+#endif
+    assert(turn == mine);
+    inside = false
+  :: else
   fi
 }
 
 active [2] proctype producer() {
-  bool was_open, was_inside, let_in;
-  byte visits, copy;
+  bool let_in, last;
+  byte visits, copy, mine;
   do
   :: visits < 2 ->
     visits++;
@@ -47,35 +88,49 @@ active [2] proctype producer() {
     if
     :: let_in ->
       guests++;
-      assert(guests == 1 && !shut);
+      mine = turn;
+      assert(guests == 1 && !ended);
       copy = pushed;            /* a push that two at once would tear */
-      assert(!shut);
+      assert(guests == 1 && !ended);
       pushed = copy + 1;
-      assert(guests == 1 && !shut);
+      assert(guests == 1 && !ended && turn == mine);
       guests--;
-      leave()
+      leave(last)
     :: else
     fi;
-    let_in = false; was_open = false; was_inside = false; copy = 0
+    let_in = false; last = false; copy = 0; mine = 0
   :: else -> break
   od
 }
 
 active proctype owner() {
-  byte rounds, seen;
+  bool alone;
+  byte rounds, copy;
   do
-  :: rounds < 2 ->
-    rounds++;
-    shut = false;
-    open = true;
-    open = false;
-#ifndef CLOSE_WITHOUT_WAIT
-    !inside;
+  :: rounds < 4 ->
+    if
+    :: rounds % 2 == 0 ->
+#ifndef BEGIN_WITHOUT_WAIT
+      !inside;
 #endif
-    shut = true;
-    assert(guests == 0);
-    seen = pushed;
-    assert(seen == pushed)
+      assert(ended);
+      turn++;
+      ended = false;
+      open = true
+    :: else
+    fi;
+    d_step { alone = open && !inside; open = false };
+#ifdef SHUT_ENDS
+    alone = rounds % 2 == 0;
+#endif
+    if
+    :: alone -> end_run()
+    :: else
+    fi;
+    alone = false; copy = 0;
+    rounds++
   :: else -> break
-  od
+  od;
+  !inside;
+  assert(ended)
 }

@@ -1,12 +1,14 @@
 /* Pipeline::stop() with draining: door, done flag, doorbell and ring together. A producer that
  * pushes until it is refused, one thread that stops, a consumer that goes on until it has seen
- * the end. Steps as in pipeline.cpp, live_run.cpp, consumer_loop.cpp; no deadline.
+ * the end; who stops, or the last push, says it. Steps as in pipeline.cpp, live_run.cpp,
+ * consumer_loop.cpp; no deadline.
  *
  * Each of these mutants must be refuted:
  *   -DCLOSED_BEFORE_DOOR   the done flag is set while a producer may be inside
- *   -DDOOR_WITHOUT_WAIT    the door does not wait for the one inside
+ *   -DLAST_OUT_IS_SILENT   the push that was inside does not set the done flag
+ *   -DWHO_STOPS_SAYS_IT    stop() sets the done flag though a producer is inside
  *   -DDONE_AFTER_INDEX     the consumer asks whether it is done after its last look at the index
- *   -DWAKE_SKIPPED         stop() does not ring
+ *   -DWAKE_SKIPPED         who sets the done flag does not ring
  *   -DREADY_WITHOUT_CLOSED the look before sleep is not at the done flag
  */
 #ifndef TOTAL
@@ -26,13 +28,20 @@ inline wake(was) {
   fi
 }
 
+inline close() {
+  closed = true;
+#ifndef WAKE_SKIPPED
+  wake(was);
+#endif
+}
+
 active proctype producer() {
-  bool was_open, was;
+  bool let_in, last, was;
   do
   :: tail < TOTAL ->
-    d_step { was_open = open; inside = true }
+    d_step { let_in = open; inside = open };
     if
-    :: !was_open -> inside = false; break
+    :: !let_in -> break
     :: else
     fi;
     assert(!closed);
@@ -43,24 +52,32 @@ active proctype producer() {
     :: was && tail >= wanted -> wake(was)
     :: else
     fi;
-    inside = false
+    d_step { last = !open; inside = last };
+    if
+    :: last ->
+#ifndef LAST_OUT_IS_SILENT
+      close();
+#endif
+      inside = false
+    :: else
+    fi
   :: else -> break
   od
 }
 
 active proctype stopper() {
-  bool was;
+  bool alone, was;
 #ifdef CLOSED_BEFORE_DOOR
   closed = true;
 #endif
-  open = false;
-#ifndef DOOR_WITHOUT_WAIT
-  !inside;
+  d_step { alone = !inside; open = false };
+#ifdef WHO_STOPS_SAYS_IT
+  alone = true;
 #endif
-  closed = true;
-#ifndef WAKE_SKIPPED
-  wake(was);
-#endif
+  if
+  :: alone -> close()
+  :: else
+  fi
 }
 
 active proctype consumer() {

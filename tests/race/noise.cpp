@@ -65,6 +65,15 @@ std::uint64_t asap::test::noises() noexcept { return made.load(std::memory_order
     noise();                                                                              \
     return __real___tsan_atomic##bits##_##name(at, value, order);                         \
   }
+#define ASAP_NOISY_CAS(Value, bits)                                                              \
+  int __real___tsan_atomic##bits##_compare_exchange_strong(volatile Value* at, Value* expected,  \
+                                                           Value value, int order, int failed);  \
+  int __wrap___tsan_atomic##bits##_compare_exchange_strong(volatile Value* at, Value* expected,  \
+                                                           Value value, int order, int failed) { \
+    noise();                                                                                     \
+    return __real___tsan_atomic##bits##_compare_exchange_strong(at, expected, value, order,      \
+                                                                failed);                         \
+  }
 #define ASAP_NOISY(Value, bits)                                                         \
   Value __real___tsan_atomic##bits##_load(const volatile Value* at, int order);         \
   Value __wrap___tsan_atomic##bits##_load(const volatile Value* at, int order) {        \
@@ -76,6 +85,7 @@ std::uint64_t asap::test::noises() noexcept { return made.load(std::memory_order
     noise();                                                                            \
     __real___tsan_atomic##bits##_store(at, value, order);                               \
   }                                                                                     \
+  ASAP_NOISY_CAS(Value, bits)                                                           \
   ASAP_NOISY_RMW(Value, bits, exchange)                                                 \
   ASAP_NOISY_RMW(Value, bits, fetch_add)                                                \
   ASAP_NOISY_RMW(Value, bits, fetch_or)                                                 \

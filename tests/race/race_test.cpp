@@ -83,8 +83,7 @@ void stream_through_the_ring(std::uint64_t seed, std::uint64_t events) {
     Events batch;
     const std::uint64_t start = ring.tail();
     while (pushed < events) {
-      const PushDoor::Visit visit(door);
-      if (!visit.inside()) {
+      if (!door.enter()) {
         std::this_thread::yield();  // the other may wait for this processor to get out
         continue;
       }
@@ -97,6 +96,7 @@ void stream_through_the_ring(std::uint64_t seed, std::uint64_t events) {
       pushed += taken;
       refused.fetch_add(batch.size() - taken, std::memory_order_relaxed);
       bell.announce(ring.tail());
+      door.leave([] {});
       if (taken == 0) std::this_thread::yield();
     }
     ring.close();
@@ -104,11 +104,10 @@ void stream_through_the_ring(std::uint64_t seed, std::uint64_t events) {
   });
   std::jthread other([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
-      {
-        const PushDoor::Visit visit(door);  // in the producer's way, at times
-        if (is_woken) bell.wake();
-        EXPECT_LE(ring.size(), ring.capacity());
-      }
+      const bool inside = door.enter();  // in the producer's way, at times
+      if (is_woken) bell.wake();
+      EXPECT_LE(ring.size(), ring.capacity());
+      if (inside) door.leave([] {});
       std::this_thread::yield();  // outside: on one processor the producer would never get in
     }
   });
@@ -139,7 +138,8 @@ void stream_through_the_ring(std::uint64_t seed, std::uint64_t events) {
     ASSERT_LT(Doorbell::Clock::now(), deadline) << "a wake-up was lost";
   }
   other.request_stop();
-  door.close();
+  door.shut();
+  door.wait_until_empty();
   ASSERT_EQ(seen, events);
   ASSERT_EQ(pushed, events);
   ASSERT_EQ(ring.overflow(), refused);

@@ -50,6 +50,7 @@ Pipeline::Pipeline(std::unique_ptr<Scheme> scheme, RunConfig config, Consumer al
 
 Pipeline::~Pipeline() {
   stop(false);
+  door_.wait_until_empty();
   if (worker_.joinable()) worker_.join();
 }
 
@@ -73,8 +74,13 @@ void Pipeline::join() {
 }
 
 bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
-  const PushDoor::Visit visit(door_);
-  if (!visit.inside()) return false;
+  if (!door_.enter()) return false;
+  struct Leave {
+    Pipeline& pipeline;
+    ~Leave() {
+      pipeline.door_.leave([this] { pipeline.run_->close(); });
+    }
+  } leave{*this};
   run_->push(events, arrival, poll);
   return true;
 }
@@ -136,10 +142,8 @@ void Pipeline::flush() {
 
 void Pipeline::stop(bool drain) {
   const std::lock_guard lock(control_);
-  const bool was_open = door_.is_open();
   run_->leave();
-  door_.close();
-  if (was_open) run_->close();
+  if (door_.shut()) run_->close();  // else the push that is inside does
   if (!drain) run_->loop().abandon();
 }
 
@@ -152,9 +156,10 @@ void Pipeline::start() {
 }
 
 void Pipeline::begin() {
-  const Working working(*this);
-  const std::lock_guard lock(control_);
+  const Working working(*this);  // nobody else opens meanwhile
   if (door_.is_open()) return;
+  door_.wait_until_empty();
+  const std::lock_guard lock(control_);
   if (has_package_) throw std::logic_error("pipeline: a package is in work; complete() it first");
   if (scheme_.latency_bound_ns() != 0) scheme_.set_latency_bound_ns(latency_bound_ns_);
   run_ = std::make_unique<LiveRun>(scheme_, config_);  // or the run before stays, if this throws

@@ -450,6 +450,59 @@ TEST(PipelineBlock, StopFreesTheProducer) {
   EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 1000, .overflow = 936, .pending = 64}));
 }
 
+TEST(PipelineBlock, ItsPollMayStop) {
+  Greedy scheme;
+  Pipeline pipeline(scheme, whole(64, WhenFull::block));
+  EXPECT_TRUE(pipeline.push(evenly_spaced(1000, 1), {}, [&] { pipeline.stop(); }));
+  EXPECT_FALSE(pipeline.push(at_times({2000})));
+  std::size_t delivered = 0;
+  Package package;
+  while (pipeline.next(package, kLong) == Next::package) delivered += package.events.size();
+  EXPECT_EQ(delivered, 64u) << "what has got in is drained";
+  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 1000, .overflow = 936, .delivered = 64}));
+  pipeline.start();
+  EXPECT_TRUE(pipeline.push(at_times({1})));
+  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 1, .pending = 1}));
+}
+
+TEST(PipelineBlock, ItsPollMayLookWhileAnotherThreadStops) {
+  Greedy scheme;
+  Pipeline pipeline(scheme, whole(64, WhenFull::block));
+  std::atomic<bool> polls{false};
+  std::jthread other([&] {
+    polls.wait(false);
+    pipeline.stop();
+    EXPECT_EQ(pipeline.ledger().pending, 64u) << "the push is inside: not the end";
+    polls = false;
+    polls.notify_one();
+  });
+  EXPECT_TRUE(pipeline.push(evenly_spaced(1000, 1), {}, [&] {
+    polls = true;
+    polls.notify_one();
+    polls.wait(true);
+    EXPECT_TRUE(pipeline.stats().ledger.balanced());
+  }));
+  EXPECT_EQ(pipeline.ledger().received, 1000u);
+}
+
+TEST(PipelineBlock, ANewRunWaitsForThePushOfTheOneBefore) {
+  Greedy scheme;
+  Pipeline pipeline(scheme, whole(64, WhenFull::block));
+  std::atomic<bool> left{false};
+  std::jthread starter;
+  EXPECT_TRUE(pipeline.push(evenly_spaced(1000, 1), {}, [&] {
+    pipeline.abandon();
+    starter = std::jthread([&] {
+      pipeline.start();
+      EXPECT_TRUE(left);
+    });
+    std::this_thread::sleep_for(20ms);
+    left = true;
+  }));
+  starter.join();
+  EXPECT_EQ(pipeline.ledger(), Ledger{});
+}
+
 TEST(Pipeline, SaysThatItsConsumerHasStalled) {
   Greedy scheme;
   RunConfig config = whole(1000, WhenFull::thin);

@@ -7,42 +7,67 @@
 namespace asap {
 namespace {
 
+// Says whether who leaves is the last one out.
+bool leaves_last(PushDoor& door) {
+  bool last = false;
+  door.leave([&] { last = true; });
+  return last;
+}
+
 TEST(PushDoor, IsShutUntilOpened) {
   PushDoor door;
-  EXPECT_FALSE(PushDoor::Visit(door).inside());
+  EXPECT_FALSE(door.enter());
+  EXPECT_FALSE(door.shut()) << "it was not open";
   door.open();
-  EXPECT_TRUE(PushDoor::Visit(door).inside());
-  EXPECT_TRUE(PushDoor::Visit(door).inside()) << "the one before has left";
-  door.close();
+  EXPECT_TRUE(door.enter());
+  EXPECT_FALSE(leaves_last(door));
+  EXPECT_TRUE(door.enter()) << "the one before has left";
+  EXPECT_FALSE(leaves_last(door));
+  EXPECT_TRUE(door.shut());
   EXPECT_FALSE(door.is_open());
-  EXPECT_FALSE(PushDoor::Visit(door).inside());
+  EXPECT_FALSE(door.enter());
 }
 
 TEST(PushDoor, HoldsOneAtATime) {
   PushDoor door;
   door.open();
-  const PushDoor::Visit first(door);
-  EXPECT_FALSE(PushDoor::Visit(door).inside());
-  EXPECT_FALSE(PushDoor::Visit(door).inside()) << "who was not let in does not let others in";
+  EXPECT_TRUE(door.enter());
+  EXPECT_FALSE(door.enter());
+  EXPECT_FALSE(door.enter()) << "who was not let in does not let others in";
 }
 
-TEST(PushDoor, NobodyIsInsideWhenItHasClosed) {
+TEST(PushDoor, TheLastOneOutIsTheOneInside) {
+  PushDoor door;
+  door.open();
+  ASSERT_TRUE(door.enter());
+  EXPECT_FALSE(door.shut());
+  EXPECT_FALSE(door.is_open());
+  EXPECT_FALSE(door.shut()) << "nor the second time";
+  EXPECT_FALSE(door.enter());
+  EXPECT_TRUE(leaves_last(door));
+  door.wait_until_empty();
+  EXPECT_FALSE(door.enter());
+}
+
+TEST(PushDoor, OneIsTheLastOutAndThenNobodyIsInside) {
+  PushDoor door;
+  int written = 0;  // a race, unless the door is right
+  int ends = 0;
   for (int round = 0; round < 200; ++round) {
-    PushDoor door;
     door.open();
-    int written_inside = 0;  // a race, unless the door is right
     std::jthread producer([&] {
-      for (;;) {
-        const PushDoor::Visit visit(door);
-        if (!visit.inside()) return;
-        ++written_inside;
+      while (door.enter()) {
+        ++written;
+        door.leave([&] { ++ends; });
       }
     });
     std::this_thread::yield();
-    door.close();
-    const int seen = written_inside;
+    if (door.shut()) ++ends;
+    door.wait_until_empty();
+    ASSERT_EQ(ends, round + 1);
+    const int seen = written;
     producer.join();
-    ASSERT_EQ(written_inside, seen);
+    ASSERT_EQ(written, seen);
   }
 }
 

@@ -65,6 +65,10 @@ struct RelacyAtomics {
     Value fetch_and(Value value, Order order, Where where = Where::current()) {
       return atomic_.fetch_and(value, order_of(order), where);
     }
+    bool compare_exchange_strong(Value& expected, Value value, Order order,
+                                 Where where = Where::current()) {
+      return atomic_.compare_exchange_strong(expected, value, order_of(order), where);
+    }
 
    private:
     rl::atomic<Value> atomic_;

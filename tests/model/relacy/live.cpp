@@ -1,6 +1,7 @@
 // What a live pipeline shares between threads, under Relacy: door, arrival times, ring and doorbell
 // together, put together as in live_run.cpp, pipeline.cpp and consumer_loop.cpp. A thread pushes
-// until the door is shut, one stops, one consumes until it has seen the end; nobody has a deadline.
+// until the door is shut, one stops, the last one out says that it is the end, one consumes until
+// it has seen that; nobody has a deadline.
 #include "asap/buffer/arrival_times.hpp"
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/runner/doorbell.hpp"
@@ -25,7 +26,7 @@ struct Live : rl::test_suite<Live<capacity, total>, 3> {
   Times times{5};
   Bell bell;
   Door door;
-  rl::var<unsigned> pushed;  // the producer's; the stopper's once the door is shut
+  rl::var<unsigned> pushed;  // the producer's; the stopper's if nobody was inside
 
   void before() {
     RelacySleep::queue = &queue;
@@ -41,18 +42,21 @@ struct Live : rl::test_suite<Live<capacity, total>, 3> {
 
   void produce() {
     for (unsigned i = 0; i < total; ++i) {
-      const typename Door::Visit visit(door);
-      if (!visit.inside()) return;
+      if (!door.enter()) return;
       const std::array<Event, 1> events{Event(i)};
       times.note(ring.tail(), time_of(i));
       ring.push(events);
       pushed($) += 1;
       bell.announce(ring.tail());
+      door.leave([this] { close(); });
     }
   }
 
   void stop() {
-    door.close();
+    if (door.shut()) close();
+  }
+
+  void close() {
     RL_ASSERT(pushed($) == ring.tail() + ring.overflow());
     ring.close();
     bell.wake();
@@ -191,26 +195,40 @@ struct WantsLess : rl::test_suite<WantsLess, 3> {
   }
 };
 
-// Two producers at one door, which is shut and opened again.
+// Two producers at one door, which is shut, twice, and opened again when it is empty.
 struct TwoAtTheDoor : rl::test_suite<TwoAtTheDoor, 3> {
   Door door;
   rl::var<unsigned> pushed;
+  rl::var<unsigned> ends;
 
-  void before() { pushed($) = 0; }
+  void before() {
+    pushed($) = 0;
+    ends($) = 0;
+  }
 
   void thread(unsigned index) {
     if (index == 2) {
       for (unsigned round = 0; round < 2; ++round) {
         door.open();
-        door.close();
+        for (unsigned time = 0; time < 2; ++time) {
+          if (door.shut()) end();
+        }
+        door.wait_until_empty();
+        RL_ASSERT(ends($) == round + 1);
         pushed($) += 1;  // a race, unless nobody is inside
       }
       return;
     }
     for (unsigned i = 0; i < 2; ++i) {
-      const Door::Visit visit(door);
-      if (visit.inside()) pushed($) += 1;
+      if (!door.enter()) continue;
+      pushed($) += 1;
+      door.leave([this] { end(); });
     }
+  }
+
+  void end() {
+    pushed($) += 1;
+    ends($) += 1;
   }
 };
 

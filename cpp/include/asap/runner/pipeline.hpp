@@ -58,7 +58,8 @@ class Pipeline {
   explicit Pipeline(Scheme& scheme, RunConfig config = {});
   // With a worker: a thread that runs the algorithm, under Deadline, until stop(). See join().
   Pipeline(RunConfig config, Consumer algorithm);
-  // Gives up what still waits, and waits for the worker to end its package.
+  // Gives up what still waits, and waits for a push that is inside and for the worker to end its
+  // package.
   ~Pipeline();
 
   // ---- producer: any thread, one at a time; wait-free, no allocation
@@ -104,13 +105,15 @@ class Pipeline {
 
   // No push is taken any more; the consumer gets what waits (drain) or, after the package in work,
   // nothing more: the rest stays pending. The scheme decides to the end: Deadline drops what has
-  // become stale in the drain too. Does not wait for the consumer. Again: only drain = false makes
-  // a difference.
+  // become stale in the drain too. Waits neither for the consumer nor for a push that is inside:
+  // that one waits for room no longer, and the run ends with it. Again: only drain = false makes a
+  // difference.
   void stop(bool drain = true);
 
   // After stop(): a new run, with an empty ring and all counts at 0. std::logic_error while a
   // consumer is inside or a package in work; no event of the run before may be in use. Waits for a
-  // worker that still drains, and lets it begin anew.
+  // push that is still inside, so not from its poll, and for a worker that still drains, and lets
+  // it begin anew.
   void start();
 
   // Another latency bound, from the consumer's next look on and for later runs; for a scheme that
