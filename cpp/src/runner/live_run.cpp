@@ -105,16 +105,16 @@ Rejections LiveRun::rejected() const noexcept {
 Ledger LiveRun::ledger() const noexcept {
   // Then what the two sides own may be read.
   const bool over = finished_.load(std::memory_order_acquire) && buffer_.closed();
-  // The consumer's counts first: what it has booked has been pushed.
   Ledger ledger{.filtered = telemetry_.filtered,
                 .discarded = telemetry_.discarded,
                 .stale = telemetry_.stale,
                 .overflow = telemetry_.overflow,
                 .delivered = telemetry_.delivered};
-  const std::uint64_t tail = buffer_.tail();
-  ledger.pending = over ? buffer_.size()
-                        : tail - ledger.filtered - ledger.discarded - ledger.stale -
-                              ledger.overflow - ledger.delivered;
+  const std::uint64_t booked =
+      ledger.filtered + ledger.discarded + ledger.stale + ledger.overflow + ledger.delivered;
+  // What has been booked has been pushed, though a processor may see it before the tail.
+  const std::uint64_t tail = std::max(buffer_.tail(), booked);
+  ledger.pending = over ? buffer_.size() : tail - booked;
   const std::uint64_t thinned = intake_.discarded();
   const std::uint64_t overflow = buffer_.overflow();
   ledger.rejected = rejected().total();
