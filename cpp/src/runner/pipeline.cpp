@@ -6,6 +6,11 @@
 #include "asap/schemes/deadline.hpp"
 
 namespace asap {
+namespace {
+
+thread_local const Pipeline* worker_of = nullptr;  // whose worker this thread is
+
+}  // namespace
 
 // The consumer's side has one guest at a time.
 class Pipeline::Working {
@@ -55,20 +60,40 @@ Pipeline::~Pipeline() {
 }
 
 void Pipeline::set_to_work() {
-  worker_ = std::thread([this] {
-    try {
-      run(algorithm_);
-    } catch (...) {
-      error_ = std::current_exception();
-    }
-  });
+  works_ = true;
+  try {
+    worker_ = std::thread([this] {
+      worker_of = this;
+      try {
+        run(algorithm_);
+      } catch (...) {
+        error_ = std::current_exception();
+      }
+      works_ = false;
+      works_.notify_all();
+    });
+  } catch (...) {  // no thread to be had
+    works_ = false;
+    works_.notify_all();
+    abandon();
+    throw;
+  }
 }
 
 void Pipeline::join() {
+  require_another_thread();
+  works_.wait(true);
+  const std::lock_guard lock(worker_control_);
+  if (!works_) end_work();  // else a new run has begun
+}
+
+void Pipeline::require_another_thread() const {
+  if (worker_of != this) return;
+  throw std::logic_error("pipeline: the worker cannot wait for itself; stop() is enough");
+}
+
+void Pipeline::end_work() {
   if (!worker_.joinable()) return;
-  if (worker_.get_id() == std::this_thread::get_id()) {
-    throw std::logic_error("pipeline: the worker cannot wait for itself; stop() is enough");
-  }
   worker_.join();
   if (error_) std::rethrow_exception(std::exchange(error_, {}));
 }
@@ -150,7 +175,10 @@ void Pipeline::stop(bool drain) {
 void Pipeline::start() {
   if (!algorithm_) return begin();
   if (door_.is_open()) return;
-  join();
+  require_another_thread();
+  const std::lock_guard lock(worker_control_);
+  if (door_.is_open()) return;  // another thread has been faster
+  end_work();
   begin();
   set_to_work();
 }

@@ -618,6 +618,20 @@ TEST(PipelineWorker, BeginsAnew) {
   }
 }
 
+TEST(PipelineWorker, AnyThreadMayStartAndWait) {
+  Pipeline pipeline{kPatient, [](EventSpan) {}};
+  for (int round = 0; round < 300; ++round) {
+    pipeline.stop();
+    const std::jthread waits([&] { pipeline.join(); });
+    {
+      const std::jthread one([&] { pipeline.start(); });
+      const std::jthread other([&] { pipeline.start(); });
+    }
+    ASSERT_TRUE(pipeline.push(evenly_spaced(10, 1)));
+    pipeline.stop();
+  }
+}
+
 TEST(PipelineWorker, StopsFromInsideAndCannotWaitForItself) {
   std::atomic<bool> refused = false;
   Pipeline* self = nullptr;

@@ -134,6 +134,8 @@ class Pipeline {
   void complete_package();
   void begin();
   void set_to_work();
+  void require_another_thread() const;
+  void end_work();
 
   const std::unique_ptr<Scheme> own_scheme_;
   Scheme& scheme_;
@@ -149,8 +151,10 @@ class Pipeline {
   Package package_;                     // in work, if has_package_
   bool has_package_ = false;
 
-  const Consumer algorithm_;  // of the worker
-  std::exception_ptr error_;  // what it has thrown
+  const Consumer algorithm_;   // of the worker
+  std::mutex worker_control_;  // start and join; taken before control_
+  std::exception_ptr error_;   // what it has thrown
+  std::atomic<bool> works_{false};
   std::thread worker_;
 };
 
