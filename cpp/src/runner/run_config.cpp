@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 
 #include "asap/core/check.hpp"
 
@@ -25,9 +26,10 @@ std::int64_t latency_bound_ns(const RunConfig& config, const Scheme& scheme) {
   const std::int64_t own_ns = scheme.latency_bound_ns();
   if (!config.latency_us) return own_ns > 0 ? own_ns : kDefaultLatencyNs;
   const std::int64_t wanted_ns = checked_latency_bound_ns(*config.latency_us);
-  require(own_ns == 0 || own_ns == wanted_ns, "latency_us", *config.latency_us,
+  // One number in ms and in us may be rounded to two.
+  require(own_ns == 0 || std::abs(own_ns - wanted_ns) <= 1, "latency_us", *config.latency_us,
           "differs from the bound of the scheme; give one of the two");
-  return wanted_ns;
+  return own_ns == 0 ? wanted_ns : own_ns;
 }
 
 PackagerConfig packager_config(const RunConfig& config, KeptMask* kept_mask) {

@@ -11,6 +11,7 @@
 
 #include "asap/buffer/age_slots.hpp"
 #include "asap/runner/simulator.hpp"
+#include "asap/schemes/deadline.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "support/errors.hpp"
 #include "support/scripted_scheme.hpp"
@@ -33,6 +34,16 @@ TEST(RunConfig, TheBoundIsTheUsersElseTheSchemesElseTen) {
   EXPECT_EQ(latency_bound_ns({.latency_us = 2500}, greedy), 2'500'000);
   EXPECT_EQ(latency_bound_ns({}, with_bound), 5'000'000);
   EXPECT_EQ(latency_bound_ns({.latency_us = 5000}, with_bound), 5'000'000);
+}
+
+TEST(RunConfig, OneBoundInTwoUnitsIsOneBound) {
+  for (std::int64_t ns = 10'000; ns < 60'000; ++ns) {
+    const double us = static_cast<double>(ns) * 1e-3 + 0.0005;  // 15.6585 us: rounded up or down
+    for (const double ms : {us * 1e-3, us / 1e3}) {
+      const Deadline scheme({.latency_ms = ms});
+      ASSERT_EQ(latency_bound_ns({.latency_us = us}, scheme), scheme.latency_bound_ns()) << us;
+    }
+  }
 }
 
 TEST(RunConfig, RefusesABadBoundByName) {
