@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <stdexcept>
 #include <thread>
 
 #include "asap/core/check.hpp"
@@ -38,6 +39,7 @@ Replay::Replay(Scheme& scheme, ReplayConfig replay, RunConfig config)
       loop_(buffer_, packager_, telemetry_, doorbell_, clock_) {}
 
 void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
+  if (buffer_.closed()) throw std::logic_error("replay: has run; make another one");
   std::exception_ptr producer_error;
   {
     std::jthread producer([&](const std::stop_token& stop) {

@@ -10,6 +10,7 @@
 #include <functional>
 #include <limits>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -456,6 +457,17 @@ TEST(Replay, PollsWhileTheAlgorithmIsBusyAndWhileNothingComes) {
   });
   EXPECT_EQ(code, 9) << "or it waits for ever";
   EXPECT_GE(busy, 2);
+}
+
+TEST(Replay, RunsOnce) {
+  const Events events = evenly_spaced(60, 1);
+  Greedy scheme;
+  Replay replay(scheme);
+  SpanSource source(events);
+  replay.run(source, [](EventSpan) {});
+  SpanSource again(events);
+  EXPECT_THROW(replay.run(again, [](EventSpan) {}), std::logic_error);
+  EXPECT_EQ(replay.ledger(), (Ledger{.received = 60, .delivered = 60}));
 }
 
 TEST(Replay, RefusesABadConfigurationByName) {

@@ -36,10 +36,10 @@ class Replay {
   // The scheme outlives the replay.
   Replay(Scheme& scheme, ReplayConfig replay = {}, RunConfig config = {});
 
-  // Runs to the end of the source; once. `poll` is called on the caller's thread every 20 ms or,
-  // while the algorithm works, between two packages; it may throw to stop the run. An exception of
-  // the algorithm, of poll or of the source comes out unchanged, with the producer stopped and the
-  // ledger balanced.
+  // Runs to the end of the source; once, then std::logic_error. `poll` is called on the caller's
+  // thread every 20 ms or, while the algorithm works, between two packages; it may throw to stop
+  // the run. An exception of the algorithm, of poll or of the source comes out unchanged, with the
+  // producer stopped and the ledger balanced.
   void run(EventSource& source, const Consumer& consumer, const Poll& poll = {});
 
   // After run() has returned or thrown; from poll: a snapshot, of the events pushed so far.
