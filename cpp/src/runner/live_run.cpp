@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 
 #include "asap/core/check.hpp"
 
@@ -42,6 +43,7 @@ void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival,
     ~Publish() { run.publish_counts(); }
   } publish{*this};  // also when the validator refuses an event
   bool timed = false;
+  std::exception_ptr interrupted;  // by the poll: what follows counts too, but waits no longer
   validator_.check(events, [&](EventSpan good) {
     if (!timed) {
       const Steady::time_point now = System::now();
@@ -51,9 +53,18 @@ void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival,
       timed = true;
     }
     heed_clock();
-    intake_.take(good, arrival_ns_, poll);
+    try {
+      if (interrupted) {
+        intake_.put(good, arrival_ns_);
+      } else {
+        intake_.take(good, arrival_ns_, poll);
+      }
+    } catch (...) {
+      interrupted = std::current_exception();
+    }
     sensor_delay_.note(good.back().t, arrival_ns_);
   });
+  if (interrupted) std::rethrow_exception(interrupted);
 }
 
 void LiveRun::begin(const Event& first, Steady::time_point arrival) noexcept {

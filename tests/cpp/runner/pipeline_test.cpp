@@ -450,6 +450,18 @@ TEST(PipelineBlock, StopFreesTheProducer) {
   EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 1000, .overflow = 936, .pending = 64}));
 }
 
+TEST(PipelineBlock, WhatHasNotGotInWhenItsPollThrowsIsOverflow) {
+  for (const bool repaired : {false, true}) {
+    Greedy scheme;
+    Pipeline pipeline(scheme, whole(64, WhenFull::block));
+    Events events = evenly_spaced(1000, 1);
+    if (repaired) events[300].p = 7;  // the validator passes such a push on in pieces
+    EXPECT_THROW(pipeline.push(events, {}, [] { throw std::runtime_error("interrupted"); }),
+                 std::runtime_error);
+    EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 1000, .overflow = 936, .pending = 64}));
+  }
+}
+
 TEST(PipelineBlock, ItsPollMayStop) {
   Greedy scheme;
   Pipeline pipeline(scheme, whole(64, WhenFull::block));

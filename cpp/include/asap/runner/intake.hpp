@@ -44,6 +44,9 @@ class Intake {
   // got in counts as overflow, as it does after leave().
   void take(EventSpan events, std::int64_t arrival_ns, const Poll& poll = {});
 
+  // Producer. What there is room for, whatever the rule; the rest is overflow. Returns how many.
+  std::size_t put(EventSpan events, std::int64_t arrival_ns) noexcept;
+
   // Where the producer sleeps that waits for room; none if it never does.
   Doorbell* room() noexcept { return when_full_ == WhenFull::block ? &room_ : nullptr; }
 
@@ -59,7 +62,6 @@ class Intake {
  private:
   static constexpr std::size_t kBlock = 256;
 
-  std::size_t put(EventSpan events, std::int64_t arrival_ns) noexcept;
   void put_waiting(EventSpan events, std::int64_t arrival_ns, const Poll& poll);
   void thin(EventSpan events, std::int64_t arrival_ns) noexcept;
   KeepThreshold bar(double share, std::size_t events, std::size_t room) noexcept;
