@@ -54,12 +54,12 @@ class Pipeline {
   using Arrival = std::optional<std::chrono::steady_clock::time_point>;
   using Poll = ConsumerLoop::Poll;
 
-  // Open from the start. The scheme outlives the pipeline.
+  // Open from the start. The scheme outlives the pipeline and serves no other run meanwhile.
   explicit Pipeline(Scheme& scheme, RunConfig config = {});
   // With a worker: a thread that runs the algorithm, under Deadline, until stop(). See join().
   Pipeline(RunConfig config, Consumer algorithm);
   // Gives up what still waits, and waits for a push that is inside and for the worker to end its
-  // package.
+  // package: not from the algorithm of the worker, which cannot wait for itself.
   ~Pipeline();
 
   // ---- producer: any thread, one at a time; wait-free, no allocation
