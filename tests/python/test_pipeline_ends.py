@@ -186,6 +186,31 @@ def test_ctrl_c_interrupts(what):
     assert float(ended.lines[-1]) < 0.1 * PATIENCE
 
 
+AFTER_A_SIGNAL = """
+pipeline = asap.Pipeline(capacity=64, when_full="block")
+def handle(*_):
+    time.sleep(0.3)
+    {}
+signal.signal(signal.SIGTERM, handle)
+def disturb():
+    while pipeline.ledger.pending < 64:
+        time.sleep(0.001)
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(0.1)
+    pipeline.stop()
+in_background(disturb)
+fill(pipeline, 1000)
+print(pipeline.state, pipeline.ledger.received, pipeline.ledger.overflow)
+"""
+
+
+@pytest.mark.parametrize("what", ["pipeline.stop()", "pipeline.ledger", "pipeline.stats()"])
+def test_a_signal_handler_may_stop_and_look_while_a_push_waits(what):
+    ended = run_script(AFTER_A_SIGNAL.format(what))
+    assert ended.code == 0, ended.errors
+    assert ended.lines == ["stopped 1000 936"]
+
+
 def test_sigterm_ends_the_process():
     code = send_when_ready(
         """
