@@ -1,11 +1,12 @@
 /* Flush: what waits now is due, whatever the scheme waits for. The scheme here waits for ever, so
  * only flushes move events; the consumer must deliver up to the index of each, sleep or not, while
- * the producer goes on. consumer_loop.cpp and doorbell.hpp, no deadline: what is not flushed is a
- * deadlock.
+ * the producer goes on and another thread flushes too. consumer_loop.cpp and doorbell.hpp, no
+ * deadline: what is not flushed is a deadlock.
  *
  * Each of these mutants must be refuted:
  *   -DWAKE_SKIPPED         flush() does not ring
  *   -DWAKE_BEFORE_INDEX    it rings, then says what is due
+ *   -DFLUSH_GOES_BACK      an older flush takes the place of a newer one
  *   -DREADY_WITHOUT_FLUSH  the look before sleep is not at the flush index
  *   -DASLEEP_AFTER_CHECK   the consumer looks once more before it says that it sleeps
  *   -DFLUSH_READ_LATE      what has been asked is read again after the look at the ring
@@ -35,23 +36,46 @@ active proctype producer() {
   finished = true
 }
 
+inline raise_due() {
+#ifdef FLUSH_GOES_BACK
+  due = index
+#else
+  d_step {
+    if
+    :: due < index -> due = index
+    :: else
+    fi
+  }
+#endif
+}
+
+inline flush() {
+  index = tail;
+#ifdef WAKE_BEFORE_INDEX
+  wake(was);
+  raise_due();
+#else
+  raise_due();
+#ifndef WAKE_SKIPPED
+  wake(was);
+#endif
+#endif
+  head >= index         /* delivered: this is what flush() promises */
+}
+
+active proctype once() {
+  byte index;
+  bool was;
+  flush()
+}
+
 active proctype flusher() {
   byte index;
   bool was, last;
   do
   :: true ->
     last = finished;
-    index = tail;
-#ifdef WAKE_BEFORE_INDEX
-    wake(was);
-    due = index;
-#else
-    due = index;
-#ifndef WAKE_SKIPPED
-    wake(was);
-#endif
-#endif
-    head >= index;      /* delivered: this is what flush() promises */
+    flush();
     if
     :: last -> break
     :: else

@@ -134,8 +134,8 @@ MUTANTS: list[Mutant] = [
         "runner",
         lost_flush=("  packager_.flush(asked.flush);\n", ""),
         flush_without_wake=(
-            "flush_.store(buffer_.tail(), std::memory_order_release);\n  doorbell_.wake();",
-            "flush_.store(buffer_.tail(), std::memory_order_release);",
+            "  }\n  doorbell_.wake();",
+            "  }",
         ),
     ),
     *in_file(

@@ -275,5 +275,33 @@ TEST(Race, PipelineWatchedFlushedChangedStoppedAndRestarted) {
   EXPECT_GE(pushed, extent.schedules * extent.events);
 }
 
+// A sensor's clock that is set back flushes on the producer's thread, while another one flushes.
+TEST(Race, AnOlderFlushTakesNothingFromANewerOne) {
+  const int rounds = is_long() ? 20'000 : 500;
+  test::make_noise(8, 1);
+  FixedSize waits({.size = 1000});
+  Pipeline pipeline(waits, {.latency_us = 3.6e9, .capacity = 64, .execution = Execution::whole});
+  std::atomic<int> round{0};
+  std::jthread other([&] {
+    for (int seen = 0; seen < rounds;) {
+      const int now = round;
+      if (now != seen) pipeline.flush();
+      seen = now;
+    }
+  });
+  Package package;
+  while (round < rounds) {
+    ++round;
+    pipeline.push(test::at_times({2'000'000}));
+    pipeline.push(test::at_times({0}));
+    const auto next = pipeline.next(package, kLost);
+    if (next != Pipeline::Next::package) round = rounds;
+    ASSERT_EQ(next, Pipeline::Next::package) << "what came before the new time is due";
+    pipeline.complete();
+    pipeline.flush();
+    for (; pipeline.ledger().pending > 0; pipeline.complete()) pipeline.next(package, kLost);
+  }
+}
+
 }  // namespace
 }  // namespace asap

@@ -87,7 +87,11 @@ bool ConsumerLoop::stalled(std::size_t waiting) const noexcept {
 void ConsumerLoop::begin() noexcept { watch_.begins(ns(System::now())); }
 
 void ConsumerLoop::flush() noexcept {
-  flush_.store(buffer_.tail(), std::memory_order_release);
+  const std::uint64_t tail = buffer_.tail();
+  std::uint64_t due = flush_.load(std::memory_order_relaxed);
+  // Never back: the producer may flush too.
+  while (due < tail && !flush_.compare_exchange_weak(due, tail, std::memory_order_release)) {
+  }
   doorbell_.wake();
 }
 
