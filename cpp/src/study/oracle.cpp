@@ -77,7 +77,7 @@ void Oracle::enter_next_stretch(Cursor& cursor) const noexcept {
   }
   const double event_ns = cost_.event_ns(cursor.begin_ns) * noise_factor_;
   if (event_ns < kFreeNs) {
-    cursor.is_free = share_ > 0;
+    cursor.is_free = std::round(config.alpha_us * 1e3) <= static_cast<double>(latency_ns_);
   } else {
     cursor.events_per_ns = share_ / event_ns;
   }

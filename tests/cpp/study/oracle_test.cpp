@@ -270,8 +270,23 @@ TEST(Oracle, IsNothingBelowTheFixedCost) {
   for (const double beta_ns : {0.0, 300.0}) {
     const LinearCost cost({.alpha_us = 100, .beta_ns = beta_ns});
     EXPECT_EQ(bound_of(events, cost, 50), 0.0);
-    EXPECT_EQ(bound_of(events, cost, 100), 0.0);
+    EXPECT_EQ(bound_of(events, cost, 99.999), 0.0);
   }
+  EXPECT_EQ(bound_of(events, LinearCost({.alpha_us = 100, .beta_ns = 300}), 100), 0.0);
+}
+
+TEST(Oracle, NoScheduleFinishesMoreInTimeWhereAPackageTakesExactlyTheBound) {
+  Dice dice(4);
+  for (int round = 0; round < 100; ++round) {
+    const test::Events events = few_events(dice, 4, 0, 6);
+    const auto latency_us = static_cast<double>(dice(10, 24));
+    const LinearCost cost(
+        {.alpha_us = latency_us, .beta_ns = 0, .outages = few_outages(dice, 2, 0)});
+    ASSERT_GE(bound_of(events, cost, latency_us), best_of_all(events, cost, latency_us))
+        << "round " << round;
+  }
+  const test::Events burst = test::evenly_spaced(8, 0);
+  EXPECT_EQ(bound_of(burst, LinearCost({.alpha_us = 10, .beta_ns = 0}), 10), 8.0);
 }
 
 TEST(Oracle, OnlyAnytimeExecutionUsesCheapPackages) {
