@@ -1,5 +1,8 @@
 #include "live_pipeline.hpp"
 
+#include <pybind11/gil_safe_call_once.h>
+
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <mutex>
@@ -39,6 +42,56 @@ void stop_all() {
     }
   });
   for (const auto& pipeline : running) pipeline->stop(false);
+}
+
+struct Worker {
+  unsigned long thread = PyThread_get_thread_ident();
+  std::uint64_t forks = python::forks();
+
+  bool operator==(const Worker&) const = default;
+};
+
+// Of this process and of those that it was forked from. With the GIL.
+std::vector<Worker>& workers() {
+  static auto& all = *new std::vector<Worker>;  // outlives every thread
+  return all;
+}
+
+// While it lives this thread works for a pipeline. With the GIL.
+class AtWork {
+ public:
+  AtWork() { workers().push_back(self_); }
+  ~AtWork() { workers().erase(std::ranges::find(workers(), self_)); }
+  AtWork(const AtWork&) = delete;
+  AtWork& operator=(const AtWork&) = delete;
+
+ private:
+  const Worker self_;
+};
+
+bool is_at_work(const py::handle& thread) {
+  const py::object ident = thread.attr("ident");
+  return !ident.is_none() && std::ranges::count(workers(), Worker{ident.cast<unsigned long>()}) > 0;
+}
+
+// Whether the program waits for its end for this thread, and for nobody but consumers such as this
+// one, whom no one will ever stop. (The hook of atexit comes after that wait.)
+bool only_consumers_are_left() {
+  PYBIND11_CONSTINIT static py::gil_safe_call_once_and_store<py::module_> storage;
+  const py::module_& threading =
+      storage.call_once_and_store_result([] { return py::module_::import("threading"); })
+          .get_stored();
+  const py::object waits = py::getattr(threading, "_SHUTTING_DOWN", py::none());
+  if (waits.is(py::bool_(false))) return false;  // cheap: asked for every package
+  const py::object main = threading.attr("main_thread")();
+  if (waits.is_none() && main.attr("is_alive")().cast<bool>()) return false;
+  const auto keeps_alive = [&](const py::handle& thread) {
+    return !thread.is(main) && !thread.attr("daemon").cast<bool>();
+  };
+  for (const py::handle thread : threading.attr("enumerate")()) {
+    if (keeps_alive(thread) && !is_at_work(thread)) return false;
+  }
+  return keeps_alive(threading.attr("current_thread")());
 }
 
 Pipeline::Arrival arrival_of(std::optional<double> arrival_time) {
@@ -90,11 +143,17 @@ void LivePipeline::look_up() const {
   check_signals();
 }
 
+void LivePipeline::stop_if_deserted() {
+  if (!only_consumers_are_left()) return;
+  deserted_ = true;
+  stop(true);
+}
+
 bool LivePipeline::push(const py::array& events, std::optional<double> arrival_time) {
   Pipeline& pipeline = native();
   const EventSpan span = as_span(events);
   const Pipeline::Arrival arrival = arrival_of(arrival_time);
-  if (is_exiting()) return true;
+  if (is_exiting() || deserted_) return true;
   // To take the GIL again may take another thread's 5 ms: longer than the push.
   if (!push_may_wait_) return pipeline.push(span, arrival);
   const WithoutGil released;
@@ -108,9 +167,15 @@ std::optional<LivePackage> LivePipeline::next() {
   Pipeline::Next next{};
   {
     const Guest guest(*this);
+    const AtWork at_work;
+    stop_if_deserted();
     const WithoutGil released;
-    next = pipeline.next(package, std::chrono::nanoseconds::max(),
-                         [&] { with_gil([&] { look_up(); }); });
+    next = pipeline.next(package, std::chrono::nanoseconds::max(), [&] {
+      with_gil([&] {
+        look_up();
+        stop_if_deserted();
+      });
+    });
   }
   if (next == Pipeline::Next::ended) return std::nullopt;
   LivePackage result{arrays_.array_of(package.events), package};
@@ -123,10 +188,12 @@ void LivePipeline::run(const py::object& algorithm, const py::object& poll) {
   const Consumer consumer = consumer_of(algorithm, arrays_);
   if (is_exiting()) return;
   const Guest guest(*this);
+  const AtWork at_work;
   const WithoutGil released;  // a Python algorithm takes it back per package
   pipeline.run(consumer, [&] {
     with_gil([&] {
       look_up();
+      stop_if_deserted();
       if (!poll.is_none()) poll();
     });
   });
@@ -154,6 +221,7 @@ void LivePipeline::abandon() {
 void LivePipeline::start() {
   Pipeline& pipeline = native();
   if (is_exiting()) throw std::runtime_error("pipeline: the interpreter exits");
+  deserted_ = false;
   const Guest guest(*this);
   const WithoutGil released;
   pipeline.start();

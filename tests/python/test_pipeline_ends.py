@@ -87,6 +87,75 @@ def test_the_interpreter_exits_while_a_thread(what):
         assert ended.took_s < 1.0 * PATIENCE
 
 
+# What an ordinary thread does when the main one is at its end.
+CONSUMES = {
+    "runs": """
+        pipeline = asap.Pipeline(asap.ClusterTracker(64, 64), latency_ms=1)
+        threading.Thread(target=pipeline.run).start()
+        """,
+    "runs for a camera in the background": """
+        def push():
+            while True:
+                fill(pipeline, 10)
+        pipeline = asap.Pipeline(lambda events: None)
+        in_background(push)
+        threading.Thread(target=pipeline.run).start()
+        """,
+    "waits in the loop": "threading.Thread(target=list, args=(asap.Pipeline(),)).start()",
+    "works in the loop": """
+        def work(pipeline):
+            for package in pipeline:
+                time.sleep(0.001)
+        pipeline = asap.Pipeline()
+        in_background(camera, pipeline, 10)
+        threading.Thread(target=work, args=(pipeline,)).start()
+        """,
+    "runs beside another": """
+        threading.Thread(target=list, args=(asap.Pipeline(),)).start()
+        threading.Thread(target=asap.Pipeline(lambda events: None).run).start()
+        """,
+    "runs in a pool": """
+        import concurrent.futures
+        concurrent.futures.ThreadPoolExecutor().submit(asap.Pipeline(lambda events: None).run)
+        """,
+    "runs in a forked process": """
+        import warnings
+        warnings.simplefilter("ignore")
+        threading.Thread(target=list, args=(asap.Pipeline(),)).start()
+        if os.fork() == 0:
+            threading.Thread(target=list, args=(asap.Pipeline(),)).start()
+            sys.exit(0)
+        assert os.wait()[1] == 0
+        """,
+}
+
+
+@pytest.mark.parametrize("what", CONSUMES)
+def test_the_program_ends_while_an_ordinary_thread(what):
+    for _ in range(10 if LONG else 1):
+        ended = run_script(dedent(CONSUMES[what]) + SAY_THAT_IT_RUNS)
+        assert ended.code == 0, ended.errors
+        assert not ended.errors
+        assert ended.took_s < 1.0 * PATIENCE
+
+
+def test_a_program_goes_on_while_an_ordinary_thread_pushes():
+    ended = run_script(
+        """
+        def push(pipeline):
+            for _ in range(20):
+                time.sleep(0.02)
+                pipeline.push(np.zeros(10, asap.EVENT_DTYPE))
+        def work(pipeline):
+            print(sum(len(package) for package in pipeline))
+        pipeline = asap.Pipeline(scheme=asap.Greedy())
+        threading.Thread(target=work, args=(pipeline,)).start()
+        threading.Thread(target=push, args=(pipeline,)).start()
+        """
+    )
+    assert (ended.code, ended.lines, ended.errors) == (0, ["200"], "")
+
+
 def test_nothing_waits_any_more_when_the_interpreter_exits():
     ended = run_script(
         """
