@@ -47,7 +47,7 @@ void wait_until_nobody(const std::atomic<int>& is, std::chrono::steady_clock::ti
 }
 
 void leave() {
-  border.exiting = true;
+  if (border.exiting.exchange(true)) return;  // registered again, after an import that failed
   const py::gil_scoped_release release;
   const auto deadline = std::chrono::steady_clock::now() + kMostPatience;
   for (const auto& stop : stops()) stop();

@@ -1,4 +1,5 @@
-// The extension asap._core: a table of contents. One file per layer of the C++ core, no logic.
+// The extension asap._core: a table of contents. One file per layer of the C++ core, no logic but
+// how it begins.
 #include <pybind11/pybind11.h>
 
 #include "asap/version.hpp"
@@ -6,11 +7,28 @@
 #include "layers.hpp"
 #include "refusals.hpp"
 
+namespace {
+
+// Types stay registered, with NumPy too, whatever becomes of the import: what may take long, and so
+// be interrupted, comes before them.
+void begin_once() {
+  static bool has_begun = false;
+  pybind11::module_::import("numpy");
+  asap::python::watch_exit_and_fork();
+  if (has_begun) {
+    throw pybind11::import_error(
+        "asap: an import in this process did not come to its end; start Python anew");
+  }
+  has_begun = true;
+}
+
+}  // namespace
+
 PYBIND11_MODULE(_core, m) {
   m.doc() = "Native core of asap.";
   m.attr("__version__") = std::string(asap::kVersion);
 
-  asap::python::watch_exit_and_fork();
+  begin_once();
   asap::python::bind_filter(m);
   asap::python::bind_validator(m);
   asap::python::bind_schemes(m);

@@ -181,6 +181,36 @@ def test_nothing_waits_any_more_when_the_interpreter_exits():
     assert ended.lines == ["stopped [] 10", "pipeline: the interpreter exits"]
 
 
+# Ctrl-C during the first import, in a function that it calls; a second one follows.
+IMPORT_INTERRUPTED = """
+import atexit, numpy
+def interrupted(*arguments):
+    real(*arguments)
+    raise KeyboardInterrupt
+{0}, real = interrupted, {0}
+try:
+    import asap
+except (KeyboardInterrupt, ImportError):
+    print("interrupted")
+{0} = real
+"""
+
+
+def test_an_import_may_be_interrupted():
+    before = IMPORT_INTERRUPTED.format("atexit.register")
+    ended = run_script(BUSY["waits in the loop"] + SAY_THAT_IT_RUNS, before=before)
+    assert ended.code == 0, ended.errors
+    assert ended.lines[0] == "interrupted"
+    assert ended.took_s < 1.0 * PATIENCE
+
+
+def test_an_import_that_cannot_begin_anew_says_so():
+    before = IMPORT_INTERRUPTED.format("numpy.lib.NumpyVersion")
+    ended = run_script("", before=before)
+    assert (ended.code, ended.lines) == (1, ["interrupted"])
+    assert ended.errors.endswith("start Python anew\n")
+
+
 INTERRUPTED = {
     "a waiting loop": "list(pipeline)",
     "the body of a loop": """
