@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/formats/text.hpp"
 #include "gil.hpp"
@@ -44,11 +45,11 @@ py::tuple noted(const TextDecoder& decoder) {
 void bind_formats(py::module_& m) {
   py::class_<TextDecoder>(m, "TextDecoder")
       .def(py::init([](const std::string& order, int time_exponent, bool clamp,
-                       std::uint64_t first_offset) {
+                       const py::object& first_offset) {
              return TextDecoder({.order = order,
                                  .time_exponent = time_exponent,
                                  .clamp = clamp,
-                                 .first_offset = first_offset});
+                                 .first_offset = whole_number("first_offset", first_offset)});
            }),
            py::kw_only(), py::arg("order") = "txyp", py::arg("time_exponent") = 6,
            py::arg("clamp") = false, py::arg("first_offset") = 0)

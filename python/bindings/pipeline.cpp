@@ -1,6 +1,7 @@
 // The layer `runner`, live: the pipeline, its packages and its counters.
 #include <pybind11/stl.h>
 
+#include "arguments.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "layers.hpp"
 #include "live_pipeline.hpp"
@@ -96,7 +97,12 @@ Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenc
            py::keep_alive<1, 2>())
       .def("push", &LivePipeline::push, py::arg("events").noconvert(),
            py::arg("arrival_time") = py::none(), "False: refused, nothing is counted.")
-      .def("upstream_lost", &LivePipeline::upstream_lost, py::arg("marks"), py::arg("packets") = 0)
+      .def(
+          "upstream_lost",
+          [](LivePipeline& self, const py::object& marks, const py::object& packets) {
+            self.upstream_lost(whole_number("marks", marks), whole_number("packets", packets));
+          },
+          py::arg("marks"), py::arg("packets") = 0)
       .def("next", &LivePipeline::next,
            "The next package, with the one before completed; None: stopped.")
       .def("complete", &LivePipeline::complete, "The package in work is finished.")

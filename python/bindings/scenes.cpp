@@ -19,12 +19,13 @@ namespace asap::python {
 namespace {
 
 // Of shape (n,), both: events and their labels.
-py::tuple read(MovingShapes& stream, std::size_t at_least) {
+py::tuple read(MovingShapes& stream, const py::object& at_least) {
+  const std::uint64_t count = whole_number("at_least", at_least);
   std::vector<Event> events;
   std::vector<std::int32_t> labels;
   {
     const WithoutGil release;  // pure C++: other Python threads may run
-    while (events.size() < at_least) {
+    while (events.size() < count) {
       const EventSpan block = stream.next();
       if (block.empty()) break;
       events.insert(events.end(), block.begin(), block.end());

@@ -2,6 +2,7 @@
 // iterable.
 #include <cstdint>
 
+#include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/synthetic/flight_over_chairs.hpp"
 #include "asap/synthetic/poisson_arrivals.hpp"
@@ -12,11 +13,12 @@
 namespace asap::python {
 namespace {
 
-py::array read(EventStream& stream, std::size_t at_least) {
+py::array read(EventStream& stream, const py::object& at_least) {
+  const std::uint64_t count = whole_number("at_least", at_least);
   std::vector<Event> events;
   {
     const WithoutGil release;  // pure C++: other Python threads may run
-    events = read_events(stream, at_least);
+    events = read_events(stream, count);
   }
   return moved_to_array(std::move(events));
 }
@@ -40,7 +42,7 @@ void bind_synthetic(py::module_& m) {
   py::class_<ShakenPattern, EventStream>(m, "ShakenPatternStream")
       .def(py::init([](std::int32_t width, std::int32_t height, std::int64_t duration_us,
                        std::int64_t t0_us, double first_rate_hz, double last_rate_hz,
-                       double amplitude_px, double noise_hz, std::uint64_t seed) {
+                       double amplitude_px, double noise_hz, const py::object& seed) {
              return ShakenPattern({.width = width,
                                    .height = height,
                                    .duration_us = duration_us,
@@ -49,7 +51,7 @@ void bind_synthetic(py::module_& m) {
                                    .last_rate_hz = last_rate_hz,
                                    .amplitude_px = amplitude_px,
                                    .noise_hz = noise_hz,
-                                   .seed = seed});
+                                   .seed = whole_number("seed", seed)});
            }),
            py::kw_only(), py::arg("width"), py::arg("height"), py::arg("duration_us"),
            py::arg("t0_us"), py::arg("first_rate_hz"), py::arg("last_rate_hz"),
@@ -58,7 +60,7 @@ void bind_synthetic(py::module_& m) {
   py::class_<FlightOverChairs, EventStream>(m, "FlightOverChairsStream")
       .def(py::init([](std::int32_t width, std::int32_t height, std::int64_t duration_us,
                        std::int64_t t0_us, double last_rate_hz, double chair_px, double noise_hz,
-                       std::uint64_t seed) {
+                       const py::object& seed) {
              return FlightOverChairs({.width = width,
                                       .height = height,
                                       .duration_us = duration_us,
@@ -66,7 +68,7 @@ void bind_synthetic(py::module_& m) {
                                       .last_rate_hz = last_rate_hz,
                                       .chair_px = chair_px,
                                       .noise_hz = noise_hz,
-                                      .seed = seed});
+                                      .seed = whole_number("seed", seed)});
            }),
            py::kw_only(), py::arg("width"), py::arg("height"), py::arg("duration_us"),
            py::arg("t0_us"), py::arg("last_rate_hz"), py::arg("chair_px"), py::arg("noise_hz"),
@@ -75,13 +77,13 @@ void bind_synthetic(py::module_& m) {
   py::class_<PoissonArrivals, EventStream>(m, "PoissonArrivals",
                                            "Ends where its rates end; feed() makes it go on.")
       .def(py::init([](std::int32_t width, std::int32_t height, std::int64_t duration_us,
-                       std::int64_t t0_us, double noise, std::uint64_t seed) {
+                       std::int64_t t0_us, double noise, const py::object& seed) {
              return PoissonArrivals({.width = width,
                                      .height = height,
                                      .duration_us = duration_us,
                                      .t0_us = t0_us,
                                      .noise = noise,
-                                     .seed = seed});
+                                     .seed = whole_number("seed", seed)});
            }),
            py::kw_only(), py::arg("width"), py::arg("height"), py::arg("duration_us"),
            py::arg("t0_us"), py::arg("noise"), py::arg("seed"))

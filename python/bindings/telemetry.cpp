@@ -3,6 +3,7 @@
 
 #include <pybind11/stl.h>
 
+#include "arguments.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "layers.hpp"
@@ -81,11 +82,15 @@ ValueError
 
 received = rejected + filtered + discarded + stale + overflow + delivered + pending
 )")
-      .def(py::init([](std::uint64_t received, std::uint64_t rejected, std::uint64_t filtered,
-                       std::uint64_t discarded, std::uint64_t stale, std::uint64_t overflow,
-                       std::uint64_t delivered, std::uint64_t pending) {
-             return Ledger{received, rejected, filtered,  discarded,
-                           stale,    overflow, delivered, pending};
+      .def(py::init([](const py::object& received, const py::object& rejected,
+                       const py::object& filtered, const py::object& discarded,
+                       const py::object& stale, const py::object& overflow,
+                       const py::object& delivered, const py::object& pending) {
+             return Ledger{
+                 whole_number("received", received),   whole_number("rejected", rejected),
+                 whole_number("filtered", filtered),   whole_number("discarded", discarded),
+                 whole_number("stale", stale),         whole_number("overflow", overflow),
+                 whole_number("delivered", delivered), whole_number("pending", pending)};
            }),
            py::kw_only(), py::arg("received") = 0, py::arg("rejected") = 0, py::arg("filtered") = 0,
            py::arg("discarded") = 0, py::arg("stale") = 0, py::arg("overflow") = 0,

@@ -178,6 +178,16 @@ def test_no_fraction_is_cut_down_to_a_whole_number(width: Any) -> None:
 def test_whole_numbers_of_numpy_are_taken() -> None:
     assert asap.EFast(np.uint8(9), np.int64(8)).height == 8
     assert asap.ClusterTracker(9, 9, slots=np.int16(7)).parameters["slots"] == 7
+    pipeline = asap.Pipeline()
+    pipeline.upstream_lost(np.int64(3), packets=np.uint8(1))
+    assert pipeline.stats()["upstream_lost"] == {"marks": 3, "packets": 1}
+    assert _core.Ledger(received=np.int64(3), pending=np.uint64(3)).balanced
+    for stream in (synthetic.FlightOverChairs, synthetic.ShakenPattern):
+        events = next(iter(stream(duration_s=0.01, seed=np.int64(3))))
+        assert np.array_equal(events, next(iter(stream(duration_s=0.01, seed=3))))
+    layout = _core.SceneLayout.named("A", np.int64(3))
+    assert len(_core.MovingShapesStream(layout).read(np.int64(9))[0]) >= 9
+    assert _core.TextDecoder(first_offset=np.int64(3)).noted == ()
 
 
 class Mine:
