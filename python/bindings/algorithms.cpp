@@ -84,25 +84,49 @@ Number number(const std::string& name, const py::handle& value) {
                        (whole ? "a whole number" : "a number"));
 }
 
-[[noreturn]] void throw_unknown(const std::string& name, const char* engine) {
-  throw py::type_error("ClusterTracker: engine \"" + std::string(engine) + "\" has no parameter " +
-                       name);
-}
-
-ClusterSupport support_of(const py::handle& value) {
-  const auto text = py::cast<std::string>(py::str(value));
-  for (const auto& [name, support] : kSupports) {
-    if (text == name) return support;
+template <class Kind, std::size_t count>
+Kind one_of(const std::array<std::pair<const char*, Kind>, count>& kinds, const char* field,
+            const py::handle& value, const char* remedy) {
+  for (const auto& [name, kind] : kinds) {
+    if (py::isinstance<py::str>(value) && value.equal(py::str(name))) return kind;
   }
-  throw_bad_value("support", text, "must be \"off\", \"estimate\" or \"reject\"");
+  throw_bad_value(field, shown(value), remedy);
 }
 
-CompatMotion motion_of(const py::handle& value) {
-  const auto text = py::cast<std::string>(py::str(value));
+py::dict parameters_of(const CompatClusterConfig& config) {
+  using namespace py::literals;
+  py::dict parameters("engine"_a = "compat", "window"_a = config.window, "radius"_a = config.radius,
+                      "probes"_a = config.probes, "weight"_a = config.weight,
+                      "min_size"_a = config.min_size, "seed"_a = config.seed);
   for (const auto& [name, motion] : kMotions) {
-    if (text == name) return motion;
+    if (motion == config.motion) parameters["motion"] = name;
   }
-  throw_bad_value("motion", text, "must be \"window\" or \"kalman\"");
+  return parameters;
+}
+
+py::dict parameters_of(const ClusterTrackerConfig& config) {
+  py::dict parameters;
+  parameters["engine"] = "fast";
+  for (const auto& [name, support] : kSupports) {
+    if (support == config.support) parameters["support"] = name;
+  }
+  for (const ClusterTrackerParameter& parameter : cluster_tracker_parameters()) {
+    std::visit(
+        [&](auto field) {
+          parameters[py::str(parameter.name.data(), parameter.name.size())] = config.*field;
+        },
+        parameter.field);
+  }
+  return parameters;
+}
+
+template <class Config>
+[[noreturn]] void throw_unknown(const std::string& name, const py::handle& value) {
+  const py::dict known = parameters_of(Config{});
+  const auto text = py::str("{} = {}: engine \"{}\" has no parameter {}; it takes {}");
+  const auto names = py::str(", ").attr("join")(known);
+  throw py::type_error(
+      py::cast<std::string>(text.format(name, shown(value), known["engine"], name, names)));
 }
 
 ClusterTrackerConfig fast_config(int width, int height, const py::kwargs& given) {
@@ -110,7 +134,10 @@ ClusterTrackerConfig fast_config(int width, int height, const py::kwargs& given)
   for (const auto& [key, value] : given) {
     const auto name = py::cast<std::string>(key);
     bool known = name == "support";
-    if (known) config.support = support_of(value);
+    if (known) {
+      config.support =
+          one_of(kSupports, "support", value, "must be \"off\", \"estimate\" or \"reject\"");
+    }
     for (const ClusterTrackerParameter& parameter : cluster_tracker_parameters()) {
       if (parameter.name != name) continue;
       known = true;
@@ -120,7 +147,7 @@ ClusterTrackerConfig fast_config(int width, int height, const py::kwargs& given)
           },
           parameter.field);
     }
-    if (!known) throw_unknown(name, "fast");
+    if (!known) throw_unknown<ClusterTrackerConfig>(name, value);
   }
   return config;
 }
@@ -142,9 +169,9 @@ CompatClusterConfig compat_config(int width, int height, const py::kwargs& given
     } else if (name == "seed") {
       config.seed = whole_number("seed", py::reinterpret_borrow<py::object>(value));
     } else if (name == "motion") {
-      config.motion = motion_of(value);
+      config.motion = one_of(kMotions, "motion", value, "must be \"window\" or \"kalman\"");
     } else {
-      throw_unknown(name, "compat");
+      throw_unknown<CompatClusterConfig>(name, value);
     }
   }
   return config;
@@ -161,35 +188,6 @@ std::unique_ptr<Tracker> make_tracker(int width, int height, const std::string& 
         Tracker{CompatClusterTracker(compat_config(width, height, parameters))});
   }
   throw_bad_value("engine", engine, "must be \"fast\" or \"compat\"");
-}
-
-py::dict parameters_of(const CompatClusterTracker& tracker) {
-  const CompatClusterConfig& config = tracker.config();
-  using namespace py::literals;
-  py::dict parameters("engine"_a = "compat", "window"_a = config.window, "radius"_a = config.radius,
-                      "probes"_a = config.probes, "weight"_a = config.weight,
-                      "min_size"_a = config.min_size, "seed"_a = config.seed);
-  for (const auto& [name, motion] : kMotions) {
-    if (motion == config.motion) parameters["motion"] = name;
-  }
-  return parameters;
-}
-
-py::dict parameters_of(const ClusterTracker& tracker) {
-  const ClusterTrackerConfig& config = tracker.config();
-  py::dict parameters;
-  parameters["engine"] = "fast";
-  for (const auto& [name, support] : kSupports) {
-    if (support == config.support) parameters["support"] = name;
-  }
-  for (const ClusterTrackerParameter& parameter : cluster_tracker_parameters()) {
-    std::visit(
-        [&](auto field) {
-          parameters[py::str(parameter.name.data(), parameter.name.size())] = config.*field;
-        },
-        parameter.field);
-  }
-  return parameters;
 }
 
 std::optional<py::array_t<std::int32_t>> process(Tracker& tracker, const py::array& events,
@@ -328,9 +326,9 @@ ValueError
           "engine",
           [](const Tracker& tracker) { return tracker.engine.index() == 0 ? "fast" : "compat"; },
           "\"fast\" or \"compat\".")
-      .def_property_readonly("parameters",
-                             reading([](const auto& engine) { return parameters_of(engine); }),
-                             "dict of the constructor's keyword parameters.")
+      .def_property_readonly(
+          "parameters", reading([](const auto& engine) { return parameters_of(engine.config()); }),
+          "dict of the constructor's keyword parameters.")
       .def_property_readonly("rejected",
                              reading([](const auto& engine) { return engine.rejected(); }),
                              "Events dropped because they lie outside the frame.")

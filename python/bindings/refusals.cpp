@@ -16,6 +16,7 @@ using Dispatcher = PyObject* (*)(PyObject*, PyObject* const*, std::size_t, PyObj
 Dispatcher pybind11_dispatcher = nullptr;  // the same for all functions
 
 constexpr const char* kIncompatible = "(): incompatible ";
+constexpr const char* kUnsized = "len() of unsized object";  // of an array without dimensions
 
 // pybind11 allocates an object when it is first used before its __init__; this stands in the place
 // of the allocation.
@@ -31,15 +32,15 @@ py::object refuse_copy(const py::object&) {
   throw py::type_error("this object cannot be copied or pickled: make another one");
 }
 
-bool is_list_of_signatures(const py::error_already_set& error, const function_record& function) {
+bool is_of_pybind11(const py::error_already_set& error, const function_record& function) {
   const auto text = py::cast<std::string>(py::str(error.value()));
-  return text.starts_with(std::string(function.name) + kIncompatible);
+  return text == kUnsized || text.starts_with(std::string(function.name) + kIncompatible);
 }
 
 void explain(const function_record& function, const Call& call) {
   py::error_already_set error;
   try {
-    if (function.next == nullptr && is_list_of_signatures(error, function)) {
+    if (function.next == nullptr && is_of_pybind11(error, function)) {
       if (const auto misfit = find_misfit(function.signature, call)) {
         py::set_error(misfit->error, misfit->message.c_str());
         return;
@@ -51,7 +52,20 @@ void explain(const function_record& function, const Call& call) {
   }
 }
 
+// pybind11 ends the process over a name that has no UTF-8.
+bool have_text(PyObject* names) {
+  for (Py_ssize_t i = 0; names != nullptr && i < PyTuple_GET_SIZE(names); ++i) {
+    PyObject* name = PyTuple_GET_ITEM(names, i);
+    if (PyUnicode_AsUTF8AndSize(name, nullptr) != nullptr) continue;
+    PyErr_Clear();
+    PyErr_Format(PyExc_TypeError, "%A: no such argument", name);
+    return false;
+  }
+  return true;
+}
+
 PyObject* call(PyObject* self, PyObject* const* values, std::size_t count, PyObject* names) {
+  if (!have_text(names)) return nullptr;
   const auto by_position = static_cast<std::size_t>(PyVectorcall_NARGS(count));
   PyObject* result = pybind11_dispatcher(self, values, count, names);
   if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError) != 0) {

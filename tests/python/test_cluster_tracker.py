@@ -159,7 +159,7 @@ def test_parameters_rebuild_the_tracker() -> None:
         ({"slots": 257}, r"slots = 257: must be 1 to 256"),
         ({"cell_px": 3}, r"cell_px = 3: must be a power of two"),
         ({"min_radius_px": 30}, r"min_radius_px = 30: must be at most birth_radius_px = 18"),
-        ({"support": "maybe"}, r"support = maybe: must be "),
+        ({"support": "maybe"}, r"support = 'maybe': must be "),
         ({"engine": "slow"}, r"engine = slow: must be "),
     ],
 )

@@ -23,6 +23,7 @@ from threads import TRIES
 
 EVENTS = np.zeros(5, asap.EVENT_DTYPE)
 CLASSES = [item for item in vars(_core).values() if isinstance(item, type)]
+UNSIZED = np.array(3)  # len() of it is an error
 COST = asap.LinearCost(1, 1)
 UNMADE = "without __init__: make it by its constructor"
 
@@ -107,6 +108,26 @@ MISFITS: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any], str]] =
     (asap.LinearCost, (1,), {}, "beta_ns is missing: give a number"),
     (asap.LinearCost, (1, 2), {"alpha_us": 3}, "alpha_us = 3: given by position already"),
     (asap.LinearCost, (1, 2), {"drift": 3}, r"drift = 3: give a Sequence\[number\] or None"),
+    (asap.LinearCost, (1, 2), {"drift": UNSIZED}, r"drift = array\(3\): give a Sequence\[number\]"),
+    (asap.LinearCost, (1, 2), {"outages_ms": UNSIZED}, r"outages_ms = array\(3\): give a Sequence"),
+    (
+        asap.LinearCost,
+        (1, 2),
+        {"outages_ms": [UNSIZED]},
+        r"outages_ms = \[array\(3\)\]: give a Seq",
+    ),
+    (
+        asap.HotPixelMask,
+        (9, 9),
+        {"pixels": UNSIZED},
+        r"pixels = array\(3\): give a Sequence\[tuple",
+    ),
+    (
+        asap.EventImage,
+        (9, 9),
+        {"channels": UNSIZED},
+        r"channels = array\(3\): give a Sequence\[str",
+    ),
     (asap.LinearCost, (1, 2), {"drift": [1.0, "x"]}, r"drift = \[1.0, 'x'\]: give a Sequence"),
     (asap.LinearCost, (1, 2), {"outages_ms": [(1,)]}, r"outages_ms = \[\(1,\)\]: give a Sequence"),
     (asap.LinearCost, (1, 2), {"outages_ms": [(1, 2)], "drift": 3}, "drift = 3: give a"),
@@ -115,6 +136,20 @@ MISFITS: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any], str]] =
     (asap.EFast, (9, [9]), {}, r"height = \[9\]: give a whole number"),
     (asap.ClusterTracker, (9, 9), {"engine": 5}, "engine = 5: give text"),
     (asap.ClusterTracker, (9, 9), {"engine": "\ud800"}, r"engine = '\\ud800': give text"),
+    (asap.ClusterTracker, (9, 9), {"\ud800": 3}, r"'\\ud800': no such argument"),
+    (asap.EFast, (9, 9), {"\ud800": 3}, r"'\\ud800': no such argument"),
+    (
+        asap.ClusterTracker,
+        (9, 9),
+        {"windw": 3},
+        'windw = 3: engine "fast" has no parameter windw; it takes engine, support, slots, ',
+    ),
+    (
+        asap.ClusterTracker,
+        (9, 9),
+        {"engine": "compat", "windw": 3},
+        'windw = 3: engine "compat" has no parameter windw; it takes engine, window, radius, ',
+    ),
     (asap.ClusterTracker, (9, 9), {"slots": "x"}, "slots = 'x': must be a whole number"),
     (asap.PlaneFlow, (9, 9), {"refit": "x"}, "refit = 'x': give True or False"),
     (asap.PlaneFlow, (9, 9), {"refit": np.zeros(2)}, r"refit = array\(.*: give True or False"),
@@ -158,11 +193,13 @@ class Large:
         (lambda: asap.EFast(10**5000, 9), "width = <int>: too large"),
         (lambda: asap.FixedSize(size=10**5000), "size = <int>: must be at least 0"),
         (lambda: asap.ClusterTracker(9, 9, slots=10**12), "slots = 1000000000000: out of range"),
+        (lambda: asap.ClusterTracker(9, 9, support="\ud800"), r"support = '\\ud800': must be "),
+        (lambda: asap.Pipeline().upstream_lost(-1), "marks = -1: must be at least 0"),
         (lambda: asap.ClusterTracker(9, 9).clusters_at(2**64), f"t_us = {2**64}: too large"),
         (lambda: asap.Deadline(latency_ms=10**400), r"latency_ms = 1(0+)\.\.\.: out of range$"),
     ],
 )
-def test_number_out_of_every_range_is_named(call: Callable[[], Any], words: str) -> None:
+def test_value_out_of_every_range_is_named(call: Callable[[], Any], words: str) -> None:
     with pytest.raises(ValueError, match=f"^{words}"):
         call()
 
