@@ -173,7 +173,8 @@ ValueError
            }),
            py::arg("alpha_us"), py::arg("beta_ns"), py::kw_only(), py::arg("noise") = 0.0,
            py::arg("seed") = 0, py::arg("drift") = py::none(), py::arg("outages_ms") = py::none())
-      .def_property_readonly("name", [](const LinearCost&) { return "linear_cost"; })
+      .def_property_readonly(
+          "name", [](const LinearCost&) { return "linear_cost"; }, "Its name in reports.")
       .def_property_readonly(
           "parameters",
           [](const LinearCost& cost) {
@@ -192,7 +193,9 @@ ValueError
             }
             if (!outages_ms.empty()) result["outages_ms"] = outages_ms;
             return result;
-          })
+          },
+          "The constructor's arguments by name: us, ns, ms. Without drift and outages_ms where "
+          "there are none.")
       .def("__repr__", [](const LinearCost& cost) {
         return py::str("LinearCost(alpha_us={}, beta_ns={}, noise={}, seed={})")
             .format(cost.config().alpha_us, cost.config().beta_ns, cost.config().noise,

@@ -191,6 +191,10 @@ Raises
 ------
 ValueError
     A parameter is out of range.
+
+Notes
+-----
+Source: notebooks/theory.md, section 6.
 )")
       .def(py::init([](double latency_ms, double overhead, double min_interval_ms, double knee,
                        double first_alpha_us, double first_beta_ns) {
@@ -204,8 +208,11 @@ ValueError
            py::kw_only(), py::arg("latency_ms") = 10.0, py::arg("overhead") = 0.25,
            py::arg("min_interval_ms") = 0.0, py::arg("knee") = 0.0,
            py::arg("first_alpha_us") = 50.0, py::arg("first_beta_ns") = 100.0)
-      .def_property_readonly("alpha_us", [](const Deadline& s) { return s.alpha_ns() * 1e-3; })
-      .def_property_readonly("beta_ns", &Deadline::beta_ns);
+      .def_property_readonly(
+          "alpha_us", [](const Deadline& s) { return s.alpha_ns() * 1e-3; },
+          "Fixed cost of a package at present, as measured, us.")
+      .def_property_readonly("beta_ns", &Deadline::beta_ns,
+                             "Cost of an event at present, as measured, ns.");
 
   py::class_<DeadBeat, Scheme>(m, "DeadBeat", R"(The simplest law that keeps a latency bound.
 
@@ -234,6 +241,10 @@ Raises
 ------
 ValueError
     A parameter is out of range.
+
+Notes
+-----
+Source: notebooks/theory.md, section 5.
 )")
       .def(py::init([](double latency_ms, double knee, double overhead, double min_interval_ms) {
              return DeadBeat({.latency_ms = latency_ms,
@@ -243,8 +254,11 @@ ValueError
            }),
            py::kw_only(), py::arg("latency_ms") = 10.0, py::arg("knee") = 33.0,
            py::arg("overhead") = 0.25, py::arg("min_interval_ms") = 0.0)
-      .def_property_readonly("alpha_us", [](const DeadBeat& s) { return s.alpha_ns() * 1e-3; })
-      .def_property_readonly("beta_ns", &DeadBeat::beta_ns);
+      .def_property_readonly(
+          "alpha_us", [](const DeadBeat& s) { return s.alpha_ns() * 1e-3; },
+          "Fixed cost of a package at present, as measured, us.")
+      .def_property_readonly("beta_ns", &DeadBeat::beta_ns,
+                             "Cost of an event at present, as measured, ns.");
 }
 
 }  // namespace asap::python

@@ -141,3 +141,21 @@ def test_arbitrary_arguments_stand_for_no_constructor(path: str) -> None:
     assert method == "__init__"
     with pytest.raises(TypeError, match="No constructor defined"):
         look_up(name)()
+
+
+PUBLIC = {
+    name: getattr(_core, name) for name in asap.__all__ if name[0] != "_" and hasattr(_core, name)
+}
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_attribute_of_a_public_class_has_a_docstring(name: str) -> None:
+    found = vars(PUBLIC[name]).items()
+    assert [key for key, item in found if isinstance(item, property) and not item.__doc__] == []
+
+
+@pytest.mark.parametrize(("cls", "section"), [(asap.DeadBeat, 5), (asap.Deadline, 6)])
+def test_scheme_of_our_own_names_its_theory(cls: type, section: int) -> None:
+    assert f"Source: notebooks/theory.md, section {section}." in str(cls.__doc__)
+    theory = (ROOT / "notebooks" / "theory.md").read_text()
+    assert f"## {section}. {cls.__name__}\n" in theory
