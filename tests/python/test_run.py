@@ -19,7 +19,9 @@ from children import PATIENCE
 def no_thread_left():
     before = set(threading.enumerate())
     yield
-    assert set(threading.enumerate()) <= before
+    for thread in set(threading.enumerate()) - before:
+        thread.join(60)
+        assert not thread.is_alive()
 
 
 class Collector:
@@ -191,6 +193,27 @@ def test_exception_of_the_source_comes_out_unchanged():
     assert asap.last_run().ledger.balanced
 
 
+@pytest.mark.usefixtures("no_thread_left")
+def test_a_source_that_waits_is_left_when_the_algorithm_fails():
+    unplugged = threading.Event()
+
+    def source():
+        yield streams.make([1])
+        unplugged.wait()
+
+    def algorithm(events):
+        raise RuntimeError("mine")
+
+    patience = threading.Timer(PATIENCE, unplugged.set)
+    patience.start()
+    with pytest.raises(RuntimeError, match="mine"):
+        asap.run(source(), algorithm=algorithm, scheme=asap.Greedy())
+    assert not unplugged.is_set()
+    patience.cancel()
+    unplugged.set()
+    assert asap.last_run().ledger.pending == 1
+
+
 def test_stops_at_once_though_the_next_event_is_an_hour_away():
     def algorithm(events):
         raise RuntimeError("enough")
@@ -201,7 +224,7 @@ def test_stops_at_once_though_the_next_event_is_an_hour_away():
     assert time.monotonic() - began < 60
 
 
-@pytest.mark.parametrize("source", ["array", "generator"])
+@pytest.mark.parametrize("source", ["array", "generator", "generator that waits"])
 def test_ctrl_c_stops_soon_and_balances_the_ledger(source):
     script = textwrap.dedent(f"""
         import sys, threading, time, os, signal
@@ -212,7 +235,8 @@ def test_ctrl_c_stops_soon_and_balances_the_ledger(source):
         events["t"] = [0, 3_600_000_000]
         def generator():
             yield events
-            time.sleep(0)
+            if {source == "generator that waits"}:
+                threading.Event().wait()
         sent = []
         begun = threading.Event()
         def interrupt():

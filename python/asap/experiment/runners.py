@@ -24,6 +24,7 @@ __all__ = [
 Progress = Callable[[int, "int | None", dict[str, int]], object]
 
 _CHUNK = 1 << 15  # events between two looks at Ctrl-C
+_LEAVE_S = 0.05  # for the reader to end; one whose source waits is left there
 _last: Run | None = None
 
 
@@ -252,7 +253,7 @@ def _replay_stream(
         replay.run(ahead, algorithm, poll)
     finally:
         ahead.cancel()
-        reader.join()
+        reader.join(_LEAVE_S)
     if errors:
         raise errors[0]
 
