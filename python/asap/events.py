@@ -35,6 +35,7 @@ _UNDERSTOOD = "; ".join(f"{role}: {', '.join(names)}" for role, names in FIELD_N
 
 # A unit of time is 10^exponent us.
 TIME_EXPONENTS = {"s": 6, "ms": 3, "us": 0, "ns": -3}
+_FINE_EXPONENTS = {"ns": -3, "ps": -6, "fs": -9, "as": -12}  # of datetime64 and timedelta64
 
 _MAX_ADDRESS = 65535
 _MAX_INT64 = 2**63 - 1
@@ -157,7 +158,8 @@ def misfits(role: str, column: Column, exponent: int = 0) -> npt.NDArray[np.bool
     """Mark the values that an event cannot hold; None where there can be none."""
     kind, size = column.dtype.kind, column.dtype.itemsize
     if kind in "mM":
-        return np.isnat(column)
+        there_and_back = _counts(column)[0].astype(column.dtype)
+        return np.asarray(there_and_back != column)  # NaT differs from itself
     if kind == "b":
         return None
     if role == "p":
@@ -376,11 +378,9 @@ def _outside(column: Column, low: int, high: int) -> npt.NDArray[np.bool_] | Non
 
 
 def _to_us(t: Column, exponent: int) -> npt.NDArray[np.int64]:
-    kind = t.dtype.kind
-    if kind in "mM":
-        stamps: Column = t.astype("M8[us]" if kind == "M" else "m8[us]")
-        return stamps.view(np.int64)
-    if kind == "f":
+    if t.dtype.kind in "mM":
+        t, exponent = _counts(t)
+    if t.dtype.kind == "f":
         return np.rint(t * 10.0**exponent).astype(np.int64)
     whole: npt.NDArray[np.int64] = t.astype(np.int64)
     if exponent >= 0:
@@ -390,6 +390,14 @@ def _to_us(t: Column, exponent: int) -> npt.NDArray[np.int64]:
     half = 10**-exponent // 2
     us[(rest > half) | ((rest == half) & (us % 2 == 1))] += 1
     return us
+
+
+def _counts(stamps: Column) -> tuple[Column, int]:
+    """Stamps of NumPy in us, or finer where they are, and the exponent of that unit."""
+    unit, _ = np.datetime_data(stamps.dtype)
+    exponent = _FINE_EXPONENTS.get(unit, 0)
+    counts: Column = stamps.astype(f"{stamps.dtype.kind}8[{unit if exponent else 'us'}]")
+    return counts, exponent
 
 
 def _remedy() -> str:

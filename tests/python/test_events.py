@@ -260,6 +260,23 @@ class TestTime:
         with pytest.raises(ValueError, match="time_unit = 'h'"):
             asap.as_events((T, X, Y, P), time_unit="h")
 
+    @pytest.mark.parametrize(
+        ("t", "dtype"),
+        [(2**53, "m8[s]"), (-(2**53), "m8[s]"), (2**62, "m8[Y]"), ("300000-01-01", "M8[D]")],
+    )
+    def test_numpy_stamps_beyond_64_bit_us_are_refused(self, t: Any, dtype: str) -> None:
+        columns = (np.array([0, t], dtype), [1, 1], [2, 2], None)
+        with pytest.raises(ValueError, match=rf"^t = {t}.* \(event 1\): no time in 64-bit us"):
+            asap.as_events(columns)
+
+    @pytest.mark.parametrize("dtype", ["m8[ns]", "M8[ns]", ">m8[ns]"])
+    def test_numpy_stamps_are_rounded_as_numbers_are(self, dtype: str) -> None:
+        t = np.array([1600, -1, 500, 1500, 2500, -500, -1500, 2**63 - 1, 1 - 2**63])
+        x = np.zeros(t.size, int)
+        events = asap.as_events((t.astype(dtype), x, x, None))
+        assert events["t"].tolist()[:7] == [2, 0, 0, 2, 2, 0, -2]
+        assert_equal_events(events, asap.as_events((t, x, x, None), time_unit="ns"))
+
     @pytest.mark.parametrize("dtype", ["M8[us]", "M8[ms]", "m8[us]", "m8[ns]", ">m8[us]"])
     def test_datetime_and_timedelta_carry_their_unit(self, dtype: str) -> None:
         factor = {"us": 1, "ms": 1000, "ns": 1}[dtype[-3:-1]]
