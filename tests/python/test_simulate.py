@@ -368,3 +368,26 @@ def test_a_saved_run_knows_where_its_packages_begin(tmp_path):
     loaded = asap.load_run(tmp_path / "run.json")
     np.testing.assert_array_equal(loaded.packages, run.packages)
     assert loaded.kept_mask is None
+
+
+def test_a_bad_event_in_front_sets_no_time(tmp_path):
+    """An array and its file are one source: of the same events and of the same duration."""
+    events = streams.make([-(10**15), 10, 20, 30, 40], x=[999, 1, 2, 3, 4])
+    path = tmp_path / "events.npy"
+    np.save(path, events)
+    late = np.concatenate([events[:1]] * 1000 + [events[1:]])
+    for source, received in (
+        (events, 5),
+        (path, 5),
+        (iter([events[:1], events[1:]]), 5),
+        (late, 1004),
+    ):
+        run = asap.simulate(source, cost=COST, width=346, height=260)
+        found = run.summary()
+        assert (found["source"]["events"], found["ledger"]["received"]) == (received, received)
+        assert found["source"]["duration_s"] == pytest.approx(30e-6)
+        assert found["packages"]["per_s"] == pytest.approx(run.packages.size / 30e-6)
+    clamped = asap.simulate(events[1:], cost=COST, width=2, height=260, on_bad="clamp")
+    assert clamped.source["duration_s"] == pytest.approx(30e-6)
+    nothing = asap.simulate(events[:1], cost=COST, width=346, height=260)
+    assert (nothing.source["events"], nothing.source["duration_s"]) == (1, 0)

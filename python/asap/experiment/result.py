@@ -106,6 +106,9 @@ class Run:
         "virtual" (simulate) or "real" (run).
     latency_bound_us : float
         The bound in force.
+    source : dict
+        What was read: path, format, width, height, events (all that were received, bad ones too)
+        and duration_s, from the first good one to the last.
     clock_resets : int
         How often the sensor's clock jumped back by 1 s or more; time then continued 1 us later.
     lateness : LatencyHistogram or None

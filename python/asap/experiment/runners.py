@@ -377,7 +377,7 @@ def remember(
         algorithm=algorithm,
         mode=mode,
         latency_bound_us=config.latency_bound_us(scheme),
-        source=stream.describe(runner.validator.last_us),
+        source=stream.describe(counts["received"], runner.validator.last_us),
         clock_resets=stream.clock_resets + runner.validator.clock_resets,
         speed=speed,
         lateness=runner.lateness if isinstance(runner, _core.Replay) else None,

@@ -8,17 +8,21 @@ from typing import Any
 
 import numpy as np
 
+from asap import _core
 from asap.checks import named, sides
 from asap.events import Events, as_events
 from asap.io import Recording, read
 
 __all__ = ["Source", "is_iterable_of_arrays"]
 
+_LOOK = 256  # events in which the first good one is searched at once
+
 
 class Source:
     """A stream of arrays in EVENT_DTYPE, with what is known about where it comes from.
 
-    Iterating keeps count: `events` and `first_us` hold for what has been handed out so far.
+    Iterating keeps count: `events` is how many have been handed out so far, `first_us` the stamp of
+    the first good one.
     """
 
     def __init__(self, source: Any, *, width: int | None, height: int | None, on_bad: str) -> None:
@@ -44,6 +48,7 @@ class Source:
         self.width = width if width is not None else getattr(known, "width", None)
         self.height = height if height is not None else getattr(known, "height", None)
         sides(self.width, self.height)
+        self._on_bad = on_bad
         self.events = 0
         self.first_us: int | None = None
         self._ended = False
@@ -54,10 +59,22 @@ class Source:
             if events.size == 0:
                 continue
             if self.first_us is None:
-                self.first_us = int(events["t"][0])
+                self.first_us = self._first_good_us(events)
             self.events += events.size
             yield events
         self._ended = True
+
+    def _first_good_us(self, events: Events) -> int | None:
+        """Stamp of the first event that the runner's own validator will pass."""
+        door = _core.Validator(
+            width=self.width or 0,
+            height=self.height or 0,
+            on_bad="clamp" if self._on_bad == "clamp" else "drop",
+        )
+        for begin in range(0, events.size, _LOOK):
+            if (good := door.check(events[begin : begin + _LOOK])).size:
+                return int(good["t"][0])
+        return None
 
     @property
     def total_hint(self) -> int | None:
@@ -76,8 +93,11 @@ class Source:
         """How often the reader of the file saw the sensor's clock jump back."""
         return self.recording.clock_resets if self.recording is not None else 0
 
-    def describe(self, last_us: int) -> dict[str, Any]:
-        """Describe the source as in the JSON summary; its last good stamp is `last_us`."""
+    def describe(self, received: int, last_us: int) -> dict[str, Any]:
+        """Describe the source as in the JSON summary.
+
+        Its events are those `received`, bad ones too; its last good stamp is `last_us`.
+        """
         duration_us = 0 if self.first_us is None else max(last_us - self.first_us, 0)
         recording = self.recording
         return {
@@ -85,7 +105,7 @@ class Source:
             "format": recording.format if recording is not None else self._kind,
             "width": self.width,
             "height": self.height,
-            "events": self.events,
+            "events": received,
             "duration_s": duration_us / 1e6,
         }
 
