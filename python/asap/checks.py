@@ -6,7 +6,9 @@ TypeError for one of the wrong kind. An error of the argument itself comes out u
 
 from __future__ import annotations
 
+import errno
 import operator
+import stat
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -25,6 +27,7 @@ __all__ = [
     "listed",
     "named",
     "number",
+    "regular_file",
     "require",
     "rows",
     "sides",
@@ -128,6 +131,13 @@ def folder_or_file(field: str, value: Any) -> Path:
         return Path(value)
     except TypeError:
         raise TypeError(named(field, value, "give a path")) from None
+
+
+def regular_file(path: Path) -> None:
+    """Refuse a pipe, a socket or a device: a file is read more than once, and ends."""
+    mode = path.stat().st_mode
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # a folder is refused where it is opened
+        raise OSError(errno.ESPIPE, "no regular file; save it to one first", str(path))
 
 
 def is_masked(array: Any) -> bool:

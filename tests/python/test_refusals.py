@@ -5,7 +5,9 @@ from __future__ import annotations
 import copy
 import decimal
 import math
+import os
 import pickle
+import socket
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -648,3 +650,33 @@ def test_events_are_refused_by_the_name_of_the_argument(
             call(value)
     with pytest.raises(ValueError, match=r"^order = None: "):
         call(np.zeros((5, 4)))
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "socket"])
+def test_what_is_no_file_is_refused_and_not_waited_for(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / kind
+    if kind == "pipe":
+        os.mkfifo(path)
+        end = os.open(path, os.O_RDWR)  # or whoever opens it waits
+        os.write(end, b"1 2 3 1\n" * 6000)
+    elif kind == "device":
+        path = Path(os.devnull)
+    else:
+        server = socket.socket(socket.AF_UNIX)
+        server.bind(os.path.relpath(path))  # a long one does not fit
+    for call in (
+        asap.read,
+        asap.load,
+        asap.check,
+        asap.load_run,
+        lambda path: asap.run(path, algorithm=nothing),
+        lambda path: asap.simulate(path, cost=COST),
+        lambda path: asap.compare(path, cost=COST),
+    ):
+        with pytest.raises(OSError, match="no regular file; save it to one first") as caught:
+            call(path)
+        assert caught.value.filename == str(path)
+    if kind == "pipe":
+        os.close(end)
+    elif kind == "socket":
+        server.close()

@@ -34,10 +34,11 @@ def load_run(path: str | os.PathLike[str]) -> Run:
     ValueError
         The file holds no run, or one of another schema.
     OSError
-        The file cannot be read.
+        The file cannot be read, or is a pipe, a socket or a device.
     """
     file = checks.folder_or_file("path", path)
     try:
+        checks.regular_file(file)
         text = file.read_text(encoding="utf-8")
         document = json.loads(text, parse_constant=_no_number)
         if _depth(document) > _DEEPEST:

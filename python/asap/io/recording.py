@@ -203,7 +203,7 @@ def read(
     ValueError
         A bad option, or columns that need `order` or `time_unit`.
     OSError
-        The file cannot be opened.
+        The file cannot be opened, or is a pipe, a socket or a device: save it to a file first.
     RuntimeError
         The format needs an extra that is not installed.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asap.checks import regular_file
 from asap.io.errors import CorruptFile, UnsupportedFormat
 
 __all__ = ["SERVED", "sniff"]
@@ -52,7 +53,10 @@ def sniff(path: Path) -> str:
         No reader serves it.
     CorruptFile
         It is empty, or not what its name promises.
+    OSError
+        It cannot be opened, or is a pipe, a socket or a device.
     """
+    regular_file(path)
     with path.open("rb") as file:
         head = file.read(_HEAD)
     if not head:
