@@ -88,6 +88,27 @@ def test_an_exception_of_set_keep_comes_out_unchanged():
     assert (pipeline.state, pipeline.ledger.pending) == ("stopped", 1)
 
 
+@pytest.mark.parametrize("begin", [asap.Pipeline.start, asap.Pipeline.__enter__])
+@pytest.mark.parametrize("drain", [True, False])
+def test_a_loop_that_was_left_does_not_keep_it_from_beginning_anew(begin, drain):
+    pipeline = asap.Pipeline(**SMALL)
+    events = streams.make(np.arange(30))
+    pipeline.push(events)
+    for package in pipeline:
+        left = package.events
+        break
+    pipeline.stop(drain=drain)
+    ledger = pipeline.ledger
+    assert (ledger.delivered, ledger.pending) == (0, 30)
+    begin(pipeline)
+    assert pipeline.ledger.received == 0
+    assert left.tolist() == events[:10].tolist()
+    pipeline.push(events)
+    pipeline.stop()
+    assert [len(package) for package in pipeline] == [10, 10, 10]
+    assert pipeline.packages["size"].tolist() == [10, 10, 10]
+
+
 # ---- stopping -------------------------------------------------------------------------------
 
 

@@ -135,6 +135,7 @@ class Pipeline:
             warmup_discard_us=warmup_discard_us,
         )
         self._native = _core.LivePipeline(self.scheme, config)
+        self._in_work = False  # a package, also of a loop that was left
         self._small_is_known = algorithm is None or _core.is_native(algorithm)
 
     # ---- the camera's side
@@ -188,8 +189,11 @@ class Pipeline:
         return self._packages()
 
     def _packages(self) -> Iterator[_core.LivePackage]:
+        self._in_work = False
         while (package := self._native.next()) is not None:
+            self._in_work = True
             yield package
+            self._in_work = False
 
     def run(self) -> None:
         """Let the algorithm work on this thread until `stop`, then return.
@@ -253,7 +257,13 @@ class Pipeline:
         self._native.stop(drain)
 
     def start(self) -> None:
-        """Begin anew after `stop`, with an empty ring and all counts at 0."""
+        """Begin anew after `stop`, with an empty ring and all counts at 0.
+
+        A package in work, such as one that a loop left by break holds, is given up.
+        """
+        if self._in_work and not self.is_open:
+            self._native.abandon()
+            self._in_work = False
         self._native.start()
 
     def set_latency(self, latency_ms: float) -> None:
@@ -322,7 +332,7 @@ class Pipeline:
 
     def __enter__(self) -> Pipeline:
         """Start it, if it is stopped."""
-        self._native.start()
+        self.start()
         return self
 
     def __exit__(
