@@ -68,7 +68,7 @@ def rate(events: NDArray[np.void], bin_us: float) -> tuple[Floats, Floats]:
     if events.size == 0:
         return np.empty(0), np.empty(0)
     elapsed_us = events["t"] - events["t"][0]
-    fits = int(elapsed_us[-1]) / bin_us < _MAX_BINS
+    fits = int(elapsed_us[-1]) / float(bin_us) < _MAX_BINS
     checks.require(fits, "bin_us", bin_us, "too short for this duration")
     bin_us = float(bin_us)
     counts = np.bincount((elapsed_us // bin_us).astype(np.int64))
@@ -273,7 +273,7 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     cost lets through (T6): a longer load cannot be buffered within the bound.
     """
     cost = cost_of(run)
-    checks.number("wanted", wanted, 0, 1, "give a share from 0 to 1")
+    wanted = checks.number("wanted", wanted, 0, 1, "give a share from 0 to 1")
     bound_us = run.latency_bound_us
     rates_hz = _offered_rates(run, bound_us)
     needed_hz = _throughput_to_keep(rates_hz, wanted)

@@ -7,6 +7,7 @@ TypeError for one of the wrong kind. An error of the argument itself comes out u
 from __future__ import annotations
 
 import errno
+import math
 import operator
 import stat
 from collections.abc import Iterable
@@ -55,15 +56,19 @@ def require(ok: bool, field: str, value: Any, remedy: str) -> None:
         raise ValueError(named(field, value, remedy))
 
 
-def number(field: str, value: Any, low: float, high: float, remedy: str) -> None:
-    """Refuse what is no number, or none from low to high."""
+def number(field: str, value: Any, low: float, high: float, remedy: str) -> float:
+    """Return it as a float; refuse what is no number, or none from low to high."""
     try:
         in_range = None if getattr(value, "shape", ()) else bool(low <= value <= high)
+        found = float(value) if in_range else math.nan
     except (TypeError, ValueError):  # None, text
         in_range = None
+    except ArithmeticError:  # a decimal that is not a number
+        in_range = False
     if in_range is None:
         raise TypeError(named(field, value, "give a number"))
     require(in_range, field, value, remedy)
+    return found
 
 
 def index(field: str, value: Any) -> int:

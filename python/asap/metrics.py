@@ -138,7 +138,7 @@ def _check_phases(slots: npt.NDArray[np.void], phase_ms: int, bound_us: float) -
 
 
 def _is_late(slots: npt.NDArray[np.void], bound_us: float) -> npt.NDArray[Any]:
-    return np.asarray(slots["latency_max_us"] > _LATE * bound_us)
+    return np.asarray(slots["latency_max_us"] > _LATE * float(bound_us))
 
 
 def _mean_disturbance_ms(

@@ -307,7 +307,7 @@ ONE = asap.Greedy()
     [
         ({"cost": (100, 300)}, TypeError, "give asap.LinearCost"),
         ({"schemes": []}, ValueError, r"schemes = \[\]: give at least one"),
-        ({"schemes": ["greedy"]}, TypeError, "'greedy' is no scheme"),
+        ({"schemes": ["greedy"]}, TypeError, "schemes = 'greedy': give"),
         ({"schemes": [ONE, ONE]}, ValueError, "stands there twice"),
         ({"schemes": [asap.Deadline(latency_ms=5)], "latency_ms": 10}, ValueError, "= 5, 10: two"),
         ({"latency_ms": 0}, ValueError, "latency_ms = 0: must be between"),

@@ -229,6 +229,13 @@ def test_whole_numbers_of_numpy_are_taken() -> None:
     assert _core.TextDecoder(first_offset=np.int64(3)).noted == ()
 
 
+def test_true_is_a_whole_number_for_every_door() -> None:
+    sides = {"width": True, "height": True}
+    assert asap.simulate(EVENTS, cost=COST, **sides).kept == 1
+    found = asap.check(EVENTS, **sides)
+    assert (found.width, found.height, found.events) == (1, 1, EVENTS.size)
+
+
 class Mine:
     """An object with errors of its own."""
 
@@ -386,6 +393,51 @@ def test_speed_that_is_no_number_is_named(speed: Any) -> None:
         asap.compare(EVENTS, cost=COST, speed=speed)
     with pytest.raises(TypeError, match=r"^speed = "):
         asap.run(EVENTS, algorithm=lambda _: None, speed=speed)
+
+
+HALF = decimal.Decimal("0.5")
+
+
+@pytest.mark.parametrize(
+    ("call", "plain"),
+    [
+        (lambda half: asap.Pipeline(latency_ms=half).latency_bound_us, 500),
+        (lambda half: asap.oracle(EVENTS, cost=COST, latency_ms=half, speed=half), 5),
+        (lambda half: asap.compare(EVENTS, cost=COST, latency_ms=half, speed=half).speed, 0.5),
+        (lambda half: asap.run(EVENTS, algorithm=len, speed=half).summary()["speed"], 0.5),
+        (lambda half: profiles.drift(half).size, 500),
+        (lambda half: profiles.cost("slow_ht", duration_s=half).name, "linear_cost"),
+        (lambda half: profiles.Profile("low", duration_s=half, scale=half).duration_s, 0.5),
+        (lambda half: scenes.timing(1, 64, 48, half, duration_s=half).duration_us, 500_000),
+        (lambda half: asap.score(asap.EFast(64, 48), THIN, gamma=half)["events"], None),
+        (lambda half: asap.keep_curve(asap.EFast, THIN, gammas=[half]).rows[0].gamma, 0.5),
+        (lambda half: analysis.rate(EVENTS, half)[1][0], 1e7),
+        (lambda half: metrics.settle_ms(RUN.slots, [], 9, half), 0),
+        (lambda half: analysis.Cost(0, 1).throughput_hz(half), 1e9),
+    ],
+)
+def test_number_of_any_kind_is_taken_as_a_float(call: Callable[[Any], Any], plain: Any) -> None:
+    found = call(HALF)
+    assert found == call(0.5)
+    assert plain in (found, None)
+    for bad in ("nan", "snan"):
+        with pytest.raises((TypeError, ValueError), match=r"^\w+ = .*: "):
+            call(decimal.Decimal(bad))
+
+
+def test_whole_number_of_too_many_digits_is_told_by_its_type() -> None:
+    many = 10**5000
+    for field, call in (
+        ("algorithm", lambda: asap.Pipeline(many)),
+        ("scheme", lambda: asap.simulate(EVENTS, cost=COST, scheme=many)),
+        ("cost", lambda: asap.simulate(EVENTS, cost=many)),
+        ("cost", lambda: asap.compare(EVENTS, cost=many)),
+        ("schemes", lambda: asap.compare(EVENTS, cost=COST, schemes=[many])),
+        ("algorithm", lambda: asap.keep_curve(many, SCENE)),
+        ("before", lambda: asap.keep_curve(asap.EFast, SCENE, before=many)),
+    ):
+        with pytest.raises(TypeError, match=rf"^{field} = <int>: give "):
+            call()
 
 
 RUN = asap.simulate(EVENTS, cost=COST)

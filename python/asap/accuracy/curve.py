@@ -178,8 +178,10 @@ def keep_curve(
     Uniform and independent thinning (`asap.GammaFilter`). An algorithm without ``set_keep`` is not
     told.
     """
-    for gamma in checks.listed("gammas", gammas):
+    gammas = [
         checks.number("gammas", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
+        for gamma in checks.listed("gammas", gammas)
+    ]
     for seed in checks.listed("seeds", seeds):
         checks.whole("seeds", seed, 0, 2**64 - 1, "must be at least 0 and below 2**64")
     for name, make in (("algorithm", algorithm), ("before", before)):
@@ -187,8 +189,12 @@ def keep_curve(
             continue
         if not callable(make) or _is_an_object(make):
             raise TypeError(
-                f"{name} = {make!r}: give its class or a function of (width, height), as every run "
-                "needs a fresh one"
+                checks.named(
+                    name,
+                    make,
+                    "give its class or a function of (width, height), as every run needs a fresh "
+                    "one",
+                )
             )
     scored: list[Scored] = []
     scenes: list[Scene] = []

@@ -107,7 +107,7 @@ def score(
     """
     check_scene(scene)
     checks.choice("active", active, ("produced", "kept"))
-    checks.number("gamma", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
+    gamma = checks.number("gamma", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
     checks.flag("told", told)
     for name, value in (("tracker", tracker), ("before", before)):
         checks.worker(name, value)

@@ -290,7 +290,7 @@ def compare(
         cost=cost,
         latency_ms=bound_ms,
         opaque=opaque,
-        speed=speed,
+        speed=stream.speed,
         seed=seed,
     )
 
@@ -336,8 +336,8 @@ def oracle(
     notebooks/theory.md, section 9. With noise a bound in expectation.
     """
     _check_cost(cost)
-    check_latency(latency_ms)
-    found = _core.Oracle(cost, latency_ms * 1e3, opaque=opaque)
+    bound_us = check_latency(latency_ms) * 1e3
+    found = _core.Oracle(cost, bound_us, opaque=opaque)
     for events in CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed):
         found.feed(events)
     return float(found.bound)
@@ -345,7 +345,7 @@ def oracle(
 
 def _check_cost(cost: Any) -> None:
     if not isinstance(cost, _core.LinearCost):
-        raise TypeError(f"cost = {cost!r}: give asap.LinearCost(alpha_us, beta_ns)")
+        raise TypeError(checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
 
 
 def _require_replayable(source: Any) -> None:
@@ -360,7 +360,7 @@ def _require_replayable(source: Any) -> None:
 def _common_bound_ms(schemes: Iterable[_core.Scheme], latency_ms: float | None) -> float:
     """Find the one bound of all: the user's, else the schemes' own, else 10 ms."""
     if latency_ms is not None:
-        check_latency(latency_ms)
+        latency_ms = check_latency(latency_ms)
     own = (scheme.parameters.get("latency_ms") for scheme in schemes)
     bounds = {bound for bound in (*own, latency_ms) if bound is not None}
     if len(bounds) > 1:

@@ -87,7 +87,7 @@ def labelled(schemes: Any) -> dict[str, _core.Scheme]:
     listed = [given] if isinstance(given, _core.Scheme) else list(given)
     for scheme in listed:
         if not isinstance(scheme, _core.Scheme):
-            raise TypeError(f"schemes: {scheme!r} is no scheme such as asap.Greedy()")
+            raise TypeError(checks.named("schemes", scheme, "give schemes such as [asap.Greedy()]"))
     if not listed:
         raise ValueError("schemes = []: give at least one, or None for the usual ones")
     if len({id(scheme) for scheme in listed}) < len(listed):

@@ -42,7 +42,7 @@ class Cost:
 
         a* = (1 - 2 alpha / L) / beta: theory T6 of the project's control notes.
         """
-        checks.number("bound_us", bound_us, 0, sys.float_info.max, "give 0 us or more")
+        bound_us = checks.number("bound_us", bound_us, 0, sys.float_info.max, "give 0 us or more")
         share = max(0.0, 1 - 2 * self.alpha_us / bound_us) if bound_us > 0 else 0.0
         if self.beta_ns > 0:
             return share / self.beta_ns * 1e9

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _core
+from asap.checks import named
 from asap.events import events_of_argument
 from asap.experiment.live_stats import ledger_of, state_of, summary
 from asap.experiment.result import Ledger, Named
@@ -116,7 +117,7 @@ class Pipeline:
     ) -> None:
         if not (algorithm is None or callable(algorithm) or hasattr(algorithm, "process")):
             raise TypeError(
-                f"algorithm = {algorithm!r}: give an object with process(events) or a callable"
+                named("algorithm", algorithm, "give an object with process(events) or a callable")
             )
         self.algorithm = algorithm
         self.scheme = as_scheme(scheme, latency_ms)
@@ -276,8 +277,7 @@ class Pipeline:
         ValueError
             Out of range.
         """
-        check_latency(latency_ms)
-        self._native.set_latency(latency_ms * 1e3)
+        self._native.set_latency(check_latency(latency_ms) * 1e3)
 
     @property
     def is_open(self) -> bool:

@@ -103,7 +103,7 @@ def simulate(
         A bad argument, named with its value and the remedy; bad events with on_bad="raise".
     """
     if not isinstance(cost, _core.LinearCost):
-        raise TypeError(f"cost = {cost!r}: give asap.LinearCost(alpha_us, beta_ns)")
+        raise TypeError(checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
     checks.flag("opaque", opaque)
     checks.callback("on_progress", on_progress)
     scheme = as_scheme(scheme, latency_ms)
@@ -226,7 +226,9 @@ def run(
         else:
             _replay_stream(replay, stream, algorithm, poll)
     finally:
-        outcome = remember(replay, stream, config, scheme, algorithm, mode="real", speed=speed)
+        outcome = remember(
+            replay, stream, config, scheme, algorithm, mode="real", speed=float(speed)
+        )
     return outcome
 
 
@@ -261,17 +263,17 @@ def _replay_stream(
 def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
     """Check the scheme and the bound, or make the default scheme."""
     if latency_ms is not None:
-        check_latency(latency_ms)
+        latency_ms = check_latency(latency_ms)
     if scheme is None:
         return _core.Deadline() if latency_ms is None else _core.Deadline(latency_ms=latency_ms)
     if not isinstance(scheme, _core.Scheme):
-        raise TypeError(f"scheme = {scheme!r}: give a scheme such as asap.Greedy()")
+        raise TypeError(checks.named("scheme", scheme, "give a scheme such as asap.Greedy()"))
     return scheme
 
 
-def check_latency(latency_ms: float) -> None:
-    """Refuse a latency bound that is no number or out of range."""
-    checks.number("latency_ms", latency_ms, 0.01, 1e7, "must be between 0.01 and 1e7 ms")
+def check_latency(latency_ms: float) -> float:
+    """Return a latency bound as a float; refuse one that is no number or out of range."""
+    return checks.number("latency_ms", latency_ms, 0.01, 1e7, "must be between 0.01 and 1e7 ms")
 
 
 def _whole(name: str, value: Any) -> int:
@@ -303,7 +305,7 @@ def make_config(
 ) -> _core.RunConfig:
     """Check what the runners have in common, and put it together for the native ones."""
     if latency_ms is not None:
-        check_latency(latency_ms)
+        latency_ms = check_latency(latency_ms)
     slots = _whole("capacity", capacity)
     if capacity is not None and slots < 1:
         raise ValueError(f"capacity = {capacity}: must be at least 1 event")

@@ -50,9 +50,8 @@ class CheckedStream(Source):
         on_bad: str = "drop",
         speed: float = 1.0,
     ) -> None:
-        number("speed", speed, 1e-6, 1e6, "must be between 1e-6 and 1e6")
+        self.speed = number("speed", speed, 1e-6, 1e6, "must be between 1e-6 and 1e6")
         super().__init__(source, width=width, height=height, on_bad=on_bad)
-        self._speed = speed
         self._door = _core.Validator(width=self.width or 0, height=self.height or 0, on_bad=on_bad)
         self._begin_us: int | None = None
 
@@ -60,7 +59,7 @@ class CheckedStream(Source):
         for chunk in super().__iter__():
             good = self._door.check(chunk)
             if good.size:
-                yield good if self._speed == 1.0 else self._compressed(good)
+                yield good if self.speed == 1.0 else self._compressed(good)
 
     @property
     def rejected(self) -> dict[str, int]:
@@ -79,7 +78,7 @@ class CheckedStream(Source):
         if self._begin_us is None:
             self._begin_us = int(events["t"][0])
         compressed: Events = events.copy()
-        elapsed_us = np.floor((events["t"] - self._begin_us) / self._speed)
+        elapsed_us = np.floor((events["t"] - self._begin_us) / self.speed)
         compressed["t"] = self._begin_us + elapsed_us.astype(np.int64)
         return compressed
 

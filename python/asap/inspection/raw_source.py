@@ -41,6 +41,8 @@ class RawSource:
         for name, side in (("width", width), ("height", height)):
             if side is not None:
                 whole(name, side, 0, 65536, "give the sensor's side in px, at most 65536, or None")
+        # As for the core True is 1.
+        width, height = (None if side is None else int(side) for side in (width, height))
         self.recording: Recording | None = None
         if isinstance(source, (str, os.PathLike)):
             self.recording = read(

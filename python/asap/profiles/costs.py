@@ -70,7 +70,7 @@ def drift(duration_s: float) -> Floats:
     -------
     ndarray of shape (n,), n = duration in ms
     """
-    _check_duration(duration_s)
+    duration_s = _checked_duration(duration_s)
     t = np.arange(math.ceil(duration_s * 1e3)) * 1e-3
     return portable((1.0 + 0.5 * np.sin(2.0 * np.pi * t)) * np.where(t > 2.75, 1.5, 1.0))
 
@@ -83,7 +83,7 @@ def outages_ms(duration_s: float, *, seed: int) -> Floats:
     ndarray of shape (n, 2)
         Begin and end, ms; one that would overlap the one before is put off to its end.
     """
-    _check_duration(duration_s)
+    duration_s = _checked_duration(duration_s)
     checks.whole("seed", seed, 0, 2**64 - 1, "give 0 or more, and below 2**64")
     draws = Draws(seed)
     mean_gap_ms, begin_ms, free_ms = 100.0, 0.0, 0.0
@@ -100,5 +100,5 @@ def outages_ms(duration_s: float, *, seed: int) -> Floats:
             outages.append((late_ms, free_ms))
 
 
-def _check_duration(duration_s: float) -> None:
-    checks.number("duration_s", duration_s, 0, 86_400, "give 0 to 86400 s")
+def _checked_duration(duration_s: float) -> float:
+    return checks.number("duration_s", duration_s, 0, 86_400, "give 0 to 86400 s")

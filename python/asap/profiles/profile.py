@@ -99,7 +99,7 @@ class Profile(SyntheticStream):
         for first in range(0, steps, _STEPS_PER_BLOCK):
             last = min(first + _STEPS_PER_BLOCK, steps)
             t = (np.arange(first, last, dtype=np.float64) + 0.5) * (_STEP_US * 1e-6)
-            yield _rates_at(t, rate, self._parameters["scale"])
+            yield _rates_at(t, rate, float(self._parameters["scale"]))
 
     @property
     def _duration_us(self) -> int:

@@ -119,7 +119,7 @@ def timing(
     for end in ends:
         checks.number("radius", end, 1, 8192, "give at least 1 px")
     checks.require(ends[0] <= ends[1], "radius", radius, "give the smaller one first")
-    checks.number("speed", speed, 0, 2000, "give 0 to 2000 px/s")
+    speed = checks.number("speed", speed, 0, 2000, "give 0 to 2000 px/s")
     checks.number("duration_s", duration_s, 0.01, 86_400, "give 0.01 to 86400 s")
     layout = _core.SceneLayout.free_shapes(
         count=n,
