@@ -94,6 +94,8 @@ def test_rows_are_the_runs_in_numbers(comparison):
         assert row.cpu == pytest.approx(run.packages["processing_us"].sum() / 1e6 / elapsed_s)
         assert 0 < row.cpu <= 1
         assert comparison[row.label] is row
+    with pytest.raises(KeyError, match="nobody"):
+        _ = comparison["nobody"]
 
 
 def test_no_scheme_beats_the_oracle_and_the_best_is_first(comparison):
@@ -309,6 +311,8 @@ ONE = asap.Greedy()
         ({"schemes": []}, ValueError, r"schemes = \[\]: give at least one"),
         ({"schemes": ["greedy"]}, TypeError, "schemes = 'greedy': give"),
         ({"schemes": [ONE, ONE]}, ValueError, "stands there twice"),
+        ({"schemes": {1: ONE, "1": asap.Greedy()}}, ValueError, r"\['1', '1'\] are not all diff"),
+        ({"schemes": [asap.SingleEvent()], "all": True}, ValueError, r"= \['SingleEvent'\]: all="),
         ({"schemes": [asap.Deadline(latency_ms=5)], "latency_ms": 10}, ValueError, "= 5, 10: two"),
         ({"latency_ms": 0}, ValueError, "latency_ms = 0: must be between"),
         ({"speed": 0}, ValueError, "speed = 0: must be between"),

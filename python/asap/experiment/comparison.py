@@ -144,7 +144,7 @@ class Comparison:
 
     def __getitem__(self, label: str) -> Row:
         """Return the row of a label."""
-        return next(row for row in self.rows if row.label == label)
+        return {row.label: row for row in self.rows}[label]
 
     def summary(self) -> dict[str, Any]:
         """Sum the comparison up as one JSON object."""
@@ -261,7 +261,10 @@ def compare(
     bound_ms = _common_bound_ms(given.values(), latency_ms)
     contenders = user_schemes() if schemes is None else of_schemes(given)
     if all:
-        contenders += rivals()
+        others = rivals()
+        twins = [one.label for one in others if one.label in given]
+        checks.require(not twins, "schemes", twins, "all=True adds these; give yours other labels")
+        contenders += others
     if opaque:
         contenders = [replace(one, opaque=True) for one in contenders]
     stream = CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed)

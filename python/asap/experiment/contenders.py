@@ -73,7 +73,7 @@ def labelled(schemes: Any) -> dict[str, _core.Scheme]:
     Raises
     ------
     ValueError
-        There is none, or one scheme stands twice: it has one state.
+        There is none, one scheme stands twice (it has one state), or two labels are the same text.
     TypeError
         Something is no scheme.
     """
@@ -92,7 +92,9 @@ def labelled(schemes: Any) -> dict[str, _core.Scheme]:
         raise ValueError("schemes = []: give at least one, or None for the usual ones")
     if len({id(scheme) for scheme in listed}) < len(listed):
         raise ValueError("schemes: one of them stands there twice, but it can run only once")
-    labels = map(str, schemes) if named else _labels(listed)
+    labels = [str(label) for label in schemes] if named else _labels(listed)
+    if len(set(labels)) < len(labels):
+        raise ValueError(f"schemes: the labels {labels} are not all different")
     return dict(zip(labels, listed, strict=True))
 
 
