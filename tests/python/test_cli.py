@@ -127,6 +127,9 @@ def test_version(api, asap):
         (["run", "f", "--scheme", "asap2020", "--set", "ratebound=1"], "did you mean rate_bound?"),
         (["run", "f", "--scheme", "asap2020", "--set", "zz=1"], "it has rate_bound, first_size"),
         (["run", "f", "--scheme", "asap2020", "--set", "rate_bound=fast"], "'fast' is no number"),
+        (["run", "f", "--scheme", "asap2020", "--set", "first_size=2.5"], "takes a whole number"),
+        (["run", "f", "--scheme", "asap2020", "--set", "first_size=nan"], "takes a whole number"),
+        (["run", "f", "--cost", "1us+1ns", "--speed", "10"], "--speed: it is about the replay"),
         (
             ["run", "f", "--scheme", "asap2020", "--set", "rate_bound=-1"],
             "rate_bound = -1.0: must be positive",
@@ -563,6 +566,12 @@ class TestInstalled:
             result = self.call(verb[0], path, *verb[1:])
             assert (result.returncode, result.stdout) == (3, "")
             assert result.stderr.startswith("asap: error: ") and "Traceback" not in result.stderr
+
+    def test_a_name_that_stdout_cannot_write_is_escaped(self, recording, monkeypatch):
+        monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+        info = self.call("info", recording.rename(recording.with_name("fl\u00fcg.npy")))
+        assert (info.returncode, info.stderr) == (0, "")
+        assert "fl\\xfcg.npy" in info.stdout
 
     def test_a_closed_pipe_is_no_error(self, recording):
         command = f"{sys.executable} -m asap info {recording} | true"

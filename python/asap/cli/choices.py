@@ -62,8 +62,11 @@ def _setting(text: str, scheme: str, defaults: dict[str, Any]) -> tuple[str, Any
         number = float(value)
     except ValueError as error:
         raise Failure(USAGE, f"--set {text}: {value!r} is no number") from error
-    whole = isinstance(defaults[name], int) and number.is_integer()
-    return name, int(number) if whole else number
+    if not isinstance(defaults[name], int):
+        return name, number
+    if not number.is_integer():
+        raise Failure(USAGE, f"--set {text}: {name} takes a whole number")
+    return name, int(number)
 
 
 def _nearest(name: str, known: dict[str, Any]) -> str:

@@ -75,6 +75,8 @@ def add(verbs: Any) -> None:
 def _call(arguments: Any) -> int:
     if arguments.opaque and not arguments.cost:
         raise Failure(USAGE, "--opaque: it is about the algorithm that --cost simulates")
+    if arguments.cost and arguments.speed != 1.0:
+        raise Failure(USAGE, "--speed: it is about the replay, not about what --cost simulates")
     if arguments.report:
         need_matplotlib()
     with usage():
