@@ -84,11 +84,12 @@ def whole(field: str, value: Any, low: int, high: int, remedy: str) -> None:
     require(low <= index(field, value) <= high, field, value, remedy)
 
 
-def sides(width: Any, height: Any) -> None:
-    """Refuse a sensor's sides that are no whole numbers; None: not known."""
-    for field, side in (("width", width), ("height", height)):
-        if side is not None:
-            index(field, side)
+def sides(width: Any, height: Any) -> tuple[int | None, int | None]:
+    """Refuse a sensor's sides that are no whole numbers; None: not known. NumPy's become int."""
+    return (
+        None if width is None else index("width", width),
+        None if height is None else index("height", height),
+    )
 
 
 def listed(field: str, values: Any) -> list[Any]:

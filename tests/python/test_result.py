@@ -88,6 +88,58 @@ def test_summary_is_the_documented_object(run):
     assert summary["version"] == asap.__version__
 
 
+def test_the_busy_share_is_of_the_time_of_the_replay(run):
+    rows = np.zeros(3, run.packages.dtype)
+    rows["start_us"], rows["processing_us"] = (0, 1000, 2000), 250.0
+    rows["size"] = rows["gamma"] = 1
+    twice = replace(run, packages=rows, speed=2.0)
+    assert twice.summary()["cpu"] == pytest.approx(750 / (1000 + 250))
+
+
+@pytest.mark.parametrize("whole", [np.int64, np.uint16])
+def test_numpys_numbers_are_plain_in_every_summary(whole):
+    events, cost = streams.poisson(1e5, 0.01), asap.LinearCost(100, 300)
+    size = {"width": whole(346), "height": whole(260)}
+    speed = np.float32(2)
+    for found in (
+        asap.simulate(events, cost=cost, seed=whole(1), **size),
+        asap.run(events, algorithm=lambda events: None, speed=speed, **size),
+        asap.compare(events, cost=cost, seed=whole(1), speed=speed, latency_ms=whole(9), **size),
+        asap.check(events, **size),
+    ):
+        json.dumps(found.summary())
+    json.dumps(asap.Pipeline(**size).stats())
+
+
+class Net:
+    """As a torch.nn.Module: what has a meaning here is something else there."""
+
+    def __call__(self, events):
+        pass
+
+    def parameters(self):
+        return iter(())
+
+    def name(self):
+        return "net"
+
+
+def test_name_and_parameters_may_be_methods_of_a_users_algorithm():
+    run = asap.simulate(streams.make([1]), cost=asap.LinearCost(100, 300), algorithm=Net())
+    assert run.summary()["algorithm"] == {"name": "Net"}
+
+
+def test_any_parameters_of_a_users_algorithm_are_saved(tmp_path):
+    algorithm = Net()
+    algorithm.name, algorithm.parameters = "mine", {
+        "name": "x", "window": np.int64(3), "rates": np.ones(2), "late": np.nan, "kind": Net,
+    }  # fmt: skip
+    run = asap.simulate(streams.make([1]), cost=asap.LinearCost(100, 300), algorithm=algorithm)
+    run.save(tmp_path / "run.json")
+    expected = {"name": "mine", "window": 3, "rates": [1, 1], "late": None, "kind": str(Net)}
+    assert asap.load_run(tmp_path / "run.json").summary()["algorithm"] == expected
+
+
 def of_cost(alpha_us, scheme=None, **options):
     return asap.simulate(
         streams.poisson(1e5, 0.5), cost=asap.LinearCost(alpha_us, 300), scheme=scheme, **options

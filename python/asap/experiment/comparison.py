@@ -291,10 +291,10 @@ def compare(
         source=described,
         name=os.path.basename(described["path"] or "") or described["format"],
         cost=cost,
-        latency_ms=bound_ms,
-        opaque=opaque,
+        latency_ms=float(bound_ms),
+        opaque=bool(opaque),
         speed=stream.speed,
-        seed=seed,
+        seed=int(seed),
     )
 
 

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core
-from asap.checks import named
+from asap import _core, checks
 from asap.events import events_of_argument
 from asap.experiment.live_stats import ledger_of, state_of, summary
 from asap.experiment.result import Ledger, Named
@@ -30,8 +29,7 @@ class _Live:
     """What make_config asks of a source."""
 
     def __init__(self, width: int | None, height: int | None) -> None:
-        self.width = width
-        self.height = height
+        self.width, self.height = checks.sides(width, height)
 
 
 class Pipeline:
@@ -117,7 +115,7 @@ class Pipeline:
     ) -> None:
         if not (algorithm is None or callable(algorithm) or hasattr(algorithm, "process")):
             raise TypeError(
-                named("algorithm", algorithm, "give an object with process(events) or a callable")
+                checks.named("algorithm", algorithm, "give an object with process(events) or a callable")
             )
         self.algorithm = algorithm
         self.scheme = as_scheme(scheme, latency_ms)

@@ -76,12 +76,18 @@ class Named:
     @classmethod
     def of(cls, thing: Any) -> Named:
         """Describe a live object."""
-        name = getattr(thing, "name", None) or getattr(thing, "__name__", type(thing).__name__)
-        return cls(str(name), dict(getattr(thing, "parameters", {})))
+        # Of a user's own algorithm they may be methods, as in a torch.nn.Module.
+        names = getattr(thing, "name", None), getattr(thing, "__name__", None), type(thing).__name__
+        parameters = getattr(thing, "parameters", None)
+        return cls(
+            next(name for name in names if name and isinstance(name, str)),
+            _plain(parameters) if isinstance(parameters, Mapping) else {},
+        )
 
     def as_json(self) -> dict[str, Any]:
         """Flatten to one JSON object."""
-        return {"name": self.name, **self.parameters}
+        first = {"name": self.name}
+        return first | self.parameters | first  # a parameter may be called so too
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -257,6 +263,15 @@ def with_first(packages: NDArray[np.void], first: NDArray[np.int64]) -> NDArray[
     extended["first"] = first
     extended.flags.writeable = False
     return extended
+
+
+def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Say them as JSON can: NumPy's numbers as Python's, NaN as None, the rest as text."""
+    text = json.dumps(
+        dict(parameters), default=lambda one: one.tolist() if hasattr(one, "tolist") else str(one)
+    )
+    plain: dict[str, Any] = json.loads(text, parse_constant=lambda _: None)
+    return plain
 
 
 def _share(part: int, whole: int) -> float:

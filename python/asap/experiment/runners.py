@@ -381,7 +381,7 @@ def remember(
         latency_bound_us=config.latency_bound_us(scheme),
         source=stream.describe(counts["received"], runner.validator.last_us),
         clock_resets=stream.clock_resets + runner.validator.clock_resets,
-        speed=speed,
+        speed=float(speed),
         lateness=runner.lateness if isinstance(runner, _core.Replay) else None,
         slots=runner.slots if isinstance(runner, _core.Simulator) else None,
         kept_mask=kept_mask,

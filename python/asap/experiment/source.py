@@ -45,9 +45,10 @@ class Source:
 
         # A table may have a width and a height too: those of the table.
         known = source if self.array is None else None
-        self.width = width if width is not None else getattr(known, "width", None)
-        self.height = height if height is not None else getattr(known, "height", None)
-        sides(self.width, self.height)
+        self.width, self.height = sides(
+            width if width is not None else getattr(known, "width", None),
+            height if height is not None else getattr(known, "height", None),
+        )
         self._on_bad = on_bad
         self.events = 0
         self.first_us: int | None = None

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from asap.checks import whole
+from asap.checks import sides, whole
 from asap.events import EVENT_DTYPE, Events, columns_of, is_event_memory
 from asap.experiment.source import is_iterable_of_arrays
 from asap.io import Recording, read
@@ -41,8 +41,7 @@ class RawSource:
         for name, side in (("width", width), ("height", height)):
             if side is not None:
                 whole(name, side, 0, 65536, "give the sensor's side in px, at most 65536, or None")
-        # As for the core True is 1.
-        width, height = (None if side is None else int(side) for side in (width, height))
+        width, height = sides(width, height)
         self.recording: Recording | None = None
         if isinstance(source, (str, os.PathLike)):
             self.recording = read(

@@ -48,7 +48,7 @@ class Recording:
         reorder_tolerance_us: int = 0,
     ) -> None:
         self._path = checks.folder_or_file("path", path)
-        checks.sides(width, height)
+        width, height = checks.sides(width, height)
         self._on_bad = on_bad
         self._reorder_tolerance_us = reorder_tolerance_us
         options = Options(order, time_unit)
