@@ -151,6 +151,11 @@ def test_numbers_as_large_as_a_run_may_hold(saved: tuple[Path, dict[str, Any]]) 
     assert report(folder, document) == 0
 
 
+def test_a_ledger_of_nothing_received(saved: tuple[Path, dict[str, Any]]) -> None:
+    folder, good = saved
+    assert report(folder, {**good, "ledger": {**good["ledger"], "received": 0}}) == 0
+
+
 LIES = {
     "a column of one value": ("rows", "size", [1]),
     "a number for a column": ("rows", "size", 1),
@@ -161,6 +166,7 @@ LIES = {
     "a part that is missing": ("source", "duration_s", None),
     "infinity": ("algorithm", "alpha_us", float("inf")),
     "more than all": ("rows", "gamma", 0, 1.5),
+    "none at all": ("rows", "gamma", 0, 0),
     "a package beyond all": ("rows", "start_us", 0, 1e300),
     "a time beyond all": ("source", "duration_s", 1e300),
 }

@@ -226,14 +226,39 @@ def test_what_is_no_run_is_refused(content, tmp_path):
         asap.load_run(path)
 
 
-def test_damaged_histogram_is_refused(run, tmp_path):
-    path = tmp_path / "run.json"
+def loaded(path, run, place, value):
+    """A saved run, loaded with another value at one place."""
     run.save(path)
-    document = json.loads(path.read_text())
-    document["latency_histogram"][-1][0][0] = 10**6
+    document = inner = json.loads(path.read_text())
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
     path.write_text(json.dumps(document))
-    with pytest.raises(ValueError, match="bin = 1000000"):
-        asap.load_run(path)
+    return asap.load_run(path)
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        ((-1, 0, 0), 10**6, "bin = 1000000"),
+        ((2,), 10**9, "latency_histogram: counts that cannot be"),  # in time, more than all
+    ],
+)
+def test_damaged_histogram_is_refused(run, tmp_path, place, value, words):
+    with pytest.raises(ValueError, match=words):
+        loaded(tmp_path / "run.json", run, ("latency_histogram", *place), value)
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        *((name, -1) for name in ("size", "offered", "stale", "processing_us", "latency_max_us")),
+        *(("gamma", value) for value in (-1, 0, 1e-300)),  # events are counted back from it
+    ],
+)
+def test_a_row_out_of_reach_is_refused(run, tmp_path, column, value):
+    with pytest.raises(ValueError, match=f"rows: {column} holds a number out of reach"):
+        loaded(tmp_path / "run.json", run, ("rows", column, 0), value)
 
 
 def test_latency_quantiles(run):

@@ -64,6 +64,11 @@ def test_an_unbalanced_ledger_is_not_hidden():
     )
 
 
+def test_no_share_is_told_of_nothing_received():
+    ledger = FakeLedger(dict(RUNS["losses"].ledger, received=0))
+    assert "%" not in run_table.format_ledger(ledger)
+
+
 def test_the_title_names_recording_and_scheme():
     summary = fake_run(duration_s=0.1, source="/data/flight.aedat4").summary()
     assert run_table.title(summary) == "flight.aedat4: asap2020"

@@ -22,6 +22,7 @@ __all__ = ["load_run"]
 
 _MOST = 2**53  # events, us
 _FARTHEST = 1e18  # of other numbers
+_LEAST_GAMMA = 1e-15  # events are counted back from it
 _DEEPEST = 16  # objects inside objects
 _SIGNED = ("start_us", "t_first", "t_last", "margin_us")
 
@@ -94,7 +95,7 @@ def _packages(rows: dict[str, Any]) -> NDArray[np.void]:
         ):
             raise ValueError(f"rows: {name} does not hold {packages.size} numbers")
         high = _MOST if is_whole else 1.0 if name == "gamma" else _FARTHEST
-        low = -high if name in _SIGNED else 0
+        low = -high if name in _SIGNED else _LEAST_GAMMA if name == "gamma" else 0
         if not ((column >= low) & (column <= high)).all():
             raise ValueError(f"rows: {name} holds a number out of reach")
         packages[name] = column

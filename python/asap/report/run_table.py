@@ -99,14 +99,14 @@ def format_ledger(ledger: Mapping[str, int], rejected: Mapping[str, int] | None 
         Eight lines; one more for the reasons, and one if the ledger is not balanced.
     """
     width = max(len(units.count(value)) for value in ledger.values())
-    lines = []
+    received, lines = ledger["received"], []
     for name, words in LEDGER_WORDS.items():
-        share = units.share(ledger[name] / ledger["received"]) if ledger[name] else ""
+        share = units.share(ledger[name] / received) if ledger[name] and received else ""
         number = f"{units.count(ledger[name]):>{width}}"
         lines.append(f"  {name:<11}{number}  {share:>8}  {words}")
         if name == "rejected" and (reasons := reasons_of(rejected or {})):
             lines.append(f"{'':<13}{reasons}")
-    missing = 2 * ledger["received"] - sum(ledger.values())
+    missing = 2 * received - sum(ledger.values())
     if missing:
         lines.append(f"  NOT BALANCED: {units.count(missing)} events are unaccounted for")
     return "\n".join(lines)
