@@ -94,9 +94,16 @@ def test_latencies_beyond_the_axis_stay_at_its_edge():
     assert latency.max() == 100
 
 
-def test_a_figure_of_nothing():
+def test_a_figure_and_a_page_of_nothing(tmp_path):
     empty = asap.compare(EVENTS[:0], cost=COST, schemes=[asap.Greedy()])
     assert plots.svg(empty.plot())
+    text = comparison_report.write(empty, tmp_path / "x.html").read_text("utf-8")
+    assert "<strong>Nothing was received, so there is nothing to judge.</strong>" in text
+
+
+def test_a_label_is_no_formula():
+    found = asap.compare(EVENTS[:100], cost=COST, schemes={"5 $^$": asap.Greedy()})
+    assert plots.svg(found.plot())
 
 
 def test_the_page_is_well_formed_and_asks_for_nothing(page):

@@ -253,3 +253,9 @@ def test_a_curve_that_was_never_told_is_one_line():
     assert len(page.axes[0].containers) == 1
     assert page.axes[0].containers[0].lines[0].get_linestyle() == "-"
     assert [text.get_text() for text in page.legends[0].get_texts()] == ["fast"]
+
+
+def test_a_private_class_has_its_place_in_the_legend():
+    pytest.importorskip("matplotlib")
+    page = curve_of([(1.0, None, 0.9)], before=None, algorithm="_Mine").plot()
+    assert [text.get_text() for text in page.legends[0].get_texts()] == ["Mine"]

@@ -95,6 +95,7 @@ def draw(axes: Axes, curve: KeepCurve, column: str, *, colour: str = plots.BLUE)
     """
     rows = curve.rows
     name = f"{curve.before} + {curve.algorithm}" if curve.before else curve.algorithm
+    name = name.lstrip("_") or name  # a legend leaves out what begins with one
     known: set[bool | None] = {row.told for row in rows}
     ways: list[bool | None] = [way for way in (True, False) if way in known]
     for way in ways or [None]:

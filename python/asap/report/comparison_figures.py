@@ -156,7 +156,7 @@ def _draw_kept(axes: Axes, curves: _Curves) -> None:
 
 def _name(latency: Axes, kept: Axes, row: Row) -> None:
     plain: Any = {"loc": "right", "fontweight": "normal", "fontsize": 8}
-    latency.set_title(row.label)
+    latency.set_title(row.label, parse_math=False)
     latency.set_title(
         f"p99 {units.duration(row.p99_us)}, max {units.duration(row.max_us)}", **plain
     )

@@ -94,7 +94,7 @@ def write(
 
 def _article(comparison: Comparison) -> str:
     numbers = escape(json.dumps(comparison.summary(), separators=(",", ":")), quote=False)
-    headline, rest = comparison_table.verdict(comparison).split(". ", maxsplit=1)
+    headline, dot, rest = comparison_table.verdict(comparison).partition(". ")
     wide = comparison_figures.figure(comparison, width_inches=8.6)
     narrow = comparison_figures.figure(comparison, width_inches=4.1, columns=1, points=300)
     return f"""
@@ -103,7 +103,7 @@ def _article(comparison: Comparison) -> str:
 <p class="sub">{page.text(comparison_table.subtitle(comparison))}</p>
 <div class="scroll">{_table(comparison)}</div>
 <aside style="margin-top:24px"><h3>Verdict</h3>
-<p><strong>{page.text(headline)}.</strong> {page.text(rest)}</p></aside>
+<p><strong>{page.text(headline + dot)}</strong>{page.text(rest)}</p></aside>
 <figure>
 {page.inline_svg(wide, "w", "wide", _CURVES)}
 {page.inline_svg(narrow, "n", "narrow", _CURVES)}
