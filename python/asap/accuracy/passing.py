@@ -48,7 +48,7 @@ def passed(returned: Any, events: NDArray[np.void]) -> NDArray[np.int64]:
     # The k-th of the events that came out alike is the k-th of those that went in.
     place = np.searchsorted(keys, wanted)
     place += np.arange(wanted.size) - np.searchsorted(wanted, wanted)
-    if place[-1] >= keys.size or not np.array_equal(keys[place], wanted):
+    if place.max() >= keys.size or not np.array_equal(keys[place], wanted):
         raise ValueError("before.process returned events that were not handed to it")
     indices = np.empty(found.size, np.int64)
     indices[back] = order[place]
