@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -30,11 +31,16 @@ TEST(System, DoesNotSleepBehindItsDeadline) {
 
 TEST(System, WakesWhoSleeps) {
   System::Word word{1};
+  std::atomic<bool> woken = false;
   std::thread sleeper([&] {
-    while (word == 1) System::sleep(word, System::now() + 1h);
+    while (word == 1) System::sleep(word, System::now() + 10s);
+    woken = true;
   });
+  std::this_thread::sleep_for(50ms);  // it sleeps by now
   word = 0;
   System::wake(word);
+  for (int i = 0; i < 500 && !woken; ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(woken) << "only the deadline would wake it";
   sleeper.join();
 }
 
