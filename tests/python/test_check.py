@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tracemalloc
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,6 +19,7 @@ import asap
 import corrupt
 from asap.events import Events
 from asap.inspection import raw_source
+from asap.inspection.pixels import PixelMap
 from asap.io import CorruptFile
 from asap.report import inspection_table
 from event_files import DATA, WRITERS, facts, recording, write_csv
@@ -123,7 +125,7 @@ def test_a_counter_that_wraps_is_named(by_us: int, words: str) -> None:
     found = check(bad)
     assert outcome(found) == {"clock_resets": (1, "wrong", 500, 0)}
     assert f"as a counter of {words} wraps" in found.findings["clock_resets"].detail
-    bad["t"][500:] += by_us // 3
+    bad["t"][500:] += by_us // 50
     assert "wraps" not in check(bad).findings["clock_resets"].detail
 
 
@@ -323,6 +325,22 @@ def test_a_pixel_with_few_events_is_not_hot() -> None:
     busy = (quiet["x"] == 200) & (quiet["y"] == 100)
     assert busy.sum() == 99
     assert outcome(check(quiet)) == {}
+
+
+def test_a_hot_pixel_has_five_times_as_many_as_the_second_busiest_around_it() -> None:
+    pixels = PixelMap(20, 20)
+    pixels.counts[10, 9:12] = 100, 500, 100
+    assert pixels.hot().tolist() == [(10, 10, 500)]
+    pixels.counts[10, 10] = 499
+    assert pixels.hot().size == 0
+
+
+def test_a_hot_pixel_holds_a_thousandth_of_the_events() -> None:
+    pixels = PixelMap(20, 20)
+    pixels.counts[10, 10], pixels.events = 150, 150_000
+    assert pixels.hot().size == 1
+    pixels.events = 150_001
+    assert pixels.hot().size == 0
 
 
 def test_stamps_that_no_time_is() -> None:
@@ -537,6 +555,12 @@ def test_a_file_that_cannot_be_read_raises(tmp_path: Path) -> None:
         check(tmp_path / "none.npy")
 
 
+def test_a_file_that_is_cut_in_its_first_event_raises(tmp_path: Path) -> None:
+    (tmp_path / "events.csv").write_text("t,x,y,p\n5,1,x")
+    with pytest.raises(CorruptFile, match="the last line is cut"):
+        check(tmp_path / "events.csv")
+
+
 def test_raw_is_what_the_file_holds(tmp_path: Path) -> None:
     bad = everything_wrong()
     np.save(tmp_path / "bad.npy", bad)
@@ -667,6 +691,10 @@ def test_intervals_by_octaves() -> None:
     ]
     words = inspection_table.facts(found)["intervals"]
     assert words == "12.5 % on the stamp before, half below 4 us, 99 % below 2.1 s, longest 1.05 s"
+    counts = np.zeros_like(found.interval_counts)
+    counts[[1, 4, 8]] = 60, 35, 5
+    words = inspection_table.facts(replace(found, interval_counts=counts))["intervals"]
+    assert "half below 2 us, 99 % below 256 us" in words
     assert inspection_table.facts(check(EVENTS[:1]))["intervals"] == "none"
 
 

@@ -148,8 +148,9 @@ class TestWithoutACopy:
         with pytest.raises(ValueError, match="copy = False"):
             asap.as_events(source, copy=False)
 
-    def test_misaligned_memory_is_copied(self) -> None:
-        source = misaligned()
+    @pytest.mark.parametrize("by", [1, 4])
+    def test_misaligned_memory_is_copied(self, by: int) -> None:
+        source = misaligned(by)
         taken = asap.as_events(source)
         assert not np.shares_memory(taken, source)
         assert taken.ctypes.data % 8 == 0
@@ -161,9 +162,10 @@ class TestWithoutACopy:
         assert source["p"][0] == 2
 
 
-def misaligned() -> np.ndarray:
-    memory = np.zeros(4 * 16 + 1, np.uint8)
-    source = memory[1:].view(asap.EVENT_DTYPE)
+def misaligned(by: int = 1) -> np.ndarray:
+    memory = np.zeros(4 * 16 + 8, np.uint8)
+    begin = (by - memory.ctypes.data) % 8
+    source = memory[begin : begin + 4 * 16].view(asap.EVENT_DTYPE)
     source[:] = expected()
     return source
 

@@ -140,6 +140,13 @@ def test_identifiers_are_unique_and_colours_follow_the_look(text):
     assert plots.VERMILION not in re.sub(r"<style>.*?</style>", "", text, flags=re.S)
 
 
+def test_shares_of_the_busiest_pixels_are_of_the_good_events(tmp_path):
+    events = EVENTS[:1000].copy()
+    events["x"][:500], events["x"][500:], events["y"] = corrupt.WIDTH, 7, 7
+    text = inspect(events).report(tmp_path / "x.html").read_text("utf-8")
+    assert '<th scope="row">x = 7, y = 7</th><td>500</td><td>100.0 %</td>' in text
+
+
 def test_what_is_said_about_runs_is_not_said_here(text, tmp_path):
     assert "gamma" not in re.sub(r"<style>.*?</style>", "", text, flags=re.S)
     inspection = inspect(EVENTS)

@@ -244,6 +244,17 @@ class TestNpz:
         with pytest.raises(ValueError, match=words):
             asap.load(tmp_path / "a.npz")
 
+    @pytest.mark.parametrize("on_bad", ["drop", "clamp"])
+    def test_an_event_that_is_both_unreadable_and_outside_counts_once(
+        self, tmp_path: Path, on_bad: str
+    ) -> None:
+        one = [1, 1, 1]
+        np.savez(tmp_path / "a.npz", t=[0.0, np.nan, 2.0], x=[1, 70_000, 3], y=one, p=one)
+        rec = asap.read(tmp_path / "a.npz", on_bad=on_bad)
+        assert sum(map(len, rec)) == 2 and rec.received == 3
+        assert (rec.rejected["bad_record"], rec.rejected["out_of_bounds"]) == (1, 0)
+        assert rec.repaired["clamped_positions"] == 0
+
 
 class TestText:
     def test_header_names_the_columns(self, tmp_path: Path) -> None:
@@ -324,9 +335,25 @@ class TestText:
         with pytest.raises(ValueError, match=words):
             asap.read(text(tmp_path, f"{line}\n"), order=order)
 
-    def test_columns_in_another_order_are_not_taken_for_txyp(self, tmp_path: Path) -> None:
+    def test_the_unit_of_time_is_not_told_by_a_line_that_the_head_cuts(
+        self, tmp_path: Path
+    ) -> None:
+        lines = "".join(f"{t:08}.0 5.0 6.0 1.0\n" for t in range(2000))
+        path = text(tmp_path, "# 345678\n\n\n" + lines)
+        assert path.read_bytes()[: 1 << 14].endswith(b" 5.0 6.0 1")
+        with pytest.raises(ValueError, match="time_unit = None"):
+            asap.read(path)
+
+    @pytest.mark.parametrize("last", ["5000", "128", "-128", "0.5"])
+    def test_columns_in_another_order_are_not_taken_for_txyp(
+        self, tmp_path: Path, last: str
+    ) -> None:
         with pytest.raises(ValueError, match="holds no polarity"):
-            asap.read(text(tmp_path, "1 2 0 5000\n1 2 1 6000\n"))
+            asap.read(text(tmp_path, f"1 2 0 {last}\n"))
+
+    def test_a_polarity_may_be_any_number_of_8_bits(self, tmp_path: Path) -> None:
+        events = asap.load(text(tmp_path, "1 2 0 127\n2 2 0 -127\n"))
+        assert events["p"].tolist() == [1, 0]
 
     def test_byte_order_mark_and_windows_lines(self, tmp_path: Path) -> None:
         path = tmp_path / "events.csv"
@@ -353,6 +380,12 @@ class TestText:
         with pytest.raises(CorruptFile, match=r"byte 8: .*6 one 2 0") as error:
             asap.load(path, on_bad="raise")
         assert error.value.offset == 8
+
+    def test_a_last_line_that_is_cut_is_told_where_it_begins(self, tmp_path: Path) -> None:
+        rec = asap.read(text(tmp_path, "5 1 2 0\n6 1"))
+        with pytest.warns(asap.io.TruncatedFileWarning, match="byte 8: the last line is cut"):
+            assert txyp(np.concatenate(list(rec))) == [(5, 1, 2, 0)]
+        assert rec.truncated_at == 8
 
     def test_clamped_beyond_16_bits(self, tmp_path: Path) -> None:
         rec = asap.read(text(tmp_path, "5 -1 2 0\n6 70000 2 0\n"), width=346, on_bad="clamp")
@@ -500,6 +533,21 @@ class TestAedat4:
         assert events["t"].tolist() == [*range(10, 20), *range(30, 50)]
         assert set(events["x"]) == {3} and set(events["y"]) == {4} and set(events["p"]) == {1}
 
+    def test_events_are_numbered_over_all_packets(
+        self, fake_aedat: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        read = FakeDecoder.__next__
+
+        def with_a_stamp_too_late(decoder: FakeDecoder) -> dict[str, Any]:
+            packet = read(decoder)
+            if decoder.packets == 3:
+                packet["events"]["t"][4] = 2**63
+            return packet
+
+        monkeypatch.setattr(FakeDecoder, "__next__", with_a_stamp_too_late)
+        with pytest.raises(ValueError, match=r"t = 9223372036854775808 \(event 14\)"):
+            asap.load(fake_aedat, on_bad="raise")
+
     def test_a_panic_ends_the_reading_not_the_program(
         self, fake_aedat: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -545,6 +593,16 @@ def test_npz_headers_that_lie_about_the_size_allocate_nothing(tmp_path: Path) ->
         for name in "txyp":
             archive.writestr(f"{name}.npy", header.getvalue() + bytes(80))
     with pytest.raises(CorruptFile, match="8000000000000128 bytes promised"):
+        asap.load(tmp_path / "a.npz")
+
+
+def test_npz_members_longer_than_their_header_says_are_refused(tmp_path: Path) -> None:
+    content = io.BytesIO()
+    np.save(content, np.arange(3))
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        for name in "txyp":
+            archive.writestr(f"{name}.npy", content.getvalue() + bytes(8))
+    with pytest.raises(CorruptFile, match="152 bytes promised, 160 are there"):
         asap.load(tmp_path / "a.npz")
 
 

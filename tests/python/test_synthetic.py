@@ -98,6 +98,13 @@ def test_says_what_it_is(scene: Any) -> None:
     assert stream.events()["t"][0] >= 9
 
 
+def test_a_duration_is_rounded_to_whole_us(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[dict[str, Any]] = []
+    monkeypatch.setattr(ShakenPattern, "_native", lambda **made: asked.append(made))
+    ShakenPattern(duration_s=0.015627)  # times 1e6 a little below the whole number
+    assert asked[0]["duration_us"] == 15_627
+
+
 def test_names() -> None:
     assert ShakenPattern().name == "shaken_pattern"
     assert FlightOverChairs().name == "flight_over_chairs"

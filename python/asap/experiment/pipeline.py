@@ -114,9 +114,8 @@ class Pipeline:
         warmup_discard_us: int = 0,
     ) -> None:
         if not (algorithm is None or callable(algorithm) or hasattr(algorithm, "process")):
-            raise TypeError(
-                checks.named("algorithm", algorithm, "give an object with process(events) or a callable")
-            )
+            remedy = "give an object with process(events) or a callable"
+            raise TypeError(checks.named("algorithm", algorithm, remedy))
         self.algorithm = algorithm
         self.scheme = as_scheme(scheme, latency_ms)
         self._live = _Live(width, height)
