@@ -44,7 +44,7 @@ def test_rate_of_no_events_is_empty():
 @pytest.mark.parametrize("bin_us", [0, -1, 1])
 def test_rate_refuses_windows_that_cannot_be(bin_us):
     with pytest.raises(ValueError, match=f"bin_us = {bin_us}: "):
-        analysis.rate(events_at([0, 10**16]), bin_us)
+        analysis.rate(events_at([0, 10**7]), bin_us)  # in windows of 1 us one too many
 
 
 @given(st.lists(st.integers(0, 100_000), max_size=200), st.lists(st.integers(0, 200), max_size=5))
@@ -174,6 +174,14 @@ def test_bad_events_are_not_the_algorithms_fault():
     assert analysis.diagnose(steady(1e6, rejected=10_000_000)).limit == "data"
 
 
+def test_what_the_filter_in_front_takes_out_is_not_the_algorithms_fault():
+    run = steady(1e6)
+    filtered = run.ledger.received
+    run.ledger |= {"filtered": filtered, "received": 2 * filtered}
+    run.in_time /= 2
+    assert analysis.diagnose(run).limit == "camera"
+
+
 def test_a_load_above_one_means_that_the_algorithm_limits():
     run = fake_run(rates=(12e6, 12e6), duration_s=1.0)
     diagnosis = analysis.diagnose(run)
@@ -207,6 +215,8 @@ def test_what_the_scheme_has_learned_counts_before_the_line():
     run.learned = analysis.Cost(40, 1000)
     assert analysis.cost_of(run) == run.learned
     run.learned = analysis.Cost(60, 1000)  # no package took that long
+    assert analysis.cost_of(run) == analysis.Cost(50, 1000)
+    run.packages = run.packages[:8]
     assert analysis.cost_of(run) == analysis.Cost(50, 1000)
     run.packages = run.packages[:7]  # still with the first guess in it
     assert analysis.cost_of(run) == line

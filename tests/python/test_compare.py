@@ -4,12 +4,14 @@ import hashlib
 import itertools
 import json
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import asap
 import streams
+from asap.experiment import comparison as module
 from asap.experiment import contenders
 from asap.experiment.side_by_side import CheckedStream, side_by_side
 
@@ -113,6 +115,19 @@ def test_equal_scores_are_sorted_by_latency():
     )
     assert [row.score for row in found] == [1.0, 1.0, 1.0]
     assert [row.label for row in found] == ["Greedy", "FixedTime", "FixedSize"]
+
+
+def test_scores_that_are_shown_as_equal_are_equal(monkeypatch):
+    shown = {"A": (0.9991, 900.0), "B": (0.9993, 1000.0)}
+
+    def of(label, run, best, made=module.Row.of):
+        score, p99_us = shown[label]
+        return replace(made(label, run, best), score=score, p99_us=p99_us)
+
+    monkeypatch.setattr(module.Row, "of", of)
+    schemes = {"B": asap.Greedy(), "A": asap.SingleEvent()}
+    found = asap.compare(EVENTS[:100], cost=COST, schemes=schemes)
+    assert [row.label for row in found] == list(found.runs) == ["A", "B"]
 
 
 def test_overflow_is_a_share():
@@ -238,6 +253,11 @@ def test_speed_compresses_the_stamps():
     assert "(10 times as fast as recorded)" in str(found)
 
 
+def test_compressed_stamps_are_rounded_down():
+    stream = CheckedStream(streams.make([1000, 1003, 1006, 1009]), speed=4.0)
+    assert np.concatenate(list(stream))["t"].tolist() == [1000, 1000, 1001, 1002]
+
+
 def test_a_back_step_of_the_clock_is_judged_before_the_compression():
     t = np.concatenate((np.arange(5_000_000, 5_001_000), np.arange(1000, 2000)))
     found = asap.compare(streams.make(t), cost=COST, speed=100, schemes=[asap.Greedy()])
@@ -281,6 +301,14 @@ def test_the_usual_schemes_and_with_all_the_rivals():
         *("SingleEvent", "jAER timer", "greedy+PIE", "greedy+rate-gamma", "greedy+clear"),
         *("Clipper AIMD", "Spark PID"),
     }
+
+
+def test_the_usual_schemes_are_what_their_labels_say():
+    made = {one.label: one.make(7.0, COST).parameters for one in contenders.user_schemes()}
+    assert made["FixedSize 1000"] == {"size": 1000}
+    assert made["FixedTime 1 ms"] == {"period_ms": 1.0}
+    assert made["Greedy"] == {"efficiency": None} and made["Greedy 0.97"] == {"efficiency": 0.97}
+    assert made["DeadBeat"]["latency_ms"] == made["Deadline"]["latency_ms"] == 7.0
 
 
 @pytest.mark.parametrize(

@@ -109,6 +109,8 @@ def test_the_verdict_of_a_load_that_is_no_problem(comparison):
         "0.10 L. Every event that was finished is in time with A and B."
     )
     assert "A does most: all that anybody could have finished" in verdict(comparison, one)
+    all_but = (row("A", score=0.9994), row("B", score=0.9994))
+    assert "A does most: > 99.9 % of what a clairvoyant" in verdict(comparison, *all_but)
 
 
 def test_long_lists_are_cut(comparison):

@@ -93,6 +93,8 @@ def test_to_settle_takes_results_and_to_recover_takes_nearly_all():
     assert metrics.recovery_ms(some, [500], 500, 1000) == 5
     enough = slots((500, 100, 98, 0.0), (501, 100, 98, 0.0))
     assert metrics.recovery_ms(enough, [500], 500, 1000) == 0
+    few = slots((500, 1000, 980, 0.0), (501, 1000, 979, 0.0))
+    assert metrics.recovery_ms(few, [500], 500, 1000) == 2
 
 
 def test_load_relates_processing_to_the_interval():
@@ -103,3 +105,5 @@ def test_load_relates_processing_to_the_interval():
     assert found == ((0.5 + 2.0 + 1.0) / 3, pytest.approx(2 / 3))
     assert found.mean == found[0] and found.within == found[1]
     assert metrics.load(packages[:1]) == (0.0, 1.0)
+    packages["start_us"][:2], packages["processing_us"][:2] = (0, 0.5), (0, 0.25)
+    assert metrics.load(packages[:2]) == (0.5, 1.0)  # intervals may be below 1 us

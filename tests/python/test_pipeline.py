@@ -111,11 +111,12 @@ def test_without_draining_the_rest_stays_pending():
     assert pipeline.ledger.balanced
 
 
-def test_a_push_after_stop_raises_and_counts_nothing():
+@pytest.mark.parametrize("t", [[1], []])
+def test_a_push_after_stop_raises_and_counts_nothing(t):
     pipeline = asap.Pipeline()
     pipeline.stop()
-    with pytest.raises(RuntimeError, match="the pipeline is stopped"):
-        pipeline.push(streams.make([1]))
+    with pytest.raises(RuntimeError, match=f"the pipeline is stopped; 0 of {len(t)} events"):
+        pipeline.push(streams.make(t))
     assert pipeline.ledger.received == 0
 
 

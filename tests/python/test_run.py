@@ -267,7 +267,7 @@ def test_progress_is_reported():
     events = streams.poisson(1e5, 0.3)
     asap.run(
         events,
-        algorithm=lambda events: None,
+        algorithm=lambda events: time.sleep(0.02),  # so that something is pending
         on_progress=lambda done, total, ledger: seen.append((done, total, ledger)),
     )
     done = [one[0] for one in seen]
@@ -275,6 +275,7 @@ def test_progress_is_reported():
     assert done[-1] > 0
     assert {one[1] for one in seen} == {events.size}
     assert set(seen[-1][2]) == set(asap.last_run().ledger)
+    assert all(done == ledger["received"] - ledger["pending"] for done, _, ledger in seen)
 
 
 @pytest.mark.parametrize("speed", [0, -1, float("nan"), float("inf")])
@@ -331,6 +332,17 @@ def test_the_total_of_a_stream_is_known_when_it_has_been_read():
         on_progress=lambda done, total, ledger: totals.append(total),
     )
     assert totals[-1] == events.size
+
+
+def test_the_total_of_a_stream_is_not_guessed_before():
+    events, totals = streams.poisson(1e5, 0.3), []
+    for source in (np.array_split(events, 3), events):
+        asap.simulate(
+            source,
+            cost=asap.LinearCost(100, 300),
+            on_progress=lambda done, total, ledger: totals.append(total),
+        )
+    assert totals == [None] * 3 + [events.size]
 
 
 def test_a_saved_run_keeps_its_speed(tmp_path):

@@ -3,6 +3,7 @@ import json
 import re
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 from fake_run import empty_run, fake_run
@@ -130,11 +131,29 @@ def test_the_numbers_are_embedded_as_json(text, run):
     )
 
 
-def test_packages_that_are_too_many_to_embed_are_announced(write, run, monkeypatch):
-    monkeypatch.setattr(run_report, "_MAX_EMBEDDED_PACKAGES", 10)
+@pytest.mark.parametrize("too_many", [0, 1])
+def test_packages_that_are_too_many_to_embed_are_announced(write, run, monkeypatch, too_many):
+    monkeypatch.setattr(run_report, "_MAX_EMBEDDED_PACKAGES", run.packages.size - too_many)
     text = write(run)
-    assert f"{run.packages.size:,} packages are not embedded" in text
-    assert '"t_last"' not in text
+    assert (f"{run.packages.size:,} packages are not embedded" in text) == too_many
+    assert ('"t_last"' in text) != too_many
+
+
+@pytest.mark.parametrize(
+    ("column", "written"),
+    [
+        ([123.456789, 0.0], [123.457, 0.0]),
+        ([1234567.89], [1234568.0]),
+        ([0.0123456789], [0.0123457]),
+    ],
+)
+def test_numbers_are_embedded_with_six_digits(column, written):
+    assert run_report._six_digits(np.array(column)) == written
+
+
+def test_the_bar_is_made_of_what_became_of_the_events(text, run):
+    pieces = set(re.findall(r'<i class="(\w+)"', text))
+    assert pieces == {cause for cause, count in run.ledger.items() if count} - {"received"}
 
 
 def test_several_runs_stand_side_by_side(text, text_of_two):

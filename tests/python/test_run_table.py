@@ -57,10 +57,12 @@ def test_every_loss_stands_in_its_own_line_with_its_cause():
     assert "did not fit into the buffer" in next(line for line in lines if "overflow" in line)
 
 
-def test_an_unbalanced_ledger_is_not_hidden():
-    ledger = FakeLedger(dict(RUNS["losses"].ledger, received=RUNS["losses"].ledger.received + 12))
+@pytest.mark.parametrize("missing", [12, -12])
+def test_an_unbalanced_ledger_is_not_hidden(missing):
+    received = RUNS["losses"].ledger.received + missing
+    ledger = FakeLedger(dict(RUNS["losses"].ledger, received=received))
     assert run_table.format_ledger(ledger).splitlines()[-1] == (
-        "  NOT BALANCED: 12 events are unaccounted for"
+        f"  NOT BALANCED: {missing} events are unaccounted for"
     )
 
 
@@ -167,6 +169,8 @@ def test_rejected_events_are_told_by_reason():
 def test_real_time_is_shown_with_the_machines_own_jitter():
     real = run_table.format_run(fake_run(duration_s=0.1, mode="real", speed=2.0))
     assert "real time at 2 times the speed" in real
+    slow = fake_run(duration_s=0.1, mode="real", speed=0.5).summary()
+    assert "real time at 0.5 times the speed" in run_table.subtitle(slow)
     assert "jitter     p99 230 us, max 230 us" in real
     assert "jitter" not in run_table.format_run(fake_run(duration_s=0.1))
 
@@ -193,11 +197,16 @@ def test_a_bound_that_cannot_be_kept_is_told_with_what_would_be_needed():
     )
 
 
-def test_events_that_are_too_dear_one_by_one_are_told_as_that():
-    run = asap.simulate(
-        streams.poisson(1e3, 1), cost=asap.LinearCost(100, 5e6), latency_ms=5, opaque=True
+@pytest.mark.parametrize(
+    ("beta_ns", "latency_ms", "bound", "event"),
+    [(5e6, 5, "10.2 ms", "2.5 ms"), (2e5, 0.5, "600 us", "250 us")],
+)
+def test_events_that_are_too_dear_one_by_one_are_told_as_that(beta_ns, latency_ms, bound, event):
+    cost = asap.LinearCost(100, beta_ns)
+    run = asap.simulate(streams.poisson(1e3, 1), cost=cost, latency_ms=latency_ms, opaque=True)
+    words = (
+        f"a bound of at least about {bound}, or an algorithm that does a single event in {event}"
     )
-    words = "a bound of at least about 10.2 ms, or an algorithm that does a single event in 2.5 ms"
     assert words in run_table.verdict(run)
 
 
