@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from asap.accuracy.assignment import assign
 from asap.accuracy.hota import hota
 from asap.accuracy.idf1 import idf1
+from asap.accuracy.labels import SETTLED_US, noise_leak
 from asap.accuracy.matching import distances, match
 from asap.accuracy.nees import mean_chi_square_interval, nees
 from asap.accuracy.partition import compare_partitions
@@ -143,6 +145,15 @@ def test_hota_falls_with_the_distance():
     assert found == pytest.approx((15 / 19, 15 / 19, 15 / 19))
     gate = hota(match(samples_of([{0: HERE}] * 3, [{7: (62, 50)}] * 3)))  # .5 holds for ten
     assert gate.detection == pytest.approx(10 / 19)
+
+
+def test_noise_that_leaks_counts_once_it_is_settled():
+    trace = SimpleNamespace(
+        labels=np.array([-1, -1]),
+        ids=np.array([-1, 5]),
+        t_us=np.array([SETTLED_US - 1, SETTLED_US]),
+    )
+    assert noise_leak(trace) == 1.0
 
 
 def trackeval_data(matches):

@@ -20,6 +20,12 @@ def test_abrupt_motion_shows_the_claims_of_the_paper(abrupt_motion):
     assert abrupt_motion.ledger.overflow == 0
 
 
+@pytest.mark.parametrize("duration_s", [1.0, 1.07])  # 1.07: the last window is not whole
+def test_a_short_motion_shows_the_same_claims(duration_s):
+    for claim in demo.claims(demo.abrupt_motion(duration_s=duration_s)):
+        assert claim.holds, claim
+
+
 def test_abrupt_motion_from_the_log(abrupt_motion):
     # The same, said once more without the code of the demo.
     rows = abrupt_motion.packages
@@ -64,6 +70,16 @@ def test_claims_can_fail(abrupt_motion):
     broken = dataclasses.replace(abrupt_motion, packages=rows)
     assert not any(claim.holds for claim in demo.claims(broken)[:1])
     assert not demo.claims(broken)[2].holds
+
+
+@pytest.mark.parametrize("mode", ["virtual", "real"])
+def test_one_window_behind_and_one_thinned_package_break_the_claims_of_the_flight(mode):
+    run = demo.flight(duration_s=1.0, virtual=True)
+    rows = run.packages.copy()
+    rows["margin_us"][(rows["start_us"] >= 300_000) & (rows["start_us"] < 400_000)] = 1.0
+    rows["gamma"][-1] = 0.5
+    broken = dataclasses.replace(run, packages=rows, mode=mode)
+    assert [claim.holds for claim in demo.claims(broken)] == [False, False]
 
 
 def test_run_writes_figures_and_report(tmp_path):

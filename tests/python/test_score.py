@@ -262,9 +262,9 @@ def test_a_detector_is_scored_against_the_vertices():
     assert wrong["precision"] == wrong["recall"] == wrong["f_measure"] == 0
 
 
-@pytest.mark.parametrize(("dx", "count"), [(3, 131), (4, 0)])
-def test_a_corner_is_within_3_and_a_half_px(dx, count):
-    scene = Triangle([(50 + dx, 51, 0, 0)])
+@pytest.mark.parametrize(("dx", "dy", "count"), [(3, 1, 131), (3, 2, 0), (4, 1, 0)])
+def test_a_corner_is_within_3_and_a_half_px(dx, dy, count):
+    scene = Triangle([(50 + dx, 50 + dy, 0, 0)])
     scene.vertices = lambda t_us: Triangle.vertices(scene, 0)[:1]
     assert asap.score(Detector(lambda events: events["y"] > 0), scene)["true_corners"] == count
 

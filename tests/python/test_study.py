@@ -14,10 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+import asap
+import streams
 from asap import study
 from asap.cli import main
 from asap.profiles import FURTHER, LATENCY_MS, PROFILES
-from asap.study import Case, Results, document, reference, tables
+from asap.study import Case, Results, document, measure, reference, tables
 from asap.study.cases import FORMS, NAMED, cases
 from asap.study.contenders import HINDSIGHT, PRIORS, TABLE, contender
 from asap.study.goals import goals
@@ -177,6 +179,15 @@ def test_steps_down_count_where_their_phase_is_whole(monkeypatch):
     figures = case.measure().figures["FixedTime 20 ms"]
     assert figures.recovery_ms == 1500.0
     assert figures.slowest_recovery_ms == 2000.0
+
+
+def test_the_start_is_the_first_100_ms():
+    run = asap.simulate(streams.poisson(1e5, 0.1), cost=asap.LinearCost(100, 300))
+    slots = np.zeros(3, run.slots.dtype)
+    slots["slot"], slots["latency_max_us"] = (99, 100, 500), (1000, 2000, 9000)
+    slots["received"] = slots["delivered"] = 1
+    figures = measure._figures(dataclasses.replace(run, slots=slots), 1.0, 1.0, 1.0, False)
+    assert figures.start_max_ms == 1.0
 
 
 def test_score_is_against_the_oracle_that_lets_cheap_packages_run_on():

@@ -79,7 +79,7 @@ def one(in_time, p99_ms, scheme="FixedSize", size=10, for_all=True):
 def test_best_keeps_the_bound_before_it_keeps_events():
     found = [one(0.2, 2.0, size=1), one(0.3, 3.0, size=2), one(0.9, 3.1, size=3)]
     assert best(found, "FixedSize").parameters == {"size": 2}
-    assert best([*found[2:], one(0.0, 50.0, size=4)], "FixedSize").parameters == {"size": 3}
+    assert best([*found[2:], one(0.95, 50.0, size=4)], "FixedSize").parameters == {"size": 3}
 
 
 def test_best_for_all_is_judged_by_share_of_the_best_and_by_the_bound():
@@ -172,6 +172,13 @@ def test_a_package_with_a_long_gap_is_cut_at_each_sample_once():
     parts = ladder.accuracy._split_at([Delivery(events, 0.5, 1e6)], [105_000, 110_000, 115_000])
     assert [part.events.size for part in parts] == [2, 2]
     assert [part.keep for part in parts] == [0.5, 0.5]
+
+
+def test_an_event_at_a_sample_time_is_not_in_that_sample():
+    events = streams.make([100, 200])
+    before, at = ladder.accuracy._split_at([Delivery(events, 1.0, 900.0)], [200])
+    assert before.events["t"].tolist() == [100] and at.events["t"].tolist() == [200]
+    assert before.done_us <= 200 < at.done_us
 
 
 def test_the_tracker_is_told_what_the_scheme_told():
