@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import textwrap
 
 __all__ = [
     "count",
@@ -12,6 +13,8 @@ __all__ = [
     "parse_duration_us",
     "rate",
     "share",
+    "tied",
+    "wrapped",
 ]
 
 _NS_PER_UNIT = {"ns": 1, "us": 10**3, "µs": 10**3, "ms": 10**6, "s": 10**9}
@@ -110,6 +113,17 @@ def share(value: float) -> str:
     if 99.9 < percent < 100:
         return "> 99.9 %"
     return f"{percent:.1f} %"
+
+
+def tied(text: str) -> str:
+    """Put a no-break space between every number and its unit."""
+    return re.sub(r"(?<=[\d<>]) (?=\S)", "\xa0", text)
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """Break a text into lines; a number stays on the line of its unit."""
+    lines = textwrap.wrap(tied(text), width, break_long_words=False, break_on_hyphens=False)
+    return [line.replace("\xa0", " ") for line in lines]
 
 
 def _parse_ns(text: str, field: str) -> float:

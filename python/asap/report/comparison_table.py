@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -72,7 +70,7 @@ def format_comparison(comparison: Comparison) -> str:
     return "\n".join(
         [
             title(comparison),
-            *_wrap(subtitle(comparison)),
+            *units.wrapped(subtitle(comparison), _WIDTH),
             "",
             lines[0],
             rule,
@@ -80,7 +78,7 @@ def format_comparison(comparison: Comparison) -> str:
             rule,
             lines[-1],
             "",
-            *_wrap(verdict(comparison)),
+            *units.wrapped(verdict(comparison), _WIDTH),
         ]
     )
 
@@ -216,10 +214,3 @@ def _listed(names: Sequence[str]) -> str:
 def _line(texts: Sequence[str], widths: Sequence[int]) -> str:
     (name, width), *others = zip(texts, widths, strict=True)
     return "  ".join([name.ljust(width), *(text.rjust(size) for text, size in others)]).rstrip()
-
-
-def _wrap(text: str) -> list[str]:
-    # A number stays on the line of its unit.
-    tied = re.sub(r"(?<=[\d<>]) (?=\S)", "\xa0", text)
-    lines = textwrap.wrap(tied, _WIDTH, break_long_words=False, break_on_hyphens=False)
-    return [line.replace("\xa0", " ") for line in lines]

@@ -11,7 +11,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asap import checks, plots
+from asap import checks, plots, units
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,7 +48,7 @@ def write(
 
 def text(words: str) -> str:
     """Escaped, with every number tied to its unit."""
-    return escape(re.sub(r"(?<=[\d<>]) (?=\S)", "\xa0", words))
+    return escape(units.tied(words))
 
 
 def inline_svg(figure: Figure, prefix: str, css_class: str, label: str) -> str:

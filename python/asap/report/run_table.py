@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
-import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -77,9 +75,9 @@ def format_run(run: Run) -> str:
     if pacing := summary["pacing_us"]:
         late = f"p99 {units.duration(pacing['p99'])}, max {units.duration(pacing['max'])}"
         rows.append(("jitter", f"{late}: this machine's, in the pace of the replay"))
-    lines = [title(summary), *_wrap(subtitle(summary)), ""]
+    lines = [title(summary), *units.wrapped(subtitle(summary), _WIDTH), ""]
     lines += [f"  {name:<11}{value}" for name, value in rows]
-    lines += ["", format_ledger(run.ledger, run.rejected), "", *_wrap(verdict(run))]
+    lines += ["", format_ledger(run.ledger, run.rejected), "", *units.wrapped(verdict(run), _WIDTH)]
     return "\n".join(lines)
 
 
@@ -246,10 +244,3 @@ def parameter_value(parameter: Any) -> str:
     if isinstance(parameter, (int, float)) and parameter == round(parameter):
         return units.count(parameter)
     return f"{parameter:g}" if isinstance(parameter, float) else str(parameter)
-
-
-def _wrap(text: str) -> list[str]:
-    # A number stays on the line of its unit.
-    tied = re.sub(r"(?<=[\d<>]) (?=\S)", "\xa0", text)
-    lines = textwrap.wrap(tied, _WIDTH, break_long_words=False, break_on_hyphens=False)
-    return [line.replace("\xa0", " ") for line in lines]
