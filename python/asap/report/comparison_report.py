@@ -6,7 +6,6 @@ JSON. Needs matplotlib: ``asap-events[report]``.
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator
 from html import escape
@@ -93,7 +92,6 @@ def write(
 
 
 def _article(comparison: Comparison) -> str:
-    numbers = escape(json.dumps(comparison.summary(), separators=(",", ":")), quote=False)
     headline, dot, rest = comparison_table.verdict(comparison).partition(". ")
     wide = comparison_figures.figure(comparison, width_inches=8.6)
     narrow = comparison_figures.figure(comparison, width_inches=4.1, columns=1, points=300)
@@ -113,7 +111,7 @@ of the events that was finished. Latencies beyond 100 L are drawn at 100 L.</fig
 <details><summary>What the columns say</summary><dl>{"".join(_words())}</dl></details>
 <details><summary>The schemes and their parameters</summary>
 <div class="scroll"><table class="plain">{"".join(_parameters(comparison))}</table></div></details>
-<template data-comparison>{numbers}</template>
+{page.embedded("data-comparison", comparison.summary())}
 </article>"""
 
 

@@ -6,7 +6,6 @@ JSON. Needs matplotlib: ``asap-events[report]``.
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator
 from html import escape
@@ -67,7 +66,6 @@ def write(
 
 
 def _article(inspection: Inspection) -> str:
-    numbers = escape(json.dumps(inspection.summary(), separators=(",", ":")), quote=False)
     facts = inspection_table.facts(inspection)
     _, _, sentences = inspection_table.verdict(inspection).partition(": ")
     sentences = sentences[:1].upper() + sentences[1:]
@@ -90,7 +88,7 @@ of each pixel.</figcaption>
 <details><summary>The ten busiest pixels</summary>
 <div class="scroll"><table class="plain">{"".join(_pixels(inspection))}</table></div></details>
 <details><summary>What is checked</summary><dl>{"".join(_words())}</dl></details>
-<template data-inspection>{numbers}</template>
+{page.embedded("data-inspection", inspection.summary())}
 </article>"""
 
 

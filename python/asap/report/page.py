@@ -5,18 +5,19 @@ One self-contained file: no script, nothing fetched, everything that comes from 
 
 from __future__ import annotations
 
+import json
 import os
 import re
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from asap import checks, plots, units
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["INTRO_OF_RUNS", "WORDS_OF_RUNS", "inline_svg", "text", "write"]
+__all__ = ["INTRO_OF_RUNS", "WORDS_OF_RUNS", "embedded", "inline_svg", "text", "write"]
 
 _LOOK = {
     plots.BLUE: "var(--blue)",
@@ -49,6 +50,12 @@ def write(
 def text(words: str) -> str:
     """Escaped, with every number tied to its unit."""
     return escape(units.tied(words))
+
+
+def embedded(attribute: str, value: Any) -> str:
+    """Hold a value as JSON that nothing shows; the attribute says what it is."""
+    numbers = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    return f"<template {attribute}>{escape(numbers, quote=False)}</template>"
 
 
 def inline_svg(figure: Figure, prefix: str, css_class: str, label: str) -> str:

@@ -7,7 +7,6 @@ numbers behind them are embedded as JSON. Needs matplotlib: ``asap-events[report
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import re
@@ -203,8 +202,7 @@ def _numbers(run: Run, summary: Mapping[str, Any], number: int) -> str:
             f'<p class="sub">The rows of the {units.count(run.packages.size)} packages are not '
             "embedded here; run.save() keeps them.</p>"
         )
-    text = escape(json.dumps(numbers, separators=(",", ":")), quote=False)
-    return f'{note}<template data-run="{number}">{text}</template>'
+    return note + page.embedded(f'data-run="{number}"', numbers)
 
 
 def _six_digits(column: NDArray[Any]) -> list[float]:
