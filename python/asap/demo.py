@@ -8,16 +8,15 @@ packages sensible at both ends: epsilon = 0.1 leaves a tenth of the time as marg
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from asap import _core, analysis
 from asap.experiment import Run, simulate
 from asap.experiment import run as run_in_real_time
+from asap.progress import OnProgress
 from asap.synthetic import FlightOverChairs, ShakenPattern
 
 __all__ = ["Claim", "abrupt_motion", "claims", "flight", "run"]
@@ -25,8 +24,6 @@ __all__ = ["Claim", "abrupt_motion", "claims", "flight", "run"]
 RATE_BOUND = 5e6  # a of the paper, events/s
 _WINDOW_MS = 100.0
 _START_UP_S = 0.2
-
-OnProgress = Callable[[int, "int | None", Any], None]
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from asap import checks
+from asap.progress import OnProgress
 from asap.study import document
 from asap.study.cases import FORMS, cases
 from asap.study.goals import Goal, goals
@@ -16,8 +16,6 @@ from asap.study.results import Results
 from asap.study.run import run
 
 __all__ = ["Study", "made_ready", "study"]
-
-OnProgress = Callable[[int, "int | None", Any], None]
 
 
 class Study(NamedTuple):

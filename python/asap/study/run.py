@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from asap import _core
+from asap.progress import OnProgress
 from asap.study.accuracy.cases import Accuracy
 from asap.study.ladder.cases import Outcomes
 from asap.study.ladder.cost import Costs
@@ -28,7 +29,6 @@ from asap.study.rivals.cases import Rivalry
 
 __all__ = ["Ran", "key_of", "run"]
 
-OnProgress = Callable[[int, "int | None", Any], None]
 _Future: TypeAlias = "Future[tuple[Outcome, float]]"
 
 

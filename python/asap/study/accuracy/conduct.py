@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from asap.accuracy import KeepCurve
+from asap.progress import OnProgress
 from asap.study.accuracy import document
 from asap.study.accuracy.cases import (
     RUNGS,
@@ -16,7 +17,7 @@ from asap.study.accuracy.cases import (
     accuracy_cases,
     missing_rungs,
 )
-from asap.study.conduct import OnProgress, made_ready
+from asap.study.conduct import made_ready
 from asap.study.results import Results
 from asap.study.run import run
 

@@ -6,7 +6,8 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from asap.study.conduct import OnProgress, made_ready
+from asap.progress import OnProgress
+from asap.study.conduct import made_ready
 from asap.study.ladder import document
 from asap.study.ladder.cases import LadderCase, LadderReplay, Outcomes, ToldCase
 from asap.study.ladder.cost import CostCase, Costs

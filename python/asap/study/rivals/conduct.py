@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from asap.accuracy.curve import KeepCurve, Scored
-from asap.study.conduct import OnProgress, made_ready
+from asap.progress import OnProgress
+from asap.study.conduct import made_ready
 from asap.study.results import Results
 from asap.study.rivals import document
 from asap.study.rivals.cases import RIVALS, Rivalry, RivalsCase, rivals_cases
