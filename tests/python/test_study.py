@@ -346,7 +346,6 @@ GOOD = Figures(
     p50_ms=0.5,
     p99_ms=1.9,
     max_ms=2.0,
-    mean_ms=0.5,
     start_max_ms=1.5,
     gap_ms=0,
     overflow=0.0,

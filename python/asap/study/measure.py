@@ -27,7 +27,6 @@ class Figures:
     p50_ms: float
     p99_ms: float
     max_ms: float
-    mean_ms: float
     start_max_ms: float  #: the largest latency of events of the first 100 ms
     gap_ms: float
     overflow: float  #: of the input
@@ -110,7 +109,6 @@ def _figures(
         p50_ms=run.latency.quantile(0.5) / 1e3,
         p99_ms=run.latency.quantile(0.99) / 1e3,
         max_ms=run.latency.max / 1e3,
-        mean_ms=run.latency.mean / 1e3,
         start_max_ms=float(start.max(initial=0.0)) / 1e3,
         gap_ms=metrics.gap_ms(slots),
         overflow=run.ledger.overflow / max(run.ledger.received, 1),
