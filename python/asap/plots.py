@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import analysis, checks
+from asap import analysis, checks, units
 from asap.events import events_of_argument
 
 try:
@@ -182,7 +182,7 @@ def _draw_size(curves: _Curves, axes: Axes) -> None:
 
 def _draw_rates(curves: _Curves, axes: Axes) -> None:
     peak_hz = max(curves.values("event_rate").max(initial=0), 1.0)
-    unit, scale = ("Mev/s", 1e-6) if peak_hz >= 1e6 else ("kev/s", 1e-3)
+    unit, scale = units.rate_axis(peak_hz)
     curves.draw(axes, curves.values("event_rate", scale), color=FAINT, label="event rate")
     curves.draw(axes, curves.values("rate", scale), color=GREEN, label="filtered, R")
     rate_bound = curves.run.scheme.parameters.get("rate_bound")
@@ -361,7 +361,7 @@ def rate(events: NDArray[np.void], bin_us: float = 10_000, *, ax: Axes | None = 
     """
     time_s, rate_hz = analysis.rate(events, bin_us)
     axes = ax or _own_axes((7.0, 2.4))
-    unit, scale = ("Mev/s", 1e-6) if rate_hz.max(initial=0) >= 1e6 else ("kev/s", 1e-3)
+    unit, scale = units.rate_axis(rate_hz.max(initial=0))
     time_s, thinned = analysis.decimate(time_s, rate_hz * scale, 2000)
     axes.plot(time_s, thinned, color=BLUE, drawstyle="steps-post")
     axes.set(xlabel="time from the first event [s]", ylabel=f"event rate [{unit}]")

@@ -12,6 +12,7 @@ __all__ = [
     "parse_cost",
     "parse_duration_us",
     "rate",
+    "rate_axis",
     "share",
     "tied",
     "wrapped",
@@ -98,6 +99,11 @@ def rate(value_hz: float) -> str:
         if abs(value_hz) >= 0.9995 * size:
             return f"{_three_digits(value_hz / size)} {prefix}ev/s"
     return f"{_three_digits(value_hz)} ev/s"
+
+
+def rate_axis(peak_hz: float) -> tuple[str, float]:
+    """Choose the unit of an axis up to a rate; events per second times the second are in it."""
+    return ("Mev/s", 1e-6) if peak_hz >= 1e6 else ("kev/s", 1e-3)
 
 
 def count(value: float) -> str:

@@ -116,7 +116,7 @@ def _delivered_ms(slots: NDArray[np.void]) -> NDArray[np.float64]:
 
 
 def _draw_rate(axes: Axes, curves: _Curves) -> None:
-    unit, scale = ("Mev/s", 1e-6) if curves.rate_hz.max(initial=0) >= 1e6 else ("kev/s", 1e-3)
+    unit, scale = units.rate_axis(curves.rate_hz.max(initial=0))
     axes.fill_between(
         curves.time_s, curves.rate_hz * scale, color=plots.FAINT, alpha=0.55, linewidth=0
     )

@@ -57,7 +57,7 @@ def figure(
 
 def _draw_rate(axes: Axes, inspection: Inspection, points: int) -> None:
     time_s, mean_hz, peak_hz = inspection.rate_curve.T
-    unit, scale = ("Mev/s", 1e-6) if peak_hz.max(initial=0) >= 1e6 else ("kev/s", 1e-3)
+    unit, scale = units.rate_axis(peak_hz.max(initial=0))
     window_ms = 1e3 * (time_s[1] - time_s[0]) if time_s.size > 1 else 1.0
     if window_ms > 1.5:
         axes.plot(
