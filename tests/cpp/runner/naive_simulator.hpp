@@ -249,8 +249,10 @@ class NaiveSimulator final : public BacklogCounts {
     const double k0 = std::max(1.0, n / 32 * trust);
     double tau = 0;
     double m = 0;
-    const std::int64_t fixed_end = now_ns_ + std::llround(std::floor(decision.fixed_ns));
+    const std::int64_t begin = now_ns_;
+    const std::int64_t fixed_end = begin + std::llround(std::floor(decision.fixed_ns));
     pass(cost.fixed_ns);
+    const bool has_passed = fixed_end - now_ns_ < now_ns_ - begin;  // most of the fixed cost
     const double fixed = std::max(0.0, static_cast<double>(fixed_end - now_ns_));
     std::size_t probe = 0;
     if (strata > 1 && doubted && H > 0) {
@@ -276,7 +278,13 @@ class NaiveSimulator final : public BacklogCounts {
       const std::size_t size =
           j + 1 < strata ? thin(count, keep, kept) : thin_to(count, std::min(keep, 1.0), kept);
       if (size > 0) pass(cost.event_ns * static_cast<double>(size));
-      tau += static_cast<double>(now_ns_ - now);
+      double events_ns = static_cast<double>(now_ns_ - now);
+      if (&j == &parts.front().first && !has_passed) {
+        const double beyond = events_ns - static_cast<double>(fixed_end - now);
+        const double expected = static_cast<double>(size) * (decision.event_ns * k0) / k0;
+        events_ns = std::min(events_ns, std::max(beyond, expected));
+      }
+      tau += events_ns;
       m += static_cast<double>(size);
     }
   }
