@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from asap import stamps
 from asap.checks import flag, is_masked, named, unmasked
 
 __all__ = ["EVENT_DTYPE", "Events", "as_events"]
@@ -33,12 +34,7 @@ FIELD_NAMES = {
 }
 _UNDERSTOOD = "; ".join(f"{role}: {', '.join(names)}" for role, names in FIELD_NAMES.items())
 
-# A unit of time is 10^exponent us.
-TIME_EXPONENTS = {"s": 6, "ms": 3, "us": 0, "ns": -3}
-_FINE_EXPONENTS = {"ns": -3, "ps": -6, "fs": -9, "as": -12}  # of datetime64 and timedelta64
-
 _MAX_ADDRESS = 65535
-_MAX_INT64 = 2**63 - 1
 
 
 def as_events(
@@ -88,7 +84,7 @@ def as_events(
         floating times with ``time_unit="us"``, columns of different lengths, an array without
         `order`, a copy that ``copy=False`` forbids.
     """
-    exponent = time_exponent(time_unit)
+    exponent = stamps.time_exponent(time_unit)
     if order is not None:
         check_order(order)
     if copy is not None:
@@ -125,13 +121,6 @@ def events_of_argument(field: str, events: Any) -> Events:
         raise type(error)(field + words.removeprefix("source")) from None
 
 
-def time_exponent(time_unit: str) -> int:
-    """Exponent e of a unit of 10^e us."""
-    if not isinstance(time_unit, str) or time_unit not in TIME_EXPONENTS:
-        raise ValueError(f"time_unit = {time_unit!r}: use one of {', '.join(TIME_EXPONENTS)}")
-    return TIME_EXPONENTS[time_unit]
-
-
 def check_order(order: str) -> str:
     """Return `order` if it names t, x, y once and p at most once."""
     if not isinstance(order, Sequence) or sorted(order) not in (sorted("txyp"), sorted("txy")):
@@ -158,8 +147,7 @@ def misfits(role: str, column: Column, exponent: int = 0) -> npt.NDArray[np.bool
     """Mark the values that an event cannot hold; None where there can be none."""
     kind, size = column.dtype.kind, column.dtype.itemsize
     if kind in "mM":
-        there_and_back = _counts(column)[0].astype(column.dtype)
-        return np.asarray(there_and_back != column)  # NaT differs from itself
+        return stamps.misfits(column)
     if kind == "b":
         return None
     if role == "p":
@@ -170,7 +158,7 @@ def misfits(role: str, column: Column, exponent: int = 0) -> npt.NDArray[np.bool
             return ~in_reach
         if size < 8 and exponent <= 0:
             return None
-        limit = _MAX_INT64 // 10 ** max(exponent, 0)
+        limit = stamps.MAX // 10 ** max(exponent, 0)
         return _outside(column, -limit, limit)
     if kind == "f":
         inside = (column >= 0) & (column <= _MAX_ADDRESS)
@@ -198,7 +186,7 @@ def pack(columns: Columns, exponent: int = 0, *, normalise: bool = True) -> Even
     Without `normalise`, a polarity other than 0 and 1 becomes -1 or 2, for a validator to count.
     """
     events: Events = np.zeros(len(columns["t"]), EVENT_DTYPE)
-    events["t"] = _to_us(columns["t"], exponent)
+    events["t"] = stamps.to_us(columns["t"], exponent)
     events["x"] = columns["x"]
     events["y"] = columns["y"]
     if "p" not in columns:
@@ -375,29 +363,6 @@ def _outside(column: Column, low: int, high: int) -> npt.NDArray[np.bool_] | Non
     if limits.max > high:
         bad |= column > high
     return bad
-
-
-def _to_us(t: Column, exponent: int) -> npt.NDArray[np.int64]:
-    if t.dtype.kind in "mM":
-        t, exponent = _counts(t)
-    if t.dtype.kind == "f":
-        return np.rint(t * 10.0**exponent).astype(np.int64)
-    whole: npt.NDArray[np.int64] = t.astype(np.int64)
-    if exponent >= 0:
-        whole *= 10**exponent
-        return whole
-    us, rest = np.divmod(whole, 10**-exponent)
-    half = 10**-exponent // 2
-    us[(rest > half) | ((rest == half) & (us % 2 == 1))] += 1
-    return us
-
-
-def _counts(stamps: Column) -> tuple[Column, int]:
-    """Stamps of NumPy in us, or finer where they are, and the exponent of that unit."""
-    unit, _ = np.datetime_data(stamps.dtype)
-    exponent = _FINE_EXPONENTS.get(unit, 0)
-    counts: Column = stamps.astype(f"{stamps.dtype.kind}8[{unit if exponent else 'us'}]")
-    return counts, exponent
 
 
 def _remedy() -> str:

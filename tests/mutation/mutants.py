@@ -72,7 +72,7 @@ MUTANTS: list[Mutant] = [
     *in_file(
         INCLUDE + "runner/push_door.hpp",
         "runner",
-        visitor_at_a_shut_door_stays_inside=("if ((before & kInside) == 0) leave();", ""),
+        last_one_out_does_nothing=("std::forward<LastOut>(last_out)();", ""),
     ),
     *in_file(
         INCLUDE + "runner/stall_watch.hpp",

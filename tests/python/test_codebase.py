@@ -39,7 +39,7 @@ MAY_INCLUDE = {
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
     {"_core", "checks"},
-    {"metrics", "units"},
+    {"metrics", "stamps", "units"},
     {"events"},
     {"io", "synthetic"},
     {"accuracy", "experiment", "profiles", "scenes"},
@@ -260,7 +260,8 @@ def test_module_says_what_it_is_and_what_it_exports(path: Path) -> None:
     assert "__all__" in assigned or path.name == "__main__.py"
 
 
-SCALAR = re.compile(r"int|float|bool|np\.(u?int|float)\d+|np\.bool_|'[mM]8\[us\]'( if .*)?")
+STAMPS = r"f[\"']\{stamps\.dtype\.kind\}8\[.*|stamps\.dtype"
+SCALAR = re.compile(rf"int|float|bool|np\.(u?int|float)\d+|np\.bool_|{STAMPS}")
 
 
 def test_astype_makes_plain_numbers_only() -> None:

@@ -250,7 +250,7 @@ class TestNpz:
     ) -> None:
         one = [1, 1, 1]
         np.savez(tmp_path / "a.npz", t=[0.0, np.nan, 2.0], x=[1, 70_000, 3], y=one, p=one)
-        rec = asap.read(tmp_path / "a.npz", on_bad=on_bad)
+        rec = asap.read(tmp_path / "a.npz", on_bad=on_bad, time_unit="us")
         assert sum(map(len, rec)) == 2 and rec.received == 3
         assert (rec.rejected["bad_record"], rec.rejected["out_of_bounds"]) == (1, 0)
         assert rec.repaired["clamped_positions"] == 0

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import asap
 from asap import profiles
 from asap.cli.outcome import USAGE, Failure
-from asap.events import TIME_EXPONENTS
+from asap.stamps import TIME_EXPONENTS
 
 __all__ = [
     "add_out",

@@ -17,10 +17,10 @@ from asap.events import (
     misfits,
     pack,
     plain_view,
-    time_exponent,
 )
 from asap.io.errors import UnsupportedFormat, unclear_unit
 from asap.io.reader import Losses, Options
+from asap.stamps import time_exponent
 
 __all__ = ["events_of", "file_columns"]
 

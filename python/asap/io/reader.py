@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-from asap.events import Events, check_order, time_exponent
+from asap.events import Events, check_order
 from asap.io.errors import CorruptFile, TruncatedFileWarning
+from asap.stamps import time_exponent
 
 __all__ = ["CHUNK", "Losses", "Options", "Reader"]
 

@@ -19,9 +19,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from asap import _core
-from asap.events import FIELD_NAMES, Events, check_order, time_exponent
+from asap.events import FIELD_NAMES, Events, check_order
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
+from asap.stamps import time_exponent
 
 __all__ = ["TextReader"]
 
