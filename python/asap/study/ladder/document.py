@@ -21,7 +21,8 @@ for 0.3 s, 9 Mev/s. alpha and beta are measured here, from Python, over packages
 events (lower quartile); a cost in a name is stated, not measured: 450 ns is the published rule
 without an index, 2 us the authors' class, 300 ns the fast engine on a smaller computer. In virtual
 time the computer is {SLOWDOWN:g} times slower than this one, L = {LATENCY_MS:g} ms; the load is the
-event rate times its beta.
+event rate times its beta, "possible" 1 / load: what is finished in the L after the stream comes
+on top.
 
 Deadline knows L and nothing else. The baselines cannot shed but by a ring that is too small for the
 queue, so each of them has two numbers, size, period or rate bound and the ring. Both were chosen
