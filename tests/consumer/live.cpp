@@ -14,7 +14,7 @@ int main() {
   const auto start = std::chrono::steady_clock::now();
   for (auto events = camera.next(); !events.empty(); events = camera.next()) {
     std::this_thread::sleep_until(start + std::chrono::microseconds(events.back().t));
-    pipeline.push(events);  // from any thread, wait-free
+    pipeline.push(events);  // from any one thread at a time, wait-free
   }
   pipeline.stop();
   pipeline.join();  // what waited is delivered; throws what the algorithm threw

@@ -358,7 +358,7 @@ std::vector<Cluster> OwnerCellTracker::clusters_at(std::int64_t t_us) const {
                         .cxy = track.sxy,
                         .cyy = track.syy,
                         .size = std::lround(tracks_.life(slot).mass),
-                        .t_last = clock_.latest_us() - fast::age_us(clock_.now(), track.stamp)});
+                        .t_last = clock_.stamp_us(fast::age_us(clock_.now(), track.stamp))});
   }
   std::sort(clusters.begin(), clusters.end(),
             [](const Cluster& a, const Cluster& b) { return a.id < b.id; });

@@ -1,4 +1,4 @@
-"""Pipeline: live events from any thread, to an algorithm that works in a plain for loop."""
+"""Pipeline: live events, pushed by one thread at a time, to an algorithm in a plain for loop."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Pipeline:
     --------
     ::
 
-        with asap.Pipeline(latency_ms=10) as pipeline:  # any thread pushes, this one works
+        with asap.Pipeline(latency_ms=10) as pipeline:  # one thread pushes, this one works
             camera.on_events(pipeline.push)
             for package in pipeline:
                 my_algorithm(package.events)

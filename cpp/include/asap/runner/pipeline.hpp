@@ -1,9 +1,9 @@
-// Pipeline: live events from any thread to the algorithm, in packages, within the latency bound.
-// The producer pushes and is never blocked; the consumer works on its own thread; any thread may
-// look, flush and stop. No polling.
+// Pipeline: live events to the algorithm, in packages, within the latency bound. The producer, any
+// one thread at a time, pushes and is never blocked; the consumer works on its own thread; any
+// thread may look, flush and stop. No polling.
 //
 //   Pipeline pipeline{{.latency_us = 10'000}, [&](EventSpan events) { tracker.process(events); }};
-//   driver.on_events([&](EventSpan events) { pipeline.push(events); });   // any thread
+//   driver.on_events([&](EventSpan events) { pipeline.push(events); });   // any one thread
 //
 // works on a thread of its own. Or, with a scheme of your choice, on yours:
 //

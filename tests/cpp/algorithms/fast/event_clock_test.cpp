@@ -31,6 +31,15 @@ TEST(EventClock, ALargeBackStepBeginsANewEpoch) {
   EXPECT_EQ(clock.now_us() - start, 1000U);
 }
 
+TEST(EventClock, AStampIsNeverBeforeTheFirst) {
+  constexpr std::int64_t kFirst_us = std::numeric_limits<std::int64_t>::min();
+  EventClock clock;
+  clock.advance(kFirst_us + 10);
+  EXPECT_EQ(clock.stamp_us(0), kFirst_us + 10);
+  EXPECT_EQ(clock.stamp_us(7), kFirst_us + 3);
+  EXPECT_EQ(clock.stamp_us(68), kFirst_us);
+}
+
 TEST(EventClock, ABackStepOfASecondIsStillLate) {
   EventClock clock;
   clock.advance(2'000'000);

@@ -4,7 +4,9 @@
 // One thread. O(1), no allocation.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "asap/algorithms/fast/stamp.hpp"
 
@@ -38,6 +40,10 @@ class EventClock {
 
   // The latest stamp.
   std::int64_t latest_us() const noexcept { return latest_us_; }
+  // The stamp of what is that old, age_us >= 0; the first that there is, if that would be before.
+  std::int64_t stamp_us(std::int64_t age_us) const noexcept {
+    return std::max(latest_us_, std::numeric_limits<std::int64_t>::min() + age_us) - age_us;
+  }
 
  private:
   static std::uint64_t distance(std::int64_t earlier, std::int64_t later) noexcept {

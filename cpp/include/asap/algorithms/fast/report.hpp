@@ -25,7 +25,7 @@ inline Cluster report(const Track& track, const Life& life, const PositionError&
           .cxy = track.sxy,
           .cyy = track.syy,
           .size = std::lround(life.mass),
-          .t_last = clock.latest_us() - age_us(clock.now(), life.last_event),
+          .t_last = clock.stamp_us(age_us(clock.now(), life.last_event)),
           .pxx = error.xx,
           .pxy = error.xy,
           .pyy = error.yy};
