@@ -31,13 +31,18 @@ TEST(EventClock, ALargeBackStepBeginsANewEpoch) {
   EXPECT_EQ(clock.now_us() - start, 1000U);
 }
 
-TEST(EventClock, AStampIsNeverBeforeTheFirst) {
+TEST(EventClock, AStampIsNeverBeforeTheFirstNorAfterTheLast) {
   constexpr std::int64_t kFirst_us = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kLast_us = std::numeric_limits<std::int64_t>::max();
   EventClock clock;
   clock.advance(kFirst_us + 10);
   EXPECT_EQ(clock.stamp_us(0), kFirst_us + 10);
   EXPECT_EQ(clock.stamp_us(7), kFirst_us + 3);
   EXPECT_EQ(clock.stamp_us(68), kFirst_us);
+  EXPECT_EQ(clock.stamp_us(-5), kFirst_us + 15);
+  clock.advance(kLast_us - 10);
+  EXPECT_EQ(clock.stamp_us(-7), kLast_us - 3);
+  EXPECT_EQ(clock.stamp_us(-68), kLast_us);
 }
 
 TEST(EventClock, ABackStepOfASecondIsStillLate) {

@@ -40,9 +40,11 @@ class EventClock {
 
   // The latest stamp.
   std::int64_t latest_us() const noexcept { return latest_us_; }
-  // The stamp of what is that old, age_us >= 0; the first that there is, if that would be before.
-  std::int64_t stamp_us(std::int64_t age_us) const noexcept {
-    return std::max(latest_us_, std::numeric_limits<std::int64_t>::min() + age_us) - age_us;
+  // The stamp of what is that old, or still to come; the first or the last one if that is beyond.
+  std::int64_t stamp_us(std::int32_t age_us) const noexcept {
+    using Stamps = std::numeric_limits<std::int64_t>;
+    if (age_us < 0) return std::min(latest_us_, Stamps::max() + age_us) - age_us;
+    return std::max(latest_us_, Stamps::min() + age_us) - age_us;
   }
 
  private:
