@@ -22,7 +22,7 @@ namespace {
 
 using namespace py::literals;
 
-constexpr const char* kDoc = R"(Images of the events, one per so many events or per period.
+constexpr const char* kImageDoc = R"(Images of the events, one per so many events or per period.
 
 What convolutional networks take. By count an image ends with its last event. By period it holds the stamps
 from one multiple of the period to the next; a period without events gives no image.
@@ -107,7 +107,7 @@ py::array last(const EventImage& image) {
 }  // namespace
 
 void bind_event_image(py::module_& m) {
-  py::class_<EventImage> type(m, "EventImage", kDoc);
+  py::class_<EventImage> type(m, "EventImage", kImageDoc);
   type.def(py::init([](int width, int height, std::int64_t count, std::int64_t period_us,
                        const std::vector<std::string>& channels) {
              EventImageConfig config{.width = width,

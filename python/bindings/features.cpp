@@ -76,9 +76,10 @@ const char* name_of(CornerSource source) {
       ->first;
 }
 
-std::unique_ptr<FeatureTracker> make_tracker(int width, int height, const std::string& detector,
-                                             int window, int radius, int min_neighbours,
-                                             std::int64_t velocity_us) {
+std::unique_ptr<FeatureTracker> make_feature_tracker(int width, int height,
+                                                     const std::string& detector, int window,
+                                                     int radius, int min_neighbours,
+                                                     std::int64_t velocity_us) {
   return std::make_unique<FeatureTracker>(FeatureConfig{.width = width,
                                                         .height = height,
                                                         .detector = source_of(detector),
@@ -88,7 +89,7 @@ std::unique_ptr<FeatureTracker> make_tracker(int width, int height, const std::s
                                                         .velocity_us = velocity_us});
 }
 
-py::dict parameters(const FeatureTracker& tracker) {
+py::dict feature_parameters(const FeatureTracker& tracker) {
   const FeatureConfig& config = tracker.config();
   return py::dict("detector"_a = name_of(config.detector), "window"_a = config.window,
                   "radius"_a = config.radius, "min_neighbours"_a = config.min_neighbours,
@@ -102,7 +103,7 @@ void bind_features(py::module_& m) {
 
   constexpr FeatureConfig kDefault{.width = 0, .height = 0};
   py::class_<FeatureTracker>(m, "FeatureTracker", kFeatureTrackerDoc)
-      .def(py::init(&make_tracker), "width"_a, "height"_a, py::kw_only(),
+      .def(py::init(&make_feature_tracker), "width"_a, "height"_a, py::kw_only(),
            "detector"_a = name_of(kDefault.detector), "window"_a = kDefault.window,
            "radius"_a = kDefault.radius, "min_neighbours"_a = kDefault.min_neighbours,
            "velocity_us"_a = kDefault.velocity_us)
@@ -158,7 +159,7 @@ ValueError
       .def_property_readonly(
           "name", [](const FeatureTracker&) { return "features"; },
           "Name of the algorithm in reports.")
-      .def_property_readonly("parameters", &parameters,
+      .def_property_readonly("parameters", &feature_parameters,
                              "dict of the constructor's keyword parameters.")
       .def_property_readonly("rejected", &FeatureTracker::rejected,
                              "Events dropped because they lie outside the frame.");

@@ -13,7 +13,7 @@ namespace {
 
 using namespace py::literals;
 
-constexpr const char* kDoc = R"(Optical flow of each event, normal to its edge, by a plane fit.
+constexpr const char* kFlowDoc = R"(Optical flow of each event, normal to its edge, by a plane fit.
 
 The times at which the pixels of the 5 x 5 window fired last, in the event's polarity and within
 `window_us`, lie near a plane; its slope is the inverse of the edge's velocity.
@@ -62,7 +62,7 @@ py::dict parameters(const PlaneFlowConfig& config) {
 
 void bind_flow(py::module_& m) {
   constexpr PlaneFlowConfig kDefault{.width = 0, .height = 0};
-  py::class_<PlaneFlow> type(m, "PlaneFlow", kDoc);
+  py::class_<PlaneFlow> type(m, "PlaneFlow", kFlowDoc);
   type.def(py::init([](int width, int height, std::int64_t window_us, int min_points, bool refit) {
              return std::make_unique<PlaneFlow>(PlaneFlowConfig{.width = width,
                                                                 .height = height,

@@ -31,7 +31,7 @@ std::shared_ptr<PythonFilter> held(py::object filter, py::object process) {
 }
 
 template <class Filter>
-FrontFilter native(const py::object& object) {
+FrontFilter native_front(const py::object& object) {
   auto* filter = object.cast<Filter*>();
   return [filter, turns = turns_at(object), keep_alive = held(object, {})](EventSpan events,
                                                                            Event* out) {
@@ -64,9 +64,9 @@ std::size_t pass(PythonFilter& python, EventSpan events, Event* out) {
 FrontFilter front_filter_of(const py::object& filter) {
   if (filter.is_none()) return {};
   if (is_exactly<BackgroundActivityFilter>(filter)) {
-    return native<BackgroundActivityFilter>(filter);
+    return native_front<BackgroundActivityFilter>(filter);
   }
-  if (is_exactly<HotPixelMask>(filter)) return native<HotPixelMask>(filter);
+  if (is_exactly<HotPixelMask>(filter)) return native_front<HotPixelMask>(filter);
   const bool has_process = py::hasattr(filter, "process");
   if (!has_process && !PyCallable_Check(filter.ptr())) {
     throw py::type_error("before: expected an object with process(events) or a callable, got " +

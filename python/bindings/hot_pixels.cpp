@@ -19,7 +19,7 @@ using namespace py::literals;
 
 using Pairs = std::vector<std::pair<int, int>>;
 
-constexpr const char* kDoc = R"(Drops the events of hot pixels.
+constexpr const char* kHotPixelsDoc = R"(Drops the events of hot pixels.
 
 Which these are is given, learned from a recording with `learn`, or learned on the way, among each
 `learn_events` events. A pixel is hot, as for `asap.check`, if it has at least 100 events, a thousandth of
@@ -67,7 +67,7 @@ py::dict parameters(const HotPixelMaskConfig& config) {
 
 void bind_hot_pixels(py::module_& m) {
   constexpr std::int64_t kLearnEvents = 100'000;
-  py::class_<HotPixelMask> type(m, "HotPixelMask", kDoc);
+  py::class_<HotPixelMask> type(m, "HotPixelMask", kHotPixelsDoc);
   type.def(py::init([](int width, int height, const Pairs& pixels, std::int64_t learn_events) {
              HotPixelMaskConfig config{
                  .width = width, .height = height, .learn_events = learn_events};

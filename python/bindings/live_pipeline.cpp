@@ -19,24 +19,24 @@ namespace asap::python {
 namespace {
 
 // All pipelines; looked at when the interpreter exits. With the GIL.
-struct Known {
+struct KnownPipeline {
   std::weak_ptr<Pipeline> pipeline;
   std::uint64_t forks;
 };
-std::vector<Known>& known() {
-  static auto& all = *new std::vector<Known>;  // outlives every pipeline
+std::vector<KnownPipeline>& known_pipelines() {
+  static auto& all = *new std::vector<KnownPipeline>;  // outlives every pipeline
   return all;
 }
 
 void make_known(const std::shared_ptr<Pipeline>& pipeline, std::uint64_t forks) {
-  std::erase_if(known(), [](const Known& one) { return one.pipeline.expired(); });
-  known().push_back({pipeline, forks});
+  std::erase_if(known_pipelines(), [](const KnownPipeline& one) { return one.pipeline.expired(); });
+  known_pipelines().push_back({pipeline, forks});
 }
 
 void stop_all() {
   std::vector<std::shared_ptr<Pipeline>> running;
   with_gil([&] {
-    for (const Known& one : known()) {
+    for (const KnownPipeline& one : known_pipelines()) {
       if (one.forks != forks()) continue;
       if (auto pipeline = one.pipeline.lock()) running.push_back(std::move(pipeline));
     }

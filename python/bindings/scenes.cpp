@@ -19,7 +19,7 @@ namespace asap::python {
 namespace {
 
 // Of shape (n,), both: events and their labels.
-py::tuple read(MovingShapes& stream, const py::object& at_least) {
+py::tuple read_scene(MovingShapes& stream, const py::object& at_least) {
   const std::uint64_t count = whole_number("at_least", at_least);
   std::vector<Event> events;
   std::vector<std::int32_t> labels;
@@ -75,7 +75,7 @@ std::vector<double> reaches_px(const MovingShapesConfig& layout) {
   return reaches;
 }
 
-MovingShapesConfig named(const std::string& name, const py::object& seed) {
+MovingShapesConfig scene_named(const std::string& name, const py::object& seed) {
   return scenes::named(name.size() == 1 ? name[0] : '?', whole_number("seed", seed));
 }
 
@@ -107,7 +107,7 @@ MovingShapesConfig scripted(std::int64_t gap_us, double speed_px_s, double radiu
 
 void bind_scenes(py::module_& m) {
   py::class_<MovingShapesConfig>(m, "SceneLayout", "What moves how, and in which view.")
-      .def_static("named", &named, py::arg("name"), py::arg("seed"))
+      .def_static("named", &scene_named, py::arg("name"), py::arg("seed"))
       .def_static("free_shapes", &free_shapes, py::kw_only(), py::arg("count"), py::arg("width"),
                   py::arg("height"), py::arg("duration_us"), py::arg("radius_px"),
                   py::arg("speed_px_s"), py::arg("noise_hz"), py::arg("seed"))
@@ -126,7 +126,7 @@ void bind_scenes(py::module_& m) {
 
   py::class_<MovingShapes>(m, "MovingShapesStream", "The events of a layout, read once.")
       .def(py::init<const MovingShapesConfig&>(), py::arg("layout"))
-      .def("read", &read, py::arg("at_least"),
+      .def("read", &read_scene, py::arg("at_least"),
            "New arrays of at least so many events and their labels, fewer at the end, then empty.");
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 namespace py = pybind11;
 
-py::dict parameters(const Scheme& scheme) {
+py::dict scheme_parameters(const Scheme& scheme) {
   py::dict result;
   for (const auto& [name, value] : scheme.parameters()) result[py::str(name)] = py::cast(value);
   return result;
@@ -41,7 +41,8 @@ std::string repr(const py::object& scheme) {
 void bind_schemes(py::module_& m) {
   py::class_<Scheme>(m, "Scheme", "The rule that decides size and gamma of the next package.")
       .def_property_readonly("name", &Scheme::name, "Its name on the command line and in files.")
-      .def_property_readonly("parameters", &parameters, "The constructor's arguments by name.")
+      .def_property_readonly("parameters", &scheme_parameters,
+                             "The constructor's arguments by name.")
       .def("__repr__", &repr);
 
   py::class_<FixedSize, Scheme>(m, "FixedSize", R"(Packages of a fixed number of events.
@@ -89,7 +90,7 @@ efficiency : float, optional
       .def_property_readonly(
           "parameters",
           [](const Greedy& scheme) {
-            py::dict result = parameters(scheme);
+            py::dict result = scheme_parameters(scheme);
             if (result.empty()) result["efficiency"] = py::none();
             return result;
           },

@@ -13,7 +13,7 @@
 namespace asap::python {
 namespace {
 
-py::array read(EventStream& stream, const py::object& at_least) {
+py::array read_stream(EventStream& stream, const py::object& at_least) {
   const std::uint64_t count = whole_number("at_least", at_least);
   std::vector<Event> events;
   {
@@ -36,7 +36,7 @@ void feed(PoissonArrivals& arrivals, const py::array& rates_hz) {
 
 void bind_synthetic(py::module_& m) {
   py::class_<EventStream>(m, "EventStream", "Synthetic events, made as they are read, once.")
-      .def("read", &read, py::arg("at_least"),
+      .def("read", &read_stream, py::arg("at_least"),
            "A new array of at least so many events, fewer at the end, then empty.");
 
   py::class_<ShakenPattern, EventStream>(m, "ShakenPatternStream")

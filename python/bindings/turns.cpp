@@ -9,16 +9,17 @@
 namespace asap::python {
 namespace {
 
-struct Known {
+struct KnownTurns {
   PyObject* object;
   std::weak_ptr<Turns> turns;
   std::uint64_t forks;  // a thread of the parent process does not give its turn back here
 };
 
 // Of the objects that are worked with.
-std::vector<Known>& known() {
-  static auto& all = *new std::vector<Known>;  // outlives every thread
-  std::erase_if(all, [](const Known& one) { return one.turns.expired() || one.forks != forks(); });
+std::vector<KnownTurns>& known_turns() {
+  static auto& all = *new std::vector<KnownTurns>;  // outlives every thread
+  std::erase_if(all,
+                [](const KnownTurns& one) { return one.turns.expired() || one.forks != forks(); });
   return all;
 }
 
@@ -48,15 +49,15 @@ void Turns::unlock() noexcept {
 }
 
 std::shared_ptr<Turns> turns_under_way_at(py::handle object) {
-  const auto& all = known();
-  const auto found = std::ranges::find(all, object.ptr(), &Known::object);
+  const auto& all = known_turns();
+  const auto found = std::ranges::find(all, object.ptr(), &KnownTurns::object);
   return found == all.end() ? nullptr : found->turns.lock();
 }
 
 std::shared_ptr<Turns> turns_at(py::handle object) {
   if (auto turns = turns_under_way_at(object)) return turns;
   auto turns = std::make_shared<Turns>();
-  known().push_back({object.ptr(), turns, forks()});
+  known_turns().push_back({object.ptr(), turns, forks()});
   return turns;
 }
 

@@ -13,27 +13,27 @@ namespace {
 
 // Five columns of gradients, so placed that columns of equal weight stand four lanes apart: 2, 1, 0
 // and 3, 4. The other lanes are zeros.
-constexpr std::size_t kLanes = 8;
-constexpr std::size_t kSide = 5;
-typedef std::int16_t Columns __attribute__((vector_size(2 * kLanes)));
-typedef std::int64_t Halves __attribute__((vector_size(2 * kLanes)));
-constexpr std::array<std::size_t, kSide> kLaneOf{2, 1, 0, 5, 6};
+constexpr std::size_t kHarrisLanes = 8;
+constexpr std::size_t kHarrisSide = 5;
+typedef std::int16_t Columns __attribute__((vector_size(2 * kHarrisLanes)));
+typedef std::int64_t Halves __attribute__((vector_size(2 * kHarrisLanes)));
+constexpr std::array<std::size_t, kHarrisSide> kLaneOf{2, 1, 0, 5, 6};
 
-constexpr std::array<int, kSide> kSmooth{1, 4, 6, 4, 1};
-constexpr std::array<int, kSide> kDerive{1, 2, 0, -2, -1};
+constexpr std::array<int, kHarrisSide> kSmooth{1, 4, 6, 4, 1};
+constexpr std::array<int, kHarrisSide> kDerive{1, 2, 0, -2, -1};
 constexpr double kScale = 12;  // of the kernel
 
 // One row of pixels folded with a kernel, for each of the 512 rows there are.
 struct alignas(16) Folded {
-  std::array<std::int16_t, kLanes> columns;
+  std::array<std::int16_t, kHarrisLanes> columns;
 };
 
-constexpr std::array<Folded, 512> fold(const std::array<int, kSide>& kernel) {
+constexpr std::array<Folded, 512> fold(const std::array<int, kHarrisSide>& kernel) {
   std::array<Folded, 512> table{};
   for (std::size_t row = 0; row < table.size(); ++row) {
-    for (std::size_t column = 0; column < kSide; ++column) {
+    for (std::size_t column = 0; column < kHarrisSide; ++column) {
       int sum = 0;
-      for (std::size_t k = 0; k < kSide; ++k) {
+      for (std::size_t k = 0; k < kHarrisSide; ++k) {
         if ((row >> (column + k)) & 1) sum += kernel[k];
       }
       table[row].columns[kLaneOf[column]] = static_cast<std::int16_t>(sum);
@@ -65,7 +65,7 @@ Columns folded(Columns columns) noexcept {
 }
 
 // What has the same weight is added up in integers first.
-double weighted(const std::array<Columns, kSide>& rows) noexcept {
+double weighted(const std::array<Columns, kHarrisSide>& rows) noexcept {
   const Columns middle = folded(rows[2]);
   const Columns inner = folded(rows[1] + rows[3]);
   const Columns outer = folded(rows[0] + rows[4]);
@@ -88,10 +88,10 @@ double harris_score(const PatchRows& rows) noexcept {
     smoothed[y] = look_up(kSmoothed, rows[y]);
     derived[y] = look_up(kDerived, rows[y]);
   }
-  std::array<Columns, kSide> xx;
-  std::array<Columns, kSide> xy;
-  std::array<Columns, kSide> yy;
-  for (std::size_t y = 0; y < kSide; ++y) {
+  std::array<Columns, kHarrisSide> xx;
+  std::array<Columns, kHarrisSide> xy;
+  std::array<Columns, kHarrisSide> yy;
+  for (std::size_t y = 0; y < kHarrisSide; ++y) {
     const Columns gx =
         derived[y] + derived[y + 4] + 4 * (derived[y + 1] + derived[y + 3]) + 6 * derived[y + 2];
     const Columns gy = smoothed[y] - smoothed[y + 4] + 2 * (smoothed[y + 1] - smoothed[y + 3]);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kMixing = 0.05F;  // of an event's position into the box's
 constexpr float kMassDecay_us = 10'000;
-constexpr std::uint64_t kTick_us = 1'000;
+constexpr std::uint64_t kJaerTick_us = 1'000;
 constexpr std::uint64_t kGrace_us = 10'000;  // for which a box may be weak
 constexpr float kVelocityMemory_s = 0.02F;
 constexpr float kMergeDistance_px = 16;
@@ -59,7 +59,7 @@ std::int32_t JaerClusterTracker::process(const Event& event) noexcept {
     return -1;
   }
   clock_.advance(event.t);
-  if (clock_.now_us() - ticked_us_ >= kTick_us) [[unlikely]]
+  if (clock_.now_us() - ticked_us_ >= kJaerTick_us) [[unlikely]]
     tick();
   Slot slot = nearest_around(event);
   if (slot == fast::CoarseIndex::kNone) {

@@ -8,9 +8,9 @@
 namespace asap {
 namespace {
 
-constexpr double kIntegral = 0.2;
-constexpr double kLeastShare = 0.05;  // of v
-constexpr double kLeastEvents = 1.0;  // or no package would tell what the algorithm achieves
+constexpr double kSparkIntegral = 0.2;
+constexpr double kSparkLeastShare = 0.05;  // of v
+constexpr double kLeastEvents = 1.0;       // or no package would tell what the algorithm achieves
 
 }  // namespace
 
@@ -37,10 +37,10 @@ void SparkPid::observe(const Outcome& outcome) noexcept {
   if (limit_count_ > 0) {
     const auto wait_ns =
         static_cast<double>(std::max<std::int64_t>(outcome.start_ns - close_ns_, 0));
-    q = v - kIntegral * wait_ns * v / static_cast<double>(period_ns_);
+    q = v - kSparkIntegral * wait_ns * v / static_cast<double>(period_ns_);
   }
   limits_[limit_count_ % kLimits] = {.since_ns = outcome.start_ns + outcome.processing_ns,
-                                     .events_per_ns = std::max(q, kLeastShare * v)};
+                                     .events_per_ns = std::max(q, kSparkLeastShare * v)};
   ++limit_count_;
 }
 

@@ -17,7 +17,7 @@ constexpr double kFirstSpeed = 0.15;  // of the last
 constexpr double kMostTilt = 0.12;    // tangent of half the angle
 constexpr double kSwaySpeed = 0.08;   // the fastest, of the last speed
 constexpr double kSway_hz = 0.7;
-constexpr double kMaxPixelRate_hz = 100.0;
+constexpr double kMaxFlightPixelRate_hz = 100.0;
 
 // A chair from the front and above, one wide: back, posts, seat, four legs; clockwise as seen.
 using Part = std::array<PlanePoint, 4>;
@@ -49,7 +49,7 @@ void add_chair(Outline& outline, double width_px, UnitVector tilt, PlanePoint to
 
 const FlightOverChairsConfig& checked(const FlightOverChairsConfig& config) {
   synthetic::require_view_and_time(config);
-  const double max_rate_hz = kMaxPixelRate_hz * config.width * config.height;
+  const double max_rate_hz = kMaxFlightPixelRate_hz * config.width * config.height;
   require(config.last_rate_hz > 0.0 && config.last_rate_hz <= max_rate_hz, "last_rate_hz",
           config.last_rate_hz, "give a rate above 0, at most 100 events per second and pixel");
   require(config.chair_px >= 8.0 && config.chair_px <= config.width / 2.0, "chair_px",

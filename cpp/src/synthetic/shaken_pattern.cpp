@@ -15,11 +15,11 @@ constexpr double kCell_px = 24.0;        // one shape of the print per cell
 constexpr double kFirstAmplitude = 0.1;  // of the last
 constexpr double kMinorAxis = 0.8;       // of the major
 constexpr double kMeanSpeed = 0.9028;    // on that ellipse, of the fastest
-constexpr double kMaxPixelRate_hz = 500.0;
+constexpr double kMaxPatternPixelRate_hz = 500.0;
 
 const ShakenPatternConfig& checked(const ShakenPatternConfig& config) {
   synthetic::require_view_and_time(config);
-  const double max_rate_hz = kMaxPixelRate_hz * config.width * config.height;
+  const double max_rate_hz = kMaxPatternPixelRate_hz * config.width * config.height;
   require(config.last_rate_hz > 0.0 && config.last_rate_hz <= max_rate_hz, "last_rate_hz",
           config.last_rate_hz, "give a rate above 0, at most 500 events per second and pixel");
   require(config.first_rate_hz > 0.0 && config.first_rate_hz <= config.last_rate_hz,

@@ -9,6 +9,7 @@
 #include "algorithms/naive_corners.hpp"
 #include "support/errors.hpp"
 
+namespace arc_filter_test {
 namespace {
 
 using asap::ArcFilter;
@@ -69,3 +70,4 @@ TEST(ArcFilter, NamesABadWindow) {
 }
 
 }  // namespace
+}  // namespace arc_filter_test

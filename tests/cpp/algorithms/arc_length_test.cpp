@@ -9,6 +9,7 @@
 #include "algorithms/naive_corners.hpp"
 #include "asap/core/random.hpp"
 
+namespace arc_length_test {
 namespace {
 
 using asap::CornerRing;
@@ -116,3 +117,4 @@ TEST(ArcLength, CornersHaveAShortArcOrAShortRest) {
 }
 
 }  // namespace
+}  // namespace arc_length_test

@@ -10,6 +10,7 @@
 #include "algorithms/naive_corners.hpp"
 #include "support/errors.hpp"
 
+namespace arc_star_test {
 namespace {
 
 using asap::ArcStar;
@@ -51,3 +52,4 @@ TEST(ArcStar, NamesABadFilter) {
 }
 
 }  // namespace
+}  // namespace arc_star_test

@@ -13,6 +13,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
+namespace background_activity_filter_test {
 namespace {
 
 using asap::BackgroundActivityFilter;
@@ -179,3 +180,4 @@ TEST(BackgroundActivityFilter, AllocatesOnlyInTheConstructor) {
 }
 
 }  // namespace
+}  // namespace background_activity_filter_test

@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+namespace cell_grid_test {
 namespace {
 
 using asap::CellGrid;
@@ -78,3 +79,4 @@ TEST(CellGrid, LargestFrameHasDistinctCells) {
 }
 
 }  // namespace
+}  // namespace cell_grid_test

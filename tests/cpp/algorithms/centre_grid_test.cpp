@@ -8,6 +8,7 @@
 #include <random>
 #include <set>
 
+namespace centre_grid_test {
 namespace {
 
 using asap::CentreGrid;
@@ -63,3 +64,4 @@ TEST(CentreGrid, ClearEmptiesEveryCell) {
 }
 
 }  // namespace
+}  // namespace centre_grid_test

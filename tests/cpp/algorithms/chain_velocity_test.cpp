@@ -8,6 +8,7 @@
 
 #include "algorithms/brute_force_moments.hpp"
 
+namespace chain_velocity_test {
 namespace {
 
 using asap::Event;
@@ -54,3 +55,4 @@ TEST(ChainVelocity, WalksWhereTheSumsOverflow) {
 }
 
 }  // namespace
+}  // namespace chain_velocity_test

@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+namespace cluster_motion_test {
 namespace {
 
 using asap::ClusterMotion;
@@ -154,3 +155,4 @@ TEST(ClusterMotion, SurvivesAnyStamps) {
 }
 
 }  // namespace
+}  // namespace cluster_motion_test

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+namespace cluster_tracker_config_test {
 namespace {
 
 using asap::ClusterTrackerConfig;
@@ -87,3 +88,4 @@ TEST(ClusterTrackerConfig, FrameAndCellsAreChecked) {
 }
 
 }  // namespace
+}  // namespace cluster_tracker_config_test

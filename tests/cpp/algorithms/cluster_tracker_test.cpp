@@ -14,6 +14,7 @@
 #include "algorithms/cluster_streams.hpp"
 #include "support/allocation_counter.hpp"
 
+namespace cluster_tracker_test {
 namespace {
 
 using asap::Cluster;
@@ -486,3 +487,4 @@ TEST(ClusterTracker, ChecksItsConfiguration) {
 }
 
 }  // namespace
+}  // namespace cluster_tracker_test

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+namespace compat_cluster_config_test {
 namespace {
 
 using asap::CompatClusterConfig;
@@ -63,3 +64,4 @@ TEST(CompatClusterConfig, LimitsAreAllowed) {
 }
 
 }  // namespace
+}  // namespace compat_cluster_config_test

@@ -14,6 +14,7 @@
 #include "algorithms/cluster_streams.hpp"
 #include "support/allocation_counter.hpp"
 
+namespace compat_cluster_tracker_test {
 namespace {
 
 using asap::Cluster;
@@ -347,3 +348,4 @@ TEST(CompatClusterTracker, SurvivesAnyStamps) {
 }
 
 }  // namespace
+}  // namespace compat_cluster_tracker_test

@@ -16,6 +16,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
+namespace corner_detector_test {
 namespace {
 
 using asap::Event;
@@ -166,3 +167,4 @@ TYPED_TEST(CornerDetector, AllocatesOnlyInTheConstructor) {
 }
 
 }  // namespace
+}  // namespace corner_detector_test

@@ -10,6 +10,7 @@
 
 #include "asap/core/random.hpp"
 
+namespace corner_ring_test {
 namespace {
 
 using asap::CornerRing;
@@ -118,3 +119,4 @@ TEST(GrowingArc, GrowsToTheNewerNeighbourAndBackwardsInATie) {
 }
 
 }  // namespace
+}  // namespace corner_ring_test

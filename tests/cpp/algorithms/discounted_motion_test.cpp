@@ -8,6 +8,7 @@
 
 #include "asap/core/random.hpp"
 
+namespace discounted_motion_test {
 namespace {
 
 using asap::DiscountedMotion;
@@ -68,3 +69,4 @@ TEST(DiscountedMotion, IsZeroAtASingleTime) {
 }
 
 }  // namespace
+}  // namespace discounted_motion_test

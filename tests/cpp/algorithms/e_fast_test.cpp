@@ -9,6 +9,7 @@
 #include "algorithms/corner_streams.hpp"
 #include "algorithms/naive_corners.hpp"
 
+namespace e_fast_test {
 namespace {
 
 using asap::EFast;
@@ -36,3 +37,4 @@ TEST(EFast, AgreesWithTheDefinition) {
 }
 
 }  // namespace
+}  // namespace e_fast_test

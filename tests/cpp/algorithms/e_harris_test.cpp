@@ -11,6 +11,7 @@
 #include "algorithms/naive_corners.hpp"
 #include "support/errors.hpp"
 
+namespace e_harris_test {
 namespace {
 
 using asap::EHarris;
@@ -65,3 +66,4 @@ TEST(EHarris, NamesABadThreshold) {
 }
 
 }  // namespace
+}  // namespace e_harris_test

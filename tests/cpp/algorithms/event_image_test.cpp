@@ -15,6 +15,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
+namespace event_image_test {
 namespace {
 
 using asap::Event;
@@ -306,3 +307,4 @@ TEST(EventImage, AllocatesOnlyInTheConstructor) {
 }
 
 }  // namespace
+}  // namespace event_image_test

@@ -15,6 +15,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
+namespace event_surface_test {
 namespace {
 
 using asap::Event;
@@ -137,3 +138,4 @@ TYPED_TEST(EventSurface, AllocatesOnlyInTheConstructor) {
 }
 
 }  // namespace
+}  // namespace event_surface_test

@@ -4,6 +4,7 @@
 
 #include <set>
 
+namespace event_window_test {
 namespace {
 
 using asap::Event;
@@ -80,3 +81,4 @@ TEST(EventWindow, ClearStartsAgain) {
 }
 
 }  // namespace
+}  // namespace event_window_test

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+namespace every_event_test {
 namespace {
 
 TEST(EveryEvent, OfTheFrameIsACorner) {
@@ -20,3 +21,4 @@ TEST(EveryEvent, OfTheFrameIsACorner) {
 }
 
 }  // namespace
+}  // namespace every_event_test

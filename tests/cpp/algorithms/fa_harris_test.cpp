@@ -11,6 +11,7 @@
 #include "algorithms/naive_corners.hpp"
 #include "support/errors.hpp"
 
+namespace fa_harris_test {
 namespace {
 
 using asap::FAHarris;
@@ -55,3 +56,4 @@ TEST(FAHarris, NamesBadParameters) {
 }
 
 }  // namespace
+}  // namespace fa_harris_test

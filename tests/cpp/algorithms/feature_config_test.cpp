@@ -4,6 +4,7 @@
 
 #include "support/errors.hpp"
 
+namespace feature_config_test {
 namespace {
 
 using asap::FeatureConfig;
@@ -45,3 +46,4 @@ TEST(FeatureConfig, TakesTheLimits) {
 }
 
 }  // namespace
+}  // namespace feature_config_test

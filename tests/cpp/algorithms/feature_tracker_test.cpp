@@ -13,6 +13,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
+namespace feature_tracker_test {
 namespace {
 
 using asap::CornerSource;
@@ -150,3 +151,4 @@ TEST(FeatureTracker, AllocatesOnlyInTheConstructor) {
 }
 
 }  // namespace
+}  // namespace feature_tracker_test

@@ -13,6 +13,7 @@
 #include "asap/algorithms/arc_star.hpp"
 #include "support/allocation_counter.hpp"
 
+namespace feature_tracks_test {
 namespace {
 
 using asap::Event;
@@ -246,3 +247,4 @@ TEST(FeatureTracks, AllocateOnlyInTheConstructor) {
 }
 
 }  // namespace
+}  // namespace feature_tracks_test

@@ -10,6 +10,7 @@
 #include "asap/core/random.hpp"
 #include "support/errors.hpp"
 
+namespace harris_score_test {
 namespace {
 
 using asap::PatchRows;
@@ -71,3 +72,4 @@ TEST(HarrisScore, NamesABadThreshold) {
 }
 
 }  // namespace
+}  // namespace harris_score_test

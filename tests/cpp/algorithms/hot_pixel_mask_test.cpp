@@ -12,6 +12,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
+namespace hot_pixel_mask_test {
 namespace {
 
 using asap::Event;
@@ -199,3 +200,4 @@ TEST(HotPixelMask, AllocatesOnlyInTheConstructor) {
 }
 
 }  // namespace
+}  // namespace hot_pixel_mask_test

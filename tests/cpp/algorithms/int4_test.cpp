@@ -8,6 +8,7 @@
 
 #include "asap/core/random.hpp"
 
+namespace int4_test {
 namespace {
 
 using asap::PortableInt4;
@@ -71,3 +72,4 @@ TEST(Int4, TheTypeInUseAnswersAsThePortableOne) {
 }
 
 }  // namespace
+}  // namespace int4_test

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+namespace key_set_test {
 namespace {
 
 using asap::KeySet;
@@ -43,3 +44,4 @@ TEST(KeySet, AllIsEveryKey) {
 }
 
 }  // namespace
+}  // namespace key_set_test

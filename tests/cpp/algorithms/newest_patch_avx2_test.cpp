@@ -10,6 +10,7 @@
 #include "algorithms/corner_streams.hpp"
 #include "asap/algorithms/order_surface.hpp"
 
+namespace newest_patch_avx2_test {
 namespace {
 
 using asap::Event;
@@ -104,3 +105,4 @@ TEST(NewestPatchAvx2, LeavesToThePortablePathWhatItCannotTell) {
 }
 
 }  // namespace
+}  // namespace newest_patch_avx2_test

@@ -11,6 +11,7 @@
 
 #include "asap/core/random.hpp"
 
+namespace newest_patch_test {
 namespace {
 
 using asap::NewestPatch;
@@ -110,3 +111,4 @@ TEST_P(NewestPatchPaths, FewerThan25AreNone) {
 }
 
 }  // namespace
+}  // namespace newest_patch_test

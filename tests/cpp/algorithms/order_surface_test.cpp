@@ -10,6 +10,7 @@
 #include "asap/core/random.hpp"
 #include "support/allocation_counter.hpp"
 
+namespace order_surface_test {
 namespace {
 
 using asap::Event;
@@ -128,3 +129,4 @@ TEST(OrderSurface, RenumbersAndClearsWithoutAllocation) {
 }
 
 }  // namespace
+}  // namespace order_surface_test

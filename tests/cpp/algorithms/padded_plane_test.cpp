@@ -8,6 +8,7 @@
 
 #include "support/errors.hpp"
 
+namespace padded_plane_test {
 namespace {
 
 using asap::Event;
@@ -71,3 +72,4 @@ TEST(PaddedPlane, CopiesTheFrameRowByRow) {
 }
 
 }  // namespace
+}  // namespace padded_plane_test

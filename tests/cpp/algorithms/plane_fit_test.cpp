@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+namespace plane_fit_test {
 namespace {
 
 using asap::PlaneFit;
@@ -93,3 +94,4 @@ TEST(PlaneFit, TheLongestWindowDoesNotOverflow) {
 }
 
 }  // namespace
+}  // namespace plane_fit_test

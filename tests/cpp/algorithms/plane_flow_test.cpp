@@ -17,6 +17,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
+namespace plane_flow_test {
 namespace {
 
 using asap::Event;
@@ -234,3 +235,4 @@ TEST(PlaneFlow, AllocatesOnlyInTheConstructor) {
 }
 
 }  // namespace
+}  // namespace plane_flow_test

@@ -10,6 +10,7 @@
 
 #include "asap/algorithms/cell_grid.hpp"
 
+namespace probe_index_test {
 namespace {
 
 using asap::CellGrid;
@@ -105,3 +106,4 @@ TEST(ProbeIndex, ClearForgetsEventsAndKeys) {
 }
 
 }  // namespace
+}  // namespace probe_index_test

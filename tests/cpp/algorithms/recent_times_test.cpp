@@ -9,6 +9,7 @@
 #include "asap/core/random.hpp"
 #include "support/allocation_counter.hpp"
 
+namespace recent_times_test {
 namespace {
 
 using asap::RecentTimes;
@@ -92,3 +93,4 @@ TEST(RecentTimes, ClearForgetsTheCells) {
 }
 
 }  // namespace
+}  // namespace recent_times_test

@@ -6,6 +6,7 @@
 
 #include "support/errors.hpp"
 
+namespace sensor_frame_test {
 namespace {
 
 using asap::Event;
@@ -42,3 +43,4 @@ TEST(SensorFrame, NamesBadSides) {
 }
 
 }  // namespace
+}  // namespace sensor_frame_test

@@ -13,6 +13,7 @@
 #include "algorithms/naive_surfaces.hpp"
 #include "support/errors.hpp"
 
+namespace speed_invariant_time_surface_test {
 namespace {
 
 using asap::Event;
@@ -78,3 +79,4 @@ TEST(SpeedInvariantTimeSurface, NamesBadParameters) {
 }
 
 }  // namespace
+}  // namespace speed_invariant_time_surface_test

@@ -13,6 +13,7 @@
 #include "algorithms/naive_surfaces.hpp"
 #include "support/errors.hpp"
 
+namespace threshold_ordinal_surface_test {
 namespace {
 
 using asap::Event;
@@ -79,3 +80,4 @@ TEST(ThresholdOrdinalSurface, NamesBadParameters) {
 }
 
 }  // namespace
+}  // namespace threshold_ordinal_surface_test

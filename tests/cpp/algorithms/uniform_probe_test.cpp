@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+namespace uniform_probe_test {
 namespace {
 
 using asap::ProbeDraw;
@@ -52,3 +53,4 @@ TEST(UniformProbe, FirstDraws) {
 }
 
 }  // namespace
+}  // namespace uniform_probe_test

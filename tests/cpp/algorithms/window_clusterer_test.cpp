@@ -14,6 +14,7 @@
 #include "algorithms/cluster_streams.hpp"
 #include "algorithms/naive_clusterer.hpp"
 
+namespace window_clusterer_test {
 namespace {
 
 using asap::Cluster;
@@ -455,3 +456,4 @@ TEST(WindowClusterer, ClearIsTheStateAfterConstruction) {
 }
 
 }  // namespace
+}  // namespace window_clusterer_test

@@ -10,6 +10,7 @@
 
 #include "algorithms/brute_force_moments.hpp"
 
+namespace window_moments_test {
 namespace {
 
 using asap::Event;
@@ -120,3 +121,4 @@ TEST(WindowMoments, SaysWhichSpansItResolves) {
 }
 
 }  // namespace
+}  // namespace window_moments_test

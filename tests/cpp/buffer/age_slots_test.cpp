@@ -15,7 +15,7 @@
 #include "support/errors.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::age_slots_test {
 namespace {
 
 using test::at_times;
@@ -233,4 +233,4 @@ TEST(AgeSlots, RefuseAWidthOfNothing) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::age_slots_test

@@ -10,7 +10,7 @@
 #include "asap/core/random.hpp"
 #include "support/errors.hpp"
 
-namespace asap {
+namespace asap::arrival_times_test {
 namespace {
 
 constexpr std::size_t kSteps = ArrivalTimes::kSteps;
@@ -148,4 +148,4 @@ TEST(ArrivalTimes, RefusesAStepOutOfRange) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::arrival_times_test

@@ -14,7 +14,7 @@
 #include "support/errors.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::event_buffer_test {
 namespace {
 
 using test::error_of;
@@ -282,4 +282,4 @@ TEST(EventBuffer, PushAfterAFullRingSeesTheFreedPlaces) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::event_buffer_test

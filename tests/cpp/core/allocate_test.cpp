@@ -6,7 +6,7 @@
 #include <new>
 #include <string>
 
-namespace asap {
+namespace asap::allocate_test {
 namespace {
 
 TEST(Allocate, GivesMemoryThatCanBeUsed) {
@@ -29,4 +29,4 @@ TEST(Allocate, NamesFieldValueAndRemedyOfWhatCannotBeHad) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::allocate_test

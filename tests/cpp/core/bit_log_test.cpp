@@ -8,7 +8,7 @@
 #include "asap/core/random.hpp"
 #include "support/allocation_counter.hpp"
 
-namespace asap {
+namespace asap::bit_log_test {
 namespace {
 
 std::vector<bool> bits_of(const BitLog& log) {
@@ -50,4 +50,4 @@ TEST(BitLog, DoesNotAllocateWhereRoomWasMade) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::bit_log_test

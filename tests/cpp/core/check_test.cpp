@@ -7,7 +7,7 @@
 
 #include "support/errors.hpp"
 
-namespace asap {
+namespace asap::check_test {
 namespace {
 
 using test::error_of;
@@ -35,4 +35,4 @@ TEST(Require, WritesNumbersInFull) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::check_test

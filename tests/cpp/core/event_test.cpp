@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-namespace asap {
+namespace asap::event_test {
 namespace {
 
 TEST(Event, LiesInMemoryLikeEventCD) {
@@ -38,4 +38,4 @@ TEST(Event, DiffersInEveryField) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::event_test

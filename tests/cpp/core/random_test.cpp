@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace asap {
+namespace asap::random_test {
 namespace {
 
 constexpr std::uint64_t kLastSeed = std::numeric_limits<std::uint64_t>::max();
@@ -67,4 +67,4 @@ TEST(CounterRandom, UniformLiesInTheHalfOpenUnitInterval) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::random_test

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <thread>
 
-namespace asap {
+namespace asap::relaxed_test {
 namespace {
 
 TEST(Relaxed, CountsLikeANumber) {
@@ -35,4 +35,4 @@ TEST(Relaxed, IsReadByAnotherThreadWithoutARace) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::relaxed_test

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace asap {
+namespace asap::time_test {
 namespace {
 
 constexpr std::int64_t kUnix_us = 1'600'000'000'123'456;
@@ -50,4 +50,4 @@ TEST(TimeAxis, SaturatesInsteadOfOverflowing) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::time_test

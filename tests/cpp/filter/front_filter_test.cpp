@@ -6,7 +6,7 @@
 
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::front_filter_test {
 namespace {
 
 struct OnlyOn {
@@ -33,4 +33,4 @@ TEST(FrontFilter, IsMadeOfAFiltersProcess) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::front_filter_test

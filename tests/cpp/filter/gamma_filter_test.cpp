@@ -11,7 +11,7 @@
 #include "support/errors.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::gamma_filter_test {
 namespace {
 
 using test::error_of;
@@ -253,4 +253,4 @@ TEST(GammaFilter, AThresholdKeepsExactlyAsManyAsAsked) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::gamma_filter_test

@@ -10,7 +10,7 @@
 
 #include "asap/core/random.hpp"
 
-namespace asap {
+namespace asap::validator_test {
 namespace {
 
 using Events = std::vector<Event>;
@@ -383,4 +383,4 @@ TEST(Validator, OutputIsOrderedAndTheLedgerExactInAnyStorm) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::validator_test

@@ -10,7 +10,7 @@
 
 #include "asap/core/random.hpp"
 
-namespace asap {
+namespace asap::decimal_test {
 namespace {
 
 Rounded round_text(std::string_view text, int shift = 0) {
@@ -112,4 +112,4 @@ TEST(Decimal, AgreesWithDoubleAwayFromTies) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::decimal_test

@@ -10,7 +10,7 @@
 
 #include "asap/core/random.hpp"
 
-namespace asap {
+namespace asap::text_test {
 namespace {
 
 using Events = std::vector<Event>;
@@ -206,4 +206,4 @@ TEST(TextDecoder, IsResumableAtAnyByte) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::text_test

@@ -19,7 +19,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::allocation_test {
 namespace {
 
 using test::allocations;
@@ -126,4 +126,4 @@ TEST(Allocations, NoneOnTheHotPath) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::allocation_test

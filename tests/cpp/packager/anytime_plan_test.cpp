@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-namespace asap {
+namespace asap::anytime_plan_test {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
@@ -400,4 +400,4 @@ TEST(AnytimePlan, AnInfiniteExpectationIsCautious) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::anytime_plan_test

@@ -14,7 +14,7 @@
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::anytime_test {
 namespace {
 
 using test::at_times;
@@ -448,4 +448,4 @@ TEST(Anytime, LosesNothingAndDoublesNothing) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::anytime_test

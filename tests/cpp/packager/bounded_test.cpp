@@ -10,7 +10,7 @@
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::bounded_test {
 namespace {
 
 using test::evenly_spaced;
@@ -120,4 +120,4 @@ TEST(Bounded, RefusesAPackageOfNothing) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::bounded_test

@@ -4,7 +4,7 @@
 
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::event_times_test {
 namespace {
 
 TEST(EventTimes, ByStampLooksAtTheEvents) {
@@ -38,4 +38,4 @@ TEST(EventTimes, ByArrivalLooksAtTheirPlaceOnly) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::event_times_test

@@ -8,7 +8,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::kept_mask_test {
 namespace {
 
 using test::at_times;
@@ -87,4 +87,4 @@ TEST(KeptMask, DoesNotAllocateWhereRoomWasMade) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::kept_mask_test

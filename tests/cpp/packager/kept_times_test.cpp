@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace asap {
+namespace asap::kept_times_test {
 namespace {
 
 TEST(KeptTimes, LeavesOutWhatKeptNothing) {
@@ -21,4 +21,4 @@ TEST(KeptTimes, LeavesOutWhatKeptNothing) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::kept_times_test

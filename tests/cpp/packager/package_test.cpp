@@ -4,7 +4,7 @@
 
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::package_test {
 namespace {
 
 TEST(Package, KnowsItsTimesAndLosses) {
@@ -22,4 +22,4 @@ TEST(Package, GoesWhereEventsAreWanted) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::package_test

@@ -17,7 +17,7 @@
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::packager_test {
 namespace {
 
 using test::at_times;
@@ -763,4 +763,4 @@ TEST(Packager, KeepsItsPromisesUnderNonsense) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::packager_test

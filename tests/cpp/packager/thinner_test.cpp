@@ -7,7 +7,7 @@
 
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::thinner_test {
 namespace {
 
 using test::evenly_spaced;
@@ -276,4 +276,4 @@ TEST(ThinnerBehindAFilter, ItsExceptionPasses) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::thinner_test

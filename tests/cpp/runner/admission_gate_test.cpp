@@ -11,7 +11,7 @@
 #include "asap/core/random.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::admission_gate_test {
 namespace {
 
 using test::at_times;
@@ -150,4 +150,4 @@ TEST(AdmissionGate, KnowsWhatItHasSeenWhenTheSinkThrows) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::admission_gate_test

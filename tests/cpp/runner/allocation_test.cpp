@@ -14,7 +14,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::allocation_test {
 namespace {
 
 using test::allocations;
@@ -88,4 +88,4 @@ TEST(LiveAllocations, None) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::allocation_test

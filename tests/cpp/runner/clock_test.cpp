@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace asap {
+namespace asap::clock_test {
 namespace {
 
 TEST(RunClock, GoesOnFromWhereItIsStarted) {
@@ -27,4 +27,4 @@ TEST(RunClock, WhenIsTheInverseOfNow) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::clock_test

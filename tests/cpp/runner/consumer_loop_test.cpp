@@ -12,7 +12,7 @@
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::consumer_loop_test {
 namespace {
 
 using Next = ConsumerLoop::Next;
@@ -285,4 +285,4 @@ TEST(ConsumerLoop, AnExceptionLeavesThePackageInTheRing) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::consumer_loop_test

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <thread>
 
-namespace asap {
+namespace asap::doorbell_test {
 namespace {
 
 using Clock = Doorbell::Clock;
@@ -133,4 +133,4 @@ TEST(Doorbell, LosesNoWakeUpInAHundredThousandRounds) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::doorbell_test

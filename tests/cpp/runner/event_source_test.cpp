@@ -4,7 +4,7 @@
 
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::event_source_test {
 namespace {
 
 TEST(SpanSource, GivesAllAtOnceAndThenTheEnd) {
@@ -18,4 +18,4 @@ TEST(SpanSource, GivesAllAtOnceAndThenTheEnd) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::event_source_test

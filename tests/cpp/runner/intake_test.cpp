@@ -9,7 +9,7 @@
 
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::intake_test {
 namespace {
 
 using test::evenly_spaced;
@@ -232,4 +232,4 @@ TEST(IntakeBlock, PollEndsTheWaitByThrowing) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::intake_test

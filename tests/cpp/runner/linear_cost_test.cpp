@@ -10,7 +10,7 @@
 
 #include "support/errors.hpp"
 
-namespace asap {
+namespace asap::linear_cost_test {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
@@ -208,4 +208,4 @@ TEST(LinearCost, RefusesAnOutageThatNeverEnds) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::linear_cost_test

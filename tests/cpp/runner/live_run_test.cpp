@@ -11,7 +11,7 @@
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::live_run_test {
 namespace {
 
 using Steady = std::chrono::steady_clock;
@@ -180,4 +180,4 @@ TEST(LiveRun, AllocatesNothingAfterConstruction) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::live_run_test

@@ -18,7 +18,7 @@
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::pipeline_test {
 namespace {
 
 using Next = Pipeline::Next;
@@ -674,4 +674,4 @@ TEST(PipelineWorker, NeedsAnAlgorithm) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::pipeline_test

@@ -4,7 +4,7 @@
 
 #include <thread>
 
-namespace asap {
+namespace asap::push_door_test {
 namespace {
 
 // Says whether who leaves is the last one out.
@@ -72,4 +72,4 @@ TEST(PushDoor, OneIsTheLastOutAndThenNobodyIsInside) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::push_door_test

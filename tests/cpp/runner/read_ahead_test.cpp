@@ -10,7 +10,7 @@
 #include "asap/core/random.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::read_ahead_test {
 namespace {
 
 using test::evenly_spaced;
@@ -96,4 +96,4 @@ TEST(ReadAhead, CancelLetsAReaderGoThatWaits) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::read_ahead_test

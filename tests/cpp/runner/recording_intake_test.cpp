@@ -7,7 +7,7 @@
 
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::recording_intake_test {
 namespace {
 
 using test::evenly_spaced;
@@ -51,4 +51,4 @@ TEST(RecordingIntake, TellsTheMaskWhatFoundRoom) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::recording_intake_test

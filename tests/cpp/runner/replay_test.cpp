@@ -23,7 +23,7 @@
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::replay_test {
 namespace {
 
 using test::at_times;
@@ -484,4 +484,4 @@ TEST(Replay, RefusesABadConfigurationByName) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::replay_test

@@ -17,7 +17,7 @@
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::run_config_test {
 namespace {
 
 class WithBound final : public Scheme {
@@ -103,4 +103,4 @@ TEST(RunConfig, TheExecutionAndTheFlushReachTheScheme) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::run_config_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace asap {
+namespace asap::sensor_delay_test {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
@@ -61,4 +61,4 @@ TEST(SensorDelay, AClockSetBackBeginsAnew) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::sensor_delay_test

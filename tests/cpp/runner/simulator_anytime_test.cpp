@@ -16,7 +16,7 @@
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::simulator_anytime_test {
 namespace {
 
 using test::at_times;
@@ -386,4 +386,4 @@ TEST(SimulatorAnytime, AnExceptionLeavesABalancedLedgerBehindAGate) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::simulator_anytime_test

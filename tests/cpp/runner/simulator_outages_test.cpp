@@ -11,7 +11,7 @@
 #include "asap/schemes/deadline.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::simulator_outages_test {
 namespace {
 
 constexpr double kAlphaUs = 100;
@@ -86,4 +86,4 @@ TEST(SimulatorOutages, ASliceNowAndThen) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::simulator_outages_test

@@ -22,7 +22,7 @@
 #include "support/errors.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::simulator_test {
 namespace {
 
 using test::at_times;
@@ -460,4 +460,4 @@ TEST(Simulator, KnowsHowManyWereInTime) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::simulator_test

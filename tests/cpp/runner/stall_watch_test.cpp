@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace asap {
+namespace asap::stall_watch_test {
 namespace {
 
 constexpr std::int64_t kBound = 1000;
@@ -69,4 +69,4 @@ TEST(StallWatch, SleepIsNoProcessingTime) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::stall_watch_test

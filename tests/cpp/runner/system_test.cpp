@@ -6,7 +6,7 @@
 #include <chrono>
 #include <thread>
 
-namespace asap {
+namespace asap::system_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -45,4 +45,4 @@ TEST(System, WakesWhoSleeps) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::system_test

@@ -10,7 +10,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::asap2020_test {
 namespace {
 
 using test::error_of;
@@ -204,4 +204,4 @@ TEST(Asap2020, RefusesABadConfigurationByName) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::asap2020_test

@@ -11,7 +11,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::asap2022_test {
 namespace {
 
 using test::error_of;
@@ -338,4 +338,4 @@ TEST(Asap2022, RefusesABadConfigurationByName) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::asap2022_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace asap {
+namespace asap::calibration_test {
 namespace {
 
 TEST(Calibration, SizesDoubleOverTheFirstFifteenPackages) {
@@ -41,4 +41,4 @@ TEST(Calibration, AFixedCostThatRulesTheBoundOutIsLookedAt) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::calibration_test

@@ -12,7 +12,7 @@
 #include "asap/schemes/calibration.hpp"
 #include "support/errors.hpp"
 
-namespace asap {
+namespace asap::cost_model_test {
 namespace {
 
 using test::error_of;
@@ -494,4 +494,4 @@ TEST(CostModel, RefusesABadFirstGuess) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::cost_model_test

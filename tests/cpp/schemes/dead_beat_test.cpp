@@ -13,7 +13,7 @@
 #include "support/fake_backlog.hpp"
 #include "support/outcomes.hpp"
 
-namespace asap {
+namespace asap::dead_beat_test {
 namespace {
 
 using test::error_of;
@@ -351,4 +351,4 @@ TEST(DeadBeat, RefusesABadConfigurationByName) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::dead_beat_test

@@ -13,7 +13,7 @@
 #include "support/fake_backlog.hpp"
 #include "support/outcomes.hpp"
 
-namespace asap {
+namespace asap::deadline_test {
 namespace {
 
 using test::error_of;
@@ -780,4 +780,4 @@ TEST(Deadline, RefusesABadConfigurationByName) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::deadline_test

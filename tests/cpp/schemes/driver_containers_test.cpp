@@ -6,7 +6,7 @@
 
 #include "asap/core/random.hpp"
 
-namespace asap {
+namespace asap::driver_containers_test {
 namespace {
 
 constexpr std::int64_t kMicrosecond = 1000;
@@ -110,4 +110,4 @@ TEST(DriverContainers, AgreeWithACountEventByEvent) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::driver_containers_test

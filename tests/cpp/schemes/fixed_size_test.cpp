@@ -7,7 +7,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::fixed_size_test {
 namespace {
 
 using test::FakeBacklog;
@@ -54,4 +54,4 @@ TEST(FixedSize, RefusesPackagesOfNothing) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::fixed_size_test

@@ -7,7 +7,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::fixed_time_test {
 namespace {
 
 using test::FakeBacklog;
@@ -67,4 +67,4 @@ TEST(FixedTime, RefusesAPeriodThatIsNone) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::fixed_time_test

@@ -7,7 +7,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::greedy_test {
 namespace {
 
 using test::FakeBacklog;
@@ -99,4 +99,4 @@ TEST(Greedy, RefusesABadEfficiency) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::greedy_test

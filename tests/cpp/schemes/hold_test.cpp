@@ -9,7 +9,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::hold_test {
 namespace {
 
 using test::error_of;
@@ -184,4 +184,4 @@ TEST(Hold, RefusesBadLimits) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::hold_test

@@ -6,7 +6,7 @@
 
 #include "support/errors.hpp"
 
-namespace asap {
+namespace asap::latency_bound_test {
 namespace {
 
 using test::error_of;
@@ -43,4 +43,4 @@ TEST(LatencyBound, KneeIsOffOrAtLeastOne) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::latency_bound_test

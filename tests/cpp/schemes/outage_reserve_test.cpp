@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace asap {
+namespace asap::outage_reserve_test {
 namespace {
 
 constexpr double kBound = 1000.0;
@@ -61,4 +61,4 @@ TEST(OutageReserve, RareOutagesCostNothing) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::outage_reserve_test

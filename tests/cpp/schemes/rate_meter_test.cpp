@@ -9,7 +9,7 @@
 
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::rate_meter_test {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
@@ -158,4 +158,4 @@ TEST(RateMeter, AgreesWithACountOverRandomStreams) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::rate_meter_test

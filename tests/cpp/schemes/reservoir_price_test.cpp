@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace asap {
+namespace asap::reservoir_price_test {
 namespace {
 
 constexpr double kBound = 100.0;
@@ -52,4 +52,4 @@ TEST(ReservoirPrice, AnOverloadThatCostNothingIsNone) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::reservoir_price_test

@@ -4,7 +4,7 @@
 
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::single_event_test {
 namespace {
 
 TEST(SingleEvent, TakesOneAtOnce) {
@@ -27,4 +27,4 @@ TEST(SingleEvent, TellsItsName) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::single_event_test

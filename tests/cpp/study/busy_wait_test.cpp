@@ -7,7 +7,7 @@
 #include "support/errors.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::busy_wait_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -31,4 +31,4 @@ TEST(BusyWait, RefusesABadConfigurationByName) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::busy_wait_test

@@ -13,7 +13,7 @@
 #include "support/errors.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::clairvoyant_test {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
@@ -280,4 +280,4 @@ TEST(Clairvoyant, RefusesNoiseAndBinsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::clairvoyant_test

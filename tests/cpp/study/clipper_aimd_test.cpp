@@ -7,7 +7,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::clipper_aimd_test {
 namespace {
 
 using test::FakeBacklog;
@@ -70,4 +70,4 @@ TEST(ClipperAimd, TellsItsNameAndBound) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::clipper_aimd_test

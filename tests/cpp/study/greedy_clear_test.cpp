@@ -5,7 +5,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::greedy_clear_test {
 namespace {
 
 using test::FakeBacklog;
@@ -54,4 +54,4 @@ TEST(GreedyClear, TellsItsNameAndBound) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::greedy_clear_test

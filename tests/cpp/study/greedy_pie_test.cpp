@@ -7,7 +7,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::greedy_pie_test {
 namespace {
 
 // gamma when the oldest waiting event is this old.
@@ -83,4 +83,4 @@ TEST(GreedyPie, TellsItsNameAndBound) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::greedy_pie_test

@@ -8,7 +8,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::greedy_rate_gamma_test {
 namespace {
 
 // `count` refreshes of 32 us with so many arrivals each; the last gamma.
@@ -93,4 +93,4 @@ TEST(GreedyRateGamma, TellsItsNameAndBound) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::greedy_rate_gamma_test

@@ -11,7 +11,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
-namespace asap {
+namespace asap::jaer_cluster_tracker_test {
 namespace {
 
 using test::blobs;
@@ -206,4 +206,4 @@ TEST(JaerClusterTracker, BadInput) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::jaer_cluster_tracker_test

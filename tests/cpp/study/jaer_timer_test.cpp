@@ -8,7 +8,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::jaer_timer_test {
 namespace {
 
 using test::FakeBacklog;
@@ -106,4 +106,4 @@ TEST(JaerTimer, TellsItsNameAndBound) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::jaer_timer_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace asap {
+namespace asap::mass_decay_test {
 namespace {
 
 TEST(MassDecay, IsTheExponential) {
@@ -18,4 +18,4 @@ TEST(MassDecay, TakesTheSeriesForShortTimes) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::mass_decay_test

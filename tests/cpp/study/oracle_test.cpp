@@ -12,7 +12,7 @@
 #include "support/errors.hpp"
 #include "support/streams.hpp"
 
-namespace asap {
+namespace asap::oracle_test {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
@@ -404,4 +404,4 @@ TEST(Oracle, RefusesABoundOutOfRange) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::oracle_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace asap {
+namespace asap::orphan_noise_test {
 namespace {
 
 void update(OrphanNoise& noise, int orphans, bool warming) {
@@ -40,4 +40,4 @@ TEST(OrphanNoise, TheThresholdIsSixEventsAtLeast) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::orphan_noise_test

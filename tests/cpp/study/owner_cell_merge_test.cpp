@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace asap {
+namespace asap::owner_cell_merge_test {
 namespace {
 
 constexpr auto kNone = fast::Tracks::kNone;
@@ -129,4 +129,4 @@ TEST_F(OwnerCellMergeTest, OnlyWithSimilarVelocities) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::owner_cell_merge_test

@@ -15,7 +15,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
-namespace asap {
+namespace asap::owner_cell_tracker_test {
 namespace {
 
 using test::blobs;
@@ -260,4 +260,4 @@ TEST(OwnerCellTracker, BadInput) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::owner_cell_tracker_test

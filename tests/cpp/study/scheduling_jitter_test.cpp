@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace asap {
+namespace asap::scheduling_jitter_test {
 namespace {
 
 TEST(SchedulingJitter, TheGapsAddUpToTheTimeThatPassed) {
@@ -29,4 +29,4 @@ TEST(SchedulingJitter, LooksAgainAndAgain) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::scheduling_jitter_test

@@ -8,7 +8,7 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
-namespace asap {
+namespace asap::spark_pid_test {
 namespace {
 
 using test::FakeBacklog;
@@ -143,4 +143,4 @@ TEST(SparkPid, TellsItsNameAndBound) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::spark_pid_test

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace asap {
+namespace asap::background_noise_test {
 namespace {
 
 std::vector<Event> noise_of(std::int32_t width, std::int32_t height, double noise_hz,
@@ -57,4 +57,4 @@ TEST(BackgroundNoise, RefusesARateThatItCannotGive) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::background_noise_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace asap {
+namespace asap::contrast_pixel_test {
 namespace {
 
 using Change = ContrastPixel::Change;
@@ -68,4 +68,4 @@ TEST(ContrastPixel, NeverFiresOutsideTheStep) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::contrast_pixel_test

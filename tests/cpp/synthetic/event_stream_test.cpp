@@ -8,7 +8,7 @@
 #include "asap/synthetic/shaken_pattern.hpp"
 #include "support/allocation_counter.hpp"
 
-namespace asap {
+namespace asap::event_stream_test {
 namespace {
 
 // Blocks of 3, 1 and 2 events.
@@ -62,4 +62,4 @@ TEST(EventStream, AllocatesNothingAfterConstruction) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::event_stream_test

@@ -9,7 +9,7 @@
 
 #include "synthetic/scene_checks.hpp"
 
-namespace asap {
+namespace asap::flight_over_chairs_test {
 namespace {
 
 using test::all_events;
@@ -133,4 +133,4 @@ TEST(FlightOverChairs, RefusesABadConfiguration) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::flight_over_chairs_test

@@ -12,7 +12,7 @@
 #include "support/allocation_counter.hpp"
 #include "synthetic/scene_checks.hpp"
 
-namespace asap {
+namespace asap::moving_shapes_test {
 namespace {
 
 using test::all_events;
@@ -268,4 +268,4 @@ TEST(MovingShapes, RefusesABadConfiguration) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::moving_shapes_test

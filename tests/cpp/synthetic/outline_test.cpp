@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace asap {
+namespace asap::outline_test {
 namespace {
 
 constexpr std::array<PlanePoint, 4> kSquare{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}};
@@ -99,4 +99,4 @@ TEST(Outline, StepIsShortEnoughForItsSpeed) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::outline_test

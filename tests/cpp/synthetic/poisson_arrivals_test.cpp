@@ -12,7 +12,7 @@
 #include "support/allocation_counter.hpp"
 #include "synthetic/scene_checks.hpp"
 
-namespace asap {
+namespace asap::poisson_arrivals_test {
 namespace {
 
 using test::expect_well_formed;
@@ -232,4 +232,4 @@ TEST(PoissonArrivals, RefusesABadRateAndKeepsTheGridItHas) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::poisson_arrivals_test

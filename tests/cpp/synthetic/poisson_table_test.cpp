@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace asap {
+namespace asap::poisson_table_test {
 namespace {
 
 double probability(double mean, std::size_t number) {
@@ -46,4 +46,4 @@ TEST(PoissonTable, MeanZeroIsNeverMoreThanNone) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::poisson_table_test

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace asap {
+namespace asap::rigid_motion_test {
 namespace {
 
 constexpr double kStep_s = 1e-6 * RigidMotion::kStep_us;
@@ -118,4 +118,4 @@ TEST(RigidMotion, RefusesABadConfiguration) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::rigid_motion_test

@@ -7,7 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace asap {
+namespace asap::rigid_shape_test {
 namespace {
 
 constexpr ShapeKind kKinds[] = {ShapeKind::kDisk, ShapeKind::kSquare, ShapeKind::kRectangle,
@@ -85,4 +85,4 @@ TEST(RigidShape, RefusesABadRadius) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::rigid_shape_test

@@ -9,7 +9,7 @@
 
 #include "synthetic/scene_checks.hpp"
 
-namespace asap {
+namespace asap::scenes_test {
 namespace {
 
 using test::fingerprint;
@@ -219,4 +219,4 @@ TEST(Scenes, RefuseABadArgument) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::scenes_test

@@ -9,7 +9,7 @@
 
 #include "synthetic/scene_checks.hpp"
 
-namespace asap {
+namespace asap::shaken_pattern_test {
 namespace {
 
 using test::all_events;
@@ -132,4 +132,4 @@ TEST(ShakenPattern, RefusesABadConfiguration) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::shaken_pattern_test

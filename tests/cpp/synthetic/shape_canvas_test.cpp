@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-namespace asap {
+namespace asap::shape_canvas_test {
 namespace {
 
 constexpr std::int32_t kWidth = 40;
@@ -83,4 +83,4 @@ TEST_F(Canvas, TouchesEachPixelNearAShapeOnce) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::shape_canvas_test

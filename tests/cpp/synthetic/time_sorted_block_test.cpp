@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace asap {
+namespace asap::time_sorted_block_test {
 namespace {
 
 std::vector<Event> closed(TimeSortedBlock& block) {
@@ -48,4 +48,4 @@ TEST(TimeSortedBlock, StartsEmptyAtEveryStep) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::time_sorted_block_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace asap {
+namespace asap::unit_vector_test {
 namespace {
 
 TEST(UnitVector, TurnsByTwiceTheArcTangentAndKeepsItsLength) {
@@ -19,4 +19,4 @@ TEST(UnitVector, TurnsByTwiceTheArcTangentAndKeepsItsLength) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::unit_vector_test

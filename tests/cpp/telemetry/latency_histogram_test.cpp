@@ -12,7 +12,7 @@
 #include "asap/core/random.hpp"
 #include "support/errors.hpp"
 
-namespace asap {
+namespace asap::latency_histogram_test {
 namespace {
 
 constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
@@ -173,4 +173,4 @@ TEST(LatencyHistogram, RefusesAFractionThatIsNone) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::latency_histogram_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace asap {
+namespace asap::ledger_test {
 namespace {
 
 TEST(Ledger, IsBalancedWhenEveryEventIsSomewhere) {
@@ -35,4 +35,4 @@ TEST(Ledger, IsNotBalancedWhenOneCounterIsOffByOne) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::ledger_test

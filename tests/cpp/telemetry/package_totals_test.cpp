@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace asap {
+namespace asap::package_totals_test {
 namespace {
 
 TEST(PackageTotals, OfNothing) {
@@ -26,4 +26,4 @@ TEST(PackageTotals, AddUp) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::package_totals_test

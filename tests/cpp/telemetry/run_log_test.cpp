@@ -4,7 +4,7 @@
 
 #include "support/errors.hpp"
 
-namespace asap {
+namespace asap::run_log_test {
 namespace {
 
 PackageRecord record(std::int64_t start_ns) {
@@ -101,4 +101,4 @@ TEST(RunLog, ASpanOfZeroCountsAsOneMicrosecond) {
 }
 
 }  // namespace
-}  // namespace asap
+}  // namespace asap::run_log_test

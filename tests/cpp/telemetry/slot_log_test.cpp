@@ -22,6 +22,7 @@ static std::ostream& operator<<(std::ostream& out, const Slot& slot) {
              << slot.latency_max_ns << " ns";
 }
 
+namespace slot_log_test {
 namespace {
 
 using test::at_times;
@@ -123,4 +124,5 @@ TEST(SlotLog, AgreesWithACountEventByEvent) {
 }
 
 }  // namespace
+}  // namespace slot_log_test
 }  // namespace asap

@@ -7,6 +7,7 @@
 
 #include "asap/core/random.hpp"
 
+namespace coarse_index_test {
 namespace {
 
 using asap::fast::CoarseIndex;
@@ -59,3 +60,4 @@ TEST(CoarseIndex, PositionsOutsideAreInTheNearestCell) {
 }
 
 }  // namespace
+}  // namespace coarse_index_test

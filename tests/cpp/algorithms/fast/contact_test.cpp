@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+namespace contact_test {
 namespace {
 
 using namespace asap::fast;
@@ -108,3 +109,4 @@ TEST(Contact, AStepFollowsTheResidualAlone) {
 }
 
 }  // namespace
+}  // namespace contact_test

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <set>
 
+namespace contour_test {
 namespace {
 
 using asap::fast::Contour;
@@ -83,3 +84,4 @@ TEST(Contour, ForgettingKeepsTheVariance) {
 }
 
 }  // namespace
+}  // namespace contour_test

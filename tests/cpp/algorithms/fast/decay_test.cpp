@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+namespace decay_test {
 namespace {
 
 using asap::fast::decay;
@@ -35,3 +36,4 @@ TEST(LowPassWeight, IsTheMeanOverTheAgeAtFirst) {
 }
 
 }  // namespace
+}  // namespace decay_test

@@ -9,6 +9,7 @@
 
 #include "asap/core/random.hpp"
 
+namespace engine_test {
 namespace {
 
 using asap::Cluster;
@@ -317,3 +318,4 @@ TEST(Engine, AnotherObjectAfterALongTimeHasAnotherId) {
 }
 
 }  // namespace
+}  // namespace engine_test

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+namespace event_clock_test {
 namespace {
 
 using asap::fast::EventClock;
@@ -74,3 +75,4 @@ TEST(EventClock, TimeWithoutAnEventNeverGoesBack) {
 }
 
 }  // namespace
+}  // namespace event_clock_test

@@ -6,6 +6,7 @@
 
 #include "asap/algorithms/cluster_tracker_config.hpp"
 
+namespace foresight_test {
 namespace {
 
 using namespace asap::fast;
@@ -100,3 +101,4 @@ TEST(Foresight, LooksAtCopiesAndSortsById) {
 }
 
 }  // namespace
+}  // namespace foresight_test

@@ -4,6 +4,7 @@
 
 #include "asap/algorithms/fast/gate.hpp"
 
+namespace fragment_test {
 namespace {
 
 using namespace asap::fast;
@@ -77,3 +78,4 @@ TEST(Fragment, AnEarlierFragmentIsNoOtherObject) {
 }
 
 }  // namespace
+}  // namespace fragment_test

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+namespace frame_test {
 namespace {
 
 using namespace asap::fast;
@@ -28,3 +29,4 @@ TEST(Frame, IsLeftByWhatIsFarOutside) {
 }
 
 }  // namespace
+}  // namespace frame_test

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+namespace gate_test {
 namespace {
 
 using asap::fast::gate_area;
@@ -108,3 +109,4 @@ TEST(Gate, AreaIsThatOfTheEllipseButNoLessThanTheSmallestCircle) {
 }
 
 }  // namespace
+}  // namespace gate_test

@@ -8,6 +8,7 @@
 
 #include "algorithms/fast/gate_rule.hpp"
 
+namespace halves_test {
 namespace {
 
 using namespace asap::fast;
@@ -264,3 +265,4 @@ TEST(RaiseTwin, SharesThePast) {
 }
 
 }  // namespace
+}  // namespace halves_test

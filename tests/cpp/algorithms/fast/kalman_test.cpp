@@ -6,6 +6,7 @@
 
 #include "algorithms/fast/kalman_rule.hpp"
 
+namespace kalman_test {
 namespace {
 
 using namespace asap::fast;
@@ -121,3 +122,4 @@ TEST(Kalman, AStarvedTrackComesToRest) {
 }
 
 }  // namespace
+}  // namespace kalman_test

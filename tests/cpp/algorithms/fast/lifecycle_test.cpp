@@ -4,6 +4,7 @@
 
 #include "algorithms/fast/gate_rule.hpp"
 
+namespace lifecycle_test {
 namespace {
 
 using namespace asap::fast;
@@ -165,3 +166,4 @@ TEST(Lifecycle, TheUsualExtentIsTheMeanAtFirst) {
 }
 
 }  // namespace
+}  // namespace lifecycle_test

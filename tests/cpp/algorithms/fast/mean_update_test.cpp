@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+namespace mean_update_test {
 namespace {
 
 using namespace asap::fast;
@@ -146,3 +147,4 @@ TEST(MeanUpdate, TheContourLearnsEveryFourthEvent) {
 }
 
 }  // namespace
+}  // namespace mean_update_test

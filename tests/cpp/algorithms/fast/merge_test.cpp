@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+namespace merge_test {
 namespace {
 
 using namespace asap::fast;
@@ -196,3 +197,4 @@ TEST(Merge, OfMasslessTracksIsFinite) {
 }
 
 }  // namespace
+}  // namespace merge_test

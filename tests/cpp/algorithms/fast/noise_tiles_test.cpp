@@ -7,6 +7,7 @@
 
 #include "asap/core/random.hpp"
 
+namespace noise_tiles_test {
 namespace {
 
 using asap::fast::noise_with_support;
@@ -73,3 +74,4 @@ TEST(NoiseSupport, TheLessNoiseTheLongerItsWindow) {
 }
 
 }  // namespace
+}  // namespace noise_tiles_test

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+namespace orphan_grid_test {
 namespace {
 
 using asap::fast::CellMap;
@@ -40,3 +41,4 @@ TEST(OrphanGrid, ForgetsACellAndItsNeighbours) {
 }
 
 }  // namespace
+}  // namespace orphan_grid_test

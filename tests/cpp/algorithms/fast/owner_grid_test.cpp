@@ -5,6 +5,7 @@
 #include <array>
 #include <set>
 
+namespace owner_grid_test {
 namespace {
 
 using asap::fast::CellMap;
@@ -86,3 +87,4 @@ TEST(OwnerGrid, BeginsWithStaleCellsAndScrubsOldOnes) {
 }
 
 }  // namespace
+}  // namespace owner_grid_test

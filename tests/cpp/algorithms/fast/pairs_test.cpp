@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+namespace pairs_test {
 namespace {
 
 using namespace asap::fast;
@@ -132,3 +133,4 @@ TEST(Pairs, LookAtPredictedPositionsAndForgetOldOnes) {
 }
 
 }  // namespace
+}  // namespace pairs_test

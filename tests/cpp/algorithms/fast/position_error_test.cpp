@@ -6,6 +6,7 @@
 
 #include "algorithms/fast/kalman_rule.hpp"
 
+namespace position_error_test {
 namespace {
 
 using namespace asap::fast;
@@ -67,3 +68,4 @@ TEST(PositionError, IsTheFiltersAndAShareOfTheEventsCovariance) {
 }
 
 }  // namespace
+}  // namespace position_error_test

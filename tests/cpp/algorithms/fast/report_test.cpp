@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+namespace report_test {
 namespace {
 
 using namespace asap::fast;
@@ -32,3 +33,4 @@ TEST(Report, IsAsOfNow) {
 }
 
 }  // namespace
+}  // namespace report_test

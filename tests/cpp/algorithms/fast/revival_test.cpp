@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+namespace revival_test {
 namespace {
 
 using namespace asap::fast;
@@ -99,3 +100,4 @@ TEST(Revival, WhoIsNotListedWaitsWhereItWasSeen) {
 }
 
 }  // namespace
+}  // namespace revival_test

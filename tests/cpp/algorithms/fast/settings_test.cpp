@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+namespace settings_test {
 namespace {
 
 using asap::ClusterTrackerConfig;
@@ -97,3 +98,4 @@ TEST(Settings, BirthsNeedMoreThanNoise) {
 }
 
 }  // namespace
+}  // namespace settings_test

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <utility>
 
+namespace split_test {
 namespace {
 
 using namespace asap::fast;
@@ -152,3 +153,4 @@ TEST(Split, SharesMassAndBeginsAnew) {
 }
 
 }  // namespace
+}  // namespace split_test

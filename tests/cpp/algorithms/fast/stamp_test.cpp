@@ -6,6 +6,7 @@
 
 #include <vector>
 
+namespace stamp_test {
 namespace {
 
 using asap::fast::age_us;
@@ -56,3 +57,4 @@ TEST(Scrub, KeepsOldEntriesOldForHours) {
 }
 
 }  // namespace
+}  // namespace stamp_test

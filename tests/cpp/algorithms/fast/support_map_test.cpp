@@ -8,6 +8,7 @@
 #include "asap/algorithms/background_activity_filter.hpp"
 #include "asap/core/random.hpp"
 
+namespace support_map_test {
 namespace {
 
 using asap::fast::Stamp;
@@ -69,3 +70,4 @@ TEST(SupportMap, ScrubbingMakesNoOldEventYoungAgain) {
 }
 
 }  // namespace
+}  // namespace support_map_test

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+namespace track_test {
 namespace {
 
 using asap::fast::Phase;
@@ -57,3 +58,4 @@ TEST(Tracks, ActiveOnesAreListedByAge) {
 }
 
 }  // namespace
+}  // namespace track_test
