@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "reference_plan.hpp"
+#include "reference_filter.hpp"
 
 namespace asap::simulation {
 

@@ -8,7 +8,6 @@
 namespace asap::simulation {
 namespace {
 
-constexpr std::size_t kExactTable = 4000;  // as many waiting events have a step each
 constexpr std::int64_t kCalmBounds = 20;
 constexpr std::uint64_t kCalmPackages = 60;
 

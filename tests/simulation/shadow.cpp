@@ -9,7 +9,7 @@ namespace asap::simulation {
 namespace {
 
 constexpr std::int64_t kStepsPerBound = 1024;  // as in LiveRun
-constexpr std::size_t kExactTable = 4000;      // as many waiting events have a step each
+constexpr std::int64_t kGraceShare = 100;      // of the bound: as in Packager
 
 }  // namespace
 
@@ -132,7 +132,8 @@ void Shadow::decided(const Backlog& backlog, Decision decision) noexcept {
   start_ns_ = now_ns_;
   is_anytime_ = setup_.execution == Execution::anytime && decision_.budget_ns != kNever;
   if (is_anytime_) {
-    plan_ = ReferencePlan(decision_, now_ns_, setup_.latency_ns / 100);
+    plan_ = AnytimePlan(decision_, now_ns_, setup_.latency_ns / kGraceShare);
+    is_planned_out_ = false;
   } else {
     raw_ = decision_.raw;
     filter_.keep(head, head + raw_, decision_.keep, kept_);
@@ -206,6 +207,32 @@ void Shadow::answered(const Packager::Next& next, const EventBuffer& buffer) {
   hold_content(package.events, 0, Law::identity);
 }
 
+// The plan's own tests hold its numbers; here: its strata lie side by side, from the first raw
+// event of the decision to the last unless time is up.
+AnytimePlan::Stratum Shadow::next_stratum(std::int64_t now_ns) {
+  const std::size_t size = kept_.size() - handed_out_;
+  handed_out_ = kept_.size();
+  const AnytimePlan::Stratum stratum = plan_.next(now_ns, size);
+  if (stratum.begin == stratum.end) {
+    const std::int64_t used_ns = now_ns - start_ns_ - setup_.latency_ns / kGraceShare;
+    journal_.hold(Law::size, is_planned_out_ || used_ns > decision_.budget_ns,
+                  "a plan that ends early", static_cast<double>(raw_),
+                  static_cast<double>(decision_.raw));
+    return stratum;
+  }
+  journal_.hold(Law::size, !is_planned_out_, "a stratum after the last");
+  journal_.equal(Law::size, stratum.begin, raw_, "begin of a stratum");
+  journal_.hold(Law::size, stratum.end > stratum.begin && stratum.end <= decision_.raw,
+                "end of a stratum", static_cast<double>(stratum.end),
+                static_cast<double>(decision_.raw));
+  journal_.hold(Law::gamma, stratum.keep >= 0 && stratum.keep <= 1, "keep of a stratum",
+                stratum.keep);
+  journal_.equal(Law::size, stratum.is_last, stratum.end == decision_.raw, "the last stratum");
+  is_planned_out_ = stratum.is_last;
+  raw_ = stratum.end;
+  return stratum;
+}
+
 // The package's events from the `first` on.
 void Shadow::hold_content(EventSpan events, std::size_t first, Law law) {
   if (events.size() + first > kept_.size()) {
@@ -223,11 +250,8 @@ void Shadow::part(const Package& package, EventSpan part, std::int64_t now_ns) {
   const std::size_t before = is_anytime_ ? kept_.size() : handed_out_;
   if (is_anytime_) {
     for (;;) {
-      const std::size_t size = kept_.size() - handed_out_;
-      handed_out_ = kept_.size();
-      const auto stratum = plan_.next(now_ns, size);
+      const AnytimePlan::Stratum stratum = next_stratum(now_ns);
       if (stratum.begin == stratum.end) break;
-      raw_ = stratum.end;
       if (stratum.is_last) {
         filter_.keep_exactly(head_ + stratum.begin, head_ + stratum.end, stratum.keep, kept_);
       } else {

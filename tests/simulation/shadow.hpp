@@ -9,10 +9,11 @@
 #include <vector>
 
 #include "asap/buffer/event_buffer.hpp"
+#include "asap/packager/anytime_plan.hpp"
 #include "asap/packager/packager.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "journal.hpp"
-#include "reference_plan.hpp"
+#include "reference_filter.hpp"
 #include "reference_rate.hpp"
 #include "setup.hpp"
 #include "sha256.hpp"
@@ -20,6 +21,7 @@
 namespace asap::simulation {
 
 inline constexpr std::uint64_t kNoPackage = std::numeric_limits<std::uint64_t>::max();
+inline constexpr std::size_t kExactTable = 4000;  // as many waiting events have a step each
 
 // What a run came to, over all its lives.
 struct Tally {
@@ -94,6 +96,7 @@ class Shadow {
   void hold_counts(const Backlog& backlog, std::uint64_t random) noexcept;
   void drop_stale() noexcept;
   void leave(std::size_t count) noexcept;  // the ring
+  AnytimePlan::Stratum next_stratum(std::int64_t now_ns);
   void hold_content(EventSpan events, std::size_t first, Law law);
   void book_latencies(std::int64_t end_ns);
   void hold_row(const PackageRow& row);
@@ -120,7 +123,8 @@ class Shadow {
   // The package.
   bool is_anytime_ = false;
   bool is_completing_ = false;
-  ReferencePlan plan_;
+  AnytimePlan plan_;
+  bool is_planned_out_ = false;  // the last stratum of the plan was handed out
   ReferenceFilter filter_;
   std::vector<std::uint64_t> kept_;  // ring indices
   std::size_t raw_ = 0;
