@@ -63,7 +63,7 @@ class Workshop:
         generator = ["-G", "Ninja"] if shutil.which("ninja") else []
         command = ["cmake", "-S", self.tree, "-B", self.builds[threads], *generator]
         command += ["-DASAP_TESTS=ON", "-DCMAKE_BUILD_TYPE=Debug", f"-DCMAKE_CXX_FLAGS={flags}"]
-        command += ["-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST"]
+        command += ["-DCMAKE_UNITY_BUILD=ON"]
         command += [f"-DASAP_SANITIZE={'thread' if threads else ''}"]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
