@@ -16,9 +16,10 @@ LONG = bool(os.environ.get("ASAP_LONG_TESTS"))
 PATIENCE = 30
 
 _HEAD = """
-import os, signal, sys, threading, time
+import os, signal, sys, threading, time, warnings
 import numpy as np
 import asap
+warnings.filterwarnings("ignore", "packages of")  # on a busy machine they may be small
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores it
 
 def in_background(call, *arguments):

@@ -13,10 +13,11 @@ TIMES = 10 if os.environ.get("ASAP_LONG_TESTS") else 1
 INTERESTING = (0, 1, 2, 3, 4, 16, 127, 128, 255, 256, 65535, 65536, 2**31 - 1, 2**31, 2**32, 2**63)
 
 
-def effort(examples: int) -> Any:
-    """Settings for so many examples in a normal run."""
+def effort(examples: int, long: int | None = None) -> Any:
+    """Return settings for so many examples in a normal run and `long` in a long one."""
+    count = examples if TIMES == 1 else long or examples * TIMES
     slow = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
-    return settings(max_examples=examples * TIMES, deadline=None, suppress_health_check=slow)
+    return settings(max_examples=count, deadline=None, suppress_health_check=slow)
 
 
 @st.composite

@@ -12,7 +12,6 @@ import streams
 from asap import cli
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)
-NAN, INFINITY = float("nan"), float("inf")
 
 DEADLINE = {
     "latency_ms": 10.0,
@@ -52,30 +51,6 @@ def test_every_parameter_arrives_under_its_name(make, name, defaults):
     others = {key: value + 3 + i / 8 for i, (key, value) in enumerate(defaults.items())}
     others["overhead"] = 0.125
     assert make(**others).parameters == others
-
-
-BAD = {
-    "latency_ms": [0, -1, 0.009, 1.1e7, NAN, INFINITY],
-    "overhead": [-0.01, 1.01, NAN],
-    "min_interval_ms": [-1, 1.1e7, NAN],
-    "knee": [-1, 0.5, 2e6, NAN],
-    "first_alpha_us": [0, -1, 1.1e9, NAN],
-    "first_beta_ns": [0, -1, 1.1e9, NAN],
-}
-
-
-@pytest.mark.parametrize(
-    ("make", "field", "value"),
-    [
-        (make, field, value)
-        for make, fields in ((asap.Deadline, DEADLINE), (asap.DeadBeat, DEAD_BEAT))
-        for field in fields
-        for value in BAD[field]
-    ],
-)
-def test_a_bad_parameter_is_refused_by_name(make, field, value):
-    with pytest.raises(ValueError, match=rf"^{field} = -?[\d.einfa+]+: must be "):
-        make(**{field: value})
 
 
 def test_parameters_at_their_limits_are_taken():

@@ -106,7 +106,7 @@ def put(document: Any, path: tuple[Any, ...], value: Any) -> None:
     document[path[-1]] = value
 
 
-@effort(60)
+@effort(20, long=600)
 @given(data=st.data())
 def test_a_changed_run(saved: tuple[Path, dict[str, Any]], data: st.DataObject) -> None:
     folder, good = saved
@@ -115,7 +115,7 @@ def test_a_changed_run(saved: tuple[Path, dict[str, Any]], data: st.DataObject) 
         path = data.draw(st.sampled_from(places(document)))
         put(document, path, data.draw(VALUES))
     with pytest.MonkeyPatch.context() as patch:
-        if data.draw(st.integers(0, 19)) > 0:  # the figures take most of a second
+        if data.draw(st.integers(0, 19)) != 13:  # the figures take most of a second
             patch.setattr("asap.report.run_report._curves", lambda *_: "")
         report(folder, document)
 

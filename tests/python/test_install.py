@@ -1,10 +1,9 @@
-"""ASAP as a stranger gets it: wheel, sdist, find_package, add_subdirectory, pkg-config."""
+"""ASAP as a stranger gets it for Python: sdist, wheel, editable installation."""
 
 from __future__ import annotations
 
 import os
-import re
-import subprocess
+import shutil
 import sys
 import tarfile
 import venv
@@ -14,23 +13,50 @@ from pathlib import Path
 import pytest
 
 import asap
-from house import ROOT, cmake, native_build, run
+from house import ROOT, run
 
 pytestmark = pytest.mark.slow
 
-CONSUMER = ROOT / "tests" / "consumer"
-STRICT = "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror"
+FOLDERS = {"cpp", "notebooks", "python", "tests"}
+FILES = {"CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md"}
+FILES |= {".gitignore", "pyproject.toml"}
+ADDED_BY_THE_BACKEND = {"PKG-INFO"}
 
 
-# ---- Python ---------------------------------------------------------------------------------
+def files_of_the_project() -> set[str]:
+    """Return the files in FOLDERS that git does not ignore; without git, all but caches."""
+    if (ROOT / ".git").exists():
+        git = ["git", "-c", f"safe.directory={ROOT}", "-C", ROOT]
+        listed = run([*git, "ls-files", "-z", "-co", "--exclude-standard", *FOLDERS])
+        return {name for name in listed.split("\0") if name and (ROOT / name).is_file()}
+    found = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*") if path.is_file()]
+    names = {path.relative_to(ROOT).as_posix() for path in found}
+    return {name for name in names if "__pycache__" not in name and "/." not in name}
 
 
 @pytest.fixture(scope="module")
-def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An sdist of the checkout, and a wheel made from that sdist alone."""
-    folder = tmp_path_factory.mktemp("dist")
-    run([sys.executable, "-m", "build", "--outdir", folder, ROOT])
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build an sdist of a checkout that holds files of its user too.
+
+    Unless ASAP_DIST is set, also build a wheel from that sdist alone.
+    """
+    checkout, folder = tmp_path_factory.mktemp("checkout"), tmp_path_factory.mktemp("dist")
+    for name in files_of_the_project() | FILES:
+        (checkout / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(ROOT / name, checkout / name)
+    for name in STRAY:
+        (checkout / name).parent.mkdir(parents=True, exist_ok=True)
+        (checkout / name).write_text("mine")
+    parts = ["--sdist"] if "ASAP_DIST" in os.environ else []
+    run([sys.executable, "-m", "build", *parts, "--outdir", folder, checkout])
     return folder
+
+
+@pytest.fixture(scope="module")
+def dist(request: pytest.FixtureRequest) -> Path:
+    """Return the folder ASAP_DIST, which holds one sdist and one wheel, or build both."""
+    given = os.environ.get("ASAP_DIST")
+    return Path(given).resolve() if given else request.getfixturevalue("built")
 
 
 @pytest.fixture(scope="module")
@@ -53,16 +79,33 @@ def test_wheel_holds_the_package_alone(dist: Path) -> None:
     assert {"asap/py.typed", "asap/_core.pyi", info + "licenses/LICENSE"} <= set(names)
 
 
-def test_sdist_holds_the_sources_and_no_build(dist: Path) -> None:
-    (sdist,) = dist.glob("*.tar.gz")
+# What a user may have put beside the sources: recordings, logs, environments, builds.
+STRAY = (
+    *("recording.npy", "notes.log", "venv/x", ".venv/x", "build/x.o", "dist/x.whl", "README.txt"),
+    *("tests/python/__pycache__/x.pyc", "python/asap/_core.so"),
+)
+
+
+@pytest.mark.parametrize("where", ["built", "dist"])
+def test_sdist_holds_the_sources_and_nothing_else(
+    where: str, request: pytest.FixtureRequest
+) -> None:
+    (sdist,) = request.getfixturevalue(where).glob("*.tar.gz")
     with tarfile.open(sdist) as archive:
-        names = {name.partition("/")[2] for name in archive.getnames()}
-    assert {"LICENSE", "README.md", "pyproject.toml", "cpp/CMakeLists.txt"} <= names
-    tops = {name.split("/")[0] for name in names if not name.startswith(".")}
-    assert tops <= {
-        *("CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "LICENSE", "PKG-INFO", ""),
-        *("README.md", "cpp", "notebooks", "pyproject.toml", "python", "tests"),
-    }
+        names = {member.name.partition("/")[2] for member in archive if member.isfile()}
+    assert not (files_of_the_project() | FILES) - names
+    tops = {name.split("/")[0] for name in names}
+    assert tops == FOLDERS | FILES | ADDED_BY_THE_BACKEND
+    assert not names & set(STRAY)
+
+
+@pytest.mark.full
+def test_a_wheel_is_built_from_the_sdist_alone(dist: Path, tmp_path: Path) -> None:
+    """The wheel in ASAP_DIST may have been built from the checkout."""
+    run([sys.executable, "-m", "pip", "wheel", "--no-deps", "-w", tmp_path, *dist.glob("*.tar.gz")])
+    (ours,), (theirs,) = tmp_path.glob("*.whl"), dist.glob("*.whl")
+    assert ours.name == theirs.name
+    assert {*zipfile.ZipFile(ours).namelist()} == {*zipfile.ZipFile(theirs).namelist()}
 
 
 def test_import_from_elsewhere(stranger: Path, tmp_path: Path) -> None:
@@ -87,6 +130,7 @@ def test_numpy_is_enough_for_a_run(stranger: Path, tmp_path: Path) -> None:
     assert "numpy" in run([stranger / "pip", "list"]).lower()
 
 
+@pytest.mark.full
 def test_editable_installation_follows_the_python_sources(dist: Path, tmp_path: Path) -> None:
     run(["tar", "--extract", "--file", *dist.glob("*.tar.gz"), "--directory", tmp_path])
     (source,) = tmp_path.iterdir()
@@ -109,119 +153,3 @@ def test_without_matplotlib_a_figure_names_the_extra(stranger: Path, tmp_path: P
     """
     output = run([stranger / "python", "-c", program], cwd=tmp_path, check=False)
     assert "asap-events[report]" in output.splitlines()[-1]
-
-
-# ---- C++ ------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An installed asap that was moved after the installation."""
-    folder = tmp_path_factory.mktemp("prefix")
-    run(["cmake", "--install", native_build(), "--prefix", folder / "installed"])
-    return (folder / "installed").rename(folder / "moved")
-
-
-def eigen() -> dict[str, str]:
-    """Where Eigen was found: a consumer has to know it too if it came from a wheel."""
-    cache = (native_build() / "CMakeCache.txt").read_text()
-    return dict(re.findall(r"^(Eigen3_DIR):PATH=(.*)$", cache, re.M))
-
-
-def assert_it_works(consumer: Path) -> None:
-    output = run([consumer])
-    assert re.fullmatch(r"(\d+) received, \1 delivered in \d+ packages, \d+ clusters\n", output)
-
-
-def assert_it_lives(live: Path) -> None:
-    output = run([live])
-    found = re.match(r"(\d+) received, (\d+) delivered in \d+ packages, the slowest", output)
-    assert found, output
-    received, delivered = map(int, found.groups())
-    assert 0 < delivered <= received
-
-
-def test_the_licence_comes_with_the_binaries(prefix: Path) -> None:
-    installed = prefix / "share" / "doc" / "asap" / "LICENSE"
-    assert installed.read_text() == (ROOT / "LICENSE").read_text()
-
-
-def test_find_package(prefix: Path, tmp_path: Path) -> None:
-    cmake(CONSUMER / "find_package", tmp_path, CMAKE_PREFIX_PATH=prefix, **eigen())
-    assert_it_works(tmp_path / "consumer")
-    assert_it_lives(tmp_path / "live")
-
-
-def test_find_package_refuses_another_version(prefix: Path, tmp_path: Path) -> None:
-    (tmp_path / "CMakeLists.txt").write_text(
-        "cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n"
-        "find_package(asap 99.0 REQUIRED)\n"
-    )
-    with pytest.raises(AssertionError, match=f"version: {re.escape(asap.__version__)}"):
-        cmake(tmp_path, tmp_path / "build", CMAKE_PREFIX_PATH=prefix)
-
-
-def test_the_core_alone_needs_no_eigen(prefix: Path, tmp_path: Path) -> None:
-    (tmp_path / "CMakeLists.txt").write_text(
-        "cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n"
-        "find_package(asap REQUIRED COMPONENTS core)\n"
-        "add_executable(stranger main.cpp)\ntarget_link_libraries(stranger asap::core)\n"
-    )
-    (tmp_path / "main.cpp").write_text(
-        "#include <asap/schemes/asap2020.hpp>\nint main() { return asap::Asap2020{}.name()[0]; }\n"
-    )
-    absent = {"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON"}
-    cmake(tmp_path, tmp_path / "build", CMAKE_PREFIX_PATH=prefix, **absent)
-    assert subprocess.run([tmp_path / "build" / "stranger"], check=False).returncode == ord("a")
-
-
-@pytest.mark.parametrize("absent", [{"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON"}, {}], ids=len)
-def test_algorithms_may_be_optional(absent: dict[str, str], prefix: Path, tmp_path: Path) -> None:
-    (tmp_path / "CMakeLists.txt").write_text(
-        "cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n"
-        "find_package(asap REQUIRED COMPONENTS core OPTIONAL_COMPONENTS algorithms)\n"
-        "set(known FALSE)\nif(TARGET asap::algorithms)\n  set(known TRUE)\nendif()\n"
-        "file(WRITE ${CMAKE_BINARY_DIR}/known ${known},${asap_algorithms_FOUND})\n"
-    )
-    cmake(tmp_path, tmp_path / "build", CMAKE_PREFIX_PATH=prefix, **(absent or eigen()))
-    known = (tmp_path / "build" / "known").read_text()
-    assert known == ("FALSE," if absent else "TRUE,TRUE")
-
-
-def test_add_subdirectory(tmp_path: Path) -> None:
-    """With a stranger's strict flags on our headers, and without our optional tools."""
-    absent = {
-        f"CMAKE_DISABLE_FIND_PACKAGE_{name}": "ON"
-        for name in ("GTest", "benchmark", "pybind11", "Python")
-    }
-    cmake(
-        CONSUMER / "add_subdirectory",
-        tmp_path,
-        ASAP_SOURCE_DIR=ROOT,
-        CMAKE_CXX_FLAGS=STRICT,
-        **absent,
-        **eigen(),
-    )
-    assert_it_works(tmp_path / "consumer")
-    assert_it_lives(tmp_path / "live")
-
-
-def test_pkg_config(prefix: Path, tmp_path: Path) -> None:
-    (folder,) = prefix.rglob("pkgconfig")
-    env = {**os.environ, "PKG_CONFIG_PATH": str(folder)}
-    flags = run(["pkg-config", "--cflags", "--libs", "asap-algorithms"], env=env).split()
-    consumer = tmp_path / "consumer"
-    run(["c++", "-std=c++20", "-O1", CONSUMER / "main.cpp", *flags, "-o", consumer])
-    assert_it_works(consumer)
-
-
-@pytest.mark.parametrize("include", ["include", "/elsewhere/include"])
-def test_pkg_config_knows_absolute_directories(include: str, tmp_path: Path) -> None:
-    places = {"PREFIX": "/prefix", "LIBDIR": "/somewhere/lib", "INCLUDEDIR": include}
-    settings = [f"-DCMAKE_INSTALL_{name}={place}" for name, place in places.items()]
-    settings += [f"-D{name}={place}" for name, place in eigen().items()]
-    run(["cmake", "-S", ROOT, "-B", tmp_path, *settings])
-    env = {**os.environ, "PKG_CONFIG_PATH": str(tmp_path / "cpp")}
-    for name, place in (("libdir", "/somewhere/lib"), ("includedir", include)):
-        found = run(["pkg-config", f"--variable={name}", "asap-core"], env=env).strip()
-        assert found == str(Path("/prefix", place))

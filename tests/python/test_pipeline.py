@@ -5,10 +5,12 @@ from __future__ import annotations
 import gc
 import os
 import queue
+import re
 import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -245,6 +247,26 @@ def test_when_full_the_newest_go():
     assert stamps.tolist() == list(range(1000))
 
 
+def resident_bytes():
+    status = Path("/proc/self/status").read_text()
+    return 1024 * int(re.findall(r"^VmRSS:\s+(\d+) kB$", status, re.M)[0])
+
+
+def test_a_full_ring_takes_no_more_memory():
+    """The queue of the reference implementation grows without end."""
+    events = streams.make(np.arange(100_000))
+    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=10), capacity=1000, when_full="newest")
+    pipeline.push(events)
+    before = resident_bytes()
+    for _ in range(100):  # 160 MB
+        events["t"] += events.size
+        pipeline.push(events)
+    assert resident_bytes() - before < 8 << 20
+    ledger = pipeline.ledger
+    assert (ledger.received, ledger.pending) == (10_100_000, 1000)
+    assert ledger.overflow == ledger.received - ledger.pending
+
+
 def test_when_full_the_oldest_go():
     ledger, stamps = overfull("oldest")
     assert ledger.overflow == 4500
@@ -267,6 +289,18 @@ def test_when_full_push_waits():
     assert stamps.tolist() == list(range(5000))
     assert pipeline.packages["size"].max() <= 1000
     assert pipeline.ledger.overflow == 0
+
+
+def test_every_event_that_no_consumer_took_is_in_the_ledger():
+    """The reference implementation clears events without a count."""
+    events = streams.make(np.arange(1000))
+    events["x"][::100] = 400
+    with asap.Pipeline(width=346, height=260, capacity=256, when_full="newest") as pipeline:
+        pipeline.push(events)  # and no loop
+        now = {"received": 1000, "rejected": 10, "pending": 256, "overflow": 734}
+        assert dict(pipeline.ledger) == dict.fromkeys(pipeline.ledger, 0) | now
+    assert dict(pipeline.ledger) == dict.fromkeys(pipeline.ledger, 0) | now
+    assert pipeline.stats()["rejected"]["out_of_bounds"] == 10
 
 
 def test_a_ring_that_cannot_be_had_names_the_field():
@@ -484,3 +518,22 @@ def test_a_package_says_what_was_lost_before_it_and_how():
     package = next(iter(pipeline))
     assert (package.stale_before, package.overflow_before, package.lost_before) == (0, 10, 10)
     assert package.filtered == len(package) == 5
+
+
+def test_stamps_keep_their_microseconds_from_the_file_to_the_package(tmp_path):
+    """The reference implementation makes them of a double in seconds."""
+    stamps = 1_700_000_000_123_456 + np.arange(0, 3000, 7)
+    (tmp_path / "unix.txt").write_text(
+        "".join(f"{t // 10**6}.{t % 10**6:06d} 1 2 1\n" for t in stamps.tolist())
+    )
+    events = asap.load(tmp_path / "unix.txt")
+    assert events["t"].tolist() == stamps.tolist()
+    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=100))
+    pipeline.push(events)
+    pipeline.stop()
+    packages = list(pipeline)
+    assert np.concatenate([package.events["t"] for package in packages]).tolist() == stamps.tolist()
+    assert [package.t_first for package in packages] == stamps[::100].tolist()
+    assert packages[-1].t_last == stamps[-1]
+    done = asap.simulate(events, cost=asap.LinearCost(1, 1), scheme=asap.FixedSize(size=100))
+    assert done.packages["t_first"].tolist() == stamps[::100].tolist()

@@ -10,6 +10,7 @@ import pickle
 import socket
 import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -80,102 +81,96 @@ def test_object_without_init_is_refused_as_an_argument(use: Callable[..., Any]) 
         use(lambda cls: cls.__new__(cls))
 
 
-@pytest.mark.parametrize("made", [asap.Deadline(), asap.EFast(9, 9), COST], ids=repr)
-@pytest.mark.parametrize(
-    "duplicate",
-    [
-        copy.copy,
-        copy.deepcopy,
-        *(lambda made, protocol=p: pickle.dumps(made, protocol) for p in range(6)),
-    ],
-)
-def test_objects_are_neither_copied_nor_pickled(made: Any, duplicate: Callable[..., Any]) -> None:
-    with pytest.raises(TypeError, match="pickle"):
-        duplicate(made)
+DUPLICATES: list[Callable[[Any], Any]] = [
+    copy.copy,
+    copy.deepcopy,
+    *(partial(pickle.dumps, protocol=protocol) for protocol in range(6)),
+]
+
+
+@pytest.mark.parametrize("made", [asap.Deadline(), asap.EFast(9, 9), COST], ids=type)
+def test_objects_are_neither_copied_nor_pickled(made: Any) -> None:
+    for duplicate in DUPLICATES:
+        with pytest.raises(TypeError, match="pickle"):
+            duplicate(made)
 
 
 # ---- arguments that do not fit --------------------------------------------------------------
 
-ARRAY = r"give a contiguous one-dimensional array in asap.EVENT_DTYPE; asap.as_events\(...\)"
 
-MISFITS: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any], str]] = [
-    (asap.Deadline, (), {"latency_ms": "x"}, "latency_ms = 'x': give a number"),
-    (asap.Deadline, (), {"latency_ms": None}, "latency_ms = None: give a number"),
-    (asap.Deadline, (), {"latency_ms": 1j}, "latency_ms = 1j: give a number"),
-    (asap.Deadline, (), {"latncy_ms": 3}, "latncy_ms = 3: no such argument; it takes latency_ms,"),
-    (asap.Deadline, (5,), {}, "5: too many values without a name; it takes latency_ms, overhead"),
-    (asap.SingleEvent, (5,), {}, "5: too many values without a name; it takes none"),
-    (asap.Greedy, (), {"efficiency": "x"}, "efficiency = 'x': give a number or None"),
-    (asap.LinearCost, ("a", None), {}, "alpha_us = 'a': give a number"),
-    (asap.LinearCost, (1,), {}, "beta_ns is missing: give a number"),
-    (asap.LinearCost, (1, 2), {"alpha_us": 3}, "alpha_us = 3: given by position already"),
-    (asap.LinearCost, (1, 2), {"drift": 3}, r"drift = 3: give a Sequence\[number\] or None"),
-    (asap.LinearCost, (1, 2), {"drift": UNSIZED}, r"drift = array\(3\): give a Sequence\[number\]"),
-    (asap.LinearCost, (1, 2), {"outages_ms": UNSIZED}, r"outages_ms = array\(3\): give a Sequence"),
+def refused(call: Callable[[], Any], opening: str, *remedy: str, by: Any = TypeError) -> None:
+    """Assert that the error opens with field and value and goes on with a remedy.
+
+    The remedy is free text, but holds the words in `remedy`.
+    """
+    with pytest.raises(by) as caught:
+        call()
+    said = str(caught.value)
+    assert said.startswith(opening), said
+    _, colon, text = said[len(opening) :].partition(": ")
+    assert colon and len(text) >= 8, said
+    assert all(word in text for word in remedy), said
+    assert "\n" not in said
+
+
+CORNERS, TRACKER = asap.EFast(9, 9), asap.ClusterTracker(9, 9)
+LINEAR, IMAGE = asap.LinearCost, asap.EventImage
+DTYPE = "asap.EVENT_DTYPE"
+
+# A call, how its refusal opens, and what the remedy must name.
+MISFITS: list[tuple[Any, ...]] = [
+    (lambda: asap.Deadline(latency_ms="x"), "latency_ms = 'x'", "number"),
+    (lambda: asap.Deadline(latency_ms=None), "latency_ms = None", "number"),
+    (lambda: asap.Deadline(latency_ms=1j), "latency_ms = 1j", "number"),
+    (lambda: asap.Deadline(latncy_ms=3), "latncy_ms = 3", "latency_ms,"),
+    (lambda: asap.Deadline(5), "5", "latency_ms, overhead"),
+    (lambda: asap.SingleEvent(5), "5", "none"),
+    (lambda: asap.Greedy(efficiency="x"), "efficiency = 'x'", "number or None"),
+    (lambda: LINEAR("a", None), "alpha_us = 'a'", "number"),
+    (lambda: LINEAR(1), "beta_ns is missing", "number"),
+    (lambda: LINEAR(1, 2, alpha_us=3), "alpha_us = 3"),  # given by position too
+    (lambda: LINEAR(1, 2, drift=3), "drift = 3", "Sequence[number]", "None"),
+    (lambda: LINEAR(1, 2, drift=UNSIZED), "drift = array(3)", "Sequence[number]"),
+    (lambda: LINEAR(1, 2, drift=[1.0, "x"]), "drift = [1.0, 'x']", "Sequence[number]"),
+    (lambda: LINEAR(1, 2, outages_ms=UNSIZED), "outages_ms = array(3)", "Sequence"),
+    (lambda: LINEAR(1, 2, outages_ms=[UNSIZED]), "outages_ms = [array(3)]", "Sequence"),
+    (lambda: LINEAR(1, 2, outages_ms=[(1,)]), "outages_ms = [(1,)]", "Sequence"),
+    (lambda: LINEAR(1, 2, outages_ms=[(1, 2)], drift=3), "drift = 3", "Sequence"),
+    (lambda: asap.HotPixelMask(9, 9, pixels=UNSIZED), "pixels = array(3)", "Sequence[tuple"),
+    (lambda: IMAGE(9, 9, channels=UNSIZED), "channels = array(3)", "Sequence[str]"),
+    (lambda: IMAGE(9, 9, channels="on"), "channels = 'on'", "Sequence[str]"),
+    (lambda: asap.EFast(1.5, 3), "width = 1.5", "whole number"),
+    (lambda: asap.EFast(None, None), "width = None", "whole number"),
+    (lambda: asap.EFast(9, [9]), "height = [9]", "whole number"),
+    (lambda: asap.EFast(9, 9, **{"\ud800": 3}), "'\\ud800'"),
+    (lambda: asap.ClusterTracker(9, 9, engine=5), "engine = 5", "text"),
+    (lambda: asap.ClusterTracker(9, 9, engine="\ud800"), "engine = '\\ud800'", "text"),
+    (lambda: asap.ClusterTracker(9, 9, **{"\ud800": 3}), "'\\ud800'"),
+    (lambda: asap.ClusterTracker(9, 9, windw=3), "windw = 3", '"fast"', "engine, support,"),
     (
-        asap.LinearCost,
-        (1, 2),
-        {"outages_ms": [UNSIZED]},
-        r"outages_ms = \[array\(3\)\]: give a Seq",
+        lambda: asap.ClusterTracker(9, 9, engine="compat", windw=3),
+        *("windw = 3", '"compat"', "engine, window,"),
     ),
-    (
-        asap.HotPixelMask,
-        (9, 9),
-        {"pixels": UNSIZED},
-        r"pixels = array\(3\): give a Sequence\[tuple",
-    ),
-    (
-        asap.EventImage,
-        (9, 9),
-        {"channels": UNSIZED},
-        r"channels = array\(3\): give a Sequence\[str",
-    ),
-    (asap.LinearCost, (1, 2), {"drift": [1.0, "x"]}, r"drift = \[1.0, 'x'\]: give a Sequence"),
-    (asap.LinearCost, (1, 2), {"outages_ms": [(1,)]}, r"outages_ms = \[\(1,\)\]: give a Sequence"),
-    (asap.LinearCost, (1, 2), {"outages_ms": [(1, 2)], "drift": 3}, "drift = 3: give a"),
-    (asap.EFast, (1.5, 3), {}, "width = 1.5: give a whole number"),
-    (asap.EFast, (None, None), {}, "width = None: give a whole number"),
-    (asap.EFast, (9, [9]), {}, r"height = \[9\]: give a whole number"),
-    (asap.ClusterTracker, (9, 9), {"engine": 5}, "engine = 5: give text"),
-    (asap.ClusterTracker, (9, 9), {"engine": "\ud800"}, r"engine = '\\ud800': give text"),
-    (asap.ClusterTracker, (9, 9), {"\ud800": 3}, r"'\\ud800': no such argument"),
-    (asap.EFast, (9, 9), {"\ud800": 3}, r"'\\ud800': no such argument"),
-    (
-        asap.ClusterTracker,
-        (9, 9),
-        {"windw": 3},
-        'windw = 3: engine "fast" has no parameter windw; it takes engine, support, slots, ',
-    ),
-    (
-        asap.ClusterTracker,
-        (9, 9),
-        {"engine": "compat", "windw": 3},
-        'windw = 3: engine "compat" has no parameter windw; it takes engine, window, radius, ',
-    ),
-    (asap.ClusterTracker, (9, 9), {"slots": "x"}, "slots = 'x': must be a whole number"),
-    (asap.PlaneFlow, (9, 9), {"refit": "x"}, "refit = 'x': give True or False"),
-    (asap.PlaneFlow, (9, 9), {"refit": np.zeros(2)}, r"refit = array\(.*: give True or False"),
-    (asap.EventImage, (9, 9), {"channels": "on"}, r"channels = 'on': give a Sequence\[str\]"),
-    (asap.EFast(9, 9).process, ([],), {}, rf"events = \[\]: {ARRAY}"),
-    (asap.EFast(9, 9).process, (None,), {}, f"events = None: {ARRAY}"),
-    (asap.EFast(9, 9).process, (), {}, f"events is missing: {ARRAY}"),
-    (asap.EFast(9, 9).process, (np.zeros((2, 3)),), {}, r"events = array of shape \(2, 3\), fl"),
-    (asap.EFast(9, 9).process, (EVENTS[::2],), {}, rf"events = array of shape \(3,\).*: {ARRAY}"),
-    (asap.EFast.process, (3, EVENTS), {}, "self = 3: give an asap.EFast"),
-    (asap.EFast(9, 9).set_keep, ("x",), {}, "gamma = 'x': give a number"),
-    (asap.EFast(9, 9).reset, (1,), {}, "1: too many values without a name; it takes none"),
-    (asap.ClusterTracker(9, 9).process, (EVENTS, "x"), {}, "labels = 'x': give True or False"),
-    (asap.ClusterTracker(9, 9).clusters_at, (1.5,), {}, "t_us = 1.5: give a whole number"),
-    (_core.Oracle, (asap.Greedy(), 1.0), {}, r"cost = Greedy\(.*\): give an asap.LinearCost"),
+    (lambda: asap.ClusterTracker(9, 9, slots="x"), "slots = 'x'", "whole number"),
+    (lambda: asap.PlaneFlow(9, 9, refit="x"), "refit = 'x'", "True or False"),
+    (lambda: asap.PlaneFlow(9, 9, refit=np.zeros(2)), "refit = array(", "True or False"),
+    (lambda: CORNERS.process([]), "events = []", DTYPE, "as_events"),
+    (lambda: CORNERS.process(None), "events = None", DTYPE),
+    (lambda: CORNERS.process(), "events is missing", DTYPE),
+    (lambda: CORNERS.process(np.zeros((2, 3))), "events = array of shape (2, 3), float64", DTYPE),
+    (lambda: CORNERS.process(EVENTS[::2]), "events = array of shape (3,)", "contiguous", DTYPE),
+    (lambda: asap.EFast.process(3, EVENTS), "self = 3", "asap.EFast"),
+    (lambda: CORNERS.set_keep("x"), "gamma = 'x'", "number"),
+    (lambda: CORNERS.reset(1), "1", "none"),
+    (lambda: TRACKER.process(EVENTS, "x"), "labels = 'x'", "True or False"),
+    (lambda: TRACKER.clusters_at(1.5), "t_us = 1.5", "whole number"),
+    (lambda: _core.Oracle(asap.Greedy(), 1.0), "cost = Greedy(", "asap.LinearCost"),
 ]
 
 
-@pytest.mark.parametrize(("call", "values", "named", "words"), MISFITS)
-def test_argument_that_does_not_fit_is_named(
-    call: Callable[..., Any], values: tuple[Any, ...], named: dict[str, Any], words: str
-) -> None:
-    with pytest.raises(TypeError, match=f"^{words}"):
-        call(*values, **named)
+@pytest.mark.parametrize("case", MISFITS, ids=lambda case: ascii(case[1]))
+def test_argument_that_does_not_fit_is_named(case: tuple[Any, ...]) -> None:
+    refused(*case)
 
 
 class Large:
@@ -186,32 +181,29 @@ class Large:
         return "Large()"
 
 
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (lambda: asap.EFast(Large(), 9), r"width = Large\(\): too large"),
-        (lambda: asap.EFast(10**12, 9), "width = 1000000000000: too large"),
-        (lambda: asap.EFast(9, -(10**12)), "height = -1000000000000: too small"),
-        (lambda: asap.EFast(10**5000, 9), "width = <int>: too large"),
-        (lambda: asap.FixedSize(size=10**5000), "size = <int>: must be at least 0"),
-        (lambda: asap.ClusterTracker(9, 9, slots=10**12), "slots = 1000000000000: out of range"),
-        (lambda: asap.ClusterTracker(9, 9, support="\ud800"), r"support = '\\ud800': must be "),
-        (lambda: asap.Pipeline().upstream_lost(-1), "marks = -1: must be at least 0"),
-        (lambda: asap.ClusterTracker(9, 9).clusters_at(2**64), f"t_us = {2**64}: too large"),
-        (lambda: asap.Deadline(latency_ms=10**400), r"latency_ms = 1(0+)\.\.\.: out of range$"),
-    ],
-)
-def test_value_out_of_every_range_is_named(call: Callable[[], Any], words: str) -> None:
-    with pytest.raises(ValueError, match=f"^{words}"):
-        call()
+OUT_OF_RANGE: list[tuple[Any, ...]] = [
+    (lambda: asap.EFast(Large(), 9), "width = Large()"),
+    (lambda: asap.EFast(10**12, 9), "width = 1000000000000"),
+    (lambda: asap.EFast(9, -(10**12)), "height = -1000000000000"),
+    (lambda: asap.EFast(10**5000, 9), "width = <int>"),
+    (lambda: asap.FixedSize(size=10**5000), "size = <int>"),
+    (lambda: asap.ClusterTracker(9, 9, slots=10**12), "slots = 1000000000000"),
+    (lambda: asap.ClusterTracker(9, 9, support="\ud800"), "support = '\\ud800'"),
+    (lambda: asap.Pipeline().upstream_lost(-1), "marks = -1", "0"),
+    (lambda: TRACKER.clusters_at(2**64), f"t_us = {2**64}"),
+    (lambda: asap.Deadline(latency_ms=10**400), "latency_ms = 1000000000"),
+]
+
+
+@pytest.mark.parametrize("case", OUT_OF_RANGE, ids=lambda case: ascii(case[1]))
+def test_value_out_of_every_range_is_named(case: tuple[Any, ...]) -> None:
+    refused(*case, by=ValueError)
 
 
 @pytest.mark.parametrize("width", [np.float32(9.7), decimal.Decimal("9.7"), np.float16(9)])
 def test_no_fraction_is_cut_down_to_a_whole_number(width: Any) -> None:
-    with pytest.raises(TypeError, match=r"^width = .*: give a whole number"):
-        asap.EFast(width, 9)
-    with pytest.raises(TypeError, match=r"^slots = .*: must be a whole number"):
-        asap.ClusterTracker(9, 9, slots=width)
+    refused(lambda: asap.EFast(width, 9), f"width = {width!r}", "whole number")
+    refused(lambda: asap.ClusterTracker(9, 9, slots=width), f"slots = {width!r}", "whole number")
 
 
 def test_whole_numbers_of_numpy_are_taken() -> None:
@@ -256,8 +248,7 @@ def test_error_of_the_argument_itself_comes_out_unchanged() -> None:
 
 
 def test_value_that_cannot_be_shown_is_told_by_its_type() -> None:
-    with pytest.raises(TypeError, match=r"^events = <Mine>: give"):
-        asap.EFast(9, 9).process(Mine())
+    refused(lambda: CORNERS.process(Mine()), "events = <Mine>", DTYPE)
 
 
 def test_type_error_of_a_callback_comes_out_unchanged() -> None:
@@ -436,8 +427,7 @@ def test_whole_number_of_too_many_digits_is_told_by_its_type() -> None:
         ("algorithm", lambda: asap.keep_curve(many, SCENE)),
         ("before", lambda: asap.keep_curve(asap.EFast, SCENE, before=many)),
     ):
-        with pytest.raises(TypeError, match=rf"^{field} = <int>: give "):
-            call()
+        refused(call, f"{field} = <int>")
 
 
 RUN = asap.simulate(EVENTS, cost=COST)
@@ -504,8 +494,8 @@ DOORS: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
     (asap.read, "path", NO_PATHS),
     (asap.load_run, "path", NO_PATHS),
     (RUN.save, "path", NO_PATHS),
-    (RUN.report, "path", NO_PATHS),
-    (asap.check(EVENTS).report, "path", NO_PATHS),
+    (RUN.report, "path", NO_PATHS[-1:]),  # each draws the page first
+    (asap.check(EVENTS).report, "path", NO_PATHS[-1:]),
     (lambda **named: asap.score(asap.EFast(346, 260), SCENE, **named), "gamma", NO_SHARES),
     (lambda **named: asap.score(asap.EFast(346, 260), SCENE, **named), "told", NO_FLAGS),
     (lambda **named: asap.score(asap.EFast(346, 260), SCENE, **named), "active", NO_NAMES),
@@ -601,19 +591,21 @@ def test_argument_of_any_kind_is_named(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_refusal_is_one_line_of_any_value() -> None:
-    for value, words in (
-        (np.zeros((400, 400)), r"active = array\(\[\[0., 0., .{180,220}: give one of"),
-        (10**5000, "active = <int>: give one of"),
+def test_a_refusal_of_a_long_value_is_short() -> None:
+    for value, opening in (
+        (np.zeros((400, 400)), "active = array([[0., 0., "),
+        (10**5000, "active = <int>"),
     ):
-        with pytest.raises(ValueError, match=f"^{words}"):
-            asap.score(asap.EFast(346, 260), SCENE, active=value)
+        call = partial(asap.score, CORNERS, SCENE, active=value)
+        refused(call, opening, by=ValueError)
+        with pytest.raises(ValueError) as caught:
+            call()
+        assert len(str(caught.value)) < 400
 
 
 def test_scene_of_no_kind_is_named_before_an_algorithm_is_made() -> None:
     for scene in (None, "x", 1.5, np.ones(2)):
-        with pytest.raises(TypeError, match=r"^scene: "):
-            asap.keep_curve(nothing, scene)
+        refused(partial(asap.keep_curve, nothing, scene), "scene")
 
 
 def test_masked_events_are_refused_by_every_door() -> None:
@@ -629,11 +621,10 @@ def test_masked_events_are_refused_by_every_door() -> None:
         lambda: synthetic.joined([EVENTS, masked]),
         lambda: metrics.load(np.ma.masked_array(RUN.packages, True)),
     ):
-        with pytest.raises(ValueError, match=r"^\w+ = masked array: take out"):
+        with pytest.raises(ValueError, match=r"^\w+ = masked array: .{10,}"):
             call()
-    for call in (asap.EFast(9, 9).process, asap.ClusterTracker(9, 9).process):
-        with pytest.raises(TypeError, match=rf"^events = masked array of shape \(5,\).*: {ARRAY}"):
-            call(masked)
+    for call in (CORNERS.process, TRACKER.process):
+        refused(partial(call, masked), "events = masked array of shape (5,)", DTYPE)
 
 
 @pytest.mark.parametrize(
@@ -649,9 +640,7 @@ def test_masked_events_are_refused_by_every_door() -> None:
     ],
 )
 def test_class_is_no_object_of_it(call: Callable[[type], object], field: str) -> None:
-    words = rf"^{field} = <class .*EFast'>: give an object of it, such as EFast\(346, 260\)$"
-    with pytest.raises(TypeError, match=words):
-        call(asap.EFast)
+    refused(lambda: call(asap.EFast), f"{field} = {asap.EFast!r}", "EFast(346, 260)")
 
 
 SOURCES = [
@@ -664,8 +653,7 @@ SOURCES = [
 
 @pytest.mark.parametrize("call", SOURCES)
 def test_source_is_never_none_but_may_be_empty(call: Callable[[Any], Any]) -> None:
-    with pytest.raises(TypeError, match=r"^source = None: give a path, a recording or arrays"):
-        call(None)
+    refused(lambda: call(None), "source = None")
     call([])
     call(EVENTS[:0])
 
@@ -673,10 +661,8 @@ def test_source_is_never_none_but_may_be_empty(call: Callable[[Any], Any]) -> No
 @pytest.mark.parametrize("call", [asap.as_events, *SOURCES])
 def test_method_that_was_not_called_is_told_so(call: Callable[[Any], Any]) -> None:
     stream = synthetic.FlightOverChairs(duration_s=0.01)
-    with pytest.raises(TypeError, match=r"^source = <bound method .*: call it: events\(\)$"):
-        call(stream.events)
-    with pytest.raises(TypeError, match=r"^source = <function A .*: call it: A\(\)$"):
-        call(scenes.A)
+    refused(lambda: call(stream.events), "source = <bound method ", "events()")
+    refused(lambda: call(scenes.A), "source = <function A ", "A()")
 
 
 @pytest.mark.parametrize(
@@ -692,14 +678,13 @@ def test_method_that_was_not_called_is_told_so(call: Callable[[Any], Any]) -> No
 def test_events_are_refused_by_the_name_of_the_argument(
     call: Callable[[Any], object], field: str
 ) -> None:
-    for value, words in (
-        ("a.npy", " = 'a.npy': a path is read with asap.load"),
-        (5, " = 5: give an array with named fields"),
-        (np.zeros(5), r" is an array of float64, shape \(5,\): give"),
-        (EVENTS[["t", "x"]], ": no field for y among: t, x;"),
+    for value, opening, remedy in (
+        ("a.npy", " = 'a.npy'", "asap.load"),
+        (5, " = 5", "array"),
+        (np.zeros(5), " is an array of float64, shape (5,)", "give"),
+        (EVENTS[["t", "x"]], "", "no field for y"),
     ):
-        with pytest.raises(TypeError, match=f"^{field}{words}"):
-            call(value)
+        refused(partial(call, value), f"{field}{opening}", remedy)
     with pytest.raises(ValueError, match=r"^order = None: "):
         call(np.zeros((5, 4)))
 
@@ -725,7 +710,7 @@ def test_what_is_no_file_is_refused_and_not_waited_for(kind: str, tmp_path: Path
         lambda path: asap.simulate(path, cost=COST),
         lambda path: asap.compare(path, cost=COST),
     ):
-        with pytest.raises(OSError, match="no regular file; save it to one first") as caught:
+        with pytest.raises(OSError, match=r"no regular file; .{10,}") as caught:
             call(path)
         assert caught.value.filename == str(path)
     if kind == "pipe":

@@ -278,12 +278,6 @@ def test_progress_is_reported():
     assert all(done == ledger["received"] - ledger["pending"] for done, _, ledger in seen)
 
 
-@pytest.mark.parametrize("speed", [0, -1, float("nan"), float("inf")])
-def test_bad_speed_is_named(speed):
-    with pytest.raises(ValueError, match="speed"):
-        asap.run(streams.make([1]), algorithm=lambda events: None, speed=speed)
-
-
 def test_signal_handlers_are_left_alone():
     before = signal.getsignal(signal.SIGINT)
     asap.run(streams.make([1, 2]), algorithm=lambda events: None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 
 import numpy as np
@@ -79,3 +80,28 @@ def test_the_size_of_asap2022_depends_on_its_start(first_size, end):
         latency_ms=1000,  # no flush
     )
     assert run.packages["size"][-3] == end
+
+
+def test_equal_limits_and_no_processing_time_are_refused_or_finite():
+    """In the reference implementation atan(kappa log(t)) of them is NaN, cast to a size."""
+    with pytest.raises(ValueError, match=r"^max_processing_ms = 3"):
+        asap.Asap2022(min_processing_ms=3, max_processing_ms=3)
+    with pytest.raises(ValueError, match=r"^min_processing_ms = 0"):
+        asap.Asap2022(min_processing_ms=0)
+    with pytest.raises(ValueError, match=r"^max_processing_ms = -2"):
+        asap.Asap2022(max_processing_ms=-2)
+    schemes = (
+        asap.Asap2022(min_size=500, max_size=500, min_gamma=0.5, max_gamma=0.5),
+        asap.Asap2022(min_gamma=0),
+        asap.Asap2020(),
+        asap.Deadline(),
+        asap.DeadBeat(),
+    )
+    one_stamp = streams.make(np.zeros(700_000, np.int64))
+    for scheme, opaque in itertools.product(schemes, (False, True)):
+        for cost in (asap.LinearCost(0, 0), asap.LinearCost(1e9, 1e9)):
+            done = asap.simulate(one_stamp, cost=cost, scheme=scheme, opaque=opaque, capacity=4096)
+            for column in done.packages.dtype.names:
+                assert np.isfinite(done.packages[column]).all(), (scheme, column)
+            assert ((done.packages["gamma"] > 0) & (done.packages["gamma"] <= 1)).all()
+            assert done.ledger.balanced

@@ -25,6 +25,7 @@ ANY: Signature = [("any", "*args, **kwargs", None)]
 
 
 @pytest.mark.slow
+@pytest.mark.full
 def test_stubtest_finds_nothing(tmp_path: Path) -> None:
     pytest.importorskip("mypy")
     run([sys.executable, "-m", "mypy.stubtest", "asap._core"], cwd=tmp_path)
@@ -35,7 +36,24 @@ def test_lazy_modules_are_listed() -> None:
     assert set(asap.__all__) <= set(names)
 
 
+def test_lazy_modules_are_imported_and_getattr_hidden_for_the_type_checker() -> None:
+    """A type checker would take any name for one of a module that has a __getattr__."""
+    tree = ast.parse((ROOT / "python" / "asap" / "__init__.py").read_text())
+    (guard,) = [node for node in tree.body if isinstance(node, ast.If)]
+    assert ast.unparse(guard.test) == "TYPE_CHECKING"
+    (imports,) = guard.body
+    assert isinstance(imports, ast.ImportFrom) and imports.module == "asap"
+    assert [alias.name for alias in imports.names] == [*asap._MODULES]
+    (hidden,) = guard.orelse
+    assert isinstance(hidden, ast.FunctionDef) and hidden.name == "__getattr__"
+    functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    assert "__getattr__" not in functions
+    with pytest.raises(AttributeError, match="'simulat'"):
+        asap.simulat  # noqa: B018
+
+
 @pytest.mark.slow
+@pytest.mark.full
 def test_type_checker_knows_the_lazy_modules_and_no_other_name(tmp_path: Path) -> None:
     pytest.importorskip("mypy")
     uses = "import asap\n\nasap.scenes.A()\nasap.plots.frame\nasap.simulat\n"
