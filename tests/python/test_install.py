@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import os
+import re
 import shutil
 import sys
 import tarfile
@@ -34,12 +36,36 @@ def files_of_the_project() -> set[str]:
     return {name for name in names if "__pycache__" not in name and "/." not in name}
 
 
-@pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build an sdist of a checkout that holds files of its user too.
+def packed_again(folder: Path) -> Path:
+    """Make a wheel of the installed files: what pip built for this environment."""
+    installed = importlib.metadata.distribution("asap-events")
+    info = f"asap_events-{asap.__version__}.dist-info"
+    added_by_pip = {f"{info}/{name}" for name in ("INSTALLER", "REQUESTED", "direct_url.json")}
+    names = [file.as_posix() for file in installed.files or ()]
+    names = [name for name in names if name.startswith(("asap/", info)) and name[-4:] != ".pyc"]
+    assert any("/_core." in name for name in names), "asap is editable: set ASAP_DIST"
+    (tag,) = re.findall(r"^Tag: (.*)$", installed.read_text("WHEEL") or "", re.M)
+    path = folder / f"asap_events-{asap.__version__}-{tag}.whl"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in {*names} - added_by_pip - {f"{info}/RECORD"}:
+            archive.write(str(installed.locate_file(name)), name)
+        rows = "".join(f"{name},,\n" for name in archive.namelist())
+        archive.writestr(f"{info}/RECORD", f"{rows}{info}/RECORD,,\n")
+    return path
 
-    Unless ASAP_DIST is set, also build a wheel from that sdist alone.
-    """
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the wheel in the folder ASAP_DIST, or the installed one."""
+    if given := os.environ.get("ASAP_DIST"):
+        (path,) = Path(given).resolve().glob("*.whl")
+        return path
+    return packed_again(tmp_path_factory.mktemp("wheel"))
+
+
+@pytest.fixture(scope="module")
+def sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build an sdist of a checkout that holds files of its user too."""
     checkout, folder = tmp_path_factory.mktemp("checkout"), tmp_path_factory.mktemp("dist")
     for name in files_of_the_project() | FILES:
         (checkout / name).parent.mkdir(parents=True, exist_ok=True)
@@ -47,29 +73,21 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in STRAY:
         (checkout / name).parent.mkdir(parents=True, exist_ok=True)
         (checkout / name).write_text("mine")
-    parts = ["--sdist"] if "ASAP_DIST" in os.environ else []
-    run([sys.executable, "-m", "build", *parts, "--outdir", folder, checkout])
-    return folder
+    run([sys.executable, "-m", "build", "--sdist", "--outdir", folder, checkout])
+    (path,) = folder.glob("*.tar.gz")
+    return path
 
 
 @pytest.fixture(scope="module")
-def dist(request: pytest.FixtureRequest) -> Path:
-    """Return the folder ASAP_DIST, which holds one sdist and one wheel, or build both."""
-    given = os.environ.get("ASAP_DIST")
-    return Path(given).resolve() if given else request.getfixturevalue("built")
-
-
-@pytest.fixture(scope="module")
-def stranger(dist: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def stranger(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The bin folder of an environment with the wheel and what it requires, no more."""
     folder = tmp_path_factory.mktemp("stranger")
     venv.create(folder, with_pip=True)
-    run([folder / "bin" / "pip", "install", *dist.glob("*.whl")])
+    run([folder / "bin" / "pip", "install", wheel])
     return folder / "bin"
 
 
-def test_wheel_holds_the_package_alone(dist: Path) -> None:
-    (wheel,) = dist.glob("*.whl")
+def test_wheel_holds_the_package_alone(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     info = f"asap_events-{asap.__version__}.dist-info/"
     assert [name for name in names if not name.startswith(("asap/", info))] == []
@@ -86,26 +104,31 @@ STRAY = (
 )
 
 
-@pytest.mark.parametrize("where", ["built", "dist"])
-def test_sdist_holds_the_sources_and_nothing_else(
-    where: str, request: pytest.FixtureRequest
-) -> None:
-    (sdist,) = request.getfixturevalue(where).glob("*.tar.gz")
+def names_in(sdist: Path) -> set[str]:
     with tarfile.open(sdist) as archive:
-        names = {member.name.partition("/")[2] for member in archive if member.isfile()}
+        return {member.name.partition("/")[2] for member in archive if member.isfile()}
+
+
+def test_sdist_holds_the_sources_and_nothing_else(sdist: Path) -> None:
+    names = names_in(sdist)
     assert not (files_of_the_project() | FILES) - names
     tops = {name.split("/")[0] for name in names}
     assert tops == FOLDERS | FILES | ADDED_BY_THE_BACKEND
     assert not names & set(STRAY)
 
 
+@pytest.mark.skipif("ASAP_DIST" not in os.environ, reason="no ASAP_DIST with an sdist")
+def test_the_given_sdist_is_the_same(sdist: Path) -> None:
+    (given,) = Path(os.environ["ASAP_DIST"]).glob("*.tar.gz")
+    assert names_in(given) == names_in(sdist)
+
+
 @pytest.mark.full
-def test_a_wheel_is_built_from_the_sdist_alone(dist: Path, tmp_path: Path) -> None:
-    """The wheel in ASAP_DIST may have been built from the checkout."""
-    run([sys.executable, "-m", "pip", "wheel", "--no-deps", "-w", tmp_path, *dist.glob("*.tar.gz")])
-    (ours,), (theirs,) = tmp_path.glob("*.whl"), dist.glob("*.whl")
-    assert ours.name == theirs.name
-    assert {*zipfile.ZipFile(ours).namelist()} == {*zipfile.ZipFile(theirs).namelist()}
+def test_a_wheel_is_built_from_the_sdist_alone(sdist: Path, wheel: Path, tmp_path: Path) -> None:
+    run([sys.executable, "-m", "pip", "wheel", "--no-deps", "-w", tmp_path, sdist])
+    (built,) = tmp_path.glob("*.whl")
+    assert built.name == wheel.name
+    assert {*zipfile.ZipFile(built).namelist()} == {*zipfile.ZipFile(wheel).namelist()}
 
 
 def test_import_from_elsewhere(stranger: Path, tmp_path: Path) -> None:
@@ -131,8 +154,8 @@ def test_numpy_is_enough_for_a_run(stranger: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.full
-def test_editable_installation_follows_the_python_sources(dist: Path, tmp_path: Path) -> None:
-    run(["tar", "--extract", "--file", *dist.glob("*.tar.gz"), "--directory", tmp_path])
+def test_editable_installation_follows_the_python_sources(sdist: Path, tmp_path: Path) -> None:
+    run(["tar", "--extract", "--file", sdist, "--directory", tmp_path])
     (source,) = tmp_path.iterdir()
     venv.create(tmp_path / "venv", with_pip=True)
     binaries = tmp_path / "venv" / "bin"
