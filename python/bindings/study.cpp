@@ -6,6 +6,7 @@
 #include "asap/core/check.hpp"
 #include "asap/study/busy_wait.hpp"
 #include "asap/study/clairvoyant.hpp"
+#include "asap/study/exact_clairvoyant.hpp"
 #include "asap/study/oracle.hpp"
 #include "asap/study/scheduling_jitter.hpp"
 #include "gil.hpp"
@@ -70,6 +71,40 @@ Raises
 ------
 ValueError
     The cost has noise, or bin_us is out of range.
+
+References
+----------
+notebooks/theory.md, section 9.
+)");
+
+  m.def(
+      "exact_clairvoyant",
+      [](const py::array& events, const LinearCost& cost, double latency_us) {
+        const EventSpan span = as_span(events);
+        const WithoutGil release;  // pure C++: other Python threads may run
+        return exact_clairvoyant(span, cost, latency_us);
+      },
+      py::arg("events").noconvert(), py::arg("cost"), py::arg("latency_us"),
+      R"(The largest number of events that any scheduler can finish in time, in whole packages.
+
+Parameters
+----------
+events : ndarray of EVENT_DTYPE, shape (n,)
+    In order of time.
+cost : LinearCost
+    Its mean counts: without drift and outages.
+latency_us : float
+    The latency bound, us; an event that ends at the bound is in time.
+
+Returns
+-------
+int
+    EC(L), events.
+
+Raises
+------
+ValueError
+    The cost drifts or has outages, or the events are too many; then with the number that fits.
 
 References
 ----------

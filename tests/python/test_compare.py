@@ -176,6 +176,34 @@ def test_oracle_is_above_the_best_of_all_schedules(seed):
     assert bound <= 7
 
 
+@pytest.mark.parametrize("seed", range(10))
+def test_the_exact_oracle_is_the_best_of_all_schedules(seed):
+    t = np.sort(np.random.default_rng(seed).integers(1, 2000, 7))
+    cost = asap.LinearCost(100, 150_000, noise=0.3)  # the mean counts
+    found = asap.oracle(streams.make(t), cost=cost, latency_ms=0.7, exact=True)
+    assert type(found) is int
+    assert found == most_in_time(t.tolist(), 100, 150, 700)
+
+
+def test_the_exact_oracle_follows_speed_and_takes_chunks():
+    events = streams.poisson(6e4, 0.2)
+    options = {"cost": asap.LinearCost(1000, 20_000), "latency_ms": 5}
+    exact = asap.oracle(events, exact=True, **options)
+    assert 0.75 < exact / asap.oracle(events, **options) < 0.95  # five fixed costs per bound
+    assert asap.oracle(np.array_split(events, 7), exact=True, **options) == exact
+    assert asap.oracle(events, speed=5, exact=True, **options) < exact / 2
+    assert asap.oracle(events[:0], exact=True, **options) == 0
+
+
+def test_the_exact_oracle_names_the_number_of_events_that_fits():
+    flood = streams.make(np.full(200_000, 5))
+    cheap = asap.LinearCost(1, 0.01)
+    with pytest.raises(ValueError, match=r"^events = 200000: too many .* the first \d+ or fewer$"):
+        asap.oracle(flood, cost=cheap, latency_ms=10, exact=True)
+    with pytest.raises(TypeError, match=r"^exact = "):
+        asap.oracle(flood, cost=cheap, latency_ms=10, exact="no")
+
+
 def test_opaque_runs_are_scored_against_the_opaque_oracle():
     noisy = asap.LinearCost(100, 300, noise=0.5, seed=1)
     options = {"cost": noisy, "latency_ms": 5}
