@@ -7,14 +7,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from asap import _core, checks, metrics
-from asap.events import EVENT_DTYPE
 from asap.experiment.contenders import labelled, of_schemes, rivals, user_schemes
 from asap.experiment.result import Named, Run
 from asap.experiment.runners import Progress, check_latency
 from asap.experiment.side_by_side import CheckedStream, side_by_side
+from asap.synthetic import joined
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -356,8 +354,7 @@ def oracle(
     bound_us = check_latency(latency_ms) * 1e3
     stream = CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed)
     if exact:
-        events = np.concatenate([np.empty(0, EVENT_DTYPE), *stream])
-        return _core.exact_clairvoyant(events, cost, bound_us)
+        return _core.exact_clairvoyant(joined(list(stream)), cost, bound_us)
     found = _core.Oracle(cost, bound_us, opaque=opaque)
     for chunk in stream:
         found.feed(chunk)
