@@ -118,6 +118,46 @@ def test_the_bound_is_kept_in_overload(overload, make, name, defaults, opaque, l
     assert 0.93 * ideal < run.in_time < 1.02 * ideal * (1 + in_flight)
 
 
+@pytest.mark.parametrize(
+    ("alpha_us", "beta_ns", "latency_ms", "quiet_hz", "options"),
+    [
+        pytest.param(100, 300, 10, 200, {"overhead": 0.0}, id="fast"),
+        pytest.param(1000, 10_000, 30, 20, {}, id="slow"),
+        pytest.param(
+            1000, 10_000, 30, 20, {"first_alpha_us": 1000.0, "first_beta_ns": 1e4}, id="told"
+        ),
+    ],
+)
+def test_a_rush_after_a_quiet_second_is_in_time_in_whole_packages(
+    alpha_us, beta_ns, latency_ms, quiet_hz, options
+):
+    rush = {"rate_hz": 2e9 / beta_ns, "duration_s": 0.01 * latency_ms, "t0_us": 1_000_000}
+    for seed in range(10):
+        events = np.concatenate(
+            [streams.poisson(quiet_hz, 1.0, seed=seed), streams.poisson(**rush, seed=100 + seed)]
+        )
+        run = asap.simulate(
+            events,
+            cost=asap.LinearCost(alpha_us, beta_ns, noise=0.05, seed=seed),
+            scheme=asap.Deadline(latency_ms=latency_ms, **options),
+            opaque=True,
+            seed=seed,
+        )
+        assert run.latency.max < 1.05e3 * latency_ms, seed
+
+
+def test_flashing_light_costs_whole_packages_little():
+    rng = np.random.default_rng(1)
+    count = rng.poisson(4e6)  # load 1.2, in flashes of 0.5 ms at 100 Hz
+    stamps = 10_000 * rng.integers(0, 100, count) + rng.integers(0, 500, count)
+    events = streams.make(np.sort(stamps))
+    cost = asap.LinearCost(100, 300, noise=0.05, seed=1)
+    run = asap.simulate(events, cost=cost, scheme=asap.Deadline(), opaque=True)
+    best = asap.oracle(events, cost=cost, latency_ms=10, opaque=True)
+    assert run.latency.within_bound > 0.92 * best
+    assert run.latency.max < 10_500
+
+
 @both
 def test_opaque_execution_changes_the_outcome(overload, make, name, defaults):
     anytime, opaque = (

@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t kSettlingBounds = 20;     // T_settle, in latency bounds ...
 constexpr std::uint64_t kSettlingPackages = 60;  // ... and in packages
 
-constexpr std::uint64_t kSlowStart = 16;  // packages
+constexpr std::uint64_t kFirstPackages = 16;  // packages
 
 struct Run {
   Setup setup;
@@ -77,10 +77,10 @@ bool can_be_judged(const Run& run) {
   // keeps two of seven too many, nothing stops it.
   const double few = setup.execution == Execution::whole ? 40 : 20;
   if (few * setup.beta_ns > static_cast<double>(setup.latency_ns)) return false;
-  // What a cost model has learned in a slow start, or in the few packages after a change of level,
-  // it keeps for long: a weakness that is known.
-  if (tally.odd_package < kSlowStart) return false;
-  if (tally.odd_package != kNoPackage && tally.odd_packages < 2 * kSlowStart) return false;
+  // What a cost model has learned in the first packages, or in the few after a change of level, it
+  // keeps for long: a weakness that is known.
+  if (tally.odd_package < kFirstPackages) return false;
+  if (tally.odd_package != kNoPackage && tally.odd_packages < 2 * kFirstPackages) return false;
   if (tally.calm_ns == kNever || tally.judged_start_ns == kNever) return false;
   return tally.judged_rejected == 0 && setup.flush &&
          tally.judged_start_ns - tally.calm_ns > kSettlingBounds * setup.latency_ns &&

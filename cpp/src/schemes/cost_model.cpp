@@ -32,6 +32,7 @@ constexpr double kLeastSigma = 0.01;
 constexpr double kMostSigma = 0.4;
 constexpr double kScaleGain = 0.2;
 constexpr double kSigmaGain = 0.05;
+constexpr double kFade = 0.98;  // of a size, per package
 
 double outlier_limit(double sigma) noexcept { return 3.0 * sigma + 0.03; }
 
@@ -56,7 +57,9 @@ void CostModel::reset() noexcept {
   level_start_ = 0;
   smallest_ = kMostSize;
   largest_ = 0.0;
-  last_event_ns_ = std::numeric_limits<double>::infinity();
+  recent_size_ = 0.0;
+  recent_cost_ns_ = 0.0;
+  most_event_ns_ = std::numeric_limits<double>::infinity();
   buckets_ = {};
   for (const std::size_t octave : {std::size_t{0}, kPriorBucket}) {
     const auto size = static_cast<double>(std::size_t{1} << octave);
@@ -64,22 +67,22 @@ void CostModel::reset() noexcept {
   }
 }
 
-double CostModel::most_event_ns() const noexcept {
-  return on_level() <= kPriorLasts ? std::max(beta_ns(), last_event_ns_) : beta_ns();
+double CostModel::doubted_event_ns() const noexcept {
+  return on_level() <= kPriorLasts ? std::max(beta_ns(), most_event_ns_) : beta_ns();
 }
 
-void CostModel::update(std::size_t size, double processing_ns, std::size_t first_size,
-                       double first_ns) noexcept {
-  const bool has_parts = first_size > 0 && first_size < size;
-  if (has_parts) learn(first_size, first_ns, {.scale = kScaleGain / 2, .sigma = 0.0});
-  if (size > 0) learn(size, processing_ns, {has_parts ? kScaleGain / 2 : kScaleGain, kSigmaGain});
+void CostModel::update(const Outcome& outcome) noexcept {
+  const bool has_parts = outcome.first_size > 0 && outcome.first_size < outcome.size;
+  const double gain = has_parts ? kScaleGain / 2 : kScaleGain;
+  if (has_parts) learn(outcome.first_size, outcome.first_ns, {.scale = gain, .sigma = 0.0});
+  learn(outcome.size, outcome.work_ns(), {.scale = gain, .sigma = kSigmaGain});
 }
 
-void CostModel::learn(std::size_t size, double processing_ns, Gains gains) noexcept {
-  if (!(processing_ns >= 0)) return;
+void CostModel::learn(std::size_t size, std::int64_t time_ns, Gains gains) noexcept {
+  if (size == 0 || time_ns < 0) return;
   const double n = std::min(static_cast<double>(size), kMostSize);
-  const double measured_ns = std::clamp(processing_ns, kLeastCostNs, kMostCostNs);
-  last_event_ns_ = measured_ns / n;
+  const double measured_ns = std::clamp(static_cast<double>(time_ns), kLeastCostNs, kMostCostNs);
+  watch(n, measured_ns);
   const double expected_ns = predict_ns(n);
   const double error = measured_ns / expected_ns - 1.0;
   const double noise = std::min(std::abs(error), outlier_limit(sigma_));
@@ -94,6 +97,18 @@ void CostModel::learn(std::size_t size, double processing_ns, Gains gains) noexc
   fit();
   if (on_level() >= kClipsFrom) follow(n, cost_ns, noise, gains);
   ++count_;
+}
+
+// A smaller package says nothing about a larger one unless it is cheaper by event, or dearer as a
+// whole: then the larger one costs something else by now, or had met an outage.
+void CostModel::watch(double size, double cost_ns) noexcept {
+  recent_size_ *= kFade;
+  const bool is_known =
+      size < recent_size_ && cost_ns >= most_event_ns_ * size && cost_ns <= recent_cost_ns_;
+  if (is_known) return;
+  recent_size_ = size;
+  recent_cost_ns_ = cost_ns;
+  most_event_ns_ = cost_ns / size;
 }
 
 double CostModel::clipped(double error, double size) noexcept {

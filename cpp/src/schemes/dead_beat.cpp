@@ -49,7 +49,7 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
   decision.budget_ns = std::llround(std::max({budget_ns, 1.25 * cost_.alpha_ns(), 1.0}));
   decision.fixed_ns = cost_.alpha_ns();
   decision.event_ns = cost_.beta_ns();
-  decision.most_event_ns = cost_.most_event_ns();
+  decision.most_event_ns = cost_.doubted_event_ns();
   return decision;
 }
 
@@ -77,11 +77,9 @@ double DeadBeat::length_ns(std::size_t waiting) noexcept {
 double DeadBeat::size(double budget_ns, double waiting) const noexcept {
   const double alpha_ns = cost_.alpha_ns();
   double size = std::max(budget_ns - alpha_ns, alpha_ns / 4) / cost_.beta_ns();
-  size = std::min(size, slow_start_size(packages_));
   if (execution_ == Execution::whole) {
     size = std::min(size, safe_size(budget_ns, cost_.most_event_ns()));
   }
-  if (size < waiting && is_dithered(packages_)) size /= 2;
   return std::min(waiting, std::max(size, 1.0));
 }
 
@@ -91,8 +89,7 @@ double DeadBeat::caution() const noexcept {
 
 void DeadBeat::observe(const Outcome& outcome) noexcept {
   if (outcome.size == 0) return;  // no algorithm ran
-  cost_.update(outcome.size, static_cast<double>(outcome.processing_ns), outcome.first_size,
-               static_cast<double>(outcome.first_ns));
+  cost_.update(outcome);
   ++packages_;
 }
 

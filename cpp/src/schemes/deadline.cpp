@@ -16,7 +16,6 @@ constexpr double kLongestBudgetNs = 1e18;
 constexpr double kWholeCaution = 2.5;  // z: nothing stops a whole package that is late
 constexpr double kReach = 2.5;         // fixed costs
 constexpr std::uint64_t kSurePackages = 4;
-constexpr int kCalm = 4;  // packages until an overload is over
 
 double age_ns(const Backlog& backlog) noexcept {
   return static_cast<double>(std::max<std::int64_t>(backlog.age_ns(), 0));
@@ -46,11 +45,8 @@ void Deadline::reset(Execution execution) noexcept {
   cost_.reset();
   execution_ = execution;
   packages_ = 0;
-  price_ = {};
   reserve_ = {};
   age_ns_ = 0.0;
-  calm_ = 0;
-  has_slack_ = false;
 }
 
 Decision Deadline::decide(const Backlog& backlog) noexcept {
@@ -59,23 +55,31 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
   if (const std::size_t stale = this->stale(backlog, limits); stale > 0) {
     return Decision::drop(stale);
   }
-  const Decision decision = plan(backlog, limits);
   age_ns_ = age_ns(backlog);
-  return decision;
+  const double room_ns = std::max(limits.latency_ns - age_ns_, 1.0);
+  const Decision decision = plan(backlog, limits, room_ns);
+  return is_whole() ? sliced(decision, room_ns) : decision;
 }
 
-Decision Deadline::plan(const Backlog& backlog, const Limits& limits) noexcept {
-  const double work_ns = caution() * cost_.predict_ns(count(backlog));
-  has_slack_ = backlog.count == 1 || work_ns < limits.longest_ns / 2;
-
-  const double room_ns = std::max(limits.latency_ns - age_ns(backlog), 1.0);
+Decision Deadline::plan(const Backlog& backlog, const Limits& limits,
+                        double room_ns) const noexcept {
+  const double all = count(backlog);
+  const double work_ns = caution() * cost_.predict_ns(all);
   const double budget_ns = std::min(limits.longest_ns, room_ns);
   const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
   if (is_single(packages_, cost_.alpha_ns(), bound_ns)) return take(1.0, 1.0, budget_ns);
-  if (work_ns <= budget_ns) return take_all(backlog, budget_ns);
+  if (work_ns <= budget_ns) return take(all, all, budget_ns);
   const Lengths lengths = this->lengths(backlog, limits, room_ns);
-  if (work_ns <= lengths.package_ns) return take_all(backlog, lengths.package_ns);
+  if (work_ns <= lengths.package_ns) return take(all, all, lengths.package_ns);
   return thin(backlog, reserve(backlog, lengths, limits.latency_ns), lengths.package_ns);
+}
+
+// Nothing ends a whole package. Of one that may take longer than there is time only the head is
+// taken, and nothing is discarded for what may be an error of the model.
+Decision Deadline::sliced(const Decision& planned, double room_ns) const noexcept {
+  const double safe = safe_size(room_ns / caution(), cost_.most_event_ns());
+  const double size = planned.keep * static_cast<double>(planned.raw);
+  return size <= safe ? planned : Decision::take(static_cast<std::size_t>(safe));
 }
 
 // The bound; what two packages take that are little more than their fixed cost where that is more,
@@ -123,12 +127,8 @@ Deadline::Lengths Deadline::lengths(const Backlog& backlog, const Limits& limits
   const double recent_ns = latency_ns / 20;
   const double load_now = event_ns * younger(backlog, recent_ns) / recent_ns;
   const double load = event_ns * count(backlog) / std::max(age_ns(backlog), kLeastAgeNs);
-  const double phi = reservoir();
-
   double length_ns = limits.shortest_ns;
-  if (load > phi) {
-    length_ns = (1.0 - 0.1 * phi) * latency_ns * (load - phi) / (2.0 * load - phi);
-  }
+  if (load > 1) length_ns = 0.9 * latency_ns * (load - 1.0) / (2.0 * load - 1.0);
   length_ns = std::clamp(length_ns, limits.shortest_ns, limits.longest_ns);
   const double in_time_ns = std::min(length_ns, room_ns);
   if (load_now >= 1 || !is_sure()) return {in_time_ns, length_ns};
@@ -144,8 +144,7 @@ Deadline::Lengths Deadline::lengths(const Backlog& backlog, const Limits& limits
 double Deadline::reserve(const Backlog& backlog, const Lengths& lengths,
                          double latency_ns) const noexcept {
   const double beta_ns = cost_.beta_ns();
-  const double time_ns =
-      reservoir() * (latency_ns - lengths.package_ns - 2.0 * cost_.alpha_ns()) / caution();
+  const double time_ns = latency_ns - lengths.package_ns - 2.0 * cost_.alpha_ns();
   const double oldest_ns = std::min(latency_ns - lengths.next_ns - lengths.package_ns, time_ns);
   const double slot_ns = latency_ns / kAgeSlots;
   double lead_ns = 0.0;  // max over a of: a - beta #(age <= a)
@@ -162,29 +161,13 @@ double Deadline::reserve(const Backlog& backlog, const Lengths& lengths,
   return left;
 }
 
-Decision Deadline::take_all(const Backlog& backlog, double budget_ns) const noexcept {
-  const double raw = count(backlog);
-  if (!is_whole()) return take(raw, raw, budget_ns);
-  const double slice = std::min({raw, slow_start_size(packages_), safe_size(budget_ns)});
-  return take(slice, slice, budget_ns);
-}
-
 Decision Deadline::thin(const Backlog& backlog, double reserve, double budget_ns) const noexcept {
   const double waiting = count(backlog);
   const double alpha_ns = cost_.alpha_ns();
   const double affordable_ns = std::max(budget_ns / caution() - alpha_ns, alpha_ns / 4.0);
   const double affordable = std::max(1.0, std::floor(affordable_ns / cost_.beta_ns()));
   const double raw = std::min(waiting, std::max(waiting - std::floor(reserve), affordable));
-  const double most = std::min(raw, affordable);
-  if (!is_whole()) return take(raw, std::min(most, slow_start_size(packages_)), budget_ns);
-  const double size = std::min({most, slow_start_size(packages_), safe_size(budget_ns)});
-  if (is_early()) return take(size, size, budget_ns);  // a slice: discard nothing without need
-  const bool is_half = size < raw && is_dithered(packages_);
-  return take(raw, is_half ? std::max(1.0, size / 2) : size, budget_ns);
-}
-
-double Deadline::safe_size(double budget_ns) const noexcept {
-  return asap::safe_size(budget_ns / caution(), cost_.most_event_ns());
+  return take(raw, std::min(raw, affordable), budget_ns);
 }
 
 Decision Deadline::take(double raw, double size, double budget_ns) const noexcept {
@@ -193,28 +176,18 @@ Decision Deadline::take(double raw, double size, double budget_ns) const noexcep
   decision.budget_ns = std::llround(std::clamp(budget_ns, 1.0, kLongestBudgetNs));
   decision.fixed_ns = cost_.alpha_ns();
   decision.event_ns = cost_.beta_ns();
-  decision.most_event_ns = cost_.most_event_ns();
+  decision.most_event_ns = cost_.doubted_event_ns();
   return decision;
 }
 
 void Deadline::observe(const Outcome& outcome) noexcept {
   if (outcome.size == 0) return;  // no algorithm ran
-  cost_.update(outcome.size, static_cast<double>(outcome.work_ns()), outcome.first_size,
-               static_cast<double>(outcome.first_ns));
+  cost_.update(outcome);
   if (!is_early()) {  // else the first guess may be to blame
     reserve_.observe(age_ns_ + static_cast<double>(outcome.processing_ns),
                      static_cast<double>(outcome.span_ns), reachable_ns());
   }
   ++packages_;
-  if (static_cast<double>(outcome.size) < 0.999 * static_cast<double>(outcome.raw)) {
-    const double longest_ns = 0.5 * static_cast<double>(latency_bound_ns_.load());
-    const double share = static_cast<double>(outcome.processing_ns) / longest_ns;
-    price_.pay(cost_.alpha_ns() * std::max(0.0, 1.0 - share));
-    calm_ = 0;
-    return;
-  }
-  calm_ = std::min(calm_ + 1, kCalm);
-  if (calm_ == kCalm && has_slack_) price_.settle();
 }
 
 bool Deadline::is_early() const noexcept { return asap::is_early(packages_); }
@@ -227,10 +200,6 @@ double Deadline::caution() const noexcept {
 // even if it may not, so a few packages will do.
 bool Deadline::is_sure() const noexcept {
   return is_whole() ? !is_early() : packages_ >= kSurePackages;
-}
-
-double Deadline::reservoir() const noexcept {
-  return price_.share(static_cast<double>(latency_bound_ns_.load()));
 }
 
 SchemeParameters Deadline::parameters() const {

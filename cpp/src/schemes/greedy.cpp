@@ -20,9 +20,7 @@ Decision Greedy::decide(const Backlog& backlog) noexcept {
   return Decision::take(std::max<std::size_t>(static_cast<std::size_t>(cap), 1));
 }
 
-void Greedy::observe(const Outcome& outcome) noexcept {
-  if (outcome.size > 0) cost_.update(outcome.size, static_cast<double>(outcome.processing_ns));
-}
+void Greedy::observe(const Outcome& outcome) noexcept { cost_.update(outcome); }
 
 void Greedy::reset(Execution) noexcept { cost_.reset(); }
 

@@ -15,9 +15,7 @@ constexpr double kLeastShare = 0.05;             // of 1/beta
 GreedyRateGamma::GreedyRateGamma(double latency_ms)
     : latency_ms_(latency_ms), latency_ns_(checked_latency_ns(latency_ms)) {}
 
-void GreedyRateGamma::observe(const Outcome& outcome) noexcept {
-  if (outcome.size > 0) cost_.update(outcome.size, static_cast<double>(outcome.processing_ns));
-}
+void GreedyRateGamma::observe(const Outcome& outcome) noexcept { cost_.update(outcome); }
 
 double GreedyRateGamma::gamma(const Arrivals& arrivals) noexcept {
   const double rate = static_cast<double>(arrivals.arrived) / static_cast<double>(period_ns());

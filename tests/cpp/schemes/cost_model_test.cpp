@@ -9,13 +9,14 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
-#include "asap/schemes/calibration.hpp"
 #include "support/errors.hpp"
+#include "support/outcomes.hpp"
 
 namespace asap::cost_model_test {
 namespace {
 
 using test::error_of;
+using test::package;
 
 constexpr double kAlphaNs = 100e3;
 constexpr double kBetaNs = 300.0;
@@ -28,13 +29,18 @@ double normal(const CounterRandom& random, std::uint64_t index) {
   return sum - 6;
 }
 
+// The first packages double in size.
+double first_size(std::uint64_t index) {
+  return index < 15 ? static_cast<double>(2ULL << index) : 1e18;
+}
+
 // Overload: the size of a package follows from the model's own estimate, its length is the knee.
 double next_size(const CostModel& model, std::uint64_t index, double floor_ns) {
   const double length_ns =
       std::clamp(33 * model.alpha_ns(), std::max(floor_ns, 1.0), kLatencyNs / 2);
   const double size =
       std::max(length_ns - model.alpha_ns(), model.alpha_ns() / 4) / model.beta_ns();
-  return std::clamp(std::floor(std::min(size, slow_start_size(index))), 1.0, 1e7);
+  return std::clamp(std::floor(std::min(size, first_size(index))), 1.0, 1e7);
 }
 
 // The true cost of package `index` is factor(index) (alpha + beta n), with 5 % of noise.
@@ -62,7 +68,7 @@ Errors closed_loop(CostModel model, const Factor& factor, std::uint64_t seed,
       worst.prediction =
           std::max(worst.prediction, std::abs(model.predict_ns(size) / expected_ns - 1));
     }
-    model.update(static_cast<std::size_t>(size), cost_ns(size, f, random, k));
+    model.update(package(static_cast<std::size_t>(size), cost_ns(size, f, random, k)));
   }
   return worst;
 }
@@ -79,7 +85,7 @@ TEST(CostModel, StartsWithItsFirstGuess) {
 TEST(CostModel, FindsAnExactLine) {
   CostModel model;
   for (std::size_t size = 1; size <= 64; size *= 2) {
-    model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
+    model.update(package(size, kAlphaNs + kBetaNs * static_cast<double>(size)));
   }
   EXPECT_EQ(model.count(), 7u);  // the seventh drops the first guess
   EXPECT_NEAR(model.alpha_ns(), kAlphaNs, 1e-6 * kAlphaNs);
@@ -89,12 +95,13 @@ TEST(CostModel, FindsAnExactLine) {
 
 TEST(CostModel, FirstFitByHand) {
   CostModel model({.first_alpha_us = 1, .first_beta_ns = 1});
-  model.update(1, 2000);  // replaces the first guess at 1: the line goes through (1, 2000) and
+  model.update(
+      package(1, 2000));  // replaces the first guess at 1: the line goes through (1, 2000) and
   EXPECT_NEAR(model.predict_ns(1), 2000, 1e-6);  // the guess at 8192, which is 9192
   EXPECT_NEAR(model.predict_ns(8192), 9192, 1e-6);
-  model.update(1, 4000);  // halfway
+  model.update(package(1, 4000));  // halfway
   EXPECT_NEAR(model.predict_ns(1), 3000, 1e-6);
-  model.update(1, 6000);  // a third of the way
+  model.update(package(1, 6000));  // a third of the way
   EXPECT_NEAR(model.predict_ns(1), 4000, 3);
 }
 
@@ -102,10 +109,10 @@ TEST(CostModel, OtherSizesAreNotForgotten) {
   CostModel model;
   for (std::size_t k = 0; k < 24; ++k) {
     const std::size_t size = std::size_t{1} << (k % 12);
-    model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
+    model.update(package(size, kAlphaNs + kBetaNs * static_cast<double>(size)));
   }
   const CounterRandom random(4);
-  for (std::uint64_t k = 0; k < 5000; ++k) model.update(1000, cost_ns(1000, 1, random, k));
+  for (std::uint64_t k = 0; k < 5000; ++k) model.update(package(1000, cost_ns(1000, 1, random, k)));
   EXPECT_NEAR(model.alpha_ns(), kAlphaNs, 0.25 * kAlphaNs);
   EXPECT_NEAR(model.beta_ns(), kBetaNs, 0.25 * kBetaNs);
   EXPECT_NEAR(model.predict_ns(1000), 400e3, 20e3);
@@ -144,27 +151,27 @@ TEST(CostModel, ClipsOneOutlierAndTheSecondButNotTheThird) {
     CostModel model;
     for (std::size_t k = 0; k < 60; ++k) {
       const std::size_t size = std::size_t{1} << (k % 12);
-      model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
+      model.update(package(size, kAlphaNs + kBetaNs * static_cast<double>(size)));
     }
     return model;
   };
   CostModel model = trained();
   const double normal_ns = model.predict_ns(1024);
-  model.update(1024, 100 * normal_ns);
-  model.update(1024, 100 * normal_ns);
+  model.update(package(1024, 100 * normal_ns));
+  model.update(package(1024, 100 * normal_ns));
   EXPECT_LT(model.predict_ns(1024), 1.1 * normal_ns);
-  model.update(1024, 100 * normal_ns);
+  model.update(package(1024, 100 * normal_ns));
   EXPECT_GT(model.predict_ns(1024), 1.2 * normal_ns);
 
   CostModel turning = trained();  // three on the other side count from the first of them
   for (int k = 0; k < 5; ++k) {
-    turning.update(1024, k < 2 ? 100 * normal_ns : 0.01 * normal_ns);
+    turning.update(package(1024, k < 2 ? 100 * normal_ns : 0.01 * normal_ns));
   }
   EXPECT_LT(turning.predict_ns(1024), 0.85 * normal_ns);
 
   CostModel alternating = trained();  // outliers on both sides are no new level
   for (int k = 0; k < 6; ++k) {
-    alternating.update(1024, k % 2 == 0 ? 100 * normal_ns : 0.01 * normal_ns);
+    alternating.update(package(1024, k % 2 == 0 ? 100 * normal_ns : 0.01 * normal_ns));
   }
   EXPECT_NEAR(alternating.predict_ns(1024), normal_ns, 0.1 * normal_ns);
 }
@@ -190,7 +197,7 @@ TEST(CostModel, ARiseToAHundredfoldCostsAFewPackages) {
           EXPECT_LT(cost, 1.5 * model.predict_ns(size) + 1)
               << jump.beta << ", " << seed << ", " << k;
         }
-        model.update(static_cast<std::size_t>(size), cost);
+        model.update(package(static_cast<std::size_t>(size), cost));
       }
       if (jump.beta > 1) {
         EXPECT_NEAR(model.beta_ns() / (kBetaNs * jump.beta), 1, 0.5) << seed;
@@ -204,16 +211,16 @@ TEST(CostModel, ANewLevelIsLearnedAnew) {
   CostModel model;
   for (std::size_t k = 0; k < 60; ++k) {
     const std::size_t size = std::size_t{1} << (k % 12);
-    model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
+    model.update(package(size, kAlphaNs + kBetaNs * static_cast<double>(size)));
   }
-  for (int k = 0; k < 10; ++k) model.update(1024, 1.2 * (kAlphaNs + kBetaNs * 1024));
+  for (int k = 0; k < 10; ++k) model.update(package(1024, 1.2 * (kAlphaNs + kBetaNs * 1024)));
   const double small_ns = model.predict_ns(1);
   const double normal_ns = model.predict_ns(1024);
-  for (const double factor : {5.0, 100.0, 7.0}) model.update(1024, factor * normal_ns);
+  for (const double factor : {5.0, 100.0, 7.0}) model.update(package(1024, factor * normal_ns));
   EXPECT_NEAR(model.predict_ns(1024) / normal_ns, 6, 1);
   EXPECT_NEAR(model.predict_ns(1) / small_ns, 5, 0.7);
-  EXPECT_GE(model.sigma(), 0.2);       // as careful as at the start
-  model.update(1024, 10 * normal_ns);  // and every package is news
+  EXPECT_GE(model.sigma(), 0.2);                // as careful as at the start
+  model.update(package(1024, 10 * normal_ns));  // and every package is news
   EXPECT_NEAR(model.predict_ns(1024) / normal_ns, 8, 1.5);
 }
 
@@ -223,12 +230,12 @@ TEST(CostModel, AFallOfTheCostIsNotTakenForAFixedCost) {
     CostModel model;
     for (std::size_t k = 0; k < 60; ++k) {
       const std::size_t size = std::size_t{1} << (k % 12);
-      model.update(size, factor * (10e3 + 87e3 * static_cast<double>(size)));
+      model.update(package(size, factor * (10e3 + 87e3 * static_cast<double>(size))));
     }
-    for (int k = 0; k < 30; ++k) model.update(9, factor * (10e3 + 87e3 * 9));
-    for (int k = 0; k < 4; ++k) model.update(9, 10e3 + 87e3 * 9);
+    for (int k = 0; k < 30; ++k) model.update(package(9, factor * (10e3 + 87e3 * 9)));
+    for (int k = 0; k < 4; ++k) model.update(package(9, 10e3 + 87e3 * 9));
     for (const std::size_t size : {44u, 60u, 70u, 80u, 50u, 90u}) {
-      model.update(size, 10e3 + 87e3 * static_cast<double>(size));
+      model.update(package(size, 10e3 + 87e3 * static_cast<double>(size)));
     }
     EXPECT_LT(model.alpha_ns(), 100e3) << factor;
     EXPECT_NEAR(model.beta_ns() / 87e3, 1, 0.05) << factor;
@@ -240,13 +247,13 @@ TEST(CostModel, AFallThatTheFixedCostExplainsSaysNothingAboutTheEvents) {
   CostModel model;
   for (std::size_t k = 0; k < 60; ++k) {
     const std::size_t size = std::size_t{1} << (k % 14);
-    model.update(size, 4 * kAlphaNs + kBetaNs * static_cast<double>(size));
+    model.update(package(size, 4 * kAlphaNs + kBetaNs * static_cast<double>(size)));
   }
   const CounterRandom random(3);
   for (std::uint64_t k = 0; k < 300; ++k) {
     const std::size_t size = 40 + random(2 * k) % 60;
     const double mean_ns = kAlphaNs + kBetaNs * static_cast<double>(size);
-    model.update(size, mean_ns * (1 + 0.1 * normal(random, 1000 + k)));
+    model.update(package(size, mean_ns * (1 + 0.1 * normal(random, 1000 + k))));
   }
   EXPECT_NEAR(model.alpha_ns() / kAlphaNs, 1, 0.1);
   EXPECT_NEAR(model.beta_ns() / kBetaNs, 1, 0.25);
@@ -257,19 +264,19 @@ TEST(CostModel, OfANewSizeALowCostIsTheTruth) {
   const auto trained = [] {
     CostModel model;
     for (int k = 0; k < 20; ++k) {
-      for (const std::size_t size : {40u, 70u, 150u}) model.update(size, 500e3);
+      for (const std::size_t size : {40u, 70u, 150u}) model.update(package(size, 500e3));
     }
     EXPECT_GT(model.alpha_ns(), 400e3);
     return model;
   };
   CostModel cheap = trained();
-  cheap.update(1, 10e3);
+  cheap.update(package(1, 10e3));
   EXPECT_NEAR(cheap.alpha_ns(), 10e3, 10e3);
   CostModel dear = trained();
-  dear.update(1, 50e6);
+  dear.update(package(1, 50e6));
   EXPECT_LT(dear.alpha_ns(), 700e3) << "an outage is clipped";
   CostModel known = trained();
-  known.update(40, 10e3);
+  known.update(package(40, 10e3));
   EXPECT_GT(known.alpha_ns(), 350e3) << "and what is known is";
 }
 
@@ -280,50 +287,74 @@ TEST(CostModel, ASingleEventRefutesAFixedCost) {
     const CounterRandom random(3);
     for (std::uint64_t k = 0; k < 900; ++k) {  // with so much noise that 100 us may be some
       const double noise = std::exp(0.6 * normal(random, k));
-      model.update(k % 3 == 0 ? 1 : 50 * (k % 3), noise * 500e3);
+      model.update(package(k % 3 == 0 ? 1 : 50 * (k % 3), noise * 500e3));
     }
     EXPECT_NEAR(model.alpha_ns(), 500e3, 200e3);
     return model;
   };
   CostModel one = trained();
-  one.update(1, 100e3);
+  one.update(package(1, 100e3));
   EXPECT_LT(one.alpha_ns(), 150e3);
   CostModel more = trained();
-  more.update(2, 100e3);
+  more.update(package(2, 100e3));
   EXPECT_LT(more.alpha_ns(), 250e3) << "a size that is new";
   CostModel noise = trained();
-  noise.update(1, 200e3);
+  noise.update(package(1, 200e3));
   EXPECT_GT(noise.alpha_ns(), 250e3);
   CostModel known = trained();
-  known.update(50, 100e3);
+  known.update(package(50, 100e3));
   EXPECT_GT(known.alpha_ns(), 250e3);
 }
 
 TEST(CostModel, NoFixedCostIsLargerThanAPackage) {
   CostModel model;
-  for (int k = 0; k < 10; ++k) model.update(63, 110e3);
-  for (int k = 0; k < 3; ++k) model.update(220, 1.35e6);  // a new level: 63 may cost 370 us
+  for (int k = 0; k < 10; ++k) model.update(package(63, 110e3));
+  for (int k = 0; k < 3; ++k)
+    model.update(package(220, 1.35e6));  // a new level: 63 may cost 370 us
   for (int k = 0; k < 40; ++k) {
-    for (const std::size_t size : {220u, 371u, 596u}) model.update(size, 1.4e6);
+    for (const std::size_t size : {220u, 371u, 596u}) model.update(package(size, 1.4e6));
   }
   EXPECT_GT(model.alpha_ns(), 1e6);
-  for (int k = 0; k < 3; ++k) model.update(220, 0.42 * 1.4e6);
+  for (int k = 0; k < 3; ++k) model.update(package(220, 0.42 * 1.4e6));
   EXPECT_GT(model.predict_ns(1000), 0.4e6);
 }
 
-TEST(CostModel, UntilItKnowsAllOfTheLastCostMayBeThatOfItsEvents) {
+TEST(CostModel, UntilItKnowsAllOfTheCostMayBeThatOfTheEvents) {
   CostModel model;
-  EXPECT_EQ(model.most_event_ns(), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(model.doubted_event_ns(), std::numeric_limits<double>::infinity());
   for (std::size_t k = 0; k < 6; ++k) {
     const std::size_t size = std::size_t{4} << k;
-    model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
-    EXPECT_DOUBLE_EQ(model.most_event_ns(), kAlphaNs / static_cast<double>(size) + kBetaNs);
+    model.update(package(size, kAlphaNs + kBetaNs * static_cast<double>(size)));
+    EXPECT_DOUBLE_EQ(model.doubted_event_ns(), kAlphaNs / static_cast<double>(size) + kBetaNs);
   }
-  model.update(8, kAlphaNs + kBetaNs * 8);  // the first guess is forgotten
-  EXPECT_EQ(model.most_event_ns(), model.beta_ns());
-  for (int k = 0; k < 20; ++k) model.update(64, kAlphaNs + kBetaNs * 64);
-  for (int k = 0; k < 3; ++k) model.update(64, 10 * (kAlphaNs + kBetaNs * 64));
-  EXPECT_DOUBLE_EQ(model.most_event_ns(), 10 * (kAlphaNs + kBetaNs * 64) / 64) << "a new level";
+  model.update(package(8, kAlphaNs + kBetaNs * 8));  // the first guess is forgotten
+  EXPECT_EQ(model.doubted_event_ns(), model.beta_ns());
+  for (int k = 0; k < 20; ++k) model.update(package(64, kAlphaNs + kBetaNs * 64));
+  for (int k = 0; k < 3; ++k) model.update(package(64, 10 * (kAlphaNs + kBetaNs * 64)));
+  EXPECT_DOUBLE_EQ(model.doubted_event_ns(), 10 * (kAlphaNs + kBetaNs * 64) / 64) << "a new level";
+}
+
+// No package of n events or more costs more by event than one of n.
+TEST(CostModel, TheLargestRecentPackageSaysWhatAnEventCostsAtMost) {
+  CostModel model;
+  EXPECT_EQ(model.most_event_ns(), std::numeric_limits<double>::infinity());
+  const auto cost_by_event = [](double size) { return kAlphaNs / size + kBetaNs; };
+  const auto update = [&](std::size_t size) {
+    model.update(package(size, kAlphaNs + kBetaNs * static_cast<double>(size)));
+  };
+  for (const std::size_t size : {1u, 2u, 64u, 2000u}) {
+    update(size);
+    EXPECT_DOUBLE_EQ(model.most_event_ns(), cost_by_event(static_cast<double>(size)));
+  }
+  for (int k = 0; k < 100; ++k) update(200);
+  EXPECT_DOUBLE_EQ(model.most_event_ns(), cost_by_event(2000)) << "it has seen better";
+  for (int k = 0; k < 20; ++k) update(200);  // 0.98^120 of 2000
+  EXPECT_DOUBLE_EQ(model.most_event_ns(), cost_by_event(200)) << "but not lately";
+  update(3000);
+  model.update(package(100, 90e6));
+  EXPECT_DOUBLE_EQ(model.most_event_ns(), 9e5) << "or it costs more by now";
+  update(50);
+  EXPECT_DOUBLE_EQ(model.most_event_ns(), cost_by_event(50)) << "or that was an outage";
 }
 
 TEST(CostModel, OfAPackageInPartsTheFirstIsASecondSize) {
@@ -333,8 +364,8 @@ TEST(CostModel, OfAPackageInPartsTheFirstIsASecondSize) {
   for (std::uint64_t k = 0; k < 200; ++k) {
     const double factor = std::exp(0.2 * normal(random, k));
     const double whole_ns = factor * (kAlphaNs + kBetaNs * 900);
-    whole.update(900, whole_ns);
-    parts.update(900, whole_ns, 60, factor * (kAlphaNs + kBetaNs * 60));
+    whole.update(package(900, whole_ns));
+    parts.update(test::in_parts(900, 60, factor * kAlphaNs, factor * kBetaNs));
   }
   EXPECT_GT(std::abs(whole.alpha_ns() / kAlphaNs - 1), 0.3) << "one size tells nothing";
   EXPECT_NEAR(parts.alpha_ns() / kAlphaNs, 1, 0.15);
@@ -342,8 +373,10 @@ TEST(CostModel, OfAPackageInPartsTheFirstIsASecondSize) {
   EXPECT_NEAR(parts.sigma(), whole.sigma(), 0.02) << "of packages";
   CostModel same;
   CostModel none;
-  for (const std::size_t first : {0u, 900u, 901u}) same.update(900, 1e6, first, 1e3);
-  for (int k = 0; k < 3; ++k) none.update(900, 1e6);
+  for (const std::size_t first : {0u, 900u, 901u}) {
+    same.update(test::in_parts(900, first, 1e5, 1e3));
+    none.update(package(900, 1e6));
+  }
   EXPECT_EQ(same.predict_ns(60), none.predict_ns(60)) << "no part";
 }
 
@@ -354,7 +387,7 @@ TEST(CostModel, LearnsTheNoise) {
     for (std::uint64_t k = 0; k < 1000; ++k) {
       const std::size_t size = std::size_t{1} << (k % 12);
       const double mean_ns = kAlphaNs + kBetaNs * static_cast<double>(size);
-      model.update(size, mean_ns * (1 + std::max(-0.9, noise * normal(random, k))));
+      model.update(package(size, mean_ns * (1 + std::max(-0.9, noise * normal(random, k)))));
     }
     const double mean_error = std::max(0.01, 0.8 * noise);  // E|x| of a normal x
     EXPECT_GT(model.sigma(), 0.7 * mean_error);
@@ -363,16 +396,17 @@ TEST(CostModel, LearnsTheNoise) {
 }
 
 // At constant n the two parameters are not separately observable. An alpha that is too small makes
-// the knee small, and the small packages confirm it. What the slow start has seen prevents that.
+// the knee small, and the small packages confirm it. What packages of other sizes have shown at
+// the start prevents that.
 TEST(CostModel, DoesNotRunAwayInClosedLoop) {
-  const auto efficiency = [](bool slow_start, std::uint64_t seed) {
+  const auto efficiency = [](bool starts_small, std::uint64_t seed) {
     const CounterRandom random(seed);
     CostModel model;
     double events = 0, time_ns = 0;
     for (std::uint64_t k = 0; k < 3000; ++k) {
-      const double size = next_size(model, slow_start ? k : k + 1000, 0);
+      const double size = next_size(model, starts_small ? k : k + 1000, 0);
       const double cost = cost_ns(size, 1, random, k);
-      model.update(static_cast<std::size_t>(size), cost);
+      model.update(package(static_cast<std::size_t>(size), cost));
       if (k < 1000) continue;
       events += size;
       time_ns += cost;
@@ -394,7 +428,7 @@ TEST(CostModel, WrongFirstGuessesAreGoneAfterSixUpdates) {
       CostModel model({.first_alpha_us = 100 * alpha_error, .first_beta_ns = 300 * beta_error});
       std::size_t size = 2;
       for (int k = 0; k < 7; ++k, size *= 2) {
-        model.update(size, kAlphaNs + kBetaNs * static_cast<double>(size));
+        model.update(package(size, kAlphaNs + kBetaNs * static_cast<double>(size)));
       }
       EXPECT_NEAR(model.alpha_ns(), kAlphaNs, 1e-6 * kAlphaNs);
       EXPECT_NEAR(model.beta_ns(), kBetaNs, 1e-6 * kBetaNs);
@@ -408,7 +442,7 @@ TEST(CostModel, WrongFirstGuessesAreGoneAfterSixUpdatesOfOneSize) {
     for (const std::size_t size : {1u, 100u, 10'000u, 100'000'000u}) {
       CostModel model({.first_alpha_us = 100 * error, .first_beta_ns = 300 * error});
       const double n = static_cast<double>(size);
-      for (int k = 0; k < 7; ++k) model.update(size, kAlphaNs + kBetaNs * n);
+      for (int k = 0; k < 7; ++k) model.update(package(size, kAlphaNs + kBetaNs * n));
       EXPECT_NEAR(model.predict_ns(n) / (kAlphaNs + kBetaNs * n), 1.0, 1e-6)
           << error << " at " << size;
     }
@@ -416,10 +450,7 @@ TEST(CostModel, WrongFirstGuessesAreGoneAfterSixUpdatesOfOneSize) {
 }
 
 TEST(CostModel, NeverNegativeNorNaNWhateverIsFed) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<double> times = {0,    -1,       kNaN, kInfinity, -kInfinity, 1e300,
-                                     1e18, 4.9e-324, 1,    1e5,       1e5,        1e9};
+  const std::vector<double> times = {0, -1, -9e18, 9e18, 1e18, 1, 1e5, 1e5, 1e9};
   const std::vector<std::size_t> sizes = {
       0, 1, 2, 100, 8192, std::size_t{1} << 24, std::numeric_limits<std::size_t>::max()};
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
@@ -428,8 +459,8 @@ TEST(CostModel, NeverNegativeNorNaNWhateverIsFed) {
                      .first_beta_ns = seed % 2 == 0 ? 0.001 : 1e9});
     const std::uint64_t run = 1 + seed % 40;  // how long the same is fed
     for (std::uint64_t k = 0; k < 1000; ++k) {
-      model.update(sizes[random(2 * (k / run)) % sizes.size()],
-                   times[random(2 * (k / run) + 1) % times.size()]);
+      model.update(package(sizes[random(2 * (k / run)) % sizes.size()],
+                           times[random(2 * (k / run) + 1) % times.size()]));
       ASSERT_TRUE(std::isfinite(model.alpha_ns()) && model.alpha_ns() > 0) << seed << ", " << k;
       ASSERT_TRUE(std::isfinite(model.beta_ns()) && model.beta_ns() > 0) << seed << ", " << k;
       ASSERT_TRUE(std::isfinite(model.sigma()) && model.sigma() >= 0.01) << seed << ", " << k;
@@ -444,11 +475,12 @@ TEST(CostModel, RecoversFromWhatIsAbsurd) {
     const CounterRandom random(seed);
     CostModel model;
     for (std::uint64_t k = 0; k < 500; ++k) {
-      model.update(std::size_t{1} << (random(2 * k) % 20), random(2 * k + 1) % 2 == 0 ? 0.0 : 1e15);
+      model.update(
+          package(std::size_t{1} << (random(2 * k) % 20), random(2 * k + 1) % 2 == 0 ? 0.0 : 1e15));
     }
     for (std::uint64_t k = 0; k < 200; ++k) {
       const double size = std::min(next_size(model, k, kLatencyNs / 10), 16'000.0);
-      model.update(static_cast<std::size_t>(size), cost_ns(size, 1, random, k));
+      model.update(package(static_cast<std::size_t>(size), cost_ns(size, 1, random, k)));
     }
     EXPECT_NEAR(model.predict_ns(16'000), 4.9e6, 0.5e6) << seed;
   }
@@ -456,11 +488,11 @@ TEST(CostModel, RecoversFromWhatIsAbsurd) {
 
 TEST(CostModel, WhatIsNoTimeIsNoUpdate) {
   CostModel model;
-  model.update(100, std::numeric_limits<double>::quiet_NaN());
-  model.update(100, -1);
+  model.update(package(100, -1));
+  model.update(package(0, 1e5));
   EXPECT_EQ(model.count(), 0u);
   EXPECT_DOUBLE_EQ(model.predict_ns(1000), 150e3);
-  model.update(100, 0);  // an algorithm that returns at once is one
+  model.update(package(100, 0));  // an algorithm that returns at once is one
   EXPECT_EQ(model.count(), 1u);
   EXPECT_LT(model.predict_ns(100), 1000);
 }
@@ -468,7 +500,8 @@ TEST(CostModel, WhatIsNoTimeIsNoUpdate) {
 TEST(CostModel, ResetBringsTheFirstStateBack) {
   CostModel model({.first_alpha_us = 7, .first_beta_ns = 8});
   const auto learn = [&] {
-    for (std::size_t k = 0; k < 100; ++k) model.update(k * k, 1e5 + 1e3 * static_cast<double>(k));
+    for (std::size_t k = 0; k < 100; ++k)
+      model.update(package(k * k, 1e5 + 1e3 * static_cast<double>(k)));
     return std::vector<double>{model.alpha_ns(), model.beta_ns(), model.sigma()};
   };
   const auto once = learn();

@@ -272,17 +272,7 @@ TEST(Deadline, ALastResortIsAQuarterAlphaOfEvents) {
   EXPECT_NEAR(size_of(decision), kAlphaNs / 4 / kBetaNs, 1);
 }
 
-// ---- slow start, overload, noise, impossible bounds -------------------------------------------
-
-TEST(Deadline, EarlyPackagesPlanSmall) {
-  for (const std::uint64_t k : {0u, 1u, 3u, 14u}) {
-    Deadline scheme = trained({}, Execution::anytime, k);
-    const Decision decision = decide(scheme, spread({{900'000, 4 * kMs, kMs}}));
-    EXPECT_NEAR(size_of(decision), std::min(std::pow(2.0, static_cast<double>(k + 1)), 20'000.0),
-                k < 14 ? 1e-6 : 6000)
-        << k;
-  }
-}
+// ---- the first packages, noise, impossible bounds ----------------------------------------------
 
 TEST(Deadline, UsesAllTheTimeThereIsOnceItKnowsTheAlgorithm) {
   const FakeBacklog after_the_rush = spread({{900'000, 4 * kMs, kMs}});  // room for 6 ms
@@ -292,102 +282,6 @@ TEST(Deadline, UsesAllTheTimeThereIsOnceItKnowsTheAlgorithm) {
   }
   Deadline sure = trained({}, Execution::anytime, 4);
   EXPECT_GT(budget_ms(decide(sure, after_the_rush)), 5.8);
-}
-
-// The price of a package of 8192 events is 100 us (1 - 2557.6 us / 5 ms) = 48.85 us; 51 of them
-// make phi = 1 - 51 x 48.85 us / 5 ms = 0.5017.
-constexpr int kCrowdedPackages = 51;
-
-void endure(Deadline& scheme, const FakeBacklog& events, int packages) {
-  for (int k = 0; k < packages; ++k) {
-    decide(scheme, events);
-    observe(scheme, 8192, 10'000, kAlphaNs + kBetaNs * 8192);
-  }
-}
-
-TEST(Deadline, TheReserveShrinksInLongOverload) {
-  Deadline scheme = trained();
-  const FakeBacklog events = evenly(50'000, 5 * kMs);
-  EXPECT_NEAR(budget_ms(decide(scheme, events)), 3.6, 1e-3);
-  endure(scheme, events, kCrowdedPackages);
-  // (1 - 0.05) L (3 - 0.5017) / (6 - 0.5017) = 4.3161 ms; the work of the reserve may take
-  // 0.5017 (L - T - 2 alpha) = 2.7513 ms, with its age at a load of 3: x = 0.917 ms.
-  const Decision decision = decide(scheme, events);
-  EXPECT_NEAR(budget_ms(decision), 4.316, 2e-3);
-  EXPECT_NEAR(static_cast<double>(decision.raw), 50'000 - 9171, 10);
-  endure(scheme, events, 60);
-  const Decision long_after = decide(scheme, events);  // phi = 0: T = L / 2, nothing stays behind
-  EXPECT_NEAR(budget_ms(long_after), 5.0, 1e-3);
-  EXPECT_EQ(long_after.raw, 50'000u);
-}
-
-// With this knee a package of one event takes more than half of T_hi = L / 10. The simulation's
-// seed 280652, a tenth of whose time was needed, lost one of every two events that came together.
-TEST(Deadline, OneEventAtATimeIsNoOverload) {
-  Deadline scheme({.knee = 1});
-  scheme.reset(Execution::anytime);
-  for (std::size_t k = 0; k < 60; ++k) {
-    const std::size_t size = 1 + k % 3;
-    observe(scheme, size, size, 0.1e6 + 0.6e6 * static_cast<double>(size));
-  }
-  const auto take_two = [&] { return decide(scheme, evenly(2, kMs)); };
-  const auto take = [&](std::size_t waiting) {
-    decide(scheme, evenly(waiting, kMs));
-    observe(scheme, 1, waiting, 0.7e6);
-  };
-  for (int k = 0; k < 80; ++k) take(2);  // too much for long: nothing stays behind any more
-  EXPECT_EQ(take_two().raw, 2u);
-  EXPECT_EQ(size_of(take_two()), 1.0);
-  for (int k = 0; k < 20; ++k) take(k % 5 == 0 ? 2 : 1);
-  EXPECT_EQ(take_two().raw, 1u);
-  EXPECT_EQ(size_of(take_two()), 1.0);
-}
-
-TEST(Deadline, LongPackagesCostTheReserveNothing) {
-  Deadline scheme = trained();
-  const FakeBacklog events = evenly(50'000, 5 * kMs);
-  for (int k = 0; k < 100; ++k) {
-    observe(scheme, 16'384, 20'000, kAlphaNs + kBetaNs * 16'384);  // 5.015 ms
-  }
-  EXPECT_NEAR(budget_ms(decide(scheme, events)), 3.6, 2e-3);
-}
-
-TEST(Deadline, AnOverloadIsOverAfterFourCalmPackages) {
-  const FakeBacklog crowd = evenly(50'000, 5 * kMs);
-  const FakeBacklog few = evenly(1000, kMs);           // 0.4 ms of work, below T_hi / 2
-  const FakeBacklog no_slack = evenly(8500, 3 * kMs);  // 2.65 ms, above
-  const auto overloaded = [&] {
-    Deadline scheme = trained();
-    endure(scheme, crowd, kCrowdedPackages);
-    return scheme;
-  };
-  const auto calm = [&](Deadline& scheme, const FakeBacklog& events) {
-    decide(scheme, events);
-    observe(scheme, 1024, 1024, kAlphaNs + kBetaNs * 1024);
-  };
-  // After it, ten more packages cost less than the overload before, so phi stays; in it they add.
-  const auto budget_after_ten_more = [&](Deadline scheme) {
-    endure(scheme, crowd, 10);
-    return budget_ms(decide(scheme, crowd));
-  };
-  Deadline scheme = overloaded();
-  for (int k = 0; k < 3; ++k) calm(scheme, few);
-  EXPECT_NEAR(budget_after_ten_more(scheme), 4.4515, 2e-3);
-  calm(scheme, few);
-  EXPECT_NEAR(budget_after_ten_more(scheme), 4.316, 2e-3);
-
-  Deadline interrupted = overloaded();
-  for (int k = 0; k < 3; ++k) calm(interrupted, few);
-  decide(interrupted, few);  // a package that discards
-  observe(interrupted, 1000, 1024, kAlphaNs + kBetaNs * 1000);
-  calm(interrupted, few);
-  EXPECT_GT(budget_after_ten_more(interrupted), 4.43);
-
-  Deadline busy = overloaded();
-  for (int k = 0; k < 9; ++k) calm(busy, no_slack);
-  EXPECT_NEAR(budget_after_ten_more(busy), 4.4515, 2e-3);
-  calm(busy, few);
-  EXPECT_NEAR(budget_after_ten_more(busy), 4.316, 2e-3);
 }
 
 TEST(Deadline, KeepsAMarginForNoise) {
@@ -404,7 +298,7 @@ TEST(Deadline, KeepsAMarginForNoise) {
     const double noise = k < 150 ? 4 * random.uniform(k) : 1.0;
     const double cost_ns = std::floor((kAlphaNs + kBetaNs * 1000) * noise);
     observe(scheme, 1000, 1000, cost_ns);
-    model.update(1000, cost_ns);
+    model.update(test::package(1000, cost_ns));
   }
   EXPECT_NEAR(least, 0.9825, 1e-4);  // the noise was felt, and sigma has a limit
   EXPECT_LT(model.sigma(), 0.05);    // and is forgotten
@@ -492,14 +386,41 @@ TEST(Deadline, ABoundThatCannotBeKeptIsReplacedByTwoAndAHalfFixedCosts) {
 
 // ---- an algorithm that takes a package in one call --------------------------------------------
 
-// Of 3 ms for 10 events nobody knows what 16 will cost.
-TEST(Deadline, AWholePackageIsNotLargerThanIsSafe) {
+// A slice: nothing is discarded for what may be an error of the model.
+TEST(Deadline, AWholePackageIsNoLargerThanIsSafe) {
   Deadline scheme;
   scheme.reset(Execution::whole);
-  for (int k = 0; k < 3; ++k) {
-    scheme.observe({.size = 10, .raw = 10, .span_ns = 0, .start_ns = 0, .processing_ns = 3 * kMs});
+  const FakeBacklog crowd = evenly(50'000, 4 * kMs);
+  EXPECT_EQ(decide(scheme, crowd).raw, 2u);
+  observe(scheme, 2, 2, 100'600);
+  const Decision decision = decide(scheme, crowd);
+  const double room_ns = 9.925e6 - 4e6;  // planned short for sigma = 0.2, and zeta = 1.5
+  EXPECT_EQ(decision.raw, 1 + static_cast<std::size_t>(room_ns / 1.5 / 50'300));
+  EXPECT_EQ(decision.keep, 1.0);
+  observe(scheme, decision.raw, decision.raw, 100e3 + 300 * static_cast<double>(decision.raw));
+  EXPECT_GT(decide(scheme, crowd).raw, 2000u);
+}
+
+// A second of single events and pairs, 5 % of noise, tells nothing about thousands. The line
+// through these sizes has any slope; packages of up to 1.7 L came of it.
+TEST(Deadline, AfterAQuietTimeAWholePackageOfARushIsInTime) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const CounterRandom random(seed);
+    Deadline scheme;
+    scheme.reset(Execution::whole);
+    for (std::uint64_t k = 0; k < 200; ++k) {
+      const std::size_t size = 1 + random(2 * k) % 2;
+      const double noise = 1 + 0.1 * (2 * random.uniform(2 * k + 1) - 1);
+      observe(scheme, size, size, noise * (kAlphaNs + kBetaNs * static_cast<double>(size)));
+    }
+    for (int k = 0; k < 5; ++k) {
+      const Decision decision = decide(scheme, evenly(200'000, 3 * kMs));
+      const double cost_ns = kAlphaNs + kBetaNs * size_of(decision);
+      EXPECT_LE(cost_ns, 7e6) << seed << ", " << k;
+      observe(scheme, static_cast<std::size_t>(size_of(decision)), decision.raw, cost_ns);
+    }
+    EXPECT_GT(size_of(decide(scheme, evenly(200'000, 3 * kMs))), 8000) << seed;
   }
-  EXPECT_EQ(decide(scheme, evenly(1000, kMs), 50 * kMs).raw, 7u);  // T_hi / zeta = 2.22 ms
 }
 
 // zeta = 1 + 2.5 sigma = 1.025, T_hi = L / 3.
@@ -529,12 +450,12 @@ TEST(Deadline, AWholePackageOfLargeFixedCostsIsLonger) {
   EXPECT_NEAR(size(2e6), (10e6 / 2 / 1.025 - 2e6) / 300, 2);
 }
 
-// R = (L - H - 2 alpha) / zeta = (10 - 3.333 - 0.2) / 1.025 = 6.309 ms; 3 ms of work per ms of
-// age: x = 2.103 ms, 21030 events.
-TEST(Deadline, AWholePackageLeavesItsReserveWithCaution) {
+// R = L - H - 2 alpha = 10 - 3.333 - 0.2 = 6.467 ms; 3 ms of work per ms of age: x = 2.156 ms. The
+// caution is the next packages' own.
+TEST(Deadline, AWholePackageLeavesItsReserve) {
   Deadline scheme = trained({}, Execution::whole);
   const Decision decision = decide(scheme, evenly(50'000, 5 * kMs));
-  EXPECT_NEAR(static_cast<double>(decision.raw), 50'000 - 21'030, 3);
+  EXPECT_NEAR(static_cast<double>(decision.raw), 50'000 - 21'556, 3);
 }
 
 // Load 0.9 after the crowd, with caution 0.9225: T_n = 2 alpha / 0.0775 = 2.5806 ms, and the
@@ -544,26 +465,6 @@ TEST(Deadline, AfterWholePackagesTheLoadIsSeenWithCaution) {
   const Decision decision =
       decide(scheme, spread({{40'000, 5 * kMs, 4900 * kUs}, {14'700, 4900 * kUs, 0}}));
   EXPECT_NEAR(static_cast<double>(decision.raw), 54'700 - 12'258, 5);
-}
-
-TEST(Deadline, WholePackagesStartSlowlyWithoutDiscarding) {
-  for (const std::uint64_t k : {0u, 1u, 3u, 10u}) {
-    Deadline scheme = trained({}, Execution::whole, k);
-    for (const std::size_t count : {5000u, 500'000u}) {
-      const Decision decision = decide(scheme, evenly(count, 4 * kMs));
-      EXPECT_EQ(decision.keep, 1.0);
-      EXPECT_EQ(decision.raw, std::size_t{2} << k);
-    }
-  }
-}
-
-TEST(Deadline, WholePackagesAreDitheredWhileTheyAreThinned) {
-  Deadline scheme = trained({}, Execution::whole, 415);
-  const FakeBacklog events = evenly(50'000, 5 * kMs);
-  EXPECT_NEAR(size_of(decide(scheme, events)), (10e6 / 3 / 1.025 - 1e5) / 300 / 2, 2);
-  EXPECT_EQ(decide(scheme, evenly(5000, kMs)).keep, 1.0);
-  Deadline anytime = trained({}, Execution::anytime, 415);
-  EXPECT_NEAR(size_of(decide(anytime, events)), 3.5e6 / 300, 2);
 }
 
 // ---- the closed loop --------------------------------------------------------------------------
@@ -731,7 +632,7 @@ TEST(Deadline, ATakeThatKeptNothingTeachesNothing) {
   observe(scheme, 0, 50, 0);
   EXPECT_EQ(scheme.alpha_ns(), 50e3);
   EXPECT_EQ(scheme.beta_ns(), 100.0);
-  EXPECT_NEAR(size_of(decide(scheme, events)), 2, 1e-6);
+  EXPECT_EQ(decide(scheme, events).most_event_ns, std::numeric_limits<double>::infinity());
 }
 
 TEST(Deadline, ResetBringsTheFirstStateBack) {

@@ -9,8 +9,8 @@
 // single events: a package may take longer than it costs, never less. The third in a row on one
 // side is a new level; one that is more than three times as dear, or less than half as dear, is
 // learned anew, but for a fall that the fixed cost alone explains and for sizes far beyond those
-// that have come since. What is known to be an outage is no cost (Outcome::outage_ns): it would
-// pass for a fixed cost. The reference takes the wall time.
+// that have come since. What is known to be an outage is no cost: it would pass for a fixed cost.
+// The reference takes the wall time.
 //
 // Called on the consumer's thread, once per package. O(1), no allocation. Whatever is fed, the
 // estimates are positive and finite.
@@ -19,6 +19,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+
+#include "asap/schemes/scheme.hpp"
 
 namespace asap {
 
@@ -31,19 +33,20 @@ class CostModel {
  public:
   explicit CostModel(CostModelConfig config = {});
 
-  // A package of `size` events took processing_ns; of several parts, the first_size events of the
-  // first one took first_ns, fixed cost included. What is no time (NaN, negative) is ignored, and
-  // so are packages without an event.
-  void update(std::size_t size, double processing_ns, std::size_t first_size = 0,
-              double first_ns = 0.0) noexcept;
+  // Learns from a package what its work took. A package without an event or of a negative time
+  // teaches nothing.
+  void update(const Outcome& outcome) noexcept;
   void reset() noexcept;
 
   double alpha_ns() const noexcept { return scale_ * alpha_ns_; }
   double beta_ns() const noexcept { return scale_ * beta_ns_; }
   double predict_ns(double size) const noexcept { return scale_ * line_ns(size); }
-  // What an event costs at most: until the line rests on packages alone, all of the last one's cost
-  // may be that of its events. Infinite before the first.
-  double most_event_ns() const noexcept;
+  // What an event costs at most, its share of the fixed cost included, in a package at least as
+  // large as recent ones, however wrong the line is: the largest of these shows it. Infinite before
+  // the first.
+  double most_event_ns() const noexcept { return most_event_ns_; }
+  // Beta; while the line rests on assumptions (at the start, and on a new level) all of that.
+  double doubted_event_ns() const noexcept;
   // Relative noise of the package times.
   double sigma() const noexcept { return sigma_; }
   // Packages learned from, first parts included.
@@ -64,8 +67,9 @@ class CostModel {
     double sigma;
   };
 
-  void learn(std::size_t size, double processing_ns, Gains gains) noexcept;
+  void learn(std::size_t size, std::int64_t time_ns, Gains gains) noexcept;
   double line_ns(double size) const noexcept { return alpha_ns_ + beta_ns_ * size; }
+  void watch(double size, double cost_ns) noexcept;
   double clipped(double error, double size) noexcept;
   double least_cost_ns() const noexcept;
   void forget() noexcept;
@@ -89,7 +93,9 @@ class CostModel {
   std::uint64_t level_start_;  // count_ when the present level began
   double smallest_;            // size since then
   double largest_;
-  double last_event_ns_;            // all of the last package's cost, by event
+  double recent_size_;              // of the largest recent package; it fades
+  double recent_cost_ns_;           // what it took
+  double most_event_ns_;            // the same by event
   std::array<Bucket, 24> buckets_;  // by log2 of the size
 };
 

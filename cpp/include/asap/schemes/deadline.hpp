@@ -15,7 +15,6 @@
 #include "asap/schemes/cost_model.hpp"
 #include "asap/schemes/hold.hpp"
 #include "asap/schemes/outage_reserve.hpp"
-#include "asap/schemes/reservoir_price.hpp"
 #include "asap/schemes/scheme.hpp"
 
 namespace asap {
@@ -62,19 +61,17 @@ class Deadline final : public Scheme {
   double reachable_ns() const noexcept;
   Limits limits() const noexcept;
   std::size_t stale(const Backlog& backlog, const Limits& limits) const noexcept;
-  Decision plan(const Backlog& backlog, const Limits& limits) noexcept;
+  Decision plan(const Backlog& backlog, const Limits& limits, double room_ns) const noexcept;
+  Decision sliced(const Decision& planned, double room_ns) const noexcept;
   Lengths lengths(const Backlog& backlog, const Limits& limits, double room_ns) const noexcept;
   double reserve(const Backlog& backlog, const Lengths& lengths, double latency_ns) const noexcept;
-  Decision take_all(const Backlog& backlog, double budget_ns) const noexcept;
   Decision thin(const Backlog& backlog, double reserve, double budget_ns) const noexcept;
-  double safe_size(double budget_ns) const noexcept;
   Decision take(double raw, double size, double budget_ns) const noexcept;
 
   bool is_whole() const noexcept { return execution_ == Execution::whole; }
   bool is_early() const noexcept;
   bool is_sure() const noexcept;
-  double caution() const noexcept;    // zeta
-  double reservoir() const noexcept;  // phi: 1 = full
+  double caution() const noexcept;  // zeta
 
   const DeadlineConfig config_;
   Relaxed<std::int64_t> latency_bound_ns_;
@@ -82,11 +79,8 @@ class Deadline final : public Scheme {
   CostModel cost_;
   Execution execution_;
   std::uint64_t packages_;  // k, done
-  ReservoirPrice price_;
   OutageReserve reserve_;
-  double age_ns_;   // of the oldest event, when the last package was taken
-  int calm_;        // packages in a row of which nothing was discarded
-  bool has_slack_;  // the backlog of the last decision was short work
+  double age_ns_;  // of the oldest event, when the last package was taken
 };
 
 }  // namespace asap
