@@ -15,7 +15,9 @@
 namespace asap::python {
 
 void bind_study(py::module_& m) {
-  py::class_<Oracle>(m, "Oracle", R"(The most events that any policy can finish in time.
+  py::class_<Oracle>(
+      m, "Oracle",
+      R"(OB(L): no policy finishes more events in time, unless it knows the random part of the cost.
 
 Fed chunk by chunk; notebooks/theory.md, section 9.
 
@@ -79,12 +81,13 @@ notebooks/theory.md, section 9.
 
   m.def(
       "exact_clairvoyant",
-      [](const py::array& events, const LinearCost& cost, double latency_us) {
+      [](const py::array& events, const LinearCost& cost, double latency_us, double most_steps) {
         const EventSpan span = as_span(events);
         const WithoutGil release;  // pure C++: other Python threads may run
-        return exact_clairvoyant(span, cost, latency_us);
+        return exact_clairvoyant(span, cost, latency_us, most_steps);
       },
       py::arg("events").noconvert(), py::arg("cost"), py::arg("latency_us"),
+      py::arg("most_steps") = kMostExactSteps,
       R"(The largest number of events that any scheduler can finish in time, in whole packages.
 
 Parameters
@@ -95,6 +98,8 @@ cost : LinearCost
     Its mean counts: without drift and outages.
 latency_us : float
     The latency bound, us; an event that ends at the bound is in time.
+most_steps : float
+    Work that may be spent, in steps of the order of a nanosecond.
 
 Returns
 -------

@@ -204,6 +204,21 @@ def test_the_exact_oracle_names_the_number_of_events_that_fits():
         asap.oracle(flood, cost=cheap, latency_ms=10, exact="no")
 
 
+def test_the_exact_clairvoyant_stands_beside_the_oracle_where_it_can_be_computed(comparison):
+    few = streams.poisson(6e4, 0.2)
+    options = {"latency_ms": 5, "schemes": [asap.Deadline(latency_ms=5)]}
+    slow = asap.LinearCost(1000, 20_000, noise=0.1)
+    found = asap.compare(few, cost=slow, **options)
+    assert found.exact == asap.oracle(few, cost=slow, latency_ms=5, exact=True)
+    assert found.summary()["exact"] == {
+        "events": found.exact,
+        "in_time": found.exact / few.size,
+    }
+    assert comparison.exact is None and comparison.summary()["exact"] is None  # too many
+    drifting = asap.LinearCost(1000, 20_000, drift=[1.0, 2.0])
+    assert asap.compare(few, cost=drifting, **options).exact is None
+
+
 def test_opaque_runs_are_scored_against_the_opaque_oracle():
     noisy = asap.LinearCost(100, 300, noise=0.5, seed=1)
     options = {"cost": noisy, "latency_ms": 5}
@@ -227,7 +242,7 @@ def test_does_not_depend_on_the_cut_or_the_threads(comparison):
     assert found.rows == comparison.rows
     made = [contenders.Contender("x", lambda *_: asap.Greedy())] * 3
     for threads in (1, 3):
-        runs, _, _ = side_by_side(
+        runs, *_ = side_by_side(
             CheckedStream(EVENTS), made, cost=COST, latency_ms=5, seed=7, threads=threads
         )
         assert {digest(run) for run in runs} == {digest(comparison.runs["greedy"])}

@@ -65,8 +65,22 @@ def test_cells_are_numbers_with_units():
 
 def test_the_oracle_shows_what_can_be_kept(comparison):
     share = f"{100 * comparison.oracle / EVENTS.size:.1f} %"
-    assert table.oracle_cells(comparison)[:3] == ("oracle", "1.000", share)
-    assert table.oracle_cells(replace(comparison, opaque=True))[0] == "oracle (opaque)"
+    assert [line[:3] for line in table.oracle_rows(comparison)] == [("oracle", "1.000", share)]
+    assert table.oracle_rows(replace(comparison, opaque=True))[0][0] == "oracle (opaque)"
+
+
+def test_the_exact_clairvoyant_stands_below_the_oracle_and_in_the_verdict(comparison):
+    exact = round(0.8 * comparison.oracle)
+    known = replace(comparison, exact=exact)
+    share = f"{100 * exact / EVENTS.size:.1f} %"
+    assert table.oracle_rows(known)[1][:3] == ("exact clairvoyant", "0.800", share)
+    lines = str(known).splitlines()
+    below = next(i for i, line in enumerate(lines) if line.startswith("oracle"))
+    assert lines[below + 1].split()[:3] == ["exact", "clairvoyant", "0.800"]
+    words = "with all arrivals known, reach 80.0 % of it (exact clairvoyant)"
+    assert words in verdict(known, row())
+    assert "exact" not in verdict(replace(known, exact=round(comparison.oracle)), row())
+    assert "exact" not in verdict(comparison, row())
 
 
 def test_the_subtitle_says_what_was_compared(comparison):
@@ -86,8 +100,8 @@ def test_the_verdict_names_the_best_of_those_that_keep_the_bound(comparison):
     nearly = row("Nearly", score=0.8, p99_us=4600.0, max_us=6000.0)
     words = verdict(comparison, late, nearly, row("A"))
     assert words.startswith(
-        "Of those that keep the bound Nearly does most: 80.0 % of what a clairvoyant could have "
-        "finished within 5 ms, its p99 at 0.92 L. Every event that was finished is in time with A. "
+        "Of those that keep the bound Nearly does most: 80.0 % of what the oracle could finish "
+        "within 5 ms, its p99 at 0.92 L. Every event that was finished is in time with A. "
         "At least 99 % of them are with Nearly. Read score and p99/L as a pair"
     )
     assert "Late" not in words
@@ -105,12 +119,12 @@ def test_the_verdict_of_a_load_that_is_no_problem(comparison):
     one, two = row("A", score=1.0, p99_us=500.0), row("B", score=0.9996)
     words = verdict(comparison, one, two)
     assert words.startswith(
-        "2 schemes finish all that anybody could have finished within 5 ms, A with the lowest p99, "
+        "2 schemes finish all that the oracle could within 5 ms, A with the lowest p99, "
         "0.10 L. Every event that was finished is in time with A and B."
     )
-    assert "A does most: all that anybody could have finished" in verdict(comparison, one)
+    assert "A does most: all the oracle could finish" in verdict(comparison, one)
     all_but = (row("A", score=0.9994), row("B", score=0.9994))
-    assert "A does most: > 99.9 % of what a clairvoyant" in verdict(comparison, *all_but)
+    assert "A does most: > 99.9 % of what the oracle" in verdict(comparison, *all_but)
 
 
 def test_long_lists_are_cut(comparison):

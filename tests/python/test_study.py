@@ -24,7 +24,17 @@ from asap.study.cases import FORMS, NAMED, cases
 from asap.study.contenders import HINDSIGHT, PRIORS, TABLE, contender
 from asap.study.goals import goals
 from asap.study.measure import Figures, Measured
-from asap.study.probes import CapProbe, Steady, SteadyProbe, Window, mean_latency_us, probes
+from asap.study.probes import (
+    BOUNDS,
+    CapProbe,
+    Few,
+    FewProbe,
+    Steady,
+    SteadyProbe,
+    Window,
+    mean_latency_us,
+    probes,
+)
 from asap.study.run import key_of
 from asap.study.run import run as run_tasks
 
@@ -207,7 +217,8 @@ def test_key_tells_tasks_and_builds_apart(monkeypatch):
     keys.add(key_of(dataclasses.replace(SMALL, contenders=("Deadline", "Greedy"))))
     keys.add(key_of(SteadyProbe("slow", 1e6)))
     keys.add(key_of(CapProbe(1)))
-    assert len(keys) == 8
+    keys.add(key_of(FewProbe(100, "steady, load 3")))
+    assert len(keys) == 9
     assert key_of(Case(*dataclasses.astuple(SMALL))) in keys
     monkeypatch.setattr("asap.study.run._build", lambda: "another one")
     assert key_of(SMALL) not in keys
@@ -368,6 +379,9 @@ def fake(change=None, where=lambda case, label: True):
         pairs.append((case, Measured(1_000_000, 1_000_000.0, figures)))
     pairs.append((SteadyProbe("slow", 1e6), Steady(102.0, 100.0, 1.0)))
     pairs.append((CapProbe(), Window(1500.0, 1100.0, 1000.0)))
+    pairs.append((FewProbe(5, "steady, load 3"), Few(100.0, 80, {"Deadline": 60})))
+    pairs.append((FewProbe(5, "steady, load 3", seed=2), Few(100.0, 80, {"Deadline": 68})))
+    pairs.append((FewProbe(5, "steady, load 1.1"), Few(100.0, 90, {"Deadline": 81})))
     return Results(pairs)
 
 
@@ -513,6 +527,29 @@ def test_cell_shows_ours_beside_the_reference():
     late = row_of(tables.by_profile(results, "p99_ms", "slow"), "Greedy").split("|")
     assert late[column].strip() == "1.9 (305)"
     assert "priors" not in tables.by_profile(results, "score", "slow")
+
+
+def test_where_few_packages_fit_the_exact_clairvoyant_is_the_yardstick():
+    lines = tables.few(fake()).splitlines()
+    assert lines[0] == "|  | L = 5 alpha |"
+    assert lines[2:] == ["| EC(L)/OB(L) | .850 / .800 |", "| Deadline | .850 / .800 |"]
+
+
+def test_the_exact_clairvoyant_has_a_row_where_it_is_known():
+    results = fake()
+    assert "EC(L)" not in tables.by_profile(results, "score", "slow")
+    case, measured = results.pairs[0]
+    results.pairs[0] = (case, dataclasses.replace(measured, exact=900_000))
+    table = tables.by_profile(results, "score", case.cost_model)
+    column = [name.strip() for name in table.splitlines()[0].split("|")].index(case.profile)
+    assert row_of(table, "EC(L)/input").split("|")[column].strip() == ".900"
+
+
+def test_no_scheme_beats_the_exact_clairvoyant():
+    for bound in BOUNDS:
+        found = FewProbe(bound, "on and off for 20 ms, load 2.5").measure()
+        assert 0.6 < found.exact / found.oracle < 1
+        assert all(0.4 * found.exact < one <= found.exact for one in found.finished.values())
 
 
 def test_aggregate_is_mean_least_worst_and_mean():

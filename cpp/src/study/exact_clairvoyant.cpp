@@ -12,7 +12,6 @@
 namespace asap {
 namespace {
 
-constexpr double kMostSteps = 8e10;  // a minute at most
 constexpr double kLongestNs = 9e15;  // a double counts nanoseconds exactly up to here
 
 // The earliest ends at which `fewest`, `fewest` + 1, ... events can be done, in rising order.
@@ -44,14 +43,14 @@ class Programme {
 
   double length_ns() const noexcept { return times_ns_.back(); }
 
-  // Events, from the first on, for which kMostSteps are enough.
-  std::size_t affordable() const noexcept {
+  // Events, from the first on, for which so many steps are enough.
+  std::size_t affordable(double most_steps) const noexcept {
     std::size_t fits = 0;
     std::size_t too_many = times_ns_.size();
-    if (steps(times_ns_.size()) <= kMostSteps) return times_ns_.size();
+    if (steps(times_ns_.size()) <= most_steps) return times_ns_.size();
     while (too_many - fits > 1) {
       const std::size_t count = fits + (too_many - fits) / 2;
-      (steps(count) <= kMostSteps ? fits : too_many) = count;
+      (steps(count) <= most_steps ? fits : too_many) = count;
     }
     return fits;
   }
@@ -151,7 +150,8 @@ class Programme {
 
 }  // namespace
 
-std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double latency_us) {
+std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double latency_us,
+                                double most_steps) {
   require(latency_us > 0 && latency_us <= 3.6e9, "latency_us", latency_us,
           "must be above 0 and at most 3.6e9");
   require(cost.config().drift.empty(), "drift", cost.config().drift.size(),
@@ -162,7 +162,7 @@ std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double
   Programme programme(events, cost, std::floor(1e3 * latency_us));
   require(programme.length_ns() <= kLongestNs, "duration", programme.length_ns() * 1e-9,
           "must be at most 9e6 s: give a part of the recording");
-  const std::size_t affordable = programme.affordable();
+  const std::size_t affordable = programme.affordable(most_steps);
   require(affordable == events.size(), "events", events.size(),
           "too many for an exact answer at this rate: give the first " +
               std::to_string(affordable) + " or fewer");

@@ -100,8 +100,12 @@ class Comparison:
     rows : list of Row
         Best score first; of equal scores the lower p99 latency.
     oracle : float
-        OB(L): the most events that any policy could finish within the bound, whatever it discards
-        and however well it knows the future.
+        OB(L), a bound in fluid: no policy that does not know the random part of the cost finishes
+        more events in time, whatever it discards and however well it knows the arrivals.
+    exact : int or None
+        EC(L), the exact clairvoyant: the most events that can be finished in time in whole packages
+        of the mean cost. None for a cost with drift or outages, and where it would take long: more
+        than a million events, or very many per bound (`oracle` with ``exact=True`` takes longer).
     runs : dict of str to Run
         By label, in the order of the rows.
     source : dict
@@ -122,6 +126,7 @@ class Comparison:
 
     rows: list[Row]
     oracle: float
+    exact: int | None
     runs: dict[str, Run]
     source: dict[str, Any]
     name: str
@@ -158,16 +163,17 @@ class Comparison:
             "opaque": self.opaque,
             "speed": self.speed,
             "seed": self.seed,
-            "oracle": {
-                "events": self.oracle,
-                "in_time": self.oracle / self.received if self.received else 1.0,
-            },
+            "oracle": self._reached(self.oracle),
+            "exact": None if self.exact is None else self._reached(self.exact),
             "schemes": [
                 {**asdict(row), "parameters": Named.of(self.runs[row.label].scheme).parameters}
                 for row in self.rows
             ],
             "version": _core.__version__,
         }
+
+    def _reached(self, events: float) -> dict[str, float]:
+        return {"events": events, "in_time": events / self.received if self.received else 1.0}
 
     def plot(self) -> Figure:
         """Draw latency and kept share over time, a row of the figure for each scheme."""
@@ -288,6 +294,7 @@ def compare(
     return Comparison(
         rows=rows,
         oracle=best,
+        exact=found.exact,
         runs={row.label: runs[row.label] for row in rows},
         source=described,
         name=os.path.basename(described["path"] or "") or described["format"],

@@ -20,10 +20,13 @@ from asap.experiment.contenders import Contender
 from asap.experiment.result import Run
 from asap.experiment.runners import Progress, make_config, remember
 from asap.experiment.source import Source
+from asap.synthetic import joined
 
 __all__ = ["CheckedStream", "SideBySide", "side_by_side"]
 
 _CHUNK = 1 << 16  # events that all get before any gets more
+_MOST_HELD = 1 << 20  # events, for the exact clairvoyant
+_MOST_EXACT_STEPS = 4e9  # some seconds
 
 
 class SideBySide(NamedTuple):
@@ -32,6 +35,7 @@ class SideBySide(NamedTuple):
     runs: list[Run]  #: in the order of the contenders
     oracle: float  #: OB(L) for an algorithm whose loop the library owns, events
     opaque_oracle: float  #: the same for one that takes a package as a whole
+    exact: int | None  #: EC(L), events; None where it would take long, or the cost drifts
 
 
 class CheckedStream(Source):
@@ -144,8 +148,10 @@ def side_by_side(
     oracles = [_core.Oracle(cost, latency_ms * 1e3, opaque=opaque) for opaque in (False, True)]
     feeds = [simulator.feed for simulator in simulators] + [oracle.feed for oracle in oracles]
     threads = threads if threads is not None else os.cpu_count() or 1
+    held: list[Events] | None = []
     with ThreadPoolExecutor(threads) as pool:  # feeding releases the GIL
         for events in stream:
+            held = _held(held, events)
             for begin in range(0, events.size, _CHUNK):
                 chunk = events[begin : begin + _CHUNK]
                 _wait_for([pool.submit(feed, chunk) for feed in feeds])
@@ -156,7 +162,21 @@ def side_by_side(
         remember(simulator, stream, config, scheme, cost, mode="virtual")
         for simulator, config, scheme in zip(simulators, configs, schemes, strict=True)
     ]
-    return SideBySide(runs, oracles[0].bound, oracles[1].bound)
+    exact = None if held is None else _exact(joined(held), cost, latency_ms)
+    return SideBySide(runs, oracles[0].bound, oracles[1].bound, exact)
+
+
+def _held(before: list[Events] | None, events: Events) -> list[Events] | None:
+    if before is None or sum(chunk.size for chunk in before) + events.size > _MOST_HELD:
+        return None
+    return [*before, events.copy()]
+
+
+def _exact(events: Events, cost: _core.LinearCost, latency_ms: float) -> int | None:
+    try:
+        return _core.exact_clairvoyant(events, cost, latency_ms * 1e3, _MOST_EXACT_STEPS)
+    except ValueError:  # too many for an exact answer, or no one cost for all
+        return None
 
 
 def _wait_for(tasks: Iterable[Future[None]]) -> None:

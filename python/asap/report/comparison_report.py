@@ -30,6 +30,7 @@ margin-top:5px;overflow:hidden}
 .contest td.score u{display:block;height:100%;background:var(--green)}
 .contest .late{color:var(--vermilion);font-weight:600}
 .contest .oracle>*{border-top:2px solid var(--line);color:var(--soft)}
+.contest .oracle+.oracle>*{border-top:0}
 """
 
 # On a narrow screen a scheme is a block: its name and score, below them the rest, each with its
@@ -118,9 +119,9 @@ of the events that was finished. Latencies beyond 100 L are drawn at 100 L.</fig
 def _table(comparison: Comparison) -> str:
     head = "".join(f'<th scope="col">{escape(name)}</th>' for name in comparison_table.COLUMNS)
     rows = [_row(row, comparison.latency_ms) for row in comparison.rows]
-    name, *cells = comparison_table.oracle_cells(comparison)
-    oracle = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
-    rows.append(f'<tr class="oracle"><th scope="row">{escape(name)}</th>{oracle}</tr>')
+    for name, *cells in comparison_table.oracle_rows(comparison):
+        oracle = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
+        rows.append(f'<tr class="oracle"><th scope="row">{escape(name)}</th>{oracle}</tr>')
     return (
         f'<table class="contest"><thead><tr>{head}</tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table>"

@@ -17,7 +17,7 @@ __all__ = [
     "cells",
     "exceeds",
     "format_comparison",
-    "oracle_cells",
+    "oracle_rows",
     "subtitle",
     "title",
     "verdict",
@@ -63,7 +63,8 @@ def format_comparison(comparison: Comparison) -> str:
         Lines of at most 100 columns without colours, fit for a log file.
     """
     table = [tuple(COLUMNS), *(cells(row, comparison.latency_ms) for row in comparison.rows)]
-    table.append(oracle_cells(comparison))
+    oracles = oracle_rows(comparison)
+    table += oracles
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     lines = [_line(line, widths) for line in table]
     rule = "-" * (sum(widths) + 2 * len(widths) - 2)
@@ -74,9 +75,9 @@ def format_comparison(comparison: Comparison) -> str:
             "",
             lines[0],
             rule,
-            *lines[1:-1],
+            *lines[1 : -len(oracles)],
             rule,
-            lines[-1],
+            *lines[-len(oracles) :],
             "",
             *units.wrapped(verdict(comparison), _WIDTH),
         ]
@@ -123,11 +124,25 @@ def cells(row: Row, latency_ms: float) -> tuple[str, ...]:
     )
 
 
-def oracle_cells(comparison: Comparison) -> tuple[str, ...]:
-    """Write the oracle's line, one text for each of `COLUMNS`: empty where it has no number."""
+def oracle_rows(comparison: Comparison) -> list[tuple[str, ...]]:
+    """Write the oracle's line and, where it is known, that of the exact clairvoyant.
+
+    One text for each of `COLUMNS`, empty where there is no number.
+    """
     name = "oracle (opaque)" if comparison.opaque else "oracle"
-    share = units.share(_oracle_share(comparison))
-    return (name, "1.000", share, *[""] * (len(COLUMNS) - 3))
+    found = [(name, comparison.oracle)]
+    if comparison.exact is not None:
+        found.append(("exact clairvoyant", comparison.exact))
+    empty = [""] * (len(COLUMNS) - 3)
+    return [
+        (
+            name,
+            f"{_of(events, comparison.oracle):.3f}",
+            units.share(_of(events, comparison.received)),
+            *empty,
+        )
+        for name, events in found
+    ]
 
 
 def exceeds(latency_us: float, latency_ms: float) -> bool:
@@ -171,6 +186,12 @@ def verdict(comparison: Comparison) -> str:
         sentences.append(f"Every event that was finished is in time with {_listed(never)}.")
     if late:
         sentences.append(f"At least 99 % of them are with {_listed(late)}.")
+    if comparison.exact is not None and comparison.exact < _ALL * comparison.oracle:
+        share = units.share(comparison.exact / comparison.oracle)
+        sentences.append(
+            f"The oracle serves events one by one; whole packages, with all arrivals known, reach "
+            f"{share} of it (exact clairvoyant)."
+        )
     sentences.append(_READ)
     lasted = comparison.source["duration_s"] * 1e6 / bound_us
     if lasted < _SHORT:
@@ -187,18 +208,18 @@ def _best(keepers: Sequence[Row], bound_us: float) -> str:
     perfect = [row for row in keepers if row.score >= _ALL]
     if len(perfect) > 1:
         return (
-            f"{len(perfect)} schemes finish all that anybody could have finished within {bound}, "
+            f"{len(perfect)} schemes finish all that the oracle could within {bound}, "
             f"{best.label} with the lowest p99, {p99}."
         )
-    share = "all that anybody" if perfect else f"{units.share(best.score)} of what a clairvoyant"
+    share = "all" if perfect else f"{units.share(best.score)} of what"
     return (
-        f"Of those that keep the bound {best.label} does most: {share} could have finished within "
-        f"{bound}, its p99 at {p99}."
+        f"Of those that keep the bound {best.label} does most: {share} the oracle could finish "
+        f"within {bound}, its p99 at {p99}."
     )
 
 
-def _oracle_share(comparison: Comparison) -> float:
-    return comparison.oracle / comparison.received if comparison.received else 1.0
+def _of(events: float, all_events: float) -> float:
+    return events / all_events if all_events else 1.0
 
 
 def _ratio(value: float) -> str:

@@ -95,7 +95,7 @@ def heat_map(results: Results) -> Figure:
         for axes, model in zip(panels.flat, MODELS, strict=True):
             _draw_scores(axes, results, model)
         figure.suptitle(
-            "Events finished in time, of the most that any policy could finish",
+            "Events finished in time, of the most that is possible (OB)",
             x=0.005,
             ha="left",
             fontsize=11,

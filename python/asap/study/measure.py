@@ -44,6 +44,7 @@ class Measured:
     events: int
     oracle: float  #: OB(L), events
     figures: dict[str, Figures]  #: by label
+    exact: int | None = None  #: EC(L), events, where it can be computed
 
 
 def measure(
@@ -88,6 +89,7 @@ def measure(
             one.label: _figures(run, found.oracle, found.opaque_oracle, duration_s, steps)
             for one, run in zip(contenders, found.runs, strict=True)
         },
+        exact=found.exact,
     )
 
 

@@ -12,15 +12,13 @@ from asap.study.contenders import HINDSIGHT
 from asap.study.ladder.cases import LadderCase, LadderReplay, Outcomes
 from asap.study.ladder.cost import CostCase, Costs
 from asap.study.measure import Figures, Measured
-from asap.study.probes import CapProbe, Steady, SteadyProbe, Window
+from asap.study.probes import Few, FewProbe, Probe, Steady, Window
 from asap.study.rivals.cases import Rivalry, RivalsCase
 
 __all__ = ["MODELS", "Finding", "Outcome", "Results", "Task"]
 
-Task: TypeAlias = (
-    Case | SteadyProbe | CapProbe | AccuracyCase | RivalsCase | CostCase | LadderCase | LadderReplay
-)
-Outcome: TypeAlias = Measured | Steady | Window | Accuracy | Rivalry | Costs | Outcomes
+Task: TypeAlias = Case | Probe | AccuracyCase | RivalsCase | CostCase | LadderCase | LadderReplay
+Outcome: TypeAlias = Measured | Steady | Window | Few | Accuracy | Rivalry | Costs | Outcomes
 
 MODELS = tuple(LATENCY_MS)
 _LONG_GAP_MS = 60.0
@@ -97,10 +95,22 @@ class Results:
 
     def possible(self, model: str, profile: str) -> list[float]:
         """OB(L) as a share of the input, of every seed."""
+        return [measured.oracle / max(measured.events, 1) for measured in self._of(model, profile)]
+
+    def exact(self, model: str, profile: str) -> list[float]:
+        """EC(L) as a share of the input, of every seed for which it was computed."""
         return [
-            measured.oracle / max(measured.events, 1)
-            for case, measured in self._cases()
-            if (case.cost_model, case.profile) == (model, profile)
+            measured.exact / max(measured.events, 1)
+            for measured in self._of(model, profile)
+            if measured.exact is not None
+        ]
+
+    def few(self) -> list[tuple[FewProbe, Few]]:
+        """Probes where few packages fit into the bound, with what they found."""
+        return [
+            (task, outcome)
+            for task, outcome in self.pairs
+            if isinstance(task, FewProbe) and isinstance(outcome, Few)
         ]
 
     def profiles(self, model: str) -> list[str]:
@@ -114,6 +124,11 @@ class Results:
         settings = {label for group in HINDSIGHT.values() for label in group}
         best = [label for label, group in HINDSIGHT.items() if set(group) <= set(seen)]
         return [label for label in seen if label not in settings] + best
+
+    def _of(self, model: str, profile: str) -> Iterator[Measured]:
+        for case, measured in self._cases():
+            if (case.cost_model, case.profile) == (model, profile):
+                yield measured
 
     def _cases(self) -> Iterator[tuple[Case, Measured]]:
         for task, outcome in self.pairs:

@@ -23,7 +23,7 @@ from asap.study.accuracy.cases import Accuracy
 from asap.study.ladder.cases import Outcomes
 from asap.study.ladder.cost import Costs
 from asap.study.measure import Figures, Measured
-from asap.study.probes import Steady, Window
+from asap.study.probes import Few, Steady, Window
 from asap.study.results import Outcome, Results, Task
 from asap.study.rivals.cases import Rivalry
 
@@ -214,7 +214,7 @@ def _read(state: Path) -> dict[str, tuple[Outcome, float]]:
 def _outcome(fields: dict[str, Any]) -> Outcome:
     if "figures" in fields:
         figures = {label: Figures(**values) for label, values in fields["figures"].items()}
-        return Measured(fields["events"], fields["oracle"], figures)
+        return Measured(**{**fields, "figures": figures})
     if "scored" in fields:
         return Accuracy.restored(fields)
     if "rivals" in fields:
@@ -223,6 +223,8 @@ def _outcome(fields: dict[str, Any]) -> Outcome:
         return Costs.restored(fields)
     if "schemes" in fields:
         return Outcomes.restored(fields)
+    if "finished" in fields:
+        return Few(**fields)
     return Steady(**fields) if "theory_us" in fields else Window(**fields)
 
 

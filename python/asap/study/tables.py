@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from asap.study import reference
 from asap.study.contenders import PRIORS
 from asap.study.goals import Goal
+from asap.study.probes import Few
 from asap.study.results import MODELS, Results
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "aggregate",
     "by_profile",
     "deviations",
+    "few",
     "goal_table",
     "markdown",
     "number",
@@ -114,7 +116,7 @@ def by_profile(
 ) -> str:
     """One quantity with one cost model: contenders by profiles."""
     profiles = results.profiles(model)
-    rows = [_oracle_row(results, model)] if quantity == "score" else []
+    rows = list(_oracle_rows(results, model)) if quantity == "score" else []
     for contender in contenders if contenders is not None else _rows(results):
         cells = [
             _beside(
@@ -129,14 +131,40 @@ def by_profile(
     return markdown(("", *profiles), rows)
 
 
-def _oracle_row(results: Results, model: str) -> list[str]:
-    cells = ["OB(L)/input"]
-    for profile in results.profiles(model):
-        shares = results.possible(model, profile)
-        ours = sum(shares) / len(shares)
-        theirs = reference.per_profile("score", model, "OB(L)/input", profile)
-        cells.append(_beside(ours, theirs, "score"))
-    return cells
+def _oracle_rows(results: Results, model: str) -> Iterator[list[str]]:
+    profiles = results.profiles(model)
+    possible = [_mean(results.possible(model, profile)) for profile in profiles]
+    theirs = [reference.per_profile("score", model, "OB(L)/input", name) for name in profiles]
+    pairs = zip(possible, theirs, strict=True)
+    yield ["OB(L)/input", *(_beside(one, their, "score") for one, their in pairs)]
+    exact = [_mean(results.exact(model, profile)) for profile in profiles]
+    if any(share is not None for share in exact):
+        yield ["EC(L)/input", *(number(share, "score") for share in exact)]
+
+
+def few(results: Results) -> str:
+    """Events in time / EC(L), mean and least over the arrivals, by bound in fixed costs."""
+    found = results.few()
+    bounds = sorted({probe.bound for probe, _ in found}, reverse=True)
+
+    def row(name: str, share: Callable[[Few], float]) -> list[str]:
+        cells = [name]
+        for bound in bounds:
+            shares = _seed_means(
+                [(probe.arrivals, share(one)) for probe, one in found if probe.bound == bound]
+            )
+            mean = sum(shares) / len(shares)
+            cells.append(f"{number(mean, 'score')} / {number(min(shares), 'score')}")
+        return cells
+
+    def reached(label: str) -> list[str]:
+        return row(label, lambda one: one.finished[label] / one.exact)
+
+    labels = dict.fromkeys(label for _, one in found for label in one.finished)
+    possible = row("EC(L)/OB(L)", lambda one: one.exact / one.oracle)
+    return markdown(
+        ("", *(f"L = {bound} alpha" for bound in bounds)), [possible, *map(reached, labels)]
+    )
 
 
 def steps(results: Results, model: str) -> str:
@@ -178,6 +206,10 @@ def _beside(ours: float | None, theirs: float | None, quantity: str) -> str:
         return ""
     text = number(ours, quantity)
     return text if theirs is None else f"{text} ({number(theirs, quantity)})"
+
+
+def _mean(values: Sequence[float]) -> float | None:
+    return sum(values) / len(values) if values else None
 
 
 def _seed_means(values: Iterable[tuple[str, float]]) -> list[float]:
