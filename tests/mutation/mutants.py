@@ -182,6 +182,20 @@ MUTANTS: list[Mutant] = [
             "return on_level() <= kPriorLasts ?",
             "return count_ < 0U ?",
         ),
+        rise_of_the_cost_refutes_nothing=(" && cost_ns <= recent_cost_ns_", ""),
+        outage_of_the_largest_package_believed=("cost_ns >= most_event_ns_ * size && ", ""),
+    ),
+    *in_file(
+        SOURCE + "schemes/deadline.cpp",
+        "schemes",
+        whole_package_of_any_size=(
+            "return safe_slice(decision, safe_size(room_ns / caution(), cost_.most_event_ns()));",
+            "return decision;",
+        ),
+        reserve_left_with_caution=(
+            "latency_ns - lengths.package_ns - 2.0 * cost_.alpha_ns();",
+            "(latency_ns - lengths.package_ns - 2.0 * cost_.alpha_ns()) / caution();",
+        ),
     ),
     *in_file(
         SOURCE + "filter/validator.cpp",

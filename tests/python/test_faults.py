@@ -232,7 +232,7 @@ def test_f6_a_hundredfold_rate_within_a_microsecond(name, opaque):
 def test_f6_a_square_wave_faster_than_the_loop(name, opaque):
     run = simulate(load(*[(1e4, 0.5), (1e6, 0.5)] * 1000), name, opaque)  # mean rho 1.5
     if name in BOUNDED:
-        assert run.latency.max <= 1.01e3 * L_MS
+        assert run.latency.max <= (1.05e3 if opaque else 1.01e3) * L_MS
         assert run.kept > 0.95 * 0.98 / 1.515
 
 

@@ -44,7 +44,9 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
   const auto waiting = static_cast<double>(raw);
   Decision decision = Decision::take(raw, size(budget_ns, waiting) / waiting);
   decision.stale = stale;
-  if (execution_ == Execution::whole) return decision;
+  if (execution_ == Execution::whole) {
+    return safe_slice(decision, safe_size(budget_ns, cost_.most_event_ns()));
+  }
   // As much as size() grants.
   decision.budget_ns = std::llround(std::max({budget_ns, 1.25 * cost_.alpha_ns(), 1.0}));
   decision.fixed_ns = cost_.alpha_ns();
@@ -77,9 +79,6 @@ double DeadBeat::length_ns(std::size_t waiting) noexcept {
 double DeadBeat::size(double budget_ns, double waiting) const noexcept {
   const double alpha_ns = cost_.alpha_ns();
   double size = std::max(budget_ns - alpha_ns, alpha_ns / 4) / cost_.beta_ns();
-  if (execution_ == Execution::whole) {
-    size = std::min(size, safe_size(budget_ns, cost_.most_event_ns()));
-  }
   return std::min(waiting, std::max(size, 1.0));
 }
 

@@ -58,7 +58,8 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
   age_ns_ = age_ns(backlog);
   const double room_ns = std::max(limits.latency_ns - age_ns_, 1.0);
   const Decision decision = plan(backlog, limits, room_ns);
-  return is_whole() ? sliced(decision, room_ns) : decision;
+  if (!is_whole()) return decision;
+  return safe_slice(decision, safe_size(room_ns / caution(), cost_.most_event_ns()));
 }
 
 Decision Deadline::plan(const Backlog& backlog, const Limits& limits,
@@ -72,14 +73,6 @@ Decision Deadline::plan(const Backlog& backlog, const Limits& limits,
   const Lengths lengths = this->lengths(backlog, limits, room_ns);
   if (work_ns <= lengths.package_ns) return take(all, all, lengths.package_ns);
   return thin(backlog, reserve(backlog, lengths, limits.latency_ns), lengths.package_ns);
-}
-
-// Nothing ends a whole package. Of one that may take longer than there is time only the head is
-// taken, and nothing is discarded for what may be an error of the model.
-Decision Deadline::sliced(const Decision& planned, double room_ns) const noexcept {
-  const double safe = safe_size(room_ns / caution(), cost_.most_event_ns());
-  const double size = planned.keep * static_cast<double>(planned.raw);
-  return size <= safe ? planned : Decision::take(static_cast<std::size_t>(safe));
 }
 
 // The bound; what two packages take that are little more than their fixed cost where that is more,

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+
+#include "asap/schemes/scheme.hpp"
 
 namespace asap {
 
@@ -17,6 +20,15 @@ constexpr bool is_early(std::uint64_t index) noexcept { return index < 15; }
 // ever. Two are tried whatever they cost.
 inline double safe_size(double time_ns, double most_event_ns) noexcept {
   return 1.0 + std::max(1.0, std::floor(time_ns / most_event_ns));
+}
+
+// A whole package that may take longer than there is time is cut to its head: nothing is discarded
+// for what may be an error of the cost model.
+inline Decision safe_slice(const Decision& planned, double safe) noexcept {
+  if (planned.keep * static_cast<double>(planned.raw) <= safe) return planned;
+  Decision slice = Decision::take(static_cast<std::size_t>(safe));
+  slice.stale = planned.stale;
+  return slice;
 }
 
 // Whether package `index` is a single event: a fixed cost that rules the bound out is believed only

@@ -62,7 +62,6 @@ class Deadline final : public Scheme {
   Limits limits() const noexcept;
   std::size_t stale(const Backlog& backlog, const Limits& limits) const noexcept;
   Decision plan(const Backlog& backlog, const Limits& limits, double room_ns) const noexcept;
-  Decision sliced(const Decision& planned, double room_ns) const noexcept;
   Lengths lengths(const Backlog& backlog, const Limits& limits, double room_ns) const noexcept;
   double reserve(const Backlog& backlog, const Lengths& lengths, double latency_ns) const noexcept;
   Decision thin(const Backlog& backlog, double reserve, double budget_ns) const noexcept;
