@@ -77,7 +77,7 @@ def test_the_exact_clairvoyant_stands_below_the_oracle_and_in_the_verdict(compar
     lines = str(known).splitlines()
     below = next(i for i, line in enumerate(lines) if line.startswith("oracle"))
     assert lines[below + 1].split()[:3] == ["exact", "clairvoyant", "0.800"]
-    words = "with all arrivals known, reach 80.0 % of it (exact clairvoyant)"
+    words = "a scheduler that knows all arrivals reaches 80.0 % of it (exact clairvoyant)"
     assert words in verdict(known, row())
     assert "exact" not in verdict(replace(known, exact=round(comparison.oracle)), row())
     assert "exact" not in verdict(comparison, row())

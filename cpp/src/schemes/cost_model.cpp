@@ -99,8 +99,8 @@ void CostModel::learn(std::size_t size, std::int64_t time_ns, Gains gains) noexc
   ++count_;
 }
 
-// A smaller package says nothing about a larger one unless it is cheaper by event, or dearer as a
-// whole: then the larger one costs something else by now, or had met an outage.
+// A smaller package tells nothing about larger ones, with two exceptions: if it is cheaper per
+// event, the larger one met an outage; if it is dearer as a whole, the cost has risen since.
 void CostModel::watch(double size, double cost_ns) noexcept {
   recent_size_ *= kFade;
   const bool is_known =

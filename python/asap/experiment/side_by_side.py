@@ -148,10 +148,15 @@ def side_by_side(
     oracles = [_core.Oracle(cost, latency_ms * 1e3, opaque=opaque) for opaque in (False, True)]
     feeds = [simulator.feed for simulator in simulators] + [oracle.feed for oracle in oracles]
     threads = threads if threads is not None else os.cpu_count() or 1
-    held: list[Events] | None = []
+    held: list[Events] = []
+    room = _MOST_HELD
     with ThreadPoolExecutor(threads) as pool:  # feeding releases the GIL
         for events in stream:
-            held = _held(held, events)
+            room -= events.size
+            if room >= 0:
+                held.append(events.copy())
+            else:
+                held.clear()
             for begin in range(0, events.size, _CHUNK):
                 chunk = events[begin : begin + _CHUNK]
                 _wait_for([pool.submit(feed, chunk) for feed in feeds])
@@ -162,14 +167,8 @@ def side_by_side(
         remember(simulator, stream, config, scheme, cost, mode="virtual")
         for simulator, config, scheme in zip(simulators, configs, schemes, strict=True)
     ]
-    exact = None if held is None else _exact(joined(held), cost, latency_ms)
+    exact = _exact(joined(held), cost, latency_ms) if room >= 0 else None
     return SideBySide(runs, oracles[0].bound, oracles[1].bound, exact)
-
-
-def _held(before: list[Events] | None, events: Events) -> list[Events] | None:
-    if before is None or sum(chunk.size for chunk in before) + events.size > _MOST_HELD:
-        return None
-    return [*before, events.copy()]
 
 
 def _exact(events: Events, cost: _core.LinearCost, latency_ms: float) -> int | None:

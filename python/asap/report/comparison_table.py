@@ -189,8 +189,8 @@ def verdict(comparison: Comparison) -> str:
     if comparison.exact is not None and comparison.exact < _ALL * comparison.oracle:
         share = units.share(comparison.exact / comparison.oracle)
         sentences.append(
-            f"The oracle serves events one by one; whole packages, with all arrivals known, reach "
-            f"{share} of it (exact clairvoyant)."
+            "The oracle serves single events. With whole packages a scheduler that knows all "
+            f"arrivals reaches {share} of it (exact clairvoyant)."
         )
     sentences.append(_READ)
     lasted = comparison.source["duration_s"] * 1e6 / bound_us

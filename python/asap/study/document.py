@@ -41,8 +41,8 @@ profiles more where 1.5 L of the highest rate needs it."""
 
 
 _FEW = """\
-Events in time / EC(L), the exact clairvoyant, which pays for whole packages of the mean cost; OB(L)
-serves events one by one, and what it promises beyond EC(L) nobody can finish. L = 10 ms = 150 beta,
+Events in time / EC(L). EC(L), the exact clairvoyant, pays for whole packages of the mean cost;
+OB(L) serves single events, so no scheduler can finish more than EC(L) of it. L = 10 ms = 150 beta,
 no noise; arrivals of load 1.1, 1.5 and 3, bursts of 5 ms and an overload on and off for 20 ms. Mean
 of these / the least."""
 

@@ -97,7 +97,7 @@ def _heavy_tail(found: list[Finding]) -> Goal:
         by_profile = _over_seeds(found, lambda one: one.figures.score)
         mean = sum(by_profile.values()) / len(by_profile)
         name, p99 = max(_over_seeds(found, _p99_of_bound).items(), key=lambda item: item[1])
-        return f"{mean:.3f} mean; p99 {p99:.3f} L ({name})", mean >= 0.955 and p99 <= 1.0
+        return f"{mean:.3f} mean; p99 {p99:.3f} L ({name})", round(mean, 3) >= 0.955 and p99 <= 1.0
 
     return _judge(
         "G3", "score and latency, named profiles; slow_ht", "mean >= 0.955; p99 <= L", found, judge

@@ -1,4 +1,4 @@
-// Calibration: how far a cost model may be trusted that has not seen much (notebooks/theory.md,
+// Calibration: rules for a cost model that has not seen enough packages yet (notebooks/theory.md,
 // section 8).
 #pragma once
 
@@ -11,19 +11,19 @@
 
 namespace asap {
 
-// Whether package `index` (from 0) is one of the first: what was assumed may still be to blame.
+// Whether package `index` (from 0) is one of the first, whose cost may still be a wrong assumption.
 constexpr bool is_early(std::uint64_t index) noexcept { return index < 15; }
 
-// The largest size of a package that nothing ends, whatever the cost model says: as fixed costs are
-// not negative, so many take time_ns even if all that packages have cost was the cost of their
-// events. And one more, or else a fixed cost of most of the time would keep packages small for
-// ever. Two are tried whatever they cost.
+// The largest whole package that ends within time_ns even if the cost model is wrong. Fixed costs
+// are not negative, so n events take at most n times what an event of a smaller package has cost,
+// its share of the fixed cost included. One event is added: without it a fixed cost close to
+// time_ns would keep packages small for ever. The result is 2 or more, whatever events cost.
 inline double safe_size(double time_ns, double most_event_ns) noexcept {
   return 1.0 + std::max(1.0, std::floor(time_ns / most_event_ns));
 }
 
-// A whole package that may take longer than there is time is cut to its head: nothing is discarded
-// for what may be an error of the cost model.
+// Cuts a package that is larger than is safe to its oldest events. The rest waits: an error of the
+// cost model must not discard events.
 inline Decision safe_slice(const Decision& planned, double safe) noexcept {
   if (planned.keep * static_cast<double>(planned.raw) <= safe) return planned;
   Decision slice = Decision::take(static_cast<std::size_t>(safe));

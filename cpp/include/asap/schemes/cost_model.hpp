@@ -33,19 +33,18 @@ class CostModel {
  public:
   explicit CostModel(CostModelConfig config = {});
 
-  // Learns from a package what its work took. A package without an event or of a negative time
-  // teaches nothing.
+  // Learns from the time that a package's work took, outages excluded. Ignores a package without
+  // events or with a negative time.
   void update(const Outcome& outcome) noexcept;
   void reset() noexcept;
 
   double alpha_ns() const noexcept { return scale_ * alpha_ns_; }
   double beta_ns() const noexcept { return scale_ * beta_ns_; }
   double predict_ns(double size) const noexcept { return scale_ * line_ns(size); }
-  // What an event costs at most, its share of the fixed cost included, in a package at least as
-  // large as recent ones, however wrong the line is: the largest of these shows it. Infinite before
-  // the first.
+  // Upper bound on the cost of an event, its share of the fixed cost included, in packages at least
+  // as large as recent ones. It holds however wrong the line is. Infinite before the first package.
   double most_event_ns() const noexcept { return most_event_ns_; }
-  // Beta; while the line rests on assumptions (at the start, and on a new level) all of that.
+  // Beta once the line rests on measured packages; until then the larger of beta and that bound.
   double doubted_event_ns() const noexcept;
   // Relative noise of the package times.
   double sigma() const noexcept { return sigma_; }
