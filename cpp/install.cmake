@@ -5,11 +5,18 @@ include(CMakePackageConfigHelpers)
 set(_asap_cmake_dir "${CMAKE_INSTALL_LIBDIR}/cmake/asap")
 set(_asap_pc_dir "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
 
-install(DIRECTORY include/asap "${CMAKE_CURRENT_BINARY_DIR}/include/asap"
-        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development
-        FILES_MATCHING PATTERN "*.hpp")
+foreach(_layer ${ASAP_LAYERS})
+  install(DIRECTORY include/asap/${_layer} DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/asap"
+          COMPONENT development FILES_MATCHING PATTERN "*.hpp")
+endforeach()
+install(DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}/include/asap" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+        COMPONENT development FILES_MATCHING PATTERN "*.hpp")
 
-foreach(_library core algorithms)
+set(_libraries core)
+if(ASAP_ALGORITHMS)
+  list(APPEND _libraries algorithms)
+endif()
+foreach(_library ${_libraries})
   install(TARGETS asap_${_library} EXPORT asap-${_library}
           ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
   install(EXPORT asap-${_library} NAMESPACE asap::
@@ -32,7 +39,7 @@ endif()
 # What is absolute takes the place of the prefix.
 cmake_path(APPEND _asap_pc_libdir "\${prefix}" "${CMAKE_INSTALL_LIBDIR}")
 cmake_path(APPEND _asap_pc_includedir "\${prefix}" "${CMAKE_INSTALL_INCLUDEDIR}")
-foreach(_library core algorithms)
+foreach(_library ${_libraries})
   configure_file(asap-${_library}.pc.in asap-${_library}.pc @ONLY)
   install(FILES "${CMAKE_CURRENT_BINARY_DIR}/asap-${_library}.pc"
           DESTINATION "${_asap_pc_dir}" COMPONENT development)

@@ -16,10 +16,10 @@
 #include "asap/algorithms/plane_flow.hpp"
 #include "asap/algorithms/speed_invariant_time_surface.hpp"
 #include "asap/algorithms/threshold_ordinal_surface.hpp"
-#include "asap/study/busy_wait.hpp"
 #include "cluster_trackers.hpp"
 #include "exact_type.hpp"
 #include "gil.hpp"
+#include "study/busy_wait.hpp"
 #include "turns.hpp"
 
 namespace asap::python {

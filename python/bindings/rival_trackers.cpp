@@ -2,10 +2,10 @@
 #include <cstdint>
 
 #include "arrays.hpp"
-#include "asap/study/jaer_cluster_tracker.hpp"
-#include "asap/study/owner_cell_tracker.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
+#include "study/jaer_cluster_tracker.hpp"
+#include "study/owner_cell_tracker.hpp"
 
 #include <pybind11/stl.h>
 

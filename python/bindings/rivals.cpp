@@ -2,13 +2,13 @@
 // run.
 #include <pybind11/pybind11.h>
 
-#include "asap/study/clipper_aimd.hpp"
-#include "asap/study/greedy_clear.hpp"
-#include "asap/study/greedy_pie.hpp"
-#include "asap/study/greedy_rate_gamma.hpp"
-#include "asap/study/jaer_timer.hpp"
-#include "asap/study/spark_pid.hpp"
 #include "layers.hpp"
+#include "study/clipper_aimd.hpp"
+#include "study/greedy_clear.hpp"
+#include "study/greedy_pie.hpp"
+#include "study/greedy_rate_gamma.hpp"
+#include "study/jaer_timer.hpp"
+#include "study/spark_pid.hpp"
 
 namespace asap::python {
 namespace {

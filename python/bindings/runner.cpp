@@ -14,13 +14,13 @@
 #include "arrays.hpp"
 #include "asap/core/check.hpp"
 #include "asap/runner/linear_cost.hpp"
-#include "asap/runner/read_ahead.hpp"
 #include "asap/runner/replay.hpp"
 #include "asap/runner/simulator.hpp"
 #include "consumer.hpp"
 #include "front_filter.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
+#include "runner/read_ahead.hpp"
 #include "telemetry.hpp"
 
 namespace asap::python {

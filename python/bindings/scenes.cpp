@@ -1,6 +1,6 @@
 // The layer `synthetic`: scenes with truth. A layout is a scene's configuration, a stream its
 // events with their labels; asap.scenes puts them together.
-#include "asap/synthetic/scenes.hpp"
+#include "synthetic/scenes.hpp"
 
 #include <pybind11/stl.h>
 

@@ -4,13 +4,13 @@
 
 #include "arrays.hpp"
 #include "asap/core/check.hpp"
-#include "asap/study/busy_wait.hpp"
-#include "asap/study/clairvoyant.hpp"
-#include "asap/study/exact_clairvoyant.hpp"
-#include "asap/study/oracle.hpp"
-#include "asap/study/scheduling_jitter.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
+#include "study/busy_wait.hpp"
+#include "study/clairvoyant.hpp"
+#include "study/exact_clairvoyant.hpp"
+#include "study/oracle.hpp"
+#include "study/scheduling_jitter.hpp"
 
 namespace asap::python {
 

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "asap/formats/decimal.hpp"
 #include "bytes.hpp"
+#include "formats/decimal.hpp"
 
 using namespace asap;
 

@@ -79,6 +79,38 @@ def test_the_core_alone_needs_no_eigen(prefix: Path, tmp_path: Path) -> None:
     assert subprocess.run([tmp_path / "build" / "stranger"], check=False).returncode == ord("a")
 
 
+def test_the_core_is_built_and_found_where_there_is_no_eigen(tmp_path: Path) -> None:
+    absent = {"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON", "ASAP_ALGORITHMS": "OFF"}
+    cmake(ROOT, tmp_path / "asap", CMAKE_UNITY_BUILD="ON", **absent)
+    run(["cmake", "--install", tmp_path / "asap", "--prefix", tmp_path / "prefix"])
+    assert not list((tmp_path / "prefix").rglob("*algorithms*"))
+    everything = "#include <asap/asap.hpp>\nint main() { return asap::Asap2020{}.name()[0]; }\n"
+    doors = {
+        "installed": "find_package(asap REQUIRED)",
+        "folder": f'add_subdirectory("{ROOT}" asap EXCLUDE_FROM_ALL)',
+    }
+    for name, door in doors.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "main.cpp").write_text(everything)
+        (folder / "CMakeLists.txt").write_text(
+            f"cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n{door}\n"
+            "add_executable(stranger main.cpp)\ntarget_link_libraries(stranger asap::core)\n"
+        )
+        cmake(folder, folder / "build", CMAKE_PREFIX_PATH=tmp_path / "prefix", **absent)
+        done = subprocess.run([folder / "build" / "stranger"], check=False)
+        assert done.returncode == ord("a")
+
+
+def test_what_needs_the_algorithms_says_so(tmp_path: Path) -> None:
+    words = "ASAP_TESTS = ON: needs the algorithms; set ASAP_ALGORITHMS = ON too"
+    settings = ["-DASAP_TESTS=ON", "-DASAP_ALGORITHMS=OFF"]
+    assert words in run(["cmake", "-S", ROOT, "-B", tmp_path, *settings], check=False)
+    absent = "-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON"
+    found = run(["cmake", "-S", ROOT, "-B", tmp_path / "all", absent], check=False)
+    assert "build the core alone with -DASAP_ALGORITHMS=OFF" in " ".join(found.split())
+
+
 @pytest.mark.parametrize("absent", [{"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON"}, {}], ids=len)
 def test_algorithms_may_be_optional(absent: dict[str, str], prefix: Path, tmp_path: Path) -> None:
     (tmp_path / "CMakeLists.txt").write_text(

@@ -12,10 +12,10 @@
 #include "asap/schemes/fixed_size.hpp"
 #include "asap/schemes/fixed_time.hpp"
 #include "asap/schemes/greedy.hpp"
-#include "asap/study/busy_wait.hpp"
 #include "camera.hpp"
 #include "measure.hpp"
 #include "parts.hpp"
+#include "study/busy_wait.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::soak {

@@ -11,10 +11,10 @@
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed_size.hpp"
-#include "asap/study/busy_wait.hpp"
 #include "camera.hpp"
 #include "measure.hpp"
 #include "parts.hpp"
+#include "study/busy_wait.hpp"
 
 namespace asap::soak {
 namespace {

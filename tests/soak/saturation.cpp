@@ -6,10 +6,10 @@
 
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/deadline.hpp"
-#include "asap/study/busy_wait.hpp"
 #include "camera.hpp"
 #include "measure.hpp"
 #include "parts.hpp"
+#include "study/busy_wait.hpp"
 
 namespace asap::soak {
 namespace {

@@ -1,7 +1,7 @@
 #include "asap/algorithms/arc_star.hpp"
 
-#include "asap/algorithms/arc_length.hpp"
-#include "asap/algorithms/corner_ring.hpp"
+#include "algorithms/arc_length.hpp"
+#include "algorithms/corner_ring.hpp"
 
 namespace asap {
 

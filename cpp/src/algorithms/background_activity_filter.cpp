@@ -1,6 +1,6 @@
 #include "asap/algorithms/background_activity_filter.hpp"
 
-#include "asap/algorithms/int4.hpp"
+#include "algorithms/int4.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {

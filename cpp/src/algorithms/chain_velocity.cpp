@@ -1,4 +1,4 @@
-#include "asap/algorithms/chain_velocity.hpp"
+#include "algorithms/chain_velocity.hpp"
 
 #include <cstdint>
 

@@ -1,9 +1,9 @@
-#include "asap/algorithms/cluster_motion.hpp"
+#include "algorithms/cluster_motion.hpp"
 
 #include <algorithm>
 
+#include "algorithms/fast/kalman.hpp"
 #include "asap/algorithms/cluster_tracker_config.hpp"
-#include "asap/algorithms/fast/kalman.hpp"
 
 namespace asap {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "asap/algorithms/fast/engine.hpp"
+#include "algorithms/fast/engine.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "asap/algorithms/window_clusterer.hpp"
+#include "algorithms/window_clusterer.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {

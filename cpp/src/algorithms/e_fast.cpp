@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "asap/algorithms/corner_ring.hpp"
+#include "algorithms/corner_ring.hpp"
 
 namespace asap {
 namespace {

@@ -1,6 +1,6 @@
 #include "asap/algorithms/e_harris.hpp"
 
-#include "asap/algorithms/harris_score.hpp"
+#include "algorithms/harris_score.hpp"
 
 namespace asap {
 namespace {

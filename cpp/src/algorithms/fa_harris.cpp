@@ -1,8 +1,8 @@
 #include "asap/algorithms/fa_harris.hpp"
 
-#include "asap/algorithms/arc_length.hpp"
-#include "asap/algorithms/corner_ring.hpp"
-#include "asap/algorithms/harris_score.hpp"
+#include "algorithms/arc_length.hpp"
+#include "algorithms/corner_ring.hpp"
+#include "algorithms/harris_score.hpp"
 
 namespace asap {
 

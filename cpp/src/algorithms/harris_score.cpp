@@ -1,4 +1,4 @@
-#include "asap/algorithms/harris_score.hpp"
+#include "algorithms/harris_score.hpp"
 
 #include <array>
 #include <cmath>

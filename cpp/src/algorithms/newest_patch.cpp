@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/algorithms/int4.hpp"
-#include "asap/algorithms/newest_patch_avx2.hpp"
+#include "algorithms/int4.hpp"
+#include "algorithms/newest_patch_avx2.hpp"
 
 namespace asap {
 namespace {

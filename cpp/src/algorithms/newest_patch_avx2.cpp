@@ -1,4 +1,4 @@
-#include "asap/algorithms/newest_patch_avx2.hpp"
+#include "algorithms/newest_patch_avx2.hpp"
 
 #if defined(__x86_64__)
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/window_moments.hpp"
+#include "algorithms/window_moments.hpp"
 
 namespace asap {
 namespace {

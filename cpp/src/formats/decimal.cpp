@@ -1,4 +1,4 @@
-#include "asap/formats/decimal.hpp"
+#include "formats/decimal.hpp"
 
 #include <array>
 #include <limits>

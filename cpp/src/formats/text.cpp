@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "asap/core/check.hpp"
-#include "asap/formats/decimal.hpp"
+#include "formats/decimal.hpp"
 
 namespace asap {
 

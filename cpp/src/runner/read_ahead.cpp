@@ -1,4 +1,4 @@
-#include "asap/runner/read_ahead.hpp"
+#include "runner/read_ahead.hpp"
 
 #include <algorithm>
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "asap/schemes/calibration.hpp"
-#include "asap/schemes/latency_bound.hpp"
+#include "schemes/calibration.hpp"
+#include "schemes/latency_bound.hpp"
 
 namespace asap {
 

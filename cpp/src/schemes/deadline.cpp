@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "asap/core/check.hpp"
-#include "asap/schemes/calibration.hpp"
-#include "asap/schemes/latency_bound.hpp"
+#include "schemes/calibration.hpp"
+#include "schemes/latency_bound.hpp"
 
 namespace asap {
 namespace {

@@ -1,4 +1,4 @@
-#include "asap/synthetic/contrast_pixel.hpp"
+#include "synthetic/contrast_pixel.hpp"
 
 #include <algorithm>
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "asap/core/check.hpp"
-#include "scene_checks.hpp"
+#include "synthetic/scene_checks.hpp"
 
 namespace asap {
 namespace {

@@ -1,12 +1,12 @@
-#include "asap/synthetic/moving_shapes.hpp"
+#include "synthetic/moving_shapes.hpp"
 
 #include <algorithm>
 
 #include "asap/core/check.hpp"
 #include "asap/core/random.hpp"
-#include "near_normal.hpp"
-#include "portable_log.hpp"
-#include "scene_checks.hpp"
+#include "synthetic/near_normal.hpp"
+#include "synthetic/portable_log.hpp"
+#include "synthetic/scene_checks.hpp"
 
 namespace asap {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "asap/core/check.hpp"
-#include "near_normal.hpp"
-#include "portable_exp.hpp"
-#include "scene_checks.hpp"
+#include "synthetic/near_normal.hpp"
+#include "synthetic/portable_exp.hpp"
+#include "synthetic/scene_checks.hpp"
 
 namespace asap {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "portable_exp.hpp"
+#include "synthetic/portable_exp.hpp"
 
 namespace asap {
 

@@ -1,4 +1,4 @@
-#include "asap/synthetic/rigid_motion.hpp"
+#include "synthetic/rigid_motion.hpp"
 
 #include <cmath>
 

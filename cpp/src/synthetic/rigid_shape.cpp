@@ -1,4 +1,4 @@
-#include "asap/synthetic/rigid_shape.hpp"
+#include "synthetic/rigid_shape.hpp"
 
 #include <algorithm>
 #include <cmath>

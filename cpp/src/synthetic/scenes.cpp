@@ -1,4 +1,4 @@
-#include "asap/synthetic/scenes.hpp"
+#include "synthetic/scenes.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 
 #include "asap/core/check.hpp"
 #include "asap/core/random.hpp"
-#include "scene_checks.hpp"
+#include "synthetic/scene_checks.hpp"
 
 namespace asap {
 namespace {

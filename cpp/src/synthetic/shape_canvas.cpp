@@ -1,4 +1,4 @@
-#include "asap/synthetic/shape_canvas.hpp"
+#include "synthetic/shape_canvas.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "asap/algorithms/arc_length.hpp"
+#include "algorithms/arc_length.hpp"
 
 #include <gtest/gtest.h>
 

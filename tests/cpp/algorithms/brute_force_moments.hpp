@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "asap/algorithms/window_moments.hpp"
+#include "algorithms/window_moments.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap::test {

@@ -1,4 +1,4 @@
-#include "asap/algorithms/cluster_motion.hpp"
+#include "algorithms/cluster_motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/corner_ring.hpp"
+#include "algorithms/corner_ring.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/event_window.hpp"
+#include "algorithms/event_window.hpp"
 
 #include <gtest/gtest.h>
 

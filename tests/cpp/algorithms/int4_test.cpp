@@ -1,4 +1,4 @@
-#include "asap/algorithms/int4.hpp"
+#include "algorithms/int4.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/key_set.hpp"
+#include "algorithms/key_set.hpp"
 
 #include <gtest/gtest.h>
 

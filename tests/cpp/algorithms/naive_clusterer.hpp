@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "algorithms/uniform_probe.hpp"
 #include "asap/algorithms/compat_cluster_config.hpp"
-#include "asap/algorithms/uniform_probe.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap::test {

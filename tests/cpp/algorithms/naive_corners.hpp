@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "asap/algorithms/corner_ring.hpp"
+#include "algorithms/corner_ring.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap::test {

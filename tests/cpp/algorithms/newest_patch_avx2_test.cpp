@@ -1,4 +1,4 @@
-#include "asap/algorithms/newest_patch_avx2.hpp"
+#include "algorithms/newest_patch_avx2.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/probe_index.hpp"
+#include "algorithms/probe_index.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/uniform_probe.hpp"
+#include "algorithms/uniform_probe.hpp"
 
 #include <gtest/gtest.h>
 

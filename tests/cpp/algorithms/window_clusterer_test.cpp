@@ -1,4 +1,4 @@
-#include "asap/algorithms/window_clusterer.hpp"
+#include "algorithms/window_clusterer.hpp"
 
 #include <gtest/gtest.h>
 

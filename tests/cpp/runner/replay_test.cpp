@@ -14,11 +14,11 @@
 #include <thread>
 #include <utility>
 
-#include "asap/runner/read_ahead.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/fixed_size.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "asap/schemes/single_event.hpp"
+#include "runner/read_ahead.hpp"
 #include "support/errors.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"

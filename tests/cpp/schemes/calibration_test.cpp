@@ -1,4 +1,4 @@
-#include "asap/schemes/calibration.hpp"
+#include "schemes/calibration.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/schemes/latency_bound.hpp"
+#include "schemes/latency_bound.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/study/busy_wait.hpp"
+#include "study/busy_wait.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/study/clairvoyant.hpp"
+#include "study/clairvoyant.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/study/clipper_aimd.hpp"
+#include "study/clipper_aimd.hpp"
 
 #include <gtest/gtest.h>
 

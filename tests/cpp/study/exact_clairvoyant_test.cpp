@@ -1,4 +1,4 @@
-#include "asap/study/exact_clairvoyant.hpp"
+#include "study/exact_clairvoyant.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
-#include "asap/study/oracle.hpp"
+#include "study/oracle.hpp"
 #include "support/errors.hpp"
 #include "support/streams.hpp"
 

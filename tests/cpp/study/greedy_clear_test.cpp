@@ -1,4 +1,4 @@
-#include "asap/study/greedy_clear.hpp"
+#include "study/greedy_clear.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/study/greedy_pie.hpp"
+#include "study/greedy_pie.hpp"
 
 #include <gtest/gtest.h>
 

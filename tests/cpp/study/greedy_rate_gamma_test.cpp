@@ -1,4 +1,4 @@
-#include "asap/study/greedy_rate_gamma.hpp"
+#include "study/greedy_rate_gamma.hpp"
 
 #include <gtest/gtest.h>
 

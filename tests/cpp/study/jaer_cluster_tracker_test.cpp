@@ -1,4 +1,4 @@
-#include "asap/study/jaer_cluster_tracker.hpp"
+#include "study/jaer_cluster_tracker.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/study/jaer_timer.hpp"
+#include "study/jaer_timer.hpp"
 
 #include <gtest/gtest.h>
 

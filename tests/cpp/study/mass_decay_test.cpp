@@ -1,4 +1,4 @@
-#include "asap/study/mass_decay.hpp"
+#include "study/mass_decay.hpp"
 
 #include <gtest/gtest.h>
 

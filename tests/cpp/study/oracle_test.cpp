@@ -1,4 +1,4 @@
-#include "asap/study/oracle.hpp"
+#include "study/oracle.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/study/orphan_noise.hpp"
+#include "study/orphan_noise.hpp"
 
 #include <gtest/gtest.h>
 

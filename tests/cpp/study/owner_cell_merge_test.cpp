@@ -1,4 +1,4 @@
-#include "asap/study/owner_cell_merge.hpp"
+#include "study/owner_cell_merge.hpp"
 
 #include <gtest/gtest.h>
 

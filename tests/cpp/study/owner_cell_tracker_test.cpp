@@ -1,4 +1,4 @@
-#include "asap/study/owner_cell_tracker.hpp"
+#include "study/owner_cell_tracker.hpp"
 
 #include <gtest/gtest.h>
 

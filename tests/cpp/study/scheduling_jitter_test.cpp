@@ -1,4 +1,4 @@
-#include "asap/study/scheduling_jitter.hpp"
+#include "study/scheduling_jitter.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/study/spark_pid.hpp"
+#include "study/spark_pid.hpp"
 
 #include <gtest/gtest.h>
 

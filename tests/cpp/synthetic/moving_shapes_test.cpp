@@ -1,4 +1,4 @@
-#include "asap/synthetic/moving_shapes.hpp"
+#include "synthetic/moving_shapes.hpp"
 
 #include <gtest/gtest.h>
 

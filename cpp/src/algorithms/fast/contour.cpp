@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/contour.hpp"
+#include "algorithms/fast/contour.hpp"
 
 #include <cmath>
 #include <numbers>

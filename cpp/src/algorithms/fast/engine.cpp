@@ -1,16 +1,16 @@
-#include "asap/algorithms/fast/engine.hpp"
+#include "algorithms/fast/engine.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "asap/algorithms/fast/contact.hpp"
-#include "asap/algorithms/fast/foresight.hpp"
-#include "asap/algorithms/fast/kalman.hpp"
-#include "asap/algorithms/fast/lifecycle.hpp"
-#include "asap/algorithms/fast/merge.hpp"
-#include "asap/algorithms/fast/position_error.hpp"
-#include "asap/algorithms/fast/revival.hpp"
+#include "algorithms/fast/contact.hpp"
+#include "algorithms/fast/foresight.hpp"
+#include "algorithms/fast/kalman.hpp"
+#include "algorithms/fast/lifecycle.hpp"
+#include "algorithms/fast/merge.hpp"
+#include "algorithms/fast/position_error.hpp"
+#include "algorithms/fast/revival.hpp"
 
 namespace asap::fast {
 namespace {

@@ -1,9 +1,9 @@
-#include "asap/algorithms/fast/foresight.hpp"
+#include "algorithms/fast/foresight.hpp"
 
 #include <algorithm>
 
-#include "asap/algorithms/fast/kalman.hpp"
-#include "asap/algorithms/fast/report.hpp"
+#include "algorithms/fast/kalman.hpp"
+#include "algorithms/fast/report.hpp"
 
 namespace asap::fast {
 

@@ -1,9 +1,9 @@
-#include "asap/algorithms/fast/fragment.hpp"
+#include "algorithms/fast/fragment.hpp"
 
 #include <cstdint>
 
-#include "asap/algorithms/fast/gate.hpp"
-#include "asap/algorithms/fast/merge.hpp"
+#include "algorithms/fast/gate.hpp"
+#include "algorithms/fast/merge.hpp"
 
 namespace asap::fast {
 namespace {

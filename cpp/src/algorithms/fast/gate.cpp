@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/gate.hpp"
+#include "algorithms/fast/gate.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,9 +1,9 @@
-#include "asap/algorithms/fast/kalman.hpp"
+#include "algorithms/fast/kalman.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "asap/algorithms/fast/decay.hpp"
+#include "algorithms/fast/decay.hpp"
 
 namespace asap::fast {
 namespace {

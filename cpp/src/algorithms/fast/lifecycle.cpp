@@ -1,9 +1,9 @@
-#include "asap/algorithms/fast/lifecycle.hpp"
+#include "algorithms/fast/lifecycle.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "asap/algorithms/fast/decay.hpp"
+#include "algorithms/fast/decay.hpp"
 
 namespace asap::fast {
 namespace {

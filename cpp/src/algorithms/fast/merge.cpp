@@ -1,11 +1,11 @@
-#include "asap/algorithms/fast/merge.hpp"
+#include "algorithms/fast/merge.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
-#include "asap/algorithms/fast/gate.hpp"
+#include "algorithms/fast/gate.hpp"
 
 namespace asap::fast {
 namespace {

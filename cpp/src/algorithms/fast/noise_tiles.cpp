@@ -1,9 +1,9 @@
-#include "asap/algorithms/fast/noise_tiles.hpp"
+#include "algorithms/fast/noise_tiles.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "asap/algorithms/fast/decay.hpp"
+#include "algorithms/fast/decay.hpp"
 
 namespace asap::fast {
 namespace {

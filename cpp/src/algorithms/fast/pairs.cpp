@@ -1,10 +1,10 @@
-#include "asap/algorithms/fast/pairs.hpp"
+#include "algorithms/fast/pairs.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "asap/algorithms/fast/fragment.hpp"
-#include "asap/algorithms/fast/gate.hpp"
+#include "algorithms/fast/fragment.hpp"
+#include "algorithms/fast/gate.hpp"
 
 namespace asap::fast {
 namespace {

@@ -1,9 +1,9 @@
-#include "asap/algorithms/fast/position_error.hpp"
+#include "algorithms/fast/position_error.hpp"
 
 #include <algorithm>
 
-#include "asap/algorithms/fast/decay.hpp"
-#include "asap/algorithms/fast/gate.hpp"
+#include "algorithms/fast/decay.hpp"
+#include "algorithms/fast/gate.hpp"
 
 namespace asap::fast {
 namespace {

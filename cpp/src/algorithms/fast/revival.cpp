@@ -1,6 +1,6 @@
-#include "asap/algorithms/fast/revival.hpp"
+#include "algorithms/fast/revival.hpp"
 
-#include "asap/algorithms/fast/gate.hpp"
+#include "algorithms/fast/gate.hpp"
 
 namespace asap::fast {
 namespace {

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/settings.hpp"
+#include "algorithms/fast/settings.hpp"
 
 #include <algorithm>
 #include <cmath>

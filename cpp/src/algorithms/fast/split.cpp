@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/split.hpp"
+#include "algorithms/fast/split.hpp"
 
 #include <algorithm>
 #include <cmath>

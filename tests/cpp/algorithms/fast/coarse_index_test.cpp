@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/coarse_index.hpp"
+#include "algorithms/fast/coarse_index.hpp"
 
 #include <gtest/gtest.h>
 

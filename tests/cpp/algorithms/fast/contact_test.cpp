@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/contact.hpp"
+#include "algorithms/fast/contact.hpp"
 
 #include <gtest/gtest.h>
 

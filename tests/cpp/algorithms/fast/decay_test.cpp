@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/decay.hpp"
+#include "algorithms/fast/decay.hpp"
 
 #include <gtest/gtest.h>
 

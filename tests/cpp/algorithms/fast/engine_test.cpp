@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/engine.hpp"
+#include "algorithms/fast/engine.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/event_clock.hpp"
+#include "algorithms/fast/event_clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/foresight.hpp"
+#include "algorithms/fast/foresight.hpp"
 
 #include <gtest/gtest.h>
 

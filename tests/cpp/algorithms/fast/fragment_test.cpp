@@ -1,8 +1,8 @@
-#include "asap/algorithms/fast/fragment.hpp"
+#include "algorithms/fast/fragment.hpp"
 
 #include <gtest/gtest.h>
 
-#include "asap/algorithms/fast/gate.hpp"
+#include "algorithms/fast/gate.hpp"
 
 namespace fragment_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/frame.hpp"
+#include "algorithms/fast/frame.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // The rule by which tests of what lies behind the gate let events through it.
 #pragma once
 
-#include "asap/algorithms/fast/gate.hpp"
+#include "algorithms/fast/gate.hpp"
 
 namespace asap::fast {
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/halves.hpp"
+#include "algorithms/fast/halves.hpp"
 
 #include <gtest/gtest.h>
 

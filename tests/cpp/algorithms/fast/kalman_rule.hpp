@@ -1,7 +1,7 @@
 // The rule by which tests let the Kalman filter follow.
 #pragma once
 
-#include "asap/algorithms/fast/kalman.hpp"
+#include "algorithms/fast/kalman.hpp"
 
 namespace asap::fast {
 

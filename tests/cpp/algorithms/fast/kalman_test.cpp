@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/kalman.hpp"
+#include "algorithms/fast/kalman.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/lifecycle.hpp"
+#include "algorithms/fast/lifecycle.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/mean_update.hpp"
+#include "algorithms/fast/mean_update.hpp"
 
 #include <gtest/gtest.h>
 

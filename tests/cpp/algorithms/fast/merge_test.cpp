@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/merge.hpp"
+#include "algorithms/fast/merge.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/noise_tiles.hpp"
+#include "algorithms/fast/noise_tiles.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/orphan_grid.hpp"
+#include "algorithms/fast/orphan_grid.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/owner_grid.hpp"
+#include "algorithms/fast/owner_grid.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/pairs.hpp"
+#include "algorithms/fast/pairs.hpp"
 
 #include <gtest/gtest.h>
 

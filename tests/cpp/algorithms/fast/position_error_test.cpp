@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/position_error.hpp"
+#include "algorithms/fast/position_error.hpp"
 
 #include <gtest/gtest.h>
 

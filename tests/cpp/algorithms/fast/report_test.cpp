@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/report.hpp"
+#include "algorithms/fast/report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/revival.hpp"
+#include "algorithms/fast/revival.hpp"
 
 #include <gtest/gtest.h>
 

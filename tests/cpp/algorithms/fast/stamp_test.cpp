@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/stamp.hpp"
+#include "algorithms/fast/stamp.hpp"
 
 #include <gtest/gtest.h>
 

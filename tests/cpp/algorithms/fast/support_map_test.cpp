@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/support_map.hpp"
+#include "algorithms/fast/support_map.hpp"
 
 #include <gtest/gtest.h>
 

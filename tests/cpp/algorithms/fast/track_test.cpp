@@ -1,4 +1,4 @@
-#include "asap/algorithms/fast/track.hpp"
+#include "algorithms/fast/track.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,85 @@
+// MovingShapes: events of rigid shapes that move before an even ground, with exact truth: the
+// object of every event, and where every object is. Each pixel sees the log of its brightness and
+// has thresholds of its own (ContrastPixel); noise is added that knows nothing of the pixels.
+// Motion goes in steps of 250 us, one block each. Thread and allocation as EventStream; the cost
+// goes with the area of the shapes. Limits: notebooks/scenes.md.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "asap/synthetic/background_noise.hpp"
+#include "asap/synthetic/event_stream.hpp"
+#include "asap/synthetic/time_sorted_block.hpp"
+#include "synthetic/contrast_pixel.hpp"
+#include "synthetic/rigid_motion.hpp"
+#include "synthetic/rigid_shape.hpp"
+#include "synthetic/shape_canvas.hpp"
+
+namespace asap {
+
+struct MovingShape {
+  ShapeKind kind = ShapeKind::kDisk;
+  double radius_px = 8.0;
+  double brightness = 0.08;  // 0.02 to 1; the ground's is 0.5
+  RigidMotionConfig motion{};
+};
+
+struct MovingShapesConfig {
+  std::int32_t width = 346;
+  std::int32_t height = 260;
+  std::int64_t duration_us = 1'500'000;  // a multiple of 250 us
+  std::int64_t t0_us = 0;
+  double noise_hz = 0.5;  // background events per second and pixel
+  std::uint64_t seed = 0;
+  std::vector<MovingShape> shapes{};  // later ones hide earlier ones
+};
+
+class MovingShapes final : public EventStream {
+ public:
+  static constexpr std::int32_t kStep_us = RigidMotion::kStep_us;
+  static constexpr std::int32_t kNoise = -1;
+  static constexpr double kGround = 0.5;
+
+  explicit MovingShapes(const MovingShapesConfig& config);
+
+  // The events of the next step that has any.
+  [[nodiscard]] EventSpan next() noexcept override;
+
+  // Of the block's events: the number of the shape in the configuration, or kNoise.
+  std::span<const std::int32_t> labels() const noexcept { return {labels_.data(), size_}; }
+
+  // Of the shapes during the block's step: at its start.
+  std::span<const Pose> poses() const noexcept { return poses_; }
+
+  const MovingShapesConfig& config() const noexcept { return config_; }
+  std::span<const RigidShape> shapes() const noexcept { return shapes_; }
+
+ private:
+  void make_pixels();
+  void paint() noexcept;
+  void see() noexcept;
+  void merge(EventSpan seen, EventSpan noise) noexcept;
+
+  MovingShapesConfig config_;
+  std::vector<RigidShape> shapes_;
+  std::vector<RigidMotion> motions_;
+  ShapeCanvas canvas_;
+  BackgroundNoise noise_;
+  std::vector<ContrastPixel> pixels_;
+  std::vector<double> shown_;  // brightness of each pixel in the picture before
+  TimeSortedBlock seen_block_;
+  TimeSortedBlock noise_block_;
+  std::vector<Event> events_;
+  std::vector<std::int32_t> labels_;
+  std::size_t size_ = 0;
+  std::vector<Pose> poses_;
+  std::int64_t elapsed_us_ = 0;
+};
+
+// The poses of all shapes at 0, 250, 500 us ... up to and including the duration, step by step.
+std::vector<Pose> poses_of(const MovingShapesConfig& config);
+
+}  // namespace asap
