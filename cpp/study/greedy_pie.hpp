@@ -5,8 +5,8 @@
 // per package and per ms.
 #pragma once
 
-#include "asap/runner/admission.hpp"
 #include "asap/schemes/scheme.hpp"
+#include "runner/admission.hpp"
 
 namespace asap {
 
@@ -21,7 +21,6 @@ class GreedyPie final : public Scheme, public Admission {
   std::string_view name() const noexcept override { return "greedy_pie"; }
   SchemeParameters parameters() const override { return {{"latency_ms", latency_ms_}}; }
   std::int64_t latency_bound_ns() const noexcept override { return latency_ns_; }
-  Admission* admission() noexcept override { return this; }
 
   double gamma(const Arrivals& arrivals) noexcept override;
   std::int64_t period_ns() const noexcept override { return 1'000'000; }

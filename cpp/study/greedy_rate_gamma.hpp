@@ -5,9 +5,9 @@
 // admission. O(1) per package and per refresh.
 #pragma once
 
-#include "asap/runner/admission.hpp"
 #include "asap/schemes/cost_model.hpp"
 #include "asap/schemes/scheme.hpp"
+#include "runner/admission.hpp"
 
 namespace asap {
 
@@ -23,7 +23,6 @@ class GreedyRateGamma final : public Scheme, public Admission {
   std::string_view name() const noexcept override { return "greedy_rate_gamma"; }
   SchemeParameters parameters() const override { return {{"latency_ms", latency_ms_}}; }
   std::int64_t latency_bound_ns() const noexcept override { return latency_ns_; }
-  Admission* admission() noexcept override { return this; }
 
   double gamma(const Arrivals& arrivals) noexcept override;
   std::int64_t period_ns() const noexcept override { return 32'000; }

@@ -20,24 +20,26 @@
 #include "front_filter.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
+#include "runner/admission.hpp"
 #include "runner/read_ahead.hpp"
 #include "telemetry.hpp"
 
 namespace asap::python {
 namespace {
 
-py::object none_or_arrays(const KeptMask* mask) {
-  if (mask == nullptr) return py::none();
-  KeptMask::Reading reading;
+template <class Runner>
+py::object kept_arrays(const Runner& runner) {
+  std::optional<KeptEvents> reading;
   {
     const WithoutGil release;  // pure C++ on what the run has left behind
-    reading = mask->read();
+    reading = runner.kept();
   }
-  const auto size = static_cast<py::ssize_t>(reading.kept.size());
+  if (!reading) return py::none();
+  const auto size = static_cast<py::ssize_t>(reading->kept.size());
   py::array_t<bool> kept(size);
-  std::copy(reading.kept.begin(), reading.kept.end(), kept.mutable_data());
-  const auto packages = static_cast<py::ssize_t>(reading.first.size());
-  py::array_t<std::int64_t> first(packages, reading.first.data());
+  std::copy(reading->kept.begin(), reading->kept.end(), kept.mutable_data());
+  const auto packages = static_cast<py::ssize_t>(reading->first.size());
+  py::array_t<std::int64_t> first(packages, reading->first.data());
   for (const py::array& array : {py::array(kept), py::array(first)}) {
     array.attr("flags").attr("writeable") = false;
   }
@@ -57,7 +59,7 @@ void bind_results(Class& cls) {
           "latency", [](const Runner& runner) { return runner.telemetry().latency; },
           "Latency per delivered event (a copy).")
       .def_property_readonly(
-          "kept_mask", [](const Runner& runner) { return none_or_arrays(runner.kept_mask()); },
+          "kept_mask", [](const Runner& runner) { return kept_arrays(runner); },
           "With keep_mask: of every received event, delivered or not; of every package, its "
           "first.");
 }
@@ -207,7 +209,10 @@ ValueError
   simulator
       .def(py::init([](Scheme& scheme, const LinearCost& cost, const RunConfig& config,
                        const py::object& algorithm) {
-             return std::make_unique<Simulator>(scheme, cost, config, consumer_of(algorithm));
+             // Rivals of the study also filter on arrival.
+             auto* const admission = dynamic_cast<Admission*>(&scheme);
+             return std::make_unique<Simulator>(scheme, cost, config, consumer_of(algorithm),
+                                                admission);
            }),
            py::arg("scheme"), py::arg("cost"), py::arg("config"), py::arg("algorithm") = py::none(),
            py::keep_alive<1, 2>(), py::keep_alive<1, 5>())

@@ -16,6 +16,7 @@
 #include "asap/core/random.hpp"
 #include "asap/packager/packager.hpp"
 #include "asap/schemes/deadline.hpp"
+#include "packager/event_times.hpp"
 #include "support/streams.hpp"
 
 namespace {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "asap/schemes/fixed_size.hpp"
+#include "packager/event_times.hpp"
 #include "per_event.hpp"
 #include "support/streams.hpp"
 

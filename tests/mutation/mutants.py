@@ -61,7 +61,7 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
-        INCLUDE + "buffer/arrival_times.hpp",
+        SOURCE + "buffer/arrival_times.hpp",
         "buffer",
         full_table_overwrites_its_oldest_step=("used == kSteps || ", ""),
         event_of_the_step_before=(
@@ -70,17 +70,17 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
-        INCLUDE + "runner/push_door.hpp",
+        SOURCE + "runner/push_door.hpp",
         "runner",
         last_one_out_does_nothing=("std::forward<LastOut>(last_out)();", ""),
     ),
     *in_file(
-        INCLUDE + "runner/stall_watch.hpp",
+        SOURCE + "runner/stall_watch.hpp",
         "runner",
         sleep_counts_as_stall=("return !sleeps_ && now_ns", "return now_ns"),
     ),
     *in_file(
-        INCLUDE + "runner/sensor_delay.hpp",
+        SOURCE + "runner/sensor_delay.hpp",
         "runner",
         least_delay_forgotten_with_its_window=("std::min(least_ns_, before_ns_)", "least_ns_"),
     ),
@@ -113,12 +113,20 @@ MUTANTS: list[Mutant] = [
             "  sensor_delay_.forget();",
         ),
         bound_not_applied=("  loop_.set_latency_bound(bound_ns);\n", ""),
+        end_without_wake=(
+            "  run_.buffer().close();\n  doorbell_.wake();",
+            "  run_.buffer().close();",
+        ),
+    ),
+    *in_file(
+        SOURCE + "runner/run.cpp",
+        "runner",
         overflow_of_the_consumer_lost=(
             "ledger.overflow += overflow;",
             "ledger.overflow = overflow;",
         ),
         thinned_missing_in_the_ledger=("  ledger.discarded += thinned;\n", ""),
-        end_without_wake=("  buffer_.close();\n  doorbell_.wake();", "  buffer_.close();"),
+        not_in_the_ring_missing_in_the_ledger=("tail - booked) + outside;", "tail - booked);"),
     ),
     *in_file(
         SOURCE + "runner/pipeline.cpp",
@@ -142,20 +150,22 @@ MUTANTS: list[Mutant] = [
         SOURCE + "packager/packager.cpp",
         "packager",
         "runner",
-        drop_oldest_not_counted=("      telemetry_.overflow += waiting.size() / 2;\n", ""),
-        stale_not_counted=("  telemetry_.stale += count;\n", ""),
         lost_events_shift_the_random_numbers=("  thinner_.skip(count);\n", ""),
         due_after_the_bound_instead_of_at_it=("now_ns >= flush_ns ||", "now_ns > flush_ns ||"),
-        full_ring_is_not_due=(
-            " || waiting.size() == buffer_.capacity() ||\n                   buffer_",
-            " ||\n                   buffer_",
+        full_ring_is_not_due=("waiting.size() == buffer_.capacity() || head <", "head <"),
+        consumes_what_was_offered=("  consume(package.raw);", "  consume(package.offered);"),
+    ),
+    *in_file(
+        SOURCE + "packager/books.cpp",
+        "packager",
+        "runner",
+        drop_oldest_not_counted=("  telemetry_.overflow += left.count;\n", ""),
+        stale_not_counted=("  telemetry_.stale += left.count;\n", ""),
+        filtered_counted_twice=(
+            "package.raw - filtered - package.events.size();",
+            "package.raw - package.events.size();",
         ),
-        filtered_counted_twice=("package.raw - thinner_.filtered() - size;", "package.raw - size;"),
         overflow_reported_again=("  overflow_reported_ += package.overflow_before;\n", ""),
-        consumes_what_was_offered=(
-            "  consume(package.raw);\n  ++packages_;",
-            "  consume(package.offered);\n  ++packages_;",
-        ),
     ),
     *in_file(
         SOURCE + "packager/anytime_plan.cpp",

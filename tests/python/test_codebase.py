@@ -59,7 +59,9 @@ WITHOUT_A_TEST_OF_ITS_OWN = {
     "algorithms/cluster.hpp": "plain data",
     "algorithms/feature_track.hpp": "plain data",
     "core/atomics.hpp": "an alias",
+    "packager/books.hpp": "the packager's tests read what they say",
     "runner/admission.hpp": "an interface; the gate's test speaks it",
+    "telemetry/telemetry.hpp": "plain data",
     "runner/consumer.hpp": "an alias",
     "runner/when_full.hpp": "an enumeration",
     "schemes/scheme.hpp": "an interface; every scheme's test speaks it",
@@ -92,7 +94,7 @@ def headers() -> dict[str, Path]:
 HEADERS = headers()
 PYTHON = sorted((ROOT / "python" / "asap").rglob("*.py"))
 NATIVE = {".cpp", ".hpp"}
-MOST_PUBLIC = 104
+MOST_PUBLIC = 83
 
 
 # ---- arrows ---------------------------------------------------------------------------------

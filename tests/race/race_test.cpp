@@ -14,15 +14,15 @@
 #include <utility>
 
 #include "../cpp/support/streams.hpp"
-#include "asap/buffer/arrival_times.hpp"
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/core/random.hpp"
-#include "asap/runner/doorbell.hpp"
 #include "asap/runner/pipeline.hpp"
-#include "asap/runner/push_door.hpp"
 #include "asap/schemes/fixed_size.hpp"
 #include "asap/schemes/greedy.hpp"
+#include "buffer/arrival_times.hpp"
 #include "noise.hpp"
+#include "runner/doorbell.hpp"
+#include "runner/push_door.hpp"
 
 namespace asap {
 namespace {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "packager/event_times.hpp"
+
 namespace asap::simulation {
 namespace {
 
@@ -142,16 +144,16 @@ void Life::take_in(EventSpan good) {
   if (setup_.by_arrival) return push(good, numbers);
   outbox_.insert(outbox_.end(), good.begin(), good.end());
   outbox_numbers_.insert(outbox_numbers_.end(), numbers, numbers + good.size());
-  producer_ns_ = std::max(producer_ns_, packager_.axis().to_ns(outbox_.front().t));
+  producer_ns_ = std::max(producer_ns_, axis_.to_ns(outbox_.front().t));
 }
 
 void Life::begin(const Event& first) {
   has_begun_ = true;
-  const TimeAxis axis(first.t, 1.0);
-  packager_.set_axis(axis);
-  shadow_.set_axis(axis);
-  offset_ns_ = axis.to_ns(first.t) - packet_.sent_ns;
-  producer_ns_ = arrival_ns_ = axis.to_ns(first.t);
+  axis_ = TimeAxis(first.t, 1.0);
+  packager_.set_axis(axis_);
+  shadow_.set_axis(axis_);
+  offset_ns_ = axis_.to_ns(first.t) - packet_.sent_ns;
+  producer_ns_ = arrival_ns_ = axis_.to_ns(first.t);
 }
 
 void Life::push(EventSpan events, const std::uint32_t* numbers) {
@@ -169,7 +171,7 @@ void Life::push(EventSpan events, const std::uint32_t* numbers) {
   let_consumer(until_ns);
   if (!setup_.by_arrival) {
     ages_.observe(events.first(taken), first,
-                  [this](std::int64_t stamp) { return packager_.axis().to_ns(stamp); });
+                  [this](std::int64_t stamp) { return axis_.to_ns(stamp); });
     shadow_.observed_ages();
   }
   if (buffer_.tail() >= wanted_tail_) wake(producer_ns_ + world_.lag_ns());
@@ -181,17 +183,16 @@ void Life::push(EventSpan events, const std::uint32_t* numbers) {
 
 // By stamp: some of the events whose time has come.
 void Life::push_arrived() {
-  const TimeAxis& axis = packager_.axis();
   std::size_t end = sent_ + 1 + draw_.below(outbox_.size() - sent_);
   const std::int64_t limit_ns = producer_ns_ + setup_.latency_ns / 64;
-  while (end > sent_ + 1 && axis.to_ns(outbox_[end - 1].t) > limit_ns) --end;
-  producer_ns_ = std::max(producer_ns_, axis.to_ns(outbox_[end - 1].t));
+  while (end > sent_ + 1 && axis_.to_ns(outbox_[end - 1].t) > limit_ns) --end;
+  producer_ns_ = std::max(producer_ns_, axis_.to_ns(outbox_[end - 1].t));
   const std::size_t begin = sent_;
   sent_ = end;
   push(EventSpan(outbox_).subspan(begin, end - begin), outbox_numbers_.data() + begin);
   producer_ns_ += world_.lag_ns();
   if (sent_ < outbox_.size()) {
-    producer_ns_ = std::max(producer_ns_, axis.to_ns(outbox_[sent_].t));
+    producer_ns_ = std::max(producer_ns_, axis_.to_ns(outbox_[sent_].t));
   }
 }
 

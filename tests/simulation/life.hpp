@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/buffer/age_slots.hpp"
-#include "asap/buffer/arrival_times.hpp"
 #include "asap/packager/packager.hpp"
 #include "asap/telemetry/ledger.hpp"
+#include "buffer/age_slots.hpp"
+#include "buffer/arrival_times.hpp"
 #include "journal.hpp"
 #include "reference_door.hpp"
 #include "shadow.hpp"
@@ -76,6 +76,7 @@ class Life final : private SchemeWatcher {
   AgeSlots ages_;
   ArrivalTimes arrivals_;
   Packager packager_;
+  TimeAxis axis_;
 
   // Producer. Times are run time, from begin() on.
   Source source_ = Source::packets;

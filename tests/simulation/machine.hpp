@@ -2,7 +2,7 @@
 // one lives, it is the machine of its thread.
 #pragma once
 
-#include "asap/runner/system.hpp"
+#include "runner/system.hpp"
 
 namespace asap::simulation {
 

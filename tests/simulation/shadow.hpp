@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "asap/buffer/event_buffer.hpp"
-#include "asap/packager/anytime_plan.hpp"
 #include "asap/packager/packager.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "journal.hpp"
+#include "packager/anytime_plan.hpp"
 #include "reference_filter.hpp"
 #include "reference_rate.hpp"
 #include "setup.hpp"

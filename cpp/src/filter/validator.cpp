@@ -3,6 +3,7 @@
 #include <string>
 
 #include "asap/core/check.hpp"
+#include "core/bit_log.hpp"
 
 namespace asap {
 

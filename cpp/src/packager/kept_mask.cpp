@@ -1,4 +1,4 @@
-#include "asap/packager/kept_mask.hpp"
+#include "packager/kept_mask.hpp"
 
 #include <algorithm>
 
@@ -22,8 +22,8 @@ void KeptMask::packaged(const EventPieces& raw, std::size_t count, EventSpan kep
   }
 }
 
-KeptMask::Reading KeptMask::read() const {
-  Reading reading{.kept = std::vector<std::uint8_t>(passed_.size()), .first = {}};
+KeptEvents KeptMask::read() const {
+  KeptEvents reading{.kept = std::vector<std::uint8_t>(passed_.size()), .first = {}};
   reading.first.reserve(first_.size());
   std::size_t passed = 0;
   std::size_t in_ring = 0;

@@ -4,6 +4,11 @@
 #include <utility>
 
 #include "asap/core/check.hpp"
+#include "packager/anytime_plan.hpp"
+#include "packager/books.hpp"
+#include "packager/event_times.hpp"
+#include "packager/kept_mask.hpp"
+#include "packager/thinner.hpp"
 
 namespace asap {
 namespace {
@@ -41,62 +46,133 @@ double gamma_of(const Package& package) noexcept {
   return kept == passed ? 1.0 : static_cast<double>(kept) / static_cast<double>(passed);
 }
 
+EventPieces oldest_of(const EventPieces& waiting, std::size_t count) noexcept {
+  const std::size_t first = std::min(count, waiting.first.size());
+  return {waiting.first.first(first), waiting.second.first(count - first)};
+}
+
 }  // namespace
 
-Packager::Packager(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
-                   Telemetry& telemetry, PackagerConfig config)
+class Packager::Work {
+ public:
+  Work(EventBuffer& buffer, const EventTimes& times, Scheme& scheme, Telemetry& telemetry,
+       PackagerConfig config);
+
+  void set_axis(TimeAxis axis) noexcept;
+  void set_latency_bound(std::int64_t bound_ns) noexcept;
+  void flush(std::uint64_t until_index) noexcept { flush_until_ = until_index; }
+  Next next(std::int64_t now_ns);
+  EventSpan stratum(Package& package, std::int64_t now_ns);
+  void complete(const Package& package, std::int64_t end_ns) noexcept;
+
+ private:
+  Decision ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
+               bool ended) noexcept;
+  void open(Package& package, const Decision& decision, std::int64_t now_ns) noexcept;
+  EventSpan add(Package& package, std::size_t begin, std::size_t end, Share share);
+  double smoothed_keep(double gamma, std::int64_t now_ns) const noexcept;
+  Books::Left leaving(const EventPieces& waiting, std::size_t count,
+                      std::int64_t oldest_ns) const noexcept;
+  void pass_over(std::size_t count) noexcept;
+  void observe(const Package& package, std::int64_t end_ns) noexcept;
+  void consume(std::size_t count) noexcept;
+
+  EventBuffer& buffer_;
+  Scheme& scheme_;
+  Telemetry& telemetry_;
+  EventTimes times_;
+  const PackagerConfig config_;
+  Thinner thinner_;
+  Books books_;
+
+  // The package in work.
+  EventPieces raw_{};           // its raw events, and more if it ends early
+  std::int64_t oldest_ns_ = 0;  // time of the first
+  AnytimePlan plan_;
+  bool is_anytime_ = false;
+  std::size_t handed_out_ = 0;  // kept events
+
+  std::uint64_t flush_until_ = 0;
+  std::int64_t previous_start_ns_ = kLongAgo;
+  double keep_ = 1.0;
+};
+
+Packager::Work::Work(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
+                     Telemetry& telemetry, PackagerConfig config)
     : buffer_(buffer),
       scheme_(scheme),
       telemetry_(telemetry),
       times_(times),
       config_(std::move(config)),
-      thinner_(times_, buffer.capacity(), config_.seed, config_.before, config_.most_copied) {
+      thinner_(times_, buffer.capacity(), config_.seed, config_.before, config_.most_copied),
+      books_(telemetry, times_) {
   require(config_.most_copied >= 1, "most_copied", config_.most_copied, "must be at least 1");
   scheme_.reset(config_.execution);
 }
 
-Packager::Next Packager::next(std::int64_t now_ns) {
+void Packager::Work::set_axis(TimeAxis axis) noexcept {
+  times_.set_axis(axis);
+  telemetry_.log.set_axis(axis);
+}
+
+void Packager::Work::set_latency_bound(std::int64_t bound_ns) noexcept {
+  telemetry_.latency.set_bound_ns(bound_ns);
+  scheme_.set_latency_bound_ns(bound_ns);
+}
+
+Packager::Next Packager::Work::next(std::int64_t now_ns) {
+  Next next;
   for (;;) {
     const bool ended = buffer_.closed();  // before the peek, which then sees all there will be
     const EventPieces waiting = buffer_.peek();
     if (config_.kept_mask != nullptr) config_.kept_mask->make_room(waiting.size());
     if (waiting.size() == 0) {
-      return {.step = ended ? Step::ended : Step::wait, .until_tail = buffer_.head() + 1};
+      next.step = ended ? Step::ended : Step::wait;
+      next.until_tail = buffer_.head() + 1;
+      return next;
     }
+    const std::int64_t oldest_ns = times_.of(waiting[0], buffer_.head());
     if (config_.drop_oldest && waiting.size() == buffer_.capacity() && waiting.size() > 1) {
-      telemetry_.overflow += waiting.size() / 2;
+      books_.overflow(leaving(waiting, waiting.size() / 2, oldest_ns));
       pass_over(waiting.size() / 2);
       continue;
     }
-    const Decision decision = ask(waiting, times_.of(waiting[0], buffer_.head()), now_ns, ended);
+    const Decision decision = ask(waiting, oldest_ns, now_ns, ended);
     if (!decision.takes) {
-      return {.step = Step::wait,
-              .until_ns = decision.until_ns,
-              .until_tail = buffer_.head() + decision.until_count};
+      next.until_ns = decision.until_ns;
+      next.until_tail = buffer_.head() + decision.until_count;
+      return next;
     }
-    if (decision.stale > 0) drop_stale(decision.stale);
+    if (decision.stale > 0) {
+      books_.stale(leaving(waiting, decision.stale, oldest_ns));
+      pass_over(decision.stale);
+    }
     if (decision.raw == 0) continue;  // to be asked again about what is left
 
-    Package package = open(decision, now_ns);
+    raw_ = decision.stale > 0 ? buffer_.peek(decision.raw) : oldest_of(waiting, decision.raw);
+    oldest_ns_ = decision.stale > 0 ? times_.of(raw_[0], buffer_.head()) : oldest_ns;
+    open(next.package, decision, now_ns);
     if (!is_anytime_) {
-      add(package, 0, decision.raw, {.keep = decision.keep});
-      if (package.events.empty()) {
-        complete(package, now_ns);
+      add(next.package, 0, decision.raw, {.keep = decision.keep});
+      if (next.package.events.empty()) {
+        complete(next.package, now_ns);
         continue;
       }
-      package.gamma = gamma_of(package);
+      next.package.gamma = gamma_of(next.package);
     }
-    package.keep = smoothed_keep(package.gamma, now_ns);
-    return {.step = Step::package, .package = package};
+    next.package.keep = smoothed_keep(next.package.gamma, now_ns);
+    next.step = Step::package;
+    return next;
   }
 }
 
-Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
-                       bool ended) noexcept {
+Decision Packager::Work::ask(const EventPieces& waiting, std::int64_t oldest_ns,
+                             std::int64_t now_ns, bool ended) noexcept {
+  const std::uint64_t head = buffer_.head();
   const std::int64_t flush_ns = config_.flush ? oldest_ns + telemetry_.latency.bound_ns() : kNever;
-  const bool due = ended || now_ns >= flush_ns || waiting.size() == buffer_.capacity() ||
-                   buffer_.head() < flush_until_;
-  const RingCounts counts(waiting, times_, buffer_.head(), now_ns);
+  const bool due =
+      ended || now_ns >= flush_ns || waiting.size() == buffer_.capacity() || head < flush_until_;
+  const RingCounts counts(waiting, times_, head, now_ns);
   Decision decision = scheme_.decide({.count = waiting.size(),
                                       .now_ns = now_ns,
                                       .oldest_ns = oldest_ns,
@@ -118,43 +194,18 @@ Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::
   return decision;
 }
 
-void Packager::drop_stale(std::size_t count) noexcept {
-  pass_over(count);
-  telemetry_.stale += count;
-  stale_since_package_ += count;
-}
-
-// The oldest leave the ring undecided.
-void Packager::pass_over(std::size_t count) noexcept {
-  const EventPieces oldest = buffer_.peek(count);
-  const std::uint64_t head = buffer_.head();
-  rate_meter_.observe(count, times_.of(oldest[0], head),
-                      times_.of(oldest[count - 1], head + count - 1));
-  thinner_.skip(count);
-  if (config_.kept_mask != nullptr) config_.kept_mask->passed_over(count);
-  consume(count);
-}
-
-Package Packager::open(const Decision& decision, std::int64_t now_ns) noexcept {
-  raw_ = buffer_.peek(decision.raw);
+void Packager::Work::open(Package& package, const Decision& decision,
+                          std::int64_t now_ns) noexcept {
   handed_out_ = 0;
   thinner_.begin(raw_, buffer_.head());
   is_anytime_ = config_.execution == Execution::anytime && decision.budget_ns != kNever;
   if (is_anytime_) {
     plan_ = AnytimePlan(decision, now_ns, telemetry_.latency.bound_ns() / kGraceShare);
   }
-  return {.events = {},
-          .index = packages_,
-          .gamma = decision.keep,
-          .raw = 0,
-          .offered = offered_without_package_,
-          .filtered = filtered_without_package_,
-          .stale_before = stale_since_package_,
-          .overflow_before = overflow() - overflow_reported_,
-          .start_ns = now_ns};
+  books_.open(package, now_ns, decision.keep, buffer_.overflow());
 }
 
-EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
+EventSpan Packager::Work::stratum(Package& package, std::int64_t now_ns) {
   while (is_anytime_) {
     const std::size_t size = package.events.size() - handed_out_;
     const AnytimePlan::Stratum stratum = plan_.next(now_ns, size);
@@ -175,32 +226,15 @@ EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
 }
 
 // Decides the package's raw events [begin, end), which follow those before, or as many as fit.
-EventSpan Packager::add(Package& package, std::size_t begin, std::size_t end, Share share) {
+EventSpan Packager::Work::add(Package& package, std::size_t begin, std::size_t end, Share share) {
   const EventSpan kept = thinner_.decide(begin, end, share);
+  const std::size_t raw = thinner_.decided();
   package.events = thinner_.events();
-  package.raw = thinner_.decided();
-  const std::uint64_t last = buffer_.head() + package.raw - 1;
-  const std::uint64_t thinned = times_.thinned(last) - thinned_reported_;
-  package.offered = offered_without_package_ + thinned + package.raw;
-  package.filtered = filtered_without_package_ + thinner_.filtered();
+  books_.add(package, raw, buffer_.head() + raw - 1, thinner_.filtered());
   return kept;
 }
 
-// All raw events of the package have been decided, none is kept: they count to the next package.
-void Packager::discard_all(const Package& package, std::int64_t end_ns) noexcept {
-  telemetry_.filtered += thinner_.filtered();
-  telemetry_.discarded += package.raw - thinner_.filtered();
-  offered_without_package_ = package.offered;
-  filtered_without_package_ = package.filtered;
-  consume(package.raw);
-  scheme_.observe({.size = 0,
-                   .raw = package.raw,
-                   .span_ns = 0,
-                   .start_ns = package.start_ns,
-                   .processing_ns = end_ns - package.start_ns});
-}
-
-double Packager::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept {
+double Packager::Work::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept {
   if (gamma == keep_ || previous_start_ns_ == kLongAgo) return gamma;
   const auto elapsed =
       static_cast<double>(std::max(now_ns, previous_start_ns_) - previous_start_ns_);
@@ -208,72 +242,86 @@ double Packager::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept
   return keep_ + (gamma - keep_) * weight;
 }
 
-// Returns the time of the oldest event.
-std::int64_t Packager::record_latencies(EventSpan events, std::int64_t end_ns) noexcept {
-  if (!times_.by_arrival()) {
-    LatencyHistogram::Batch latencies(telemetry_.latency);
-    const TimeAxis axis_here = axis();  // in registers
-    for (const Event& event : events) latencies.record(end_ns - axis_here.to_ns(event.t));
-    return axis().to_ns(events.front().t);
-  }
-  std::size_t at = 0;
-  for (const KeptTimes::Run& run : thinner_.arrivals().runs()) {
-    telemetry_.latency.record(end_ns - run.time_ns, run.end - at);
-    at = run.end;
-  }
-  return thinner_.arrivals().runs().front().time_ns;
+Books::Left Packager::Work::leaving(const EventPieces& waiting, std::size_t count,
+                                    std::int64_t oldest_ns) const noexcept {
+  const std::uint64_t last = buffer_.head() + count - 1;
+  return {.count = count,
+          .oldest_ns = oldest_ns,
+          .newest_ns = count == 1 ? oldest_ns : times_.of(waiting[count - 1], last)};
 }
 
-void Packager::consume(std::size_t count) noexcept {
+// The oldest leave the ring undecided.
+void Packager::Work::pass_over(std::size_t count) noexcept {
+  thinner_.skip(count);
+  if (config_.kept_mask != nullptr) config_.kept_mask->passed_over(count);
+  consume(count);
+}
+
+void Packager::Work::complete(const Package& package, std::int64_t end_ns) noexcept {
+  const Books::Left left = leaving(raw_, package.raw, oldest_ns_);
+  if (config_.kept_mask != nullptr) {
+    config_.kept_mask->packaged(raw_, package.raw, package.events);
+  }
+  if (package.events.empty()) {
+    books_.discarded(package, left);
+  } else {
+    books_.delivered(package, left, end_ns, thinner_.arrivals());
+    keep_ = smoothed_keep(gamma_of(package), package.start_ns);
+    previous_start_ns_ = package.start_ns;
+  }
+  consume(package.raw);
+  observe(package, end_ns);
+}
+
+void Packager::Work::observe(const Package& package, std::int64_t end_ns) noexcept {
+  const EventSpan events = package.events;
+  const TimeAxis& axis = times_.axis();
+  Outcome outcome{
+      .size = events.size(),
+      .raw = package.raw,
+      .span_ns = events.size() < 2 ? 0 : axis.to_ns(events.back().t) - axis.to_ns(events.front().t),
+      .start_ns = package.start_ns,
+      .processing_ns = end_ns - package.start_ns};
+  if (is_anytime_ && !events.empty()) {
+    outcome.outage_ns = plan_.outage_ns();
+    outcome.first_size = plan_.first().size;
+    outcome.first_ns = plan_.first().time_ns;
+  }
+  scheme_.observe(outcome);
+}
+
+void Packager::Work::consume(std::size_t count) noexcept {
   buffer_.consume(count);
   times_.release(buffer_.head());
 }
 
+// ---- what others see
+
+Packager::Packager(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
+                   Telemetry& telemetry, PackagerConfig config)
+    : work_(std::make_unique<Work>(buffer, times, scheme, telemetry, std::move(config))) {}
+
+Packager::Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, PackagerConfig config)
+    : Packager(buffer, EventTimes(), scheme, telemetry, std::move(config)) {}
+
+Packager::~Packager() = default;
+
+void Packager::set_axis(TimeAxis axis) noexcept { work_->set_axis(axis); }
+
+void Packager::set_latency_bound(std::int64_t bound_ns) noexcept {
+  work_->set_latency_bound(bound_ns);
+}
+
+void Packager::flush(std::uint64_t until_index) noexcept { work_->flush(until_index); }
+
+Packager::Next Packager::next(std::int64_t now_ns) { return work_->next(now_ns); }
+
+EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
+  return work_->stratum(package, now_ns);
+}
+
 void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
-  const std::uint64_t head = buffer_.head();
-  const std::size_t came = package.offered - offered_without_package_;  // the thinned out included
-  rate_meter_.observe(came, times_.of(raw_[0], head),
-                      times_.of(raw_[package.raw - 1], head + package.raw - 1));
-  thinned_reported_ += came - package.raw;
-  if (config_.kept_mask != nullptr) {
-    config_.kept_mask->packaged(raw_, package.raw, package.events);
-  }
-  if (package.events.empty()) return discard_all(package, end_ns);
-  const std::int64_t oldest_ns = record_latencies(package.events, end_ns);
-  const std::size_t size = package.events.size();
-  const std::int64_t processing_ns = end_ns - package.start_ns;
-  const RateMeter::Window entered = rate_meter_.window();
-  telemetry_.log.append({.start_ns = package.start_ns,
-                         .processing_ns = processing_ns,
-                         .oldest_ns = oldest_ns,
-                         .t_first = package.t_first(),
-                         .t_last = package.t_last(),
-                         .offered = package.offered,
-                         .filtered = package.filtered,
-                         .size = size,
-                         .stale = package.stale_before,
-                         .overflow = package.overflow_before,
-                         .rate_events = entered.events,
-                         .rate_ns = entered.ns});
-  telemetry_.delivered += size;
-  telemetry_.filtered += thinner_.filtered();
-  telemetry_.discarded += package.raw - thinner_.filtered() - size;
-  scheme_.observe({.size = size,
-                   .raw = package.raw,
-                   .span_ns = axis().to_ns(package.t_last()) - axis().to_ns(package.t_first()),
-                   .start_ns = package.start_ns,
-                   .processing_ns = processing_ns,
-                   .outage_ns = is_anytime_ ? plan_.outage_ns() : 0,
-                   .first_size = is_anytime_ ? plan_.first().size : 0,
-                   .first_ns = is_anytime_ ? plan_.first().time_ns : 0});
-  consume(package.raw);
-  ++packages_;
-  keep_ = smoothed_keep(gamma_of(package), package.start_ns);
-  previous_start_ns_ = package.start_ns;
-  offered_without_package_ = 0;
-  filtered_without_package_ = 0;
-  stale_since_package_ = 0;
-  overflow_reported_ += package.overflow_before;
+  work_->complete(package, end_ns);
 }
 
 }  // namespace asap

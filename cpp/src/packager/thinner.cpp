@@ -1,10 +1,10 @@
-#include "asap/packager/thinner.hpp"
+#include "packager/thinner.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include "asap/core/allocate.hpp"
-#include "asap/packager/anytime_plan.hpp"
+#include "packager/anytime_plan.hpp"
 
 namespace asap {
 namespace {

@@ -1,4 +1,4 @@
-#include "asap/runner/admission_gate.hpp"
+#include "runner/admission_gate.hpp"
 
 #include <algorithm>
 

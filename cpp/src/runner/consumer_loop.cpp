@@ -1,4 +1,4 @@
-#include "asap/runner/consumer_loop.hpp"
+#include "runner/consumer_loop.hpp"
 
 #include <algorithm>
 

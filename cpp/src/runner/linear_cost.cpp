@@ -45,6 +45,8 @@ PackageCost LinearCost::package(std::uint64_t index, std::int64_t start_ns) cons
 std::int64_t LinearCost::done_ns(std::int64_t begin_ns, double work_ns) const noexcept {
   const double longest_ns = kEndOfTimeNs - static_cast<double>(begin_ns);
   std::int64_t left_ns = std::max<std::int64_t>(std::llround(std::min(work_ns, longest_ns)), 1);
+  const auto end_ns = static_cast<std::int64_t>(kEndOfTimeNs);
+  if (config_.outages.empty()) return begin_ns + std::min(left_ns, end_ns - begin_ns);
   std::int64_t now_ns = begin_ns;
   for (auto outage = outage_after(now_ns); outage != config_.outages.end(); ++outage) {
     const std::int64_t until_ns = std::max(outage->begin_ns, now_ns);
@@ -52,10 +54,11 @@ std::int64_t LinearCost::done_ns(std::int64_t begin_ns, double work_ns) const no
     left_ns -= until_ns - now_ns;
     now_ns = outage->end_ns;
   }
-  return now_ns + std::min(left_ns, static_cast<std::int64_t>(kEndOfTimeNs) - now_ns);
+  return now_ns + std::min(left_ns, end_ns - now_ns);
 }
 
 std::int64_t LinearCost::start_ns(std::int64_t now_ns) const noexcept {
+  if (config_.outages.empty()) return now_ns;
   auto outage = outage_after(now_ns);
   for (; outage != config_.outages.end() && outage->begin_ns <= now_ns; ++outage) {
     now_ns = outage->end_ns;  // the next one may begin there

@@ -1,71 +1,126 @@
 #include "asap/runner/pipeline.hpp"
 
+#include <atomic>
+#include <exception>
+#include <mutex>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "asap/schemes/deadline.hpp"
+#include "runner/live_run.hpp"
+#include "runner/push_door.hpp"
 
 namespace asap {
 namespace {
 
-thread_local const Pipeline* worker_of = nullptr;  // whose worker this thread is
+thread_local const void* worker_of = nullptr;  // whose worker this thread is
 
 }  // namespace
 
-// The consumer's side has one guest at a time.
-class Pipeline::Working {
+class Pipeline::Work {
  public:
-  explicit Working(Pipeline& pipeline) : pipeline_(pipeline) {
+  Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConfig config, Consumer algorithm);
+  ~Work();
+  static std::unique_ptr<Work> with_worker(RunConfig config, Consumer algorithm);
+
+  bool push(EventSpan events, Arrival arrival, const Poll& poll);
+  void upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept;
+  Next next(Package& package, std::chrono::nanoseconds patience, const Poll& poll);
+  void complete();
+  void abandon();
+  void run(const Consumer& consumer, const Poll& poll);
+  void join();
+  void flush();
+  void stop(bool drain);
+  void start();
+  void set_latency(double latency_us);
+  bool is_open() const noexcept { return door_.is_open(); }
+  Ledger ledger() const;
+  PipelineStats stats() const;
+  const Telemetry& telemetry() const noexcept { return run_->telemetry(); }
+
+ private:
+  class Inside;
+
+  void set_to_work();
+  void complete_package();
+  void begin();
+  void require_another_thread() const;
+  void end_work();
+
+  const std::unique_ptr<Scheme> own_scheme_;
+  Scheme& scheme_;
+  RunConfig config_;
+  std::int64_t latency_bound_ns_;
+  mutable std::mutex control_;  // start, stop, flush and the snapshots; never push or next
+  std::unique_ptr<LiveRun> run_;
+  PushDoor door_;
+  std::atomic<std::uint64_t> upstream_marks_{0};
+  std::atomic<std::uint64_t> upstream_packets_{0};
+
+  std::atomic<bool> consuming_{false};  // a consumer is inside
+  Package package_;                     // in work, if has_package_
+  bool has_package_ = false;
+
+  const Consumer algorithm_;   // of the worker
+  std::mutex worker_control_;  // start and join; taken before control_
+  std::exception_ptr error_;   // what it has thrown
+  std::atomic<bool> works_{false};
+  std::thread worker_;
+};
+
+// The consumer's side has one guest at a time.
+class Pipeline::Work::Inside {
+ public:
+  explicit Inside(Work& pipeline) : pipeline_(pipeline) {
     if (pipeline_.consuming_.exchange(true, std::memory_order_acq_rel)) {
       throw std::logic_error("pipeline: another thread consumes; stop() it first");
     }
   }
-  ~Working() { pipeline_.consuming_.store(false, std::memory_order_release); }
-  Working(const Working&) = delete;
-  Working& operator=(const Working&) = delete;
+  ~Inside() { pipeline_.consuming_.store(false, std::memory_order_release); }
+  Inside(const Inside&) = delete;
+  Inside& operator=(const Inside&) = delete;
 
  private:
-  Pipeline& pipeline_;
+  Work& pipeline_;
 };
 
-Pipeline::Pipeline(Scheme& scheme, RunConfig config)
-    : scheme_(scheme),
-      config_(std::move(config)),
-      latency_bound_ns_(asap::latency_bound_ns(config_, scheme)),
-      run_(std::make_unique<LiveRun>(scheme, config_)) {
-  door_.open();
-}
-
-Pipeline::Pipeline(RunConfig config, Consumer algorithm)
-    : Pipeline(std::make_unique<Deadline>(
-                   DeadlineConfig{.latency_ms = config.latency_us.value_or(10'000.0) * 1e-3}),
-               config, std::move(algorithm)) {}
-
-Pipeline::Pipeline(std::unique_ptr<Scheme> scheme, RunConfig config, Consumer algorithm)
-    : own_scheme_(std::move(scheme)),
-      scheme_(*own_scheme_),
+Pipeline::Work::Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConfig config,
+                     Consumer algorithm)
+    : own_scheme_(std::move(own_scheme)),
+      scheme_(scheme),
       config_(std::move(config)),
       latency_bound_ns_(asap::latency_bound_ns(config_, scheme_)),
       run_(std::make_unique<LiveRun>(scheme_, config_)),
       algorithm_(std::move(algorithm)) {
-  if (!algorithm_) throw std::invalid_argument("algorithm: none; give what the events are for");
   door_.open();
-  set_to_work();
 }
 
-Pipeline::~Pipeline() {
+std::unique_ptr<Pipeline::Work> Pipeline::Work::with_worker(RunConfig config, Consumer algorithm) {
+  if (!algorithm) throw std::invalid_argument("algorithm: none; give what the events are for");
+  const double latency_us = config.latency_us.value_or(10'000.0);
+  auto scheme = std::make_unique<Deadline>(DeadlineConfig{.latency_ms = latency_us * 1e-3});
+  Scheme& own = *scheme;
+  auto work =
+      std::make_unique<Work>(std::move(scheme), own, std::move(config), std::move(algorithm));
+  work->set_to_work();
+  return work;
+}
+
+Pipeline::Work::~Work() {
   stop(false);
   door_.wait_until_empty();
   if (worker_.joinable()) worker_.join();
 }
 
-void Pipeline::set_to_work() {
+void Pipeline::Work::set_to_work() {
   works_ = true;
   try {
     worker_ = std::thread([this] {
       worker_of = this;
       try {
-        run(algorithm_);
+        run(algorithm_, {});
       } catch (...) {
         error_ = std::current_exception();
       }
@@ -80,28 +135,28 @@ void Pipeline::set_to_work() {
   }
 }
 
-void Pipeline::join() {
+void Pipeline::Work::join() {
   require_another_thread();
   works_.wait(true);
   const std::lock_guard lock(worker_control_);
   if (!works_) end_work();  // else a new run has begun
 }
 
-void Pipeline::require_another_thread() const {
+void Pipeline::Work::require_another_thread() const {
   if (worker_of != this) return;
   throw std::logic_error("pipeline: the worker cannot wait for itself; stop() is enough");
 }
 
-void Pipeline::end_work() {
+void Pipeline::Work::end_work() {
   if (!worker_.joinable()) return;
   worker_.join();
   if (error_) std::rethrow_exception(std::exchange(error_, {}));
 }
 
-bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
+bool Pipeline::Work::push(EventSpan events, Arrival arrival, const Poll& poll) {
   if (!door_.enter()) return false;
   struct Leave {
-    Pipeline& pipeline;
+    Work& pipeline;
     ~Leave() {
       pipeline.door_.leave([this] { pipeline.run_->close(); });
     }
@@ -110,14 +165,14 @@ bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
   return true;
 }
 
-void Pipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
+void Pipeline::Work::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
   upstream_marks_.fetch_add(marks, std::memory_order_relaxed);
   upstream_packets_.fetch_add(packets, std::memory_order_relaxed);
 }
 
-Pipeline::Next Pipeline::next(Package& package, std::chrono::nanoseconds patience,
-                              const Poll& poll) {
-  const Working working(*this);
+Pipeline::Next Pipeline::Work::next(Package& package, std::chrono::nanoseconds patience,
+                                    const Poll& poll) {
+  const Inside inside(*this);
   if (config_.execution != Execution::whole) {
     throw std::logic_error("pipeline: next() needs .execution = Execution::whole; or use run()");
   }
@@ -129,17 +184,17 @@ Pipeline::Next Pipeline::next(Package& package, std::chrono::nanoseconds patienc
   return next;
 }
 
-void Pipeline::complete() {
-  const Working working(*this);
+void Pipeline::Work::complete() {
+  const Inside inside(*this);
   complete_package();
 }
 
-void Pipeline::complete_package() {
+void Pipeline::Work::complete_package() {
   if (has_package_) run_->loop().complete(package_);
   has_package_ = false;
 }
 
-void Pipeline::abandon() {
+void Pipeline::Work::abandon() {
   stop(false);
   if (consuming_.exchange(true, std::memory_order_acq_rel)) return;  // it will see the end itself
   has_package_ = false;
@@ -147,8 +202,8 @@ void Pipeline::abandon() {
   consuming_.store(false, std::memory_order_release);
 }
 
-void Pipeline::run(const Consumer& consumer, const Poll& poll) {
-  const Working working(*this);
+void Pipeline::Work::run(const Consumer& consumer, const Poll& poll) {
+  const Inside inside(*this);
   complete_package();
   try {
     run_->loop().run(consumer, poll);
@@ -160,19 +215,19 @@ void Pipeline::run(const Consumer& consumer, const Poll& poll) {
   run_->finish();
 }
 
-void Pipeline::flush() {
+void Pipeline::Work::flush() {
   const std::lock_guard lock(control_);
   run_->loop().flush();
 }
 
-void Pipeline::stop(bool drain) {
+void Pipeline::Work::stop(bool drain) {
   const std::lock_guard lock(control_);
   run_->leave();
   if (door_.shut()) run_->close();  // else the push that is inside does
   if (!drain) run_->loop().abandon();
 }
 
-void Pipeline::start() {
+void Pipeline::Work::start() {
   if (!algorithm_) return begin();
   if (door_.is_open()) return;
   require_another_thread();
@@ -183,8 +238,8 @@ void Pipeline::start() {
   set_to_work();
 }
 
-void Pipeline::begin() {
-  const Working working(*this);  // nobody else opens meanwhile
+void Pipeline::Work::begin() {
+  const Inside inside(*this);  // nobody else opens meanwhile
   if (door_.is_open()) return;
   door_.wait_until_empty();
   const std::lock_guard lock(control_);
@@ -196,7 +251,7 @@ void Pipeline::begin() {
   door_.open();
 }
 
-void Pipeline::set_latency(double latency_us) {
+void Pipeline::Work::set_latency(double latency_us) {
   const std::int64_t bound_ns = checked_latency_bound_ns(latency_us);
   const std::lock_guard lock(control_);
   latency_bound_ns_ = bound_ns;
@@ -204,12 +259,12 @@ void Pipeline::set_latency(double latency_us) {
   run_->set_latency_bound(bound_ns);
 }
 
-Ledger Pipeline::ledger() const {
+Ledger Pipeline::Work::ledger() const {
   const std::lock_guard lock(control_);
   return run_->ledger();
 }
 
-PipelineStats Pipeline::stats() const {
+PipelineStats Pipeline::Work::stats() const {
   const std::lock_guard lock(control_);
   const Telemetry& telemetry = run_->telemetry();
   return {.ledger = run_->ledger(),
@@ -227,5 +282,36 @@ PipelineStats Pipeline::stats() const {
           .sensor_delay_ns = run_->sensor_delay().last_ns(),
           .sensor_delay_max_ns = run_->sensor_delay().max_ns()};
 }
+
+Pipeline::Pipeline(Scheme& scheme, RunConfig config)
+    : work_(std::make_unique<Work>(nullptr, scheme, std::move(config), Consumer{})) {}
+
+Pipeline::Pipeline(RunConfig config, Consumer algorithm)
+    : work_(Work::with_worker(std::move(config), std::move(algorithm))) {}
+
+Pipeline::~Pipeline() = default;
+
+bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
+  return work_->push(events, arrival, poll);
+}
+void Pipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
+  work_->upstream_lost(marks, packets);
+}
+Pipeline::Next Pipeline::next(Package& package, std::chrono::nanoseconds patience,
+                              const Poll& poll) {
+  return work_->next(package, patience, poll);
+}
+void Pipeline::complete() { work_->complete(); }
+void Pipeline::abandon() { work_->abandon(); }
+void Pipeline::run(const Consumer& consumer, const Poll& poll) { work_->run(consumer, poll); }
+void Pipeline::join() { work_->join(); }
+void Pipeline::flush() { work_->flush(); }
+void Pipeline::stop(bool drain) { work_->stop(drain); }
+void Pipeline::start() { work_->start(); }
+void Pipeline::set_latency(double latency_us) { work_->set_latency(latency_us); }
+bool Pipeline::is_open() const noexcept { return work_->is_open(); }
+Ledger Pipeline::ledger() const { return work_->ledger(); }
+PipelineStats Pipeline::stats() const { return work_->stats(); }
+const Telemetry& Pipeline::telemetry() const noexcept { return work_->telemetry(); }
 
 }  // namespace asap

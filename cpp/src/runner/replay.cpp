@@ -4,9 +4,14 @@
 #include <cmath>
 #include <exception>
 #include <stdexcept>
+#include <stop_token>
 #include <thread>
 
 #include "asap/core/check.hpp"
+#include "runner/clock.hpp"
+#include "runner/consumer_loop.hpp"
+#include "runner/doorbell.hpp"
+#include "runner/run.hpp"
 
 namespace asap {
 namespace {
@@ -27,19 +32,39 @@ struct Stopped {};
 
 }  // namespace
 
-Replay::Replay(Scheme& scheme, ReplayConfig replay, RunConfig config)
-    : replay_(checked(replay)),
-      kept_mask_(config.keep_mask ? std::make_unique<KeptMask>() : nullptr),
-      validator_(config.validator, kept_mask_ ? &kept_mask_->passed() : nullptr),
-      telemetry_(latency_bound_ns(config, scheme)),
-      buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
-      intake_(buffer_, telemetry_.latency.bound_ns(), kept_mask_.get()),
-      packager_(buffer_, intake_.ages(), scheme, telemetry_,
-                packager_config(config, kept_mask_.get())),
-      loop_(buffer_, packager_, telemetry_, doorbell_, clock_) {}
+class Replay::Work {
+ public:
+  Work(Scheme& scheme, ReplayConfig replay, const RunConfig& config)
+      : replay_(checked(replay)),
+        run_(scheme, config, Run::Source::recording),
+        loop_(run_.buffer(), run_.packager(), run_.telemetry(), doorbell_, clock_) {}
 
-void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
-  if (buffer_.closed()) throw std::logic_error("replay: has run; make another one");
+  void run(EventSource& source, const Consumer& consumer, const Poll& poll);
+  Ledger ledger() const noexcept;
+  const Run& parts() const noexcept { return run_; }
+  const LatencyHistogram& lateness() const noexcept { return lateness_; }
+
+ private:
+  void produce(EventSource& source, const std::stop_token& stop);
+  void start(const Event& first) noexcept;
+  void pace(const std::stop_token& stop);
+  void push_arrived();
+
+  const ReplayConfig replay_;
+  Run run_;
+  Doorbell doorbell_;
+  RunClock clock_;
+  ConsumerLoop loop_;
+
+  // The producer's. Of the chunk being replayed: events that have not arrived yet.
+  EventSpan arriving_;
+  bool started_ = false;
+  std::int64_t next_push_ns_ = kLongAgo;
+  LatencyHistogram lateness_;
+};
+
+void Replay::Work::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
+  if (run_.buffer().closed()) throw std::logic_error("replay: has run; make another one");
   std::exception_ptr producer_error;
   {
     std::jthread producer([&](const std::stop_token& stop) {
@@ -50,7 +75,7 @@ void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll
       } catch (...) {
         producer_error = std::current_exception();
       }
-      buffer_.close();
+      run_.buffer().close();
       doorbell_.wake();
     });
     loop_.run(consumer, poll);
@@ -58,49 +83,34 @@ void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll
   if (producer_error) std::rethrow_exception(producer_error);
 }
 
-Ledger Replay::ledger() const noexcept {
-  const bool finished = buffer_.closed();  // then what the producer owned may be read
-  const std::uint64_t tail = buffer_.tail();
-  Ledger ledger{.filtered = telemetry_.filtered,
-                .discarded = telemetry_.discarded,
-                .stale = telemetry_.stale,
-                .overflow = buffer_.overflow(),
-                .delivered = telemetry_.delivered,
-                .pending = tail - buffer_.head()};
-  if (finished) {
-    ledger.received = validator_.received();
-    ledger.rejected = validator_.rejected().total();
-    ledger.pending += arriving_.size();
-  } else {
-    ledger.rejected = rejected_so_far_.load(std::memory_order_relaxed);
-    ledger.received = ledger.rejected + ledger.overflow + tail;
-  }
-  return ledger;
+// Once the producer has closed the ring, what it owned may be read.
+Ledger Replay::Work::ledger() const noexcept {
+  const bool is_quiet = run_.buffer().closed();
+  return run_.ledger(is_quiet, 0, is_quiet ? arriving_.size() : 0);
 }
 
-void Replay::produce(EventSource& source, const std::stop_token& stop) {
+void Replay::Work::produce(EventSource& source, const std::stop_token& stop) {
   for (EventSpan chunk = source.next(); !chunk.empty(); chunk = source.next()) {
-    validator_.check(chunk, [&](EventSpan good) {
+    run_.validator().check(chunk, [&](EventSpan good) {
       arriving_ = good;
-      rejected_so_far_.store(validator_.rejected().total(), std::memory_order_relaxed);
+      run_.publish();
       if (!started_) start(good.front());
       pace(stop);
     });
   }
 }
 
-void Replay::start(const Event& first) noexcept {
+void Replay::Work::start(const Event& first) noexcept {
   const TimeAxis axis(first.t, replay_.speed);
-  packager_.set_axis(axis);
+  run_.begin(axis);
   clock_.start(axis.to_ns(first.t));
   started_ = true;
 }
 
-void Replay::pace(const std::stop_token& stop) {
+void Replay::Work::pace(const std::stop_token& stop) {
   while (!arriving_.empty()) {
     if (stop.stop_requested()) throw Stopped{};
-    const std::int64_t wanted_ns =
-        std::max(packager_.axis().to_ns(arriving_.front().t), next_push_ns_);
+    const std::int64_t wanted_ns = std::max(run_.axis().to_ns(arriving_.front().t), next_push_ns_);
     if (clock_.now_ns() < wanted_ns) {
       const auto soon = System::now() + kLongestSleep;
       std::this_thread::sleep_until(std::min(clock_.when(wanted_ns), soon));
@@ -110,19 +120,32 @@ void Replay::pace(const std::stop_token& stop) {
   }
 }
 
-void Replay::push_arrived() {
+void Replay::Work::push_arrived() {
   const std::int64_t now_ns = clock_.now_ns();
-  const std::int64_t first_ns = packager_.axis().to_ns(arriving_.front().t);
+  const std::int64_t first_ns = run_.axis().to_ns(arriving_.front().t);
   const std::int64_t until_ns = std::min(now_ns, first_ns + kLongestChunkNs);
   std::size_t count = 1;
-  while (count < arriving_.size() && packager_.axis().to_ns(arriving_[count].t) <= until_ns) {
-    ++count;
-  }
-  intake_.push(arriving_.first(count), packager_.axis());
-  doorbell_.announce(buffer_.tail());
+  while (count < arriving_.size() && run_.axis().to_ns(arriving_[count].t) <= until_ns) ++count;
+  run_.arrive(arriving_.first(count));
+  doorbell_.announce(run_.buffer().tail());
   arriving_ = arriving_.subspan(count);
   lateness_.record(now_ns - first_ns);
   next_push_ns_ = until_ns + std::llround(replay_.pacing_us * 1e3);
 }
+
+Replay::Replay(Scheme& scheme, ReplayConfig replay, RunConfig config)
+    : work_(std::make_unique<Work>(scheme, replay, config)) {}
+
+Replay::~Replay() = default;
+
+void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
+  work_->run(source, consumer, poll);
+}
+
+Ledger Replay::ledger() const noexcept { return work_->ledger(); }
+const Validator& Replay::validator() const noexcept { return work_->parts().validator(); }
+const Telemetry& Replay::telemetry() const noexcept { return work_->parts().telemetry(); }
+std::optional<KeptEvents> Replay::kept() const { return work_->parts().kept(); }
+const LatencyHistogram& Replay::lateness() const noexcept { return work_->lateness(); }
 
 }  // namespace asap

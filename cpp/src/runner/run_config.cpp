@@ -32,24 +32,12 @@ std::int64_t latency_bound_ns(const RunConfig& config, const Scheme& scheme) {
   return own_ns == 0 ? wanted_ns : own_ns;
 }
 
-PackagerConfig packager_config(const RunConfig& config, KeptMask* kept_mask) {
-  return {.seed = config.seed,
-          .execution = config.execution,
-          .flush = config.flush,
-          .before = config.before,
-          .kept_mask = kept_mask};
-}
-
 std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns) noexcept {
   if (config.capacity > 0) return config.capacity;
   const double events = kHighestRate * 2.0 * static_cast<double>(latency_bound_ns) * 1e-9;
   // A bound of minutes must not ask for gigabytes.
   return std::bit_ceil(
       std::clamp(static_cast<std::size_t>(events), kLeastCapacity, 64 * kLeastCapacity));
-}
-
-std::int64_t age_slot_ns(std::int64_t latency_bound_ns) noexcept {
-  return std::max<std::int64_t>(latency_bound_ns / 64, 1);
 }
 
 }  // namespace asap

@@ -5,6 +5,9 @@
 #include <utility>
 
 #include "asap/core/check.hpp"
+#include "runner/admission.hpp"
+#include "runner/admission_gate.hpp"
+#include "runner/run.hpp"
 
 namespace asap {
 namespace {
@@ -14,28 +17,73 @@ constexpr std::uint64_t kAdmissionSeed = 0x61646d6974;  // not the gamma filter'
 
 }  // namespace
 
-Simulator::Simulator(Scheme& scheme, LinearCost cost, RunConfig config, Consumer consumer)
+class Simulator::Work {
+ public:
+  Work(Scheme& scheme, LinearCost cost, const RunConfig& config, Consumer consumer,
+       Admission* admission);
+
+  void feed(EventSpan events);
+  void finish();
+  Ledger ledger() const noexcept;
+  const Run& parts() const noexcept { return run_; }
+  const SlotLog& slots() const noexcept { return slots_; }
+  std::int64_t busy_ns() const noexcept { return busy_ns_; }
+
+ private:
+  void receive(EventSpan good);
+  void start(const Event& first);
+  void look(Arrivals& arrivals);
+  // Behind a gate: no event that arrives before this time is still to come.
+  void run_until(std::int64_t time_ns);
+  bool knows(std::int64_t time_ns) const noexcept;  // all that arrives up to then
+  void run_while_known();
+  // Pass time until this part of the package is done, or the wait is over; false: the known
+  // arrivals end before that. Meanwhile events arrive, and the package still holds its place in the
+  // ring.
+  bool work();
+  bool wait(const Packager::Next& next);
+  void begin(const Package& package);
+  void go_on();  // with the next part of the package, or complete it
+  void admit(std::size_t count);
+  std::size_t arrivals_by(std::int64_t time_ns) const noexcept;
+
+  const LinearCost cost_;
+  const Consumer consumer_;
+  Run run_;
+  SlotLog slots_;
+  std::optional<AdmissionGate> gate_;
+
+  EventSpan arriving_;  // of the chunk being fed: events that have not arrived yet
+  std::int64_t known_until_ns_ = kLongAgo;  // known beyond arriving_: silence until then
+  std::uint64_t good_ = 0;                  // events that the validator let in
+  bool started_ = false;
+  std::int64_t now_ns_ = kLongAgo;
+  bool is_working_ = false;
+  Package working_{};  // the package in work, if is_working_
+  PackageCost working_cost_{};
+  std::uint64_t begun_ = 0;  // packages: each has a draw of its own
+  std::int64_t busy_until_ns_ = kLongAgo;
+  std::int64_t busy_ns_ = 0;
+  bool is_waiting_ = false;
+  Packager::Next waiting_{};  // the wait in force, if is_waiting_
+};
+
+Simulator::Work::Work(Scheme& scheme, LinearCost cost, const RunConfig& config, Consumer consumer,
+                      Admission* admission)
     : cost_(std::move(cost)),
       consumer_(std::move(consumer)),
-      kept_mask_(config.keep_mask ? std::make_unique<KeptMask>() : nullptr),
-      validator_(config.validator, kept_mask_ ? &kept_mask_->passed() : nullptr),
-      telemetry_(latency_bound_ns(config, scheme)),
-      buffer_(ring_capacity(config, telemetry_.latency.bound_ns())),
-      intake_(buffer_, telemetry_.latency.bound_ns(), kept_mask_.get()),
-      packager_(buffer_, intake_.ages(), scheme, telemetry_,
-                packager_config(config, kept_mask_.get())) {
-  if (Admission* admission = scheme.admission()) {
-    require(!config.keep_mask, "keep_mask", 1, "not with a scheme that filters on arrival");
-    gate_.emplace(*admission, config.seed ^ kAdmissionSeed);
-  }
+      run_(scheme, config, Run::Source::recording) {
+  if (admission == nullptr) return;
+  require(!config.keep_mask, "keep_mask", 1, "not with a scheme that filters on arrival");
+  gate_.emplace(*admission, config.seed ^ kAdmissionSeed);
 }
 
-void Simulator::feed(EventSpan events) {
-  validator_.check(events, [this](EventSpan good) { receive(good); });
+void Simulator::Work::feed(EventSpan events) {
+  run_.validator().check(events, [this](EventSpan good) { receive(good); });
 }
 
-void Simulator::finish() {
-  buffer_.close();
+void Simulator::Work::finish() {
+  run_.buffer().close();
   now_ns_ = std::max(now_ns_, known_until_ns_);
   for (;;) {
     while (is_working_) {
@@ -43,26 +91,19 @@ void Simulator::finish() {
       go_on();
     }
     now_ns_ = cost_.start_ns(now_ns_);
-    telemetry_.log.make_room();
-    const Packager::Next next = packager_.next(now_ns_);
+    run_.telemetry().log.make_room();
+    const Packager::Next next = run_.packager().next(now_ns_);
     if (next.step != Packager::Step::package) return;  // a closed source is never waited for
     begin(next.package);
   }
 }
 
-Ledger Simulator::ledger() const noexcept {
+Ledger Simulator::Work::ledger() const noexcept {
   const std::uint64_t at_the_gate = gate_ ? good_ - gate_->seen() : 0;
-  return {.received = validator_.received(),
-          .rejected = validator_.rejected().total(),
-          .filtered = telemetry_.filtered,
-          .discarded = telemetry_.discarded + (gate_ ? gate_->discarded() : 0),
-          .stale = telemetry_.stale,
-          .overflow = buffer_.overflow(),
-          .delivered = telemetry_.delivered,
-          .pending = buffer_.size() + arriving_.size() + at_the_gate};
+  return run_.ledger(true, gate_ ? gate_->discarded() : 0, arriving_.size() + at_the_gate);
 }
 
-void Simulator::receive(EventSpan good) {
+void Simulator::Work::receive(EventSpan good) {
   if (good.empty()) return;
   if (!started_) start(good.front());
   good_ += good.size();
@@ -72,39 +113,39 @@ void Simulator::receive(EventSpan good) {
     return run_while_known();
   }
   gate_->pass(
-      good, packager_.axis(), [this](Arrivals& arrivals) { look(arrivals); },
+      good, run_.axis(), [this](Arrivals& arrivals) { look(arrivals); },
       [this](EventSpan admitted) {
         arriving_ = admitted;
         run_while_known();
       });
-  run_until(packager_.axis().to_ns(good.back().t));
+  run_until(run_.axis().to_ns(good.back().t));
 }
 
-void Simulator::start(const Event& first) {
-  packager_.set_axis(TimeAxis(first.t, 1.0));
-  now_ns_ = packager_.axis().to_ns(first.t);
+void Simulator::Work::start(const Event& first) {
+  run_.begin(TimeAxis(first.t, 1.0));
+  now_ns_ = run_.axis().to_ns(first.t);
   started_ = true;
 }
 
-void Simulator::run_until(std::int64_t time_ns) {
+void Simulator::Work::run_until(std::int64_t time_ns) {
   known_until_ns_ = time_ns;
   run_while_known();
 }
 
-void Simulator::look(Arrivals& arrivals) {
+void Simulator::Work::look(Arrivals& arrivals) {
   run_until(arrivals.now_ns);
-  const EventPieces in_ring = buffer_.peek();
+  const EventPieces in_ring = run_.buffer().peek();
   const std::size_t in_work = is_working_ ? working_.raw : 0;
   arrivals.waiting = in_ring.size() - in_work;
   arrivals.oldest_ns =
-      arrivals.waiting > 0 ? packager_.axis().to_ns(in_ring[in_work].t) : arrivals.now_ns;
+      arrivals.waiting > 0 ? run_.axis().to_ns(in_ring[in_work].t) : arrivals.now_ns;
 }
 
-bool Simulator::knows(std::int64_t time_ns) const noexcept {
+bool Simulator::Work::knows(std::int64_t time_ns) const noexcept {
   return !arriving_.empty() || time_ns < known_until_ns_;
 }
 
-void Simulator::run_while_known() {
+void Simulator::Work::run_while_known() {
   for (;;) {
     if (is_working_ && !work()) return;
     if (is_working_) continue;
@@ -117,8 +158,8 @@ void Simulator::run_while_known() {
       is_waiting_ = true;
       continue;
     }
-    telemetry_.log.make_room();
-    const Packager::Next next = packager_.next(now_ns_);
+    run_.telemetry().log.make_room();
+    const Packager::Next next = run_.packager().next(now_ns_);
     if (next.step == Packager::Step::package) {
       begin(next.package);
     } else {
@@ -128,7 +169,7 @@ void Simulator::run_while_known() {
   }
 }
 
-bool Simulator::work() {
+bool Simulator::Work::work() {
   admit(arrivals_by(busy_until_ns_));
   if (!knows(busy_until_ns_)) return false;  // the next chunk may hold more for this time
   now_ns_ = busy_until_ns_;
@@ -136,31 +177,31 @@ bool Simulator::work() {
   return true;
 }
 
-bool Simulator::wait(const Packager::Next& next) {
-  const std::uint64_t missing = next.until_tail - buffer_.tail();
+bool Simulator::Work::wait(const Packager::Next& next) {
+  const std::uint64_t missing = next.until_tail - run_.buffer().tail();
   const std::size_t by_time = arrivals_by(next.until_ns);
   if (missing > by_time && by_time == arriving_.size() && next.until_ns >= known_until_ns_) {
-    if (!arriving_.empty()) now_ns_ = packager_.axis().to_ns(arriving_.back().t);
+    if (!arriving_.empty()) now_ns_ = run_.axis().to_ns(arriving_.back().t);
     admit(arriving_.size());
     return false;
   }
-  now_ns_ = missing <= by_time ? packager_.axis().to_ns(arriving_[missing - 1].t) : next.until_ns;
+  now_ns_ = missing <= by_time ? run_.axis().to_ns(arriving_[missing - 1].t) : next.until_ns;
   is_waiting_ = false;
   return true;
 }
 
-void Simulator::begin(const Package& package) {
+void Simulator::Work::begin(const Package& package) {
   working_ = package;
   is_working_ = true;
   working_cost_ = cost_.package(begun_++, package.start_ns);
   // An anytime package shows its events later, stratum by stratum.
   const bool is_whole = !package.events.empty();
-  const std::size_t size = is_whole ? packager_.stratum(working_, now_ns_).size() : 0;
+  const std::size_t size = is_whole ? run_.packager().stratum(working_, now_ns_).size() : 0;
   busy_until_ns_ = cost_.done_ns(now_ns_, working_cost_.of(size));
 }
 
-void Simulator::go_on() {
-  const EventSpan part = packager_.stratum(working_, now_ns_);
+void Simulator::Work::go_on() {
+  const EventSpan part = run_.packager().stratum(working_, now_ns_);
   if (!part.empty()) {
     const double work_ns = working_cost_.event_ns * static_cast<double>(part.size());
     busy_until_ns_ = cost_.done_ns(now_ns_, work_ns);
@@ -168,20 +209,18 @@ void Simulator::go_on() {
   }
   is_working_ = false;
   if (consumer_ && !working_.events.empty()) consumer_(working_);
-  slots_.delivered(working_.events, now_ns_, packager_.axis());
+  slots_.delivered(working_.events, now_ns_, run_.axis());
   busy_ns_ += now_ns_ - working_.start_ns;
-  packager_.complete(working_, now_ns_);
+  run_.packager().complete(working_, now_ns_);
 }
 
-void Simulator::admit(std::size_t count) {
-  intake_.push(arriving_.first(count), packager_.axis());
+void Simulator::Work::admit(std::size_t count) {
+  run_.arrive(arriving_.first(count));
   arriving_ = arriving_.subspan(count);
 }
 
-std::size_t Simulator::arrivals_by(std::int64_t time_ns) const noexcept {
-  const auto arrived = [&](const Event& event) {
-    return packager_.axis().to_ns(event.t) <= time_ns;
-  };
+std::size_t Simulator::Work::arrivals_by(std::int64_t time_ns) const noexcept {
+  const auto arrived = [&](const Event& event) { return run_.axis().to_ns(event.t) <= time_ns; };
   // Gallop first: the answer is mostly near the front of a long chunk.
   std::size_t known = 0;
   std::size_t ahead = 1;
@@ -193,5 +232,21 @@ std::size_t Simulator::arrivals_by(std::int64_t time_ns) const noexcept {
   const auto end = std::partition_point(rest.begin(), rest.end(), arrived);
   return known + static_cast<std::size_t>(end - rest.begin());
 }
+
+Simulator::Simulator(Scheme& scheme, LinearCost cost, RunConfig config, Consumer consumer,
+                     Admission* admission)
+    : work_(std::make_unique<Work>(scheme, std::move(cost), config, std::move(consumer),
+                                   admission)) {}
+
+Simulator::~Simulator() = default;
+
+void Simulator::feed(EventSpan events) { work_->feed(events); }
+void Simulator::finish() { work_->finish(); }
+Ledger Simulator::ledger() const noexcept { return work_->ledger(); }
+const Validator& Simulator::validator() const noexcept { return work_->parts().validator(); }
+const Telemetry& Simulator::telemetry() const noexcept { return work_->parts().telemetry(); }
+std::optional<KeptEvents> Simulator::kept() const { return work_->parts().kept(); }
+const SlotLog& Simulator::slots() const noexcept { return work_->slots(); }
+std::int64_t Simulator::busy_ns() const noexcept { return work_->busy_ns(); }
 
 }  // namespace asap

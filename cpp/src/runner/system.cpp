@@ -1,4 +1,4 @@
-#include "asap/runner/system.hpp"
+#include "runner/system.hpp"
 
 namespace asap {
 

@@ -1,4 +1,4 @@
-#include "asap/buffer/age_slots.hpp"
+#include "buffer/age_slots.hpp"
 
 #include <gtest/gtest.h>
 

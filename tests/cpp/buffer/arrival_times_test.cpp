@@ -1,4 +1,4 @@
-#include "asap/buffer/arrival_times.hpp"
+#include "buffer/arrival_times.hpp"
 
 #include <gtest/gtest.h>
 

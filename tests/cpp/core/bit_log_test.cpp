@@ -1,4 +1,4 @@
-#include "asap/core/bit_log.hpp"
+#include "core/bit_log.hpp"
 
 #include <gtest/gtest.h>
 

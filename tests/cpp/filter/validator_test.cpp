@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
+#include "core/bit_log.hpp"
 
 namespace asap::validator_test {
 namespace {

@@ -16,6 +16,7 @@
 #include "asap/schemes/greedy.hpp"
 #include "asap/schemes/single_event.hpp"
 #include "asap/telemetry/run_log.hpp"
+#include "packager/event_times.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/streams.hpp"
 

@@ -1,4 +1,4 @@
-#include "asap/packager/anytime_plan.hpp"
+#include "packager/anytime_plan.hpp"
 
 #include <gtest/gtest.h>
 

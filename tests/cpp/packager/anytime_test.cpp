@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
+#include "asap/filter/gamma_filter.hpp"
 #include "asap/packager/packager.hpp"
 #include "asap/telemetry/ledger.hpp"
+#include "packager/event_times.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 

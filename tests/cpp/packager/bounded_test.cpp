@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "asap/packager/packager.hpp"
+#include "packager/event_times.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 

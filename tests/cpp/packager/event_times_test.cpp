@@ -1,4 +1,4 @@
-#include "asap/packager/event_times.hpp"
+#include "packager/event_times.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/packager/kept_mask.hpp"
+#include "packager/kept_mask.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ void enter(KeptMask& mask, std::size_t count) {
 }
 
 TEST(KeptMask, IsEmptyForNothing) {
-  const KeptMask::Reading reading = KeptMask().read();
+  const KeptEvents reading = KeptMask().read();
   EXPECT_TRUE(reading.kept.empty());
   EXPECT_TRUE(reading.first.empty());
 }

@@ -1,4 +1,4 @@
-#include "asap/packager/kept_times.hpp"
+#include "packager/kept_times.hpp"
 
 #include <gtest/gtest.h>
 

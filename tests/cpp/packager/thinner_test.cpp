@@ -1,4 +1,4 @@
-#include "asap/packager/thinner.hpp"
+#include "packager/thinner.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/runner/clock.hpp"
+#include "runner/clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/runner/consumer_loop.hpp"
+#include "runner/consumer_loop.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "asap/schemes/fixed_size.hpp"
+#include "packager/event_times.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 

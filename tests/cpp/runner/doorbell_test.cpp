@@ -1,4 +1,4 @@
-#include "asap/runner/doorbell.hpp"
+#include "runner/doorbell.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/runner/intake.hpp"
+#include "runner/intake.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // One thread: what is pushed, counted and timed. Two threads: pipeline_test.cpp.
-#include "asap/runner/live_run.hpp"
+#include "runner/live_run.hpp"
 
 #include <gtest/gtest.h>
 
@@ -113,14 +113,14 @@ TEST(LiveRun, TheNewestThatDoNotFitOverflow) {
 }
 
 TEST(LiveRun, APackageThatIsCopiedIsBoundedAndTheRestFollows) {
-  constexpr std::size_t kEvents = LiveRun::kMostCopied + 40'000;
+  constexpr std::size_t kEvents = asap::Run::kMostCopied + 40'000;
   test::ScriptedScheme scheme(
       [](const Backlog& backlog) { return Decision::take(backlog.count, 1 - 1e-9); });
   RunConfig config = kWhole;
-  config.capacity = 2 * LiveRun::kMostCopied;
+  config.capacity = 2 * asap::Run::kMostCopied;
   LiveRun run(scheme, config);
   run.push(test::evenly_spaced(kEvents, 0), {});
-  for (const std::size_t size : {LiveRun::kMostCopied, kEvents - LiveRun::kMostCopied}) {
+  for (const std::size_t size : {asap::Run::kMostCopied, kEvents - asap::Run::kMostCopied}) {
     Package package;
     ASSERT_EQ(run.loop().next(package, 0ns), ConsumerLoop::Next::package);
     EXPECT_EQ(package.events.size(), size);
@@ -171,12 +171,12 @@ TEST(LiveRun, AllocatesNothingAfterConstruction) {
   LiveRun run(scheme, kWhole);
   const test::Events events = test::evenly_spaced(50, 0, 1000);
   const std::size_t before = test::allocations();
-  for (std::size_t i = 0; i < 2 * LiveRun::kLogRows; ++i) {
+  for (std::size_t i = 0; i < 2 * asap::Run::kLogRows; ++i) {
     run.push(events, {});
     deliver_all(run);
   }
   EXPECT_EQ(test::allocations(), before);
-  EXPECT_EQ(run.telemetry().log.totals().count, 2 * LiveRun::kLogRows);
+  EXPECT_EQ(run.telemetry().log.totals().count, 2 * asap::Run::kLogRows);
 }
 
 }  // namespace

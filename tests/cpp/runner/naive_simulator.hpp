@@ -12,13 +12,13 @@
 
 #include "asap/core/random.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/runner/admission.hpp"
 #include "asap/runner/linear_cost.hpp"
-#include "asap/schemes/rate_meter.hpp"
 #include "asap/schemes/scheme.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/run_log.hpp"
 #include "asap/telemetry/slot_log.hpp"
+#include "packager/rate_meter.hpp"
+#include "runner/admission.hpp"
 
 namespace asap::test {
 

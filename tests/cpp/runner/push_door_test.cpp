@@ -1,4 +1,4 @@
-#include "asap/runner/push_door.hpp"
+#include "runner/push_door.hpp"
 
 #include <gtest/gtest.h>
 

@@ -19,6 +19,7 @@
 #include "asap/schemes/greedy.hpp"
 #include "asap/schemes/single_event.hpp"
 #include "runner/read_ahead.hpp"
+#include "runner/run.hpp"
 #include "support/errors.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
@@ -117,7 +118,7 @@ TEST(Replay, TheMaskLeadsBackToTheEventsThatWereGiven) {
   replay.run(source, [&](EventSpan package) {
     for (const Event& event : package) delivered.push_back(test::number_of(event));
   });
-  const KeptMask::Reading reading = replay.kept_mask()->read();
+  const KeptEvents reading = replay.kept().value();
   std::vector<std::uint64_t> kept;
   for (std::size_t i = 0; i < reading.kept.size(); ++i) {
     if (reading.kept[i] == 1) kept.push_back(i);
@@ -216,7 +217,7 @@ TEST(Replay, AnAnytimeAlgorithmGetsPartsAndAWholeOneDoesNot) {
 
 TEST(Replay, NotesTheAgeOfWhatItPushes) {
   constexpr std::int64_t kBound_ns = 20'000'000;
-  const std::int64_t width_ns = age_slot_ns(kBound_ns);
+  const std::int64_t width_ns = asap::Run::age_slot_ns(kBound_ns);
   int asked = 0;
   test::ScriptedScheme scheme([&](const Backlog& backlog) {
     if (!backlog.due) return Decision::wait_for(1'000'000);

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "asap/buffer/age_slots.hpp"
 #include "asap/runner/simulator.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/greedy.hpp"
@@ -71,16 +70,6 @@ TEST(RunConfig, TheRingHoldsTwoBoundsOfTheFastestSensor) {
   }
   EXPECT_EQ(ring_capacity({}, 10'000'000'000'000), std::size_t{1} << 26);
   EXPECT_EQ(ring_capacity({.capacity = 1000}, 10'000'000), 1000u);
-}
-
-TEST(RunConfig, AnAgeSlotIsA64thOfTheBound) {
-  EXPECT_EQ(age_slot_ns(10'000'000), 156'250);
-  EXPECT_EQ(age_slot_ns(10'000), 156);
-  EXPECT_EQ(age_slot_ns(1), 1);
-  // The slots reach back to twice the bound, whatever the rounding.
-  for (const std::int64_t bound_ns : {10'000, 10'063, 9'999'999, 1'000'000'007}) {
-    EXPECT_GT((AgeSlots::kSlots + 1) * age_slot_ns(bound_ns), 19 * bound_ns / 10);
-  }
 }
 
 TEST(RunConfig, TheExecutionAndTheFlushReachTheScheme) {

@@ -1,4 +1,4 @@
-#include "asap/runner/sensor_delay.hpp"
+#include "runner/sensor_delay.hpp"
 
 #include <gtest/gtest.h>
 

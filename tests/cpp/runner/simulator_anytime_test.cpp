@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
-#include "asap/runner/admission.hpp"
 #include "asap/runner/simulator.hpp"
 #include "asap/schemes/greedy.hpp"
+#include "runner/admission.hpp"
 #include "runner/agreement.hpp"
 #include "runner/naive_simulator.hpp"
+#include "runner/run.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
@@ -93,18 +94,19 @@ void feed_in_chunks(Simulator& simulator, EventSpan events, std::size_t largest)
 void agree(Scheme& scheme, Scheme& naive_scheme, const LinearCostConfig& cost, EventSpan events,
            std::size_t largest, NaiveConfig config) {
   Events delivered;
-  Simulator simulator(scheme, LinearCost(cost),
-                      {.latency_us = static_cast<double>(config.bound_ns) * 1e-3,
-                       .capacity = config.capacity,
-                       .seed = config.seed,
-                       .execution = config.execution,
-                       .flush = config.flush},
-                      [&](const Package& package) {
-                        ASSERT_EQ(package.index, simulator.telemetry().log.size());
-                        ASSERT_FALSE(package.continues);
-                        delivered.insert(delivered.end(), package.events.begin(),
-                                         package.events.end());
-                      });
+  Simulator simulator(
+      scheme, LinearCost(cost),
+      {.latency_us = static_cast<double>(config.bound_ns) * 1e-3,
+       .capacity = config.capacity,
+       .seed = config.seed,
+       .execution = config.execution,
+       .flush = config.flush},
+      [&](const Package& package) {
+        ASSERT_EQ(package.index, simulator.telemetry().log.size());
+        ASSERT_FALSE(package.continues);
+        delivered.insert(delivered.end(), package.events.begin(), package.events.end());
+      },
+      dynamic_cast<Admission*>(&scheme));
   feed_in_chunks(simulator, events, largest);
   NaiveSimulator naive(naive_scheme, LinearCost(cost), config);
   naive.run(events);
@@ -146,7 +148,7 @@ TEST(SimulatorAnytime, AgreesWithTheNaiveSimulatorWhateverIsDecided) {
 // Overflow included: what did not fit into the ring is not counted.
 TEST(SimulatorAnytime, CountsByAgeSlotsAreRightToASlot) {
   constexpr std::int64_t kBound_ns = 5 * kMillisecond;
-  const std::int64_t width_ns = age_slot_ns(kBound_ns);
+  const std::int64_t width_ns = asap::Run::age_slot_ns(kBound_ns);
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const CounterRandom random(seed);
     std::uint64_t asked = 0;
@@ -291,7 +293,6 @@ class Admitting final : public Scheme, public Admission {
 
   Decision decide(const Backlog& backlog) noexcept override { return rule_(backlog); }
   std::string_view name() const noexcept override { return "admitting"; }
-  Admission* admission() noexcept override { return this; }
   double gamma(const Arrivals& arrivals) noexcept override {
     told.push_back(arrivals);
     return gamma_(arrivals);
@@ -347,7 +348,7 @@ ScriptedScheme::Rule greedy() {
 
 TEST(SimulatorAnytime, AdmissionSeesWhatWaitsWhenItIsAsked) {
   Admitting scheme(greedy(), [](const Arrivals&) { return 1.0; }, kMillisecond);
-  Simulator simulator(scheme, LinearCost({.alpha_us = 1500, .beta_ns = 0}));
+  Simulator simulator(scheme, LinearCost({.alpha_us = 1500, .beta_ns = 0}), {}, {}, &scheme);
   simulator.feed(at_times({0, 10, 20, 5000}));
   simulator.finish();
   ASSERT_EQ(scheme.told.size(), 6u);
@@ -369,10 +370,12 @@ TEST(SimulatorAnytime, AnExceptionLeavesABalancedLedgerBehindAGate) {
     for (const int last : {1, 2, 5, 30}) {
       Admitting scheme(greedy(), [](const Arrivals&) { return 0.7; }, kMillisecond);
       int calls = 0;
-      Simulator simulator(scheme, LinearCost({.alpha_us = 100, .beta_ns = 10'000}), {},
-                          [&](const Package&) {
-                            if (++calls == last) throw Trouble{};
-                          });
+      Simulator simulator(
+          scheme, LinearCost({.alpha_us = 100, .beta_ns = 10'000}), {},
+          [&](const Package&) {
+            if (++calls == last) throw Trouble{};
+          },
+          &scheme);
       Events events = evenly_spaced(1000, 30);
       for (std::size_t i = 500; i < events.size(); ++i) events[i].t += 20'000;  // a silence
       EXPECT_THROW(feed_in_chunks(simulator, events, chunk), Trouble);

@@ -405,7 +405,7 @@ TEST(Simulator, TheMaskLeadsBackToTheEventsThatWereGiven) {
     }
     simulator.finish();
 
-    const KeptMask::Reading reading = simulator.kept_mask()->read();
+    const KeptEvents reading = simulator.kept().value();
     ASSERT_EQ(reading.kept.size(), events.size());
     Events kept;
     for (std::size_t i = 0; i < events.size(); ++i) {
@@ -433,7 +433,7 @@ TEST(Simulator, TheMaskLeadsBackToTheEventsThatWereGiven) {
 
 TEST(Simulator, KeepsNoMaskUnlessAsked) {
   Greedy scheme;
-  EXPECT_EQ(Simulator(scheme, slow()).kept_mask(), nullptr);
+  EXPECT_FALSE(Simulator(scheme, slow()).kept());
 }
 
 TEST(Simulator, WhatWaitsWhenARunEndsEarlyIsNotKept) {
@@ -444,7 +444,7 @@ TEST(Simulator, WhatWaitsWhenARunEndsEarlyIsNotKept) {
   });
   const Events events = evenly_spaced(100, 30);
   EXPECT_THROW(simulator.feed(events), Trouble);
-  const KeptMask::Reading reading = simulator.kept_mask()->read();
+  const KeptEvents reading = simulator.kept().value();
   EXPECT_EQ(std::count(reading.kept.begin(), reading.kept.end(), 1), 20);
   EXPECT_EQ(reading.first, (std::vector<std::int64_t>{0, 10}));
 }

@@ -1,4 +1,4 @@
-#include "asap/runner/stall_watch.hpp"
+#include "runner/stall_watch.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,10 +2,10 @@
 // together, put together as in live_run.cpp, pipeline.cpp and consumer_loop.cpp. A thread pushes
 // until the door is shut, one stops, the last one out says that it is the end, one consumes until
 // it has seen that; nobody has a deadline.
-#include "asap/buffer/arrival_times.hpp"
 #include "asap/buffer/event_buffer.hpp"
-#include "asap/runner/doorbell.hpp"
-#include "asap/runner/push_door.hpp"
+#include "buffer/arrival_times.hpp"
+#include "runner/doorbell.hpp"
+#include "runner/push_door.hpp"
 
 namespace asap::model {
 namespace {

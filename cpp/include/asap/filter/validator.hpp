@@ -13,10 +13,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/core/bit_log.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
+
+class BitLog;
 
 enum class OnBad { drop, clamp, raise };
 

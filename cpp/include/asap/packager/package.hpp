@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "asap/core/event.hpp"
 
@@ -28,6 +29,12 @@ struct Package {
 
   // An algorithm may simply take events.
   operator EventSpan() const noexcept { return events; }
+};
+
+// What became of the events of a recording (RunConfig::keep_mask).
+struct KeptEvents {
+  std::vector<std::uint8_t> kept;   // of every received event: 1 = delivered
+  std::vector<std::int64_t> first;  // of every package: number of its first raw event
 };
 
 }  // namespace asap

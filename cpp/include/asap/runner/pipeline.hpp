@@ -13,19 +13,18 @@
 // An event's age counts from its push (or the arrival time given with it), not from its stamp.
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <exception>
+#include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <thread>
 
+#include "asap/filter/validator.hpp"
+#include "asap/packager/package.hpp"
 #include "asap/runner/consumer.hpp"
-#include "asap/runner/live_run.hpp"
-#include "asap/runner/push_door.hpp"
 #include "asap/runner/run_config.hpp"
+#include "asap/telemetry/ledger.hpp"
+#include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
 
@@ -50,9 +49,9 @@ struct PipelineStats {
 
 class Pipeline {
  public:
-  using Next = ConsumerLoop::Next;
+  enum class Next { package, idle, ended };
   using Arrival = std::optional<std::chrono::steady_clock::time_point>;
-  using Poll = ConsumerLoop::Poll;
+  using Poll = std::function<void()>;
 
   // Open from the start. The scheme outlives the pipeline and serves no other run meanwhile.
   explicit Pipeline(Scheme& scheme, RunConfig config = {});
@@ -65,9 +64,9 @@ class Pipeline {
   // ---- producer: any thread, one at a time; wait-free, no allocation
 
   // False, and nothing is counted: after stop(), or while another thread pushes. Where the ring is
-  // full config.when_full decides; `poll` is for WhenFull::block alone, see Intake::take. An
-  // arrival in the future counts as now, one before that of the last push as that. With
-  // OnBad::raise throws std::invalid_argument.
+  // full config.when_full decides; `poll` is for WhenFull::block alone: called
+  // every 20 ms while push waits for room; it may throw. An arrival in the future counts as now,
+  // one before that of the last push as that. With OnBad::raise throws std::invalid_argument.
   bool push(EventSpan events, Arrival arrival = {}, const Poll& poll = {});
 
   // The driver has lost events before they came here.
@@ -120,42 +119,16 @@ class Pipeline {
   // has one, too. The ring keeps its capacity. Throws std::invalid_argument for one out of range.
   void set_latency(double latency_us);
 
-  bool is_open() const noexcept { return door_.is_open(); }
+  bool is_open() const noexcept;
   Ledger ledger() const;
   PipelineStats stats() const;
 
   // The newest rows of the log. After stop(), when the consumer has come to the end.
-  const Telemetry& telemetry() const noexcept { return run_->telemetry(); }
+  const Telemetry& telemetry() const noexcept;
 
  private:
-  class Working;
-
-  Pipeline(std::unique_ptr<Scheme> scheme, RunConfig config, Consumer algorithm);
-  void complete_package();
-  void begin();
-  void set_to_work();
-  void require_another_thread() const;
-  void end_work();
-
-  const std::unique_ptr<Scheme> own_scheme_;
-  Scheme& scheme_;
-  RunConfig config_;
-  std::int64_t latency_bound_ns_;
-  mutable std::mutex control_;  // start, stop, flush and the snapshots; never push or next
-  std::unique_ptr<LiveRun> run_;
-  PushDoor door_;
-  std::atomic<std::uint64_t> upstream_marks_{0};
-  std::atomic<std::uint64_t> upstream_packets_{0};
-
-  std::atomic<bool> consuming_{false};  // a consumer is inside
-  Package package_;                     // in work, if has_package_
-  bool has_package_ = false;
-
-  const Consumer algorithm_;   // of the worker
-  std::mutex worker_control_;  // start and join; taken before control_
-  std::exception_ptr error_;   // what it has thrown
-  std::atomic<bool> works_{false};
-  std::thread worker_;
+  class Work;
+  const std::unique_ptr<Work> work_;
 };
 
 }  // namespace asap

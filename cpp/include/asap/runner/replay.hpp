@@ -7,20 +7,17 @@
 //   replay.run(source, [&](EventSpan events) { tracker.process(events); });
 #pragma once
 
-#include <atomic>
-#include <cstdint>
+#include <functional>
 #include <memory>
-#include <stop_token>
+#include <optional>
 
-#include "asap/packager/packager.hpp"
-#include "asap/runner/clock.hpp"
+#include "asap/filter/validator.hpp"
+#include "asap/packager/package.hpp"
 #include "asap/runner/consumer.hpp"
-#include "asap/runner/consumer_loop.hpp"
-#include "asap/runner/doorbell.hpp"
 #include "asap/runner/event_source.hpp"
-#include "asap/runner/recording_intake.hpp"
 #include "asap/runner/run_config.hpp"
 #include "asap/telemetry/ledger.hpp"
+#include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
 
@@ -31,10 +28,11 @@ struct ReplayConfig {
 
 class Replay {
  public:
-  using Poll = ConsumerLoop::Poll;
+  using Poll = std::function<void()>;
 
   // The scheme outlives the replay.
   Replay(Scheme& scheme, ReplayConfig replay = {}, RunConfig config = {});
+  ~Replay();
 
   // Runs to the end of the source; once, then std::logic_error. `poll` is called on the caller's
   // thread every 20 ms or, while the algorithm works, between two packages; it may throw to stop
@@ -44,36 +42,17 @@ class Replay {
 
   // After run() has returned or thrown; from poll: a snapshot, of the events pushed so far.
   Ledger ledger() const noexcept;
-  const Rejections& rejected() const noexcept { return validator_.rejected(); }
-  const Validator& validator() const noexcept { return validator_; }
-  const Telemetry& telemetry() const noexcept { return telemetry_; }
-  // Which events were delivered, if config.keep_mask; else null. Read it after run().
-  const KeptMask* kept_mask() const noexcept { return kept_mask_.get(); }
+  const Rejections& rejected() const noexcept { return validator().rejected(); }
+  const Validator& validator() const noexcept;
+  const Telemetry& telemetry() const noexcept;
+  // Which events were delivered, if config.keep_mask. After run().
+  std::optional<KeptEvents> kept() const;
   // How late the producer pushed: its own and the machine's jitter, per push.
-  const LatencyHistogram& lateness() const noexcept { return lateness_; }
+  const LatencyHistogram& lateness() const noexcept;
 
  private:
-  void produce(EventSource& source, const std::stop_token& stop);
-  void start(const Event& first) noexcept;
-  void pace(const std::stop_token& stop);
-  void push_arrived();
-
-  const ReplayConfig replay_;
-  const std::unique_ptr<KeptMask> kept_mask_;
-  Validator validator_;  // the producer's, like arriving_ and lateness_
-  Telemetry telemetry_;  // the consumer's
-  EventBuffer buffer_;
-  RecordingIntake intake_;
-  Packager packager_;
-  Doorbell doorbell_;
-  RunClock clock_;
-  ConsumerLoop loop_;
-
-  EventSpan arriving_;  // of the chunk being replayed: events that have not arrived yet
-  bool started_ = false;
-  std::atomic<std::uint64_t> rejected_so_far_{0};
-  std::int64_t next_push_ns_ = kLongAgo;
-  LatencyHistogram lateness_;
+  class Work;
+  const std::unique_ptr<Work> work_;
 };
 
 }  // namespace asap

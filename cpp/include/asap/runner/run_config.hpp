@@ -7,7 +7,6 @@
 
 #include "asap/filter/front_filter.hpp"
 #include "asap/filter/validator.hpp"
-#include "asap/packager/packager.hpp"
 #include "asap/runner/when_full.hpp"
 #include "asap/schemes/scheme.hpp"
 
@@ -35,13 +34,7 @@ std::int64_t checked_latency_bound_ns(double latency_us);
 // has another bound of its own.
 std::int64_t latency_bound_ns(const RunConfig& config, const Scheme& scheme);
 
-// What the packager has to know of it.
-PackagerConfig packager_config(const RunConfig& config, KeptMask* kept_mask = nullptr);
-
 // The ring's capacity in force.
 std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns) noexcept;
-
-// The width of the age slots: a 64th of the bound.
-std::int64_t age_slot_ns(std::int64_t latency_bound_ns) noexcept;
 
 }  // namespace asap

@@ -17,8 +17,6 @@
 
 namespace asap {
 
-class Admission;
-
 // Counts of waiting events by their time.
 class BacklogCounts {
  public:
@@ -117,9 +115,6 @@ class Scheme {
   virtual std::int64_t latency_bound_ns() const noexcept { return 0; }
   // Another bound, 10 us to 10^4 s, from the next decision on; nothing to a scheme without one.
   virtual void set_latency_bound_ns(std::int64_t) noexcept {}
-  // Its filter on arrival, if it has one (runner/admission.hpp). Asked, not cast: an application's
-  // scheme may be compiled without RTTI.
-  virtual Admission* admission() noexcept { return nullptr; }
 };
 
 }  // namespace asap

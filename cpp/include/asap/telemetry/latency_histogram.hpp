@@ -23,7 +23,7 @@ class LatencyHistogram {
       : bound_ns_(bound_ns) {}
 
   // A negative latency (a stamp ahead of the clock) counts as 0.
-  void record(std::int64_t latency_ns) noexcept { record(latency_ns, 1); }
+  void record(std::int64_t latency_ns) noexcept { Batch(*this).record(latency_ns); }
 
   // `count` < 2^32 events of the same latency.
   void record(std::int64_t latency_ns, std::size_t count) noexcept {

@@ -12,7 +12,7 @@
 #include <cstdint>
 
 #include "asap/core/atomics.hpp"
-#include "asap/runner/system.hpp"
+#include "runner/system.hpp"
 
 namespace asap {
 

@@ -12,18 +12,14 @@
 #include <vector>
 
 #include "asap/buffer/event_buffer.hpp"
-#include "asap/core/bit_log.hpp"
 #include "asap/core/event.hpp"
+#include "asap/packager/package.hpp"
+#include "core/bit_log.hpp"
 
 namespace asap {
 
 class KeptMask {
  public:
-  struct Reading {
-    std::vector<std::uint8_t> kept;   // of every received event: 1 = delivered
-    std::vector<std::int64_t> first;  // of every package: number of its first raw event
-  };
-
   // Producer: of the received events, those that the validator let through.
   BitLog& passed() noexcept { return passed_; }
 
@@ -44,7 +40,7 @@ class KeptMask {
   void packaged(const EventPieces& raw, std::size_t count, EventSpan kept) noexcept;
 
   // Once the run is over. What has not been decided, is not kept.
-  Reading read() const;
+  KeptEvents read() const;
 
  private:
   BitLog passed_;

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "asap/core/time.hpp"
-#include "asap/runner/system.hpp"
+#include "runner/system.hpp"
 
 namespace asap {
 

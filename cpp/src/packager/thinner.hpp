@@ -15,8 +15,8 @@
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/filter/front_filter.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/packager/event_times.hpp"
-#include "asap/packager/kept_times.hpp"
+#include "packager/event_times.hpp"
+#include "packager/kept_times.hpp"
 
 namespace asap {
 

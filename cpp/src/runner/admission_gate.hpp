@@ -9,7 +9,7 @@
 #include "asap/core/event.hpp"
 #include "asap/core/time.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/runner/admission.hpp"
+#include "runner/admission.hpp"
 
 namespace asap {
 

@@ -18,12 +18,12 @@
 #include <cstdint>
 #include <functional>
 
-#include "asap/buffer/arrival_times.hpp"
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/core/relaxed.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/runner/doorbell.hpp"
 #include "asap/runner/when_full.hpp"
+#include "buffer/arrival_times.hpp"
+#include "runner/doorbell.hpp"
 
 namespace asap {
 

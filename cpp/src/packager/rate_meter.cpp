@@ -1,4 +1,4 @@
-#include "asap/schemes/rate_meter.hpp"
+#include "packager/rate_meter.hpp"
 
 namespace asap {
 

@@ -8,15 +8,17 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/buffer/age_slots.hpp"
-#include "asap/buffer/arrival_times.hpp"
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/core/time.hpp"
+#include "buffer/age_slots.hpp"
+#include "buffer/arrival_times.hpp"
 
 namespace asap {
 
 class EventTimes {
  public:
+  // By stamp, every count exact.
+  EventTimes() = default;
   // The referenced object outlives this one. By stamp:
   EventTimes(const AgeSlots& ages) noexcept : ages_(&ages) {}
   // By arrival:
@@ -55,6 +57,7 @@ class EventTimes {
   std::size_t about_before(std::int64_t time_ns, std::int64_t now_ns, const EventPieces& waiting,
                            std::uint64_t head) const noexcept {
     if (by_arrival()) return arrivals_->before(time_ns, head, waiting.size());
+    if (ages_ == nullptr) return before(time_ns, waiting, head);
     return ages_->before(time_ns, now_ns, head, waiting.size());
   }
 

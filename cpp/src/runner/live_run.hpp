@@ -1,32 +1,28 @@
-// LiveRun: one run of a live pipeline, from its first event to its end: ring, clock, packager and
-// what they count. The producer pushes, the consumer loops, any thread may look at the counters.
-// The event's time is its arrival on the steady clock; a wall clock that steps has no effect.
-// Memory is bounded at construction: the ring and 6 MiB. A package that is thinned or lies across
-// the ring's end has at most kMostCopied events; what the scheme has taken beyond follows as the
-// next.
+// LiveRun: a run of a live pipeline, from its first event to its end. The producer pushes, the
+// consumer loops, any thread may look at the counters. The event's time is its arrival on the
+// steady clock; a wall clock that steps has no effect. Memory is bounded at construction: the ring
+// and 6 MiB. A package that is thinned or lies across the ring's end has at most Run::kMostCopied
+// events; what the scheme has taken beyond follows as the next.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <optional>
 
-#include "asap/buffer/arrival_times.hpp"
-#include "asap/packager/packager.hpp"
-#include "asap/runner/clock.hpp"
-#include "asap/runner/consumer_loop.hpp"
-#include "asap/runner/doorbell.hpp"
-#include "asap/runner/intake.hpp"
+#include "asap/core/relaxed.hpp"
 #include "asap/runner/run_config.hpp"
-#include "asap/runner/sensor_delay.hpp"
-#include "asap/telemetry/ledger.hpp"
+#include "runner/clock.hpp"
+#include "runner/consumer_loop.hpp"
+#include "runner/doorbell.hpp"
+#include "runner/intake.hpp"
+#include "runner/run.hpp"
+#include "runner/sensor_delay.hpp"
 
 namespace asap {
 
 class LiveRun {
  public:
   using Steady = RunClock::Steady;
-  static constexpr std::size_t kLogRows = 4 * RunLog::kBlockRows;
-  static constexpr std::size_t kMostCopied = std::size_t{1} << 17;
 
   // The scheme outlives the run.
   LiveRun(Scheme& scheme, const RunConfig& config);
@@ -51,45 +47,35 @@ class LiveRun {
   // Consumer: no package will be taken or booked any more.
   void finish() noexcept { finished_.store(true, std::memory_order_release); }
 
-  // Any thread. A snapshot, in which a package that is being booked may still count as pending;
-  // after close() and finish() every term is counted on its own.
+  // Any thread. A snapshot, see Run::ledger; exact after close() and finish().
   Ledger ledger() const noexcept;
-  Rejections rejected() const noexcept;
+  Rejections rejected() const noexcept { return run_.rejected(); }
   std::uint64_t clock_resets() const noexcept { return clock_resets_; }
   const SensorDelay& sensor_delay() const noexcept { return sensor_delay_; }
   // The consumer has been away for too long.
-  bool stalled() const noexcept { return loop_.stalled(buffer_.size()); }
+  bool stalled() const noexcept { return loop_.stalled(run_.buffer().size()); }
   // The most events that have waited at once.
   std::uint64_t most_waiting() const noexcept { return intake_.most_waiting(); }
   // Time since the first arrival, until close().
   std::int64_t elapsed_ns() const noexcept;
   // Latencies and totals from any thread; rows once the run is over.
-  const Telemetry& telemetry() const noexcept { return telemetry_; }
+  const Telemetry& telemetry() const noexcept { return run_.telemetry(); }
 
  private:
   void begin(const Event& first, Steady::time_point arrival) noexcept;
   void heed_clock() noexcept;
-  void publish_counts() noexcept;
 
-  Validator validator_;  // the producer's, like arrival_ns_ and begun_
-  Telemetry telemetry_;  // the consumer's
-  EventBuffer buffer_;
-  ArrivalTimes arrivals_;
-  Packager packager_;
+  Run run_;
   Doorbell doorbell_;
   Intake intake_;
   RunClock clock_;
   ConsumerLoop loop_;
 
   std::atomic<bool> finished_{false};
-  bool begun_ = false;
+  bool begun_ = false;           // the producer's, like the next two
   std::int64_t arrival_ns_ = 0;  // of the newest push
   std::int64_t first_arrival_ns_ = 0;
   std::int64_t closed_ns_ = 0;
-  // What the validator has counted by the end of the last push.
-  struct {
-    Relaxed<std::uint64_t> nonmonotonic, out_of_bounds, bad_polarity, bad_record, before_start;
-  } rejected_;
   Relaxed<std::uint64_t> clock_resets_;
   SensorDelay sensor_delay_;
 };

@@ -14,16 +14,17 @@
 
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/packager/packager.hpp"
-#include "asap/runner/clock.hpp"
 #include "asap/runner/consumer.hpp"
-#include "asap/runner/doorbell.hpp"
-#include "asap/runner/stall_watch.hpp"
+#include "asap/runner/pipeline.hpp"
+#include "runner/clock.hpp"
+#include "runner/doorbell.hpp"
+#include "runner/stall_watch.hpp"
 
 namespace asap {
 
 class ConsumerLoop {
  public:
-  enum class Next { package, idle, ended };
+  using Next = Pipeline::Next;
   using Poll = std::function<void()>;
 
   // The referenced objects outlive the loop. `room`: where a producer sleeps that waits for free

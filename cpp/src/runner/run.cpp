@@ -1,0 +1,114 @@
+#include "runner/run.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "asap/core/check.hpp"
+#include "packager/event_times.hpp"
+
+namespace asap {
+namespace {
+
+constexpr std::int64_t kSlotsPerBound = 64;
+constexpr std::int64_t kStepsPerBound = 1024;
+
+std::unique_ptr<KeptMask> mask_for(const RunConfig& config, Run::Source source) {
+  if (!config.keep_mask) return nullptr;
+  require(source == Run::Source::recording, "keep_mask", 1,
+          "not with live events; give it to a recording's run");
+  return std::make_unique<KeptMask>();
+}
+
+PackagerConfig packager_config(const RunConfig& config, Run::Source source, KeptMask* mask) {
+  PackagerConfig packager{.seed = config.seed,
+                          .execution = config.execution,
+                          .flush = config.flush,
+                          .before = config.before,
+                          .kept_mask = mask};
+  if (source == Run::Source::camera) {
+    packager.drop_oldest = config.when_full == WhenFull::oldest;
+    packager.most_copied = Run::kMostCopied;
+  }
+  return packager;
+}
+
+}  // namespace
+
+Run::Run(Scheme& scheme, const RunConfig& config, Source source)
+    : mask_(mask_for(config, source)),
+      validator_(config.validator, mask_ ? &mask_->passed() : nullptr),
+      telemetry_(asap::latency_bound_ns(config, scheme), source == Source::camera ? kLogRows : 0),
+      buffer_(ring_capacity(config, latency_bound_ns())),
+      ages_(source == Source::recording ? std::make_unique<AgeSlots>(std::max<std::int64_t>(
+                                              latency_bound_ns() / kSlotsPerBound, 1))
+                                        : nullptr),
+      arrivals_(source == Source::camera
+                    ? std::make_unique<ArrivalTimes>(arrival_step_ns(latency_bound_ns()))
+                    : nullptr),
+      packager_(buffer_, ages_ ? EventTimes(*ages_) : EventTimes(*arrivals_), scheme, telemetry_,
+                packager_config(config, source, mask_.get())) {}
+
+std::int64_t Run::age_slot_ns(std::int64_t latency_bound_ns) noexcept {
+  return std::max<std::int64_t>(latency_bound_ns / kSlotsPerBound, 1);
+}
+
+std::int64_t Run::arrival_step_ns(std::int64_t latency_bound_ns) noexcept {
+  return std::max<std::int64_t>(latency_bound_ns / kStepsPerBound, 1);
+}
+
+void Run::begin(const TimeAxis& axis) noexcept {
+  axis_ = axis;
+  packager_.set_axis(axis);
+}
+
+void Run::arrive(EventSpan events) {
+  const std::uint64_t first = buffer_.tail();
+  const std::size_t taken = buffer_.push(events);
+  ages_->observe(events.first(taken), first,
+                 [this](std::int64_t stamp) { return axis_.to_ns(stamp); });
+  if (mask_) mask_->entered(taken, events.size() - taken);
+}
+
+void Run::publish() noexcept {
+  const Rejections& counts = validator_.rejected();
+  rejected_.nonmonotonic = counts.nonmonotonic;
+  rejected_.out_of_bounds = counts.out_of_bounds;
+  rejected_.bad_polarity = counts.bad_polarity;
+  rejected_.bad_record = counts.bad_record;
+  rejected_.before_start = counts.before_start;
+}
+
+Rejections Run::rejected() const noexcept {
+  return {.nonmonotonic = rejected_.nonmonotonic,
+          .out_of_bounds = rejected_.out_of_bounds,
+          .bad_polarity = rejected_.bad_polarity,
+          .bad_record = rejected_.bad_record,
+          .before_start = rejected_.before_start};
+}
+
+Ledger Run::ledger(bool is_quiet, std::uint64_t thinned, std::uint64_t outside) const noexcept {
+  Ledger ledger{.rejected = is_quiet ? validator_.rejected().total() : rejected().total(),
+                .filtered = telemetry_.filtered,
+                .discarded = telemetry_.discarded,
+                .stale = telemetry_.stale,
+                .overflow = telemetry_.overflow,
+                .delivered = telemetry_.delivered};
+  const std::uint64_t booked =
+      ledger.filtered + ledger.discarded + ledger.stale + ledger.overflow + ledger.delivered;
+  // What has been booked has been pushed, though a processor may see it before the tail.
+  const std::uint64_t tail = std::max(buffer_.tail(), booked);
+  const std::uint64_t overflow = buffer_.overflow();
+  ledger.discarded += thinned;
+  ledger.overflow += overflow;
+  ledger.pending = (is_quiet ? buffer_.size() : tail - booked) + outside;
+  ledger.received =
+      is_quiet ? validator_.received() : ledger.rejected + thinned + overflow + tail + outside;
+  return ledger;
+}
+
+std::optional<KeptEvents> Run::kept() const {
+  if (!mask_) return std::nullopt;
+  return mask_->read();
+}
+
+}  // namespace asap

@@ -1,0 +1,92 @@
+// Run: what every run consists of, whatever its clock: the validator, the ring, the times of its
+// events, the packager, telemetry and the ledger. Simulator, Replay and LiveRun drive it; they
+// differ in the clock, and in how events come to the ring.
+//
+// Producer and consumer as in EventBuffer; the accessors say whose each part is. Memory is taken in
+// the constructor, but for the rows of a recording's log and its mask.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "asap/buffer/event_buffer.hpp"
+#include "asap/core/relaxed.hpp"
+#include "asap/core/time.hpp"
+#include "asap/filter/validator.hpp"
+#include "asap/packager/packager.hpp"
+#include "asap/runner/run_config.hpp"
+#include "asap/telemetry/ledger.hpp"
+#include "asap/telemetry/telemetry.hpp"
+#include "buffer/age_slots.hpp"
+#include "buffer/arrival_times.hpp"
+#include "packager/kept_mask.hpp"
+
+namespace asap {
+
+class Run {
+ public:
+  // A recording's events come at their stamps; a camera's when they are pushed, and its log keeps
+  // the newest rows alone.
+  enum class Source { recording, camera };
+
+  static constexpr std::size_t kLogRows = 4 * RunLog::kBlockRows;
+  static constexpr std::size_t kMostCopied = std::size_t{1} << 17;
+
+  // The scheme outlives the run.
+  Run(Scheme& scheme, const RunConfig& config, Source source);
+
+  // How finely time is cut: the ages of a recording's events are counted in slots, the arrivals of
+  // a camera's are known to a step.
+  static std::int64_t age_slot_ns(std::int64_t latency_bound_ns) noexcept;
+  static std::int64_t arrival_step_ns(std::int64_t latency_bound_ns) noexcept;
+
+  // Producer, before the first push: where stamps lie in run time.
+  void begin(const TimeAxis& axis) noexcept;
+  const TimeAxis& axis() const noexcept { return axis_; }
+
+  // Producer. Events of a recording have arrived; those that find the ring full are overflow.
+  void arrive(EventSpan events);
+
+  // Producer, once the validator has seen events: what it has counted, for other threads.
+  void publish() noexcept;
+  // Any thread: what was last published.
+  Rejections rejected() const noexcept;
+
+  // Where every event went. Any thread: a snapshot, in which a package that is being booked may
+  // still count as pending. `is_quiet`: neither side is at work, so every term is counted on its
+  // own. `thinned`: discarded in front of the ring; `outside`: received, and not yet in the ring.
+  Ledger ledger(bool is_quiet, std::uint64_t thinned = 0, std::uint64_t outside = 0) const noexcept;
+
+  // Which events were delivered, if asked for. Read it once the run is over.
+  std::optional<KeptEvents> kept() const;
+
+  EventBuffer& buffer() noexcept { return buffer_; }
+  const EventBuffer& buffer() const noexcept { return buffer_; }
+  // The producer's.
+  Validator& validator() noexcept { return validator_; }
+  const Validator& validator() const noexcept { return validator_; }
+  ArrivalTimes& arrivals() noexcept { return *arrivals_; }  // of a camera
+  // The consumer's.
+  Packager& packager() noexcept { return packager_; }
+  Telemetry& telemetry() noexcept { return telemetry_; }
+  const Telemetry& telemetry() const noexcept { return telemetry_; }
+  std::int64_t latency_bound_ns() const noexcept { return telemetry_.latency.bound_ns(); }
+
+ private:
+  const std::unique_ptr<KeptMask> mask_;
+  Validator validator_;
+  Telemetry telemetry_;
+  EventBuffer buffer_;
+  const std::unique_ptr<AgeSlots> ages_;
+  const std::unique_ptr<ArrivalTimes> arrivals_;
+  Packager packager_;
+  TimeAxis axis_;
+  // What the validator has counted by the end of the last push.
+  struct {
+    Relaxed<std::uint64_t> nonmonotonic, out_of_bounds, bad_polarity, bad_record, before_start;
+  } rejected_;
+};
+
+}  // namespace asap
