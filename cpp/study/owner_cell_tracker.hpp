@@ -12,15 +12,13 @@
 #include <span>
 #include <vector>
 
-#include "algorithms/fast/coarse_index.hpp"
-#include "algorithms/fast/event_clock.hpp"
-#include "algorithms/fast/frame.hpp"
+#include "algorithms/fast/association.hpp"
 #include "algorithms/fast/kalman.hpp"
-#include "algorithms/fast/mean_update.hpp"
-#include "algorithms/fast/orphan_grid.hpp"
-#include "algorithms/fast/owner_grid.hpp"
+#include "algorithms/fast/lifecycle.hpp"
 #include "algorithms/fast/split.hpp"
+#include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
+#include "algorithms/fast/update.hpp"
 #include "asap/algorithms/cluster.hpp"
 #include "asap/algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
@@ -99,7 +97,7 @@ class OwnerCellTracker {
   fast::CellMap map_;
   fast::EventClock clock_;
   fast::OwnerGrid owners_;
-  fast::OrphanGrid orphans_;
+  fast::BirthGrid births_;
   fast::CoarseIndex coarse_;
   fast::Tracks tracks_;
   std::vector<std::uint64_t> born_us_;
