@@ -17,20 +17,20 @@ constexpr int kCell_px = 4;
 constexpr std::uint64_t kTick_us = 1'000;
 constexpr std::uint64_t kWarmUp_us = 30'000;
 constexpr std::uint64_t kSplitPeriod_us = 20'000;
-// Silence after which no cluster lives: stamps grow ambiguous.
+// Silence after which all clusters are deleted: stamps become ambiguous.
 constexpr std::uint64_t kSilence_us = std::uint64_t{1} << 28;
 
-constexpr std::int32_t kLink_us = 40'000;   // [tau_link]
-constexpr float kSeedDecay_s = 0.015F;      // [tau_seed]
-constexpr float kMassDecay_s = 0.03F;       // [tau_mass]
-constexpr std::uint32_t kMeanEvents = 100;  // [n_eff]
+constexpr std::int32_t kLink_us = 40'000;   // for which a cell remembers its owner
+constexpr float kSeedDecay_s = 0.015F;      // of the counts of unassociated events
+constexpr float kMassDecay_s = 0.03F;       // of the mass, the number of recent events
+constexpr std::uint32_t kMeanEvents = 100;  // memory of the mean
 
-constexpr float kConfirmEvents = 14;  // [m_conf]
-constexpr float kDeathEvents = 2;     // [m_die]
+constexpr float kConfirmEvents = 14;  // mass from which a cluster has an id
+constexpr float kDeathEvents = 2;     // mass below which it is deleted
 constexpr std::uint64_t kMinAge_us = 10'000;
 constexpr std::uint64_t kMaxTentativeAge_us = 60'000;
 
-constexpr float kMahalanobis2 = 9;  // [G2]
+constexpr float kMahalanobis2 = 9;  // elliptic gate
 constexpr float kFarthest = 4;      // of the ellipse, in R
 
 constexpr float kOutside = std::numeric_limits<float>::infinity();
@@ -145,7 +145,7 @@ std::int32_t OwnerCellTracker::process(const Event& event) noexcept {
   return tracks_[slot].id;
 }
 
-// [gate] px^2 from the predicted mean, or kOutside.
+// px^2 from the predicted mean, or kOutside.
 float OwnerCellTracker::distance2(Slot slot, const Event& event) const noexcept {
   const fast::Track& track = tracks_[slot];
   const fast::Innovation s = fast::innovation_of(track, clock_.now(), static_cast<float>(event.x),
@@ -202,7 +202,6 @@ OwnerCellTracker::Slot OwnerCellTracker::begin_track(float x, float y) noexcept 
   return slot;
 }
 
-// [update]
 void OwnerCellTracker::take(Slot slot, const Event& event) noexcept {
   fast::Track& track = tracks_[slot];
   const fast::Stamp now = clock_.now();
@@ -267,7 +266,7 @@ void OwnerCellTracker::merge_all() noexcept {
   }
 }
 
-// False: the cluster dies.
+// False: the cluster is to be deleted.
 bool OwnerCellTracker::tend(Slot slot) noexcept {
   fast::Track& track = tracks_[slot];
   fast::TrackState& state = tracks_.state(slot);
@@ -315,8 +314,8 @@ void OwnerCellTracker::split(Slot slot) noexcept {
     if (part.cells.size() >= kMinCells) kept[count++] = part;
   }
   const std::span<const fast::Part> parts(kept.data(), count);
-  const auto* home = fast::part_at_prediction(parts, track, state, clock_.now());
-  if (home == nullptr) return;
+  const auto* kept_part = fast::part_at_prediction(parts, track, state, clock_.now());
+  if (kept_part == nullptr) return;
   const auto is_far = [&](const auto& a, const auto& b) {
     const float distance = a.distance(b);
     return distance * distance >= radius2_;
@@ -326,16 +325,16 @@ void OwnerCellTracker::split(Slot slot) noexcept {
   });
   if (!apart) return;
   for (const auto& part : parts) {
-    if (!is_far(part, *home)) continue;
+    if (!is_far(part, *kept_part)) continue;
     const Slot child = begin_track(part.x, part.y);
     if (child == fast::Tracks::kNone) continue;
     tracks_.state(child).mass = 0.4F * state.mass;
     tracks_[child].events = kEvents;
     set_spread(tracks_[child], part.cells.size());
   }
-  track.x = home->x;
-  track.y = home->y;
-  set_spread(track, home->cells.size());
+  track.x = kept_part->x;
+  track.y = kept_part->y;
+  set_spread(track, kept_part->cells.size());
 }
 
 // ---- output ----

@@ -8,13 +8,16 @@ namespace asap::fast {
 namespace {
 
 constexpr float kShortest_s = 1e-6F;
+// Time constants of the averages.
 constexpr float kFastRate_s = 0.008F;
 constexpr float kSlowRate_s = 0.06F;
 constexpr float kMotion_s = 0.2F;
-constexpr float kExtent_s = 1;  // long, so that two objects that part slowly are noticed
+constexpr float kExtent_s = 1;  // long, so that two objects that separate slowly are noticed
+// Ages of a tentative track: not dropped by its evidence before, not kept after, not confirmed near
+// a confirmed track before, so that a fragment is merged before it has an id.
 constexpr float kShortestTentative_s = 0.005F;
 constexpr float kLongestTentative_s = 0.15F;
-constexpr float kWaitNearConfirmed_s = 0.03F;  // so that a fragment is merged before it has an id
+constexpr float kWaitNearConfirmed_s = 0.03F;
 
 // Tolerance of a re-identification: the part that reappears first lies ahead of the centre, and the
 // velocity is not exact.
@@ -52,7 +55,7 @@ Assessment assess_tentative(const TrackState& state, float noise_hz,
   return Assessment::kConfirm;
 }
 
-// Time since the mass fell below `least`, which is more than a tick if the tick comes late.
+// Time since the mass fell below `least`, at most dt_s. It matters if the tick comes late.
 float time_below_s(float mass_before, float least, float dt_s, const LifecycleRule& rule) noexcept {
   const float step_s = rule.mass_s / 4;
   const float step_decay = decay(0.25F);

@@ -143,9 +143,9 @@ TEST(MeanUpdate, TheContourLearnsEveryFourthEvent) {
   Track track;
   Contour contour;
   for (int i = 0; i < 7; ++i) give(track, contour, 0, 0);
-  int learnt = 0;
-  for (const auto count : contour.count) learnt += count;
-  EXPECT_EQ(learnt, 1);
+  int learned = 0;
+  for (const auto count : contour.count) learned += count;
+  EXPECT_EQ(learned, 1);
 }
 
 // ---- contact ----
