@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "algorithms/fast/gate.hpp"
+#include "algorithms/fast/track.hpp"
 #include "asap/core/check.hpp"
 #include "study/mass_decay.hpp"
 

@@ -13,8 +13,8 @@
 #include <span>
 #include <vector>
 
-#include "algorithms/fast/coarse_index.hpp"
-#include "algorithms/fast/event_clock.hpp"
+#include "algorithms/fast/association.hpp"
+#include "algorithms/fast/time.hpp"
 #include "asap/algorithms/cluster.hpp"
 #include "asap/algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"

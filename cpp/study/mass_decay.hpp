@@ -4,7 +4,7 @@
 // Source: first design of the fast engine.
 #pragma once
 
-#include "algorithms/fast/decay.hpp"
+#include "algorithms/fast/time.hpp"
 
 namespace asap {
 

@@ -1,5 +1,5 @@
-// OrphanNoise: how much noise there is, as the first design sees it: a low pass over the rate of
-// the events that no cluster takes, and the count from which they are more than noise. One thread.
+// OrphanNoise: the noise rate as the first design measures it: a low pass over the rate of the
+// unassociated events, and the count from which they are more than noise. One thread.
 // O(1), no allocation.
 // Source: own design.
 #pragma once
@@ -34,11 +34,11 @@ class OrphanNoise {
   float threshold() const noexcept { return threshold_; }
 
  private:
-  static constexpr float kLeast = 6;  // [theta_min]
+  static constexpr float kLeast = 6;  // events
 
   std::uint64_t orphans_ = 0;                                 // since the last tick
-  float rate_hz_ = 0;                                         // [lambda]
-  float threshold_ = std::numeric_limits<float>::infinity();  // [theta]
+  float rate_hz_ = 0;                                         // per pixel
+  float threshold_ = std::numeric_limits<float>::infinity();  // events
 };
 
 }  // namespace asap

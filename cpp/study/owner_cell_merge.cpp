@@ -1,6 +1,5 @@
 #include "study/owner_cell_merge.hpp"
 
-#include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/merge.hpp"
 
 namespace asap {
@@ -79,8 +78,8 @@ OwnerCellMerge::Slot OwnerCellMerge::join(fast::Tracks& tracks, fast::OwnerGrid&
   const Slot gone = survivor == a ? b : a;
   fast::Track& track = tracks[survivor];
   const fast::Track& other = tracks[gone];
-  float& mass = tracks.life(survivor).mass;
-  const float w = tracks.life(gone).mass / (tracks.life(gone).mass + mass);
+  float& mass = tracks.state(survivor).mass;
+  const float w = tracks.state(gone).mass / (tracks.state(gone).mass + mass);
   const float fx = other.x - track.x;
   const float fy = other.y - track.y;
   track.sxx = (1 - w) * track.sxx + w * other.sxx + w * (1 - w) * fx * fx;
@@ -88,7 +87,7 @@ OwnerCellMerge::Slot OwnerCellMerge::join(fast::Tracks& tracks, fast::OwnerGrid&
   track.syy = (1 - w) * track.syy + w * other.syy + w * (1 - w) * fy * fy;
   track.x += w * fx;
   track.y += w * fy;
-  mass += tracks.life(gone).mass;
+  mass += tracks.state(gone).mass;
   for (std::size_t cell = 0; cell < cells_; ++cell) {
     fast::OwnerGrid::Cell& owner = owners[cell];
     if (owner.slot != gone || owner.generation != other.generation) continue;

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "algorithms/fast/owner_grid.hpp"
+#include "algorithms/fast/association.hpp"
 #include "algorithms/fast/track.hpp"
 
 namespace asap {

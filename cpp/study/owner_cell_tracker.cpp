@@ -6,8 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "algorithms/fast/decay.hpp"
-#include "algorithms/fast/gate.hpp"
+#include "algorithms/fast/time.hpp"
 #include "asap/core/check.hpp"
 #include "study/mass_decay.hpp"
 
@@ -18,20 +17,20 @@ constexpr int kCell_px = 4;
 constexpr std::uint64_t kTick_us = 1'000;
 constexpr std::uint64_t kWarmUp_us = 30'000;
 constexpr std::uint64_t kSplitPeriod_us = 20'000;
-// Silence after which no cluster lives: stamps grow ambiguous.
+// Silence after which all clusters are deleted: stamps become ambiguous.
 constexpr std::uint64_t kSilence_us = std::uint64_t{1} << 28;
 
-constexpr std::int32_t kLink_us = 40'000;   // [tau_link]
-constexpr float kSeedDecay_s = 0.015F;      // [tau_seed]
-constexpr float kMassDecay_s = 0.03F;       // [tau_mass]
-constexpr std::uint32_t kMeanEvents = 100;  // [n_eff]
+constexpr std::int32_t kLink_us = 40'000;   // for which a cell remembers its owner
+constexpr float kSeedDecay_s = 0.015F;      // of the counts of unassociated events
+constexpr float kMassDecay_s = 0.03F;       // of the mass, the number of recent events
+constexpr std::uint32_t kMeanEvents = 100;  // memory of the mean
 
-constexpr float kConfirmEvents = 14;  // [m_conf]
-constexpr float kDeathEvents = 2;     // [m_die]
+constexpr float kConfirmEvents = 14;  // mass from which a cluster has an id
+constexpr float kDeathEvents = 2;     // mass below which it is deleted
 constexpr std::uint64_t kMinAge_us = 10'000;
 constexpr std::uint64_t kMaxTentativeAge_us = 60'000;
 
-constexpr float kMahalanobis2 = 9;  // [G2]
+constexpr float kMahalanobis2 = 9;  // elliptic gate
 constexpr float kFarthest = 4;      // of the ellipse, in R
 
 constexpr float kOutside = std::numeric_limits<float>::infinity();
@@ -80,7 +79,7 @@ OwnerCellTracker::OwnerCellTracker(const Config& config)
       coarse_scale_(32.0F / static_cast<float>(config.radius_px)),
       map_(config.width, config.height, kCell_px),
       owners_(map_),
-      orphans_(map_, kSeedDecay_s),
+      births_(map_, kSeedDecay_s),
       coarse_(in_coarse(config.width, config.radius_px), in_coarse(config.height, config.radius_px),
               kSlots),
       tracks_(kSlots),
@@ -95,7 +94,7 @@ OwnerCellTracker::OwnerCellTracker(const Config& config)
 void OwnerCellTracker::reset() noexcept {
   clock_ = {};
   owners_.clear(clock_.now());
-  orphans_.clear(clock_.now());
+  births_.clear(clock_.now());
   coarse_.clear();
   tracks_.clear();
   kalman_ = kKalman;
@@ -146,11 +145,11 @@ std::int32_t OwnerCellTracker::process(const Event& event) noexcept {
   return tracks_[slot].id;
 }
 
-// [gate] px^2 from the predicted mean, or kOutside.
+// px^2 from the predicted mean, or kOutside.
 float OwnerCellTracker::distance2(Slot slot, const Event& event) const noexcept {
   const fast::Track& track = tracks_[slot];
-  const fast::Sight s =
-      fast::sight_of(track, clock_.now(), static_cast<float>(event.x), static_cast<float>(event.y));
+  const fast::Innovation s = fast::innovation_of(track, clock_.now(), static_cast<float>(event.x),
+                                                 static_cast<float>(event.y));
   const float d2 = s.dx * s.dx + s.dy * s.dy;
   if (d2 <= radius2_) return d2;
   if (!track.has_id() || d2 > kFarthest * kFarthest * radius2_) return kOutside;
@@ -185,12 +184,12 @@ OwnerCellTracker::Slot OwnerCellTracker::nearest_around(const Event& event,
 
 OwnerCellTracker::Slot OwnerCellTracker::try_birth(const Event& event, std::size_t cell) noexcept {
   noise_.count();
-  const float sum = orphans_.count(cell, clock_.now());
+  const float sum = births_.count(cell, clock_.now());
   if (sum < noise_.threshold()) return fast::Tracks::kNone;
   const Slot slot = begin_track(static_cast<float>(event.x), static_cast<float>(event.y));
   if (slot == fast::Tracks::kNone) return slot;
-  tracks_.life(slot).mass = std::min(sum, 0.6F * kConfirmEvents);
-  orphans_.forget(cell);
+  tracks_.state(slot).mass = std::min(sum, 0.6F * kConfirmEvents);
+  births_.forget(cell);
   return slot;
 }
 
@@ -203,14 +202,13 @@ OwnerCellTracker::Slot OwnerCellTracker::begin_track(float x, float y) noexcept 
   return slot;
 }
 
-// [update]
 void OwnerCellTracker::take(Slot slot, const Event& event) noexcept {
   fast::Track& track = tracks_[slot];
   const fast::Stamp now = clock_.now();
-  const fast::Sight s =
-      fast::sight_of(track, now, static_cast<float>(event.x), static_cast<float>(event.y));
+  const fast::Innovation s =
+      fast::innovation_of(track, now, static_cast<float>(event.x), static_cast<float>(event.y));
   const float a = reciprocals_[std::min(++track.events, kalman_.mean_events)];
-  float& mass = tracks_.life(slot).mass;
+  float& mass = tracks_.state(slot).mass;
   const auto age_us = static_cast<float>(fast::age_us(now, track.stamp));
   mass = mass * mass_decay(age_us * (1e-6F / kMassDecay_s)) + 1;
   track.x = s.mean_x + a * s.dx;
@@ -246,7 +244,7 @@ void OwnerCellTracker::tick() noexcept {
     for (std::size_t i = 0; i < before; ++i) split(active[i]);
   }
   owners_.scrub(clock_.now(), elapsed_us);
-  orphans_.scrub(clock_.now(), elapsed_us);
+  births_.scrub(clock_.now(), elapsed_us);
 }
 
 void OwnerCellTracker::measure_noise(float elapsed_s) noexcept {
@@ -268,12 +266,12 @@ void OwnerCellTracker::merge_all() noexcept {
   }
 }
 
-// False: the cluster dies.
+// False: the cluster is to be deleted.
 bool OwnerCellTracker::tend(Slot slot) noexcept {
   fast::Track& track = tracks_[slot];
-  fast::Life& life = tracks_.life(slot);
+  fast::TrackState& state = tracks_.state(slot);
   const auto since_s = 1e-6F * static_cast<float>(fast::age_us(clock_.now(), track.stamp));
-  const float mass = life.mass * fast::decay(since_s / kMassDecay_s);
+  const float mass = state.mass * fast::decay(since_s / kMassDecay_s);
   const float circle_px2 = std::numbers::pi_v<float> * radius2_;
   const float det = std::max(0.0F, track.sxx * track.syy - track.sxy * track.sxy);
   const float ellipse_px2 = kMahalanobis2 * std::numbers::pi_v<float> * std::sqrt(det);
@@ -287,10 +285,10 @@ bool OwnerCellTracker::tend(Slot slot) noexcept {
   if (!track.has_id() && mass >= kConfirmEvents + birth_noise + 3 * std::sqrt(birth_noise)) {
     track.phase = fast::Phase::kConfirmed;
     track.id = next_id_++;
-    life.kalman = {.x = track.x, .y = track.y, .stamp = track.stamp, .events = track.events};
+    state.kalman = {.x = track.x, .y = track.y, .stamp = track.stamp, .events = track.events};
   }
   if (track.has_id()) {
-    fast::kalman_update(track, life.kalman, 0, kalman_);
+    fast::kalman_update(track, state.kalman, 0, kalman_);
     shape_ellipse(track);
   }
   coarse_.place(slot, coarse(track.x), coarse(track.y));
@@ -306,18 +304,18 @@ void OwnerCellTracker::split(Slot slot) noexcept {
   constexpr std::size_t kMinCells = 5;
   constexpr std::uint32_t kEvents = 10;
   fast::Track& track = tracks_[slot];
-  fast::Life& life = tracks_.life(slot);
+  fast::TrackState& state = tracks_.state(slot);
   const float variance = std::max(track.sxx, track.syy);
   if (!track.has_id() || 4 * variance < radius2_) return;
-  life.extent_px = 1.2F * std::sqrt(variance);  // the finder looks 2.5 extents and 6 px around
-  std::array<fast::PartFinder::Part, fast::PartFinder::kMaxParts> kept{};
+  state.extent_px = 1.2F * std::sqrt(variance);  // the finder looks 2.5 extents and 6 px around
+  std::array<fast::Part, fast::PartFinder::kMaxParts> kept{};
   std::size_t count = 0;
   for (const auto& part : parts_.find(owners_, tracks_, slot, clock_.now(), kLink_us)) {
     if (part.cells.size() >= kMinCells) kept[count++] = part;
   }
-  const std::span<const fast::PartFinder::Part> parts(kept.data(), count);
-  const auto* home = fast::home_of(parts, track, life, clock_.now());
-  if (home == nullptr) return;
+  const std::span<const fast::Part> parts(kept.data(), count);
+  const auto* kept_part = fast::part_at_prediction(parts, track, state, clock_.now());
+  if (kept_part == nullptr) return;
   const auto is_far = [&](const auto& a, const auto& b) {
     const float distance = a.distance(b);
     return distance * distance >= radius2_;
@@ -327,16 +325,16 @@ void OwnerCellTracker::split(Slot slot) noexcept {
   });
   if (!apart) return;
   for (const auto& part : parts) {
-    if (!is_far(part, *home)) continue;
+    if (!is_far(part, *kept_part)) continue;
     const Slot child = begin_track(part.x, part.y);
     if (child == fast::Tracks::kNone) continue;
-    tracks_.life(child).mass = 0.4F * life.mass;
+    tracks_.state(child).mass = 0.4F * state.mass;
     tracks_[child].events = kEvents;
     set_spread(tracks_[child], part.cells.size());
   }
-  track.x = home->x;
-  track.y = home->y;
-  set_spread(track, home->cells.size());
+  track.x = kept_part->x;
+  track.y = kept_part->y;
+  set_spread(track, kept_part->cells.size());
 }
 
 // ---- output ----
@@ -348,16 +346,16 @@ std::vector<Cluster> OwnerCellTracker::clusters_at(std::int64_t t_us) const {
   for (const Slot slot : tracks_.active()) {
     const fast::Track& track = tracks_[slot];
     if (!track.has_id()) continue;
-    const fast::Sight s = fast::sight_of(track, clock.now(), 0, 0);
+    const fast::Point mean = fast::predicted_mean(track, clock.now());
     clusters.push_back({.id = track.id,
-                        .x = s.mean_x,
-                        .y = s.mean_y,
+                        .x = mean.x,
+                        .y = mean.y,
                         .vx = track.vx,
                         .vy = track.vy,
                         .cxx = track.sxx,
                         .cxy = track.sxy,
                         .cyy = track.syy,
-                        .size = std::lround(tracks_.life(slot).mass),
+                        .size = std::lround(tracks_.state(slot).mass),
                         .t_last = clock_.stamp_us(fast::age_us(clock_.now(), track.stamp))});
   }
   std::sort(clusters.begin(), clusters.end(),

@@ -1,10 +1,10 @@
-// OwnerCellTracker: the first design of the fast engine, kept as a rival of the second. Cells of
-// 4 px remember which cluster took the last event there, dense orphans seed a cluster, everything
-// else waits for a tick of a millisecond; one radius serves all objects, a noise filter belongs in
-// front. No support map, contour, contact or coasting. Behaves as its prototype did, but for time,
-// which does not wrap. A baseline of an experiment, not a product. One thread at a time. O(1) per
-// event but for the tick; allocates in the constructor and for what it returns.
-// Source: own design.
+// OwnerCellTracker: the first design of the fast tracker, kept as a rival of the second. Cells of
+// 4 px remember which cluster took the last event there, a cluster begins where unassociated events
+// are dense, everything else waits for a tick of a millisecond. One radius serves all objects, and
+// a noise filter belongs in front. No support map, contour, contact or coasting. Behaves as its
+// prototype did, except that time does not wrap. A baseline of an experiment, not a product. One
+// thread at a time. O(1) per event but for the tick; allocates in the constructor and for what it
+// returns. Source: own design.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +12,13 @@
 #include <span>
 #include <vector>
 
-#include "algorithms/fast/coarse_index.hpp"
-#include "algorithms/fast/event_clock.hpp"
-#include "algorithms/fast/frame.hpp"
+#include "algorithms/fast/association.hpp"
 #include "algorithms/fast/kalman.hpp"
-#include "algorithms/fast/mean_update.hpp"
-#include "algorithms/fast/orphan_grid.hpp"
-#include "algorithms/fast/owner_grid.hpp"
+#include "algorithms/fast/lifecycle.hpp"
 #include "algorithms/fast/split.hpp"
+#include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
+#include "algorithms/fast/update.hpp"
 #include "asap/algorithms/cluster.hpp"
 #include "asap/algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
@@ -32,7 +30,7 @@ namespace asap {
 struct OwnerCellConfig {
   int width;           // px
   int height;          // px
-  int radius_px = 16;  // [R] of the gate: must cover the largest object
+  int radius_px = 16;  // of the gate; must cover the largest object
 };
 
 class OwnerCellTracker {
@@ -47,12 +45,13 @@ class OwnerCellTracker {
   // Events outside the frame are dropped and counted.
   void process(EventSpan events) noexcept;
 
-  // As above, and labels[i] is the id of the cluster that took events[i]; -1 for orphans and for a
-  // cluster that is not confirmed yet. Throws std::invalid_argument if the sizes differ.
+  // As above, and labels[i] is the id of the cluster that took events[i]; -1 for unassociated
+  // events and for a cluster that is not confirmed yet. Throws std::invalid_argument if the sizes
+  // differ.
   void process(EventSpan events, std::span<std::int32_t> labels);
 
-  // The confirmed clusters, sorted by id, positions predicted for t_us; a t_us of the past is the
-  // latest time. Asking changes nothing.
+  // The confirmed clusters, sorted by id, positions predicted for t_us. A t_us of the past
+  // counts as the latest time.
   std::vector<Cluster> clusters() const { return clusters_at(clock_.latest_us()); }
   std::vector<Cluster> clusters_at(std::int64_t t_us) const;
 
@@ -99,7 +98,7 @@ class OwnerCellTracker {
   fast::CellMap map_;
   fast::EventClock clock_;
   fast::OwnerGrid owners_;
-  fast::OrphanGrid orphans_;
+  fast::BirthGrid births_;
   fast::CoarseIndex coarse_;
   fast::Tracks tracks_;
   std::vector<std::uint64_t> born_us_;

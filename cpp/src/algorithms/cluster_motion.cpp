@@ -10,7 +10,7 @@ namespace {
 
 constexpr float single(double value) { return static_cast<float>(value); }
 
-// The fast engine's, as it is without a setting of its own.
+// The defaults of ClusterTracker.
 constexpr ClusterTrackerConfig kFast{.width = 1, .height = 1};
 constexpr fast::KalmanRule kRule{.acceleration = single(kFast.acceleration_px2_s3),
                                  .per_speed3 = single(kFast.acceleration_per_speed_px),

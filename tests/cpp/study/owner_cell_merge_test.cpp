@@ -16,7 +16,7 @@ class OwnerCellMergeTest : public testing::Test {
 
   Slot tentative(float x, float y, float mass = 10) {
     const Slot slot = tracks.create(x, y, 0);
-    tracks.life(slot).mass = mass;
+    tracks.state(slot).mass = mass;
     return slot;
   }
 
@@ -48,7 +48,7 @@ TEST_F(OwnerCellMergeTest, ATentativeOneJoinsTheNearestAtOnce) {
   const Slot nearest = confirmed(50, 60, 500);
   EXPECT_EQ(merge.join_tentative(tracks, owners), young);
   EXPECT_FLOAT_EQ(tracks[nearest].y, 55);
-  EXPECT_EQ(tracks.life(nearest).mass, 20);
+  EXPECT_EQ(tracks.state(nearest).mass, 20);
 }
 
 TEST_F(OwnerCellMergeTest, ReachesTheRootOfEightTenthsOfTheRadius) {

@@ -129,8 +129,8 @@ TEST(OwnerCellTracker, IdsEndWithTheEvents) {
   EXPECT_EQ(ids_of(tracker), std::set<std::int64_t>{1});
 }
 
-// 330 events per second are too few to be confirmed, and too few orphans for a birth. Six more
-// confirm a cluster that is there, and do not suffice for one that they give birth to.
+// 330 events per second are too few for a confirmation, and the unassociated ones are too few for a
+// birth. Six more confirm an existing cluster, but not one that begins with them.
 TEST(OwnerCellTracker, ATentativeClusterDiesAfter60Milliseconds) {
   const auto clusters_after = [](std::int64_t last_us) {
     auto tracker = tracker_of();

@@ -5,7 +5,7 @@
 
 namespace asap::fast {
 
-// Bins are centred on the axes and diagonals, where whole pixels abound: none lies on a border.
+// Bins are centred on the axes and diagonals, where most whole pixels lie, so none is on a border.
 DirectionTable::DirectionTable() : bins_{} {
   constexpr double kBin_rad = 2 * std::numbers::pi / kContourBins;
   for (int dy = -kReach; dy < kReach; ++dy) {

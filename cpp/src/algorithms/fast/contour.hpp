@@ -1,6 +1,7 @@
-// Contour: the outline of an object as a radius per direction, 16 bins, and the variance of the
+// Contour: the outline of an object as a radius per direction, in 16 bins, and the variance of the
 // events about it. The edges of an object fire unevenly, so the plain mean of its events wobbles;
-// the radial residual d - rho(direction) does not. One thread. O(1), no allocation.
+// the radial residual, distance minus radius of that direction, does not. One thread. O(1), no
+// allocation.
 // Source: own design.
 #pragma once
 
@@ -14,27 +15,28 @@ namespace asap::fast {
 inline constexpr std::size_t kContourBins = 16;
 
 struct ContourRule {
-  float clip_px;           // [kclip]
-  std::uint8_t memory;     // [kn] events per bin
-  std::uint8_t min_known;  // [kmin]
+  float clip_px;           // largest residual that counts
+  std::uint8_t memory;     // events per bin
+  std::uint8_t min_known;  // events from which the radius of a bin is known
 };
 
 struct alignas(32) Contour {
-  static constexpr float kFirstVariance_px2 = 4;
-  static constexpr float kVarianceMemory = 64;  // events
-  static constexpr float kFirstDoubt = 0.05F;
+  static constexpr float kInitialVariance_px2 = 4;
+  static constexpr float kVarianceMemory = 64;            // events
+  static constexpr float kInitialCentreVariance = 0.05F;  // see kalman.hpp
 
   std::array<float, kContourBins> radius{};
   std::array<std::uint8_t, kContourBins> count{};
-  float variance = kFirstVariance_px2;  // [r2]
-  float polarity = 0;                   // mean, OFF = -1, ON = 1
-  float doubt = kFirstDoubt;            // variance of its centre, by the covariance of the events
+  float variance = kInitialVariance_px2;  // px^2, of the residuals
+  float polarity = 0;                     // mean, OFF = -1, ON = 1
+  // Variance of the centre's error, as a fraction of the covariance of the events.
+  float centre_variance = kInitialCentreVariance;
 
   bool known(std::size_t bin, const ContourRule& rule) const noexcept {
     return count[bin] >= rule.min_known;
   }
 
-  // Distance of an event from the outline, outwards.
+  // Distance of an event from the outline, positive outside.
   float residual(std::size_t bin, float distance) const noexcept { return distance - radius[bin]; }
 
   void learn(std::size_t bin, float distance, const ContourRule& rule) noexcept {
@@ -47,11 +49,11 @@ struct alignas(32) Contour {
 
   void forget_radius() noexcept {
     count.fill(0);
-    doubt = kFirstDoubt;
+    centre_variance = kInitialCentreVariance;
   }
 };
 
-// The direction of a displacement, by table: rounded to px and clamped to +-32.
+// The direction bin of a displacement, by table: rounded to px and clamped to +-32.
 class DirectionTable {
  public:
   DirectionTable();

@@ -1,32 +1,27 @@
-// Engine: the fast clusterer. An event without company is noise; else its cell's owner takes it if
-// its gate does, which is true of nine events in ten; else the nearest cluster that does; else it
-// is an orphan, and dense orphans are the birth of a cluster. Everything slow waits for a tick of a
-// millisecond: clusters in one half of them, noise and pairs in the other.
-// One thread. O(1) per event, whatever the number of clusters, but for the tick, which is O(n^2) of
-// cheap steps in n clusters. Allocates in the constructor only. Results do not depend on how the
-// stream is cut into calls.
-// Source: own design; nobody's published algorithm.
+// Engine: the fast cluster tracker. An event without support is noise. Any other event goes to the
+// owner of its cell if the owner's gate accepts it, as for nine events in ten; else to the nearest
+// track whose gate accepts it; else it is unassociated, and where such events are dense a track
+// begins. Everything slow waits for a tick of a millisecond: the tracks at every other tick, noise
+// and pairs at the ticks between. One thread. O(1) per event, whatever the number of tracks; a tick
+// is O(n^2) of cheap steps in n tracks. Allocates in the constructor only. Results do not depend on
+// how the stream is cut into calls.
+// Source: own design, not a published algorithm.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "algorithms/fast/coarse_index.hpp"
+#include "algorithms/fast/association.hpp"
 #include "algorithms/fast/contour.hpp"
-#include "algorithms/fast/event_clock.hpp"
-#include "algorithms/fast/frame.hpp"
-#include "algorithms/fast/gate.hpp"
-#include "algorithms/fast/halves.hpp"
-#include "algorithms/fast/mean_update.hpp"
-#include "algorithms/fast/noise_tiles.hpp"
-#include "algorithms/fast/orphan_grid.hpp"
-#include "algorithms/fast/owner_grid.hpp"
-#include "algorithms/fast/pairs.hpp"
+#include "algorithms/fast/lifecycle.hpp"
+#include "algorithms/fast/merge.hpp"
+#include "algorithms/fast/noise.hpp"
 #include "algorithms/fast/settings.hpp"
 #include "algorithms/fast/split.hpp"
-#include "algorithms/fast/support_map.hpp"
+#include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
+#include "algorithms/fast/update.hpp"
 #include "asap/algorithms/cluster.hpp"
 #include "asap/algorithms/cluster_tracker_config.hpp"
 #include "asap/core/event.hpp"
@@ -39,26 +34,24 @@ class Engine {
 
   struct Counters {
     std::uint64_t rejected = 0;     // outside the frame
-    std::uint64_t unsupported = 0;  // without company
-    std::uint64_t refused = 0;      // births, for want of a slot
-    std::uint64_t merges = 0;
-    std::uint64_t splits = 0;
+    std::uint64_t unsupported = 0;  // without support
+    std::uint64_t refused = 0;      // births while the table was full
   };
 
   // Precondition: the configuration is checked.
   explicit Engine(const ClusterTrackerConfig& config);
 
-  // labels[i]: the id of the cluster that takes events[i], or kNoId; null: nobody asks.
+  // labels[i]: the id of the cluster that takes events[i], or kNoId; null: not wanted.
   void process(EventSpan events, std::int32_t* labels) noexcept;
 
-  // Time has come to t_us without events: clusters starve, coast and die.
+  // Advances the time to t_us without events: tracks are starved, coast and are deleted.
   void advance_to(std::int64_t t_us) noexcept;
 
-  // The listed clusters at t_us, by id, if nothing comes until then; a t_us of the past is the
-  // latest time. Allocates only where `clusters` must grow.
+  // Sets `clusters` to the listed clusters at t_us, sorted by id, if no event comes until then. A
+  // t_us of the past counts as the latest time. Allocates only where `clusters` must grow.
   void read(std::int64_t t_us, std::vector<Cluster>& clusters) const;
 
-  // The latest stamp.
+  // The latest timestamp.
   std::int64_t latest_us() const noexcept { return clock_.latest_us(); }
 
   void set_keep(double gamma, bool filtered_upstream) noexcept;
@@ -71,9 +64,9 @@ class Engine {
 
   // ---- per event ----
   std::int32_t process(const Event& event) noexcept;
-  std::int32_t give(Slot slot, OwnerGrid::Cell& cell, const Event& event, Stamp now) noexcept;
-  std::int32_t search(const Event& event, std::size_t cell, Stamp now) noexcept;
-  Slot nearest_around(const Event& event, std::size_t cell, Stamp now) noexcept;
+  std::int32_t assign(Slot slot, OwnerGrid::Cell& cell, const Event& event, Stamp now) noexcept;
+  std::int32_t associate(const Event& event, std::size_t cell, Stamp now) noexcept;
+  Slot nearest_track(const Event& event, std::size_t cell, Stamp now) noexcept;
   Slot try_birth(const Event& event, std::size_t cell, Stamp now) noexcept;
   Slot begin_track(float x, float y) noexcept;
 
@@ -81,16 +74,16 @@ class Engine {
   void clear_maps() noexcept;
   void start() noexcept;
   void tick() noexcept;
-  void tend_clusters() noexcept;
-  bool tend(Slot slot, const Tick& tick) noexcept;
+  void update_tracks() noexcept;
+  bool update_track(Slot slot, const Tick& tick) noexcept;
   void confirm(Slot slot) noexcept;
-  void tend_frame() noexcept;
+  void update_pairs_and_noise() noexcept;
   void measure_noise() noexcept;
   void merge_pairs(float dt_s) noexcept;
   void split_next() noexcept;
   void split(Slot slot) noexcept;
   void halve(Slot slot) noexcept;
-  Slot begin_part(Slot parent, const PartFinder::Part& part, float share) noexcept;
+  Slot begin_part(Slot parent, const Part& part, float share) noexcept;
   void remove(Slot slot) noexcept;
 
   ClusterTrackerConfig config_;
@@ -100,7 +93,7 @@ class Engine {
   EventClock clock_;
   SupportMap support_;
   OwnerGrid owners_;
-  OrphanGrid orphans_;
+  BirthGrid births_;
   NoiseTiles noise_;
   CoarseIndex coarse_;
   Tracks tracks_;
@@ -112,14 +105,14 @@ class Engine {
   DirectionTable directions_;
   Counters counters_;
   Stamp next_tick_ = 0;
-  bool clusters_are_due_ = true;  // the next tick's half
+  bool tracks_are_due_ = true;  // at the next tick; else noise and pairs are
   std::uint64_t started_us_ = 0;
-  std::uint64_t clusters_us_ = 0;  // when each half ran last
-  std::uint64_t frame_us_ = 0;
+  std::uint64_t tracks_us_ = 0;  // when each of the two was updated
+  std::uint64_t pairs_us_ = 0;
   std::uint64_t noise_us_ = 0;
   std::int32_t support_window_us_ = 0;  // as long as the noise allows
-  float noise_hz_ = 0;                  // per pixel, that reaches the tracks [lambda_eff]
-  float birth_threshold_ = 0;           // [theta]
+  float noise_hz_ = 0;                  // per pixel, of the noise that reaches the tracks
+  float birth_threshold_ = 0;           // recent unassociated events around a cell
   std::int32_t next_id_ = 0;
 };
 

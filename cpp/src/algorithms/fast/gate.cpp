@@ -17,7 +17,7 @@ float largest_variance(const Track& track) noexcept {
 }
 
 void shape_birth_gate(Track& track, const GateRule& rule) noexcept {
-  constexpr float kNothing = 1e6F;  // an ellipse without points
+  constexpr float kNothing = 1e6F;  // an ellipse that contains no pixel but the centre
   track.inverse_circle2 = 1 / (rule.birth_radius_px * rule.birth_radius_px);
   track.qa = kNothing;
   track.qb = 0;
@@ -25,13 +25,13 @@ void shape_birth_gate(Track& track, const GateRule& rule) noexcept {
 }
 
 void shape_gate(Track& track, const GateRule& rule, float largest_variance_px2, bool mature,
-                float doubt_px2) noexcept {
+                float position_variance_px2) noexcept {
   const float own = rule.circle_scale * std::sqrt(largest_variance_px2) + rule.circle_padding_px;
   const float radius = mature ? std::max(rule.min_radius_px, std::min(own, rule.birth_radius_px))
                               : rule.birth_radius_px;
   track.inverse_circle2 = 1 / (radius * radius);
 
-  const float padding = rule.padding_px * rule.padding_px + doubt_px2;
+  const float padding = rule.padding_px * rule.padding_px + position_variance_px2;
   const float a = track.sxx + padding;
   const float b = track.sxy;
   const float c = track.syy + padding;

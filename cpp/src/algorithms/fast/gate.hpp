@@ -1,65 +1,47 @@
-// The gate of a track: which events it takes. A circle around the predicted mean, or the ellipse of
-// the covariance, whichever is wider in the event's direction. A young track has the circle of a
-// birth only; a grown one's circle and ellipse follow its size, so that one setting serves radius 3
-// to 20 px. Per event O(1) and inline, shaped at the tick. No allocation.
+// The gate of a track: which events it accepts. A circle around the predicted mean, or the ellipse
+// of the covariance, whichever is wider in the event's direction. A young track has the circle of a
+// birth only; the circle and ellipse of a mature one follow its size, so that one setting serves
+// objects of radius 3 to 20 px. One thread; gate_value() per event, the rest at the tick. O(1), no
+// allocation.
 // Source: own design.
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
-#include "algorithms/fast/stamp.hpp"
 #include "algorithms/fast/track.hpp"
 
 namespace asap::fast {
 
-inline float length(float x, float y) noexcept { return std::sqrt(x * x + y * y); }
-
-// Where an event lies as a track sees it.
-struct Sight {
-  float mean_x;  // px, predicted for now
-  float mean_y;
-  float dx;  // px, from there to the event
-  float dy;
+struct GateRule {
+  float birth_radius_px;    // circle of a young track
+  float min_radius_px;      // smallest circle of a mature one
+  float max_radius_px;      // longest half-axis of the ellipse
+  float scale;              // half-axes of the ellipse, standard deviations
+  float padding_px;         // added to the standard deviation, in quadrature
+  float circle_scale;       // circle: standard deviations of the longest axis ...
+  float circle_padding_px;  // ... and px
 };
 
-inline Sight sight_of(const Track& track, Stamp now, float x, float y) noexcept {
-  const float dt_s = 1e-6F * static_cast<float>(age_us(now, track.stamp));
-  const float mean_x = track.x + track.vx * dt_s;
-  const float mean_y = track.y + track.vy * dt_s;
-  return {mean_x, mean_y, x - mean_x, y - mean_y};
-}
-
-// 0 in the centre; the gate takes what is at most 1.
-inline float gate_value(const Track& track, const Sight& s) noexcept {
-  const float circle = (s.dx * s.dx + s.dy * s.dy) * track.inverse_circle2;
+// The normalised distance, 0 in the centre; the gate accepts values up to 1.
+inline float gate_value(const Track& track, const Innovation& nu) noexcept {
+  const float circle = (nu.dx * nu.dx + nu.dy * nu.dy) * track.inverse_circle2;
   const float ellipse =
-      s.dx * s.dx * track.qa + 2 * s.dx * s.dy * track.qb + s.dy * s.dy * track.qc;
+      nu.dx * nu.dx * track.qa + 2 * nu.dx * nu.dy * track.qb + nu.dy * nu.dy * track.qc;
   return std::min(circle, ellipse);
 }
 
-struct GateRule {
-  float birth_radius_px;    // [Rb]
-  float min_radius_px;      // [Rmin]
-  float max_radius_px;      // [Rmax]
-  float scale;              // [g]
-  float padding_px;         // [s0]
-  float circle_scale;       // [rk]
-  float circle_padding_px;  // [r0]
-};
-
-// The larger eigenvalue of the covariance.
+// px^2, the larger eigenvalue of the covariance.
 float largest_variance(const Track& track) noexcept;
 
-// The gate of a newborn: the circle alone.
+// Sets the gate of a new track: the circle alone.
 void shape_birth_gate(Track& track, const GateRule& rule) noexcept;
 
-// That of a confirmed track. `mature`: the circle follows the extent. `doubt_px2`: variance of the
-// position, of a track that sees no events.
+// Sets the gate of a confirmed track. `mature`: the circle follows the extent.
+// `position_variance_px2`: that of the predicted position, for a track without events.
 void shape_gate(Track& track, const GateRule& rule, float largest_variance_px2, bool mature,
-                float doubt_px2) noexcept;
+                float position_variance_px2) noexcept;
 
-// px^2 that the gate covers, where noise counts as the track's.
+// px^2 of the gate: noise on this area counts as the track's events.
 float gate_area(const Track& track, const GateRule& rule, bool mature) noexcept;
 
 }  // namespace asap::fast

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "algorithms/fast/decay.hpp"
-
 namespace asap::fast {
 namespace {
 
-float seconds(Stamp now, Stamp then) noexcept {
-  return 1e-6F * static_cast<float>(age_us(now, then));
-}
+constexpr float kTravel_extents = 2;  // in which the centre's variance falls to 1/e
+constexpr float kContactCentreVariance = 0.08F;
+constexpr float kContact_s = 0.14F;
+constexpr float kLeastExtent_px = 1;
 
-// Of the mean, given how many of its events are new.
+// px^2, of the mean, of whose events `fresh` are new.
 float measurement_variance(const Track& track, float contour_variance, std::uint32_t fresh,
                            const KalmanRule& rule) noexcept {
   const float w = track.mean_weight;
@@ -29,7 +28,7 @@ float acceleration_density(const Track& track, const KalmanRule& rule) noexcept 
   return std::min(rule.most, rule.acceleration + rule.per_speed3 * speed2 * std::sqrt(speed2));
 }
 
-// Moves the covariance on by dt, s.
+// Propagates the covariance over dt, s.
 void predict(KalmanState& state, float dt, float q) noexcept {
   state.pxx += 2 * dt * state.pxv + dt * dt * state.pvv + q * dt * dt * dt / 3;
   state.pxv += dt * state.pvv + q * dt * dt / 2;
@@ -42,7 +41,7 @@ void kalman_update(Track& track, KalmanState& state, float contour_variance,
                    const KalmanRule& rule) noexcept {
   const std::uint32_t fresh = track.events - state.events;
   if (fresh < kKalmanEvents) return;
-  const float dt = std::max(0.0F, seconds(track.stamp, state.stamp));
+  const float dt = std::max(0.0F, age_s(track.stamp, state.stamp));
   state.x += track.vx * dt;
   state.y += track.vy * dt;
   predict(state, dt, acceleration_density(track, rule));
@@ -66,13 +65,14 @@ void kalman_update(Track& track, KalmanState& state, float contour_variance,
 float position_variance(const Track& track, const KalmanState& state, Stamp now,
                         const KalmanRule& rule) noexcept {
   KalmanState then = state;
-  predict(then, std::max(0.0F, seconds(now, state.stamp)), acceleration_density(track, rule));
+  predict(then, std::max(0.0F, age_s(now, state.stamp)), acceleration_density(track, rule));
   return then.pxx;
 }
 
-void kalman_starve(Track& track, KalmanState& state, Stamp now, float velocity_decay_s) noexcept {
+void kalman_without_events(Track& track, KalmanState& state, Stamp now,
+                           float velocity_decay_s) noexcept {
   const auto moved_s = [&](Stamp then) {
-    return velocity_decay_s * (1 - decay(std::max(0.0F, seconds(now, then)) / velocity_decay_s));
+    return velocity_decay_s * (1 - decay(std::max(0.0F, age_s(now, then)) / velocity_decay_s));
   };
   const float mean_s = moved_s(track.stamp);
   const float state_s = moved_s(state.stamp);
@@ -81,16 +81,33 @@ void kalman_starve(Track& track, KalmanState& state, Stamp now, float velocity_d
   state.x += track.vx * state_s;
   state.y += track.vy * state_s;
 
-  const float dt = std::max(0.0F, seconds(now, state.stamp));
+  const float dt = std::max(0.0F, age_s(now, state.stamp));
   state.pxx = std::min(kMaxVariance_px2, state.pxx + 2 * dt * state.pxv + dt * dt * state.pvv);
   state.pxv += dt * state.pvv;
-  // pvv >= pxv^2 / pxx keeps the covariance one.
+  // pxx pvv >= pxv^2 keeps the matrix a covariance.
   state.pxv = std::min(state.pxv, std::sqrt(state.pxx * state.pvv));
   const float slower = 1 - state_s / velocity_decay_s;
   track.vx *= slower;
   track.vy *= slower;
   track.stamp = now;
   state.stamp = now;
+}
+
+void update_centre_variance(Contour& contour, const Track& track, float extent_px,
+                            float dt_s) noexcept {
+  const bool in_contact = track.partners > 0;
+  const float travel_extents =
+      length(track.vx, track.vy) * dt_s / std::max(kLeastExtent_px, extent_px);
+  const float left = decay(in_contact ? dt_s / kContact_s : travel_extents / kTravel_extents);
+  const float end = in_contact ? kContactCentreVariance : kMinCentreVariance;
+  contour.centre_variance = end + (contour.centre_variance - end) * left;
+}
+
+PositionError position_error(const Track& track, const KalmanState& state, const Contour& contour,
+                             Stamp now, const KalmanRule& rule) noexcept {
+  const float variance = position_variance(track, state, now, rule);
+  return {variance + contour.centre_variance * track.sxx, contour.centre_variance * track.sxy,
+          variance + contour.centre_variance * track.syy};
 }
 
 }  // namespace asap::fast

@@ -2,96 +2,107 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "algorithms/fast/decay.hpp"
+#include <limits>
 
 namespace asap::fast {
 namespace {
 
 constexpr float kShortest_s = 1e-6F;
+// Time constants of the averages.
 constexpr float kFastRate_s = 0.008F;
 constexpr float kSlowRate_s = 0.06F;
 constexpr float kMotion_s = 0.2F;
-constexpr float kExtent_s = 1;  // two that part slowly must not become the usual
+constexpr float kExtent_s = 1;  // long, so that two objects that separate slowly are noticed
+// Ages of a tentative track: not dropped by its evidence before, not kept after, not confirmed near
+// a confirmed track before, so that a fragment is merged before it has an id.
 constexpr float kShortestTentative_s = 0.005F;
 constexpr float kLongestTentative_s = 0.15F;
-constexpr float kWaitNearConfirmed_s = 0.03F;  // a fragment is merged before it has an id
+constexpr float kWaitNearConfirmed_s = 0.03F;
 
-// Events that noise alone stays below.
+// Tolerance of a re-identification: the part that reappears first lies ahead of the centre, and the
+// velocity is not exact.
+constexpr float kTolerance_px = 12;
+constexpr float kTolerancePerTravel = 0.35F;
+
+// Upper bound on the count that noise alone explains.
 float noise_bound(float expected, float sigma) noexcept {
   return expected + sigma * std::sqrt(expected);
 }
 
-// Of an object that fires at least as much again as the noise. Bounded, so that it can turn.
-void weigh(Life& life, float fresh, float dt_s, float noise_hz, const LifeRule& rule) noexcept {
+// Updates the log-likelihood ratio of an object in noise, which fires at least as often as the
+// noise, against noise alone. It is bounded, so that it falls in time once the events end.
+void update_evidence(TrackState& state, float fresh, float dt_s, float noise_hz,
+                     const LifecycleRule& rule) noexcept {
   constexpr float kMost = 30;
   constexpr float kLeastNoise = 0.02F;
   const float object_hz = std::max(rule.birth_rate_hz, noise_hz);
   const float gain = logarithm(1 + object_hz / std::max(noise_hz, kLeastNoise * object_hz));
-  life.evidence = std::min(kMost, life.evidence + fresh * gain - object_hz * dt_s);
+  state.evidence = std::min(kMost, state.evidence + fresh * gain - object_hz * dt_s);
 }
 
-Fate judge_tentative(const Life& life, float noise_hz, const LifeRule& rule) noexcept {
-  if (life.evidence < -rule.drop_evidence && life.age_s > kShortestTentative_s) return Fate::kDies;
-  if (life.age_s > kLongestTentative_s) return Fate::kDies;
-  const float expected = noise_hz * std::min(life.age_s, rule.mass_s);
-  if (life.evidence < rule.confirm_evidence ||
-      life.mass < rule.confirm_events + noise_bound(expected, 2)) {
-    return Fate::kLives;
+Assessment assess_tentative(const TrackState& state, float noise_hz,
+                            const LifecycleRule& rule) noexcept {
+  if (state.evidence < -rule.drop_evidence && state.age_s > kShortestTentative_s)
+    return Assessment::kDelete;
+  if (state.age_s > kLongestTentative_s) return Assessment::kDelete;
+  const float expected = noise_hz * std::min(state.age_s, rule.mass_s);
+  if (state.evidence < rule.confirm_evidence ||
+      state.mass < rule.confirm_events + noise_bound(expected, 2)) {
+    return Assessment::kKeep;
   }
-  if (life.may_be_fragment) return Fate::kLives;
-  if (life.near_confirmed && life.age_s <= kWaitNearConfirmed_s) return Fate::kLives;
-  return Fate::kConfirmed;
+  if (state.may_be_fragment) return Assessment::kKeep;
+  if (state.near_confirmed && state.age_s <= kWaitNearConfirmed_s) return Assessment::kKeep;
+  return Assessment::kConfirm;
 }
 
-// Time since the mass fell below `least`: more than nothing if the tick comes late.
-float short_of_mass_s(float mass_before, float least, float dt_s, const LifeRule& rule) noexcept {
+// Time since the mass fell below `least`, at most dt_s. It matters if the tick comes late.
+float time_below_s(float mass_before, float least, float dt_s, const LifecycleRule& rule) noexcept {
   const float step_s = rule.mass_s / 4;
   const float step_decay = decay(0.25F);
   for (; mass_before > least && dt_s > step_s; dt_s -= step_s) mass_before *= step_decay;
   return dt_s;
 }
 
-Fate judge_confirmed(Track& track, Life& life, const Tick& tick, float mass_before, float noise_hz,
-                     const LifeRule& rule) noexcept {
+Assessment assess_confirmed(Track& track, TrackState& state, const Tick& tick, float mass_before,
+                            float noise_hz, const LifecycleRule& rule) noexcept {
   const float expected = noise_hz * rule.mass_s;
   const float least = rule.die_events + noise_bound(expected, rule.die_sigma);
   if (track.phase == Phase::kConfirmed) {
-    if (life.mass >= least) return Fate::kLives;
+    if (state.mass >= least) return Assessment::kKeep;
     track.phase = Phase::kCoasting;
-    life.coasting_s = short_of_mass_s(mass_before, least, tick.dt_s, rule);
+    state.coasting_s = time_below_s(mass_before, least, tick.dt_s, rule);
   } else {
-    life.coasting_s += tick.dt_s;
+    state.coasting_s += tick.dt_s;
   }
-  if (life.coasting_s > rule.coast_s) return Fate::kDies;
-  if (life.mass >= 0.7F * rule.confirm_events + noise_bound(expected, 3)) {
+  if (state.coasting_s > rule.coast_s) return Assessment::kDelete;
+  if (state.mass >= 0.7F * rule.confirm_events + noise_bound(expected, 3)) {
     track.phase = Phase::kConfirmed;
   }
-  return Fate::kLives;
+  return Assessment::kKeep;
 }
 
-// Of the events since the last tick: nothing to speak of but after silence.
-float decay_since(const Track& track, const Tick& tick, const LifeRule& rule) noexcept {
-  const float since_s = 1e-6F * static_cast<float>(age_us(tick.now, track.stamp));
+// Decay of the events since the last tick. It matters after a silence only.
+float decay_since(const Track& track, const Tick& tick, const LifecycleRule& rule) noexcept {
+  const float since_s = age_s(tick.now, track.stamp);
   return since_s > rule.mass_s / 4 ? decay(since_s / rule.mass_s) : 1;
 }
 
-void measure_rates(Life& life, float fresh, float dt_s, const Tick& tick, float noise_hz,
-                   const LifeRule& rule, bool tentative) noexcept {
+void measure_rates(TrackState& state, float fresh, float dt_s, const Tick& tick, float noise_hz,
+                   const LifecycleRule& rule, bool tentative) noexcept {
   const float rate_hz = fresh / dt_s;
-  life.fast_rate_hz +=
-      low_pass_weight(tick.fast_decay, dt_s, life.age_s) * (rate_hz - life.fast_rate_hz);
+  state.fast_rate_hz +=
+      low_pass_weight(tick.fast_decay, dt_s, state.age_s) * (rate_hz - state.fast_rate_hz);
   const bool starved =
-      !tentative && life.fast_rate_hz < rule.starve_ratio * life.slow_rate_hz + noise_hz / 2;
-  life.starved_s = starved ? life.starved_s + dt_s : 0;
+      !tentative && state.fast_rate_hz < rule.starve_ratio * state.slow_rate_hz + noise_hz / 2;
+  state.starved_s = starved ? state.starved_s + dt_s : 0;
   if (starved) return;
-  life.slow_rate_hz +=
-      low_pass_weight(tick.slow_decay, dt_s, life.age_s) * (rate_hz - life.slow_rate_hz);
+  state.slow_rate_hz +=
+      low_pass_weight(tick.slow_decay, dt_s, state.age_s) * (rate_hz - state.slow_rate_hz);
 }
 
 }  // namespace
 
-Tick::Tick(Stamp at, float elapsed_s, float noise, const LifeRule& rule) noexcept
+Tick::Tick(Stamp at, float elapsed_s, float noise, const LifecycleRule& rule) noexcept
     : now(at),
       dt_s(elapsed_s),
       noise_hz(noise),
@@ -101,32 +112,83 @@ Tick::Tick(Stamp at, float elapsed_s, float noise, const LifeRule& rule) noexcep
       motion_decay(decay(elapsed_s / kMotion_s)),
       extent_decay(decay(elapsed_s / kExtent_s)) {}
 
-void remember_extent(Life& life, float extent2, const Tick& tick) noexcept {
-  const float dt_s = std::max(kShortest_s, std::min(tick.dt_s, life.age_s));
-  const float weight = low_pass_weight(tick.extent_decay, dt_s, life.age_s);
-  life.usual_extent2 += weight * (extent2 - life.usual_extent2);
+void record_extent(TrackState& state, float extent2, const Tick& tick) noexcept {
+  const float dt_s = std::max(kShortest_s, std::min(tick.dt_s, state.age_s));
+  const float weight = low_pass_weight(tick.extent_decay, dt_s, state.age_s);
+  state.average_extent2 += weight * (extent2 - state.average_extent2);
 }
 
-Fate live(Track& track, Life& life, const Tick& tick, const LifeRule& rule,
-          const GateRule& gate) noexcept {
-  life.age_s += tick.dt_s;
-  const float dt_s = std::max(kShortest_s, std::min(tick.dt_s, life.age_s));
-  const auto fresh = static_cast<float>(track.events - life.events);
-  if (track.events != life.events) life.last_event = track.stamp;
-  life.events = track.events;
+Assessment assess(Track& track, TrackState& state, const Tick& tick, const LifecycleRule& rule,
+                  const GateRule& gate) noexcept {
+  state.age_s += tick.dt_s;
+  const float dt_s = std::max(kShortest_s, std::min(tick.dt_s, state.age_s));
+  const auto fresh = static_cast<float>(track.events - state.events);
+  if (track.events != state.events) state.last_event = track.stamp;
+  state.events = track.events;
 
-  const float mass_before = life.mass + fresh;
-  life.mass = life.mass * tick.mass_decay + fresh * decay_since(track, tick, rule);
+  const float mass_before = state.mass + fresh;
+  state.mass = state.mass * tick.mass_decay + fresh * decay_since(track, tick, rule);
   const bool tentative = track.phase == Phase::kTentative;
-  const bool grown = !tentative && life.age_s >= rule.mature_s;
-  const float noise_hz = tick.noise_hz * gate_area(track, gate, grown);
-  measure_rates(life, fresh, dt_s, tick, noise_hz, rule, tentative);
+  const bool mature = !tentative && state.age_s >= rule.mature_s;
+  const float noise_hz = tick.noise_hz * gate_area(track, gate, mature);
+  measure_rates(state, fresh, dt_s, tick, noise_hz, rule, tentative);
   if (tentative) {
-    weigh(life, fresh, dt_s, noise_hz, rule);
-    return judge_tentative(life, noise_hz, rule);
+    update_evidence(state, fresh, dt_s, noise_hz, rule);
+    return assess_tentative(state, noise_hz, rule);
   }
-  life.confirmed_s += tick.dt_s;
-  return judge_confirmed(track, life, tick, mass_before, noise_hz, rule);
+  state.confirmed_s += tick.dt_s;
+  return assess_confirmed(track, state, tick, mass_before, noise_hz, rule);
+}
+
+void schedule_deletion(Track& track, TrackState& state) noexcept {
+  track.phase = Phase::kCoasting;
+  state.coasting_s = std::numeric_limits<float>::infinity();
+}
+
+bool has_left(const Track& track, Stamp now, const Frame& frame) noexcept {
+  const Point mean = predicted_mean(track, now);
+  const auto right = static_cast<float>(frame.width + 2);
+  const auto bottom = static_cast<float>(frame.height + 2);
+  return !(mean.x >= -3 && mean.x <= right && mean.y >= -3 && mean.y <= bottom);
+}
+
+void record_motion(const Track& track, TrackState& state, const Tick& tick) noexcept {
+  const Point mean = predicted_mean(track, tick.now);
+  state.last_seen_x = mean.x;
+  state.last_seen_y = mean.y;
+  const float weight = 1 - tick.motion_decay;
+  state.average_vx += weight * (track.vx - state.average_vx);
+  state.average_vy += weight * (track.vy - state.average_vy);
+}
+
+void return_to_last_seen(Track& track, TrackState& state) noexcept {
+  track.x = state.kalman.x = state.last_seen_x;
+  track.y = state.kalman.y = state.last_seen_y;
+  track.vx = 0;
+  track.vy = 0;
+}
+
+Tracks::Slot find_lost_track(const Tracks& tracks, Tracks::Slot confirmed, Stamp now,
+                             const LifecycleRule& rule) noexcept {
+  const Point here = predicted_mean(tracks[confirmed], now);
+  Tracks::Slot best = Tracks::kNone;
+  float least = 1;
+  for (const Tracks::Slot slot : tracks.active()) {
+    const TrackState& state = tracks.state(slot);
+    if (slot == confirmed || !tracks[slot].has_id() || is_listed(tracks[slot], state, rule)) {
+      continue;
+    }
+    const float travel_x = state.average_vx * state.starved_s;
+    const float travel_y = state.average_vy * state.starved_s;
+    const float dx = state.last_seen_x + travel_x - here.x;
+    const float dy = state.last_seen_y + travel_y - here.y;
+    const float tolerance = kTolerance_px + kTolerancePerTravel * length(travel_x, travel_y);
+    const float distance = length(dx, dy) / tolerance;
+    if (distance >= least) continue;
+    least = distance;
+    best = slot;
+  }
+  return best;
 }
 
 }  // namespace asap::fast

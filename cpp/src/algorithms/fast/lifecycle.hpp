@@ -1,36 +1,97 @@
-// The life of a track, at the tick: a tentative one is confirmed when its events are more than
-// noise explains, for long enough; a confirmed one whose object stops or hides is starved, then
-// unlisted, then coasts with id and gate, and is deleted last. One thread. O(1) per track, no
-// allocation.
+// Track life cycle. Birth: events that no track takes are counted per cell, and a tentative track
+// begins where they are more than noise explains. Confirmation: once its own events are more than
+// noise explains, for long enough. A confirmed track whose object stops or is occluded is starved,
+// then not listed, then coasts with its id and gate, and is deleted at last. Re-identification: a
+// track that is confirmed where an unlisted one must have reappeared takes over its id. One thread;
+// BirthGrid::count() per event, the rest at the tick. O(1) per track, find_lost_track() O(n) in n
+// tracks; allocates in the constructor of BirthGrid only.
 // Source: own design; the evidence is a sequential likelihood-ratio test (Wald 1945).
 #pragma once
 
-#include <limits>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
 
+#include "algorithms/fast/association.hpp"
 #include "algorithms/fast/gate.hpp"
-#include "algorithms/fast/stamp.hpp"
+#include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
 namespace asap::fast {
 
-struct LifeRule {
-  float mass_s;              // [tau_mass]
-  float confirm_events = 0;  // [m_conf], fewer with gamma
-  float die_events = 0;      // [m_die], likewise
-  float die_sigma;           // [die_s]
-  float birth_rate_hz = 0;   // [rho0], times gamma
-  float confirm_evidence;    // [llr_conf]
-  float drop_evidence;       // [-llr_die]
-  float starve_ratio;        // [starve]
-  float velocity_decay_s;    // [vdec]
-  float hide_s;              // [hide]
-  float coast_s;             // [coast]
-  float mature_s;            // [mature]
+// ---- birth ----
+
+// Counts of unassociated events per cell, with exponential decay.
+class BirthGrid {
+ public:
+  BirthGrid(const CellMap& map, float decay_s)
+      : map_(map), decay_us_(1e6F * decay_s), cells_(map.size()), scrubber_(map.size()) {}
+
+  void clear(Stamp now) noexcept {
+    std::fill(cells_.begin(), cells_.end(), Cell{long_before(now), 0.0F});
+  }
+
+  // Counts one event. Returns the count of its cell plus those of the neighbours, whose decay is
+  // linear here and reaches zero after twice the time constant.
+  float count(std::size_t cell, Stamp now) noexcept {
+    Cell& own = cells_[cell];
+    own.events = own.events * decay(static_cast<float>(age_us(now, own.stamp)) / decay_us_) + 1;
+    own.stamp = now;
+    float sum = own.events;
+    map_.for_each_neighbour(cell, [&](std::size_t neighbour) {
+      const Cell& other = cells_[neighbour];
+      const float age = static_cast<float>(age_us(now, other.stamp)) / (2 * decay_us_);
+      if (age < 1) sum += other.events * (1 - age);
+    });
+    return sum;
+  }
+
+  // Clears the cell and its neighbours, where a track has begun.
+  void forget(std::size_t cell) noexcept {
+    cells_[cell].events = 0;
+    map_.for_each_neighbour(cell, [&](std::size_t neighbour) { cells_[neighbour].events = 0; });
+  }
+
+  void scrub(Stamp now, std::uint64_t elapsed_us) noexcept {
+    scrubber_.advance(elapsed_us, [&](std::size_t first, std::size_t count) {
+      fast::scrub(cells_.data() + first, count, now,
+                  [](Cell& cell) -> Stamp& { return cell.stamp; });
+    });
+  }
+
+ private:
+  struct Cell {
+    Stamp stamp;
+    float events;
+  };
+
+  CellMap map_;
+  float decay_us_;
+  std::vector<Cell> cells_;
+  Scrubber scrubber_;
+};
+
+// ---- confirmation, starvation, coasting, deletion ----
+
+struct LifecycleRule {
+  float mass_s;              // decay of the mass
+  float confirm_events = 0;  // mass from which a track is confirmed; fewer with gamma
+  float die_events = 0;      // mass below which it coasts; fewer with gamma
+  float die_sigma;           // margin above the noise in the gate, standard deviations
+  float birth_rate_hz = 0;   // least event rate of an object, times gamma
+  float confirm_evidence;    // log-likelihood ratio of an object against noise ...
+  float drop_evidence;       // ... and of noise against an object
+  float starve_ratio;        // of the average event rate: below, the track is starved
+  float velocity_decay_s;    // of a starved track
+  float hide_s;              // starved for longer: not listed
+  float coast_s;             // from too little mass to deletion
+  float mature_s;            // age from which the gate's circle follows the extent
 };
 
 // What one tick has in common for all tracks.
 struct Tick {
-  Tick(Stamp now, float dt_s, float noise_hz, const LifeRule& rule) noexcept;
+  Tick(Stamp now, float dt_s, float noise_hz, const LifecycleRule& rule) noexcept;
 
   Stamp now;
   float dt_s;
@@ -42,27 +103,47 @@ struct Tick {
   float extent_decay;
 };
 
-enum class Fate { kLives, kConfirmed, kDies };
+enum class Assessment { kKeep, kConfirm, kDelete };
 
-// Counts what is new and decides. kConfirmed: the caller gives an id.
-Fate live(Track& track, Life& life, const Tick& tick, const LifeRule& rule,
-          const GateRule& gate) noexcept;
+// Counts the new events and decides. After kConfirm the caller sets phase and id.
+Assessment assess(Track& track, TrackState& state, const Tick& tick, const LifecycleRule& rule,
+                  const GateRule& gate) noexcept;
 
-// The usual extent of a track that sees its whole object, and no other.
-void remember_extent(Life& life, float extent2, const Tick& tick) noexcept;
+// Updates the average extent. Only for a track that is not in contact.
+void record_extent(TrackState& state, float extent2, const Tick& tick) noexcept;
 
-// Whether the track has gone without events for so long that it must have stopped.
+// Whether the track has been starved for long enough: its object must have stopped or be hidden.
 inline constexpr float kStarved_s = 0.01F;
-inline bool is_starved(const Life& life) noexcept { return life.starved_s > kStarved_s; }
+inline bool is_starved(const TrackState& state) noexcept { return state.starved_s > kStarved_s; }
 
-// It will at the next tick, and not be listed before.
-inline void let_die(Track& track, Life& life) noexcept {
-  track.phase = Phase::kCoasting;
-  life.coasting_s = std::numeric_limits<float>::infinity();
+// The next tick deletes the track; until then it is not listed.
+void schedule_deletion(Track& track, TrackState& state) noexcept;
+
+inline bool is_listed(const Track& track, const TrackState& state,
+                      const LifecycleRule& rule) noexcept {
+  return track.phase == Phase::kConfirmed && state.starved_s < rule.hide_s;
 }
 
-inline bool is_listed(const Track& track, const Life& life, const LifeRule& rule) noexcept {
-  return track.phase == Phase::kConfirmed && life.starved_s < rule.hide_s;
-}
+struct Frame {
+  std::uint32_t width;  // px
+  std::uint32_t height;
+};
+
+// Whether the predicted mean lies more than 2 px beyond the edges of the frame, or is not a number.
+bool has_left(const Track& track, Stamp now, const Frame& frame) noexcept;
+
+// ---- re-identification ----
+
+// Records position and average velocity of a track that is not starved.
+void record_motion(const Track& track, TrackState& state, const Tick& tick) noexcept;
+
+// Puts an unlisted track back to where it was last seen: if the object stopped, the track's own
+// gate finds it there.
+void return_to_last_seen(Track& track, TrackState& state) noexcept;
+
+// The unlisted track that `confirmed` continues, or kNone: an object that moved on behind another
+// reappears where its average velocity has carried it meanwhile.
+Tracks::Slot find_lost_track(const Tracks& tracks, Tracks::Slot confirmed, Stamp now,
+                             const LifecycleRule& rule) noexcept;
 
 }  // namespace asap::fast

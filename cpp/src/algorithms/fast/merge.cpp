@@ -10,31 +10,78 @@
 namespace asap::fast {
 namespace {
 
-constexpr std::uint32_t kKnownEvents = 20;  // before, a polarity means nothing
+// Opposite edges of a large object are confirmed apart, and the extents of edges are small.
+constexpr float kConfirmedMargin_px = 8;
+// Confirmed parts of one object lie closer than this.
+constexpr float kNeighbour_px = 35;
 
-bool is_sibling(const Tracks& tracks, Tracks::Slot of, Tracks::Slot other) noexcept {
-  const Life& life = tracks.life(of);
-  return life.sibling == other && life.sibling_generation == tracks[other].generation;
+// Standard deviation along a direction, at least a pixel.
+float spread_along(const Track& track, float ux, float uy) noexcept {
+  return std::sqrt(
+      std::max(1.0F, ux * ux * track.sxx + 2 * ux * uy * track.sxy + uy * uy * track.syy));
 }
 
-bool has_changed(const MergeState& state, const Candidate& pair, float tolerance_px,
+bool outlines_meet(const Track& a, const Track& b, float dx, float dy, float distance_px,
+                   const PairRule& rule) noexcept {
+  const float ux = distance_px > 0 ? dx / distance_px : 1;
+  const float uy = distance_px > 0 ? dy / distance_px : 0;
+  const float spreads = spread_along(a, ux, uy) + spread_along(b, ux, uy);
+  return distance_px < rule.contact_reach * spreads + rule.contact_padding_px;
+}
+
+void add_partner(Track& track, TrackState& state, Tracks::Slot partner) noexcept {
+  if (track.partners < kMaxPartners) state.partners[track.partners++] = partner;
+}
+
+bool is_sibling(const Tracks& tracks, Tracks::Slot of, Tracks::Slot other) noexcept {
+  const TrackState& state = tracks.state(of);
+  return state.sibling == other && state.sibling_generation == tracks[other].generation;
+}
+
+bool touches_another_object(const Tracks& tracks, Tracks::Slot slot) noexcept {
+  const TrackState& state = tracks.state(slot);
+  for (std::uint8_t i = 0; i < tracks[slot].partners; ++i) {
+    if (!are_siblings(tracks, slot, state.partners[i])) return true;
+  }
+  return false;
+}
+
+// ---- evidence that a pair is one object ----
+
+// For how long, and on which way, a pair must keep its relative position.
+struct Required {
+  float hold_s;
+  float travel_px;
+};
+
+bool meets(const MergeState& kept, const Required& required) noexcept {
+  return kept.hold_s >= required.hold_s && kept.travel_px >= required.travel_px;
+}
+
+bool has_changed(const MergeState& kept, const Candidate& pair, float tolerance_px,
                  float rotation_px) noexcept {
-  const float moved = length(pair.dx - state.dx, pair.dy - state.dy);
-  const float stretched = std::abs(pair.distance_px - length(state.dx, state.dy));
+  const float moved = length(pair.dx - kept.dx, pair.dy - kept.dy);
+  const float stretched = std::abs(pair.distance_px - length(kept.dx, kept.dy));
   return moved > tolerance_px + rotation_px || stretched > tolerance_px;
 }
 
+constexpr std::uint32_t kKnownEvents = 20;  // with fewer, the mean polarity is random
+
 // Whether a track has a leading and a trailing edge, which fire with opposite polarities.
-bool is_whole(const Tracks& tracks, Tracks::Slot slot) noexcept {
+bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
   constexpr float kOneSided = 0.6F;
   return tracks[slot].events >= kKnownEvents && std::abs(tracks.contour(slot).polarity) < kOneSided;
 }
 
-// Of a tentative track beside a confirmed one.
-bool is_fragment(const Track& tentative, const MergeState& state, bool whole) noexcept {
-  if (whole) return state.hold_s >= 0.08F;
-  if (tentative.events < kKnownEvents && state.hold_s < 0.03F) return false;
-  return state.hold_s >= 0.008F && (state.travel_px >= 1 || state.hold_s >= 0.024F);
+// A tentative track beside a confirmed one. `whole`: both have both edges.
+bool is_fragment(const Track& tentative, const MergeState& kept, bool whole) noexcept {
+  constexpr float kWhole_s = 0.08F;
+  constexpr float kFewEvents_s = 0.03F;
+  constexpr Required kMoving{0.008F, 1};
+  constexpr float kAtRest_s = 0.024F;
+  if (whole) return kept.hold_s >= kWhole_s;
+  if (tentative.events < kKnownEvents && kept.hold_s < kFewEvents_s) return false;
+  return meets(kept, kMoving) || kept.hold_s >= kAtRest_s;
 }
 
 float velocity_difference(const Track& a, const Track& b) noexcept {
@@ -45,116 +92,216 @@ float fastest(const Track& a, const Track& b) noexcept {
   return std::max(length(a.vx, a.vy), length(b.vx, b.vy));
 }
 
-// Within what the filters know of the velocities.
+// Whether the velocities are equal within two standard deviations, a fifth and 10 px/s.
 bool move_alike(const Tracks& tracks, const Candidate& pair) noexcept {
   const Track& a = tracks[pair.keeper];
   const Track& b = tracks[pair.other];
-  const float variance = tracks.life(pair.keeper).kalman.pvv + tracks.life(pair.other).kalman.pvv;
+  const float variance = tracks.state(pair.keeper).kalman.pvv + tracks.state(pair.other).kalman.pvv;
   return velocity_difference(a, b) <= 2 * std::sqrt(variance) + 0.2F * fastest(a, b) + 10;
 }
 
-// Whether two that had been apart would have parted again, had each gone on as before they met.
-bool would_have_parted(const Life& a, const Life& b, float hold_s) noexcept {
+// Whether two tracks that were apart before would have separated again by now, had each kept its
+// average velocity.
+bool would_have_separated(const TrackState& a, const TrackState& b, float hold_s) noexcept {
   constexpr float kApart_px = 10;
-  constexpr float kAgeOfStrangers_s = 0.1F;
-  constexpr float kLongest_s = 0.3F;  // who moved alike before leaves no other evidence
-  if (std::min(a.confirmed_s, b.confirmed_s) <= kAgeOfStrangers_s) return true;
-  const float speed = length(a.usual_vx - b.usual_vx, a.usual_vy - b.usual_vy);
+  constexpr float kNew_s = 0.1F;      // a younger track was never apart from the other
+  constexpr float kLongest_s = 0.3F;  // with equal average velocities there is no other evidence
+  if (std::min(a.confirmed_s, b.confirmed_s) <= kNew_s) return true;
+  const float speed = length(a.average_vx - b.average_vx, a.average_vy - b.average_vy);
   return hold_s * speed >= kApart_px || hold_s >= kLongest_s;
 }
 
-bool overlap_and_move_alike(const Tracks& tracks, const Candidate& pair, const MergeState& state,
+bool overlap_and_move_alike(const Tracks& tracks, const Candidate& pair, const MergeState& kept,
                             bool siblings) noexcept {
-  const Track& a = tracks[pair.keeper];
-  const Track& b = tracks[pair.other];
-  const float extent =
-      std::max(tracks.life(pair.keeper).extent_px, tracks.life(pair.other).extent_px);
-  return pair.distance_px < 0.7F * extent && state.hold_s >= 0.03F && state.travel_px >= 3 &&
-         velocity_difference(a, b) < 0.6F * fastest(a, b) + 25 &&
-         (siblings ||
-          would_have_parted(tracks.life(pair.keeper), tracks.life(pair.other), state.hold_s));
+  constexpr float kOverlap_extents = 0.7F;
+  constexpr Required kRequired{0.03F, 3};
+  const TrackState& a = tracks.state(pair.keeper);
+  const TrackState& b = tracks.state(pair.other);
+  const float speed = fastest(tracks[pair.keeper], tracks[pair.other]);
+  return pair.distance_px < kOverlap_extents * std::max(a.extent_px, b.extent_px) &&
+         meets(kept, kRequired) &&
+         velocity_difference(tracks[pair.keeper], tracks[pair.other]) < 0.6F * speed + 25 &&
+         (siblings || would_have_separated(a, b, kept.hold_s));
 }
 
-// Two that could each be an object: only a long way together makes them one.
-bool are_one_whole(const Tracks& tracks, const Candidate& pair, const MergeState& state,
-                   bool siblings) noexcept {
-  if (overlap_and_move_alike(tracks, pair, state, siblings)) return true;
+// Two confirmed tracks with both edges, each of which may be an object: only a long way together is
+// evidence.
+bool whole_tracks_are_one(const Tracks& tracks, const Candidate& pair, const MergeState& kept,
+                          bool siblings) noexcept {
+  constexpr Required kRequired{0.03F, 20};
+  if (overlap_and_move_alike(tracks, pair, kept, siblings)) return true;
   if (!siblings && !move_alike(tracks, pair)) return false;
-  return state.hold_s >= 0.03F && state.travel_px >= 20;
+  return meets(kept, kRequired);
 }
 
-// Two of which one at least shows a single edge.
-bool are_one_in_parts(const Tracks& tracks, const Candidate& pair, const MergeState& state,
-                      bool siblings) noexcept {
-  if (overlap_and_move_alike(tracks, pair, state, siblings)) return true;
+// Two confirmed tracks, at least one of which shows a single edge.
+bool partial_tracks_are_one(const Tracks& tracks, const Candidate& pair, const MergeState& kept,
+                            bool siblings) noexcept {
+  constexpr float kYoung_s = 0.08F;
+  constexpr Required kYoung{0.01F, 1.5F};
+  constexpr float kOld_s = 0.4F;
+  constexpr Required kOld{0.1F, 15};
+  constexpr Required kMoving{0.03F, 5};
+  constexpr float kAtRest_s = 0.15F;
+  if (overlap_and_move_alike(tracks, pair, kept, siblings)) return true;
   const float younger_s =
-      std::min(tracks.life(pair.keeper).confirmed_s, tracks.life(pair.other).confirmed_s);
-  if (younger_s < 0.08F) return state.hold_s >= 0.01F && state.travel_px >= 1.5F;
-  if (younger_s > 0.4F && !siblings) {
-    return state.hold_s >= 0.1F && state.travel_px >= 15 && move_alike(tracks, pair);
-  }
-  return (state.hold_s >= 0.03F && state.travel_px >= 5) || state.hold_s >= 0.15F;
+      std::min(tracks.state(pair.keeper).confirmed_s, tracks.state(pair.other).confirmed_s);
+  if (younger_s < kYoung_s) return meets(kept, kYoung);
+  if (younger_s > kOld_s && !siblings) return meets(kept, kOld) && move_alike(tracks, pair);
+  return meets(kept, kMoving) || kept.hold_s >= kAtRest_s;
 }
 
 }  // namespace
 
-bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule& rule) noexcept {
-  const Track& a = tracks[pair.keeper];
-  const Track& b = tracks[pair.other];
-  if (!a.has_id() && !b.has_id()) return true;
+// ---- pairs ----
 
-  MergeState& state = tracks.life(pair.keeper).merge;
-  const bool siblings = are_siblings(tracks, pair.keeper, pair.other);
-  const bool same = state.partner == pair.other && state.generation == b.generation;
-  const float rotation_px = siblings ? rule.rotation_rad * pair.distance_px : 0;
-  if (!same || has_changed(state, pair, rule.tolerance_px, rotation_px)) {
-    state = {.partner = pair.other, .generation = b.generation, .dx = pair.dx, .dy = pair.dy};
-    return false;
-  }
-  const Track& leader = tracks[survivor_of(tracks, pair.keeper, pair.other)];
-  state.hold_s += dt_s;
-  state.travel_px += length(leader.vx, leader.vy) * dt_s;
-
-  const bool whole = is_whole(tracks, pair.keeper) && is_whole(tracks, pair.other);
-  if (!a.has_id()) return is_fragment(a, state, whole);
-  if (!b.has_id()) return is_fragment(b, state, whole);
-  return whole ? are_one_whole(tracks, pair, state, siblings)
-               : are_one_in_parts(tracks, pair, state, siblings);
+float merge_distance(float extents_px, const PairRule& rule) noexcept {
+  return std::max(0.9F * rule.birth_radius_px,
+                  rule.merge_reach * extents_px + rule.merge_padding_px);
 }
+
+Pairs::Pairs(std::size_t slots) {
+  places_.reserve(slots);
+  nearest_.reserve(slots);
+  candidates_.reserve(slots);
+}
+
+void Pairs::find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept {
+  places_.clear();
+  nearest_.clear();
+  candidates_.clear();
+  float largest = 0;
+  for (const Tracks::Slot slot : tracks.active()) {
+    Track& track = tracks[slot];
+    TrackState& state = tracks.state(slot);
+    track.partners = 0;
+    state.near_confirmed = false;
+    state.may_be_fragment = false;
+    const Point mean = predicted_mean(track, now);
+    places_.push_back({mean.x, mean.y, state.extent_px, slot, track.has_id()});
+    nearest_.push_back({Tracks::kNone, Tracks::kNone, 0, 0, 0});
+    largest = std::max(largest, state.extent_px);
+  }
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Place a = places_[i];
+    const float reach = merge_distance(a.extent + largest, rule) + kConfirmedMargin_px;
+    for (std::size_t j = i + 1; j < places_.size(); ++j) {
+      const float dx = places_[j].x - a.x;
+      const float dy = places_[j].y - a.y;
+      const float distance2 = dx * dx + dy * dy;
+      if (distance2 <= reach * reach) compare(tracks, i, j, dx, dy, distance2, rule);
+    }
+  }
+  for (const Candidate& candidate : nearest_) {
+    if (candidate.other != Tracks::kNone) candidates_.push_back(candidate);
+  }
+}
+
+void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, float dy,
+                    float distance2, const PairRule& rule) noexcept {
+  const Place& a = places_[i];
+  const Place& b = places_[j];
+  const float distance = std::sqrt(distance2);
+  const float margin = a.has_id && b.has_id ? kConfirmedMargin_px : 0;
+  if (distance > merge_distance(a.extent + b.extent, rule) + margin) return;
+
+  if (a.has_id && b.has_id &&
+      outlines_meet(tracks[a.slot], tracks[b.slot], dx, dy, distance, rule)) {
+    add_partner(tracks[a.slot], tracks.state(a.slot), b.slot);
+    add_partner(tracks[b.slot], tracks.state(b.slot), a.slot);
+  }
+  const bool second_keeps = a.has_id && !b.has_id;
+  const bool close = !(a.has_id && b.has_id) || distance < kNeighbour_px;
+  if (b.has_id && close) tracks.state(a.slot).near_confirmed = true;
+  if (a.has_id && close) tracks.state(b.slot).near_confirmed = true;
+  if (a.has_id != b.has_id) {
+    const Tracks::Slot tentative = second_keeps ? b.slot : a.slot;
+    const Tracks::Slot confirmed = second_keeps ? a.slot : b.slot;
+    if (may_be_fragment(tracks, tentative, confirmed, dx, dy)) {
+      tracks.state(tentative).may_be_fragment = true;
+    }
+  }
+  Candidate& nearest = nearest_[second_keeps ? j : i];
+  if (nearest.other != Tracks::kNone && nearest.distance_px <= distance) return;
+  nearest = second_keeps ? Candidate{b.slot, a.slot, -dx, -dy, distance}
+                         : Candidate{a.slot, b.slot, dx, dy, distance};
+}
+
+// ---- fragments ----
+
+bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
+                     float dy) noexcept {
+  constexpr float kMature_s = 0.2F;  // most pairs of objects that began as one track have separated
+  constexpr float kMostMass = 0.2F;
+  constexpr float kReach = 1.25F;  // of the gate
+  const TrackState& state = tracks.state(confirmed);
+  return state.age_s > kMature_s && tracks.state(tentative).mass < kMostMass * state.mass &&
+         gate_value(tracks[confirmed], {.mean_x = 0, .mean_y = 0, .dx = dx, .dy = dy}) <=
+             kReach * kReach &&
+         !touches_another_object(tracks, confirmed);
+}
+
+// ---- siblings ----
 
 bool are_siblings(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept {
   return is_sibling(tracks, a, b) || is_sibling(tracks, b, a);
 }
 
 void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& rule) noexcept {
-  Life& life = tracks.life(slot);
-  const Sight here = sight_of(tracks[slot], now, 0, 0);
+  TrackState& state = tracks.state(slot);
+  const Point here = predicted_mean(tracks[slot], now);
   float nearest = std::numeric_limits<float>::infinity();
   for (const Tracks::Slot other : tracks.active()) {
     if (other == slot || !tracks[other].has_id()) continue;
-    const Sight s = sight_of(tracks[other], now, here.mean_x, here.mean_y);
-    const float distance = length(s.dx, s.dy);
-    const float reach = merge_distance(life.extent_px + tracks.life(other).extent_px, rule);
+    const Point there = predicted_mean(tracks[other], now);
+    const float distance = length(here.x - there.x, here.y - there.y);
+    const float reach = merge_distance(state.extent_px + tracks.state(other).extent_px, rule);
     if (distance > reach || distance >= nearest) continue;
     nearest = distance;
-    life.sibling = other;
-    life.sibling_generation = tracks[other].generation;
+    state.sibling = other;
+    state.sibling_generation = tracks[other].generation;
   }
 }
 
 void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
                         const PairRule& rule) noexcept {
-  Life& life = tracks.life(slot);
-  if (life.sibling == MergeState::kNobody) return;
-  if (is_sibling(tracks, slot, life.sibling)) {
+  TrackState& state = tracks.state(slot);
+  if (state.sibling == kNoSlot) return;
+  if (is_sibling(tracks, slot, state.sibling)) {
     constexpr float kMargin_px = 4;
-    const Track& other = tracks[life.sibling];
-    const Sight there = sight_of(other, now, 0, 0);
-    const Sight s = sight_of(tracks[slot], now, there.mean_x, there.mean_y);
-    const float extents = life.extent_px + tracks.life(life.sibling).extent_px;
-    if (length(s.dx, s.dy) <= merge_distance(extents, rule) + kMargin_px) return;
+    const Point here = predicted_mean(tracks[slot], now);
+    const Point there = predicted_mean(tracks[state.sibling], now);
+    const float extents = state.extent_px + tracks.state(state.sibling).extent_px;
+    if (length(there.x - here.x, there.y - here.y) <= merge_distance(extents, rule) + kMargin_px)
+      return;
   }
-  life.sibling = MergeState::kNobody;
+  state.sibling = kNoSlot;
+}
+
+// ---- merging ----
+
+bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule& rule) noexcept {
+  const Track& a = tracks[pair.keeper];
+  const Track& b = tracks[pair.other];
+  if (!a.has_id() && !b.has_id()) return true;
+
+  MergeState& kept = tracks.state(pair.keeper).merge;
+  const bool siblings = are_siblings(tracks, pair.keeper, pair.other);
+  const bool same = kept.other == pair.other && kept.generation == b.generation;
+  const float rotation_px = siblings ? rule.rotation_rad * pair.distance_px : 0;
+  if (!same || has_changed(kept, pair, rule.tolerance_px, rotation_px)) {
+    kept = {.other = pair.other, .generation = b.generation, .dx = pair.dx, .dy = pair.dy};
+    return false;
+  }
+  const Track& leader = tracks[survivor_of(tracks, pair.keeper, pair.other)];
+  kept.hold_s += dt_s;
+  kept.travel_px += length(leader.vx, leader.vy) * dt_s;
+
+  const bool whole = has_both_edges(tracks, pair.keeper) && has_both_edges(tracks, pair.other);
+  if (!a.has_id()) return is_fragment(a, kept, whole);
+  if (!b.has_id()) return is_fragment(b, kept, whole);
+  return whole ? whole_tracks_are_one(tracks, pair, kept, siblings)
+               : partial_tracks_are_one(tracks, pair, kept, siblings);
 }
 
 Tracks::Slot survivor_of(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept {
@@ -165,32 +312,35 @@ Tracks::Slot survivor_of(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) n
 
 void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now) noexcept {
   Track& track = tracks[survivor];
-  Life& life = tracks.life(survivor);
+  TrackState& state = tracks.state(survivor);
   const Track& gone = tracks[other];
-  const Life& gone_life = tracks.life(other);
+  const TrackState& gone_state = tracks.state(other);
 
-  const auto mass_of = [](const Track& t, const Life& l) {
-    return l.mass + static_cast<float>(t.events - l.events);
+  // With the events that no tick has counted yet.
+  const auto mass_of = [](const Track& t, const TrackState& s) {
+    return s.mass + static_cast<float>(t.events - s.events);
   };
-  const float gone_mass = mass_of(gone, gone_life);
-  const float total = gone_mass + mass_of(track, life);
+  const float gone_mass = mass_of(gone, gone_state);
+  const float total = gone_mass + mass_of(track, state);
   const float w = total > 0 ? gone_mass / total : 0.5F;
-  const Sight there = sight_of(gone, now, 0, 0);
-  const Sight s = sight_of(track, now, there.mean_x, there.mean_y);
-  track.sxx = (1 - w) * track.sxx + w * gone.sxx + w * (1 - w) * s.dx * s.dx;
-  track.sxy = (1 - w) * track.sxy + w * gone.sxy + w * (1 - w) * s.dx * s.dy;
-  track.syy = (1 - w) * track.syy + w * gone.syy + w * (1 - w) * s.dy * s.dy;
-  // What is new since the last tick stays new: it is the tick that counts it.
-  if (track.events != life.events) life.last_event = track.stamp;
-  if (age_us(gone_life.last_event, life.last_event) > 0) life.last_event = gone_life.last_event;
-  track.x = s.mean_x + w * s.dx;
-  track.y = s.mean_y + w * s.dy;
+  const Point there = predicted_mean(gone, now);
+  const Point here = predicted_mean(track, now);
+  const float dx = there.x - here.x;
+  const float dy = there.y - here.y;
+  track.sxx = (1 - w) * track.sxx + w * gone.sxx + w * (1 - w) * dx * dx;
+  track.sxy = (1 - w) * track.sxy + w * gone.sxy + w * (1 - w) * dx * dy;
+  track.syy = (1 - w) * track.syy + w * gone.syy + w * (1 - w) * dy * dy;
+  // The next tick counts the events since the last one, so their time is noted here.
+  if (track.events != state.events) state.last_event = track.stamp;
+  if (age_us(gone_state.last_event, state.last_event) > 0) state.last_event = gone_state.last_event;
+  track.x = here.x + w * dx;
+  track.y = here.y + w * dy;
   track.stamp = now;
-  life.kalman.x += w * s.dx;
-  life.kalman.y += w * s.dy;
-  life.mass += gone_mass;
-  life.fast_rate_hz += gone_life.fast_rate_hz;
-  life.slow_rate_hz += gone_life.slow_rate_hz;
+  state.kalman.x += w * dx;
+  state.kalman.y += w * dy;
+  state.mass += gone_mass;
+  state.fast_rate_hz += gone_state.fast_rate_hz;
+  state.slow_rate_hz += gone_state.slow_rate_hz;
   tracks.contour(survivor).forget_radius();
 }
 

@@ -1,40 +1,108 @@
-// Merge: two tracks are one object if their relative position stays constant while they travel.
-// Fragments of one object keep it, objects that met do not; similar velocities, the usual test,
-// fail for newborns. How long they must keep it depends on what they are: a moving object has a
-// leading edge of one polarity and a trailing one of the other, a fragment often only one of them.
-// One thread, at the tick. O(1) per pair, no allocation.
+// Pairs of tracks, and which pairs become one. Pairs: tracks whose outlines nearly meet are in
+// contact; within a wider reach two tracks may be parts of one object, and each track keeps its
+// nearest such candidate. Merge: two tracks are one object if their relative position stays
+// constant while they travel. Parts of one object keep it, objects that met do not; similar
+// velocities, the usual test, fail for new tracks. The time it takes depends on the edges: a moving
+// object has a leading edge of one polarity and a trailing one of the other, a part of an object
+// often has only one of them. One thread, at the tick. Pairs::find() O(n^2) of cheap steps in n
+// tracks, the rest O(1) per pair but for find_sibling(), O(n); allocates in the constructor only.
 // Source: own design.
 #pragma once
 
-#include "algorithms/fast/pairs.hpp"
-#include "algorithms/fast/stamp.hpp"
+#include <cstddef>
+#include <vector>
+
+#include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
 namespace asap::fast {
 
-struct MergeRule {
-  float tolerance_px;  // [mtol]
-  float rotation_rad;  // [mrot]
+// ---- pairs ----
+
+struct PairRule {
+  float birth_radius_px;     // circle of a young track's gate
+  float merge_reach;         // sum of standard deviations ...
+  float merge_padding_px;    // ... and px within which two tracks may be one object
+  float contact_reach;       // standard deviations along the line of centres ...
+  float contact_padding_px;  // ... and px within which two tracks are in contact
 };
 
-// Whether they have kept their relative position for long enough. Updates the keeper's memory.
-bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule& rule) noexcept;
+// Two tracks that may be one object. `keeper` holds their MergeState: of a mixed pair the tentative
+// track, else the older one.
+struct Candidate {
+  Tracks::Slot keeper;
+  Tracks::Slot other;
+  float dx;  // px, from keeper to other
+  float dy;
+  float distance_px;
+};
 
-// Whether one was confirmed within reach of the other and has not been out of it since: a fragment
-// then, not an object that came along.
+class Pairs {
+ public:
+  explicit Pairs(std::size_t slots);
+
+  // Sets partners, near_confirmed and may_be_fragment of all tracks, and candidates().
+  void find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept;
+
+  const std::vector<Candidate>& candidates() const noexcept { return candidates_; }
+
+ private:
+  struct Place {
+    float x;
+    float y;
+    float extent;
+    Tracks::Slot slot;
+    bool has_id;
+  };
+
+  void compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, float dy, float distance2,
+               const PairRule& rule) noexcept;
+
+  std::vector<Place> places_;
+  std::vector<Candidate> nearest_;  // per place; no slot: none
+  std::vector<Candidate> candidates_;
+};
+
+// px within which two tracks may be one object.
+float merge_distance(float extents_px, const PairRule& rule) noexcept;
+
+// ---- fragments ----
+
+// The gate of a large object misses some of its parts, such as the tips of a star or the ends of a
+// bar. They begin as tracks of their own, and once confirmed would take the object's events in
+// contact. So a tentative track that lies in the widened gate of a mature one and is small beside
+// it waits until it has merged or left. Not if the mature track is in contact with another object:
+// when two objects that were taken for one separate, the second begins as a tentative track too.
+bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
+                     float dy) noexcept;
+
+// ---- siblings ----
+
+// Whether one was confirmed within reach of the other and has not left it since. It is then a part
+// of the same object, and not an object that came along.
 bool are_siblings(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept;
 
-// Notes the nearest confirmed track within reach of one that is confirmed now.
+// Sets the sibling of a track that is confirmed now: the nearest confirmed track within reach.
 void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& rule) noexcept;
 
-// Drops the sibling of a track that is gone, or farther away than their reach and 4 px.
+// Removes a sibling that was deleted or is farther away than the reach and 4 px.
 void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
                         const PairRule& rule) noexcept;
 
-// The one of a pair that goes on: the confirmed, the one with the smaller id, with more events.
+// ---- merging ----
+
+struct MergeRule {
+  float tolerance_px;  // change of the relative position of two parts of one object
+  float rotation_rad;  // and its rotation
+};
+
+// Whether the pair has kept its relative position for long enough. Updates the keeper's MergeState.
+bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule& rule) noexcept;
+
+// The one of a pair that goes on: the confirmed, then the smaller id, then more events.
 Tracks::Slot survivor_of(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept;
 
-// Joins their moments, at their positions now, in the survivor. The caller removes the other one.
+// Joins the moments of both, at their positions now, in the survivor. The caller removes the other.
 void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now) noexcept;
 
 }  // namespace asap::fast

@@ -14,13 +14,13 @@ std::int32_t microseconds(double ms) noexcept {
 
 constexpr double kLongestWindow_ms = 50;
 constexpr double kLeastGamma = 0.01;
-// Below, too many events of objects are alone to reject those that are; sooner if the noise is
-// gone.
+// With a smaller gamma too many events of objects are without support to reject those. After a
+// noise filter upstream little noise is left, so rejection ends earlier.
 constexpr double kLeastGammaUnfiltered = 0.15;
 constexpr double kLeastGammaFiltered = 0.75;
 
-// Thresholds of masses: those of weak objects lie not far above, and fall with gamma; but so few
-// events as these may be one edge.
+// Least factors on the thresholds of masses. The masses of weak objects lie little above them and
+// fall with gamma, but fewer events than these may be one edge.
 constexpr double kFewestConfirm = 0.36;
 constexpr double kFewestSeed = 2.0 / 3;
 
@@ -41,16 +41,16 @@ Settings::Settings(const ClusterTrackerConfig& c) noexcept
       link_us(microseconds(c.link_ms)),
       seed_s(seconds(c.seed_ms)),
       cell_px(single(c.cell_px)),
-      asks_support(c.support != ClusterSupport::kOff),
+      uses_support(c.support != ClusterSupport::kOff),
       update{.covariance_events = static_cast<std::uint32_t>(c.covariance_events),
              .contour = {.clip_px = single(c.contour_clip_px),
                          .memory = static_cast<std::uint8_t>(c.contour_events),
-                         .min_known = static_cast<std::uint8_t>(c.contour_min_events)}},
+                         .min_known = static_cast<std::uint8_t>(c.contour_min_events)},
+             .contact_gain = single(c.contact_gain),
+             .contact_mean_gain = single(c.contact_mean_gain)},
       weight{.least = single(c.contour_min_weight), .scale = single(c.contour_weight_scale)},
-      contact{.gain = single(c.contact_gain),
-              .variance_floor_px2 = single(c.contact_variance_px2),
-              .owner_cost = single(c.contact_owner_cost),
-              .mean_gain = single(c.contact_mean_gain)},
+      contact{.variance_floor_px2 = single(c.contact_variance_px2),
+              .owner_cost = single(c.contact_owner_cost)},
       gate{.birth_radius_px = single(c.birth_radius_px),
            .min_radius_px = single(c.min_radius_px),
            .max_radius_px = single(c.max_radius_px),
@@ -64,15 +64,15 @@ Settings::Settings(const ClusterTrackerConfig& c) noexcept
              .contact = single(c.contact_acceleration_px2_s3),
              .measurement_scale = single(c.measurement_scale),
              .min_measurement_px2 = single(c.min_measurement_px2)},
-      life{.mass_s = seconds(c.mass_ms),
-           .die_sigma = single(c.die_sigma),
-           .confirm_evidence = single(c.confirm_evidence),
-           .drop_evidence = single(c.drop_evidence),
-           .starve_ratio = single(c.starve_ratio),
-           .velocity_decay_s = seconds(c.velocity_decay_ms),
-           .hide_s = seconds(c.hide_ms),
-           .coast_s = seconds(c.coast_ms),
-           .mature_s = seconds(c.mature_ms)},
+      lifecycle{.mass_s = seconds(c.mass_ms),
+                .die_sigma = single(c.die_sigma),
+                .confirm_evidence = single(c.confirm_evidence),
+                .drop_evidence = single(c.drop_evidence),
+                .starve_ratio = single(c.starve_ratio),
+                .velocity_decay_s = seconds(c.velocity_decay_ms),
+                .hide_s = seconds(c.hide_ms),
+                .coast_s = seconds(c.coast_ms),
+                .mature_s = seconds(c.mature_ms)},
       pairs{.birth_radius_px = single(c.birth_radius_px),
             .merge_reach = single(c.merge_reach),
             .merge_padding_px = single(c.merge_padding_px),
@@ -101,11 +101,11 @@ void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
   const double window = std::min(longest, c.support_window_ms / gamma);
   support_window_us = microseconds(window);
   seed_events = thinned(c.seed_events, gamma, kFewestSeed);
-  life.confirm_events = thinned(c.confirm_events, gamma, kFewestConfirm);
-  life.die_events = thinned(c.die_events, gamma, kFewestConfirm);
-  life.birth_rate_hz = single(c.birth_rate_hz * gamma);
-  rejects = c.support == ClusterSupport::kReject &&
-            gamma >= (filtered_upstream ? kLeastGammaFiltered : kLeastGammaUnfiltered);
+  lifecycle.confirm_events = thinned(c.confirm_events, gamma, kFewestConfirm);
+  lifecycle.die_events = thinned(c.die_events, gamma, kFewestConfirm);
+  lifecycle.birth_rate_hz = single(c.birth_rate_hz * gamma);
+  rejects_unsupported = c.support == ClusterSupport::kReject &&
+                        gamma >= (filtered_upstream ? kLeastGammaFiltered : kLeastGammaUnfiltered);
 }
 
 }  // namespace asap::fast

@@ -1,16 +1,15 @@
 // Settings: the configuration of ClusterTracker in the units of the engine (float, s, px, us), and
-// what the kept fraction changes of it. Pure data; O(1), no allocation.
+// how the kept fraction of the events changes it. One thread; O(1), no allocation.
 #pragma once
 
 #include <cstdint>
 
-#include "algorithms/fast/contact.hpp"
+#include "algorithms/fast/association.hpp"
 #include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/kalman.hpp"
 #include "algorithms/fast/lifecycle.hpp"
-#include "algorithms/fast/mean_update.hpp"
 #include "algorithms/fast/merge.hpp"
-#include "algorithms/fast/pairs.hpp"
+#include "algorithms/fast/update.hpp"
 #include "asap/algorithms/cluster_tracker_config.hpp"
 
 namespace asap::fast {
@@ -19,13 +18,14 @@ struct Settings {
   // Precondition: the configuration is checked.
   explicit Settings(const ClusterTrackerConfig& config) noexcept;
 
-  // Random discarding leaves gamma of the events: the mean remembers fewer, the contour learns from
-  // more of them, neighbours are as rare, so company counts for longer, and fewer events make a
-  // cluster. `filtered_upstream`: a filter before the discarder has judged them already, so from
-  // 0.15 to 0.75 none is rejected; below none is anyway. gamma = 1 changes nothing.
+  // Adapts to thinning, which leaves the fraction gamma of the events: the mean has a shorter
+  // memory, the contour learns from a larger share of the events, the window of the support is
+  // longer because neighbours are rarer, and fewer events make a cluster. gamma = 1 changes
+  // nothing. `filtered_upstream`: a noise filter stands before the thinning, so events without
+  // support are rejected from gamma = 0.75 instead of 0.15 on.
   void set_keep(const ClusterTrackerConfig& config, double gamma, bool filtered_upstream) noexcept;
 
-  // Recent events without a cluster around a cell that noise alone stays below.
+  // Upper bound on the recent unassociated events around a cell that noise alone explains.
   float birth_threshold(float noise_hz) const noexcept;
 
   std::int32_t tick_us;
@@ -35,14 +35,14 @@ struct Settings {
   float seed_s;
   float seed_events;
   float cell_px;
-  bool asks_support;
-  bool rejects;
+  bool uses_support;
+  bool rejects_unsupported;
   UpdateRule update;
   WeightRule weight;
   ContactRule contact;
   GateRule gate;
   KalmanRule kalman;
-  LifeRule life;
+  LifecycleRule lifecycle;
   PairRule pairs;
   MergeRule merge;
 };

@@ -2,28 +2,39 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace asap::fast {
 namespace {
 
-// As of cells that are evenly filled.
-void set_spread(Track& track, Life& life, const PartFinder::Part& part, float cell_px) noexcept {
+// The covariance of cells that are evenly filled.
+void set_spread(Track& track, TrackState& state, const Part& part, float cell_px) noexcept {
   const float pixels = static_cast<float>(part.cells.size()) * cell_px * cell_px;
   track.sxx = track.syy = std::max(4.0F, pixels / 10);
   track.sxy = 0;
-  life.extent_px = std::sqrt(track.sxx);
+  state.extent_px = std::sqrt(track.sxx);
 }
 
 }  // namespace
 
+// ---- objects that separated ----
+
+bool extent_has_grown(const Track& track, const TrackState& state) noexcept {
+  constexpr float kSmallest_px2 = 64;
+  constexpr float kGrowth = 2;
+  const float extent2 = state.extent_px * state.extent_px;
+  return track.phase == Phase::kConfirmed && track.partners == 0 &&
+         extent2 >= std::max(kSmallest_px2, kGrowth * state.average_extent2);
+}
+
 PartFinder::PartFinder(const CellMap& map) : map_(map) { cells_.reserve(owned_.size()); }
 
-std::span<const PartFinder::Part> PartFinder::find(OwnerGrid& owners, const Tracks& tracks,
-                                                   Tracks::Slot slot, Stamp now,
-                                                   std::int32_t link_us) noexcept {
-  const Sight here = sight_of(tracks[slot], now, 0, 0);
-  const float reach_px = std::min(48.0F, 2.5F * tracks.life(slot).extent_px + 6);
-  mark(owners, tracks, slot, now, link_us, here.mean_x, here.mean_y, reach_px);
+std::span<const Part> PartFinder::find(const OwnerGrid& owners, const Tracks& tracks,
+                                       Tracks::Slot slot, Stamp now,
+                                       std::int32_t link_us) noexcept {
+  const Point mean = predicted_mean(tracks[slot], now);
+  const float reach_px = std::min(48.0F, 2.5F * tracks.state(slot).extent_px + 6);
+  mark(owners, tracks, slot, now, link_us, mean.x, mean.y, reach_px);
   cells_.clear();
   std::size_t found = 0;
   const auto window = static_cast<std::size_t>(window_.columns * window_.rows);
@@ -31,7 +42,7 @@ std::span<const PartFinder::Part> PartFinder::find(OwnerGrid& owners, const Trac
     if (owned_[start] == 0) continue;
     const std::size_t first = cells_.size();
     grow(start);
-    if (cells_.size() - first < kMinCells) {
+    if (cells_.size() - first < kMinPartCells) {
       cells_.resize(first);
     } else {
       parts_[found++] = part_of(first);
@@ -40,8 +51,8 @@ std::span<const PartFinder::Part> PartFinder::find(OwnerGrid& owners, const Trac
   return {parts_.data(), found};
 }
 
-// Of the cells from `first` on, which it turns from cells of the window into cells of the grid.
-PartFinder::Part PartFinder::part_of(std::size_t first) noexcept {
+// The part of the cells from `first` on, which become cells of the grid instead of the window.
+Part PartFinder::part_of(std::size_t first) noexcept {
   const auto side = static_cast<std::size_t>(window_.columns);
   Part part{0, 0, std::span<const std::size_t>(cells_).subspan(first)};
   for (std::size_t k = first; k < cells_.size(); ++k) {
@@ -56,7 +67,7 @@ PartFinder::Part PartFinder::part_of(std::size_t first) noexcept {
   return part;
 }
 
-void PartFinder::mark(OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot, Stamp now,
+void PartFinder::mark(const OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot, Stamp now,
                       std::int32_t link_us, float x, float y, float reach_px) noexcept {
   const auto half = std::min(kMaxHalf, map_.cells_in(reach_px));
   window_ = map_.window(x, y, half);
@@ -93,69 +104,216 @@ void PartFinder::grow(std::size_t start) noexcept {
   }
 }
 
-float share_of(const PartFinder::Part& part, std::span<const PartFinder::Part> parts) noexcept {
+// ---- unresolved objects ----
+
+bool looks_unresolved(const Track& track, const Contour& contour, const TrackState& state,
+                      float noise_hz, const GateRule& gate) noexcept {
+  constexpr float kScatter_px2 = 4;        // of events about one outline
+  constexpr float kNoiseScatter_px2 = 60;  // of noise events, anywhere in the gate
+  constexpr float kTextured = 0.4F;        // weight of the plain mean: no clear outline
+  constexpr float kElongation = 1.8F;      // of variances
+  constexpr float kYoung_s = 0.04F;
+  constexpr std::uint32_t kKnownEvents = 100;
+  if (track.phase != Phase::kConfirmed || track.partners > 0 || state.near_confirmed) return false;
+  if (state.starved_s > 0 || state.age_s < kYoung_s || track.events < kKnownEvents) return false;
+  if (contour.variance < kScatter_px2 || track.mean_weight > kTextured) return false;
+  const float noise = noise_hz * gate_area(track, gate, true) / std::max(1.0F, state.slow_rate_hz);
+  if (contour.variance < kScatter_px2 + kNoiseScatter_px2 * noise) return false;
+  const float largest = largest_variance(track);
+  return largest >= kElongation * (track.sxx + track.syy - largest);
+}
+
+HalfFinder::HalfFinder(const CellMap& map) : map_(map) {
+  constexpr std::size_t kSide = 2 * kMaxHalf + 1;
+  owned_cells_.reserve(kSide * kSide);
+  cells_.reserve(kSide * kSide);
+}
+
+std::span<const Part> HalfFinder::find(const OwnerGrid& owners, const Tracks& tracks,
+                                       Tracks::Slot slot, Stamp now) noexcept {
+  constexpr float kApart_px = 8;
+  gather(owners, tracks, slot, now);
+  const std::size_t first = cut();
+  const std::span<const OwnedCell> cells(owned_cells_);
+  if (!has_both_edges(cells.first(first)) || !has_both_edges(cells.subspan(first))) return {};
+  cells_.clear();
+  for (const OwnedCell& cell : owned_cells_) cells_.push_back(cell.index);
+  halves_ = {part_of(0, first), part_of(first, owned_cells_.size() - first)};
+  if (halves_[0].distance(halves_[1]) < kApart_px) return {};
+  const Part* predicted = part_at_prediction(halves_, tracks[slot], tracks.state(slot), now);
+  if (predicted != halves_.data()) std::swap(halves_[0], halves_[1]);
+  return halves_;
+}
+
+void HalfFinder::gather(const OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot,
+                        Stamp now) noexcept {
+  constexpr std::int32_t kRecent_us = 20'000;
+  const Point mean = predicted_mean(tracks[slot], now);
+  const float reach_px = std::min(72.0F, 3 * tracks.state(slot).extent_px + 6);
+  const int half = std::min(kMaxHalf, map_.cells_in(reach_px));
+  const CellMap::Window window = map_.window(mean.x, mean.y, half);
+  owned_cells_.clear();
+  for (int r = window.top; r < window.top + window.rows; ++r) {
+    for (int c = window.left; c < window.left + window.columns; ++c) {
+      const auto row = static_cast<std::size_t>(r);
+      const auto column = static_cast<std::size_t>(c);
+      const std::size_t index = row * map_.stride() + column;
+      const OwnerGrid::Cell& cell = owners[index];
+      if (cell.slot != slot || cell.generation != tracks[slot].generation) continue;
+      if (age_us(now, cell.stamp) > kRecent_us) continue;
+      owned_cells_.push_back({map_.centre(column), map_.centre(row), index, cell.sign});
+    }
+  }
+}
+
+// Cuts across the long axis, through the mean. Puts the cells of the first half before the others
+// and returns their number.
+std::size_t HalfFinder::cut() noexcept {
+  const auto count = static_cast<float>(std::max<std::size_t>(1, owned_cells_.size()));
+  float x = 0;
+  float y = 0;
+  for (const OwnedCell& cell : owned_cells_) {
+    x += cell.x / count;
+    y += cell.y / count;
+  }
+  float xx_yy = 0;
+  float xy = 0;
+  for (const OwnedCell& cell : owned_cells_) {
+    const float dx = cell.x - x;
+    const float dy = cell.y - y;
+    xx_yy += dx * dx - dy * dy;
+    xy += dx * dy;
+  }
+  const float half = xx_yy / 2;
+  const float root = length(half, xy);
+  const float along_x = half >= 0 ? half + root : xy;
+  const float along_y = half >= 0 ? xy : root - half;
+  const auto middle = std::partition(
+      owned_cells_.begin(), owned_cells_.end(),
+      [&](const OwnedCell& cell) { return (cell.x - x) * along_x + (cell.y - y) * along_y < 0; });
+  return static_cast<std::size_t>(middle - owned_cells_.begin());
+}
+
+bool HalfFinder::has_both_edges(std::span<const OwnedCell> cells) const noexcept {
+  constexpr float kOneSided = 0.3F;
+  float sum = 0;
+  for (const OwnedCell& cell : cells) sum += cell.sign;
+  return cells.size() >= kMinPartCells &&
+         std::abs(sum) <= kOneSided * static_cast<float>(cells.size());
+}
+
+Part HalfFinder::part_of(std::size_t first, std::size_t count) const noexcept {
+  Part part{0, 0, std::span<const std::size_t>(cells_).subspan(first, count)};
+  for (const OwnedCell& cell : std::span<const OwnedCell>(owned_cells_).subspan(first, count)) {
+    part.x += cell.x / static_cast<float>(count);
+    part.y += cell.y / static_cast<float>(count);
+  }
+  return part;
+}
+
+bool distance_has_changed(TrackState& state, std::span<const Part> halves) noexcept {
+  constexpr float kMoved_px = 3;
+  constexpr float kMovedShare = 0.2F;  // for the ends of a rotating long object it changes less
+  constexpr float kSameAxis = 0.85F;   // cosine
+  constexpr float kWindow_s = 0.3F;
+  if (halves.empty()) {
+    state.unresolved_s = 0;
+    return false;
+  }
+  const HalvesOffset now{halves[1].x - halves[0].x, halves[1].y - halves[0].y, state.age_s};
+  const HalvesOffset first = state.halves;
+  const float distance = length(now.dx, now.dy);
+  const float before = length(first.dx, first.dy);
+  const float cosine = std::abs(now.dx * first.dx + now.dy * first.dy) / (distance * before);
+  if (before == 0 || now.at_s - first.at_s > kWindow_s || cosine < kSameAxis) {
+    state.halves = now;
+    return false;
+  }
+  if (std::abs(distance - before) < std::max(kMoved_px, kMovedShare * before)) return false;
+  state.unresolved_s = 0;
+  state.halves = {};
+  return true;
+}
+
+// ---- splitting ----
+
+float share_of(const Part& part, std::span<const Part> parts) noexcept {
   std::size_t cells = 0;
-  for (const PartFinder::Part& one : parts) cells += one.cells.size();
+  for (const Part& one : parts) cells += one.cells.size();
   return static_cast<float>(part.cells.size()) / static_cast<float>(cells);
 }
 
-bool has_grown(const Track& track, const Life& life) noexcept {
-  constexpr float kSmallest_px2 = 64;
-  constexpr float kGrowth = 2;
-  const float extent2 = life.extent_px * life.extent_px;
-  return track.phase == Phase::kConfirmed && track.partners == 0 &&
-         extent2 >= std::max(kSmallest_px2, kGrowth * life.usual_extent2);
-}
-
-const PartFinder::Part* home_of(std::span<const PartFinder::Part> parts, const Track& track,
-                                const Life& life, Stamp now) noexcept {
+const Part* part_at_prediction(std::span<const Part> parts, const Track& track,
+                               const TrackState& state, Stamp now) noexcept {
   if (parts.size() < 2) return nullptr;
-  const float ahead_s = 1e-6F * static_cast<float>(age_us(now, life.kalman.stamp));
-  const PartFinder::Part predicted{
-      life.kalman.x + track.vx * ahead_s, life.kalman.y + track.vy * ahead_s, {}};
+  const float ahead_s = age_s(now, state.kalman.stamp);
+  const Part predicted{
+      state.kalman.x + track.vx * ahead_s, state.kalman.y + track.vy * ahead_s, {}};
   return &*std::min_element(parts.begin(), parts.end(), [&](const auto& a, const auto& b) {
     return a.distance(predicted) < b.distance(predicted);
   });
 }
 
-void keep_part(Tracks& tracks, Tracks::Slot slot, const PartFinder::Part& part, float share,
-               float cell_px, Stamp now) noexcept {
+void restart_at_part(Tracks& tracks, Tracks::Slot slot, const Part& part, float share,
+                     float cell_px, Stamp now) noexcept {
   constexpr std::uint32_t kEvents = 30;
-  constexpr float kDoubt_px2 = 9;
+  constexpr float kPositionVariance_px2 = 9;
   Track& track = tracks[slot];
-  Life& life = tracks.life(slot);
-  // What is new since the last tick stays new: the tick counts it.
-  const std::uint32_t fresh = track.events - life.events;
+  TrackState& state = tracks.state(slot);
+  // The next tick still counts the events since the last one.
+  const std::uint32_t fresh = track.events - state.events;
   track.events = std::min(track.events, kEvents);
-  life.events = track.events - fresh;
-  if (fresh > 0) life.last_event = track.stamp;
+  state.events = track.events - fresh;
+  if (fresh > 0) state.last_event = track.stamp;
   track.x = part.x;
   track.y = part.y;
   track.stamp = now;
-  set_spread(track, life, part, cell_px);
-  life.mass *= share;
-  life.fast_rate_hz *= share;
-  life.slow_rate_hz *= share;
-  life.kalman.x = part.x;
-  life.kalman.y = part.y;
-  life.kalman.stamp = now;
-  life.kalman.events = track.events;
-  life.kalman.pxx += kDoubt_px2;
+  set_spread(track, state, part, cell_px);
+  state.mass *= share;
+  state.fast_rate_hz *= share;
+  state.slow_rate_hz *= share;
+  state.kalman.x = part.x;
+  state.kalman.y = part.y;
+  state.kalman.stamp = now;
+  state.kalman.events = track.events;
+  state.kalman.pxx += kPositionVariance_px2;
   tracks.contour(slot).forget_radius();
 }
 
-void inherit_part(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child,
-                  const PartFinder::Part& part, float share, float cell_px) noexcept {
+void begin_at_part(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, const Part& part,
+                   float share, float cell_px) noexcept {
   constexpr std::uint32_t kEvents = 10;
   constexpr float kEvidence = 4;
   Track& track = tracks[child];
-  Life& life = tracks.life(child);
+  TrackState& state = tracks.state(child);
   track.vx = tracks[parent].vx;
   track.vy = tracks[parent].vy;
-  track.events = life.events = life.kalman.events = kEvents;
-  life.mass = share * tracks.life(parent).mass;
-  life.evidence = kEvidence;
-  set_spread(track, life, part, cell_px);
+  track.events = state.events = state.kalman.events = kEvents;
+  state.mass = share * tracks.state(parent).mass;
+  state.evidence = kEvidence;
+  set_spread(track, state, part, cell_px);
+}
+
+void confirm_child(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, float share,
+                   const GateRule& gate) noexcept {
+  // Small, so that neither looks unresolved before it has an outline.
+  constexpr float kInitialVariance_px2 = 2;
+  TrackState& state = tracks.state(child);
+  TrackState& past = tracks.state(parent);
+  tracks[child].phase = Phase::kConfirmed;
+  state.age_s = past.age_s;
+  state.confirmed_s = past.confirmed_s;
+  state.fast_rate_hz = past.fast_rate_hz * share / (1 - share);
+  state.slow_rate_hz = past.slow_rate_hz * share / (1 - share);
+  state.average_vx = past.average_vx;
+  state.average_vy = past.average_vy;
+  // The velocity was that of both.
+  past.kalman.pvv = std::max(past.kalman.pvv, state.kalman.pvv);
+  for (const Tracks::Slot slot : {parent, child}) {
+    tracks.contour(slot).variance = kInitialVariance_px2;
+    tracks.state(slot).average_extent2 = largest_variance(tracks[slot]);
+    shape_gate(tracks[slot], gate, tracks.state(slot).average_extent2, true, 0);
+  }
 }
 
 }  // namespace asap::fast

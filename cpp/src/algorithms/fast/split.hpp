@@ -1,7 +1,11 @@
-// Split: a track that has grown may hold two objects that came apart. The cells that it owns are
-// grouped into connected parts; a part far from the one where the track is predicted becomes a
-// track of its own. One thread, at the tick. O(cells in a window), allocates in the constructor
-// only.
+// Split: one track that holds two objects becomes two tracks. There are two cases. A track that has
+// grown may hold objects that separated: its cells are grouped into connected parts, and a part far
+// from the predicted one becomes a track of its own. A track that began with two unresolved objects
+// is long, but its events do not lie on one outline and no other track is near; each half of its
+// cells shows both polarities, as a moving object does and a single edge does not; and the distance
+// of the halves changes, as that of the ends of one long object does not. It is cut across its long
+// axis, and both halves have an id at once: a tentative half would be merged again. One thread, at
+// the tick. O(cells in a window), allocates in the constructors only.
 // Source: own design.
 #pragma once
 
@@ -11,65 +15,123 @@
 #include <span>
 #include <vector>
 
+#include "algorithms/fast/association.hpp"
+#include "algorithms/fast/contour.hpp"
 #include "algorithms/fast/gate.hpp"
-#include "algorithms/fast/owner_grid.hpp"
-#include "algorithms/fast/stamp.hpp"
+#include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
 namespace asap::fast {
 
+inline constexpr std::size_t kMinPartCells = 4;
+
+struct Part {
+  float x;  // px, mean of its cells
+  float y;
+  std::span<const std::size_t> cells;  // of the grid
+
+  float distance(const Part& other) const noexcept { return length(x - other.x, y - other.y); }
+};
+
+// ---- objects that separated ----
+
+// Whether a track that is not in contact has become much larger than it was.
+bool extent_has_grown(const Track& track, const TrackState& state) noexcept;
+
 class PartFinder {
  public:
   static constexpr std::size_t kMaxParts = 4;
-  static constexpr int kReach_cells = 2;  // farther apart: not connected
-  static constexpr std::size_t kMinCells = 4;
-
-  struct Part {
-    float x;  // px, mean of its cells
-    float y;
-    std::span<const std::size_t> cells;  // of the grid
-
-    float distance(const Part& other) const noexcept { return length(x - other.x, y - other.y); }
-  };
+  static constexpr int kReach_cells = 2;  // cells farther apart are not connected
 
   explicit PartFinder(const CellMap& map);
 
-  // The parts of what the slot owns around its predicted mean; valid until the next call.
-  std::span<const Part> find(OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot, Stamp now,
-                             std::int32_t link_us) noexcept;
+  // The connected parts of the slot's cells around its predicted mean. Valid until the next call.
+  std::span<const Part> find(const OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot,
+                             Stamp now, std::int32_t link_us) noexcept;
 
  private:
   static constexpr int kMaxHalf = 24;  // cells
   static constexpr int kSide = 2 * kMaxHalf + 1;
 
-  void mark(OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot, Stamp now,
+  void mark(const OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot, Stamp now,
             std::int32_t link_us, float x, float y, float reach_px) noexcept;
   void grow(std::size_t start) noexcept;
   Part part_of(std::size_t first) noexcept;
 
   CellMap map_;
-  std::array<std::uint8_t, kSide * kSide> owned_{};  // and not in a part yet
+  std::array<std::uint8_t, kSide * kSide> owned_{};  // by the slot, and not in a part yet
   CellMap::Window window_;
   std::vector<std::size_t> cells_;
   std::array<Part, kMaxParts> parts_{};
 };
 
-// Of the cells of all parts.
-float share_of(const PartFinder::Part& part, std::span<const PartFinder::Part> parts) noexcept;
+// ---- unresolved objects ----
 
-// Whether a track, alone, has become much larger than it was.
-bool has_grown(const Track& track, const Life& life) noexcept;
+// Whether a track, with no other near, is long and its events do not lie on one outline. noise_hz:
+// per pixel.
+bool looks_unresolved(const Track& track, const Contour& contour, const TrackState& state,
+                      float noise_hz, const GateRule& gate) noexcept;
+
+// For long enough to look for its halves.
+inline bool is_unresolved(const TrackState& state) noexcept {
+  constexpr float kSure_s = 0.03F;
+  return state.unresolved_s >= kSure_s;
+}
+
+class HalfFinder {
+ public:
+  explicit HalfFinder(const CellMap& map);
+
+  // The two halves of the slot's recent cells if each may be an object, else none. The one where
+  // the track is predicted comes first. Valid until the next call.
+  std::span<const Part> find(const OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot,
+                             Stamp now) noexcept;
+
+ private:
+  static constexpr int kMaxHalf = 24;  // cells
+
+  struct OwnedCell {
+    float x;  // px
+    float y;
+    std::size_t index;
+    std::int8_t sign;
+  };
+
+  void gather(const OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot, Stamp now) noexcept;
+  std::size_t cut() noexcept;
+  bool has_both_edges(std::span<const OwnedCell> cells) const noexcept;
+  Part part_of(std::size_t first, std::size_t count) const noexcept;
+
+  CellMap map_;
+  std::vector<OwnedCell> owned_cells_;
+  std::vector<std::size_t> cells_;  // of the grid, those of the first half before the others
+  std::array<Part, 2> halves_{};
+};
+
+// Whether the distance of the halves, if any, has changed since they were first seen. If it has, or
+// if there are none, the track counts as resolved until it looks unresolved again.
+bool distance_has_changed(TrackState& state, std::span<const Part> halves) noexcept;
+
+// ---- splitting ----
+
+// The share of the cells of all parts.
+float share_of(const Part& part, std::span<const Part> parts) noexcept;
 
 // The part nearest to where the Kalman filter predicts the track; null if there are not two.
-const PartFinder::Part* home_of(std::span<const PartFinder::Part> parts, const Track& track,
-                                const Life& life, Stamp now) noexcept;
+const Part* part_at_prediction(std::span<const Part> parts, const Track& track,
+                               const TrackState& state, Stamp now) noexcept;
 
-// Starts the track anew at a part, with this share of its mass and rates.
-void keep_part(Tracks& tracks, Tracks::Slot slot, const PartFinder::Part& part, float share,
-               float cell_px, Stamp now) noexcept;
+// Restarts the track at a part, with this share of its mass and rates.
+void restart_at_part(Tracks& tracks, Tracks::Slot slot, const Part& part, float share,
+                     float cell_px, Stamp now) noexcept;
 
-// Gives a new track at a part the parent's velocity and its share of the mass.
-void inherit_part(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child,
-                  const PartFinder::Part& part, float share, float cell_px) noexcept;
+// Gives a new track at a part the parent's velocity and a share of its mass.
+void begin_at_part(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, const Part& part,
+                   float share, float cell_px) noexcept;
+
+// Confirms the child with the history of its parent, which has restarted with its own share of the
+// mass. The caller gives it an id.
+void confirm_child(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, float share,
+                   const GateRule& gate) noexcept;
 
 }  // namespace asap::fast

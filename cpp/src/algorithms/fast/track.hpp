@@ -1,26 +1,29 @@
-// Track: one cluster of the fast engine, and Tracks: the table of them. What every event touches
-// stands in the 64 bytes of Track, the contour beside it, what only the tick touches in Life. A
-// slot that is given back changes its generation, so whoever noted the old one knows. One thread.
-// O(1) but for for_each; allocates in the constructor only.
+// Track: one cluster of the fast tracker. Tracks: the table of them. Innovation: an event against a
+// track's prediction. What every event touches stands in the 64 bytes of Track, the contour beside
+// it, and what only the tick touches in TrackState. A slot that is freed changes its generation, so
+// that a reference with the old generation is known to be stale. One thread. O(1) but for clear()
+// and remove(), which are O(slots); allocates in the constructor only.
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "algorithms/fast/contour.hpp"
-#include "algorithms/fast/stamp.hpp"
+#include "algorithms/fast/time.hpp"
 
 namespace asap::fast {
 
 inline constexpr std::size_t kMaxPartners = 3;
+inline constexpr std::uint16_t kNoSlot = 0xffff;
 
 enum class Phase : std::uint8_t {
   kFree,
   kTentative,  // may be noise: no id, not listed
   kConfirmed,
-  kCoasting,  // confirmed once, too few events now: keeps id and gate for a while
+  kCoasting,  // was confirmed and has too few events now: keeps id and gate for a while
 };
 
 struct alignas(64) Track {
@@ -35,17 +38,42 @@ struct alignas(64) Track {
   float sxx = 0;              // px^2, covariance of the events
   float sxy = 0;
   float syy = 0;
-  float mean_weight = 1;  // [w] of the plain mean against the contour
+  float mean_weight = 1;  // of the plain mean against the contour
   Stamp stamp = 0;
-  std::uint32_t events = 0;  // [n]
+  std::uint32_t events = 0;
   std::int32_t id = -1;
   std::uint16_t generation = 0;
-  std::uint8_t partners = 0;  // [np] clusters that it touches
+  std::uint8_t partners = 0;  // tracks in contact with this one
   Phase phase = Phase::kFree;
 
   bool has_id() const noexcept { return phase >= Phase::kConfirmed; }
 };
 static_assert(sizeof(Track) == 64);
+
+inline float length(float x, float y) noexcept { return std::sqrt(x * x + y * y); }
+
+struct Point {
+  float x;  // px
+  float y;
+};
+
+inline Point predicted_mean(const Track& track, Stamp now) noexcept {
+  const float dt_s = age_s(now, track.stamp);
+  return {track.x + track.vx * dt_s, track.y + track.vy * dt_s};
+}
+
+// An event's position minus the mean that the track predicts for its time.
+struct Innovation {
+  float mean_x;  // px, predicted
+  float mean_y;
+  float dx;  // px, from there to the event
+  float dy;
+};
+
+inline Innovation innovation_of(const Track& track, Stamp now, float x, float y) noexcept {
+  const Point mean = predicted_mean(track, now);
+  return {mean.x, mean.y, x - mean.x, y - mean.y};
+}
 
 struct KalmanState {
   float x = 0;  // px, at `stamp`
@@ -57,64 +85,64 @@ struct KalmanState {
   std::uint32_t events = 0;  // of the track, at the last update
 };
 
+// For how long a track and a candidate for a merge have kept their relative position.
 struct MergeState {
-  static constexpr std::uint16_t kNobody = 0xffff;
-
-  std::uint16_t partner = kNobody;
-  std::uint16_t generation = 0;  // of the partner
+  std::uint16_t other = kNoSlot;
+  std::uint16_t generation = 0;  // of the other
   float hold_s = 0;              // for which the relative position has been constant
-  float travel_px = 0;           // meanwhile
-  float dx = 0;                  // px, the relative position then
+  float travel_px = 0;           // in that time
+  float dx = 0;                  // px, the relative position at the start
   float dy = 0;
 };
 
-// How the halves of a track that looks like two objects lay to each other; none seen: no distance.
-struct HalvesSeen {
+// Offset between the two halves of a track that may be two objects; zero: not seen yet.
+struct HalvesOffset {
   float dx = 0;  // px
   float dy = 0;
   float at_s = 0;  // age of the track
 };
 
-struct Life {
+// "Starved": the track gets far fewer events than its average rate.
+struct TrackState {
   float age_s = 0;
   float confirmed_s = 0;  // since it was confirmed
   float coasting_s = 0;
-  float starved_s = 0;  // [sf]
-  float mass = 0;       // recent events
+  float starved_s = 0;
+  float mass = 0;  // recent events
   float fast_rate_hz = 0;
   float slow_rate_hz = 0;
-  float evidence = 0;        // [llr] for an object against noise
-  float double_s = 0;        // for which it has looked like two objects
-  float extent_px = 0;       // [ext] largest standard deviation
-  float usual_extent2 = 0;   // px^2 [lref]
-  std::uint32_t events = 0;  // of the track, at the last tick
-  Stamp last_event = 0;      // up to the last tick
+  float evidence = 0;         // log-likelihood ratio of an object against noise
+  float unresolved_s = 0;     // for which it has looked like two objects
+  float extent_px = 0;        // largest standard deviation of the events
+  float average_extent2 = 0;  // px^2, slow average of extent_px^2 while no other object is near
+  std::uint32_t events = 0;   // of the track, at the last tick
+  Stamp last_event = 0;       // up to the last tick
   KalmanState kalman;
   MergeState merge;
-  HalvesSeen halves;
+  HalvesOffset halves;
   std::array<std::uint16_t, kMaxPartners> partners{};
-  std::uint16_t sibling = MergeState::kNobody;
+  std::uint16_t sibling = kNoSlot;  // a track that may be part of the same object
   std::uint16_t sibling_generation = 0;
-  float seen_x = 0;  // px, where it was when it had events
-  float seen_y = 0;
-  float usual_vx = 0;  // px/s, then
-  float usual_vy = 0;
-  bool near_confirmed = true;    // in reach of a confirmed one, or nobody has looked yet
-  bool may_be_fragment = false;  // of one
+  float last_seen_x = 0;  // px, at the last tick with enough events
+  float last_seen_y = 0;
+  float average_vx = 0;  // px/s, of such ticks
+  float average_vy = 0;
+  bool near_confirmed = true;    // within reach of a confirmed track, or not known yet
+  bool may_be_fragment = false;  // of a confirmed track
 };
 
 class Tracks {
  public:
   using Slot = std::uint16_t;
-  static constexpr Slot kNone = 0xffff;
+  static constexpr Slot kNone = kNoSlot;
 
-  explicit Tracks(std::size_t slots) : tracks_(slots), contours_(slots), lives_(slots) {
+  explicit Tracks(std::size_t slots) : tracks_(slots), contours_(slots), states_(slots) {
     free_.reserve(slots);
     active_.reserve(slots);
     clear();
   }
 
-  // Generations go on, so that what was noted before stays void.
+  // Generations go on, so that old references stay stale.
   void clear() noexcept {
     free_.clear();
     active_.clear();
@@ -125,7 +153,7 @@ class Tracks {
     }
   }
 
-  // A tentative track at a pixel, or kNone when the table is full.
+  // A tentative track at a position, or kNone when the table is full.
   Slot create(float x, float y, Stamp now) noexcept {
     if (free_.empty()) return kNone;
     const Slot slot = free_.back();
@@ -139,11 +167,11 @@ class Tracks {
     tracks_[slot].generation = generation;
     tracks_[slot].phase = Phase::kTentative;
     contours_[slot] = {};
-    lives_[slot] = {};
-    lives_[slot].last_event = now;
-    lives_[slot].kalman.x = x;
-    lives_[slot].kalman.y = y;
-    lives_[slot].kalman.stamp = now;
+    states_[slot] = {};
+    states_[slot].last_event = now;
+    states_[slot].kalman.x = x;
+    states_[slot].kalman.y = y;
+    states_[slot].kalman.stamp = now;
     return slot;
   }
 
@@ -162,8 +190,8 @@ class Tracks {
   const Track& operator[](std::size_t slot) const noexcept { return tracks_[slot]; }
   Contour& contour(std::size_t slot) noexcept { return contours_[slot]; }
   const Contour& contour(std::size_t slot) const noexcept { return contours_[slot]; }
-  Life& life(std::size_t slot) noexcept { return lives_[slot]; }
-  const Life& life(std::size_t slot) const noexcept { return lives_[slot]; }
+  TrackState& state(std::size_t slot) noexcept { return states_[slot]; }
+  const TrackState& state(std::size_t slot) const noexcept { return states_[slot]; }
 
   // Oldest first.
   const std::vector<Slot>& active() const noexcept { return active_; }
@@ -171,7 +199,7 @@ class Tracks {
  private:
   std::vector<Track> tracks_;
   std::vector<Contour> contours_;
-  std::vector<Life> lives_;
+  std::vector<TrackState> states_;
   std::vector<Slot> free_;
   std::vector<Slot> active_;
 };

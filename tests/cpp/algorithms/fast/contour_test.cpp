@@ -6,13 +6,8 @@
 #include <numbers>
 #include <set>
 
-namespace contour_test {
+namespace asap::fast::contour_test {
 namespace {
-
-using asap::fast::Contour;
-using asap::fast::ContourRule;
-using asap::fast::DirectionTable;
-using asap::fast::kContourBins;
 
 constexpr ContourRule kRule{.clip_px = 5, .memory = 16, .min_known = 3};
 
@@ -63,7 +58,7 @@ TEST(Contour, ForgetsWithItsMemory) {
 TEST(Contour, VarianceIsThatOfKnownDirectionsClipped) {
   Contour contour;
   for (int i = 0; i < 3; ++i) contour.learn(0, 10, kRule);
-  EXPECT_EQ(contour.variance, Contour::kFirstVariance_px2);
+  EXPECT_EQ(contour.variance, Contour::kInitialVariance_px2);
   contour.learn(0, 1000, kRule);
   EXPECT_FLOAT_EQ(contour.variance, 4 + (25 - 4) / 64.0F);
   for (int i = 0; i < 1000; ++i) contour.learn(1, 8, kRule);
@@ -72,16 +67,16 @@ TEST(Contour, VarianceIsThatOfKnownDirectionsClipped) {
 
 TEST(Contour, ForgettingKeepsTheVariance) {
   Contour contour;
-  contour.doubt = 0.001F;
+  contour.centre_variance = 0.001F;
   for (int i = 0; i < 50; ++i) contour.learn(0, 10, kRule);
   const float variance = contour.variance;
   contour.forget_radius();
   EXPECT_FALSE(contour.known(0, kRule));
   EXPECT_EQ(contour.variance, variance);
-  EXPECT_EQ(contour.doubt, Contour::kFirstDoubt);
+  EXPECT_EQ(contour.centre_variance, Contour::kInitialCentreVariance);
   contour.learn(0, 4, kRule);
   EXPECT_FLOAT_EQ(contour.radius[0], 4);
 }
 
 }  // namespace
-}  // namespace contour_test
+}  // namespace asap::fast::contour_test

@@ -9,14 +9,8 @@
 
 #include "asap/core/random.hpp"
 
-namespace engine_test {
+namespace asap::fast::engine_test {
 namespace {
-
-using asap::Cluster;
-using asap::ClusterSupport;
-using asap::ClusterTrackerConfig;
-using asap::Event;
-using asap::fast::Engine;
 
 // A ring of events that moves and stops: the outline of a disk, leading edge ON.
 struct Disk {
@@ -29,7 +23,7 @@ struct Disk {
 
 void add_disk(std::vector<Event>& events, const Disk& disk, double from_s, double to_s,
               double rate_hz = 10'000, std::uint64_t seed = 1) {
-  const asap::CounterRandom random(seed);
+  const CounterRandom random(seed);
   std::uint64_t drawn = 0;
   for (double t = from_s; t < to_s; t += 1 / rate_hz) {
     const double angle = 6.2831853 * random.uniform(drawn++);
@@ -44,7 +38,7 @@ void add_disk(std::vector<Event>& events, const Disk& disk, double from_s, doubl
 }
 
 void add_noise(std::vector<Event>& events, double rate_hz, double to_s) {
-  const asap::CounterRandom random(7);
+  const CounterRandom random(7);
   std::uint64_t drawn = 0;
   if (rate_hz == 0) return;
   const double step_s = 1 / (rate_hz * 346 * 260);
@@ -86,7 +80,7 @@ TEST(Engine, FollowsADisk) {
   EXPECT_EQ(clusters[0].t_last, events.back().t);
   const std::set<std::int32_t> late(labels.begin() + 3000, labels.end());
   EXPECT_EQ(late, (std::set<std::int32_t>{-1, 0}));
-  EXPECT_LT(std::count(labels.begin() + 3000, labels.end(), -1), 700);  // without company
+  EXPECT_LT(std::count(labels.begin() + 3000, labels.end(), -1), 700);  // without support
 }
 
 TEST(Engine, CrossingDisksKeepTheirIds) {
@@ -117,7 +111,7 @@ TEST(Engine, TwoEdgesOfALargeObjectAreOne) {
   EXPECT_EQ(clusters_of(engine).size(), 1U);
 }
 
-TEST(Engine, ObjectsThatComeApartAreSplit) {
+TEST(Engine, ObjectsThatSeparateAreSplit) {
   std::vector<Event> events;
   add_disk(events, {.x = 100, .y = 100, .vx = 0, .radius = 5}, 0, 1);
   Disk other{.x = 104, .y = 100, .vx = 0, .radius = 5};
@@ -131,7 +125,7 @@ TEST(Engine, ObjectsThatComeApartAreSplit) {
   EXPECT_EQ(clusters_of(engine).size(), 2U);
 }
 
-TEST(Engine, ObjectsThatComeApartSlowlyAreSplit) {
+TEST(Engine, ObjectsThatSeparateSlowlyAreSplit) {
   std::vector<Event> events;
   add_disk(events, {.x = 100, .y = 100, .vx = 0, .radius = 5}, 0, 1.4);
   Disk other{.x = 104, .y = 100, .vx = 18, .radius = 5};
@@ -142,7 +136,7 @@ TEST(Engine, ObjectsThatComeApartSlowlyAreSplit) {
   EXPECT_EQ(clusters_of(engine).size(), 2U);
 }
 
-TEST(Engine, ObjectsBornAsOneAreTwoSoon) {
+TEST(Engine, UnresolvedObjectsAreSplitSoon) {
   std::vector<Event> events;
   add_disk(events, {.x = 60, .y = 90, .vx = 100, .vy = -40}, 0, 0.6);
   add_disk(events, {.x = 60, .y = 106, .vx = 100, .vy = 40}, 0, 0.6, 10'000, 2);
@@ -173,14 +167,14 @@ TEST(Engine, ObjectsBornAsOneAreTwoSoon) {
   EXPECT_EQ(late[1].id, early[1].id);
 }
 
-TEST(Engine, NoiseAloneIsNoCluster) {
+TEST(Engine, NoiseAloneIsNotACluster) {
   for (const double rate_hz : {0.5, 5.0, 20.0}) {
     for (const auto support :
          {ClusterSupport::kOff, ClusterSupport::kEstimate, ClusterSupport::kReject}) {
       ClusterTrackerConfig config = kFrame;
       config.support = support;
       Engine engine(config);
-      const asap::CounterRandom random(7);
+      const CounterRandom random(7);
       const double step_us = 1e6 / (rate_hz * config.width * config.height);
       for (std::uint64_t i = 0; static_cast<double>(i) * step_us < 0.5e6; ++i) {
         const Event event{.x = static_cast<std::uint16_t>(random(2 * i) % 346),
@@ -222,7 +216,7 @@ TEST(Engine, NoiseAroundAnObjectDoesNotMoveIt) {
   EXPECT_LT(velocity_error(8), 14);
 }
 
-TEST(Engine, ASlowEdgeIsCompanyInLittleNoise) {
+TEST(Engine, ASlowEdgeHasSupportInLittleNoise) {
   std::vector<Event> events;
   add_disk(events, {.vx = 10, .radius = 11}, 0, 0.6, 1'500);
   Engine engine(kFrame);
@@ -231,11 +225,11 @@ TEST(Engine, ASlowEdgeIsCompanyInLittleNoise) {
   EXPECT_EQ(clusters_of(engine).size(), 1U);
 }
 
-TEST(Engine, ANewbornWaitsUntilItIsKnownWhoIsNear) {
+TEST(Engine, ANewTrackIsNotConfirmedBeforeItsNeighboursAreKnown) {
   Engine engine(kFrame);
   std::vector<Event> events;
   add_disk(events, {}, 0, 0.5);
-  // Twelve px before it, and at once more events than an object needs.
+  // 12 px ahead of it, with more events at once than a confirmation needs.
   for (std::int64_t i = 0; i < 60; ++i) {
     events.push_back({.x = static_cast<std::uint16_t>(129 + i % 3),
                       .y = static_cast<std::uint16_t>(59 + i / 3 % 3),
@@ -248,7 +242,7 @@ TEST(Engine, ANewbornWaitsUntilItIsKnownWhoIsNear) {
   EXPECT_EQ(clusters_of(engine).size(), 1U);
 }
 
-TEST(Engine, WhereNothingIsRejectedUnsupportedEventsAreCounted) {
+TEST(Engine, UnsupportedEventsAreCountedEvenIfNotRejected) {
   ClusterTrackerConfig config = kFrame;
   std::vector<Event> events(10, Event{.x = 50, .y = 50, .p = 1, .t = 5});
   for (const auto support : {ClusterSupport::kEstimate, ClusterSupport::kReject}) {
@@ -295,7 +289,7 @@ TEST(Engine, AStoppedObjectIsFoundWhereItStopped) {
   EXPECT_NEAR(clusters[0].x, 198, 6);
 }
 
-TEST(Engine, AnObjectThatComesOutAgainKeepsItsId) {
+TEST(Engine, AnObjectKeepsItsIdThroughAnOcclusion) {
   std::vector<Event> events;
   add_disk(events, {.vx = 150}, 0, 0.7);
   add_disk(events, {.vx = 150}, 1.0, 1.5);
@@ -306,7 +300,7 @@ TEST(Engine, AnObjectThatComesOutAgainKeepsItsId) {
   EXPECT_EQ(clusters[0].id, 0);
 }
 
-TEST(Engine, AnotherObjectAfterALongTimeHasAnotherId) {
+TEST(Engine, AfterALongTimeTheIdIsNew) {
   std::vector<Event> events;
   add_disk(events, {.vx = 0}, 0, 0.5);
   add_disk(events, {.vx = 0}, 1.5, 2);
@@ -318,4 +312,4 @@ TEST(Engine, AnotherObjectAfterALongTimeHasAnotherId) {
 }
 
 }  // namespace
-}  // namespace engine_test
+}  // namespace asap::fast::engine_test

@@ -2,17 +2,8 @@
 
 #include <gtest/gtest.h>
 
-namespace gate_test {
+namespace asap::fast::gate_test {
 namespace {
-
-using asap::fast::gate_area;
-using asap::fast::gate_value;
-using asap::fast::GateRule;
-using asap::fast::largest_variance;
-using asap::fast::shape_birth_gate;
-using asap::fast::shape_gate;
-using asap::fast::sight_of;
-using asap::fast::Track;
 
 constexpr GateRule kRule{.birth_radius_px = 18,
                          .min_radius_px = 7,
@@ -31,24 +22,10 @@ Track track_with(float sxx, float sxy, float syy) {
 }
 
 float value_at(const Track& track, float x, float y) {
-  return gate_value(track, sight_of(track, track.stamp, x, y));
+  return gate_value(track, innovation_of(track, track.stamp, x, y));
 }
 
-TEST(Sight, LooksFromThePredictedMean) {
-  Track track;
-  track.x = 10;
-  track.y = 20;
-  track.vx = 100;
-  track.vy = -50;
-  track.stamp = 0xfffffff0U;
-  const auto s = sight_of(track, 0xfffffff0U + 20'000, 15, 15);  // across the wrap
-  EXPECT_FLOAT_EQ(s.mean_x, 12);
-  EXPECT_FLOAT_EQ(s.mean_y, 19);
-  EXPECT_FLOAT_EQ(s.dx, 3);
-  EXPECT_FLOAT_EQ(s.dy, -4);
-}
-
-TEST(Gate, OfANewbornIsACircle) {
+TEST(Gate, OfANewTrackIsACircle) {
   Track track;
   shape_birth_gate(track, kRule);
   EXPECT_LE(value_at(track, 0, 17.9F), 1);
@@ -95,7 +72,7 @@ TEST(Gate, HasALongestAxis) {
   EXPECT_NEAR(value_at(track, 40, 0), 1, 1e-4);
 }
 
-TEST(Gate, DoubtWidensIt) {
+TEST(Gate, PositionVarianceWidensIt) {
   Track track = track_with(96, 0, 96);
   shape_gate(track, kRule, 96, true, 125);  // half-axis 2 sqrt(225)
   EXPECT_NEAR(value_at(track, 30, 0), 1, 1e-4);
@@ -109,4 +86,4 @@ TEST(Gate, AreaIsThatOfTheEllipseButNoLessThanTheSmallestCircle) {
 }
 
 }  // namespace
-}  // namespace gate_test
+}  // namespace asap::fast::gate_test

@@ -4,12 +4,16 @@
 
 #include <cmath>
 
-#include "algorithms/fast/kalman_rule.hpp"
-
-namespace kalman_test {
+namespace asap::fast::kalman_test {
 namespace {
 
-using namespace asap::fast;
+constexpr KalmanRule kRule{.acceleration = 5e3F,
+                           .per_speed3 = 0.055F,
+                           .most = 1e7F,
+                           .contact = 5e3F,
+                           .measurement_scale = 4,
+                           .min_measurement_px2 = 0.05F,
+                           .mean_events = 60};
 
 // A track that moves at vx and is measured every 2 ms, for a second, with 40 events in between.
 Track followed(float vx, KalmanState& state) {
@@ -37,7 +41,7 @@ TEST(Kalman, FindsTheVelocity) {
   }
 }
 
-TEST(Kalman, ThePositionGrowsUncertainAheadOfTime) {
+TEST(Kalman, PredictionsAreLessCertain) {
   KalmanState state;
   const Track track = followed(100, state);
   const KalmanState before = state;
@@ -110,7 +114,7 @@ TEST(Kalman, AStarvedTrackComesToRest) {
     KalmanState state;
     track.vx = 200;
     for (int i = 1; i <= ticks; ++i) {
-      kalman_starve(track, state, static_cast<Stamp>(1'000'000 / ticks * i), 0.1F);
+      kalman_without_events(track, state, static_cast<Stamp>(1'000'000 / ticks * i), 0.1F);
     }
     EXPECT_NEAR(track.x, 20, 0.1F) << ticks;
     EXPECT_NEAR(state.x, 20, 0.1F) << ticks;
@@ -121,5 +125,65 @@ TEST(Kalman, AStarvedTrackComesToRest) {
   }
 }
 
+// ---- the error of the outline's centre ----
+
+constexpr float kExtent_px = 5;
+
+float centre_variance_after(float speed, float time_s, std::uint8_t partners = 0,
+                            float first = Contour::kInitialCentreVariance) {
+  Contour contour;
+  contour.centre_variance = first;
+  Track track;
+  track.vy = -speed;
+  track.partners = partners;
+  for (float t = 0; t < time_s; t += 0.002F)
+    update_centre_variance(contour, track, kExtent_px, 0.002F);
+  return contour.centre_variance;
+}
+
+TEST(PositionError, CentreVarianceFallsWithTravel) {
+  EXPECT_EQ(centre_variance_after(0, 1), Contour::kInitialCentreVariance);
+  // 10 px are two extents.
+  const float once =
+      kMinCentreVariance + (Contour::kInitialCentreVariance - kMinCentreVariance) * std::exp(-1.0F);
+  EXPECT_NEAR(centre_variance_after(100, 0.1F), once, 1e-3F);
+  EXPECT_NEAR(centre_variance_after(50, 0.2F), once, 1e-3F);
+  EXPECT_NEAR(centre_variance_after(400, 1), kMinCentreVariance, 1e-6F);
+}
+
+TEST(PositionError, CentreVarianceGrowsInContact) {
+  const float soon = centre_variance_after(100, 0.05F, 1, kMinCentreVariance);
+  const float late = centre_variance_after(100, 1, 1, kMinCentreVariance);
+  EXPECT_GT(soon, 10 * kMinCentreVariance);
+  EXPECT_GT(late, 2 * soon);
+  EXPECT_EQ(centre_variance_after(0, 0.05F, 2, kMinCentreVariance), soon);
+}
+
+TEST(PositionError, APointHasACentreVarianceToo) {
+  Contour contour;
+  Track track;
+  track.vx = 100;
+  update_centre_variance(contour, track, 0, 0.002F);
+  EXPECT_LT(contour.centre_variance, Contour::kInitialCentreVariance);
+  EXPECT_GT(contour.centre_variance, 0.8F * Contour::kInitialCentreVariance);
+}
+
+TEST(PositionError, IsTheFiltersAndAShareOfTheEventsCovariance) {
+  Track track;
+  track.sxx = 40;
+  track.sxy = -10;
+  track.syy = 20;
+  KalmanState state;
+  state.pxx = 0.3F;
+  state.stamp = 1000;
+  Contour contour;
+  contour.centre_variance = 0.01F;
+  const PositionError error = position_error(track, state, contour, 1000, kRule);
+  EXPECT_FLOAT_EQ(error.xx, 0.7F);
+  EXPECT_FLOAT_EQ(error.xy, -0.1F);
+  EXPECT_FLOAT_EQ(error.yy, 0.5F);
+  EXPECT_GT(position_error(track, state, contour, 21'000, kRule).xx, error.xx);
+}
+
 }  // namespace
-}  // namespace kalman_test
+}  // namespace asap::fast::kalman_test

@@ -3,18 +3,212 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
-namespace merge_test {
+#include "algorithms/fast/gate.hpp"
+
+namespace asap::fast::merge_test {
 namespace {
 
-using namespace asap::fast;
+// ---- pairs ----
 
-constexpr MergeRule kRule{.tolerance_px = 4, .rotation_rad = 0.5F};
 constexpr PairRule kPairs{.birth_radius_px = 18,
                           .merge_reach = 1.6F,
                           .merge_padding_px = 8,
                           .contact_reach = 1.6F,
                           .contact_padding_px = 1};
+
+struct Scene {
+  Tracks tracks{8};
+  Pairs pairs{8};
+
+  Tracks::Slot add(float x, float y, bool confirmed, float variance = 25) {
+    const auto slot = tracks.create(x, y, 0);
+    tracks[slot].phase = confirmed ? Phase::kConfirmed : Phase::kTentative;
+    tracks[slot].sxx = tracks[slot].syy = variance;
+    tracks.state(slot).extent_px = std::sqrt(variance);
+    return slot;
+  }
+  const std::vector<Candidate>& find(Stamp now = 0) {
+    pairs.find(tracks, now, kPairs);
+    return pairs.candidates();
+  }
+};
+
+TEST(MergeDistance, GrowsWithTheExtents) {
+  EXPECT_FLOAT_EQ(merge_distance(0, kPairs), 0.9F * 18);
+  EXPECT_FLOAT_EQ(merge_distance(20, kPairs), 40);
+}
+
+TEST(Pairs, ConfirmedTracksThatNearlyMeetAreInContact) {
+  Scene scene;
+  const auto a = scene.add(0, 0, true);
+  const auto b = scene.add(16, 0, true);  // 1.6 (5 + 5) + 1 = 17
+  const auto c = scene.add(-18, 0, true);
+  scene.find();
+  EXPECT_EQ(scene.tracks[a].partners, 1);
+  EXPECT_EQ(scene.tracks.state(a).partners[0], b);
+  EXPECT_EQ(scene.tracks.state(b).partners[0], a);
+  EXPECT_EQ(scene.tracks[c].partners, 0);
+}
+
+TEST(Pairs, ContactLooksAlongTheLineOfCentres) {
+  Scene scene;
+  const auto a = scene.add(0, 0, true);
+  const auto b = scene.add(0, 16, true);
+  scene.tracks[a].syy = scene.tracks[b].syy = 4;  // flat: 1.6 (2 + 2) + 1 = 7.4
+  scene.find();
+  EXPECT_EQ(scene.tracks[a].partners, 0);
+}
+
+TEST(Pairs, HaveAtMostThreePartners) {
+  Scene scene;
+  for (int i = 0; i < 5; ++i) scene.add(static_cast<float>(i), 0, true);
+  scene.find();
+  for (const auto slot : scene.tracks.active()) EXPECT_EQ(scene.tracks[slot].partners, 3);
+}
+
+TEST(Pairs, TheTentativeTrackKeepsTheMixedPair) {
+  Scene scene;
+  const auto confirmed = scene.add(0, 0, true);
+  const auto tentative = scene.add(20, 3, false);
+  ASSERT_EQ(scene.find().size(), 1U);
+  const Candidate& pair = scene.pairs.candidates()[0];
+  EXPECT_EQ(pair.keeper, tentative);
+  EXPECT_EQ(pair.other, confirmed);
+  EXPECT_FLOAT_EQ(pair.dx, -20);
+  EXPECT_FLOAT_EQ(pair.dy, -3);
+  EXPECT_TRUE(scene.tracks.state(tentative).near_confirmed);
+  EXPECT_FALSE(scene.tracks.state(confirmed).near_confirmed);
+  EXPECT_EQ(scene.tracks[confirmed].partners, 0);
+}
+
+TEST(Pairs, ConfirmedTracksWithin35PxAreNear) {
+  Scene scene;
+  const auto a = scene.add(0, 0, true, 100);
+  const auto b = scene.add(34, 0, true, 100);
+  const auto c = scene.add(70, 0, true, 100);  // in reach of b: 1.6 (10 + 10) + 8 + 8 = 48
+  scene.find();
+  EXPECT_TRUE(scene.tracks.state(a).near_confirmed);
+  EXPECT_TRUE(scene.tracks.state(b).near_confirmed);
+  EXPECT_FALSE(scene.tracks.state(c).near_confirmed);
+}
+
+TEST(Pairs, ATentativeTrackOnAMatureOneMayBeItsFragment) {
+  Scene scene;
+  const auto mature = scene.add(0, 0, true);
+  const auto tentative = scene.add(10, 0, false);
+  scene.tracks[mature].inverse_circle2 = 1e-2F;           // a gate of 10 px ...
+  scene.tracks[mature].qa = scene.tracks[mature].qc = 1;  // ... and a small ellipse
+  scene.tracks.state(mature).mass = 100;
+  scene.tracks.state(mature).age_s = 1;
+  scene.find();
+  EXPECT_TRUE(scene.tracks.state(tentative).may_be_fragment);
+  EXPECT_FALSE(scene.tracks.state(mature).may_be_fragment);
+  scene.tracks[tentative].x = 20;
+  scene.find();
+  EXPECT_FALSE(scene.tracks.state(tentative).may_be_fragment);
+  EXPECT_TRUE(scene.tracks.state(tentative).near_confirmed);
+}
+
+TEST(Pairs, TheOlderTrackKeepsTheNearestPair) {
+  Scene scene;
+  const auto a = scene.add(0, 0, true);
+  scene.add(20, 0, true);
+  const auto c = scene.add(0, 15, true);
+  const auto& found = scene.find();
+  ASSERT_GE(found.size(), 1U);
+  EXPECT_EQ(found[0].keeper, a);
+  EXPECT_EQ(found[0].other, c);
+  EXPECT_FLOAT_EQ(found[0].distance_px, 15);
+}
+
+TEST(Pairs, UsePredictedPositionsAndForgetOldPartners) {
+  Scene scene;
+  const auto a = scene.add(0, 0, true);
+  const auto b = scene.add(15, 0, true);
+  scene.find();
+  EXPECT_EQ(scene.tracks[a].partners, 1);
+  scene.tracks[b].vx = 1000;
+  EXPECT_TRUE(scene.find(60'000).empty());  // 75 px away by now
+  EXPECT_EQ(scene.tracks[a].partners, 0);
+}
+
+// ---- fragments ----
+
+constexpr GateRule kGate{.birth_radius_px = 18,
+                         .min_radius_px = 7,
+                         .max_radius_px = 40,
+                         .scale = 2,
+                         .padding_px = 0,
+                         .circle_scale = 0,
+                         .circle_padding_px = 0};
+
+// A mature track whose gate reaches 24 px in x and 16 px in y, and a tentative one.
+struct Beside {
+  Tracks tracks{4};
+  Tracks::Slot mature = add(Phase::kConfirmed, 100);
+  Tracks::Slot tentative = add(Phase::kTentative, 19);
+
+  Beside() {
+    tracks[mature].sxx = 144;
+    tracks[mature].syy = 64;
+    tracks.state(mature).age_s = 0.21F;
+    shape_gate(tracks[mature], kGate, 144, true, 0);
+  }
+  Tracks::Slot add(Phase phase, float mass) {
+    const auto slot = tracks.create(0, 0, 0);
+    tracks[slot].phase = phase;
+    tracks.state(slot).mass = mass;
+    return slot;
+  }
+  void touch(Tracks::Slot other) {
+    tracks.state(mature).partners[tracks[mature].partners++] = other;
+  }
+  bool wait(float dx, float dy) const { return may_be_fragment(tracks, tentative, mature, dx, dy); }
+};
+
+TEST(Fragment, LiesInTheWidenedGate) {
+  const Beside two;
+  EXPECT_TRUE(two.wait(29.9F, 0));  // 1.25 x 24
+  EXPECT_FALSE(two.wait(30.1F, 0));
+  EXPECT_TRUE(two.wait(0, -19.9F));  // 1.25 x 16
+  EXPECT_FALSE(two.wait(0, -20.1F));
+}
+
+TEST(Fragment, IsSmallBesideIt) {
+  Beside two;
+  two.tracks.state(two.tentative).mass = 21;
+  EXPECT_FALSE(two.wait(20, 0));
+}
+
+TEST(Fragment, IsOfAMatureTrack) {
+  Beside two;
+  two.tracks.state(two.mature).age_s = 0.19F;
+  EXPECT_FALSE(two.wait(20, 0));
+}
+
+TEST(Fragment, IsNotAssumedInContact) {
+  Beside two;
+  const auto other = two.add(Phase::kConfirmed, 100);
+  two.touch(other);
+  EXPECT_FALSE(two.wait(20, 0));
+}
+
+TEST(Fragment, AnEarlierFragmentIsNotAnotherObject) {
+  Beside two;
+  const auto earlier = two.add(Phase::kConfirmed, 10);
+  two.touch(earlier);
+  two.tracks.state(earlier).sibling = two.mature;
+  two.tracks.state(earlier).sibling_generation = two.tracks[two.mature].generation;
+  EXPECT_TRUE(two.wait(20, 0));
+  two.touch(two.add(Phase::kConfirmed, 100));  // and another object
+  EXPECT_FALSE(two.wait(20, 0));
+}
+
+// ---- merging ----
+
+constexpr MergeRule kRule{.tolerance_px = 4, .rotation_rad = 0.5F};
 constexpr float kTick_s = 0.002F;
 
 // Two tracks 16 px apart that move to the right at 100 px/s.
@@ -32,16 +226,16 @@ struct Two {
     track.vx = 100;
     track.events = 100;
     if (track.has_id()) track.id = id;
-    tracks.life(slot).confirmed_s = 1;
-    tracks.life(slot).extent_px = 5;
-    tracks.life(slot).kalman.pvv = 100;
+    tracks.state(slot).confirmed_s = 1;
+    tracks.state(slot).extent_px = 5;
+    tracks.state(slot).kalman.pvv = 100;
     return slot;
   }
   void polarity(float of_a, float of_b) {
     tracks.contour(a).polarity = of_a;
     tracks.contour(b).polarity = of_b;
   }
-  // Time until they are taken for one while `speed` drives them apart, or -1.
+  // Time until they are one object while they separate at this speed, or -1.
   float until_one(float speed_px_s = 0) {
     for (float t = 0; t < 1; t += kTick_s) {
       const float dx = 16 + speed_px_s * t;
@@ -52,11 +246,11 @@ struct Two {
   }
 };
 
-TEST(AreOne, TwoTentativeOnesAtOnce) {
+TEST(AreOne, TwoTentativeTracksAtOnce) {
   EXPECT_EQ(Two(Phase::kTentative, Phase::kTentative).until_one(), 0);
 }
 
-TEST(AreOne, AOneSidedNewbornIsAFragmentSoon) {
+TEST(AreOne, ATentativeTrackWithOneEdgeIsAFragmentSoon) {
   Two two(Phase::kTentative, Phase::kConfirmed);
   two.polarity(1, 0);
   EXPECT_NEAR(two.until_one(), 0.01F, 0.003F);
@@ -64,7 +258,7 @@ TEST(AreOne, AOneSidedNewbornIsAFragmentSoon) {
   EXPECT_NEAR(whole.until_one(), 0.08F, 0.005F);
 }
 
-TEST(AreOne, EdgesOfOneObjectSoonerThanWholeObjects) {
+TEST(AreOne, SingleEdgesSoonerThanWholeObjects) {
   Two edges(Phase::kConfirmed, Phase::kConfirmed);
   edges.polarity(1, -1);
   EXPECT_NEAR(edges.until_one(), 0.15F, 0.005F);  // 15 px
@@ -72,12 +266,12 @@ TEST(AreOne, EdgesOfOneObjectSoonerThanWholeObjects) {
   EXPECT_NEAR(whole.until_one(), 0.2F, 0.005F);  // 20 px
 }
 
-TEST(AreOne, ThoseThatMetWhenTheyWouldHaveParted) {
-  const auto until_one = [](float usual_vx, bool siblings, float age_s = 1) {
+TEST(AreOne, TracksThatMetOnceTheyWouldHaveSeparated) {
+  const auto until_one = [](float average_vx, bool siblings, float age_s = 1) {
     Two two(Phase::kConfirmed, Phase::kConfirmed);
-    two.tracks.life(two.a).extent_px = 30;  // they overlap
-    two.tracks.life(two.b).confirmed_s = age_s;
-    two.tracks.life(two.b).usual_vx = usual_vx;
+    two.tracks.state(two.a).extent_px = 30;  // they overlap
+    two.tracks.state(two.b).confirmed_s = age_s;
+    two.tracks.state(two.b).average_vx = average_vx;
     if (siblings) find_sibling(two.tracks, two.b, 0, kPairs);
     return two.until_one();
   };
@@ -87,21 +281,21 @@ TEST(AreOne, ThoseThatMetWhenTheyWouldHaveParted) {
   EXPECT_NEAR(until_one(200, false), 0.05F, 0.003F);
 }
 
-TEST(AreOne, ThoseThatMetAndMovedAlikeBeforeAfterLong) {
+TEST(AreOne, TracksThatMovedAlikeBeforeAfterLong) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
-  two.tracks.life(two.a).extent_px = 30;
+  two.tracks.state(two.a).extent_px = 30;
   two.tracks[two.a].vx = two.tracks[two.b].vx = 30;  // 20 px take longer
   EXPECT_NEAR(two.until_one(), 0.3F, 0.003F);
 }
 
-TEST(AreOne, YoungEdgesAtOnce) {
+TEST(AreOne, YoungSingleEdgesSoon) {
   Two edges(Phase::kConfirmed, Phase::kConfirmed);
   edges.polarity(1, -1);
-  edges.tracks.life(edges.b).confirmed_s = 0.01F;
+  edges.tracks.state(edges.b).confirmed_s = 0.01F;
   EXPECT_NEAR(edges.until_one(), 0.015F, 0.004F);
 }
 
-TEST(AreOne, ThoseThatComeApartNever) {
+TEST(AreOne, NotTracksThatSeparate) {
   for (const float polarity : {0.0F, 1.0F}) {
     Two two(Phase::kConfirmed, Phase::kConfirmed);
     two.polarity(polarity, -polarity);
@@ -109,7 +303,7 @@ TEST(AreOne, ThoseThatComeApartNever) {
   }
 }
 
-TEST(AreOne, ThoseThatPassRoundEachOtherNever) {
+TEST(AreOne, NotTracksThatCircleEachOther) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
   for (float t = 0; t < 1; t += kTick_s) {
     const Candidate pair{two.a, two.b, 16 * std::cos(6 * t), 16 * std::sin(6 * t), 16};
@@ -117,13 +311,13 @@ TEST(AreOne, ThoseThatPassRoundEachOtherNever) {
   }
 }
 
-TEST(AreOne, ThoseThatStandStillNotYet) {
+TEST(AreOne, NotWholeTracksAtRest) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
   two.tracks[two.a].vx = two.tracks[two.b].vx = 0;
   EXPECT_EQ(two.until_one(), -1);
 }
 
-TEST(AreOne, VelocitiesThatDifferForbidItUnlessTheyAreSiblings) {
+TEST(AreOne, NotWithDifferentVelocitiesUnlessSiblings) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
   two.tracks[two.b].vx = 200;
   EXPECT_EQ(two.until_one(), -1);
@@ -134,7 +328,7 @@ TEST(AreOne, VelocitiesThatDifferForbidItUnlessTheyAreSiblings) {
   EXPECT_NEAR(siblings.until_one(), 0.2F, 0.005F);
 }
 
-TEST(AreOne, AnotherPartnerBeginsAnew) {
+TEST(AreOne, AnotherCandidateRestartsTheTime) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
   const auto c = two.add(0, Phase::kConfirmed, 3);
   for (int i = 0; i < 300; ++i) {
@@ -174,27 +368,27 @@ TEST(Merge, JoinsMomentsAtPredictedPositions) {
   a.sxx = 10;
   b.sxx = 20;
   a.stamp = 10'000;  // b is at 17 by then
-  two.tracks.life(two.a).mass = 100;
-  two.tracks.life(two.b).mass = 300;
-  two.tracks.life(two.a).events = two.tracks.life(two.b).events = 100;
-  two.tracks.life(two.a).fast_rate_hz = two.tracks.life(two.b).fast_rate_hz = 7;
+  two.tracks.state(two.a).mass = 100;
+  two.tracks.state(two.b).mass = 300;
+  two.tracks.state(two.a).events = two.tracks.state(two.b).events = 100;
+  two.tracks.state(two.a).fast_rate_hz = two.tracks.state(two.b).fast_rate_hz = 7;
   two.tracks.contour(two.a).count.fill(9);
   merge(two.tracks, two.a, two.b, 10'000);
   EXPECT_FLOAT_EQ(a.x, 0.75F * 17);
   EXPECT_NEAR(a.sxx, 0.25F * 10 + 0.75F * 20 + 0.25F * 0.75F * 17 * 17, 1e-3F);
-  EXPECT_FLOAT_EQ(two.tracks.life(two.a).kalman.x, 0.75F * 17);
-  EXPECT_EQ(two.tracks.life(two.a).mass, 400);
-  EXPECT_EQ(two.tracks.life(two.a).fast_rate_hz, 14);
+  EXPECT_FLOAT_EQ(two.tracks.state(two.a).kalman.x, 0.75F * 17);
+  EXPECT_EQ(two.tracks.state(two.a).mass, 400);
+  EXPECT_EQ(two.tracks.state(two.a).fast_rate_hz, 14);
   EXPECT_EQ(two.tracks.contour(two.a).count[0], 0);
   EXPECT_EQ(a.stamp, 10'000U);
 }
 
 TEST(Merge, OfMasslessTracksIsFinite) {
   Two two(Phase::kTentative, Phase::kTentative);
-  two.tracks.life(two.a).events = two.tracks.life(two.b).events = 100;
+  two.tracks.state(two.a).events = two.tracks.state(two.b).events = 100;
   merge(two.tracks, two.a, two.b, 0);
   EXPECT_FLOAT_EQ(two.tracks[two.a].x, 8);
 }
 
 }  // namespace
-}  // namespace merge_test
+}  // namespace asap::fast::merge_test

@@ -2,25 +2,38 @@
 
 #include <gtest/gtest.h>
 
-namespace track_test {
+#include <vector>
+
+namespace asap::fast::track_test {
 namespace {
 
-using asap::fast::Phase;
-using asap::fast::Tracks;
+TEST(Innovation, IsAgainstThePredictedMean) {
+  Track track;
+  track.x = 10;
+  track.y = 20;
+  track.vx = 100;
+  track.vy = -50;
+  track.stamp = 0xfffffff0U;
+  const auto s = innovation_of(track, 0xfffffff0U + 20'000, 15, 15);  // across the wrap
+  EXPECT_FLOAT_EQ(s.mean_x, 12);
+  EXPECT_FLOAT_EQ(s.mean_y, 19);
+  EXPECT_FLOAT_EQ(s.dx, 3);
+  EXPECT_FLOAT_EQ(s.dy, -4);
+}
 
-TEST(Tracks, BeginTentativeWhereTheyAreBorn) {
+TEST(Tracks, BeginTentativeAtTheGivenPosition) {
   Tracks tracks(2);
   const auto slot = tracks.create(3, 4, 99);
   EXPECT_EQ(tracks[slot].phase, Phase::kTentative);
   EXPECT_FALSE(tracks[slot].has_id());
   EXPECT_EQ(tracks[slot].id, -1);
   EXPECT_EQ(tracks[slot].x, 3);
-  EXPECT_EQ(tracks.life(slot).kalman.y, 4);
-  EXPECT_EQ(tracks.life(slot).kalman.stamp, 99U);
-  EXPECT_EQ(tracks.life(slot).last_event, 99U);
+  EXPECT_EQ(tracks.state(slot).kalman.y, 4);
+  EXPECT_EQ(tracks.state(slot).kalman.stamp, 99U);
+  EXPECT_EQ(tracks.state(slot).last_event, 99U);
 }
 
-TEST(Tracks, ATableHasAnEnd) {
+TEST(Tracks, TheTableHasAnEnd) {
   Tracks tracks(2);
   EXPECT_NE(tracks.create(0, 0, 0), Tracks::kNone);
   const auto second = tracks.create(0, 0, 0);
@@ -29,24 +42,24 @@ TEST(Tracks, ATableHasAnEnd) {
   EXPECT_EQ(tracks.create(0, 0, 0), second);
 }
 
-TEST(Tracks, ASlotThatIsGivenBackIsAnotherGeneration) {
+TEST(Tracks, AFreedSlotChangesItsGeneration) {
   Tracks tracks(1);
   const auto slot = tracks.create(0, 0, 0);
   const auto generation = tracks[slot].generation;
   tracks.contour(slot).radius[0] = 5;
-  tracks.life(slot).mass = 7;
+  tracks.state(slot).mass = 7;
   tracks.remove(slot);
   EXPECT_NE(tracks[slot].generation, generation);
   tracks.create(0, 0, 0);
   EXPECT_NE(tracks[slot].generation, generation);
   EXPECT_EQ(tracks.contour(slot).radius[0], 0);
-  EXPECT_EQ(tracks.life(slot).mass, 0);
+  EXPECT_EQ(tracks.state(slot).mass, 0);
   const auto second = tracks[slot].generation;
   tracks.clear();
   EXPECT_NE(tracks[slot].generation, second);
 }
 
-TEST(Tracks, ActiveOnesAreListedByAge) {
+TEST(Tracks, ActiveTracksAreListedByAge) {
   Tracks tracks(3);
   const auto a = tracks.create(0, 0, 0);
   const auto b = tracks.create(0, 0, 0);
@@ -58,4 +71,4 @@ TEST(Tracks, ActiveOnesAreListedByAge) {
 }
 
 }  // namespace
-}  // namespace track_test
+}  // namespace asap::fast::track_test

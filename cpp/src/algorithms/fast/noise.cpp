@@ -1,9 +1,7 @@
-#include "algorithms/fast/noise_tiles.hpp"
+#include "algorithms/fast/noise.hpp"
 
 #include <algorithm>
 #include <cmath>
-
-#include "algorithms/fast/decay.hpp"
 
 namespace asap::fast {
 namespace {
@@ -49,8 +47,8 @@ void NoiseTiles::update(float dt_s) noexcept {
   }
   const auto low = sorted_.begin() + static_cast<std::ptrdiff_t>(3 * sorted_.size() / 10);
   std::nth_element(sorted_.begin(), low, sorted_.end());
-  // The 30 % quantile lies .52 standard deviations below the mean of the counts, which the low pass
-  // takes over twice its time constant.
+  // The 30 % quantile lies 0.52 standard deviations below the mean of the counts; the low pass
+  // averages over twice its time constant.
   const float events = *low * 2 * kMemory_s * static_cast<float>(1 << (2 * shift_));
   rate_hz_ = *low * (1 + 0.52F / std::sqrt(std::max(1.0F, events)));
 }
@@ -64,7 +62,7 @@ void NoiseTiles::clear() noexcept {
   rate_hz_ = 0;
 }
 
-float noise_with_support(float unsupported_hz, float window_s) noexcept {
+float total_noise(float unsupported_hz, float window_s) noexcept {
   float all_hz = unsupported_hz;
   for (int iteration = 0; iteration < 12; ++iteration) {
     all_hz = unsupported_hz / decay(std::min(1.0F, 8 * all_hz * window_s));
@@ -78,8 +76,8 @@ float supported_noise(float noise_hz, float window_s) noexcept {
 
 std::int32_t support_window_us(float noise_hz, std::int32_t shortest_us,
                                std::int32_t longest_us) noexcept {
-  constexpr float kMostCompany = 0.1F;  // noise events around a pixel within the window
-  const float allowed_us = 1e6F * kMostCompany / std::max(1e-3F, 8 * noise_hz);
+  constexpr float kMaxNoiseSupport = 0.1F;  // noise events around a pixel within the window
+  const float allowed_us = 1e6F * kMaxNoiseSupport / std::max(1e-3F, 8 * noise_hz);
   const auto longest = static_cast<float>(std::max(shortest_us, longest_us));
   return static_cast<std::int32_t>(
       std::clamp(allowed_us, static_cast<float>(shortest_us), longest));

@@ -1,23 +1,24 @@
-#include "algorithms/fast/mean_update.hpp"
+#include "algorithms/fast/update.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace mean_update_test {
+namespace asap::fast::update_test {
 namespace {
-
-using namespace asap::fast;
 
 const UpdateRule kRule{.mean_events = 60,
                        .covariance_events = 300,
                        .contour_mask = 3,
-                       .contour = {.clip_px = 5, .memory = 16, .min_known = 3}};
+                       .contour = {.clip_px = 5, .memory = 16, .min_known = 3},
+                       .contact_gain = 0.6F,
+                       .contact_mean_gain = 0.35F};
 const Reciprocals kReciprocals(300);
 const DirectionTable kDirections;
 
 void give(Track& track, Contour& contour, float x, float y, float sign = 1, Stamp now = 0) {
-  take(track, contour, sight_of(track, now, x, y), now, sign, kRule, kReciprocals, kDirections);
+  update_mean(track, contour, innovation_of(track, now, x, y), now, sign, kRule, kReciprocals,
+              kDirections);
 }
 
 TEST(MeanUpdate, BeginsAsThePlainMeanAndCovariance) {
@@ -73,34 +74,35 @@ TEST(MeanUpdate, AKnownOutlineHoldsTheCentre) {
   EXPECT_LT(std::abs(centre_with(0.1F)), 2.2F);
 }
 
-TEST(MeanUpdate, TrustFadesWithTheDistanceFromTheOutline) {
+TEST(MeanUpdate, EventWeightFadesWithTheDistanceFromTheOutline) {
   for (const float side : {-1.0F, 1.0F}) {
-    EXPECT_EQ(trust(side * 3, 0.1F, 0), 1);
-    EXPECT_NEAR(trust(side * 4.5F, 0.1F, 0), 0.5, 1e-6);
-    EXPECT_EQ(trust(side * 6, 0.1F, 0), 0);
-    EXPECT_EQ(trust(side * 20, 0.1F, 0.25F), 0.25F);
-    EXPECT_EQ(trust(side * 20, 0.3F, 0), 0);
-    EXPECT_EQ(trust(side * 20, 0.4F, 0), 0.5F);
-    EXPECT_EQ(trust(side * 20, 1, 0), 1);
+    EXPECT_EQ(event_weight(side * 3, 0.1F, 0), 1);
+    EXPECT_NEAR(event_weight(side * 4.5F, 0.1F, 0), 0.5, 1e-6);
+    EXPECT_EQ(event_weight(side * 6, 0.1F, 0), 0);
+    EXPECT_EQ(event_weight(side * 20, 0.1F, 0.25F), 0.25F);
+    EXPECT_EQ(event_weight(side * 20, 0.3F, 0), 0);
+    EXPECT_EQ(event_weight(side * 20, 0.4F, 0), 0.5F);
+    EXPECT_EQ(event_weight(side * 20, 1, 0), 1);
   }
 }
 
-TEST(MeanUpdate, FarEventsAreTrustedWhereNoiseIsRare) {
-  EXPECT_EQ(far_trust(0), 1);
-  EXPECT_EQ(far_trust(0.1F), 1);
-  EXPECT_NEAR(far_trust(0.3F), 0.5, 1e-6);
-  EXPECT_EQ(far_trust(0.5F), 0);
-  EXPECT_EQ(far_trust(5), 0);
+TEST(MeanUpdate, FarEventsCountIfNoiseIsRare) {
+  EXPECT_EQ(far_weight(0), 1);
+  EXPECT_EQ(far_weight(0.1F), 1);
+  EXPECT_NEAR(far_weight(0.3F), 0.5, 1e-6);
+  EXPECT_EQ(far_weight(0.5F), 0);
+  EXPECT_EQ(far_weight(5), 0);
 }
 
 // How far one event moves a disk of radius 8 that is known.
 float moved_by(float distance, float mean_weight, float noise_hz) {
   UpdateRule rule = kRule;
-  rule.far_trust = far_trust(noise_hz);
+  rule.far_weight = far_weight(noise_hz);
   Track track;
   Contour contour;
   const auto hit = [&](float x, float y) {
-    take(track, contour, sight_of(track, 0, x, y), 0, 1, rule, kReciprocals, kDirections);
+    update_mean(track, contour, innovation_of(track, 0, x, y), 0, 1, rule, kReciprocals,
+                kDirections);
   };
   for (int i = 0; i < 16 * 200; ++i) {
     const float angle = 2.4F * static_cast<float>(i);  // no direction is left out
@@ -141,10 +143,52 @@ TEST(MeanUpdate, TheContourLearnsEveryFourthEvent) {
   Track track;
   Contour contour;
   for (int i = 0; i < 7; ++i) give(track, contour, 0, 0);
-  int learnt = 0;
-  for (const auto count : contour.count) learnt += count;
-  EXPECT_EQ(learnt, 1);
+  int learned = 0;
+  for (const auto count : contour.count) learned += count;
+  EXPECT_EQ(learned, 1);
+}
+
+// ---- contact ----
+
+// A disk of radius 8 around the origin, whose outline is known.
+struct Disk {
+  Track track;
+  Contour contour;
+
+  Disk() {
+    contour.radius.fill(8);
+    contour.count.fill(16);
+    contour.variance = 0.5F;
+  }
+  void take(float x, Stamp now = 0) {
+    update_in_contact(track, contour, innovation_of(track, now, x, 0), now, 1, kRule, kReciprocals,
+                      kDirections);
+  }
+};
+
+TEST(Contact, CovarianceAndOutlineAreFrozen) {
+  Disk disk;
+  disk.track.sxx = 30;
+  for (int i = 0; i < 8; ++i) disk.take(10, 5);
+  EXPECT_EQ(disk.track.sxx, 30);
+  EXPECT_EQ(disk.contour.radius[0], 8);
+  EXPECT_EQ(disk.track.events, 8U);
+  EXPECT_EQ(disk.track.stamp, 5U);
+  EXPECT_GT(disk.track.x, 0.5F);  // the events are 2 px outside of the outline on the right
+  EXPECT_LT(disk.track.x, 2.1F);
+}
+
+TEST(Contact, AStepFollowsTheResidualAlone) {
+  Disk disk;
+  disk.track.events = 1000;
+  disk.take(8);
+  EXPECT_EQ(disk.track.x, 0);
+  disk.take(0);
+  EXPECT_TRUE(std::isfinite(disk.track.x));
+  disk.contour.forget_radius();
+  disk.take(6);
+  EXPECT_NEAR(disk.track.x, 0.35F * 6 / 60, 1e-5F);
 }
 
 }  // namespace
-}  // namespace mean_update_test
+}  // namespace asap::fast::update_test

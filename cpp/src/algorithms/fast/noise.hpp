@@ -1,0 +1,107 @@
+// Noise: which events are noise, and its rate per pixel. SupportMap: an event has support if one of
+// its eight neighbours, of either polarity, fired at most a window ago. The own pixel does not
+// count, so a pixel that flashes alone never has support. NoiseTiles: the rate of unsupported
+// events. Objects fill few of the tiles, so a low quantile of the tiles' rates is noise alone. The
+// functions correct that rate for noise that has support by chance. One thread. O(1) per event,
+// O(tiles) per update(), which is called every few ms; allocates in the constructors only.
+// Source: the support of BackgroundActivityFilter (Delbruck 2008), here on stamps modulo 2^32; the
+// rate: own design.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "algorithms/fast/time.hpp"
+#include "algorithms/int4.hpp"
+
+namespace asap::fast {
+
+class SupportMap {
+ public:
+  SupportMap(int width, int height)
+      : stride_(static_cast<std::size_t>(width) + 2),
+        // Each row of three neighbours is read as four pixels.
+        stamps_(stride_ * (static_cast<std::size_t>(height) + 2) + 1),
+        scrubber_(stamps_.size()) {}
+
+  void clear(Stamp now) noexcept {
+    std::fill(stamps_.begin(), stamps_.end(), static_cast<std::int32_t>(long_before(now)));
+  }
+
+  // Whether an event at a pixel of the frame has support. Notes the event.
+  bool touch(std::size_t x, std::size_t y, Stamp now, std::int32_t window_us) noexcept {
+    std::int32_t* own = stamps_.data() + (y + 1) * stride_ + x + 1;
+    const auto time = static_cast<std::int32_t>(now);
+    const auto young = [&](const std::int32_t* row) {
+      return Int4::mask_young(Int4::load(row - 1), time, window_us);
+    };
+    const std::uint32_t outer = young(own - stride_) | young(own + stride_);
+    const bool support = ((outer & 0b111) | (young(own) & 0b101)) != 0;
+    *own = time;
+    return support;
+  }
+
+  void scrub(Stamp now, std::uint64_t elapsed_us) noexcept {
+    scrubber_.advance(elapsed_us, [&](std::size_t first, std::size_t count) {
+      for (std::size_t i = first; i < first + count; ++i) {
+        const Stamp stamp = static_cast<Stamp>(stamps_[i]);
+        if (age_us(now, stamp) > kLongAgo_us)
+          stamps_[i] = static_cast<std::int32_t>(long_before(now));
+      }
+    });
+  }
+
+ private:
+  std::size_t stride_;
+  std::vector<std::int32_t> stamps_;  // with a border of one pixel around the frame
+  Scrubber scrubber_;
+};
+
+class NoiseTiles {
+ public:
+  NoiseTiles(int width, int height);
+
+  void count(std::size_t x, std::size_t y) noexcept {
+    ++tiles_[(y >> shift_) * columns_ + (x >> shift_)].events;
+  }
+
+  // Updates the rate; the counts are those of the last dt_s.
+  void update(float dt_s) noexcept;
+
+  // Counted events per second and pixel where there are no objects.
+  float rate_hz() const noexcept { return rate_hz_; }
+
+  void clear() noexcept;
+
+  std::size_t size() const noexcept { return tiles_.size(); }
+
+ private:
+  struct Tile {
+    std::uint32_t events = 0;
+    float rate_hz = 0;  // per pixel
+    float pixels = 0;
+  };
+
+  int shift_;
+  std::size_t columns_;
+  std::vector<Tile> tiles_;
+  std::vector<float> sorted_;
+  float age_s_ = 0;
+  float rate_hz_ = 0;
+};
+
+// The rate of all noise per pixel, from the rate of its unsupported events: solves
+// unsupported = all exp(-8 all window) for `all`.
+float total_noise(float unsupported_hz, float window_s) noexcept;
+
+// The rate of the noise that has support, from the rate of all noise.
+float supported_noise(float noise_hz, float window_s) noexcept;
+
+// The window of the support, as long as the noise allows but at least `shortest_us`: the pixels of
+// a slow edge fire tens of ms apart.
+std::int32_t support_window_us(float noise_hz, std::int32_t shortest_us,
+                               std::int32_t longest_us) noexcept;
+
+}  // namespace asap::fast

@@ -1,0 +1,122 @@
+// How a track takes an event: exponential mean and covariance with a memory in events. Once the
+// outline is known, the innovation is blended with twice the radial residual, because edges fire
+// unevenly and the plain mean wobbles with them. Where noise is common, events far from the outline
+// do not count. In contact, covariance and contour are frozen, because each track would learn the
+// other's edges. One thread, per event. Inline, O(1), no allocation.
+// Source: own design.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "algorithms/fast/contour.hpp"
+#include "algorithms/fast/time.hpp"
+#include "algorithms/fast/track.hpp"
+
+namespace asap::fast {
+
+// 1/n for the memories of the means.
+class Reciprocals {
+ public:
+  explicit Reciprocals(std::uint32_t most) : values_(most + 1, 1.0F) {
+    for (std::uint32_t n = 1; n <= most; ++n) values_[n] = 1 / static_cast<float>(n);
+  }
+  float operator[](std::uint32_t n) const noexcept { return values_[n]; }
+
+ private:
+  std::vector<float> values_;
+};
+
+struct UpdateRule {
+  std::uint32_t mean_events = 0;    // memory of the mean; less with gamma
+  std::uint32_t covariance_events;  // memory of the covariance
+  std::uint32_t contour_mask = 0;   // the contour learns events whose number has none of these bits
+  float far_weight = 1;             // of events far from the outline
+  ContourRule contour;
+  float contact_gain;       // on the outline's residual
+  float contact_mean_gain;  // where the outline is unknown
+};
+
+// The weight of events far from the outline. If noise is rare, they belong to the object, whose
+// outline is not exact or whose motion changes. noise_hz: per pixel, of what reaches the tracks.
+inline float far_weight(float noise_hz) noexcept {
+  constexpr float kRare_hz = 0.1F;
+  constexpr float kCommon_hz = 0.5F;
+  return std::clamp((kCommon_hz - noise_hz) / (kCommon_hz - kRare_hz), 0.0F, 1.0F);
+}
+
+struct WeightRule {
+  float least;  // least weight of the plain mean
+  float scale;  // larger values favour the plain mean
+};
+
+// The weight of the plain mean, by inverse variances. Textured objects, whose events fill their
+// outline, fall back to the plain mean.
+inline float mean_weight(const Track& track, const Contour& contour,
+                         const WeightRule& rule) noexcept {
+  const float scatter = 2 * rule.scale * contour.variance;
+  const float spread = 0.5F * (track.sxx + track.syy) + 0.5F;
+  return std::clamp(scatter / (scatter + spread), rule.least, 1.0F);
+}
+
+// The weight of an event by its distance from the outline: 1 up to 3 px, `far` from 6 px on.
+// Textured objects, recognised by the weight of their plain mean, have events of their own there.
+inline float event_weight(float residual, float mean_weight, float far) noexcept {
+  constexpr float kNone_px = 6;
+  constexpr float kFade_px = 3;
+  const float near = (kNone_px - std::abs(residual)) * (1 / kFade_px);
+  const float textured = 5 * mean_weight - 1.5F;
+  return std::clamp(std::max(near, textured), far, 1.0F);
+}
+
+// Without contact.
+inline void update_mean(Track& track, Contour& contour, const Innovation& nu, Stamp now, float sign,
+                        const UpdateRule& rule, const Reciprocals& reciprocals,
+                        const DirectionTable& directions) noexcept {
+  const std::uint32_t n = ++track.events;
+  const float gain = reciprocals[std::min(n, rule.mean_events)];
+  const float spread_gain = reciprocals[std::min(n, rule.covariance_events)];
+  const float distance = length(nu.dx, nu.dy);
+  const std::size_t bin = directions.bin(nu.dx, nu.dy);
+  contour.polarity += gain * (sign - contour.polarity);
+
+  const float residual = contour.residual(bin, distance);
+  if ((n & rule.contour_mask) == 0) contour.learn(bin, distance, rule.contour);
+  float blend = 1;
+  if (n >= rule.mean_events && contour.known(bin, rule.contour) && distance > 0) {
+    const float clip = rule.contour.clip_px;
+    const float clipped = std::clamp(residual, -clip, clip);
+    blend = track.mean_weight + (1 - track.mean_weight) * 2 * clipped / distance;
+    blend *= event_weight(residual, track.mean_weight, rule.far_weight);
+  }
+  track.x = nu.mean_x + gain * blend * nu.dx;
+  track.y = nu.mean_y + gain * blend * nu.dy;
+  track.stamp = now;
+  track.sxx += spread_gain * ((1 - gain) * nu.dx * nu.dx - track.sxx);
+  track.sxy += spread_gain * ((1 - gain) * nu.dx * nu.dy - track.sxy);
+  track.syy += spread_gain * ((1 - gain) * nu.dy * nu.dy - track.syy);
+}
+
+// In contact: the mean alone, by the outline's residual.
+inline void update_in_contact(Track& track, Contour& contour, const Innovation& nu, Stamp now,
+                              float sign, const UpdateRule& rule, const Reciprocals& reciprocals,
+                              const DirectionTable& directions) noexcept {
+  const std::uint32_t n = ++track.events;
+  const float gain = reciprocals[std::min(n, rule.mean_events)];
+  const std::size_t bin = directions.bin(nu.dx, nu.dy);
+  contour.polarity += gain * (sign - contour.polarity);
+  float step = rule.contact_mean_gain * gain;
+  if (contour.known(bin, rule.contour)) {
+    const float distance = length(nu.dx, nu.dy);
+    const float clip = rule.contour.clip_px;
+    const float clipped = std::clamp(contour.residual(bin, distance), -clip, clip);
+    step = distance > 0 ? std::min(1.0F, 2 * rule.contact_gain * gain) * clipped / distance : 0;
+  }
+  track.x = nu.mean_x + step * nu.dx;
+  track.y = nu.mean_y + step * nu.dy;
+  track.stamp = now;
+}
+
+}  // namespace asap::fast
