@@ -4,7 +4,7 @@
 // process() is O(1) per event, whatever the number of clusters, and allocates nothing; all memory
 // is taken in the constructor. Results do not depend on how the stream is cut into calls. A stamp
 // that goes back counts as the latest one (by more than a second: time goes on from there).
-// Source: own design (fast/engine.hpp); the published rule is CompatClusterTracker.
+// Source: own design (fast/engine.hpp); the published rule is PublishedClusterTracker.
 #pragma once
 
 #include <cstdint>
