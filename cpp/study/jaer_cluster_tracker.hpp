@@ -15,8 +15,8 @@
 
 #include "algorithms/fast/coarse_index.hpp"
 #include "algorithms/fast/event_clock.hpp"
+#include "algorithms/sensor_frame.hpp"
 #include "asap/algorithms/cluster.hpp"
-#include "asap/algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
