@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <string>
 #include <variant>
 
 #include "algorithms/feature_tracks.hpp"
@@ -11,31 +12,8 @@
 #include "asap/core/check.hpp"
 
 namespace asap {
+
 class FeatureTracker::State {
- public:
-  explicit State(const Config& given)
-      : config(given), tracks(given), detector(make_detector(given)) {}
-
-  // Calls visit(i, id) for every event: the detector labels a block, then the tracks take its
-  // corners.
-  template <class Visit>
-  void for_each_label(EventSpan events, Visit&& visit) noexcept {
-    constexpr std::size_t kBlock = 256;
-    std::array<std::uint8_t, kBlock> corners;
-    const auto label = [&](auto& any) {
-      for (std::size_t first = 0; first < events.size(); first += kBlock) {
-        const std::size_t count = std::min(kBlock, events.size() - first);
-        any.process(events.subspan(first, count), std::span(corners).first(count));
-        for (std::size_t i = 0; i < count; ++i) {
-          const Event& event = events[first + i];
-          visit(first + i, corners[i] != 0 ? tracks.update(event) : FeatureTracks::kNoId);
-        }
-      }
-    };
-    std::visit(label, detector);
-  }
-
- private:
   // The detector that takes every event of the frame for a corner.
   class EveryEvent {
    public:
@@ -78,6 +56,28 @@ class FeatureTracker::State {
   }
 
  public:
+  explicit State(const Config& given)
+      : config(given), tracks(given), detector(make_detector(given)) {}
+
+  // Calls visit(i, id) for every event: the detector labels a block, then the tracks take its
+  // corners.
+  template <class Visit>
+  void for_each_label(EventSpan events, Visit&& visit) noexcept {
+    constexpr std::size_t kBlock = 256;
+    std::array<std::uint8_t, kBlock> corners;
+    const auto label = [&](auto& any) {
+      for (std::size_t first = 0; first < events.size(); first += kBlock) {
+        const std::size_t count = std::min(kBlock, events.size() - first);
+        any.process(events.subspan(first, count), std::span(corners).first(count));
+        for (std::size_t i = 0; i < count; ++i) {
+          const Event& event = events[first + i];
+          visit(first + i, corners[i] != 0 ? tracks.update(event) : FeatureTracks::kNoId);
+        }
+      }
+    };
+    std::visit(label, detector);
+  }
+
   Config config;
   FeatureTracks tracks;
   Detector detector;
