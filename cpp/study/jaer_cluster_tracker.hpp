@@ -15,8 +15,8 @@
 
 #include "algorithms/fast/association.hpp"
 #include "algorithms/fast/time.hpp"
+#include "algorithms/sensor_frame.hpp"
 #include "asap/algorithms/cluster.hpp"
-#include "asap/algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {

@@ -69,8 +69,8 @@ constexpr std::array<std::pair<const char*, ClusterSupport>, 3> kSupports{
      {"estimate", ClusterSupport::kEstimate},
      {"reject", ClusterSupport::kReject}}};
 
-constexpr std::array<std::pair<const char*, CompatMotion>, 2> kMotions{
-    {{"window", CompatMotion::kWindow}, {"kalman", CompatMotion::kKalman}}};
+constexpr std::array<std::pair<const char*, PublishedClusterMotion>, 2> kMotions{
+    {{"window", PublishedClusterMotion::kWindow}, {"kalman", PublishedClusterMotion::kKalman}}};
 
 template <class Number>
 Number number(const std::string& name, const py::handle& value) {
@@ -93,7 +93,7 @@ Kind one_of(const std::array<std::pair<const char*, Kind>, count>& kinds, const 
   throw_bad_value(field, shown(value), remedy);
 }
 
-py::dict parameters_of(const CompatClusterConfig& config) {
+py::dict parameters_of(const PublishedClusterTrackerConfig& config) {
   using namespace py::literals;
   py::dict parameters("engine"_a = "compat", "window"_a = config.window, "radius"_a = config.radius,
                       "probes"_a = config.probes, "weight"_a = config.weight,
@@ -152,8 +152,8 @@ ClusterTrackerConfig fast_config(int width, int height, const py::kwargs& given)
   return config;
 }
 
-CompatClusterConfig compat_config(int width, int height, const py::kwargs& given) {
-  CompatClusterConfig config{.width = width, .height = height};
+PublishedClusterTrackerConfig compat_config(int width, int height, const py::kwargs& given) {
+  PublishedClusterTrackerConfig config{.width = width, .height = height};
   for (const auto& [key, value] : given) {
     const auto name = py::cast<std::string>(key);
     if (name == "window") {
@@ -171,7 +171,7 @@ CompatClusterConfig compat_config(int width, int height, const py::kwargs& given
     } else if (name == "motion") {
       config.motion = one_of(kMotions, "motion", value, "must be \"window\" or \"kalman\"");
     } else {
-      throw_unknown<CompatClusterConfig>(name, value);
+      throw_unknown<PublishedClusterTrackerConfig>(name, value);
     }
   }
   return config;
@@ -185,7 +185,7 @@ std::unique_ptr<Tracker> make_tracker(int width, int height, const std::string& 
   }
   if (engine == "compat") {
     return std::make_unique<Tracker>(
-        Tracker{CompatClusterTracker(compat_config(width, height, parameters))});
+        Tracker{PublishedClusterTracker(compat_config(width, height, parameters))});
   }
   throw_bad_value("engine", engine, "must be \"fast\" or \"compat\"");
 }
@@ -216,7 +216,7 @@ void set_keep(Tracker& tracker, double gamma, bool filter_upstream) {
   if (auto* fast = std::get_if<ClusterTracker>(&tracker.engine)) {
     fast->set_keep(gamma, filter_upstream);
   } else {
-    std::get<CompatClusterTracker>(tracker.engine).set_keep(gamma);
+    std::get<PublishedClusterTracker>(tracker.engine).set_keep(gamma);
   }
 }
 

@@ -4,12 +4,12 @@
 #include <variant>
 
 #include "asap/algorithms/cluster_tracker.hpp"
-#include "asap/algorithms/compat_cluster_tracker.hpp"
+#include "asap/algorithms/published_cluster_tracker.hpp"
 
 namespace asap::python {
 
 struct EitherClusterTracker {
-  std::variant<ClusterTracker, CompatClusterTracker> engine;
+  std::variant<ClusterTracker, PublishedClusterTracker> engine;
 
   // Per package: what a runner calls.
   void process(EventSpan events) noexcept {

@@ -5,17 +5,13 @@
 #include <utility>
 #include <vector>
 
-#include "asap/algorithms/arc_star.hpp"
 #include "asap/algorithms/background_activity_filter.hpp"
-#include "asap/algorithms/e_fast.hpp"
-#include "asap/algorithms/e_harris.hpp"
+#include "asap/algorithms/corner_detector.hpp"
 #include "asap/algorithms/event_image.hpp"
-#include "asap/algorithms/fa_harris.hpp"
+#include "asap/algorithms/event_surface.hpp"
 #include "asap/algorithms/feature_tracker.hpp"
 #include "asap/algorithms/hot_pixel_mask.hpp"
 #include "asap/algorithms/plane_flow.hpp"
-#include "asap/algorithms/speed_invariant_time_surface.hpp"
-#include "asap/algorithms/threshold_ordinal_surface.hpp"
 #include "cluster_trackers.hpp"
 #include "exact_type.hpp"
 #include "gil.hpp"

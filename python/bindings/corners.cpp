@@ -4,11 +4,8 @@
 #include <string>
 
 #include "arrays.hpp"
-#include "asap/algorithms/arc_star.hpp"
 #include "asap/algorithms/background_activity_filter.hpp"
-#include "asap/algorithms/e_fast.hpp"
-#include "asap/algorithms/e_harris.hpp"
-#include "asap/algorithms/fa_harris.hpp"
+#include "asap/algorithms/corner_detector.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"

@@ -2,8 +2,7 @@
 #include <memory>
 
 #include "arrays.hpp"
-#include "asap/algorithms/speed_invariant_time_surface.hpp"
-#include "asap/algorithms/threshold_ordinal_surface.hpp"
+#include "asap/algorithms/event_surface.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "algorithms/cluster_streams.hpp"
-#include "asap/algorithms/compat_cluster_tracker.hpp"
+#include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/random.hpp"
 #include "asap/packager/packager.hpp"
 #include "asap/schemes/deadline.hpp"
@@ -103,7 +103,7 @@ class Clusters {
   void operator()(EventSpan events) { tracker_.process(events); }
 
  private:
-  asap::CompatClusterTracker tracker_{{.width = 346, .height = 260}};
+  asap::PublishedClusterTracker tracker_{{.width = 346, .height = 260}};
 };
 
 // Times of one package in all passes.

@@ -10,7 +10,7 @@
 #include "algorithms/cluster_streams.hpp"
 #include "algorithms/naive_clusterer.hpp"
 #include "asap/algorithms/background_activity_filter.hpp"
-#include "asap/algorithms/compat_cluster_tracker.hpp"
+#include "asap/algorithms/published_cluster_tracker.hpp"
 
 namespace {
 
@@ -65,15 +65,15 @@ void BM_ClusterTracker(benchmark::State& state, Stream stream, int width, int he
   run<asap::ClusterTracker>(state, stream, {.width = width, .height = height});
 }
 
-void BM_Compat(benchmark::State& state, Stream stream, asap::CompatClusterConfig config) {
-  run<asap::CompatClusterTracker>(state, stream, config);
+void BM_Compat(benchmark::State& state, Stream stream, asap::PublishedClusterTrackerConfig config) {
+  run<asap::PublishedClusterTracker>(state, stream, config);
 }
 
 void BM_RivalFilterThenCompat(benchmark::State& state, Stream stream,
-                              asap::CompatClusterConfig config) {
+                              asap::PublishedClusterTrackerConfig config) {
   const auto& events = stream();
   asap::BackgroundActivityFilter filter({.width = config.width, .height = config.height});
-  asap::CompatClusterTracker tracker(config);
+  asap::PublishedClusterTracker tracker(config);
   std::vector<asap::Event> passed(events.size());
   for (auto _ : state) {
     filter.reset();
@@ -84,7 +84,8 @@ void BM_RivalFilterThenCompat(benchmark::State& state, Stream stream,
   set_cost(state, events.size());
 }
 
-void BM_RivalAsPublished(benchmark::State& state, Stream stream, asap::CompatClusterConfig config) {
+void BM_RivalAsPublished(benchmark::State& state, Stream stream,
+                         asap::PublishedClusterTrackerConfig config) {
   const auto& events = stream();
   for (auto _ : state) {
     asap::test::NaiveClusterer clusterer(config, asap::UniformProbe(config.seed));
@@ -94,9 +95,9 @@ void BM_RivalAsPublished(benchmark::State& state, Stream stream, asap::CompatClu
   set_cost(state, events.size());
 }
 
-constexpr asap::CompatClusterConfig kLaunch{.width = 346, .height = 260};
-constexpr asap::CompatClusterConfig kNoProbes{.width = 346, .height = 260, .probes = 0};
-constexpr asap::CompatClusterConfig kLarge{
+constexpr asap::PublishedClusterTrackerConfig kLaunch{.width = 346, .height = 260};
+constexpr asap::PublishedClusterTrackerConfig kNoProbes{.width = 346, .height = 260, .probes = 0};
+constexpr asap::PublishedClusterTrackerConfig kLarge{
     .width = 346, .height = 260, .window = 3200, .min_size = 60};
 
 BENCHMARK_CAPTURE(BM_ClusterTracker, golden, golden, 346, 260);

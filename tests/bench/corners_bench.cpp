@@ -10,10 +10,7 @@
 
 #include "algorithms/corner_streams.hpp"
 #include "algorithms/naive_corners.hpp"
-#include "asap/algorithms/arc_star.hpp"
-#include "asap/algorithms/e_fast.hpp"
-#include "asap/algorithms/e_harris.hpp"
-#include "asap/algorithms/fa_harris.hpp"
+#include "asap/algorithms/corner_detector.hpp"
 #include "per_event.hpp"
 
 namespace {

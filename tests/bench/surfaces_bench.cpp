@@ -12,10 +12,9 @@
 #include "algorithms/corner_streams.hpp"
 #include "algorithms/naive_surfaces.hpp"
 #include "asap/algorithms/event_image.hpp"
+#include "asap/algorithms/event_surface.hpp"
 #include "asap/algorithms/hot_pixel_mask.hpp"
 #include "asap/algorithms/plane_flow.hpp"
-#include "asap/algorithms/speed_invariant_time_surface.hpp"
-#include "asap/algorithms/threshold_ordinal_surface.hpp"
 #include "per_event.hpp"
 
 namespace {

@@ -1,6 +1,8 @@
 #include "asap/algorithms/background_activity_filter.hpp"
 
 #include "algorithms/int4.hpp"
+#include "algorithms/recent_times.hpp"
+#include "algorithms/sensor_frame.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {
@@ -25,29 +27,67 @@ bool has_company(const Time* own, std::ptrdiff_t stride, Time oldest) noexcept {
 
 }  // namespace
 
-BackgroundActivityFilter::BackgroundActivityFilter(const Config& config)
-    : config_(checked(config)),
-      frame_(config.width, config.height),
-      stride_(frame_.width() + 2),
-      window_us_(static_cast<Time>(config.window_us)),
-      times_(stride_ * (frame_.height() + 2) + 1, RecentTimes::kLongAgo) {}
+class BackgroundActivityFilter::State {
+ public:
+  explicit State(const Config& given)
+      : config(checked(given)),
+        frame_(config.width, config.height),
+        stride_(frame_.width() + 2),
+        window_us_(static_cast<Time>(config.window_us)),
+        times_(stride_ * (frame_.height() + 2) + 1, RecentTimes::kLongAgo) {}
 
-bool BackgroundActivityFilter::update(const Event& event) noexcept {
-  if (!frame_.contains(event)) [[unlikely]] {
-    ++rejected_;
-    return false;
+  bool update(const Event& event) noexcept {
+    if (!frame_.contains(event)) [[unlikely]] {
+      ++rejected;
+      return false;
+    }
+    const Time now = times_.time_of(event.t);
+    Time* own = times_.data() + (event.y + 1U) * stride_ + event.x + 1;
+    const bool passes = has_company(own, static_cast<std::ptrdiff_t>(stride_), now - window_us_);
+    *own = now;
+    return passes;
   }
-  const Time now = times_.time_of(event.t);
-  Time* own = times_.data() + (event.y + 1U) * stride_ + event.x + 1;
-  const bool passes = has_company(own, static_cast<std::ptrdiff_t>(stride_), now - window_us_);
-  *own = now;
-  return passes;
+
+  void set_keep(double gamma) noexcept {
+    constexpr auto kLongest = static_cast<double>(RecentTimes::kMaxWindow_us);
+    const auto window = static_cast<double>(config.window_us);
+    window_us_ = static_cast<Time>(window < kLongest * gamma ? window / gamma : kLongest);
+  }
+
+  void reset() noexcept {
+    times_.clear();
+    window_us_ = static_cast<Time>(config.window_us);
+    rejected = 0;
+  }
+
+  Config config;
+  std::uint64_t rejected = 0;
+
+ private:
+  SensorFrame frame_;
+  std::size_t stride_;
+  Time window_us_;
+  RecentTimes times_;  // a border of one pixel lies around the frame
+};
+
+BackgroundActivityFilter::BackgroundActivityFilter(const Config& config)
+    : state_(std::make_unique<State>(config)) {}
+BackgroundActivityFilter::~BackgroundActivityFilter() = default;
+BackgroundActivityFilter::BackgroundActivityFilter(const BackgroundActivityFilter& other)
+    : state_(std::make_unique<State>(*other.state_)) {}
+BackgroundActivityFilter& BackgroundActivityFilter::operator=(
+    const BackgroundActivityFilter& other) {
+  return *this = BackgroundActivityFilter(other);
 }
+BackgroundActivityFilter::BackgroundActivityFilter(BackgroundActivityFilter&&) noexcept = default;
+BackgroundActivityFilter& BackgroundActivityFilter::operator=(BackgroundActivityFilter&&) noexcept =
+    default;
 
 std::size_t BackgroundActivityFilter::process(EventSpan events, Event* out) noexcept {
+  State& state = *state_;
   std::size_t passed = 0;
   for (const Event event : events) {
-    const bool passes = update(event);
+    const bool passes = state.update(event);
     out[passed] = event;
     passed += passes;
   }
@@ -56,15 +96,15 @@ std::size_t BackgroundActivityFilter::process(EventSpan events, Event* out) noex
 
 void BackgroundActivityFilter::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  constexpr auto kLongest = static_cast<double>(RecentTimes::kMaxWindow_us);
-  const auto window = static_cast<double>(config_.window_us);
-  window_us_ = static_cast<Time>(window < kLongest * gamma ? window / gamma : kLongest);
+  state_->set_keep(gamma);
 }
 
-void BackgroundActivityFilter::reset() noexcept {
-  times_.clear();
-  window_us_ = static_cast<Time>(config_.window_us);
-  rejected_ = 0;
+void BackgroundActivityFilter::reset() noexcept { state_->reset(); }
+
+std::uint64_t BackgroundActivityFilter::rejected() const noexcept { return state_->rejected; }
+
+const BackgroundActivityFilter::Config& BackgroundActivityFilter::config() const noexcept {
+  return state_->config;
 }
 
 }  // namespace asap

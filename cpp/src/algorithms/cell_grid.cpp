@@ -1,4 +1,4 @@
-#include "asap/algorithms/cell_grid.hpp"
+#include "algorithms/cell_grid.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -12,7 +12,7 @@
 #include <cstdint>
 
 #include "algorithms/int4.hpp"
-#include "asap/algorithms/order_surface.hpp"
+#include "algorithms/order_surface.hpp"
 
 namespace asap {
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 
+#include "algorithms/sensor_frame.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {
@@ -37,82 +38,168 @@ std::int64_t period_begin(std::int64_t stamp_us, std::int64_t period_us) noexcep
   return stamp_us < kEarliest + into ? kEarliest : stamp_us - into;
 }
 
+// later - earlier, without overflow.
+std::uint64_t distance(std::int64_t earlier, std::int64_t later) noexcept {
+  return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
+}
+
 }  // namespace
 
-EventImage::EventImage(const Config& config)
-    : config_(checked(config)),
-      frame_(config.width, config.height),
-      off_(std::size_t{frame_.width()} * frame_.height()),
-      on_(off_.size()),
-      times_us_(off_.size()),
-      image_(off_.size() * config.channels.size()) {}
+class EventImage::State {
+ public:
+  explicit State(const Config& given)
+      : config(checked(given)),
+        frame_(config.width, config.height),
+        off_(std::size_t{frame_.width()} * frame_.height()),
+        on_(off_.size()),
+        times_us_(off_.size()),
+        image_(off_.size() * config.channels.size()) {}
 
-void EventImage::begin() noexcept {
-  begin_us_ = config_.period_us > 0 ? period_begin(last_us_, config_.period_us) : last_us_;
-}
+  bool take(EventSpan& events) noexcept {
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      const Event& event = events[i];
+      if (!frame_.contains(event)) [[unlikely]] {
+        ++rejected;
+        continue;
+      }
+      last_us_ = event.t > last_us_ ? event.t : last_us_;
+      if (period_is_over()) {  // the event begins the next image
+        close();
+        events = events.subspan(i);
+        return true;
+      }
+      add(event);
+      if (is_full()) {
+        close();
+        events = events.subspan(i + 1);
+        return true;
+      }
+    }
+    events = {};
+    return false;
+  }
 
-void EventImage::close() noexcept {
-  // By count the newest event of the image is the last one seen.
-  image_begin_us_ = begin_us_;
-  image_end_us_ = plus(config_.period_us > 0 ? begin_us_ : last_us_,
-                       config_.period_us > 0 ? config_.period_us : 1);
-  float* out = image_.data();
-  for (const ImageChannel channel : config_.channels) {
-    draw(channel, out);
-    out += off_.size();
-  }
-  std::fill(off_.begin(), off_.end(), 0.0F);
-  std::fill(on_.begin(), on_.end(), 0.0F);
-  filled_ = 0;
-}
+  bool has_begun() const noexcept { return filled_ > 0; }
 
-void EventImage::draw(ImageChannel channel, float* out) const noexcept {
-  switch (channel) {
-    case ImageChannel::off:
-      std::copy(off_.begin(), off_.end(), out);
-      return;
-    case ImageChannel::on:
-      std::copy(on_.begin(), on_.end(), out);
-      return;
-    case ImageChannel::count:
-      std::transform(on_.begin(), on_.end(), off_.begin(), out, std::plus<>());
-      return;
-    case ImageChannel::sum:
-      std::transform(on_.begin(), on_.end(), off_.begin(), out, std::minus<>());
-      return;
-    case ImageChannel::time:
-      break;
+  void close() noexcept {
+    // By count the newest event of the image is the last one seen.
+    image_begin_us_ = begin_us_;
+    image_end_us_ = plus(config.period_us > 0 ? begin_us_ : last_us_,
+                         config.period_us > 0 ? config.period_us : 1);
+    float* out = image_.data();
+    for (const ImageChannel channel : config.channels) {
+      draw(channel, out);
+      out += off_.size();
+    }
+    std::fill(off_.begin(), off_.end(), 0.0F);
+    std::fill(on_.begin(), on_.end(), 0.0F);
+    filled_ = 0;
   }
-  // A stamp stands for the whole microsecond, so an event at the begin differs from none.
-  const double duration_us = static_cast<double>(distance(image_begin_us_, image_end_us_));
-  for (std::size_t i = 0; i < off_.size(); ++i) {
-    const double age_us = static_cast<double>(distance(begin_us_, times_us_[i])) + 1;
-    const bool fired = on_[i] > 0 || off_[i] > 0;
-    out[i] = fired ? static_cast<float>(std::min(age_us / duration_us, 1.0)) : 0.0F;
+
+  ImageView image() const noexcept { return {image_, image_begin_us_, image_end_us_}; }
+
+  void set_keep(double gamma) noexcept { weight_ = 1 / std::max(gamma, kLeastKeep); }
+
+  void reset() noexcept {
+    std::fill(off_.begin(), off_.end(), 0.0F);
+    std::fill(on_.begin(), on_.end(), 0.0F);
+    std::fill(image_.begin(), image_.end(), 0.0F);
+    weight_ = 1;
+    filled_ = 0;
+    last_us_ = std::numeric_limits<std::int64_t>::min();
+    image_begin_us_ = 0;
+    image_end_us_ = 0;
+    rejected = 0;
   }
-}
+
+  Config config;
+  std::uint64_t rejected = 0;
+
+ private:
+  bool period_is_over() const noexcept {
+    return config.period_us > 0 && has_begun() &&
+           distance(begin_us_, last_us_) >= static_cast<std::uint64_t>(config.period_us);
+  }
+
+  bool is_full() const noexcept {
+    return config.count > 0 && filled_ >= static_cast<double>(config.count);
+  }
+
+  void add(const Event& event) noexcept {
+    if (!has_begun()) {
+      begin_us_ = config.period_us > 0 ? period_begin(last_us_, config.period_us) : last_us_;
+    }
+    const std::size_t pixel = event.y * std::size_t{frame_.width()} + event.x;
+    (event.p > 0 ? on_ : off_)[pixel] += static_cast<float>(weight_);
+    times_us_[pixel] = last_us_;
+    filled_ += weight_;
+  }
+
+  void draw(ImageChannel channel, float* out) const noexcept {
+    switch (channel) {
+      case ImageChannel::off:
+        std::copy(off_.begin(), off_.end(), out);
+        return;
+      case ImageChannel::on:
+        std::copy(on_.begin(), on_.end(), out);
+        return;
+      case ImageChannel::count:
+        std::transform(on_.begin(), on_.end(), off_.begin(), out, std::plus<>());
+        return;
+      case ImageChannel::sum:
+        std::transform(on_.begin(), on_.end(), off_.begin(), out, std::minus<>());
+        return;
+      case ImageChannel::time:
+        break;
+    }
+    // A stamp stands for the whole microsecond, so an event at the begin differs from none.
+    const double duration_us = static_cast<double>(distance(image_begin_us_, image_end_us_));
+    for (std::size_t i = 0; i < off_.size(); ++i) {
+      const double age_us = static_cast<double>(distance(begin_us_, times_us_[i])) + 1;
+      const bool fired = on_[i] > 0 || off_[i] > 0;
+      out[i] = fired ? static_cast<float>(std::min(age_us / duration_us, 1.0)) : 0.0F;
+    }
+  }
+
+  SensorFrame frame_;
+  std::vector<float> off_;  // of the image that has begun
+  std::vector<float> on_;
+  std::vector<std::int64_t> times_us_;
+  std::vector<float> image_;
+  double weight_ = 1;
+  double filled_ = 0;  // weight of the image that has begun
+  std::int64_t begin_us_ = 0;
+  std::int64_t last_us_ = std::numeric_limits<std::int64_t>::min();
+  std::int64_t image_begin_us_ = 0;
+  std::int64_t image_end_us_ = 0;
+};
+
+EventImage::EventImage(const Config& config) : state_(std::make_unique<State>(config)) {}
+EventImage::~EventImage() = default;
+EventImage::EventImage(const EventImage& other) : state_(std::make_unique<State>(*other.state_)) {}
+EventImage& EventImage::operator=(const EventImage& other) { return *this = EventImage(other); }
+EventImage::EventImage(EventImage&&) noexcept = default;
+EventImage& EventImage::operator=(EventImage&&) noexcept = default;
+
+bool EventImage::take(EventSpan& events) noexcept { return state_->take(events); }
 
 bool EventImage::flush() noexcept {
-  if (!has_begun()) return false;
-  close();
+  if (!state_->has_begun()) return false;
+  state_->close();
   return true;
 }
 
+ImageView EventImage::image() const noexcept { return state_->image(); }
+
 void EventImage::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  weight_ = 1 / std::max(gamma, kLeastKeep);
+  state_->set_keep(gamma);
 }
 
-void EventImage::reset() noexcept {
-  std::fill(off_.begin(), off_.end(), 0.0F);
-  std::fill(on_.begin(), on_.end(), 0.0F);
-  std::fill(image_.begin(), image_.end(), 0.0F);
-  weight_ = 1;
-  filled_ = 0;
-  last_us_ = std::numeric_limits<std::int64_t>::min();
-  image_begin_us_ = 0;
-  image_end_us_ = 0;
-  rejected_ = 0;
-}
+void EventImage::reset() noexcept { state_->reset(); }
+
+std::uint64_t EventImage::rejected() const noexcept { return state_->rejected; }
+
+const EventImage::Config& EventImage::config() const noexcept { return state_->config; }
 
 }  // namespace asap

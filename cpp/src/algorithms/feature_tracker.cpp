@@ -3,80 +3,124 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <string>
+#include <variant>
 
+#include "algorithms/feature_tracks.hpp"
+#include "algorithms/sensor_frame.hpp"
+#include "asap/algorithms/corner_detector.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {
 
-FeatureTracker::Detector FeatureTracker::make_detector(const Config& config) {
-  const int width = config.width;
-  const int height = config.height;
-  switch (config.detector) {
-    case CornerSource::every_event:
-      return EveryEvent({.width = width, .height = height});
-    case CornerSource::e_fast:
-      return EFast({.width = width, .height = height});
-    case CornerSource::arc_star:
-      return ArcStar({.width = width, .height = height});
-    case CornerSource::e_harris:
-      return EHarris({.width = width, .height = height});
-    case CornerSource::fa_harris:
-      return FAHarris({.width = width, .height = height});
+class FeatureTracker::State {
+  // The detector that takes every event of the frame for a corner.
+  class EveryEvent {
+   public:
+    EveryEvent(int width, int height) : frame_(width, height) {}
+
+    void process(EventSpan events, std::span<std::uint8_t> corners) noexcept {
+      for (std::size_t i = 0; i < events.size(); ++i) {
+        corners[i] = frame_.contains(events[i]);
+        rejected_ += corners[i] == 0;
+      }
+    }
+
+    void reset() noexcept { rejected_ = 0; }
+    std::uint64_t rejected() const noexcept { return rejected_; }
+
+   private:
+    SensorFrame frame_;
+    std::uint64_t rejected_ = 0;
+  };
+
+  using Detector = std::variant<EveryEvent, EFast, ArcStar, EHarris, FAHarris>;
+
+  static Detector make_detector(const Config& config) {
+    const int width = config.width;
+    const int height = config.height;
+    switch (config.detector) {
+      case CornerSource::every_event:
+        return EveryEvent(width, height);
+      case CornerSource::e_fast:
+        return EFast({.width = width, .height = height});
+      case CornerSource::arc_star:
+        return ArcStar({.width = width, .height = height});
+      case CornerSource::e_harris:
+        return EHarris({.width = width, .height = height});
+      case CornerSource::fa_harris:
+        return FAHarris({.width = width, .height = height});
+    }
+    throw_bad_value("detector", std::to_string(static_cast<int>(config.detector)),
+                    "must be a CornerSource");
   }
-  throw_bad_value("detector", std::to_string(static_cast<int>(config.detector)),
-                  "must be a CornerSource");
-}
 
-FeatureTracker::FeatureTracker(const Config& config)
-    : config_(checked(config)), detector_(make_detector(config_)), tracks_(config_) {}
+ public:
+  explicit State(const Config& given)
+      : config(given), tracks(given), detector(make_detector(given)) {}
 
-// Calls visit(i, id) for every event: the detector labels a block, then the tracks take its
-// corners.
-template <class Visit>
-void FeatureTracker::for_each_label(EventSpan events, Visit&& visit) noexcept {
-  constexpr std::size_t kBlock = 256;
-  std::array<std::uint8_t, kBlock> corners;
-  std::visit(
-      [&](auto& detector) {
-        for (std::size_t first = 0; first < events.size(); first += kBlock) {
-          const std::size_t count = std::min(kBlock, events.size() - first);
-          detector.process(events.subspan(first, count), std::span(corners).first(count));
-          for (std::size_t i = 0; i < count; ++i) {
-            const Event& event = events[first + i];
-            visit(first + i, corners[i] != 0 ? tracks_.update(event) : FeatureTracks::kNoId);
-          }
+  // Calls visit(i, id) for every event: the detector labels a block, then the tracks take its
+  // corners.
+  template <class Visit>
+  void for_each_label(EventSpan events, Visit&& visit) noexcept {
+    constexpr std::size_t kBlock = 256;
+    std::array<std::uint8_t, kBlock> corners;
+    const auto label = [&](auto& any) {
+      for (std::size_t first = 0; first < events.size(); first += kBlock) {
+        const std::size_t count = std::min(kBlock, events.size() - first);
+        any.process(events.subspan(first, count), std::span(corners).first(count));
+        for (std::size_t i = 0; i < count; ++i) {
+          const Event& event = events[first + i];
+          visit(first + i, corners[i] != 0 ? tracks.update(event) : FeatureTracks::kNoId);
         }
-      },
-      detector_);
-}
+      }
+    };
+    std::visit(label, detector);
+  }
+
+  Config config;
+  FeatureTracks tracks;
+  Detector detector;
+};
+
+FeatureTracker::FeatureTracker(const Config& config) : state_(std::make_unique<State>(config)) {}
+FeatureTracker::~FeatureTracker() = default;
+FeatureTracker::FeatureTracker(FeatureTracker&&) noexcept = default;
+FeatureTracker& FeatureTracker::operator=(FeatureTracker&&) noexcept = default;
 
 void FeatureTracker::process(EventSpan events) noexcept {
-  for_each_label(events, [](std::size_t, std::int32_t) {});
+  state_->for_each_label(events, [](std::size_t, std::int32_t) {});
 }
 
 void FeatureTracker::process(EventSpan events, std::span<std::int32_t> labels) {
   require(labels.size() == events.size(), "labels.size()", labels.size(),
           "must be the number of events");
-  for_each_label(events, [&](std::size_t i, std::int32_t id) { labels[i] = id; });
+  state_->for_each_label(events, [&](std::size_t i, std::int32_t id) { labels[i] = id; });
 }
 
 std::vector<FeatureTrack> FeatureTracker::tracks() const {
-  std::vector<FeatureTrack> tracks;
-  tracks_.read(tracks);
-  return tracks;
+  std::vector<FeatureTrack> read;
+  tracks(read);
+  return read;
+}
+
+void FeatureTracker::tracks(std::vector<FeatureTrack>& tracks) const {
+  state_->tracks.read(tracks);
 }
 
 void FeatureTracker::set_keep(double gamma) {
-  std::visit([&](auto& detector) { detector.set_keep(gamma); }, detector_);
+  require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 
 void FeatureTracker::reset() noexcept {
-  std::visit([](auto& detector) { detector.reset(); }, detector_);
-  tracks_.clear();
+  std::visit([](auto& detector) { detector.reset(); }, state_->detector);
+  state_->tracks.clear();
 }
 
 std::uint64_t FeatureTracker::rejected() const noexcept {
-  return std::visit([](const auto& detector) { return detector.rejected(); }, detector_);
+  return std::visit([](const auto& detector) { return detector.rejected(); }, state_->detector);
 }
+
+const FeatureTracker::Config& FeatureTracker::config() const noexcept { return state_->config; }
 
 }  // namespace asap

@@ -5,7 +5,7 @@
 // 2016.
 #pragma once
 
-#include "asap/algorithms/newest_patch.hpp"
+#include "algorithms/newest_patch.hpp"
 
 namespace asap {
 

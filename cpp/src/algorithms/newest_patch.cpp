@@ -1,4 +1,4 @@
-#include "asap/algorithms/newest_patch.hpp"
+#include "algorithms/newest_patch.hpp"
 
 #include <array>
 #include <cstddef>

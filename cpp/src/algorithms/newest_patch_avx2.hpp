@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/algorithms/newest_patch.hpp"
+#include "algorithms/newest_patch.hpp"
 
 namespace asap {
 

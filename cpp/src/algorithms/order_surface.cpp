@@ -1,4 +1,4 @@
-#include "asap/algorithms/order_surface.hpp"
+#include "algorithms/order_surface.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/plane_fit.hpp"
+#include "algorithms/plane_fit.hpp"
 
 #include <algorithm>
 #include <numeric>

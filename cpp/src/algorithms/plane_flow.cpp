@@ -1,5 +1,8 @@
 #include "asap/algorithms/plane_flow.hpp"
 
+#include "algorithms/plane_fit.hpp"
+#include "algorithms/recent_times.hpp"
+#include "algorithms/sensor_frame.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {
@@ -20,43 +23,68 @@ bool is_flat(double squared_slope) noexcept { return squared_slope < 1e-6; }
 
 }  // namespace
 
-PlaneFlow::PlaneFlow(const Config& config)
-    : config_(checked(config)),
-      frame_(config.width, config.height),
-      stride_(frame_.width() + 2 * kBorder),
-      plane_(stride_ * (frame_.height() + 2 * kBorder)),
-      times_(2 * plane_ + PlaneFit::kLanes, RecentTimes::kLongAgo) {}
+class PlaneFlow::State {
+ public:
+  explicit State(const Config& given)
+      : config(checked(given)),
+        frame_(config.width, config.height),
+        stride_(frame_.width() + 2 * kBorder),
+        plane_(stride_ * (frame_.height() + 2 * kBorder)),
+        times_(2 * plane_ + PlaneFit::kLanes, RecentTimes::kLongAgo) {}
 
-bool PlaneFlow::update(const Event& event, Flow& flow) noexcept {
-  if (!frame_.contains(event)) [[unlikely]] {
-    ++rejected_;
-    return false;
-  }
-  const RecentTimes::Time now = times_.time_of(event.t);
-  RecentTimes::Time* const own = times_.data() + (event.p > 0 ? plane_ : 0) +
-                                 (event.y + kBorder) * stride_ + event.x + kBorder;
-  *own = now;
+  bool update(const Event& event, Flow& flow) noexcept {
+    if (!frame_.contains(event)) [[unlikely]] {
+      ++rejected;
+      return false;
+    }
+    const RecentTimes::Time now = times_.time_of(event.t);
+    RecentTimes::Time* const own = times_.data() + (event.p > 0 ? plane_ : 0) +
+                                   (event.y + kBorder) * stride_ + event.x + kBorder;
+    *own = now;
 
-  PlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_),
-               static_cast<RecentTimes::Time>(config_.window_us));
-  TimePlane plane;
-  if (fit.points() < config_.min_points || !fit.fit(plane)) return false;
-  if (config_.refit && fit.drop_outliers(plane) > 0) {
-    if (fit.points() < config_.min_points || !fit.fit(plane)) return false;
+    PlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_),
+                 static_cast<RecentTimes::Time>(config.window_us));
+    TimePlane plane;
+    if (fit.points() < config.min_points || !fit.fit(plane)) return false;
+    if (config.refit && fit.drop_outliers(plane) > 0) {
+      if (fit.points() < config.min_points || !fit.fit(plane)) return false;
+    }
+    const double squared_slope = plane.a * plane.a + plane.b * plane.b;
+    if (is_flat(squared_slope)) return false;
+    constexpr double kUsPerS = 1e6;
+    flow.vx = static_cast<float>(kUsPerS * plane.a / squared_slope);
+    flow.vy = static_cast<float>(kUsPerS * plane.b / squared_slope);
+    return true;
   }
-  const double squared_slope = plane.a * plane.a + plane.b * plane.b;
-  if (is_flat(squared_slope)) return false;
-  constexpr double kUsPerS = 1e6;
-  flow.vx = static_cast<float>(kUsPerS * plane.a / squared_slope);
-  flow.vy = static_cast<float>(kUsPerS * plane.b / squared_slope);
-  return true;
-}
+
+  void reset() noexcept {
+    times_.clear();
+    rejected = 0;
+  }
+
+  Config config;
+  std::uint64_t rejected = 0;
+
+ private:
+  SensorFrame frame_;
+  std::size_t stride_;
+  std::size_t plane_;
+  RecentTimes times_;  // a plane per polarity; a border lies around the frame
+};
+
+PlaneFlow::PlaneFlow(const Config& config) : state_(std::make_unique<State>(config)) {}
+PlaneFlow::~PlaneFlow() = default;
+PlaneFlow::PlaneFlow(const PlaneFlow& other) : state_(std::make_unique<State>(*other.state_)) {}
+PlaneFlow& PlaneFlow::operator=(const PlaneFlow& other) { return *this = PlaneFlow(other); }
+PlaneFlow::PlaneFlow(PlaneFlow&&) noexcept = default;
+PlaneFlow& PlaneFlow::operator=(PlaneFlow&&) noexcept = default;
 
 std::size_t PlaneFlow::process(EventSpan events) noexcept {
+  State& state = *state_;
   std::size_t with_flow = 0;
   for (const Event& event : events) {
     Flow flow;
-    with_flow += update(event, flow);
+    with_flow += state.update(event, flow);
   }
   return with_flow;
 }
@@ -64,10 +92,11 @@ std::size_t PlaneFlow::process(EventSpan events) noexcept {
 std::size_t PlaneFlow::process(EventSpan events, std::span<Flow> flows) {
   require(flows.size() == events.size(), "flows.size()", flows.size(),
           "must be the number of events");
+  State& state = *state_;
   std::size_t with_flow = 0;
   for (std::size_t i = 0; i < events.size(); ++i) {
     flows[i] = {};
-    with_flow += update(events[i], flows[i]);
+    with_flow += state.update(events[i], flows[i]);
   }
   return with_flow;
 }
@@ -76,9 +105,10 @@ void PlaneFlow::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 
-void PlaneFlow::reset() noexcept {
-  times_.clear();
-  rejected_ = 0;
-}
+void PlaneFlow::reset() noexcept { state_->reset(); }
+
+std::uint64_t PlaneFlow::rejected() const noexcept { return state_->rejected; }
+
+const PlaneFlow::Config& PlaneFlow::config() const noexcept { return state_->config; }
 
 }  // namespace asap

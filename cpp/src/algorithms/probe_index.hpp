@@ -12,8 +12,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "algorithms/cell_grid.hpp"
 #include "algorithms/key_set.hpp"
-#include "asap/algorithms/cell_grid.hpp"
 
 namespace asap {
 

@@ -1,4 +1,4 @@
-#include "asap/algorithms/sensor_frame.hpp"
+#include "algorithms/sensor_frame.hpp"
 
 #include "asap/core/check.hpp"
 

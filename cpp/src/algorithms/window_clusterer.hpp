@@ -16,16 +16,16 @@
 #include <utility>
 #include <vector>
 
+#include "algorithms/cell_grid.hpp"
+#include "algorithms/centre_grid.hpp"
 #include "algorithms/chain_velocity.hpp"
 #include "algorithms/cluster_motion.hpp"
 #include "algorithms/event_window.hpp"
 #include "algorithms/probe_index.hpp"
 #include "algorithms/uniform_probe.hpp"
 #include "algorithms/window_moments.hpp"
-#include "asap/algorithms/cell_grid.hpp"
-#include "asap/algorithms/centre_grid.hpp"
 #include "asap/algorithms/cluster.hpp"
-#include "asap/algorithms/compat_cluster_config.hpp"
+#include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
@@ -49,7 +49,7 @@ class WindowClusterer {
   };
 
   // Precondition: the configuration is checked.
-  WindowClusterer(const CompatClusterConfig& config, Sampler sampler)
+  WindowClusterer(const PublishedClusterTrackerConfig& config, Sampler sampler)
       : radius_(config.radius),
         reach_(static_cast<int>(std::min(config.radius, 0x1p20))),
         probes_(static_cast<std::uint64_t>(config.probes)),
@@ -62,7 +62,7 @@ class WindowClusterer {
         centres_(grid_.size(), window_.capacity()),
         index_(probes_ > 0 ? grid_.size() : 0, probes_ > 0 ? window_.capacity() : 0),
         states_(window_.capacity()),
-        motions_(config.motion == CompatMotion::kKalman ? window_.capacity() : 0) {
+        motions_(config.motion == PublishedClusterMotion::kKalman ? window_.capacity() : 0) {
     free_.reserve(states_.size());
     assigned_.reserve(states_.size());
     keyless_.reserve(states_.size());

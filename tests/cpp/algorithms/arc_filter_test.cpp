@@ -1,4 +1,4 @@
-#include "asap/algorithms/arc_filter.hpp"
+#include "algorithms/arc_filter.hpp"
 
 #include <gtest/gtest.h>
 

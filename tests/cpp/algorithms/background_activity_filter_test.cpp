@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "algorithms/corner_streams.hpp"
 #include "algorithms/naive_corners.hpp"
+#include "algorithms/recent_times.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
@@ -166,6 +168,24 @@ TEST(BackgroundActivityFilter, NamesBadParameters) {
   EXPECT_EQ(
       error_of([] { BackgroundActivityFilter({.width = 9, .height = 9, .window_us = 500000001}); }),
       "window_us = 500000001: must be 0 to 500000000 us");
+}
+
+TEST(BackgroundActivityFilter, ACopyGoesItsOwnWay) {
+  const auto events = asap::test::golden_corner_stream(20'000);
+  const Events first(events.begin(), events.begin() + 10'000);
+  const Events second(events.begin() + 10'000, events.end());
+  BackgroundActivityFilter filter({.width = 346, .height = 260});
+  passed(filter, first);
+  BackgroundActivityFilter copy = filter;
+  BackgroundActivityFilter other({.width = 1, .height = 1});
+  other = copy;
+  BackgroundActivityFilter moved = std::move(copy);
+  copy = other;  // what was moved from takes a new value
+  const auto expected = passed(filter, second);
+  for (BackgroundActivityFilter* each : {&moved, &other, &copy}) {
+    EXPECT_EQ(passed(*each, second), expected);
+    EXPECT_EQ(each->config().width, 346);
+  }
 }
 
 TEST(BackgroundActivityFilter, AllocatesOnlyInTheConstructor) {

@@ -1,4 +1,4 @@
-#include "asap/algorithms/centre_grid.hpp"
+#include "algorithms/centre_grid.hpp"
 
 #include <gtest/gtest.h>
 

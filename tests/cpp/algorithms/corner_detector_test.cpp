@@ -5,21 +5,24 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "algorithms/corner_streams.hpp"
-#include "asap/algorithms/arc_star.hpp"
-#include "asap/algorithms/e_fast.hpp"
-#include "asap/algorithms/e_harris.hpp"
-#include "asap/algorithms/fa_harris.hpp"
+#include "algorithms/naive_corners.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
 namespace corner_detector_test {
 namespace {
 
+using asap::ArcStar;
+using asap::EFast;
+using asap::EHarris;
 using asap::Event;
+using asap::FAHarris;
 using Labels = std::vector<std::uint8_t>;
 
 template <class Detector>
@@ -156,6 +159,22 @@ TYPED_TEST(CornerDetector, NamesBadSides) {
             "height = -2: must be 1 to 16384 px");
 }
 
+TYPED_TEST(CornerDetector, MovesWithItsState) {
+  const auto labels = labels_of(this->detector_, this->stream());
+  const std::size_t half = labels.size() / 2;
+  const auto first = std::span(this->stream()).first(half);
+  const auto rest = std::span(this->stream()).subspan(half);
+  TypeParam begun{this->detector_.config()};
+  begun.process(first);
+  TypeParam moved(std::move(begun));
+  TypeParam other({.width = 1, .height = 1});
+  other = std::move(moved);
+  Labels again(rest.size());
+  other.process(rest, again);
+  EXPECT_TRUE(std::equal(again.begin(), again.end(), labels.end() - std::ssize(again)));
+  EXPECT_EQ(other.config().width, 346);
+}
+
 TYPED_TEST(CornerDetector, AllocatesOnlyInTheConstructor) {
   Labels labels(this->stream().size());
   const std::size_t before = asap::test::allocations();
@@ -164,6 +183,148 @@ TYPED_TEST(CornerDetector, AllocatesOnlyInTheConstructor) {
   this->detector_.reset();
   this->detector_.process(this->stream());
   EXPECT_EQ(asap::test::allocations(), before);
+}
+
+TEST(EFast, GoldenVector) {
+  const auto events = asap::test::golden_corner_stream();
+  Labels labels(events.size());
+  EFast({.width = 346, .height = 260}).process(events, labels);
+  EXPECT_EQ(std::count(labels.begin(), labels.end(), 1), 694);
+  EXPECT_EQ(asap::test::hash_of(labels), 0x61ce6dcbU);
+}
+
+TEST(EFast, AgreesWithTheDefinition) {
+  for (const auto& wild : asap::test::wild_streams()) {
+    const auto events = asap::test::wild_stream(wild, 20'000);
+    Labels labels(events.size());
+    EFast({.width = wild.width, .height = wild.height}).process(events, labels);
+    ASSERT_EQ(labels, naive_labels(asap::test::NaiveEFast(wild.width, wild.height), events))
+        << wild.seed;
+    if (wild.width == 40) {
+      EXPECT_GT(std::count(labels.begin(), labels.end(), 1), 20) << wild.seed;
+    }
+  }
+}
+
+TEST(ArcStar, GoldenVector) {
+  const auto events = asap::test::golden_corner_stream();
+  Labels labels(events.size());
+  ArcStar({.width = 346, .height = 260}).process(events, labels);
+  EXPECT_EQ(std::count(labels.begin(), labels.end(), 1), 7354);
+  EXPECT_EQ(asap::test::hash_of(labels), 0x287f6925U);
+}
+
+TEST(ArcStar, TheDefinitionTestsAsManyEventsAsTheRelease) {
+  asap::test::NaiveArcStar naive(346, 260);
+  for (const asap::Event& event : asap::test::golden_corner_stream()) naive.update(event);
+  EXPECT_EQ(naive.tested(), 163'776U);
+}
+
+TEST(ArcStar, AgreesWithTheDefinition) {
+  for (const auto& wild : asap::test::wild_streams()) {
+    for (const std::int64_t filter_us : {0, 50'000}) {
+      const auto events = asap::test::wild_stream(wild, 20'000);
+      Labels labels(events.size());
+      ArcStar({.width = wild.width, .height = wild.height, .filter_us = filter_us})
+          .process(events, labels);
+      const asap::test::NaiveArcStar naive(wild.width, wild.height, filter_us);
+      ASSERT_EQ(labels, naive_labels(naive, events)) << wild.seed;
+      if (wild.width == 40) {
+        EXPECT_GT(std::count(labels.begin(), labels.end(), 1), 20);
+      }
+    }
+  }
+}
+
+TEST(ArcStar, NamesABadFilter) {
+  EXPECT_EQ(asap::test::error_of([] { ArcStar({.width = 10, .height = 10, .filter_us = -1}); }),
+            "filter_us = -1: must be 0 to 500000000 us");
+}
+
+TEST(EHarris, GoldenVector) {
+  const auto events = asap::test::golden_corner_stream();
+  Labels labels(events.size());
+  EHarris({.width = 346, .height = 260}).process(events, labels);
+  EXPECT_EQ(std::count(labels.begin(), labels.end(), 1), 724);
+  EXPECT_EQ(asap::test::hash_of(labels), 0x6df63b99U);
+}
+
+TEST(EHarris, AgreesWithTheDefinition) {
+  for (const auto& wild : asap::test::wild_streams()) {
+    for (const double threshold : {8.0, 1.5}) {
+      const auto events = asap::test::wild_stream(wild, 6000);
+      Labels labels(events.size());
+      EHarris({.width = wild.width, .height = wild.height, .threshold = threshold})
+          .process(events, labels);
+      const asap::test::NaiveEHarris naive(wild.width, wild.height, threshold);
+      ASSERT_EQ(labels, naive_labels(naive, events)) << wild.seed;
+      if (wild.width == 40) {
+        EXPECT_GT(std::count(labels.begin(), labels.end(), 1), 5) << threshold;
+      }
+    }
+  }
+}
+
+// Every pixel of a frame in turn: all windows are full, and the threshold lets all of them through.
+TEST(EHarris, TestsOneColumnAndOneRowMoreThanTheRings) {
+  std::vector<asap::Event> events;
+  for (int round = 0; round < 2; ++round) {
+    for (std::uint16_t y = 0; y < 12; ++y) {
+      for (std::uint16_t x = 0; x < 15; ++x) events.push_back({.x = x, .y = y, .p = 0, .t = 0});
+    }
+  }
+  Labels labels(events.size());
+  EHarris({.width = 15, .height = 12, .threshold = -1e9}).process(events, labels);
+  for (std::size_t i = 180; i < events.size(); ++i) {
+    const auto [x, y, p, t] = events[i];
+    EXPECT_EQ(labels[i] != 0, 4 <= x && x <= 11 && 4 <= y && y <= 8) << x << ' ' << y;
+  }
+}
+
+TEST(EHarris, NamesABadThreshold) {
+  EXPECT_EQ(asap::test::error_of([] {
+              constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+              EHarris({.width = 10, .height = 10, .threshold = kNan});
+            }),
+            "threshold = nan: must be finite");
+}
+
+TEST(FAHarris, GoldenVector) {
+  const auto events = asap::test::golden_corner_stream();
+  Labels labels(events.size());
+  FAHarris({.width = 346, .height = 260}).process(events, labels);
+  EXPECT_EQ(std::count(labels.begin(), labels.end(), 1), 71);
+  EXPECT_EQ(asap::test::hash_of(labels), 0x9a2dab8eU);
+}
+
+TEST(FAHarris, AgreesWithTheDefinition) {
+  for (const auto& wild : asap::test::wild_streams()) {
+    for (const double threshold : {8.0, -1.0}) {
+      for (const std::int64_t filter_us : {0, 50'000}) {
+        const auto events = asap::test::wild_stream(wild, 20'000);
+        Labels labels(events.size());
+        FAHarris({.width = wild.width,
+                  .height = wild.height,
+                  .filter_us = filter_us,
+                  .threshold = threshold})
+            .process(events, labels);
+        const asap::test::NaiveFAHarris naive(wild.width, wild.height, filter_us, threshold);
+        ASSERT_EQ(labels, naive_labels(naive, events)) << wild.seed;
+        if (wild.width == 40 && threshold < 0 && filter_us == 0) {
+          EXPECT_GT(std::count(labels.begin(), labels.end(), 1), 5);
+        }
+      }
+    }
+  }
+}
+
+TEST(FAHarris, NamesBadParameters) {
+  using asap::test::error_of;
+  EXPECT_EQ(error_of([] { FAHarris({.width = 10, .height = 10, .filter_us = -1}); }),
+            "filter_us = -1: must be 0 to 500000000 us");
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(error_of([] { FAHarris({.width = 10, .height = 10, .threshold = kInfinity}); }),
+            "threshold = inf: must be finite");
 }
 
 }  // namespace

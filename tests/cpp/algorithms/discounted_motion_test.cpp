@@ -1,4 +1,4 @@
-#include "asap/algorithms/discounted_motion.hpp"
+#include "algorithms/discounted_motion.hpp"
 
 #include <gtest/gtest.h>
 

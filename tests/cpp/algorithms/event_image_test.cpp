@@ -9,6 +9,7 @@
 #include <map>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "algorithms/corner_streams.hpp"
@@ -292,6 +293,24 @@ TEST(EventImage, NamesBadParameters) {
             "period_us = 9223372036854775807: must be 0 to 10^12 us");
   EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .count = 1, .channels = {}}); }),
             "channels.size() = 0: an image has at least one channel");
+}
+
+TEST(EventImage, ACopyGoesItsOwnWay) {
+  const auto events = asap::test::golden_corner_stream(20'000);
+  const Events first(events.begin(), events.begin() + 10'000);
+  const Events second(events.begin() + 10'000, events.end());
+  EventImage image({.width = 346, .height = 260, .count = 1500});
+  images_of(image, first);
+  EventImage copy = image;
+  EventImage other({.width = 1, .height = 1, .count = 1});
+  other = copy;
+  EventImage moved = std::move(copy);
+  copy = other;  // what was moved from takes a new value
+  const auto expected = images_of(image, second);
+  for (EventImage* each : {&moved, &other, &copy}) {
+    EXPECT_EQ(images_of(*each, second), expected);
+    EXPECT_EQ(each->config().width, 346);
+  }
 }
 
 TEST(EventImage, AllocatesOnlyInTheConstructor) {

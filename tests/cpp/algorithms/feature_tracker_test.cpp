@@ -6,10 +6,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "algorithms/corner_streams.hpp"
+#include "algorithms/feature_tracks.hpp"
+#include "asap/algorithms/corner_detector.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
@@ -40,6 +45,14 @@ Labels labels_of(FeatureTracker& tracker, const std::vector<Event>& events) {
   return labels;
 }
 
+// Every event of the stream lies in the frame.
+struct EveryEvent {
+  explicit EveryEvent(const asap::EFastConfig&) {}
+  void process(asap::EventSpan, std::span<std::uint8_t> corners) {
+    std::fill(corners.begin(), corners.end(), 1);
+  }
+};
+
 // Returns the largest id.
 template <class Detector>
 std::int32_t expect_tracks_of(CornerSource source) {
@@ -58,7 +71,7 @@ std::int32_t expect_tracks_of(CornerSource source) {
 }
 
 TEST(FeatureTracker, FollowsTheCornersOfItsDetector) {
-  EXPECT_GT(expect_tracks_of<asap::EveryEvent>(CornerSource::every_event), 100);
+  EXPECT_GT(expect_tracks_of<EveryEvent>(CornerSource::every_event), 100);
   EXPECT_GT(expect_tracks_of<asap::ArcStar>(CornerSource::arc_star), 3);
   EXPECT_GE(expect_tracks_of<asap::EFast>(CornerSource::e_fast), 0);
   EXPECT_GE(expect_tracks_of<asap::EHarris>(CornerSource::e_harris), 0);
@@ -123,13 +136,56 @@ TEST(FeatureTracker, KeepIsCheckedAndWithoutEffect) {
   }
 }
 
-TEST(FeatureTracker, RefusesABadConfiguration) {
-  using asap::test::error_of;
-  EXPECT_EQ(error_of([] { FeatureTracker({.width = 0, .height = 10}); }),
-            "width = 0: must be 1 to 16384 px");
-  EXPECT_EQ(
-      error_of([] { FeatureTracker({.width = 10, .height = 10, .detector = CornerSource(99)}); }),
-      "detector = 99: must be a CornerSource");
+std::string error_of(const asap::FeatureConfig& config) {
+  return asap::test::error_of([&] { FeatureTracker{config}; });
+}
+
+TEST(FeatureTracker, NamesTheBadField) {
+  EXPECT_EQ(error_of({.width = 0, .height = 10}), "width = 0: must be 1 to 16384 px");
+  EXPECT_EQ(error_of({.width = 10, .height = 16385}), "height = 16385: must be 1 to 16384 px");
+  EXPECT_EQ(error_of({.width = 10, .height = 10, .window = 0}),
+            "window = 0: must be 1 to 65535 corner events");
+  EXPECT_EQ(error_of({.width = 10, .height = 10, .window = 65536}),
+            "window = 65536: must be 1 to 65535 corner events");
+  EXPECT_EQ(error_of({.width = 10, .height = 10, .radius = -1}),
+            "radius = -1: must be 0 to 16384 px");
+  EXPECT_EQ(error_of({.width = 10, .height = 10, .radius = 16385}),
+            "radius = 16385: must be 0 to 16384 px");
+  EXPECT_EQ(error_of({.width = 10, .height = 10, .min_neighbours = -1}),
+            "min_neighbours = -1: must be 0 to 7");
+  EXPECT_EQ(error_of({.width = 10, .height = 10, .min_neighbours = 8}),
+            "min_neighbours = 8: must be 0 to 7");
+  EXPECT_EQ(error_of({.width = 10, .height = 10, .velocity_us = 0}),
+            "velocity_us = 0: must be 1 to 1000000000 us");
+  EXPECT_EQ(error_of({.width = 10, .height = 10, .velocity_us = 1'000'000'001}),
+            "velocity_us = 1000000001: must be 1 to 1000000000 us");
+  EXPECT_EQ(error_of({.width = 10, .height = 10, .detector = CornerSource(99)}),
+            "detector = 99: must be a CornerSource");
+}
+
+TEST(FeatureTracker, TakesTheLimits) {
+  EXPECT_NO_THROW(FeatureTracker(
+      {.width = 1, .height = 1, .window = 1, .radius = 0, .min_neighbours = 0, .velocity_us = 1}));
+  EXPECT_NO_THROW(FeatureTracker({.width = 16384,
+                                  .height = 1,
+                                  .window = 65535,
+                                  .radius = 16384,
+                                  .min_neighbours = 7,
+                                  .velocity_us = 1'000'000'000}));
+  EXPECT_NO_THROW(FeatureTracker({.width = 1, .height = 16384}));
+}
+
+TEST(FeatureTracker, MovesWithItsTracks) {
+  FeatureTracker tracker(with(CornerSource::arc_star));
+  const Labels labels = labels_of(tracker, stream());
+  tracker.reset();
+  FeatureTracker moved(std::move(tracker));
+  EXPECT_EQ(labels_of(moved, stream()), labels);
+  const std::size_t tracks = moved.tracks().size();
+  FeatureTracker other(with(CornerSource::every_event));
+  other = std::move(moved);
+  EXPECT_EQ(other.tracks().size(), tracks);
+  EXPECT_EQ(other.config().detector, CornerSource::arc_star);
 }
 
 TEST(FeatureTracker, LabelsOfAnotherSizeAreRefused) {

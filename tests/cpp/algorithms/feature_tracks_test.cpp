@@ -1,4 +1,4 @@
-#include "asap/algorithms/feature_tracks.hpp"
+#include "algorithms/feature_tracks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "algorithms/corner_streams.hpp"
 #include "algorithms/naive_features.hpp"
-#include "asap/algorithms/arc_star.hpp"
+#include "asap/algorithms/corner_detector.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace feature_tracks_test {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "algorithms/corner_streams.hpp"
@@ -185,6 +186,24 @@ TEST(HotPixelMask, NamesBadParameters) {
   EXPECT_EQ(
       error_of([] { HotPixelMask({.width = 9, .height = 9, .learn_events = 1'000'000'001}); }),
       "learn_events = 1000000001: must be 0 to 10^9 events");
+}
+
+TEST(HotPixelMask, ACopyGoesItsOwnWay) {
+  const auto events = asap::test::golden_corner_stream(20'000);
+  const Events first(events.begin(), events.begin() + 10'000);
+  const Events second(events.begin() + 10'000, events.end());
+  HotPixelMask mask({.width = 346, .height = 260, .learn_events = 1000});
+  passed(mask, first);
+  HotPixelMask copy = mask;
+  HotPixelMask other({.width = 1, .height = 1});
+  other = copy;
+  HotPixelMask moved = std::move(copy);
+  copy = other;  // what was moved from takes a new value
+  const auto expected = passed(mask, second);
+  for (HotPixelMask* each : {&moved, &other, &copy}) {
+    EXPECT_EQ(passed(*each, second), expected);
+    EXPECT_EQ(each->config().width, 346);
+  }
 }
 
 TEST(HotPixelMask, AllocatesOnlyInTheConstructor) {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "algorithms/uniform_probe.hpp"
-#include "asap/algorithms/compat_cluster_config.hpp"
+#include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap::test {
@@ -32,7 +32,7 @@ class NaiveClusterer {
     std::vector<Member> members;  // in time order
   };
 
-  NaiveClusterer(const CompatClusterConfig& config, Sampler sampler)
+  NaiveClusterer(const PublishedClusterTrackerConfig& config, Sampler sampler)
       : config_(config), sampler_(std::move(sampler)) {}
 
   // Returns the cluster that took the event; valid until the next event.
@@ -128,7 +128,7 @@ class NaiveClusterer {
     return c;
   }
 
-  CompatClusterConfig config_;
+  PublishedClusterTrackerConfig config_;
   Sampler sampler_;
   std::vector<State> clusters_;  // in order of creation
   std::uint64_t events_ = 0;

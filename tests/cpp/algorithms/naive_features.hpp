@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "asap/algorithms/feature_config.hpp"
+#include "asap/algorithms/feature_tracker.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap::test {

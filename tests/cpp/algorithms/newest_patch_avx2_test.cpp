@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "algorithms/corner_streams.hpp"
-#include "asap/algorithms/order_surface.hpp"
+#include "algorithms/order_surface.hpp"
 
 namespace newest_patch_avx2_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "asap/algorithms/padded_plane.hpp"
+#include "algorithms/padded_plane.hpp"
 
 #include <gtest/gtest.h>
 

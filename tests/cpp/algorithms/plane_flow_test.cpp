@@ -222,6 +222,24 @@ TEST(PlaneFlow, NamesBadParameters) {
             "min_points = 26: must be 3 to 25 px of the 5 x 5 window");
 }
 
+TEST(PlaneFlow, ACopyGoesItsOwnWay) {
+  const auto events = asap::test::golden_corner_stream(20'000);
+  const Events first(events.begin(), events.begin() + 10'000);
+  const Events second(events.begin() + 10'000, events.end());
+  PlaneFlow flow({.width = 346, .height = 260});
+  flows_of(flow, first);
+  PlaneFlow copy = flow;
+  PlaneFlow other({.width = 1, .height = 1});
+  other = copy;
+  PlaneFlow moved = std::move(copy);
+  copy = other;  // what was moved from takes a new value
+  const auto expected = flows_of(flow, second);
+  for (PlaneFlow* each : {&moved, &other, &copy}) {
+    EXPECT_TRUE(same(flows_of(*each, second), expected));
+    EXPECT_EQ(each->config().width, 346);
+  }
+}
+
 TEST(PlaneFlow, AllocatesOnlyInTheConstructor) {
   const Events events = asap::test::golden_corner_stream(20'000);
   PlaneFlow flow({.width = 346, .height = 260});

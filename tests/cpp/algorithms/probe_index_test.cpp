@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "asap/algorithms/cell_grid.hpp"
+#include "algorithms/cell_grid.hpp"
 
 namespace probe_index_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "asap/algorithms/recent_times.hpp"
+#include "algorithms/recent_times.hpp"
 
 #include <gtest/gtest.h>
 

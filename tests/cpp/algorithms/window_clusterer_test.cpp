@@ -18,9 +18,9 @@ namespace window_clusterer_test {
 namespace {
 
 using asap::Cluster;
-using asap::CompatClusterConfig;
 using asap::Event;
 using asap::ProbeDraw;
+using asap::PublishedClusterTrackerConfig;
 using asap::UniformProbe;
 using asap::WindowClusterer;
 using asap::test::NaiveClusterer;
@@ -61,7 +61,7 @@ std::vector<Event> members(const NaiveClusterer<ByRank>::State& state) {
 }
 
 // Events in clumps that drift and meet, on the frame's borders too, with noise and equal stamps.
-std::vector<Event> clumps(const CompatClusterConfig& config, std::size_t count,
+std::vector<Event> clumps(const PublishedClusterTrackerConfig& config, std::size_t count,
                           std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto below = [&random](int n) {
@@ -95,7 +95,7 @@ struct OracleRun {
 };
 
 // Compares everything that can be seen, after every event.
-OracleRun expect_equals_oracle(const CompatClusterConfig& config,
+OracleRun expect_equals_oracle(const PublishedClusterTrackerConfig& config,
                                const std::vector<Event>& events) {
   WindowClusterer<ByRankOfAge> clusterer(config, {static_cast<std::uint64_t>(config.window)});
   NaiveClusterer<ByRank> oracle(config, {});
@@ -148,7 +148,7 @@ OracleRun expect_equals_oracle(const CompatClusterConfig& config,
 
 struct Case {
   const char* name;
-  CompatClusterConfig config;
+  PublishedClusterTrackerConfig config;
 
   friend std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
 };
@@ -231,12 +231,12 @@ TEST(WindowClusterer, EqualsTheOracleOnTheGoldenStream) {
 // More big clusters than the probe index has keys: the others are probed on every event.
 TEST(WindowClusterer, IsExactBeyondTheKeysOfTheProbeIndex) {
   for (const int min_size : {0, 1, 2}) {
-    const CompatClusterConfig config{.width = 300,
-                                     .height = 300,
-                                     .window = 1500,
-                                     .radius = 3,
-                                     .probes = 1,
-                                     .min_size = min_size};
+    const PublishedClusterTrackerConfig config{.width = 300,
+                                               .height = 300,
+                                               .window = 1500,
+                                               .radius = 3,
+                                               .probes = 1,
+                                               .min_size = min_size};
     std::mt19937_64 random(3);
     std::vector<Event> events;
     for (int i = 0; i < 2500; ++i) {
@@ -258,7 +258,7 @@ TEST(WindowClusterer, IsExactBeyondTheKeysOfTheProbeIndex) {
 
 // From the authors' own class: kappa = 0, 20 000 events of stream S1.
 struct Golden {
-  CompatClusterConfig config;
+  PublishedClusterTrackerConfig config;
   std::size_t live[3];  // after 1000, 5000, 20 000 events
   std::size_t reported[3];
   std::uint64_t n;  // of the last event's cluster
@@ -403,7 +403,8 @@ TEST(WindowClusterer, UniformProbesHaveTheDistributionOfTheNaiveRule) {
   };
   // The mean size of the cluster that takes an event: merges by chance make it larger.
   const auto [ours, our_variance] = spread([&](std::uint64_t seed) {
-    const CompatClusterConfig config{.width = 346, .height = 260, .radius = 20, .probes = 2};
+    const PublishedClusterTrackerConfig config{
+        .width = 346, .height = 260, .radius = 20, .probes = 2};
     WindowClusterer<> clusterer(config, UniformProbe(seed));
     double size = 0;
     for (const Event& event : events)
@@ -411,7 +412,8 @@ TEST(WindowClusterer, UniformProbesHaveTheDistributionOfTheNaiveRule) {
     return size / static_cast<double>(events.size());
   });
   const auto [naive, naive_variance] = spread([&](std::uint64_t seed) {
-    const CompatClusterConfig config{.width = 346, .height = 260, .radius = 20, .probes = 2};
+    const PublishedClusterTrackerConfig config{
+        .width = 346, .height = 260, .radius = 20, .probes = 2};
     NaiveClusterer<UniformProbe> clusterer(config, UniformProbe(seed + 1000));
     double size = 0;
     for (const Event& event : events)
@@ -423,7 +425,8 @@ TEST(WindowClusterer, UniformProbesHaveTheDistributionOfTheNaiveRule) {
 }
 
 TEST(WindowClusterer, OfEqualStampsExactlyTheLastAreKept) {
-  const CompatClusterConfig config{.width = 50, .height = 50, .window = 10, .min_size = 1};
+  const PublishedClusterTrackerConfig config{
+      .width = 50, .height = 50, .window = 10, .min_size = 1};
   WindowClusterer<> clusterer(config, UniformProbe(0));
   WindowClusterer<>::Slot slot = 0;
   for (int i = 0; i < 100; ++i) slot = clusterer.update({.x = 5, .y = 5, .p = 0, .t = 7});
@@ -433,9 +436,9 @@ TEST(WindowClusterer, OfEqualStampsExactlyTheLastAreKept) {
 
 TEST(WindowClusterer, ClearIsTheStateAfterConstruction) {
   // The second setting has more big clusters than the probe index has keys.
-  for (const CompatClusterConfig& config :
-       {CompatClusterConfig{.width = 346, .height = 260},
-        CompatClusterConfig{.width = 346, .height = 260, .radius = 2, .min_size = 0}}) {
+  for (const PublishedClusterTrackerConfig& config :
+       {PublishedClusterTrackerConfig{.width = 346, .height = 260},
+        PublishedClusterTrackerConfig{.width = 346, .height = 260, .radius = 2, .min_size = 0}}) {
     const ByRankOfAge sampler{static_cast<std::uint64_t>(config.window)};
     WindowClusterer<ByRankOfAge> fresh(config, sampler);
     WindowClusterer<ByRankOfAge> used(config, sampler);

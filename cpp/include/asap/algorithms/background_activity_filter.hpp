@@ -7,9 +7,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
-#include "asap/algorithms/recent_times.hpp"
-#include "asap/algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
@@ -26,6 +25,11 @@ class BackgroundActivityFilter {
 
   // Throws std::invalid_argument that names the bad field.
   explicit BackgroundActivityFilter(const Config& config);
+  ~BackgroundActivityFilter();
+  BackgroundActivityFilter(const BackgroundActivityFilter& other);
+  BackgroundActivityFilter& operator=(const BackgroundActivityFilter& other);
+  BackgroundActivityFilter(BackgroundActivityFilter&& other) noexcept;
+  BackgroundActivityFilter& operator=(BackgroundActivityFilter&& other) noexcept;
 
   // Writes the events that pass to `out`, which holds at least events.size() (the tail beyond them
   // is scratch) and may be the events' own memory. Returns how many passed. Events outside the
@@ -33,26 +37,20 @@ class BackgroundActivityFilter {
   std::size_t process(EventSpan events, Event* out) noexcept;
 
   // The fraction of the events that reaches the filter, in [0, 1]: neighbours become as rare, so
-  // the window grows to window_us / gamma, at most RecentTimes::kMaxWindow_us.
+  // the window grows to window_us / gamma, at most 500 s.
   void set_keep(double gamma);
 
   // Back to the state after construction.
   void reset() noexcept;
 
   // Events dropped because they lie outside the frame.
-  std::uint64_t rejected() const noexcept { return rejected_; }
+  std::uint64_t rejected() const noexcept;
 
-  const Config& config() const noexcept { return config_; }
+  const Config& config() const noexcept;
 
  private:
-  bool update(const Event& event) noexcept;
-
-  Config config_;
-  SensorFrame frame_;
-  std::size_t stride_;
-  RecentTimes::Time window_us_;
-  RecentTimes times_;  // a border of one pixel lies around the frame
-  std::uint64_t rejected_ = 0;
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace asap

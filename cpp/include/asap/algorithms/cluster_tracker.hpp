@@ -5,7 +5,7 @@
 // constructor takes all memory. Results do not depend on how the stream is cut into calls. A
 // timestamp that goes back by at most a second counts as the latest one; after a larger step back
 // time goes on from there.
-// Source: own design (fast/engine.hpp); CompatClusterTracker is the published algorithm.
+// Source: own design (fast/engine.hpp); PublishedClusterTracker is the published algorithm.
 #pragma once
 
 #include <cstdint>

@@ -1,55 +1,68 @@
-// CornerDetector: labels each event of a stream as corner or not, by a rule: EFast, ArcStar,
-// EHarris and FAHarris are CornerDetector of their rule. One thread at a time. O(1) per event; no
-// allocation after construction. Stamps that go back count as the latest one.
-//
-// A rule has a Config, which its constructor checks; frame(); is_corner(event), for every event in
-// the frame, noexcept; and clear().
+// CornerDetector: labels each event of a stream as corner or not, by one of four published rules:
+// EFast, ArcStar, EHarris and FAHarris. All rules compare only events of one polarity. One thread
+// at a time. O(1) per event; no allocation after construction. A stamp that goes back counts as the
+// latest one.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 
-#include "asap/algorithms/sensor_frame.hpp"
-#include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
 
-template <class Rule>
+struct EFastConfig {
+  int width;   // px
+  int height;  // px
+};
+
+struct ArcStarConfig {
+  int width;   // px
+  int height;  // px
+  // An event is tested if its pixel was silent for longer in its polarity, or fired in the other
+  // since: the first of the burst that an edge makes. A quarter of the events are.
+  std::int64_t filter_us = 50000;
+};
+
+struct EHarrisConfig {
+  int width;             // px
+  int height;            // px
+  double threshold = 8;  // of the score
+};
+
+struct FAHarrisConfig {
+  int width;                       // px
+  int height;                      // px
+  std::int64_t filter_us = 50000;  // as in ArcStarConfig
+  double threshold = 8;            // of the score
+};
+
+template <class Rule, class Configuration>
 class CornerDetector {
  public:
-  using Config = typename Rule::Config;
+  using Config = Configuration;
 
   // Throws std::invalid_argument that names the bad field.
-  explicit CornerDetector(const Config& config) : config_(config), rule_(config) {}
+  explicit CornerDetector(const Config& config);
+  ~CornerDetector();
+  CornerDetector(CornerDetector&& other) noexcept;
+  CornerDetector& operator=(CornerDetector&& other) noexcept;
 
   // Returns how many of the events are corners. Events outside the frame are dropped and counted.
-  std::size_t process(EventSpan events) noexcept {
-    std::size_t corners = 0;
-    for (const Event& event : events) corners += update(event);
-    return corners;
-  }
+  std::size_t process(EventSpan events) noexcept;
 
   // As above, and corners[i] is 1 where events[i] is a corner, else 0. Throws std::invalid_argument
   // if the sizes differ.
-  void process(EventSpan events, std::span<std::uint8_t> corners) {
-    require(corners.size() == events.size(), "corners.size()", corners.size(),
-            "must be the number of events");
-    for (std::size_t i = 0; i < events.size(); ++i) corners[i] = update(events[i]);
-  }
+  void process(EventSpan events, std::span<std::uint8_t> corners);
 
   // The fraction of the events that reaches the detector, in [0, 1]. Checked, without effect: the
   // published rules compare the order of events and hold no rate to correct.
-  void set_keep(double gamma) {
-    require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  }
+  void set_keep(double gamma);
 
   // Back to the state after construction.
-  void reset() noexcept {
-    rule_.clear();
-    rejected_ = 0;
-  }
+  void reset() noexcept;
 
   // Events dropped because they lie outside the frame.
   std::uint64_t rejected() const noexcept { return rejected_; }
@@ -57,17 +70,41 @@ class CornerDetector {
   const Config& config() const noexcept { return config_; }
 
  private:
-  bool update(const Event& event) noexcept {
-    if (!rule_.frame().contains(event)) [[unlikely]] {
-      ++rejected_;
-      return false;
-    }
-    return rule_.is_corner(event);
-  }
-
   Config config_;
-  Rule rule_;
+  std::unique_ptr<Rule> rule_;
   std::uint64_t rejected_ = 0;
 };
+
+// By order alone: an event is a corner if on a circle of 16 pixels around it 3 to 6 neighbouring
+// ones fired later than all others, and 4 to 8 on a circle of 20.
+// Source: Mueggler, Bartolozzi, Scaramuzza, "Fast Event-based Corner Detection", BMVC 2017. The
+// authors' release swaps width and height of its surface; here they are as published.
+class EFastRule;
+extern template class CornerDetector<EFastRule, EFastConfig>;
+using EFast = CornerDetector<EFastRule, EFastConfig>;
+
+// By the length of the newest arc on the same circles, for the first event of a burst: 6 pixels at
+// most or 10 to 13 on the circle of 16, 8 at most or 12 to 16 on the one of 20.
+// Source: Alzugaray, Chli, "Asynchronous Corner Detection and Tracking for Event Cameras in Real
+// Time", RA-L 2018; the length is the one of its release.
+class ArcStarRule;
+extern template class CornerDetector<ArcStarRule, ArcStarConfig>;
+using ArcStar = CornerDetector<ArcStarRule, ArcStarConfig>;
+
+// By the Harris score of the 25 pixels around the event that fired last, taken as a black and white
+// patch: the event is a corner if the score exceeds the threshold.
+// Source: Vasco, Glover, Bartolozzi, "Fast Event-based Harris Corner Detection Exploiting the
+// Advantages of Event-driven Cameras", IROS 2016, with the constants of the public implementation.
+class EHarrisRule;
+extern template class CornerDetector<EHarrisRule, EHarrisConfig>;
+using EHarris = CornerDetector<EHarrisRule, EHarrisConfig>;
+
+// In two steps: the arcs of Arc* propose, the Harris score decides. Both look only at the first
+// event of a burst. Events within 4 px of the border are ignored altogether.
+// Source: Li, Shi, Zhang, Li, Liu, "FA-Harris: A Fast and Asynchronous Corner Detector for Event
+// Cameras", IROS 2019, with the constants of its release; equal stamps are ordered by arrival.
+class FAHarrisRule;
+extern template class CornerDetector<FAHarrisRule, FAHarrisConfig>;
+using FAHarris = CornerDetector<FAHarrisRule, FAHarrisConfig>;
 
 }  // namespace asap

@@ -11,11 +11,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "asap/algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
@@ -49,26 +48,20 @@ class EventImage {
 
   // Throws std::invalid_argument that names the bad field.
   explicit EventImage(const Config& config);
+  ~EventImage();
+  EventImage(const EventImage& other);
+  EventImage& operator=(const EventImage& other);
+  EventImage(EventImage&& other) noexcept;
+  EventImage& operator=(EventImage&& other) noexcept;
 
   // Calls on_image(ImageView) for each image that these events complete, and returns their number.
   // Events outside the frame are dropped and counted. Stamps that go back count as the latest one.
   template <class OnImage>
   std::size_t process(EventSpan events, OnImage&& on_image) {
     std::size_t complete = 0;
-    const auto close_image = [&] {
-      close();
+    while (take(events)) {
       ++complete;
       on_image(image());
-    };
-    for (const Event& event : events) {
-      if (!frame_.contains(event)) [[unlikely]] {
-        ++rejected_;
-        continue;
-      }
-      last_us_ = event.t > last_us_ ? event.t : last_us_;
-      if (period_is_over()) close_image();
-      add(event);
-      if (is_full()) close_image();
     }
     return complete;
   }
@@ -82,7 +75,7 @@ class EventImage {
   bool flush() noexcept;
 
   // The last complete image; zeros before the first.
-  ImageView image() const noexcept { return {image_, image_begin_us_, image_end_us_}; }
+  ImageView image() const noexcept;
 
   // The fraction of the events that reaches the images, in [0, 1]; see above.
   void set_keep(double gamma);
@@ -91,50 +84,17 @@ class EventImage {
   void reset() noexcept;
 
   // Events dropped because they lie outside the frame.
-  std::uint64_t rejected() const noexcept { return rejected_; }
+  std::uint64_t rejected() const noexcept;
 
-  const Config& config() const noexcept { return config_; }
+  const Config& config() const noexcept;
 
  private:
-  // later - earlier, without overflow.
-  static std::uint64_t distance(std::int64_t earlier, std::int64_t later) noexcept {
-    return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
-  }
+  // Takes events from the front of `events` until one of them completes an image. False: all are
+  // taken and none did.
+  bool take(EventSpan& events) noexcept;
 
-  bool has_begun() const noexcept { return filled_ > 0; }
-  bool period_is_over() const noexcept {
-    return config_.period_us > 0 && has_begun() &&
-           distance(begin_us_, last_us_) >= static_cast<std::uint64_t>(config_.period_us);
-  }
-  bool is_full() const noexcept {
-    return config_.count > 0 && filled_ >= static_cast<double>(config_.count);
-  }
-
-  void begin() noexcept;
-  void close() noexcept;
-  void draw(ImageChannel channel, float* out) const noexcept;
-
-  void add(const Event& event) noexcept {
-    if (!has_begun()) begin();
-    const std::size_t pixel = event.y * std::size_t{frame_.width()} + event.x;
-    (event.p > 0 ? on_ : off_)[pixel] += static_cast<float>(weight_);
-    times_us_[pixel] = last_us_;
-    filled_ += weight_;
-  }
-
-  Config config_;
-  SensorFrame frame_;
-  std::vector<float> off_;  // of the image that has begun
-  std::vector<float> on_;
-  std::vector<std::int64_t> times_us_;
-  std::vector<float> image_;
-  double weight_ = 1;
-  double filled_ = 0;  // weight of the image that has begun
-  std::int64_t begin_us_ = 0;
-  std::int64_t last_us_ = std::numeric_limits<std::int64_t>::min();
-  std::int64_t image_begin_us_ = 0;
-  std::int64_t image_end_us_ = 0;
-  std::uint64_t rejected_ = 0;
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace asap

@@ -1,25 +1,48 @@
-// FeatureTracker: finds corners in a stream of events and follows them: a corner detector, then
-// FeatureTracks. One thread at a time. process() is O(1) per event and allocates nothing; all
-// memory is taken in the constructor. For another detector, or another's labels, give its corners
-// to FeatureTracks, or to a FeatureTracker of CornerSource::every_event.
+// FeatureTracker: finds corners in a stream of events and follows them, event by event. A corner
+// event has company if more than m of its 8 neighbours are among the last B corner events. It then
+// moves the first-created track within the radius to itself and ends the others there; where there
+// is none it begins a track. Tracks that took none of the last B corner events end with the next
+// event that has company. One thread at a time. process() is O(1) per event, whatever the number of
+// tracks, and allocates nothing; all memory is taken in the constructor. A stamp that goes back
+// counts as the latest one.
+// Source: the authors' release of the GRVC event feature tracker (grvc_ef_tracker), which the ASAP
+// papers use, with its launch values; ids and velocities are ours.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <variant>
 #include <vector>
 
-#include "asap/algorithms/arc_star.hpp"
-#include "asap/algorithms/e_fast.hpp"
-#include "asap/algorithms/e_harris.hpp"
-#include "asap/algorithms/every_event.hpp"
-#include "asap/algorithms/fa_harris.hpp"
-#include "asap/algorithms/feature_config.hpp"
-#include "asap/algorithms/feature_track.hpp"
-#include "asap/algorithms/feature_tracks.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
+
+// Where the corners come from: a detector with its defaults, or every event handed in is a corner,
+// such as those that another detector found.
+enum class CornerSource : std::uint8_t { every_event, e_fast, arc_star, e_harris, fa_harris };
+
+struct FeatureConfig {
+  int width;   // px
+  int height;  // px
+  CornerSource detector = CornerSource::arc_star;
+  int window = 200;                  // B, corner events that are remembered
+  int radius = 5;                    // px, half of w: how far a corner moves between two events
+  int min_neighbours = 1;            // m: a corner needs more than these in the 3 x 3 window
+  std::int64_t velocity_us = 20000;  // how far back the velocity looks
+};
+
+// One corner that is followed. The Python array of tracks has these fields in this order.
+struct FeatureTrack {
+  std::int64_t id;       // never changes while the track lives
+  double x;              // px, of its newest event
+  double y;              // px
+  double vx;             // px/s
+  double vy;             // px/s
+  std::int64_t size;     // corner events it took
+  std::int64_t t_first;  // us, stamp of the first of them
+  std::int64_t t_last;   // us, of the newest
+};
 
 class FeatureTracker {
  public:
@@ -27,6 +50,9 @@ class FeatureTracker {
 
   // Throws std::invalid_argument that names the bad field.
   explicit FeatureTracker(const Config& config);
+  ~FeatureTracker();
+  FeatureTracker(FeatureTracker&& other) noexcept;
+  FeatureTracker& operator=(FeatureTracker&& other) noexcept;
 
   // Events outside the frame are dropped and counted.
   void process(EventSpan events) noexcept;
@@ -39,7 +65,7 @@ class FeatureTracker {
   std::vector<FeatureTrack> tracks() const;
 
   // The same without allocation once `tracks` has the capacity.
-  void tracks(std::vector<FeatureTrack>& tracks) const { tracks_.read(tracks); }
+  void tracks(std::vector<FeatureTrack>& tracks) const;
 
   // The fraction of the events that reaches the tracker, in [0, 1]. Checked, without effect: the
   // published rule counts corner events and so stretches in time by itself.
@@ -51,19 +77,11 @@ class FeatureTracker {
   // Events dropped because they lie outside the frame.
   std::uint64_t rejected() const noexcept;
 
-  const Config& config() const noexcept { return config_; }
+  const Config& config() const noexcept;
 
  private:
-  using Detector = std::variant<EveryEvent, EFast, ArcStar, EHarris, FAHarris>;
-
-  static Detector make_detector(const Config& config);
-
-  template <class Visit>
-  void for_each_label(EventSpan events, Visit&& visit) noexcept;
-
-  Config config_;
-  Detector detector_;
-  FeatureTracks tracks_;
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace asap

@@ -8,9 +8,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "asap/algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
@@ -38,6 +38,11 @@ class HotPixelMask {
 
   // Throws std::invalid_argument that names the bad field.
   explicit HotPixelMask(const Config& config);
+  ~HotPixelMask();
+  HotPixelMask(const HotPixelMask& other);
+  HotPixelMask& operator=(const HotPixelMask& other);
+  HotPixelMask(HotPixelMask&& other) noexcept;
+  HotPixelMask& operator=(HotPixelMask&& other) noexcept;
 
   // Writes the events that pass to `out`, which holds at least events.size() (the tail beyond them
   // is scratch) and may be the events' own memory. Returns how many passed. Events outside the
@@ -49,9 +54,7 @@ class HotPixelMask {
   std::size_t learn(EventSpan events) noexcept;
 
   // x < width, y < height.
-  bool is_masked(std::uint32_t x, std::uint32_t y) const noexcept {
-    return (cells_[index(x, y)] & kMasked) != 0;
-  }
+  bool is_masked(std::uint32_t x, std::uint32_t y) const noexcept;
 
   // In reading order.
   std::vector<MaskedPixel> pixels() const;
@@ -64,30 +67,13 @@ class HotPixelMask {
   void reset() noexcept;
 
   // Events dropped because they lie outside the frame.
-  std::uint64_t rejected() const noexcept { return rejected_; }
+  std::uint64_t rejected() const noexcept;
 
-  const Config& config() const noexcept { return config_; }
+  const Config& config() const noexcept;
 
  private:
-  using Cell = std::uint32_t;
-  static constexpr Cell kMasked = Cell{1} << 31;  // the bits below count events
-  static constexpr std::uint32_t kReach = 2;      // px around a pixel that are its neighbours
-
-  std::size_t index(std::uint32_t x, std::uint32_t y) const noexcept {
-    return y * stride_ + x + first_;
-  }
-  void mask_given() noexcept;
-  void forget_counts() noexcept;
-  std::size_t mask_hot() noexcept;
-  bool is_hot(const Cell* cell) const noexcept;
-
-  Config config_;
-  SensorFrame frame_;
-  std::size_t stride_;
-  std::size_t first_;        // index of the first pixel
-  std::vector<Cell> cells_;  // a border of kReach pixels lies around the frame
-  std::uint64_t counted_ = 0;
-  std::uint64_t rejected_ = 0;
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace asap

@@ -8,11 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 
-#include "asap/algorithms/plane_fit.hpp"
-#include "asap/algorithms/recent_times.hpp"
-#include "asap/algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
@@ -37,6 +35,11 @@ class PlaneFlow {
 
   // Throws std::invalid_argument that names the bad field.
   explicit PlaneFlow(const Config& config);
+  ~PlaneFlow();
+  PlaneFlow(const PlaneFlow& other);
+  PlaneFlow& operator=(const PlaneFlow& other);
+  PlaneFlow(PlaneFlow&& other) noexcept;
+  PlaneFlow& operator=(PlaneFlow&& other) noexcept;
 
   // Returns how many of the events have a flow. Events outside the frame are dropped and counted.
   std::size_t process(EventSpan events) noexcept;
@@ -53,19 +56,13 @@ class PlaneFlow {
   void reset() noexcept;
 
   // Events dropped because they lie outside the frame.
-  std::uint64_t rejected() const noexcept { return rejected_; }
+  std::uint64_t rejected() const noexcept;
 
-  const Config& config() const noexcept { return config_; }
+  const Config& config() const noexcept;
 
  private:
-  bool update(const Event& event, Flow& flow) noexcept;
-
-  Config config_;
-  SensorFrame frame_;
-  std::size_t stride_;
-  std::size_t plane_;
-  RecentTimes times_;  // a plane per polarity; a border lies around the frame
-  std::uint64_t rejected_ = 0;
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace asap

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/algorithms/order_surface.hpp"
+#include "algorithms/order_surface.hpp"
 
 namespace asap {
 

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/algorithms/recent_times.hpp"
+#include "algorithms/recent_times.hpp"
 
 namespace asap {
 

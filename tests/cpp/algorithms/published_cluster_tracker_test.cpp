@@ -1,12 +1,15 @@
-#include "asap/algorithms/compat_cluster_tracker.hpp"
+#include "asap/algorithms/published_cluster_tracker.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <random>
 #include <stdexcept>
+#include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -14,23 +17,24 @@
 #include "algorithms/cluster_streams.hpp"
 #include "support/allocation_counter.hpp"
 
-namespace compat_cluster_tracker_test {
+namespace published_cluster_tracker_test {
 namespace {
 
 using asap::Cluster;
-using asap::CompatClusterTracker;
-using asap::CompatMotion;
 using asap::Event;
+using asap::PublishedClusterMotion;
+using asap::PublishedClusterTracker;
+using asap::PublishedClusterTrackerConfig;
 
-std::vector<std::int32_t> labels_of(CompatClusterTracker& tracker,
+std::vector<std::int32_t> labels_of(PublishedClusterTracker& tracker,
                                     const std::vector<Event>& events) {
   std::vector<std::int32_t> labels(events.size(), -7);
   tracker.process(events, labels);
   return labels;
 }
 
-TEST(CompatClusterTracker, FindsTheTenSquaresOfTheGoldenStream) {
-  CompatClusterTracker tracker{{.width = 346, .height = 260, .probes = 0}};
+TEST(PublishedClusterTracker, FindsTheTenSquaresOfTheGoldenStream) {
+  PublishedClusterTracker tracker{{.width = 346, .height = 260, .probes = 0}};
   tracker.process(asap::test::golden_stream());
   const auto clusters = tracker.clusters();
   ASSERT_EQ(clusters.size(), 10U);
@@ -41,8 +45,8 @@ TEST(CompatClusterTracker, FindsTheTenSquaresOfTheGoldenStream) {
   EXPECT_NEAR(match->y, 193.884615, 5e-7);
 }
 
-TEST(CompatClusterTracker, LabelsAreIdsOnceAClusterHasMinSizeEvents) {
-  CompatClusterTracker tracker{{.width = 100, .height = 100, .radius = 5, .min_size = 3}};
+TEST(PublishedClusterTracker, LabelsAreIdsOnceAClusterHasMinSizeEvents) {
+  PublishedClusterTracker tracker{{.width = 100, .height = 100, .radius = 5, .min_size = 3}};
   const auto at = [](std::uint16_t x, std::int64_t t) {
     return Event{.x = x, .y = 50, .p = 0, .t = t};
   };
@@ -59,8 +63,8 @@ TEST(CompatClusterTracker, LabelsAreIdsOnceAClusterHasMinSizeEvents) {
   EXPECT_EQ(clusters[1].size, 4);
 }
 
-TEST(CompatClusterTracker, AMergeKeepsTheSmallerId) {
-  CompatClusterTracker tracker{
+TEST(PublishedClusterTracker, AMergeKeepsTheSmallerId) {
+  PublishedClusterTracker tracker{
       {.width = 100, .height = 10, .radius = 10, .probes = 0, .min_size = 2}};
   const auto at = [](std::uint16_t x) { return Event{.x = x, .y = 5, .p = 0, .t = 0}; };
   // The older-created at 30 gets its id second; one event between the two joins them.
@@ -71,8 +75,8 @@ TEST(CompatClusterTracker, AMergeKeepsTheSmallerId) {
   EXPECT_EQ(tracker.clusters()[0].size, 6);
 }
 
-TEST(CompatClusterTracker, DropsAndCountsEventsOutsideTheFrame) {
-  CompatClusterTracker tracker{{.width = 20, .height = 10, .min_size = 1}};
+TEST(PublishedClusterTracker, DropsAndCountsEventsOutsideTheFrame) {
+  PublishedClusterTracker tracker{{.width = 20, .height = 10, .min_size = 1}};
   const auto at = [](std::uint16_t x, std::uint16_t y) {
     return Event{.x = x, .y = y, .p = 0, .t = 0};
   };
@@ -81,22 +85,74 @@ TEST(CompatClusterTracker, DropsAndCountsEventsOutsideTheFrame) {
   EXPECT_EQ(tracker.rejected(), 3U);
 }
 
-TEST(CompatClusterTracker, LabelsOfAnotherSizeAreRefused) {
-  CompatClusterTracker tracker{{.width = 20, .height = 10}};
+TEST(PublishedClusterTracker, LabelsOfAnotherSizeAreRefused) {
+  PublishedClusterTracker tracker{{.width = 20, .height = 10}};
   const std::vector<Event> events(3, Event{.x = 0, .y = 0, .p = 0, .t = 0});
   std::vector<std::int32_t> labels(2);
   EXPECT_THROW(tracker.process(events, labels), std::invalid_argument);
   EXPECT_TRUE(tracker.clusters().empty());
 }
 
-TEST(CompatClusterTracker, ChecksItsConfiguration) {
-  EXPECT_THROW(CompatClusterTracker({.width = 0, .height = 10}), std::invalid_argument);
+std::string complaint(const std::function<void(PublishedClusterTrackerConfig&)>& spoil) {
+  PublishedClusterTrackerConfig config{.width = 346, .height = 260};
+  spoil(config);
+  try {
+    PublishedClusterTracker{config};
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "none";
 }
 
-TEST(CompatClusterTracker, KeepIsCheckedAndWithoutEffect) {
+TEST(PublishedClusterTracker, DefaultsAreTheLaunchValues) {
+  const PublishedClusterTrackerConfig config{.width = 346, .height = 260};
+  EXPECT_EQ(config.window, 800);
+  EXPECT_EQ(config.radius, 20);
+  EXPECT_EQ(config.probes, 1);
+  EXPECT_EQ(config.weight, 0.9);
+  EXPECT_EQ(config.min_size, 15);
+  EXPECT_EQ(config.motion, PublishedClusterMotion::kWindow);
+}
+
+TEST(PublishedClusterTracker, ErrorsNameFieldValueAndRemedy) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(complaint([](auto& c) { c.width = 0; }), "width = 0: must be 1 to 65536 px");
+  EXPECT_EQ(complaint([](auto& c) { c.height = 65537; }), "height = 65537: must be 1 to 65536 px");
+  EXPECT_EQ(complaint([](auto& c) { c.window = 0; }), "window = 0: must be 1 to 65535 events");
+  EXPECT_EQ(complaint([](auto& c) { c.window = 65536; }),
+            "window = 65536: must be 1 to 65535 events");
+  EXPECT_EQ(complaint([](auto& c) { c.radius = -1; }),
+            "radius = -1: must be finite and at least 0 px");
+  EXPECT_NE(complaint([](auto& c) { c.radius = kNan; }), "none");
+  EXPECT_NE(complaint([](auto& c) { c.radius = kInfinity; }), "none");
+  EXPECT_EQ(complaint([](auto& c) { c.probes = -1; }), "probes = -1: must be at least 0");
+  EXPECT_EQ(complaint([](auto& c) { c.weight = 1.5; }), "weight = 1.5: must be in [0, 1]");
+  EXPECT_EQ(complaint([](auto& c) { c.weight = -0.5; }), "weight = -0.5: must be in [0, 1]");
+  EXPECT_NE(complaint([](auto& c) { c.weight = kNan; }), "none");
+  EXPECT_EQ(complaint([](auto& c) { c.min_size = -1; }),
+            "min_size = -1: must be at least 0 events");
+}
+
+TEST(PublishedClusterTracker, LimitsAreAllowed) {
+  EXPECT_EQ(complaint([](auto& c) { c.width = 65536; }), "none");
+  EXPECT_EQ(complaint([](auto& c) { c.window = 65535; }), "none");
+  EXPECT_EQ(complaint([](auto& c) { c.radius = 0; }), "none");
+  EXPECT_EQ(complaint([](auto& c) { c.weight = 0; }), "none");
+  EXPECT_EQ(complaint([](auto& c) { c.weight = 1; }), "none");
+  EXPECT_EQ(complaint([](auto& c) { c.min_size = 0; }), "none");
+}
+
+TEST(PublishedClusterTracker, KeepsTheNamesOfEarlierVersions) {
+  static_assert(std::is_same_v<asap::CompatClusterTracker, PublishedClusterTracker>);
+  static_assert(std::is_same_v<asap::CompatClusterConfig, PublishedClusterTrackerConfig>);
+  static_assert(std::is_same_v<asap::CompatMotion, PublishedClusterMotion>);
+}
+
+TEST(PublishedClusterTracker, KeepIsCheckedAndWithoutEffect) {
   const auto events = asap::test::golden_stream(3000);
-  CompatClusterTracker told{{.width = 346, .height = 260}};
-  CompatClusterTracker untold{{.width = 346, .height = 260}};
+  PublishedClusterTracker told{{.width = 346, .height = 260}};
+  PublishedClusterTracker untold{{.width = 346, .height = 260}};
   told.set_keep(0.1);
   EXPECT_EQ(labels_of(told, events), labels_of(untold, events));
   EXPECT_NO_THROW(told.set_keep(0));
@@ -106,10 +162,10 @@ TEST(CompatClusterTracker, KeepIsCheckedAndWithoutEffect) {
   EXPECT_THROW(told.set_keep(std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
 }
 
-TEST(CompatClusterTracker, ResultsFollowFromSeedAndEventsAlone) {
+TEST(PublishedClusterTracker, ResultsFollowFromSeedAndEventsAlone) {
   const auto events = asap::test::make_scene({.noise_hz = 5}, 30'000);
-  CompatClusterTracker tracker{{.width = 346, .height = 260, .seed = 3}};
-  CompatClusterTracker other{{.width = 346, .height = 260, .seed = 4}};
+  PublishedClusterTracker tracker{{.width = 346, .height = 260, .seed = 3}};
+  PublishedClusterTracker other{{.width = 346, .height = 260, .seed = 4}};
   const auto labels = labels_of(tracker, events);
   EXPECT_NE(labels_of(other, events), labels);
 
@@ -130,7 +186,7 @@ TEST(CompatClusterTracker, ResultsFollowFromSeedAndEventsAlone) {
     i += n;
   }
   EXPECT_EQ(again, labels);
-  other = CompatClusterTracker{{.width = 346, .height = 260, .seed = 3}};
+  other = PublishedClusterTracker{{.width = 346, .height = 260, .seed = 3}};
   other.process(events);
   const auto a = tracker.clusters();
   const auto b = other.clusters();
@@ -141,14 +197,16 @@ TEST(CompatClusterTracker, ResultsFollowFromSeedAndEventsAlone) {
   }
 }
 
-TEST(CompatClusterTracker, AllocatesOnlyInTheConstructor) {
+TEST(PublishedClusterTracker, AllocatesOnlyInTheConstructor) {
   const auto events = asap::test::make_scene({.noise_hz = 5}, 50'000);
   // The second setting has more big clusters than the probe index has keys.
-  for (const asap::CompatClusterConfig& config :
-       {asap::CompatClusterConfig{.width = 346, .height = 260, .probes = 2},
-        asap::CompatClusterConfig{.width = 346, .height = 260, .radius = 2, .min_size = 0},
-        asap::CompatClusterConfig{.width = 346, .height = 260, .motion = CompatMotion::kKalman}}) {
-    CompatClusterTracker tracker(config);
+  for (const asap::PublishedClusterTrackerConfig& config :
+       {asap::PublishedClusterTrackerConfig{.width = 346, .height = 260, .probes = 2},
+        asap::PublishedClusterTrackerConfig{
+            .width = 346, .height = 260, .radius = 2, .min_size = 0},
+        asap::PublishedClusterTrackerConfig{
+            .width = 346, .height = 260, .motion = PublishedClusterMotion::kKalman}}) {
+    PublishedClusterTracker tracker(config);
     std::vector<std::int32_t> labels(events.size());
     std::vector<Cluster> clusters;
     clusters.reserve(800);
@@ -180,9 +238,9 @@ std::vector<Event> moving_blob(std::int64_t start, double vx, double vy, std::in
   return events;
 }
 
-TEST(CompatClusterTracker, MeasuresTheVelocityOfABlob) {
+TEST(PublishedClusterTracker, MeasuresTheVelocityOfABlob) {
   for (const std::int64_t start : {std::int64_t{0}, std::int64_t{1'600'000'000'000'000}}) {
-    CompatClusterTracker tracker{{.width = 346, .height = 260}};
+    PublishedClusterTracker tracker{{.width = 346, .height = 260}};
     tracker.process(moving_blob(start, 250, -150, 500, 2000));  // 1 s; the window holds 0.4 s
     const auto clusters = tracker.clusters();
     ASSERT_EQ(clusters.size(), 1U);
@@ -193,9 +251,9 @@ TEST(CompatClusterTracker, MeasuresTheVelocityOfABlob) {
 }
 
 // A window of 20 minutes, where sums of squared microseconds no longer fit 64 bits.
-TEST(CompatClusterTracker, MeasuresTheVelocityOverAWindowOfMinutes) {
+TEST(PublishedClusterTracker, MeasuresTheVelocityOverAWindowOfMinutes) {
   for (const std::int64_t start : {std::int64_t{0}, std::int64_t{1'600'000'000'000'000}}) {
-    CompatClusterTracker tracker{{.width = 346, .height = 260}};
+    PublishedClusterTracker tracker{{.width = 346, .height = 260}};
     const auto events = moving_blob(start, 0.1, -0.05, 1'500'000, 1200);
     tracker.process(events);
     const auto clusters = tracker.clusters();
@@ -207,10 +265,11 @@ TEST(CompatClusterTracker, MeasuresTheVelocityOverAWindowOfMinutes) {
   }
 }
 
-TEST(CompatClusterTracker, MotionDecidesPositionAndVelocityAlone) {
+TEST(PublishedClusterTracker, MotionDecidesPositionAndVelocityAlone) {
   const auto events = asap::test::make_scene({.noise_hz = 5}, 30'000);
-  CompatClusterTracker published{{.width = 346, .height = 260}};
-  CompatClusterTracker filtered{{.width = 346, .height = 260, .motion = CompatMotion::kKalman}};
+  PublishedClusterTracker published{{.width = 346, .height = 260}};
+  PublishedClusterTracker filtered{
+      {.width = 346, .height = 260, .motion = PublishedClusterMotion::kKalman}};
   EXPECT_EQ(labels_of(filtered, events), labels_of(published, events));
   const auto a = published.clusters();
   const auto b = filtered.clusters();
@@ -226,9 +285,10 @@ TEST(CompatClusterTracker, MotionDecidesPositionAndVelocityAlone) {
   EXPECT_GT(others, 5);
 }
 
-TEST(CompatClusterTracker, TheFilterMeasuresPositionAndVelocity) {
+TEST(PublishedClusterTracker, TheFilterMeasuresPositionAndVelocity) {
   for (const std::int64_t start : {std::int64_t{0}, std::int64_t{1'600'000'000'000'000}}) {
-    CompatClusterTracker tracker{{.width = 346, .height = 260, .motion = CompatMotion::kKalman}};
+    PublishedClusterTracker tracker{
+        {.width = 346, .height = 260, .motion = PublishedClusterMotion::kKalman}};
     tracker.process(moving_blob(start, 250, -150, 20, 50'000));  // 1 s; the window holds 16 ms
     const auto clusters = tracker.clusters();
     ASSERT_EQ(clusters.size(), 1U);
@@ -239,8 +299,9 @@ TEST(CompatClusterTracker, TheFilterMeasuresPositionAndVelocity) {
   }
 }
 
-TEST(CompatClusterTracker, LooksAheadWithTheFilterAndChangesNothing) {
-  CompatClusterTracker tracker{{.width = 346, .height = 260, .motion = CompatMotion::kKalman}};
+TEST(PublishedClusterTracker, LooksAheadWithTheFilterAndChangesNothing) {
+  PublishedClusterTracker tracker{
+      {.width = 346, .height = 260, .motion = PublishedClusterMotion::kKalman}};
   const auto events = moving_blob(0, 250, -150, 20, 50'000);
   tracker.process(events);
   const auto now = tracker.clusters();
@@ -256,23 +317,23 @@ TEST(CompatClusterTracker, LooksAheadWithTheFilterAndChangesNothing) {
   EXPECT_EQ(tracker.clusters_at(last + 10'000)[0].size, now[0].size);
 }
 
-TEST(CompatClusterTracker, WithoutTheFilterNothingIsAhead) {
-  CompatClusterTracker tracker{{.width = 346, .height = 260}};
+TEST(PublishedClusterTracker, WithoutTheFilterNothingIsAhead) {
+  PublishedClusterTracker tracker{{.width = 346, .height = 260}};
   const auto events = moving_blob(0, 250, -150, 500, 2000);
   tracker.process(events);
   EXPECT_EQ(tracker.clusters_at(events.back().t + 10'000)[0].x, tracker.clusters()[0].x);
 }
 
 // A cluster that never had min_size events absorbs one that had, and shrank: id and motion pass on.
-TEST(CompatClusterTracker, TheMotionGoesWithTheId) {
-  CompatClusterTracker tracker{{.width = 100,
-                                .height = 20,
-                                .window = 8,
-                                .radius = 10,
-                                .probes = 0,
-                                .weight = 0.5,
-                                .min_size = 4,
-                                .motion = CompatMotion::kKalman}};
+TEST(PublishedClusterTracker, TheMotionGoesWithTheId) {
+  PublishedClusterTracker tracker{{.width = 100,
+                                   .height = 20,
+                                   .window = 8,
+                                   .radius = 10,
+                                   .probes = 0,
+                                   .weight = 0.5,
+                                   .min_size = 4,
+                                   .motion = PublishedClusterMotion::kKalman}};
   const auto at = [](std::uint16_t x) { return Event{.x = x, .y = 5, .p = 0, .t = 0}; };
   EXPECT_EQ(labels_of(tracker, {at(30), at(30), at(30), at(30), at(80), at(80), at(80), at(50),
                                 at(50), at(50), at(40)}),
@@ -283,13 +344,13 @@ TEST(CompatClusterTracker, TheMotionGoesWithTheId) {
 }
 
 // A stray event is older than the cluster that it becomes one with: the larger keeps its motion.
-TEST(CompatClusterTracker, TheMotionOfTheLargerSurvivesAMerge) {
-  CompatClusterTracker tracker{{.width = 100,
-                                .height = 20,
-                                .radius = 10,
-                                .probes = 0,
-                                .min_size = 3,
-                                .motion = CompatMotion::kKalman}};
+TEST(PublishedClusterTracker, TheMotionOfTheLargerSurvivesAMerge) {
+  PublishedClusterTracker tracker{{.width = 100,
+                                   .height = 20,
+                                   .radius = 10,
+                                   .probes = 0,
+                                   .min_size = 3,
+                                   .motion = PublishedClusterMotion::kKalman}};
   const auto at = [](std::uint16_t x) { return Event{.x = x, .y = 5, .p = 0, .t = 0}; };
   EXPECT_EQ(labels_of(tracker, {at(50), at(30), at(30), at(30), at(30), at(40)}),
             (std::vector<std::int32_t>{-1, -1, -1, 0, 0, 0}));
@@ -297,12 +358,12 @@ TEST(CompatClusterTracker, TheMotionOfTheLargerSurvivesAMerge) {
   EXPECT_EQ(tracker.clusters()[0].x, 30);
 }
 
-TEST(CompatClusterTracker, TheFilterFollowsFromTheEventsAlone) {
+TEST(PublishedClusterTracker, TheFilterFollowsFromTheEventsAlone) {
   const auto events = asap::test::make_scene({.noise_hz = 5}, 30'000);
-  const CompatClusterTracker::Config config{
-      .width = 346, .height = 260, .motion = CompatMotion::kKalman};
-  CompatClusterTracker whole(config);
-  CompatClusterTracker cut(config);
+  const PublishedClusterTracker::Config config{
+      .width = 346, .height = 260, .motion = PublishedClusterMotion::kKalman};
+  PublishedClusterTracker whole(config);
+  PublishedClusterTracker cut(config);
   whole.process(events);
   cut.process(asap::EventSpan(events).subspan(20'000));
   cut.reset();
@@ -319,17 +380,17 @@ TEST(CompatClusterTracker, TheFilterFollowsFromTheEventsAlone) {
   }
 }
 
-TEST(CompatClusterTracker, SurvivesAnyStamps) {
+TEST(PublishedClusterTracker, SurvivesAnyStamps) {
   constexpr std::int64_t kLow = std::numeric_limits<std::int64_t>::min();
   constexpr std::int64_t kHigh = std::numeric_limits<std::int64_t>::max();
-  CompatClusterTracker tracker{
+  PublishedClusterTracker tracker{
       {.width = 346, .height = 260, .window = 50, .probes = 2, .min_size = 3}};
-  CompatClusterTracker filtered{{.width = 346,
-                                 .height = 260,
-                                 .window = 50,
-                                 .probes = 2,
-                                 .min_size = 3,
-                                 .motion = CompatMotion::kKalman}};
+  PublishedClusterTracker filtered{{.width = 346,
+                                    .height = 260,
+                                    .window = 50,
+                                    .probes = 2,
+                                    .min_size = 3,
+                                    .motion = PublishedClusterMotion::kKalman}};
   std::mt19937_64 random(1);
   for (int i = 0; i < 3000; ++i) {
     const std::int64_t stamps[] = {kLow, kHigh, 0, -1, static_cast<std::int64_t>(random())};
@@ -337,7 +398,7 @@ TEST(CompatClusterTracker, SurvivesAnyStamps) {
                       .y = static_cast<std::uint16_t>(random() % 260),
                       .p = 0,
                       .t = stamps[random() % 5]};
-    for (CompatClusterTracker* each : {&tracker, &filtered}) {
+    for (PublishedClusterTracker* each : {&tracker, &filtered}) {
       each->process({&event, 1});
       for (const Cluster& c : each->clusters_at(stamps[random() % 5])) {
         ASSERT_TRUE(std::isfinite(c.x) && std::isfinite(c.y));
@@ -348,4 +409,4 @@ TEST(CompatClusterTracker, SurvivesAnyStamps) {
 }
 
 }  // namespace
-}  // namespace compat_cluster_tracker_test
+}  // namespace published_cluster_tracker_test

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "asap/algorithms/sensor_frame.hpp"
+#include "algorithms/sensor_frame.hpp"
 #include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
 

@@ -1,22 +1,18 @@
-// FeatureTracks: follows corners, event by event. A corner event with company (more than m of its 8
-// neighbours are among the last B corner events) moves the first-created track within the radius to
-// itself and ends the others there; where there is none it begins a track. Tracks that took none of
-// the last B corner events end with the next event that has company.
-// One thread. update() is O(1), whatever the number of tracks: no two are within the radius of each
-// other. No allocation after construction. A stamp that goes back counts as the latest one.
-// Source: feature_config.hpp; the results are those of the release, which searches linearly.
+// FeatureTracks: the rule by which FeatureTracker follows corners; see feature_tracker.hpp, which
+// names the source. One thread. update() is O(1), whatever the number of tracks: no two are within
+// the radius of each other. No allocation after construction. The results are those of the release,
+// which searches linearly.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "asap/algorithms/cell_grid.hpp"
-#include "asap/algorithms/centre_grid.hpp"
-#include "asap/algorithms/discounted_motion.hpp"
-#include "asap/algorithms/feature_config.hpp"
-#include "asap/algorithms/feature_track.hpp"
-#include "asap/algorithms/sensor_frame.hpp"
+#include "algorithms/cell_grid.hpp"
+#include "algorithms/centre_grid.hpp"
+#include "algorithms/discounted_motion.hpp"
+#include "algorithms/sensor_frame.hpp"
+#include "asap/algorithms/feature_tracker.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {

@@ -11,7 +11,7 @@
 #include <memory>
 #include <vector>
 
-#include "asap/algorithms/sensor_frame.hpp"
+#include "algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {

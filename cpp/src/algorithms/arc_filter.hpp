@@ -9,8 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/algorithms/recent_times.hpp"
-#include "asap/algorithms/sensor_frame.hpp"
+#include "algorithms/recent_times.hpp"
+#include "algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
