@@ -28,6 +28,7 @@ MAY_INCLUDE = {
     "formats": {"core"},
     "synthetic": {"core"},
     "algorithms": {"core"},
+    "examples": {"runner", "schemes", "synthetic", "algorithms"},
 }
 
 # A module of asap may import those on lines above its own.
@@ -111,7 +112,7 @@ def layer_of(path: Path) -> str:
 
 def test_every_layer_is_known() -> None:
     folders = {path.name for tree in TREES[:2] for path in tree.iterdir() if path.is_dir()}
-    assert folders | {"study"} == set(MAY_INCLUDE)
+    assert folders | {"study", "examples"} == set(MAY_INCLUDE)
 
 
 def test_native_includes_point_down() -> None:
@@ -363,6 +364,13 @@ def test_files_are_short() -> None:
         if path.suffix != ".pyi"
     }
     assert not {name: count for name, (count, limit) in counts.items() if count > limit}
+
+
+def test_examples_fit_on_a_page() -> None:
+    examples = [*(CPP / "examples").glob("*.cpp")]
+    assert len(examples) >= 6
+    counts = {name_of(path): len(path.read_text().splitlines()) for path in examples}
+    assert not {name: count for name, count in counts.items() if not 20 <= count <= 60}
 
 
 def test_every_mutant_still_finds_its_line() -> None:
