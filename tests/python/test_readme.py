@@ -11,7 +11,7 @@ import pytest
 
 import asap
 from asap import cli
-from house import INCLUDE, ROOT, run
+from house import INCLUDE, ROOT, name_of, run
 
 TEXT = (ROOT / "README.md").read_text()
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", TEXT, re.M | re.S)
@@ -45,9 +45,12 @@ def test_python_examples_run(tmp_path: Path) -> None:
         run([sys.executable, "-W", "error", script], cwd=tmp_path)
 
 
-def test_cpp_examples_are_the_consumers_that_are_built_and_run() -> None:
-    consumer = ROOT / "tests" / "consumer"
-    assert blocks("cpp") == [(consumer / name).read_text() for name in ("main.cpp", "live.cpp")]
+def test_cpp_blocks_stand_in_the_examples_that_are_built_and_run() -> None:
+    examples = {path: path.read_text() for path in (ROOT / "cpp" / "examples").glob("*.cpp")}
+    assert blocks("cpp")
+    for block in blocks("cpp"):
+        assert any(block in text for text in examples.values()), block
+    assert not [path for path in examples if f"]({name_of(path)})" not in TEXT]
 
 
 def commands() -> list[str]:

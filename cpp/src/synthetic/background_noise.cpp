@@ -1,4 +1,4 @@
-#include "asap/synthetic/background_noise.hpp"
+#include "synthetic/background_noise.hpp"
 
 #include "asap/core/check.hpp"
 

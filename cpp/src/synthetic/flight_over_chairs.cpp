@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "asap/core/check.hpp"
+#include "asap/core/random.hpp"
+#include "synthetic/background_noise.hpp"
+#include "synthetic/outline.hpp"
 #include "synthetic/scene_checks.hpp"
+#include "synthetic/time_sorted_block.hpp"
+#include "synthetic/unit_vector.hpp"
 
 namespace asap {
 namespace {
@@ -93,99 +99,132 @@ std::vector<Outline> empty_rows(const FlightOverChairsConfig& config) {
 
 }  // namespace
 
+class FlightOverChairs::State {
+ public:
+  explicit State(const FlightOverChairsConfig& config)
+      : config_(checked(config)),
+        lanes_(lanes_of(config)),
+        row_pitch_px_(kRowPitch * config.chair_px),
+        last_speed_px_s_(speed_over_full_floor_px_s(config)),
+        first_full_row_(std::max(1.0, flown_px(config.duration_us) / row_pitch_px_)),
+        layout_(CounterRandom(config.seed)(1)),
+        noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(2)),
+        rows_(empty_rows(config)),
+        block_(config.width, config.height,
+               rows_.size() * most_points_per_row(config) + TimeSortedBlock::kMaxStep_us) {
+    for (std::size_t row = 0; row < rows_.size(); ++row) fill(static_cast<std::int64_t>(row));
+  }
+
+  EventSpan next() noexcept {
+    while (elapsed_us_ < config_.duration_us) {
+      const std::int32_t step = step_us();
+      block_.open(config_.t0_us + elapsed_us_, step);
+      noise_.add_to(block_, elapsed_us_);
+
+      const View from = view();
+      sway_ = sway_.turned(kPi * kSway_hz * 1e-6 * step);
+      elapsed_us_ += step;
+      sweep(from, view());
+
+      const EventSpan events = block_.close();
+      if (!events.empty()) return events;
+    }
+    return {};
+  }
+
+ private:
+  struct View {
+    double flown_px;
+    double sway_px;
+  };
+
+  void sweep(View from, View to) noexcept {
+    const auto rows = static_cast<std::int64_t>(rows_.size());
+    for (std::int64_t row = nearest_row_; row < nearest_row_ + rows; ++row) {
+      outline_of(row).sweep(place_of(row, from), place_of(row, to), block_);
+    }
+    if (place_of(nearest_row_, to).y < config_.height * Outline::kUnit) return;
+    fill(nearest_row_ + rows);  // in the memory of the row that left at the bottom
+    ++nearest_row_;
+  }
+
+  void fill(std::int64_t row) noexcept {
+    Outline& outline = outline_of(row);
+    outline.clear();
+    const CounterRandom random{layout_(static_cast<std::uint64_t>(row))};
+    std::uint64_t drawn = 0;
+    const double lane_px = static_cast<double>(config_.width) / lanes_;
+    const auto before = static_cast<std::int64_t>(chairs_before(row));
+    const auto after = static_cast<std::int64_t>(chairs_before(row + 1));
+    std::int64_t chairs = std::min<std::int64_t>(after - before, lanes_);
+    for (std::int32_t lane = 0; lane < lanes_; ++lane) {
+      // Of the lanes that are left, each is as likely to get one of the chairs that are left.
+      if (random.uniform(drawn++) * (lanes_ - lane) >= static_cast<double>(chairs)) continue;
+      --chairs;
+      const UnitVector tilt =
+          UnitVector{}.turned(kMostTilt * (2.0 * random.uniform(drawn++) - 1.0));
+      const double shift_x = 0.2 * random.uniform(drawn++) - 0.1;
+      const double shift_y = 0.15 + 0.2 * random.uniform(drawn++);
+      add_chair(outline, config_.chair_px, tilt,
+                {(lane + 0.5) * lane_px + shift_x * config_.chair_px, shift_y * config_.chair_px});
+    }
+  }
+
+  // Chairs per row grow from none to all lanes at first_full_row_: the integral of that growth.
+  double chairs_before(std::int64_t row) const noexcept {
+    const double beyond = std::max(0.0, static_cast<double>(row) - first_full_row_);
+    const double share = std::min(1.0, static_cast<double>(row) / first_full_row_);
+    const double growing = share * share * (1.0 / 4.0 + share / 6.0);
+    return lanes_ * (first_full_row_ * growing + beyond);
+  }
+
+  Outline& outline_of(std::int64_t row) noexcept {
+    return rows_[static_cast<std::size_t>(row) % rows_.size()];
+  }
+
+  View view() const noexcept {
+    const double sway_reach_px = kSwaySpeed * last_speed_px_s_ / (2.0 * kPi * kSway_hz);
+    return {.flown_px = flown_px(elapsed_us_), .sway_px = sway_reach_px * sway_.y};
+  }
+
+  Outline::Place place_of(std::int64_t row, View view) const noexcept {
+    const double ahead_px = static_cast<double>(row + 1) * row_pitch_px_;
+    return Outline::place(view.sway_px, config_.height + view.flown_px - ahead_px);
+  }
+
+  double flown_px(std::int64_t elapsed_us) const noexcept {
+    const double seconds = 1e-6 * static_cast<double>(elapsed_us);
+    const double progress =
+        static_cast<double>(elapsed_us) / static_cast<double>(config_.duration_us);
+    return last_speed_px_s_ * seconds * (kFirstSpeed + (1.0 - kFirstSpeed) / 2.0 * progress);
+  }
+
+  std::int32_t step_us() const noexcept {
+    return Outline::step_us((1.0 + kSwaySpeed) * last_speed_px_s_,
+                            config_.duration_us - elapsed_us_);
+  }
+
+  FlightOverChairsConfig config_;
+  std::int32_t lanes_;
+  double row_pitch_px_;
+  double last_speed_px_s_;
+  double first_full_row_;
+  CounterRandom layout_;
+  BackgroundNoise noise_;
+  std::vector<Outline> rows_;  // row r in slot r modulo size, from nearest_row_ on
+  TimeSortedBlock block_;
+  std::int64_t nearest_row_ = 0;
+  std::int64_t elapsed_us_ = 0;
+  UnitVector sway_;
+};
+
 FlightOverChairs::FlightOverChairs(const FlightOverChairsConfig& config)
-    : config_(checked(config)),
-      lanes_(lanes_of(config)),
-      row_pitch_px_(kRowPitch * config.chair_px),
-      last_speed_px_s_(speed_over_full_floor_px_s(config)),
-      first_full_row_(std::max(1.0, flown_px(config.duration_us) / row_pitch_px_)),
-      layout_(CounterRandom(config.seed)(1)),
-      noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(2)),
-      rows_(empty_rows(config)),
-      block_(config.width, config.height,
-             rows_.size() * most_points_per_row(config) + TimeSortedBlock::kMaxStep_us) {
-  for (std::size_t row = 0; row < rows_.size(); ++row) fill(static_cast<std::int64_t>(row));
-}
+    : state_(std::make_unique<State>(config)) {}
 
-EventSpan FlightOverChairs::next() noexcept {
-  while (elapsed_us_ < config_.duration_us) {
-    const std::int32_t step = step_us();
-    block_.open(config_.t0_us + elapsed_us_, step);
-    noise_.add_to(block_, elapsed_us_);
+FlightOverChairs::~FlightOverChairs() = default;
+FlightOverChairs::FlightOverChairs(FlightOverChairs&& other) noexcept = default;
+FlightOverChairs& FlightOverChairs::operator=(FlightOverChairs&& other) noexcept = default;
 
-    const View from = view();
-    sway_ = sway_.turned(kPi * kSway_hz * 1e-6 * step);
-    elapsed_us_ += step;
-    sweep(from, view());
-
-    const EventSpan events = block_.close();
-    if (!events.empty()) return events;
-  }
-  return {};
-}
-
-void FlightOverChairs::sweep(View from, View to) noexcept {
-  const auto rows = static_cast<std::int64_t>(rows_.size());
-  for (std::int64_t row = nearest_row_; row < nearest_row_ + rows; ++row) {
-    outline_of(row).sweep(place_of(row, from), place_of(row, to), block_);
-  }
-  if (place_of(nearest_row_, to).y < config_.height * Outline::kUnit) return;
-  fill(nearest_row_ + rows);  // in the memory of the row that left at the bottom
-  ++nearest_row_;
-}
-
-void FlightOverChairs::fill(std::int64_t row) noexcept {
-  Outline& outline = outline_of(row);
-  outline.clear();
-  const CounterRandom random{layout_(static_cast<std::uint64_t>(row))};
-  std::uint64_t drawn = 0;
-  const double lane_px = static_cast<double>(config_.width) / lanes_;
-  const auto before = static_cast<std::int64_t>(chairs_before(row));
-  const auto after = static_cast<std::int64_t>(chairs_before(row + 1));
-  std::int64_t chairs = std::min<std::int64_t>(after - before, lanes_);
-  for (std::int32_t lane = 0; lane < lanes_; ++lane) {
-    // Of the lanes that are left, each is as likely to get one of the chairs that are left.
-    if (random.uniform(drawn++) * (lanes_ - lane) >= static_cast<double>(chairs)) continue;
-    --chairs;
-    const UnitVector tilt = UnitVector{}.turned(kMostTilt * (2.0 * random.uniform(drawn++) - 1.0));
-    const double shift_x = 0.2 * random.uniform(drawn++) - 0.1;
-    const double shift_y = 0.15 + 0.2 * random.uniform(drawn++);
-    add_chair(outline, config_.chair_px, tilt,
-              {(lane + 0.5) * lane_px + shift_x * config_.chair_px, shift_y * config_.chair_px});
-  }
-}
-
-// Chairs per row grow from none to all lanes at first_full_row_: the integral of that growth.
-double FlightOverChairs::chairs_before(std::int64_t row) const noexcept {
-  const double beyond = std::max(0.0, static_cast<double>(row) - first_full_row_);
-  const double share = std::min(1.0, static_cast<double>(row) / first_full_row_);
-  const double growing = share * share * (1.0 / 4.0 + share / 6.0);
-  return lanes_ * (first_full_row_ * growing + beyond);
-}
-
-Outline& FlightOverChairs::outline_of(std::int64_t row) noexcept {
-  return rows_[static_cast<std::size_t>(row) % rows_.size()];
-}
-
-FlightOverChairs::View FlightOverChairs::view() const noexcept {
-  const double sway_reach_px = kSwaySpeed * last_speed_px_s_ / (2.0 * kPi * kSway_hz);
-  return {.flown_px = flown_px(elapsed_us_), .sway_px = sway_reach_px * sway_.y};
-}
-
-Outline::Place FlightOverChairs::place_of(std::int64_t row, View view) const noexcept {
-  const double ahead_px = static_cast<double>(row + 1) * row_pitch_px_;
-  return Outline::place(view.sway_px, config_.height + view.flown_px - ahead_px);
-}
-
-double FlightOverChairs::flown_px(std::int64_t elapsed_us) const noexcept {
-  const double seconds = 1e-6 * static_cast<double>(elapsed_us);
-  const double progress =
-      static_cast<double>(elapsed_us) / static_cast<double>(config_.duration_us);
-  return last_speed_px_s_ * seconds * (kFirstSpeed + (1.0 - kFirstSpeed) / 2.0 * progress);
-}
-
-std::int32_t FlightOverChairs::step_us() const noexcept {
-  return Outline::step_us((1.0 + kSwaySpeed) * last_speed_px_s_, config_.duration_us - elapsed_us_);
-}
+EventSpan FlightOverChairs::next() noexcept { return state_->next(); }
 
 }  // namespace asap

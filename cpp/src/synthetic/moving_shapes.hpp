@@ -10,13 +10,13 @@
 #include <span>
 #include <vector>
 
-#include "asap/synthetic/background_noise.hpp"
 #include "asap/synthetic/event_stream.hpp"
-#include "asap/synthetic/time_sorted_block.hpp"
+#include "synthetic/background_noise.hpp"
 #include "synthetic/contrast_pixel.hpp"
 #include "synthetic/rigid_motion.hpp"
 #include "synthetic/rigid_shape.hpp"
 #include "synthetic/shape_canvas.hpp"
+#include "synthetic/time_sorted_block.hpp"
 
 namespace asap {
 

@@ -1,4 +1,4 @@
-#include "asap/synthetic/outline.hpp"
+#include "synthetic/outline.hpp"
 
 #include <algorithm>
 #include <cmath>

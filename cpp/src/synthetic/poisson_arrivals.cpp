@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "asap/core/check.hpp"
+#include "asap/core/random.hpp"
 #include "synthetic/near_normal.hpp"
+#include "synthetic/poisson_table.hpp"
 #include "synthetic/portable_exp.hpp"
 #include "synthetic/scene_checks.hpp"
 
@@ -22,76 +26,107 @@ const PoissonArrivalsConfig& checked(const PoissonArrivalsConfig& config) {
 
 }  // namespace
 
-PoissonArrivals::PoissonArrivals(const PoissonArrivalsConfig& config)
-    : config_(checked(config)),
-      steps_(CounterRandom(config.seed)(0)),
-      flicker_(CounterRandom(config.seed)(1)),
-      step_(0),
-      block_(kBlock) {}
+class PoissonArrivals::State {
+ public:
+  explicit State(const PoissonArrivalsConfig& config)
+      : config_(checked(config)),
+        steps_(CounterRandom(config.seed)(0)),
+        flicker_(CounterRandom(config.seed)(1)),
+        step_(0),
+        block_(kBlock) {}
 
-void PoissonArrivals::feed(std::span<const double> rates_hz) {
-  for (const double rate_hz : rates_hz) {
-    require(rate_hz >= 0.0 && rate_hz <= kMaxRate_hz, "rates_hz", rate_hz,
-            "give 0 to 2e9 events per second");
-  }
-  rates_hz_.erase(rates_hz_.begin(), rates_hz_.begin() + static_cast<std::ptrdiff_t>(next_rate_));
-  next_rate_ = 0;
-  rates_hz_.insert(rates_hz_.end(), rates_hz.begin(), rates_hz.end());
-}
-
-EventSpan PoissonArrivals::next() noexcept {
-  const auto width = static_cast<std::uint64_t>(config_.width);
-  const auto height = static_cast<std::uint64_t>(config_.height);
-  std::size_t size = 0;
-  while (size < kBlock && (left_ > 0 || to_next_event())) {
-    const std::size_t end = size + std::min<std::uint64_t>(left_, kBlock - size);
-    left_ -= end - size;
-    const std::int64_t t = config_.t0_us + elapsed_us_ - 1;
-    for (; size < end; ++size) {
-      const std::uint64_t bits = step_(drawn_++);
-      Event& event = block_[size];
-      // Field by field: the padding of the buffer stays zero.
-      event.x = static_cast<std::uint16_t>(((bits & 0xffffffffU) * width) >> 32);
-      event.y = static_cast<std::uint16_t>(((bits >> 33) * height) >> 31);
-      event.p = static_cast<std::int16_t>(bits >> 32 & 1);
-      event.t = t;
+  void feed(std::span<const double> rates_hz) {
+    for (const double rate_hz : rates_hz) {
+      require(rate_hz >= 0.0 && rate_hz <= kMaxRate_hz, "rates_hz", rate_hz,
+              "give 0 to 2e9 events per second");
     }
+    rates_hz_.erase(rates_hz_.begin(), rates_hz_.begin() + static_cast<std::ptrdiff_t>(next_rate_));
+    next_rate_ = 0;
+    rates_hz_.insert(rates_hz_.end(), rates_hz.begin(), rates_hz.end());
   }
-  return {block_.data(), size};
-}
 
-// Goes on to the next microsecond that holds events.
-bool PoissonArrivals::to_next_event() noexcept {
-  while (elapsed_us_ < config_.duration_us) {
-    if (elapsed_us_ % kStep_us == 0) {
-      if (next_rate_ == rates_hz_.size()) return false;
-      open_step(rates_hz_[next_rate_++]);
-      if (pieces_ == 0) {
-        elapsed_us_ += kStep_us;
-        continue;
+  EventSpan next() noexcept {
+    const auto width = static_cast<std::uint64_t>(config_.width);
+    const auto height = static_cast<std::uint64_t>(config_.height);
+    std::size_t size = 0;
+    while (size < kBlock && (left_ > 0 || to_next_event())) {
+      const std::size_t end = size + std::min<std::uint64_t>(left_, kBlock - size);
+      left_ -= end - size;
+      const std::int64_t t = config_.t0_us + elapsed_us_ - 1;
+      for (; size < end; ++size) {
+        const std::uint64_t bits = step_(drawn_++);
+        Event& event = block_[size];
+        // Field by field: the padding of the buffer stays zero.
+        event.x = static_cast<std::uint16_t>(((bits & 0xffffffffU) * width) >> 32);
+        event.y = static_cast<std::uint16_t>(((bits >> 33) * height) >> 31);
+        event.p = static_cast<std::int16_t>(bits >> 32 & 1);
+        event.t = t;
       }
     }
-    ++elapsed_us_;
-    for (std::uint64_t piece = 0; piece < pieces_; ++piece) {
-      left_ += piece_.draw(step_.uniform(drawn_++));
-    }
-    if (left_ > 0) return true;
+    return {block_.data(), size};
   }
-  return false;
-}
 
-void PoissonArrivals::open_step(double rate_hz) noexcept {
-  const auto step = static_cast<std::uint64_t>(elapsed_us_ / kStep_us);
-  const double normal = synthetic::near_normal(flicker_, step);
-  log_factor_ =
-      step == 0 ? normal : kMemory * log_factor_ + std::sqrt(1.0 - kMemory * kMemory) * normal;
-  const double exponent = config_.noise * log_factor_ - 0.5 * config_.noise * config_.noise;
-  const double mean = rate_hz * synthetic::portable_exp(exponent) * 1e-6;  // of a microsecond
+ private:
+  // Goes on to the next microsecond that holds events.
+  bool to_next_event() noexcept {
+    while (elapsed_us_ < config_.duration_us) {
+      if (elapsed_us_ % kStep_us == 0) {
+        if (next_rate_ == rates_hz_.size()) return false;
+        open_step(rates_hz_[next_rate_++]);
+        if (pieces_ == 0) {
+          elapsed_us_ += kStep_us;
+          continue;
+        }
+      }
+      ++elapsed_us_;
+      for (std::uint64_t piece = 0; piece < pieces_; ++piece) {
+        left_ += piece_.draw(step_.uniform(drawn_++));
+      }
+      if (left_ > 0) return true;
+    }
+    return false;
+  }
 
-  step_ = CounterRandom(steps_(step));
-  drawn_ = 0;
-  pieces_ = static_cast<std::uint64_t>(std::ceil(mean / PoissonTable::kMaxMean));
-  if (pieces_ > 0) piece_.set_mean(mean / static_cast<double>(pieces_));
-}
+  void open_step(double rate_hz) noexcept {
+    const auto step = static_cast<std::uint64_t>(elapsed_us_ / kStep_us);
+    const double normal = synthetic::near_normal(flicker_, step);
+    log_factor_ =
+        step == 0 ? normal : kMemory * log_factor_ + std::sqrt(1.0 - kMemory * kMemory) * normal;
+    const double exponent = config_.noise * log_factor_ - 0.5 * config_.noise * config_.noise;
+    const double mean = rate_hz * synthetic::portable_exp(exponent) * 1e-6;  // of a microsecond
+
+    step_ = CounterRandom(steps_(step));
+    drawn_ = 0;
+    pieces_ = static_cast<std::uint64_t>(std::ceil(mean / PoissonTable::kMaxMean));
+    if (pieces_ > 0) piece_.set_mean(mean / static_cast<double>(pieces_));
+  }
+
+  PoissonArrivalsConfig config_;
+  CounterRandom steps_;    // one key per step
+  CounterRandom flicker_;  // drives y
+  std::vector<double> rates_hz_;
+  std::size_t next_rate_ = 0;
+  double log_factor_ = 0.0;  // y
+
+  CounterRandom step_;  // of the open step: numbers of events and pixels
+  std::uint64_t drawn_ = 0;
+  std::uint64_t pieces_ = 0;  // draws that make up a microsecond's number; 0: no events
+  PoissonTable piece_;
+
+  std::int64_t elapsed_us_ = 0;
+  std::uint64_t left_ = 0;  // events of the last microsecond, still to come
+  std::vector<Event> block_;
+};
+
+PoissonArrivals::PoissonArrivals(const PoissonArrivalsConfig& config)
+    : state_(std::make_unique<State>(config)) {}
+
+PoissonArrivals::~PoissonArrivals() = default;
+PoissonArrivals::PoissonArrivals(PoissonArrivals&& other) noexcept = default;
+PoissonArrivals& PoissonArrivals::operator=(PoissonArrivals&& other) noexcept = default;
+
+void PoissonArrivals::feed(std::span<const double> rates_hz) { state_->feed(rates_hz); }
+
+EventSpan PoissonArrivals::next() noexcept { return state_->next(); }
 
 }  // namespace asap

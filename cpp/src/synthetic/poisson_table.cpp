@@ -1,4 +1,4 @@
-#include "asap/synthetic/poisson_table.hpp"
+#include "synthetic/poisson_table.hpp"
 
 #include <algorithm>
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <variant>
 
-#include "asap/synthetic/outline.hpp"
-#include "asap/synthetic/unit_vector.hpp"
+#include "synthetic/outline.hpp"
+#include "synthetic/unit_vector.hpp"
 
 namespace asap {
 

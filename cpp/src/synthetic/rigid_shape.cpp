@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "asap/core/check.hpp"
-#include "asap/synthetic/unit_vector.hpp"
+#include "synthetic/unit_vector.hpp"
 
 namespace asap {
 namespace {

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <span>
 
-#include "asap/synthetic/outline.hpp"
+#include "synthetic/outline.hpp"
 
 namespace asap {
 

@@ -6,7 +6,11 @@
 
 #include "asap/core/check.hpp"
 #include "asap/core/random.hpp"
+#include "synthetic/background_noise.hpp"
+#include "synthetic/outline.hpp"
 #include "synthetic/scene_checks.hpp"
+#include "synthetic/time_sorted_block.hpp"
+#include "synthetic/unit_vector.hpp"
 
 namespace asap {
 namespace {
@@ -84,54 +88,78 @@ double events_per_px_in_view(const Outline& poster, const ShakenPatternConfig& c
 
 }  // namespace
 
-ShakenPattern::ShakenPattern(const ShakenPatternConfig& config)
-    : config_(checked(config)),
-      print_(printed_poster(config)),
-      noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(2)),
-      block_(config.width, config.height, print_.size() + TimeSortedBlock::kMaxStep_us),
-      events_per_px_(events_per_px_in_view(print_, config)) {}
+class ShakenPattern::State {
+ public:
+  explicit State(const ShakenPatternConfig& config)
+      : config_(checked(config)),
+        print_(printed_poster(config)),
+        noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(2)),
+        block_(config.width, config.height, print_.size() + TimeSortedBlock::kMaxStep_us),
+        events_per_px_(events_per_px_in_view(print_, config)) {}
 
-EventSpan ShakenPattern::next() noexcept {
-  while (elapsed_us_ < config_.duration_us) {
-    const std::int32_t step = step_us();
-    block_.open(config_.t0_us + elapsed_us_, step);
-    noise_.add_to(block_, elapsed_us_);
+  EventSpan next() noexcept {
+    while (elapsed_us_ < config_.duration_us) {
+      const std::int32_t step = step_us();
+      block_.open(config_.t0_us + elapsed_us_, step);
+      noise_.add_to(block_, elapsed_us_);
 
-    const Outline::Place from = place();
-    const double angle = speed_px_s() / (kMeanSpeed * amplitude_px()) * 1e-6 * step;
-    phase_ = phase_.turned(angle / 2.0);
-    elapsed_us_ += step;
-    print_.sweep(from, place(), block_);
+      const Outline::Place from = place();
+      const double angle = speed_px_s() / (kMeanSpeed * amplitude_px()) * 1e-6 * step;
+      phase_ = phase_.turned(angle / 2.0);
+      elapsed_us_ += step;
+      print_.sweep(from, place(), block_);
 
-    const EventSpan events = block_.close();
-    if (!events.empty()) return events;
+      const EventSpan events = block_.close();
+      if (!events.empty()) return events;
+    }
+    return {};
   }
-  return {};
-}
 
-double ShakenPattern::progress() const noexcept {
-  return static_cast<double>(elapsed_us_) / static_cast<double>(config_.duration_us);
-}
+ private:
+  // 0 at the start, 1 at the end.
+  double progress() const noexcept {
+    return static_cast<double>(elapsed_us_) / static_cast<double>(config_.duration_us);
+  }
 
-double ShakenPattern::amplitude_px() const noexcept {
-  return config_.amplitude_px * (kFirstAmplitude + (1.0 - kFirstAmplitude) * progress());
-}
+  double amplitude_px() const noexcept {
+    return config_.amplitude_px * (kFirstAmplitude + (1.0 - kFirstAmplitude) * progress());
+  }
 
-double ShakenPattern::speed_px_s() const noexcept {
-  const double growth = progress() * std::sqrt(progress());
-  const double rate_hz =
-      config_.first_rate_hz + (config_.last_rate_hz - config_.first_rate_hz) * growth;
-  return rate_hz / events_per_px_;
-}
+  // Mean over the ellipse.
+  double speed_px_s() const noexcept {
+    const double growth = progress() * std::sqrt(progress());
+    const double rate_hz =
+        config_.first_rate_hz + (config_.last_rate_hz - config_.first_rate_hz) * growth;
+    return rate_hz / events_per_px_;
+  }
 
-Outline::Place ShakenPattern::place() const noexcept {
-  return Outline::place(amplitude_px() * phase_.x, kMinorAxis * amplitude_px() * phase_.y);
-}
+  Outline::Place place() const noexcept {
+    return Outline::place(amplitude_px() * phase_.x, kMinorAxis * amplitude_px() * phase_.y);
+  }
 
-std::int32_t ShakenPattern::step_us() const noexcept {
-  const double growth_px_s = 1e6 * config_.amplitude_px / static_cast<double>(config_.duration_us);
-  return Outline::step_us(speed_px_s() / kMeanSpeed + growth_px_s,
-                          config_.duration_us - elapsed_us_);
-}
+  std::int32_t step_us() const noexcept {
+    const double growth_px_s =
+        1e6 * config_.amplitude_px / static_cast<double>(config_.duration_us);
+    return Outline::step_us(speed_px_s() / kMeanSpeed + growth_px_s,
+                            config_.duration_us - elapsed_us_);
+  }
+
+  ShakenPatternConfig config_;
+  Outline print_;
+  BackgroundNoise noise_;
+  TimeSortedBlock block_;
+  double events_per_px_;
+  std::int64_t elapsed_us_ = 0;
+  UnitVector phase_;
+};
+
+ShakenPattern::ShakenPattern(const ShakenPatternConfig& config)
+    : state_(std::make_unique<State>(config)) {}
+
+ShakenPattern::~ShakenPattern() = default;
+ShakenPattern::ShakenPattern(ShakenPattern&& other) noexcept = default;
+ShakenPattern& ShakenPattern::operator=(ShakenPattern&& other) noexcept = default;
+
+EventSpan ShakenPattern::next() noexcept { return state_->next(); }
 
 }  // namespace asap

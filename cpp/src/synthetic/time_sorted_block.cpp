@@ -1,4 +1,4 @@
-#include "asap/synthetic/time_sorted_block.hpp"
+#include "synthetic/time_sorted_block.hpp"
 
 #include <algorithm>
 #include <utility>

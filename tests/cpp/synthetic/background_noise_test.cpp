@@ -1,4 +1,4 @@
-#include "asap/synthetic/background_noise.hpp"
+#include "synthetic/background_noise.hpp"
 
 #include <gtest/gtest.h>
 

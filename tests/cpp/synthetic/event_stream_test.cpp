@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <utility>
+#include <vector>
 
 #include "asap/synthetic/flight_over_chairs.hpp"
+#include "asap/synthetic/poisson_arrivals.hpp"
 #include "asap/synthetic/shaken_pattern.hpp"
 #include "support/allocation_counter.hpp"
 
@@ -59,6 +62,29 @@ TEST(EventStream, AllocatesNothingAfterConstruction) {
     EXPECT_EQ(test::allocations(), before);
     EXPECT_GT(events, 100'000U);
   }
+}
+
+// Of two equal streams, one of which is moved between two reads.
+template <class Stream>
+void expect_the_same_after_a_move(Stream stream, Stream twin) {
+  EXPECT_EQ(read_events(stream, 1'000), read_events(twin, 1'000));
+  Stream moved(std::move(stream));
+  EXPECT_EQ(read_events(moved, 1'000), read_events(twin, 1'000));
+  stream = std::move(moved);
+  const std::vector<Event> events = read_events(stream, 1'000);
+  EXPECT_FALSE(events.empty());
+  EXPECT_EQ(events, read_events(twin, 1'000));
+}
+
+TEST(EventStream, AMoveKeepsTheState) {
+  expect_the_same_after_a_move(ShakenPattern{}, ShakenPattern{});
+  expect_the_same_after_a_move(FlightOverChairs{}, FlightOverChairs{});
+  const auto arrivals = [] {
+    PoissonArrivals stream;
+    stream.feed(std::vector<double>(200, 1e6));
+    return stream;
+  };
+  expect_the_same_after_a_move(arrivals(), arrivals());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "asap/synthetic/unit_vector.hpp"
+#include "synthetic/unit_vector.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,14 +6,10 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <memory>
 
-#include "asap/core/random.hpp"
-#include "asap/synthetic/background_noise.hpp"
+#include "asap/core/event.hpp"
 #include "asap/synthetic/event_stream.hpp"
-#include "asap/synthetic/outline.hpp"
-#include "asap/synthetic/time_sorted_block.hpp"
-#include "asap/synthetic/unit_vector.hpp"
 
 namespace asap {
 
@@ -31,37 +27,15 @@ struct FlightOverChairsConfig {
 class FlightOverChairs final : public EventStream {
  public:
   explicit FlightOverChairs(const FlightOverChairsConfig& config = {});
+  ~FlightOverChairs() override;
+  FlightOverChairs(FlightOverChairs&& other) noexcept;
+  FlightOverChairs& operator=(FlightOverChairs&& other) noexcept;
 
   [[nodiscard]] EventSpan next() noexcept override;
 
  private:
-  struct View {
-    double flown_px;
-    double sway_px;
-  };
-
-  std::int32_t step_us() const noexcept;
-  void sweep(View from, View to) noexcept;
-  View view() const noexcept;
-  double flown_px(std::int64_t elapsed_us) const noexcept;
-  Outline::Place place_of(std::int64_t row, View view) const noexcept;
-
-  void fill(std::int64_t row) noexcept;
-  double chairs_before(std::int64_t row) const noexcept;
-  Outline& outline_of(std::int64_t row) noexcept;
-
-  FlightOverChairsConfig config_;
-  std::int32_t lanes_;
-  double row_pitch_px_;
-  double last_speed_px_s_;
-  double first_full_row_;
-  CounterRandom layout_;
-  BackgroundNoise noise_;
-  std::vector<Outline> rows_;  // row r in slot r modulo size, from nearest_row_ on
-  TimeSortedBlock block_;
-  std::int64_t nearest_row_ = 0;
-  std::int64_t elapsed_us_ = 0;
-  UnitVector sway_;
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace asap

@@ -5,14 +5,12 @@
 // Thread and allocation as EventStream, except feed(), which copies its grid; a few ns per event.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <vector>
 
-#include "asap/core/random.hpp"
+#include "asap/core/event.hpp"
 #include "asap/synthetic/event_stream.hpp"
-#include "asap/synthetic/poisson_table.hpp"
 
 namespace asap {
 
@@ -31,6 +29,9 @@ class PoissonArrivals final : public EventStream {
   static constexpr double kMaxRate_hz = 2e9;
 
   explicit PoissonArrivals(const PoissonArrivalsConfig& config = {});
+  ~PoissonArrivals() override;
+  PoissonArrivals(PoissonArrivals&& other) noexcept;
+  PoissonArrivals& operator=(PoissonArrivals&& other) noexcept;
 
   // The rates of the next steps, events per second; what lies beyond the duration is ignored.
   void feed(std::span<const double> rates_hz);
@@ -39,24 +40,8 @@ class PoissonArrivals final : public EventStream {
   [[nodiscard]] EventSpan next() noexcept override;
 
  private:
-  bool to_next_event() noexcept;
-  void open_step(double rate_hz) noexcept;
-
-  PoissonArrivalsConfig config_;
-  CounterRandom steps_;    // one key per step
-  CounterRandom flicker_;  // drives y
-  std::vector<double> rates_hz_;
-  std::size_t next_rate_ = 0;
-  double log_factor_ = 0.0;  // y
-
-  CounterRandom step_;  // of the open step: numbers of events and pixels
-  std::uint64_t drawn_ = 0;
-  std::uint64_t pieces_ = 0;  // draws that make up a microsecond's number; 0: no events
-  PoissonTable piece_;
-
-  std::int64_t elapsed_us_ = 0;
-  std::uint64_t left_ = 0;  // events of the last microsecond, still to come
-  std::vector<Event> block_;
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace asap

@@ -6,12 +6,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
-#include "asap/synthetic/background_noise.hpp"
+#include "asap/core/event.hpp"
 #include "asap/synthetic/event_stream.hpp"
-#include "asap/synthetic/outline.hpp"
-#include "asap/synthetic/time_sorted_block.hpp"
-#include "asap/synthetic/unit_vector.hpp"
 
 namespace asap {
 
@@ -30,23 +28,15 @@ struct ShakenPatternConfig {
 class ShakenPattern final : public EventStream {
  public:
   explicit ShakenPattern(const ShakenPatternConfig& config = {});
+  ~ShakenPattern() override;
+  ShakenPattern(ShakenPattern&& other) noexcept;
+  ShakenPattern& operator=(ShakenPattern&& other) noexcept;
 
   [[nodiscard]] EventSpan next() noexcept override;
 
  private:
-  double progress() const noexcept;  // 0 at the start, 1 at the end
-  double amplitude_px() const noexcept;
-  double speed_px_s() const noexcept;  // mean over the ellipse
-  Outline::Place place() const noexcept;
-  std::int32_t step_us() const noexcept;
-
-  ShakenPatternConfig config_;
-  Outline print_;
-  BackgroundNoise noise_;
-  TimeSortedBlock block_;
-  double events_per_px_;
-  std::int64_t elapsed_us_ = 0;
-  UnitVector phase_;
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace asap

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "asap/core/random.hpp"
-#include "asap/synthetic/time_sorted_block.hpp"
+#include "synthetic/time_sorted_block.hpp"
 
 namespace asap {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
-#include "asap/synthetic/time_sorted_block.hpp"
-#include "asap/synthetic/unit_vector.hpp"
+#include "synthetic/time_sorted_block.hpp"
+#include "synthetic/unit_vector.hpp"
 
 namespace asap {
 

@@ -1,0 +1,28 @@
+// The smallest loop. A pipeline has a worker thread, which runs the algorithm on package after
+// package so that every event it delivers is processed within 10 ms of its push.
+#include <asap/algorithms/cluster_tracker.hpp>
+#include <asap/runner/pipeline.hpp>
+#include <asap/synthetic/flight_over_chairs.hpp>
+
+#include <chrono>
+#include <iostream>
+#include <thread>
+
+int main() {
+  asap::ClusterTracker tracker{{.width = 346, .height = 260}};
+  asap::Pipeline pipeline{{.latency_us = 10'000},
+                          [&](asap::EventSpan events) { tracker.process(events); }};
+
+  asap::FlightOverChairs camera{{.duration_us = 500'000}};  // or a driver's callback
+  const auto start = std::chrono::steady_clock::now();
+  for (auto events = camera.next(); !events.empty(); events = camera.next()) {
+    std::this_thread::sleep_until(start + std::chrono::microseconds(events.back().t));
+    pipeline.push(events);  // wait-free, from one thread at a time
+  }
+  pipeline.stop();
+  pipeline.join();  // the worker processes what waits; throws what the algorithm threw
+
+  const asap::Ledger ledger = pipeline.ledger();
+  std::cout << ledger.received << " events received, " << ledger.delivered << " delivered, "
+            << tracker.clusters().size() << " clusters\n";
+}
