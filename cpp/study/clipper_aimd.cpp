@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "schemes/latency_bound.hpp"
-
 namespace asap {
 namespace {
 
@@ -12,8 +10,7 @@ constexpr double kBackOff = 0.9;
 
 }  // namespace
 
-ClipperAimd::ClipperAimd(double latency_ms)
-    : latency_ms_(latency_ms), latency_ns_(checked_latency_ns(latency_ms)), limit_(kStep) {}
+ClipperAimd::ClipperAimd(double latency_ms) : Rival(latency_ms), limit_(kStep) {}
 
 Decision ClipperAimd::decide(const Backlog& backlog) noexcept {
   return Decision::take(std::min(backlog.count, whole_limit()));

@@ -4,11 +4,11 @@
 // never drops. A baseline of an experiment, not a product. O(1) per package.
 #pragma once
 
-#include "asap/schemes/scheme.hpp"
+#include "study/rival.hpp"
 
 namespace asap {
 
-class ClipperAimd final : public Scheme {
+class ClipperAimd final : public Rival {
  public:
   explicit ClipperAimd(double latency_ms);
 
@@ -16,14 +16,10 @@ class ClipperAimd final : public Scheme {
   void observe(const Outcome& outcome) noexcept override;
   void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "clipper_aimd"; }
-  SchemeParameters parameters() const override { return {{"latency_ms", latency_ms_}}; }
-  std::int64_t latency_bound_ns() const noexcept override { return latency_ns_; }
 
  private:
   std::size_t whole_limit() const noexcept { return static_cast<std::size_t>(limit_); }
 
-  const double latency_ms_;
-  const std::int64_t latency_ns_;
   double limit_;  // n_max
 };
 

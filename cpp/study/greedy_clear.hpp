@@ -3,22 +3,16 @@
 // queue when late" comes to. A baseline of an experiment, not a product. O(log n) per package.
 #pragma once
 
-#include "asap/schemes/scheme.hpp"
+#include "study/rival.hpp"
 
 namespace asap {
 
-class GreedyClear final : public Scheme {
+class GreedyClear final : public Rival {
  public:
-  explicit GreedyClear(double latency_ms);
+  using Rival::Rival;
 
   Decision decide(const Backlog& backlog) noexcept override;
   std::string_view name() const noexcept override { return "greedy_clear"; }
-  SchemeParameters parameters() const override { return {{"latency_ms", latency_ms_}}; }
-  std::int64_t latency_bound_ns() const noexcept override { return latency_ns_; }
-
- private:
-  const double latency_ms_;
-  const std::int64_t latency_ns_;
 };
 
 }  // namespace asap

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "schemes/latency_bound.hpp"
-
 namespace asap {
 namespace {
 
@@ -13,9 +11,6 @@ constexpr double kQuietAges_s = 0.2e-3;
 constexpr double kMostDropped = 0.99;
 
 }  // namespace
-
-GreedyPie::GreedyPie(double latency_ms)
-    : latency_ms_(latency_ms), latency_ns_(checked_latency_ns(latency_ms)) {}
 
 double GreedyPie::gamma(const Arrivals& arrivals) noexcept {
   const double age_s = static_cast<double>(arrivals.now_ns - arrivals.oldest_ns) * 1e-9;

@@ -5,29 +5,25 @@
 // per package and per ms.
 #pragma once
 
-#include "asap/schemes/scheme.hpp"
 #include "runner/admission.hpp"
+#include "study/rival.hpp"
 
 namespace asap {
 
-class GreedyPie final : public Scheme, public Admission {
+class GreedyPie final : public Rival, public Admission {
  public:
-  explicit GreedyPie(double latency_ms);
+  using Rival::Rival;
 
   Decision decide(const Backlog& backlog) noexcept override {
     return Decision::take(backlog.count);
   }
   void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "greedy_pie"; }
-  SchemeParameters parameters() const override { return {{"latency_ms", latency_ms_}}; }
-  std::int64_t latency_bound_ns() const noexcept override { return latency_ns_; }
 
   double gamma(const Arrivals& arrivals) noexcept override;
   std::int64_t period_ns() const noexcept override { return 1'000'000; }
 
  private:
-  const double latency_ms_;
-  const std::int64_t latency_ns_;
   double drop_ = 0.0;   // p
   double age_s_ = 0.0;  // d, when last asked
 };

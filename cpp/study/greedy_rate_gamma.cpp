@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "schemes/latency_bound.hpp"
-
 namespace asap {
 namespace {
 
@@ -11,9 +9,6 @@ constexpr double kNewShare = 0.006379563620851;  // 1 - exp(-32 us / 5 ms)
 constexpr double kLeastShare = 0.05;             // of 1/beta
 
 }  // namespace
-
-GreedyRateGamma::GreedyRateGamma(double latency_ms)
-    : latency_ms_(latency_ms), latency_ns_(checked_latency_ns(latency_ms)) {}
 
 void GreedyRateGamma::observe(const Outcome& outcome) noexcept { cost_.update(outcome); }
 

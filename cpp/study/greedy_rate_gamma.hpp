@@ -6,14 +6,14 @@
 #pragma once
 
 #include "asap/schemes/cost_model.hpp"
-#include "asap/schemes/scheme.hpp"
 #include "runner/admission.hpp"
+#include "study/rival.hpp"
 
 namespace asap {
 
-class GreedyRateGamma final : public Scheme, public Admission {
+class GreedyRateGamma final : public Rival, public Admission {
  public:
-  explicit GreedyRateGamma(double latency_ms);
+  using Rival::Rival;
 
   Decision decide(const Backlog& backlog) noexcept override {
     return Decision::take(backlog.count);
@@ -21,15 +21,11 @@ class GreedyRateGamma final : public Scheme, public Admission {
   void observe(const Outcome& outcome) noexcept override;
   void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "greedy_rate_gamma"; }
-  SchemeParameters parameters() const override { return {{"latency_ms", latency_ms_}}; }
-  std::int64_t latency_bound_ns() const noexcept override { return latency_ns_; }
 
   double gamma(const Arrivals& arrivals) noexcept override;
   std::int64_t period_ns() const noexcept override { return 32'000; }
 
  private:
-  const double latency_ms_;
-  const std::int64_t latency_ns_;
   CostModel cost_;
   double rate_ = 0.0;  // lambda, events per ns
 };

@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "schemes/latency_bound.hpp"
-
 namespace asap {
 
 JaerTimer::JaerTimer(double latency_ms, LinearCost cost)
-    : latency_ms_(latency_ms),
-      latency_ns_(checked_latency_ns(latency_ms)),
-      cost_(std::move(cost)) {}
+    : Rival(latency_ms), cost_(std::move(cost)) {}
 
 Decision JaerTimer::decide(const Backlog& backlog) noexcept {
   if (rest_ > 0) return Decision::drop(std::exchange(rest_, 0));

@@ -8,11 +8,11 @@
 #pragma once
 
 #include "asap/runner/linear_cost.hpp"
-#include "asap/schemes/scheme.hpp"
+#include "study/rival.hpp"
 
 namespace asap {
 
-class JaerTimer final : public Scheme {
+class JaerTimer final : public Rival {
  public:
   // The cost of the simulator that it will run in, from that simulator's first package on.
   JaerTimer(double latency_ms, LinearCost cost);
@@ -21,12 +21,8 @@ class JaerTimer final : public Scheme {
   void observe(const Outcome& outcome) noexcept override;
   void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "jaer_timer"; }
-  SchemeParameters parameters() const override { return {{"latency_ms", latency_ms_}}; }
-  std::int64_t latency_bound_ns() const noexcept override { return latency_ns_; }
 
  private:
-  const double latency_ms_;
-  const std::int64_t latency_ns_;
   const LinearCost cost_;
 
   std::uint64_t packages_ = 0;

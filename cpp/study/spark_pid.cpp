@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "schemes/latency_bound.hpp"
-
 namespace asap {
 namespace {
 
@@ -14,10 +12,7 @@ constexpr double kLeastEvents = 1.0;       // or no package would tell what the 
 
 }  // namespace
 
-SparkPid::SparkPid(double latency_ms)
-    : latency_ms_(latency_ms),
-      latency_ns_(checked_latency_ns(latency_ms)),
-      period_ns_(latency_ns_ / 2) {}
+SparkPid::SparkPid(double latency_ms) : Rival(latency_ms), period_ns_(latency_ns_ / 2) {}
 
 Decision SparkPid::decide(const Backlog& backlog) noexcept {
   const std::int64_t close_ns = close_after(backlog.oldest_ns);

@@ -10,11 +10,11 @@
 
 #include <array>
 
-#include "asap/schemes/scheme.hpp"
+#include "study/rival.hpp"
 
 namespace asap {
 
-class SparkPid final : public Scheme {
+class SparkPid final : public Rival {
  public:
   explicit SparkPid(double latency_ms);
 
@@ -22,8 +22,6 @@ class SparkPid final : public Scheme {
   void observe(const Outcome& outcome) noexcept override;
   void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "spark_pid"; }
-  SchemeParameters parameters() const override { return {{"latency_ms", latency_ms_}}; }
-  std::int64_t latency_bound_ns() const noexcept override { return latency_ns_; }
 
  private:
   // q from a completion on.
@@ -36,8 +34,6 @@ class SparkPid final : public Scheme {
   std::int64_t close_after(std::int64_t time_ns) const noexcept;
   double most_events(std::int64_t close_ns) const noexcept;
 
-  const double latency_ms_;
-  const std::int64_t latency_ns_;
   const std::int64_t period_ns_;  // T
 
   std::int64_t close_ns_ = 0;  // of the package that was last taken

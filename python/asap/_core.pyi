@@ -126,6 +126,8 @@ class DeadBeat(Scheme):
     @property
     def beta_ns(self) -> float: ...
 
+SCHEMES: tuple[type[Scheme], ...]  # what a user chooses from
+
 # telemetry
 
 class LatencyHistogram(metaclass=_pybind11_type):

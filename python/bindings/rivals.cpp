@@ -1,8 +1,9 @@
 // The layer `study`, its rivals: baselines of the benchmark, schemes that only the simulator can
-// run.
+// run. One row each, as in schemes.cpp.
 #include <pybind11/pybind11.h>
 
 #include "layers.hpp"
+#include "scheme_class.hpp"
 #include "study/clipper_aimd.hpp"
 #include "study/greedy_clear.hpp"
 #include "study/greedy_pie.hpp"
@@ -15,19 +16,19 @@ namespace {
 
 namespace py = pybind11;
 
-template <class Rival>
+template <class S>
 void bind_rival(py::module_& m, const char* name, const char* doc) {
-  py::class_<Rival, Scheme>(m, name, doc).def(py::init<double>(), py::arg("latency_ms"));
+  scheme_class<S>(m, name, doc, "latency_ms", py::init<double>(), py::arg("latency_ms"));
 }
 
 }  // namespace
 
 void bind_rivals(py::module_& m) {
-  py::class_<JaerTimer, Scheme>(
+  scheme_class<JaerTimer>(
       m, "JaerTimer",
       "Greedy with a timer of half the bound; what is left when it has run is discarded. `cost` is "
-      "the simulated algorithm of the same run.")
-      .def(py::init<double, LinearCost>(), py::arg("latency_ms"), py::arg("cost"));
+      "the simulated algorithm of the same run.",
+      "latency_ms, cost", py::init<double, LinearCost>(), py::arg("latency_ms"), py::arg("cost"));
   bind_rival<GreedyPie>(m, "GreedyPie", "Greedy behind an input filter steered like PIE.");
   bind_rival<GreedyRateGamma>(m, "GreedyRateGamma",
                               "Greedy behind an input filter that follows rate and cost.");

@@ -1,9 +1,6 @@
-// The layer `schemes`: the schemes that a user chooses from. Keyword-only, all with defaults.
-#include <pybind11/stl.h>
-
-#include <optional>
-
-#include "arguments.hpp"
+// The layer `schemes`: the schemes that a user chooses from, one row each: class, name, docstring.
+// The rest comes from kParameters of its configuration. After a new row, run
+// tests/python/scheme_texts.py: it writes the stub, the names of the package and a row of README.
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/asap2022.hpp"
 #include "asap/schemes/dead_beat.hpp"
@@ -13,17 +10,12 @@
 #include "asap/schemes/greedy.hpp"
 #include "asap/schemes/single_event.hpp"
 #include "layers.hpp"
+#include "scheme_class.hpp"
 
 namespace asap::python {
 namespace {
 
 namespace py = pybind11;
-
-py::dict scheme_parameters(const Scheme& scheme) {
-  py::dict result;
-  for (const auto& [name, value] : scheme.parameters()) result[py::str(name)] = py::cast(value);
-  return result;
-}
 
 std::string repr(const py::object& scheme) {
   std::string text = py::cast<std::string>(py::type::of(scheme).attr("__name__")) + "(";
@@ -45,7 +37,7 @@ void bind_schemes(py::module_& m) {
                              "The constructor's arguments by name.")
       .def("__repr__", &repr);
 
-  py::class_<FixedSize, Scheme>(m, "FixedSize", R"(Packages of a fixed number of events.
+  bind_scheme<FixedSize>(m, "FixedSize", R"(Packages of a fixed number of events.
 
 Flushed when the oldest event has waited for the latency bound.
 
@@ -53,13 +45,9 @@ Parameters
 ----------
 size : int
     Events per package, at least 1.
-)")
-      .def(py::init([](const py::object& size) {
-             return FixedSize({.size = whole_number("size", size)});
-           }),
-           py::kw_only(), py::arg("size") = 1000);
+)");
 
-  py::class_<FixedTime, Scheme>(m, "FixedTime", R"(One package per period of event time.
+  bind_scheme<FixedTime>(m, "FixedTime", R"(One package per period of event time.
 
 A package holds the events before the next multiple of the period. Flushed when the oldest event has
 waited for the latency bound.
@@ -68,14 +56,11 @@ Parameters
 ----------
 period_ms : float
     At least 0.001 ms.
-)")
-      .def(py::init([](double period_ms) { return FixedTime({.period_ms = period_ms}); }),
-           py::kw_only(), py::arg("period_ms") = 1.0);
+)");
 
-  py::class_<SingleEvent, Scheme>(m, "SingleEvent", "Every event is a package of its own.")
-      .def(py::init<>());
+  bind_scheme<SingleEvent>(m, "SingleEvent", "Every event is a package of its own.");
 
-  py::class_<Greedy, Scheme>(m, "Greedy", R"(All that waits, whenever the algorithm is free.
+  bind_scheme<Greedy>(m, "Greedy", R"(All that waits, whenever the algorithm is free.
 
 Parameters
 ----------
@@ -83,20 +68,9 @@ efficiency : float, optional
     Share of a package's time that goes into its events, 0 < efficiency < 1: caps the package, oldest
     first, and the rest waits, which shortens the longest latency after abrupt changes. Keep it well
     above the mean load; 0.97 is a good one. None: no cap.
-)")
-      .def(py::init(
-               [](std::optional<double> efficiency) { return Greedy({.efficiency = efficiency}); }),
-           py::kw_only(), py::arg("efficiency") = py::none())
-      .def_property_readonly(
-          "parameters",
-          [](const Greedy& scheme) {
-            py::dict result = scheme_parameters(scheme);
-            if (result.empty()) result["efficiency"] = py::none();
-            return result;
-          },
-          "The constructor's arguments by name.");
+)");
 
-  py::class_<Asap2020, Scheme>(m, "Asap2020", R"(The scheme of the paper (Tapia et al., 2020).
+  bind_scheme<Asap2020>(m, "Asap2020", R"(The scheme of the paper (Tapia et al., 2020).
 
 The package size follows the processing time, so that it equals the package's span less a margin; gamma
 falls when the filtered rate R exceeds the rate bound. Flushed when the oldest event has waited for the
@@ -111,20 +85,10 @@ epsilon : float
     Margin: processing time = (1 - epsilon) span. 0 <= epsilon < 1.
 first_size, max_size, min_size : int
     First, largest and least package size, in kept events.
-)")
-      .def(py::init([](double rate_bound, double epsilon, const py::object& first_size,
-                       const py::object& max_size, const py::object& min_size) {
-             return Asap2020({.rate_bound = rate_bound,
-                              .epsilon = epsilon,
-                              .first_size = whole_number("first_size", first_size),
-                              .max_size = whole_number("max_size", max_size),
-                              .min_size = whole_number("min_size", min_size)});
-           }),
-           py::kw_only(), py::arg("rate_bound") = 5e6, py::arg("epsilon") = 0.05,
-           py::arg("first_size") = 1000, py::arg("max_size") = 50'000, py::arg("min_size") = 1);
+)");
 
-  py::class_<Asap2022, Scheme>(m, "Asap2022",
-                               R"(The law of the public node of Tapia et al., 2022: a baseline.
+  bind_scheme<Asap2022>(m, "Asap2022",
+                        R"(The law of the public node of Tapia et al., 2022: a baseline.
 
 The package size is an arc tangent of the logarithm of the processing time in ms, from min_size at
 min_processing_ms to max_size at max_processing_ms; it does not see the event rate and may have two
@@ -144,24 +108,9 @@ min_gamma, max_gamma : float
     Range of gamma; 0 <= min_gamma <= max_gamma <= 1.
 first_size : int
     Size before the first package is finished.
-)")
-      .def(py::init([](double min_processing_ms, double max_processing_ms,
-                       const py::object& min_size, const py::object& max_size, double kappa,
-                       double min_gamma, double max_gamma, const py::object& first_size) {
-             return Asap2022({.min_processing_ms = min_processing_ms,
-                              .max_processing_ms = max_processing_ms,
-                              .min_size = whole_number("min_size", min_size),
-                              .max_size = whole_number("max_size", max_size),
-                              .kappa = kappa,
-                              .min_gamma = min_gamma,
-                              .max_gamma = max_gamma,
-                              .first_size = whole_number("first_size", first_size)});
-           }),
-           py::kw_only(), py::arg("min_processing_ms") = 0.2, py::arg("max_processing_ms") = 10.0,
-           py::arg("min_size") = 100, py::arg("max_size") = 29'700, py::arg("kappa") = 1.0,
-           py::arg("min_gamma") = 0.1, py::arg("max_gamma") = 1.0, py::arg("first_size") = 1000);
+)");
 
-  py::class_<Deadline, Scheme>(m, "Deadline", R"(As many events as possible within a latency bound.
+  bind_scheme<Deadline>(m, "Deadline", R"(As many events as possible within a latency bound.
 
 The reservoir law. While the algorithm keeps up, nothing is discarded. In overload the older part of
 what waits is thinned so that it is finished in time; the newest events stay behind untouched, as many
@@ -196,26 +145,9 @@ ValueError
 Notes
 -----
 Source: notebooks/theory.md, section 6.
-)")
-      .def(py::init([](double latency_ms, double overhead, double min_interval_ms, double knee,
-                       double first_alpha_us, double first_beta_ns) {
-             return Deadline({.latency_ms = latency_ms,
-                              .overhead = overhead,
-                              .min_interval_ms = min_interval_ms,
-                              .knee = knee,
-                              .first_alpha_us = first_alpha_us,
-                              .first_beta_ns = first_beta_ns});
-           }),
-           py::kw_only(), py::arg("latency_ms") = 10.0, py::arg("overhead") = 0.25,
-           py::arg("min_interval_ms") = 0.0, py::arg("knee") = 0.0,
-           py::arg("first_alpha_us") = 50.0, py::arg("first_beta_ns") = 100.0)
-      .def_property_readonly(
-          "alpha_us", [](const Deadline& s) { return s.alpha_ns() * 1e-3; },
-          "Fixed cost of a package at present, as measured, us.")
-      .def_property_readonly("beta_ns", &Deadline::beta_ns,
-                             "Cost of an event at present, as measured, ns.");
+)");
 
-  py::class_<DeadBeat, Scheme>(m, "DeadBeat", R"(The simplest law that keeps a latency bound.
+  bind_scheme<DeadBeat>(m, "DeadBeat", R"(The simplest law that keeps a latency bound.
 
 Every package takes all that waits and is planned to last half the bound at most, so nothing that waits
 is older than that. What does not fit is thinned evenly. Settles in one package. `Deadline` keeps more
@@ -246,20 +178,9 @@ ValueError
 Notes
 -----
 Source: notebooks/theory.md, section 5.
-)")
-      .def(py::init([](double latency_ms, double knee, double overhead, double min_interval_ms) {
-             return DeadBeat({.latency_ms = latency_ms,
-                              .knee = knee,
-                              .overhead = overhead,
-                              .min_interval_ms = min_interval_ms});
-           }),
-           py::kw_only(), py::arg("latency_ms") = 10.0, py::arg("knee") = 33.0,
-           py::arg("overhead") = 0.25, py::arg("min_interval_ms") = 0.0)
-      .def_property_readonly(
-          "alpha_us", [](const DeadBeat& s) { return s.alpha_ns() * 1e-3; },
-          "Fixed cost of a package at present, as measured, us.")
-      .def_property_readonly("beta_ns", &DeadBeat::beta_ns,
-                             "Cost of an event at present, as measured, ns.");
+)");
+
+  m.attr("SCHEMES") = py::tuple(m.attr("Scheme").attr("__subclasses__")());
 }
 
 }  // namespace asap::python

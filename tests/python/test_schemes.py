@@ -1,17 +1,65 @@
-"""Greedy with its cap and Asap2022, as Python sees them. The rules are tested natively."""
+"""The schemes as Python sees them: what all share, Greedy with its cap and Asap2022.
+
+The rules are tested natively.
+"""
 
 from __future__ import annotations
 
+import inspect
 import itertools
 import json
+import re
 
 import numpy as np
 import pytest
 
 import asap
+import scheme_texts
 import streams
+from asap import _core, cli
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)
+
+
+every_scheme = pytest.mark.parametrize("kind", _core.SCHEMES, ids=lambda kind: kind.__name__)
+
+
+@every_scheme
+def test_the_signature_has_the_parameters_and_their_defaults(kind):
+    arguments = inspect.signature(kind).parameters.values()
+    assert {one.name: one.default for one in arguments} == kind().parameters
+    assert all(one.kind is one.KEYWORD_ONLY for one in arguments)
+    assert kind(**kind().parameters).parameters == kind().parameters
+
+
+@every_scheme
+def test_the_docstring_names_every_parameter(kind):
+    section = str(kind.__doc__).partition("Parameters\n----------\n")[2].partition("\n\n")[0]
+    named = re.findall(r"^(\w[\w, ]*) : ", section, re.M)
+    assert set(kind().parameters) == {name for names in named for name in names.split(", ")}
+
+
+@every_scheme
+def test_the_command_line_offers_it_by_name(kind):
+    parsed = cli._parser().parse_args(["run", "f", "--scheme", kind().name])
+    assert type(cli.choices.scheme_of(parsed.scheme, [])) is kind
+
+
+def test_a_subclass_has_the_signature_of_its_own_constructor():
+    class Mine(asap.Deadline):
+        def __init__(self, bound):
+            super().__init__(latency_ms=bound)
+
+    assert list(inspect.signature(Mine).parameters) == ["bound"]
+    assert Mine(3).parameters["latency_ms"] == 3.0
+
+
+def test_the_texts_about_the_schemes_are_written():
+    """Else run tests/python/scheme_texts.py."""
+    outdated = {
+        path.name for path, text in scheme_texts.texts().items() if path.read_text() != text
+    }
+    assert not outdated
 
 
 def test_greedy_has_no_cap_unless_asked():

@@ -14,7 +14,7 @@ constexpr std::int64_t kLeastSpanNs = 2000;  // of a rate: stamps have 1 us
 
 }  // namespace
 
-Asap2020::Asap2020(Asap2020Config config) : config_(config) {
+Asap2020::Asap2020(Config config) : config_(config) {
   require(config.rate_bound > 0 && std::isfinite(config.rate_bound), "rate_bound",
           config.rate_bound, "must be a positive number of events per second");
   require(config.epsilon >= 0 && config.epsilon < 1, "epsilon", config.epsilon,
@@ -61,14 +61,6 @@ void Asap2020::adapt_gamma(const Outcome& outcome) noexcept {
   const double rate = static_cast<double>(outcome.size) / (span_ns * 1e-9);
   gamma_ = rate > config_.rate_bound ? std::max(kLeastGamma, gamma_ * config_.rate_bound / rate)
                                      : std::min(1.0, kGammaRecovery * gamma_);
-}
-
-SchemeParameters Asap2020::parameters() const {
-  return {{"rate_bound", config_.rate_bound},
-          {"epsilon", config_.epsilon},
-          {"first_size", static_cast<std::int64_t>(config_.first_size)},
-          {"max_size", static_cast<std::int64_t>(config_.max_size)},
-          {"min_size", static_cast<std::int64_t>(config_.min_size)}};
 }
 
 }  // namespace asap

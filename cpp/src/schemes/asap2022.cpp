@@ -20,7 +20,7 @@ double law(double kappa, double processing_ms) noexcept {
 
 }  // namespace
 
-Asap2022::Asap2022(Asap2022Config config) : config_(config) {
+Asap2022::Asap2022(Config config) : config_(config) {
   require(config.min_processing_ms >= 1e-6 && config.min_processing_ms <= 1e9, "min_processing_ms",
           config.min_processing_ms, "must be between 1e-6 and 1e9 ms");
   require(config.max_processing_ms > config.min_processing_ms && config.max_processing_ms <= 1e9,
@@ -117,17 +117,6 @@ void Asap2022::adapt_size(double processing_ms) noexcept {
   size_ = std::clamp(std::nearbyint(size), static_cast<double>(config_.min_size), largest);
   top_gamma_ =
       config_.max_gamma - (h - least) / (longest - least) * (config_.max_gamma - config_.min_gamma);
-}
-
-SchemeParameters Asap2022::parameters() const {
-  return {{"min_processing_ms", config_.min_processing_ms},
-          {"max_processing_ms", config_.max_processing_ms},
-          {"min_size", static_cast<std::int64_t>(config_.min_size)},
-          {"max_size", static_cast<std::int64_t>(config_.max_size)},
-          {"kappa", config_.kappa},
-          {"min_gamma", config_.min_gamma},
-          {"max_gamma", config_.max_gamma},
-          {"first_size", static_cast<std::int64_t>(config_.first_size)}};
 }
 
 }  // namespace asap

@@ -4,22 +4,15 @@
 #include <cmath>
 
 #include "schemes/calibration.hpp"
-#include "schemes/latency_bound.hpp"
 
 namespace asap {
 
-DeadBeat::DeadBeat(DeadBeatConfig config)
-    : config_(config),
-      latency_bound_ns_(checked_latency_ns(config.latency_ms)),
-      hold_(config.overhead, config.min_interval_ms) {
-  checked_knee(config.knee);
+DeadBeat::DeadBeat(Config config) : BoundedScheme(config), config_(config) {
   reset(Execution::whole);
 }
 
 void DeadBeat::reset(Execution execution) noexcept {
-  cost_.reset();
-  execution_ = execution;
-  packages_ = 0;
+  BoundedScheme::reset(execution);
   is_overloaded_ = false;
   calm_ = 0;
 }
@@ -44,15 +37,11 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
   const auto waiting = static_cast<double>(raw);
   Decision decision = Decision::take(raw, size(budget_ns, waiting) / waiting);
   decision.stale = stale;
-  if (execution_ == Execution::whole) {
+  if (is_whole()) {
     return safe_slice(decision, safe_size(budget_ns, cost_.most_event_ns()));
   }
   // As much as size() grants.
-  decision.budget_ns = std::llround(std::max({budget_ns, 1.25 * cost_.alpha_ns(), 1.0}));
-  decision.fixed_ns = cost_.alpha_ns();
-  decision.event_ns = cost_.beta_ns();
-  decision.most_event_ns = cost_.doubted_event_ns();
-  return decision;
+  return within(std::max({budget_ns, 1.25 * cost_.alpha_ns(), 1.0}), decision);
 }
 
 double DeadBeat::length_ns(std::size_t waiting) noexcept {
@@ -82,21 +71,6 @@ double DeadBeat::size(double budget_ns, double waiting) const noexcept {
   return std::min(waiting, std::max(size, 1.0));
 }
 
-double DeadBeat::caution() const noexcept {
-  return execution_ == Execution::whole ? 1.0 + cost_.sigma() : 1.0;
-}
-
-void DeadBeat::observe(const Outcome& outcome) noexcept {
-  if (outcome.size == 0) return;  // no algorithm ran
-  cost_.update(outcome);
-  ++packages_;
-}
-
-SchemeParameters DeadBeat::parameters() const {
-  return {{"latency_ms", latency_ms(latency_bound_ns_, config_.latency_ms)},
-          {"knee", config_.knee},
-          {"overhead", config_.overhead},
-          {"min_interval_ms", config_.min_interval_ms}};
-}
+double DeadBeat::caution() const noexcept { return is_whole() ? 1.0 + cost_.sigma() : 1.0; }
 
 }  // namespace asap

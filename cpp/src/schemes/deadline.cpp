@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "asap/core/check.hpp"
 #include "schemes/calibration.hpp"
-#include "schemes/latency_bound.hpp"
 
 namespace asap {
 namespace {
@@ -32,19 +30,15 @@ double younger(const Backlog& backlog, double age_ns) noexcept {
 
 }  // namespace
 
-Deadline::Deadline(DeadlineConfig config)
-    : config_(config),
-      latency_bound_ns_(checked_latency_ns(config.latency_ms)),
-      hold_(config.overhead, config.min_interval_ms),
-      cost_({.first_alpha_us = config.first_alpha_us, .first_beta_ns = config.first_beta_ns}) {
-  checked_knee(config.knee);
+Deadline::Deadline(Config config)
+    : BoundedScheme(
+          config, {.first_alpha_us = config.first_alpha_us, .first_beta_ns = config.first_beta_ns}),
+      config_(config) {
   reset(Execution::whole);
 }
 
 void Deadline::reset(Execution execution) noexcept {
-  cost_.reset();
-  execution_ = execution;
-  packages_ = 0;
+  BoundedScheme::reset(execution);
   reserve_ = {};
   age_ns_ = 0.0;
 }
@@ -164,23 +158,17 @@ Decision Deadline::thin(const Backlog& backlog, double reserve, double budget_ns
 }
 
 Decision Deadline::take(double raw, double size, double budget_ns) const noexcept {
-  Decision decision = Decision::take(static_cast<std::size_t>(raw), size / raw);
+  const Decision decision = Decision::take(static_cast<std::size_t>(raw), size / raw);
   if (is_whole()) return decision;
-  decision.budget_ns = std::llround(std::clamp(budget_ns, 1.0, kLongestBudgetNs));
-  decision.fixed_ns = cost_.alpha_ns();
-  decision.event_ns = cost_.beta_ns();
-  decision.most_event_ns = cost_.doubted_event_ns();
-  return decision;
+  return within(std::clamp(budget_ns, 1.0, kLongestBudgetNs), decision);
 }
 
 void Deadline::observe(const Outcome& outcome) noexcept {
-  if (outcome.size == 0) return;  // no algorithm ran
-  cost_.update(outcome);
-  if (!is_early()) {  // else the first guess may be to blame
-    reserve_.observe(age_ns_ + static_cast<double>(outcome.processing_ns),
-                     static_cast<double>(outcome.span_ns), reachable_ns());
-  }
-  ++packages_;
+  const bool was_early = is_early();
+  BoundedScheme::observe(outcome);
+  if (outcome.size == 0 || was_early) return;  // the first guess may be to blame
+  reserve_.observe(age_ns_ + static_cast<double>(outcome.processing_ns),
+                   static_cast<double>(outcome.span_ns), reachable_ns());
 }
 
 bool Deadline::is_early() const noexcept { return asap::is_early(packages_); }
@@ -193,15 +181,6 @@ double Deadline::caution() const noexcept {
 // even if it may not, so a few packages will do.
 bool Deadline::is_sure() const noexcept {
   return is_whole() ? !is_early() : packages_ >= kSurePackages;
-}
-
-SchemeParameters Deadline::parameters() const {
-  return {{"latency_ms", latency_ms(latency_bound_ns_, config_.latency_ms)},
-          {"overhead", config_.overhead},
-          {"min_interval_ms", config_.min_interval_ms},
-          {"knee", config_.knee},
-          {"first_alpha_us", config_.first_alpha_us},
-          {"first_beta_ns", config_.first_beta_ns}};
 }
 
 }  // namespace asap

@@ -6,7 +6,7 @@
 
 namespace asap {
 
-FixedSize::FixedSize(FixedSizeConfig config) : config_(config) {
+FixedSize::FixedSize(Config config) : config_(config) {
   require(config.size >= 1 && config.size <= kLargestSize, "size", config.size,
           "must be between 1 and 2^40 events");
 }
@@ -14,10 +14,6 @@ FixedSize::FixedSize(FixedSizeConfig config) : config_(config) {
 Decision FixedSize::decide(const Backlog& backlog) noexcept {
   if (backlog.count < config_.size && !backlog.due) return Decision::wait_for(config_.size);
   return Decision::take(std::min(backlog.count, config_.size));
-}
-
-SchemeParameters FixedSize::parameters() const {
-  return {{"size", static_cast<std::int64_t>(config_.size)}};
 }
 
 }  // namespace asap

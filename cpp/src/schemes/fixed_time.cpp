@@ -15,7 +15,7 @@ std::int64_t checked_period_ns(double period_ms) {
 
 }  // namespace
 
-FixedTime::FixedTime(FixedTimeConfig config)
+FixedTime::FixedTime(Config config)
     : config_(config), period_ns_(checked_period_ns(config.period_ms)) {}
 
 Decision FixedTime::decide(const Backlog& backlog) noexcept {
@@ -23,7 +23,5 @@ Decision FixedTime::decide(const Backlog& backlog) noexcept {
   if (backlog.now_ns < boundary_ns && !backlog.due) return Decision::wait_until(boundary_ns);
   return Decision::take(backlog.counts.before(boundary_ns));
 }
-
-SchemeParameters FixedTime::parameters() const { return {{"period_ms", config_.period_ms}}; }
 
 }  // namespace asap

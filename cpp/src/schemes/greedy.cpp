@@ -6,7 +6,7 @@
 
 namespace asap {
 
-Greedy::Greedy(GreedyConfig config) : config_(config) {
+Greedy::Greedy(Config config) : config_(config) {
   const double efficiency = config.efficiency.value_or(0.5);
   require(efficiency > 0 && efficiency < 1, "efficiency", efficiency,
           "must lie between 0 and 1, or be left out for no cap");
@@ -23,10 +23,5 @@ Decision Greedy::decide(const Backlog& backlog) noexcept {
 void Greedy::observe(const Outcome& outcome) noexcept { cost_.update(outcome); }
 
 void Greedy::reset(Execution) noexcept { cost_.reset(); }
-
-SchemeParameters Greedy::parameters() const {
-  if (!config_.efficiency) return {};
-  return {{"efficiency", *config_.efficiency}};
-}
 
 }  // namespace asap

@@ -12,15 +12,4 @@ std::int64_t checked_latency_ns(double latency_ms) {
   return std::llround(latency_ms * 1e6);
 }
 
-double checked_knee(double knee) {
-  require(knee == 0 || (knee >= 1 && knee <= 1e6), "knee", knee,
-          "must be 0 (off) or between 1 and 1e6");
-  return knee;
-}
-
-double latency_ms(std::int64_t bound_ns, double configured_ms) noexcept {
-  if (bound_ns == std::llround(configured_ms * 1e6)) return configured_ms;
-  return static_cast<double>(bound_ns) / 1e6;
-}
-
 }  // namespace asap

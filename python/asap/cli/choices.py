@@ -7,20 +7,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import asap
+from asap import _core
 from asap.cli.outcome import USAGE, Failure
 
 __all__ = ["ALGORITHMS", "algorithm_of", "scheme_of", "schemes"]
 
-_SCHEMES = {
-    "fixed_size": "FixedSize",
-    "fixed_time": "FixedTime",
-    "single_event": "SingleEvent",
-    "greedy": "Greedy",
-    "asap2020": "Asap2020",
-    "asap2022": "Asap2022",
-    "deadline": "Deadline",
-    "dead_beat": "DeadBeat",
-}
+_SCHEMES = {kind().name: kind.__name__ for kind in _core.SCHEMES}
 ALGORITHMS = {
     "clusters": "ClusterTracker",
     "baf": "BackgroundActivityFilter",

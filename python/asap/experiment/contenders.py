@@ -36,18 +36,28 @@ class Contender:
     opaque: bool = False
 
 
+# Settings by label, where there are more or others than the defaults under the name of the class.
+_SETTINGS: dict[type[_core.Scheme], dict[str, dict[str, float]]] = {
+    _core.FixedSize: {"FixedSize 1000": {"size": 1000}},
+    _core.FixedTime: {"FixedTime 1 ms": {"period_ms": 1.0}},
+    _core.Greedy: {"Greedy": {}, "Greedy 0.97": {"efficiency": 0.97}},
+    _core.SingleEvent: {},  # one of the rivals
+}
+
+
 def user_schemes() -> list[Contender]:
-    """Return what a user chooses from: the usual fixed packages, the published schemes, ours."""
+    """Return what a user chooses from, the default last."""
     return [
-        Contender("FixedSize 1000", lambda latency_ms, cost: _core.FixedSize(size=1000)),
-        Contender("FixedTime 1 ms", lambda latency_ms, cost: _core.FixedTime(period_ms=1.0)),
-        Contender("Greedy", lambda latency_ms, cost: _core.Greedy()),
-        Contender("Greedy 0.97", lambda latency_ms, cost: _core.Greedy(efficiency=0.97)),
-        Contender("Asap2020", lambda latency_ms, cost: _core.Asap2020()),
-        Contender("Asap2022", lambda latency_ms, cost: _core.Asap2022()),
-        Contender("DeadBeat", lambda latency_ms, cost: _core.DeadBeat(latency_ms=latency_ms)),
-        Contender("Deadline", lambda latency_ms, cost: _core.Deadline(latency_ms=latency_ms)),
+        Contender(label, _maker(kind, settings))
+        for kind in sorted(_core.SCHEMES, key=lambda kind: kind is _core.Deadline)
+        for label, settings in _SETTINGS.get(kind, {kind.__name__: {}}).items()
     ]
+
+
+def _maker(kind: type[_core.Scheme], settings: Mapping[str, float]) -> Make:
+    if "latency_ms" in kind().parameters:
+        return lambda latency_ms, cost: kind(latency_ms=latency_ms, **settings)
+    return lambda latency_ms, cost: kind(**settings)
 
 
 def rivals() -> list[Contender]:

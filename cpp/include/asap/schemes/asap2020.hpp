@@ -24,17 +24,27 @@ struct Asap2020Config {
   std::size_t first_size = 1000;
   std::size_t max_size = 50'000;
   std::size_t min_size = 1;
+
+  static constexpr std::tuple kParameters{
+      NamedField{"rate_bound", &Asap2020Config::rate_bound},
+      NamedField{"epsilon", &Asap2020Config::epsilon},
+      NamedField{"first_size", &Asap2020Config::first_size},
+      NamedField{"max_size", &Asap2020Config::max_size},
+      NamedField{"min_size", &Asap2020Config::min_size},
+  };
 };
 
 class Asap2020 final : public Scheme {
  public:
-  explicit Asap2020(Asap2020Config config = {});
+  using Config = Asap2020Config;
+
+  explicit Asap2020(Config config = {});
 
   Decision decide(const Backlog& backlog) noexcept override;
   void observe(const Outcome& outcome) noexcept override;
   void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "asap2020"; }
-  SchemeParameters parameters() const override;
+  SchemeParameters parameters() const override { return parameters_of(config_); }
 
  private:
   void adapt_size(const Outcome& outcome) noexcept;

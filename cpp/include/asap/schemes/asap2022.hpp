@@ -29,17 +29,30 @@ struct Asap2022Config {
   double min_gamma = 0.1;
   double max_gamma = 1.0;
   std::size_t first_size = 1000;
+
+  static constexpr std::tuple kParameters{
+      NamedField{"min_processing_ms", &Asap2022Config::min_processing_ms},
+      NamedField{"max_processing_ms", &Asap2022Config::max_processing_ms},
+      NamedField{"min_size", &Asap2022Config::min_size},
+      NamedField{"max_size", &Asap2022Config::max_size},
+      NamedField{"kappa", &Asap2022Config::kappa},
+      NamedField{"min_gamma", &Asap2022Config::min_gamma},
+      NamedField{"max_gamma", &Asap2022Config::max_gamma},
+      NamedField{"first_size", &Asap2022Config::first_size},
+  };
 };
 
 class Asap2022 final : public Scheme {
  public:
-  explicit Asap2022(Asap2022Config config = {});
+  using Config = Asap2022Config;
+
+  explicit Asap2022(Config config = {});
 
   Decision decide(const Backlog& backlog) noexcept override;
   void observe(const Outcome& outcome) noexcept override;
   void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "asap2022"; }
-  SchemeParameters parameters() const override;
+  SchemeParameters parameters() const override { return parameters_of(config_); }
 
  private:
   static constexpr std::size_t kWindow = 500;  // containers

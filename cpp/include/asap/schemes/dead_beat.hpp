@@ -12,10 +12,7 @@
 // Called on the consumer's thread, once or twice per package. O(1), no allocation.
 #pragma once
 
-#include "asap/core/relaxed.hpp"
-#include "asap/schemes/cost_model.hpp"
-#include "asap/schemes/hold.hpp"
-#include "asap/schemes/scheme.hpp"
+#include "asap/schemes/bounded_scheme.hpp"
 
 namespace asap {
 
@@ -24,25 +21,25 @@ struct DeadBeatConfig {
   double knee = 33.0;            // K: keeps 1 - 1 / K of the throughput; 0 = T is always L / 2
   double overhead = 0.25;        // permitted share of fixed costs in the processor, 0 = any
   double min_interval_ms = 0.0;  // shortest time between package starts
+
+  static constexpr std::tuple kParameters{
+      NamedField{"latency_ms", &DeadBeatConfig::latency_ms},
+      NamedField{"knee", &DeadBeatConfig::knee},
+      NamedField{"overhead", &DeadBeatConfig::overhead},
+      NamedField{"min_interval_ms", &DeadBeatConfig::min_interval_ms},
+  };
 };
 
-class DeadBeat final : public Scheme {
+class DeadBeat final : public BoundedScheme {
  public:
-  explicit DeadBeat(DeadBeatConfig config = {});
+  using Config = DeadBeatConfig;
+
+  explicit DeadBeat(Config config = {});
 
   Decision decide(const Backlog& backlog) noexcept override;
-  void observe(const Outcome& outcome) noexcept override;
   void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "dead_beat"; }
-  SchemeParameters parameters() const override;
-  std::int64_t latency_bound_ns() const noexcept override { return latency_bound_ns_; }
-  void set_latency_bound_ns(std::int64_t bound_ns) noexcept override {
-    latency_bound_ns_ = bound_ns;
-  }
-
-  // What a package costs, as far as it is known.
-  double alpha_ns() const noexcept { return cost_.alpha_ns(); }
-  double beta_ns() const noexcept { return cost_.beta_ns(); }
+  SchemeParameters parameters() const override { return parameters_in_force(config_); }
 
  private:
   double length_ns(std::size_t waiting) noexcept;
@@ -50,13 +47,8 @@ class DeadBeat final : public Scheme {
   double caution() const noexcept;  // zeta
 
   const DeadBeatConfig config_;
-  Relaxed<std::int64_t> latency_bound_ns_;
-  const HoldRule hold_;
-  CostModel cost_;
-  Execution execution_;
-  std::uint64_t packages_;  // k, done
-  bool is_overloaded_;      // the knee is in force
-  int calm_;                // decisions in a row with little to do
+  bool is_overloaded_;  // the knee is in force
+  int calm_;            // decisions in a row with little to do
 };
 
 }  // namespace asap

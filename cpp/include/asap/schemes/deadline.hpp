@@ -11,11 +11,8 @@
 // costs.
 #pragma once
 
-#include "asap/core/relaxed.hpp"
-#include "asap/schemes/cost_model.hpp"
-#include "asap/schemes/hold.hpp"
+#include "asap/schemes/bounded_scheme.hpp"
 #include "asap/schemes/outage_reserve.hpp"
-#include "asap/schemes/scheme.hpp"
 
 namespace asap {
 
@@ -26,25 +23,28 @@ struct DeadlineConfig {
   double knee = 0.0;             // K: no package longer than K alpha (or L / 10), 0 = L / 2
   double first_alpha_us = 50.0;  // cost of a package before one has been seen
   double first_beta_ns = 100.0;  // cost of an event, likewise
+
+  static constexpr std::tuple kParameters{
+      NamedField{"latency_ms", &DeadlineConfig::latency_ms},
+      NamedField{"overhead", &DeadlineConfig::overhead},
+      NamedField{"min_interval_ms", &DeadlineConfig::min_interval_ms},
+      NamedField{"knee", &DeadlineConfig::knee},
+      NamedField{"first_alpha_us", &DeadlineConfig::first_alpha_us},
+      NamedField{"first_beta_ns", &DeadlineConfig::first_beta_ns},
+  };
 };
 
-class Deadline final : public Scheme {
+class Deadline final : public BoundedScheme {
  public:
-  explicit Deadline(DeadlineConfig config = {});
+  using Config = DeadlineConfig;
+
+  explicit Deadline(Config config = {});
 
   Decision decide(const Backlog& backlog) noexcept override;
   void observe(const Outcome& outcome) noexcept override;
   void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "deadline"; }
-  SchemeParameters parameters() const override;
-  std::int64_t latency_bound_ns() const noexcept override { return latency_bound_ns_; }
-  void set_latency_bound_ns(std::int64_t bound_ns) noexcept override {
-    latency_bound_ns_ = bound_ns;
-  }
-
-  // What a package costs, as far as it is known.
-  double alpha_ns() const noexcept { return cost_.alpha_ns(); }
-  double beta_ns() const noexcept { return cost_.beta_ns(); }
+  SchemeParameters parameters() const override { return parameters_in_force(config_); }
 
  private:
   // What the present estimates allow.
@@ -67,17 +67,11 @@ class Deadline final : public Scheme {
   Decision thin(const Backlog& backlog, double reserve, double budget_ns) const noexcept;
   Decision take(double raw, double size, double budget_ns) const noexcept;
 
-  bool is_whole() const noexcept { return execution_ == Execution::whole; }
   bool is_early() const noexcept;
   bool is_sure() const noexcept;
   double caution() const noexcept;  // zeta
 
   const DeadlineConfig config_;
-  Relaxed<std::int64_t> latency_bound_ns_;
-  const HoldRule hold_;
-  CostModel cost_;
-  Execution execution_;
-  std::uint64_t packages_;  // k, done
   OutageReserve reserve_;
   double age_ns_;  // of the oldest event, when the last package was taken
 };

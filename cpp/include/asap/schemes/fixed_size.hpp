@@ -9,15 +9,21 @@ namespace asap {
 
 struct FixedSizeConfig {
   std::size_t size = 1000;  // events
+
+  static constexpr std::tuple kParameters{
+      NamedField{"size", &FixedSizeConfig::size},
+  };
 };
 
 class FixedSize final : public Scheme {
  public:
-  explicit FixedSize(FixedSizeConfig config = {});
+  using Config = FixedSizeConfig;
+
+  explicit FixedSize(Config config = {});
 
   Decision decide(const Backlog& backlog) noexcept override;
   std::string_view name() const noexcept override { return "fixed_size"; }
-  SchemeParameters parameters() const override;
+  SchemeParameters parameters() const override { return parameters_of(config_); }
 
  private:
   const FixedSizeConfig config_;

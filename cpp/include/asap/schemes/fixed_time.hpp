@@ -10,15 +10,21 @@ namespace asap {
 
 struct FixedTimeConfig {
   double period_ms = 1.0;
+
+  static constexpr std::tuple kParameters{
+      NamedField{"period_ms", &FixedTimeConfig::period_ms},
+  };
 };
 
 class FixedTime final : public Scheme {
  public:
-  explicit FixedTime(FixedTimeConfig config = {});
+  using Config = FixedTimeConfig;
+
+  explicit FixedTime(Config config = {});
 
   Decision decide(const Backlog& backlog) noexcept override;
   std::string_view name() const noexcept override { return "fixed_time"; }
-  SchemeParameters parameters() const override;
+  SchemeParameters parameters() const override { return parameters_of(config_); }
 
  private:
   const FixedTimeConfig config_;

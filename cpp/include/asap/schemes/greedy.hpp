@@ -16,18 +16,24 @@ namespace asap {
 
 struct GreedyConfig {
   std::optional<double> efficiency{};  // eta, 0 < eta < 1; none: no cap. 0.97 is a good one
+
+  static constexpr std::tuple kParameters{
+      NamedField{"efficiency", &GreedyConfig::efficiency},
+  };
 };
 
 class Greedy final : public Scheme {
  public:
-  explicit Greedy(GreedyConfig config = {});
+  using Config = GreedyConfig;
+
+  explicit Greedy(Config config = {});
 
   Decision decide(const Backlog& backlog) noexcept override;
   void observe(const Outcome& outcome) noexcept override;
   void reset(Execution execution) noexcept override;
   std::string_view name() const noexcept override { return "greedy"; }
   // Without a cap there is no number to tell.
-  SchemeParameters parameters() const override;
+  SchemeParameters parameters() const override { return parameters_of(config_); }
 
  private:
   const GreedyConfig config_;

@@ -9,11 +9,9 @@
 #include <cstdint>
 #include <limits>
 #include <string_view>
-#include <utility>
-#include <variant>
-#include <vector>
 
 #include "asap/core/time.hpp"
+#include "asap/schemes/parameters.hpp"
 
 namespace asap {
 
@@ -95,10 +93,6 @@ struct Outcome {
 
 // Of a package, where a parameter limits it: events.
 inline constexpr std::size_t kLargestSize = std::size_t{1} << 40;
-
-// The constructor's parameters by name.
-using SchemeParameter = std::variant<std::int64_t, double>;
-using SchemeParameters = std::vector<std::pair<std::string_view, SchemeParameter>>;
 
 class Scheme {
  public:
