@@ -434,6 +434,16 @@ class Evt2Decoder(metaclass=_pybind11_type):
     @property
     def before_start(self) -> int: ...
 
+def events_of_columns(
+    t: NDArray[Any],
+    x: NDArray[Any],
+    y: NDArray[Any],
+    p: NDArray[Any] | None,
+    *,
+    us_per_unit: float = 1.0,
+    normalise: bool = True,
+) -> _Events | None: ...
+
 # synthetic
 
 class EventStream(metaclass=_pybind11_type):
