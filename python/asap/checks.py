@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
+    "agreed",
     "callback",
     "choice",
     "column",
@@ -90,6 +91,13 @@ def sides(width: Any, height: Any) -> tuple[int | None, int | None]:
         None if width is None else index("width", width),
         None if height is None else index("height", height),
     )
+
+
+def agreed(field: str, given: int | None, stated: int | None, source: object) -> int | None:
+    """Return the side that is known; refuse a given one that the source contradicts."""
+    if given and stated and given != stated:
+        raise ValueError(named(field, given, f"{source} states {stated}; leave {field} out"))
+    return given if stated is None else stated
 
 
 def listed(field: str, values: Any) -> list[Any]:

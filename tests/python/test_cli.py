@@ -180,7 +180,7 @@ def test_a_profile_is_no_recording(asap, verb):
     ("text", "options", "words"),
     [
         ("1,2,3\n", [], "--order is missing: the lines of {} have 3 columns; name each, such as "),
-        ("1,2,3\n", [], "such as --order txy\n"),
+        ("1,2,3\n", [], "such as --order xyt\n"),
         ("a,b,c\n1,2,3\n", [], "--order is missing: the header of"),
         ("1,2,3\n", ["--order", "txq"], "--order txq: name the columns"),
         ("1,2,3\n", ["--order", "txyp"], "--order txyp: the lines of"),

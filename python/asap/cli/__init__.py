@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 import asap
 from asap.cli import check, compare, demo, info, report, run, study
-from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, say
+from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, as_options, say
 from asap.report import run_table
 
 __all__ = ["main"]
@@ -55,7 +55,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: a file name may be no text
     with warnings.catch_warnings():
         warnings.simplefilter("default")
-        warnings.showwarning = lambda message, *_, **__: say(f"warning: {message}")
+        warnings.showwarning = lambda message, *_, **__: say(f"warning: {as_options(str(message))}")
         try:
             code: int = arguments.verb(arguments)
             if sys.stdout is not None:  # None: closed, nobody wants the result

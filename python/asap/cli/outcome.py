@@ -20,6 +20,7 @@ __all__ = [
     "OK",
     "USAGE",
     "Failure",
+    "as_options",
     "need_matplotlib",
     "print_json",
     "print_written",
@@ -54,17 +55,22 @@ def reading(arguments: Any) -> Iterator[None]:
     """Tell input that cannot be read from options that contradict each other."""
     try:
         yield
-    except (asap.io.UnsupportedFormat, asap.io.CorruptFile, RuntimeError) as error:
-        raise Failure(BAD_INPUT, _as_options(str(error))) from error
+    except (
+        asap.io.UnsupportedFormat,
+        asap.io.CorruptFile,
+        asap.io.NoGoodEvent,
+        RuntimeError,
+    ) as error:
+        raise Failure(BAD_INPUT, as_options(str(error))) from error
     except OSError as error:
         name = error.filename or getattr(arguments, "file", "input")
         raise Failure(BAD_INPUT, f"{name}: {error.strerror or error}") from error
     except ValueError as error:
         lenient = getattr(arguments, "on_bad", "raise") != "raise"
-        raise Failure(USAGE if lenient else BAD_INPUT, _as_options(str(error))) from error
+        raise Failure(USAGE if lenient else BAD_INPUT, as_options(str(error))) from error
 
 
-def _as_options(message: str) -> str:
+def as_options(message: str) -> str:
     """Call `order` and `time_unit` as the command line does."""
     for name, option in (("order", "--order"), ("time_unit", "--time-unit")):
         message = message.replace(f"{name} = None: ", f"{option} is missing: ")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from asap import _core
-from asap.checks import named, sides
+from asap.checks import agreed, named, sides
 from asap.events import Events, as_events
 from asap.io import Recording, read
 
@@ -45,10 +45,11 @@ class Source:
 
         # A table may have a width and a height too: those of the table.
         known = source if self.array is None else None
-        self.width, self.height = sides(
-            width if width is not None else getattr(known, "width", None),
-            height if height is not None else getattr(known, "height", None),
-        )
+        name = self._kind if self.recording is None else self.recording.path
+        width, height = sides(width, height)
+        stated = sides(getattr(known, "width", None), getattr(known, "height", None))
+        self.width = agreed("width", width, stated[0], name)
+        self.height = agreed("height", height, stated[1], name)
         self._on_bad = on_bad
         self.events = 0
         self.first_us: int | None = None

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from asap.checks import sides, whole
+from asap.checks import agreed, sides, whole
 from asap.events import EVENT_DTYPE, Events, columns_of, is_event_memory
 from asap.experiment.source import is_iterable_of_arrays
 from asap.io import Recording, read
@@ -55,16 +55,12 @@ class RawSource:
         is_stream = self.recording is None and is_iterable_of_arrays(source)
         # A table may have a width and a height too: those of the table.
         known = source if is_stream else self.recording
-        self.width, self.height = (
-            given if stated is None else int(stated)
-            for given, stated in (
-                (width, getattr(known, "width", None)),
-                (height, getattr(known, "height", None)),
-            )
-        )
         self.format = self.recording.format if self.recording is not None else "array"
         if is_stream:
             self.format = str(getattr(source, "name", "stream"))
+        stated = sides(getattr(known, "width", None), getattr(known, "height", None))
+        self.width = agreed("width", width, stated[0], self.path or self.format)
+        self.height = agreed("height", height, stated[1], self.path or self.format)
         self._chunks: Iterable[Any] = source if is_stream else (source,)
         self._losses = Losses(Path(self.format), "drop")
 

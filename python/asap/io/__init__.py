@@ -1,10 +1,11 @@
 """Event files: which format it is, and the events in it, checked and in chunks."""
 
-from asap.io.errors import CorruptFile, TruncatedFileWarning, UnsupportedFormat
+from asap.io.errors import CorruptFile, NoGoodEvent, TruncatedFileWarning, UnsupportedFormat
 from asap.io.recording import Recording, load, read
 
 __all__ = [
     "CorruptFile",
+    "NoGoodEvent",
     "Recording",
     "TruncatedFileWarning",
     "UnsupportedFormat",

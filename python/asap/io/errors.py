@@ -12,6 +12,7 @@ __all__ = [
     "HARMLESS",
     "MAX_RATIO",
     "CorruptFile",
+    "NoGoodEvent",
     "TruncatedFileWarning",
     "UnsupportedFormat",
     "foreign",
@@ -39,6 +40,10 @@ class CorruptFile(ValueError):
 
     def __reduce__(self) -> tuple[type[CorruptFile], tuple[Path, int, str]]:
         return type(self), (self.path, self.offset, self.fault)
+
+
+class NoGoodEvent(ValueError):
+    """A file of which not one event is good: columns, sensor or unit are not what was said."""
 
 
 class TruncatedFileWarning(UserWarning):

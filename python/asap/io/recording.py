@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
@@ -13,6 +14,8 @@ import numpy.typing as npt
 from asap import _core, checks
 from asap.events import EVENT_DTYPE, Events, plain_view
 from asap.io.aedat4 import Aedat4Reader
+from asap.io.arrangement import arrangement, looks_like
+from asap.io.errors import NoGoodEvent
 from asap.io.hdf5 import Hdf5Reader
 from asap.io.matlab import MatlabReader
 from asap.io.native import FORMATS, NativeReader
@@ -33,6 +36,9 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
     "matlab": MatlabReader,
 }
 
+
+# More events per us than any sensor sends, and so many that it is no burst: the unit is wrong.
+_CROWD, _CROWD_LEAST = 100, 1000
 
 _RECORD = np.dtype(f"V{EVENT_DTYPE.itemsize}")
 
@@ -69,8 +75,9 @@ class Recording:
             raise ValueError(
                 f"stream = {stream!r}: {self._path} is one stream of events; leave stream out"
             )
-        self._width = width if self._reader.width is None else self._reader.width
-        self._height = height if self._reader.height is None else self._reader.height
+        self._width = checks.agreed("width", width, self._reader.width, self._path)
+        self._height = checks.agreed("height", height, self._reader.height, self._path)
+        self._time_unit = time_unit
         self._losses, self._validator = self._books()
 
     @property
@@ -157,12 +164,24 @@ class Recording:
 
     def __iter__(self) -> Iterator[Events]:
         losses, validator = self._losses, self._validator = self._books()
+        count, first_us = 0, 0
         for events in self._reader.chunks(losses):
             good = validator.check(events)
             if len(good):
+                first_us = first_us if count else int(good["t"][0])
+                count += len(good)
                 yield plain_view(good)
         if losses.cut is not None and validator.received == 0:
             raise losses.cut
+        if count == 0 and self.received:
+            raise NoGoodEvent(self._why_none())
+        span_us = validator.last_us - first_us
+        if self._time_unit is None and count > max(_CROWD * (span_us + 1), _CROWD_LEAST):
+            warnings.warn(
+                f"{self._path}: {count} events within {span_us} us: the times look like seconds, "
+                "not microseconds; if they are, give time_unit='s'",
+                stacklevel=2,
+            )
 
     def raw(self) -> Iterator[Events]:
         """Read it once without the checks: what the file holds, in its own order.
@@ -186,6 +205,18 @@ class Recording:
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}" if self.width and self.height else "size unknown"
         return f"Recording({str(self._path)!r}, {self.format}, {size})"
+
+    def _why_none(self) -> str:
+        """Say why not one event is good, and what may help."""
+        reasons = ", ".join(f"{count} {name}" for name, count in self.rejected.items() if count)
+        sensor = f"width = {self._width} and height = {self._height}"
+        remedy = f"are {sensor} right?" if self.rejected["out_of_bounds"] else "are these events?"
+        if hasattr(self._reader, "sample"):
+            rows, order = self._reader.sample()
+            found = arrangement(rows, self._width, self._height)
+            if found is not None and found != order:
+                remedy = looks_like(found)
+        return f"{self._path}: not one of its {self.received} events is good ({reasons}); {remedy}"
 
     def _books(self) -> tuple[Losses, _core.Validator]:
         validator = _core.Validator(

@@ -1,0 +1,64 @@
+"""What the columns of a table of numbers look like, found from their values."""
+
+from __future__ import annotations
+
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["SAMPLE", "arrangement", "looks_like"]
+
+SAMPLE = 1024  # rows that are enough to tell
+_MOST = 0.99  # of the rows that must fit: a recording may have a few bad events
+_ADDRESSES = 1 << 16
+_HUGE = 2.0**62  # no time in any unit
+
+
+def arrangement(
+    rows: npt.NDArray[Any], width: int | None = None, height: int | None = None
+) -> str | None:
+    """Return the order of the columns that the rows fit best, such as ``"xytp"``.
+
+    Times do not go back, pixels are whole numbers on the sensor, polarities are -1, 0 or 1. Where
+    several orders fit, time is the column that spans most, polarity the smallest, x before y. None
+    if no order fits, or the rows do not have 3 or 4 columns.
+    """
+    if rows.ndim != 2 or rows.shape[1] not in (3, 4):
+        return None
+    rows = rows[:SAMPLE].astype(np.float64)
+    columns = rows[(np.abs(rows) < _HUGE).all(axis=1)].T
+    if columns.size == 0:
+        return None
+    fits = {
+        "t": [_share(np.diff(column) >= 0) for column in columns],
+        "x": [_on_sensor(column, width) for column in columns],
+        "y": [_on_sensor(column, height) for column in columns],
+        "p": [_share(np.isin(column, (-1, 0, 1))) for column in columns],
+    }
+    found = [
+        "".join(order)
+        for order in permutations("txyp"[: len(columns)])
+        if all(fits[role][i] >= _MOST for i, role in enumerate(order))
+    ]
+
+    def rank(order: str) -> tuple[float, ...]:
+        t = columns[order.index("t")]
+        p = columns[order.index("p")].max() if "p" in order else 0.0
+        return (np.ptp(t), t.max(), -p, order.index("y") - order.index("x"))
+
+    return max(found, key=rank, default=None)
+
+
+def looks_like(order: str) -> str:
+    """Name the columns, and the option that says so."""
+    return f"columns look like {' '.join(order)}: order={order!r}"
+
+
+def _on_sensor(column: npt.NDArray[np.float64], side: int | None) -> float:
+    return _share((column >= 0) & (column < (side or _ADDRESSES)) & (column == np.floor(column)))
+
+
+def _share(fits: npt.NDArray[np.bool_]) -> float:
+    return float(fits.mean()) if fits.size else 1.0

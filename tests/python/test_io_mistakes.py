@@ -1,0 +1,194 @@
+"""Mistakes of users: the wrong columns, the wrong sensor, the wrong unit of time."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asap
+import corrupt
+from asap import cli
+from asap.events import Events
+from asap.io import NoGoodEvent
+from asap.io.arrangement import arrangement
+
+SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
+EVENTS = corrupt.clean_events(3000)
+
+
+def write(path: Path, order: str, events: Events = EVENTS) -> Path:
+    """Columns of text without a header, in any order."""
+    rows = zip(*(events[role].tolist() for role in order), strict=True)
+    path.write_text("".join(" ".join(map(str, row)) + "\n" for row in rows))
+    return path
+
+
+def matrix(order: str) -> np.ndarray:
+    return np.stack([EVENTS[role] for role in order], axis=1)
+
+
+# ---- the wrong columns ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("order", ["txyp", "xytp", "xypt", "ptxy", "txy", "xyt"])
+def test_the_arrangement_is_found_from_the_values(order: str) -> None:
+    assert arrangement(matrix(order), **SENSOR) == order
+
+
+@pytest.mark.parametrize("order", ["tyxp", "yxtp", "yxt"])
+def test_the_sensor_tells_x_from_y(order: str) -> None:
+    assert EVENTS["x"].max() >= corrupt.HEIGHT
+    assert arrangement(matrix(order), **SENSOR) == order
+    assert arrangement(matrix(order)) == order.replace("yx", "xy")
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        np.empty((0, 4)), np.zeros((9, 5)), np.zeros(4), np.full((9, 4), np.nan),
+        np.array([[5, 1, 2, 0.5], [6, 1, 2, 0.1]]), -matrix("txyp"),
+    ],
+)  # fmt: skip
+def test_what_fits_no_order(rows: np.ndarray) -> None:
+    assert arrangement(rows) is None
+
+
+def test_a_few_bad_events_make_no_difference() -> None:
+    rows = matrix("xytp").astype(float)
+    rows[::200] = [1e6, -1, 0, 9]
+    assert arrangement(rows, **SENSOR) == "xytp"
+
+
+@pytest.mark.parametrize("order", ["xytp", "ytxp", "xpty"])
+def test_nothing_good_names_the_order_that_fits(tmp_path: Path, order: str) -> None:
+    path = write(tmp_path / "events.txt", order)
+    rec = asap.read(path, order="txyp", **SENSOR)
+    with pytest.raises(NoGoodEvent) as caught:
+        list(rec)
+    found = arrangement(matrix(order), **SENSOR)
+    assert str(caught.value).endswith(
+        f"; columns look like {' '.join(str(found))}: order={found!r}"
+    )
+    assert str(caught.value).startswith(f"{path}: not one of its 3000 events is good (")
+    assert len(asap.load(path, order=found, **SENSOR)) == len(EVENTS)
+
+
+def test_it_is_exit_3_and_the_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write(tmp_path / "events.txt", "xytp")
+    for verb in (["info"], ["run", "--algorithm", "baf"], ["run", "--cost", "1us+1ns"]):
+        code = cli.main([*verb, str(path), "--width", "346", "--height", "260"])
+        out, err = capsys.readouterr()
+        assert (code, out) == (3, "")
+        assert err.endswith("; columns look like x y t p: --order xytp\n")
+
+
+def test_nothing_good_in_an_array(tmp_path: Path) -> None:
+    np.save(tmp_path / "events.npy", matrix("xytp"))
+    with pytest.raises(NoGoodEvent, match="columns look like x y t p: order='xytp'"):
+        asap.load(tmp_path / "events.npy", order="txyp", **SENSOR)
+
+
+def test_a_sensor_that_holds_no_event(tmp_path: Path) -> None:
+    events = EVENTS.copy()
+    events["x"] += 50
+    np.save(tmp_path / "events.npy", events)
+    with pytest.raises(NoGoodEvent, match=r"\(3000 out_of_bounds\); are width = 50 and height = 9"):
+        asap.load(tmp_path / "events.npy", width=50, height=9)
+
+
+def test_a_file_of_no_events_at_all_is_no_mistake(tmp_path: Path) -> None:
+    np.save(tmp_path / "events.npy", EVENTS[:0])
+    assert len(asap.load(tmp_path / "events.npy", **SENSOR)) == 0
+
+
+@pytest.mark.parametrize("order", ["xypt", "xyt", "ptyx"])
+def test_a_question_about_the_columns_names_the_order_that_fits(tmp_path: Path, order: str) -> None:
+    path = write(tmp_path / "events.txt", order)
+    found = arrangement(matrix(order))
+    with pytest.raises(ValueError, match=rf"order = None: .*, such as order='{found}'$"):
+        asap.read(path)
+
+
+# ---- the wrong sensor -----------------------------------------------------------------------
+
+
+@pytest.fixture
+def states_its_sensor(tmp_path: Path) -> Path:
+    path = tmp_path / "events.npz"
+    np.savez(path, events=EVENTS, **SENSOR)
+    return path
+
+
+@pytest.mark.parametrize("side", SENSOR)
+def test_a_side_against_that_of_the_file(states_its_sensor: Path, side: str) -> None:
+    path, stated = states_its_sensor, SENSOR[side]
+    words = rf"^{side} = 640: .*events.npz states {stated}; leave {side} out$"
+    cost = asap.LinearCost(1, 1)
+    for call in (
+        lambda: asap.read(path, **{side: 640}),
+        lambda: asap.load(path, **{side: 640}),
+        lambda: asap.simulate(path, cost=cost, **{side: 640}),
+        lambda: asap.simulate(asap.read(path), cost=cost, **{side: 640}),
+        lambda: asap.check(path, **{side: 640}),
+        lambda: asap.check(asap.read(path), **{side: 640}),
+    ):
+        with pytest.raises(ValueError, match=words):
+            call()
+
+
+def test_the_same_side_twice_is_no_contradiction(states_its_sensor: Path) -> None:
+    assert len(asap.load(states_its_sensor, **SENSOR)) == len(EVENTS)
+    assert asap.read(states_its_sensor, width=0).width == corrupt.WIDTH
+
+
+def test_a_side_against_that_of_the_file_is_wrong_use(
+    states_its_sensor: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["info", str(states_its_sensor), "--width", "640"]) == 2
+    assert "error: width = 640: " in capsys.readouterr().err
+
+
+# ---- the wrong unit -------------------------------------------------------------------------
+
+
+def in_seconds() -> Events:
+    events = np.sort(EVENTS, order="t")
+    events["t"] = np.arange(len(events)) // 1000  # 1000 events per second
+    return events
+
+
+@pytest.mark.parametrize("suffix", ["txt", "npy"])
+def test_whole_seconds_are_told(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"events.{suffix}"
+    if suffix == "npy":
+        np.save(path, in_seconds())
+    else:
+        write(path, "txyp", in_seconds())
+    words = rf"{suffix}: 3000 events within 2 us: the times look like seconds, .* time_unit='s'$"
+    with pytest.warns(UserWarning, match=words):
+        asap.load(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        asap.load(path, time_unit="us")
+        asap.load(path, time_unit="s")
+
+
+@pytest.mark.parametrize("verb", [["info"], ["run", "--algorithm", "baf"]])
+def test_info_and_run_warn_of_seconds(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], verb: list[str]
+) -> None:
+    path = write(tmp_path / "events.txt", "txyp", in_seconds())
+    assert cli.main([*verb, str(path), "--width", "346", "--height", "260"]) == 0
+    err = capsys.readouterr().err
+    assert f"warning: {path}: 3000 events within 2 us: the times look like seconds" in err
+    assert err.endswith("if they are, give --time-unit s\n")
+
+
+def test_a_burst_is_no_second(tmp_path: Path) -> None:
+    np.save(tmp_path / "events.npy", corrupt.one_stamp(EVENTS, 500, 600)[500:1100])
+    np.save(tmp_path / "more.npy", EVENTS)
+    assert len(asap.load(tmp_path / "events.npy")) == 600
+    assert len(asap.load(tmp_path / "more.npy")) == len(EVENTS)
