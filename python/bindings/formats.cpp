@@ -1,5 +1,7 @@
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,27 +16,31 @@ namespace asap::python {
 
 namespace {
 
-constexpr std::size_t kTypicalLine = 16;  // bytes: enough room for most texts at once
+// The room stays, so that an array is as large as its events and touches no fresh memory.
+struct DecoderWithRoom : TextDecoder {
+  using TextDecoder::TextDecoder;
+  std::vector<Event> room;
+};
 
-py::array decode(TextDecoder& decoder, const py::bytes& bytes) {
+py::array decode(DecoderWithRoom& decoder, const py::bytes& bytes) {
   const std::string_view text = bytes;
-  std::vector<Event> events;
-  events.reserve(text.size() / kTypicalLine);
+  std::size_t count = 0;
   {
     const WithoutGil release;  // pure C++ on memory that `bytes` keeps alive
-    decoder.decode(text, events);
+    decoder.room.resize(std::max(decoder.room.size(), decoder.room_for(text.size())));
+    count = decoder.TextDecoder::decode(text, std::span<Event>(decoder.room)).events;
   }
-  return moved_to_array(std::move(events));
+  return py::array(event_dtype(), static_cast<py::ssize_t>(count), decoder.room.data());
 }
 
 // (events of the last line, whether the input ended well)
-py::tuple finish(TextDecoder& decoder) {
+py::tuple finish(DecoderWithRoom& decoder) {
   std::vector<Event> events;
   const bool ended_well = decoder.finish(events);
   return py::make_tuple(moved_to_array(std::move(events)), ended_well);
 }
 
-py::tuple noted(const TextDecoder& decoder) {
+py::tuple noted(const DecoderWithRoom& decoder) {
   py::tuple offsets(decoder.noted().size());
   for (std::size_t i = 0; i < offsets.size(); ++i) offsets[i] = decoder.noted()[i];
   return offsets;
@@ -43,21 +49,21 @@ py::tuple noted(const TextDecoder& decoder) {
 }  // namespace
 
 void bind_formats(py::module_& m) {
-  py::class_<TextDecoder>(m, "TextDecoder")
+  py::class_<DecoderWithRoom>(m, "TextDecoder")
       .def(py::init([](const std::string& order, int time_exponent, bool clamp,
                        const py::object& first_offset) {
-             return TextDecoder({.order = order,
-                                 .time_exponent = time_exponent,
-                                 .clamp = clamp,
-                                 .first_offset = whole_number("first_offset", first_offset)});
+             return DecoderWithRoom({.order = order,
+                                     .time_exponent = time_exponent,
+                                     .clamp = clamp,
+                                     .first_offset = whole_number("first_offset", first_offset)});
            }),
            py::kw_only(), py::arg("order") = "txyp", py::arg("time_exponent") = 6,
            py::arg("clamp") = false, py::arg("first_offset") = 0)
       .def("decode", &decode, py::arg("bytes"))
       .def("finish", &finish)
-      .def_property_readonly("bad_records", &TextDecoder::bad_records)
-      .def_property_readonly("out_of_bounds", &TextDecoder::out_of_bounds)
-      .def_property_readonly("clamped_positions", &TextDecoder::clamped_positions)
+      .def_property_readonly("bad_records", &DecoderWithRoom::bad_records)
+      .def_property_readonly("out_of_bounds", &DecoderWithRoom::out_of_bounds)
+      .def_property_readonly("clamped_positions", &DecoderWithRoom::clamped_positions)
       .def_property_readonly("noted", &noted);
 }
 

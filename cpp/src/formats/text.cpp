@@ -1,23 +1,23 @@
 #include "asap/formats/text.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstring>
 #include <limits>
 #include <string_view>
 
 #include "asap/core/check.hpp"
 #include "formats/decimal.hpp"
+#include "formats/plain_line.hpp"
 
 namespace asap {
 
 namespace {
 
 constexpr std::string_view kLetters = "txyp-";
+constexpr std::size_t kBlock = 256;  // events that a vector takes at once
 constexpr std::int64_t kMaxAddress = std::numeric_limits<std::uint16_t>::max();
-
-bool is_separator(char c) noexcept {
-  return c == ' ' || c == ',' || c == '\t' || c == ';' || c == '\r';
-}
 
 const char* skip_separators(const char* at, const char* end) noexcept {
   while (at != end && is_separator(*at)) ++at;
@@ -28,6 +28,8 @@ const char* skip_field(const char* at, const char* end) noexcept {
   while (at != end && !is_separator(*at)) ++at;
   return at;
 }
+
+constexpr std::size_t kT = 0, kX = 1, kY = 2, kP = 3;  // places in kLetters
 
 // The value's sign survives: 0.5 is ON.
 std::int16_t to_polarity(const Decimal& number) noexcept {
@@ -57,33 +59,65 @@ TextDecoder::TextDecoder(const TextConfig& config)
   for (const char letter : config.order) {
     columns_[column_count_++] = static_cast<Column>(kLetters.find(letter));
   }
+  is_txyp_ = config.order == "txyp";
+  plain_ = std::endian::native == std::endian::little && count('-') == 0;
 }
 
-void TextDecoder::decode(std::span<const char> bytes, std::vector<Event>& events) {
+Progress TextDecoder::decode(std::span<const char> bytes, std::span<Event> events) noexcept {
   const char* at = bytes.data();
   const char* const end = at + bytes.size();
+  std::size_t written = 0;
   while (at != end) {
+    if (plain_ && unfinished_length_ == 0) {
+      const char* const line = at;
+      at = plain_lines(at, end, events, written);
+      line_offset_ += static_cast<std::uint64_t>(at - line);
+      if (at == end) break;
+    }
     const auto* newline =
         static_cast<const char*>(std::memchr(at, '\n', static_cast<std::size_t>(end - at)));
-    if (newline == nullptr) return keep_unfinished(at, end);
+    if (newline == nullptr) {
+      keep_unfinished(at, end);
+      at = end;
+      break;
+    }
+    if (written == events.size()) break;
     if (unfinished_length_ == 0) {
-      take(at, newline, events);
+      written += take(at, newline, events[written]) == Line::event;
       line_offset_ += static_cast<std::uint64_t>(newline - at) + 1;
     } else {
       keep_unfinished(at, newline);
-      finish(events);
+      written += take_unfinished(events[written]) == Line::event;
       ++line_offset_;
     }
     at = newline + 1;
   }
+  return {.bytes = static_cast<std::size_t>(at - bytes.data()), .events = written};
+}
+
+void TextDecoder::decode(std::span<const char> bytes, std::vector<Event>& events) {
+  std::array<Event, kBlock> block;  // on the stack: a vector would be zeroed first
+  while (!bytes.empty()) {
+    const Progress progress = decode(bytes, block);
+    events.insert(events.end(), block.begin(),
+                  block.begin() + static_cast<std::ptrdiff_t>(progress.events));
+    bytes = bytes.subspan(progress.bytes);
+  }
 }
 
 bool TextDecoder::finish(std::vector<Event>& events) {
+  Event event;
+  const Line result = take_unfinished(event);
+  if (result == Line::event) events.push_back(event);
+  return result == Line::event || result == Line::empty;
+}
+
+TextDecoder::Line TextDecoder::take_unfinished(Event& event) noexcept {
   const char* const line = unfinished_.data();
-  const Line result = take(line, line + unfinished_size_, events);
+  const Line result = take(line, line + unfinished_size_, event);
   line_offset_ += unfinished_length_;
   unfinished_size_ = unfinished_length_ = 0;
-  return result == Line::event || result == Line::empty;
+  return result;
 }
 
 void TextDecoder::keep_unfinished(const char* begin, const char* end) noexcept {
@@ -94,19 +128,65 @@ void TextDecoder::keep_unfinished(const char* begin, const char* end) noexcept {
   unfinished_length_ += length;
 }
 
-TextDecoder::Line TextDecoder::take(const char* begin, const char* end,
-                                    std::vector<Event>& events) {
-  Event event{.x = 0, .y = 0, .p = 1, .t = 0};
-  const Line line = parse(begin, end, event);
-  if (line == Line::event) {
-    events.push_back(event);
-    return line;
-  }
-  if (line == Line::empty) return line;
+TextDecoder::Line TextDecoder::take(const char* begin, const char* end, Event& event) noexcept {
+  Event found{.x = 0, .y = 0, .p = 1, .t = 0};
+  const Line line = parse(begin, end, found);
+  if (line == Line::event) event = found;
+  if (line == Line::event || line == Line::empty) return line;
   bad_records_ += line == Line::bad_record;
   out_of_bounds_ += line == Line::out_of_bounds;
   if (noted_count_ < kNoted) noted_[noted_count_++] = line_offset_;
   return line;
+}
+
+// Stops at the first line that is not plain, which parse() then reads.
+const char* TextDecoder::plain_lines(const char* at, const char* end, std::span<Event> events,
+                                     std::size_t& written) const noexcept {
+  const auto lines = [&](auto read) noexcept {
+    Event* to = events.data() + written;
+    const Event* const full = events.data() + events.size();
+    while (to != full && end - at >= PlainLine::kRoom) {
+      PlainLine line(at);
+      std::int64_t t = 0;
+      std::array<std::uint32_t, 4> small{0, 0, 0, 1};
+      bool negative = false;
+      read(line, t, small, negative);
+      const char* const next = line.end();
+      if (!line.plain()) break;
+      const auto p = static_cast<std::int32_t>(small[kP]);
+      *to++ = {.x = static_cast<std::uint16_t>(small[kX]),
+               .y = static_cast<std::uint16_t>(small[kY]),
+               .p = static_cast<std::int16_t>(negative ? -p : p),
+               .t = t};
+      at = next;
+    }
+    written = static_cast<std::size_t>(to - events.data());
+    return at;
+  };
+  if (is_txyp_) {
+    return lines([this](PlainLine& line, std::int64_t& t, auto& small, bool& negative) noexcept {
+      t = line.time(time_exponent_);
+      line.separator();
+      small[kX] = line.small();
+      line.separator();
+      small[kY] = line.small();
+      line.separator();
+      negative = line.sign();
+      small[kP] = line.small();
+    });
+  }
+  return lines([this](PlainLine& line, std::int64_t& t, auto& small, bool& negative) noexcept {
+    for (std::size_t i = 0; i < column_count_; ++i) {
+      if (i > 0) line.separator();
+      const auto column = static_cast<std::size_t>(columns_[i]);
+      if (column == kT) {
+        t = line.time(time_exponent_);
+      } else {
+        if (column == kP) negative = line.sign();
+        small[column] = line.small();
+      }
+    }
+  });
 }
 
 TextDecoder::Line TextDecoder::parse(const char* at, const char* end, Event& event) noexcept {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -202,6 +203,107 @@ TEST(TextDecoder, IsResumableAtAnyByte) {
       }
       ASSERT_EQ(collect(decoder, std::move(events)), whole) << "seed " << seed << " " << largest;
     }
+  }
+}
+
+// A line whose first byte comes alone takes the long way; it must not matter.
+Decoded decode_the_long_way(std::string_view text, const TextConfig& config) {
+  TextDecoder decoder(config);
+  Events events;
+  while (!text.empty()) {
+    const std::size_t rest = std::min(text.find('\n'), text.size() - 1);
+    decoder.decode(text.substr(0, 1), events);
+    decoder.decode(text.substr(1, rest), events);
+    text.remove_prefix(rest + 1);
+  }
+  return collect(decoder, std::move(events));
+}
+
+std::string digits(std::uint64_t bits, std::size_t most) {
+  std::string text(bits % (most + 1), '0');
+  for (char& digit : text) digit = static_cast<char>('0' + (bits >>= 3) % 10);
+  return text;
+}
+
+// Mostly plain lines, each with a chance of everything that plain lines have not.
+std::string nearly_plain(const CounterRandom& random, std::uint64_t line) {
+  constexpr std::string_view kSeparators[] = {" ",  ",",   ", ", "\t", ";",
+                                              ",,", "   ", "\r", "x",  ""};
+  constexpr std::string_view kEnds[] = {"\n", "\n", "\r\n", " \n", "\r\r\n", ",\n", "\x80\n"};
+  std::uint64_t at = line * 32;
+  const auto one_in = [&](std::uint64_t n) { return random(at++) % n == 0; };
+  const std::string_view separator = kSeparators[random(at++) % (one_in(4) ? 10 : 2)];
+  std::string text = one_in(50) ? " " : "";
+  for (int column = 0; column < 4; ++column) {
+    if (column > 0) text += separator;
+    if (one_in(12)) text += one_in(3) ? "+" : "-";
+    text += digits(random(at++), one_in(4) ? 21 : column == 0 ? 10 : 4);
+    if (one_in(column == 0 ? 2 : 30))
+      text.append(".").append(digits(random(at++), one_in(4) ? 20 : 9));
+    if (one_in(60)) text += "e2";
+  }
+  return text.append(kEnds[random(at++) % (one_in(4) ? std::size(kEnds) : 1)]);
+}
+
+TEST(TextDecoder, PlainLinesComeOutAsAllOthersDo) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const CounterRandom random(seed);
+    std::string text;
+    for (std::uint64_t line = 0; line < 100; ++line) text += nearly_plain(random, line);
+    for (const char* order : {"txyp", "pyxt", "xtyp", "txy"}) {
+      const TextConfig config{.order = order, .time_exponent = static_cast<int>(seed % 19) - 9};
+      const Decoded found = decode(text, config);
+      ASSERT_EQ(found, decode_the_long_way(text, config)) << "seed " << seed << " " << order;
+    }
+  }
+}
+
+TEST(TextDecoder, NearlyPlainLinesAreOftenEvents) {
+  const CounterRandom random(1);
+  std::string text;
+  for (std::uint64_t line = 0; line < 10'000; ++line) text += nearly_plain(random, line);
+  EXPECT_GT(decode(text).events.size(), 2'000u);
+}
+
+TEST(TextDecoder, FillsASpanUntilItIsFull) {
+  const std::string text = "1 2 3 1\n# no event\n2 3 4 0\n3 4 5 1\n" + std::string(40, ' ') + "\n";
+  const Decoded whole = decode(text);
+  for (std::size_t room = 1; room < 5; ++room) {
+    TextDecoder decoder;
+    std::vector<Event> events(room);
+    Events found;
+    for (std::size_t at = 0; at < text.size();) {
+      const auto progress = decoder.decode(std::string_view(text).substr(at), std::span(events));
+      ASSERT_LE(progress.events, room);
+      found.insert(found.end(), events.begin(),
+                   events.begin() + static_cast<std::ptrdiff_t>(progress.events));
+      at += progress.bytes;
+    }
+    EXPECT_EQ(collect(decoder, std::move(found)), whole) << room;
+  }
+}
+
+TEST(TextDecoder, WithoutRoomNothingIsConsumed) {
+  TextDecoder decoder;
+  const auto progress = decoder.decode(std::string_view("1 2 3 1\n"), std::span<Event>{});
+  EXPECT_EQ(progress.bytes, 0u);
+  EXPECT_EQ(progress.events, 0u);
+}
+
+TEST(TextDecoder, WhatFollowsTheLastEventThatFitsIsKept) {
+  TextDecoder decoder;
+  std::vector<Event> events(1);
+  EXPECT_EQ(decoder.decode(std::string_view("1 2 3 1\n4"), std::span(events)).bytes, 9u);
+}
+
+TEST(TextDecoder, EventsNeverFillTheRoomForTheirBytes) {
+  const std::string text = "1,2,3\n4,5,6\n7,8,9\n";
+  for (std::size_t size = 0; size <= text.size(); ++size) {
+    TextDecoder decoder({.order = "txy"});
+    Events events;
+    decoder.decode(std::string_view("1,"), events);
+    decoder.decode(std::string_view(text).substr(0, size), events);
+    EXPECT_LT(events.size(), decoder.room_for(size));
   }
 }
 

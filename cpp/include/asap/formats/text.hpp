@@ -2,9 +2,8 @@
 //
 // One thread. Feed it bytes cut anywhere; an unfinished line waits in a fixed buffer for its end.
 // Columns are separated by blanks, tabs, commas or semicolons; empty lines and lines that begin
-// with
-// '#' or '%' are skipped. A line that is not an event is counted with its byte offset, never
-// thrown. O(bytes); allocates only in the vector that it fills. Polarity passes as it is written,
+// with '#' or '%' are skipped. A line that is not an event is counted with its byte offset, never
+// thrown. O(bytes); allocates only in a vector that it fills. Polarity passes as it is written,
 // within 16 bits, and stamps as they come: order, sensor size and polarity are the Validator's.
 #pragma once
 
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "asap/core/event.hpp"
+#include "asap/formats/progress.hpp"
 
 namespace asap {
 
@@ -34,12 +34,20 @@ class TextDecoder {
 
   explicit TextDecoder(const TextConfig& config = {});
 
+  // Decodes lines from the front of `bytes` into `events` until one of them ends. A line gives at
+  // most one event.
+  Progress decode(std::span<const char> bytes, std::span<Event> events) noexcept;
+
   // Appends the events of all lines that end in `bytes`.
   void decode(std::span<const char> bytes, std::vector<Event>& events);
 
   // The end of the input: decodes a last line that has no newline. Returns false if that line is
   // bad, which means that the file was cut.
   bool finish(std::vector<Event>& events);
+
+  // Room that the events of so many bytes never fill, so that all bytes are consumed: a column has
+  // a character and a separator, and one line may have begun before.
+  std::size_t room_for(std::size_t bytes) const noexcept { return bytes / (2 * column_count_) + 2; }
 
   // Lines with data = events + bad_records() + out_of_bounds()
   std::uint64_t bad_records() const noexcept { return bad_records_; }
@@ -53,12 +61,17 @@ class TextDecoder {
   enum class Column : std::uint8_t { t, x, y, p, skipped };
   enum class Line : std::uint8_t { event, empty, bad_record, out_of_bounds };
 
-  Line take(const char* begin, const char* end, std::vector<Event>& events);
+  const char* plain_lines(const char* at, const char* end, std::span<Event> events,
+                          std::size_t& written) const noexcept;
+  Line take(const char* begin, const char* end, Event& event) noexcept;
+  Line take_unfinished(Event& event) noexcept;
   Line parse(const char* at, const char* end, Event& event) noexcept;
   void keep_unfinished(const char* begin, const char* end) noexcept;
 
   std::array<Column, kMaxColumns> columns_{};
   std::size_t column_count_ = 0;
+  bool plain_ = true;     // no column is skipped
+  bool is_txyp_ = false;  // the order that is worth a loop of its own
   int time_exponent_;
   bool clamp_;
   std::uint64_t line_offset_;
