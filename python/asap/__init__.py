@@ -49,7 +49,7 @@ from asap.experiment import (
     run,
     simulate,
 )
-from asap.inspection import Inspection, check
+from asap.inspection import Inspection, check, info
 from asap.io import Recording, load, read
 
 __all__ = [
@@ -88,6 +88,7 @@ __all__ = [
     "as_events",
     "check",
     "compare",
+    "info",
     "keep_curve",
     "last_run",
     "load",

@@ -1,0 +1,56 @@
+"""asap.info: the object of the verb."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asap
+import corrupt
+from asap import analysis, cli
+
+EVENTS = corrupt.clean_events(3000)
+
+
+def test_the_facts(tmp_path: Path) -> None:
+    path = tmp_path / "events.npz"
+    np.savez(path, events=corrupt.outside_sensor(EVENTS, 60), width=346, height=260)
+    facts = asap.info(path)
+    found = analysis.describe(asap.read(path))
+    assert facts == {
+        "schema_version": 1,
+        "path": str(path),
+        "format": "npz",
+        "width": 346,
+        "height": 260,
+        "events": 2940,
+        "duration_s": found.duration_s,
+        "on_share": found.on_share,
+        "rate_hz": {
+            "mean": found.rate_mean_hz,
+            "peak_1ms": found.rate_peak_1ms_hz,
+            "peak_10ms": found.rate_peak_10ms_hz,
+        },
+        "rejected": asap.read(path).rejected | {"out_of_bounds": 60},
+    }
+    assert asap.info(asap.read(path)) == facts
+
+
+def test_it_is_what_the_verb_prints(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "events.npy"
+    np.save(path, np.stack([EVENTS[role] for role in "yxtp"], axis=1))
+    options = {"order": "yxtp", "width": 346, "height": 200, "time_unit": "us", "on_bad": "clamp"}
+    arguments = [f"--{name.replace('_', '-')}={value}" for name, value in options.items()]
+    assert cli.main(["info", str(path), "--json", *arguments]) == 0
+    assert json.loads(capsys.readouterr().out) == asap.info(path, **options)
+
+
+def test_options_are_those_of_reading(tmp_path: Path) -> None:
+    np.save(tmp_path / "events.npy", EVENTS)
+    with pytest.raises(TypeError, match="colour"):
+        asap.info(tmp_path / "events.npy", colour=1)
+    with pytest.raises(ValueError, match=r"width: a recording is open; say it to read\(\)"):
+        asap.info(asap.read(tmp_path / "events.npy"), width=5)
