@@ -1,0 +1,165 @@
+#include "asap/formats/aedat3.hpp"
+
+#include "asap/core/check.hpp"
+#include "formats/aedat_header.hpp"
+#include "formats/records.hpp"
+
+namespace asap {
+
+namespace {
+
+// A record is a word: the data below, the time above.
+struct PolarityEvents {
+  static constexpr std::size_t kRecord = 8;
+  static constexpr bool kBigEndian = false;
+
+  std::int64_t overflow_us;
+  std::uint64_t invalid = 0;
+
+  static std::size_t size(std::uint64_t) noexcept { return kRecord; }
+  static bool is_event(std::uint64_t word) noexcept { return (word & 1) != 0; }
+  std::size_t take(std::uint64_t word, Event* to) noexcept {
+    const auto xy = static_cast<std::uint32_t>((word >> 17 & 0x7fff) | (word << 14 & 0x7fff'0000));
+    records::store(to, xy, word >> 1 & 1, overflow_us | static_cast<std::int64_t>(word >> 32));
+    invalid += ~word & 1;
+    return word & 1;
+  }
+};
+
+struct SpecialEvents {
+  static constexpr std::size_t kRecord = 8;
+  static constexpr bool kBigEndian = false;
+  static constexpr std::uint64_t kRisingEdge = 2, kPulse = 4;
+
+  std::uint64_t triggers = 0;
+
+  static std::size_t size(std::uint64_t) noexcept { return kRecord; }
+  static bool is_event(std::uint64_t) noexcept { return false; }
+  std::size_t take(std::uint64_t word, Event*) noexcept {
+    const std::uint64_t type = word >> 1 & 0x7f;
+    triggers += (word & 1) != 0 && type >= kRisingEdge && type <= kPulse;
+    return 0;
+  }
+};
+
+struct PacketHeader {
+  std::int16_t type, source;
+  std::int32_t event_size, time_at, overflows, capacity, events, valid;
+};
+
+PacketHeader read_packet_header(const std::byte* from) noexcept {
+  const auto i16 = [&](std::size_t at) {
+    return static_cast<std::int16_t>(records::load<false>(from + at, 2));
+  };
+  const auto i32 = [&](std::size_t at) {
+    return static_cast<std::int32_t>(records::load<false>(from + at, 4));
+  };
+  return {i16(0), i16(2), i32(4), i32(8), i32(12), i32(16), i32(20), i32(24)};
+}
+
+constexpr std::int16_t kSpecial = 0, kPolarity = 1;
+
+bool is_possible(const PacketHeader& header) noexcept {
+  const bool has_words = header.type == kSpecial || header.type == kPolarity;
+  return header.type >= 0 && header.source >= 0 && header.event_size > 0 && header.time_at >= 0 &&
+         header.time_at < header.event_size && header.overflows >= 0 && header.valid >= 0 &&
+         header.valid <= header.events && header.events <= header.capacity &&
+         (!has_words || (header.event_size == 8 && header.time_at == 4));
+}
+
+}  // namespace
+
+std::optional<Aedat3Header> read_aedat3_header(std::span<const std::byte> front) noexcept {
+  const std::string_view text(reinterpret_cast<const char*>(front.data()), front.size());
+  if (!text.starts_with("#!AER-DAT3.1")) return {};
+  Aedat3Header header{.size = 0, .raw = true, .sources = 0, .width = 0, .height = 0};
+  while (true) {
+    const std::optional<std::string_view> line = aedat_line(text.substr(header.size));
+    if (!line || line->empty()) return {};
+    header.size += line->size();
+    if (line->starts_with("#!END-HEADER")) return header;
+    if (line->starts_with("#Format:")) header.raw = line->find(" RAW") != line->npos;
+    if (line->starts_with("#Source ") && header.sources++ == 0) {
+      const AedatSensor sensor = aedat_sensor(*line);
+      header.width = sensor.width;
+      header.height = sensor.height;
+    }
+  }
+}
+
+Aedat3Decoder::Aedat3Decoder(const Aedat3Config& config)
+    : config_(config), offset_(config.first_offset) {
+  require(config.source >= -1 && config.source <= 0x7fff, "source", config.source,
+          "the number of a camera, or -1 for all");
+}
+
+Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
+  Progress done{};
+  while (done.bytes < bytes.size()) {
+    const auto rest = bytes.subspan(done.bytes);
+    Progress step{};
+    if (packet_left_ > 0) {
+      step = take_packet(rest, events.subspan(done.events));
+      packet_left_ -= step.bytes;
+    } else {
+      step.bytes = take_header(rest);
+    }
+    offset_ += step.bytes;
+    done.bytes += step.bytes;
+    done.events += step.events;
+    if (step.bytes == 0) break;  // no room for the next event
+  }
+  return done;
+}
+
+Progress Aedat3Decoder::take_packet(std::span<const std::byte> bytes,
+                                    std::span<Event> events) noexcept {
+  bytes =
+      bytes.first(static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), packet_left_)));
+  Progress progress{bytes.size(), 0};
+  if (packet_ == Packet::polarity) {
+    PolarityEvents format{overflow_us_};
+    progress = records::decode_records(format, {cut_, cut_size_}, bytes, events);
+    invalid_ += format.invalid;
+  } else if (packet_ == Packet::special) {
+    SpecialEvents format;
+    progress = records::decode_records(format, {cut_, cut_size_}, bytes, events);
+    triggers_ += format.triggers;
+  }
+  return progress;
+}
+
+// Returns how many of `bytes` it consumed, at least one.
+std::size_t Aedat3Decoder::take_header(std::span<const std::byte> bytes) noexcept {
+  const std::size_t taken = std::min(kHeader - cut_size_, bytes.size());
+  std::memcpy(cut_.data() + cut_size_, bytes.data(), taken);
+  cut_size_ += taken;
+  if (cut_size_ < kHeader) return taken;
+  const PacketHeader header = read_packet_header(cut_.data());
+  if (!is_possible(header) || (lost_ && header.type != kPolarity)) {
+    if (!lost_) {
+      ++bad_records_;
+      if (noted_count_ < kNoted) noted_[noted_count_++] = offset_ + taken - kHeader;
+    }
+    lost_ = true;
+    std::memmove(cut_.data(), cut_.data() + 1, kHeader - 1);
+    cut_size_ = kHeader - 1;
+    return taken;
+  }
+  lost_ = false;
+  cut_size_ = 0;
+  const bool wanted = config_.source < 0 || config_.source == header.source;
+  packet_ = !wanted                    ? Packet::other
+            : header.type == kPolarity ? Packet::polarity
+            : header.type == kSpecial  ? Packet::special
+                                       : Packet::other;
+  overflow_us_ = static_cast<std::int64_t>(header.overflows) << 31;
+  packet_at_ = offset_ + taken - kHeader;
+  packet_left_ =
+      static_cast<std::uint64_t>(header.events) * static_cast<std::uint64_t>(header.event_size);
+  return taken;
+}
+
+void Aedat3Decoder::reset() noexcept { *this = Aedat3Decoder(config_); }
+
+}  // namespace asap

@@ -1,0 +1,103 @@
+#include "asap/formats/event_stream.hpp"
+
+#include <string_view>
+
+#include "asap/core/check.hpp"
+#include "formats/records.hpp"
+
+namespace asap {
+
+namespace {
+
+struct EventStream1 {
+  static constexpr std::size_t kRecord = 3;
+  static constexpr bool kBigEndian = false;
+
+  std::int64_t t;
+
+  static bool is_event(std::uint64_t word) noexcept { return (word & 15) != 15; }
+  static std::size_t size(std::uint64_t word) noexcept { return is_event(word) ? kRecord : 1; }
+  std::size_t take(std::uint64_t word, Event* to) noexcept {
+    if (!is_event(word)) {
+      t += static_cast<std::int64_t>((word >> 4 & 15) * 15);
+      return 0;
+    }
+    t += static_cast<std::int64_t>(word & 15);
+    const auto x = static_cast<std::uint32_t>(word >> 4 & 0x3ff);
+    const auto y = static_cast<std::uint32_t>(word >> 14 & 0x1ff);
+    records::store(to, x | y << 16, word >> 23 & 1, t);
+    return 1;
+  }
+};
+
+struct EventStream2 {
+  static constexpr std::size_t kRecord = 5;
+  static constexpr bool kBigEndian = false;
+
+  std::int64_t t;
+
+  static bool is_event(std::uint64_t word) noexcept { return (word & 0xff) < 0xfe; }
+  static std::size_t size(std::uint64_t word) noexcept { return is_event(word) ? kRecord : 1; }
+  std::size_t take(std::uint64_t word, Event* to) noexcept {
+    if (!is_event(word)) {
+      t += static_cast<std::int64_t>((word & 1) * 127);
+      return 0;
+    }
+    t += static_cast<std::int64_t>(word >> 1 & 0x7f);
+    records::store(to, static_cast<std::uint32_t>(word >> 8), word & 1, t);
+    return 1;
+  }
+};
+
+EventStreamHeader::Type type_of(int version, unsigned byte) noexcept {
+  using enum EventStreamHeader::Type;
+  static constexpr std::array kVersion1{dvs, atis, display, color, generic};
+  static constexpr std::array kVersion2{generic, dvs, atis, display, color};
+  const auto& types = version == 1 ? kVersion1 : kVersion2;
+  return byte < types.size() ? types[byte] : unknown;
+}
+
+}  // namespace
+
+std::optional<EventStreamHeader> read_event_stream_header(
+    std::span<const std::byte> front) noexcept {
+  static constexpr std::string_view kSignature = "Event Stream";
+  constexpr std::size_t kAt = kSignature.size();
+  const auto byte = [&](std::size_t at) { return std::to_integer<unsigned>(front[at]); };
+  if (front.size() < kAt + 3) return {};
+  if (std::memcmp(front.data(), kSignature.data(), kAt) != 0) return {};
+  if (byte(kAt) == 1) {
+    return EventStreamHeader{kAt + 3, 1, type_of(1, byte(kAt + 2)), 0, 0};
+  }
+  if (byte(kAt) != 2 || front.size() < kAt + 4) return {};
+  EventStreamHeader header{kAt + 4, 2, type_of(2, byte(kAt + 3)), 0, 0};
+  using enum EventStreamHeader::Type;
+  if (header.type == dvs || header.type == atis || header.type == color) {
+    if (front.size() < kAt + 8) return {};
+    header.size = kAt + 8;
+    header.width = static_cast<std::uint16_t>(byte(kAt + 4) | byte(kAt + 5) << 8);
+    header.height = static_cast<std::uint16_t>(byte(kAt + 6) | byte(kAt + 7) << 8);
+  }
+  return header;
+}
+
+EventStreamDecoder::EventStreamDecoder(const EventStreamConfig& config) : version_(config.version) {
+  require(version_ == 1 || version_ == 2, "version", version_, "1 or 2");
+}
+
+Progress EventStreamDecoder::decode(std::span<const std::byte> bytes,
+                                    std::span<Event> events) noexcept {
+  const auto run = [&](auto format) {
+    const Progress progress = records::decode_records(format, {cut_, cut_size_}, bytes, events);
+    t_ = format.t;
+    return progress;
+  };
+  return version_ == 1 ? run(EventStream1{t_}) : run(EventStream2{t_});
+}
+
+void EventStreamDecoder::reset() noexcept {
+  t_ = 0;
+  cut_size_ = 0;
+}
+
+}  // namespace asap
