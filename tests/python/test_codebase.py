@@ -59,6 +59,8 @@ USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 WITHOUT_A_TEST_OF_ITS_OWN = {
     "algorithms/cluster.hpp": "plain data",
     "core/atomics.hpp": "an alias",
+    "formats/progress.hpp": "plain data; every decoder's test reads it",
+    "formats/words.hpp": "every decoder's test reads words that are cut",
     "packager/books.hpp": "the packager's tests read what they say",
     "runner/admission.hpp": "an interface; the gate's test speaks it",
     "telemetry/telemetry.hpp": "plain data",
@@ -94,7 +96,7 @@ def headers() -> dict[str, Path]:
 HEADERS = headers()
 PYTHON = sorted((ROOT / "python" / "asap").rglob("*.py"))
 NATIVE = {".cpp", ".hpp"}
-MOST_PUBLIC = 65
+MOST_PUBLIC = 80
 
 
 # ---- arrows ---------------------------------------------------------------------------------

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asap import _core
 from asap.checks import regular_file
 from asap.io.errors import CorruptFile, UnsupportedFormat
 
 __all__ = ["SERVED", "sniff"]
 
-SERVED = "npy, npz, text (t x y p), csv, aedat4"
+SERVED = "npy, npz, text (t x y p), csv, aedat4, Prophesee RAW (EVT2)"
 
 _HEAD = 4096
 _SERVED_BYTES = (
@@ -67,6 +68,9 @@ def sniff(path: Path) -> str:
     for magic, name in _OTHER_BYTES:
         if head.startswith(magic):
             raise _unsupported(path, name)
+    header = _core.read_raw_header(head)
+    if header is not None and header["words"] == "evt2":
+        return "evt2"
     suffix = path.suffix.lower()
     if suffix in (".npy", ".npz", ".aedat4"):
         raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
