@@ -3,6 +3,7 @@
 #include "asap/core/check.hpp"
 #include "formats/aedat_header.hpp"
 #include "formats/records.hpp"
+#include "formats/words.hpp"
 
 namespace asap {
 
@@ -17,18 +18,25 @@ struct Aedat2 {
   std::uint32_t right, bottom;  // the highest x and y
   std::uint64_t triggers;
   std::int64_t t;
+  Output& out;  // of the triggers
 
   static std::size_t size(std::uint64_t) noexcept { return kRecord; }
   static bool is_event(std::uint64_t word) noexcept { return (word >> 32 & Address::kOther) == 0; }
+  bool waits(std::uint64_t word) const noexcept {
+    return Address::is_trigger(static_cast<std::uint32_t>(word >> 32)) &&
+           !records::has_room_for_a_trigger(out);
+  }
   std::size_t take(std::uint64_t word, Event* to) noexcept {
     const auto address = static_cast<std::uint32_t>(word >> 32);
     // The 32 bits wrap: the shorter way from the last time is the right one.
     const auto step = static_cast<std::uint32_t>(word) - static_cast<std::uint32_t>(t);
     t += static_cast<std::int32_t>(step);
-    triggers += Address::is_trigger(address);
-    const std::uint32_t x = (right - Address::x(address)) & 0xffff;
-    const std::uint32_t y = bottom - Address::y(address);
-    records::store(to, x | y << 16, Address::p(address), t);
+    if (Address::is_trigger(address)) {
+      ++triggers;
+      out.take({.t = t, .id = 0, .value = 1});
+    }
+    write_event(to, (right - Address::x(address)) & 0xffff, (bottom - Address::y(address)) & 0xffff,
+                Address::p(address), t);
     return is_event(word);
   }
 };
@@ -102,21 +110,37 @@ Aedat2Decoder::Aedat2Decoder(const Aedat2Config& config) : config_(config) {
 }
 
 Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
+  Output out{};
+  return decode(bytes, events, out);
+}
+
+Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
+                               std::span<Trigger> triggers) noexcept {
+  Output out = records::output_of(triggers);
+  Progress progress = decode(bytes, events, out);
+  progress.triggers = static_cast<std::size_t>(out.trigger - triggers.data());
+  return progress;
+}
+
+Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
+                               Output& out) noexcept {
   const auto run = [&](auto format) {
-    const Progress progress = records::decode_records(format, {cut_, cut_size_}, bytes, events);
+    const Progress progress = records::decode_records(format, cut_, bytes, events);
     triggers_ = format.triggers;
     t_ = format.t;
     return progress;
   };
   const std::uint32_t right = config_.width - 1u, bottom = config_.height - 1u;
-  if (config_.chip == Aedat2Chip::dvs128) return run(Aedat2<Dvs128>{right, bottom, triggers_, t_});
-  return run(Aedat2<Davis>{right, bottom, triggers_, t_});
+  if (config_.chip == Aedat2Chip::dvs128) {
+    return run(Aedat2<Dvs128>{right, bottom, triggers_, t_, out});
+  }
+  return run(Aedat2<Davis>{right, bottom, triggers_, t_, out});
 }
 
 void Aedat2Decoder::reset() noexcept {
   triggers_ = 0;
   t_ = kBeforeFirst;
-  cut_size_ = 0;
+  cut_.size = 0;
 }
 
 }  // namespace asap

@@ -3,6 +3,7 @@
 #include "asap/core/check.hpp"
 #include "formats/aedat_header.hpp"
 #include "formats/records.hpp"
+#include "formats/words.hpp"
 
 namespace asap {
 
@@ -14,13 +15,15 @@ struct PolarityEvents {
   static constexpr bool kBigEndian = false;
 
   std::int64_t overflow_us;
+
   std::uint64_t invalid = 0;
 
   static std::size_t size(std::uint64_t) noexcept { return kRecord; }
   static bool is_event(std::uint64_t word) noexcept { return (word & 1) != 0; }
+  static bool waits(std::uint64_t) noexcept { return false; }
   std::size_t take(std::uint64_t word, Event* to) noexcept {
-    const auto xy = static_cast<std::uint32_t>((word >> 17 & 0x7fff) | (word << 14 & 0x7fff'0000));
-    records::store(to, xy, word >> 1 & 1, overflow_us | static_cast<std::int64_t>(word >> 32));
+    write_event(to, word >> 17 & 0x7fff, word >> 2 & 0x7fff, word >> 1 & 1,
+                overflow_us | static_cast<std::int64_t>(word >> 32));
     invalid += ~word & 1;
     return word & 1;
   }
@@ -29,15 +32,28 @@ struct PolarityEvents {
 struct SpecialEvents {
   static constexpr std::size_t kRecord = 8;
   static constexpr bool kBigEndian = false;
-  static constexpr std::uint64_t kRisingEdge = 2, kPulse = 4;
+  static constexpr std::uint64_t kRisingEdge = 2, kFallingEdge = 3, kPulse = 4;
+
+  std::int64_t overflow_us;
+  Output& out;
 
   std::uint64_t triggers = 0;
 
+  static bool is_trigger(std::uint64_t word) noexcept {
+    const std::uint64_t type = word >> 1 & 0x7f;
+    return (word & 1) != 0 && type >= kRisingEdge && type <= kPulse;
+  }
   static std::size_t size(std::uint64_t) noexcept { return kRecord; }
   static bool is_event(std::uint64_t) noexcept { return false; }
+  bool waits(std::uint64_t word) const noexcept {
+    return is_trigger(word) && !records::has_room_for_a_trigger(out);
+  }
   std::size_t take(std::uint64_t word, Event*) noexcept {
-    const std::uint64_t type = word >> 1 & 0x7f;
-    triggers += (word & 1) != 0 && type >= kRisingEdge && type <= kPulse;
+    if (is_trigger(word)) {
+      const bool rises = (word >> 1 & 0x7f) != kFallingEdge;
+      out.take({.t = overflow_us | static_cast<std::int64_t>(word >> 32), .id = 0, .value = rises});
+      ++triggers;
+    }
     return 0;
   }
 };
@@ -94,12 +110,26 @@ Aedat3Decoder::Aedat3Decoder(const Aedat3Config& config)
 }
 
 Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
+  Output out{};
+  return decode(bytes, events, out);
+}
+
+Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
+                               std::span<Trigger> triggers) noexcept {
+  Output out = records::output_of(triggers);
+  Progress progress = decode(bytes, events, out);
+  progress.triggers = static_cast<std::size_t>(out.trigger - triggers.data());
+  return progress;
+}
+
+Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
+                               Output& out) noexcept {
   Progress done{};
   while (done.bytes < bytes.size()) {
     const auto rest = bytes.subspan(done.bytes);
     Progress step{};
     if (packet_left_ > 0) {
-      step = take_packet(rest, events.subspan(done.events));
+      step = take_packet(rest, events.subspan(done.events), out);
       packet_left_ -= step.bytes;
     } else {
       step.bytes = take_header(rest);
@@ -112,18 +142,18 @@ Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event
   return done;
 }
 
-Progress Aedat3Decoder::take_packet(std::span<const std::byte> bytes,
-                                    std::span<Event> events) noexcept {
+Progress Aedat3Decoder::take_packet(std::span<const std::byte> bytes, std::span<Event> events,
+                                    Output& out) noexcept {
   bytes =
       bytes.first(static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), packet_left_)));
   Progress progress{bytes.size(), 0};
   if (packet_ == Packet::polarity) {
     PolarityEvents format{overflow_us_};
-    progress = records::decode_records(format, {cut_, cut_size_}, bytes, events);
+    progress = records::decode_records(format, cut_, bytes, events);
     invalid_ += format.invalid;
   } else if (packet_ == Packet::special) {
-    SpecialEvents format;
-    progress = records::decode_records(format, {cut_, cut_size_}, bytes, events);
+    SpecialEvents format{overflow_us_, out};
+    progress = records::decode_records(format, cut_, bytes, events);
     triggers_ += format.triggers;
   }
   return progress;
@@ -131,23 +161,20 @@ Progress Aedat3Decoder::take_packet(std::span<const std::byte> bytes,
 
 // Returns how many of `bytes` it consumed, at least one.
 std::size_t Aedat3Decoder::take_header(std::span<const std::byte> bytes) noexcept {
-  const std::size_t taken = std::min(kHeader - cut_size_, bytes.size());
-  std::memcpy(cut_.data() + cut_size_, bytes.data(), taken);
-  cut_size_ += taken;
-  if (cut_size_ < kHeader) return taken;
-  const PacketHeader header = read_packet_header(cut_.data());
+  const std::size_t taken = std::min(kHeader - cut_.size, bytes.size());
+  std::memcpy(cut_.bytes.data() + cut_.size, bytes.data(), taken);
+  cut_.size += taken;
+  if (cut_.size < kHeader) return taken;
+  const PacketHeader header = read_packet_header(cut_.bytes.data());
   if (!is_possible(header) || (lost_ && header.type != kPolarity)) {
-    if (!lost_) {
-      ++bad_records_;
-      if (noted_count_ < kNoted) noted_[noted_count_++] = offset_ + taken - kHeader;
-    }
+    if (!lost_) bad_.add(offset_ + taken - kHeader);
     lost_ = true;
-    std::memmove(cut_.data(), cut_.data() + 1, kHeader - 1);
-    cut_size_ = kHeader - 1;
+    std::memmove(cut_.bytes.data(), cut_.bytes.data() + 1, kHeader - 1);
+    cut_.size = kHeader - 1;
     return taken;
   }
   lost_ = false;
-  cut_size_ = 0;
+  cut_.size = 0;
   const bool wanted = config_.source < 0 || config_.source == header.source;
   packet_ = !wanted                    ? Packet::other
             : header.type == kPolarity ? Packet::polarity

@@ -1,6 +1,7 @@
 #include "asap/formats/atis40.hpp"
 
 #include "formats/records.hpp"
+#include "formats/words.hpp"
 
 namespace asap {
 
@@ -16,14 +17,14 @@ struct Atis40 {
   std::uint64_t mark_row;  // beyond 8 bits: none
   std::int64_t marked_us;
 
+  static bool waits(std::uint64_t) noexcept { return false; }
   static std::size_t size(std::uint64_t) noexcept { return kRecord; }
   bool is_event(std::uint64_t word) const noexcept { return (word >> 48 & 0xff) != mark_row; }
   std::size_t take(std::uint64_t word, Event* to) noexcept {
     const bool event = is_event(word);
     marked_us += event ? 0 : kMarkUs;
-    const auto xy = static_cast<std::uint32_t>(word >> 56 | (word >> 32 & 0xff'0000));
-    records::store(to, xy, word >> 47 & 1,
-                   static_cast<std::int64_t>(word >> 24 & 0x7f'ffff) + marked_us);
+    write_event(to, word >> 56, word >> 48 & 0xff, word >> 47 & 1,
+                static_cast<std::int64_t>(word >> 24 & 0x7f'ffff) + marked_us);
     return event;
   }
 };
@@ -32,14 +33,14 @@ struct Atis40 {
 
 Progress Atis40Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
   Atis40 format{marks_ ? Atis40::kMarkRow : ~std::uint64_t{0}, marked_us_};
-  const Progress progress = records::decode_records(format, {cut_, cut_size_}, bytes, events);
+  const Progress progress = records::decode_records(format, cut_, bytes, events);
   marked_us_ = format.marked_us;
   return progress;
 }
 
 void Atis40Decoder::reset() noexcept {
   marked_us_ = 0;
-  cut_size_ = 0;
+  cut_.size = 0;
 }
 
 }  // namespace asap

@@ -4,6 +4,7 @@
 
 #include "asap/core/check.hpp"
 #include "formats/records.hpp"
+#include "formats/words.hpp"
 
 namespace asap {
 
@@ -16,6 +17,7 @@ struct EventStream1 {
   std::int64_t t;
 
   static bool is_event(std::uint64_t word) noexcept { return (word & 15) != 15; }
+  static bool waits(std::uint64_t) noexcept { return false; }
   static std::size_t size(std::uint64_t word) noexcept { return is_event(word) ? kRecord : 1; }
   std::size_t take(std::uint64_t word, Event* to) noexcept {
     if (!is_event(word)) {
@@ -23,9 +25,7 @@ struct EventStream1 {
       return 0;
     }
     t += static_cast<std::int64_t>(word & 15);
-    const auto x = static_cast<std::uint32_t>(word >> 4 & 0x3ff);
-    const auto y = static_cast<std::uint32_t>(word >> 14 & 0x1ff);
-    records::store(to, x | y << 16, word >> 23 & 1, t);
+    write_event(to, word >> 4 & 0x3ff, word >> 14 & 0x1ff, word >> 23 & 1, t);
     return 1;
   }
 };
@@ -37,6 +37,7 @@ struct EventStream2 {
   std::int64_t t;
 
   static bool is_event(std::uint64_t word) noexcept { return (word & 0xff) < 0xfe; }
+  static bool waits(std::uint64_t) noexcept { return false; }
   static std::size_t size(std::uint64_t word) noexcept { return is_event(word) ? kRecord : 1; }
   std::size_t take(std::uint64_t word, Event* to) noexcept {
     if (!is_event(word)) {
@@ -44,7 +45,7 @@ struct EventStream2 {
       return 0;
     }
     t += static_cast<std::int64_t>(word >> 1 & 0x7f);
-    records::store(to, static_cast<std::uint32_t>(word >> 8), word & 1, t);
+    write_event(to, word >> 8 & 0xffff, word >> 24 & 0xffff, word & 1, t);
     return 1;
   }
 };
@@ -88,7 +89,7 @@ EventStreamDecoder::EventStreamDecoder(const EventStreamConfig& config) : versio
 Progress EventStreamDecoder::decode(std::span<const std::byte> bytes,
                                     std::span<Event> events) noexcept {
   const auto run = [&](auto format) {
-    const Progress progress = records::decode_records(format, {cut_, cut_size_}, bytes, events);
+    const Progress progress = records::decode_records(format, cut_, bytes, events);
     t_ = format.t;
     return progress;
   };
@@ -97,7 +98,7 @@ Progress EventStreamDecoder::decode(std::span<const std::byte> bytes,
 
 void EventStreamDecoder::reset() noexcept {
   t_ = 0;
-  cut_size_ = 0;
+  cut_.size = 0;
 }
 
 }  // namespace asap

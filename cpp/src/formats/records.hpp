@@ -7,12 +7,12 @@
 //   kBigEndian       the first byte of a record is the highest of `word`, else the lowest
 //   size(word)       bytes of the record at the front of `word`; right even if later bytes are 0
 //   is_event(word)   whether the record gives an event
+//   waits(word)      whether the record has to wait for room for a trigger
 //   take(word, to)   reads the record; writes an event, or what it likes, and returns 1 or 0
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -20,6 +20,7 @@
 
 #include "asap/core/event.hpp"
 #include "asap/formats/progress.hpp"
+#include "formats/words.hpp"
 
 namespace asap::records {
 
@@ -28,34 +29,29 @@ inline constexpr std::size_t kWord = sizeof(std::uint64_t);
 // `size` bytes as a word, the rest zero.
 template <bool kBigEndian>
 std::uint64_t load(const std::byte* from, std::size_t size = kWord) noexcept {
-  std::uint64_t word = 0;
-  std::memcpy(&word, from, size);
-  constexpr bool kNative = kBigEndian == (std::endian::native == std::endian::big);
-  return kNative ? word : __builtin_bswap64(word);
+  std::array<std::byte, kWord> bytes{};
+  std::memcpy(bytes.data(), from, size);
+  return kBigEndian ? load_big<std::uint64_t>(bytes.data())
+                    : load_little<std::uint64_t>(bytes.data());
 }
 
-// x in the low half of xy, y in the high one: two stores instead of four.
-inline void store(Event* to, std::uint32_t xy, std::uint64_t p, std::int64_t t) noexcept {
-  if constexpr (std::endian::native == std::endian::little) {
-    const std::uint64_t front = xy | p << 32;
-    std::memcpy(static_cast<void*>(to), &front, sizeof front);
-    to->t = t;
-  } else {
-    *to = {static_cast<std::uint16_t>(xy), static_cast<std::uint16_t>(xy >> 16),
-           static_cast<std::int16_t>(p), t};
-  }
+// Where triggers go: into `triggers`.
+inline Output output_of(std::span<Trigger> triggers) noexcept {
+  return {.event = nullptr,
+          .events_end = nullptr,
+          .trigger = triggers.data(),
+          .triggers_end = triggers.data() + triggers.size(),
+          .keeps_triggers = true};
 }
 
-// The front of a record whose end has not come yet.
-struct Cut {
-  std::span<std::byte> bytes;  // room for a record
-  std::size_t& size;           // bytes kept
-};
+inline bool has_room_for_a_trigger(const Output& out) noexcept {
+  return !out.keeps_triggers || out.trigger != out.triggers_end;
+}
 
-template <class Format>
-Progress decode_records(Format& format, Cut cut, std::span<const std::byte> bytes,
+template <class Format, std::size_t kCut>
+Progress decode_records(Format& format, CutRecord<kCut>& cut, std::span<const std::byte> bytes,
                         std::span<Event> events) noexcept {
-  static_assert(Format::kRecord <= kWord);
+  static_assert(Format::kRecord <= kWord && Format::kRecord <= kCut);
   const std::byte* at = bytes.data();
   const std::byte* const end = at + bytes.size();
   Event* out = events.data();
@@ -70,6 +66,10 @@ Progress decode_records(Format& format, Cut cut, std::span<const std::byte> byte
     at += size;
   };
 
+  const auto has_to_wait = [&](std::uint64_t word) {
+    return (out == full && format.is_event(word)) || format.waits(word);
+  };
+
   if (cut.size > 0) {
     const std::size_t whole = format.size(load<Format::kBigEndian>(cut.bytes.data(), cut.size));
     const std::size_t missing = whole - cut.size;
@@ -81,7 +81,7 @@ Progress decode_records(Format& format, Cut cut, std::span<const std::byte> byte
     std::memcpy(record.data(), cut.bytes.data(), cut.size);
     std::memcpy(record.data() + cut.size, at, missing);
     const std::uint64_t word = load<Format::kBigEndian>(record.data());
-    if (out == full && format.is_event(word)) return progress();
+    if (has_to_wait(word)) return progress();
     Event event;
     if (format.take(word, &event) > 0) *out++ = event;
     at += missing;
@@ -89,6 +89,7 @@ Progress decode_records(Format& format, Cut cut, std::span<const std::byte> byte
   }
   while (static_cast<std::size_t>(end - at) >= kWord && out != full) {
     const std::uint64_t word = load<Format::kBigEndian>(at);
+    if (format.waits(word)) break;
     out += format.take(word, out);
     at += format.size(word);
   }
@@ -101,7 +102,7 @@ Progress decode_records(Format& format, Cut cut, std::span<const std::byte> byte
       keep(left);
       break;
     }
-    if (out == full && format.is_event(word)) break;
+    if (has_to_wait(word)) break;
     Event event;
     if (format.take(word, &event) > 0) *out++ = event;
     at += size;

@@ -57,8 +57,25 @@ TEST(Aedat2Decoder, SkipsFramesAndMotionAndCountsTriggers) {
   append_record(bytes, davis(1, 2, 1), 13);
   Aedat2Decoder decoder(kDavis346);
   Events events;
-  test::feed(decoder, bytes, 4, events);
+  test::Triggers triggers;
+  test::feed(decoder, bytes, 4, events, &triggers);
   EXPECT_EQ(events, (Events{{344, 257, 1, 13}}));
+  EXPECT_EQ(triggers, (test::Triggers{{12, 0, 1}}));
+  EXPECT_EQ(decoder.triggers(), 1u);
+}
+
+TEST(Aedat2Decoder, ATriggerWithoutRoomWaitsWhereItIsWanted) {
+  Bytes bytes;
+  append_record(bytes, davis(1, 2, 1), 11);
+  append_record(bytes, 0x400, 12);
+  Aedat2Decoder decoder(kDavis346);
+  Events events(4);
+  EXPECT_EQ(decoder.decode(bytes, events, {}), (Progress{.bytes = 8, .events = 1, .triggers = 0}));
+  const auto rest = std::span(bytes).subspan(8);
+  EXPECT_EQ(decoder.decode(rest.first(5), events, {}).bytes, 5u);
+  EXPECT_EQ(decoder.decode(rest.subspan(5), events, {}).bytes, 0u);
+  EXPECT_EQ(decoder.triggers(), 0u);
+  EXPECT_EQ(decoder.decode(rest.subspan(5), events).bytes, 3u);  // not wanted: counted
   EXPECT_EQ(decoder.triggers(), 1u);
 }
 

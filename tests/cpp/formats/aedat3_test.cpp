@@ -35,9 +35,9 @@ void append_event(Bytes& bytes, unsigned x, unsigned y, unsigned p, unsigned t,
   append_little(bytes, t, 4);
 }
 
-void append_special(Bytes& bytes, unsigned type, unsigned valid = 1) {
+void append_special(Bytes& bytes, unsigned type, unsigned t = 7, unsigned valid = 1) {
   append_little(bytes, valid | type << 1 | 0xabcdef00, 4);
-  append_little(bytes, 7, 4);
+  append_little(bytes, t, 4);
 }
 
 // Polarity packets with special and unknown ones between them.
@@ -90,20 +90,23 @@ TEST(Aedat3Decoder, DecodesEveryField) {
   EXPECT_EQ(decoder.bad_records(), 0u);
 }
 
-TEST(Aedat3Decoder, CountsTriggersAndSkipsOtherPackets) {
+TEST(Aedat3Decoder, GivesTriggersAndSkipsOtherPackets) {
   Bytes bytes;
-  append_packet(bytes, {.type = 0, .events = 6, .valid = 6});
-  for (const unsigned type : {0u, 1u, 2u, 3u, 4u, 5u}) append_special(bytes, type);
+  append_packet(bytes, {.type = 0, .overflows = 1, .events = 6, .valid = 6});
+  for (const unsigned type : {0u, 1u, 2u, 3u, 4u, 5u}) append_special(bytes, type, 10 + type);
   append_packet(bytes, {.type = 0, .events = 1});
-  append_special(bytes, 2, 0);
+  append_special(bytes, 2, 16, 0);
   append_packet(bytes, {.type = 2, .event_size = 60, .time_at = 4, .events = 1});
   bytes.resize(bytes.size() + 60);
   append_packet(bytes, {.events = 1, .valid = 1});
   append_event(bytes, 4, 5, 1, 6);
   Aedat3Decoder decoder;
   Events events;
-  test::feed(decoder, bytes, 9, events);
+  test::Triggers triggers;
+  test::feed(decoder, bytes, 9, events, &triggers);
   EXPECT_EQ(events, (Events{{4, 5, 1, 6}}));
+  const auto wrap = std::int64_t{1} << 31;
+  EXPECT_EQ(triggers, (test::Triggers{{wrap + 12, 0, 1}, {wrap + 13, 0, 0}, {wrap + 14, 0, 1}}));
   EXPECT_EQ(decoder.triggers(), 3u);
 }
 

@@ -20,6 +20,7 @@ namespace asap::test {
 
 using Bytes = std::vector<std::byte>;
 using Events = std::vector<Event>;
+using Triggers = std::vector<Trigger>;
 
 inline void append(Bytes& bytes, std::initializer_list<unsigned> values) {
   for (const unsigned value : values) bytes.push_back(static_cast<std::byte>(value));
@@ -37,16 +38,30 @@ inline void append_big(Bytes& bytes, std::uint64_t value, int size) {
   for (int i = size - 1; i >= 0; --i) bytes.push_back(static_cast<std::byte>(value >> 8 * i));
 }
 
-// Feeds all of `bytes`, giving room for `room` events at a time.
 template <class Decoder>
-void feed(Decoder& decoder, std::span<const std::byte> bytes, std::size_t room, Events& to) {
+concept GivesTriggers = requires(Decoder decoder, Events events, Triggers triggers) {
+  decoder.decode(std::span<const std::byte>{}, events, triggers);
+};
+
+// Feeds all of `bytes`, giving room for `room` events and one trigger at a time.
+template <class Decoder>
+void feed(Decoder& decoder, std::span<const std::byte> bytes, std::size_t room, Events& to,
+          Triggers* triggers_to = nullptr) {
   Events events(room);
+  Triggers triggers(1);
   while (!bytes.empty()) {
-    const Progress done = decoder.decode(bytes, events);
+    Progress done;
+    if constexpr (GivesTriggers<Decoder>) {
+      done = decoder.decode(bytes, events, triggers);
+    } else {
+      done = decoder.decode(bytes, events);
+    }
     ASSERT_LE(done.bytes, bytes.size());
     ASSERT_LE(done.events, room);
-    ASSERT_GT(done.bytes + done.events, 0u) << "no progress";
+    ASSERT_LE(done.triggers, 1u);
+    ASSERT_GT(done.bytes + done.events + done.triggers, 0u) << "no progress";
     to.insert(to.end(), events.begin(), events.begin() + static_cast<std::ptrdiff_t>(done.events));
+    if (triggers_to != nullptr && done.triggers > 0) triggers_to->push_back(triggers[0]);
     bytes = bytes.subspan(done.bytes);
   }
 }
@@ -72,7 +87,9 @@ template <class Decoder>
 void expect_cuts_make_no_difference(const Decoder& fresh, const Bytes& bytes) {
   Decoder whole = fresh;
   Events truth;
-  feed(whole, bytes, bytes.size() + 1, truth);
+  Triggers true_triggers;
+  feed(whole, bytes, bytes.size() + 1, truth, &true_triggers);
+  EXPECT_EQ(whole.triggers(), true_triggers.size());
   const std::span<const std::byte> all = bytes;
   for (std::size_t at = 0; at <= std::min<std::size_t>(bytes.size(), 4096); ++at) {
     Decoder decoder = fresh;
@@ -85,10 +102,13 @@ void expect_cuts_make_no_difference(const Decoder& fresh, const Bytes& bytes) {
   for (std::size_t piece = 1; piece <= 40; ++piece) {
     Decoder decoder = fresh;
     Events events;
+    Triggers triggers;
     for (std::size_t at = 0; at < bytes.size(); at += piece) {
-      feed(decoder, all.subspan(at, std::min(piece, bytes.size() - at)), 1 + piece % 5, events);
+      const auto fed = all.subspan(at, std::min(piece, bytes.size() - at));
+      feed(decoder, fed, 1 + piece % 5, events, &triggers);
     }
     ASSERT_EQ(events, truth) << "pieces of " << piece;
+    ASSERT_EQ(triggers, true_triggers) << "pieces of " << piece;
     expect_same_books(decoder, whole);
   }
   const CounterRandom random(20);

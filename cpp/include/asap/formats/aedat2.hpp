@@ -22,6 +22,8 @@
 
 namespace asap {
 
+struct Output;
+
 enum class Aedat2Chip : std::uint8_t { unknown, davis, dvs128 };
 
 struct Aedat2Header {
@@ -48,8 +50,13 @@ class Aedat2Decoder {
   // Decodes from the front of `bytes`, which follow the header, until one of them ends.
   Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
 
+  // The same; stops before a trigger that has no room as well. A trigger has no number and no edge
+  // in this format: id 0, value 1.
+  Progress decode(std::span<const std::byte> bytes, std::span<Event> events,
+                  std::span<Trigger> triggers) noexcept;
+
   // Bytes of a record that waits for its end. At the end of the input: the file was cut.
-  std::size_t unfinished() const noexcept { return cut_size_; }
+  std::size_t unfinished() const noexcept { return cut_.size; }
   // Every record has a meaning: there are no bad ones.
   std::uint64_t bad_records() const noexcept { return 0; }
   std::span<const std::uint64_t> noted() const noexcept { return {}; }
@@ -58,14 +65,15 @@ class Aedat2Decoder {
   void reset() noexcept;
 
  private:
+  Progress decode(std::span<const std::byte> bytes, std::span<Event> events, Output& out) noexcept;
+
   // The shorter way from here to any first time of 32 bits makes it one without a sign.
   static constexpr std::int64_t kBeforeFirst = std::int64_t{1} << 31;
 
   Aedat2Config config_;
   std::uint64_t triggers_ = 0;
   std::int64_t t_ = kBeforeFirst;
-  std::array<std::byte, 8> cut_{};
-  std::size_t cut_size_ = 0;
+  CutRecord<8> cut_;
 };
 
 }  // namespace asap

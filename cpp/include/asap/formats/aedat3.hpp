@@ -21,6 +21,8 @@
 
 namespace asap {
 
+struct Output;
+
 struct Aedat3Header {
   std::size_t size;             // bytes; the first packet follows
   bool raw;                     // "#Format: RAW": the only one that is decoded
@@ -39,24 +41,27 @@ struct Aedat3Config {
 class Aedat3Decoder {
  public:
   static constexpr std::size_t kMostPerRecord = 1;
-  static constexpr std::size_t kNoted = 16;
 
   explicit Aedat3Decoder(const Aedat3Config& config = {});
 
   // Decodes from the front of `bytes`, which follow the header, until one of them ends.
   Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
 
+  // The same; stops before a trigger that has no room as well. Its id is 0; a pulse rises.
+  Progress decode(std::span<const std::byte> bytes, std::span<Event> events,
+                  std::span<Trigger> triggers) noexcept;
+
   // Bytes of a packet that waits for its end; its events so far have been decoded. At the end of
   // the input: the file was cut.
   std::size_t unfinished() const noexcept {
-    return packet_left_ > 0 ? static_cast<std::size_t>(offset_ - packet_at_) : cut_size_;
+    return packet_left_ > 0 ? static_cast<std::size_t>(offset_ - packet_at_) : cut_.size;
   }
 
   // Bytes that are no packet's header are skipped to the next header of polarity events, and
-  // counted once; noted(): byte offsets of the first kNoted. Events that are marked as invalid were
+  // counted once; noted(): byte offsets of the first. Events that are marked as invalid were
   // taken out by the recording program: they are none, and counted in invalid().
-  std::uint64_t bad_records() const noexcept { return bad_records_; }
-  std::span<const std::uint64_t> noted() const noexcept { return {noted_.data(), noted_count_}; }
+  std::uint64_t bad_records() const noexcept { return bad_.count(); }
+  std::span<const std::uint64_t> noted() const noexcept { return bad_.noted(); }
   std::uint64_t invalid() const noexcept { return invalid_; }
   std::uint64_t triggers() const noexcept { return triggers_; }
 
@@ -66,8 +71,10 @@ class Aedat3Decoder {
   enum class Packet : std::uint8_t { polarity, special, other };
   static constexpr std::size_t kHeader = 28;
 
+  Progress decode(std::span<const std::byte> bytes, std::span<Event> events, Output& out) noexcept;
   std::size_t take_header(std::span<const std::byte> bytes) noexcept;
-  Progress take_packet(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
+  Progress take_packet(std::span<const std::byte> bytes, std::span<Event> events,
+                       Output& out) noexcept;
 
   Aedat3Config config_;
   std::uint64_t offset_;
@@ -76,13 +83,10 @@ class Aedat3Decoder {
   std::uint64_t packet_at_ = 0;    // its offset in the file
   std::uint64_t packet_left_ = 0;  // bytes of the packet that have not been consumed
   bool lost_ = false;              // between a bad header and the next good one
-  std::uint64_t bad_records_ = 0;
+  BadRecords bad_;
   std::uint64_t invalid_ = 0;
   std::uint64_t triggers_ = 0;
-  std::array<std::uint64_t, kNoted> noted_{};
-  std::size_t noted_count_ = 0;
-  std::array<std::byte, kHeader> cut_{};
-  std::size_t cut_size_ = 0;
+  CutRecord<kHeader> cut_;
 };
 
 }  // namespace asap

@@ -48,7 +48,7 @@ class EventStreamDecoder {
   Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
 
   // Bytes of a record that waits for its end. At the end of the input: the file was cut.
-  std::size_t unfinished() const noexcept { return cut_size_; }
+  std::size_t unfinished() const noexcept { return cut_.size; }
   // Every byte has a meaning: there are no bad records and no triggers.
   std::uint64_t bad_records() const noexcept { return 0; }
   std::span<const std::uint64_t> noted() const noexcept { return {}; }
@@ -59,8 +59,7 @@ class EventStreamDecoder {
  private:
   int version_;
   std::int64_t t_ = 0;
-  std::array<std::byte, 8> cut_{};
-  std::size_t cut_size_ = 0;
+  CutRecord<5> cut_;
 };
 
 }  // namespace asap
