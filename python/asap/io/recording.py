@@ -16,7 +16,7 @@ from asap.io.aedat4 import Aedat4Reader
 from asap.io.native import FORMATS, NativeReader
 from asap.io.numpy_files import NpyReader, NpzReader
 from asap.io.reader import Losses, Options, Reader
-from asap.io.sniff import sniff
+from asap.io.sniff import first_bytes, sniff
 from asap.io.text import TextReader
 
 __all__ = ["Recording", "load", "read"]
@@ -25,6 +25,7 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
     "npy": NpyReader,
     "npz": NpzReader,
     "text": TextReader,
+    "csv": TextReader,
     "aedat4": Aedat4Reader,
     **{name: partial(NativeReader, name) for name in FORMATS},
 }
@@ -50,13 +51,14 @@ class Recording:
         time_unit: str | None = None,
         on_bad: str = "drop",
         reorder_tolerance_us: int = 0,
+        file_format: str | None = None,
     ) -> None:
         self._path = checks.folder_or_file("path", path)
         width, height = checks.sides(width, height)
         self._on_bad = on_bad
         self._reorder_tolerance_us = reorder_tolerance_us
         options = Options(order, time_unit)
-        self._reader = _READERS[sniff(self._path)](self._path, options)
+        self._reader = _READERS[_format_of(self._path, file_format)](self._path, options)
         self._width = width if self._reader.width is None else self._reader.width
         self._height = height if self._reader.height is None else self._reader.height
         self._losses, self._validator = self._books()
@@ -68,7 +70,7 @@ class Recording:
 
     @property
     def format(self) -> str:
-        """``"npy"``, ``"npz"``, ``"text"``, ``"csv"`` or ``"aedat4"``."""
+        """Name of the format, such as ``"npy"``, ``"csv"``, ``"aedat4"`` or ``"es"``."""
         return self._reader.format
 
     @property
@@ -175,6 +177,14 @@ class Recording:
         return Losses(self._path, self._on_bad), validator
 
 
+def _format_of(path: Path, file_format: str | None) -> str:
+    if file_format is None:
+        return sniff(path)
+    checks.choice("file_format", file_format, _READERS)
+    first_bytes(path)
+    return file_format
+
+
 def read(
     path: str | os.PathLike[str],
     *,
@@ -184,8 +194,9 @@ def read(
     time_unit: str | None = None,
     on_bad: str = "drop",
     reorder_tolerance_us: int = 0,
+    file_format: str | None = None,
 ) -> Recording:
-    """Open an event file: ``.npy``, ``.npz``, text ``t x y p``, csv or AEDAT4.
+    """Open an event file: NumPy, text, csv, Prophesee RAW, AEDAT, Event Stream and others.
 
     The format is found by content, then by name. Nothing but the header is read yet.
 
@@ -209,6 +220,9 @@ def read(
         ``"clamp"`` them where that is possible, or ``"raise"``.
     reorder_tolerance_us
         A stamp that goes back by at most this much is lifted to the last one, not bad.
+    file_format
+        The name of the format, as `Recording.format` has it, where neither content nor file name
+        tells it: ``"atis40"`` for 40-bit events, for example.
 
     Returns
     -------
@@ -232,6 +246,8 @@ def read(
     -----
     TruncatedFileWarning
         While iterating: the file ends too early; what came before was yielded.
+    UserWarning
+        The file is read as 40-bit events, by its name alone, but does not look like them.
     """
     return Recording(
         path,
@@ -241,6 +257,7 @@ def read(
         time_unit=time_unit,
         on_bad=on_bad,
         reorder_tolerance_us=reorder_tolerance_us,
+        file_format=file_format,
     )
 
 
@@ -253,6 +270,7 @@ def load(
     time_unit: str | None = None,
     on_bad: str = "drop",
     reorder_tolerance_us: int = 0,
+    file_format: str | None = None,
 ) -> Events:
     """Read a whole event file into one array; parameters, errors and warnings as in `read`.
 
@@ -269,6 +287,7 @@ def load(
         time_unit=time_unit,
         on_bad=on_bad,
         reorder_tolerance_us=reorder_tolerance_us,
+        file_format=file_format,
     )
     chunks = list(recording)
     events: Events = np.empty(sum(map(len, chunks)), EVENT_DTYPE)
