@@ -68,7 +68,7 @@ class Recording:
 
     @property
     def format(self) -> str:
-        """``"npy"``, ``"npz"``, ``"text"``, ``"csv"`` or ``"aedat4"``."""
+        """Name of the format, such as ``"npy"``, ``"csv"``, ``"aedat4"`` or ``"evt3"``."""
         return self._reader.format
 
     @property
@@ -185,7 +185,7 @@ def read(
     on_bad: str = "drop",
     reorder_tolerance_us: int = 0,
 ) -> Recording:
-    """Open an event file: ``.npy``, ``.npz``, text ``t x y p``, csv or AEDAT4.
+    """Open an event file: NumPy, text, csv, AEDAT4, Prophesee RAW or DAT.
 
     The format is found by content, then by name. Nothing but the header is read yet.
 
