@@ -18,15 +18,14 @@ struct Aedat2 {
   std::uint32_t right, bottom;  // the highest x and y
   std::uint64_t triggers;
   std::int64_t t;
-  Output& out;  // of the triggers
 
   static std::size_t size(std::uint64_t) noexcept { return kRecord; }
   static bool is_event(std::uint64_t word) noexcept { return (word >> 32 & Address::kOther) == 0; }
-  bool waits(std::uint64_t word) const noexcept {
+  static bool waits(std::uint64_t word, const Output& out) noexcept {
     return Address::is_trigger(static_cast<std::uint32_t>(word >> 32)) &&
-           !records::has_room_for_a_trigger(out);
+           !out.has_room_for_a_trigger();
   }
-  std::size_t take(std::uint64_t word, Event* to) noexcept {
+  std::size_t take(std::uint64_t word, Event* to, Output& out) noexcept {
     const auto address = static_cast<std::uint32_t>(word >> 32);
     // The 32 bits wrap: the shorter way from the last time is the right one.
     const auto step = static_cast<std::uint32_t>(word) - static_cast<std::uint32_t>(t);
@@ -110,31 +109,25 @@ Aedat2Decoder::Aedat2Decoder(const Aedat2Config& config) : config_(config) {
 }
 
 Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
-  Output out{};
-  return decode(bytes, events, out);
+  return decode(bytes, output_to(events));
 }
 
 Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
                                std::span<Trigger> triggers) noexcept {
-  Output out = records::output_of(triggers);
-  Progress progress = decode(bytes, events, out);
-  progress.triggers = static_cast<std::size_t>(out.trigger - triggers.data());
-  return progress;
+  return decode(bytes, output_to(events, triggers));
 }
 
-Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
-                               Output& out) noexcept {
+Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, Output out) noexcept {
+  const Output start = out;
   const auto run = [&](auto format) {
-    const Progress progress = records::decode_records(format, cut_, bytes, events);
+    const std::size_t used = records::decode_records(format, cut_, bytes, out);
     triggers_ = format.triggers;
     t_ = format.t;
-    return progress;
+    return out.since(start, used);
   };
   const std::uint32_t right = config_.width - 1u, bottom = config_.height - 1u;
-  if (config_.chip == Aedat2Chip::dvs128) {
-    return run(Aedat2<Dvs128>{right, bottom, triggers_, t_, out});
-  }
-  return run(Aedat2<Davis>{right, bottom, triggers_, t_, out});
+  if (config_.chip == Aedat2Chip::dvs128) return run(Aedat2<Dvs128>{right, bottom, triggers_, t_});
+  return run(Aedat2<Davis>{right, bottom, triggers_, t_});
 }
 
 void Aedat2Decoder::reset() noexcept {

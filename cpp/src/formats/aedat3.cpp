@@ -15,13 +15,12 @@ struct PolarityEvents {
   static constexpr bool kBigEndian = false;
 
   std::int64_t overflow_us;
-
   std::uint64_t invalid = 0;
 
   static std::size_t size(std::uint64_t) noexcept { return kRecord; }
   static bool is_event(std::uint64_t word) noexcept { return (word & 1) != 0; }
-  static bool waits(std::uint64_t) noexcept { return false; }
-  std::size_t take(std::uint64_t word, Event* to) noexcept {
+  static bool waits(std::uint64_t, const Output&) noexcept { return false; }
+  std::size_t take(std::uint64_t word, Event* to, Output&) noexcept {
     write_event(to, word >> 17 & 0x7fff, word >> 2 & 0x7fff, word >> 1 & 1,
                 overflow_us | static_cast<std::int64_t>(word >> 32));
     invalid += ~word & 1;
@@ -35,8 +34,6 @@ struct SpecialEvents {
   static constexpr std::uint64_t kRisingEdge = 2, kFallingEdge = 3, kPulse = 4;
 
   std::int64_t overflow_us;
-  Output& out;
-
   std::uint64_t triggers = 0;
 
   static bool is_trigger(std::uint64_t word) noexcept {
@@ -45,10 +42,10 @@ struct SpecialEvents {
   }
   static std::size_t size(std::uint64_t) noexcept { return kRecord; }
   static bool is_event(std::uint64_t) noexcept { return false; }
-  bool waits(std::uint64_t word) const noexcept {
-    return is_trigger(word) && !records::has_room_for_a_trigger(out);
+  static bool waits(std::uint64_t word, const Output& out) noexcept {
+    return is_trigger(word) && !out.has_room_for_a_trigger();
   }
-  std::size_t take(std::uint64_t word, Event*) noexcept {
+  std::size_t take(std::uint64_t word, Event*, Output& out) noexcept {
     if (is_trigger(word)) {
       const bool rises = (word >> 1 & 0x7f) != kFallingEdge;
       out.take({.t = overflow_us | static_cast<std::int64_t>(word >> 32), .id = 0, .value = rises});
@@ -110,64 +107,54 @@ Aedat3Decoder::Aedat3Decoder(const Aedat3Config& config)
 }
 
 Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
-  Output out{};
-  return decode(bytes, events, out);
+  return decode(bytes, output_to(events));
 }
 
 Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
                                std::span<Trigger> triggers) noexcept {
-  Output out = records::output_of(triggers);
-  Progress progress = decode(bytes, events, out);
-  progress.triggers = static_cast<std::size_t>(out.trigger - triggers.data());
-  return progress;
+  return decode(bytes, output_to(events, triggers));
 }
 
-Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
-                               Output& out) noexcept {
-  Progress done{};
-  while (done.bytes < bytes.size()) {
-    const auto rest = bytes.subspan(done.bytes);
-    Progress step{};
-    if (packet_left_ > 0) {
-      step = take_packet(rest, events.subspan(done.events), out);
-      packet_left_ -= step.bytes;
-    } else {
-      step.bytes = take_header(rest);
-    }
-    offset_ += step.bytes;
-    done.bytes += step.bytes;
-    done.events += step.events;
-    if (step.bytes == 0) break;  // no room for the next event
+Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, Output out) noexcept {
+  const Output start = out;
+  std::size_t used = 0;
+  while (used < bytes.size()) {
+    const auto rest = bytes.subspan(used);
+    const std::size_t step = packet_left_ > 0 ? take_packet(rest, out) : take_header(rest);
+    if (step == 0) break;  // no room for what comes next
+    used += step;
   }
-  return done;
+  return out.since(start, used);
 }
 
-Progress Aedat3Decoder::take_packet(std::span<const std::byte> bytes, std::span<Event> events,
-                                    Output& out) noexcept {
-  bytes =
-      bytes.first(static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), packet_left_)));
-  Progress progress{bytes.size(), 0};
+// Both return how many of `bytes` they consumed; a header needs no room.
+
+std::size_t Aedat3Decoder::take_packet(std::span<const std::byte> bytes, Output& out) noexcept {
+  std::size_t used = static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), packet_left_));
+  bytes = bytes.first(used);
   if (packet_ == Packet::polarity) {
     PolarityEvents format{overflow_us_};
-    progress = records::decode_records(format, cut_, bytes, events);
+    used = records::decode_records(format, cut_, bytes, out);
     invalid_ += format.invalid;
   } else if (packet_ == Packet::special) {
-    SpecialEvents format{overflow_us_, out};
-    progress = records::decode_records(format, cut_, bytes, events);
+    SpecialEvents format{overflow_us_};
+    used = records::decode_records(format, cut_, bytes, out);
     triggers_ += format.triggers;
   }
-  return progress;
+  packet_left_ -= used;
+  offset_ += used;
+  return used;
 }
 
-// Returns how many of `bytes` it consumed, at least one.
 std::size_t Aedat3Decoder::take_header(std::span<const std::byte> bytes) noexcept {
   const std::size_t taken = std::min(kHeader - cut_.size, bytes.size());
   std::memcpy(cut_.bytes.data() + cut_.size, bytes.data(), taken);
   cut_.size += taken;
+  offset_ += taken;
   if (cut_.size < kHeader) return taken;
   const PacketHeader header = read_packet_header(cut_.bytes.data());
   if (!is_possible(header) || (lost_ && header.type != kPolarity)) {
-    if (!lost_) bad_.add(offset_ + taken - kHeader);
+    if (!lost_) bad_.add(offset_ - kHeader);
     lost_ = true;
     std::memmove(cut_.bytes.data(), cut_.bytes.data() + 1, kHeader - 1);
     cut_.size = kHeader - 1;
@@ -181,7 +168,7 @@ std::size_t Aedat3Decoder::take_header(std::span<const std::byte> bytes) noexcep
             : header.type == kSpecial  ? Packet::special
                                        : Packet::other;
   overflow_us_ = static_cast<std::int64_t>(header.overflows) << 31;
-  packet_at_ = offset_ + taken - kHeader;
+  packet_at_ = offset_ - kHeader;
   packet_left_ =
       static_cast<std::uint64_t>(header.events) * static_cast<std::uint64_t>(header.event_size);
   return taken;

@@ -17,10 +17,10 @@ struct Atis40 {
   std::uint64_t mark_row;  // beyond 8 bits: none
   std::int64_t marked_us;
 
-  static bool waits(std::uint64_t) noexcept { return false; }
+  static bool waits(std::uint64_t, const Output&) noexcept { return false; }
   static std::size_t size(std::uint64_t) noexcept { return kRecord; }
   bool is_event(std::uint64_t word) const noexcept { return (word >> 48 & 0xff) != mark_row; }
-  std::size_t take(std::uint64_t word, Event* to) noexcept {
+  std::size_t take(std::uint64_t word, Event* to, Output&) noexcept {
     const bool event = is_event(word);
     marked_us += event ? 0 : kMarkUs;
     write_event(to, word >> 56, word >> 48 & 0xff, word >> 47 & 1,
@@ -33,9 +33,11 @@ struct Atis40 {
 
 Progress Atis40Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
   Atis40 format{marks_ ? Atis40::kMarkRow : ~std::uint64_t{0}, marked_us_};
-  const Progress progress = records::decode_records(format, cut_, bytes, events);
+  const Output start = output_to(events);
+  Output out = start;
+  const std::size_t used = records::decode_records(format, cut_, bytes, out);
   marked_us_ = format.marked_us;
-  return progress;
+  return out.since(start, used);
 }
 
 void Atis40Decoder::reset() noexcept {

@@ -17,9 +17,9 @@ struct EventStream1 {
   std::int64_t t;
 
   static bool is_event(std::uint64_t word) noexcept { return (word & 15) != 15; }
-  static bool waits(std::uint64_t) noexcept { return false; }
+  static bool waits(std::uint64_t, const Output&) noexcept { return false; }
   static std::size_t size(std::uint64_t word) noexcept { return is_event(word) ? kRecord : 1; }
-  std::size_t take(std::uint64_t word, Event* to) noexcept {
+  std::size_t take(std::uint64_t word, Event* to, Output&) noexcept {
     if (!is_event(word)) {
       t += static_cast<std::int64_t>((word >> 4 & 15) * 15);
       return 0;
@@ -37,9 +37,9 @@ struct EventStream2 {
   std::int64_t t;
 
   static bool is_event(std::uint64_t word) noexcept { return (word & 0xff) < 0xfe; }
-  static bool waits(std::uint64_t) noexcept { return false; }
+  static bool waits(std::uint64_t, const Output&) noexcept { return false; }
   static std::size_t size(std::uint64_t word) noexcept { return is_event(word) ? kRecord : 1; }
-  std::size_t take(std::uint64_t word, Event* to) noexcept {
+  std::size_t take(std::uint64_t word, Event* to, Output&) noexcept {
     if (!is_event(word)) {
       t += static_cast<std::int64_t>((word & 1) * 127);
       return 0;
@@ -88,10 +88,12 @@ EventStreamDecoder::EventStreamDecoder(const EventStreamConfig& config) : versio
 
 Progress EventStreamDecoder::decode(std::span<const std::byte> bytes,
                                     std::span<Event> events) noexcept {
+  const Output start = output_to(events);
   const auto run = [&](auto format) {
-    const Progress progress = records::decode_records(format, cut_, bytes, events);
+    Output out = start;
+    const std::size_t used = records::decode_records(format, cut_, bytes, out);
     t_ = format.t;
-    return progress;
+    return out.since(start, used);
   };
   return version_ == 1 ? run(EventStream1{t_}) : run(EventStream2{t_});
 }

@@ -7,8 +7,10 @@
 //   kBigEndian       the first byte of a record is the highest of `word`, else the lowest
 //   size(word)       bytes of the record at the front of `word`; right even if later bytes are 0
 //   is_event(word)   whether the record gives an event
-//   waits(word)      whether the record has to wait for room for a trigger
-//   take(word, to)   reads the record; writes an event, or what it likes, and returns 1 or 0
+//   waits(word, out) whether the record has to wait for room for a trigger
+//   take(word, to, out)
+//                    reads the record; writes an event to `to`, or what it likes, and returns 1 or
+//                    0; triggers go to `out`
 #pragma once
 
 #include <algorithm>
@@ -35,39 +37,30 @@ std::uint64_t load(const std::byte* from, std::size_t size = kWord) noexcept {
                     : load_little<std::uint64_t>(bytes.data());
 }
 
-// Where triggers go: into `triggers`.
-inline Output output_of(std::span<Trigger> triggers) noexcept {
-  return {.event = nullptr,
-          .events_end = nullptr,
-          .trigger = triggers.data(),
-          .triggers_end = triggers.data() + triggers.size(),
-          .keeps_triggers = true};
-}
-
-inline bool has_room_for_a_trigger(const Output& out) noexcept {
-  return !out.keeps_triggers || out.trigger != out.triggers_end;
-}
-
+// Returns how many bytes it consumed.
 template <class Format, std::size_t kCut>
-Progress decode_records(Format& format, CutRecord<kCut>& cut, std::span<const std::byte> bytes,
-                        std::span<Event> events) noexcept {
+std::size_t decode_records(Format& format, CutRecord<kCut>& cut, std::span<const std::byte> bytes,
+                           Output& out) noexcept {
   static_assert(Format::kRecord <= kWord && Format::kRecord <= kCut);
   const std::byte* at = bytes.data();
   const std::byte* const end = at + bytes.size();
-  Event* out = events.data();
-  Event* const full = out + events.size();
-  const auto progress = [&] {
-    return Progress{static_cast<std::size_t>(at - bytes.data()),
-                    static_cast<std::size_t>(out - events.data())};
+  Event* event = out.event;
+  Event* const full = out.events_end;
+  const auto consumed = [&] {
+    out.event = event;
+    return static_cast<std::size_t>(at - bytes.data());
   };
   const auto keep = [&](std::size_t size) {
     if (size > 0) std::memcpy(cut.bytes.data() + cut.size, at, size);
     cut.size += size;
     at += size;
   };
-
-  const auto has_to_wait = [&](std::uint64_t word) {
-    return (out == full && format.is_event(word)) || format.waits(word);
+  // False without room.
+  const auto take_one = [&](std::uint64_t word) {
+    if ((event == full && format.is_event(word)) || format.waits(word, out)) return false;
+    Event scratch;
+    if (format.take(word, &scratch, out) > 0) *event++ = scratch;
+    return true;
   };
 
   if (cut.size > 0) {
@@ -75,22 +68,19 @@ Progress decode_records(Format& format, CutRecord<kCut>& cut, std::span<const st
     const std::size_t missing = whole - cut.size;
     if (missing > bytes.size()) {
       keep(bytes.size());
-      return progress();
+      return consumed();
     }
     std::array<std::byte, kWord> record{};
     std::memcpy(record.data(), cut.bytes.data(), cut.size);
     std::memcpy(record.data() + cut.size, at, missing);
-    const std::uint64_t word = load<Format::kBigEndian>(record.data());
-    if (has_to_wait(word)) return progress();
-    Event event;
-    if (format.take(word, &event) > 0) *out++ = event;
+    if (!take_one(load<Format::kBigEndian>(record.data()))) return consumed();
     at += missing;
     cut.size = 0;
   }
-  while (static_cast<std::size_t>(end - at) >= kWord && out != full) {
+  while (static_cast<std::size_t>(end - at) >= kWord && event != full) {
     const std::uint64_t word = load<Format::kBigEndian>(at);
-    if (format.waits(word)) break;
-    out += format.take(word, out);
+    if (format.waits(word, out)) break;
+    event += format.take(word, event, out);
     at += format.size(word);
   }
   // The last few bytes; and without room, what needs none.
@@ -102,12 +92,10 @@ Progress decode_records(Format& format, CutRecord<kCut>& cut, std::span<const st
       keep(left);
       break;
     }
-    if (has_to_wait(word)) break;
-    Event event;
-    if (format.take(word, &event) > 0) *out++ = event;
+    if (!take_one(word)) break;
     at += size;
   }
-  return progress();
+  return consumed();
 }
 
 }  // namespace asap::records

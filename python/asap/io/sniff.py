@@ -11,8 +11,8 @@ from asap.io.errors import CorruptFile, UnsupportedFormat
 __all__ = ["SERVED", "first_bytes", "sniff"]
 
 SERVED = (
-    "npy, npz, text (t x y p), csv, aedat4, Prophesee RAW (EVT2), Event Stream, AEDAT 2.0 and 3.1, "
-    "40-bit ATIS (.bin, .bs2)"
+    "npy, npz, text (t x y p), csv, aedat4, Prophesee RAW (EVT2, EVT2.1, EVT3) and DAT, "
+    "Event Stream, AEDAT 2.0 and 3.1, 40-bit events (.bin, .bs2)"
 )
 
 _HEAD = 4096
@@ -34,8 +34,6 @@ _OTHER_BYTES = (
     (b"MATLAB 5.0", "MATLAB"),
 )
 _OTHER_SUFFIXES = {
-    ".raw": "Prophesee RAW",
-    ".dat": "Prophesee DAT",
     ".aedat": "AEDAT 1.0",
     ".h5": "HDF5",
     ".hdf5": "HDF5",
@@ -49,7 +47,7 @@ _PROPHESEE_HEADER = (b"% evt ", b"% format EVT", b"% Data file containing", b"% 
 
 
 def sniff(path: Path) -> str:
-    """Return the name of the format, a key of the readers.
+    """Return the name of the format: a key of the readers.
 
     Raises
     ------
@@ -67,16 +65,15 @@ def sniff(path: Path) -> str:
     for magic, name in _OTHER_BYTES:
         if head.startswith(magic):
             raise _unsupported(path, name)
-    header = _core.read_raw_header(head)
-    if header is not None and header["words"] == "evt2":
-        return "evt2"
+    if (encoding := _prophesee(head)) is not None:
+        return encoding
+    if any(mark in head for mark in _PROPHESEE_HEADER):
+        raise _unsupported(path, "this Prophesee encoding")
     suffix = path.suffix.lower()
-    if suffix in (".npy", ".npz", ".aedat4", ".es"):
+    if suffix in (".npy", ".npz", ".aedat4", ".raw", ".es"):
         raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
     if suffix in _OTHER_SUFFIXES:
         raise _unsupported(path, _OTHER_SUFFIXES[suffix])
-    if any(mark in head for mark in _PROPHESEE_HEADER):
-        raise _unsupported(path, "Prophesee RAW or DAT")
     is_text = _is_text(head)
     if suffix in _SUFFIXES_OF_40_BITS:  # nothing in such bytes says it
         if is_text:
@@ -84,6 +81,8 @@ def sniff(path: Path) -> str:
             raise CorruptFile(path, 0, fault)
         return "atis40"
     if not is_text:
+        if suffix == ".dat":
+            raise CorruptFile(path, 0, "not the beginning of a .dat file")
         raise _unsupported(path, "this format")
     return "text"
 
@@ -96,6 +95,15 @@ def first_bytes(path: Path) -> bytes:
     if not head:
         raise CorruptFile(path, 0, "the file is empty")
     return head
+
+
+def _prophesee(head: bytes) -> str | None:
+    header = _core.read_raw_header(head)
+    if header is None:
+        return None
+    if header["words"]:
+        return str(header["words"])
+    return "dat" if header["is_dat"] or _core.read_dat_header(head) is not None else None
 
 
 def _unsupported(path: Path, name: str) -> UnsupportedFormat:

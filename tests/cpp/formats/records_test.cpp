@@ -26,9 +26,9 @@ struct Pairs {
   std::size_t taken = 0;
 
   static std::size_t size(std::uint64_t) noexcept { return kRecord; }
-  static bool waits(std::uint64_t) noexcept { return false; }
+  static bool waits(std::uint64_t, const Output&) noexcept { return false; }
   static bool is_event(std::uint64_t word) noexcept { return (word & 0xff) != 0; }
-  std::size_t take(std::uint64_t word, Event* to) noexcept {
+  std::size_t take(std::uint64_t word, Event* to, Output&) noexcept {
     ++taken;
     write_event(to, word >> 8 & 0xff, 0, 0, 0);
     return is_event(word);
@@ -41,19 +41,23 @@ TEST(Records, AreTakenOnceEachAndKeptWhereCut) {
   Pairs format;
   CutRecord<2> cut;
   Events events(3);
-  const Progress first = records::decode_records(format, cut, bytes, events);
+  const auto decode = [&](std::span<const std::byte> from, std::span<Event> to) {
+    Output out = output_to(to);
+    const std::size_t used = records::decode_records(format, cut, from, out);
+    return out.since(output_to(to), used);
+  };
+  const Progress first = decode(bytes, events);
   EXPECT_EQ(first.events, 3u);
   EXPECT_EQ(first.bytes, 10u);  // the record that needs no room as well
-  const auto rest = std::span(bytes).subspan(first.bytes);
-  const Progress second = records::decode_records(format, cut, rest, events);
+  const Progress second = decode(std::span(bytes).subspan(first.bytes), events);
   EXPECT_EQ(second.events, 1u);
   EXPECT_EQ(second.bytes, 5u);
   EXPECT_EQ(cut.size, 1u);
   EXPECT_EQ(events[0].x, 15);
   Bytes last;
   test::append(last, {17});
-  EXPECT_EQ(records::decode_records(format, cut, last, {}).bytes, 0u);
-  EXPECT_EQ(records::decode_records(format, cut, last, events).events, 1u);
+  EXPECT_EQ(decode(last, {}).bytes, 0u);
+  EXPECT_EQ(decode(last, events).events, 1u);
   EXPECT_EQ(events[0].x, 17);
   EXPECT_EQ(cut.size, 0u);
   EXPECT_EQ(format.taken, 8u);

@@ -65,7 +65,7 @@ class Aedat2Decoder {
   void reset() noexcept;
 
  private:
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events, Output& out) noexcept;
+  Progress decode(std::span<const std::byte> bytes, Output out) noexcept;
 
   // The shorter way from here to any first time of 32 bits makes it one without a sign.
   static constexpr std::int64_t kBeforeFirst = std::int64_t{1} << 31;

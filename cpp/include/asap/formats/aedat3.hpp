@@ -71,10 +71,9 @@ class Aedat3Decoder {
   enum class Packet : std::uint8_t { polarity, special, other };
   static constexpr std::size_t kHeader = 28;
 
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events, Output& out) noexcept;
+  Progress decode(std::span<const std::byte> bytes, Output out) noexcept;
   std::size_t take_header(std::span<const std::byte> bytes) noexcept;
-  Progress take_packet(std::span<const std::byte> bytes, std::span<Event> events,
-                       Output& out) noexcept;
+  std::size_t take_packet(std::span<const std::byte> bytes, Output& out) noexcept;
 
   Aedat3Config config_;
   std::uint64_t offset_;
