@@ -44,6 +44,9 @@ py::dtype trigger_dtype();
 
 py::tuple offsets_of(std::span<const std::uint64_t> noted);
 
+// A side of the sensor in px; None where a header does not state it.
+py::object stated(std::uint16_t side);
+
 template <class Decoder>
 concept SeesTriggers = requires(Decoder decoder) {
   decoder.decode(std::span<const std::byte>{}, std::span<Event>{}, std::span<Trigger>{});

@@ -6,6 +6,7 @@ records begin and which decoder takes them. The file is read in pieces into one 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,13 +16,15 @@ import numpy as np
 
 from asap import _core
 from asap.events import EVENT_DTYPE, Events
-from asap.io.errors import CorruptFile
+from asap.io.errors import CorruptFile, UnsupportedFormat
 from asap.io.reader import CHUNK, Losses, Options
 
 __all__ = ["FORMATS", "Layout", "NativeReader"]
 
 HEAD = 1 << 20  # bytes that a header may take
 _PIECE = 1 << 18
+_RECORD_OF_40_BITS = 5  # bytes
+_ROWS_OF_40_BITS = 240  # of the largest sensor; the row below it marks time
 _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
@@ -107,21 +110,128 @@ class NativeReader:
                 losses.trigger_arrays.append(seen)
 
 
-def _evt2(path: Path, head: bytes) -> Layout:
-    header = _raw_header(path, head)
-    start = header["size"]
+def _raw(path: Path, head: bytes) -> Layout:
+    header = _core.read_raw_header(head)
+    if header is None or not header["words"]:
+        raise CorruptFile(path, 0, "no header that names the encoding, such as '% evt 3.0'")
+    start, words = header["size"], header["words"]
+    make: dict[str, Callable[[], Decoder]] = {
+        "evt2": lambda: _core.Evt2Decoder(first_offset=start),
+        "evt21": lambda: _core.Evt21Decoder(
+            little_endian=header["little_endian"], first_offset=start
+        ),
+        "evt3": lambda: _core.Evt3Decoder(first_offset=start),
+    }
+    return Layout(start, make[words], header["width"], header["height"])
+
+
+def _dat(path: Path, head: bytes) -> Layout:
+    header = _core.read_dat_header(head)
+    if header is None:
+        raise CorruptFile(path, 0, "no header of text lines with type and size of an event")
+    start, version = header["size"], header["version"]
+    kind, size = header["type"], header["event_size"]
+    if kind not in (0, 12) or size != 8:
+        raise UnsupportedFormat(
+            f"{path}: DAT with events of type {kind} and {size} bytes: only the types 0 and 12 of "
+            "8 bytes are events of pixels"
+        )
+    if version not in (1, 2):
+        raise UnsupportedFormat(f"{path}: DAT of version {version}; what is read: 1 and 2")
     return Layout(
-        start, lambda: _core.Evt2Decoder(first_offset=start), header["width"], header["height"]
+        start,
+        lambda: _core.DatDecoder(version=version, first_offset=start),
+        header["width"],
+        header["height"],
     )
 
 
-def _raw_header(path: Path, head: bytes) -> dict[str, Any]:
-    header = _core.read_raw_header(head)
+def _event_stream(path: Path, head: bytes) -> Layout:
+    header = _core.read_event_stream_header(head)
     if header is None:
-        raise CorruptFile(path, 0, "no header: a line that begins with '% ' is missing")
-    return header
+        raise CorruptFile(path, 0, "no whole header of Event Stream 1 or 2")
+    if header["type"] != "dvs":
+        raise UnsupportedFormat(
+            f"{path}: Event Stream of type {header['type']} is not read; type dvs is"
+        )
+    return Layout(
+        header["size"],
+        lambda: _core.EventStreamDecoder(version=header["version"]),
+        header["width"],
+        header["height"],
+    )
+
+
+def _atis40(path: Path, head: bytes) -> Layout:
+    doubts = _doubts_of_40_bits(path.stat().st_size, head)
+    if doubts:
+        warnings.warn(
+            f"{path} is read as 40-bit events, which nothing in such a file confirms, but "
+            f"{' and '.join(doubts)}; if it is another format, name it with file_format",
+            stacklevel=2,
+        )
+    return Layout(0, _core.Atis40Decoder)
+
+
+def _doubts_of_40_bits(size: int, head: bytes) -> list[str]:
+    """List what speaks against 40-bit events of an ATIS or a DVS128: length, times, rows."""
+    whole = len(head) // _RECORD_OF_40_BITS * _RECORD_OF_40_BITS
+    events = _core.Atis40Decoder().decode(memoryview(head)[:whole])
+    doubts = []
+    if size % _RECORD_OF_40_BITS:
+        doubts.append(f"its {size} bytes are no multiple of {_RECORD_OF_40_BITS}")
+    if len(events) == 0:
+        return doubts
+    back = np.count_nonzero(np.diff(events["t"]) < 0)
+    if back * 20 > len(events):
+        doubts.append(f"the time goes back {back} times in {len(events)} events")
+    below = np.count_nonzero(events["y"] >= _ROWS_OF_40_BITS)
+    if below:
+        doubts.append(f"{below} of {len(events)} events lie below its {_ROWS_OF_40_BITS} rows")
+    return doubts
+
+
+def _aedat2(path: Path, head: bytes) -> Layout:
+    header = _core.read_aedat2_header(head)
+    if header is None:
+        raise CorruptFile(path, 0, "no whole header of AEDAT 2.0")
+    chip, width, height = header["chip"], header["width"], header["height"]
+    if chip == "unknown" or width is None:
+        raise UnsupportedFormat(
+            f"{path}: AEDAT 2.0 of a chip that the header does not name (a line such as "
+            "'# AEChip: eu.seebetter.ini.chips.davis.DAVIS240C'); a DAVIS or DVS128 is read"
+        )
+    return Layout(
+        header["size"],
+        lambda: _core.Aedat2Decoder(chip=chip, width=width, height=height),
+        width,
+        height,
+    )
+
+
+def _aedat3(path: Path, head: bytes) -> Layout:
+    header = _core.read_aedat3_header(head)
+    if header is None:
+        raise CorruptFile(path, 0, "no whole header of AEDAT 3.1: '#!END-HEADER' is missing")
+    if not header["raw"]:
+        raise UnsupportedFormat(f"{path}: compressed AEDAT 3.1 is not read; '#Format: RAW' is")
+    if header["sources"] > 1:
+        raise UnsupportedFormat(
+            f"{path}: AEDAT 3.1 with {header['sources']} cameras is not read; record one per file"
+        )
+    start = header["size"]
+    return Layout(
+        start, lambda: _core.Aedat3Decoder(first_offset=start), header["width"], header["height"]
+    )
 
 
 FORMATS: dict[str, Callable[[Path, bytes], Layout]] = {
-    "evt2": _evt2,
+    "evt2": _raw,
+    "evt21": _raw,
+    "evt3": _raw,
+    "dat": _dat,
+    "es": _event_stream,
+    "atis40": _atis40,
+    "aedat2": _aedat2,
+    "aedat3": _aedat3,
 }

@@ -21,7 +21,7 @@ from asap.io.matlab import MatlabReader
 from asap.io.native import FORMATS, NativeReader
 from asap.io.numpy_files import NpyReader, NpzReader
 from asap.io.reader import Losses, Options, Reader
-from asap.io.sniff import sniff
+from asap.io.sniff import first_bytes, sniff
 from asap.io.text import TextReader
 
 __all__ = ["Recording", "load", "read"]
@@ -30,6 +30,7 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
     "npy": NpyReader,
     "npz": NpzReader,
     "text": TextReader,
+    "csv": TextReader,
     "aedat4": Aedat4Reader,
     **{name: partial(NativeReader, name) for name in FORMATS},
     "hdf5": Hdf5Reader,
@@ -64,13 +65,14 @@ class Recording:
         on_bad: str = "drop",
         reorder_tolerance_us: int = 0,
         stream: str | None = None,
+        file_format: str | None = None,
     ) -> None:
         self._path = checks.folder_or_file("path", path)
         width, height = checks.sides(width, height)
         self._on_bad = on_bad
         self._reorder_tolerance_us = reorder_tolerance_us
         options = Options(order, time_unit, stream)
-        self._reader = _READERS[sniff(self._path)](self._path, options)
+        self._reader = _READERS[_format_of(self._path, file_format)](self._path, options)
         if stream is not None and not self.streams:
             raise ValueError(
                 f"stream = {stream!r}: {self._path} is one stream of events; leave stream out"
@@ -87,7 +89,7 @@ class Recording:
 
     @property
     def format(self) -> str:
-        """``"npy"``, ``"npz"``, ``"text"``, ``"csv"``, ``"aedat4"``, ``"hdf5"`` or ``"matlab"``."""
+        """Name of the format, such as ``"npy"``, ``"csv"``, ``"aedat4"`` or ``"es"``."""
         return self._reader.format
 
     @property
@@ -228,6 +230,14 @@ class Recording:
         return Losses(self._path, self._on_bad), validator
 
 
+def _format_of(path: Path, file_format: str | None) -> str:
+    if file_format is None:
+        return sniff(path)
+    checks.choice("file_format", file_format, _READERS)
+    first_bytes(path)
+    return file_format
+
+
 def read(
     path: str | os.PathLike[str],
     *,
@@ -238,8 +248,9 @@ def read(
     on_bad: str = "drop",
     reorder_tolerance_us: int = 0,
     stream: str | None = None,
+    file_format: str | None = None,
 ) -> Recording:
-    """Open an event file: ``.npy``, ``.npz``, text ``t x y p``, csv, AEDAT4, HDF5 or MATLAB.
+    """Open an event file: NumPy, text, csv, Prophesee RAW, AEDAT, HDF5, MATLAB and others.
 
     The format is found by content, then by name. Nothing but the header is read yet.
 
@@ -266,6 +277,9 @@ def read(
     stream
         Which camera, where the file holds several: its name, or a part of it between slashes
         such as ``"left"``.
+    file_format
+        The name of the format, as `Recording.format` has it, where neither content nor file name
+        tells it: ``"atis40"`` for 40-bit events, for example.
 
     Returns
     -------
@@ -289,6 +303,8 @@ def read(
     -----
     TruncatedFileWarning
         While iterating: the file ends too early; what came before was yielded.
+    UserWarning
+        The file is read as 40-bit events, by its name alone, but does not look like them.
     """
     return Recording(
         path,
@@ -299,6 +315,7 @@ def read(
         on_bad=on_bad,
         reorder_tolerance_us=reorder_tolerance_us,
         stream=stream,
+        file_format=file_format,
     )
 
 
@@ -312,6 +329,7 @@ def load(
     on_bad: str = "drop",
     reorder_tolerance_us: int = 0,
     stream: str | None = None,
+    file_format: str | None = None,
 ) -> Events:
     """Read a whole event file into one array; parameters, errors and warnings as in `read`.
 
@@ -329,6 +347,7 @@ def load(
         on_bad=on_bad,
         reorder_tolerance_us=reorder_tolerance_us,
         stream=stream,
+        file_format=file_format,
     )
     return _joined(recording, recording.expected)
 

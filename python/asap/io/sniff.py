@@ -8,9 +8,12 @@ from asap import _core
 from asap.checks import regular_file
 from asap.io.errors import CorruptFile, UnsupportedFormat
 
-__all__ = ["SERVED", "sniff"]
+__all__ = ["SERVED", "first_bytes", "sniff"]
 
-SERVED = "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, Prophesee RAW (EVT2)"
+SERVED = (
+    "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, Prophesee RAW (EVT2, EVT2.1, EVT3) and "
+    "DAT, Event Stream, AEDAT 2.0 and 3.1, 40-bit events (.bin, .bs2)"
+)
 
 _HEAD = 4096
 _SERVED_BYTES = (
@@ -18,33 +21,31 @@ _SERVED_BYTES = (
     (b"PK\x03\x04", "npz"),
     (b"PK\x05\x06", "npz"),
     (b"#!AER-DAT4.0", "aedat4"),
+    (b"#!AER-DAT2.0", "aedat2"),
+    (b"#!AER-DAT3.1", "aedat3"),
+    (b"Event Stream", "es"),
     (b"\x89HDF\r\n\x1a\n", "hdf5"),
     (b"MATLAB 7.3", "hdf5"),
     (b"MATLAB 5.0", "matlab"),
 )
 _OTHER_BYTES = (
-    (b"#!AER-DAT", "AEDAT 1 to 3"),
-    (b"Event Stream", "Event Stream"),
+    (b"#!AER-DAT", "AEDAT 1.0 or 3.0"),
     (b"#ROSBAG", "rosbag 1"),
     (b"SQLite format 3\x00", "rosbag 2"),
     (b"\x89MCAP", "MCAP"),
 )
 _OTHER_SUFFIXES = {
-    ".raw": "Prophesee RAW",
-    ".dat": "Prophesee DAT",
-    ".es": "Event Stream",
-    ".aedat": "AEDAT 1 to 3",
+    ".aedat": "AEDAT 1.0",
     ".bag": "rosbag 1",
     ".db3": "rosbag 2",
     ".mcap": "MCAP",
-    ".bs2": "40-bit ATIS",
-    ".bin": "40-bit ATIS",
 }
+_SUFFIXES_OF_40_BITS = (".bin", ".bs2")
 _PROPHESEE_HEADER = (b"% evt ", b"% format EVT", b"% Data file containing", b"% camera_integrator")
 
 
 def sniff(path: Path) -> str:
-    """Return ``"npy"``, ``"npz"``, ``"aedat4"``, ``"hdf5"``, ``"matlab"`` or ``"text"``.
+    """Return the name of the format: a key of the readers.
 
     Raises
     ------
@@ -55,30 +56,52 @@ def sniff(path: Path) -> str:
     OSError
         It cannot be opened, or is a pipe, a socket or a device.
     """
-    regular_file(path)
-    with path.open("rb") as file:
-        head = file.read(_HEAD)
-    if not head:
-        raise CorruptFile(path, 0, "the file is empty")
+    head = first_bytes(path)
     for magic, name in _SERVED_BYTES:
         if head.startswith(magic):
             return name
     for magic, name in _OTHER_BYTES:
         if head.startswith(magic):
             raise _unsupported(path, name)
-    header = _core.read_raw_header(head)
-    if header is not None and header["words"] == "evt2":
-        return "evt2"
+    if (encoding := _prophesee(head)) is not None:
+        return encoding
+    if any(mark in head for mark in _PROPHESEE_HEADER):
+        raise _unsupported(path, "this Prophesee encoding")
     suffix = path.suffix.lower()
-    if suffix in (".npy", ".npz", ".aedat4", ".h5", ".hdf5", ".mat"):
+    if suffix in (".npy", ".npz", ".aedat4", ".h5", ".hdf5", ".mat", ".raw", ".es"):
         raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
     if suffix in _OTHER_SUFFIXES:
         raise _unsupported(path, _OTHER_SUFFIXES[suffix])
-    if any(mark in head for mark in _PROPHESEE_HEADER):
-        raise _unsupported(path, "Prophesee RAW or DAT")
-    if not _is_text(head):
+    is_text = _is_text(head)
+    if suffix in _SUFFIXES_OF_40_BITS:  # nothing in such bytes says it
+        if is_text:
+            fault = f"text, not the 40-bit events of a {suffix} file; file_format='text' reads it"
+            raise CorruptFile(path, 0, fault)
+        return "atis40"
+    if not is_text:
+        if suffix == ".dat":
+            raise CorruptFile(path, 0, "not the beginning of a .dat file")
         raise _unsupported(path, "this format")
     return "text"
+
+
+def first_bytes(path: Path) -> bytes:
+    """Return the beginning of a file; refuse an empty one, and what is no file."""
+    regular_file(path)
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+    if not head:
+        raise CorruptFile(path, 0, "the file is empty")
+    return head
+
+
+def _prophesee(head: bytes) -> str | None:
+    header = _core.read_raw_header(head)
+    if header is None:
+        return None
+    if header["words"]:
+        return str(header["words"])
+    return "dat" if header["is_dat"] or _core.read_dat_header(head) is not None else None
 
 
 def _unsupported(path: Path, name: str) -> UnsupportedFormat:

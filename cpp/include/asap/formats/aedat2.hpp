@@ -1,0 +1,79 @@
+// Aedat2Decoder: events from AEDAT 2.0 files, which jAER writes; and their header.
+//
+// Layout: "#!AER-DAT2.0", lines that begin with '#' (maybe 170 kB of preferences), then records of
+// 8 bytes, big-endian: u32 address, u32 time in us, which wraps. What the address means depends on
+// the chip, which the line "# AEChip:" names:
+//   DAVIS   bit 31 0, bit 10 0: an event; y 30:22, x 21:12, ON 11. Bit 31 1: frames and motion
+//           sensor. Bit 31 0, bit 10 1: an external trigger.
+//   DVS128  bits 31 and 15 0: an event; y 14:8, x 7:1, OFF 0. Else an external trigger.
+// x counts from the right and y from below: both are turned, so that (0, 0) is top left, as jAER
+// shows them. Source: jAER (SensorsINI/jaer), event extractors of DAVIS and DVS128.
+// One thread. Feed it bytes cut anywhere. O(bytes), no allocation, never throws.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "asap/core/event.hpp"
+#include "asap/formats/progress.hpp"
+
+namespace asap {
+
+struct Output;
+
+enum class Aedat2Chip : std::uint8_t { unknown, davis, dvs128 };
+
+struct Aedat2Header {
+  std::size_t size;             // bytes; the first record follows
+  Aedat2Chip chip;              // unknown: no line says it, and the first addresses do not tell
+  std::uint16_t width, height;  // px; 0 where the header does not say
+};
+
+// Nothing where `front` is not AEDAT 2.0 or ends inside a line. Where it ends with a line, more
+// lines may follow.
+std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front) noexcept;
+
+struct Aedat2Config {
+  Aedat2Chip chip = Aedat2Chip::davis;
+  std::uint16_t width = 240, height = 180;  // of the sensor, px: x and y are mirrored in it
+};
+
+class Aedat2Decoder {
+ public:
+  static constexpr std::size_t kMostPerRecord = 1;
+
+  explicit Aedat2Decoder(const Aedat2Config& config = {});
+
+  // Decodes from the front of `bytes`, which follow the header, until one of them ends.
+  Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
+
+  // The same; stops before a trigger that has no room as well. A trigger has no number and no edge
+  // in this format: id 0, value 1.
+  Progress decode(std::span<const std::byte> bytes, std::span<Event> events,
+                  std::span<Trigger> triggers) noexcept;
+
+  // Bytes of a record that waits for its end. At the end of the input: the file was cut.
+  std::size_t unfinished() const noexcept { return cut_.size; }
+  // Every record has a meaning: there are no bad ones.
+  std::uint64_t bad_records() const noexcept { return 0; }
+  std::span<const std::uint64_t> noted() const noexcept { return {}; }
+  std::uint64_t triggers() const noexcept { return triggers_; }
+
+  void reset() noexcept;
+
+ private:
+  Progress decode(std::span<const std::byte> bytes, Output out) noexcept;
+
+  // The shorter way from here to any first time of 32 bits makes it one without a sign.
+  static constexpr std::int64_t kBeforeFirst = std::int64_t{1} << 31;
+
+  Aedat2Config config_;
+  std::uint64_t triggers_ = 0;
+  std::int64_t t_ = kBeforeFirst;
+  CutRecord<8> cut_;
+};
+
+}  // namespace asap

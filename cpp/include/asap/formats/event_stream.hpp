@@ -1,0 +1,65 @@
+// EventStreamDecoder: events from the bytes of an Event Stream file (.es, type DVS).
+//
+// Layout, version 2: "Event Stream", 3 bytes version, 1 byte type (1 = DVS), u16 width, u16 height,
+// then records. An event has 5 bytes: time since the last event in us << 1 | polarity, u16 x, u16
+// y, little-endian. One byte 0xff adds 127 us, one byte 0xfe is padding. Version 1: 2 bytes
+// version, 1 byte type (0 = DVS), no size; an event has 3 bytes: time 4 bits, x 10, y 9, polarity
+// 1, lowest first; a byte whose low half is 15 adds 15 us times its high half. Source: the
+// specification, neuromorphic-paris/event_stream. It says that y grows upwards; no reader flips it,
+// nor does this. One thread. Feed it bytes cut anywhere. O(bytes), no allocation, never throws.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "asap/core/event.hpp"
+#include "asap/formats/progress.hpp"
+
+namespace asap {
+
+struct EventStreamHeader {
+  enum class Type : std::uint8_t { generic, dvs, atis, display, color, unknown };
+
+  std::size_t size;             // bytes; the first record follows
+  int version;                  // major version
+  Type type;                    // only dvs is decoded
+  std::uint16_t width, height;  // px; 0 where the file does not say
+};
+
+// Nothing where `front` does not begin with a whole header of version 1 or 2.
+std::optional<EventStreamHeader> read_event_stream_header(
+    std::span<const std::byte> front) noexcept;
+
+struct EventStreamConfig {
+  int version = 2;  // 1 or 2, as the header says
+};
+
+class EventStreamDecoder {
+ public:
+  static constexpr std::size_t kMostPerRecord = 1;
+
+  explicit EventStreamDecoder(const EventStreamConfig& config = {});
+
+  // Decodes from the front of `bytes`, which follow the header, until one of them ends. The first
+  // event's time counts from 0.
+  Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
+
+  // Bytes of a record that waits for its end. At the end of the input: the file was cut.
+  std::size_t unfinished() const noexcept { return cut_.size; }
+  // Every byte has a meaning: there are no bad records and no triggers.
+  std::uint64_t bad_records() const noexcept { return 0; }
+  std::span<const std::uint64_t> noted() const noexcept { return {}; }
+  std::uint64_t triggers() const noexcept { return 0; }
+
+  void reset() noexcept;
+
+ private:
+  int version_;
+  std::int64_t t_ = 0;
+  CutRecord<5> cut_;
+};
+
+}  // namespace asap

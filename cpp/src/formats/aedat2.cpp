@@ -1,0 +1,139 @@
+#include "asap/formats/aedat2.hpp"
+
+#include "asap/core/check.hpp"
+#include "formats/aedat_header.hpp"
+#include "formats/records.hpp"
+#include "formats/words.hpp"
+
+namespace asap {
+
+namespace {
+
+// A record is a word: the address above, the time below.
+template <class Address>
+struct Aedat2 {
+  static constexpr std::size_t kRecord = 8;
+  static constexpr bool kBigEndian = true;
+
+  std::uint32_t right, bottom;  // the highest x and y
+  std::uint64_t triggers;
+  std::int64_t t;
+
+  static std::size_t size(std::uint64_t) noexcept { return kRecord; }
+  static bool is_event(std::uint64_t word) noexcept { return (word >> 32 & Address::kOther) == 0; }
+  static bool waits(std::uint64_t word, const Output& out) noexcept {
+    return Address::is_trigger(static_cast<std::uint32_t>(word >> 32)) &&
+           !out.has_room_for_a_trigger();
+  }
+  std::size_t take(std::uint64_t word, Event* to, Output& out) noexcept {
+    const auto address = static_cast<std::uint32_t>(word >> 32);
+    // The 32 bits wrap: the shorter way from the last time is the right one.
+    const auto step = static_cast<std::uint32_t>(word) - static_cast<std::uint32_t>(t);
+    t += static_cast<std::int32_t>(step);
+    if (Address::is_trigger(address)) {
+      ++triggers;
+      out.take({.t = t, .id = 0, .value = 1});
+    }
+    write_event(to, (right - Address::x(address)) & 0xffff, (bottom - Address::y(address)) & 0xffff,
+                Address::p(address), t);
+    return is_event(word);
+  }
+};
+
+struct Davis {
+  static constexpr std::uint32_t kOther = 0x8000'0400;
+  static std::uint32_t x(std::uint32_t address) noexcept { return address >> 12 & 0x3ff; }
+  static std::uint32_t y(std::uint32_t address) noexcept { return address >> 22 & 0x1ff; }
+  static std::uint32_t p(std::uint32_t address) noexcept { return address >> 11 & 1; }
+  static bool is_trigger(std::uint32_t address) noexcept { return (address & kOther) == 0x400; }
+};
+
+struct Dvs128 {
+  static constexpr std::uint32_t kOther = 0x8000'8000;
+  static std::uint32_t x(std::uint32_t address) noexcept { return address >> 1 & 0x7f; }
+  static std::uint32_t y(std::uint32_t address) noexcept { return address >> 8 & 0x7f; }
+  static std::uint32_t p(std::uint32_t address) noexcept { return ~address & 1; }
+  static bool is_trigger(std::uint32_t address) noexcept { return (address & kOther) != 0; }
+};
+
+// Addresses of a DVS128 have 16 bits; those of a DAVIS are mostly longer.
+Aedat2Chip chip_of(std::string_view records) noexcept {
+  if (records.size() < 8) return Aedat2Chip::unknown;
+  for (; records.size() >= 8; records.remove_prefix(8)) {
+    if ((records[0] & 0x7f) != 0 || records[1] != 0) return Aedat2Chip::unknown;
+  }
+  return Aedat2Chip::dvs128;
+}
+
+}  // namespace
+
+std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front) noexcept {
+  const std::string_view text(reinterpret_cast<const char*>(front.data()), front.size());
+  if (!text.starts_with("#!AER-DAT2.0")) return {};
+  std::string_view device;  // the chip's class is better than the camera's name
+  bool is_chip = false;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::optional<std::string_view> line = aedat_line(text.substr(at));
+    if (!line) return {};
+    if (line->empty()) break;
+    at += line->size();
+    if (line->find("End Of ASCII") != line->npos) break;
+    const bool names_chip = line->starts_with("# AEChip:");
+    if (names_chip || (!is_chip && line->starts_with("# HardwareInterface:"))) {
+      device = line->substr(line->find(':') + 1);
+      is_chip = names_chip;
+    }
+  }
+  const std::string_view rest = text.substr(at);
+  const AedatSensor sensor = aedat_sensor(device);
+  Aedat2Header header{at, Aedat2Chip::unknown, sensor.width, sensor.height};
+  if (sensor.is_davis) {
+    header.chip = Aedat2Chip::davis;
+  } else if (sensor.is_dvs128 || (!is_chip && chip_of(rest) == Aedat2Chip::dvs128)) {
+    header.chip = Aedat2Chip::dvs128;
+    header.width = header.height = 128;
+  }
+  return header;
+}
+
+Aedat2Decoder::Aedat2Decoder(const Aedat2Config& config) : config_(config) {
+  const bool is_dvs128 = config.chip == Aedat2Chip::dvs128;
+  require(is_dvs128 || config.chip == Aedat2Chip::davis, "chip", static_cast<int>(config.chip),
+          "davis or dvs128");
+  const std::uint16_t widest = is_dvs128 ? 128 : 1024, highest = is_dvs128 ? 128 : 512;
+  require(config.width >= 1 && config.width <= widest, "width", config.width,
+          "the sensor's, within the bits of an address");
+  require(config.height >= 1 && config.height <= highest, "height", config.height,
+          "the sensor's, within the bits of an address");
+}
+
+Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
+  return decode(bytes, output_to(events));
+}
+
+Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
+                               std::span<Trigger> triggers) noexcept {
+  return decode(bytes, output_to(events, triggers));
+}
+
+Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, Output out) noexcept {
+  const Output start = out;
+  const auto run = [&](auto format) {
+    const std::size_t used = records::decode_records(format, cut_, bytes, out);
+    triggers_ = format.triggers;
+    t_ = format.t;
+    return out.since(start, used);
+  };
+  const std::uint32_t right = config_.width - 1u, bottom = config_.height - 1u;
+  if (config_.chip == Aedat2Chip::dvs128) return run(Aedat2<Dvs128>{right, bottom, triggers_, t_});
+  return run(Aedat2<Davis>{right, bottom, triggers_, t_});
+}
+
+void Aedat2Decoder::reset() noexcept {
+  triggers_ = 0;
+  t_ = kBeforeFirst;
+  cut_.size = 0;
+}
+
+}  // namespace asap

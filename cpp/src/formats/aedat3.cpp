@@ -1,0 +1,179 @@
+#include "asap/formats/aedat3.hpp"
+
+#include "asap/core/check.hpp"
+#include "formats/aedat_header.hpp"
+#include "formats/records.hpp"
+#include "formats/words.hpp"
+
+namespace asap {
+
+namespace {
+
+// A record is a word: the data below, the time above.
+struct PolarityEvents {
+  static constexpr std::size_t kRecord = 8;
+  static constexpr bool kBigEndian = false;
+
+  std::int64_t overflow_us;
+  std::uint64_t invalid = 0;
+
+  static std::size_t size(std::uint64_t) noexcept { return kRecord; }
+  static bool is_event(std::uint64_t word) noexcept { return (word & 1) != 0; }
+  static bool waits(std::uint64_t, const Output&) noexcept { return false; }
+  std::size_t take(std::uint64_t word, Event* to, Output&) noexcept {
+    write_event(to, word >> 17 & 0x7fff, word >> 2 & 0x7fff, word >> 1 & 1,
+                overflow_us | static_cast<std::int64_t>(word >> 32));
+    invalid += ~word & 1;
+    return word & 1;
+  }
+};
+
+struct SpecialEvents {
+  static constexpr std::size_t kRecord = 8;
+  static constexpr bool kBigEndian = false;
+  static constexpr std::uint64_t kRisingEdge = 2, kFallingEdge = 3, kPulse = 4;
+
+  std::int64_t overflow_us;
+  std::uint64_t triggers = 0;
+
+  static bool is_trigger(std::uint64_t word) noexcept {
+    const std::uint64_t type = word >> 1 & 0x7f;
+    return (word & 1) != 0 && type >= kRisingEdge && type <= kPulse;
+  }
+  static std::size_t size(std::uint64_t) noexcept { return kRecord; }
+  static bool is_event(std::uint64_t) noexcept { return false; }
+  static bool waits(std::uint64_t word, const Output& out) noexcept {
+    return is_trigger(word) && !out.has_room_for_a_trigger();
+  }
+  std::size_t take(std::uint64_t word, Event*, Output& out) noexcept {
+    if (is_trigger(word)) {
+      const bool rises = (word >> 1 & 0x7f) != kFallingEdge;
+      out.take({.t = overflow_us | static_cast<std::int64_t>(word >> 32), .id = 0, .value = rises});
+      ++triggers;
+    }
+    return 0;
+  }
+};
+
+struct PacketHeader {
+  std::int16_t type, source;
+  std::int32_t event_size, time_at, overflows, capacity, events, valid;
+};
+
+PacketHeader read_packet_header(const std::byte* from) noexcept {
+  const auto i16 = [&](std::size_t at) {
+    return static_cast<std::int16_t>(records::load<false>(from + at, 2));
+  };
+  const auto i32 = [&](std::size_t at) {
+    return static_cast<std::int32_t>(records::load<false>(from + at, 4));
+  };
+  return {i16(0), i16(2), i32(4), i32(8), i32(12), i32(16), i32(20), i32(24)};
+}
+
+constexpr std::int16_t kSpecial = 0, kPolarity = 1;
+
+bool is_possible(const PacketHeader& header) noexcept {
+  const bool has_words = header.type == kSpecial || header.type == kPolarity;
+  return header.type >= 0 && header.source >= 0 && header.event_size > 0 && header.time_at >= 0 &&
+         header.time_at < header.event_size && header.overflows >= 0 && header.valid >= 0 &&
+         header.valid <= header.events && header.events <= header.capacity &&
+         (!has_words || (header.event_size == 8 && header.time_at == 4));
+}
+
+}  // namespace
+
+std::optional<Aedat3Header> read_aedat3_header(std::span<const std::byte> front) noexcept {
+  const std::string_view text(reinterpret_cast<const char*>(front.data()), front.size());
+  if (!text.starts_with("#!AER-DAT3.1")) return {};
+  Aedat3Header header{.size = 0, .raw = true, .sources = 0, .width = 0, .height = 0};
+  while (true) {
+    const std::optional<std::string_view> line = aedat_line(text.substr(header.size));
+    if (!line || line->empty()) return {};
+    header.size += line->size();
+    if (line->starts_with("#!END-HEADER")) return header;
+    if (line->starts_with("#Format:")) header.raw = line->find(" RAW") != line->npos;
+    if (line->starts_with("#Source ") && header.sources++ == 0) {
+      const AedatSensor sensor = aedat_sensor(*line);
+      header.width = sensor.width;
+      header.height = sensor.height;
+    }
+  }
+}
+
+Aedat3Decoder::Aedat3Decoder(const Aedat3Config& config)
+    : config_(config), offset_(config.first_offset) {
+  require(config.source >= -1 && config.source <= 0x7fff, "source", config.source,
+          "the number of a camera, or -1 for all");
+}
+
+Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
+  return decode(bytes, output_to(events));
+}
+
+Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
+                               std::span<Trigger> triggers) noexcept {
+  return decode(bytes, output_to(events, triggers));
+}
+
+Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, Output out) noexcept {
+  const Output start = out;
+  std::size_t used = 0;
+  while (used < bytes.size()) {
+    const auto rest = bytes.subspan(used);
+    const std::size_t step = packet_left_ > 0 ? take_packet(rest, out) : take_header(rest);
+    if (step == 0) break;  // no room for what comes next
+    used += step;
+  }
+  return out.since(start, used);
+}
+
+// Both return how many of `bytes` they consumed; a header needs no room.
+
+std::size_t Aedat3Decoder::take_packet(std::span<const std::byte> bytes, Output& out) noexcept {
+  std::size_t used = static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), packet_left_));
+  bytes = bytes.first(used);
+  if (packet_ == Packet::polarity) {
+    PolarityEvents format{overflow_us_};
+    used = records::decode_records(format, cut_, bytes, out);
+    invalid_ += format.invalid;
+  } else if (packet_ == Packet::special) {
+    SpecialEvents format{overflow_us_};
+    used = records::decode_records(format, cut_, bytes, out);
+    triggers_ += format.triggers;
+  }
+  packet_left_ -= used;
+  offset_ += used;
+  return used;
+}
+
+std::size_t Aedat3Decoder::take_header(std::span<const std::byte> bytes) noexcept {
+  const std::size_t taken = std::min(kHeader - cut_.size, bytes.size());
+  std::memcpy(cut_.bytes.data() + cut_.size, bytes.data(), taken);
+  cut_.size += taken;
+  offset_ += taken;
+  if (cut_.size < kHeader) return taken;
+  const PacketHeader header = read_packet_header(cut_.bytes.data());
+  if (!is_possible(header) || (lost_ && header.type != kPolarity)) {
+    if (!lost_) bad_.add(offset_ - kHeader);
+    lost_ = true;
+    std::memmove(cut_.bytes.data(), cut_.bytes.data() + 1, kHeader - 1);
+    cut_.size = kHeader - 1;
+    return taken;
+  }
+  lost_ = false;
+  cut_.size = 0;
+  const bool wanted = config_.source < 0 || config_.source == header.source;
+  packet_ = !wanted                    ? Packet::other
+            : header.type == kPolarity ? Packet::polarity
+            : header.type == kSpecial  ? Packet::special
+                                       : Packet::other;
+  overflow_us_ = static_cast<std::int64_t>(header.overflows) << 31;
+  packet_at_ = offset_ - kHeader;
+  packet_left_ =
+      static_cast<std::uint64_t>(header.events) * static_cast<std::uint64_t>(header.event_size);
+  return taken;
+}
+
+void Aedat3Decoder::reset() noexcept { *this = Aedat3Decoder(config_); }
+
+}  // namespace asap

@@ -1,0 +1,106 @@
+#include "asap/formats/event_stream.hpp"
+
+#include <string_view>
+
+#include "asap/core/check.hpp"
+#include "formats/records.hpp"
+#include "formats/words.hpp"
+
+namespace asap {
+
+namespace {
+
+struct EventStream1 {
+  static constexpr std::size_t kRecord = 3;
+  static constexpr bool kBigEndian = false;
+
+  std::int64_t t;
+
+  static bool is_event(std::uint64_t word) noexcept { return (word & 15) != 15; }
+  static bool waits(std::uint64_t, const Output&) noexcept { return false; }
+  static std::size_t size(std::uint64_t word) noexcept { return is_event(word) ? kRecord : 1; }
+  std::size_t take(std::uint64_t word, Event* to, Output&) noexcept {
+    if (!is_event(word)) {
+      t += static_cast<std::int64_t>((word >> 4 & 15) * 15);
+      return 0;
+    }
+    t += static_cast<std::int64_t>(word & 15);
+    write_event(to, word >> 4 & 0x3ff, word >> 14 & 0x1ff, word >> 23 & 1, t);
+    return 1;
+  }
+};
+
+struct EventStream2 {
+  static constexpr std::size_t kRecord = 5;
+  static constexpr bool kBigEndian = false;
+
+  std::int64_t t;
+
+  static bool is_event(std::uint64_t word) noexcept { return (word & 0xff) < 0xfe; }
+  static bool waits(std::uint64_t, const Output&) noexcept { return false; }
+  static std::size_t size(std::uint64_t word) noexcept { return is_event(word) ? kRecord : 1; }
+  std::size_t take(std::uint64_t word, Event* to, Output&) noexcept {
+    if (!is_event(word)) {
+      t += static_cast<std::int64_t>((word & 1) * 127);
+      return 0;
+    }
+    t += static_cast<std::int64_t>(word >> 1 & 0x7f);
+    write_event(to, word >> 8 & 0xffff, word >> 24 & 0xffff, word & 1, t);
+    return 1;
+  }
+};
+
+EventStreamHeader::Type type_of(int version, unsigned byte) noexcept {
+  using enum EventStreamHeader::Type;
+  static constexpr std::array kVersion1{dvs, atis, display, color, generic};
+  static constexpr std::array kVersion2{generic, dvs, atis, display, color};
+  const auto& types = version == 1 ? kVersion1 : kVersion2;
+  return byte < types.size() ? types[byte] : unknown;
+}
+
+}  // namespace
+
+std::optional<EventStreamHeader> read_event_stream_header(
+    std::span<const std::byte> front) noexcept {
+  static constexpr std::string_view kSignature = "Event Stream";
+  constexpr std::size_t kAt = kSignature.size();
+  const auto byte = [&](std::size_t at) { return std::to_integer<unsigned>(front[at]); };
+  if (front.size() < kAt + 3) return {};
+  if (std::memcmp(front.data(), kSignature.data(), kAt) != 0) return {};
+  if (byte(kAt) == 1) {
+    return EventStreamHeader{kAt + 3, 1, type_of(1, byte(kAt + 2)), 0, 0};
+  }
+  if (byte(kAt) != 2 || front.size() < kAt + 4) return {};
+  EventStreamHeader header{kAt + 4, 2, type_of(2, byte(kAt + 3)), 0, 0};
+  using enum EventStreamHeader::Type;
+  if (header.type == dvs || header.type == atis || header.type == color) {
+    if (front.size() < kAt + 8) return {};
+    header.size = kAt + 8;
+    header.width = static_cast<std::uint16_t>(byte(kAt + 4) | byte(kAt + 5) << 8);
+    header.height = static_cast<std::uint16_t>(byte(kAt + 6) | byte(kAt + 7) << 8);
+  }
+  return header;
+}
+
+EventStreamDecoder::EventStreamDecoder(const EventStreamConfig& config) : version_(config.version) {
+  require(version_ == 1 || version_ == 2, "version", version_, "1 or 2");
+}
+
+Progress EventStreamDecoder::decode(std::span<const std::byte> bytes,
+                                    std::span<Event> events) noexcept {
+  const Output start = output_to(events);
+  const auto run = [&](auto format) {
+    Output out = start;
+    const std::size_t used = records::decode_records(format, cut_, bytes, out);
+    t_ = format.t;
+    return out.since(start, used);
+  };
+  return version_ == 1 ? run(EventStream1{t_}) : run(EventStream2{t_});
+}
+
+void EventStreamDecoder::reset() noexcept {
+  t_ = 0;
+  cut_.size = 0;
+}
+
+}  // namespace asap

@@ -1,0 +1,294 @@
+"""Event Stream, 40-bit events, AEDAT 2.0 and 3.1: written here by their layout, read by asap."""
+
+from __future__ import annotations
+
+import struct
+import warnings
+from bisect import bisect_right
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import asap
+import corrupt
+from asap.events import Events
+from asap.io import CorruptFile, TruncatedFileWarning, UnsupportedFormat
+from event_files import DATA, assert_equal_events, facts, manifest, sha256_txyp
+
+EVENTS = corrupt.clean_events(1000, start_us=7_000_000)
+EVENTS["x"] %= 128
+EVENTS["y"] %= 128
+
+
+def es2(events: Events) -> bytes:
+    out = [b"Event Stream\x02\x00\x00\x01", struct.pack("<HH", 128, 128)]
+    last = 0
+    for x, y, p, t in events.tolist():
+        out += [b"\xff" * ((t - last) // 127), bytes([(t - last) % 127 << 1 | p])]
+        out.append(struct.pack("<HH", x, y))
+        last = t
+    return b"".join(out)
+
+
+def es1(events: Events) -> bytes:
+    out = [b"Event Stream\x01\x00\x00"]
+    last = 0
+    for x, y, p, t in events.tolist():
+        longs, rest = divmod(t - last, 15)
+        out += [b"\xff" * (longs // 15), bytes([longs % 15 << 4 | 15])]
+        out.append((rest | x << 4 | y << 14 | p << 23).to_bytes(3, "little"))
+        last = t
+    return b"".join(out)
+
+
+def atis40(events: Events) -> bytes:
+    records = (x << 32 | y << 24 | p << 23 | t for x, y, p, t in events.tolist())
+    return b"".join(record.to_bytes(5, "big") for record in records)
+
+
+DAVIS_128 = "# AEChip: eu.seebetter.ini.chips.davis.DAVIS128\r\n"
+DVS_128 = "# AEChip: ch.unizh.ini.jaer.chip.retina.DVS128\r\n"
+
+
+def davis(x: int, y: int, p: int) -> int:
+    return (127 - y) << 22 | (127 - x) << 12 | p << 11
+
+
+def dvs128(x: int, y: int, p: int) -> int:
+    return (127 - y) << 8 | (127 - x) << 1 | (1 - p)
+
+
+def aedat2(
+    events: Events, lines: str = DAVIS_128, address: Callable[[int, int, int], int] = davis
+) -> bytes:
+    head = f"#!AER-DAT2.0\r\n# This is a raw AE data file\r\n{lines}"
+    records = (struct.pack(">II", address(x, y, p), t) for x, y, p, t in events.tolist())
+    return head.encode() + b"".join(records)
+
+
+def packet(kind: int, records: bytes, *, size: int = 8, source: int = 0) -> bytes:
+    count = len(records) // size
+    return struct.pack("<hhiiiiii", kind, source, size, 4, 0, count, count, count) + records
+
+
+def aedat3(
+    events: Events, lines: str = "#Format: RAW\r\n#Source 0: DVS128\r\n", per_packet: int = 300
+) -> bytes:
+    words = [struct.pack("<Ii", 1 | p << 1 | y << 2 | x << 17, t) for x, y, p, t in events.tolist()]
+    packets = (
+        packet(1, b"".join(words[at : at + per_packet])) for at in range(0, len(words), per_packet)
+    )
+    return f"#!AER-DAT3.1\r\n{lines}#!END-HEADER\r\n".encode() + b"".join(packets)
+
+
+class Format(NamedTuple):
+    """How a test writes it, and what asap says of it."""
+
+    write: Callable[[Events], bytes]
+    name: str
+    suffix: str
+    side: int | None  # of the sensor, px, where the file states it
+
+
+FORMATS = {
+    "es2": Format(es2, "es", ".es", 128),
+    "es1": Format(es1, "es", ".es", None),
+    "atis40": Format(atis40, "atis40", ".bin", None),
+    "davis": Format(aedat2, "aedat2", ".aedat", 128),
+    "dvs128": Format(lambda e: aedat2(e, DVS_128, dvs128), "aedat2", ".aedat", 128),
+    "aedat3": Format(aedat3, "aedat3", ".aedat", 128),
+}
+
+
+@pytest.fixture(params=FORMATS.values(), ids=FORMATS)
+def form(request: pytest.FixtureRequest) -> Format:
+    found: Format = request.param
+    return found
+
+
+def file_of(tmp_path: Path, content: bytes, name: str) -> Path:
+    path = tmp_path / name
+    path.write_bytes(content)
+    return path
+
+
+def test_every_event_is_read(form: Format, tmp_path: Path) -> None:
+    rec = asap.read(file_of(tmp_path, form.write(EVENTS), f"a{form.suffix}"), on_bad="raise")
+    for _ in range(2):
+        assert_equal_events(np.concatenate(list(rec)), EVENTS)
+    assert (rec.format, rec.width, rec.height) == (form.name, form.side, form.side)
+    assert rec.truncated_at is None
+
+
+def test_content_goes_before_the_name(form: Format, tmp_path: Path) -> None:
+    path = file_of(tmp_path, form.write(EVENTS), "recording.npy")
+    stated = {"file_format": "atis40"} if form.name == "atis40" else {}
+    assert_equal_events(asap.load(path, **stated), EVENTS)  # type: ignore[arg-type]
+
+
+def test_no_events(form: Format, tmp_path: Path) -> None:
+    path = file_of(tmp_path, form.write(EVENTS[:0]), f"a{form.suffix}")
+    if path.stat().st_size == 0:
+        with pytest.raises(CorruptFile, match="byte 0: the file is empty"):
+            asap.read(path, file_format=form.name)
+    else:
+        assert len(asap.load(path)) == 0
+
+
+def test_cut_at_every_byte(form: Format, tmp_path: Path) -> None:
+    """All events that are whole, and the byte from which on something is missing."""
+    events = EVENTS[:12].copy()
+    events["t"] -= 6_999_000
+    content = form.write(events)
+    ends = [len(form.write(events[:count])) for count in range(len(events) + 1)]
+    for size in range(max(ends[0], 1), len(content)):
+        whole = bisect_right(ends, size) - 1
+        path = file_of(tmp_path, content[:size], f"a{form.suffix}")
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            rec = asap.read(path, file_format=form.name)
+            try:
+                read = np.concatenate([events[:0], *rec])
+            except CorruptFile as error:  # not one whole event
+                assert error.offset == rec.truncated_at
+                read = events[:0]
+        assert_equal_events(read, events[:whole])
+        cuts = [str(w.message) for w in caught if issubclass(w.category, TruncatedFileWarning)]
+        if rec.truncated_at is None:  # between two records; in Event Stream some hold time alone
+            assert form.name == "es" or size == ends[whole]
+            assert cuts == []
+        else:
+            first = ends[0] if form.name == "aedat3" else ends[whole]
+            assert first <= rec.truncated_at < size
+            assert f"byte {rec.truncated_at}: " in cuts[0]
+
+
+def test_a_header_that_is_cut(tmp_path: Path) -> None:
+    signature = 12  # bytes, of all of them
+    for form in FORMATS.values():
+        content = form.write(EVENTS[:0])
+        for size in range(signature, len(content)):
+            path = file_of(tmp_path, content[:size], f"a{form.suffix}")
+            with pytest.raises((CorruptFile, UnsupportedFormat), match="header"):
+                asap.read(path)
+
+
+# ---- 40-bit events: nothing in the bytes says what they are ------------------------------------
+
+
+def test_what_does_not_look_like_40_bit_events_warns(tmp_path: Path) -> None:
+    noise = np.random.default_rng(1).integers(0, 256, 5000, np.uint8).tobytes()
+    with pytest.warns(UserWarning, match=r"time goes back \d+ times in \d+ events and \d+ of"):
+        asap.read(file_of(tmp_path, noise, "a.bin"))
+    whole = atis40(EVENTS)
+    with pytest.warns(UserWarning, match="its 5002 bytes are no multiple of 5; .* file_format"):
+        rec = asap.read(file_of(tmp_path, whole + b"\0\0", "a.bs2"))
+    with pytest.warns(TruncatedFileWarning, match="byte 5000"):
+        assert len(np.concatenate(list(rec))) == len(EVENTS)
+
+
+def test_text_is_no_40_bit_file(tmp_path: Path) -> None:
+    path = file_of(tmp_path, b"5 1 2 0\n", "a.bin")
+    with pytest.raises(CorruptFile, match=r"text, not the 40-bit events of a \.bin file"):
+        asap.read(path)
+    assert len(asap.load(path, file_format="text")) == 1
+
+
+def test_marks_of_time_in_row_240(tmp_path: Path) -> None:
+    rows = np.zeros(4, asap.EVENT_DTYPE)
+    rows["y"], rows["t"] = [1, 240, 240, 2], [8000, 0, 0, 5]
+    events = asap.load(file_of(tmp_path, atis40(rows), "a.bin"))
+    assert events["t"].tolist() == [8000, 2 * 8192 + 5]
+
+
+def test_file_format_is_a_name_of_a_reader(tmp_path: Path) -> None:
+    path = file_of(tmp_path, atis40(EVENTS), "a.bin")
+    with pytest.raises(ValueError, match=r"file_format = 'atis': give one of npy, .*atis40"):
+        asap.read(path, file_format="atis")
+    with pytest.raises(CorruptFile, match="byte 0"):
+        asap.read(path, file_format="es")
+    with pytest.raises(FileNotFoundError):
+        asap.read(tmp_path / "nothing", file_format="es")
+
+
+# ---- what is not read, and why -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"Event Stream\x02\x00\x00\x02" + bytes(8), "Event Stream of type atis"),
+        (b"Event Stream\x03\x00\x00\x01" + bytes(8), "no whole header of Event Stream 1 or 2"),
+        (aedat2(EVENTS, "# AEChip: com.sec.dvs.SecDvs640Gen2\r\n"), "AEDAT 2.0 of a chip"),
+        (aedat2(EVENTS, ""), "AEDAT 2.0 of a chip that the header does not name"),
+        (aedat3(EVENTS, "#Format: SerializedTS\r\n"), "compressed AEDAT 3.1"),
+        (b"#!AER-DAT1.0\r\n" + bytes(100), "AEDAT 1.0"),
+    ],
+)
+def test_what_is_not_read_says_so(content: bytes, words: str, tmp_path: Path) -> None:
+    with pytest.raises((CorruptFile, UnsupportedFormat), match=words):
+        asap.read(file_of(tmp_path, content, "a.aedat"))
+
+
+def test_two_cameras_in_one_file(tmp_path: Path) -> None:
+    content = aedat3(EVENTS, "#Format: RAW\r\n#Source 1: DVS128\r\n#Source 2: DAVIS240C\r\n")
+    with pytest.raises(UnsupportedFormat, match="2 cameras"):
+        asap.read(file_of(tmp_path, content, "a.aedat"))
+
+
+def test_an_unnamed_dvs128_is_known_by_its_addresses(tmp_path: Path) -> None:
+    rec = asap.read(file_of(tmp_path, aedat2(EVENTS, "", dvs128), "a.aedat"))
+    assert (rec.width, rec.height) == (128, 128)
+    assert_equal_events(np.concatenate(list(rec)), EVENTS)
+
+
+# ---- what is no event --------------------------------------------------------------------------
+
+
+def test_bytes_between_the_packets_are_counted(tmp_path: Path) -> None:
+    good = aedat3(EVENTS[:500])
+    more = aedat3(EVENTS[500:]).partition(b"#!END-HEADER\r\n")[2]
+    path = file_of(tmp_path, good + b"\xee" * 100 + more, "a.aedat")
+    rec = asap.read(path)
+    assert_equal_events(np.concatenate(list(rec)), EVENTS)
+    assert rec.rejected["bad_record"] == 1
+    assert rec.bad_offsets == (len(good),)
+    with pytest.raises(CorruptFile, match=f"byte {len(good)}"):
+        asap.load(path, on_bad="raise")
+
+
+def test_triggers(tmp_path: Path) -> None:
+    edges = b"".join(struct.pack("<Ii", 1 | kind << 1, 7_000_000 + kind) for kind in (2, 3))
+    content = {
+        "aedat3": aedat3(EVENTS) + packet(0, edges),
+        "aedat2": aedat2(EVENTS) + struct.pack(">4I", 0x400, 7_000_002, 0x400, 7_000_003),
+    }
+    values = {"aedat3": [1, 0], "aedat2": [1, 1]}
+    for name, data in content.items():
+        rec = asap.read(file_of(tmp_path, data, f"{name}.aedat"))
+        assert len(np.concatenate(list(rec))) == len(EVENTS)
+        assert rec.trigger_count == 2
+        assert rec.triggers["t"].tolist() == [7_000_002, 7_000_003]
+        assert rec.triggers["value"].tolist() == values[name]
+
+
+# ---- recordings --------------------------------------------------------------------------------
+
+
+def test_every_recording_is_equal_to_the_manifest() -> None:
+    ours = [name for name in manifest() if Path(name).suffix in (".es", ".bin", ".bs2", ".aedat")]
+    present = [name for name in ours if (DATA / name).exists()]
+    if not present:
+        pytest.skip("no such recording is here; set ASAP_TEST_DATA to their folder")
+    for name in present:
+        known, sides = facts(name), {side: manifest()[name][side] for side in ("width", "height")}
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            rec = asap.read(DATA / name, **sides)
+            events = np.concatenate(list(rec))
+        assert len(events) == known["events"], name
+        assert sha256_txyp(events) == known["sha256_txyp"], name
+        assert set(rec.rejected.values()) == {0}, name
