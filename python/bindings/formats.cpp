@@ -1,6 +1,7 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -8,6 +9,8 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
+#include "asap/core/check.hpp"
+#include "asap/formats/encoder.hpp"
 #include "asap/formats/text.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
@@ -46,6 +49,38 @@ py::tuple noted(const DecoderWithRoom& decoder) {
   return offsets;
 }
 
+std::uint16_t side(const char* field, const py::object& value) {
+  const std::uint64_t given = whole_number(field, value);
+  require(given <= 65535, field, given, "give a side of the sensor in px, or 0");
+  return static_cast<std::uint16_t>(given);
+}
+
+Encoder make_encoder(const std::string& encoding, const py::object& width,
+                     const py::object& height) {
+  constexpr std::array<std::string_view, 5> kNames{"evt2", "evt3", "dat", "es", "csv"};
+  const auto* const name = std::ranges::find(kNames, encoding);
+  if (name == kNames.end()) {
+    throw_bad_value("encoding", "'" + encoding + "'", "give evt2, evt3, dat, es or csv");
+  }
+  return Encoder({.encoding = static_cast<Encoding>(name - kNames.begin()),
+                  .width = side("width", width),
+                  .height = side("height", height)});
+}
+
+// (events consumed, bytes written)
+py::tuple encode_into(Encoder& encoder, const py::array& events, const py::buffer& out) {
+  const EventSpan span = as_span(events);
+  const py::buffer_info room = out.request(true);
+  const std::span<std::byte> bytes(static_cast<std::byte*>(room.ptr),
+                                   static_cast<std::size_t>(room.size * room.itemsize));
+  Progress progress;
+  {
+    const WithoutGil release;  // pure C++ on memory that `events` and `out` keep alive
+    progress = encoder.encode(span, bytes);
+  }
+  return py::make_tuple(progress.events, progress.bytes);
+}
+
 }  // namespace
 
 void bind_formats(py::module_& m) {
@@ -65,6 +100,11 @@ void bind_formats(py::module_& m) {
       .def_property_readonly("out_of_bounds", &DecoderWithRoom::out_of_bounds)
       .def_property_readonly("clamped_positions", &DecoderWithRoom::clamped_positions)
       .def_property_readonly("noted", &noted);
+  py::class_<Encoder>(m, "Encoder")
+      .def(py::init(&make_encoder), py::arg("encoding"), py::kw_only(), py::arg("width") = 0,
+           py::arg("height") = 0)
+      .def("header", [](const Encoder& encoder) { return py::bytes(encoder.header()); })
+      .def("encode_into", &encode_into, py::arg("events"), py::arg("out"));
 }
 
 }  // namespace asap::python

@@ -1,0 +1,62 @@
+// Encoder: events as the bytes of a file: Prophesee EVT2, EVT3 or DAT, Event Stream, or csv.
+//
+// One thread. header() comes first, then what encode() writes, call after call. Stamps stay as they
+// are: EVT2, EVT3 and Event Stream count from 0, and bridge a long gap by records that only advance
+// the time; encode() writes as many of them as there is room for. O(events + bytes). No allocation
+// but in header() and for an error.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+
+#include "asap/core/event.hpp"
+#include "asap/formats/progress.hpp"
+
+namespace asap {
+
+enum class Encoding : std::uint8_t { evt2, evt3, dat, event_stream, csv };
+
+struct EncoderConfig {
+  Encoding encoding = Encoding::evt3;
+  std::uint16_t width = 0;  // px; 0: not known, so that the header does not state it
+  std::uint16_t height = 0;
+};
+
+class Encoder {
+ public:
+  static constexpr std::size_t kMostPerEvent = 48;  // bytes; with less room nothing is written
+
+  // Throws std::invalid_argument for an Event Stream without width and height.
+  explicit Encoder(const EncoderConfig& config = {});
+
+  // What the file begins with.
+  std::string header() const;
+
+  // Encodes from the front of `events` until one of them ends. Returns the bytes written and the
+  // events consumed. Throws std::invalid_argument that names the event if the format cannot hold
+  // it: its stamp goes back, say. The bytes of that call are then lost.
+  Progress encode(std::span<const Event> events, std::span<std::byte> bytes);
+
+  void reset() noexcept { state_ = {}; }
+
+  // Where a format has come to.
+  struct State {
+    std::int64_t t = 0;  // us, as a reader knows it from the bytes so far
+    std::int64_t last_t = std::numeric_limits<std::int64_t>::min();  // of the last event
+    std::uint64_t events = 0;
+    std::uint32_t y = 1u << 16;  // the row that stands in the bytes; none yet
+    bool started = false;        // a time stands in the bytes
+  };
+
+ private:
+  template <class Format>
+  Progress encode_as(std::span<const Event> events, std::span<std::byte> bytes);
+
+  EncoderConfig config_;
+  State state_;
+};
+
+}  // namespace asap

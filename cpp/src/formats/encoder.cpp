@@ -1,0 +1,259 @@
+#include "asap/formats/encoder.hpp"
+
+#include <charconv>
+#include <string_view>
+
+#include "asap/core/check.hpp"
+
+namespace asap {
+
+namespace {
+
+using State = Encoder::State;
+
+template <class Word>
+std::byte* put_little(std::byte* to, Word word) noexcept {
+  for (std::size_t i = 0; i < sizeof word; ++i) {
+    *to++ = static_cast<std::byte>(word & 0xff);
+    word = static_cast<Word>(word >> 8);
+  }
+  return to;
+}
+
+std::uint32_t is_on(const Event& event) noexcept { return event.p > 0 ? 1 : 0; }
+
+// A format has limits and functions. put() writes an event. Where the bytes count time from event
+// to event, it lies less than kReach after state.t, to which mark() has advanced it step by step: a
+// gap of kMostGap is worth its bytes. The layouts stand in the decoders' headers.
+
+struct Limits {
+  static constexpr std::uint32_t kMaxAddress = std::numeric_limits<std::uint16_t>::max();
+  static constexpr std::int64_t kMinTime = 0;
+  static constexpr std::int64_t kMaxTime = std::numeric_limits<std::int64_t>::max();
+};
+
+template <class Format>
+concept CountsTime = requires { Format::kReach; };
+
+struct Evt2Format : Limits {
+  static constexpr std::string_view kName = "EVT2";
+  static constexpr std::uint32_t kMaxAddress = 2047;
+  static constexpr std::int64_t kReach = std::int64_t{1} << 32;    // readers unwrap 2^34 us
+  static constexpr std::int64_t kMostGap = std::int64_t{1} << 51;  // Unix time: 1.5 MB of marks
+
+  static std::byte* put(State& state, const Event& event, std::byte* to) noexcept {
+    if (!state.started || event.t >> 6 != state.t >> 6) to = put_high(state, event.t, to);
+    const auto low = static_cast<std::uint32_t>(event.t & 63);
+    return put_little(to, is_on(event) << 28 | low << 22 | std::uint32_t{event.x} << 11 | event.y);
+  }
+
+  static std::byte* mark(State& state, std::byte* to) noexcept {
+    return put_high(state, state.t + kReach, to);
+  }
+
+ private:
+  static std::byte* put_high(State& state, std::int64_t t, std::byte* to) noexcept {
+    state.started = true;
+    state.t = t;
+    return put_little(to, 8u << 28 | static_cast<std::uint32_t>(t >> 6 & 0xfffffff));
+  }
+};
+
+struct Evt3Format : Limits {
+  static constexpr std::string_view kName = "EVT3";
+  static constexpr std::uint32_t kMaxAddress = 2047;
+  static constexpr std::int64_t kReach = std::int64_t{1} << 22;    // readers unwrap 2^24 us
+  static constexpr std::int64_t kMostGap = std::int64_t{1} << 40;  // 12.7 days: 1 MB of marks
+
+  static std::byte* put(State& state, const Event& event, std::byte* to) noexcept {
+    if (!state.started || event.t >> 12 != state.t >> 12) {
+      to = put_time(state, event.t, to);
+    } else if (event.t != state.t) {
+      state.t = event.t;
+      to = put_word(to, kTimeLow, event.t & 0xfff);
+    }
+    if (event.y != state.y) to = put_word(to, kAddrY, state.y = event.y);
+    return put_word(to, kAddrX, is_on(event) << 11 | event.x);
+  }
+
+  static std::byte* mark(State& state, std::byte* to) noexcept {
+    return put_time(state, state.t + kReach, to);
+  }
+
+ private:
+  static constexpr std::uint32_t kAddrY = 0, kAddrX = 2, kTimeLow = 6, kTimeHigh = 8;
+
+  static std::byte* put_word(std::byte* to, std::uint32_t type, std::int64_t payload) noexcept {
+    return put_little(to, static_cast<std::uint16_t>(type << 12 | payload));
+  }
+
+  static std::byte* put_time(State& state, std::int64_t t, std::byte* to) noexcept {
+    state.started = true;
+    state.t = t;
+    to = put_word(to, kTimeHigh, t >> 12 & 0xfff);
+    return put_word(to, kTimeLow, t & 0xfff);
+  }
+};
+
+struct DatFormat : Limits {
+  static constexpr std::string_view kName = "DAT";
+  static constexpr std::uint32_t kMaxAddress = 16383;
+  static constexpr std::int64_t kMaxTime = std::numeric_limits<std::uint32_t>::max();
+
+  static std::byte* put(State&, const Event& event, std::byte* to) noexcept {
+    to = put_little(to, static_cast<std::uint32_t>(event.t));
+    return put_little(to, is_on(event) << 28 | std::uint32_t{event.y} << 14 | event.x);
+  }
+};
+
+struct EventStreamFormat : Limits {
+  static constexpr std::string_view kName = "Event Stream";
+  static constexpr std::int64_t kReach = 127;
+  static constexpr std::int64_t kMostGap = std::int64_t{1} << 32;  // 71 min: 34 MB of marks
+
+  static std::byte* put(State& state, const Event& event, std::byte* to) noexcept {
+    const auto elapsed = static_cast<std::uint32_t>(event.t - state.t);
+    state.t = event.t;
+    *to++ = static_cast<std::byte>(elapsed << 1 | is_on(event));
+    return put_little(put_little(to, event.x), event.y);
+  }
+
+  static std::byte* mark(State& state, std::byte* to) noexcept {
+    state.t += kReach;
+    *to++ = std::byte{0xff};
+    return to;
+  }
+};
+
+struct CsvFormat : Limits {
+  static constexpr std::string_view kName = "csv";
+  static constexpr std::int64_t kMinTime = std::numeric_limits<std::int64_t>::min();
+
+  static std::byte* put(State&, const Event& event, std::byte* to) noexcept {
+    to = put_number(to, event.t, ',');
+    to = put_number(to, event.x, ',');
+    to = put_number(to, event.y, ',');
+    return put_number(to, is_on(event), '\n');
+  }
+
+ private:
+  template <class Number>
+  static std::byte* put_number(std::byte* to, Number number, char end) noexcept {
+    constexpr int kLongest = std::numeric_limits<Number>::digits10 + 2;
+    char* const text = reinterpret_cast<char*>(to);
+    char* const last = std::to_chars(text, text + kLongest, number).ptr;
+    *last = end;
+    return to + (last - text) + 1;
+  }
+};
+
+[[noreturn]] void refuse(std::string_view field, std::int64_t value, const State& state,
+                         const std::string& fault) {
+  throw_bad_value(field, std::to_string(value) + " (event " + std::to_string(state.events) + ")",
+                  fault);
+}
+
+template <class Format>
+[[noreturn]] void refuse(const State& state, const Event& event) {
+  const std::string name(Format::kName);
+  const std::string pixels = name + " holds pixels up to " + std::to_string(Format::kMaxAddress);
+  if (event.x > Format::kMaxAddress) refuse("x", event.x, state, pixels);
+  if (event.y > Format::kMaxAddress) refuse("y", event.y, state, pixels);
+  if (event.t < state.last_t) {
+    const std::string back = std::to_string(state.last_t - event.t);
+    refuse("t", event.t, state, "goes back by " + back + " us; sort the events, or drop this one");
+  }
+  refuse("t", event.t, state,
+         name +
+             " cannot hold this time; count from the first event (relative), or split the "
+             "recording");
+}
+
+}  // namespace
+
+Encoder::Encoder(const EncoderConfig& config) : config_(config) {
+  if (config.encoding != Encoding::event_stream) return;
+  constexpr std::string_view kRemedy = "an Event Stream states its sensor: give the size in px";
+  require(config.width > 0, "width", config.width, kRemedy);
+  require(config.height > 0, "height", config.height, kRemedy);
+}
+
+std::string Encoder::header() const {
+  const std::string width = std::to_string(config_.width), height = std::to_string(config_.height);
+  const bool known = config_.width > 0 && config_.height > 0;
+  const auto raw = [&](const std::string& version, const std::string& name) {
+    return "% evt " + version + "\n% format " + name +
+           (known ? ";height=" + height + ";width=" + width + "\n% geometry " + width + "x" + height
+                  : "") +
+           "\n% end\n";
+  };
+  switch (config_.encoding) {
+    case Encoding::evt2:
+      return raw("2.0", "EVT2");
+    case Encoding::evt3:
+      return raw("3.0", "EVT3");
+    case Encoding::dat:
+      return "% Data file containing CD events.\n% Version 2\n" +
+             (known ? "% Height " + height + "\n% Width " + width + "\n" : "") + "\x0c\x08";
+    case Encoding::event_stream: {
+      std::string bytes("Event Stream\x02\0\0\x01", 16);
+      for (const unsigned side : {unsigned{config_.width}, unsigned{config_.height}}) {
+        bytes += static_cast<char>(side & 0xff);
+        bytes += static_cast<char>(side >> 8);
+      }
+      return bytes;
+    }
+    case Encoding::csv:
+      return "t,x,y,p\n";
+  }
+  return {};
+}
+
+Progress Encoder::encode(std::span<const Event> events, std::span<std::byte> bytes) {
+  switch (config_.encoding) {
+    case Encoding::evt2:
+      return encode_as<Evt2Format>(events, bytes);
+    case Encoding::evt3:
+      return encode_as<Evt3Format>(events, bytes);
+    case Encoding::dat:
+      return encode_as<DatFormat>(events, bytes);
+    case Encoding::event_stream:
+      return encode_as<EventStreamFormat>(events, bytes);
+    case Encoding::csv:
+      return encode_as<CsvFormat>(events, bytes);
+  }
+  return {};
+}
+
+template <class Format>
+Progress Encoder::encode_as(std::span<const Event> events, std::span<std::byte> bytes) {
+  std::byte* to = bytes.data();
+  std::byte* const end = to + bytes.size();
+  const Event* event = events.data();
+  const Event* const events_end = event + events.size();
+  State state = state_;
+  while (event != events_end && end - to >= static_cast<std::ptrdiff_t>(kMostPerEvent)) {
+    bool held = event->t >= state.last_t && event->t >= Format::kMinTime &&
+                event->t <= Format::kMaxTime && event->x <= Format::kMaxAddress &&
+                event->y <= Format::kMaxAddress;
+    if constexpr (CountsTime<Format>) held = held && event->t - state.t <= Format::kMostGap;
+    if (!held) [[unlikely]] {
+      refuse<Format>(state, *event);
+    }
+    if constexpr (CountsTime<Format>) {
+      if (event->t - state.t >= Format::kReach) [[unlikely]] {
+        to = Format::mark(state, to);
+        continue;
+      }
+    }
+    to = Format::put(state, *event, to);
+    state.last_t = event->t;
+    ++state.events;
+    ++event;
+  }
+  state_ = state;
+  return {.bytes = static_cast<std::size_t>(to - bytes.data()),
+          .events = static_cast<std::size_t>(event - events.data())};
+}
+
+}  // namespace asap

@@ -1,0 +1,348 @@
+#include "asap/formats/encoder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asap/core/random.hpp"
+#include "asap/formats/evt2.hpp"
+#include "asap/formats/raw_header.hpp"
+#include "asap/formats/text.hpp"
+#include "support/allocation_counter.hpp"
+
+namespace asap::encoder_test {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+using Events = std::vector<Event>;
+
+constexpr EncoderConfig config(Encoding encoding) {
+  return {.encoding = encoding, .width = 1280, .height = 720};
+}
+
+constexpr Encoding kAll[] = {Encoding::evt2, Encoding::evt3, Encoding::dat, Encoding::event_stream,
+                             Encoding::csv};
+
+Bytes encode(Encoder& encoder, std::span<const Event> events, std::size_t room = 1 << 16) {
+  Bytes all, bytes(room);
+  while (!events.empty()) {
+    const Progress done = encoder.encode(events, bytes);
+    EXPECT_GT(done.bytes, 0u);
+    if (done.bytes == 0) break;
+    all.insert(all.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(done.bytes));
+    events = events.subspan(done.events);
+  }
+  return all;
+}
+
+Bytes encode(Encoding encoding, std::span<const Event> events) {
+  Encoder encoder(config(encoding));
+  return encode(encoder, events);
+}
+
+// Many on one stamp, on one row, close together, and now and then seconds apart.
+Events some_events(std::size_t count, std::int64_t first = 0) {
+  const CounterRandom random(7);
+  Events events;
+  std::int64_t t = first;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::uint64_t bits = random(i);
+    if (bits % 3 == 0) t += static_cast<std::int64_t>((bits >> 8) % 300);
+    if (bits % 1009 == 0) t += static_cast<std::int64_t>((bits >> 8) % 30'000'000);
+    events.push_back({.x = static_cast<std::uint16_t>((bits >> 20) % 1280),
+                      .y = static_cast<std::uint16_t>((bits >> 34) % (bits % 5 == 0 ? 720 : 3)),
+                      .p = static_cast<std::int16_t>((bits >> 50) & 1),
+                      .t = t});
+  }
+  return events;
+}
+
+// ---- readers of a few lines, as the formats' specifications have it ---------------------------
+
+std::uint64_t little(const std::byte* at, int size) {
+  std::uint64_t value = 0;
+  for (int i = size - 1; i >= 0; --i) value = value << 8 | static_cast<std::uint64_t>(at[i]);
+  return value;
+}
+
+Event event(std::uint64_t x, std::uint64_t y, std::uint64_t p, std::int64_t t) {
+  return {.x = static_cast<std::uint16_t>(x),
+          .y = static_cast<std::uint16_t>(y),
+          .p = static_cast<std::int16_t>(p),
+          .t = t};
+}
+
+Events read_evt3(const Bytes& bytes) {
+  Events events;
+  std::int64_t epoch = 0, high = 0, low = 0;
+  std::uint64_t y = 1 << 16;
+  for (std::size_t at = 0; at < bytes.size(); at += 2) {
+    const std::uint64_t word = little(&bytes[at], 2), payload = word & 0xfff;
+    const auto time = static_cast<std::int64_t>(payload);
+    switch (word >> 12) {
+      case 0:
+        y = payload;
+        break;
+      case 2:
+        events.push_back(event(payload & 0x7ff, y, payload >> 11, epoch + high + low));
+        break;
+      case 6:
+        low = time;
+        break;
+      case 8:
+        if ((time << 12) < high) epoch += 1 << 24;
+        if ((time << 12) != high) low = 0;
+        high = time << 12;
+        break;
+      default:
+        ADD_FAILURE() << "word " << word;
+    }
+  }
+  return events;
+}
+
+Events read_dat(const Bytes& bytes) {
+  Events events;
+  for (std::size_t at = 0; at < bytes.size(); at += 8) {
+    const std::uint64_t place = little(&bytes[at + 4], 4);
+    events.push_back(event(place & 0x3fff, place >> 14 & 0x3fff, place >> 28,
+                           static_cast<std::int64_t>(little(&bytes[at], 4))));
+  }
+  return events;
+}
+
+Events read_event_stream(const Bytes& bytes) {
+  Events events;
+  std::int64_t t = 0;
+  for (std::size_t at = 0; at < bytes.size();) {
+    const auto first = static_cast<std::uint64_t>(bytes[at++]);
+    if (first == 0xff) {
+      t += 127;
+      continue;
+    }
+    EXPECT_NE(first, 0xfeu);
+    t += static_cast<std::int64_t>(first >> 1);
+    events.push_back(event(little(&bytes[at], 2), little(&bytes[at + 2], 2), first & 1, t));
+    at += 4;
+  }
+  return events;
+}
+
+Events read_evt2(const Bytes& bytes) {
+  Evt2Decoder decoder;
+  Events events(bytes.size());
+  const Progress done = decoder.decode(bytes, events);
+  EXPECT_EQ(done.bytes, bytes.size());
+  EXPECT_EQ(decoder.bad_records() + decoder.before_start() + decoder.unfinished(), 0u);
+  events.resize(done.events);
+  return events;
+}
+
+Events read_csv(const Bytes& bytes) {
+  TextDecoder decoder({.time_exponent = 0});
+  Events events;
+  decoder.decode(std::span(reinterpret_cast<const char*>(bytes.data()), bytes.size()), events);
+  EXPECT_EQ(decoder.bad_records() + decoder.out_of_bounds(), 0u);
+  return events;
+}
+
+Events read(Encoding encoding, const Bytes& bytes) {
+  switch (encoding) {
+    case Encoding::evt2:
+      return read_evt2(bytes);
+    case Encoding::evt3:
+      return read_evt3(bytes);
+    case Encoding::dat:
+      return read_dat(bytes);
+    case Encoding::event_stream:
+      return read_event_stream(bytes);
+    case Encoding::csv:
+      return read_csv(bytes);
+  }
+  return {};
+}
+
+// ---- what comes out -------------------------------------------------------------------------
+
+TEST(Encoder, ReadersGetTheSameEvents) {
+  const Events events = some_events(20'000);
+  ASSERT_GT(events.back().t, std::int64_t{1} << 25) << "EVT3 wraps";
+  for (const Encoding encoding : kAll) {
+    EXPECT_EQ(read(encoding, encode(encoding, events)), events) << static_cast<int>(encoding);
+  }
+}
+
+TEST(Encoder, StampsNeedNotBeginAtZero) {
+  for (const Encoding encoding : kAll) {
+    for (const std::int64_t first : {1LL, 63LL, 4096LL, 274'260'989LL, 3'000'000'000LL}) {
+      const Events events = some_events(100, first);
+      EXPECT_EQ(read(encoding, encode(encoding, events)), events)
+          << static_cast<int>(encoding) << " from " << first;
+    }
+  }
+}
+
+TEST(Encoder, LongGapsAreBridged) {
+  for (const std::int64_t gap : {126LL, 127LL, 128LL, 4095LL, 4096LL, (1LL << 22) - 1, 1LL << 22,
+                                 (1LL << 24) + 5, 1LL << 31}) {
+    for (const Encoding encoding : kAll) {
+      const Events events{event(5, 6, 1, 1000), event(7, 6, 0, 1000 + gap)};
+      EXPECT_EQ(read(encoding, encode(encoding, events)), events)
+          << static_cast<int>(encoding) << " gap " << gap;
+    }
+  }
+  const Events years{event(5, 6, 1, 0), event(7, 6, 0, 1'633'953'690'975'950)};
+  EXPECT_EQ(read_evt2(encode(Encoding::evt2, years)), years);
+  EXPECT_EQ(read_csv(encode(Encoding::csv, years)), years);
+}
+
+TEST(Encoder, TheLargestPixelsFit) {
+  for (const Encoding encoding : kAll) {
+    const unsigned largest = encoding == Encoding::dat    ? 16383
+                             : encoding <= Encoding::evt3 ? 2047
+                                                          : 65535;
+    const Events events{event(largest, 0, 1, 9), event(0, largest, 0, 9)};
+    EXPECT_EQ(read(encoding, encode(encoding, events)), events);
+  }
+}
+
+TEST(Encoder, AnyPolarityAboveZeroIsOn) {
+  const Events events{{.x = 1, .y = 2, .p = 5, .t = 3}, {.x = 1, .y = 2, .p = -1, .t = 3}};
+  for (const Encoding encoding : kAll) {
+    const Events found = read(encoding, encode(encoding, events));
+    ASSERT_EQ(found.size(), 2u);
+    EXPECT_EQ(found[0].p, 1);
+    EXPECT_EQ(found[1].p, 0);
+  }
+}
+
+TEST(Encoder, RoomMakesNoDifference) {
+  const Events events = some_events(2'000);
+  for (const Encoding encoding : kAll) {
+    const Bytes whole = encode(encoding, events);
+    for (std::size_t room = Encoder::kMostPerEvent; room < Encoder::kMostPerEvent + 20; ++room) {
+      Encoder encoder(config(encoding));
+      EXPECT_EQ(encode(encoder, events, room), whole) << room;
+    }
+    Encoder encoder(config(encoding));
+    Bytes bytes(Encoder::kMostPerEvent - 1);
+    EXPECT_EQ(encoder.encode(events, bytes), Progress{});
+    Bytes joined;
+    for (std::size_t at = 0; at < events.size(); at += 7) {
+      const std::size_t size = std::min<std::size_t>(7, events.size() - at);
+      const Bytes part = encode(encoder, std::span(events).subspan(at, size));
+      joined.insert(joined.end(), part.begin(), part.end());
+    }
+    EXPECT_EQ(joined, whole);
+    encoder.reset();
+    EXPECT_EQ(encode(encoder, events), whole);
+  }
+}
+
+TEST(Encoder, AllocatesNothing) {
+  const Events events = some_events(2'000);
+  for (const Encoding encoding : kAll) {
+    Encoder encoder(config(encoding));
+    Bytes bytes(1 << 20);
+    const std::size_t before = test::allocations();
+    encoder.encode(events, bytes);
+    EXPECT_EQ(test::allocations(), before);
+  }
+}
+
+// ---- what is refused ------------------------------------------------------------------------
+
+std::string refusal(Encoding encoding, const Events& events) {
+  try {
+    encode(encoding, events);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Encoder, RefusesAStampThatGoesBack) {
+  for (const Encoding encoding : kAll) {
+    Events events = some_events(100, 500);
+    events[70].t = events[69].t - 3;
+    EXPECT_EQ(refusal(encoding, events),
+              "t = " + std::to_string(events[70].t) +
+                  " (event 70): goes back by 3 us; sort the events, or drop this one");
+  }
+}
+
+TEST(Encoder, NumbersTheEventsOfAllCalls) {
+  Encoder encoder(config(Encoding::dat));
+  const Events events = some_events(10, 500);
+  encode(encoder, events);
+  const Events back{event(1, 2, 1, 0)};
+  try {
+    encode(encoder, back);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("t = 0 (event 10): goes back"), std::string::npos);
+  }
+}
+
+TEST(Encoder, RefusesPixelsThatTheFormatCannotHold) {
+  EXPECT_EQ(refusal(Encoding::evt2, {event(2048, 0, 1, 0)}),
+            "x = 2048 (event 0): EVT2 holds pixels up to 2047");
+  EXPECT_EQ(refusal(Encoding::evt3, {event(0, 2048, 1, 0)}),
+            "y = 2048 (event 0): EVT3 holds pixels up to 2047");
+  EXPECT_EQ(refusal(Encoding::dat, {event(0, 0, 1, 0), event(0, 16384, 1, 0)}),
+            "y = 16384 (event 1): DAT holds pixels up to 16383");
+}
+
+TEST(Encoder, RefusesTimesThatTheFormatCannotHold) {
+  const std::string remedy =
+      " cannot hold this time; count from the first event (relative), or split the recording";
+  constexpr std::int64_t kUnix = 1'633'953'690'975'950;
+  EXPECT_EQ(refusal(Encoding::evt3, {event(0, 0, 1, kUnix)}),
+            "t = 1633953690975950 (event 0): EVT3" + remedy);
+  EXPECT_EQ(refusal(Encoding::event_stream, {event(0, 0, 1, kUnix)}),
+            "t = 1633953690975950 (event 0): Event Stream" + remedy);
+  EXPECT_EQ(refusal(Encoding::dat, {event(0, 0, 1, 5), event(0, 0, 1, 1LL << 32)}),
+            "t = 4294967296 (event 1): DAT" + remedy);
+  for (const Encoding encoding : kAll) {
+    EXPECT_EQ(refusal(encoding, {event(0, 0, 1, -1)}).empty(), encoding == Encoding::csv);
+  }
+}
+
+TEST(Encoder, AnEventStreamNeedsItsSensor) {
+  EXPECT_THROW(Encoder({.encoding = Encoding::event_stream, .height = 5}), std::invalid_argument);
+  EXPECT_THROW(Encoder({.encoding = Encoding::event_stream, .width = 5}), std::invalid_argument);
+}
+
+// ---- headers --------------------------------------------------------------------------------
+
+TEST(Encoder, HeadersStateTheSensor) {
+  for (const Encoding encoding : {Encoding::evt2, Encoding::evt3, Encoding::dat}) {
+    const std::string header = Encoder(config(encoding)).header();
+    const auto found = read_raw_header(std::as_bytes(std::span(header)));
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->width, 1280);
+    EXPECT_EQ(found->height, 720);
+    EXPECT_EQ(found->is_dat, encoding == Encoding::dat);
+    EXPECT_EQ(found->size, header.size() - (found->is_dat ? 2 : 0));
+  }
+  const std::string es = Encoder(config(Encoding::event_stream)).header();
+  EXPECT_EQ(es, std::string("Event Stream\2\0\0\1\0\5\xd0\2", 20));
+  EXPECT_EQ(Encoder({.encoding = Encoding::csv}).header(), "t,x,y,p\n");
+}
+
+TEST(Encoder, HeadersLeaveOutAnUnknownSensor) {
+  const std::string header = Encoder({.encoding = Encoding::evt2}).header();
+  EXPECT_EQ(header, "% evt 2.0\n% format EVT2\n% end\n");
+  EXPECT_EQ(Encoder({.encoding = Encoding::dat, .width = 3}).header(),
+            "% Data file containing CD events.\n% Version 2\n\x0c\x08");
+}
+
+}  // namespace
+}  // namespace asap::encoder_test
