@@ -37,6 +37,7 @@ from asap._core import (
     __version__,
 )
 from asap.accuracy import KeepCurve, keep_curve, score
+from asap.conversion import convert
 from asap.events import EVENT_DTYPE, as_events
 from asap.experiment import (
     Comparison,
@@ -88,6 +89,7 @@ __all__ = [
     "as_events",
     "check",
     "compare",
+    "convert",
     "info",
     "keep_curve",
     "last_run",

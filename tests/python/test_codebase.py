@@ -38,7 +38,7 @@ PYTHON_LAYERS = (
     {"events"},
     {"io", "synthetic"},
     {"accuracy", "experiment", "profiles", "scenes"},
-    {"analysis"},
+    {"analysis", "conversion"},
     {"inspection"},
     {"plots", "progress"},
     {"report"},

@@ -14,7 +14,7 @@ import warnings
 from collections.abc import Sequence
 
 import asap
-from asap.cli import check, compare, demo, info, report, run, study
+from asap.cli import check, compare, convert, demo, info, report, run, study
 from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, as_options, say
 from asap.report import run_table
 
@@ -25,6 +25,7 @@ examples:
   asap demo
   asap info flight.aedat4
   asap check flight.aedat4
+  asap convert flight.aedat4 flight.npz
   asap run flight.aedat4 --latency 10ms --report flight.html
   asap run flight.aedat4 --cost 100us+300ns --scheme asap2020 --set rate_bound=2e6
   asap compare flight.aedat4 --cost 100us+300ns --latency 10ms
@@ -93,6 +94,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"asap {asap.__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True)
-    for verb in (demo, run, compare, study, info, check, report):
+    for verb in (demo, run, compare, study, info, check, convert, report):
         verb.add(verbs)
     return parser

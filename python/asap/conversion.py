@@ -1,0 +1,153 @@
+"""convert: a recording in another format, piece by piece, in flat memory."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from asap import checks
+from asap.events import Events
+from asap.experiment.source import Source
+from asap.io.writers import WRITERS
+
+__all__ = ["convert", "format_of"]
+
+_SUFFIXES = {".raw": "evt3", **{f".{name}": name for name in WRITERS}}
+
+
+def convert(
+    source: Any,
+    path: str | os.PathLike[str],
+    *,
+    to: str | None = None,
+    relative: bool = False,
+    width: int | None = None,
+    height: int | None = None,
+) -> int:
+    """Write a recording in another format; the stamps stay as they are.
+
+    Memory stays flat, and an error leaves no half file: an older one of this name stays.
+
+    Parameters
+    ----------
+    source : path, Recording, array or iterable of arrays
+        Arrays in any layout that `as_events` accepts. A file whose columns or unit have to be said
+        is opened with `read`.
+    path
+        The file to write.
+    to : {"npz", "npy", "csv", "es", "dat", "evt2", "evt3"}, optional
+        The format. Default: the suffix of `path`; ``.raw`` is EVT3.
+    relative
+        Count the time from the first event. DAT ends at 2^32 us, 71 minutes; EVT3 and Event Stream
+        cannot hold Unix time.
+    width, height : int, optional
+        Sensor, px. Default: from the file. Event Stream needs them; ``npy`` and ``csv`` have no
+        place for them.
+
+    Returns
+    -------
+    int
+        How many events were written.
+
+    Raises
+    ------
+    ValueError
+        A bad argument; a stamp that goes back, or an event that the format cannot hold, with its
+        number.
+    UnsupportedFormat, CorruptFile, NoGoodEvent, OSError, RuntimeError
+        As in `read`.
+
+    Warns
+    -----
+    UserWarning
+        What is not in the file that was written: events that were rejected, external triggers,
+        and jumps of the clock, after which time continues 1 us after the last event.
+
+    Examples
+    --------
+    >>> asap.convert("flight.aedat4", "flight.raw", relative=True)  # doctest: +SKIP
+    117667
+    """
+    target = checks.folder_or_file("path", path)
+    writer = WRITERS[format_of(target, to)]
+    checks.flag("relative", relative)
+    stream = Source(source, width=width, height=height, on_bad="drop")
+    if stream.recording is not None and _is_same(stream.recording.path, target):
+        raise ValueError(checks.named("path", str(path), "is the recording itself; give another"))
+    with _replacing(target) as file:
+        chunks = _in_order(stream, relative=relative)
+        count = writer(file, chunks, stream.width or 0, stream.height or 0)
+    for loss in _losses(stream):
+        warnings.warn(f"{target}: {loss}", stacklevel=2)
+    return count
+
+
+def format_of(path: Path, to: str | None) -> str:
+    """Return the name of the format to write."""
+    if to is not None:
+        checks.choice("to", to, WRITERS)
+        return to
+    try:
+        return _SUFFIXES[path.suffix.lower()]
+    except KeyError:
+        remedy = f"its suffix names no format; give to, one of {', '.join(WRITERS)}"
+        raise ValueError(checks.named("path", str(path), remedy)) from None
+
+
+def _losses(stream: Source) -> Iterator[str]:
+    """Say what the written file does not have of the recording."""
+    rejected = ", ".join(f"{count} {reason}" for reason, count in stream.rejected.items() if count)
+    if rejected:
+        yield f"without the events that were rejected: {rejected}"
+    if stream.clock_resets:
+        yield f"the clock jumped back {stream.clock_resets} times; time goes on from there"
+    if stream.recording is not None and stream.recording.trigger_count:
+        yield f"without the {stream.recording.trigger_count} external triggers"
+
+
+def _in_order(stream: Source, *, relative: bool) -> Iterator[Events]:
+    """Refuse a stamp that goes back, which only a source that is no file can have."""
+    first_us: int | None = None
+    last_us = 0
+    for events in stream:
+        t = events["t"]
+        if first_us is None:
+            first_us = last_us = int(t[0])
+        steps_us = np.diff(t, prepend=last_us)
+        if steps_us.min() < 0:
+            at = int(np.argmax(steps_us < 0))
+            number = stream.events - len(events) + at
+            raise ValueError(
+                f"t = {t[at]} (event {number}): goes back by {-steps_us[at]} us; sort the events"
+            )
+        last_us = int(t[-1])
+        if relative:
+            events = events.copy()
+            events["t"] -= first_us
+        yield events
+
+
+def _is_same(source: Path, target: Path) -> bool:
+    return target.exists() and source.samefile(target)
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[IO[bytes]]:
+    """Write beside the path, and take its place only when all is written."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with part.open("w+b") as file:
+            yield file
+        part.replace(path)
+    except OSError as error:
+        if error.filename != str(part):
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
+    finally:
+        part.unlink(missing_ok=True)

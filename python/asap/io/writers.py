@@ -1,0 +1,104 @@
+"""Writers of event files: chunk by chunk, in flat memory.
+
+A writer takes a binary file that can seek, chunks in ``EVENT_DTYPE`` whose stamps never go back,
+and the sensor's width and height in px, 0 where they are not known; it returns how many events it
+wrote.
+"""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import IO, Any
+
+import numpy as np
+from numpy.lib import format as npy
+
+from asap import _core
+from asap.events import EVENT_DTYPE, Events
+
+__all__ = ["WRITERS", "Writer"]
+
+Writer = Callable[[IO[bytes], Iterable[Events], int, int], int]
+
+_PIECE = 1 << 18
+_HEADER = 192  # bytes: enough for any count, so that it can be written again at the end
+_COLUMNS = {"t": "<i8", "x": "<u2", "y": "<u2", "p": "u1"}
+_PADDING = 3  # of the 16-bit words of an event
+
+
+def _write_encoded(
+    encoding: str, file: IO[bytes], chunks: Iterable[Events], width: int, height: int
+) -> int:
+    encoder = _core.Encoder(encoding, width=width, height=height)
+    file.write(encoder.header())
+    buffer = memoryview(bytearray(_PIECE))
+    count = 0
+    for chunk in chunks:
+        count += len(chunk)
+        rest = chunk
+        while len(rest):
+            taken, written = encoder.encode_into(rest, buffer)
+            file.write(buffer[:written])
+            rest = rest[taken:]
+    return count
+
+
+def _write_npy(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
+    file.write(_npy_header(EVENT_DTYPE, 0))
+    count = 0
+    for chunk in chunks:
+        words = np.array(chunk.view(np.uint16)).reshape(-1, EVENT_DTYPE.itemsize // 2)
+        words[:, _PADDING] = 0  # else whatever the memory held
+        file.write(words.data)
+        count += len(chunk)
+    file.seek(0)
+    file.write(_npy_header(EVENT_DTYPE, count))
+    return count
+
+
+def _write_npz(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
+    count = 0
+    with ExitStack() as stack:  # the columns wait in files until their length is known
+        folder = Path(file.name).parent
+        columns = {role: stack.enter_context(TemporaryFile(dir=folder)) for role in _COLUMNS}
+        for chunk in chunks:
+            for role, column in columns.items():
+                column.write(np.ascontiguousarray(chunk[role], _COLUMNS[role]).data)
+            count += len(chunk)
+        archive = stack.enter_context(zipfile.ZipFile(file, "w"))
+        for role, column in columns.items():
+            column.seek(0)
+            with _member(archive, role) as member:
+                member.write(_npy_header(np.dtype(_COLUMNS[role]), count))
+                shutil.copyfileobj(column, member, _PIECE)
+        for name, side in (("width", width), ("height", height)):
+            if side:
+                with _member(archive, name) as member:
+                    npy.write_array(member, np.array(side), allow_pickle=False)
+    return count
+
+
+def _member(archive: zipfile.ZipFile, name: str) -> IO[bytes]:
+    info = zipfile.ZipInfo(f"{name}.npy")  # of 1980, so that the same events are the same bytes
+    info.compress_type = zipfile.ZIP_DEFLATED
+    return archive.open(info, "w", force_zip64=True)
+
+
+def _npy_header(dtype: np.dtype[Any], count: int) -> bytes:
+    """Return the header of an array of shape (count,), always of the same size."""
+    fields = {"descr": npy.dtype_to_descr(dtype), "fortran_order": False, "shape": (count,)}
+    front = npy.magic(1, 0) + (_HEADER - npy.MAGIC_LEN - 2).to_bytes(2, "little")
+    return front + repr(fields).encode().ljust(_HEADER - len(front) - 1) + b"\n"
+
+
+WRITERS: dict[str, Writer] = {
+    "npy": _write_npy,
+    "npz": _write_npz,
+    **{name: partial(_write_encoded, name) for name in ("csv", "es", "dat", "evt2", "evt3")},
+}

@@ -1,0 +1,316 @@
+"""asap.convert: what is written is read back, by asap and by others."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tracemalloc
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asap
+import corrupt
+from asap import cli
+from asap.events import Events
+from asap.io.writers import WRITERS
+from event_files import assert_equal_events, recording, sha256_txyp
+
+EVENTS = corrupt.clean_events(3000)
+SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
+STATE_THE_SENSOR = ("npz", "es", "dat", "evt2", "evt3")
+UNIX_US = 1_633_953_690_975_950
+
+
+def long_gaps() -> Events:
+    """Stamps that begin late, and stand apart by more than the counters of some formats."""
+    events = EVENTS.copy()
+    events["t"] += 274_260_989
+    events["t"][1000:] += 30_000_000
+    events["t"][2000:] += 600_000_000
+    return events
+
+
+# ---- read back by asap ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("to", WRITERS)
+@pytest.mark.parametrize("events", [EVENTS, long_gaps()], ids=["short", "gaps"])
+def test_it_is_read_back(tmp_path: Path, to: str, events: Events) -> None:
+    path = tmp_path / "events.out"
+    assert asap.convert(events, path, to=to, **SENSOR) == len(events)
+    rec = asap.read(path)
+    assert rec.format == to
+    sensor = (corrupt.WIDTH, corrupt.HEIGHT) if to in STATE_THE_SENSOR else (None, None)
+    assert (rec.width, rec.height) == sensor
+    assert_equal_events(asap.load(path), events)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("to", WRITERS)
+def test_no_events_are_a_file_too(tmp_path: Path, to: str) -> None:
+    assert asap.convert(EVENTS[:0], tmp_path / "out", to=to, **SENSOR) == 0
+    assert len(asap.load(tmp_path / "out")) == 0
+
+
+@pytest.mark.parametrize("to", [to for to in WRITERS if to != "es"])
+def test_a_sensor_need_not_be_known(tmp_path: Path, to: str) -> None:
+    asap.convert(EVENTS, tmp_path / "out", to=to)
+    rec = asap.read(tmp_path / "out")
+    assert (rec.width, rec.height) == (None, None)
+    assert_equal_events(asap.load(tmp_path / "out"), EVENTS)
+
+
+def test_an_event_stream_needs_its_sensor(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="width = 0: an Event Stream states its sensor"):
+        asap.convert(EVENTS, tmp_path / "out.es")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "to"),
+    [
+        ("a.npz", "npz"), ("a.npy", "npy"), ("a.CSV", "csv"), ("a.es", "es"), ("a.dat", "dat"),
+        ("a.raw", "evt3"), ("a.evt2", "evt2"),
+    ],
+)  # fmt: skip
+def test_the_suffix_says_the_format(tmp_path: Path, name: str, to: str) -> None:
+    asap.convert(EVENTS, tmp_path / name, **SENSOR)
+    assert asap.read(tmp_path / name).format == to
+
+
+@pytest.mark.parametrize("to", WRITERS)
+def test_a_file_a_recording_and_a_stream_are_sources(tmp_path: Path, to: str) -> None:
+    asap.convert(EVENTS, tmp_path / "whole", to=to, **SENSOR)
+    asap.convert(EVENTS, tmp_path / "in.npz", **SENSOR)
+    sources = (
+        tmp_path / "in.npz",
+        asap.read(tmp_path / "in.npz"),
+        [EVENTS[:7], EVENTS[7:7], EVENTS[7:]],
+        {name: EVENTS[name] for name in "txyp"},
+    )
+    for source in sources:
+        asap.convert(source, tmp_path / "again", to=to, **SENSOR)
+        assert (tmp_path / "again").read_bytes() == (tmp_path / "whole").read_bytes()
+
+
+@pytest.mark.parametrize("to", WRITERS)
+@pytest.mark.parametrize(
+    ("name", "side"),
+    [("evt/laser_evt2.raw", None), ("evt/drive_hd_evt3.raw", None), ("gestures/clap.bs2", 128)],
+)
+def test_recordings(tmp_path: Path, to: str, name: str, side: int | None) -> None:
+    source = recording(name)
+    asap.convert(source, tmp_path / "out", to=to, width=side, height=side)
+    assert sha256_txyp(asap.load(tmp_path / "out")) == sha256_txyp(asap.load(source))
+
+
+@pytest.mark.parametrize("to", WRITERS)
+def test_relative_times_begin_at_0(tmp_path: Path, to: str) -> None:
+    events = EVENTS.copy()
+    events["t"] += UNIX_US
+    asap.convert(events, tmp_path / "out", to=to, relative=True, **SENSOR)
+    events["t"] -= events["t"][0]
+    assert_equal_events(asap.load(tmp_path / "out"), events)
+
+
+@pytest.mark.parametrize("to", ["npy", "npz"])
+def test_the_same_events_are_the_same_bytes(tmp_path: Path, to: str) -> None:
+    dirty = np.frombuffer(np.full(16 * len(EVENTS), 255, np.uint8), asap.EVENT_DTYPE).copy()
+    for name in "txyp":
+        dirty[name] = EVENTS[name]
+    dirty.view(np.uint16)[3::8] = 7  # padding
+    for name, events in (("a", EVENTS), ("b", dirty)):
+        asap.convert(events, tmp_path / name, to=to)
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+@pytest.mark.parametrize("to", WRITERS)
+def test_memory_stays_flat(tmp_path: Path, to: str) -> None:
+    def blocks() -> Iterator[Events]:
+        for i in range(20):
+            block = np.zeros(1 << 16, asap.EVENT_DTYPE)
+            block["t"] = np.arange(i << 16, (i + 1) << 16)
+            yield block
+
+    tracemalloc.start()
+    try:
+        count = asap.convert(blocks(), tmp_path / "out", to=to, **SENSOR)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert count == 20 << 16
+    assert peak < 8 << 20 < 16 * count
+
+
+# ---- read back by others --------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    folder = tmp_path_factory.mktemp("written")
+
+    def write(to: str) -> Path:
+        suffix = "raw" if to.startswith("evt") else to
+        path = folder / f"{to}.{suffix}"
+        asap.convert(EVENTS, path, to=to, **SENSOR)
+        return path
+
+    return write
+
+
+def columns_of(array: Any) -> Events:
+    return asap.as_events({name: array[name] for name in "txyp"})
+
+
+def test_numpy_reads_npy_and_npz(written: Callable[[str], Path]) -> None:
+    assert_equal_events(np.load(written("npy")), EVENTS)
+    with np.load(written("npz")) as arrays:
+        assert_equal_events(columns_of(arrays), EVENTS)
+        assert (arrays["width"], arrays["height"]) == (corrupt.WIDTH, corrupt.HEIGHT)
+
+
+def test_csv_is_read_by_numpy(written: Callable[[str], Path]) -> None:
+    rows = np.genfromtxt(written("csv"), delimiter=",", names=True, dtype=np.int64)
+    assert_equal_events(columns_of(rows), EVENTS)
+
+
+# Peers run as programs of their own: some are under the GPL.
+PEERS = {
+    "evt2": ("expelliarmus", "expelliarmus.Wizard(encoding='evt2').read(path)"),
+    "dat": ("expelliarmus", "expelliarmus.Wizard(encoding='dat').read(path)"),
+    "evt3": ("evt3", "vars_of(evt3.decode_file(path))"),
+    "es": ("event_stream", "np.concatenate(list(event_stream.Decoder(path)))"),
+}
+
+
+@pytest.mark.parametrize("to", PEERS)
+def test_peers_read_it(written: Callable[[str], Path], tmp_path: Path, to: str) -> None:
+    module, read = PEERS[to]
+    pytest.importorskip(module)
+    program = f"""
+import sys, numpy as np, {module}
+path, out = sys.argv[1:]
+vars_of = lambda events: {{name: getattr(events, name) for name in "txyp"}}
+events = {read}
+np.save(out, np.stack([np.asarray(events[name]).astype(np.int64) for name in "txyp"]))
+"""
+    out = tmp_path / "columns.npy"
+    subprocess.run([sys.executable, "-c", program, str(written(to)), str(out)], check=True)
+    assert_equal_events(asap.as_events(tuple(np.load(out))), EVENTS)
+
+
+# ---- what is refused ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("to", WRITERS)
+def test_a_stamp_that_goes_back_is_refused_with_its_number(tmp_path: Path, to: str) -> None:
+    events = EVENTS.copy()
+    events["t"][2000] = events["t"][1999] - 3
+    words = rf"^t = {events['t'][2000]} \(event 2000\): goes back by 3 us; sort the events"
+    for source in (events, [events[:1500], events[1500:2000], events[2000:]]):
+        with pytest.raises(ValueError, match=words):
+            asap.convert(source, tmp_path / "out", to=to, **SENSOR)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("to", ["es", "dat", "evt3"])
+def test_a_time_that_the_format_cannot_hold(tmp_path: Path, to: str) -> None:
+    events = EVENTS.copy()
+    events["t"] += UNIX_US
+    words = rf"t = {events['t'][0]} \(event 0\): .* cannot hold this time; .* \(relative\)"
+    with pytest.raises(ValueError, match=words):
+        asap.convert(events, tmp_path / "out", to=to, **SENSOR)
+
+
+def test_an_error_leaves_the_older_file(tmp_path: Path) -> None:
+    asap.convert(EVENTS, tmp_path / "a.npy")
+
+    def stream() -> Iterator[Events]:
+        yield EVENTS
+        raise RuntimeError("the camera is gone")
+
+    with pytest.raises(RuntimeError, match="the camera is gone"):
+        asap.convert(stream(), tmp_path / "a.npy")
+    assert_equal_events(asap.load(tmp_path / "a.npy"), EVENTS)
+    assert list(tmp_path.iterdir()) == [tmp_path / "a.npy"]
+
+
+def test_a_recording_is_not_written_over_itself(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", EVENTS)
+    (tmp_path / "b.npy").symlink_to(tmp_path / "a.npy")
+    with pytest.raises(ValueError, match=r"b\.npy': is the recording itself"):
+        asap.convert(tmp_path / "a.npy", tmp_path / "b.npy")
+
+
+@pytest.mark.parametrize("name", ["a", "a.txt", "a.h5"])
+def test_a_suffix_that_names_no_format(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ValueError, match=rf"^path = '.*{name}': its suffix names no format; give"):
+        asap.convert(EVENTS, tmp_path / name)
+
+
+def test_a_format_that_is_none(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="to = 'evt4': give one of npy, npz, csv, es, dat, evt2"):
+        asap.convert(EVENTS, tmp_path / "a.npy", to="evt4")
+
+
+def test_what_is_lost_is_told(tmp_path: Path) -> None:
+    np.save(tmp_path / "bad.npy", corrupt.outside_sensor(EVENTS, 60))
+    with pytest.warns(UserWarning, match=r"out: without the events .*: 60 out_of_bounds"):
+        count = asap.convert(tmp_path / "bad.npy", tmp_path / "out", to="evt3", **SENSOR)
+    assert count == len(EVENTS) - 60
+    np.save(tmp_path / "reset.npy", corrupt.clock_reset(EVENTS, 1000))
+    with pytest.warns(UserWarning, match=r"out: the clock jumped back 1 times"):
+        asap.convert(tmp_path / "reset.npy", tmp_path / "out", to="evt3")
+
+
+# ---- the verb -------------------------------------------------------------------------------
+
+
+def test_the_verb(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source, out = tmp_path / "a.npy", tmp_path / "a.raw"
+    np.save(source, np.stack([EVENTS[role] for role in "xytp"], axis=1))
+    arguments = ["convert", str(source), str(out), "--order", "xytp", "--width=346"]
+    assert cli.main([*arguments, "--height=260", "--relative"]) == 0
+    assert capsys.readouterr().out == f"wrote {out}: 3,000 events\n"
+    assert asap.load(out)["t"][0] == 0
+    assert cli.main([*arguments, "--to", "evt2", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {
+        "schema_version": 1,
+        "path": str(out),
+        "format": "evt2",
+        "events": 3000,
+    }
+    assert_equal_events(asap.load(out), EVENTS)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["none.npy", "a.raw"], 3, "none.npy: No such file"),
+        (["a.npy", "a.xyz"], 2, "its suffix names no format"),
+        (["a.npy", "a.es"], 2, "width = 0: an Event Stream states its sensor"),
+        (["a.npy", "no/a.es"], 2, "there is no folder"),
+        (["a.npy", "a.npy"], 2, "is the recording itself"),
+        (["a.npy", "a.raw", "--to", "evt4"], 2, "invalid choice"),
+        (["a.npy", "folder.raw"], 2, "folder.raw: Is a directory"),
+    ],
+)
+def test_the_verb_refuses(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: list[str],
+    code: int,
+    words: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    np.save(tmp_path / "a.npy", EVENTS)
+    (tmp_path / "folder.raw").mkdir()
+    assert cli.main(["convert", *arguments]) == code
+    out, err = capsys.readouterr()
+    assert out == "" and words in err
