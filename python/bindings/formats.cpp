@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <span>
 #include <string>
 #include <string_view>
@@ -33,7 +34,10 @@ py::array decode(DecoderWithRoom& decoder, const py::bytes& bytes) {
     decoder.room.resize(std::max(decoder.room.size(), decoder.room_for(text.size())));
     count = decoder.TextDecoder::decode(text, std::span<Event>(decoder.room)).events;
   }
-  return py::array(event_dtype(), static_cast<py::ssize_t>(count), decoder.room.data());
+  py::array events(event_dtype(), static_cast<py::ssize_t>(count));
+  // NumPy would copy field by field.
+  if (count > 0) std::memcpy(events.mutable_data(), decoder.room.data(), count * sizeof(Event));
+  return events;
 }
 
 // (events of the last line, whether the input ended well)

@@ -249,4 +249,34 @@ MUTANTS: list[Mutant] = [
             "(random_(number) >> 1) >= threshold",
         ),
     ),
+    *in_file(
+        SOURCE + "formats/encoder.cpp",
+        "formats",
+        row_never_written=(
+            "if (event.y != state.y) to = put_word",
+            "if (event.y < state.y) to = put_word",
+        ),
+        low_bits_of_time_left_out=(
+            "else if (event.t != state.t) {",
+            "else if (event.t > state.t + 1) {",
+        ),
+        high_bits_of_time_cut=("t >> 6 & 0xfffffff)", "t >> 6 & 0x7ffffff)"),
+        mark_beyond_what_readers_unwrap=(
+            "kReach = std::int64_t{1} << 22;",
+            "kReach = std::int64_t{1} << 24;",
+        ),
+        gap_of_127_in_one_byte=("kReach = 127;", "kReach = 128;"),
+        back_step_encoded=("bool held = event->t >= state.last_t &&", "bool held ="),
+        refused_event_misnumbered=(
+            "state.last_t = event->t;\n    ++state.events;",
+            "state.last_t = event->t;",
+        ),
+    ),
+    *in_file(
+        SOURCE + "formats/plain_line.hpp",
+        "formats",
+        polarity_of_two_digits_cut=("(p_end - y_end == 2)", "(p_end - y_end >= 2)"),
+        separators_may_differ=("(line[x_end] == separator)", "is_separator(line[x_end])"),
+        long_times_cut=("if (count > 8) {", "if (count > 9) {"),
+    ),
 ]

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "formats/decimal.hpp"
+#include "formats/words.hpp"
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -41,6 +42,28 @@ class PlainLine {
   static constexpr std::ptrdiff_t kRoom = kWindow + 16;
 
   explicit PlainLine(const char* line) noexcept : line_(line), others_(others_among(line)) {}
+
+  // The most common line: t, x, y and p are whole, p has one digit, and one and the same character
+  // stands between them. Returns where the next line begins; nullptr for all other lines.
+  static const char* read_whole_txyp(const char* line, Event& event) noexcept {
+    std::uint64_t others = others_among(line);
+    const auto next = [&]() noexcept {
+      const auto at = static_cast<std::uint32_t>(std::countr_zero(others | kBehindWindow));
+      others &= others - 1;
+      return at;
+    };
+    const std::uint32_t t_end = next(), x_end = next(), y_end = next(), p_end = next();
+    const std::uint32_t x = x_end - t_end - 1, y = y_end - x_end - 1;
+    const char separator = line[t_end];
+    const bool plain = (t_end - 1 < 16) & (x - 1 < kMostSmallDigits) & (y - 1 < kMostSmallDigits) &
+                       (p_end - y_end == 2) & is_separator(separator) & (line[x_end] == separator) &
+                       (line[y_end] == separator) & (line[p_end] == '\n');
+    if (!plain) return nullptr;
+    write_event(&event, join_four(line + t_end + 1, x), join_four(line + x_end + 1, y),
+                static_cast<std::uint64_t>(line[y_end + 1] - '0'),
+                static_cast<std::int64_t>(append_digits(0, line, t_end)));
+    return line + p_end + 1;
+  }
 
   // False once something was not plain; the values read are then without meaning.
   bool plain() const noexcept { return plain_; }
@@ -95,8 +118,11 @@ class PlainLine {
   }
 
  private:
+  static constexpr std::uint64_t kBehindWindow = std::uint64_t{1} << kWindow;
   static constexpr std::uint32_t kMostSmallDigits = 4;  // 16 bits hold them, with a sign too
   static constexpr std::uint32_t kMostTimeDigits = 18;  // below Rounded::kHuge
+  static constexpr std::array<std::uint64_t, 9> kPowersOfTen{
+      1, 10, 100, 1'000, 10'000, 100'000, 1'000'000, 10'000'000, 100'000'000};
 
   template <class Word>
   static Word load(const char* at) noexcept {
@@ -148,8 +174,6 @@ class PlainLine {
   // Appends at most 16 digits to those of `value`.
   static std::uint64_t append_digits(std::uint64_t value, const char* at,
                                      std::uint32_t count) noexcept {
-    constexpr std::array<std::uint64_t, 9> kPowersOfTen{
-        1, 10, 100, 1'000, 10'000, 100'000, 1'000'000, 10'000'000, 100'000'000};
     if (count > 8) {
       value = value * kPowersOfTen[8] + join_eight(at, 8);
       at += 8;
@@ -165,7 +189,7 @@ class PlainLine {
 
   // Moves behind the digits; returns how many there are.
   std::uint32_t next_digits() noexcept {
-    const auto end = static_cast<std::uint32_t>(std::countr_zero(others_));
+    const auto end = static_cast<std::uint32_t>(std::countr_zero(others_ | kBehindWindow));
     plain_ &= others_ != 0;
     others_ &= others_ - 1;
     return end - std::exchange(at_, end);

@@ -29,7 +29,7 @@ const char* skip_field(const char* at, const char* end) noexcept {
   return at;
 }
 
-constexpr std::size_t kT = 0, kX = 1, kY = 2, kP = 3;  // places in kLetters
+constexpr std::size_t kX = 1, kY = 2, kP = 3;  // places in kLetters
 
 // The value's sign survives: 0.5 is ON.
 std::int16_t to_polarity(const Decimal& number) noexcept {
@@ -146,46 +146,48 @@ const char* TextDecoder::plain_lines(const char* at, const char* end, std::span<
     Event* to = events.data() + written;
     const Event* const full = events.data() + events.size();
     while (to != full && end - at >= PlainLine::kRoom) {
-      PlainLine line(at);
-      std::int64_t t = 0;
-      std::array<std::uint32_t, 4> small{0, 0, 0, 1};
-      bool negative = false;
-      read(line, t, small, negative);
-      const char* const next = line.end();
-      if (!line.plain()) break;
-      const auto p = static_cast<std::int32_t>(small[kP]);
-      *to++ = {.x = static_cast<std::uint16_t>(small[kX]),
-               .y = static_cast<std::uint16_t>(small[kY]),
-               .p = static_cast<std::int16_t>(negative ? -p : p),
-               .t = t};
+      const char* const next = read(at, *to);
+      if (next == nullptr) break;
+      ++to;
       at = next;
     }
     written = static_cast<std::size_t>(to - events.data());
     return at;
   };
-  if (is_txyp_) {
-    return lines([this](PlainLine& line, std::int64_t& t, auto& small, bool& negative) noexcept {
-      t = line.time(time_exponent_);
-      line.separator();
-      small[kX] = line.small();
-      line.separator();
-      small[kY] = line.small();
-      line.separator();
-      negative = line.sign();
-      small[kP] = line.small();
-    });
-  }
-  return lines([this](PlainLine& line, std::int64_t& t, auto& small, bool& negative) noexcept {
-    for (std::size_t i = 0; i < column_count_; ++i) {
+  const auto read_fields = [this](const char* from, Event& event,
+                                  const auto& columns) noexcept -> const char* {
+    PlainLine line(from);
+    std::int64_t t = 0;
+    std::array<std::uint32_t, 4> small{0, 0, 0, 1};  // at their places in kLetters
+    bool negative = false;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
       if (i > 0) line.separator();
-      const auto column = static_cast<std::size_t>(columns_[i]);
-      if (column == kT) {
+      if (columns[i] == Column::t) {
         t = line.time(time_exponent_);
       } else {
-        if (column == kP) negative = line.sign();
-        small[column] = line.small();
+        if (columns[i] == Column::p) negative = line.sign();
+        small[static_cast<std::size_t>(columns[i])] = line.small();
       }
     }
+    const char* const next = line.end();
+    if (!line.plain()) return nullptr;
+    const auto p = static_cast<std::int32_t>(small[kP]);
+    event = {.x = static_cast<std::uint16_t>(small[kX]),
+             .y = static_cast<std::uint16_t>(small[kY]),
+             .p = static_cast<std::int16_t>(negative ? -p : p),
+             .t = t};
+    return next;
+  };
+  if (!is_txyp_) {
+    const std::span columns(columns_.data(), column_count_);
+    return lines(
+        [&](const char* line, Event& event) noexcept { return read_fields(line, event, columns); });
+  }
+  return lines([&](const char* line, Event& event) noexcept {  // columns known: a loop unrolled
+    static constexpr std::array kColumns{Column::t, Column::x, Column::y, Column::p};
+    const char* next = nullptr;
+    if (time_exponent_ == 0) next = PlainLine::read_whole_txyp(line, event);
+    return next != nullptr ? next : read_fields(line, event, kColumns);
   });
 }
 
