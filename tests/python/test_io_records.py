@@ -222,8 +222,8 @@ def test_file_format_is_a_name_of_a_reader(tmp_path: Path) -> None:
     [
         (b"Event Stream\x02\x00\x00\x02" + bytes(8), "Event Stream of type atis"),
         (b"Event Stream\x03\x00\x00\x01" + bytes(8), "no whole header of Event Stream 1 or 2"),
-        (aedat2(EVENTS, "# AEChip: com.sec.dvs.SecDvs640Gen2\r\n"), "AEDAT 2.0 of a chip"),
-        (aedat2(EVENTS, ""), "AEDAT 2.0 of a chip that the header does not name"),
+        (aedat2(EVENTS, "# AEChip: com.sec.dvs.SecDvs640Gen2\r\n"), "names another chip"),
+        (aedat2(EVENTS, ""), "does not say which chip it is of"),
         (aedat3(EVENTS, "#Format: SerializedTS\r\n"), "compressed AEDAT 3.1"),
         (b"#!AER-DAT1.0\r\n" + bytes(100), "AEDAT 1.0"),
     ],
@@ -243,6 +243,15 @@ def test_an_unnamed_dvs128_is_known_by_its_addresses(tmp_path: Path) -> None:
     rec = asap.read(file_of(tmp_path, aedat2(EVENTS, "", dvs128), "a.aedat"))
     assert (rec.width, rec.height) == (128, 128)
     assert_equal_events(np.concatenate(list(rec)), EVENTS)
+
+
+def test_an_unnamed_davis_needs_its_size(tmp_path: Path) -> None:
+    path = file_of(tmp_path, aedat2(EVENTS, "# HardwareInterface: DAVIS FX2\r\n"), "a.aedat")
+    assert_equal_events(asap.load(path, width=128, height=128), EVENTS)
+    path = file_of(tmp_path, aedat2(EVENTS, ""), "b.aedat")
+    with pytest.raises(UnsupportedFormat, match="give width and height"):
+        asap.read(path, width=128)
+    assert_equal_events(asap.load(path, width=128, height=128), EVENTS)
 
 
 # ---- what is no event --------------------------------------------------------------------------

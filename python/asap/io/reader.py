@@ -26,6 +26,8 @@ class Options:
 
     order: str | None
     time_unit: str | None
+    width: int | None = None  # of the sensor, px
+    height: int | None = None
 
     def __post_init__(self) -> None:
         if self.order is not None:

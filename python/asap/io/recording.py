@@ -57,7 +57,7 @@ class Recording:
         width, height = checks.sides(width, height)
         self._on_bad = on_bad
         self._reorder_tolerance_us = reorder_tolerance_us
-        options = Options(order, time_unit)
+        options = Options(order, time_unit, width=width, height=height)
         self._reader = _READERS[_format_of(self._path, file_format)](self._path, options)
         self._width = width if self._reader.width is None else self._reader.width
         self._height = height if self._reader.height is None else self._reader.height

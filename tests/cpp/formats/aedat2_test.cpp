@@ -109,7 +109,7 @@ TEST(Aedat2Decoder, IsTheSameHoweverTheBytesAreCut) {
 }
 
 TEST(Aedat2Decoder, RefusesWhatNoSensorIs) {
-  EXPECT_THROW(Aedat2Decoder({.chip = Aedat2Chip::unknown}), std::invalid_argument);
+  EXPECT_THROW(Aedat2Decoder({.chip = Aedat2Chip::unnamed}), std::invalid_argument);
   EXPECT_THROW(Aedat2Decoder({.width = 0}), std::invalid_argument);
   EXPECT_THROW(Aedat2Decoder({.width = 1025}), std::invalid_argument);
   EXPECT_THROW(Aedat2Decoder({.height = 513}), std::invalid_argument);
@@ -137,8 +137,8 @@ TEST(Aedat2Header, NamesTheChip) {
   const Aedat2Header dvs = chip("ch.unizh.ini.jaer.chip.retina.DVS128");
   EXPECT_EQ(dvs.chip, Aedat2Chip::dvs128);
   EXPECT_EQ(dvs.width, 128);
-  EXPECT_EQ(chip("com.sec.dvs.SecDvs640Gen2").chip, Aedat2Chip::unknown);
-  EXPECT_EQ(chip("ch.unizh.ini.jaer.chip.cochlea.CochleaAMS1c").chip, Aedat2Chip::unknown);
+  EXPECT_EQ(chip("com.sec.dvs.SecDvs640Gen2").chip, Aedat2Chip::other);
+  EXPECT_EQ(chip("ch.unizh.ini.jaer.chip.cochlea.CochleaAMS1c").chip, Aedat2Chip::other);
 }
 
 TEST(Aedat2Header, TheClassOfTheChipIsBetterThanTheCamera) {
@@ -152,7 +152,7 @@ TEST(Aedat2Header, TheClassOfTheChipIsBetterThanTheCamera) {
 
 TEST(Aedat2Header, WithoutANameTheAddressesTell) {
   EXPECT_EQ(read_aedat2_header(file("", dvs128(5, 6, 1)))->chip, Aedat2Chip::dvs128);
-  EXPECT_EQ(read_aedat2_header(file("", davis(5, 6, 1)))->chip, Aedat2Chip::unknown);
+  EXPECT_EQ(read_aedat2_header(file("", davis(5, 6, 1)))->chip, Aedat2Chip::unnamed);
 }
 
 TEST(Aedat2Header, EndsWhereTheRecordsBegin) {
