@@ -1,8 +1,9 @@
-"""Prophesee files of 10^7 events, from the page cache into an array, beside other readers.
+"""Native files of 10^7 events, from the page cache into an array, beside other readers.
 
 pytest tests/bench/test_native_decoders_bench.py --benchmark-only
-The rivals skip where they are absent: pip install expelliarmus evt3 eventcv. They make an array of
-their own; ours is there already, as a copy of the events is, which bounds what memory allows.
+The rivals skip where they are absent: pip install expelliarmus evt3 eventcv event-stream. They make
+an array of their own; ours is there already, as a copy of the events is, which bounds what memory
+allows.
 """
 
 import sys
@@ -13,9 +14,13 @@ import pytest
 
 import asap
 from asap.io.native import FORMATS, HEAD
+from asap.io.reader import Options
 
 sys.path.append(str(Path(__file__).parents[1] / "python"))
 import raw_files
+import record_files
+
+WRITERS = raw_files.WRITERS | record_files.WRITERS
 
 COUNT = 10_000_000
 PIECE = 1 << 18  # bytes; stays in the second-level cache
@@ -33,12 +38,31 @@ def events():
     return events
 
 
-@pytest.fixture(scope="module", params=raw_files.WRITERS)
-def path(request, events, tmp_path_factory):
-    suffix = "dat" if request.param == "dat" else "raw"
-    file = tmp_path_factory.mktemp("bench") / f"{request.param}.{suffix}"
-    yield raw_files.WRITERS[request.param](file, events, 1280, 720)
-    file.unlink()
+@pytest.fixture(scope="module")
+def of_dvs128(events):
+    """The same on a small sensor."""
+    small = events.copy()
+    small["x"] %= record_files.SIDE
+    small["y"] %= record_files.SIDE
+    return small
+
+
+@pytest.fixture(scope="module", params=WRITERS)
+def written(request, events, of_dvs128, tmp_path_factory):
+    """A file and its events."""
+    kind = request.param
+    path = tmp_path_factory.mktemp("bench") / f"{kind}.{'dat' if kind == 'dat' else 'raw'}"
+    if kind in record_files.WRITERS:
+        yield record_files.WRITERS[kind](path.with_suffix(f".{kind}"), of_dvs128), of_dvs128
+    else:
+        yield raw_files.WRITERS[kind](path, events, 1280, 720), events
+    for file in path.parent.iterdir():
+        file.unlink()
+
+
+@pytest.fixture
+def path(written):
+    return written[0]
 
 
 def measure(benchmark, path, read):
@@ -49,9 +73,10 @@ def measure(benchmark, path, read):
     benchmark.extra_info["GB/s"] = round((path.stat().st_size + 16 * COUNT) / seconds / 1e9, 2)
 
 
-def test_decoder(benchmark, path, events):
+def test_decoder(benchmark, written):
+    path, events = written
     with path.open("rb") as file:
-        layout = FORMATS[path.stem.removesuffix("_legacy")](path, file.read(HEAD))
+        layout = FORMATS[asap.read(path).format](path, file.read(HEAD), Options(None, None))
     out, piece = np.empty(COUNT, asap.EVENT_DTYPE), memoryview(bytearray(PIECE))
 
     def read():
@@ -101,3 +126,10 @@ def test_rival_eventcv(benchmark, path):
     if path.stem not in ("evt2", "evt3", "dat"):
         pytest.skip("EventCV does not read it, or not rightly")
     measure(benchmark, path, lambda: len(eventcv.load(str(path))))
+
+
+def test_rival_event_stream(benchmark, path):
+    event_stream = pytest.importorskip("event_stream")
+    if path.stem != "es":
+        pytest.skip("event_stream reads Event Stream 2")
+    measure(benchmark, path, lambda: sum(map(len, event_stream.Decoder(str(path)))))
