@@ -249,4 +249,32 @@ MUTANTS: list[Mutant] = [
             "(random_(number) >> 1) >= threshold",
         ),
     ),
+    *in_file(
+        SOURCE + "formats/records.hpp",
+        "formats",
+        record_without_room_is_passed=("if (!take_one(word)) break;", "take_one(word);"),
+        record_that_ends_in_the_next_piece_is_read_twice=("    cut.size = 0;\n", ""),
+    ),
+    *in_file(
+        SOURCE + "formats/aedat2.cpp",
+        "formats",
+        clock_that_goes_back_wraps=("t += static_cast<std::int32_t>(step);", "t += step;"),
+        trigger_without_room_is_not_awaited=("!out.has_room_for_a_trigger()", "false"),
+    ),
+    *in_file(
+        SOURCE + "formats/aedat3.cpp",
+        "formats",
+        overflows_of_the_packet_ignored=("static_cast<std::int64_t>(header.overflows) << 31", "0"),
+        bad_bytes_end_with_any_packet=(" || (lost_ && header.type != kPolarity)", ""),
+    ),
+    *in_file(
+        SOURCE + "formats/atis40.cpp",
+        "formats",
+        row_240_marks_no_time=("event ? 0 : kMarkUs", "event ? 0 : 0"),
+    ),
+    *in_file(
+        SOURCE + "formats/event_stream.cpp",
+        "formats",
+        padding_takes_time=("(word & 1) * 127", "127"),
+    ),
 ]
