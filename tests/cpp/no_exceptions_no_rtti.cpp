@@ -48,8 +48,8 @@
 #include "runner/read_ahead.hpp"
 #include "schemes/calibration.hpp"
 #include "schemes/latency_bound.hpp"
-#include "study/busy_wait.hpp"
 #include "study/oracle.hpp"
+#include "study/realtime.hpp"
 
 #if defined(__cpp_exceptions) || defined(__cpp_rtti)
 #error "this file is to be compiled with -fno-exceptions -fno-rtti"

@@ -15,7 +15,7 @@
 #include "camera.hpp"
 #include "measure.hpp"
 #include "parts.hpp"
-#include "study/busy_wait.hpp"
+#include "study/realtime.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::soak {

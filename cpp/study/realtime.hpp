@@ -1,6 +1,5 @@
-// BusyWait: an algorithm of known cost in real time. It spins for alpha at the start of a package
-// and for beta per event, so that a replay can be put beside the simulation of the same cost. One
-// thread, no allocation.
+// What an experiment in real time needs: an algorithm of known cost, and the machine's own
+// scheduling jitter, beside which the figures are read. Any one thread.
 #pragma once
 
 #include <chrono>
@@ -8,6 +7,7 @@
 #include <cstdint>
 
 #include "asap/core/event.hpp"
+#include "asap/telemetry/latency_histogram.hpp"
 
 namespace asap {
 
@@ -16,6 +16,8 @@ struct BusyWaitConfig {
   double beta_ns = 300.0;
 };
 
+// An algorithm of known cost: it spins for alpha at the start of a package and for beta per event,
+// so that a replay can be put beside the simulation of the same cost. No allocation.
 class BusyWait {
  public:
   explicit BusyWait(BusyWaitConfig config = {});
@@ -38,5 +40,9 @@ class BusyWait {
 
   const BusyWaitConfig config_;
 };
+
+// Times between two looks at the steady clock, over a stretch of time: a thread that does nothing
+// but look at the clock is not always running, and what it misses no scheme can give back.
+LatencyHistogram scheduling_jitter(std::chrono::nanoseconds duration);
 
 }  // namespace asap
