@@ -12,7 +12,6 @@
 #include "asap/core/time.hpp"
 
 namespace asap {
-
 namespace {
 
 // Events that no boundary parts.

@@ -5,7 +5,6 @@
 #include <utility>
 
 namespace asap {
-
 namespace {
 
 constexpr double kStep = 50;  // events; also the first limit

@@ -65,9 +65,6 @@ WITHOUT_A_TEST_OF_ITS_OWN = {
     "runner/consumer.hpp": "an alias",
     "runner/when_full.hpp": "an enumeration",
     "schemes/scheme.hpp": "an interface; every scheme's test speaks it",
-    "synthetic/near_normal.hpp": "the scenes are golden, bit by bit",
-    "synthetic/portable_exp.hpp": "likewise",
-    "synthetic/portable_log.hpp": "likewise",
     "synthetic/scene_checks.hpp": "every scene's refusals are tested",
 }
 

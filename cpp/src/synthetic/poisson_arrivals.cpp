@@ -7,9 +7,7 @@
 
 #include "asap/core/check.hpp"
 #include "asap/core/random.hpp"
-#include "synthetic/near_normal.hpp"
-#include "synthetic/poisson_table.hpp"
-#include "synthetic/portable_exp.hpp"
+#include "synthetic/portable_math.hpp"
 #include "synthetic/scene_checks.hpp"
 
 namespace asap {

@@ -1,6 +1,5 @@
-// TimeSortedBlock: the events of one time step, added in any order, handed out in time order.
-// A counting sort over the step's microseconds: O(events + microseconds), stable. One thread;
-// memory is fixed by the constructor, whose capacity bounds the events between open() and close().
+// TimeSortedBlock and BackgroundNoise: what every scene makes in a time step: a block of events in
+// order of time, with noise in it. One thread; memory is fixed by the constructors.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +7,13 @@
 #include <vector>
 
 #include "asap/core/event.hpp"
+#include "asap/core/random.hpp"
 
 namespace asap {
 
+// The events of one time step, added in any order, handed out in time order. A counting sort over
+// the step's microseconds: O(events + microseconds), stable. The capacity bounds the events between
+// open() and close().
 class TimeSortedBlock {
  public:
   static constexpr std::int32_t kMaxStep_us = 1000;
@@ -50,6 +53,24 @@ class TimeSortedBlock {
   std::vector<Added> added_;
   std::vector<std::uint32_t> places_;  // per microsecond: where its next event goes
   std::vector<Event> sorted_;
+};
+
+// Events without a cause, as every sensor adds them. Each microsecond holds one
+// with the same probability (a Bernoulli process), at a uniform pixel, of random polarity; a pure
+// function of (seed, microsecond). O(microseconds).
+class BackgroundNoise {
+ public:
+  // noise_hz: events per second and pixel; at most one event per microsecond over the sensor.
+  BackgroundNoise(std::int32_t width, std::int32_t height, double noise_hz, std::uint64_t seed);
+
+  // Adds the events of the block's step, which starts elapsed_us after the start of the stream.
+  void add_to(TimeSortedBlock& block, std::int64_t elapsed_us) const noexcept;
+
+ private:
+  CounterRandom random_;
+  std::uint64_t width_;
+  std::uint64_t height_;
+  double probability_;
 };
 
 }  // namespace asap

@@ -1,11 +1,11 @@
-#include "synthetic/poisson_table.hpp"
+#include "synthetic/portable_math.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-namespace asap::poisson_table_test {
+namespace asap::portable_math_test {
 namespace {
 
 double probability(double mean, std::size_t number) {
@@ -46,4 +46,4 @@ TEST(PoissonTable, MeanZeroIsNeverMoreThanNone) {
 }
 
 }  // namespace
-}  // namespace asap::poisson_table_test
+}  // namespace asap::portable_math_test

@@ -1,11 +1,11 @@
-#include "synthetic/unit_vector.hpp"
+#include "synthetic/plane.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-namespace asap::unit_vector_test {
+namespace asap::plane_test {
 namespace {
 
 TEST(UnitVector, TurnsByTwiceTheArcTangentAndKeepsItsLength) {
@@ -19,4 +19,4 @@ TEST(UnitVector, TurnsByTwiceTheArcTangentAndKeepsItsLength) {
 }
 
 }  // namespace
-}  // namespace asap::unit_vector_test
+}  // namespace asap::plane_test
