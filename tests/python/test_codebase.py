@@ -58,7 +58,6 @@ USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 
 WITHOUT_A_TEST_OF_ITS_OWN = {
     "algorithms/cluster.hpp": "plain data",
-    "core/atomics.hpp": "an alias",
     "packager/books.hpp": "the packager's tests read what they say",
     "runner/admission.hpp": "an interface; the gate's test speaks it",
     "telemetry/telemetry.hpp": "plain data",

@@ -19,7 +19,7 @@
 #include <functional>
 
 #include "asap/buffer/event_buffer.hpp"
-#include "asap/core/relaxed.hpp"
+#include "asap/core/atomics.hpp"
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/runner/when_full.hpp"
 #include "buffer/arrival_times.hpp"

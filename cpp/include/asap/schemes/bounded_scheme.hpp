@@ -5,7 +5,7 @@
 // Called on the consumer's thread; any thread may read and set the bound. O(1), no allocation.
 #pragma once
 
-#include "asap/core/relaxed.hpp"
+#include "asap/core/atomics.hpp"
 #include "asap/schemes/cost_model.hpp"
 #include "asap/schemes/hold.hpp"
 #include "asap/schemes/scheme.hpp"

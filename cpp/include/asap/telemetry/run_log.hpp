@@ -10,8 +10,8 @@
 #include <memory>
 #include <vector>
 
+#include "asap/core/atomics.hpp"
 #include "asap/core/check.hpp"
-#include "asap/core/relaxed.hpp"
 #include "asap/core/time.hpp"
 #include "asap/telemetry/package_totals.hpp"
 

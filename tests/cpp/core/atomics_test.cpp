@@ -1,11 +1,11 @@
-#include "asap/core/relaxed.hpp"
+#include "asap/core/atomics.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <thread>
 
-namespace asap::relaxed_test {
+namespace asap::atomics_test {
 namespace {
 
 TEST(Relaxed, CountsLikeANumber) {
@@ -35,4 +35,4 @@ TEST(Relaxed, IsReadByAnotherThreadWithoutARace) {
 }
 
 }  // namespace
-}  // namespace asap::relaxed_test
+}  // namespace asap::atomics_test
