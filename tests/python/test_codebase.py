@@ -59,10 +59,7 @@ USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 WITHOUT_A_TEST_OF_ITS_OWN = {
     "algorithms/cluster.hpp": "plain data",
     "packager/books.hpp": "the packager's tests read what they say",
-    "runner/admission.hpp": "an interface; the gate's test speaks it",
     "telemetry/telemetry.hpp": "plain data",
-    "runner/consumer.hpp": "an alias",
-    "runner/when_full.hpp": "an enumeration",
     "schemes/scheme.hpp": "an interface; every scheme's test speaks it",
     "synthetic/scene_checks.hpp": "every scene's refusals are tested",
 }

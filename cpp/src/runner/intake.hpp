@@ -21,7 +21,7 @@
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/core/atomics.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/runner/when_full.hpp"
+#include "asap/runner/run_config.hpp"
 #include "buffer/arrival_times.hpp"
 #include "runner/doorbell.hpp"
 

@@ -1,4 +1,4 @@
-#include "runner/admission_gate.hpp"
+#include "runner/admission.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "runner/admission_gate.hpp"
+#include "runner/admission.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "asap/core/random.hpp"
 #include "support/streams.hpp"
 
-namespace asap::admission_gate_test {
+namespace asap::admission_test {
 namespace {
 
 using test::at_times;
@@ -150,4 +150,4 @@ TEST(AdmissionGate, KnowsWhatItHasSeenWhenTheSinkThrows) {
 }
 
 }  // namespace
-}  // namespace asap::admission_gate_test
+}  // namespace asap::admission_test
