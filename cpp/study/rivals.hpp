@@ -6,10 +6,10 @@
 #include <array>
 
 #include "asap/runner/linear_cost.hpp"
+#include "asap/schemes/bounded_scheme.hpp"
 #include "asap/schemes/cost_model.hpp"
 #include "asap/schemes/scheme.hpp"
 #include "runner/admission.hpp"
-#include "schemes/latency_bound.hpp"
 
 namespace asap {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "asap/runner/pipeline.hpp"
-#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "per_event.hpp"
 #include "support/streams.hpp"
 

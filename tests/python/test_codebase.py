@@ -87,7 +87,7 @@ def headers() -> dict[str, Path]:
 HEADERS = headers()
 PYTHON = sorted((ROOT / "python" / "asap").rglob("*.py"))
 NATIVE = {".cpp", ".hpp"}
-MOST_PUBLIC = 65
+MOST_PUBLIC = 49
 
 
 # ---- arrows ---------------------------------------------------------------------------------

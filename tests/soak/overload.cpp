@@ -10,7 +10,7 @@
 
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/deadline.hpp"
-#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "camera.hpp"
 #include "measure.hpp"
 #include "parts.hpp"

@@ -1,5 +1,6 @@
-#include "asap/schemes/fixed_time.hpp"
+#include "asap/schemes/fixed.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "asap/core/check.hpp"
@@ -14,6 +15,16 @@ std::int64_t checked_period_ns(double period_ms) {
 }
 
 }  // namespace
+
+FixedSize::FixedSize(Config config) : config_(config) {
+  require(config.size >= 1 && config.size <= kLargestSize, "size", config.size,
+          "must be between 1 and 2^40 events");
+}
+
+Decision FixedSize::decide(const Backlog& backlog) noexcept {
+  if (backlog.count < config_.size && !backlog.due) return Decision::wait_for(config_.size);
+  return Decision::take(std::min(backlog.count, config_.size));
+}
 
 FixedTime::FixedTime(Config config)
     : config_(config), period_ns_(checked_period_ns(config.period_ms)) {}
