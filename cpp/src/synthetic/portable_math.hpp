@@ -59,10 +59,6 @@ inline double near_normal(const CounterRandom& random, std::uint64_t number) noe
   return static_cast<double>(sum) * 0x1.0p-16 - kMean;
 }
 
-}  // namespace asap::synthetic
-
-namespace asap {
-
 // Poisson numbers of one mean, exact to double precision, by inversion of the cumulative
 // distribution (Devroye, Non-Uniform Random Variate Generation, III.2). One thread; a new mean
 // costs O(mean + sqrt(mean)) and a draw its logarithm; memory is fixed.
@@ -83,7 +79,7 @@ class PoissonTable {
 
 inline void PoissonTable::set_mean(double mean) noexcept {
   constexpr double kUnseen = 0x1.0p-60;  // below the step of a uniform
-  double probability = synthetic::portable_exp(-mean);
+  double probability = portable_exp(-mean);
   double sum = probability;
   cumulative_[0] = sum;
   size_ = 1;
@@ -103,4 +99,4 @@ inline std::size_t PoissonTable::draw(double uniform) const noexcept {
                                   cumulative_.begin());
 }
 
-}  // namespace asap
+}  // namespace asap::synthetic

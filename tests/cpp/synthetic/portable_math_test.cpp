@@ -3,10 +3,39 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 namespace asap::portable_math_test {
 namespace {
+
+using synthetic::PoissonTable;
+
+TEST(PortableExp, IsTheExponential) {
+  for (double x = -700.0; x <= 700.0; x += 0.37) {
+    EXPECT_NEAR(synthetic::portable_exp(x) / std::exp(x), 1.0, 1e-15) << x;
+  }
+}
+
+TEST(PortableLog, IsTheLogarithm) {
+  for (double x = 1e-9; x < 1e9; x *= 1.013) {
+    EXPECT_NEAR(synthetic::portable_log(x), std::log(x), 1e-10) << x;
+  }
+}
+
+TEST(NearNormal, HasMeanZeroAndVarianceOne) {
+  constexpr std::uint64_t kDraws = 100'000;
+  const CounterRandom random(7);
+  double sum = 0.0;
+  double squares = 0.0;
+  for (std::uint64_t number = 0; number < kDraws; ++number) {
+    const double draw = synthetic::near_normal(random, number);
+    sum += draw;
+    squares += draw * draw;
+  }
+  EXPECT_NEAR(sum / kDraws, 0.0, 0.015);
+  EXPECT_NEAR(squares / kDraws, 1.0, 0.02);
+}
 
 double probability(double mean, std::size_t number) {
   const auto n = static_cast<double>(number);
