@@ -12,6 +12,9 @@
 #include "asap/core/time.hpp"
 
 namespace asap {
+
+// ---- the smallest latency ----
+
 namespace {
 
 // Events that no boundary parts.
@@ -122,6 +125,8 @@ std::int64_t clairvoyant_latency_ns(EventSpan events, const LinearCost& cost, do
   }
   return enough_ns;
 }
+
+// ---- the most events ----
 
 namespace {
 

@@ -5,6 +5,9 @@
 #include <utility>
 
 namespace asap {
+
+// ---- ClipperAimd ----
+
 namespace {
 
 constexpr double kStep = 50;  // events; also the first limit
@@ -28,6 +31,8 @@ void ClipperAimd::observe(const Outcome& outcome) noexcept {
 
 void ClipperAimd::reset(Execution) noexcept { limit_ = kStep; }
 
+// ---- GreedyClear ----
+
 namespace {
 
 constexpr std::int64_t kFreshNs = 4000;  // less than half of any bound
@@ -40,6 +45,8 @@ Decision GreedyClear::decide(const Backlog& backlog) noexcept {
   }
   return Decision::take(backlog.count);
 }
+
+// ---- GreedyPie ----
 
 namespace {
 
@@ -65,6 +72,8 @@ void GreedyPie::reset(Execution) noexcept {
   age_s_ = 0.0;
 }
 
+// ---- GreedyRateGamma ----
+
 namespace {
 
 constexpr double kNewShare = 0.006379563620851;  // 1 - exp(-32 us / 5 ms)
@@ -86,6 +95,8 @@ void GreedyRateGamma::reset(Execution) noexcept {
   cost_.reset();
   rate_ = 0.0;
 }
+
+// ---- JaerTimer ----
 
 JaerTimer::JaerTimer(double latency_ms, LinearCost cost)
     : Rival(latency_ms), cost_(std::move(cost)) {}
@@ -110,6 +121,8 @@ void JaerTimer::reset(Execution) noexcept {
   waited_ = 0;
   rest_ = 0;
 }
+
+// ---- SparkPid ----
 
 namespace {
 

@@ -16,10 +16,9 @@
 
 namespace asap {
 
-// The velocity of a point from its positions, by regression of x and y on t in
-// which an older position weighs less: by memory / (memory + dt) with every step dt. Times count
-// from the newest position, so nothing grows and no digits are lost. O(1) per position, no
-// allocation. One thread.
+// The velocity of a point from its positions, by regression of x and y on t in which an older
+// position weighs less: by memory / (memory + dt) with every step dt. Times count from the newest
+// position, so nothing grows and no digits are lost.
 class DiscountedMotion {
  public:
   struct Velocity {

@@ -102,7 +102,7 @@ bool NewestPatch::search(const Number* centre, std::ptrdiff_t stride, PatchRows&
   return true;
 }
 
-// ---- select_avx2 --------------------------------------------------------------------------------
+// ---- select_avx2 ----
 
 #if defined(__x86_64__)
 

@@ -1,5 +1,5 @@
-// TimeSortedBlock and BackgroundNoise: what every scene makes in a time step: a block of events in
-// order of time, with noise in it. One thread; memory is fixed by the constructors.
+// TimeSortedBlock and BackgroundNoise: every scene makes, in each time step, a block of events in
+// order of time, and adds noise to it. One thread; the constructors fix the memory.
 #pragma once
 
 #include <cstddef>
@@ -55,9 +55,9 @@ class TimeSortedBlock {
   std::vector<Event> sorted_;
 };
 
-// Events without a cause, as every sensor adds them. Each microsecond holds one
-// with the same probability (a Bernoulli process), at a uniform pixel, of random polarity; a pure
-// function of (seed, microsecond). O(microseconds).
+// Events without a cause, as every sensor adds them. Each microsecond holds one with the same
+// probability (a Bernoulli process), at a uniform pixel, of random polarity; a pure function of
+// (seed, microsecond). O(microseconds).
 class BackgroundNoise {
  public:
   // noise_hz: events per second and pixel; at most one event per microsecond over the sensor.

@@ -1,4 +1,4 @@
-// RunConfig and Consumer: what the runners have in common.
+// Consumer, WhenFull, RunConfig: what the runners have in common.
 #pragma once
 
 #include <cstddef>
