@@ -116,9 +116,7 @@ TEST_P(NewestPatchPaths, FewerThan25AreNone) {
 // ---- select_avx2 ----------------------------------------------------------------------------
 
 using asap::Event;
-using asap::NewestPatch;
 using asap::OrderSurface;
-using asap::PatchRows;
 using asap::PatchSearch;
 
 // Every window of a stream on both paths: the same patches, so the same scores and labels.

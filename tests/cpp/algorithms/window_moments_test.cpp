@@ -124,7 +124,6 @@ TEST(WindowMoments, SaysWhichSpansItResolves) {
 
 // ---- chain_velocity -------------------------------------------------------------------------
 
-using asap::Event;
 using asap::EventWindow;
 
 // One chain of `count` events, `step_us` apart, in a window that holds the events of another too.

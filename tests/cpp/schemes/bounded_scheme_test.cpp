@@ -13,9 +13,10 @@
 namespace asap::bounded_scheme_test {
 namespace {
 
-// ---- checked_latency_ns ---------------------------------------------------------------------
-
 using test::error_of;
+using test::FakeBacklog;
+
+// ---- checked_latency_ns ---------------------------------------------------------------------
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -39,9 +40,6 @@ TEST(LatencyBound, RefusesABoundOutOfRange) {
 }
 
 // ---- HoldRule -------------------------------------------------------------------------------
-
-using test::error_of;
-using test::FakeBacklog;
 
 constexpr double kLatencyNs = 10e6;
 constexpr std::int64_t kNow = 100'000'000;
@@ -202,7 +200,6 @@ TEST(Hold, RefusesBadLimits) {
   const auto error = [](double overhead, double min_interval_ms) {
     return error_of([=] { HoldRule rule(overhead, min_interval_ms); });
   };
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(error(-0.1, 0), "overhead = -0.1: must be between 0 (no limit) and 1");
   EXPECT_EQ(error(1.5, 0), "overhead = 1.5: must be between 0 (no limit) and 1");
   EXPECT_EQ(error(kNaN, 0), "overhead = nan: must be between 0 (no limit) and 1");
@@ -212,8 +209,6 @@ TEST(Hold, RefusesBadLimits) {
 }
 
 // ---- BoundedScheme --------------------------------------------------------------------------
-
-using test::error_of;
 
 struct LawConfig {
   double latency_ms = 10.0;

@@ -58,8 +58,6 @@ TEST(FixedSize, RefusesPackagesOfNothing) {
 
 // ---- FixedTime ------------------------------------------------------------------------------
 
-using test::FakeBacklog;
-
 TEST(FixedTime, WaitsForTheNextMultipleOfThePeriod) {
   FixedTime scheme({.period_ms = 1.0});
   const struct {

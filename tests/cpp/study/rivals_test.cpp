@@ -99,8 +99,6 @@ TEST(ClipperAimd, TellsItsNameAndBound) {
 
 // ---- GreedyClear ----------------------------------------------------------------------------
 
-using test::FakeBacklog;
-
 TEST(GreedyClear, TakesAllThatWaitsUpToHalfTheBound) {
   GreedyClear scheme(10);
   const FakeBacklog backlog({0, 1, 4'000'000, 5'000'000});
@@ -303,8 +301,6 @@ TEST(GreedyRateGamma, TellsItsNameAndBound) {
 
 // ---- JaerTimer ------------------------------------------------------------------------------
 
-using test::FakeBacklog;
-
 Decision ask(JaerTimer& scheme, std::size_t count, std::int64_t now_ns = 0) {
   const FakeBacklog one({0});
   Backlog backlog = one.at(now_ns);
@@ -398,8 +394,6 @@ TEST(JaerTimer, TellsItsNameAndBound) {
 }
 
 // ---- SparkPid -------------------------------------------------------------------------------
-
-using test::FakeBacklog;
 
 constexpr std::int64_t kPeriod = 5'000'000;  // T of L = 10 ms
 
