@@ -35,13 +35,12 @@ struct DeadlineConfig {
   };
 };
 
-// The part of the latency bound that is left free for outages. On a machine with company the thread
-// is taken off the processor for milliseconds, again and again; what is in work then ends as much
-// too late, and no replanning makes up for an outage at the end of a package. So the scheme plans
-// with a shorter bound where more than a few in a thousand events have come late: each package
-// moves the reserve by its late share less what is tolerated, until the late share settles there.
-// Where outages are rare there is no reserve, nor is it paid for. Without a parameter. O(1) per
-// package.
+// The part of the latency bound that is left free for outages. On a busy machine the thread is
+// taken off the processor for milliseconds, again and again; what is in work then ends as much too
+// late, and no replanning makes up for an outage at the end of a package. So the scheme plans with
+// a shorter bound where more than a few in a thousand events have come late: each package moves the
+// reserve by its late share less what is tolerated, until the late share settles there. Where
+// outages are rare there is no reserve, nor is it paid for. Without a parameter. O(1) per package.
 class OutageReserve {
  public:
   // A package ended with its oldest event latency_ns old, its newest span_ns less. bound_ns is what
