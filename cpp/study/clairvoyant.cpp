@@ -114,7 +114,7 @@ class Window {
 std::int64_t clairvoyant_latency_ns(EventSpan events, const LinearCost& cost, double bin_us) {
   require(bin_us >= 0 && bin_us <= 1e6, "bin_us", bin_us, "must be between 0 and 1e6 us");
   require(cost.config().noise == 0, "noise", cost.config().noise,
-          "must be 0: nobody foresees the draws");
+          "must be 0: the draws of a noisy cost cannot be foreseen");
   if (events.empty()) return 0;
   Window window(events, cost, bin_us);
   std::int64_t too_short_ns = 0;

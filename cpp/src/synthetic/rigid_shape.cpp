@@ -125,7 +125,7 @@ ShapeCanvas::ShapeCanvas(std::int32_t width, std::int32_t height, double ground)
   const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   pictures_.resize(pixels);
   brightness_.resize(pixels, ground);
-  owners_.resize(pixels, kNobody);
+  owners_.resize(pixels, kNone);
   touched_.resize(pixels);
 }
 

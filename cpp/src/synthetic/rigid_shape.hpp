@@ -67,7 +67,7 @@ class RigidShape {
 // thread; O(pixels near a shape) per paint(), memory fixed by the constructor.
 class ShapeCanvas {
  public:
-  static constexpr std::int32_t kNobody = -1;
+  static constexpr std::int32_t kNone = -1;
 
   ShapeCanvas(std::int32_t width, std::int32_t height, double ground);
 

@@ -276,7 +276,8 @@ TEST(Clairvoyant, RefusesNoiseAndBinsOutOfRange) {
     return test::error_of(
         [=] { clairvoyant_latency_ns(test::at_times({1}), LinearCost({.noise = noise}), bin_us); });
   };
-  EXPECT_EQ(error(0.05, 10), "noise = 0.05: must be 0: nobody foresees the draws");
+  EXPECT_EQ(error(0.05, 10),
+            "noise = 0.05: must be 0: the draws of a noisy cost cannot be foreseen");
   EXPECT_EQ(error(0, -1), "bin_us = -1: must be between 0 and 1e6 us");
   EXPECT_EQ(error(0, 2e6), "bin_us = 2000000: must be between 0 and 1e6 us");
   EXPECT_EQ(error(0, std::numeric_limits<double>::quiet_NaN()),

@@ -109,7 +109,7 @@ TEST_F(Canvas, MixesGroundAndShapeByCoverage) {
   EXPECT_DOUBLE_EQ(canvas_.brightness(at(15, 10)), 0.5 * 0.25 + 0.1 * 0.75);  // ends at 15.25
   EXPECT_DOUBLE_EQ(canvas_.brightness(at(17, 10)), 0.5);
   EXPECT_EQ(canvas_.owner(at(15, 10)), 3);
-  EXPECT_EQ(canvas_.owner(at(17, 10)), ShapeCanvas::kNobody);
+  EXPECT_EQ(canvas_.owner(at(17, 10)), ShapeCanvas::kNone);
 }
 
 TEST_F(Canvas, TurnsTheShape) {

@@ -22,7 +22,7 @@ using Consumer = std::function<void(const Package&)>;
 enum class WhenFull {
   // Beyond three quarters, the more the ring fills the fewer events of a push get in, by chance:
   // the thinning stays uniform, whatever the size of a push, and counts as discarded. Only a push
-  // that finds the ring full, because nobody empties it, is overflow. See Intake.
+  // that finds the ring full, because the consumer stands still, is overflow. See Intake.
   thin,
   newest,  // what does not fit is dropped
   oldest,  // finding the ring full, the consumer drops the older half
