@@ -58,6 +58,8 @@ USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 
 WITHOUT_A_TEST_OF_ITS_OWN = {
     "algorithms/cluster.hpp": "plain data",
+    "formats/progress.hpp": "plain data; every decoder's test reads it",
+    "formats/words.hpp": "every decoder's test reads words that are cut",
     "packager/books.hpp": "the packager's tests read what they say",
     "telemetry/telemetry.hpp": "plain data",
     "schemes/scheme.hpp": "an interface; every scheme's test speaks it",
@@ -87,7 +89,7 @@ def headers() -> dict[str, Path]:
 HEADERS = headers()
 PYTHON = sorted((ROOT / "python" / "asap").rglob("*.py"))
 NATIVE = {".cpp", ".hpp"}
-MOST_PUBLIC = 49
+MOST_PUBLIC = 65
 
 
 # ---- arrows ---------------------------------------------------------------------------------

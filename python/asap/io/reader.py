@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
+import numpy as np
+import numpy.typing as npt
+
 from asap.events import Events, check_order
 from asap.io.errors import CorruptFile, TruncatedFileWarning
 from asap.stamps import time_exponent
@@ -40,7 +43,10 @@ class Losses:
     bad_record: int = 0
     out_of_bounds: int = 0
     clamped_positions: int = 0
+    before_start: int = 0  # events whose time is not known yet
     bad_offsets: list[int] = field(default_factory=list)  # of the first bad records
+    triggers: int = 0
+    trigger_arrays: list[npt.NDArray[np.void]] = field(default_factory=list)  # of the first
     cut: CorruptFile | None = None
 
     def truncated(self, offset: int, fault: str) -> None:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from asap import _core, checks
 from asap.events import EVENT_DTYPE, Events, plain_view
 from asap.io.aedat4 import Aedat4Reader
+from asap.io.native import FORMATS, NativeReader
 from asap.io.numpy_files import NpyReader, NpzReader
 from asap.io.reader import Losses, Options, Reader
 from asap.io.sniff import sniff
@@ -23,6 +26,7 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
     "npz": NpzReader,
     "text": TextReader,
     "aedat4": Aedat4Reader,
+    **{name: partial(NativeReader, name) for name in FORMATS},
 }
 
 
@@ -64,7 +68,7 @@ class Recording:
 
     @property
     def format(self) -> str:
-        """``"npy"``, ``"npz"``, ``"text"``, ``"csv"`` or ``"aedat4"``."""
+        """Name of the format, such as ``"npy"``, ``"csv"``, ``"aedat4"`` or ``"evt3"``."""
         return self._reader.format
 
     @property
@@ -80,7 +84,9 @@ class Recording:
     @property
     def received(self) -> int:
         """Events read so far in the latest iteration: those yielded plus all of `rejected`."""
-        return self._validator.received + self._losses.bad_record + self._losses.out_of_bounds
+        losses = self._losses
+        lost = losses.bad_record + losses.out_of_bounds + losses.before_start
+        return self._validator.received + lost
 
     @property
     def rejected(self) -> dict[str, int]:
@@ -88,6 +94,7 @@ class Recording:
         reasons = dict(self._validator.rejected)
         reasons["bad_record"] += self._losses.bad_record
         reasons["out_of_bounds"] += self._losses.out_of_bounds
+        reasons["before_start"] += self._losses.before_start
         return reasons
 
     @property
@@ -111,6 +118,20 @@ class Recording:
     def truncated_at(self) -> int | None:
         """Byte offset where the file ended too early, None if it did not."""
         return None if self._losses.cut is None else self._losses.cut.offset
+
+    @property
+    def triggers(self) -> npt.NDArray[np.void]:
+        """External triggers seen so far in the latest iteration; only native formats have them.
+
+        Fields ``t`` in us, as the file states it, ``id`` of the input and ``value``: 1 = rising
+        edge or 0. The first 2^20 at least; `trigger_count` counts all.
+        """
+        return np.concatenate([np.empty(0, _core.TRIGGER_DTYPE), *self._losses.trigger_arrays])
+
+    @property
+    def trigger_count(self) -> int:
+        """How many external triggers were seen so far in the latest iteration."""
+        return self._losses.triggers
 
     def __iter__(self) -> Iterator[Events]:
         losses, validator = self._losses, self._validator = self._books()
@@ -164,7 +185,7 @@ def read(
     on_bad: str = "drop",
     reorder_tolerance_us: int = 0,
 ) -> Recording:
-    """Open an event file: ``.npy``, ``.npz``, text ``t x y p``, csv or AEDAT4.
+    """Open an event file: NumPy, text, csv, AEDAT4, Prophesee RAW or DAT.
 
     The format is found by content, then by name. Nothing but the header is read yet.
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asap import _core
 from asap.checks import regular_file
 from asap.io.errors import CorruptFile, UnsupportedFormat
 
 __all__ = ["SERVED", "sniff"]
 
-SERVED = "npy, npz, text (t x y p), csv, aedat4"
+SERVED = "npy, npz, text (t x y p), csv, aedat4, Prophesee RAW (EVT2, EVT2.1, EVT3) and DAT"
 
 _HEAD = 4096
 _SERVED_BYTES = (
@@ -28,8 +29,6 @@ _OTHER_BYTES = (
     (b"MATLAB 5.0", "MATLAB"),
 )
 _OTHER_SUFFIXES = {
-    ".raw": "Prophesee RAW",
-    ".dat": "Prophesee DAT",
     ".es": "Event Stream",
     ".aedat": "AEDAT 1 to 3",
     ".h5": "HDF5",
@@ -45,7 +44,7 @@ _PROPHESEE_HEADER = (b"% evt ", b"% format EVT", b"% Data file containing", b"% 
 
 
 def sniff(path: Path) -> str:
-    """Return ``"npy"``, ``"npz"``, ``"aedat4"`` or ``"text"``.
+    """Return the name of the format: a key of the readers.
 
     Raises
     ------
@@ -67,16 +66,29 @@ def sniff(path: Path) -> str:
     for magic, name in _OTHER_BYTES:
         if head.startswith(magic):
             raise _unsupported(path, name)
+    if (encoding := _prophesee(head)) is not None:
+        return encoding
+    if any(mark in head for mark in _PROPHESEE_HEADER):
+        raise _unsupported(path, "this Prophesee encoding")
     suffix = path.suffix.lower()
-    if suffix in (".npy", ".npz", ".aedat4"):
+    if suffix in (".npy", ".npz", ".aedat4", ".raw"):
         raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
     if suffix in _OTHER_SUFFIXES:
         raise _unsupported(path, _OTHER_SUFFIXES[suffix])
-    if any(mark in head for mark in _PROPHESEE_HEADER):
-        raise _unsupported(path, "Prophesee RAW or DAT")
     if not _is_text(head):
+        if suffix == ".dat":
+            raise CorruptFile(path, 0, "not the beginning of a .dat file")
         raise _unsupported(path, "this format")
     return "text"
+
+
+def _prophesee(head: bytes) -> str | None:
+    header = _core.read_raw_header(head)
+    if header is None:
+        return None
+    if header["words"]:
+        return str(header["words"])
+    return "dat" if header["is_dat"] or _core.read_dat_header(head) is not None else None
 
 
 def _unsupported(path: Path, name: str) -> UnsupportedFormat:

@@ -1,0 +1,121 @@
+#include "asap/formats/raw_header.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
+namespace asap {
+
+namespace {
+
+using Text = std::string_view;
+
+constexpr std::size_t kLongestHeaderLine = 4096;
+
+// The next line without its newline; empty where no header line stands.
+Text header_line(Text rest) noexcept {
+  if (!rest.starts_with("% ") && !rest.starts_with("%\n")) return {};
+  const Text line = rest.substr(0, rest.substr(0, kLongestHeaderLine).find('\n'));
+  const bool is_text = std::ranges::all_of(line, [](char c) {
+    return (static_cast<unsigned char>(c) >= ' ' && c != '\x7f') || c == '\t' || c == '\r';
+  });
+  return line.size() < rest.size() && is_text ? line : Text{};
+}
+
+Text trimmed(Text text) noexcept {
+  const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+// The text before `mark`, which is cut off from `rest` with the mark.
+Text cut_before(Text& rest, char mark) noexcept {
+  const Text part = rest.substr(0, rest.find(mark));
+  rest.remove_prefix(std::min(part.size() + 1, rest.size()));
+  return trimmed(part);
+}
+
+int whole_or(int otherwise, Text text) noexcept {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() ? value : otherwise;
+}
+
+void read_side(Text text, std::uint16_t& side) noexcept {
+  const int value = whole_or(0, text);
+  if (value > 0 && value <= 65535) side = static_cast<std::uint16_t>(value);
+}
+
+void read_words(Text name, RawHeader& header) noexcept {
+  using enum RawHeader::Words;
+  if (name == "EVT2" || name == "2.0") header.words = evt2;
+  if (name == "EVT21" || name == "EVT2.1" || name == "2.1") header.words = evt21;
+  if (name == "EVT3" || name == "3.0") header.words = evt3;
+}
+
+void read_format(Text value, RawHeader& header) noexcept {
+  header.words = RawHeader::Words::unknown;
+  read_words(cut_before(value, ';'), header);
+  while (!value.empty()) {
+    Text setting = cut_before(value, ';');
+    const Text key = cut_before(setting, '=');
+    if (key == "width") read_side(trimmed(setting), header.width);
+    if (key == "height") read_side(trimmed(setting), header.height);
+    if (key == "endianness") header.little_endian = trimmed(setting) == "little";
+  }
+}
+
+struct Side {
+  std::uint16_t width, height;
+};
+
+// Of recordings without a geometry.
+Side size_of_sensor(Text plugin) noexcept {
+  const auto names = [&](Text part) { return plugin.find(part) != Text::npos; };
+  if (names("genx320")) return {320, 320};
+  if (names("gen4") || names("imx636")) return {1280, 720};
+  if (names("gen3")) return {640, 480};
+  return {0, 0};
+}
+
+}  // namespace
+
+std::optional<RawHeader> read_raw_header(std::span<const std::byte> bytes) noexcept {
+  const Text all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  RawHeader header;
+  Side sensor{0, 0};
+  bool has_format = false;
+  for (Text line; !(line = header_line(all.substr(header.size))).empty();) {
+    header.size += line.size() + 1;
+    Text value = trimmed(line.substr(1));
+    const Text whole = value;
+    const Text key = cut_before(value, ' ');
+    value = trimmed(value);
+    if (key == "end") break;
+    if (key == "evt" && !has_format) read_words(value, header);
+    if (key == "format") {
+      has_format = true;
+      read_format(value, header);
+    }
+    if (key == "geometry") {
+      const Text width = cut_before(value, 'x');
+      read_side(width, header.width);
+      read_side(trimmed(value), header.height);
+    }
+    if (key == "endianness") header.little_endian = value == "little";
+    if (key == "plugin_name") sensor = size_of_sensor(value);
+    if (key == "Version") header.version = whole_or(-1, value);
+    if (key == "Width") read_side(value, header.width);
+    if (key == "Height") read_side(value, header.height);
+    header.is_dat |= whole.starts_with("Data file containing");
+  }
+  if (header.size == 0) return std::nullopt;
+  if (header.width == 0 || header.height == 0) {
+    header.width = sensor.width;
+    header.height = sensor.height;
+  }
+  return header;
+}
+
+}  // namespace asap
