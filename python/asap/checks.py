@@ -7,10 +7,12 @@ TypeError for one of the wrong kind. An error of the argument itself comes out u
 from __future__ import annotations
 
 import errno
+import inspect
 import math
 import operator
 import stat
-from collections.abc import Iterable
+from collections.abc import AsyncIterable, Iterable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,12 +34,18 @@ __all__ = [
     "require",
     "rows",
     "sides",
+    "source",
     "unmasked",
     "whole",
     "worker",
+    "workers",
 ]
 
 _LONGEST = 200
+_AWAIT = (
+    "asap awaits nothing; give a plain {kind}, and from a coroutine call asap in a thread: "
+    "await asyncio.to_thread(...)"
+)
 _UNMASK = "take out or repair what is masked, and give array.data"
 
 
@@ -118,17 +126,45 @@ def choice(field: str, value: Any, choices: Iterable[str]) -> None:
 
 
 def callback(field: str, value: Any) -> None:
-    """Refuse what cannot be called, unless it is None."""
+    """Refuse what cannot be called, unless it is None, and what has to be awaited."""
     if value is not None and not callable(value):
         raise TypeError(named(field, value, "give a callable or None"))
+    if _is_async(value):
+        raise TypeError(named(field, value, _AWAIT.format(kind="function")))
+
+
+def source(value: Any) -> None:
+    """Refuse a stream of events that has to be awaited, before anything of it is read."""
+    if isinstance(value, AsyncIterable) or inspect.isawaitable(value) or _is_async(value):
+        raise TypeError(named("source", value, _AWAIT.format(kind="iterable of arrays")))
 
 
 def worker(field: str, value: Any) -> None:
-    """Refuse the class of an algorithm or a filter, where an object of it is meant."""
+    """Refuse an algorithm or a filter that is a class, or that has to be awaited."""
+    methods = [getattr(value, name, None) for name in ("process", "set_keep")]
+    if inspect.isawaitable(value) or any(_is_async(one) for one in (value, *methods)):
+        raise TypeError(named(field, value, _AWAIT.format(kind="function or process(events)")))
     if isinstance(value, type) and hasattr(value, "process"):
         raise TypeError(
             named(field, value, f"give an object of it, such as {value.__name__}(346, 260)")
         )
+
+
+def workers(**given: Any) -> None:
+    """Refuse by its name what `worker` refuses."""
+    for field, value in given.items():
+        worker(field, value)
+
+
+def _is_async(function: Any) -> bool:
+    """Whether a call gives what has to be awaited; looks through partials and at __call__."""
+    while isinstance(function, partial):
+        function = function.func
+    call = getattr(type(function), "__call__", None)  # noqa: B004
+    return any(
+        inspect.iscoroutinefunction(one) or inspect.isasyncgenfunction(one)
+        for one in (function, call)
+    )
 
 
 def folder_or_file(field: str, value: Any) -> Path:
