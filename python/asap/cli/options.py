@@ -24,10 +24,26 @@ __all__ = [
 
 T = TypeVar("T")
 
+_EXAMPLES = {
+    "check": "asap check flight.aedat4 --report flight.html",
+    "compare": "asap compare flight.aedat4 --cost 100us+300ns --latency 10ms",
+    "completion": 'eval "$(asap completion bash)"',
+    "demo": "asap demo --out demo",
+    "info": "asap info flight.aedat4",
+    "report": "asap report run.json --out run.html",
+    "run": "asap run flight.aedat4 --algorithm mine:Detector",
+    "study": "asap study --quick --out study",
+}
+
 
 def add_verb(verbs: Any, name: str, call: Callable[[Any], int], words: str) -> Any:
     """Add a verb with what every verb has; `call` gets the arguments and returns the exit code."""
-    parser = verbs.add_parser(name, help=words, description=words[0].upper() + words[1:] + ".")
+    parser = verbs.add_parser(
+        name,
+        help=words,
+        description=words[0].upper() + words[1:] + ".",
+        epilog=f"example: {_EXAMPLES[name]}" if name in _EXAMPLES else None,
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     parser.set_defaults(verb=call)
     return parser
