@@ -34,7 +34,7 @@ MAY_INCLUDE = {
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
     {"_core", "checks"},
-    {"metrics", "stamps", "units"},
+    {"_pickling", "metrics", "stamps", "units"},
     {"events"},
     {"io", "synthetic"},
     {"accuracy", "experiment", "profiles", "scenes"},

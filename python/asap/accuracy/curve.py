@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asap import checks
+from asap._pickling import Pickled
 from asap.accuracy.scene import Scene, check_scene
 from asap.accuracy.scoring import can_be_told, score
 
@@ -57,7 +58,7 @@ class KeepRow:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class KeepCurve:
+class KeepCurve(Pickled):
     """A table: one row for each gamma, told and not told.
 
     Attributes

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from asap import _core, checks, metrics
+from asap._pickling import Pickled
 from asap.experiment.contenders import labelled, of_schemes, rivals, user_schemes
 from asap.experiment.result import Named, Run
 from asap.experiment.runners import Progress, check_latency
@@ -92,7 +93,7 @@ def _elapsed_s(run: Run) -> float:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
+class Comparison(Pickled):
     """Every scheme on the same events, beside the oracle.
 
     Attributes

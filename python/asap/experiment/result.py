@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _core, checks
+from asap._pickling import Pickled, can_be_pickled
 from asap.experiment.cost import BOUND_KEPT, Cost, bound_needed_us
 
 if TYPE_CHECKING:
@@ -91,8 +92,8 @@ class Named:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Run:
-    """What a run has left behind.
+class Run(Pickled):
+    """What a run has left behind. It pickles always; an algorithm that cannot becomes None.
 
     Attributes
     ----------
@@ -153,6 +154,20 @@ class Run:
             learned = Cost(float(self.scheme.alpha_us), float(self.scheme.beta_ns))
             object.__setattr__(self, "learned", learned)
 
+    def _state(self) -> dict[str, Any]:
+        state = super()._state()
+        if not can_be_pickled(self.scheme):
+            state["scheme"] = Named.of(self.scheme)
+        if not can_be_pickled(self.algorithm):
+            state |= {"algorithm": None, "left_behind": Named.of(self.algorithm)}
+        return state
+
+    @property
+    def _left_behind(self) -> Named | None:
+        """The algorithm of a run that was pickled without it."""
+        found: Named | None = vars(self).get("left_behind")
+        return found
+
     @property
     def kept(self) -> float:
         """Delivered / received; 1 of nothing."""
@@ -178,7 +193,7 @@ class Run:
             "mode": self.mode,
             "source": dict(self.source),
             "scheme": Named.of(self.scheme).as_json(),
-            "algorithm": Named.of(self.algorithm).as_json(),
+            "algorithm": (self._left_behind or Named.of(self.algorithm)).as_json(),
             "latency_bound_us": self.latency_bound_us,
             "bound_kept": self.bound_kept,
             "bound_needed_us": bound_needed_us(self),
@@ -244,9 +259,11 @@ class Run:
         run_report.write([self], path)
 
     def __repr__(self) -> str:
+        left = self._left_behind
         return (
             f"<Run: {self.mode} time, {Named.of(self.scheme).name}, {self.packages.size} packages, "
-            f"kept {self.kept:.4g}, in time {self.in_time:.4g}>"
+            f"kept {self.kept:.4g}, in time {self.in_time:.4g}"
+            + (f", pickled without its algorithm {left.name}>" if left else ">")
         )
 
     def __str__(self) -> str:

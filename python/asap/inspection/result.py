@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _core
+from asap._pickling import Pickled
 from asap.inspection.intervals import BINS_FROM_US
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ class Finding:
 
 
 @dataclass(frozen=True, eq=False)
-class Inspection:
+class Inspection(Pickled):
     """What is wrong with a recording, and what it holds; made by `check`.
 
     Rates, gaps, stamps, duplicates and pixels are those of the good events. Windows are aligned to
