@@ -1,5 +1,6 @@
 """Experiments: a stream of events through ASAP into an algorithm, in virtual or in real time."""
 
+from asap.experiment.batch import map
 from asap.experiment.comparison import Comparison, Row, compare, oracle
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.result import Run
@@ -14,6 +15,7 @@ __all__ = [
     "compare",
     "last_run",
     "load_run",
+    "map",
     "oracle",
     "run",
     "simulate",
