@@ -10,6 +10,7 @@ import errno
 import inspect
 import math
 import operator
+import os
 import stat
 from collections.abc import AsyncIterable, Iterable
 from functools import partial
@@ -29,6 +30,7 @@ __all__ = [
     "is_masked",
     "listed",
     "named",
+    "new_file",
     "number",
     "regular_file",
     "require",
@@ -173,6 +175,18 @@ def folder_or_file(field: str, value: Any) -> Path:
         return Path(value)
     except TypeError:
         raise TypeError(named(field, value, "give a path")) from None
+
+
+def new_file(field: str, value: Any) -> Path:
+    """Refuse where no file can be written, before anything is made to be written there."""
+    path = folder_or_file(field, value)
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "a folder; give a file in it", str(path))
+    if not path.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, f"there is no folder {path.parent}", str(path))
+    if not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+    return path
 
 
 def regular_file(path: Path) -> None:

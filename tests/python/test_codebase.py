@@ -35,7 +35,7 @@ MAY_INCLUDE = {
 PYTHON_LAYERS = (
     {"_core", "checks"},
     {"_pickling", "metrics", "stamps", "units"},
-    {"events"},
+    {"_result", "events"},
     {"io", "synthetic"},
     {"accuracy", "experiment", "profiles", "scenes"},
     {"analysis"},

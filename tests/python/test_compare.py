@@ -80,7 +80,7 @@ def test_bad_events_are_counted_in_every_run_and_never_reach_the_oracle():
 
 def test_rows_are_the_runs_in_numbers(comparison):
     assert set(comparison.runs) == set(schemes()) == {row.label for row in comparison.rows}
-    for row in comparison:
+    for row in comparison.rows:
         run = comparison.runs[row.label]
         assert row.scheme == run.scheme.name
         assert row.score == run.latency.within_bound / comparison.oracle
@@ -113,8 +113,8 @@ def test_equal_scores_are_sorted_by_latency():
     found = asap.compare(
         quiet, cost=COST, schemes=[asap.FixedSize(size=150), asap.Greedy(), asap.FixedTime()]
     )
-    assert [row.score for row in found] == [1.0, 1.0, 1.0]
-    assert [row.label for row in found] == ["Greedy", "FixedTime", "FixedSize"]
+    assert [row.score for row in found.rows] == [1.0, 1.0, 1.0]
+    assert [row.label for row in found.rows] == ["Greedy", "FixedTime", "FixedSize"]
 
 
 def test_scores_that_are_shown_as_equal_are_equal(monkeypatch):
@@ -127,7 +127,7 @@ def test_scores_that_are_shown_as_equal_are_equal(monkeypatch):
     monkeypatch.setattr(module.Row, "of", of)
     schemes = {"B": asap.Greedy(), "A": asap.SingleEvent()}
     found = asap.compare(EVENTS[:100], cost=COST, schemes=schemes)
-    assert [row.label for row in found] == list(found.runs) == ["A", "B"]
+    assert list(found) == list(found.runs) == ["A", "B"]
 
 
 def test_overflow_is_a_share():
@@ -336,11 +336,11 @@ def test_an_error_of_the_source_comes_out_and_leaves_no_thread():
 
 def test_the_usual_schemes_and_with_all_the_rivals():
     usual = asap.compare(EVENTS[:2000], cost=COST)
-    labels = {row.label for row in usual}
+    labels = {row.label for row in usual.rows}
     assert {"Deadline", "DeadBeat", "Asap2020", "Asap2022", "Greedy", "FixedSize 1000"} <= labels
     assert usual.latency_ms == 10
     everything = asap.compare(EVENTS[:2000], cost=COST, all=True)
-    assert {row.label for row in everything} - labels == {
+    assert {row.label for row in everything.rows} - labels == {
         *("SingleEvent", "jAER timer", "greedy+PIE", "greedy+rate-gamma", "greedy+clear"),
         *("Clipper AIMD", "Spark PID"),
     }
@@ -416,7 +416,7 @@ def test_summary_is_json(comparison):
         "events": comparison.oracle,
         "in_time": comparison.oracle / EVENTS.size,
     }
-    assert [one["label"] for one in summary["schemes"]] == [row.label for row in comparison]
+    assert [one["label"] for one in summary["schemes"]] == list(comparison)
     first = summary["schemes"][0]
     assert first["scheme"] == "deadline" and first["parameters"]["latency_ms"] == 5
     assert first["score"] == comparison.rows[0].score

@@ -144,7 +144,7 @@ def test_a_short_recording_is_told(comparison):
 def test_the_verdict_where_nothing_can_be_had(comparison):
     assert "one package takes longer" in verdict(comparison, row(), oracle=0.0)
     empty = asap.compare(EVENTS[:0], cost=COST, schemes=[asap.Greedy()])
-    assert [(one.score, one.kept) for one in empty] == [(1.0, 1.0)]
+    assert [(one.score, one.kept) for one in empty.rows] == [(1.0, 1.0)]
     assert "Nothing was received" in str(empty)
     impossible = asap.compare(
         streams.make(np.arange(10)), cost=asap.LinearCost(1000, 0), latency_ms=0.5

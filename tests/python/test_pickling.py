@@ -256,7 +256,7 @@ def test_a_keep_curve() -> None:
     scene = scenes.stop_and_go(10.0)
     curve = asap.keep_curve(asap.ClusterTracker, scene, gammas=(1.0, 0.5), seeds=(0,))
     twin = again(curve)
-    assert twin.to_dict() == curve.to_dict() and repr(twin) == repr(curve)
+    assert twin.summary() == curve.summary() and repr(twin) == repr(curve)
 
 
 # ---- refusals -------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import asap
-from asap import profiles
+from asap import checks, profiles
 from asap.cli.outcome import USAGE, Failure
 from asap.stamps import TIME_EXPONENTS
 
@@ -120,7 +120,7 @@ def typed(parse: Callable[..., T], field: str) -> Callable[[str], T]:
 
 def writable(text: str) -> Path:
     """Refuse a file without a folder before the run, not after it."""
-    path = Path(text)
-    if not path.parent.is_dir():
-        raise argparse.ArgumentTypeError(f"{text}: there is no folder {path.parent}")
-    return path
+    try:
+        return checks.new_file("path", text)
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"{text}: {error.strerror}") from error

@@ -6,13 +6,15 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core, checks
-from asap._pickling import Pickled, can_be_pickled
+from asap import _core
+from asap._pickling import can_be_pickled
+from asap._result import Result
 from asap.experiment.cost import BOUND_KEPT, Cost, bound_needed_us
 
 if TYPE_CHECKING:
@@ -92,7 +94,7 @@ class Named:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Run(Pickled):
+class Run(Result):
     """What a run has left behind. It pickles always; an algorithm that cannot becomes None.
 
     Attributes
@@ -231,20 +233,15 @@ class Run(Pickled):
             "version": _core.__version__,
         }
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the run to a JSON file: summary, packages and latencies.
-
-        `load_run` and `asap report` read it.
-        """
+    def _saved(self) -> dict[str, Any]:
+        """Return what `load_run` reads: summary, packages and latencies."""
         document = self.summary()
         document["rows"] = {
             name: self.packages[name].tolist() for name in self.packages.dtype.names or ()
         }
         document["latency_histogram"] = self.latency.state()
         document["lateness_histogram"] = None if self.lateness is None else self.lateness.state()
-        checks.folder_or_file("path", path).write_text(
-            json.dumps(document, allow_nan=False), encoding="utf-8"
-        )
+        return document
 
     def plot(self) -> Figure:
         """Draw the paper's figure: package size, R, gamma, margin and latency over time."""
@@ -252,11 +249,16 @@ class Run(Pickled):
 
         return plots.figure(self)
 
-    def report(self, path: str | os.PathLike[str]) -> None:
-        """Write one self-contained HTML file."""
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one self-contained HTML page and return its path; needs matplotlib."""
         from asap.report import run_report
 
-        run_report.write([self], path)
+        return run_report.write(self, path)
+
+    def _repr_html_(self) -> str:
+        from asap.report import notebook
+
+        return notebook.run_html(self)
 
     def __repr__(self) -> str:
         left = self._left_behind
