@@ -12,10 +12,11 @@ import math
 import operator
 import os
 import stat
-from collections.abc import AsyncIterable, Iterable
-from functools import partial
+import warnings
+from collections.abc import AsyncIterable, Callable, Iterable
+from functools import partial, wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +34,7 @@ __all__ = [
     "new_file",
     "number",
     "regular_file",
+    "renamed",
     "require",
     "rows",
     "sides",
@@ -42,6 +44,9 @@ __all__ = [
     "worker",
     "workers",
 ]
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 _LONGEST = 200
 _AWAIT = (
@@ -194,6 +199,25 @@ def regular_file(path: Path) -> None:
     mode = path.stat().st_mode
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # a folder is refused where it is opened
         raise OSError(errno.ESPIPE, "no regular file; save it to one first", str(path))
+
+
+def renamed(**names: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Take parameters by their old names too, ``old="new"``, for one version and with a warning."""
+
+    def decorated(function: Callable[P, T]) -> Callable[P, T]:
+        @wraps(function)
+        def call(*args: P.args, **kwargs: P.kwargs) -> T:
+            for old, new in names.items():
+                if old in kwargs:
+                    if new in kwargs:
+                        raise TypeError(f"{old}: this is the old name of {new}; give one of them")
+                    warnings.warn(f"{old} is now {new}", DeprecationWarning, stacklevel=2)
+                    kwargs[new] = kwargs.pop(old)
+            return function(*args, **kwargs)
+
+        return call
+
+    return decorated
 
 
 def is_masked(array: Any) -> bool:

@@ -15,7 +15,7 @@ EVENTS = streams.poisson(6e6, 0.05)
 
 @pytest.fixture(scope="module")
 def comparison():
-    return asap.compare(EVENTS, cost=COST, latency_ms=5, all=True)
+    return asap.compare(EVENTS, cost=COST, latency_ms=5, baselines=True)
 
 
 def row(label="A", score=0.5, p99_us=4000.0, max_us=4500.0, **others):

@@ -237,7 +237,7 @@ def test_a_run_that_was_loaded(tmp_path: Path) -> None:
 
 
 def test_a_comparison() -> None:
-    comparison = asap.compare(EVENTS, cost=COST, all=True)
+    comparison = asap.compare(EVENTS, cost=COST, baselines=True)
     twin = again(comparison)
     assert twin.summary() == comparison.summary()
     assert twin.rows == comparison.rows and repr(twin) == repr(comparison)

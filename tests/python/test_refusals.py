@@ -484,7 +484,7 @@ DOORS: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
     (lambda **named: asap.compare(EVENTS, cost=COST, **named), "on_progress", NO_CALLBACKS),
     (lambda **named: asap.compare(EVENTS, cost=COST, **named), "schemes", (1.5, object(), len)),
     (lambda **named: asap.compare(EVENTS, cost=COST, **named), "opaque", NO_FLAGS),
-    (lambda **named: asap.compare(EVENTS, cost=COST, **named), "all", NO_FLAGS),
+    (lambda **named: asap.compare(EVENTS, cost=COST, **named), "baselines", NO_FLAGS),
     (lambda **named: asap.compare(EVENTS, cost=COST, **named), "height", NO_WHOLES[1:]),
     (lambda **named: asap.check(EVENTS, **named), "on_progress", NO_CALLBACKS),
     (lambda **named: asap.check(EVENTS, **named), "width", NO_WHOLES[1:]),

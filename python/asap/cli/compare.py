@@ -96,7 +96,7 @@ def _call(arguments: Any) -> int:
             opaque=arguments.opaque,
             speed=arguments.speed,
             on_bad=arguments.on_bad,
-            all=arguments.all,
+            baselines=arguments.all,
             on_progress=on_progress,
         )
     if arguments.report:

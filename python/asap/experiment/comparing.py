@@ -19,6 +19,7 @@ __all__ = ["compare", "oracle"]
 _DEFAULT_LATENCY_MS = 10.0
 
 
+@checks.renamed(all="baselines")
 def compare(
     source: Any,
     *,
@@ -32,7 +33,7 @@ def compare(
     height: int | None = None,
     on_bad: str = "drop",
     capacity: int | None = None,
-    all: bool = False,  # as the option of the command line
+    baselines: bool = False,
     on_progress: Progress | None = None,
 ) -> Comparison:
     """Put every scheme to the same events in virtual time, beside the oracle.
@@ -63,8 +64,8 @@ def compare(
         What happens to bad events; dropped ones are counted by reason.
     capacity : int, optional
         Of each ring, events. Default: at least 2**20.
-    all : bool
-        Add the baselines of the benchmark: rules of others that are not for use.
+    baselines : bool
+        Add those of the benchmark: rules of others that are not for use.
     on_progress : callable, optional
         Called as on_progress(done, total or None, {}) between chunks.
 
@@ -83,16 +84,16 @@ def compare(
     """
     _check_cost(cost)
     _require_replayable(source)
-    for name, value in (("opaque", opaque), ("all", all)):
+    for name, value in (("opaque", opaque), ("baselines", baselines)):
         checks.flag(name, value)
     checks.callback("on_progress", on_progress)
     given = {} if schemes is None else labelled(schemes)
     bound_ms = _common_bound_ms(given.values(), latency_ms)
     contenders = user_schemes() if schemes is None else of_schemes(given)
-    if all:
+    if baselines:
         others = rivals()
         twins = [one.label for one in others if one.label in given]
-        checks.require(not twins, "schemes", twins, "all=True adds these; give yours other labels")
+        checks.require(not twins, "schemes", twins, "baselines=True adds these; rename yours")
         contenders += others
     if opaque:
         contenders = [replace(one, opaque=True) for one in contenders]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,50 +23,43 @@ if TYPE_CHECKING:
 __all__ = ["LEDGER_FIELDS", "SCHEMA_VERSION", "Ledger", "Named", "Run", "with_first"]
 
 SCHEMA_VERSION = 1
-LEDGER_FIELDS = (
-    "received",
-    "rejected",
-    "filtered",
-    "discarded",
-    "stale",
-    "overflow",
-    "delivered",
-    "pending",
-)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Ledger(Mapping[str, int]):
     """Where every event went, in events; attributes and mapping keys.
 
     received = rejected + filtered + discarded (gamma) + stale + overflow + delivered + pending.
     """
 
-    def __init__(self, counts: Mapping[str, int]) -> None:
-        self._counts = {name: int(counts.get(name, 0)) for name in LEDGER_FIELDS}
+    received: int = 0
+    rejected: int = 0
+    filtered: int = 0
+    discarded: int = 0
+    stale: int = 0
+    overflow: int = 0
+    delivered: int = 0
+    pending: int = 0
 
     def __getitem__(self, name: str) -> int:
-        return self._counts[name]
+        if name not in LEDGER_FIELDS:
+            raise KeyError(name)
+        count: int = getattr(self, name)
+        return count
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._counts)
+        return iter(LEDGER_FIELDS)
 
     def __len__(self) -> int:
-        return len(self._counts)
-
-    def __getattr__(self, name: str) -> int:
-        counts: dict[str, int] = self.__dict__.get("_counts", {})
-        if name not in counts:
-            raise AttributeError(f"a ledger has no entry {name!r}")
-        return counts[name]
-
-    def __repr__(self) -> str:
-        counts = ", ".join(f"{name}={count}" for name, count in self._counts.items())
-        return f"Ledger({counts})"
+        return len(LEDGER_FIELDS)
 
     @property
     def balanced(self) -> bool:
         """Whether received equals the sum of the others."""
-        return self["received"] == sum(self._counts.values()) - self["received"]
+        return 2 * self.received == sum(self.values())
+
+
+LEDGER_FIELDS = tuple(field.name for field in fields(Ledger))
 
 
 @dataclass(frozen=True)

@@ -374,7 +374,7 @@ def remember(
         packages = with_first(packages, first)
     _last = Run(
         packages=packages,
-        ledger=Ledger(counts),
+        ledger=Ledger(**counts),
         latency=runner.latency,
         rejected=rejected,
         scheme=scheme,
