@@ -25,6 +25,7 @@ import pytest
 
 import asap
 import streams
+from house import ROOT
 
 # Python 3.12 and later warn of every fork of a process with threads.
 pytestmark = pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning")
@@ -262,3 +263,18 @@ def test_a_script_on_its_own(recordings: list[Path]) -> None:
     )
     command = [sys.executable, str(script), *map(str, recordings)]
     assert subprocess.check_output(command, text=True) == "[100, 200, 300]\n"
+
+
+def test_the_page_keeps_its_word(recordings: list[Path]) -> None:
+    text = (ROOT / "notebooks" / "many_recordings.md").read_text()
+    script = recordings[0].with_name("batch.py")
+    script.write_text(text.partition("```python\n")[2].partition("```")[0])
+    flights = recordings[0].with_name("flights")
+    flights.mkdir()
+    for path in recordings:
+        path.rename(flights / path.name)
+    (flights / "9.npy").touch()
+    shown = subprocess.check_output([sys.executable, script], cwd=flights.parent, text=True)
+    *good, bad = shown.splitlines()
+    assert good == [f"flights/{n}.npy: {100 * (n + 1)} events, kept 100.0%" for n in range(3)]
+    assert bad.startswith("flights/9.npy: ") and "the file is empty" in bad
