@@ -49,6 +49,7 @@ from asap.experiment import (
     run,
     simulate,
 )
+from asap.experiment import map as map  # not in __all__: `import *` leaves Python its own
 from asap.inspection import Inspection, check
 from asap.io import Recording, load, read
 

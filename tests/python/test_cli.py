@@ -335,7 +335,8 @@ def test_warnings_become_a_line_on_stderr(api, asap, monkeypatch):
 def test_an_output_that_cannot_be_written_is_told(api, asap, tmp_path):
     code, out, err = asap("run", "f", "--save", tmp_path)
     assert (code, out) == (2, "")
-    assert err == f"asap: error: {tmp_path}: Is a directory\n"
+    words = f"argument --save: {tmp_path}: a folder; give a file in it"
+    assert err == f"asap: error: {words} (see asap run --help)\n"
 
 
 def test_save_and_report_write_their_files(api, asap, tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import importlib.metadata
 import re
 import sys
@@ -34,8 +35,8 @@ MAY_INCLUDE = {
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
     {"_core", "checks"},
-    {"metrics", "stamps", "units"},
-    {"events"},
+    {"_pickling", "metrics", "stamps", "units"},
+    {"_result", "events"},
     {"io", "synthetic"},
     {"accuracy", "experiment", "profiles", "scenes"},
     {"analysis"},
@@ -279,6 +280,26 @@ def says_what_it_is_and_what_it_exports(path: Path) -> bool:
 def test_every_module_says_what_it_is_and_what_it_exports() -> None:
     assert PYTHON
     assert not [name_of(path) for path in PYTHON if not says_what_it_is_and_what_it_exports(path)]
+
+
+def parameters(path: Path) -> Iterator[tuple[str, str]]:
+    """Every parameter of the functions that a user may call, with the function's name."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.FunctionDef) and re.match(r"__init__|[^_]", node.name):
+            given = node.args
+            for one in (*given.posonlyargs, *given.args, *given.kwonlyargs):
+                yield node.name, one.arg
+
+
+def test_no_parameter_is_named_like_a_builtin() -> None:
+    names = [
+        f"{name_of(path)}: {function}({name})"
+        for path in PYTHON
+        if "study" not in path.parts
+        for function, name in parameters(path)
+        if hasattr(builtins, name)
+    ]
+    assert not names
 
 
 STAMPS = r"f[\"']\{stamps\.dtype\.kind\}8\[.*|stamps\.dtype"

@@ -14,8 +14,9 @@ import warnings
 from collections.abc import Sequence
 
 import asap
-from asap.cli import check, compare, demo, info, report, run, study
+from asap.cli import check, compare, completion, demo, info, report, run, study
 from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, say
+from asap.cli.parser import Parser
 from asap.report import run_table
 
 __all__ = ["main"]
@@ -26,6 +27,7 @@ examples:
   asap info flight.aedat4
   asap check flight.aedat4
   asap run flight.aedat4 --latency 10ms --report flight.html
+  asap run flight.aedat4 --algorithm my_package.corners:Detector
   asap run flight.aedat4 --cost 100us+300ns --scheme asap2020 --set rate_bound=2e6
   asap compare flight.aedat4 --cost 100us+300ns --latency 10ms
   asap compare bursts --cost slow --report bursts.html
@@ -85,7 +87,7 @@ def _drop_stdout() -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="asap",
         description="Event-camera events to the algorithm as soon as possible.",
         epilog=_EXAMPLES,
@@ -93,6 +95,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"asap {asap.__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True)
-    for verb in (demo, run, compare, study, info, check, report):
+    for verb in (demo, run, compare, study, info, check, report, completion):
         verb.add(verbs)
     return parser

@@ -59,7 +59,7 @@ def _from_document(document: Any) -> Run:
     lateness, learned = document["lateness_histogram"], document.get("learned_cost")
     return Run(
         packages=_packages(_object("rows", document["rows"])),
-        ledger=Ledger(_counts("ledger", document["ledger"], LEDGER_FIELDS)),
+        ledger=Ledger(**_counts("ledger", document["ledger"], LEDGER_FIELDS)),
         latency=_histogram("latency_histogram", document["latency_histogram"]),
         rejected=_counts("rejected", document["rejected"]),
         scheme=_named("scheme", document["scheme"], _parameter),

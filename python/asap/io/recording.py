@@ -6,11 +6,13 @@ import os
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from asap import _core, checks
+from asap._pickling import by_arguments
 from asap.events import EVENT_DTYPE, Events, plain_view
 from asap.io.aedat4 import Aedat4Reader
 from asap.io.native import FORMATS, NativeReader
@@ -62,6 +64,19 @@ class Recording:
         self._width = width if self._reader.width is None else self._reader.width
         self._height = height if self._reader.height is None else self._reader.height
         self._losses, self._validator = self._books()
+        self._options = options
+
+    def __reduce__(self) -> Any:
+        """Pickle it by its path and what it was told, not by what it has counted."""
+        return by_arguments(
+            type(self),
+            self._path,
+            width=self._width,
+            height=self._height,
+            on_bad=self._on_bad,
+            reorder_tolerance_us=self._reorder_tolerance_us,
+            **vars(self._options),
+        )
 
     @property
     def path(self) -> Path:
