@@ -17,7 +17,7 @@ import numpy.typing as npt
 from asap import stamps
 from asap.events import Events
 from asap.io.columns import events_of, file_columns
-from asap.io.errors import CorruptFile, UnsupportedFormat, library
+from asap.io.errors import CorruptFile, foreign, library
 from asap.io.hdf5_layout import find_layouts, sensor_of, usable
 from asap.io.mapped import mapped
 from asap.io.matrices import columns_of_matrix, order_of
@@ -38,14 +38,16 @@ class Hdf5Reader:
     def __init__(self, path: Path, options: Options) -> None:
         self._path = path
         with self._open() as file:
-            layouts = find_layouts(path, file)
+            with foreign(path):
+                layouts = find_layouts(path, file)
             self.streams = tuple(layouts)
             words = [f"{name} ({layout.rows} events)" for name, layout in layouts.items()]
             layout = layouts[choose_stream(path, options.stream, self.streams, words)]
             self._layout = layout
-            for name in layout.datasets.values():
-                usable(path, file[name])
-            self.width, self.height = sensor_of(file, layout)
+            with foreign(path):
+                for name in layout.datasets.values():
+                    usable(path, file[name])
+                self.width, self.height = sensor_of(file, layout)
             self.expected = layout.rows
             self._order = options.order
             if layout.is_matrix:
@@ -58,8 +60,9 @@ class Hdf5Reader:
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Read in steps of some chunks of the file, hand on in pieces."""
         with self._open() as file:
-            datasets = [file[name] for name in self._layout.datasets.values()]
-            longest = max(_rows_per_chunk(dataset) for dataset in datasets)
+            with foreign(self._path):
+                datasets = [file[name] for name in self._layout.datasets.values()]
+                longest = max(_rows_per_chunk(dataset) for dataset in datasets)
             step = max(_STEP // longest, 1) * longest
             for start in range(0, self._layout.rows, step):
                 stop = min(start + step, self._layout.rows)
@@ -85,11 +88,9 @@ class Hdf5Reader:
     def _pieces(
         self, rows: dict[str, npt.NDArray[Any]], losses: Losses, first: int
     ) -> Iterator[Events]:
-        source: Any = rows
+        source: Any = rows.get("records", rows)
         if self._layout.is_matrix:
             source = columns_of_matrix(rows["matrix"], self._order or "txyp")
-        elif "records" in rows:
-            source = rows["records"]
         elif self._layout.t_offset:
             offset = np.asarray(self._layout.t_offset)
             source = rows | {"t": stamps.shifted(rows["t"], offset)}
@@ -107,7 +108,8 @@ class Hdf5Reader:
         """Events from `start` to `stop` of every dataset."""
         rows = {}
         for role, name in self._layout.datasets.items():
-            dataset = file[name]
+            with foreign(self._path):
+                dataset = file[name]
             try:
                 rows[role] = self._values(file, dataset, start, stop)
             except (OSError, RuntimeError, ValueError) as error:
@@ -116,11 +118,13 @@ class Hdf5Reader:
         return rows
 
     def _values(self, file: Any, dataset: Any, start: int, stop: int) -> npt.NDArray[Any]:
+        values: npt.NDArray[Any]
         if self._layout.transposed:
-            return np.asarray(dataset[:, start:stop]).T
+            values = dataset[:, start:stop].T
+            return values
         offset = dataset.id.get_offset() if dataset.chunks is None else None
-        plain = len(dataset.shape) == 1 or self._layout.is_matrix
-        if plain and offset is not None and not file.userblock_size and stop > start:
+        is_plain = len(dataset.shape) == 1 or self._layout.is_matrix
+        if is_plain and offset is not None and not file.userblock_size and stop > start:
             row = int(dataset.dtype.itemsize * np.prod(dataset.shape[1:], dtype=int))
             if offset + stop * row > self._path.stat().st_size:
                 raise ValueError("the file ends before")
@@ -128,8 +132,10 @@ class Hdf5Reader:
             return mapped(self._path, dataset.dtype, offset + start * row, shape)
         if len(dataset.shape) > 1 and not self._layout.is_matrix:  # a column of MATLAB 7.3
             at = [slice(start, stop) if side != 1 else slice(0, 1) for side in dataset.shape]
-            return np.asarray(dataset[tuple(at)]).reshape(-1)
-        return np.asarray(dataset[start:stop])
+            values = dataset[tuple(at)].reshape(-1)
+        else:
+            values = dataset[start:stop]
+        return values
 
     @contextmanager
     def _open(self) -> Iterator[Any]:
@@ -141,12 +147,7 @@ class Hdf5Reader:
                 raise
             raise CorruptFile(self._path, *_why_not(self._path, error)) from error
         with file:
-            try:
-                yield file
-            except (UnsupportedFormat, CorruptFile):
-                raise
-            except (KeyError, OSError) as error:
-                raise CorruptFile(self._path, 0, f"HDF5: {error}") from error
+            yield file
 
 
 def _rows_per_chunk(dataset: Any) -> int:

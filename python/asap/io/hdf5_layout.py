@@ -8,6 +8,7 @@ soft nor external ones, nor storage in other files.
 
 from __future__ import annotations
 
+import importlib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -17,7 +18,13 @@ from typing import Any
 import numpy as np
 
 from asap.events import FIELD_NAMES
-from asap.io.errors import CorruptFile, UnsupportedFormat, library, refuse_bomb
+from asap.io.errors import (
+    CorruptFile,
+    MissingLibrary,
+    UnsupportedFormat,
+    library,
+    refuse_bomb,
+)
 from asap.io.matrices import as_rows
 from asap.stamps import MAX
 
@@ -172,8 +179,12 @@ def _records_or_matrix(name: str, dataset: Any) -> Layout | None:
 
 def _offset(path: Path, group: Any) -> int:
     """DSEC: times count from t_offset, which stands beside the group."""
+    h5py = library("h5py", "HDF5", "hdf5")
     for place in (group, group.parent):
-        if "t_offset" in place:
+        link = place.get("t_offset", getlink=True)
+        if link is not None:
+            if not isinstance(link, h5py.HardLink):
+                raise UnsupportedFormat(f"{path}: t_offset is a link, which is never followed")
             usable(path, place["t_offset"])
             offset = place["t_offset"]
             if offset.size != 1 or offset.dtype.kind not in "iu" or abs(int(offset[()])) > MAX:
@@ -184,20 +195,20 @@ def _offset(path: Path, group: Any) -> int:
 
 def _find_filter(h5py: Any, path: Path, dataset: str, code: int, name: str) -> None:
     if code == _ECF:
-        raise RuntimeError(
+        raise MissingLibrary(
             f"{path}: {dataset} is compressed with Metavision's ECF filter (0x8ECF), which no "
             "Python package has: set HDF5_PLUGIN_PATH to the folder of the plug-in hdf5_ecf, "
             "or convert the file with metavision_file_to_dat"
         )
     try:
-        import hdf5plugin  # noqa: F401  (registers its filters)
+        importlib.import_module("hdf5plugin")  # registers its filters
     except ImportError as error:
-        raise RuntimeError(
+        raise MissingLibrary(
             f"{path}: {dataset} is compressed with filter {code} ({name or 'no name'}); "
             "the package hdf5plugin has many: pip install hdf5plugin"
         ) from error
     if not h5py.h5z.filter_avail(code):
-        raise RuntimeError(
+        raise MissingLibrary(
             f"{path}: {dataset} is compressed with filter {code} ({name or 'no name'}), which "
             "hdf5plugin lacks too: set HDF5_PLUGIN_PATH to the folder of its plug-in"
         )

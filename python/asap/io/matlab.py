@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -103,7 +104,7 @@ class MatlabReader:
         return found
 
     def _is_events(self, name: str) -> bool:
-        with foreign(self._path):
+        with _read(self._path, None):
             value = self._scipy.loadmat(str(self._path), variable_names=[name], appendmat=False)
         fields = getattr(value.get(name), "dtype", np.dtype(int)).names or ()
         return sorted(
@@ -164,5 +165,13 @@ def _cut_at(path: Path) -> CorruptFile | None:
     return None
 
 
-def _read(path: Path, cut: CorruptFile | None) -> Any:
-    return foreign(path, 0 if cut is None else cut.offset)
+@contextmanager
+def _read(path: Path, cut: CorruptFile | None) -> Iterator[None]:
+    """Turn what scipy raises for damaged files into `CorruptFile`, of where the file was cut."""
+    try:
+        with foreign(path):
+            yield
+    except CorruptFile as error:
+        if cut is None:
+            raise
+        raise cut from error
