@@ -26,6 +26,7 @@ from asap.io.errors import (
     refuse_bomb,
 )
 from asap.io.matrices import as_rows
+from asap.io.reader import sensor_size
 from asap.stamps import MAX
 
 __all__ = ["Layout", "find_layouts", "sensor_of", "usable"]
@@ -110,11 +111,11 @@ def sensor_of(file: Any, layout: Layout) -> tuple[int | None, int | None]:
             text = text.decode("ascii", "replace") if isinstance(text, bytes) else str(text)
             size = re.fullmatch(r"\s*(\d{1,5})x(\d{1,5})\s*", text)
             if size:
-                return int(size[1]), int(size[2])
+                return sensor_size(size[1], size[2])
         if "width" in attributes and "height" in attributes:
             sides = [np.asarray(attributes[side]) for side in ("width", "height")]
             if all(side.size == 1 and side.dtype.kind in "iu" for side in sides):
-                return int(sides[0].item()), int(sides[1].item())
+                return sensor_size(sides[0].item(), sides[1].item())
     return None, None
 
 
