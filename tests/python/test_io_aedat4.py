@@ -42,6 +42,16 @@ def test_packets_of_any_size(path: Path, compression: int) -> None:
     assert rec.truncated_at is None
 
 
+def test_packets_are_handed_on_together(path: Path) -> None:
+    events = corrupt.clean_events(240_000)
+    small, large = in_packets(events[:70_000], 1000), [(0, events[70_000:])]
+    write_aedat4(path, small + large)
+    chunks = list(asap.read(path))
+    assert [len(chunk) for chunk in chunks] == [65_000, 5000, 170_000]
+    assert_equal_events(np.concatenate(chunks), events)
+    assert_equal_events(chunks[0], events[:65_000])  # not overwritten by what came after
+
+
 @pytest.mark.parametrize("name", RECORDINGS)
 def test_agrees_with_the_library_of_the_format(name: str) -> None:
     aedat = pytest.importorskip("aedat")
@@ -180,7 +190,7 @@ class TestDamage:
         monkeypatch.setattr(asap.io.aedat4, "MAX_RATIO", 10)
         write_aedat4(path, [(0, np.zeros(100_000, asap.EVENT_DTYPE))], compression=compression)
         with (
-            pytest.warns(TruncatedFileWarning, match="buffer is smaller than requested"),
+            pytest.warns(TruncatedFileWarning, match="100000 events promised, .* are there"),
             pytest.raises(CorruptFile),
         ):
             asap.load(path)

@@ -13,17 +13,17 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-import numpy.typing as npt
 
 from asap.events import Events
 from asap.io.columns import events_of
 from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library
-from asap.io.flatbuffer import Table
-from asap.io.reader import Losses, Options, choose_stream, sensor_size
+from asap.io.flatbuffer import Buffer, Table
+from asap.io.reader import CHUNK, Losses, Options, choose_stream, sensor_size
 
 __all__ = ["Aedat4Reader"]
 
 _HEADER_AT = len(b"#!AER-DAT4.0\r\n")
+_USUAL_RATIO = 8  # of events; MAX_RATIO is that of anything
 _EVENT = np.dtype(
     {
         "names": ["t", "x", "y", "p"],
@@ -64,25 +64,46 @@ class Aedat4Reader:
         self.width, self.height = sizes[self._stream]
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
-        """Decode packet by packet."""
+        """Decode packets, and hand on many at once: some cameras send a few events in each."""
         count = 0
+        for records in self._gathered(losses):
+            rows = np.frombuffer(records, _EVENT)
+            yield events_of(rows, self._options, losses, count)
+            count += len(rows)
+
+    def _gathered(self, losses: Losses) -> Iterator[Buffer]:
+        """Join records to about `CHUNK` events, in memory that is used again."""
+        joined = memoryview(bytearray(CHUNK * _EVENT.itemsize))
+        filled = 0
+        try:
+            for records in self._records():
+                if filled + len(records) > len(joined):
+                    yield joined[:filled]
+                    filled = 0
+                if len(records) > len(joined):
+                    yield records
+                    continue
+                joined[filled : filled + len(records)] = records
+                filled += len(records)
+        except CorruptFile as error:
+            yield joined[:filled]
+            losses.truncated(error.offset, error.fault)
+        else:
+            yield joined[:filled]
+
+    def _records(self) -> Iterator[Buffer]:
+        """Events of the stream, packet by packet."""
         with self._path.open("rb") as file:
             for offset, stream, length in self._packets(file):
                 if length < 0:
-                    losses.truncated(offset, "no whole packet follows")
-                    return
+                    raise CorruptFile(self._path, offset, "no whole packet follows")
                 if str(stream) != self._stream:
                     continue
-                try:
-                    with foreign(self._path, offset):
-                        if length > HARMLESS:
-                            raise ValueError(f"a packet of {length} bytes")
-                        rows = _events(self._unpack(file.read(length)))
-                except CorruptFile as error:
-                    losses.truncated(offset, error.fault)
-                    return
-                yield events_of(rows, self._options, losses, count)
-                count += len(rows)
+                with foreign(self._path, offset):
+                    if length > HARMLESS:
+                        raise ValueError(f"a packet of {length} bytes")
+                    records = _records(self._unpack(file.read(length)))
+                yield records
 
     def _packets(self, file: Any) -> Iterator[tuple[int, int, int]]:
         """Offset, stream and length of each packet, the file stands behind its header.
@@ -135,26 +156,40 @@ def _size(node: ElementTree.Element) -> tuple[int | None, int | None]:
 
 
 def _unpacker(compression: int) -> Callable[[bytes], bytes]:
-    """Return what unpacks a packet, of which no more than a good one holds."""
+    """Return what unpacks a packet."""
     if compression == 0:
         return bytes
     if compression in (1, 2):
         lz4 = library("lz4.frame", "AEDAT4", "aedat4")
-        return lambda packed: lz4.LZ4FrameDecompressor().decompress(packed, _most(packed))
+        return _bounded(lambda packed, most: lz4.LZ4FrameDecompressor().decompress(packed, most))
     if compression in (3, 4):
         zstd = library("zstandard", "AEDAT4", "aedat4")
-        return lambda packed: zstd.ZstdDecompressor().stream_reader(packed).read(_most(packed))
+        return _bounded(
+            lambda packed, most: zstd.ZstdDecompressor().stream_reader(packed).read(most)
+        )
     raise ValueError(f"compression {compression} is not known")
 
 
-def _most(packed: bytes) -> int:
-    return min(HARMLESS, MAX_RATIO * len(packed))
+def _bounded(unpack: Callable[[bytes, int], bytes]) -> Callable[[bytes], bytes]:
+    """Unpack no more than any good packet holds; memory for much more than usual costs time."""
+
+    def unpack_bounded(packed: bytes) -> bytes:
+        usual = min(_USUAL_RATIO * len(packed), HARMLESS)
+        unpacked = unpack(packed, usual)
+        if len(unpacked) < usual:
+            return unpacked
+        return unpack(packed, min(MAX_RATIO * len(packed), HARMLESS))
+
+    return unpack_bounded
 
 
-def _events(packet: bytes) -> npt.NDArray[Any]:
+def _records(packet: bytes) -> Buffer:
     """View the one field of a packet of events: a vector of structures."""
     table = Table(memoryview(packet)[4:])
     if table.name != b"EVTS":
         raise ValueError(f"EVTS is needed, the packet is {table.name!r}")
     at, count = table.vector(0)
-    return np.frombuffer(table.buffer, _EVENT, count, at)
+    records = table.buffer[at : at + count * _EVENT.itemsize]
+    if len(records) < count * _EVENT.itemsize:
+        raise ValueError(f"{count} events promised, {len(records) // _EVENT.itemsize} are there")
+    return records

@@ -9,6 +9,7 @@ soft nor external ones, nor storage in other files.
 from __future__ import annotations
 
 import importlib
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -91,7 +92,7 @@ def usable(path: Path, dataset: Any) -> None:
     stored = dataset.id.get_storage_size()
     if dataset.size > 1 and not stored and not dataset.is_virtual:
         raise CorruptFile(path, 0, f"{dataset.name}: {dataset.size} values promised, none stored")
-    chunk = int(np.prod(dataset.chunks or (), dtype=object)) * dataset.dtype.itemsize
+    chunk = math.prod(dataset.chunks or ()) * dataset.dtype.itemsize
     promised = int(dataset.size) * dataset.dtype.itemsize
     refuse_bomb(path, 0, dataset.name, max(promised, chunk), min(stored, path.stat().st_size))
     filters = dataset.id.get_create_plist()

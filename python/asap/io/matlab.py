@@ -7,6 +7,7 @@ Whole times are microseconds, also where MATLAB stores them as floats, its defau
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -48,7 +49,7 @@ class MatlabReader:
         size = path.stat().st_size
         for name, (shape, kind) in self._shapes.items():
             width = _BYTES.get(kind.removeprefix("u"), 8)
-            promised = width * int(np.prod(shape, dtype=object))
+            promised = width * math.prod(map(int, shape))
             refuse_bomb(path, 0, name, promised, size)
         self._found = self._find()
         self.streams = tuple(self._found)
