@@ -95,21 +95,16 @@ class Aedat4Reader:
         """Events of the stream, packet by packet."""
         with self._path.open("rb") as file:
             for offset, stream, length in self._packets(file):
-                if length < 0:
-                    raise CorruptFile(self._path, offset, "no whole packet follows")
                 if str(stream) != self._stream:
                     continue
                 with foreign(self._path, offset):
                     if length > HARMLESS:
                         raise ValueError(f"a packet of {length} bytes")
-                    records = _records(self._unpack(file.read(length)))
+                    records = _records_of(self._unpack(file.read(length)))
                 yield records
 
     def _packets(self, file: Any) -> Iterator[tuple[int, int, int]]:
-        """Offset, stream and length of each packet, the file stands behind its header.
-
-        A length of -1 where the chain of packets breaks.
-        """
+        """Offset, stream and length of each packet, while the file stands behind its header."""
         size = self._path.stat().st_size
         end = self._end if self._end > 0 else size  # the file may never have been closed
         at = self._first
@@ -121,7 +116,7 @@ class Aedat4Reader:
             yield at, stream, length
             at += 8 + length
         if at != end:
-            yield at, -1, -1
+            raise CorruptFile(self._path, at, "no whole packet follows")
 
 
 def _header(path: Path) -> tuple[Table, int]:
@@ -183,7 +178,7 @@ def _bounded(unpack: Callable[[bytes, int], bytes]) -> Callable[[bytes], bytes]:
     return unpack_bounded
 
 
-def _records(packet: bytes) -> Buffer:
+def _records_of(packet: bytes) -> Buffer:
     """View the one field of a packet of events: a vector of structures."""
     table = Table(memoryview(packet)[4:])
     if table.name != b"EVTS":
