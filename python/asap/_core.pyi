@@ -541,6 +541,16 @@ class Aedat3Decoder(metaclass=_pybind11_type):
     @property
     def invalid(self) -> int: ...
 
+def events_of_columns(
+    t: NDArray[Any],
+    x: NDArray[Any],
+    y: NDArray[Any],
+    p: NDArray[Any] | None,
+    *,
+    us_per_unit: float = 1.0,
+    normalise: bool = True,
+) -> _Events | None: ...
+
 # synthetic
 
 class EventStream(metaclass=_pybind11_type):

@@ -14,6 +14,7 @@ void bind_pipeline(pybind11::module_& m);
 void bind_study(pybind11::module_& m);
 void bind_rivals(pybind11::module_& m);
 void bind_formats(pybind11::module_& m);
+void bind_columns(pybind11::module_& m);
 void bind_decoders(pybind11::module_& m);
 void bind_record_decoders(pybind11::module_& m);
 void bind_synthetic(pybind11::module_& m);

@@ -97,7 +97,7 @@ def test_a_damaged_file(
 @effort(25)
 @given(data=st.data())
 def test_a_damaged_aedat4(folder: Path, data: st.DataObject) -> None:
-    pytest.importorskip("aedat")
+    pytest.importorskip("lz4")
     content = recording("aedat/cars_davis346.aedat4").read_bytes()[:40_000]
     check_load(folder / "damaged.aedat4", data.draw(damaged(content)), {})
 

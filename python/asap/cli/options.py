@@ -69,6 +69,7 @@ def add_recording(
         help="of the times in the file (default: its header's, else s where they have a decimal "
         "point or are floats, us where not)",
     )
+    parser.add_argument("--stream", metavar="NAME", help="which camera, where FILE holds several")
     if not on_bad:
         parser.set_defaults(on_bad="drop")
         return
@@ -103,6 +104,7 @@ def open_recording(arguments: Any) -> asap.Recording:
         order=arguments.order,
         time_unit=arguments.time_unit,
         on_bad=arguments.on_bad,
+        stream=arguments.stream,
     )
 
 

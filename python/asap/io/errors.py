@@ -2,11 +2,27 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-__all__ = ["CorruptFile", "TruncatedFileWarning", "UnsupportedFormat", "foreign", "unclear_unit"]
+__all__ = [
+    "HARMLESS",
+    "MAX_RATIO",
+    "CorruptFile",
+    "MissingLibrary",
+    "TruncatedFileWarning",
+    "UnsupportedFormat",
+    "foreign",
+    "library",
+    "refuse_bomb",
+    "unclear_unit",
+]
+
+MAX_RATIO = 1000  # decompressed to compressed, for what is beyond HARMLESS bytes
+HARMLESS = 1 << 28
 
 
 class UnsupportedFormat(ValueError):
@@ -26,6 +42,10 @@ class CorruptFile(ValueError):
         return type(self), (self.path, self.offset, self.fault)
 
 
+class MissingLibrary(RuntimeError):
+    """What reads or unpacks the file is not installed."""
+
+
 class TruncatedFileWarning(UserWarning):
     """The file ends too early; what came before was read."""
 
@@ -38,12 +58,37 @@ def unclear_unit(path: Path) -> ValueError:
     )
 
 
+def refuse_bomb(path: Path, offset: int, what: str, promised: int, stored: int) -> None:
+    """Raise where `stored` bytes promise more than any good file unpacks to."""
+    if promised > max(HARMLESS, MAX_RATIO * stored):
+        fault = f"{what} decompresses to {promised} bytes, more than {MAX_RATIO} times its size"
+        raise CorruptFile(path, offset, fault)
+
+
+def library(name: str, what: str, extra: str) -> Any:
+    """Import the library that reads `what`, or say how to install it."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        package = name.partition(".")[0]
+        raise MissingLibrary(
+            f"{what} needs the package {package}: pip install 'asap-events[{extra}]'"
+        ) from error
+
+
 @contextmanager
 def foreign(path: Path, offset: int = 0) -> Iterator[None]:
-    """Turn whatever a library raises into `CorruptFile`, panics outside ``Exception`` included."""
+    """Turn whatever a library raises into `CorruptFile`, panics outside ``Exception`` included.
+
+    An OSError with a number is the file system's, not the format's, and stays one.
+    """
     try:
         yield
-    except (OSError, CorruptFile, UnsupportedFormat, KeyboardInterrupt, SystemExit, GeneratorExit):
+    except (CorruptFile, UnsupportedFormat, MissingLibrary):
+        raise
+    except (KeyboardInterrupt, SystemExit, GeneratorExit):
         raise
     except BaseException as error:
+        if isinstance(error, OSError) and error.errno:
+            raise
         raise CorruptFile(path, offset, f"{error or type(error).__name__}") from error

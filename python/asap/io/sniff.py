@@ -11,8 +11,8 @@ from asap.io.errors import CorruptFile, UnsupportedFormat
 __all__ = ["SERVED", "first_bytes", "sniff"]
 
 SERVED = (
-    "npy, npz, text (t x y p), csv, aedat4, Prophesee RAW (EVT2, EVT2.1, EVT3) and DAT, "
-    "Event Stream, AEDAT 2.0 and 3.1, 40-bit events (.bin, .bs2)"
+    "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, Prophesee RAW (EVT2, EVT2.1, EVT3) and "
+    "DAT, Event Stream, AEDAT 2.0 and 3.1, 40-bit events (.bin, .bs2)"
 )
 
 _HEAD = 4096
@@ -24,20 +24,18 @@ _SERVED_BYTES = (
     (b"#!AER-DAT2.0", "aedat2"),
     (b"#!AER-DAT3.1", "aedat3"),
     (b"Event Stream", "es"),
+    (b"\x89HDF\r\n\x1a\n", "hdf5"),
+    (b"MATLAB 7.3", "hdf5"),
+    (b"MATLAB 5.0", "matlab"),
 )
 _OTHER_BYTES = (
     (b"#!AER-DAT", "AEDAT 1.0 or 3.0"),
-    (b"\x89HDF\r\n\x1a\n", "HDF5"),
     (b"#ROSBAG", "rosbag 1"),
     (b"SQLite format 3\x00", "rosbag 2"),
     (b"\x89MCAP", "MCAP"),
-    (b"MATLAB 5.0", "MATLAB"),
 )
 _OTHER_SUFFIXES = {
     ".aedat": "AEDAT 1.0",
-    ".h5": "HDF5",
-    ".hdf5": "HDF5",
-    ".mat": "MATLAB",
     ".bag": "rosbag 1",
     ".db3": "rosbag 2",
     ".mcap": "MCAP",
@@ -70,7 +68,7 @@ def sniff(path: Path) -> str:
     if any(mark in head for mark in _PROPHESEE_HEADER):
         raise _unsupported(path, "this Prophesee encoding")
     suffix = path.suffix.lower()
-    if suffix in (".npy", ".npz", ".aedat4", ".raw", ".es"):
+    if suffix in (".npy", ".npz", ".aedat4", ".raw", ".es", ".h5", ".hdf5", ".mat"):
         raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
     if suffix in _OTHER_SUFFIXES:
         raise _unsupported(path, _OTHER_SUFFIXES[suffix])
