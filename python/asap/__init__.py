@@ -50,6 +50,7 @@ from asap.experiment import (
     run,
     simulate,
 )
+from asap.experiment import map as map  # not in __all__: `import *` leaves Python its own
 from asap.inspection import Inspection, check, info
 from asap.io import Recording, load, read
 

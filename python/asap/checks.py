@@ -7,12 +7,16 @@ TypeError for one of the wrong kind. An error of the argument itself comes out u
 from __future__ import annotations
 
 import errno
+import inspect
 import math
 import operator
+import os
 import stat
-from collections.abc import Iterable
+import warnings
+from collections.abc import AsyncIterable, Callable, Iterable
+from functools import partial, wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -28,17 +32,28 @@ __all__ = [
     "is_masked",
     "listed",
     "named",
+    "new_file",
     "number",
     "regular_file",
+    "renamed",
     "require",
     "rows",
     "sides",
+    "source",
     "unmasked",
     "whole",
     "worker",
+    "workers",
 ]
 
+P = ParamSpec("P")
+T = TypeVar("T")
+
 _LONGEST = 200
+_AWAIT = (
+    "asap awaits nothing; give a plain {kind}, and from a coroutine call asap in a thread: "
+    "await asyncio.to_thread(...)"
+)
 _UNMASK = "take out or repair what is masked, and give array.data"
 
 
@@ -126,17 +141,45 @@ def choice(field: str, value: Any, choices: Iterable[str]) -> None:
 
 
 def callback(field: str, value: Any) -> None:
-    """Refuse what cannot be called, unless it is None."""
+    """Refuse what cannot be called, unless it is None, and what has to be awaited."""
     if value is not None and not callable(value):
         raise TypeError(named(field, value, "give a callable or None"))
+    if _is_async(value):
+        raise TypeError(named(field, value, _AWAIT.format(kind="function")))
+
+
+def source(value: Any) -> None:
+    """Refuse a stream of events that has to be awaited, before anything of it is read."""
+    if isinstance(value, AsyncIterable) or inspect.isawaitable(value) or _is_async(value):
+        raise TypeError(named("source", value, _AWAIT.format(kind="iterable of arrays")))
 
 
 def worker(field: str, value: Any) -> None:
-    """Refuse the class of an algorithm or a filter, where an object of it is meant."""
+    """Refuse an algorithm or a filter that is a class, or that has to be awaited."""
+    methods = [getattr(value, name, None) for name in ("process", "set_keep")]
+    if inspect.isawaitable(value) or any(_is_async(one) for one in (value, *methods)):
+        raise TypeError(named(field, value, _AWAIT.format(kind="function or process(events)")))
     if isinstance(value, type) and hasattr(value, "process"):
         raise TypeError(
             named(field, value, f"give an object of it, such as {value.__name__}(346, 260)")
         )
+
+
+def workers(**given: Any) -> None:
+    """Refuse by its name what `worker` refuses."""
+    for field, value in given.items():
+        worker(field, value)
+
+
+def _is_async(function: Any) -> bool:
+    """Whether a call gives what has to be awaited; looks through partials and at __call__."""
+    while isinstance(function, partial):
+        function = function.func
+    call = getattr(type(function), "__call__", None)  # noqa: B004
+    return any(
+        inspect.iscoroutinefunction(one) or inspect.isasyncgenfunction(one)
+        for one in (function, call)
+    )
 
 
 def folder_or_file(field: str, value: Any) -> Path:
@@ -147,11 +190,42 @@ def folder_or_file(field: str, value: Any) -> Path:
         raise TypeError(named(field, value, "give a path")) from None
 
 
+def new_file(field: str, value: Any) -> Path:
+    """Refuse where no file can be written, before anything is made to be written there."""
+    path = folder_or_file(field, value)
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "a folder; give a file in it", str(path))
+    if not path.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, f"there is no folder {path.parent}", str(path))
+    if not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+    return path
+
+
 def regular_file(path: Path) -> None:
     """Refuse a pipe, a socket or a device: a file is read more than once, and ends."""
     mode = path.stat().st_mode
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # a folder is refused where it is opened
         raise OSError(errno.ESPIPE, "no regular file; save it to one first", str(path))
+
+
+def renamed(**names: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Take parameters by their old names too, ``old="new"``, for one version and with a warning."""
+
+    def decorated(function: Callable[P, T]) -> Callable[P, T]:
+        @wraps(function)
+        def call(*args: P.args, **kwargs: P.kwargs) -> T:
+            for old, new in names.items():
+                if old in kwargs:
+                    if new in kwargs:
+                        raise TypeError(f"{old}: this is the old name of {new}; give one of them")
+                    warnings.warn(f"{old} is now {new}", DeprecationWarning, stacklevel=2)
+                    kwargs[new] = kwargs.pop(old)
+            return function(*args, **kwargs)
+
+        return call
+
+    return decorated
 
 
 def is_masked(array: Any) -> bool:

@@ -354,6 +354,8 @@ def _no_columns() -> Columns:
 
 
 def _numeric(role: str, column: Any) -> Column:
+    if type(column) is np.ndarray and column.ndim == 1 and column.dtype.kind in "biu":
+        return column  # what most readers bring, many times a second
     if hasattr(column, "to_numpy"):
         column = column.to_numpy()
     unmasked(role, column)

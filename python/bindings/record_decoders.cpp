@@ -15,11 +15,11 @@ using namespace py::literals;
 // None where the file does not state it.
 py::object stated(std::uint16_t side) { return side > 0 ? py::object(py::int_(side)) : py::none(); }
 
-constexpr std::array kChips{"unknown", "davis", "dvs128"};  // by Aedat2Chip
+constexpr std::array kChips{"unnamed", "other", "davis", "dvs128"};  // by Aedat2Chip
 
 Aedat2Chip chip_named(const std::string& name) {
   const auto found = std::find(kChips.begin(), kChips.end(), name);
-  return found == kChips.end() ? Aedat2Chip::unknown
+  return found == kChips.end() ? Aedat2Chip::other
                                : static_cast<Aedat2Chip>(found - kChips.begin());
 }
 

@@ -1,4 +1,4 @@
-"""The mutants: each a line of the core or of the live path, broken as a tired hand would."""
+"""The mutants: each a line of the core, the live path or a decoder, broken as by a tired hand."""
 
 from __future__ import annotations
 
@@ -278,5 +278,58 @@ MUTANTS: list[Mutant] = [
         polarity_of_two_digits_cut=("(p_end - y_end == 2)", "(p_end - y_end >= 2)"),
         separators_may_differ=("(line[x_end] == separator)", "is_separator(line[x_end])"),
         long_times_cut=("if (count > 8) {", "if (count > 9) {"),
+    ),
+    *in_file(
+        SOURCE + "formats/records.hpp",
+        "formats",
+        record_without_room_is_passed=("if (!take_one(word)) break;", "take_one(word);"),
+        record_that_ends_in_the_next_piece_is_read_twice=("    cut.size = 0;\n", ""),
+    ),
+    *in_file(
+        SOURCE + "formats/aedat2.cpp",
+        "formats",
+        clock_that_goes_back_wraps=("t += static_cast<std::int32_t>(step);", "t += step;"),
+        trigger_without_room_is_not_awaited=("!out.has_room_for_a_trigger()", "false"),
+    ),
+    *in_file(
+        SOURCE + "formats/aedat3.cpp",
+        "formats",
+        overflows_of_the_packet_ignored=("static_cast<std::int64_t>(header.overflows) << 31", "0"),
+        bad_bytes_end_with_any_packet=(" || (lost_ && header.type != kPolarity)", ""),
+    ),
+    *in_file(
+        SOURCE + "formats/atis40.cpp",
+        "formats",
+        row_240_marks_no_time=("event ? 0 : kMarkUs", "event ? 0 : 0"),
+    ),
+    *in_file(
+        SOURCE + "formats/event_stream.cpp",
+        "formats",
+        padding_takes_time=("(word & 1) * 127", "127"),
+    ),
+    *in_file(
+        SOURCE + "formats/words.hpp",
+        "formats",
+        every_step_back_is_a_wrap=("last - t > range / 2", "last > t"),
+        a_cut_word_without_room_is_lost=(
+            "if (decode(cut.bytes.data(), 1) == 0) return 0;",
+            "decode(cut.bytes.data(), 1);",
+        ),
+    ),
+    *in_file(
+        SOURCE + "formats/evt21.cpp",
+        "formats",
+        legacy_halves_not_swapped=("std::rotl(word, 32)", "word"),
+    ),
+    *in_file(
+        SOURCE + "formats/evt3.cpp",
+        "formats",
+        a_repeated_time_high_sets_time_low=("if (word == state_.high_word) return;", ""),
+        each_vector_moves_the_base_by_12=("(word >> 12 == kVect12 ? 12 : 8)", "12"),
+    ),
+    *in_file(
+        SOURCE + "formats/dat.cpp",
+        "formats",
+        epoch_of_dat_forgotten=("state_.t = epoch + last;", "state_.t = last;"),
     ),
 ]

@@ -727,7 +727,7 @@ KNOWN = [
 @pytest.mark.parametrize(("name", "notes"), KNOWN, ids=[name for name, _ in KNOWN])
 def test_real_recordings(name: str, notes: dict[str, int]) -> None:
     if name.endswith("aedat4"):
-        pytest.importorskip("aedat")
+        pytest.importorskip("lz4")
     known = facts(name)
     sensor = (240, 180) if "240" in name else (346, 260)
     found = asap.check(recording(name), width=sensor[0], height=sensor[1])

@@ -202,6 +202,22 @@ def test_a_plain_array_needs_its_order(asap, tmp_path):
     assert "; leave --order out\n" in asap("info", tmp_path / "b.npy", "--order", "txyp")[2]
 
 
+def test_a_camera_is_chosen_as_on_the_command_line(asap, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        for camera, count in (("left", 2), ("right", 3)):
+            file[f"{camera}/events"] = np.ones(count, EVENT_DTYPE)
+    code, _, err = asap("info", path)
+    assert code == 2
+    assert "--stream is missing: " in err
+    assert "such as --stream left/events" in err
+    assert "--stream up: " in asap("info", path, "--stream", "up")[2]
+    assert "events    3, " in asap("info", path, "--stream", "right")[1]
+    np.save(tmp_path / "a.npy", np.ones(2, EVENT_DTYPE))
+    assert "; leave --stream out\n" in asap("info", tmp_path / "a.npy", "--stream", "up")[2]
+
+
 @pytest.mark.parametrize(("unit", "duration"), [("s", "1 s"), ("ms", "1 ms"), ("ns", "1 us")])
 def test_units_of_time_are_those_of_the_library(asap, tmp_path, unit, duration):
     path = tmp_path / "events.csv"
@@ -234,7 +250,8 @@ def test_run_prints_the_table(api, asap):
 
 def test_run_hands_its_options_on(api, asap):
     arguments = "--latency 20ms --speed 2 --seed 7 --on-bad clamp --width 100 --height 50"
-    more = "--order yxt --time-unit s --scheme asap2020 --set rate_bound=1e6 --set first_size=5e2"
+    more = "--order yxt --time-unit s --stream left --scheme asap2020 --set rate_bound=1e6"
+    more += " --set first_size=5e2"
     code, _, _ = asap("run", "hands", *arguments.split(), *more.split())
     assert code == 0
     assert api.calls["read"] == {
@@ -244,6 +261,7 @@ def test_run_hands_its_options_on(api, asap):
         "order": "yxt",
         "time_unit": "s",
         "on_bad": "clamp",
+        "stream": "left",
     }
     options = api.calls["run"]
     assert (options["latency_ms"], options["speed"], options["seed"]) == (20.0, 2.0, 7)
@@ -335,7 +353,8 @@ def test_warnings_become_a_line_on_stderr(api, asap, monkeypatch):
 def test_an_output_that_cannot_be_written_is_told(api, asap, tmp_path):
     code, out, err = asap("run", "f", "--save", tmp_path)
     assert (code, out) == (2, "")
-    assert err == f"asap: error: {tmp_path}: Is a directory\n"
+    words = f"argument --save: {tmp_path}: a folder; give a file in it"
+    assert err == f"asap: error: {words} (see asap run --help)\n"
 
 
 def test_save_and_report_write_their_files(api, asap, tmp_path):

@@ -102,7 +102,7 @@ def test_report(call, save, tmp_path):
     [
         ([], 2, "required: FILE"),
         (["none.npy"], 3, "none.npy: No such file"),
-        (["f", "--on-bad", "drop"], 2, "unrecognized arguments: --on-bad"),
+        (["f", "--on-bad", "drop"], 2, "unknown option --on-bad; there are --help"),
         (["f", "--report", "no/such/out.html"], 2, "there is no folder no/such"),
     ],
 )

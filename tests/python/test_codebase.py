@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import importlib.metadata
 import re
 import sys
@@ -34,8 +35,8 @@ MAY_INCLUDE = {
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
     {"_core", "checks"},
-    {"metrics", "stamps", "units"},
-    {"events"},
+    {"_pickling", "metrics", "stamps", "units"},
+    {"_result", "events"},
     {"io", "synthetic"},
     {"accuracy", "experiment", "profiles", "scenes"},
     {"analysis", "conversion"},
@@ -58,18 +59,11 @@ USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 
 WITHOUT_A_TEST_OF_ITS_OWN = {
     "algorithms/cluster.hpp": "plain data",
-    "core/atomics.hpp": "an alias",
     "formats/progress.hpp": "plain data; every decoder's test reads it",
     "formats/words.hpp": "every decoder's test reads words that are cut",
     "packager/books.hpp": "the packager's tests read what they say",
-    "runner/admission.hpp": "an interface; the gate's test speaks it",
     "telemetry/telemetry.hpp": "plain data",
-    "runner/consumer.hpp": "an alias",
-    "runner/when_full.hpp": "an enumeration",
     "schemes/scheme.hpp": "an interface; every scheme's test speaks it",
-    "synthetic/near_normal.hpp": "the scenes are golden, bit by bit",
-    "synthetic/portable_exp.hpp": "likewise",
-    "synthetic/portable_log.hpp": "likewise",
     "synthetic/scene_checks.hpp": "every scene's refusals are tested",
 }
 
@@ -79,7 +73,7 @@ WITHOUT_A_HEADER_OF_ITS_OWN = {
     "packager/bounded_test.cpp": "the packager, of packages that do not fit",
     "runner/allocation_test.cpp": "the same of a live pipeline",
     "runner/simulator_anytime_test.cpp": "the simulator: anytime, outages, admission",
-    "runner/simulator_outages_test.cpp": "the simulator: Deadline in company",
+    "runner/simulator_outages_test.cpp": "the simulator: Deadline on a busy machine",
 }
 
 CPP = ROOT / "cpp"
@@ -96,7 +90,7 @@ def headers() -> dict[str, Path]:
 HEADERS = headers()
 PYTHON = sorted((ROOT / "python" / "asap").rglob("*.py"))
 NATIVE = {".cpp", ".hpp"}
-MOST_PUBLIC = 80
+MOST_PUBLIC = 65
 
 
 # ---- arrows ---------------------------------------------------------------------------------
@@ -286,6 +280,26 @@ def says_what_it_is_and_what_it_exports(path: Path) -> bool:
 def test_every_module_says_what_it_is_and_what_it_exports() -> None:
     assert PYTHON
     assert not [name_of(path) for path in PYTHON if not says_what_it_is_and_what_it_exports(path)]
+
+
+def parameters(path: Path) -> Iterator[tuple[str, str]]:
+    """Every parameter of the functions that a user may call, with the function's name."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.FunctionDef) and re.match(r"__init__|[^_]", node.name):
+            given = node.args
+            for one in (*given.posonlyargs, *given.args, *given.kwonlyargs):
+                yield node.name, one.arg
+
+
+def test_no_parameter_is_named_like_a_builtin() -> None:
+    names = [
+        f"{name_of(path)}: {function}({name})"
+        for path in PYTHON
+        if "study" not in path.parts
+        for function, name in parameters(path)
+        if hasattr(builtins, name)
+    ]
+    assert not names
 
 
 STAMPS = r"f[\"']\{stamps\.dtype\.kind\}8\[.*|stamps\.dtype"

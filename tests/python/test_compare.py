@@ -1,6 +1,7 @@
 """asap.compare and asap.oracle: rows against single runs, the oracle against all schedules."""
 
 import hashlib
+import inspect
 import itertools
 import json
 import threading
@@ -20,7 +21,7 @@ EVENTS = streams.poisson(6e6, 0.1)  # rho = 1.8
 
 
 def test_a_text_is_no_schemes():
-    words = r"^schemes = 'all': give schemes such as \[asap.Greedy\(\)\], .* all=True adds"
+    words = r"^schemes = 'all': give schemes such as \[asap.Greedy\(\)\], .* baselines=True adds"
     with pytest.raises(TypeError, match=words):
         asap.compare(EVENTS, cost=COST, schemes="all")
 
@@ -80,7 +81,7 @@ def test_bad_events_are_counted_in_every_run_and_never_reach_the_oracle():
 
 def test_rows_are_the_runs_in_numbers(comparison):
     assert set(comparison.runs) == set(schemes()) == {row.label for row in comparison.rows}
-    for row in comparison:
+    for row in comparison.rows:
         run = comparison.runs[row.label]
         assert row.scheme == run.scheme.name
         assert row.score == run.latency.within_bound / comparison.oracle
@@ -113,8 +114,8 @@ def test_equal_scores_are_sorted_by_latency():
     found = asap.compare(
         quiet, cost=COST, schemes=[asap.FixedSize(size=150), asap.Greedy(), asap.FixedTime()]
     )
-    assert [row.score for row in found] == [1.0, 1.0, 1.0]
-    assert [row.label for row in found] == ["Greedy", "FixedTime", "FixedSize"]
+    assert [row.score for row in found.rows] == [1.0, 1.0, 1.0]
+    assert [row.label for row in found.rows] == ["Greedy", "FixedTime", "FixedSize"]
 
 
 def test_scores_that_are_shown_as_equal_are_equal(monkeypatch):
@@ -127,7 +128,7 @@ def test_scores_that_are_shown_as_equal_are_equal(monkeypatch):
     monkeypatch.setattr(module.Row, "of", of)
     schemes = {"B": asap.Greedy(), "A": asap.SingleEvent()}
     found = asap.compare(EVENTS[:100], cost=COST, schemes=schemes)
-    assert [row.label for row in found] == list(found.runs) == ["A", "B"]
+    assert list(found) == list(found.runs) == ["A", "B"]
 
 
 def test_overflow_is_a_share():
@@ -336,14 +337,23 @@ def test_an_error_of_the_source_comes_out_and_leaves_no_thread():
 
 def test_the_usual_schemes_and_with_all_the_rivals():
     usual = asap.compare(EVENTS[:2000], cost=COST)
-    labels = {row.label for row in usual}
+    labels = {row.label for row in usual.rows}
     assert {"Deadline", "DeadBeat", "Asap2020", "Asap2022", "Greedy", "FixedSize 1000"} <= labels
     assert usual.latency_ms == 10
-    everything = asap.compare(EVENTS[:2000], cost=COST, all=True)
-    assert {row.label for row in everything} - labels == {
+    everything = asap.compare(EVENTS[:2000], cost=COST, baselines=True)
+    assert {row.label for row in everything.rows} - labels == {
         *("SingleEvent", "jAER timer", "greedy+PIE", "greedy+rate-gamma", "greedy+clear"),
         *("Clipper AIMD", "Spark PID"),
     }
+
+
+def test_the_old_name_of_baselines_stays_for_one_version():
+    with pytest.warns(DeprecationWarning, match="all is now baselines"):
+        old = asap.compare(EVENTS[:2000], cost=COST, all=True)
+    assert old == asap.compare(EVENTS[:2000], cost=COST, baselines=True)
+    with pytest.raises(TypeError, match="old name of baselines"):
+        asap.compare(EVENTS[:2000], cost=COST, all=True, baselines=True)
+    assert "all" not in inspect.signature(asap.compare).parameters
 
 
 def test_the_usual_schemes_are_what_their_labels_say():
@@ -383,7 +393,11 @@ ONE = asap.Greedy()
         ({"schemes": ["greedy"]}, TypeError, "schemes = 'greedy': give"),
         ({"schemes": [ONE, ONE]}, ValueError, "stands there twice"),
         ({"schemes": {1: ONE, "1": asap.Greedy()}}, ValueError, r"\['1', '1'\] are not all diff"),
-        ({"schemes": [asap.SingleEvent()], "all": True}, ValueError, r"= \['SingleEvent'\]: all="),
+        (
+            {"schemes": [asap.SingleEvent()], "baselines": True},
+            ValueError,
+            r"= \['SingleEvent'\]: baselines=",
+        ),
         ({"schemes": [asap.Deadline(latency_ms=5)], "latency_ms": 10}, ValueError, "= 5, 10: two"),
         ({"latency_ms": 0}, ValueError, "latency_ms = 0: must be between"),
         ({"speed": 0}, ValueError, "speed = 0: must be between"),
@@ -416,7 +430,7 @@ def test_summary_is_json(comparison):
         "events": comparison.oracle,
         "in_time": comparison.oracle / EVENTS.size,
     }
-    assert [one["label"] for one in summary["schemes"]] == [row.label for row in comparison]
+    assert [one["label"] for one in summary["schemes"]] == list(comparison)
     first = summary["schemes"][0]
     assert first["scheme"] == "deadline" and first["parameters"]["latency_ms"] == 5
     assert first["score"] == comparison.rows[0].score

@@ -15,7 +15,7 @@ EVENTS = streams.poisson(6e6, 0.05)
 
 @pytest.fixture(scope="module")
 def comparison():
-    return asap.compare(EVENTS, cost=COST, latency_ms=5, all=True)
+    return asap.compare(EVENTS, cost=COST, latency_ms=5, baselines=True)
 
 
 def row(label="A", score=0.5, p99_us=4000.0, max_us=4500.0, **others):
@@ -144,7 +144,7 @@ def test_a_short_recording_is_told(comparison):
 def test_the_verdict_where_nothing_can_be_had(comparison):
     assert "one package takes longer" in verdict(comparison, row(), oracle=0.0)
     empty = asap.compare(EVENTS[:0], cost=COST, schemes=[asap.Greedy()])
-    assert [(one.score, one.kept) for one in empty] == [(1.0, 1.0)]
+    assert [(one.score, one.kept) for one in empty.rows] == [(1.0, 1.0)]
     assert "Nothing was received" in str(empty)
     impossible = asap.compare(
         streams.make(np.arange(10)), cost=asap.LinearCost(1000, 0), latency_ms=0.5

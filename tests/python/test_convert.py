@@ -297,7 +297,7 @@ def test_the_verb(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         (["a.npy", "no/a.es"], 2, "there is no folder"),
         (["a.npy", "a.npy"], 2, "is the recording itself"),
         (["a.npy", "a.raw", "--to", "evt4"], 2, "invalid choice"),
-        (["a.npy", "folder.raw"], 2, "folder.raw: Is a directory"),
+        (["a.npy", "folder.raw"], 2, "folder.raw: a folder; give a file in it"),
     ],
 )
 def test_the_verb_refuses(

@@ -296,6 +296,35 @@ class TestTime:
         assert asap.as_events((t, X, Y, P))["t"].tolist() == [5, 3, 2**63 - 1, 7]
 
 
+class OpenGroup(dict[str, Any]):
+    """Like a group of HDF5: a mapping that knows the one around it."""
+
+    parent: Any = None
+
+
+class TestAnOffsetOfTheTimes:
+    COLUMNS = {"t": T.astype("u4"), "x": X, "y": Y, "p": P}  # noqa: RUF012
+
+    @pytest.mark.parametrize("offset", [59_001_000_000, np.int64(-5), np.array([2**40])])
+    def test_in_the_mapping_is_added(self, offset: Any) -> None:
+        shifted = expected(T + np.asarray(offset).item())
+        assert_equal_events(asap.as_events(self.COLUMNS | {"t_offset": offset}), shifted)
+
+    def test_beside_the_group_is_added(self) -> None:
+        group = OpenGroup(self.COLUMNS)
+        group.parent = OpenGroup(events=group, t_offset=np.int64(10**12))
+        assert_equal_events(asap.as_events(group), expected(T + 10**12))
+
+    def test_has_the_unit_of_the_times(self) -> None:
+        source = self.COLUMNS | {"t": T / 1e6, "t_offset": 7}
+        assert_equal_events(asap.as_events(source, time_unit="s"), expected(T + 7 * 10**6))
+
+    @pytest.mark.parametrize("offset", [[1, 2], 0.5, "1", 2**63 - 1], ids=str)
+    def test_that_is_none_is_refused(self, offset: Any) -> None:
+        with pytest.raises(ValueError, match="t_offset = "):
+            asap.as_events(self.COLUMNS | {"t_offset": offset})
+
+
 class TestValuesThatDoNotFit:
     @pytest.mark.parametrize("role", ["x", "y"])
     @pytest.mark.parametrize("value", [-1, 65536, 2**40, 0.5, np.nan, np.inf])

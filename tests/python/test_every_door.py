@@ -36,7 +36,7 @@ def boundaries(packages: Any) -> list[tuple[int, int, int]]:
 @pytest.mark.parametrize("name", RECORDINGS)
 def test_the_same_packages_through_every_door(name: str, tmp_path: Any) -> None:
     if name.endswith("aedat4"):
-        pytest.importorskip("aedat")
+        pytest.importorskip("lz4")
     path = recording(name)
     events = asap.load(path)
     options = {"scheme": fixed_size(), **FOR_EVER, **SENSOR}

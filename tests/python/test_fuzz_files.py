@@ -20,6 +20,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import asap
+import raw_files
+import record_files
 from corrupt import clean_events
 from event_files import WRITERS, recording
 from fuzzing import INTERESTING, damaged, effort
@@ -52,6 +54,7 @@ def check_load(path: Path, content: bytes, options: dict[str, Any]) -> None:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", asap.io.TruncatedFileWarning)
+            warnings.filterwarnings("ignore", ".* is read as 40-bit events")
             events = asap.load(path, **options)
     except (ValueError, OSError, RuntimeError) as error:
         assert str(error)
@@ -68,10 +71,17 @@ def check_load(path: Path, content: bytes, options: dict[str, Any]) -> None:
 # ---- good files, damaged --------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module", params=WRITERS)
+GOOD = {**WRITERS, **raw_files.WRITERS, **record_files.WRITERS}
+
+
+@pytest.fixture(scope="module", params=GOOD)
 def good(request: pytest.FixtureRequest, folder: Path) -> tuple[str, bytes]:
     path = folder / f"good.{request.param}"
-    WRITERS[request.param](path, clean_events(40))
+    events = clean_events(40)
+    if request.param in record_files.WRITERS:
+        events["x"] %= record_files.SIDE
+        events["y"] %= record_files.SIDE
+    GOOD[request.param](path, events)
     return request.param, path.read_bytes()
 
 
@@ -87,17 +97,22 @@ def test_a_damaged_file(
 @effort(25)
 @given(data=st.data())
 def test_a_damaged_aedat4(folder: Path, data: st.DataObject) -> None:
-    pytest.importorskip("aedat")
+    pytest.importorskip("lz4")
     content = recording("aedat/cars_davis346.aedat4").read_bytes()[:40_000]
     check_load(folder / "damaged.aedat4", data.draw(damaged(content)), {})
 
 
 @effort(40)
 @given(
-    st.sampled_from((b"", b"\x93NUMPY", b"PK\x03\x04", b"PK\x05\x06", b"#!AER-DAT4.0\r\n", b"%")),
+    st.sampled_from((b"", b"\x93NUMPY", b"PK\x03\x04", b"PK\x05\x06", b"#!AER-DAT4.0\r\n", b"%",
+                     b"% evt 2.0\n", b"% evt 2.1\n", b"% evt 3.0\n", b"% evt 3.0\n% geometry 9x9\n",
+                     b"% Data file containing CD events.\n", b"% Version 1\n\x0c\x08",
+                     b"Event Stream\x01\0\0", b"Event Stream\x02\0\0\x01\x80\0\x80\0",
+                     b"#!AER-DAT2.0\r\n# AEChip: DAVIS240C\r\n", b"#!AER-DAT2.0\r\n",
+                     b"#!AER-DAT3.1\r\n#Format: RAW\r\n#!END-HEADER\r\n\x01\0\0\0")),
     st.binary(max_size=300),
-    st.sampled_from(("npy", "npz", "txt", "csv", "aedat4", "raw", "")),
-)
+    st.sampled_from(("npy", "npz", "txt", "csv", "aedat4", "raw", "dat", "bin", "es", "aedat", "")),
+)  # fmt: skip
 def test_any_bytes_under_any_name(folder: Path, magic: bytes, rest: bytes, suffix: str) -> None:
     check_load(folder / f"any.{suffix}", magic + rest, {})
 

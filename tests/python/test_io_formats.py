@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import pickle
 import random
-import sys
 import zipfile
 from decimal import Decimal
 from itertools import pairwise
@@ -463,109 +462,6 @@ class TestErrors:
     def test_corrupt_file_survives_pickling(self, tmp_path: Path) -> None:
         error = pickle.loads(pickle.dumps(CorruptFile(tmp_path, 7, "broken")))
         assert (error.path, error.offset, error.fault) == (tmp_path, 7, "broken")
-
-    def test_a_missing_extra_is_named(self, tmp_path: Path, monkeypatch: Any) -> None:
-        monkeypatch.setitem(sys.modules, "aedat", None)
-        (tmp_path / "a.aedat4").write_bytes(b"#!AER-DAT4.0\r\n")
-        with pytest.raises(RuntimeError, match=r"asap-events\[aedat4\]"):
-            asap.load(tmp_path / "a.aedat4")
-
-
-class FakeDecoder:
-    """Stands for ``aedat.Decoder``: events as that library delivers them, or a panic."""
-
-    dtype = np.dtype([("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("p", "on"), "?")])
-    panic_at = -1
-
-    def __init__(self, path: str) -> None:
-        self.packets = 0
-
-    def id_to_stream(self) -> dict[int, dict[str, Any]]:
-        return {0: {"type": "events", "width": 346, "height": 260}, 1: {"type": "imus"}}
-
-    def __iter__(self) -> FakeDecoder:
-        return self
-
-    def __next__(self) -> dict[str, Any]:
-        self.packets += 1
-        if self.packets == self.panic_at:
-            raise Panic("index out of range")
-        if self.packets > 4:
-            raise StopIteration
-        if self.packets == 2:
-            return {"stream_id": 1, "imus": None}
-        events = np.zeros(10, self.dtype)
-        events["t"] = 10 * self.packets + np.arange(10)
-        events["x"], events["y"], events["on"] = 3, 4, True
-        return {"stream_id": 0, "events": events}
-
-
-class Panic(BaseException):
-    """As a panic of a Rust library arrives."""
-
-
-@pytest.fixture
-def fake_aedat(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """A file of four packets, and a library that reads it."""
-    from types import SimpleNamespace
-
-    monkeypatch.setitem(__import__("sys").modules, "aedat", SimpleNamespace(Decoder=FakeDecoder))
-    monkeypatch.setattr(FakeDecoder, "panic_at", -1)
-    path = tmp_path / "a.aedat4"
-    packet = (0).to_bytes(4, "little") + (3).to_bytes(4, "little") + b"abc"
-    path.write_bytes(b"#!AER-DAT4.0\r\n" + (8).to_bytes(4, "little") + bytes(8) + 4 * packet)
-    return path
-
-
-class TestAedat4:
-    def test_by_a_fake_of_the_library(self, fake_aedat: Path) -> None:
-        rec = asap.read(fake_aedat)
-        events = np.concatenate(list(rec))
-        assert (rec.format, rec.width, rec.height) == ("aedat4", 346, 260)
-        assert events["t"].tolist() == [*range(10, 20), *range(30, 50)]
-        assert set(events["x"]) == {3} and set(events["y"]) == {4} and set(events["p"]) == {1}
-
-    def test_events_are_numbered_over_all_packets(
-        self, fake_aedat: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        read = FakeDecoder.__next__
-
-        def with_a_stamp_too_late(decoder: FakeDecoder) -> dict[str, Any]:
-            packet = read(decoder)
-            if decoder.packets == 3:
-                packet["events"]["t"][4] = 2**63
-            return packet
-
-        monkeypatch.setattr(FakeDecoder, "__next__", with_a_stamp_too_late)
-        with pytest.raises(ValueError, match=r"t = 9223372036854775808 \(event 14\)"):
-            asap.load(fake_aedat, on_bad="raise")
-
-    def test_a_panic_ends_the_reading_not_the_program(
-        self, fake_aedat: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        monkeypatch.setattr(FakeDecoder, "panic_at", 3)
-        with pytest.warns(asap.io.TruncatedFileWarning, match=r"byte 48: index out of range"):
-            assert len(asap.load(fake_aedat)) == 10
-        with pytest.raises(CorruptFile, match="byte 48: index out of range"):
-            asap.load(fake_aedat, on_bad="raise")
-        monkeypatch.setattr(FakeDecoder, "panic_at", 1)
-        with (
-            pytest.warns(asap.io.TruncatedFileWarning),
-            pytest.raises(CorruptFile, match="byte 26"),
-        ):
-            asap.load(fake_aedat)
-
-    def test_streams_that_the_library_skips(self, fake_aedat: Path) -> None:
-        content = fake_aedat.read_bytes()
-        unknown = (9).to_bytes(4, "little") + (1).to_bytes(4, "little") + b"z"
-        fake_aedat.write_bytes(content[:26] + unknown + content[26:])
-        assert len(asap.load(fake_aedat)) == 30
-
-    def test_a_library_that_stops_early_is_noticed(self, fake_aedat: Path) -> None:
-        with fake_aedat.open("ab") as file:
-            file.write((0).to_bytes(4, "little") + (0).to_bytes(4, "little"))
-        with pytest.warns(asap.io.TruncatedFileWarning, match="reads no further"):
-            assert len(asap.load(fake_aedat)) == 30
 
 
 def test_npz_bombs_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -31,7 +31,7 @@ SERVED = [
     ("mat/building_dvs128.mat", "matlab", None),
     ("mat/desk_davis240.mat", "matlab", None),
 ]
-LIBRARIES = {"aedat4": "aedat", "hdf5": "h5py", "matlab": "scipy"}
+LIBRARIES = {"aedat4": "lz4", "hdf5": "h5py", "matlab": "scipy"}
 
 
 @pytest.mark.parametrize(("name", "fmt", "sensor"), SERVED, ids=[row[0] for row in SERVED])

@@ -1,4 +1,4 @@
-"""Event Stream, 40-bit events, AEDAT 2.0 and 3.1: written here by their layout, read by asap."""
+"""Event Stream, 40-bit events, AEDAT 2.0 and 3.1: every event, every cut, what is none."""
 
 from __future__ import annotations
 
@@ -17,71 +17,11 @@ import corrupt
 from asap.events import Events
 from asap.io import CorruptFile, TruncatedFileWarning, UnsupportedFormat
 from event_files import DATA, assert_equal_events, facts, manifest, sha256_txyp
+from record_files import CONTENTS, SIDE, aedat2, aedat3, atis40, dvs128, es1, es2, packet
 
 EVENTS = corrupt.clean_events(1000, start_us=7_000_000)
-EVENTS["x"] %= 128
-EVENTS["y"] %= 128
-
-
-def es2(events: Events) -> bytes:
-    out = [b"Event Stream\x02\x00\x00\x01", struct.pack("<HH", 128, 128)]
-    last = 0
-    for x, y, p, t in events.tolist():
-        out += [b"\xff" * ((t - last) // 127), bytes([(t - last) % 127 << 1 | p])]
-        out.append(struct.pack("<HH", x, y))
-        last = t
-    return b"".join(out)
-
-
-def es1(events: Events) -> bytes:
-    out = [b"Event Stream\x01\x00\x00"]
-    last = 0
-    for x, y, p, t in events.tolist():
-        longs, rest = divmod(t - last, 15)
-        out += [b"\xff" * (longs // 15), bytes([longs % 15 << 4 | 15])]
-        out.append((rest | x << 4 | y << 14 | p << 23).to_bytes(3, "little"))
-        last = t
-    return b"".join(out)
-
-
-def atis40(events: Events) -> bytes:
-    records = (x << 32 | y << 24 | p << 23 | t for x, y, p, t in events.tolist())
-    return b"".join(record.to_bytes(5, "big") for record in records)
-
-
-DAVIS_128 = "# AEChip: eu.seebetter.ini.chips.davis.DAVIS128\r\n"
-DVS_128 = "# AEChip: ch.unizh.ini.jaer.chip.retina.DVS128\r\n"
-
-
-def davis(x: int, y: int, p: int) -> int:
-    return (127 - y) << 22 | (127 - x) << 12 | p << 11
-
-
-def dvs128(x: int, y: int, p: int) -> int:
-    return (127 - y) << 8 | (127 - x) << 1 | (1 - p)
-
-
-def aedat2(
-    events: Events, lines: str = DAVIS_128, address: Callable[[int, int, int], int] = davis
-) -> bytes:
-    head = f"#!AER-DAT2.0\r\n# This is a raw AE data file\r\n{lines}"
-    records = (struct.pack(">II", address(x, y, p), t) for x, y, p, t in events.tolist())
-    return head.encode() + b"".join(records)
-
-
-def packet(kind: int, records: bytes, *, size: int = 8, source: int = 0) -> bytes:
-    count = len(records) // size
-    return struct.pack("<hhiiiiii", kind, source, size, 4, 0, count, count, count) + records
-
-
-def aedat3(
-    events: Events, lines: str = "#Format: RAW\r\n#Source 0: DVS128\r\n", per_packet: int = 300
-) -> bytes:
-    words = [struct.pack("<Ii", 1 | p << 1 | y << 2 | x << 17, t) for x, y, p, t in events.tolist()]
-    packets = (
-        packet(1, b"".join(words[at : at + per_packet])) for at in range(0, len(words), per_packet)
-    )
-    return f"#!AER-DAT3.1\r\n{lines}#!END-HEADER\r\n".encode() + b"".join(packets)
+EVENTS["x"] %= SIDE
+EVENTS["y"] %= SIDE
 
 
 class Format(NamedTuple):
@@ -94,12 +34,12 @@ class Format(NamedTuple):
 
 
 FORMATS = {
-    "es2": Format(es2, "es", ".es", 128),
+    "es": Format(es2, "es", ".es", SIDE),
     "es1": Format(es1, "es", ".es", None),
     "atis40": Format(atis40, "atis40", ".bin", None),
-    "davis": Format(aedat2, "aedat2", ".aedat", 128),
-    "dvs128": Format(lambda e: aedat2(e, DVS_128, dvs128), "aedat2", ".aedat", 128),
-    "aedat3": Format(aedat3, "aedat3", ".aedat", 128),
+    "davis": Format(aedat2, "aedat2", ".aedat", SIDE),
+    "dvs128": Format(CONTENTS["dvs128"], "aedat2", ".aedat", SIDE),
+    "aedat3": Format(aedat3, "aedat3", ".aedat", SIDE),
 }
 
 
@@ -222,8 +162,8 @@ def test_file_format_is_a_name_of_a_reader(tmp_path: Path) -> None:
     [
         (b"Event Stream\x02\x00\x00\x02" + bytes(8), "Event Stream of type atis"),
         (b"Event Stream\x03\x00\x00\x01" + bytes(8), "no whole header of Event Stream 1 or 2"),
-        (aedat2(EVENTS, "# AEChip: com.sec.dvs.SecDvs640Gen2\r\n"), "AEDAT 2.0 of a chip"),
-        (aedat2(EVENTS, ""), "AEDAT 2.0 of a chip that the header does not name"),
+        (aedat2(EVENTS, "# AEChip: com.sec.dvs.SecDvs640Gen2\r\n"), "names another chip"),
+        (aedat2(EVENTS, ""), "does not say which chip it is of"),
         (aedat3(EVENTS, "#Format: SerializedTS\r\n"), "compressed AEDAT 3.1"),
         (b"#!AER-DAT1.0\r\n" + bytes(100), "AEDAT 1.0"),
     ],
@@ -243,6 +183,15 @@ def test_an_unnamed_dvs128_is_known_by_its_addresses(tmp_path: Path) -> None:
     rec = asap.read(file_of(tmp_path, aedat2(EVENTS, "", dvs128), "a.aedat"))
     assert (rec.width, rec.height) == (128, 128)
     assert_equal_events(np.concatenate(list(rec)), EVENTS)
+
+
+def test_an_unnamed_davis_needs_its_size(tmp_path: Path) -> None:
+    path = file_of(tmp_path, aedat2(EVENTS, "# HardwareInterface: DAVIS FX2\r\n"), "a.aedat")
+    assert_equal_events(asap.load(path, width=128, height=128), EVENTS)
+    path = file_of(tmp_path, aedat2(EVENTS, ""), "b.aedat")
+    with pytest.raises(UnsupportedFormat, match="give width and height"):
+        asap.read(path, width=128)
+    assert_equal_events(asap.load(path, width=128, height=128), EVENTS)
 
 
 # ---- what is no event --------------------------------------------------------------------------

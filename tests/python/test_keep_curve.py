@@ -119,7 +119,7 @@ def test_one_seed_has_no_spread(calls):
 
 def test_json_has_none_for_what_does_not_exist(calls):
     curve = asap.keep_curve(made, SCENE, gammas=(0.5,), seeds=(0, 1))
-    found = json.loads(json.dumps(curve.to_dict(), allow_nan=False))
+    found = json.loads(json.dumps(curve.summary(), allow_nan=False))
     assert found["rows"][0] == {
         "gamma": 0.5,
         "told": True,

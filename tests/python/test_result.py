@@ -51,8 +51,12 @@ def test_ledger_is_attributes_and_mapping(run):
     assert dict(ledger)["delivered"] == run.packages["size"].sum()
     with pytest.raises(AttributeError, match="lost"):
         _ = ledger.lost
-    unbalanced = type(ledger)({**ledger, "pending": 1})
+    unbalanced = replace(ledger, pending=ledger.pending + 1)
     assert not unbalanced.balanced
+    assert not hasattr(type(ledger), "__getattr__")  # a type checker would take any name
+    with pytest.raises(KeyError, match="balanced"):
+        ledger["balanced"]
+    assert {**ledger} == ledger and repr(ledger).startswith("Ledger(received=")
 
 
 def test_duration_has_no_more_digits_than_the_stamps():

@@ -152,7 +152,7 @@ def test_the_study_writes_and_goes_on_where_it_stopped(small, tmp_path):
     small.clear()
     again = accuracy_study(tmp_path, form="quick", executor=AtOnce(), figures=False)
     assert small == [] and again.taken_from_file == 5
-    as_text = [json.dumps([curve.to_dict() for curve in one.curves]) for one in (found, again)]
+    as_text = [json.dumps([curve.summary() for curve in one.curves]) for one in (found, again)]
     assert as_text[0] == as_text[1]
     accuracy_study(tmp_path, form="quick", executor=AtOnce(), figures=False, fresh=True)
     assert len(small) == 5

@@ -154,7 +154,7 @@ def test_the_study_writes_and_goes_on_where_it_stopped(small, tmp_path):
     small.clear()
     again = rivals_study(tmp_path, form="quick", executor=AtOnce())
     assert small == [] and again.taken_from_file == 2
-    assert [one.to_dict() for one in again.curves] == [one.to_dict() for one in found.curves]
+    assert [one.summary() for one in again.curves] == [one.summary() for one in found.curves]
     rivals_study(tmp_path, form="quick", executor=AtOnce(), fresh=True)
     assert len(small) == 2
 

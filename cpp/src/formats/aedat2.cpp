@@ -57,12 +57,12 @@ struct Dvs128 {
 };
 
 // Addresses of a DVS128 have 16 bits; those of a DAVIS are mostly longer.
-Aedat2Chip chip_of(std::string_view records) noexcept {
-  if (records.size() < 8) return Aedat2Chip::unknown;
+bool are_of_a_dvs128(std::string_view records) noexcept {
+  if (records.size() < 8) return false;
   for (; records.size() >= 8; records.remove_prefix(8)) {
-    if ((records[0] & 0x7f) != 0 || records[1] != 0) return Aedat2Chip::unknown;
+    if ((records[0] & 0x7f) != 0 || records[1] != 0) return false;
   }
-  return Aedat2Chip::dvs128;
+  return true;
 }
 
 }  // namespace
@@ -85,14 +85,15 @@ std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front)
       is_chip = names_chip;
     }
   }
-  const std::string_view rest = text.substr(at);
   const AedatSensor sensor = aedat_sensor(device);
-  Aedat2Header header{at, Aedat2Chip::unknown, sensor.width, sensor.height};
+  Aedat2Header header{at, Aedat2Chip::unnamed, sensor.width, sensor.height};
   if (sensor.is_davis) {
     header.chip = Aedat2Chip::davis;
-  } else if (sensor.is_dvs128 || (!is_chip && chip_of(rest) == Aedat2Chip::dvs128)) {
+  } else if (sensor.is_dvs128 || (!is_chip && are_of_a_dvs128(text.substr(at)))) {
     header.chip = Aedat2Chip::dvs128;
     header.width = header.height = 128;
+  } else if (is_chip) {
+    header.chip = Aedat2Chip::other;
   }
   return header;
 }

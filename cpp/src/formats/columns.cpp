@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -26,6 +27,7 @@ struct ToAddress {
       return inside && out == value;
     } else {
       out = static_cast<Out>(value);
+      if constexpr (sizeof(Value) <= sizeof(Out)) return value >= 0;  // cheaper
       return out == value;
     }
   }
@@ -106,6 +108,13 @@ bool convert_column(const NumberColumn& column, std::size_t first, std::size_t c
   return false;
 }
 
+// x, y, p and padding of an event: two stores per event are twice as fast as five.
+constexpr std::uint64_t first_word(std::uint16_t x, std::uint16_t y, std::int16_t p) noexcept {
+  constexpr bool kLittle = std::endian::native == std::endian::little;
+  return std::uint64_t{x} << (kLittle ? 0 : 48) | std::uint64_t{y} << (kLittle ? 16 : 32) |
+         std::uint64_t{static_cast<std::uint16_t>(p)} << (kLittle ? 32 : 16);
+}
+
 }  // namespace
 
 bool gather(const EventColumns& columns, std::span<Event> events) noexcept {
@@ -123,13 +132,9 @@ bool gather(const EventColumns& columns, std::span<Event> events) noexcept {
         (!columns.p ||
          convert_column(*columns.p, first, count, ToPolarity{columns.normalise}, p.data()));
     if (!good) return false;
-    Event* out = events.data() + first;
-    std::memset(static_cast<void*>(out), 0, count * sizeof(Event));
     for (std::size_t i = 0; i < count; ++i) {
-      out[i].x = x[i];
-      out[i].y = y[i];
-      out[i].p = p[i];
-      out[i].t = t[i];
+      const std::array words{first_word(x[i], y[i], p[i]), static_cast<std::uint64_t>(t[i])};
+      std::memcpy(&events[first + i], words.data(), sizeof words);
     }
   }
   return true;

@@ -1,5 +1,6 @@
 #include "asap/formats/event_stream.hpp"
 
+#include <array>
 #include <string_view>
 
 #include "asap/core/check.hpp"

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+import os
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from asap import checks
+from asap._result import Result
 from asap.accuracy.scene import Scene, check_scene
 from asap.accuracy.scoring import can_be_told, score
 
@@ -57,7 +61,7 @@ class KeepRow:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class KeepCurve:
+class KeepCurve(Result):
     """A table: one row for each gamma, told and not told.
 
     Attributes
@@ -99,7 +103,7 @@ class KeepCurve:
     def __len__(self) -> int:
         return len(self.rows)
 
-    def to_dict(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, Any]:
         """Return one JSON object; what does not exist (NaN) is None."""
         return {
             "schema_version": SCHEMA_VERSION,
@@ -123,6 +127,22 @@ class KeepCurve:
         from asap.report import accuracy_figures
 
         return accuracy_figures.figure([self])
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one self-contained HTML page and return its path; needs matplotlib."""
+        from asap.report import accuracy_report
+
+        return accuracy_report.write(self, path)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the `summary`, by its old name."""
+        warnings.warn("to_dict() is now summary()", DeprecationWarning, stacklevel=2)
+        return self.summary()
+
+    def _repr_html_(self) -> str:
+        from asap.report import notebook
+
+        return notebook.keep_curve_html(self)
 
     def __repr__(self) -> str:
         rows = ", ".join(f"{row.gamma:g}" for row in self.rows)
@@ -164,7 +184,7 @@ def keep_curve(
     Returns
     -------
     KeepCurve
-        ``print`` it for a table; ``.rows``, ``.to_dict()``, ``.plot()``.
+        ``print`` it for a table; ``.rows``, ``.summary()``, ``.plot()``, ``.report(path)``.
 
     Raises
     ------

@@ -14,8 +14,9 @@ import warnings
 from collections.abc import Sequence
 
 import asap
-from asap.cli import check, compare, convert, demo, info, report, run, study
+from asap.cli import check, compare, completion, convert, demo, info, report, run, study
 from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, as_options, say
+from asap.cli.parser import Parser
 from asap.report import run_table
 
 __all__ = ["main"]
@@ -27,6 +28,7 @@ examples:
   asap check flight.aedat4
   asap convert flight.aedat4 flight.npz
   asap run flight.aedat4 --latency 10ms --report flight.html
+  asap run flight.aedat4 --algorithm my_package.corners:Detector
   asap run flight.aedat4 --cost 100us+300ns --scheme asap2020 --set rate_bound=2e6
   asap compare flight.aedat4 --cost 100us+300ns --latency 10ms
   asap compare bursts --cost slow --report bursts.html
@@ -59,7 +61,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         warnings.showwarning = lambda message, *_, **__: say(f"warning: {as_options(str(message))}")
         try:
             code: int = arguments.verb(arguments)
-            if sys.stdout is not None:  # None: closed, nobody wants the result
+            if sys.stdout is not None:  # None: closed
                 sys.stdout.flush()
             return code
         except Failure as failure:
@@ -86,7 +88,7 @@ def _drop_stdout() -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="asap",
         description="Event-camera events to the algorithm as soon as possible.",
         epilog=_EXAMPLES,
@@ -94,6 +96,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"asap {asap.__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True)
-    for verb in (demo, run, compare, study, info, check, convert, report):
+    for verb in (demo, run, compare, study, info, check, convert, report, completion):
         verb.add(verbs)
     return parser

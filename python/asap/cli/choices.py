@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import difflib
+import argparse
 from collections.abc import Sequence
 from typing import Any
 
 import asap
 from asap import _core
+from asap.cli.imported import imported
 from asap.cli.outcome import USAGE, Failure
+from asap.cli.parser import hint
 
-__all__ = ["ALGORITHMS", "algorithm_of", "scheme_of", "schemes"]
+__all__ = ["ALGORITHMS", "algorithm_name", "algorithm_of", "scheme_of", "schemes"]
 
 _SCHEMES = {kind().name: kind.__name__ for kind in _core.SCHEMES}
 ALGORITHMS = {
@@ -49,7 +51,7 @@ def _setting(text: str, scheme: str, defaults: dict[str, Any]) -> tuple[str, Any
     if not equals:
         raise Failure(USAGE, f"--set {text}: write NAME=VALUE")
     if name not in defaults:
-        raise Failure(USAGE, f"--set {text}: {scheme} has no {name}; {_nearest(name, defaults)}")
+        raise Failure(USAGE, f"--set {text}: {scheme} has no {name}; {_near(name, defaults)}")
     try:
         number = float(value)
     except ValueError as error:
@@ -61,15 +63,26 @@ def _setting(text: str, scheme: str, defaults: dict[str, Any]) -> tuple[str, Any
     return name, int(number)
 
 
-def _nearest(name: str, known: dict[str, Any]) -> str:
-    close = difflib.get_close_matches(name, known, n=1)
-    if close:
-        return f"did you mean {close[0]}?"
-    return f"it has {', '.join(known)}" if known else "it has no parameters"
+def _near(name: str, known: dict[str, Any]) -> str:
+    return hint(name, known, "it has") if known else "it has no parameters"
+
+
+def algorithm_name(text: str) -> str:
+    """Refuse what is neither one of ours by name nor ``package.module:name``."""
+    if ":" not in text and text not in ALGORITHMS:
+        near = hint(text, sorted(ALGORITHMS))
+        raise argparse.ArgumentTypeError(
+            f"invalid choice: {text!r}; {near} Your own is package.module:name"
+            if near.endswith("?")
+            else f"invalid choice: {text!r}; {near}, or give your own as package.module:name"
+        )
+    return text
 
 
 def algorithm_of(name: str, recording: asap.Recording) -> Any:
-    """Make the algorithm for the sensor of a recording."""
+    """Make the algorithm for the sensor of a recording; import it if it is the user's own."""
+    if ":" in name:
+        return imported(name, recording.width, recording.height)
     if not (recording.width and recording.height):
         raise Failure(
             USAGE,

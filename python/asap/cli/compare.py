@@ -21,6 +21,7 @@ from asap.cli.outcome import (
     usage,
     writing,
 )
+from asap.cli.parser import hint
 
 __all__ = ["add"]
 
@@ -95,7 +96,7 @@ def _call(arguments: Any) -> int:
             opaque=arguments.opaque,
             speed=arguments.speed,
             on_bad=arguments.on_bad,
-            all=arguments.all,
+            baselines=arguments.all,
             on_progress=on_progress,
         )
     if arguments.report:
@@ -146,18 +147,16 @@ def _not_found(text: str) -> tuple[int, str]:
     if path.suffix or len(path.parts) > 1:
         files = [one.name for one in path.parent.iterdir()] if path.parent.is_dir() else []
         near = difflib.get_close_matches(path.name, files, n=1)
-        hint = f"; did you mean {path.parent / near[0]}?" if near else ""
-        return BAD_INPUT, f"{text}: no such file{hint}"
-    near = difflib.get_close_matches(text, profiles.PROFILES, n=1)
-    hint = f"did you mean {near[0]}?" if near else f"profiles are {', '.join(profiles.PROFILES)}"
-    return USAGE, f"{text}: neither a file nor a profile; {hint}"
+        words = f"; did you mean {path.parent / near[0]}?" if near else ""
+        return BAD_INPUT, f"{text}: no such file{words}"
+    near_profile = hint(text, profiles.PROFILES, "profiles are")
+    return USAGE, f"{text}: neither a file nor a profile; {near_profile}"
 
 
 def _parse_cost(text: str, *, field: str) -> tuple[float, float] | _Named:
     if text in profiles.COSTS:
         return _Named(text)
     if text.replace("_", "").isalpha():
-        near = difflib.get_close_matches(text, profiles.COSTS, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(profiles.COSTS)}"
-        raise ValueError(f"{field} = {text}: no such cost model; {hint}")
+        near = hint(text, profiles.COSTS, "there are")
+        raise ValueError(f"{field} = {text}: no such cost model; {near}")
     return units.parse_cost(text, field=field)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import asap
-from asap import profiles
+from asap import checks, profiles
 from asap.cli.outcome import USAGE, Failure
 from asap.stamps import TIME_EXPONENTS
 
@@ -24,10 +24,27 @@ __all__ = [
 
 T = TypeVar("T")
 
+_EXAMPLES = {
+    "check": "asap check flight.aedat4 --report flight.html",
+    "compare": "asap compare flight.aedat4 --cost 100us+300ns --latency 10ms",
+    "completion": 'eval "$(asap completion bash)"',
+    "convert": "asap convert flight.aedat4 flight.npz",
+    "demo": "asap demo --out demo",
+    "info": "asap info flight.aedat4",
+    "report": "asap report run.json --out run.html",
+    "run": "asap run flight.aedat4 --algorithm mine:Detector",
+    "study": "asap study --quick --out study",
+}
+
 
 def add_verb(verbs: Any, name: str, call: Callable[[Any], int], words: str) -> Any:
     """Add a verb with what every verb has; `call` gets the arguments and returns the exit code."""
-    parser = verbs.add_parser(name, help=words, description=words[0].upper() + words[1:] + ".")
+    parser = verbs.add_parser(
+        name,
+        help=words,
+        description=words[0].upper() + words[1:] + ".",
+        epilog=f"example: {_EXAMPLES[name]}" if name in _EXAMPLES else None,
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     parser.set_defaults(verb=call)
     return parser
@@ -53,6 +70,7 @@ def add_recording(
         help="of the times in the file (default: its header's, else s where they have a decimal "
         "point or are floats, us where not)",
     )
+    parser.add_argument("--stream", metavar="NAME", help="which camera, where FILE holds several")
     if not on_bad:
         parser.set_defaults(on_bad="drop")
         return
@@ -87,6 +105,7 @@ def open_recording(arguments: Any) -> asap.Recording:
         order=arguments.order,
         time_unit=arguments.time_unit,
         on_bad=arguments.on_bad,
+        stream=arguments.stream,
     )
 
 
@@ -104,7 +123,7 @@ def typed(parse: Callable[..., T], field: str) -> Callable[[str], T]:
 
 def writable(text: str) -> Path:
     """Refuse a file without a folder before the run, not after it."""
-    path = Path(text)
-    if not path.parent.is_dir():
-        raise argparse.ArgumentTypeError(f"{text}: there is no folder {path.parent}")
-    return path
+    try:
+        return checks.new_file("path", text)
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"{text}: {error.strerror}") from error

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from typing import Any
 
 import asap
 from asap import progress, units
-from asap.cli.choices import ALGORITHMS, algorithm_of, scheme_of, schemes
+from asap.cli.choices import ALGORITHMS, algorithm_name, algorithm_of, scheme_of, schemes
+from asap.cli.imported import failures_of
 from asap.cli.options import (
     add_recording,
     add_report,
@@ -35,7 +37,14 @@ def add(verbs: Any) -> None:
     """Add the verb to the parser."""
     verb = add_verb(verbs, "run", _call, "run an algorithm on a recording, in closed loop")
     add_recording(verb)
-    verb.add_argument("--algorithm", choices=sorted(ALGORITHMS), help="default: clusters")
+    verb.add_argument(
+        "--algorithm",
+        type=algorithm_name,
+        metavar="NAME|MODULE:NAME",
+        help=f"{', '.join(sorted(ALGORITHMS))}; or your own, as package.module:name, from the "
+        "current directory or Python's path: a class is made with (width, height), of an object "
+        "process(events) is used, a callable is called (default: clusters)",
+    )
     verb.add_argument(
         "--cost",
         type=typed(units.parse_cost, "cost"),
@@ -94,7 +103,8 @@ def _call(arguments: Any) -> int:
         "on_bad": arguments.on_bad,
         "seed": arguments.seed,
     }
-    with reading(arguments), progress.on_terminal() as on_progress:
+    own = failures_of(name, algorithm) if name and ":" in name else nullcontext()
+    with reading(arguments), own, progress.on_terminal() as on_progress:
         if cost is not None:
             options["opaque"] = arguments.opaque
             run = asap.simulate(recording, cost=cost, on_progress=on_progress, **options)

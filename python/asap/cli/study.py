@@ -87,7 +87,7 @@ def _accuracy(arguments: Any) -> int:
     found = _conducted(arguments, accuracy_study, "asap study --accuracy")
     _say_missing(found)
     if arguments.json:
-        _print_json(arguments, found, accuracy=[curve.to_dict() for curve in found.curves])
+        _print_json(arguments, found, accuracy=[curve.summary() for curve in found.curves])
         return OK
     for column, heading in (("mota", "MOTA"), ("f_measure", "corners, F")):
         some = [curve for curve in found.curves if column in curve.rows[0].mean]
@@ -103,7 +103,7 @@ def _rivals(arguments: Any) -> int:
 
     found = _conducted(arguments, rivals_study, "asap study --rivals")
     if arguments.json:
-        _print_json(arguments, found, rivals=[curve.to_dict() for curve in found.curves])
+        _print_json(arguments, found, rivals=[curve.summary() for curve in found.curves])
         return OK
     print(f"{rivals.document.verdict(found.curves)}\n\n{rivals.document.table(found.curves)}\n")
     print_written(*found.paths)

@@ -1,6 +1,8 @@
 """Experiments: a stream of events through ASAP into an algorithm, in virtual or in real time."""
 
-from asap.experiment.comparison import Comparison, Row, compare, oracle
+from asap.experiment.batch import map
+from asap.experiment.comparing import compare, oracle
+from asap.experiment.comparison import Comparison, Row
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.result import Run
 from asap.experiment.runners import last_run, run, simulate
@@ -14,6 +16,7 @@ __all__ = [
     "compare",
     "last_run",
     "load_run",
+    "map",
     "oracle",
     "run",
     "simulate",

@@ -88,7 +88,7 @@ def labelled(schemes: Any) -> dict[str, _core.Scheme]:
         Something is no scheme.
     """
     if isinstance(schemes, str):
-        remedy = "give schemes such as [asap.Greedy()], or leave it out; all=True adds baselines"
+        remedy = "give schemes such as [asap.Greedy()], or leave it out; baselines=True adds more"
         raise TypeError(checks.named("schemes", schemes, remedy))
     named = isinstance(schemes, Mapping)
     given = schemes.values() if named else schemes

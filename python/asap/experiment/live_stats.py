@@ -12,7 +12,7 @@ __all__ = ["ledger_of", "state_of", "summary"]
 
 def ledger_of(native: _core.Ledger) -> Ledger:
     """Make the ledger that users see."""
-    return Ledger({name: getattr(native, name) for name in LEDGER_FIELDS})
+    return Ledger(**{name: getattr(native, name) for name in LEDGER_FIELDS})
 
 
 def state_of(stats: _core.PipelineStats) -> str:

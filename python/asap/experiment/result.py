@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core, checks
+from asap import _core
+from asap._pickling import can_be_pickled
+from asap._result import Result
 from asap.experiment.cost import BOUND_KEPT, Cost, bound_needed_us
 
 if TYPE_CHECKING:
@@ -20,50 +23,43 @@ if TYPE_CHECKING:
 __all__ = ["LEDGER_FIELDS", "SCHEMA_VERSION", "Ledger", "Named", "Run", "with_first"]
 
 SCHEMA_VERSION = 1
-LEDGER_FIELDS = (
-    "received",
-    "rejected",
-    "filtered",
-    "discarded",
-    "stale",
-    "overflow",
-    "delivered",
-    "pending",
-)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Ledger(Mapping[str, int]):
     """Where every event went, in events; attributes and mapping keys.
 
     received = rejected + filtered + discarded (gamma) + stale + overflow + delivered + pending.
     """
 
-    def __init__(self, counts: Mapping[str, int]) -> None:
-        self._counts = {name: int(counts.get(name, 0)) for name in LEDGER_FIELDS}
+    received: int = 0
+    rejected: int = 0
+    filtered: int = 0
+    discarded: int = 0
+    stale: int = 0
+    overflow: int = 0
+    delivered: int = 0
+    pending: int = 0
 
     def __getitem__(self, name: str) -> int:
-        return self._counts[name]
+        if name not in LEDGER_FIELDS:
+            raise KeyError(name)
+        count: int = getattr(self, name)
+        return count
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._counts)
+        return iter(LEDGER_FIELDS)
 
     def __len__(self) -> int:
-        return len(self._counts)
-
-    def __getattr__(self, name: str) -> int:
-        counts: dict[str, int] = self.__dict__.get("_counts", {})
-        if name not in counts:
-            raise AttributeError(f"a ledger has no entry {name!r}")
-        return counts[name]
-
-    def __repr__(self) -> str:
-        counts = ", ".join(f"{name}={count}" for name, count in self._counts.items())
-        return f"Ledger({counts})"
+        return len(LEDGER_FIELDS)
 
     @property
     def balanced(self) -> bool:
         """Whether received equals the sum of the others."""
-        return self["received"] == sum(self._counts.values()) - self["received"]
+        return 2 * self.received == sum(self.values())
+
+
+LEDGER_FIELDS = tuple(field.name for field in fields(Ledger))
 
 
 @dataclass(frozen=True)
@@ -91,8 +87,8 @@ class Named:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Run:
-    """What a run has left behind.
+class Run(Result):
+    """What a run has left behind. It pickles always; an algorithm that cannot becomes None.
 
     Attributes
     ----------
@@ -153,6 +149,20 @@ class Run:
             learned = Cost(float(self.scheme.alpha_us), float(self.scheme.beta_ns))
             object.__setattr__(self, "learned", learned)
 
+    def _state(self) -> dict[str, Any]:
+        state = super()._state()
+        if not can_be_pickled(self.scheme):
+            state["scheme"] = Named.of(self.scheme)
+        if not can_be_pickled(self.algorithm):
+            state |= {"algorithm": None, "left_behind": Named.of(self.algorithm)}
+        return state
+
+    @property
+    def _left_behind(self) -> Named | None:
+        """The algorithm of a run that was pickled without it."""
+        found: Named | None = vars(self).get("left_behind")
+        return found
+
     @property
     def kept(self) -> float:
         """Delivered / received; 1 of nothing."""
@@ -178,7 +188,7 @@ class Run:
             "mode": self.mode,
             "source": dict(self.source),
             "scheme": Named.of(self.scheme).as_json(),
-            "algorithm": Named.of(self.algorithm).as_json(),
+            "algorithm": (self._left_behind or Named.of(self.algorithm)).as_json(),
             "latency_bound_us": self.latency_bound_us,
             "bound_kept": self.bound_kept,
             "bound_needed_us": bound_needed_us(self),
@@ -216,20 +226,15 @@ class Run:
             "version": _core.__version__,
         }
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the run to a JSON file: summary, packages and latencies.
-
-        `load_run` and `asap report` read it.
-        """
+    def _saved(self) -> dict[str, Any]:
+        """Return what `load_run` reads: summary, packages and latencies."""
         document = self.summary()
         document["rows"] = {
             name: self.packages[name].tolist() for name in self.packages.dtype.names or ()
         }
         document["latency_histogram"] = self.latency.state()
         document["lateness_histogram"] = None if self.lateness is None else self.lateness.state()
-        checks.folder_or_file("path", path).write_text(
-            json.dumps(document, allow_nan=False), encoding="utf-8"
-        )
+        return document
 
     def plot(self) -> Figure:
         """Draw the paper's figure: package size, R, gamma, margin and latency over time."""
@@ -237,16 +242,23 @@ class Run:
 
         return plots.figure(self)
 
-    def report(self, path: str | os.PathLike[str]) -> None:
-        """Write one self-contained HTML file."""
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one self-contained HTML page and return its path; needs matplotlib."""
         from asap.report import run_report
 
-        run_report.write([self], path)
+        return run_report.write(self, path)
+
+    def _repr_html_(self) -> str:
+        from asap.report import notebook
+
+        return notebook.run_html(self)
 
     def __repr__(self) -> str:
+        left = self._left_behind
         return (
             f"<Run: {self.mode} time, {Named.of(self.scheme).name}, {self.packages.size} packages, "
-            f"kept {self.kept:.4g}, in time {self.in_time:.4g}>"
+            f"kept {self.kept:.4g}, in time {self.in_time:.4g}"
+            + (f", pickled without its algorithm {left.name}>" if left else ">")
         )
 
     def __str__(self) -> str:

@@ -106,6 +106,7 @@ def simulate(
         raise TypeError(checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
     checks.flag("opaque", opaque)
     checks.callback("on_progress", on_progress)
+    checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = make_config(
@@ -199,6 +200,7 @@ def run(
     if algorithm is None:
         raise TypeError("algorithm = None: give what the events are for, or use asap.simulate")
     checks.callback("on_progress", on_progress)
+    checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = make_config(
@@ -316,8 +318,8 @@ def make_config(
         reorder_tolerance_us=reorder_tolerance_us,
         warmup_discard_us=warmup_discard_us,
     )
+    checks.workers(algorithm=algorithm, before=before)
     for field, worker in (("algorithm", algorithm), ("before", before)):
-        checks.worker(field, worker)
         _check_frame(field, worker, stream)
     return _core.RunConfig(
         latency_us=None if latency_ms is None else latency_ms * 1e3,
@@ -372,7 +374,7 @@ def remember(
         packages = with_first(packages, first)
     _last = Run(
         packages=packages,
-        ledger=Ledger(counts),
+        ledger=Ledger(**counts),
         latency=runner.latency,
         rejected=rejected,
         scheme=scheme,

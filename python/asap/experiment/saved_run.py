@@ -1,4 +1,4 @@
-"""Runs read back from the JSON file that `Run.save` wrote: anybody may have changed it since.
+"""Runs read back from the JSON file of `Run.save`: another program may have changed it since.
 
 Whatever is used later is checked here, once: numbers are finite and within reach, columns are
 equally long, names are text. What a file can say beyond that is only ever shown, and escaped.
@@ -59,7 +59,7 @@ def _from_document(document: Any) -> Run:
     lateness, learned = document["lateness_histogram"], document.get("learned_cost")
     return Run(
         packages=_packages(_object("rows", document["rows"])),
-        ledger=Ledger(_counts("ledger", document["ledger"], LEDGER_FIELDS)),
+        ledger=Ledger(**_counts("ledger", document["ledger"], LEDGER_FIELDS)),
         latency=_histogram("latency_histogram", document["latency_histogram"]),
         rejected=_counts("rejected", document["rejected"]),
         scheme=_named("scheme", document["scheme"], _parameter),

@@ -10,6 +10,7 @@ import numpy as np
 
 from asap import _core
 from asap.checks import agreed, named, sides
+from asap.checks import source as check_source
 from asap.events import Events, as_events
 from asap.io import Recording, read
 
@@ -28,6 +29,7 @@ class Source:
     def __init__(self, source: Any, *, width: int | None, height: int | None, on_bad: str) -> None:
         if source is None:
             raise TypeError(named("source", source, "give a path, a recording or arrays of events"))
+        check_source(source)
         if isinstance(source, (str, os.PathLike)):
             source = read(source, width=width, height=height, on_bad=on_bad)
         self.recording = source if isinstance(source, Recording) else None

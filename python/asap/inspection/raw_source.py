@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from asap.checks import agreed, sides, whole
+from asap.checks import source as check_source
 from asap.events import EVENT_DTYPE, Events, columns_of, is_event_memory
 from asap.experiment.source import is_iterable_of_arrays
 from asap.io import Recording, read
@@ -37,6 +38,7 @@ class RawSource:
         order: str | None,
         time_unit: str | None,
     ) -> None:
+        check_source(source)
         self._options = Options(order, time_unit)
         for name, side in (("width", width), ("height", height)):
             if side is not None:

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _core
+from asap._result import Result
 from asap.inspection.intervals import BINS_FROM_US
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ class Finding:
 
 
 @dataclass(frozen=True, eq=False)
-class Inspection:
+class Inspection(Result):
     """What is wrong with a recording, and what it holds; made by `check`.
 
     Rates, gaps, stamps, duplicates and pixels are those of the good events. Windows are aligned to
@@ -179,10 +180,15 @@ class Inspection:
         return inspection_figures.figure(self)
 
     def report(self, path: str | os.PathLike[str]) -> Path:
-        """Write one HTML page; needs matplotlib."""
+        """Write one self-contained HTML page and return its path; needs matplotlib."""
         from asap.report import inspection_report
 
         return inspection_report.write(self, path)
+
+    def _repr_html_(self) -> str:
+        from asap.report import notebook
+
+        return notebook.inspection_html(self)
 
     def __str__(self) -> str:
         from asap.report import inspection_table

@@ -1,106 +1,190 @@
-"""AEDAT4, through the package ``aedat`` (extra ``aedat4``).
+"""AEDAT4: packets of flatbuffers, compressed by lz4 or zstd (extra ``aedat4``).
 
-The library decodes; we walk the packet headers beside it, to say at which byte a file ends too
-early or breaks.
+The flatbuffers are read here, and every offset in them is checked by ``struct`` and NumPy: the
+libraries for this format follow the offsets of a damaged file out of the memory that it has.
 """
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
 
 from asap.events import Events
 from asap.io.columns import events_of
-from asap.io.errors import CorruptFile, foreign, library
-from asap.io.reader import Losses, Options, choose_stream
+from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library
+from asap.io.flatbuffer import Buffer, Table
+from asap.io.reader import CHUNK, Losses, Options, choose_stream, sensor_size
 
 __all__ = ["Aedat4Reader"]
 
 _HEADER_AT = len(b"#!AER-DAT4.0\r\n")
+_USUAL_RATIO = 8  # of events; MAX_RATIO is that of anything
+_EVENT = np.dtype(
+    {
+        "names": ["t", "x", "y", "p"],
+        "formats": ["<i8", "<i2", "<i2", "u1"],
+        "offsets": [0, 8, 10, 12],
+        "itemsize": 16,
+    }
+)
+
+_TYPE = "typeIdentifier"  # of a stream: EVTS, FRME, IMUS, TRIG
 
 
 class Aedat4Reader:
-    """The event stream of an AEDAT4 file; width and height stand in the file."""
+    """One stream of events of an AEDAT4 file; width and height stand in the file."""
 
     format = "aedat4"
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path = path
         self._options = Options(order=None, time_unit=options.time_unit)
-        self._streams = streams = self._decoder().id_to_stream()
-        events = sorted(key for key, stream in streams.items() if stream["type"] == "events")
-        if not events:
-            found = ", ".join(stream["type"] for stream in streams.values()) or "none"
+        with foreign(path, _HEADER_AT):
+            header, self._first = _header(path)
+            self._unpack = _unpacker(header.number(0, "<i", 0))
+            self._end = header.number(1, "<q", -1)
+            streams = _streams(header)
+        cameras = {
+            name: node for name, node in streams.items() if _attribute(node, _TYPE) == "EVTS"
+        }
+        if not cameras:
+            found = ", ".join(_attribute(node, _TYPE) for node in streams.values()) or "none"
             raise CorruptFile(
                 path, _HEADER_AT, f"a stream of events is needed, streams found: {found}"
             )
-        self.streams = tuple(map(str, events))
-        words = [f"{key} ({streams[key]['width']}x{streams[key]['height']})" for key in events]
-        self._stream = int(choose_stream(path, options.stream, self.streams, words))
-        self.width: int | None = streams[self._stream]["width"]
-        self.height: int | None = streams[self._stream]["height"]
+        self.streams = tuple(cameras)
+        sizes = {name: _size(node) for name, node in cameras.items()}
+        words = [f"{name} ({width}x{height})" for name, (width, height) in sizes.items()]
+        self._stream = choose_stream(path, options.stream, self.streams, words)
+        self.width, self.height = sizes[self._stream]
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
-        """Decode packet by packet."""
-        packets = iter(self._decoder())
+        """Decode packets, and hand on many at once: some cameras send a few events in each."""
         count = 0
-        for offset, stream in _packets(self._path):
-            if stream is None:
-                losses.truncated(offset, "no whole packet follows")
-                return
-            if stream not in self._streams:  # the library skips it
-                continue
-            try:
+        for records in self._gathered(losses):
+            rows = np.frombuffer(records, _EVENT)
+            yield events_of(rows, self._options, losses, count)
+            count += len(rows)
+
+    def _gathered(self, losses: Losses) -> Iterator[Buffer]:
+        """Join records to about `CHUNK` events, in memory that is used again."""
+        joined = memoryview(bytearray(CHUNK * _EVENT.itemsize))
+        filled = 0
+        try:
+            for records in self._records():
+                if filled + len(records) > len(joined):
+                    yield joined[:filled]
+                    filled = 0
+                if len(records) > len(joined):
+                    yield records
+                    continue
+                joined[filled : filled + len(records)] = records
+                filled += len(records)
+        except CorruptFile as error:
+            yield joined[:filled]
+            losses.truncated(error.offset, error.fault)
+        else:
+            yield joined[:filled]
+
+    def _records(self) -> Iterator[Buffer]:
+        """Events of the stream, packet by packet."""
+        with self._path.open("rb") as file:
+            for offset, stream, length in self._packets(file):
+                if str(stream) != self._stream:
+                    continue
                 with foreign(self._path, offset):
-                    packet = next(packets, None)
-            except CorruptFile as error:
-                losses.truncated(offset, error.fault)
-                return
-            if packet is None:
-                losses.truncated(offset, "the library reads no further")
-                return
-            if packet["stream_id"] == self._stream and "events" in packet:
-                rows = packet["events"]
-                yield events_of(rows, self._options, losses, count)
-                count += len(rows)
+                    if length > HARMLESS:
+                        raise ValueError(f"a packet of {length} bytes")
+                    records = _records_of(self._unpack(file.read(length)))
+                yield records
 
-    def _decoder(self) -> Any:
-        aedat = library("aedat", "AEDAT4", "aedat4")
-        with foreign(self._path, _HEADER_AT):
-            return aedat.Decoder(str(self._path))
-
-
-def _packets(path: Path) -> Iterator[tuple[int, int | None]]:
-    """Offset and stream of each packet; None as the stream where the chain of packets breaks."""
-    size = path.stat().st_size
-    with path.open("rb") as file:
-        file.seek(_HEADER_AT)
-        header = file.read(4)
-        (length,) = struct.unpack("<I", header.ljust(4, b"\0"))
-        end = _table_position(file.read(min(length, size)))
-        at = _HEADER_AT + 4 + length
-        last = end if 0 < end <= size else size
-        while at + 8 <= last:
+    def _packets(self, file: Any) -> Iterator[tuple[int, int, int]]:
+        """Offset, stream and length of each packet, while the file stands behind its header."""
+        size = self._path.stat().st_size
+        end = self._end if self._end > 0 else size  # the file may never have been closed
+        at = self._first
+        while at + 8 <= min(end, size):
             file.seek(at)
             stream, length = struct.unpack("<ii", file.read(8))
-            if length < 0 or at + 8 + length > last:
+            if not 0 <= length <= min(end, size) - at - 8:
                 break
-            yield at, stream
+            yield at, stream, length
             at += 8 + length
-        if at != (end if end > 0 else size):
-            yield at, None
+        if at != end:
+            raise CorruptFile(self._path, at, "no whole packet follows")
 
 
-def _table_position(header: bytes) -> int:
-    """Where the packets end: field 1 of the flatbuffer; -1 if the file was never closed."""
-    try:
-        (root,) = struct.unpack_from("<I", header, 0)
-        (to_table,) = struct.unpack_from("<i", header, root)
-        table = root - to_table
-        (table_size,) = struct.unpack_from("<H", header, table)
-        (field,) = struct.unpack_from("<H", header, table + 6) if table_size >= 8 else (0,)
-        return int(struct.unpack_from("<q", header, root + field)[0]) if field else -1
-    except struct.error:
-        return -1
+def _header(path: Path) -> tuple[Table, int]:
+    """Read the header; the packets begin at the position beside it."""
+    with path.open("rb") as file:
+        file.seek(_HEADER_AT)
+        (length,) = struct.unpack("<I", file.read(4))
+        end = _HEADER_AT + 4 + length
+        if end > path.stat().st_size:
+            raise ValueError(f"a header of {length} bytes is promised, the file ends")
+        return Table(file.read(length)), end
+
+
+def _streams(header: Table) -> dict[str, ElementTree.Element]:
+    """Find what the header's text says of each stream, by its number."""
+    at, length = header.vector(2)
+    text = bytes(header.buffer[at : at + length])
+    if b"<!ENTITY" in text:  # what it stands for may be endless
+        raise ValueError("the text of the header defines entities")
+    nodes = ElementTree.fromstring(text).findall("./node[@name='outInfo']/node")
+    return {node.get("name", ""): node for node in nodes}
+
+
+def _attribute(node: ElementTree.Element, key: str) -> str:
+    return node.findtext(f"./attr[@key='{key}']", "")
+
+
+def _size(node: ElementTree.Element) -> tuple[int | None, int | None]:
+    """Width and height, where the stream states them."""
+    sides = (f"./node[@name='info']/attr[@key='{key}']" for key in ("sizeX", "sizeY"))
+    return sensor_size(*map(node.findtext, sides))
+
+
+def _unpacker(compression: int) -> Callable[[bytes], bytes]:
+    """Return what unpacks a packet."""
+    if compression == 0:
+        return bytes
+    if compression in (1, 2):
+        lz4 = library("lz4.frame", "AEDAT4", "aedat4")
+        return _bounded(lambda packed, most: lz4.LZ4FrameDecompressor().decompress(packed, most))
+    if compression in (3, 4):
+        zstd = library("zstandard", "AEDAT4", "aedat4")
+        return _bounded(
+            lambda packed, most: zstd.ZstdDecompressor().stream_reader(packed).read(most)
+        )
+    raise ValueError(f"compression {compression} is not known")
+
+
+def _bounded(unpack: Callable[[bytes, int], bytes]) -> Callable[[bytes], bytes]:
+    """Unpack no more than any good packet holds; memory for much more than usual costs time."""
+
+    def unpack_bounded(packed: bytes) -> bytes:
+        usual = min(_USUAL_RATIO * len(packed), HARMLESS)
+        unpacked = unpack(packed, usual)
+        if len(unpacked) < usual:
+            return unpacked
+        return unpack(packed, min(MAX_RATIO * len(packed), HARMLESS))
+
+    return unpack_bounded
+
+
+def _records_of(packet: bytes) -> Buffer:
+    """View the one field of a packet of events: a vector of structures."""
+    table = Table(memoryview(packet)[4:])
+    if table.name != b"EVTS":
+        raise ValueError(f"EVTS is needed, the packet is {table.name!r}")
+    at, count = table.vector(0)
+    records = table.buffer[at : at + count * _EVENT.itemsize]
+    if len(records) < count * _EVENT.itemsize:
+        raise ValueError(f"{count} events promised, {len(records) // _EVENT.itemsize} are there")
+    return records

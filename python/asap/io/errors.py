@@ -12,6 +12,7 @@ __all__ = [
     "HARMLESS",
     "MAX_RATIO",
     "CorruptFile",
+    "MissingLibrary",
     "NoGoodEvent",
     "TruncatedFileWarning",
     "UnsupportedFormat",
@@ -40,6 +41,10 @@ class CorruptFile(ValueError):
 
     def __reduce__(self) -> tuple[type[CorruptFile], tuple[Path, int, str]]:
         return type(self), (self.path, self.offset, self.fault)
+
+
+class MissingLibrary(RuntimeError):
+    """What reads or unpacks the file is not installed."""
 
 
 class NoGoodEvent(ValueError):
@@ -71,17 +76,24 @@ def library(name: str, what: str, extra: str) -> Any:
         return importlib.import_module(name)
     except ImportError as error:
         package = name.partition(".")[0]
-        raise RuntimeError(
+        raise MissingLibrary(
             f"{what} needs the package {package}: pip install 'asap-events[{extra}]'"
         ) from error
 
 
 @contextmanager
 def foreign(path: Path, offset: int = 0) -> Iterator[None]:
-    """Turn whatever a library raises into `CorruptFile`, panics outside ``Exception`` included."""
+    """Turn whatever a library raises into `CorruptFile`, panics outside ``Exception`` included.
+
+    An OSError with a number is the file system's, not the format's, and stays one.
+    """
     try:
         yield
-    except (OSError, CorruptFile, UnsupportedFormat, KeyboardInterrupt, SystemExit, GeneratorExit):
+    except (CorruptFile, UnsupportedFormat, MissingLibrary):
+        raise
+    except (KeyboardInterrupt, SystemExit, GeneratorExit):
         raise
     except BaseException as error:
+        if isinstance(error, OSError) and error.errno:
+            raise
         raise CorruptFile(path, offset, f"{error or type(error).__name__}") from error

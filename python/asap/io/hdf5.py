@@ -6,6 +6,7 @@ in steps of whole chunks.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,8 +18,8 @@ import numpy.typing as npt
 from asap import stamps
 from asap.events import Events
 from asap.io.columns import events_of, file_columns
-from asap.io.errors import CorruptFile, UnsupportedFormat, library
-from asap.io.hdf5_layout import find_layouts, sensor_of, usable
+from asap.io.errors import CorruptFile, foreign, library
+from asap.io.hdf5_layout import Layout, find_layouts, sensor_of, usable
 from asap.io.mapped import mapped
 from asap.io.matrices import columns_of_matrix, order_of
 from asap.io.reader import CHUNK, Losses, Options, choose_stream
@@ -38,18 +39,21 @@ class Hdf5Reader:
     def __init__(self, path: Path, options: Options) -> None:
         self._path = path
         with self._open() as file:
-            layouts = find_layouts(path, file)
+            with foreign(path):
+                layouts = find_layouts(path, file)
             self.streams = tuple(layouts)
             words = [f"{name} ({layout.rows} events)" for name, layout in layouts.items()]
             layout = layouts[choose_stream(path, options.stream, self.streams, words)]
             self._layout = layout
-            for name in layout.datasets.values():
-                usable(path, file[name])
-            self.width, self.height = sensor_of(file, layout)
+            with foreign(path):
+                for name in layout.datasets.values():
+                    usable(path, file[name])
+                self.width, self.height = sensor_of(file, layout)
             self.expected = layout.rows
             self._order = options.order
             if layout.is_matrix:
-                rows = self._rows(file, 0, min(layout.rows, CHUNK))["matrix"]
+                with foreign(path):
+                    rows = self._sources(file)["matrix"].rows(0, min(layout.rows, CHUNK))
                 self._order = order_of(path, layout.name, rows, options.order)
             elif options.order is not None:
                 file_columns(path, dict.fromkeys(layout.datasets, np.empty(0)), options.order)
@@ -58,24 +62,32 @@ class Hdf5Reader:
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Read in steps of some chunks of the file, hand on in pieces."""
         with self._open() as file:
-            datasets = [file[name] for name in self._layout.datasets.values()]
-            longest = max(_rows_per_chunk(dataset) for dataset in datasets)
+            with foreign(self._path):
+                sources = self._sources(file)
+            longest = max(source.rows_per_chunk for source in sources.values())
             step = max(_STEP // longest, 1) * longest
             for start in range(0, self._layout.rows, step):
                 stop = min(start + step, self._layout.rows)
                 try:
-                    yield from self._pieces(self._rows(file, start, stop), losses, start)
+                    rows = _rows(sources, start, stop)
                 except CorruptFile as broken:
-                    yield from self._before_the_fault(file, start, stop, longest, losses, broken)
+                    yield from self._before_the_fault(sources, start, stop, losses, broken)
                     return
+                yield from self._pieces(rows, losses, start)
 
     def _before_the_fault(
-        self, file: Any, start: int, stop: int, step: int, losses: Losses, broken: CorruptFile
+        self,
+        sources: dict[str, _Source],
+        start: int,
+        stop: int,
+        losses: Losses,
+        broken: CorruptFile,
     ) -> Iterator[Events]:
         """Yield what is good of a step that cannot be read as a whole."""
+        step = max(source.rows_per_chunk for source in sources.values())
         for first in range(start, stop, step):
             try:
-                rows = self._rows(file, first, min(first + step, stop))
+                rows = _rows(sources, first, min(first + step, stop))
             except CorruptFile as error:
                 losses.truncated(error.offset, f"{error.fault}; {first} events are before it")
                 return
@@ -85,11 +97,9 @@ class Hdf5Reader:
     def _pieces(
         self, rows: dict[str, npt.NDArray[Any]], losses: Losses, first: int
     ) -> Iterator[Events]:
-        source: Any = rows
+        source: Any = rows.get("records", rows)
         if self._layout.is_matrix:
             source = columns_of_matrix(rows["matrix"], self._order or "txyp")
-        elif "records" in rows:
-            source = rows["records"]
         elif self._layout.t_offset:
             offset = np.asarray(self._layout.t_offset)
             source = rows | {"t": stamps.shifted(rows["t"], offset)}
@@ -103,33 +113,12 @@ class Hdf5Reader:
             )
             yield events_of(piece, self._options, losses, first + start)
 
-    def _rows(self, file: Any, start: int, stop: int) -> dict[str, npt.NDArray[Any]]:
-        """Events from `start` to `stop` of every dataset."""
-        rows = {}
-        for role, name in self._layout.datasets.items():
-            dataset = file[name]
-            try:
-                rows[role] = self._values(file, dataset, start, stop)
-            except (OSError, RuntimeError, ValueError) as error:
-                offset = _place_in_file(dataset, start)
-                raise CorruptFile(self._path, offset, f"{name}: {error}") from error
-        return rows
-
-    def _values(self, file: Any, dataset: Any, start: int, stop: int) -> npt.NDArray[Any]:
-        if self._layout.transposed:
-            return np.asarray(dataset[:, start:stop]).T
-        offset = dataset.id.get_offset() if dataset.chunks is None else None
-        plain = len(dataset.shape) == 1 or self._layout.is_matrix
-        if plain and offset is not None and not file.userblock_size and stop > start:
-            row = int(dataset.dtype.itemsize * np.prod(dataset.shape[1:], dtype=int))
-            if offset + stop * row > self._path.stat().st_size:
-                raise ValueError("the file ends before")
-            shape = (stop - start, *dataset.shape[1:])
-            return mapped(self._path, dataset.dtype, offset + start * row, shape)
-        if len(dataset.shape) > 1 and not self._layout.is_matrix:  # a column of MATLAB 7.3
-            at = [slice(start, stop) if side != 1 else slice(0, 1) for side in dataset.shape]
-            return np.asarray(dataset[tuple(at)]).reshape(-1)
-        return np.asarray(dataset[start:stop])
+    def _sources(self, file: Any) -> dict[str, _Source]:
+        layout = self._layout
+        return {
+            role: _Source(self._path, file, file[name], layout)
+            for role, name in layout.datasets.items()
+        }
 
     @contextmanager
     def _open(self) -> Iterator[Any]:
@@ -141,27 +130,57 @@ class Hdf5Reader:
                 raise
             raise CorruptFile(self._path, *_why_not(self._path, error)) from error
         with file:
-            try:
-                yield file
-            except (UnsupportedFormat, CorruptFile):
-                raise
-            except (KeyError, OSError) as error:
-                raise CorruptFile(self._path, 0, f"HDF5: {error}") from error
+            yield file
 
 
-def _rows_per_chunk(dataset: Any) -> int:
-    return max(dataset.chunks) if dataset.chunks else 1
+class _Source:
+    """One dataset of a stream by rows: mapped where it lies uncompressed and in one piece."""
+
+    def __init__(self, path: Path, file: Any, dataset: Any, layout: Layout) -> None:
+        self.rows_per_chunk: int = max(dataset.chunks) if dataset.chunks else 1
+        self._path, self._dataset, self._transposed = path, dataset, layout.transposed
+        self._shape, self._dtype = dataset.shape, dataset.dtype
+        self._is_column = len(self._shape) > 1 and not layout.is_matrix  # of MATLAB 7.3
+        self._offset: int | None = None
+        if dataset.chunks is None and not file.userblock_size and not self._is_column:
+            self._offset = None if layout.transposed else dataset.id.get_offset()
+
+    def rows(self, start: int, stop: int) -> npt.NDArray[Any]:
+        """Events from `start` to `stop`."""
+        try:
+            return self._values(start, stop)
+        except (OSError, RuntimeError, ValueError) as error:
+            fault = f"{self._dataset.name}: {error}"
+            raise CorruptFile(self._path, self._place_of(start), fault) from error
+
+    def _values(self, start: int, stop: int) -> npt.NDArray[Any]:
+        values: npt.NDArray[Any]
+        if self._offset is not None and stop > start:
+            row = self._dtype.itemsize * math.prod(self._shape[1:])
+            shape = (stop - start, *self._shape[1:])
+            return mapped(self._path, self._dtype, self._offset + start * row, shape)
+        if self._transposed:
+            values = self._dataset[:, start:stop].T
+        elif self._is_column:
+            at = [slice(start, stop) if side != 1 else slice(0, 1) for side in self._shape]
+            values = self._dataset[tuple(at)].reshape(-1)
+        else:
+            values = self._dataset[start:stop]
+        return values
+
+    def _place_of(self, row: int) -> int:
+        """Where the values from `row` on are stored; 0 if the file does not say."""
+        try:
+            if self._dataset.chunks is None:
+                return int(self._dataset.id.get_offset() or 0)
+            at = tuple(row if side == max(self._shape) else 0 for side in self._shape)
+            return int(self._dataset.id.get_chunk_info_by_coord(at).byte_offset or 0)
+        except (OSError, RuntimeError, ValueError):
+            return 0
 
 
-def _place_in_file(dataset: Any, row: int) -> int:
-    """Where the values from `row` on are stored; 0 if the file does not say."""
-    try:
-        if dataset.chunks is None:
-            return int(dataset.id.get_offset() or 0)
-        at = tuple(row if side == max(dataset.shape) else 0 for side in dataset.shape)
-        return int(dataset.id.get_chunk_info_by_coord(at).byte_offset or 0)
-    except (OSError, RuntimeError, ValueError):
-        return 0
+def _rows(sources: dict[str, _Source], start: int, stop: int) -> dict[str, npt.NDArray[Any]]:
+    return {role: source.rows(start, stop) for role, source in sources.items()}
 
 
 def _why_not(path: Path, error: OSError) -> tuple[int, str]:

@@ -8,6 +8,8 @@ soft nor external ones, nor storage in other files.
 
 from __future__ import annotations
 
+import importlib
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -17,8 +19,15 @@ from typing import Any
 import numpy as np
 
 from asap.events import FIELD_NAMES
-from asap.io.errors import CorruptFile, UnsupportedFormat, library, refuse_bomb
+from asap.io.errors import (
+    CorruptFile,
+    MissingLibrary,
+    UnsupportedFormat,
+    library,
+    refuse_bomb,
+)
 from asap.io.matrices import as_rows
+from asap.io.reader import sensor_size
 from asap.stamps import MAX
 
 __all__ = ["Layout", "find_layouts", "sensor_of", "usable"]
@@ -83,7 +92,7 @@ def usable(path: Path, dataset: Any) -> None:
     stored = dataset.id.get_storage_size()
     if dataset.size > 1 and not stored and not dataset.is_virtual:
         raise CorruptFile(path, 0, f"{dataset.name}: {dataset.size} values promised, none stored")
-    chunk = int(np.prod(dataset.chunks or (), dtype=object)) * dataset.dtype.itemsize
+    chunk = math.prod(dataset.chunks or ()) * dataset.dtype.itemsize
     promised = int(dataset.size) * dataset.dtype.itemsize
     refuse_bomb(path, 0, dataset.name, max(promised, chunk), min(stored, path.stat().st_size))
     filters = dataset.id.get_create_plist()
@@ -103,11 +112,11 @@ def sensor_of(file: Any, layout: Layout) -> tuple[int | None, int | None]:
             text = text.decode("ascii", "replace") if isinstance(text, bytes) else str(text)
             size = re.fullmatch(r"\s*(\d{1,5})x(\d{1,5})\s*", text)
             if size:
-                return int(size[1]), int(size[2])
+                return sensor_size(size[1], size[2])
         if "width" in attributes and "height" in attributes:
             sides = [np.asarray(attributes[side]) for side in ("width", "height")]
             if all(side.size == 1 and side.dtype.kind in "iu" for side in sides):
-                return int(sides[0].item()), int(sides[1].item())
+                return sensor_size(sides[0].item(), sides[1].item())
     return None, None
 
 
@@ -172,8 +181,12 @@ def _records_or_matrix(name: str, dataset: Any) -> Layout | None:
 
 def _offset(path: Path, group: Any) -> int:
     """DSEC: times count from t_offset, which stands beside the group."""
+    h5py = library("h5py", "HDF5", "hdf5")
     for place in (group, group.parent):
-        if "t_offset" in place:
+        link = place.get("t_offset", getlink=True)
+        if link is not None:
+            if not isinstance(link, h5py.HardLink):
+                raise UnsupportedFormat(f"{path}: t_offset is a link, which is never followed")
             usable(path, place["t_offset"])
             offset = place["t_offset"]
             if offset.size != 1 or offset.dtype.kind not in "iu" or abs(int(offset[()])) > MAX:
@@ -184,20 +197,20 @@ def _offset(path: Path, group: Any) -> int:
 
 def _find_filter(h5py: Any, path: Path, dataset: str, code: int, name: str) -> None:
     if code == _ECF:
-        raise RuntimeError(
+        raise MissingLibrary(
             f"{path}: {dataset} is compressed with Metavision's ECF filter (0x8ECF), which no "
             "Python package has: set HDF5_PLUGIN_PATH to the folder of the plug-in hdf5_ecf, "
             "or convert the file with metavision_file_to_dat"
         )
     try:
-        import hdf5plugin  # noqa: F401  (registers its filters)
+        importlib.import_module("hdf5plugin")  # registers its filters
     except ImportError as error:
-        raise RuntimeError(
+        raise MissingLibrary(
             f"{path}: {dataset} is compressed with filter {code} ({name or 'no name'}); "
             "the package hdf5plugin has many: pip install hdf5plugin"
         ) from error
     if not h5py.h5z.filter_avail(code):
-        raise RuntimeError(
+        raise MissingLibrary(
             f"{path}: {dataset} is compressed with filter {code} ({name or 'no name'}), which "
             "hdf5plugin lacks too: set HDF5_PLUGIN_PATH to the folder of its plug-in"
         )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
+import mmap
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +17,20 @@ _WINDOW = 1 << 24  # bytes
 
 
 def mapped(
-    path: Path, dtype: np.dtype[Any], offset: int, shape: tuple[int, ...], order: Any = "C"
+    path: Path,
+    dtype: np.dtype[Any],
+    offset: int,
+    shape: tuple[int, ...],
+    order: Literal["C", "F"] = "C",
 ) -> npt.NDArray[Any]:
     """Map one array without reading it; its pages stay as long as a view of it."""
-    return np.memmap(path, dtype, "r", offset, shape, order).view(np.ndarray)
+    size = dtype.itemsize * math.prod(shape)
+    into_page = offset % mmap.ALLOCATIONGRANULARITY
+    start = offset - into_page
+    with path.open("rb") as file:
+        pages = mmap.mmap(file.fileno(), into_page + size, offset=start, access=mmap.ACCESS_READ)
+    array: npt.NDArray[Any] = np.ndarray(shape, dtype, pages, into_page, order=order)
+    return array
 
 
 def windows(rows: int, row_bytes: int, chunk: int) -> Iterator[tuple[int, int]]:

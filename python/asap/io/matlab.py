@@ -7,8 +7,10 @@ Whole times are microseconds, also where MATLAB stores them as floats, its defau
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +49,7 @@ class MatlabReader:
         size = path.stat().st_size
         for name, (shape, kind) in self._shapes.items():
             width = _BYTES.get(kind.removeprefix("u"), 8)
-            promised = width * int(np.prod(shape, dtype=object))
+            promised = width * math.prod(map(int, shape))
             refuse_bomb(path, 0, name, promised, size)
         self._found = self._find()
         self.streams = tuple(self._found)
@@ -103,7 +105,7 @@ class MatlabReader:
         return found
 
     def _is_events(self, name: str) -> bool:
-        with foreign(self._path):
+        with _read(self._path, None):
             value = self._scipy.loadmat(str(self._path), variable_names=[name], appendmat=False)
         fields = getattr(value.get(name), "dtype", np.dtype(int)).names or ()
         return sorted(
@@ -164,5 +166,13 @@ def _cut_at(path: Path) -> CorruptFile | None:
     return None
 
 
-def _read(path: Path, cut: CorruptFile | None) -> Any:
-    return foreign(path, 0 if cut is None else cut.offset)
+@contextmanager
+def _read(path: Path, cut: CorruptFile | None) -> Iterator[None]:
+    """Turn what scipy raises for damaged files into `CorruptFile`, of where the file was cut."""
+    try:
+        with foreign(path):
+            yield
+    except CorruptFile as error:
+        if cut is None:
+            raise
+        raise cut from error

@@ -9,6 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -69,7 +70,7 @@ class NativeReader:
         self._path = path
         with path.open("rb") as file:
             head = file.read(HEAD)
-        self._layout = layout = FORMATS[format](path, head)
+        self._layout = layout = FORMATS[format](path, head, options)
         self.width, self.height = layout.width, layout.height
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
@@ -110,22 +111,21 @@ class NativeReader:
                 losses.trigger_arrays.append(seen)
 
 
-def _raw(path: Path, head: bytes) -> Layout:
-    header = _core.read_raw_header(head)
-    if header is None or not header["words"]:
-        raise CorruptFile(path, 0, "no header that names the encoding, such as '% evt 3.0'")
-    start, words = header["size"], header["words"]
+def _raw(encoding: str, path: Path, head: bytes, options: Options) -> Layout:
+    """Words of that encoding, after a header or without one."""
+    header = _core.read_raw_header(head) or {}
+    if header.get("words") and header["words"] != encoding:
+        raise CorruptFile(path, 0, f"the header says {header['words']}, not {encoding}")
+    start, little_endian = header.get("size", 0), header.get("little_endian", False)
     make: dict[str, Callable[[], Decoder]] = {
         "evt2": lambda: _core.Evt2Decoder(first_offset=start),
-        "evt21": lambda: _core.Evt21Decoder(
-            little_endian=header["little_endian"], first_offset=start
-        ),
+        "evt21": lambda: _core.Evt21Decoder(little_endian=little_endian, first_offset=start),
         "evt3": lambda: _core.Evt3Decoder(first_offset=start),
     }
-    return Layout(start, make[words], header["width"], header["height"])
+    return Layout(start, make[encoding], header.get("width"), header.get("height"))
 
 
-def _dat(path: Path, head: bytes) -> Layout:
+def _dat(path: Path, head: bytes, options: Options) -> Layout:
     header = _core.read_dat_header(head)
     if header is None:
         raise CorruptFile(path, 0, "no header of text lines with type and size of an event")
@@ -146,7 +146,7 @@ def _dat(path: Path, head: bytes) -> Layout:
     )
 
 
-def _event_stream(path: Path, head: bytes) -> Layout:
+def _event_stream(path: Path, head: bytes, options: Options) -> Layout:
     header = _core.read_event_stream_header(head)
     if header is None:
         raise CorruptFile(path, 0, "no whole header of Event Stream 1 or 2")
@@ -162,7 +162,7 @@ def _event_stream(path: Path, head: bytes) -> Layout:
     )
 
 
-def _atis40(path: Path, head: bytes) -> Layout:
+def _atis40(path: Path, head: bytes, options: Options) -> Layout:
     doubts = _doubts_of_40_bits(path.stat().st_size, head)
     if doubts:
         warnings.warn(
@@ -191,16 +191,22 @@ def _doubts_of_40_bits(size: int, head: bytes) -> list[str]:
     return doubts
 
 
-def _aedat2(path: Path, head: bytes) -> Layout:
+def _aedat2(path: Path, head: bytes, options: Options) -> Layout:
     header = _core.read_aedat2_header(head)
     if header is None:
         raise CorruptFile(path, 0, "no whole header of AEDAT 2.0")
-    chip, width, height = header["chip"], header["width"], header["height"]
-    if chip == "unknown" or width is None:
+    chip = header["chip"]
+    width, height = header["width"] or options.width, header["height"] or options.height
+    if chip == "other":
         raise UnsupportedFormat(
-            f"{path}: AEDAT 2.0 of a chip that the header does not name (a line such as "
-            "'# AEChip: eu.seebetter.ini.chips.davis.DAVIS240C'); a DAVIS or DVS128 is read"
+            f"{path}: AEDAT 2.0 is read of a DAVIS or a DVS128; the header names another chip"
         )
+    if width is None or height is None:
+        raise UnsupportedFormat(
+            f"{path}: the header of this AEDAT 2.0 file does not say which chip it is of; give "
+            "width and height, and it is read as that of a DAVIS"
+        )
+    chip = "davis" if chip == "unnamed" else chip
     return Layout(
         header["size"],
         lambda: _core.Aedat2Decoder(chip=chip, width=width, height=height),
@@ -209,7 +215,7 @@ def _aedat2(path: Path, head: bytes) -> Layout:
     )
 
 
-def _aedat3(path: Path, head: bytes) -> Layout:
+def _aedat3(path: Path, head: bytes, options: Options) -> Layout:
     header = _core.read_aedat3_header(head)
     if header is None:
         raise CorruptFile(path, 0, "no whole header of AEDAT 3.1: '#!END-HEADER' is missing")
@@ -225,10 +231,10 @@ def _aedat3(path: Path, head: bytes) -> Layout:
     )
 
 
-FORMATS: dict[str, Callable[[Path, bytes], Layout]] = {
-    "evt2": _raw,
-    "evt21": _raw,
-    "evt3": _raw,
+FORMATS: dict[str, Callable[[Path, bytes, Options], Layout]] = {
+    "evt2": partial(_raw, "evt2"),
+    "evt21": partial(_raw, "evt21"),
+    "evt3": partial(_raw, "evt3"),
     "dat": _dat,
     "es": _event_stream,
     "atis40": _atis40,

@@ -6,6 +6,7 @@ anything is allocated. Nothing is unpickled.
 
 from __future__ import annotations
 
+import math
 import zipfile
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -36,7 +37,7 @@ class _Header:
 
     @property
     def row_bytes(self) -> int:
-        return self.dtype.itemsize * int(np.prod(self.shape[1:], dtype=object))
+        return self.dtype.itemsize * math.prod(self.shape[1:])
 
     def stand_in(self, rows: int | None = None) -> npt.NDArray[Any]:
         """Zeros of the array's type and shape that take no memory, or of so many `rows`."""
@@ -172,8 +173,7 @@ class NpzReader:
         info = self._members[key]
         with foreign(self._path, info.header_offset), archive.open(info) as member:
             header = _header(member)
-        count = int(np.prod(header.shape, dtype=object))
-        promised = header.end + header.dtype.itemsize * count
+        promised = header.end + header.dtype.itemsize * math.prod(header.shape)
         if promised != info.file_size:
             raise CorruptFile(
                 self._path,

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +15,7 @@ from asap.events import Events, check_order
 from asap.io.errors import CorruptFile, TruncatedFileWarning
 from asap.stamps import time_exponent
 
-__all__ = ["CHUNK", "Losses", "Options", "Reader", "choose_stream"]
+__all__ = ["CHUNK", "Losses", "Options", "Reader", "choose_stream", "sensor_size"]
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about
 
@@ -26,6 +26,8 @@ class Options:
 
     order: str | None
     time_unit: str | None
+    width: int | None = None  # of the sensor, px
+    height: int | None = None
     stream: str | None = None
 
     def __post_init__(self) -> None:
@@ -81,6 +83,15 @@ class Reader(Protocol):
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Read from the start: events in ``EVENT_DTYPE``, order and sensor size not yet checked."""
         ...
+
+
+def sensor_size(width: Any, height: Any) -> tuple[int | None, int | None]:
+    """Return what a file states of its sensor in px, or (None, None) where no sensor is such."""
+    try:
+        sides = int(width), int(height)
+    except (TypeError, ValueError):
+        return None, None
+    return sides if all(0 < side <= 65536 for side in sides) else (None, None)
 
 
 def choose_stream(

@@ -7,11 +7,13 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from asap import _core, checks
+from asap._pickling import by_arguments
 from asap.events import EVENT_DTYPE, Events, plain_view
 from asap.io.aedat4 import Aedat4Reader
 from asap.io.arrangement import arrangement, looks_like
@@ -32,9 +34,9 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
     "text": TextReader,
     "csv": TextReader,
     "aedat4": Aedat4Reader,
-    **{name: partial(NativeReader, name) for name in FORMATS},
     "hdf5": Hdf5Reader,
     "matlab": MatlabReader,
+    **{name: partial(NativeReader, name) for name in FORMATS},
 }
 
 
@@ -64,14 +66,14 @@ class Recording:
         time_unit: str | None = None,
         on_bad: str = "drop",
         reorder_tolerance_us: int = 0,
-        stream: str | None = None,
         file_format: str | None = None,
+        stream: str | None = None,
     ) -> None:
         self._path = checks.folder_or_file("path", path)
         width, height = checks.sides(width, height)
         self._on_bad = on_bad
         self._reorder_tolerance_us = reorder_tolerance_us
-        options = Options(order, time_unit, stream)
+        options = Options(order, time_unit, stream=stream, width=width, height=height)
         self._reader = _READERS[_format_of(self._path, file_format)](self._path, options)
         if stream is not None and not self.streams:
             raise ValueError(
@@ -79,8 +81,20 @@ class Recording:
             )
         self._width = checks.agreed("width", width, self._reader.width, self._path)
         self._height = checks.agreed("height", height, self._reader.height, self._path)
-        self._time_unit = time_unit
         self._losses, self._validator = self._books()
+        self._options = options
+        self._file_format = file_format
+
+    def __reduce__(self) -> Any:
+        """Pickle it by its path and what it was told, not by what it has counted."""
+        return by_arguments(
+            type(self),
+            self._path,
+            **vars(self._options),
+            on_bad=self._on_bad,
+            reorder_tolerance_us=self._reorder_tolerance_us,
+            file_format=self._file_format,
+        )
 
     @property
     def path(self) -> Path:
@@ -178,7 +192,7 @@ class Recording:
         if count == 0 and self.received:
             raise NoGoodEvent(self._why_none())
         span_us = validator.last_us - first_us
-        if self._time_unit is None and count > max(_CROWD * (span_us + 1), _CROWD_LEAST):
+        if self._options.time_unit is None and count > max(_CROWD * (span_us + 1), _CROWD_LEAST):
             warnings.warn(
                 f"{self._path}: {count} events within {span_us} us: the times look like seconds, "
                 "not microseconds; if they are, give time_unit='s'",
@@ -247,10 +261,10 @@ def read(
     time_unit: str | None = None,
     on_bad: str = "drop",
     reorder_tolerance_us: int = 0,
-    stream: str | None = None,
     file_format: str | None = None,
+    stream: str | None = None,
 ) -> Recording:
-    """Open an event file: NumPy, text, csv, Prophesee RAW, AEDAT, HDF5, MATLAB and others.
+    """Open an event file: NumPy, text, csv, Prophesee, AEDAT, Event Stream, HDF5 and others.
 
     The format is found by content, then by name. Nothing but the header is read yet.
 
@@ -274,12 +288,12 @@ def read(
         ``"clamp"`` them where that is possible, or ``"raise"``.
     reorder_tolerance_us
         A stamp that goes back by at most this much is lifted to the last one, not bad.
-    stream
-        Which camera, where the file holds several: its name, or a part of it between slashes
-        such as ``"left"``.
     file_format
         The name of the format, as `Recording.format` has it, where neither content nor file name
         tells it: ``"atis40"`` for 40-bit events, for example.
+    stream
+        Which camera, where the file holds several: its name, or a part of it between slashes
+        such as ``"left"``.
 
     Returns
     -------
@@ -314,8 +328,8 @@ def read(
         time_unit=time_unit,
         on_bad=on_bad,
         reorder_tolerance_us=reorder_tolerance_us,
-        stream=stream,
         file_format=file_format,
+        stream=stream,
     )
 
 
@@ -328,8 +342,8 @@ def load(
     time_unit: str | None = None,
     on_bad: str = "drop",
     reorder_tolerance_us: int = 0,
-    stream: str | None = None,
     file_format: str | None = None,
+    stream: str | None = None,
 ) -> Events:
     """Read a whole event file into one array; parameters, errors and warnings as in `read`.
 
@@ -346,8 +360,8 @@ def load(
         time_unit=time_unit,
         on_bad=on_bad,
         reorder_tolerance_us=reorder_tolerance_us,
-        stream=stream,
         file_format=file_format,
+        stream=stream,
     )
     return _joined(recording, recording.expected)
 

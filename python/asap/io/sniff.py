@@ -68,7 +68,7 @@ def sniff(path: Path) -> str:
     if any(mark in head for mark in _PROPHESEE_HEADER):
         raise _unsupported(path, "this Prophesee encoding")
     suffix = path.suffix.lower()
-    if suffix in (".npy", ".npz", ".aedat4", ".h5", ".hdf5", ".mat", ".raw", ".es"):
+    if suffix in (".npy", ".npz", ".aedat4", ".raw", ".es", ".h5", ".hdf5", ".mat"):
         raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
     if suffix in _OTHER_SUFFIXES:
         raise _unsupported(path, _OTHER_SUFFIXES[suffix])

@@ -6,6 +6,7 @@ Only the tables do without matplotlib.
 
 __all__ = [
     "accuracy_figures",
+    "accuracy_report",
     "accuracy_table",
     "comparison_figures",
     "comparison_report",
@@ -13,6 +14,7 @@ __all__ = [
     "inspection_figures",
     "inspection_report",
     "inspection_table",
+    "notebook",
     "page",
     "run_report",
     "run_table",

@@ -36,13 +36,16 @@ _CORNERS = {
     "f_measure": "F",
     "false_positive_rate": "false-positive rate",
 }
-_LEGEND_COLUMNS = 4
 _COLOURS = (plots.BLUE, plots.VERMILION, plots.GREEN, plots.PURPLE, plots.INK, plots.FAINT)
 _SHARES = {"mota", "hota", "idf1", "precision", "recall", "f_measure", "v_measure"}
 
 
 def figure(
-    curves: Sequence[KeepCurve], *, title: str | None = None, width_inches: float = 9.0
+    curves: Sequence[KeepCurve],
+    *,
+    title: str | None = None,
+    width_inches: float = 9.0,
+    columns: int = 4,
 ) -> Figure:
     """Draw scores over gamma, a colour for each curve: told as a line, not told dashed.
 
@@ -54,6 +57,8 @@ def figure(
         Of the page.
     width_inches : float
         Of the page.
+    columns : {1, 2, 4}
+        Scores side by side; 1 or 2: for narrow screens.
 
     Returns
     -------
@@ -61,11 +66,12 @@ def figure(
         Shown by a notebook as it is; ``.savefig(path)`` writes it. Bars are standard deviations
         over the seeds.
     """
-    columns = accuracy_table.columns_of(curves[0].rows[0])
-    shown = _TRACKER if columns is accuracy_table.TRACKER_COLUMNS else _CORNERS
+    is_tracker = accuracy_table.columns_of(curves[0].rows[0]) is accuracy_table.TRACKER_COLUMNS
+    shown = _TRACKER if is_tracker else _CORNERS
+    rows = len(shown) // columns
     with matplotlib.rc_context({**plots.STYLE, "axes.titley": 1.0}):
         page = plots.NotebookFigure(layout="constrained")
-        panels = page.subplots(1, len(shown))
+        panels = page.subplots(rows, columns, squeeze=False).ravel()
         for axes, (column, words) in zip(panels, shown.items(), strict=True):
             for curve, colour in zip(curves, _cycle(curves), strict=True):
                 draw(axes, curve, column, colour=colour)
@@ -73,9 +79,9 @@ def figure(
         if title:
             page.suptitle(title, x=0.01, ha="left", fontsize=10)
         handles, labels = panels[0].get_legend_handles_labels()
-        page.legend(handles, labels, loc="outside lower center", ncols=_LEGEND_COLUMNS)
-        lines = -(-len(labels) // _LEGEND_COLUMNS)
-        page.set_size_inches(width_inches, 2.2 + 0.2 * lines)
+        page.legend(handles, labels, loc="outside lower center", ncols=columns)
+        lines = -(-len(labels) // columns)
+        page.set_size_inches(width_inches, 2.2 * rows + 0.2 * lines)
     return page
 
 

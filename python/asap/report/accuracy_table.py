@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from asap.accuracy import KeepCurve, KeepRow
 
-__all__ = ["CORNER_COLUMNS", "TRACKER_COLUMNS", "cell", "columns_of", "format_keep_curve", "told"]
+__all__ = [
+    "CORNER_COLUMNS",
+    "TRACKER_COLUMNS",
+    "cell",
+    "cells",
+    "columns_of",
+    "format_keep_curve",
+    "title",
+    "told",
+]
 
 TRACKER_COLUMNS = {
     "mota": ("MOTA", "1 - (misses + false clusters + id switches) / objects; may be negative"),
@@ -43,26 +52,36 @@ def format_keep_curve(curve: KeepCurve) -> str:
     str
         Lines of at most 100 columns without colours, fit for a log file.
     """
-    rows = curve.rows
-    columns = columns_of(rows[0])
-    head = ("gamma", "", *(heading for heading, _ in columns.values()))
-    table = [
-        head,
-        *((f"{row.gamma:g}", told(row), *(cell(row, c) for c in columns)) for row in rows),
-    ]
+    table = cells(curve)
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     lines = [_line(line, widths) for line in table]
-    behind = f" behind {curve.before}" if curve.before else ""
-    seeds = "1 seed" if rows[0].seeds == 1 else f"{rows[0].seeds} seeds: mean ± standard deviation"
     return "\n".join(
         [
-            f"{curve.algorithm}{behind} on {curve.scene}, {seeds}",
+            title(curve),
             "",
             lines[0],
             "-" * (sum(widths) + 2 * len(widths) - 2),
             *lines[1:],
         ]
     )
+
+
+def title(curve: KeepCurve) -> str:
+    """Name a curve by its algorithm and its scene."""
+    behind = f" behind {curve.before}" if curve.before else ""
+    count = curve.rows[0].seeds
+    seeds = "1 seed" if count == 1 else f"{count} seeds: mean ± standard deviation"
+    return f"{curve.algorithm}{behind} on {curve.scene}, {seeds}"
+
+
+def cells(curve: KeepCurve) -> list[tuple[str, ...]]:
+    """Write every row, the headings first."""
+    rows = curve.rows
+    columns = columns_of(rows[0])
+    return [
+        ("gamma", "", *(heading for heading, _ in columns.values())),
+        *((f"{row.gamma:g}", told(row), *(cell(row, c) for c in columns)) for row in rows),
+    ]
 
 
 def columns_of(row: KeepRow) -> dict[str, tuple[str, str]]:

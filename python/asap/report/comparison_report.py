@@ -12,6 +12,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from asap import checks
 from asap.report import comparison_figures, comparison_table, page, run_table
 
 if TYPE_CHECKING:
@@ -82,6 +83,7 @@ def write(
     -----
     The numbers stand in ``<template data-comparison>`` as JSON: what ``comparison.summary()`` says.
     """
+    path = checks.new_file("path", path)
     return page.write(
         path,
         title,

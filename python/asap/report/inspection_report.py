@@ -12,7 +12,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asap import units
+from asap import checks, units
 from asap.report import inspection_figures, inspection_table, page
 
 if TYPE_CHECKING:
@@ -62,6 +62,7 @@ def write(
     -----
     The numbers stand in ``<template data-inspection>`` as JSON: ``inspection.summary()``.
     """
+    path = checks.new_file("path", path)
     return page.write(path, title, _article(inspection), style=_STYLE)
 
 

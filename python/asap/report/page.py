@@ -6,13 +6,12 @@ One self-contained file: no script, nothing fetched, everything that comes from 
 from __future__ import annotations
 
 import json
-import os
 import re
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asap import checks, plots, units
+from asap import plots, units
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,7 +29,7 @@ _LOOK = {
 
 
 def write(
-    path: str | os.PathLike[str],
+    path: Path,
     title: str,
     body: str,
     *,
@@ -42,7 +41,6 @@ def write(
     html = _PAGE.format(
         title=escape(title), style=_STYLE + style, intro=intro, body=body, words=words
     )
-    path = checks.folder_or_file("path", path)
     path.write_text(html, encoding="utf-8", errors="replace")  # a file name may be no text
     return path
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import plots, units
+from asap import checks, plots, units
 from asap.report import page, run_table
 
 if TYPE_CHECKING:
@@ -60,6 +60,7 @@ def write(
     The numbers of a run stand in ``<template data-run="0">`` as JSON: ``summary`` and, for at most
     100,000 packages, ``packages`` by column.
     """
+    path = checks.new_file("path", path)
     runs = list(runs) if isinstance(runs, Sequence) else [runs]
     if not runs:
         raise ValueError("runs = []: give at least one run")

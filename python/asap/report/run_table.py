@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "LEDGER_WORDS",
+    "figures",
     "format_ledger",
     "format_run",
     "parameter_value",
@@ -53,6 +54,14 @@ def format_run(run: Run) -> str:
         Lines of at most 78 columns without colours, fit for a log file.
     """
     summary = run.summary()
+    lines = [title(summary), *units.wrapped(subtitle(summary), _WIDTH), ""]
+    lines += [f"  {name:<11}{value}" for name, value in figures(run, summary).items()]
+    lines += ["", format_ledger(run.ledger, run.rejected), "", *units.wrapped(verdict(run), _WIDTH)]
+    return "\n".join(lines)
+
+
+def figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
+    """Write what a run came to, by name."""
     latency, packages, gamma = summary["latency_us"], summary["packages"], summary["gamma"]
     bound = units.duration(run.latency_bound_us)
     rows = [
@@ -75,10 +84,7 @@ def format_run(run: Run) -> str:
     if pacing := summary["pacing_us"]:
         late = f"p99 {units.duration(pacing['p99'])}, max {units.duration(pacing['max'])}"
         rows.append(("jitter", f"{late}: this machine's, in the pace of the replay"))
-    lines = [title(summary), *units.wrapped(subtitle(summary), _WIDTH), ""]
-    lines += [f"  {name:<11}{value}" for name, value in rows]
-    lines += ["", format_ledger(run.ledger, run.rejected), "", *units.wrapped(verdict(run), _WIDTH)]
-    return "\n".join(lines)
+    return dict(rows)
 
 
 def format_ledger(ledger: Mapping[str, int], rejected: Mapping[str, int] | None = None) -> str:

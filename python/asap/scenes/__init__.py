@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from asap import _core, checks
+from asap import checks
 from asap.scenes.scene import CORNER_DTYPE, TRUTH_DTYPE, Scene
 
 __all__ = [
@@ -38,7 +38,7 @@ __all__ = [
 
 
 def _named(name: str, seed: int) -> Scene:
-    return Scene(_core.SceneLayout.named(name, seed), name=name, seed=seed)
+    return Scene._of("named", label=name, name=name, seed=seed)
 
 
 def A(seed: int = 0) -> Scene:
@@ -121,7 +121,9 @@ def timing(
     checks.require(ends[0] <= ends[1], "radius", radius, "give the smaller one first")
     speed = checks.number("speed", speed, 0, 2000, "give 0 to 2000 px/s")
     checks.number("duration_s", duration_s, 0.01, 86_400, "give 0.01 to 86400 s")
-    layout = _core.SceneLayout.free_shapes(
+    return Scene._of(
+        "free_shapes",
+        label="timing",
         count=n,
         width=width,
         height=height,
@@ -131,7 +133,6 @@ def timing(
         noise_hz=noise_hz,
         seed=seed,
     )
-    return Scene(layout, name="timing", seed=seed)
 
 
 _CORNERS = {"slow": (120.0, 0.5), "fast": (700.0, 0.5), "noisy": (300.0, 8.0)}
@@ -199,10 +200,15 @@ def stop_and_go(
         An argument is out of its range; the message names it.
     """
     _check_object(speed, radius)
-    layout = _core.SceneLayout.stop_and_go(
-        gap_us=_gap_us(gap_ms), speed_px_s=speed, radius_px=radius, noise_hz=noise_hz, seed=seed
+    return Scene._of(
+        "stop_and_go",
+        label="stop_and_go",
+        gap_us=_gap_us(gap_ms),
+        speed_px_s=speed,
+        radius_px=radius,
+        noise_hz=noise_hz,
+        seed=seed,
     )
-    return Scene(layout, name="stop_and_go", seed=seed)
 
 
 def occlusion(
@@ -228,10 +234,15 @@ def occlusion(
         An argument is out of its range; the message names it.
     """
     _check_object(speed, radius)
-    layout = _core.SceneLayout.occlusion(
-        gap_us=_gap_us(gap_ms), speed_px_s=speed, radius_px=radius, noise_hz=noise_hz, seed=seed
+    return Scene._of(
+        "occlusion",
+        label="occlusion",
+        gap_us=_gap_us(gap_ms),
+        speed_px_s=speed,
+        radius_px=radius,
+        noise_hz=noise_hz,
+        seed=seed,
     )
-    return Scene(layout, name="occlusion", seed=seed)
 
 
 def _gap_us(gap_ms: float) -> int:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asap import _core, checks
+from asap._pickling import Pickled
 from asap.events import Events
 from asap.synthetic import joined
 
@@ -23,11 +24,13 @@ CORNER_DTYPE = np.dtype([("id", "<i4"), ("x", "<f8"), ("y", "<f8")])
 
 Labels = NDArray[np.int32]
 
+Recipe = tuple[str, dict[str, Any]]  # a function of SceneLayout and its arguments
+
 _STEP_US = 250
 _EVENTS_PER_ARRAY = 2**16
 
 
-class Scene:
+class Scene(Pickled):
     """Events with exact truth. Made by the functions of `asap.scenes`.
 
     Iterating yields the events in arrays of about 2**16, made as they are read: a scene is a source
@@ -45,7 +48,27 @@ class Scene:
         self.name = name
         self.seed = int(seed)
         self._layout = layout
+        self._recipe: Recipe | None = None
         _core.MovingShapesStream(layout)  # checks it
+
+    @classmethod
+    def _of(cls, kind: str, *, label: str, seed: int, **parameters: Any) -> Scene:
+        """Make one of a kind of layout; it pickles by what it was made of."""
+        recipe = kind, {**parameters, "seed": seed}
+        scene = cls(_layout(recipe), name=label, seed=seed)
+        scene._recipe = recipe
+        return scene
+
+    def _state(self) -> dict[str, Any]:
+        if self._recipe is None:
+            raise TypeError(f"cannot pickle scene {self.name}: its layout is its own; make it anew")
+        made_again = {"_layout", "_whole", "_track", "_corners", "_corner_ids"}
+        return {name: value for name, value in vars(self).items() if name not in made_again}
+
+    def __setstate__(self, state: tuple[dict[str, Any], list[str]]) -> None:
+        super().__setstate__(state)
+        assert self._recipe is not None
+        self._layout = _layout(self._recipe)
 
     @property
     def width(self) -> int:
@@ -221,6 +244,7 @@ class ThinnedScene(Scene):
         self.seed = whole.seed
         self._source = whole
         self._layout = whole._layout
+        self._recipe = whole._recipe
         self._gamma = gamma
         self._thin_seed = seed
         checks.number("gamma", gamma, 0, 1, "give 0 to 1")
@@ -233,3 +257,9 @@ class ThinnedScene(Scene):
             kept = keep.mask(events, self._gamma)
             if kept.any():
                 yield joined([events[kept]]), labels[kept]
+
+
+def _layout(recipe: Recipe) -> _core.SceneLayout:
+    kind, parameters = recipe
+    layout: _core.SceneLayout = getattr(_core.SceneLayout, kind)(**parameters)
+    return layout

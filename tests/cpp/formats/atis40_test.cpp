@@ -2,15 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "support/decoding.hpp"
+#include "formats/decoding.hpp"
 
 namespace asap::atis40_test {
 namespace {
 
-using test::append_big;
-using test::Bytes;
-using test::decode_whole;
-using test::Events;
+using namespace decoding;
 
 void append_record(Bytes& bytes, unsigned x, unsigned y, unsigned p, unsigned t) {
   append_big(bytes, std::uint64_t{x} << 32 | y << 24 | p << 23 | t, 5);
@@ -42,7 +39,7 @@ TEST(Atis40Decoder, DecodesEveryField) {
   Bytes bytes;
   append_record(bytes, 255, 239, 1, 0x7f'ffff);
   append_record(bytes, 3, 4, 0, 0);
-  EXPECT_EQ(decode_whole(Atis40Decoder(), bytes), (Events{{255, 239, 1, 8'388'607}, {3, 4, 0, 0}}));
+  EXPECT_EQ(events_of(Atis40Decoder(), bytes), (Events{{255, 239, 1, 8'388'607}, {3, 4, 0, 0}}));
 }
 
 TEST(Atis40Decoder, AddsWhatRow240Marks) {
@@ -51,16 +48,17 @@ TEST(Atis40Decoder, AddsWhatRow240Marks) {
   append_record(bytes, 9, 240, 1, 77);
   append_record(bytes, 9, 240, 0, 0);
   append_record(bytes, 3, 4, 0, 5);
-  EXPECT_EQ(decode_whole(Atis40Decoder(), bytes), (Events{{1, 2, 1, 8000}, {3, 4, 0, 16'389}}));
-  EXPECT_EQ(decode_whole(Atis40Decoder({.marks = false}), bytes),
+  EXPECT_EQ(events_of(Atis40Decoder(), bytes), (Events{{1, 2, 1, 8000}, {3, 4, 0, 16'389}}));
+  EXPECT_EQ(events_of(Atis40Decoder({.marks = false}), bytes),
             (Events{{1, 2, 1, 8000}, {9, 240, 1, 77}, {9, 240, 0, 0}, {3, 4, 0, 5}}));
 }
 
 TEST(Atis40Decoder, IsTheSameHoweverTheBytesAreCut) {
   const auto [bytes, truth] = random_stream(900);
-  EXPECT_EQ(decode_whole(Atis40Decoder(), bytes), truth);
-  test::expect_cuts_make_no_difference(Atis40Decoder(), bytes);
-  test::expect_truncation_gives_a_prefix(Atis40Decoder(), bytes);
+  EXPECT_EQ(events_of(Atis40Decoder(), bytes), truth);
+  expect_cuts_and_room_make_no_difference(Atis40Decoder(), bytes);
+  expect_truncation_gives_a_prefix(Atis40Decoder(), bytes);
+  expect_no_allocation(Atis40Decoder(), bytes);
 }
 
 }  // namespace

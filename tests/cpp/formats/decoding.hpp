@@ -7,12 +7,15 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "asap/core/event.hpp"
 #include "asap/core/random.hpp"
 #include "asap/formats/progress.hpp"
+#include "support/allocation_counter.hpp"
 
 namespace asap::decoding {
 
@@ -20,6 +23,22 @@ using Bytes = std::vector<std::byte>;
 using Events = std::vector<Event>;
 using Triggers = std::vector<Trigger>;
 using Offsets = std::vector<std::uint64_t>;
+
+inline void append(Bytes& bytes, std::initializer_list<unsigned> values) {
+  for (const unsigned value : values) bytes.push_back(static_cast<std::byte>(value));
+}
+
+inline void append(Bytes& bytes, std::string_view text) {
+  for (const char c : text) bytes.push_back(static_cast<std::byte>(c));
+}
+
+inline void append_little(Bytes& bytes, std::uint64_t value, int size) {
+  for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::byte>(value >> 8 * i));
+}
+
+inline void append_big(Bytes& bytes, std::uint64_t value, int size) {
+  for (int i = size - 1; i >= 0; --i) bytes.push_back(static_cast<std::byte>(value >> 8 * i));
+}
 
 // Little-endian.
 template <class Word>
@@ -45,6 +64,17 @@ struct Decoded {
 };
 
 template <class Decoder>
+Progress decode_some(Decoder& decoder, std::span<const std::byte> bytes, std::span<Event> events,
+                     std::span<Trigger> triggers) {
+  if constexpr (requires { decoder.decode(bytes, events, triggers); }) {
+    return decoder.decode(bytes, events, triggers);
+  } else {
+    return decoder.decode(bytes, events);
+  }
+}
+
+// Every call with room comes after one without.
+template <class Decoder>
 void feed(Decoder& decoder, std::span<const std::byte> bytes, std::size_t room, Decoded& decoded) {
   Events events(room);
   Triggers triggers(1);
@@ -52,12 +82,11 @@ void feed(Decoder& decoder, std::span<const std::byte> bytes, std::size_t room, 
     to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count));
   };
   while (!bytes.empty()) {
-    Progress progress;
-    if constexpr (requires { decoder.decode(bytes, events, triggers); }) {
-      progress = decoder.decode(bytes, events, triggers);
-    } else {
-      progress = decoder.decode(bytes, events);
-    }
+    const Progress none = decode_some(decoder, bytes, {}, {});
+    ASSERT_TRUE(none.events == 0 && none.triggers == 0);
+    bytes = bytes.subspan(none.bytes);
+    if (bytes.empty()) return;
+    const Progress progress = decode_some(decoder, bytes, events, triggers);
     ASSERT_TRUE(progress.bytes > 0 || progress.events > 0 || progress.triggers > 0);
     bytes = bytes.subspan(progress.bytes);
     append(events, progress.events, decoded.events);
@@ -82,6 +111,11 @@ Decoded decode(Decoder decoder, std::span<const std::byte> bytes,
 }
 
 template <class Decoder>
+Events events_of(const Decoder& decoder, std::span<const std::byte> bytes) {
+  return decode(decoder, bytes).events;
+}
+
+template <class Decoder>
 void expect_cuts_and_room_make_no_difference(const Decoder& decoder, const Bytes& bytes) {
   const Decoded whole = decode(decoder, bytes);
   EXPECT_GT(whole.events.size(), 500u);
@@ -100,6 +134,34 @@ void expect_cuts_and_room_make_no_difference(const Decoder& decoder, const Bytes
   for (std::size_t cut = 0; cut <= std::min<std::size_t>(bytes.size(), 4096); ++cut) cut_at(cut);
   const CounterRandom random(8);
   for (std::uint64_t i = 0; i < 1000; ++i) cut_at(random(i) % bytes.size());
+}
+
+// Truncated at every byte: a prefix of the events. What comes before the unfinished bytes holds no
+// others, and ends with a record.
+template <class Decoder>
+void expect_truncation_gives_a_prefix(const Decoder& decoder, const Bytes& bytes) {
+  const Events truth = events_of(decoder, bytes);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const Decoded cut = decode(decoder, std::span(bytes).first(size));
+    ASSERT_LE(cut.events.size(), truth.size());
+    ASSERT_TRUE(std::equal(cut.events.begin(), cut.events.end(), truth.begin())) << size;
+    ASSERT_LE(cut.unfinished, size);
+    const Decoded whole = decode(decoder, std::span(bytes).first(size - cut.unfinished));
+    ASSERT_LE(whole.events.size(), cut.events.size());
+    ASSERT_EQ(whole.unfinished, 0u) << size;
+  }
+}
+
+// And reset() leaves nothing behind.
+template <class Decoder>
+void expect_no_allocation(Decoder decoder, const Bytes& bytes) {
+  const Decoded whole = decode(decoder, bytes);
+  Events events(bytes.size() * Decoder::kMostPerRecord);
+  const std::size_t before = test::allocations();
+  decoder.decode(bytes, events);
+  decoder.reset();
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(decode(decoder, bytes), whole);
 }
 
 }  // namespace asap::decoding

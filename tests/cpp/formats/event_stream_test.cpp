@@ -4,16 +4,12 @@
 
 #include <stdexcept>
 
-#include "support/decoding.hpp"
+#include "formats/decoding.hpp"
 
 namespace asap::event_stream_test {
 namespace {
 
-using test::append;
-using test::append_little;
-using test::Bytes;
-using test::decode_whole;
-using test::Events;
+using namespace decoding;
 
 Bytes record2(unsigned step, unsigned p, unsigned x, unsigned y) {
   Bytes bytes;
@@ -65,7 +61,7 @@ TEST(EventStreamDecoder, DecodesVersion2) {
   Bytes bytes = joined({record2(3, 1, 345, 259), record2(0, 0, 0xffff, 0xfffe)});
   append(bytes, {0xff, 0xff, 0xfe});
   bytes = joined({bytes, record2(126, 1, 1, 2)});
-  EXPECT_EQ(decode_whole(EventStreamDecoder(), bytes),
+  EXPECT_EQ(events_of(EventStreamDecoder(), bytes),
             (Events{{345, 259, 1, 3}, {0xffff, 0xfffe, 0, 3}, {1, 2, 1, 3 + 254 + 126}}));
 }
 
@@ -73,14 +69,14 @@ TEST(EventStreamDecoder, DecodesVersion1) {
   Bytes bytes = joined({record1(3, 1, 303, 239), record1(14, 0, 1023, 511)});
   append(bytes, {0x2f, 0x0f, 0xff});  // 2 x 15 us, padding, 15 x 15 us
   bytes = joined({bytes, record1(1, 1, 5, 6)});
-  EXPECT_EQ(decode_whole(EventStreamDecoder({.version = 1}), bytes),
+  EXPECT_EQ(events_of(EventStreamDecoder({.version = 1}), bytes),
             (Events{{303, 239, 1, 3}, {1023, 511, 0, 17}, {5, 6, 1, 17 + 30 + 225 + 1}}));
 }
 
 TEST(EventStreamDecoder, DecodesRandomStreams) {
   for (const int version : {1, 2}) {
     const auto [bytes, truth] = random_stream(version, 10'000);
-    EXPECT_EQ(decode_whole(EventStreamDecoder({.version = version}), bytes), truth);
+    EXPECT_EQ(events_of(EventStreamDecoder({.version = version}), bytes), truth);
   }
 }
 
@@ -88,8 +84,9 @@ TEST(EventStreamDecoder, IsTheSameHoweverTheBytesAreCut) {
   for (const int version : {1, 2}) {
     const auto [bytes, truth] = random_stream(version, 800);
     const EventStreamDecoder decoder({.version = version});
-    test::expect_cuts_make_no_difference(decoder, bytes);
-    test::expect_truncation_gives_a_prefix(decoder, bytes);
+    expect_cuts_and_room_make_no_difference(decoder, bytes);
+    expect_truncation_gives_a_prefix(decoder, bytes);
+    expect_no_allocation(decoder, bytes);
   }
 }
 

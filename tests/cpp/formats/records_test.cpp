@@ -2,17 +2,16 @@
 
 #include <gtest/gtest.h>
 
-#include "support/decoding.hpp"
+#include "formats/decoding.hpp"
 
 namespace asap::records_test {
 namespace {
 
-using test::Bytes;
-using test::Events;
+using namespace decoding;
 
 TEST(Records, LoadInEitherOrder) {
   Bytes bytes;
-  test::append(bytes, {1, 2, 3, 4, 5, 6, 7, 8});
+  append(bytes, {1, 2, 3, 4, 5, 6, 7, 8});
   EXPECT_EQ(records::load<false>(bytes.data()), 0x0807060504030201u);
   EXPECT_EQ(records::load<true>(bytes.data()), 0x0102030405060708u);
   EXPECT_EQ(records::load<false>(bytes.data(), 3), 0x030201u);
@@ -37,7 +36,7 @@ struct Pairs {
 
 TEST(Records, AreTakenOnceEachAndKeptWhereCut) {
   Bytes bytes;
-  test::append(bytes, {1, 10, 0, 11, 1, 12, 1, 13, 0, 14, 1, 15, 0, 16, 1});
+  append(bytes, {1, 10, 0, 11, 1, 12, 1, 13, 0, 14, 1, 15, 0, 16, 1});
   Pairs format;
   CutRecord<2> cut;
   Events events(3);
@@ -55,7 +54,7 @@ TEST(Records, AreTakenOnceEachAndKeptWhereCut) {
   EXPECT_EQ(cut.size, 1u);
   EXPECT_EQ(events[0].x, 15);
   Bytes last;
-  test::append(last, {17});
+  append(last, {17});
   EXPECT_EQ(decode(last, {}).bytes, 0u);
   EXPECT_EQ(decode(last, events).events, 1u);
   EXPECT_EQ(events[0].x, 17);

@@ -11,7 +11,6 @@
 // One thread. Feed it bytes cut anywhere. O(bytes), no allocation, never throws.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -24,11 +23,12 @@ namespace asap {
 
 struct Output;
 
-enum class Aedat2Chip : std::uint8_t { unknown, davis, dvs128 };
+// unnamed: no line says it, and the first addresses do not tell. other: it is not decoded.
+enum class Aedat2Chip : std::uint8_t { unnamed, other, davis, dvs128 };
 
 struct Aedat2Header {
-  std::size_t size;             // bytes; the first record follows
-  Aedat2Chip chip;              // unknown: no line says it, and the first addresses do not tell
+  std::size_t size;  // bytes; the first record follows
+  Aedat2Chip chip;
   std::uint16_t width, height;  // px; 0 where the header does not say
 };
 

@@ -10,7 +10,6 @@
 // One thread. Feed it bytes cut anywhere. O(bytes), no allocation, never throws.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>

@@ -8,7 +8,6 @@
 // One thread. Feed it bytes cut anywhere. O(bytes), no allocation, never throws.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>

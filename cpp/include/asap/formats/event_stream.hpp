@@ -9,7 +9,6 @@
 // nor does this. One thread. Feed it bytes cut anywhere. O(bytes), no allocation, never throws.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>

@@ -1,0 +1,45 @@
+"""What the results have in common: Run, Comparison, Inspection and KeepCurve."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from asap import checks
+from asap._pickling import Pickled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Result"]
+
+
+class Result(Pickled):
+    """A result: summed up, saved, drawn, as one page, and as a table in a notebook."""
+
+    def summary(self) -> dict[str, Any]:
+        """Return one JSON object."""
+        raise NotImplementedError
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write a JSON file and return its path: the summary, of a run its packages too."""
+        file = checks.new_file("path", path)
+        file.write_text(json.dumps(self._saved(), allow_nan=False), encoding="utf-8")
+        return file
+
+    def _saved(self) -> dict[str, Any]:
+        return self.summary()
+
+    def plot(self) -> Figure:
+        """Draw a figure; needs matplotlib."""
+        raise NotImplementedError
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one self-contained HTML page and return its path; needs matplotlib."""
+        raise NotImplementedError
+
+    def _repr_html_(self) -> str:
+        """Return a table and the verdict, as a notebook shows them."""
+        raise NotImplementedError

@@ -1,0 +1,217 @@
+"""AEDAT4: packets, several cameras, compression, files that were cut or damaged."""
+
+from __future__ import annotations
+
+import struct
+import sys
+import warnings
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asap
+import corrupt
+from aedat4_files import packet, write_aedat4
+from asap.events import Events
+from asap.io import CorruptFile, TruncatedFileWarning
+from event_files import assert_equal_events, recording
+
+EVENTS = corrupt.clean_events(10_000)
+RECORDINGS = ("aedat/office_davis346.aedat4", "aedat/cars_davis346.aedat4")
+
+
+def in_packets(events: Events, size: int) -> list[tuple[int, Events]]:
+    return [(0, events[at : at + size]) for at in range(0, len(events), size)]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "a.aedat4"
+
+
+@pytest.mark.parametrize("compression", [0, 1, 2, 3, 4])
+def test_packets_of_any_size(path: Path, compression: int) -> None:
+    cuts = (0, 1, 1, 3, 5000, 10_000)
+    packets = [(0, EVENTS[first:last]) for first, last in pairwise(cuts)]
+    write_aedat4(path, packets, compression=compression)
+    rec = asap.read(path)
+    assert (rec.format, rec.width, rec.height, rec.streams) == ("aedat4", 346, 260, ("0",))
+    assert_equal_events(np.concatenate(list(rec)), EVENTS)
+    assert rec.truncated_at is None
+
+
+def test_packets_are_handed_on_together(path: Path) -> None:
+    events = corrupt.clean_events(240_000)
+    small, large = in_packets(events[:70_000], 1000), [(0, events[70_000:])]
+    write_aedat4(path, small + large)
+    chunks = list(asap.read(path))
+    assert [len(chunk) for chunk in chunks] == [65_000, 5000, 170_000]
+    assert_equal_events(np.concatenate(chunks), events)
+    assert_equal_events(chunks[0], events[:65_000])  # not overwritten by what came after
+
+
+@pytest.mark.parametrize("name", RECORDINGS)
+def test_agrees_with_the_library_of_the_format(name: str) -> None:
+    aedat = pytest.importorskip("aedat")
+    packets = [p["events"] for p in aedat.Decoder(str(recording(name))) if "events" in p]
+    assert_equal_events(asap.load(recording(name)), asap.as_events(np.concatenate(packets)))
+
+
+@pytest.mark.parametrize("compression", [0, 1, 3])
+def test_the_library_of_the_format_reads_what_the_tests_write(path: Path, compression: int) -> None:
+    aedat = pytest.importorskip("aedat")
+    write_aedat4(path, in_packets(EVENTS, 3000), compression=compression)
+    packets = [p["events"] for p in aedat.Decoder(str(path))]
+    assert_equal_events(asap.as_events(np.concatenate(packets)), EVENTS)
+
+
+class TestStreams:
+    def test_several_cameras_are_a_question(self, path: Path) -> None:
+        packets = [(0, EVENTS[:100]), (1, EVENTS[100:200]), (0, EVENTS[200:300])]
+        write_aedat4(path, packets, streams=((346, 260), (640, 480)))
+        words = r"holds 2 streams of events \(0 \(346x260\), 1 \(640x480\)\); choose one, such as"
+        with pytest.raises(ValueError, match=words):
+            asap.read(path)
+        rec = asap.read(path, stream="1")
+        assert (rec.width, rec.height) == (640, 480)
+        assert_equal_events(np.concatenate(list(rec)), EVENTS[100:200])
+        rest = np.concatenate((EVENTS[:100], EVENTS[200:300]))
+        assert_equal_events(asap.load(path, stream="0"), rest)
+
+    def test_packets_of_unknown_streams_are_skipped(self, path: Path) -> None:
+        write_aedat4(path, [(0, EVENTS[:10]), (7, EVENTS[10:20]), (0, EVENTS[20:30])])
+        rest = np.concatenate((EVENTS[:10], EVENTS[20:30]))
+        assert_equal_events(asap.load(path), rest)
+
+    def test_without_events_those_that_are_there_are_listed(self, path: Path) -> None:
+        write_aedat4(path, [], streams=((1, 1), (2, 2)))
+        path.write_bytes(path.read_bytes().replace(b"EVTS", b"IMUS"))
+        with pytest.raises(CorruptFile, match="events is needed, streams found: IMUS, IMUS"):
+            asap.read(path)
+        write_aedat4(path, [], streams=())
+        with pytest.raises(CorruptFile, match="streams found: none"):
+            asap.read(path)
+
+    def test_a_sensor_that_is_none_is_not_known(self, path: Path) -> None:
+        for side in (0, -1, 65537, 10**50):
+            write_aedat4(path, in_packets(EVENTS, 5000), streams=((346, side),))
+            rec = asap.read(path)
+            assert (rec.width, rec.height) == (None, None)
+            assert len(np.concatenate(list(rec))) == len(EVENTS)
+
+
+@pytest.mark.parametrize(("compression", "name"), [(1, "lz4"), (3, "zstandard")])
+def test_a_missing_extra_is_named(
+    path: Path, monkeypatch: pytest.MonkeyPatch, compression: int, name: str
+) -> None:
+    write_aedat4(path, [], compression=compression)
+    for module in ("lz4.frame", "zstandard"):
+        monkeypatch.setitem(sys.modules, module, None)
+    words = rf"^AEDAT4 needs the package {name}: pip install 'asap-events\[aedat4\]'$"
+    with pytest.raises(RuntimeError, match=words):
+        asap.load(path)
+
+
+class TestDamage:
+    def test_cut_at_every_byte(self, path: Path) -> None:
+        write_aedat4(path, [])
+        starts = [path.stat().st_size]  # where each packet begins
+        for count in range(5, 20, 5):
+            write_aedat4(path, in_packets(EVENTS[:count], 5))
+            starts.append(path.stat().st_size)
+        content = path.read_bytes()
+        for size in range(14, starts[0]):
+            path.write_bytes(content[:size])
+            with pytest.raises(CorruptFile, match="byte 14: "):
+                asap.load(path)
+        for size in range(starts[0], len(content)):
+            path.write_bytes(content[:size])
+            whole = sum(start <= size for start in starts[1:])
+            with warnings.catch_warnings(record=True) as warned:
+                warnings.simplefilter("always")
+                if whole or size == starts[0]:
+                    assert_equal_events(asap.load(path), EVENTS[: 5 * whole])
+                else:
+                    with pytest.raises(CorruptFile):
+                        asap.load(path)
+            if size not in starts:  # else nothing tells that more was there
+                (warning,) = warned
+                assert warning.category is TruncatedFileWarning
+                assert f"byte {starts[whole]}: " in str(warning.message)
+
+    @pytest.mark.parametrize("compression", [0, 1, 3])
+    @pytest.mark.filterwarnings("ignore::asap.io.TruncatedFileWarning")
+    def test_random_bytes_raise_only_what_is_promised(
+        self, path: Path, tmp_path: Path, compression: int
+    ) -> None:
+        whole = tmp_path / "whole.aedat4"
+        write_aedat4(whole, in_packets(EVENTS[:200], 20), compression=compression)
+        for seed in range(300):
+            path.write_bytes(whole.read_bytes())
+            corrupt.flip_bytes(path, 1 + seed % 20, seed=seed, first=14 * (seed % 2))
+            try:
+                events = asap.load(path, width=corrupt.WIDTH, height=corrupt.HEIGHT)
+            except (ValueError, RuntimeError, OSError):
+                continue
+            assert (np.diff(events["t"]) >= 0).all()
+
+    @pytest.mark.filterwarnings("ignore::asap.io.TruncatedFileWarning")
+    def test_offsets_out_of_the_packet_lead_nowhere(self, path: Path) -> None:
+        write_aedat4(path, [])
+        header, good = path.read_bytes(), packet(EVENTS[:3])
+        refused = 0
+        for at in range(4, 32):
+            for number in (0, 1, 2**15, 2**31 - 1, 2**31, 2**32 - 1):
+                bad = good[:at] + struct.pack("<I", number) + good[at + 4 :]
+                path.write_bytes(header + struct.pack("<ii", 0, len(bad)) + bad)
+                try:
+                    assert len(asap.load(path)) <= 3
+                except CorruptFile:
+                    refused += 1
+        assert refused > 100
+
+    def test_a_packet_that_is_no_packet_ends_the_reading(self, path: Path) -> None:
+        write_aedat4(path, in_packets(EVENTS[:20], 10))
+        content = path.read_bytes()
+        second = content.rindex(b"EVTS") - 16
+        path.write_bytes(content[: second + 16] + b"FRME" + content[second + 20 :])
+        words = f"byte {second}: EVTS is needed, the packet is b'FRME'"
+        with pytest.warns(TruncatedFileWarning, match=words):
+            assert_equal_events(asap.load(path), EVENTS[:10])
+        with pytest.raises(CorruptFile, match=words):
+            asap.load(path, on_bad="raise")
+
+    @pytest.mark.parametrize("compression", [1, 3])
+    def test_packets_that_unpack_to_more_than_any_good_one(
+        self, path: Path, monkeypatch: pytest.MonkeyPatch, compression: int
+    ) -> None:
+        monkeypatch.setattr(asap.io.aedat4, "MAX_RATIO", 10)
+        write_aedat4(path, [(0, np.zeros(100_000, asap.EVENT_DTYPE))], compression=compression)
+        with (
+            pytest.warns(TruncatedFileWarning, match="100000 events promised, .* are there"),
+            pytest.raises(CorruptFile),
+        ):
+            asap.load(path)
+
+    def test_a_text_of_the_header_that_grows_without_end(self, path: Path) -> None:
+        write_aedat4(path, [])
+        content = path.read_bytes()
+        text = content[content.index(b"<dv") : content.index(b"</dv>") + 5]
+        bomb = b'<!DOCTYPE d [<!ENTITY a "aaaaaaaaaa">]><dv>&a;</dv>'
+        path.write_bytes(content.replace(text, bomb.ljust(len(text))))
+        with pytest.raises(CorruptFile, match="defines entities"):
+            asap.read(path)
+
+    def test_values_that_no_event_can_hold_are_counted(self, path: Path) -> None:
+        write_aedat4(path, in_packets(EVENTS[:20], 10))
+        content = bytearray(path.read_bytes())
+        second = content.rindex(b"EVTS") + 24  # its first event
+        content[second + 8 : second + 10] = b"\xff\xff"
+        path.write_bytes(content)
+        rec = asap.read(path)
+        assert_equal_events(np.concatenate(list(rec)), np.delete(EVENTS[:20], 10))
+        assert rec.rejected["out_of_bounds"] == 1
+        with pytest.raises(ValueError, match=r"x = -1 \(event 10\)"):
+            asap.load(path, on_bad="raise")

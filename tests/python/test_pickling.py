@@ -1,0 +1,311 @@
+"""Pickles: equal after a round trip, in every protocol; another version's is refused by name."""
+
+from __future__ import annotations
+
+import copy
+import inspect
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asap
+import streams
+from asap import _core, _pickling, profiles, scenes, synthetic
+
+EVENTS = streams.make(np.arange(2000) * 50, x=np.arange(2000) % 20, y=3)
+COST = asap.LinearCost(100, 300)
+PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
+
+
+def again(made: Any, protocol: int = pickle.HIGHEST_PROTOCOL) -> Any:
+    return pickle.loads(pickle.dumps(made, protocol))
+
+
+def same(one: Any, other: Any) -> bool:
+    """Whether two are equal, arrays, their dtype and read-only flag included."""
+    if isinstance(one, np.ndarray):
+        return (
+            one.dtype == other.dtype
+            and one.flags.writeable == other.flags.writeable
+            and bool(np.array_equal(one, other, equal_nan=one.dtype.kind == "f"))
+        )
+    if isinstance(one, dict):
+        return [*one] == [*other] and all(same(one[name], other[name]) for name in one)
+    return bool(one == other)
+
+
+# ---- what configures a run ------------------------------------------------------------------
+
+SCHEMES = [
+    asap.FixedSize(size=7),
+    asap.FixedTime(period_ms=2.5),
+    asap.SingleEvent(),
+    asap.Greedy(),
+    asap.Greedy(efficiency=0.9),
+    asap.Asap2020(rate_bound=2e6, epsilon=0.1, first_size=5, max_size=100, min_size=2),
+    asap.Asap2022(kappa=0.5),
+    asap.Deadline(latency_ms=3, overhead=0.1, knee=2.0, first_alpha_us=7, first_beta_ns=9),
+    asap.DeadBeat(latency_ms=4, knee=20),
+]
+
+
+def test_every_scheme_is_among_them() -> None:
+    assert {type(scheme) for scheme in SCHEMES} == {*_core.SCHEMES, asap.SingleEvent}
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("scheme", SCHEMES, ids=repr)
+def test_schemes(scheme: asap.Scheme, protocol: int) -> None:
+    for twin in (again(scheme, protocol), copy.copy(scheme), copy.deepcopy(scheme)):
+        assert type(twin) is type(scheme) and twin is not scheme
+        assert twin.parameters == scheme.parameters
+
+
+def test_a_scheme_decides_alike_afterwards() -> None:
+    for scheme in SCHEMES:
+        runs = [asap.simulate(EVENTS, cost=COST, scheme=one) for one in (again(scheme), scheme)]
+        assert same(*(run.packages for run in runs))
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize(
+    "cost",
+    [COST, profiles.cost("slow_tv", seed=2, duration_s=3), profiles.cost("slow_ht", duration_s=3)],
+    ids=["plain", "drift", "outages"],
+)
+def test_costs(cost: asap.LinearCost, protocol: int) -> None:
+    twin = again(cost, protocol)
+    assert twin.parameters == cost.parameters
+    assert same(*(asap.simulate(EVENTS, cost=one).packages for one in (cost, twin)))
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: profiles.Profile("walk", duration_s=0.2, seed=5),
+        lambda: profiles.Profile("high", duration_s=0.1, name="mine", width=20, height=30),
+        lambda: profiles.scenario("bursts", "slow", duration_s=0.2).source,
+        lambda: synthetic.ShakenPattern(duration_s=0.05, seed=3, last_rate_hz=2e6),
+        lambda: synthetic.FlightOverChairs(duration_s=0.05, t0_us=5),
+    ],
+)
+def test_streams(make: Callable[[], Any]) -> None:
+    stream = make()
+    twin = again(stream)
+    assert (type(twin), twin.name, twin.parameters) == (
+        type(stream),
+        stream.name,
+        stream.parameters,
+    )
+    assert same(twin.events(), stream.events())
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: scenes.timing(3, 64, 48, 100.0, seed=2, duration_s=0.1),
+        lambda: scenes.corners("fast", duration_s=0.1),
+        lambda: scenes.stop_and_go(10.0),
+        lambda: scenes.occlusion(50.0),
+        lambda: scenes.stop_and_go(10.0).thin(0.3, seed=4),
+        lambda: scenes.stop_and_go(10.0).thin(0.3, seed=4).thin(0.5),
+    ],
+)
+def test_scenes(make: Callable[[], Any]) -> None:
+    scene = make()
+    before = again(scene)
+    assert scene.events.size  # made once and kept: not in the pickle
+    data = pickle.dumps(scene)
+    assert len(data) < 2000
+    for twin in (before, pickle.loads(data)):
+        assert repr(twin) == repr(scene)
+        assert same(twin.events, scene.events) and same(twin.labels, scene.labels)
+        assert same(twin.truth(5000.0), scene.truth(5000.0))
+
+
+def test_a_named_scene() -> None:
+    scene = scenes.A(seed=3)
+    twin = again(scene)
+    assert repr(twin) == repr(scene) and same(next(iter(twin)), next(iter(scene)))
+    assert same(twin.truth(5000.0), scene.truth(5000.0))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "options"),
+    [
+        ("plain.txt", "1 2 3 1\n5 6 7 0\n", {"width": 20, "height": 30}),
+        ("seconds.txt", "0.5 2 3 1\n0.6 6 7 0\n", {}),
+        ("header.csv", "x,y,other,t_us,p\n2,3,9,500,1\n3,4,9,600,0\n", {}),
+        ("yxt.txt", "3 2 1000\n7 6 2000\n", {"order": "yxt", "time_unit": "ns"}),
+        ("bad.txt", "9 2 3 1\n8 6 7 0\n", {"reorder_tolerance_us": 3, "on_bad": "clamp"}),
+    ],
+)
+def test_recordings_by_path(tmp_path: Path, name: str, text: str, options: Any) -> None:
+    path = tmp_path / name
+    path.write_text(text)
+    recording = asap.read(path, **options)
+    for twin in (again(recording), again(again(recording))):
+        assert repr(twin) == repr(recording)
+        assert (twin.path, twin.format) == (recording.path, recording.format)
+        assert same(np.concatenate(list(twin)), np.concatenate(list(recording)))
+        assert twin.repaired == recording.repaired
+
+
+def test_every_argument_of_a_recording_is_in_its_pickle(tmp_path: Path) -> None:
+    (tmp_path / "plain.txt").write_text("1 2 3 1\n")
+    _, (_, make, _, named) = asap.read(tmp_path / "plain.txt").__reduce__()
+    assert make is asap.Recording
+    assert {"path", *named} == {*inspect.signature(make).parameters}
+
+
+def test_a_recording_of_numpy(tmp_path: Path) -> None:
+    np.save(tmp_path / "few.npy", np.array([[3, 2, 1.5], [7, 6, 2.5]]))
+    recording = asap.read(tmp_path / "few.npy", order="yxt", time_unit="ms", width=9, height=9)
+    assert same(*(np.concatenate(list(one)) for one in (recording, again(recording))))
+
+
+# ---- results --------------------------------------------------------------------------------
+
+
+class Counting:
+    def __init__(self) -> None:
+        self.events = 0
+
+    def process(self, events: Any) -> None:
+        self.events += len(events)
+
+
+class Stubborn(Counting):
+    name = "stubborn"
+
+    def __reduce__(self) -> Any:
+        raise RuntimeError("not this one")
+
+
+def equal_runs(one: asap.Run, other: asap.Run) -> bool:
+    fields = ("packages", "slots", "kept_mask", "rejected", "source", "ledger", "learned")
+    return one.summary() == other.summary() and all(
+        same(getattr(one, name), getattr(other, name)) for name in fields
+    )
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_a_run_with_its_algorithm(protocol: int) -> None:
+    run = asap.simulate(EVENTS, cost=COST, algorithm=Counting(), keep_mask=True)
+    twin = again(run, protocol)
+    assert equal_runs(twin, run)
+    assert twin.algorithm.events == run.algorithm.events == run.ledger.delivered
+    assert repr(twin) == repr(run) and str(twin) == str(run)
+    assert twin.latency.quantile(0.5) == run.latency.quantile(0.5)
+
+
+def test_a_run_in_real_time() -> None:
+    run = asap.run(EVENTS, algorithm=Counting(), speed=10.0)
+    twin = again(run)
+    assert equal_runs(twin, run)
+    assert twin.lateness.state() == run.lateness.state()
+
+
+@pytest.mark.parametrize(
+    "algorithm",
+    [Stubborn(), lambda events: None, asap.ClusterTracker(20, 10)],
+    ids=["stubborn", "lambda", "native"],
+)
+def test_a_run_without_it_if_that_cannot(algorithm: Any) -> None:
+    run = asap.simulate(EVENTS, cost=COST, algorithm=algorithm)
+    twin = again(run)
+    assert twin.algorithm is None
+    assert equal_runs(twin, run)
+    name = run.summary()["algorithm"]["name"]
+    assert f"pickled without its algorithm {name}" in repr(twin)
+    assert "without" not in repr(run) and run.algorithm is algorithm
+    assert equal_runs(again(twin), run) and repr(again(twin)) == repr(twin)
+    assert copy.copy(run).algorithm is algorithm
+
+
+def test_a_run_that_was_loaded(tmp_path: Path) -> None:
+    run = asap.simulate(EVENTS, cost=COST)
+    run.save(tmp_path / "run.json")
+    loaded = asap.load_run(tmp_path / "run.json")
+    assert equal_runs(again(loaded), loaded)
+
+
+def test_a_comparison() -> None:
+    comparison = asap.compare(EVENTS, cost=COST, baselines=True)
+    twin = again(comparison)
+    assert twin.summary() == comparison.summary()
+    assert twin.rows == comparison.rows and repr(twin) == repr(comparison)
+    assert str(twin) == str(comparison)
+    assert all(equal_runs(twin.runs[label], run) for label, run in comparison.runs.items())
+
+
+def test_an_inspection() -> None:
+    inspection = asap.check(EVENTS, width=20, height=10)
+    twin = again(inspection)
+    assert twin.summary() == inspection.summary()
+    assert same(vars(twin), vars(inspection))
+
+
+def test_a_keep_curve() -> None:
+    scene = scenes.stop_and_go(10.0)
+    curve = asap.keep_curve(asap.ClusterTracker, scene, gammas=(1.0, 0.5), seeds=(0,))
+    twin = again(curve)
+    assert twin.summary() == curve.summary() and repr(twin) == repr(curve)
+
+
+# ---- refusals -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (asap.Deadline, "Deadline"),
+        (lambda: COST, "LinearCost"),
+        (lambda: profiles.Profile("high"), "Profile"),
+        (scenes.A, "Scene"),
+        (lambda: asap.simulate(EVENTS, cost=COST), "Run"),
+        (lambda: asap.check(EVENTS), "Inspection"),
+    ],
+)
+def test_another_versions_pickle_is_refused_by_name(
+    monkeypatch: pytest.MonkeyPatch, make: Callable[[], Any], name: str
+) -> None:
+    monkeypatch.setattr(_core, "__version__", "0.0.7")
+    data = pickle.dumps(make())
+    monkeypatch.undo()
+    with pytest.raises(ValueError, match=rf"^pickled {name} = of asap 0\.0\.7: this is asap"):
+        pickle.loads(data)
+
+
+class Derived(asap.Deadline):
+    """May have a state of its own."""
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        asap.ClusterTracker(9, 9),
+        asap.BackgroundActivityFilter(9, 9),
+        asap.GammaFilter(),
+        Derived(),
+    ],
+    ids=type,
+)
+def test_what_has_a_native_state_refuses(made: Any) -> None:
+    assert not _pickling.can_be_pickled(made)
+    with pytest.raises(TypeError, match="pickle"):
+        pickle.dumps(made)
+
+
+def test_a_pickle_is_read_by_a_process_that_knows_nothing(tmp_path: Path) -> None:
+    (tmp_path / "run").write_bytes(pickle.dumps(asap.simulate(EVENTS, cost=COST)))
+    code = "import pickle, sys; print(repr(pickle.load(open(sys.argv[1], 'rb'))))"
+    command = [sys.executable, "-c", code, str(tmp_path / "run")]
+    shown = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert shown.startswith("<Run: virtual time, deadline")

@@ -1,0 +1,148 @@
+"""What Run, Comparison, Inspection and KeepCurve have in common."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asap
+import streams
+from asap._result import Result
+from asap.accuracy.curve import Scored
+from test_run_report import Page
+
+EVENTS = streams.poisson(1e5, 0.02)
+COST = asap.LinearCost(100, 300)
+FIGURES = {"mota": 0.9, "id_switches": 1.0, "idf1": 0.8, "hota": 0.7, "position_rms": 1.5}
+FIGURES |= {"velocity_rms": 0.1, "v_measure": float("nan")}
+EVIL = "<script>&"
+
+
+def compared() -> asap.Comparison:
+    return asap.compare(EVENTS, cost=COST, schemes={EVIL: asap.Greedy(), "D": asap.Deadline()})
+
+
+def scored() -> asap.KeepCurve:
+    runs = [Scored(gamma, None if gamma == 1 else True, 0, FIGURES) for gamma in (1.0, 0.5)]
+    return asap.KeepCurve(EVIL, "A", None, runs)
+
+
+def inspected() -> asap.Inspection:
+    return asap.check([EVENTS], width=16, height=12)
+
+
+RESULTS: dict[type[Result], Callable[[], Any]] = {
+    asap.Run: lambda: asap.simulate(EVENTS, cost=COST),
+    asap.Comparison: compared,
+    asap.Inspection: inspected,
+    asap.KeepCurve: scored,
+}
+
+
+@pytest.fixture(scope="module", params=RESULTS, ids=lambda kind: kind.__name__)
+def result(request: pytest.FixtureRequest) -> Any:
+    return RESULTS[request.param]()
+
+
+def test_these_are_all() -> None:
+    assert set(Result.__subclasses__()) == set(RESULTS)
+
+
+def test_a_summary_is_saved(result: Any, tmp_path: Path) -> None:
+    path = result.save(str(tmp_path / "out.json"))
+    assert path == tmp_path / "out.json"
+    saved = json.loads(path.read_text("utf-8"))
+    summary = json.loads(json.dumps(result.summary(), allow_nan=False))
+    assert saved.items() >= summary.items()
+    assert summary["schema_version"] == 1
+
+
+def test_a_figure_and_a_page(result: Any, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    assert result.plot().axes
+    path = result.report(tmp_path / "out.html")
+    assert path == tmp_path / "out.html"
+    page = path.read_text("utf-8")
+    tags = {tag for tag, _ in Page(page).tags}
+    assert {"table", "svg", "template"} <= tags and "script" not in tags
+    assert EVIL not in page
+
+
+@pytest.mark.parametrize("method", ["save", "report"])
+def test_a_path_is_checked_before_the_work(
+    result: Any, method: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if method == "report":
+        pytest.importorskip("matplotlib")
+        monkeypatch.setattr(asap.plots.NotebookFigure, "__init__", None)
+    monkeypatch.setattr(type(result), "summary", None)
+    for path, error in (
+        (5, TypeError),
+        (None, TypeError),
+        (tmp_path / "no" / "such" / "out.html", FileNotFoundError),
+        (tmp_path, IsADirectoryError),
+    ):
+        with pytest.raises(error, match=r"path = |there is no folder|a folder"):
+            getattr(result, method)(path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_notebook_shows_a_table_and_the_verdict(result: Any) -> None:
+    shown = result._repr_html_()
+    tags = {tag for tag, _ in Page(shown).tags}
+    assert "table" in tags and not {"script", "style", "img", "link"} & tags
+    assert EVIL not in shown
+    verdict = next((line for line in str(result).splitlines() if line.startswith("Verdict")), "")
+    assert verdict.partition(". ")[0].removeprefix("Verdict: ")[:30] in shown.replace("\xa0", " ")
+    if not isinstance(result, asap.KeepCurve):
+        assert "Verdict:" in shown
+
+
+def test_no_notebook_needs_matplotlib(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [*sys.modules]:
+        if name.partition(".")[0] == "matplotlib" or name in ("asap.plots", "asap.report.page"):
+            monkeypatch.setitem(sys.modules, name, None)
+    assert "Verdict" in compared()._repr_html_()
+
+
+def test_nothing_received_is_shown_too() -> None:
+    nothing = np.zeros(0, asap.EVENT_DTYPE)
+    assert "nothing was received" in asap.simulate(nothing, cost=COST)._repr_html_()
+    assert "Nothing was received" in asap.compare(nothing, cost=COST)._repr_html_()
+    assert "<table>" in asap.check(nothing)._repr_html_()
+
+
+# ---- a comparison is a mapping --------------------------------------------------------------
+
+
+def test_a_comparison_maps_labels_to_rows() -> None:
+    found = compared()
+    assert isinstance(found, Mapping)
+    assert "D" in found and "Deadline" not in found
+    assert list(found) == [row.label for row in found.rows] == [*found.keys()]
+    assert list(found.values()) == found.rows and len(found) == 2
+    assert dict(found.items()) == {row.label: row for row in found.rows}
+    assert found["D"].scheme == "deadline" and found.get("Deadline") is None
+    with pytest.raises(KeyError):
+        found["Deadline"]
+
+
+def test_rows_of_an_iteration_stay_for_one_version() -> None:
+    found = compared()
+    with pytest.warns(DeprecationWarning, match=r"iterate comparison\.rows"):
+        assert [row.score for row in found] == [row.score for row in found.rows]  # type: ignore[attr-defined]
+    assert not hasattr(next(iter(found)), "scor")
+    for twin in (json.loads(json.dumps([*found])), pickle.loads(pickle.dumps([*found]))):
+        assert twin == [*found] and {type(label) for label in twin} == {str}
+
+
+def test_the_old_name_of_a_curves_summary_stays_for_one_version() -> None:
+    with pytest.warns(DeprecationWarning, match=r"summary\(\)"):
+        assert scored().to_dict() == scored().summary()
