@@ -32,7 +32,7 @@ _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counte
 class Decoder(Protocol):
     """What the classes of ``_core`` that decode bytes have in common."""
 
-    def decode_into(self, bytes: memoryview, out: Events) -> tuple[int, int]:
+    def decode_into(self, data: memoryview, out: Events, /) -> tuple[int, int]:
         """Return the bytes consumed and the events written."""
         ...
 
@@ -63,14 +63,14 @@ class Layout:
 
 
 class NativeReader:
-    """The events of a file of `format`, a row of `FORMATS`."""
+    """The events of a file of the format with that name, a row of `FORMATS`."""
 
-    def __init__(self, format: str, path: Path, options: Options) -> None:
-        self.format = format
+    def __init__(self, name: str, path: Path, options: Options) -> None:
+        self.format = name
         self._path = path
         with path.open("rb") as file:
             head = file.read(HEAD)
-        self._layout = layout = FORMATS[format](path, head, options)
+        self._layout = layout = FORMATS[name](path, head, options)
         self.width, self.height = layout.width, layout.height
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
