@@ -474,6 +474,15 @@ class LibcaerCmpDecoder(metaclass=_pybind11_type):
     def noted(self) -> tuple[int, ...]: ...
 
 def decode_dvs_into(bytes: _Buffer, *, cdr: bool, first: int, out: _Events) -> int: ...
+def events_of_columns(
+    t: NDArray[Any],
+    x: NDArray[Any],
+    y: NDArray[Any],
+    p: NDArray[Any] | None,
+    *,
+    us_per_unit: float = 1.0,
+    normalise: bool = True,
+) -> _Events | None: ...
 
 # synthetic
 

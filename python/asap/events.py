@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from asap import stamps
+from asap import _core, stamps
 from asap.checks import flag, is_masked, named, unmasked
 
 __all__ = ["EVENT_DTYPE", "Events", "as_events"]
@@ -54,7 +54,8 @@ def as_events(
         * a structured array of shape (N,), fields in any order, width and stride: time ``t``,
           ``ts``, ``timestamp`` or ``time``; ``x``; ``y``; polarity ``p``, ``on``, ``polarity``
           or ``pol``, as names or titles; also one record of it, or a list of records;
-        * a mapping or a data frame with these columns, each of shape (N,);
+        * a mapping or a data frame with these columns, each of shape (N,), also an open HDF5
+          group; a ``t_offset`` beside it (DSEC) or in it is added to the times;
         * four columns ``(t, x, y, p)`` in a tuple or list, in this order or in `order`
           (a ``p`` of None: every event is ON);
         * an array of shape (N, len(order)), with `order`;
@@ -98,12 +99,15 @@ def as_events(
             "copy = False: this source cannot be taken without a copy; give a contiguous array in "
             "asap.EVENT_DTYPE with polarity 0 or 1, or leave copy out"
         )
+    if columns["t"].dtype.kind == "f" and time_unit == "us":
+        raise ValueError(
+            f"time_unit = 'us': t is {columns['t'].dtype}; floating times need their unit, "
+            "such as time_unit='s'"
+        )
+    events = pack_good(columns, exponent)
+    if events is not None:
+        return events
     for role, column in columns.items():
-        if role == "t" and column.dtype.kind == "f" and time_unit == "us":
-            raise ValueError(
-                f"time_unit = 'us': t is {column.dtype}; floating times need their unit, "
-                "such as time_unit='s'"
-            )
         bad = misfits(role, column, exponent)
         if bad is not None and bad.any():
             raise ValueError(misfit_message(role, column, int(np.argmax(bad))))
@@ -180,6 +184,16 @@ def misfit_message(role: str, column: Column, index: int, first: int = 0) -> str
     return f"{role} = {column[index]} (event {first + index}): {remedy}"
 
 
+def pack_good(columns: Columns, exponent: int = 0, *, normalise: bool = True) -> Events | None:
+    """`pack` in one native pass; None for a misfit or a type that the pass does not know."""
+    if exponent and columns["t"].dtype.kind != "f":
+        return None
+    t, x, y = (columns[role] for role in "txy")
+    return _core.events_of_columns(
+        t, x, y, columns.get("p"), us_per_unit=10.0**exponent, normalise=normalise
+    )
+
+
 def pack(columns: Columns, exponent: int = 0, *, normalise: bool = True) -> Events:
     """Columns without misfits as events.
 
@@ -232,7 +246,7 @@ def _find_columns(source: Any, order: str | None) -> Mapping[str, Any]:
     if isinstance(source, (np.ndarray, np.void)):
         return _columns_of_array(source, order)
     if isinstance(source, Mapping):
-        return _by_name(source, _positions(list(source)), order)
+        return _with_offset(source, _by_name(source, _positions(list(source)), order))
     if isinstance(source, (list, tuple)):
         return _columns_of_sequence(source, order)
     names = getattr(source, "column_names", None)  # Arrow, whose .columns are the data
@@ -324,6 +338,15 @@ def _by_name(source: Any, places: Mapping[Any, Any], order: str | None) -> dict[
             )
         matched[role] = source[candidates[0]]
     return {role: column for role, column in matched.items() if column is not None or role != "p"}
+
+
+def _with_offset(source: Mapping[Any, Any], columns: dict[str, Any]) -> dict[str, Any]:
+    """Add DSEC's t_offset, which stands in the mapping or beside the group."""
+    for place in (source, getattr(source, "parent", None)):
+        if isinstance(place, Mapping) and "t_offset" in place:
+            offset = np.asarray(place["t_offset"])
+            return columns | {"t": stamps.shifted(_numeric("t", columns["t"]), offset)}
+    return columns
 
 
 def _no_columns() -> Columns:

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["MAX", "TIME_EXPONENTS", "misfits", "time_exponent", "to_us"]
+__all__ = ["MAX", "TIME_EXPONENTS", "misfits", "shifted", "time_exponent", "to_us"]
 
 Column: TypeAlias = npt.NDArray[Any]
 
@@ -29,6 +29,19 @@ def misfits(stamps: Column) -> npt.NDArray[np.bool_]:
     """Mark the stamps of NumPy that are none in 64-bit us: there and back they are others."""
     there_and_back = _counts(stamps)[0].astype(stamps.dtype)
     return np.asarray(there_and_back != stamps)  # NaT differs from itself
+
+
+def shifted(t: Column, offset: Column) -> Column:
+    """Add `offset`, in the unit of the times, to times that count from it."""
+    if offset.size != 1 or offset.dtype.kind not in "iu" or t.dtype.kind not in "biuf":
+        raise ValueError(f"t_offset = {offset}: one whole number is needed, and numbers as times")
+    by = int(offset.item())
+    if t.dtype.kind == "f":
+        return np.asarray(t + float(by))
+    ends = (int(t.min()) + by, int(t.max()) + by) if t.size else (by, by)
+    if max(map(abs, (by, *ends))) > MAX:
+        raise ValueError(f"t_offset = {by}: the times leave 64-bit us")
+    return np.asarray(t.astype(np.int64) + by)
 
 
 def to_us(t: Column, exponent: int) -> npt.NDArray[np.int64]:

@@ -1,4 +1,4 @@
-"""AEDAT4, through the package ``aedat`` (extra ``files``).
+"""AEDAT4, through the package ``aedat`` (extra ``aedat4``).
 
 The library decodes; we walk the packet headers beside it, to say at which byte a file ends too
 early or breaks.
@@ -13,8 +13,8 @@ from typing import Any
 
 from asap.events import Events
 from asap.io.columns import events_of
-from asap.io.errors import CorruptFile, foreign
-from asap.io.reader import Losses, Options
+from asap.io.errors import CorruptFile, foreign, library
+from asap.io.reader import Losses, Options, choose_stream
 
 __all__ = ["Aedat4Reader"]
 
@@ -31,12 +31,14 @@ class Aedat4Reader:
         self._options = Options(order=None, time_unit=options.time_unit)
         self._streams = streams = self._decoder().id_to_stream()
         events = sorted(key for key, stream in streams.items() if stream["type"] == "events")
-        if len(events) != 1:
+        if not events:
             found = ", ".join(stream["type"] for stream in streams.values()) or "none"
             raise CorruptFile(
-                path, _HEADER_AT, f"one stream of events is needed, streams found: {found}"
+                path, _HEADER_AT, f"a stream of events is needed, streams found: {found}"
             )
-        self._stream = events[0]
+        self.streams = tuple(map(str, events))
+        words = [f"{key} ({streams[key]['width']}x{streams[key]['height']})" for key in events]
+        self._stream = int(choose_stream(path, options.stream, self.streams, words))
         self.width: int | None = streams[self._stream]["width"]
         self.height: int | None = streams[self._stream]["height"]
 
@@ -60,17 +62,12 @@ class Aedat4Reader:
                 losses.truncated(offset, "the library reads no further")
                 return
             if packet["stream_id"] == self._stream and "events" in packet:
-                events = events_of(packet["events"], self._options, losses, count)
-                count += len(packet["events"])
-                yield events
+                rows = packet["events"]
+                yield events_of(rows, self._options, losses, count)
+                count += len(rows)
 
     def _decoder(self) -> Any:
-        try:
-            import aedat
-        except ImportError as error:
-            raise RuntimeError(
-                "AEDAT4 needs the package aedat: pip install 'asap-events[files]'"
-            ) from error
+        aedat = library("aedat", "AEDAT4", "aedat4")
         with foreign(self._path, _HEADER_AT):
             return aedat.Decoder(str(self._path))
 

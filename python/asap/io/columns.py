@@ -16,6 +16,7 @@ from asap.events import (
     misfit_message,
     misfits,
     pack,
+    pack_good,
     plain_view,
 )
 from asap.io.errors import UnsupportedFormat, unclear_unit
@@ -52,6 +53,9 @@ def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
     if options.time_unit is None and unit == "s" and first == 0 and _all_whole(columns["t"]):
         raise unclear_unit(losses.path)
     exponent = time_exponent(unit)
+    events = pack_good(columns, exponent, normalise=False)
+    if events is not None:
+        return events
     bad = {role: misfits(role, column, exponent) for role, column in columns.items()}
     found = {role: mask for role, mask in bad.items() if mask is not None and mask.any()}
     if found:

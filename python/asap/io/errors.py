@@ -2,11 +2,26 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-__all__ = ["CorruptFile", "TruncatedFileWarning", "UnsupportedFormat", "foreign", "unclear_unit"]
+__all__ = [
+    "HARMLESS",
+    "MAX_RATIO",
+    "CorruptFile",
+    "TruncatedFileWarning",
+    "UnsupportedFormat",
+    "foreign",
+    "library",
+    "refuse_bomb",
+    "unclear_unit",
+]
+
+MAX_RATIO = 1000  # decompressed to compressed, for what is beyond HARMLESS bytes
+HARMLESS = 1 << 28
 
 
 class UnsupportedFormat(ValueError):
@@ -36,6 +51,24 @@ def unclear_unit(path: Path) -> ValueError:
         f"time_unit = None: the times of {path} are whole numbers written as floats; "
         "say time_unit='s' or time_unit='us'"
     )
+
+
+def refuse_bomb(path: Path, offset: int, what: str, promised: int, stored: int) -> None:
+    """Raise where `stored` bytes promise more than any good file unpacks to."""
+    if promised > max(HARMLESS, MAX_RATIO * stored):
+        fault = f"{what} decompresses to {promised} bytes, more than {MAX_RATIO} times its size"
+        raise CorruptFile(path, offset, fault)
+
+
+def library(name: str, what: str, extra: str) -> Any:
+    """Import the library that reads `what`, or say how to install it."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        package = name.partition(".")[0]
+        raise RuntimeError(
+            f"{what} needs the package {package}: pip install 'asap-events[{extra}]'"
+        ) from error
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""NumPy files: ``.npy``, mapped and read in pieces, and ``.npz``, loaded as a whole.
+"""NumPy files: ``.npy``, mapped in pieces, and ``.npz``, read in pieces.
 
 Sizes in the headers are never trusted: they are compared with the bytes that are there before
 anything is allocated. Nothing is unpickled.
@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
@@ -17,13 +19,32 @@ from numpy.lib import format as npy
 
 from asap.events import FIELD_NAMES, Events
 from asap.io.columns import events_of, file_columns
-from asap.io.errors import CorruptFile, UnsupportedFormat, foreign
+from asap.io.errors import CorruptFile, UnsupportedFormat, foreign, refuse_bomb
+from asap.io.mapped import mapped, windows
 from asap.io.reader import CHUNK, Losses, Options
 
 __all__ = ["NpyReader", "NpzReader"]
 
-_MAX_RATIO = 1000  # decompressed to compressed, for archives beyond _HARMLESS bytes
-_HARMLESS = 1 << 28
+
+@dataclass(frozen=True)
+class _Header:
+    shape: tuple[int, ...]
+    fortran: bool
+    dtype: np.dtype[Any]
+    end: int  # where the values begin
+
+    @property
+    def row_bytes(self) -> int:
+        return self.dtype.itemsize * int(np.prod(self.shape[1:], dtype=object))
+
+    def stand_in(self, rows: int | None = None) -> npt.NDArray[Any]:
+        """Zeros of the array's type and shape that take no memory, or of so many `rows`."""
+        shape = self.shape if rows is None else (rows, *self.shape[1:])
+        return np.broadcast_to(np.zeros((), self.dtype), shape or (1,))
+
+    @property
+    def is_by_columns(self) -> bool:
+        return self.fortran and len(self.shape) > 1
 
 
 class NpyReader:
@@ -36,36 +57,39 @@ class NpyReader:
     def __init__(self, path: Path, options: Options) -> None:
         self._path, self._options = path, options
         with foreign(path), path.open("rb") as file:
-            shape, fortran, dtype = _header(file)
-            self._offset = file.tell()
-        if not shape:
-            raise CorruptFile(path, self._offset, "the array is a single value, not events")
-        self._dtype, self._promised, self._row = dtype, shape[0], shape[1:]
-        self._fortran = fortran and len(shape) > 1
-        row_bytes = dtype.itemsize * int(np.prod(self._row, dtype=object))
-        present = (path.stat().st_size - self._offset) // max(row_bytes, 1)
-        self._rows = min(self._promised, present)
-        self._end = self._offset + self._rows * row_bytes
-        if self._rows < self._promised and (self._fortran or self._rows == 0):
+            self._header = header = _header(file)
+        if not header.shape:
+            raise CorruptFile(path, header.end, "the array is a single value, not events")
+        self._promised = header.shape[0]
+        present = (path.stat().st_size - header.end) // max(header.row_bytes, 1)
+        self.expected = min(self._promised, present)
+        self._end = header.end + self.expected * header.row_bytes
+        if self.expected < self._promised and (header.is_by_columns or self.expected == 0):
             raise CorruptFile(path, self._end, f"{self._promised} events promised, the file ends")
-        file_columns(path, self._map(), options.order, first=1)
+        with foreign(path, header.end):
+            rows = header.stand_in(self.expected)
+        file_columns(path, rows, options.order, first=1)
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
-        """Map the file and convert it piece by piece."""
-        rows = self._map()
-        for start in range(0, self._rows, CHUNK):
-            yield events_of(rows[start : start + CHUNK], self._options, losses, start)
-        if self._rows < self._promised:
-            losses.truncated(self._end, f"{self._rows} of {self._promised} events are there")
+        """Map the file window by window and convert it piece by piece."""
+        whole = [(0, self.expected)]  # a column does not lie in one window
+        by_rows = windows(self.expected, self._header.row_bytes, CHUNK)
+        for first, stop in whole if self._header.is_by_columns else by_rows:
+            rows = self._rows(first, stop)
+            for start in range(0, len(rows), CHUNK):
+                piece = rows[start : start + CHUNK]
+                yield events_of(piece, self._options, losses, first + start)
+        if self.expected < self._promised:
+            losses.truncated(self._end, f"{self.expected} of {self._promised} events are there")
 
-    def _map(self) -> npt.NDArray[Any]:
-        shape = (self._rows, *self._row)
-        if 0 in shape:
-            with foreign(self._path, self._offset):
-                return np.empty(shape, self._dtype)
-        order: Any = "F" if self._fortran else "C"
-        mapped = np.memmap(self._path, self._dtype, "r", self._offset, shape, order)
-        return mapped.view(np.ndarray)
+    def _rows(self, first: int, stop: int) -> npt.NDArray[Any]:
+        header = self._header
+        shape = (stop - first, *header.shape[1:])
+        if 0 in shape or header.dtype.itemsize == 0:
+            with foreign(self._path, header.end):
+                return np.empty(shape, header.dtype)
+        offset = header.end + first * header.row_bytes
+        return mapped(self._path, header.dtype, offset, shape, "F" if header.fortran else "C")
 
 
 class NpzReader:
@@ -83,22 +107,45 @@ class NpzReader:
             self._members = _members(path, archive)
             self.width = self._number(archive, "width")
             self.height = self._number(archive, "height")
-        self._keys = self._choose()
+            self._keys = self._choose()
+            self._headers = {key: self._promise(archive, key) for key in self._keys}
+        lengths = {key: (*header.shape, 1)[0] for key, header in self._headers.items()}
+        self.expected = max(lengths.values())
+        if len(set(lengths.values())) > 1:
+            raise ValueError(
+                f"{path}: lengths = {lengths}: the columns of events must be equally long"
+            )
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
-        """Load the arrays and convert them piece by piece."""
-        with foreign(self._path), zipfile.ZipFile(self._path) as archive:
-            arrays = {key: self._array(archive, key) for key in self._keys}
-        if len(arrays) == 1:
-            (events,) = arrays.values()
-            file_columns(self._path, events, self._options.order, first=1)
-            for start in range(0, len(events), CHUNK):
-                yield events_of(events[start : start + CHUNK], self._options, losses, start)
+        """Read the arrays side by side and convert them piece by piece."""
+        arrays = {key: header.stand_in() for key, header in self._headers.items()}
+        whole = arrays if len(arrays) > 1 else arrays.popitem()[1]
+        file_columns(self._path, whole, self._options.order, first=1)
+        with ExitStack() as stack:
+            with foreign(self._path):
+                archive = stack.enter_context(zipfile.ZipFile(self._path))
+                pieces = {key: self._pieces(archive, key) for key in self._keys}
+            for start in range(0, self.expected, CHUNK):
+                columns = {key: next(piece) for key, piece in pieces.items()}
+                source = columns if len(columns) > 1 else columns.popitem()[1]
+                yield events_of(source, self._options, losses, start)
+
+    def _pieces(self, archive: zipfile.ZipFile, key: str) -> Iterator[npt.NDArray[Any]]:
+        """Rows of one array."""
+        header, info = self._headers[key], self._members[key]
+        if header.is_by_columns or header.row_bytes == 0 or len(header.shape) == 0:
+            rows = self._array(archive, key)
+            for start in range(0, len(rows), CHUNK):
+                yield rows[start : start + CHUNK]
             return
-        columns = file_columns(self._path, arrays, self._options.order)
-        for start in range(0, len(columns["t"]), CHUNK):
-            piece = {role: column[start : start + CHUNK] for role, column in columns.items()}
-            yield events_of(piece, self._options, losses, start)
+        with foreign(self._path, info.header_offset), archive.open(info) as member:
+            member.read(header.end)
+            for start in range(0, self.expected, CHUNK):
+                count = min(CHUNK, self.expected - start)
+                data = member.read(count * header.row_bytes)
+                if start + count == self.expected:
+                    member.read(1)  # the end, where the checksum is compared
+                yield np.frombuffer(data, header.dtype).reshape(count, *header.shape[1:])
 
     def _choose(self) -> list[str]:
         understood = {name for names in FIELD_NAMES.values() for name in names}
@@ -115,17 +162,24 @@ class NpzReader:
             "columns t, x, y, p, or one structured array, called events if it is not the only one"
         )
 
-    def _array(self, archive: zipfile.ZipFile, key: str) -> npt.NDArray[Any]:
+    def _promise(self, archive: zipfile.ZipFile, key: str) -> _Header:
+        """Header of an array whose size was compared with the bytes that are there."""
         info = self._members[key]
-        with archive.open(info) as member:
-            shape, _, dtype = _header(member)
-            promised = member.tell() + dtype.itemsize * int(np.prod(shape, dtype=object))
+        with foreign(self._path, info.header_offset), archive.open(info) as member:
+            header = _header(member)
+        count = int(np.prod(header.shape, dtype=object))
+        promised = header.end + header.dtype.itemsize * count
         if promised != info.file_size:
             raise CorruptFile(
                 self._path,
                 info.header_offset,
                 f"{key}: {promised} bytes promised, {info.file_size} are there",
             )
+        return header
+
+    def _array(self, archive: zipfile.ZipFile, key: str) -> npt.NDArray[Any]:
+        info = self._members[key]
+        self._promise(archive, key)
         with foreign(self._path, info.header_offset), archive.open(info) as member:
             array: npt.NDArray[Any] = npy.read_array(member, allow_pickle=False)
         return array if array.ndim else array.reshape(1)
@@ -134,7 +188,7 @@ class NpzReader:
         return int(self._array(archive, key).item()) if key in self._members else None
 
 
-def _header(file: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+def _header(file: IO[bytes]) -> _Header:
     version = npy.read_magic(file)
     if version == (1, 0):
         shape, fortran, dtype = npy.read_array_header_1_0(file)
@@ -146,12 +200,11 @@ def _header(file: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
         raise ValueError("the array holds Python objects, which are never unpickled")
     if any(length < 0 for length in shape):
         raise ValueError(f"shape {shape} is impossible")
-    return shape, fortran, dtype
+    return _Header(shape, fortran, dtype, file.tell())
 
 
 def _members(path: Path, archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
     infos = [info for info in archive.infolist() if info.filename.endswith(".npy")]
     size = sum(info.file_size for info in infos)
-    if size > max(_HARMLESS, _MAX_RATIO * path.stat().st_size):
-        raise CorruptFile(path, 0, f"decompresses to {size} bytes, more than {_MAX_RATIO} times")
+    refuse_bomb(path, 0, "it", size, path.stat().st_size)
     return {info.filename.removesuffix(".npy"): info for info in infos}

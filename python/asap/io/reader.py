@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
@@ -15,7 +15,7 @@ from asap.events import Events, check_order
 from asap.io.errors import CorruptFile, TruncatedFileWarning
 from asap.stamps import time_exponent
 
-__all__ = ["CHUNK", "Losses", "Options", "Reader"]
+__all__ = ["CHUNK", "Losses", "Options", "Reader", "choose_stream"]
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about
 
@@ -26,12 +26,15 @@ class Options:
 
     order: str | None
     time_unit: str | None
+    stream: str | None = None
 
     def __post_init__(self) -> None:
         if self.order is not None:
             check_order(self.order)
         if self.time_unit is not None:
             time_exponent(self.time_unit)
+        if self.stream is not None and not isinstance(self.stream, str):
+            raise TypeError(f"stream = {self.stream!r}: give the name of one stream of the file")
 
 
 @dataclass
@@ -78,3 +81,27 @@ class Reader(Protocol):
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Read from the start: events in ``EVENT_DTYPE``, order and sensor size not yet checked."""
         ...
+
+
+def choose_stream(
+    path: Path, wanted: str | None, streams: Sequence[str], words: Sequence[str] | None = None
+) -> str:
+    """Choose a stream of events by its name, or by a part of its path that no other one has.
+
+    `words` describe the streams in the message, where a name alone says too little. There is at
+    least one stream; `Reader.streams` lists them.
+    """
+    if wanted is None:
+        found = list(streams)
+    elif wanted in streams:
+        return wanted
+    else:
+        part = f"/{wanted.strip('/')}/"
+        found = [name for name in streams if part in f"/{name}/"]
+    if len(found) == 1:
+        return found[0]
+    listed = ", ".join(words or streams)
+    raise ValueError(
+        f"stream = {wanted!r}: {path} holds {len(streams)} stream{'s' * (len(streams) > 1)} of "
+        f"events ({listed}); choose one, such as stream={streams[0]!r}"
+    )

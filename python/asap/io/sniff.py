@@ -10,7 +10,7 @@ from asap.io.errors import CorruptFile, UnsupportedFormat
 
 __all__ = ["SERVED", "sniff"]
 
-SERVED = "npy, npz, text (t x y p), csv, aedat4, Prophesee RAW (EVT2)"
+SERVED = "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, Prophesee RAW (EVT2)"
 
 _HEAD = 4096
 _SERVED_BYTES = (
@@ -18,24 +18,22 @@ _SERVED_BYTES = (
     (b"PK\x03\x04", "npz"),
     (b"PK\x05\x06", "npz"),
     (b"#!AER-DAT4.0", "aedat4"),
+    (b"\x89HDF\r\n\x1a\n", "hdf5"),
+    (b"MATLAB 7.3", "hdf5"),
+    (b"MATLAB 5.0", "matlab"),
 )
 _OTHER_BYTES = (
     (b"#!AER-DAT", "AEDAT 1 to 3"),
-    (b"\x89HDF\r\n\x1a\n", "HDF5"),
     (b"Event Stream", "Event Stream"),
     (b"#ROSBAG", "rosbag 1"),
     (b"SQLite format 3\x00", "rosbag 2"),
     (b"\x89MCAP", "MCAP"),
-    (b"MATLAB 5.0", "MATLAB"),
 )
 _OTHER_SUFFIXES = {
     ".raw": "Prophesee RAW",
     ".dat": "Prophesee DAT",
     ".es": "Event Stream",
     ".aedat": "AEDAT 1 to 3",
-    ".h5": "HDF5",
-    ".hdf5": "HDF5",
-    ".mat": "MATLAB",
     ".bag": "rosbag 1",
     ".db3": "rosbag 2",
     ".mcap": "MCAP",
@@ -46,7 +44,7 @@ _PROPHESEE_HEADER = (b"% evt ", b"% format EVT", b"% Data file containing", b"% 
 
 
 def sniff(path: Path) -> str:
-    """Return ``"npy"``, ``"npz"``, ``"aedat4"`` or ``"text"``.
+    """Return ``"npy"``, ``"npz"``, ``"aedat4"``, ``"hdf5"``, ``"matlab"`` or ``"text"``.
 
     Raises
     ------
@@ -72,7 +70,7 @@ def sniff(path: Path) -> str:
     if header is not None and header["words"] == "evt2":
         return "evt2"
     suffix = path.suffix.lower()
-    if suffix in (".npy", ".npz", ".aedat4"):
+    if suffix in (".npy", ".npz", ".aedat4", ".h5", ".hdf5", ".mat"):
         raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
     if suffix in _OTHER_SUFFIXES:
         raise _unsupported(path, _OTHER_SUFFIXES[suffix])

@@ -1,0 +1,168 @@
+"""MATLAB 5 to 7 files through ``scipy`` (extra ``matlab``); version 7.3 is HDF5.
+
+Understood are columns ``t x y p`` (under any of their names) as variables or as fields of one
+structure, matrices (N, 4), and event buffers [width][height][slots] of times with their polarity.
+Whole times are microseconds, also where MATLAB stores them as floats, its default type.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from asap.events import FIELD_NAMES, Columns, Events
+from asap.io.columns import events_of, file_columns
+from asap.io.errors import CorruptFile, UnsupportedFormat, foreign, library, refuse_bomb
+from asap.io.matrices import as_rows, columns_of_matrix, order_of
+from asap.io.reader import CHUNK, Losses, Options, choose_stream
+
+__all__ = ["MatlabReader"]
+
+_HEADER = 128
+_ROLES = {name: role for role, names in FIELD_NAMES.items() for name in names}
+_BYTES = {"double": 8, "single": 4, "int8": 1, "int16": 2, "int32": 4, "int64": 8}
+_NUMERIC = (*_BYTES, *(f"u{name}" for name in _BYTES if name.startswith("int")), "logical")
+_BUFFER = ("eventBuffer", "polarityBuffer")
+
+
+class MatlabReader:
+    """The variables of a file that are events; more than one stream of them is a question."""
+
+    format = "matlab"
+    width: int | None = None
+    height: int | None = None
+
+    def __init__(self, path: Path, options: Options) -> None:
+        self._path, self._options = path, options
+        self._scipy = library("scipy.io", "MATLAB", "matlab")
+        cut = _cut_at(path)
+        with _read(path, cut):
+            variables = self._scipy.whosmat(str(path), appendmat=False)
+        self._shapes = {name: (shape, kind) for name, shape, kind in variables}
+        size = path.stat().st_size
+        for name, (shape, kind) in self._shapes.items():
+            width = _BYTES.get(kind.removeprefix("u"), 8)
+            promised = width * int(np.prod(shape, dtype=object))
+            refuse_bomb(path, 0, name, promised, size)
+        self._found = self._find()
+        self.streams = tuple(self._found)
+        if not self._found:
+            if cut is not None:
+                raise cut
+            listed = ", ".join(f"{name} {shape} {kind}" for name, shape, kind in variables)
+            raise UnsupportedFormat(
+                f"{path}: no events among {listed or 'no variables'}: needed are columns t, x, y, "
+                "p, as variables or as fields of one structure, or a matrix (N, 4)"
+            )
+        self._stream = choose_stream(path, options.stream, self.streams)
+        self._cut = cut
+
+    def chunks(self, losses: Losses) -> Iterator[Events]:
+        """Load the variables of the stream and convert them piece by piece."""
+        names = self._found[self._stream]
+        with _read(self._path, self._cut):
+            values = self._scipy.loadmat(
+                str(self._path), variable_names=list(names), appendmat=False
+            )
+        missing = [name for name in names if name not in values]
+        if missing:
+            raise self._cut or CorruptFile(self._path, 0, f"{missing[0]} cannot be read")
+        columns = self._columns({name: values[name] for name in names})
+        unit = self._options.time_unit
+        t = columns["t"]
+        if unit is None and t.dtype.kind == "f" and bool((t == np.floor(t)).all()):
+            unit = "us"
+        options = Options(None, unit)
+        for start in range(0, len(columns["t"]), CHUNK):
+            piece = {role: column[start : start + CHUNK] for role, column in columns.items()}
+            yield events_of(piece, options, losses, start)
+        if self._cut is not None:
+            losses.truncated(self._cut.offset, self._cut.fault)
+
+    def _find(self) -> dict[str, tuple[str, ...]]:
+        """Variables of each stream."""
+        numeric = {name: shape for name, (shape, kind) in self._shapes.items() if kind in _NUMERIC}
+        found: dict[str, tuple[str, ...]] = {}
+        columns = tuple(name for name in numeric if name.lower() in _ROLES)
+        if sorted(_ROLES[name.lower()] for name in columns) == sorted("txyp"):
+            found["variables"] = columns
+        if set(_BUFFER) <= numeric.keys():
+            found[_BUFFER[0]] = _BUFFER
+        matrices = [name for name, shape in numeric.items() if as_rows(shape)]
+        named = [name for name in matrices if "event" in name.lower()]
+        for name in named or (matrices if len(matrices) == 1 and not found else []):
+            found[name] = (name,)
+        for name, (shape, kind) in self._shapes.items():
+            if kind == "struct" and shape == (1, 1) and self._is_events(name):
+                found[name] = (name,)
+        return found
+
+    def _is_events(self, name: str) -> bool:
+        with foreign(self._path):
+            value = self._scipy.loadmat(str(self._path), variable_names=[name], appendmat=False)
+        fields = getattr(value.get(name), "dtype", np.dtype(int)).names or ()
+        return sorted(
+            _ROLES.get(field.lower(), "") for field in fields if field.lower() in _ROLES
+        ) == sorted("txyp")
+
+    def _columns(self, values: Mapping[str, Any]) -> Columns:
+        if self._stream == _BUFFER[0]:
+            return _of_buffer(self._path, *(values[name] for name in _BUFFER))
+        if self._stream != "variables":
+            value = values[self._stream]
+            if value.dtype.names is None:
+                return self._of_matrix(value)
+            record = value.reshape(-1)[0]
+            values = {field: record[field] for field in value.dtype.names}
+        columns = {
+            _ROLES[name.lower()]: np.asarray(value).reshape(-1)
+            for name, value in values.items()
+            if name.lower() in _ROLES
+        }
+        return file_columns(self._path, columns, self._options.order)
+
+    def _of_matrix(self, matrix: npt.NDArray[Any]) -> Columns:
+        count = as_rows(matrix.shape)
+        rows = matrix.T if count is not None and count[1] else matrix
+        order = order_of(self._path, self._stream, rows[:CHUNK], self._options.order)
+        return columns_of_matrix(rows, order)
+
+
+def _of_buffer(path: Path, times: npt.NDArray[Any], polarity: npt.NDArray[Any]) -> Columns:
+    """Last events of each pixel [x][y][slot], a time of 0 for none: sorted by time, stably."""
+    if times.ndim != 3 or times.shape != polarity.shape:
+        raise CorruptFile(path, 0, f"eventBuffer {times.shape}, polarityBuffer {polarity.shape}")
+    x, y, slot = np.nonzero(times)
+    t = times[x, y, slot]
+    by_time = np.argsort(t, kind="stable")
+    p = polarity[x, y, slot]
+    return {role: c[by_time] for role, c in (("t", t), ("x", x), ("y", y), ("p", p))}
+
+
+def _cut_at(path: Path) -> CorruptFile | None:
+    """Find the first variable that the file's end cuts."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        header = file.read(_HEADER)
+        if len(header) < _HEADER:
+            return CorruptFile(path, size, "the file ends inside its header")
+        mark = "<" if header[126:128] == b"IM" else ">"
+        at = _HEADER
+        while at < size:
+            file.seek(at)
+            tag = file.read(8)
+            length = struct.unpack(f"{mark}I", tag[4:])[0] if len(tag) == 8 else 0
+            if len(tag) < 8 or at + 8 + length > size:
+                there = size - at
+                return CorruptFile(path, at, f"{length + 8} bytes promised, {there} are there")
+            at += 8 + int(length)
+    return None
+
+
+def _read(path: Path, cut: CorruptFile | None) -> Any:
+    return foreign(path, 0 if cut is None else cut.offset)
