@@ -15,11 +15,11 @@ namespace {
 
 using namespace py::literals;
 
-constexpr const char* kBackgroundActivityFilterDoc = R"(Drops events without company.
+constexpr const char* kBackgroundActivityFilterDoc = R"(Drops events without support.
 
 An event passes if one of its eight neighbours, of either polarity, fired at most `window_us` before it.
-Its own pixel does not count; a rejected event is company for others all the same. Put it before whatever
-discards events at random, which would take the company away.
+Its own pixel does not count; a rejected event still supports others. Put it before whatever
+discards events at random, which would remove the support.
 
 Parameters
 ----------

@@ -21,10 +21,10 @@ using namespace py::literals;
 
 constexpr const char* kFeatureTrackerDoc = R"(Finds corners and follows them, event by event.
 
-A corner event has company if more than `min_neighbours` of its eight neighbours are among the last
+A corner event is supported if more than `min_neighbours` of its eight neighbours are among the last
 `window` corner events. It then moves the oldest track within `radius` to itself and ends all others
 there; where there is none it begins a track. A track that took none of the last `window` corner events
-ends with the next event that has company.
+ends with the next supported event.
 
 Parameters
 ----------
@@ -120,7 +120,7 @@ labels : bool
 Returns
 -------
 ndarray of int32, shape (n,), or None
-    The id of the track that took each event. -1: it is no corner, a corner without company, or outside
+    The id of the track that took each event. -1: it is no corner, an unsupported corner, or outside
     the frame.
 
 Raises

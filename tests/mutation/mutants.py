@@ -156,6 +156,15 @@ MUTANTS: list[Mutant] = [
         consumes_what_was_offered=("  consume(package.raw);", "  consume(package.offered);"),
     ),
     *in_file(
+        SOURCE + "packager/packager.cpp",
+        "runner",
+        threads=True,
+        slots_free_before_they_are_read=(
+            "  observe(package, end_ns);\n  consume(package.raw);",
+            "  consume(package.raw);\n  observe(package, end_ns);",
+        ),
+    ),
+    *in_file(
         SOURCE + "packager/books.cpp",
         "packager",
         "runner",

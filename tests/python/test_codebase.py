@@ -79,7 +79,7 @@ WITHOUT_A_HEADER_OF_ITS_OWN = {
     "packager/bounded_test.cpp": "the packager, of packages that do not fit",
     "runner/allocation_test.cpp": "the same of a live pipeline",
     "runner/simulator_anytime_test.cpp": "the simulator: anytime, outages, admission",
-    "runner/simulator_outages_test.cpp": "the simulator: Deadline in company",
+    "runner/simulator_outages_test.cpp": "the simulator: Deadline on a busy machine",
 }
 
 CPP = ROOT / "cpp"

@@ -17,7 +17,7 @@ const BackgroundActivityFilterConfig& checked(const BackgroundActivityFilterConf
 }
 
 // Whether a neighbour fired at `oldest` or later. Reads four pixels of a row where three are meant.
-bool has_company(const Time* own, std::ptrdiff_t stride, Time oldest) noexcept {
+bool is_supported(const Time* own, std::ptrdiff_t stride, Time oldest) noexcept {
   const auto young = [&](const Time* row) {
     return Int4::mask_above(Int4::load(row - 1), oldest - 1);
   };
@@ -43,7 +43,7 @@ class BackgroundActivityFilter::State {
     }
     const Time now = times_.time_of(event.t);
     Time* own = times_.data() + (event.y + 1U) * stride_ + event.x + 1;
-    const bool passes = has_company(own, static_cast<std::ptrdiff_t>(stride_), now - window_us_);
+    const bool passes = is_supported(own, static_cast<std::ptrdiff_t>(stride_), now - window_us_);
     *own = now;
     return passes;
   }

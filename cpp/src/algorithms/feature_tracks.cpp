@@ -59,7 +59,7 @@ FeatureTracks::FeatureTracks(const FeatureConfig& config)
 
 std::int32_t FeatureTracks::update(const Event& corner) noexcept {
   const std::int64_t oldest_us = remember(corner);
-  if (!frame_.contains(corner, 1) || !has_company(corner, oldest_us)) return kNoId;
+  if (!frame_.contains(corner, 1) || !is_supported(corner, oldest_us)) return kNoId;
 
   Slot slot = assign(corner);
   if (slot != kNone) {
@@ -88,14 +88,14 @@ std::int64_t FeatureTracks::remember(const Event& corner) noexcept {
 
 // As released: the event counts itself too and one is taken off, also where all stamps that are
 // remembered are equal and it did not count.
-bool FeatureTracks::has_company(const Event& corner, std::int64_t oldest_us) const noexcept {
+bool FeatureTracks::is_supported(const Event& corner, std::int64_t oldest_us) const noexcept {
   const std::size_t stride = frame_.width();
   const std::int64_t* row = &latest_us_[(corner.y - std::size_t{1}) * stride + corner.x - 1];
-  int company = -1;
+  int support = -1;
   for (int y = 0; y < 3; ++y, row += stride) {
-    company += (row[0] > oldest_us) + (row[1] > oldest_us) + (row[2] > oldest_us);
+    support += (row[0] > oldest_us) + (row[1] > oldest_us) + (row[2] > oldest_us);
   }
-  return company > min_neighbours_;
+  return support > min_neighbours_;
 }
 
 // The first-created track within the radius, or none. Ends all others there.

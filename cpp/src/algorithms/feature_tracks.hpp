@@ -53,7 +53,7 @@ class FeatureTracks {
   };
 
   std::int64_t remember(const Event& corner) noexcept;
-  bool has_company(const Event& corner, std::int64_t oldest_us) const noexcept;
+  bool is_supported(const Event& corner, std::int64_t oldest_us) const noexcept;
   Slot assign(const Event& corner) noexcept;
   void begin(Slot slot, const Event& corner) noexcept;
   void move(Slot slot, const Event& corner) noexcept;

@@ -269,8 +269,8 @@ void Packager::Work::complete(const Package& package, std::int64_t end_ns) noexc
     keep_ = smoothed_keep(gamma_of(package), package.start_ns);
     previous_start_ns_ = package.start_ns;
   }
-  consume(package.raw);
   observe(package, end_ns);
+  consume(package.raw);  // last: then the producer may overwrite the events
 }
 
 void Packager::Work::observe(const Package& package, std::int64_t end_ns) noexcept {

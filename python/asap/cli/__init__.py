@@ -58,7 +58,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         warnings.showwarning = lambda message, *_, **__: say(f"warning: {message}")
         try:
             code: int = arguments.verb(arguments)
-            if sys.stdout is not None:  # None: closed, nobody wants the result
+            if sys.stdout is not None:  # None: closed
                 sys.stdout.flush()
             return code
         except Failure as failure:

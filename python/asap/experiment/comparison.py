@@ -1,4 +1,4 @@
-"""compare and oracle: every scheme on the same events, beside the best that anybody could do."""
+"""compare and oracle: every scheme on the same events, beside the best that any scheduler could do."""
 
 from __future__ import annotations
 
@@ -374,7 +374,7 @@ def _check_cost(cost: Any) -> None:
 
 
 def _require_replayable(source: Any) -> None:
-    """Refuse what can be read only once: nobody could repeat the comparison."""
+    """Refuse what can be read only once: each scheme reads it again."""
     if isinstance(source, Iterator):
         raise ValueError(
             f"source = {source!r}: it can be read only once; give a path, an array, a list of "

@@ -31,7 +31,7 @@ _MAX_ADDRESS = 65535
 def file_columns(
     path: Path, source: Any, order: str | None, *, first: int | None = None
 ) -> Columns:
-    """Find the columns; a file without them is of a format that nobody reads."""
+    """Find the columns; raise if the file has no such columns."""
     try:
         return columns_of(source, order, first=first)
     except TypeError as error:

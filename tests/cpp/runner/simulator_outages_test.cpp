@@ -1,4 +1,4 @@
-// R4 on a machine with company: an algorithm five times too slow that is taken off the processor
+// R4 on a busy machine: an algorithm five times too slow that is taken off the processor
 // again and again, under Deadline, in virtual time.
 #include <gtest/gtest.h>
 
@@ -63,12 +63,12 @@ TEST(SimulatorOutages, WithoutThemTheBoundHolds) {
 
 TEST(SimulatorOutages, HalfTheProcessorInSlices) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const Result company = overloaded(10, time_slices(4, 4, seed));
-    EXPECT_LT(company.p99, 1.2) << seed;  // 1.3 without a reserve
-    EXPECT_GT(company.kept, 0.093) << seed;
-    EXPECT_GT(company.in_time, 0.088) << seed;
-    EXPECT_NEAR(company.alpha_us, kAlphaUs, 0.6 * kAlphaUs) << seed;
-    EXPECT_NEAR(company.beta_ns, kBetaNs, 0.05 * kBetaNs) << seed;
+    const Result busy = overloaded(10, time_slices(4, 4, seed));
+    EXPECT_LT(busy.p99, 1.2) << seed;  // 1.3 without a reserve
+    EXPECT_GT(busy.kept, 0.093) << seed;
+    EXPECT_GT(busy.in_time, 0.088) << seed;
+    EXPECT_NEAR(busy.alpha_us, kAlphaUs, 0.6 * kAlphaUs) << seed;
+    EXPECT_NEAR(busy.beta_ns, kBetaNs, 0.05 * kBetaNs) << seed;
 
     const Result patient = overloaded(20, time_slices(4, 4, seed));
     EXPECT_LT(patient.p99, 1.07) << seed;
@@ -78,10 +78,10 @@ TEST(SimulatorOutages, HalfTheProcessorInSlices) {
 
 TEST(SimulatorOutages, ASliceNowAndThen) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const Result company = overloaded(10, time_slices(20, 4, seed));
-    EXPECT_LT(company.p99, 1.1) << seed;
-    EXPECT_GT(company.in_time, 0.155) << seed;
-    EXPECT_NEAR(company.alpha_us, kAlphaUs, 0.3 * kAlphaUs) << seed;
+    const Result busy = overloaded(10, time_slices(20, 4, seed));
+    EXPECT_LT(busy.p99, 1.1) << seed;
+    EXPECT_GT(busy.in_time, 0.155) << seed;
+    EXPECT_NEAR(busy.alpha_us, kAlphaUs, 0.3 * kAlphaUs) << seed;
   }
 }
 

@@ -1,7 +1,7 @@
-// BackgroundActivityFilter: drops events without company. An event passes if one of its eight
+// BackgroundActivityFilter: drops events without support. An event passes if one of its eight
 // neighbours, of either polarity, fired at most window_us before it; its own pixel does not count.
-// A rejected event is company for others all the same. One thread. O(1) per event, no allocation
-// after construction. Belongs in front of the discarder, which would take the company away.
+// A rejected event still supports others. One thread. O(1) per event, no allocation
+// after construction. Belongs in front of the gamma filter, which would remove the support.
 // Source: Delbruck, "Frame-free dynamic digital vision", 2008.
 #pragma once
 

@@ -1,8 +1,8 @@
 // FeatureTracker: finds corners in a stream of events and follows them, event by event. A corner
-// event has company if more than m of its 8 neighbours are among the last B corner events. It then
+// event is supported if more than m of its 8 neighbours are among the last B corner events. It then
 // moves the first-created track within the radius to itself and ends the others there; where there
 // is none it begins a track. Tracks that took none of the last B corner events end with the next
-// event that has company. One thread at a time. process() is O(1) per event, whatever the number of
+// supported event. One thread at a time. process() is O(1) per event, whatever the number of
 // tracks, and allocates nothing; all memory is taken in the constructor. A stamp that goes back
 // counts as the latest one.
 // Source: the authors' release of the GRVC event feature tracker (grvc_ef_tracker), which the ASAP
@@ -58,7 +58,7 @@ class FeatureTracker {
   void process(EventSpan events) noexcept;
 
   // As above, and labels[i] is the id of the track that took events[i]: -1 where it is no corner, a
-  // corner without company, or dropped. Throws std::invalid_argument if the sizes differ.
+  // unsupported corner, or dropped. Throws std::invalid_argument if the sizes differ.
   void process(EventSpan events, std::span<std::int32_t> labels);
 
   // The tracks, first created first.

@@ -1,5 +1,5 @@
-// OutageReserve: the part of the latency bound that is left free for outages. On a machine with
-// company the thread is taken off the processor for milliseconds, again and again; what is in work
+// OutageReserve: the part of the latency bound that is left free for outages. On a busy
+// machine the thread is taken off the processor for milliseconds, again and again; what is in work
 // then ends as much too late, and no replanning makes up for an outage at the end of a package. So
 // a scheme plans with a shorter bound where more than a few in a thousand events have come late:
 // each package moves the reserve by its late share less what is tolerated, until the late share
