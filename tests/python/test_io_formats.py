@@ -428,8 +428,8 @@ class TestErrors:
         with pytest.raises(OSError, match="irectory"):
             asap.load(tmp_path)
 
-    @pytest.mark.parametrize("name", ["a.raw", "a.dat", "a.es", "a.aedat", "a.bag", "a.db3",
-                                      "a.mcap", "a.bs2", "a.bin", "a.xyz"])  # fmt: skip
+    @pytest.mark.parametrize("name", ["a.es", "a.aedat", "a.bag", "a.db3", "a.mcap", "a.bs2",
+                                      "a.bin", "a.xyz"])  # fmt: skip
     def test_formats_that_are_not_served(self, tmp_path: Path, name: str) -> None:
         (tmp_path / name).write_bytes(bytes(range(256)))
         with pytest.raises(UnsupportedFormat, match=r"is not read yet.*aedat4") as error:
@@ -439,12 +439,12 @@ class TestErrors:
     @pytest.mark.parametrize(
         "head",
         [
-            b"% evt 3.0\n",
-            b"% camera\n% format EVT3;height=720\n% end\n",
-            b"% Data file containing CD\n",
+            b"% evt 4.0\n",
+            b"% camera\n% format EVT4;height=720\n% end\n",
+            b"% Data file containing",
         ],
     )
-    def test_raw_under_another_name(self, tmp_path: Path, head: bytes) -> None:
+    def test_prophesee_of_another_encoding(self, tmp_path: Path, head: bytes) -> None:
         (tmp_path / "a.txt").write_bytes(head)
         with pytest.raises(UnsupportedFormat, match="Prophesee"):
             asap.read(tmp_path / "a.txt")

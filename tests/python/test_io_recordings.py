@@ -15,7 +15,13 @@ SERVED = [
     ("derived/office.npz", "npz", None),
     ("derived/office.txt", "text", None),
     ("evt/laser_evt2.raw", "evt2", (640, 480)),
+    ("evt/drive_hd_evt3.raw", "evt3", (1280, 720)),
     ("derived/office.evt2.raw", "evt2", (346, 260)),
+    ("derived/office.evt21.raw", "evt21", (346, 260)),
+    ("derived/office.evt21_legacy.raw", "evt21", (346, 260)),
+    ("derived/office.evt3.raw", "evt3", (346, 260)),
+    ("derived/office.dat", "dat", (346, 260)),
+    ("atis/car_ncars.dat", "dat", None),
     ("aedat/office_davis346.aedat4", "aedat4", (346, 260)),
     ("aedat/cars_davis346.aedat4", "aedat4", (346, 260)),
     ("derived/office.dsec.h5", "hdf5", None),
@@ -62,8 +68,8 @@ def test_hands_without_order_is_a_question() -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        "evt/drive_hd_evt3.raw", "derived/office.dat", "derived/office.es",
-        "derived/office.aedat2.aedat", "derived/office.aedat31.aedat", "ros/mono_100.db3",
+        "derived/office.es", "derived/office.aedat2.aedat", "derived/office.aedat31.aedat",
+        "ros/mono_100.db3",
         "ros/room_person_evt3.bag", "gestures/clap.bs2", "atis/face_ncaltech.bin",
     ],
 )  # fmt: skip

@@ -13,31 +13,19 @@ constexpr std::int64_t kEvt2Range = std::int64_t{1} << 34;  // us
 }  // namespace
 
 Progress Evt2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
-  Output out{.event = events.data(), .events_end = events.data() + events.size()};
-  return decode(bytes, events, out);
+  return decode(bytes, output_to(events));
 }
 
 Progress Evt2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
                              std::span<Trigger> triggers) noexcept {
-  Output out{.event = events.data(),
-             .events_end = events.data() + events.size(),
-             .trigger = triggers.data(),
-             .triggers_end = triggers.data() + triggers.size(),
-             .keeps_triggers = true};
-  Progress progress = decode(bytes, events, out);
-  progress.triggers = static_cast<std::size_t>(out.trigger - triggers.data());
-  return progress;
+  return decode(bytes, output_to(events, triggers));
 }
 
-Progress Evt2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
-                             Output& out) noexcept {
-  const std::size_t used =
-      decode_whole_words(state_.cut, bytes, [&](const std::byte* at, std::size_t count) {
-        const std::size_t words = decode_words(at, count, out);
-        state_.offset += words * sizeof(std::uint32_t);
-        return words;
-      });
-  return {.bytes = used, .events = static_cast<std::size_t>(out.event - events.data())};
+Progress Evt2Decoder::decode(std::span<const std::byte> bytes, const Output& out) noexcept {
+  return decode_stream(state_.cut, state_.offset, bytes, out,
+                       [this](const std::byte* at, std::size_t count, Output& to) {
+                         return decode_words(at, count, to);
+                       });
 }
 
 std::size_t Evt2Decoder::decode_words(const std::byte* first, std::size_t count,
@@ -70,9 +58,7 @@ bool Evt2Decoder::decode_other(std::uint32_t word, std::uint64_t offset, Output&
     if (state_.started) return false;
     ++state_.before_start;
   } else if (type == kEvt2TimeHigh) {
-    const std::int64_t high = (state_.high & -kEvt2Range) | std::int64_t{word & 0xfffffff} << 6;
-    const bool wrapped = state_.started && state_.high - high > kEvt2Range / 2;
-    state_.high = high + (wrapped ? kEvt2Range : 0);
+    state_.high = unwrapped(state_.high, std::int64_t{word & 0xfffffff} << 6, kEvt2Range);
     state_.started = true;
   } else if (type == kEvt2Trigger) {
     const Trigger trigger{.t = state_.high + (word >> 22 & 0x3f),

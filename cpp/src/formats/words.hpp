@@ -55,6 +55,13 @@ inline void write_event(Event* out, std::uint64_t x, std::uint64_t y, std::uint6
   }
 }
 
+// The time in us whose lower bits are `low`: in the epoch of `last`, or in the next one where it
+// would fall by more than half of `range`, a power of two.
+inline std::int64_t unwrapped(std::int64_t last, std::int64_t low, std::int64_t range) noexcept {
+  const std::int64_t t = (last & -range) | low;
+  return last - t > range / 2 ? t + range : t;
+}
+
 // Where a decoder writes to. Events beyond `event` are scratch until decode() returns.
 struct Output {
   Event* event;
@@ -74,8 +81,20 @@ struct Output {
   }
 };
 
+inline Output output_to(std::span<Event> events) noexcept {
+  return {.event = events.data(), .events_end = events.data() + events.size()};
+}
+
+inline Output output_to(std::span<Event> events, std::span<Trigger> triggers) noexcept {
+  return {.event = events.data(),
+          .events_end = events.data() + events.size(),
+          .trigger = triggers.data(),
+          .triggers_end = triggers.data() + triggers.size(),
+          .keeps_triggers = true};
+}
+
 // `decode(at, count)` decodes the words from `at`, at most `count`, and returns how many it used:
-// fewer only without room for the next one.
+// fewer only without room for the next one. Returns the bytes consumed.
 template <std::size_t kSize, class Decode>
 std::size_t decode_whole_words(CutRecord<kSize>& cut, std::span<const std::byte> bytes,
                                Decode&& decode) noexcept {
@@ -97,6 +116,22 @@ std::size_t decode_whole_words(CutRecord<kSize>& cut, std::span<const std::byte>
   cut.size = bytes.size() - used;
   std::copy_n(bytes.data() + used, cut.size, cut.bytes.data());
   return bytes.size();
+}
+
+// The same with `decode(at, count, out)`; `offset` is that of the next word in the file.
+template <std::size_t kSize, class Decode>
+Progress decode_stream(CutRecord<kSize>& cut, std::uint64_t& offset,
+                       std::span<const std::byte> bytes, Output out, Decode&& decode) noexcept {
+  const Output start = out;
+  const auto count_words = [&](const std::byte* at, std::size_t count) {
+    const std::size_t decoded = decode(at, count, out);
+    offset += decoded * kSize;
+    return decoded;
+  };
+  const std::size_t used = decode_whole_words(cut, bytes, count_words);
+  return {.bytes = used,
+          .events = static_cast<std::size_t>(out.event - start.event),
+          .triggers = static_cast<std::size_t>(out.trigger - start.trigger)};
 }
 
 }  // namespace asap

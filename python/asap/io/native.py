@@ -15,7 +15,7 @@ import numpy as np
 
 from asap import _core
 from asap.events import EVENT_DTYPE, Events
-from asap.io.errors import CorruptFile
+from asap.io.errors import CorruptFile, UnsupportedFormat
 from asap.io.reader import CHUNK, Losses, Options
 
 __all__ = ["FORMATS", "Layout", "NativeReader"]
@@ -107,21 +107,45 @@ class NativeReader:
                 losses.trigger_arrays.append(seen)
 
 
-def _evt2(path: Path, head: bytes) -> Layout:
-    header = _raw_header(path, head)
-    start = header["size"]
+def _raw(path: Path, head: bytes) -> Layout:
+    header = _core.read_raw_header(head)
+    if header is None or not header["words"]:
+        raise CorruptFile(path, 0, "no header that names the encoding, such as '% evt 3.0'")
+    start, words = header["size"], header["words"]
+    make: dict[str, Callable[[], Decoder]] = {
+        "evt2": lambda: _core.Evt2Decoder(first_offset=start),
+        "evt21": lambda: _core.Evt21Decoder(
+            little_endian=header["little_endian"], first_offset=start
+        ),
+        "evt3": lambda: _core.Evt3Decoder(first_offset=start),
+    }
+    return Layout(start, make[words], header["width"], header["height"])
+
+
+def _dat(path: Path, head: bytes) -> Layout:
+    header = _core.read_dat_header(head)
+    if header is None:
+        raise CorruptFile(path, 0, "no header of text lines with type and size of an event")
+    start, version = header["size"], header["version"]
+    kind, size = header["type"], header["event_size"]
+    if kind not in (0, 12) or size != 8:
+        raise UnsupportedFormat(
+            f"{path}: DAT with events of type {kind} and {size} bytes: only the types 0 and 12 of "
+            "8 bytes are events of pixels"
+        )
+    if version not in (1, 2):
+        raise UnsupportedFormat(f"{path}: DAT of version {version}; what is read: 1 and 2")
     return Layout(
-        start, lambda: _core.Evt2Decoder(first_offset=start), header["width"], header["height"]
+        start,
+        lambda: _core.DatDecoder(version=version, first_offset=start),
+        header["width"],
+        header["height"],
     )
 
 
-def _raw_header(path: Path, head: bytes) -> dict[str, Any]:
-    header = _core.read_raw_header(head)
-    if header is None:
-        raise CorruptFile(path, 0, "no header: a line that begins with '% ' is missing")
-    return header
-
-
 FORMATS: dict[str, Callable[[Path, bytes], Layout]] = {
-    "evt2": _evt2,
+    "evt2": _raw,
+    "evt21": _raw,
+    "evt3": _raw,
+    "dat": _dat,
 }

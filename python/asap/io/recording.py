@@ -80,7 +80,7 @@ class Recording:
 
     @property
     def format(self) -> str:
-        """``"npy"``, ``"npz"``, ``"text"``, ``"csv"``, ``"aedat4"``, ``"hdf5"`` or ``"matlab"``."""
+        """Name of the format, such as ``"npy"``, ``"csv"``, ``"aedat4"`` or ``"evt3"``."""
         return self._reader.format
 
     @property
@@ -208,7 +208,7 @@ def read(
     reorder_tolerance_us: int = 0,
     stream: str | None = None,
 ) -> Recording:
-    """Open an event file: ``.npy``, ``.npz``, text ``t x y p``, csv, AEDAT4, HDF5 or MATLAB.
+    """Open an event file: NumPy, text, csv, AEDAT4, HDF5, MATLAB, Prophesee RAW or DAT.
 
     The format is found by content, then by name. Nothing but the header is read yet.
 

@@ -10,7 +10,10 @@ from asap.io.errors import CorruptFile, UnsupportedFormat
 
 __all__ = ["SERVED", "sniff"]
 
-SERVED = "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, Prophesee RAW (EVT2)"
+SERVED = (
+    "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, "
+    "Prophesee RAW (EVT2, EVT2.1, EVT3) and DAT"
+)
 
 _HEAD = 4096
 _SERVED_BYTES = (
@@ -30,8 +33,6 @@ _OTHER_BYTES = (
     (b"\x89MCAP", "MCAP"),
 )
 _OTHER_SUFFIXES = {
-    ".raw": "Prophesee RAW",
-    ".dat": "Prophesee DAT",
     ".es": "Event Stream",
     ".aedat": "AEDAT 1 to 3",
     ".bag": "rosbag 1",
@@ -44,7 +45,7 @@ _PROPHESEE_HEADER = (b"% evt ", b"% format EVT", b"% Data file containing", b"% 
 
 
 def sniff(path: Path) -> str:
-    """Return ``"npy"``, ``"npz"``, ``"aedat4"``, ``"hdf5"``, ``"matlab"`` or ``"text"``.
+    """Return the name of the format: a key of the readers.
 
     Raises
     ------
@@ -66,19 +67,29 @@ def sniff(path: Path) -> str:
     for magic, name in _OTHER_BYTES:
         if head.startswith(magic):
             raise _unsupported(path, name)
-    header = _core.read_raw_header(head)
-    if header is not None and header["words"] == "evt2":
-        return "evt2"
+    if (encoding := _prophesee(head)) is not None:
+        return encoding
+    if any(mark in head for mark in _PROPHESEE_HEADER):
+        raise _unsupported(path, "this Prophesee encoding")
     suffix = path.suffix.lower()
-    if suffix in (".npy", ".npz", ".aedat4", ".h5", ".hdf5", ".mat"):
+    if suffix in (".npy", ".npz", ".aedat4", ".h5", ".hdf5", ".mat", ".raw"):
         raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
     if suffix in _OTHER_SUFFIXES:
         raise _unsupported(path, _OTHER_SUFFIXES[suffix])
-    if any(mark in head for mark in _PROPHESEE_HEADER):
-        raise _unsupported(path, "Prophesee RAW or DAT")
     if not _is_text(head):
+        if suffix == ".dat":
+            raise CorruptFile(path, 0, "not the beginning of a .dat file")
         raise _unsupported(path, "this format")
     return "text"
+
+
+def _prophesee(head: bytes) -> str | None:
+    header = _core.read_raw_header(head)
+    if header is None:
+        return None
+    if header["words"]:
+        return str(header["words"])
+    return "dat" if header["is_dat"] or _core.read_dat_header(head) is not None else None
 
 
 def _unsupported(path: Path, name: str) -> UnsupportedFormat:

@@ -1,17 +1,11 @@
 #include "asap/formats/evt2.hpp"
 
-#include <gtest/gtest.h>
-
-#include <cstring>
-#include <vector>
-
-#include "asap/core/random.hpp"
+#include "formats/decoding.hpp"
 
 namespace asap::evt2_test {
 namespace {
 
-using Events = std::vector<Event>;
-using Triggers = std::vector<Trigger>;
+using namespace decoding;
 using Words = std::vector<std::uint32_t>;
 
 std::uint32_t high(std::uint32_t value) { return 8u << 28 | value; }
@@ -24,70 +18,26 @@ std::uint32_t trigger(std::uint32_t low, std::uint32_t id, std::uint32_t value) 
   return 10u << 28 | low << 22 | id << 8 | value;
 }
 
-std::vector<std::byte> bytes_of(const Words& words) {
-  std::vector<std::byte> bytes;
-  for (const std::uint32_t word : words) {
-    for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::byte>(word >> 8 * i));
-  }
-  return bytes;
+Decoded decode_words(const Words& words) {
+  return decode(Evt2Decoder({.first_offset = 100}), bytes_of(words));
 }
-
-struct Decoded {
-  Events events;
-  Triggers triggers;
-  std::uint64_t bad_records = 0;
-  std::uint64_t before_start = 0;
-  std::vector<std::uint64_t> noted;
-  std::size_t unfinished = 0;
-
-  friend bool operator==(const Decoded&, const Decoded&) = default;
-};
-
-// Fed in pieces of `piece` bytes, `room` events and one trigger at a time.
-Decoded decode(std::span<const std::byte> bytes, std::size_t piece = ~std::size_t{0},
-               std::size_t room = 4096) {
-  Evt2Decoder decoder({.first_offset = 100});
-  Decoded decoded;
-  while (!bytes.empty()) {
-    std::span<const std::byte> fed = bytes.first(std::min(piece, bytes.size()));
-    bytes = bytes.subspan(fed.size());
-    while (!fed.empty()) {
-      Events events(room);
-      Triggers triggers(1);
-      const Progress progress = decoder.decode(fed, events, triggers);
-      EXPECT_TRUE(progress.bytes > 0 || progress.events > 0 || progress.triggers > 0);
-      fed = fed.subspan(progress.bytes);
-      decoded.events.insert(decoded.events.end(), events.begin(),
-                            events.begin() + static_cast<std::ptrdiff_t>(progress.events));
-      decoded.triggers.insert(decoded.triggers.end(), triggers.begin(),
-                              triggers.begin() + static_cast<std::ptrdiff_t>(progress.triggers));
-    }
-  }
-  decoded.bad_records = decoder.bad_records();
-  decoded.before_start = decoder.before_start();
-  decoded.noted = {decoder.noted().begin(), decoder.noted().end()};
-  decoded.unfinished = decoder.unfinished();
-  EXPECT_EQ(decoder.triggers(), decoded.triggers.size());
-  return decoded;
-}
-
-Decoded decode(const Words& words) { return decode(bytes_of(words)); }
 
 TEST(Evt2Decoder, DecodesEveryField) {
   const Decoded decoded =
-      decode({high(1), cd(1, 5, 639, 479), cd(0, 63, 2047, 2047), cd(1, 0, 0, 0)});
+      decode_words({high(1), cd(1, 5, 639, 479), cd(0, 63, 2047, 2047), cd(1, 0, 0, 0)});
   EXPECT_EQ(decoded.events, (Events{{639, 479, 1, 69}, {2047, 2047, 0, 127}, {0, 0, 1, 64}}));
   EXPECT_EQ(decoded.bad_records, 0u);
 }
 
 TEST(Evt2Decoder, RepeatedTimeHighChangesNothing) {
-  const Decoded decoded = decode({high(7), high(7), cd(1, 1, 2, 3), high(7), cd(1, 2, 2, 3)});
+  const Decoded decoded = decode_words({high(7), high(7), cd(1, 1, 2, 3), high(7), cd(1, 2, 2, 3)});
   EXPECT_EQ(decoded.events, (Events{{2, 3, 1, 449}, {2, 3, 1, 450}}));
 }
 
 TEST(Evt2Decoder, SmallFallOfTimeHighGoesBackAndALargeOneUnwraps) {
-  const Decoded decoded = decode({high(0xfffffff), cd(1, 0, 0, 0), high(0xffffffe), cd(1, 0, 0, 0),
-                                  high(0), cd(1, 0, 0, 0), high(1), cd(1, 0, 0, 0)});
+  const Decoded decoded =
+      decode_words({high(0xfffffff), cd(1, 0, 0, 0), high(0xffffffe), cd(1, 0, 0, 0), high(0),
+                    cd(1, 0, 0, 0), high(1), cd(1, 0, 0, 0)});
   const std::int64_t range = std::int64_t{1} << 34;
   ASSERT_EQ(decoded.events.size(), 4u);
   EXPECT_EQ(decoded.events[0].t, range - 64);
@@ -97,19 +47,20 @@ TEST(Evt2Decoder, SmallFallOfTimeHighGoesBackAndALargeOneUnwraps) {
 }
 
 TEST(Evt2Decoder, DropsEventsBeforeTheFirstTimeHighAndCountsThem) {
-  const Decoded decoded = decode({cd(1, 1, 1, 1), cd(0, 2, 2, 2), high(0), cd(1, 3, 3, 3)});
+  const Decoded decoded = decode_words({cd(1, 1, 1, 1), cd(0, 2, 2, 2), high(0), cd(1, 3, 3, 3)});
   EXPECT_EQ(decoded.events, (Events{{3, 3, 1, 3}}));
   EXPECT_EQ(decoded.before_start, 2u);
 }
 
 TEST(Evt2Decoder, HandsTriggersOut) {
-  const Decoded decoded = decode({high(1), trigger(3, 6, 1), cd(1, 3, 1, 1), trigger(4, 31, 0)});
+  const Decoded decoded =
+      decode_words({high(1), trigger(3, 6, 1), cd(1, 3, 1, 1), trigger(4, 31, 0)});
   EXPECT_EQ(decoded.triggers, (Triggers{{67, 6, 1}, {68, 31, 0}}));
   EXPECT_EQ(decoded.events.size(), 1u);
 }
 
 TEST(Evt2Decoder, CountsTriggersWithoutASpan) {
-  const auto bytes = bytes_of({high(1), trigger(3, 6, 1), trigger(4, 6, 0), cd(1, 0, 1, 1)});
+  const auto bytes = bytes_of(Words{high(1), trigger(3, 6, 1), trigger(4, 6, 0), cd(1, 0, 1, 1)});
   Evt2Decoder decoder;
   Events events(1);
   EXPECT_EQ(decoder.decode(bytes, events), (Progress{.bytes = 16, .events = 1}));
@@ -117,27 +68,27 @@ TEST(Evt2Decoder, CountsTriggersWithoutASpan) {
 }
 
 TEST(Evt2Decoder, PassesOthersAndNotesUnknownTypes) {
-  const Decoded decoded = decode({high(0), 14u << 28 | 5, 15u << 28 | 7, 2u << 28, 9u << 28});
+  const Decoded decoded = decode_words({high(0), 14u << 28 | 5, 15u << 28 | 7, 2u << 28, 9u << 28});
   EXPECT_EQ(decoded.bad_records, 2u);
-  EXPECT_EQ(decoded.noted, (std::vector<std::uint64_t>{112, 116}));
+  EXPECT_EQ(decoded.noted, (Offsets{112, 116}));
 }
 
 TEST(Evt2Decoder, WordsWithoutEventsNeedNoRoom) {
-  const auto bytes = bytes_of({high(0), cd(1, 0, 1, 1), high(1), high(2)});
+  const auto bytes = bytes_of(Words{high(0), cd(1, 0, 1, 1), high(1), high(2)});
   Evt2Decoder decoder;
   Events events(1);
   EXPECT_EQ(decoder.decode(bytes, events), (Progress{.bytes = 16, .events = 1}));
 }
 
 TEST(Evt2Decoder, SaysHowMuchOfAWordIsThere) {
-  auto bytes = bytes_of({high(0), cd(1, 0, 1, 1)});
+  auto bytes = bytes_of(Words{high(0), cd(1, 0, 1, 1)});
   bytes.resize(7);
-  EXPECT_EQ(decode(bytes).unfinished, 3u);
-  EXPECT_TRUE(decode(bytes).events.empty());
+  EXPECT_EQ(decode(Evt2Decoder{}, bytes).unfinished, 3u);
+  EXPECT_TRUE(decode(Evt2Decoder{}, bytes).events.empty());
 }
 
 TEST(Evt2Decoder, ResetForgetsEverything) {
-  const auto bytes = bytes_of({high(9), 2u << 28, cd(1, 0, 1, 1), trigger(0, 0, 0)});
+  const auto bytes = bytes_of(Words{high(9), 2u << 28, cd(1, 0, 1, 1), trigger(0, 0, 0)});
   Evt2Decoder decoder;
   Events events(4);
   EXPECT_EQ(decoder.decode(std::span(bytes).first(15), events).events, 1u);
@@ -157,13 +108,7 @@ TEST(Evt2Decoder, CutsAndRoomMakeNoDifference) {
     const std::uint64_t kind = bits >> 60;
     words.push_back(kind < 11 ? low & 0x1fffffff : kind < 14 ? high(low >> 6) : low);
   }
-  const auto bytes = bytes_of(words);
-  const Decoded whole = decode(bytes);
-  EXPECT_GT(whole.events.size(), 1000u);
-  EXPECT_GT(whole.triggers.size(), 5u);
-  for (std::size_t piece = 1; piece < 40; ++piece) {
-    EXPECT_EQ(decode(bytes, piece, 1 + piece % 5), whole) << piece;
-  }
+  expect_cuts_and_room_make_no_difference(Evt2Decoder{}, bytes_of(words));
 }
 
 }  // namespace

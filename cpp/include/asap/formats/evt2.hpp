@@ -59,7 +59,7 @@ class Evt2Decoder {
     CutRecord<4> cut;
   };
 
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events, Output& out) noexcept;
+  Progress decode(std::span<const std::byte> bytes, const Output& out) noexcept;
   std::size_t decode_words(const std::byte* first, std::size_t count, Output& out) noexcept;
   bool decode_other(std::uint32_t word, std::uint64_t offset, Output& out) noexcept;
 

@@ -1,0 +1,82 @@
+#include "asap/formats/dat.hpp"
+
+#include "asap/core/check.hpp"
+#include "formats/words.hpp"
+
+namespace asap {
+
+namespace {
+
+constexpr std::int64_t kDatRange = std::int64_t{1} << 32;  // us
+constexpr std::size_t kDatEvent = 8;                       // bytes
+constexpr std::size_t kDatProbe = 65536;                   // bytes
+
+std::uint32_t dat_address(const std::byte* first, std::size_t i) noexcept {
+  return load_little<std::uint32_t>(first + i * kDatEvent + 4);
+}
+
+// Version 1 leaves the upper 14 bits free.
+int version_of(std::span<const std::byte> events) noexcept {
+  std::uint32_t all = 0;
+  for (std::size_t i = 0; i < std::min(events.size(), kDatProbe) / kDatEvent; ++i) {
+    all |= dat_address(events.data(), i);
+  }
+  return all != 0 && all >> 18 == 0 ? 1 : 2;
+}
+
+}  // namespace
+
+std::optional<DatHeader> read_dat_header(std::span<const std::byte> bytes) noexcept {
+  const auto text = read_raw_header(bytes);
+  if (!text || text->words != RawHeader::Words::unknown || bytes.size() < text->size + 2) {
+    return std::nullopt;
+  }
+  DatHeader header{.size = text->size + 2,
+                   .version = text->version,
+                   .type = static_cast<std::uint8_t>(bytes[text->size]),
+                   .event_size = static_cast<std::uint8_t>(bytes[text->size + 1]),
+                   .width = text->width,
+                   .height = text->height};
+  if (!text->is_dat && header.event_size != kDatEvent) return std::nullopt;
+  if (header.type == '%') return std::nullopt;  // a header line that is cut
+  if (header.version < 0) header.version = version_of(bytes.subspan(header.size));
+  return header;
+}
+
+DatDecoder::DatDecoder(DatConfig config) : config_(config) {
+  require(config.version == 1 || config.version == 2, "version", config.version, "use 1 or 2");
+  reset();
+}
+
+Progress DatDecoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
+  return decode_stream(state_.cut, state_.offset, bytes, output_to(events),
+                       [this](const std::byte* at, std::size_t count, Output& out) {
+                         return config_.version == 1 ? decode_words<1>(at, count, out)
+                                                     : decode_words<2>(at, count, out);
+                       });
+}
+
+template <int kVersion>
+std::size_t DatDecoder::decode_words(const std::byte* first, std::size_t count,
+                                     Output& out) noexcept {
+  const std::size_t end = std::min(count, out.room());
+  Event* event = out.event;
+  std::int64_t epoch = state_.t & -kDatRange, last = state_.t - epoch;
+  for (std::size_t i = 0; i < end; ++i) {
+    const std::int64_t low = load_little<std::uint32_t>(first + i * kDatEvent);
+    if (last - low > kDatRange / 2) epoch += kDatRange;
+    last = low;
+    const std::int64_t t = epoch + low;
+    const std::uint64_t address = dat_address(first, i);
+    if constexpr (kVersion == 1) {
+      write_event(event++, address & 0x1ff, address >> 9 & 0xff, address >> 17 & 1, t);
+    } else {
+      write_event(event++, address & 0x3fff, address >> 14 & 0x3fff, address >> 28, t);
+    }
+  }
+  out.event = event;
+  state_.t = epoch + last;
+  return end;
+}
+
+}  // namespace asap

@@ -1,0 +1,176 @@
+#include "asap/formats/evt3.hpp"
+
+#include <bit>
+
+#include "formats/words.hpp"
+
+namespace asap {
+
+namespace {
+
+enum Evt3Type : std::uint32_t {
+  kAddrY = 0,
+  kAddrX = 2,
+  kVectBase = 3,
+  kVect12 = 4,
+  kVect8 = 5,
+  kTimeLow = 6,
+  kContinued4 = 7,
+  kTimeHigh = 8,
+  kEvt3Trigger = 10,
+  kEvt3Others = 14,
+  kContinued12 = 15
+};
+
+constexpr std::int64_t kEvt3Range = std::int64_t{1} << 24;  // us
+constexpr std::uint32_t kEvt3Address = 0x7ff;
+
+constexpr std::uint32_t set_of(auto... types) noexcept { return ((1u << types) | ...); }
+
+// They change the state by one field or give one event.
+constexpr std::uint32_t kPlain = set_of(kAddrY, kAddrX, kTimeLow);
+constexpr std::uint32_t kKnown = kPlain | set_of(kVectBase, kVect12, kVect8, kContinued4, kTimeHigh,
+                                                 kEvt3Trigger, kEvt3Others, kContinued12);
+
+std::uint32_t evt3_word(const std::byte* first, std::size_t i) noexcept {
+  return load_little<std::uint16_t>(first + i * sizeof(std::uint16_t));
+}
+
+std::uint32_t vector_mask(std::uint32_t word) noexcept {
+  return word & (word >> 12 == kVect12 ? 0xfff : 0xff);
+}
+
+std::uint32_t moved_base(std::uint32_t base, std::uint32_t word) noexcept {
+  return (base & 0x10000) | ((base + (word >> 12 == kVect12 ? 12 : 8)) & 0xffff);
+}
+
+// The events of a vector. `base` holds x in its lower 16 bits and p above.
+Event* write_vector(Event* out, std::uint32_t word, std::uint32_t base, std::uint32_t y,
+                    std::int64_t t) noexcept {
+  for (std::uint32_t mask = vector_mask(word); mask != 0; mask &= mask - 1) {
+    const std::uint32_t x = base + static_cast<std::uint32_t>(std::countr_zero(mask));
+    write_event(out++, x & 0xffff, y, base >> 16, t);
+  }
+  return out;
+}
+
+}  // namespace
+
+Progress Evt3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
+  return decode(bytes, output_to(events));
+}
+
+Progress Evt3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
+                             std::span<Trigger> triggers) noexcept {
+  return decode(bytes, output_to(events, triggers));
+}
+
+Progress Evt3Decoder::decode(std::span<const std::byte> bytes, const Output& out) noexcept {
+  return decode_stream(state_.cut, state_.offset, bytes, out,
+                       [this](const std::byte* at, std::size_t count, Output& to) {
+                         return decode_words(at, count, to);
+                       });
+}
+
+std::size_t Evt3Decoder::decode_words(const std::byte* first, std::size_t count,
+                                      Output& out) noexcept {
+  std::size_t i = 0;
+  while (i < count) {
+    const bool knows_all = state_.high_word != 0 && state_.has_y;
+    const std::size_t safe = knows_all ? out.room() / kMostPerRecord : 0;
+    i = decode_plain(first, i, i + std::min(count - i, safe), out);
+    if (i == count) break;
+    if (!decode_any(evt3_word(first, i), state_.offset + i * sizeof(std::uint16_t), out)) break;
+    ++i;
+  }
+  return i;
+}
+
+// Until a word that is rare. Room for a vector per word.
+std::size_t Evt3Decoder::decode_plain(const std::byte* first, std::size_t i, std::size_t end,
+                                      Output& out) noexcept {
+  Event* event = out.event;
+  std::int64_t t = state_.t;
+  std::uint32_t y = state_.y, base = state_.base;
+  const std::int64_t high = state_.high;
+  const std::uint32_t repeated = state_.high_word;
+  const bool has_base = state_.has_base;
+  for (; i < end; ++i) {
+    const std::uint32_t word = evt3_word(first, i);
+    const std::uint32_t type = word >> 12;
+    if ((kPlain >> type & 1) != 0 || word == repeated) {
+      // Moves instead of branches, which would be mispredicted: any word is written as an event.
+      y = type == kAddrY ? word & kEvt3Address : y;
+      t = type == kTimeLow ? high + (word & 0xfff) : t;
+      write_event(event, word & kEvt3Address, y, word >> 11 & 1, t);
+      event += type == kAddrX;
+    } else if (!has_base) {
+      break;
+    } else if (type == kVectBase) {
+      base = (word & kEvt3Address) | (word << 5 & 0x10000);
+    } else if (type == kVect12 || type == kVect8) {
+      event = write_vector(event, word, base, y, t);
+      base = moved_base(base, word);
+    } else {
+      break;
+    }
+  }
+  out.event = event;
+  state_.t = t;
+  state_.y = y;
+  state_.base = base;
+  return i;
+}
+
+// False without room for it.
+bool Evt3Decoder::decode_any(std::uint32_t word, std::uint64_t offset, Output& out) noexcept {
+  const std::uint32_t type = word >> 12;
+  const bool has_time = state_.high_word != 0;
+  if (type == kAddrY) {
+    state_.y = word & kEvt3Address;
+    state_.has_y = true;
+  } else if (type == kAddrX) {
+    if (!has_time || !state_.has_y) {
+      ++state_.before_start;
+    } else if (out.room() == 0) {
+      return false;
+    } else {
+      write_event(out.event++, word & kEvt3Address, state_.y, word >> 11 & 1, state_.t);
+    }
+  } else if (type == kVectBase) {
+    state_.base = (word & kEvt3Address) | (word << 5 & 0x10000);
+    state_.has_base = true;
+  } else if (type == kVect12 || type == kVect8) {
+    const auto count = static_cast<std::size_t>(std::popcount(vector_mask(word)));
+    if (!has_time || !state_.has_y || !state_.has_base) {
+      state_.before_start += count;
+    } else if (count > out.room()) {
+      return false;
+    } else {
+      out.event = write_vector(out.event, word, state_.base, state_.y, state_.t);
+    }
+    state_.base = moved_base(state_.base, word);
+  } else if (type == kTimeLow) {
+    state_.t = state_.high + (word & 0xfff);
+  } else if (type == kTimeHigh) {
+    take_time_high(word);
+  } else if (type == kEvt3Trigger) {
+    const Trigger trigger{.t = state_.t,
+                          .id = static_cast<std::uint16_t>(word >> 8 & 0xf),
+                          .value = static_cast<std::uint16_t>(word & 1)};
+    if (has_time && !out.take(trigger)) return false;
+    ++state_.triggers;
+  } else if ((kKnown >> type & 1) == 0) {
+    state_.bad.add(offset);
+  }
+  return true;
+}
+
+void Evt3Decoder::take_time_high(std::uint32_t word) noexcept {
+  if (word == state_.high_word) return;
+  state_.high = unwrapped(state_.high, std::int64_t{word & 0xfff} << 12, kEvt3Range);
+  state_.t = state_.high;
+  state_.high_word = word;
+}
+
+}  // namespace asap

@@ -1,0 +1,79 @@
+// What holds for every decoder of bytes: it makes progress, stays within its room, and how the
+// bytes are cut and how much room there is makes no difference.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "asap/core/event.hpp"
+#include "asap/formats/progress.hpp"
+#include "bytes.hpp"
+
+namespace asap::fuzz {
+
+struct Decoded {
+  std::vector<Event> events;
+  std::vector<Trigger> triggers;
+
+  friend bool operator==(const Decoded&, const Decoded&) = default;
+};
+
+struct Room {
+  std::size_t events, triggers;
+};
+
+// Arrays of the exact size, so that the sanitizer sees a write beyond them.
+template <class Decoder>
+Decoded decode_in_pieces(Decoder& decoder, std::span<const std::byte> bytes, std::size_t piece,
+                         Room room) {
+  Decoded all;
+  std::vector<Event> events(room.events);
+  std::vector<Trigger> triggers(room.triggers);
+  while (!bytes.empty()) {
+    auto fed = bytes.first(std::min(piece, bytes.size()));
+    bytes = bytes.subspan(fed.size());
+    while (!fed.empty()) {
+      Progress done;
+      if constexpr (requires { decoder.decode(fed, events, triggers); }) {
+        done = decoder.decode(fed, events, triggers);
+      } else {
+        done = decoder.decode(fed, events);
+      }
+      check(done.bytes <= fed.size() && done.events <= room.events &&
+            done.triggers <= room.triggers);
+      check(done.bytes + done.events + done.triggers > 0);
+      all.events.insert(all.events.end(), events.begin(),
+                        events.begin() + static_cast<std::ptrdiff_t>(done.events));
+      all.triggers.insert(all.triggers.end(), triggers.begin(),
+                          triggers.begin() + static_cast<std::ptrdiff_t>(done.triggers));
+      fed = fed.subspan(done.bytes);
+    }
+  }
+  return all;
+}
+
+template <class Decoder>
+bool same_books(const Decoder& a, const Decoder& b) {
+  if constexpr (requires { a.triggers(); }) check(a.triggers() == b.triggers());
+  if constexpr (requires { a.before_start(); }) check(a.before_start() == b.before_start());
+  return a.unfinished() == b.unfinished() && a.bad_records() == b.bad_records() &&
+         std::ranges::equal(a.noted(), b.noted());
+}
+
+template <class Decoder>
+void check_decoder(const Decoder& fresh, Bytes& bytes) {
+  const std::size_t piece = 1 + bytes.below(64);
+  const Room little{Decoder::kMostPerRecord + bytes.below(16), 1 + bytes.below(3)};
+  const std::span<const std::byte> input = std::as_bytes(bytes.rest());
+  const Room ample{256, 64};
+  Decoder whole = fresh, cut = fresh;
+  const Decoded decoded = decode_in_pieces(whole, input, input.size(), ample);
+  check(decode_in_pieces(cut, input, piece, little) == decoded);
+  check(same_books(whole, cut));
+  check(std::ranges::all_of(whole.noted(), [&](auto at) { return at < input.size(); }));
+  whole.reset();
+  check(decode_in_pieces(whole, input, input.size(), ample) == decoded);
+}
+
+}  // namespace asap::fuzz

@@ -1,0 +1,10 @@
+// Evt2Decoder: any words.
+#include "asap/formats/evt2.hpp"
+
+#include "any_decoder.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  asap::fuzz::Bytes bytes(data, size);
+  asap::fuzz::check_decoder(asap::Evt2Decoder{}, bytes);
+  return 0;
+}

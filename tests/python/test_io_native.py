@@ -1,0 +1,279 @@
+"""Prophesee RAW and DAT files: every event, every cut, triggers, bad words, headers."""
+
+from __future__ import annotations
+
+import tracemalloc
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asap
+import raw_files
+from asap import _core
+from asap.events import Events
+from asap.io import CorruptFile, TruncatedFileWarning, UnsupportedFormat
+from corrupt import clean_events
+from event_files import assert_equal_events
+from raw_files import WRITERS
+
+EVENTS = clean_events(2000)
+
+
+@pytest.fixture(params=WRITERS)
+def kind(request: pytest.FixtureRequest) -> str:
+    name: str = request.param
+    return name
+
+
+@pytest.fixture
+def path(kind: str, tmp_path: Path) -> Path:
+    """A file of EVENTS; its stem is the name of the format."""
+    suffix = "dat" if kind == "dat" else "raw"
+    return WRITERS[kind](tmp_path / f"{kind.removesuffix('_legacy')}.{suffix}", EVENTS)
+
+
+def raw(tmp_path: Path, words: list[int], encoding: str = "3.0", dtype: str = "<u2") -> Path:
+    file = tmp_path / "some.raw"
+    file.write_bytes(f"% evt {encoding}\n".encode() + np.array(words, dtype).tobytes())
+    return file
+
+
+def evt3(kind: int, value: int) -> int:
+    return kind << 12 | value
+
+
+Y, X, LOW, HIGH, TRIGGER = 0, 2, 6, 8, 10
+
+
+class TestWhole:
+    def test_events_and_sensor(self, path: Path) -> None:
+        rec = asap.read(path)
+        assert (rec.format, rec.width, rec.height) == (path.stem, 346, 260)
+        for _ in range(2):
+            assert_equal_events(np.concatenate(list(rec)), EVENTS)
+        assert set(rec.rejected.values()) == {0}
+        assert rec.received == len(EVENTS)
+
+    @pytest.mark.parametrize("suffix", [".raw", ".dat", ".npy", ".txt", ".bin", ".aedat4", ""])
+    def test_content_decides(self, path: Path, suffix: str) -> None:
+        renamed = path.rename(path.with_name(f"recording{suffix}"))
+        rec = asap.read(renamed)
+        assert rec.format == path.stem
+        assert_equal_events(np.concatenate(list(rec)), EVENTS)
+
+    def test_pieces_and_chunks_make_no_difference(self, path: Path, kind: str) -> None:
+        many = clean_events(150_000)
+        WRITERS[kind](path, many)
+        chunks = list(asap.read(path))
+        assert len(chunks) > 2
+        assert_equal_events(np.concatenate(chunks), many)
+
+    def test_memory_does_not_grow_with_the_file(self, path: Path, kind: str) -> None:
+        many = clean_events(1_000_000)
+        WRITERS[kind](path, many)
+        tracemalloc.start()
+        assert sum(map(len, asap.read(path))) == len(many)
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert peak < 8 << 20
+
+
+class TestTruncated:
+    def test_at_every_byte(self, path: Path, kind: str) -> None:
+        header = WRITERS[kind](path, EVENTS[:0]).stat().st_size
+        content = WRITERS[kind](path, EVENTS[:20]).read_bytes()
+        record = {"evt2": 4, "evt3": 2}.get(path.stem, 8)
+        for size in range(header, len(content)):
+            path.write_bytes(content[:size])
+            rest = (size - header) % record
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                rec = asap.read(path)
+                try:
+                    chunks = list(rec)
+                except CorruptFile as error:  # nothing at all could be read
+                    assert error.offset == size - rest
+                    chunks = [EVENTS[:0]]
+            events = np.concatenate([EVENTS[:0], *chunks])
+            assert_equal_events(events, EVENTS[: len(events)])
+            assert rec.truncated_at == (size - rest if rest else None)
+            assert len(caught) == (rest > 0)
+        assert len(events) == 19
+
+    def test_raises_if_bad_data_raise(self, path: Path) -> None:
+        content = path.read_bytes()
+        path.write_bytes(content[:-1])
+        with pytest.raises(CorruptFile, match=r"byte \d+: the last record is cut"):
+            asap.load(path, on_bad="raise")
+        with pytest.warns(TruncatedFileWarning, match="the last record is cut"):
+            assert_equal_events(asap.load(path), EVENTS[:-1])
+
+    def test_in_the_header_is_an_error_or_nothing(self, path: Path) -> None:
+        content = path.read_bytes()
+        end = content.index(b"260") + 3
+        for size in range(end):
+            path.write_bytes(content[:size])
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", TruncatedFileWarning)
+                try:
+                    assert len(asap.load(path)) == 0
+                except ValueError as error:
+                    assert path.name in str(error)
+
+
+class TestTriggers:
+    def check(self, path: Path, expected: list[tuple[int, int, int]]) -> None:
+        rec = asap.read(path)
+        assert len(rec.triggers) == rec.trigger_count == 0
+        for _ in range(2):
+            assert sum(map(len, rec)) == 1
+            assert rec.triggers.dtype.names == ("t", "id", "value")
+            assert rec.triggers.tolist() == expected
+            assert rec.trigger_count == len(expected)
+
+    def test_evt2(self, tmp_path: Path) -> None:
+        words = [8 << 28 | 1, 10 << 28 | 5 << 22 | 6 << 8 | 1, 1 << 28, 10 << 28 | 7 << 22]
+        self.check(raw(tmp_path, words, "2.0", "<u4"), [(69, 6, 1), (71, 0, 0)])
+
+    def test_evt21(self, tmp_path: Path) -> None:
+        words = [8 << 60 | 1 << 32, 10 << 60 | 5 << 54 | 6 << 40 | 1 << 32, 1 << 60 | 1]
+        legacy = [word >> 32 | (word & 0xFFFFFFFF) << 32 for word in words]
+        self.check(raw(tmp_path, legacy, "2.1", "<u8"), [(69, 6, 1)])
+
+    def test_evt3(self, tmp_path: Path) -> None:
+        words = [evt3(HIGH, 1), evt3(LOW, 2), evt3(TRIGGER, 6 << 8 | 1), evt3(Y, 1), evt3(X, 1)]
+        self.check(raw(tmp_path, words), [(4098, 6, 1)])
+
+    def test_more_than_fit_at_once(self, tmp_path: Path) -> None:
+        count = 300_000
+        words = [evt3(HIGH, 1), evt3(Y, 1), evt3(X, 1)] + [evt3(TRIGGER, 1)] * count
+        rec = asap.read(raw(tmp_path, words))
+        assert sum(map(len, rec)) == 1
+        assert len(rec.triggers) == rec.trigger_count == count
+
+    def test_other_formats_have_none(self, tmp_path: Path) -> None:
+        np.save(tmp_path / "events.npy", EVENTS)
+        rec = asap.read(tmp_path / "events.npy")
+        assert sum(map(len, rec)) == len(EVENTS)
+        assert (len(rec.triggers), rec.trigger_count) == (0, 0)
+
+
+class TestBadWords:
+    def test_are_counted_with_their_offsets(self, tmp_path: Path) -> None:
+        words = [evt3(HIGH, 1), evt3(Y, 1), evt3(X, 1), evt3(13, 5), evt3(X, 2), evt3(1, 0)]
+        path = raw(tmp_path, words)
+        rec = asap.read(path)
+        assert np.concatenate(list(rec))["x"].tolist() == [1, 2]
+        assert rec.rejected["bad_record"] == 2
+        assert rec.bad_offsets == (len("% evt 3.0\n") + 6, len("% evt 3.0\n") + 10)
+        with pytest.raises(CorruptFile, match="byte 16: no record of a file in evt3"):
+            asap.load(path, on_bad="raise")
+
+    def test_events_before_the_first_time_are_counted(self, tmp_path: Path) -> None:
+        rec = asap.read(raw(tmp_path, [evt3(Y, 1), evt3(X, 1), evt3(HIGH, 0), evt3(X, 2)]))
+        assert sum(map(len, rec)) == 1
+        assert rec.rejected["before_start"] == 1
+        assert rec.received == 2
+
+
+class TestDat:
+    @pytest.mark.parametrize("kind", [0, 12])
+    def test_types_of_pixel_events(self, tmp_path: Path, kind: int) -> None:
+        path = raw_files.write_dat(tmp_path / "some.dat", EVENTS, kind=kind)
+        assert_equal_events(asap.load(path), EVENTS)
+
+    @pytest.mark.parametrize("stated", ["% Version 1\n", ""])
+    def test_version_1(self, tmp_path: Path, stated: str) -> None:
+        events = EVENTS[(EVENTS["x"] < 304) & (EVENTS["y"] < 240)]
+        words = raw_files.dat1_words(events).tobytes()
+        path = tmp_path / "some.dat"
+        header = f"% Data file containing TD events.\n{stated}% Width 304\n% Height 240\n"
+        path.write_bytes(header.encode() + b"\x00\x08" + words)
+        rec = asap.read(path)
+        assert (rec.width, rec.height) == (304, 240)
+        assert_equal_events(np.concatenate(list(rec)), events)
+
+    @pytest.mark.parametrize(
+        ("version", "kind", "size", "words"),
+        [(2, 14, 8, "type 14 and 8 bytes"), (2, 12, 16, "16 bytes"), (3, 12, 8, "version 3")],
+    )
+    def test_others_are_refused(
+        self, tmp_path: Path, version: int, kind: int, size: int, words: str
+    ) -> None:
+        header = raw_files.DAT_HEADER.format(version=version, w=2, h=2).encode()
+        (tmp_path / "some.dat").write_bytes(header + bytes([kind, size]) + bytes(32))
+        with pytest.raises(UnsupportedFormat, match=words):
+            asap.read(tmp_path / "some.dat")
+
+
+class TestWithoutAHeader:
+    @pytest.mark.parametrize("suffix", [".raw", ".dat"])
+    def test_bytes_are_corrupt(self, tmp_path: Path, suffix: str) -> None:
+        path = tmp_path / f"some{suffix}"
+        path.write_bytes(raw_files.evt2_words(EVENTS).tobytes())
+        with pytest.raises(CorruptFile, match=rf"byte 0: not the beginning of a {suffix} file"):
+            asap.read(path)
+
+    def test_text_in_a_dat_is_text(self, tmp_path: Path) -> None:
+        path = tmp_path / "some.dat"
+        path.write_text("% t x y p\n5 1 2 0\n")
+        assert asap.load(path)["t"].tolist() == [5]
+
+    def test_another_encoding_is_named_as_such(self, tmp_path: Path) -> None:
+        path = tmp_path / "some.raw"
+        path.write_bytes(b"% evt 4.0\n% end\n" + bytes(16))
+        with pytest.raises(UnsupportedFormat, match=r"this Prophesee encoding .*EVT2, EVT2\.1"):
+            asap.read(path)
+
+
+DECODERS = {
+    "evt2": lambda: _core.Evt2Decoder(),
+    "evt21": lambda: _core.Evt21Decoder(little_endian=True),
+    "evt3": lambda: _core.Evt3Decoder(),
+    "dat": lambda: _core.DatDecoder(),
+}
+
+
+@pytest.mark.parametrize("name", DECODERS)
+class TestBindings:
+    def words(self, name: str, events: Events = EVENTS) -> bytes:
+        words: bytes = getattr(raw_files, f"{name}_words")(events).tobytes()
+        return words
+
+    def test_decode_takes_any_buffer(self, name: str) -> None:
+        for kind in (bytes, bytearray, memoryview, lambda b: np.frombuffer(b, np.uint8)):
+            events = DECODERS[name]().decode(kind(self.words(name)))
+            assert_equal_events(events, EVENTS)
+
+    def test_decode_into_says_how_far_it_came(self, name: str) -> None:
+        decoder, words = DECODERS[name](), self.words(name)
+        out = np.empty(100, asap.EVENT_DTYPE)
+        used, written = decoder.decode_into(words, out)
+        assert written == 100 and 0 < used < len(words)
+        assert_equal_events(out, EVENTS[:100])
+        rest = decoder.decode(words[used:])
+        assert_equal_events(rest, EVENTS[100:])
+        decoder.reset()
+        assert_equal_events(decoder.decode(words), EVENTS)
+
+    @pytest.mark.parametrize(
+        ("out", "error"),
+        [(np.empty(4, "i8"), TypeError), (EVENTS[::2], TypeError), (None, TypeError)],
+    )
+    def test_decode_into_takes_our_events_only(self, name: str, out: Any, error: type) -> None:
+        with pytest.raises(error):
+            DECODERS[name]().decode_into(self.words(name), out)
+
+    def test_decode_into_refuses_what_is_read_only(self, name: str) -> None:
+        out = np.empty(4, asap.EVENT_DTYPE)
+        out.flags.writeable = False
+        with pytest.raises(ValueError, match="out = read-only array: give a writable one"):
+            DECODERS[name]().decode_into(self.words(name), out)
+
+    def test_first_offset_is_checked(self, name: str) -> None:
+        kind = type(DECODERS[name]())
+        with pytest.raises((ValueError, TypeError), match="first_offset"):
+            kind(first_offset=-1)
