@@ -21,22 +21,6 @@ void end_message(State& state) noexcept {
   state.cut = {};
 }
 
-// `decode_records(at, count, events, written)` writes from the front of `events`.
-template <class State, class Decode>
-Progress decode_packet(State& state, std::span<const std::byte> bytes, std::span<Event> events,
-                       Decode&& decode_records) noexcept {
-  std::size_t written = 0;
-  const std::size_t used =
-      decode_whole_words(state.cut, bytes, [&](const std::byte* at, std::size_t count) {
-        std::size_t fresh = 0;
-        const std::size_t records = decode_records(at, count, events.subspan(written), fresh);
-        written += fresh;
-        state.offset += records * state.cut.bytes.size();
-        return records;
-      });
-  return {.bytes = used, .events = written};
-}
-
 }  // namespace
 
 // ---- mono ---------------------------------------------------------------------------------------
@@ -53,19 +37,18 @@ void MonoDecoder::begin(std::uint64_t time_base_ns) noexcept {
 }
 
 Progress MonoDecoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
-  const auto decode_records = [this](const std::byte* at, std::size_t count, std::span<Event> out,
-                                     std::size_t& written) noexcept {
-    written = std::min(count, out.size());
+  const auto decode_records = [this](const std::byte* at, std::size_t count, Output& out) {
+    const std::size_t records = std::min(count, out.room());
     const std::int64_t base_us = state_.base_us;
     const std::uint64_t rest_ns = state_.base_rest_ns;
-    for (std::size_t i = 0; i < written; ++i) {
+    for (std::size_t i = 0; i < records; ++i) {
       const auto word = load_little<std::uint64_t>(at + i * sizeof(std::uint64_t));
-      write_event(&out[i], word >> 32 & 0xffff, word >> 48 & 0x7fff, word >> 63,
+      write_event(out.event++, word >> 32 & 0xffff, word >> 48 & 0x7fff, word >> 63,
                   base_us + whole_us(rest_ns + (word & 0xffffffff)));
     }
-    return written;
+    return records;
   };
-  return decode_packet(state_, bytes, events, decode_records);
+  return decode_stream(state_.cut, state_.offset, bytes, output_to(events), decode_records);
 }
 
 // ---- libcaer ------------------------------------------------------------------------------------
@@ -83,18 +66,19 @@ void LibcaerDecoder::begin(std::uint64_t time_base_ns) noexcept {
 
 Progress LibcaerDecoder::decode(std::span<const std::byte> bytes,
                                 std::span<Event> events) noexcept {
-  return decode_packet(
-      state_, bytes, events,
-      [this](const std::byte* at, std::size_t count, std::span<Event> out,
-             std::size_t& written) noexcept { return decode_records(at, count, out, written); });
+  return decode_stream(state_.cut, state_.offset, bytes, output_to(events),
+                       [this](const std::byte* at, std::size_t count, Output& out) {
+                         return decode_records(at, count, out);
+                       });
 }
 
 std::size_t LibcaerDecoder::decode_records(const std::byte* first, std::size_t count,
-                                           std::span<Event> events, std::size_t& written) noexcept {
+                                           Output& out) noexcept {
   std::size_t i = 0;
   std::int64_t base_us = state_.base_us;
   std::int32_t last = state_.last_stamp;
-  for (; i < count && written < events.size(); ++i) {
+  Event* event = out.event;
+  for (; i < count && event != out.events_end; ++i) {
     const std::byte* at = first + i * sizeof(std::uint64_t);
     const auto data = load_little<std::uint32_t>(at);
     const auto stamp =
@@ -107,8 +91,9 @@ std::size_t LibcaerDecoder::decode_records(const std::byte* first, std::size_t c
       if (last - stamp > kLibcaerRange / 2) base_us += kLibcaerRange;
     }
     last = stamp;
-    write_event(&events[written++], data >> 17, data >> 2 & 0x7fff, data >> 1 & 1, base_us + stamp);
+    write_event(event++, data >> 17, data >> 2 & 0x7fff, data >> 1 & 1, base_us + stamp);
   }
+  out.event = event;
   state_.base_us = base_us;
   state_.last_stamp = last;
   return i;
@@ -129,27 +114,24 @@ void LibcaerCmpDecoder::begin(std::uint64_t time_base_ns) noexcept {
 
 Progress LibcaerCmpDecoder::decode(std::span<const std::byte> bytes,
                                    std::span<Event> events) noexcept {
-  return decode_packet(
-      state_, bytes, events,
-      [this](const std::byte* at, std::size_t count, std::span<Event> out,
-             std::size_t& written) noexcept { return decode_words(at, count, out, written); });
+  return decode_stream(state_.cut, state_.offset, bytes, output_to(events),
+                       [this](const std::byte* at, std::size_t count, Output& out) {
+                         return decode_words(at, count, out);
+                       });
 }
 
 std::size_t LibcaerCmpDecoder::decode_words(const std::byte* first, std::size_t count,
-                                            std::span<Event> events,
-                                            std::size_t& written) noexcept {
+                                            Output& out) noexcept {
   enum Code : std::uint32_t { time_high, time_low, addr_x, addr_y, vect_base_y, vect_8 };
   Registers now = state_.registers;
   const std::int64_t base_us = state_.base_us;
-  Event* out = events.data();
-  Event* const end = out + events.size();
   std::size_t i = 0;
-  while (i < count && static_cast<std::size_t>(end - out) >= kMostPerRecord) {
-    // A plain word writes at most one event, so that only a vector has to look at the room again.
+  while (i < count && out.room() >= kMostPerRecord) {
+    // A plain word gives at most one event, so that only a vector has to look at the room again.
     // It always writes; what is no event is overwritten by the next.
-    const auto room = static_cast<std::size_t>(end - out) - (kMostPerRecord - 1);
-    const std::size_t stop = i + std::min(count - i, room);
+    const std::size_t stop = i + std::min(count - i, out.room() - (kMostPerRecord - 1));
     std::uint32_t word = 0, code = 0;
+    Event* event = out.event;
     for (; i < stop; ++i) {
       word = load_little<std::uint16_t>(first + i * sizeof(std::uint16_t));
       code = word >> 12;
@@ -158,9 +140,10 @@ std::size_t LibcaerCmpDecoder::decode_words(const std::byte* first, std::size_t 
       now.high = code == time_high ? time << 12 : now.high;
       now.low = code == time_low ? time : now.low;
       now.x = code == addr_x ? word & 0x7ff : now.x;
-      write_event(out, now.x, word & 0x7ff, word >> 11 & 1, base_us + (now.high | now.low));
-      out += code == addr_y;
+      write_event(event, now.x, word & 0x7ff, word >> 11 & 1, base_us + (now.high | now.low));
+      event += code == addr_y;
     }
+    out.event = event;
     if (i == stop) continue;
     if (code == vect_base_y) {
       now.base_y = word & 0x7ff;
@@ -168,8 +151,8 @@ std::size_t LibcaerCmpDecoder::decode_words(const std::byte* first, std::size_t 
     } else if (code == vect_8) {
       const std::int64_t t = base_us + (now.high | now.low);
       for (std::uint32_t bit = 0; bit < 8; ++bit) {
-        write_event(out, now.x, (now.base_y + bit) & 0xffff, now.base_p, t);
-        out += word >> bit & 1;
+        write_event(out.event, now.x, (now.base_y + bit) & 0xffff, now.base_p, t);
+        out.event += word >> bit & 1;
       }
       now.base_y = (now.base_y + 8) & 0xffff;
     } else {
@@ -178,7 +161,6 @@ std::size_t LibcaerCmpDecoder::decode_words(const std::byte* first, std::size_t 
     ++i;
   }
   state_.registers = now;
-  written = static_cast<std::size_t>(out - events.data());
   return i;
 }
 

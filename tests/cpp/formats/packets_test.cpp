@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
+#include "formats/decoding.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::packets_test {
 namespace {
 
-using Bytes = std::vector<std::byte>;
-using Events = std::vector<Event>;
+using decoding::Bytes;
+using decoding::Events;
 
 constexpr std::uint64_t kBase = 1'700'000'000'123'456'789;  // ns
 
@@ -46,25 +47,23 @@ std::uint16_t cmp(int code, int value, int p = 0) {
 }
 
 template <class Decoder>
-Events decode(Decoder& decoder, const Bytes& bytes, std::size_t piece = 0, std::size_t room = 0) {
-  Events all, some(room > 0 ? room : bytes.size() * 4 + 8);
-  std::span<const std::byte> rest = bytes;
-  while (!rest.empty()) {
-    const auto front = rest.first(piece > 0 ? std::min(piece, rest.size()) : rest.size());
-    const Progress progress = decoder.decode(front, some);
-    EXPECT_TRUE(progress.bytes > 0 || progress.events > 0);
-    all.insert(all.end(), some.begin(),
-               some.begin() + static_cast<std::ptrdiff_t>(progress.events));
-    rest = rest.subspan(progress.bytes);
-  }
-  return all;
+Decoder begun(std::uint64_t base = kBase) {
+  Decoder decoder;
+  decoder.begin(base);
+  return decoder;
+}
+
+// Leaves the decoder behind `bytes`.
+template <class Decoder>
+Events decode(Decoder& decoder, const Bytes& bytes) {
+  decoding::Decoded decoded;
+  decoding::feed(decoder, bytes, 4096, decoded);
+  return decoded.events;
 }
 
 template <class Decoder>
 Events decode(const Bytes& bytes, std::uint64_t base = kBase) {
-  Decoder decoder;
-  decoder.begin(base);
-  return decode(decoder, bytes);
+  return decoding::decode(begun<Decoder>(base), bytes).events;
 }
 
 // Random words that the format can hold; one in 64 can be none.
@@ -89,44 +88,14 @@ class Packets : public testing::Test {};
 using Decoders = testing::Types<MonoDecoder, LibcaerDecoder, LibcaerCmpDecoder>;
 TYPED_TEST_SUITE(Packets, Decoders);
 
-TYPED_TEST(Packets, AnyCutGivesTheSame) {
-  const Bytes bytes = random_message<TypeParam>(1, 2500);
-  TypeParam whole;
-  whole.begin(kBase);
-  const Events truth = decode(whole, bytes);
-  ASSERT_GT(truth.size(), 500u);
-  const CounterRandom random(2);
-  for (std::size_t i = 0; i < 5096; ++i) {
-    const std::size_t at = std::min(i < 4096 ? i : random(i) % bytes.size(), bytes.size());
-    TypeParam cut;
-    cut.begin(kBase);
-    Events events =
-        decode(cut, Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(at)));
-    const Events rest =
-        decode(cut, Bytes(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.end()));
-    events.insert(events.end(), rest.begin(), rest.end());
-    ASSERT_EQ(events, truth) << at;
-    ASSERT_TRUE(std::ranges::equal(cut.noted(), whole.noted())) << at;
-    ASSERT_EQ(cut.bad_records(), whole.bad_records());
-  }
-}
-
-TYPED_TEST(Packets, AnyRoomGivesTheSame) {
-  const Bytes bytes = random_message<TypeParam>(3, 700);
-  const Events truth = decode<TypeParam>(bytes);
-  for (const std::size_t piece : {1u, 3u, 7u, 64u, 100'000u}) {
-    for (std::size_t room = TypeParam::kMostPerRecord; room < 24; ++room) {
-      TypeParam decoder;
-      decoder.begin(kBase);
-      ASSERT_EQ(decode(decoder, bytes, piece, room), truth) << piece << " " << room;
-    }
-  }
+TYPED_TEST(Packets, CutsAndRoomMakeNoDifference) {
+  decoding::expect_cuts_and_room_make_no_difference(begun<TypeParam>(),
+                                                    random_message<TypeParam>(1, 2500));
 }
 
 TYPED_TEST(Packets, StopsWithoutRoom) {
   const Bytes bytes = random_message<TypeParam>(3, 700);
-  TypeParam decoder;
-  decoder.begin(kBase);
+  auto decoder = begun<TypeParam>();
   Events events(TypeParam::kMostPerRecord - 1);
   EXPECT_EQ(decoder.decode(bytes, events), Progress{});
   EXPECT_EQ(decode(decoder, bytes), decode<TypeParam>(bytes));
@@ -137,8 +106,7 @@ TYPED_TEST(Packets, ATruncatedMessageIsAPrefix) {
   const Events truth = decode<TypeParam>(bytes);
   const std::size_t record = std::is_same_v<TypeParam, LibcaerCmpDecoder> ? 2 : 8;
   for (std::size_t size = 0; size < bytes.size(); ++size) {
-    TypeParam decoder;
-    decoder.begin(kBase);
+    auto decoder = begun<TypeParam>();
     const Events events =
         decode(decoder, Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
     ASSERT_LE(events.size(), truth.size());

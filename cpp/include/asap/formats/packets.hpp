@@ -22,6 +22,8 @@
 
 namespace asap {
 
+struct Output;
+
 struct PacketConfig {
   std::uint64_t first_offset = 0;  // of the first byte that is fed, for noted()
 };
@@ -83,8 +85,7 @@ class LibcaerDecoder {
     CutRecord<8> cut;
   };
 
-  std::size_t decode_records(const std::byte* first, std::size_t count, std::span<Event> events,
-                             std::size_t& written) noexcept;
+  std::size_t decode_records(const std::byte* first, std::size_t count, Output& out) noexcept;
 
   PacketConfig config_;
   State state_;
@@ -123,8 +124,7 @@ class LibcaerCmpDecoder {
     CutRecord<2> cut;
   };
 
-  std::size_t decode_words(const std::byte* first, std::size_t count, std::span<Event> events,
-                           std::size_t& written) noexcept;
+  std::size_t decode_words(const std::byte* first, std::size_t count, Output& out) noexcept;
 
   PacketConfig config_;
   State state_;
