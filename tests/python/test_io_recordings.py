@@ -30,8 +30,12 @@ SERVED = [
     ("mat/stripes_dvs128.mat", "matlab", None),
     ("mat/building_dvs128.mat", "matlab", None),
     ("mat/desk_davis240.mat", "matlab", None),
+    ("ros/room_person_evt3.bag", "rosbag1", (640, 480)),
+    ("ros/room_person_evt3.db3", "rosbag2", (640, 480)),
+    ("ros/noise_hd_evt3.db3", "rosbag2", (1280, 720)),
+    ("ros/mono_100.db3", "rosbag2", (640, 480)),
 ]
-LIBRARIES = {"aedat4": "aedat", "hdf5": "h5py", "matlab": "scipy"}
+LIBRARIES = {"aedat4": "aedat", "hdf5": "h5py", "matlab": "scipy", "rosbag1": "rosbags"}
 
 
 @pytest.mark.parametrize(("name", "fmt", "sensor"), SERVED, ids=[row[0] for row in SERVED])
@@ -69,8 +73,7 @@ def test_hands_without_order_is_a_question() -> None:
     "name",
     [
         "derived/office.es", "derived/office.aedat2.aedat", "derived/office.aedat31.aedat",
-        "ros/mono_100.db3",
-        "ros/room_person_evt3.bag", "gestures/clap.bs2", "atis/face_ncaltech.bin",
+        "gestures/clap.bs2", "atis/face_ncaltech.bin",
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("renamed", [False, True])

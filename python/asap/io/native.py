@@ -22,7 +22,6 @@ __all__ = ["FORMATS", "Layout", "NativeReader"]
 
 HEAD = 1 << 20  # bytes that a header may take
 _PIECE = 1 << 18
-_MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
 class Decoder(Protocol):
@@ -99,12 +98,7 @@ class NativeReader:
         if losses.bad_offsets and losses.on_bad == "raise":
             offset = losses.bad_offsets[0]
             raise CorruptFile(self._path, offset, f"no record of a file in {self.format}")
-        losses.before_start = getattr(decoder, "before_start", 0)
-        if getattr(decoder, "triggers", 0) > losses.triggers:
-            losses.triggers = decoder.triggers
-            seen = decoder.take_triggers()
-            if sum(map(len, losses.trigger_arrays)) < _MOST_TRIGGERS:
-                losses.trigger_arrays.append(seen)
+        losses.take_triggers(decoder)
 
 
 def _raw(path: Path, head: bytes) -> Layout:

@@ -18,6 +18,7 @@ from asap.io.matlab import MatlabReader
 from asap.io.native import FORMATS, NativeReader
 from asap.io.numpy_files import NpyReader, NpzReader
 from asap.io.reader import Losses, Options, Reader
+from asap.io.ros import RosReader
 from asap.io.sniff import sniff
 from asap.io.text import TextReader
 
@@ -31,6 +32,7 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
     **{name: partial(NativeReader, name) for name in FORMATS},
     "hdf5": Hdf5Reader,
     "matlab": MatlabReader,
+    **{name: partial(RosReader, name) for name in ("rosbag1", "rosbag2", "mcap")},
 }
 
 
@@ -208,14 +210,14 @@ def read(
     reorder_tolerance_us: int = 0,
     stream: str | None = None,
 ) -> Recording:
-    """Open an event file: NumPy, text, csv, AEDAT4, HDF5, MATLAB, Prophesee RAW or DAT.
+    """Open an event file: NumPy, text, csv, AEDAT4, HDF5, MATLAB, ROS bags, Prophesee RAW or DAT.
 
     The format is found by content, then by name. Nothing but the header is read yet.
 
     Parameters
     ----------
     path
-        The file.
+        The file, or the folder of a ROS 2 bag.
     width, height
         Size of the sensor in px, where the file does not state it. Without it pixels are not
         checked.
@@ -233,8 +235,8 @@ def read(
     reorder_tolerance_us
         A stamp that goes back by at most this much is lifted to the last one, not bad.
     stream
-        Which camera, where the file holds several: its name, or a part of it between slashes
-        such as ``"left"``.
+        Which camera or topic, where the file holds several: its name, or a part of it between
+        slashes such as ``"left"``.
 
     Returns
     -------

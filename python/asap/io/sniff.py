@@ -11,7 +11,7 @@ from asap.io.errors import CorruptFile, UnsupportedFormat
 __all__ = ["SERVED", "sniff"]
 
 SERVED = (
-    "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, "
+    "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, ROS bags, "
     "Prophesee RAW (EVT2, EVT2.1, EVT3) and DAT"
 )
 
@@ -24,20 +24,21 @@ _SERVED_BYTES = (
     (b"\x89HDF\r\n\x1a\n", "hdf5"),
     (b"MATLAB 7.3", "hdf5"),
     (b"MATLAB 5.0", "matlab"),
+    (b"#ROSBAG", "rosbag1"),
+    (b"SQLite format 3\x00", "rosbag2"),
+    (b"\x89MCAP", "mcap"),
+)
+_SERVED_SUFFIXES = (
+    *(".npy", ".npz", ".aedat4", ".h5", ".hdf5", ".mat", ".raw"),
+    *(".bag", ".db3", ".mcap"),
 )
 _OTHER_BYTES = (
     (b"#!AER-DAT", "AEDAT 1 to 3"),
     (b"Event Stream", "Event Stream"),
-    (b"#ROSBAG", "rosbag 1"),
-    (b"SQLite format 3\x00", "rosbag 2"),
-    (b"\x89MCAP", "MCAP"),
 )
 _OTHER_SUFFIXES = {
     ".es": "Event Stream",
     ".aedat": "AEDAT 1 to 3",
-    ".bag": "rosbag 1",
-    ".db3": "rosbag 2",
-    ".mcap": "MCAP",
     ".bs2": "40-bit ATIS",
     ".bin": "40-bit ATIS",
 }
@@ -56,6 +57,8 @@ def sniff(path: Path) -> str:
     OSError
         It cannot be opened, or is a pipe, a socket or a device.
     """
+    if (path / "metadata.yaml").is_file():
+        return "rosbag2"
     regular_file(path)
     with path.open("rb") as file:
         head = file.read(_HEAD)
@@ -72,7 +75,7 @@ def sniff(path: Path) -> str:
     if any(mark in head for mark in _PROPHESEE_HEADER):
         raise _unsupported(path, "this Prophesee encoding")
     suffix = path.suffix.lower()
-    if suffix in (".npy", ".npz", ".aedat4", ".h5", ".hdf5", ".mat", ".raw"):
+    if suffix in _SERVED_SUFFIXES:
         raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
     if suffix in _OTHER_SUFFIXES:
         raise _unsupported(path, _OTHER_SUFFIXES[suffix])
