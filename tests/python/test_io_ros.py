@@ -19,6 +19,7 @@ import asap
 import ros_bags
 from asap.events import Events
 from asap.io import CorruptFile, TruncatedFileWarning, UnsupportedFormat
+from asap.io.bag_records import mcap_records
 from corrupt import clean_events, cut_file
 from event_files import assert_equal_events, recording
 from fuzzing import damaged, effort
@@ -122,6 +123,7 @@ class TestArrays:
         events, rec = read_all(path)
         assert_equal_events(events, EVENTS)
         assert (rec.width, rec.height) == (WIDTH, HEIGHT)
+        assert set(rec.rejected.values()) == {0}
 
     def test_more_events_than_a_chunk_holds(self, types: Types, path: Path) -> None:
         few, many = clean_events(1 << 16), clean_events((1 << 16) + 1)
@@ -255,6 +257,15 @@ class TestBadMessages:
         assert_equal_events(np.concatenate(list(rec)), EVENTS)
 
 
+def mcap_record(op: int, data: bytes, size: int | None = None) -> bytes:
+    return struct.pack("<BQ", op, len(data) if size is None else size) + data
+
+
+def mcap_chunk(records: bytes, size: int | None = None) -> bytes:
+    head = struct.pack("<QQQIIQ", 0, 0, len(records), 0, 0, len(records))
+    return mcap_record(6, head + records, size)
+
+
 MANY = clean_events(20_000)  # in messages that are longer than a page of a database
 
 
@@ -295,6 +306,31 @@ class TestDamage:
         assert len(MANY) // 2 < len(events) < len(MANY)
         with pytest.raises(CorruptFile, match=r"byte \d+: "):
             asap.load(path, on_bad="raise")
+
+    def test_a_cut_bag_keeps_its_topics_apart(self, types: Types, path: Path) -> None:
+        halves = (packets(types, half, 10) for half in (MANY[:10_000], MANY[10_000:]))
+        pairs = zip(*halves, strict=True)
+        write_bag(path, types, [(f"/{i}", pair[i][1]) for pair in pairs for i in (0, 1)])
+        cut_file(path, path.stat().st_size * 3 // 4)
+        events, _ = read_all(path, stream="/1")
+        assert len(events) > 1000
+        assert_equal_events(events, MANY[10_000 : 10_000 + len(events)])
+
+    @pytest.mark.parametrize(
+        "record",
+        [
+            mcap_record(5, bytes(5)),  # a message shorter than its own fields
+            mcap_chunk(mcap_record(5, bytes(5)) + bytes(60)),
+            mcap_chunk(mcap_chunk(b"")),  # would unpack without end
+            mcap_chunk(bytes(90), size=50),
+            mcap_record(3, bytes(90), size=2**63),
+        ],
+        ids=["message", "message in a chunk", "chunk in a chunk", "chunk", "schema"],
+    )
+    def test_a_record_that_lies_about_its_size(self, tmp_path: Path, record: bytes) -> None:
+        (tmp_path / "a.mcap").write_bytes(b"\x89MCAP0\r\n" + record + bytes(90))
+        with pytest.raises(CorruptFile, match="byte 8: "):
+            list(mcap_records(tmp_path / "a.mcap"))
 
     @pytest.mark.parametrize("format", ["rosbag1", "mcap"])
     def test_damage_in_the_middle(self, format: str, tmp_path: Path) -> None:

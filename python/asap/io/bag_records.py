@@ -200,8 +200,6 @@ def _chunk(
     inside = _Source(_open(compression, packed), unpacked, is_chunk=True)
     while inside.left:
         yield from read_record(inside)
-    if len(packed) < size:
-        raise _Broken("a chunk is cut")
 
 
 def _open(compression: str, packed: bytes) -> Any:
