@@ -229,7 +229,7 @@ class TestBadMessages:
         events, rec = read_all(path)
         assert_equal_events(events, EVENTS[:10])
         assert rec.rejected["bad_record"] == 2  # the negative stamp and the cut one
-        with pytest.raises(CorruptFile, match=r"message 0 of .* some of its records are none"):
+        with pytest.raises(CorruptFile, match=r"message 0 of .* some of its records hold no event"):
             asap.load(path, on_bad="raise")
 
     def test_an_array_that_is_cut(self, types: Types, path: Path) -> None:

@@ -41,11 +41,13 @@ Progress MonoDecoder::decode(std::span<const std::byte> bytes, std::span<Event> 
     const std::size_t records = std::min(count, out.room());
     const std::int64_t base_us = state_.base_us;
     const std::uint64_t rest_ns = state_.base_rest_ns;
+    Event* const events_at = out.event;
     for (std::size_t i = 0; i < records; ++i) {
       const auto word = load_little<std::uint64_t>(at + i * sizeof(std::uint64_t));
-      write_event(out.event++, word >> 32 & 0xffff, word >> 48 & 0x7fff, word >> 63,
+      write_event(&events_at[i], word >> 32 & 0xffff, word >> 48 & 0x7fff, word >> 63,
                   base_us + whole_us(rest_ns + (word & 0xffffffff)));
     }
+    out.event += records;
     return records;
   };
   return decode_stream(state_.cut, state_.offset, bytes, output_to(events), decode_records);

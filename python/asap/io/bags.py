@@ -2,7 +2,7 @@
 
 A recorder that crashes, a full disk or a copy that broke off leaves a bag without its index, which
 the library refuses. Such a bag is read from the front, up to the first record that is not whole.
-The library takes a page that is missing in a database for zeros: those we read with ``sqlite3``.
+Databases are read with ``sqlite3``, because the library takes zeros for a page that is cut.
 """
 
 from __future__ import annotations

@@ -59,7 +59,7 @@ class RosReader:
         decoder = self._decoder()
         out, filled, bad_messages = np.empty(CHUNK, EVENT_DTYPE), 0, 0
         for number, raw in enumerate(self._messages(losses)):
-            fault = "some of its records are none"
+            fault = "some of its records hold no event"
             try:
                 message = self._read(raw, self._cdr)
                 decoder.begin(message)
