@@ -86,8 +86,11 @@ class _Source:
     def skip(self, size: int) -> None:
         if not 0 <= size <= self.left:
             raise _Broken("a record is cut")
-        self._file.seek(size, io.SEEK_CUR)
-        self.left -= size
+        if self.is_chunk:
+            self.take(size)
+        else:
+            self._file.seek(size, io.SEEK_CUR)
+            self.left -= size
 
     def u32(self) -> int:
         return _u32(self.take(4))
