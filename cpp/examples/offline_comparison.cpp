@@ -1,8 +1,7 @@
 // Schemes side by side on the same events, in virtual time: the same table on every machine.
 #include <asap/runner/simulator.hpp>
 #include <asap/schemes/deadline.hpp>
-#include <asap/schemes/fixed_size.hpp>
-#include <asap/schemes/fixed_time.hpp>
+#include <asap/schemes/fixed.hpp>
 #include <asap/synthetic/shaken_pattern.hpp>
 
 #include <cstdint>

@@ -15,7 +15,7 @@
 #include "cluster_trackers.hpp"
 #include "exact_type.hpp"
 #include "gil.hpp"
-#include "study/busy_wait.hpp"
+#include "study/realtime.hpp"
 #include "turns.hpp"
 
 namespace asap::python {

@@ -3,7 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include "asap/runner/consumer.hpp"
+#include "asap/runner/run_config.hpp"
 #include "package_arrays.hpp"
 
 namespace asap::python {

@@ -4,12 +4,7 @@
 
 #include "layers.hpp"
 #include "scheme_class.hpp"
-#include "study/clipper_aimd.hpp"
-#include "study/greedy_clear.hpp"
-#include "study/greedy_pie.hpp"
-#include "study/greedy_rate_gamma.hpp"
-#include "study/jaer_timer.hpp"
-#include "study/spark_pid.hpp"
+#include "study/rivals.hpp"
 
 namespace asap::python {
 namespace {

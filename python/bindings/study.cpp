@@ -6,11 +6,9 @@
 #include "asap/core/check.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
-#include "study/busy_wait.hpp"
 #include "study/clairvoyant.hpp"
-#include "study/exact_clairvoyant.hpp"
 #include "study/oracle.hpp"
-#include "study/scheduling_jitter.hpp"
+#include "study/realtime.hpp"
 
 namespace asap::python {
 

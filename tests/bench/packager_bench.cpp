@@ -12,7 +12,7 @@
 #include <queue>
 #include <vector>
 
-#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "packager/event_times.hpp"
 #include "per_event.hpp"
 #include "support/streams.hpp"

@@ -7,9 +7,16 @@
 #include <cstdint>
 #include <vector>
 
+#include "asap/buffer/event_buffer.hpp"
+#include "asap/packager/packager.hpp"
 #include "asap/runner/pipeline.hpp"
-#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed.hpp"
+#include "buffer/age_slots.hpp"
+#include "packager/event_times.hpp"
 #include "per_event.hpp"
+#include "runner/clock.hpp"
+#include "runner/consumer_loop.hpp"
+#include "runner/doorbell.hpp"
 #include "support/streams.hpp"
 
 namespace {
@@ -48,7 +55,8 @@ void BM_ByStamp(benchmark::State& state) {
   asap::EventBuffer buffer(std::size_t{1} << 20);
   asap::AgeSlots ages(15'625'000);
   asap::Packager packager(buffer, ages, scheme, telemetry);
-  packager.set_axis(asap::TimeAxis(0, 1.0));
+  const asap::TimeAxis axis(0, 1.0);
+  packager.set_axis(axis);
   asap::RunClock clock;
   clock.start(1'000'000);
   asap::Doorbell doorbell;
@@ -61,7 +69,7 @@ void BM_ByStamp(benchmark::State& state) {
         const std::uint64_t first = buffer.tail();
         const std::size_t taken = buffer.push(good);
         ages.observe(good.first(taken), first,
-                     [&](std::int64_t stamp) { return packager.axis().to_ns(stamp); });
+                     [&](std::int64_t stamp) { return axis.to_ns(stamp); });
         doorbell.announce(buffer.tail());
       });
       loop.next(package, std::chrono::nanoseconds(0));

@@ -8,10 +8,8 @@
 #include <vector>
 
 #include "asap/schemes/asap2020.hpp"
-#include "asap/schemes/fixed_size.hpp"
-#include "asap/schemes/fixed_time.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
-#include "asap/schemes/single_event.hpp"
 #include "per_event.hpp"
 #include "support/streams.hpp"
 

@@ -9,10 +9,8 @@
 #include "asap/schemes/asap2022.hpp"
 #include "asap/schemes/dead_beat.hpp"
 #include "asap/schemes/deadline.hpp"
-#include "asap/schemes/fixed_size.hpp"
-#include "asap/schemes/fixed_time.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
-#include "asap/schemes/single_event.hpp"
 #include "bytes.hpp"
 
 namespace asap::fuzz {

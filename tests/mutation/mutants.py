@@ -1,4 +1,4 @@
-"""The mutants: each a line of the core or of the live path, broken as a tired hand would."""
+"""The mutants: each a line of the core, the live path or a decoder, broken as by a tired hand."""
 
 from __future__ import annotations
 
@@ -248,5 +248,30 @@ MUTANTS: list[Mutant] = [
             "(random_(number) >> 1) < threshold",
             "(random_(number) >> 1) >= threshold",
         ),
+    ),
+    *in_file(
+        SOURCE + "formats/words.hpp",
+        "formats",
+        every_step_back_is_a_wrap=("last - t > range / 2", "last > t"),
+        a_cut_word_without_room_is_lost=(
+            "if (decode(cut.bytes.data(), 1) == 0) return 0;",
+            "decode(cut.bytes.data(), 1);",
+        ),
+    ),
+    *in_file(
+        SOURCE + "formats/evt21.cpp",
+        "formats",
+        legacy_halves_not_swapped=("std::rotl(word, 32)", "word"),
+    ),
+    *in_file(
+        SOURCE + "formats/evt3.cpp",
+        "formats",
+        a_repeated_time_high_sets_time_low=("if (word == state_.high_word) return;", ""),
+        each_vector_moves_the_base_by_12=("(word >> 12 == kVect12 ? 12 : 8)", "12"),
+    ),
+    *in_file(
+        SOURCE + "formats/dat.cpp",
+        "formats",
+        epoch_of_dat_forgotten=("state_.t = epoch + last;", "state_.t = last;"),
     ),
 ]

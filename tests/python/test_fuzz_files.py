@@ -20,6 +20,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import asap
+import raw_files
 from corrupt import clean_events
 from event_files import WRITERS, recording
 from fuzzing import INTERESTING, damaged, effort
@@ -68,10 +69,10 @@ def check_load(path: Path, content: bytes, options: dict[str, Any]) -> None:
 # ---- good files, damaged --------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module", params=WRITERS)
+@pytest.fixture(scope="module", params=[*WRITERS, *raw_files.WRITERS])
 def good(request: pytest.FixtureRequest, folder: Path) -> tuple[str, bytes]:
     path = folder / f"good.{request.param}"
-    WRITERS[request.param](path, clean_events(40))
+    (WRITERS | raw_files.WRITERS)[request.param](path, clean_events(40))
     return request.param, path.read_bytes()
 
 
@@ -94,10 +95,12 @@ def test_a_damaged_aedat4(folder: Path, data: st.DataObject) -> None:
 
 @effort(40)
 @given(
-    st.sampled_from((b"", b"\x93NUMPY", b"PK\x03\x04", b"PK\x05\x06", b"#!AER-DAT4.0\r\n", b"%")),
+    st.sampled_from((b"", b"\x93NUMPY", b"PK\x03\x04", b"PK\x05\x06", b"#!AER-DAT4.0\r\n", b"%",
+                     b"% evt 2.0\n", b"% evt 2.1\n", b"% evt 3.0\n", b"% evt 3.0\n% geometry 9x9\n",
+                     b"% Data file containing CD events.\n", b"% Version 1\n\x0c\x08")),
     st.binary(max_size=300),
-    st.sampled_from(("npy", "npz", "txt", "csv", "aedat4", "raw", "")),
-)
+    st.sampled_from(("npy", "npz", "txt", "csv", "aedat4", "raw", "dat", "")),
+)  # fmt: skip
 def test_any_bytes_under_any_name(folder: Path, magic: bytes, rest: bytes, suffix: str) -> None:
     check_load(folder / f"any.{suffix}", magic + rest, {})
 

@@ -15,6 +15,8 @@ import raw_files
 from asap import _core
 from asap.events import Events
 from asap.io import CorruptFile, TruncatedFileWarning, UnsupportedFormat
+from asap.io.native import NativeReader
+from asap.io.reader import Losses, Options
 from corrupt import clean_events
 from event_files import assert_equal_events
 from raw_files import WRITERS
@@ -216,6 +218,15 @@ class TestWithoutAHeader:
         path.write_bytes(raw_files.evt2_words(EVENTS).tobytes())
         with pytest.raises(CorruptFile, match=rf"byte 0: not the beginning of a {suffix} file"):
             asap.read(path)
+
+    def test_words_are_read_if_the_caller_names_the_encoding(self, tmp_path: Path) -> None:
+        path = tmp_path / "some.bin"
+        path.write_bytes(raw_files.evt3_words(EVENTS).tobytes())
+        reader = NativeReader("evt3", path, Options(None, None))
+        assert_equal_events(np.concatenate(list(reader.chunks(Losses(path, "drop")))), EVENTS)
+        raw_files.write_evt2(path, EVENTS)
+        with pytest.raises(CorruptFile, match="the header says evt2, not evt3"):
+            NativeReader("evt3", path, Options(None, None))
 
     def test_text_in_a_dat_is_text(self, tmp_path: Path) -> None:
         path = tmp_path / "some.dat"

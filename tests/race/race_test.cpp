@@ -17,7 +17,7 @@
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/core/random.hpp"
 #include "asap/runner/pipeline.hpp"
-#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "buffer/arrival_times.hpp"
 #include "noise.hpp"

@@ -9,13 +9,12 @@
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
-#include "asap/schemes/fixed_size.hpp"
-#include "asap/schemes/fixed_time.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "camera.hpp"
 #include "measure.hpp"
 #include "parts.hpp"
-#include "study/busy_wait.hpp"
+#include "study/realtime.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::soak {

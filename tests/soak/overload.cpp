@@ -10,11 +10,11 @@
 
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/deadline.hpp"
-#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "camera.hpp"
 #include "measure.hpp"
 #include "parts.hpp"
-#include "study/busy_wait.hpp"
+#include "study/realtime.hpp"
 
 namespace asap::soak {
 namespace {

@@ -9,7 +9,7 @@
 #include "camera.hpp"
 #include "measure.hpp"
 #include "parts.hpp"
-#include "study/busy_wait.hpp"
+#include "study/realtime.hpp"
 
 namespace asap::soak {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "algorithms/recent_times.hpp"
 #include "algorithms/sensor_frame.hpp"
+#include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
@@ -19,7 +20,10 @@ class ArcFilter {
  public:
   // Throws std::invalid_argument that names "filter_us", the field of the detectors that filter,
   // unless 0 <= window_us <= RecentTimes::kMaxWindow_us.
-  ArcFilter(const SensorFrame& frame, std::int64_t window_us);
+  ArcFilter(const SensorFrame& frame, std::int64_t window_us)
+      : width_(frame.width()),
+        window_us_(checked(window_us)),
+        times_(2 * width_ * frame.height(), 0) {}
 
   // Precondition: the event lies in the frame.
   bool passes(const Event& event) noexcept {
@@ -34,6 +38,12 @@ class ArcFilter {
   void clear() noexcept { times_.clear(); }
 
  private:
+  static RecentTimes::Time checked(std::int64_t window_us) {
+    require(0 <= window_us && window_us <= RecentTimes::kMaxWindow_us, "filter_us", window_us,
+            "must be 0 to 500000000 us");
+    return static_cast<RecentTimes::Time>(window_us);
+  }
+
   std::size_t width_;
   RecentTimes::Time window_us_;
   RecentTimes times_;  // OFF and ON of a pixel side by side

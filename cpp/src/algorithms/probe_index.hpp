@@ -1,9 +1,5 @@
-// ProbeIndex: which clusters have a live event near a pixel, so that the others need no random
-// probe. A cluster in the index holds one of 128 keys. Per cell stand the set of keys with an event
-// in it and the counts behind the set; per key a dense array of its events, so a uniform draw is
-// one look-up. add, remove, member: O(1); near: nine cells; release: O(events of the key).
-// Allocates in the constructor only. A cluster that gets no key must be probed on every event
-// instead.
+// The random probes of the published rule: UniformProbe draws a live event of a cluster; ProbeIndex
+// knows which clusters have one near a pixel, so that the others need no probe. One thread.
 #pragma once
 
 #include <algorithm>
@@ -14,9 +10,41 @@
 
 #include "algorithms/cell_grid.hpp"
 #include "algorithms/key_set.hpp"
+#include "asap/core/random.hpp"
 
 namespace asap {
 
+// Names one draw, whatever the order in which the draws of an event are made.
+struct ProbeDraw {
+  std::uint64_t event;    // number of the event in the stream
+  std::uint64_t cluster;  // creation number of the cluster
+  std::uint64_t probe;    // 0 .. kappa - 1
+};
+
+// Draws one live event of a cluster, uniformly and with replacement, from a sequential stream of
+// core/random.hpp: the same seed and the same events give the same draws on every platform. O(1),
+// no allocation. Another sampler may use the draw's name instead of a stream of its own.
+class UniformProbe {
+ public:
+  explicit UniformProbe(std::uint64_t seed) noexcept : random_(seed) {}
+
+  // Returns member(i) for an i in [0, count), count < 2^32.
+  template <class Member>
+  auto operator()(const ProbeDraw&, std::uint64_t count, Member&& member) noexcept {
+    return member((random_(draws_++) >> 32) * count >> 32);
+  }
+
+  void clear() noexcept { draws_ = 0; }
+
+ private:
+  CounterRandom random_;
+  std::uint64_t draws_ = 0;
+};
+
+// A cluster in the index holds one of 128 keys. Per cell stand the set of keys with an event in it
+// and the counts behind the set; per key a dense array of its events, so a uniform draw is one
+// look-up. add, remove, member: O(1); near: nine cells; release: O(events of the key). Allocates in
+// the constructor only. A cluster that gets no key must be probed on every event instead.
 class ProbeIndex {
  public:
   using Key = KeySet::Key;

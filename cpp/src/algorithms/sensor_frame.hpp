@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
@@ -11,7 +12,8 @@ namespace asap {
 class SensorFrame {
  public:
   // Throws std::invalid_argument that names the bad field.
-  SensorFrame(int width, int height);
+  SensorFrame(int width, int height)
+      : width_(checked_side("width", width)), height_(checked_side("height", height)) {}
 
   bool contains(const Event& event) const noexcept { return event.x < width_ && event.y < height_; }
 
@@ -25,6 +27,12 @@ class SensorFrame {
   std::uint32_t height() const noexcept { return height_; }
 
  private:
+  static std::uint32_t checked_side(const char* field, int value) {
+    constexpr int kMaxSide = 16384;  // two polarities of such a frame still have int32 numbers
+    require(1 <= value && value <= kMaxSide, field, value, "must be 1 to 16384 px");
+    return static_cast<std::uint32_t>(value);
+  }
+
   std::uint32_t width_;
   std::uint32_t height_;
 };

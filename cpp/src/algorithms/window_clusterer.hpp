@@ -18,11 +18,9 @@
 
 #include "algorithms/cell_grid.hpp"
 #include "algorithms/centre_grid.hpp"
-#include "algorithms/chain_velocity.hpp"
 #include "algorithms/cluster_motion.hpp"
 #include "algorithms/event_window.hpp"
 #include "algorithms/probe_index.hpp"
-#include "algorithms/uniform_probe.hpp"
 #include "algorithms/window_moments.hpp"
 #include "asap/algorithms/cluster.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"

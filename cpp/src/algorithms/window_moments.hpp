@@ -8,6 +8,8 @@
 
 #include <cstdint>
 
+#include "algorithms/event_window.hpp"
+
 namespace asap {
 
 struct Vector2 {
@@ -82,5 +84,12 @@ class WindowMoments {
   std::uint64_t xt_ = 0;
   std::uint64_t yt_ = 0;
 };
+
+// The velocity of a cluster by regression over its chain of live events, px/us; 0 if all stamps are
+// equal. From the moments; where their sums of squared times overflow, in windows of minutes, by a
+// walk over the chain, O(its events). Not per event: at the read-out. `newest` is the chain's
+// newest event, `moments` are the chain's.
+Vector2 chain_velocity(const EventWindow& window, EventWindow::Position newest,
+                       const WindowMoments& moments) noexcept;
 
 }  // namespace asap

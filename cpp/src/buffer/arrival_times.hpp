@@ -21,7 +21,6 @@
 
 #include "asap/core/atomics.hpp"
 #include "asap/core/check.hpp"
-#include "asap/core/relaxed.hpp"
 
 namespace asap {
 

@@ -1,5 +1,6 @@
 #include "asap/formats/evt3.hpp"
 
+#include <array>
 #include <bit>
 
 #include "formats/words.hpp"
@@ -31,6 +32,19 @@ constexpr std::uint32_t set_of(auto... types) noexcept { return ((1u << types) |
 constexpr std::uint32_t kPlain = set_of(kAddrY, kAddrX, kTimeLow);
 constexpr std::uint32_t kKnown = kPlain | set_of(kVectBase, kVect12, kVect8, kContinued4, kTimeHigh,
                                                  kEvt3Trigger, kEvt3Others, kContinued12);
+
+// What a plain word does: the bits of it that become y and TIME_LOW, and the events it gives.
+struct Effect {
+  std::uint32_t y, low, events;
+};
+
+constexpr auto kEffects = [] {
+  std::array<Effect, 16> effects{};
+  effects[kAddrY].y = kEvt3Address;
+  effects[kTimeLow].low = 0xfff;
+  effects[kAddrX].events = 1;
+  return effects;
+}();
 
 std::uint32_t evt3_word(const std::byte* first, std::size_t i) noexcept {
   return load_little<std::uint16_t>(first + i * sizeof(std::uint16_t));
@@ -90,33 +104,34 @@ std::size_t Evt3Decoder::decode_words(const std::byte* first, std::size_t count,
 std::size_t Evt3Decoder::decode_plain(const std::byte* first, std::size_t i, std::size_t end,
                                       Output& out) noexcept {
   Event* event = out.event;
-  std::int64_t t = state_.t;
-  std::uint32_t y = state_.y, base = state_.base;
   const std::int64_t high = state_.high;
+  auto low = static_cast<std::uint32_t>(state_.t - high);
+  std::uint32_t y = state_.y, base = state_.base;
   const std::uint32_t repeated = state_.high_word;
   const bool has_base = state_.has_base;
   for (; i < end; ++i) {
     const std::uint32_t word = evt3_word(first, i);
     const std::uint32_t type = word >> 12;
     if ((kPlain >> type & 1) != 0 || word == repeated) {
-      // Moves instead of branches, which would be mispredicted: any word is written as an event.
-      y = type == kAddrY ? word & kEvt3Address : y;
-      t = type == kTimeLow ? high + (word & 0xfff) : t;
-      write_event(event, word & kEvt3Address, y, word >> 11 & 1, t);
-      event += type == kAddrX;
+      // Masks instead of branches, which would be mispredicted: any word is written as an event.
+      const Effect effect = kEffects[type];
+      y = (word & effect.y) | (y & ~effect.y);
+      low = (word & effect.low) | (low & ~effect.low);
+      write_event(event, word & kEvt3Address, y, word >> 11 & 1, high + low);
+      event += effect.events;
     } else if (!has_base) {
       break;
     } else if (type == kVectBase) {
       base = (word & kEvt3Address) | (word << 5 & 0x10000);
     } else if (type == kVect12 || type == kVect8) {
-      event = write_vector(event, word, base, y, t);
+      event = write_vector(event, word, base, y, high + low);
       base = moved_base(base, word);
     } else {
       break;
     }
   }
   out.event = event;
-  state_.t = t;
+  state_.t = high + low;
   state_.y = y;
   state_.base = base;
   return i;

@@ -10,7 +10,6 @@
 #include "asap/packager/package.hpp"
 #include "asap/telemetry/telemetry.hpp"
 #include "packager/event_times.hpp"
-#include "packager/kept_times.hpp"
 #include "packager/rate_meter.hpp"
 
 namespace asap {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "asap/core/allocate.hpp"
+#include "asap/core/check.hpp"
 #include "packager/anytime_plan.hpp"
 
 namespace asap {

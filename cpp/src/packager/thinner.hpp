@@ -16,7 +16,6 @@
 #include "asap/filter/front_filter.hpp"
 #include "asap/filter/gamma_filter.hpp"
 #include "packager/event_times.hpp"
-#include "packager/kept_times.hpp"
 
 namespace asap {
 

@@ -14,8 +14,8 @@
 
 #include "asap/buffer/event_buffer.hpp"
 #include "asap/packager/packager.hpp"
-#include "asap/runner/consumer.hpp"
 #include "asap/runner/pipeline.hpp"
+#include "asap/runner/run_config.hpp"
 #include "runner/clock.hpp"
 #include "runner/doorbell.hpp"
 #include "runner/stall_watch.hpp"

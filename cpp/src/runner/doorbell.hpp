@@ -21,8 +21,8 @@ class BasicDoorbell {
  public:
   using Clock = System::Clock;
 
-  // Producer, after every push: the ring's tail is now `tail`. noexcept, wait-free while nobody
-  // sleeps.
+  // Producer, after every push: the ring's tail is now `tail`. noexcept, wait-free while the
+  // consumer is awake.
   void announce(std::uint64_t tail) noexcept {
     if (asleep_.fetch_or(0, std::memory_order_acq_rel) == 0) return;
     if (static_cast<std::int64_t>(tail - wanted_.load(std::memory_order_relaxed)) >= 0) wake();

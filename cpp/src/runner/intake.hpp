@@ -6,8 +6,8 @@
 // gets in whole. Beyond, where r slots are free, an event gets in with probability (r / q)^2, so
 // that m events take the room from r to r / (1 + r m / q^2). All events of a push have the same
 // chance, such that it ends where that law does: what gets in is uniform in time, and no size of
-// push overflows. A ring that somebody empties never fills, whatever comes, and opens by itself;
-// one that nobody empties is full after some q^2 events, and what finds it full is overflow.
+// push overflows. A ring that the consumer empties never fills, whatever comes, and opens by
+// itself; without a consumer it is full after some q^2 events, and the rest is overflow.
 // (Halving a threshold again and again, made continuous; by the square, because its integral is
 // the same bits everywhere.)
 #pragma once
@@ -19,9 +19,9 @@
 #include <functional>
 
 #include "asap/buffer/event_buffer.hpp"
-#include "asap/core/relaxed.hpp"
+#include "asap/core/atomics.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/runner/when_full.hpp"
+#include "asap/runner/run_config.hpp"
 #include "buffer/arrival_times.hpp"
 #include "runner/doorbell.hpp"
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "asap/core/relaxed.hpp"
+#include "asap/core/atomics.hpp"
 #include "asap/runner/run_config.hpp"
 #include "runner/clock.hpp"
 #include "runner/consumer_loop.hpp"

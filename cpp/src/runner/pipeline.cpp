@@ -239,7 +239,7 @@ void Pipeline::Work::start() {
 }
 
 void Pipeline::Work::begin() {
-  const Inside inside(*this);  // nobody else opens meanwhile
+  const Inside inside(*this);  // no other thread opens meanwhile
   if (door_.is_open()) return;
   door_.wait_until_empty();
   const std::lock_guard lock(control_);

@@ -1,6 +1,7 @@
-// PushDoor: lets one producer at a time into a pipeline, and shuts it. Nobody who shuts it waits
-// for the producer inside, who may wait for him: the last one out does what is to be done at the
-// end, so what the producer owned may be read then. Entering and leaving are wait-free.
+// PushDoor: lets one producer at a time into a pipeline, and shuts it. The thread that shuts it
+// does not wait for the producer inside, which may wait for that thread: the last one out does what
+// is to be done at the end, so what the producer owned may be read then. Entering and leaving are
+// wait-free.
 #pragma once
 
 #include <atomic>
@@ -34,7 +35,7 @@ class BasicPushDoor {
     state_.store(0, std::memory_order_release);
   }
 
-  // Any thread. True: it was open, and nobody is inside.
+  // Any thread. True: it was open, and no producer is inside.
   bool shut() noexcept { return state_.fetch_and(~kOpen, std::memory_order_acq_rel) == kOpen; }
   // Of a door that is shut: until the last one is out.
   void wait_until_empty() const noexcept {

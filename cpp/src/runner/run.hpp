@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "asap/buffer/event_buffer.hpp"
-#include "asap/core/relaxed.hpp"
+#include "asap/core/atomics.hpp"
 #include "asap/core/time.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/packager.hpp"

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "asap/core/relaxed.hpp"
+#include "asap/core/atomics.hpp"
 
 namespace asap {
 

@@ -6,7 +6,6 @@
 
 #include "asap/core/check.hpp"
 #include "runner/admission.hpp"
-#include "runner/admission_gate.hpp"
 #include "runner/run.hpp"
 
 namespace asap {

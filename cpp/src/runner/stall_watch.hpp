@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "asap/core/relaxed.hpp"
+#include "asap/core/atomics.hpp"
 
 namespace asap {
 

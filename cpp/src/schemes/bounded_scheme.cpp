@@ -1,11 +1,75 @@
 #include "asap/schemes/bounded_scheme.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "asap/core/check.hpp"
-#include "schemes/latency_bound.hpp"
 
 namespace asap {
+namespace {
+
+constexpr double kEfficientShare = 0.05;  // of the fixed cost in an efficient package
+constexpr double kManyEvents = 1e15;
+
+// As many are worth a package at once: its fixed cost would be within the permitted share, or it
+// would fill half the bound.
+std::size_t enough(const CostModel& cost, double overhead, double caution,
+                   double latency_ns) noexcept {
+  const double alpha_ns = cost.alpha_ns();
+  const double efficient_ns = alpha_ns / std::max(overhead, kEfficientShare) - alpha_ns;
+  const double size = std::min(efficient_ns, latency_ns / 2 / caution - alpha_ns) / cost.beta_ns();
+  return static_cast<std::size_t>(std::ceil(std::clamp(size, 1.0, kManyEvents)));
+}
+
+}  // namespace
+
+std::int64_t checked_latency_ns(double latency_ms) {
+  require(latency_ms >= 0.01 && latency_ms <= 1e7, "latency_ms", latency_ms,
+          "must be between 0.01 and 1e7 ms");
+  return std::llround(latency_ms * 1e6);
+}
+
+std::int64_t interval_ns(const Backlog& backlog) noexcept {
+  if (backlog.previous_start_ns == kLongAgo) return kNever;
+  return backlog.now_ns - backlog.previous_start_ns;
+}
+
+HoldRule::HoldRule(double overhead, double min_interval_ms)
+    : overhead_(overhead), min_interval_ns_(min_interval_ms * 1e6) {
+  require(overhead >= 0 && overhead <= 1, "overhead", overhead,
+          "must be between 0 (no limit) and 1");
+  require(min_interval_ms >= 0 && min_interval_ms <= 1e7, "min_interval_ms", min_interval_ms,
+          "must be between 0 and 1e7 ms");
+}
+
+double HoldRule::shortest_ns(double latency_ns) const noexcept {
+  return std::min(min_interval_ns_, latency_ns / 2);
+}
+
+double HoldRule::longest_ns(const CostModel& cost, double latency_ns) const noexcept {
+  const double affordable_ns =
+      overhead_ > 0 ? std::min(cost.alpha_ns() / overhead_, latency_ns / 4) : 0.0;
+  return std::max(affordable_ns, shortest_ns(latency_ns));
+}
+
+std::optional<Decision> HoldRule::wait(const Backlog& backlog, const CostModel& cost,
+                                       double caution, double latency_ns) const noexcept {
+  if (backlog.due) return std::nullopt;
+  const std::int64_t shortest = std::llround(shortest_ns(latency_ns));
+  const std::int64_t hold = std::llround(longest_ns(cost, latency_ns));
+
+  const std::int64_t interval = interval_ns(backlog);
+  if (interval >= hold || backlog.age_ns() >= hold) return std::nullopt;
+  const std::int64_t flush_ns = backlog.oldest_ns + hold;
+  if (interval < shortest) {
+    return Decision::wait_until(std::min(backlog.previous_start_ns + shortest, flush_ns));
+  }
+  const std::size_t count = enough(cost, overhead_, caution, latency_ns);
+  if (backlog.count >= count) return std::nullopt;
+  Decision decision = Decision::wait_until(std::min(backlog.previous_start_ns + hold, flush_ns));
+  decision.until_count = count;
+  return decision;
+}
 
 BoundedScheme::BoundedScheme(double latency_ms, double overhead, double min_interval_ms,
                              double knee, CostModelConfig cost)

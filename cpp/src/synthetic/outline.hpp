@@ -11,15 +11,10 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
-#include "synthetic/time_sorted_block.hpp"
-#include "synthetic/unit_vector.hpp"
+#include "synthetic/block.hpp"
+#include "synthetic/plane.hpp"
 
 namespace asap {
-
-struct PlanePoint {
-  double x;  // px
-  double y;  // px, downwards
-};
 
 class Outline {
  public:

@@ -7,9 +7,7 @@
 
 #include "asap/core/check.hpp"
 #include "asap/core/random.hpp"
-#include "synthetic/near_normal.hpp"
-#include "synthetic/poisson_table.hpp"
-#include "synthetic/portable_exp.hpp"
+#include "synthetic/portable_math.hpp"
 #include "synthetic/scene_checks.hpp"
 
 namespace asap {
@@ -97,7 +95,7 @@ class PoissonArrivals::State {
 
     step_ = CounterRandom(steps_(step));
     drawn_ = 0;
-    pieces_ = static_cast<std::uint64_t>(std::ceil(mean / PoissonTable::kMaxMean));
+    pieces_ = static_cast<std::uint64_t>(std::ceil(mean / synthetic::PoissonTable::kMaxMean));
     if (pieces_ > 0) piece_.set_mean(mean / static_cast<double>(pieces_));
   }
 
@@ -111,7 +109,7 @@ class PoissonArrivals::State {
   CounterRandom step_;  // of the open step: numbers of events and pixels
   std::uint64_t drawn_ = 0;
   std::uint64_t pieces_ = 0;  // draws that make up a microsecond's number; 0: no events
-  PoissonTable piece_;
+  synthetic::PoissonTable piece_;
 
   std::int64_t elapsed_us_ = 0;
   std::uint64_t left_ = 0;  // events of the last microsecond, still to come

@@ -7,8 +7,7 @@
 #include <cstdint>
 #include <variant>
 
-#include "synthetic/outline.hpp"
-#include "synthetic/unit_vector.hpp"
+#include "synthetic/plane.hpp"
 
 namespace asap {
 

@@ -1,21 +1,24 @@
-// RigidShape: the outline of a moving object in its own frame: where it ends, how much of a pixel
-// it covers, where its corners are. "Radius" r is the disk's radius, the square's half-side and
-// the longer half-side of the rectangle (r x r/2); the triangle's corners lie at 1.2 r, the star's
-// ten in turn at 1.3 r and 0.5 r. Immutable, any thread, no allocation; O(vertices) near the
-// outline, O(1) elsewhere.
+// RigidShape and ShapeCanvas: the shapes of moving objects, and the picture that they make.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
-#include "synthetic/outline.hpp"
+#include "synthetic/plane.hpp"
+#include "synthetic/rigid_motion.hpp"
 
 namespace asap {
 
 enum class ShapeKind : std::uint8_t { kDisk, kSquare, kRectangle, kTriangle, kStar };
 
+// The outline of a moving object in its own frame: where it ends, how much of a pixel it covers,
+// where its corners are. "Radius" r is the disk's radius, the square's half-side and the longer
+// half-side of the rectangle (r x r/2); the triangle's corners lie at 1.2 r, the star's ten in turn
+// at 1.3 r and 0.5 r. Immutable, any thread, no allocation; O(vertices) near the outline, O(1)
+// elsewhere.
 class RigidShape {
  public:
   static constexpr std::size_t kKinds = 5;
@@ -56,6 +59,40 @@ class RigidShape {
   double reach_px_;
   double inner_px_;
   bool convex_ = true;
+};
+
+// The picture of moving shapes on an even ground, kept up to date around them only: begin(),
+// paint() every shape in the same order, then read the pixels that may have changed. What is
+// painted later lies on top; the last object that covered a pixel owns it, also after it left. One
+// thread; O(pixels near a shape) per paint(), memory fixed by the constructor.
+class ShapeCanvas {
+ public:
+  static constexpr std::int32_t kNone = -1;
+
+  ShapeCanvas(std::int32_t width, std::int32_t height, double ground);
+
+  void begin() noexcept;
+
+  // Between two pictures a shape may move by 1 px at most.
+  void paint(const RigidShape& shape, const Pose& pose, double brightness,
+             std::int32_t object) noexcept;
+
+  // Pixels (x + width y) near the shapes of this picture; the others show the ground.
+  std::span<const std::uint32_t> touched() const noexcept { return {touched_.data(), size_}; }
+
+  double brightness(std::uint32_t pixel) const noexcept { return brightness_[pixel]; }
+  std::int32_t owner(std::uint32_t pixel) const noexcept { return owners_[pixel]; }
+
+ private:
+  std::int32_t width_;
+  std::int32_t height_;
+  double ground_;
+  std::uint64_t picture_ = 0;
+  std::vector<std::uint64_t> pictures_;  // in which the pixel was touched last
+  std::vector<double> brightness_;
+  std::vector<std::int32_t> owners_;
+  std::vector<std::uint32_t> touched_;
+  std::size_t size_ = 0;
 };
 
 }  // namespace asap

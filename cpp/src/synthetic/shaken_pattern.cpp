@@ -6,11 +6,10 @@
 
 #include "asap/core/check.hpp"
 #include "asap/core/random.hpp"
-#include "synthetic/background_noise.hpp"
+#include "synthetic/block.hpp"
 #include "synthetic/outline.hpp"
+#include "synthetic/plane.hpp"
 #include "synthetic/scene_checks.hpp"
-#include "synthetic/time_sorted_block.hpp"
-#include "synthetic/unit_vector.hpp"
 
 namespace asap {
 namespace {

@@ -1,4 +1,4 @@
-"""compare and oracle: every scheme on the same events, beside the best that any scheduler could do."""
+"""compare and oracle: every scheme on the same events, beside the best of any scheduler."""
 
 from __future__ import annotations
 

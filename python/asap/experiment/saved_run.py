@@ -1,4 +1,4 @@
-"""Runs read back from the JSON file that `Run.save` wrote: another program may have changed it since.
+"""Runs read back from the JSON file of `Run.save`: another program may have changed it since.
 
 Whatever is used later is checked here, once: numbers are finite and within reach, columns are
 equally long, names are text. What a file can say beyond that is only ever shown, and escaped.

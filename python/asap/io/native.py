@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -101,19 +102,18 @@ class NativeReader:
         losses.take_triggers(decoder)
 
 
-def _raw(path: Path, head: bytes) -> Layout:
-    header = _core.read_raw_header(head)
-    if header is None or not header["words"]:
-        raise CorruptFile(path, 0, "no header that names the encoding, such as '% evt 3.0'")
-    start, words = header["size"], header["words"]
+def _raw(encoding: str, path: Path, head: bytes) -> Layout:
+    """Words of that encoding, after a header or without one."""
+    header = _core.read_raw_header(head) or {}
+    if header.get("words") and header["words"] != encoding:
+        raise CorruptFile(path, 0, f"the header says {header['words']}, not {encoding}")
+    start, little_endian = header.get("size", 0), header.get("little_endian", False)
     make: dict[str, Callable[[], Decoder]] = {
         "evt2": lambda: _core.Evt2Decoder(first_offset=start),
-        "evt21": lambda: _core.Evt21Decoder(
-            little_endian=header["little_endian"], first_offset=start
-        ),
+        "evt21": lambda: _core.Evt21Decoder(little_endian=little_endian, first_offset=start),
         "evt3": lambda: _core.Evt3Decoder(first_offset=start),
     }
-    return Layout(start, make[words], header["width"], header["height"])
+    return Layout(start, make[encoding], header.get("width"), header.get("height"))
 
 
 def _dat(path: Path, head: bytes) -> Layout:
@@ -138,8 +138,8 @@ def _dat(path: Path, head: bytes) -> Layout:
 
 
 FORMATS: dict[str, Callable[[Path, bytes], Layout]] = {
-    "evt2": _raw,
-    "evt21": _raw,
-    "evt3": _raw,
+    "evt2": partial(_raw, "evt2"),
+    "evt21": partial(_raw, "evt21"),
+    "evt3": partial(_raw, "evt3"),
     "dat": _dat,
 }

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "algorithms/uniform_probe.hpp"
+#include "algorithms/probe_index.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 

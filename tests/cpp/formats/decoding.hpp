@@ -45,6 +45,17 @@ struct Decoded {
 };
 
 template <class Decoder>
+Progress decode_some(Decoder& decoder, std::span<const std::byte> bytes, std::span<Event> events,
+                     std::span<Trigger> triggers) {
+  if constexpr (requires { decoder.decode(bytes, events, triggers); }) {
+    return decoder.decode(bytes, events, triggers);
+  } else {
+    return decoder.decode(bytes, events);
+  }
+}
+
+// Every call with room comes after one without.
+template <class Decoder>
 void feed(Decoder& decoder, std::span<const std::byte> bytes, std::size_t room, Decoded& decoded) {
   Events events(room);
   Triggers triggers(1);
@@ -52,12 +63,11 @@ void feed(Decoder& decoder, std::span<const std::byte> bytes, std::size_t room, 
     to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count));
   };
   while (!bytes.empty()) {
-    Progress progress;
-    if constexpr (requires { decoder.decode(bytes, events, triggers); }) {
-      progress = decoder.decode(bytes, events, triggers);
-    } else {
-      progress = decoder.decode(bytes, events);
-    }
+    const Progress none = decode_some(decoder, bytes, {}, {});
+    ASSERT_TRUE(none.events == 0 && none.triggers == 0);
+    bytes = bytes.subspan(none.bytes);
+    if (bytes.empty()) return;
+    const Progress progress = decode_some(decoder, bytes, events, triggers);
     ASSERT_TRUE(progress.bytes > 0 || progress.events > 0 || progress.triggers > 0);
     bytes = bytes.subspan(progress.bytes);
     append(events, progress.events, decoded.events);

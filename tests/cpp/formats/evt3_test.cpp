@@ -40,15 +40,20 @@ TEST(Evt3Decoder, DecodesEveryField) {
 
 TEST(Evt3Decoder, VectorsMoveTheBaseEvenIfTheyAreEmpty) {
   const Decoded decoded = decode_words({high(0), low(9), addr_y(4), base(1, 100), vect12(0x801),
-                                        vect12(0), vect8(0xf82), base(0, 7), vect8(1)});
-  EXPECT_EQ(decoded.events,
-            (Events{{100, 4, 1, 9}, {111, 4, 1, 9}, {125, 4, 1, 9}, {131, 4, 1, 9}, {7, 4, 0, 9}}));
+                                        vect12(0), vect8(0xf82), base(0, 7), vect8(1), vect8(1)});
+  EXPECT_EQ(decoded.events, (Events{{100, 4, 1, 9},
+                                    {111, 4, 1, 9},
+                                    {125, 4, 1, 9},
+                                    {131, 4, 1, 9},
+                                    {7, 4, 0, 9},
+                                    {15, 4, 0, 9}}));
 }
 
 TEST(Evt3Decoder, RepeatedTimeHighChangesNothingAndTimeLowMayStepBack) {
   EXPECT_EQ(times_of({addr_y(1), high(2861), low(811), addr_x(1, 1), high(2861), addr_x(1, 1),
                       low(800), addr_x(1, 1)}),
             (Times{2861 * 4096 + 811, 2861 * 4096 + 811, 2861 * 4096 + 800}));
+  EXPECT_EQ(times_of({high(1), low(5), high(1), addr_y(1), addr_x(1, 1)}), (Times{4101}));
 }
 
 TEST(Evt3Decoder, AnotherTimeHighSetsTimeLowToZero) {

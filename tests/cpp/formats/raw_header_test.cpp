@@ -50,6 +50,8 @@ TEST(RawHeader, GeometryBeatsThePluginAndAbsurdNumbersAreAbsent) {
   EXPECT_EQ(absurd->width, 0);
   EXPECT_EQ(absurd->height, 0);
   EXPECT_EQ(absurd->words, Words::unknown);
+  EXPECT_EQ(read("% geometry 65537x5\n")->width, 0);
+  EXPECT_EQ(read("% geometry 5x-3\n")->height, 0);
   EXPECT_EQ(read("% plugin_name hal_plugin_imx636\n")->width, 1280);
 }
 

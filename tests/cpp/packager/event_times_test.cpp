@@ -7,6 +7,8 @@
 namespace asap::event_times_test {
 namespace {
 
+// ---- EventTimes -----------------------------------------------------------------------------
+
 TEST(EventTimes, ByStampLooksAtTheEvents) {
   const AgeSlots ages(1'000'000);
   EventTimes times(ages);
@@ -35,6 +37,23 @@ TEST(EventTimes, ByArrivalLooksAtTheirPlaceOnly) {
   EXPECT_EQ(times.same_until(1, 10), 4u);
   times.release(4);
   EXPECT_EQ(times.of(events[9], 9), 600);
+}
+
+// ---- KeptTimes ------------------------------------------------------------------------------
+
+TEST(KeptTimes, LeavesOutWhatKeptNothing) {
+  KeptTimes times(4);
+  times.note(0, 100);
+  times.note(3, 200);
+  times.note(3, 300);
+  times.note(8, 400);
+  ASSERT_EQ(times.runs().size(), 2u);
+  EXPECT_EQ(times.runs()[0].end, 3u);
+  EXPECT_EQ(times.runs()[0].time_ns, 200);
+  EXPECT_EQ(times.runs()[1].end, 8u);
+  EXPECT_EQ(times.runs()[1].time_ns, 400);
+  times.clear();
+  EXPECT_TRUE(times.runs().empty());
 }
 
 }  // namespace

@@ -10,10 +10,8 @@
 
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/schemes/asap2020.hpp"
-#include "asap/schemes/fixed_size.hpp"
-#include "asap/schemes/fixed_time.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
-#include "asap/schemes/single_event.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "packager/event_times.hpp"
 #include "support/scripted_scheme.hpp"

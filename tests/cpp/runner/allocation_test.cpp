@@ -9,7 +9,7 @@
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
-#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/streams.hpp"

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "packager/event_times.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"

@@ -12,7 +12,7 @@
 
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
-#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "support/errors.hpp"
 #include "support/scripted_scheme.hpp"

@@ -15,9 +15,8 @@
 #include <utility>
 
 #include "asap/schemes/asap2020.hpp"
-#include "asap/schemes/fixed_size.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
-#include "asap/schemes/single_event.hpp"
 #include "runner/read_ahead.hpp"
 #include "runner/run.hpp"
 #include "support/errors.hpp"

@@ -13,10 +13,8 @@
 
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
-#include "asap/schemes/fixed_size.hpp"
-#include "asap/schemes/fixed_time.hpp"
+#include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
-#include "asap/schemes/single_event.hpp"
 #include "runner/agreement.hpp"
 #include "runner/naive_simulator.hpp"
 #include "support/errors.hpp"

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <string>
 
+#include "asap/core/random.hpp"
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
@@ -12,6 +14,201 @@ namespace asap::bounded_scheme_test {
 namespace {
 
 using test::error_of;
+using test::FakeBacklog;
+
+// ---- checked_latency_ns ---------------------------------------------------------------------
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+TEST(LatencyBound, IsReadInMilliseconds) {
+  EXPECT_EQ(checked_latency_ns(10.0), 10'000'000);
+  EXPECT_EQ(checked_latency_ns(0.01), 10'000);
+  EXPECT_EQ(checked_latency_ns(0.0123456), 12'346);
+  EXPECT_EQ(checked_latency_ns(1e7), 10'000'000'000'000);
+}
+
+TEST(LatencyBound, RefusesABoundOutOfRange) {
+  const auto error = [](double value) { return error_of([=] { checked_latency_ns(value); }); };
+  const std::string remedy = ": must be between 0.01 and 1e7 ms";
+  EXPECT_EQ(error(0), "latency_ms = 0" + remedy);
+  EXPECT_EQ(error(0.009), "latency_ms = 0.009" + remedy);
+  EXPECT_EQ(error(-1), "latency_ms = -1" + remedy);
+  EXPECT_EQ(error(2e7), "latency_ms = 20000000" + remedy);
+  EXPECT_EQ(error(kNaN), "latency_ms = nan" + remedy);
+  EXPECT_EQ(error(kInfinity), "latency_ms = inf" + remedy);
+}
+
+// ---- HoldRule -------------------------------------------------------------------------------
+
+constexpr double kLatencyNs = 10e6;
+constexpr std::int64_t kNow = 100'000'000;
+constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
+
+// alpha = 100 us, beta = 300 ns.
+CostModel slow_algorithm() { return CostModel({.first_alpha_us = 100, .first_beta_ns = 300}); }
+
+struct Situation {
+  std::size_t count = 1;
+  std::int64_t age_ns = 0;
+  std::int64_t interval_ns = 0;
+  bool due = false;
+  double caution = 1.0;
+};
+
+std::optional<Decision> wait(const HoldRule& rule, Situation situation) {
+  const FakeBacklog events = FakeBacklog::of(situation.count);
+  Backlog backlog = events.at(kNow, situation.due);
+  backlog.oldest_ns = kNow - situation.age_ns;
+  backlog.previous_start_ns = kNow - situation.interval_ns;
+  return rule.wait(backlog, slow_algorithm(), situation.caution, kLatencyNs);
+}
+
+TEST(Hold, KnowsTheIntervalSinceTheLastStart) {
+  const FakeBacklog events = FakeBacklog::of(1);
+  Backlog backlog = events.at(kNow);
+  EXPECT_EQ(interval_ns(backlog), kNever);
+  backlog.previous_start_ns = kNow - 7;
+  EXPECT_EQ(interval_ns(backlog), 7);
+}
+
+TEST(Hold, NeverBeforeTheFirstPackage) {
+  const HoldRule rule(0.25, 1.0);
+  const FakeBacklog events = FakeBacklog::of(1);
+  EXPECT_FALSE(rule.wait(events.at(0), slow_algorithm(), 1.0, kLatencyNs));
+}
+
+TEST(Hold, WithoutLimitsNothingIsHeld) { EXPECT_FALSE(wait(HoldRule(0, 0), {})); }
+
+// alpha / overhead = 400 us between starts.
+TEST(Hold, KeepsTheShareOfFixedCosts) {
+  const HoldRule rule(0.25, 0);
+  EXPECT_TRUE(wait(rule, {.age_ns = 399'999, .interval_ns = 399'999}));
+  EXPECT_FALSE(wait(rule, {.age_ns = 399'999, .interval_ns = 400'000}));
+  EXPECT_FALSE(wait(rule, {.age_ns = 400'000, .interval_ns = 399'999}));
+
+  const auto fresh = wait(rule, {.age_ns = 100'000, .interval_ns = 150'000});
+  ASSERT_TRUE(fresh);
+  EXPECT_FALSE(fresh->takes);
+  EXPECT_EQ(fresh->until_ns, kNow + 250'000);  // the start is over before the age
+  const auto old = wait(rule, {.age_ns = 300'000, .interval_ns = 150'000});
+  ASSERT_TRUE(old);
+  EXPECT_EQ(old->until_ns, kNow + 100'000);
+}
+
+TEST(Hold, NoLongerThanAQuarterOfTheBound) {
+  const HoldRule rule(0.001, 0);
+  EXPECT_TRUE(wait(rule, {.age_ns = 2'499'999, .interval_ns = 2'499'999}));
+  EXPECT_FALSE(wait(rule, {.interval_ns = 2'500'000}));
+}
+
+// With (1 / u - 1) alpha / beta events the fixed cost of the package is the share u by itself.
+TEST(Hold, EndsWhenAPackageKeepsTheOverheadByItself) {
+  const HoldRule rule(0.25, 0);  // 3 alpha / beta = 1000 events
+  const auto waits = wait(rule, {.count = 999});
+  ASSERT_TRUE(waits);
+  EXPECT_EQ(waits->until_count, 1000u);
+  EXPECT_FALSE(wait(rule, {.count = 1000}));
+}
+
+TEST(Hold, EndsWhenAPackageIsEfficient) {
+  const HoldRule rule(0.001, 0);  // an overhead below 5 %: 19 alpha / beta = 6333.3 events
+  const auto waits = wait(rule, {.count = 6333});
+  ASSERT_TRUE(waits);
+  EXPECT_EQ(waits->until_count, 6334u);
+  EXPECT_FALSE(wait(rule, {.count = 6334}));
+
+  // Or it would fill half the bound: 4 (alpha + beta n) = 5 ms at n = 3833.3.
+  const auto careful = wait(rule, {.count = 3833, .caution = 4.0});
+  ASSERT_TRUE(careful);
+  EXPECT_EQ(careful->until_count, 3834u);
+  EXPECT_FALSE(wait(rule, {.count = 3834, .caution = 4.0}));
+}
+
+TEST(Hold, EndsAtOnceWhereASinglePackageFillsHalfTheBound) {
+  EXPECT_FALSE(wait(HoldRule(0.25, 0), {.caution = 1000.0}));
+}
+
+TEST(Hold, LimitsTheNumberOfPackages) {
+  const HoldRule rule(0, 1.0);
+  // However many wait, the interval is kept; nothing but time ends it.
+  const auto crowd = wait(rule, {.count = 100'000, .age_ns = 200'000, .interval_ns = 300'000});
+  ASSERT_TRUE(crowd);
+  EXPECT_EQ(crowd->until_ns, kNow + 700'000);
+  EXPECT_EQ(crowd->until_count, kAny);
+  EXPECT_FALSE(wait(rule, {.count = 100'000, .interval_ns = 1'000'000}));
+  EXPECT_FALSE(wait(rule, {.age_ns = 1'000'000, .interval_ns = 300'000}));
+}
+
+TEST(Hold, BothLimitsTogether) {
+  const HoldRule rule(0.05, 1.0);  // 2 ms of overhead, 1 ms of interval
+  const auto first = wait(rule, {.interval_ns = 999'999});
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->until_ns, kNow + 1);
+  const auto then = wait(rule, {.interval_ns = 1'000'000});
+  ASSERT_TRUE(then);
+  EXPECT_EQ(then->until_ns, kNow + 1'000'000);
+  EXPECT_EQ(then->until_count, 6334u);
+  EXPECT_FALSE(wait(rule, {.count = 6334, .interval_ns = 1'000'000}));
+}
+
+TEST(Hold, AnIntervalBeyondHalfTheBoundIsNotKept) {
+  const HoldRule rule(0, 500.0);
+  EXPECT_EQ(rule.min_interval_ns(), 5e8);
+  const auto waits = wait(rule, {.interval_ns = 4'999'999});
+  ASSERT_TRUE(waits);
+  EXPECT_EQ(waits->until_ns, kNow + 1);
+  EXPECT_FALSE(wait(rule, {.interval_ns = 5'000'000}));
+}
+
+TEST(Hold, WhatIsDueIsNotHeld) {
+  EXPECT_TRUE(wait(HoldRule(0.25, 1.0), {}));
+  EXPECT_FALSE(wait(HoldRule(0.25, 1.0), {.due = true}));
+}
+
+// Asked again at the time or the count that it named, it lets go, or waits for something later.
+TEST(Hold, EveryWaitEnds) {
+  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    const CounterRandom random(seed);
+    const HoldRule rule(random.uniform(0) < 0.3 ? 0.0 : random.uniform(1),
+                        random.uniform(2) < 0.3 ? 0.0 : 10 * random.uniform(3));
+    const Situation situation{.count = 1 + random(4) % 10'000,
+                              .age_ns = static_cast<std::int64_t>(random(5) % 6'000'000),
+                              .interval_ns = static_cast<std::int64_t>(random(6) % 6'000'000),
+                              .caution = 1 + random.uniform(7)};
+    const auto first = wait(rule, situation);
+    if (!first) continue;
+    ASSERT_GT(first->until_ns, kNow);
+    ASSERT_LE(first->until_ns, kNow + 5'000'000);
+    ASSERT_GT(first->until_count, situation.count);
+    Situation later = situation;
+    later.age_ns += first->until_ns - kNow;
+    later.interval_ns += first->until_ns - kNow;
+    if (const auto second = wait(rule, later)) {
+      later.age_ns += second->until_ns - kNow;
+      later.interval_ns += second->until_ns - kNow;
+      ASSERT_FALSE(wait(rule, later)) << seed;
+    }
+    if (first->until_count == kAny) continue;
+    Situation fuller = situation;
+    fuller.count = first->until_count;
+    ASSERT_FALSE(wait(rule, fuller)) << seed;
+  }
+}
+
+TEST(Hold, RefusesBadLimits) {
+  const auto error = [](double overhead, double min_interval_ms) {
+    return error_of([=] { HoldRule rule(overhead, min_interval_ms); });
+  };
+  EXPECT_EQ(error(-0.1, 0), "overhead = -0.1: must be between 0 (no limit) and 1");
+  EXPECT_EQ(error(1.5, 0), "overhead = 1.5: must be between 0 (no limit) and 1");
+  EXPECT_EQ(error(kNaN, 0), "overhead = nan: must be between 0 (no limit) and 1");
+  EXPECT_EQ(error(0, -1), "min_interval_ms = -1: must be between 0 and 1e7 ms");
+  EXPECT_EQ(error(0, 2e7), "min_interval_ms = 20000000: must be between 0 and 1e7 ms");
+  EXPECT_EQ(error(0, kNaN), "min_interval_ms = nan: must be between 0 and 1e7 ms");
+}
+
+// ---- BoundedScheme --------------------------------------------------------------------------
 
 struct LawConfig {
   double latency_ms = 10.0;

@@ -7,6 +7,8 @@
 namespace asap::run_log_test {
 namespace {
 
+// ---- RunLog ---------------------------------------------------------------------------------
+
 PackageRecord record(std::int64_t start_ns) {
   return {.start_ns = start_ns,
           .processing_ns = 150'000,
@@ -98,6 +100,28 @@ TEST(RunLog, ASpanOfZeroCountsAsOneMicrosecond) {
   one.t_last = one.t_first;
   log.append(one);
   EXPECT_EQ(log[0].rate, 20e6);
+}
+
+// ---- PackageTotals --------------------------------------------------------------------------
+
+TEST(PackageTotals, OfNothing) {
+  const PackageTotals totals;
+  EXPECT_EQ(totals.count, 0u);
+  EXPECT_EQ(totals.gamma_min, 1.0);
+}
+
+TEST(PackageTotals, AddUp) {
+  PackageTotals totals;
+  totals.add(10, 10, 500);
+  totals.add(40, 10, 300);
+  totals.add(30, 20, 200);
+  const PackageTotals copy = totals;
+  EXPECT_EQ(copy.count, 3u);
+  EXPECT_EQ(copy.thinned, 80u);
+  EXPECT_EQ(copy.size, 40u);
+  EXPECT_EQ(copy.size_max, 20u);
+  EXPECT_EQ(copy.processing_ns, 1000);
+  EXPECT_EQ(copy.gamma_min, 0.25);
 }
 
 }  // namespace

@@ -23,7 +23,6 @@
 #include <limits>
 #include <memory>
 
-#include "asap/core/allocate.hpp"
 #include "asap/core/atomics.hpp"
 #include "asap/core/check.hpp"
 #include "asap/core/event.hpp"

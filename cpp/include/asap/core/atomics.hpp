@@ -1,5 +1,6 @@
-// StdAtomics: the atomics of the production build, as the policy of every class that two threads
-// share. A model checker passes its own and so runs the same source: tests/model/relacy.
+// What two threads share. StdAtomics: the atomics of the production build, as the policy of every
+// class that a model checker runs; it passes its own: tests/model/relacy. Relaxed: a counter that
+// one thread writes and any thread may read meanwhile.
 #pragma once
 
 #include <atomic>
@@ -9,6 +10,31 @@ namespace asap {
 struct StdAtomics {
   template <class Value>
   using Atomic = std::atomic<Value>;
+};
+
+// A number that one thread writes and any thread may read while it does: the counters of a running
+// pipeline. An update is a load and a store, no read-modify-write: as fast as a plain number.
+// Numbers read together may be one update apart.
+template <class Number>
+class Relaxed {
+ public:
+  Relaxed(Number value = {}) noexcept : value_(value) {}
+  Relaxed(const Relaxed& other) noexcept : value_(other.load()) {}
+  Relaxed& operator=(const Relaxed& other) noexcept { return *this = other.load(); }
+  Relaxed& operator=(Number value) noexcept {
+    value_.store(value, std::memory_order_relaxed);
+    return *this;
+  }
+
+  Relaxed& operator+=(Number more) noexcept { return *this = load() + more; }
+  Relaxed& operator++() noexcept { return *this += Number{1}; }
+
+  Number load() const noexcept { return value_.load(std::memory_order_relaxed); }
+  operator Number() const noexcept { return load(); }
+
+ private:
+  std::atomic<Number> value_;
+  static_assert(std::atomic<Number>::is_always_lock_free);
 };
 
 }  // namespace asap

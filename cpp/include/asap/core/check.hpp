@@ -1,8 +1,14 @@
-// Argument checks of the constructors that take a configuration. An error names the field, the
-// value and the remedy. The throw is out of line, so headers compile with -fno-exceptions too.
+// What a constructor refuses: a value that its configuration must not have, and memory of a size
+// that the user has chosen and that cannot be had. An error names the field, the value and the
+// remedy. The throws are out of line, so headers compile with -fno-exceptions too.
 #pragma once
 
 #include <concepts>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <new>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -23,6 +29,31 @@ void require(bool ok, std::string_view field, Value value, std::string_view reme
   } else {
     throw_bad_value(field, to_text(value), remedy);
   }
+}
+
+// MemoryError in Python.
+class NoMemory : public std::bad_alloc {
+ public:
+  explicit NoMemory(const std::string& message) : message_(message) {}
+  const char* what() const noexcept override { return message_.what(); }
+
+ private:
+  std::runtime_error message_;  // a string whose copy does not throw
+};
+
+// Throws NoMemory("<field> = <value>: needs ... of memory, which cannot be had; choose less").
+[[noreturn]] void throw_no_memory(std::string_view field, std::size_t value, double bytes);
+
+// So many values, allocated once, as the field with this value asks for. The memory is not
+// initialised, so its pages cost nothing until they are used.
+template <class Value>
+std::unique_ptr<Value[]> allocate(std::size_t count, std::string_view field, std::size_t value) {
+  constexpr std::size_t kMost = std::numeric_limits<std::ptrdiff_t>::max() / sizeof(Value);
+  Value* const memory = count <= kMost ? new (std::nothrow) Value[count] : nullptr;
+  if (memory == nullptr) {
+    throw_no_memory(field, value, static_cast<double>(count) * sizeof(Value));
+  }
+  return std::unique_ptr<Value[]>(memory);
 }
 
 }  // namespace asap

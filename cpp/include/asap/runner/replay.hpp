@@ -13,7 +13,6 @@
 
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
-#include "asap/runner/consumer.hpp"
 #include "asap/runner/event_source.hpp"
 #include "asap/runner/run_config.hpp"
 #include "asap/telemetry/ledger.hpp"

@@ -1,16 +1,33 @@
-// RunConfig: what the runners have in common.
+// Consumer, WhenFull, RunConfig: what the runners have in common.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 #include "asap/filter/front_filter.hpp"
 #include "asap/filter/validator.hpp"
-#include "asap/runner/when_full.hpp"
+#include "asap/packager/package.hpp"
 #include "asap/schemes/scheme.hpp"
 
 namespace asap {
+
+// The algorithm as a runner sees it: a callable that takes a package (or, by conversion, its
+// events). Called on the consumer's thread, once per package; where the execution is anytime, once
+// per part of it (package.continues from the second on).
+using Consumer = std::function<void(const Package&)>;
+
+// What gives way when live events come faster than they leave the ring.
+enum class WhenFull {
+  // Beyond three quarters, the more the ring fills the fewer events of a push get in, by chance:
+  // the thinning stays uniform, whatever the size of a push, and counts as discarded. Only a push
+  // that finds the ring full, because the consumer stands still, is overflow. See Intake.
+  thin,
+  newest,  // what does not fit is dropped
+  oldest,  // finding the ring full, the consumer drops the older half
+  block,   // the producer waits for room: only for sources that can wait, such as files
+};
 
 struct RunConfig {
   std::optional<double> latency_us{};  // latency bound; none: the scheme's own, else 10 ms

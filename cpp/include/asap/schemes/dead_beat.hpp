@@ -4,7 +4,7 @@
 // It settles in one package: no rate estimate, no gain, no integrator. `Deadline` keeps more at the
 // end of a rush; this is the text-book.
 //
-//   1 hold     while packages would waste the processor and nobody suffers (hold.hpp)
+//   1 hold     while packages would waste the processor and the bound allows it (HoldRule)
 //   2 length   T = L / 2; in overload no longer than the knee K alpha, where throughput saturates
 //   3 stale    the package ends before the oldest event is L old; what cannot make it is dropped
 //   4 count    n = (H - alpha) / beta of the N events that are there

@@ -4,6 +4,7 @@
 // -ffp-contract=off, hence in .cpp files. Any one thread reads; one virtual call per block.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -20,6 +21,15 @@ class EventStream {
 };
 
 // Reads whole blocks until there are `at_least` events or the stream has ended; empty at the end.
-std::vector<Event> read_events(EventStream& stream, std::size_t at_least);
+inline std::vector<Event> read_events(EventStream& stream, std::size_t at_least) {
+  std::vector<Event> events;
+  events.reserve(std::min<std::size_t>(at_least, 1 << 20) * 5 / 4);  // with the last block's excess
+  while (events.size() < at_least) {
+    const EventSpan block = stream.next();
+    if (block.empty()) break;
+    events.insert(events.end(), block.begin(), block.end());
+  }
+  return events;
+}
 
 }  // namespace asap

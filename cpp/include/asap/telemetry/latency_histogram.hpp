@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "asap/core/relaxed.hpp"
+#include "asap/core/atomics.hpp"
 
 namespace asap {
 

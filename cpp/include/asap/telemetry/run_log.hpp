@@ -5,15 +5,15 @@
 // the run is over, size() and totals() at any time.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "asap/core/atomics.hpp"
 #include "asap/core/check.hpp"
-#include "asap/core/relaxed.hpp"
 #include "asap/core/time.hpp"
-#include "asap/telemetry/package_totals.hpp"
 
 namespace asap {
 
@@ -49,6 +49,28 @@ struct PackageRow {
   double latency_max_us;  // of the oldest kept event
   std::int64_t stale;
   std::int64_t overflow;
+};
+
+// What all packages of a run come to, exactly, also when the log keeps only the newest rows. One
+// thread adds; a copy may be taken by any thread meanwhile.
+struct PackageTotals {
+  Relaxed<std::uint64_t> count;    // packages
+  Relaxed<std::uint64_t> thinned;  // events that came to the gamma filter
+  Relaxed<std::uint64_t> size;     // events kept
+  Relaxed<std::uint64_t> size_max;
+  Relaxed<std::int64_t> processing_ns;
+  Relaxed<double> gamma_min = 1.0;
+
+  void add(std::uint64_t package_thinned, std::uint64_t package_size,
+           std::int64_t package_processing_ns) noexcept {
+    ++count;
+    thinned += package_thinned;
+    size += package_size;
+    size_max = std::max(size_max.load(), package_size);
+    processing_ns += package_processing_ns;
+    const double gamma = static_cast<double>(package_size) / static_cast<double>(package_thinned);
+    gamma_min = std::min(gamma_min.load(), gamma);
+  }
 };
 
 class RunLog {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/core/relaxed.hpp"
+#include "asap/core/atomics.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/run_log.hpp"
 

@@ -1,0 +1,165 @@
+// The rivals of the benchmark: schemes that others have published or that a user might write first.
+// Baselines of experiments, not products. Called on the consumer's thread; O(1) per package where
+// nothing else is said; no allocation after construction.
+#pragma once
+
+#include <array>
+
+#include "asap/runner/linear_cost.hpp"
+#include "asap/schemes/bounded_scheme.hpp"
+#include "asap/schemes/cost_model.hpp"
+#include "asap/schemes/scheme.hpp"
+#include "runner/admission.hpp"
+
+namespace asap {
+
+// What the rivals share: a latency bound, their only parameter. The rule itself is theirs.
+class Rival : public Scheme {
+ public:
+  explicit Rival(double latency_ms)
+      : latency_ms_(latency_ms), latency_ns_(checked_latency_ns(latency_ms)) {}
+
+  SchemeParameters parameters() const final { return {{"latency_ms", latency_ms_}}; }
+  std::int64_t latency_bound_ns() const noexcept final { return latency_ns_; }
+
+ private:
+  const double latency_ms_;
+
+ protected:
+  const std::int64_t latency_ns_;
+};
+
+// ClipperAimd: the adaptive batching of the prediction server Clipper (Crankshaw et al., NSDI
+// 2017): n = min(N, n_max) of the oldest; after a package that took no more than L/2, n_max grows
+// by 50 if the package was full; after a longer one it shrinks by a tenth. It never drops.
+class ClipperAimd final : public Rival {
+ public:
+  explicit ClipperAimd(double latency_ms);
+
+  Decision decide(const Backlog& backlog) noexcept override;
+  void observe(const Outcome& outcome) noexcept override;
+  void reset(Execution execution) noexcept override;
+  std::string_view name() const noexcept override { return "clipper_aimd"; }
+
+ private:
+  std::size_t whole_limit() const noexcept { return static_cast<std::size_t>(limit_); }
+
+  double limit_;  // n_max
+};
+
+// GreedyClear: Greedy, but when the oldest event is older than L/2 at the moment the algorithm is
+// free, everything older than 4 us is discarded first. What "drop the queue when late" comes to.
+// O(log n) per package.
+class GreedyClear final : public Rival {
+ public:
+  using Rival::Rival;
+
+  Decision decide(const Backlog& backlog) noexcept override;
+  std::string_view name() const noexcept override { return "greedy_clear"; }
+};
+
+// GreedyPie: Greedy behind an input filter that is steered like the queue discipline PIE (RFC
+// 8033): every 1 ms, with d = age in s of the oldest waiting event,
+//   p <- clip(p + 20 (d - L/2) + [d + d_old > 0.2 ms] 200 (d - d_old), 0, 0.99),  gamma = 1 - p
+// Only the simulator has a filter on admission.
+class GreedyPie final : public Rival, public Admission {
+ public:
+  using Rival::Rival;
+
+  Decision decide(const Backlog& backlog) noexcept override {
+    return Decision::take(backlog.count);
+  }
+  void reset(Execution execution) noexcept override;
+  std::string_view name() const noexcept override { return "greedy_pie"; }
+
+  double gamma(const Arrivals& arrivals) noexcept override;
+  std::int64_t period_ns() const noexcept override { return 1'000'000; }
+
+ private:
+  double drop_ = 0.0;   // p
+  double age_s_ = 0.0;  // d, when last asked
+};
+
+// GreedyRateGamma: Greedy behind an input filter that knows what the algorithm can do:
+// gamma = min(1, mu / lambda), mu = max((1 - 2 alpha/L)/beta, 0.05/beta), with alpha and beta
+// learned and lambda the exponential average of the raw rate over 5 ms, refreshed every 32 us. Only
+// the simulator has a filter on admission.
+class GreedyRateGamma final : public Rival, public Admission {
+ public:
+  using Rival::Rival;
+
+  Decision decide(const Backlog& backlog) noexcept override {
+    return Decision::take(backlog.count);
+  }
+  void observe(const Outcome& outcome) noexcept override;
+  void reset(Execution execution) noexcept override;
+  std::string_view name() const noexcept override { return "greedy_rate_gamma"; }
+
+  double gamma(const Arrivals& arrivals) noexcept override;
+  std::int64_t period_ns() const noexcept override { return 32'000; }
+
+ private:
+  CostModel cost_;
+  double rate_ = 0.0;  // lambda, events per ns
+};
+
+// JaerTimer: after jAER's processing timer. Greedy, but the package stops when its timer of L/2 has
+// run: n = max(1, (L/2/X - alpha)/beta) of the oldest events, where X and beta are the simulated
+// package's own, which it knows; the rest of what waited when it started is discarded.
+//
+// A decision throws away the oldest only, so the rest goes first thing after the package; until
+// then it keeps its place in the ring.
+class JaerTimer final : public Rival {
+ public:
+  // The cost of the simulator that it will run in, from that simulator's first package on.
+  JaerTimer(double latency_ms, LinearCost cost);
+
+  Decision decide(const Backlog& backlog) noexcept override;
+  void observe(const Outcome& outcome) noexcept override;
+  void reset(Execution execution) noexcept override;
+  std::string_view name() const noexcept override { return "jaer_timer"; }
+
+ private:
+  const LinearCost cost_;
+
+  std::uint64_t packages_ = 0;
+  std::size_t waited_ = 0;  // when last asked
+  std::size_t rest_ = 0;    // of the last package's backlog, to be discarded
+};
+
+// SparkPid: the back-pressure of Spark Streaming: a batch every T = L/2, thinned to at most q T
+// events, where q follows what the algorithm achieved,
+//   v = n/c of a completed package;  q <- q - (q - v) - 0.2 (wait v / T),  q >= 0.05 v,
+// wait = start of service minus close, first q = v.
+//
+// A push law in pull form: batches close at the multiples of T of run time and queue in the ring.
+// Each is thinned with the q that was known when it closed, so the last values of q are kept. O(1)
+// per package but for the few batches that queue.
+class SparkPid final : public Rival {
+ public:
+  explicit SparkPid(double latency_ms);
+
+  Decision decide(const Backlog& backlog) noexcept override;
+  void observe(const Outcome& outcome) noexcept override;
+  void reset(Execution execution) noexcept override;
+  std::string_view name() const noexcept override { return "spark_pid"; }
+
+ private:
+  // q from a completion on.
+  struct Limit {
+    std::int64_t since_ns;
+    double events_per_ns;
+  };
+  static constexpr std::size_t kLimits = 256;  // longer queues see a q that is too new
+
+  std::int64_t close_after(std::int64_t time_ns) const noexcept;
+  double most_events(std::int64_t close_ns) const noexcept;
+
+  const std::int64_t period_ns_;  // T
+
+  std::int64_t close_ns_ = 0;  // of the package that was last taken
+  std::array<Limit, kLimits> limits_{};
+  std::uint64_t limit_count_ = 0;
+};
+
+}  // namespace asap

@@ -1,0 +1,103 @@
+"""Prophesee files of 10^7 events, from the page cache into an array, beside other readers.
+
+pytest tests/bench/test_native_decoders_bench.py --benchmark-only
+The rivals skip where they are absent: pip install expelliarmus evt3 eventcv. They make an array of
+their own; ours is there already, as a copy of the events is, which bounds what memory allows.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asap
+from asap.io.native import FORMATS, HEAD
+
+sys.path.append(str(Path(__file__).parents[1] / "python"))
+import raw_files
+
+COUNT = 10_000_000
+PIECE = 1 << 18  # bytes; stays in the second-level cache
+
+
+@pytest.fixture(scope="module")
+def events():
+    """10 Mev/s of an HD sensor: pixels at random within rows that stay for 4 events."""
+    random = np.random.default_rng(0)
+    events = np.zeros(COUNT, asap.EVENT_DTYPE)
+    events["x"] = random.integers(0, 1280, COUNT)
+    events["y"] = np.repeat(random.integers(0, 720, COUNT // 4), 4)
+    events["p"] = random.integers(0, 2, COUNT)
+    events["t"] = 1_000_000 + np.arange(COUNT) // 10
+    return events
+
+
+@pytest.fixture(scope="module", params=raw_files.WRITERS)
+def path(request, events, tmp_path_factory):
+    suffix = "dat" if request.param == "dat" else "raw"
+    file = tmp_path_factory.mktemp("bench") / f"{request.param}.{suffix}"
+    yield raw_files.WRITERS[request.param](file, events, 1280, 720)
+    file.unlink()
+
+
+def measure(benchmark, path, read):
+    count = benchmark.pedantic(read, rounds=5, warmup_rounds=1)
+    assert count == COUNT
+    seconds = benchmark.stats.stats.min
+    benchmark.extra_info["Mev/s"] = round(COUNT / seconds / 1e6)
+    benchmark.extra_info["GB/s"] = round((path.stat().st_size + 16 * COUNT) / seconds / 1e9, 2)
+
+
+def test_decoder(benchmark, path, events):
+    with path.open("rb") as file:
+        layout = FORMATS[path.stem.removesuffix("_legacy")](path, file.read(HEAD))
+    out, piece = np.empty(COUNT, asap.EVENT_DTYPE), memoryview(bytearray(PIECE))
+
+    def read():
+        decoder, filled = layout.make(), 0
+        with path.open("rb", buffering=0) as file:
+            file.seek(layout.start)
+            while size := file.readinto(piece):
+                _, written = decoder.decode_into(piece[:size], out[filled:])
+                filled += written
+        return filled
+
+    measure(benchmark, path, read)
+    assert all((out[name] == events[name]).all() for name in "txyp")
+
+
+def test_iterated(benchmark, path):
+    measure(benchmark, path, lambda: sum(map(len, asap.read(path))))
+
+
+def test_anchor_copy(benchmark, path, events):
+    out, source = np.empty(16 * COUNT, np.uint8), events.view(np.uint8)
+
+    def copy():
+        np.copyto(out, source)
+        return COUNT
+
+    measure(benchmark, path, copy)
+
+
+def test_rival_expelliarmus(benchmark, path):
+    expelliarmus = pytest.importorskip("expelliarmus")
+    if path.stem not in ("evt2", "evt3", "dat"):
+        pytest.skip("expelliarmus does not read it")
+    wizard = expelliarmus.Wizard(encoding=path.stem)
+    measure(benchmark, path, lambda: len(wizard.read(path)))
+
+
+def test_rival_evt3(benchmark, path):
+    evt3 = pytest.importorskip("evt3")
+    if path.stem != "evt3":
+        pytest.skip("evt3 reads EVT3")
+    measure(benchmark, path, lambda: len(evt3.decode_file(str(path))))
+
+
+def test_rival_eventcv(benchmark, path):
+    eventcv = pytest.importorskip("eventcv")
+    if path.stem not in ("evt2", "evt3", "dat"):
+        pytest.skip("EventCV does not read it, or not rightly")
+    measure(benchmark, path, lambda: len(eventcv.load(str(path))))

@@ -1,0 +1,60 @@
+#include "study/realtime.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+
+#include "support/errors.hpp"
+#include "support/streams.hpp"
+
+namespace asap::realtime_test {
+namespace {
+
+// ---- BusyWait -------------------------------------------------------------------------------
+
+using Clock = std::chrono::steady_clock;
+
+TEST(BusyWait, TakesAtLeastWhatItSays) {
+  BusyWait algorithm({.alpha_us = 300, .beta_ns = 2000});
+  const auto start = Clock::now();
+  algorithm.begin();
+  const auto begun = Clock::now();
+  algorithm.process(test::evenly_spaced(100, 1));
+  EXPECT_GE(begun - start, std::chrono::microseconds(300));
+  EXPECT_GE(Clock::now() - begun, std::chrono::microseconds(200));
+}
+
+TEST(BusyWait, RefusesABadConfigurationByName) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(test::error_of([] { BusyWait({.alpha_us = -1}); }),
+            "alpha_us = -1: must be between 0 and 1e6 us");
+  EXPECT_EQ(test::error_of([] { BusyWait({.beta_ns = kNaN}); }),
+            "beta_ns = nan: must be between 0 and 1e6 ns");
+}
+
+// ---- scheduling_jitter ----------------------------------------------------------------------
+
+TEST(SchedulingJitter, TheGapsAddUpToTheTimeThatPassed) {
+  using namespace std::chrono_literals;
+  const auto start = std::chrono::steady_clock::now();
+  const LatencyHistogram gaps = scheduling_jitter(5ms);
+  const auto passed = std::chrono::steady_clock::now() - start;
+  const double sum_ns = gaps.mean_ns() * static_cast<double>(gaps.count());
+  EXPECT_GE(sum_ns, 4.999e6);
+  EXPECT_LE(sum_ns, 1.001 * static_cast<double>(std::chrono::nanoseconds(passed).count()));
+  EXPECT_GT(gaps.count(), 0u);
+}
+
+TEST(SchedulingJitter, LooksAgainAndAgain) {
+  std::uint64_t most = 0;  // a gap may take all the time there is
+  for (int i = 0; i < 1000 && most <= 100; ++i) {
+    most = std::max(most, scheduling_jitter(std::chrono::milliseconds(5)).count());
+  }
+  EXPECT_GT(most, 100u);
+}
+
+}  // namespace
+}  // namespace asap::realtime_test

@@ -1,0 +1,528 @@
+#include "study/rivals.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "support/errors.hpp"
+#include "support/fake_backlog.hpp"
+
+namespace asap::rivals_test {
+namespace {
+
+// ---- Rival ----------------------------------------------------------------------------------
+
+class Own final : public Rival {
+ public:
+  using Rival::Rival;
+  Decision decide(const Backlog& backlog) noexcept override {
+    return Decision::take(backlog.count);
+  }
+  std::string_view name() const noexcept override { return "own"; }
+};
+
+TEST(Rival, HasALatencyBoundThatStays) {
+  Own own(7.5);
+  EXPECT_EQ(own.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
+  EXPECT_EQ(own.latency_bound_ns(), 7'500'000);
+  own.set_latency_bound_ns(1'000'000);
+  EXPECT_EQ(own.latency_bound_ns(), 7'500'000);
+}
+
+TEST(Rival, RefusesABoundOutOfRange) {
+  EXPECT_EQ(test::error_of([] { Own bad(-1); }),
+            "latency_ms = -1: must be between 0.01 and 1e7 ms");
+}
+
+// ---- ClipperAimd ----------------------------------------------------------------------------
+
+using test::FakeBacklog;
+
+std::size_t limit(ClipperAimd& scheme) {
+  const Decision decision = scheme.decide(FakeBacklog::of(1000).at(0));
+  EXPECT_TRUE(decision.takes);
+  EXPECT_EQ(decision.keep, 1.0);
+  EXPECT_EQ(decision.stale, 0u);
+  return decision.raw;
+}
+
+std::size_t limit_after(ClipperAimd& scheme, std::size_t size, std::int64_t processing_ns) {
+  scheme.observe(
+      {.size = size, .raw = size, .span_ns = 0, .start_ns = 0, .processing_ns = processing_ns});
+  return limit(scheme);
+}
+
+TEST(ClipperAimd, GrowsByFiftyAfterAFullPackageInTime) {
+  ClipperAimd scheme(10);
+  EXPECT_EQ(limit(scheme), 50u);
+  EXPECT_EQ(limit_after(scheme, 50, 5'000'000), 100u);
+  EXPECT_EQ(limit_after(scheme, 99, 1), 100u);  // was not full
+  EXPECT_EQ(limit_after(scheme, 100, 1), 150u);
+  EXPECT_EQ(scheme.decide(FakeBacklog::of(20).at(0)).raw, 20u);
+}
+
+TEST(ClipperAimd, ShrinksByATenthAfterALatePackage) {
+  ClipperAimd scheme(10);
+  EXPECT_EQ(limit_after(scheme, 50, 5'000'001), 45u);
+  EXPECT_EQ(limit_after(scheme, 3, 9'000'000), 40u);  // 40.5, full or not
+  EXPECT_EQ(limit_after(scheme, 40, 1), 90u);         // 90.5
+  for (int k = 0; k < 100; ++k) limit_after(scheme, 1, 9'000'000);
+  EXPECT_EQ(limit(scheme), 1u);
+  EXPECT_EQ(limit_after(scheme, 1, 1), 51u);
+}
+
+TEST(ClipperAimd, IsNotWedgedByAbsurdOutcomes) {
+  ClipperAimd scheme(10);
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  for (int k = 0; k < 1000; ++k) {
+    ASSERT_GE(limit_after(scheme, k % 2 == 0 ? 0 : 7, kMost), 1u);
+    ASSERT_GE(limit_after(scheme, 0, -kMost), 1u);
+  }
+}
+
+TEST(ClipperAimd, ResetBringsTheFirstStateBack) {
+  ClipperAimd scheme(10);
+  limit_after(scheme, 50, 1);
+  scheme.reset(Execution::whole);
+  EXPECT_EQ(limit(scheme), 50u);
+}
+
+TEST(ClipperAimd, TellsItsNameAndBound) {
+  const ClipperAimd scheme(7.5);
+  EXPECT_EQ(scheme.name(), "clipper_aimd");
+  EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
+  EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
+  EXPECT_EQ(test::error_of([] { ClipperAimd bad(0); }).substr(0, 16), "latency_ms = 0: ");
+}
+
+// ---- GreedyClear ----------------------------------------------------------------------------
+
+TEST(GreedyClear, TakesAllThatWaitsUpToHalfTheBound) {
+  GreedyClear scheme(10);
+  const FakeBacklog backlog({0, 1, 4'000'000, 5'000'000});
+  for (const bool due : {false, true}) {
+    const Decision decision = scheme.decide(backlog.at(5'000'000, due));
+    EXPECT_TRUE(decision.takes);
+    EXPECT_EQ(decision.stale, 0u);
+    EXPECT_EQ(decision.raw, 4u);
+    EXPECT_EQ(decision.keep, 1.0);
+  }
+}
+
+TEST(GreedyClear, ThenDiscardsWhatIsOlderThanFourMicroseconds) {
+  GreedyClear scheme(10);
+  constexpr std::int64_t kNow = 5'000'001;
+  const FakeBacklog backlog({0, 1, 4'000'000, kNow - 4001, kNow - 4000, kNow - 10, kNow});
+  const Decision decision = scheme.decide(backlog.at(kNow));
+  EXPECT_TRUE(decision.takes);
+  EXPECT_EQ(decision.stale, 4u);
+  EXPECT_EQ(decision.raw, 0u);  // asked again about the rest
+  EXPECT_EQ(scheme.decide(FakeBacklog({kNow - 4000, kNow - 10, kNow}).at(kNow)).raw, 3u);
+}
+
+TEST(GreedyClear, MayDiscardAll) {
+  GreedyClear scheme(10);
+  EXPECT_EQ(scheme.decide(FakeBacklog({0, 1, 2}).at(6'000'000, true)).stale, 3u);
+}
+
+// Or it would throw nothing away, for ever.
+TEST(GreedyClear, WhatIsLateIsNeverFresh) {
+  GreedyClear scheme(0.01);  // the shortest bound there is
+  EXPECT_EQ(scheme.decide(FakeBacklog({0, 1}).at(5000)).raw, 2u);
+  EXPECT_EQ(scheme.decide(FakeBacklog({0, 1002}).at(5001)).stale, 1u);
+}
+
+TEST(GreedyClear, TellsItsNameAndBound) {
+  const GreedyClear scheme(7.5);
+  EXPECT_EQ(scheme.name(), "greedy_clear");
+  EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
+  EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
+  EXPECT_EQ(test::error_of([] { GreedyClear bad(-1); }).substr(0, 17), "latency_ms = -1: ");
+}
+
+// ---- GreedyPie ------------------------------------------------------------------------------
+
+// gamma when the oldest waiting event is this old.
+double gamma_at(GreedyPie& scheme, double age_ms) {
+  constexpr std::int64_t kNow = 1'000'000'000;
+  return scheme.gamma({.now_ns = kNow,
+                       .arrived = 1000,
+                       .waiting = 1000,
+                       .oldest_ns = kNow - static_cast<std::int64_t>(age_ms * 1e6)});
+}
+
+TEST(GreedyPie, TakesAllThatWaitsAtOnce) {
+  GreedyPie scheme(10);
+  for (const bool due : {false, true}) {
+    const Decision decision = scheme.decide(test::FakeBacklog::of(1234).at(99'000'000, due));
+    EXPECT_TRUE(decision.takes);
+    EXPECT_EQ(decision.raw, 1234u);
+    EXPECT_EQ(decision.keep, 1.0);
+  }
+}
+
+// p += 20 (d - 5 ms), and 200 (d - d_old) if the two ages together exceed 0.2 ms.
+TEST(GreedyPie, FollowsTheAgeOfTheOldestEvent) {
+  GreedyPie scheme(10);
+  const struct {
+    double age_ms;
+    double drop;
+  } table[] = {{0, 0.0},   // -0.1
+               {5, 0.99},  // 0 + 200 x 5 ms
+               {4, 0.77},  // 0.99 - 0.02 - 0.2
+               {7, 0.99},  // 0.77 + 0.04 + 0.6
+               {6, 0.81},  // 0.99 + 0.02 - 0.2
+               {6, 0.83},  // 0.81 + 0.02
+               {0, 0.0}};  // 0.83 - 0.1 - 1.2
+  for (const auto& row : table) EXPECT_NEAR(gamma_at(scheme, row.age_ms), 1 - row.drop, 1e-12);
+}
+
+TEST(GreedyPie, SmallAgesSteerOnlySlowly) {
+  GreedyPie scheme(0.1);                              // target 50 us
+  EXPECT_NEAR(gamma_at(scheme, 0.15), 0.998, 1e-12);  // 20 x 100 us; 0.15 ms together
+  EXPECT_NEAR(gamma_at(scheme, 0.05), 0.998, 1e-12);  // 0.2 ms together: not more
+  EXPECT_NEAR(gamma_at(scheme, 0.151), 0.998 - 0.00202 - 0.0202, 1e-12);
+}
+
+TEST(GreedyPie, IsAskedEveryMillisecond) { EXPECT_EQ(GreedyPie(10).period_ns(), 1'000'000); }
+
+TEST(GreedyPie, RecoversFromAbsurdAges) {
+  GreedyPie scheme(10);
+  for (const double age_ms : {1e12, -1e12, 1e12}) {
+    const double gamma = gamma_at(scheme, age_ms);
+    EXPECT_GE(gamma, 0.01 - 1e-12);
+    EXPECT_LE(gamma, 1.0);
+  }
+  for (int k = 0; k < 20; ++k) gamma_at(scheme, 0);
+  EXPECT_DOUBLE_EQ(gamma_at(scheme, 0), 1.0);
+}
+
+TEST(GreedyPie, ResetBringsTheFirstStateBack) {
+  GreedyPie scheme(10);
+  gamma_at(scheme, 9);
+  scheme.reset(Execution::whole);
+  EXPECT_NEAR(gamma_at(scheme, 5.1), 0.01, 1e-9);  // the step from 0, not from 9 ms
+  scheme.reset(Execution::whole);
+  EXPECT_DOUBLE_EQ(gamma_at(scheme, 0), 1.0);
+}
+
+TEST(GreedyPie, TellsItsNameAndBound) {
+  const GreedyPie scheme(7.5);
+  EXPECT_EQ(scheme.name(), "greedy_pie");
+  EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
+  EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
+  EXPECT_EQ(test::error_of([] { GreedyPie bad(0); }).substr(0, 16), "latency_ms = 0: ");
+}
+
+// ---- GreedyRateGamma ------------------------------------------------------------------------
+
+// `count` refreshes of 32 us with so many arrivals each; the last gamma.
+double gamma_after(GreedyRateGamma& scheme, int count, std::size_t arrived) {
+  double gamma = 1;
+  for (int i = 0; i < count; ++i) {
+    gamma = scheme.gamma({.now_ns = 0, .arrived = arrived, .waiting = 0, .oldest_ns = 0});
+  }
+  return gamma;
+}
+
+TEST(GreedyRateGamma, TakesAllThatWaitsAtOnce) {
+  GreedyRateGamma scheme(10);
+  for (const bool due : {false, true}) {
+    const Decision decision = scheme.decide(test::FakeBacklog::of(1234).at(99'000'000, due));
+    EXPECT_TRUE(decision.takes);
+    EXPECT_EQ(decision.raw, 1234u);
+    EXPECT_EQ(decision.keep, 1.0);
+  }
+}
+
+// Before the first package 50 us + 100 ns are assumed: mu = (1 - 100 us / 10 ms) / 100 ns
+// = 9.9e6/s.
+TEST(GreedyRateGamma, KeepsWhatTheAlgorithmCanDo) {
+  GreedyRateGamma scheme(10);
+  EXPECT_DOUBLE_EQ(gamma_after(scheme, 20'000, 9 * 32), 1.0);
+  EXPECT_NEAR(gamma_after(scheme, 20'000, 20 * 32), 9.9 / 20, 1e-9);
+  EXPECT_DOUBLE_EQ(gamma_after(scheme, 20'000, 0), 1.0);
+}
+
+TEST(GreedyRateGamma, TheRateIsAnAverageOverFiveMilliseconds) {
+  GreedyRateGamma scheme(10);
+  EXPECT_EQ(scheme.period_ns(), 32'000);
+  for (const double time_ms : {3.2, 6.4, 9.6}) {
+    const double rate = 40 * (1 - std::exp(-time_ms / 5));
+    EXPECT_NEAR(gamma_after(scheme, 100, 40 * 32), 9.9 / rate, 1e-9) << time_ms;
+  }
+}
+
+TEST(GreedyRateGamma, AtLeastATwentiethOfTheEventsPerSecond) {
+  GreedyRateGamma scheme(0.1);  // 2 alpha = L
+  EXPECT_NEAR(gamma_after(scheme, 20'000, 20 * 32), 0.5 / 20, 1e-9);
+}
+
+TEST(GreedyRateGamma, LearnsTheCost) {
+  GreedyRateGamma scheme(10);
+  for (int k = 0; k < 200; ++k) {
+    const std::size_t size = std::size_t{100} << (k % 7);
+    scheme.observe({.size = size,
+                    .raw = size,
+                    .span_ns = 0,
+                    .start_ns = 0,
+                    .processing_ns = static_cast<std::int64_t>(200'000 + 300 * size)});
+    scheme.observe({.size = 0, .raw = 9, .span_ns = 0, .start_ns = 0, .processing_ns = 0});
+  }
+  EXPECT_NEAR(gamma_after(scheme, 20'000, 20 * 32), 0.96 / 0.3 / 20, 1e-3);
+  scheme.reset(Execution::whole);
+  EXPECT_DOUBLE_EQ(gamma_after(scheme, 1, 20 * 32), 1.0);
+  EXPECT_NEAR(gamma_after(scheme, 20'000, 20 * 32), 9.9 / 20, 1e-9);
+}
+
+TEST(GreedyRateGamma, IsNotWedgedByAbsurdOutcomes) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  GreedyRateGamma scheme(10);
+  for (const std::int64_t processing_ns : {std::int64_t{0}, std::int64_t{-1}, kMost, -kMost}) {
+    for (int k = 0; k < 20; ++k) {
+      scheme.observe(
+          {.size = 1, .raw = 1, .span_ns = 0, .start_ns = 0, .processing_ns = processing_ns});
+      const double gamma = gamma_after(scheme, 1, 1000);
+      ASSERT_GT(gamma, 0.0);
+      ASSERT_LE(gamma, 1.0);
+    }
+  }
+}
+
+TEST(GreedyRateGamma, TellsItsNameAndBound) {
+  const GreedyRateGamma scheme(7.5);
+  EXPECT_EQ(scheme.name(), "greedy_rate_gamma");
+  EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
+  EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
+  EXPECT_EQ(test::error_of([] { GreedyRateGamma bad(0); }).substr(0, 16), "latency_ms = 0: ");
+}
+
+// ---- JaerTimer ------------------------------------------------------------------------------
+
+Decision ask(JaerTimer& scheme, std::size_t count, std::int64_t now_ns = 0) {
+  const FakeBacklog one({0});
+  Backlog backlog = one.at(now_ns);
+  backlog.count = count;
+  return scheme.decide(backlog);
+}
+
+void complete(JaerTimer& scheme, std::size_t raw, std::size_t size) {
+  scheme.observe({.size = size, .raw = raw, .span_ns = 0, .start_ns = 0, .processing_ns = 1});
+}
+
+// 100 us + 300 ns per event, timer 5 ms: 4900 us / 300 ns = 16333.3 events.
+TEST(JaerTimer, StopsWhenTheTimerHasRun) {
+  JaerTimer scheme(10, LinearCost({.alpha_us = 100, .beta_ns = 300}));
+  for (const std::size_t count : {1u, 16'333u, 16'334u, 1'000'000u}) {
+    const Decision decision = ask(scheme, count);
+    EXPECT_TRUE(decision.takes);
+    EXPECT_EQ(decision.stale, 0u);
+    EXPECT_EQ(decision.raw, std::min<std::size_t>(count, 16'333));
+    EXPECT_EQ(decision.keep, 1.0);
+  }
+}
+
+TEST(JaerTimer, ThenDiscardsTheRestOfWhatWaitedAtTheStart) {
+  JaerTimer scheme(10, LinearCost({.alpha_us = 100, .beta_ns = 300}));
+  EXPECT_EQ(ask(scheme, 20'000).raw, 16'333u);
+  complete(scheme, 16'333, 16'333);
+  const Decision rest = ask(scheme, 5000);  // 3667 of then, 1333 new ones
+  EXPECT_TRUE(rest.takes);
+  EXPECT_EQ(rest.stale, 3667u);
+  EXPECT_EQ(rest.raw, 0u);
+  const Decision next = ask(scheme, 1333);
+  EXPECT_EQ(next.stale, 0u);
+  EXPECT_EQ(next.raw, 1333u);
+  complete(scheme, 1333, 1333);
+  EXPECT_EQ(ask(scheme, 7).stale, 0u);
+}
+
+TEST(JaerTimer, KnowsTheDrawOfEachPackage) {
+  const LinearCost cost({.alpha_us = 100, .beta_ns = 300, .noise = 0.5, .seed = 3});
+  JaerTimer scheme(10, cost);
+  for (std::uint64_t index = 0; index < 50; ++index) {
+    const double factor = cost.package(index, 0).event_ns / 300;
+    const double most = (5e6 / factor - 100e3) / 300;  // (L/2/X - alpha)/beta
+    EXPECT_NEAR(static_cast<double>(ask(scheme, 10'000'000).raw), most, 1.0) << index;
+    complete(scheme, 9'999'999, 9'999'999);
+    EXPECT_EQ(ask(scheme, 1).stale, 1u);
+    ask(scheme, 1);
+    complete(scheme, 1, 0);  // nothing kept: no package
+  }
+  scheme.reset(Execution::whole);
+  const double factor = cost.package(0, 0).event_ns / 300;
+  EXPECT_NEAR(static_cast<double>(ask(scheme, 10'000'000).raw), (5e6 / factor - 100e3) / 300, 1.0);
+}
+
+TEST(JaerTimer, KnowsTheDrift) {
+  JaerTimer scheme(10, LinearCost({.alpha_us = 100, .beta_ns = 300, .drift = {1.0, 2.0}}));
+  EXPECT_EQ(ask(scheme, 100'000, 0).raw, 16'333u);
+  EXPECT_EQ(ask(scheme, 100'000, 1'000'000).raw, 8166u);
+}
+
+TEST(JaerTimer, TakesAtLeastOneEvent) {
+  EXPECT_EQ(JaerTimer(10, LinearCost({.alpha_us = 6000, .beta_ns = 300}))
+                .decide(FakeBacklog::of(9).at(0))
+                .raw,
+            1u);
+  EXPECT_EQ(JaerTimer(10, LinearCost({.alpha_us = 6000, .beta_ns = 0}))
+                .decide(FakeBacklog::of(9).at(0))
+                .raw,
+            1u);
+  EXPECT_EQ(
+      JaerTimer(10, LinearCost({.alpha_us = 0, .beta_ns = 0})).decide(FakeBacklog::of(9).at(0)).raw,
+      9u);
+}
+
+TEST(JaerTimer, ResetForgetsTheRest) {
+  JaerTimer scheme(10, LinearCost());
+  ask(scheme, 20'000);
+  complete(scheme, 16'333, 16'333);
+  scheme.reset(Execution::whole);
+  EXPECT_EQ(ask(scheme, 10).stale, 0u);
+}
+
+TEST(JaerTimer, TellsItsNameAndBound) {
+  const JaerTimer scheme(7.5, LinearCost());
+  EXPECT_EQ(scheme.name(), "jaer_timer");
+  EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
+  EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
+  EXPECT_EQ(test::error_of([] { JaerTimer bad(0, LinearCost()); }).substr(0, 16),
+            "latency_ms = 0: ");
+}
+
+// ---- SparkPid -------------------------------------------------------------------------------
+
+constexpr std::int64_t kPeriod = 5'000'000;  // T of L = 10 ms
+
+// `count` events at the start of period number `period`.
+FakeBacklog batch(std::int64_t period, std::size_t count) {
+  return FakeBacklog(std::vector<std::int64_t>(count, period * kPeriod));
+}
+
+Decision ask(SparkPid& scheme, std::int64_t period, std::size_t count, std::int64_t now_ns,
+             bool due = false) {
+  return scheme.decide(batch(period, count).at(now_ns, due));
+}
+
+void complete(SparkPid& scheme, std::size_t size, std::int64_t start_ns,
+              std::int64_t processing_ns) {
+  scheme.observe({.size = size,
+                  .raw = size,
+                  .span_ns = 0,
+                  .start_ns = start_ns,
+                  .processing_ns = processing_ns});
+}
+
+TEST(SparkPid, ClosesAtMultiplesOfHalfTheBound) {
+  SparkPid scheme(10);
+  const FakeBacklog backlog({1'000'000, 4'999'999, 5'000'000, 12'000'000});
+  const Decision early = scheme.decide(backlog.at(4'999'999));
+  EXPECT_FALSE(early.takes);
+  EXPECT_EQ(early.until_ns, kPeriod);
+  for (const std::int64_t now_ns : {kPeriod, 20 * kPeriod}) {
+    const Decision decision = scheme.decide(backlog.at(now_ns));
+    EXPECT_TRUE(decision.takes);
+    EXPECT_EQ(decision.raw, 2u);  // the batches that have queued stay apart
+    EXPECT_EQ(decision.keep, 1.0);
+  }
+  EXPECT_EQ(scheme.decide(FakeBacklog({-1}).at(-1)).until_ns, 0);
+  EXPECT_EQ(scheme.decide(FakeBacklog({0}).at(0)).until_ns, kPeriod);
+}
+
+TEST(SparkPid, WhenDueTakesWhatThereIs) {
+  SparkPid scheme(10);
+  const FakeBacklog backlog({1, 2, 3});
+  EXPECT_FALSE(scheme.decide(backlog.at(10)).takes);
+  EXPECT_EQ(scheme.decide(backlog.at(10, true)).raw, 3u);
+  complete(scheme, 3, 10, 1000);  // before its close: no wait
+  EXPECT_DOUBLE_EQ(ask(scheme, 0, 60'000, kPeriod).keep, 0.003 * kPeriod / 60'000);
+  ask(scheme, 1, 3, kPeriod, true);
+  complete(scheme, 3, kPeriod, 1000);
+  EXPECT_DOUBLE_EQ(ask(scheme, 1, 60'000, 2 * kPeriod).keep, 0.003 * kPeriod / 60'000);
+}
+
+TEST(SparkPid, ThinsToWhatTheAlgorithmAchieved) {
+  SparkPid scheme(10);
+  EXPECT_EQ(ask(scheme, 0, 8000, kPeriod).keep, 1.0);
+  complete(scheme, 8000, kPeriod, 2'000'000);  // v = 4 per us: 20'000 per T, the first q
+  EXPECT_DOUBLE_EQ(ask(scheme, 1, 40'000, 2 * kPeriod).keep, 0.5);
+  EXPECT_EQ(ask(scheme, 1, 40'000, 2 * kPeriod).raw, 40'000u);
+  EXPECT_EQ(ask(scheme, 1, 20'000, 2 * kPeriod).keep, 1.0);
+  complete(scheme, 1000, 2 * kPeriod, 1'000'000);  // without a wait q is v: 1 per us
+  EXPECT_DOUBLE_EQ(ask(scheme, 2, 40'000, 3 * kPeriod).keep, 0.125);
+  complete(scheme, 12'000, 3 * kPeriod + 2'500'000, 2'000'000);
+  // v = 6 per us, waited for T/2: q = 6 - 0.1 x 6.
+  EXPECT_DOUBLE_EQ(ask(scheme, 3, 40'000, 4 * kPeriod).keep, 5.4 * 5000 / 40'000);
+  complete(scheme, 4000, 8 * kPeriod, 1'000'000);  // waited for 4 T: q = 4 - 0.8 x 4
+  EXPECT_DOUBLE_EQ(ask(scheme, 9, 40'000, 10 * kPeriod).keep, 0.8 * 5000 / 40'000);
+  complete(scheme, 4000, 16 * kPeriod, 1'000'000);  // waited for 6 T: at least 0.05 v
+  EXPECT_DOUBLE_EQ(ask(scheme, 18, 40'000, 19 * kPeriod).keep, 0.2 * 5000 / 40'000);
+}
+
+// A push law would have thinned a batch when it closed, however long it has queued since.
+TEST(SparkPid, ABatchKnowsOnlyWhatWasKnownWhenItClosed) {
+  SparkPid scheme(10);
+  ask(scheme, 0, 10'000, kPeriod);
+  complete(scheme, 10'000, kPeriod, 12'000'000);            // until 17 ms
+  EXPECT_EQ(ask(scheme, 1, 10'000, 17'000'000).keep, 1.0);  // closed at 10 ms, nothing known
+  complete(scheme, 10'000, 17'000'000, 3'000'000);          // until 20 ms
+  EXPECT_EQ(ask(scheme, 2, 10'000, 20'000'000).keep, 1.0);  // closed at 15 ms
+  complete(scheme, 10'000, 20'000'000, 2'000'000);          // until 22 ms
+  // Closed at 20 ms, with the second package: 10 / 3 per us after a wait of 1.4 T.
+  const double q = 10e3 / 3e6 * (1 - 0.2 * 1.4);
+  EXPECT_DOUBLE_EQ(ask(scheme, 3, 40'000, 22'000'000).keep, q * kPeriod / 40'000);
+}
+
+TEST(SparkPid, AQueueLongerThanItsMemoryIsThinnedAllTheSame) {
+  SparkPid scheme(10);
+  for (std::int64_t k = 0; k < 1000; ++k) {
+    const std::int64_t now_ns = 1'000'000 * kPeriod + k * 1000;
+    const Decision decision = ask(scheme, k, 10'000, now_ns);
+    ASSERT_TRUE(decision.takes);
+    ASSERT_EQ(decision.keep < 1.0, k >= 256);
+    complete(scheme, 1, now_ns, 1000);
+  }
+}
+
+TEST(SparkPid, NeverStarves) {
+  SparkPid scheme(10);
+  complete(scheme, 1, 0, 60'000'000'000);                          // a minute per event
+  EXPECT_EQ(ask(scheme, 20'000, 4, 20'001 * kPeriod).keep, 0.25);  // one event
+}
+
+TEST(SparkPid, IsNotWedgedByAbsurdOutcomes) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max() / 4;
+  SparkPid scheme(10);
+  for (const std::int64_t processing_ns : {std::int64_t{0}, std::int64_t{-1}, -kMost, kMost}) {
+    for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{1} << 40}) {
+      complete(scheme, size, 0, processing_ns);
+      const Decision decision = ask(scheme, 1, 10, 2 * kPeriod);
+      ASSERT_TRUE(decision.takes);
+      ASSERT_EQ(decision.raw, 10u);
+      ASSERT_GE(decision.keep, 0.1);
+      ASSERT_LE(decision.keep, 1.0);
+    }
+  }
+}
+
+TEST(SparkPid, ResetBringsTheFirstStateBack) {
+  SparkPid scheme(10);
+  complete(scheme, 1, 0, 1'000'000);
+  EXPECT_LT(ask(scheme, 1, 10'000, 2 * kPeriod).keep, 1.0);
+  scheme.reset(Execution::whole);
+  EXPECT_EQ(ask(scheme, 1, 10'000, 2 * kPeriod).keep, 1.0);
+}
+
+TEST(SparkPid, TellsItsNameAndBound) {
+  const SparkPid scheme(7.5);
+  EXPECT_EQ(scheme.name(), "spark_pid");
+  EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
+  EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
+  EXPECT_EQ(test::error_of([] { SparkPid bad(0); }).substr(0, 16), "latency_ms = 0: ");
+}
+
+}  // namespace
+}  // namespace asap::rivals_test
