@@ -26,7 +26,6 @@ HEAD = 1 << 20  # bytes that a header may take
 _PIECE = 1 << 18
 _RECORD_OF_40_BITS = 5  # bytes
 _ROWS_OF_40_BITS = 240  # of the largest sensor; the row below it marks time
-_MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
 class Decoder(Protocol):
@@ -103,12 +102,7 @@ class NativeReader:
         if losses.bad_offsets and losses.on_bad == "raise":
             offset = losses.bad_offsets[0]
             raise CorruptFile(self._path, offset, f"no record of a file in {self.format}")
-        losses.before_start = getattr(decoder, "before_start", 0)
-        if getattr(decoder, "triggers", 0) > losses.triggers:
-            losses.triggers = decoder.triggers
-            seen = decoder.take_triggers()
-            if sum(map(len, losses.trigger_arrays)) < _MOST_TRIGGERS:
-                losses.trigger_arrays.append(seen)
+        losses.take_triggers(decoder)
 
 
 def _raw(encoding: str, path: Path, head: bytes, options: Options) -> Layout:
