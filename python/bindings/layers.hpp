@@ -16,6 +16,7 @@ void bind_rivals(pybind11::module_& m);
 void bind_formats(pybind11::module_& m);
 void bind_columns(pybind11::module_& m);
 void bind_decoders(pybind11::module_& m);
+void bind_packets(pybind11::module_& m);
 void bind_record_decoders(pybind11::module_& m);
 void bind_synthetic(pybind11::module_& m);
 void bind_scenes(pybind11::module_& m);

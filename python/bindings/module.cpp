@@ -40,6 +40,7 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_formats(m);
   asap::python::bind_columns(m);
   asap::python::bind_decoders(m);
+  asap::python::bind_packets(m);
   asap::python::bind_record_decoders(m);
   asap::python::bind_synthetic(m);
   asap::python::bind_scenes(m);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "asap/packager/packager.hpp"
+#include "packager/event_times.hpp"
 #include "per_event.hpp"
 #include "support/streams.hpp"
 

@@ -332,4 +332,12 @@ MUTANTS: list[Mutant] = [
         "formats",
         epoch_of_dat_forgotten=("state_.t = epoch + last;", "state_.t = last;"),
     ),
+    *in_file(
+        SOURCE + "formats/packets.cpp",
+        "formats",
+        ns_of_the_time_base_lost=("whole_us(rest_ns + (word", "whole_us((word"),
+        a_small_step_back_of_libcaer_wraps=("if (last - stamp > kLibcaerRange / 2) ", ""),
+        a_vector_of_libcaer_cmp_stays=("(now.base_y + 8) & 0xffff", "now.base_y"),
+        x_of_an_aligned_event_comes_late=("record - forward", "record"),
+    ),
 ]

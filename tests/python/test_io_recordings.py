@@ -30,8 +30,12 @@ SERVED = [
     ("mat/stripes_dvs128.mat", "matlab", None),
     ("mat/building_dvs128.mat", "matlab", None),
     ("mat/desk_davis240.mat", "matlab", None),
+    ("ros/room_person_evt3.bag", "rosbag1", (640, 480)),
+    ("ros/room_person_evt3.db3", "rosbag2", (640, 480)),
+    ("ros/noise_hd_evt3.db3", "rosbag2", (1280, 720)),
+    ("ros/mono_100.db3", "rosbag2", (640, 480)),
 ]
-LIBRARIES = {"aedat4": "lz4", "hdf5": "h5py", "matlab": "scipy"}
+LIBRARIES = {"aedat4": "lz4", "hdf5": "h5py", "matlab": "scipy", "rosbag1": "rosbags"}
 
 
 @pytest.mark.parametrize(("name", "fmt", "sensor"), SERVED, ids=[row[0] for row in SERVED])
@@ -63,19 +67,3 @@ def test_hands_with_their_order() -> None:
 def test_hands_without_order_is_a_question() -> None:
     with pytest.raises(ValueError, match=r"order = None: the lines of .* have 3 columns"):
         asap.read(recording("text/hands/30201.csv"))
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "ros/mono_100.db3", "ros/room_person_evt3.bag",
-    ],
-)  # fmt: skip
-@pytest.mark.parametrize("renamed", [False, True])
-def test_formats_without_a_reader_say_so(name: str, renamed: bool, tmp_path: object) -> None:
-    path = recording(name)
-    if renamed:  # the content alone, under a name that says nothing
-        path = type(path)(str(tmp_path)) / "recording"
-        path.write_bytes(recording(name).read_bytes())
-    with pytest.raises(asap.io.UnsupportedFormat, match=r"npy, npz, text \(t x y p\), csv, aedat4"):
-        asap.read(path)

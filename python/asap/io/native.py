@@ -26,13 +26,12 @@ HEAD = 1 << 20  # bytes that a header may take
 _PIECE = 1 << 18
 _RECORD_OF_40_BITS = 5  # bytes
 _ROWS_OF_40_BITS = 240  # of the largest sensor; the row below it marks time
-_MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
 class Decoder(Protocol):
     """What the classes of ``_core`` that decode bytes have in common."""
 
-    def decode_into(self, bytes: memoryview, out: Events) -> tuple[int, int]:
+    def decode_into(self, data: memoryview, out: Events, /) -> tuple[int, int]:
         """Return the bytes consumed and the events written."""
         ...
 
@@ -63,14 +62,14 @@ class Layout:
 
 
 class NativeReader:
-    """The events of a file of `format`, a row of `FORMATS`."""
+    """The events of a file of the format with that name, a row of `FORMATS`."""
 
-    def __init__(self, format: str, path: Path, options: Options) -> None:
-        self.format = format
+    def __init__(self, name: str, path: Path, options: Options) -> None:
+        self.format = name
         self._path = path
         with path.open("rb") as file:
             head = file.read(HEAD)
-        self._layout = layout = FORMATS[format](path, head, options)
+        self._layout = layout = FORMATS[name](path, head, options)
         self.width, self.height = layout.width, layout.height
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
@@ -103,12 +102,7 @@ class NativeReader:
         if losses.bad_offsets and losses.on_bad == "raise":
             offset = losses.bad_offsets[0]
             raise CorruptFile(self._path, offset, f"no record of a file in {self.format}")
-        losses.before_start = getattr(decoder, "before_start", 0)
-        if getattr(decoder, "triggers", 0) > losses.triggers:
-            losses.triggers = decoder.triggers
-            seen = decoder.take_triggers()
-            if sum(map(len, losses.trigger_arrays)) < _MOST_TRIGGERS:
-                losses.trigger_arrays.append(seen)
+        losses.take_triggers(decoder)
 
 
 def _raw(encoding: str, path: Path, head: bytes, options: Options) -> Layout:

@@ -18,6 +18,7 @@ from asap.stamps import time_exponent
 __all__ = ["CHUNK", "Losses", "Options", "Reader", "choose_stream", "sensor_size"]
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about
+_MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,15 @@ class Losses:
     triggers: int = 0
     trigger_arrays: list[npt.NDArray[np.void]] = field(default_factory=list)  # of the first
     cut: CorruptFile | None = None
+
+    def take_triggers(self, decoder: Any) -> None:
+        """Take the triggers that a native decoder met, and count its events before the start."""
+        self.before_start = getattr(decoder, "before_start", 0)
+        if getattr(decoder, "triggers", 0) > self.triggers:
+            self.triggers = decoder.triggers
+            seen = decoder.take_triggers()
+            if sum(map(len, self.trigger_arrays)) < _MOST_TRIGGERS:
+                self.trigger_arrays.append(seen)
 
     def truncated(self, offset: int, fault: str) -> None:
         """Note that nothing good follows `offset`: a warning, or an error if bad data raise."""

@@ -23,6 +23,7 @@ from asap.io.matlab import MatlabReader
 from asap.io.native import FORMATS, NativeReader
 from asap.io.numpy_files import NpyReader, NpzReader
 from asap.io.reader import Losses, Options, Reader
+from asap.io.ros import RosReader
 from asap.io.sniff import first_bytes, sniff
 from asap.io.text import TextReader
 
@@ -34,9 +35,10 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
     "text": TextReader,
     "csv": TextReader,
     "aedat4": Aedat4Reader,
+    **{name: partial(NativeReader, name) for name in FORMATS},
     "hdf5": Hdf5Reader,
     "matlab": MatlabReader,
-    **{name: partial(NativeReader, name) for name in FORMATS},
+    **{name: partial(RosReader, name) for name in ("rosbag1", "rosbag2", "mcap")},
 }
 
 
@@ -103,7 +105,7 @@ class Recording:
 
     @property
     def format(self) -> str:
-        """Name of the format, such as ``"npy"``, ``"csv"``, ``"aedat4"`` or ``"es"``."""
+        """Name of the format, such as ``"npy"``, ``"csv"``, ``"aedat4"`` or ``"evt3"``."""
         return self._reader.format
 
     @property
@@ -264,14 +266,14 @@ def read(
     file_format: str | None = None,
     stream: str | None = None,
 ) -> Recording:
-    """Open an event file: NumPy, text, csv, Prophesee, AEDAT, Event Stream, HDF5 and others.
+    """Open an event file: NumPy, text, csv, Prophesee, AEDAT, HDF5, ROS bags and others.
 
     The format is found by content, then by name. Nothing but the header is read yet.
 
     Parameters
     ----------
     path
-        The file.
+        The file, or the folder of a ROS 2 bag.
     width, height
         Size of the sensor in px, where the file does not state it. Without it pixels are not
         checked.
@@ -292,8 +294,8 @@ def read(
         The name of the format, as `Recording.format` has it, where neither content nor file name
         tells it: ``"atis40"`` for 40-bit events, for example.
     stream
-        Which camera, where the file holds several: its name, or a part of it between slashes
-        such as ``"left"``.
+        Which camera or topic, where the file holds several: its name, or a part of it between
+        slashes such as ``"left"``.
 
     Returns
     -------

@@ -11,8 +11,8 @@ from asap.io.errors import CorruptFile, UnsupportedFormat
 __all__ = ["SERVED", "first_bytes", "sniff"]
 
 SERVED = (
-    "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, Prophesee RAW (EVT2, EVT2.1, EVT3) and "
-    "DAT, Event Stream, AEDAT 2.0 and 3.1, 40-bit events (.bin, .bs2)"
+    "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, ROS bags, Prophesee RAW (EVT2, EVT2.1, "
+    "EVT3) and DAT, Event Stream, AEDAT 2.0 and 3.1, 40-bit events (.bin, .bs2)"
 )
 
 _HEAD = 4096
@@ -27,18 +27,17 @@ _SERVED_BYTES = (
     (b"\x89HDF\r\n\x1a\n", "hdf5"),
     (b"MATLAB 7.3", "hdf5"),
     (b"MATLAB 5.0", "matlab"),
+    (b"#ROSBAG", "rosbag1"),
+    (b"SQLite format 3\x00", "rosbag2"),
+    (b"\x89MCAP", "mcap"),
 )
-_OTHER_BYTES = (
-    (b"#!AER-DAT", "AEDAT 1.0 or 3.0"),
-    (b"#ROSBAG", "rosbag 1"),
-    (b"SQLite format 3\x00", "rosbag 2"),
-    (b"\x89MCAP", "MCAP"),
+_SERVED_SUFFIXES = (
+    *(".npy", ".npz", ".aedat4", ".h5", ".hdf5", ".mat", ".raw", ".es"),
+    *(".bag", ".db3", ".mcap"),
 )
+_OTHER_BYTES = ((b"#!AER-DAT", "AEDAT 1.0 or 3.0"),)
 _OTHER_SUFFIXES = {
     ".aedat": "AEDAT 1.0",
-    ".bag": "rosbag 1",
-    ".db3": "rosbag 2",
-    ".mcap": "MCAP",
 }
 _SUFFIXES_OF_40_BITS = (".bin", ".bs2")
 _PROPHESEE_HEADER = (b"% evt ", b"% format EVT", b"% Data file containing", b"% camera_integrator")
@@ -56,6 +55,8 @@ def sniff(path: Path) -> str:
     OSError
         It cannot be opened, or is a pipe, a socket or a device.
     """
+    if (path / "metadata.yaml").is_file():
+        return "rosbag2"
     head = first_bytes(path)
     for magic, name in _SERVED_BYTES:
         if head.startswith(magic):
@@ -68,7 +69,7 @@ def sniff(path: Path) -> str:
     if any(mark in head for mark in _PROPHESEE_HEADER):
         raise _unsupported(path, "this Prophesee encoding")
     suffix = path.suffix.lower()
-    if suffix in (".npy", ".npz", ".aedat4", ".raw", ".es", ".h5", ".hdf5", ".mat"):
+    if suffix in _SERVED_SUFFIXES:
         raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
     if suffix in _OTHER_SUFFIXES:
         raise _unsupported(path, _OTHER_SUFFIXES[suffix])

@@ -1,0 +1,442 @@
+"""ROS bags: packets in every encoding, arrays, several topics, and bags that are cut or damaged."""
+
+from __future__ import annotations
+
+import struct
+import sys
+import warnings
+from contextlib import closing
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import asap
+import ros_bags
+from asap.events import Events
+from asap.io import CorruptFile, TruncatedFileWarning, UnsupportedFormat
+from asap.io.bag_records import mcap_records
+from corrupt import clean_events, cut_file
+from event_files import assert_equal_events, recording
+from fuzzing import damaged, effort
+from ros_bags import ENCODERS, HEIGHT, SUFFIXES, WIDTH, Types, write_bag
+
+EVENTS = clean_events(1000)
+BASE_US = 1_999_999
+TOPIC = "/event_camera/events"
+
+
+@pytest.fixture(params=SUFFIXES)
+def types(request: pytest.FixtureRequest) -> Types:
+    """The messages of a format."""
+    return Types(request.param)
+
+
+@pytest.fixture
+def path(types: Types, tmp_path: Path) -> Path:
+    """Where a bag of that format is written."""
+    return tmp_path / f"events.{SUFFIXES[types.format]}"
+
+
+def packets(types: Types, events: Events, count: int, encoding: str = "mono") -> list[Any]:
+    """`count` messages of events, each with a base of its own."""
+    messages = []
+    for part in np.array_split(events, count):
+        base_us = int(part["t"][0]) - 1
+        payload = ENCODERS[encoding](part, base_us)
+        message = types.packet(payload, encoding, time_base=1000 * base_us + 999)
+        messages.append((TOPIC, message))
+    return messages
+
+
+def read_all(path: Path, **options: Any) -> tuple[Events, asap.io.Recording]:
+    """The events and the recording, whatever it warns."""
+    rec = asap.read(path, **options)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", TruncatedFileWarning)
+        chunks = list(rec)
+    return np.concatenate([EVENTS[:0], *chunks]), rec
+
+
+class TestPackets:
+    @pytest.mark.parametrize("encoding", ["mono", "libcaer", "libcaer_cmp"])
+    def test_every_encoding(self, types: Types, path: Path, encoding: str) -> None:
+        write_bag(path, types, packets(types, EVENTS, 7, encoding))
+        rec = asap.read(path)
+        assert_equal_events(np.concatenate(list(rec)), EVENTS)
+        assert_equal_events(np.concatenate(list(rec)), EVENTS)
+        assert (rec.format, rec.width, rec.height) == (types.format, WIDTH, HEIGHT)
+        assert rec.streams == (TOPIC,)
+        assert set(rec.rejected.values()) == {0}
+
+    def test_evt3_words_run_on_across_messages(self, types: Types, path: Path) -> None:
+        words = ENCODERS["evt3"](EVENTS, 0)
+        cuts = np.sort(np.random.default_rng(0).integers(0, len(words), 50))  # odd ones too
+        parts = [words[first:last] for first, last in pairwise((0, *cuts, len(words)))]
+        write_bag(path, types, [(TOPIC, types.packet(part, "evt3")) for part in parts])
+        assert_equal_events(asap.load(path), EVENTS)
+
+    @pytest.mark.parametrize("frame", ["", "a", "ab", "abc", "abcd", "abcde", "abcdef", "abcdefg"])
+    def test_fields_are_aligned_behind_any_frame(
+        self, types: Types, path: Path, frame: str
+    ) -> None:
+        payload = ENCODERS["mono"](EVENTS, BASE_US)
+        messages = [
+            (TOPIC, types.packet(payload, "mono", time_base=1000 * BASE_US, frame=frame)),
+            ("/array", types.array(EVENTS, frame=frame)),
+        ]
+        write_bag(path, types, messages)
+        for stream in (TOPIC, "/array"):
+            assert_equal_events(asap.load(path, stream=stream), EVENTS)
+
+    def test_the_older_name_of_the_message(self, types: Types, path: Path) -> None:
+        payload = ENCODERS["mono"](EVENTS, 0)
+        message = types.packet(payload, "mono", name="event_array_msgs/msg/EventArray")
+        write_bag(path, types, [(TOPIC, message)])
+        assert_equal_events(asap.load(path), EVENTS)
+
+    def test_more_events_than_a_chunk_holds(self, types: Types, path: Path) -> None:
+        events = clean_events(200_000)
+        for encoding, count in (("libcaer", 3), ("libcaer_cmp", 1)):
+            few_s = events[: 200_000 if encoding == "libcaer" else 150_000]
+            write_bag(path, types, packets(types, few_s, count, encoding))
+            chunks = list(asap.read(path))
+            assert max(map(len, chunks)) <= 1 << 16
+            assert_equal_events(np.concatenate(chunks), few_s)
+
+    def test_no_events(self, types: Types, path: Path) -> None:
+        for message in (types.packet(b"", "mono"), types.array(EVENTS[:0])):
+            write_bag(path, types, [(TOPIC, message), (TOPIC, message)])
+            assert len(asap.load(path)) == 0
+            assert asap.read(path).width == WIDTH
+
+
+class TestArrays:
+    @pytest.mark.parametrize("counts", [[1000], [0, 1, 2, 997], [500, 500]])
+    def test_of_any_length(self, types: Types, path: Path, counts: list[int]) -> None:
+        parts = np.split(EVENTS, np.cumsum(counts)[:-1])
+        write_bag(path, types, [(TOPIC, types.array(part)) for part in parts])
+        events, rec = read_all(path)
+        assert_equal_events(events, EVENTS)
+        assert (rec.width, rec.height) == (WIDTH, HEIGHT)
+        assert set(rec.rejected.values()) == {0}
+
+    def test_more_events_than_a_chunk_holds(self, types: Types, path: Path) -> None:
+        few, many = clean_events(1 << 16), clean_events((1 << 16) + 1)
+        for events in (few, many):
+            write_bag(path, types, [(TOPIC, types.array(events))])
+            assert_equal_events(asap.load(path), events)
+
+
+class TestTopics:
+    def write(self, path: Path, types: Types) -> None:
+        messages = [("/other", types.other())]
+        halves = (packets(types, half, 5) for half in (EVENTS[:500], EVENTS[500:]))
+        for (_, left), (_, right) in zip(*halves, strict=True):
+            messages += [("/left/events", left), ("/right/events", right)]
+        write_bag(path, types, messages)
+
+    def test_several_are_a_question(self, types: Types, path: Path) -> None:
+        self.write(path, types)
+        packet = r"\(event_camera_msgs/EventPacket\)"
+        words = rf"holds 2 streams of events \(/left/events {packet}, /right/events {packet}\)"
+        with pytest.raises(ValueError, match=words):
+            asap.read(path)
+        with pytest.raises(ValueError, match=r"stream = '/other': .*/left/events"):
+            asap.read(path, stream="/other")
+
+    @pytest.mark.parametrize("name", ["/right/events", "right"])
+    def test_one_is_chosen(self, types: Types, path: Path, name: str) -> None:
+        self.write(path, types)
+        rec = asap.read(path, stream=name)
+        assert_equal_events(np.concatenate(list(rec)), EVENTS[500:])
+        assert rec.streams == ("/left/events", "/right/events")
+
+    def test_none_of_events_are_listed(self, types: Types, path: Path) -> None:
+        write_bag(path, types, [("/clock", types.other())])
+        words = r"no topic holds events; topics: /clock \(std_msgs/Header\); .* dvs_msgs/EventArray"
+        with pytest.raises(UnsupportedFormat, match=words):
+            asap.read(path)
+
+    def test_no_topics_at_all(self, types: Types, path: Path) -> None:
+        write_bag(path, types, [])
+        with pytest.raises(UnsupportedFormat, match="no topic holds events; topics: none"):
+            asap.read(path)
+
+    def test_content_goes_before_the_name(self, types: Types, path: Path) -> None:
+        write_bag(path, types, packets(types, EVENTS, 2))
+        for name in ("events", "events.bag", "events.db3", "events.mcap", "a?b#c%20d.npy"):
+            path = path.rename(path.with_name(name))
+            assert_equal_events(asap.load(path), EVENTS)
+
+    @pytest.mark.parametrize("storage", ["db3", "mcap"])
+    def test_a_folder(self, tmp_path: Path, storage: str) -> None:
+        types = Types("rosbag2")
+        ros_bags.write_folder(tmp_path / "bag", types, packets(types, EVENTS, 3), storage)
+        rec = asap.read(tmp_path / "bag")
+        assert_equal_events(np.concatenate(list(rec)), EVENTS)
+        assert rec.format == "rosbag2"
+
+    def test_a_folder_of_something_else(self, tmp_path: Path) -> None:
+        with pytest.raises(OSError, match="directory"):
+            asap.read(tmp_path)
+        pytest.importorskip("rosbags")
+        (tmp_path / "metadata.yaml").write_text("rosbag2_bagfile_information: {version: 5}")
+        with pytest.raises(CorruptFile):
+            asap.read(tmp_path)
+
+
+class TestBadMessages:
+    def test_an_unknown_encoding_is_named(self, types: Types, path: Path) -> None:
+        write_bag(path, types, [(TOPIC, types.packet(b"", "trigger"))])
+        with pytest.raises(UnsupportedFormat, match=r"encoded in 'trigger'; .* mono"):
+            asap.read(path)
+
+    def test_they_are_dropped_and_counted(self, types: Types, path: Path) -> None:
+        payload = ENCODERS["mono"](EVENTS[:10], 0)
+        name, good = types.packet(payload, "mono")
+        bad = [
+            types.packet(payload, "libcaer"),
+            types.packet(payload, "mono", is_bigendian=True),
+            (name, good[:-8]),  # events are missing
+            (name, good[:40]),
+            (name, b"\0"),
+            (name, b"\xff" * 60),
+        ]
+        messages = [(TOPIC, message) for message in ((name, good), *bad)]
+        write_bag(path, types, messages)
+        events, rec = read_all(path)
+        assert_equal_events(events[:10], EVENTS[:10])
+        assert rec.rejected["bad_record"] == len(bad)
+        for number, word in (
+            (1, "'libcaer', not 'mono'"),
+            (2, "big-endian"),
+            (3, "72 of 80 bytes"),
+        ):
+            write_bag(path, types, [messages[0], messages[number]])
+            fault = f"message 1 of {TOPIC}: .*{word}"
+            with pytest.raises(CorruptFile, match=fault):
+                asap.load(path, on_bad="raise")
+
+    def test_bad_records_are_counted(self, types: Types, path: Path) -> None:
+        good = ENCODERS["libcaer"](EVENTS[:10], 0)
+        message = types.packet(good + struct.pack("<Ii", 0, -1) + b"abc", "libcaer")
+        write_bag(path, types, [(TOPIC, message)])
+        events, rec = read_all(path)
+        assert_equal_events(events, EVENTS[:10])
+        assert rec.rejected["bad_record"] == 2  # the negative stamp and the cut one
+        with pytest.raises(CorruptFile, match=r"message 0 of .* some of its records hold no event"):
+            asap.load(path, on_bad="raise")
+
+    def test_an_array_that_is_cut(self, types: Types, path: Path) -> None:
+        name, raw = types.array(EVENTS[:10])
+        write_bag(path, types, [(TOPIC, (name, raw[:-13]))])
+        events, rec = read_all(path)
+        assert_equal_events(events, EVENTS[:9])
+        assert rec.rejected["bad_record"] == 1
+
+    def test_all_are_bad(self, types: Types, path: Path) -> None:
+        name, _ = types.packet(b"", "mono")
+        write_bag(path, types, [(TOPIC, (name, b"no message"))] * 3)
+        events, rec = read_all(path)
+        assert len(events) == 0
+        assert rec.width is None
+        assert rec.rejected["bad_record"] == 3
+
+    def test_an_absurd_sensor_is_not_believed(self, types: Types, path: Path) -> None:
+        name, raw = types.array(EVENTS)
+        at = raw.index(struct.pack("<II", HEIGHT, WIDTH))
+        raw = raw[:at] + struct.pack("<II", 2**31, 0) + raw[at + 8 :]
+        write_bag(path, types, [(TOPIC, (name, raw))])
+        rec = asap.read(path)
+        assert (rec.width, rec.height) == (None, None)
+        assert_equal_events(np.concatenate(list(rec)), EVENTS)
+
+
+def mcap_record(op: int, data: bytes, size: int | None = None) -> bytes:
+    return struct.pack("<BQ", op, len(data) if size is None else size) + data
+
+
+def mcap_chunk(records: bytes, size: int | None = None) -> bytes:
+    head = struct.pack("<QQQIIQ", 0, 0, len(records), 0, 0, len(records))
+    return mcap_record(6, head + records, size)
+
+
+MANY = clean_events(20_000)  # in messages that are longer than a page of a database
+
+
+WAYS = [(format, way) for format in SUFFIXES for way in ("", *ros_bags.COMPRESSIONS[format])]
+
+
+class TestDamage:
+    @pytest.mark.parametrize(("format", "compression"), WAYS)
+    def test_a_cut_bag_gives_what_is_whole(
+        self, tmp_path: Path, format: str, compression: str
+    ) -> None:
+        types, path = Types(format), tmp_path / "events"
+        write_bag(path, types, packets(types, MANY, 20), compression=compression)
+        content = path.read_bytes()
+        random = np.random.default_rng(0)
+        sizes = {*range(16, 200), *random.integers(200, len(content), 50), len(content) - 1}
+        counts = []
+        for size in sorted(map(int, sizes)):
+            path.write_bytes(content[:size])
+            try:
+                events, rec = read_all(path)
+            except CorruptFile as error:
+                assert error.offset <= size
+                counts.append(0)
+            else:
+                assert_equal_events(events, MANY[: len(events)])
+                assert rec.truncated_at is not None and rec.truncated_at <= size
+                counts.append(len(events))
+        assert counts == sorted(counts)
+        if not compression:
+            assert len(set(counts)) > 10
+
+    def test_a_cut_bag_warns_with_the_offset(self, types: Types, path: Path) -> None:
+        write_bag(path, types, packets(types, MANY, 20))
+        cut_file(path, path.stat().st_size * 3 // 4)
+        with pytest.warns(TruncatedFileWarning, match=r"byte \d+: .*; what came before was read"):
+            events = asap.load(path)
+        assert len(MANY) // 2 < len(events) < len(MANY)
+        with pytest.raises(CorruptFile, match=r"byte \d+: "):
+            asap.load(path, on_bad="raise")
+
+    def test_a_cut_bag_keeps_its_topics_apart(self, types: Types, path: Path) -> None:
+        halves = (packets(types, half, 10) for half in (MANY[:10_000], MANY[10_000:]))
+        pairs = zip(*halves, strict=True)
+        write_bag(path, types, [(f"/{i}", pair[i][1]) for pair in pairs for i in (0, 1)])
+        cut_file(path, path.stat().st_size * 3 // 4)
+        events, _ = read_all(path, stream="/1")
+        assert len(events) > 1000
+        assert_equal_events(events, MANY[10_000 : 10_000 + len(events)])
+
+    @pytest.mark.parametrize(
+        "record",
+        [
+            mcap_record(5, bytes(5)),  # a message shorter than its own fields
+            mcap_chunk(mcap_record(5, bytes(5)) + bytes(60)),
+            mcap_chunk(mcap_chunk(b"")),  # would unpack without end
+            mcap_chunk(bytes(90), size=50),
+            mcap_record(3, bytes(90), size=2**63),
+        ],
+        ids=["message", "message in a chunk", "chunk in a chunk", "chunk", "schema"],
+    )
+    def test_a_record_that_lies_about_its_size(self, tmp_path: Path, record: bytes) -> None:
+        (tmp_path / "a.mcap").write_bytes(b"\x89MCAP0\r\n" + record + bytes(90))
+        with pytest.raises(CorruptFile, match="byte 8: "):
+            list(mcap_records(tmp_path / "a.mcap"))
+
+    @pytest.mark.parametrize("format", ["rosbag1", "mcap"])
+    def test_damage_in_the_middle(self, format: str, tmp_path: Path) -> None:
+        types, path = Types(format), tmp_path / "events"
+        path = path.with_suffix(f".{SUFFIXES[format]}")
+        write_bag(path, types, packets(types, EVENTS, 20))
+        content = bytearray(path.read_bytes())
+        at = content.index(packets(types, EVENTS, 20)[10][1][1])  # behind the head of a record
+        content[at - 28 : at] = b"\xff" * 28
+        path.write_bytes(content)
+        if format == "mcap":  # the library gives a chunk as a whole, and here is only one
+            with pytest.raises(CorruptFile, match=f"after 0 messages of {TOPIC}"):
+                read_all(path)
+            return
+        events, rec = read_all(path)
+        assert_equal_events(events, EVENTS[:500])
+        assert rec.truncated_at is not None
+
+    @pytest.mark.parametrize(("format", "compression"), [("rosbag1", "bz2"), ("mcap", "zstd")])
+    def test_a_chunk_that_promises_too_much(
+        self, tmp_path: Path, format: str, compression: str
+    ) -> None:
+        types, path = Types(format), tmp_path / "events"
+        write_bag(path, types, packets(types, EVENTS, 20), compression=compression)
+        content, bomb = path.read_bytes(), struct.pack("<I", 2**32 - 1)
+        if format == "rosbag1":
+            at = content.index(b"size=") + len("size=")
+            path.write_bytes(content[:at] + bomb + content[at + 4 :])
+        else:
+            at = content.index(compression.encode()) - 16  # before the checksum and a length
+            size = content[at : at + 8]
+            path.write_bytes(content.replace(size, bomb + bytes(4)))
+        with pytest.raises(CorruptFile, match=f"chunk of .* promises {2**32 - 1}"):
+            asap.load(path)
+
+    @pytest.mark.parametrize("format", ["rosbag1", "mcap", "folder"])
+    def test_a_missing_extra_is_named(
+        self, tmp_path: Path, format: str, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        path = tmp_path / "events"
+        if format == "folder":
+            path.mkdir()
+            (path / "metadata.yaml").touch()
+        else:
+            path.write_bytes(b"#ROSBAG V2.0\n" if format == "rosbag1" else b"\x89MCAP0\r\n")
+        for name in ("rosbags", "rosbags.rosbag1", "rosbags.rosbag2"):
+            monkeypatch.setitem(sys.modules, name, None)
+        with pytest.raises(RuntimeError, match=r"needs the package rosbags: .*asap-events\[ros\]"):
+            asap.read(path)
+
+    def test_a_database_of_something_else(self, tmp_path: Path) -> None:
+        sqlite3 = pytest.importorskip("sqlite3")
+        with closing(sqlite3.connect(tmp_path / "some.db")) as database:
+            database.execute("CREATE TABLE people (name)")
+        with pytest.raises(CorruptFile, match="no such table: topics"):
+            asap.read(tmp_path / "some.db")
+
+    def test_a_database_of_other_values(self, tmp_path: Path) -> None:
+        types, path = Types("rosbag2"), tmp_path / "events.db3"
+        write_bag(path, types, packets(types, EVENTS, 5))
+        with closing(pytest.importorskip("sqlite3").connect(path)) as database:
+            for number, value in ((2, 10**12), (3, "text")):
+                database.execute("UPDATE messages SET data = ? WHERE id = ?", (value, number))
+            database.commit()
+        events, rec = read_all(path)
+        assert len(events) == 600
+        assert rec.rejected["bad_record"] == 2
+
+    @effort(30)
+    @given(data=st.data())
+    def test_damaged_bytes_raise_only_what_is_documented(
+        self, tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+    ) -> None:
+        types = Types(data.draw(st.sampled_from(sorted(SUFFIXES))))
+        path = tmp_path_factory.mktemp("bag") / f"events.{SUFFIXES[types.format]}"
+        compression = data.draw(st.sampled_from(("", *ros_bags.COMPRESSIONS[types.format])))
+        write_bag(path, types, packets(types, EVENTS[:40], 4), compression=compression)
+        path.write_bytes(data.draw(damaged(path.read_bytes())))
+        try:
+            read_all(path)
+        except (ValueError, OSError) as error:
+            assert str(error)
+
+
+class TestRecordings:
+    def test_one_in_two_containers(self) -> None:
+        bag, database = (recording(f"ros/room_person_evt3.{suffix}") for suffix in ("bag", "db3"))
+        pytest.importorskip("rosbags")
+        assert_equal_events(asap.load(bag), asap.load(database))
+
+    def test_triggers_are_counted(self) -> None:
+        pytest.importorskip("rosbags")
+        rec = asap.read(recording("ros/noise_hd_evt3.db3"))
+        for _ in rec:
+            pass
+        assert rec.triggers.tolist() == [(14547491, 0, 0), (14549491, 0, 1)]
+        assert rec.trigger_count == 2
+
+    def test_a_cut_recording(self, tmp_path: Path) -> None:
+        pytest.importorskip("rosbags")
+        for suffix in ("bag", "db3"):
+            content = recording(f"ros/room_person_evt3.{suffix}").read_bytes()
+            path = tmp_path / f"cut.{suffix}"
+            path.write_bytes(content[: len(content) // 2])
+            whole = asap.load(recording(f"ros/room_person_evt3.{suffix}"))
+            events, rec = read_all(path)
+            assert_equal_events(events, whole[: len(events)])
+            assert len(events) > len(whole) // 3
+            assert rec.truncated_at is not None
