@@ -294,6 +294,11 @@ def test_the_verb(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         (["none.npy", "a.raw"], 3, "none.npy: No such file"),
         (["a.npy", "a.xyz"], 2, "its suffix names no format"),
         (["a.npy", "a.es"], 2, "width = 0: an Event Stream states its sensor"),
+        (
+            ["unix.npy", "a.raw"],
+            2,
+            "cannot hold this time; count from the first event (--relative)",
+        ),
         (["a.npy", "no/a.es"], 2, "there is no folder"),
         (["a.npy", "a.npy"], 2, "is the recording itself"),
         (["a.npy", "a.raw", "--to", "evt4"], 2, "invalid choice"),
@@ -310,6 +315,9 @@ def test_the_verb_refuses(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     np.save(tmp_path / "a.npy", EVENTS)
+    unix = EVENTS.copy()
+    unix["t"] += UNIX_US
+    np.save(tmp_path / "unix.npy", unix)
     (tmp_path / "folder.raw").mkdir()
     assert cli.main(["convert", *arguments]) == code
     out, err = capsys.readouterr()

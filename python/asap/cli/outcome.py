@@ -71,13 +71,13 @@ def reading(arguments: Any) -> Iterator[None]:
 
 
 def as_options(message: str) -> str:
-    """Call `order`, `time_unit` and `stream` as the command line does."""
+    """Call `order`, `time_unit`, `stream` and `relative` as the command line does."""
     for name in ("order", "time_unit", "stream"):
         option = "--" + name.replace("_", "-")
         message = message.replace(f"{name} = None: ", f"{option} is missing: ")
         message = re.sub(rf"\b{name} ?= ?'([^']*)'", rf"{option} \1", message)
         message = re.sub(rf"\b(give|leave|with|check) {name}\b", rf"\1 {option}", message)
-    return message
+    return message.replace("(relative)", "(--relative)")
 
 
 @contextmanager
