@@ -180,6 +180,7 @@ class TestTopics:
         rec = asap.read(tmp_path / "bag")
         assert_equal_events(np.concatenate(list(rec)), EVENTS)
         assert rec.format == "rosbag2"
+        assert_equal_events(asap.load(tmp_path / "bag", file_format="rosbag2"), EVENTS)
 
     def test_a_folder_of_something_else(self, tmp_path: Path) -> None:
         with pytest.raises(OSError, match="directory"):

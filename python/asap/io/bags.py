@@ -43,25 +43,25 @@ class Bag(Protocol):
         ...
 
 
-def open_bag(format: str, path: Path) -> Bag:
-    """Open a bag of `format`: ``"rosbag1"``, ``"rosbag2"`` (a file or a folder) or ``"mcap"``."""
-    if format == "rosbag2" and not path.is_dir():
+def open_bag(kind: str, path: Path) -> Bag:
+    """Open a bag of `kind`: ``"rosbag1"``, ``"rosbag2"`` (a file or a folder) or ``"mcap"``."""
+    if kind == "rosbag2" and not path.is_dir():
         return _Database(path)
-    make_reader = _library_reader(format, path)
+    make_reader = _library_reader(kind, path)
     try:
         return _WholeBag(path, make_reader)
     except CorruptFile as error:
         if path.is_dir():
             raise
-        records = rosbag1_records if format == "rosbag1" else mcap_records
+        records = rosbag1_records if kind == "rosbag1" else mcap_records
         return _DamagedBag(path, records, error.fault)
 
 
-def _library_reader(format: str, path: Path) -> Callable[[], Any]:
-    if format == "rosbag1":
+def _library_reader(kind: str, path: Path) -> Callable[[], Any]:
+    if kind == "rosbag1":
         rosbag1 = library("rosbags.rosbag1", "A ROS 1 bag", "ros")
         return lambda: rosbag1.Reader(path)
-    what, key = ("An MCAP file", ".mcap") if format == "mcap" else ("A folder of ROS 2", "dir")
+    what, key = ("An MCAP file", ".mcap") if kind == "mcap" else ("A folder of ROS 2", "dir")
     reader = library("rosbags.rosbag2", what, "ros").Reader.STORAGE_PLUGINS[key]
     return lambda: reader(path)  # by content: Reader() would go by the suffix
 

@@ -250,7 +250,8 @@ def _format_of(path: Path, file_format: str | None) -> str:
     if file_format is None:
         return sniff(path)
     checks.choice("file_format", file_format, _READERS)
-    first_bytes(path)
+    if not path.is_dir():  # a bag may be one
+        first_bytes(path)
     return file_format
 
 

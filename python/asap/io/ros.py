@@ -33,13 +33,13 @@ _MOST_PX = 0xFFFF
 
 
 class RosReader:
-    """The events of one topic of a bag in `format`: ``"rosbag1"``, ``"rosbag2"`` or ``"mcap"``."""
+    """The events of one topic of a bag of `kind`: ``"rosbag1"``, ``"rosbag2"`` or ``"mcap"``."""
 
-    def __init__(self, format: str, path: Path, options: Options) -> None:
-        self.format = format
+    def __init__(self, kind: str, path: Path, options: Options) -> None:
+        self.format = kind
         self._path = path
-        self._bag = open_bag(format, path)
-        self._cdr = format != "rosbag1"
+        self._bag = open_bag(kind, path)
+        self._cdr = kind != "rosbag1"
         self.streams = self._topics_of_events()
         types = self._bag.topics
         words = [f"{topic} ({types[topic]})" for topic in self.streams]

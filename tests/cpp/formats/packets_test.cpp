@@ -8,7 +8,6 @@
 
 #include "asap/core/random.hpp"
 #include "formats/decoding.hpp"
-#include "support/allocation_counter.hpp"
 
 namespace asap::packets_test {
 namespace {
@@ -102,17 +101,7 @@ TYPED_TEST(Packets, StopsWithoutRoom) {
 }
 
 TYPED_TEST(Packets, ATruncatedMessageIsAPrefix) {
-  const Bytes bytes = random_message<TypeParam>(4, 60);
-  const Events truth = decode<TypeParam>(bytes);
-  const std::size_t record = std::is_same_v<TypeParam, LibcaerCmpDecoder> ? 2 : 8;
-  for (std::size_t size = 0; size < bytes.size(); ++size) {
-    auto decoder = begun<TypeParam>();
-    const Events events =
-        decode(decoder, Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
-    ASSERT_LE(events.size(), truth.size());
-    ASSERT_TRUE(std::equal(events.begin(), events.end(), truth.begin())) << size;
-    ASSERT_EQ(decoder.unfinished(), size % record);
-  }
+  decoding::expect_truncation_gives_a_prefix(begun<TypeParam>(), random_message<TypeParam>(4, 60));
 }
 
 TYPED_TEST(Packets, ARecordCutByTheNextMessageIsBad) {
@@ -143,13 +132,7 @@ TYPED_TEST(Packets, ResetForgetsAll) {
 }
 
 TYPED_TEST(Packets, DecodesWithoutAllocation) {
-  const Bytes bytes = random_message<TypeParam>(7, 200);
-  Events events(2000);
-  TypeParam decoder;
-  const std::size_t before = test::allocations();
-  decoder.begin(kBase);
-  decoder.decode(bytes, events);
-  EXPECT_EQ(test::allocations(), before);
+  decoding::expect_no_allocation(TypeParam{}, random_message<TypeParam>(7, 200));
 }
 
 TEST(MonoDecoder, AddsNanosecondsToTheBase) {
