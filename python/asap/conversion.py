@@ -74,7 +74,9 @@ def convert(
     >>> asap.convert("flight.aedat4", "flight.raw", relative=True)  # doctest: +SKIP
     117667
     """
-    target = checks.folder_or_file("path", path)
+    target = checks.new_file("path", path)
+    if target.exists() and not target.is_file():
+        raise ValueError(checks.named("path", str(path), "is no regular file; give another"))
     writer = WRITERS[format_of(target, to)]
     checks.flag("relative", relative)
     stream = Source(source, width=width, height=height, on_bad="drop")
@@ -112,7 +114,7 @@ def _losses(stream: Source) -> Iterator[str]:
 
 
 def _in_order(stream: Source, *, relative: bool) -> Iterator[Events]:
-    """Refuse a stamp that goes back, which only a source that is no file can have."""
+    """Refuse what only a source that is no file can have: a stamp that goes back, a bad pixel."""
     first_us: int | None = None
     last_us = 0
     for events in stream:
@@ -127,10 +129,22 @@ def _in_order(stream: Source, *, relative: bool) -> Iterator[Events]:
                 f"t = {t[at]} (event {number}): goes back by {-steps_us[at]} us; sort the events"
             )
         last_us = int(t[-1])
+        _check_pixels(events, stream)
         if relative:
             events = events.copy()
             events["t"] -= first_us
         yield events
+
+
+def _check_pixels(events: Events, stream: Source) -> None:
+    for axis, side, size in (("x", "width", stream.width), ("y", "height", stream.height)):
+        if size and int(events[axis].max()) >= size:
+            at = int(np.argmax(events[axis] >= size))
+            number = stream.events - len(events) + at
+            raise ValueError(
+                f"{axis} = {events[axis][at]} (event {number}): outside the sensor, "
+                f"{side} = {size}; give the sensor's own {side}"
+            )
 
 
 def _is_same(source: Path, target: Path) -> bool:

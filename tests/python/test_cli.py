@@ -180,7 +180,7 @@ def test_a_profile_is_no_recording(asap, verb):
     ("text", "options", "words"),
     [
         ("1,2,3\n", [], "--order is missing: the lines of {} have 3 columns; name each, such as "),
-        ("1,2,3\n", [], "such as --order xyt\n"),
+        ("1,2,3\n", [], "such as --order xyt or --order yxt\n"),
         ("a,b,c\n1,2,3\n", [], "--order is missing: the header of"),
         ("1,2,3\n", ["--order", "txq"], "--order txq: name the columns"),
         ("1,2,3\n", ["--order", "txyp"], "--order txyp: the lines of"),
@@ -250,8 +250,8 @@ def test_run_prints_the_table(api, asap):
 
 def test_run_hands_its_options_on(api, asap):
     arguments = "--latency 20ms --speed 2 --seed 7 --on-bad clamp --width 100 --height 50"
-    more = "--order yxt --time-unit s --stream left --scheme asap2020 --set rate_bound=1e6"
-    more += " --set first_size=5e2"
+    more = "--order yxt --time-unit s --stream left --file-format csv"
+    more += " --scheme asap2020 --set rate_bound=1e6 --set first_size=5e2"
     code, _, _ = asap("run", "hands", *arguments.split(), *more.split())
     assert code == 0
     assert api.calls["read"] == {
@@ -262,6 +262,7 @@ def test_run_hands_its_options_on(api, asap):
         "time_unit": "s",
         "on_bad": "clamp",
         "stream": "left",
+        "file_format": "csv",
     }
     options = api.calls["run"]
     assert (options["latency_ms"], options["speed"], options["seed"]) == (20.0, 2.0, 7)

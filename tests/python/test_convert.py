@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import tracemalloc
@@ -225,6 +226,26 @@ def test_a_time_that_the_format_cannot_hold(tmp_path: Path, to: str) -> None:
     words = rf"t = {events['t'][0]} \(event 0\): .* cannot hold this time; .* \(relative\)"
     with pytest.raises(ValueError, match=words):
         asap.convert(events, tmp_path / "out", to=to, **SENSOR)
+
+
+@pytest.mark.parametrize(("axis", "side"), [("x", "width"), ("y", "height")])
+def test_a_pixel_outside_the_sensor_is_refused(tmp_path: Path, axis: str, side: str) -> None:
+    events = asap.as_events({"t": [1, 2], "x": [3, 3], "y": [3, 3], "p": [1, 0]})
+    events[axis][1] = 9
+    sensor = {"width": 10, "height": 10, side: 9}
+    with pytest.raises(
+        ValueError, match=rf"{axis} = 9 \(event 1\): outside the sensor, {side} = 9"
+    ):
+        asap.convert(events, tmp_path / "a.es", **sensor)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_device_is_not_replaced(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(ValueError, match="is no regular file; give another"):
+        asap.convert(EVENTS, pipe, to="csv")
+    assert pipe.is_fifo()
 
 
 def test_an_error_leaves_the_older_file(tmp_path: Path) -> None:

@@ -108,7 +108,9 @@ def test_a_file_of_no_events_at_all_is_no_mistake(tmp_path: Path) -> None:
 def test_a_question_about_the_columns_names_the_order_that_fits(tmp_path: Path, order: str) -> None:
     path = write(tmp_path / "events.txt", order)
     found = arrangement(matrix(order))
-    with pytest.raises(ValueError, match=rf"order = None: .*, such as order='{found}'$"):
+    with pytest.raises(
+        ValueError, match=rf"order = None: .*, such as order='{found}'( or order='yxt')?$"
+    ):
         asap.read(path)
 
 
@@ -192,3 +194,70 @@ def test_a_burst_is_no_second(tmp_path: Path) -> None:
     np.save(tmp_path / "more.npy", EVENTS)
     assert len(asap.load(tmp_path / "events.npy")) == 600
     assert len(asap.load(tmp_path / "more.npy")) == len(EVENTS)
+
+
+# ---- most events are bad --------------------------------------------------------------------
+
+
+def test_most_events_are_bad(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", EVENTS)
+    good = int((EVENTS["x"] < 3).sum())
+    assert 0 < good < len(EVENTS) / 2
+    rec = asap.read(tmp_path / "a.npy", width=3)
+    assert rec.doubt is None
+    assert sum(map(len, rec)) == good
+    words = f"a.npy: only {good} of its 3000 events are good ({3000 - good} out_of_bounds); are wid"
+    assert words in str(rec.doubt)
+    rec = asap.read(tmp_path / "a.npy", width=corrupt.WIDTH - 20)
+    assert len(EVENTS) / 2 < sum(map(len, rec)) < len(EVENTS)
+    assert rec.doubt is None
+
+
+def test_stamps_that_go_back_are_to_be_sorted(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", EVENTS[::-1])
+    rec = asap.read(tmp_path / "a.npy")
+    list(rec)
+    assert str(rec.doubt).endswith("; the stamps go back; sort the events by t")
+
+
+@pytest.mark.parametrize(
+    "verb", [["info"], ["run", "--cost", "1us+1ns"], ["convert", "--to", "csv"]], ids=lambda v: v[0]
+)
+def test_most_events_are_bad_for_the_command_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], verb: list[str]
+) -> None:
+    np.save(tmp_path / "a.npy", EVENTS)
+    out = [str(tmp_path / "out")] if verb[0] == "convert" else []
+    code = cli.main([*verb, str(tmp_path / "a.npy"), *out, "--width", "3", "--height", "999"])
+    assert code == 0
+    assert "asap: warning: " in (err := capsys.readouterr().err)
+    assert "of its 3000 events are good" in err
+
+
+def test_x_and_y_are_not_told_apart_without_polarities(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.txt", "yxt")
+    with pytest.raises(ValueError, match=r"such as order='xyt' or order='yxt'$"):
+        asap.read(path)
+
+
+def test_the_first_bad_line_is_found(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("t,x,y,p\n1,2,3,True\n2,3,4,False\n")
+    with pytest.raises(NoGoodEvent, match="the first bad one is at byte 8"):
+        asap.load(path)
+
+
+@pytest.mark.parametrize("path", [{}, 5, b"a.npz"])
+def test_info_of_something_else(path: object) -> None:
+    with pytest.raises(TypeError, match=r"path = .*: give a path, or what read\(\) returned"):
+        asap.info(path)
+
+
+def test_the_command_line_names_the_format(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write(tmp_path / "a.bin", "txyp")
+    assert cli.main(["info", str(path)]) == 3
+    assert "--file-format text reads it" in capsys.readouterr().err
+    assert cli.main(["info", str(path), "--file-format", "text"]) == 0
+    assert "format    text" in capsys.readouterr().out

@@ -40,7 +40,7 @@ def add(verbs: Any) -> None:
     add_recording(
         verb,
         metavar="FILE|PROFILE",
-        words="a recording: .npy, .npz, text or AEDAT4; or event rates over time by name: "
+        words="a recording, as for asap info; or event rates over time by name: "
         f"{', '.join(profiles.PROFILES)}",
     )
     verb.add_argument(

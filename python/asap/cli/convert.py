@@ -7,7 +7,7 @@ from typing import Any
 import asap
 from asap import conversion, units
 from asap.cli.options import add_recording, add_verb, open_recording, writable
-from asap.cli.outcome import OK, print_json, reading, usage, writing
+from asap.cli.outcome import OK, print_json, reading, tell_doubt, usage, writing
 from asap.io.writers import WRITERS
 
 __all__ = ["add"]
@@ -32,6 +32,7 @@ def _call(arguments: Any) -> int:
         recording = open_recording(arguments)
         with writing(out):
             count = asap.convert(recording, out, to=to, relative=arguments.relative)
+    tell_doubt(recording)
     if arguments.json:
         print_json({"schema_version": 1, "path": str(out), "format": to, "events": count})
     else:

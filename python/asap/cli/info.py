@@ -8,7 +8,7 @@ from typing import Any
 import asap
 from asap import units
 from asap.cli.options import add_recording, add_verb, open_recording
-from asap.cli.outcome import OK, print_json, reading
+from asap.cli.outcome import OK, print_json, reading, tell_doubt
 from asap.report import run_table
 
 __all__ = ["add"]
@@ -22,7 +22,9 @@ def add(verbs: Any) -> None:
 
 def _call(arguments: Any) -> int:
     with reading(arguments):
-        facts = asap.info(open_recording(arguments))
+        recording = open_recording(arguments)
+        facts = asap.info(recording)
+    tell_doubt(recording)
     if arguments.json:
         print_json(facts)
         return OK

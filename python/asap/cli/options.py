@@ -54,7 +54,7 @@ def add_recording(
     parser: argparse.ArgumentParser,
     metavar: str = "FILE",
     *,
-    words: str = "a recording: .npy, .npz, text or AEDAT4",
+    words: str = "a recording: Prophesee, AEDAT, HDF5, MATLAB, ROS bag, NumPy, text and others",
     on_bad: bool = True,
 ) -> None:
     """Add the recording and how to read it; without `on_bad`, bad events are always counted."""
@@ -71,6 +71,12 @@ def add_recording(
         "point or are floats, us where not)",
     )
     parser.add_argument("--stream", metavar="NAME", help="which camera, where FILE holds several")
+    parser.add_argument(
+        "--file-format",
+        choices=asap.io.FILE_FORMATS,
+        metavar="NAME",
+        help=f"where neither content nor file name tells it: {', '.join(asap.io.FILE_FORMATS)}",
+    )
     if not on_bad:
         parser.set_defaults(on_bad="drop")
         return
@@ -106,6 +112,7 @@ def open_recording(arguments: Any) -> asap.Recording:
         time_unit=arguments.time_unit,
         on_bad=arguments.on_bad,
         stream=arguments.stream,
+        file_format=arguments.file_format,
     )
 
 

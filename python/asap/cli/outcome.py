@@ -26,6 +26,7 @@ __all__ = [
     "print_written",
     "reading",
     "say",
+    "tell_doubt",
     "usage",
     "writing",
 ]
@@ -71,8 +72,8 @@ def reading(arguments: Any) -> Iterator[None]:
 
 
 def as_options(message: str) -> str:
-    """Call `order`, `time_unit`, `stream` and `relative` as the command line does."""
-    for name in ("order", "time_unit", "stream"):
+    """Call parameters such as `order` and `time_unit` as the command line does."""
+    for name in ("order", "time_unit", "stream", "file_format"):
         option = "--" + name.replace("_", "-")
         message = message.replace(f"{name} = None: ", f"{option} is missing: ")
         message = re.sub(rf"\b{name} ?= ?'([^']*)'", rf"{option} \1", message)
@@ -114,3 +115,10 @@ def say(message: str) -> None:
     if sys.stderr is None:  # closed; print would take stdout
         return
     print(f"asap: {message}", file=sys.stderr)
+
+
+def tell_doubt(recording: Any) -> None:
+    """Warn where fewer than half of the events were good."""
+    doubt = getattr(recording, "doubt", None)
+    if doubt is not None:
+        say(f"warning: {as_options(doubt)}")

@@ -25,6 +25,7 @@ from asap.cli.outcome import (
     print_json,
     print_written,
     reading,
+    tell_doubt,
     usage,
     writing,
 )
@@ -110,6 +111,7 @@ def _call(arguments: Any) -> int:
             run = asap.simulate(recording, cost=cost, on_progress=on_progress, **options)
         else:
             run = asap.run(recording, speed=arguments.speed, on_progress=on_progress, **options)
+    tell_doubt(recording)
     if arguments.save:
         with writing(arguments.save):
             run.save(arguments.save)

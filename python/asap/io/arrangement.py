@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["SAMPLE", "arrangement", "looks_like"]
+__all__ = ["SAMPLE", "arrangement", "as_option", "looks_like"]
 
 SAMPLE = 1024  # rows that are enough to tell
 _MOST = 0.99  # of the rows that must fit: a recording may have a few bad events
@@ -53,7 +53,19 @@ def arrangement(
 
 def looks_like(order: str) -> str:
     """Name the columns, and the option that says so."""
-    return f"columns look like {' '.join(order)}: order={order!r}"
+    columns = " or ".join(" ".join(one) for one in _alike(order))
+    return f"columns look like {columns}: {as_option(order)}"
+
+
+def as_option(order: str) -> str:
+    """Return the option that names the columns."""
+    return " or ".join(f"order={one!r}" for one in _alike(order))
+
+
+def _alike(order: str) -> list[str]:
+    """List the orders that the values cannot tell apart: without polarities, x and y."""
+    swapped = order.translate({ord("x"): "y", ord("y"): "x"})
+    return [order] if "p" in order else [order, swapped]
 
 
 def _on_sensor(column: npt.NDArray[np.float64], side: int | None) -> float:

@@ -85,7 +85,7 @@ def library(name: str, what: str, extra: str) -> Any:
 def foreign(path: Path, offset: int = 0) -> Iterator[None]:
     """Turn whatever a library raises into `CorruptFile`, panics outside ``Exception`` included.
 
-    An OSError with a number is the file system's, not the format's, and stays one.
+    An OSError with a number and a file is the file system's, not the format's, and stays one.
     """
     try:
         yield
@@ -94,6 +94,6 @@ def foreign(path: Path, offset: int = 0) -> Iterator[None]:
     except (KeyboardInterrupt, SystemExit, GeneratorExit):
         raise
     except BaseException as error:
-        if isinstance(error, OSError) and error.errno:
+        if isinstance(error, OSError) and error.errno and error.filename:
             raise
         raise CorruptFile(path, offset, f"{error or type(error).__name__}") from error

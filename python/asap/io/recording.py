@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,10 +14,11 @@ import numpy.typing as npt
 
 from asap import _core, checks
 from asap._pickling import by_arguments
-from asap.events import EVENT_DTYPE, Events, plain_view
+from asap.events import Events, plain_view
 from asap.io.aedat4 import Aedat4Reader
 from asap.io.arrangement import arrangement, looks_like
 from asap.io.errors import NoGoodEvent
+from asap.io.gathering import gathered
 from asap.io.hdf5 import Hdf5Reader
 from asap.io.matlab import MatlabReader
 from asap.io.native import FORMATS, NativeReader
@@ -27,7 +28,7 @@ from asap.io.ros import RosReader
 from asap.io.sniff import first_bytes, sniff
 from asap.io.text import TextReader
 
-__all__ = ["Recording", "load", "read"]
+__all__ = ["FILE_FORMATS", "Recording", "load", "read"]
 
 _READERS: dict[str, Callable[[Path, Options], Reader]] = {
     "npy": NpyReader,
@@ -40,12 +41,10 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
     "matlab": MatlabReader,
     **{name: partial(RosReader, name) for name in ("rosbag1", "rosbag2", "mcap")},
 }
-
+FILE_FORMATS = tuple(_READERS)  # names that `file_format` takes
 
 # More events per us than any sensor sends, and so many that it is no burst: the unit is wrong.
 _CROWD, _CROWD_LEAST = 100, 1000
-
-_RECORD = np.dtype(f"V{EVENT_DTYPE.itemsize}")
 
 
 class Recording:
@@ -140,6 +139,32 @@ class Recording:
         return reasons
 
     @property
+    def doubt(self) -> str | None:
+        """Why most events of the latest iteration were bad, and what may help; None if not."""
+        good = self.received - sum(self.rejected.values())
+        if good >= self.received / 2:
+            return None
+        reasons = ", ".join(f"{bad} {name}" for name, bad in self.rejected.items() if bad)
+        what = f"only {good} of its {self.received} events are good"
+        if good == 0:
+            what = f"not one of its {self.received} events is good"
+        return f"{self._path}: {what} ({reasons}); {self._remedy()}"
+
+    def _remedy(self) -> str:
+        if hasattr(self._reader, "sample"):
+            rows, order = self._reader.sample()
+            found = arrangement(rows, self._width, self._height)
+            if found is not None and found != order:
+                return looks_like(found)
+        if self.rejected["out_of_bounds"]:
+            return f"are width = {self._width} and height = {self._height} right?"
+        if self.rejected["nonmonotonic"]:
+            return "the stamps go back; sort the events by t"
+        if self.bad_offsets:
+            return f"the first bad one is at byte {self.bad_offsets[0]}; are these events?"
+        return "are these events?"
+
+    @property
     def repaired(self) -> dict[str, int]:
         """Events that were changed so far: polarity not 0 or 1, stamps lifted, pixels clamped."""
         kinds = dict(self._validator.repaired)
@@ -192,7 +217,7 @@ class Recording:
         if losses.cut is not None and validator.received == 0:
             raise losses.cut
         if count == 0 and self.received:
-            raise NoGoodEvent(self._why_none())
+            raise NoGoodEvent(self.doubt)
         span_us = validator.last_us - first_us
         if self._options.time_unit is None and count > max(_CROWD * (span_us + 1), _CROWD_LEAST):
             warnings.warn(
@@ -223,18 +248,6 @@ class Recording:
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}" if self.width and self.height else "size unknown"
         return f"Recording({str(self._path)!r}, {self.format}, {size})"
-
-    def _why_none(self) -> str:
-        """Say why not one event is good, and what may help."""
-        reasons = ", ".join(f"{count} {name}" for name, count in self.rejected.items() if count)
-        sensor = f"width = {self._width} and height = {self._height}"
-        remedy = f"are {sensor} right?" if self.rejected["out_of_bounds"] else "are these events?"
-        if hasattr(self._reader, "sample"):
-            rows, order = self._reader.sample()
-            found = arrangement(rows, self._width, self._height)
-            if found is not None and found != order:
-                remedy = looks_like(found)
-        return f"{self._path}: not one of its {self.received} events is good ({reasons}); {remedy}"
 
     def _books(self) -> tuple[Losses, _core.Validator]:
         validator = _core.Validator(
@@ -366,25 +379,4 @@ def load(
         file_format=file_format,
         stream=stream,
     )
-    return _joined(recording, recording.expected)
-
-
-def _joined(chunks: Iterable[Events], expected: int) -> Events:
-    """One array of all chunks, made for as many events as are expected; it grows if need be."""
-    events: Events = np.empty(expected, EVENT_DTYPE)
-    count = 0
-    for chunk in chunks:
-        if count + len(chunk) > len(events):
-            larger = np.empty(max(2 * len(events), count + len(chunk)), EVENT_DTYPE)
-            _copy(larger[:count], events[:count])
-            events = larger
-        _copy(events[count : count + len(chunk)], chunk)
-        count += len(chunk)
-    if count < len(events):
-        events.resize(count, refcheck=False)  # gives the rest back, in place
-    return events
-
-
-def _copy(to: Events, source: Events) -> None:
-    """Copy memory as it is: NumPy copies structured arrays field by field, six times slower."""
-    to.view(_RECORD)[:] = source.view(_RECORD)
+    return gathered(recording, recording.expected)

@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from asap import _core
 from asap.events import FIELD_NAMES, Events, check_order
-from asap.io.arrangement import SAMPLE, arrangement
+from asap.io.arrangement import SAMPLE, arrangement, as_option
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
 from asap.stamps import time_exponent
@@ -209,7 +209,7 @@ def _of_common_length(
 def _such_as(rows: list[list[bytes]]) -> str:
     """Return an order that fits the rows, as the end of a sentence."""
     found = arrangement(_sample(rows))
-    return ", with the option order" if found is None else f", such as order={found!r}"
+    return ", with the option order" if found is None else f", such as {as_option(found)}"
 
 
 def _check_polarity(path: Path, rows: list[list[bytes]]) -> None:
