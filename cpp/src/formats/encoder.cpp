@@ -160,8 +160,10 @@ template <class Format>
   if (event.x > Format::kMaxAddress) refuse("x", event.x, state, pixels);
   if (event.y > Format::kMaxAddress) refuse("y", event.y, state, pixels);
   if (event.t < state.last_t) {
-    const std::string back = std::to_string(state.last_t - event.t);
-    refuse("t", event.t, state, "goes back by " + back + " us; sort the events, or drop this one");
+    const auto back =
+        static_cast<std::uint64_t>(state.last_t) - static_cast<std::uint64_t>(event.t);
+    refuse("t", event.t, state,
+           "goes back by " + std::to_string(back) + " us; sort the events, or drop this one");
   }
   refuse("t", event.t, state,
          name +

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -276,6 +277,16 @@ TEST(Encoder, RefusesAStampThatGoesBack) {
               "t = " + std::to_string(events[70].t) +
                   " (event 70): goes back by 3 us; sort the events, or drop this one");
   }
+}
+
+TEST(Encoder, AStepBackMayBeLongerThanATime) {
+  constexpr std::int64_t kEarly = std::numeric_limits<std::int64_t>::min();
+  const Events events{event(1, 2, 1, std::numeric_limits<std::int64_t>::max()),
+                      event(1, 2, 1, kEarly)};
+  EXPECT_EQ(refusal(Encoding::csv, events),
+            "t = " + std::to_string(kEarly) +
+                " (event 1): goes back by 18446744073709551615 us; sort the events, or drop this "
+                "one");
 }
 
 TEST(Encoder, NumbersTheEventsOfAllCalls) {
