@@ -35,10 +35,10 @@ class _Live:
 class Pipeline:
     """Live events to the algorithm, in packages, within the latency bound.
 
-    Any thread pushes and is never blocked; one thread works: in a loop over the pipeline, whose
-    body is the measured work, or in `run`, if the pipeline has an algorithm. An event's age counts
-    from its push, or from the arrival time given with it, not from its stamp. Leaving the ``with``
-    block stops the pipeline.
+    One thread at a time pushes and is never blocked. One thread works: in a loop over the pipeline,
+    whose body is the measured work, or in `run`, if the pipeline has an algorithm. An event's age
+    counts from its push, or from the arrival time given with it, not from its stamp. Leaving the
+    ``with`` block stops the pipeline.
 
     At the end of the interpreter all pipelines are stopped. In a forked process every method of a
     pipeline made before raises RuntimeError.
