@@ -146,6 +146,12 @@ class TestNpy:
         with pytest.raises(UnsupportedFormat, match=r"image\.npy"):
             asap.read(tmp_path / "image.npy")
 
+    def test_a_value_of_absurd_size_takes_no_memory(self, tmp_path: Path) -> None:
+        header = b"{'descr': '<U99999999', 'fortran_order': False, 'shape': (0,)}\n"
+        (tmp_path / "a.npy").write_bytes(b"\x93NUMPY\x01\x00" + bytes([len(header), 0]) + header)
+        with pytest.raises(CorruptFile, match="its values have 399999996 bytes each"):
+            asap.load(tmp_path / "a.npy")
+
     def test_is_never_unpickled(self, tmp_path: Path) -> None:
         np.save(tmp_path / "events.npy", np.array([{"t": 1}], object))
         with pytest.raises(CorruptFile, match="never unpickled"):

@@ -27,6 +27,8 @@ from asap.io.reader import CHUNK, Losses, Options
 
 __all__ = ["NpyReader", "NpzReader"]
 
+_WIDEST = 1 << 16  # bytes of a value
+
 
 @dataclass(frozen=True)
 class _Header:
@@ -203,6 +205,8 @@ def _header(file: IO[bytes]) -> _Header:
         raise ValueError(f"npy version {version[0]}.{version[1]} is not known")
     if dtype.hasobject:
         raise ValueError("the array holds Python objects, which are never unpickled")
+    if dtype.itemsize > _WIDEST:  # NumPy takes the memory of one even for an array of none
+        raise ValueError(f"its values have {dtype.itemsize} bytes each; an event has not so many")
     if any(length < 0 for length in shape):
         raise ValueError(f"shape {shape} is impossible")
     return _Header(shape, fortran, dtype, file.tell())
