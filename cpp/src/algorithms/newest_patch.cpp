@@ -106,7 +106,7 @@ bool NewestPatch::search(const Number* centre, std::ptrdiff_t stride, PatchRows&
 
 #if defined(__x86_64__)
 
-// Of one function at a time: the rest of the library runs on every machine.
+// Applies to single functions: the rest of the library runs on every machine.
 #define ASAP_AVX2 __attribute__((target("avx2")))
 
 namespace {

@@ -83,7 +83,7 @@ struct Output {
     return true;
   }
 
-  // What was written since `start`, from `bytes`.
+  // The progress of a call that began to write at `start` and consumed `bytes`.
   Progress since(const Output& start, std::size_t bytes) const noexcept {
     return {.bytes = bytes,
             .events = static_cast<std::size_t>(event - start.event),

@@ -157,7 +157,7 @@ class FlightOverChairs::State {
     const auto after = static_cast<std::int64_t>(chairs_before(row + 1));
     std::int64_t chairs = std::min<std::int64_t>(after - before, lanes_);
     for (std::int32_t lane = 0; lane < lanes_; ++lane) {
-      // Of the lanes that are left, each is as likely to get one of the chairs that are left.
+      // Each lane that is left is equally likely to get one of the chairs that are left.
       if (random.uniform(drawn++) * (lanes_ - lane) >= static_cast<double>(chairs)) continue;
       --chairs;
       const UnitVector tilt =

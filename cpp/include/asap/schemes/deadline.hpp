@@ -52,7 +52,7 @@ class OutageReserve {
     share_ = std::clamp(share_ + kGain * (late - kTolerated), 0.0, kMost);
   }
 
-  // Of a bound, at most so much that four fixed costs fit into the rest.
+  // The reserve of a bound; at most what leaves room for four fixed costs.
   double ns(double bound_ns, double alpha_ns) const noexcept {
     return std::clamp(bound_ns - 4.0 * alpha_ns, 0.0, share_ * bound_ns);
   }
