@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from asap.checks import agreed, sides, whole
+from asap.checks import agreed, sides
 from asap.checks import source as check_source
 from asap.events import EVENT_DTYPE, Events, columns_of, is_event_memory
 from asap.experiment.source import is_iterable_of_arrays
@@ -40,9 +40,6 @@ class RawSource:
     ) -> None:
         check_source(source)
         self._options = Options(order, time_unit)
-        for name, side in (("width", width), ("height", height)):
-            if side is not None:
-                whole(name, side, 0, 65536, "give the sensor's side in px, at most 65536, or None")
         width, height = sides(width, height)
         self.recording: Recording | None = None
         if isinstance(source, (str, os.PathLike)):

@@ -42,8 +42,8 @@ class Aedat4Reader:
     format = "aedat4"
 
     def __init__(self, path: Path, options: Options) -> None:
+        options.refuse_stated(path, self.format)
         self._path = path
-        self._options = Options(order=None, time_unit=options.time_unit)
         with foreign(path, _HEADER_AT):
             header, self._first = _header(path)
             self._unpack = _unpacker(header.number(0, "<i", 0))
@@ -68,7 +68,7 @@ class Aedat4Reader:
         count = 0
         for records in self._gathered(losses):
             rows = np.frombuffer(records, _EVENT)
-            yield events_of(rows, self._options, losses, count)
+            yield events_of(rows, Options(None, None), losses, count)
             count += len(rows)
 
     def _gathered(self, losses: Losses) -> Iterator[Buffer]:

@@ -154,6 +154,8 @@ class NpzReader:
                 yield np.frombuffer(data, header.dtype).reshape(count, *header.shape[1:])
 
     def _choose(self) -> list[str]:
+        if not self._members:
+            raise UnsupportedFormat(f"{self._path}: a zip archive without arrays; unpack it first")
         understood = {name for names in FIELD_NAMES.values() for name in names}
         columns = [key for key in self._members if key in understood]
         if len(columns) >= 3:

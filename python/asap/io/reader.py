@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from asap.checks import named
 from asap.events import Events, check_order
 from asap.io.errors import CorruptFile, TruncatedFileWarning
 from asap.stamps import time_exponent
@@ -38,6 +39,13 @@ class Options:
             time_exponent(self.time_unit)
         if self.stream is not None and not isinstance(self.stream, str):
             raise TypeError(f"stream = {self.stream!r}: give the name of one stream of the file")
+
+    def refuse_stated(self, path: Path, file_format: str) -> None:
+        """Refuse columns and unit where the format states both, so that none is ignored."""
+        for name, value in (("order", self.order), ("time_unit", self.time_unit)):
+            if value is not None:
+                remedy = f"{path} is {file_format}, which states it; leave {name} out"
+                raise ValueError(named(name, value, remedy))
 
 
 @dataclass

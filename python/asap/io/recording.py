@@ -17,7 +17,7 @@ from asap._pickling import by_arguments
 from asap.events import Events, plain_view
 from asap.io.aedat4 import Aedat4Reader
 from asap.io.arrangement import arrangement, looks_like
-from asap.io.errors import NoGoodEvent
+from asap.io.errors import CorruptFile, NoGoodEvent
 from asap.io.gathering import gathered
 from asap.io.hdf5 import Hdf5Reader
 from asap.io.matlab import MatlabReader
@@ -25,7 +25,7 @@ from asap.io.native import FORMATS, NativeReader
 from asap.io.numpy_files import NpyReader, NpzReader
 from asap.io.reader import Losses, Options, Reader
 from asap.io.ros import RosReader
-from asap.io.sniff import first_bytes, sniff
+from asap.io.sniff import first_bytes, sniff, stated
 from asap.io.text import TextReader
 
 __all__ = ["FILE_FORMATS", "Recording", "load", "read"]
@@ -263,8 +263,9 @@ def _format_of(path: Path, file_format: str | None) -> str:
     if file_format is None:
         return sniff(path)
     checks.choice("file_format", file_format, _READERS)
-    if not path.is_dir():  # a bag may be one
-        first_bytes(path)
+    found = None if path.is_dir() else stated(first_bytes(path))  # a bag may be a folder
+    if found not in (None, file_format):
+        raise CorruptFile(path, 0, f"this is {found}, not {file_format}; leave file_format out")
     return file_format
 
 
