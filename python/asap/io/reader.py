@@ -19,6 +19,7 @@ from asap.stamps import time_exponent
 __all__ = ["CHUNK", "Losses", "Options", "Reader", "choose_stream", "sensor_size"]
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about
+_MOST_OFFSETS = 16  # of bad records
 _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
@@ -71,6 +72,17 @@ class Losses:
             seen = decoder.take_triggers()
             if sum(map(len, self.trigger_arrays)) < _MOST_TRIGGERS:
                 self.trigger_arrays.append(seen)
+
+    def bad(self, packet: CorruptFile) -> None:
+        """Count a packet that is none, and warn of the first; an error if bad data raise."""
+        if self.on_bad == "raise":
+            raise packet
+        if not self.bad_offsets:
+            words = f"{packet}; the events of such packets are missing"
+            warnings.warn(words, TruncatedFileWarning, stacklevel=2)
+        self.bad_record += 1
+        if len(self.bad_offsets) < _MOST_OFFSETS:
+            self.bad_offsets.append(packet.offset)
 
     def truncated(self, offset: int, fault: str) -> None:
         """Note that nothing good follows `offset`: a warning, or an error if bad data raise."""
