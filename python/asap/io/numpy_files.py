@@ -21,7 +21,7 @@ from numpy.lib import format as npy
 from asap.events import FIELD_NAMES, Events
 from asap.io.arrangement import SAMPLE
 from asap.io.columns import events_of, file_columns
-from asap.io.errors import CorruptFile, UnsupportedFormat, foreign, refuse_bomb
+from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, refuse_bomb
 from asap.io.mapped import mapped, windows
 from asap.io.reader import CHUNK, Losses, Options
 
@@ -109,6 +109,7 @@ class NpzReader:
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path, self._options = path, options
+        _check_end(path)
         with foreign(path), zipfile.ZipFile(path) as archive:
             self._members = _members(path, archive)
             self.width = self._number(archive, "width")
@@ -208,6 +209,14 @@ def _header(file: IO[bytes]) -> _Header:
     if any(length < 0 for length in shape):
         raise ValueError(f"shape {shape} is impossible")
     return _Header(shape, fortran, dtype, file.tell())
+
+
+def _check_end(path: Path) -> None:
+    """Refuse an archive that is cut: its directory, which is its end, is missing."""
+    with path.open("rb") as file:
+        if file.read(4) == b"PK\x03\x04" and not zipfile.is_zipfile(file):
+            size = path.stat().st_size
+            raise cut_file(path, size, "npz", "the directory of the archive, its end, is missing")
 
 
 def _members(path: Path, archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:

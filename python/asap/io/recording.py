@@ -237,13 +237,10 @@ class Recording:
             hold are dropped and counted in `rejected` as ever, whatever `on_bad` is.
         """
         losses, self._validator = Losses(self._path, "drop"), self._books()[1]
-        self._losses, count = losses, 0
+        self._losses = losses
         for events in self._reader.chunks(losses):
             if len(events):
-                count += len(events)
                 yield plain_view(events)
-        if losses.cut is not None and count == 0:
-            raise losses.cut
 
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}" if self.width and self.height else "size unknown"
@@ -333,7 +330,7 @@ def read(
     Warns
     -----
     TruncatedFileWarning
-        While iterating: the file ends too early; what came before was yielded.
+        While iterating: the file ends too early, or a packet cannot be read; the rest was yielded.
     UserWarning
         The file is read as 40-bit events, by its name alone, but does not look like them.
     """
