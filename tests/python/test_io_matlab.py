@@ -78,6 +78,8 @@ class TestLayouts:
             (20, 2, 2, 0),
             (50, 3, 1, 1),
         ]
+        with pytest.raises(ValueError, match=r"order = 'txyp': .* has no columns; leave order out"):
+            asap.read(path, order="txyp")
 
     def test_several_are_a_question(self, tmp_path: Path) -> None:
         path = save(tmp_path / "a.mat", left_events=matrix("xypt"), right_events=matrix("txyp"))

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from asap.checks import named
 from asap.events import FIELD_NAMES, Columns, Events
 from asap.io.columns import events_of, file_columns
 from asap.io.errors import (
@@ -70,6 +71,9 @@ class MatlabReader:
                 "p, as variables or as fields of one structure, or a matrix (N, 4)"
             )
         self._stream = choose_stream(path, options.stream, self.streams)
+        if self._stream == _BUFFER[0] and options.order is not None:
+            words = f"{_BUFFER[0]} in {path} has no columns; leave order out"
+            raise ValueError(named("order", options.order, words))
         self._cut = cut
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
