@@ -78,7 +78,10 @@ def rate(events: NDArray[np.void], bin_us: float) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True)
 class Description:
-    """What a recording holds: counts, duration and rates (ev/s; peaks over aligned windows)."""
+    """What a recording holds: counts, duration and rates in ev/s.
+
+    Peaks are of aligned windows, of the whole duration where it is shorter than one.
+    """
 
     events: int
     duration_s: float
@@ -127,8 +130,8 @@ def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
         duration_s=duration_s,
         on_share=on / events if events else 0.0,
         rate_mean_hz=events / duration_s if duration_s > 0 else 0.0,
-        rate_peak_1ms_hz=fine.peak * 1e3,
-        rate_peak_10ms_hz=coarse.peak * 1e2,
+        rate_peak_1ms_hz=fine.rate_hz,
+        rate_peak_10ms_hz=coarse.rate_hz,
     )
 
 
@@ -142,6 +145,12 @@ class PeakCount:
         self._window_us = window_us
         self._open_window = -1
         self._open_count = 0
+        self._last_us = 0
+
+    @property
+    def rate_hz(self) -> float:
+        """Events per second in that window, of which no more counts than the duration."""
+        return self.peak * 1e6 / (min(self._window_us, self._last_us) or self._window_us)
 
     def add(self, elapsed_us: NDArray[np.int64]) -> None:
         """Count the times of one block, at least one, none before those of the last block."""
@@ -152,6 +161,7 @@ class PeakCount:
             counts[0] += self._open_count
         self.peak = max(self.peak, int(counts.max()))
         self._open_window, self._open_count = int(windows[-1]), int(counts[-1])
+        self._last_us = int(elapsed_us[-1])
 
 
 def decimate(x: Floats, y: Floats, points: int) -> tuple[Floats, Floats]:

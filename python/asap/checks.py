@@ -50,6 +50,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 _LONGEST = 200
+_WIDEST = 65536  # px
 _AWAIT = (
     "asap awaits nothing; give a plain {kind}, and from a coroutine call asap in a thread: "
     "await asyncio.to_thread(...)"
@@ -101,11 +102,18 @@ def whole(field: str, value: Any, low: int, high: int, remedy: str) -> None:
 
 
 def sides(width: Any, height: Any) -> tuple[int | None, int | None]:
-    """Refuse a sensor's sides that are no whole numbers; None: not known. NumPy's become int."""
+    """Refuse what is no side of a sensor in px; None: not known. NumPy's numbers become int."""
     return (
-        None if width is None else index("width", width),
-        None if height is None else index("height", height),
+        None if width is None else _side("width", width),
+        None if height is None else _side("height", height),
     )
+
+
+def _side(field: str, value: Any) -> int:
+    side = index(field, value)
+    remedy = f"give the sensor's {field} in pixels, at most {_WIDEST}, or 0 for no check"
+    require(0 <= side <= _WIDEST, field, side, remedy)
+    return side
 
 
 def agreed(field: str, given: int | None, stated: int | None, source: object) -> int | None:
@@ -185,9 +193,11 @@ def _is_async(function: Any) -> bool:
 def folder_or_file(field: str, value: Any) -> Path:
     """Refuse what is no path."""
     try:
-        return Path(value)
+        path = Path(value)
     except TypeError:
-        raise TypeError(named(field, value, "give a path")) from None
+        raise TypeError(named(field, value, "give a path, as text or pathlib.Path")) from None
+    require(bool(os.fspath(value)), field, value, "give a path")  # Path("") is the current folder
+    return path
 
 
 def new_file(field: str, value: Any) -> Path:

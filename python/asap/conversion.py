@@ -30,7 +30,7 @@ def convert(
     width: int | None = None,
     height: int | None = None,
 ) -> int:
-    """Write a recording in another format; the stamps stay as they are.
+    """Write a recording in another format; the stamps stay as they are, but for clock resets.
 
     Memory stays flat, and an error leaves no half file: an older one of this name stays.
 
@@ -108,7 +108,10 @@ def _losses(stream: Source) -> Iterator[str]:
     if rejected:
         yield f"without the events that were rejected: {rejected}"
     if stream.clock_resets:
-        yield f"the clock jumped back {stream.clock_resets} times; time goes on from there"
+        yield (
+            f"the clock jumped back {stream.clock_resets} times by 1 s or more; the events after "
+            "it have other stamps than in the source: they go on 1 us after the last event before"
+        )
     if stream.recording is not None and stream.recording.trigger_count:
         yield f"without the {stream.recording.trigger_count} external triggers"
 

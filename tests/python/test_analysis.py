@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+import asap
 from asap import analysis
 from fake_run import PACKAGES_DTYPE, empty_run, fake_run
 
@@ -55,10 +56,19 @@ def test_description_does_not_depend_on_the_cuts(t, cuts):
     if t:
         elapsed = events["t"] - events["t"][0]
         assert whole.events == len(t)
-        assert whole.rate_peak_1ms_hz == np.bincount(elapsed // 1000).max() * 1e3
-        assert whole.rate_peak_10ms_hz == np.bincount(elapsed // 10_000).max() * 1e2
+        if elapsed[-1] >= 10_000:
+            assert whole.rate_peak_1ms_hz == np.bincount(elapsed // 1000).max() * 1e3
+            assert whole.rate_peak_10ms_hz == np.bincount(elapsed // 10_000).max() * 1e2
         assert whole.duration_s == pytest.approx(elapsed[-1] / 1e6)
         assert whole.on_share == (len(t) // 2) / len(t)
+
+
+def test_a_recording_shorter_than_the_window_has_no_peak_below_its_mean():
+    short = analysis.describe([events_at([5, 105, 205, 505])])
+    assert short.rate_mean_hz == short.rate_peak_1ms_hz == short.rate_peak_10ms_hz == 8000
+    found = asap.check(events_at([5, 105, 205, 505]))
+    assert found.rate_peak_1ms_hz == found.rate_peak_100ms_hz == 8000
+    assert analysis.describe([events_at([7, 7])]).rate_peak_1ms_hz == 2000
 
 
 def test_description_of_nothing_has_no_rate():

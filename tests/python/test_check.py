@@ -555,10 +555,16 @@ def test_a_file_that_cannot_be_read_raises(tmp_path: Path) -> None:
         check(tmp_path / "none.npy")
 
 
-def test_a_file_that_is_cut_in_its_first_event_raises(tmp_path: Path) -> None:
+def test_a_file_that_is_cut_before_its_first_event(tmp_path: Path) -> None:
+    np.savez(tmp_path / "events.npz", events=EVENTS)
+    corrupt.cut_file(tmp_path / "events.npz", 500)
     (tmp_path / "events.csv").write_text("t,x,y,p\n5,1,x")
-    with pytest.raises(CorruptFile, match="the last line is cut"):
-        check(tmp_path / "events.csv")
+    for name, kind, byte in (("events.csv", "text", 8), ("events.npz", "npz", 500)):
+        found = check(tmp_path / name)
+        assert (found.path, found.format, found.events) == (str(tmp_path / name), kind, 0)
+        assert outcome(found)["empty"][:2] == outcome(found)["truncated"][:2] == (1, "wrong")
+        assert found.findings["truncated"].byte == byte
+    assert "nothing before the end of the file can be read" in str(found)
 
 
 def test_raw_is_what_the_file_holds(tmp_path: Path) -> None:

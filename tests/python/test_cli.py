@@ -45,6 +45,7 @@ class FakeApi:
             width=346,
             height=260,
             rejected={"nonmonotonic": 0, "out_of_bounds": 0},
+            clock_resets=0,
             blocks=[events[:3], events[3:]],
         )
         self.result = fake_run(duration_s=0.1)

@@ -68,6 +68,15 @@ def test_a_truncated_file_is_wrong_and_nothing_else_is_said_about_it(call, save)
     assert "first: byte 20,000\n" in out
 
 
+def test_a_file_cut_before_its_first_event_has_a_table(call, tmp_path):
+    path = tmp_path / "a.npz"
+    np.savez(path, events=EVENTS)
+    corrupt.cut_file(path, 500)
+    code, out, err = call(path, *SENSOR)
+    assert (code, err) == (3, "")
+    assert out.startswith("a.npz\n  format    npz\n") and "first: byte 500\n" in out
+
+
 @pytest.mark.parametrize(("events", "code"), [(EVENTS, 0), (corrupt.back_steps(EVENTS, 3), 1)])
 def test_json_is_the_summary(call, save, events, code):
     path = save(events)

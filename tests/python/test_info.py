@@ -35,6 +35,7 @@ def test_the_facts(tmp_path: Path) -> None:
             "peak_10ms": found.rate_peak_10ms_hz,
         },
         "rejected": asap.read(path).rejected | {"out_of_bounds": 60},
+        "clock_resets": 0,
     }
     assert asap.info(asap.read(path)) == facts
 
@@ -46,6 +47,17 @@ def test_it_is_what_the_verb_prints(tmp_path: Path, capsys: pytest.CaptureFixtur
     arguments = [f"--{name.replace('_', '-')}={value}" for name, value in options.items()]
     assert cli.main(["info", str(path), "--json", *arguments]) == 0
     assert json.loads(capsys.readouterr().out) == asap.info(path, **options)
+
+
+def test_clock_resets_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "events.npy"
+    np.save(path, EVENTS)
+    assert cli.main(["info", str(path)]) == 0
+    assert "clock" not in capsys.readouterr().out
+    np.save(path, corrupt.clock_reset(EVENTS, 1000))
+    assert asap.info(path)["clock_resets"] == 1
+    assert cli.main(["info", str(path)]) == 0
+    assert "\n  clock     set back 1 x by 1 s or more: " in capsys.readouterr().out
 
 
 def test_options_are_those_of_reading(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ import asap
 import corrupt
 from aedat4_files import packet, write_aedat4
 from asap.events import Events
-from asap.io import CorruptFile, TruncatedFileWarning
+from asap.io import CorruptFile, NoGoodEvent, TruncatedFileWarning
 from event_files import assert_equal_events, recording
 
 EVENTS = corrupt.clean_events(10_000)
@@ -168,18 +168,21 @@ class TestDamage:
                 path.write_bytes(header + struct.pack("<ii", 0, len(bad)) + bad)
                 try:
                     assert len(asap.load(path)) <= 3
-                except CorruptFile:
+                except (CorruptFile, NoGoodEvent):
                     refused += 1
         assert refused > 100
 
-    def test_a_packet_that_is_no_packet_ends_the_reading(self, path: Path) -> None:
-        write_aedat4(path, in_packets(EVENTS[:20], 10))
+    def test_a_packet_that_is_no_packet_is_left_out(self, path: Path) -> None:
+        write_aedat4(path, in_packets(EVENTS[:30], 10))
         content = path.read_bytes()
-        second = content.rindex(b"EVTS") - 16
+        second = content.index(packet(EVENTS[10:20])) - 8
         path.write_bytes(content[: second + 16] + b"FRME" + content[second + 20 :])
         words = f"byte {second}: EVTS is needed, the packet is b'FRME'"
-        with pytest.warns(TruncatedFileWarning, match=words):
-            assert_equal_events(asap.load(path), EVENTS[:10])
+        rec = asap.read(path)
+        with pytest.warns(TruncatedFileWarning, match=f"{words}; the events of such packets"):
+            assert_equal_events(np.concatenate(list(rec)), np.delete(EVENTS[:30], slice(10, 20)))
+        assert (rec.rejected["bad_record"], rec.bad_offsets) == (1, (second,))
+        assert rec.truncated_at is None
         with pytest.raises(CorruptFile, match=words):
             asap.load(path, on_bad="raise")
 
@@ -191,7 +194,7 @@ class TestDamage:
         write_aedat4(path, [(0, np.zeros(100_000, asap.EVENT_DTYPE))], compression=compression)
         with (
             pytest.warns(TruncatedFileWarning, match="100000 events promised, .* are there"),
-            pytest.raises(CorruptFile),
+            pytest.raises(NoGoodEvent),
         ):
             asap.load(path)
 

@@ -312,12 +312,12 @@ class TestDamage:
         size = path.stat().st_size
         for there in (size - 1, size // 2, 100):
             corrupt.cut_file(path, there)
-            words = f"byte {there}: the file ends, {size} bytes are promised"
+            words = f"byte {there}: the file ends, {size} bytes are promised; .* this HDF5 file"
             with pytest.raises(CorruptFile, match=words):
                 asap.load(path)
         for there in (63, 9, 8):
             corrupt.cut_file(path, there)
-            with pytest.raises(CorruptFile, match=r"a\.h5: byte 0: HDF5: "):
+            with pytest.raises(CorruptFile, match=f"byte {there}: the file ends inside its head"):
                 asap.load(path)
 
     def test_what_comes_before_a_bad_chunk_is_read(self, tmp_path: Path) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import warnings
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +12,10 @@ import pytest
 
 import asap
 import corrupt
+from aedat4_files import write_aedat4
 from asap import cli
 from asap.events import Events
-from asap.io import NoGoodEvent
+from asap.io import CorruptFile, NoGoodEvent, UnsupportedFormat
 from asap.io.arrangement import arrangement
 
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
@@ -261,3 +264,138 @@ def test_the_command_line_names_the_format(
     assert "--file-format text reads it" in capsys.readouterr().err
     assert cli.main(["info", str(path), "--file-format", "text"]) == 0
     assert "format    text" in capsys.readouterr().out
+
+
+# ---- what is no recording -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("a.bin", b"\x7fELF\x02\x01", "a program, no recording of events"),
+        ("a.bin", b"\x89PNG\r\n\x1a\n", "a PNG picture, no recording of events"),
+        ("a.bs2", b"\xff\xd8\xff\xe0", "a JPEG picture, no recording of events"),
+        ("a.txt", b"%PDF-1.7\n", "a PDF document, no recording of events"),
+        ("a.csv.gz", b"\x1f\x8b\x08\x00", "packed by gzip; unpack it first"),
+        ("a.raw", b"\x1f\x8b\x08\x00", "packed by gzip; unpack it first"),
+        ("a.bin", b"BZh9", "packed by bzip2; unpack it first"),
+    ],
+)
+def test_other_files_are_named(tmp_path: Path, name: str, content: bytes, words: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(content + bytes(4000))
+    with pytest.raises(UnsupportedFormat, match=f"^{path}: {words}$"):
+        asap.read(path)
+    assert cli.main(["info", str(path)]) == 3
+
+
+def test_a_zip_archive_is_to_be_unpacked(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+        archive.writestr("flight.raw", "% evt 3.0")
+    with pytest.raises(UnsupportedFormat, match=r"a zip archive without arrays; unpack it first"):
+        asap.read(tmp_path / "a.zip")
+
+
+@pytest.mark.parametrize(
+    "prose",
+    [
+        "# Recordings\n\nThese files hold events.\nThey are of one camera.\n",
+        '{\n "files": 3,\n "sizes": [\n  120,\n  340\n ]\n}\n',
+        "Read me\n",
+    ],
+)
+def test_prose_is_no_question_about_columns(tmp_path: Path, prose: str) -> None:
+    path = tmp_path / "a.md"
+    path.write_text(prose)
+    with pytest.raises(CorruptFile, match="byte 0: text without lines of numbers"):
+        asap.read(path)
+    assert cli.main(["info", str(path)]) == 3
+
+
+def test_a_header_without_events_is_no_prose(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("t,x,y,p\n")
+    assert len(asap.load(tmp_path / "a.csv")) == 0
+
+
+# ---- the wrong path -------------------------------------------------------------------------
+
+
+def test_a_folder_without_the_metadata_of_a_bag(tmp_path: Path) -> None:
+    (tmp_path / "b_0.db3").touch()
+    with pytest.raises(IsADirectoryError, match=r"without metadata.yaml, .*; give b_0.db3 in it"):
+        asap.read(tmp_path)
+    (tmp_path / "b_0.db3").unlink()
+    with pytest.raises(IsADirectoryError, match="Is a directory; give a file in it"):
+        asap.read(tmp_path)
+
+
+def test_a_folder_that_cannot_be_listed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(path: Path) -> None:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr("os.listdir", refuse)
+    monkeypatch.setattr("os.scandir", refuse)
+    with pytest.raises(PermissionError) as caught:
+        asap.read(tmp_path)
+    assert caught.value.filename == str(tmp_path)
+
+
+def test_no_path_is_not_the_current_folder(capsys: pytest.CaptureFixture[str]) -> None:
+    for call in (asap.load, asap.info, asap.check):
+        with pytest.raises(ValueError, match="path = '': give a path"):
+            call("")
+    assert cli.main(["info", ""]) == 2
+    with pytest.raises(TypeError, match=r"path = 5: give a path, as text or pathlib\.Path"):
+        asap.load(5)  # type: ignore[arg-type]
+
+
+# ---- options that the file does not need ----------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["evt3", "es", "aedat4"])
+@pytest.mark.parametrize("option", [{"order": "xytp"}, {"time_unit": "s"}])
+def test_what_the_format_states_is_not_said_again(
+    tmp_path: Path, name: str, option: dict[str, str]
+) -> None:
+    path = tmp_path / f"a.{name}"
+    if name == "aedat4":
+        write_aedat4(path, [(0, EVENTS)])
+    else:
+        asap.convert(EVENTS, path, to=name, **SENSOR)
+    ((field, value),) = option.items()
+    words = f"^{field} = '{value}': {path} is {name}, which states it; leave {field} out$"
+    with pytest.raises(ValueError, match=words):
+        asap.read(path, **option)  # type: ignore[arg-type]
+
+
+def test_a_format_that_the_content_denies(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", events=EVENTS)
+    for name in ("evt3", "atis40", "text", "hdf5"):
+        with pytest.raises(CorruptFile, match=f"this is npz, not {name}; leave file_format out"):
+            asap.read(tmp_path / "a.npz", file_format=name)
+    assert len(asap.load(tmp_path / "a.npz", file_format="npz")) == len(EVENTS)
+
+
+@pytest.mark.parametrize("side", SENSOR)
+@pytest.mark.parametrize("verb", [asap.read, asap.check])
+def test_a_side_that_no_sensor_has(tmp_path: Path, side: str, verb: Callable[..., object]) -> None:
+    np.save(tmp_path / "a.npy", EVENTS)
+    for value in (-1, 65537):
+        words = rf"{side} = {value}: give the sensor's {side} in pixels, at most 65536, or 0 for"
+        with pytest.raises(ValueError, match=words):
+            verb(tmp_path / "a.npy", **{side: value})
+
+
+def test_raw_without_an_encoding_asks_for_it(tmp_path: Path) -> None:
+    path = tmp_path / "a.raw"
+    asap.convert(EVENTS, path, to="evt2", **SENSOR)
+    words = path.read_bytes().partition(b"% end\n")[2]
+    remedy = r"; name the encoding, such as file_format='evt3' \(or evt2, evt21\)$"
+    for header, lack in (
+        (b"% date today\n% end\n", "its header has no line '% evt'"),
+        (b"", "it has no header"),
+    ):
+        path.write_bytes(header + words)
+        with pytest.raises(CorruptFile, match=f"{lack}.*{remedy}"):
+            asap.read(path)
+        assert len(asap.load(path, file_format="evt2")) == len(EVENTS)

@@ -120,14 +120,23 @@ def test_a_header_that_is_cut(tmp_path: Path) -> None:
 
 
 def test_what_does_not_look_like_40_bit_events_warns(tmp_path: Path) -> None:
-    noise = np.random.default_rng(1).integers(0, 256, 5000, np.uint8).tobytes()
+    odd = EVENTS.copy()
+    odd["t"][::10] -= 1000
+    odd["y"] = 250
     with pytest.warns(UserWarning, match=r"time goes back \d+ times in \d+ events and \d+ of"):
-        asap.read(file_of(tmp_path, noise, "a.bin"))
+        asap.read(file_of(tmp_path, atis40(odd), "a.bin"))
     whole = atis40(EVENTS)
     with pytest.warns(UserWarning, match="its 5002 bytes are no multiple of 5; .* file_format"):
         rec = asap.read(file_of(tmp_path, whole + b"\0\0", "a.bs2"))
     with pytest.warns(TruncatedFileWarning, match="byte 5000"):
         assert len(np.concatenate(list(rec))) == len(EVENTS)
+
+
+def test_bytes_whose_times_go_back_are_no_40_bit_events(tmp_path: Path) -> None:
+    noise = np.random.default_rng(1).integers(0, 256, 5000, np.uint8).tobytes()
+    words = r"byte 0: no 40-bit events: the time goes back \d+ times in \d+; .* file_format"
+    with pytest.raises(CorruptFile, match=words):
+        asap.read(file_of(tmp_path, noise, "a.bin"))
 
 
 def test_text_is_no_40_bit_file(tmp_path: Path) -> None:

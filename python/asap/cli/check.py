@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import asap
 from asap import progress
 from asap.cli.options import add_recording, add_report, add_verb, open_recording
 from asap.cli.outcome import (
+    BAD_INPUT,
     CHECK_FAILED,
     OK,
     need_matplotlib,
@@ -16,6 +18,7 @@ from asap.cli.outcome import (
     reading,
     writing,
 )
+from asap.io.errors import CutFile
 
 __all__ = ["add"]
 
@@ -31,7 +34,7 @@ def _call(arguments: Any) -> int:
     if arguments.report:
         need_matplotlib()
     with reading(arguments), progress.on_terminal() as on_progress:
-        inspection = asap.check(open_recording(arguments), on_progress=on_progress)
+        inspection = asap.check(_source(arguments), on_progress=on_progress)
     if arguments.report:
         with writing(arguments.report):
             inspection.report(arguments.report)
@@ -40,4 +43,14 @@ def _call(arguments: Any) -> int:
     else:
         print(inspection)
         print_written(arguments.report)
-    return OK if inspection.ok else CHECK_FAILED
+    if inspection.ok:
+        return OK
+    is_lost = inspection.events == 0 and inspection.findings["truncated"].count > 0
+    return BAD_INPUT if is_lost else CHECK_FAILED
+
+
+def _source(arguments: Any) -> asap.Recording | Path:
+    try:
+        return open_recording(arguments)
+    except CutFile as cut:
+        return cut.path  # nothing can be read; the table says so

@@ -43,6 +43,10 @@ def _call(arguments: Any) -> int:
         f"{rate['peak_1ms']} in 1 ms",
         "rejected": run_table.reasons_of(facts["rejected"]) or "none",
     }
+    if facts["clock_resets"]:
+        rows["clock"] = (
+            f"set back {facts['clock_resets']} x by 1 s or more: the duration leaves that out"
+        )
     print(os.path.basename(facts["path"]))
     for name, value in rows.items():
         print(f"  {name:<10}{value}")

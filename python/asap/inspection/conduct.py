@@ -57,7 +57,7 @@ def check(
     ------
     UnsupportedFormat, CorruptFile, ValueError, OSError, RuntimeError, TypeError
         As in `read` and `as_events`: nothing can be read. What can be read in part is inspected,
-        and the rest is a finding.
+        and the rest is a finding; so is a file that ends before its first event.
 
     Examples
     --------

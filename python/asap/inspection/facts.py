@@ -29,7 +29,8 @@ def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, 
     dict
         ``schema_version``, ``path``, ``format``, ``width`` and ``height`` in px or None,
         ``events``, ``duration_s``, ``on_share`` 0..1, ``rate_hz`` with ``mean``, ``peak_1ms`` and
-        ``peak_10ms`` in ev/s, ``rejected`` by reason. It is the object of ``asap info --json``.
+        ``peak_10ms`` in ev/s, ``rejected`` by reason, ``clock_resets``. It is the object of
+        ``asap info --json``.
 
     Raises
     ------
@@ -60,4 +61,5 @@ def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, 
         **facts,
         "rate_hz": rates,
         "rejected": dict(recording.rejected),
+        "clock_resets": recording.clock_resets,
     }

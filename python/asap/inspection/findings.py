@@ -128,6 +128,9 @@ def _empty(door: Door, meters: Meters, raw: RawSource) -> Finding:
     if meters.events:
         return Finding("empty", 0, OK, f"{units.count(meters.events)} good events")
     if door.seen + raw.bad_records + raw.out_of_bounds == 0:
+        if raw.cut_at_byte is not None:
+            words = "nothing before the end of the file can be read"
+            return Finding("empty", 1, WRONG, words, "Copy the file again.")
         return Finding("empty", 1, NOTE, "no events", "Nothing was recorded, or not written.")
     return Finding("empty", 1, WRONG, "not one good event", "See the other checks.")
 

@@ -24,7 +24,7 @@ class RateMeter:
     @property
     def peaks_hz(self) -> dict[int, float]:
         """Largest rate in one window, by its length in ms."""
-        return {ms: window.peak * 1e3 / ms for ms, window in self._windows.items()}
+        return {ms: window.rate_hz for ms, window in self._windows.items()}
 
     def add(self, elapsed_us: npt.NDArray[np.int64]) -> None:
         """See the times of a block, which is not empty."""

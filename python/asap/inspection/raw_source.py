@@ -9,13 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from asap.checks import agreed, sides, whole
+from asap.checks import agreed, sides
 from asap.checks import source as check_source
 from asap.events import EVENT_DTYPE, Events, columns_of, is_event_memory
 from asap.experiment.source import is_iterable_of_arrays
 from asap.io import Recording, read
 from asap.io.columns import events_of
+from asap.io.errors import CutFile
 from asap.io.reader import Losses, Options
+from asap.io.sniff import sniff
 
 __all__ = ["BLOCK", "RawSource"]
 
@@ -40,24 +42,28 @@ class RawSource:
     ) -> None:
         check_source(source)
         self._options = Options(order, time_unit)
-        for name, side in (("width", width), ("height", height)):
-            if side is not None:
-                whole(name, side, 0, 65536, "give the sensor's side in px, at most 65536, or None")
         width, height = sides(width, height)
         self.recording: Recording | None = None
+        self._cut: CutFile | None = None
         if isinstance(source, (str, os.PathLike)):
-            self.recording = read(
-                source, width=width, height=height, order=order, time_unit=time_unit
-            )
+            try:
+                self.recording = read(
+                    source, width=width, height=height, order=order, time_unit=time_unit
+                )
+            except CutFile as cut:  # a finding
+                self._cut = cut
         elif isinstance(source, Recording):
             for name, value in (("order", order), ("time_unit", time_unit)):
                 if value is not None:
                     raise ValueError(f"{name} = {value!r}: a recording is open; say it to read()")
             self.recording = source
-        is_stream = self.recording is None and is_iterable_of_arrays(source)
+        is_file = self.recording is not None or self._cut is not None
+        is_stream = not is_file and is_iterable_of_arrays(source)
         # A table may have a width and a height too: those of the table.
         known = source if is_stream else self.recording
         self.format = self.recording.format if self.recording is not None else "array"
+        if self._cut is not None:
+            self.format = sniff(self._cut.path)
         if is_stream:
             self.format = str(getattr(source, "name", "stream"))
         stated = sides(getattr(known, "width", None), getattr(known, "height", None))
@@ -69,7 +75,8 @@ class RawSource:
     @property
     def path(self) -> str | None:
         """Where the file is; None for what is no file."""
-        return os.fspath(self.recording.path) if self.recording is not None else None
+        file = self._cut or self.recording
+        return os.fspath(file.path) if file is not None else None
 
     @property
     def bad_records(self) -> int:
@@ -90,11 +97,20 @@ class RawSource:
     @property
     def cut_at_byte(self) -> int | None:
         """Byte offset where the file ended too early, None if it did not."""
+        if self._cut is not None:
+            return self._cut.offset
         return self.recording.truncated_at if self.recording is not None else None
 
     def __iter__(self) -> Iterator[Events]:
         """Blocks of `BLOCK` events in ``EVENT_DTYPE``, the last one shorter; none is empty."""
-        return _evenly(self.recording.raw() if self.recording is not None else self._arrays())
+        return _evenly(self._recorded() if self._cut or self.recording else self._arrays())
+
+    def _recorded(self) -> Iterator[Events]:
+        try:
+            if self.recording is not None:
+                yield from self.recording.raw()
+        except CutFile as cut:
+            self._cut = cut
 
     def _arrays(self) -> Iterator[Events]:
         first = 0

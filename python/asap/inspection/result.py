@@ -63,7 +63,7 @@ class Inspection(Result):
     """What is wrong with a recording, and what it holds; made by `check`.
 
     Rates, gaps, stamps, duplicates and pixels are those of the good events. Windows are aligned to
-    the first one.
+    the first one; no more of a window counts than the recording lasts.
 
     Attributes
     ----------

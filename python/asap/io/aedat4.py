@@ -42,8 +42,8 @@ class Aedat4Reader:
     format = "aedat4"
 
     def __init__(self, path: Path, options: Options) -> None:
+        options.refuse_stated(path, self.format)
         self._path = path
-        self._options = Options(order=None, time_unit=options.time_unit)
         with foreign(path, _HEADER_AT):
             header, self._first = _header(path)
             self._unpack = _unpacker(header.number(0, "<i", 0))
@@ -68,7 +68,7 @@ class Aedat4Reader:
         count = 0
         for records in self._gathered(losses):
             rows = np.frombuffer(records, _EVENT)
-            yield events_of(rows, self._options, losses, count)
+            yield events_of(rows, Options(None, None), losses, count)
             count += len(rows)
 
     def _gathered(self, losses: Losses) -> Iterator[Buffer]:
@@ -76,7 +76,7 @@ class Aedat4Reader:
         joined = memoryview(bytearray(CHUNK * _EVENT.itemsize))
         filled = 0
         try:
-            for records in self._records():
+            for records in self._records(losses):
                 if filled + len(records) > len(joined):
                     yield joined[:filled]
                     filled = 0
@@ -91,16 +91,20 @@ class Aedat4Reader:
         else:
             yield joined[:filled]
 
-    def _records(self) -> Iterator[Buffer]:
-        """Events of the stream, packet by packet."""
+    def _records(self, losses: Losses) -> Iterator[Buffer]:
+        """Events of the stream, packet by packet, without the packets that are none."""
         with self._path.open("rb") as file:
             for offset, stream, length in self._packets(file):
                 if str(stream) != self._stream:
                     continue
-                with foreign(self._path, offset):
-                    if length > HARMLESS:
-                        raise ValueError(f"a packet of {length} bytes")
-                    records = _records_of(self._unpack(file.read(length)))
+                try:
+                    with foreign(self._path, offset):
+                        if length > HARMLESS:
+                            raise ValueError(f"a packet of {length} bytes")
+                        records = _records_of(self._unpack(file.read(length)))
+                except CorruptFile as error:
+                    losses.bad(error)
+                    continue
                 yield records
 
     def _packets(self, file: Any) -> Iterator[tuple[int, int, int]]:

@@ -12,10 +12,12 @@ __all__ = [
     "HARMLESS",
     "MAX_RATIO",
     "CorruptFile",
+    "CutFile",
     "MissingLibrary",
     "NoGoodEvent",
     "TruncatedFileWarning",
     "UnsupportedFormat",
+    "cut_file",
     "foreign",
     "library",
     "refuse_bomb",
@@ -43,6 +45,10 @@ class CorruptFile(ValueError):
         return type(self), (self.path, self.offset, self.fault)
 
 
+class CutFile(CorruptFile):
+    """A file that ends so early that nothing of it can be read."""
+
+
 class MissingLibrary(RuntimeError):
     """What reads or unpacks the file is not installed."""
 
@@ -52,7 +58,14 @@ class NoGoodEvent(ValueError):
 
 
 class TruncatedFileWarning(UserWarning):
-    """The file ends too early; what came before was read."""
+    """The file ends too early, or a packet in it cannot be read; the rest was read."""
+
+
+def cut_file(path: Path, offset: int, format_name: str, fault: str) -> CutFile:
+    """Say what is there of a file of which nothing can be read, and what helps."""
+    size = path.stat().st_size
+    what = f"nothing can be read of the {size} bytes that are there of this {format_name} file"
+    return CutFile(path, offset, f"{fault}; {what}. Copy it again; a file never closed is lost")
 
 
 def unclear_unit(path: Path) -> ValueError:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from asap import stamps
 from asap.events import Events
 from asap.io.columns import events_of, file_columns
-from asap.io.errors import CorruptFile, foreign, library
+from asap.io.errors import CorruptFile, cut_file, foreign, library
 from asap.io.hdf5_layout import Layout, find_layouts, sensor_of, usable
 from asap.io.mapped import mapped
 from asap.io.matrices import columns_of_matrix, order_of
@@ -128,7 +128,7 @@ class Hdf5Reader:
         except OSError as error:
             if error.errno:  # the file system's, not the format's
                 raise
-            raise CorruptFile(self._path, *_why_not(self._path, error)) from error
+            raise _why_not(self._path, error) from error
         with file:
             yield file
 
@@ -183,14 +183,16 @@ def _rows(sources: dict[str, _Source], start: int, stop: int) -> dict[str, npt.N
     return {role: source.rows(start, stop) for role, source in sources.items()}
 
 
-def _why_not(path: Path, error: OSError) -> tuple[int, str]:
-    """Where the file ends, if it ends before its header says."""
+def _why_not(path: Path, error: OSError) -> CorruptFile:
+    """Say where the file ends, if it ends before its header says."""
     size = path.stat().st_size
     with path.open("rb") as file:
         head = file.read(64)
-    if head.startswith(_SIGNATURE) and len(head) == 64:
+    if head.startswith(_SIGNATURE):
+        if len(head) < 64:
+            return cut_file(path, size, "HDF5", "the file ends inside its header")
         end_at = {0: 40, 1: 44, 2: 28, 3: 28}.get(head[8], -1)
         end = int.from_bytes(head[end_at : end_at + 8], "little") if end_at > 0 else 0
         if end > size:
-            return size, f"the file ends, {end} bytes are promised"
-    return 0, f"HDF5: {error}"
+            return cut_file(path, size, "HDF5", f"the file ends, {end} bytes are promised")
+    return CorruptFile(path, 0, f"HDF5: {error}")

@@ -17,9 +17,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from asap.checks import named
 from asap.events import FIELD_NAMES, Columns, Events
 from asap.io.columns import events_of, file_columns
-from asap.io.errors import CorruptFile, UnsupportedFormat, foreign, library, refuse_bomb
+from asap.io.errors import (
+    CorruptFile,
+    CutFile,
+    UnsupportedFormat,
+    cut_file,
+    foreign,
+    library,
+    refuse_bomb,
+)
 from asap.io.matrices import as_rows, columns_of_matrix, order_of
 from asap.io.reader import CHUNK, Losses, Options, choose_stream
 
@@ -55,13 +64,16 @@ class MatlabReader:
         self.streams = tuple(self._found)
         if not self._found:
             if cut is not None:
-                raise cut
+                raise _nothing_left(cut)
             listed = ", ".join(f"{name} {shape} {kind}" for name, shape, kind in variables)
             raise UnsupportedFormat(
                 f"{path}: no events among {listed or 'no variables'}: needed are columns t, x, y, "
                 "p, as variables or as fields of one structure, or a matrix (N, 4)"
             )
         self._stream = choose_stream(path, options.stream, self.streams)
+        if self._stream == _BUFFER[0] and options.order is not None:
+            words = f"{_BUFFER[0]} in {path} has no columns; leave order out"
+            raise ValueError(named("order", options.order, words))
         self._cut = cut
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
@@ -73,7 +85,8 @@ class MatlabReader:
             )
         missing = [name for name in names if name not in values]
         if missing:
-            raise self._cut or CorruptFile(self._path, 0, f"{missing[0]} cannot be read")
+            unread = CorruptFile(self._path, 0, f"{missing[0]} cannot be read")
+            raise unread if self._cut is None else _nothing_left(self._cut)
         columns = self._columns({name: values[name] for name in names})
         unit = self._options.time_unit
         t = columns["t"]
@@ -175,4 +188,8 @@ def _read(path: Path, cut: CorruptFile | None) -> Iterator[None]:
     except CorruptFile as error:
         if cut is None:
             raise
-        raise cut from error
+        raise _nothing_left(cut) from error
+
+
+def _nothing_left(cut: CorruptFile) -> CutFile:
+    return cut_file(cut.path, cut.offset, "MATLAB", cut.fault)

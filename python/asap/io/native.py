@@ -26,6 +26,7 @@ HEAD = 1 << 20  # bytes that a header may take
 _PIECE = 1 << 18
 _RECORD_OF_40_BITS = 5  # bytes
 _ROWS_OF_40_BITS = 240  # of the largest sensor; the row below it marks time
+_BACK, _BACK_LEAST = 0.25, 8  # steps back in time that no recording has: a share, and so many
 
 
 class Decoder(Protocol):
@@ -65,6 +66,7 @@ class NativeReader:
     """The events of a file of the format with that name, a row of `FORMATS`."""
 
     def __init__(self, name: str, path: Path, options: Options) -> None:
+        options.refuse_stated(path, name)
         self.format = name
         self._path = path
         with path.open("rb") as file:
@@ -157,7 +159,7 @@ def _event_stream(path: Path, head: bytes, options: Options) -> Layout:
 
 
 def _atis40(path: Path, head: bytes, options: Options) -> Layout:
-    doubts = _doubts_of_40_bits(path.stat().st_size, head)
+    doubts = _doubts_of_40_bits(path, head)
     if doubts:
         warnings.warn(
             f"{path} is read as 40-bit events, which nothing in such a file confirms, but "
@@ -167,8 +169,9 @@ def _atis40(path: Path, head: bytes, options: Options) -> Layout:
     return Layout(0, _core.Atis40Decoder)
 
 
-def _doubts_of_40_bits(size: int, head: bytes) -> list[str]:
+def _doubts_of_40_bits(path: Path, head: bytes) -> list[str]:
     """List what speaks against 40-bit events of an ATIS or a DVS128: length, times, rows."""
+    size = path.stat().st_size
     whole = len(head) // _RECORD_OF_40_BITS * _RECORD_OF_40_BITS
     events = _core.Atis40Decoder().decode(memoryview(head)[:whole])
     doubts = []
@@ -177,6 +180,13 @@ def _doubts_of_40_bits(size: int, head: bytes) -> list[str]:
     if len(events) == 0:
         return doubts
     back = np.count_nonzero(np.diff(events["t"]) < 0)
+    if back > max(_BACK * len(events), _BACK_LEAST):
+        raise CorruptFile(
+            path,
+            0,
+            f"no 40-bit events: the time goes back {back} times in {len(events)}; if it is "
+            "another format, name it with file_format",
+        )
     if back * 20 > len(events):
         doubts.append(f"the time goes back {back} times in {len(events)} events")
     below = np.count_nonzero(events["y"] >= _ROWS_OF_40_BITS)

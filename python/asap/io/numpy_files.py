@@ -21,7 +21,7 @@ from numpy.lib import format as npy
 from asap.events import FIELD_NAMES, Events
 from asap.io.arrangement import SAMPLE
 from asap.io.columns import events_of, file_columns
-from asap.io.errors import CorruptFile, UnsupportedFormat, foreign, refuse_bomb
+from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, refuse_bomb
 from asap.io.mapped import mapped, windows
 from asap.io.reader import CHUNK, Losses, Options
 
@@ -111,6 +111,7 @@ class NpzReader:
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path, self._options = path, options
+        _check_end(path)
         with foreign(path), zipfile.ZipFile(path) as archive:
             self._members = _members(path, archive)
             self.width = self._number(archive, "width")
@@ -156,6 +157,8 @@ class NpzReader:
                 yield np.frombuffer(data, header.dtype).reshape(count, *header.shape[1:])
 
     def _choose(self) -> list[str]:
+        if not self._members:
+            raise UnsupportedFormat(f"{self._path}: a zip archive without arrays; unpack it first")
         understood = {name for names in FIELD_NAMES.values() for name in names}
         columns = [key for key in self._members if key in understood]
         if len(columns) >= 3:
@@ -210,6 +213,14 @@ def _header(file: IO[bytes]) -> _Header:
     if any(length < 0 for length in shape):
         raise ValueError(f"shape {shape} is impossible")
     return _Header(shape, fortran, dtype, file.tell())
+
+
+def _check_end(path: Path) -> None:
+    """Refuse an archive that is cut: its directory, which is its end, is missing."""
+    with path.open("rb") as file:
+        if file.read(4) == b"PK\x03\x04" and not zipfile.is_zipfile(file):
+            size = path.stat().st_size
+            raise cut_file(path, size, "npz", "the directory of the archive, its end, is missing")
 
 
 def _members(path: Path, archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from asap.checks import named
 from asap.events import Events, check_order
 from asap.io.errors import CorruptFile, TruncatedFileWarning
 from asap.stamps import time_exponent
@@ -18,6 +19,7 @@ from asap.stamps import time_exponent
 __all__ = ["CHUNK", "Losses", "Options", "Reader", "choose_stream", "sensor_size"]
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about
+_MOST_OFFSETS = 16  # of bad records
 _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
@@ -38,6 +40,13 @@ class Options:
             time_exponent(self.time_unit)
         if self.stream is not None and not isinstance(self.stream, str):
             raise TypeError(f"stream = {self.stream!r}: give the name of one stream of the file")
+
+    def refuse_stated(self, path: Path, file_format: str) -> None:
+        """Refuse columns and unit where the format states both, so that none is ignored."""
+        for name, value in (("order", self.order), ("time_unit", self.time_unit)):
+            if value is not None:
+                remedy = f"{path} is {file_format}, which states it; leave {name} out"
+                raise ValueError(named(name, value, remedy))
 
 
 @dataclass
@@ -63,6 +72,17 @@ class Losses:
             seen = decoder.take_triggers()
             if sum(map(len, self.trigger_arrays)) < _MOST_TRIGGERS:
                 self.trigger_arrays.append(seen)
+
+    def bad(self, packet: CorruptFile) -> None:
+        """Count a packet that is none, and warn of the first; an error if bad data raise."""
+        if self.on_bad == "raise":
+            raise packet
+        if not self.bad_offsets:
+            words = f"{packet}; the events of such packets are missing"
+            warnings.warn(words, TruncatedFileWarning, stacklevel=2)
+        self.bad_record += 1
+        if len(self.bad_offsets) < _MOST_OFFSETS:
+            self.bad_offsets.append(packet.offset)
 
     def truncated(self, offset: int, fault: str) -> None:
         """Note that nothing good follows `offset`: a warning, or an error if bad data raise."""

@@ -17,7 +17,7 @@ from asap._pickling import by_arguments
 from asap.events import Events, plain_view
 from asap.io.aedat4 import Aedat4Reader
 from asap.io.arrangement import arrangement, looks_like
-from asap.io.errors import NoGoodEvent
+from asap.io.errors import CorruptFile, NoGoodEvent
 from asap.io.gathering import gathered
 from asap.io.hdf5 import Hdf5Reader
 from asap.io.matlab import MatlabReader
@@ -25,7 +25,7 @@ from asap.io.native import FORMATS, NativeReader
 from asap.io.numpy_files import NpyReader, NpzReader
 from asap.io.reader import Losses, Options, Reader
 from asap.io.ros import RosReader
-from asap.io.sniff import first_bytes, sniff
+from asap.io.sniff import first_bytes, sniff, stated
 from asap.io.text import TextReader
 
 __all__ = ["FILE_FORMATS", "Recording", "load", "read"]
@@ -237,13 +237,10 @@ class Recording:
             hold are dropped and counted in `rejected` as ever, whatever `on_bad` is.
         """
         losses, self._validator = Losses(self._path, "drop"), self._books()[1]
-        self._losses, count = losses, 0
+        self._losses = losses
         for events in self._reader.chunks(losses):
             if len(events):
-                count += len(events)
                 yield plain_view(events)
-        if losses.cut is not None and count == 0:
-            raise losses.cut
 
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}" if self.width and self.height else "size unknown"
@@ -263,8 +260,9 @@ def _format_of(path: Path, file_format: str | None) -> str:
     if file_format is None:
         return sniff(path)
     checks.choice("file_format", file_format, _READERS)
-    if not path.is_dir():  # a bag may be one
-        first_bytes(path)
+    found = None if path.is_dir() else stated(first_bytes(path))  # a bag may be a folder
+    if found not in (None, file_format):
+        raise CorruptFile(path, 0, f"this is {found}, not {file_format}; leave file_format out")
     return file_format
 
 
@@ -332,7 +330,7 @@ def read(
     Warns
     -----
     TruncatedFileWarning
-        While iterating: the file ends too early; what came before was yielded.
+        While iterating: the file ends too early, or a packet cannot be read; the rest was yielded.
     UserWarning
         The file is read as 40-bit events, by its name alone, but does not look like them.
     """

@@ -36,6 +36,7 @@ class RosReader:
     """The events of one topic of a bag of `kind`: ``"rosbag1"``, ``"rosbag2"`` or ``"mcap"``."""
 
     def __init__(self, kind: str, path: Path, options: Options) -> None:
+        options.refuse_stated(path, kind)
         self.format = kind
         self._path = path
         self._bag = open_bag(kind, path)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 
 from asap import _core
 from asap.checks import regular_file
 from asap.io.errors import CorruptFile, UnsupportedFormat
 
-__all__ = ["SERVED", "first_bytes", "sniff"]
+__all__ = ["SERVED", "first_bytes", "sniff", "stated"]
 
 SERVED = (
     "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, ROS bags, Prophesee RAW (EVT2, EVT2.1, "
@@ -35,6 +37,18 @@ _SERVED_SUFFIXES = (
     *(".npy", ".npz", ".aedat4", ".h5", ".hdf5", ".mat", ".raw", ".es"),
     *(".bag", ".db3", ".mcap"),
 )
+_PACKED_BYTES = (
+    (b"\x1f\x8b\x08", "gzip"),
+    (b"BZh", "bzip2"),
+    (b"\xfd7zXZ\x00", "xz"),
+    (b"\x28\xb5\x2f\xfd", "zstd"),
+)
+_NO_EVENTS_BYTES = (
+    (b"\x7fELF", "a program"),
+    (b"\x89PNG\r\n\x1a\n", "a PNG picture"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"%PDF-", "a PDF document"),
+)
 _OTHER_BYTES = ((b"#!AER-DAT", "AEDAT 1.0 or 3.0"),)
 _OTHER_SUFFIXES = {
     ".aedat": "AEDAT 1.0",
@@ -53,24 +67,26 @@ def sniff(path: Path) -> str:
     CorruptFile
         It is empty, or not what its name promises.
     OSError
-        It cannot be opened, or is a pipe, a socket or a device.
+        It cannot be opened, or is a pipe, a socket, a device or a folder that is no bag.
     """
-    if (path / "metadata.yaml").is_file():
-        return "rosbag2"
+    if path.is_dir():
+        return _of_folder(path)
     head = first_bytes(path)
-    for magic, name in _SERVED_BYTES:
-        if head.startswith(magic):
-            return name
-    for magic, name in _OTHER_BYTES:
-        if head.startswith(magic):
-            raise _unsupported(path, name)
+    if (name := stated(head)) is not None:
+        return name
+    if (packer := _that_begins(head, _PACKED_BYTES)) is not None:
+        raise UnsupportedFormat(f"{path}: packed by {packer}; unpack it first")
+    if (other := _that_begins(head, _NO_EVENTS_BYTES)) is not None:
+        raise UnsupportedFormat(f"{path}: {other}, no recording of events")
+    if (name := _that_begins(head, _OTHER_BYTES)) is not None:
+        raise _unsupported(path, name)
     if (encoding := _prophesee(head)) is not None:
         return encoding
     if any(mark in head for mark in _PROPHESEE_HEADER):
         raise _unsupported(path, "this Prophesee encoding")
     suffix = path.suffix.lower()
     if suffix in _SERVED_SUFFIXES:
-        raise CorruptFile(path, 0, f"not the beginning of a {suffix} file")
+        raise CorruptFile(path, 0, f"not the beginning of a {suffix} file{_remedy(suffix, head)}")
     if suffix in _OTHER_SUFFIXES:
         raise _unsupported(path, _OTHER_SUFFIXES[suffix])
     is_text = _is_text(head)
@@ -86,6 +102,11 @@ def sniff(path: Path) -> str:
     return "text"
 
 
+def stated(head: bytes) -> str | None:
+    """Return the format whose mark a file begins with, None if it begins with none."""
+    return _that_begins(head, _SERVED_BYTES)
+
+
 def first_bytes(path: Path) -> bytes:
     """Return the beginning of a file; refuse an empty one, and what is no file."""
     regular_file(path)
@@ -94,6 +115,30 @@ def first_bytes(path: Path) -> bytes:
     if not head:
         raise CorruptFile(path, 0, "the file is empty")
     return head
+
+
+def _that_begins(head: bytes, marks: tuple[tuple[bytes, str], ...]) -> str | None:
+    return next((name for mark, name in marks if head.startswith(mark)), None)
+
+
+def _of_folder(path: Path) -> str:
+    names = sorted(os.listdir(path))
+    if "metadata.yaml" in names:
+        return "rosbag2"
+    bags = [name for name in names if name.endswith((".db3", ".mcap"))]
+    fault = "Is a directory; give a file in it"
+    if bags:
+        fault = f"Is a directory without metadata.yaml, which a bag needs; give {bags[0]} in it"
+    raise IsADirectoryError(errno.EISDIR, fault, str(path))
+
+
+def _remedy(suffix: str, head: bytes) -> str:
+    if suffix != ".raw":
+        return ""
+    lack = "its header has no line '% evt' or '% format'"
+    if _core.read_raw_header(head) is None:
+        lack = "it has no header"
+    return f": {lack}; name the encoding, such as file_format='evt3' (or evt2, evt21)"
 
 
 def _prophesee(head: bytes) -> str | None:

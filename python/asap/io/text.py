@@ -131,6 +131,9 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
         elif all(numeric):
             rows.append(fields)
             separator = separator if len(rows) > 1 else _separator(text)
+    is_prose = bool(names) and not _name_events(names) and max(map(len, rows), default=0) < 3
+    if is_prose and options.order is None:
+        raise CorruptFile(path, 0, "text without lines of numbers, such as 't x y p'")
     unit = options.time_unit
     if options.order is not None:
         order = check_order(options.order)
@@ -164,9 +167,11 @@ def _names(text: bytes, *, commented: bool) -> list[str]:
     line = text.decode("utf-8", "replace").lower()
     split = re.split(r"[,;]", line) if re.search(r"[,;]", line) else line.split()
     names = [name.strip().strip("\"'") for name in split]
-    if commented and not {"t", "x", "y"} <= {_role(name)[0] for name in names}:
-        return []
-    return names
+    return names if _name_events(names) or not commented else []
+
+
+def _name_events(names: list[str]) -> bool:
+    return {"t", "x", "y"} <= {_role(name)[0] for name in names}
 
 
 def _role(name: str) -> tuple[str, str | None]:
