@@ -80,11 +80,7 @@ def _article(run: Run, number: int) -> str:
 <p class="sub">{page.text(run_table.subtitle(summary))}</p>
 <div class="tiles">{"".join(_tiles(run, summary))}</div>
 {_verdict(run)}
-<figure>
-{_curves(run, f"r{number}w", name, (8.6, 8.4), 2000, "wide")}
-{_curves(run, f"r{number}n", name, (4.1, 7.6), 700, "narrow")}
-<figcaption>What the closed loop did, package by package.</figcaption>
-</figure>
+{_figure(run, number, name)}
 <h3>Where every event went</h3>
 {_ledger(run)}
 <details><summary>All numbers of this run</summary>
@@ -123,6 +119,19 @@ def _verdict(run: Run) -> str:
         f"<aside><h3>{page.text(word)}</h3>"
         f"<p><strong>{page.text(headline)}</strong>{page.text(rest)}</p></aside>"
     )
+
+
+def _figure(run: Run, number: int, name: str) -> str:
+    if run.without_log:
+        return (
+            '<p class="sub">No curves: a summary holds no packages; '
+            "run.save('run.npz') keeps them.</p>"
+        )
+    return f"""<figure>
+{_curves(run, f"r{number}w", name, (8.6, 8.4), 2000, "wide")}
+{_curves(run, f"r{number}n", name, (4.1, 7.6), 700, "narrow")}
+<figcaption>What the closed loop did, package by package.</figcaption>
+</figure>"""
 
 
 def _curves(
