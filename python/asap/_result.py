@@ -24,13 +24,10 @@ class Result(Pickled):
         raise NotImplementedError
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write a JSON file and return its path: the summary, of a run its packages too."""
+        """Write the summary as a JSON file and return its path."""
         file = checks.new_file("path", path)
-        file.write_text(json.dumps(self._saved(), allow_nan=False), encoding="utf-8")
+        file.write_text(json.dumps(self.summary(), allow_nan=False), encoding="utf-8")
         return file
-
-    def _saved(self) -> dict[str, Any]:
-        return self.summary()
 
     def plot(self) -> Figure:
         """Draw a figure; needs matplotlib."""

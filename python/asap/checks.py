@@ -26,6 +26,7 @@ __all__ = [
     "callback",
     "choice",
     "column",
+    "ending",
     "flag",
     "folder_or_file",
     "index",
@@ -210,6 +211,11 @@ def new_file(field: str, value: Any) -> Path:
     if not os.access(path if path.exists() else path.parent, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
     return path
+
+
+def ending(field: str, path: Path, known: Iterable[str], remedy: str) -> None:
+    """Refuse a file whose name says nothing of what is to be in it."""
+    require(path.suffix.lower() in known, field, os.fspath(path), remedy)
 
 
 def regular_file(path: Path) -> None:

@@ -49,6 +49,8 @@ class FakeLatency:
 
 
 class FakeRun:
+    without_log = False
+
     def __init__(self, packages, ledger, *, bound_us, scheme, source, mode, speed):
         self.packages = packages
         self.ledger = ledger

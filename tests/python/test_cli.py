@@ -562,7 +562,7 @@ class TestInstalled:
         assert 2 * ledger["received"] == sum(ledger.values())
 
     def test_run_in_real_time_saved_and_reported(self, recording, tmp_path):
-        saved = tmp_path / "run.json"
+        saved = tmp_path / "run.npz"
         size = ("--width", 64, "--height", 64)
         ran = self.call("run", recording, *size, "--save", saved)
         assert (ran.returncode, ran.stderr) == (0, "")
@@ -617,9 +617,12 @@ class TestInstalled:
     @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
     def test_a_full_disk_is_named(self, recording):
         virtual = ("run", recording, "--cost", "1us+1ns")
-        result = self.call(*virtual, "--save", "/dev/full")
-        assert (result.returncode, result.stdout) == (2, "")
-        assert result.stderr == "asap: error: /dev/full: No space left on device\n"
+        for name in ("full.npz", "full.json"):
+            full = recording.parent / name
+            full.symlink_to("/dev/full")
+            result = self.call(*virtual, "--save", full)
+            assert (result.returncode, result.stdout) == (2, "")
+            assert result.stderr == f"asap: error: {full}: No space left on device\n"
         command = f"{sys.executable} -m asap info {recording} >/dev/full"
         result = subprocess.run(command, shell=True, capture_output=True, text=True)
         assert result.returncode == 2

@@ -161,3 +161,11 @@ def test_the_numbers_are_embedded(page, comparison):
 def test_write_returns_the_path_and_takes_a_title(comparison, tmp_path):
     path = comparison_report.write(comparison, tmp_path / "x.html", "A & B")
     assert "<h1>A &amp; B</h1>" in path.read_text("utf-8")
+
+
+def test_a_page_about_many_schemes_is_small(tmp_path):
+    events = streams.poisson(2e5, 1.0)
+    cost = asap.LinearCost(100, 300)
+    schemes = {f"size {size}": asap.FixedSize(size=size) for size in range(100, 900, 100)}
+    found = asap.compare(events, cost=cost, schemes=schemes)
+    assert found.report(tmp_path / "page.html").stat().st_size <= 1_000_000

@@ -45,7 +45,7 @@ def test_the_same_packages_through_every_door(name: str, tmp_path: Any) -> None:
     parts = np.split(events["t"], np.arange(SIZE, events.size, SIZE))
     assert expected == [(part[0], part[-1], part.size) for part in parts]
 
-    saved = str(tmp_path / "run.json")
+    saved = str(tmp_path / "run.npz")
     command = f"--cost 1us+1ns --scheme fixed_size --set size={SIZE} --latency 1000s --json"
     assert main(["run", str(path), *command.split(), *GEOMETRY, "--save", saved]) == 0
     by_command = asap.load_run(saved)

@@ -19,6 +19,9 @@ import asap
 import streams
 from asap.cli import main
 from fuzzing import INTERESTING, effort
+from test_saved_run import members, old_form, rewrite
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*saved as JSON:DeprecationWarning")
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 ATTACK = "</title></template><script>alert(1)</script><img src=http://x.example/ onerror=a()>\"'&"
@@ -42,8 +45,9 @@ VALUES = st.recursive(
 def saved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
     folder = tmp_path_factory.mktemp("report")
     events = streams.poisson(2e5, 0.02)
-    asap.simulate(events, cost=asap.LinearCost(100, 300)).save(folder / "run.json")
-    return folder, json.loads((folder / "run.json").read_text())
+    run = asap.simulate(events, cost=asap.LinearCost(100, 300))
+    run.save(folder / "run.npz")
+    return folder, old_form(run)  # all that an archive holds, in one document
 
 
 class Elements(HTMLParser):
@@ -74,6 +78,10 @@ def check_page(html: str) -> None:
 def report(folder: Path, document: Any) -> int:
     content = document if isinstance(document, str) else json.dumps(document)
     (folder / "changed.json").write_text(content, encoding="utf-8", errors="surrogatepass")
+    return report_of_changed(folder)
+
+
+def report_of_changed(folder: Path) -> int:
     page = folder / "page.html"
     page.unlink(missing_ok=True)
     with redirect_stderr(io.StringIO()) as said, redirect_stdout(io.StringIO()):
@@ -118,6 +126,25 @@ def test_a_changed_run(saved: tuple[Path, dict[str, Any]], data: st.DataObject) 
         if data.draw(st.integers(0, 19)) != 13:  # the figures take most of a second
             patch.setattr("asap.report.run_report._curves", lambda *_: "")
         report(folder, document)
+
+
+@effort(20, long=600)
+@given(data=st.data(), as_archive=st.booleans())
+def test_a_changed_summary(
+    saved: tuple[Path, dict[str, Any]], data: st.DataObject, as_archive: bool
+) -> None:
+    folder, _ = saved
+    summary = json.loads(members(folder / "run.npz")["summary.json"])
+    for _ in range(data.draw(st.integers(1, 2))):
+        put(summary, data.draw(st.sampled_from(places(summary))), data.draw(VALUES))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("asap.report.run_report._curves", lambda *_: "")
+        if not as_archive:
+            report(folder, summary)
+            return
+        (folder / "changed.json").write_bytes((folder / "run.npz").read_bytes())
+        rewrite(folder / "changed.json", summary__json=json.dumps(summary).encode())
+        report_of_changed(folder)
 
 
 @effort(40)

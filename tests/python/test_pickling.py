@@ -229,10 +229,11 @@ def test_a_run_without_it_if_that_cannot(algorithm: Any) -> None:
     assert copy.copy(run).algorithm is algorithm
 
 
-def test_a_run_that_was_loaded(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["run.npz", "run.json"])
+def test_a_run_that_was_loaded(tmp_path: Path, name: str) -> None:
     run = asap.simulate(EVENTS, cost=COST)
-    run.save(tmp_path / "run.json")
-    loaded = asap.load_run(tmp_path / "run.json")
+    loaded = asap.load_run(run.save(tmp_path / name))
+    assert loaded.without_log == again(loaded).without_log == (name == "run.json")
     assert equal_runs(again(loaded), loaded)
 
 

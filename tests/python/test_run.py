@@ -341,8 +341,8 @@ def test_the_total_of_a_stream_is_not_guessed_before():
 
 def test_a_saved_run_keeps_its_speed(tmp_path):
     run = asap.run(streams.poisson(1e5, 0.1), algorithm=lambda events: None, speed=2)
-    run.save(tmp_path / "run.json")
-    again = asap.load_run(tmp_path / "run.json")
+    run.save(tmp_path / "run.npz")
+    again = asap.load_run(tmp_path / "run.npz")
     assert again.speed == 2
     assert again.summary() == run.summary()
     assert again.lateness.max == run.lateness.max

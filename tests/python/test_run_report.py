@@ -10,7 +10,8 @@ from fake_run import empty_run, fake_run
 
 pytest.importorskip("matplotlib")
 
-from asap.report import run_report, run_table
+from asap import analysis, plots
+from asap.report import page, run_report, run_table
 
 
 class Page(HTMLParser):
@@ -120,24 +121,73 @@ def test_the_page_says_what_the_table_says(text, run):
     assert "Verdict" in text
 
 
+def numbers_of(text):
+    found = re.findall(r"<template[^>]*>(.*?)</template>", text, flags=re.DOTALL)
+    return [json.loads(html.unescape(numbers)) for numbers in found]
+
+
+COLUMNS = ["size", "event_rate", "rate", "gamma", "margin_us", "latency_max_us"]
+
+
 def test_the_numbers_are_embedded_as_json(text, run):
-    (numbers,) = re.findall(r"<template[^>]*>(.*?)</template>", text, flags=re.DOTALL)
-    numbers = json.loads(html.unescape(numbers))
+    (numbers,) = numbers_of(text)
     assert numbers["summary"] == run.summary()
-    assert numbers["packages"]["size"] == run.packages["size"].tolist()
-    assert numbers["packages"]["t_last"] == run.packages["t_last"].tolist()
-    assert numbers["packages"]["margin_us"] == pytest.approx(
-        run.packages["margin_us"].tolist(), rel=1e-5, abs=0.01
-    )
+    assert list(numbers["curves"]) == COLUMNS
+    start_s = (run.packages["start_us"] - run.packages["t_first"][0]) / 1e6
+    for name, (time_s, values) in numbers["curves"].items():
+        expected = analysis.decimate(start_s, run.packages[name], 2000)
+        assert time_s == pytest.approx(expected[0], abs=1e-5)
+        assert values == pytest.approx(expected[1].tolist(), rel=1e-5, abs=0.01)
 
 
-@pytest.mark.parametrize("too_many", [0, 1])
-def test_packages_that_are_too_many_to_embed_are_announced(write, run, monkeypatch, too_many):
-    monkeypatch.setattr(run_report, "_MAX_EMBEDDED_PACKAGES", run.packages.size - too_many)
-    monkeypatch.setattr(run_report, "_curves", lambda *_: "")  # they take a second
+@pytest.fixture(scope="module")
+def long_run():
+    """750,000 packages, and extremes among them that a mean would hide."""
+    run = fake_run(duration_s=0.5)
+    rows = np.resize(run.packages, 750_000)
+    rows["start_us"] = rows["t_first"][0] + np.arange(rows.size) * 37.0
+    rows["latency_max_us"] *= np.random.default_rng(0).uniform(0.1, 10, rows.size)
+    rows["latency_max_us"][123_456], rows["size"][654_321] = 7e6, 1_234_567
+    run.packages = rows
+    return run
+
+
+@pytest.mark.parametrize(("count", "most", "drawn"), [(1, 10**6, 1), (2, 200_000, 1)])
+def test_a_page_is_small_and_keeps_the_extremes(write, long_run, monkeypatch, count, most, drawn):
+    monkeypatch.setattr(page, "MOST_BYTES", most)
+    text = write([long_run] * count)
+    assert len(text.encode()) <= most
+    embedded = [numbers["curves"] for numbers in numbers_of(text) if "curves" in numbers]
+    assert len(embedded) == drawn
+    assert text.count("<figure>") == len(embedded)
+    assert text.count("No curves: the page would be too large") == count - len(embedded)
+    for curves in embedded:
+        assert max(curves["latency_max_us"][1]) == 7e6
+        assert max(curves["size"][1]) == 1_234_567
+
+
+def drawn(svg):
+    """Every path as its commands and coordinates."""
+    paths = re.findall(r'<path [^>]*?\bd="([^"]*)"', svg, re.S)
+    return [re.findall(r"[A-Za-z]|-?[\d.]+", path) for path in paths]
+
+
+def test_a_short_figure_draws_the_same(run):
+    figure = plots.figure(run)
+    figure.set_facecolor("none")
+    full, short = drawn(plots.svg(figure)), drawn(page.inline_svg(figure, "p", "wide", "words"))
+    assert len(full) == len(short) > 50
+    for before, after in zip(full, short, strict=True):
+        for one, other in zip(before, after, strict=True):
+            assert one == other or abs(float(one) - float(other)) < 0.01
+
+
+def test_parameters_of_any_length_fit(write):
+    run = fake_run(duration_s=0.1)
+    run.algorithm.parameters = {"weights": [0.5] * 10**6, "name": "n" * 10**6, "x" * 10**6: 1}
     text = write(run)
-    assert (f"{run.packages.size:,} packages are not embedded" in text) == too_many
-    assert ('"t_last"' in text) != too_many
+    assert len(text.encode()) <= 1_000_000
+    assert len(numbers_of(text)[0]["summary"]["algorithm"]["weights"]) == 201
 
 
 @pytest.mark.parametrize(

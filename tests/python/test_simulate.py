@@ -364,8 +364,8 @@ def test_no_mask_unless_asked():
 
 def test_a_saved_run_knows_where_its_packages_begin(tmp_path):
     run = asap.simulate(streams.poisson(1e6, 0.005, seed=1), cost=COST, keep_mask=True)
-    run.save(tmp_path / "run.json")
-    loaded = asap.load_run(tmp_path / "run.json")
+    run.save(tmp_path / "run.npz")
+    loaded = asap.load_run(tmp_path / "run.npz")
     np.testing.assert_array_equal(loaded.packages, run.packages)
     assert loaded.kept_mask is None
 

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import asap
 from asap import checks, profiles
 from asap.cli.outcome import USAGE, Failure
+from asap.experiment import run_archive
 from asap.stamps import TIME_EXPONENTS
 
 __all__ = [
@@ -18,6 +19,7 @@ __all__ = [
     "add_report",
     "add_verb",
     "open_recording",
+    "run_file",
     "typed",
     "writable",
 ]
@@ -31,7 +33,7 @@ _EXAMPLES = {
     "convert": "asap convert flight.aedat4 flight.npz",
     "demo": "asap demo --out demo",
     "info": "asap info flight.aedat4",
-    "report": "asap report run.json --out run.html",
+    "report": "asap report run.npz --out run.html",
     "run": "asap run flight.aedat4 --algorithm mine:Detector",
     "study": "asap study --quick --out study",
 }
@@ -126,6 +128,16 @@ def typed(parse: Callable[..., T], field: str) -> Callable[[str], T]:
             raise argparse.ArgumentTypeError(str(error)) from error
 
     return parse_argument
+
+
+def run_file(text: str) -> Path:
+    """Refuse a file that no run is saved to, before the run."""
+    path = writable(text)
+    try:
+        run_archive.check_name(path)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error).removeprefix("path = ")) from error
+    return path
 
 
 def writable(text: str) -> Path:

@@ -15,7 +15,9 @@ __all__ = ["add"]
 def add(verbs: Any) -> None:
     """Add the verb to the parser."""
     verb = add_verb(verbs, "report", _call, "one HTML page about saved runs")
-    verb.add_argument("runs", nargs="+", type=Path, metavar="RUN.json", help="of asap run --save")
+    verb.add_argument(
+        "runs", nargs="+", type=Path, metavar="RUN.npz", help="of asap run --save; .json: no curves"
+    )
     verb.add_argument(
         "-o",
         "--out",

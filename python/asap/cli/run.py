@@ -14,8 +14,8 @@ from asap.cli.options import (
     add_report,
     add_verb,
     open_recording,
+    run_file,
     typed,
-    writable,
 )
 from asap.cli.outcome import (
     OK,
@@ -78,7 +78,10 @@ def add(verbs: Any) -> None:
     verb.add_argument("--seed", type=int, default=0, help="of the gamma filter (default: 0)")
     add_report(verb)
     verb.add_argument(
-        "--save", type=writable, metavar="RUN.json", help="keep the run, for asap report"
+        "--save",
+        type=run_file,
+        metavar="RUN.npz",
+        help="keep the run, for asap report: .npz log and summary, .json the summary alone",
     )
 
 

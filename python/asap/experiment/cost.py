@@ -92,9 +92,12 @@ def cost_of(run: Run) -> Cost:
 
 
 def check_run(run: Any) -> None:
-    """Refuse what is no run."""
+    """Refuse what is no run, and one that holds no packages since it was saved without."""
     if not hasattr(run, "packages"):
         raise TypeError(checks.named("run", run, "give a run of asap.run or asap.simulate"))
+    if getattr(run, "without_log", False):
+        remedy = "a summary holds no packages; save the run with run.save('run.npz')"
+        raise ValueError(checks.named("run", run, remedy))
 
 
 def bound_needed_us(run: Run) -> float | None:

@@ -1,4 +1,4 @@
-"""Run: what a run has left behind, and its JSON form."""
+"""Run: what a run has left behind, and its summary."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core
+from asap import _core, checks
 from asap._pickling import can_be_pickled
 from asap._result import Result
-from asap.experiment.cost import BOUND_KEPT, Cost, bound_needed_us
+from asap.experiment import run_archive
+from asap.experiment.cost import BOUND_KEPT, Cost, bound_needed_us, check_run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -164,6 +165,11 @@ class Run(Result):
         return found
 
     @property
+    def without_log(self) -> bool:
+        """Whether it was loaded from a summary, which has no packages."""
+        return "summed_up" in vars(self)
+
+    @property
     def kept(self) -> float:
         """Delivered / received; 1 of nothing."""
         return _share(self.ledger.delivered, self.ledger.received)
@@ -180,9 +186,7 @@ class Run(Result):
 
     def summary(self) -> dict[str, Any]:
         """Sum the run up as one JSON object."""
-        packages = self.packages
-        wall_s = self.source["duration_s"] / self.speed
-        count = int(packages.size)
+        log = vars(self).get("summed_up") or self._sum_up_log()
         return {
             "schema_version": SCHEMA_VERSION,
             "mode": self.mode,
@@ -191,7 +195,7 @@ class Run(Result):
             "algorithm": (self._left_behind or Named.of(self.algorithm)).as_json(),
             "latency_bound_us": self.latency_bound_us,
             "bound_kept": self.bound_kept,
-            "bound_needed_us": bound_needed_us(self),
+            "bound_needed_us": log["bound_needed_us"],
             "learned_cost": None if self.learned is None else asdict(self.learned),
             "speed": self.speed,
             "ledger": dict(self.ledger),
@@ -205,6 +209,24 @@ class Run(Result):
                 "p99": self.latency.quantile(0.99),
                 "max": self.latency.max,
             },
+            **{name: log[name] for name in ("packages", "gamma", "cpu")},
+            "pacing_us": None
+            if self.lateness is None
+            else {
+                "p50": self.lateness.quantile(0.5),
+                "p99": self.lateness.quantile(0.99),
+                "max": self.lateness.max,
+            },
+            "version": _core.__version__,
+        }
+
+    def _sum_up_log(self) -> dict[str, Any]:
+        """Return what of the summary comes from the packages."""
+        packages = self.packages
+        wall_s = self.source["duration_s"] / self.speed
+        count = int(packages.size)
+        return {
+            "bound_needed_us": bound_needed_us(self),
             "packages": {
                 "count": count,
                 "per_s": count / wall_s if wall_s > 0 else 0.0,
@@ -216,25 +238,21 @@ class Run(Result):
                 "min": float(packages["gamma"].min()) if count else 1.0,
             },
             "cpu": _busy_share(packages, self.speed),
-            "pacing_us": None
-            if self.lateness is None
-            else {
-                "p50": self.lateness.quantile(0.5),
-                "p99": self.lateness.quantile(0.99),
-                "max": self.lateness.max,
-            },
-            "version": _core.__version__,
         }
 
-    def _saved(self) -> dict[str, Any]:
-        """Return what `load_run` reads: summary, packages and latencies."""
-        document = self.summary()
-        document["rows"] = {
-            name: self.packages[name].tolist() for name in self.packages.dtype.names or ()
-        }
-        document["latency_histogram"] = self.latency.state()
-        document["lateness_histogram"] = None if self.lateness is None else self.lateness.state()
-        return document
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write a file and return its path: ``.npz`` holds log and summary, ``.json`` the summary.
+
+        `asap.load_run` and ``asap report`` read both. Only the ``.npz`` brings back the packages,
+        and with them the curves and the verdict.
+        """
+        file = checks.new_file("path", path)
+        run_archive.check_name(file)
+        if file.suffix.lower() == ".json":
+            return super().save(file)
+        check_run(self)
+        run_archive.write(self, file)
+        return file
 
     def plot(self) -> Figure:
         """Draw the paper's figure: package size, R, gamma, margin and latency over time."""
@@ -255,10 +273,13 @@ class Run(Result):
 
     def __repr__(self) -> str:
         left = self._left_behind
+        summed_up = vars(self).get("summed_up")
+        count = summed_up["packages"]["count"] if summed_up else self.packages.size
         return (
-            f"<Run: {self.mode} time, {Named.of(self.scheme).name}, {self.packages.size} packages, "
+            f"<Run: {self.mode} time, {Named.of(self.scheme).name}, {count} packages, "
             f"kept {self.kept:.4g}, in time {self.in_time:.4g}"
-            + (f", pickled without its algorithm {left.name}>" if left else ">")
+            + (f", pickled without its algorithm {left.name}" if left else "")
+            + (", a summary without its packages>" if self.without_log else ">")
         )
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Runs read back from the JSON file of `Run.save`: another program may have changed it since.
+"""Runs read back from a file of `Run.save`: another program may have changed it since.
 
 Whatever is used later is checked here, once: numbers are finite and within reach, columns are
 equally long, names are text. What a file can say beyond that is only ever shown, and escaped.
@@ -8,15 +8,21 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
-from typing import Any
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asap import _core, checks
+from asap.experiment import run_archive
 from asap.experiment.cost import Cost
 from asap.experiment.result import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named, Run, with_first
+from asap.io import CorruptFile
+from asap.io.numpy_files import Archive
 
 __all__ = ["load_run"]
 
@@ -25,48 +31,153 @@ _FARTHEST = 1e18  # of other numbers
 _LEAST_GAMMA = 1e-15  # events are counted back from it
 _DEEPEST = 16  # objects inside objects
 _SIGNED = ("start_us", "t_first", "t_last", "margin_us")
+_LONGEST_SUMMARY, _LONGEST_JSON = 1 << 24, 1 << 28  # bytes; the form before held the log as JSON
 
 
 def load_run(path: str | os.PathLike[str]) -> Run:
-    """Read a run that `Run.save` wrote.
+    """Read a run that `Run.save` wrote, or the summary that ``asap run --json`` printed.
+
+    From a ``.npz`` come log and summary; from a ``.json`` the summary alone: `packages` is empty,
+    `without_log` is True, and `latency` knows the quantiles 0.5, 0.99 and 1. Scheme and algorithm
+    come back as names and parameters. Nothing is unpickled, and sizes are checked before memory is
+    taken.
 
     Raises
     ------
     ValueError
-        The file holds no run, or one of another schema.
+        The file holds no run, or one of another version.
     OSError
         The file cannot be read, or is a pipe, a socket or a device.
     """
     file = checks.folder_or_file("path", path)
     try:
         checks.regular_file(file)
-        text = file.read_text(encoding="utf-8")
-        document = json.loads(text, parse_constant=_no_number)
-        if _depth(document) > _DEEPEST:
-            raise ValueError("objects inside objects inside objects")
-        return _from_document(document)
+        with file.open("rb") as opened:
+            is_archive = opened.read(2) == b"PK"
+        return _from_archive(file) if is_archive else _from_json(file)
     except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
+        fault = error.fault if isinstance(error, CorruptFile) else str(error)
         raise ValueError(
-            f"{os.fspath(path)}: not a run that asap has saved ({error}); "
+            f"{os.fspath(path)}: not a run that asap has saved ({' '.join(fault.split())}); "
             "make one with run.save(path) or asap run --save PATH"
         ) from error
 
 
-def _from_document(document: Any) -> Run:
-    if _object("file", document)["schema_version"] != SCHEMA_VERSION:
-        raise ValueError(f"schema_version {document['schema_version']} is not {SCHEMA_VERSION}")
-    source = _object("source", document["source"])
-    lateness, learned = document["lateness_histogram"], document.get("learned_cost")
+def _from_archive(file: Path) -> Run:
+    archive = Archive(file)
+    summary = _parsed(archive.read(run_archive.SUMMARY, _LONGEST_SUMMARY))
+    count = _count("count", _object("packages", summary["packages"])["count"])
+    latencies = _parsed(archive.read(run_archive.LATENCIES, _LONGEST_SUMMARY))
+    return _run(summary, _packages(run_archive.columns(archive, count)), *latencies)
+
+
+def _from_json(file: Path) -> Run:
+    if (size := file.stat().st_size) > _LONGEST_JSON:
+        raise ValueError(f"size = {size} bytes: a summary takes less than {_LONGEST_JSON}")
+    document = _parsed(file.read_bytes())
+    if "rows" not in document:
+        return _from_summary(document)
+    rows = _packages(_object("rows", document["rows"]))
+    latencies = (document["latency_histogram"], document["lateness_histogram"])
+    run = _run(document, rows, *latencies)
+    warnings.warn(
+        f"{file}: a run saved as JSON with its packages will not be read by the next version; "
+        "load it and write it again with run.save('run.npz')",
+        DeprecationWarning,
+        stacklevel=3,
+    )
+    return run
+
+
+def _parsed(text: bytes) -> dict[str, Any]:
+    document = json.loads(text, parse_constant=_no_number)
+    if _depth(document) > _DEEPEST:
+        raise ValueError("objects inside objects inside objects")
+    return document  # type: ignore[no-any-return]
+
+
+def _run(document: Mapping[str, Any], rows: NDArray[np.void], latency: Any, lateness: Any) -> Run:
     return Run(
-        packages=_packages(_object("rows", document["rows"])),
-        ledger=Ledger(**_counts("ledger", document["ledger"], LEDGER_FIELDS)),
-        latency=_histogram("latency_histogram", document["latency_histogram"]),
-        rejected=_counts("rejected", document["rejected"]),
-        scheme=_named("scheme", document["scheme"], _parameter),
-        algorithm=_named("algorithm", document["algorithm"]),
-        mode=_text("mode", document["mode"]),
-        latency_bound_us=_real("latency_bound_us", document["latency_bound_us"], least=1e-3),
-        source={
+        packages=rows,
+        latency=_histogram("latency_histogram", latency),
+        lateness=_histogram("lateness_histogram", lateness) if lateness else None,
+        **_facts(document),
+    )
+
+
+def _from_summary(document: Mapping[str, Any]) -> Run:
+    facts = _facts(document)
+    ledger: Ledger = facts["ledger"]
+    in_time = _real("in_time", document["in_time"], most=1)
+    counts = ledger.delivered, round(in_time * ledger.received)
+    latency_us, pacing_us = (document[name] for name in ("latency_us", "pacing_us"))
+    run = Run(
+        packages=np.zeros(0, _core.PACKAGE_DTYPE),
+        latency=_summed_up("latency_us", {"mean": 0, **_object("latency_us", latency_us)}, counts),
+        lateness=_summed_up("pacing_us", {"mean": 0, **pacing_us}, counts) if pacing_us else None,
+        **facts,
+    )
+    packages, gamma = (_object(name, document[name]) for name in ("packages", "gamma"))
+    if _count("count", packages["count"]) == 0:
+        return run
+    run.__dict__["summed_up"] = {
+        "bound_needed_us": _optional("bound_needed_us", document["bound_needed_us"], _real),
+        "packages": {
+            name: check(name, packages[name])
+            for name, check in (
+                ("count", _count),
+                ("per_s", _real),
+                ("size_mean", _real),
+                ("size_max", _count),
+            )
+        },
+        "gamma": {name: _real(name, gamma[name], most=1) for name in ("mean", "min")},
+        "cpu": _real("cpu", document["cpu"]),
+    }
+    return run
+
+
+@dataclass(frozen=True)
+class _SummedUp:
+    """The latencies that a summary holds, us."""
+
+    count: int
+    within_bound: int
+    mean: float
+    p50: float
+    p99: float
+    max: float
+
+    def quantile(self, q: float) -> float:
+        """Return one of the three that are known."""
+        known = {0.5: self.p50, 0.99: self.p99, 1.0: self.max}
+        remedy = "a summary holds 0.5, 0.99 and 1; save the run with run.save('run.npz')"
+        checks.require(q in known, "q", q, remedy)
+        return known[q]
+
+
+def _summed_up(name: str, us: Mapping[str, Any], counts: tuple[int, int]) -> _core.LatencyHistogram:
+    found = (_real(f"{name}.{key}", us[key]) for key in ("mean", "p50", "p99", "max"))
+    return cast("_core.LatencyHistogram", _SummedUp(*counts, *found))
+
+
+def _facts(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Check what every form says of a run, its log and its latencies aside."""
+    version = _object("file", document)["schema_version"]
+    if version != SCHEMA_VERSION:
+        writer = checks.named("version", document.get("version"), "use the asap-events of then")
+        raise ValueError(
+            checks.named("schema_version", version, f"this asap reads {SCHEMA_VERSION}; {writer}")
+        )
+    source, learned = _object("source", document["source"]), document.get("learned_cost")
+    return {
+        "ledger": Ledger(**_counts("ledger", document["ledger"], LEDGER_FIELDS)),
+        "rejected": _counts("rejected", document["rejected"]),
+        "scheme": _named("scheme", document["scheme"], _parameter),
+        "algorithm": _named("algorithm", document["algorithm"]),
+        "mode": _text("mode", document["mode"]),
+        "latency_bound_us": _real("latency_bound_us", document["latency_bound_us"], least=1e-3),
+        "source": {
             "path": _optional("path", source["path"], _text),
             "format": _text("format", source["format"]),
             "width": _optional("width", source["width"], _count),
@@ -74,16 +185,15 @@ def _from_document(document: Any) -> Run:
             "events": _count("events", source["events"]),
             "duration_s": _real("duration_s", source["duration_s"]),
         },
-        speed=_real("speed", document["speed"], least=1e-6),
-        clock_resets=_count("clock_resets", document["clock_resets"]),
-        lateness=_histogram("lateness_histogram", lateness) if lateness else None,
-        learned=Cost(*(_real(name, learned[name]) for name in ("alpha_us", "beta_ns")))
+        "speed": _real("speed", document["speed"], least=1e-6),
+        "clock_resets": _count("clock_resets", document["clock_resets"]),
+        "learned": Cost(*(_real(name, learned[name]) for name in ("alpha_us", "beta_ns")))
         if learned
         else None,
-    )
+    }
 
 
-def _packages(rows: dict[str, Any]) -> NDArray[np.void]:
+def _packages(rows: Mapping[str, Any]) -> NDArray[np.void]:
     packages = np.zeros(len(rows["index"]), _core.PACKAGE_DTYPE)
     if "first" in rows:
         packages = with_first(packages, np.zeros(packages.size, np.int64)).copy()
@@ -96,9 +206,13 @@ def _packages(rows: dict[str, Any]) -> NDArray[np.void]:
             raise ValueError(f"rows: {name} does not hold {packages.size} numbers")
         high = _MOST if is_whole else 1.0 if name == "gamma" else _FARTHEST
         low = -high if name in _SIGNED else _LEAST_GAMMA if name == "gamma" else 0
-        if not ((column >= low) & (column <= high)).all():
-            raise ValueError(f"rows: {name} holds a number out of reach")
+        if not (good := (column >= low) & (column <= high)).all():
+            row = int(good.argmin())
+            raise ValueError(
+                f"rows: {name} holds a number out of reach: {name}[{row}] = {column[row]}"
+            )
         packages[name] = column
+    packages.flags.writeable = False
     return packages
 
 
@@ -129,29 +243,29 @@ def _parameter(name: str, value: Any) -> Any:
     return value if value is None else _real(name, value, least=-_FARTHEST)
 
 
-def _real(name: str, value: Any, *, least: float = 0.0) -> float:
+def _real(name: str, value: Any, *, least: float = 0.0, most: float = _FARTHEST) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise TypeError(f"{name} is no number")
-    if not least <= value <= _FARTHEST:
-        raise ValueError(f"{name} is out of reach")
+        raise TypeError(checks.named(name, value, "no number"))
+    if not least <= value <= most:
+        raise ValueError(checks.named(name, value, f"out of reach, {least:g} to {most:g}"))
     return value
 
 
 def _whole(name: str, value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
-        raise TypeError(f"{name} is no whole number")
+        raise TypeError(checks.named(name, value, "no whole number"))
     return value
 
 
 def _count(name: str, value: Any) -> int:
     if not 0 <= _whole(name, value) <= _MOST:
-        raise ValueError(f"{name} is out of reach")
+        raise ValueError(checks.named(name, value, f"out of reach, 0 to {_MOST}"))
     return int(value)
 
 
 def _text(name: str, value: Any) -> str:
     if not isinstance(value, str):
-        raise TypeError(f"{name} is no text")
+        raise TypeError(checks.named(name, value, "no text"))
     return value
 
 
@@ -161,7 +275,7 @@ def _optional(name: str, value: Any, check: Callable[[str, Any], Any]) -> Any:
 
 def _object(name: str, value: Any) -> dict[str, Any]:
     if not isinstance(value, dict):
-        raise TypeError(f"{name} is no object")
+        raise TypeError(checks.named(name, value, "no object"))
     return value
 
 

@@ -25,7 +25,9 @@ from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, re
 from asap.io.mapped import mapped, windows
 from asap.io.reader import CHUNK, Losses, Options
 
-__all__ = ["NpyReader", "NpzReader"]
+__all__ = ["Archive", "NpyReader", "NpzReader"]
+
+_PACKED_BY_NUMPY = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit
 
 _WIDEST = 1 << 16  # bytes of a value
 
@@ -198,6 +200,54 @@ class NpzReader:
         return int(self._array(archive, key).item()) if key in self._members else None
 
 
+class Archive:
+    """The members of an ``.npz`` by name, each compared with what is expected before it is read."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        with foreign(path), zipfile.ZipFile(path) as archive:
+            self._infos = _infos(path, archive)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._infos
+
+    def read(self, name: str, most_bytes: int) -> bytes:
+        """Unpack a member of at most so many bytes."""
+        info = self._info(name)
+        if info.file_size > most_bytes:
+            fault = f"{name} = {info.file_size} bytes: more than {most_bytes}"
+            raise CorruptFile(self._path, info.header_offset, fault)
+        with foreign(self._path, info.header_offset), zipfile.ZipFile(self._path) as archive:
+            return archive.read(info)
+
+    def column(self, name: str, dtype: npt.DTypeLike, count: int) -> npt.NDArray[Any]:
+        """Unpack one array of exactly this type and length."""
+        info, expected = self._info(name), np.dtype(dtype)
+        with (
+            foreign(self._path, info.header_offset),
+            zipfile.ZipFile(self._path) as archive,
+            archive.open(info) as member,
+        ):
+            try:
+                header = _header(member)
+            except ValueError as error:
+                raise ValueError(f"{name}: {error}") from error
+            if header.dtype != expected:
+                raise ValueError(f"{name} = {header.dtype}: the type must be {expected}")
+            if header.shape != (count,):
+                raise ValueError(f"{name} = {header.shape}: the shape must be ({count},)")
+            promised = header.end + count * expected.itemsize
+            if promised != info.file_size:
+                raise ValueError(f"{name} = {info.file_size} bytes: must be {promised}")
+            values = member.read()  # to the end, where the checksum is compared
+            return np.frombuffer(values, expected)
+
+    def _info(self, name: str) -> zipfile.ZipInfo:
+        if name not in self._infos:
+            raise CorruptFile(self._path, 0, f"{name}: missing in the archive")
+        return self._infos[name]
+
+
 def _header(file: IO[bytes]) -> _Header:
     version = npy.read_magic(file)
     if version == (1, 0):
@@ -224,7 +274,18 @@ def _check_end(path: Path) -> None:
 
 
 def _members(path: Path, archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
-    infos = [info for info in archive.infolist() if info.filename.endswith(".npy")]
-    size = sum(info.file_size for info in infos)
-    refuse_bomb(path, 0, "it", size, path.stat().st_size)
-    return {info.filename.removesuffix(".npy"): info for info in infos}
+    infos = _infos(path, archive)
+    return {
+        name.removesuffix(".npy"): info for name, info in infos.items() if name.endswith(".npy")
+    }
+
+
+def _infos(path: Path, archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
+    """Members by name, after a look at their sizes."""
+    infos = archive.infolist()
+    refuse_bomb(path, 0, "it", sum(info.file_size for info in infos), path.stat().st_size)
+    for info in infos:
+        if info.compress_type not in _PACKED_BY_NUMPY:
+            fault = f"{info.filename}: compression {info.compress_type} is none of NumPy's"
+            raise CorruptFile(path, info.header_offset, fault)
+    return {info.filename: info for info in infos}

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import shutil
 import zipfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -17,12 +17,13 @@ from tempfile import TemporaryFile
 from typing import IO, Any
 
 import numpy as np
+import numpy.typing as npt
 from numpy.lib import format as npy
 
 from asap import _core
 from asap.events import EVENT_DTYPE, Events
 
-__all__ = ["WRITERS", "Writer"]
+__all__ = ["WRITERS", "Writer", "write_archive"]
 
 Writer = Callable[[IO[bytes], Iterable[Events], int, int], int]
 
@@ -88,6 +89,18 @@ def _member(archive: zipfile.ZipFile, name: str) -> IO[bytes]:
     info = zipfile.ZipInfo(f"{name}.npy")  # of 1980, so that the same events are the same bytes
     info.compress_type = zipfile.ZIP_DEFLATED
     return archive.open(info, "w", force_zip64=True)
+
+
+def write_archive(
+    path: Path, members: Mapping[str, bytes | npt.NDArray[Any]], *, stored: Iterable[str] = ()
+) -> None:
+    """Write bytes and arrays as the members of an ``.npz``, packed unless they are in `stored`."""
+    with path.open("wb") as file, zipfile.ZipFile(file, "w") as archive:
+        for name, content in members.items():
+            if isinstance(content, np.ndarray):
+                content = _npy_header(content.dtype, len(content)) + content.tobytes()
+            packed = zipfile.ZIP_STORED if name in stored else zipfile.ZIP_DEFLATED
+            archive.writestr(zipfile.ZipInfo(name), content, packed, compresslevel=1)
 
 
 def _npy_header(dtype: np.dtype[Any], count: int) -> bytes:

@@ -10,7 +10,7 @@ import os
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from asap import checks
 from asap.report import comparison_figures, comparison_table, page, run_table
@@ -81,7 +81,8 @@ def write(
 
     Notes
     -----
-    The numbers stand in ``<template data-comparison>`` as JSON: what ``comparison.summary()`` says.
+    The page takes at most 10^6 bytes. The numbers stand in ``<template data-comparison>`` as JSON:
+    what ``comparison.summary()`` says.
     """
     path = checks.new_file("path", path)
     return page.write(
@@ -96,8 +97,9 @@ def write(
 
 def _article(comparison: Comparison) -> str:
     headline, dot, rest = comparison_table.verdict(comparison).partition(". ")
-    wide = comparison_figures.figure(comparison, width_inches=8.6)
-    narrow = comparison_figures.figure(comparison, width_inches=4.1, columns=1, points=300)
+    few = 9 / max(len(comparison.rows), 9)
+    wide = _figure(comparison, "wide", 0.56, width_inches=8.6, points=int(500 * few))
+    narrow = _figure(comparison, "narrow", 0.34, width_inches=4.1, columns=1, points=int(300 * few))
     return f"""
 <article>
 <h2>{escape(comparison_table.title(comparison))}</h2>
@@ -106,8 +108,8 @@ def _article(comparison: Comparison) -> str:
 <aside style="margin-top:24px"><h3>Verdict</h3>
 <p><strong>{page.text(headline + dot)}</strong>{page.text(rest)}</p></aside>
 <figure>
-{page.inline_svg(wide, "w", "wide", _CURVES)}
-{page.inline_svg(narrow, "n", "narrow", _CURVES)}
+{wide}
+{narrow}
 <figcaption>Every scheme over time: the largest latency of the events of each moment, and the share
 of the events that was finished. Latencies beyond 100 L are drawn at 100 L.</figcaption>
 </figure>
@@ -116,6 +118,16 @@ of the events that was finished. Latencies beyond 100 L are drawn at 100 L.</fig
 <div class="scroll"><table class="plain">{"".join(_parameters(comparison))}</table></div></details>
 {page.embedded("data-comparison", comparison.summary())}
 </article>"""
+
+
+def _figure(
+    comparison: Comparison, css_class: str, share: float, *, points: int, **options: Any
+) -> str:
+    def draw(points: int) -> str:
+        figure = comparison_figures.figure(comparison, points=points, **options)
+        return page.inline_svg(figure, css_class[0], css_class, _CURVES)
+
+    return page.fitted(draw, points, share * page.MOST_BYTES)
 
 
 def _table(comparison: Comparison) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable, Mapping
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,23 @@ from asap import plots, units
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["INTRO_OF_RUNS", "WORDS_OF_RUNS", "embedded", "inline_svg", "text", "write"]
+__all__ = [
+    "INTRO_OF_RUNS",
+    "MOST_BYTES",
+    "WORDS_OF_RUNS",
+    "embedded",
+    "fitted",
+    "inline_svg",
+    "shortened",
+    "text",
+    "write",
+]
+
+MOST_BYTES = 1_000_000  # of a page
+
+_LONGEST = 200  # characters of a text, elements of a list
+_FEWEST_POINTS = 50
+_FRAME_BYTES = 35_000  # about: a figure without its curves
 
 _LOOK = {
     plots.BLUE: "var(--blue)",
@@ -56,17 +73,50 @@ def embedded(attribute: str, value: Any) -> str:
     return f"<template {attribute}>{escape(numbers, quote=False)}</template>"
 
 
+def shortened(value: Any) -> Any:
+    """Cut long texts and lists, such as the weights of a user's algorithm, to fit on a page."""
+    if isinstance(value, Mapping):
+        few = list(value.items())[:_LONGEST]
+        return {shortened(name): shortened(inner) for name, inner in few}
+    if isinstance(value, (str, list, tuple)) and len(value) > _LONGEST:
+        more: Any = "..." if isinstance(value, str) else ["..."]
+        value = (value if isinstance(value, str) else list(value))[:_LONGEST] + more
+    return [shortened(inner) for inner in value] if isinstance(value, (list, tuple)) else value
+
+
+def fitted(draw: Callable[[int], str], points: int, most_bytes: float) -> str:
+    """Draw with as many points as fit into so many bytes, at most `points`; "" if none do."""
+    drawn = draw(points)
+    while len(drawn) > most_bytes:
+        if points <= _FEWEST_POINTS:
+            return ""
+        share = (most_bytes - _FRAME_BYTES) / (len(drawn) - _FRAME_BYTES)
+        points = max(_FEWEST_POINTS, min(points - 1, int(0.95 * points * share)))
+        drawn = draw(points)
+    return drawn
+
+
 def inline_svg(figure: Figure, prefix: str, css_class: str, label: str) -> str:
     """Inline SVG: own identifiers, no outside reference, colours by name."""
     figure.set_facecolor("none")
     svg = plots.svg(figure)
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r"<[^>]*>", _short_tag, svg)
+    svg = re.sub(r">\s+<", "><", svg)
     svg = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", svg)
     for colour, variable in _LOOK.items():
         svg = svg.replace(colour, variable)
     described = f'<svg class="{css_class}" role="img" aria-label="{escape(label)}" '
     return svg.replace("<svg ", described, 1)
+
+
+def _short_tag(tag: re.Match[str]) -> str:
+    """Hundredths of a point are enough, the page has a font, and nothing refers to a group."""
+    short = re.sub(r"(\.\d\d)\d+", r"\1", tag[0])
+    short = re.sub(r"\s+", " ", short)
+    short = re.sub(r" ?([MLQCZz]) (?=[-\d]|\")", r"\1", short)
+    return re.sub(r"font-family:[^;\"]*; ?|(?<=<g) id=\"[^\"]*\"", "", short)
 
 
 _STYLE = """

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import checks, plots, units
+from asap import analysis, checks, plots, units
 from asap.report import page, run_table
 
 if TYPE_CHECKING:
@@ -26,7 +26,10 @@ if TYPE_CHECKING:
 
 __all__ = ["write"]
 
-_MAX_EMBEDDED_PACKAGES = 100_000
+_CURVES = ("size", "event_rate", "rate", "gamma", "margin_us", "latency_max_us")
+_MOST_POINTS = 2000
+_POINT_BYTES = 20 * len(_CURVES)  # as JSON
+_LEAST_SHARE, _TEXT_SHARE = 120_000, 12_000  # bytes: of a run with curves, of a run without its
 
 
 def write(
@@ -57,22 +60,29 @@ def write(
 
     Notes
     -----
-    The numbers of a run stand in ``<template data-run="0">`` as JSON: ``summary`` and, for at most
-    100,000 packages, ``packages`` by column.
+    The page takes at most 10^6 bytes. The numbers of a run stand in ``<template data-run="0">`` as
+    JSON: ``summary`` and ``curves``, which holds of every curve its times in s and its values; the
+    smallest and the largest of what is left out stay. Of more runs than fit, the first have curves.
     """
     path = checks.new_file("path", path)
     runs = list(runs) if isinstance(runs, Sequence) else [runs]
     if not runs:
         raise ValueError("runs = []: give at least one run")
     parts = [_compare(runs)] if len(runs) > 1 else []
-    parts += [_article(run, number) for number, run in enumerate(runs)]
+    room = page.MOST_BYTES - _TEXT_SHARE * (len(runs) + 2)
+    with_curves = min(len(runs), max(room // _LEAST_SHARE, 0))
+    share = room // max(with_curves, 1)
+    parts += [
+        _article(run, number, share if number < with_curves else 0)
+        for number, run in enumerate(runs)
+    ]
     return page.write(
         path, title, "\n".join(parts), intro=page.INTRO_OF_RUNS, words=page.WORDS_OF_RUNS
     )
 
 
-def _article(run: Run, number: int) -> str:
-    summary = run.summary()
+def _article(run: Run, number: int, most_bytes: int) -> str:
+    summary = page.shortened(run.summary())
     name = run_table.title(summary)
     return f"""
 <article id="run-{number}">
@@ -80,17 +90,13 @@ def _article(run: Run, number: int) -> str:
 <p class="sub">{page.text(run_table.subtitle(summary))}</p>
 <div class="tiles">{"".join(_tiles(run, summary))}</div>
 {_verdict(run)}
-<figure>
-{_curves(run, f"r{number}w", name, (8.6, 8.4), 2000, "wide")}
-{_curves(run, f"r{number}n", name, (4.1, 7.6), 700, "narrow")}
-<figcaption>What the closed loop did, package by package.</figcaption>
-</figure>
+{_figure(run, number, name, most_bytes)}
 <h3>Where every event went</h3>
 {_ledger(run)}
 <details><summary>All numbers of this run</summary>
 <div class="scroll"><table class="plain">{"".join(_rows(summary))}</table></div>
 </details>
-{_numbers(run, summary, number)}
+{_numbers(run, summary, number, most_bytes)}
 </article>"""
 
 
@@ -125,12 +131,42 @@ def _verdict(run: Run) -> str:
     )
 
 
+def _figure(run: Run, number: int, name: str, most_bytes: int) -> str:
+    if run.without_log:
+        return _note("No curves: a summary holds no packages; run.save('run.npz') keeps them.")
+    wide = narrow = ""
+    if most_bytes:
+        wide = _curves(run, f"r{number}w", name, (8.6, 8.4), "wide", 0.4 * most_bytes)
+        narrow = _curves(run, f"r{number}n", name, (4.1, 7.6), "narrow", 0.35 * most_bytes)
+    if not (wide and narrow):
+        return _note("No curves: the page would be too large; run.report() of this run draws them.")
+    return f"""<figure>
+{wide}
+{narrow}
+<figcaption>What the closed loop did, package by package.</figcaption>
+</figure>"""
+
+
+def _note(words: str) -> str:
+    return f'<p class="sub">{escape(words)}</p>'
+
+
 def _curves(
-    run: Run, prefix: str, name: str, size_inches: tuple[float, float], points: int, css_class: str
+    run: Run,
+    prefix: str,
+    name: str,
+    size_inches: tuple[float, float],
+    css_class: str,
+    most_bytes: float,
 ) -> str:
-    figure = plots.figure(run, size_inches=size_inches, points=points)
     label = f"Curves of {name}: package size, rates, gamma, margin, latency over time"
-    return page.inline_svg(figure, prefix, css_class, label)
+
+    def draw(points: int) -> str:
+        figure = plots.figure(run, size_inches=size_inches, points=points)
+        return page.inline_svg(figure, prefix, css_class, label)
+
+    points = int(size_inches[0] / 8.6 * _MOST_POINTS)
+    return page.fitted(draw, points, most_bytes)
 
 
 def _ledger(run: Run) -> str:
@@ -191,19 +227,19 @@ def _rows(value: Any, name: str = "") -> Iterator[str]:
         yield f'<tr><th scope="row">{escape(name)}</th><td>{escape(text)}</td></tr>'
 
 
-def _numbers(run: Run, summary: Mapping[str, Any], number: int) -> str:
+def _numbers(run: Run, summary: Mapping[str, Any], number: int, most_bytes: int) -> str:
     numbers: dict[str, Any] = {"summary": summary}
-    note = ""
-    if run.packages.size <= _MAX_EMBEDDED_PACKAGES:
-        numbers["packages"] = {
-            name: _six_digits(run.packages[name]) for name in run.packages.dtype.names or ()
+    points = min(_MOST_POINTS, int(0.25 * most_bytes / _POINT_BYTES))
+    if points and not run.without_log:
+        time_s = analysis.time_s(run)
+        numbers["curves"] = {
+            name: [
+                _six_digits(numbers)
+                for numbers in analysis.decimate(time_s, run.packages[name], points)
+            ]
+            for name in _CURVES
         }
-    else:
-        note = (
-            f'<p class="sub">The rows of the {units.count(run.packages.size)} packages are not '
-            "embedded here; run.save() keeps them.</p>"
-        )
-    return note + page.embedded(f'data-run="{number}"', numbers)
+    return page.embedded(f'data-run="{number}"', numbers)
 
 
 def _six_digits(column: NDArray[Any]) -> list[float]:

@@ -171,6 +171,11 @@ def verdict(run: Run) -> str:
     """
     if run.ledger.received == 0:
         return "Verdict: nothing was received, so there is nothing to judge."
+    if run.without_log:
+        return (
+            "Verdict: not known, since a summary holds no packages; run.save('run.npz') keeps "
+            f"them. {_losses(run)}"
+        )
     found = analysis.diagnose(run)
     if run.packages.size == 0 and found.limit != "data":
         return f"Verdict: nothing reached the algorithm. {_losses(run)}"

@@ -1,0 +1,403 @@
+"""Runs on disk: the archive with the log, the summary, the form before, and files that lie."""
+
+from __future__ import annotations
+
+import io
+import json
+import struct
+import time
+import tracemalloc
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asap
+import streams
+from asap.cli import main
+
+EVENTS = streams.poisson(2e6, 0.05)
+COST = asap.LinearCost(20, 100, noise=0.2)
+MAGIC = b"never unpickle this"
+
+
+@pytest.fixture(scope="module")
+def run() -> asap.Run:
+    return asap.simulate(EVENTS, cost=COST, scheme=asap.Asap2020(), keep_mask=True)
+
+
+@pytest.fixture
+def path(run: asap.Run, tmp_path: Path) -> Path:
+    return run.save(tmp_path / "run.npz")
+
+
+def members(path: Path) -> dict[str, bytes]:
+    with zipfile.ZipFile(path) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def rewrite(path: Path, compression: int = zipfile.ZIP_DEFLATED, **changed: bytes | None) -> Path:
+    """Replace members of an archive by their names, a dot written as two underscores."""
+    changed = {name.replace("__", "."): content for name, content in changed.items()}
+    found: dict[str, bytes | None] = {**members(path), **changed}
+    with zipfile.ZipFile(path, "w", compression) as archive:
+        for name, content in found.items():
+            if content is not None:
+                archive.writestr(name, content)
+    return path
+
+
+def npy(array: Any) -> bytes:
+    file = io.BytesIO()
+    np.save(file, array)
+    return file.getvalue()
+
+
+# ---- forms ----------------------------------------------------------------------------------
+
+
+def assert_same(again: asap.Run, run: asap.Run) -> None:
+    assert again.summary() == run.summary()
+    assert again.packages.dtype == run.packages.dtype
+    for name in run.packages.dtype.names or ():
+        column, expected = again.packages[name], run.packages[name]
+        assert column.tobytes() == expected.tobytes(), name
+    assert again.latency.state() == run.latency.state()
+    assert not again.without_log and str(again) == str(run)
+
+
+def test_an_archive_holds_log_and_summary(run: asap.Run, path: Path) -> None:
+    assert run.packages.dtype.names and "first" in run.packages.dtype.names
+    again = asap.load_run(path)
+    assert_same(again, run)
+    assert not again.packages.flags.writeable
+
+
+def test_a_run_in_real_time(tmp_path: Path) -> None:
+    run = asap.run(EVENTS, algorithm=lambda events: None, speed=2)
+    again = asap.load_run(run.save(tmp_path / "RUN.NPZ"))
+    assert_same(again, run)
+    assert run.lateness is not None and again.lateness is not None
+    assert again.lateness.state() == run.lateness.state()
+
+
+@pytest.mark.parametrize("t0_us", [0, -5_000_000, 1_700_000_000_000_000])
+def test_every_bit_of_the_log_comes_back(tmp_path: Path, t0_us: int) -> None:
+    events = EVENTS.copy()
+    events["t"] += t0_us
+    run = asap.simulate(events, cost=COST, before=asap.BackgroundActivityFilter(346, 260))
+    assert_same(asap.load_run(run.save(tmp_path / "run.npz")), run)
+
+
+def test_an_empty_run(tmp_path: Path) -> None:
+    run = asap.simulate(EVENTS[:0], cost=COST)
+    assert_same(asap.load_run(run.save(tmp_path / "run.npz")), run)
+    assert asap.load_run(run.save(tmp_path / "run.json")).summary() == run.summary()
+
+
+def test_numpy_reads_the_measured_columns_alone(run: asap.Run, path: Path) -> None:
+    with np.load(path, allow_pickle=False) as archive:
+        for name in ("start_us", "processing_us", "t_first", "t_last", "offered", "size"):
+            np.testing.assert_array_equal(archive[name], run.packages[name])
+        assert json.loads(archive["summary.json"]) == run.summary()
+
+
+def test_the_same_run_is_the_same_bytes(run: asap.Run, path: Path, tmp_path: Path) -> None:
+    assert run.save(tmp_path / "again.npz").read_bytes() == path.read_bytes()
+    assert asap.load_run(path).save(tmp_path / "b.npz").read_bytes() == path.read_bytes()
+
+
+def test_json_is_the_summary(run: asap.Run, tmp_path: Path) -> None:
+    path = run.save(tmp_path / "run.json")
+    assert json.loads(path.read_text()) == run.summary()
+    again = asap.load_run(path)
+    assert again.without_log and again.packages.size == 0
+    assert again.summary() == run.summary()
+    assert (again.kept, again.in_time) == (run.kept, run.in_time)
+    assert again.latency.quantile(0.99) == run.latency.quantile(0.99)
+    with pytest.raises(ValueError, match=r"q = 0\.9: .*npz"):
+        again.latency.quantile(0.9)
+    assert again.save(tmp_path / "b.json").read_bytes() == path.read_bytes()
+    assert "without its packages" in repr(again)
+    assert "Verdict: not known" in str(again) and "Verdict" in again._repr_html_()
+
+
+def test_a_summary_says_that_it_has_no_log(run: asap.Run, tmp_path: Path) -> None:
+    again = asap.load_run(run.save(tmp_path / "run.json"))
+    calls: list[Callable[[], Any]] = [
+        lambda: again.save(tmp_path / "b.npz"),
+        lambda: asap.analysis.diagnose(again),
+        lambda: asap.analysis.time_s(again),
+    ]
+    for call in calls:
+        with pytest.raises(ValueError, match=r"summary.*run\.save\('run\.npz'\)"):
+            call()
+    assert not (tmp_path / "b.npz").exists()
+
+
+@pytest.mark.parametrize("name", ["run", "run.txt", "run.npy", "npz"])
+def test_another_ending_is_refused_before_the_work(
+    run: asap.Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setattr(asap.Run, "summary", None)
+    with pytest.raises(ValueError, match=r"path = .*: .*\.npz \(log and summary\) or \.json"):
+        run.save(tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_page_of_both(run: asap.Run, path: Path, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    summary, page = run.save(tmp_path / "run.json"), tmp_path / "page.html"
+    assert main(["report", str(path), str(summary), "-o", str(page)]) == 0
+    text = page.read_text("utf-8")
+    assert text.count("<figure>") == 1 and text.count("No curves: a summary") == 1
+    assert "Side by side" in text
+
+
+def test_the_command_line_refuses_another_ending_before_the_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "none.npy", "--save", str(tmp_path / "run.txt")]) == 2
+    assert ".npz (log and summary) or .json (the summary alone)" in capsys.readouterr().err
+
+
+def old_form(run: asap.Run) -> dict[str, Any]:
+    document = run.summary()
+    document["rows"] = {name: run.packages[name].tolist() for name in run.packages.dtype.names}
+    document["latency_histogram"] = run.latency.state()
+    return document | {"lateness_histogram": None}
+
+
+def test_the_form_before_is_read_for_one_version(run: asap.Run, tmp_path: Path) -> None:
+    path = tmp_path / "run.json"
+    path.write_text(json.dumps(old_form(run)))
+    with pytest.warns(DeprecationWarning, match=r"run\.save\('run\.npz'\)"):
+        assert_same(asap.load_run(path), run)
+
+
+def many(run: asap.Run, count: int) -> asap.Run:
+    """A run whose numbers pack as badly as those of a real one."""
+    rng = np.random.default_rng(0)
+    packages = np.zeros(count, np.dtype(run.packages.dtype.descr[:14]))
+    processing_ns = rng.integers(8_000, 40_000, count)
+    start_ns = np.cumsum(processing_ns + rng.integers(0, 3000, count))
+    packages["index"] = np.arange(count)
+    packages["start_us"], packages["processing_us"] = start_ns * 1e-3, processing_ns * 1e-3
+    packages["t_last"] = start_ns // 1000
+    packages["t_first"][1:] = packages["t_last"][:-1] + 1
+    packages["size"] = rng.integers(20, 200, count)
+    packages["offered"] = packages["size"] + rng.integers(0, 100, count)
+    packages["gamma"] = packages["size"] / packages["offered"]
+    span = packages["t_last"] - packages["t_first"]
+    packages["rate"] = packages["size"] * 1e6 / np.maximum(span, 1)
+    packages["event_rate"] = rng.uniform(1e6, 1e7, count)
+    packages["margin_us"] = (processing_ns - 1000 * span) * 1e-3
+    end_ns = start_ns + processing_ns
+    packages["latency_max_us"] = (end_ns - 1000 * packages["t_first"]) * 1e-3
+    return asap.Run(**{**vars(run), "packages": packages})
+
+
+def test_a_long_run_is_small_and_soon_written(run: asap.Run, tmp_path: Path) -> None:
+    long = many(run, 75_000)
+    path = tmp_path / "long.npz"
+    seconds = []
+    for _ in range(3):
+        begin = time.process_time()
+        long.save(path)
+        seconds.append(time.process_time() - begin)
+    assert path.stat().st_size <= 2.5e6
+    assert min(seconds) <= 0.1 * 2.5  # of any machine; a tenth of 750,000 packages
+    again = asap.load_run(path)
+    np.testing.assert_array_equal(again.packages, long.packages)
+
+
+# ---- lies -----------------------------------------------------------------------------------
+
+
+class Evil:
+    def __reduce__(self) -> tuple[Any, ...]:
+        return print, (MAGIC,)
+
+
+def changed(path: Path, **fields: Any) -> bytes:
+    document = json.loads(members(path)["summary.json"])
+    for name, value in fields.items():
+        (document if name in document else document["packages"])[name] = value
+    return json.dumps(document).encode()
+
+
+LIES: dict[str, tuple[Callable[[Path], dict[str, Any]], str]] = {
+    "a pickle": (
+        lambda _: {"size__npy": npy(np.array([Evil()], object))},
+        "size.*never unpickled",
+    ),
+    "no summary": (lambda _: {"summary__json": None}, r"summary\.json"),
+    "no column": (lambda _: {"size__npy": None}, r"size\.npy"),
+    "no start": (lambda _: {"start_us__npy": None}, r"start_us\.npy"),
+    "a short column": (lambda _: {"size__npy": npy(np.ones(3, np.int64))}, r"size.*\(3,\)"),
+    "two dimensions": (lambda _: {"size__npy": npy(np.ones((3, 3), np.int64))}, r"size.*\(3, 3\)"),
+    "another type": (lambda _: {"size__npy": npy(np.ones(3, np.uint8))}, "size.*uint8"),
+    "text": (lambda _: {"size__npy": npy(np.array(["a"] * 3))}, "size.*<U1"),
+    "a column of other bytes": (lambda _: {"size__npy": b"\x93NUMPY\x01\x00"}, "size"),
+    "another version": (
+        lambda path: {"summary__json": changed(path, schema_version=2, version="9.1")},
+        r"schema_version = 2: .*reads 1.*9\.1",
+    ),
+    "more packages than there are": (
+        lambda path: {"summary__json": changed(path, count=2**40)},
+        r"\.npy = \(\d+,\): .*1099511627776",
+    ),
+    "packages that are none": (
+        lambda path: {"summary__json": changed(path, count=-1)},
+        "count = -1",
+    ),
+    "a bound of nothing": (
+        lambda path: {"summary__json": changed(path, latency_bound_us=0)},
+        "latency_bound_us = 0",
+    ),
+    "NaN": (lambda path: {"summary__json": b'{"schema_version": NaN}'}, "NaN"),
+    "no JSON": (lambda path: {"summary__json": b"PK"}, "Expecting value"),
+}
+
+
+@pytest.mark.parametrize("lie", LIES)
+def test_an_archive_that_lies_is_refused(
+    path: Path, lie: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    make, words = LIES[lie]
+    rewrite(path, **make(path))
+    with pytest.raises(ValueError, match=f"not a run that asap has saved .*{words}") as caught:
+        asap.load_run(path)
+    assert "run.save(path)" in str(caught.value) and "\n" not in str(caught.value)
+    assert not capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        *((name, -1) for name in ("size", "offered", "stale", "processing_us")),
+        ("offered", 0), ("processing_us", np.nan), ("start_us", np.inf), ("t_last", 2**60),
+    ],
+)  # fmt: skip
+def test_a_number_out_of_reach_is_named(
+    run: asap.Run, path: Path, column: str, value: float
+) -> None:
+    numbers = run.packages[column].copy()
+    numbers[7] = value
+    rewrite(path, **{f"{column}__npy": npy(numbers)})
+    with pytest.raises(ValueError, match=r"rows: (\w+) holds a number out of reach: \1\[\d+\] = "):
+        asap.load_run(path)
+
+
+@pytest.mark.parametrize(("column", "value"), [("gamma", 1e-300), ("latency_max_us", -1.0)])
+def test_what_follows_is_checked_where_it_is_told(
+    run: asap.Run, path: Path, column: str, value: float
+) -> None:
+    rewrite(path, **{f"{column}__npy": npy(np.full(run.packages.size, value))})
+    with pytest.raises(ValueError, match=rf"{column} holds a number out of reach: .*= {value}"):
+        asap.load_run(path)
+
+
+@pytest.mark.parametrize("compression", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_what_numpy_never_packs_with_is_not_unpacked(path: Path, compression: int) -> None:
+    rewrite(path, compression)
+    with pytest.raises(ValueError, match="compression"):
+        asap.load_run(path)
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        ((-1, 0, 0), 10**6, "bin = 1000000"),
+        ((2,), 10**9, "latency_histogram: counts that cannot be"),  # in time, more than all
+        ((0,), None, "latency_histogram = None: no whole number"),
+    ],
+)
+def test_a_damaged_histogram(path: Path, place: tuple[int, ...], value: Any, words: str) -> None:
+    inner = latencies = json.loads(members(path)["latencies.json"])
+    for key in (0, *place[:-1]):
+        inner = inner[key]
+    inner[place[-1]] = value
+    rewrite(path, latencies__json=json.dumps(latencies).encode())
+    with pytest.raises(ValueError, match=words):
+        asap.load_run(path)
+
+
+def peak_bytes(path: Path, words: str) -> int:
+    tracemalloc.start()
+    try:
+        with pytest.raises(ValueError, match=words):
+            asap.load_run(path)
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_bombs_take_no_memory(path: Path) -> None:
+    zeros = bytes(40_000_000)
+    count = 5_000_000
+    rewrite(path, summary__json=zeros)
+    assert peak_bytes(path, r"summary\.json = 40000000 bytes") < 4e6
+    path.unlink()
+    header = npy(np.zeros(0)).replace(b"(0,)", f"({count},)".encode())[:128]
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for number in range(8):
+            archive.writestr(f"{number}.npy", header + zeros)
+    content = bytearray(path.read_bytes())
+    place = -1
+    while (place := content.find(b"PK\x01\x02", place + 1)) >= 0:
+        content[place + 24 : place + 28] = struct.pack("<I", 2**31)
+    path.write_bytes(content)
+    assert peak_bytes(path, "decompresses to 17179869184 bytes, more than 1000 times") < 4e6
+
+
+def test_any_cut_and_any_changed_byte_is_refused_or_harmless(run: asap.Run, path: Path) -> None:
+    good = path.read_bytes()
+    rng = np.random.default_rng(1)
+    for place in rng.integers(0, len(good), 60):
+        for content in (
+            good[:place],
+            good[:place] + bytes([good[place] ^ 0x55]) + good[place + 1 :],
+        ):
+            path.write_bytes(content)
+            try:
+                assert asap.load_run(path).summary() == run.summary()
+            except ValueError as error:
+                assert "not a run that asap has saved" in str(error)
+
+
+def test_an_archive_of_events_is_no_run(tmp_path: Path) -> None:
+    np.savez(tmp_path / "events.npz", events=EVENTS)
+    with pytest.raises(ValueError, match=r"summary\.json"):
+        asap.load_run(tmp_path / "events.npz")
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        (("kept",), None, ""),
+        (("latency_us", "p99"), -1, r"p99 = -1"),
+        (("packages", "count"), "x", r"count = 'x'"),
+        (("gamma", "min"), 2, r"min = 2"),
+        (("cpu",), None, r"cpu = None"),
+        (("in_time",), 1.5, r"in_time = 1\.5"),
+        (("schema_version",), 99, r"schema_version = 99"),
+        (("scheme",), 3, r"scheme = 3"),
+    ],
+)
+def test_a_summary_that_lies(
+    run: asap.Run, tmp_path: Path, place: tuple[str, ...], value: Any, words: str
+) -> None:
+    document = inner = run.summary()
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
+    (tmp_path / "run.json").write_text(json.dumps(document))
+    if not words:  # what follows from the rest is not read
+        assert asap.load_run(tmp_path / "run.json").summary() == run.summary()
+        return
+    with pytest.raises(ValueError, match=words):
+        asap.load_run(tmp_path / "run.json")
