@@ -753,11 +753,12 @@ def assert_facts(found: asap.Inspection, known: dict[str, Any]) -> None:
     assert top == pytest.approx(known["share_of_10_busiest_pixels"], abs=6e-5)
 
 
-def test_waving_hands() -> None:
+@pytest.mark.parametrize("every", [20, pytest.param(1, marks=pytest.mark.full)])
+def test_waving_hands(every: int) -> None:
     files = sorted((DATA / "text/hands").glob("*.csv"))
     if not files:
         recording("text/hands")
-    for path in files:
+    for path in files[::every]:
         found = asap.check(path, order="yxt", width=1280, height=800)
         assert found.ok, path.name
         # There is no polarity, and its sensor stamps a whole column at once.
