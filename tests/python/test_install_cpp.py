@@ -94,6 +94,7 @@ def test_the_core_alone_needs_no_eigen(prefix: Path, tmp_path: Path) -> None:
     stranger(tmp_path, door, "asap::core", program, CMAKE_PREFIX_PATH=prefix, **absent)
 
 
+@pytest.mark.full
 def test_the_core_is_built_and_found_where_there_is_no_eigen(tmp_path: Path) -> None:
     absent = {"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON", "ASAP_ALGORITHMS": "OFF"}
     cmake(ROOT, tmp_path / "asap", CMAKE_UNITY_BUILD="ON", **absent)

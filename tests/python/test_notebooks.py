@@ -49,6 +49,7 @@ def test_notebook_runs(path: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.full
 def test_notebook_over_recordings_runs(tmp_path: Path) -> None:
     for name in RECORDINGS:
         recording(name)
