@@ -273,6 +273,12 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
+        SOURCE + "formats/columns.cpp",
+        "formats",
+        a_field_is_taken_twice=("ToAddress{}(top, to.y)", "ToAddress{}(left, to.y)"),
+        bad_fields_pass=("good &= to_us", "good |= to_us"),
+    ),
+    *in_file(
         SOURCE + "formats/plain_line.hpp",
         "formats",
         polarity_of_two_digits_cut=("(p_end - y_end == 2)", "(p_end - y_end >= 2)"),
