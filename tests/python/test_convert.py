@@ -79,6 +79,13 @@ def test_a_sensor_that_aedat4_cannot_hold(tmp_path: Path) -> None:
         asap.convert(EVENTS, tmp_path / "out.aedat4", width=32768, height=40000)
 
 
+def test_a_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "lz4.frame", None)
+    with pytest.raises(RuntimeError, match=r"needs the package lz4: .*asap-events\[aedat4\]"):
+        asap.convert(EVENTS, tmp_path / "a.aedat4", **SENSOR)
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     ("name", "to"),
     [
