@@ -135,8 +135,10 @@ bool gather_records(const EventColumns& columns, std::span<Event> events) noexce
     Polarity on;
     next(time, t), next(left, x), next(top, y), next(on, p);
     Event to;
-    good &= to_us(time, to.t) & ToAddress{}(left, to.x) & ToAddress{}(top, to.y) &
-            to_polarity(on, to.p);
+    good &= to_us(time, to.t);
+    good &= ToAddress{}(left, to.x);
+    good &= ToAddress{}(top, to.y);
+    good &= to_polarity(on, to.p);
     const std::array words{first_word(to.x, to.y, to.p), static_cast<std::uint64_t>(to.t)};
     std::memcpy(&event, words.data(), sizeof words);
   }
