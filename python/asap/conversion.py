@@ -41,14 +41,16 @@ def convert(
         is opened with `read`.
     path
         The file to write.
-    to : {"npz", "npy", "csv", "es", "dat", "evt2", "evt3"}, optional
-        The format. Default: the suffix of `path`; ``.raw`` is EVT3.
+    to : {"npz", "npy", "csv", "es", "dat", "evt2", "evt3", "aedat4", "mcap"}, optional
+        The format. Default: the suffix of `path`; ``.raw`` is EVT3. MCAP holds messages of
+        event_camera_msgs in EVT3, one per ms of the events' time. AEDAT 4 needs the extra of the
+        same name.
     relative
-        Count the time from the first event. DAT ends at 2^32 us, 71 minutes; EVT3 and Event Stream
-        cannot hold Unix time.
+        Count the time from the first event. DAT ends at 2^32 us, 71 minutes; EVT3, MCAP and Event
+        Stream cannot hold Unix time.
     width, height : int, optional
-        Sensor, px. Default: from the file. Event Stream needs them; ``npy`` and ``csv`` have no
-        place for them.
+        Sensor, px. Default: from the file. Event Stream and AEDAT 4 need them; ``npy`` and ``csv``
+        have no place for them.
 
     Returns
     -------

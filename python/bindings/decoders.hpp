@@ -1,8 +1,8 @@
 // bind_decoder<Decoder>(m, "Evt2Decoder"): a native decoder as a class of Python, without its
 // constructor, which the caller adds. GIL released in the loop.
 //
-// decode(bytes) makes an array; decode_into(bytes, out) -> (bytes consumed, events written). A
-// decoder with triggers keeps those it meets until take_triggers().
+// decode(bytes) makes an array; decode_into(bytes, out) -> (bytes consumed, events written). Both
+// keep the triggers that they meet until take_triggers().
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -48,30 +48,21 @@ py::tuple offsets_of(std::span<const std::uint64_t> noted);
 py::object stated(std::uint16_t side);
 
 template <class Decoder>
-concept SeesTriggers = requires(Decoder decoder) {
-  decoder.decode(std::span<const std::byte>{}, std::span<Event>{}, std::span<Trigger>{});
-};
-
-template <class Decoder>
 struct BoundDecoder {
   Decoder decoder;
   std::vector<Trigger> triggers;  // not yet taken
 
   Progress decode(std::span<const std::byte> bytes, std::span<Event> events) {
-    if constexpr (SeesTriggers<Decoder>) {
-      std::array<Trigger, 256> seen;
-      Progress all;
-      for (;;) {
-        const Progress step = decoder.decode(bytes.subspan(all.bytes), events.subspan(all.events),
-                                             std::span<Trigger>(seen));
-        all.bytes += step.bytes;
-        all.events += step.events;
-        triggers.insert(triggers.end(), seen.begin(),
-                        seen.begin() + static_cast<std::ptrdiff_t>(step.triggers));
-        if (step.triggers < seen.size()) return all;
-      }
-    } else {
-      return decoder.decode(bytes, events);
+    std::array<Trigger, 256> seen;
+    Progress all;
+    for (;;) {
+      const Progress step = decoder.decode(bytes.subspan(all.bytes), events.subspan(all.events),
+                                           std::span<Trigger>(seen));
+      all.bytes += step.bytes;
+      all.events += step.events;
+      triggers.insert(triggers.end(), seen.begin(),
+                      seen.begin() + static_cast<std::ptrdiff_t>(step.triggers));
+      if (step.triggers < seen.size()) return all;
     }
   }
 
@@ -110,8 +101,8 @@ struct BoundDecoder {
 template <class Decoder>
 py::class_<BoundDecoder<Decoder>> bind_decoder(py::module_& m, const char* name) {
   using Bound = BoundDecoder<Decoder>;
-  py::class_<Bound> type(m, name);
-  type.def("decode", &Bound::decode_all, py::arg("bytes"))
+  return py::class_<Bound>(m, name)
+      .def("decode", &Bound::decode_all, py::arg("bytes"))
       .def("decode_into", &Bound::decode_into, py::arg("bytes"), py::arg("out"))
       .def("reset",
            [](Bound& bound) {
@@ -120,16 +111,11 @@ py::class_<BoundDecoder<Decoder>> bind_decoder(py::module_& m, const char* name)
            })
       .def_property_readonly("unfinished", [](const Bound& b) { return b.decoder.unfinished(); })
       .def_property_readonly("bad_records", [](const Bound& b) { return b.decoder.bad_records(); })
-      .def_property_readonly("noted", [](const Bound& b) { return offsets_of(b.decoder.noted()); });
-  if constexpr (SeesTriggers<Decoder>) {
-    type.def("take_triggers", &Bound::take_triggers)
-        .def_property_readonly("triggers", [](const Bound& b) { return b.decoder.triggers(); });
-  }
-  if constexpr (requires(const Decoder d) { d.before_start(); }) {
-    type.def_property_readonly("before_start",
-                               [](const Bound& b) { return b.decoder.before_start(); });
-  }
-  return type;
+      .def_property_readonly("noted", [](const Bound& b) { return offsets_of(b.decoder.noted()); })
+      .def("take_triggers", &Bound::take_triggers)
+      .def_property_readonly("triggers", [](const Bound& b) { return b.decoder.triggers(); })
+      .def_property_readonly("before_start",
+                             [](const Bound& b) { return b.decoder.before_start(); });
 }
 
 }  // namespace asap::python

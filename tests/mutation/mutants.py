@@ -273,6 +273,12 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
+        SOURCE + "formats/columns.cpp",
+        "formats",
+        a_field_is_taken_twice=("ToAddress{}(top, to.y)", "ToAddress{}(left, to.y)"),
+        bad_fields_pass=("good &= to_us", "good |= to_us"),
+    ),
+    *in_file(
         SOURCE + "formats/plain_line.hpp",
         "formats",
         polarity_of_two_digits_cut=("(p_end - y_end == 2)", "(p_end - y_end >= 2)"),
@@ -324,13 +330,13 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "formats/evt3.cpp",
         "formats",
-        a_repeated_time_high_sets_time_low=("if (word == state_.high_word) return;", ""),
+        a_repeated_time_high_sets_time_low=("if (word == high_word_) return;", ""),
         each_vector_moves_the_base_by_12=("(word >> 12 == kVect12 ? 12 : 8)", "12"),
     ),
     *in_file(
         SOURCE + "formats/dat.cpp",
         "formats",
-        epoch_of_dat_forgotten=("state_.t = epoch + last;", "state_.t = last;"),
+        epoch_of_dat_forgotten=("t_ = epoch + last;", "t_ = last;"),
     ),
     *in_file(
         SOURCE + "formats/packets.cpp",

@@ -59,7 +59,7 @@ USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 
 WITHOUT_A_TEST_OF_ITS_OWN = {
     "algorithms/cluster.hpp": "plain data",
-    "formats/progress.hpp": "plain data; every decoder's test reads it",
+    "formats/progress.hpp": "the base of the decoders; each of their tests calls it",
     "formats/words.hpp": "every decoder's test reads words that are cut",
     "packager/books.hpp": "the packager's tests read what they say",
     "telemetry/telemetry.hpp": "plain data",

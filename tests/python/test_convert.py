@@ -23,7 +23,8 @@ from event_files import assert_equal_events, recording, sha256_txyp
 
 EVENTS = corrupt.clean_events(3000)
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
-STATE_THE_SENSOR = ("npz", "es", "dat", "evt2", "evt3")
+STATE_THE_SENSOR = ("npz", "es", "dat", "evt2", "evt3", "aedat4", "mcap")
+IN_PACKETS = ("aedat4", "mcap")  # which also end where a piece of the source does
 UNIX_US = 1_633_953_690_975_950
 
 
@@ -58,7 +59,7 @@ def test_no_events_are_a_file_too(tmp_path: Path, to: str) -> None:
     assert len(asap.load(tmp_path / "out")) == 0
 
 
-@pytest.mark.parametrize("to", [to for to in WRITERS if to != "es"])
+@pytest.mark.parametrize("to", [to for to in WRITERS if to not in ("es", "aedat4")])
 def test_a_sensor_need_not_be_known(tmp_path: Path, to: str) -> None:
     asap.convert(EVENTS, tmp_path / "out", to=to)
     rec = asap.read(tmp_path / "out")
@@ -66,9 +67,22 @@ def test_a_sensor_need_not_be_known(tmp_path: Path, to: str) -> None:
     assert_equal_events(asap.load(tmp_path / "out"), EVENTS)
 
 
-def test_an_event_stream_needs_its_sensor(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="width = 0: an Event Stream states its sensor"):
-        asap.convert(EVENTS, tmp_path / "out.es")
+@pytest.mark.parametrize(("to", "name"), [("es", "an Event Stream"), ("aedat4", "AEDAT 4")])
+def test_some_formats_need_the_sensor(tmp_path: Path, to: str, name: str) -> None:
+    with pytest.raises(ValueError, match=f"width = 0: {name} states its sensor"):
+        asap.convert(EVENTS, tmp_path / "out", to=to)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_sensor_that_aedat4_cannot_hold(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"height = 40000: AEDAT 4 states its sensor: .* 32768 px"):
+        asap.convert(EVENTS, tmp_path / "out.aedat4", width=32768, height=40000)
+
+
+def test_a_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "lz4.frame", None)
+    with pytest.raises(RuntimeError, match=r"needs the package lz4: .*asap-events\[aedat4\]"):
+        asap.convert(EVENTS, tmp_path / "a.aedat4", **SENSOR)
     assert not list(tmp_path.iterdir())
 
 
@@ -76,7 +90,7 @@ def test_an_event_stream_needs_its_sensor(tmp_path: Path) -> None:
     ("name", "to"),
     [
         ("a.npz", "npz"), ("a.npy", "npy"), ("a.CSV", "csv"), ("a.es", "es"), ("a.dat", "dat"),
-        ("a.raw", "evt3"), ("a.evt2", "evt2"),
+        ("a.raw", "evt3"), ("a.evt2", "evt2"), ("a.aedat4", "aedat4"), ("a.mcap", "mcap"),
     ],
 )  # fmt: skip
 def test_the_suffix_says_the_format(tmp_path: Path, name: str, to: str) -> None:
@@ -96,7 +110,10 @@ def test_a_file_a_recording_and_a_stream_are_sources(tmp_path: Path, to: str) ->
     )
     for source in sources:
         asap.convert(source, tmp_path / "again", to=to, **SENSOR)
-        assert (tmp_path / "again").read_bytes() == (tmp_path / "whole").read_bytes()
+        if to in IN_PACKETS:
+            assert_equal_events(asap.load(tmp_path / "again"), EVENTS)
+        else:
+            assert (tmp_path / "again").read_bytes() == (tmp_path / "whole").read_bytes()
 
 
 @pytest.mark.parametrize("to", WRITERS)
@@ -180,6 +197,40 @@ def test_csv_is_read_by_numpy(written: Callable[[str], Path]) -> None:
     assert_equal_events(columns_of(rows), EVENTS)
 
 
+@pytest.mark.parametrize("events", [EVENTS, long_gaps()], ids=["short", "gaps"])
+def test_the_library_reads_aedat4(tmp_path: Path, events: Events) -> None:
+    aedat = pytest.importorskip("aedat")
+    path = tmp_path / "a.aedat4"
+    asap.convert(events, path, **SENSOR)
+    decoder = aedat.Decoder(path)
+    assert decoder.id_to_stream() == {
+        0: {"type": "events", "width": corrupt.WIDTH, "height": corrupt.HEIGHT}
+    }
+    packets = [packet["events"] for packet in decoder]
+    assert_equal_events(columns_of(np.concatenate(packets)), events)
+    assert all(np.ptp(packet["t"] // 10_000) == 0 for packet in packets)  # of 10 ms each
+
+
+@pytest.mark.parametrize("events", [EVENTS, long_gaps()], ids=["short", "gaps"])
+def test_rosbags_reads_mcap(tmp_path: Path, events: Events) -> None:
+    highlevel = pytest.importorskip("rosbags.highlevel")
+    path, words = tmp_path / "a.mcap", tmp_path / "words.raw"
+    asap.convert(events, path, **SENSOR)
+    with highlevel.AnyReader([path]) as bag:  # with the definition that stands in the file
+        (topic,) = bag.connections
+        messages = [(at, bag.deserialize(raw, topic.msgtype)) for _, at, raw in bag.messages()]
+    assert (topic.topic, topic.msgtype) == ("/events", "event_camera_msgs/msg/EventPacket")
+    for number, (at, message) in enumerate(messages):
+        assert (message.width, message.height) == (corrupt.WIDTH, corrupt.HEIGHT)
+        assert (message.seq, message.time_base, message.encoding) == (number, 0, "evt3")
+        stamp_us = message.header.stamp.sec * 10**6 + message.header.stamp.nanosec // 1000
+        assert message.header.frame_id == "" and not message.is_bigendian
+        assert stamp_us in events["t"] and at // 1000 in events["t"]
+        assert stamp_us // 1000 == at // 10**6  # of 1 ms
+    words.write_bytes(b"".join(bytes(message.events) for _, message in messages))
+    assert_equal_events(asap.load(words, file_format="evt3"), events)
+
+
 # Peers run as programs of their own: some are under the GPL.
 PEERS = {
     "evt2": ("expelliarmus", "expelliarmus.Wizard(encoding='evt2').read(path)"),
@@ -219,7 +270,7 @@ def test_a_stamp_that_goes_back_is_refused_with_its_number(tmp_path: Path, to: s
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("to", ["es", "dat", "evt3"])
+@pytest.mark.parametrize("to", ["es", "dat", "evt3", "mcap"])
 def test_a_time_that_the_format_cannot_hold(tmp_path: Path, to: str) -> None:
     events = EVENTS.copy()
     events["t"] += UNIX_US

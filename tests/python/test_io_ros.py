@@ -332,7 +332,9 @@ class TestDamage:
     def test_a_record_that_lies_about_its_size(self, tmp_path: Path, record: bytes) -> None:
         (tmp_path / "a.mcap").write_bytes(b"\x89MCAP0\r\n" + record + bytes(90))
         with pytest.raises(CorruptFile, match="byte 8: "):
-            list(mcap_records(tmp_path / "a.mcap"))
+            for found in mcap_records(tmp_path / "a.mcap"):
+                if isinstance(found, CorruptFile):  # of a chunk, behind which it goes on
+                    raise found
 
     @pytest.mark.parametrize("format", ["rosbag1", "mcap"])
     def test_damage_in_the_middle(self, format: str, tmp_path: Path) -> None:
@@ -343,13 +345,52 @@ class TestDamage:
         at = content.index(packets(types, EVENTS, 20)[10][1][1])  # behind the head of a record
         content[at - 28 : at] = b"\xff" * 28
         path.write_bytes(content)
-        if format == "mcap":  # the library gives a chunk as a whole, and here is only one
-            with pytest.raises(CorruptFile, match=f"after 0 messages of {TOPIC}"):
-                read_all(path)
-            return
         events, rec = read_all(path)
         assert_equal_events(events, EVENTS[:500])
+        assert rec.rejected["bad_record"] == 1 and rec.truncated_at is None
+
+    @pytest.mark.parametrize(
+        ("format", "compression"), [way for way in WAYS if way[0] != "rosbag2"]
+    )
+    def test_a_damaged_chunk_loses_its_own_messages(
+        self, tmp_path: Path, format: str, compression: str
+    ) -> None:
+        types, path = Types(format), tmp_path / f"events.{SUFFIXES[format]}"
+        truth = clean_events(500_000)  # 4 MB, which are 4 chunks
+        write_bag(path, types, packets(types, truth, 200), compression=compression)
+        content = bytearray(path.read_bytes())
+        if compression:
+            begin = {"bz2": b"BZh9", "lz4": b"\x04\x22\x4d\x18", "zstd": b"\x28\xb5\x2f\xfd"}
+            at, size = content.index(begin[compression], len(content) // 4), 4
+        else:
+            at, size = content.index(packets(types, truth, 200)[70][1][1]) - 28, 28  # of its head
+        content[at : at + size] = b"\xff" * size
+        path.write_bytes(content)
+        with pytest.warns(TruncatedFileWarning, match=r"byte \d+: .*; the events of such packets"):
+            events = asap.load(path)
+        first = int(np.argmax(events["t"] != truth["t"][: len(events)]))
+        lost = len(truth) - len(events)
+        assert 50_000 < lost < 150_000 and 100_000 < first < 300_000
+        assert_equal_events(events[:first], truth[:first])
+        assert_equal_events(events[first:], truth[first + lost :])
+        with pytest.raises(CorruptFile, match=r"byte \d+: "):
+            asap.load(path, on_bad="raise")
+
+    def test_damage_in_a_bag_whose_stamps_are_in_another_order(self, tmp_path: Path) -> None:
+        """The library reads by stamps: where it stopped is no place in the file."""
+        types, path = Types("rosbag1"), tmp_path / "events.bag"
+        truth = packets(types, clean_events(300_000), 100)
+        with pytest.importorskip("rosbags.rosbag1").Writer(path) as writer:
+            topic = writer.add_connection(TOPIC, truth[0][1][0], typestore=types.store)
+            for number, (_, (_, raw)) in enumerate(truth):
+                writer.write(topic, 1 + (number ^ 1), raw)
+        content = bytearray(path.read_bytes())
+        at = content.index(truth[70][1][1]) - 28
+        content[at : at + 28] = b"\xff" * 28
+        path.write_bytes(content)
+        events, rec = read_all(path)
         assert rec.truncated_at is not None
+        assert len(events) + rec.rejected["nonmonotonic"] < 75 * 3000
 
     @pytest.mark.parametrize(("format", "compression"), [("rosbag1", "bz2"), ("mcap", "zstd")])
     def test_a_chunk_that_promises_too_much(

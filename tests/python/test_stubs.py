@@ -131,10 +131,13 @@ def parsed(line: str) -> ast.FunctionDef:
 def callables_of_stub() -> Iterator[tuple[str, list[Signature]]]:
     for name, signatures in signatures_of_stub(STUB).items():
         yield name, signatures
-    for node in STUB.body:
-        if isinstance(node, ast.ClassDef):
-            for name, signatures in signatures_of_stub(node).items():
-                yield f"{node.name}.{name}", signatures
+    classes = {node.name: node for node in STUB.body if isinstance(node, ast.ClassDef)}
+    for node in classes.values():
+        if not node.name.startswith("_"):  # a private base stands in the stub alone
+            bases = [classes[base] for base in map(ast.unparse, node.bases) if base in classes]
+            for owner in (*bases, node):
+                for name, signatures in signatures_of_stub(owner).items():
+                    yield f"{node.name}.{name}", signatures
 
 
 CALLABLES = dict(callables_of_stub())

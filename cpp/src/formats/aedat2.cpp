@@ -98,7 +98,7 @@ std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front)
   return header;
 }
 
-Aedat2Decoder::Aedat2Decoder(const Aedat2Config& config) : config_(config) {
+Aedat2Decoder::Aedat2Decoder(const Aedat2Config& config) : NativeDecoder(config) {
   const bool is_dvs128 = config.chip == Aedat2Chip::dvs128;
   require(is_dvs128 || config.chip == Aedat2Chip::davis, "chip", static_cast<int>(config.chip),
           "davis or dvs128");
@@ -109,32 +109,18 @@ Aedat2Decoder::Aedat2Decoder(const Aedat2Config& config) : config_(config) {
           "the sensor's, within the bits of an address");
 }
 
-Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
-  return decode(bytes, output_to(events));
-}
-
-Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
-                               std::span<Trigger> triggers) noexcept {
-  return decode(bytes, output_to(events, triggers));
-}
-
-Progress Aedat2Decoder::decode(std::span<const std::byte> bytes, Output out) noexcept {
-  const Output start = out;
+std::size_t Aedat2Decoder::decode_bytes(std::span<const std::byte> bytes, Output& out) noexcept {
   const auto run = [&](auto format) {
     const std::size_t used = records::decode_records(format, cut_, bytes, out);
     triggers_ = format.triggers;
     t_ = format.t;
-    return out.since(start, used);
+    return used;
   };
   const std::uint32_t right = config_.width - 1u, bottom = config_.height - 1u;
   if (config_.chip == Aedat2Chip::dvs128) return run(Aedat2<Dvs128>{right, bottom, triggers_, t_});
   return run(Aedat2<Davis>{right, bottom, triggers_, t_});
 }
 
-void Aedat2Decoder::reset() noexcept {
-  triggers_ = 0;
-  t_ = kBeforeFirst;
-  cut_.size = 0;
-}
+template class NativeDecoder<Aedat2Decoder, Aedat2Config, 8>;
 
 }  // namespace asap

@@ -101,22 +101,12 @@ std::optional<Aedat3Header> read_aedat3_header(std::span<const std::byte> front)
 }
 
 Aedat3Decoder::Aedat3Decoder(const Aedat3Config& config)
-    : config_(config), offset_(config.first_offset) {
+    : NativeDecoder(config, config.first_offset) {
   require(config.source >= -1 && config.source <= 0x7fff, "source", config.source,
           "the number of a camera, or -1 for all");
 }
 
-Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
-  return decode(bytes, output_to(events));
-}
-
-Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
-                               std::span<Trigger> triggers) noexcept {
-  return decode(bytes, output_to(events, triggers));
-}
-
-Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, Output out) noexcept {
-  const Output start = out;
+std::size_t Aedat3Decoder::decode_bytes(std::span<const std::byte> bytes, Output& out) noexcept {
   std::size_t used = 0;
   while (used < bytes.size()) {
     const auto rest = bytes.subspan(used);
@@ -124,7 +114,7 @@ Progress Aedat3Decoder::decode(std::span<const std::byte> bytes, Output out) noe
     if (step == 0) break;  // no room for what comes next
     used += step;
   }
-  return out.since(start, used);
+  return used;
 }
 
 // Both return how many of `bytes` they consumed; a header needs no room.
@@ -174,6 +164,6 @@ std::size_t Aedat3Decoder::take_header(std::span<const std::byte> bytes) noexcep
   return taken;
 }
 
-void Aedat3Decoder::reset() noexcept { *this = Aedat3Decoder(config_); }
+template class NativeDecoder<Aedat3Decoder, Aedat3Config, 28>;
 
 }  // namespace asap

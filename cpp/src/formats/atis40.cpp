@@ -31,18 +31,13 @@ struct Atis40 {
 
 }  // namespace
 
-Progress Atis40Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
-  Atis40 format{marks_ ? Atis40::kMarkRow : ~std::uint64_t{0}, marked_us_};
-  const Output start = output_to(events);
-  Output out = start;
+std::size_t Atis40Decoder::decode_bytes(std::span<const std::byte> bytes, Output& out) noexcept {
+  Atis40 format{config_.marks ? Atis40::kMarkRow : ~std::uint64_t{0}, marked_us_};
   const std::size_t used = records::decode_records(format, cut_, bytes, out);
   marked_us_ = format.marked_us;
-  return out.since(start, used);
+  return used;
 }
 
-void Atis40Decoder::reset() noexcept {
-  marked_us_ = 0;
-  cut_.size = 0;
-}
+template class NativeDecoder<Atis40Decoder, Atis40Config, 5>;
 
 }  // namespace asap

@@ -115,9 +115,74 @@ constexpr std::uint64_t first_word(std::uint16_t x, std::uint16_t y, std::int16_
          std::uint64_t{static_cast<std::uint16_t>(p)} << (kLittle ? 32 : 16);
 }
 
+// Fields of one structure, of the widths that most libraries give them: one pass without blocks is
+// faster where no column is in one piece.
+template <class Time, class Address, class Polarity>
+bool gather_records(const EventColumns& columns, std::span<Event> events) noexcept {
+  const std::byte *t = columns.t.first, *x = columns.x.first, *y = columns.y.first,
+                  *p = columns.p->first;
+  const std::ptrdiff_t stride = columns.t.stride;
+  const auto next = [stride](auto& value, const std::byte*& at) {
+    std::memcpy(&value, at, sizeof value);
+    at += stride;
+  };
+  const ToMicroseconds to_us{columns.us_per_unit};
+  const ToPolarity to_polarity{columns.normalise};
+  bool good = true;
+  for (Event& event : events) {
+    Time time;
+    Address left, top;
+    Polarity on;
+    next(time, t), next(left, x), next(top, y), next(on, p);
+    Event to;
+    good &= to_us(time, to.t);
+    good &= ToAddress{}(left, to.x);
+    good &= ToAddress{}(top, to.y);
+    good &= to_polarity(on, to.p);
+    const std::array words{first_word(to.x, to.y, to.p), static_cast<std::uint64_t>(to.t)};
+    std::memcpy(&event, words.data(), sizeof words);
+  }
+  return good;
+}
+
+using Loop = bool (*)(const EventColumns&, std::span<Event>) noexcept;
+
+template <class Time, class Address>
+Loop loop_of(Number polarity) noexcept {
+  switch (polarity) {
+    case Number::u8:
+      return &gather_records<Time, Address, std::uint8_t>;
+    case Number::i8:
+      return &gather_records<Time, Address, std::int8_t>;
+    case Number::i16:
+      return &gather_records<Time, Address, std::int16_t>;
+    default:
+      return nullptr;
+  }
+}
+
+// None for columns of another kind.
+Loop loop_of(const EventColumns& columns) noexcept {
+  const auto& [t, x, y, p, us_per_unit, normalise] = columns;
+  const bool are_fields = p && x.stride == t.stride && y.stride == t.stride &&
+                          p->stride == t.stride && x.type == y.type;
+  if (!are_fields) return nullptr;
+  if (t.type == Number::i64 && x.type == Number::u16) {
+    return loop_of<std::int64_t, std::uint16_t>(p->type);
+  }
+  if (t.type == Number::i64 && x.type == Number::i16) {
+    return loop_of<std::int64_t, std::int16_t>(p->type);
+  }
+  if (t.type == Number::u64 && x.type == Number::u16) {
+    return loop_of<std::uint64_t, std::uint16_t>(p->type);
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 bool gather(const EventColumns& columns, std::span<Event> events) noexcept {
+  if (const Loop loop = loop_of(columns)) return loop(columns, events);
   std::array<std::int64_t, kColumnBlock> t;
   std::array<std::uint16_t, kColumnBlock> x;
   std::array<std::uint16_t, kColumnBlock> y;

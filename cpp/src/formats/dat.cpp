@@ -43,25 +43,22 @@ std::optional<DatHeader> read_dat_header(std::span<const std::byte> bytes) noexc
   return header;
 }
 
-DatDecoder::DatDecoder(DatConfig config) : config_(config) {
+DatDecoder::DatDecoder(DatConfig config) : NativeDecoder(config, config.first_offset) {
   require(config.version == 1 || config.version == 2, "version", config.version, "use 1 or 2");
-  reset();
 }
 
-Progress DatDecoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
-  return decode_stream(state_.cut, state_.offset, bytes, output_to(events),
-                       [this](const std::byte* at, std::size_t count, Output& out) {
-                         return config_.version == 1 ? decode_words<1>(at, count, out)
-                                                     : decode_words<2>(at, count, out);
-                       });
+std::size_t DatDecoder::decode_words(const std::byte* first, std::size_t count,
+                                     Output& out) noexcept {
+  return config_.version == 1 ? decode_version<1>(first, count, out)
+                              : decode_version<2>(first, count, out);
 }
 
 template <int kVersion>
-std::size_t DatDecoder::decode_words(const std::byte* first, std::size_t count,
-                                     Output& out) noexcept {
+std::size_t DatDecoder::decode_version(const std::byte* first, std::size_t count,
+                                       Output& out) noexcept {
   const std::size_t end = std::min(count, out.room());
   Event* event = out.event;
-  std::int64_t epoch = state_.t & -kDatRange, last = state_.t - epoch;
+  std::int64_t epoch = t_ & -kDatRange, last = t_ - epoch;
   for (std::size_t i = 0; i < end; ++i) {
     const std::int64_t low = load_little<std::uint32_t>(first + i * kDatEvent);
     if (last - low > kDatRange / 2) epoch += kDatRange;
@@ -75,8 +72,10 @@ std::size_t DatDecoder::decode_words(const std::byte* first, std::size_t count,
     }
   }
   out.event = event;
-  state_.t = epoch + last;
+  t_ = epoch + last;
   return end;
 }
+
+template class NativeDecoder<DatDecoder, DatConfig, 8>;
 
 }  // namespace asap

@@ -83,25 +83,20 @@ std::optional<EventStreamHeader> read_event_stream_header(
   return header;
 }
 
-EventStreamDecoder::EventStreamDecoder(const EventStreamConfig& config) : version_(config.version) {
-  require(version_ == 1 || version_ == 2, "version", version_, "1 or 2");
+EventStreamDecoder::EventStreamDecoder(const EventStreamConfig& config) : NativeDecoder(config) {
+  require(config.version == 1 || config.version == 2, "version", config.version, "1 or 2");
 }
 
-Progress EventStreamDecoder::decode(std::span<const std::byte> bytes,
-                                    std::span<Event> events) noexcept {
-  const Output start = output_to(events);
+std::size_t EventStreamDecoder::decode_bytes(std::span<const std::byte> bytes,
+                                             Output& out) noexcept {
   const auto run = [&](auto format) {
-    Output out = start;
     const std::size_t used = records::decode_records(format, cut_, bytes, out);
     t_ = format.t;
-    return out.since(start, used);
+    return used;
   };
-  return version_ == 1 ? run(EventStream1{t_}) : run(EventStream2{t_});
+  return config_.version == 1 ? run(EventStream1{t_}) : run(EventStream2{t_});
 }
 
-void EventStreamDecoder::reset() noexcept {
-  t_ = 0;
-  cut_.size = 0;
-}
+template class NativeDecoder<EventStreamDecoder, EventStreamConfig, 5>;
 
 }  // namespace asap

@@ -1,5 +1,6 @@
 #include "asap/formats/evt2.hpp"
 
+#include "asap/formats/evt21.hpp"
 #include "formats/words.hpp"
 
 namespace asap {
@@ -12,30 +13,14 @@ constexpr std::int64_t kEvt2Range = std::int64_t{1} << 34;  // us
 
 }  // namespace
 
-Progress Evt2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
-  return decode(bytes, output_to(events));
-}
-
-Progress Evt2Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
-                             std::span<Trigger> triggers) noexcept {
-  return decode(bytes, output_to(events, triggers));
-}
-
-Progress Evt2Decoder::decode(std::span<const std::byte> bytes, const Output& out) noexcept {
-  return decode_stream(state_.cut, state_.offset, bytes, out,
-                       [this](const std::byte* at, std::size_t count, Output& to) {
-                         return decode_words(at, count, to);
-                       });
-}
-
 std::size_t Evt2Decoder::decode_words(const std::byte* first, std::size_t count,
                                       Output& out) noexcept {
   std::size_t i = 0;
   while (i < count) {
     // Every word is written as if it were an event; one that is none is overwritten by the next.
-    const std::size_t end = state_.started ? i + std::min(count - i, out.room()) : i;
+    const std::size_t end = started_ ? i + std::min(count - i, out.room()) : i;
     Event* event = out.event;
-    const std::int64_t high = state_.high;
+    const std::int64_t high = high_;
     for (; i < end; ++i) {
       const auto word = load_little<std::uint32_t>(first + i * sizeof(std::uint32_t));
       if (word >> 29 != 0) break;
@@ -45,31 +30,38 @@ std::size_t Evt2Decoder::decode_words(const std::byte* first, std::size_t count,
     out.event = event;
     if (i == count) break;
     const auto word = load_little<std::uint32_t>(first + i * sizeof(std::uint32_t));
-    if (!decode_other(word, state_.offset + i * sizeof(std::uint32_t), out)) break;
+    if (word >> 29 == 0) {
+      if (started_) break;  // no room
+      ++before_start_;
+    } else if (!decode_other(word, offset_ + i * sizeof(std::uint32_t), out)) {
+      break;
+    }
     ++i;
   }
   return i;
 }
 
-// Any word; false without room for it.
-bool Evt2Decoder::decode_other(std::uint32_t word, std::uint64_t offset, Output& out) noexcept {
+template <class Decoder, class Config, std::size_t kRecord>
+bool Evt2Words<Decoder, Config, kRecord>::decode_other(std::uint32_t word, std::uint64_t offset,
+                                                       Output& out) noexcept {
   const std::uint32_t type = word >> 28;
-  if (type <= 1) {
-    if (state_.started) return false;
-    ++state_.before_start;
-  } else if (type == kEvt2TimeHigh) {
-    state_.high = unwrapped(state_.high, std::int64_t{word & 0xfffffff} << 6, kEvt2Range);
-    state_.started = true;
+  if (type == kEvt2TimeHigh) {
+    high_ = unwrapped(high_, std::int64_t{word & 0xfffffff} << 6, kEvt2Range);
+    started_ = true;
   } else if (type == kEvt2Trigger) {
-    const Trigger trigger{.t = state_.high + (word >> 22 & 0x3f),
+    const Trigger trigger{.t = high_ + (word >> 22 & 0x3f),
                           .id = static_cast<std::uint16_t>(word >> 8 & 0x1f),
                           .value = static_cast<std::uint16_t>(word & 1)};
-    if (state_.started && !out.take(trigger)) return false;
-    ++state_.triggers;
+    if (started_ && !out.take(trigger)) return false;
+    ++this->triggers_;
   } else if (type < kEvt2Others) {
-    state_.bad.add(offset);
+    this->bad_.add(offset);
   }
   return true;
 }
+
+template class NativeDecoder<Evt2Decoder, Evt2Config, 4>;
+template class Evt2Words<Evt2Decoder, Evt2Config, 4>;
+template class Evt2Words<Evt21Decoder, Evt21Config, 8>;
 
 }  // namespace asap

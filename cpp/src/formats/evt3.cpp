@@ -70,31 +70,15 @@ Event* write_vector(Event* out, std::uint32_t word, std::uint32_t base, std::uin
 
 }  // namespace
 
-Progress Evt3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
-  return decode(bytes, output_to(events));
-}
-
-Progress Evt3Decoder::decode(std::span<const std::byte> bytes, std::span<Event> events,
-                             std::span<Trigger> triggers) noexcept {
-  return decode(bytes, output_to(events, triggers));
-}
-
-Progress Evt3Decoder::decode(std::span<const std::byte> bytes, const Output& out) noexcept {
-  return decode_stream(state_.cut, state_.offset, bytes, out,
-                       [this](const std::byte* at, std::size_t count, Output& to) {
-                         return decode_words(at, count, to);
-                       });
-}
-
 std::size_t Evt3Decoder::decode_words(const std::byte* first, std::size_t count,
                                       Output& out) noexcept {
   std::size_t i = 0;
   while (i < count) {
-    const bool knows_all = state_.high_word != 0 && state_.has_y;
+    const bool knows_all = high_word_ != 0 && has_y_;
     const std::size_t safe = knows_all ? out.room() / kMostPerRecord : 0;
     i = decode_plain(first, i, i + std::min(count - i, safe), out);
     if (i == count) break;
-    if (!decode_any(evt3_word(first, i), state_.offset + i * sizeof(std::uint16_t), out)) break;
+    if (!decode_any(evt3_word(first, i), offset_ + i * sizeof(std::uint16_t), out)) break;
     ++i;
   }
   return i;
@@ -104,11 +88,11 @@ std::size_t Evt3Decoder::decode_words(const std::byte* first, std::size_t count,
 std::size_t Evt3Decoder::decode_plain(const std::byte* first, std::size_t i, std::size_t end,
                                       Output& out) noexcept {
   Event* event = out.event;
-  const std::int64_t high = state_.high;
-  auto low = static_cast<std::uint32_t>(state_.t - high);
-  std::uint32_t y = state_.y, base = state_.base;
-  const std::uint32_t repeated = state_.high_word;
-  const bool has_base = state_.has_base;
+  const std::int64_t high = high_;
+  auto low = static_cast<std::uint32_t>(t_ - high);
+  std::uint32_t y = y_, base = base_;
+  const std::uint32_t repeated = high_word_;
+  const bool has_base = has_base_;
   for (; i < end; ++i) {
     const std::uint32_t word = evt3_word(first, i);
     const std::uint32_t type = word >> 12;
@@ -131,61 +115,63 @@ std::size_t Evt3Decoder::decode_plain(const std::byte* first, std::size_t i, std
     }
   }
   out.event = event;
-  state_.t = high + low;
-  state_.y = y;
-  state_.base = base;
+  t_ = high + low;
+  y_ = y;
+  base_ = base;
   return i;
 }
 
 // False without room for it.
 bool Evt3Decoder::decode_any(std::uint32_t word, std::uint64_t offset, Output& out) noexcept {
   const std::uint32_t type = word >> 12;
-  const bool has_time = state_.high_word != 0;
+  const bool has_time = high_word_ != 0;
   if (type == kAddrY) {
-    state_.y = word & kEvt3Address;
-    state_.has_y = true;
+    y_ = word & kEvt3Address;
+    has_y_ = true;
   } else if (type == kAddrX) {
-    if (!has_time || !state_.has_y) {
-      ++state_.before_start;
+    if (!has_time || !has_y_) {
+      ++before_start_;
     } else if (out.room() == 0) {
       return false;
     } else {
-      write_event(out.event++, word & kEvt3Address, state_.y, word >> 11 & 1, state_.t);
+      write_event(out.event++, word & kEvt3Address, y_, word >> 11 & 1, t_);
     }
   } else if (type == kVectBase) {
-    state_.base = (word & kEvt3Address) | (word << 5 & 0x10000);
-    state_.has_base = true;
+    base_ = (word & kEvt3Address) | (word << 5 & 0x10000);
+    has_base_ = true;
   } else if (type == kVect12 || type == kVect8) {
     const auto count = static_cast<std::size_t>(std::popcount(vector_mask(word)));
-    if (!has_time || !state_.has_y || !state_.has_base) {
-      state_.before_start += count;
+    if (!has_time || !has_y_ || !has_base_) {
+      before_start_ += count;
     } else if (count > out.room()) {
       return false;
     } else {
-      out.event = write_vector(out.event, word, state_.base, state_.y, state_.t);
+      out.event = write_vector(out.event, word, base_, y_, t_);
     }
-    state_.base = moved_base(state_.base, word);
+    base_ = moved_base(base_, word);
   } else if (type == kTimeLow) {
-    state_.t = state_.high + (word & 0xfff);
+    t_ = high_ + (word & 0xfff);
   } else if (type == kTimeHigh) {
     take_time_high(word);
   } else if (type == kEvt3Trigger) {
-    const Trigger trigger{.t = state_.t,
+    const Trigger trigger{.t = t_,
                           .id = static_cast<std::uint16_t>(word >> 8 & 0xf),
                           .value = static_cast<std::uint16_t>(word & 1)};
     if (has_time && !out.take(trigger)) return false;
-    ++state_.triggers;
+    ++triggers_;
   } else if ((kKnown >> type & 1) == 0) {
-    state_.bad.add(offset);
+    bad_.add(offset);
   }
   return true;
 }
 
 void Evt3Decoder::take_time_high(std::uint32_t word) noexcept {
-  if (word == state_.high_word) return;
-  state_.high = unwrapped(state_.high, std::int64_t{word & 0xfff} << 12, kEvt3Range);
-  state_.t = state_.high;
-  state_.high_word = word;
+  if (word == high_word_) return;
+  high_ = unwrapped(high_, std::int64_t{word & 0xfff} << 12, kEvt3Range);
+  t_ = high_;
+  high_word_ = word;
 }
+
+template class NativeDecoder<Evt3Decoder, Evt3Config, 2>;
 
 }  // namespace asap

@@ -13,72 +13,46 @@ constexpr std::int64_t kLibcaerRange = std::int64_t{1} << 31;  // us
 
 std::int64_t whole_us(std::uint64_t ns) { return static_cast<std::int64_t>(ns / kNsPerUs); }
 
-template <class State>
-void end_message(State& state) noexcept {
-  if (state.cut.size == 0) return;
-  state.bad.add(state.offset);
-  state.offset += state.cut.size;
-  state.cut = {};
-}
-
 }  // namespace
 
 // ---- mono ---------------------------------------------------------------------------------------
 
-void MonoDecoder::reset() noexcept {
-  state_ = {};
-  state_.offset = config_.first_offset;
-}
-
 void MonoDecoder::begin(std::uint64_t time_base_ns) noexcept {
-  end_message(state_);
-  state_.base_us = whole_us(time_base_ns);
-  state_.base_rest_ns = time_base_ns % kNsPerUs;
+  drop_unfinished();
+  base_us_ = whole_us(time_base_ns);
+  base_rest_ns_ = time_base_ns % kNsPerUs;
 }
 
-Progress MonoDecoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
-  const auto decode_records = [this](const std::byte* at, std::size_t count, Output& out) {
-    const std::size_t records = std::min(count, out.room());
-    const std::int64_t base_us = state_.base_us;
-    const std::uint64_t rest_ns = state_.base_rest_ns;
-    Event* const events_at = out.event;
-    for (std::size_t i = 0; i < records; ++i) {
-      const auto word = load_little<std::uint64_t>(at + i * sizeof(std::uint64_t));
-      write_event(&events_at[i], word >> 32 & 0xffff, word >> 48 & 0x7fff, word >> 63,
-                  base_us + whole_us(rest_ns + (word & 0xffffffff)));
-    }
-    out.event += records;
-    return records;
-  };
-  return decode_stream(state_.cut, state_.offset, bytes, output_to(events), decode_records);
+std::size_t MonoDecoder::decode_words(const std::byte* first, std::size_t count,
+                                      Output& out) noexcept {
+  const std::size_t records = std::min(count, out.room());
+  const std::int64_t base_us = base_us_;
+  const std::uint64_t rest_ns = base_rest_ns_;
+  Event* const events = out.event;
+  for (std::size_t i = 0; i < records; ++i) {
+    const auto word = load_little<std::uint64_t>(first + i * sizeof(std::uint64_t));
+    write_event(&events[i], word >> 32 & 0xffff, word >> 48 & 0x7fff, word >> 63,
+                base_us + whole_us(rest_ns + (word & 0xffffffff)));
+  }
+  out.event += records;
+  return records;
 }
+
+template class NativeDecoder<MonoDecoder, PacketConfig, 8>;
 
 // ---- libcaer ------------------------------------------------------------------------------------
 
-void LibcaerDecoder::reset() noexcept {
-  state_ = {};
-  state_.offset = config_.first_offset;
-}
-
 void LibcaerDecoder::begin(std::uint64_t time_base_ns) noexcept {
-  end_message(state_);
-  state_.base_us = whole_us(time_base_ns);
-  state_.last_stamp = 0;
+  drop_unfinished();
+  base_us_ = whole_us(time_base_ns);
+  last_stamp_ = 0;
 }
 
-Progress LibcaerDecoder::decode(std::span<const std::byte> bytes,
-                                std::span<Event> events) noexcept {
-  return decode_stream(state_.cut, state_.offset, bytes, output_to(events),
-                       [this](const std::byte* at, std::size_t count, Output& out) {
-                         return decode_records(at, count, out);
-                       });
-}
-
-std::size_t LibcaerDecoder::decode_records(const std::byte* first, std::size_t count,
-                                           Output& out) noexcept {
+std::size_t LibcaerDecoder::decode_words(const std::byte* first, std::size_t count,
+                                         Output& out) noexcept {
   std::size_t i = 0;
-  std::int64_t base_us = state_.base_us;
-  std::int32_t last = state_.last_stamp;
+  std::int64_t base_us = base_us_;
+  std::int32_t last = last_stamp_;
   Event* event = out.event;
   for (; i < count && event != out.events_end; ++i) {
     const std::byte* at = first + i * sizeof(std::uint64_t);
@@ -87,7 +61,7 @@ std::size_t LibcaerDecoder::decode_records(const std::byte* first, std::size_t c
         static_cast<std::int32_t>(load_little<std::uint32_t>(at + sizeof(std::uint32_t)));
     if (stamp < last) [[unlikely]] {
       if (stamp < 0) {
-        state_.bad.add(state_.offset + i * sizeof(std::uint64_t));
+        bad_.add(offset_ + i * sizeof(std::uint64_t));
         continue;
       }
       if (last - stamp > kLibcaerRange / 2) base_us += kLibcaerRange;
@@ -96,37 +70,26 @@ std::size_t LibcaerDecoder::decode_records(const std::byte* first, std::size_t c
     write_event(event++, data >> 17, data >> 2 & 0x7fff, data >> 1 & 1, base_us + stamp);
   }
   out.event = event;
-  state_.base_us = base_us;
-  state_.last_stamp = last;
+  base_us_ = base_us;
+  last_stamp_ = last;
   return i;
 }
 
+template class NativeDecoder<LibcaerDecoder, PacketConfig, 8>;
+
 // ---- libcaer_cmp --------------------------------------------------------------------------------
 
-void LibcaerCmpDecoder::reset() noexcept {
-  state_ = {};
-  state_.offset = config_.first_offset;
-}
-
 void LibcaerCmpDecoder::begin(std::uint64_t time_base_ns) noexcept {
-  end_message(state_);
-  state_.base_us = whole_us(time_base_ns);
-  state_.registers.high = state_.registers.low = 0;
-}
-
-Progress LibcaerCmpDecoder::decode(std::span<const std::byte> bytes,
-                                   std::span<Event> events) noexcept {
-  return decode_stream(state_.cut, state_.offset, bytes, output_to(events),
-                       [this](const std::byte* at, std::size_t count, Output& out) {
-                         return decode_words(at, count, out);
-                       });
+  drop_unfinished();
+  base_us_ = whole_us(time_base_ns);
+  registers_.high = registers_.low = 0;
 }
 
 std::size_t LibcaerCmpDecoder::decode_words(const std::byte* first, std::size_t count,
                                             Output& out) noexcept {
   enum Code : std::uint32_t { time_high, time_low, addr_x, addr_y, vect_base_y, vect_8 };
-  Registers now = state_.registers;
-  const std::int64_t base_us = state_.base_us;
+  Registers now = registers_;
+  const std::int64_t base_us = base_us_;
   std::size_t i = 0;
   while (i < count && out.room() >= kMostPerRecord) {
     // A plain word gives at most one event, so that only a vector has to look at the room again.
@@ -158,13 +121,15 @@ std::size_t LibcaerCmpDecoder::decode_words(const std::byte* first, std::size_t 
       }
       now.base_y = (now.base_y + 8) & 0xffff;
     } else {
-      state_.bad.add(state_.offset + i * sizeof(std::uint16_t));
+      bad_.add(offset_ + i * sizeof(std::uint16_t));
     }
     ++i;
   }
-  state_.registers = now;
+  registers_ = now;
   return i;
 }
+
+template class NativeDecoder<LibcaerCmpDecoder, PacketConfig, 2>;
 
 // ---- dvs_msgs -----------------------------------------------------------------------------------
 

@@ -1,6 +1,6 @@
 // Words of fixed size from bytes that are cut anywhere, and events written as two words: the loop
 // that the native decoders share. Whole words are decoded where they stand; only a cut one passes
-// through a buffer.
+// through a buffer. The source of a decoder instantiates its NativeDecoder.
 //
 // One thread. O(bytes), no allocation.
 #pragma once
@@ -128,17 +128,34 @@ std::size_t decode_whole_words(CutRecord<kSize>& cut, std::span<const std::byte>
   return bytes.size();
 }
 
-// The same with `decode(at, count, out)`; `offset` is that of the next word in the file.
-template <std::size_t kSize, class Decode>
-Progress decode_stream(CutRecord<kSize>& cut, std::uint64_t& offset,
-                       std::span<const std::byte> bytes, Output out, Decode&& decode) noexcept {
+template <class Decoder, class Config, std::size_t kRecord>
+Progress NativeDecoder<Decoder, Config, kRecord>::decode(std::span<const std::byte> bytes,
+                                                         std::span<Event> events) noexcept {
+  return decode_to(output_to(events), bytes);
+}
+
+template <class Decoder, class Config, std::size_t kRecord>
+Progress NativeDecoder<Decoder, Config, kRecord>::decode(std::span<const std::byte> bytes,
+                                                         std::span<Event> events,
+                                                         std::span<Trigger> triggers) noexcept {
+  return decode_to(output_to(events, triggers), bytes);
+}
+
+template <class Decoder, class Config, std::size_t kRecord>
+Progress NativeDecoder<Decoder, Config, kRecord>::decode_to(
+    Output out, std::span<const std::byte> bytes) noexcept {
   const Output start = out;
-  const auto count_words = [&](const std::byte* at, std::size_t count) {
-    const std::size_t decoded = decode(at, count, out);
-    offset += decoded * kSize;
-    return decoded;
-  };
-  return out.since(start, decode_whole_words(cut, bytes, count_words));
+  auto& decoder = static_cast<Decoder&>(*this);
+  if constexpr (requires { decoder.decode_bytes(bytes, out); }) {
+    return out.since(start, decoder.decode_bytes(bytes, out));
+  } else {
+    const auto decode_words = [&](const std::byte* first, std::size_t count) {
+      const std::size_t decoded = decoder.decode_words(first, count, out);
+      offset_ += decoded * kRecord;
+      return decoded;
+    };
+    return out.since(start, decode_whole_words(cut_, bytes, decode_words));
+  }
 }
 
 }  // namespace asap

@@ -20,11 +20,13 @@ from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library
 from asap.io.flatbuffer import Buffer, Table
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, sensor_size
 
-__all__ = ["Aedat4Reader"]
+__all__ = ["EVENT", "MAGIC", "MOST_PIXELS", "Aedat4Reader"]
 
-_HEADER_AT = len(b"#!AER-DAT4.0\r\n")
+MAGIC = b"#!AER-DAT4.0\r\n"
+MOST_PIXELS = 1 << 15  # of a side
+_HEADER_AT = len(MAGIC)
 _USUAL_RATIO = 8  # of events; MAX_RATIO is that of anything
-_EVENT = np.dtype(
+EVENT = np.dtype(
     {
         "names": ["t", "x", "y", "p"],
         "formats": ["<i8", "<i2", "<i2", "u1"],
@@ -67,13 +69,13 @@ class Aedat4Reader:
         """Decode packets, and hand on many at once: some cameras send a few events in each."""
         count = 0
         for records in self._gathered(losses):
-            rows = np.frombuffer(records, _EVENT)
+            rows = np.frombuffer(records, EVENT)
             yield events_of(rows, Options(None, None), losses, count)
             count += len(rows)
 
     def _gathered(self, losses: Losses) -> Iterator[Buffer]:
         """Join records to about `CHUNK` events, in memory that is used again."""
-        joined = memoryview(bytearray(CHUNK * _EVENT.itemsize))
+        joined = memoryview(bytearray(CHUNK * EVENT.itemsize))
         filled = 0
         try:
             for records in self._records(losses):
@@ -188,7 +190,7 @@ def _records_of(packet: bytes) -> Buffer:
     if table.name != b"EVTS":
         raise ValueError(f"EVTS is needed, the packet is {table.name!r}")
     at, count = table.vector(0)
-    records = table.buffer[at : at + count * _EVENT.itemsize]
-    if len(records) < count * _EVENT.itemsize:
-        raise ValueError(f"{count} events promised, {len(records) // _EVENT.itemsize} are there")
+    records = table.buffer[at : at + count * EVENT.itemsize]
+    if len(records) < count * EVENT.itemsize:
+        raise ValueError(f"{count} events promised, {len(records) // EVENT.itemsize} are there")
     return records

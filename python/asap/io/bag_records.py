@@ -1,8 +1,9 @@
 """Topics and messages of a ROS 1 bag or an MCAP file from its first byte on, without its index.
 
 A record that is cut or damaged raises `CorruptFile` after all that is before it, the whole messages
-of a chunk that is cut among them. No size in the file is believed: no more is unpacked than
-`MAX_RATIO` allows. Source: wiki.ros.org/Bags/Format/2.0 and mcap.dev/spec.
+of a chunk that is cut among them. A chunk that is whole but damaged loses its own messages: behind
+the damage an error is yielded in their place. No size in the file is believed: no more is unpacked
+than `MAX_RATIO` allows. Source: wiki.ros.org/Bags/Format/2.0 and mcap.dev/spec.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import importlib
 import io
 import struct
+import zlib
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
@@ -41,7 +43,14 @@ class Message(NamedTuple):
     data: bytes
 
 
-Records = Iterator[Channel | Message]
+class _Damage(NamedTuple):
+    """A chunk is damaged; the next record is behind it."""
+
+    fault: str
+
+
+Records = Iterator[Channel | Message | CorruptFile]
+_Parts = Iterator[Channel | Message | _Damage]
 
 
 def rosbag1_records(path: Path) -> Records:
@@ -56,6 +65,9 @@ def mcap_records(path: Path) -> Records:
 
 class _Broken(Exception):
     """The bytes are none of the format."""
+
+
+_FAULTS = (_Broken, KeyError, ValueError, struct.error)
 
 
 class _Source:
@@ -96,18 +108,21 @@ class _Source:
         return _u32(self.take(4))
 
 
-def _walk(path: Path, start: int, read_record: Callable[[_Source], Records]) -> Records:
+def _walk(path: Path, start: int, read_record: Callable[[_Source], _Parts]) -> Records:
     with path.open("rb") as file:
         file.seek(start)
         source = _Source(file, max(path.stat().st_size - start, 0))
         while source.left:
             at = file.tell()
             try:
-                yield from read_record(source)
-            except KeyError as error:
-                raise CorruptFile(path, at, f"a record has no field {error}") from error
-            except (_Broken, ValueError, struct.error) as error:
-                raise CorruptFile(path, at, str(error)) from error
+                for part in read_record(source):
+                    yield CorruptFile(path, at, part.fault) if isinstance(part, _Damage) else part
+            except _FAULTS as error:
+                raise CorruptFile(path, at, _words(error)) from error
+
+
+def _words(error: Exception) -> str:
+    return f"a record has no field {error}" if isinstance(error, KeyError) else str(error)
 
 
 # ---- ROS 1 --------------------------------------------------------------------------------------
@@ -115,7 +130,7 @@ def _walk(path: Path, start: int, read_record: Callable[[_Source], Records]) -> 
 _MESSAGE, _CHUNK, _CONNECTION = b"\x02", b"\x05", b"\x07"
 
 
-def _rosbag1_record(source: _Source) -> Records:
+def _rosbag1_record(source: _Source) -> _Parts:
     header = _fields(source.take(source.u32()))
     op, size = header["op"], source.u32()
     if op == _CHUNK:
@@ -153,16 +168,16 @@ def _fields(block: bytes) -> dict[str, bytes]:
 _FOOTER_OP, _SCHEMA_OP, _CHANNEL_OP, _MESSAGE_OP, _CHUNK_OP = 2, 3, 4, 5, 6
 
 
-def _mcap_record(schemas: dict[int, str], source: _Source) -> Records:
+def _mcap_record(schemas: dict[int, str], source: _Source) -> _Parts:
     op, size = struct.unpack("<BQ", source.take(9))
     if op == _CHUNK_OP:
         before = source.left
         source.skip(16)  # first and last time
-        unpacked, _ = struct.unpack("<QI", source.take(12))
+        unpacked, checksum = struct.unpack("<QI", source.take(12))
         compression = source.take(source.u32()).decode()
         (packed,) = struct.unpack("<Q", source.take(8))
         read_record = partial(_mcap_record, schemas)
-        yield from _chunk(source, packed, compression, unpacked, read_record)
+        yield from _chunk(source, packed, compression, unpacked, read_record, checksum)
         source.skip(size - (before - source.left))
     elif op == _SCHEMA_OP:
         schema = _Source(io.BytesIO(source.take(size)), size)
@@ -192,17 +207,29 @@ def _chunk(
     size: int,
     compression: str,
     unpacked: int,
-    read_record: Callable[[_Source], Records],
-) -> Records:
+    read_record: Callable[[_Source], _Parts],
+    checksum: int = 0,
+) -> _Parts:
     """Walk the records in the next `size` bytes, which are `unpacked` without compression."""
     packed = source.take_some(size)
+    is_cut = len(packed) < size
     if source.is_chunk:
         raise _Broken("a chunk is inside a chunk")
     if unpacked > max(HARMLESS, MAX_RATIO * len(packed)):
         raise _Broken(f"a chunk of {len(packed)} bytes promises {unpacked}")
-    inside = _Source(_open(compression, packed), unpacked, is_chunk=True)
-    while inside.left:
-        yield from read_record(inside)
+    try:
+        inside = _Source(_open(compression, packed), unpacked, is_chunk=True)
+        if checksum and not is_cut:
+            content = inside.take(unpacked)
+            if zlib.crc32(content) != checksum:
+                raise _Broken("the checksum of a chunk is another")
+            inside = _Source(io.BytesIO(content), unpacked, is_chunk=True)
+        while inside.left:
+            yield from read_record(inside)
+    except _FAULTS as error:
+        if is_cut:
+            raise
+        yield _Damage(_words(error))
 
 
 def _open(compression: str, packed: bytes) -> Any:

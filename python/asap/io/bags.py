@@ -1,7 +1,8 @@
 """ROS bags as topics and raw messages: ROS 1, MCAP and folders through ``rosbags``.
 
 A recorder that crashes, a full disk or a copy that broke off leaves a bag without its index, which
-the library refuses. Such a bag is read from the front, up to the first record that is not whole.
+the library refuses. Such a bag is read from the front, up to the first record that is not whole. So
+is one with a damaged chunk, at which the library stops: that chunk is then missing.
 Databases are read with ``sqlite3``, because the library takes zeros for a page that is cut.
 """
 
@@ -10,14 +11,14 @@ from __future__ import annotations
 import errno
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import Any, Protocol
 
 from asap.io.bag_records import (
     Channel,
-    Message,
+    Records,
     mcap_records,
     rosbag1_chunk_sizes,
     rosbag1_records,
@@ -32,8 +33,8 @@ class Bag(Protocol):
 
     topics: dict[str, str]  # type of each, "package/Type"
 
-    def messages(self, topic: str) -> Iterator[bytes]:
-        """Yield the messages of a topic as they were recorded.
+    def messages(self, topic: str) -> Iterator[bytes | CorruptFile]:
+        """Yield the messages of a topic as they were recorded; an error in place of a lost chunk.
 
         Raises
         ------
@@ -48,13 +49,13 @@ def open_bag(kind: str, path: Path) -> Bag:
     if kind == "rosbag2" and not path.is_dir():
         return _Database(path)
     make_reader = _library_reader(kind, path)
+    walk = rosbag1_records if kind == "rosbag1" else mcap_records
     try:
-        return _WholeBag(path, make_reader)
+        return _WholeBag(path, make_reader, walk)
     except CorruptFile as error:
         if path.is_dir():
             raise
-        records = rosbag1_records if kind == "rosbag1" else mcap_records
-        return _DamagedBag(path, records, error.fault)
+        return _DamagedBag(path, walk, error.fault)
 
 
 def _library_reader(kind: str, path: Path) -> Callable[[], Any]:
@@ -84,25 +85,52 @@ def _library_errors(path: Path) -> Iterator[None]:
 class _WholeBag:
     """A bag that the library opens."""
 
-    def __init__(self, path: Path, make_reader: Callable[[], Any]) -> None:
-        self._path, self._make_reader = path, make_reader
+    def __init__(
+        self, path: Path, make_reader: Callable[[], Any], walk: Callable[[Path], Records]
+    ) -> None:
+        self._path, self._make_reader, self._walk = path, make_reader, walk
         with self._opened() as reader, _library_errors(path):
             self.topics = {c.topic: _plain(c.msgtype) for c in reader.connections}
             for offset, unpacked, packed in self._chunk_sizes(reader):
                 refuse_bomb(path, offset, "the chunk", unpacked, packed)
 
-    def messages(self, topic: str) -> Iterator[bytes]:
-        count = 0
+    def messages(self, topic: str) -> Iterator[bytes | CorruptFile]:
+        count, last = 0, b""
         with self._opened() as reader:
             wanted = [c for c in reader.connections if c.topic == topic]
             try:
                 with _library_errors(self._path):
                     for _, _, data in reader.messages(wanted):
-                        yield data if isinstance(data, bytes) else b""  # in a database: anything
+                        last = data if isinstance(data, bytes) else b""  # in a database: anything
+                        yield last
                         count += 1
+                return
             except CorruptFile as error:
-                fault = f"{error.fault} (after {count} messages of {topic})"
-                raise CorruptFile(self._path, _position(reader), fault) from error
+                words = f"{error.fault} (after {count} messages of {topic})"
+                fault = CorruptFile(self._path, _position(reader), words)
+        if self._path.is_dir():
+            raise fault
+        yield from self._behind(count, last, {c.id for c in wanted}, fault)
+
+    def _behind(
+        self, count: int, last: bytes, channels: Collection[int], fault: CorruptFile
+    ) -> Iterator[bytes | CorruptFile]:
+        """Go on behind the message that the library gave last, unless the file has another order.
+
+        `fault` is raised if nothing else is wrong with the file.
+        """
+        is_told = False
+        for found in _messages(self._walk(self._path), channels):
+            if isinstance(found, CorruptFile):
+                is_told = True
+            elif count > 0:
+                count -= 1
+                if count == 0 and found != last:
+                    raise fault
+                continue
+            yield found
+        if not is_told:
+            raise fault
 
     def _chunk_sizes(self, reader: Any) -> Iterator[tuple[int, int, int]]:
         chunks = getattr(reader, "chunks", ())
@@ -132,32 +160,36 @@ def _position(reader: Any) -> int:
     return file.tell() if file is not None else 0
 
 
+def _messages(records: Records, channels: Collection[int]) -> Iterator[bytes | CorruptFile]:
+    for record in records:
+        if isinstance(record, CorruptFile):
+            yield record
+        elif not isinstance(record, Channel) and record.channel in channels:
+            yield record.data
+
+
 class _DamagedBag:
     """A ROS 1 bag or an MCAP file, read from the front."""
 
-    def __init__(
-        self, path: Path, records: Callable[[Path], Iterator[Channel | Message]], fault: str
-    ) -> None:
-        self._path, self._records, self._fault = path, records, fault
+    def __init__(self, path: Path, walk: Callable[[Path], Records], fault: str) -> None:
+        self._path, self._walk, self._fault = path, walk, fault
         self.topics: dict[str, str] = {}
+        self._channels: dict[str, set[int]] = {}
         end = CorruptFile(path, path.stat().st_size, fault)
         try:
-            for record in records(path):
+            for record in walk(path):
                 if isinstance(record, Channel):
                     self.topics[record.topic] = _plain(record.type)
+                    self._channels.setdefault(record.topic, set()).add(record.number)
+                elif isinstance(record, CorruptFile):
+                    end = record
         except CorruptFile as error:
             end = error
         if not self.topics:
             raise end
 
-    def messages(self, topic: str) -> Iterator[bytes]:
-        channels = set()
-        for record in self._records(self._path):
-            if isinstance(record, Channel):
-                if record.topic == topic:
-                    channels.add(record.number)
-            elif record.channel in channels:
-                yield record.data
+    def messages(self, topic: str) -> Iterator[bytes | CorruptFile]:
+        yield from _messages(self._walk(self._path), self._channels[topic])
         raise CorruptFile(self._path, self._path.stat().st_size, self._fault)
 
 

@@ -27,7 +27,6 @@ from asap.io.reader import CHUNK, Losses, Options, choose_stream
 __all__ = ["Hdf5Reader"]
 
 _STEP = 4 * CHUNK  # events that are read at once: calls of h5py are dear
-_CACHE = 1 << 24  # bytes of unpacked chunks per dataset
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
@@ -124,7 +123,7 @@ class Hdf5Reader:
     def _open(self) -> Iterator[Any]:
         h5py = library("h5py", "HDF5", "hdf5")
         try:
-            file = h5py.File(self._path, "r", rdcc_nbytes=_CACHE, rdcc_w0=1.0)
+            file = h5py.File(self._path, "r", rdcc_nbytes=0)  # a step takes whole chunks, once
         except OSError as error:
             if error.errno:  # the file system's, not the format's
                 raise

@@ -66,8 +66,8 @@ class Losses:
 
     def take_triggers(self, decoder: Any) -> None:
         """Take the triggers that a native decoder met, and count its events before the start."""
-        self.before_start = getattr(decoder, "before_start", 0)
-        if getattr(decoder, "triggers", 0) > self.triggers:
+        self.before_start = decoder.before_start
+        if decoder.triggers > self.triggers:
             self.triggers = decoder.triggers
             seen = decoder.take_triggers()
             if sum(map(len, self.trigger_arrays)) < _MOST_TRIGGERS:

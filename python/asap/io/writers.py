@@ -20,8 +20,9 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib import format as npy
 
-from asap import _core
 from asap.events import EVENT_DTYPE, Events
+from asap.io.encoded import write_encoded
+from asap.io.packet_writers import write_aedat4, write_mcap
 
 __all__ = ["WRITERS", "Writer", "write_archive"]
 
@@ -31,23 +32,6 @@ _PIECE = 1 << 18
 _HEADER = 192  # bytes: enough for any count, so that it can be written again at the end
 _COLUMNS = {"t": "<i8", "x": "<u2", "y": "<u2", "p": "u1"}
 _PADDING = 3  # of the 16-bit words of an event
-
-
-def _write_encoded(
-    encoding: str, file: IO[bytes], chunks: Iterable[Events], width: int, height: int
-) -> int:
-    encoder = _core.Encoder(encoding, width=width, height=height)
-    file.write(encoder.header())
-    buffer = memoryview(bytearray(_PIECE))
-    count = 0
-    for chunk in chunks:
-        count += len(chunk)
-        rest = chunk
-        while len(rest):
-            taken, written = encoder.encode_into(rest, buffer)
-            file.write(buffer[:written])
-            rest = rest[taken:]
-    return count
 
 
 def _write_npy(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
@@ -113,5 +97,7 @@ def _npy_header(dtype: np.dtype[Any], count: int) -> bytes:
 WRITERS: dict[str, Writer] = {
     "npy": _write_npy,
     "npz": _write_npz,
-    **{name: partial(_write_encoded, name) for name in ("csv", "es", "dat", "evt2", "evt3")},
+    **{name: partial(write_encoded, name) for name in ("csv", "es", "dat", "evt2", "evt3")},
+    "aedat4": write_aedat4,
+    "mcap": write_mcap,
 }

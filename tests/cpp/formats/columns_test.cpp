@@ -90,6 +90,69 @@ TEST(Columns, TakeEveryWidthStrideAndLength) {
   }
 }
 
+// Fields of one structure go another way than columns that lie apart: both see the same.
+template <class Time, class Address, class Polarity>
+void fields_are_as_columns(std::size_t stride, bool normalise) {
+  constexpr std::size_t kCount = 700, kWays = 4;
+  const CounterRandom random(3);
+  for (std::size_t bad = 0; bad < kWays; ++bad) {
+    std::vector<Time> t;
+    std::vector<Address> x, y;
+    std::vector<Polarity> p;
+    for (std::uint64_t i = 0; i < kCount; ++i) {
+      const std::uint64_t bits = random(i);
+      t.push_back(static_cast<Time>(bits >> 8));
+      x.push_back(static_cast<Address>(bits >> 49));
+      y.push_back(static_cast<Address>(bits >> 33 & 0x7fff));
+      p.push_back(static_cast<Polarity>(bits & (bits % 7 == 0 ? 0xff : 1)));
+    }
+    if (bad == 1) t[500] = static_cast<Time>(std::int64_t{1} << 63);
+    if (bad == 2) x[0] = static_cast<Address>(-1);
+    if (bad == 3) y.back() = static_cast<Address>(-1);
+    std::vector<std::byte> fields(kCount * stride);
+    const auto place = [&](const auto& values, std::size_t at, Number type) {
+      for (std::size_t i = 0; i < kCount; ++i) {
+        std::memcpy(&fields[i * stride + at], &values[i], sizeof values[i]);
+      }
+      return NumberColumn{&fields[at], static_cast<std::ptrdiff_t>(stride), type};
+    };
+    const EventColumns together{.t = place(t, 0, number<Time>()),
+                                .x = place(x, 8, number<Address>()),
+                                .y = place(y, 10, number<Address>()),
+                                .p = place(p, 12, number<Polarity>()),
+                                .normalise = normalise};
+    const Strided<Time> ts(t);
+    const Strided<Address> xs(x), ys(y);
+    const Strided<Polarity> ps(p);
+    const EventColumns apart{.t = ts.column(),
+                             .x = xs.column(),
+                             .y = ys.column(),
+                             .p = ps.column(),
+                             .normalise = normalise};
+    std::vector<Event> events(kCount), expected(kCount);
+    const bool good = gather(apart, expected);
+    EXPECT_EQ(gather(together, events), good) << bad;
+    EXPECT_EQ(good, bad == 0 || (bad > 1 && std::is_unsigned_v<Address>)) << bad;
+    if (good) {
+      EXPECT_EQ(events, expected);
+    }
+  }
+}
+
+TEST(Columns, FieldsOfAStructureAreReadAlike) {
+  for (const bool normalise : {false, true}) {
+    fields_are_as_columns<std::int64_t, std::uint16_t, std::uint8_t>(13, normalise);
+    fields_are_as_columns<std::int64_t, std::uint16_t, std::int8_t>(13, normalise);
+    fields_are_as_columns<std::int64_t, std::uint16_t, std::int16_t>(16, normalise);
+    fields_are_as_columns<std::int64_t, std::int16_t, std::uint8_t>(16, normalise);
+    fields_are_as_columns<std::int64_t, std::int16_t, std::int8_t>(16, normalise);
+    fields_are_as_columns<std::int64_t, std::int16_t, std::int16_t>(14, normalise);
+    fields_are_as_columns<std::uint64_t, std::uint16_t, std::uint8_t>(13, normalise);
+    fields_are_as_columns<std::uint64_t, std::uint16_t, std::int8_t>(16, normalise);
+    fields_are_as_columns<std::uint64_t, std::uint16_t, std::int16_t>(16, normalise);
+  }
+}
+
 // A value as time, as address and as polarity of one event, the others zero.
 template <class Value>
 std::optional<Event> one(char role, Value value, double us_per_unit = 1.0, bool normalise = true) {

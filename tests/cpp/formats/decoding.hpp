@@ -63,16 +63,6 @@ struct Decoded {
   friend bool operator==(const Decoded&, const Decoded&) = default;
 };
 
-template <class Decoder>
-Progress decode_some(Decoder& decoder, std::span<const std::byte> bytes, std::span<Event> events,
-                     std::span<Trigger> triggers) {
-  if constexpr (requires { decoder.decode(bytes, events, triggers); }) {
-    return decoder.decode(bytes, events, triggers);
-  } else {
-    return decoder.decode(bytes, events);
-  }
-}
-
 // Every call with room comes after one without.
 template <class Decoder>
 void feed(Decoder& decoder, std::span<const std::byte> bytes, std::size_t room, Decoded& decoded) {
@@ -82,11 +72,11 @@ void feed(Decoder& decoder, std::span<const std::byte> bytes, std::size_t room, 
     to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count));
   };
   while (!bytes.empty()) {
-    const Progress none = decode_some(decoder, bytes, {}, {});
+    const Progress none = decoder.decode(bytes, {}, {});
     ASSERT_TRUE(none.events == 0 && none.triggers == 0);
     bytes = bytes.subspan(none.bytes);
     if (bytes.empty()) return;
-    const Progress progress = decode_some(decoder, bytes, events, triggers);
+    const Progress progress = decoder.decode(bytes, events, triggers);
     ASSERT_TRUE(progress.bytes > 0 || progress.events > 0 || progress.triggers > 0);
     bytes = bytes.subspan(progress.bytes);
     append(events, progress.events, decoded.events);
@@ -106,7 +96,7 @@ Decoded decode(Decoder decoder, std::span<const std::byte> bytes,
   decoded.bad_records = decoder.bad_records();
   decoded.noted = {decoder.noted().begin(), decoder.noted().end()};
   decoded.unfinished = decoder.unfinished();
-  if constexpr (requires { decoder.before_start(); }) decoded.before_start = decoder.before_start();
+  decoded.before_start = decoder.before_start();
   return decoded;
 }
 

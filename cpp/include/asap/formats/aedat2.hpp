@@ -7,8 +7,9 @@
 //           sensor. Bit 31 0, bit 10 1: an external trigger.
 //   DVS128  bits 31 and 15 0: an event; y 14:8, x 7:1, OFF 0. Else an external trigger.
 // x counts from the right and y from below: both are turned, so that (0, 0) is top left, as jAER
-// shows them. Source: jAER (SensorsINI/jaer), event extractors of DAVIS and DVS128.
-// One thread. Feed it bytes cut anywhere. O(bytes), no allocation, never throws.
+// shows them. A trigger has no number and no edge: id 0, value 1. Every record has a meaning.
+// Source: jAER (SensorsINI/jaer), event extractors of DAVIS and DVS128.
+// One thread. O(bytes), no allocation, never throws.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +21,6 @@
 #include "asap/formats/progress.hpp"
 
 namespace asap {
-
-struct Output;
 
 // unnamed: no line says it, and the first addresses do not tell. other: it is not decoded.
 enum class Aedat2Chip : std::uint8_t { unnamed, other, davis, dvs128 };
@@ -41,39 +40,22 @@ struct Aedat2Config {
   std::uint16_t width = 240, height = 180;  // of the sensor, px: x and y are mirrored in it
 };
 
-class Aedat2Decoder {
+// Feed it what follows the header.
+class Aedat2Decoder : public NativeDecoder<Aedat2Decoder, Aedat2Config, 8> {
  public:
   static constexpr std::size_t kMostPerRecord = 1;
 
   explicit Aedat2Decoder(const Aedat2Config& config = {});
 
-  // Decodes from the front of `bytes`, which follow the header, until one of them ends.
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
-
-  // The same; stops before a trigger that has no room as well. A trigger has no number and no edge
-  // in this format: id 0, value 1.
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events,
-                  std::span<Trigger> triggers) noexcept;
-
-  // Bytes of a record that waits for its end. At the end of the input: the file was cut.
-  std::size_t unfinished() const noexcept { return cut_.size; }
-  // Every record has a meaning: there are no bad ones.
-  std::uint64_t bad_records() const noexcept { return 0; }
-  std::span<const std::uint64_t> noted() const noexcept { return {}; }
-  std::uint64_t triggers() const noexcept { return triggers_; }
-
-  void reset() noexcept;
-
  private:
-  Progress decode(std::span<const std::byte> bytes, Output out) noexcept;
+  friend NativeDecoder;
+
+  std::size_t decode_bytes(std::span<const std::byte> bytes, Output& out) noexcept;
 
   // The shorter way from here to any first time of 32 bits makes it one without a sign.
   static constexpr std::int64_t kBeforeFirst = std::int64_t{1} << 31;
 
-  Aedat2Config config_;
-  std::uint64_t triggers_ = 0;
-  std::int64_t t_ = kBeforeFirst;
-  CutRecord<8> cut_;
+  std::int64_t t_ = kBeforeFirst;  // us, of the last record
 };
 
 }  // namespace asap

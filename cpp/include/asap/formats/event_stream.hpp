@@ -6,7 +6,8 @@
 // version, 1 byte type (0 = DVS), no size; an event has 3 bytes: time 4 bits, x 10, y 9, polarity
 // 1, lowest first; a byte whose low half is 15 adds 15 us times its high half. Source: the
 // specification, neuromorphic-paris/event_stream. It says that y grows upwards; no reader flips it,
-// nor does this. One thread. Feed it bytes cut anywhere. O(bytes), no allocation, never throws.
+// nor does this. Every byte has a meaning: there are no bad records and no triggers.
+// One thread. O(bytes), no allocation, never throws.
 #pragma once
 
 #include <cstddef>
@@ -36,29 +37,19 @@ struct EventStreamConfig {
   int version = 2;  // 1 or 2, as the header says
 };
 
-class EventStreamDecoder {
+// Feed it what follows the header. The first event's time counts from 0.
+class EventStreamDecoder : public NativeDecoder<EventStreamDecoder, EventStreamConfig, 5> {
  public:
   static constexpr std::size_t kMostPerRecord = 1;
 
   explicit EventStreamDecoder(const EventStreamConfig& config = {});
 
-  // Decodes from the front of `bytes`, which follow the header, until one of them ends. The first
-  // event's time counts from 0.
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
-
-  // Bytes of a record that waits for its end. At the end of the input: the file was cut.
-  std::size_t unfinished() const noexcept { return cut_.size; }
-  // Every byte has a meaning: there are no bad records and no triggers.
-  std::uint64_t bad_records() const noexcept { return 0; }
-  std::span<const std::uint64_t> noted() const noexcept { return {}; }
-  std::uint64_t triggers() const noexcept { return 0; }
-
-  void reset() noexcept;
-
  private:
-  int version_;
-  std::int64_t t_ = 0;
-  CutRecord<5> cut_;
+  friend NativeDecoder;
+
+  std::size_t decode_bytes(std::span<const std::byte> bytes, Output& out) noexcept;
+
+  std::int64_t t_ = 0;  // us, of the last event
 };
 
 }  // namespace asap

@@ -2,10 +2,10 @@
 //
 // Type in bits 31:28: 0 OFF and 1 ON with t 27:22, x 21:11, y 10:0; 8 TIME_HIGH with t >> 6 in
 // 27:0, often repeated; 10 external trigger with t 27:22, id 12:8, value 0; 14 and 15 others.
-// Times unwrap every 2^34 us, where TIME_HIGH falls by more than half its range.
+// Times unwrap every 2^34 us, where TIME_HIGH falls by more than half its range. Events before the
+// first TIME_HIGH are dropped: their time is unknown.
 //
-// One thread. Feed it bytes cut anywhere; never throws, never allocates. O(bytes). Order and sensor
-// size are the Validator's.
+// One thread. Never throws, never allocates. O(bytes).
 #pragma once
 
 #include "asap/core/event.hpp"
@@ -13,58 +13,33 @@
 
 namespace asap {
 
-struct Output;
-
 struct Evt2Config {
   std::uint64_t first_offset = 0;  // offset in the file of the first byte that is fed
 };
 
-class Evt2Decoder {
+// What EVT2 shares with EVT2.1, whose upper 32 bits are laid out alike: time and rare words.
+template <class Decoder, class Config, std::size_t kRecord>
+class Evt2Words : public NativeDecoder<Decoder, Config, kRecord> {
+ protected:
+  using NativeDecoder<Decoder, Config, kRecord>::NativeDecoder;
+
+  // Any word that is no event; false without room for it.
+  bool decode_other(std::uint32_t word, std::uint64_t offset, Output& out) noexcept;
+
+  std::int64_t high_ = 0;  // us, of the last TIME_HIGH, unwrapped
+  bool started_ = false;   // a TIME_HIGH came
+};
+
+class Evt2Decoder : public Evt2Words<Evt2Decoder, Evt2Config, 4> {
  public:
   static constexpr std::size_t kMostPerRecord = 1;  // events that one word can give
 
-  explicit Evt2Decoder(Evt2Config config = {}) noexcept : config_(config) { reset(); }
-
-  // Decodes from the front of `bytes` until they end or the next word has no room. Events beyond
-  // those reported are overwritten.
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
-
-  // The same; stops before a trigger that has no room as well.
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events,
-                  std::span<Trigger> triggers) noexcept;
-
-  // Bytes of a word that waits for its end; > 0 at the end of the input: the file was cut.
-  std::size_t unfinished() const noexcept { return state_.cut.size; }
-
-  std::uint64_t bad_records() const noexcept { return state_.bad.count(); }
-  std::span<const std::uint64_t> noted() const noexcept { return state_.bad.noted(); }
-  std::uint64_t triggers() const noexcept { return state_.triggers; }
-
-  // Events before the first TIME_HIGH: their time is unknown, so they are dropped.
-  std::uint64_t before_start() const noexcept { return state_.before_start; }
-
-  void reset() noexcept {
-    state_ = {};
-    state_.offset = config_.first_offset;
-  }
+  explicit Evt2Decoder(Evt2Config config = {}) noexcept : Evt2Words(config, config.first_offset) {}
 
  private:
-  struct State {
-    std::int64_t high = 0;     // us, of the last TIME_HIGH, unwrapped
-    bool started = false;      // a TIME_HIGH came
-    std::uint64_t offset = 0;  // of the next word
-    std::uint64_t triggers = 0;
-    std::uint64_t before_start = 0;
-    BadRecords bad;
-    CutRecord<4> cut;
-  };
+  friend NativeDecoder;
 
-  Progress decode(std::span<const std::byte> bytes, const Output& out) noexcept;
   std::size_t decode_words(const std::byte* first, std::size_t count, Output& out) noexcept;
-  bool decode_other(std::uint32_t word, std::uint64_t offset, Output& out) noexcept;
-
-  Evt2Config config_;
-  State state_;
 };
 
 }  // namespace asap

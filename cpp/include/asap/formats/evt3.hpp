@@ -6,10 +6,10 @@
 // with id 11:8, value 0; 7, 14 and 15 others. Time is (TIME_HIGH << 12) + TIME_LOW: TIME_LOW may
 // step back; a repeated TIME_HIGH changes nothing, another one sets TIME_LOW to 0. Unwraps every
 // 2^24 us, where TIME_HIGH falls by more than half its range. Camera drivers cut the stream
-// anywhere: keep one decoder over all packets.
+// anywhere: keep one decoder over all packets. Events before the first TIME_HIGH, ADDR_Y or base
+// are dropped: what they are is not known.
 //
-// One thread. Feed it bytes cut anywhere; never throws, never allocates. O(bytes). Order and sensor
-// size are the Validator's.
+// One thread. Never throws, never allocates. O(bytes).
 #pragma once
 
 #include "asap/core/event.hpp"
@@ -17,67 +17,33 @@
 
 namespace asap {
 
-struct Output;
-
 struct Evt3Config {
   std::uint64_t first_offset = 0;  // offset in the file of the first byte that is fed
 };
 
-class Evt3Decoder {
+class Evt3Decoder : public NativeDecoder<Evt3Decoder, Evt3Config, 2> {
  public:
   static constexpr std::size_t kMostPerRecord = 12;  // events that one word can give
 
-  explicit Evt3Decoder(Evt3Config config = {}) noexcept : config_(config) { reset(); }
-
-  // Decodes from the front of `bytes` until they end or the next word has no room. Events beyond
-  // those reported are overwritten.
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
-
-  // The same; stops before a trigger that has no room as well.
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events,
-                  std::span<Trigger> triggers) noexcept;
-
-  // Bytes of a word that waits for its end; > 0 at the end of the input: the file was cut.
-  std::size_t unfinished() const noexcept { return state_.cut.size; }
-
-  std::uint64_t bad_records() const noexcept { return state_.bad.count(); }
-  std::span<const std::uint64_t> noted() const noexcept { return state_.bad.noted(); }
-  std::uint64_t triggers() const noexcept { return state_.triggers; }
-
-  // Events before the first TIME_HIGH, ADDR_Y or base: what they are is not known, so they are
-  // dropped.
-  std::uint64_t before_start() const noexcept { return state_.before_start; }
-
-  void reset() noexcept {
-    state_ = {};
-    state_.offset = config_.first_offset;
-  }
+  explicit Evt3Decoder(Evt3Config config = {}) noexcept
+      : NativeDecoder(config, config.first_offset) {}
 
  private:
-  struct State {
-    std::int64_t t = 0;           // us, unwrapped
-    std::int64_t high = 0;        // us, of the last TIME_HIGH, unwrapped
-    std::uint32_t high_word = 0;  // the last TIME_HIGH; 0: none came yet
-    std::uint32_t y = 0;          // px
-    std::uint32_t base = 0;       // the last VECT_BASE_X, moved by vectors
-    bool has_y = false;
-    bool has_base = false;
-    std::uint64_t offset = 0;  // of the next word
-    std::uint64_t triggers = 0;
-    std::uint64_t before_start = 0;
-    BadRecords bad;
-    CutRecord<2> cut;
-  };
+  friend NativeDecoder;
 
-  Progress decode(std::span<const std::byte> bytes, const Output& out) noexcept;
   std::size_t decode_words(const std::byte* first, std::size_t count, Output& out) noexcept;
   std::size_t decode_plain(const std::byte* first, std::size_t i, std::size_t end,
                            Output& out) noexcept;
   bool decode_any(std::uint32_t word, std::uint64_t offset, Output& out) noexcept;
   void take_time_high(std::uint32_t word) noexcept;
 
-  Evt3Config config_;
-  State state_;
+  std::int64_t t_ = 0;           // us, unwrapped
+  std::int64_t high_ = 0;        // us, of the last TIME_HIGH, unwrapped
+  std::uint32_t high_word_ = 0;  // the last TIME_HIGH; 0: none came yet
+  std::uint32_t y_ = 0;          // px
+  std::uint32_t base_ = 0;       // the last VECT_BASE_X, moved by vectors
+  bool has_y_ = false;
+  bool has_base_ = false;
 };
 
 }  // namespace asap

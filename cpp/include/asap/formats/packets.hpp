@@ -8,9 +8,10 @@
 // dvs_msgs: u16 x, u16 y, u32 s, u32 ns, u8 p: 13 bytes in ROS 1; aligned in ROS 2 (CDR).
 // Source: README and types of event_camera_msgs and event_camera_codecs.
 //
-// One thread. begin() with the time_base of each message, then its bytes, cut anywhere. Never
-// throws, never allocates. O(bytes). Times are us of time_base + offset, rounded down; order and
-// sensor size are the Validator's.
+// begin() with the time_base in ns of each message, then its bytes, cut anywhere; a record that the
+// message before left unfinished is bad. Times are us of time_base + offset, rounded down.
+//
+// One thread. Never throws, never allocates. O(bytes).
 #pragma once
 
 #include <cstddef>
@@ -22,93 +23,61 @@
 
 namespace asap {
 
-struct Output;
-
 struct PacketConfig {
   std::uint64_t first_offset = 0;  // of the first byte that is fed, for noted()
 };
 
-class MonoDecoder {
+class MonoDecoder : public NativeDecoder<MonoDecoder, PacketConfig, 8> {
  public:
   static constexpr std::size_t kMostPerRecord = 1;  // events that one record can give
 
-  explicit MonoDecoder(PacketConfig config = {}) noexcept : config_(config) { reset(); }
+  explicit MonoDecoder(PacketConfig config = {}) noexcept
+      : NativeDecoder(config, config.first_offset) {}
 
-  // The next message. A record that the last one left unfinished is bad.
   void begin(std::uint64_t time_base_ns) noexcept;
 
-  // Decodes from the front of `bytes` until they end or the next record has no room. Events beyond
-  // those reported are overwritten.
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
-
-  // Bytes of a record that waits for its end; > 0 at the end of a message: it was cut.
-  std::size_t unfinished() const noexcept { return state_.cut.size; }
-
-  std::uint64_t bad_records() const noexcept { return state_.bad.count(); }
-  std::span<const std::uint64_t> noted() const noexcept { return state_.bad.noted(); }
-  void reset() noexcept;
-
  private:
-  struct State {
-    std::uint64_t offset = 0;  // of the next record
-    std::int64_t base_us = 0;
-    std::uint64_t base_rest_ns = 0;
-    BadRecords bad;
-    CutRecord<8> cut;
-  };
+  friend NativeDecoder;
 
-  PacketConfig config_;
-  State state_;
+  std::size_t decode_words(const std::byte* first, std::size_t count, Output& out) noexcept;
+
+  std::int64_t base_us_ = 0;
+  std::uint64_t base_rest_ns_ = 0;
 };
 
-class LibcaerDecoder {
+// Records with a negative stamp are bad.
+class LibcaerDecoder : public NativeDecoder<LibcaerDecoder, PacketConfig, 8> {
  public:
   static constexpr std::size_t kMostPerRecord = 1;
 
-  explicit LibcaerDecoder(PacketConfig config = {}) noexcept : config_(config) { reset(); }
-
-  void begin(std::uint64_t time_base_ns) noexcept;  // as above, and so on
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
-  std::size_t unfinished() const noexcept { return state_.cut.size; }
-
-  // Records with a negative stamp.
-  std::uint64_t bad_records() const noexcept { return state_.bad.count(); }
-  std::span<const std::uint64_t> noted() const noexcept { return state_.bad.noted(); }
-  void reset() noexcept;
-
- private:
-  struct State {
-    std::uint64_t offset = 0;
-    std::int64_t base_us = 0;  // of the stamps that follow: grows where they wrap
-    std::int32_t last_stamp = 0;
-    BadRecords bad;
-    CutRecord<8> cut;
-  };
-
-  std::size_t decode_records(const std::byte* first, std::size_t count, Output& out) noexcept;
-
-  PacketConfig config_;
-  State state_;
-};
-
-class LibcaerCmpDecoder {
- public:
-  static constexpr std::size_t kMostPerRecord = 8;
-
-  explicit LibcaerCmpDecoder(PacketConfig config = {}) noexcept : config_(config) { reset(); }
+  explicit LibcaerDecoder(PacketConfig config = {}) noexcept
+      : NativeDecoder(config, config.first_offset) {}
 
   void begin(std::uint64_t time_base_ns) noexcept;
 
-  // Stops with less than kMostPerRecord room, whatever the next word is.
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
-  std::size_t unfinished() const noexcept { return state_.cut.size; }
+ private:
+  friend NativeDecoder;
 
-  // Words of another code.
-  std::uint64_t bad_records() const noexcept { return state_.bad.count(); }
-  std::span<const std::uint64_t> noted() const noexcept { return state_.bad.noted(); }
-  void reset() noexcept;
+  std::size_t decode_words(const std::byte* first, std::size_t count, Output& out) noexcept;
+
+  std::int64_t base_us_ = 0;  // of the stamps that follow: grows where they wrap
+  std::int32_t last_stamp_ = 0;
+};
+
+// Words of another code are bad. Stops with less than kMostPerRecord room, whatever the next word
+// is.
+class LibcaerCmpDecoder : public NativeDecoder<LibcaerCmpDecoder, PacketConfig, 2> {
+ public:
+  static constexpr std::size_t kMostPerRecord = 8;
+
+  explicit LibcaerCmpDecoder(PacketConfig config = {}) noexcept
+      : NativeDecoder(config, config.first_offset) {}
+
+  void begin(std::uint64_t time_base_ns) noexcept;
 
  private:
+  friend NativeDecoder;
+
   struct Registers {
     std::int64_t high = 0;  // us
     std::int64_t low = 0;   // us
@@ -116,18 +85,11 @@ class LibcaerCmpDecoder {
     std::uint32_t base_y = 0;
     std::uint32_t base_p = 0;
   };
-  struct State {
-    std::uint64_t offset = 0;
-    std::int64_t base_us = 0;
-    Registers registers;
-    BadRecords bad;
-    CutRecord<2> cut;
-  };
 
   std::size_t decode_words(const std::byte* first, std::size_t count, Output& out) noexcept;
 
-  PacketConfig config_;
-  State state_;
+  std::int64_t base_us_ = 0;
+  Registers registers_;
 };
 
 // The array of events in one dvs_msgs/EventArray, whose bytes begin at its first event.
