@@ -4,10 +4,13 @@
 #include <exception>
 #include <mutex>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <utility>
 
+#include "asap/core/check.hpp"
 #include "asap/schemes/deadline.hpp"
+#include "core/made.hpp"
 #include "runner/live_run.hpp"
 #include "runner/push_door.hpp"
 
@@ -98,8 +101,9 @@ Pipeline::Work::Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConf
 }
 
 std::unique_ptr<Pipeline::Work> Pipeline::Work::with_worker(RunConfig config, Consumer algorithm) {
-  if (!algorithm) throw std::invalid_argument("algorithm: none; give what the events are for");
+  if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
   const double latency_us = config.latency_us.value_or(10'000.0);
+  checked_latency_bound_ns(latency_us);  // the scheme would name its own latency_ms
   auto scheme = std::make_unique<Deadline>(DeadlineConfig{.latency_ms = latency_us * 1e-3});
   Scheme& own = *scheme;
   auto work =
@@ -115,6 +119,11 @@ Pipeline::Work::~Work() {
 }
 
 void Pipeline::Work::set_to_work() {
+  const auto give_up = [this] {
+    works_ = false;
+    works_.notify_all();
+    abandon();
+  };
   works_ = true;
   try {
     worker_ = std::thread([this] {
@@ -127,10 +136,12 @@ void Pipeline::Work::set_to_work() {
       works_ = false;
       works_.notify_all();
     });
-  } catch (...) {  // no thread to be had
-    works_ = false;
-    works_.notify_all();
-    abandon();
+  } catch (const std::system_error& error) {
+    give_up();
+    throw std::system_error(error.code(),
+                            "the worker has no thread; end another one, or use run() on your own");
+  } catch (...) {
+    give_up();
     throw;
   }
 }
@@ -313,5 +324,14 @@ bool Pipeline::is_open() const noexcept { return work_->is_open(); }
 Ledger Pipeline::ledger() const { return work_->ledger(); }
 PipelineStats Pipeline::stats() const { return work_->stats(); }
 const Telemetry& Pipeline::telemetry() const noexcept { return work_->telemetry(); }
+
+Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config) noexcept {
+  return made<Pipeline>([&] { return std::make_unique<Pipeline>(scheme, std::move(config)); });
+}
+
+Result<Pipeline> make_pipeline(RunConfig config, Consumer algorithm) noexcept {
+  return made<Pipeline>(
+      [&] { return std::make_unique<Pipeline>(std::move(config), std::move(algorithm)); });
+}
 
 }  // namespace asap

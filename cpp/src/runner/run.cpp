@@ -12,6 +12,12 @@ namespace {
 constexpr std::int64_t kSlotsPerBound = 64;
 constexpr std::int64_t kStepsPerBound = 1024;
 
+const RunConfig& checked(const RunConfig& config) {
+  require_known(config.execution, Execution::anytime, "execution");
+  require_known(config.when_full, WhenFull::block, "when_full");
+  return config;
+}
+
 std::unique_ptr<KeptMask> mask_for(const RunConfig& config, Run::Source source) {
   if (!config.keep_mask) return nullptr;
   require(source == Run::Source::recording, "keep_mask", 1,
@@ -35,7 +41,7 @@ PackagerConfig packager_config(const RunConfig& config, Run::Source source, Kept
 }  // namespace
 
 Run::Run(Scheme& scheme, const RunConfig& config, Source source)
-    : mask_(mask_for(config, source)),
+    : mask_(mask_for(checked(config), source)),
       validator_(config.validator, mask_ ? &mask_->passed() : nullptr),
       telemetry_(asap::latency_bound_ns(config, scheme), source == Source::camera ? kLogRows : 0),
       buffer_(ring_capacity(config, latency_bound_ns())),

@@ -19,6 +19,7 @@
 #include <memory>
 #include <optional>
 
+#include "asap/core/result.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
@@ -129,5 +130,9 @@ class Pipeline {
   class Work;
   const std::unique_ptr<Work> work_;
 };
+
+// The constructors of Pipeline, for a program without exceptions.
+Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config = {}) noexcept;
+Result<Pipeline> make_pipeline(RunConfig config, Consumer algorithm) noexcept;
 
 }  // namespace asap
