@@ -68,13 +68,13 @@ void run_field(const char* field, asap::RunConfig config) {
   expect_refusal_of(field, asap::make_pipeline(config, [](const asap::Package&) {}));
 }
 
-// Every number of these is valid: flush, seed, before.
+// Every value of these is valid: flush, seed, before, most_copied, prefault.
 void runs() {
   const auto& [latency_us, capacity, seed, validator, execution, flush, before, when_full,
-               keep_mask] = asap::RunConfig{};
+               keep_mask, log_rows, most_copied, prefault] = asap::RunConfig{};
   const auto& [width, height, on_bad, reorder_tolerance_us, warmup_discard_us] = validator;
-  static_cast<void>(
-      std::tie(latency_us, capacity, seed, execution, flush, before, when_full, keep_mask));
+  static_cast<void>(std::tie(latency_us, capacity, seed, execution, flush, before, when_full,
+                             keep_mask, log_rows, most_copied, prefault));
   static_cast<void>(std::tie(width, height, on_bad, reorder_tolerance_us, warmup_discard_us));
   run_field("latency_us", {.latency_us = -5});
   run_field("capacity", {.capacity = kTooMany});
@@ -87,6 +87,7 @@ void runs() {
   run_field("execution", {.execution = static_cast<asap::Execution>(-1)});
   run_field("when_full", {.when_full = static_cast<asap::WhenFull>(4)});
   run_field("keep_mask", {.keep_mask = true});
+  run_field("log_rows", {.log_rows = kTooMany});
 
   asap::Deadline deadline{{.latency_ms = 5}};
   expect_refusal_of("latency_us", asap::make_pipeline(deadline, {.latency_us = 10'000}));

@@ -24,7 +24,7 @@
 
 namespace asap {
 
-template <class Atomics = StdAtomics, std::size_t steps = 8192>
+template <class Atomics = StdAtomics, std::size_t steps = 3072>
 class BasicArrivalTimes {
  public:
   static constexpr std::size_t kSteps = steps;
@@ -34,6 +34,10 @@ class BasicArrivalTimes {
       : step_ns_(step_ns), entries_(std::make_unique<Entry[]>(kSteps)) {
     require(step_ns >= 1 && step_ns <= kLongestStepNs, "step_ns", step_ns,
             "must be between 1 ns and 10^12 ns");
+  }
+
+  static constexpr std::size_t memory_bytes() noexcept {
+    return sizeof(BasicArrivalTimes) + kSteps * sizeof(Entry);
   }
 
   // Producer, before the push: events from this ring index on arrive now, and so many have been

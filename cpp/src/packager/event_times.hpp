@@ -87,7 +87,10 @@ class KeptTimes {
     std::int64_t time_ns;
   };
 
-  explicit KeptTimes(std::size_t runs) { runs_.reserve(runs); }
+  explicit KeptTimes(std::size_t runs) : runs_(runs) { runs_.clear(); }
+  static constexpr std::size_t memory_bytes(std::size_t runs) noexcept {
+    return runs * sizeof(Run);
+  }
 
   void clear() noexcept { runs_.clear(); }
 

@@ -34,6 +34,19 @@ Thinner::Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t se
       kept_times_(times.by_arrival() ? kMostRuns : 0),
       passed_times_(times.by_arrival() && before_ ? kMostRuns : 1) {}
 
+std::size_t Thinner::memory_bytes(std::size_t capacity, std::size_t most_copied, bool by_arrival,
+                                  bool is_filtered) noexcept {
+  const std::size_t copied = std::min(capacity, most_copied);
+  return copied * sizeof(Event) + AnytimePlan::longest_stratum(copied) * sizeof(std::uint64_t) +
+         KeptTimes::memory_bytes(by_arrival ? kMostRuns : 0) +
+         KeptTimes::memory_bytes(by_arrival && is_filtered ? kMostRuns : 1);
+}
+
+void Thinner::prefault() noexcept {
+  std::fill_n(kept_.get(), most_copied_, Event{});
+  std::fill_n(numbers_.get(), most_numbers_, std::uint64_t{0});
+}
+
 void Thinner::begin(const EventPieces& raw, std::uint64_t head) noexcept {
   raw_ = raw;
   head_ = head;

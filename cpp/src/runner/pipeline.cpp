@@ -1,6 +1,8 @@
 #include "asap/runner/pipeline.hpp"
 
 #include <atomic>
+#include <cmath>
+#include <cstddef>
 #include <exception>
 #include <mutex>
 #include <stdexcept>
@@ -12,12 +14,15 @@
 #include "asap/schemes/deadline.hpp"
 #include "core/made.hpp"
 #include "runner/live_run.hpp"
+#include "runner/prefault.hpp"
 #include "runner/push_door.hpp"
 
 namespace asap {
 namespace {
 
 thread_local const void* worker_of = nullptr;  // whose worker this thread is
+
+constexpr double kDefaultLatency_us = 10'000;
 
 }  // namespace
 
@@ -26,6 +31,7 @@ class Pipeline::Work {
   Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConfig config, Consumer algorithm);
   ~Work();
   static std::unique_ptr<Work> with_worker(RunConfig config, Consumer algorithm);
+  static PipelineMemory memory(const RunConfig& config) noexcept;
 
   bool push(EventSpan events, Arrival arrival, const Poll& poll);
   void upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept;
@@ -70,6 +76,7 @@ class Pipeline::Work {
   std::mutex worker_control_;  // start and join; taken before control_
   std::exception_ptr error_;   // what it has thrown
   std::atomic<bool> works_{false};
+  std::atomic<bool> has_stack_{false};  // the worker: of RunConfig::prefault
   std::thread worker_;
 };
 
@@ -102,7 +109,7 @@ Pipeline::Work::Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConf
 
 std::unique_ptr<Pipeline::Work> Pipeline::Work::with_worker(RunConfig config, Consumer algorithm) {
   if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
-  const double latency_us = config.latency_us.value_or(10'000.0);
+  const double latency_us = config.latency_us.value_or(kDefaultLatency_us);
   checked_latency_bound_ns(latency_us);  // the scheme would name its own latency_ms
   auto scheme = std::make_unique<Deadline>(DeadlineConfig{.latency_ms = latency_us * 1e-3});
   Scheme& own = *scheme;
@@ -110,6 +117,14 @@ std::unique_ptr<Pipeline::Work> Pipeline::Work::with_worker(RunConfig config, Co
       std::make_unique<Work>(std::move(scheme), own, std::move(config), std::move(algorithm));
   work->set_to_work();
   return work;
+}
+
+PipelineMemory Pipeline::Work::memory(const RunConfig& config) noexcept {
+  constexpr std::size_t kThread = 2 * sizeof(void*);  // what std::thread keeps of its function
+  const double latency_us = config.latency_us.value_or(kDefaultLatency_us);
+  PipelineMemory memory = Run::memory(config, std::llround(latency_us * 1e3));
+  memory.rest += sizeof(Work) + sizeof(LiveRun) + sizeof(Deadline) + kThread;
+  return memory;
 }
 
 Pipeline::Work::~Work() {
@@ -125,9 +140,13 @@ void Pipeline::Work::set_to_work() {
     abandon();
   };
   works_ = true;
+  has_stack_ = false;
   try {
     worker_ = std::thread([this] {
       worker_of = this;
+      if (config_.prefault) touch_stack();
+      has_stack_ = true;
+      has_stack_.notify_all();
       try {
         run(algorithm_, {});
       } catch (...) {
@@ -136,6 +155,7 @@ void Pipeline::Work::set_to_work() {
       works_ = false;
       works_.notify_all();
     });
+    if (config_.prefault) has_stack_.wait(false);
   } catch (const std::system_error& error) {
     give_up();
     throw std::system_error(error.code(),
@@ -301,6 +321,11 @@ Pipeline::Pipeline(RunConfig config, Consumer algorithm)
     : work_(Work::with_worker(std::move(config), std::move(algorithm))) {}
 
 Pipeline::~Pipeline() = default;
+
+PipelineMemory Pipeline::memory(const RunConfig& config) noexcept { return Work::memory(config); }
+std::size_t memory_bytes(const RunConfig& config) noexcept {
+  return Pipeline::memory(config).total();
+}
 
 bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
   return work_->push(events, arrival, poll);

@@ -96,7 +96,7 @@ TEST(ArrivalTimes, ABacklogOfAnyLengthKeepsItsAgesToAFewPercent) {
   }
   for (std::size_t i = 0; i < pushed.size(); ++i) {
     ASSERT_LE(times.of(i), pushed[i]) << "never younger than it is";
-    ASSERT_LE(pushed[i] - times.of(i), pushed[i] / 100);
+    ASSERT_LE(pushed[i] - times.of(i), pushed[i] / 50);
   }
 }
 
