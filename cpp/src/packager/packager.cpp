@@ -307,7 +307,8 @@ Packager::Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, Pa
 
 std::size_t Packager::memory_bytes(std::size_t capacity, std::size_t most_copied,
                                    bool is_filtered) noexcept {
-  return sizeof(Work) + Thinner::memory_bytes(capacity, most_copied, true, is_filtered);
+  return sizeof(Work) + Thinner::memory_bytes(capacity, most_copied,
+                                              ArrivalTimes::steps_for(capacity), is_filtered);
 }
 
 Packager::~Packager() = default;

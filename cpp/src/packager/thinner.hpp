@@ -33,7 +33,8 @@ class Thinner {
   Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t seed, FrontFilter before,
           std::size_t most_copied = std::numeric_limits<std::size_t>::max());
 
-  static std::size_t memory_bytes(std::size_t capacity, std::size_t most_copied, bool by_arrival,
+  // Of times by arrival, in a table of so many steps.
+  static std::size_t memory_bytes(std::size_t capacity, std::size_t most_copied, std::size_t steps,
                                   bool is_filtered) noexcept;
 
   // Writes to all memory, so that no page of it is missing later. Before the first package.

@@ -53,7 +53,8 @@ Run::Run(Scheme& scheme, const RunConfig& config, Source source)
                                               latency_bound_ns() / kSlotsPerBound, 1))
                                         : nullptr),
       arrivals_(source == Source::camera
-                    ? std::make_unique<ArrivalTimes>(arrival_step_ns(latency_bound_ns()))
+                    ? std::make_unique<ArrivalTimes>(arrival_step_ns(latency_bound_ns()),
+                                                     ArrivalTimes::steps_for(buffer_.capacity()))
                     : nullptr),
       packager_(buffer_, ages_ ? EventTimes(*ages_) : EventTimes(*arrivals_), scheme, telemetry_,
                 packager_config(config, source, mask_.get())) {
@@ -72,7 +73,8 @@ PipelineMemory Run::memory(const RunConfig& config, std::int64_t latency_bound_n
   return {.ring = EventBuffer::memory_bytes(capacity),
           .copies = copies,
           .log = RunLog::memory_bytes(config.log_rows),
-          .rest = LatencyHistogram::memory_bytes() + ArrivalTimes::memory_bytes() +
+          .rest = LatencyHistogram::memory_bytes() +
+                  ArrivalTimes::memory_bytes(ArrivalTimes::steps_for(capacity)) +
                   Packager::memory_bytes(capacity, most_copied, config.before != nullptr) - copies};
 }
 
