@@ -63,7 +63,7 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "buffer/arrival_times.hpp",
         "buffer",
-        full_table_overwrites_its_oldest_step=("used == kSteps || ", ""),
+        full_table_overwrites_its_oldest_step=("used == steps_ || ", ""),
         event_of_the_step_before=(
             "std::memory_order_relaxed) > index;",
             "std::memory_order_relaxed) >= index;",

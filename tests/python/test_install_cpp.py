@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import platform
 import re
 from pathlib import Path
 
@@ -171,3 +172,21 @@ def test_pkg_config_knows_absolute_directories(include: str, tmp_path: Path) -> 
     for name, place in (("libdir", "/somewhere/lib"), ("includedir", include)):
         found = run(["pkg-config", f"--variable={name}", "asap-core"], env=env).strip()
         assert found == str(Path("/prefix", place))
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="needs a compiler that knows -m32")
+def test_a_target_of_32_bits_is_refused(tmp_path: Path) -> None:
+    """As on armhf. A compiler for x86 that only compiles shows it without a cross compiler."""
+    flags = ["-DCMAKE_CXX_FLAGS=-m32", "-DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY"]
+    said = run(["cmake", "-S", ROOT, "-B", tmp_path, *flags], check=False)
+    assert "asap needs a 64-bit target" in " ".join(said.split())
+    assert "reference runs came out different" in " ".join(said.split())
+
+
+def test_a_missing_cross_compiler_is_named(tmp_path: Path) -> None:
+    script = tmp_path / "without_programs.cmake"
+    script.write_text(
+        f'set(ENV{{PATH}} "")\ninclude("{ROOT}/cpp/aarch64-linux-gnu.cmake")\n', encoding="utf-8"
+    )
+    said = run(["cmake", "-P", script], check=False)
+    assert "apt-get install -y g++-aarch64-linux-gnu" in said

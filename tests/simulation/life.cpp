@@ -26,7 +26,7 @@ Life::Life(const Setup& setup, Scheme& scheme, World& world)
       reference_door_(setup.door),
       scheme_(scheme, *this),
       door_(setup.door),
-      telemetry_(setup.latency_ns, setup.by_arrival ? kLogRows : 0),
+      telemetry_(setup.latency_ns, setup.by_arrival ? kLogRows : RunLog::kAllRows),
       buffer_(setup.capacity),
       ages_(share_ns(setup.latency_ns, 64)),
       arrivals_(share_ns(setup.latency_ns, 1024)),

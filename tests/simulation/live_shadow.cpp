@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "buffer/arrival_times.hpp"
 #include "scheme_laws.hpp"
 
 namespace asap::simulation {
@@ -173,7 +174,7 @@ void LiveShadow::asked(const Backlog& backlog) {
   journal_.equal(Law::protocol, backlog.now_ns, run_ns(seen_ns_), "time told");
   journal_.equal(Law::protocol, backlog.previous_start_ns, previous_start_ns_, "previous start");
   const std::int64_t oldest_ns = held_[head_].time_ns;
-  const bool is_exact = most_waiting_ <= kExactTable;
+  const bool is_exact = most_waiting_ + 100 <= ArrivalTimes::steps_for(setup_.capacity) / 2;
   const std::int64_t step_ns = std::max<std::int64_t>(longest_bound_ns_ / 1024, 1);
   journal_.hold(
       Law::age,

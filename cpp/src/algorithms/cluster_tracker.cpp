@@ -3,7 +3,9 @@
 #include <cstddef>
 
 #include "algorithms/fast/engine.hpp"
+#include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/check.hpp"
+#include "core/made.hpp"
 
 namespace asap {
 
@@ -66,5 +68,14 @@ std::uint64_t ClusterTracker::unsupported() const noexcept {
 std::uint64_t ClusterTracker::refused() const noexcept { return state_->engine.counters().refused; }
 
 const ClusterTracker::Config& ClusterTracker::config() const noexcept { return state_->config; }
+
+template <class Made>
+Result<Made> make_tracker(const typename Made::Config& config) noexcept {
+  return made<Made>([&] { return std::make_unique<Made>(config); });
+}
+
+template Result<ClusterTracker> make_tracker<ClusterTracker>(const ClusterTrackerConfig&) noexcept;
+template Result<PublishedClusterTracker> make_tracker<PublishedClusterTracker>(
+    const PublishedClusterTrackerConfig&) noexcept;
 
 }  // namespace asap

@@ -100,6 +100,7 @@ const ClusterTrackerConfig& checked(const ClusterTrackerConfig& config) {
   require(is_side(config.width), "width", config.width, "must be 1 to 16384 px");
   require(is_side(config.height), "height", config.height, "must be 1 to 16384 px");
 
+  require_known(config.support, ClusterSupport::kReject, "support");
   for (const auto& limited : kParameters) {  // clang 14 captures no structured binding
     std::visit(
         [&](auto field) {

@@ -25,6 +25,7 @@ const PublishedClusterTrackerConfig& checked(const PublishedClusterTrackerConfig
           "must be finite and at least 0 px");
   require(config.probes >= 0, "probes", config.probes, "must be at least 0");
   require(0 <= config.weight && config.weight <= 1, "weight", config.weight, "must be in [0, 1]");
+  require_known(config.motion, PublishedClusterMotion::kKalman, "motion");
   require(config.min_size >= 0, "min_size", config.min_size, "must be at least 0 events");
   return config;
 }

@@ -4,7 +4,7 @@
 // is at most one step younger than the table says, never older.
 //
 // One producer thread, one consumer thread; wait-free, no allocation after construction. note():
-// O(1); of(), before(): O(log kSteps). Bounded: beyond half of its entries, for a consumer that has
+// O(1); of(), before(): O(log steps). Bounded: beyond half of its entries, for a consumer that has
 // stalled, the steps double with every 1/32 more, so the table always spans the backlog and an age
 // stays right to a few percent; when it is full, the last step goes on.
 //
@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -24,17 +25,29 @@
 
 namespace asap {
 
-template <class Atomics = StdAtomics, std::size_t steps = 8192>
+template <class Atomics = StdAtomics, std::size_t most_steps = 8192>
 class BasicArrivalTimes {
  public:
-  static constexpr std::size_t kSteps = steps;
-  static_assert(steps >= 32);
+  static constexpr std::size_t kSteps = most_steps;
 
-  explicit BasicArrivalTimes(std::int64_t step_ns)
-      : step_ns_(step_ns), entries_(std::make_unique<Entry[]>(kSteps)) {
+  // The table has a power of two of steps, at least 32.
+  explicit BasicArrivalTimes(std::int64_t step_ns, std::size_t steps = kSteps)
+      : steps_(steps), step_ns_(step_ns), entries_(std::make_unique<Entry[]>(steps)) {
     require(step_ns >= 1 && step_ns <= kLongestStepNs, "step_ns", step_ns,
             "must be between 1 ns and 10^12 ns");
+    require(std::has_single_bit(steps) && steps >= 32, "steps", steps,
+            "must be a power of two, at least 32");
   }
+
+  // For a ring of this capacity: a small ring pays for fewer steps, of 32 events each if it is
+  // full, but 2048 at least.
+  static std::size_t steps_for(std::size_t capacity) noexcept {
+    return std::bit_ceil(std::clamp<std::size_t>(capacity / 32, 2048, kSteps));
+  }
+  static constexpr std::size_t memory_bytes(std::size_t steps) noexcept {
+    return sizeof(BasicArrivalTimes) + steps * sizeof(Entry);
+  }
+  std::size_t steps() const noexcept { return steps_; }
 
   // Producer, before the push: events from this ring index on arrive now, and so many have been
   // thinned out before them. Times do not go back.
@@ -51,7 +64,7 @@ class BasicArrivalTimes {
       const std::int64_t step_ns = step_ns_;
       if (elapsed_ns < step_ns) return;
       const auto used = static_cast<std::size_t>(tail - head_.load(std::memory_order_acquire));
-      if (used == kSteps || elapsed_ns < step_ns << doublings(used)) return;
+      if (used == steps_ || elapsed_ns < step_ns << doublings(used)) return;
     }
     entry(tail).first.store(index, std::memory_order_relaxed);
     entry(tail).time_ns.store(now_ns, std::memory_order_relaxed);
@@ -110,12 +123,12 @@ class BasicArrivalTimes {
   };
   static constexpr std::int64_t kLongestStepNs = 1'000'000'000'000;
 
-  static int doublings(std::size_t used) noexcept {
-    return used > kSteps / 2 ? static_cast<int>((used - kSteps / 2) / (kSteps / 32)) : 0;
+  int doublings(std::size_t used) const noexcept {
+    return used > steps_ / 2 ? static_cast<int>((used - steps_ / 2) / (steps_ / 32)) : 0;
   }
 
-  Entry& entry(std::uint64_t i) noexcept { return entries_[i % kSteps]; }
-  const Entry& entry(std::uint64_t i) const noexcept { return entries_[i % kSteps]; }
+  Entry& entry(std::uint64_t i) noexcept { return entries_[i & (steps_ - 1)]; }
+  const Entry& entry(std::uint64_t i) const noexcept { return entries_[i & (steps_ - 1)]; }
 
   // The step that holds an event of this index.
   std::uint64_t step_of(std::uint64_t index) const noexcept {
@@ -142,6 +155,7 @@ class BasicArrivalTimes {
   }
 
   static constexpr std::size_t kApart = 128;  // as in the ring
+  const std::size_t steps_;
   Relaxed<std::int64_t> step_ns_;
   const std::unique_ptr<Entry[]> entries_;
   alignas(kApart) Atomic<std::uint64_t> tail_{0};

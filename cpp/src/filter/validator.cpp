@@ -34,6 +34,7 @@ Validator::Validator(ValidatorConfig config, BitLog* passed)
           "give the sensor's width in pixels, at most 65536, or 0 for no check");
   require(config.height >= 0 && config.height <= kAddresses, "height", config.height,
           "give the sensor's height in pixels, at most 65536, or 0 for no check");
+  require_known(config.on_bad, OnBad::raise, "on_bad");
   require(config.reorder_tolerance_us >= 0 && config.reorder_tolerance_us < kNewEpoch_us,
           "reorder_tolerance_us", config.reorder_tolerance_us,
           "give 0 to 999999 us; a stamp that goes back by 1 s starts a new epoch");

@@ -26,6 +26,8 @@ class EventTimes {
   EventTimes(ArrivalTimes& arrivals) noexcept : arrivals_(&arrivals) {}
 
   bool by_arrival() const noexcept { return arrivals_ != nullptr; }
+  // Of the table of arrival times; 0 by stamp.
+  std::size_t steps() const noexcept { return by_arrival() ? arrivals_->steps() : 0; }
 
   // Where stamps lie in run time.
   void set_axis(TimeAxis axis) noexcept { axis_ = axis; }
@@ -87,7 +89,10 @@ class KeptTimes {
     std::int64_t time_ns;
   };
 
-  explicit KeptTimes(std::size_t runs) { runs_.reserve(runs); }
+  explicit KeptTimes(std::size_t runs) : runs_(runs) { runs_.clear(); }
+  static constexpr std::size_t memory_bytes(std::size_t runs) noexcept {
+    return runs * sizeof(Run);
+  }
 
   void clear() noexcept { runs_.clear(); }
 

@@ -107,6 +107,7 @@ Packager::Work::Work(EventBuffer& buffer, const EventTimes& times, Scheme& schem
       thinner_(times_, buffer.capacity(), config_.seed, config_.before, config_.most_copied),
       books_(telemetry, times_) {
   require(config_.most_copied >= 1, "most_copied", config_.most_copied, "must be at least 1");
+  if (config_.prefault) thinner_.prefault();
   scheme_.reset(config_.execution);
 }
 
@@ -303,6 +304,12 @@ Packager::Packager(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
 
 Packager::Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, PackagerConfig config)
     : Packager(buffer, EventTimes(), scheme, telemetry, std::move(config)) {}
+
+std::size_t Packager::memory_bytes(std::size_t capacity, std::size_t most_copied,
+                                   bool is_filtered) noexcept {
+  return sizeof(Work) + Thinner::memory_bytes(capacity, most_copied,
+                                              ArrivalTimes::steps_for(capacity), is_filtered);
+}
 
 Packager::~Packager() = default;
 

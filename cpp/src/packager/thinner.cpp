@@ -9,8 +9,10 @@
 namespace asap {
 namespace {
 
-// Of one time in a package: steps of the table, each of which a stratum may cut.
-constexpr std::size_t kMostRuns = ArrivalTimes::kSteps + AnytimePlan::kMostStrata;
+// Of one time in a package: steps of the table, each of which a stratum may cut. None by stamp.
+std::size_t most_runs(std::size_t steps) noexcept {
+  return steps > 0 ? steps + AnytimePlan::kMostStrata : 0;
+}
 
 EventPieces part_of(const EventPieces& pieces, std::size_t begin, std::size_t end) noexcept {
   const std::size_t wrap = pieces.first.size();
@@ -31,8 +33,21 @@ Thinner::Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t se
       most_numbers_(AnytimePlan::longest_stratum(most_copied_)),
       kept_(allocate<Event>(most_copied_, "capacity", capacity)),
       numbers_(allocate<std::uint64_t>(most_numbers_, "capacity", capacity)),
-      kept_times_(times.by_arrival() ? kMostRuns : 0),
-      passed_times_(times.by_arrival() && before_ ? kMostRuns : 1) {}
+      kept_times_(most_runs(times.steps())),
+      passed_times_(times.by_arrival() && before_ ? most_runs(times.steps()) : 1) {}
+
+std::size_t Thinner::memory_bytes(std::size_t capacity, std::size_t most_copied, std::size_t steps,
+                                  bool is_filtered) noexcept {
+  const std::size_t copied = std::min(capacity, most_copied);
+  return copied * sizeof(Event) + AnytimePlan::longest_stratum(copied) * sizeof(std::uint64_t) +
+         KeptTimes::memory_bytes(most_runs(steps)) +
+         KeptTimes::memory_bytes(is_filtered ? most_runs(steps) : 1);
+}
+
+void Thinner::prefault() noexcept {
+  std::fill_n(kept_.get(), most_copied_, Event{});
+  std::fill_n(numbers_.get(), most_numbers_, std::uint64_t{0});
+}
 
 void Thinner::begin(const EventPieces& raw, std::uint64_t head) noexcept {
   raw_ = raw;

@@ -33,6 +33,13 @@ class Thinner {
   Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t seed, FrontFilter before,
           std::size_t most_copied = std::numeric_limits<std::size_t>::max());
 
+  // Of times by arrival, in a table of so many steps.
+  static std::size_t memory_bytes(std::size_t capacity, std::size_t most_copied, std::size_t steps,
+                                  bool is_filtered) noexcept;
+
+  // Writes to all memory, so that no page of it is missing later. Before the first package.
+  void prefault() noexcept;
+
   // A new package of these waiting events, the first of which lies at ring index `head`.
   void begin(const EventPieces& raw, std::uint64_t head) noexcept;
 

@@ -1,8 +1,8 @@
 // LiveRun: a run of a live pipeline, from its first event to its end. The producer pushes, the
 // consumer loops, any thread may look at the counters. The event's time is its arrival on the
-// steady clock; a wall clock that steps has no effect. Memory is bounded at construction: the ring
-// and 6 MiB. A package that is thinned or lies across the ring's end has at most Run::kMostCopied
-// events; what the scheme has taken beyond follows as the next.
+// steady clock; a wall clock that steps has no effect. Memory is bounded at construction: see
+// Pipeline::memory(). A package that is thinned or lies across the ring's end has at most
+// RunConfig::most_copied events; what the scheme has taken beyond follows as the next.
 #pragma once
 
 #include <atomic>

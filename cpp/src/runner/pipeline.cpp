@@ -1,20 +1,28 @@
 #include "asap/runner/pipeline.hpp"
 
 #include <atomic>
+#include <cmath>
+#include <cstddef>
 #include <exception>
 #include <mutex>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <utility>
 
+#include "asap/core/check.hpp"
 #include "asap/schemes/deadline.hpp"
+#include "core/made.hpp"
 #include "runner/live_run.hpp"
+#include "runner/prefault.hpp"
 #include "runner/push_door.hpp"
 
 namespace asap {
 namespace {
 
 thread_local const void* worker_of = nullptr;  // whose worker this thread is
+
+constexpr double kDefaultLatency_us = 10'000;
 
 }  // namespace
 
@@ -23,6 +31,7 @@ class Pipeline::Work {
   Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConfig config, Consumer algorithm);
   ~Work();
   static std::unique_ptr<Work> with_worker(RunConfig config, Consumer algorithm);
+  static PipelineMemory memory(const RunConfig& config) noexcept;
 
   bool push(EventSpan events, Arrival arrival, const Poll& poll);
   void upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept;
@@ -67,6 +76,7 @@ class Pipeline::Work {
   std::mutex worker_control_;  // start and join; taken before control_
   std::exception_ptr error_;   // what it has thrown
   std::atomic<bool> works_{false};
+  std::atomic<bool> has_stack_{false};  // the worker: of RunConfig::prefault
   std::thread worker_;
 };
 
@@ -98,14 +108,23 @@ Pipeline::Work::Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConf
 }
 
 std::unique_ptr<Pipeline::Work> Pipeline::Work::with_worker(RunConfig config, Consumer algorithm) {
-  if (!algorithm) throw std::invalid_argument("algorithm: none; give what the events are for");
-  const double latency_us = config.latency_us.value_or(10'000.0);
+  if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
+  const double latency_us = config.latency_us.value_or(kDefaultLatency_us);
+  checked_latency_bound_ns(latency_us);  // the scheme would name its own latency_ms
   auto scheme = std::make_unique<Deadline>(DeadlineConfig{.latency_ms = latency_us * 1e-3});
   Scheme& own = *scheme;
   auto work =
       std::make_unique<Work>(std::move(scheme), own, std::move(config), std::move(algorithm));
   work->set_to_work();
   return work;
+}
+
+PipelineMemory Pipeline::Work::memory(const RunConfig& config) noexcept {
+  constexpr std::size_t kThread = 2 * sizeof(void*);  // what std::thread keeps of its function
+  const double latency_us = config.latency_us.value_or(kDefaultLatency_us);
+  PipelineMemory memory = Run::memory(config, std::llround(latency_us * 1e3));
+  memory.rest += sizeof(Work) + sizeof(LiveRun) + sizeof(Deadline) + kThread;
+  return memory;
 }
 
 Pipeline::Work::~Work() {
@@ -115,10 +134,19 @@ Pipeline::Work::~Work() {
 }
 
 void Pipeline::Work::set_to_work() {
+  const auto give_up = [this] {
+    works_ = false;
+    works_.notify_all();
+    abandon();
+  };
   works_ = true;
+  has_stack_ = false;
   try {
     worker_ = std::thread([this] {
       worker_of = this;
+      if (config_.prefault) touch_stack();
+      has_stack_ = true;
+      has_stack_.notify_all();
       try {
         run(algorithm_, {});
       } catch (...) {
@@ -127,10 +155,13 @@ void Pipeline::Work::set_to_work() {
       works_ = false;
       works_.notify_all();
     });
-  } catch (...) {  // no thread to be had
-    works_ = false;
-    works_.notify_all();
-    abandon();
+    if (config_.prefault) has_stack_.wait(false);
+  } catch (const std::system_error& error) {
+    give_up();
+    throw std::system_error(error.code(),
+                            "the worker has no thread; end another one, or use run() on your own");
+  } catch (...) {
+    give_up();
     throw;
   }
 }
@@ -291,6 +322,11 @@ Pipeline::Pipeline(RunConfig config, Consumer algorithm)
 
 Pipeline::~Pipeline() = default;
 
+PipelineMemory Pipeline::memory(const RunConfig& config) noexcept { return Work::memory(config); }
+std::size_t memory_bytes(const RunConfig& config) noexcept {
+  return Pipeline::memory(config).total();
+}
+
 bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
   return work_->push(events, arrival, poll);
 }
@@ -313,5 +349,14 @@ bool Pipeline::is_open() const noexcept { return work_->is_open(); }
 Ledger Pipeline::ledger() const { return work_->ledger(); }
 PipelineStats Pipeline::stats() const { return work_->stats(); }
 const Telemetry& Pipeline::telemetry() const noexcept { return work_->telemetry(); }
+
+Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config) noexcept {
+  return made<Pipeline>([&] { return std::make_unique<Pipeline>(scheme, std::move(config)); });
+}
+
+Result<Pipeline> make_pipeline(RunConfig config, Consumer algorithm) noexcept {
+  return made<Pipeline>(
+      [&] { return std::make_unique<Pipeline>(std::move(config), std::move(algorithm)); });
+}
 
 }  // namespace asap

@@ -5,12 +5,20 @@
 
 #include "asap/core/check.hpp"
 #include "packager/event_times.hpp"
+#include "runner/prefault.hpp"
+#include "runner/system.hpp"
 
 namespace asap {
 namespace {
 
 constexpr std::int64_t kSlotsPerBound = 64;
 constexpr std::int64_t kStepsPerBound = 1024;
+
+const RunConfig& checked(const RunConfig& config) {
+  require_known(config.execution, Execution::anytime, "execution");
+  require_known(config.when_full, WhenFull::block, "when_full");
+  return config;
+}
 
 std::unique_ptr<KeptMask> mask_for(const RunConfig& config, Run::Source source) {
   if (!config.keep_mask) return nullptr;
@@ -24,29 +32,51 @@ PackagerConfig packager_config(const RunConfig& config, Run::Source source, Kept
                           .execution = config.execution,
                           .flush = config.flush,
                           .before = config.before,
-                          .kept_mask = mask};
-  if (source == Run::Source::camera) {
-    packager.drop_oldest = config.when_full == WhenFull::oldest;
-    packager.most_copied = Run::kMostCopied;
-  }
+                          .kept_mask = mask,
+                          .prefault = config.prefault};
+  const bool is_live = source == Run::Source::camera;
+  packager.drop_oldest = is_live && config.when_full == WhenFull::oldest;
+  if (is_live) packager.most_copied = Run::kMostCopied;
+  if (config.most_copied > 0) packager.most_copied = config.most_copied;
   return packager;
 }
 
 }  // namespace
 
 Run::Run(Scheme& scheme, const RunConfig& config, Source source)
-    : mask_(mask_for(config, source)),
+    : mask_(mask_for(checked(config), source)),
       validator_(config.validator, mask_ ? &mask_->passed() : nullptr),
-      telemetry_(asap::latency_bound_ns(config, scheme), source == Source::camera ? kLogRows : 0),
+      telemetry_(asap::latency_bound_ns(config, scheme),
+                 source == Source::camera ? config.log_rows : RunLog::kAllRows),
       buffer_(ring_capacity(config, latency_bound_ns())),
       ages_(source == Source::recording ? std::make_unique<AgeSlots>(std::max<std::int64_t>(
                                               latency_bound_ns() / kSlotsPerBound, 1))
                                         : nullptr),
       arrivals_(source == Source::camera
-                    ? std::make_unique<ArrivalTimes>(arrival_step_ns(latency_bound_ns()))
+                    ? std::make_unique<ArrivalTimes>(arrival_step_ns(latency_bound_ns()),
+                                                     ArrivalTimes::steps_for(buffer_.capacity()))
                     : nullptr),
       packager_(buffer_, ages_ ? EventTimes(*ages_) : EventTimes(*arrivals_), scheme, telemetry_,
-                packager_config(config, source, mask_.get())) {}
+                packager_config(config, source, mask_.get())) {
+  if (!config.prefault) return;
+  buffer_.prefault();
+  telemetry_.log.prefault();
+  touch_code();
+  System::now();  // its page, too
+}
+
+PipelineMemory Run::memory(const RunConfig& config, std::int64_t latency_bound_ns) noexcept {
+  const std::size_t capacity =
+      std::min(ring_capacity(config, latency_bound_ns), EventBuffer::kMaxCapacity);
+  const std::size_t most_copied = config.most_copied > 0 ? config.most_copied : kMostCopied;
+  const std::size_t copies = std::min(capacity, most_copied) * sizeof(Event);
+  return {.ring = EventBuffer::memory_bytes(capacity),
+          .copies = copies,
+          .log = RunLog::memory_bytes(config.log_rows),
+          .rest = LatencyHistogram::memory_bytes() +
+                  ArrivalTimes::memory_bytes(ArrivalTimes::steps_for(capacity)) +
+                  Packager::memory_bytes(capacity, most_copied, config.before != nullptr) - copies};
+}
 
 std::int64_t Run::age_slot_ns(std::int64_t latency_bound_ns) noexcept {
   return std::max<std::int64_t>(latency_bound_ns / kSlotsPerBound, 1);

@@ -16,6 +16,7 @@
 #include "asap/core/time.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/packager.hpp"
+#include "asap/runner/pipeline.hpp"
 #include "asap/runner/run_config.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/telemetry.hpp"
@@ -31,11 +32,13 @@ class Run {
   // the newest rows alone.
   enum class Source { recording, camera };
 
-  static constexpr std::size_t kLogRows = 4 * RunLog::kBlockRows;
-  static constexpr std::size_t kMostCopied = std::size_t{1} << 17;
+  static constexpr std::size_t kMostCopied = std::size_t{1} << 17;  // unless configured
 
   // The scheme outlives the run.
   Run(Scheme& scheme, const RunConfig& config, Source source);
+
+  // What the run of a camera takes from the heap, all of it in its constructor.
+  static PipelineMemory memory(const RunConfig& config, std::int64_t latency_bound_ns) noexcept;
 
   // How finely time is cut: the ages of a recording's events are counted in slots, the arrivals of
   // a camera's are known to a step.

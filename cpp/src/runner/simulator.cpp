@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "asap/core/check.hpp"
+#include "core/made.hpp"
 #include "runner/admission.hpp"
 #include "runner/run.hpp"
 
@@ -247,5 +248,13 @@ const Telemetry& Simulator::telemetry() const noexcept { return work_->parts().t
 std::optional<KeptEvents> Simulator::kept() const { return work_->parts().kept(); }
 const SlotLog& Simulator::slots() const noexcept { return work_->slots(); }
 std::int64_t Simulator::busy_ns() const noexcept { return work_->busy_ns(); }
+
+Result<Simulator> make_simulator(Scheme& scheme, LinearCostConfig cost, RunConfig config,
+                                 Consumer consumer) noexcept {
+  return made<Simulator>([&] {
+    return std::make_unique<Simulator>(scheme, LinearCost(std::move(cost)), std::move(config),
+                                       std::move(consumer));
+  });
+}
 
 }  // namespace asap

@@ -5,8 +5,7 @@
 namespace asap {
 
 PackageRow RunLog::operator[](std::size_t i) const noexcept {
-  const std::size_t place = most_rows_ == 0 ? i : i % most_rows_;
-  const PackageRecord& record = blocks_[place / kBlockRows][place % kBlockRows];
+  const PackageRecord& record = row(i);
   const std::int64_t span_ns = axis_.to_ns(record.t_last) - axis_.to_ns(record.t_first);
   const std::int64_t end_ns = record.start_ns + record.processing_ns;
   const auto size = static_cast<double>(record.size);

@@ -100,6 +100,21 @@ TEST(ArrivalTimes, ABacklogOfAnyLengthKeepsItsAgesToAFewPercent) {
   }
 }
 
+TEST(ArrivalTimes, ASmallRingHasASmallTable) {
+  EXPECT_EQ(ArrivalTimes::steps_for(std::size_t{1} << 20), kSteps);
+  EXPECT_EQ(ArrivalTimes::steps_for(std::size_t{1} << 17), 4096u);
+  EXPECT_EQ(ArrivalTimes::steps_for(std::size_t{1} << 16), 2048u);
+  EXPECT_EQ(ArrivalTimes::steps_for(1), 2048u);
+  ArrivalTimes times(10, ArrivalTimes::steps_for(1));
+  std::uint64_t index = 0;
+  for (std::int64_t now = 0; now < 4'000'000; now += 10) times.note(index++, now);
+  for (std::uint64_t i = 0; i < index; ++i) {
+    const auto pushed = static_cast<std::int64_t>(10 * i);
+    ASSERT_LE(times.of(i), pushed) << "never younger than it is";
+    ASSERT_LE(pushed - times.of(i), pushed / 50);
+  }
+}
+
 TEST(ArrivalTimes, AFullTableGoesOnWithItsLastStep) {
   ArrivalTimes times(1);
   std::uint64_t index = 0;

@@ -1,10 +1,12 @@
 // A running pipeline allocates nothing, on neither side: push, filter, pack, deliver, feed back.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/asap2020.hpp"
@@ -17,6 +19,7 @@
 namespace asap::allocation_test {
 namespace {
 
+using test::allocated_bytes;
 using test::allocations;
 using test::Events;
 
@@ -85,6 +88,36 @@ TEST(LiveAllocations, None) {
     Greedy greedy;
     allocates_nothing(greedy, execution);
   }
+}
+
+// ---- what a pipeline takes ------------------------------------------------------------------
+
+TEST(PipelineMemory, IsWhatIsCounted) {
+  const FrontFilter all = [](EventSpan events, Event* passed) {
+    return static_cast<std::size_t>(std::copy(events.begin(), events.end(), passed) - passed);
+  };
+  for (const std::size_t capacity : {1UL, 1000UL, 16'384UL, 65'536UL, 1'000'000UL}) {
+    const RunConfig configs[] = {
+        {.capacity = capacity, .log_rows = 0},
+        {.capacity = capacity, .prefault = true},
+        {.capacity = capacity, .before = all, .log_rows = 7, .most_copied = 5000}};
+    for (const RunConfig& config : configs) {
+      Consumer nothing = [](EventSpan) {};
+      RunConfig given = config;
+      const std::size_t before = allocated_bytes();
+      const Pipeline pipeline(std::move(given), std::move(nothing));
+      EXPECT_EQ(allocated_bytes() - before, memory_bytes(config)) << capacity;
+    }
+  }
+}
+
+// The figures of notebooks/board.md.
+TEST(PipelineMemory, FitsASmallBoard) {
+  const PipelineMemory memory = Pipeline::memory({.capacity = 65'536, .log_rows = 0});
+  EXPECT_LE(memory.total(), 2'600'000u);
+  EXPECT_LE(memory.log + memory.rest, 256'000u);
+  const RunConfig small{.capacity = 16'384, .log_rows = 0, .most_copied = 4096};
+  EXPECT_LE(memory_bytes(small), 600'000u);
 }
 
 }  // namespace

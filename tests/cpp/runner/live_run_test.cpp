@@ -166,17 +166,43 @@ TEST(LiveRun, EveryTermIsCountedOnItsOwnInTheEnd) {
   EXPECT_EQ(run.elapsed_ns(), elapsed_ns);
 }
 
+TEST(LiveRun, TheBoundOfACopyIsConfigured) {
+  test::ScriptedScheme scheme(
+      [](const Backlog& backlog) { return Decision::take(backlog.count, 1 - 1e-9); });
+  RunConfig config = kWhole;
+  config.most_copied = 300;
+  LiveRun run(scheme, config);
+  run.push(test::evenly_spaced(500, 0), {});
+  for (const std::size_t size : {300u, 200u}) {
+    Package package;
+    ASSERT_EQ(run.loop().next(package, 0ns), ConsumerLoop::Next::package);
+    EXPECT_EQ(package.events.size(), size);
+    run.loop().complete(package);
+  }
+}
+
+TEST(LiveRun, WithoutALogTheTotalsAreThere) {
+  Greedy scheme;
+  RunConfig config = kWhole;
+  config.log_rows = 0;
+  LiveRun run(scheme, config);
+  run.push(test::evenly_spaced(50, 0), {});
+  deliver_all(run);
+  EXPECT_EQ(run.telemetry().log.totals().size, 50u);
+  EXPECT_EQ(run.telemetry().log.first(), run.telemetry().log.size());
+}
+
 TEST(LiveRun, AllocatesNothingAfterConstruction) {
   Greedy scheme;
   LiveRun run(scheme, kWhole);
   const test::Events events = test::evenly_spaced(50, 0, 1000);
   const std::size_t before = test::allocations();
-  for (std::size_t i = 0; i < 2 * asap::Run::kLogRows; ++i) {
+  for (std::size_t i = 0; i < 2 * RunConfig{}.log_rows; ++i) {
     run.push(events, {});
     deliver_all(run);
   }
   EXPECT_EQ(test::allocations(), before);
-  EXPECT_EQ(run.telemetry().log.totals().count, 2 * asap::Run::kLogRows);
+  EXPECT_EQ(run.telemetry().log.totals().count, 2 * RunConfig{}.log_rows);
 }
 
 }  // namespace

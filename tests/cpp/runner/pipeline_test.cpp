@@ -4,6 +4,7 @@
 #include "asap/runner/pipeline.hpp"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <atomic>
 #include <chrono>
@@ -14,6 +15,7 @@
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
+#include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
@@ -672,6 +674,56 @@ TEST(PipelineWorker, GoesAwayInAnyState) {
 TEST(PipelineWorker, NeedsAnAlgorithm) {
   EXPECT_EQ(test::error_of([] { Pipeline({}, Consumer{}); }).rfind("algorithm", 0), 0u);
 }
+
+// ---- without exceptions ---------------------------------------------------------------------
+
+TEST(MakePipeline, GivesOneThatWorks) {
+  std::atomic<std::uint64_t> delivered = 0;
+  const Result<Pipeline> pipeline =
+      make_pipeline(kPatient, [&](EventSpan part) { delivered += part.size(); });
+  ASSERT_TRUE(pipeline) << pipeline.message();
+  pipeline->push(evenly_spaced(100, 1));
+  pipeline->stop();
+  pipeline->join();
+  EXPECT_EQ(delivered, 100u);
+}
+
+TEST(MakePipeline, NamesTheFieldAsItsCallerWroteIt) {
+  Deadline scheme;
+  const std::string remedy = ": must be between 10 and 1e10 us";
+  EXPECT_EQ(make_pipeline(scheme, {.latency_us = -5}).message(), "latency_us = -5" + remedy);
+  EXPECT_EQ(make_pipeline({.latency_us = -5}, [](EventSpan) {}).message(),
+            "latency_us = -5" + remedy);
+  EXPECT_EQ(test::error_of([] { Pipeline({.latency_us = -5}, [](EventSpan) {}); }),
+            "latency_us = -5" + remedy);
+  EXPECT_EQ(make_pipeline({}, Consumer{}).message(),
+            "algorithm = none: give what the events are for");
+}
+
+TEST(MakePipeline, RefusedItHasTakenNothing) {
+  const std::string refused = "capacity = 1099511627776: needs ";
+  const std::ptrdiff_t before = test::live_allocations();
+  EXPECT_EQ(make_pipeline({.capacity = EventBuffer::kMaxCapacity}, [](EventSpan) {})
+                .message()
+                .substr(0, refused.size()),
+            refused);
+  EXPECT_EQ(test::live_allocations(), before);
+}
+
+#if defined(__GLIBC__)
+TEST(MakePipeline, SaysThatThereIsNoThread) {
+  pthread_attr_t as_it_was;
+  ASSERT_EQ(pthread_getattr_default_np(&as_it_was), 0);
+  pthread_attr_t huge = as_it_was;
+  ASSERT_EQ(pthread_attr_setstacksize(&huge, std::size_t{1} << 46), 0);
+  ASSERT_EQ(pthread_setattr_default_np(&huge), 0);
+  const std::ptrdiff_t before = test::live_allocations();
+  const bool is_said = make_pipeline({}, [](EventSpan) {}).message().starts_with("the worker has ");
+  EXPECT_EQ(test::live_allocations(), before);
+  ASSERT_EQ(pthread_setattr_default_np(&as_it_was), 0);
+  EXPECT_TRUE(is_said);
+}
+#endif
 
 }  // namespace
 }  // namespace asap::pipeline_test

@@ -457,5 +457,15 @@ TEST(Simulator, KnowsHowManyWereInTime) {
   EXPECT_EQ(simulator.telemetry().latency.max_ns(), 190'000);
 }
 
+TEST(MakeSimulator, GivesAnObjectOrAMessage) {
+  SingleEvent scheme;
+  const Result<Simulator> simulator = make_simulator(scheme, {.alpha_us = 1, .beta_ns = 0});
+  ASSERT_TRUE(simulator) << simulator.message();
+  simulator->feed(test::evenly_spaced(10, 100));
+  simulator->finish();
+  EXPECT_EQ(simulator->ledger().delivered, 10u);
+  EXPECT_EQ(make_simulator(scheme, {.noise = -1}).message(), "noise = -1: must be between 0 and 5");
+}
+
 }  // namespace
 }  // namespace asap::simulator_test

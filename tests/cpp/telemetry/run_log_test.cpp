@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "support/errors.hpp"
+#include <string>
+
+#include "support/allocation_counter.hpp"
 
 namespace asap::run_log_test {
 namespace {
@@ -90,8 +92,38 @@ TEST(RunLog, ABoundedOneKeepsTheNewestRowsAndExactTotals) {
   EXPECT_EQ(log.totals().gamma_min, 5.0 / 80.0) << "of a row that has gone";
 }
 
-TEST(RunLog, ABoundIsAMultipleOfABlock) {
-  EXPECT_EQ(test::error_of([] { RunLog log(100); }), "most_rows = 100: must be a multiple of 4096");
+TEST(RunLog, ABoundIsAnyNumber) {
+  RunLog log(3);
+  for (std::int64_t i = 0; i < 5; ++i) log.append(record(1000 * i));
+  EXPECT_EQ(log.size(), 5u);
+  EXPECT_EQ(log.first(), 2u);
+  for (std::size_t i = 2; i < 5; ++i) EXPECT_EQ(log[i].start_us, static_cast<double>(i));
+}
+
+TEST(RunLog, ABoundOfNoneKeepsTheTotals) {
+  RunLog log(0);
+  for (std::int64_t i = 0; i < 5; ++i) log.append(record(1000 * i));
+  EXPECT_EQ(log.size(), 5u);
+  EXPECT_EQ(log.first(), 5u);
+  EXPECT_EQ(log.totals().count, 5u);
+}
+
+TEST(RunLog, ABoundThatMemoryCannotGiveIsRefusedByName) {
+  try {
+    RunLog log(RunLog::kAllRows - 1);
+    FAIL();
+  } catch (const NoMemory& error) {
+    EXPECT_EQ(std::string(error.what()).rfind("log_rows = ", 0), 0u) << error.what();
+  }
+}
+
+TEST(RunLog, TakesWhatItSays) {
+  for (const std::size_t rows : {0U, 1U, 100U, 5000U}) {
+    const std::size_t before = test::allocated_bytes();
+    RunLog log(rows);
+    log.prefault();
+    EXPECT_EQ(test::allocated_bytes() - before, RunLog::memory_bytes(rows));
+  }
 }
 
 TEST(RunLog, ASpanOfZeroCountsAsOneMicrosecond) {

@@ -16,6 +16,7 @@
 #include "asap/algorithms/cluster.hpp"
 #include "asap/algorithms/cluster_tracker_config.hpp"
 #include "asap/core/event.hpp"
+#include "asap/core/result.hpp"
 
 namespace asap {
 
@@ -78,5 +79,10 @@ class ClusterTracker {
   class State;
   std::unique_ptr<State> state_;
 };
+
+// The same, for a program without exceptions; or a PublishedClusterTracker:
+// make_tracker<PublishedClusterTracker>({...}).
+template <class Made = ClusterTracker>
+Result<Made> make_tracker(const typename Made::Config& config) noexcept;
 
 }  // namespace asap

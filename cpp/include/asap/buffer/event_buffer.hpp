@@ -56,6 +56,13 @@ class BasicEventBuffer {
         head_(first_index),
         tail_copy_(first_index) {}
 
+  static std::size_t memory_bytes(std::size_t capacity) noexcept {
+    return std::bit_ceil(capacity) * sizeof(Event);
+  }
+
+  // Writes to all slots, so that no page of them is missing later. Before the first push.
+  void prefault() noexcept { std::fill_n(slots_.get(), mask_ + 1, Event{}); }
+
   // Producer. Takes the oldest events of the span that fit, counts the rest as overflow.
   // Returns how many were taken.
   std::size_t push(EventSpan events) noexcept {

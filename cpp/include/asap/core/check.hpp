@@ -5,6 +5,7 @@
 
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <new>
@@ -29,6 +30,14 @@ void require(bool ok, std::string_view field, Value value, std::string_view reme
   } else {
     throw_bad_value(field, to_text(value), remedy);
   }
+}
+
+// Of an enumeration whose values run from 0 to `last`: a number from outside may be cast to it.
+template <class Enumeration>
+void require_known(Enumeration value, Enumeration last, std::string_view field) {
+  const auto number = static_cast<std::int64_t>(value);
+  require(number >= 0 && number <= static_cast<std::int64_t>(last), field, number,
+          "must be one of the named values");
 }
 
 // MemoryError in Python.

@@ -21,7 +21,9 @@ struct Event {
 
 using EventSpan = std::span<const Event>;
 
-static_assert(sizeof(std::size_t) == 8, "asap needs a 64-bit target: it counts in std::size_t");
+static_assert(
+    sizeof(std::size_t) == 8,
+    "asap needs a 64-bit target: it counts events in std::size_t; use aarch64, not armhf");
 static_assert(sizeof(Event) == 16 && offsetof(Event, x) == 0 && offsetof(Event, y) == 2 &&
               offsetof(Event, p) == 4 && offsetof(Event, t) == 8);
 static_assert(std::is_trivially_copyable_v<Event> && std::is_standard_layout_v<Event>);

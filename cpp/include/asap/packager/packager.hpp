@@ -39,6 +39,7 @@ struct PackagerConfig {
   KeptMask* kept_mask = nullptr;  // to note what is kept; may be none, else outlives the packager
   // Kept events of a package that is no slice of the ring; what is more follows as the next one.
   std::size_t most_copied = std::numeric_limits<std::size_t>::max();
+  bool prefault = false;  // writes to all memory in the constructor
 };
 
 class Packager {
@@ -60,6 +61,10 @@ class Packager {
   // The events came at their stamps.
   Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, PackagerConfig config = {});
   ~Packager();
+
+  // What a packager of a live run takes, all of it in its constructor.
+  static std::size_t memory_bytes(std::size_t capacity, std::size_t most_copied,
+                                  bool is_filtered) noexcept;
 
   // Sets where stamps lie in run time; before the first event is pushed.
   void set_axis(TimeAxis axis) noexcept;

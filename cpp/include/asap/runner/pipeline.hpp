@@ -19,6 +19,7 @@
 #include <memory>
 #include <optional>
 
+#include "asap/core/result.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
@@ -46,6 +47,16 @@ struct PipelineStats {
   std::int64_t sensor_delay_max_ns = 0;
 };
 
+// Bytes that a pipeline with a worker takes from the heap, all of them in its constructor.
+struct PipelineMemory {
+  std::size_t ring;    // RunConfig::capacity
+  std::size_t copies;  // RunConfig::most_copied
+  std::size_t log;     // RunConfig::log_rows
+  std::size_t rest;    // tables of arrival times, the latency histogram, the scheme, scratch
+
+  std::size_t total() const noexcept { return ring + copies + log + rest; }
+};
+
 class Pipeline {
  public:
   enum class Next { package, idle, ended };
@@ -59,6 +70,10 @@ class Pipeline {
   // Gives up what still waits, and waits for a push that is inside and for the worker to end its
   // package: not from the algorithm of the worker, which cannot wait for itself.
   ~Pipeline();
+
+  // Of Pipeline{config, algorithm}, for a configuration that it accepts. What the algorithm holds,
+  // and the worker's stack, are not in it.
+  static PipelineMemory memory(const RunConfig& config) noexcept;
 
   // ---- producer: any thread, one at a time; wait-free, no allocation
 
@@ -129,5 +144,12 @@ class Pipeline {
   class Work;
   const std::unique_ptr<Work> work_;
 };
+
+// Pipeline::memory(config).total()
+std::size_t memory_bytes(const RunConfig& config) noexcept;
+
+// The constructors of Pipeline, for a program without exceptions.
+Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config = {}) noexcept;
+Result<Pipeline> make_pipeline(RunConfig config, Consumer algorithm) noexcept;
 
 }  // namespace asap

@@ -42,6 +42,13 @@ struct RunConfig {
   FrontFilter before{};                 // in front of the gamma filter; may be none
   WhenFull when_full = WhenFull::thin;  // the ring of a live pipeline
   bool keep_mask = false;               // of a recording: note which events were delivered
+  // Rows that the log of a live pipeline keeps, the newest ones, 96 bytes each; 0: totals alone.
+  std::size_t log_rows = 16'384;
+  // Kept events of a package that is thinned or lies across the ring's end, 16 bytes each; what is
+  // more follows as the next package. 0: 131,072 of a live pipeline, any number of a recording.
+  std::size_t most_copied = 0;
+  // Write to all memory in the constructor: no page of it is missing when events come.
+  bool prefault = false;
 };
 
 // Throws std::invalid_argument for a bound out of range.

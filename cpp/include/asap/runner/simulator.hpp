@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 
+#include "asap/core/result.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/runner/linear_cost.hpp"
@@ -51,5 +52,9 @@ class Simulator {
   class Work;
   const std::unique_ptr<Work> work_;
 };
+
+// The same, for a program without exceptions.
+Result<Simulator> make_simulator(Scheme& scheme, LinearCostConfig cost, RunConfig config = {},
+                                 Consumer consumer = {}) noexcept;
 
 }  // namespace asap

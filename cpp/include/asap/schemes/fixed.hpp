@@ -59,10 +59,16 @@ class FixedTime final : public Scheme {
   const std::int64_t period_ns_;
 };
 
+struct SingleEventConfig {};
+
 // Every event is a package of its own. The shortest wait there is, and the first to overflow: it is
 // stable only below 1 / (alpha + beta) events per second.
 class SingleEvent final : public Scheme {
  public:
+  using Config = SingleEventConfig;
+
+  explicit SingleEvent(Config = {}) noexcept {}
+
   Decision decide(const Backlog&) noexcept override { return Decision::take(1); }
   std::string_view name() const noexcept override { return "single_event"; }
 };

@@ -10,10 +10,13 @@
 #include <limits>
 #include <string_view>
 
+#include "asap/core/result.hpp"
 #include "asap/core/time.hpp"
 #include "asap/schemes/parameters.hpp"
 
 namespace asap {
+
+class Deadline;
 
 // Counts of waiting events by their time.
 class BacklogCounts {
@@ -110,5 +113,9 @@ class Scheme {
   // Another bound, 10 us to 10^4 s, from the next decision on; nothing to a scheme without one.
   virtual void set_latency_bound_ns(std::int64_t) noexcept {}
 };
+
+// A scheme of this library, for a program without exceptions: make_scheme<Asap2020>({...}).
+template <class Made = Deadline>
+Result<Made> make_scheme(const typename Made::Config& config = {}) noexcept;
 
 }  // namespace asap

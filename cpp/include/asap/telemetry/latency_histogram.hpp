@@ -21,6 +21,7 @@ class LatencyHistogram {
  public:
   explicit LatencyHistogram(std::int64_t bound_ns = std::numeric_limits<std::int64_t>::max())
       : bound_ns_(bound_ns) {}
+  static constexpr std::size_t memory_bytes() noexcept { return kBins * sizeof(std::uint64_t); }
 
   // A negative latency (a stamp ahead of the clock) counts as 0.
   void record(std::int64_t latency_ns) noexcept { Batch(*this).record(latency_ns); }

@@ -1,13 +1,14 @@
 // RunLog: one row per package. The hot path appends a PackageRecord of whole numbers; ratios and
 // times on the recording's own axis are made when a row is read. Records live in blocks that are
 // allocated by make_room(), between packages and never on the hot path; append() does not allocate.
-// A bounded log keeps the newest rows, and exact totals of all. One thread writes; read rows when
-// the run is over, size() and totals() at any time.
+// A bounded log keeps the newest rows, none if its bound is 0, and exact totals of all. One thread
+// writes; read rows when the run is over, size() and totals() at any time.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -76,35 +77,41 @@ struct PackageTotals {
 class RunLog {
  public:
   static constexpr std::size_t kBlockRows = 4096;
+  static constexpr std::size_t kAllRows = std::numeric_limits<std::size_t>::max();
 
-  // most_rows: 0 = all rows are kept; else a multiple of kBlockRows, allocated at once.
-  explicit RunLog(std::size_t most_rows = 0) : most_rows_(most_rows) {
-    require(most_rows % kBlockRows == 0, "most_rows", most_rows, "must be a multiple of 4096");
-    do add_block();
-    while (allocated() < most_rows);
+  // kAllRows: the log grows by blocks. Else the newest most_rows are kept, allocated at once;
+  // NoMemory if they cannot be.
+  explicit RunLog(std::size_t most_rows = kAllRows)
+      : most_rows_(most_rows), block_rows_(most_rows == kAllRows ? kBlockRows : most_rows) {
+    blocks_.reserve(1);
+    add_block();
   }
+  static std::size_t memory_bytes(std::size_t most_rows) noexcept {
+    return sizeof(Block) + most_rows * sizeof(PackageRecord);
+  }
+
+  // Writes to the memory of a bounded log, so that no page of it is missing later. Before a row.
+  void prefault() noexcept { std::fill_n(blocks_[0].get(), block_rows_, PackageRecord{}); }
 
   // Where stamps lie in run time; before a row is read.
   void set_axis(TimeAxis axis) noexcept { axis_ = axis; }
 
   // Makes sure that the next append() has its place; allocates one block in kBlockRows calls.
   void make_room() {
-    if (size_ == allocated() && most_rows_ == 0) add_block();
+    if (size_ == allocated() && most_rows_ == kAllRows) add_block();
   }
 
   // Precondition: make_room() since the last append().
   void append(const PackageRecord& record) noexcept {
-    const std::size_t place = most_rows_ == 0 ? size_.load() : size_ % most_rows_;
-    blocks_[place / kBlockRows][place % kBlockRows] = record;
-    if (most_rows_ > 0)
+    if (most_rows_ > 0) row(size_) = record;
+    if (most_rows_ != kAllRows) {
       totals_.add(record.offered - record.filtered, record.size, record.processing_ns);
+    }
     ++size_;
   }
 
   // Rows [first(), size()) are kept.
-  std::size_t first() const noexcept {
-    return most_rows_ > 0 && size_ > most_rows_ ? size_ - most_rows_ : 0;
-  }
+  std::size_t first() const noexcept { return size_ > most_rows_ ? size_ - most_rows_ : 0; }
   std::size_t size() const noexcept { return size_; }
   PackageRow operator[](std::size_t i) const noexcept;
 
@@ -112,13 +119,21 @@ class RunLog {
   const PackageTotals& totals() const noexcept { return totals_; }
 
  private:
-  std::size_t allocated() const noexcept { return blocks_.size() * kBlockRows; }
+  using Block = std::unique_ptr<PackageRecord[]>;
+
+  std::size_t allocated() const noexcept { return blocks_.size() * block_rows_; }
   void add_block() {
-    blocks_.push_back(std::make_unique_for_overwrite<PackageRecord[]>(kBlockRows));
+    blocks_.push_back(allocate<PackageRecord>(block_rows_, "log_rows", block_rows_));
+  }
+  // Where the record of this row lies. Precondition: some are kept.
+  PackageRecord& row(std::size_t i) const noexcept {
+    const std::size_t place = most_rows_ == kAllRows ? i : i % most_rows_;
+    return blocks_[place / block_rows_][place % block_rows_];
   }
 
   const std::size_t most_rows_;
-  std::vector<std::unique_ptr<PackageRecord[]>> blocks_;
+  const std::size_t block_rows_;
+  std::vector<Block> blocks_;
   Relaxed<std::size_t> size_;
   PackageTotals totals_;
   TimeAxis axis_;

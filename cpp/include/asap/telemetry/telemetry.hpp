@@ -14,7 +14,7 @@ namespace asap {
 
 struct Telemetry {
   // most_rows: see RunLog.
-  explicit Telemetry(std::int64_t latency_bound_ns, std::size_t most_rows = 0)
+  explicit Telemetry(std::int64_t latency_bound_ns, std::size_t most_rows = RunLog::kAllRows)
       : log(most_rows), latency(latency_bound_ns) {}
 
   RunLog log;

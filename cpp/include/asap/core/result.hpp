@@ -1,0 +1,37 @@
+// Result: an object, or the message that says why there is none. make_pipeline(), make_simulator(),
+// make_tracker() and make_scheme() return it, for programs that are compiled with -fno-exceptions:
+//
+//   auto pipeline = asap::make_pipeline({.latency_us = 10'000}, algorithm);
+//   if (!pipeline) return fail(pipeline.message());   // "latency_us = -5: must be between ..."
+//   pipeline->push(events);
+//
+// Any thread. The object lies on the heap and keeps its address when the result is moved.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace asap {
+
+template <class Value>
+class [[nodiscard]] Result {
+ public:
+  explicit Result(std::unique_ptr<Value> value) noexcept : value_(std::move(value)) {}
+  explicit Result(std::string message) noexcept : message_(std::move(message)) {}
+
+  explicit operator bool() const noexcept { return value_ != nullptr; }
+
+  // Precondition: there is an object.
+  Value& operator*() const noexcept { return *value_; }
+  Value* operator->() const noexcept { return value_.get(); }
+
+  // "<field> = <value>: <remedy>"; empty if there is an object.
+  const std::string& message() const noexcept { return message_; }
+
+ private:
+  std::unique_ptr<Value> value_;
+  std::string message_;
+};
+
+}  // namespace asap

@@ -1,0 +1,70 @@
+#include "runner/prefault.hpp"
+
+#include <gtest/gtest.h>
+
+#include "asap/runner/pipeline.hpp"
+#include "support/streams.hpp"
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#include <malloc.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cstdint>
+#include <thread>
+
+namespace asap::prefault_test {
+namespace {
+
+// Of the whole process. Under an emulator its own are among them.
+long page_faults() noexcept {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_minflt;
+}
+
+struct Seen {
+  long faults;
+  Ledger ledger;
+};
+
+// A million events through a new pipeline, in time and, at the end, faster than they are taken.
+Seen run_million(bool prefault) {
+  test::Events events = test::evenly_spaced(1000, 1);
+  malloc_trim(0);  // no page of what was freed before
+  Pipeline pipeline{{.latency_us = 10'000, .capacity = 65'536, .prefault = prefault},
+                    [](EventSpan) {}};
+  const long before = page_faults();
+  for (int push = 0; push < 1000; ++push) {
+    pipeline.push(events);
+    for (Event& event : events) event.t += 1000;
+    if (push < 500) std::this_thread::sleep_for(std::chrono::microseconds(50));
+  }
+  const long faults = page_faults() - before;
+  pipeline.stop();
+  pipeline.join();
+  return {faults, pipeline.ledger()};
+}
+
+TEST(Prefault, NoPageIsMissedOnTheHotPath) {
+  run_million(true);  // the code of the C++ library
+  const Seen with = run_million(true);
+  EXPECT_EQ(with.faults, 0);
+  EXPECT_EQ(with.ledger.received, 1'000'000u);
+  EXPECT_GT(run_million(false).faults, 100) << "or the test sees none";
+}
+
+}  // namespace
+}  // namespace asap::prefault_test
+#endif
+
+namespace asap::prefault_test {
+namespace {
+
+TEST(Prefault, TouchesWithoutHarm) {
+  touch_code();
+  touch_stack();
+}
+
+}  // namespace
+}  // namespace asap::prefault_test

@@ -1,0 +1,89 @@
+// What callgrind counts: a live pipeline in one thread, on a clock of its own, so that every run
+// takes the same instructions.
+//
+//   instructions keep|thin|deadline EVENTS
+//   instructions compiler
+//
+// Pushes of 1000 events, one per us; packages of 1000 events of which all, or half, are kept; or
+// those that Deadline makes of the same stream.
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+#include <vector>
+
+#include "asap/runner/pipeline.hpp"
+#include "asap/schemes/deadline.hpp"
+#include "runner/system.hpp"
+
+namespace {
+
+constexpr std::size_t kPackage = 1000;
+
+#if defined(__x86_64__)
+constexpr const char* kMachine = "x86_64";
+#else
+constexpr const char* kMachine = "other";
+#endif
+
+asap::System::Clock::time_point now;
+
+class Fixed final : public asap::Scheme {
+ public:
+  explicit Fixed(double keep) : keep_(keep) {}
+  asap::Decision decide(const asap::Backlog&) noexcept override {
+    return asap::Decision::take(kPackage, keep_);
+  }
+  std::string_view name() const noexcept override { return "fixed"; }
+
+ private:
+  const double keep_;
+};
+
+std::size_t run(asap::Scheme& scheme, std::size_t events) {
+  asap::Pipeline pipeline(scheme, {.latency_us = 10'000,
+                                   .capacity = 65'536,
+                                   .validator = {.width = 346, .height = 260},
+                                   .execution = asap::Execution::whole,
+                                   .log_rows = 0,
+                                   .prefault = true});
+  std::vector<asap::Event> batch(kPackage, {.x = 100, .y = 100, .p = 1, .t = 0});
+  std::int64_t t = 0;
+  std::size_t delivered = 0;
+  for (std::size_t pushed = 0; pushed < events; pushed += kPackage) {
+    for (asap::Event& event : batch) event.t = t++;
+    now += std::chrono::milliseconds(1);
+    pipeline.push(batch);
+    asap::Package package;
+    while (pipeline.next(package, std::chrono::nanoseconds(0)) == asap::Pipeline::Next::package) {
+      delivered += package.events.size();
+      now += std::chrono::microseconds(100) + std::chrono::nanoseconds(300) * package.events.size();
+      pipeline.complete();
+    }
+  }
+  return delivered;
+}
+
+}  // namespace
+
+asap::System::Clock::time_point asap::System::now() noexcept { return ::now; }
+void asap::System::sleep(Word&, Clock::time_point) noexcept {}
+void asap::System::wake(Word&) noexcept {}
+
+int main(int count, char** words) {
+  const std::string_view what = count > 1 ? words[1] : "";
+  if (what == "compiler") {
+#if defined(__clang__)
+    std::printf("clang-%d-%s\n", __clang_major__, kMachine);
+#else
+    std::printf("gcc-%d.%d-%s\n", __GNUC__, __GNUC_MINOR__, kMachine);
+#endif
+    return 0;
+  }
+  if (count != 3) return 2;
+  const auto events = static_cast<std::size_t>(std::atoll(words[2]));
+  asap::Deadline deadline{{.latency_ms = 10}};
+  Fixed fixed(what == "keep" ? 1.0 : 0.5);
+  asap::Scheme& scheme = what == "deadline" ? static_cast<asap::Scheme&>(deadline) : fixed;
+  return run(scheme, events) > 0 ? 0 : 1;
+}
