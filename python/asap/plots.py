@@ -33,6 +33,7 @@ __all__ = ["clusters", "control", "figure", "frame", "rate", "svg"]
 
 # Okabe and Ito's colours: told apart by every kind of colour vision.
 BLUE, VERMILION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#a14f7c"
+AMBER = "#c98a00"
 INK, FAINT = "#33383d", "#9aa1a8"
 
 _ON, _OFF = (214, 39, 40), (31, 90, 180)
