@@ -237,7 +237,7 @@ def test_a_scheme_that_this_version_lacks_is_not_offered(api, asap, monkeypatch)
 def test_run_prints_the_table(api, asap):
     code, out, err = asap("run", "flight.npy")
     assert (code, err) == (0, "")
-    assert "Verdict: " in out and "in time" in out
+    assert "Bottleneck: " in out and "in time" in out
     assert api.calls["run"] == {
         "scheme": None,
         "latency_ms": None,
@@ -445,7 +445,7 @@ def demo(api, monkeypatch, tmp_path):
 def test_demo_prints_a_table_for_each_run_the_claims_and_the_files(api, asap, demo, tmp_path):
     code, out, err = asap("demo", "--quick", "--out", tmp_path)
     assert (code, err) == (0, "")
-    assert out.count("Verdict: ") == 2
+    assert out.count("Bottleneck: ") == 2
     assert out.count("  holds  gamma = 1 throughout.\n         least gamma 1\n") == 2
     assert out.endswith(f"\nwrote {tmp_path / 'report.html'}\n")
 
@@ -566,7 +566,7 @@ class TestInstalled:
         size = ("--width", 64, "--height", 64)
         ran = self.call("run", recording, *size, "--save", saved)
         assert (ran.returncode, ran.stderr) == (0, "")
-        assert "real time" in ran.stdout and "Verdict: " in ran.stdout
+        assert "real time" in ran.stdout and "Bottleneck: " in ran.stdout
         pytest.importorskip("matplotlib")
         reported = self.call("report", saved)
         assert (reported.returncode, reported.stderr) == (0, "")
