@@ -426,7 +426,7 @@ def test_report_of_a_missing_run_exits_with_3(api, asap, tmp_path):
 def demo(api, monkeypatch, tmp_path):
     def run(out_dir, *, quick, on_progress):
         assert (out_dir, quick, on_progress) == (tmp_path, True, None)
-        return [api.result, api.result], [tmp_path / "report.html"]
+        return [api.result] * 3, [tmp_path / "report.html"]
 
     @dataclass
     class Claim:
@@ -436,6 +436,7 @@ def demo(api, monkeypatch, tmp_path):
 
     fake = SimpleNamespace(run=run, held=[Claim("gamma = 1 throughout.", True, "least gamma 1")])
     fake.claims = lambda run: fake.held
+    fake.side_by_side = lambda paper, default: "both"
     fake.Claim = Claim
     monkeypatch.setitem(sys.modules, "asap.demo", fake)
     monkeypatch.setattr(package, "demo", fake, raising=False)
@@ -447,7 +448,7 @@ def test_demo_prints_a_table_for_each_run_the_claims_and_the_files(api, asap, de
     assert (code, err) == (0, "")
     assert out.count("Bottleneck: ") == 2
     assert out.count("  holds  gamma = 1 throughout.\n         least gamma 1\n") == 2
-    assert out.endswith(f"\nwrote {tmp_path / 'report.html'}\n")
+    assert out.endswith(f"scheme:\n\nboth\n\nwrote {tmp_path / 'report.html'}\n")
 
 
 @pytest.mark.parametrize("verb", [["demo"], ["run", "f", "--report", "f.html"], ["report", "f"]])
@@ -465,7 +466,8 @@ def test_demo_as_json(api, asap, demo, tmp_path):
     code, out, err = asap("demo", "--quick", "--out", tmp_path, "--json")
     assert (code, err) == (0, "")
     facts = json.loads(out)
-    assert facts["runs"] == [api.result.summary()] * 2
+    assert facts["runs"] == [api.result.summary()] * 3
+    assert len(facts["claims"]) == 2
     assert facts["claims"][0][0]["holds"] is True
     assert facts["files"] == [str(tmp_path / "report.html")]
 

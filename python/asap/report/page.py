@@ -132,10 +132,10 @@ def _short_tag(tag: re.Match[str]) -> str:
 _COLOURS = """
 :root{color-scheme:light dark;--page:#f5f6f7;--card:#fff;--ink:#22272c;--soft:#5b646d;
 --faint:#9aa1a8;--line:#e2e5e8;--blue:#0072b2;--vermilion:#d55e00;--green:#009e73;--purple:#a14f7c;
---amber:#c98a00}
+--amber:#c98a00;--shade:#0002}
 @media (prefers-color-scheme:dark){:root{--page:#14171a;--card:#1d2125;--ink:#e6e9ec;--soft:#a3acb5;
 --faint:#6c757e;--line:#30363c;--blue:#56b4e9;--vermilion:#ff8a3d;--green:#2fc79c;--purple:#df8fbb;
---amber:#f0b83c}}
+--amber:#f0b83c;--shade:#0009}}
 """
 
 _STYLE = (
@@ -177,8 +177,8 @@ svg text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,sans-serif!import
 .pending i,i.pending{background:var(--faint)}
 .scroll{overflow-x:auto;background:linear-gradient(90deg,var(--card) 40%,transparent) 0/40px 100%
 no-repeat local,linear-gradient(270deg,var(--card) 40%,transparent) 100%/40px 100% no-repeat local,
-linear-gradient(90deg,var(--faint),transparent) 0/10px calc(100% - 4px) no-repeat scroll,
-linear-gradient(270deg,var(--faint),transparent) 100%/10px calc(100% - 4px) no-repeat scroll}
+linear-gradient(90deg,var(--shade),transparent) 0/10px calc(100% - 4px) no-repeat scroll,
+linear-gradient(270deg,var(--shade),transparent) 100%/10px calc(100% - 4px) no-repeat scroll}
 table{border-collapse:collapse;width:100%;font-size:.9rem;margin:10px 0 0}
 th,td{padding:6px 14px 6px 0;text-align:left;border-bottom:1px solid var(--line);
 vertical-align:top}
