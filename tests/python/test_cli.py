@@ -401,8 +401,10 @@ def test_info_as_json(api, asap):
 def test_info_says_when_the_geometry_is_unknown(api, asap):
     api.recording.width = api.recording.height = None
     out = asap("info", "f")[1]
-    assert "unknown: addresses are not checked" in out
+    assert "unknown: addresses are not checked; events reach x = " in out
     assert out.endswith("  rejected  none\n")
+    api.recording.width = 346
+    assert "  sensor    346 x ? px: addresses are not checked" in asap("info", "f")[1]
 
 
 def test_report_stands_beside_the_run(api, asap, tmp_path):
@@ -419,7 +421,7 @@ def test_report_of_a_missing_run_exits_with_3(api, asap, tmp_path):
     pytest.importorskip("matplotlib")
     code, out, err = asap("report", tmp_path / "none.json")
     assert (code, out) == (3, "")
-    assert "none.json: No such file" in err
+    assert "none.json: no such file" in err
 
 
 @pytest.fixture

@@ -111,7 +111,7 @@ def test_report(call, save, tmp_path):
     ("arguments", "code", "words"),
     [
         ([], 2, "required: FILE"),
-        (["none.npy"], 3, "none.npy: No such file"),
+        (["none.npy"], 3, "none.npy: no such file"),
         (["f", "--on-bad", "drop"], 2, "unknown option --on-bad; there are --help"),
         (["f", "--report", "no/such/out.html"], 2, "there is no folder no/such"),
     ],

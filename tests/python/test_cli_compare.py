@@ -115,7 +115,7 @@ def test_report(call, tmp_path, monkeypatch):
         (["bursst", *COST], 2, "bursst: neither a file nor a profile; did you mean bursts?"),
         (["zzz", *COST], 2, "profiles are quiet, low, uav"),
         (["no/such/flight.npy", *COST], 3, "no/such/flight.npy: no such file\n"),
-        ([*PROFILE], 2, "required: --cost"),
+        ([*PROFILE], 2, "--cost is missing: give what the algorithm takes"),
         ([*PROFILE, "--cost", "slwo"], 2, "cost = slwo: no such cost model; did you mean slow?"),
         ([*PROFILE, "--cost", "zzz"], 2, "there are fast, slow, slow_tv, slow_ht"),
         ([*PROFILE, "--cost", "100us"], 2, "write time per package + time per event"),

@@ -122,6 +122,9 @@ def test_the_verdict_of_a_load_that_is_no_problem(comparison):
         "2 schemes process as many events within 5 ms as the oracle; A has the lowest p99, 0.10 L. "
         "No event is late with A and B."
     )
+    light = replace(comparison, oracle=float(comparison.received))
+    assert "do not overload this algorithm; a larger speed does." in verdict(light, one, two)
+    assert "do not overload" not in verdict(replace(light, oracle=0.9 * light.oracle), one, two)
     assert "keep the bound: as many as the oracle, p99 0.10 L." in verdict(comparison, one)
     all_but = (row("A", score=0.9994), row("B", score=0.9994))
     assert "> 99.9 % of the oracle's" in verdict(comparison, *all_but)

@@ -86,7 +86,7 @@ def algorithm_of(name: str, recording: asap.Recording) -> Any:
     if not (recording.width and recording.height):
         raise Failure(
             USAGE,
-            f"{recording.path} does not say how large its sensor is; "
-            f"{name} needs --width and --height",
+            f"{recording.path}: sensor = unknown: {name} needs its size. "
+            "Give --width and --height; asap info shows how far the events reach",
         )
     return getattr(asap, ALGORITHMS[name])(recording.width, recording.height)

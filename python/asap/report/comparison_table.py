@@ -192,6 +192,8 @@ def verdict(comparison: Comparison) -> str:
             "The oracle serves single events. A scheduler of whole packages that knows all "
             f"arrivals reaches {share} of it (exact clairvoyant)."
         )
+    if comparison.oracle >= _ALL * comparison.received:
+        sentences.append("The events do not overload this algorithm; a larger speed does.")
     sentences.append(_READ)
     lasted = comparison.source["duration_s"] * 1e6 / bound_us
     if lasted < _SHORT:
