@@ -83,6 +83,14 @@ def test_cpp_blocks_stand_in_the_examples_that_are_built_and_run() -> None:
     assert not [path for path in examples if f"](../{name_of(path)})" not in page]
 
 
+def test_the_program_of_the_cpp_page_compiles(tmp_path: Path) -> None:
+    (program,) = [text for language, text in PAGES["cpp.md"] if language == "cpp"]
+    path = tmp_path / "main.cpp"
+    path.write_text(program)
+    options = ["-std=c++20", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{INCLUDE}"]
+    run(["g++", *options, path])
+
+
 def commands() -> list[str]:
     shell = [text for blocks in PAGES.values() for language, text in blocks if language == "sh"]
     lines = [line for block in shell for line in block.splitlines()]
