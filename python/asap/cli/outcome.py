@@ -91,6 +91,7 @@ def as_options(message: str) -> str:
         message = message.replace(f"{name} = None: ", f"{option} is missing: ")
         message = re.sub(rf"\b{name} ?= ?'([^']*)'", rf"{option} \1", message)
         message = re.sub(rf"\b(give|leave|with|check) {name}\b", rf"\1 {option}", message)
+    message = message.replace(", to asap.as_events or asap.load", "")
     return message.replace("(relative)", "(--relative)")
 
 
