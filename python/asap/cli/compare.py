@@ -136,7 +136,7 @@ def _recording(arguments: Any) -> tuple[Any, asap.LinearCost, float | None]:
     if not Path(arguments.file).exists():
         raise Failure(*_not_found(arguments.file))
     if arguments.duration is not None:
-        raise Failure(USAGE, "--duration is for profiles; a recording is compared as a whole")
+        raise Failure(USAGE, "--duration: only a profile has one; a recording is used whole")
     with reading(arguments):
         recording = open_recording(arguments)
     with usage():
