@@ -78,7 +78,7 @@ def rate(events: NDArray[np.void], bin_us: float) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True)
 class Description:
-    """What a recording holds: counts, duration and rates in ev/s.
+    """What a recording holds: counts, duration, rates in ev/s and the largest coordinates in px.
 
     Peaks are of aligned windows, of the whole duration where it is shorter than one.
     """
@@ -89,6 +89,8 @@ class Description:
     rate_mean_hz: float
     rate_peak_1ms_hz: float
     rate_peak_10ms_hz: float
+    x_max: int
+    y_max: int
 
 
 def _blocks(blocks: Iterable[NDArray[np.void]]) -> Iterator[NDArray[np.void]]:
@@ -98,7 +100,7 @@ def _blocks(blocks: Iterable[NDArray[np.void]]) -> Iterator[NDArray[np.void]]:
 
 
 def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
-    """Count, duration, rates and share of ON events of a recording, block by block.
+    """Count, duration, rates, share of ON events and reach of a recording, block by block.
 
     Parameters
     ----------
@@ -110,7 +112,7 @@ def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
     Description
         Mean rate = events / (last time - first time); a recording without duration has rate 0.
     """
-    events = on = 0
+    events = on = x_max = y_max = 0
     t_first = t_last = 0
     fine, coarse = PeakCount(1_000), PeakCount(10_000)
     for block in _blocks(blocks):
@@ -122,6 +124,7 @@ def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
         events += block.size
         on += int(np.count_nonzero(block["p"] > 0))
         t_last = int(t[-1])
+        x_max, y_max = max(x_max, int(block["x"].max())), max(y_max, int(block["y"].max()))
         fine.add(t - t_first)
         coarse.add(t - t_first)
     duration_s = (t_last - t_first) / 1e6
@@ -132,6 +135,8 @@ def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
         rate_mean_hz=events / duration_s if duration_s > 0 else 0.0,
         rate_peak_1ms_hz=fine.rate_hz,
         rate_peak_10ms_hz=coarse.rate_hz,
+        x_max=x_max,
+        y_max=y_max,
     )
 
 

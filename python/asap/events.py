@@ -280,7 +280,8 @@ def _columns_of_array(array: npt.NDArray[Any] | np.void, order: str | None) -> M
     if order is None:
         raise ValueError(
             f"order = None: an array of shape {array.shape} does not say what its columns are; "
-            f"give order, such as order={'txyp'[: max(array.shape[1], 3)]!r}"
+            f"give order, such as order={'txyp'[: max(array.shape[1], 3)]!r}, "
+            "to asap.as_events or asap.load"
         )
     if array.shape[1] != len(order):
         raise ValueError(

@@ -33,6 +33,7 @@ __all__ = ["clusters", "control", "figure", "frame", "rate", "svg"]
 
 # Okabe and Ito's colours: told apart by every kind of colour vision.
 BLUE, VERMILION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#a14f7c"
+AMBER = "#c98a00"
 INK, FAINT = "#33383d", "#9aa1a8"
 
 _ON, _OFF = (214, 39, 40), (31, 90, 180)
@@ -104,7 +105,7 @@ def control(
 ) -> Figure | SubFigure:
     """Draw what the closed loop did, over time: the figures of the 2020 paper, and the latency.
 
-    Five rows share the time axis: package size; event rate, filtered rate R and the rate bound a;
+    Five rows share the time axis: package size; event rate, thinned rate R and the rate bound a;
     gamma; margin (processing time - span, below zero is real time); largest latency of each package
     with the latency bound.
 
@@ -184,7 +185,7 @@ def _draw_rates(curves: _Curves, axes: Axes) -> None:
     peak_hz = max(curves.values("event_rate").max(initial=0), 1.0)
     unit, scale = units.rate_axis(peak_hz)
     curves.draw(axes, curves.values("event_rate", scale), color=FAINT, label="event rate")
-    curves.draw(axes, curves.values("rate", scale), color=GREEN, label="filtered, R")
+    curves.draw(axes, curves.values("rate", scale), color=GREEN, label="thinned, R")
     rate_bound = curves.run.scheme.parameters.get("rate_bound")
     if rate_bound:
         _line(axes, rate_bound * scale, "bound, a")

@@ -1,7 +1,7 @@
 """What the texts of the project say about the schemes, written from the schemes themselves.
 
 `python tests/python/scheme_texts.py` writes it after a scheme has changed or come: their classes in
-the stub, their names in the package, their rows in README. A row that is there keeps its words.
+the stub, their names in the package, their rows on their page. A row that is there keeps its words.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from house import ROOT
 
 STUB = ROOT / "python" / "asap" / "_core.pyi"
 PACKAGE = ROOT / "python" / "asap" / "__init__.py"
-README = ROOT / "README.md"
+PAGE = ROOT / "notebooks" / "schemes.md"
 
 Kind = type[_core.Scheme]
 
@@ -75,14 +75,14 @@ def with_names(package: str) -> str:
     return package
 
 
-def with_rows(readme: str) -> str:
+def with_rows(page: str) -> str:
     """A row that stands there keeps its place and its words, and its parameters if none changed."""
-    (table,) = re.findall(r"(?:^\| `\w+` \|.*\n)+", readme, re.M)
+    (table,) = re.findall(r"(?:^\| `\w+` \|.*\n)+", page, re.M)
     rows = {row.split("`")[1]: row for row in table.splitlines()}
     kinds = {kind.__name__: kind for kind in _core.SCHEMES}
     names = [name for name in (*rows, *kinds) if name in kinds]
     written = [row_of(kinds[name], rows.get(name)) for name in dict.fromkeys(names)]
-    return readme.replace(table, "".join(f"{row}\n" for row in written))
+    return page.replace(table, "".join(f"{row}\n" for row in written))
 
 
 def row_of(kind: Kind, row: str | None) -> str:
@@ -101,7 +101,7 @@ def texts() -> dict[Path, str]:
     return {
         STUB: with_classes(STUB.read_text()),
         PACKAGE: with_names(PACKAGE.read_text()),
-        README: with_rows(README.read_text()),
+        PAGE: with_rows(PAGE.read_text()),
     }
 
 

@@ -670,7 +670,7 @@ def test_the_table() -> None:
         (line,) = [line for line in lines if line.startswith(name.replace("_", " ") + "  ")]
         assert re.search(rf"  {finding.count:,}  {finding.verdict}\b", line)
     words = " ".join(" ".join(lines).split())
-    assert "Verdict: wrong. Look at: out of bounds, back steps, clock resets, gaps" in words
+    assert "Verdict: wrong. Problems: out of bounds, back steps, clock resets, gaps" in words
     for finding in found.findings.values():
         assert (finding.remedy in words) and bool(finding.remedy) == (finding.verdict != "ok")
     assert words.index("stuck time: ") < words.index("same stamp: ")  # what is wrong comes first

@@ -123,14 +123,17 @@ def test_version(api, asap):
         (["run", "f", "--cost", "100+300"], "cost, per package = 100: the unit is missing"),
         (["run", "f", "--cost", "100us"], "cost = 100us: write time per package + time per event"),
         (["run", "f", "--scheme", "asap2021"], "invalid choice: 'asap2021'"),
-        (["run", "f", "--set", "rate_bound=1"], "say which scheme"),
+        (["run", "f", "--set", "rate_bound=1"], "--set rate_bound=1: needs --scheme"),
         (["run", "f", "--scheme", "asap2020", "--set", "rate_bound"], "write NAME=VALUE"),
         (["run", "f", "--scheme", "asap2020", "--set", "ratebound=1"], "did you mean rate_bound?"),
         (["run", "f", "--scheme", "asap2020", "--set", "zz=1"], "it has rate_bound, first_size"),
-        (["run", "f", "--scheme", "asap2020", "--set", "rate_bound=fast"], "'fast' is no number"),
+        (
+            ["run", "f", "--scheme", "asap2020", "--set", "rate_bound=fast"],
+            "is not a number",
+        ),
         (["run", "f", "--scheme", "asap2020", "--set", "first_size=2.5"], "takes a whole number"),
         (["run", "f", "--scheme", "asap2020", "--set", "first_size=nan"], "takes a whole number"),
-        (["run", "f", "--cost", "1us+1ns", "--speed", "10"], "--speed: it is about the replay"),
+        (["run", "f", "--cost", "1us+1ns", "--speed", "10"], "--speed: not with --cost"),
         (
             ["run", "f", "--scheme", "asap2020", "--set", "rate_bound=-1"],
             "rate_bound = -1.0: must be positive",
@@ -174,7 +177,7 @@ def test_the_study_says_how_long_it_takes(asap):
 def test_a_profile_is_no_recording(asap, verb):
     code, out, err = asap(verb, "bursts")
     assert (code, out) == (2, "")
-    assert "bursts: no such file; it is a profile, for asap compare" in err
+    assert "bursts: no such file; only asap compare takes the name of a profile" in err
 
 
 @pytest.mark.parametrize(
@@ -237,7 +240,7 @@ def test_a_scheme_that_this_version_lacks_is_not_offered(api, asap, monkeypatch)
 def test_run_prints_the_table(api, asap):
     code, out, err = asap("run", "flight.npy")
     assert (code, err) == (0, "")
-    assert "Verdict: " in out and "in time" in out
+    assert "Bottleneck: " in out and "in time" in out
     assert api.calls["run"] == {
         "scheme": None,
         "latency_ms": None,
@@ -401,8 +404,10 @@ def test_info_as_json(api, asap):
 def test_info_says_when_the_geometry_is_unknown(api, asap):
     api.recording.width = api.recording.height = None
     out = asap("info", "f")[1]
-    assert "unknown: addresses are not checked" in out
+    assert "unknown: addresses are not checked; events reach x = " in out
     assert out.endswith("  rejected  none\n")
+    api.recording.width = 346
+    assert "  sensor    346 x ? px: addresses are not checked" in asap("info", "f")[1]
 
 
 def test_report_stands_beside_the_run(api, asap, tmp_path):
@@ -419,14 +424,14 @@ def test_report_of_a_missing_run_exits_with_3(api, asap, tmp_path):
     pytest.importorskip("matplotlib")
     code, out, err = asap("report", tmp_path / "none.json")
     assert (code, out) == (3, "")
-    assert "none.json: No such file" in err
+    assert "none.json: no such file" in err
 
 
 @pytest.fixture
 def demo(api, monkeypatch, tmp_path):
     def run(out_dir, *, quick, on_progress):
         assert (out_dir, quick, on_progress) == (tmp_path, True, None)
-        return [api.result, api.result], [tmp_path / "report.html"]
+        return [api.result] * 3, [tmp_path / "report.html"]
 
     @dataclass
     class Claim:
@@ -436,6 +441,7 @@ def demo(api, monkeypatch, tmp_path):
 
     fake = SimpleNamespace(run=run, held=[Claim("gamma = 1 throughout.", True, "least gamma 1")])
     fake.claims = lambda run: fake.held
+    fake.side_by_side = lambda paper, default: "both"
     fake.Claim = Claim
     monkeypatch.setitem(sys.modules, "asap.demo", fake)
     monkeypatch.setattr(package, "demo", fake, raising=False)
@@ -445,9 +451,9 @@ def demo(api, monkeypatch, tmp_path):
 def test_demo_prints_a_table_for_each_run_the_claims_and_the_files(api, asap, demo, tmp_path):
     code, out, err = asap("demo", "--quick", "--out", tmp_path)
     assert (code, err) == (0, "")
-    assert out.count("Verdict: ") == 2
+    assert out.count("Bottleneck: ") == 2
     assert out.count("  holds  gamma = 1 throughout.\n         least gamma 1\n") == 2
-    assert out.endswith(f"\nwrote {tmp_path / 'report.html'}\n")
+    assert out.endswith(f"scheme:\n\nboth\n\nwrote {tmp_path / 'report.html'}\n")
 
 
 @pytest.mark.parametrize("verb", [["demo"], ["run", "f", "--report", "f.html"], ["report", "f"]])
@@ -465,7 +471,8 @@ def test_demo_as_json(api, asap, demo, tmp_path):
     code, out, err = asap("demo", "--quick", "--out", tmp_path, "--json")
     assert (code, err) == (0, "")
     facts = json.loads(out)
-    assert facts["runs"] == [api.result.summary()] * 2
+    assert facts["runs"] == [api.result.summary()] * 3
+    assert len(facts["claims"]) == 2
     assert facts["claims"][0][0]["holds"] is True
     assert facts["files"] == [str(tmp_path / "report.html")]
 
@@ -566,7 +573,7 @@ class TestInstalled:
         size = ("--width", 64, "--height", 64)
         ran = self.call("run", recording, *size, "--save", saved)
         assert (ran.returncode, ran.stderr) == (0, "")
-        assert "real time" in ran.stdout and "Verdict: " in ran.stdout
+        assert "real time" in ran.stdout and "Bottleneck: " in ran.stdout
         pytest.importorskip("matplotlib")
         reported = self.call("report", saved)
         assert (reported.returncode, reported.stderr) == (0, "")

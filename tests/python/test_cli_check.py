@@ -43,7 +43,8 @@ def test_a_clean_recording(call, save):
     code, out, err = call(path)
     assert (code, err) == (0, "")
     assert "sensor unknown: not checked; addresses up to x = 345, y = 259" in out
-    assert "Verdict: ok, with a note." in out and "--width, --height" in out
+    assert "Verdict: ok. Nothing is wrong with this recording. To note: " in out
+    assert "--width, --height" in out
 
 
 def test_how_far_it_has_come_is_told_at_a_terminal(call, save, monkeypatch):
@@ -57,7 +58,7 @@ def test_something_wrong(call, save):
     code, out, err = call(save(corrupt.back_steps(EVENTS, 3)), *SENSOR)
     assert (code, err) == (1, "")
     assert out.startswith("flight & co.npy\n")
-    assert "\nVerdict: wrong. Look at: back steps.\n  back steps: A run drops and counts" in out
+    assert "\nVerdict: wrong. Problems: back steps.\n  back steps: A run drops and counts" in out
 
 
 def test_a_truncated_file_is_wrong_and_nothing_else_is_said_about_it(call, save):
@@ -110,7 +111,7 @@ def test_report(call, save, tmp_path):
     ("arguments", "code", "words"),
     [
         ([], 2, "required: FILE"),
-        (["none.npy"], 3, "none.npy: No such file"),
+        (["none.npy"], 3, "none.npy: no such file"),
         (["f", "--on-bad", "drop"], 2, "unknown option --on-bad; there are --help"),
         (["f", "--report", "no/such/out.html"], 2, "there is no folder no/such"),
     ],

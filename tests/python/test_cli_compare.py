@@ -115,7 +115,7 @@ def test_report(call, tmp_path, monkeypatch):
         (["bursst", *COST], 2, "bursst: neither a file nor a profile; did you mean bursts?"),
         (["zzz", *COST], 2, "profiles are quiet, low, uav"),
         (["no/such/flight.npy", *COST], 3, "no/such/flight.npy: no such file\n"),
-        ([*PROFILE], 2, "required: --cost"),
+        ([*PROFILE], 2, "--cost is missing: give what the algorithm takes"),
         ([*PROFILE, "--cost", "slwo"], 2, "cost = slwo: no such cost model; did you mean slow?"),
         ([*PROFILE, "--cost", "zzz"], 2, "there are fast, slow, slow_tv, slow_ht"),
         ([*PROFILE, "--cost", "100us"], 2, "write time per package + time per event"),
@@ -137,7 +137,7 @@ def test_a_file_that_is_not_there_and_one_that_is_no_recording(call, recording, 
     code, _, err = call("compare", missing, *COST)
     assert code == 3 and f"did you mean {recording}?" in err
     code, _, err = call("compare", recording, *COST, "--duration", "1s")
-    assert code == 2 and "--duration is for profiles" in err
+    assert code == 2 and "--duration: only a profile has one" in err
     broken = tmp_path / "broken.npy"
     broken.write_bytes(b"no recording")
     assert call("compare", broken, *COST)[0] == 3
@@ -150,4 +150,4 @@ def test_run_takes_a_package_as_a_whole_if_asked(call, recording):
     assert opaque == json.loads(json.dumps(alone.summary()))
     assert opaque["packages"] != anytime["packages"]
     code, _, err = call("run", recording, "--opaque")
-    assert code == 2 and "--opaque: it is about the algorithm that --cost simulates" in err
+    assert code == 2 and "--opaque: needs --cost" in err

@@ -131,7 +131,7 @@ def test_the_current_directory_comes_first(folder: Path) -> None:
         ("pack.mine:Detectr", "pack/mine.py) has no Detectr; did you mean Detector?"),
         ("pack.mine:Outer.Iner", "has no Iner; did you mean Inner?"),
         ("pack.mine:number", "module pack.mine ({folder}/pack/mine.py) it is neither"),
-        ("pack.mine:Empty", "{folder}/pack/mine.py) it is neither a callable nor"),
+        ("pack.mine:Empty", "{folder}/pack/mine.py) it is neither callable nor"),
         ("pack.mine:Narrow", "Narrow(20, 10) in module pack.mine ({folder}/pack/mine.py) failed"),
         ("pack.mine:slow", "mine.py): algorithm = <function slow"),
         ("pack.mine:", "write package.module:name"),

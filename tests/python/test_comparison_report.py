@@ -98,7 +98,7 @@ def test_a_figure_and_a_page_of_nothing(tmp_path):
     empty = asap.compare(EVENTS[:0], cost=COST, schemes=[asap.Greedy()])
     assert plots.svg(empty.plot())
     text = comparison_report.write(empty, tmp_path / "x.html").read_text("utf-8")
-    assert "<strong>Nothing was received, so there is nothing to judge.</strong>" in text
+    assert "<strong>No event was received.</strong>" in text
 
 
 def test_a_label_is_no_formula():

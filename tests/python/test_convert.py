@@ -363,7 +363,7 @@ def test_the_verb(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["none.npy", "a.raw"], 3, "none.npy: No such file"),
+        (["none.npy", "a.raw"], 3, "none.npy: no such file"),
         (["a.npy", "a.xyz"], 2, "its suffix names no format"),
         (["a.npy", "a.es"], 2, "width = 0: an Event Stream states its sensor"),
         (

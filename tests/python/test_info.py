@@ -29,6 +29,8 @@ def test_the_facts(tmp_path: Path) -> None:
         "events": 2940,
         "duration_s": found.duration_s,
         "on_share": found.on_share,
+        "x_max": int(EVENTS["x"].max()),
+        "y_max": int(EVENTS["y"].max()),
         "rate_hz": {
             "mean": found.rate_mean_hz,
             "peak_1ms": found.rate_peak_1ms_hz,

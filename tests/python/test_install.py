@@ -149,7 +149,7 @@ def test_numpy_is_enough_for_a_run(stranger: Path, tmp_path: Path) -> None:
         assert run.ledger.balanced and tracker.clusters.size
         print(run)
     """
-    assert "Verdict" in run([stranger / "python", "-c", program], cwd=tmp_path)
+    assert "Bottleneck" in run([stranger / "python", "-c", program], cwd=tmp_path)
     assert "numpy" in run([stranger / "pip", "list"]).lower()
 
 

@@ -1,6 +1,6 @@
-"""The notebooks run from top to bottom, and are kept without output but one.
+"""The notebooks run from top to bottom; those that a reader sees first are kept with their outputs.
 
-That one is over recordings that are not in the repository: without its output nobody could see it.
+The quick start is what a new user reads; the clusters are over recordings that are not distributed.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ from house import ROOT, name_of, run
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 CLUSTERS = ROOT / "notebooks" / "clusters.ipynb"
+QUICK_START = ROOT / "notebooks" / "quickstart.ipynb"
+KEPT = [CLUSTERS, QUICK_START]  # by tests/python/execute_notebook.py
 RECORDINGS = [
     "aedat/cars_davis346.aedat4",
     "aedat/office_davis346.aedat4",
@@ -24,18 +26,7 @@ RECORDINGS = [
     "text/night_davis346.csv",
 ]
 
-# In a process of its own: the Jupyter libraries warn about one another.
-EXECUTE = """if True:
-    import sys
-    import nbclient, nbformat
-    from jupyter_client import KernelManager
-
-    manager = KernelManager(kernel_name="python3")
-    manager.kernel_spec.argv[0] = sys.executable
-    notebook = nbformat.read(sys.argv[1], as_version=4)
-    limits = {"timeout": 900, "startup_timeout": 300}
-    nbclient.NotebookClient(notebook, km=manager, **limits).execute(cwd=sys.argv[2])
-"""
+EXECUTE = ROOT / "tests" / "python" / "execute_notebook.py"
 
 
 def test_there_are_notebooks() -> None:
@@ -45,7 +36,7 @@ def test_there_are_notebooks() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=name_of)
 def test_notebook_runs(path: Path, tmp_path: Path) -> None:
-    run([sys.executable, "-c", EXECUTE, path, tmp_path])
+    run([sys.executable, EXECUTE, path, tmp_path / path.name])
 
 
 @pytest.mark.slow
@@ -54,10 +45,10 @@ def test_notebook_over_recordings_runs(tmp_path: Path) -> None:
     for name in RECORDINGS:
         recording(name)
     env = {**os.environ, "ASAP_TEST_DATA": str(DATA)}
-    run([sys.executable, "-c", EXECUTE, CLUSTERS, tmp_path], env=env)
+    run([sys.executable, EXECUTE, CLUSTERS, tmp_path / CLUSTERS.name], env=env)
 
 
-@pytest.mark.parametrize("path", sorted({*NOTEBOOKS} - {CLUSTERS}), ids=name_of)
+@pytest.mark.parametrize("path", sorted({*NOTEBOOKS} - {*KEPT}), ids=name_of)
 def test_notebook_is_kept_without_output(path: Path) -> None:
     notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)
@@ -73,19 +64,30 @@ def test_notebook_looks_for_nothing_beside_the_repository(path: Path) -> None:
     assert not [cell.source for cell in cells if cell.cell_type == "code" and "../" in cell.source]
 
 
-def test_notebook_over_recordings_is_kept_as_it_ran() -> None:
-    notebook = nbformat.read(CLUSTERS, as_version=4)
+def outputs_of(path: Path) -> list[nbformat.NotebookNode]:
+    cells = nbformat.read(path, as_version=4).cells
+    return [output for cell in cells if cell.cell_type == "code" for output in cell.outputs]
+
+
+@pytest.mark.parametrize("path", KEPT, ids=name_of)
+def test_notebook_is_kept_as_it_ran(path: Path) -> None:
+    notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert [cell.execution_count for cell in cells] == [*range(1, len(cells) + 1)]
-    outputs = [output for cell in cells for output in cell.outputs]
-    assert {output.output_type for output in outputs} == {"stream", "execute_result"}
-    written = "".join(output.text for output in outputs if output.output_type == "stream")
-    assert {output.get("name", "stdout") for output in outputs} == {"stdout"}
-    assert "skipped" not in written and all(
-        path.split("/")[1][:4] in written for path in RECORDINGS
-    )
-    assert CLUSTERS.stat().st_size < 600_000
+    assert {output.output_type for output in outputs_of(path)} == {"stream", "execute_result"}
+    assert {output.get("name", "stdout") for output in outputs_of(path)} == {"stdout"}
+    assert path.stat().st_size < 600_000
+
+
+def test_kept_outputs_show_what_the_reader_came_for() -> None:
+    streams = [output for output in outputs_of(CLUSTERS) if output.output_type == "stream"]
+    written = "".join(output.text for output in streams)
+    assert "skipped" not in written
+    assert all(path.split("/")[1][:4] in written for path in RECORDINGS)
+    shown = [output.get("data", {}) for output in outputs_of(QUICK_START)]
+    assert sum("image/png" in data for data in shown) >= 4
+    assert sum("text/html" in data for data in shown) == 5, "a check, three runs, a comparison"
 
 
 def test_no_picture_is_kept_of_a_recording_whose_licence_forbids_it() -> None:

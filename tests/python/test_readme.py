@@ -1,4 +1,4 @@
-"""README.md keeps its word: commands, examples, links, tables."""
+"""README.md and the pages below it keep their word: commands, examples, tables."""
 
 from __future__ import annotations
 
@@ -13,8 +13,19 @@ import asap
 from asap import cli
 from house import INCLUDE, ROOT, name_of, run
 
+NOTEBOOKS = ROOT / "notebooks"
 TEXT = (ROOT / "README.md").read_text()
-BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", TEXT, re.M | re.S)
+
+
+def blocks_of(text: str) -> list[tuple[str, str]]:
+    return re.findall(r"^```(\w*)\n(.*?)^```$", text, re.M | re.S)
+
+
+BLOCKS = blocks_of(TEXT)
+PAGES = {"README.md": BLOCKS} | {
+    name: blocks_of((NOTEBOOKS / name).read_text())
+    for name in ("own_algorithm.md", "live.md", "command_line.md", "cpp.md")
+}
 
 
 def blocks(language: str) -> list[str]:
@@ -36,13 +47,31 @@ def test_the_two_lines(word: str) -> None:
     assert all(re.search(rf"^{extra} = \[", pyproject, re.M) for extra in extras.split(","))
 
 
-def test_python_examples_run(tmp_path: Path) -> None:
-    examples = blocks("python")
-    assert examples
-    for number, example in enumerate(examples):
-        script = tmp_path / f"example_{number}.py"
-        script.write_text(example)
-        run([sys.executable, "-W", "error", script], cwd=tmp_path)
+def test_the_first_screen_is_short() -> None:
+    assert len(TEXT.splitlines()) <= 250
+    assert TEXT.startswith("# ASAP\n\nASAP keeps an event-camera algorithm within the latency")
+    assert TEXT.index("print(run)") < TEXT.index("schemes.svg") < TEXT.index("## ")
+
+
+def examples() -> list[tuple[str, str]]:
+    """Every Python example of the pages, each with its page."""
+    return [
+        (page, example)
+        for page, blocks in PAGES.items()
+        for language, example in blocks
+        if language == "python"
+    ]
+
+
+@pytest.mark.parametrize(("page", "example"), examples())
+def test_python_examples_run(page: str, example: str, tmp_path: Path) -> None:
+    script = tmp_path / "example.py"
+    script.write_text(example)
+    run([sys.executable, "-W", "error", script], cwd=tmp_path)
+
+
+def test_every_page_has_an_example() -> None:
+    assert {page for page, _ in examples()} == {"README.md", "own_algorithm.md", "live.md"}
 
 
 def test_cpp_blocks_stand_in_the_examples_that_are_built_and_run() -> None:
@@ -50,11 +79,21 @@ def test_cpp_blocks_stand_in_the_examples_that_are_built_and_run() -> None:
     assert blocks("cpp")
     for block in blocks("cpp"):
         assert any(block in text for text in examples.values()), block
-    assert not [path for path in examples if f"]({name_of(path)})" not in TEXT]
+    page = (NOTEBOOKS / "cpp.md").read_text()
+    assert not [path for path in examples if f"](../{name_of(path)})" not in page]
+
+
+def test_the_program_of_the_cpp_page_compiles(tmp_path: Path) -> None:
+    (program,) = [text for language, text in PAGES["cpp.md"] if language == "cpp"]
+    path = tmp_path / "main.cpp"
+    path.write_text(program)
+    options = ["-std=c++20", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{INCLUDE}"]
+    run(["g++", *options, path])
 
 
 def commands() -> list[str]:
-    lines = [line for block in blocks("sh") for line in block.splitlines()]
+    shell = [text for blocks in PAGES.values() for language, text in blocks if language == "sh"]
+    lines = [line for block in shell for line in block.splitlines()]
     return [line for line in lines if line.startswith("asap ")]
 
 
@@ -63,21 +102,14 @@ def test_command_is_understood(line: str) -> None:
     cli._parser().parse_args(shlex.split(line)[1:])
 
 
-def test_links_lead_somewhere() -> None:
-    targets = re.findall(r"\]\(([^)\s]+)\)", TEXT)
-    headings = {
-        re.sub(r"[^\w-]", "", heading.lower().replace(" ", "-"))
-        for heading in re.findall(r"^#+ (.*)$", TEXT, re.M)
-    }
-    for target in targets:
-        if target.startswith("#"):
-            assert target[1:] in headings
-        elif not target.startswith("https://"):
-            assert (ROOT / target).is_file(), target
+def test_every_verb_is_shown() -> None:
+    verbs = set(re.findall(r"^    (\w+) ", cli._parser().format_help(), re.M))
+    assert verbs and verbs <= {line.split()[1] for line in commands()}
 
 
 def test_table_of_schemes_is_complete() -> None:
-    rows = re.findall(r"^\| `(\w+)` \|.*\|([^|]*)\|$", TEXT, re.M)
+    page = (NOTEBOOKS / "schemes.md").read_text()
+    rows = re.findall(r"^\| `(\w+)` \|.*\|([^|]*)\|$", page, re.M)
     described = {name: set(re.findall(r"`(\w+)`", parameters)) for name, parameters in rows}
     schemes = [
         kind

@@ -106,11 +106,11 @@ def test_the_table_ends_with_the_verdict():
 @pytest.mark.parametrize(
     ("run", "words"),
     [
-        (steady(1e6), ["the camera limits", "Nothing was lost."]),
-        (steady(12e6), ["the algorithm limits", "no bound is long enough", "times as fast"]),
-        (RUNS["bound"], ["the bound limits", "takes a bound of 4", "% delivered late"]),
-        (RUNS["losses"], ["the scheme (asap2020) limits", "discarded", "< 0.1 % overflow"]),
-        (RUNS["empty"], ["nothing was received"]),
+        (steady(1e6), ["Bottleneck: the camera. 100 % processed in time.", "No event was lost."]),
+        (steady(12e6), ["the algorithm.", "A longer bound does not help", "times as fast"]),
+        (RUNS["bound"], ["Bottleneck: the latency bound.", "use a bound of 4", "% delivered late"]),
+        (RUNS["losses"], ["the scheme (asap2020).", "asap.compare", "< 0.1 % overflow"]),
+        (RUNS["empty"], ["No event was received."]),
     ],
 )
 def test_the_verdict_says_what_limits_and_what_was_lost(run, words):
@@ -125,31 +125,31 @@ def test_bad_data_are_told_as_what_limits(bad, in_time, lost):
     events = streams.make(np.arange(1000), x=np.where(np.arange(1000) < bad, 400, 5))
     run = asap.simulate(events, cost=asap.LinearCost(1, 1), width=346, height=260)
     assert run_table.verdict(run) == (
-        f"Verdict: the data limit, {in_time} came through in time. {bad:,} of 1,000 events were "
-        f"rejected ({bad:,} out_of_bounds); asap.check shows where. Lost: {lost} rejected."
+        f"Bottleneck: bad events in the data. {in_time} processed in time. {bad:,} of 1,000 events "
+        f"were rejected ({bad:,} out_of_bounds). asap.check shows where. Lost: {lost} rejected."
     )
 
 
 def test_some_bad_data_do_not_hide_what_lost_more():
-    assert "the algorithm limits" in run_table.verdict(steady(12e6, rejected=1_000_000))
-    assert "the camera limits" in run_table.verdict(steady(1e6, rejected=40_000))
+    assert "Bottleneck: the algorithm." in run_table.verdict(steady(12e6, rejected=1_000_000))
+    assert "Bottleneck: the camera." in run_table.verdict(steady(1e6, rejected=40_000))
 
 
 def test_what_the_verdict_derives_is_called_estimated():
     verdict = run_table.verdict(steady(12e6))
-    assert "estimated cost of 100 us per package + 150 ns per event" in verdict
+    assert "Estimated cost: 100 us per package + 150 ns per event." in verdict
 
 
 def test_a_machine_that_cannot_keep_pace_is_not_the_schemes_fault():
     run = steady(1e6, mode="real", bound_us=450.0, rate_bound=5e5)
     assert run.in_time < 0.95
     verdict = run_table.verdict(run)
-    assert "the machine limits" in verdict and "late, by 228 us (p99) and 230 us" in verdict
+    assert "Bottleneck: this machine." in verdict and "late, by 228 us (p99) and 230 us" in verdict
 
 
 def test_a_free_algorithm_has_no_limit():
     run = steady(1e6, beta_ns=0.0)
-    assert "keeps up with any rate" in run_table.verdict(run)
+    assert "keeps up with any event rate" in run_table.verdict(run)
 
 
 def test_no_line_ends_between_a_number_and_its_unit():
@@ -190,9 +190,9 @@ def test_a_bound_that_cannot_be_kept_is_told_with_what_would_be_needed():
     run = RUNS["fixed cost"]
     p99, most = (f"{us / 150:.3g}" for us in (run.latency.quantile(0.99), run.latency.max))
     assert run_table.verdict(run).startswith(
-        "Verdict: the fixed cost limits, 0.0 % came through in time. At an estimated cost of "
-        "100 us per package + 150 ns per event the bound of 150 us cannot be kept: latency was "
-        f"{p99} (p99) and {most} (max) times as long. It takes a bound of at least about 250 us, "
+        "Bottleneck: the fixed cost of a package. 0.0 % processed in time. Estimated cost: 100 us "
+        "per package + 150 ns per event. No scheme can keep a bound of 150 us at this cost: "
+        f"latency was {p99} (p99) and {most} (max) times as long. Use a bound of at least 250 us, "
         "or a fixed cost of 60 us or less. Lost: "
     )
 
@@ -204,15 +204,13 @@ def test_a_bound_that_cannot_be_kept_is_told_with_what_would_be_needed():
 def test_events_that_are_too_dear_one_by_one_are_told_as_that(beta_ns, latency_ms, bound, event):
     cost = asap.LinearCost(100, beta_ns)
     run = asap.simulate(streams.poisson(1e3, 1), cost=cost, latency_ms=latency_ms, opaque=True)
-    words = (
-        f"a bound of at least about {bound}, or an algorithm that does a single event in {event}"
-    )
+    words = f"a bound of at least {bound}, or an algorithm that processes a single event in {event}"
     assert words in run_table.verdict(run)
 
 
 def test_nothing_is_said_about_a_cost_that_was_never_seen():
     run = fake_run(duration_s=0.0, stale=10)
-    words = "Verdict: nothing reached the algorithm. Lost: 100.0 % stale."
+    words = "No event reached the algorithm. Lost: 100.0 % stale."
     assert run_table.verdict(run) == words
 
 

@@ -122,7 +122,7 @@ def test_json_is_the_summary(run: asap.Run, tmp_path: Path) -> None:
         again.latency.quantile(0.9)
     assert again.save(tmp_path / "b.json").read_bytes() == path.read_bytes()
     assert "without its packages" in repr(again)
-    assert "Verdict: not known" in str(again) and "Verdict" in again._repr_html_()
+    assert "Bottleneck: not known" in str(again) and "Verdict" in again._repr_html_()
 
 
 def test_a_summary_says_that_it_has_no_log(run: asap.Run, tmp_path: Path) -> None:

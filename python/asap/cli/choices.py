@@ -38,7 +38,7 @@ def scheme_of(name: str | None, settings: Sequence[str]) -> asap.Scheme | None:
     """Make the scheme with its NAME=VALUE parameters; None leaves the choice to the library."""
     if name is None:
         if settings:
-            raise Failure(USAGE, f"--set {settings[0]}: say which scheme, with --scheme")
+            raise Failure(USAGE, f"--set {settings[0]}: needs --scheme, whose parameter it is")
         return None
     make = getattr(asap, _SCHEMES[name])
     defaults = make().parameters
@@ -55,7 +55,7 @@ def _setting(text: str, scheme: str, defaults: dict[str, Any]) -> tuple[str, Any
     try:
         number = float(value)
     except ValueError as error:
-        raise Failure(USAGE, f"--set {text}: {value!r} is no number") from error
+        raise Failure(USAGE, f"--set {text}: {value!r} is not a number") from error
     if not isinstance(defaults[name], int):
         return name, number
     if not number.is_integer():
@@ -86,7 +86,7 @@ def algorithm_of(name: str, recording: asap.Recording) -> Any:
     if not (recording.width and recording.height):
         raise Failure(
             USAGE,
-            f"{recording.path} does not say how large its sensor is; "
-            f"{name} needs --width and --height",
+            f"{recording.path}: sensor = unknown: {name} needs its size. "
+            "Give --width and --height; asap info shows how far the events reach",
         )
     return getattr(asap, ALGORITHMS[name])(recording.width, recording.height)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,6 +13,7 @@ from asap.cli.outcome import (
     OK,
     USAGE,
     Failure,
+    near_file,
     need_matplotlib,
     print_json,
     print_written,
@@ -46,9 +46,9 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "--cost",
         type=typed(_parse_cost, "cost"),
-        required=True,
         metavar="100us+300ns",
-        help="what the algorithm takes per package + per event, or a model of the study: "
+        help="required: what the algorithm takes per package + per event, as asap run estimates it "
+        "for yours, or a model of the study: "
         f"{', '.join(profiles.COSTS)}",
     )
     verb.add_argument(
@@ -82,6 +82,12 @@ def add(verbs: Any) -> None:
 
 
 def _call(arguments: Any) -> int:
+    if arguments.cost is None:
+        raise Failure(
+            USAGE,
+            "--cost is missing: give what the algorithm takes per package + per event, such as "
+            "100us+300ns; the verdict of asap run estimates it for yours",
+        )
     if arguments.report:
         need_matplotlib()
     source, cost, latency_ms = _contest(arguments)
@@ -130,7 +136,7 @@ def _recording(arguments: Any) -> tuple[Any, asap.LinearCost, float | None]:
     if not Path(arguments.file).exists():
         raise Failure(*_not_found(arguments.file))
     if arguments.duration is not None:
-        raise Failure(USAGE, "--duration is for profiles; a recording is compared as a whole")
+        raise Failure(USAGE, "--duration: only a profile has one; a recording is used whole")
     with reading(arguments):
         recording = open_recording(arguments)
     with usage():
@@ -145,10 +151,7 @@ def _not_found(text: str) -> tuple[int, str]:
     """Tell a profile that is not there from a file that is not, with what is near."""
     path = Path(text)
     if path.suffix or len(path.parts) > 1:
-        files = [one.name for one in path.parent.iterdir()] if path.parent.is_dir() else []
-        near = difflib.get_close_matches(path.name, files, n=1)
-        words = f"; did you mean {path.parent / near[0]}?" if near else ""
-        return BAD_INPUT, f"{text}: no such file{words}"
+        return BAD_INPUT, f"{text}: no such file{near_file(path)}"
     near_profile = hint(text, profiles.PROFILES, "profiles are")
     return USAGE, f"{text}: neither a file nor a profile; {near_profile}"
 

@@ -1,4 +1,4 @@
-"""``asap demo``: the paper's two experiments, and whether the log shows what the paper claims."""
+"""``asap demo``: the paper's two experiments, what the paper claims, and `Deadline` beside it."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ def _call(arguments: Any) -> int:
 
     with writing(arguments.out), progress.on_terminal() as on_progress:
         runs, paths = demo.run(arguments.out, quick=arguments.quick, on_progress=on_progress)
-    claims = [demo.claims(run) for run in runs]
+    *experiments, default = runs
+    claims = [demo.claims(run) for run in experiments]
     if arguments.json:
         print_json(
             {
@@ -45,11 +46,13 @@ def _call(arguments: Any) -> int:
             }
         )
     else:
-        for run, of_run in zip(runs, claims, strict=True):
+        for run, of_run in zip(experiments, claims, strict=True):
             print(run_table.format_run(run), end="\n\n")
             for claim in of_run:
                 print(f"  {'holds' if claim.holds else 'FAILS':<7}{claim.sentence}")
                 print(textwrap.indent(textwrap.fill(claim.seen, 69), " " * 9))
             print()
+        print("The first experiment again, under the default scheme:\n")
+        print(demo.side_by_side(experiments[0], default), end="\n\n")
         print_written(*paths)
     return OK if all(claim.holds for of_run in claims for claim in of_run) else CHECK_FAILED

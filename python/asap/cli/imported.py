@@ -54,7 +54,7 @@ def imported(spec: str, width: int | None, height: int | None) -> Any:
             words = f"{path}({width}, {height}) in {_where(module)} failed: {_said(error)}"
             raise Failure(USAGE, f"--algorithm {spec}: {words}") from error
     if not (hasattr(found, "process") or callable(found)):
-        words = f"in {_where(module)} it is neither a callable nor has it process(events)"
+        words = f"in {_where(module)} it is neither callable nor has process(events)"
         raise Failure(USAGE, f"--algorithm {spec}: {words}")
     try:
         checks.worker("algorithm", found)

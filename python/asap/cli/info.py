@@ -28,11 +28,11 @@ def _call(arguments: Any) -> int:
     if arguments.json:
         print_json(facts)
         return OK
-    sensor = (
-        f"{facts['width']} x {facts['height']} px"
-        if facts["width"]
-        else "unknown: addresses are not checked; give --width and --height"
-    )
+    width, height = facts["width"], facts["height"]
+    sensor = f"{width or '?'} x {height or '?'} px" if width or height else "unknown"
+    if not (width and height):
+        reach = f"events reach x = {facts['x_max']}, y = {facts['y_max']}"
+        sensor += f": addresses are not checked; {reach}. Give --width and --height"
     rate = {name: units.rate(value) for name, value in facts["rate_hz"].items()}
     rows = {
         "format": facts["format"],

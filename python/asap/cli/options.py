@@ -105,7 +105,9 @@ def add_out(parser: argparse.ArgumentParser, default: str) -> None:
 def open_recording(arguments: Any) -> asap.Recording:
     """Open what `add_recording` asked for."""
     if arguments.file in profiles.PROFILES and not Path(arguments.file).exists():
-        raise Failure(USAGE, f"{arguments.file}: no such file; it is a profile, for asap compare")
+        raise Failure(
+            USAGE, f"{arguments.file}: no such file; only asap compare takes the name of a profile"
+        )
     return asap.read(
         arguments.file,
         width=arguments.width,

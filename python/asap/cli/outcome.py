@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import json
+import os
 import re
 import sys
 from collections.abc import Iterator
@@ -21,6 +23,7 @@ __all__ = [
     "USAGE",
     "Failure",
     "as_options",
+    "near_file",
     "need_matplotlib",
     "print_json",
     "print_written",
@@ -63,12 +66,22 @@ def reading(arguments: Any) -> Iterator[None]:
         RuntimeError,
     ) as error:
         raise Failure(BAD_INPUT, as_options(str(error))) from error
+    except FileNotFoundError as error:
+        name = os.fspath(error.filename or getattr(arguments, "file", "input"))
+        raise Failure(BAD_INPUT, f"{name}: no such file{near_file(Path(name))}") from error
     except OSError as error:
         name = error.filename or getattr(arguments, "file", "input")
         raise Failure(BAD_INPUT, f"{name}: {error.strerror or error}") from error
     except ValueError as error:
         lenient = getattr(arguments, "on_bad", "raise") != "raise"
         raise Failure(USAGE if lenient else BAD_INPUT, as_options(str(error))) from error
+
+
+def near_file(path: Path) -> str:
+    """Ask for the file of the nearest name in the same folder; "" if there is none."""
+    files = [one.name for one in path.parent.iterdir()] if path.parent.is_dir() else []
+    near = difflib.get_close_matches(path.name, files, n=1)
+    return f"; did you mean {path.parent / near[0]}?" if near else ""
 
 
 def as_options(message: str) -> str:
@@ -78,6 +91,7 @@ def as_options(message: str) -> str:
         message = message.replace(f"{name} = None: ", f"{option} is missing: ")
         message = re.sub(rf"\b{name} ?= ?'([^']*)'", rf"{option} \1", message)
         message = re.sub(rf"\b(give|leave|with|check) {name}\b", rf"\1 {option}", message)
+    message = message.replace(", to asap.as_events or asap.load", "")
     return message.replace("(relative)", "(--relative)")
 
 

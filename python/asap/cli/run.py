@@ -55,7 +55,7 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "--opaque",
         action="store_true",
-        help="with --cost: it takes a package as a whole, as a Python callback does",
+        help="with --cost: the algorithm takes a package as a whole, as a Python callback does",
     )
     verb.add_argument("--scheme", choices=schemes(), help="default: deadline")
     verb.add_argument(
@@ -87,9 +87,9 @@ def add(verbs: Any) -> None:
 
 def _call(arguments: Any) -> int:
     if arguments.opaque and not arguments.cost:
-        raise Failure(USAGE, "--opaque: it is about the algorithm that --cost simulates")
+        raise Failure(USAGE, "--opaque: needs --cost, the simulated algorithm that it describes")
     if arguments.cost and arguments.speed != 1.0:
-        raise Failure(USAGE, "--speed: it is about the replay, not about what --cost simulates")
+        raise Failure(USAGE, "--speed: not with --cost; only a replay in real time has a speed")
     if arguments.report:
         need_matplotlib()
     with usage():

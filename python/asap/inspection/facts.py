@@ -28,9 +28,9 @@ def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, 
     -------
     dict
         ``schema_version``, ``path``, ``format``, ``width`` and ``height`` in px or None,
-        ``events``, ``duration_s``, ``on_share`` 0..1, ``rate_hz`` with ``mean``, ``peak_1ms`` and
-        ``peak_10ms`` in ev/s, ``rejected`` by reason, ``clock_resets``. It is the object of
-        ``asap info --json``.
+        ``events``, ``duration_s``, ``on_share`` 0..1, ``x_max`` and ``y_max`` in px, ``rate_hz``
+        with ``mean``, ``peak_1ms`` and ``peak_10ms`` in ev/s, ``rejected`` by reason,
+        ``clock_resets``. It is the object of ``asap info --json``.
 
     Raises
     ------

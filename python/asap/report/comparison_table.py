@@ -29,19 +29,19 @@ _ALL = 0.9995  # of the oracle, likewise
 _SHORT = 10.0  # latency bounds
 _MOST_NAMES = 5
 _READ = (
-    "Read score and p99/L as a pair: much finished but late is no use, and neither is a low "
-    "latency of the few events that were not thrown away."
+    "Read score and p99/L together: a scheme that discards most events has a low latency, and one "
+    "that keeps all of them may process them too late."
 )
 
 COLUMNS = {
     "scheme": "the rule that decides size and gamma of a package",
-    "score": "events finished in time, as a share of what the oracle could finish in time",
-    "kept": "events finished, in time or late, of all that came in",
-    "p50": "median latency of the events that were finished",
-    "p99": "one in a hundred of them was later",
+    "score": "events processed in time, as a share of those that the oracle processes in time",
+    "kept": "events processed, in time or late, as a share of all events received",
+    "p50": "median latency of the processed events",
+    "p99": "99 % of them had at most this latency",
     "p99/L": "the same in latency bounds: up to 1.00 the bound is kept",
-    "max": "the latest of them",
-    "gap": "the longest time in which events came in and not one of them was finished",
+    "max": "the largest latency",
+    "gap": "the longest time in which events were received and none of them was processed",
     "overflow": "events lost because the buffer was full, of all",
     "pkg/s": "packages per second",
     "busy": "share of the time that the algorithm worked",
@@ -151,7 +151,7 @@ def exceeds(latency_us: float, latency_ms: float) -> bool:
 
 
 def verdict(comparison: Comparison) -> str:
-    """Say who keeps the bound, who is best at that, and how to read the pair of score and p99/L.
+    """Say which schemes keep the bound, and which of them processes the most in time.
 
     Parameters
     ----------
@@ -166,10 +166,10 @@ def verdict(comparison: Comparison) -> str:
     bound_us = comparison.latency_ms * 1e3
     bound = units.duration(bound_us)
     if comparison.received == 0:
-        return "Nothing was received, so there is nothing to judge."
+        return "No event was received."
     if comparison.oracle <= 0:
         return (
-            f"No scheme can finish anything within {bound}: one package takes longer. Give a "
+            f"No scheme can process an event within {bound}: one package takes longer. Use a "
             "longer bound or a faster algorithm."
         )
     keepers = [
@@ -178,26 +178,27 @@ def verdict(comparison: Comparison) -> str:
         if row.kept and not exceeds(row.p99_us, comparison.latency_ms)
     ]
     if not keepers:
-        return f"No scheme keeps the bound of {bound} for 99 % of what it finishes. {_READ}"
+        return f"No scheme keeps the bound of {bound} for 99 % of its events. {_READ}"
     late = [row.label for row in keepers if exceeds(row.max_us, comparison.latency_ms)]
     never = [row.label for row in keepers if row.label not in late]
     sentences = [_best(keepers, bound_us)]
     if never:
-        sentences.append(f"Every event that was finished is in time with {_listed(never)}.")
+        sentences.append(f"No event is late with {_listed(never)}.")
     if late:
-        sentences.append(f"At least 99 % of them are with {_listed(late)}.")
+        sentences.append(f"At most 1 % of the events are late with {_listed(late)}.")
     if comparison.exact is not None and comparison.exact < _ALL * comparison.oracle:
         share = units.share(comparison.exact / comparison.oracle)
         sentences.append(
-            "The oracle serves single events. With whole packages a scheduler that knows all "
+            "The oracle serves single events. A scheduler of whole packages that knows all "
             f"arrivals reaches {share} of it (exact clairvoyant)."
         )
+    if comparison.oracle >= _ALL * comparison.received:
+        sentences.append("The events do not overload this algorithm; a larger speed does.")
     sentences.append(_READ)
     lasted = comparison.source["duration_s"] * 1e6 / bound_us
     if lasted < _SHORT:
         sentences.append(
-            f"Mind that these events last for no more than {lasted:.2g} L: start and end weigh "
-            "heavily in the score."
+            f"The events last for only {lasted:.2g} L, so start and end weigh heavily in the score."
         )
     return " ".join(sentences)
 
@@ -208,13 +209,13 @@ def _best(keepers: Sequence[Row], bound_us: float) -> str:
     perfect = [row for row in keepers if row.score >= _ALL]
     if len(perfect) > 1:
         return (
-            f"{len(perfect)} schemes finish all that the oracle could within {bound}, "
-            f"{best.label} with the lowest p99, {p99}."
+            f"{len(perfect)} schemes process as many events within {bound} as the oracle; "
+            f"{best.label} has the lowest p99, {p99}."
         )
-    share = "all" if perfect else f"{units.share(best.score)} of what"
+    share = "as many as the oracle" if perfect else f"{units.share(best.score)} of the oracle's"
     return (
-        f"Of those that keep the bound {best.label} does most: {share} the oracle could finish "
-        f"within {bound}, its p99 at {p99}."
+        f"{best.label} processes the most events within {bound} of all schemes that keep the "
+        f"bound: {share}, p99 {p99}."
     )
 
 

@@ -148,10 +148,10 @@ def verdict(inspection: Inspection) -> str:
     wrong, notes = by_verdict["wrong"], by_verdict["note"]
     if not wrong and not notes:
         return "Verdict: ok. Nothing is wrong with this recording."
-    also = f" Worth knowing: {', '.join(notes)}." if notes else ""
+    also = f" To note: {', '.join(notes)}." if notes else ""
     if not wrong:
-        return f"Verdict: ok, with a note. Nothing is wrong with this recording.{also}"
-    return f"Verdict: wrong. Look at: {', '.join(wrong)}.{also}"
+        return f"Verdict: ok. Nothing is wrong with this recording.{also}"
+    return f"Verdict: wrong. Problems: {', '.join(wrong)}.{also}"
 
 
 def remedies(inspection: Inspection) -> dict[str, str]:

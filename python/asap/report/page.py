@@ -25,6 +25,7 @@ __all__ = [
     "fitted",
     "inline_svg",
     "shortened",
+    "standalone_svg",
     "text",
     "write",
 ]
@@ -40,6 +41,7 @@ _LOOK = {
     plots.VERMILION: "var(--vermilion)",
     plots.GREEN: "var(--green)",
     plots.PURPLE: "var(--purple)",
+    plots.AMBER: "var(--amber)",
     plots.INK: "var(--ink)",
     plots.FAINT: "var(--faint)",
 }
@@ -111,6 +113,14 @@ def inline_svg(figure: Figure, prefix: str, css_class: str, label: str) -> str:
     return svg.replace("<svg ", described, 1)
 
 
+def standalone_svg(figure: Figure, label: str) -> str:
+    """Write an SVG file with a card of its own, dark where the reader prefers it."""
+    style = f"<style>{_COLOURS}text{{font-family:system-ui,sans-serif!important}}</style>"
+    card = '<rect width="100%" height="100%" rx="8" fill="var(--card)"/>'
+    drawn = inline_svg(figure, "figure", "figure", label)
+    return re.sub(r"(<svg[^>]*>)", rf"\1{style}{card}", drawn, count=1) + "\n"
+
+
 def _short_tag(tag: re.Match[str]) -> str:
     """Hundredths of a point are enough, the page has a font, and nothing refers to a group."""
     short = re.sub(r"(\.\d\d)\d+", r"\1", tag[0])
@@ -119,13 +129,18 @@ def _short_tag(tag: re.Match[str]) -> str:
     return re.sub(r"font-family:[^;\"]*; ?|(?<=<g) id=\"[^\"]*\"", "", short)
 
 
-_STYLE = """
+_COLOURS = """
 :root{color-scheme:light dark;--page:#f5f6f7;--card:#fff;--ink:#22272c;--soft:#5b646d;
 --faint:#9aa1a8;--line:#e2e5e8;--blue:#0072b2;--vermilion:#d55e00;--green:#009e73;--purple:#a14f7c;
---amber:#c98a00}
+--amber:#c98a00;--shade:#0002}
 @media (prefers-color-scheme:dark){:root{--page:#14171a;--card:#1d2125;--ink:#e6e9ec;--soft:#a3acb5;
 --faint:#6c757e;--line:#30363c;--blue:#56b4e9;--vermilion:#ff8a3d;--green:#2fc79c;--purple:#df8fbb;
---amber:#f0b83c}}
+--amber:#f0b83c;--shade:#0009}}
+"""
+
+_STYLE = (
+    _COLOURS
+    + """\
 *{box-sizing:border-box}
 body{margin:0;background:var(--page);color:var(--ink);
 font:16px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"Helvetica Neue",sans-serif}
@@ -162,8 +177,8 @@ svg text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,sans-serif!import
 .pending i,i.pending{background:var(--faint)}
 .scroll{overflow-x:auto;background:linear-gradient(90deg,var(--card) 40%,transparent) 0/40px 100%
 no-repeat local,linear-gradient(270deg,var(--card) 40%,transparent) 100%/40px 100% no-repeat local,
-linear-gradient(90deg,var(--faint),transparent) 0/10px calc(100% - 4px) no-repeat scroll,
-linear-gradient(270deg,var(--faint),transparent) 100%/10px calc(100% - 4px) no-repeat scroll}
+linear-gradient(90deg,var(--shade),transparent) 0/10px calc(100% - 4px) no-repeat scroll,
+linear-gradient(270deg,var(--shade),transparent) 100%/10px calc(100% - 4px) no-repeat scroll}
 table{border-collapse:collapse;width:100%;font-size:.9rem;margin:10px 0 0}
 th,td{padding:6px 14px 6px 0;text-align:left;border-bottom:1px solid var(--line);
 vertical-align:top}
@@ -195,6 +210,7 @@ border-bottom:1px solid var(--line);padding:6px 0}
 dl{grid-template-columns:1fr}dd{margin-bottom:6px}}
 @media print{body{background:none}section,article{border:0;padding:0}}
 """
+)
 
 INTRO_OF_RUNS = """\
 <p>Events to the algorithm as soon as possible: what was kept, how late it was, and why.</p>"""

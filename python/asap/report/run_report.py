@@ -122,12 +122,10 @@ def _sizes(packages: Mapping[str, float]) -> str:
 
 
 def _verdict(run: Run) -> str:
-    word, _, sentences = run_table.verdict(run).partition(": ")
-    headline, stop, rest = re.split(r"(\.(?: |$))", sentences, maxsplit=1)
-    headline = headline[:1].upper() + headline[1:] + stop
+    headline, stop, rest = re.split(r"(\.(?: |$))", run_table.verdict(run), maxsplit=1)
     return (
-        f"<aside><h3>{page.text(word)}</h3>"
-        f"<p><strong>{page.text(headline)}</strong>{page.text(rest)}</p></aside>"
+        "<aside><h3>Verdict</h3>"
+        f"<p><strong>{page.text(headline + stop)}</strong>{page.text(rest)}</p></aside>"
     )
 
 

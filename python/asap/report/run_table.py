@@ -166,63 +166,78 @@ def verdict(run: Run) -> str:
     Returns
     -------
     str
-        Three sentences on one line. What follows from the measured processing times is marked as
+        Short sentences on one line. What follows from the measured processing times is marked as
         estimated.
     """
     if run.ledger.received == 0:
-        return "Verdict: nothing was received, so there is nothing to judge."
+        return "No event was received."
     if run.without_log:
         return (
-            "Verdict: not known, since a summary holds no packages; run.save('run.npz') keeps "
+            "Bottleneck: not known, since a summary holds no packages; run.save('run.npz') keeps "
             f"them. {_losses(run)}"
         )
     found = analysis.diagnose(run)
     if run.packages.size == 0 and found.limit != "data":
-        return f"Verdict: nothing reached the algorithm. {_losses(run)}"
-    limits = {"scheme": f"scheme ({run.scheme.name}) limits", "data": "data limit"}
+        return f"No event reached the algorithm. {_losses(run)}"
+    bottleneck = _BOTTLENECKS[found.limit].format(scheme=run.scheme.name)
+    in_time = units.share(run.in_time).replace("100.0 %", "100 %")
     return (
-        f"Verdict: the {limits.get(found.limit, f'{found.limit} limits')}, "
-        f"{units.share(run.in_time)} came through in time. "
+        f"Bottleneck: {bottleneck}. {in_time} processed in time. "
         f"{_explanation(run, found)} {_losses(run)}"
     )
+
+
+_BOTTLENECKS = {
+    "data": "bad events in the data",
+    "camera": "the camera",
+    "scheme": "the scheme ({scheme})",
+    "machine": "this machine",
+    "bound": "the latency bound",
+    "algorithm": "the algorithm",
+    "fixed cost": "the fixed cost of a package",
+}
 
 
 def _explanation(run: Run, found: analysis.Diagnosis) -> str:
     if found.limit == "data":
         return (
             f"{units.count(run.ledger.rejected)} of {units.count(run.ledger.received)} events were "
-            f"rejected ({reasons_of(run.rejected)}); asap.check shows where."
-        )
-    bound = units.duration(run.latency_bound_us)
-    per_package = units.duration(found.cost.alpha_us)
-    per_event = units.duration(found.cost.beta_ns / 1e3)
-    cost = f"At an estimated cost of {per_package} per package + {per_event} per event"
-    cheaper = f"an algorithm {found.speedup:.1f} times as fast"
-    if getattr(run.scheme, "parameters", {}).get("rate_bound", found.needed_hz) < found.needed_hz:
-        cheaper += " (with a higher rate_bound)"
-    if found.limit == "fixed cost":
-        return f"{cost} {_impossible(run, found.cost)}"
-    passes_hz = found.cost.throughput_hz(run.latency_bound_us)
-    if found.limit == "bound" and found.bound_us is not None:
-        return (
-            f"{cost}, keeping 95 % takes a bound of {units.duration(found.bound_us)} or {cheaper}."
-        )
-    if found.limit == "algorithm":
-        return (
-            f"{cost} no bound is long enough to keep 95 %, which takes a throughput of "
-            f"{units.rate(found.needed_hz)}; {cheaper} would do within {bound}."
+            f"rejected ({reasons_of(run.rejected)}). asap.check shows where."
         )
     if found.limit == "machine" and run.lateness is not None:
         return (
             f"The replay itself was late, by {units.duration(run.lateness.quantile(0.99))} (p99) "
-            f"and {units.duration(run.lateness.max)} at most; repeat it on a quiet machine, "
+            f"and {units.duration(run.lateness.max)} at most. Repeat it on a quiet machine, "
             "or in virtual time."
         )
+    per_package = units.duration(found.cost.alpha_us)
+    per_event = units.duration(found.cost.beta_ns / 1e3)
+    cost = f"Estimated cost: {per_package} per package + {per_event} per event."
+    return f"{cost} {_remedy(run, found)}"
+
+
+def _remedy(run: Run, found: analysis.Diagnosis) -> str:
+    bound = units.duration(run.latency_bound_us)
+    if found.limit == "fixed cost":
+        return _impossible(run, found.cost)
+    faster = f"make the algorithm {found.speedup:.1f} times as fast"
+    if getattr(run.scheme, "parameters", {}).get("rate_bound", found.needed_hz) < found.needed_hz:
+        faster += " and raise rate_bound"
+    if found.limit == "bound" and found.bound_us is not None:
+        longer = units.duration(found.bound_us)
+        return f"To process 95 % in time, use a bound of {longer} or {faster}."
+    if found.limit == "algorithm":
+        return (
+            f"A longer bound does not help. To process 95 % in time, {faster}: it has to process "
+            f"{units.rate(found.needed_hz)}."
+        )
+    passes_hz = found.cost.throughput_hz(run.latency_bound_us)
     if passes_hz == float("inf"):
-        return f"{cost} the algorithm keeps up with any rate within {bound}."
+        return f"The algorithm keeps up with any event rate within {bound}."
     return (
-        f"{cost} the algorithm can do up to {units.rate(passes_hz)} within {bound}; "
-        f"{units.rate(found.offered_hz)} were offered on average."
+        f"The algorithm can process {units.rate(passes_hz)} within {bound}; "
+        f"{units.rate(found.offered_hz)} arrived on average."
+        + (" asap.compare shows which scheme processes more." * (found.limit == "scheme"))
     )
 
 
@@ -231,13 +246,13 @@ def _impossible(run: Run, cost: analysis.Cost) -> str:
     p99, most = (f"{us / bound_us:.3g}" for us in (run.latency.quantile(0.99), run.latency.max))
     least_us = cost.least_bound_us
     if least_us > LEAST_BOUND * cost.alpha_us:
-        cheaper = f"an algorithm that does a single event in {units.duration(bound_us / 2)}"
+        cheaper = f"an algorithm that processes a single event in {units.duration(bound_us / 2)}"
     else:
         cheaper = f"a fixed cost of {units.duration(bound_us / LEAST_BOUND)}"
     return (
-        f"the bound of {units.duration(bound_us)} cannot be kept: latency was {p99} (p99) and "
-        f"{most} (max) times as long. It takes a bound of at least about "
-        f"{units.duration(least_us)}, or {cheaper} or less."
+        f"No scheme can keep a bound of {units.duration(bound_us)} at this cost: latency was {p99} "
+        f"(p99) and {most} (max) times as long. "
+        f"Use a bound of at least {units.duration(least_us)}, or {cheaper} or less."
     )
 
 
@@ -247,7 +262,7 @@ def _losses(run: Run) -> str:
     shares = {cause: ledger[cause] / ledger["received"] for cause in causes}
     shares["delivered late"] = run.kept - run.in_time
     lost = [f"{units.share(share)} {cause}" for cause, share in shares.items() if share > 0]
-    return f"Lost: {', '.join(lost)}." if lost else "Nothing was lost."
+    return f"Lost: {', '.join(lost)}." if lost else "No event was lost."
 
 
 def parameter_value(parameter: Any) -> str:

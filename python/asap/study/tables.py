@@ -1,4 +1,4 @@
-"""Tables of the study as Markdown: our figures, the reference's beside them in parentheses."""
+"""Tables of the study as Markdown."""
 
 from __future__ import annotations
 
@@ -87,24 +87,17 @@ def aggregate(results: Results, *, further: bool = False) -> str:
                 "p99_of_bound": max(_seed_means(p99)),
                 "cpu": sum(cpu) / len(cpu),
             }
-            cells.append(_both_rows(ours, model, contender, further=further))
+            cells.append(_quantities(ours))
         rows.append(cells)
     return markdown(("", *MODELS), rows)
 
 
-def _both_rows(ours: dict[str, float], model: str, contender: str, *, further: bool) -> str:
+def _quantities(values: dict[str, float]) -> str:
     def write(quantity: str, value: float) -> str:
         share = "cpu" if quantity == "cpu" else "score"
         return number(value, "p99_ms" if quantity == "p99_of_bound" else share)
 
-    text = " / ".join(write(quantity, value) for quantity, value in ours.items())
-    if further:
-        return text
-    theirs = {name: reference.aggregate(name, model, contender) for name in ours}
-    if all(value is None for value in theirs.values()):
-        return text
-    known = ("-" if value is None else write(quantity, value) for quantity, value in theirs.items())
-    return f"{text} ({' / '.join(known)})"
+    return " / ".join(write(quantity, value) for quantity, value in values.items())
 
 
 def by_profile(
@@ -119,11 +112,7 @@ def by_profile(
     rows = list(_oracle_rows(results, model)) if quantity == "score" else []
     for contender in contenders if contenders is not None else _rows(results):
         cells = [
-            _beside(
-                results.mean(quantity, model, profile, contender),
-                reference.per_profile(quantity, model, contender, profile),
-                quantity,
-            )
+            _cell(results.mean(quantity, model, profile, contender), quantity)
             for profile in profiles
         ]
         if any(cells):
@@ -134,9 +123,7 @@ def by_profile(
 def _oracle_rows(results: Results, model: str) -> Iterator[list[str]]:
     profiles = results.profiles(model)
     possible = [_mean(results.possible(model, profile)) for profile in profiles]
-    theirs = [reference.per_profile("score", model, "OB(L)/input", name) for name in profiles]
-    pairs = zip(possible, theirs, strict=True)
-    yield ["OB(L)/input", *(_beside(one, their, "score") for one, their in pairs)]
+    yield ["OB(L)/input", *(_cell(share, "score") for share in possible)]
     exact = [_mean(results.exact(model, profile)) for profile in profiles]
     if any(share is not None for share in exact):
         yield ["EC(L)/input", *(number(share, "score") for share in exact)]
@@ -172,11 +159,7 @@ def steps(results: Results, model: str) -> str:
     rows = []
     for contender in _rows(results):
         cells = [
-            _beside(
-                results.mean(quantity, model, "steps", contender),
-                reference.step(quantity, model, contender),
-                quantity,
-            )
+            _cell(results.mean(quantity, model, "steps", contender), quantity)
             for quantity, _ in _STEP_COLUMNS
         ]
         if any(cells):
@@ -201,11 +184,8 @@ def _rows(results: Results) -> list[str]:
     return [label for label in results.contenders() if label not in PRIORS]
 
 
-def _beside(ours: float | None, theirs: float | None, quantity: str) -> str:
-    if ours is None:
-        return ""
-    text = number(ours, quantity)
-    return text if theirs is None else f"{text} ({number(theirs, quantity)})"
+def _cell(value: float | None, quantity: str) -> str:
+    return "" if value is None else number(value, quantity)
 
 
 def _mean(values: Sequence[float]) -> float | None:

@@ -14,6 +14,13 @@ from asap.study.tables import markdown
 
 __all__ = ["beside_prototypes", "table", "verdict", "write"]
 
+_OPENING = """\
+Does another tracker do better on the same scenes? `fast` is `asap.ClusterTracker` as it comes; its
+rivals are rebuilt from their published rules, most with a noise filter in front. Each row is one
+tracker on one scene: MOTA (1 means no error), switches of ids per run, error of position and
+velocity, and processor time per event. All scenes are synthetic, and every design was tuned on
+scenes of this kind."""
+
 _HOW_TO_READ = """\
 `fast` is `asap.ClusterTracker` as it comes, nothing in front. BAF is
 `asap.BackgroundActivityFilter` with 5 ms. "First design" is the fast engine's first form, one
@@ -58,9 +65,10 @@ def write(path: Path, curves: Sequence[KeepCurve], *, command: str, seconds: flo
     """
     parts = [
         "# The cluster tracker beside its rivals",
+        _OPENING,
+        verdict(curves),
         f"{origin(command, seconds)}.",
         _HOW_TO_READ,
-        verdict(curves),
         table(curves),
         "## Beside the prototypes",
         _PROTOTYPES,
