@@ -236,6 +236,7 @@ auto reading(Read read) {
 
 void bind_algorithms(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(Cluster, id, x, y, vx, vy, cxx, cxy, cyy, size, t_last, pxx, pxy, pyy);
+  m.attr("CLUSTER_DTYPE") = py::dtype::of<Cluster>();
 
   py::class_<Tracker>(m, "ClusterTracker", kClusterTrackerDoc)
       .def(py::init(&make_tracker), py::arg("width"), py::arg("height"), py::kw_only(),

@@ -21,7 +21,6 @@ void bind_record_decoders(pybind11::module_& m);
 void bind_synthetic(pybind11::module_& m);
 void bind_scenes(pybind11::module_& m);
 void bind_algorithms(pybind11::module_& m);
-void bind_rival_trackers(pybind11::module_& m);
 void bind_corners(pybind11::module_& m);
 void bind_hot_pixels(pybind11::module_& m);
 void bind_surfaces(pybind11::module_& m);

@@ -45,7 +45,6 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_synthetic(m);
   asap::python::bind_scenes(m);
   asap::python::bind_algorithms(m);
-  asap::python::bind_rival_trackers(m);
   asap::python::bind_corners(m);
   asap::python::bind_hot_pixels(m);
   asap::python::bind_surfaces(m);

@@ -43,7 +43,7 @@ PYTHON_LAYERS = (
     {"inspection"},
     {"plots", "progress"},
     {"report"},
-    {"demo", "study"},
+    {"demo"},
     {"cli"},
     {"__main__"},
 )
@@ -88,7 +88,10 @@ def headers() -> dict[str, Path]:
 
 
 HEADERS = headers()
-PYTHON = sorted((ROOT / "python" / "asap").rglob("*.py"))
+PRODUCT = sorted((ROOT / "python" / "asap").rglob("*.py"))
+LABORATORY = ROOT / "python" / "laboratory"
+PYTHON = [*PRODUCT, *sorted(LABORATORY.rglob("*.py"))]
+BINDINGS = ("python/bindings", "python/laboratory")
 NATIVE = {".cpp", ".hpp"}
 MOST_PUBLIC = 65
 
@@ -140,7 +143,7 @@ def test_public_headers_are_few() -> None:
 def test_includes_say_whether_a_header_is_public() -> None:
     wrong = [
         f"{name_of(path)} includes {header}"
-        for path in sources("cpp", "tests", "python/bindings", suffixes=NATIVE)
+        for path in sources("cpp", "tests", *BINDINGS, suffixes=NATIVE)
         for header in includes(path)
         if (known := HEADERS.get(header.removeprefix("asap/"))) is not None
         and known.is_relative_to(INCLUDE) != header.startswith("asap/")
@@ -165,7 +168,7 @@ def test_bindings_include_the_core_and_themselves_only() -> None:
     allowed = ("asap/", "pybind11/")
     foreign = [
         f"{name_of(path)} includes {header}"
-        for path in sources("python/bindings", suffixes=NATIVE)
+        for path in sources(*BINDINGS, suffixes=NATIVE)
         for header in includes(path)
         if "/" in header and header not in HEADERS and not header.startswith(allowed)
     ]
@@ -201,7 +204,7 @@ def imports(path: Path) -> Iterator[tuple[str, bool]]:
 def test_python_imports_point_down() -> None:
     rank = {name: i for i, names in enumerate(PYTHON_LAYERS) for name in names}
     up = []
-    for path in PYTHON:
+    for path in PRODUCT:
         module = path.relative_to(ROOT / "python" / "asap").with_suffix("").parts[0]
         if module == "__init__":
             continue
@@ -213,6 +216,11 @@ def test_python_imports_point_down() -> None:
             if not (module in USE_THE_FACADE if exported else rank[other] < rank[module]):
                 up.append(f"{name_of(path)} imports asap{'.' if other else ''}{other}")
     assert not up
+
+
+def test_the_product_knows_the_laboratory_by_its_door_alone() -> None:
+    known = [name_of(path) for path in PRODUCT if "asap_laboratory" in path.read_text()]
+    assert known == ["python/asap/cli/study.py"]
 
 
 # ---- headers --------------------------------------------------------------------------------
@@ -294,8 +302,7 @@ def parameters(path: Path) -> Iterator[tuple[str, str]]:
 def test_no_parameter_is_named_like_a_builtin() -> None:
     names = [
         f"{name_of(path)}: {function}({name})"
-        for path in PYTHON
-        if "study" not in path.parts
+        for path in PRODUCT
         for function, name in parameters(path)
         if hasattr(builtins, name)
     ]
@@ -327,7 +334,7 @@ def test_bindings_never_cast_arrays() -> None:
     """pybind11 casts an array_t argument by default, structured ones by position."""
     casts = [
         f"{name_of(path)}: {match[0]}"
-        for path in sources("python/bindings", suffixes=NATIVE)
+        for path in sources(*BINDINGS, suffixes=NATIVE)
         for match in re.finditer(
             r"force" + r"cast|(?:const )?py::array_t<[^;={}()]*>\s*&?\s*\w+\s*[,)]",
             path.read_text(),
@@ -340,7 +347,7 @@ def test_bindings_cross_the_gil_in_one_place() -> None:
     """Elsewhere the end of the interpreter would catch a thread on the way: see gil.hpp."""
     crossings = {
         name_of(path)
-        for path in sources("python/bindings", suffixes=NATIVE)
+        for path in sources(*BINDINGS, suffixes=NATIVE)
         if "gil_scoped_" in path.read_text()
     }
     assert crossings == {"python/bindings/gil.cpp", "python/bindings/gil.hpp"}
@@ -408,4 +415,7 @@ def test_version_is_the_same_everywhere() -> None:
     assert asap._core.__version__ == written[1]  # C++: asap::kVersion
     assert asap.__version__ == written[1]
     assert importlib.metadata.version("asap-events") == written[1]
+    laboratory = (LABORATORY / "pyproject.toml").read_text()
+    assert f'version = "{written[1]}"\n' in laboratory
+    assert f'"asap-events=={written[1]}"' in laboratory
     assert f"## [{written[1]}]" in (ROOT / "CHANGELOG.md").read_text()

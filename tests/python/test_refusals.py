@@ -19,7 +19,7 @@ import pytest
 
 import asap
 from asap import _core, analysis, metrics, profiles, scenes, synthetic
-from asap.study import accuracy_study, ladder_study, rivals_study, study
+from asap_laboratory import accuracy_study, ladder_study, rivals_study, study
 from children import run_script
 from fake_scene import FakeScene
 from threads import TRIES
