@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import ast
 import builtins
+import graphlib
 import importlib.metadata
 import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import asap
 from house import INCLUDE, ROOT, name_of, run, sources
@@ -36,8 +38,9 @@ MAY_INCLUDE = {
 PYTHON_LAYERS = (
     {"_core", "checks"},
     {"_pickling", "metrics", "stamps", "units"},
-    {"_result", "events"},
+    {"events"},
     {"io", "synthetic"},
+    {"results"},
     {"accuracy", "experiment", "profiles", "scenes"},
     {"analysis", "conversion"},
     {"inspection"},
@@ -47,14 +50,8 @@ PYTHON_LAYERS = (
     {"cli"},
     {"__main__"},
 )
-# .plot(), .report() and print() of a result import their module when they are called.
-ARROWS_UP = {
-    ("accuracy", "report"),
-    ("experiment", "plots"),
-    ("experiment", "report"),
-    ("inspection", "report"),
-    ("scenes", "report"),
-}
+# .plot() and .report() import their module when they are called.
+ARROWS_UP = {("results", "plots"), ("results", "report"), ("scenes", "report")}
 USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 
 WITHOUT_A_TEST_OF_ITS_OWN = {
@@ -88,8 +85,9 @@ def headers() -> dict[str, Path]:
 
 
 HEADERS = headers()
-PRODUCT = sorted((ROOT / "python" / "asap").rglob("*.py"))
-LABORATORY = ROOT / "python" / "laboratory"
+PYTHON_ROOT = ROOT / "python"
+PRODUCT = sorted((PYTHON_ROOT / "asap").rglob("*.py"))
+LABORATORY = PYTHON_ROOT / "laboratory"
 PYTHON = [*PRODUCT, *sorted(LABORATORY.rglob("*.py"))]
 BINDINGS = ("python/bindings", "python/laboratory")
 NATIVE = {".cpp", ".hpp"}
@@ -175,14 +173,26 @@ def test_bindings_include_the_core_and_themselves_only() -> None:
     assert not foreign
 
 
-def imports(path: Path) -> Iterator[tuple[str, bool]]:
-    """Modules of asap that a file imports ("" = asap itself), and whether inside a function."""
-    package = path.relative_to(ROOT / "python").parent.parts
+def module_of(path: Path) -> str:
+    parts = path.relative_to(PYTHON_ROOT).with_suffix("").parts
+    return ".".join(parts).removesuffix(".__init__")
 
-    def walk(node: ast.AST, inside: bool) -> Iterator[tuple[str, bool]]:
+
+MODULES = {module_of(path): path for path in PRODUCT}
+
+
+class Import(NamedTuple):
+    module: str  # of asap, in full
+    late: bool  # in a function
+    typing: bool  # for the type checker alone
+
+
+def imports(path: Path) -> Iterator[Import]:
+    """What a file imports of asap."""
+    package = path.relative_to(PYTHON_ROOT).parent.parts
+
+    def walk(node: ast.AST, late: bool, typing: bool) -> Iterator[Import]:
         for child in ast.iter_child_nodes(node):
-            if isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING":
-                continue
             if isinstance(child, ast.Import):
                 names = [alias.name for alias in child.names]
             elif isinstance(child, ast.ImportFrom):
@@ -192,30 +202,51 @@ def imports(path: Path) -> Iterator[tuple[str, bool]]:
             else:
                 names = []
             for name in names:
-                top, *rest = name.split(".")
-                if top == "asap":
-                    yield (rest[0] if rest else ""), inside
+                if name.partition(".")[0] == "asap":
+                    is_module = name in MODULES or name == "asap._core"
+                    yield Import(name if is_module else name.rpartition(".")[0], late, typing)
             is_function = isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))
-            yield from walk(child, inside or is_function)
+            is_typing = isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"
+            yield from walk(child, late or is_function, typing or is_typing)
 
-    yield from walk(ast.parse(path.read_text()), False)
+    yield from walk(ast.parse(path.read_text()), False, False)
+
+
+def part_of(module: str) -> str:
+    """The file or folder in asap that a module is of; "" for asap itself."""
+    return f"{module}..".split(".")[1]
 
 
 def test_python_imports_point_down() -> None:
     rank = {name: i for i, names in enumerate(PYTHON_LAYERS) for name in names}
     up = []
-    for path in PRODUCT:
-        module = path.relative_to(ROOT / "python" / "asap").with_suffix("").parts[0]
-        if module == "__init__":
+    for module, path in MODULES.items():
+        part = part_of(module)
+        if part == "":
             continue
-        assert module in rank, f"{name_of(path)}: give it a place in PYTHON_LAYERS"
-        for other, inside in imports(path):
-            if other == module or (inside and (module, other) in ARROWS_UP):
+        assert part in rank, f"{name_of(path)}: give it a place in PYTHON_LAYERS"
+        for one in imports(path):
+            other = part_of(one.module)
+            if other == part or (one.late and (part, other) in ARROWS_UP):
                 continue
-            exported = other not in rank  # a name of the facade, such as asap.run
-            if not (module in USE_THE_FACADE if exported else rank[other] < rank[module]):
-                up.append(f"{name_of(path)} imports asap{'.' if other else ''}{other}")
+            facade = other == ""  # a name of asap itself, such as asap.run
+            if not (part in USE_THE_FACADE if facade else rank[other] < rank[part]):
+                up.append(f"{name_of(path)} imports {one.module}")
     assert not up
+
+
+def test_no_module_of_python_is_in_a_circle() -> None:
+    """Only .plot() and .report() bind late; a table may name the class of its result to mypy."""
+    graph = {
+        module: {
+            one.module
+            for one in imports(path)
+            if not one.typing
+            and not (one.late and (part_of(module), part_of(one.module)) in ARROWS_UP)
+        }
+        for module, path in MODULES.items()
+    }
+    graphlib.TopologicalSorter(graph).prepare()  # a CycleError names the circle
 
 
 def test_the_product_knows_the_laboratory_by_its_door_alone() -> None:

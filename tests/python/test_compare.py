@@ -12,7 +12,7 @@ import pytest
 
 import asap
 import streams
-from asap.experiment import comparison as module
+from asap.results import comparison as module
 from asap.experiment import contenders
 from asap.experiment.side_by_side import CheckedStream, side_by_side
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import asap
-from asap.accuracy.curve import GAMMAS, KeepCurve, Scored
+from asap.accuracy.curve import GAMMAS
 from asap.cli import main
+from asap.results.keep_curve import KeepCurve, Scored
 from asap_laboratory import AccuracyStudy, accuracy, accuracy_study
 from asap_laboratory.accuracy.cases import RUNGS, AccuracyCase, Rung
 from asap_laboratory.run import key_of

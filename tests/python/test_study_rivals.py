@@ -7,8 +7,8 @@ import pytest
 
 import asap
 from asap import _core
-from asap.accuracy.curve import KeepCurve, Scored
 from asap.cli import main
+from asap.results.keep_curve import KeepCurve, Scored
 from asap_laboratory import RivalsStudy, _native, rivals, rivals_study
 from asap_laboratory.accuracy.cases import Rung
 from asap_laboratory.rivals.cases import COLUMNS, OURS, RIVALS, RivalsCase

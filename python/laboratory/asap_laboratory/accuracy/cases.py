@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 from asap import _core
 from asap.accuracy import Scene
-from asap.accuracy.curve import GAMMAS, Scored, scores_of
+from asap.accuracy.curve import GAMMAS, scores_of
+from asap.results.keep_curve import Scored
 
 __all__ = ["RUNGS", "Accuracy", "AccuracyCase", "Rung", "accuracy_cases", "missing_rungs"]
 

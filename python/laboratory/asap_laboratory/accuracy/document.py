@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from asap.accuracy import KeepCurve, KeepRow
-from asap.report import accuracy_table
+from asap.results import accuracy_table
 from asap_laboratory.document import origin
 from asap_laboratory.tables import markdown
 

@@ -6,8 +6,8 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import NamedTuple
 
-from asap.accuracy.curve import KeepCurve, Scored
 from asap.progress import OnProgress
+from asap.results.keep_curve import KeepCurve, Scored
 from asap_laboratory.conduct import made_ready
 from asap_laboratory.results import Results
 from asap_laboratory.rivals import document

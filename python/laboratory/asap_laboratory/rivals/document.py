@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from asap.accuracy import KeepCurve
-from asap.report import accuracy_table
+from asap.results import accuracy_table
 from asap_laboratory.accuracy.document import label_of
 from asap_laboratory.document import origin
 from asap_laboratory.rivals.cases import OURS

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asap import _core, metrics
-from asap._result import Result
-from asap.experiment.result import Named, Run
+from asap.results import comparison_table, notebook
+from asap.results.result import Result
+from asap.results.run import Named, Run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -206,8 +207,6 @@ class Comparison(Result, Mapping[str, Row]):
         return comparison_report.write(self, path)
 
     def _repr_html_(self) -> str:
-        from asap.report import notebook
-
         return notebook.comparison_html(self)
 
     def __repr__(self) -> str:
@@ -215,6 +214,4 @@ class Comparison(Result, Mapping[str, Row]):
         return f"<Comparison: {self.name}, {self.latency_ms:g} ms: {scores}>"
 
     def __str__(self) -> str:
-        from asap.report import comparison_table
-
         return comparison_table.format_comparison(self)

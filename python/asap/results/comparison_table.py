@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from asap import units
-from asap.report.run_table import sensor
+from asap.results.run_table import sensor
 
 if TYPE_CHECKING:
-    from asap.experiment.comparison import Comparison, Row
+    from asap.results.comparison import Comparison, Row
 
 __all__ = [
     "COLUMNS",

@@ -11,7 +11,7 @@ import numpy as np
 from asap import checks
 
 if TYPE_CHECKING:
-    from asap.experiment.result import Run
+    from asap.results.run import Run
 
 __all__ = [
     "BOUND_KEPT",

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from asap import _core, checks
 from asap._pickling import can_be_pickled
-from asap._result import Result
-from asap.experiment import run_archive
-from asap.experiment.cost import BOUND_KEPT, Cost, bound_needed_us, check_run
+from asap.results import notebook, run_archive, run_table
+from asap.results.cost import BOUND_KEPT, Cost, bound_needed_us, check_run
+from asap.results.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -267,8 +267,6 @@ class Run(Result):
         return run_report.write(self, path)
 
     def _repr_html_(self) -> str:
-        from asap.report import notebook
-
         return notebook.run_html(self)
 
     def __repr__(self) -> str:
@@ -283,8 +281,6 @@ class Run(Result):
         )
 
     def __str__(self) -> str:
-        from asap.report import run_table
-
         return run_table.format_run(self)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from asap import units
 
 if TYPE_CHECKING:
-    from asap.inspection import Finding, Inspection
+    from asap.results.inspection import Finding, Inspection
 
 __all__ = [
     "CHECKS",

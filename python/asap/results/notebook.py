@@ -11,12 +11,13 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from asap import units
-from asap.report import accuracy_table, comparison_table, inspection_table, run_table
+from asap.results import accuracy_table, comparison_table, inspection_table, run_table
 
 if TYPE_CHECKING:
-    from asap.accuracy import KeepCurve
-    from asap.experiment import Comparison, Run
-    from asap.inspection import Inspection
+    from asap.results.comparison import Comparison
+    from asap.results.inspection import Inspection
+    from asap.results.keep_curve import KeepCurve
+    from asap.results.run import Run
 
 __all__ = ["comparison_html", "inspection_html", "keep_curve_html", "run_html", "table"]
 

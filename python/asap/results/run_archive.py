@@ -19,7 +19,7 @@ from asap.io.numpy_files import Archive
 from asap.io.writers import write_archive
 
 if TYPE_CHECKING:
-    from asap.experiment.result import Run
+    from asap.results.run import Run
 
 __all__ = ["LATENCIES", "SUMMARY", "check_name", "columns", "write"]
 

@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from asap.accuracy import KeepCurve, KeepRow
+    from asap.results.keep_curve import KeepCurve, KeepRow
 
 __all__ = [
     "CORNER_COLUMNS",

@@ -6,11 +6,12 @@ import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from asap import analysis, units
-from asap.experiment.cost import LEAST_BOUND
+from asap import units
+from asap.results.cost import LEAST_BOUND, Cost
+from asap.results.diagnosis import Diagnosis, diagnose
 
 if TYPE_CHECKING:
-    from asap.experiment import Run
+    from asap.results.run import Run
 
 __all__ = [
     "LEDGER_WORDS",
@@ -176,7 +177,7 @@ def verdict(run: Run) -> str:
             "Verdict: not known, since a summary holds no packages; run.save('run.npz') keeps "
             f"them. {_losses(run)}"
         )
-    found = analysis.diagnose(run)
+    found = diagnose(run)
     if run.packages.size == 0 and found.limit != "data":
         return f"Verdict: nothing reached the algorithm. {_losses(run)}"
     limits = {"scheme": f"scheme ({run.scheme.name}) limits", "data": "data limit"}
@@ -187,7 +188,7 @@ def verdict(run: Run) -> str:
     )
 
 
-def _explanation(run: Run, found: analysis.Diagnosis) -> str:
+def _explanation(run: Run, found: Diagnosis) -> str:
     if found.limit == "data":
         return (
             f"{units.count(run.ledger.rejected)} of {units.count(run.ledger.received)} events were "
@@ -226,7 +227,7 @@ def _explanation(run: Run, found: analysis.Diagnosis) -> str:
     )
 
 
-def _impossible(run: Run, cost: analysis.Cost) -> str:
+def _impossible(run: Run, cost: Cost) -> str:
     bound_us = run.latency_bound_us
     p99, most = (f"{us / bound_us:.3g}" for us in (run.latency.quantile(0.99), run.latency.max))
     least_us = cost.least_bound_us

@@ -12,15 +12,18 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _core
-from asap._result import Result
-from asap.inspection.intervals import BINS_FROM_US
+from asap.results import inspection_table, notebook
+from asap.results.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["NOTE", "OK", "WRONG", "Finding", "Inspection"]
+__all__ = ["BINS_FROM_US", "NOTE", "OK", "WRONG", "Finding", "Inspection"]
 
 OK, NOTE, WRONG = "ok", "note", "wrong"
+
+# Times between events: 0 us, 1 us, then an octave each. No recording is longer than the last one.
+BINS_FROM_US: npt.NDArray[np.int64] = np.append(0, 1 << np.arange(54, dtype=np.int64))
 
 
 @dataclass(frozen=True)
@@ -186,13 +189,9 @@ class Inspection(Result):
         return inspection_report.write(self, path)
 
     def _repr_html_(self) -> str:
-        from asap.report import notebook
-
         return notebook.inspection_html(self)
 
     def __str__(self) -> str:
-        from asap.report import inspection_table
-
         return inspection_table.format_inspection(self)
 
     def __repr__(self) -> str:
