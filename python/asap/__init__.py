@@ -106,7 +106,6 @@ __all__ = [
     "scenes",
     "score",
     "simulate",
-    "study",
     "synthetic",
 ]
 
@@ -118,13 +117,12 @@ _MODULES = (
     "profiles",
     "report",
     "scenes",
-    "study",
     "synthetic",
 )
 
 
 if TYPE_CHECKING:
-    from asap import analysis, metrics, plots, profiles, report, scenes, study, synthetic
+    from asap import analysis, metrics, plots, profiles, report, scenes, synthetic
 else:  # a type checker would take any name for one of a module that has a __getattr__
 
     def __getattr__(name: str) -> Any:

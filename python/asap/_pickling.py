@@ -1,8 +1,9 @@
 """Pickles of what configures a run and of what it results in.
 
 A pickle names the version that wrote it; another version refuses it by name. What the extension
-makes pickles here if its parameters say all of it: schemes, costs and histograms. Algorithms and
-filters have a state that only the extension knows, and refuse.
+makes pickles by its parameters: schemes and costs, histograms and gamma filters with all they hold,
+algorithms as long as they are new. Events leave a state in an algorithm that only the extension
+knows: it then refuses.
 """
 
 from __future__ import annotations
@@ -102,8 +103,37 @@ def _cost(cost: _core.LinearCost) -> Reduced:
     return by_arguments(_core.LinearCost, **cost.parameters)
 
 
+def _gamma_filter(gamma_filter: _core.GammaFilter) -> Reduced:
+    return by_arguments(_advanced, gamma_filter.position, **gamma_filter.parameters)
+
+
+def _advanced(position: int, **parameters: Any) -> _core.GammaFilter:
+    """Make a gamma filter that has seen so many events."""
+    made = _core.GammaFilter(**parameters)
+    made.skip(position)
+    return made
+
+
+def _algorithm(algorithm: Any) -> Reduced:
+    if _core.has_worked(algorithm):
+        raise TypeError(
+            f"{type(algorithm).__name__} = one that has been given events: what they left in it "
+            "does not pickle; pickle a new one, or its .parameters"
+        )
+    size = algorithm.width, algorithm.height
+    return by_arguments(type(algorithm), *size, **algorithm.parameters)
+
+
 # Of exactly these classes: a class that a user derives may have a state of its own.
 for _kind in _core.SCHEMES:
     copyreg.pickle(_kind, _scheme)
+for _algorithms in (
+    *(_core.ClusterTracker, _core.FeatureTracker, _core.BackgroundActivityFilter),
+    *(_core.HotPixelMask, _core.EFast, _core.ArcStar, _core.EHarris, _core.FAHarris),
+    *(_core.ThresholdOrdinalSurface, _core.SpeedInvariantTimeSurface, _core.PlaneFlow),
+    _core.EventImage,
+):
+    copyreg.pickle(_algorithms, _algorithm)
+copyreg.pickle(_core.GammaFilter, _gamma_filter)
 copyreg.pickle(_core.LinearCost, _cost)
 copyreg.pickle(_core.LatencyHistogram, _histogram)

@@ -27,7 +27,7 @@ except ImportError as error:
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from asap.experiment import Run
+    from asap.results.run import Run
 
 __all__ = ["clusters", "control", "figure", "frame", "rate", "svg"]
 

@@ -16,6 +16,7 @@
 #include "cluster_trackers.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
+#include "signatures.hpp"
 
 namespace asap::python {
 namespace {
@@ -232,12 +233,28 @@ auto reading(Read read) {
   return [read](const Tracker& tracker) { return std::visit(read, tracker.engine); };
 }
 
+// For the signature: the parameters of either engine, with its defaults.
+std::string keywords_of_engines() {
+  const py::dict all = parameters_of(ClusterTrackerConfig{});
+  for (const auto& [name, value] : parameters_of(PublishedClusterTrackerConfig{})) {
+    all.attr("setdefault")(name, value);
+  }
+  std::string text;
+  for (const auto& [name, value] : all) {
+    if (name.equal(py::str("engine"))) continue;
+    text += ", " + py::cast<std::string>(name) + "=" + py::cast<std::string>(py::repr(value));
+  }
+  return text;
+}
+
 }  // namespace
 
 void bind_algorithms(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(Cluster, id, x, y, vx, vy, cxx, cxy, cyy, size, t_last, pxx, pxy, pyy);
+  m.attr("CLUSTER_DTYPE") = py::dtype::of<Cluster>();
 
-  py::class_<Tracker>(m, "ClusterTracker", kClusterTrackerDoc)
+  py::class_<Tracker> bound(m, "ClusterTracker", kClusterTrackerDoc);
+  bound
       .def(py::init(&make_tracker), py::arg("width"), py::arg("height"), py::kw_only(),
            py::arg("engine") = "fast")
       .def("process", &process, py::arg("events").noconvert(), py::arg("labels") = true,
@@ -337,6 +354,7 @@ ValueError
           "Events without a recent event among their neighbours; 0 in \"compat\".")
       .def_property_readonly("refused", &count<&ClusterTracker::refused>,
                              "Clusters not begun because all `slots` were taken; 0 in \"compat\".");
+  show_signature(bound, keywords_of_engines());
 }
 
 }  // namespace asap::python

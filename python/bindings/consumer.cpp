@@ -15,7 +15,7 @@
 #include "cluster_trackers.hpp"
 #include "exact_type.hpp"
 #include "gil.hpp"
-#include "study/realtime.hpp"
+#include "native_consumer.hpp"
 #include "turns.hpp"
 
 namespace asap::python {
@@ -65,7 +65,19 @@ Consumer first_native_filter(const py::object& algorithm) {
   return consumer;
 }
 
-// Empty: it is none of ours.
+// Empty: it is no algorithm of another extension.
+Consumer foreign_native(const py::object& algorithm) {
+  const py::object capsule = py::getattr(algorithm, kNativeConsumer, py::none());
+  if (PyCapsule_IsValid(capsule.ptr(), kNativeConsumer) == 0) return {};
+  const auto native =
+      *static_cast<NativeConsumer*>(PyCapsule_GetPointer(capsule.ptr(), kNativeConsumer));
+  return [native](const Package& package) {
+    native.process(native.algorithm, package.events.data(), package.events.size(), package.keep,
+                   package.continues);
+  };
+}
+
+// Empty: it has no native loop.
 Consumer native_consumer_of(const py::object& algorithm) {
   if (Consumer consumer = first_native<EitherClusterTracker, EFast, ArcStar, EHarris, FAHarris,
                                        ThresholdOrdinalSurface, SpeedInvariantTimeSurface,
@@ -75,14 +87,7 @@ Consumer native_consumer_of(const py::object& algorithm) {
   if (Consumer consumer = first_native_filter<BackgroundActivityFilter, HotPixelMask>(algorithm)) {
     return consumer;
   }
-  if (py::isinstance<BusyWait>(algorithm)) {
-    auto* busy_wait = algorithm.cast<BusyWait*>();
-    return [busy_wait](const Package& package) {
-      if (!package.continues) busy_wait->begin();
-      busy_wait->process(package.events);
-    };
-  }
-  return {};
+  return foreign_native(algorithm);
 }
 
 }  // namespace

@@ -20,7 +20,13 @@ seed : int
     0 <= seed < 2**64.
 )";
 
-py::array apply(GammaFilter& filter, const py::array& events, double gamma) {
+// With the seed that it was made of, which its random numbers do not tell.
+struct SeededFilter : GammaFilter {
+  explicit SeededFilter(std::uint64_t from) : GammaFilter(from), seed(from) {}
+  std::uint64_t seed;
+};
+
+py::array apply(SeededFilter& filter, const py::array& events, double gamma) {
   const EventSpan span = as_span(events);
   const KeepThreshold threshold = KeepThreshold::checked(gamma);
   std::vector<Event> kept(span.size());
@@ -31,7 +37,7 @@ py::array apply(GammaFilter& filter, const py::array& events, double gamma) {
   return moved_to_array(std::move(kept));
 }
 
-py::array_t<bool> mask(GammaFilter& filter, const py::array& events, double gamma) {
+py::array_t<bool> mask(SeededFilter& filter, const py::array& events, double gamma) {
   const EventSpan span = as_span(events);
   const KeepThreshold threshold = KeepThreshold::checked(gamma);
   py::array_t<bool> kept(static_cast<py::ssize_t>(span.size()));
@@ -46,9 +52,10 @@ py::array_t<bool> mask(GammaFilter& filter, const py::array& events, double gamm
 }  // namespace
 
 void bind_filter(py::module_& m) {
-  py::class_<GammaFilter>(m, "GammaFilter", kGammaFilterDoc)
-      .def(py::init([](const py::object& seed) { return GammaFilter(whole_number("seed", seed)); }),
-           py::kw_only(), py::arg("seed") = 0)
+  py::class_<SeededFilter>(m, "GammaFilter", kGammaFilterDoc)
+      .def(
+          py::init([](const py::object& seed) { return SeededFilter(whole_number("seed", seed)); }),
+          py::kw_only(), py::arg("seed") = 0)
       .def("apply", &apply, py::arg("events").noconvert(), py::arg("gamma"),
            R"(The kept events, a new array of shape (k,) in EVENT_DTYPE.
 
@@ -65,7 +72,17 @@ ValueError
 )")
       .def("mask", &mask, py::arg("events").noconvert(), py::arg("gamma"),
            "Like apply, but a bool array of shape (n,): True where the event is kept.")
-      .def_property_readonly("position", &GammaFilter::position, "Events seen so far.");
+      .def(
+          "skip",
+          [](SeededFilter& self, const py::object& count) {
+            self.skip(whole_number("count", count));
+          },
+          py::arg("count"), "Passes over so many events: the position advances, none is decided.")
+      .def_property_readonly("position", &GammaFilter::position, "Events seen so far.")
+      .def_property_readonly(
+          "parameters",
+          [](const SeededFilter& self) { return py::dict(py::arg("seed") = self.seed); },
+          "dict of the constructor's keyword parameters.");
 }
 
 }  // namespace asap::python

@@ -6,6 +6,7 @@
 #include "gil.hpp"
 #include "layers.hpp"
 #include "refusals.hpp"
+#include "signatures.hpp"
 
 namespace {
 
@@ -45,12 +46,13 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_synthetic(m);
   asap::python::bind_scenes(m);
   asap::python::bind_algorithms(m);
-  asap::python::bind_rival_trackers(m);
   asap::python::bind_corners(m);
   asap::python::bind_hot_pixels(m);
   asap::python::bind_surfaces(m);
   asap::python::bind_flow(m);
   asap::python::bind_event_image(m);
   asap::python::bind_features(m);
+  asap::python::bind_has_worked(m);
+  asap::python::show_signatures(m);
   asap::python::refuse_in_words(m);
 }

@@ -3,7 +3,6 @@
 #include <pybind11/pybind11.h>
 
 #include "layers.hpp"
-#include "scheme_class.hpp"
 #include "study/rivals.hpp"
 
 namespace asap::python {
@@ -13,17 +12,17 @@ namespace py = pybind11;
 
 template <class S>
 void bind_rival(py::module_& m, const char* name, const char* doc) {
-  scheme_class<S>(m, name, doc, "latency_ms", py::init<double>(), py::arg("latency_ms"));
+  py::class_<S, Scheme>(m, name, doc).def(py::init<double>(), py::arg("latency_ms"));
 }
 
 }  // namespace
 
 void bind_rivals(py::module_& m) {
-  scheme_class<JaerTimer>(
+  py::class_<JaerTimer, Scheme>(
       m, "JaerTimer",
       "Greedy with a timer of half the bound; what is left when it has run is discarded. `cost` is "
-      "the simulated algorithm of the same run.",
-      "latency_ms, cost", py::init<double, LinearCost>(), py::arg("latency_ms"), py::arg("cost"));
+      "the simulated algorithm of the same run.")
+      .def(py::init<double, LinearCost>(), py::arg("latency_ms"), py::arg("cost"));
   bind_rival<GreedyPie>(m, "GreedyPie", "Greedy behind an input filter steered like PIE.");
   bind_rival<GreedyRateGamma>(m, "GreedyRateGamma",
                               "Greedy behind an input filter that follows rate and cost.");

@@ -1,11 +1,10 @@
 // A scheme as a class of Python, made from its configuration's kParameters: the keywords of the
-// constructor with their defaults, .parameters, and what inspect.signature shows.
+// constructor with their defaults, and .parameters.
 #pragma once
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <cstdlib>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -16,30 +15,6 @@
 #include "asap/schemes/scheme.hpp"
 
 namespace asap::python {
-
-// CPython takes arguments that open a docstring off it and shows them as the signature.
-inline std::string with_arguments(const char* name, const std::string& arguments, const char* doc) {
-  return name + ("(" + arguments + ")\n--\n\n") + doc;
-}
-
-// The class and its constructor; `arguments` as Python writes them.
-template <class S, class... Constructor>
-pybind11::class_<S, Scheme> scheme_class(pybind11::module_& m, const char* name, const char* doc,
-                                         const std::string& arguments,
-                                         Constructor&&... constructor) {
-  pybind11::class_<S, Scheme> bound(m, name, with_arguments(name, arguments, doc).c_str());
-  bound.def(std::forward<Constructor>(constructor)...);
-  const auto init = pybind11::detail::get_function(bound.attr("__init__"));
-  auto* record =
-      pybind11::detail::function_record_ptr_from_PyObject(PyCFunction_GET_SELF(init.ptr()));
-  const char*& text = record->def->ml_doc;
-  const std::string self = arguments.empty() ? "self" : "self, ";
-  char* signed_text =
-      PYBIND11_COMPAT_STRDUP(with_arguments("__init__", self + arguments, text).c_str());
-  std::free(const_cast<char*>(text));  // as pybind11 will, with the new one
-  text = signed_text;
-  return bound;
-}
 
 // The values by name, as far as the scheme tells them.
 inline pybind11::dict scheme_parameters(const Scheme& scheme) {
@@ -67,19 +42,14 @@ template <class S, class Config, class... Values>
 pybind11::class_<S, Scheme> keyword_class(pybind11::module_& m, const char* name, const char* doc,
                                           const NamedField<Config, Values>&... fields) {
   const Config defaults;
-  std::string arguments = "*";
-  const auto add = [&arguments](const char* field, const auto& value) {
-    const auto written = pybind11::repr(pybind11::cast(value));
-    arguments.append(", ").append(field).append("=").append(pybind11::cast<std::string>(written));
-  };
-  (add(fields.name, defaults.*fields.field), ...);
-  return scheme_class<S>(
-      m, name, doc, arguments, pybind11::init([fields...](ArgumentOf<Values>... given) {
-        Config config;
-        ((config.*fields.field = value_of(fields.name, given)), ...);
-        return S(config);
-      }),
-      pybind11::kw_only(), (pybind11::arg(fields.name) = defaults.*fields.field)...);
+  pybind11::class_<S, Scheme> bound(m, name, doc);
+  bound.def(pybind11::init([fields...](ArgumentOf<Values>... given) {
+              Config config;
+              ((config.*fields.field = value_of(fields.name, given)), ...);
+              return S(config);
+            }),
+            pybind11::kw_only(), (pybind11::arg(fields.name) = defaults.*fields.field)...);
+  return bound;
 }
 
 // .parameters of a scheme that leaves some out: those are None.
@@ -120,7 +90,7 @@ void bind_scheme(pybind11::module_& m, const char* name, const char* doc) {
         },
         S::Config::kParameters);
   } else {
-    scheme_class<S>(m, name, doc, "", pybind11::init<>());
+    pybind11::class_<S, Scheme>(m, name, doc).def(pybind11::init<>());
   }
 }
 

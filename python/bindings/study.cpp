@@ -1,14 +1,9 @@
-// The layer `study`: the oracles, and what checks the simulator against the real clock.
-#include <chrono>
-#include <cmath>
-
+// The layer `study`: the oracles.
 #include "arrays.hpp"
-#include "asap/core/check.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
 #include "study/clairvoyant.hpp"
 #include "study/oracle.hpp"
-#include "study/realtime.hpp"
 
 namespace asap::python {
 
@@ -113,46 +108,6 @@ References
 ----------
 notebooks/theory.md, section 9.
 )");
-
-  py::class_<BusyWait>(m, "BusyWait", R"(An algorithm of known cost in real time: it spins.
-
-Parameters
-----------
-alpha_us : float
-    At the start of a package, us.
-beta_ns : float
-    Per event, ns.
-)")
-      .def(py::init([](double alpha_us, double beta_ns) {
-             return BusyWait({.alpha_us = alpha_us, .beta_ns = beta_ns});
-           }),
-           py::arg("alpha_us"), py::arg("beta_ns"))
-      .def_property_readonly("name", [](const BusyWait&) { return "busy_wait"; })
-      .def_property_readonly("parameters",
-                             [](const BusyWait& self) {
-                               return py::dict(py::arg("alpha_us") = self.config().alpha_us,
-                                               py::arg("beta_ns") = self.config().beta_ns);
-                             })
-      .def(
-          "process",
-          [](BusyWait& self, const py::array& events) {
-            const EventSpan span = as_span(events);
-            const WithoutGil release;  // nothing of Python is needed to spin
-            self.begin();
-            self.process(span);
-          },
-          py::arg("events").noconvert(), "Spins for a package of these events.");
-
-  m.def(
-      "scheduling_jitter",
-      [](double duration_s) {
-        require(duration_s >= 0 && duration_s <= 3600, "duration_s", duration_s,
-                "must be between 0 and 3600 s");
-        const WithoutGil release;  // pure C++, for a while
-        return scheduling_jitter(std::chrono::nanoseconds(std::llround(duration_s * 1e9)));
-      },
-      py::arg("duration_s"),
-      "Times between two looks at the clock of a thread that does nothing else.");
 }
 
 }  // namespace asap::python

@@ -1,10 +1,12 @@
 #include "turns.hpp"
 
 #include <algorithm>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
 #include "gil.hpp"
+#include "layers.hpp"
 
 namespace asap::python {
 namespace {
@@ -21,6 +23,22 @@ std::vector<KnownTurns>& known_turns() {
   std::erase_if(all,
                 [](const KnownTurns& one) { return one.turns.expired() || one.forks != forks(); });
   return all;
+}
+
+// Objects that have been worked with, for as long as they live.
+std::unordered_set<PyObject*>& worked() {
+  static auto& all = *new std::unordered_set<PyObject*>;
+  return all;
+}
+
+void note_work(py::handle object) {
+  if (!PyType_SUPPORTS_WEAKREFS(Py_TYPE(object.ptr()))) return;  // none of ours: refused later
+  if (!worked().insert(object.ptr()).second) return;
+  py::weakref(object, py::cpp_function([gone = object.ptr()](py::handle reference) {
+                worked().erase(gone);
+                reference.dec_ref();
+              }))
+      .release();
 }
 
 }  // namespace
@@ -55,10 +73,20 @@ std::shared_ptr<Turns> turns_under_way_at(py::handle object) {
 }
 
 std::shared_ptr<Turns> turns_at(py::handle object) {
+  note_work(object);
   if (auto turns = turns_under_way_at(object)) return turns;
   auto turns = std::make_shared<Turns>();
   known_turns().push_back({object.ptr(), turns, forks()});
   return turns;
+}
+
+bool has_worked(py::handle object) { return worked().contains(object.ptr()); }
+
+void bind_has_worked(py::module_& m) {
+  m.def(
+      "has_worked", [](const py::object& algorithm) { return has_worked(algorithm); },
+      py::arg("algorithm"),
+      "Whether an algorithm of the library has been given events, or told the kept fraction.");
 }
 
 CallersTurn::CallersTurn(std::shared_ptr<Turns> turns) {

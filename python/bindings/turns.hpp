@@ -35,6 +35,10 @@ std::shared_ptr<Turns> turns_at(pybind11::handle object);
 // Null: nobody works with it natively. With the GIL.
 std::shared_ptr<Turns> turns_under_way_at(pybind11::handle object);
 
+// Whether there have been turns at it since it was made: its parameters no longer say all of it.
+// With the GIL.
+bool has_worked(pybind11::handle object);
+
 // While it lives it is this thread's turn, a caller's from Python: taken with the GIL, which is let
 // go while another one has it. None if `turns` is null, if this thread has it already, or at exit.
 class CallersTurn {

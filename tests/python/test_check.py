@@ -21,7 +21,7 @@ from asap.events import Events
 from asap.inspection import raw_source
 from asap.inspection.pixels import PixelMap
 from asap.io import CorruptFile
-from asap.report import inspection_table
+from asap.results import inspection_table
 from event_files import DATA, WRITERS, facts, recording, write_csv
 
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}

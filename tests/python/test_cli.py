@@ -173,6 +173,13 @@ def test_the_study_says_how_long_it_takes(asap):
         assert said in words
 
 
+def test_without_the_laboratory_the_study_says_what_to_install(asap, monkeypatch):
+    monkeypatch.setitem(sys.modules, "asap_laboratory", None)
+    code, out, err = asap("study", "--quick")
+    assert (code, out) == (2, "")
+    assert "pip install ./python/laboratory" in err and err.count("\n") == 1
+
+
 @pytest.mark.parametrize("verb", ["run", "info", "check"])
 def test_a_profile_is_no_recording(asap, verb):
     code, out, err = asap(verb, "bursts")

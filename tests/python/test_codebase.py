@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import ast
 import builtins
+import graphlib
 import importlib.metadata
 import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import asap
 from house import INCLUDE, ROOT, name_of, run, sources
@@ -36,25 +38,20 @@ MAY_INCLUDE = {
 PYTHON_LAYERS = (
     {"_core", "checks"},
     {"_pickling", "metrics", "stamps", "units"},
-    {"_result", "events"},
+    {"events"},
     {"io", "synthetic"},
+    {"results"},
     {"accuracy", "experiment", "profiles", "scenes"},
     {"analysis", "conversion"},
     {"inspection"},
     {"plots", "progress"},
     {"report"},
-    {"demo", "study"},
+    {"demo"},
     {"cli"},
     {"__main__"},
 )
-# .plot(), .report() and print() of a result import their module when they are called.
-ARROWS_UP = {
-    ("accuracy", "report"),
-    ("experiment", "plots"),
-    ("experiment", "report"),
-    ("inspection", "report"),
-    ("scenes", "report"),
-}
+# .plot() and .report() import their module when they are called.
+ARROWS_UP = {("results", "plots"), ("results", "report"), ("scenes", "report")}
 USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 
 WITHOUT_A_TEST_OF_ITS_OWN = {
@@ -88,7 +85,11 @@ def headers() -> dict[str, Path]:
 
 
 HEADERS = headers()
-PYTHON = sorted((ROOT / "python" / "asap").rglob("*.py"))
+PYTHON_ROOT = ROOT / "python"
+PRODUCT = sorted((PYTHON_ROOT / "asap").rglob("*.py"))
+LABORATORY = PYTHON_ROOT / "laboratory"
+PYTHON = [*PRODUCT, *sorted(LABORATORY.rglob("*.py"))]
+BINDINGS = ("python/bindings", "python/laboratory")
 NATIVE = {".cpp", ".hpp"}
 MOST_PUBLIC = 65
 
@@ -140,7 +141,7 @@ def test_public_headers_are_few() -> None:
 def test_includes_say_whether_a_header_is_public() -> None:
     wrong = [
         f"{name_of(path)} includes {header}"
-        for path in sources("cpp", "tests", "python/bindings", suffixes=NATIVE)
+        for path in sources("cpp", "tests", *BINDINGS, suffixes=NATIVE)
         for header in includes(path)
         if (known := HEADERS.get(header.removeprefix("asap/"))) is not None
         and known.is_relative_to(INCLUDE) != header.startswith("asap/")
@@ -165,21 +166,33 @@ def test_bindings_include_the_core_and_themselves_only() -> None:
     allowed = ("asap/", "pybind11/")
     foreign = [
         f"{name_of(path)} includes {header}"
-        for path in sources("python/bindings", suffixes=NATIVE)
+        for path in sources(*BINDINGS, suffixes=NATIVE)
         for header in includes(path)
         if "/" in header and header not in HEADERS and not header.startswith(allowed)
     ]
     assert not foreign
 
 
-def imports(path: Path) -> Iterator[tuple[str, bool]]:
-    """Modules of asap that a file imports ("" = asap itself), and whether inside a function."""
-    package = path.relative_to(ROOT / "python").parent.parts
+def module_of(path: Path) -> str:
+    parts = path.relative_to(PYTHON_ROOT).with_suffix("").parts
+    return ".".join(parts).removesuffix(".__init__")
 
-    def walk(node: ast.AST, inside: bool) -> Iterator[tuple[str, bool]]:
+
+MODULES = {module_of(path): path for path in PRODUCT}
+
+
+class Import(NamedTuple):
+    module: str  # of asap, in full
+    late: bool  # in a function
+    typing: bool  # for the type checker alone
+
+
+def imports(path: Path) -> Iterator[Import]:
+    """What a file imports of asap."""
+    package = path.relative_to(PYTHON_ROOT).parent.parts
+
+    def walk(node: ast.AST, late: bool, typing: bool) -> Iterator[Import]:
         for child in ast.iter_child_nodes(node):
-            if isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING":
-                continue
             if isinstance(child, ast.Import):
                 names = [alias.name for alias in child.names]
             elif isinstance(child, ast.ImportFrom):
@@ -189,30 +202,56 @@ def imports(path: Path) -> Iterator[tuple[str, bool]]:
             else:
                 names = []
             for name in names:
-                top, *rest = name.split(".")
-                if top == "asap":
-                    yield (rest[0] if rest else ""), inside
+                if name.partition(".")[0] == "asap":
+                    is_module = name in MODULES or name == "asap._core"
+                    yield Import(name if is_module else name.rpartition(".")[0], late, typing)
             is_function = isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))
-            yield from walk(child, inside or is_function)
+            is_typing = isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"
+            yield from walk(child, late or is_function, typing or is_typing)
 
-    yield from walk(ast.parse(path.read_text()), False)
+    yield from walk(ast.parse(path.read_text()), False, False)
+
+
+def part_of(module: str) -> str:
+    """The file or folder in asap that a module is of; "" for asap itself."""
+    return f"{module}..".split(".")[1]
 
 
 def test_python_imports_point_down() -> None:
     rank = {name: i for i, names in enumerate(PYTHON_LAYERS) for name in names}
     up = []
-    for path in PYTHON:
-        module = path.relative_to(ROOT / "python" / "asap").with_suffix("").parts[0]
-        if module == "__init__":
+    for module, path in MODULES.items():
+        part = part_of(module)
+        if part == "":
             continue
-        assert module in rank, f"{name_of(path)}: give it a place in PYTHON_LAYERS"
-        for other, inside in imports(path):
-            if other == module or (inside and (module, other) in ARROWS_UP):
+        assert part in rank, f"{name_of(path)}: give it a place in PYTHON_LAYERS"
+        for one in imports(path):
+            other = part_of(one.module)
+            if other == part or (one.late and (part, other) in ARROWS_UP):
                 continue
-            exported = other not in rank  # a name of the facade, such as asap.run
-            if not (module in USE_THE_FACADE if exported else rank[other] < rank[module]):
-                up.append(f"{name_of(path)} imports asap{'.' if other else ''}{other}")
+            facade = other == ""  # a name of asap itself, such as asap.run
+            if not (part in USE_THE_FACADE if facade else rank[other] < rank[part]):
+                up.append(f"{name_of(path)} imports {one.module}")
     assert not up
+
+
+def test_no_module_of_python_is_in_a_circle() -> None:
+    """Only .plot() and .report() bind late; a table may name the class of its result to mypy."""
+    graph = {
+        module: {
+            one.module
+            for one in imports(path)
+            if not one.typing
+            and not (one.late and (part_of(module), part_of(one.module)) in ARROWS_UP)
+        }
+        for module, path in MODULES.items()
+    }
+    graphlib.TopologicalSorter(graph).prepare()  # a CycleError names the circle
+
+
+def test_the_product_knows_the_laboratory_by_its_door_alone() -> None:
+    known = [name_of(path) for path in PRODUCT if "asap_laboratory" in path.read_text()]
+    assert known == ["python/asap/cli/study.py"]
 
 
 # ---- headers --------------------------------------------------------------------------------
@@ -294,8 +333,7 @@ def parameters(path: Path) -> Iterator[tuple[str, str]]:
 def test_no_parameter_is_named_like_a_builtin() -> None:
     names = [
         f"{name_of(path)}: {function}({name})"
-        for path in PYTHON
-        if "study" not in path.parts
+        for path in PRODUCT
         for function, name in parameters(path)
         if hasattr(builtins, name)
     ]
@@ -327,7 +365,7 @@ def test_bindings_never_cast_arrays() -> None:
     """pybind11 casts an array_t argument by default, structured ones by position."""
     casts = [
         f"{name_of(path)}: {match[0]}"
-        for path in sources("python/bindings", suffixes=NATIVE)
+        for path in sources(*BINDINGS, suffixes=NATIVE)
         for match in re.finditer(
             r"force" + r"cast|(?:const )?py::array_t<[^;={}()]*>\s*&?\s*\w+\s*[,)]",
             path.read_text(),
@@ -340,7 +378,7 @@ def test_bindings_cross_the_gil_in_one_place() -> None:
     """Elsewhere the end of the interpreter would catch a thread on the way: see gil.hpp."""
     crossings = {
         name_of(path)
-        for path in sources("python/bindings", suffixes=NATIVE)
+        for path in sources(*BINDINGS, suffixes=NATIVE)
         if "gil_scoped_" in path.read_text()
     }
     assert crossings == {"python/bindings/gil.cpp", "python/bindings/gil.hpp"}
@@ -408,4 +446,7 @@ def test_version_is_the_same_everywhere() -> None:
     assert asap._core.__version__ == written[1]  # C++: asap::kVersion
     assert asap.__version__ == written[1]
     assert importlib.metadata.version("asap-events") == written[1]
+    laboratory = (LABORATORY / "pyproject.toml").read_text()
+    assert f'version = "{written[1]}"\n' in laboratory
+    assert f'"asap-events=={written[1]}"' in laboratory
     assert f"## [{written[1]}]" in (ROOT / "CHANGELOG.md").read_text()

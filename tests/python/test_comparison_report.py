@@ -14,7 +14,8 @@ import streams
 pytest.importorskip("matplotlib")
 
 from asap import plots
-from asap.report import comparison_figures, comparison_report, comparison_table
+from asap.report import comparison_figures, comparison_report
+from asap.results import comparison_table
 from test_run_report import Page
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)

@@ -7,7 +7,7 @@ import pytest
 
 import asap
 import streams
-from asap.report import comparison_table as table
+from asap.results import comparison_table as table
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)
 EVENTS = streams.poisson(6e6, 0.05)

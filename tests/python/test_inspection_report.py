@@ -15,7 +15,8 @@ import corrupt
 pytest.importorskip("matplotlib")
 
 from asap import plots
-from asap.report import inspection_figures, inspection_report, inspection_table
+from asap.report import inspection_figures, inspection_report
+from asap.results import inspection_table
 from test_run_report import Page
 
 EVENTS = corrupt.clean_events(20_000)

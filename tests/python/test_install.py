@@ -58,7 +58,7 @@ def packed_again(folder: Path) -> Path:
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the wheel in the folder ASAP_DIST, or the installed one."""
     if given := os.environ.get("ASAP_DIST"):
-        (path,) = Path(given).resolve().glob("*.whl")
+        (path,) = Path(given).resolve().glob("asap_events-*.whl")
         return path
     return packed_again(tmp_path_factory.mktemp("wheel"))
 
@@ -166,6 +166,13 @@ def test_editable_installation_follows_the_python_sources(sdist: Path, tmp_path:
         "import asap; from asap import units; print(asap.GammaFilter().position, units.EDITED)"
     )
     assert run([binaries / "python", "-c", program], cwd=tmp_path) == "0 True\n"
+
+
+def test_the_laboratory_is_not_in_the_wheel(stranger: Path, tmp_path: Path) -> None:
+    output = run([stranger / "asap", "study", "--quick"], cwd=tmp_path, check=False)
+    assert "pip install ./python/laboratory" in output
+    program = "from asap import _core; print(hasattr(_core, 'BusyWait'))"
+    assert run([stranger / "python", "-c", program], cwd=tmp_path) == "False\n"
 
 
 def test_without_matplotlib_a_figure_names_the_extra(stranger: Path, tmp_path: Path) -> None:

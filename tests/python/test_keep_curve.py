@@ -9,7 +9,7 @@ import pytest
 
 import asap
 from asap.accuracy import curve as module
-from asap.accuracy.curve import KeepCurve, Scored
+from asap.results.keep_curve import KeepCurve, Scored
 from fake_scene import FakeScene, perfect
 
 SCENE = FakeScene([(50, 50, 0, 0), (150, 100, 0, 0)], end_us=120_001)

@@ -85,6 +85,62 @@ def test_costs(cost: asap.LinearCost, protocol: int) -> None:
     assert same(*(asap.simulate(EVENTS, cost=one).packages for one in (cost, twin)))
 
 
+ALGORITHMS: list[Callable[[], Any]] = [
+    lambda: asap.ClusterTracker(20, 10, confirm_events=9.0, support="off"),
+    lambda: asap.ClusterTracker(20, 10, engine="compat", window=300, seed=2**63, motion="kalman"),
+    lambda: asap.FeatureTracker(20, 10, detector="e_fast", window=200),
+    lambda: asap.BackgroundActivityFilter(20, 10, window_us=700),
+    lambda: asap.HotPixelMask(20, 10, pixels=[(3, 4), (0, 9)], learn_events=7),
+    lambda: asap.EFast(20, 10),
+    lambda: asap.ArcStar(20, 10, filter_us=9),
+    lambda: asap.EHarris(20, 10, threshold=7.5),
+    lambda: asap.FAHarris(20, 10, filter_us=3, threshold=0.25),
+    lambda: asap.ThresholdOrdinalSurface(20, 10, side=5),
+    lambda: asap.SpeedInvariantTimeSurface(20, 10, radius=3),
+    lambda: asap.PlaneFlow(20, 10, window_us=900, refit=False),
+    lambda: asap.EventImage(20, 10, count=50, channels=["on", "off"]),
+]
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("make", ALGORITHMS, ids=lambda make: repr(type(make()).__name__))
+def test_a_new_algorithm(make: Callable[[], Any], protocol: int) -> None:
+    made = make()
+    for twin in (again(made, protocol), copy.deepcopy(made)):
+        assert type(twin) is type(made)
+        assert (twin.width, twin.height, twin.parameters) == (20, 10, made.parameters)
+
+
+@pytest.mark.parametrize("make", ALGORITHMS, ids=lambda make: repr(type(make()).__name__))
+def test_an_algorithm_with_events_in_it_refuses(make: Callable[[], Any]) -> None:
+    by_hand, told, run = make(), make(), make()
+    by_hand.process(EVENTS)
+    told.set_keep(0.5)
+    asap.simulate(EVENTS, cost=COST, algorithm=run)
+    for used in (by_hand, told, run):
+        with pytest.raises(TypeError, match=f"^{type(used).__name__} = one that has been given"):
+            pickle.dumps(used)
+    assert again(make()).parameters == by_hand.parameters
+
+
+def test_an_algorithm_is_new_where_a_used_one_stood() -> None:
+    """The extension knows the used ones by their place in memory."""
+    for _ in range(100):
+        tracker = asap.EFast(20, 10)
+        pickle.dumps(tracker)
+        tracker.process(EVENTS)
+        del tracker
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_a_gamma_filter_goes_on_where_it_was(protocol: int) -> None:
+    made = asap.GammaFilter(seed=2**64 - 1)
+    made.apply(EVENTS[:700], 0.3)
+    twin = again(made, protocol)
+    assert (twin.position, twin.parameters) == (700, {"seed": 2**64 - 1})
+    assert same(twin.mask(EVENTS, 0.3), made.mask(EVENTS, 0.3))
+
+
 @pytest.mark.parametrize(
     "make",
     [
@@ -288,17 +344,12 @@ class Derived(asap.Deadline):
     """May have a state of its own."""
 
 
-@pytest.mark.parametrize(
-    "made",
-    [
-        asap.ClusterTracker(9, 9),
-        asap.BackgroundActivityFilter(9, 9),
-        asap.GammaFilter(),
-        Derived(),
-    ],
-    ids=type,
-)
-def test_what_has_a_native_state_refuses(made: Any) -> None:
+class DerivedTracker(asap.ClusterTracker):
+    """The same."""
+
+
+@pytest.mark.parametrize("made", [Derived(), DerivedTracker(20, 10)], ids=type)
+def test_a_derived_class_refuses(made: Any) -> None:
     assert not _pickling.can_be_pickled(made)
     with pytest.raises(TypeError, match="pickle"):
         pickle.dumps(made)

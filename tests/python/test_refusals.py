@@ -19,7 +19,7 @@ import pytest
 
 import asap
 from asap import _core, analysis, metrics, profiles, scenes, synthetic
-from asap.study import accuracy_study, ladder_study, rivals_study, study
+from asap_laboratory import accuracy_study, ladder_study, rivals_study, study
 from children import run_script
 from fake_scene import FakeScene
 from threads import TRIES
@@ -88,10 +88,9 @@ DUPLICATES: list[Callable[[Any], Any]] = [
 ]
 
 
-@pytest.mark.parametrize(
-    "made", [asap.EFast(9, 9), asap.GammaFilter(), asap.HotPixelMask(9, 9)], ids=type
-)
+@pytest.mark.parametrize("made", [asap.EFast(9, 9), asap.HotPixelMask(9, 9)], ids=type)
 def test_objects_with_a_native_state_are_neither_copied_nor_pickled(made: Any) -> None:
+    made.process(EVENTS)
     for duplicate in DUPLICATES:
         with pytest.raises(TypeError, match="pickle"):
             duplicate(made)

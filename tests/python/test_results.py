@@ -15,8 +15,8 @@ import pytest
 
 import asap
 import streams
-from asap._result import Result
-from asap.accuracy.curve import Scored
+from asap.results.keep_curve import Scored
+from asap.results.result import Result
 from test_run_report import Page
 
 EVENTS = streams.poisson(1e5, 0.02)

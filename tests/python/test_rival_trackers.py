@@ -5,17 +5,12 @@ import pytest
 
 import asap
 import streams
-from asap import _core
-
-RIVALS = {
-    "jaer-type core": _core.JaerClusterTracker,
-    "first design": _core.OwnerCellTracker,
-}
+from asap_laboratory import _native
 
 
-@pytest.fixture(params=RIVALS)
-def tracker(request):
-    return RIVALS[request.param](120, 80)
+@pytest.fixture
+def tracker():
+    return _native.JaerClusterTracker(120, 80)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +35,7 @@ def test_it_has_the_face_of_the_tracker(tracker, events):
     (later,) = tracker.clusters_at(int(events["t"][-1]) + 1000)
     assert later["x"] == pytest.approx(row["x"] + 0.001 * row["vx"], abs=0.01)
     assert (tracker.width, tracker.height, tracker.rejected) == (120, 80, 0)
-    assert RIVALS[tracker.name] is type(tracker)
+    assert tracker.name == "jaer-type core" and not hasattr(tracker, "set_keep")
 
 
 def test_reset_begins_anew_and_labels_are_not_made_unasked(tracker, events):
@@ -51,18 +46,3 @@ def test_reset_begins_anew_and_labels_are_not_made_unasked(tracker, events):
     assert tracker.clusters["id"].tolist() == [0]
     tracker.reset()
     np.testing.assert_array_equal(tracker.process(events), ids)
-
-
-def test_they_are_not_the_users():
-    assert not {"JaerClusterTracker", "OwnerCellTracker"} & set(dir(asap))
-
-
-def test_the_first_design_has_one_radius_and_takes_the_kept_fraction():
-    tracker = _core.OwnerCellTracker(120, 80, radius_px=20)
-    assert tracker.radius_px == 20
-    tracker.set_keep(0.2)
-    with pytest.raises(ValueError, match="gamma = 2"):
-        tracker.set_keep(2)
-    with pytest.raises(ValueError, match="radius_px = 30: must be 16 to 23 px"):
-        _core.OwnerCellTracker(120, 80, radius_px=30)
-    assert not hasattr(_core.JaerClusterTracker, "set_keep")

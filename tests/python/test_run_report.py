@@ -11,7 +11,8 @@ from fake_run import empty_run, fake_run
 pytest.importorskip("matplotlib")
 
 from asap import analysis, plots
-from asap.report import page, run_report, run_table
+from asap.report import page, run_report
+from asap.results import run_table
 
 
 class Page(HTMLParser):

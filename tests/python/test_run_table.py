@@ -5,7 +5,7 @@ import pytest
 
 import asap
 import streams
-from asap.report import comparison_table, run_table
+from asap.results import comparison_table, run_table
 from fake_run import FakeLedger, empty_run, fake_run
 
 

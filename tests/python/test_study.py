@@ -15,16 +15,16 @@ import numpy as np
 import pytest
 
 import asap
+import asap_laboratory
 import streams
-from asap import study
 from asap.cli import main
 from asap.profiles import FURTHER, LATENCY_MS, PROFILES
-from asap.study import Case, Results, document, measure, reference, tables
-from asap.study.cases import FORMS, NAMED, cases
-from asap.study.contenders import HINDSIGHT, PRIORS, TABLE, contender
-from asap.study.goals import goals
-from asap.study.measure import Figures, Measured
-from asap.study.probes import (
+from asap_laboratory import Case, Results, document, measure, reference, tables
+from asap_laboratory.cases import FORMS, NAMED, cases
+from asap_laboratory.contenders import HINDSIGHT, PRIORS, TABLE, contender
+from asap_laboratory.goals import goals
+from asap_laboratory.measure import Figures, Measured
+from asap_laboratory.probes import (
     BOUNDS,
     CapProbe,
     Few,
@@ -35,8 +35,8 @@ from asap.study.probes import (
     mean_latency_us,
     probes,
 )
-from asap.study.run import key_of
-from asap.study.run import run as run_tasks
+from asap_laboratory.run import key_of
+from asap_laboratory.run import run as run_tasks
 
 SMALL = Case("low", "slow", duration_s=0.05, contenders=("Greedy", "Deadline"))
 
@@ -220,7 +220,7 @@ def test_key_tells_tasks_and_builds_apart(monkeypatch):
     keys.add(key_of(FewProbe(100, "steady, load 3")))
     assert len(keys) == 9
     assert key_of(Case(*dataclasses.astuple(SMALL))) in keys
-    monkeypatch.setattr("asap.study.run._build", lambda: "another one")
+    monkeypatch.setattr("asap_laboratory.run._build", lambda: "another one")
     assert key_of(SMALL) not in keys
 
 
@@ -256,8 +256,8 @@ def test_what_is_finished_is_not_run_again(tmp_path, measured):
 INTERRUPTED = """
 import multiprocessing, os, signal, sys, threading, time
 from pathlib import Path
-from asap.study.probes import SteadyProbe
-from asap.study.run import run
+from asap_laboratory.probes import SteadyProbe
+from asap_laboratory.run import run
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores it
 
 def interrupt_all(*_):
@@ -503,14 +503,11 @@ def test_reference_holds_the_figures_of_its_tables():
 
 def test_reference_names_our_rows_and_profiles():
     rows = {*TABLE, *HINDSIGHT, "OB(L)/input"}
-    for text in reference.PER_PROFILE.values():
-        found = reference._rows(text)
-        assert set(found) <= rows
-        assert {profile for one in found.values() for profile in one} <= set(NAMED)
-    for text in reference.FURTHER_SCORES.values():
-        found = reference._rows(text)
-        assert set(found) <= set(PROFILES)
-        assert {label for one in found.values() for label in one} <= set(TABLE)
+    profiles = reference._table("profiles", 3)
+    assert {contender for _, _, contender in profiles} <= rows
+    assert {profile for one in profiles.values() for profile in one} <= set(PROFILES)
+    further = {key[2] for key, one in profiles.items() if not set(one) <= set(NAMED)}
+    assert further <= set(TABLE)
 
 
 def row_of(table, label):
@@ -626,7 +623,7 @@ def test_document_names_machine_command_and_misses(tmp_path):
 
 def test_figures_are_drawn_from_results(tmp_path):
     pytest.importorskip("matplotlib")
-    from asap.study import figures
+    from asap_laboratory import figures
 
     paths = figures.write(tmp_path, fake())
     assert [path.name for path in paths] == [
@@ -644,18 +641,18 @@ def test_figures_are_drawn_from_results(tmp_path):
 
 def test_study_refuses_what_it_does_not_know(tmp_path):
     with pytest.raises(ValueError, match="form = 'slow': give one of quick, default, full"):
-        study.study(tmp_path, form="slow")
+        asap_laboratory.study(tmp_path, form="slow")
     with pytest.raises(ValueError, match="workers = 0"):
-        study.study(tmp_path, workers=0)
+        asap_laboratory.study(tmp_path, workers=0)
     assert main(["study", "--workers", "none", "--out", str(tmp_path)]) == 2
     assert main(["study", "--quick", "--full", "--out", str(tmp_path)]) == 2
     assert list(tmp_path.iterdir()) == []
 
 
 def test_command_ends_with_1_where_a_goal_is_missed(tmp_path, monkeypatch, capsys):
-    missing = [study.Goal("G1", "a test", "a target", "too little", False, 3)]
-    found = study.Study(missing, Results([]), [tmp_path / "study.md"], 2, 1.0)
-    monkeypatch.setattr("asap.study.study", lambda *_, **__: found)
+    missing = [asap_laboratory.Goal("G1", "a test", "a target", "too little", False, 3)]
+    found = asap_laboratory.Study(missing, Results([]), [tmp_path / "study.md"], 2, 1.0)
+    monkeypatch.setattr("asap_laboratory.study", lambda *_, **__: found)
     assert main(["study", "--quick", "--out", str(tmp_path)]) == 1
     assert "G1   FAIL  a test" in capsys.readouterr().out
     assert main(["study", "--quick", "--json", "--out", str(tmp_path)]) == 1
@@ -663,7 +660,7 @@ def test_command_ends_with_1_where_a_goal_is_missed(tmp_path, monkeypatch, capsy
     assert document["goals"][0]["holds"] is False
     assert document["form"] == "quick"
     held = [dataclasses.replace(missing[0], holds=True)]
-    monkeypatch.setattr("asap.study.study", lambda *_, **__: found._replace(goals=held))
+    monkeypatch.setattr("asap_laboratory.study", lambda *_, **__: found._replace(goals=held))
     assert main(["study", "--quick", "--out", str(tmp_path)]) == 0
 
 
@@ -674,7 +671,7 @@ def assert_complete(found, folder):
     assert [goal.id for goal in found.goals if goal.holds is None] == ["G11"]
     tasks = len(list(cases("quick"))) + len(list(probes("quick")))
     assert len((folder / "state.jsonl").read_text().splitlines()) == tasks
-    again = study.study(folder, form="quick", figures=False, executor=AtOnce())
+    again = asap_laboratory.study(folder, form="quick", figures=False, executor=AtOnce())
     assert again.taken_from_file == tasks
     assert again.goals == found.goals
     assert (folder / "study.md").stat().st_size > 10_000
@@ -689,13 +686,15 @@ def test_quick_form_is_conducted_judged_and_written(tmp_path, monkeypatch):
     monkeypatch.setattr(Case, "measure", measure)
     monkeypatch.setattr(SteadyProbe, "measure", lambda _: Steady(102.0, 100.0, 1.0))
     monkeypatch.setattr(CapProbe, "measure", lambda _: Window(1500.0, 1100.0, 1000.0))
-    assert_complete(study.study(tmp_path, form="quick", figures=False, executor=AtOnce()), tmp_path)
+    assert_complete(
+        asap_laboratory.study(tmp_path, form="quick", figures=False, executor=AtOnce()), tmp_path
+    )
 
 
 @pytest.mark.slow
 @pytest.mark.full
 def test_quick_form_reaches_every_goal(tmp_path):
-    assert_complete(study.study(tmp_path, form="quick", figures=False), tmp_path)
+    assert_complete(asap_laboratory.study(tmp_path, form="quick", figures=False), tmp_path)
 
 
 def test_forms_are_known():

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 import asap
-from asap.accuracy.curve import GAMMAS, KeepCurve, Scored
+from asap.accuracy.curve import GAMMAS
 from asap.cli import main
-from asap.study import AccuracyStudy, accuracy, accuracy_study
-from asap.study.accuracy.cases import RUNGS, AccuracyCase, Rung
-from asap.study.run import key_of
+from asap.results.keep_curve import KeepCurve, Scored
+from asap_laboratory import AccuracyStudy, accuracy, accuracy_study
+from asap_laboratory.accuracy.cases import RUNGS, AccuracyCase, Rung
+from asap_laboratory.run import key_of
 from fake_scene import FakeScene, perfect
 
 SCENE = FakeScene([(50, 50, 0, 0), (150, 100, 0, 0)], end_us=120_001)
@@ -67,7 +68,7 @@ def small(monkeypatch):
         "all": Rung("all", Detector, corners=True),
     }
     monkeypatch.setattr(accuracy.cases, "RUNGS", rungs)
-    monkeypatch.setattr("asap.study.accuracy.conduct.RUNGS", rungs)
+    monkeypatch.setattr("asap_laboratory.accuracy.conduct.RUNGS", rungs)
     monkeypatch.setattr(accuracy.cases, "scene_of", scene_of)
     return made
 
@@ -224,7 +225,7 @@ def asked(monkeypatch, tmp_path):
         seen.append((out, options))
         return AccuracyStudy(curves, ["next"], [tmp_path / "accuracy.md"], 3, 2.0)
 
-    monkeypatch.setattr("asap.study.accuracy_study", study)
+    monkeypatch.setattr("asap_laboratory.accuracy_study", study)
     return seen
 
 

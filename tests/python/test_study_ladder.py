@@ -13,14 +13,14 @@ from asap import _core, scenes
 from asap.accuracy import score
 from asap.accuracy.trace import follow, samples_without_clusters
 from asap.cli import main
-from asap.study import ladder, ladder_study
-from asap.study.ladder.accuracy import Delivery, Recorder, corner_accuracy, tracker_accuracy
-from asap.study.ladder.cases import LadderCase, Loaded, Outcomes, ToldCase
-from asap.study.ladder.cost import Costs, fit
-from asap.study.ladder.naive import NaiveClusterer
-from asap.study.ladder.results import Mean, row
-from asap.study.ladder.rungs import RUNGS, LadderRung
-from asap.study.ladder.settings import (
+from asap_laboratory import ladder, ladder_study
+from asap_laboratory.ladder.accuracy import Delivery, Recorder, corner_accuracy, tracker_accuracy
+from asap_laboratory.ladder.cases import LadderCase, Loaded, Outcomes, ToldCase
+from asap_laboratory.ladder.cost import Costs, fit
+from asap_laboratory.ladder.naive import NaiveClusterer
+from asap_laboratory.ladder.results import Mean, row
+from asap_laboratory.ladder.rungs import RUNGS, LadderRung
+from asap_laboratory.ladder.settings import (
     BASELINES,
     OURS,
     Setting,
@@ -30,7 +30,7 @@ from asap.study.ladder.settings import (
     ours,
     tried,
 )
-from asap.study.run import key_of
+from asap_laboratory.run import key_of
 from fake_scene import FakeScene, perfect
 
 SCENE = FakeScene([(50, 50, 0, 0), (150, 100, 400, 0)], end_us=130_001)
@@ -350,7 +350,7 @@ def test_tables_show_what_does_not_exist_as_a_dash():
 
 def test_figure_has_a_line_for_each_scheme_and_a_name_for_each_rung():
     pytest.importorskip("matplotlib")
-    from asap.study.ladder import figures
+    from asap_laboratory.ladder import figures
 
     rows = [made_row("BAF", 5.0), made_row("EFast", 60.0), made_row("compat", 500.0, (-1.0,))]
     page = figures.figure(rows)
@@ -363,7 +363,7 @@ def test_figure_has_a_line_for_each_scheme_and_a_name_for_each_rung():
 
 def test_crowded_names_move_apart():
     pytest.importorskip("matplotlib")
-    from asap.study.ladder.figures import _apart
+    from asap_laboratory.ladder.figures import _apart
 
     places = _apart(np.array([1.0, 1.01, 1.02, 3.0]), 0.2, 0.5)
     assert np.diff(places).min() == pytest.approx(0.2, rel=1e-3)
@@ -380,7 +380,7 @@ def test_command_prints_tables_or_json(monkeypatch, tmp_path, capsys):
             [made_row()], [], [], ["fast"], [tmp_path / "ladder.md"], 3, 2.0
         )
 
-    monkeypatch.setattr("asap.study.ladder_study", study)
+    monkeypatch.setattr("asap_laboratory.ladder_study", study)
     assert main(["study", "--ladder", "--quick", "--out", str(tmp_path)]) == 0
     out, err = capsys.readouterr()
     assert "finished within L" in out and "| compat | MOTA |" in out and "ladder.md" in out

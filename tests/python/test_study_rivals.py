@@ -7,11 +7,11 @@ import pytest
 
 import asap
 from asap import _core
-from asap.accuracy.curve import KeepCurve, Scored
 from asap.cli import main
-from asap.study import RivalsStudy, rivals, rivals_study
-from asap.study.accuracy.cases import Rung
-from asap.study.rivals.cases import COLUMNS, OURS, RIVALS, RivalsCase
+from asap.results.keep_curve import KeepCurve, Scored
+from asap_laboratory import RivalsStudy, _native, rivals, rivals_study
+from asap_laboratory.accuracy.cases import Rung
+from asap_laboratory.rivals.cases import COLUMNS, OURS, RIVALS, RivalsCase
 from fake_scene import FakeScene, perfect
 
 BAF = asap.BackgroundActivityFilter
@@ -51,7 +51,7 @@ def small(monkeypatch):
 
     both = {OURS: Rung(OURS, tracker), "blind": Rung("blind", Blind)}
     monkeypatch.setattr(rivals.cases, "RIVALS", both)
-    monkeypatch.setattr("asap.study.rivals.conduct.RIVALS", both)
+    monkeypatch.setattr("asap_laboratory.rivals.conduct.RIVALS", both)
     monkeypatch.setattr(rivals.cases, "scene_of", scene_of)
     monkeypatch.setattr(rivals.cases, "costs_ns", lambda rungs, scene: dict.fromkeys(rungs, 7.4))
     monkeypatch.setattr(
@@ -86,11 +86,7 @@ def test_the_rivals_are_those_that_their_labels_name():
     for label, rung in RIVALS.items():
         assert label == (f"BAF + {rung.algorithm}" if rung.before else rung.algorithm)
         assert rung.before in (None, BAF)
-    for radius_px in (16, 20):
-        made = RIVALS[f"BAF + first design R{radius_px}"].make(64, 48)
-        assert isinstance(made, _core.OwnerCellTracker)
-        assert (made.width, made.height, made.radius_px) == (64, 48, radius_px)
-    assert isinstance(RIVALS["jAER-type core"].make(64, 48), _core.JaerClusterTracker)
+    assert isinstance(RIVALS["jAER-type core"].make(64, 48), _native.JaerClusterTracker)
     steady = RIVALS["BAF + compat steady"].make(64, 48).parameters
     assert (steady["engine"], steady["window"], steady["probes"]) == ("compat", 2000, 0)
 
@@ -188,12 +184,12 @@ def test_the_table_has_a_row_for_each_scene_and_tracker():
 
 
 def test_prototypes_stand_beside():
-    first = "BAF + first design R16"
-    curves = [curve("first design R16", scene, 0.5, before="BAF") for scene in "CG"]
+    rival = "BAF + jAER-type core"
+    curves = [curve("jAER-type core", scene, 0.5, before="BAF") for scene in "CG"]
     lines = rivals.document.beside_prototypes([*curves, *CURVES]).splitlines()
     assert lines[0] == "|  | C | G | A | B |"
     assert lines[2:] == [
-        f"| {first} | .500 (.849/.901) | .500 (.713) |  |  |",
+        f"| {rival} | .500 (.824) | .500 |  |  |",
         f"| {OURS} |  |  | .950 (1.000) | .500 (.990) |",
         "| BAF + old |  |  | .700 | .575 |",
     ]
@@ -224,7 +220,7 @@ def asked(monkeypatch, tmp_path):
         seen.append((out, options))
         return RivalsStudy(CURVES, [tmp_path / "rivals.md"], 3, 2.0)
 
-    monkeypatch.setattr("asap.study.rivals_study", study)
+    monkeypatch.setattr("asap_laboratory.rivals_study", study)
     return seen
 
 

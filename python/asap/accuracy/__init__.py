@@ -4,8 +4,9 @@
 file of its own; all of them read the `Trace` of a tracker or the matches of its samples.
 """
 
-from asap.accuracy.curve import KeepCurve, KeepRow, keep_curve
+from asap.accuracy.curve import keep_curve
 from asap.accuracy.scene import Scene
 from asap.accuracy.scoring import score
+from asap.results.keep_curve import KeepCurve, KeepRow
 
 __all__ = ["KeepCurve", "KeepRow", "Scene", "keep_curve", "score"]

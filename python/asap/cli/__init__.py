@@ -17,7 +17,7 @@ import asap
 from asap.cli import check, compare, completion, convert, demo, info, report, run, study
 from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, as_options, say
 from asap.cli.parser import Parser
-from asap.report import run_table
+from asap.results import run_table
 
 __all__ = ["main"]
 

@@ -16,7 +16,7 @@ from asap.cli.outcome import (
     print_written,
     writing,
 )
-from asap.report import run_table
+from asap.results import run_table
 
 __all__ = ["add"]
 

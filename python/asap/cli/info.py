@@ -9,7 +9,7 @@ import asap
 from asap import units
 from asap.cli.options import add_recording, add_verb, open_recording
 from asap.cli.outcome import OK, print_json, reading, tell_doubt
-from asap.report import run_table
+from asap.results import run_table
 
 __all__ = ["add"]
 

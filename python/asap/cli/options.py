@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import asap
 from asap import checks, profiles
 from asap.cli.outcome import USAGE, Failure
-from asap.experiment import run_archive
+from asap.results import run_archive
 from asap.stamps import TIME_EXPONENTS
 
 __all__ = [

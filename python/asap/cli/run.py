@@ -29,7 +29,7 @@ from asap.cli.outcome import (
     usage,
     writing,
 )
-from asap.report import run_table
+from asap.results import run_table
 
 __all__ = ["add"]
 

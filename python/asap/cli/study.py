@@ -1,30 +1,15 @@
-"""``asap study``: the whole comparison, its tables beside the reference's, and the goals."""
+"""``asap study``: the door to the laboratory, a distribution of its own."""
 
 from __future__ import annotations
 
 import argparse
-import importlib
-from collections.abc import Callable
-from dataclasses import asdict
-from typing import Any, TypeVar
+import importlib.util
+from typing import Any
 
-from asap import progress
 from asap.cli.options import add_out, add_verb
-from asap.cli.outcome import (
-    CHECK_FAILED,
-    OK,
-    USAGE,
-    Failure,
-    print_json,
-    print_written,
-    say,
-    usage,
-    writing,
-)
+from asap.cli.outcome import USAGE, Failure
 
 __all__ = ["add"]
-
-_Found = TypeVar("_Found")
 
 
 def add(verbs: Any) -> None:
@@ -60,131 +45,8 @@ def _workers(text: str) -> int:
 
 
 def _call(arguments: Any) -> int:
-    asked = [kind for kind in _KINDS if getattr(arguments, kind)]
-    if len(asked) > 1:
-        raise Failure(USAGE, " and ".join(f"--{kind}" for kind in asked) + ": give one of them")
-    return _KINDS[asked[0]](arguments) if asked else _schemes(arguments)
-
-
-def _schemes(arguments: Any) -> int:
-    from asap.study import study
-
-    found = _conducted(arguments, study, "asap study")
-    if arguments.json:
-        _print_json(arguments, found, goals=[asdict(goal) for goal in found.goals])
-    else:
-        for goal in found.goals:
-            word = {True: "pass", False: "FAIL", None: "-"}[goal.holds]
-            print(f"{goal.id:<4} {word:<5} {goal.test}")
-            print(f"           {goal.measured}  (goal: {goal.target})")
-        print_written(*found.paths)
-    return OK if found.holds else CHECK_FAILED
-
-
-def _accuracy(arguments: Any) -> int:
-    from asap.study import accuracy, accuracy_study
-
-    found = _conducted(arguments, accuracy_study, "asap study --accuracy")
-    _say_missing(found)
-    if arguments.json:
-        _print_json(arguments, found, accuracy=[curve.summary() for curve in found.curves])
-        return OK
-    for column, heading in (("mota", "MOTA"), ("f_measure", "corners, F")):
-        some = [curve for curve in found.curves if column in curve.rows[0].mean]
-        corners = [curve for curve in some if "mota" not in curve.rows[0].mean]
-        if shown := some if column == "mota" else corners:
-            print(f"{heading}\n\n{accuracy.document.by_scene(shown, column)}\n")
-    print_written(*found.paths)
-    return OK
-
-
-def _rivals(arguments: Any) -> int:
-    from asap.study import rivals, rivals_study
-
-    found = _conducted(arguments, rivals_study, "asap study --rivals")
-    if arguments.json:
-        _print_json(arguments, found, rivals=[curve.summary() for curve in found.curves])
-        return OK
-    print(f"{rivals.document.verdict(found.curves)}\n\n{rivals.document.table(found.curves)}\n")
-    print_written(*found.paths)
-    return OK
-
-
-def _ladder(arguments: Any) -> int:
-    from asap.study import ladder, ladder_study
-
-    found = _conducted(arguments, ladder_study, "asap study --ladder")
-    _say_missing(found)
-    if arguments.json:
-        _print_json(arguments, found, ladder=[row.to_dict() for row in found.rows])
-        return OK
-    print(f"finished within L\n\n{ladder.document.in_time_table(found.rows)}\n")
-    print(f"accuracy in use\n\n{ladder.document.accuracy_table(found.rows, 'in_use')}\n")
-    print_written(*found.paths)
-    return OK
-
-
-def _beside_the_clock(arguments: Any) -> int:
-    from asap.study import realtime
-
-    with usage(), writing(arguments.out):
-        pairs = realtime.replay_beside_simulation()
-        table = realtime.format_pairs(pairs, realtime.scheduling_jitter(5.0))
-        arguments.out.mkdir(parents=True, exist_ok=True)
-        path = arguments.out / "realtime.md"
-        path.write_text(table + "\n", encoding="utf-8")
-    if arguments.json:
-        print_json({"schema_version": 1, "form": "realtime", "pairs": realtime.as_json(pairs)})
-    else:
-        print(table)
-        print_written(path)
-    return OK
-
-
-_KINDS = {
-    "ladder": _ladder,
-    "accuracy": _accuracy,
-    "rivals": _rivals,
-    "realtime": _beside_the_clock,
-}
-
-
-def _form(arguments: Any) -> str:
-    return "quick" if arguments.quick else "full" if arguments.full else "default"
-
-
-def _conducted(arguments: Any, study: Callable[..., _Found], command: str) -> _Found:
-    form = _form(arguments)
-    with usage(), writing(arguments.out), progress.on_terminal() as on_progress:
-        return study(
-            arguments.out,
-            form=form,
-            workers=arguments.workers,
-            fresh=arguments.fresh,
-            figures=_can_draw(),
-            command=command if form == "default" else f"{command} --{form}",
-            on_progress=on_progress,
-        )
-
-
-def _say_missing(found: Any) -> None:
-    for label in found.missing:
-        say(f"{label}: not in this build")
-
-
-def _print_json(arguments: Any, found: Any, **figures: Any) -> None:
-    rest = {
-        "seconds": found.seconds,
-        "taken_from_file": found.taken_from_file,
-        "files": [str(path) for path in found.paths],
-    }
-    print_json({"schema_version": 1, "form": _form(arguments), **figures, **rest})
-
-
-def _can_draw() -> bool:
-    try:
-        importlib.import_module("asap.study.figures")
-    except ImportError:
-        say("no figures: they need matplotlib; install asap-events[report]")
-        return False
-    return True
+    if importlib.util.find_spec("asap_laboratory") is None:
+        words = "asap study: needs the laboratory; pip install ./python/laboratory from a checkout"
+        raise Failure(USAGE, words)
+    code: int = importlib.import_module("asap_laboratory.cli").conduct(arguments)
+    return code

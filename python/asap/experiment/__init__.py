@@ -2,11 +2,11 @@
 
 from asap.experiment.batch import map
 from asap.experiment.comparing import compare, oracle
-from asap.experiment.comparison import Comparison, Row
 from asap.experiment.pipeline import Pipeline
-from asap.experiment.result import Run
 from asap.experiment.runners import last_run, run, simulate
 from asap.experiment.saved_run import load_run
+from asap.results.comparison import Comparison, Row
+from asap.results.run import Run
 
 __all__ = [
     "Comparison",

@@ -8,10 +8,10 @@ from dataclasses import replace
 from typing import Any
 
 from asap import _core, checks
-from asap.experiment.comparison import Comparison, Row
 from asap.experiment.contenders import labelled, of_schemes, rivals, user_schemes
 from asap.experiment.runners import Progress, check_latency
 from asap.experiment.side_by_side import CheckedStream, side_by_side
+from asap.results.comparison import Comparison, Row
 from asap.synthetic import joined
 
 __all__ = ["compare", "oracle"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from asap import _core
-from asap.experiment.result import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named
+from asap.results.run import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named
 
 __all__ = ["ledger_of", "state_of", "summary"]
 

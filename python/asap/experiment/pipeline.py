@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from asap import _core, checks
 from asap.events import events_of_argument
 from asap.experiment.live_stats import ledger_of, state_of, summary
-from asap.experiment.result import Ledger, Named
 from asap.experiment.runners import as_scheme, check_latency, make_config
+from asap.results.run import Ledger, Named
 
 __all__ = ["Pipeline"]
 

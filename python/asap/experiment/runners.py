@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from asap import _core, checks
-from asap.experiment.result import LEDGER_FIELDS, Ledger, Run, with_first
 from asap.experiment.source import Source
+from asap.results.run import LEDGER_FIELDS, Ledger, Run, with_first
 
 __all__ = [
     "Progress",

@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _core, checks
-from asap.experiment import run_archive
-from asap.experiment.cost import Cost
-from asap.experiment.result import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named, Run, with_first
 from asap.io import CorruptFile
 from asap.io.numpy_files import Archive
+from asap.results import run_archive
+from asap.results.cost import Cost
+from asap.results.run import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named, Run, with_first
 
 __all__ = ["load_run"]
 

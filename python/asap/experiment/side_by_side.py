@@ -17,9 +17,9 @@ from asap import _core
 from asap.checks import number
 from asap.events import Events
 from asap.experiment.contenders import Contender
-from asap.experiment.result import Run
 from asap.experiment.runners import Progress, make_config, remember
 from asap.experiment.source import Source
+from asap.results.run import Run
 from asap.synthetic import joined
 
 __all__ = ["CheckedStream", "SideBySide", "side_by_side"]

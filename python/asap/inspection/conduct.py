@@ -16,8 +16,8 @@ from asap.inspection.meters import Duplicates, Gaps, Stamps
 from asap.inspection.pixels import PixelMap
 from asap.inspection.rates import RateMeter
 from asap.inspection.raw_source import RawSource
-from asap.inspection.result import Inspection
 from asap.io import TruncatedFileWarning
+from asap.results.inspection import Inspection
 
 __all__ = ["check"]
 

@@ -23,8 +23,8 @@ from asap.inspection.meters import (
 from asap.inspection.pixels import MAX_SIDE, PixelMap
 from asap.inspection.rates import RateMeter
 from asap.inspection.raw_source import RawSource
-from asap.inspection.result import NOTE, OK, WRONG, Finding
 from asap.inspection.tally import Tally
+from asap.results.inspection import NOTE, OK, WRONG, Finding
 
 __all__ = ["Meters", "judge"]
 

@@ -6,11 +6,9 @@ import numpy as np
 
 from asap.inspection.door import Passed
 from asap.inspection.tally import Integers
+from asap.results.inspection import BINS_FROM_US
 
-__all__ = ["BINS_FROM_US", "Intervals"]
-
-# 0 us, 1 us, then an octave each: no recording is longer than the last one.
-BINS_FROM_US: Integers = np.append(0, 1 << np.arange(54, dtype=np.int64))
+__all__ = ["Intervals"]
 
 
 class Intervals:

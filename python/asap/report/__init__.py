@@ -1,22 +1,16 @@
-"""How results are shown: as text (``*_table``), figure (``*_figures``) and page (``*_report``).
+"""How results are drawn: as figure (``*_figures``) and page (``*_report``); needs matplotlib.
 
-A result imports its own when it is asked: ``print(run)``, ``run.plot()``, ``run.report(path)``.
-Only the tables do without matplotlib.
+A result imports its own when it is asked: ``run.plot()``, ``run.report(path)``.
 """
 
 __all__ = [
     "accuracy_figures",
     "accuracy_report",
-    "accuracy_table",
     "comparison_figures",
     "comparison_report",
-    "comparison_table",
     "inspection_figures",
     "inspection_report",
-    "inspection_table",
-    "notebook",
     "page",
     "run_report",
-    "run_table",
     "scene_figures",
 ]

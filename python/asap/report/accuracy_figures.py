@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asap import plots  # first: it says which extra is missing
-from asap.report import accuracy_table
+from asap.results import accuracy_table
 
 import matplotlib  # isort: skip
 from matplotlib.ticker import FixedLocator, NullLocator  # isort: skip
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from asap.accuracy import KeepCurve, KeepRow
+    from asap.results.keep_curve import KeepCurve, KeepRow
 
 __all__ = ["draw", "figure"]
 

@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asap import checks
-from asap.report import accuracy_figures, accuracy_table, notebook, page
+from asap.report import accuracy_figures, page
+from asap.results import accuracy_table, notebook
 
 if TYPE_CHECKING:
-    from asap.accuracy import KeepCurve
+    from asap.results.keep_curve import KeepCurve
 
 __all__ = ["write"]
 

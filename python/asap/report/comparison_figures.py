@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import plots, units  # first: it says which extra is missing
-from asap.report import comparison_table
+from asap.results import comparison_table
 
 import matplotlib  # isort: skip
 from matplotlib.ticker import LogLocator, NullLocator  # isort: skip
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from asap.experiment.comparison import Comparison, Row
+    from asap.results.comparison import Comparison, Row
 
 __all__ = ["figure"]
 

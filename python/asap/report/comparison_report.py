@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asap import checks
-from asap.report import comparison_figures, comparison_table, page, run_table
+from asap.report import comparison_figures, page
+from asap.results import comparison_table, run_table
 
 if TYPE_CHECKING:
-    from asap.experiment.comparison import Comparison, Row
+    from asap.results.comparison import Comparison, Row
 
 __all__ = ["write"]
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asap import analysis, plots, units  # first: it says which extra is missing
-from asap.inspection.intervals import BINS_FROM_US
+from asap.results.inspection import BINS_FROM_US
 
 import matplotlib  # isort: skip
 from matplotlib.colors import LogNorm  # isort: skip
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from asap.inspection import Inspection
+    from asap.results.inspection import Inspection
 
 __all__ = ["figure"]
 

@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asap import checks, units
-from asap.report import inspection_figures, inspection_table, page
+from asap.report import inspection_figures, page
+from asap.results import inspection_table
 
 if TYPE_CHECKING:
-    from asap.inspection import Inspection
+    from asap.results.inspection import Inspection
 
 __all__ = ["write"]
 

@@ -19,10 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import analysis, checks, plots, units
-from asap.report import page, run_table
+from asap.report import page
+from asap.results import run_table
 
 if TYPE_CHECKING:
-    from asap.experiment import Run
+    from asap.results.run import Run
 
 __all__ = ["write"]
 

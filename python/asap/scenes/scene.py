@@ -15,7 +15,7 @@ from asap.events import Events
 from asap.synthetic import joined
 
 if TYPE_CHECKING:
-    from asap.plots import NotebookFigure
+    from matplotlib.figure import Figure
 
 __all__ = ["CORNER_DTYPE", "TRUTH_DTYPE", "Scene", "ThinnedScene"]
 
@@ -182,7 +182,7 @@ class Scene(Pickled):
         """
         return ThinnedScene(self, gamma, seed)
 
-    def plot(self, t_ms: float | None = None, *, window_ms: float = 15.0) -> NotebookFigure:
+    def plot(self, t_ms: float | None = None, *, window_ms: float = 15.0) -> Figure:
         """Draw the events before a moment and the truth at it. Needs matplotlib.
 
         Parameters

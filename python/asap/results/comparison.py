@@ -1,0 +1,217 @@
+"""Comparison: what every scheme did with the same events, beside the oracle."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from asap import _core, metrics
+from asap.results import comparison_table, notebook
+from asap.results.result import Result
+from asap.results.run import Named, Run
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Comparison", "Row"]
+
+SCHEMA_VERSION = 1
+
+
+@dataclass(frozen=True)
+class Row:
+    """A scheme in numbers; latencies are of the delivered events.
+
+    Attributes
+    ----------
+    label, scheme : str
+        How the table calls it; the scheme's own name.
+    score : float
+        Events finished within the bound, as a share of those that the oracle could finish.
+    kept, in_time : float
+        Finished at all, and within the bound, as shares of the events received.
+    p50_us, p99_us, max_us : float
+        Latency, us.
+    gap_ms : int
+        Longest time in which events came in and none was finished, ms; see `metrics.gap_ms`.
+    overflow : float
+        Lost because the buffer was full, as a share of the events received.
+    packages_per_s : float
+        Packages per second, until the last one is done.
+    cpu : float
+        Share of that time in which the algorithm was busy.
+    """
+
+    label: str
+    scheme: str
+    score: float
+    kept: float
+    in_time: float
+    p50_us: float
+    p99_us: float
+    max_us: float
+    gap_ms: int
+    overflow: float
+    packages_per_s: float
+    cpu: float
+
+    @classmethod
+    def of(cls, label: str, run: Run, oracle: float) -> Row:
+        """Sum up a run beside the oracle's number of events."""
+        received, elapsed_s = run.ledger.received, _elapsed_s(run)
+        return cls(
+            label=label,
+            scheme=Named.of(run.scheme).name,
+            score=run.latency.within_bound / oracle if oracle > 0 else 1.0,
+            kept=run.kept,
+            in_time=run.in_time,
+            p50_us=run.latency.quantile(0.5),
+            p99_us=run.latency.quantile(0.99),
+            max_us=run.latency.max,
+            gap_ms=metrics.gap_ms(run.slots) if run.slots is not None else 0,
+            overflow=run.ledger.overflow / received if received else 0.0,
+            packages_per_s=run.packages.size / elapsed_s if elapsed_s > 0 else 0.0,
+            cpu=float(run.packages["processing_us"].sum()) * 1e-6 / elapsed_s
+            if elapsed_s > 0
+            else 0.0,
+        )
+
+
+def _elapsed_s(run: Run) -> float:
+    """Return the duration of the recording; longer where the last package ended after it."""
+    if run.packages.size == 0:
+        return float(run.source["duration_s"])
+    first, last = run.packages[0], run.packages[-1]
+    busy_us = last["start_us"] + last["processing_us"] - first["t_first"]
+    return max(float(run.source["duration_s"]), float(busy_us) * 1e-6)
+
+
+class _Label(str):
+    """A label. For one version it has its row's attributes too: iterating gave rows."""
+
+    _row: Row
+
+    def __new__(cls, row: Row) -> _Label:
+        label = super().__new__(cls, row.label)
+        label._row = row
+        return label
+
+    def __reduce__(self) -> Any:
+        return str, (str(self),)
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in Row.__dataclass_fields__:
+            raise AttributeError(f"a label has no attribute {name!r}")
+        words = "iterating a comparison gives its labels; for rows iterate comparison.rows"
+        warnings.warn(words, DeprecationWarning, stacklevel=2)
+        return getattr(self._row, name)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Result, Mapping[str, Row]):
+    """Every scheme on the same events, beside the oracle: a mapping of labels to rows.
+
+    Attributes
+    ----------
+    rows : list of Row
+        Best score first; of equal scores the lower p99 latency.
+    oracle : float
+        OB(L), a bound in fluid: no policy that does not know the random part of the cost finishes
+        more events in time, whatever it discards and however well it knows the arrivals.
+    exact : int or None
+        EC(L), the exact clairvoyant: the most events that can be finished in time in whole packages
+        of the mean cost. None for a cost with drift or outages, and where it would take long: more
+        than a million events, or very many per bound (`oracle` with ``exact=True`` takes longer).
+    runs : dict of str to Run
+        By label, in the order of the rows.
+    source : dict
+        What was read: path, format, width, height, events, duration_s (after `speed`).
+    name : str
+        Of the recording or profile.
+    cost : LinearCost
+        The simulated algorithm.
+    latency_ms : float
+        The bound of all.
+    opaque : bool
+        Whether the algorithm took its packages as a whole; the oracle then does too.
+    speed : float
+        By which the stamps were compressed.
+    seed : int
+        Of the gamma filters.
+    """
+
+    rows: list[Row]
+    oracle: float
+    exact: int | None
+    runs: dict[str, Run]
+    source: dict[str, Any]
+    name: str
+    cost: _core.LinearCost
+    latency_ms: float
+    opaque: bool
+    speed: float
+    seed: int
+
+    @property
+    def received(self) -> int:
+        """Events that reached the schemes: bad ones are not among them."""
+        run = next(iter(self.runs.values()))
+        return run.ledger.received - run.ledger.rejected
+
+    def __iter__(self) -> Iterator[str]:
+        return (_Label(row) for row in self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, label: str) -> Row:
+        return {row.label: row for row in self.rows}[label]
+
+    def summary(self) -> dict[str, Any]:
+        """Sum the comparison up as one JSON object."""
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "source": dict(self.source),
+            "name": self.name,
+            "cost": Named.of(self.cost).as_json(),
+            "latency_bound_us": self.latency_ms * 1e3,
+            "opaque": self.opaque,
+            "speed": self.speed,
+            "seed": self.seed,
+            "oracle": self._reached(self.oracle),
+            "exact": None if self.exact is None else self._reached(self.exact),
+            "schemes": [
+                {**asdict(row), "parameters": Named.of(self.runs[row.label].scheme).parameters}
+                for row in self.rows
+            ],
+            "version": _core.__version__,
+        }
+
+    def _reached(self, events: float) -> dict[str, float]:
+        return {"events": events, "in_time": events / self.received if self.received else 1.0}
+
+    def plot(self) -> Figure:
+        """Draw latency and kept share over time, a row of the figure for each scheme."""
+        from asap.report import comparison_figures
+
+        return comparison_figures.figure(self)
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one self-contained HTML page and return its path; needs matplotlib."""
+        from asap.report import comparison_report
+
+        return comparison_report.write(self, path)
+
+    def _repr_html_(self) -> str:
+        return notebook.comparison_html(self)
+
+    def __repr__(self) -> str:
+        scores = ", ".join(f"{row.label} {row.score:.3f}" for row in self.rows)
+        return f"<Comparison: {self.name}, {self.latency_ms:g} ms: {scores}>"
+
+    def __str__(self) -> str:
+        return comparison_table.format_comparison(self)

@@ -1,0 +1,238 @@
+"""A comparison as text: one line per scheme, the oracle below them, and what the numbers say."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from asap import units
+from asap.results.run_table import sensor
+
+if TYPE_CHECKING:
+    from asap.results.comparison import Comparison, Row
+
+__all__ = [
+    "COLUMNS",
+    "KEEPS",
+    "cells",
+    "exceeds",
+    "format_comparison",
+    "oracle_rows",
+    "subtitle",
+    "title",
+    "verdict",
+]
+
+_WIDTH = 100
+KEEPS = 1.005  # of the bound: shown with three digits, that is the bound
+_ALL = 0.9995  # of the oracle, likewise
+_SHORT = 10.0  # latency bounds
+_MOST_NAMES = 5
+_READ = (
+    "Read score and p99/L together: a scheme that discards most events has a low latency, and one "
+    "that keeps all of them may process them too late."
+)
+
+COLUMNS = {
+    "scheme": "the rule that decides size and gamma of a package",
+    "score": "events processed in time, as a share of those that the oracle processes in time",
+    "kept": "events processed, in time or late, as a share of all events received",
+    "p50": "median latency of the processed events",
+    "p99": "99 % of them had at most this latency",
+    "p99/L": "the same in latency bounds: up to 1.00 the bound is kept",
+    "max": "the largest latency",
+    "gap": "the longest time in which events were received and none of them was processed",
+    "overflow": "events lost because the buffer was full, of all",
+    "pkg/s": "packages per second",
+    "busy": "share of the time that the algorithm worked",
+}
+"""Every column in words."""
+
+
+def format_comparison(comparison: Comparison) -> str:
+    """Write a comparison as a text table, best score first, with a sentence on what it says.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        What `asap.compare` returns.
+
+    Returns
+    -------
+    str
+        Lines of at most 100 columns without colours, fit for a log file.
+    """
+    table = [tuple(COLUMNS), *(cells(row, comparison.latency_ms) for row in comparison.rows)]
+    oracles = oracle_rows(comparison)
+    table += oracles
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    lines = [_line(line, widths) for line in table]
+    rule = "-" * (sum(widths) + 2 * len(widths) - 2)
+    return "\n".join(
+        [
+            title(comparison),
+            *units.wrapped(subtitle(comparison), _WIDTH),
+            "",
+            lines[0],
+            rule,
+            *lines[1 : -len(oracles)],
+            rule,
+            *lines[-len(oracles) :],
+            "",
+            *units.wrapped(verdict(comparison), _WIDTH),
+        ]
+    )
+
+
+def title(comparison: Comparison) -> str:
+    """Name a comparison by its recording or profile."""
+    count = len(comparison.rows)
+    schemes = "one scheme" if count == 1 else f"{count} schemes"
+    return f"{comparison.name}: {schemes} beside the oracle"
+
+
+def subtitle(comparison: Comparison) -> str:
+    """Say what was compared: recording, algorithm, bound."""
+    source, cost = comparison.source, comparison.cost.parameters
+    speed = f" ({comparison.speed:g} times as fast as recorded)" if comparison.speed != 1 else ""
+    noise = f", noise {cost['noise']:g}" if cost["noise"] else ""
+    drift = ", drifting" if "drift" in cost else ""
+    outages = ", with outages" if "outages_ms" in cost else ""
+    whole = ", package by package as a whole (opaque)" if comparison.opaque else ""
+    return (
+        f"{sensor(source)}, {units.count(source['events'])} events in "
+        f"{source['duration_s']:.3g} s{speed}; "
+        f"an algorithm of {units.duration(cost['alpha_us'])} per package + "
+        f"{units.duration(cost['beta_ns'] / 1e3)} per event{noise}{drift}{outages}{whole}; "
+        f"latency bound L = {units.duration(comparison.latency_ms * 1e3)}; virtual time"
+    )
+
+
+def cells(row: Row, latency_ms: float) -> tuple[str, ...]:
+    """Write a row, one text for each of `COLUMNS`."""
+    return (
+        row.label,
+        f"{row.score:.3f}",
+        units.share(row.kept),
+        *(units.duration(value_us) for value_us in (row.p50_us, row.p99_us)),
+        _ratio(row.p99_us / (latency_ms * 1e3)),
+        units.duration(row.max_us),
+        units.duration(row.gap_ms * 1e3) if row.gap_ms else "-",
+        units.share(row.overflow) if row.overflow else "-",
+        units.count(row.packages_per_s),
+        f"{100 * row.cpu:.0f} %",
+    )
+
+
+def oracle_rows(comparison: Comparison) -> list[tuple[str, ...]]:
+    """Write the oracle's line and, where it is known, that of the exact clairvoyant.
+
+    One text for each of `COLUMNS`, empty where there is no number.
+    """
+    name = "oracle (opaque)" if comparison.opaque else "oracle"
+    found = [(name, comparison.oracle)]
+    if comparison.exact is not None:
+        found.append(("exact clairvoyant", comparison.exact))
+    empty = [""] * (len(COLUMNS) - 3)
+    return [
+        (
+            name,
+            f"{_of(events, comparison.oracle):.3f}",
+            units.share(_of(events, comparison.received)),
+            *empty,
+        )
+        for name, events in found
+    ]
+
+
+def exceeds(latency_us: float, latency_ms: float) -> bool:
+    """Whether a latency is above the bound by more than the table can show."""
+    return latency_us > KEEPS * latency_ms * 1e3
+
+
+def verdict(comparison: Comparison) -> str:
+    """Say which schemes keep the bound, and which of them processes the most in time.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        What `asap.compare` returns.
+
+    Returns
+    -------
+    str
+        Sentences on one line.
+    """
+    bound_us = comparison.latency_ms * 1e3
+    bound = units.duration(bound_us)
+    if comparison.received == 0:
+        return "No event was received."
+    if comparison.oracle <= 0:
+        return (
+            f"No scheme can process an event within {bound}: one package takes longer. Use a "
+            "longer bound or a faster algorithm."
+        )
+    keepers = [
+        row
+        for row in comparison.rows
+        if row.kept and not exceeds(row.p99_us, comparison.latency_ms)
+    ]
+    if not keepers:
+        return f"No scheme keeps the bound of {bound} for 99 % of its events. {_READ}"
+    late = [row.label for row in keepers if exceeds(row.max_us, comparison.latency_ms)]
+    never = [row.label for row in keepers if row.label not in late]
+    sentences = [_best(keepers, bound_us)]
+    if never:
+        sentences.append(f"No event is late with {_listed(never)}.")
+    if late:
+        sentences.append(f"At most 1 % of the events are late with {_listed(late)}.")
+    if comparison.exact is not None and comparison.exact < _ALL * comparison.oracle:
+        share = units.share(comparison.exact / comparison.oracle)
+        sentences.append(
+            "The oracle serves single events. A scheduler of whole packages that knows all "
+            f"arrivals reaches {share} of it (exact clairvoyant)."
+        )
+    if comparison.oracle >= _ALL * comparison.received:
+        sentences.append("The events do not overload this algorithm; a larger speed does.")
+    sentences.append(_READ)
+    lasted = comparison.source["duration_s"] * 1e6 / bound_us
+    if lasted < _SHORT:
+        sentences.append(
+            f"The events last for only {lasted:.2g} L, so start and end weigh heavily in the score."
+        )
+    return " ".join(sentences)
+
+
+def _best(keepers: Sequence[Row], bound_us: float) -> str:
+    best, bound = keepers[0], units.duration(bound_us)
+    p99 = f"{_ratio(best.p99_us / bound_us)} L"
+    perfect = [row for row in keepers if row.score >= _ALL]
+    if len(perfect) > 1:
+        return (
+            f"{len(perfect)} schemes process as many events within {bound} as the oracle; "
+            f"{best.label} has the lowest p99, {p99}."
+        )
+    share = "as many as the oracle" if perfect else f"{units.share(best.score)} of the oracle's"
+    return (
+        f"{best.label} processes the most events within {bound} of all schemes that keep the "
+        f"bound: {share}, p99 {p99}."
+    )
+
+
+def _of(events: float, all_events: float) -> float:
+    return events / all_events if all_events else 1.0
+
+
+def _ratio(value: float) -> str:
+    return f"{value:.2f}" if value < 9.995 else f"{value:,.3g}" if value < 1000 else f"{value:,.0f}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    if len(names) > _MOST_NAMES:
+        names = [*names[: _MOST_NAMES - 2], f"{len(names) - _MOST_NAMES + 2} others"]
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def _line(texts: Sequence[str], widths: Sequence[int]) -> str:
+    (name, width), *others = zip(texts, widths, strict=True)
+    return "  ".join([name.ljust(width), *(text.rjust(size) for text, size in others)]).rstrip()

@@ -1,0 +1,175 @@
+"""An inspection as text: one line per check, a verdict, and what helps."""
+
+from __future__ import annotations
+
+import os
+import re
+import textwrap
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from asap import units
+
+if TYPE_CHECKING:
+    from asap.results.inspection import Finding, Inspection
+
+__all__ = [
+    "CHECKS",
+    "detail",
+    "facts",
+    "format_inspection",
+    "named",
+    "remedies",
+    "title",
+    "verdict",
+]
+
+_WIDTH = 100
+
+CHECKS = {
+    "empty": "whether there is any good event",
+    "bad_records": "lines or records that are no event, stamps that are no time",
+    "truncated": "whether the file ends where it should",
+    "out_of_bounds": "pixels outside the sensor",
+    "back_steps": "stamps that go back by less than 1 s",
+    "clock_resets": "stamps that go back by 1 s or more: the clock was reset, or a counter wrapped",
+    "gaps": "100 ms or more without an event; from 1 s on something is wrong",
+    "same_stamp": "stamps that more than 100 events share",
+    "stuck_time": "such stamps after which the time jumps by 1 ms or more",
+    "banding": "4 or more events on one stamp, then none for 10 us or more; told when they hold a "
+    "tenth of the events",
+    "duplicates": "events that equal an earlier one in all: wrong beyond one in a thousand",
+    "polarity": "values other than 0 and 1",
+    "hot_pixels": "pixels with at least 100 events, 0.1 % of all, and five times those of the "
+    "second busiest pixel around them; wrong if they hold a tenth of the events",
+}
+"""Every check in words."""
+
+
+def format_inspection(inspection: Inspection) -> str:
+    """Write an inspection as a text table that ends with the verdict and the remedies.
+
+    Parameters
+    ----------
+    inspection : Inspection
+        What `asap.check` returns.
+
+    Returns
+    -------
+    str
+        Lines of at most 100 columns without colours, fit for a log file.
+    """
+    findings = inspection.findings.values()
+    rows = [("check", "found", "verdict", "")]
+    rows += [
+        (named(finding), units.count(finding.count), finding.verdict, detail(finding))
+        for finding in findings
+    ]
+    name, found, word = (max(len(row[column]) for row in rows) for column in range(3))
+    indent = name + found + word + 6
+    head, *lines = (
+        _hang(f"{row[0]:<{name}}  {row[1]:>{found}}  {row[2]:<{word}}  {row[3]}", indent)
+        for row in rows
+    )
+    out = [title(inspection)]
+    out += [_hang(f"  {label:<10}{value}", 12) for label, value in facts(inspection).items()]
+    out += ["", head, "-" * max(len(line) for text in lines for line in text.split("\n")), *lines]
+    out += ["", _hang(verdict(inspection), 0)]
+    out += [_hang(f"  {label}: {words}", 4) for label, words in remedies(inspection).items()]
+    return "\n".join(out)
+
+
+def title(inspection: Inspection) -> str:
+    """Name an inspection by its recording."""
+    return os.path.basename(inspection.path or "") or inspection.format
+
+
+def facts(inspection: Inspection) -> dict[str, str]:
+    """Say what the recording holds, as ``asap info`` does."""
+    rate = inspection.rate_mean_hz
+    peaks = {
+        "100 ms": inspection.rate_peak_100ms_hz,
+        "10 ms": inspection.rate_peak_10ms_hz,
+        "1 ms": inspection.rate_peak_1ms_hz,
+    }
+    size = (
+        f"{inspection.width} x {inspection.height} px"
+        if inspection.width and inspection.height
+        else "unknown"
+    )
+    return {
+        "format": inspection.format,
+        "sensor": size,
+        "events": f"{units.count(inspection.events)} good ones of "
+        f"{units.count(inspection.received)}, {units.share(inspection.on_share)} ON",
+        "duration": units.duration(inspection.duration_s * 1e6),
+        "rate": f"mean {units.rate(rate)}, peak "
+        + ", ".join(f"{units.rate(value)} in {window}" for window, value in peaks.items()),
+        "intervals": _intervals(inspection),
+    }
+
+
+def _intervals(inspection: Inspection) -> str:
+    counts = inspection.interval_counts
+    total = int(counts.sum())
+    if total == 0:
+        return "none"
+    below = np.cumsum(counts) / total
+    half, most = (units.duration(1 << int(np.searchsorted(below, q))) for q in (0.5, 0.99))
+    return (
+        f"{units.share(counts[0] / total)} on the stamp before, half below {half}, 99 % below "
+        f"{most}, longest {units.duration(inspection.longest_gap_us)}"
+    )
+
+
+def named(finding: Finding) -> str:
+    """Name a check for a reader."""
+    return finding.name.replace("_", " ")
+
+
+def detail(finding: Finding) -> str:
+    """Say what was measured, and where the first one is."""
+    first = []
+    if finding.event is not None:
+        first.append(f"event {units.count(finding.event)} at t = {finding.t_us} us")
+    if finding.byte is not None:
+        first.append(f"byte {units.count(finding.byte)}")
+    where = [f"first: {' or '.join(first)}"] if first else []
+    return "; ".join([*filter(None, [finding.detail]), *where])
+
+
+def verdict(inspection: Inspection) -> str:
+    """Say in one or two sentences whether the recording can be used as it is."""
+    by_verdict: dict[str, list[str]] = {"wrong": [], "note": []}
+    for finding in inspection.findings.values():
+        if finding.verdict != "ok":
+            by_verdict[finding.verdict].append(named(finding))
+    wrong, notes = by_verdict["wrong"], by_verdict["note"]
+    if not wrong and not notes:
+        return "Verdict: ok. Nothing is wrong with this recording."
+    also = f" To note: {', '.join(notes)}." if notes else ""
+    if not wrong:
+        return f"Verdict: ok. Nothing is wrong with this recording.{also}"
+    return f"Verdict: wrong. Problems: {', '.join(wrong)}.{also}"
+
+
+def remedies(inspection: Inspection) -> dict[str, str]:
+    """Say for everything that is wrong or worth knowing what helps; what is wrong comes first."""
+    found = [finding for finding in inspection.findings.values() if finding.verdict != "ok"]
+    found.sort(key=lambda finding: finding.verdict != "wrong")
+    return {named(finding): finding.remedy for finding in found}
+
+
+def _hang(text: str, indent: int) -> str:
+    # A number stays on the line of its unit.
+    tied = re.sub(r"(?<=[\d=<>]) (?=[^\s\d])", "\xa0", text[indent:])
+    wrapped = textwrap.fill(
+        tied,
+        _WIDTH,
+        initial_indent=text[:indent],
+        subsequent_indent=" " * indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return (wrapped or text).replace("\xa0", " ").rstrip()

@@ -1,0 +1,320 @@
+"""Run: what a run has left behind, and its summary."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import _core, checks
+from asap._pickling import can_be_pickled
+from asap.results import notebook, run_archive, run_table
+from asap.results.cost import BOUND_KEPT, Cost, bound_needed_us, check_run
+from asap.results.result import Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["LEDGER_FIELDS", "SCHEMA_VERSION", "Ledger", "Named", "Run", "with_first"]
+
+SCHEMA_VERSION = 1
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ledger(Mapping[str, int]):
+    """Where every event went, in events; attributes and mapping keys.
+
+    received = rejected + filtered + discarded (gamma) + stale + overflow + delivered + pending.
+    """
+
+    received: int = 0
+    rejected: int = 0
+    filtered: int = 0
+    discarded: int = 0
+    stale: int = 0
+    overflow: int = 0
+    delivered: int = 0
+    pending: int = 0
+
+    def __getitem__(self, name: str) -> int:
+        if name not in LEDGER_FIELDS:
+            raise KeyError(name)
+        count: int = getattr(self, name)
+        return count
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(LEDGER_FIELDS)
+
+    def __len__(self) -> int:
+        return len(LEDGER_FIELDS)
+
+    @property
+    def balanced(self) -> bool:
+        """Whether received equals the sum of the others."""
+        return 2 * self.received == sum(self.values())
+
+
+LEDGER_FIELDS = tuple(field.name for field in fields(Ledger))
+
+
+@dataclass(frozen=True)
+class Named:
+    """A scheme or an algorithm as a saved run knows it: by name and parameters."""
+
+    name: str
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, thing: Any) -> Named:
+        """Describe a live object."""
+        # Of a user's own algorithm they may be methods, as in a torch.nn.Module.
+        names = getattr(thing, "name", None), getattr(thing, "__name__", None), type(thing).__name__
+        parameters = getattr(thing, "parameters", None)
+        return cls(
+            next(name for name in names if name and isinstance(name, str)),
+            _plain(parameters) if isinstance(parameters, Mapping) else {},
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Flatten to one JSON object."""
+        first = {"name": self.name}
+        return first | self.parameters | first  # a parameter may be called so too
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run(Result):
+    """What a run has left behind. It pickles always; an algorithm that cannot becomes None.
+
+    Attributes
+    ----------
+    packages : ndarray
+        One row per package: index, start_us, processing_us, t_first, t_last, offered, size, gamma,
+        event_rate, rate, margin_us, latency_max_us, stale, overflow. With keep_mask=True also
+        first: where the `offered` raw events behind the package begin in the source.
+    ledger : Ledger
+        Where every event went.
+    latency : LatencyHistogram
+        Of delivered events, us: .mean .max .count .quantile(q).
+    rejected : dict
+        Rejected events by reason.
+    scheme, algorithm
+        The objects of the run, with their state; of a loaded run their names and parameters.
+    mode : str
+        "virtual" (simulate) or "real" (run).
+    latency_bound_us : float
+        The bound in force.
+    source : dict
+        What was read: path, format, width, height, events (all that were received, bad ones too)
+        and duration_s, from the first good one to the last.
+    clock_resets : int
+        How often the sensor's clock jumped back by 1 s or more; time then continued 1 us later.
+    lateness : LatencyHistogram or None
+        In real time: how late the paced producer pushed, us, which is this machine's own jitter.
+    slots : ndarray or None
+        In virtual time: one row per 1 ms of stamps that holds an event: slot (ms), received,
+        delivered (events), latency_max_us. Not saved.
+    kept_mask : ndarray of bool, shape (events,), or None
+        With keep_mask=True: of every event of the source, whether the algorithm got it;
+        ``events[run.kept_mask]`` are the delivered ones, in order. Where the reader of a file has
+        dropped some, the events are those that `load` gives. Of equal events the first counts as
+        kept. Not saved.
+    learned : Cost or None
+        What the scheme had learned of the algorithm's cost by the end; None where it learns none.
+    """
+
+    packages: NDArray[np.void]
+    ledger: Ledger
+    latency: _core.LatencyHistogram
+    rejected: dict[str, int]
+    scheme: Any
+    algorithm: Any
+    mode: str
+    latency_bound_us: float
+    source: dict[str, Any]
+    speed: float = 1.0
+    clock_resets: int = 0
+    lateness: _core.LatencyHistogram | None = None
+    slots: NDArray[np.void] | None = None
+    kept_mask: NDArray[np.bool_] | None = None
+    learned: Cost | None = None
+
+    def __post_init__(self) -> None:
+        if self.learned is None and hasattr(self.scheme, "alpha_us"):
+            # Now: the same scheme may learn something else in its next run.
+            learned = Cost(float(self.scheme.alpha_us), float(self.scheme.beta_ns))
+            object.__setattr__(self, "learned", learned)
+
+    def _state(self) -> dict[str, Any]:
+        state = super()._state()
+        if not can_be_pickled(self.scheme):
+            state["scheme"] = Named.of(self.scheme)
+        if not can_be_pickled(self.algorithm):
+            state |= {"algorithm": None, "left_behind": Named.of(self.algorithm)}
+        return state
+
+    @property
+    def _left_behind(self) -> Named | None:
+        """The algorithm of a run that was pickled without it."""
+        found: Named | None = vars(self).get("left_behind")
+        return found
+
+    @property
+    def without_log(self) -> bool:
+        """Whether it was loaded from a summary, which has no packages."""
+        return "summed_up" in vars(self)
+
+    @property
+    def kept(self) -> float:
+        """Delivered / received; 1 of nothing."""
+        return _share(self.ledger.delivered, self.ledger.received)
+
+    @property
+    def in_time(self) -> float:
+        """Delivered within the bound / received; 1 of nothing."""
+        return _share(self.latency.within_bound, self.ledger.received)
+
+    @property
+    def bound_kept(self) -> bool:
+        """Whether no event was delivered later than 1.01 times the bound."""
+        return self.latency.max <= BOUND_KEPT * self.latency_bound_us
+
+    def summary(self) -> dict[str, Any]:
+        """Sum the run up as one JSON object."""
+        log = vars(self).get("summed_up") or self._sum_up_log()
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "mode": self.mode,
+            "source": dict(self.source),
+            "scheme": Named.of(self.scheme).as_json(),
+            "algorithm": (self._left_behind or Named.of(self.algorithm)).as_json(),
+            "latency_bound_us": self.latency_bound_us,
+            "bound_kept": self.bound_kept,
+            "bound_needed_us": log["bound_needed_us"],
+            "learned_cost": None if self.learned is None else asdict(self.learned),
+            "speed": self.speed,
+            "ledger": dict(self.ledger),
+            "rejected": dict(self.rejected),
+            "clock_resets": self.clock_resets,
+            "kept": self.kept,
+            "in_time": self.in_time,
+            "latency_us": {
+                "mean": self.latency.mean,
+                "p50": self.latency.quantile(0.5),
+                "p99": self.latency.quantile(0.99),
+                "max": self.latency.max,
+            },
+            **{name: log[name] for name in ("packages", "gamma", "cpu")},
+            "pacing_us": None
+            if self.lateness is None
+            else {
+                "p50": self.lateness.quantile(0.5),
+                "p99": self.lateness.quantile(0.99),
+                "max": self.lateness.max,
+            },
+            "version": _core.__version__,
+        }
+
+    def _sum_up_log(self) -> dict[str, Any]:
+        """Return what of the summary comes from the packages."""
+        packages = self.packages
+        wall_s = self.source["duration_s"] / self.speed
+        count = int(packages.size)
+        return {
+            "bound_needed_us": bound_needed_us(self),
+            "packages": {
+                "count": count,
+                "per_s": count / wall_s if wall_s > 0 else 0.0,
+                "size_mean": float(packages["size"].mean()) if count else 0.0,
+                "size_max": int(packages["size"].max()) if count else 0,
+            },
+            "gamma": {
+                "mean": _share(int(packages["size"].sum()), _thinned(packages)),
+                "min": float(packages["gamma"].min()) if count else 1.0,
+            },
+            "cpu": _busy_share(packages, self.speed),
+        }
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write a file and return its path: ``.npz`` holds log and summary, ``.json`` the summary.
+
+        `asap.load_run` and ``asap report`` read both. Only the ``.npz`` brings back the packages,
+        and with them the curves and the verdict.
+        """
+        file = checks.new_file("path", path)
+        run_archive.check_name(file)
+        if file.suffix.lower() == ".json":
+            return super().save(file)
+        check_run(self)
+        run_archive.write(self, file)
+        return file
+
+    def plot(self) -> Figure:
+        """Draw the paper's figure: package size, R, gamma, margin and latency over time."""
+        from asap import plots
+
+        return plots.figure(self)
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one self-contained HTML page and return its path; needs matplotlib."""
+        from asap.report import run_report
+
+        return run_report.write(self, path)
+
+    def _repr_html_(self) -> str:
+        return notebook.run_html(self)
+
+    def __repr__(self) -> str:
+        left = self._left_behind
+        summed_up = vars(self).get("summed_up")
+        count = summed_up["packages"]["count"] if summed_up else self.packages.size
+        return (
+            f"<Run: {self.mode} time, {Named.of(self.scheme).name}, {count} packages, "
+            f"kept {self.kept:.4g}, in time {self.in_time:.4g}"
+            + (f", pickled without its algorithm {left.name}" if left else "")
+            + (", a summary without its packages>" if self.without_log else ">")
+        )
+
+    def __str__(self) -> str:
+        return run_table.format_run(self)
+
+
+def with_first(packages: NDArray[np.void], first: NDArray[np.int64]) -> NDArray[np.void]:
+    """Add the column `first` to the rows of the packages."""
+    extended = np.empty(packages.shape, [*_core.PACKAGE_DTYPE.descr, ("first", "<i8")])
+    for name in packages.dtype.names or ():
+        extended[name] = packages[name]
+    extended["first"] = first
+    extended.flags.writeable = False
+    return extended
+
+
+def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Say them as JSON can: NumPy's numbers as Python's, NaN as None, the rest as text."""
+    text = json.dumps(
+        dict(parameters), default=lambda one: one.tolist() if hasattr(one, "tolist") else str(one)
+    )
+    plain: dict[str, Any] = json.loads(text, parse_constant=lambda _: None)
+    return plain
+
+
+def _share(part: int, whole: int) -> float:
+    return part / whole if whole else 1.0
+
+
+def _thinned(packages: NDArray[np.void]) -> int:
+    """Events that came to the gamma filter: without those that a filter in front had dropped."""
+    return int(np.rint(packages["size"] / packages["gamma"]).sum())
+
+
+def _busy_share(packages: NDArray[np.void], speed: float) -> float:
+    if packages.size == 0:
+        return 0.0
+    first, last = packages[0], packages[-1]
+    elapsed_us = (last["start_us"] - first["start_us"]) / speed + last["processing_us"]
+    return float(packages["processing_us"].sum() / elapsed_us) if elapsed_us > 0 else 0.0

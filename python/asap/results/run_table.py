@@ -1,0 +1,273 @@
+"""A run as text: a short table for terminal and log file, and the verdict in words."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from asap import units
+from asap.results.cost import LEAST_BOUND, Cost
+from asap.results.diagnosis import Diagnosis, diagnose
+
+if TYPE_CHECKING:
+    from asap.results.run import Run
+
+__all__ = [
+    "LEDGER_WORDS",
+    "figures",
+    "format_ledger",
+    "format_run",
+    "parameter_value",
+    "reasons_of",
+    "sensor",
+    "subtitle",
+    "title",
+    "verdict",
+]
+
+_WIDTH = 78
+
+LEDGER_WORDS = {
+    "received": "handed to ASAP",
+    "rejected": "bad data, such as times that go back",
+    "filtered": "taken out by the filter in front",
+    "discarded": "thinned out by gamma, at random: a choice",
+    "stale": "thrown away as too old for the bound",
+    "overflow": "did not fit into the buffer: a failure",
+    "pending": "still waiting at the end",
+    "delivered": "processed by the algorithm",
+}
+"""Every entry of the ledger in words, in the order in which an event may leave."""
+
+
+def format_run(run: Run) -> str:
+    """Write a run as a short text table that ends with the verdict.
+
+    Parameters
+    ----------
+    run : Run
+        A finished run.
+
+    Returns
+    -------
+    str
+        Lines of at most 78 columns without colours, fit for a log file.
+    """
+    summary = run.summary()
+    lines = [title(summary), *units.wrapped(subtitle(summary), _WIDTH), ""]
+    lines += [f"  {name:<11}{value}" for name, value in figures(run, summary).items()]
+    lines += ["", format_ledger(run.ledger, run.rejected), "", *units.wrapped(verdict(run), _WIDTH)]
+    return "\n".join(lines)
+
+
+def figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
+    """Write what a run came to, by name."""
+    latency, packages, gamma = summary["latency_us"], summary["packages"], summary["gamma"]
+    bound = units.duration(run.latency_bound_us)
+    rows = [
+        ("kept", units.share(run.kept)),
+        ("in time", f"{units.share(run.in_time)} within {bound}"),
+        (
+            "latency",
+            f"p50 {units.duration(latency['p50'])}, p99 {units.duration(latency['p99'])}, "
+            f"max {units.duration(latency['max'])}",
+        ),
+        (
+            "packages",
+            f"{units.count(packages['count'])}, {units.count(packages['per_s'])} per s; "
+            f"size mean {units.count(packages['size_mean'])}, "
+            f"max {units.count(packages['size_max'])}",
+        ),
+        ("gamma", f"mean {gamma['mean']:.3f}, min {gamma['min']:.3f}"),
+        ("busy", f"{units.share(summary['cpu'])} of the time in the algorithm"),
+    ]
+    if pacing := summary["pacing_us"]:
+        late = f"p99 {units.duration(pacing['p99'])}, max {units.duration(pacing['max'])}"
+        rows.append(("jitter", f"{late}: this machine's, in the pace of the replay"))
+    return dict(rows)
+
+
+def format_ledger(ledger: Mapping[str, int], rejected: Mapping[str, int] | None = None) -> str:
+    """Write where every event went, one line for each cause.
+
+    Parameters
+    ----------
+    ledger : mapping
+        The eight counts by name.
+    rejected : mapping, optional
+        The rejected events by reason.
+
+    Returns
+    -------
+    str
+        Eight lines; one more for the reasons, and one if the ledger is not balanced.
+    """
+    width = max(len(units.count(value)) for value in ledger.values())
+    received, lines = ledger["received"], []
+    for name, words in LEDGER_WORDS.items():
+        share = units.share(ledger[name] / received) if ledger[name] and received else ""
+        number = f"{units.count(ledger[name]):>{width}}"
+        lines.append(f"  {name:<11}{number}  {share:>8}  {words}")
+        if name == "rejected" and (reasons := reasons_of(rejected or {})):
+            lines.append(f"{'':<13}{reasons}")
+    missing = 2 * received - sum(ledger.values())
+    if missing:
+        lines.append(f"  NOT BALANCED: {units.count(missing)} events are unaccounted for")
+    return "\n".join(lines)
+
+
+def reasons_of(rejected: Mapping[str, int]) -> str:
+    """Write the counts that are not zero, such as ``"1,200 nonmonotonic, 3 out_of_bounds"``."""
+    return ", ".join(f"{units.count(count)} {name}" for name, count in rejected.items() if count)
+
+
+def title(summary: Mapping[str, Any]) -> str:
+    """Name a run by its recording (its format, where it has no path) and its scheme."""
+    source = summary["source"]
+    name = os.path.basename(source["path"] or "") or source["format"]
+    return f"{name}: {summary['scheme']['name']}"
+
+
+def subtitle(summary: Mapping[str, Any]) -> str:
+    """Say what was run: recording, clock, algorithm and the parameters of the scheme."""
+    source, scheme = summary["source"], dict(summary["scheme"])
+    clock = "virtual time" if summary["mode"] == "virtual" else "real time"
+    if summary["speed"] != 1:
+        clock += f" at {summary['speed']:g} times the speed"
+    name = scheme.pop("name")
+    parameters = ", ".join(
+        f"{key} {parameter_value(value)}" for key, value in scheme.items() if value is not None
+    )
+    return (
+        f"{sensor(source)}, {units.count(source['events'])} events in "
+        f"{source['duration_s']:.3g} s, {clock}, "
+        f"algorithm {summary['algorithm']['name']}, scheme {name}"
+        + (f" ({parameters})" if parameters else "")
+    )
+
+
+def sensor(source: Mapping[str, Any]) -> str:
+    """Name the sensor of a source, and which addresses could not be checked for want of it."""
+    width, height = source["width"], source["height"]
+    if not (width or height):
+        return "sensor unknown, addresses not checked"
+    unchecked = "" if width and height else f", {'y' if width else 'x'} not checked"
+    return f"{width or '?'} x {height or '?'} px{unchecked}"
+
+
+def verdict(run: Run) -> str:
+    """Say what limited a run, what that cost, and what would have kept 95 % of the events.
+
+    Parameters
+    ----------
+    run : Run
+        A finished run.
+
+    Returns
+    -------
+    str
+        Short sentences on one line. What follows from the measured processing times is marked as
+        estimated.
+    """
+    if run.ledger.received == 0:
+        return "No event was received."
+    if run.without_log:
+        return (
+            "Bottleneck: not known, since a summary holds no packages; run.save('run.npz') keeps "
+            f"them. {_losses(run)}"
+        )
+    found = diagnose(run)
+    if run.packages.size == 0 and found.limit != "data":
+        return f"No event reached the algorithm. {_losses(run)}"
+    bottleneck = _BOTTLENECKS[found.limit].format(scheme=run.scheme.name)
+    in_time = units.share(run.in_time).replace("100.0 %", "100 %")
+    return (
+        f"Bottleneck: {bottleneck}. {in_time} processed in time. "
+        f"{_explanation(run, found)} {_losses(run)}"
+    )
+
+
+_BOTTLENECKS = {
+    "data": "bad events in the data",
+    "camera": "the camera",
+    "scheme": "the scheme ({scheme})",
+    "machine": "this machine",
+    "bound": "the latency bound",
+    "algorithm": "the algorithm",
+    "fixed cost": "the fixed cost of a package",
+}
+
+
+def _explanation(run: Run, found: Diagnosis) -> str:
+    if found.limit == "data":
+        return (
+            f"{units.count(run.ledger.rejected)} of {units.count(run.ledger.received)} events were "
+            f"rejected ({reasons_of(run.rejected)}). asap.check shows where."
+        )
+    if found.limit == "machine" and run.lateness is not None:
+        return (
+            f"The replay itself was late, by {units.duration(run.lateness.quantile(0.99))} (p99) "
+            f"and {units.duration(run.lateness.max)} at most. Repeat it on a quiet machine, "
+            "or in virtual time."
+        )
+    per_package = units.duration(found.cost.alpha_us)
+    per_event = units.duration(found.cost.beta_ns / 1e3)
+    cost = f"Estimated cost: {per_package} per package + {per_event} per event."
+    return f"{cost} {_remedy(run, found)}"
+
+
+def _remedy(run: Run, found: Diagnosis) -> str:
+    bound = units.duration(run.latency_bound_us)
+    if found.limit == "fixed cost":
+        return _impossible(run, found.cost)
+    faster = f"make the algorithm {found.speedup:.1f} times as fast"
+    if getattr(run.scheme, "parameters", {}).get("rate_bound", found.needed_hz) < found.needed_hz:
+        faster += " and raise rate_bound"
+    if found.limit == "bound" and found.bound_us is not None:
+        longer = units.duration(found.bound_us)
+        return f"To process 95 % in time, use a bound of {longer} or {faster}."
+    if found.limit == "algorithm":
+        return (
+            f"A longer bound does not help. To process 95 % in time, {faster}: it has to process "
+            f"{units.rate(found.needed_hz)}."
+        )
+    passes_hz = found.cost.throughput_hz(run.latency_bound_us)
+    if passes_hz == float("inf"):
+        return f"The algorithm keeps up with any event rate within {bound}."
+    return (
+        f"The algorithm can process {units.rate(passes_hz)} within {bound}; "
+        f"{units.rate(found.offered_hz)} arrived on average."
+        + (" asap.compare shows which scheme processes more." * (found.limit == "scheme"))
+    )
+
+
+def _impossible(run: Run, cost: Cost) -> str:
+    bound_us = run.latency_bound_us
+    p99, most = (f"{us / bound_us:.3g}" for us in (run.latency.quantile(0.99), run.latency.max))
+    least_us = cost.least_bound_us
+    if least_us > LEAST_BOUND * cost.alpha_us:
+        cheaper = f"an algorithm that processes a single event in {units.duration(bound_us / 2)}"
+    else:
+        cheaper = f"a fixed cost of {units.duration(bound_us / LEAST_BOUND)}"
+    return (
+        f"No scheme can keep a bound of {units.duration(bound_us)} at this cost: latency was {p99} "
+        f"(p99) and {most} (max) times as long. "
+        f"Use a bound of at least {units.duration(least_us)}, or {cheaper} or less."
+    )
+
+
+def _losses(run: Run) -> str:
+    ledger = run.ledger
+    causes = ("rejected", "filtered", "discarded", "stale", "overflow", "pending")
+    shares = {cause: ledger[cause] / ledger["received"] for cause in causes}
+    shares["delivered late"] = run.kept - run.in_time
+    lost = [f"{units.share(share)} {cause}" for cause, share in shares.items() if share > 0]
+    return f"Lost: {', '.join(lost)}." if lost else "No event was lost."
+
+
+def parameter_value(parameter: Any) -> str:
+    """Write the value of a parameter."""
+    if isinstance(parameter, (int, float)) and parameter == round(parameter):
+        return units.count(parameter)
+    return f"{parameter:g}" if isinstance(parameter, float) else str(parameter)

@@ -1,0 +1,32 @@
+"""The study: every scheme and rival over profiles and cost models, beside the oracle.
+
+``asap study`` on the command line, `study` here. A study is made of cases (a stream, a cost and the
+contenders that go through it) and probes; they run through any executor, each finished one is kept,
+and what they show is judged by goals and written as tables beside the reference's. `accuracy_study`
+scores the algorithms instead, over scenes and the kept fraction; `rivals_study` puts the cluster
+tracker beside its rivals; `ladder_study` puts every consumer of the library to one stream that
+overloads the slow ones.
+"""
+
+from asap_laboratory.accuracy.conduct import AccuracyStudy, accuracy_study
+from asap_laboratory.cases import FORMS, Case
+from asap_laboratory.conduct import Study, study
+from asap_laboratory.goals import Goal
+from asap_laboratory.ladder.conduct import LadderStudy, ladder_study
+from asap_laboratory.results import Results
+from asap_laboratory.rivals.conduct import RivalsStudy, rivals_study
+
+__all__ = [
+    "FORMS",
+    "AccuracyStudy",
+    "Case",
+    "Goal",
+    "LadderStudy",
+    "Results",
+    "RivalsStudy",
+    "Study",
+    "accuracy_study",
+    "ladder_study",
+    "rivals_study",
+    "study",
+]

@@ -1,0 +1,156 @@
+"""The figure of the ladder: what comes through in time, and the accuracy left, over cost.
+
+Needs matplotlib: ``asap-events[report]``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import plots  # first: it says which extra is missing
+from asap_laboratory.ladder.results import LadderRow, Mean
+from asap_laboratory.ladder.settings import BASELINES, OURS
+
+import matplotlib  # isort: skip
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator  # isort: skip
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["figure"]
+
+_NAME_HEIGHT = 12.0  # pixels of a page that is not printed yet
+
+_COLOURS = {
+    OURS: plots.BLUE,
+    "FixedSize": plots.VERMILION,
+    "FixedTime": plots.GREEN,
+    "Asap2020": plots.PURPLE,
+}
+_SHOWN = {  # label: words
+    **{f"{name}, one for all": f"{name}, one setting" for name in BASELINES},
+    **{name: f"{name}, tuned to each" for name in BASELINES},
+    OURS: f"{OURS}, told L",
+}
+
+
+def figure(rows: Sequence[LadderRow], *, width_inches: float = 9.0) -> Figure:
+    """Draw three panels over the cost per event, a line for each scheme.
+
+    Parameters
+    ----------
+    rows : sequence of LadderRow
+        The cheapest first.
+    width_inches : float
+        Of the page.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        In time, of what the computer can do; MOTA and F at the moment of use, of that with all
+        events and without latency, 0 where it is below. Bars are standard deviations over the
+        seeds.
+    """
+    with matplotlib.rc_context({**plots.STYLE, "axes.titley": 1.0}):
+        page = plots.NotebookFigure(layout="constrained", figsize=(width_inches, 4.1))
+        panels = page.subplots(1, 3, width_ratios=(1.8, 1, 1), sharey=True)
+        whole, trackers, corners = panels
+        _lines(whole, rows, _of_possible)
+        whole.set_title("finished within L, of what is possible")
+        for axes, kind, words in (
+            (trackers, "tracker", "trackers: MOTA left in use"),
+            (corners, "corners", "corner detectors: F left in use"),
+        ):
+            if some := [row for row in rows if row.score == kind]:
+                _lines(axes, some, _left_in_use)
+                _name_rungs(axes, some)
+            axes.set_title(words)
+        _name_rungs(whole, rows)
+        for axes in panels:
+            _dress(axes)
+        whole.set_ylim(-0.5, 1.08)
+        whole.set_yticks(np.linspace(0, 1, 6))
+        handles, labels = whole.get_legend_handles_labels()
+        order = [len(labels) - 1, *range(len(labels) - 1)]
+        page.legend(
+            [handles[i] for i in order],
+            [labels[i] for i in order],
+            loc="outside lower center",
+            ncols=4,
+        )
+    return page
+
+
+def _of_possible(row: LadderRow, label: str) -> Mean:
+    mean, spread = row.virtual[label]["in_time"]
+    return Mean(mean / row.possible, spread / row.possible)
+
+
+def _left_in_use(row: LadderRow, label: str) -> Mean:
+    mean, spread = row.virtual[label]["in_use"]
+    if mean <= 0:
+        return Mean(0.0, 0.0)
+    return Mean(mean / row.alone.mean, spread / row.alone.mean)
+
+
+def _lines(axes: Axes, rows: Sequence[LadderRow], value: Callable[[LadderRow, str], Mean]) -> None:
+    costs = [row.beta_ns for row in rows]
+    for label, words in _SHOWN.items():
+        name = label.partition(",")[0]
+        style: dict[str, Any] = {"color": _COLOURS[name], "linewidth": 1.0, "markersize": 2.5}
+        if label == OURS:
+            style |= {"linewidth": 2.2, "markersize": 4.5}
+        elif label != name:
+            style |= {"linestyle": (0, (3, 2))}
+        found = [value(row, label) for row in rows]
+        axes.errorbar(
+            costs,
+            [one.mean for one in found],
+            np.nan_to_num([one.spread for one in found]),
+            marker="o",
+            elinewidth=0.8,
+            label=words,
+            **style,
+        )
+
+
+def _name_rungs(axes: Axes, rows: Sequence[LadderRow]) -> None:
+    """Write the consumers under the curves, with a line to the cost where they are crowded."""
+    costs = np.log10([row.beta_ns for row in rows])
+    margin = 0.09 * (costs[-1] - costs[0]) + 0.05
+    axes.set_xlim(10 ** (costs[0] - margin), 10 ** (costs[-1] + margin))
+    least = _NAME_HEIGHT / axes.bbox.width * (costs[-1] - costs[0] + 2 * margin)
+    for row, cost, place in zip(
+        rows, costs, _apart(costs, least, costs[0] - margin / 2), strict=True
+    ):
+        axes.plot([10**cost, 10**place], [-0.02, -0.06], color=plots.FAINT, linewidth=0.6, zorder=0)
+        axes.text(10**place, -0.07, row.rung, rotation=90, ha="center", va="top", fontsize=6.5)
+
+
+def _apart(places: NDArray[np.float64], least: float, low: float) -> NDArray[np.float64]:
+    """Move places in ascending order until neighbours are so far apart, and none below `low`."""
+    places = places.copy()
+    for _ in range(500):
+        short = np.maximum(least - np.diff(places), 0) / 2
+        if not short.max(initial=0) > 1e-6:
+            break
+        places[:-1] -= short
+        places[1:] += short
+        places = np.maximum(places, low)
+    return places
+
+
+def _dress(axes: Axes) -> None:
+    axes.set_xscale("log")
+    low, high = np.log10(axes.get_xlim())
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high - low < 1.5 else (1.0,)))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(
+        FuncFormatter(lambda ns, _: f"{ns:g} ns" if ns < 1000 else f"{ns / 1e3:g} us")
+    )
+    axes.set_xlabel("cost per event")

@@ -1,0 +1,102 @@
+"""The ladder: every consumer of the library, from a filter to a clusterer in plain Python.
+
+The stream that all of them get lasts 0.3 s, 9 Mev/s from 100 objects at up to 800 px/s on 1280 x
+720 px. In virtual time the computer is taken to be `SLOWDOWN` times slower than the one that
+measures; in real time the stream is replayed so many times as fast, which is the same load.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, Literal, NamedTuple
+
+from asap import _core, scenes
+from asap.accuracy import Scene
+from asap_laboratory.ladder import naive
+
+__all__ = ["LATENCY_MS", "RUNGS", "SLOWDOWN", "LadderRung", "missing_rungs", "stream"]
+
+LATENCY_MS = 3.0  #: the bound
+SLOWDOWN = 8.0
+
+Maker = Callable[[int, int], Any]
+
+
+class LadderRung(NamedTuple):
+    """A consumer.
+
+    Attributes
+    ----------
+    make : callable
+        Makes one for (width, height).
+    score : {"tracker", "corners", None}
+        How its accuracy is told.
+    twin : callable, optional
+        Makes a faster one of the same rule, for the accuracy with all events.
+    stated : (float, float), optional
+        alpha in us and beta in ns, taken from elsewhere instead of measured.
+    """
+
+    make: Maker
+    score: Literal["tracker", "corners"] | None = None
+    twin: Maker | None = None
+    stated: tuple[float, float] | None = None
+
+    @property
+    def opaque(self) -> bool:
+        """Whether it gets a package as a whole, as a Python callback does."""
+        return self.make is naive.make
+
+
+def _fast(width: int, height: int) -> Any:
+    return _core.ClusterTracker(width, height, engine="fast")
+
+
+def _compat(width: int, height: int) -> Any:
+    """Make one for this stream: a window of 8000 events lasts about a millisecond of it."""
+    return _core.ClusterTracker(
+        width, height, engine="compat", window=8000, radius=20.0, probes=0, weight=0.05, min_size=15
+    )
+
+
+RUNGS: dict[str, LadderRung] = {
+    "HotPixelMask": LadderRung(_core.HotPixelMask),
+    "BAF": LadderRung(_core.BackgroundActivityFilter),
+    "TOS": LadderRung(_core.ThresholdOrdinalSurface),
+    "ArcStar": LadderRung(_core.ArcStar, "corners"),
+    "FeatureTracker": LadderRung(_core.FeatureTracker),
+    "SITS": LadderRung(_core.SpeedInvariantTimeSurface),
+    "FAHarris": LadderRung(_core.FAHarris, "corners"),
+    "fast": LadderRung(_fast, "tracker"),
+    "EFast": LadderRung(_core.EFast, "corners"),
+    "compat": LadderRung(_compat, "tracker"),
+    "EHarris": LadderRung(_core.EHarris, "corners"),
+    "PlaneFlow": LadderRung(_core.PlaneFlow),
+    "fast, 300 ns": LadderRung(_fast, "tracker", _fast, (5.0, 300.0)),  # a smaller computer
+    "compat, 450 ns": LadderRung(_compat, "tracker", _compat, (1.0, 450.0)),  # without an index
+    "compat, 2 us": LadderRung(_compat, "tracker", _compat, (1.0, 2000.0)),  # the authors' class
+    "compat, Python": LadderRung(naive.make, "tracker", _compat),
+}
+"""By label, about in the order of their cost."""
+
+
+def missing_rungs() -> list[str]:
+    """Labels of consumers that this build of the library cannot make."""
+    return [label for label, rung in RUNGS.items() if not _exists(rung)]
+
+
+def _exists(rung: LadderRung) -> bool:
+    try:
+        rung.make(64, 64)
+    except ValueError:
+        return False
+    return True
+
+
+@lru_cache(maxsize=1)  # the tasks of a seed follow each other
+def stream(size: str, seed: int) -> Scene:
+    """Make the stream of a seed: "whole", or "small" for the quick form."""
+    if size == "small":
+        return scenes.timing(40, 640, 480, 800.0, (8.0, 14.0), seed, duration_s=0.15)
+    return scenes.timing(100, 1280, 720, 800.0, (8.0, 14.0), seed, duration_s=0.3)

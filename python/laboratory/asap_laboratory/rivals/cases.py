@@ -1,0 +1,133 @@
+"""RivalsCase: the cluster tracker and its rivals on one scene with one seed, scored and timed.
+
+All of them in one task, so that their costs are of the same minutes on the same machine.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from asap import _core
+from asap.accuracy import Scene
+from asap.accuracy.matching import match
+from asap.accuracy.mota import mota
+from asap.accuracy.trace import follow
+from asap_laboratory import _native
+from asap_laboratory.accuracy.cases import RUNGS, Rung, scene_of
+
+__all__ = ["OURS", "RIVALS", "Rivalry", "RivalsCase", "rivals_cases"]
+
+OURS = "fast"
+
+
+_BAF = _core.BackgroundActivityFilter
+RIVALS = {
+    OURS: RUNGS[OURS],
+    "jAER-type core": Rung("jAER-type core", _native.JaerClusterTracker),
+    "BAF + jAER-type core": Rung("jAER-type core", _native.JaerClusterTracker, _BAF),
+    "BAF + compat steady": RUNGS["BAF + compat steady"],
+}
+"""Ours with nothing in front, and every rival, by the label of the tables."""
+
+COLUMNS = ("mota", "id_switches", "position_rms", "velocity_rms", "ns_per_event")
+_REPETITIONS = 5
+_PACKAGE = 16_384  # events: large enough for the call not to count, small enough for the cache
+_SECONDS = {"A": 9, "B": 11, "D": 12, "G": 15}
+_USUAL_SECONDS = 6
+
+
+@dataclass(frozen=True)
+class Rivalry:
+    """What a `RivalsCase` has found: the columns of the table, by label."""
+
+    rivals: dict[str, dict[str, float]]
+
+
+@dataclass(frozen=True)
+class RivalsCase:
+    """Everybody on one scene with one seed."""
+
+    scene: str
+    seed: int
+    labels: tuple[str, ...] = tuple(RIVALS)
+
+    @property
+    def name(self) -> str:
+        """How it is called on the screen."""
+        return f"{len(self.labels)} trackers on {self.scene}"
+
+    def weight(self) -> float:
+        """Seconds, about, by the million."""
+        return 1e6 * _SECONDS.get(self.scene, _USUAL_SECONDS)
+
+    def measure(self) -> Rivalry:
+        """Run it."""
+        scene = scene_of(self.scene, self.seed)
+        rungs = {label: RIVALS[label] for label in self.labels}
+        figures = {label: _scored(rung, scene) for label, rung in rungs.items()}
+        for label, ns in costs_ns(rungs, scene).items():
+            figures[label]["ns_per_event"] = ns
+        return Rivalry(
+            {label: {name: one[name] for name in COLUMNS} for label, one in figures.items()}
+        )
+
+
+_SEEDS = {"quick": (200, 201), "default": (200, 210), "full": (200, 220)}
+_SEEDS_OF_FG = {"quick": (200, 200), "default": (200, 206), "full": (200, 212)}
+
+
+def rivals_cases(form: str) -> Iterator[RivalsCase]:
+    """Yield the cases of a form of the study: "quick", "default" or "full".
+
+    Raises
+    ------
+    KeyError
+        There is no such form.
+    """
+    for scenes, seeds in (("AE" if form == "quick" else "ABCDE", _SEEDS), ("FG", _SEEDS_OF_FG)):
+        for scene in scenes:
+            for seed in range(*seeds[form]):
+                yield RivalsCase(scene, seed)
+
+
+def costs_ns(rungs: dict[str, Rung], scene: Scene) -> dict[str, float]:
+    """Measure filter and tracker, ns of processor time per event that enters.
+
+    Parameters
+    ----------
+    rungs : dict of str to Rung
+        They take turns, so that what else the machine does meets all of them.
+    scene : Scene
+        Each takes it whole in every turn.
+
+    Returns
+    -------
+    dict of str to float
+        Median over the turns.
+    """
+    events = scene.events
+    packages = [events[begin : begin + _PACKAGE] for begin in range(0, events.size, _PACKAGE)]
+    turns: dict[str, list[float]] = {label: [] for label in rungs}
+    for _ in range(_REPETITIONS):
+        for label, rung in rungs.items():
+            ns = _turn_ns(rung, scene, packages)
+            turns[label].append(ns / max(events.size, 1))
+    return {label: statistics.median(some) for label, some in turns.items()}
+
+
+def _turn_ns(rung: Rung, scene: Scene, packages: list[Any]) -> int:
+    tracker, before = rung.made_for(scene)
+    begin_ns = time.thread_time_ns()
+    for package in packages:
+        tracker.process(package if before is None else before.process(package), labels=False)
+    return time.thread_time_ns() - begin_ns
+
+
+def _scored(rung: Rung, scene: Scene) -> dict[str, float]:
+    """Of the figures of `asap.score`, those of the table: the others take twice as long."""
+    tracker, before = rung.made_for(scene)
+    return mota(match(follow(tracker, scene, before=before).samples))._asdict()

@@ -1,0 +1,94 @@
+"""The rivals' study: the cluster tracker beside its rivals over scenes and seeds; one table."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import NamedTuple
+
+from asap.progress import OnProgress
+from asap.results.keep_curve import KeepCurve, Scored
+from asap_laboratory.conduct import made_ready
+from asap_laboratory.results import Results
+from asap_laboratory.rivals import document
+from asap_laboratory.rivals.cases import RIVALS, Rivalry, RivalsCase, rivals_cases
+from asap_laboratory.run import run
+
+__all__ = ["RivalsStudy", "rivals_study"]
+
+
+class RivalsStudy(NamedTuple):
+    """What `rivals_study` returns."""
+
+    curves: list[KeepCurve]  #: one for each tracker and scene, all at gamma = 1
+    paths: list[Path]  #: files written, the document first
+    taken_from_file: int  #: cases that an earlier call had finished
+    seconds: float  #: of processor time, earlier calls included
+
+
+def rivals_study(
+    out: str | Path,
+    *,
+    form: str = "default",
+    executor: Executor | None = None,
+    workers: int | None = None,
+    fresh: bool = False,
+    figures: bool = True,
+    command: str = "asap study --rivals",
+    on_progress: OnProgress | None = None,
+) -> RivalsStudy:
+    """Score and time the cluster tracker and its rivals; write rivals.md and a state file.
+
+    Parameters
+    ----------
+    out, executor, workers, fresh, command, on_progress
+        As in `study`; progress is in millionths of about a second.
+    form : {"quick", "default", "full"}
+        A and E with one seed; A to E with the seeds 200 to 209, F and G 200 to 205; twice as many.
+    figures : bool
+        Without effect: there are none.
+
+    Returns
+    -------
+    RivalsStudy
+
+    Raises
+    ------
+    ValueError
+        There is no such form.
+    """
+    out = made_ready(
+        out,
+        form,
+        executor=executor,
+        workers=workers,
+        fresh=fresh,
+        figures=figures,
+        on_progress=on_progress,
+    )
+    ran = run(
+        list(rivals_cases(form)),
+        state=out / "rivals.jsonl",
+        executor=executor,
+        workers=workers,
+        fresh=fresh,
+        on_progress=on_progress,
+    )
+    curves = curves_of(ran.results)
+    path = out / "rivals.md"
+    document.write(path, curves, command=command, seconds=ran.seconds)
+    return RivalsStudy(curves, [path], ran.taken_from_file, ran.seconds)
+
+
+def curves_of(results: Results) -> list[KeepCurve]:
+    """Put the seeds of each tracker and scene together."""
+    curves: dict[tuple[str, str], KeepCurve] = {}
+    for case, outcome in results.pairs:
+        if not (isinstance(case, RivalsCase) and isinstance(outcome, Rivalry)):
+            continue
+        for label, figures in outcome.rivals.items():
+            rung = RIVALS[label]
+            empty = KeepCurve(rung.algorithm, case.scene, "BAF" if rung.before else None, [])
+            curve = curves.setdefault((case.scene, label), empty)
+            curve.scored.append(Scored(1.0, None, case.seed, figures))
+    return list(curves.values())

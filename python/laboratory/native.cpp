@@ -1,0 +1,123 @@
+// The extension asap_laboratory._native: what the experiments need in C++ and no product uses.
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "asap/core/check.hpp"
+#include "gil.hpp"
+#include "native_consumer.hpp"
+#include "per_event.hpp"
+#include "study/jaer_cluster_tracker.hpp"
+#include "study/realtime.hpp"
+
+namespace asap::python {
+namespace {
+
+py::array clusters_of(std::vector<Cluster> clusters) {
+  const auto dtype = py::module_::import("asap._core").attr("CLUSTER_DTYPE").cast<py::dtype>();
+  return moved_to_array(std::move(clusters), dtype);
+}
+
+void bind_jaer_cluster_tracker(py::module_& m) {
+  using Tracker = JaerClusterTracker;
+  py::class_<Tracker>(m, "JaerClusterTracker",
+                      "The core of jAER's RectangularClusterTracker, built from its rules: boxes "
+                      "of 32 px that every event inside draws nearer.")
+      .def(py::init(
+               [](int width, int height) { return Tracker({.width = width, .height = height}); }),
+           py::arg("width"), py::arg("height"))
+      .def("process", &process_labelled<Tracker>, py::arg("events").noconvert(),
+           py::arg("labels") = true, "As ClusterTracker.process.")
+      .def_property_readonly(
+          "clusters", [](const Tracker& self) { return clusters_of(self.clusters()); },
+          "As ClusterTracker.clusters; pxx, pxy and pyy are not known.")
+      .def(
+          "clusters_at",
+          [](const Tracker& self, std::int64_t t_us) {
+            return clusters_of(self.clusters_at(t_us));
+          },
+          py::arg("t_us"), "The same, positions predicted for t_us, us.")
+      .def("reset", &Tracker::reset, "Back to the state after construction.")
+      .def_property_readonly(
+          "width", [](const Tracker& self) { return self.config().width; }, "px")
+      .def_property_readonly(
+          "height", [](const Tracker& self) { return self.config().height; }, "px")
+      .def_property_readonly(
+          "name", [](const Tracker&) { return "jaer-type core"; }, "Its name in reports.")
+      .def_property_readonly("rejected", &Tracker::rejected,
+                             "Events dropped because they lie outside the frame.");
+}
+
+// ---- real time ----
+
+void spin(void* algorithm, const Event* events, std::size_t size, double, bool continues) noexcept {
+  auto* busy_wait = static_cast<BusyWait*>(algorithm);
+  if (!continues) busy_wait->begin();
+  busy_wait->process({events, size});
+}
+
+py::capsule consumer_of(BusyWait& busy_wait) {
+  return py::capsule(new NativeConsumer{&busy_wait, &spin}, kNativeConsumer, [](PyObject* capsule) {
+    delete static_cast<NativeConsumer*>(PyCapsule_GetPointer(capsule, kNativeConsumer));
+  });
+}
+
+void bind_busy_wait(py::module_& m) {
+  py::class_<BusyWait>(m, "BusyWait", R"(An algorithm of known cost in real time: it spins.
+
+Parameters
+----------
+alpha_us : float
+    At the start of a package, us.
+beta_ns : float
+    Per event, ns.
+)")
+      .def(py::init([](double alpha_us, double beta_ns) {
+             return BusyWait({.alpha_us = alpha_us, .beta_ns = beta_ns});
+           }),
+           py::arg("alpha_us"), py::arg("beta_ns"))
+      .def_property_readonly("name", [](const BusyWait&) { return "busy_wait"; })
+      .def_property_readonly("parameters",
+                             [](const BusyWait& self) {
+                               return py::dict(py::arg("alpha_us") = self.config().alpha_us,
+                                               py::arg("beta_ns") = self.config().beta_ns);
+                             })
+      .def_property_readonly(kNativeConsumer, &consumer_of)
+      .def(
+          "process",
+          [](BusyWait& self, const py::array& events) {
+            const EventSpan span = as_span(events);
+            const WithoutGil release;  // nothing of Python is needed to spin
+            self.begin();
+            self.process(span);
+          },
+          py::arg("events").noconvert(), "Spins for a package of these events.");
+}
+
+py::tuple scheduling_jitter_for(double duration_s) {
+  require(duration_s >= 0 && duration_s <= 3600, "duration_s", duration_s,
+          "must be between 0 and 3600 s");
+  const auto measured = [&] {
+    const WithoutGil release;  // pure C++, for a while
+    return scheduling_jitter(std::chrono::nanoseconds(std::llround(duration_s * 1e9)));
+  }();
+  const LatencyHistogram::State s = measured.state();
+  return py::make_tuple(s.bound_ns, s.max_ns, s.within_bound, s.sum_low, s.sum_high, s.bins);
+}
+
+}  // namespace
+}  // namespace asap::python
+
+PYBIND11_MODULE(_native, m) {
+  m.doc() = "Native part of the laboratory.";
+  asap::python::watch_exit_and_fork();
+  asap::python::bind_jaer_cluster_tracker(m);
+  asap::python::bind_busy_wait(m);
+  m.def("scheduling_jitter", &asap::python::scheduling_jitter_for, pybind11::arg("duration_s"),
+        "State of a LatencyHistogram: times between two looks at the clock of a thread that does "
+        "nothing else.");
+}
