@@ -2,7 +2,8 @@
 
 By these trackers are judged. `A` to `G` are named and fixed but for their seed; `timing`,
 `corners`, `stop_and_go` and `occlusion` take parameters. The same arguments give the same events on
-every machine; they are made natively, when they are first touched.
+every machine; they are made natively, when they are first touched. `labelled` opens a real
+recording with boxes.
 
 Shapes (disk, square, rectangle, triangle, star in turn; dark and bright in turn) move in steps of
 250 us before an even ground. A pixel sees the log of its brightness, has thresholds of its own
@@ -17,6 +18,7 @@ from __future__ import annotations
 from typing import Literal
 
 from asap import checks
+from asap.scenes.labelled import LabelledScene, labelled
 from asap.scenes.scene import CORNER_DTYPE, TRUTH_DTYPE, Scene
 
 __all__ = [
@@ -29,8 +31,10 @@ __all__ = [
     "E",
     "F",
     "G",
+    "LabelledScene",
     "Scene",
     "corners",
+    "labelled",
     "occlusion",
     "stop_and_go",
     "timing",
