@@ -112,9 +112,10 @@ def score(
     Notes
     -----
     Every 5 ms from 100 ms on, clusters are matched greedily to active objects (those with 5 events
-    since the previous sample) less than 12 px away; event figures are of the events after 200 ms
-    that reached the tracker. The events of a package are those before its sample time. Without
-    ``clusters_at`` positions are extrapolated by vx (t - t_last).
+    since the previous sample) less than 12 px away, or than the scene's ``match_radii_px``. Event
+    figures are of the events after 200 ms that reached the tracker. The events of a package are
+    those before its sample time. Without ``clusters_at`` positions are extrapolated by
+    vx (t - t_last).
 
     Examples
     --------

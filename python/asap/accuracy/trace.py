@@ -47,6 +47,8 @@ class Sample(NamedTuple):
     active : ndarray of bool, shape (k,)
         At least 5 events since the previous sample.
     clusters : Snapshot
+    gates_px : ndarray of float64, shape (k,), or None
+        A cluster farther from the centre than this is not the object; None: 12 px for each.
     """
 
     t_us: int
@@ -55,6 +57,7 @@ class Sample(NamedTuple):
     speeds: NDArray[np.float64]
     active: NDArray[np.bool_]
     clusters: Snapshot
+    gates_px: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -296,6 +299,7 @@ def _sample(scene: Scene, t_us: int, recent: NDArray[np.int64]) -> Sample:
         speeds=np.stack([truth["vx"], truth["vy"]], axis=-1).astype(np.float64),
         active=np.array([caused.get(one, 0) >= ACTIVE_EVENTS for one in objects.tolist()], bool),
         clusters=Snapshot(np.empty(0, np.int64), np.empty((0, 2))),
+        gates_px=getattr(scene, "match_radii_px", None),
     )
 
 
