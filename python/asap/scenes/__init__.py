@@ -10,8 +10,8 @@ Shapes (disk, square, rectangle, triangle, star in turn; dark and bright in turn
 around 0.25, and is blind for 0.3 ms after an event; background noise is independent of all that.
 
 Limits, to be stated wherever results are shown: motion is quantised at 0.25 ms; there is no lens
-and no bandwidth. In `A` to `G` edges are of one contrast, shapes small and rigid, and the background
-is at rest; `H` to `K` have large, hollow, textured and waving ones and a moving background.
+and no bandwidth. In `A` to `G` edges are of one contrast, shapes small and rigid, and the ground is
+at rest; `H` to `K` have large, hollow, textured and waving objects and a moving ground.
 """
 
 from __future__ import annotations
