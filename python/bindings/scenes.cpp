@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "arrays.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
+#include "synthetic/large_scenes.hpp"
 
 namespace asap::python {
 namespace {
@@ -50,11 +52,11 @@ py::array track(const MovingShapesConfig& layout) {
   return values;
 }
 
-// Of each shape, in its own frame: of shape (corners, 2); none for a disk.
+// Of each shape, in its own frame: of shape (corners, 2); none for a disk or a ring.
 py::list corners(const MovingShapesConfig& layout) {
   py::list all;
   for (const MovingShape& shape : layout.shapes) {
-    const RigidShape outline{shape.kind, shape.radius_px};
+    const RigidShape outline{shape.kind, shape.radius_px, shape.thickness_px};
     const auto size = static_cast<py::ssize_t>(outline.vertices().size());
     py::array_t<double> points({size, py::ssize_t{2}});
     auto cells = points.mutable_unchecked<2>();
@@ -69,9 +71,7 @@ py::list corners(const MovingShapesConfig& layout) {
 
 std::vector<double> reaches_px(const MovingShapesConfig& layout) {
   std::vector<double> reaches;
-  for (const MovingShape& shape : layout.shapes) {
-    reaches.push_back(RigidShape(shape.kind, shape.radius_px).reach_px());
-  }
+  for (const MovingShape& shape : layout.shapes) reaches.push_back(reach_px(shape));
   return reaches;
 }
 
@@ -93,6 +93,24 @@ MovingShapesConfig free_shapes(std::int32_t count, std::int32_t width, std::int3
                               .seed = whole_number("seed", seed)});
 }
 
+// A list of the kinds' names, in turn.
+MovingShapesConfig large_shapes(const std::vector<std::string>& kinds, const py::object& seed) {
+  constexpr std::pair<std::string_view, ShapeKind> kKinds[] = {
+      {"bars", ShapeKind::kBar}, {"angles", ShapeKind::kAngle}, {"rings", ShapeKind::kRing}};
+  std::vector<ShapeKind> found;
+  for (const std::string& name : kinds) {
+    for (const auto& [known, kind] : kKinds) {
+      if (name == known) found.push_back(kind);
+    }
+  }
+  return scenes::large_shapes(found, whole_number("seed", seed));
+}
+
+template <MovingShapesConfig (*make)(std::uint64_t)>
+MovingShapesConfig seeded(const py::object& seed) {
+  return make(whole_number("seed", seed));
+}
+
 template <class Scene, MovingShapesConfig (*make)(const Scene&)>
 MovingShapesConfig scripted(std::int64_t gap_us, double speed_px_s, double radius_px,
                             double noise_hz, const py::object& seed) {
@@ -111,6 +129,10 @@ void bind_scenes(py::module_& m) {
       .def_static("free_shapes", &free_shapes, py::kw_only(), py::arg("count"), py::arg("width"),
                   py::arg("height"), py::arg("duration_us"), py::arg("radius_px"),
                   py::arg("speed_px_s"), py::arg("noise_hz"), py::arg("seed"))
+      .def_static("large_shapes", &large_shapes, py::kw_only(), py::arg("kinds"), py::arg("seed"))
+      .def_static("large_disks", &seeded<scenes::large_disks>, py::kw_only(), py::arg("seed"))
+      .def_static("hands", &seeded<scenes::hands>, py::kw_only(), py::arg("seed"))
+      .def_static("moving_camera", &seeded<scenes::moving_camera>, py::kw_only(), py::arg("seed"))
       .def_static("stop_and_go", &scripted<scenes::StopAndGo, scenes::stop_and_go>, py::kw_only(),
                   py::arg("gap_us"), py::arg("speed_px_s"), py::arg("radius_px"),
                   py::arg("noise_hz"), py::arg("seed"))

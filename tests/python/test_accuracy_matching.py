@@ -48,6 +48,15 @@ def test_a_cluster_counts_if_it_is_less_than_12_px_away():
     assert counts(sample({0: (50, 50)}, {7: (58.5, 58.5)})) == (0, 1, 1, 0)  # 12.02 px
 
 
+def test_a_large_object_has_a_wider_gate():
+    one = sample({0: (50, 50), 1: (150, 50)}, {7: (50, 69.99), 8: (150, 62)})
+    wide = one._replace(gates_px=np.array([20.0, 12.0]))
+    assert counts(one) == (0, 2, 2, 0)
+    assert counts(wide) == (1, 1, 1, 0)
+    idle = wide._replace(active=np.array([False, True]))
+    assert counts(idle) == (0, 1, 1, 0)  # excused
+
+
 def test_the_nearest_pair_goes_first_one_to_one():
     # An optimal assignment would match both objects.
     one = sample({0: (50, 50), 1: (60, 50)}, {7: (59, 50), 8: (71, 50)})

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import itertools
+import pickle
 import tracemalloc
 from typing import Any
 
@@ -176,7 +177,7 @@ def test_there_is_no_truth_outside_the_scene(scene: Scene, t_us: float) -> None:
 # ---- the scenes -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", "ABCDEFG")
+@pytest.mark.parametrize("name", "ABCDEFGHIJK")
 def test_named_scenes_say_what_they_are(name: str) -> None:
     scene = getattr(scenes, name)(seed=3)
     assert (scene.name, scene.seed) == (name, 3)
@@ -188,10 +189,35 @@ def test_named_scenes_say_what_they_are(name: str) -> None:
         "E": (8, 240, 180, 2_000_000),
         "F": (8, 346, 260, 2_000_000),
         "G": (30, 640, 480, 2_000_000),
+        "H": (6, 240, 180, 2_000_000),
+        "I": (6, 346, 260, 2_000_000),
+        "J": (2, 346, 260, 2_000_000),
+        "K": (3, 240, 180, 1_000_000),
     }[name]
     assert (scene.width, scene.height, scene.duration_us) == (width, height, duration_us)
     assert len(scene.truth(0)) == objects
     assert f"{name}, seed 3: {width} x {height} px, {objects} objects" in repr(scene)
+
+
+@pytest.mark.parametrize(("kind", "corners"), [("bars", 4), ("angles", 6), ("rings", 0)])
+def test_large_shapes_of_one_kind(kind: Any, corners: int) -> None:
+    scene = scenes.H(3, kind=kind)
+    assert scene.name == f"H_{kind}"
+    assert len(scene.vertices(0)) == 6 * corners
+    assert scene.reaches_px.min() >= 14
+    assert pickle.loads(pickle.dumps(scene)).name == scene.name
+
+
+def test_a_cluster_may_be_farther_from_the_centre_of_a_large_object() -> None:
+    large = scenes.I(1)
+    assert large.match_radii_px == pytest.approx(np.maximum(12, 0.7 * large.reaches_px))
+    assert large.match_radii_px.max() > 17
+    assert np.array_equal(large.thin(0.5).match_radii_px, large.match_radii_px)
+    assert np.all(scenes.F(1).match_radii_px == 12)
+
+
+def test_hands_reach_as_far_as_their_fingers() -> None:
+    assert np.all(scenes.J().reaches_px > 45)
 
 
 def test_stop_and_go_stands_still_and_is_silent() -> None:
@@ -268,6 +294,8 @@ def test_thinning_to_nothing_and_to_all(scene: Scene) -> None:
         (lambda: small(duration_s=0.0), "duration_s = 0.0: give"),
         (lambda: small(duration_s=0.5001), "duration_us = 500100: give a multiple"),
         (lambda: scenes.corners("quick"), "kind = 'quick': give one of slow, fast, noisy"),
+        (lambda: scenes.H(kind="disks"), "kind = 'disks': give one of bars, angles, rings"),
+        (lambda: scenes.K(seed=-1), "seed = -1: must"),
         (lambda: scenes.stop_and_go(-1.0), "gap_ms = -1.0: give"),
         (lambda: scenes.stop_and_go(radius=1.0), "radius = 1.0: give"),
         (lambda: scenes.occlusion(2000.0), "gap_us = 2000000: give less"),

@@ -1,6 +1,7 @@
 #include "synthetic/moving_shapes.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "asap/core/check.hpp"
 #include "asap/core/random.hpp"
@@ -68,8 +69,36 @@ const MovingShapesConfig& checked(const MovingShapesConfig& config) {
 
 std::vector<RigidShape> shapes_of(const MovingShapesConfig& config) {
   std::vector<RigidShape> shapes;
-  for (const MovingShape& shape : config.shapes) shapes.emplace_back(shape.kind, shape.radius_px);
+  for (const MovingShape& shape : config.shapes) {
+    shapes.emplace_back(shape.kind, shape.radius_px, shape.thickness_px);
+  }
   return shapes;
+}
+
+std::vector<std::vector<Limb>> limbs_of(const MovingShapesConfig& config) {
+  std::vector<std::vector<Limb>> limbs;
+  for (const MovingShape& shape : config.shapes) {
+    limbs.emplace_back(shape.limbs.begin(), shape.limbs.end());
+  }
+  return limbs;
+}
+
+std::vector<std::optional<Texture>> textures_of(const MovingShapesConfig& config) {
+  constexpr double kPitch_px = 5.0;
+  const CounterRandom seeds{CounterRandom(config.seed)(3)};
+  std::vector<std::optional<Texture>> textures(config.shapes.size());
+  for (std::size_t i = 0; i < textures.size(); ++i) {
+    const MovingShape& shape = config.shapes[i];
+    const double high = std::min(1.6, 1.0 / shape.brightness);
+    if (shape.textured) textures[i].emplace(CounterRandom(seeds(i)), kPitch_px, 0.4, high);
+  }
+  return textures;
+}
+
+std::optional<MovingGround> ground_of(const MovingShapesConfig& config) {
+  if (!config.ground) return std::nullopt;
+  return MovingGround(*config.ground, config.width, config.height,
+                      CounterRandom(CounterRandom(config.seed)(4)));
 }
 
 std::vector<RigidMotion> motions_of(const MovingShapesConfig& config) {
@@ -92,6 +121,9 @@ MovingShapes::MovingShapes(const MovingShapesConfig& config)
     : config_(checked(config)),
       shapes_(shapes_of(config)),
       motions_(motions_of(config)),
+      limbs_(limbs_of(config)),
+      textures_(textures_of(config)),
+      ground_(ground_of(config)),
       canvas_(config.width, config.height, kGround),
       noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(0)),
       pixels_(pixels_of(config)),
@@ -108,10 +140,7 @@ MovingShapes::MovingShapes(const MovingShapesConfig& config)
 EventSpan MovingShapes::next() noexcept {
   size_ = 0;
   while (elapsed_us_ < config_.duration_us) {
-    for (std::size_t i = 0; i < motions_.size(); ++i) {
-      poses_[i] = motions_[i].pose();
-      motions_[i].advance();
-    }
+    advance();
     paint();
 
     seen_block_.open(config_.t0_us + elapsed_us_, kStep_us);
@@ -150,11 +179,30 @@ void MovingShapes::make_pixels() {
   }
 }
 
+void MovingShapes::advance() noexcept {
+  for (std::size_t i = 0; i < motions_.size(); ++i) {
+    poses_[i] = motions_[i].pose();
+    motions_[i].advance();
+    for (Limb& limb : limbs_[i]) limb.advance();
+  }
+  if (ground_) ground_->advance(kStep_us);
+}
+
 void MovingShapes::paint() noexcept {
-  canvas_.begin();
+  if (ground_) {
+    canvas_.begin(*ground_);
+  } else {
+    canvas_.begin();
+  }
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
-    canvas_.paint(shapes_[i], motions_[i].pose(), config_.shapes[i].brightness,
-                  static_cast<std::int32_t>(i));
+    const Pose& pose = motions_[i].pose();
+    const double brightness = config_.shapes[i].brightness;
+    const auto object = static_cast<std::int32_t>(i);
+    const Texture* texture = textures_[i] ? &*textures_[i] : nullptr;
+    canvas_.paint(shapes_[i], pose, brightness, object, texture);
+    for (const Limb& limb : limbs_[i]) {
+      canvas_.paint(limb.shape(), limb.on(pose), brightness, object);
+    }
   }
 }
 
@@ -186,6 +234,15 @@ void MovingShapes::merge(EventSpan seen, EventSpan noise) noexcept {
     add(event, canvas_.owner(event.x + width * event.y));
   }
   for (; next_noise != noise.end(); ++next_noise) add(*next_noise, kNoise);
+}
+
+double reach_px(const MovingShape& shape) {
+  double reach = RigidShape(shape.kind, shape.radius_px, shape.thickness_px).reach_px();
+  for (const LimbConfig& limb : shape.limbs) {
+    const double joint_px = std::sqrt(limb.joint.x * limb.joint.x + limb.joint.y * limb.joint.y);
+    reach = std::max(reach, joint_px + limb.length_px + 0.5 * limb.width_px);
+  }
+  return reach;
 }
 
 std::vector<Pose> poses_of(const MovingShapesConfig& config) {

@@ -1,6 +1,7 @@
-// MovingShapes: events of rigid shapes that move before an even ground, with exact truth: the
-// object of every event, and where every object is. Each pixel sees the log of its brightness and
-// has thresholds of its own (ContrastPixel); noise is added that knows nothing of the pixels.
+// MovingShapes: events of shapes that move before an even ground, or before a textured one that
+// moves as before a moving camera, with exact truth: the object of every event, and where every
+// object is. What the ground causes is labelled as noise. Each pixel sees the log of its brightness
+// and has thresholds of its own (ContrastPixel); noise is added that knows nothing of the pixels.
 // Motion goes in steps of 250 us, one block each. Thread and allocation as EventStream; the cost
 // goes with the area of the shapes. Limits: notebooks/scenes.md.
 #pragma once
@@ -13,8 +14,10 @@
 
 #include "asap/synthetic/event_stream.hpp"
 #include "synthetic/block.hpp"
+#include "synthetic/limb.hpp"
 #include "synthetic/rigid_motion.hpp"
 #include "synthetic/rigid_shape.hpp"
+#include "synthetic/texture.hpp"
 
 namespace asap {
 
@@ -53,7 +56,13 @@ struct MovingShape {
   double radius_px = 8.0;
   double brightness = 0.08;  // 0.02 to 1; the ground's is 0.5
   RigidMotionConfig motion{};
+  double thickness_px = 0.0;  // of a bar, an angle or a ring
+  bool textured = false;      // 0.4 to 1.6 of its brightness, up to 1
+  std::vector<LimbConfig> limbs{};
 };
+
+// How far a shape gets from its centre, its limbs included.
+double reach_px(const MovingShape& shape);
 
 struct MovingShapesConfig {
   std::int32_t width = 346;
@@ -62,7 +71,8 @@ struct MovingShapesConfig {
   std::int64_t t0_us = 0;
   double noise_hz = 0.5;  // background events per second and pixel
   std::uint64_t seed = 0;
-  std::vector<MovingShape> shapes{};  // later ones hide earlier ones
+  std::vector<MovingShape> shapes{};           // later ones hide earlier ones
+  std::optional<MovingGroundConfig> ground{};  // none: even, at rest
 };
 
 class MovingShapes final : public EventStream {
@@ -88,12 +98,16 @@ class MovingShapes final : public EventStream {
  private:
   void make_pixels();
   void paint() noexcept;
+  void advance() noexcept;
   void see() noexcept;
   void merge(EventSpan seen, EventSpan noise) noexcept;
 
   MovingShapesConfig config_;
   std::vector<RigidShape> shapes_;
   std::vector<RigidMotion> motions_;
+  std::vector<std::vector<Limb>> limbs_;
+  std::vector<std::optional<Texture>> textures_;
+  std::optional<MovingGround> ground_;
   ShapeCanvas canvas_;
   BackgroundNoise noise_;
   std::vector<ContrastPixel> pixels_;

@@ -18,10 +18,15 @@ double length_px(PlanePoint point) noexcept {
 
 }  // namespace
 
-RigidShape::RigidShape(ShapeKind kind, double radius_px)
-    : reach_px_(radius_px), inner_px_(radius_px) {
+RigidShape::RigidShape(ShapeKind kind, double radius_px, double thickness_px)
+    : reach_px_(radius_px), hole_px_(-radius_px), inner_px_(radius_px) {
   require(radius_px >= 1.0 && radius_px <= kMaxRadius_px, "radius_px", radius_px,
           "give 1 to 1000 px");
+  const bool is_thick = kind >= ShapeKind::kBar;
+  require(is_thick ? thickness_px >= 1.0 && thickness_px < radius_px : thickness_px == 0.0,
+          "thickness_px", thickness_px,
+          is_thick ? "give 1 px or more, and less than the radius"
+                   : "only bars, angles and rings have one");
   switch (kind) {
     case ShapeKind::kDisk:
       return;
@@ -38,12 +43,26 @@ RigidShape::RigidShape(ShapeKind kind, double radius_px)
       add_ring(10, kTan18, 1.3 * radius_px, 0.5 * radius_px);
       convex_ = false;
       break;
+    case ShapeKind::kBar:
+      add_box(radius_px, 0.5 * thickness_px);
+      break;
+    case ShapeKind::kAngle:
+      add_angle(radius_px, thickness_px);
+      convex_ = false;
+      break;
+    case ShapeKind::kRing:
+      hole_px_ = radius_px - thickness_px;
+      inner_px_ = -hole_px_;
+      return;
   }
   join_vertices();
 }
 
 double RigidShape::distance_px(PlanePoint point) const noexcept {
-  if (size_ == 0) return length_px(point) - reach_px_;
+  if (size_ == 0) {
+    const double from_centre = length_px(point);
+    return std::max(from_centre - reach_px_, hole_px_ - from_centre);
+  }
   double nearest = reach_px_ * reach_px_ + point.x * point.x + point.y * point.y;
   nearest *= 2.0;  // no outline is farther
   bool inside = false;
@@ -101,6 +120,15 @@ void RigidShape::add_box(double half_x, double half_y) noexcept {
   size_ = 4;
 }
 
+void RigidShape::add_angle(double arm_px, double thickness_px) noexcept {
+  const double a = arm_px;
+  const double t = thickness_px;
+  const double c = 0.5 * (a * a + t * (a - t)) / (2.0 * a - t);  // of the area, from the corner
+  vertices_ = {
+      {{-c, -c}, {a - c, -c}, {a - c, t - c}, {t - c, t - c}, {t - c, a - c}, {-c, a - c}}};
+  size_ = 6;
+}
+
 void RigidShape::join_vertices() noexcept {
   reach_px_ = 0.0;
   for (std::size_t i = 0; i < size_; ++i) {
@@ -134,13 +162,26 @@ void ShapeCanvas::begin() noexcept {
   size_ = 0;
 }
 
+void ShapeCanvas::begin(const MovingGround& ground) noexcept {
+  begin();
+  for (std::int32_t y = 0; y < height_; ++y) {
+    for (std::int32_t x = 0; x < width_; ++x) {
+      const std::uint32_t pixel = static_cast<std::uint32_t>(x + width_ * y);
+      brightness_[pixel] = ground.brightness(x, y);
+      pictures_[pixel] = picture_;
+      owners_[pixel] = kNone;
+      touched_[size_++] = pixel;
+    }
+  }
+}
+
 void ShapeCanvas::paint(const RigidShape& shape, const Pose& pose, double brightness,
-                        std::int32_t object) noexcept {
+                        std::int32_t object, const Texture* texture) noexcept {
   // Half a pixel beyond the outline, and where the shape was in the picture before.
   const double near_px = shape.reach_px() + 0.5 + 1.0;
   const double near_square = near_px * near_px;
   const double outside = square(shape.reach_px() + 0.5);
-  const double inside = square(std::max(shape.inner_px() - 0.5, 0.0));
+  const double inside = texture != nullptr ? 0.0 : square(std::max(shape.inner_px() - 0.5, 0.0));
   const auto first = [&](double centre) {
     return std::max(static_cast<std::int32_t>(std::ceil(centre - near_px)), 0);
   };
@@ -168,10 +209,12 @@ void ShapeCanvas::paint(const RigidShape& shape, const Pose& pose, double bright
         owners_[pixel] = object;
         continue;
       }
-      const double covered = shape.coverage(
-          {dx * pose.axis.x + dy * pose.axis.y, dy * pose.axis.x - dx * pose.axis.y});
+      const PlanePoint point{dx * pose.axis.x + dy * pose.axis.y,
+                             dy * pose.axis.x - dx * pose.axis.y};
+      const double covered = shape.coverage(point);
       if (covered == 0.0) continue;
-      brightness_[pixel] = brightness_[pixel] * (1.0 - covered) + brightness * covered;
+      const double own = texture != nullptr ? brightness * texture->at(point) : brightness;
+      brightness_[pixel] = brightness_[pixel] * (1.0 - covered) + own * covered;
       owners_[pixel] = object;
     }
   }

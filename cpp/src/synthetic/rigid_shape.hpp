@@ -9,22 +9,33 @@
 
 #include "synthetic/plane.hpp"
 #include "synthetic/rigid_motion.hpp"
+#include "synthetic/texture.hpp"
 
 namespace asap {
 
-enum class ShapeKind : std::uint8_t { kDisk, kSquare, kRectangle, kTriangle, kStar };
+enum class ShapeKind : std::uint8_t {
+  kDisk,
+  kSquare,
+  kRectangle,
+  kTriangle,
+  kStar,
+  kBar,
+  kAngle,
+  kRing
+};
 
 // The outline of a moving object in its own frame: where it ends, how much of a pixel it covers,
 // where its corners are. "Radius" r is the disk's radius, the square's half-side and the longer
 // half-side of the rectangle (r x r/2); the triangle's corners lie at 1.2 r, the star's ten in turn
-// at 1.3 r and 0.5 r. Immutable, any thread, no allocation; O(vertices) near the outline, O(1)
-// elsewhere.
+// at 1.3 r and 0.5 r. Three kinds have a thickness t: the bar (2 r x t), the angle (an L of two
+// arms r long, about its centre of area) and the ring (r is its outer radius). Immutable, any
+// thread, no allocation; O(vertices) near the outline, O(1) elsewhere.
 class RigidShape {
  public:
-  static constexpr std::size_t kKinds = 5;
+  static constexpr std::size_t kKinds = 5;  // without a thickness
   static constexpr double kMaxRadius_px = 1000.0;
 
-  RigidShape(ShapeKind kind, double radius_px);
+  explicit RigidShape(ShapeKind kind, double radius_px, double thickness_px = 0.0);
 
   // Signed distance from the outline, px; negative inside.
   double distance_px(PlanePoint point) const noexcept;
@@ -34,10 +45,10 @@ class RigidShape {
 
   // The farthest that the outline gets from the centre.
   double reach_px() const noexcept { return reach_px_; }
-  // The nearest that it gets.
+  // The nearest that it gets; 0 or less where the centre is not inside.
   double inner_px() const noexcept { return inner_px_; }
 
-  // In order around the outline; none for a disk.
+  // In order around the outline; none for a disk or a ring.
   std::span<const PlanePoint> vertices() const noexcept { return {vertices_.data(), size_}; }
 
  private:
@@ -50,6 +61,7 @@ class RigidShape {
 
   void add_ring(std::size_t vertices, double half_tangent, double even_px, double odd_px) noexcept;
   void add_box(double half_x, double half_y) noexcept;
+  void add_angle(double arm_px, double thickness_px) noexcept;
   void join_vertices() noexcept;
   double beyond_edges_px(PlanePoint point) const noexcept;
 
@@ -57,6 +69,7 @@ class RigidShape {
   std::array<Edge, kMaxVertices> edges_{};  // from the vertex of the same number to the next
   std::size_t size_ = 0;
   double reach_px_;
+  double hole_px_;  // radius of a ring's hole
   double inner_px_;
   bool convex_ = true;
 };
@@ -73,9 +86,13 @@ class ShapeCanvas {
 
   void begin() noexcept;
 
-  // Between two pictures a shape may move by 1 px at most.
-  void paint(const RigidShape& shape, const Pose& pose, double brightness,
-             std::int32_t object) noexcept;
+  // The same before a ground that moves: every pixel may have changed, and what left it owns it no
+  // longer.
+  void begin(const MovingGround& ground) noexcept;
+
+  // Between two pictures a shape may move by 1 px at most. `texture`: multiplies the brightness.
+  void paint(const RigidShape& shape, const Pose& pose, double brightness, std::int32_t object,
+             const Texture* texture = nullptr) noexcept;
 
   // Pixels (x + width y) near the shapes of this picture; the others show the ground.
   std::span<const std::uint32_t> touched() const noexcept { return {touched_.data(), size_}; }

@@ -6,13 +6,11 @@
 #include <string>
 
 #include "asap/core/check.hpp"
-#include "asap/core/random.hpp"
+#include "synthetic/draws.hpp"
 
 namespace asap::scenes {
 namespace {
 
-constexpr double kDark = 0.08;
-constexpr double kBright = 0.95;
 constexpr double kMargin = 1.35;  // radii between a bounce and the frame
 
 // Which of the many layouts of a seed: chosen so that seed 0 of A to E makes about as many events
@@ -24,61 +22,19 @@ constexpr std::uint64_t kLayoutOfE = 8;
 constexpr std::int32_t kWidth = 346;
 constexpr std::int32_t kHeight = 260;
 
-// The draws of a layout, one after the other.
-class Draws {
- public:
-  explicit Draws(std::uint64_t seed, std::uint64_t layout = kLayout) noexcept
-      : random_(CounterRandom(seed)(layout)) {}
-
-  double from(Range range) noexcept {
-    return range.low + (range.high - range.low) * random_.uniform(drawn_++);
-  }
-
-  PlanePoint in_box(PlanePoint low, PlanePoint high) noexcept {
-    const double x = from({low.x, high.x});
-    return {x, from({low.y, high.y})};
-  }
-
-  // Uniform in angle: points of the unit disk.
-  UnitVector direction() noexcept {
-    for (;;) {
-      const PlanePoint point = in_box({-1.0, -1.0}, {1.0, 1.0});
-      const double length = std::sqrt(point.x * point.x + point.y * point.y);
-      if (length > 0.1 && length <= 1.0) return {point.x / length, point.y / length};
-    }
-  }
-
- private:
-  CounterRandom random_;
-  std::uint64_t drawn_ = 0;
-};
-
 ShapeKind kind_of(std::int32_t number) noexcept {
   return static_cast<ShapeKind>(number % static_cast<std::int32_t>(RigidShape::kKinds));
 }
 
-double brightness_of(std::int32_t number) noexcept { return number % 2 == 0 ? kDark : kBright; }
-
-double in_turn(std::int32_t number, double value) noexcept {
-  return number % 2 == 0 ? value : -value;
-}
-
-// Of the centres of shapes of this radius, so that they turn back before the frame.
-Bounce bounce_in(std::int32_t width, std::int32_t height, double radius_px) noexcept {
-  const double margin = kMargin * radius_px;
-  return {.start{},
-          .velocity{},
-          .low{margin, margin},
-          .high{width - 1.0 - margin, height - 1.0 - margin}};
+Bounce bounce_before_frame(std::int32_t width, std::int32_t height, double radius_px) noexcept {
+  return bounce_in(width, height, kMargin * radius_px);
 }
 
 MovingShape free_shape(const FreeShapes& scene, std::int32_t number, Draws& draws) noexcept {
   const double radius_px = draws.from(scene.radius_px);
-  Bounce path = bounce_in(scene.width, scene.height, radius_px);
+  Bounce path = bounce_before_frame(scene.width, scene.height, radius_px);
   path.start = draws.in_box(path.low, path.high);
-  const double speed_px_s = draws.from(scene.speed_px_s);
-  const UnitVector direction = draws.direction();
-  path.velocity = {speed_px_s * direction.x, speed_px_s * direction.y};
+  path.velocity = draws.velocity(scene.speed_px_s);
   return {.kind = kind_of(number),
           .radius_px = radius_px,
           .brightness = brightness_of(number),
@@ -91,7 +47,7 @@ MovingShapesConfig orbits(Range speed_px_s, double noise_hz, std::uint64_t seed)
   constexpr std::int32_t kCount = 20;
   constexpr std::int32_t kColumns = 6;
   constexpr std::int32_t kRows = 4;
-  Draws draws{seed};
+  Draws draws{seed, kLayout};
   MovingShapesConfig config{.noise_hz = noise_hz, .seed = seed};
   for (std::int32_t i = 0; i < kCount; ++i) {
     const double radius_px = draws.from({5.0, 9.0});
@@ -197,7 +153,7 @@ MovingShapesConfig stop_and_go(const StopAndGo& scene) {
 
 MovingShapesConfig occlusion(const Occlusion& scene) {
   check_scripted(scene);
-  Draws draws{scene.seed};
+  Draws draws{scene.seed, kLayout};
   const ShapeKind kind = kind_of(static_cast<std::int32_t>(scene.seed % RigidShape::kKinds));
   const double reach_px = RigidShape(kind, scene.radius_px).reach_px();
   const double hidden_px = scene.speed_px_s * 1e-6 * static_cast<double>(scene.gap_us);
@@ -206,7 +162,7 @@ MovingShapesConfig occlusion(const Occlusion& scene) {
           "give less: at this speed and radius the square that hides the shape takes more than "
           "half the view");
 
-  Bounce path = bounce_in(kWidth, kHeight, scene.radius_px);
+  Bounce path = bounce_before_frame(kWidth, kHeight, scene.radius_px);
   const bool to_the_right = draws.from({0.0, 1.0}) < 0.5;
   const PlanePoint middle{0.5 * (kWidth - 1), 0.5 * (kHeight - 1)};
   path.start = {to_the_right ? path.low.x : path.high.x,

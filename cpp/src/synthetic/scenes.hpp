@@ -6,14 +6,10 @@
 
 #include <cstdint>
 
+#include "synthetic/draws.hpp"
 #include "synthetic/moving_shapes.hpp"
 
 namespace asap::scenes {
-
-struct Range {
-  double low;
-  double high;
-};
 
 // Straight ahead, bouncing 1.35 radii before the frame.
 struct FreeShapes {

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap.accuracy.assignment import assign
-from asap.accuracy.matching import GATE_PX, Matched, distances
+from asap.accuracy.matching import Matched, distances, gates
 
 __all__ = ["Hota", "hota"]
 
@@ -30,7 +30,7 @@ class _Frame(NamedTuple):
 
     rows: NDArray[np.int64]
     columns: NDArray[np.int64]
-    similarity: NDArray[np.float64]  # max(0, 1 - d / 24 px): one half at the gate
+    similarity: NDArray[np.float64]  # max(0, 1 - d / 2 gates): one half at the gate
 
 
 def hota(matches: Sequence[Matched]) -> Hota:
@@ -95,7 +95,7 @@ def _frames(matches: Sequence[Matched]) -> tuple[list[_Frame], int, int]:
     frames = []
     for one in matches:
         sample = one.sample
-        similarity = np.maximum(0.0, 1 - distances(sample) / (2 * GATE_PX))
+        similarity = np.maximum(0.0, 1 - distances(sample) / (2 * gates(sample)))
         seen, found = sample.objects[sample.active], sample.clusters.ids[one.counted]
         frames.append(
             _Frame(

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from asap.accuracy.assignment import assign
-from asap.accuracy.matching import GATE_PX, Matched, distances
+from asap.accuracy.matching import Matched, distances, gates
 from asap.accuracy.mota import ratio
 
 __all__ = ["idf1"]
@@ -26,7 +26,7 @@ def idf1(matches: Sequence[Matched]) -> float:
     -------
     float
         2 IDTP / (2 IDTP + IDFP + IDFN); an id and its object agree in a sample where they are less
-        than 12 px apart. NaN without any object or cluster.
+        than the gate of the match apart. NaN without any object or cluster.
 
     Notes
     -----
@@ -37,7 +37,7 @@ def idf1(matches: Sequence[Matched]) -> float:
     samples_of_objects = samples_of_ids = 0
     for one in matches:
         sample = one.sample
-        near = (distances(sample) < GATE_PX) & sample.active[:, None] & one.counted
+        near = (distances(sample) < gates(sample)) & sample.active[:, None] & one.counted
         for row, column in zip(*np.nonzero(near), strict=True):
             together[int(sample.objects[row]), int(sample.clusters.ids[column])] += 1
         samples_of_objects += int(sample.active.sum())

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from asap.accuracy.trace import Sample
 
-__all__ = ["GATE_PX", "Matched", "distances", "match"]
+__all__ = ["GATE_PX", "Matched", "distances", "gates", "match"]
 
-GATE_PX = 12.0  #: a cluster farther from a centre than this is not the object
+GATE_PX = 12.0  #: a cluster farther from a centre than this is not the object, unless said else
 
 
 class Matched(NamedTuple):
@@ -55,10 +55,11 @@ def match(samples: Iterable[Sample]) -> list[Matched]:
 
     Notes
     -----
-    Candidates are pairs of a cluster and an active object less than 12 px apart. They are taken
-    greedily, one to one: pairs that repeat the id that the object had last, then the others, each
-    by ascending distance. A cluster left over is false unless it is within 12 px of an inactive
-    object. The memory of an object's id survives misses.
+    Candidates are pairs of a cluster and an active object less than 12 px apart, or less than the
+    gate that the scene gives for the object. They are taken greedily, one to one: pairs that repeat
+    the id that the object had last, then the others, each by ascending distance. A cluster left
+    over is false unless it is within the gate of an inactive object. The memory of an object's id
+    survives misses.
     """
     memory: dict[int, int] = {}
     return [_match(sample, memory) for sample in samples]
@@ -67,7 +68,8 @@ def match(samples: Iterable[Sample]) -> list[Matched]:
 def _match(sample: Sample, memory: dict[int, int]) -> Matched:
     ids = sample.clusters.ids
     distance = distances(sample)
-    rows, columns = np.nonzero((distance < GATE_PX) & sample.active[:, None])
+    near = distance < gates(sample)
+    rows, columns = np.nonzero(near & sample.active[:, None])
     last = np.array([memory.get(one, -1) for one in sample.objects.tolist()], np.int64)
     repeats = ids[columns] == last[rows]
     taken_objects: set[int] = set()
@@ -84,7 +86,7 @@ def _match(sample: Sample, memory: dict[int, int]) -> Matched:
         label, id = int(sample.objects[row]), int(ids[column])
         switches += memory.get(label, id) != id
         memory[label] = id
-    excused = np.any((distance < GATE_PX) & ~sample.active[:, None], axis=0)
+    excused = np.any(near & ~sample.active[:, None], axis=0)
     matched = np.isin(np.arange(ids.size), list(taken_clusters))
     table = np.array(pairs, np.int64).reshape(-1, 2)
     return Matched(
@@ -96,3 +98,10 @@ def distances(sample: Sample) -> NDArray[np.float64]:
     """Return the distances of every object to every cluster, shape (k, m), px."""
     between = sample.centres[:, None] - sample.clusters.positions[None]
     return np.asarray(np.hypot(between[..., 0], between[..., 1]))
+
+
+def gates(sample: Sample) -> NDArray[np.float64]:
+    """Return how near a cluster has to be to each object, shape (k, 1), px."""
+    if sample.gates_px is None:
+        return np.full((sample.objects.size, 1), GATE_PX)
+    return sample.gates_px[:, None]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from asap import checks
+from asap.accuracy.boxes import BoxScene, box_score, frames
 from asap.accuracy.corners import corners
 from asap.accuracy.hota import hota
 from asap.accuracy.idf1 import idf1
@@ -18,14 +19,14 @@ from asap.accuracy.mota import mota, ratio
 from asap.accuracy.nees import nees
 from asap.accuracy.partition import compare_partitions
 from asap.accuracy.scene import NOISE, Scene, check_scene
-from asap.accuracy.trace import Feed, Trace, follow, run_through
+from asap.accuracy.trace import Feed, Trace, follow, run_through, snapshots_at
 
 __all__ = ["can_be_told", "score"]
 
 
 def score(
     tracker: Any,
-    scene: Scene,
+    scene: Scene | BoxScene,
     *,
     before: Any = None,
     gamma: float = 1.0,
@@ -45,7 +46,8 @@ def score(
         detector.
     scene : Scene
         Such as ``asap.scenes.A()``: events, labels (-1 = noise), truth(t_us), width, height; for a
-        corner detector also vertices(t_us).
+        corner detector also vertices(t_us). Or a recording with boxes, such as
+        ``asap.scenes.labelled(folder)``, for a tracker.
     before : object with process(events), optional
         A fresh filter in front, such as `asap.BackgroundActivityFilter`: returns the events that
         pass, or a bool for each. Labels follow the events that pass; active objects are then those
@@ -82,10 +84,23 @@ def score(
         time_to_confirm_ms, confirmed     median wait for the first id; objects that got one
         ================================= ==================================================
 
+        Of a tracker on a recording with boxes, at every labelled time:
+
+        ========= ==========================================================================
+        hit       boxes that are matched: a cluster's centre inside or up to 2 px beyond
+        precision matched clusters of all outside the ignore zones; NaN where the background
+                  is not labelled: precision not judged
+        switches  changes of an object's id
+        longest   share of an object's boxes that its best id matched, mean over the objects
+        error     px, median distance of the centres
+        mota      1 - (misses + false + switches) / boxes; NaN like precision
+        ========= ==========================================================================
+
         Of a corner detector: precision, recall, false_positive_rate, f_measure, corner_events,
-        true_corners. Of both: ns_per_event, ns_per_event_p50, ns_per_event_p999 (time in filter and
-        algorithm by the events that enter the first of them; whole, and quantiles over the packages
-        of 5 ms), events (of the scene) and processed (that reached the algorithm).
+        true_corners. Of all: ns_per_event, ns_per_event_p50, ns_per_event_p999 (time in filter and
+        algorithm by the events that enter the first of them; whole, and quantiles over the
+        packages, of 5 ms or from one labelled time to the next), events (of the scene) and
+        processed (that reached the algorithm).
 
     Raises
     ------
@@ -97,15 +112,17 @@ def score(
     Notes
     -----
     Every 5 ms from 100 ms on, clusters are matched greedily to active objects (those with 5 events
-    since the previous sample) less than 12 px away; event figures are of the events after 200 ms
-    that reached the tracker. The events of a package are those before its sample time. Without
-    ``clusters_at`` positions are extrapolated by vx (t - t_last).
+    since the previous sample) less than 12 px away, or than the scene's ``match_radii_px``. Event
+    figures are of the events after 200 ms that reached the tracker. The events of a package are
+    those before its sample time. Without ``clusters_at`` positions are extrapolated by
+    vx (t - t_last).
 
     Examples
     --------
     >>> asap.score(asap.ClusterTracker(346, 260), asap.scenes.A(seed=0))["mota"]  # doctest: +SKIP
     """
-    check_scene(scene)
+    if not hasattr(scene, "boxes"):
+        check_scene(scene)
     checks.choice("active", active, ("produced", "kept"))
     gamma = checks.number("gamma", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
     checks.flag("told", told)
@@ -116,18 +133,29 @@ def score(
     if gamma < 1 and told and can_be_told(tracker):
         _tell(tracker, gamma, filter_upstream=before is not None)
     options: dict[str, Any] = {"before": before, "gamma": gamma, "seed": seed}
-    if hasattr(tracker, "clusters") or hasattr(tracker, "clusters_at"):
-        trace = follow(tracker, scene, active=active, **options)
-        figures, feed = _of_tracker(trace), trace.feed
-    else:
+    figures, feed = _figures(tracker, scene, active, options)
+    return {**figures, **_cost(feed), "events": scene.events.size, "processed": feed.indices.size}
+
+
+def _figures(
+    tracker: Any, scene: Any, active: str, options: dict[str, Any]
+) -> tuple[dict[str, float], Feed]:
+    if not (hasattr(tracker, "clusters") or hasattr(tracker, "clusters_at")):
+        if hasattr(scene, "boxes"):
+            raise TypeError(checks.named("tracker", tracker, "boxes need clusters"))
         feed = run_through(tracker, scene, **options)
         if feed.returned is None or feed.returned.dtype != np.bool_:
             raise TypeError(
                 f"tracker = {tracker!r}: it has neither clusters nor clusters_at(t_us), and its "
                 "process does not return a bool for each event"
             )
-        figures = corners(scene, feed)._asdict()
-    return {**figures, **_cost(feed), "events": scene.events.size, "processed": feed.indices.size}
+        return corners(scene, feed)._asdict(), feed
+    if hasattr(scene, "boxes"):
+        times = [int(frame["t_us"][0]) for frame in frames(scene.boxes)]
+        snapshots, feed = snapshots_at(tracker, scene, times, **options)
+        return box_score(scene, snapshots)._asdict(), feed
+    trace = follow(tracker, scene, active=active, **options)
+    return _of_tracker(trace), trace.feed
 
 
 def can_be_told(algorithm: Any) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +19,14 @@ __all__ = [
     "PERIOD_US",
     "START_US",
     "Feed",
+    "HasEvents",
     "Sample",
     "Trace",
     "follow",
     "run_through",
     "sample_times",
     "samples_without_clusters",
+    "snapshots_at",
 ]
 
 START_US = 100_000  #: the first sample
@@ -45,6 +47,8 @@ class Sample(NamedTuple):
     active : ndarray of bool, shape (k,)
         At least 5 events since the previous sample.
     clusters : Snapshot
+    gates_px : ndarray of float64, shape (k,), or None
+        A cluster farther from the centre than this is not the object; None: 12 px for each.
     """
 
     t_us: int
@@ -53,6 +57,7 @@ class Sample(NamedTuple):
     speeds: NDArray[np.float64]
     active: NDArray[np.bool_]
     clusters: Snapshot
+    gates_px: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -108,10 +113,19 @@ def sample_times(events: NDArray[np.void]) -> list[int]:
     return list(range(START_US, end_us + 1, PERIOD_US))
 
 
+class HasEvents(Protocol):
+    """What can be fed to an algorithm."""
+
+    @property
+    def events(self) -> NDArray[np.void]: ...  # noqa: D102
+
+
 class _Door:
     """Package by package through filter, thinning and algorithm."""
 
-    def __init__(self, algorithm: Any, scene: Scene, before: Any, gamma: float, seed: int) -> None:
+    def __init__(
+        self, algorithm: Any, scene: HasEvents, before: Any, gamma: float, seed: int
+    ) -> None:
         self._algorithm, self._events, self._before = algorithm, scene.events, before
         self._gamma, self._thinning = gamma, _core.GammaFilter(seed=seed)
         self._indices: list[NDArray[np.int64]] = []
@@ -170,9 +184,8 @@ def _per_event(returned: Any, size: int) -> NDArray[Any] | None:
     return values
 
 
-def _packages(events: NDArray[np.void]) -> Iterator[tuple[int, int, int | None]]:
-    """Yield the events up to each sample time as (begin, end, time), then those after the last."""
-    times = sample_times(events)
+def _packages(events: NDArray[np.void], times: list[int]) -> Iterator[tuple[int, int, int | None]]:
+    """Yield the events up to each of the times as (begin, end, time), then those after the last."""
     ends = np.searchsorted(events["t"], times)
     begin = 0
     for end, t_us in zip(ends.tolist(), times, strict=True):
@@ -204,7 +217,7 @@ def follow(
     labels = np.asarray(scene.labels).astype(np.int64)
     door = _Door(tracker, scene, before, gamma, seed)
     samples = []
-    for begin, end, t_us in _packages(scene.events):
+    for begin, end, t_us in _packages(scene.events, sample_times(scene.events)):
         passing = door.feed(begin, end)
         if t_us is None:
             break
@@ -224,12 +237,31 @@ def follow(
     )
 
 
+def snapshots_at(
+    tracker: Any,
+    scene: HasEvents,
+    times: list[int],
+    *,
+    before: Any = None,
+    gamma: float = 1.0,
+    seed: int = 0,
+) -> tuple[list[Snapshot], Feed]:
+    """Let a tracker follow a recording and note its clusters at each of the times, us."""
+    door = _Door(tracker, scene, before, gamma, seed)
+    snapshots = []
+    for begin, end, t_us in _packages(scene.events, times):
+        door.feed(begin, end)
+        if t_us is not None:
+            snapshots.append(clusters_at(tracker, t_us))
+    return snapshots, door.close()
+
+
 def run_through(
     algorithm: Any, scene: Scene, *, before: Any = None, gamma: float = 1.0, seed: int = 0
 ) -> Feed:
     """Put a scene through an algorithm without clusters, in the same packages as `follow`."""
     door = _Door(algorithm, scene, before, gamma, seed)
-    for begin, end, _ in _packages(scene.events):
+    for begin, end, _ in _packages(scene.events, sample_times(scene.events)):
         door.feed(begin, end)
     return door.close()
 
@@ -267,6 +299,7 @@ def _sample(scene: Scene, t_us: int, recent: NDArray[np.int64]) -> Sample:
         speeds=np.stack([truth["vx"], truth["vy"]], axis=-1).astype(np.float64),
         active=np.array([caused.get(one, 0) >= ACTIVE_EVENTS for one in objects.tolist()], bool),
         clusters=Snapshot(np.empty(0, np.int64), np.empty((0, 2))),
+        gates_px=getattr(scene, "match_radii_px", None),
     )
 
 

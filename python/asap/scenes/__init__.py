@@ -1,15 +1,17 @@
 """Scenes with truth: shapes that move before a camera, and what every event belongs to.
 
-By these trackers are judged. `A` to `G` are named and fixed but for their seed; `timing`,
+By these trackers are judged. `A` to `K` are named and fixed but for their seed; `timing`,
 `corners`, `stop_and_go` and `occlusion` take parameters. The same arguments give the same events on
-every machine; they are made natively, when they are first touched.
+every machine; they are made natively, when they are first touched. `labelled` opens a real
+recording with boxes.
 
 Shapes (disk, square, rectangle, triangle, star in turn; dark and bright in turn) move in steps of
 250 us before an even ground. A pixel sees the log of its brightness, has thresholds of its own
 around 0.25, and is blind for 0.3 ms after an event; background noise is independent of all that.
 
-Limits, to be stated wherever results are shown: motion is quantised at 0.25 ms; there is no lens,
-no bandwidth, no motion of the background; edges are of one contrast, shapes rigid.
+Limits, to be stated wherever results are shown: motion is quantised at 0.25 ms; there is no lens
+and no bandwidth. In `A` to `G` edges are of one contrast, shapes small and rigid, and the ground is
+at rest; `H` to `K` have large, hollow, textured and waving objects and a moving ground.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from __future__ import annotations
 from typing import Literal
 
 from asap import checks
+from asap.scenes.labelled import LabelledScene, labelled
 from asap.scenes.scene import CORNER_DTYPE, TRUTH_DTYPE, Scene
 
 __all__ = [
@@ -29,8 +32,14 @@ __all__ = [
     "E",
     "F",
     "G",
+    "H",
+    "I",
+    "J",
+    "K",
+    "LabelledScene",
     "Scene",
     "corners",
+    "labelled",
     "occlusion",
     "stop_and_go",
     "timing",
@@ -74,6 +83,50 @@ def F(seed: int = 0) -> Scene:
 def G(seed: int = 0) -> Scene:
     """30 objects of radius 6 to 14 px, up to 250 px/s; 640 x 480 px, 2 s, 2 Hz/px of noise."""
     return _named("G", seed)
+
+
+_LARGE = ("bars", "angles", "rings")
+
+
+def H(seed: int = 0, *, kind: Literal["bars", "angles", "rings"] | None = None) -> Scene:
+    """6 large thin or hollow objects that turn, 60 to 400 px/s; 240 x 180 px, 2 s.
+
+    Parameters
+    ----------
+    seed : int
+        0 <= seed < 2**64.
+    kind : {"bars", "angles", "rings"}, optional
+        Bars of 60 to 90 by 8 to 14 px, L shapes with arms of 40 px, or rings of radius 14 to 30 px;
+        by default two of each. 1 Hz/px of noise, as in `I`, `J` and `K`.
+
+    Raises
+    ------
+    ValueError
+        An argument is out of its range; the message names it.
+    """
+    if kind is not None:
+        checks.choice("kind", kind, _LARGE)
+    kinds = list(_LARGE) if kind is None else [kind]
+    label = "H" if kind is None else f"H_{kind}"
+    return Scene._of("large_shapes", label=label, kinds=kinds, seed=seed)
+
+
+def I(seed: int = 0) -> Scene:  # noqa: E743
+    """6 disks of radius 14 to 34 px, plain and textured, 60 to 200 px/s; 346 x 260 px, 2 s."""
+    return Scene._of("large_disks", label="I", seed=seed)
+
+
+def J(seed: int = 0) -> Scene:
+    """2 hands, palms of 55 px with five waving fingers, 50 to 200 px/s; 346 x 260 px, 2 s."""
+    return Scene._of("hands", label="J", seed=seed)
+
+
+def K(seed: int = 0) -> Scene:
+    """2 or 3 movers of 10 to 40 px before a moving texture; 240 x 180 px, 1 s.
+
+    The texture turns, zooms and shifts as before a moving camera; its events are labelled -1.
+    """
+    return Scene._of("moving_camera", label="K", seed=seed)
 
 
 def timing(

@@ -27,6 +27,9 @@ Labels = NDArray[np.int32]
 Recipe = tuple[str, dict[str, Any]]  # a function of SceneLayout and its arguments
 
 _STEP_US = 250
+_MATCH_PX = 12.0
+_MATCH_SHARE = 0.7  # of the reach of an object, in scenes of large ones
+_LARGE = {"large_shapes", "large_disks", "hands", "moving_camera"}
 _EVENTS_PER_ARRAY = 2**16
 
 
@@ -164,6 +167,15 @@ class Scene(Pickled):
     def reaches_px(self) -> NDArray[np.float64]:
         """How far each object gets from its centre, px: shape (objects,)."""
         return np.array(self._layout.reaches_px, np.float64)
+
+    @property
+    def match_radii_px(self) -> NDArray[np.float64]:
+        """How far from each centre a cluster may be to count as the object, px: shape (objects,).
+
+        12 px in `A` to `G`, in `H` to `K` at least that and 0.7 of the object's reach.
+        """
+        is_large = self._recipe is not None and self._recipe[0] in _LARGE
+        return np.maximum(_MATCH_PX, (_MATCH_SHARE if is_large else 0.0) * self.reaches_px)
 
     def thin(self, gamma: float, seed: int = 0) -> ThinnedScene:
         """Return this scene with each event kept with probability gamma; the truth stays.

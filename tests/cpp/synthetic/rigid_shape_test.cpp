@@ -81,6 +81,47 @@ TEST(RigidShape, CoverageIsTheClampedDistance) {
   }
 }
 
+TEST(RigidShape, ThickKindsByHand) {
+  const RigidShape bar{ShapeKind::kBar, 30.0, 8.0};
+  EXPECT_DOUBLE_EQ(bar.distance_px({0.0, 0.0}), -4.0);
+  EXPECT_DOUBLE_EQ(bar.distance_px({33.0, 8.0}), 5.0);
+  EXPECT_DOUBLE_EQ(bar.inner_px(), 4.0);
+
+  const RigidShape ring{ShapeKind::kRing, 20.0, 4.0};
+  EXPECT_DOUBLE_EQ(ring.distance_px({0.0, 0.0}), 16.0);
+  EXPECT_DOUBLE_EQ(ring.distance_px({0.0, 18.0}), -2.0);
+  EXPECT_DOUBLE_EQ(ring.distance_px({-15.0, 0.0}), 1.0);
+  EXPECT_DOUBLE_EQ(ring.distance_px({0.0, -23.0}), 3.0);
+  EXPECT_LT(ring.inner_px(), 0.0);
+  EXPECT_TRUE(ring.vertices().empty());
+}
+
+TEST(RigidShape, AnAngleIsAnLAboutItsCentreOfArea) {
+  const RigidShape angle{ShapeKind::kAngle, 40.0, 10.0};
+  ASSERT_EQ(angle.vertices().size(), 6U);
+  const PlanePoint corner = angle.vertices()[0];
+  double area = 0.0;
+  PlanePoint moment{0.0, 0.0};
+  for (double x = 0.25; x < 40.0; x += 0.5) {
+    for (double y = 0.25; y < 40.0; y += 0.5) {
+      const PlanePoint point{corner.x + x, corner.y + y};
+      const bool inside = x < 10.0 || y < 10.0;
+      ASSERT_EQ(angle.distance_px(point) < 0.0, inside) << x << " " << y;
+      area += inside;
+      moment.x += inside ? point.x : 0.0;
+      moment.y += inside ? point.y : 0.0;
+    }
+  }
+  EXPECT_NEAR(moment.x / area, 0.0, 1e-9);
+  EXPECT_NEAR(moment.y / area, 0.0, 1e-9);
+}
+
+TEST(RigidShape, OnlyThickKindsHaveAThickness) {
+  EXPECT_THROW(RigidShape(ShapeKind::kDisk, 10.0, 2.0), std::invalid_argument);
+  EXPECT_THROW(RigidShape(ShapeKind::kRing, 10.0), std::invalid_argument);
+  EXPECT_THROW(RigidShape(ShapeKind::kBar, 10.0, 10.0), std::invalid_argument);
+}
+
 TEST(RigidShape, RefusesABadRadius) {
   for (const double radius_px : {0.9, 1001.0, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THROW(RigidShape(ShapeKind::kDisk, radius_px), std::invalid_argument);
@@ -124,6 +165,33 @@ TEST_F(Canvas, TurnsTheShape) {
   canvas_.paint(triangle, {.position{20.0, 15.0}, .velocity{}, .axis{0.0, 1.0}}, 0.1, 0);
   EXPECT_EQ(canvas_.brightness(at(28, 15)), 0.1);
   EXPECT_EQ(canvas_.brightness(at(12, 15)), 0.5);
+}
+
+// The hole of a ring shows the ground, although the centre is nearer than its outline.
+TEST_F(Canvas, SeesThroughARing) {
+  canvas_.begin();
+  canvas_.paint(RigidShape{ShapeKind::kRing, 10.0, 3.0}, pose(20.0, 15.0), 0.1, 0);
+  EXPECT_EQ(canvas_.brightness(at(20, 15)), 0.5);
+  EXPECT_EQ(canvas_.brightness(at(29, 15)), 0.1);
+}
+
+TEST_F(Canvas, ATextureTurnsWithItsShape) {
+  const Texture texture{CounterRandom{1}, 4.0, 0.5, 1.5};
+  canvas_.begin();
+  canvas_.paint(square_, {.position{20.0, 15.0}, .velocity{}, .axis{0.0, 1.0}}, 0.2, 0, &texture);
+  EXPECT_DOUBLE_EQ(canvas_.brightness(at(20, 15)), 0.2 * texture.at({0.0, 0.0}));
+  EXPECT_DOUBLE_EQ(canvas_.brightness(at(18, 15)), 0.2 * texture.at({0.0, 2.0}));
+}
+
+TEST_F(Canvas, AMovingGroundIsEverywhereAndOwnsWhatAShapeLeft) {
+  const MovingGround ground{{}, kWidth, kHeight, CounterRandom{2}};
+  canvas_.begin(ground);
+  canvas_.paint(square_, pose(10.0, 10.0), 0.1, 7);
+  EXPECT_EQ(canvas_.touched().size(), std::size_t{kWidth * kHeight});
+  EXPECT_EQ(canvas_.brightness(at(30, 20)), ground.brightness(30, 20));
+  EXPECT_EQ(canvas_.owner(at(10, 10)), 7);
+  canvas_.begin(ground);
+  EXPECT_EQ(canvas_.owner(at(10, 10)), ShapeCanvas::kNone);
 }
 
 TEST_F(Canvas, LaterShapesHideEarlierOnes) {
