@@ -11,7 +11,7 @@ from typing import IO, Any
 
 import numpy as np
 
-from asap import checks
+from asap import checks, units
 from asap.events import Events
 from asap.experiment.source import Source
 from asap.io.writers import WRITERS
@@ -106,8 +106,7 @@ def format_of(path: Path, to: str | None) -> str:
 
 def _losses(stream: Source) -> Iterator[str]:
     """Say what the written file does not have of the recording."""
-    rejected = ", ".join(f"{count} {reason}" for reason, count in stream.rejected.items() if count)
-    if rejected:
+    if rejected := units.reasons(stream.rejected):
         yield f"without the events that were rejected: {rejected}"
     if stream.clock_resets:
         yield (

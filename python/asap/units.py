@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import textwrap
+from collections.abc import Mapping
 
 __all__ = [
     "count",
@@ -13,6 +14,7 @@ __all__ = [
     "parse_duration_us",
     "rate",
     "rate_axis",
+    "reasons",
     "share",
     "tied",
     "wrapped",
@@ -109,6 +111,11 @@ def rate_axis(peak_hz: float) -> tuple[str, float]:
 def count(value: float) -> str:
     """Write a whole number in groups of three digits, such as ``"27,300,000"``."""
     return f"{round(value):,}"
+
+
+def reasons(counts: Mapping[str, int]) -> str:
+    """Write the counts that are not zero, such as ``"1,200 nonmonotonic, 3 out_of_bounds"``."""
+    return ", ".join(f"{count(some)} {name}" for name, some in counts.items() if some)
 
 
 def share(value: float) -> str:

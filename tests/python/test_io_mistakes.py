@@ -75,7 +75,7 @@ def test_nothing_good_names_the_order_that_fits(tmp_path: Path, order: str) -> N
     assert str(caught.value).endswith(
         f"; columns look like {' '.join(str(found))}: order={found!r}"
     )
-    assert str(caught.value).startswith(f"{path}: not one of its 3000 events is good (")
+    assert str(caught.value).startswith(f"{path}: not one of its 3,000 events is good (")
     assert len(asap.load(path, order=found, **SENSOR)) == len(EVENTS)
 
 
@@ -98,7 +98,9 @@ def test_a_sensor_that_holds_no_event(tmp_path: Path) -> None:
     events = EVENTS.copy()
     events["x"] += 50
     np.save(tmp_path / "events.npy", events)
-    with pytest.raises(NoGoodEvent, match=r"\(3000 out_of_bounds\); are width = 50 and height = 9"):
+    with pytest.raises(
+        NoGoodEvent, match=r"\(3,000 out_of_bounds\); are width = 50 and height = 9"
+    ):
         asap.load(tmp_path / "events.npy", width=50, height=9)
 
 
@@ -209,7 +211,7 @@ def test_most_events_are_bad(tmp_path: Path) -> None:
     rec = asap.read(tmp_path / "a.npy", width=3)
     assert rec.doubt is None
     assert sum(map(len, rec)) == good
-    words = f"a.npy: only {good} of its 3000 events are good ({3000 - good} out_of_bounds); are wid"
+    words = f"a.npy: only {good} of its 3,000 events are good ({3000 - good:,} out_of_bounds); are"
     assert words in str(rec.doubt)
     rec = asap.read(tmp_path / "a.npy", width=corrupt.WIDTH - 20)
     assert len(EVENTS) / 2 < sum(map(len, rec)) < len(EVENTS)
@@ -234,7 +236,7 @@ def test_most_events_are_bad_for_the_command_line(
     code = cli.main([*verb, str(tmp_path / "a.npy"), *out, "--width", "3", "--height", "999"])
     assert code == 0
     assert "asap: warning: " in (err := capsys.readouterr().err)
-    assert "of its 3000 events are good" in err
+    assert "of its 3,000 events are good" in err
 
 
 def test_x_and_y_are_not_told_apart_without_polarities(tmp_path: Path) -> None:

@@ -9,7 +9,6 @@ import asap
 from asap import units
 from asap.cli.options import add_recording, add_verb, open_recording
 from asap.cli.outcome import OK, print_json, reading, tell_doubt
-from asap.results import run_table
 
 __all__ = ["add"]
 
@@ -41,7 +40,7 @@ def _call(arguments: Any) -> int:
         "duration": units.duration(facts["duration_s"] * 1e6),
         "rate": f"mean {rate['mean']}, peak {rate['peak_10ms']} in 10 ms, "
         f"{rate['peak_1ms']} in 1 ms",
-        "rejected": run_table.reasons_of(facts["rejected"]) or "none",
+        "rejected": units.reasons(facts["rejected"]) or "none",
     }
     if facts["clock_resets"]:
         rows["clock"] = (

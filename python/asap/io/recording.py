@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap import _core, checks
+from asap import _core, checks, units
 from asap._pickling import by_arguments
 from asap.events import Events, plain_view
 from asap.io.aedat4 import Aedat4Reader
@@ -144,11 +144,11 @@ class Recording:
         good = self.received - sum(self.rejected.values())
         if good >= self.received / 2:
             return None
-        reasons = ", ".join(f"{bad} {name}" for name, bad in self.rejected.items() if bad)
-        what = f"only {good} of its {self.received} events are good"
+        received = units.count(self.received)
+        what = f"only {units.count(good)} of its {received} events are good"
         if good == 0:
-            what = f"not one of its {self.received} events is good"
-        return f"{self._path}: {what} ({reasons}); {self._remedy()}"
+            what = f"not one of its {received} events is good"
+        return f"{self._path}: {what} ({units.reasons(self.rejected)}); {self._remedy()}"
 
     def _remedy(self) -> str:
         if hasattr(self._reader, "sample"):

@@ -175,7 +175,7 @@ def _ledger(run: Run) -> str:
     bar = []
     for cause, words in run_table.LEDGER_WORDS.items():
         share = ledger[cause] / received if received else 0.0
-        if cause == "rejected" and (reasons := run_table.reasons_of(run.rejected)):
+        if cause == "rejected" and (reasons := units.reasons(run.rejected)):
             words += f": {reasons}"
         rows.append(
             f'<tr class="{cause}"><th scope="row"><i></i>{cause}</th>'

@@ -19,7 +19,6 @@ __all__ = [
     "format_ledger",
     "format_run",
     "parameter_value",
-    "reasons_of",
     "sensor",
     "subtitle",
     "title",
@@ -109,17 +108,12 @@ def format_ledger(ledger: Mapping[str, int], rejected: Mapping[str, int] | None 
         share = units.share(ledger[name] / received) if ledger[name] and received else ""
         number = f"{units.count(ledger[name]):>{width}}"
         lines.append(f"  {name:<11}{number}  {share:>8}  {words}")
-        if name == "rejected" and (reasons := reasons_of(rejected or {})):
+        if name == "rejected" and (reasons := units.reasons(rejected or {})):
             lines.append(f"{'':<13}{reasons}")
     missing = 2 * received - sum(ledger.values())
     if missing:
         lines.append(f"  NOT BALANCED: {units.count(missing)} events are unaccounted for")
     return "\n".join(lines)
-
-
-def reasons_of(rejected: Mapping[str, int]) -> str:
-    """Write the counts that are not zero, such as ``"1,200 nonmonotonic, 3 out_of_bounds"``."""
-    return ", ".join(f"{units.count(count)} {name}" for name, count in rejected.items() if count)
 
 
 def title(summary: Mapping[str, Any]) -> str:
@@ -203,7 +197,7 @@ def _explanation(run: Run, found: Diagnosis) -> str:
     if found.limit == "data":
         return (
             f"{units.count(run.ledger.rejected)} of {units.count(run.ledger.received)} events were "
-            f"rejected ({reasons_of(run.rejected)}). asap.check shows where."
+            f"rejected ({units.reasons(run.rejected)}). asap.check shows where."
         )
     if found.limit == "machine" and run.lateness is not None:
         return (
