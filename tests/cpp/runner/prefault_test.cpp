@@ -7,8 +7,10 @@
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #include <malloc.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <thread>
@@ -48,10 +50,17 @@ Seen run_million(bool prefault) {
 
 TEST(Prefault, NoPageIsMissedOnTheHotPath) {
   run_million(true);  // the code of the C++ library
-  const Seen with = run_million(true);
-  EXPECT_EQ(with.faults, 0);
-  EXPECT_EQ(with.ledger.received, 1'000'000u);
+  // A page that was not touched is missed every time; one that the kernel moves meanwhile, once.
+  long least = 1000;
+  for (int attempt = 0; attempt < 5 && least > 0; ++attempt) {
+    const Seen seen = run_million(true);
+    EXPECT_EQ(seen.ledger.received, 1'000'000u);
+    least = std::min(least, seen.faults);
+  }
+  EXPECT_EQ(least, 0);
+  prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);  // a huge page is one fault
   EXPECT_GT(run_million(false).faults, 100) << "or the test sees none";
+  prctl(PR_SET_THP_DISABLE, 0, 0, 0, 0);
 }
 
 }  // namespace
