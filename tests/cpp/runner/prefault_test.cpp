@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <thread>
 
 namespace asap::prefault_test {
@@ -48,19 +50,23 @@ Seen run_million(bool prefault) {
   return {faults, pipeline.ledger()};
 }
 
-TEST(Prefault, NoPageIsMissedOnTheHotPath) {
-  run_million(true);  // the code of the C++ library
-  // A page that was not touched is missed every time; one that the kernel moves meanwhile, once.
-  long least = 1000;
+// A page that was not touched is missed every time; one that the kernel moves meanwhile, once.
+int exit_code() {
+  prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);  // a huge page is one fault
+  const long without = run_million(false).faults;
+  long least = without;
   for (int attempt = 0; attempt < 5 && least > 0; ++attempt) {
     const Seen seen = run_million(true);
-    EXPECT_EQ(seen.ledger.received, 1'000'000u);
-    least = std::min(least, seen.faults);
+    least = std::min(least, seen.ledger.received == 1'000'000 ? seen.faults : 1000);
   }
-  EXPECT_EQ(least, 0);
-  prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);  // a huge page is one fault
-  EXPECT_GT(run_million(false).faults, 100) << "or the test sees none";
-  prctl(PR_SET_THP_DISABLE, 0, 0, 0, 0);
+  std::fprintf(stderr, "faults without prefault: %ld, with it: %ld\n", without, least);
+  return least <= 1 && without > 100 ? 0 : 1;
+}
+
+// In a process of its own: the heap of the tests before has pages to give.
+TEST(Prefault, AtMostOnePageIsMissedOnTheHotPath) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(std::exit(exit_code()), testing::ExitedWithCode(0), "with it: [01]");
 }
 
 }  // namespace
