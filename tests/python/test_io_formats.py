@@ -118,13 +118,13 @@ class TestNpy:
         rows[:, 2] /= 1e6
         np.save(tmp_path / "events.npy", rows)
         assert_equal_events(asap.load(tmp_path / "events.npy", order="xytp"), EVENTS)
-        words = r"events\.npy: order = None: an array of shape \(1000, 4\) .* order='txyp'$"
+        words = r"events\.npy: order = None: an array of shape \(1000, 4\) .* order='txyp'"
         with pytest.raises(ValueError, match=words):
             asap.read(tmp_path / "events.npy")
 
     def test_three_columns_need_three_letters(self, tmp_path: Path) -> None:
         np.save(tmp_path / "events.npy", np.zeros((9, 3), int))
-        with pytest.raises(ValueError, match=r"shape \(9, 3\) .* order='txy'$"):
+        with pytest.raises(ValueError, match=r"shape \(9, 3\) .* order='txy',"):
             asap.read(tmp_path / "events.npy")
 
     def test_cut_by_columns_nothing_is_whole(self, tmp_path: Path) -> None:
