@@ -101,7 +101,7 @@ class Workshop:
         try:
             done = subprocess.run(
                 [executable, "--gtest_fail_fast", "--gtest_brief=1", tests],
-                env={**os.environ, "TSAN_OPTIONS": "halt_on_error=1"},
+                env={**os.environ, "TSAN_OPTIONS": "halt_on_error=1:allocator_may_return_null=1"},
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
                 text=True,
