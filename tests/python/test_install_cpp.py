@@ -12,7 +12,7 @@ import pytest
 import asap
 from house import ROOT, cmake, native_build, run
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.full]  # it builds the library once more
 
 EXAMPLES = ROOT / "cpp" / "examples"
 OF_THE_CORE, OF_ALL = EXAMPLES / "own_scheme.cpp", EXAMPLES / "smallest_loop.cpp"
@@ -95,7 +95,6 @@ def test_the_core_alone_needs_no_eigen(prefix: Path, tmp_path: Path) -> None:
     stranger(tmp_path, door, "asap::core", program, CMAKE_PREFIX_PATH=prefix, **absent)
 
 
-@pytest.mark.full
 def test_the_core_is_built_and_found_where_there_is_no_eigen(tmp_path: Path) -> None:
     absent = {"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON", "ASAP_ALGORITHMS": "OFF"}
     cmake(ROOT, tmp_path / "asap", CMAKE_UNITY_BUILD="ON", **absent)
@@ -133,7 +132,6 @@ def test_algorithms_may_be_optional(absent: dict[str, str], prefix: Path, tmp_pa
     assert known == ("FALSE," if absent else "TRUE,TRUE")
 
 
-@pytest.mark.full
 def test_add_subdirectory(tmp_path: Path) -> None:
     """With a stranger's strict flags on our headers, and without our optional tools."""
     absent = {
