@@ -74,8 +74,8 @@ TEST(ClusterTrackerConfig, OrderIsChecked) {
             "min_radius_px = 19: must be at most birth_radius_px = 18");
   EXPECT_EQ(complaint([](auto& c) { c.max_radius_px = 6; }),
             "min_radius_px = 7: must be at most max_radius_px = 6");
-  EXPECT_EQ(complaint([](auto& c) { c.die_events = 9; }),
-            "die_events = 9: must be at most confirm_events = 8");
+  EXPECT_EQ(complaint([](auto& c) { c.die_events = 15; }),
+            "die_events = 15: must be at most confirm_events = 14");
   EXPECT_EQ(complaint([](auto& c) { c.contour_min_events = 17; }),
             "contour_min_events = 17: must be at most contour_events = 16");
   EXPECT_NE(complaint([](auto& c) { c.acceleration_px2_s3 = 1e8; }), "");

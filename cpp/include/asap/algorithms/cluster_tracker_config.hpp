@@ -1,6 +1,6 @@
 // ClusterTrackerConfig: the parameters of ClusterTracker and their check. One setting serves all
 // scenes it was tried on, so most users change none. The most useful ones are support_window_ms,
-// birth_radius_px (least radius within which a new cluster takes events), max_radius_px and
+// birth_radius_px (radius within which a new cluster takes events), max_radius_px and
 // confirm_events. Plain data, any thread; checked() throws std::invalid_argument.
 #pragma once
 
@@ -28,7 +28,7 @@ struct ClusterTrackerConfig {
                                  // it grows, up to seed_ms
 
   double tick_ms = 1;     // period of the work that is not done per event
-  double warmup_ms = 12;  // no cluster begins before, while the noise rate is being measured
+  double warmup_ms = 30;  // no cluster begins before, while the noise rate is being measured
   double link_ms = 40;    // for which a cell remembers its owner
   double seed_ms = 15;    // decay of the counts of events without a cluster
   double mass_ms = 30;    // decay of a cluster's mass, its number of recent events
@@ -36,10 +36,9 @@ struct ClusterTrackerConfig {
   int mean_events = 60;         // memory of the mean
   int covariance_events = 300;  // memory of the covariance
 
-  double birth_radius_px =
-      18;                    // circular gate of a young cluster; up to 5/3 of it where noise allows
-  double min_radius_px = 7;  // smallest circle of a mature one
-  double max_radius_px = 66;     // longest half-axis of the elliptic gate
+  double birth_radius_px = 18;   // circular gate of a young cluster
+  double min_radius_px = 7;      // smallest circle of a mature one
+  double max_radius_px = 40;     // longest half-axis of the elliptic gate
   double gate_scale = 2.3;       // half-axes of the ellipse, standard deviations
   double gate_padding_px = 2;    // added to the standard deviation, in quadrature
   double circle_scale = 2.2;     // circle: standard deviations of the longest axis ...
@@ -67,7 +66,7 @@ struct ClusterTrackerConfig {
   double min_measurement_px2 = 0.05;         // least variance of a measurement
 
   double seed_events = 6;          // recent events without a cluster from which one begins
-  double confirm_events = 8;       // mass from which a cluster has an id
+  double confirm_events = 14;      // mass from which a cluster has an id
   double die_events = 2;           // mass below which it coasts
   double die_sigma = 2;            // margin above the noise in its gate, standard deviations
   double birth_rate_hz = 300;      // least event rate of an object

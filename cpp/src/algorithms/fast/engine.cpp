@@ -192,9 +192,7 @@ Tracks::Slot Engine::begin_track(float x, float y) noexcept {
     ++counters_.refused;
     return slot;
   }
-  tracks_.state(slot).young_radius_px = settings_.pairs.birth_radius_px;
-  shape_birth_gate(tracks_[slot], settings_.pairs.birth_radius_px);
-  tracks_.contour(slot).mean_events = settings_.update.mean_events;
+  shape_birth_gate(tracks_[slot], settings_.gate);
   tracks_.state(slot).age_s = -seconds(clock_.now_us() - tracks_us_);
   coarse_.place(slot, x, y);
   return slot;
@@ -255,15 +253,16 @@ bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
   if (state.starved_s == 0) record_motion(track, state, tick);
   Contour& contour = tracks_.contour(slot);
   update_centre_variance(contour, track, state.extent_px, tick.dt_s);
-  kalman_update(track, state.kalman, contour.variance, settings_.kalman,
-                mean_memory(track, contour, settings_.update));
-  contour.mean_events = size_memory(track, settings_.update);
+  kalman_update(track, state.kalman, contour.variance, settings_.kalman);
   track.mean_weight = mean_weight(track, contour, settings_.weight);
 
   const float extent2 = largest_variance(track);
   state.extent_px = std::sqrt(extent2);
   if (track.partners == 0) record_extent(state, extent2, tick);
-  update_gate(track, state, settings_.lifecycle, settings_.gate, settings_.pairs.birth_radius_px);
+  if (track.has_id()) {
+    const bool mature = state.age_s >= settings_.lifecycle.mature_s;
+    shape_gate(track, settings_.gate, extent2, mature, is_starved(state) ? state.kalman.pxx : 0);
+  }
   const bool unresolved = looks_unresolved(track, contour, state, tick.noise_hz, settings_.gate);
   state.unresolved_s = unresolved ? state.unresolved_s + tick.dt_s : 0;
   const Point mean = predicted_mean(track, tick.now);
@@ -313,8 +312,6 @@ void Engine::measure_noise() noexcept {
   support_window_us_ = support_window_us(noise_hz_, settings_.support_window_us, seed_us);
   if (settings_.rejects_unsupported) noise_hz_ = supported_noise(noise_hz_, window_s());
   settings_.update.far_weight = far_weight(noise_hz_);
-  settings_.pairs.birth_radius_px =
-      birth_radius(settings_.gate, noise_hz_, settings_.lifecycle.mass_s);
 
   if (clock_.now_us() - started_us_ < static_cast<std::uint64_t>(settings_.warmup_us)) return;
   birth_threshold_ = settings_.birth_threshold(noise_hz_);

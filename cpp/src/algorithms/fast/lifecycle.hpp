@@ -109,10 +109,6 @@ enum class Assessment { kKeep, kConfirm, kDelete };
 Assessment assess(Track& track, TrackState& state, const Tick& tick, const LifecycleRule& rule,
                   const GateRule& gate) noexcept;
 
-// Sets the gate by phase, age, size and rates. `birth_px`: the circle of a new track.
-void update_gate(Track& track, TrackState& state, const LifecycleRule& rule, const GateRule& gate,
-                 float birth_px) noexcept;
-
 // Updates the average extent. Only for a track that is not in contact.
 void record_extent(TrackState& state, float extent2, const Tick& tick) noexcept;
 

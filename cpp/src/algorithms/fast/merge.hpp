@@ -20,7 +20,7 @@ namespace asap::fast {
 // ---- pairs ----
 
 struct PairRule {
-  float birth_radius_px;     // circle of a new track's gate: as wide as the noise allows
+  float birth_radius_px;     // circle of a young track's gate
   float merge_reach;         // sum of standard deviations ...
   float merge_padding_px;    // ... and px within which two tracks may be one object
   float contact_reach;       // standard deviations along the line of centres ...

@@ -21,15 +21,8 @@ constexpr double kLeastGammaFiltered = 0.75;
 
 // Least factors on the thresholds of masses. The masses of weak objects lie little above them and
 // fall with gamma, but fewer events than these may be one edge.
-constexpr double kFewestConfirm = 0.63;
-constexpr double kFewestDie = 0.36;
+constexpr double kFewestConfirm = 0.36;
 constexpr double kFewestSeed = 2.0 / 3;
-
-// Gates of 27 to 36 px are good where this bounds the noise in them: 19 px at 5 Hz/px.
-constexpr float kNoiseEvents = 30;
-// Half or twice of it changes little; recordings without noise need it, for nothing else bounds
-// the gate of a sparse object there.
-constexpr double kLeastDensity_hz = 1;
 
 float thinned(double events, double gamma, double fewest) noexcept {
   return single(events * std::clamp(4 * gamma, fewest, 1.0));
@@ -64,8 +57,7 @@ Settings::Settings(const ClusterTrackerConfig& c) noexcept
            .scale = single(c.gate_scale),
            .padding_px = single(c.gate_padding_px),
            .circle_scale = single(c.circle_scale),
-           .circle_padding_px = single(c.circle_padding_px),
-           .noise_events = kNoiseEvents},
+           .circle_padding_px = single(c.circle_padding_px)},
       kalman{.acceleration = single(c.acceleration_px2_s3),
              .per_speed3 = single(c.acceleration_per_speed_px),
              .most = single(c.max_acceleration_px2_s3),
@@ -110,9 +102,8 @@ void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
   support_window_us = microseconds(window);
   seed_events = thinned(c.seed_events, gamma, kFewestSeed);
   lifecycle.confirm_events = thinned(c.confirm_events, gamma, kFewestConfirm);
-  lifecycle.die_events = thinned(c.die_events, gamma, kFewestDie);
+  lifecycle.die_events = thinned(c.die_events, gamma, kFewestConfirm);
   lifecycle.birth_rate_hz = single(c.birth_rate_hz * gamma);
-  gate.least_density_hz = single(kLeastDensity_hz * gamma);
   rejects_unsupported = c.support == ClusterSupport::kReject &&
                         gamma >= (filtered_upstream ? kLeastGammaFiltered : kLeastGammaUnfiltered);
 }

@@ -71,7 +71,6 @@ struct Object {
 
   Object() {
     track.phase = Phase::kTentative;
-    state.young_radius_px = 18;
     state.near_confirmed = false;
   }
 

@@ -66,19 +66,17 @@ TEST(Settings, FewerEventsMakeAClusterIfFewAreKept) {
   Settings s(kConfig);
   s.set_keep(kConfig, 0.25, false);
   EXPECT_EQ(s.seed_events, 6);
-  EXPECT_EQ(s.lifecycle.confirm_events, 8);
+  EXPECT_EQ(s.lifecycle.confirm_events, 14);
   EXPECT_EQ(s.lifecycle.die_events, 2);
-  EXPECT_FLOAT_EQ(s.gate.least_density_hz, 0.25F);
   s.set_keep(kConfig, 0.2, false);
   EXPECT_FLOAT_EQ(s.seed_events, 4.8F);
-  EXPECT_FLOAT_EQ(s.lifecycle.confirm_events, 6.4F);
+  EXPECT_FLOAT_EQ(s.lifecycle.confirm_events, 11.2F);
   EXPECT_FLOAT_EQ(s.lifecycle.die_events, 1.6F);
   s.set_keep(kConfig, 0, false);
   EXPECT_FLOAT_EQ(s.seed_events, 4);
   EXPECT_FLOAT_EQ(s.lifecycle.confirm_events, 5.04F);
-  EXPECT_FLOAT_EQ(s.lifecycle.die_events, 0.72F);
   s.set_keep(kConfig, 1, false);
-  EXPECT_EQ(s.lifecycle.confirm_events, 8);
+  EXPECT_EQ(s.lifecycle.confirm_events, 14);
 }
 
 TEST(Settings, RejectOnlyIfAsked) {
