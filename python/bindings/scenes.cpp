@@ -52,7 +52,7 @@ py::array track(const MovingShapesConfig& layout) {
   return values;
 }
 
-// Of each shape, in its own frame: of shape (corners, 2); none for a disk or a ring.
+// The corners of each shape in its own frame, as an array (corners, 2); none of a disk or a ring.
 py::list corners(const MovingShapesConfig& layout) {
   py::list all;
   for (const MovingShape& shape : layout.shapes) {

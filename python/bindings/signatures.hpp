@@ -8,10 +8,10 @@
 
 namespace asap::python {
 
-// Of one class. `keywords` stand in the place of **kwargs, such as ", window=800".
+// Shows the signature of one class. `keywords`, such as ", window=800", replace **kwargs.
 void show_signature(pybind11::handle type, const std::string& keywords = ", **kwargs");
 
-// Of every class of the module that has a constructor: call it when all are bound.
+// The same for every class of the module that has a constructor. Call it when all are bound.
 void show_signatures(const pybind11::module_& m);
 
 }  // namespace asap::python

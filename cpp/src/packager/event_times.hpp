@@ -26,7 +26,7 @@ class EventTimes {
   EventTimes(ArrivalTimes& arrivals) noexcept : arrivals_(&arrivals) {}
 
   bool by_arrival() const noexcept { return arrivals_ != nullptr; }
-  // Of the table of arrival times; 0 by stamp.
+  // How many the table of arrival times has; 0 where times are stamps.
   std::size_t steps() const noexcept { return by_arrival() ? arrivals_->steps() : 0; }
 
   // Where stamps lie in run time.

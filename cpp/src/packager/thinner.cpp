@@ -9,7 +9,8 @@
 namespace asap {
 namespace {
 
-// Of one time in a package: steps of the table, each of which a stratum may cut. None by stamp.
+// The most runs of events with one arrival time that a package can have: one for each step of the
+// table, and one more for each stratum that begins within a step. 0 where times are stamps.
 std::size_t most_runs(std::size_t steps) noexcept {
   return steps > 0 ? steps + AnytimePlan::kMostStrata : 0;
 }

@@ -1,6 +1,6 @@
-// touch_code(), touch_stack(): have those pages in memory before the first event that no object
-// holds: the program's code and the stack of the calling thread. Else each is missed once, on the
-// hot path, for some microseconds. The rest of RunConfig::prefault is with whoever owns the memory.
+// touch_code(), touch_stack(): bring the program's code and the calling thread's stack into memory
+// before the first event. Without them the hot path waits some microseconds at the first use of
+// each page. The objects that own the rest of the memory do the same for it (RunConfig::prefault).
 // Any thread; no allocation.
 #pragma once
 

@@ -16,7 +16,6 @@
 #include "asap/core/time.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/packager.hpp"
-#include "asap/runner/pipeline.hpp"
 #include "asap/runner/run_config.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/telemetry.hpp"

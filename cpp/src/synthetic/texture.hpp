@@ -39,7 +39,7 @@ class MovingGround {
   MovingGround(const MovingGroundConfig& config, std::int32_t width, std::int32_t height,
                CounterRandom random);
 
-  // Of a pixel, now.
+  // The brightness that a pixel sees now.
   double brightness(std::int32_t x, std::int32_t y) const noexcept;
 
   // Where the pattern that was at this pixel at the start is now.

@@ -20,7 +20,7 @@
 namespace asap::prefault_test {
 namespace {
 
-// Of the whole process. Under an emulator its own are among them.
+// Minor page faults of the process so far. Under an emulator they include those of the emulator.
 long page_faults() noexcept {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

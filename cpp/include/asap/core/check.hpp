@@ -32,7 +32,8 @@ void require(bool ok, std::string_view field, Value value, std::string_view reme
   }
 }
 
-// Of an enumeration whose values run from 0 to `last`: a number from outside may be cast to it.
+// Throws std::invalid_argument for a value beyond `last`: C++ lets any number be cast to an
+// enumeration. Its values run from 0.
 template <class Enumeration>
 void require_known(Enumeration value, Enumeration last, std::string_view field) {
   const auto number = static_cast<std::int64_t>(value);

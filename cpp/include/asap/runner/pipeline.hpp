@@ -47,16 +47,6 @@ struct PipelineStats {
   std::int64_t sensor_delay_max_ns = 0;
 };
 
-// Bytes that a pipeline with a worker takes from the heap, all of them in its constructor.
-struct PipelineMemory {
-  std::size_t ring;    // RunConfig::capacity
-  std::size_t copies;  // RunConfig::most_copied
-  std::size_t log;     // RunConfig::log_rows
-  std::size_t rest;    // tables of arrival times, the latency histogram, the scheme, scratch
-
-  std::size_t total() const noexcept { return ring + copies + log + rest; }
-};
-
 class Pipeline {
  public:
   enum class Next { package, idle, ended };

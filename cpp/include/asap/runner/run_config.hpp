@@ -1,4 +1,4 @@
-// Consumer, WhenFull, RunConfig: what the runners have in common.
+// Consumer, WhenFull, RunConfig, PipelineMemory: what the runners have in common.
 #pragma once
 
 #include <cstddef>
@@ -49,6 +49,16 @@ struct RunConfig {
   std::size_t most_copied = 0;
   // Write to all memory in the constructor: no page of it is missing when events come.
   bool prefault = false;
+};
+
+// Bytes that a pipeline with a worker takes from the heap, all of them in its constructor.
+struct PipelineMemory {
+  std::size_t ring;    // RunConfig::capacity
+  std::size_t copies;  // RunConfig::most_copied
+  std::size_t log;     // RunConfig::log_rows
+  std::size_t rest;    // tables of arrival times, the latency histogram, the scheme, scratch
+
+  std::size_t total() const noexcept { return ring + copies + log + rest; }
 };
 
 // Throws std::invalid_argument for a bound out of range.
