@@ -61,7 +61,7 @@ class Packager::Work {
   void set_axis(TimeAxis axis) noexcept;
   void set_latency_bound(std::int64_t bound_ns) noexcept;
   void flush(std::uint64_t until_index) noexcept { flush_until_ = until_index; }
-  Next next(std::int64_t now_ns);
+  Next next(std::int64_t now_ns, std::uint64_t until);
   EventSpan stratum(Package& package, std::int64_t now_ns);
   void complete(const Package& package, std::int64_t end_ns) noexcept;
 
@@ -121,11 +121,13 @@ void Packager::Work::set_latency_bound(std::int64_t bound_ns) noexcept {
   scheme_.set_latency_bound_ns(bound_ns);
 }
 
-Packager::Next Packager::Work::next(std::int64_t now_ns) {
+Packager::Next Packager::Work::next(std::int64_t now_ns, std::uint64_t until) {
   Next next;
   for (;;) {
-    const bool ended = buffer_.closed();  // before the peek, which then sees all there will be
-    const EventPieces waiting = buffer_.peek();
+    const std::uint64_t there = until - buffer_.head();
+    // Closed before the peek, which then sees all there will be.
+    const bool ended = buffer_.closed() && buffer_.size() <= there;
+    const EventPieces waiting = buffer_.peek(there);
     if (config_.kept_mask != nullptr) config_.kept_mask->make_room(waiting.size());
     if (waiting.size() == 0) {
       next.step = ended ? Step::ended : Step::wait;
@@ -321,7 +323,9 @@ void Packager::set_latency_bound(std::int64_t bound_ns) noexcept {
 
 void Packager::flush(std::uint64_t until_index) noexcept { work_->flush(until_index); }
 
-Packager::Next Packager::next(std::int64_t now_ns) { return work_->next(now_ns); }
+Packager::Next Packager::next(std::int64_t now_ns, std::uint64_t until) {
+  return work_->next(now_ns, until);
+}
 
 EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
   return work_->stratum(package, now_ns);

@@ -39,8 +39,8 @@ ConsumerLoop::Next ConsumerLoop::wait(Package& package, std::chrono::nanoseconds
     if (now.abandoned) return Next::ended;
     heed(now);
     Packager::Next next{.until_tail = buffer_.head() + 1};
-    if (buffer_.size() > 0) {  // the clock runs once an event is there
-      next = packager_.next(clock_.now_ns());
+    if (const std::uint64_t seen = buffer_.tail(); seen != buffer_.head()) {
+      next = packager_.next(clock_.now_ns(), seen);  // the clock runs once an event is there
       if (next.step == Packager::Step::package) {
         package = next.package;
         watch_.works();

@@ -406,6 +406,25 @@ TEST(Packager, OfAnEmptyRingWaitsForAnEvent) {
   EXPECT_EQ(next.until_tail, 1u);
 }
 
+TEST(Packager, SeesNoEventThatCameAfterTheLookAtTheRing) {
+  Greedy scheme;
+  Rig rig(scheme);
+  rig.push(at_times({10, 20, 30}));
+  const std::uint64_t seen = rig.buffer.tail();
+  rig.push(at_times({40, 50}));
+  rig.buffer.close();
+  rig.telemetry.log.make_room();
+  Packager::Next next = rig.packager.next(30 * kMicrosecond, seen);
+  ASSERT_EQ(next.step, Step::package);
+  EXPECT_EQ(next.package.t_last(), 30);
+  rig.packager.complete(next.package, 35 * kMicrosecond);
+  next = rig.packager.next(35 * kMicrosecond, seen);
+  EXPECT_EQ(next.step, Step::wait) << "two have come meanwhile";
+  EXPECT_EQ(next.until_tail, seen + 1);
+  EXPECT_EQ(rig.deliver(60 * kMicrosecond)->raw, 2u);
+  EXPECT_EQ(rig.next(70 * kMicrosecond).step, Step::ended);
+}
+
 TEST(Packager, EndsWhenTheSourceHasEndedAndNothingWaits) {
   FixedSize scheme({.size = 100});
   Rig rig(scheme);

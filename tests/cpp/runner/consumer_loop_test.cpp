@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "asap/schemes/fixed.hpp"
+#include "asap/schemes/greedy.hpp"
 #include "packager/event_times.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
@@ -95,6 +97,27 @@ TEST(ConsumerLoop, TimesTheAlgorithm) {
   rig.loop.complete(package);
   EXPECT_GE(rig.telemetry.log[0].processing_us, 20'000.0);
   EXPECT_EQ(rig.telemetry.delivered, 2u);
+}
+
+TEST(ConsumerLoop, NoPackageStartsBeforeItsNewestEventCame) {
+  Greedy scheme;
+  Rig rig(scheme, 3'600'000'000'000);
+  constexpr std::int64_t kUntil_us = 300'000;
+  std::jthread producer([&] {
+    for (std::int64_t t = 0; t < kUntil_us;) {
+      t = rig.clock.now_ns() / 1000;
+      rig.push(test::at_times({t}));
+    }
+    rig.buffer.close();
+    rig.doorbell.wake();
+  });
+  std::int64_t early_us = 0;
+  Package package;
+  while (rig.loop.next(package, 20s) == Next::package) {
+    early_us = std::max(early_us, package.t_last() - package.start_ns / 1000);
+    rig.loop.complete(package);
+  }
+  EXPECT_EQ(early_us, 0);
 }
 
 TEST(ConsumerLoop, IsWokenByThePushThatCompletesAPackage) {

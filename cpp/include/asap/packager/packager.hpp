@@ -77,8 +77,9 @@ class Packager {
 
   // Precondition: the package before is completed or given up, and telemetry.log has room. Throws,
   // like stratum(), what the filter in front throws: then the package is given up, its raw events
-  // are still in the ring.
-  Next next(std::int64_t now_ns);
+  // are still in the ring. Events from ring index `until` on are not there yet: a producer does not
+  // wait between the caller's looks at the ring and at the clock.
+  Next next(std::int64_t now_ns, std::uint64_t until = std::numeric_limits<std::uint64_t>::max());
 
   // The kept events to process next, at now_ns; empty: the package is finished. A whole package
   // comes at once, an anytime package stratum by stratum; package.events are those so far.
