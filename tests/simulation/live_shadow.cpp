@@ -160,15 +160,15 @@ void LiveShadow::saw(std::int64_t now_ns) {
 
 // The consumer's side drops the older half of a ring that it finds full.
 void LiveShadow::drop_oldest() noexcept {
-  if (live_.when_full != WhenFull::oldest || waiting() != setup_.capacity || waiting() < 2) return;
-  overflow_ += waiting() / 2;
-  head_ += waiting() / 2;
+  if (live_.when_full != WhenFull::oldest || seen() != setup_.capacity || seen() < 2) return;
+  overflow_ += seen() / 2;
+  head_ += seen() / 2;
 }
 
 void LiveShadow::asked(const Backlog& backlog) {
   setup_.latency_ns = looked_.bound_ns;
   drop_oldest();
-  journal_.equal(Law::pending, backlog.count, waiting(), "waiting events told");
+  journal_.equal(Law::pending, backlog.count, seen(), "waiting events told");
   if (journal_.failed()) return;
   journal_.hold(Law::liveness, !looked_.abandoned, "asked, though abandoned");
   journal_.equal(Law::protocol, backlog.now_ns, run_ns(seen_ns_), "time told");
@@ -181,7 +181,8 @@ void LiveShadow::asked(const Backlog& backlog) {
       backlog.oldest_ns <= oldest_ns && (!is_exact || oldest_ns - backlog.oldest_ns <= step_ns),
       "oldest time told", number(backlog.oldest_ns), number(oldest_ns));
   const bool is_late = setup_.flush && backlog.now_ns >= backlog.oldest_ns + setup_.latency_ns;
-  const bool is_due = asked_.closed || is_late || waiting() == setup_.capacity;
+  const bool is_over = asked_.closed && seen() == waiting();
+  const bool is_due = is_over || is_late || seen() == setup_.capacity;
   const bool must = is_due || head_ < looked_.flush_least;
   const bool may = is_due || head_ < looked_.flush_most;
   journal_.hold(Law::age, backlog.due ? may : !must, "due", backlog.due, must);
@@ -197,17 +198,17 @@ void LiveShadow::decided(const Backlog& backlog, const Decision& decision, const
   if (waits_) {
     const std::int64_t flush_ns = setup_.flush ? backlog.oldest_ns + setup_.latency_ns : kNever;
     until_ns_ = std::min(std::max(decision.until_ns, backlog.now_ns + 1), flush_ns);
-    wanted_tail_ = head_ + std::min(std::max(decision.until_count, waiting() + 1), setup_.capacity);
+    wanted_tail_ = head_ + std::min(std::max(decision.until_count, seen() + 1), setup_.capacity);
     return;
   }
   if (!decision.takes) {
-    raw_ = waiting();
+    raw_ = seen();
   } else {
-    const std::size_t stale = std::min(decision.stale, waiting());
+    const std::size_t stale = std::min(decision.stale, seen());
     stale_ += stale;
     stale_since_ += stale;
     head_ += stale;
-    raw_ = std::min(std::max<std::size_t>(decision.raw, stale == 0 ? 1 : 0), waiting());
+    raw_ = std::min(std::max<std::size_t>(decision.raw, stale == 0 ? 1 : 0), seen());
   }
   cursor_ = filter_cursor_ = head_;
   kept_ = filtered_ = 0;

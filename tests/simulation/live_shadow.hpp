@@ -42,8 +42,11 @@ class LiveShadow {
 
   // ---- the consumer
   void enters(std::int64_t patience_ns) noexcept;  // next()
-  void looks() noexcept { looked_ = asked_; }      // at the clock, before others may act
-  void saw(std::int64_t now_ns);                   // this time
+  void looks() noexcept {                          // at the clock, before others may act
+    looked_ = asked_;
+    tail_seen_ = held_.size();
+  }
+  void saw(std::int64_t now_ns);  // this time
   void asked(const Backlog& backlog);
   void decided(const Backlog& backlog, const Decision& decision, const Belief& belief);
   void told(const Outcome& outcome);
@@ -82,6 +85,8 @@ class LiveShadow {
   };
 
   std::int64_t run_ns(std::int64_t time_ns) const noexcept { return time_ns + offset_ns_; }
+  // Waiting events that came before the consumer looked at the clock: those it knows of.
+  std::size_t seen() const noexcept { return tail_seen_ - head_; }
   void hold_admission(std::size_t offered, std::uint64_t taken, std::uint64_t thinned,
                       std::uint64_t overflow);
   void hold_latency(std::int64_t latency_ns, const Outcome& outcome);
@@ -109,6 +114,7 @@ class LiveShadow {
 
   // Consumer
   std::size_t head_ = 0;
+  std::size_t tail_seen_ = 0;
   std::int64_t patience_ns_ = 0;
   std::int64_t entered_ns_ = 0;
   std::int64_t seen_ns_ = 0;  // the last look at the clock
