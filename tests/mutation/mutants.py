@@ -224,6 +224,8 @@ MUTANTS: list[Mutant] = [
             "back >= config_.reorder_tolerance_us",
         ),
         second_back_is_no_epoch=("back >= kNewEpoch_us", "back > kNewEpoch_us"),
+        row_below_the_sensor_passes=("(kLane - max_y) << 16", "(kLane - max_y - 1) << 16"),
+        short_step_back_passes=("steps >= kSteps_us ||", "steps > ~kSteps_us ||"),
     ),
     *in_file(
         SOURCE + "schemes/asap2020.cpp",

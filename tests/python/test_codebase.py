@@ -65,6 +65,7 @@ WITHOUT_A_TEST_OF_ITS_OWN = {
 }
 
 WITHOUT_A_HEADER_OF_ITS_OWN = {
+    "filter/validator_edges_test.cpp": "the validator: every field at its edges",
     "packager/allocation_test.cpp": "a promise of the whole hot path",
     "packager/anytime_test.cpp": "the packager, stratum by stratum",
     "packager/bounded_test.cpp": "the packager, of packages that do not fit",
