@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "asap/core/nonblocking.hpp"
+
 namespace asap {
 
 class BitLog {
@@ -14,14 +16,15 @@ class BitLog {
   // The next `count` appended bits need no allocation.
   void make_room(std::size_t count) {
     const std::size_t words = (size_ + count + 63) / 64;
-    if (words > words_.capacity()) words_.reserve(std::max(words, 2 * words_.capacity()));
+    if (words <= words_.capacity()) return;
+    exempt([&] { words_.reserve(std::max(words, 2 * words_.capacity())); });  // of recordings only
   }
 
   void append(bool bit) { append(1, bit); }
   void append(std::size_t count, bool bit) {
     while (count > 0) {
       const std::size_t at = size_ % 64;
-      if (at == 0) words_.push_back(0);
+      if (at == 0) exempt([&] { words_.push_back(0); });  // of recordings only
       const std::size_t here = std::min(count, 64 - at);
       if (bit) words_.back() |= (~std::uint64_t{0} >> (64 - here)) << at;
       size_ += here;

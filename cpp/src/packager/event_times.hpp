@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "asap/buffer/event_buffer.hpp"
@@ -89,23 +90,24 @@ class KeptTimes {
     std::int64_t time_ns;
   };
 
-  explicit KeptTimes(std::size_t runs) : runs_(runs) { runs_.clear(); }
+  explicit KeptTimes(std::size_t runs) : runs_(runs) {}
   static constexpr std::size_t memory_bytes(std::size_t runs) noexcept {
     return runs * sizeof(Run);
   }
 
-  void clear() noexcept { runs_.clear(); }
+  void clear() noexcept { size_ = 0; }
 
   // The kept events up to `end`, beyond those noted before, came at this time. At most as many runs
   // as said at construction.
   void note(std::size_t end, std::int64_t time_ns) noexcept {
-    if (end > (runs_.empty() ? 0 : runs_.back().end)) runs_.push_back({end, time_ns});
+    if (end > (size_ == 0 ? 0 : runs_[size_ - 1].end)) runs_[size_++] = {end, time_ns};
   }
 
-  const std::vector<Run>& runs() const noexcept { return runs_; }
+  std::span<const Run> runs() const noexcept { return {runs_.data(), size_}; }
 
  private:
   std::vector<Run> runs_;
+  std::size_t size_ = 0;
 };
 
 }  // namespace asap

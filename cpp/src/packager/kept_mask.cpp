@@ -2,18 +2,20 @@
 
 #include <algorithm>
 
+#include "asap/core/nonblocking.hpp"
+
 namespace asap {
 
 void KeptMask::make_room(std::size_t events) {
   delivered_.make_room(events);
-  if (first_.size() == first_.capacity())
-    first_.reserve(std::max<std::size_t>(64, 2 * first_.size()));
+  if (first_.size() < first_.capacity()) return;
+  exempt([&] { first_.reserve(std::max<std::size_t>(64, 2 * first_.size())); });  // recordings only
 }
 
 void KeptMask::packaged(const EventPieces& raw, std::size_t count, EventSpan kept) noexcept {
   if (!is_open_) open_first_ = delivered_.size();
   is_open_ = kept.empty();
-  if (!kept.empty()) first_.push_back(open_first_);
+  if (!kept.empty()) exempt([&] { first_.push_back(open_first_); });  // it has room
   std::size_t next = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const bool is_kept = next < kept.size() && raw[i] == kept[next];

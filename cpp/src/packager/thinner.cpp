@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "asap/core/check.hpp"
+#include "asap/core/nonblocking.hpp"
 #include "packager/anytime_plan.hpp"
 
 namespace asap {
@@ -111,7 +112,9 @@ EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share sha
   Event* const passing = kept_.get() + before;
   std::size_t passed = 0;
   const auto pass = [&](EventSpan events) {
-    if (!events.empty()) passed += std::min(before_(events, passing + passed), events.size());
+    if (events.empty()) return;
+    const std::size_t more = exempt([&] { return before_(events, passing + passed); });
+    passed += std::min(more, events.size());
   };
   passed_times_.clear();
   for (std::size_t at = begin; at < end;) {

@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "asap/core/atomics.hpp"
+#include "asap/core/nonblocking.hpp"
 #include "runner/system.hpp"
 
 namespace asap {
@@ -30,7 +31,8 @@ class BasicDoorbell {
 
   // Any thread: the consumer shall look up, whatever it waits for.
   void wake() noexcept {
-    if (asleep_.exchange(0, std::memory_order_acq_rel) != 0) Sleep::wake(asleep_);
+    if (asleep_.exchange(0, std::memory_order_acq_rel) == 0) return;
+    exempt([&] { Sleep::wake(asleep_); });  // the one system call of the hot path
   }
 
   // Consumer. Sleeps until announce() has reached `wanted_tail`, until wake() or until the

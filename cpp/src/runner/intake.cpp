@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "asap/core/nonblocking.hpp"
+
 namespace asap {
 namespace {
 
@@ -25,6 +27,13 @@ double admitted(std::size_t events, std::size_t room, std::size_t capacity) noex
 
 void Intake::take(EventSpan events, std::int64_t arrival_ns, const Poll& poll) {
   if (when_full_ == WhenFull::block) return put_waiting(events, arrival_ns, poll);
+  take(events, arrival_ns);
+}
+
+void Intake::take(EventSpan events, std::int64_t arrival_ns) noexcept {
+  if (when_full_ == WhenFull::block) {
+    return exempt([&] { put_waiting(events, arrival_ns, {}); });  // as the user has asked for
+  }
   if (when_full_ == WhenFull::thin) {
     const std::size_t most = thinning_begins(buffer_.capacity());
     if (events.size() > most || buffer_.filled(most - events.size()) > most - events.size()) {

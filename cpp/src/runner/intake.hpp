@@ -40,9 +40,12 @@ class Intake {
         when_full_(when_full),
         filter_(seed) {}
 
-  // Producer. `poll` is called every 20 ms while it waits for room; it may throw: then what has not
+  // Producer. By the rule.
+  void take(EventSpan events, std::int64_t arrival_ns) noexcept;
+
+  // The same. `poll` is called every 20 ms while it waits for room; it may throw: then what has not
   // got in counts as overflow, as it does after leave().
-  void take(EventSpan events, std::int64_t arrival_ns, const Poll& poll = {});
+  void take(EventSpan events, std::int64_t arrival_ns, const Poll& poll);
 
   // Producer. What there is room for, whatever the rule; the rest is overflow. Returns how many.
   std::size_t put(EventSpan events, std::int64_t arrival_ns) noexcept;

@@ -16,14 +16,15 @@ LiveRun::LiveRun(Scheme& scheme, const RunConfig& config)
               config.seed ^ kIntakeSeed),
       loop_(run_.buffer(), run_.packager(), run_.telemetry(), doorbell_, clock_, intake_.room()) {}
 
-void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival,
-                   const Intake::Poll& poll) {
+// take(EventSpan) brings good events into the ring.
+template <class Take>
+void LiveRun::push_by(const Take& take, EventSpan events,
+                      std::optional<Steady::time_point> arrival) {
   struct Publish {
     Run& run;
     ~Publish() { run.publish(); }
   } publish{run_};  // also when the validator refuses an event
   bool timed = false;
-  std::exception_ptr interrupted;  // by the poll: what follows counts too, but waits no longer
   run_.validator().check(events, [&](EventSpan good) {
     if (!timed) {
       const Steady::time_point now = System::now();
@@ -33,6 +34,19 @@ void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival,
       timed = true;
     }
     heed_clock();
+    take(good);
+    sensor_delay_.note(good.back().t, arrival_ns_);
+  });
+}
+
+void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival) {
+  push_by([this](EventSpan good) { intake_.take(good, arrival_ns_); }, events, arrival);
+}
+
+void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival,
+                   const Intake::Poll& poll) {
+  std::exception_ptr interrupted;  // by the poll: what follows counts too, but waits no longer
+  const auto take = [&](EventSpan good) {
     try {
       if (interrupted) {
         intake_.put(good, arrival_ns_);
@@ -42,8 +56,8 @@ void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival,
     } catch (...) {
       interrupted = std::current_exception();
     }
-    sensor_delay_.note(good.back().t, arrival_ns_);
-  });
+  };
+  push_by(take, events, arrival);
   if (interrupted) std::rethrow_exception(interrupted);
 }
 

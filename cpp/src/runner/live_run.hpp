@@ -29,8 +29,8 @@ class LiveRun {
 
   // Producer. Wait-free, unless config.when_full is block: see Intake::take for `poll`. A stamp
   // that shows that the sensor's clock was set back makes what waits due.
-  void push(EventSpan events, std::optional<Steady::time_point> arrival = {},
-            const Intake::Poll& poll = {});
+  void push(EventSpan events, std::optional<Steady::time_point> arrival = {});
+  void push(EventSpan events, std::optional<Steady::time_point> arrival, const Intake::Poll& poll);
 
   // Any thread. A producer that waits for room gives up.
   void leave() noexcept { intake_.leave(); }
@@ -62,6 +62,8 @@ class LiveRun {
   const Telemetry& telemetry() const noexcept { return run_.telemetry(); }
 
  private:
+  template <class Take>
+  void push_by(const Take& take, EventSpan events, std::optional<Steady::time_point> arrival);
   void begin(const Event& first, Steady::time_point arrival) noexcept;
   void heed_clock() noexcept;
 

@@ -33,7 +33,8 @@ class Pipeline::Work {
   static std::unique_ptr<Work> with_worker(RunConfig config, Consumer algorithm);
   static PipelineMemory memory(const RunConfig& config) noexcept;
 
-  bool push(EventSpan events, Arrival arrival, const Poll& poll);
+  template <class Push>
+  bool push_by(const Push& push);
   void upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept;
   Next next(Package& package, std::chrono::nanoseconds patience, const Poll& poll);
   void complete();
@@ -184,7 +185,8 @@ void Pipeline::Work::end_work() {
   if (error_) std::rethrow_exception(std::exchange(error_, {}));
 }
 
-bool Pipeline::Work::push(EventSpan events, Arrival arrival, const Poll& poll) {
+template <class Push>
+bool Pipeline::Work::push_by(const Push& push) {
   if (!door_.enter()) return false;
   struct Leave {
     Work& pipeline;
@@ -192,7 +194,7 @@ bool Pipeline::Work::push(EventSpan events, Arrival arrival, const Poll& poll) {
       pipeline.door_.leave([this] { pipeline.run_->close(); });
     }
   } leave{*this};
-  run_->push(events, arrival, poll);
+  push(*run_);
   return true;
 }
 
@@ -327,8 +329,11 @@ std::size_t memory_bytes(const RunConfig& config) noexcept {
   return Pipeline::memory(config).total();
 }
 
+bool Pipeline::push(EventSpan events, Arrival arrival) {
+  return work_->push_by([&](LiveRun& run) { run.push(events, arrival); });
+}
 bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
-  return work_->push(events, arrival, poll);
+  return work_->push_by([&](LiveRun& run) { run.push(events, arrival, poll); });
 }
 void Pipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
   work_->upstream_lost(marks, packets);

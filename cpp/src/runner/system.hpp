@@ -8,6 +8,8 @@
 #include <chrono>
 #include <cstdint>
 
+#include "asap/core/nonblocking.hpp"
+
 namespace asap {
 
 struct System {
@@ -15,7 +17,7 @@ struct System {
   using Word = std::atomic<std::uint32_t>;
 
   // The wall clock is never looked at.
-  static Clock::time_point now() noexcept;
+  static Clock::time_point now() noexcept ASAP_NONBLOCKING;
   // Sleeps while the word is 1, until wake() or the deadline; may return early.
   static void sleep(Word& word, Clock::time_point deadline) noexcept;
   // Wakes who sleeps there, once the word is no longer 1.

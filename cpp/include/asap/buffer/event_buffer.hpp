@@ -26,6 +26,7 @@
 #include "asap/core/atomics.hpp"
 #include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
+#include "asap/core/nonblocking.hpp"
 
 namespace asap {
 
@@ -65,7 +66,7 @@ class BasicEventBuffer {
 
   // Producer. Takes the oldest events of the span that fit, counts the rest as overflow.
   // Returns how many were taken.
-  std::size_t push(EventSpan events) noexcept {
+  std::size_t push(EventSpan events) noexcept ASAP_NONBLOCKING {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
     if (capacity_ - (tail - head_copy_) < events.size()) {
       head_copy_ = head_.load(std::memory_order_acquire);
@@ -96,7 +97,8 @@ class BasicEventBuffer {
   void close() noexcept { closed_.store(true, std::memory_order_release); }
 
   // Consumer. The oldest waiting events, at most `limit`; they stay valid until consumed.
-  EventPieces peek(std::size_t limit = std::numeric_limits<std::size_t>::max()) noexcept {
+  EventPieces peek(std::size_t limit = std::numeric_limits<std::size_t>::max()) noexcept
+      ASAP_NONBLOCKING {
     const std::uint64_t head = head_.load(std::memory_order_relaxed);
     if (tail_copy_ - head < limit) tail_copy_ = tail_.load(std::memory_order_acquire);
     const std::size_t size = std::min(limit, static_cast<std::size_t>(tail_copy_ - head));
@@ -106,7 +108,7 @@ class BasicEventBuffer {
   }
 
   // Consumer. Frees the `count` oldest events; count <= what the last peek returned.
-  void consume(std::size_t count) noexcept {
+  void consume(std::size_t count) noexcept ASAP_NONBLOCKING {
     head_.store(head_.load(std::memory_order_relaxed) + count, std::memory_order_release);
   }
 

@@ -14,6 +14,7 @@
 #include <cstdint>
 
 #include "asap/core/event.hpp"
+#include "asap/core/nonblocking.hpp"
 
 namespace asap {
 
@@ -78,7 +79,9 @@ class Validator {
       if (at > run) sink(events.subspan(run, at - run));
       const Repaired repaired = repair(block);
       if (repaired.kept > 0) sink(EventSpan{scratch_.data(), repaired.kept});
-      if (repaired.fault != Fault::none) refuse(block[repaired.read], repaired.fault);
+      if (repaired.fault != Fault::none) {
+        exempt([&] { refuse(block[repaired.read], repaired.fault); });  // it throws: OnBad::raise
+      }
       at += block.size();
       run = at;
     }

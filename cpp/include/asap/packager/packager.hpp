@@ -19,6 +19,7 @@
 #include <memory>
 
 #include "asap/buffer/event_buffer.hpp"
+#include "asap/core/nonblocking.hpp"
 #include "asap/core/time.hpp"
 #include "asap/filter/front_filter.hpp"
 #include "asap/packager/package.hpp"
@@ -79,14 +80,15 @@ class Packager {
   // like stratum(), what the filter in front throws: then the package is given up, its raw events
   // are still in the ring. Events from ring index `until` on are not there yet: a producer does not
   // wait between the caller's looks at the ring and at the clock.
-  Next next(std::int64_t now_ns, std::uint64_t until = std::numeric_limits<std::uint64_t>::max());
+  Next next(std::int64_t now_ns,
+            std::uint64_t until = std::numeric_limits<std::uint64_t>::max()) ASAP_NONBLOCKING;
 
   // The kept events to process next, at now_ns; empty: the package is finished. A whole package
   // comes at once, an anytime package stratum by stratum; package.events are those so far.
-  EventSpan stratum(Package& package, std::int64_t now_ns);
+  EventSpan stratum(Package& package, std::int64_t now_ns) ASAP_NONBLOCKING;
 
   // The algorithm has finished the package at end_ns. Precondition: stratum() has been called.
-  void complete(const Package& package, std::int64_t end_ns) noexcept;
+  void complete(const Package& package, std::int64_t end_ns) noexcept ASAP_NONBLOCKING;
 
  private:
   class Work;

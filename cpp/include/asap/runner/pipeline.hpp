@@ -19,6 +19,7 @@
 #include <memory>
 #include <optional>
 
+#include "asap/core/nonblocking.hpp"
 #include "asap/core/result.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
@@ -68,10 +69,12 @@ class Pipeline {
   // ---- producer: any thread, one at a time; wait-free, no allocation
 
   // False, and nothing is counted: after stop(), or while another thread pushes. Where the ring is
-  // full config.when_full decides; `poll` is for WhenFull::block alone: called
-  // every 20 ms while push waits for room; it may throw. An arrival in the future counts as now,
-  // one before that of the last push as that. With OnBad::raise throws std::invalid_argument.
-  bool push(EventSpan events, Arrival arrival = {}, const Poll& poll = {});
+  // full config.when_full decides. An arrival in the future counts as now, one before that of the
+  // last push as that. With OnBad::raise throws std::invalid_argument.
+  bool push(EventSpan events, Arrival arrival = {}) ASAP_NONBLOCKING;
+
+  // For WhenFull::block: `poll` is called every 20 ms while push waits for room; it may throw.
+  bool push(EventSpan events, Arrival arrival, const Poll& poll);
 
   // The driver has lost events before they came here.
   void upstream_lost(std::uint64_t marks, std::uint64_t packets = 0) noexcept;

@@ -10,6 +10,7 @@
 #include <limits>
 #include <string_view>
 
+#include "asap/core/nonblocking.hpp"
 #include "asap/core/result.hpp"
 #include "asap/core/time.hpp"
 #include "asap/schemes/parameters.hpp"
@@ -22,10 +23,10 @@ class Deadline;
 class BacklogCounts {
  public:
   // Waiting raw events with time < time_ns: they are the oldest ones. O(log n).
-  virtual std::size_t before(std::int64_t time_ns) const noexcept = 0;
+  virtual std::size_t before(std::int64_t time_ns) const noexcept ASAP_NONBLOCKING = 0;
   // The same in O(1), right to the share of one age slot (buffer/age_slots.hpp); what is older than
   // the slots counts as their oldest. Never decreases with time_ns, never more than count.
-  virtual std::size_t about_before(std::int64_t time_ns) const noexcept = 0;
+  virtual std::size_t about_before(std::int64_t time_ns) const noexcept ASAP_NONBLOCKING = 0;
 
  protected:
   ~BacklogCounts() = default;
@@ -101,8 +102,8 @@ class Scheme {
  public:
   virtual ~Scheme() = default;
 
-  virtual Decision decide(const Backlog& backlog) noexcept = 0;
-  virtual void observe(const Outcome&) noexcept {}
+  virtual Decision decide(const Backlog& backlog) noexcept ASAP_NONBLOCKING = 0;
+  virtual void observe(const Outcome&) noexcept ASAP_NONBLOCKING {}
   // Back to the constructed state, before a run whose algorithm runs like that.
   virtual void reset(Execution) noexcept {}
 
