@@ -79,8 +79,8 @@ class Intake {
   Relaxed<std::uint64_t> most_waiting_;
   Doorbell room_;  // the producer sleeps there
   std::atomic<bool> left_{false};
-  std::array<Event, kBlock> scratch_;
-  std::array<std::uint64_t, kBlock> numbers_;
+  std::array<Event, kBlock> scratch_{};  // written at construction: no page is missing later
+  std::array<std::uint64_t, kBlock> numbers_{};
 };
 
 }  // namespace asap

@@ -27,19 +27,30 @@ long page_faults() noexcept {
   return usage.ru_minflt;
 }
 
+#if defined(__x86_64__)
+constexpr long kMost = 0;
+#else
+constexpr long kMost = 1;  // an emulator has faults of its own
+#endif
+
 struct Seen {
   long faults;
   Ledger ledger;
 };
 
-// A million events through a new pipeline, in time and, at the end, faster than they are taken.
+// A million events through a new pipeline, some bad, in time and, at the end, faster than they are
+// taken.
 Seen run_million(bool prefault) {
   test::Events events = test::evenly_spaced(1000, 1);
   malloc_trim(0);  // no page of what was freed before
-  Pipeline pipeline{{.latency_us = 10'000, .capacity = 65'536, .prefault = prefault},
+  Pipeline pipeline{{.latency_us = 10'000,
+                     .capacity = 65'536,
+                     .validator = {.width = 4000},
+                     .prefault = prefault},
                     [](EventSpan) {}};
   const long before = page_faults();
   for (int push = 0; push < 1000; ++push) {
+    events[7].x = push % 10 == 0 ? 5000 : 1;
     pipeline.push(events);
     for (Event& event : events) event.t += 1000;
     if (push < 500) std::this_thread::sleep_for(std::chrono::microseconds(50));
@@ -60,13 +71,13 @@ int exit_code() {
     least = std::min(least, seen.ledger.received == 1'000'000 ? seen.faults : 1000);
   }
   std::fprintf(stderr, "faults without prefault: %ld, with it: %ld\n", without, least);
-  return least <= 1 && without > 100 ? 0 : 1;
+  return least <= kMost && without > 100 ? 0 : 1;
 }
 
 // In a process of its own: the heap of the tests before has pages to give.
-TEST(Prefault, AtMostOnePageIsMissedOnTheHotPath) {
+TEST(Prefault, NoPageIsMissedOnTheHotPath) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  EXPECT_EXIT(std::exit(exit_code()), testing::ExitedWithCode(0), "with it: [01]");
+  EXPECT_EXIT(std::exit(exit_code()), testing::ExitedWithCode(0), "with it: [01]\n");
 }
 
 }  // namespace

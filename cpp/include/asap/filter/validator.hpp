@@ -133,7 +133,7 @@ class Validator {
   std::uint64_t received_ = 0;
   Rejections rejected_;
   Repairs repairs_;
-  std::array<Event, kBlock> scratch_;
+  std::array<Event, kBlock> scratch_{};  // written at construction: no page is missing later
 };
 
 }  // namespace asap
