@@ -17,8 +17,8 @@ import pytest
 import asap
 import corrupt
 from asap import cli
+from asap.conversion import WRITERS
 from asap.events import Events
-from asap.io.writers import WRITERS
 from event_files import assert_equal_events, recording, sha256_txyp
 
 EVENTS = corrupt.clean_events(3000)
