@@ -15,7 +15,9 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <thread>
+#include <vector>
 
 namespace asap::prefault_test {
 namespace {
@@ -28,10 +30,14 @@ long page_faults() noexcept {
 }
 
 #if defined(__x86_64__)
+constexpr int kPipelines = 8;
 constexpr long kMost = 0;
-#else
-constexpr long kMost = 1;  // an emulator has faults of its own
+#else  // an emulator has faults of its own
+constexpr int kPipelines = 1;
+constexpr long kMost = 1;
 #endif
+
+using Pipelines = std::vector<std::unique_ptr<Pipeline>>;
 
 struct Seen {
   long faults;
@@ -40,14 +46,16 @@ struct Seen {
 
 // A million events through a new pipeline, some bad, in time and, at the end, faster than they are
 // taken.
-Seen run_million(bool prefault) {
+Seen run_million(bool prefault, Pipelines& kept) {
   test::Events events = test::evenly_spaced(1000, 1);
   malloc_trim(0);  // no page of what was freed before
-  Pipeline pipeline{{.latency_us = 10'000,
-                     .capacity = 65'536,
-                     .validator = {.width = 4000},
-                     .prefault = prefault},
-                    [](EventSpan) {}};
+  kept.push_back(std::make_unique<Pipeline>(RunConfig{.latency_us = 10'000,
+                                                      .capacity = 65'536,
+                                                      .validator = {.width = 4000},
+                                                      .log_rows = 0,
+                                                      .prefault = prefault},
+                                            [](EventSpan) {}));
+  Pipeline& pipeline = *kept.back();
   const long before = page_faults();
   for (int push = 0; push < 1000; ++push) {
     events[7].x = push % 10 == 0 ? 5000 : 1;
@@ -61,14 +69,21 @@ Seen run_million(bool prefault) {
   return {faults, pipeline.ledger()};
 }
 
-// A page that was not touched is missed every time; one that the kernel moves meanwhile, once.
+// Small arrays share their pages with what was touched, as they happen to lie: so several
+// pipelines, each in memory of its own. A page that was not touched is missed in every round; one
+// that the kernel moves meanwhile, once.
 int exit_code() {
   prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);  // a huge page is one fault
-  const long without = run_million(false).faults;
+  Pipelines kept;
+  const long without = run_million(false, kept).faults;
   long least = without;
-  for (int attempt = 0; attempt < 5 && least > 0; ++attempt) {
-    const Seen seen = run_million(true);
-    least = std::min(least, seen.ledger.received == 1'000'000 ? seen.faults : 1000);
+  for (int round = 0; round < 5 && least > 0; ++round) {
+    long faults = 0;
+    for (int i = 0; i < kPipelines; ++i) {
+      const Seen seen = run_million(true, kept);
+      faults += seen.ledger.received == 1'000'000 ? seen.faults : 1000;
+    }
+    least = std::min(least, faults);
   }
   std::fprintf(stderr, "faults without prefault: %ld, with it: %ld\n", without, least);
   return least <= kMost && without > 100 ? 0 : 1;
