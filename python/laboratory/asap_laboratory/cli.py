@@ -15,6 +15,7 @@ from asap.cli.outcome import (
     Failure,
     print_json,
     print_written,
+    reading,
     say,
     usage,
     writing,
@@ -27,7 +28,7 @@ _Found = TypeVar("_Found")
 
 def conduct(arguments: Any) -> int:
     """Carry out ``asap study`` and return the exit code."""
-    asked = [kind for kind in _KINDS if getattr(arguments, kind)]
+    asked = [kind for kind in _KINDS if getattr(arguments, kind) not in (False, None)]
     if len(asked) > 1:
         raise Failure(USAGE, " and ".join(f"--{kind}" for kind in asked) + ": give one of them")
     return _KINDS[asked[0]](arguments) if asked else _schemes(arguments)
@@ -91,6 +92,33 @@ def _ladder(arguments: Any) -> int:
     return OK
 
 
+def _real(arguments: Any) -> int:
+    from asap_laboratory import real, real_study
+    from asap_laboratory.real.folders import opened
+
+    with reading(arguments):
+        scenes, left_out = opened(arguments.real)
+    for words in left_out:
+        say(f"left out: {words}")
+    with usage(), writing(arguments.out), progress.on_terminal() as on_progress:
+        found = real_study(
+            arguments.out,
+            list(scenes.values()),
+            left_out=left_out,
+            figures=_can_draw(),
+            command=" ".join(["asap study --real", *(folder.name for folder in arguments.real)]),
+            on_progress=on_progress,
+        )
+    if arguments.json:
+        sets = [one.summary() for one in found.sets]
+        files = [str(path) for path in found.paths]
+        print_json({"schema_version": 1, "form": "real", "sets": sets, "files": files})
+        return OK
+    print(f"{real.document.table(found.sets)}\n")
+    print_written(*found.paths)
+    return OK
+
+
 def _beside_the_clock(arguments: Any) -> int:
     from asap_laboratory import realtime
 
@@ -112,6 +140,7 @@ _KINDS = {
     "ladder": _ladder,
     "accuracy": _accuracy,
     "rivals": _rivals,
+    "real": _real,
     "realtime": _beside_the_clock,
 }
 

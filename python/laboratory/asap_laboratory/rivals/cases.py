@@ -5,11 +5,8 @@ All of them in one task, so that their costs are of the same minutes on the same
 
 from __future__ import annotations
 
-import statistics
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 from asap import _core
 from asap.accuracy import Scene
@@ -18,6 +15,7 @@ from asap.accuracy.mota import mota
 from asap.accuracy.trace import follow
 from asap_laboratory import _native
 from asap_laboratory.accuracy.cases import RUNGS, Rung, scene_of
+from asap_laboratory.rivals.cost import costs_ns
 
 __all__ = ["OURS", "RIVALS", "Rivalry", "RivalsCase", "rivals_cases"]
 
@@ -34,8 +32,6 @@ RIVALS = {
 """Ours with nothing in front, and every rival, by the label of the tables."""
 
 COLUMNS = ("mota", "id_switches", "position_rms", "velocity_rms", "ns_per_event")
-_REPETITIONS = 5
-_PACKAGE = 16_384  # events: large enough for the call not to count, small enough for the cache
 _SECONDS = {"A": 9, "B": 11, "D": 12, "G": 15}
 _USUAL_SECONDS = 6
 
@@ -92,39 +88,6 @@ def rivals_cases(form: str) -> Iterator[RivalsCase]:
         for scene in scenes:
             for seed in range(*seeds[form]):
                 yield RivalsCase(scene, seed)
-
-
-def costs_ns(rungs: dict[str, Rung], scene: Scene) -> dict[str, float]:
-    """Measure filter and tracker, ns of processor time per event that enters.
-
-    Parameters
-    ----------
-    rungs : dict of str to Rung
-        They take turns, so that what else the machine does meets all of them.
-    scene : Scene
-        Each takes it whole in every turn.
-
-    Returns
-    -------
-    dict of str to float
-        Median over the turns.
-    """
-    events = scene.events
-    packages = [events[begin : begin + _PACKAGE] for begin in range(0, events.size, _PACKAGE)]
-    turns: dict[str, list[float]] = {label: [] for label in rungs}
-    for _ in range(_REPETITIONS):
-        for label, rung in rungs.items():
-            ns = _turn_ns(rung, scene, packages)
-            turns[label].append(ns / max(events.size, 1))
-    return {label: statistics.median(some) for label, some in turns.items()}
-
-
-def _turn_ns(rung: Rung, scene: Scene, packages: list[Any]) -> int:
-    tracker, before = rung.made_for(scene)
-    begin_ns = time.thread_time_ns()
-    for package in packages:
-        tracker.process(package if before is None else before.process(package), labels=False)
-    return time.thread_time_ns() - begin_ns
 
 
 def _scored(rung: Rung, scene: Scene) -> dict[str, float]:

@@ -29,7 +29,7 @@ nothing (jAER itself was not run); "compat steady" is the published rule (ICRA 2
 R 20, no probes, alpha .05. Protocol as in
 [accuracy.md](accuracy.md), all events kept; a cell is the mean over the seeds with the standard
 deviation. "Ahead" counts the seeds on which `fast` has the higher MOTA, the same, and the lower.
-ns: filter and tracker, processor time per event that enters, median of five turns in which each
+ns: filter and tracker, processor time per event that enters, median of three turns in which each
 takes the scene after the other. All scenes are synthetic, and each design was tuned on scenes of
 this kind."""
 
