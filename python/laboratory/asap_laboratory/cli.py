@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any, TypeVar
@@ -71,11 +72,23 @@ def _rivals(arguments: Any) -> int:
 
     found = _conducted(arguments, rivals_study, "asap study --rivals")
     if arguments.json:
-        _print_json(arguments, found, rivals=[curve.summary() for curve in found.curves])
+        curves = [curve.summary() for curve in found.curves]
+        _print_json(arguments, found, rivals=curves, recordings=_without_nan(found.recordings))
         return OK
-    print(f"{rivals.document.verdict(found.curves)}\n\n{rivals.document.table(found.curves)}\n")
+    document = rivals.document
+    print(f"{document.verdict(found.curves)}\n\nMOTA\n\n{document.accuracy(found.curves)}\n")
+    print(f"ns of processor time per event\n\n{document.cost(found.curves)}\n")
+    if found.recordings:
+        print(f"recordings\n\n{document.recordings_table(found.recordings)}\n")
     print_written(*found.paths)
     return OK
+
+
+def _without_nan(figures: Any) -> Any:
+    """Figures as JSON holds them: None where one does not exist."""
+    if isinstance(figures, dict):
+        return {name: _without_nan(value) for name, value in figures.items()}
+    return None if math.isnan(figures) else figures
 
 
 def _ladder(arguments: Any) -> int:
