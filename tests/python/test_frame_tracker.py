@@ -14,9 +14,17 @@ pytest.importorskip("scipy", reason="the images are scipy's")
 
 from asap_laboratory.rivals import frames
 from asap_laboratory.rivals.cases import RIVALS
-from asap_laboratory.rivals.frames import FrameTracker, components
+from asap_laboratory.rivals.frames import FrameTracker
 
 MS = 1000
+
+
+def components(pixels: np.ndarray, neighbours: int = 1) -> np.ndarray:
+    return frames.components(pixels, neighbours)
+
+
+def tracker_of(width: int = 80, height: int = 60) -> FrameTracker:
+    return FrameTracker(width, height, period_us=10 * MS, neighbours=1)
 
 
 def image(*squares: tuple[int, int, int]) -> np.ndarray:
@@ -46,6 +54,10 @@ def test_pixels_without_neighbours_are_noise() -> None:
     pixels = image((10, 20, 5))
     pixels[21, 16] = pixels[23, 16] = pixels[5, 5] = 1
     assert components(pixels).tolist() == [[12, 22]]
+    pixels[22, 16] = 1  # three in a column: the middle one has two neighbours, the others one
+    assert components(pixels).tolist() == [[13, 22]]
+    assert components(pixels, 2).tolist() == [[13, 22]]
+    assert components(pixels, 3).tolist() == [[12, 22]]
 
 
 def test_what_is_near_is_one_component_and_what_is_small_is_none() -> None:
@@ -53,14 +65,14 @@ def test_what_is_near_is_one_component_and_what_is_small_is_none() -> None:
         near, far = x + 5 + frames._CELL_PX - 1, x + 5 + 2 * frames._CELL_PX
         assert len(components(image((x, 20, 5), (near, 20, 5)))) == 1
         assert len(components(image((x, 20, 5), (far, 20, 5)))) == 2
-    assert components(image((10, 20, 3))).size == 0 < frames._LEAST_PX - 9
+    assert components(image((10, 20, 3))).size == 0
 
 
 # ---- tracks ---------------------------------------------------------------------------------
 
 
 def test_a_track_is_told_when_it_was_seen_often_enough_and_moves_on() -> None:
-    tracker = FrameTracker(80, 60, period_us=10 * MS)
+    tracker = tracker_of()
     for step in range(8):
         tracker.process(square(step * 10 * MS, 10 + step))  # 100 px/s
         seen = tracker.clusters_at((step + 1) * 10 * MS - 1)
@@ -73,7 +85,7 @@ def test_a_track_is_told_when_it_was_seen_often_enough_and_moves_on() -> None:
 
 
 def test_an_id_outlives_a_gap_and_ends_after_it() -> None:
-    tracker = FrameTracker(80, 60, period_us=10 * MS)
+    tracker = tracker_of()
     ids = []
     for step in range(30):
         if step < 10 or 10 + frames._MISSES <= step + 1 < 20:
@@ -84,7 +96,7 @@ def test_an_id_outlives_a_gap_and_ends_after_it() -> None:
 
 
 def test_what_is_seen_once_is_never_told() -> None:
-    tracker = FrameTracker(80, 60, period_us=10 * MS)
+    tracker = tracker_of()
     for step in range(20):
         if step % 3 == 0:
             tracker.process(square(step * 10 * MS, 10))
@@ -93,7 +105,7 @@ def test_what_is_seen_once_is_never_told() -> None:
 
 def test_two_that_come_near_keep_their_ids() -> None:
     """The Hungarian method: the nearest pair first would leave one without a component."""
-    tracker = FrameTracker(80, 60, period_us=10 * MS)
+    tracker = tracker_of()
     for step in range(8):
         left, right = square(step * 10 * MS, 10 + step), square(step * 10 * MS, 40 - step)
         tracker.process(np.concatenate([left, right]))
@@ -110,7 +122,7 @@ def test_packages_do_not_matter_and_asking_only_closes_full_images() -> None:
     events["y"] += (5 * i % 8).astype(np.uint16)
 
     def told(size: int, ask: bool) -> np.ndarray:
-        tracker = FrameTracker(346, 260, period_us=10 * MS)
+        tracker = tracker_of(346, 260)
         for begin in range(0, events.size, size):
             tracker.process(events[begin : begin + size])
             if ask:
@@ -124,7 +136,7 @@ def test_packages_do_not_matter_and_asking_only_closes_full_images() -> None:
 
 
 def test_before_the_first_event_there_is_nothing() -> None:
-    tracker = FrameTracker(80, 60, period_us=10 * MS)
+    tracker = tracker_of()
     tracker.process(streams.make([]))
     assert tracker.clusters_at(10**9).size == 0
 
@@ -137,5 +149,5 @@ def test_it_is_a_rival_at_two_periods_and_can_be_scored() -> None:
         rung = RIVALS[label]
         assert isinstance(rung, Rung) and rung.algorithm == label and rung.before is None
         assert isinstance(rung.make(64, 48), FrameTracker)
-    found = asap.score(FrameTracker(346, 260, period_us=10 * MS), FakeScene([(50, 50, 0, 0)]))
+    found = asap.score(tracker_of(346, 260), FakeScene([(50, 50, 0, 0)]))
     assert found["mota"] == 0  # a point has no neighbours

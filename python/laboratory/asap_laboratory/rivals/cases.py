@@ -26,11 +26,11 @@ __all__ = ["OURS", "RIVALS", "RecordingCase", "Rivalry", "RivalsCase", "rivals_c
 OURS = "fast"
 
 
-def _frames(period_us: int) -> Rung:
+def _frames(period_us: int, neighbours: int) -> Rung:
     def make(width: int, height: int) -> Any:
         from asap_laboratory.rivals.frames import FrameTracker  # needs scipy
 
-        return FrameTracker(width, height, period_us=period_us)
+        return FrameTracker(width, height, period_us=period_us, neighbours=neighbours)
 
     return Rung(f"frames {period_us // 1000} ms", make)
 
@@ -38,8 +38,8 @@ def _frames(period_us: int) -> Rung:
 _BAF = _core.BackgroundActivityFilter
 RIVALS = {
     OURS: RUNGS[OURS],
-    "frames 10 ms": _frames(10_000),
-    "frames 20 ms": _frames(20_000),
+    "frames 10 ms": _frames(10_000, neighbours=2),
+    "frames 20 ms": _frames(20_000, neighbours=3),
     "compat": RUNGS["compat"],
     "BAF + compat steady": RUNGS["BAF + compat steady"],
     "jAER-type core": Rung("jAER-type core", _native.JaerClusterTracker),

@@ -38,7 +38,7 @@ _TRACKERS = (
     ("fast", "`asap.ClusterTracker`"),
     (
         "frames",
-        "images of 10 or 20 ms: pixels with an event and with neighbours, their connected "
+        "images of 10 or 20 ms: pixels with an event and two or three neighbours, their connected "
         "components, Kalman filters, Hungarian method (EBBIOT 2019, SORT 2016); scipy, called from "
         "Python",
     ),
@@ -55,7 +55,7 @@ _TRACKERS = (
 _ACCURACY = """\
 MOTA, mean over the seeds; bold: the best. Protocol as in [accuracy.md](accuracy.md), all events
 kept. Each design was tuned on scenes of this kind, none on these seeds; the constants of the frames
-on seed 0 of C, D, E, H, I and J."""
+on seed 0 of A, C, D, E, H, I and J."""
 
 _COST = """\
 ns of processor time per event, mean over the seeds of the median of three turns in which each takes
