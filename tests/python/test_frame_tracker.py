@@ -84,6 +84,14 @@ def test_a_track_is_told_when_it_was_seen_often_enough_and_moves_on() -> None:
     assert later["x"] - one["x"] == pytest.approx(5e-3 * one["vx"])
 
 
+def test_an_image_that_ends_by_the_time_of_asking_is_full() -> None:
+    tracker = tracker_of()
+    for step in range(frames._CONFIRM):
+        tracker.process(square(step * 10 * MS, 10))
+    end_us = frames._CONFIRM * 10 * MS
+    assert [tracker.clusters_at(end_us - 1).size, tracker.clusters_at(end_us).size] == [0, 1]
+
+
 def test_an_id_outlives_a_gap_and_ends_after_it() -> None:
     tracker = tracker_of()
     ids = []
