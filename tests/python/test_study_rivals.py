@@ -296,8 +296,10 @@ def test_prototypes_stand_beside():
 
 def test_the_verdict_names_who_is_better():
     assert rivals.document.verdict(CURVES) == (
-        "Higher mean MOTA than `fast`: BAF + old on B (by .0750)."
+        "Higher mean MOTA than `fast`, the best on each scene: BAF + old on B (by .0750)."
     )
+    better = [*CURVES, curve("new", "B", 0.6, 0.6), curve("far", "A", 3.0, 3.0)]
+    assert rivals.document.verdict(better).endswith(": far on A (by 2.0500), new on B (by .1000).")
     assert rivals.document.verdict(CURVES[:2]) == "No rival has a higher mean MOTA on any scene."
 
 
@@ -325,7 +327,7 @@ def asked(monkeypatch, tmp_path):
 def test_command_prints_verdict_and_table(asked, tmp_path, capsys):
     assert main(["study", "--rivals", "--quick", "--out", str(tmp_path)]) == 0
     out, _ = capsys.readouterr()
-    assert out.startswith("Higher mean MOTA than `fast`: BAF + old on B")
+    assert out.startswith("Higher mean MOTA than `fast`, the best on each scene: BAF + old on B")
     for part in (rivals.document.accuracy(CURVES), rivals.document.cost(CURVES)):
         assert part in out
     assert rivals.document.recordings_table(RECORDINGS) in out and out.endswith("rivals.md\n")

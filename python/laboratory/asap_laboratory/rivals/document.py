@@ -223,16 +223,20 @@ def beside_prototypes(curves: Sequence[KeepCurve]) -> str:
 
 
 def verdict(curves: Sequence[KeepCurve]) -> str:
-    """Say, in a sentence, where a rival has the higher mean MOTA."""
+    """Say, in a sentence, on which scenes a rival has the higher mean MOTA: the best there."""
     lost = []
-    for curve in curves:
-        ours, theirs = _ours(curves, curve.scene).rows[0], curve.rows[0]
-        if theirs.mean["mota"] > ours.mean["mota"]:
-            by = theirs.mean["mota"] - ours.mean["mota"]
-            lost.append(f"{label_of(curve)} on {curve.scene} (by {by:.4f})".replace("0.", "."))
+    for scene in dict.fromkeys(curve.scene for curve in curves):
+        best = max(
+            (curve for curve in curves if curve.scene == scene),
+            key=lambda curve: curve.rows[0].mean["mota"],
+        )
+        by = best.rows[0].mean["mota"] - _ours(curves, scene).rows[0].mean["mota"]
+        if by > 0:
+            words = f"{label_of(best)} on {scene.replace('_', ' ')} (by {by:.4f})"
+            lost.append(words.replace("(by 0.", "(by ."))
     if not lost:
         return "No rival has a higher mean MOTA on any scene."
-    return f"Higher mean MOTA than `{OURS}`: {', '.join(lost)}."
+    return f"Higher mean MOTA than `{OURS}`, the best on each scene: {', '.join(lost)}."
 
 
 def _ours(curves: Sequence[KeepCurve], scene: str) -> KeepCurve:

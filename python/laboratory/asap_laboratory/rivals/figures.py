@@ -82,8 +82,9 @@ def draw(curves: Sequence[KeepCurve], recordings: Recordings) -> plots.NotebookF
         accuracy.set_xticks((-1, -0.5, 0, 0.5, 1), ("≤ -1", "-.5", "0", ".5", "1"))
         accuracy.set_yticks(range(len(lines)), list(lines))
         cost.set(title="ns per event", xscale="log")
-        shown = cost.get_xlim()
-        ticks = [tick for tick in (10, 30, 100, 300, 1000, 3000) if shown[0] <= tick <= shown[1]]
+        least, most = cost.get_xlim()
+        usual = (10, 100, 1000) if most > 20 * least else (20, 50, 100, 200)
+        ticks = [tick for tick in usual if least <= tick <= most]
         cost.set_xticks(ticks, [f"{tick}" for tick in ticks])
         cost.set_xticks((), minor=True)
         for axes in panels:
