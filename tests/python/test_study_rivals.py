@@ -1,8 +1,10 @@
 """asap study --rivals: what it runs, what it keeps, what it writes."""
 
 import json
+import math
 from concurrent.futures import Executor, Future
 
+import numpy as np
 import pytest
 
 import asap
@@ -11,8 +13,11 @@ from asap.cli import main
 from asap.results.keep_curve import KeepCurve, Scored
 from asap_laboratory import RivalsStudy, _native, rivals, rivals_study
 from asap_laboratory.accuracy.cases import Rung
-from asap_laboratory.rivals.cases import COLUMNS, OURS, RIVALS, RivalsCase
+from asap_laboratory.rivals.cases import COLUMNS, OURS, RIVALS, RecordingCase, RivalsCase
+from asap_laboratory.rivals.conduct import recordings_of
+from asap_laboratory.run import run
 from fake_scene import FakeScene, perfect
+from labelled_folders import folder
 
 BAF = asap.BackgroundActivityFilter
 SCENE = FakeScene([(50, 50, 0, 0), (150, 100, 0, 0)], end_us=120_001)
@@ -72,13 +77,10 @@ def test_forms_take_the_scenes_and_seeds_that_they_say():
             found.setdefault(case.scene, []).append(case.seed)
         return found
 
-    ten, six = list(range(200, 210)), list(range(200, 206))
-    assert seeds("quick") == {"A": [200], "E": [200]}
-    assert seeds("default") == {**dict.fromkeys("ABCDE", ten), **dict.fromkeys("FG", six)}
-    assert {scene: len(of) for scene, of in seeds("full").items()} == {
-        **dict.fromkeys("ABCDE", 20),
-        **dict.fromkeys("FG", 12),
-    }
+    scenes = [*"ABCDEFG", "H_bars", "H_angles", "H_rings", *"IJK"]
+    assert seeds("quick") == {"A": [1000], "E": [1000]}
+    assert seeds("default") == {scene: list(range(1000, 1020)) for scene in scenes}
+    assert seeds("full") == {scene: list(range(1000, 1040)) for scene in scenes}
 
 
 def test_the_rivals_are_those_that_their_labels_name():
@@ -89,12 +91,14 @@ def test_the_rivals_are_those_that_their_labels_name():
     assert isinstance(RIVALS["jAER-type core"].make(64, 48), _native.JaerClusterTracker)
     steady = RIVALS["BAF + compat steady"].make(64, 48).parameters
     assert (steady["engine"], steady["window"], steady["probes"]) == ("compat", 2000, 0)
+    launched = RIVALS["compat"].make(64, 48).parameters
+    assert (launched["engine"], launched["window"], launched["probes"]) == ("compat", 800, 1)
 
 
 def test_a_case_scores_and_times_everybody(monkeypatch):
     monkeypatch.setattr(rivals.cases, "scene_of", lambda name, seed: SCENE)
     labels = (OURS, "BAF + jAER-type core")
-    found = RivalsCase("A", 200, labels).measure().rivals
+    found = RivalsCase("A", 1000, labels).measure().rivals
     assert tuple(found) == labels
     assert all(tuple(one) == COLUMNS for one in found.values())
     assert all(one["ns_per_event"] > 0 for one in found.values())
@@ -102,17 +106,17 @@ def test_a_case_scores_and_times_everybody(monkeypatch):
 
 def test_they_take_turns_and_the_median_counts(monkeypatch):
     turns = []
-    costs = {OURS: [9, 1, 2, 3, 4], "other": [50, 60, 40, 10, 90]}
+    costs = {OURS: [9, 1, 3], "other": [50, 60, 40]}
 
     def turn_ns(rung, scene, packages):
         turns.append(rung.algorithm)
         assert sum(package.size for package in packages) == scene.events.size
         return costs[rung.algorithm][(len(turns) - 1) // 2] * scene.events.size
 
-    monkeypatch.setattr(rivals.cases, "_turn_ns", turn_ns)
+    monkeypatch.setattr(rivals.cost, "_turn_ns", turn_ns)
     rungs = {name: Rung(name, Blind) for name in costs}
-    assert rivals.cases.costs_ns(rungs, SCENE) == {OURS: 3, "other": 50}
-    assert turns == [OURS, "other"] * 5
+    assert rivals.cost.costs_ns(rungs, SCENE) == {OURS: 3, "other": 50}
+    assert turns == [OURS, "other"] * 3
 
 
 def test_the_filter_stands_in_front_when_scored_and_when_timed():
@@ -128,8 +132,8 @@ def test_the_filter_stands_in_front_when_scored_and_when_timed():
     for before in (None, BAF):
         rung = Rung("counting", Counting, before)
         rivals.cases._scored(rung, noise)
-        rivals.cases.costs_ns({"counting": rung}, noise)
-    assert seen.count(0) >= 5 and sum(seen) >= 6 * noise.events.size
+        rivals.cost.costs_ns({"counting": rung}, noise)
+    assert seen.count(0) >= 3 and sum(seen) >= 4 * noise.events.size
 
 
 # ---- the whole ------------------------------------------------------------------------------
@@ -137,22 +141,71 @@ def test_the_filter_stands_in_front_when_scored_and_when_timed():
 
 def test_the_study_writes_and_goes_on_where_it_stopped(small, tmp_path):
     found = rivals_study(tmp_path, form="quick", executor=AtOnce(), command="as typed")
-    assert small == [("A", 200), ("E", 200)]
+    assert small == [("A", 1000), ("E", 1000)]
     assert [(curve.scene, curve.before, curve.algorithm) for curve in found.curves] == [
         (scene, None, name) for scene in "AE" for name in (OURS, "blind")
     ]
     assert found.curves[0].rows[0].mean["mota"] == 1
     assert found.curves[1].rows[0].mean["mota"] == 0
     text = found.paths[0].read_text()
-    assert found.paths == [tmp_path / "rivals.md"] and "`as typed`" in text
+    assert found.paths == [tmp_path / "rivals.md", tmp_path / "rivals.svg"]
+    assert "`as typed`" in text and "; seed 1000 of every scene." in text
+    assert "](rivals.svg)" in text and rivals.document.NO_RECORDINGS in text
     assert "No rival has a higher mean MOTA on any scene." in text
-    assert rivals.document.table(found.curves) in text
+    for part in (rivals.document.accuracy, rivals.document.cost, rivals.document.table):
+        assert part(found.curves) in text
     small.clear()
     again = rivals_study(tmp_path, form="quick", executor=AtOnce())
     assert small == [] and again.taken_from_file == 2
     assert [one.summary() for one in again.curves] == [one.summary() for one in found.curves]
-    rivals_study(tmp_path, form="quick", executor=AtOnce(), fresh=True)
-    assert len(small) == 2
+    bare = rivals_study(tmp_path, form="quick", executor=AtOnce(), fresh=True, figures=False)
+    assert len(small) == 2 and bare.paths == [tmp_path / "rivals.md"]
+    assert "rivals.svg" not in bare.paths[0].read_text()
+
+
+def test_recordings_are_scored_as_boxes_and_kept(tmp_path, monkeypatch):
+    class Sure(Blind):
+        """Says that id 7 is at (20, 20), where the box is."""
+
+        def __init__(self, width, height):
+            self.clusters = np.zeros(1, _core.ClusterTracker(width, height).clusters.dtype)
+            self.clusters["id"], self.clusters["x"], self.clusters["y"] = 7, 20, 20
+
+        def clusters_at(self, t_us):
+            return self.clusters
+
+    class Blinder(Sure):
+        def clusters_at(self, t_us):
+            return self.clusters[:0]
+
+    both = {OURS: Rung(OURS, Sure), "blind": Rung("blind", Blinder)}
+    monkeypatch.setattr(rivals.cases, "RIVALS", both)
+    case = RecordingCase(str(folder(tmp_path)), tuple(both))
+    for taken in (0, 1):
+        ran = run([case], state=tmp_path / "state.jsonl", executor=AtOnce())
+        assert ran.taken_from_file == taken
+        found = recordings_of(ran.results)[tmp_path.name]
+        assert (found[OURS]["hit"], found[OURS]["mota"]) == (1, 1)
+        assert found[OURS]["ns_per_event"] > 0
+        assert found["blind"]["hit"] == 0 and math.isnan(found["blind"]["precision"])
+
+
+def test_the_recordings_that_are_here_are_among_the_cases(tmp_path, monkeypatch):
+    (tmp_path / "labelled" / "clip").mkdir(parents=True)
+    folder(tmp_path / "labelled" / "clip")
+    monkeypatch.setenv("ASAP_TEST_DATA", str(tmp_path))
+    asked = []
+
+    def ran(tasks, **others):
+        asked.append([task.name for task in tasks])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("asap_laboratory.rivals.conduct.run", ran)
+    for form in ("quick", "default"):
+        with pytest.raises(KeyboardInterrupt):
+            rivals_study(tmp_path, form=form)
+    assert asked[0] == ["7 trackers on A", "7 trackers on E"]
+    assert len(asked[1]) == 13 * 20 + 1 and asked[1][-1] == "7 trackers on clip"
 
 
 def curve(name, scene, *motas, before=None):
@@ -169,6 +222,51 @@ CURVES = [
     curve(OURS, "B", 0.5, 0.5),
     curve("old", "B", 0.4, 0.75, before="BAF"),
 ]
+
+
+BOXES = {"hit": 0.5, "precision": 0.25, "switches": 2, "longest": 0.4, "error": 1.5, "mota": -1.2}
+BOXES["ns_per_event"] = 30.0
+RECORDINGS = {"clip": {OURS: BOXES, "old": {**BOXES, "precision": math.nan, "mota": math.nan}}}
+
+
+def cells_of(table):
+    lines = table.splitlines()
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in [lines[0], *lines[2:]]]
+
+
+def test_accuracy_has_the_best_in_bold_and_cost_stands_beside():
+    assert cells_of(rivals.document.accuracy(CURVES)) == [
+        ["scene", OURS, "BAF + old"],
+        ["A", "**.950**", ".700"],
+        ["B", ".500", "**.575**"],
+    ]
+    assert cells_of(rivals.document.cost(CURVES))[1] == ["A", "12", "12"]
+    level = [curve(OURS, "H_bars", 0.9), curve("old", "H_bars", 0.9004)]
+    assert cells_of(rivals.document.accuracy(level))[1] == ["H bars", "**.900**", "**.900**"]
+
+
+def test_recordings_have_a_row_for_each_tracker():
+    figures = ["2", ".400", "1.5"]
+    assert cells_of(rivals.document.recordings_table(RECORDINGS))[1:] == [
+        [OURS, "clip", ".500", ".250", *figures, "-1.200", "30"],
+        ["old", "clip", ".500", "not judged", *figures, "not judged", "30"],
+    ]
+
+
+def test_the_figure_has_a_dot_for_each_tracker_in_both_panels(tmp_path):
+    from asap_laboratory.rivals import figures
+
+    far = curve(OURS, "C", -7.0)
+    accuracy, cost = figures.draw([*CURVES, far], RECORDINGS).axes
+    assert [text.get_text() for text in accuracy.get_yticklabels()] == ["A", "B", "C", "clip"]
+    (ours,) = (line for line in accuracy.lines if line.get_label() == OURS)
+    assert ours.get_xdata() == pytest.approx([0.95, 0.5, -1, -1])  # what is below -1 at the edge
+    assert list(ours.get_ydata()) == [0, 1, 2, 3]
+    (ours,) = (line for line in cost.lines if line.get_label() == OURS)
+    assert ours.get_xdata() == pytest.approx([12.4, 12.4, 12.4, 30])
+    drawn = figures.write(tmp_path / "rivals.svg", CURVES, {}).read_text()
+    assert "prefers-color-scheme:dark" in drawn and "var(--blue)" in drawn
+    assert set(figures._LOOKS) == set(RIVALS)
 
 
 def test_the_table_has_a_row_for_each_scene_and_tracker():
@@ -198,8 +296,10 @@ def test_prototypes_stand_beside():
 
 def test_the_verdict_names_who_is_better():
     assert rivals.document.verdict(CURVES) == (
-        "Higher mean MOTA than `fast`: BAF + old on B (by .0750)."
+        "Higher mean MOTA than `fast`, the best on each scene: BAF + old on B (by .0750)."
     )
+    better = [*CURVES, curve("new", "B", 0.6, 0.6), curve("far", "A", 3.0, 3.0)]
+    assert rivals.document.verdict(better).endswith(": far on A (by 2.0500), new on B (by .1000).")
     assert rivals.document.verdict(CURVES[:2]) == "No rival has a higher mean MOTA on any scene."
 
 
@@ -218,7 +318,7 @@ def asked(monkeypatch, tmp_path):
 
     def study(out, **options):
         seen.append((out, options))
-        return RivalsStudy(CURVES, [tmp_path / "rivals.md"], 3, 2.0)
+        return RivalsStudy(CURVES, RECORDINGS, [tmp_path / "rivals.md"], 3, 2.0)
 
     monkeypatch.setattr("asap_laboratory.rivals_study", study)
     return seen
@@ -227,8 +327,10 @@ def asked(monkeypatch, tmp_path):
 def test_command_prints_verdict_and_table(asked, tmp_path, capsys):
     assert main(["study", "--rivals", "--quick", "--out", str(tmp_path)]) == 0
     out, _ = capsys.readouterr()
-    assert out.startswith("Higher mean MOTA than `fast`: BAF + old on B")
-    assert rivals.document.table(CURVES) in out and out.endswith("rivals.md\n")
+    assert out.startswith("Higher mean MOTA than `fast`, the best on each scene: BAF + old on B")
+    for part in (rivals.document.accuracy(CURVES), rivals.document.cost(CURVES)):
+        assert part in out
+    assert rivals.document.recordings_table(RECORDINGS) in out and out.endswith("rivals.md\n")
     assert (asked[0][0], asked[0][1]["form"]) == (tmp_path, "quick")
     assert asked[0][1]["command"] == "asap study --rivals --quick"
 
@@ -239,3 +341,4 @@ def test_command_with_json(asked, tmp_path, capsys):
     assert (document["form"], document["taken_from_file"]) == ("default", 3)
     assert [one["algorithm"] for one in document["rivals"]] == [OURS, "old"] * 2
     assert document["rivals"][0]["rows"][0]["mean"]["ns_per_event"] == 12.4
+    assert document["recordings"]["clip"]["old"] == {**BOXES, "precision": None, "mota": None}

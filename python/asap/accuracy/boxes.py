@@ -14,7 +14,15 @@ from asap.accuracy.assignment import assign
 from asap.accuracy.mota import ratio
 from asap.accuracy.snapshot import Snapshot
 
-__all__ = ["PADDING_PX", "BoxScene", "BoxScore", "box_score", "frames"]
+__all__ = [
+    "PADDING_PX",
+    "BoxMatch",
+    "BoxScene",
+    "BoxScore",
+    "box_matches",
+    "box_score",
+    "frames",
+]
 
 PADDING_PX = 2.0  #: a centre counts as inside so far beyond the edge of a box
 
@@ -53,6 +61,17 @@ class BoxScore(NamedTuple):
     mota: float  #: 1 - (misses + false + switches) / all boxes; NaN: not judged
 
 
+class BoxMatch(NamedTuple):
+    """A labelled time with its matches."""
+
+    frame: NDArray[np.void]  #: its boxes
+    found: Snapshot  #: the clusters at that time
+    pairs: list[tuple[int, int]]  #: rows of the boxes and of the clusters that go together
+    distances: list[float]  #: px, between the centres of each pair
+    switched: list[int]  #: rows of the boxes whose object had another id when it was matched last
+    false: list[int]  #: rows of the clusters without a box, those in ignore zones left out
+
+
 def frames(boxes: NDArray[np.void]) -> Iterator[NDArray[np.void]]:
     """Yield the boxes of each labelled time."""
     begins = np.flatnonzero(np.diff(boxes["t_us"], prepend=boxes["t_us"][0] - 1))
@@ -60,8 +79,8 @@ def frames(boxes: NDArray[np.void]) -> Iterator[NDArray[np.void]]:
         yield boxes[begin:end]
 
 
-def box_score(scene: BoxScene, snapshots: list[Snapshot]) -> BoxScore:
-    """Match clusters to boxes at every labelled time and count.
+def box_matches(scene: BoxScene, snapshots: list[Snapshot]) -> list[BoxMatch]:
+    """Match clusters to boxes at every labelled time.
 
     Parameters
     ----------
@@ -74,28 +93,38 @@ def box_score(scene: BoxScene, snapshots: list[Snapshot]) -> BoxScore:
     Candidates are pairs whose cluster has its centre in the box or up to 2 px beyond. The one to
     one assignment matches the most boxes, then repeats the most ids that the objects had last, then
     has the least total distance (Hungarian method). A cluster left over is false unless it lies in
-    an ignore zone. Where the background is not labelled, a false cluster cannot be told from a
-    right one: precision and mota are NaN.
+    an ignore zone.
     """
     last: dict[int, int] = {}
+    return [
+        _matches(scene.ignore, frame, found, last)
+        for frame, found in zip(frames(scene.boxes), snapshots, strict=True)
+    ]
+
+
+def box_score(scene: BoxScene, matches: list[BoxMatch]) -> BoxScore:
+    """Count matches, misses and false clusters.
+
+    Parameters
+    ----------
+    scene : BoxScene
+    matches : list of BoxMatch
+        As `box_matches` returns them.
+
+    Notes
+    -----
+    Where the background is not labelled, a false cluster cannot be told from a right one: precision
+    and mota are NaN.
+    """
     carried: defaultdict[int, Counter[int]] = defaultdict(Counter)
-    distances: list[float] = []
-    false = switches = 0
-    for frame, found in zip(frames(scene.boxes), snapshots, strict=True):
-        distance = _distances(frame, found)
-        pairs = _matched(distance, frame["id"], found.ids, last)
-        for row, column in pairs:
-            label, id = int(frame["id"][row]), int(found.ids[column])
-            switches += last.get(label, id) != id
-            last[label] = id
-            carried[label][id] += 1
-            distances.append(float(distance[row, column]))
-        left_over = np.ones(found.ids.size, bool)
-        left_over[[column for _, column in pairs]] = False
-        ignored = _in_a_zone(scene.ignore, int(frame["t_us"][0]), found.positions)
-        false += int(np.sum(left_over & ~ignored))
+    for one in matches:
+        for row, column in one.pairs:
+            carried[int(one.frame["id"][row])][int(one.found.ids[column])] += 1
     labels, lives = np.unique(scene.boxes["id"], return_counts=True)
     best = [max(carried[label].values(), default=0) for label in labels.tolist()]
+    distances = [distance for one in matches for distance in one.distances]
+    switches = sum(len(one.switched) for one in matches)
+    false = sum(len(one.false) for one in matches)
     hits, boxes = len(distances), scene.boxes.size
     judged = scene.background_labelled
     return BoxScore(
@@ -105,6 +134,29 @@ def box_score(scene: BoxScene, snapshots: list[Snapshot]) -> BoxScore:
         longest=float(np.mean(np.array(best) / lives)),
         error=float(np.median(distances)) if distances else float("nan"),
         mota=1 - ratio(boxes - hits + false + switches, boxes) if judged else float("nan"),
+    )
+
+
+def _matches(
+    ignore: NDArray[np.void], frame: NDArray[np.void], found: Snapshot, last: dict[int, int]
+) -> BoxMatch:
+    distance = _distances(frame, found)
+    pairs = _matched(distance, frame["id"], found.ids, last)
+    switched = []
+    for row, column in pairs:
+        label, id = int(frame["id"][row]), int(found.ids[column])
+        if last.get(label, id) != id:
+            switched.append(row)
+        last[label] = id
+    false = ~_in_a_zone(ignore, int(frame["t_us"][0]), found.positions)
+    false[[column for _, column in pairs]] = False
+    return BoxMatch(
+        frame,
+        found,
+        pairs,
+        [float(distance[pair]) for pair in pairs],
+        switched,
+        np.flatnonzero(false).tolist(),
     )
 
 

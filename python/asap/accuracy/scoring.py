@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from asap import checks
-from asap.accuracy.boxes import BoxScene, box_score, frames
+from asap.accuracy.boxes import BoxScene, box_matches, box_score, frames
 from asap.accuracy.corners import corners
 from asap.accuracy.hota import hota
 from asap.accuracy.idf1 import idf1
@@ -153,7 +153,7 @@ def _figures(
     if hasattr(scene, "boxes"):
         times = [int(frame["t_us"][0]) for frame in frames(scene.boxes)]
         snapshots, feed = snapshots_at(tracker, scene, times, **options)
-        return box_score(scene, snapshots)._asdict(), feed
+        return box_score(scene, box_matches(scene, snapshots))._asdict(), feed
     trace = follow(tracker, scene, active=active, **options)
     return _of_tracker(trace), trace.feed
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
+from pathlib import Path
 from typing import Any
 
 from asap.cli.options import add_out, add_verb
@@ -33,6 +34,10 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "--ladder", action="store_true", help="every consumer under every scheme instead"
     )
+    words = (
+        "the cluster tracker on recordings with boxes instead: their folders, or a folder of them"
+    )
+    verb.add_argument("--real", nargs="*", type=Path, metavar="FOLDER", help=words)
     add_out(verb, "asap-study")
     verb.add_argument("--workers", type=_workers, metavar="N", help="processes (default: cores)")
     verb.add_argument("--fresh", action="store_true", help="forget what DIR holds of earlier runs")

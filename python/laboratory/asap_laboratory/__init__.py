@@ -5,7 +5,7 @@ contenders that go through it) and probes; they run through any executor, each f
 and what they show is judged by goals and written as tables beside the reference's. `accuracy_study`
 scores the algorithms instead, over scenes and the kept fraction; `rivals_study` puts the cluster
 tracker beside its rivals; `ladder_study` puts every consumer of the library to one stream that
-overloads the slow ones.
+overloads the slow ones; `real_study` shows the tracker on recordings with boxes.
 """
 
 from asap_laboratory.accuracy.conduct import AccuracyStudy, accuracy_study
@@ -13,6 +13,7 @@ from asap_laboratory.cases import FORMS, Case
 from asap_laboratory.conduct import Study, study
 from asap_laboratory.goals import Goal
 from asap_laboratory.ladder.conduct import LadderStudy, ladder_study
+from asap_laboratory.real.conduct import RealStudy, real_study
 from asap_laboratory.results import Results
 from asap_laboratory.rivals.conduct import RivalsStudy, rivals_study
 
@@ -22,11 +23,13 @@ __all__ = [
     "Case",
     "Goal",
     "LadderStudy",
+    "RealStudy",
     "Results",
     "RivalsStudy",
     "Study",
     "accuracy_study",
     "ladder_study",
+    "real_study",
     "rivals_study",
     "study",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any, TypeVar
@@ -15,6 +16,7 @@ from asap.cli.outcome import (
     Failure,
     print_json,
     print_written,
+    reading,
     say,
     usage,
     writing,
@@ -27,7 +29,7 @@ _Found = TypeVar("_Found")
 
 def conduct(arguments: Any) -> int:
     """Carry out ``asap study`` and return the exit code."""
-    asked = [kind for kind in _KINDS if getattr(arguments, kind)]
+    asked = [kind for kind in _KINDS if getattr(arguments, kind) not in (False, None)]
     if len(asked) > 1:
         raise Failure(USAGE, " and ".join(f"--{kind}" for kind in asked) + ": give one of them")
     return _KINDS[asked[0]](arguments) if asked else _schemes(arguments)
@@ -70,11 +72,23 @@ def _rivals(arguments: Any) -> int:
 
     found = _conducted(arguments, rivals_study, "asap study --rivals")
     if arguments.json:
-        _print_json(arguments, found, rivals=[curve.summary() for curve in found.curves])
+        curves = [curve.summary() for curve in found.curves]
+        _print_json(arguments, found, rivals=curves, recordings=_without_nan(found.recordings))
         return OK
-    print(f"{rivals.document.verdict(found.curves)}\n\n{rivals.document.table(found.curves)}\n")
+    document = rivals.document
+    print(f"{document.verdict(found.curves)}\n\nMOTA\n\n{document.accuracy(found.curves)}\n")
+    print(f"ns of processor time per event\n\n{document.cost(found.curves)}\n")
+    if found.recordings:
+        print(f"recordings\n\n{document.recordings_table(found.recordings)}\n")
     print_written(*found.paths)
     return OK
+
+
+def _without_nan(figures: Any) -> Any:
+    """Figures as JSON holds them: None where one does not exist."""
+    if isinstance(figures, dict):
+        return {name: _without_nan(value) for name, value in figures.items()}
+    return None if math.isnan(figures) else figures
 
 
 def _ladder(arguments: Any) -> int:
@@ -87,6 +101,33 @@ def _ladder(arguments: Any) -> int:
         return OK
     print(f"finished within L\n\n{ladder.document.in_time_table(found.rows)}\n")
     print(f"accuracy in use\n\n{ladder.document.accuracy_table(found.rows, 'in_use')}\n")
+    print_written(*found.paths)
+    return OK
+
+
+def _real(arguments: Any) -> int:
+    from asap_laboratory import real, real_study
+    from asap_laboratory.real.folders import opened
+
+    with reading(arguments):
+        scenes, left_out = opened(arguments.real)
+    for words in left_out:
+        say(f"left out: {words}")
+    with usage(), writing(arguments.out), progress.on_terminal() as on_progress:
+        found = real_study(
+            arguments.out,
+            list(scenes.values()),
+            left_out=left_out,
+            figures=_can_draw(),
+            command=" ".join(["asap study --real", *(folder.name for folder in arguments.real)]),
+            on_progress=on_progress,
+        )
+    if arguments.json:
+        sets = [one.summary() for one in found.sets]
+        files = [str(path) for path in found.paths]
+        print_json({"schema_version": 1, "form": "real", "sets": sets, "files": files})
+        return OK
+    print(f"{real.document.table(found.sets)}\n")
     print_written(*found.paths)
     return OK
 
@@ -112,6 +153,7 @@ _KINDS = {
     "ladder": _ladder,
     "accuracy": _accuracy,
     "rivals": _rivals,
+    "real": _real,
     "realtime": _beside_the_clock,
 }
 

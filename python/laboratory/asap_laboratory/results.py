@@ -13,11 +13,13 @@ from asap_laboratory.ladder.cases import LadderCase, LadderReplay, Outcomes
 from asap_laboratory.ladder.cost import CostCase, Costs
 from asap_laboratory.measure import Figures, Measured
 from asap_laboratory.probes import Few, FewProbe, Probe, Steady, Window
-from asap_laboratory.rivals.cases import Rivalry, RivalsCase
+from asap_laboratory.rivals.cases import RecordingCase, Rivalry, RivalsCase
 
 __all__ = ["MODELS", "Finding", "Outcome", "Results", "Task"]
 
-Task: TypeAlias = Case | Probe | AccuracyCase | RivalsCase | CostCase | LadderCase | LadderReplay
+Task: TypeAlias = (
+    Case | Probe | AccuracyCase | RivalsCase | RecordingCase | CostCase | LadderCase | LadderReplay
+)
 Outcome: TypeAlias = Measured | Steady | Window | Few | Accuracy | Rivalry | Costs | Outcomes
 
 MODELS = tuple(LATENCY_MS)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from asap import _core
 from asap.accuracy import Scene
@@ -21,6 +21,15 @@ __all__ = ["RUNGS", "Accuracy", "AccuracyCase", "Rung", "accuracy_cases", "missi
 Maker = Callable[[int, int], Any]
 
 
+class HasSize(Protocol):
+    """A scene or a recording."""
+
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+
+
 class Rung(NamedTuple):
     """An algorithm that is scored, and the filter in front of it."""
 
@@ -29,7 +38,7 @@ class Rung(NamedTuple):
     before: Maker | None = None
     corners: bool = False
 
-    def made_for(self, scene: Scene) -> tuple[Any, Any | None]:
+    def made_for(self, scene: HasSize) -> tuple[Any, Any | None]:
         """Make the algorithm and the filter anew."""
         before = self.before(scene.width, scene.height) if self.before else None
         return self.make(scene.width, scene.height), before
@@ -153,8 +162,8 @@ def _exists(rung: Rung) -> bool:
 
 
 def scene_of(name: str, seed: int) -> Scene:
-    """Make a scene of `asap.scenes`: "A" to "G", or "corners_slow", "corners_noisy"."""
+    """Make a scene of `asap.scenes` by its name, such as "A", "H_bars" or "corners_slow"."""
     scenes: Any = importlib.import_module("asap.scenes")
     make, _, kind = name.partition("_")
-    scene: Scene = getattr(scenes, make)(*([kind] if kind else []), seed=seed)
+    scene: Scene = getattr(scenes, make)(seed=seed, **({"kind": kind} if kind else {}))
     return scene

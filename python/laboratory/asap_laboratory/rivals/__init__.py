@@ -1,3 +1,3 @@
 """The cluster tracker beside its rivals, over scenes."""
 
-__all__ = ["cases", "conduct", "document"]
+__all__ = ["cases", "conduct", "cost", "document"]

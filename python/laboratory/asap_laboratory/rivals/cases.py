@@ -1,14 +1,13 @@
-"""RivalsCase: the cluster tracker and its rivals on one scene with one seed, scored and timed.
+"""RivalsCase, RecordingCase: the cluster tracker and its rivals on one input, scored and timed.
 
 All of them in one task, so that their costs are of the same minutes on the same machine.
 """
 
 from __future__ import annotations
 
-import statistics
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from asap import _core
@@ -16,33 +15,49 @@ from asap.accuracy import Scene
 from asap.accuracy.matching import match
 from asap.accuracy.mota import mota
 from asap.accuracy.trace import follow
+from asap.scenes import labelled
 from asap_laboratory import _native
 from asap_laboratory.accuracy.cases import RUNGS, Rung, scene_of
+from asap_laboratory.real import following
+from asap_laboratory.rivals.cost import costs_ns
 
-__all__ = ["OURS", "RIVALS", "Rivalry", "RivalsCase", "rivals_cases"]
+__all__ = ["OURS", "RIVALS", "RecordingCase", "Rivalry", "RivalsCase", "rivals_cases"]
 
 OURS = "fast"
+
+
+def _frames(period_us: int, neighbours: int) -> Rung:
+    def make(width: int, height: int) -> Any:
+        from asap_laboratory.rivals.frames import FrameTracker  # needs scipy
+
+        return FrameTracker(width, height, period_us=period_us, neighbours=neighbours)
+
+    return Rung(f"frames {period_us // 1000} ms", make)
 
 
 _BAF = _core.BackgroundActivityFilter
 RIVALS = {
     OURS: RUNGS[OURS],
+    "frames 10 ms": _frames(10_000, neighbours=2),
+    "frames 20 ms": _frames(20_000, neighbours=3),
+    "compat": RUNGS["compat"],
+    "BAF + compat steady": RUNGS["BAF + compat steady"],
     "jAER-type core": Rung("jAER-type core", _native.JaerClusterTracker),
     "BAF + jAER-type core": Rung("jAER-type core", _native.JaerClusterTracker, _BAF),
-    "BAF + compat steady": RUNGS["BAF + compat steady"],
 }
 """Ours with nothing in front, and every rival, by the label of the tables."""
 
 COLUMNS = ("mota", "id_switches", "position_rms", "velocity_rms", "ns_per_event")
-_REPETITIONS = 5
-_PACKAGE = 16_384  # events: large enough for the call not to count, small enough for the cache
-_SECONDS = {"A": 9, "B": 11, "D": 12, "G": 15}
+SCENES = (*"ABCDEFG", "H_bars", "H_angles", "H_rings", *"IJK")
+_FIRST_SEED = 1000  # nothing was chosen on it and those after it
+_SEEDS = {"quick": 1, "default": 20, "full": 40}
+_SECONDS = {"A": 3, "C": 3, "E": 3, "G": 15}
 _USUAL_SECONDS = 6
 
 
 @dataclass(frozen=True)
 class Rivalry:
-    """What a `RivalsCase` has found: the columns of the table, by label."""
+    """What a case has found: the columns of its table, by label."""
 
     rivals: dict[str, dict[str, float]]
 
@@ -76,55 +91,45 @@ class RivalsCase:
         )
 
 
-_SEEDS = {"quick": (200, 201), "default": (200, 210), "full": (200, 220)}
-_SEEDS_OF_FG = {"quick": (200, 200), "default": (200, 206), "full": (200, 212)}
+@dataclass(frozen=True)
+class RecordingCase:
+    """Everybody on one recording with boxes."""
+
+    folder: str
+    labels: tuple[str, ...] = tuple(RIVALS)
+
+    @property
+    def recording(self) -> str:
+        """Its name."""
+        return Path(self.folder).name
+
+    @property
+    def name(self) -> str:
+        """How it is called on the screen."""
+        return f"{len(self.labels)} trackers on {self.recording}"
+
+    def weight(self) -> float:
+        """Seconds, about, by the million."""
+        return 1e6 * _USUAL_SECONDS
+
+    def measure(self) -> Rivalry:
+        """Run it."""
+        rungs = {label: RIVALS[label] for label in self.labels}
+        found = following.follow(rungs, labelled(self.folder))
+        return Rivalry({label: one.figures for label, one in found.items()})
 
 
 def rivals_cases(form: str) -> Iterator[RivalsCase]:
-    """Yield the cases of a form of the study: "quick", "default" or "full".
+    """Yield the scenes of a form of the study: "quick", "default" or "full".
 
     Raises
     ------
     KeyError
         There is no such form.
     """
-    for scenes, seeds in (("AE" if form == "quick" else "ABCDE", _SEEDS), ("FG", _SEEDS_OF_FG)):
-        for scene in scenes:
-            for seed in range(*seeds[form]):
-                yield RivalsCase(scene, seed)
-
-
-def costs_ns(rungs: dict[str, Rung], scene: Scene) -> dict[str, float]:
-    """Measure filter and tracker, ns of processor time per event that enters.
-
-    Parameters
-    ----------
-    rungs : dict of str to Rung
-        They take turns, so that what else the machine does meets all of them.
-    scene : Scene
-        Each takes it whole in every turn.
-
-    Returns
-    -------
-    dict of str to float
-        Median over the turns.
-    """
-    events = scene.events
-    packages = [events[begin : begin + _PACKAGE] for begin in range(0, events.size, _PACKAGE)]
-    turns: dict[str, list[float]] = {label: [] for label in rungs}
-    for _ in range(_REPETITIONS):
-        for label, rung in rungs.items():
-            ns = _turn_ns(rung, scene, packages)
-            turns[label].append(ns / max(events.size, 1))
-    return {label: statistics.median(some) for label, some in turns.items()}
-
-
-def _turn_ns(rung: Rung, scene: Scene, packages: list[Any]) -> int:
-    tracker, before = rung.made_for(scene)
-    begin_ns = time.thread_time_ns()
-    for package in packages:
-        tracker.process(package if before is None else before.process(package), labels=False)
-    return time.thread_time_ns() - begin_ns
+    for scene in "AE" if form == "quick" else SCENES:
+        for seed in range(_FIRST_SEED, _FIRST_SEED + _SEEDS[form]):
+            yield RivalsCase(scene, seed)
 
 
 def _scored(rung: Rung, scene: Scene) -> dict[str, float]:

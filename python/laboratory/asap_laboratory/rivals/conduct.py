@@ -1,4 +1,4 @@
-"""The rivals' study: the cluster tracker beside its rivals over scenes and seeds; one table."""
+"""The rivals' study: the cluster tracker beside its rivals, on scenes and on recordings."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from typing import NamedTuple
 from asap.progress import OnProgress
 from asap.results.keep_curve import KeepCurve, Scored
 from asap_laboratory.conduct import made_ready
+from asap_laboratory.real.folders import at_hand
 from asap_laboratory.results import Results
 from asap_laboratory.rivals import document
-from asap_laboratory.rivals.cases import RIVALS, Rivalry, RivalsCase, rivals_cases
+from asap_laboratory.rivals.cases import RIVALS, RecordingCase, Rivalry, RivalsCase, rivals_cases
 from asap_laboratory.run import run
 
 __all__ = ["RivalsStudy", "rivals_study"]
@@ -21,6 +22,7 @@ class RivalsStudy(NamedTuple):
     """What `rivals_study` returns."""
 
     curves: list[KeepCurve]  #: one for each tracker and scene, all at gamma = 1
+    recordings: dict[str, dict[str, dict[str, float]]]  #: figures by recording and tracker
     paths: list[Path]  #: files written, the document first
     taken_from_file: int  #: cases that an earlier call had finished
     seconds: float  #: of processor time, earlier calls included
@@ -37,16 +39,15 @@ def rivals_study(
     command: str = "asap study --rivals",
     on_progress: OnProgress | None = None,
 ) -> RivalsStudy:
-    """Score and time the cluster tracker and its rivals; write rivals.md and a state file.
+    """Score and time the cluster tracker and its rivals; write rivals.md, a figure, a state file.
 
     Parameters
     ----------
-    out, executor, workers, fresh, command, on_progress
+    out, executor, workers, fresh, figures, command, on_progress
         As in `study`; progress is in millionths of about a second.
     form : {"quick", "default", "full"}
-        A and E with one seed; A to E with the seeds 200 to 209, F and G 200 to 205; twice as many.
-    figures : bool
-        Without effect: there are none.
+        A and E with one seed; A to K with the seeds 1000 to 1019, and the labelled recordings that
+        are here; twice as many seeds.
 
     Returns
     -------
@@ -66,18 +67,39 @@ def rivals_study(
         figures=figures,
         on_progress=on_progress,
     )
+    folders = [] if form == "quick" else at_hand()
     ran = run(
-        list(rivals_cases(form)),
+        [*rivals_cases(form), *(RecordingCase(str(folder.resolve())) for folder in folders)],
         state=out / "rivals.jsonl",
         executor=executor,
         workers=workers,
         fresh=fresh,
         on_progress=on_progress,
     )
-    curves = curves_of(ran.results)
-    path = out / "rivals.md"
-    document.write(path, curves, command=command, seconds=ran.seconds)
-    return RivalsStudy(curves, [path], ran.taken_from_file, ran.seconds)
+    curves, recordings = curves_of(ran.results), recordings_of(ran.results)
+    paths = [out / "rivals.md"]
+    if figures:
+        from asap_laboratory.rivals import figures as drawing
+
+        paths.append(drawing.write(out / "rivals.svg", curves, recordings))
+    document.write(
+        paths[0],
+        curves,
+        recordings,
+        command=command,
+        seconds=ran.seconds,
+        figure=paths[1] if figures else None,
+    )
+    return RivalsStudy(curves, recordings, paths, ran.taken_from_file, ran.seconds)
+
+
+def recordings_of(results: Results) -> dict[str, dict[str, dict[str, float]]]:
+    """Return the figures on recordings, by recording and tracker."""
+    return {
+        case.recording: outcome.rivals
+        for case, outcome in results.pairs
+        if isinstance(case, RecordingCase) and isinstance(outcome, Rivalry)
+    }
 
 
 def curves_of(results: Results) -> list[KeepCurve]:

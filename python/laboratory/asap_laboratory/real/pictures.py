@@ -1,0 +1,142 @@
+"""Overlays: the events before a labelled time, clusters and boxes over them, as inline SVG."""
+
+from __future__ import annotations
+
+import base64
+import io
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from asap_laboratory.real.following import Followed
+
+__all__ = ["STYLE", "hue", "overlay"]
+
+WINDOW_US = 30_000  # of the events that are shown
+_TAIL_S = 0.15
+_SIGMAS = 1.5  # of the outlines
+_MOST_PX = 400  # along the longer side of the image of the events
+_GREY = (128, 134, 140)  # on the light and on the dark card
+
+STYLE = """
+:root{--light:38%}
+@media (prefers-color-scheme:dark){:root{--light:66%}}
+.overlay{display:block;width:100%;max-height:430px;background:var(--page);border-radius:6px}
+.overlay image{image-rendering:pixelated}
+.overlay *{vector-effect:non-scaling-stroke}
+.overlay .box{fill:none;stroke:var(--ink);stroke-width:.8}
+.overlay .box.missed{stroke:var(--vermilion);stroke-width:1.6}
+.overlay .zone{fill:var(--faint);fill-opacity:.18}
+.id{--own:hsl(var(--hue) 85% var(--light))}
+.overlay .id{fill:none;stroke:var(--own);stroke-width:2}
+.overlay .id.false{stroke-dasharray:4 3}
+.overlay text.id{fill:var(--own);stroke:var(--page);stroke-width:3px;paint-order:stroke;
+font-weight:700}
+.overlay polyline.id{stroke-width:1.4}
+"""
+
+
+def hue(id: int) -> str:
+    """Return the style that gives an id its colour: neighbouring ids differ most."""
+    return f"--hue:{137.508 * id % 360:.0f}"
+
+
+def overlay(followed: Followed, index: int, label: str) -> str:
+    """Draw a labelled time: events grey, outlines, ids and tails coloured, boxes thin.
+
+    Parameters
+    ----------
+    followed : Followed
+    index : int
+        Of the labelled time.
+    label : str
+        What the picture shows, for those who do not see it; without markup.
+    """
+    scene = followed.scene
+    parts = [_events(followed, index), *_zones(followed, index), *_boxes(followed, index)]
+    parts += [*_tails(followed, index), *_outlines(followed, index)]
+    return (
+        f'<svg class="overlay" viewBox="0 0 {scene.width} {scene.height}" role="img" '
+        f'aria-label="{label}">{"".join(parts)}</svg>'
+    )
+
+
+def _events(followed: Followed, index: int) -> str:
+    scene = followed.scene
+    t_us = int(followed.matches[index].frame["t_us"][0])
+    first, end = np.searchsorted(scene.events["t"], [t_us - WINDOW_US, t_us])
+    shown = scene.events[first:end]
+    step = math.ceil(max(scene.width, scene.height) / _MOST_PX)
+    pixels = np.zeros((-(-scene.height // step), -(-scene.width // step)), np.uint8)
+    pixels[shown["y"] // step, shown["x"] // step] = 1
+    width, height = pixels.shape[1] * step, pixels.shape[0] * step
+    return f'<image width="{width}" height="{height}" href="{_png(pixels)}"/>'
+
+
+def _png(pixels: NDArray[np.uint8]) -> str:
+    image = Image.fromarray(pixels)
+    image.putpalette([0, 0, 0, *_GREY])
+    file = io.BytesIO()
+    image.save(file, "png", optimize=True, bits=1, transparency=0)
+    return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode()
+
+
+def _zones(followed: Followed, index: int) -> Iterator[str]:
+    t_us = followed.matches[index].frame["t_us"][0]
+    for x0, x1, y0, y1, from_us, to_us in followed.scene.ignore.tolist():
+        if from_us <= t_us < to_us:
+            yield _rectangle("zone", x0, y0, x1 - x0, y1 - y0)
+
+
+def _boxes(followed: Followed, index: int) -> Iterator[str]:
+    match = followed.matches[index]
+    matched = {row for row, _ in match.pairs}
+    for row, (x, y, w, h) in enumerate(match.frame[["x", "y", "w", "h"]].tolist()):
+        yield _rectangle("box" if row in matched else "box missed", x, y, w, h)
+
+
+def _rectangle(css_class: str, x: float, y: float, w: float, h: float) -> str:
+    size = f'width="{w:.1f}" height="{h:.1f}"'
+    return f'<rect class="{css_class}" x="{x:.1f}" y="{y:.1f}" {size}/>'
+
+
+def _tails(followed: Followed, index: int) -> Iterator[str]:
+    times_s = followed.times_s
+    since = int(np.searchsorted(times_s, times_s[index] - _TAIL_S))
+    for id in followed.clusters[index]["id"].tolist():
+        rows = [table[table["id"] == id] for table in followed.clusters[since : index + 1]]
+        points = [f"{row['x'][0]:.1f},{row['y'][0]:.1f}" for row in rows if row.size]
+        if len(points) > 1:
+            yield f'<polyline class="id" style="{hue(id)}" points="{" ".join(points)}"/>'
+
+
+def _outlines(followed: Followed, index: int) -> Iterator[str]:
+    scene, table = followed.scene, followed.clusters[index]
+    false = {int(table["id"][row]) for row in followed.matches[index].false}
+    judged = scene.background_labelled
+    letter_px = max(scene.width, 1.3 * scene.height) / 24
+    for row in table:
+        id, x, y = int(row["id"]), float(row["x"]), float(row["y"])
+        long_px, short_px, degrees = _axes(row)
+        own = f'class="id{" false" if judged and id in false else ""}" style="{hue(id)}"'
+        yield (
+            f'<ellipse {own} rx="{long_px:.1f}" ry="{short_px:.1f}" '
+            f'transform="translate({x:.1f} {y:.1f}) rotate({degrees:.0f})"/>'
+        )
+        right = min(x + 0.7 * long_px, scene.width - letter_px * 0.62 * len(str(id)))
+        top = min(max(y - 0.7 * short_px, letter_px), scene.height - 2.0)
+        yield (
+            f'<text class="id" style="{hue(id)}" font-size="{letter_px:.1f}" '
+            f'x="{max(right, 0.0):.1f}" y="{top:.1f}">{id}</text>'
+        )
+
+
+def _axes(cluster: np.void) -> tuple[float, float, float]:
+    """Half axes of a cluster's outline, px, and the angle of the longer one, degrees."""
+    covariance = [[cluster["cxx"], cluster["cxy"]], [cluster["cxy"], cluster["cyy"]]]
+    spread, axes = np.linalg.eigh(np.nan_to_num(covariance))
+    short_px, long_px = _SIGMAS * np.sqrt(np.maximum(spread, 0.25))
+    return float(long_px), float(short_px), math.degrees(math.atan2(axes[1, 1], axes[0, 1]))

@@ -1,0 +1,105 @@
+"""The figure of the rivals: accuracy and processor time of every tracker, input by input.
+
+Needs matplotlib: ``asap-events[report]``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from asap import plots  # first: it says which extra is missing
+from asap.accuracy import KeepCurve
+from asap.report import page
+from asap_laboratory.accuracy.document import label_of
+from asap_laboratory.rivals.cases import OURS
+
+import matplotlib  # isort: skip
+from matplotlib.layout_engine import ConstrainedLayoutEngine  # isort: skip
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["draw", "write"]
+
+_LEAST = -1.0  # MOTA: what is below stands at the edge
+_LOOKS: dict[str, tuple[str, str, bool]] = {  # colour, marker, filled
+    "frames 10 ms": (plots.AMBER, "s", True),
+    "frames 20 ms": (plots.VERMILION, "s", True),
+    "compat": (plots.PURPLE, "^", False),
+    "BAF + compat steady": (plots.PURPLE, "^", True),
+    "jAER-type core": (plots.GREEN, "v", False),
+    "BAF + jAER-type core": (plots.GREEN, "v", True),
+    OURS: (plots.BLUE, "o", True),  # last: on top
+}
+
+Recordings = Mapping[str, Mapping[str, Mapping[str, float]]]
+
+
+def write(path: Path, curves: Sequence[KeepCurve], recordings: Recordings) -> Path:
+    """Draw into an SVG file with a card of its own, dark where the reader's page is."""
+    drawn = page.standalone_svg(draw(curves, recordings), "MOTA and processor time of all trackers")
+    path.write_text(drawn, encoding="utf-8")
+    return path
+
+
+def draw(curves: Sequence[KeepCurve], recordings: Recordings) -> plots.NotebookFigure:
+    """Draw one line for each scene and recording: MOTA left, ns per event right, a dot for each.
+
+    Parameters
+    ----------
+    curves : sequence of KeepCurve
+        Measured on scenes.
+    recordings : mapping
+        Figures by recording and tracker.
+    """
+    lines: dict[str, dict[str, Mapping[str, float]]] = {}
+    for curve in curves:
+        lines.setdefault(curve.scene.replace("_", " "), {})[label_of(curve)] = curve.rows[0].mean
+    for recording, by_label in recordings.items():
+        lines[recording.partition("_")[0]] = dict(by_label)
+    with matplotlib.rc_context({**plots.STYLE, "font.size": 10, "ytick.labelsize": 9}):
+        room = ConstrainedLayoutEngine(w_pad=0.12, h_pad=0.1)
+        size_inches = (4.4, 2.4 + 0.24 * len(lines))
+        figure = plots.NotebookFigure(figsize=size_inches, layout=room)
+        panels: Any = figure.subplots(1, 2, sharey=True, width_ratios=(1.7, 1.0))
+        accuracy, cost = panels
+        for label, (colour, marker, filled) in _LOOKS.items():
+            look = {
+                "color": colour,
+                "marker": marker,
+                "markersize": 6.5 if label == OURS else 4.5,
+                "markerfacecolor": colour if filled else "none",
+                "linestyle": "none",
+                "clip_on": False,
+                "label": label,
+            }
+            _dots(accuracy, [line.get(label, {}).get("mota") for line in lines.values()], look)
+            _dots(cost, [line.get(label, {}).get("ns_per_event") for line in lines.values()], look)
+        accuracy.set(title="MOTA", xlim=(_LEAST, 1.0), ylim=(len(lines) - 0.5, -0.5))
+        accuracy.set_xticks((-1, -0.5, 0, 0.5, 1), ("≤ -1", "-.5", "0", ".5", "1"))
+        accuracy.set_yticks(range(len(lines)), list(lines))
+        cost.set(title="ns per event", xscale="log")
+        least, most = cost.get_xlim()
+        usual = (10, 100, 1000) if most > 20 * least else (20, 50, 100, 200)
+        ticks = [tick for tick in usual if least <= tick <= most]
+        cost.set_xticks(ticks, [f"{tick}" for tick in ticks])
+        cost.set_xticks((), minor=True)
+        for axes in panels:
+            axes.tick_params(length=0)
+        handles, labels = accuracy.get_legend_handles_labels()
+        figure.legend(handles[::-1], labels[::-1], loc="outside lower left", ncols=2, fontsize=9)
+    return figure
+
+
+def _dots(axes: Axes, values: Sequence[float | None], look: dict[str, Any]) -> None:
+    known = [
+        (value, place)
+        for place, value in enumerate(values)
+        if value is not None and not math.isnan(value)
+    ]
+    if known:
+        x = [max(value, _LEAST) for value, _ in known]
+        axes.plot(x, [place for _, place in known], **look)
