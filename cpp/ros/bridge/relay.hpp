@@ -50,6 +50,7 @@ class Relay final : public Receiver {
   void begin(const Geometry& sensor) override;
   void process(const Package& package, std::int64_t stamp_ns) override;
   void hurry() noexcept override { gate_.close(); }
+  bool stalled() const override { return gate_.counts().stalled; }
 
  private:
   const std::string encoding_;

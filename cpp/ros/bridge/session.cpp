@@ -100,7 +100,10 @@ void Session::stop() {
 
 PipelineStats Session::stats() const {
   const std::lock_guard lock(control_);
-  return pipeline_ ? pipeline_->stats() : PipelineStats{{}, {}, LatencyHistogram(), {}};
+  if (!pipeline_) return {{}, {}, LatencyHistogram(), {}};
+  PipelineStats stats = pipeline_->stats();
+  stats.stalled = stats.stalled || receiver_.stalled();
+  return stats;
 }
 
 Facts Session::facts() const {

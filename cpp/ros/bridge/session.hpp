@@ -31,6 +31,8 @@ class Receiver {
   virtual void process(const Package& package, std::int64_t stamp_ns) = 0;
   // The run ends: a process() that waits for something waits no longer. Any thread.
   virtual void hurry() noexcept {}
+  // What it works for stays away. Any thread.
+  virtual bool stalled() const { return false; }
 };
 
 class Session {

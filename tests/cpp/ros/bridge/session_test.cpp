@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -32,12 +33,14 @@ class Collector : public Receiver {
     if (fails) throw std::runtime_error("no room");
   }
   void hurry() noexcept override { ++hurries; }
+  bool stalled() const override { return stays_away; }
 
   std::vector<Geometry> sensors;
   std::vector<std::pair<std::int64_t, std::int64_t>> stamps;
   Events events;
   int hurries = 0;
   bool fails = false;
+  std::atomic<bool> stays_away{false};
 };
 
 struct Fixture {
@@ -162,6 +165,14 @@ TEST(Session, AReceiverThatFailsIsCounted) {
   EXPECT_NE(value_of(facts, "failures.count"), "0");
   EXPECT_EQ(value_of(facts, "failures.last"), "\"no room\"");
   EXPECT_TRUE(fixture.session.stats().ledger.balanced());
+}
+
+TEST(Session, IsStalledWithItsReceiver) {
+  Fixture fixture;
+  fixture.take({{1, 1, 1, 5}}, 0);
+  fixture.collector.stays_away = true;
+  EXPECT_TRUE(fixture.session.stats().stalled);
+  EXPECT_EQ(value_of(fixture.session.facts(), "state"), "\"stalled\"");
 }
 
 TEST(Session, AnotherBoundHoldsFromNowOn) {
