@@ -465,3 +465,6 @@ def test_version_is_the_same_everywhere() -> None:
     assert f'version = "{written[1]}"\n' in laboratory
     assert f'"asap-events=={written[1]}"' in laboratory
     assert f"## [{written[1]}]" in (ROOT / "CHANGELOG.md").read_text()
+    for package in NODES:
+        if (package / "package.xml").exists():
+            assert f"<version>{written[1]}</version>" in (package / "package.xml").read_text()

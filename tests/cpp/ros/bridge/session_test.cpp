@@ -28,6 +28,9 @@ class Collector : public Receiver {
  public:
   void begin(const Geometry& sensor) override { sensors.push_back(sensor); }
   void process(const Package& package, std::int64_t stamp_ns) override {
+    entered = true;
+    entered.notify_all();
+    held.wait(true);
     stamps.emplace_back(package.t_first(), stamp_ns);
     events.insert(events.end(), package.events.begin(), package.events.end());
     if (fails) throw std::runtime_error("no room");
@@ -41,6 +44,8 @@ class Collector : public Receiver {
   int hurries = 0;
   bool fails = false;
   std::atomic<bool> stays_away{false};
+  std::atomic<bool> entered{false};
+  std::atomic<bool> held{false};
 };
 
 struct Fixture {
@@ -145,12 +150,20 @@ TEST(Session, CountsRefusalsByReason) {
   EXPECT_EQ(value_of(facts, "messages.received"), "2");
 }
 
-TEST(Session, APackageHasTheStampOfItsMessage) {
+TEST(Session, APackageHasTheStampOfItsFirstEvent) {
   Fixture fixture;
   const std::int64_t stamp_ns = 1'700'000'000'000'000'000;
-  fixture.take({{1, 1, 1, 5'000}, {1, 1, 1, 5'300}}, 0, {640, 480}, "camera", stamp_ns);
+  fixture.collector.held = true;  // so that later messages wait in one package
+  for (const std::int64_t t : {5'000, 5'300, 5'700}) {
+    const std::int64_t at_ns = stamp_ns + (t - 5'000) * 1'000;
+    fixture.take({{1, 1, 1, t}}, 0, {640, 480}, "camera", at_ns);
+    fixture.collector.entered.wait(false);
+  }
+  fixture.collector.held = false;
+  fixture.collector.held.notify_all();
   fixture.session.stop();
   ASSERT_FALSE(fixture.collector.stamps.empty());
+  EXPECT_LT(fixture.collector.stamps.back().first, 5'700);
   for (const auto& [t_us, at_ns] : fixture.collector.stamps) {
     EXPECT_EQ(at_ns, stamp_ns + (t_us - 5'000) * 1'000);
   }
