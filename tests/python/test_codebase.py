@@ -32,6 +32,7 @@ MAY_INCLUDE = {
     "synthetic": {"core"},
     "algorithms": {"core"},
     "examples": {"runner", "schemes", "synthetic", "algorithms"},
+    "ros": {"core", "formats", "schemes", "packager", "runner", "algorithms"},
 }
 
 # A module of asap may import those on lines above its own.
@@ -75,13 +76,15 @@ WITHOUT_A_HEADER_OF_ITS_OWN = {
 }
 
 CPP = ROOT / "cpp"
-TREES = (INCLUDE / "asap", CPP / "src", CPP)  # public, private, the laboratory
+TREES = (INCLUDE / "asap", CPP / "src", CPP)  # public, private, the laboratory and the bridge
+NODES = (CPP / "ros" / "ros1", CPP / "ros" / "ros2")  # they know a middleware, nothing knows them
 
 
 def headers() -> dict[str, Path]:
     """Every header by its path below its tree, such as runner/replay.hpp."""
     found = [(tree, path) for tree in TREES[:2] for path in tree.rglob("*.hpp")]
     found += [(CPP, path) for path in (CPP / "study").rglob("*.hpp")]
+    found += [(CPP, path) for path in (CPP / "ros" / "bridge").rglob("*.hpp")]
     return {path.relative_to(tree).as_posix(): path for tree, path in found}
 
 
@@ -111,7 +114,7 @@ def layer_of(path: Path) -> str:
 
 def test_every_layer_is_known() -> None:
     folders = {path.name for tree in TREES[:2] for path in tree.iterdir() if path.is_dir()}
-    assert folders | {"study", "examples"} == set(MAY_INCLUDE)
+    assert folders | {"study", "examples", "ros"} == set(MAY_INCLUDE)
 
 
 def test_native_includes_point_down() -> None:
@@ -150,10 +153,22 @@ def test_includes_say_whether_a_header_is_public() -> None:
     assert not wrong
 
 
+def test_the_bridge_includes_public_headers_and_itself_only() -> None:
+    """An installed asap has no others."""
+    private = [
+        f"{name_of(path)} includes {header}"
+        for path in sources("cpp/ros", suffixes=NATIVE)
+        for header in includes(path)
+        if header in HEADERS and not header.startswith("ros/bridge/")
+    ]
+    assert not private
+
+
 def test_native_code_knows_neither_python_nor_foreign_libraries() -> None:
     foreign = [
         f"{name_of(path)} includes {header}"
         for path in sources("cpp", suffixes=NATIVE)
+        if not path.is_relative_to(NODES[0]) and not path.is_relative_to(NODES[1])
         for header in includes(path)
         if "/" in header
         and header not in HEADERS
@@ -451,3 +466,6 @@ def test_version_is_the_same_everywhere() -> None:
     assert f'version = "{written[1]}"\n' in laboratory
     assert f'"asap-events=={written[1]}"' in laboratory
     assert f"## [{written[1]}]" in (ROOT / "CHANGELOG.md").read_text()
+    for package in NODES:
+        if (package / "package.xml").exists():
+            assert f"<version>{written[1]}</version>" in (package / "package.xml").read_text()

@@ -247,6 +247,14 @@ TEST(Encoder, RoomMakesNoDifference) {
   }
 }
 
+TEST(Encoder, WhatIsRestatedCanBeReadAlone) {
+  Encoder encoder(config(Encoding::evt3));
+  const Events first{{1, 5, 1, 3'000'000}, {2, 5, 0, 3'000'001}}, second{{3, 5, 1, 3'000'001}};
+  encode(encoder, first);
+  encoder.restate();
+  EXPECT_EQ(read(Encoding::evt3, encode(encoder, second)), second);
+}
+
 TEST(Encoder, AllocatesNothing) {
   const Events events = some_events(2'000);
   for (const Encoding encoding : kAll) {

@@ -78,6 +78,24 @@ TEST(Evt3Decoder, DropsWhatHasNoTimeNoRowOrNoBaseAndCountsIt) {
   EXPECT_EQ(decode_words({high(0), addr_x(1, 1), addr_y(1), addr_x(1, 2)}).before_start, 1u);
 }
 
+TEST(Evt3Decoder, BehindAGapDropsWhatItCannotPlaceAndTimeGoesOn) {
+  Evt3Decoder decoder;
+  Decoded before, after;
+  feed(decoder,
+       bytes_of(Words{high(4000), low(5), addr_y(1), base(1, 100), addr_x(1, 1),  //
+                      high(10), addr_x(1, 2)}),
+       4096, before);
+  decoder.resume();
+  feed(decoder,
+       bytes_of(Words{addr_x(1, 3), addr_y(7), addr_x(1, 4), vect8(3), high(10), low(9), vect8(1),
+                      addr_x(1, 5)}),
+       4096, after);
+  const std::int64_t wrapped = (1 << 24) + 10 * 4096;
+  EXPECT_EQ(before.events.back(), (Event{2, 1, 1, wrapped}));
+  EXPECT_EQ(after.events, (Events{{5, 7, 1, wrapped + 9}}));
+  EXPECT_EQ(decoder.before_start(), 5u);
+}
+
 TEST(Evt3Decoder, HandsTriggersOut) {
   const Decoded decoded = decode_words({trigger(1, 1), high(1), low(3), trigger(6, 1), low(4),
                                         addr_y(0), addr_x(1, 1), trigger(15, 0)});

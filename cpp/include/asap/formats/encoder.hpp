@@ -42,6 +42,13 @@ class Encoder {
 
   void reset() noexcept { state_ = {}; }
 
+  // The next event states its time and row again: what follows can be read without what came
+  // before, but for the epoch of the time. For EVT2 and EVT3.
+  void restate() noexcept {
+    state_.started = false;
+    state_.y = State{}.y;
+  }
+
   // Where a format has come to.
   struct State {
     std::int64_t t = 0;  // us, as a reader knows it from the bytes so far

@@ -28,6 +28,14 @@ class Evt3Decoder : public NativeDecoder<Evt3Decoder, Evt3Config, 2> {
   explicit Evt3Decoder(Evt3Config config = {}) noexcept
       : NativeDecoder(config, config.first_offset) {}
 
+  // Bytes are missing here: events up to the next TIME_HIGH, ADDR_Y or base are dropped. The time
+  // goes on.
+  void resume() noexcept {
+    high_word_ = 0;
+    has_y_ = false;
+    has_base_ = false;
+  }
+
  private:
   friend NativeDecoder;
 

@@ -1,0 +1,87 @@
+#include "ros/bridge/package_writer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+#include <string>
+
+#include "asap/core/check.hpp"
+
+namespace asap::ros {
+namespace {
+
+constexpr std::int64_t kNsPerUs = 1000;
+constexpr std::int64_t kMonoRange_us = std::numeric_limits<std::uint32_t>::max() / kNsPerUs;
+constexpr std::int64_t kEvt3Range_us = std::int64_t{1} << 24;  // its readers see stamps modulo that
+constexpr std::int64_t kMostGap_us = std::int64_t{1} << 36;    // 19 h: 64 kB of marks
+constexpr std::size_t kBlock = 256;                            // events
+
+}  // namespace
+
+PackageWriter::PackageWriter(std::string_view encoding) : is_mono_(encoding == "mono") {
+  if (!is_mono_ && encoding != "evt3") throw_bad_value("encoding", encoding, "mono or evt3");
+}
+
+PackageWriter::Written PackageWriter::write(EventSpan events, std::vector<std::uint8_t>& bytes) {
+  bytes.clear();
+  if (is_mono_) return write_mono(events, bytes);
+  write_evt3(events, bytes);
+  return {.events = events.size()};
+}
+
+PackageWriter::Written PackageWriter::write_mono(EventSpan events,
+                                                 std::vector<std::uint8_t>& bytes) const {
+  const std::int64_t base_us = events.front().t;
+  const auto reaches = [&](const Event& event) { return event.t - base_us <= kMonoRange_us; };
+  const auto end =
+      reaches(events.back()) ? events.end() : std::ranges::partition_point(events, reaches);
+  const auto count = static_cast<std::size_t>(end - events.begin());
+  bytes.resize(count * sizeof(std::uint64_t));
+  std::uint8_t* to = bytes.data();
+  for (const Event& event : events.first(count)) {
+    std::uint64_t word = static_cast<std::uint64_t>((event.t - base_us) * kNsPerUs) |
+                         std::uint64_t{event.x} << 32 | std::uint64_t{event.y} << 48 |
+                         static_cast<std::uint64_t>(event.p > 0) << 63;
+    for (std::size_t i = 0; i < sizeof word; ++i, word >>= 8) {
+      *to++ = static_cast<std::uint8_t>(word & 0xff);
+    }
+  }
+  return {.events = count, .time_base = static_cast<std::uint64_t>(base_us * kNsPerUs)};
+}
+
+// The encoder counts from 0, bridges gaps by marks and refuses a stamp that goes back: it begins at
+// the stamp modulo the range of EVT3, which is all that a reader learns, and begins anew where the
+// stamps do.
+void PackageWriter::write_evt3(EventSpan events, std::vector<std::uint8_t>& bytes) {
+  std::array<Event, kBlock> shifted;
+  std::array<std::byte, kBlock * Encoder::kMostPerEvent> encoded;
+  const auto goes_on = [this](const Event& event) {
+    return event.t >= last_us_ && event.t - last_us_ <= kMostGap_us;
+  };
+  bytes.reserve(events.size() * 4 + Encoder::kMostPerEvent);
+  evt3_.restate();
+  while (!events.empty()) {
+    if (!begun_ || !goes_on(events.front())) {
+      evt3_.reset();
+      origin_us_ = events.front().t & ~(kEvt3Range_us - 1);
+      last_us_ = events.front().t;
+      begun_ = true;
+    }
+    std::size_t count = 0;
+    for (; count < std::min(kBlock, events.size()) && goes_on(events[count]); ++count) {
+      shifted[count] = events[count];
+      shifted[count].t -= origin_us_;
+      last_us_ = events[count].t;
+    }
+    events = events.subspan(count);
+    for (EventSpan block = EventSpan(shifted).first(count); !block.empty();) {
+      const Progress done = evt3_.encode(block, encoded);
+      const auto* const first = reinterpret_cast<const std::uint8_t*>(encoded.data());
+      bytes.insert(bytes.end(), first, first + done.bytes);
+      block = block.subspan(done.events);
+    }
+  }
+}
+
+}  // namespace asap::ros

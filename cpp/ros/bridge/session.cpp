@@ -1,0 +1,132 @@
+#include "ros/bridge/session.hpp"
+
+#include <chrono>
+#include <exception>
+#include <utility>
+
+namespace asap::ros {
+namespace {
+
+constexpr double kUsPerMs = 1e3;
+constexpr std::int64_t kNsOfOneUs = 1000;
+constexpr std::int64_t kMostBetweenMarks_us = 1'000'000;
+
+}  // namespace
+
+Session::Session(double latency_ms, Receiver& receiver, Say say)
+    : receiver_(receiver), say_(std::move(say)), latency_ms_(latency_ms) {
+  checked_latency_bound_ns(latency_ms * kUsPerMs);
+}
+
+Session::~Session() { stop(); }
+
+std::optional<Refusal> Session::take(const Packet& packet, std::int64_t stamp_ns) {
+  const auto arrival = std::chrono::steady_clock::now();
+  const std::lock_guard lock(control_);
+  if (stopped_) return {};
+  ++messages_;
+  const auto refuse = [this](Refusal refusal) {
+    ++refused_[static_cast<std::size_t>(refusal)];
+    return refusal;
+  };
+  const PacketReader::Seen seen = reader_.see(packet);
+  if (seen.refusal) return refuse(*seen.refusal);
+  if (packet.sensor != sensor_) {
+    if (!seen.is_new) return refuse(Refusal::geometry);  // of a camera that is not the one in use
+    begin(packet.sensor);
+  }
+  if (seen.lost > 0) pipeline_->upstream_lost(1, seen.lost);
+  bool is_marked = false;
+  reader_.decode(packet, [&](EventSpan events) {
+    if (!std::exchange(is_marked, true)) {
+      const std::lock_guard worker(worker_);
+      mark_ = {stamp_ns, events.front().t};
+    }
+    pipeline_->push(events, arrival);
+  });
+  return {};
+}
+
+void Session::begin(const Geometry& sensor) {
+  end();
+  const auto width = static_cast<int>(sensor.width), height = static_cast<int>(sensor.height);
+  receiver_.begin(sensor);
+  pipeline_ = std::make_unique<Pipeline>(RunConfig{.latency_us = latency_ms_ * kUsPerMs,
+                                                   .validator = {.width = width, .height = height},
+                                                   .execution = receiver_.execution()},
+                                         [this](const Package& package) { process(package); });
+  sensor_ = sensor;
+  say_("a sensor of " + std::to_string(width) + " x " + std::to_string(height) + " px");
+}
+
+void Session::end() {
+  if (!pipeline_ || !pipeline_->is_open()) return;
+  receiver_.hurry();
+  pipeline_->stop();
+  pipeline_->join();
+  say_("run ended: " + sentence(pipeline_->ledger()));
+}
+
+void Session::process(const Package& package) {
+  try {
+    receiver_.process(package, stamp_of(package.t_first()));
+  } catch (const std::exception& error) {
+    const std::lock_guard lock(worker_);
+    ++failures_;
+    failure_ = error.what();
+  }
+}
+
+// Sensor and host drift apart, so the last message counts; a clock that was reset says nothing.
+std::int64_t Session::stamp_of(std::int64_t t_us) const {
+  const std::lock_guard lock(worker_);
+  const std::int64_t since_us = t_us - mark_.t_us;
+  const bool is_near = since_us > -kMostBetweenMarks_us && since_us < kMostBetweenMarks_us;
+  return mark_.stamp_ns + (is_near ? since_us * kNsOfOneUs : 0);
+}
+
+void Session::set_latency(double latency_ms) {
+  const std::lock_guard lock(control_);
+  checked_latency_bound_ns(latency_ms * kUsPerMs);
+  latency_ms_ = latency_ms;
+  if (pipeline_) pipeline_->set_latency(latency_ms * kUsPerMs);
+}
+
+void Session::stop() {
+  const std::lock_guard lock(control_);
+  stopped_ = true;
+  end();
+}
+
+PipelineStats Session::stats() const {
+  const std::lock_guard lock(control_);
+  if (!pipeline_) return {{}, {}, LatencyHistogram(), {}};
+  PipelineStats stats = pipeline_->stats();
+  stats.stalled = stats.stalled || receiver_.stalled();
+  return stats;
+}
+
+Facts Session::facts() const {
+  const PipelineStats stats = this->stats();
+  const std::lock_guard lock(control_);
+  const char* const state = stopped_ ? "stopped" : stats.stalled ? "stalled" : "open";
+  Facts facts{{"schema_version", "1"},
+              {"mode", quoted("live")},
+              {"state", quoted(state)},
+              {"source.width", number(std::uint64_t{sensor_.width})},
+              {"source.height", number(std::uint64_t{sensor_.height})}};
+  const Facts run = facts_of(stats);
+  facts.insert(facts.end(), run.begin(), run.end());
+  facts.emplace_back("messages.received", number(messages_));
+  for (std::size_t i = 0; i < kRefusals.size(); ++i) {
+    facts.emplace_back(std::string("messages.refused_") + kRefusals[i], number(refused_[i]));
+  }
+  facts.emplace_back("messages.bad_records", number(reader_.bad_records()));
+  facts.emplace_back("messages.before_start", number(reader_.before_start()));
+  const std::lock_guard worker(worker_);
+  facts.emplace_back("failures.count", number(failures_));
+  facts.emplace_back("failures.last", quoted(failure_));
+  return facts;
+}
+
+}  // namespace asap::ros

@@ -1,0 +1,98 @@
+// EventNode: what the nodes have in common: events of a topic go into a Session, which works for a
+// receiver; ~/stats and /diagnostics say once a second how it does.
+//
+// The callbacks of a node run one at a time; the receiver runs on the session's thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <diagnostic_msgs/msg/diagnostic_array.hpp>
+#include <event_camera_msgs/msg/event_packet.hpp>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <rclcpp/rclcpp.hpp>
+#include <std_msgs/msg/header.hpp>
+#include <std_msgs/msg/string.hpp>
+#include <string>
+#include <vector>
+
+#include "ros/bridge/parameters.hpp"
+#include "ros/bridge/session.hpp"
+
+namespace asap_ros {
+
+namespace ros = asap::ros;
+using EventPacket = event_camera_msgs::msg::EventPacket;
+
+builtin_interfaces::msg::Time to_time(std::int64_t ns);
+
+class EventNode : public rclcpp::Node {
+ public:
+  EventNode(const std::string& name, const rclcpp::NodeOptions& options);
+  ~EventNode() override;
+
+ protected:
+  // Declares a parameter that may change while the node runs, with its range.
+  void declare(const ros::NumberField& field);
+  // Declares one that may not.
+  void declare(const ros::ChoiceField& field);
+
+  // Once the receiver and the parameters are there. The receiver outlives stop().
+  void start(ros::Receiver& receiver);
+  void stop();
+
+  // Those in force have changed.
+  virtual void heed(const ros::Parameters&) {}
+  // What else a report says.
+  virtual ros::Facts facts() const { return {}; }
+
+  const ros::Parameters& parameters() const noexcept { return parameters_; }
+  std_msgs::msg::Header header(std::int64_t stamp_ns) const;
+  rclcpp::QoS qos() const;
+
+ private:
+  void take(const EventPacket& message, const rclcpp::MessageInfo& info);
+  void take(ros::Packet& packet, const std_msgs::msg::Header& header,
+            const rclcpp::MessageInfo& info);
+  void subscribe();
+  void watch_parameters();
+  void report();
+  std::string trouble(const asap::PipelineStats& stats);
+
+  ros::Parameters parameters_;
+  std::vector<const ros::NumberField*> numbers_;
+  std::unique_ptr<ros::Session> session_;
+  mutable std::mutex frame_;  // the next one
+  std::string frame_id_;
+  std::uint64_t refused_ = 0;        // messages
+  std::uint64_t told_overflow_ = 0;  // in the last report, like the next two
+  std::uint64_t told_lost_ = 0;
+  std::uint64_t told_refused_ = 0;
+  std::uint64_t messages_ = 0;
+  std::vector<asap::Event> decoded_;
+  rclcpp::SubscriptionBase::SharedPtr subscription_;
+  rclcpp::Publisher<std_msgs::msg::String>::SharedPtr stats_;
+  rclcpp::Publisher<diagnostic_msgs::msg::DiagnosticArray>::SharedPtr diagnostics_;
+  rclcpp::TimerBase::SharedPtr timer_;
+  OnSetParametersCallbackHandle::SharedPtr on_set_;
+  PostSetParametersCallbackHandle::SharedPtr post_set_;
+  std::optional<rclcpp::PreShutdownCallbackHandle> on_shutdown_;
+};
+
+// main() of an executable with one node: 0 after SIGINT, 2 for bad parameters.
+template <class Made>
+int spin(int argc, char** argv) {
+  rclcpp::init(argc, argv);
+  int code = 0;
+  try {
+    rclcpp::spin(std::make_shared<Made>(rclcpp::NodeOptions()));
+  } catch (const std::exception& error) {
+    RCLCPP_FATAL(rclcpp::get_logger("asap"), "%s", error.what());
+    code = 2;
+  }
+  rclcpp::shutdown();
+  return code;
+}
+
+}  // namespace asap_ros

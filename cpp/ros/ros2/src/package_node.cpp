@@ -1,0 +1,102 @@
+#include "package_node.hpp"
+
+#include <rclcpp_components/register_node_macro.hpp>
+#include <stdexcept>
+#include <utility>
+
+#ifdef ASAP_ROS_DVS_MSGS
+#include <dvs_msgs/msg/event_array.hpp>
+#endif
+
+namespace asap_ros {
+namespace {
+
+constexpr std::size_t kCallsThatWait = 1000;  // 10 by default: a burst would lose some
+
+}  // namespace
+
+PackageNode::PackageNode(const rclcpp::NodeOptions& options) : EventNode("asap", options) {
+  for (const ros::NumberField& field : ros::kNumbers) declare(field);
+  for (const ros::ChoiceField& field : ros::kChoices) declare(field);
+  ros::check(parameters());
+  advertise();
+  relay_ = std::make_unique<ros::Relay>(parameters(), publish_, [this] {
+    return publisher_->get_subscription_count() +
+               publisher_->get_intra_process_subscription_count() >
+           0;
+  });
+  listen();
+  start(*relay_);
+}
+
+PackageNode::~PackageNode() { stop(); }
+
+void PackageNode::advertise() {
+  if (parameters().encoding != ros::kDecoded) {
+    const auto publisher = create_publisher<EventPacket>("~/events", qos());
+    publisher_ = publisher;
+    publish_ = [this, publisher = publisher.get()](ros::Message& message) {
+      auto packet = std::make_unique<EventPacket>();
+      packet->header = header(message.stamp_ns);
+      packet->width = message.sensor.width;
+      packet->height = message.sensor.height;
+      packet->seq = message.seq;
+      packet->time_base = message.time_base;
+      packet->encoding = message.encoding;
+      packet->events = std::move(message.bytes);
+      publisher->publish(std::move(packet));
+    };
+    return;
+  }
+#ifdef ASAP_ROS_DVS_MSGS
+  using EventArray = dvs_msgs::msg::EventArray;
+  const auto publisher = create_publisher<EventArray>("~/events", qos());
+  publisher_ = publisher;
+  publish_ = [this, publisher = publisher.get()](ros::Message& message) {
+    auto array = std::make_unique<EventArray>();
+    array->header = header(message.stamp_ns);
+    array->width = message.sensor.width;
+    array->height = message.sensor.height;
+    array->events.reserve(message.events.size());
+    for (const asap::Event& event : message.events) {
+      auto& to = array->events.emplace_back();
+      to.x = event.x;
+      to.y = event.y;
+      to.ts = to_time(event.t * 1000);
+      to.polarity = event.p > 0;
+    }
+    publisher->publish(std::move(array));
+  };
+#else
+  throw std::invalid_argument(
+      "encoding = dvs_msgs: must be evt3 or mono; asap_ros was built without dvs_msgs");
+#endif
+}
+
+void PackageNode::listen() {
+  if (parameters().feedback == "topic") {
+    processing_time_ = create_subscription<std_msgs::msg::Float64>(
+        "~/processing_time", 10,
+        [this](std_msgs::msg::Float64::ConstSharedPtr time) { relay_->feedback(time->data); });
+  }
+  if (parameters().feedback == "service") {
+    service_ = create_service<Service>(
+        "~/feedback",
+        [this](Service::Request::SharedPtr request, Service::Response::SharedPtr response) {
+          response->success = relay_->feedback(request->time);
+        },
+        rclcpp::ServicesQoS().keep_last(kCallsThatWait));
+  }
+}
+
+ros::Facts PackageNode::facts() const {
+  const ros::FeedbackGate::Counts counts = relay_->feedbacks();
+  return {{"feedback.taken", ros::number(counts.taken)},
+          {"feedback.refused", ros::number(counts.refused)},
+          {"feedback.timeouts", ros::number(counts.timeouts)},
+          {"feedback.stalled", counts.stalled ? "true" : "false"}};
+}
+
+}  // namespace asap_ros
+
+RCLCPP_COMPONENTS_REGISTER_NODE(asap_ros::PackageNode)

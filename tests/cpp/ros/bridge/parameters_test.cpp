@@ -1,0 +1,49 @@
+#include "ros/bridge/parameters.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "support/errors.hpp"
+
+namespace asap::ros::parameters_test {
+namespace {
+
+std::string error(const Parameters& parameters) {
+  return test::error_of([&] { check(parameters); });
+}
+
+TEST(Parameters, TheDefaultsAreGood) { EXPECT_EQ(error({}), "nothing was thrown"); }
+
+TEST(Parameters, ANumberOutsideItsRangeIsRefusedByName) {
+  EXPECT_EQ(error({.latency_ms = 0.0}), "latency_ms = 0: must be between 0.1 and 10000");
+  EXPECT_EQ(error({.rate_bound = -1.0}), "rate_bound = -1: must be between 0 and 1000000000");
+  for (const NumberField& number : kNumbers) {
+    Parameters parameters;
+    parameters.*number.field = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(error(parameters).find(std::string(number.name) + " = nan: must be"), 0u);
+    parameters.*number.field = number.most * 1.01;
+    EXPECT_EQ(error(parameters).find(number.name), 0u);
+  }
+}
+
+TEST(Parameters, TheTimeoutIsNotShorterThanTheBound) {
+  EXPECT_EQ(error({.latency_ms = 50, .feedback_timeout_ms = 20}),
+            "feedback_timeout_ms = 20: must be at least latency_ms = 50");
+}
+
+TEST(Parameters, AChoiceIsOneOfItsNames) {
+  EXPECT_EQ(error({.feedback = "tpoic"}), "feedback = tpoic: must be one of none, topic, service");
+  EXPECT_EQ(error({.encoding = ""}), "encoding = : must be one of evt3, mono, dvs_msgs");
+  for (const ChoiceField& choice : kChoices) {
+    for (const char* value : choice.choices) {
+      Parameters parameters;
+      parameters.*choice.field = value;
+      EXPECT_EQ(error(parameters), "nothing was thrown");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace asap::ros::parameters_test

@@ -1,0 +1,140 @@
+#include "ros/bridge/relay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ros/some_events.hpp"
+#include "support/errors.hpp"
+
+namespace asap::ros::relay_test {
+namespace {
+
+using Events = std::vector<Event>;
+using Clock = FeedbackGate::Clock;
+using namespace std::chrono_literals;
+
+Package package_of(const Events& events) {
+  Package package;
+  package.events = events;
+  return package;
+}
+
+struct Fixture {
+  explicit Fixture(const Parameters& parameters)
+      : relay(
+            parameters, [this](Message& message) { sent.push_back(message); },
+            [this] { return heard.load(); }) {
+    relay.begin({640, 480});
+  }
+
+  std::vector<Message> sent;
+  std::atomic<bool> heard{true};
+  Relay relay;
+};
+
+Events read(const std::vector<Message>& messages) {
+  PacketReader reader;
+  Events events;
+  for (const Message& message : messages) {
+    const Packet packet{.publisher = "asap",
+                        .sensor = message.sensor,
+                        .seq = message.seq,
+                        .time_base = message.time_base,
+                        .encoding = message.encoding,
+                        .bytes = std::as_bytes(std::span(message.bytes))};
+    EXPECT_FALSE(reader.see(packet).refusal);
+    reader.decode(
+        packet, [&](EventSpan block) { events.insert(events.end(), block.begin(), block.end()); });
+  }
+  return events;
+}
+
+TEST(Relay, PublishesThePackages) {
+  const Events events = test::some_events(2'000);
+  for (const char* encoding : {"evt3", "mono"}) {
+    Fixture fixture({.encoding = encoding});
+    fixture.relay.process(package_of({events.begin(), events.begin() + 900}), 5);
+    fixture.relay.process(package_of({events.begin() + 900, events.end()}), 6);
+    ASSERT_EQ(fixture.sent.size(), 2u);
+    EXPECT_EQ(fixture.sent[1].seq, 1u);
+    EXPECT_EQ(fixture.sent[1].stamp_ns, 6);
+    EXPECT_EQ(fixture.sent[1].sensor, (Geometry{640, 480}));
+    EXPECT_EQ(read(fixture.sent), events);
+  }
+}
+
+TEST(Relay, LeavesTheEncodingToTheMiddleware) {
+  Events events = test::some_events(10);
+  Events seen;
+  Relay relay(
+      {.encoding = "dvs_msgs"},
+      [&](Message& message) {
+        EXPECT_TRUE(message.bytes.empty());
+        seen.assign(message.events.begin(), message.events.end());
+      },
+      [] { return true; });
+  relay.process(package_of(events), 0);
+  EXPECT_EQ(seen, events);
+}
+
+TEST(Relay, WaitsForTheConsumer) {
+  Fixture fixture({.feedback_timeout_ms = 60'000, .feedback = "topic"});
+  std::jthread consumer([&] {
+    while (!fixture.relay.feedback(0.0)) std::this_thread::sleep_for(1ms);
+  });
+  fixture.relay.process(package_of(test::some_events(10)), 0);
+  EXPECT_EQ(fixture.relay.feedbacks().taken, 1u);
+  EXPECT_EQ(fixture.relay.feedbacks().timeouts, 0u);
+}
+
+TEST(Relay, WaitsForNoFeedbackWhereThereIsNoConsumer) {
+  Fixture fixture({.feedback_timeout_ms = 60'000, .feedback = "topic"});
+  fixture.heard = false;
+  fixture.relay.process(package_of(test::some_events(10)), 0);
+  EXPECT_EQ(fixture.relay.feedbacks().timeouts, 0u);
+  EXPECT_FALSE(fixture.relay.feedback(0.0));
+}
+
+TEST(Relay, GoesOnWhenTheTimeIsUp) {
+  Fixture fixture({.latency_ms = 1, .feedback_timeout_ms = 1, .feedback = "service"});
+  fixture.relay.process(package_of(test::some_events(10)), 0);
+  EXPECT_EQ(fixture.relay.feedbacks().timeouts, 1u);
+  EXPECT_TRUE(fixture.relay.stalled());
+}
+
+TEST(Relay, HurriesWhenTheRunEnds) {
+  Fixture fixture({.feedback_timeout_ms = 60'000, .feedback = "topic"});
+  std::jthread other([&] {
+    std::this_thread::sleep_for(5ms);
+    fixture.relay.hurry();
+  });
+  fixture.relay.process(package_of(test::some_events(10)), 0);
+  fixture.relay.process(package_of(test::some_events(10)), 0);
+  EXPECT_EQ(fixture.sent.size(), 2u);
+  EXPECT_EQ(fixture.relay.feedbacks().timeouts, 0u);
+}
+
+TEST(Relay, APackageLastsAsLongAsTheRateBoundSays) {
+  Fixture fixture({.rate_bound = 100'000});
+  const auto start = Clock::now();
+  fixture.relay.process(package_of(test::some_events(1'000)), 0);
+  EXPECT_GE(Clock::now() - start, 10ms);
+  fixture.relay.set({.rate_bound = 1e9});
+  fixture.relay.process(package_of(test::some_events(1'000)), 0);
+  EXPECT_EQ(fixture.sent.size(), 2u);
+}
+
+TEST(Relay, RefusesParametersThatAreNone) {
+  EXPECT_EQ(test::error_of([] { Fixture fixture({.encoding = "evt2"}); }),
+            "encoding = evt2: must be one of evt3, mono, dvs_msgs");
+}
+
+}  // namespace
+}  // namespace asap::ros::relay_test

@@ -1,0 +1,236 @@
+#include "ros/bridge/session.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "asap/runner/simulator.hpp"
+#include "asap/schemes/deadline.hpp"
+#include "ros/bridge/package_writer.hpp"
+#include "ros/some_events.hpp"
+#include "support/errors.hpp"
+
+namespace asap::ros::session_test {
+namespace {
+
+using Events = std::vector<Event>;
+
+constexpr double kNoHurry_ms =
+    10'000;  // the machine may be busy: nothing is stale, nothing thinned
+
+class Collector : public Receiver {
+ public:
+  void begin(const Geometry& sensor) override { sensors.push_back(sensor); }
+  void process(const Package& package, std::int64_t stamp_ns) override {
+    entered = true;
+    entered.notify_all();
+    held.wait(true);
+    stamps.emplace_back(package.t_first(), stamp_ns);
+    events.insert(events.end(), package.events.begin(), package.events.end());
+    if (fails) throw std::runtime_error("no room");
+  }
+  void hurry() noexcept override { ++hurries; }
+  bool stalled() const override { return stays_away; }
+
+  std::vector<Geometry> sensors;
+  std::vector<std::pair<std::int64_t, std::int64_t>> stamps;
+  Events events;
+  int hurries = 0;
+  bool fails = false;
+  std::atomic<bool> stays_away{false};
+  std::atomic<bool> entered{false};
+  std::atomic<bool> held{false};
+};
+
+struct Fixture {
+  Collector collector;
+  std::vector<std::string> said;
+  Session session{kNoHurry_ms, collector,
+                  [this](const std::string& line) { said.push_back(line); }};
+
+  std::optional<Refusal> take(const Events& events, std::uint64_t seq, Geometry sensor = {640, 480},
+                              std::string_view publisher = "camera", std::int64_t stamp_ns = 0) {
+    std::vector<std::uint8_t> bytes;
+    const auto written = PackageWriter("mono").write(events, bytes);
+    return session.take({.publisher = publisher,
+                         .sensor = sensor,
+                         .seq = seq,
+                         .time_base = written.time_base,
+                         .encoding = "mono",
+                         .bytes = std::as_bytes(std::span(bytes))},
+                        stamp_ns);
+  }
+};
+
+std::string value_of(const Facts& facts, const std::string& name) {
+  for (const auto& [of, value] : facts) {
+    if (of == name) return value;
+  }
+  return "missing";
+}
+
+TEST(Session, EveryEventReachesTheReceiver) {
+  Fixture fixture;
+  const Events events = test::some_events(10'000);
+  for (std::size_t i = 0; i < 10; ++i) {
+    const EventSpan part = EventSpan(events).subspan(i * 1'000, 1'000);
+    EXPECT_FALSE(fixture.take(Events(part.begin(), part.end()), i));
+  }
+  fixture.session.stop();
+  EXPECT_EQ(fixture.collector.events, events);
+  const Ledger ledger = fixture.session.stats().ledger;
+  EXPECT_EQ(ledger, (Ledger{.received = 10'000, .delivered = 10'000}));
+  EXPECT_EQ(fixture.said.back(), "run ended: received 10000 = delivered 10000");
+  EXPECT_EQ(value_of(fixture.session.facts(), "state"), "\"stopped\"");
+}
+
+TEST(Session, HasFactsBeforeTheFirstMessage) {
+  Fixture fixture;
+  const std::string json = to_json(fixture.session.facts());
+  EXPECT_NE(json.find(R"("state": "open")"), std::string::npos) << json;
+  EXPECT_NE(json.find(R"("ledger": {"received": 0, "delivered": 0)"), std::string::npos) << json;
+  EXPECT_NE(json.find(R"("latency_us": {"mean": 0)"), std::string::npos) << json;
+  EXPECT_EQ(json.find("nan"), std::string::npos);
+}
+
+TEST(Session, NothingIsTakenAfterTheStop) {
+  Fixture fixture;
+  fixture.take(test::some_events(10), 0);
+  fixture.session.stop();
+  EXPECT_FALSE(fixture.take(test::some_events(10), 1));
+  EXPECT_EQ(fixture.session.stats().ledger.received, 10u);
+  EXPECT_EQ(value_of(fixture.session.facts(), "messages.received"), "1");
+}
+
+TEST(Session, ANewPublisherBringsItsSensor) {
+  Fixture fixture;
+  EXPECT_FALSE(fixture.take({{600, 400, 1, 10}}, 0, {640, 480}, "old"));
+  EXPECT_FALSE(fixture.take({{1'200, 700, 1, 10}}, 0, {1280, 720}, "new"));
+  EXPECT_EQ(fixture.take({{600, 400, 1, 20}}, 1, {640, 480}, "old"), Refusal::geometry);
+  EXPECT_FALSE(fixture.take({{1'200, 700, 1, 20}, {1'300, 700, 1, 21}}, 1, {1280, 720}, "new"));
+  fixture.session.stop();
+  EXPECT_EQ(fixture.collector.sensors, (std::vector<Geometry>{{640, 480}, {1280, 720}}));
+  EXPECT_EQ(fixture.collector.hurries, 2);
+  EXPECT_EQ(fixture.session.stats().ledger, (Ledger{.received = 3, .rejected = 1, .delivered = 2}));
+  EXPECT_EQ(value_of(fixture.session.facts(), "rejected.out_of_bounds"), "1");
+  EXPECT_EQ(value_of(fixture.session.facts(), "messages.refused_geometry"), "1");
+}
+
+TEST(Session, APublisherThatBeginsAnewMayBringAnotherSensor) {
+  Fixture fixture;
+  EXPECT_FALSE(fixture.take({{1, 1, 1, 10}}, 7, {640, 480}));
+  EXPECT_FALSE(fixture.take({{1, 1, 1, 10}}, 0, {1280, 720}));
+  EXPECT_EQ(fixture.take({{1, 1, 1, 20}}, 1, {640, 480}), Refusal::geometry);
+}
+
+TEST(Session, CountsWhatTheDriverLost) {
+  Fixture fixture;
+  for (const std::uint64_t seq : {3u, 4u, 9u, 11u}) {
+    const auto t = static_cast<std::int64_t>(seq);
+    EXPECT_FALSE(fixture.take({{1, 1, 1, t}}, seq));
+  }
+  const PipelineStats stats = fixture.session.stats();
+  EXPECT_EQ(stats.upstream_marks, 2u);
+  EXPECT_EQ(stats.upstream_packets, 5u);
+}
+
+TEST(Session, CountsRefusalsByReason) {
+  Fixture fixture;
+  EXPECT_EQ(fixture.session.take({.sensor = {640, 480}, .encoding = "evt4"}, 0), Refusal::encoding);
+  EXPECT_EQ(fixture.session.take({.sensor = {0, 480}, .encoding = "evt3"}, 0), Refusal::geometry);
+  const Facts facts = fixture.session.facts();
+  EXPECT_EQ(value_of(facts, "messages.refused_encoding"), "1");
+  EXPECT_EQ(value_of(facts, "messages.refused_geometry"), "1");
+  EXPECT_EQ(value_of(facts, "messages.received"), "2");
+}
+
+TEST(Session, APackageHasTheStampOfItsFirstEvent) {
+  Fixture fixture;
+  const std::int64_t stamp_ns = 1'700'000'000'000'000'000;
+  fixture.collector.held = true;  // so that later messages wait in one package
+  for (const std::int64_t t : {5'000, 5'300, 5'700}) {
+    const std::int64_t at_ns = stamp_ns + (t - 5'000) * 1'000;
+    fixture.take({{1, 1, 1, t}}, 0, {640, 480}, "camera", at_ns);
+    fixture.collector.entered.wait(false);
+  }
+  fixture.collector.held = false;
+  fixture.collector.held.notify_all();
+  fixture.session.stop();
+  ASSERT_FALSE(fixture.collector.stamps.empty());
+  EXPECT_LT(fixture.collector.stamps.back().first, 5'700);
+  for (const auto& [t_us, at_ns] : fixture.collector.stamps) {
+    EXPECT_EQ(at_ns, stamp_ns + (t_us - 5'000) * 1'000);
+  }
+}
+
+TEST(Session, AReceiverThatFailsIsCounted) {
+  Fixture fixture;
+  fixture.collector.fails = true;
+  fixture.take(test::some_events(10), 0);
+  fixture.session.stop();
+  const Facts facts = fixture.session.facts();
+  EXPECT_NE(value_of(facts, "failures.count"), "0");
+  EXPECT_EQ(value_of(facts, "failures.last"), "\"no room\"");
+  EXPECT_TRUE(fixture.session.stats().ledger.balanced());
+}
+
+TEST(Session, IsStalledWithItsReceiver) {
+  Fixture fixture;
+  fixture.take({{1, 1, 1, 5}}, 0);
+  fixture.collector.stays_away = true;
+  EXPECT_TRUE(fixture.session.stats().stalled);
+  EXPECT_EQ(value_of(fixture.session.facts(), "state"), "\"stalled\"");
+}
+
+TEST(Session, AnotherBoundHoldsFromNowOn) {
+  Fixture fixture;
+  fixture.session.set_latency(20);
+  fixture.take({{1, 1, 1, 5}}, 0);
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 20'000'000);
+  fixture.session.set_latency(30);
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 30'000'000);
+  EXPECT_NE(test::error_of([&] { fixture.session.set_latency(-1); }), "nothing was thrown");
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 30'000'000);
+}
+
+// The bridge adds and loses nothing: in virtual time its events make the same packages.
+TEST(Session, MakesThePackagesOfTheEventsThemselves) {
+  const auto packages_of = [](auto&& feed) {
+    Deadline scheme;
+    std::vector<std::pair<std::int64_t, std::size_t>> packages;
+    Simulator simulator(scheme, LinearCost{{.alpha_us = 100, .beta_ns = 3'000}}, {},
+                        [&](const Package& package) {
+                          packages.emplace_back(package.t_first(), package.events.size());
+                        });
+    feed(simulator);
+    simulator.finish();
+    return packages;
+  };
+  const Events events = test::some_events(50'000);
+  PackageWriter writer("evt3");
+  PacketReader reader;
+  std::vector<std::uint8_t> bytes;
+  const auto direct = packages_of([&](Simulator& simulator) { simulator.feed(events); });
+  const auto bridged = packages_of([&](Simulator& simulator) {
+    for (std::uint64_t i = 0; i < 50; ++i) {
+      writer.write(EventSpan(events).subspan(i * 1'000, 1'000), bytes);
+      const Packet packet{.sensor = {640, 480},
+                          .seq = i,
+                          .encoding = "evt3",
+                          .bytes = std::as_bytes(std::span(bytes))};
+      reader.see(packet);
+      reader.decode(packet, [&](EventSpan block) { simulator.feed(block); });
+    }
+  });
+  EXPECT_GT(direct.size(), 20u);
+  EXPECT_EQ(direct, bridged);
+}
+
+}  // namespace
+}  // namespace asap::ros::session_test
