@@ -36,22 +36,7 @@ from asap._core import (
     ThresholdOrdinalSurface,
     __version__,
 )
-from asap.accuracy import KeepCurve, keep_curve, score
-from asap.conversion import convert
 from asap.events import EVENT_DTYPE, as_events
-from asap.experiment import (
-    Comparison,
-    Pipeline,
-    Run,
-    compare,
-    last_run,
-    load_run,
-    oracle,
-    run,
-    simulate,
-)
-from asap.experiment import map as map  # not in __all__: `import *` leaves Python its own
-from asap.inspection import Inspection, check, info
 from asap.io import Recording, load, read
 
 __all__ = [
@@ -109,27 +94,56 @@ __all__ = [
     "synthetic",
 ]
 
-# Imported when they are first used.
-_MODULES = (
-    "analysis",
-    "metrics",
-    "plots",
-    "profiles",
-    "report",
-    "scenes",
-    "synthetic",
-)
-
+# Imported when they are first used: modules, and names with the module that they are in.
+_MODULES = ("analysis", "metrics", "plots", "profiles", "report", "scenes", "synthetic")
+_NAMES = {
+    "Comparison": "experiment",
+    "Inspection": "inspection",
+    "KeepCurve": "accuracy",
+    "Pipeline": "experiment",
+    "Run": "experiment",
+    "check": "inspection",
+    "compare": "experiment",
+    "convert": "conversion",
+    "info": "inspection",
+    "keep_curve": "accuracy",
+    "last_run": "experiment",
+    "load_run": "experiment",
+    "map": "experiment",  # not in __all__: `import *` leaves Python its own
+    "oracle": "experiment",
+    "run": "experiment",
+    "score": "accuracy",
+    "simulate": "experiment",
+}
 
 if TYPE_CHECKING:
     from asap import analysis, metrics, plots, profiles, report, scenes, synthetic
+    from asap.accuracy import KeepCurve, keep_curve, score
+    from asap.conversion import convert
+    from asap.experiment import (
+        Comparison,
+        Pipeline,
+        Run,
+        compare,
+        last_run,
+        load_run,
+        oracle,
+        run,
+        simulate,
+    )
+    from asap.experiment import map as map
+    from asap.inspection import Inspection, check, info
 else:  # a type checker would take any name for one of a module that has a __getattr__
 
     def __getattr__(name: str) -> Any:
         if name in _MODULES:
             return importlib.import_module(f"asap.{name}")
+        if name in _NAMES:
+            value = getattr(importlib.import_module(f"asap.{_NAMES[name]}"), name)
+            globals()[name] = value  # found here from now on
+            return value
         raise AttributeError(f"module 'asap' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_MODULES})
+    return sorted({*globals(), *_MODULES, *_NAMES})

@@ -6,6 +6,7 @@ import os
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
@@ -14,9 +15,19 @@ import numpy as np
 from asap import checks, units
 from asap.events import Events
 from asap.experiment.source import Source
-from asap.io.writers import WRITERS
+from asap.io.encoded import write_encoded
+from asap.io.packet_writers import write_aedat4, write_mcap
+from asap.io.writers import Writer, write_npy, write_npz
 
-__all__ = ["convert", "format_of"]
+__all__ = ["WRITERS", "convert", "format_of"]
+
+WRITERS: dict[str, Writer] = {
+    "npy": write_npy,
+    "npz": write_npz,
+    **{name: partial(write_encoded, name) for name in ("csv", "es", "dat", "evt2", "evt3")},
+    "aedat4": write_aedat4,
+    "mcap": write_mcap,
+}
 
 _SUFFIXES = {".raw": "evt3", **{f".{name}": name for name in WRITERS}}
 

@@ -17,13 +17,14 @@ import pytest
 import asap
 import corrupt
 from asap import cli
+from asap.conversion import WRITERS
 from asap.events import Events
-from asap.io.writers import WRITERS
 from event_files import assert_equal_events, recording, sha256_txyp
 
 EVENTS = corrupt.clean_events(3000)
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
 STATE_THE_SENSOR = ("npz", "es", "dat", "evt2", "evt3", "aedat4", "mcap")
+LIBRARIES = {"aedat4": "lz4", "mcap": "rosbags"}
 IN_PACKETS = ("aedat4", "mcap")  # which also end where a piece of the source does
 UNIX_US = 1_633_953_690_975_950
 
@@ -35,6 +36,14 @@ def long_gaps() -> Events:
     events["t"][1000:] += 30_000_000
     events["t"][2000:] += 600_000_000
     return events
+
+
+@pytest.fixture(autouse=True)
+def library(request: pytest.FixtureRequest) -> None:
+    """A format that a library writes is tested where the library is installed."""
+    to = getattr(request.node, "callspec", None) and request.node.callspec.params.get("to")
+    if to in LIBRARIES:
+        pytest.importorskip(LIBRARIES[to])
 
 
 # ---- read back by asap ----------------------------------------------------------------------

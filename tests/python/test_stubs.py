@@ -43,9 +43,14 @@ def test_lazy_modules_are_imported_and_getattr_hidden_for_the_type_checker() -> 
     tree = ast.parse((ROOT / "python" / "asap" / "__init__.py").read_text())
     (guard,) = [node for node in tree.body if isinstance(node, ast.If)]
     assert ast.unparse(guard.test) == "TYPE_CHECKING"
-    (imports,) = guard.body
-    assert isinstance(imports, ast.ImportFrom) and imports.module == "asap"
-    assert [alias.name for alias in imports.names] == [*asap._MODULES]
+    imported = {
+        alias.name: node.module
+        for node in guard.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    modules = dict.fromkeys(asap._MODULES, "asap")
+    assert imported == modules | {name: f"asap.{home}" for name, home in asap._NAMES.items()}
     (hidden,) = guard.orelse
     assert isinstance(hidden, ast.FunctionDef) and hidden.name == "__getattr__"
     functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
@@ -58,7 +63,7 @@ def test_lazy_modules_are_imported_and_getattr_hidden_for_the_type_checker() -> 
 @pytest.mark.full
 def test_type_checker_knows_the_lazy_modules_and_no_other_name(tmp_path: Path) -> None:
     pytest.importorskip("mypy")
-    uses = "import asap\n\nasap.scenes.A()\nasap.plots.frame\nasap.simulat\n"
+    uses = "import asap\n\nasap.scenes.A()\nasap.check\nasap.simulat\n"
     (tmp_path / "uses.py").write_text(uses)
     environment = {**os.environ, "MYPYPATH": str(ROOT / "python")}
     command = [sys.executable, "-m", "mypy", "--strict", "uses.py"]

@@ -8,7 +8,6 @@ import asap
 from asap import conversion, units
 from asap.cli.options import add_recording, add_verb, open_recording, writable
 from asap.cli.outcome import OK, print_json, reading, tell_doubt, usage, writing
-from asap.io.writers import WRITERS
 
 __all__ = ["add"]
 
@@ -19,7 +18,9 @@ def add(verbs: Any) -> None:
     add_recording(verb, "IN")
     verb.add_argument("out", type=writable, metavar="OUT", help="the file to write")
     verb.add_argument(
-        "--to", choices=tuple(WRITERS), help="format (default: the suffix of OUT; .raw is evt3)"
+        "--to",
+        choices=tuple(conversion.WRITERS),
+        help="format (default: the suffix of OUT; .raw is evt3)",
     )
     verb.add_argument("--relative", action="store_true", help="count the time from the first event")
 

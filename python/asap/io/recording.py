@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import warnings
 from collections.abc import Callable, Iterator
@@ -15,31 +16,36 @@ import numpy.typing as npt
 from asap import _core, checks, units
 from asap._pickling import by_arguments
 from asap.events import Events, plain_view
-from asap.io.aedat4 import Aedat4Reader
 from asap.io.arrangement import arrangement, looks_like
 from asap.io.errors import CorruptFile, NoGoodEvent
 from asap.io.gathering import gathered
-from asap.io.hdf5 import Hdf5Reader
-from asap.io.matlab import MatlabReader
 from asap.io.native import FORMATS, NativeReader
-from asap.io.numpy_files import NpyReader, NpzReader
 from asap.io.reader import Losses, Options, Reader
-from asap.io.ros import RosReader
 from asap.io.sniff import first_bytes, sniff, stated
-from asap.io.text import TextReader
 
 __all__ = ["FILE_FORMATS", "Recording", "load", "read"]
 
+
+def _late(module: str, reader: str) -> Callable[..., Reader]:
+    """Return what makes that reader; its module is imported when it is first used."""
+
+    def make(*arguments: Any) -> Reader:
+        made: Reader = getattr(importlib.import_module(f"asap.io.{module}"), reader)(*arguments)
+        return made
+
+    return make
+
+
 _READERS: dict[str, Callable[[Path, Options], Reader]] = {
-    "npy": NpyReader,
-    "npz": NpzReader,
-    "text": TextReader,
-    "csv": TextReader,
-    "aedat4": Aedat4Reader,
+    "npy": _late("numpy_files", "NpyReader"),
+    "npz": _late("numpy_files", "NpzReader"),
+    "text": _late("text", "TextReader"),
+    "csv": _late("text", "TextReader"),
+    "aedat4": _late("aedat4", "Aedat4Reader"),
     **{name: partial(NativeReader, name) for name in FORMATS},
-    "hdf5": Hdf5Reader,
-    "matlab": MatlabReader,
-    **{name: partial(RosReader, name) for name in ("rosbag1", "rosbag2", "mcap")},
+    "hdf5": _late("hdf5", "Hdf5Reader"),
+    "matlab": _late("matlab", "MatlabReader"),
+    **{name: partial(_late("ros", "RosReader"), name) for name in ("rosbag1", "rosbag2", "mcap")},
 }
 FILE_FORMATS = tuple(_READERS)  # names that `file_format` takes
 

@@ -11,7 +11,6 @@ import shutil
 import zipfile
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import IO, Any
@@ -21,10 +20,8 @@ import numpy.typing as npt
 from numpy.lib import format as npy
 
 from asap.events import EVENT_DTYPE, Events
-from asap.io.encoded import write_encoded
-from asap.io.packet_writers import write_aedat4, write_mcap
 
-__all__ = ["WRITERS", "Writer", "write_archive"]
+__all__ = ["Writer", "write_archive", "write_npy", "write_npz"]
 
 Writer = Callable[[IO[bytes], Iterable[Events], int, int], int]
 
@@ -34,7 +31,8 @@ _COLUMNS = {"t": "<i8", "x": "<u2", "y": "<u2", "p": "u1"}
 _PADDING = 3  # of the 16-bit words of an event
 
 
-def _write_npy(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
+def write_npy(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
+    """Write one array of EVENT_DTYPE; its length goes into the header at the end."""
     file.write(_npy_header(EVENT_DTYPE, 0))
     count = 0
     for chunk in chunks:
@@ -47,7 +45,8 @@ def _write_npy(file: IO[bytes], chunks: Iterable[Events], width: int, height: in
     return count
 
 
-def _write_npz(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
+def write_npz(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
+    """Write the columns and, where it is known, the size of the sensor; compressed."""
     count = 0
     with ExitStack() as stack:  # the columns wait in files until their length is known
         folder = Path(file.name).parent
@@ -92,12 +91,3 @@ def _npy_header(dtype: np.dtype[Any], count: int) -> bytes:
     fields = {"descr": npy.dtype_to_descr(dtype), "fortran_order": False, "shape": (count,)}
     front = npy.magic(1, 0) + (_HEADER - npy.MAGIC_LEN - 2).to_bytes(2, "little")
     return front + repr(fields).encode().ljust(_HEADER - len(front) - 1) + b"\n"
-
-
-WRITERS: dict[str, Writer] = {
-    "npy": _write_npy,
-    "npz": _write_npz,
-    **{name: partial(write_encoded, name) for name in ("csv", "es", "dat", "evt2", "evt3")},
-    "aedat4": write_aedat4,
-    "mcap": write_mcap,
-}
