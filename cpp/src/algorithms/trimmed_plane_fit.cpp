@@ -5,23 +5,39 @@
 #include <utility>
 
 namespace asap {
+
+// What a pixel of the window adds to the normal equations of a plane.
+struct WindowPixel {
+  double x;  // px, from the centre
+  double y;
+  double weight;
+  std::array<double, 9> normal;  // weight (x, y, 1) (x, y, 1)^T
+  std::array<double, 3> right;   // weight (x, y, 1), for each us of its time
+};
+
 namespace {
 
 constexpr int kTrims = 2;
+constexpr std::size_t kWindowSide = TrimmedPlaneFit::kSide;
 
-// Of each pixel of the window. The edge is straight and alone near the event, less so farther away.
-constexpr auto kWeights = [] {
-  constexpr std::size_t kSide = TrimmedPlaneFit::kSide;
+// The edge is straight and alone near the event, less so farther away.
+constexpr WindowPixel window_pixel(double x, double y) {
   constexpr double kHalf_px2 = 4.0;
-  std::array<std::array<double, kSide>, kSide> weights{};
-  for (std::size_t y = 0; y < kSide; ++y) {
-    for (std::size_t x = 0; x < kSide; ++x) {
-      const double dx = static_cast<double>(x) - TrimmedPlaneFit::kReach;
-      const double dy = static_cast<double>(y) - TrimmedPlaneFit::kReach;
-      weights[y][x] = kHalf_px2 / (kHalf_px2 + dx * dx + dy * dy);
-    }
+  const double w = kHalf_px2 / (kHalf_px2 + x * x + y * y);
+  return {.x = x,
+          .y = y,
+          .weight = w,
+          .normal = {w * x * x, w * x * y, w * x, w * x * y, w * y * y, w * y, w * x, w * y, w},
+          .right = {w * x, w * y, w}};
+}
+
+constexpr std::array<WindowPixel, kWindowSide * kWindowSide> kWindow = [] {
+  std::array<WindowPixel, kWindowSide * kWindowSide> pixels{};
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    pixels[i] = window_pixel(static_cast<double>(i % kWindowSide) - TrimmedPlaneFit::kReach,
+                             static_cast<double>(i / kWindowSide) - TrimmedPlaneFit::kReach);
   }
-  return weights;
+  return pixels;
 }();
 
 }  // namespace
@@ -31,13 +47,12 @@ TrimmedPlaneFit::TrimmedPlaneFit(const Time* centre, std::ptrdiff_t stride,
   const Time now = *centre;
   const Time oldest = now - window_us;
   const Time* row = centre - kReach * stride - kReach;
+  const WindowPixel* pixel = kWindow.data();
   for (std::size_t y = 0; y < kSide; ++y, row += stride) {
-    for (std::size_t x = 0; x < kSide; ++x) {
+    for (std::size_t x = 0; x < kSide; ++x, ++pixel) {
       const bool used = row[x] >= oldest;
-      points_[size_] = {.x = static_cast<double>(x) - kReach,
-                        .y = static_cast<double>(y) - kReach,
-                        .t = static_cast<double>(used ? row[x] - now : 0),
-                        .weight = kWeights[y][x]};
+      points_[size_].pixel = pixel;
+      points_[size_].t = used ? row[x] - now : 0;
       size_ += used;  // no branch: which pixels are recent is hard to foresee
     }
   }
@@ -45,7 +60,7 @@ TrimmedPlaneFit::TrimmedPlaneFit(const Time* centre, std::ptrdiff_t stride,
 
 bool TrimmedPlaneFit::fit(std::size_t min_points, TimePlane& plane) noexcept {
   if (size_ < min_points) return false;
-  for (const Point& point : points()) add(point, point.weight);
+  for (const Point& point : points()) add(point, 1);
   double square = 0;
   for (int trims = 0; trims <= kTrims; ++trims) {
     if (!solve(plane)) return false;
@@ -60,10 +75,9 @@ bool TrimmedPlaneFit::fit(std::size_t min_points, TimePlane& plane) noexcept {
   return n * square <= (n - 3) * kScatter_px * kScatter_px * squared_slope;
 }
 
-void TrimmedPlaneFit::add(const Point& point, double weight) noexcept {
-  const Eigen::Vector3d row(point.x, point.y, 1);
-  normal_.noalias() += (weight * row) * row.transpose();
-  right_.noalias() += (weight * point.t) * row;
+void TrimmedPlaneFit::add(const Point& point, double times) noexcept {
+  normal_ += times * Eigen::Map<const Eigen::Matrix3d>(point.pixel->normal.data());
+  right_ += times * point.t * Eigen::Map<const Eigen::Vector3d>(point.pixel->right.data());
 }
 
 bool TrimmedPlaneFit::solve(TimePlane& plane) const noexcept {
@@ -78,9 +92,10 @@ bool TrimmedPlaneFit::solve(TimePlane& plane) const noexcept {
 double TrimmedPlaneFit::mean_square(const TimePlane& plane) noexcept {
   double sum = 0;
   for (Point& point : points()) {
-    const double distance = point.t - (plane.a * point.x + plane.b * point.y + plane.c);
+    const WindowPixel& at = *point.pixel;
+    const double distance = point.t - (plane.a * at.x + plane.b * at.y + plane.c);
     point.square = distance * distance;
-    sum += point.weight * point.square;
+    sum += at.weight * point.square;
   }
   return sum / normal_(2, 2);
 }
@@ -92,7 +107,7 @@ bool TrimmedPlaneFit::drop_outliers(double mean_square) noexcept {
   std::size_t kept = 0;
   for (const Point& point : points()) {
     if (point.square > limit) {
-      add(point, -point.weight);
+      add(point, -1);
     } else {
       points_[kept++] = point;
     }

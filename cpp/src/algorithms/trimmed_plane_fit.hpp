@@ -16,6 +16,8 @@
 
 namespace asap {
 
+struct WindowPixel;
+
 class TrimmedPlaneFit {
  public:
   using Time = RecentTimes::Time;
@@ -30,15 +32,13 @@ class TrimmedPlaneFit {
 
  private:
   struct Point {
-    double x;  // px, from the centre
-    double y;
-    double t;  // us, from that of the centre
-    double weight;
-    double square = 0;  // us^2, of the distance from the plane
+    const WindowPixel* pixel;
+    double t;       // us, from that of the centre
+    double square;  // us^2, of the distance from the plane
   };
 
   std::span<Point> points() noexcept { return {points_.data(), size_}; }
-  void add(const Point& point, double weight) noexcept;
+  void add(const Point& point, double times) noexcept;
   bool solve(TimePlane& plane) const noexcept;
   double mean_square(const TimePlane& plane) noexcept;  // us^2
   bool drop_outliers(double mean_square) noexcept;
