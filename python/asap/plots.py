@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import analysis, checks, units
+from asap import _core, analysis, checks, units
 from asap.events import events_of_argument
 
 try:
@@ -327,17 +327,12 @@ def clusters(
 
 
 def _ellipse(cluster: Mapping[str, Any] | np.void) -> Ellipse:
-    covariance = np.array(
-        [[cluster["cxx"], cluster["cxy"]], [cluster["cxy"], cluster["cyy"]]], np.float64
-    )
-    variances, axes = np.linalg.eigh(covariance)
-    minor, major = 4 * np.sqrt(np.maximum(variances, 0))
-    angle = np.degrees(np.arctan2(axes[1, 1], axes[0, 1]))
+    outline = _core.outline_of(*(cluster[field] for field in ("x", "y", "cxx", "cxy", "cyy")))
     return Ellipse(
-        (float(cluster["x"]), float(cluster["y"])),
-        major,
-        minor,
-        angle=angle,
+        (float(outline["x"]), float(outline["y"])),
+        2 * float(outline["major"]),
+        2 * float(outline["minor"]),
+        angle=float(np.degrees(outline["angle"])),
         fill=False,
         edgecolor=INK,
         linewidth=1.4,

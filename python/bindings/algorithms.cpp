@@ -9,9 +9,11 @@
 #include <string_view>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "arguments.hpp"
 #include "arrays.hpp"
+#include "asap/algorithms/cluster_view.hpp"
 #include "asap/core/check.hpp"
 #include "cluster_trackers.hpp"
 #include "layers.hpp"
@@ -209,6 +211,27 @@ py::array clusters_at(const Tracker& tracker, std::int64_t t_us) {
       tracker.engine);
 }
 
+// A row of a structured array: it pickles, and its fields go by name like those of `clusters`.
+py::object row_of(const ClusterOutline& outline) {
+  return moved_to_array(std::vector{outline})[py::int_(0)];
+}
+
+py::object outline(const Tracker& tracker, std::int64_t id) {
+  const auto found =
+      std::visit([id](const auto& engine) { return engine.outline(id); }, tracker.engine);
+  return found ? row_of(*found) : py::none();
+}
+
+py::object outline_of_moments(double x, double y, double cxx, double cxy, double cyy) {
+  Cluster cluster{};
+  cluster.x = x;
+  cluster.y = y;
+  cluster.cxx = cxx;
+  cluster.cxy = cxy;
+  cluster.cyy = cyy;
+  return row_of(outline_of(cluster));
+}
+
 void advance_to(Tracker& tracker, std::int64_t t_us) {
   if (auto* fast = std::get_if<ClusterTracker>(&tracker.engine)) fast->advance_to(t_us);
 }
@@ -251,7 +274,10 @@ std::string keywords_of_engines() {
 
 void bind_algorithms(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(Cluster, id, x, y, vx, vy, cxx, cxy, cyy, size, t_last, pxx, pxy, pyy);
+  PYBIND11_NUMPY_DTYPE(ClusterOutline, x, y, major, minor, angle);
   m.attr("CLUSTER_DTYPE") = py::dtype::of<Cluster>();
+  m.def("outline_of", &outline_of_moments, py::arg("x"), py::arg("y"), py::arg("cxx"),
+        py::arg("cxy"), py::arg("cyy"), "As ClusterTracker.outline, of these fields of a cluster.");
 
   py::class_<Tracker> bound(m, "ClusterTracker", kClusterTrackerDoc);
   bound
@@ -301,6 +327,20 @@ keep their id for a while.
 Asking changes nothing: events of before t_us may follow. "fast": positions are predicted, and objects
 without events are left out in time. "compat": `clusters`; with motion="kalman" positions are predicted, up
 to 0.1 s ahead. A t_us of the past is the latest time.
+)")
+      .def("outline", &outline, py::arg("id"),
+           R"(The ellipse of two standard deviations of a cluster's events, or None.
+
+Parameters
+----------
+id : int
+    That of a cluster.
+
+Returns
+-------
+numpy.void or None
+    A row with the float64 fields x, y (px, centre), major, minor (px, half-axes) and angle (rad, of the
+    major axis, from x to the right towards y downwards, -pi/2 to pi/2). None: `clusters` has no such id.
 )")
       .def("advance_to", &advance_to, py::arg("t_us"),
            R"(Time has come to t_us, us, without events: in "fast" clusters starve, coast and die.

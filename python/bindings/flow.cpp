@@ -1,6 +1,9 @@
 // The layer `algorithms`: PlaneFlow.
+#include <pybind11/stl.h>
+
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "arrays.hpp"
 #include "asap/algorithms/plane_flow.hpp"
@@ -15,19 +18,25 @@ using namespace py::literals;
 
 constexpr const char* kFlowDoc = R"(Optical flow of each event, normal to its edge, by a plane fit.
 
-The times at which the pixels of the 5 x 5 window fired last, in the event's polarity and within
-`window_us`, lie near a plane; its slope is the inverse of the edge's velocity.
+The times at which the pixels around fired lie near a plane, in the event's polarity and within
+`window_us`; its slope is the inverse of the edge's velocity. An edge fires several events per pixel, and
+only the first tells when it came: those that follow another one at their pixel within a quarter of
+`window_us` have no flow. Nor has an event whose neighbours are not one edge.
 
 Parameters
 ----------
 width, height : int
     Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`.
 window_us : int
-    us, 1 to 10 000 000: older events do not count.
+    us, 1 to 10 000 000: older events do not count. Edges must cover some 3 px in it: of slower ones the
+    flow is too fast.
 min_points : int
     Fewest pixels of a fit, the event's own included, 3 to 25.
-refit : bool
-    Fit a second time without the pixels farther from the first plane than twice the rms distance.
+refit : bool or None
+    None: the first events of an edge, 7 x 7 px; least squares with weights, twice without the outliers;
+    refused if the points lie more than 0.7 px rms from the plane, along the edge's normal. A bool: the
+    published rule, every event and 5 x 5 px; True: fitted a second time without the pixels farther from
+    the first plane than twice the rms distance.
 
 Raises
 ------
@@ -63,7 +72,8 @@ py::dict parameters(const PlaneFlowConfig& config) {
 void bind_flow(py::module_& m) {
   constexpr PlaneFlowConfig kDefault{.width = 0, .height = 0};
   py::class_<PlaneFlow> type(m, "PlaneFlow", kFlowDoc);
-  type.def(py::init([](int width, int height, std::int64_t window_us, int min_points, bool refit) {
+  type.def(py::init([](int width, int height, std::int64_t window_us, int min_points,
+                       std::optional<bool> refit) {
              return std::make_unique<PlaneFlow>(PlaneFlowConfig{.width = width,
                                                                 .height = height,
                                                                 .window_us = window_us,
@@ -82,8 +92,8 @@ events : ndarray of shape (n,) in EVENT_DTYPE
 Returns
 -------
 ndarray of float32, shape (n, 2)
-    vx and vy of each event, px/s, x to the right and y down. NaN where the events around give no flow:
-    too few, all on a line, or all at once.
+    vx and vy of each event, px/s, x to the right and y down. NaN where there is none: the events around
+    are too few, all on a line, all at once or not one edge, or the event is not the first of its edge.
 
 Raises
 ------
@@ -93,8 +103,7 @@ TypeError
   bind_rest(type, "plane_flow", &parameters,
             R"(Tells the fraction of the events that reaches the algorithm, 0 <= gamma <= 1.
 
-Checked, without effect: a longer window would reach back to edges that passed before, which turns the flow
-around. Fewer events have a flow when neighbours are discarded.
+Checked, without effect: none is needed, and a longer window would reach back to edges that passed before.
 
 Raises
 ------

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -112,10 +113,12 @@ const bool added = [] {
   add_rival("ThresholdOrdinalSurface", asap::test::NaiveThresholdOrdinalSurface(346, 260, 7));
   add("SpeedInvariantTimeSurface", asap::SpeedInvariantTimeSurface({.width = 346, .height = 260}));
   add_rival("SpeedInvariantTimeSurface", asap::test::NaiveSpeedInvariantTimeSurface(346, 260, 6));
-  for (const bool refit : {false, true}) {
-    const std::string name = refit ? "PlaneFlow" : "PlaneFlowWithoutRefit";
+  using Refit = std::optional<bool>;
+  for (const auto& [name, refit] : {std::pair{"PlaneFlow", Refit{}},
+                                    {"PlaneFlowPublished", Refit{true}},
+                                    {"PlaneFlowWithoutRefit", Refit{false}}}) {
     add(name, PlaneFlow({.width = 346, .height = 260, .refit = refit}));
-    add_rival(name, asap::test::NaivePlaneFlow(346, 260, 25'000, 5, refit));
+    add_rival(name, asap::test::NaivePlaneFlow(346, 260, 40'000, 7, refit));
   }
   for (const std::int64_t count : {10'000, 100'000}) {
     add("EventImage" + std::to_string(count),

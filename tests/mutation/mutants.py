@@ -252,6 +252,30 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
+        SOURCE + "algorithms/plane_flow.cpp",
+        "algorithms",
+        every_event_of_a_burst_has_a_flow=("if (!first) return false;", ""),
+        a_burst_begins_anew_after_its_first_event=("    latest = now;\n", ""),
+        a_burst_is_as_long_as_the_window=("kBurstsPerWindow = 4", "kBurstsPerWindow = 1"),
+    ),
+    *in_file(
+        SOURCE + "algorithms/trimmed_plane_fit.cpp",
+        "algorithms",
+        outliers_dropped_once=("kTrims = 2", "kTrims = 1"),
+        every_pixel_weighs_alike=("kHalf_px2 / (kHalf_px2 + x * x + y * y)", "1"),
+        an_outlier_stays_in_the_sums=("      add(point, -1);\n", ""),
+        scatter_forgets_the_degrees_of_freedom=("(n - 3) * kScatter_px", "n * kScatter_px"),
+        pixels_on_a_line_have_a_plane=("< kOnALine) return false;", "< -1) return false;"),
+    ),
+    *in_file(
+        SOURCE + "algorithms/cluster_view.cpp",
+        "algorithms",
+        the_axes_are_of_one_deviation=("2 * solver.eigenvalues()", "solver.eigenvalues()"),
+        the_angle_is_that_of_the_minor_axis=("eigenvectors().col(1)", "eigenvectors().col(0)"),
+        an_axis_points_to_either_side=("std::copysign(1.0, major.x())", "1.0"),
+        rounding_makes_an_axis_nan=(".cwiseMax(0)", ""),
+    ),
+    *in_file(
         SOURCE + "formats/encoder.cpp",
         "formats",
         row_never_written=(

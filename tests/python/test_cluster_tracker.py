@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,27 @@ def test_follows_a_disk() -> None:
     assert (cluster["x"], cluster["y"]) == pytest.approx((110, 80), abs=1)
     assert (cluster["vx"], cluster["vy"]) == pytest.approx((100, 0), abs=20)
     assert cluster["t_last"] == pytest.approx(499_900, abs=500)
+
+
+@pytest.mark.parametrize("engine", ["fast", "compat"])
+def test_an_outline_is_the_ellipse_of_the_covariance(engine: str) -> None:
+    tracker = ClusterTracker(WIDTH, HEIGHT, engine=engine)
+    tracker.process(disk(0, 0.5), labels=False)
+    for cluster in tracker.clusters:
+        outline = tracker.outline(cluster["id"])
+        assert outline is not None
+        assert outline.dtype.names == ("x", "y", "major", "minor", "angle")
+        assert (outline["x"], outline["y"]) == (cluster["x"], cluster["y"])
+        turn = np.array([np.cos(outline["angle"]), np.sin(outline["angle"])])
+        axes = np.stack([turn * outline["major"], turn[::-1] * (-1, 1) * outline["minor"]], 1) / 2
+        (cxx, cxy), (_, cyy) = axes @ axes.T
+        assert (cxx, cxy, cyy) == pytest.approx(
+            (cluster["cxx"], cluster["cxy"], cluster["cyy"]), abs=1e-9
+        )
+        assert outline["major"] >= outline["minor"] > 3
+        assert pickle.loads(pickle.dumps(outline)) == outline
+    assert len(tracker.clusters) > 0
+    assert tracker.outline(10**6) is None
 
 
 def test_clusters_at_looks_ahead_and_silence_hides() -> None:

@@ -165,6 +165,7 @@ MISFITS: list[tuple[Any, ...]] = [
     (lambda: CORNERS.reset(1), "1", "none"),
     (lambda: TRACKER.process(EVENTS, "x"), "labels = 'x'", "True or False"),
     (lambda: TRACKER.clusters_at(1.5), "t_us = 1.5", "whole number"),
+    (lambda: TRACKER.outline(1.5), "id = 1.5", "whole number"),
     (lambda: _core.Oracle(asap.Greedy(), 1.0), "cost = Greedy(", "asap.LinearCost"),
 ]
 

@@ -196,6 +196,7 @@ def test_bad_parameters_are_named(make_one: Callable[[], object], message: str) 
         (ThresholdOrdinalSurface, "threshold_ordinal_surface", {"side": 5}),
         (SpeedInvariantTimeSurface, "speed_invariant_time_surface", {"radius": 2}),
         (PlaneFlow, "plane_flow", {"window_us": 700, "min_points": 4, "refit": False}),
+        (PlaneFlow, "plane_flow", {"window_us": 700, "min_points": 4, "refit": None}),
         (EventImage, "event_image", {"count": 0, "period_us": 9, "channels": ("time",)}),
         (HotPixelMask, "hot_pixels", {"pixels": [(3, 4)], "learn_events": 0}),
     ],

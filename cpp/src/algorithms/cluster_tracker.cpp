@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "algorithms/fast/engine.hpp"
+#include "asap/algorithms/cluster_view.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/check.hpp"
 #include "core/made.hpp"
@@ -46,6 +47,10 @@ std::vector<Cluster> ClusterTracker::clusters_at(std::int64_t t_us) const {
 
 void ClusterTracker::clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const {
   state_->engine.read(t_us, clusters);
+}
+
+std::optional<ClusterOutline> ClusterTracker::outline(std::int64_t id) const {
+  return outline_of(id, clusters());
 }
 
 void ClusterTracker::advance_to(std::int64_t t_us) noexcept { state_->engine.advance_to(t_us); }

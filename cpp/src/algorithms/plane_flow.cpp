@@ -3,18 +3,20 @@
 #include "algorithms/plane_fit.hpp"
 #include "algorithms/recent_times.hpp"
 #include "algorithms/sensor_frame.hpp"
+#include "algorithms/trimmed_plane_fit.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {
 namespace {
 
-constexpr std::size_t kBorder = PlaneFit::kReach;
+constexpr std::size_t kBorder = TrimmedPlaneFit::kReach;
+constexpr std::int64_t kBurstsPerWindow = 4;
 
 const PlaneFlowConfig& checked(const PlaneFlowConfig& config) {
   require(1 <= config.window_us && config.window_us <= PlaneFit::kMaxWindow_us, "window_us",
           config.window_us, "must be 1 to 10000000 us");
   require(3 <= config.min_points && config.min_points <= 25, "min_points", config.min_points,
-          "must be 3 to 25 px of the 5 x 5 window");
+          "must be 3 to 25 px");
   return config;
 }
 
@@ -30,25 +32,19 @@ class PlaneFlow::State {
         frame_(config.width, config.height),
         stride_(frame_.width() + 2 * kBorder),
         plane_(stride_ * (frame_.height() + 2 * kBorder)),
-        times_(2 * plane_ + PlaneFit::kLanes, RecentTimes::kLongAgo) {}
+        burst_us_(static_cast<Time>(config.window_us / kBurstsPerWindow)),
+        times_((config.refit ? 2 : 4) * plane_ + PlaneFit::kLanes, RecentTimes::kLongAgo) {}
 
   bool update(const Event& event, Flow& flow) noexcept {
     if (!frame_.contains(event)) [[unlikely]] {
       ++rejected;
       return false;
     }
-    const RecentTimes::Time now = times_.time_of(event.t);
-    RecentTimes::Time* const own = times_.data() + (event.p > 0 ? plane_ : 0) +
-                                   (event.y + kBorder) * stride_ + event.x + kBorder;
-    *own = now;
-
-    PlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_),
-                 static_cast<RecentTimes::Time>(config.window_us));
+    const Time now = times_.time_of(event.t);
+    Time* const own = times_.data() + (event.p > 0 ? plane_ : 0) + (event.y + kBorder) * stride_ +
+                      event.x + kBorder;
     TimePlane plane;
-    if (fit.points() < config.min_points || !fit.fit(plane)) return false;
-    if (config.refit && fit.drop_outliers(plane) > 0) {
-      if (fit.points() < config.min_points || !fit.fit(plane)) return false;
-    }
+    if (!(config.refit ? fit_as_published(now, own, plane) : fit(now, own, plane))) return false;
     const double squared_slope = plane.a * plane.a + plane.b * plane.b;
     if (is_flat(squared_slope)) return false;
     constexpr double kUsPerS = 1e6;
@@ -66,10 +62,34 @@ class PlaneFlow::State {
   std::uint64_t rejected = 0;
 
  private:
+  using Time = RecentTimes::Time;
+
+  bool fit(Time now, Time* own, TimePlane& plane) noexcept {
+    Time& latest = own[2 * plane_];
+    const bool first = latest < now - burst_us_;
+    latest = now;
+    if (!first) return false;
+    *own = now;
+    TrimmedPlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_),
+                        static_cast<Time>(config.window_us));
+    return fit.fit(static_cast<std::size_t>(config.min_points), plane);
+  }
+
+  bool fit_as_published(Time now, Time* own, TimePlane& plane) const noexcept {
+    *own = now;
+    PlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_), static_cast<Time>(config.window_us));
+    if (fit.points() < config.min_points || !fit.fit(plane)) return false;
+    if (!*config.refit || fit.drop_outliers(plane) == 0) return true;
+    return fit.points() >= config.min_points && fit.fit(plane);
+  }
+
   SensorFrame frame_;
   std::size_t stride_;
   std::size_t plane_;
-  RecentTimes times_;  // a plane per polarity; a border lies around the frame
+  Time burst_us_;
+  // A plane per polarity, with a border around the frame. If `refit` is not set, of the first
+  // events of a burst; then follow two of the latest events.
+  RecentTimes times_;
 };
 
 PlaneFlow::PlaneFlow(const Config& config) : state_(std::make_unique<State>(config)) {}

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "algorithms/window_clusterer.hpp"
+#include "asap/algorithms/cluster_view.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {
@@ -97,6 +98,10 @@ std::vector<Cluster> PublishedClusterTracker::clusters_at(std::int64_t t_us) con
 
 void PublishedClusterTracker::clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const {
   engine_->read(t_us, clusters);
+}
+
+std::optional<ClusterOutline> PublishedClusterTracker::outline(std::int64_t id) const {
+  return outline_of(id, clusters());
 }
 
 void PublishedClusterTracker::set_keep(double gamma) {

@@ -1,5 +1,6 @@
 // Cluster: what a clusterer says about one object at the moment of the question. Plain data, the
-// same for every engine; the Python array of clusters has these fields in this order.
+// same for every engine; the Python array of clusters has these fields in this order. In Eigen's
+// types: cluster_view.hpp.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +23,15 @@ struct Cluster {
   double pxx = std::numeric_limits<double>::infinity();
   double pxy = 0;
   double pyy = std::numeric_limits<double>::infinity();
+};
+
+// The ellipse of two standard deviations of a cluster's events: that of a filled disk is its edge.
+struct ClusterOutline {
+  double x;      // px, centre
+  double y;      // px
+  double major;  // px, half-axis
+  double minor;  // px, half-axis
+  double angle;  // rad, of the major axis: from x (0) towards y, downwards; -pi/2 to pi/2
 };
 
 }  // namespace asap

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -50,6 +51,9 @@ class ClusterTracker {
   // events before t_us may follow. A t_us of the past counts as the latest time.
   std::vector<Cluster> clusters_at(std::int64_t t_us) const;
   void clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const;
+
+  // The outline of the cluster with this id. Empty: `clusters` does not list it.
+  std::optional<ClusterOutline> outline(std::int64_t id) const;
 
   // Advances the time to t_us when it is known that no event came: clusters stop, coast and are
   // deleted. Later events with older timestamps count as of t_us. Does nothing before the first

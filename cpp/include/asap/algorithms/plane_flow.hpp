@@ -1,21 +1,25 @@
-// PlaneFlow: optical flow of each event, normal to its edge. The times at which the pixels of the
-// 5 x 5 window fired last, in the event's polarity and within a window of time, lie near a plane;
-// its slope is the inverse of the edge's velocity. After a first fit the points far from the plane
-// are dropped, once. One thread. O(1) per event; no allocation after construction.
-// Source: Benosman, Clercq, Lagorce, Ieng, Bartolozzi, "Event-Based Visual Flow", IEEE TNNLS 2014.
+// PlaneFlow: optical flow of each event, normal to its edge. The times at which the pixels around
+// fired lie near a plane, in the event's polarity and within a window of time; its slope is the
+// inverse of the edge's velocity. An edge fires several events per pixel: only the first tells when
+// it came, so those that follow another one at their pixel within a quarter of the window (10 ms)
+// have no flow and enter no fit. Nor has an event whose neighbours are not one edge. Edges must
+// cover some 3 px in the window. One thread. O(1) per event; no allocation after construction.
+// Source: Benosman, Clercq, Lagorce, Ieng, Bartolozzi, "Event-Based Visual Flow", IEEE TNNLS 2014,
+// which takes every event and every plane: `refit`.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "asap/core/event.hpp"
 
 namespace asap {
 
-// NaN where the events around give no flow: too few, all on a line, or all at once.
+// NaN where the events around give no flow: too few, all on a line, all at once or not one edge.
 struct Flow {
   float vx = std::numeric_limits<float>::quiet_NaN();  // px/s, to the right
   float vy = std::numeric_limits<float>::quiet_NaN();  // px/s, downwards
@@ -24,9 +28,11 @@ struct Flow {
 struct PlaneFlowConfig {
   int width;                       // px
   int height;                      // px
-  std::int64_t window_us = 25000;  // older events do not count
-  int min_points = 5;              // pixels of the window, the event's own included
-  bool refit = true;               // without the points far from the first plane
+  std::int64_t window_us = 40000;  // older events do not count
+  int min_points = 7;              // pixels of a fit, the event's own included
+  // Not set: the first events of an edge, 7 x 7 px, a fit that is tested. Set: the published rule,
+  // every event and 5 x 5 px, with (true) or without a second fit that leaves the outliers out.
+  std::optional<bool> refit{};
 };
 
 class PlaneFlow {
@@ -47,9 +53,8 @@ class PlaneFlow {
   // As above, and flows[i] is that of events[i]. Throws std::invalid_argument if the sizes differ.
   std::size_t process(EventSpan events, std::span<Flow> flows);
 
-  // The fraction of the events that reaches the algorithm, in [0, 1]. Checked, without effect: a
-  // window grown by 1 / gamma reaches back to edges that passed before, and under noise the flow of
-  // one event in two points elsewhere (measured at gamma 0.2).
+  // The fraction of the events that reaches the algorithm, in [0, 1]. Checked, without effect: none
+  // is needed, and a window grown by 1 / gamma reaches back to edges that passed before.
   void set_keep(double gamma);
 
   // Back to the state after construction.

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -64,6 +65,9 @@ class PublishedClusterTracker {
   // `clusters`: events alone make the rule forget. A t_us of the past is the latest time.
   std::vector<Cluster> clusters_at(std::int64_t t_us) const;
   void clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const;
+
+  // The outline of the cluster with this id. Empty: `clusters` does not list it.
+  std::optional<ClusterOutline> outline(std::int64_t id) const;
 
   // The fraction of the events that reaches the tracker, in [0, 1]. Checked, without effect: the
   // published rule does not know it, its window of S events stretches in time by itself.
