@@ -23,7 +23,9 @@ _LAST_MS = 4  # of a phase: too late to count as settled
 
 
 def gap_ms(slots: npt.NDArray[np.void], ignore_last: int = 60) -> int:
-    """Longest time without any result although events came in.
+    """Longest time without any result although events came in, in 1 ms slots.
+
+    `Run.gap_us` is the exact measure; this one leaves out what is shorter than a slot.
 
     Parameters
     ----------

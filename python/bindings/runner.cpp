@@ -58,6 +58,9 @@ void bind_results(Class& cls) {
       .def_property_readonly(
           "latency", [](const Runner& runner) { return runner.telemetry().latency; },
           "Latency per delivered event (a copy).")
+      .def_property_readonly("gap_us", &Runner::gap_us,
+                             "The longest time between two delivered events in a row of which some "
+                             "between were lost, us.")
       .def_property_readonly(
           "kept_mask", [](const Runner& runner) { return kept_arrays(runner); },
           "With keep_mask: of every received event, delivered or not; of every package, its "

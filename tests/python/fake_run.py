@@ -63,6 +63,7 @@ class FakeRun:
         self.latency = FakeLatency(packages["latency_max_us"])
         self.lateness = FakeLatency(np.array([60.0, 230.0])) if mode == "real" else None
         self.learned = None
+        self.gap_us = 1200
         received = ledger.received
         in_time = packages["size"][packages["latency_max_us"] <= bound_us].sum()
         self.kept = ledger.delivered / received if received else 1.0
@@ -108,6 +109,7 @@ class FakeRun:
                 "mean": float(rows["gamma"].mean()) if rows.size else 1.0,
                 "min": float(rows["gamma"].min()) if rows.size else 1.0,
             },
+            "gap_us": self.gap_us,
             "cpu": 0.9,
             "pacing_us": self.lateness and {"p99": self.lateness.max, "max": self.lateness.max},
             "version": "0.0",

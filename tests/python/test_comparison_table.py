@@ -19,7 +19,7 @@ def comparison():
 
 
 def row(label="A", score=0.5, p99_us=4000.0, max_us=4500.0, **others):
-    values = {"in_time": 0.3, "kept": 0.4, "p50_us": 900.0, "gap_ms": 0, "overflow": 0.0}
+    values = {"in_time": 0.3, "kept": 0.4, "p50_us": 900.0, "gap_us": 0, "overflow": 0.0}
     values |= {"packages_per_s": 1234.5, "cpu": 0.987, **others}
     return asap.experiment.Row(
         label=label, scheme=label.lower(), score=score, p99_us=p99_us, max_us=max_us, **values
@@ -58,7 +58,7 @@ def test_cells_are_numbers_with_units():
         "pkg/s": "1,234",
         "busy": "99 %",
     }
-    bad = row(gap_ms=12, overflow=0.25, p99_us=62_500.0)
+    bad = row(gap_us=12_000, overflow=0.25, p99_us=62_500.0)
     cells = dict(zip(table.COLUMNS, table.cells(bad, 5.0), strict=True))
     assert (cells["gap"], cells["overflow"], cells["p99/L"]) == ("12 ms", "25.0 %", "12.5")
 

@@ -358,7 +358,8 @@ GOOD = Figures(
     p99_ms=1.9,
     max_ms=2.0,
     start_max_ms=1.5,
-    gap_ms=0,
+    gap_ms=0.5,
+    silence_ms=0,
     overflow=0.0,
     packages_per_s=100.0,
     cpu=0.25,
@@ -420,7 +421,7 @@ def test_every_goal_can_be_reached():
         ("G7", {"slowest_recovery_ms": 12.1}, at("steps", "slow")),
         ("G8", {"cpu": 0.9}, at("low", "slow", "Deadline oh.25")),
         ("G9", {"overflow": 1e-6}, at("high", "slow")),
-        ("G9", {"gap_ms": 1}, at("train", "fast")),
+        ("G9", {"silence_ms": 1}, at("train", "fast")),
         ("G10", {"start_max_ms": 10.02}, at("high", "slow", PRIORS[0])),
         ("G10", {"score": 0.979}, at("uav", "slow", PRIORS[-1])),
         ("G12", {"in_time": 0.299}, at("ramp", "slow")),
@@ -434,8 +435,8 @@ def test_goal_can_be_missed(id, change, where):
     ("change", "where"),
     [
         # Not what the goals are about: outages, other rows, a load that stays above 0.7.
-        ({"max_ms": 30.0, "gap_ms": 20, "overflow": 0.1}, at("high", "slow_ht")),
-        ({"score": 0.0, "max_ms": 500.0, "gap_ms": 99}, at("high", "slow", "Greedy")),
+        ({"max_ms": 30.0, "silence_ms": 20, "overflow": 0.1}, at("high", "slow_ht")),
+        ({"score": 0.0, "max_ms": 500.0, "silence_ms": 99}, at("high", "slow", "Greedy")),
         ({"slowest_recovery_ms": 400.0}, at("steps60", "slow")),
         ({"cpu": 1.0}, at("low", "slow")),
     ],
@@ -573,8 +574,8 @@ def test_seeds_are_averaged_before_the_least_is_taken():
 def test_hindsight_takes_the_best_setting_without_a_long_gap():
     group = HINDSIGHT["Asap2020 best"]
     figures = {label: dataclasses.replace(GOOD, score=0.1) for label in group}
-    figures[group[3]] = dataclasses.replace(GOOD, score=0.9, gap_ms=60)
-    figures[group[7]] = dataclasses.replace(GOOD, score=0.6, gap_ms=59)
+    figures[group[3]] = dataclasses.replace(GOOD, score=0.9, silence_ms=60)
+    figures[group[7]] = dataclasses.replace(GOOD, score=0.6, silence_ms=59)
     results = Results([(Case("high", "slow", contenders=group), Measured(10, 10.0, figures))])
     assert results.mean("score", "slow", "high", "Asap2020 best") == 0.6
     assert results.contenders() == ["Asap2020 best"]

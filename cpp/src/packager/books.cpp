@@ -5,12 +5,14 @@ namespace asap {
 void Books::stale(const Left& left) noexcept {
   rate_meter_.observe(left.count, left.oldest_ns, left.newest_ns);
   telemetry_.stale += left.count;
+  telemetry_.gap.lost(left.events);
   stale_ += left.count;
 }
 
 void Books::overflow(const Left& left) noexcept {
   rate_meter_.observe(left.count, left.oldest_ns, left.newest_ns);
   telemetry_.overflow += left.count;
+  telemetry_.gap.lost(left.events);
 }
 
 // Those that were thinned out in front of the ring have entered, too.
@@ -20,16 +22,20 @@ void Books::entered(const Package& package, const Left& left) noexcept {
   thinned_reported_ += came - package.raw;
 }
 
-void Books::count(const Package& package) noexcept {
+// An event that the filter in front removed is not lost. In a package that gamma has thinned, too,
+// it counts as lost: the two cannot be told apart.
+void Books::count(const Package& package, const Left& left) noexcept {
   const std::size_t filtered = package.filtered - filtered_;
   if (filtered > 0) telemetry_.filtered += filtered;
   const std::size_t discarded = package.raw - filtered - package.events.size();
-  if (discarded > 0) telemetry_.discarded += discarded;
+  if (discarded == 0) return telemetry_.gap.kept(package.events);
+  telemetry_.discarded += discarded;
+  telemetry_.gap.thinned(left.events, package.events);
 }
 
 void Books::discarded(const Package& package, const Left& left) noexcept {
   entered(package, left);
-  count(package);
+  count(package, left);
   offered_ = package.offered;
   filtered_ = package.filtered;
 }
@@ -37,7 +43,7 @@ void Books::discarded(const Package& package, const Left& left) noexcept {
 void Books::delivered(const Package& package, const Left& left, std::int64_t end_ns,
                       const KeptTimes& kept_times) noexcept {
   entered(package, left);
-  count(package);
+  count(package, left);
   const std::int64_t oldest_ns = record_latencies(package.events, end_ns, kept_times);
   const RateMeter::Window window = rate_meter_.window();
   telemetry_.log.append({.start_ns = package.start_ns,

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "asap/buffer/event_buffer.hpp"
 #include "asap/core/time.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/telemetry/telemetry.hpp"
@@ -16,9 +17,10 @@ namespace asap {
 
 class Books {
  public:
-  // So many raw events at the head of the ring, which came from oldest_ns to newest_ns.
+  // So many raw events at the head of the ring, these, which came from oldest_ns to newest_ns.
   struct Left {
     std::size_t count;
+    EventPieces events;
     std::int64_t oldest_ns;
     std::int64_t newest_ns;
   };
@@ -59,7 +61,7 @@ class Books {
 
  private:
   void entered(const Package& package, const Left& left) noexcept;
-  void count(const Package& package) noexcept;
+  void count(const Package& package, const Left& left) noexcept;
   std::int64_t record_latencies(EventSpan events, std::int64_t end_ns,
                                 const KeptTimes& kept_times) noexcept;
 

@@ -249,6 +249,7 @@ Books::Left Packager::Work::leaving(const EventPieces& waiting, std::size_t coun
                                     std::int64_t oldest_ns) const noexcept {
   const std::uint64_t last = buffer_.head() + count - 1;
   return {.count = count,
+          .events = oldest_of(waiting, count),
           .oldest_ns = oldest_ns,
           .newest_ns = count == 1 ? oldest_ns : times_.of(waiting[count - 1], last)};
 }

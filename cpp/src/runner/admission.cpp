@@ -26,6 +26,7 @@ void AdmissionGate::pass(EventSpan events, const TimeAxis& axis, const Look& loo
         filter_.apply(period, KeepThreshold::clamped(gamma_), admitted_.data());
     arrived_ += period.size();
     discarded_ += period.size() - size;
+    if (!period.empty()) gap_.thinned(period, {admitted_.data(), size});
     events = events.subspan(period.size());
     sink({admitted_.data(), size});
   }

@@ -11,6 +11,7 @@
 #include "asap/core/event.hpp"
 #include "asap/core/time.hpp"
 #include "asap/filter/gamma_filter.hpp"
+#include "asap/telemetry/gap_meter.hpp"
 
 namespace asap {
 
@@ -49,6 +50,8 @@ class AdmissionGate {
 
   std::uint64_t seen() const noexcept { return filter_.position(); }
   std::uint64_t discarded() const noexcept { return discarded_; }
+  // Of the events that were not let in.
+  const GapMeter& gap() const noexcept { return gap_; }
 
  private:
   void ask(const Look& look);
@@ -60,6 +63,7 @@ class AdmissionGate {
   std::int64_t next_ask_ns_ = kLongAgo;
   std::size_t arrived_ = 0;
   std::uint64_t discarded_ = 0;
+  GapMeter gap_;
 };
 
 }  // namespace asap

@@ -65,7 +65,14 @@ void Intake::put_waiting(EventSpan events, std::int64_t arrival_ns, const Poll& 
   }
 }
 
-std::size_t Intake::put(EventSpan events, std::int64_t arrival_ns) noexcept {
+void Intake::put(EventSpan events, std::int64_t arrival_ns) noexcept {
+  const std::size_t taken = enter(events, arrival_ns);
+  gap_.kept(events.first(taken));
+  if (taken < events.size()) gap_.lost(events.subspan(taken));
+}
+
+// Returns how many there was room for.
+std::size_t Intake::enter(EventSpan events, std::int64_t arrival_ns) noexcept {
   arrivals_.note(buffer_.tail(), arrival_ns, discarded_);
   const std::size_t taken = buffer_.push(events);
   most_waiting_ = std::max<std::uint64_t>(most_waiting_, buffer_.filled(most_waiting_));
@@ -86,7 +93,7 @@ void Intake::thin(EventSpan events, std::int64_t arrival_ns) noexcept {
     const double share = wanted / static_cast<double>(events.size());
     const std::size_t kept = filter_.apply(block, bar(share, block.size(), room), scratch_.data());
     discarded_ += block.size() - kept;
-    put({scratch_.data(), kept}, arrival_ns);
+    gap_.thinned(block, {scratch_.data(), enter({scratch_.data(), kept}, arrival_ns)});
     wanted -= static_cast<double>(kept);
     events = events.subspan(block.size());
     room = buffer_.capacity() - buffer_.filled(0);

@@ -22,6 +22,7 @@
 #include "asap/core/atomics.hpp"
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/runner/run_config.hpp"
+#include "asap/telemetry/gap_meter.hpp"
 #include "buffer/arrival_times.hpp"
 #include "runner/doorbell.hpp"
 
@@ -47,8 +48,8 @@ class Intake {
   // got in counts as overflow, as it does after leave().
   void take(EventSpan events, std::int64_t arrival_ns, const Poll& poll);
 
-  // Producer. What there is room for, whatever the rule; the rest is overflow. Returns how many.
-  std::size_t put(EventSpan events, std::int64_t arrival_ns) noexcept;
+  // Producer. What there is room for, whatever the rule; the rest is overflow.
+  void put(EventSpan events, std::int64_t arrival_ns) noexcept;
 
   // Where the producer sleeps that waits for room; none if it never does.
   Doorbell* room() noexcept { return when_full_ == WhenFull::block ? &room_ : nullptr; }
@@ -59,6 +60,9 @@ class Intake {
   // Events that the thinning has discarded.
   std::uint64_t discarded() const noexcept { return discarded_; }
 
+  // Of the events that have not got in.
+  const GapMeter& gap() const noexcept { return gap_; }
+
   // The most events that have waited at once, also while the producer waits for room.
   std::uint64_t most_waiting() const noexcept { return most_waiting_; }
 
@@ -67,6 +71,7 @@ class Intake {
 
   void put_waiting(EventSpan events, std::int64_t arrival_ns, const Poll& poll);
   void thin(EventSpan events, std::int64_t arrival_ns) noexcept;
+  std::size_t enter(EventSpan events, std::int64_t arrival_ns) noexcept;
   KeepThreshold bar(double share, std::size_t events, std::size_t room) noexcept;
   void wait_for_room(std::size_t wanted, const Poll& poll);
 
@@ -77,6 +82,7 @@ class Intake {
   GammaFilter filter_;
   Relaxed<std::uint64_t> discarded_;
   Relaxed<std::uint64_t> most_waiting_;
+  GapMeter gap_;
   Doorbell room_;  // the producer sleeps there
   std::atomic<bool> left_{false};
   std::array<Event, kBlock> scratch_{};  // written at construction: no page is missing later

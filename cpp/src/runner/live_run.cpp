@@ -62,9 +62,8 @@ void LiveRun::push(EventSpan events, std::optional<Steady::time_point> arrival,
 }
 
 void LiveRun::begin(const Event& first, Steady::time_point arrival) noexcept {
-  const TimeAxis axis(first.t, 1.0);
-  run_.begin(axis);
-  first_arrival_ns_ = axis.to_ns(first.t);
+  run_.begin(first.t);
+  first_arrival_ns_ = run_.axis().to_ns(first.t);
   clock_.start(first_arrival_ns_, arrival);
   arrival_ns_ = first_arrival_ns_;
   loop_.begin();

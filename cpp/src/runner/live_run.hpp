@@ -52,6 +52,7 @@ class LiveRun {
   Rejections rejected() const noexcept { return run_.rejected(); }
   std::uint64_t clock_resets() const noexcept { return clock_resets_; }
   const SensorDelay& sensor_delay() const noexcept { return sensor_delay_; }
+  std::int64_t gap_us() const noexcept { return run_.gap_us(&intake_.gap()); }
   // The consumer has been away for too long.
   bool stalled() const noexcept { return loop_.stalled(run_.buffer().size()); }
   // The most events that have waited at once.

@@ -304,6 +304,7 @@ PipelineStats Pipeline::Work::stats() const {
           .rejected = run_->rejected(),
           .latency = telemetry.latency,
           .packages = telemetry.log.totals(),
+          .gap_us = run_->gap_us(),
           .elapsed_ns = run_->elapsed_ns(),
           .clock_resets = run_->clock_resets(),
           .upstream_marks = upstream_marks_.load(std::memory_order_relaxed),

@@ -41,6 +41,9 @@ class Replay::Work {
 
   void run(EventSource& source, const Consumer& consumer, const Poll& poll);
   Ledger ledger() const noexcept;
+  std::int64_t gap_us() const noexcept {
+    return std::llround(static_cast<double>(run_.gap_us()) / replay_.speed);
+  }
   const Run& parts() const noexcept { return run_; }
   const LatencyHistogram& lateness() const noexcept { return lateness_; }
 
@@ -101,9 +104,8 @@ void Replay::Work::produce(EventSource& source, const std::stop_token& stop) {
 }
 
 void Replay::Work::start(const Event& first) noexcept {
-  const TimeAxis axis(first.t, replay_.speed);
-  run_.begin(axis);
-  clock_.start(axis.to_ns(first.t));
+  run_.begin(first.t, replay_.speed);
+  clock_.start(run_.axis().to_ns(first.t));
   started_ = true;
 }
 
@@ -145,6 +147,7 @@ void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll
 Ledger Replay::ledger() const noexcept { return work_->ledger(); }
 const Validator& Replay::validator() const noexcept { return work_->parts().validator(); }
 const Telemetry& Replay::telemetry() const noexcept { return work_->parts().telemetry(); }
+std::int64_t Replay::gap_us() const noexcept { return work_->gap_us(); }
 std::optional<KeptEvents> Replay::kept() const { return work_->parts().kept(); }
 const LatencyHistogram& Replay::lateness() const noexcept { return work_->lateness(); }
 

@@ -44,8 +44,8 @@ class Run {
   static std::int64_t age_slot_ns(std::int64_t latency_bound_ns) noexcept;
   static std::int64_t arrival_step_ns(std::int64_t latency_bound_ns) noexcept;
 
-  // Producer, before the first push: where stamps lie in run time.
-  void begin(const TimeAxis& axis) noexcept;
+  // Producer, before the first push: the stamp of the first event, which ties stamps to run time.
+  void begin(std::int64_t first_us, double speed = 1.0) noexcept;
   const TimeAxis& axis() const noexcept { return axis_; }
 
   // Producer. Events of a recording have arrived; those that find the ring full are overflow.
@@ -60,6 +60,10 @@ class Run {
   // still count as pending. `is_quiet`: neither side is at work, so every term is counted on its
   // own. `thinned`: discarded in front of the ring; `outside`: received, and not yet in the ring.
   Ledger ledger(bool is_quiet, std::uint64_t thinned = 0, std::uint64_t outside = 0) const noexcept;
+
+  // The gap (GapMeter) between delivered events, wherever those between them were lost. Any thread.
+  // `in_front`: measured where events were thinned before they came to the ring.
+  std::int64_t gap_us(const GapMeter* in_front = nullptr) const noexcept;
 
   // Which events were delivered, if asked for. Read it once the run is over.
   std::optional<KeptEvents> kept() const;
@@ -81,6 +85,7 @@ class Run {
   Validator validator_;
   Telemetry telemetry_;
   EventBuffer buffer_;
+  GapMeter door_;  // the producer's: of a recording, where events find the ring full
   const std::unique_ptr<AgeSlots> ages_;
   const std::unique_ptr<ArrivalTimes> arrivals_;
   Packager packager_;

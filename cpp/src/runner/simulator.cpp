@@ -25,6 +25,7 @@ class Simulator::Work {
   void feed(EventSpan events);
   void finish();
   Ledger ledger() const noexcept;
+  std::int64_t gap_us() const noexcept { return run_.gap_us(gate_ ? &gate_->gap() : nullptr); }
   const Run& parts() const noexcept { return run_; }
   const SlotLog& slots() const noexcept { return slots_; }
   std::int64_t busy_ns() const noexcept { return busy_ns_; }
@@ -122,7 +123,7 @@ void Simulator::Work::receive(EventSpan good) {
 }
 
 void Simulator::Work::start(const Event& first) {
-  run_.begin(TimeAxis(first.t, 1.0));
+  run_.begin(first.t);
   now_ns_ = run_.axis().to_ns(first.t);
   started_ = true;
 }
@@ -246,6 +247,7 @@ Ledger Simulator::ledger() const noexcept { return work_->ledger(); }
 const Validator& Simulator::validator() const noexcept { return work_->parts().validator(); }
 const Telemetry& Simulator::telemetry() const noexcept { return work_->parts().telemetry(); }
 std::optional<KeptEvents> Simulator::kept() const { return work_->parts().kept(); }
+std::int64_t Simulator::gap_us() const noexcept { return work_->gap_us(); }
 const SlotLog& Simulator::slots() const noexcept { return work_->slots(); }
 std::int64_t Simulator::busy_ns() const noexcept { return work_->busy_ns(); }
 

@@ -66,6 +66,7 @@ def summary(
             "p99": latency.quantile(0.99),
             "max": latency.max,
         },
+        "gap_us": stats.gap_us,
         "packages": {
             "count": stats.packages,
             "per_s": stats.packages / elapsed_s if elapsed_s > 0 else 0.0,

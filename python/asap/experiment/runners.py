@@ -383,6 +383,7 @@ def remember(
         latency_bound_us=config.latency_bound_us(scheme),
         source=stream.describe(counts["received"], runner.validator.last_us),
         clock_resets=stream.clock_resets + runner.validator.clock_resets,
+        gap_us=runner.gap_us,
         speed=float(speed),
         lateness=runner.lateness if isinstance(runner, _core.Replay) else None,
         slots=runner.slots if isinstance(runner, _core.Simulator) else None,

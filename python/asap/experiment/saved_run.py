@@ -187,6 +187,7 @@ def _facts(document: Mapping[str, Any]) -> dict[str, Any]:
         },
         "speed": _real("speed", document["speed"], least=1e-6),
         "clock_resets": _count("clock_resets", document["clock_resets"]),
+        "gap_us": _optional("gap_us", document.get("gap_us"), _count),
         "learned": Cost(*(_real(name, learned[name]) for name in ("alpha_us", "beta_ns")))
         if learned
         else None,

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asap import _core, metrics
+from asap import _core
 from asap.results import comparison_table, notebook
 from asap.results.result import Result
 from asap.results.run import Named, Run
@@ -36,8 +36,9 @@ class Row:
         Finished at all, and within the bound, as shares of the events received.
     p50_us, p99_us, max_us : float
         Latency, us.
-    gap_ms : int
-        Longest time in which events came in and none was finished, ms; see `metrics.gap_ms`.
+    gap_us : int
+        Longest time between two processed events of which at least one between was lost, us; see
+        `Run.gap_us`.
     overflow : float
         Lost because the buffer was full, as a share of the events received.
     packages_per_s : float
@@ -54,10 +55,16 @@ class Row:
     p50_us: float
     p99_us: float
     max_us: float
-    gap_ms: int
+    gap_us: int
     overflow: float
     packages_per_s: float
     cpu: float
+
+    @property
+    def gap_ms(self) -> int:
+        """Return the gap in whole ms: the name of one version ago."""
+        warnings.warn("gap_ms is now gap_us", DeprecationWarning, stacklevel=2)
+        return self.gap_us // 1000
 
     @classmethod
     def of(cls, label: str, run: Run, oracle: float) -> Row:
@@ -72,7 +79,7 @@ class Row:
             p50_us=run.latency.quantile(0.5),
             p99_us=run.latency.quantile(0.99),
             max_us=run.latency.max,
-            gap_ms=metrics.gap_ms(run.slots) if run.slots is not None else 0,
+            gap_us=run.gap_us or 0,
             overflow=run.ledger.overflow / received if received else 0.0,
             packages_per_s=run.packages.size / elapsed_s if elapsed_s > 0 else 0.0,
             cpu=float(run.packages["processing_us"].sum()) * 1e-6 / elapsed_s

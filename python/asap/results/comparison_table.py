@@ -27,6 +27,7 @@ _WIDTH = 100
 KEEPS = 1.005  # of the bound: shown with three digits, that is the bound
 _ALL = 0.9995  # of the oracle, likewise
 _SHORT = 10.0  # latency bounds
+_LONG_GAP = 0.5  # of the bound
 _MOST_NAMES = 5
 _READ = (
     "Read score and p99/L together: a scheme that discards most events has a low latency, and one "
@@ -41,7 +42,7 @@ COLUMNS = {
     "p99": "99 % of them had at most this latency",
     "p99/L": "the same in latency bounds: up to 1.00 the bound is kept",
     "max": "the largest latency",
-    "gap": "the longest time in which events were received and none of them was processed",
+    "gap": "the longest time between two processed events of which one between was lost",
     "overflow": "events lost because the buffer was full, of all",
     "pkg/s": "packages per second",
     "busy": "share of the time that the algorithm worked",
@@ -117,7 +118,7 @@ def cells(row: Row, latency_ms: float) -> tuple[str, ...]:
         *(units.duration(value_us) for value_us in (row.p50_us, row.p99_us)),
         _ratio(row.p99_us / (latency_ms * 1e3)),
         units.duration(row.max_us),
-        units.duration(row.gap_ms * 1e3) if row.gap_ms else "-",
+        units.duration(row.gap_us) if row.gap_us else "-",
         units.share(row.overflow) if row.overflow else "-",
         units.count(row.packages_per_s),
         f"{100 * row.cpu:.0f} %",
@@ -186,6 +187,9 @@ def verdict(comparison: Comparison) -> str:
         sentences.append(f"No event is late with {_listed(never)}.")
     if late:
         sentences.append(f"At most 1 % of the events are late with {_listed(late)}.")
+    gaps = [row.label for row in keepers if row.gap_us > _LONG_GAP * bound_us]
+    if gaps:
+        sentences.append(f"Gaps of more than L/2 occur with {_listed(gaps)}.")
     if comparison.exact is not None and comparison.exact < _ALL * comparison.oracle:
         share = units.share(comparison.exact / comparison.oracle)
         sentences.append(

@@ -112,6 +112,11 @@ class Run(Result):
     source : dict
         What was read: path, format, width, height, events (all that were received, bad ones too)
         and duration_s, from the first good one to the last.
+    gap_us : int or None
+        Longest time between two delivered events in a row of which at least one between was lost
+        (discarded, stale or overflow), us; the first and the last event received count as
+        delivered. It is of the stamps divided by `speed`, not of processing times: 0 where no event
+        was lost, however long the camera was silent. None in a run saved before there was one.
     clock_resets : int
         How often the sensor's clock jumped back by 1 s or more; time then continued 1 us later.
     lateness : LatencyHistogram or None
@@ -139,6 +144,7 @@ class Run(Result):
     source: dict[str, Any]
     speed: float = 1.0
     clock_resets: int = 0
+    gap_us: int | None = None
     lateness: _core.LatencyHistogram | None = None
     slots: NDArray[np.void] | None = None
     kept_mask: NDArray[np.bool_] | None = None
@@ -209,6 +215,7 @@ class Run(Result):
                 "p99": self.latency.quantile(0.99),
                 "max": self.latency.max,
             },
+            "gap_us": self.gap_us,
             **{name: log[name] for name in ("packages", "gamma", "cpu")},
             "pacing_us": None
             if self.lateness is None

@@ -26,6 +26,7 @@ __all__ = [
 ]
 
 _WIDTH = 78
+_LONG_GAP = 0.5  # of the bound
 
 LEDGER_WORDS = {
     "received": "handed to ASAP",
@@ -78,6 +79,7 @@ def figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
             f"size mean {units.count(packages['size_mean'])}, "
             f"max {units.count(packages['size_max'])}",
         ),
+        ("gap", _gap(summary["gap_us"])),
         ("gamma", f"mean {gamma['mean']:.3f}, min {gamma['min']:.3f}"),
         ("busy", f"{units.share(summary['cpu'])} of the time in the algorithm"),
     ]
@@ -85,6 +87,12 @@ def figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
         late = f"p99 {units.duration(pacing['p99'])}, max {units.duration(pacing['max'])}"
         rows.append(("jitter", f"{late}: this machine's, in the pace of the replay"))
     return dict(rows)
+
+
+def _gap(gap_us: int | None) -> str:
+    if not gap_us:
+        return "none" if gap_us == 0 else "not known"
+    return f"{units.duration(gap_us)} at most without a processed event while events came"
 
 
 def format_ledger(ledger: Mapping[str, int], rejected: Mapping[str, int] | None = None) -> str:
@@ -257,7 +265,15 @@ def _losses(run: Run) -> str:
     shares = {cause: ledger[cause] / ledger["received"] for cause in causes}
     shares["delivered late"] = run.kept - run.in_time
     lost = [f"{units.share(share)} {cause}" for cause, share in shares.items() if share > 0]
-    return f"Lost: {', '.join(lost)}." if lost else "No event was lost."
+    words = f"Lost: {', '.join(lost)}." if lost else "No event was lost."
+    gap_us = run.gap_us or 0
+    if ledger["delivered"] == 0 or gap_us <= _LONG_GAP * run.latency_bound_us:
+        return words
+    return (
+        f"{words} The longest gap is {units.duration(gap_us)} "
+        f"({gap_us / run.latency_bound_us:.2g} L): events came, and none of them was processed. "
+        "asap.compare shows the gaps of other schemes."
+    )
 
 
 def parameter_value(parameter: Any) -> str:

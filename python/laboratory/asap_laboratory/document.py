@@ -128,6 +128,7 @@ def _per_model(results: Results) -> Iterable[str]:
             ("score", "Score."),
             ("p99_ms", "p99 in ms."),
             ("kept", "Share of the input that was processed."),
+            ("gap_ms", "Gap in ms."),
         ):
             yield words
             yield tables.by_profile(results, quantity, model)

@@ -199,11 +199,12 @@ def _rho(finding: Finding) -> float:
 def _losses(found: list[Finding]) -> Goal:
     def judge() -> tuple[str, bool]:
         _, overflow = _largest(found, lambda one: one.figures.overflow)
-        name, gap_ms = _largest(found, lambda one: one.figures.gap_ms)
-        where = f" ({name})" if gap_ms else ""
-        return f"overflow {overflow:g}; gap {gap_ms:g} ms{where}", overflow == 0 and gap_ms == 0
+        name, silence_ms = _largest(found, lambda one: one.figures.silence_ms)
+        where = f" ({name})" if silence_ms else ""
+        words = f"overflow {overflow:g}; silence {silence_ms:g} ms{where}"
+        return words, overflow == 0 and silence_ms == 0
 
-    return _judge("G9", "no outages", "overflow 0; gap 0", found, judge)
+    return _judge("G9", "no outages", "overflow 0; silence 0", found, judge)
 
 
 def _wrong_priors(results: Results) -> Goal:

@@ -28,7 +28,8 @@ class Figures:
     p99_ms: float
     max_ms: float
     start_max_ms: float  #: the largest latency of events of the first 100 ms
-    gap_ms: float
+    gap_ms: float  #: between delivered events, of those that lost one between
+    silence_ms: float  #: longest run of 1 ms slots with events of which none was delivered
     overflow: float  #: of the input
     packages_per_s: float
     cpu: float  #: at most 1
@@ -112,7 +113,8 @@ def _figures(
         p99_ms=run.latency.quantile(0.99) / 1e3,
         max_ms=run.latency.max / 1e3,
         start_max_ms=float(start.max(initial=0.0)) / 1e3,
-        gap_ms=metrics.gap_ms(slots),
+        gap_ms=(run.gap_us or 0) / 1e3,
+        silence_ms=metrics.gap_ms(slots),
         overflow=run.ledger.overflow / max(run.ledger.received, 1),
         packages_per_s=run.packages.size / duration_s,
         cpu=min(float(run.packages["processing_us"].sum()) / (duration_s * 1e6), 1.0),

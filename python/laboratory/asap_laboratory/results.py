@@ -23,7 +23,7 @@ Task: TypeAlias = (
 Outcome: TypeAlias = Measured | Steady | Window | Few | Accuracy | Rivalry | Costs | Outcomes
 
 MODELS = tuple(LATENCY_MS)
-_LONG_GAP_MS = 60.0
+_LONG_SILENCE_MS = 60.0
 
 T = TypeVar("T")
 
@@ -143,4 +143,8 @@ def _figures_of(measured: Measured, contender: str) -> Figures | None:
         return measured.figures.get(contender)
     settings = [measured.figures[one] for one in HINDSIGHT[contender] if one in measured.figures]
     # The reference's rule: a long silence is worth as much as the whole score.
-    return max(settings, key=lambda one: one.score - (one.gap_ms >= _LONG_GAP_MS), default=None)
+    return max(
+        settings,
+        key=lambda one: one.score - (one.silence_ms >= _LONG_SILENCE_MS),
+        default=None,
+    )

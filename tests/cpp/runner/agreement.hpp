@@ -1,4 +1,5 @@
-// A simulated run beside the same run of the NaiveSimulator: ledger, rows, slots, working time.
+// A simulated run beside the same run of the NaiveSimulator: ledger, rows, gap, slots, working
+// time.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,6 +8,7 @@
 
 #include "asap/runner/simulator.hpp"
 #include "runner/naive_simulator.hpp"
+#include "support/gap.hpp"
 
 namespace asap::test {
 
@@ -36,6 +38,7 @@ inline void expect_agreement(const Simulator& simulator, const NaiveSimulator& n
   }
   ASSERT_EQ(log.size(), naive.rows.size());
   ASSERT_EQ(simulator.ledger(), naive.ledger);
+  ASSERT_EQ(simulator.gap_us(), gap_us(naive.received, naive.delivered));
   ASSERT_EQ(simulator.busy_ns(), naive.busy_ns);
   ASSERT_EQ(simulator.slots().slots().size(), naive.slots.size());
   for (const Slot& slot : simulator.slots().slots()) {

@@ -8,6 +8,7 @@
 
 #include "asap/schemes/greedy.hpp"
 #include "support/allocation_counter.hpp"
+#include "support/gap.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
@@ -178,6 +179,52 @@ TEST(LiveRun, TheBoundOfACopyIsConfigured) {
     ASSERT_EQ(run.loop().next(package, 0ns), ConsumerLoop::Next::package);
     EXPECT_EQ(package.events.size(), size);
     run.loop().complete(package);
+  }
+}
+
+// Lost at the door, dropped from a full ring, thinned there or stale: alone and in any mixture.
+TEST(LiveRun, TheGapIsThatOfTheEventsBetweenDeliveredOnes) {
+  for (const WhenFull when_full : {WhenFull::thin, WhenFull::newest, WhenFull::oldest}) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+      const CounterRandom random(seed + 77);
+      std::uint64_t draws = 0;
+      const auto below = [&](std::size_t end) { return random(draws++) % end; };
+      test::ScriptedScheme scheme([&](const Backlog& backlog) {
+        const double keep = below(2) == 0 ? 1.0 : static_cast<double>(below(10)) / 10;
+        Decision decision = Decision::take(1 + below(backlog.count), keep);
+        if (seed % 3 == 0 && below(3) == 0) decision.stale = below(backlog.count);
+        return decision;
+      });
+      RunConfig config = kWhole;
+      config.capacity = 256;
+      config.when_full = when_full;
+      LiveRun run(scheme, config);
+      test::Events delivered;
+      const auto deliver = [&](std::size_t packages) {
+        Package package;
+        for (; packages > 0; --packages) {
+          if (run.loop().next(package, 0ns) != ConsumerLoop::Next::package) return;
+          delivered.insert(delivered.end(), package.events.begin(), package.events.end());
+          run.loop().complete(package);
+        }
+      };
+      const test::Events events = test::random_stream(seed, 4000);
+      std::int64_t so_far_us = 0;
+      for (EventSpan rest = events; !rest.empty();) {
+        const std::size_t count = std::min<std::size_t>(rest.size(), 1 + below(500));
+        run.push(rest.first(count));
+        rest = rest.subspan(count);
+        deliver(below(4));
+        EXPECT_GE(run.gap_us(), so_far_us);
+        so_far_us = run.gap_us();
+      }
+      run.close();
+      deliver(events.size());
+      run.finish();
+      ASSERT_EQ(run.ledger().pending, 0u);
+      ASSERT_EQ(run.gap_us(), test::gap_us(events, delivered))
+          << "rule " << static_cast<int>(when_full) << ", seed " << seed;
+    }
   }
 }
 

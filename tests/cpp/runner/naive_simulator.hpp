@@ -46,6 +46,7 @@ class NaiveSimulator final : public BacklogCounts {
     if (events.empty()) return;
     zero_us_ = events[0].t - events[0].t % 1'000'000;
     future_.assign(events.begin(), events.end());
+    received.assign(events.begin(), events.end());
     ledger.received = events.size();
     for (const Event& event : events) ++slot_of(event).received;
     now_ns_ = ns(future_.front());
@@ -79,6 +80,7 @@ class NaiveSimulator final : public BacklogCounts {
   std::size_t about_before(std::int64_t time_ns) const noexcept override { return before(time_ns); }
 
   std::vector<PackageRow> rows;
+  std::vector<Event> received;
   std::vector<Event> delivered;
   std::map<std::int64_t, Slot> slots;  // by their number
   Ledger ledger;

@@ -21,7 +21,7 @@ constexpr std::int64_t kMicrosecond = 1000;
 TEST(Run, EventsOfARecordingArriveInOrderAndTheRestIsOverflow) {
   Greedy scheme;
   asap::Run run(scheme, {.capacity = 4}, asap::Run::Source::recording);
-  run.begin(TimeAxis(0, 1.0));
+  run.begin(0);
   run.arrive(evenly_spaced(6, 10));
   EXPECT_EQ(test::numbers_of(run.buffer().peek().first), (std::vector<std::uint64_t>{0, 1, 2, 3}));
   EXPECT_EQ(run.buffer().overflow(), 2u);
@@ -37,7 +37,7 @@ TEST(Run, TheSchemeLearnsTheAgesOfWhatIsInTheRingOnTheAxis) {
   });
   asap::Run run(scheme, {.latency_us = 6400, .capacity = 8},
                 asap::Run::Source::recording);  // slots of 100 us
-  run.begin(TimeAxis(0, 2.0));
+  run.begin(0, 2.0);
   run.arrive(evenly_spaced(8, 100));       // two in each slot
   run.arrive(evenly_spaced(2, 100, 800));  // overflow: not in the ring
   (void)run.packager().next(400 * kMicrosecond);
@@ -48,7 +48,7 @@ TEST(Run, TheMaskKnowsWhatWasRejectedAndWhatFoundNoRoom) {
   Greedy scheme;
   asap::Run run(scheme, {.capacity = 2, .execution = Execution::whole, .keep_mask = true},
                 asap::Run::Source::recording);
-  run.begin(TimeAxis(0, 1.0));
+  run.begin(0);
   Events events = evenly_spaced(4, 10);
   events[1].t = -5;
   run.validator().check(events, [&](EventSpan good) { run.arrive(good); });
@@ -64,7 +64,7 @@ TEST(Run, TheLedgerIsBalancedFromOutsideAndFromInside) {
   Greedy scheme;
   for (const auto source : {asap::Run::Source::recording, asap::Run::Source::camera}) {
     asap::Run run(scheme, {.capacity = 8}, source);
-    run.begin(TimeAxis(0, 1.0));
+    run.begin(0);
     Events events = evenly_spaced(5, 10);
     events[3].t = -5;
     run.validator().check(events, [&](EventSpan good) { run.buffer().push(good); });

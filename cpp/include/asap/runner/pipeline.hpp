@@ -35,6 +35,7 @@ struct PipelineStats {
   Rejections rejected;
   LatencyHistogram latency;  // per delivered event, from its arrival to the end of its package
   PackageTotals packages;
+  std::int64_t gap_us = 0;      // of the stamps, between delivered events; see GapMeter
   std::int64_t elapsed_ns = 0;  // since the first arrival
   std::uint64_t clock_resets = 0;
   // Said by the driver; beside the ledger, not in it.

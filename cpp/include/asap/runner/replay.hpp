@@ -44,6 +44,8 @@ class Replay {
   const Rejections& rejected() const noexcept { return validator().rejected(); }
   const Validator& validator() const noexcept;
   const Telemetry& telemetry() const noexcept;
+  // The gap (GapMeter) between delivered events, us of wall time: of the stamps, over the speed.
+  std::int64_t gap_us() const noexcept;
   // Which events were delivered, if config.keep_mask. After run().
   std::optional<KeptEvents> kept() const;
   // How late the producer pushed: its own and the machine's jitter, per push.

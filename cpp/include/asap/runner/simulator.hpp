@@ -42,6 +42,8 @@ class Simulator {
   const Rejections& rejected() const noexcept { return validator().rejected(); }
   const Validator& validator() const noexcept;
   const Telemetry& telemetry() const noexcept;
+  // The gap (GapMeter) between delivered events, us of the stamps.
+  std::int64_t gap_us() const noexcept;
   // Which events were delivered, if config.keep_mask. After finish().
   std::optional<KeptEvents> kept() const;
   const SlotLog& slots() const noexcept;

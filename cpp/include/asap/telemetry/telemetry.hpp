@@ -1,12 +1,13 @@
 // Telemetry: what the consumer's side of a run writes down: a row per package, the latency of every
-// event and where the others went. One thread writes; the counts and the histogram may be read by
-// any thread meanwhile, rows once the run is over.
+// event, where the others went, and the gap. One thread writes; all but the rows may be read by any
+// thread meanwhile, rows once the run is over.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
 #include "asap/core/atomics.hpp"
+#include "asap/telemetry/gap_meter.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/run_log.hpp"
 
@@ -19,6 +20,7 @@ struct Telemetry {
 
   RunLog log;
   LatencyHistogram latency;
+  GapMeter gap;  // of the events that came to the ring; gap_us() of a runner is that of all
   Relaxed<std::uint64_t> filtered;
   Relaxed<std::uint64_t> discarded;
   Relaxed<std::uint64_t> stale;
