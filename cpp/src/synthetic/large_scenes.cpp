@@ -8,9 +8,9 @@
 namespace asap::scenes {
 namespace {
 
-constexpr std::uint64_t kLayout = 5;
-constexpr std::int32_t kWidth = 240;
-constexpr std::int32_t kHeight = 180;
+constexpr std::uint64_t kLargeLayout = 5;
+constexpr std::int32_t kLargeWidth = 240;
+constexpr std::int32_t kLargeHeight = 180;
 constexpr std::int64_t kDuration_us = 2'000'000;
 constexpr double kNoise_hz = 1.0;
 constexpr Range kSpin_rad_s{0.2, 1.0};
@@ -79,8 +79,8 @@ MovingShape hand(Draws& draws) {
 MovingShapesConfig large_shapes(std::span<const ShapeKind> kinds, std::uint64_t seed) {
   constexpr std::int32_t kCount = 6;
   require(!kinds.empty(), "kinds", kinds.size(), "give one or more");
-  Draws draws{seed, kLayout};
-  MovingShapesConfig config = view(kWidth, kHeight, seed);
+  Draws draws{seed, kLargeLayout};
+  MovingShapesConfig config = view(kLargeWidth, kLargeHeight, seed);
   for (std::int32_t i = 0; i < kCount; ++i) {
     const ShapeKind kind = kinds[static_cast<std::size_t>(i) % kinds.size()];
     config.shapes.push_back(wanderer(large_shape(kind, draws), config, {60.0, 400.0}, i, draws));
@@ -90,7 +90,7 @@ MovingShapesConfig large_shapes(std::span<const ShapeKind> kinds, std::uint64_t 
 
 MovingShapesConfig large_disks(std::uint64_t seed) {
   constexpr std::int32_t kCount = 6;
-  Draws draws{seed, kLayout};
+  Draws draws{seed, kLargeLayout};
   MovingShapesConfig config = view(346, 260, seed);
   for (std::int32_t i = 0; i < kCount; ++i) {
     MovingShape disk{.radius_px = draws.from({14.0, 34.0}), .textured = (i + 1) / 2 % 2 == 1};
@@ -101,7 +101,7 @@ MovingShapesConfig large_disks(std::uint64_t seed) {
 
 MovingShapesConfig hands(std::uint64_t seed) {
   constexpr std::int32_t kCount = 2;
-  Draws draws{seed, kLayout};
+  Draws draws{seed, kLargeLayout};
   MovingShapesConfig config = view(346, 260, seed);
   for (std::int32_t i = 0; i < kCount; ++i) {
     config.shapes.push_back(wanderer(hand(draws), config, {50.0, 200.0}, i, draws));
@@ -110,8 +110,8 @@ MovingShapesConfig hands(std::uint64_t seed) {
 }
 
 MovingShapesConfig moving_camera(std::uint64_t seed) {
-  Draws draws{seed, kLayout};
-  MovingShapesConfig config = view(kWidth, kHeight, seed);
+  Draws draws{seed, kLargeLayout};
+  MovingShapesConfig config = view(kLargeWidth, kLargeHeight, seed);
   config.duration_us = 1'000'000;
   const auto count = static_cast<std::int32_t>(2 + seed % 2);
   for (std::int32_t i = 0; i < count; ++i) {
