@@ -244,6 +244,13 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
+        INCLUDE + "telemetry/gap_meter.hpp",
+        "telemetry",
+        gap_without_a_loss=("if (is_lost_) extend(", "extend("),
+        gap_in_the_last_stride=("    look(event, last);\n", ""),
+        gap_within_a_package=("extend(longest_us);\n", ";\n"),
+    ),
+    *in_file(
         INCLUDE + "filter/gamma_filter.hpp",
         "filter",
         gamma_keeps_what_it_should_discard=(

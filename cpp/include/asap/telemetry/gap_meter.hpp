@@ -81,17 +81,20 @@ class GapMeter {
     if (span_us <= longest_us) return;
     const double share = static_cast<double>(longest_us) / static_cast<double>(span_us);
     const auto fits = static_cast<std::size_t>(0.75 * share * static_cast<double>(kept.size()));
-    const std::size_t stride = std::max<std::size_t>(fits, 1);
-    for (std::size_t begin = 0, end = 0; begin + 1 < kept.size(); begin = end) {
-      end = std::min(begin + stride, kept.size() - 1);
-      if (kept[end].t - kept[begin].t <= longest_us) continue;
-      for (std::size_t at = begin; at < end; ++at) {
-        const std::int64_t apart_us = kept[at + 1].t - kept[at].t;
-        if (apart_us > longest_us && is_any_between(came, kept[at], kept[at + 1])) {
+    const std::size_t stride = std::clamp<std::size_t>(fits, 1, kept.size() - 1);
+    const auto look = [&](const Event* event, const Event* end) {
+      for (; event != end; ++event) {
+        const std::int64_t apart_us = event[1].t - event[0].t;
+        if (apart_us > longest_us && is_any_between(came, event[0], event[1]))
           longest_us = apart_us;
-        }
       }
+    };
+    const Event* event = kept.data();
+    const Event* const last = event + kept.size() - 1;
+    for (const Event* const end = last - stride; event <= end; event += stride) {
+      if (event[stride].t - event->t > longest_us) look(event, event + stride);
     }
+    look(event, last);
     extend(longest_us);
   }
 
