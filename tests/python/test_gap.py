@@ -110,7 +110,7 @@ def test_in_real_time_it_is_of_the_wall(speed):
 
 @pytest.mark.parametrize("when_full", ["thin", "newest", "oldest"])
 def test_live_it_is_of_the_stamps(when_full):
-    events = uneven(5, 0.01)
+    events = uneven(5)
     pipeline = asap.Pipeline(
         scheme=asap.FixedSize(size=100), latency_ms=1e6, capacity=1000, when_full=when_full
     )
@@ -166,7 +166,8 @@ def test_the_table_and_the_verdict_tell_a_long_one():
     whole = asap.simulate(events, cost=asap.LinearCost(1, 10), latency_ms=4)
     assert "  gap        none\n" in str(whole)
     assert "longest gap" not in run_table.verdict(whole)
-    lossy = asap.simulate(events, cost=SLOW, scheme=asap.Greedy(), latency_ms=4, capacity=500)
+    slow = asap.LinearCost(3000, 1000)
+    lossy = asap.simulate(events, cost=slow, scheme=asap.Greedy(), latency_ms=4, capacity=500)
     assert lossy.gap_us > 2000
     assert "without a processed event while events came\n" in str(lossy)
     words = f"({lossy.gap_us / 4000:.2g} L): events came, and none of them was processed."
