@@ -254,8 +254,8 @@ MUTANTS: list[Mutant] = [
         INCLUDE + "filter/gamma_filter.hpp",
         "filter",
         gamma_keeps_what_it_should_discard=(
-            "(random_(number) >> 1) < threshold",
-            "(random_(number) >> 1) >= threshold",
+            "random_(number) < 2 * threshold",
+            "random_(number) >= 2 * threshold",
         ),
     ),
     *in_file(

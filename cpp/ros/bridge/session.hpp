@@ -53,7 +53,7 @@ class Session {
   // Delivers what waits, and ends. Says the ledger.
   void stop();
 
-  // Of the run, and what was refused since the session began.
+  // Figures of the run, and the messages refused since the session began.
   Facts facts() const;
   PipelineStats stats() const;
 

@@ -18,11 +18,10 @@ std::size_t GammaFilter::apply(EventSpan events, KeepThreshold threshold, Event*
     std::copy_n(events.data(), events.size(), out);
     return events.size();
   }
-  const std::uint64_t bar = 2 * threshold.value();  // of all 64 bits: one shift less per event
   std::size_t kept = 0;
   for (std::size_t i = 0; i < events.size(); ++i) {
     out[kept] = events[i];
-    kept += random_(first + i) < bar ? 1U : 0U;
+    kept += keeps(first + i, threshold) ? 1U : 0U;
   }
   return kept;
 }
@@ -30,6 +29,10 @@ std::size_t GammaFilter::apply(EventSpan events, KeepThreshold threshold, Event*
 void GammaFilter::mask(EventSpan events, KeepThreshold threshold, std::uint8_t* kept) noexcept {
   const std::uint64_t first = position_;
   position_ += events.size();
+  if (threshold.keeps_all()) {
+    std::fill_n(kept, events.size(), std::uint8_t{1});
+    return;
+  }
   for (std::size_t i = 0; i < events.size(); ++i) {
     kept[i] = keeps(first + i, threshold) ? 1U : 0U;
   }

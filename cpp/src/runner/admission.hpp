@@ -50,7 +50,7 @@ class AdmissionGate {
 
   std::uint64_t seen() const noexcept { return filter_.position(); }
   std::uint64_t discarded() const noexcept { return discarded_; }
-  // Of the events that were not let in.
+  // The gaps that the discarded events leave.
   const GapMeter& gap() const noexcept { return gap_; }
 
  private:

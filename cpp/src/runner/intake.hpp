@@ -60,7 +60,7 @@ class Intake {
   // Events that the thinning has discarded.
   std::uint64_t discarded() const noexcept { return discarded_; }
 
-  // Of the events that have not got in.
+  // The gaps that discarded and overflowed events leave.
   const GapMeter& gap() const noexcept { return gap_; }
 
   // The most events that have waited at once, also while the producer waits for room.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asap.results import accuracy_table, notebook
-from asap.results.result import Result
+from asap.results.result import Result, without_nan
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -112,8 +112,8 @@ class KeepCurve(Result):
                     "gamma": row.gamma,
                     "told": row.told,
                     "seeds": row.seeds,
-                    "mean": _without_nan(row.mean),
-                    "spread": _without_nan(row.spread),
+                    "mean": without_nan(row.mean),
+                    "spread": without_nan(row.spread),
                 }
                 for row in self.rows
             ],
@@ -149,7 +149,3 @@ class KeepCurve(Result):
 
 def _spread(values: Any) -> float:
     return float(values.std(ddof=1)) if values.size > 1 else math.nan
-
-
-def _without_nan(figures: dict[str, float]) -> dict[str, float | None]:
-    return {name: value if math.isfinite(value) else None for name, value in figures.items()}

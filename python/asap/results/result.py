@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,7 @@ from asap._pickling import Pickled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Result"]
+__all__ = ["Result", "without_nan"]
 
 
 class Result(Pickled):
@@ -40,3 +41,12 @@ class Result(Pickled):
     def _repr_html_(self) -> str:
         """Return a table and the verdict, as a notebook shows them."""
         raise NotImplementedError
+
+
+def without_nan(value: Any) -> Any:
+    """Return figures as JSON holds them, in dicts and lists too: None for what is not finite."""
+    if isinstance(value, dict):
+        return {name: without_nan(one) for name, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [without_nan(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

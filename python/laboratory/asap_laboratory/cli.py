@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import math
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any, TypeVar
@@ -21,6 +20,7 @@ from asap.cli.outcome import (
     usage,
     writing,
 )
+from asap.results.result import without_nan
 
 __all__ = ["conduct"]
 
@@ -73,7 +73,7 @@ def _rivals(arguments: Any) -> int:
     found = _conducted(arguments, rivals_study, "asap study --rivals")
     if arguments.json:
         curves = [curve.summary() for curve in found.curves]
-        _print_json(arguments, found, rivals=curves, recordings=_without_nan(found.recordings))
+        _print_json(arguments, found, rivals=curves, recordings=without_nan(found.recordings))
         return OK
     document = rivals.document
     print(f"{document.verdict(found.curves)}\n\nMOTA\n\n{document.accuracy(found.curves)}\n")
@@ -82,13 +82,6 @@ def _rivals(arguments: Any) -> int:
         print(f"recordings\n\n{document.recordings_table(found.recordings)}\n")
     print_written(*found.paths)
     return OK
-
-
-def _without_nan(figures: Any) -> Any:
-    """Figures as JSON holds them: None where one does not exist."""
-    if isinstance(figures, dict):
-        return {name: _without_nan(value) for name, value in figures.items()}
-    return None if math.isnan(figures) else figures
 
 
 def _ladder(arguments: Any) -> int:

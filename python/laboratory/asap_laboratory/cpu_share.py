@@ -17,6 +17,7 @@ from asap import _core, plots
 from asap.events import Events
 from asap.experiment import simulate
 from asap.synthetic import FlightOverChairs
+from asap_laboratory.tables import markdown
 
 __all__ = ["SETTINGS", "Row", "Setting", "draw", "measure", "table"]
 
@@ -109,22 +110,26 @@ def _flown(events: Events, setting: Setting, duration_s: float) -> Row:
 
 def table(rows: Sequence[Row]) -> str:
     """Write the rows as a Markdown table."""
-    lines = [
-        "| `overhead` | `min_interval_ms` | processor share | packages per s "
-        "| latency p50 / p99 / max, ms | in time |",
-        "|---|---|---|---|---|---|",
-    ]
-    for row in rows:
-        cells = (
-            f"{row.setting.overhead:g}",
-            f"{row.setting.min_interval_ms:g}",
-            f"{row.cpu:.1%}".replace("%", " %"),
-            f"{row.packages_per_s:.0f}",
-            f"{row.p50:.2f} / {row.p99:.2f} / {row.max:.2f}",
-            f"{row.in_time:.4f}",
-        )
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines)
+    head = (
+        "`overhead`",
+        "`min_interval_ms`",
+        "processor share",
+        "packages per s",
+        "latency p50 / p99 / max, ms",
+        "in time",
+    )
+    return markdown(head, [_cells(row) for row in rows])
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    return (
+        f"{row.setting.overhead:g}",
+        f"{row.setting.min_interval_ms:g}",
+        f"{row.cpu:.1%}".replace("%", " %"),
+        f"{row.packages_per_s:.0f}",
+        f"{row.p50:.2f} / {row.p99:.2f} / {row.max:.2f}",
+        f"{row.in_time:.4f}",
+    )
 
 
 def draw(rows: Sequence[Row]) -> plots.NotebookFigure:

@@ -63,8 +63,9 @@ class GammaFilter {
   std::uint64_t position() const noexcept { return position_; }
 
  private:
+  // The threshold does not keep all: its double has 64 bits then, and no bit is shifted out.
   bool keeps(std::uint64_t number, KeepThreshold threshold) const noexcept {
-    return (random_(number) >> 1) < threshold.value();
+    return random_(number) < 2 * threshold.value();
   }
 
   CounterRandom random_;

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from asap.results.result import without_nan
 from asap_laboratory.ladder.cases import LadderCase, Loaded, Outcomes, ToldCase
 from asap_laboratory.ladder.cost import Costs
 from asap_laboratory.ladder.rungs import RUNGS, SLOWDOWN
@@ -77,7 +78,7 @@ class LadderRow:
 
     def to_dict(self) -> dict[str, Any]:
         """Return one JSON object; what does not exist (NaN) is None."""
-        found: dict[str, Any] = _without_nan(asdict(self))
+        found: dict[str, Any] = without_nan(asdict(self))
         return found
 
 
@@ -158,11 +159,3 @@ def told_rows(results: Results) -> list[Told]:
         Told(*key, {label: one["in_use"] for label, one in _figures(some).items()})
         for key, some in found.items()
     ]
-
-
-def _without_nan(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {name: _without_nan(one) for name, one in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_without_nan(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from asap.accuracy.boxes import BoxMatch, box_matches, box_score, frames
 from asap.accuracy.trace import snapshots_at
+from asap.results.result import without_nan
 from asap.scenes import LabelledScene
 from asap_laboratory.accuracy.cases import Rung
 from asap_laboratory.rivals.cost import costs_ns
@@ -46,9 +46,7 @@ class Followed:
 
     def summary(self) -> dict[str, Any]:
         """Name and figures as JSON holds them; None where a figure does not exist."""
-        figures = self.figures.items()
-        named = {name: None if math.isnan(value) else value for name, value in figures}
-        return {"set": self.scene.name, **named}
+        return {"set": self.scene.name, **without_nan(self.figures)}
 
 
 class _Witness:

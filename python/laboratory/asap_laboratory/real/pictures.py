@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from asap import _core
 from asap_laboratory.real.following import Followed
 
 __all__ = ["STYLE", "hue", "overlay"]
@@ -18,6 +19,7 @@ __all__ = ["STYLE", "hue", "overlay"]
 WINDOW_US = 30_000  # of the events that are shown
 _TAIL_S = 0.15
 _SIGMAS = 1.5  # of the outlines
+_LEAST_SIGMA_PX = 0.5
 _MOST_PX = 400  # along the longer side of the image of the events
 _GREY = (128, 134, 140)  # on the light and on the dark card
 
@@ -136,7 +138,9 @@ def _outlines(followed: Followed, index: int) -> Iterator[str]:
 
 def _axes(cluster: np.void) -> tuple[float, float, float]:
     """Half axes of a cluster's outline, px, and the angle of the longer one, degrees."""
-    covariance = [[cluster["cxx"], cluster["cxy"]], [cluster["cxy"], cluster["cyy"]]]
-    spread, axes = np.linalg.eigh(np.nan_to_num(covariance))
-    short_px, long_px = _SIGMAS * np.sqrt(np.maximum(spread, 0.25))
-    return float(long_px), float(short_px), math.degrees(math.atan2(axes[1, 1], axes[0, 1]))
+    fields = ("x", "y", "cxx", "cxy", "cyy")
+    outline = _core.outline_of(*(float(np.nan_to_num(cluster[field])) for field in fields))
+    long_px, short_px = (
+        _SIGMAS * max(float(outline[axis]) / 2, _LEAST_SIGMA_PX) for axis in ("major", "minor")
+    )
+    return long_px, short_px, math.degrees(outline["angle"])

@@ -64,7 +64,7 @@ class Rivalry:
 
 @dataclass(frozen=True)
 class RivalsCase:
-    """Everybody on one scene with one seed."""
+    """All trackers on one scene with one seed."""
 
     scene: str
     seed: int
@@ -93,7 +93,7 @@ class RivalsCase:
 
 @dataclass(frozen=True)
 class RecordingCase:
-    """Everybody on one recording with boxes."""
+    """All trackers on one recording with boxes."""
 
     folder: str
     labels: tuple[str, ...] = tuple(RIVALS)

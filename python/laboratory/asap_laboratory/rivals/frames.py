@@ -112,7 +112,7 @@ class FrameTracker:
         missed = np.ones(self._tracks.size, bool)
         missed[rows] = False
         self._tracks["misses"] = np.where(missed, self._tracks["misses"] + 1, 0)
-        # What is not confirmed yet has to be seen in every image.
+        # A track that is not confirmed ends with the first image without it.
         patience = np.where(self._tracks["hits"] < _CONFIRM, 1, _MISSES)
         kept = self._tracks[self._tracks["misses"] < patience]
         unmatched = np.delete(centres, columns, axis=0)
