@@ -49,7 +49,7 @@ def test_the_page_shows_the_table() -> None:
     header, rule, *_ = cpu_share.table([]).splitlines()
     settings = [f"| {one.overhead:g} | {one.min_interval_ms:g} |" for one in cpu_share.SETTINGS]
     assert f"{header}\n{rule}\n{settings[0]}" in page
-    assert all(page.count(setting) == 1 for setting in settings)
+    assert all(page.count(f"\n{setting}") == 1 for setting in settings)
 
 
 def test_the_command_writes_both(tmp_path, capsys, monkeypatch) -> None:

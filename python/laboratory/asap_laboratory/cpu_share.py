@@ -15,11 +15,11 @@ from statistics import fmean
 
 from asap import _core, plots
 from asap.events import Events
-from asap.experiment import simulate
+from asap.experiment import Run, simulate
 from asap.synthetic import FlightOverChairs
 from asap_laboratory.tables import markdown
 
-__all__ = ["SETTINGS", "Row", "Setting", "draw", "measure", "table"]
+__all__ = ["SETTINGS", "Row", "Setting", "draw", "figures", "measure", "table"]
 
 LATENCY_MS = 10.0
 ALPHA_US, BETA_NS = 300.0, 200.0
@@ -97,9 +97,15 @@ def _flown(events: Events, setting: Setting, duration_s: float) -> Row:
             min_interval_ms=setting.min_interval_ms,
         ),
     )
+    busy_s = float(run.packages["processing_us"].sum()) / 1e6
+    return figures(setting, run, busy_s, duration_s)
+
+
+def figures(setting: Setting, run: Run, busy_s: float, duration_s: float) -> Row:
+    """Return what a run gave under a setting."""
     return Row(
         setting,
-        cpu=float(run.packages["processing_us"].sum()) / (1e6 * duration_s),
+        cpu=busy_s / duration_s,
         packages_per_s=run.packages.size / duration_s,
         p50=run.latency.quantile(0.5) / 1e3,
         p99=run.latency.quantile(0.99) / 1e3,
