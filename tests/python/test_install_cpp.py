@@ -181,6 +181,15 @@ def test_a_target_of_32_bits_is_refused(tmp_path: Path) -> None:
     assert "reference runs came out different" in " ".join(said.split())
 
 
+def test_missing_sources_of_googletest_are_named(tmp_path: Path) -> None:
+    """This machine as a target of its own: a system that is named counts as another one."""
+    flags = ["-DCMAKE_SYSTEM_NAME=Linux", "-DCMAKE_CROSSCOMPILING_EMULATOR=env", "-DASAP_TESTS=ON"]
+    flags += [f"-DASAP_GOOGLETEST={tmp_path}", *(f"-D{n}={place}" for n, place in eigen().items())]
+    said = run(["cmake", "-S", ROOT, "-B", tmp_path / "build", *flags], check=False)
+    assert f"ASAP_GOOGLETEST = {tmp_path}: " in " ".join(said.split())
+    assert "apt-get install -y libgtest-dev" in " ".join(said.split())
+
+
 def test_a_missing_cross_compiler_is_named(tmp_path: Path) -> None:
     script = tmp_path / "without_programs.cmake"
     script.write_text(
