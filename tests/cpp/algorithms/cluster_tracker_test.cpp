@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "algorithms/cluster_streams.hpp"
+#include "asap/algorithms/published_cluster_tracker.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace cluster_tracker_test {
@@ -484,6 +485,15 @@ TEST(ClusterTracker, LabelsOfAnotherSizeAreRefused) {
 
 TEST(ClusterTracker, ChecksItsConfiguration) {
   EXPECT_THROW(ClusterTracker({.width = 0, .height = 10}), std::invalid_argument);
+}
+
+TEST(MakeTracker, WhereverMemoryEndsItHasTakenNothing) {
+  const auto fast = [] { return asap::make_tracker({.width = 34, .height = 26}); };
+  EXPECT_GT(asap::test::allocations_until_made(fast), 10);
+  const auto published = [] {
+    return asap::make_tracker<asap::PublishedClusterTracker>({.width = 34, .height = 26});
+  };
+  EXPECT_GT(asap::test::allocations_until_made(published), 3);
 }
 
 }  // namespace

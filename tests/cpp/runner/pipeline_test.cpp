@@ -710,6 +710,14 @@ TEST(MakePipeline, RefusedItHasTakenNothing) {
   EXPECT_EQ(test::live_allocations(), before);
 }
 
+TEST(MakePipeline, WhereverMemoryEndsItHasTakenNothing) {
+  const RunConfig small{.capacity = 64, .most_copied = 64};
+  EXPECT_GT(test::allocations_until_made([&] { return make_pipeline(small, [](EventSpan) {}); }),
+            10);
+  Greedy scheme;
+  EXPECT_GT(test::allocations_until_made([&] { return make_pipeline(scheme, small); }), 10);
+}
+
 #if defined(__GLIBC__)
 TEST(MakePipeline, SaysThatThereIsNoThread) {
   pthread_attr_t as_it_was;

@@ -17,6 +17,7 @@
 #include "asap/schemes/greedy.hpp"
 #include "runner/agreement.hpp"
 #include "runner/naive_simulator.hpp"
+#include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 #include "support/streams.hpp"
 
@@ -465,6 +466,12 @@ TEST(MakeSimulator, GivesAnObjectOrAMessage) {
   simulator->finish();
   EXPECT_EQ(simulator->ledger().delivered, 10u);
   EXPECT_EQ(make_simulator(scheme, {.noise = -1}).message(), "noise = -1: must be between 0 and 5");
+}
+
+TEST(MakeSimulator, WhereverMemoryEndsItHasTakenNothing) {
+  Greedy scheme;
+  const RunConfig small{.capacity = 64};
+  EXPECT_GT(test::allocations_until_made([&] { return make_simulator(scheme, {}, small); }), 10);
 }
 
 }  // namespace
