@@ -2,10 +2,12 @@
 // takes the same instructions.
 //
 //   instructions keep|thin|deadline EVENTS
+//   instructions backlog EVENTS PUSH
 //   instructions compiler
 //
 // Pushes of 1000 events, one per us; packages of 1000 events of which all, or half, are kept; or
-// those that Deadline makes of the same stream.
+// those that Deadline makes of the same stream. backlog: Deadline with pushes of PUSH events;
+// prints how often it has decided, and observed.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -40,19 +42,44 @@ class Fixed final : public asap::Scheme {
   const double keep_;
 };
 
-std::size_t run(asap::Scheme& scheme, std::size_t events) {
+// Deadline, whose calls are counted.
+class Counted final : public asap::Scheme {
+ public:
+  asap::Decision decide(const asap::Backlog& backlog) noexcept override {
+    ++decisions;
+    return deadline_.decide(backlog);
+  }
+  void observe(const asap::Outcome& outcome) noexcept override {
+    ++observations;
+    deadline_.observe(outcome);
+  }
+  void reset(asap::Execution execution) noexcept override { deadline_.reset(execution); }
+  std::string_view name() const noexcept override { return deadline_.name(); }
+  std::int64_t latency_bound_ns() const noexcept override { return deadline_.latency_bound_ns(); }
+  void set_latency_bound_ns(std::int64_t bound_ns) noexcept override {
+    deadline_.set_latency_bound_ns(bound_ns);
+  }
+
+  std::size_t decisions = 0;
+  std::size_t observations = 0;
+
+ private:
+  asap::Deadline deadline_{{.latency_ms = 10}};
+};
+
+std::size_t run(asap::Scheme& scheme, std::size_t events, std::size_t push = kPackage) {
   asap::Pipeline pipeline(scheme, {.latency_us = 10'000,
                                    .capacity = 65'536,
                                    .validator = {.width = 346, .height = 260},
                                    .execution = asap::Execution::whole,
                                    .log_rows = 0,
                                    .prefault = true});
-  std::vector<asap::Event> batch(kPackage, {.x = 100, .y = 100, .p = 1, .t = 0});
+  std::vector<asap::Event> batch(push, {.x = 100, .y = 100, .p = 1, .t = 0});
   std::int64_t t = 0;
   std::size_t delivered = 0;
-  for (std::size_t pushed = 0; pushed < events; pushed += kPackage) {
+  for (std::size_t pushed = 0; pushed < events; pushed += push) {
     for (asap::Event& event : batch) event.t = t++;
-    now += std::chrono::milliseconds(1);
+    now += std::chrono::microseconds(push);
     pipeline.push(batch);
     asap::Package package;
     while (pipeline.next(package, std::chrono::nanoseconds(0)) == asap::Pipeline::Next::package) {
@@ -80,8 +107,14 @@ int main(int count, char** words) {
 #endif
     return 0;
   }
-  if (count != 3) return 2;
+  if (count < 3) return 2;
   const auto events = static_cast<std::size_t>(std::atoll(words[2]));
+  if (what == "backlog" && count > 3) {
+    Counted counted;
+    run(counted, events, static_cast<std::size_t>(std::atoll(words[3])));
+    std::printf("%zu %zu\n", counted.decisions, counted.observations);
+    return 0;
+  }
   asap::Deadline deadline{{.latency_ms = 10}};
   Fixed fixed(what == "keep" ? 1.0 : 0.5);
   asap::Scheme& scheme = what == "deadline" ? static_cast<asap::Scheme&>(deadline) : fixed;
