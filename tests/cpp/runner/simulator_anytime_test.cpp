@@ -291,7 +291,9 @@ class Admitting final : public Scheme, public Admission {
   Admitting(ScriptedScheme::Rule rule, Gamma gamma, std::int64_t period_ns)
       : rule_(std::move(rule)), gamma_(std::move(gamma)), period_ns_(period_ns) {}
 
-  Decision decide(const Backlog& backlog) noexcept override { return rule_(backlog); }
+  Decision decide(const Backlog& backlog) noexcept override {
+    return exempt([&] { return rule_(backlog); });
+  }
   std::string_view name() const noexcept override { return "admitting"; }
   double gamma(const Arrivals& arrivals) noexcept override {
     told.push_back(arrivals);

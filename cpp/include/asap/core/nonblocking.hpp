@@ -1,7 +1,7 @@
 // What must not block: no lock, no allocation, no sleep, no other system call. ASAP_NONBLOCKING
 // marks such a function where the compiler knows the mark (clang from 20 on, -Wfunction-effects):
 // it then proves the function and all that it calls. tests/realtime/run does so for the library.
-// exempt() names what is not proved. Any thread, no cost.
+// exempt() names what is not proved; RealtimeSanitizer does not look there. Any thread, no cost.
 #pragma once
 
 #include <utility>
@@ -10,6 +10,15 @@
 #if __has_cpp_attribute(clang::nonblocking)
 #define ASAP_NONBLOCKING [[clang::nonblocking]]
 #endif
+#endif
+#if defined(__has_feature)
+#if __has_feature(realtime_sanitizer)
+#include <sanitizer/rtsan_interface.h>
+#define ASAP_UNWATCHED [[maybe_unused]] const __rtsan::ScopedDisabler unwatched
+#endif
+#endif
+#ifndef ASAP_UNWATCHED
+#define ASAP_UNWATCHED static_cast<void>(0)
 #endif
 #ifndef ASAP_NONBLOCKING
 #define ASAP_NONBLOCKING
@@ -26,11 +35,13 @@ namespace asap {
 // Calls what the compiler cannot prove. Each use stands beside its reason.
 template <class Call>
 decltype(auto) exempt(Call&& call) noexcept(noexcept(call())) ASAP_NONBLOCKING {
+  ASAP_UNWATCHED;
   return std::forward<Call>(call)();
 }
 
 #if defined(__clang__)
 #pragma clang diagnostic pop
 #endif
+#undef ASAP_UNWATCHED
 
 }  // namespace asap
