@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core, analysis, checks, units
+from asap import _checks, _core, _units, analysis
 from asap.events import events_of_argument
 
 try:
@@ -183,7 +183,7 @@ def _draw_size(curves: _Curves, axes: Axes) -> None:
 
 def _draw_rates(curves: _Curves, axes: Axes) -> None:
     peak_hz = max(curves.values("event_rate").max(initial=0), 1.0)
-    unit, scale = units.rate_axis(peak_hz)
+    unit, scale = _units.rate_axis(peak_hz)
     curves.draw(axes, curves.values("event_rate", scale), color=FAINT, label="event rate")
     curves.draw(axes, curves.values("rate", scale), color=GREEN, label="thinned, R")
     rate_bound = curves.run.scheme.parameters.get("rate_bound")
@@ -258,7 +258,7 @@ def frame(events: NDArray[np.void], width: int, height: int, *, ax: Axes | None 
     """
     events = events_of_argument("events", events)
     for name, side in (("width", width), ("height", height)):
-        checks.whole(name, side, 1, 65536, "give the sensor's side in px, 1 to 65536")
+        _checks.whole(name, side, 1, 65536, "give the sensor's side in px, 1 to 65536")
     axes = ax or _own_axes((5.0, 5.0 * height / width))
     inside = (events["x"] < width) & (events["y"] < height)
     pixel = events["y"][inside].astype(np.int64) * width + events["x"][inside]
@@ -357,7 +357,7 @@ def rate(events: NDArray[np.void], bin_us: float = 10_000, *, ax: Axes | None = 
     """
     time_s, rate_hz = analysis.rate(events, bin_us)
     axes = ax or _own_axes((7.0, 2.4))
-    unit, scale = units.rate_axis(rate_hz.max(initial=0))
+    unit, scale = _units.rate_axis(rate_hz.max(initial=0))
     time_s, thinned = analysis.decimate(time_s, rate_hz * scale, 2000)
     axes.plot(time_s, thinned, color=BLUE, drawstyle="steps-post")
     axes.set(xlabel="time from the first event [s]", ylabel=f"event rate [{unit}]")

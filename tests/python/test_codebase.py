@@ -37,20 +37,24 @@ MAY_INCLUDE = {
 
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
-    {"_core", "checks"},
-    {"_pickling", "metrics", "stamps", "units"},
+    {"_core", "_checks"},
+    {"_pickling", "_stamps", "_units", "metrics"},
     {"events"},
     {"io", "synthetic"},
     {"results"},
     {"accuracy", "experiment", "profiles", "scenes"},
     {"analysis", "conversion"},
     {"inspection"},
-    {"plots", "progress"},
+    {"_progress", "plots"},
     {"report"},
     {"demo"},
     {"cli"},
     {"__main__"},
 )
+FOR_USERS = {  # what a user may name: modules, and where the names of asap itself are at home
+    *("accuracy", "analysis", "cli", "conversion", "demo", "events", "experiment", "inspection"),
+    *("io", "metrics", "plots", "profiles", "report", "results", "scenes", "synthetic"),
+}
 # .plot() and .report() import their module when they are called.
 ARROWS_UP = {("results", "plots"), ("results", "report"), ("scenes", "report")}
 USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
@@ -249,6 +253,11 @@ def test_python_imports_point_down() -> None:
             if not (part in USE_THE_FACADE if facade else rank[other] < rank[part]):
                 up.append(f"{name_of(path)} imports {one.module}")
     assert not up
+
+
+def test_modules_that_are_not_for_users_begin_with_an_underscore() -> None:
+    found = {part_of(module) for module in MODULES} - {"", "__main__"}
+    assert {name for name in found if not name.startswith("_")} == FOR_USERS
 
 
 def test_no_module_of_python_is_in_a_circle() -> None:

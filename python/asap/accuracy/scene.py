@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from asap.checks import unmasked
+from asap._checks import unmasked
 from asap.events import EVENT_DTYPE
 
 __all__ = ["NOISE", "Scene", "check_scene"]

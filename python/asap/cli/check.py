@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import asap
-from asap import progress
+from asap import _progress
 from asap.cli.options import add_recording, add_report, add_verb, open_recording
 from asap.cli.outcome import (
     BAD_INPUT,
@@ -33,7 +33,7 @@ def add(verbs: Any) -> None:
 def _call(arguments: Any) -> int:
     if arguments.report:
         need_matplotlib()
-    with reading(arguments), progress.on_terminal() as on_progress:
+    with reading(arguments), _progress.on_terminal() as on_progress:
         inspection = asap.check(_source(arguments), on_progress=on_progress)
     if arguments.report:
         with writing(arguments.report):

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import asap
-from asap import profiles, progress, units
+from asap import _progress, _units, profiles
 from asap.cli.options import add_recording, add_report, add_verb, open_recording, typed
 from asap.cli.outcome import (
     BAD_INPUT,
@@ -53,7 +53,7 @@ def add(verbs: Any) -> None:
     )
     verb.add_argument(
         "--latency",
-        type=typed(units.parse_duration_us, "latency"),
+        type=typed(_units.parse_duration_us, "latency"),
         metavar="10ms",
         help="latency bound of all (default: that of the cost model, else 10ms)",
     )
@@ -71,7 +71,7 @@ def add(verbs: Any) -> None:
     )
     verb.add_argument(
         "--duration",
-        type=typed(units.parse_duration_us, "duration"),
+        type=typed(_units.parse_duration_us, "duration"),
         metavar="2s",
         help="of a profile (default: 5s; with a cost model by name, that of the study)",
     )
@@ -93,7 +93,7 @@ def _call(arguments: Any) -> int:
     source, cost, latency_ms = _contest(arguments)
     if arguments.latency is not None:
         latency_ms = arguments.latency / 1e3
-    with reading(arguments), progress.on_terminal() as on_progress:
+    with reading(arguments), _progress.on_terminal() as on_progress:
         comparison = asap.compare(
             source,
             cost=cost,
@@ -162,4 +162,4 @@ def _parse_cost(text: str, *, field: str) -> tuple[float, float] | _Named:
     if text.replace("_", "").isalpha():
         near = hint(text, profiles.COSTS, "there are")
         raise ValueError(f"{field} = {text}: no such cost model; {near}")
-    return units.parse_cost(text, field=field)
+    return _units.parse_cost(text, field=field)

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from types import ModuleType, TracebackType
 from typing import Any
 
-from asap import checks
+from asap import _checks
 from asap.cli.outcome import CHECK_FAILED, USAGE, Failure, say
 from asap.cli.parser import hint
 
@@ -57,7 +57,7 @@ def imported(spec: str, width: int | None, height: int | None) -> Any:
         words = f"in {_where(module)} it is neither callable nor has process(events)"
         raise Failure(USAGE, f"--algorithm {spec}: {words}")
     try:
-        checks.worker("algorithm", found)
+        _checks.worker("algorithm", found)
     except TypeError as error:
         raise Failure(USAGE, f"--algorithm {spec} in {_where(module)}: {error}") from error
     return found

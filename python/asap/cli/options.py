@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import asap
-from asap import checks, profiles
+from asap import _checks, profiles
+from asap._stamps import TIME_EXPONENTS
 from asap.cli.outcome import USAGE, Failure
 from asap.results import run_archive
-from asap.stamps import TIME_EXPONENTS
 
 __all__ = [
     "add_out",
@@ -121,7 +121,7 @@ def open_recording(arguments: Any) -> asap.Recording:
 
 
 def typed(parse: Callable[..., T], field: str) -> Callable[[str], T]:
-    """Let argparse show the message of a parser of `asap.units`."""
+    """Let argparse show the message of a parser of `asap._units`."""
 
     def parse_argument(text: str) -> T:
         try:
@@ -145,6 +145,6 @@ def run_file(text: str) -> Path:
 def writable(text: str) -> Path:
     """Refuse a file without a folder before the run, not after it."""
     try:
-        return checks.new_file("path", text)
+        return _checks.new_file("path", text)
     except OSError as error:
         raise argparse.ArgumentTypeError(f"{text}: {error.strerror}") from error

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from asap import _core, checks
+from asap import _checks, _core
 
 __all__ = ["Contender", "labelled", "of_schemes", "rivals", "user_schemes"]
 
@@ -89,15 +89,17 @@ def labelled(schemes: Any) -> dict[str, _core.Scheme]:
     """
     if isinstance(schemes, str):
         remedy = "give schemes such as [asap.Greedy()], or leave it out; baselines=True adds more"
-        raise TypeError(checks.named("schemes", schemes, remedy))
+        raise TypeError(_checks.named("schemes", schemes, remedy))
     named = isinstance(schemes, Mapping)
     given = schemes.values() if named else schemes
     if not isinstance(given, (_core.Scheme, Iterable)):
-        raise TypeError(checks.named("schemes", given, "give schemes such as [asap.Greedy()]"))
+        raise TypeError(_checks.named("schemes", given, "give schemes such as [asap.Greedy()]"))
     listed = [given] if isinstance(given, _core.Scheme) else list(given)
     for scheme in listed:
         if not isinstance(scheme, _core.Scheme):
-            raise TypeError(checks.named("schemes", scheme, "give schemes such as [asap.Greedy()]"))
+            raise TypeError(
+                _checks.named("schemes", scheme, "give schemes such as [asap.Greedy()]")
+            )
     if not listed:
         raise ValueError("schemes = []: give at least one, or None for the usual ones")
     if len({id(scheme) for scheme in listed}) < len(listed):

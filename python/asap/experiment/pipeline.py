@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap.events import events_of_argument
 from asap.experiment.live_stats import ledger_of, state_of, summary
 from asap.experiment.runners import as_scheme, check_latency, make_config
@@ -29,7 +29,7 @@ class _Live:
     """What make_config asks of a source."""
 
     def __init__(self, width: int | None, height: int | None) -> None:
-        self.width, self.height = checks.sides(width, height)
+        self.width, self.height = _checks.sides(width, height)
 
 
 class Pipeline:
@@ -115,7 +115,7 @@ class Pipeline:
     ) -> None:
         if not (algorithm is None or callable(algorithm) or hasattr(algorithm, "process")):
             remedy = "give an object with process(events) or a callable"
-            raise TypeError(checks.named("algorithm", algorithm, remedy))
+            raise TypeError(_checks.named("algorithm", algorithm, remedy))
         self.algorithm = algorithm
         self.scheme = as_scheme(scheme, latency_ms)
         self._live = _Live(width, height)

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap.experiment.source import Source
 from asap.results.run import LEDGER_FIELDS, Ledger, Run, with_first
 
@@ -103,10 +103,10 @@ def simulate(
         A bad argument, named with its value and the remedy; bad events with on_bad="raise".
     """
     if not isinstance(cost, _core.LinearCost):
-        raise TypeError(checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
-    checks.flag("opaque", opaque)
-    checks.callback("on_progress", on_progress)
-    checks.workers(algorithm=algorithm, before=before)
+        raise TypeError(_checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
+    _checks.flag("opaque", opaque)
+    _checks.callback("on_progress", on_progress)
+    _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = make_config(
@@ -199,8 +199,8 @@ def run(
     """
     if algorithm is None:
         raise TypeError("algorithm = None: give what the events are for, or use asap.simulate")
-    checks.callback("on_progress", on_progress)
-    checks.workers(algorithm=algorithm, before=before)
+    _checks.callback("on_progress", on_progress)
+    _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = make_config(
@@ -269,17 +269,17 @@ def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
     if scheme is None:
         return _core.Deadline() if latency_ms is None else _core.Deadline(latency_ms=latency_ms)
     if not isinstance(scheme, _core.Scheme):
-        raise TypeError(checks.named("scheme", scheme, "give a scheme such as asap.Greedy()"))
+        raise TypeError(_checks.named("scheme", scheme, "give a scheme such as asap.Greedy()"))
     return scheme
 
 
 def check_latency(latency_ms: float) -> float:
     """Return a latency bound as a float; refuse one that is no number or out of range."""
-    return checks.number("latency_ms", latency_ms, 0.01, 1e7, "must be between 0.01 and 1e7 ms")
+    return _checks.number("latency_ms", latency_ms, 0.01, 1e7, "must be between 0.01 and 1e7 ms")
 
 
 def _whole(name: str, value: Any) -> int:
-    return 0 if value is None else checks.index(name, value)
+    return 0 if value is None else _checks.index(name, value)
 
 
 class Sensor(Protocol):
@@ -318,7 +318,7 @@ def make_config(
         reorder_tolerance_us=reorder_tolerance_us,
         warmup_discard_us=warmup_discard_us,
     )
-    checks.workers(algorithm=algorithm, before=before)
+    _checks.workers(algorithm=algorithm, before=before)
     for field, worker in (("algorithm", algorithm), ("before", before)):
         _check_frame(field, worker, stream)
     return _core.RunConfig(

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asap import _core
-from asap.checks import number
+from asap._checks import number
 from asap.events import Events
 from asap.experiment.contenders import Contender
 from asap.experiment.runners import Progress, make_config, remember

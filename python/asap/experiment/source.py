@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from asap import _core
-from asap.checks import agreed, named, sides
-from asap.checks import source as check_source
+from asap._checks import agreed, named, sides
+from asap._checks import source as check_source
 from asap.events import Events, as_events
 from asap.io import Recording, read
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from asap import checks
+from asap import _checks
 from asap.experiment.runners import Progress
 from asap.inspection.door import Door
 from asap.inspection.findings import Meters, judge
@@ -67,7 +67,7 @@ def check(
     >>> asap.check(events, width=346, height=260).findings["back_steps"].event
     2
     """
-    checks.callback("on_progress", on_progress)
+    _checks.callback("on_progress", on_progress)
     raw = RawSource(source, width=width, height=height, order=order, time_unit=time_unit)
     door = Door(raw.width, raw.height)
     meters = Meters(

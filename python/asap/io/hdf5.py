@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap import stamps
+from asap import _stamps
 from asap.events import Events
 from asap.io.columns import events_of, file_columns
 from asap.io.errors import CorruptFile, cut_file, foreign, library
@@ -101,7 +101,7 @@ class Hdf5Reader:
             source = columns_of_matrix(rows["matrix"], self._order or "txyp")
         elif self._layout.t_offset:
             offset = np.asarray(self._layout.t_offset)
-            source = rows | {"t": stamps.shifted(rows["t"], offset)}
+            source = rows | {"t": _stamps.shifted(rows["t"], offset)}
         count = len(next(iter(rows.values())))
         for start in range(0, count, CHUNK):
             part = slice(start, start + CHUNK)

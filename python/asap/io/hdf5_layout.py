@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from asap._stamps import MAX
 from asap.events import FIELD_NAMES
 from asap.io.errors import (
     CorruptFile,
@@ -28,7 +29,6 @@ from asap.io.errors import (
 )
 from asap.io.matrices import as_rows
 from asap.io.reader import sensor_size
-from asap.stamps import MAX
 
 __all__ = ["Layout", "find_layouts", "sensor_of", "usable"]
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap.checks import named
+from asap._checks import named
 from asap.events import FIELD_NAMES, Columns, Events
 from asap.io.columns import events_of, file_columns
 from asap.io.errors import (

@@ -13,7 +13,7 @@ from typing import IO
 
 import numpy as np
 
-from asap.checks import named
+from asap._checks import named
 from asap.events import Events
 from asap.io.aedat4 import EVENT, MAGIC, MOST_PIXELS
 from asap.io.encoded import Encoded

@@ -11,10 +11,10 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from asap.checks import named
+from asap._checks import named
+from asap._stamps import time_exponent
 from asap.events import Events, check_order
 from asap.io.errors import CorruptFile, TruncatedFileWarning
-from asap.stamps import time_exponent
 
 __all__ = ["CHUNK", "Losses", "Options", "Reader", "choose_stream", "sensor_size"]
 

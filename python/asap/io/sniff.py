@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 from asap import _core
-from asap.checks import regular_file
+from asap._checks import regular_file
 from asap.io.errors import CorruptFile, UnsupportedFormat
 
 __all__ = ["SERVED", "first_bytes", "sniff", "stated"]

@@ -22,11 +22,11 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _core
+from asap._stamps import time_exponent
 from asap.events import FIELD_NAMES, Events, check_order
 from asap.io.arrangement import SAMPLE, arrangement, as_option
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
-from asap.stamps import time_exponent
 
 __all__ = ["TextReader"]
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap.profiles.draws import Draws, Floats, portable
 
 __all__ = ["COSTS", "LATENCY_MS", "CostModel", "cost", "drift", "outages_ms"]
@@ -50,8 +50,8 @@ def cost(name: str, *, seed: int = 1, duration_s: float = 5.0) -> _core.LinearCo
     ValueError
         There is no such name.
     """
-    checks.choice("name", name, COSTS)
-    checks.whole("seed", seed, 0, 2**64 - 101, "give 0 or more, and below 2**64 - 100")
+    _checks.choice("name", name, COSTS)
+    _checks.whole("seed", seed, 0, 2**64 - 101, "give 0 or more, and below 2**64 - 100")
     model = COSTS[name]
     return _core.LinearCost(
         model.alpha_us,
@@ -84,7 +84,7 @@ def outages_ms(duration_s: float, *, seed: int) -> Floats:
         Begin and end, ms; one that would overlap the one before is put off to its end.
     """
     duration_s = _checked_duration(duration_s)
-    checks.whole("seed", seed, 0, 2**64 - 1, "give 0 or more, and below 2**64")
+    _checks.whole("seed", seed, 0, 2**64 - 1, "give 0 or more, and below 2**64")
     draws = Draws(seed)
     mean_gap_ms, begin_ms, free_ms = 100.0, 0.0, 0.0
     outages: list[tuple[float, float]] = []
@@ -101,4 +101,4 @@ def outages_ms(duration_s: float, *, seed: int) -> Floats:
 
 
 def _checked_duration(duration_s: float) -> float:
-    return checks.number("duration_s", duration_s, 0, 86_400, "give 0 to 86400 s")
+    return _checks.number("duration_s", duration_s, 0, 86_400, "give 0 to 86400 s")

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from asap import checks
+from asap import _checks
 from asap.profiles.draws import Draws, Floats
 
 __all__ = ["FURTHER", "PROFILES", "RandomRate", "Rate"]
@@ -59,7 +59,7 @@ class RandomRate:
 
     def __init__(self, pieces: Callable[[Draws], Pieces]) -> None:
         if not callable(pieces):
-            raise TypeError(checks.named("pieces", pieces, "give a callable"))
+            raise TypeError(_checks.named("pieces", pieces, "give a callable"))
         self._pieces = pieces
 
     def seeded(self, seed: int) -> Rate:

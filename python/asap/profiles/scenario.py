@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap.profiles.costs import COSTS, LATENCY_MS, cost
 from asap.profiles.profile import Profile
 from asap.profiles.rates import FURTHER, PROFILES
@@ -33,8 +33,8 @@ def scenario(profile: str, cost_model: str, *, seed: int = 1, **parameters: Any)
         Of `Profile`, instead of the comparison's: 5 s, but 2 s for those of `FURTHER`, whose rates
         are scaled by 15 where the cost model is "fast".
     """
-    checks.choice("profile", profile, PROFILES)
-    checks.choice("cost_model", cost_model, COSTS)
+    _checks.choice("profile", profile, PROFILES)
+    _checks.choice("cost_model", cost_model, COSTS)
     further = profile in FURTHER
     source = Profile(
         profile,

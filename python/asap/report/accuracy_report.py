@@ -11,7 +11,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asap import checks
+from asap import _checks
 from asap.report import accuracy_figures, page
 from asap.results import accuracy_table, notebook
 
@@ -51,7 +51,7 @@ def write(curve: KeepCurve, path: str | os.PathLike[str], title: str = "ASAP acc
     -----
     The numbers stand in ``<template data-keep-curve>`` as JSON: ``curve.summary()``.
     """
-    path = checks.new_file("path", path)
+    path = _checks.new_file("path", path)
     name = accuracy_table.title(curve)
     wide = accuracy_figures.figure([curve], width_inches=8.6)
     narrow = accuracy_figures.figure([curve], width_inches=4.1, columns=2)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import plots, units  # first: it says which extra is missing
+from asap import _units, plots  # first: it says which extra is missing
 from asap.results import comparison_table
 
 import matplotlib  # isort: skip
@@ -116,7 +116,7 @@ def _delivered_ms(slots: NDArray[np.void]) -> NDArray[np.float64]:
 
 
 def _draw_rate(axes: Axes, curves: _Curves) -> None:
-    unit, scale = units.rate_axis(curves.rate_hz.max(initial=0))
+    unit, scale = _units.rate_axis(curves.rate_hz.max(initial=0))
     axes.fill_between(
         curves.time_s, curves.rate_hz * scale, color=plots.FAINT, alpha=0.55, linewidth=0
     )
@@ -158,10 +158,10 @@ def _name(latency: Axes, kept: Axes, row: Row) -> None:
     plain: Any = {"loc": "right", "fontweight": "normal", "fontsize": 8}
     latency.set_title(row.label, parse_math=False)
     latency.set_title(
-        f"p99 {units.duration(row.p99_us)}, max {units.duration(row.max_us)}", **plain
+        f"p99 {_units.duration(row.p99_us)}, max {_units.duration(row.max_us)}", **plain
     )
     kept.set_title(f"score {row.score:.3f}")
-    kept.set_title(f"kept {units.share(row.kept)}", **plain)
+    kept.set_title(f"kept {_units.share(row.kept)}", **plain)
 
 
 def _draw_legend(page: Figure, *panels: Axes) -> None:

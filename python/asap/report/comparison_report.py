@@ -12,7 +12,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asap import checks
+from asap import _checks
 from asap.report import comparison_figures, page
 from asap.results import comparison_table, run_table
 
@@ -85,7 +85,7 @@ def write(
     The page takes at most 10^6 bytes. The numbers stand in ``<template data-comparison>`` as JSON:
     what ``comparison.summary()`` says.
     """
-    path = checks.new_file("path", path)
+    path = _checks.new_file("path", path)
     return page.write(
         path,
         title,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from asap import analysis, plots, units  # first: it says which extra is missing
+from asap import _units, analysis, plots  # first: it says which extra is missing
 from asap.results.inspection import BINS_FROM_US
 
 import matplotlib  # isort: skip
@@ -57,7 +57,7 @@ def figure(
 
 def _draw_rate(axes: Axes, inspection: Inspection, points: int) -> None:
     time_s, mean_hz, peak_hz = inspection.rate_curve.T
-    unit, scale = units.rate_axis(peak_hz.max(initial=0))
+    unit, scale = _units.rate_axis(peak_hz.max(initial=0))
     window_ms = 1e3 * (time_s[1] - time_s[0]) if time_s.size > 1 else 1.0
     if window_ms > 1.5:
         axes.plot(
@@ -83,7 +83,7 @@ def _draw_intervals(axes: Axes, inspection: Inspection, most_labels: int) -> Non
     last = int(np.flatnonzero(counts)[-1]) if counts.any() else 0
     axes.bar(np.arange(last + 1), 100 / total * counts[: last + 1], color=plots.BLUE, width=0.92)
     ticks = range(0, last + 1, -(-(last + 1) // most_labels))
-    axes.set_xticks(ticks, [units.duration(int(BINS_FROM_US[tick])) for tick in ticks])
+    axes.set_xticks(ticks, [_units.duration(int(BINS_FROM_US[tick])) for tick in ticks])
     axes.set(title="time since the event before", ylabel="% of events", xlabel="from, by octaves")
     axes.grid(False, axis="x")
 
@@ -114,5 +114,5 @@ def _draw_pixels(axes: Axes, inspection: Inspection) -> None:
     axes.set(xlim=(-0.5, columns - 0.5), ylim=(rows - 0.5, -0.5), xlabel="x [px]", ylabel="y [px]")
     total = inspection.hot_pixels.size
     share = int(inspection.hot_pixels["events"].sum()) / max(inspection.events, 1)
-    words = f"{units.count(total)}, with {units.share(share)} of the events" if total else "none"
+    words = f"{_units.count(total)}, with {_units.share(share)} of the events" if total else "none"
     axes.set_title(f"hot pixels: {words}")

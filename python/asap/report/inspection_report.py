@@ -12,7 +12,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asap import checks, units
+from asap import _checks, _units
 from asap.report import inspection_figures, page
 from asap.results import inspection_table
 
@@ -63,7 +63,7 @@ def write(
     -----
     The numbers stand in ``<template data-inspection>`` as JSON: ``inspection.summary()``.
     """
-    path = checks.new_file("path", path)
+    path = _checks.new_file("path", path)
     return page.write(path, title, _article(inspection), style=_STYLE)
 
 
@@ -80,7 +80,7 @@ def _article(inspection: Inspection) -> str:
 <aside style="margin-top:24px"><h3>Verdict</h3>
 <p><strong>{page.text(sentences)}</strong></p>
 <dl>{"".join(_remedies(inspection))}</dl></aside>
-<div class="scroll"><table class="checks">{"".join(_checks(inspection))}</table></div>
+<div class="scroll"><table class="checks">{"".join(_rows(inspection))}</table></div>
 <figure style="margin-top:24px">
 {page.inline_svg(wide, "w", "wide", _CURVES)}
 {page.inline_svg(narrow, "n", "narrow", _CURVES)}
@@ -99,12 +99,12 @@ def _pairs(facts: dict[str, str]) -> Iterator[str]:
         yield f'<tr><th scope="row">{escape(name)}</th><td>{page.text(value)}</td></tr>'
 
 
-def _checks(inspection: Inspection) -> Iterator[str]:
+def _rows(inspection: Inspection) -> Iterator[str]:
     for finding in inspection.findings.values():
         yield (
             f'<tr class="{finding.verdict}">'
             f'<th scope="row">{escape(inspection_table.named(finding))}</th>'
-            f"<td>{units.count(finding.count)}</td><td>{finding.verdict}</td>"
+            f"<td>{_units.count(finding.count)}</td><td>{finding.verdict}</td>"
             f"<td>{page.text(inspection_table.detail(finding))}</td></tr>"
         )
 
@@ -117,9 +117,9 @@ def _remedies(inspection: Inspection) -> Iterator[str]:
 def _pixels(inspection: Inspection) -> Iterator[str]:
     hot = {(x, y) for x, y, _ in inspection.hot_pixels.tolist()}
     for x, y, events in inspection.busiest_pixels.tolist():
-        share = units.share(events / inspection.events)
+        share = _units.share(events / inspection.events)
         yield (
-            f'<tr><th scope="row">x = {x}, y = {y}</th><td>{units.count(events)}</td>'
+            f'<tr><th scope="row">x = {x}, y = {y}</th><td>{_units.count(events)}</td>'
             f"<td>{escape(share)}</td><td>{'hot' if (x, y) in hot else ''}</td></tr>"
         )
 

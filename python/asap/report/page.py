@@ -12,7 +12,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asap import plots, units
+from asap import _units, plots
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,7 +66,7 @@ def write(
 
 def text(words: str) -> str:
     """Escaped, with every number tied to its unit."""
-    return escape(units.tied(words))
+    return escape(_units.tied(words))
 
 
 def embedded(attribute: str, value: Any) -> str:

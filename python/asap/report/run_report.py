@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import analysis, checks, plots, units
+from asap import _checks, _units, analysis, plots
 from asap.report import page
 from asap.results import run_table
 
@@ -65,7 +65,7 @@ def write(
     JSON: ``summary`` and ``curves``, which holds of every curve its times in s and its values; the
     smallest and the largest of what is left out stay. Of more runs than fit, the first have curves.
     """
-    path = checks.new_file("path", path)
+    path = _checks.new_file("path", path)
     runs = list(runs) if isinstance(runs, Sequence) else [runs]
     if not runs:
         raise ValueError("runs = []: give at least one run")
@@ -104,12 +104,12 @@ def _article(run: Run, number: int, most_bytes: int) -> str:
 def _tiles(run: Run, summary: Mapping[str, Any]) -> Iterator[str]:
     latency, packages = summary["latency_us"], summary["packages"]
     tiles = (
-        (units.share(run.kept), "kept", "of all events"),
-        (units.share(run.in_time), "in time", f"within {units.duration(run.latency_bound_us)}"),
-        (units.duration(latency["p50"]), "median latency", "of the delivered events"),
-        (units.duration(latency["p99"]), "p99 latency", f"max {units.duration(latency['max'])}"),
-        (units.count(packages["per_s"]), "packages per s", _sizes(packages)),
-        (units.count(summary["ledger"]["overflow"]), "overflow", "events the buffer had to drop"),
+        (_units.share(run.kept), "kept", "of all events"),
+        (_units.share(run.in_time), "in time", f"within {_units.duration(run.latency_bound_us)}"),
+        (_units.duration(latency["p50"]), "median latency", "of the delivered events"),
+        (_units.duration(latency["p99"]), "p99 latency", f"max {_units.duration(latency['max'])}"),
+        (_units.count(packages["per_s"]), "packages per s", _sizes(packages)),
+        (_units.count(summary["ledger"]["overflow"]), "overflow", "events the buffer had to drop"),
     )
     for value, name, note in tiles:
         yield (
@@ -119,7 +119,7 @@ def _tiles(run: Run, summary: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _sizes(packages: Mapping[str, float]) -> str:
-    return f"size {units.count(packages['size_mean'])}, max {units.count(packages['size_max'])}"
+    return f"size {_units.count(packages['size_mean'])}, max {_units.count(packages['size_max'])}"
 
 
 def _verdict(run: Run) -> str:
@@ -175,12 +175,12 @@ def _ledger(run: Run) -> str:
     bar = []
     for cause, words in run_table.LEDGER_WORDS.items():
         share = ledger[cause] / received if received else 0.0
-        if cause == "rejected" and (reasons := units.reasons(run.rejected)):
+        if cause == "rejected" and (reasons := _units.reasons(run.rejected)):
             words += f": {reasons}"
         rows.append(
             f'<tr class="{cause}"><th scope="row"><i></i>{cause}</th>'
-            f"<td>{units.count(ledger[cause])}</td>"
-            f"<td>{escape(units.share(share)) if ledger[cause] else ''}</td>"
+            f"<td>{_units.count(ledger[cause])}</td>"
+            f"<td>{escape(_units.share(share)) if ledger[cause] else ''}</td>"
             f"<td>{escape(words)}</td></tr>"
         )
         if share > 0 and cause != "received":
@@ -198,11 +198,11 @@ def _compare(runs: Sequence[Run]) -> str:
         summary = run.summary()
         latency = summary["latency_us"]
         cells = (
-            units.share(run.kept),
-            units.share(run.in_time),
-            *(units.duration(latency[name]) for name in ("p50", "p99", "max")),
-            units.count(summary["packages"]["per_s"]),
-            units.count(summary["ledger"]["overflow"]),
+            _units.share(run.kept),
+            _units.share(run.in_time),
+            *(_units.duration(latency[name]) for name in ("p50", "p99", "max")),
+            _units.count(summary["packages"]["per_s"]),
+            _units.count(summary["ledger"]["overflow"]),
         )
         name = escape(run_table.title(summary))
         rows.append(

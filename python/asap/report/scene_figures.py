@@ -14,7 +14,7 @@ import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import checks, plots, scenes
+from asap import _checks, plots, scenes
 
 if TYPE_CHECKING:
     from asap.scenes import Scene
@@ -46,8 +46,8 @@ def snapshot(
     """
     if t_ms is not None:
         remedy = f"give a time from 0 to {scene.duration_us / 1e3:g} ms"
-        checks.number("t_ms", t_ms, 0, scene.duration_us / 1e3, remedy)
-    checks.number("window_ms", window_ms, 0, 1e8, "give 0 ms or more")
+        _checks.number("t_ms", t_ms, 0, scene.duration_us / 1e3, remedy)
+    _checks.number("window_ms", window_ms, 0, 1e8, "give 0 ms or more")
     t_us = scene.duration_us / 2 if t_ms is None else t_ms * 1e3
     truth = scene.truth(t_us)
     first, end = np.searchsorted(scene.events["t"], [t_us - window_ms * 1e3, t_us])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asap import checks
+from asap import _checks
 
 if TYPE_CHECKING:
     from asap.results.run import Run
@@ -42,7 +42,7 @@ class Cost:
 
         a* = (1 - 2 alpha / L) / beta: theory T6 of the project's control notes.
         """
-        bound_us = checks.number("bound_us", bound_us, 0, sys.float_info.max, "give 0 us or more")
+        bound_us = _checks.number("bound_us", bound_us, 0, sys.float_info.max, "give 0 us or more")
         share = max(0.0, 1 - 2 * self.alpha_us / bound_us) if bound_us > 0 else 0.0
         if self.beta_ns > 0:
             return share / self.beta_ns * 1e9
@@ -94,10 +94,10 @@ def cost_of(run: Run) -> Cost:
 def check_run(run: Any) -> None:
     """Refuse what is no run, and one that holds no packages since it was saved without."""
     if not hasattr(run, "packages"):
-        raise TypeError(checks.named("run", run, "give a run of asap.run or asap.simulate"))
+        raise TypeError(_checks.named("run", run, "give a run of asap.run or asap.simulate"))
     if getattr(run, "without_log", False):
         remedy = "a summary holds no packages; save the run with run.save('run.npz')"
-        raise ValueError(checks.named("run", run, remedy))
+        raise ValueError(_checks.named("run", run, remedy))
 
 
 def bound_needed_us(run: Run) -> float | None:

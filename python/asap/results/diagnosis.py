@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import checks
+from asap import _checks
 from asap.results.cost import Cost, bound_needed_us, cost_of
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     cost lets through (T6): a longer load cannot be buffered within the bound.
     """
     cost = cost_of(run)
-    wanted = checks.number("wanted", wanted, 0, 1, "give a share from 0 to 1")
+    wanted = _checks.number("wanted", wanted, 0, 1, "give a share from 0 to 1")
     bound_us = run.latency_bound_us
     rates_hz = _offered_rates(run, bound_us)
     needed_hz = _throughput_to_keep(rates_hz, wanted)

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from asap import units
+from asap import _units
 from asap.results import accuracy_table, comparison_table, inspection_table, run_table
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def run_html(run: Run) -> str:
     """Show a run: its figures, where every event went, the verdict."""
     summary, received = run.summary(), run.ledger["received"]
     ledger = [
-        (cause, units.count(run.ledger[cause]), _share(run.ledger[cause], received), words)
+        (cause, _units.count(run.ledger[cause]), _share(run.ledger[cause], received), words)
         for cause, words in run_table.LEDGER_WORDS.items()
     ]
     return (
@@ -51,7 +51,7 @@ def inspection_html(inspection: Inspection) -> str:
     """Show an inspection: what the recording holds, every check, the verdict, what helps."""
     named, detail = inspection_table.named, inspection_table.detail
     checks = [
-        (named(one), units.count(one.count), one.verdict, detail(one))
+        (named(one), _units.count(one.count), one.verdict, detail(one))
         for one in inspection.findings.values()
     ]
     remedies = inspection_table.remedies(inspection)
@@ -71,7 +71,7 @@ def keep_curve_html(curve: KeepCurve) -> str:
 
 
 def _share(count: int, received: int) -> str:
-    return units.share(count / received) if count and received else ""
+    return _units.share(count / received) if count and received else ""
 
 
 def _heading(title: str, subtitle: str = "") -> str:
@@ -96,4 +96,4 @@ def _verdict(sentences: str) -> str:
 
 
 def _text(words: str) -> str:
-    return escape(units.tied(words))
+    return escape(_units.tied(words))

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from asap import checks
+from asap import _checks
 from asap.scenes.labelled import LabelledScene, labelled
 from asap.scenes.scene import CORNER_DTYPE, TRUTH_DTYPE, Scene
 
@@ -105,7 +105,7 @@ def H(seed: int = 0, *, kind: Literal["bars", "angles", "rings"] | None = None) 
         An argument is out of its range; the message names it.
     """
     if kind is not None:
-        checks.choice("kind", kind, _LARGE)
+        _checks.choice("kind", kind, _LARGE)
     kinds = list(_LARGE) if kind is None else [kind]
     label = "H" if kind is None else f"H_{kind}"
     return Scene._of("large_shapes", label=label, kinds=kinds, seed=seed)
@@ -164,16 +164,16 @@ def timing(
     ValueError
         An argument is out of its range; the message names it.
     """
-    checks.whole("n", n, 0, 10_000, "give 0 to 10000")
+    _checks.whole("n", n, 0, 10_000, "give 0 to 10000")
     for name, side in (("width", width), ("height", height)):
-        checks.whole(name, side, 16, 8192, "give 16 to 8192 px")
-    ends = checks.listed("radius", radius)
-    checks.require(len(ends) == 2, "radius", radius, "give two numbers, from and to, px")
+        _checks.whole(name, side, 16, 8192, "give 16 to 8192 px")
+    ends = _checks.listed("radius", radius)
+    _checks.require(len(ends) == 2, "radius", radius, "give two numbers, from and to, px")
     for end in ends:
-        checks.number("radius", end, 1, 8192, "give at least 1 px")
-    checks.require(ends[0] <= ends[1], "radius", radius, "give the smaller one first")
-    speed = checks.number("speed", speed, 0, 2000, "give 0 to 2000 px/s")
-    checks.number("duration_s", duration_s, 0.01, 86_400, "give 0.01 to 86400 s")
+        _checks.number("radius", end, 1, 8192, "give at least 1 px")
+    _checks.require(ends[0] <= ends[1], "radius", radius, "give the smaller one first")
+    speed = _checks.number("speed", speed, 0, 2000, "give 0 to 2000 px/s")
+    _checks.number("duration_s", duration_s, 0.01, 86_400, "give 0.01 to 86400 s")
     return Scene._of(
         "free_shapes",
         label="timing",
@@ -217,7 +217,7 @@ def corners(
     ValueError
         An argument is out of its range; the message names it.
     """
-    checks.choice("kind", kind, _CORNERS)
+    _checks.choice("kind", kind, _CORNERS)
     speed, noise_hz = _CORNERS[kind]
     scene = timing(
         8, width, height, speed, (12.0, 26.0), seed, noise_hz=noise_hz, duration_s=duration_s
@@ -299,10 +299,10 @@ def occlusion(
 
 
 def _gap_us(gap_ms: float) -> int:
-    checks.number("gap_ms", gap_ms, 0, 10_000, "give 0 to 10000 ms")
+    _checks.number("gap_ms", gap_ms, 0, 10_000, "give 0 to 10000 ms")
     return round(float(gap_ms) * 1e3)
 
 
 def _check_object(speed: float, radius: float) -> None:
-    checks.number("speed", speed, 20, 1000, "give 20 to 1000 px/s")
-    checks.number("radius", radius, 2, 20, "give 2 to 20 px")
+    _checks.number("speed", speed, 20, 1000, "give 20 to 1000 px/s")
+    _checks.number("radius", radius, 2, 20, "give 2 to 20 px")

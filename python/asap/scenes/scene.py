@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap._pickling import Pickled
 from asap.events import Events
 from asap.synthetic import joined
@@ -243,7 +243,7 @@ class Scene(Pickled):
 
     def _poses_at(self, t_us: float) -> NDArray[np.float64]:
         remedy = f"give a time from 0 to {self.duration_us} us"
-        checks.number("t_us", t_us, 0, self.duration_us, remedy)
+        _checks.number("t_us", t_us, 0, self.duration_us, remedy)
         poses: NDArray[np.float64] = self._track[int(t_us // _STEP_US)]
         return poses
 
@@ -259,7 +259,7 @@ class ThinnedScene(Scene):
         self._recipe = whole._recipe
         self._gamma = gamma
         self._thin_seed = seed
-        checks.number("gamma", gamma, 0, 1, "give 0 to 1")
+        _checks.number("gamma", gamma, 0, 1, "give 0 to 1")
         _core.GammaFilter(seed=seed)  # checks it
 
     def blocks(self) -> Iterator[tuple[Events, Labels]]:

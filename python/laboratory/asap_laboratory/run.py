@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from asap import _core
-from asap.progress import OnProgress
+from asap._progress import OnProgress
 from asap_laboratory import _native
 from asap_laboratory.accuracy.cases import Accuracy
 from asap_laboratory.ladder.cases import Outcomes

@@ -7,8 +7,8 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import NamedTuple
 
+from asap._progress import OnProgress
 from asap.accuracy import KeepCurve
-from asap.progress import OnProgress
 from asap_laboratory.accuracy import document
 from asap_laboratory.accuracy.cases import (
     RUNGS,

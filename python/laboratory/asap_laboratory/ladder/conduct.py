@@ -6,7 +6,7 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from asap.progress import OnProgress
+from asap._progress import OnProgress
 from asap_laboratory.conduct import made_ready
 from asap_laboratory.ladder import document
 from asap_laboratory.ladder.cases import LadderCase, LadderReplay, Outcomes, ToldCase

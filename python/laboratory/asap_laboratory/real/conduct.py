@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from asap import checks
-from asap.progress import OnProgress
+from asap import _checks
+from asap._progress import OnProgress
 from asap.scenes import LabelledScene
 from asap_laboratory.accuracy.cases import RUNGS
 from asap_laboratory.real import document
@@ -55,9 +55,9 @@ def real_study(
     -------
     RealStudy
     """
-    folder = checks.folder_or_file("out", out)
-    checks.flag("figures", figures)
-    checks.callback("on_progress", on_progress)
+    folder = _checks.folder_or_file("out", out)
+    _checks.flag("figures", figures)
+    _checks.callback("on_progress", on_progress)
     begin_s = time.process_time()
     sets: list[Followed] = []
     for scene in scenes:

@@ -6,7 +6,7 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import NamedTuple
 
-from asap.progress import OnProgress
+from asap._progress import OnProgress
 from asap.results.keep_curve import KeepCurve, Scored
 from asap_laboratory.conduct import made_ready
 from asap_laboratory.real.folders import at_hand
