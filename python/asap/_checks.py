@@ -21,32 +21,6 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    "agreed",
-    "callback",
-    "choice",
-    "column",
-    "ending",
-    "flag",
-    "folder_or_file",
-    "index",
-    "is_masked",
-    "listed",
-    "named",
-    "new_file",
-    "number",
-    "regular_file",
-    "renamed",
-    "require",
-    "rows",
-    "sides",
-    "source",
-    "unmasked",
-    "whole",
-    "worker",
-    "workers",
-]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

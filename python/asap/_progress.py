@@ -9,8 +9,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["OnProgress", "on_terminal"]
-
 OnProgress = Callable[[int, "int | None", Any], None]
 
 _SECONDS_BETWEEN_LINES = 10.0

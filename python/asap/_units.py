@@ -7,19 +7,6 @@ import re
 import textwrap
 from collections.abc import Mapping
 
-__all__ = [
-    "count",
-    "duration",
-    "parse_cost",
-    "parse_duration_us",
-    "rate",
-    "rate_axis",
-    "reasons",
-    "share",
-    "tied",
-    "wrapped",
-]
-
 _NS_PER_UNIT = {"ns": 1, "us": 10**3, "µs": 10**3, "ms": 10**6, "s": 10**9}
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([^\W\d]*)\s*")
 

@@ -328,22 +328,31 @@ def test_every_header_opens_with_what_it_is() -> None:
 # ---- Python ---------------------------------------------------------------------------------
 
 
-def says_what_it_is_and_what_it_exports(path: Path) -> bool:
-    tree = ast.parse(path.read_text())
-    assigned = {
-        target.id
+def exports(tree: ast.Module) -> bool:
+    return any(
+        isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
         for node in tree.body
-        if isinstance(node, ast.Assign)
-        for target in node.targets
-        if isinstance(target, ast.Name)
-    }
-    exports = "__all__" in assigned or path.name == "__main__.py"
-    return bool(ast.get_docstring(tree)) and exports
+    )
 
 
-def test_every_module_says_what_it_is_and_what_it_exports() -> None:
+def test_every_module_says_what_it_is() -> None:
     assert PYTHON
-    assert not [name_of(path) for path in PYTHON if not says_what_it_is_and_what_it_exports(path)]
+    assert not [
+        name_of(path) for path in PYTHON if not ast.get_docstring(ast.parse(path.read_text()))
+    ]
+
+
+def test_what_users_import_from_says_what_it_exports() -> None:
+    """Elsewhere a name without an underscore says it."""
+    tops = [PYTHON_ROOT / "asap" / f"{name}.py" for name in FOR_USERS]
+    doors = [*(path for path in PYTHON if path.name == "__init__.py"), *filter(Path.is_file, tops)]
+    trees = {name_of(path): ast.parse(path.read_text()) for path in doors}
+    names = (ast.ImportFrom, ast.FunctionDef, ast.ClassDef)
+    open_doors = [
+        name for name, tree in trees.items() if any(isinstance(n, names) for n in tree.body)
+    ]
+    assert len(open_doors) > 10
+    assert not [name for name in open_doors if not exports(trees[name])]
 
 
 def parameters(path: Path) -> Iterator[tuple[str, str]]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["assign"]
-
 
 def assign(cost: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Assign rows to columns one to one at the least sum of costs.

@@ -14,16 +14,6 @@ from asap.accuracy.assignment import assign
 from asap.accuracy.mota import ratio
 from asap.accuracy.snapshot import Snapshot
 
-__all__ = [
-    "PADDING_PX",
-    "BoxMatch",
-    "BoxScene",
-    "BoxScore",
-    "box_matches",
-    "box_score",
-    "frames",
-]
-
 PADDING_PX = 2.0  #: a centre counts as inside so far beyond the edge of a box
 
 # Costs of a pair that put the number of pairs first, then the ids that go on, then the distance.

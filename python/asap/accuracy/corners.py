@@ -11,8 +11,6 @@ from asap.accuracy.mota import ratio
 from asap.accuracy.scene import NOISE, Scene
 from asap.accuracy.trace import Feed
 
-__all__ = ["RADIUS_PX", "Corners", "corners", "near_a_vertex"]
-
 RADIUS_PX = 3.5  #: an event this near to a vertex of its own object is a true corner
 _STEP_US = 250  # of the truth of asap.scenes
 

@@ -11,8 +11,6 @@ from asap.accuracy.scene import Scene, check_scene
 from asap.accuracy.scoring import can_be_told, score
 from asap.results.keep_curve import KeepCurve, Scored
 
-__all__ = ["GAMMAS", "keep_curve", "scores_of"]
-
 GAMMAS = (1.0, 0.5, 0.2, 0.1, 0.05)
 
 

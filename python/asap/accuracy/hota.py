@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from asap.accuracy.assignment import assign
 from asap.accuracy.matching import Matched, distances, gates
 
-__all__ = ["Hota", "hota"]
-
 _THRESHOLDS = np.arange(0.05, 0.99, 0.05)
 _ROUNDING = 1e-9  # a similarity of just the threshold is enough
 

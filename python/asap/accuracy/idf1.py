@@ -11,8 +11,6 @@ from asap.accuracy.assignment import assign
 from asap.accuracy.matching import Matched, distances, gates
 from asap.accuracy.mota import ratio
 
-__all__ = ["idf1"]
-
 
 def idf1(matches: Sequence[Matched]) -> float:
     """Score the best one-to-one assignment of ids to objects.

@@ -14,8 +14,6 @@ from asap.accuracy.mota import ratio
 from asap.accuracy.scene import NOISE
 from asap.accuracy.trace import Trace
 
-__all__ = ["SETTLED_US", "Confirmation", "event_accuracy", "noise_leak", "time_to_confirm"]
-
 SETTLED_US = 200_000  #: events before it do not count
 
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from asap.accuracy.trace import Sample
 
-__all__ = ["GATE_PX", "Matched", "distances", "gates", "match"]
-
 GATE_PX = 12.0  #: a cluster farther from a centre than this is not the object, unless said else
 
 

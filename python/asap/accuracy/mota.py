@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from asap.accuracy.matching import Matched
 
-__all__ = ["Mota", "mota", "ratio"]
-
 
 class Mota(NamedTuple):
     """Sums over all samples; NaN where there was nothing to divide by."""

@@ -10,8 +10,6 @@ import numpy as np
 
 from asap.accuracy.matching import Matched
 
-__all__ = ["Nees", "mean_chi_square_interval", "nees"]
-
 _DIMENSIONS = 2
 
 

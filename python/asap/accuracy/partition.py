@@ -7,8 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Partition", "compare_partitions"]
-
 
 class Partition(NamedTuple):
     """How well two partitions agree; 1 = they are the same."""

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from asap._checks import unmasked
 from asap.events import EVENT_DTYPE
 
-__all__ = ["NOISE", "Scene", "check_scene"]
-
 NOISE = -1  #: label of an event that no object caused
 
 

@@ -21,8 +21,6 @@ from asap.accuracy.partition import compare_partitions
 from asap.accuracy.scene import NOISE, Scene, check_scene
 from asap.accuracy.trace import Feed, Trace, follow, run_through, snapshots_at
 
-__all__ = ["can_be_told", "score"]
-
 
 def score(
     tracker: Any,

@@ -15,20 +15,6 @@ from asap.accuracy.passing import passed
 from asap.accuracy.scene import NOISE, Scene
 from asap.accuracy.snapshot import Snapshot, clusters_at
 
-__all__ = [
-    "PERIOD_US",
-    "START_US",
-    "Feed",
-    "HasEvents",
-    "Sample",
-    "Trace",
-    "follow",
-    "run_through",
-    "sample_times",
-    "samples_without_clusters",
-    "snapshots_at",
-]
-
 START_US = 100_000  #: the first sample
 PERIOD_US = 5_000  #: from one to the next
 ACTIVE_EVENTS = 5  #: of an object since the previous sample, to count as active

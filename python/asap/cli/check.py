@@ -20,8 +20,6 @@ from asap.cli.outcome import (
 )
 from asap.io.errors import CutFile
 
-__all__ = ["add"]
-
 
 def add(verbs: Any) -> None:
     """Add the verb to the parser."""

@@ -23,8 +23,6 @@ from asap.cli.outcome import (
 )
 from asap.cli.parser import hint
 
-__all__ = ["add"]
-
 _RECORDING_COST_S = 60.0  # for which drift and outages are drawn where the duration is not known
 
 

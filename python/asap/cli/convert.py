@@ -9,8 +9,6 @@ from asap import _units, conversion
 from asap.cli.options import add_recording, add_verb, open_recording, writable
 from asap.cli.outcome import OK, print_json, reading, tell_doubt, usage, writing
 
-__all__ = ["add"]
-
 
 def add(verbs: Any) -> None:
     """Add the verb to the parser."""

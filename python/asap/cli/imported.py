@@ -15,8 +15,6 @@ from asap import _checks
 from asap.cli.outcome import CHECK_FAILED, USAGE, Failure, say
 from asap.cli.parser import hint
 
-__all__ = ["failures_of", "imported"]
-
 
 def imported(spec: str, width: int | None, height: int | None) -> Any:
     """Import ``package.module:name``, the current directory first; construct it if it is a class.

@@ -10,8 +10,6 @@ from asap import _units
 from asap.cli.options import add_recording, add_verb, open_recording
 from asap.cli.outcome import OK, print_json, reading, tell_doubt
 
-__all__ = ["add"]
-
 
 def add(verbs: Any) -> None:
     """Add the verb to the parser."""

@@ -13,17 +13,6 @@ from asap._stamps import TIME_EXPONENTS
 from asap.cli.outcome import USAGE, Failure
 from asap.results import run_archive
 
-__all__ = [
-    "add_out",
-    "add_recording",
-    "add_report",
-    "add_verb",
-    "open_recording",
-    "run_file",
-    "typed",
-    "writable",
-]
-
 T = TypeVar("T")
 
 _EXAMPLES = {

@@ -15,25 +15,6 @@ from typing import Any
 
 import asap
 
-__all__ = [
-    "BAD_INPUT",
-    "CHECK_FAILED",
-    "INTERRUPTED",
-    "OK",
-    "USAGE",
-    "Failure",
-    "as_options",
-    "near_file",
-    "need_matplotlib",
-    "print_json",
-    "print_written",
-    "reading",
-    "say",
-    "tell_doubt",
-    "usage",
-    "writing",
-]
-
 OK, CHECK_FAILED, USAGE, BAD_INPUT, INTERRUPTED = 0, 1, 2, 3, 130
 
 

@@ -31,8 +31,6 @@ from asap.cli.outcome import (
 )
 from asap.results import run_table
 
-__all__ = ["add"]
-
 
 def add(verbs: Any) -> None:
     """Add the verb to the parser."""

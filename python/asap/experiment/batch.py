@@ -22,8 +22,6 @@ from asap._pickling import can_be_pickled
 from asap.experiment.runners import Progress
 from asap.io import Recording
 
-__all__ = ["map"]
-
 _TRIES = 2
 _MODULE = "define it at the top of a module, or give executor=ThreadPoolExecutor()"
 

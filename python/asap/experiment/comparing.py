@@ -14,8 +14,6 @@ from asap.experiment.side_by_side import CheckedStream, side_by_side
 from asap.results.comparison import Comparison, Row
 from asap.synthetic import joined
 
-__all__ = ["compare", "oracle"]
-
 _DEFAULT_LATENCY_MS = 10.0
 
 

@@ -8,8 +8,6 @@ from typing import Any
 
 from asap import _checks, _core
 
-__all__ = ["Contender", "labelled", "of_schemes", "rivals", "user_schemes"]
-
 Make = Callable[[float, _core.LinearCost], _core.Scheme]
 
 

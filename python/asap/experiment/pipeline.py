@@ -16,8 +16,6 @@ from asap.experiment.live_stats import ledger_of, state_of, summary
 from asap.experiment.runners import as_scheme, check_latency, make_config
 from asap.results.run import Ledger, Named
 
-__all__ = ["Pipeline"]
-
 _CHUNK = 1 << 16  # events pushed without another thread's turn
 
 # A call of a Python algorithm costs microseconds: over the first packages it shall pay off.

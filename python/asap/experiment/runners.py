@@ -10,17 +10,6 @@ from asap import _checks, _core
 from asap.experiment.source import Source
 from asap.results.run import LEDGER_FIELDS, Ledger, Run, with_first
 
-__all__ = [
-    "Progress",
-    "as_scheme",
-    "check_latency",
-    "last_run",
-    "make_config",
-    "remember",
-    "run",
-    "simulate",
-]
-
 Progress = Callable[[int, "int | None", dict[str, int]], object]
 
 _CHUNK = 1 << 15  # events between two looks at Ctrl-C

@@ -24,8 +24,6 @@ from asap.results import run_archive
 from asap.results.cost import Cost
 from asap.results.run import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named, Run, with_first
 
-__all__ = ["load_run"]
-
 _MOST = 2**53  # events, us
 _FARTHEST = 1e18  # of other numbers
 _LEAST_GAMMA = 1e-15  # events are counted back from it

@@ -22,8 +22,6 @@ from asap.experiment.source import Source
 from asap.results.run import Run
 from asap.synthetic import joined
 
-__all__ = ["CheckedStream", "SideBySide", "side_by_side"]
-
 _CHUNK = 1 << 16  # events that all get before any gets more
 _MOST_HELD = 1 << 20  # events, for the exact clairvoyant
 _MOST_EXACT_STEPS = 4e9  # some seconds

@@ -14,8 +14,6 @@ from asap._checks import source as check_source
 from asap.events import Events, as_events
 from asap.io import Recording, read
 
-__all__ = ["Source", "is_iterable_of_arrays"]
-
 _LOOK = 256  # events in which the first good one is searched at once
 
 

@@ -19,8 +19,6 @@ from asap.inspection.raw_source import RawSource
 from asap.io import TruncatedFileWarning
 from asap.results.inspection import Inspection
 
-__all__ = ["check"]
-
 
 def check(
     source: Any,

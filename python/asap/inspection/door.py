@@ -15,8 +15,6 @@ from asap import _core
 from asap.events import EVENT_DTYPE, Events
 from asap.inspection.tally import Integers, Tally
 
-__all__ = ["Door", "Passed"]
-
 _MAX_STAMP_US = (1 << 52) - (1 << 50)  # beyond it the core refuses a stamp
 
 

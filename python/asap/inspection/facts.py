@@ -9,8 +9,6 @@ from typing import Any
 from asap import _checks, analysis
 from asap.io import Recording, read
 
-__all__ = ["info"]
-
 
 def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, Any]:
     """Return what a recording holds: sensor, events, duration, rates, what was rejected.

@@ -26,8 +26,6 @@ from asap.inspection.raw_source import RawSource
 from asap.inspection.tally import Tally
 from asap.results.inspection import NOTE, OK, WRONG, Finding
 
-__all__ = ["Meters", "judge"]
-
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset
 WRONG_DUPLICATES = 1e-3  # of the good events; sound recordings have a few
 WRONG_HOT = 0.1  # of the good events

@@ -8,8 +8,6 @@ from asap.inspection.door import Passed
 from asap.inspection.tally import Integers
 from asap.results.inspection import BINS_FROM_US
 
-__all__ = ["Intervals"]
-
 
 class Intervals:
     """Counts by octaves; blocks in time order, however they are cut."""

@@ -10,8 +10,6 @@ import numpy as np
 from asap.inspection.door import Passed
 from asap.inspection.tally import Integers, Tally
 
-__all__ = ["BAND", "BAND_GAP_US", "CROWD", "GAP_US", "STUCK_US", "Duplicates", "Gaps", "Stamps"]
-
 GAP_US = 100_000  # so long without an event is a gap
 CROWD = 100  # events on one stamp; sound recordings have up to 94
 STUCK_US = 1_000  # a crowded stamp after which time jumps by so much: the clock stood

@@ -7,8 +7,6 @@ import numpy.typing as npt
 
 from asap.analysis import PeakCount
 
-__all__ = ["RateCurve", "RateMeter"]
-
 _BINS = 1 << 14  # of the curve; even
 
 Floats = npt.NDArray[np.float64]

@@ -19,8 +19,6 @@ from asap.io.errors import CutFile
 from asap.io.reader import Losses, Options
 from asap.io.sniff import sniff
 
-__all__ = ["BLOCK", "RawSource"]
-
 BLOCK = 1 << 16  # events in a block, at most
 
 

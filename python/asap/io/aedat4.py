@@ -20,8 +20,6 @@ from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library
 from asap.io.flatbuffer import Buffer, Table
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, sensor_size
 
-__all__ = ["EVENT", "MAGIC", "MOST_PIXELS", "Aedat4Reader"]
-
 MAGIC = b"#!AER-DAT4.0\r\n"
 MOST_PIXELS = 1 << 15  # of a side
 _HEADER_AT = len(MAGIC)

@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["SAMPLE", "arrangement", "as_option", "looks_like"]
-
 SAMPLE = 1024  # rows that are enough to tell
 _MOST = 0.99  # of the rows that must fit: a recording may have a few bad events
 _ADDRESSES = 1 << 16

@@ -23,8 +23,6 @@ from asap.events import (
 from asap.io.errors import UnsupportedFormat, unclear_unit
 from asap.io.reader import Losses, Options
 
-__all__ = ["events_of", "file_columns"]
-
 _MAX_ADDRESS = 65535
 
 

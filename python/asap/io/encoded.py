@@ -8,8 +8,6 @@ from typing import IO
 from asap import _core
 from asap.events import Events
 
-__all__ = ["Encoded", "write_encoded"]
-
 _PIECE = 1 << 18  # bytes
 
 

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import struct
 
-__all__ = ["Buffer", "Table"]
-
 Buffer = bytes | memoryview
 
 

@@ -8,8 +8,6 @@ import numpy as np
 
 from asap.events import EVENT_DTYPE, Events
 
-__all__ = ["gathered"]
-
 _RECORD = np.dtype(f"V{EVENT_DTYPE.itemsize}")
 
 

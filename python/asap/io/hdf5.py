@@ -24,8 +24,6 @@ from asap.io.mapped import mapped
 from asap.io.matrices import columns_of_matrix, order_of
 from asap.io.reader import CHUNK, Losses, Options, choose_stream
 
-__all__ = ["Hdf5Reader"]
-
 _STEP = 4 * CHUNK  # events that are read at once: calls of h5py are dear
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 

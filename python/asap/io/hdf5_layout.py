@@ -30,8 +30,6 @@ from asap.io.errors import (
 from asap.io.matrices import as_rows
 from asap.io.reader import sensor_size
 
-__all__ = ["Layout", "find_layouts", "sensor_of", "usable"]
-
 _NAMES = {role: {*names, f"{role}s"} for role, names in FIELD_NAMES.items()}
 _MOST_OBJECTS = 10_000
 _MOST_BYTES = 1024  # of one record

@@ -11,8 +11,6 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["mapped", "windows"]
-
 _WINDOW = 1 << 24  # bytes
 
 

@@ -32,8 +32,6 @@ from asap.io.errors import (
 from asap.io.matrices import as_rows, columns_of_matrix, order_of
 from asap.io.reader import CHUNK, Losses, Options, choose_stream
 
-__all__ = ["MatlabReader"]
-
 _HEADER = 128
 _ROLES = {name: role for role, names in FIELD_NAMES.items() for name in names}
 _BYTES = {"double": 8, "single": 4, "int8": 1, "int16": 2, "int32": 4, "int64": 8}

@@ -14,8 +14,6 @@ import numpy.typing as npt
 
 from asap.events import Columns
 
-__all__ = ["as_rows", "columns_of_matrix", "order_of"]
-
 _MAX_ADDRESS = 65535
 
 

@@ -20,8 +20,6 @@ from asap.events import EVENT_DTYPE, Events
 from asap.io.errors import CorruptFile, UnsupportedFormat
 from asap.io.reader import CHUNK, Losses, Options
 
-__all__ = ["FORMATS", "Layout", "NativeReader"]
-
 HEAD = 1 << 20  # bytes that a header may take
 _PIECE = 1 << 18
 _RECORD_OF_40_BITS = 5  # bytes

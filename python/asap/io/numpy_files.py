@@ -25,8 +25,6 @@ from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, re
 from asap.io.mapped import mapped, windows
 from asap.io.reader import CHUNK, Losses, Options
 
-__all__ = ["Archive", "NpyReader", "NpzReader"]
-
 _PACKED_BY_NUMPY = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit
 
 _WIDEST = 1 << 16  # bytes of a value

@@ -19,8 +19,6 @@ from asap.io.aedat4 import EVENT, MAGIC, MOST_PIXELS
 from asap.io.encoded import Encoded
 from asap.io.errors import library
 
-__all__ = ["write_aedat4", "write_mcap"]
-
 _AEDAT4_PERIOD_US = 10_000  # of the cameras of iniVation
 _ROS_PERIOD_US = 1_000  # of the drivers for ROS
 

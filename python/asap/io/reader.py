@@ -16,8 +16,6 @@ from asap._stamps import time_exponent
 from asap.events import Events, check_order
 from asap.io.errors import CorruptFile, TruncatedFileWarning
 
-__all__ = ["CHUNK", "Losses", "Options", "Reader", "choose_stream", "sensor_size"]
-
 CHUNK = 1 << 16  # events that a reader hands on at once, about
 _MOST_OFFSETS = 16  # of bad records
 _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted

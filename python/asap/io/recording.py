@@ -23,8 +23,6 @@ from asap.io.native import FORMATS, NativeReader
 from asap.io.reader import Losses, Options, Reader
 from asap.io.sniff import first_bytes, sniff, stated
 
-__all__ = ["FILE_FORMATS", "Recording", "load", "read"]
-
 
 def _late(module: str, reader: str) -> Callable[..., Reader]:
     """Return what makes that reader; its module is imported when it is first used."""

@@ -21,8 +21,6 @@ from asap.io.errors import CorruptFile, UnsupportedFormat
 from asap.io.reader import CHUNK, Losses, Options, choose_stream
 from asap.io.ros_messages import ARRAYS, PACKETS, BadMessage, Message, read_array, read_packet
 
-__all__ = ["RosReader"]
-
 _DECODERS = {
     "evt3": "Evt3Decoder",
     "libcaer": "LibcaerDecoder",

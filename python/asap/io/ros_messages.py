@@ -8,8 +8,6 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 
-__all__ = ["ARRAYS", "PACKETS", "BadMessage", "Message", "read_array", "read_packet"]
-
 PACKETS = ("event_camera_msgs/EventPacket", "event_array_msgs/EventArray")
 ARRAYS = ("dvs_msgs/EventArray", "prophesee_event_msgs/EventArray")
 

@@ -10,8 +10,6 @@ from asap import _core
 from asap._checks import regular_file
 from asap.io.errors import CorruptFile, UnsupportedFormat
 
-__all__ = ["SERVED", "first_bytes", "sniff", "stated"]
-
 SERVED = (
     "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, ROS bags, Prophesee RAW (EVT2, EVT2.1, "
     "EVT3) and DAT, Event Stream, AEDAT 2.0 and 3.1, 40-bit events (.bin, .bs2)"

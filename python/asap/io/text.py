@@ -28,8 +28,6 @@ from asap.io.arrangement import SAMPLE, arrangement, as_option
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
 
-__all__ = ["TextReader"]
-
 _HEAD = 1 << 14
 _PIECE = 1 << 18
 _SHORTEST = 6  # bytes of a line with three numbers

@@ -21,8 +21,6 @@ from numpy.lib import format as npy
 
 from asap.events import EVENT_DTYPE, Events
 
-__all__ = ["Writer", "write_archive", "write_npy", "write_npz"]
-
 Writer = Callable[[IO[bytes], Iterable[Events], int, int], int]
 
 _PIECE = 1 << 18

@@ -10,8 +10,6 @@ import numpy as np
 from asap import _checks, _core
 from asap.profiles.draws import Draws, Floats, portable
 
-__all__ = ["COSTS", "LATENCY_MS", "CostModel", "cost", "drift", "outages_ms"]
-
 
 class CostModel(NamedTuple):
     """A simulated algorithm and the latency that is asked of it."""

@@ -13,8 +13,6 @@ from asap.profiles.draws import Floats, portable
 from asap.profiles.rates import PROFILES, RandomRate, Rate
 from asap.synthetic import SyntheticStream, joined
 
-__all__ = ["Profile"]
-
 _STEP_US = 100
 _STEPS_PER_BLOCK = 10_000
 _MAX_RATE = 2e9

@@ -12,8 +12,6 @@ import numpy.typing as npt
 from asap import _checks
 from asap.profiles.draws import Draws, Floats
 
-__all__ = ["FURTHER", "PROFILES", "RandomRate", "Rate"]
-
 Rate: TypeAlias = Callable[[Floats], npt.ArrayLike]
 Pieces: TypeAlias = Iterator[tuple[Floats, Floats]]
 

@@ -9,8 +9,6 @@ from asap.profiles.costs import COSTS, LATENCY_MS, cost
 from asap.profiles.profile import Profile
 from asap.profiles.rates import FURTHER, PROFILES
 
-__all__ = ["Scenario", "scenario"]
-
 
 class Scenario(NamedTuple):
     """What a scheme is put to: the arguments of ``asap.simulate``."""

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from asap.results.keep_curve import KeepCurve, KeepRow
 
-__all__ = ["draw", "figure"]
-
 _TRACKER = {
     "mota": "MOTA",
     "hota": "HOTA",

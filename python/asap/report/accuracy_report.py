@@ -18,8 +18,6 @@ from asap.results import accuracy_table, notebook
 if TYPE_CHECKING:
     from asap.results.keep_curve import KeepCurve
 
-__all__ = ["write"]
-
 _STYLE = """
 .scores td+td,.scores th+th{text-align:right;white-space:nowrap}
 """

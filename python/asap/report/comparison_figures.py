@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from asap.results.comparison import Comparison, Row
 
-__all__ = ["figure"]
-
 _PANEL_INCHES = 0.92
 _FRAME_INCHES = 0.95
 _SPAN = 100  # latencies from L / 100 to 100 L are told apart

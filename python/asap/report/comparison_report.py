@@ -19,8 +19,6 @@ from asap.results import comparison_table, run_table
 if TYPE_CHECKING:
     from asap.results.comparison import Comparison, Row
 
-__all__ = ["write"]
-
 _STYLE = """
 .contest th,.contest td{padding-right:9px}
 .contest tr>:last-child{padding-right:0}

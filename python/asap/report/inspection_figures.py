@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from asap.results.inspection import Inspection
 
-__all__ = ["figure"]
-
 _MARKED = 50  # hot pixels with a circle
 _LABELS_PER_INCH = 1.5  # of the page: more would run into each other
 

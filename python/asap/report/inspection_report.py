@@ -19,8 +19,6 @@ from asap.results import inspection_table
 if TYPE_CHECKING:
     from asap.results.inspection import Inspection
 
-__all__ = ["write"]
-
 _STYLE = """
 .checks td:nth-child(2){text-align:right;white-space:nowrap}
 .checks td:last-child{color:var(--soft);width:60%;overflow-wrap:anywhere}

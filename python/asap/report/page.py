@@ -17,19 +17,6 @@ from asap import _units, plots
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = [
-    "INTRO_OF_RUNS",
-    "MOST_BYTES",
-    "WORDS_OF_RUNS",
-    "embedded",
-    "fitted",
-    "inline_svg",
-    "shortened",
-    "standalone_svg",
-    "text",
-    "write",
-]
-
 MOST_BYTES = 1_000_000  # of a page
 
 _LONGEST = 200  # characters of a text, elements of a list

@@ -25,8 +25,6 @@ from asap.results import run_table
 if TYPE_CHECKING:
     from asap.results.run import Run
 
-__all__ = ["write"]
-
 _CURVES = ("size", "event_rate", "rate", "gamma", "margin_us", "latency_max_us")
 _MOST_POINTS = 2000
 _POINT_BYTES = 20 * len(_CURVES)  # as JSON

@@ -19,8 +19,6 @@ from asap import _checks, plots, scenes
 if TYPE_CHECKING:
     from asap.scenes import Scene
 
-__all__ = ["documented", "snapshot"]
-
 _LOOKAHEAD_S = 0.1
 
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from asap.experiment import Comparison, Run
 
-__all__ = ["draw", "simulated", "stream", "svg"]
-
 LATENCY_MS = 10.0
 ALPHA_US, BETA_NS = 100.0, 150.0
 _BIN_MS = 10

@@ -9,17 +9,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from asap.results.keep_curve import KeepCurve, KeepRow
 
-__all__ = [
-    "CORNER_COLUMNS",
-    "TRACKER_COLUMNS",
-    "cell",
-    "cells",
-    "columns_of",
-    "format_keep_curve",
-    "title",
-    "told",
-]
-
 TRACKER_COLUMNS = {
     "mota": ("MOTA", "1 - (misses + false clusters + id switches) / objects; may be negative"),
     "id_switches": ("switches", "matched objects whose id is another than before, per run"),

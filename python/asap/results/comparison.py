@@ -17,8 +17,6 @@ from asap.results.run import Named, Run
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Comparison", "Row"]
-
 SCHEMA_VERSION = 1
 
 

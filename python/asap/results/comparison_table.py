@@ -11,18 +11,6 @@ from asap.results.run_table import sensor
 if TYPE_CHECKING:
     from asap.results.comparison import Comparison, Row
 
-__all__ = [
-    "COLUMNS",
-    "KEEPS",
-    "cells",
-    "exceeds",
-    "format_comparison",
-    "oracle_rows",
-    "subtitle",
-    "title",
-    "verdict",
-]
-
 _WIDTH = 100
 KEEPS = 1.005  # of the bound: shown with three digits, that is the bound
 _ALL = 0.9995  # of the oracle, likewise

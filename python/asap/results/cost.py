@@ -13,16 +13,6 @@ from asap import _checks
 if TYPE_CHECKING:
     from asap.results.run import Run
 
-__all__ = [
-    "BOUND_KEPT",
-    "LEAST_BOUND",
-    "Cost",
-    "bound_needed_us",
-    "check_run",
-    "cost_of",
-    "fit_cost",
-]
-
 BOUND_KEPT = 1.01  # times the bound: one stratum of a package may run over it
 LEAST_BOUND = 2.5  # fixed costs
 

@@ -14,8 +14,6 @@ from asap.results.cost import Cost, bound_needed_us, cost_of
 if TYPE_CHECKING:
     from asap.results.run import Run
 
-__all__ = ["Diagnosis", "diagnose"]
-
 Floats = NDArray[np.float64]
 
 

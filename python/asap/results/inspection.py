@@ -18,8 +18,6 @@ from asap.results.result import Result
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["BINS_FROM_US", "NOTE", "OK", "WRONG", "Finding", "Inspection"]
-
 OK, NOTE, WRONG = "ok", "note", "wrong"
 
 # Times between events: 0 us, 1 us, then an octave each. No recording is longer than the last one.

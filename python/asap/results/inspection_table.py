@@ -14,17 +14,6 @@ from asap import _units
 if TYPE_CHECKING:
     from asap.results.inspection import Finding, Inspection
 
-__all__ = [
-    "CHECKS",
-    "detail",
-    "facts",
-    "format_inspection",
-    "named",
-    "remedies",
-    "title",
-    "verdict",
-]
-
 _WIDTH = 100
 
 CHECKS = {

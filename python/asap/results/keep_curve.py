@@ -18,8 +18,6 @@ from asap.results.result import Result, without_nan
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["KeepCurve", "KeepRow", "Scored"]
-
 SCHEMA_VERSION = 1
 
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from asap.results.keep_curve import KeepCurve
     from asap.results.run import Run
 
-__all__ = ["comparison_html", "inspection_html", "keep_curve_html", "run_html", "table"]
-
 
 def run_html(run: Run) -> str:
     """Show a run: its figures, where every event went, the verdict."""

@@ -14,8 +14,6 @@ from asap._pickling import Pickled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Result", "without_nan"]
-
 
 class Result(Pickled):
     """A result: summed up, saved, drawn, as one page, and as a table in a notebook."""

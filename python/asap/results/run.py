@@ -21,8 +21,6 @@ from asap.results.result import Result
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["LEDGER_FIELDS", "SCHEMA_VERSION", "Ledger", "Named", "Run", "with_first"]
-
 SCHEMA_VERSION = 1
 
 

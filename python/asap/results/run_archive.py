@@ -21,8 +21,6 @@ from asap.io.writers import write_archive
 if TYPE_CHECKING:
     from asap.results.run import Run
 
-__all__ = ["LATENCIES", "SUMMARY", "check_name", "columns", "write"]
-
 SUMMARY, LATENCIES = "summary.json", "latencies.json"
 
 _FIRST = "first"  # with keep_mask=True alone

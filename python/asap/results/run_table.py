@@ -13,18 +13,6 @@ from asap.results.diagnosis import Diagnosis, diagnose
 if TYPE_CHECKING:
     from asap.results.run import Run
 
-__all__ = [
-    "LEDGER_WORDS",
-    "figures",
-    "format_ledger",
-    "format_run",
-    "parameter_value",
-    "sensor",
-    "subtitle",
-    "title",
-    "verdict",
-]
-
 _WIDTH = 78
 _LONG_GAP = 0.5  # of the bound
 

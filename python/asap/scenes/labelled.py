@@ -19,8 +19,6 @@ from asap import _checks
 from asap.events import Events
 from asap.io import load
 
-__all__ = ["BOX_DTYPE", "ZONE_DTYPE", "LabelledScene", "labelled"]
-
 BOX_DTYPE = np.dtype(
     [("t_us", "<i8"), ("id", "<i8"), *((name, "<f8") for name in ("x", "y", "w", "h"))]
 )

@@ -17,8 +17,6 @@ from asap.synthetic import joined
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["CORNER_DTYPE", "TRUTH_DTYPE", "Scene", "ThinnedScene"]
-
 TRUTH_DTYPE = np.dtype([("id", "<i4"), ("x", "<f8"), ("y", "<f8"), ("vx", "<f8"), ("vy", "<f8")])
 CORNER_DTYPE = np.dtype([("id", "<i4"), ("x", "<f8"), ("y", "<f8")])
 

@@ -22,8 +22,6 @@ from asap.cli.outcome import (
 )
 from asap.results.result import without_nan
 
-__all__ = ["conduct"]
-
 _Found = TypeVar("_Found")
 
 

@@ -15,8 +15,6 @@ from asap_laboratory.probes import probes
 from asap_laboratory.results import Results
 from asap_laboratory.run import run
 
-__all__ = ["Study", "made_ready", "study"]
-
 
 class Study(NamedTuple):
     """What `study` returns."""

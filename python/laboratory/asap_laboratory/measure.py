@@ -11,8 +11,6 @@ from asap.experiment.contenders import Contender
 from asap.experiment.side_by_side import CheckedStream, side_by_side
 from asap.profiles import Scenario
 
-__all__ = ["Figures", "Measured", "measure"]
-
 _PHASE_MS = 500  # of the profiles that step
 
 

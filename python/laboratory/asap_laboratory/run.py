@@ -28,8 +28,6 @@ from asap_laboratory.probes import Few, Steady, Window
 from asap_laboratory.results import Outcome, Results, Task
 from asap_laboratory.rivals.cases import Rivalry
 
-__all__ = ["Ran", "key_of", "run"]
-
 _Future: TypeAlias = "Future[tuple[Outcome, float]]"
 
 

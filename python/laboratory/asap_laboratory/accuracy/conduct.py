@@ -21,8 +21,6 @@ from asap_laboratory.conduct import made_ready
 from asap_laboratory.results import Results
 from asap_laboratory.run import run
 
-__all__ = ["AccuracyStudy", "accuracy_study"]
-
 
 class AccuracyStudy(NamedTuple):
     """What `accuracy_study` returns."""

@@ -24,8 +24,6 @@ from asap.accuracy.snapshot import clusters_at
 from asap.accuracy.trace import Sample, sample_times, samples_without_clusters
 from asap.experiment import Run
 
-__all__ = ["Delivery", "Recorder", "Used", "corner_accuracy", "everything", "tracker_accuracy"]
-
 _STEP_US = 1000
 
 

@@ -23,8 +23,6 @@ from asap_laboratory.ladder.rungs import LATENCY_MS, RUNGS, SLOWDOWN, missing_ru
 from asap_laboratory.ladder.settings import BASELINES, OURS, Setting, best, best_for_all, ours
 from asap_laboratory.run import Ran, run
 
-__all__ = ["LadderStudy", "ladder_study"]
-
 _QUICK = ("BAF", "EFast", "compat", "compat, 2 us")
 _SEEDS = {"quick": (0,), "default": (0, 1, 2), "full": (0, 1, 2, 3, 4)}
 _OTHER_BOUNDS_MS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0)

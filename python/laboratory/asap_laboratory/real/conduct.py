@@ -15,8 +15,6 @@ from asap_laboratory.real import document
 from asap_laboratory.real.following import Followed, follow
 from asap_laboratory.rivals.cases import OURS
 
-__all__ = ["RealStudy", "real_study"]
-
 
 class RealStudy(NamedTuple):
     """What `real_study` returns."""

@@ -21,8 +21,6 @@ from asap_laboratory.accuracy.cases import RUNGS, Rung, scene_of
 from asap_laboratory.real import following
 from asap_laboratory.rivals.cost import costs_ns
 
-__all__ = ["OURS", "RIVALS", "RecordingCase", "Rivalry", "RivalsCase", "rivals_cases"]
-
 OURS = "fast"
 
 

@@ -15,8 +15,6 @@ from asap_laboratory.rivals import document
 from asap_laboratory.rivals.cases import RIVALS, RecordingCase, Rivalry, RivalsCase, rivals_cases
 from asap_laboratory.run import run
 
-__all__ = ["RivalsStudy", "rivals_study"]
-
 
 class RivalsStudy(NamedTuple):
     """What `rivals_study` returns."""

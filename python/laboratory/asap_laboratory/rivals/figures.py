@@ -22,8 +22,6 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine  # isort: skip
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw", "write"]
-
 _LEAST = -1.0  # MOTA: what is below stands at the edge
 _LOOKS: dict[str, tuple[str, str, bool]] = {  # colour, marker, filled
     "frames 10 ms": (plots.AMBER, "s", True),
