@@ -15,9 +15,7 @@ import numpy as np
 from asap import _checks, _units
 from asap.events import Events
 from asap.experiment.source import Source
-from asap.io.encoded import write_encoded
-from asap.io.packet_writers import write_aedat4, write_mcap
-from asap.io.writers import Writer, write_npy, write_npz
+from asap.io.writers import Writer, write_aedat4, write_encoded, write_mcap, write_npy, write_npz
 
 __all__ = ["WRITERS", "convert", "format_of"]
 

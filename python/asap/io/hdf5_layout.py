@@ -20,6 +20,7 @@ import numpy as np
 
 from asap._stamps import MAX
 from asap.events import FIELD_NAMES
+from asap.io.arrangement import as_rows
 from asap.io.errors import (
     CorruptFile,
     MissingLibrary,
@@ -27,7 +28,6 @@ from asap.io.errors import (
     library,
     refuse_bomb,
 )
-from asap.io.matrices import as_rows
 from asap.io.reader import sensor_size
 
 _NAMES = {role: {*names, f"{role}s"} for role, names in FIELD_NAMES.items()}

@@ -18,9 +18,8 @@ from asap._pickling import by_arguments
 from asap.events import Events, plain_view
 from asap.io.arrangement import arrangement, looks_like
 from asap.io.errors import CorruptFile, NoGoodEvent
-from asap.io.gathering import gathered
 from asap.io.native import FORMATS, NativeReader
-from asap.io.reader import Losses, Options, Reader
+from asap.io.reader import Losses, Options, Reader, gathered
 from asap.io.sniff import first_bytes, sniff, stated
 
 
