@@ -243,11 +243,3 @@ def column(field: str, values: Any) -> npt.NDArray[Any]:
     if array.ndim != 1 or array.dtype.kind not in "biuf":
         raise TypeError(named(field, values, "give a one-dimensional array of numbers"))
     return array
-
-
-def rows(field: str, value: Any, dtype: np.dtype[Any], remedy: str) -> None:
-    """Refuse what is no one-dimensional array with the fields of a table."""
-    unmasked(field, value)
-    found = getattr(getattr(value, "dtype", None), "names", None) or ()
-    if np.ndim(value) != 1 or not set(dtype.names or ()) <= set(found):
-        raise TypeError(named(field, value, remedy))

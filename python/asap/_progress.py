@@ -18,10 +18,7 @@ _SECONDS_BETWEEN_LINES = 10.0
 def on_terminal() -> Iterator[OnProgress | None]:
     """Give a callback ``on_progress(done, total, stats)`` that writes to stderr.
 
-    Yields
-    ------
-    callable or None
-        None when stderr is no terminal, or closed: logs and pipes stay clean.
+    None when stderr is no terminal, or closed: logs and pipes stay clean.
     """
     if sys.stderr is None or not sys.stderr.isatty():
         yield None

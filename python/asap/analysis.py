@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from asap import _checks
 from asap.events import events_of_argument
-from asap.results.cost import Cost, check_run, cost_of, fit_cost
-from asap.results.diagnosis import Diagnosis, diagnose
+from asap.results.cost import Cost, Diagnosis, check_run, cost_of, diagnose, fit_cost
 
 if TYPE_CHECKING:
     from asap.results.run import Run

@@ -76,21 +76,8 @@ def run(
 ) -> tuple[list[Run], list[Path]]:
     """Run both experiments, and the first again under `Deadline`; write figures and report.
 
-    Parameters
-    ----------
-    out : path
-        Folder to write to; made where it does not exist.
-    quick : bool
-        Scenes of 1 s, each over the full range of rates.
-    on_progress : callable, optional
-        As in `asap.run`.
-
-    Returns
-    -------
-    runs : list of Run
-        Abrupt motion, flight, abrupt motion under `Deadline`.
-    paths : list of Path
-        The files written: three figures, one report.
+    Returns the three runs, and the paths of the figures and the report in the folder `out`, which
+    is made where it does not exist. `quick`: scenes of 1 s, each over the full range of rates.
     """
     from asap import plots
     from asap.report import run_report

@@ -1,7 +1,8 @@
 """Synthetic event streams: the two experiments of the paper, without a camera.
 
 The streams are made natively while they are read, in flat memory and faster than real time. The
-same parameters give the same events on every machine.
+same parameters give the same events on every machine; one out of its range is a ValueError that
+names it.
 
 Source: Tapia, Gomez Eguiluz, Martinez-de Dios, Ollero, *ASAP: Adaptive Scheme for Asynchronous
 Processing of Event-based Vision Algorithms*, ICRA 2020 workshop, experiments.
@@ -140,11 +141,6 @@ class ShakenPattern(SyntheticStream):
     t0_us : int
         Timestamp at which the stream starts, us.
 
-    Raises
-    ------
-    ValueError
-        A parameter is out of its range; the message names it.
-
     Notes
     -----
     Edges are sharp and of one contrast, shapes lie in one plane; there is no lens, no bandwidth and
@@ -210,11 +206,6 @@ class FlightOverChairs(SyntheticStream):
         Background events per second and pixel, at most ``1e6 / (width * height)``.
     t0_us : int
         Timestamp at which the stream starts, us.
-
-    Raises
-    ------
-    ValueError
-        A parameter is out of its range; the message names it.
 
     Notes
     -----

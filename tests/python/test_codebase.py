@@ -38,7 +38,7 @@ MAY_INCLUDE = {
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
     {"_core", "_checks"},
-    {"_pickling", "_stamps", "_units", "metrics"},
+    {"_pickling", "_stamps", "_units"},
     {"events"},
     {"io", "synthetic"},
     {"results"},
@@ -53,7 +53,7 @@ PYTHON_LAYERS = (
 )
 FOR_USERS = {  # what a user may name: modules, and where the names of asap itself are at home
     *("accuracy", "analysis", "cli", "conversion", "demo", "events", "experiment", "inspection"),
-    *("io", "metrics", "plots", "profiles", "report", "results", "scenes", "synthetic"),
+    *("io", "plots", "profiles", "report", "results", "scenes", "synthetic"),
 }
 # .plot() and .report() import their module when they are called.
 ARROWS_UP = {("results", "plots"), ("results", "report"), ("scenes", "report")}

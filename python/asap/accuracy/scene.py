@@ -47,15 +47,7 @@ class Scene(Protocol):
 
 
 def check_scene(scene: Any) -> None:
-    """Refuse what is no scene.
-
-    Raises
-    ------
-    TypeError
-        An attribute is missing, or the events are of another dtype.
-    ValueError
-        Labels and events do not fit together, or the events are not in time order.
-    """
+    """Refuse what is no scene."""
     missing = [
         name
         for name in ("events", "labels", "truth", "width", "height")

@@ -11,12 +11,18 @@ import numpy as np
 from asap import _checks
 from asap.accuracy.boxes import BoxScene, box_matches, box_score, frames
 from asap.accuracy.corners import corners
-from asap.accuracy.hota import hota
-from asap.accuracy.idf1 import idf1
-from asap.accuracy.labels import SETTLED_US, event_accuracy, noise_leak, time_to_confirm
 from asap.accuracy.matching import match
-from asap.accuracy.mota import mota, ratio
-from asap.accuracy.nees import nees
+from asap.accuracy.measures import (
+    SETTLED_US,
+    event_accuracy,
+    hota,
+    idf1,
+    mota,
+    nees,
+    noise_leak,
+    ratio,
+    time_to_confirm,
+)
 from asap.accuracy.partition import compare_partitions
 from asap.accuracy.scene import NOISE, Scene, check_scene
 from asap.accuracy.trace import Feed, Trace, follow, run_through, snapshots_at

@@ -13,10 +13,8 @@ from asap.cli.outcome import (
     CHECK_FAILED,
     OK,
     need_matplotlib,
-    print_json,
-    print_written,
     reading,
-    writing,
+    show,
 )
 from asap.io.errors import CutFile
 
@@ -33,14 +31,7 @@ def _call(arguments: Any) -> int:
         need_matplotlib()
     with reading(arguments), _progress.on_terminal() as on_progress:
         inspection = asap.check(_source(arguments), on_progress=on_progress)
-    if arguments.report:
-        with writing(arguments.report):
-            inspection.report(arguments.report)
-    if arguments.json:
-        print_json(inspection.summary())
-    else:
-        print(inspection)
-        print_written(arguments.report)
+    show(inspection, arguments)
     if inspection.ok:
         return OK
     is_lost = inspection.events == 0 and inspection.findings["truncated"].count > 0

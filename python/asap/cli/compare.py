@@ -15,11 +15,9 @@ from asap.cli.outcome import (
     Failure,
     near_file,
     need_matplotlib,
-    print_json,
-    print_written,
     reading,
+    show,
     usage,
-    writing,
 )
 from asap.cli.parser import hint
 
@@ -103,14 +101,7 @@ def _call(arguments: Any) -> int:
             baselines=arguments.all,
             on_progress=on_progress,
         )
-    if arguments.report:
-        with writing(arguments.report):
-            comparison.report(arguments.report)
-    if arguments.json:
-        print_json(comparison.summary())
-    else:
-        print(comparison)
-        print_written(arguments.report)
+    show(comparison, arguments)
     return OK
 
 

@@ -19,22 +19,8 @@ from asap.cli.parser import hint
 def imported(spec: str, width: int | None, height: int | None) -> Any:
     """Import ``package.module:name``, the current directory first; construct it if it is a class.
 
-    Parameters
-    ----------
-    spec : str
-        The name may have dots, as in ``module:Outer.Inner``.
-    width, height : int or None
-        Of the sensor, px; a class is constructed with both.
-
-    Returns
-    -------
-    object
-        With process(events), or a callable.
-
-    Raises
-    ------
-    Failure
-        There is no such module or name, its code fails, or it is no algorithm.
+    The name may have dots, as in ``module:Outer.Inner``. A class is constructed with width and
+    height.
     """
     module_name, _, path = spec.partition(":")
     if not (module_name and path):

@@ -15,16 +15,16 @@ from asap.results import run_archive
 
 T = TypeVar("T")
 
-_EXAMPLES = {
-    "check": "asap check flight.aedat4 --report flight.html",
-    "compare": "asap compare flight.aedat4 --cost 100us+300ns --latency 10ms",
-    "completion": 'eval "$(asap completion bash)"',
-    "convert": "asap convert flight.aedat4 flight.npz",
+EXAMPLES = {
     "demo": "asap demo --out demo",
-    "info": "asap info flight.aedat4",
-    "report": "asap report run.npz --out run.html",
     "run": "asap run flight.aedat4 --algorithm mine:Detector",
+    "compare": "asap compare flight.aedat4 --cost 100us+300ns --report flight.html",
     "study": "asap study --quick --out study",
+    "info": "asap info flight.aedat4",
+    "check": "asap check flight.aedat4 --report flight.html",
+    "convert": "asap convert flight.aedat4 flight.npz",
+    "report": "asap report run.npz --out run.html",
+    "completion": 'eval "$(asap completion bash)"',
 }
 
 
@@ -34,7 +34,7 @@ def add_verb(verbs: Any, name: str, call: Callable[[Any], int], words: str) -> A
         name,
         help=words,
         description=words[0].upper() + words[1:] + ".",
-        epilog=f"example: {_EXAMPLES[name]}" if name in _EXAMPLES else None,
+        epilog=f"example: {EXAMPLES[name]}",
     )
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     parser.set_defaults(verb=call)

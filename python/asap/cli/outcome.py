@@ -85,6 +85,18 @@ def writing(path: object) -> Iterator[None]:
         raise Failure(USAGE, f"{error.filename or path}: {error.strerror or error}") from error
 
 
+def show(result: Any, arguments: Any, *saved: Path | None) -> None:
+    """Write the page about a result, and print it: a table, or the object of ``--json``."""
+    if arguments.report:
+        with writing(arguments.report):
+            result.report(arguments.report)
+    if arguments.json:
+        print_json(result.summary())
+    else:
+        print(result)
+        print_written(*saved, arguments.report)
+
+
 def need_matplotlib() -> None:
     """Say that a figure cannot be drawn before the run, not after it."""
     try:

@@ -22,14 +22,12 @@ from asap.cli.outcome import (
     USAGE,
     Failure,
     need_matplotlib,
-    print_json,
-    print_written,
     reading,
+    show,
     tell_doubt,
     usage,
     writing,
 )
-from asap.results import run_table
 
 
 def add(verbs: Any) -> None:
@@ -116,12 +114,5 @@ def _call(arguments: Any) -> int:
     if arguments.save:
         with writing(arguments.save):
             run.save(arguments.save)
-    if arguments.report:
-        with writing(arguments.report):
-            run.report(arguments.report)
-    if arguments.json:
-        print_json(run.summary())
-    else:
-        print(run_table.format_run(run))
-        print_written(arguments.save, arguments.report)
+    show(run, arguments, arguments.save)
     return OK

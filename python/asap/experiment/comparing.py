@@ -52,16 +52,11 @@ def compare(
     seed : int
         Of the gamma filters.
     opaque : bool
-        True: the simulated algorithm takes a package as a whole, as a Python callback does; schemes
-        are then scored against an oracle that does so too.
+        As in `simulate`; schemes are then scored against an oracle that does so too.
     speed : float
         10 compresses the stamps by ten: a quiet recording becomes one that overloads the algorithm.
-    width, height : int, optional
-        Sensor, px. Default: from the file; a side that is not known is not checked.
-    on_bad : {"drop", "clamp", "raise"}
-        What happens to bad events; dropped ones are counted by reason.
-    capacity : int, optional
-        Of each ring, events. Default: at least 2**20.
+    width, height, on_bad, capacity
+        As in `simulate`; each scheme has a ring of its own.
     baselines : bool
         Add those of the benchmark: rules of others that are not for use.
     on_progress : callable, optional

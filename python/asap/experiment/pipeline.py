@@ -44,23 +44,11 @@ class Pipeline:
     Parameters
     ----------
     algorithm : optional
-        For `run`: one of ours, an object with process(events) and, if it has it, set_keep(gamma),
-        or a callable. The loop over the events of one of ours belongs to the library, which can end
-        a package on time. Without one, iterate over the pipeline.
-    latency_ms : float, optional
-        Latency bound, ms. Default: the scheme's own, else 10.
-    scheme : Scheme, optional
-        Default: Deadline(latency_ms=latency_ms).
-    before : optional
-        A filter in front of the scheme's discarding, such as BackgroundActivityFilter: an object
-        with process(events) that returns the events that pass, or a callable. Its time is part of
-        the measured cost; what it drops is `filtered` in the ledger.
+        For `run`, as in `asap.run`. Without one, iterate over the pipeline.
+    latency_ms, scheme, before, on_bad, seed
+        As in `asap.run`.
     width, height : int, optional
         Sensor, px; a side that is not known is not checked.
-    on_bad : {"drop", "clamp", "raise"}
-        What happens to bad events; dropped ones are counted by reason.
-    seed : int
-        Of the gamma filter.
     capacity : int, optional
         Of the ring, events. Default: at least 2**20. MemoryError if that much, 16 bytes an event,
         cannot be had.

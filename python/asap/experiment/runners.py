@@ -145,32 +145,18 @@ def run(
 
     Parameters
     ----------
-    source : path, Recording, array or iterable of arrays
-        Arrays in any layout that `as_events` accepts.
+    source
+        As in `simulate`.
     algorithm
         One of ours, an object with process(events) and, if it has it, set_keep(gamma), or a
         callable. Events come as a read-only array in EVENT_DTYPE, valid as long as it is kept. The
         loop over the events of one of ours belongs to the library, which can end a package on time.
-    scheme : Scheme, optional
-        Default: Deadline(latency_ms=latency_ms).
-    latency_ms : float, optional
-        Latency bound, ms. Default: the scheme's own, else 10.
     speed : float
         2 replays twice as fast: stamps are divided by it. t_first, t_last and start_us of the log
         stay on the recording's axis, everything else is wall time.
     before : optional
-        A filter in front of the scheme's discarding, such as BackgroundActivityFilter: an object
-        with process(events) that returns the events that pass, or a callable. Its time is part of
-        the measured cost; what it drops is `filtered` in the ledger.
-    width, height : int, optional
-        Sensor, px. Default: from the file; a side that is not known is not checked.
-    on_bad : {"drop", "clamp", "raise"}
-        What happens to bad events; dropped ones are counted by reason.
-    seed : int
-        Of the gamma filter.
-    capacity : int, optional
-        Of the ring, events. Default: at least 2**20.
-    keep_mask : bool
+        As in `simulate`; its time is part of the measured cost.
+    scheme, latency_ms, width, height, on_bad, seed, capacity, keep_mask
         As in `simulate`.
     on_progress : callable, optional
         Called as on_progress(done, total or None, ledger) about every 20 ms.

@@ -11,10 +11,8 @@ from asap import _checks
 from asap.experiment.runners import Progress
 from asap.inspection.door import Door
 from asap.inspection.findings import Meters, judge
-from asap.inspection.intervals import Intervals
-from asap.inspection.meters import Duplicates, Gaps, Stamps
+from asap.inspection.meters import Duplicates, Gaps, Intervals, RateMeter, Stamps
 from asap.inspection.pixels import PixelMap
-from asap.inspection.rates import RateMeter
 from asap.inspection.raw_source import RawSource
 from asap.io import TruncatedFileWarning
 from asap.results.inspection import Inspection

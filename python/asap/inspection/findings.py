@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asap import _units
-from asap.inspection.door import Door, Passed
-from asap.inspection.intervals import Intervals
+from asap.inspection.door import Door, Passed, Tally
 from asap.inspection.meters import (
     BAND,
     BAND_GAP_US,
@@ -18,12 +17,12 @@ from asap.inspection.meters import (
     STUCK_US,
     Duplicates,
     Gaps,
+    Intervals,
+    RateMeter,
     Stamps,
 )
 from asap.inspection.pixels import MAX_SIDE, PixelMap
-from asap.inspection.rates import RateMeter
 from asap.inspection.raw_source import RawSource
-from asap.inspection.tally import Tally
 from asap.results.inspection import NOTE, OK, WRONG, Finding
 
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset

@@ -247,7 +247,7 @@ class Recording:
 
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}" if self.width and self.height else "size unknown"
-        return f"Recording({str(self._path)!r}, {self.format}, {size})"
+        return f"<Recording: {self._path}, {self.format}, {size}>"
 
     def _books(self) -> tuple[Losses, _core.Validator]:
         validator = _core.Validator(

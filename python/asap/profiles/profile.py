@@ -9,8 +9,7 @@ import numpy as np
 
 from asap import _checks, _core
 from asap.events import Events
-from asap.profiles.draws import Floats, portable
-from asap.profiles.rates import PROFILES, RandomRate, Rate
+from asap.profiles.rates import PROFILES, Floats, RandomRate, Rate, portable
 from asap.synthetic import SyntheticStream, joined
 
 _STEP_US = 100

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_BYTES = 1_000_000  # of a page
+NARROW_INCHES = 3.4  # of a figure: on a phone its tick labels are then 10 px
 
 _LONGEST = 200  # characters of a text, elements of a list
 _FEWEST_POINTS = 50
@@ -100,14 +101,6 @@ def inline_svg(figure: Figure, prefix: str, css_class: str, label: str) -> str:
     return svg.replace("<svg ", described, 1)
 
 
-def standalone_svg(figure: Figure, label: str) -> str:
-    """Write an SVG file with a card of its own, dark where the reader prefers it."""
-    style = f"<style>{_COLOURS}text{{font-family:system-ui,sans-serif!important}}</style>"
-    card = '<rect width="100%" height="100%" rx="8" fill="var(--card)"/>'
-    drawn = inline_svg(figure, "figure", "figure", label)
-    return re.sub(r"(<svg[^>]*>)", rf"\1{style}{card}", drawn, count=1) + "\n"
-
-
 def _short_tag(tag: re.Match[str]) -> str:
     """Hundredths of a point are enough, the page has a font, and nothing refers to a group."""
     short = re.sub(r"(\.\d\d)\d+", r"\1", tag[0])
@@ -116,7 +109,7 @@ def _short_tag(tag: re.Match[str]) -> str:
     return re.sub(r"font-family:[^;\"]*; ?|(?<=<g) id=\"[^\"]*\"", "", short)
 
 
-_COLOURS = """
+COLOURS = """
 :root{color-scheme:light dark;--page:#f5f6f7;--card:#fff;--ink:#22272c;--soft:#5b646d;
 --faint:#9aa1a8;--line:#e2e5e8;--blue:#0072b2;--vermilion:#d55e00;--green:#009e73;--purple:#a14f7c;
 --amber:#c98a00;--shade:#0002}
@@ -126,7 +119,7 @@ _COLOURS = """
 """
 
 _STYLE = (
-    _COLOURS
+    COLOURS
     + """\
 *{box-sizing:border-box}
 body{margin:0;background:var(--page);color:var(--ink);

@@ -34,34 +34,11 @@ _LEAST_SHARE, _TEXT_SHARE = 120_000, 12_000  # bytes: of a run with curves, of a
 def write(
     runs: Run | Sequence[Run], path: str | os.PathLike[str], title: str = "ASAP report"
 ) -> Path:
-    """Write one HTML file about one or several runs.
+    """Write one HTML file about one or several finished runs, of at most 10^6 bytes.
 
-    Parameters
-    ----------
-    runs : Run or sequence of Run
-        Finished runs, in the order of the page.
-    path : path-like
-        The file to write; an existing one is replaced.
-    title : str
-        Heading of the page.
-
-    Returns
-    -------
-    Path
-        `path`.
-
-    Raises
-    ------
-    ValueError
-        No run was given.
-    OSError
-        The file cannot be written.
-
-    Notes
-    -----
-    The page takes at most 10^6 bytes. The numbers of a run stand in ``<template data-run="0">`` as
-    JSON: ``summary`` and ``curves``, which holds of every curve its times in s and its values; the
-    smallest and the largest of what is left out stay. Of more runs than fit, the first have curves.
+    The numbers of a run stand in ``<template data-run="0">`` as JSON: ``summary`` and ``curves``,
+    which holds of every curve its times in s and its values; the smallest and the largest of what
+    is left out stay. Of more runs than fit, the first have curves.
     """
     path = _checks.new_file("path", path)
     runs = list(runs) if isinstance(runs, Sequence) else [runs]
@@ -134,7 +111,8 @@ def _figure(run: Run, number: int, name: str, most_bytes: int) -> str:
     wide = narrow = ""
     if most_bytes:
         wide = _curves(run, f"r{number}w", name, (8.6, 8.4), "wide", 0.4 * most_bytes)
-        narrow = _curves(run, f"r{number}n", name, (4.1, 7.6), "narrow", 0.35 * most_bytes)
+        size_inches = page.NARROW_INCHES, 7.2
+        narrow = _curves(run, f"r{number}n", name, size_inches, "narrow", 0.35 * most_bytes)
     if not (wide and narrow):
         return _note("No curves: the page would be too large; run.report() of this run draws them.")
     return f"""<figure>

@@ -29,18 +29,7 @@ CORNER_COLUMNS = {
 
 
 def format_keep_curve(curve: KeepCurve) -> str:
-    """Write the scores of an algorithm over gamma as a text table.
-
-    Parameters
-    ----------
-    curve : KeepCurve
-        What `asap.keep_curve` returns.
-
-    Returns
-    -------
-    str
-        Lines of at most 100 columns without colours, fit for a log file.
-    """
+    """Write the scores of an algorithm over gamma as a text table of at most 100 columns."""
     table = cells(curve)
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     lines = [_line(line, widths) for line in table]

@@ -39,18 +39,7 @@ COLUMNS = {
 
 
 def format_comparison(comparison: Comparison) -> str:
-    """Write a comparison as a text table, best score first, with a sentence on what it says.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        What `asap.compare` returns.
-
-    Returns
-    -------
-    str
-        Lines of at most 100 columns without colours, fit for a log file.
-    """
+    """Write a comparison as a text table of at most 100 columns, with a verdict."""
     table = [tuple(COLUMNS), *(cells(row, comparison.latency_ms) for row in comparison.rows)]
     oracles = oracle_rows(comparison)
     table += oracles
@@ -140,18 +129,7 @@ def exceeds(latency_us: float, latency_ms: float) -> bool:
 
 
 def verdict(comparison: Comparison) -> str:
-    """Say which schemes keep the bound, and which of them processes the most in time.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        What `asap.compare` returns.
-
-    Returns
-    -------
-    str
-        Sentences on one line.
-    """
+    """Say which schemes keep the bound, and which of them processes the most in time."""
     bound_us = comparison.latency_ms * 1e3
     bound = _units.duration(bound_us)
     if comparison.received == 0:

@@ -176,9 +176,9 @@ class Inspection(Result):
 
     def plot(self) -> Figure:
         """Draw the rate over time and the map of the pixels; needs matplotlib."""
-        from asap.report import inspection_figures
+        from asap.report import inspection_report
 
-        return inspection_figures.figure(self)
+        return inspection_report.figure(self)
 
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write one self-contained HTML page and return its path; needs matplotlib."""
@@ -194,7 +194,7 @@ class Inspection(Result):
 
     def __repr__(self) -> str:
         name = self.path or self.format
-        return f"Inspection({name!r}, {self.events} events, {self.verdict})"
+        return f"<Inspection: {name}, {self.events} events, {self.verdict}>"
 
 
 def _rows(pixels: npt.NDArray[np.void]) -> list[dict[str, int]]:

@@ -37,18 +37,7 @@ CHECKS = {
 
 
 def format_inspection(inspection: Inspection) -> str:
-    """Write an inspection as a text table that ends with the verdict and the remedies.
-
-    Parameters
-    ----------
-    inspection : Inspection
-        What `asap.check` returns.
-
-    Returns
-    -------
-    str
-        Lines of at most 100 columns without colours, fit for a log file.
-    """
+    """Write an inspection as a text table of at most 100 columns that ends with the remedies."""
     findings = inspection.findings.values()
     rows = [("check", "found", "verdict", "")]
     rows += [

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from asap import _units
-from asap.results.cost import LEAST_BOUND, Cost
-from asap.results.diagnosis import Diagnosis, diagnose
+from asap.results.cost import LEAST_BOUND, Cost, Diagnosis, diagnose
 
 if TYPE_CHECKING:
     from asap.results.run import Run
@@ -30,18 +29,7 @@ LEDGER_WORDS = {
 
 
 def format_run(run: Run) -> str:
-    """Write a run as a short text table that ends with the verdict.
-
-    Parameters
-    ----------
-    run : Run
-        A finished run.
-
-    Returns
-    -------
-    str
-        Lines of at most 78 columns without colours, fit for a log file.
-    """
+    """Write a run as a short text table of at most 78 columns that ends with the verdict."""
     summary = run.summary()
     lines = [title(summary), *_units.wrapped(subtitle(summary), _WIDTH), ""]
     lines += [f"  {name:<11}{value}" for name, value in figures(run, summary).items()]
@@ -89,20 +77,7 @@ def _gap(gap_us: int | None) -> str:
 
 
 def format_ledger(ledger: Mapping[str, int], rejected: Mapping[str, int] | None = None) -> str:
-    """Write where every event went, one line for each cause.
-
-    Parameters
-    ----------
-    ledger : mapping
-        The eight counts by name.
-    rejected : mapping, optional
-        The rejected events by reason.
-
-    Returns
-    -------
-    str
-        Eight lines; one more for the reasons, and one if the ledger is not balanced.
-    """
+    """Write where every event went, one line for each cause; rejected events by reason."""
     width = max(len(_units.count(value)) for value in ledger.values())
     received, lines = ledger["received"], []
     for name, words in LEDGER_WORDS.items():
@@ -154,16 +129,7 @@ def sensor(source: Mapping[str, Any]) -> str:
 def verdict(run: Run) -> str:
     """Say what limited a run, what that cost, and what would have kept 95 % of the events.
 
-    Parameters
-    ----------
-    run : Run
-        A finished run.
-
-    Returns
-    -------
-    str
-        Short sentences on one line. What follows from the measured processing times is marked as
-        estimated.
+    What follows from the measured processing times is marked as estimated.
     """
     if run.ledger.received == 0:
         return "No event was received."

@@ -2,8 +2,8 @@
 
 By these trackers are judged. `A` to `K` are named and fixed but for their seed; `timing`,
 `corners`, `stop_and_go` and `occlusion` take parameters. The same arguments give the same events on
-every machine; they are made natively, when they are first touched. `labelled` opens a real
-recording with boxes.
+every machine; they are made natively, when they are first touched. An argument out of its range is
+a ValueError that names it. `labelled` opens a real recording with boxes.
 
 Shapes (disk, square, rectangle, triangle, star in turn; dark and bright in turn) move in steps of
 250 us before an even ground. A pixel sees the log of its brightness, has thresholds of its own
@@ -98,11 +98,6 @@ def H(seed: int = 0, *, kind: Literal["bars", "angles", "rings"] | None = None) 
     kind : {"bars", "angles", "rings"}, optional
         Bars of 60 to 90 by 8 to 14 px, L shapes with arms of 40 px, or rings of radius 14 to 30 px;
         by default two of each. 1 Hz/px of noise, as in `I`, `J` and `K`.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
     """
     if kind is not None:
         _checks.choice("kind", kind, _LARGE)
@@ -158,11 +153,6 @@ def timing(
         Background events per second and pixel, at most ``1e6 / (width * height)``.
     duration_s : float
         A multiple of 250 us.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
     """
     _checks.whole("n", n, 0, 10_000, "give 0 to 10000")
     for name, side in (("width", width), ("height", height)):
@@ -211,11 +201,6 @@ def corners(
         0 <= seed < 2**64.
     duration_s : float
         A multiple of 250 us.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
     """
     _checks.choice("kind", kind, _CORNERS)
     speed, noise_hz = _CORNERS[kind]
@@ -246,11 +231,6 @@ def stop_and_go(
         Background events per second and pixel.
     seed : int
         Decides on the kind of shape, its place and its direction.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
     """
     _check_object(speed, radius)
     return Scene._of(
@@ -280,11 +260,6 @@ def occlusion(
         Least time that object 0 is hidden, ms; 0 to what a square of half the view can hide.
     speed, radius, noise_hz, seed
         As for `stop_and_go`.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
     """
     _check_object(speed, radius)
     return Scene._of(

@@ -74,7 +74,7 @@ class LabelledScene:
     def __repr__(self) -> str:
         objects = np.unique(self.boxes["id"]).size
         return (
-            f"<LabelledScene {self.name}: {self.width} x {self.height} px, {self.events.size} "
+            f"<LabelledScene: {self.name}, {self.width} x {self.height} px, {self.events.size} "
             f"events, {objects} objects in {self.boxes.size} boxes>"
         )
 

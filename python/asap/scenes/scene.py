@@ -121,11 +121,6 @@ class Scene(Pickled):
         -------
         ndarray, shape (objects,), TRUTH_DTYPE
             id (the label), x, y in px, vx, vy in px/s.
-
-        Raises
-        ------
-        ValueError
-            The time lies outside the scene.
         """
         poses = self._poses_at(t_us)
         truth = np.empty(len(poses), TRUTH_DTYPE)
@@ -146,11 +141,6 @@ class Scene(Pickled):
         -------
         ndarray, shape (corners,), CORNER_DTYPE
             id of the object, x, y in px, around each object in order.
-
-        Raises
-        ------
-        ValueError
-            The time lies outside the scene.
         """
         poses = self._poses_at(t_us)[self._corner_ids]
         along, across = self._corners.T
@@ -184,11 +174,6 @@ class Scene(Pickled):
             0 to 1.
         seed : int
             Of the `asap.GammaFilter` that decides.
-
-        Raises
-        ------
-        ValueError
-            gamma is not in [0, 1], or the seed is negative.
         """
         return ThinnedScene(self, gamma, seed)
 
@@ -212,7 +197,7 @@ class Scene(Pickled):
 
     def __repr__(self) -> str:
         return (
-            f"<{type(self).__name__} {self.name}, seed {self.seed}: "
+            f"<{type(self).__name__}: {self.name}, seed {self.seed}, "
             f"{self.width} x {self.height} px, {len(self.reaches_px)} objects, "
             f"{self.duration_us * 1e-6:g} s>"
         )

@@ -102,7 +102,7 @@ def curves_of(results: Results) -> list[KeepCurve]:
 
 def _draw(folder: Path, curves: Iterable[KeepCurve]) -> list[Path]:
     from asap import plots
-    from asap.report import accuracy_figures
+    from asap.report import accuracy_report
 
     by_scene: dict[str, list[KeepCurve]] = {}
     for curve in curves:
@@ -110,6 +110,6 @@ def _draw(folder: Path, curves: Iterable[KeepCurve]) -> list[Path]:
     paths = []
     for scene, some in by_scene.items():
         paths.append(folder / f"accuracy_{scene}.svg")
-        page = accuracy_figures.figure(some, title=f"scene {scene}")
+        page = accuracy_report.figure(some, title=f"scene {scene}")
         paths[-1].write_text(plots.svg(page), encoding="utf-8")
     return paths

@@ -13,7 +13,7 @@ from typing import Any
 from asap import _core
 from asap.accuracy import Scene
 from asap.accuracy.matching import match
-from asap.accuracy.mota import mota
+from asap.accuracy.measures import mota
 from asap.accuracy.trace import follow
 from asap.scenes import labelled
 from asap_laboratory import _native

@@ -15,8 +15,6 @@ import numpy.typing as npt
 
 from asap import _checks, _core
 
-__all__ = ["Load", "gap_ms", "load", "recovery_ms", "settle_ms"]
-
 _LATE = 1.1  # of the bound
 _KEPT = 0.98
 _LAST_MS = 4  # of a phase: too late to count as settled
@@ -121,7 +119,7 @@ def load(packages: npt.NDArray[np.void]) -> Load:
         Over all packages but the first, which has no interval; (0, 1) where there is no other.
     """
     remedy = "give run.packages"
-    _checks.rows("packages", packages, _core.PACKAGE_DTYPE, remedy)
+    _require_rows("packages", packages, _core.PACKAGE_DTYPE, remedy)
     if packages.size < 2:
         return Load(0.0, 1.0)
     interval_us = np.maximum(np.diff(packages["start_us"]), 1e-3)
@@ -130,7 +128,7 @@ def load(packages: npt.NDArray[np.void]) -> Load:
 
 
 def _check_slots(slots: npt.NDArray[np.void]) -> None:
-    _checks.rows("slots", slots, _core.SLOT_DTYPE, "give run.slots of a run in virtual time")
+    _require_rows("slots", slots, _core.SLOT_DTYPE, "give run.slots of a run in virtual time")
 
 
 def _check_phases(slots: npt.NDArray[np.void], phase_ms: int, bound_us: float) -> None:
@@ -155,3 +153,11 @@ def _mean_disturbance_ms(
     last = np.searchsorted(disturbed, steps + phase_ms) - 1
     end = np.append(disturbed, -(2**60))[last] + 1  # last = -1: none at all
     return float(np.clip(end - steps, 0, phase_ms - _LAST_MS).mean())
+
+
+def _require_rows(field: str, value: Any, dtype: np.dtype[Any], remedy: str) -> None:
+    """Refuse what is no one-dimensional array with the fields of a table."""
+    _checks.unmasked(field, value)
+    found = getattr(getattr(value, "dtype", None), "names", None) or ()
+    if np.ndim(value) != 1 or not set(dtype.names or ()) <= set(found):
+        raise TypeError(_checks.named(field, value, remedy))
