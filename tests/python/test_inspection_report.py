@@ -122,9 +122,9 @@ def test_every_check_has_a_line(text, inspection):
         row = re.search(rf'<tr class="(\w+)">{head}(.*?)</tr>', text)
         assert row[1] == finding.verdict
         assert f"<td>{finding.count}</td>" in row[2]
-    for words in inspection_table.CHECKS.values():
-        assert html.escape(words) in text
     plain = html.unescape(text).replace("\xa0", " ")
+    for words in inspection_table.CHECKS.values():
+        assert words in plain
     for finding in inspection.findings.values():
         assert finding.remedy in plain
 
@@ -144,7 +144,7 @@ def test_identifiers_are_unique_and_colours_follow_the_look(text):
 def test_shares_of_the_busiest_pixels_are_of_the_good_events(tmp_path):
     events = EVENTS[:1000].copy()
     events["x"][:500], events["x"][500:], events["y"] = corrupt.WIDTH, 7, 7
-    text = inspect(events).report(tmp_path / "x.html").read_text("utf-8")
+    text = inspect(events).report(tmp_path / "x.html").read_text("utf-8").replace("\xa0", " ")
     assert '<th scope="row">x = 7, y = 7</th><td>500</td><td>100.0 %</td>' in text
 
 

@@ -44,21 +44,17 @@ def write(curve: KeepCurve, path: str | os.PathLike[str], title: str = "ASAP acc
     narrow = figure([curve], width_inches=page.NARROW_INCHES, columns=1)
     label = f"Curves of {name}: scores over the kept fraction gamma"
     head, *rows = accuracy_table.cells(curve)
-    words = "".join(
-        f"<dt>{escape(column)}</dt><dd>{escape(text)}</dd>"
-        for column, text in accuracy_table.columns_of(curve.rows[0]).values()
+    caption = (
+        "Scores over the fraction of the events that is kept. Told: the algorithm knew it. Bars "
+        "are standard deviations over the seeds."
     )
     body = f"""
 <article>
 <h2>{escape(name)}</h2>
 <div class="scroll scores">{notebook.table(head, rows)}</div>
-<figure style="margin-top:24px">
-{page.inline_svg(wide, "w", "wide", label)}
-{page.inline_svg(narrow, "n", "narrow", label)}
-<figcaption>Scores over the fraction of the events that is kept. Told: the algorithm knew it.
-Bars are standard deviations over the seeds.</figcaption>
-</figure>
-<details><summary>What the columns say</summary><dl>{words}</dl></details>
+{page.curves(*page.drawn(wide, narrow, label), caption)}
+<details><summary>What the columns say</summary>
+{page.definitions(accuracy_table.columns_of(curve.rows[0]).values())}</details>
 {page.embedded("data-keep-curve", curve.summary())}
 </article>"""
     return page.write(path, title, body, style=_STYLE)

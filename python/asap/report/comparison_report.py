@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from asap import _checks, _units, plots  # first: it says which extra is missing
 from asap.report import page
-from asap.results import comparison_table, run_table
+from asap.results import comparison_table, notebook, run_table
 
 import matplotlib  # isort: skip
 from matplotlib.ticker import LogLocator, NullLocator  # isort: skip
@@ -62,6 +62,10 @@ border-bottom:1px solid var(--line)}
 """
 
 _CURVES = "Curves of every scheme: latency and kept share over time"
+_CAPTION = (
+    "Every scheme over time: the largest latency of the events of each moment, and the share of "
+    "the events that was finished. Latencies beyond 100 L are drawn at 100 L."
+)
 
 
 def write(
@@ -93,17 +97,12 @@ def _article(comparison: Comparison) -> str:
 <h2>{escape(comparison_table.title(comparison))}</h2>
 <p class="sub">{page.text(comparison_table.subtitle(comparison))}</p>
 <div class="scroll">{_table(comparison)}</div>
-<aside style="margin-top:24px"><h3>Verdict</h3>
-<p><strong>{page.text(headline + dot)}</strong>{page.text(rest)}</p></aside>
-<figure>
-{wide}
-{narrow}
-<figcaption>Every scheme over time: the largest latency of the events of each moment, and the share
-of the events that was finished. Latencies beyond 100 L are drawn at 100 L.</figcaption>
-</figure>
-<details><summary>What the columns say</summary><dl>{"".join(_words())}</dl></details>
+{page.verdict(headline + dot, rest)}
+{page.curves(wide, narrow, _CAPTION)}
+<details><summary>What the columns say</summary>
+{page.definitions(comparison_table.COLUMNS.items())}</details>
 <details><summary>The schemes and their parameters</summary>
-<div class="scroll"><table class="plain">{"".join(_parameters(comparison))}</table></div></details>
+<div class="scroll">{notebook.table((), _parameters(comparison), "plain")}</div></details>
 {page.embedded("data-comparison", comparison.summary())}
 </article>"""
 
@@ -155,21 +154,13 @@ def _row(row: Row, latency_ms: float) -> str:
     return f'<tr><th scope="row">{escape(name)}</th>{"".join(cells)}</tr>'
 
 
-def _words() -> Iterator[str]:
-    for name, words in comparison_table.COLUMNS.items():
-        yield f"<dt>{escape(name)}</dt><dd>{escape(words)}</dd>"
-
-
-def _parameters(comparison: Comparison) -> Iterator[str]:
+def _parameters(comparison: Comparison) -> Iterator[tuple[str, str, str]]:
     for row in comparison.rows:
         parameters = comparison.runs[row.label].scheme.parameters
         words = ", ".join(
             f"{name} {run_table.parameter_value(value)}" for name, value in parameters.items()
         )
-        yield (
-            f'<tr><th scope="row">{escape(row.label)}</th><td>{escape(row.scheme)}</td>'
-            f"<td>{escape(words or 'none')}</td></tr>"
-        )
+        yield row.label, row.scheme, words or "none"
 
 
 _PANEL_INCHES = 0.92

@@ -16,7 +16,7 @@ import numpy as np
 
 from asap import _checks, _units, analysis, plots  # first: it says which extra is missing
 from asap.report import page
-from asap.results import inspection_table
+from asap.results import inspection_table, notebook
 from asap.results.inspection import BINS_FROM_US
 
 import matplotlib  # isort: skip
@@ -41,6 +41,10 @@ _CURVES = (
     "Event rate over time, a histogram of the times between events, and a map of how many events "
     "every pixel had"
 )
+_CAPTION = (
+    "The good events: how many in each moment, how long after the one before, and how many of each "
+    "pixel."
+)
 
 
 def write(
@@ -63,27 +67,15 @@ def _article(inspection: Inspection) -> str:
     return f"""
 <article>
 <h2>{escape(inspection_table.title(inspection))}</h2>
-<table class="plain">{"".join(_pairs(facts))}</table>
-<aside style="margin-top:24px"><h3>Verdict</h3>
-<p><strong>{page.text(sentences)}</strong></p>
-<dl>{"".join(_remedies(inspection))}</dl></aside>
+{notebook.table((), facts.items(), "plain")}
+{page.verdict(sentences, more=page.definitions(inspection_table.remedies(inspection).items()))}
 <div class="scroll"><table class="checks">{"".join(_rows(inspection))}</table></div>
-<figure style="margin-top:24px">
-{page.inline_svg(wide, "w", "wide", _CURVES)}
-{page.inline_svg(narrow, "n", "narrow", _CURVES)}
-<figcaption>The good events: how many in each moment, how long after the one before, and how many
-of each pixel.</figcaption>
-</figure>
+{page.curves(*page.drawn(wide, narrow, _CURVES), _CAPTION)}
 <details><summary>The ten busiest pixels</summary>
-<div class="scroll"><table class="plain">{"".join(_pixels(inspection))}</table></div></details>
-<details><summary>What is checked</summary><dl>{"".join(_words())}</dl></details>
+<div class="scroll">{notebook.table((), _pixels(inspection), "plain")}</div></details>
+<details><summary>What is checked</summary>{page.definitions(_words())}</details>
 {page.embedded("data-inspection", inspection.summary())}
 </article>"""
-
-
-def _pairs(facts: dict[str, str]) -> Iterator[str]:
-    for name, value in facts.items():
-        yield f'<tr><th scope="row">{escape(name)}</th><td>{page.text(value)}</td></tr>'
 
 
 def _rows(inspection: Inspection) -> Iterator[str]:
@@ -96,24 +88,17 @@ def _rows(inspection: Inspection) -> Iterator[str]:
         )
 
 
-def _remedies(inspection: Inspection) -> Iterator[str]:
-    for name, words in inspection_table.remedies(inspection).items():
-        yield f"<dt>{escape(name)}</dt><dd>{page.text(words)}</dd>"
-
-
-def _pixels(inspection: Inspection) -> Iterator[str]:
+def _pixels(inspection: Inspection) -> Iterator[tuple[str, ...]]:
     hot = {(x, y) for x, y, _ in inspection.hot_pixels.tolist()}
     for x, y, events in inspection.busiest_pixels.tolist():
         share = _units.share(events / inspection.events)
-        yield (
-            f'<tr><th scope="row">x = {x}, y = {y}</th><td>{_units.count(events)}</td>'
-            f"<td>{escape(share)}</td><td>{'hot' if (x, y) in hot else ''}</td></tr>"
-        )
+        is_hot = "hot" if (x, y) in hot else ""
+        yield f"x = {x}, y = {y}", _units.count(events), share, is_hot
 
 
-def _words() -> Iterator[str]:
+def _words() -> Iterator[tuple[str, str]]:
     for name, words in inspection_table.CHECKS.items():
-        yield f"<dt>{escape(name.replace('_', ' '))}</dt><dd>{escape(words)}</dd>"
+        yield name.replace("_", " "), words
 
 
 _MARKED = 50  # hot pixels with a circle

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,6 +55,28 @@ def write(
 def text(words: str) -> str:
     """Escaped, with every number tied to its unit."""
     return escape(_units.tied(words))
+
+
+def definitions(pairs: Iterable[tuple[str, str]]) -> str:
+    """Write names and what they mean."""
+    items = (f"<dt>{text(name)}</dt><dd>{text(words)}</dd>" for name, words in pairs)
+    return f"<dl>{''.join(items)}</dl>"
+
+
+def verdict(headline: str, rest: str = "", more: str = "") -> str:
+    """Write the box that says what to make of it; `more` is HTML."""
+    words = f"<p><strong>{text(headline)}</strong>{text(rest)}</p>"
+    return f"<aside><h3>Verdict</h3>{words}{more}</aside>"
+
+
+def drawn(wide: Figure, narrow: Figure, label: str) -> tuple[str, str]:
+    """Draw a figure for wide and for narrow screens."""
+    return inline_svg(wide, "w", "wide", label), inline_svg(narrow, "n", "narrow", label)
+
+
+def curves(wide: str, narrow: str, caption: str) -> str:
+    """Show a figure, drawn for wide and for narrow screens."""
+    return f"<figure>\n{wide}\n{narrow}\n<figcaption>{text(caption)}</figcaption>\n</figure>"
 
 
 def embedded(attribute: str, value: Any) -> str:
@@ -139,10 +161,10 @@ margin:22px 0}
 .tiles span{display:block;font-weight:600;font-size:.85rem}
 .tiles small{display:block;color:var(--soft);font-size:.78rem;line-height:1.35}
 aside{border-left:4px solid var(--blue);background:var(--page);border-radius:0 8px 8px 0;
-padding:12px 16px;margin:0 0 24px}
+padding:12px 16px;margin:24px 0}
 aside h3{margin:0;color:var(--blue);font-size:.78rem;letter-spacing:.08em;text-transform:uppercase}
 aside p{margin:4px 0 0}
-figure{margin:0}
+figure{margin:24px 0 0}
 figure svg{display:block;width:100%;height:auto}
 svg text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,sans-serif!important}
 .narrow{display:none!important}

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from asap import _checks, _units, analysis, plots
 from asap.report import page
-from asap.results import run_table
+from asap.results import notebook, run_table
 
 if TYPE_CHECKING:
     from asap.results.run import Run
@@ -60,17 +60,18 @@ def write(
 def _article(run: Run, number: int, most_bytes: int) -> str:
     summary = page.shortened(run.summary())
     name = run_table.title(summary)
+    headline, stop, rest = re.split(r"(\.(?: |$))", run_table.verdict(run), maxsplit=1)
     return f"""
 <article id="run-{number}">
 <h2>{escape(name)}</h2>
 <p class="sub">{page.text(run_table.subtitle(summary))}</p>
 <div class="tiles">{"".join(_tiles(run, summary))}</div>
-{_verdict(run)}
+{page.verdict(headline + stop, rest)}
 {_figure(run, number, name, most_bytes)}
 <h3>Where every event went</h3>
 {_ledger(run)}
 <details><summary>All numbers of this run</summary>
-<div class="scroll"><table class="plain">{"".join(_rows(summary))}</table></div>
+<div class="scroll">{notebook.table((), _rows(summary), "plain")}</div>
 </details>
 {_numbers(run, summary, number, most_bytes)}
 </article>"""
@@ -97,14 +98,6 @@ def _sizes(packages: Mapping[str, float]) -> str:
     return f"size {_units.count(packages['size_mean'])}, max {_units.count(packages['size_max'])}"
 
 
-def _verdict(run: Run) -> str:
-    headline, stop, rest = re.split(r"(\.(?: |$))", run_table.verdict(run), maxsplit=1)
-    return (
-        "<aside><h3>Verdict</h3>"
-        f"<p><strong>{page.text(headline + stop)}</strong>{page.text(rest)}</p></aside>"
-    )
-
-
 def _figure(run: Run, number: int, name: str, most_bytes: int) -> str:
     if run.without_log:
         return _note("No curves: a summary holds no packages; run.save('run.npz') keeps them.")
@@ -115,11 +108,7 @@ def _figure(run: Run, number: int, name: str, most_bytes: int) -> str:
         narrow = _curves(run, f"r{number}n", name, size_inches, "narrow", 0.35 * most_bytes)
     if not (wide and narrow):
         return _note("No curves: the page would be too large; run.report() of this run draws them.")
-    return f"""<figure>
-{wide}
-{narrow}
-<figcaption>What the closed loop did, package by package.</figcaption>
-</figure>"""
+    return page.curves(wide, narrow, "What the closed loop did, package by package.")
 
 
 def _note(words: str) -> str:
@@ -193,13 +182,12 @@ def _compare(runs: Sequence[Run]) -> str:
     )
 
 
-def _rows(value: Any, name: str = "") -> Iterator[str]:
+def _rows(value: Any, name: str = "") -> Iterator[tuple[str, str]]:
     if isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _rows(inner, f"{name}.{key}" if name else str(key))
     else:
-        text = f"{value:.6g}" if isinstance(value, float) else str(value)
-        yield f'<tr><th scope="row">{escape(name)}</th><td>{escape(text)}</td></tr>'
+        yield name, f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _numbers(run: Run, summary: Mapping[str, Any], number: int, most_bytes: int) -> str:

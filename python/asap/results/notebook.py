@@ -76,7 +76,7 @@ def _heading(title: str, subtitle: str = "") -> str:
     return f"<p><b>{_text(title)}</b>{'<br>' if subtitle else ''}{_text(subtitle)}</p>"
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], css_class: str = "") -> str:
     """Write a table; the first cell of a row is its name."""
     names = "".join(f'<th scope="col">{_text(name)}</th>' for name in head)
     lines = [
@@ -86,7 +86,8 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
         for name, *cells in rows
     ]
     top = f"<thead><tr>{names}</tr></thead>" if names else ""
-    return f"<table>{top}<tbody>{''.join(lines)}</tbody></table>"
+    kind = f' class="{css_class}"' if css_class else ""
+    return f"<table{kind}>{top}<tbody>{''.join(lines)}</tbody></table>"
 
 
 def _verdict(sentences: str) -> str:
