@@ -81,7 +81,6 @@ __all__ = [
     "last_run",
     "load",
     "load_run",
-    "metrics",
     "oracle",
     "plots",
     "profiles",
@@ -95,7 +94,7 @@ __all__ = [
 ]
 
 # Imported when they are first used: modules, and names with the module that they are in.
-_MODULES = ("analysis", "metrics", "plots", "profiles", "report", "scenes", "synthetic")
+_MODULES = ("analysis", "plots", "profiles", "report", "scenes", "synthetic")
 _NAMES = {
     "Comparison": "experiment",
     "Inspection": "inspection",
@@ -117,7 +116,7 @@ _NAMES = {
 }
 
 if TYPE_CHECKING:
-    from asap import analysis, metrics, plots, profiles, report, scenes, synthetic
+    from asap import analysis, plots, profiles, report, scenes, synthetic
     from asap.accuracy import KeepCurve, keep_curve, score
     from asap.conversion import convert
     from asap.experiment import (
@@ -146,4 +145,4 @@ else:  # a type checker would take any name for one of a module that has a __get
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_MODULES, *_NAMES})
+    return sorted({*__all__, *_NAMES})

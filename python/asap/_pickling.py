@@ -17,8 +17,6 @@ import numpy as np
 
 from asap import _core
 
-__all__ = ["Pickled", "by_arguments", "can_be_pickled"]
-
 T = TypeVar("T")
 Reduced = tuple[Callable[..., Any], tuple[Any, ...]]
 

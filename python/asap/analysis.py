@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import checks
+from asap import _checks
 from asap.events import events_of_argument
-from asap.results.cost import Cost, check_run, cost_of, fit_cost
-from asap.results.diagnosis import Diagnosis, diagnose
+from asap.results.cost import Cost, Diagnosis, check_run, cost_of, diagnose, fit_cost
 
 if TYPE_CHECKING:
     from asap.results.run import Run
@@ -65,12 +64,12 @@ def rate(events: NDArray[np.void], bin_us: float) -> tuple[Floats, Floats]:
         `bin_us` is not positive, or so short that there would be more than ten million windows.
     """
     events = events_of_argument("events", events)
-    checks.number("bin_us", bin_us, sys.float_info.min, sys.float_info.max, _POSITIVE)
+    _checks.number("bin_us", bin_us, sys.float_info.min, sys.float_info.max, _POSITIVE)
     if events.size == 0:
         return np.empty(0), np.empty(0)
     elapsed_us = events["t"] - events["t"][0]
     fits = int(elapsed_us[-1]) / float(bin_us) < _MAX_BINS
-    checks.require(fits, "bin_us", bin_us, "too short for this duration")
+    _checks.require(fits, "bin_us", bin_us, "too short for this duration")
     bin_us = float(bin_us)
     counts = np.bincount((elapsed_us // bin_us).astype(np.int64))
     time_s = np.arange(counts.size, dtype=np.float64) * (bin_us / 1e6)
@@ -96,7 +95,7 @@ class Description:
 
 def _blocks(blocks: Iterable[NDArray[np.void]]) -> Iterator[NDArray[np.void]]:
     if not isinstance(blocks, Iterable) or isinstance(blocks, (str, np.ndarray)):
-        raise TypeError(checks.named("blocks", blocks, "give a recording, or a list of arrays"))
+        raise TypeError(_checks.named("blocks", blocks, "give a recording, or a list of arrays"))
     return (events_of_argument("blocks", block) for block in blocks)
 
 
@@ -146,7 +145,7 @@ class PeakCount:
 
     def __init__(self, window_us: int) -> None:
         """Count in windows of this length, the first of which begins at 0."""
-        checks.whole("window_us", window_us, 1, 2**62, "give at least 1 us")
+        _checks.whole("window_us", window_us, 1, 2**62, "give at least 1 us")
         self.peak = 0
         self._window_us = window_us
         self._open_window = -1
@@ -160,8 +159,8 @@ class PeakCount:
 
     def add(self, elapsed_us: NDArray[np.int64]) -> None:
         """Count the times of one block, at least one, none before those of the last block."""
-        elapsed_us = checks.column("elapsed_us", elapsed_us)
-        checks.require(elapsed_us.size > 0, "elapsed_us", elapsed_us, "give at least one time")
+        elapsed_us = _checks.column("elapsed_us", elapsed_us)
+        _checks.require(elapsed_us.size > 0, "elapsed_us", elapsed_us, "give at least one time")
         windows, counts = np.unique(elapsed_us // self._window_us, return_counts=True)
         if windows[0] == self._open_window:
             counts[0] += self._open_count
@@ -192,9 +191,9 @@ def decimate(x: Floats, y: Floats, points: int) -> tuple[Floats, Floats]:
     ValueError
         `points` is below 4.
     """
-    x, y = checks.column("x", x), checks.column("y", y)
-    checks.require(x.size == y.size, "y", y, f"give one value for each of the {x.size} x")
-    checks.whole("points", points, 4, 2**62, "must be at least 4")
+    x, y = _checks.column("x", x), _checks.column("y", y)
+    _checks.require(x.size == y.size, "y", y, f"give one value for each of the {x.size} x")
+    _checks.whole("points", points, 4, 2**62, "must be at least 4")
     if x.size <= points:
         return x, y
     columns = (points - 2) // 2
@@ -241,8 +240,8 @@ def median_in_windows(run: Run, column: str, window_ms: float) -> tuple[Floats, 
         `window_ms` is not positive, or there is no such column.
     """
     check_run(run)
-    checks.number("window_ms", window_ms, sys.float_info.min, sys.float_info.max, _POSITIVE)
-    checks.choice("column", column, run.packages.dtype.names or ())
+    _checks.number("window_ms", window_ms, sys.float_info.min, sys.float_info.max, _POSITIVE)
+    _checks.choice("column", column, run.packages.dtype.names or ())
     window_s = float(window_ms) / 1e3
     windows, begins = np.unique(np.floor(time_s(run) / window_s), return_index=True)
     parts = np.split(run.packages[column], begins[1:]) if windows.size else []

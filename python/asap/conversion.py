@@ -12,12 +12,10 @@ from typing import IO, Any
 
 import numpy as np
 
-from asap import checks, units
+from asap import _checks, _units
 from asap.events import Events
 from asap.experiment.source import Source
-from asap.io.encoded import write_encoded
-from asap.io.packet_writers import write_aedat4, write_mcap
-from asap.io.writers import Writer, write_npy, write_npz
+from asap.io.writers import Writer, write_aedat4, write_encoded, write_mcap, write_npy, write_npz
 
 __all__ = ["WRITERS", "convert", "format_of"]
 
@@ -87,14 +85,14 @@ def convert(
     >>> asap.convert("flight.aedat4", "flight.raw", relative=True)  # doctest: +SKIP
     117667
     """
-    target = checks.new_file("path", path)
+    target = _checks.new_file("path", path)
     if target.exists() and not target.is_file():
-        raise ValueError(checks.named("path", str(path), "is no regular file; give another"))
+        raise ValueError(_checks.named("path", str(path), "is no regular file; give another"))
     writer = WRITERS[format_of(target, to)]
-    checks.flag("relative", relative)
+    _checks.flag("relative", relative)
     stream = Source(source, width=width, height=height, on_bad="drop")
     if stream.recording is not None and _is_same(stream.recording.path, target):
-        raise ValueError(checks.named("path", str(path), "is the recording itself; give another"))
+        raise ValueError(_checks.named("path", str(path), "is the recording itself; give another"))
     with _replacing(target) as file:
         chunks = _in_order(stream, relative=relative)
         count = writer(file, chunks, stream.width or 0, stream.height or 0)
@@ -106,18 +104,18 @@ def convert(
 def format_of(path: Path, to: str | None) -> str:
     """Return the name of the format to write."""
     if to is not None:
-        checks.choice("to", to, WRITERS)
+        _checks.choice("to", to, WRITERS)
         return to
     try:
         return _SUFFIXES[path.suffix.lower()]
     except KeyError:
         remedy = f"its suffix names no format; give to, one of {', '.join(WRITERS)}"
-        raise ValueError(checks.named("path", str(path), remedy)) from None
+        raise ValueError(_checks.named("path", str(path), remedy)) from None
 
 
 def _losses(stream: Source) -> Iterator[str]:
     """Say what the written file does not have of the recording."""
-    if rejected := units.reasons(stream.rejected):
+    if rejected := _units.reasons(stream.rejected):
         yield f"without the events that were rejected: {rejected}"
     if stream.clock_resets:
         yield (

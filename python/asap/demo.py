@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from asap import _core, analysis, units
+from asap import _core, _units, analysis
+from asap._progress import OnProgress
 from asap.experiment import Run, simulate
 from asap.experiment import run as run_in_real_time
-from asap.progress import OnProgress
 from asap.synthetic import FlightOverChairs, ShakenPattern
 
 __all__ = ["Claim", "abrupt_motion", "claims", "flight", "run", "side_by_side"]
@@ -76,21 +76,8 @@ def run(
 ) -> tuple[list[Run], list[Path]]:
     """Run both experiments, and the first again under `Deadline`; write figures and report.
 
-    Parameters
-    ----------
-    out : path
-        Folder to write to; made where it does not exist.
-    quick : bool
-        Scenes of 1 s, each over the full range of rates.
-    on_progress : callable, optional
-        As in `asap.run`.
-
-    Returns
-    -------
-    runs : list of Run
-        Abrupt motion, flight, abrupt motion under `Deadline`.
-    paths : list of Path
-        The files written: three figures, one report.
+    Returns the three runs, and the paths of the figures and the report in the folder `out`, which
+    is made where it does not exist. `quick`: scenes of 1 s, each over the full range of rates.
     """
     from asap import plots
     from asap.report import run_report
@@ -114,11 +101,11 @@ def run(
 
 def side_by_side(paper: Run, default: Run) -> str:
     """Compare the first experiment under the scheme of the paper and under `Deadline`, as text."""
-    bound = units.duration(default.latency_bound_us)
+    bound = _units.duration(default.latency_bound_us)
     lines = [f"{'':<22}{'in time':>9}{'p99':>10}{'largest':>10}{'kept':>9}"]
     for name, one in (("scheme of the paper", paper), ("Deadline, the default", default)):
-        p99, largest = (units.duration(us) for us in (one.latency.quantile(0.99), one.latency.max))
-        in_time, kept = units.share(one.in_time), units.share(one.kept)
+        p99, largest = (_units.duration(us) for us in (one.latency.quantile(0.99), one.latency.max))
+        in_time, kept = _units.share(one.in_time), _units.share(one.kept)
         lines.append(f"{name:<22}{in_time:>9}{p99:>10}{largest:>10}{kept:>9}")
     more = default.in_time / paper.in_time - 1 if paper.in_time else np.inf
     difference = f"{100 * abs(more):.0f} % {'more' if more >= 0 else 'fewer'} events"
@@ -127,7 +114,7 @@ def side_by_side(paper: Run, default: Run) -> str:
         "of the paper. That scheme thins to a rate bound, which the user has to know. Deadline "
         "learns what the algorithm costs and uses all of the latency that the user allows."
     )
-    return "\n".join([*lines, "", *units.wrapped(words, 78)])
+    return "\n".join([*lines, "", *_units.wrapped(words, 78)])
 
 
 def claims(result: Run) -> list[Claim]:

@@ -13,8 +13,8 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from asap import _core, stamps
-from asap.checks import flag, is_masked, named, unmasked
+from asap import _core, _stamps
+from asap._checks import flag, is_masked, named, unmasked
 
 __all__ = ["EVENT_DTYPE", "Events", "as_events"]
 
@@ -85,7 +85,7 @@ def as_events(
         floating times with ``time_unit="us"``, columns of different lengths, an array without
         `order`, a copy that ``copy=False`` forbids.
     """
-    exponent = stamps.time_exponent(time_unit)
+    exponent = _stamps.time_exponent(time_unit)
     if order is not None:
         check_order(order)
     if copy is not None:
@@ -151,7 +151,7 @@ def misfits(role: str, column: Column, exponent: int = 0) -> npt.NDArray[np.bool
     """Mark the values that an event cannot hold; None where there can be none."""
     kind, size = column.dtype.kind, column.dtype.itemsize
     if kind in "mM":
-        return stamps.misfits(column)
+        return _stamps.misfits(column)
     if kind == "b":
         return None
     if role == "p":
@@ -162,7 +162,7 @@ def misfits(role: str, column: Column, exponent: int = 0) -> npt.NDArray[np.bool
             return ~in_reach
         if size < 8 and exponent <= 0:
             return None
-        limit = stamps.MAX // 10 ** max(exponent, 0)
+        limit = _stamps.MAX // 10 ** max(exponent, 0)
         return _outside(column, -limit, limit)
     if kind == "f":
         inside = (column >= 0) & (column <= _MAX_ADDRESS)
@@ -200,7 +200,7 @@ def pack(columns: Columns, exponent: int = 0, *, normalise: bool = True) -> Even
     Without `normalise`, a polarity other than 0 and 1 becomes -1 or 2, for a validator to count.
     """
     events: Events = np.zeros(len(columns["t"]), EVENT_DTYPE)
-    events["t"] = stamps.to_us(columns["t"], exponent)
+    events["t"] = _stamps.to_us(columns["t"], exponent)
     events["x"] = columns["x"]
     events["y"] = columns["y"]
     if "p" not in columns:
@@ -346,7 +346,7 @@ def _with_offset(source: Mapping[Any, Any], columns: dict[str, Any]) -> dict[str
     for place in (source, getattr(source, "parent", None)):
         if isinstance(place, Mapping) and "t_offset" in place:
             offset = np.asarray(place["t_offset"])
-            return columns | {"t": stamps.shifted(_numeric("t", columns["t"]), offset)}
+            return columns | {"t": _stamps.shifted(_numeric("t", columns["t"]), offset)}
     return columns
 
 

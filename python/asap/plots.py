@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core, analysis, checks, units
+from asap import _checks, _core, _units, analysis
 from asap.events import events_of_argument
 
 try:
@@ -35,6 +35,8 @@ __all__ = ["clusters", "control", "figure", "frame", "rate", "svg"]
 BLUE, VERMILION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#a14f7c"
 AMBER = "#c98a00"
 INK, FAINT = "#33383d", "#9aa1a8"
+
+_NARROW_INCHES = 4.0
 
 _ON, _OFF = (214, 39, 40), (31, 90, 180)
 
@@ -118,11 +120,6 @@ def control(
     points : int
         The most points of one curve; the smallest and the largest of what lies between stay.
 
-    Returns
-    -------
-    Figure or SubFigure
-        The one with the rows, as ``.axes``.
-
     Notes
     -----
     The curves of Tapia, Gomez Eguiluz, Martinez-de Dios, Ollero: ASAP: Adaptive Scheme for
@@ -146,11 +143,6 @@ def svg(figure: Figure) -> str:
     ----------
     figure : Figure
         Any figure of this module.
-
-    Returns
-    -------
-    str
-        An SVG document.
     """
     text = io.StringIO()
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "asap"}):
@@ -183,7 +175,7 @@ def _draw_size(curves: _Curves, axes: Axes) -> None:
 
 def _draw_rates(curves: _Curves, axes: Axes) -> None:
     peak_hz = max(curves.values("event_rate").max(initial=0), 1.0)
-    unit, scale = units.rate_axis(peak_hz)
+    unit, scale = _units.rate_axis(peak_hz)
     curves.draw(axes, curves.values("event_rate", scale), color=FAINT, label="event rate")
     curves.draw(axes, curves.values("rate", scale), color=GREEN, label="thinned, R")
     rate_bound = curves.run.scheme.parameters.get("rate_bound")
@@ -251,14 +243,10 @@ def frame(events: NDArray[np.void], width: int, height: int, *, ax: Axes | None 
         Of the sensor, px.
     ax : Axes, optional
         Where to draw.
-
-    Returns
-    -------
-    Axes
     """
     events = events_of_argument("events", events)
     for name, side in (("width", width), ("height", height)):
-        checks.whole(name, side, 1, 65536, "give the sensor's side in px, 1 to 65536")
+        _checks.whole(name, side, 1, 65536, "give the sensor's side in px, 1 to 65536")
     axes = ax or _own_axes((5.0, 5.0 * height / width))
     inside = (events["x"] < width) & (events["y"] < height)
     pixel = events["y"][inside].astype(np.int64) * width + events["x"][inside]
@@ -298,10 +286,6 @@ def clusters(
         Where to draw.
     lookahead_ms : float
         A line from each centre shows its way in this time; 0 draws none.
-
-    Returns
-    -------
-    Axes
     """
     axes = frame(events, width, height, ax=ax)
     for cluster in clusters:
@@ -350,14 +334,10 @@ def rate(events: NDArray[np.void], bin_us: float = 10_000, *, ax: Axes | None = 
         Length of a window in us.
     ax : Axes, optional
         Where to draw.
-
-    Returns
-    -------
-    Axes
     """
     time_s, rate_hz = analysis.rate(events, bin_us)
     axes = ax or _own_axes((7.0, 2.4))
-    unit, scale = units.rate_axis(rate_hz.max(initial=0))
+    unit, scale = _units.rate_axis(rate_hz.max(initial=0))
     time_s, thinned = analysis.decimate(time_s, rate_hz * scale, 2000)
     axes.plot(time_s, thinned, color=BLUE, drawstyle="steps-post")
     axes.set(xlabel="time from the first event [s]", ylabel=f"event rate [{unit}]")
@@ -371,11 +351,12 @@ def _own_axes(size_inches: tuple[float, float]) -> Axes:
 
 
 def _legend(axes: Axes) -> None:
-    # Beside the title, where no curve can be.
+    # Beside the title, where no curve can be; above it where there is no room.
+    is_narrow = axes.figure.bbox.width < _NARROW_INCHES * axes.figure.dpi
     axes.legend(
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
-        borderaxespad=0.2,
+        borderaxespad=2.0 if is_narrow else 0.2,
         ncols=3,
         handlelength=1.5,
         handletextpad=0.5,

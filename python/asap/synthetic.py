@@ -1,7 +1,8 @@
 """Synthetic event streams: the two experiments of the paper, without a camera.
 
 The streams are made natively while they are read, in flat memory and faster than real time. The
-same parameters give the same events on every machine.
+same parameters give the same events on every machine; one out of its range is a ValueError that
+names it.
 
 Source: Tapia, Gomez Eguiluz, Martinez-de Dios, Ollero, *ASAP: Adaptive Scheme for Asynchronous
 Processing of Event-based Vision Algorithms*, ICRA 2020 workshop, experiments.
@@ -14,7 +15,7 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap._pickling import Pickled
 from asap.events import EVENT_DTYPE, Events
 
@@ -34,11 +35,11 @@ class Reader(Protocol):
 def joined(arrays: Sequence[Events]) -> Events:
     """One array of all these events; np.concatenate alone would drop the padding."""
     if not isinstance(arrays, Sequence) or isinstance(arrays, str):
-        raise TypeError(checks.named("arrays", arrays, "give a list of arrays"))
+        raise TypeError(_checks.named("arrays", arrays, "give a list of arrays"))
     for array in arrays:
-        checks.unmasked("arrays", array)
+        _checks.unmasked("arrays", array)
         if getattr(array, "dtype", None) != EVENT_DTYPE or array.ndim != 1:
-            raise TypeError(checks.named("arrays", array, "give arrays in asap.EVENT_DTYPE"))
+            raise TypeError(_checks.named("arrays", array, "give arrays in asap.EVENT_DTYPE"))
     events = np.empty(sum(map(len, arrays)), EVENT_DTYPE)
     if arrays:
         np.concatenate(arrays, out=events)
@@ -63,8 +64,8 @@ class SyntheticStream(Pickled):
 
     def __init__(self, **parameters: Any) -> None:
         duration_s, seed = parameters["duration_s"], parameters["seed"]
-        checks.number("duration_s", duration_s, 0.01, 86_400, "give 0.01 to 86400 s")
-        checks.whole("seed", seed, 0, 2**64 - 1, "give an integer from 0 to 2**64 - 1")
+        _checks.number("duration_s", duration_s, 0.01, 86_400, "give 0.01 to 86400 s")
+        _checks.whole("seed", seed, 0, 2**64 - 1, "give an integer from 0 to 2**64 - 1")
         self._parameters = parameters
         self._open()  # checks the other parameters
 
@@ -140,11 +141,6 @@ class ShakenPattern(SyntheticStream):
     t0_us : int
         Timestamp at which the stream starts, us.
 
-    Raises
-    ------
-    ValueError
-        A parameter is out of its range; the message names it.
-
     Notes
     -----
     Edges are sharp and of one contrast, shapes lie in one plane; there is no lens, no bandwidth and
@@ -210,11 +206,6 @@ class FlightOverChairs(SyntheticStream):
         Background events per second and pixel, at most ``1e6 / (width * height)``.
     t0_us : int
         Timestamp at which the stream starts, us.
-
-    Raises
-    ------
-    ValueError
-        A parameter is out of its range; the message names it.
 
     Notes
     -----

@@ -23,6 +23,33 @@ std::string signature_of(const function_record& constructor, const std::string& 
   return text.append(kEnd);
 }
 
+// How to make it anew: width and height, where it has them, and what is no default.
+py::str how_to_make(const py::object& made, const py::handle& type) {
+  const auto signature = py::module_::import("inspect").attr("signature")(type);
+  py::list given;
+  for (const char* side : {"width", "height"}) {
+    if (py::hasattr(made, side)) given.append(py::str(made.attr(side)));
+  }
+  for (const auto& [name, held] : py::cast<py::dict>(made.attr("parameters"))) {
+    auto value = py::reinterpret_borrow<py::object>(held);
+    if (py::isinstance<py::list>(value)) value = py::tuple(value);  // as the default is
+    if (value.equal(signature.attr("parameters")[name].attr("default"))) continue;
+    given.append(py::str("{}={!r}").format(name, value));
+  }
+  const py::str arguments(py::str(", ").attr("join")(given));
+  return py::str("{}({})").format(py::type::of(made).attr("__name__"), arguments);
+}
+
+void show_repr(const py::handle& type) {
+  const auto own = py::reinterpret_borrow<py::object>(type.attr("__dict__"));
+  const bool is_plain =
+      reinterpret_cast<PyTypeObject*>(type.ptr())->tp_repr == PyBaseObject_Type.tp_repr;
+  if (!own.contains("parameters") || !is_plain) return;
+  type.attr("__repr__") =
+      py::cpp_function([type](const py::object& made) { return how_to_make(made, type); },
+                       py::name("__repr__"), py::is_method(type));
+}
+
 }  // namespace
 
 void show_signature(py::handle type, const std::string& keywords) {
@@ -41,7 +68,9 @@ void show_signature(py::handle type, const std::string& keywords) {
 
 void show_signatures(const py::module_& m) {
   for (const auto& [name, item] : py::cast<py::dict>(m.attr("__dict__"))) {
-    if (PyType_Check(item.ptr()) != 0) show_signature(item);
+    if (PyType_Check(item.ptr()) == 0) continue;
+    show_signature(item);
+    show_repr(item);
   }
 }
 

@@ -57,6 +57,14 @@ void bind_telemetry(py::module_& m) {
 
 Fixed memory; a quantile is within 0.4 %, the rest is exact.
 )")
+      .def(
+          "__repr__",
+          [](const LatencyHistogram& h) {
+            return py::str(
+                       "<LatencyHistogram: {} events, p50 {:.4g} us, p99 {:.4g} us, max {:.4g} us>")
+                .format(h.count(), h.quantile_ns(0.5) * 1e-3, h.quantile_ns(0.99) * 1e-3,
+                        static_cast<double>(h.max_ns()) * 1e-3);
+          })
       .def_property_readonly("count", &LatencyHistogram::count, "Events delivered.")
       .def_property_readonly(
           "mean", [](const LatencyHistogram& h) { return h.mean_ns() * 1e-3; }, "us")

@@ -7,6 +7,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from asap.results import run_table
+
 PACKAGES_DTYPE = np.dtype(
     [
         ("index", "<i8"),
@@ -69,6 +71,9 @@ class FakeRun:
         self.kept = ledger.delivered / received if received else 1.0
         self.in_time = float(in_time / received) if received else 1.0
         self._source = source
+
+    def __str__(self):
+        return run_table.format_run(self)
 
     def summary(self):
         rows = self.packages

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from asap.accuracy.labels import event_accuracy, noise_leak, time_to_confirm
 from asap.accuracy.matching import match
-from asap.accuracy.mota import mota
-from asap.accuracy.snapshot import Snapshot
-from asap.accuracy.trace import Sample, follow, sample_times
+from asap.accuracy.measures import event_accuracy, mota, noise_leak, time_to_confirm
+from asap.accuracy.trace import Sample, Snapshot, follow, sample_times
 from fake_scene import FakeScene, FakeTracker, perfect
 
 

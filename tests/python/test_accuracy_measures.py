@@ -7,15 +7,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from asap.accuracy.assignment import assign
-from asap.accuracy.hota import hota
-from asap.accuracy.idf1 import idf1
-from asap.accuracy.labels import SETTLED_US, noise_leak
-from asap.accuracy.matching import distances, match
-from asap.accuracy.nees import mean_chi_square_interval, nees
+from asap.accuracy.matching import assign, distances, match
+from asap.accuracy.measures import (
+    SETTLED_US,
+    hota,
+    idf1,
+    mean_chi_square_interval,
+    nees,
+    noise_leak,
+)
 from asap.accuracy.partition import compare_partitions
-from asap.accuracy.snapshot import Snapshot
-from asap.accuracy.trace import Sample
+from asap.accuracy.trace import Sample, Snapshot
 
 
 def samples_of(objects, clusters, covariances=None):

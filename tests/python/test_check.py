@@ -715,7 +715,7 @@ def test_summary_is_plain_json() -> None:
         {"x": 30, "y": 40, "events": int(found.pixel_counts[40, 30])},
     ]
     assert summary["busiest_pixels"][0] == summary["hot_pixels"][0]
-    assert repr(found) == f"Inspection('array', {found.events} events, wrong)"
+    assert repr(found) == f"<Inspection: array, {found.events} events, wrong>"
 
 
 # ---- real recordings ------------------------------------------------------------------------

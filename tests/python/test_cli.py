@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import asap as package
-from asap import cli, progress
+from asap import _progress, cli
 from asap.cli.choices import ALGORITHMS, algorithm_of
 from asap.io import CorruptFile, UnsupportedFormat
 from fake_run import fake_run
@@ -494,10 +494,10 @@ def test_a_claim_that_fails_is_a_failed_check(api, asap, demo, tmp_path):
 
 def test_progress_is_for_terminals_only(monkeypatch):
     monkeypatch.setattr(sys, "stderr", io.StringIO())
-    with progress.on_terminal() as on_progress:
+    with _progress.on_terminal() as on_progress:
         assert on_progress is None
     monkeypatch.setattr(sys, "stderr", None)  # closed
-    with progress.on_terminal() as on_progress:
+    with _progress.on_terminal() as on_progress:
         assert on_progress is None
 
 
@@ -510,8 +510,8 @@ def test_progress_without_tqdm_is_a_line_every_ten_seconds(monkeypatch):
     terminal, clock = Terminal(), SimpleNamespace(now_s=0.0)
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setitem(sys.modules, "tqdm", None)
-    monkeypatch.setattr(progress.time, "monotonic", lambda: clock.now_s)
-    with progress.on_terminal() as on_progress:
+    monkeypatch.setattr(_progress.time, "monotonic", lambda: clock.now_s)
+    with _progress.on_terminal() as on_progress:
         for clock.now_s in (1.0, 9.9, 10.0, 12.0, 20.0):
             on_progress(int(clock.now_s * 1000), 50_000, None)
     assert terminal.getvalue().splitlines() == [
@@ -532,7 +532,7 @@ def test_progress_with_tqdm_is_a_bar_that_goes_away(monkeypatch):
     monkeypatch.setattr("tqdm.tqdm", Bar)
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    with pytest.raises(KeyboardInterrupt), progress.on_terminal() as on_progress:
+    with pytest.raises(KeyboardInterrupt), _progress.on_terminal() as on_progress:
         on_progress(1000, 2000, None)
         on_progress(1500, 2000, None)
         raise KeyboardInterrupt

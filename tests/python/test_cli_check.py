@@ -8,7 +8,7 @@ import pytest
 
 import asap
 import corrupt
-from asap import cli, progress
+from asap import _progress, cli
 from event_files import write_csv
 
 SENSOR = ("--width", corrupt.WIDTH, "--height", corrupt.HEIGHT)
@@ -49,7 +49,7 @@ def test_a_clean_recording(call, save):
 
 def test_how_far_it_has_come_is_told_at_a_terminal(call, save, monkeypatch):
     told = []
-    monkeypatch.setattr(progress, "on_terminal", lambda: nullcontext(lambda *so: told.append(so)))
+    monkeypatch.setattr(_progress, "on_terminal", lambda: nullcontext(lambda *so: told.append(so)))
     assert call(save(corrupt.clean_events(70_000)), *SENSOR)[0] == 0
     assert told == [(1 << 16, None, {}), (70_000, None, {})]
 

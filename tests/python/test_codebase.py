@@ -37,20 +37,24 @@ MAY_INCLUDE = {
 
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
-    {"_core", "checks"},
-    {"_pickling", "metrics", "stamps", "units"},
+    {"_core", "_checks"},
+    {"_pickling", "_stamps", "_units"},
     {"events"},
     {"io", "synthetic"},
     {"results"},
     {"accuracy", "experiment", "profiles", "scenes"},
     {"analysis", "conversion"},
     {"inspection"},
-    {"plots", "progress"},
+    {"_progress", "plots"},
     {"report"},
     {"demo"},
     {"cli"},
     {"__main__"},
 )
+FOR_USERS = {  # what a user may name: modules, and where the names of asap itself are at home
+    *("accuracy", "analysis", "cli", "conversion", "demo", "events", "experiment", "inspection"),
+    *("io", "plots", "profiles", "report", "results", "scenes", "synthetic"),
+}
 # .plot() and .report() import their module when they are called.
 ARROWS_UP = {("results", "plots"), ("results", "report"), ("scenes", "report")}
 USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
@@ -250,6 +254,11 @@ def test_python_imports_point_down() -> None:
     assert not up
 
 
+def test_modules_that_are_not_for_users_begin_with_an_underscore() -> None:
+    found = {part_of(module) for module in MODULES} - {"", "__main__"}
+    assert {name for name in found if not name.startswith("_")} == FOR_USERS
+
+
 def test_no_module_of_python_is_in_a_circle() -> None:
     """Only .plot() and .report() bind late; a table may name the class of its result to mypy."""
     graph = {
@@ -318,22 +327,31 @@ def test_every_header_opens_with_what_it_is() -> None:
 # ---- Python ---------------------------------------------------------------------------------
 
 
-def says_what_it_is_and_what_it_exports(path: Path) -> bool:
-    tree = ast.parse(path.read_text())
-    assigned = {
-        target.id
+def exports(tree: ast.Module) -> bool:
+    return any(
+        isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
         for node in tree.body
-        if isinstance(node, ast.Assign)
-        for target in node.targets
-        if isinstance(target, ast.Name)
-    }
-    exports = "__all__" in assigned or path.name == "__main__.py"
-    return bool(ast.get_docstring(tree)) and exports
+    )
 
 
-def test_every_module_says_what_it_is_and_what_it_exports() -> None:
+def test_every_module_says_what_it_is() -> None:
     assert PYTHON
-    assert not [name_of(path) for path in PYTHON if not says_what_it_is_and_what_it_exports(path)]
+    assert not [
+        name_of(path) for path in PYTHON if not ast.get_docstring(ast.parse(path.read_text()))
+    ]
+
+
+def test_what_users_import_from_says_what_it_exports() -> None:
+    """Elsewhere a name without an underscore says it."""
+    tops = [PYTHON_ROOT / "asap" / f"{name}.py" for name in FOR_USERS]
+    doors = [*(path for path in PYTHON if path.name == "__init__.py"), *filter(Path.is_file, tops)]
+    trees = {name_of(path): ast.parse(path.read_text()) for path in doors}
+    names = (ast.ImportFrom, ast.FunctionDef, ast.ClassDef)
+    open_doors = [
+        name for name, tree in trees.items() if any(isinstance(n, names) for n in tree.body)
+    ]
+    assert len(open_doors) > 10
+    assert not [name for name in open_doors if not exports(trees[name])]
 
 
 def parameters(path: Path) -> Iterator[tuple[str, str]]:

@@ -14,7 +14,7 @@ import streams
 pytest.importorskip("matplotlib")
 
 from asap import plots
-from asap.report import comparison_figures, comparison_report
+from asap.report import comparison_report
 from asap.results import comparison_table
 from test_run_report import Page
 
@@ -51,7 +51,7 @@ def test_a_row_of_the_figure_for_each_scheme_best_first(comparison):
 
 
 def test_one_column_for_narrow_screens(comparison):
-    axes = comparison_figures.figure(comparison, columns=1).axes
+    axes = comparison_report.figure(comparison, columns=1).axes
     assert [titles(one)[0] for one in axes] == [
         "events that come in",
         *(text for row in comparison.rows for text in (row.label, f"score {row.score:.3f}")),
@@ -59,7 +59,7 @@ def test_one_column_for_narrow_screens(comparison):
 
 
 def test_the_curves_are_those_of_the_slots(comparison):
-    axes = comparison_figures.figure(comparison, points=10).axes
+    axes = comparison_report.figure(comparison, points=10).axes
     slots = comparison.runs["ours"].slots
     assert slots.size == 50
     time_s, latency_ms = axes[2].get_lines()[0].get_data()
@@ -77,7 +77,7 @@ def test_the_curves_are_those_of_the_slots(comparison):
 
 
 def test_late_windows_have_the_other_colour(comparison):
-    axes = comparison_figures.figure(comparison).axes
+    axes = comparison_report.figure(comparison).axes
 
     def area(collection):
         return max((path.vertices[:, 1].max() for path in collection.get_paths()), default=0.0)

@@ -231,7 +231,7 @@ def test_the_figure_has_a_line_told_and_one_not_told():
 
 def test_every_curve_of_a_figure_is_in_sight():
     pytest.importorskip("matplotlib")
-    from asap.report import accuracy_figures
+    from asap.report import accuracy_report
 
     low = curve_of([(1.0, None, 0.9)])
     high = KeepCurve(
@@ -240,7 +240,7 @@ def test_every_curve_of_a_figure_is_in_sight():
         None,
         [Scored(1.0, None, 0, {**low.scored[0].figures, "position_rms": 9, "mota": -0.4})],
     )
-    mota, _, position, _ = accuracy_figures.figure([low, high], title="scene A").axes
+    mota, _, position, _ = accuracy_report.figure([low, high], title="scene A").axes
     assert position.get_ylim()[0] == 0 and 9 < position.get_ylim()[1] < 12
     assert -0.5 <= mota.get_ylim()[0] < -0.4
     colours = {bars.lines[0].get_color() for bars in position.containers}

@@ -1,10 +1,10 @@
-"""asap.metrics on slots made by hand."""
+"""The laboratory's metrics on slots made by hand."""
 
 import numpy as np
 import pytest
 
 import asap
-from asap import metrics
+from asap_laboratory import metrics
 
 
 def slots(*rows):

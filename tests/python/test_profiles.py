@@ -116,7 +116,7 @@ def test_telegraph_dwells_12_ms_at_levels_around_9_and_1() -> None:
     dwells_ms = np.diff(switch) * 0.1
     assert dwells_ms.mean() == pytest.approx(12.0, rel=0.05)
     assert dwells_ms.std() == pytest.approx(12.0, rel=0.05)
-    rate = PROFILES["telegraph"]._pieces(profiles.draws.Draws(5))
+    rate = PROFILES["telegraph"]._pieces(profiles.rates.Draws(5))
     levels = np.log(np.concatenate([next(rate)[1] for _ in range(50)]).reshape(-1, 2) / 1e6)
     assert levels.mean(axis=0) == pytest.approx(np.log([9.0, 1.0]), abs=0.05)
     assert levels.std(axis=0) == pytest.approx([0.7, 0.6], abs=0.03)
@@ -151,7 +151,7 @@ def test_random_rates_forget_what_is_past() -> None:
 
 
 def test_fifteen_times_a_random_rate_is_still_a_rate() -> None:
-    telegraph = PROFILES["telegraph"]._pieces(profiles.draws.Draws(5))
+    telegraph = PROFILES["telegraph"]._pieces(profiles.rates.Draws(5))
     assert max(next(telegraph)[1].max() for _ in range(400)) == 100e6
     assert log_levels("ou4ms", 0.001, duration_s=600.0).max() == pytest.approx(np.log(100.0))
 

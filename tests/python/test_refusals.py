@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 
 import asap
-from asap import _core, analysis, metrics, profiles, scenes, synthetic
-from asap_laboratory import accuracy_study, ladder_study, rivals_study, study
+from asap import _core, analysis, profiles, scenes, synthetic
+from asap_laboratory import accuracy_study, ladder_study, metrics, rivals_study, study
 from children import run_script
 from fake_scene import FakeScene
 from threads import TRIES

@@ -56,6 +56,19 @@ def test_these_are_all() -> None:
     assert set(Result.__subclasses__()) == set(RESULTS)
 
 
+PHONE_PX = 360 - 2 * (12 + 14 + 1)  # the window less the padding of page and card
+
+
+def test_on_a_phone_the_smallest_words_of_its_figure_can_be_read(
+    result: Any, tmp_path: Path
+) -> None:
+    html = result.report(tmp_path / "page.html").read_text()
+    drawn = re.search(r'<svg class="narrow"[^>]*viewBox="0 0 ([0-9.]+) .*?</svg>', html, re.S)
+    assert drawn is not None
+    sizes = [float(size) for size in re.findall(r"(?:font-size|font): ?([0-9.]+)px", drawn[0])]
+    assert sizes and min(sizes) * PHONE_PX / float(drawn[1]) >= 10
+
+
 def test_a_summary_is_saved(result: Any, tmp_path: Path) -> None:
     path = result.save(str(tmp_path / "out.json"))
     assert path == tmp_path / "out.json"

@@ -11,6 +11,7 @@ pytest.importorskip("matplotlib")
 
 from asap import plots
 from asap.report import scene_figures
+from asap_laboratory import scene_pictures
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +44,7 @@ def test_a_scene_plots_itself_in_its_middle(scene: Scene) -> None:
 
 
 def test_pictures_of_the_documentation_are_there_light_and_alike(scene: Scene) -> None:
-    names = {f"scene_{one.name}.svg" for one, _, _ in scene_figures.documented()}
+    names = {f"scene_{one.name}.svg" for one, _, _ in scene_pictures.documented()}
     files = {path.name: path for path in (ROOT / "notebooks").glob("scene_*.svg")}
     assert set(files) == names
     sizes = [path.stat().st_size for path in files.values()]

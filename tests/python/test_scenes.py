@@ -196,7 +196,7 @@ def test_named_scenes_say_what_they_are(name: str) -> None:
     }[name]
     assert (scene.width, scene.height, scene.duration_us) == (width, height, duration_us)
     assert len(scene.truth(0)) == objects
-    assert f"{name}, seed 3: {width} x {height} px, {objects} objects" in repr(scene)
+    assert f"{name}, seed 3, {width} x {height} px, {objects} objects" in repr(scene)
 
 
 @pytest.mark.parametrize(("kind", "corners"), [("bars", 4), ("angles", 6), ("rings", 0)])

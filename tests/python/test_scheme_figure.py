@@ -11,7 +11,7 @@ from house import ROOT
 
 pytest.importorskip("matplotlib")
 
-from asap.report import scheme_figure
+from asap_laboratory import scheme_figure
 
 FILE = ROOT / "notebooks" / "schemes.svg"
 

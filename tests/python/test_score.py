@@ -7,7 +7,7 @@ import pytest
 
 import asap
 import streams
-from asap.accuracy.passing import passed
+from asap.accuracy.trace import passed
 from fake_scene import CLUSTER_DTYPE, FakeScene, FakeTracker, perfect
 
 TWO = [(50, 50, 100, 0), (150, 100, 0, -50)]

@@ -184,7 +184,9 @@ def test_steps_are_timed():
 
 
 def test_steps_down_count_where_their_phase_is_whole(monkeypatch):
-    monkeypatch.setattr("asap.metrics.recovery_ms", lambda slots, steps, *_: float(sum(steps)))
+    monkeypatch.setattr(
+        "asap_laboratory.metrics.recovery_ms", lambda slots, steps, *_: float(sum(steps))
+    )
     case = Case("steps", "fast", duration_s=2.7, contenders=("FixedTime 20 ms",))
     figures = case.measure().figures["FixedTime 20 ms"]
     assert figures.recovery_ms == 1500.0

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from asap import units
+from asap import _units
 
 
 @pytest.mark.parametrize(
@@ -22,13 +22,13 @@ from asap import units
     ],
 )
 def test_duration_in_any_unit(text, us):
-    assert units.parse_duration_us(text) == us
+    assert _units.parse_duration_us(text) == us
 
 
 @pytest.mark.parametrize("text", ["10", "10.5", "1e4", " 10 "])
 def test_a_bare_number_is_refused_and_the_remedy_shows_a_unit(text):
     with pytest.raises(ValueError, match=r"latency = .*the unit is missing, for example .*ms"):
-        units.parse_duration_us(text, field="latency")
+        _units.parse_duration_us(text, field="latency")
 
 
 @pytest.mark.parametrize(
@@ -36,7 +36,7 @@ def test_a_bare_number_is_refused_and_the_remedy_shows_a_unit(text):
 )
 def test_what_is_no_duration_names_field_and_value(text):
     with pytest.raises(ValueError, match=r"^latency = ") as error:
-        units.parse_duration_us(text, field="latency")
+        _units.parse_duration_us(text, field="latency")
     assert f"latency = {text}:" in str(error.value)
 
 
@@ -51,18 +51,18 @@ def test_what_is_no_duration_names_field_and_value(text):
     ],
 )
 def test_cost_per_package_and_per_event(text, cost):
-    assert units.parse_cost(text) == cost
+    assert _units.parse_cost(text) == cost
 
 
 @pytest.mark.parametrize("text", ["100us", "100+300", "100us+300", "100us+300ns+1ns", "us+ns", ""])
 def test_what_is_no_cost_is_refused(text):
     with pytest.raises(ValueError, match=r"^cost"):
-        units.parse_cost(text)
+        _units.parse_cost(text)
 
 
 @given(st.integers(0, 10**12))
 def test_whole_microseconds_survive(us):
-    assert units.parse_duration_us(f"{us}us") == us
+    assert _units.parse_duration_us(f"{us}us") == us
 
 
 WORDS = st.lists(
@@ -79,7 +79,7 @@ WORDS = st.lists(
 @given(WORDS)
 def test_any_text_is_a_finite_duration_or_refused_by_name(text):
     try:
-        us = units.parse_duration_us(text, field="latency")
+        us = _units.parse_duration_us(text, field="latency")
     except ValueError as error:
         assert str(error).startswith("latency = ")
     else:
@@ -89,7 +89,7 @@ def test_any_text_is_a_finite_duration_or_refused_by_name(text):
 @given(WORDS, WORDS)
 def test_any_text_is_a_finite_cost_or_refused_by_name(alpha, beta):
     try:
-        cost = units.parse_cost(f"{alpha}+{beta}")
+        cost = _units.parse_cost(f"{alpha}+{beta}")
     except ValueError as error:
         assert str(error).startswith("cost")
     else:
@@ -112,7 +112,7 @@ def test_any_text_is_a_finite_cost_or_refused_by_name(alpha, beta):
     ],
 )
 def test_durations_are_written_with_three_digits(us, text):
-    assert units.duration(us) == text
+    assert _units.duration(us) == text
 
 
 @pytest.mark.parametrize(
@@ -120,16 +120,16 @@ def test_durations_are_written_with_three_digits(us, text):
     [(0, "0 ev/s"), (950, "950 ev/s"), (6.53e6, "6.53 Mev/s"), (999_900, "1 Mev/s")],
 )
 def test_rates_are_written_with_three_digits(hz, text):
-    assert units.rate(hz) == text
+    assert _units.rate(hz) == text
 
 
 def test_shares_never_round_to_none_or_all():
-    assert units.share(0) == "0.0 %"
-    assert units.share(1) == "100.0 %"
-    assert units.share(1e-9) == "< 0.1 %"
-    assert units.share(1 - 1e-9) == units.share(0.9992) == "> 99.9 %"
-    assert units.share(0.1234) == "12.3 %"
+    assert _units.share(0) == "0.0 %"
+    assert _units.share(1) == "100.0 %"
+    assert _units.share(1e-9) == "< 0.1 %"
+    assert _units.share(1 - 1e-9) == _units.share(0.9992) == "> 99.9 %"
+    assert _units.share(0.1234) == "12.3 %"
 
 
 def test_counts_are_grouped():
-    assert units.count(27_300_000) == "27,300,000"
+    assert _units.count(27_300_000) == "27,300,000"

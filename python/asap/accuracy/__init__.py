@@ -1,7 +1,7 @@
 """Accuracy: what an algorithm gets right where the truth is known, and what discarding costs.
 
-`score` judges one run, `keep_curve` one algorithm over the kept fraction gamma. Each figure has a
-file of its own; all of them read the `Trace` of a tracker or the matches of its samples.
+`score` judges one run, `keep_curve` one algorithm over the kept fraction gamma. All figures read
+the `Trace` of a tracker or the matches of its samples.
 """
 
 from asap.accuracy.curve import keep_curve

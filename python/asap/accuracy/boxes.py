@@ -10,19 +10,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from asap.accuracy.assignment import assign
-from asap.accuracy.mota import ratio
-from asap.accuracy.snapshot import Snapshot
-
-__all__ = [
-    "PADDING_PX",
-    "BoxMatch",
-    "BoxScene",
-    "BoxScore",
-    "box_matches",
-    "box_score",
-    "frames",
-]
+from asap.accuracy.matching import assign
+from asap.accuracy.measures import ratio
+from asap.accuracy.trace import Snapshot
 
 PADDING_PX = 2.0  #: a centre counts as inside so far beyond the edge of a box
 
@@ -80,16 +70,8 @@ def frames(boxes: NDArray[np.void]) -> Iterator[NDArray[np.void]]:
 
 
 def box_matches(scene: BoxScene, snapshots: list[Snapshot]) -> list[BoxMatch]:
-    """Match clusters to boxes at every labelled time.
+    """Match clusters to boxes at every labelled time; `snapshots` are those of its `frames`.
 
-    Parameters
-    ----------
-    scene : BoxScene
-    snapshots : list of Snapshot
-        At the time of each of its `frames`.
-
-    Notes
-    -----
     Candidates are pairs whose cluster has its centre in the box or up to 2 px beyond. The one to
     one assignment matches the most boxes, then repeats the most ids that the objects had last, then
     has the least total distance (Hungarian method). A cluster left over is false unless it lies in
@@ -105,14 +87,6 @@ def box_matches(scene: BoxScene, snapshots: list[Snapshot]) -> list[BoxMatch]:
 def box_score(scene: BoxScene, matches: list[BoxMatch]) -> BoxScore:
     """Count matches, misses and false clusters.
 
-    Parameters
-    ----------
-    scene : BoxScene
-    matches : list of BoxMatch
-        As `box_matches` returns them.
-
-    Notes
-    -----
     Where the background is not labelled, a false cluster cannot be told from a right one: precision
     and mota are NaN.
     """

@@ -7,11 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from asap.accuracy.mota import ratio
+from asap.accuracy.measures import ratio
 from asap.accuracy.scene import NOISE, Scene
 from asap.accuracy.trace import Feed
-
-__all__ = ["RADIUS_PX", "Corners", "corners", "near_a_vertex"]
 
 RADIUS_PX = 3.5  #: an event this near to a vertex of its own object is a true corner
 _STEP_US = 250  # of the truth of asap.scenes
@@ -29,22 +27,8 @@ class Corners(NamedTuple):
 
 
 def corners(scene: Scene, feed: Feed) -> Corners:
-    """Score a corner detector.
+    """Score a corner detector on a scene with ``vertices(t_us)`` by the bools that it returned.
 
-    Parameters
-    ----------
-    scene : Scene
-        With ``vertices(t_us)``: structured array with id, x, y.
-    feed : Feed
-        With a bool for each event.
-
-    Raises
-    ------
-    TypeError
-        The scene has no vertices.
-
-    Notes
-    -----
     True corners are events within 3.5 px of a vertex of their own object at their time. Many events
     in such a disc lie on an edge, so recall is low for the best detector too: compare detectors.
     """
@@ -71,16 +55,9 @@ def corners(scene: Scene, feed: Feed) -> Corners:
 def near_a_vertex(
     scene: Any, events: NDArray[np.void], labels: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
-    """Return which events are true corners.
+    """Return which events, in time order, are true corners; `labels` are their objects.
 
-    Parameters
-    ----------
-    scene : Scene
-        With ``vertices(t_us)``; fast where it names them in the same order at all times.
-    events : ndarray, shape (n,), EVENT_DTYPE
-        In time order.
-    labels : ndarray of int64, shape (n,)
-        Their objects.
+    Fast where the scene names its vertices in the same order at all times.
     """
     near = np.zeros(events.size, bool)
     if events.size == 0:

@@ -6,12 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from asap import checks
+from asap import _checks
 from asap.accuracy.scene import Scene, check_scene
 from asap.accuracy.scoring import can_be_told, score
 from asap.results.keep_curve import KeepCurve, Scored
-
-__all__ = ["GAMMAS", "keep_curve", "scores_of"]
 
 GAMMAS = (1.0, 0.5, 0.2, 0.1, 0.05)
 
@@ -61,17 +59,17 @@ def keep_curve(
     told.
     """
     gammas = [
-        checks.number("gammas", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
-        for gamma in checks.listed("gammas", gammas)
+        _checks.number("gammas", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
+        for gamma in _checks.listed("gammas", gammas)
     ]
-    for seed in checks.listed("seeds", seeds):
-        checks.whole("seeds", seed, 0, 2**64 - 1, "must be at least 0 and below 2**64")
+    for seed in _checks.listed("seeds", seeds):
+        _checks.whole("seeds", seed, 0, 2**64 - 1, "must be at least 0 and below 2**64")
     for name, make in (("algorithm", algorithm), ("before", before)):
         if name == "before" and make is None:
             continue
         if not callable(make) or _is_an_object(make):
             raise TypeError(
-                checks.named(
+                _checks.named(
                     name,
                     make,
                     "give its class or a function of (width, height), as every run needs a fresh "

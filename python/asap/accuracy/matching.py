@@ -6,55 +6,27 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from asap.accuracy.trace import Sample
-
-__all__ = ["GATE_PX", "Matched", "distances", "gates", "match"]
 
 GATE_PX = 12.0  #: a cluster farther from a centre than this is not the object, unless said else
 
 
 class Matched(NamedTuple):
-    """One sample with its matches.
-
-    Attributes
-    ----------
-    sample : Sample
-    pairs : ndarray of int64, shape (tp, 2)
-        Row of the object and row of the cluster, the nearest first.
-    distances : ndarray of float64, shape (tp,)
-        px.
-    counted : ndarray of bool, shape (m,)
-        Clusters that are matched or false; not those that are excused by an inactive object.
-    switches : int
-        Objects matched to another id than before.
-    memory : dict of int to int
-        Id last matched to each object, this sample included.
-    """
+    """One sample with its matches."""
 
     sample: Sample
-    pairs: NDArray[np.int64]
-    distances: NDArray[np.float64]
-    counted: NDArray[np.bool_]
-    switches: int
-    memory: dict[int, int]
+    pairs: NDArray[np.int64]  #: (tp, 2): row of the object, row of the cluster; the nearest first
+    distances: NDArray[np.float64]  #: px, of each pair
+    counted: NDArray[np.bool_]  #: clusters that no inactive object excuses: matched or false
+    switches: int  #: objects matched to another id than before
+    memory: dict[int, int]  #: id last matched to each object, this sample included
 
 
 def match(samples: Iterable[Sample]) -> list[Matched]:
-    """Match clusters to objects in every sample.
+    """Match clusters to objects in every sample, in time order.
 
-    Parameters
-    ----------
-    samples : iterable of Sample
-        In time order.
-
-    Returns
-    -------
-    list of Matched
-
-    Notes
-    -----
     Candidates are pairs of a cluster and an active object less than 12 px apart, or less than the
     gate that the scene gives for the object. They are taken greedily, one to one: pairs that repeat
     the id that the object had last, then the others, each by ascending distance. A cluster left
@@ -105,3 +77,49 @@ def gates(sample: Sample) -> NDArray[np.float64]:
     if sample.gates_px is None:
         return np.full((sample.objects.size, 1), GATE_PX)
     return sample.gates_px[:, None]
+
+
+def assign(cost: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Assign rows to columns one to one at the least sum of costs, a finite number for each pair.
+
+    Returns rows, ascending, and columns, each of shape (min(n, m),). Shortest augmenting paths with
+    potentials: Jonker, Volgenant: A Shortest Augmenting Path Algorithm for Dense and Sparse Linear
+    Assignment Problems, Computing 38, 1987. n^2 m steps at most (n <= m), in vectors of m.
+    """
+    table = np.asarray(cost, np.float64)
+    if table.ndim != 2 or not np.all(np.isfinite(table)):
+        raise ValueError(f"cost of shape {table.shape}: must be a matrix of finite numbers")
+    if table.shape[0] > table.shape[1]:
+        columns, rows = assign(table.T)
+        order = np.argsort(rows)
+        return rows[order], columns[order]
+    n, m = table.shape
+    row_price, column_price = np.zeros(n), np.zeros(m)
+    row_of = np.full(m, -1, np.int64)
+    for start in range(n):
+        distance, previous = np.full(m, np.inf), np.full(m, start, np.int64)
+        open_columns, closed = np.ones(m, bool), []
+        row, reached = start, 0.0
+        while True:
+            through = reached + table[row] - row_price[row] - column_price
+            shorter = open_columns & (through < distance)
+            distance[shorter], previous[shorter] = through[shorter], row
+            column = int(np.argmin(np.where(open_columns, distance, np.inf)))
+            reached = distance[column]
+            if row_of[column] < 0:
+                break
+            open_columns[column] = False
+            closed.append(column)
+            row = int(row_of[column])
+        row_price[start] += reached
+        slack = reached - distance[closed]
+        row_price[row_of[closed]] += slack
+        column_price[closed] -= slack
+        while column >= 0:  # along the path, back to the row that was free
+            row = int(previous[column])
+            after = np.flatnonzero(row_of == row)
+            row_of[column] = row
+            column = int(after[0]) if row != start else -1
+    columns = np.flatnonzero(row_of >= 0)
+    order = np.argsort(row_of[columns])
+    return row_of[columns][order], columns[order]

@@ -7,8 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Partition", "compare_partitions"]
-
 
 class Partition(NamedTuple):
     """How well two partitions agree; 1 = they are the same."""
@@ -21,23 +19,12 @@ class Partition(NamedTuple):
 
 
 def compare_partitions(labels: ArrayLike, ids: ArrayLike) -> Partition:
-    """Compare the returned ids K of events with their true labels C.
+    """Compare the returned ids K of events with their true labels C; NaN without events.
 
-    Parameters
-    ----------
-    labels, ids : array_like of int, shape (n,)
-        Whatever stands there is a class of its own, -1 (noise; no id) too.
-
-    Returns
-    -------
-    Partition
-        NaN without events.
-
-    Notes
-    -----
-    Rosenberg, Hirschberg: V-Measure, EMNLP-CoNLL 2007; Hubert, Arabie: Comparing Partitions, 1985;
-    Larsen, Aone: Fast and Effective Text Mining Using Linear-time Document Clustering, KDD 1999
-    (the F-measure of a partition).
+    Whatever stands there is a class of its own, -1 (noise; no id) too. Rosenberg, Hirschberg:
+    V-Measure, EMNLP-CoNLL 2007; Hubert, Arabie: Comparing Partitions, 1985; Larsen, Aone: Fast and
+    Effective Text Mining Using Linear-time Document Clustering, KDD 1999 (the F-measure of a
+    partition).
     """
     table = _contingency(np.asarray(labels), np.asarray(ids))
     if table.size == 0:

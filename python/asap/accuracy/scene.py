@@ -7,10 +7,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from asap.checks import unmasked
+from asap._checks import unmasked
 from asap.events import EVENT_DTYPE
-
-__all__ = ["NOISE", "Scene", "check_scene"]
 
 NOISE = -1  #: label of an event that no object caused
 
@@ -49,15 +47,7 @@ class Scene(Protocol):
 
 
 def check_scene(scene: Any) -> None:
-    """Refuse what is no scene.
-
-    Raises
-    ------
-    TypeError
-        An attribute is missing, or the events are of another dtype.
-    ValueError
-        Labels and events do not fit together, or the events are not in time order.
-    """
+    """Refuse what is no scene."""
     missing = [
         name
         for name in ("events", "labels", "truth", "width", "height")

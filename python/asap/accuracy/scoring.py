@@ -8,20 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from asap import checks
+from asap import _checks
 from asap.accuracy.boxes import BoxScene, box_matches, box_score, frames
 from asap.accuracy.corners import corners
-from asap.accuracy.hota import hota
-from asap.accuracy.idf1 import idf1
-from asap.accuracy.labels import SETTLED_US, event_accuracy, noise_leak, time_to_confirm
 from asap.accuracy.matching import match
-from asap.accuracy.mota import mota, ratio
-from asap.accuracy.nees import nees
+from asap.accuracy.measures import (
+    SETTLED_US,
+    event_accuracy,
+    hota,
+    idf1,
+    mota,
+    nees,
+    noise_leak,
+    ratio,
+    time_to_confirm,
+)
 from asap.accuracy.partition import compare_partitions
 from asap.accuracy.scene import NOISE, Scene, check_scene
 from asap.accuracy.trace import Feed, Trace, follow, run_through, snapshots_at
-
-__all__ = ["can_be_told", "score"]
 
 
 def score(
@@ -123,13 +127,13 @@ def score(
     """
     if not hasattr(scene, "boxes"):
         check_scene(scene)
-    checks.choice("active", active, ("produced", "kept"))
-    gamma = checks.number("gamma", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
-    checks.flag("told", told)
+    _checks.choice("active", active, ("produced", "kept"))
+    gamma = _checks.number("gamma", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
+    _checks.flag("told", told)
     for name, value in (("tracker", tracker), ("before", before)):
-        checks.worker(name, value)
+        _checks.worker(name, value)
         if not (hasattr(value, "process") or (name == "before" and value is None)):
-            raise TypeError(checks.named(name, value, "give an object with process(events)"))
+            raise TypeError(_checks.named(name, value, "give an object with process(events)"))
     if gamma < 1 and told and can_be_told(tracker):
         _tell(tracker, gamma, filter_upstream=before is not None)
     options: dict[str, Any] = {"before": before, "gamma": gamma, "seed": seed}
@@ -142,7 +146,7 @@ def _figures(
 ) -> tuple[dict[str, float], Feed]:
     if not (hasattr(tracker, "clusters") or hasattr(tracker, "clusters_at")):
         if hasattr(scene, "boxes"):
-            raise TypeError(checks.named("tracker", tracker, "boxes need clusters"))
+            raise TypeError(_checks.named("tracker", tracker, "boxes need clusters"))
         feed = run_through(tracker, scene, **options)
         if feed.returned is None or feed.returned.dtype != np.bool_:
             raise TypeError(

@@ -11,23 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _core
-from asap.accuracy.passing import passed
 from asap.accuracy.scene import NOISE, Scene
-from asap.accuracy.snapshot import Snapshot, clusters_at
-
-__all__ = [
-    "PERIOD_US",
-    "START_US",
-    "Feed",
-    "HasEvents",
-    "Sample",
-    "Trace",
-    "follow",
-    "run_through",
-    "sample_times",
-    "samples_without_clusters",
-    "snapshots_at",
-]
 
 START_US = 100_000  #: the first sample
 PERIOD_US = 5_000  #: from one to the next
@@ -35,75 +19,36 @@ ACTIVE_EVENTS = 5  #: of an object since the previous sample, to count as active
 
 
 class Sample(NamedTuple):
-    """A moment: what is there, and what the tracker says.
-
-    Attributes
-    ----------
-    t_us : int
-    objects : ndarray of int64, shape (k,)
-        Ids of the objects.
-    centres, speeds : ndarray of float64, shape (k, 2)
-        px; px/s.
-    active : ndarray of bool, shape (k,)
-        At least 5 events since the previous sample.
-    clusters : Snapshot
-    gates_px : ndarray of float64, shape (k,), or None
-        A cluster farther from the centre than this is not the object; None: 12 px for each.
-    """
+    """A moment: what is there, and what the tracker says."""
 
     t_us: int
-    objects: NDArray[np.int64]
-    centres: NDArray[np.float64]
-    speeds: NDArray[np.float64]
-    active: NDArray[np.bool_]
+    objects: NDArray[np.int64]  #: their ids, shape (k,)
+    centres: NDArray[np.float64]  #: (k, 2), px
+    speeds: NDArray[np.float64]  #: (k, 2), px/s
+    active: NDArray[np.bool_]  #: at least 5 events since the previous sample
     clusters: Snapshot
-    gates_px: NDArray[np.float64] | None = None
+    gates_px: NDArray[np.float64] | None = None  #: a cluster farther away is another; None: 12 px
 
 
 @dataclass(frozen=True)
 class Feed:
-    """The events that reached an algorithm, and what it returned for them.
+    """The events that reached an algorithm, and what it returned for them."""
 
-    Attributes
-    ----------
-    indices : ndarray of int64, shape (m,)
-        Into the events of the scene.
-    returned : ndarray, shape (m,), or None
-        An id or a bool for each; None where the algorithm returns nothing of that kind.
-    entered : ndarray of int64, shape (packages,)
-        Events of each package that went into the filter in front, without one into the algorithm.
-    busy_ns : ndarray of int64, shape (packages,)
-        Time in the filter and the algorithm.
-    """
-
-    indices: NDArray[np.int64]
-    returned: NDArray[Any] | None
-    entered: NDArray[np.int64]
-    busy_ns: NDArray[np.int64]
+    indices: NDArray[np.int64]  #: into the events of the scene
+    returned: NDArray[Any] | None  #: an id or a bool for each; None: nothing of that kind
+    entered: NDArray[np.int64]  #: events of each package that went into filter or algorithm
+    busy_ns: NDArray[np.int64]  #: time of each package in both
 
 
 @dataclass(frozen=True)
 class Trace:
-    """A tracker over a scene.
+    """A tracker over a scene."""
 
-    Attributes
-    ----------
-    samples : list of Sample
-        Every 5 ms from 100 ms on, up to the last event.
-    t_us, labels : ndarray, shape (m,)
-        Stamp and true label of the events that reached the tracker.
-    ids : ndarray of int64, shape (m,), or None
-        Returned for them; None where the tracker returns none.
-    first_us : dict of int to int
-        Stamp of the first event of each object in the scene.
-    feed : Feed
-    """
-
-    samples: list[Sample]
-    t_us: NDArray[np.int64]
-    labels: NDArray[np.int64]
-    ids: NDArray[np.int64] | None
-    first_us: dict[int, int]
+    samples: list[Sample]  #: every 5 ms from 100 ms on, up to the last event
+    t_us: NDArray[np.int64]  #: of the events that reached the tracker
+    labels: NDArray[np.int64]  #: of the same
+    ids: NDArray[np.int64] | None  #: returned for them; None where the tracker returns none
+    first_us: dict[int, int]  #: stamp of the first event of each object in the scene
     feed: Feed
 
 
@@ -203,17 +148,7 @@ def follow(
     seed: int = 0,
     active: str = "produced",
 ) -> Trace:
-    """Let a tracker follow a scene and note what it says at every sample time.
-
-    Parameters
-    ----------
-    tracker, scene, before, gamma, seed, active
-        As in `asap.score`.
-
-    Returns
-    -------
-    Trace
-    """
+    """Let a tracker follow a scene and note what it says at every sample time; see `score`."""
     labels = np.asarray(scene.labels).astype(np.int64)
     door = _Door(tracker, scene, before, gamma, seed)
     samples = []
@@ -269,10 +204,7 @@ def run_through(
 def samples_without_clusters(scene: Scene) -> list[Sample]:
     """Return what there is at every sample time, for whoever asks the tracker himself.
 
-    Parameters
-    ----------
-    scene : Scene
-        All its events make an object active.
+    All events of the scene make an object active.
     """
     t_us, labels = scene.events["t"], np.asarray(scene.labels).astype(np.int64)
     times = sample_times(scene.events)
@@ -310,3 +242,90 @@ def _first_us(t_us: NDArray[np.int64], labels: NDArray[np.int64]) -> dict[int, i
         for label, index in zip(objects, first, strict=True)
         if label != NOISE
     }
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Clusters at one time, one row each; None: the tracker has or states none."""
+
+    ids: NDArray[np.int64]
+    positions: NDArray[np.float64]  # (m, 2), px
+    velocities: NDArray[np.float64] | None = None  # (m, 2), px/s
+    covariances: NDArray[np.float64] | None = None  # (m, 2, 2), of the position's error, px^2
+
+
+def clusters_at(tracker: Any, t_us: int) -> Snapshot:
+    """Read the confirmed clusters of a tracker at a time, not before the last event it has seen.
+
+    ``clusters_at(t_us)`` extrapolates by itself, ``clusters`` is extrapolated here where it has vx,
+    vy and t_last. Either gives a structured array with id, x, y and, where the tracker knows them,
+    vx, vy [px/s], t_last [us] and the covariance pxx, pxy, pyy [px^2] of the error of x, y
+    (infinite: it knows none). The fields cxx, cxy, cyy are its extent, not its error, and are not
+    read.
+    """
+    extrapolates = hasattr(tracker, "clusters_at")
+    table = np.asarray(tracker.clusters_at(t_us) if extrapolates else tracker.clusters)
+    names = table.dtype.names or ()
+    if not {"id", "x", "y"} <= set(names):
+        raise TypeError(f"clusters of {tracker!r} have the fields {names}: need id, x, y")
+    positions = _columns(table, "x", "y")
+    velocities = _columns(table, "vx", "vy") if {"vx", "vy"} <= set(names) else None
+    if velocities is not None and not extrapolates and "t_last" in names:
+        positions = positions + velocities * ((t_us - table["t_last"]) * 1e-6)[:, None]
+    covariances = None
+    if {"pxx", "pxy", "pyy"} <= set(names):
+        stated = _columns(table, "pxx", "pxy", "pxy", "pyy").reshape(-1, 2, 2)
+        covariances = stated if np.all(np.isfinite(stated)) else None
+    return Snapshot(table["id"].astype(np.int64), positions, velocities, covariances)
+
+
+def _columns(table: NDArray[np.void], *names: str) -> NDArray[np.float64]:
+    return np.stack([table[name].astype(np.float64) for name in names], axis=-1)
+
+
+_COORDINATE_BITS = 16
+
+
+def passed(returned: Any, events: NDArray[np.void]) -> NDArray[np.int64]:
+    """Find the indices, ascending, of the events that a filter let pass.
+
+    It returned those events, in their order and unchanged, or a bool for each event (a corner
+    detector in front of a tracker). The events that went in are in time order, of less than 1000 s;
+    of several that are alike in every field, the first ones pass. A ValueError if events came out
+    that did not go in, or in another order.
+    """
+    found = np.asarray(returned)
+    if found.dtype == np.bool_ and found.shape == events.shape:
+        return np.flatnonzero(found)
+    if found.dtype != events.dtype or found.ndim != 1:
+        raise ValueError(
+            f"before.process returned {found.dtype} of shape {found.shape}: must be the events "
+            "that pass, or a bool for each event"
+        )
+    if found.size == 0:
+        return np.empty(0, np.int64)
+    keys, order = _sorted_keys(events, events)
+    wanted, back = _sorted_keys(found, events)
+    # The k-th of the events that came out alike is the k-th of those that went in.
+    place = np.searchsorted(keys, wanted)
+    place += np.arange(wanted.size) - np.searchsorted(wanted, wanted)
+    if place.max() >= keys.size or not np.array_equal(keys[place], wanted):
+        raise ValueError("before.process returned events that were not handed to it")
+    indices = np.empty(found.size, np.int64)
+    indices[back] = order[place]
+    if np.any(np.diff(indices) < 0):
+        raise ValueError("before.process returned the events in another order")
+    return indices
+
+
+def _sorted_keys(
+    events: NDArray[np.void], among: NDArray[np.void]
+) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
+    """Every field of an event in one number, in ascending order, and where each stood."""
+    since = events["t"] - among["t"][0]
+    key = since << 2 * _COORDINATE_BITS + 1
+    key |= events["x"].astype(np.int64) << _COORDINATE_BITS + 1
+    key |= events["y"].astype(np.int64) << 1
+    key |= events["p"].astype(np.int64) & 1
+    order = np.argsort(key, kind="stable")
+    return key[order], order

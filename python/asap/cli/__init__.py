@@ -15,41 +15,23 @@ from collections.abc import Sequence
 
 import asap
 from asap.cli import check, compare, completion, convert, demo, info, report, run, study
+from asap.cli.options import EXAMPLES
 from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, as_options, say
 from asap.cli.parser import Parser
 from asap.results import run_table
 
 __all__ = ["main"]
 
-_EXAMPLES = """\
+_EPILOG = """\
 examples:
-  asap demo
-  asap info flight.aedat4
-  asap check flight.aedat4
-  asap convert flight.aedat4 flight.npz
-  asap run flight.aedat4 --latency 10ms --report flight.html
-  asap run flight.aedat4 --algorithm my_package.corners:Detector
-  asap run flight.aedat4 --cost 100us+300ns --scheme asap2020 --set rate_bound=2e6
-  asap compare flight.aedat4 --cost 100us+300ns --latency 10ms
-  asap compare bursts --cost slow --report bursts.html
+  {}
 
 exit codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable or corrupt, 130 interrupted
 """
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line and return the exit code.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        The arguments; those of the process if None.
-
-    Returns
-    -------
-    int
-        0 ok, 1 a check failed, 2 usage, 3 input unreadable or corrupt, 130 interrupted.
-    """
+    """Run the command line, that of the process unless given, and return the exit code."""
     try:
         arguments = _parser().parse_args(argv)
     except SystemExit as end:
@@ -91,7 +73,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="asap",
         description="Event-camera events to the algorithm as soon as possible.",
-        epilog=_EXAMPLES,
+        epilog=_EPILOG.format("\n  ".join(EXAMPLES.values())),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"asap {asap.__version__}")

@@ -6,21 +6,17 @@ from pathlib import Path
 from typing import Any
 
 import asap
-from asap import progress
+from asap import _progress
 from asap.cli.options import add_recording, add_report, add_verb, open_recording
 from asap.cli.outcome import (
     BAD_INPUT,
     CHECK_FAILED,
     OK,
     need_matplotlib,
-    print_json,
-    print_written,
     reading,
-    writing,
+    show,
 )
 from asap.io.errors import CutFile
-
-__all__ = ["add"]
 
 
 def add(verbs: Any) -> None:
@@ -33,16 +29,9 @@ def add(verbs: Any) -> None:
 def _call(arguments: Any) -> int:
     if arguments.report:
         need_matplotlib()
-    with reading(arguments), progress.on_terminal() as on_progress:
+    with reading(arguments), _progress.on_terminal() as on_progress:
         inspection = asap.check(_source(arguments), on_progress=on_progress)
-    if arguments.report:
-        with writing(arguments.report):
-            inspection.report(arguments.report)
-    if arguments.json:
-        print_json(inspection.summary())
-    else:
-        print(inspection)
-        print_written(arguments.report)
+    show(inspection, arguments)
     if inspection.ok:
         return OK
     is_lost = inspection.events == 0 and inspection.findings["truncated"].count > 0

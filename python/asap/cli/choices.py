@@ -12,8 +12,6 @@ from asap.cli.imported import imported
 from asap.cli.outcome import USAGE, Failure
 from asap.cli.parser import hint
 
-__all__ = ["ALGORITHMS", "algorithm_name", "algorithm_of", "scheme_of", "schemes"]
-
 _SCHEMES = {kind().name: kind.__name__ for kind in _core.SCHEMES}
 ALGORITHMS = {
     "clusters": "ClusterTracker",

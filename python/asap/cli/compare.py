@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import asap
-from asap import profiles, progress, units
+from asap import _progress, _units, profiles
 from asap.cli.options import add_recording, add_report, add_verb, open_recording, typed
 from asap.cli.outcome import (
     BAD_INPUT,
@@ -15,15 +15,11 @@ from asap.cli.outcome import (
     Failure,
     near_file,
     need_matplotlib,
-    print_json,
-    print_written,
     reading,
+    show,
     usage,
-    writing,
 )
 from asap.cli.parser import hint
-
-__all__ = ["add"]
 
 _RECORDING_COST_S = 60.0  # for which drift and outages are drawn where the duration is not known
 
@@ -53,7 +49,7 @@ def add(verbs: Any) -> None:
     )
     verb.add_argument(
         "--latency",
-        type=typed(units.parse_duration_us, "latency"),
+        type=typed(_units.parse_duration_us, "latency"),
         metavar="10ms",
         help="latency bound of all (default: that of the cost model, else 10ms)",
     )
@@ -71,7 +67,7 @@ def add(verbs: Any) -> None:
     )
     verb.add_argument(
         "--duration",
-        type=typed(units.parse_duration_us, "duration"),
+        type=typed(_units.parse_duration_us, "duration"),
         metavar="2s",
         help="of a profile (default: 5s; with a cost model by name, that of the study)",
     )
@@ -93,7 +89,7 @@ def _call(arguments: Any) -> int:
     source, cost, latency_ms = _contest(arguments)
     if arguments.latency is not None:
         latency_ms = arguments.latency / 1e3
-    with reading(arguments), progress.on_terminal() as on_progress:
+    with reading(arguments), _progress.on_terminal() as on_progress:
         comparison = asap.compare(
             source,
             cost=cost,
@@ -105,14 +101,7 @@ def _call(arguments: Any) -> int:
             baselines=arguments.all,
             on_progress=on_progress,
         )
-    if arguments.report:
-        with writing(arguments.report):
-            comparison.report(arguments.report)
-    if arguments.json:
-        print_json(comparison.summary())
-    else:
-        print(comparison)
-        print_written(arguments.report)
+    show(comparison, arguments)
     return OK
 
 
@@ -162,4 +151,4 @@ def _parse_cost(text: str, *, field: str) -> tuple[float, float] | _Named:
     if text.replace("_", "").isalpha():
         near = hint(text, profiles.COSTS, "there are")
         raise ValueError(f"{field} = {text}: no such cost model; {near}")
-    return units.parse_cost(text, field=field)
+    return _units.parse_cost(text, field=field)

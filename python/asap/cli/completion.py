@@ -14,8 +14,6 @@ from asap.cli.choices import ALGORITHMS
 from asap.cli.options import add_verb
 from asap.cli.outcome import OK, print_json
 
-__all__ = ["add"]
-
 _BASH = """\
 # eval "$(asap completion bash)"
 _asap() {{

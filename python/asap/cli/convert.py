@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import asap
-from asap import conversion, units
+from asap import _units, conversion
 from asap.cli.options import add_recording, add_verb, open_recording, writable
 from asap.cli.outcome import OK, print_json, reading, tell_doubt, usage, writing
-
-__all__ = ["add"]
 
 
 def add(verbs: Any) -> None:
@@ -37,5 +35,5 @@ def _call(arguments: Any) -> int:
     if arguments.json:
         print_json({"schema_version": 1, "path": str(out), "format": to, "events": count})
     else:
-        print(f"wrote {out}: {units.count(count)} events")
+        print(f"wrote {out}: {_units.count(count)} events")
     return OK

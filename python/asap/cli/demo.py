@@ -6,7 +6,7 @@ import textwrap
 from dataclasses import asdict
 from typing import Any
 
-from asap import progress
+from asap import _progress
 from asap.cli.options import add_out, add_verb
 from asap.cli.outcome import (
     CHECK_FAILED,
@@ -17,8 +17,6 @@ from asap.cli.outcome import (
     writing,
 )
 from asap.results import run_table
-
-__all__ = ["add"]
 
 
 def add(verbs: Any) -> None:
@@ -32,7 +30,7 @@ def _call(arguments: Any) -> int:
     need_matplotlib()
     from asap import demo
 
-    with writing(arguments.out), progress.on_terminal() as on_progress:
+    with writing(arguments.out), _progress.on_terminal() as on_progress:
         runs, paths = demo.run(arguments.out, quick=arguments.quick, on_progress=on_progress)
     *experiments, default = runs
     claims = [demo.claims(run) for run in experiments]

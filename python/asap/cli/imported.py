@@ -11,32 +11,16 @@ from contextlib import contextmanager
 from types import ModuleType, TracebackType
 from typing import Any
 
-from asap import checks
+from asap import _checks
 from asap.cli.outcome import CHECK_FAILED, USAGE, Failure, say
 from asap.cli.parser import hint
-
-__all__ = ["failures_of", "imported"]
 
 
 def imported(spec: str, width: int | None, height: int | None) -> Any:
     """Import ``package.module:name``, the current directory first; construct it if it is a class.
 
-    Parameters
-    ----------
-    spec : str
-        The name may have dots, as in ``module:Outer.Inner``.
-    width, height : int or None
-        Of the sensor, px; a class is constructed with both.
-
-    Returns
-    -------
-    object
-        With process(events), or a callable.
-
-    Raises
-    ------
-    Failure
-        There is no such module or name, its code fails, or it is no algorithm.
+    The name may have dots, as in ``module:Outer.Inner``. A class is constructed with width and
+    height.
     """
     module_name, _, path = spec.partition(":")
     if not (module_name and path):
@@ -57,7 +41,7 @@ def imported(spec: str, width: int | None, height: int | None) -> Any:
         words = f"in {_where(module)} it is neither callable nor has process(events)"
         raise Failure(USAGE, f"--algorithm {spec}: {words}")
     try:
-        checks.worker("algorithm", found)
+        _checks.worker("algorithm", found)
     except TypeError as error:
         raise Failure(USAGE, f"--algorithm {spec} in {_where(module)}: {error}") from error
     return found

@@ -6,11 +6,9 @@ import os
 from typing import Any
 
 import asap
-from asap import units
+from asap import _units
 from asap.cli.options import add_recording, add_verb, open_recording
 from asap.cli.outcome import OK, print_json, reading, tell_doubt
-
-__all__ = ["add"]
 
 
 def add(verbs: Any) -> None:
@@ -32,15 +30,15 @@ def _call(arguments: Any) -> int:
     if not (width and height):
         reach = f"events reach x = {facts['x_max']}, y = {facts['y_max']}"
         sensor += f": addresses are not checked; {reach}. Give --width and --height"
-    rate = {name: units.rate(value) for name, value in facts["rate_hz"].items()}
+    rate = {name: _units.rate(value) for name, value in facts["rate_hz"].items()}
     rows = {
         "format": facts["format"],
         "sensor": sensor,
-        "events": f"{units.count(facts['events'])}, {units.share(facts['on_share'])} ON",
-        "duration": units.duration(facts["duration_s"] * 1e6),
+        "events": f"{_units.count(facts['events'])}, {_units.share(facts['on_share'])} ON",
+        "duration": _units.duration(facts["duration_s"] * 1e6),
         "rate": f"mean {rate['mean']}, peak {rate['peak_10ms']} in 10 ms, "
         f"{rate['peak_1ms']} in 1 ms",
-        "rejected": units.reasons(facts["rejected"]) or "none",
+        "rejected": _units.reasons(facts["rejected"]) or "none",
     }
     if facts["clock_resets"]:
         rows["clock"] = (

@@ -8,34 +8,23 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import asap
-from asap import checks, profiles
+from asap import _checks, profiles
+from asap._stamps import TIME_EXPONENTS
 from asap.cli.outcome import USAGE, Failure
 from asap.results import run_archive
-from asap.stamps import TIME_EXPONENTS
-
-__all__ = [
-    "add_out",
-    "add_recording",
-    "add_report",
-    "add_verb",
-    "open_recording",
-    "run_file",
-    "typed",
-    "writable",
-]
 
 T = TypeVar("T")
 
-_EXAMPLES = {
-    "check": "asap check flight.aedat4 --report flight.html",
-    "compare": "asap compare flight.aedat4 --cost 100us+300ns --latency 10ms",
-    "completion": 'eval "$(asap completion bash)"',
-    "convert": "asap convert flight.aedat4 flight.npz",
+EXAMPLES = {
     "demo": "asap demo --out demo",
-    "info": "asap info flight.aedat4",
-    "report": "asap report run.npz --out run.html",
     "run": "asap run flight.aedat4 --algorithm mine:Detector",
+    "compare": "asap compare flight.aedat4 --cost 100us+300ns --report flight.html",
     "study": "asap study --quick --out study",
+    "info": "asap info flight.aedat4",
+    "check": "asap check flight.aedat4 --report flight.html",
+    "convert": "asap convert flight.aedat4 flight.npz",
+    "report": "asap report run.npz --out run.html",
+    "completion": 'eval "$(asap completion bash)"',
 }
 
 
@@ -45,7 +34,7 @@ def add_verb(verbs: Any, name: str, call: Callable[[Any], int], words: str) -> A
         name,
         help=words,
         description=words[0].upper() + words[1:] + ".",
-        epilog=f"example: {_EXAMPLES[name]}" if name in _EXAMPLES else None,
+        epilog=f"example: {EXAMPLES[name]}",
     )
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     parser.set_defaults(verb=call)
@@ -121,7 +110,7 @@ def open_recording(arguments: Any) -> asap.Recording:
 
 
 def typed(parse: Callable[..., T], field: str) -> Callable[[str], T]:
-    """Let argparse show the message of a parser of `asap.units`."""
+    """Let argparse show the message of a parser of `asap._units`."""
 
     def parse_argument(text: str) -> T:
         try:
@@ -145,6 +134,6 @@ def run_file(text: str) -> Path:
 def writable(text: str) -> Path:
     """Refuse a file without a folder before the run, not after it."""
     try:
-        return checks.new_file("path", text)
+        return _checks.new_file("path", text)
     except OSError as error:
         raise argparse.ArgumentTypeError(f"{text}: {error.strerror}") from error

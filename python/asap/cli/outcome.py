@@ -15,25 +15,6 @@ from typing import Any
 
 import asap
 
-__all__ = [
-    "BAD_INPUT",
-    "CHECK_FAILED",
-    "INTERRUPTED",
-    "OK",
-    "USAGE",
-    "Failure",
-    "as_options",
-    "near_file",
-    "need_matplotlib",
-    "print_json",
-    "print_written",
-    "reading",
-    "say",
-    "tell_doubt",
-    "usage",
-    "writing",
-]
-
 OK, CHECK_FAILED, USAGE, BAD_INPUT, INTERRUPTED = 0, 1, 2, 3, 130
 
 
@@ -102,6 +83,18 @@ def writing(path: object) -> Iterator[None]:
         yield
     except OSError as error:  # on a full disk without a name
         raise Failure(USAGE, f"{error.filename or path}: {error.strerror or error}") from error
+
+
+def show(result: Any, arguments: Any, *saved: Path | None) -> None:
+    """Write the page about a result, and print it: a table, or the object of ``--json``."""
+    if arguments.report:
+        with writing(arguments.report):
+            result.report(arguments.report)
+    if arguments.json:
+        print_json(result.summary())
+    else:
+        print(result)
+        print_written(*saved, arguments.report)
 
 
 def need_matplotlib() -> None:

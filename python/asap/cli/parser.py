@@ -10,8 +10,6 @@ from typing import Any, NoReturn
 
 from asap.cli.outcome import USAGE, say
 
-__all__ = ["Parser", "hint"]
-
 
 def hint(name: str, known: Iterable[str], words: str = "choose from") -> str:
     """Name the nearest of the known names; all of them where none is near."""

@@ -9,8 +9,6 @@ import asap
 from asap.cli.options import add_verb, writable
 from asap.cli.outcome import OK, need_matplotlib, print_json, print_written, reading, writing
 
-__all__ = ["add"]
-
 
 def add(verbs: Any) -> None:
     """Add the verb to the parser."""

@@ -6,7 +6,7 @@ from contextlib import nullcontext
 from typing import Any
 
 import asap
-from asap import progress, units
+from asap import _progress, _units
 from asap.cli.choices import ALGORITHMS, algorithm_name, algorithm_of, scheme_of, schemes
 from asap.cli.imported import failures_of
 from asap.cli.options import (
@@ -22,16 +22,12 @@ from asap.cli.outcome import (
     USAGE,
     Failure,
     need_matplotlib,
-    print_json,
-    print_written,
     reading,
+    show,
     tell_doubt,
     usage,
     writing,
 )
-from asap.results import run_table
-
-__all__ = ["add"]
 
 
 def add(verbs: Any) -> None:
@@ -48,7 +44,7 @@ def add(verbs: Any) -> None:
     )
     verb.add_argument(
         "--cost",
-        type=typed(units.parse_cost, "cost"),
+        type=typed(_units.parse_cost, "cost"),
         metavar="100us+300ns",
         help="virtual time: an algorithm that takes this per package + per event",
     )
@@ -68,7 +64,7 @@ def add(verbs: Any) -> None:
     )
     verb.add_argument(
         "--latency",
-        type=typed(units.parse_duration_us, "latency"),
+        type=typed(_units.parse_duration_us, "latency"),
         metavar="10ms",
         help="latency bound (default: the scheme's own, else 10ms)",
     )
@@ -108,7 +104,7 @@ def _call(arguments: Any) -> int:
         "seed": arguments.seed,
     }
     own = failures_of(name, algorithm) if name and ":" in name else nullcontext()
-    with reading(arguments), own, progress.on_terminal() as on_progress:
+    with reading(arguments), own, _progress.on_terminal() as on_progress:
         if cost is not None:
             options["opaque"] = arguments.opaque
             run = asap.simulate(recording, cost=cost, on_progress=on_progress, **options)
@@ -118,12 +114,5 @@ def _call(arguments: Any) -> int:
     if arguments.save:
         with writing(arguments.save):
             run.save(arguments.save)
-    if arguments.report:
-        with writing(arguments.report):
-            run.report(arguments.report)
-    if arguments.json:
-        print_json(run.summary())
-    else:
-        print(run_table.format_run(run))
-        print_written(arguments.save, arguments.report)
+    show(run, arguments, arguments.save)
     return OK

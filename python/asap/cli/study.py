@@ -10,8 +10,6 @@ from typing import Any
 from asap.cli.options import add_out, add_verb
 from asap.cli.outcome import USAGE, Failure
 
-__all__ = ["add"]
-
 
 def add(verbs: Any) -> None:
     """Add the verb to the parser."""

@@ -17,12 +17,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from asap import checks
+from asap import _checks
 from asap._pickling import can_be_pickled
 from asap.experiment.runners import Progress
 from asap.io import Recording
-
-__all__ = ["map"]
 
 _TRIES = 2
 _MODULE = "define it at the top of a module, or give executor=ThreadPoolExecutor()"
@@ -80,14 +78,14 @@ def map(
         failed = [one.recording for one in runs if isinstance(one, Exception)]
     """
     if function is None:
-        raise TypeError(checks.named("function", function, "give a callable"))
-    checks.callback("function", function)
-    checks.callback("on_progress", on_progress)
+        raise TypeError(_checks.named("function", function, "give a callable"))
+    _checks.callback("function", function)
+    _checks.callback("on_progress", on_progress)
     elements = _listed(recordings)
     if executor is not None:
         if not hasattr(executor, "submit"):
             remedy = "give an executor of concurrent.futures, or None"
-            raise TypeError(checks.named("executor", executor, remedy))
+            raise TypeError(_checks.named("executor", executor, remedy))
         return _called(function, elements, [executor] * len(elements), on_progress)
     _check_found(function)
     with ExitStack() as stack:
@@ -98,7 +96,7 @@ def map(
 def _listed(recordings: Any) -> list[Any]:
     one = isinstance(recordings, (str, bytes, os.PathLike, np.ndarray, Recording))
     if one or not isinstance(recordings, Iterable):
-        raise TypeError(checks.named("recordings", recordings, "give a list of recordings"))
+        raise TypeError(_checks.named("recordings", recordings, "give a list of recordings"))
     return list(recordings)
 
 
@@ -197,13 +195,13 @@ def _comes_back(error: Exception) -> bool:
 def _check_found(function: Callable[[Any], Any]) -> None:
     """Refuse what a new process cannot import, before one is started."""
     if not can_be_pickled(function):
-        raise TypeError(checks.named("function", function, f"no process can find it; {_MODULE}"))
+        raise TypeError(_checks.named("function", function, f"no process can find it; {_MODULE}"))
     multiprocessing = importlib.import_module("multiprocessing")
     at_a_prompt = not hasattr(sys.modules["__main__"], "__file__")
     is_of_main = getattr(function, "__module__", None) == "__main__"
     if at_a_prompt and is_of_main and multiprocessing.get_start_method() != "fork":
         words = f"a new process finds nothing of a notebook; {_MODULE}"
-        raise TypeError(checks.named("function", function, words))
+        raise TypeError(_checks.named("function", function, words))
 
 
 def _cores() -> int:

@@ -7,19 +7,17 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap.experiment.contenders import labelled, of_schemes, rivals, user_schemes
 from asap.experiment.runners import Progress, check_latency
 from asap.experiment.side_by_side import CheckedStream, side_by_side
 from asap.results.comparison import Comparison, Row
 from asap.synthetic import joined
 
-__all__ = ["compare", "oracle"]
-
 _DEFAULT_LATENCY_MS = 10.0
 
 
-@checks.renamed(all="baselines")
+@_checks.renamed(all="baselines")
 def compare(
     source: Any,
     *,
@@ -54,16 +52,11 @@ def compare(
     seed : int
         Of the gamma filters.
     opaque : bool
-        True: the simulated algorithm takes a package as a whole, as a Python callback does; schemes
-        are then scored against an oracle that does so too.
+        As in `simulate`; schemes are then scored against an oracle that does so too.
     speed : float
         10 compresses the stamps by ten: a quiet recording becomes one that overloads the algorithm.
-    width, height : int, optional
-        Sensor, px. Default: from the file; a side that is not known is not checked.
-    on_bad : {"drop", "clamp", "raise"}
-        What happens to bad events; dropped ones are counted by reason.
-    capacity : int, optional
-        Of each ring, events. Default: at least 2**20.
+    width, height, on_bad, capacity
+        As in `simulate`; each scheme has a ring of its own.
     baselines : bool
         Add those of the benchmark: rules of others that are not for use.
     on_progress : callable, optional
@@ -85,15 +78,15 @@ def compare(
     _check_cost(cost)
     _require_replayable(source)
     for name, value in (("opaque", opaque), ("baselines", baselines)):
-        checks.flag(name, value)
-    checks.callback("on_progress", on_progress)
+        _checks.flag(name, value)
+    _checks.callback("on_progress", on_progress)
     given = {} if schemes is None else labelled(schemes)
     bound_ms = _common_bound_ms(given.values(), latency_ms)
     contenders = user_schemes() if schemes is None else of_schemes(given)
     if baselines:
         others = rivals()
         twins = [one.label for one in others if one.label in given]
-        checks.require(not twins, "schemes", twins, "baselines=True adds these; rename yours")
+        _checks.require(not twins, "schemes", twins, "baselines=True adds these; rename yours")
         contenders += others
     if opaque:
         contenders = [replace(one, opaque=True) for one in contenders]
@@ -180,7 +173,7 @@ def oracle(
     """
     _check_cost(cost)
     for name, value in (("exact", exact), ("opaque", opaque)):
-        checks.flag(name, value)
+        _checks.flag(name, value)
     bound_us = check_latency(latency_ms) * 1e3
     stream = CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed)
     if exact:
@@ -193,7 +186,7 @@ def oracle(
 
 def _check_cost(cost: Any) -> None:
     if not isinstance(cost, _core.LinearCost):
-        raise TypeError(checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
+        raise TypeError(_checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
 
 
 def _require_replayable(source: Any) -> None:

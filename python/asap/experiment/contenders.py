@@ -6,34 +6,19 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from asap import _core, checks
-
-__all__ = ["Contender", "labelled", "of_schemes", "rivals", "user_schemes"]
+from asap import _checks, _core
 
 Make = Callable[[float, _core.LinearCost], _core.Scheme]
 
 
 @dataclass(frozen=True)
 class Contender:
-    """A scheme under a label, ready to be put to any latency and cost.
+    """A scheme under a label, ready to be put to any latency and cost."""
 
-    Attributes
-    ----------
-    label : str
-        How it is called in tables.
-    make : callable
-        Called as make(latency_ms, cost); returns a new scheme. One without a latency bound of its
-        own gets the run's; the cost is for rivals that know what a package will cost.
-    flush : bool
-        Whether it gives out what waits when the oldest event has reached the latency bound.
-    opaque : bool
-        Whether the algorithm takes a package as a whole, as a Python callback does.
-    """
-
-    label: str
-    make: Make
-    flush: bool = True
-    opaque: bool = False
+    label: str  #: how it is called in tables
+    make: Make  #: a new scheme; the cost is for rivals that know what a package will cost
+    flush: bool = True  #: gives out what waits when the oldest event has reached the bound
+    opaque: bool = False  #: the algorithm takes a package as a whole, as a Python callback does
 
 
 # Settings by label, where there are more or others than the defaults under the name of the class.
@@ -76,28 +61,22 @@ def rivals() -> list[Contender]:
 def labelled(schemes: Any) -> dict[str, _core.Scheme]:
     """Give every scheme a label: its key in a mapping, else its class and what sets it apart.
 
-    Parameters
-    ----------
-    schemes : mapping of str to Scheme, or iterable of Scheme
-
-    Raises
-    ------
-    ValueError
-        There is none, one scheme stands twice (it has one state), or two labels are the same text.
-    TypeError
-        Something is no scheme.
+    A ValueError if there is none, one stands twice (it has one state), or two labels are the same
+    text.
     """
     if isinstance(schemes, str):
         remedy = "give schemes such as [asap.Greedy()], or leave it out; baselines=True adds more"
-        raise TypeError(checks.named("schemes", schemes, remedy))
+        raise TypeError(_checks.named("schemes", schemes, remedy))
     named = isinstance(schemes, Mapping)
     given = schemes.values() if named else schemes
     if not isinstance(given, (_core.Scheme, Iterable)):
-        raise TypeError(checks.named("schemes", given, "give schemes such as [asap.Greedy()]"))
+        raise TypeError(_checks.named("schemes", given, "give schemes such as [asap.Greedy()]"))
     listed = [given] if isinstance(given, _core.Scheme) else list(given)
     for scheme in listed:
         if not isinstance(scheme, _core.Scheme):
-            raise TypeError(checks.named("schemes", scheme, "give schemes such as [asap.Greedy()]"))
+            raise TypeError(
+                _checks.named("schemes", scheme, "give schemes such as [asap.Greedy()]")
+            )
     if not listed:
         raise ValueError("schemes = []: give at least one, or None for the usual ones")
     if len({id(scheme) for scheme in listed}) < len(listed):

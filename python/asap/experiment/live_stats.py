@@ -7,8 +7,6 @@ from typing import Any
 from asap import _core
 from asap.results.run import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named
 
-__all__ = ["ledger_of", "state_of", "summary"]
-
 
 def ledger_of(native: _core.Ledger) -> Ledger:
     """Make the ledger that users see."""

@@ -10,13 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap.events import events_of_argument
 from asap.experiment.live_stats import ledger_of, state_of, summary
 from asap.experiment.runners import as_scheme, check_latency, make_config
 from asap.results.run import Ledger, Named
-
-__all__ = ["Pipeline"]
 
 _CHUNK = 1 << 16  # events pushed without another thread's turn
 
@@ -29,7 +27,7 @@ class _Live:
     """What make_config asks of a source."""
 
     def __init__(self, width: int | None, height: int | None) -> None:
-        self.width, self.height = checks.sides(width, height)
+        self.width, self.height = _checks.sides(width, height)
 
 
 class Pipeline:
@@ -46,23 +44,11 @@ class Pipeline:
     Parameters
     ----------
     algorithm : optional
-        For `run`: one of ours, an object with process(events) and, if it has it, set_keep(gamma),
-        or a callable. The loop over the events of one of ours belongs to the library, which can end
-        a package on time. Without one, iterate over the pipeline.
-    latency_ms : float, optional
-        Latency bound, ms. Default: the scheme's own, else 10.
-    scheme : Scheme, optional
-        Default: Deadline(latency_ms=latency_ms).
-    before : optional
-        A filter in front of the scheme's discarding, such as BackgroundActivityFilter: an object
-        with process(events) that returns the events that pass, or a callable. Its time is part of
-        the measured cost; what it drops is `filtered` in the ledger.
+        For `run`, as in `asap.run`. Without one, iterate over the pipeline.
+    latency_ms, scheme, before, on_bad, seed
+        As in `asap.run`.
     width, height : int, optional
         Sensor, px; a side that is not known is not checked.
-    on_bad : {"drop", "clamp", "raise"}
-        What happens to bad events; dropped ones are counted by reason.
-    seed : int
-        Of the gamma filter.
     capacity : int, optional
         Of the ring, events. Default: at least 2**20. MemoryError if that much, 16 bytes an event,
         cannot be had.
@@ -115,7 +101,7 @@ class Pipeline:
     ) -> None:
         if not (algorithm is None or callable(algorithm) or hasattr(algorithm, "process")):
             remedy = "give an object with process(events) or a callable"
-            raise TypeError(checks.named("algorithm", algorithm, remedy))
+            raise TypeError(_checks.named("algorithm", algorithm, remedy))
         self.algorithm = algorithm
         self.scheme = as_scheme(scheme, latency_ms)
         self._live = _Live(width, height)

@@ -6,20 +6,9 @@ import threading
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap.experiment.source import Source
 from asap.results.run import LEDGER_FIELDS, Ledger, Run, with_first
-
-__all__ = [
-    "Progress",
-    "as_scheme",
-    "check_latency",
-    "last_run",
-    "make_config",
-    "remember",
-    "run",
-    "simulate",
-]
 
 Progress = Callable[[int, "int | None", dict[str, int]], object]
 
@@ -103,10 +92,10 @@ def simulate(
         A bad argument, named with its value and the remedy; bad events with on_bad="raise".
     """
     if not isinstance(cost, _core.LinearCost):
-        raise TypeError(checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
-    checks.flag("opaque", opaque)
-    checks.callback("on_progress", on_progress)
-    checks.workers(algorithm=algorithm, before=before)
+        raise TypeError(_checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
+    _checks.flag("opaque", opaque)
+    _checks.callback("on_progress", on_progress)
+    _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = make_config(
@@ -156,32 +145,18 @@ def run(
 
     Parameters
     ----------
-    source : path, Recording, array or iterable of arrays
-        Arrays in any layout that `as_events` accepts.
+    source
+        As in `simulate`.
     algorithm
         One of ours, an object with process(events) and, if it has it, set_keep(gamma), or a
         callable. Events come as a read-only array in EVENT_DTYPE, valid as long as it is kept. The
         loop over the events of one of ours belongs to the library, which can end a package on time.
-    scheme : Scheme, optional
-        Default: Deadline(latency_ms=latency_ms).
-    latency_ms : float, optional
-        Latency bound, ms. Default: the scheme's own, else 10.
     speed : float
         2 replays twice as fast: stamps are divided by it. t_first, t_last and start_us of the log
         stay on the recording's axis, everything else is wall time.
     before : optional
-        A filter in front of the scheme's discarding, such as BackgroundActivityFilter: an object
-        with process(events) that returns the events that pass, or a callable. Its time is part of
-        the measured cost; what it drops is `filtered` in the ledger.
-    width, height : int, optional
-        Sensor, px. Default: from the file; a side that is not known is not checked.
-    on_bad : {"drop", "clamp", "raise"}
-        What happens to bad events; dropped ones are counted by reason.
-    seed : int
-        Of the gamma filter.
-    capacity : int, optional
-        Of the ring, events. Default: at least 2**20.
-    keep_mask : bool
+        As in `simulate`; its time is part of the measured cost.
+    scheme, latency_ms, width, height, on_bad, seed, capacity, keep_mask
         As in `simulate`.
     on_progress : callable, optional
         Called as on_progress(done, total or None, ledger) about every 20 ms.
@@ -199,8 +174,8 @@ def run(
     """
     if algorithm is None:
         raise TypeError("algorithm = None: give what the events are for, or use asap.simulate")
-    checks.callback("on_progress", on_progress)
-    checks.workers(algorithm=algorithm, before=before)
+    _checks.callback("on_progress", on_progress)
+    _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = make_config(
@@ -269,17 +244,17 @@ def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
     if scheme is None:
         return _core.Deadline() if latency_ms is None else _core.Deadline(latency_ms=latency_ms)
     if not isinstance(scheme, _core.Scheme):
-        raise TypeError(checks.named("scheme", scheme, "give a scheme such as asap.Greedy()"))
+        raise TypeError(_checks.named("scheme", scheme, "give a scheme such as asap.Greedy()"))
     return scheme
 
 
 def check_latency(latency_ms: float) -> float:
     """Return a latency bound as a float; refuse one that is no number or out of range."""
-    return checks.number("latency_ms", latency_ms, 0.01, 1e7, "must be between 0.01 and 1e7 ms")
+    return _checks.number("latency_ms", latency_ms, 0.01, 1e7, "must be between 0.01 and 1e7 ms")
 
 
 def _whole(name: str, value: Any) -> int:
-    return 0 if value is None else checks.index(name, value)
+    return 0 if value is None else _checks.index(name, value)
 
 
 class Sensor(Protocol):
@@ -318,7 +293,7 @@ def make_config(
         reorder_tolerance_us=reorder_tolerance_us,
         warmup_discard_us=warmup_discard_us,
     )
-    checks.workers(algorithm=algorithm, before=before)
+    _checks.workers(algorithm=algorithm, before=before)
     for field, worker in (("algorithm", algorithm), ("before", before)):
         _check_frame(field, worker, stream)
     return _core.RunConfig(

@@ -17,14 +17,12 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap.io import CorruptFile
 from asap.io.numpy_files import Archive
 from asap.results import run_archive
 from asap.results.cost import Cost
 from asap.results.run import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named, Run, with_first
-
-__all__ = ["load_run"]
 
 _MOST = 2**53  # events, us
 _FARTHEST = 1e18  # of other numbers
@@ -49,9 +47,9 @@ def load_run(path: str | os.PathLike[str]) -> Run:
     OSError
         The file cannot be read, or is a pipe, a socket or a device.
     """
-    file = checks.folder_or_file("path", path)
+    file = _checks.folder_or_file("path", path)
     try:
-        checks.regular_file(file)
+        _checks.regular_file(file)
         with file.open("rb") as opened:
             is_archive = opened.read(2) == b"PK"
         return _from_archive(file) if is_archive else _from_json(file)
@@ -152,7 +150,7 @@ class _SummedUp:
         """Return one of the three that are known."""
         known = {0.5: self.p50, 0.99: self.p99, 1.0: self.max}
         remedy = "a summary holds 0.5, 0.99 and 1; save the run with run.save('run.npz')"
-        checks.require(q in known, "q", q, remedy)
+        _checks.require(q in known, "q", q, remedy)
         return known[q]
 
 
@@ -165,9 +163,9 @@ def _facts(document: Mapping[str, Any]) -> dict[str, Any]:
     """Check what every form says of a run, its log and its latencies aside."""
     version = _object("file", document)["schema_version"]
     if version != SCHEMA_VERSION:
-        writer = checks.named("version", document.get("version"), "use the asap-events of then")
+        writer = _checks.named("version", document.get("version"), "use the asap-events of then")
         raise ValueError(
-            checks.named("schema_version", version, f"this asap reads {SCHEMA_VERSION}; {writer}")
+            _checks.named("schema_version", version, f"this asap reads {SCHEMA_VERSION}; {writer}")
         )
     source, learned = _object("source", document["source"]), document.get("learned_cost")
     return {
@@ -246,27 +244,27 @@ def _parameter(name: str, value: Any) -> Any:
 
 def _real(name: str, value: Any, *, least: float = 0.0, most: float = _FARTHEST) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise TypeError(checks.named(name, value, "no number"))
+        raise TypeError(_checks.named(name, value, "no number"))
     if not least <= value <= most:
-        raise ValueError(checks.named(name, value, f"out of reach, {least:g} to {most:g}"))
+        raise ValueError(_checks.named(name, value, f"out of reach, {least:g} to {most:g}"))
     return value
 
 
 def _whole(name: str, value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
-        raise TypeError(checks.named(name, value, "no whole number"))
+        raise TypeError(_checks.named(name, value, "no whole number"))
     return value
 
 
 def _count(name: str, value: Any) -> int:
     if not 0 <= _whole(name, value) <= _MOST:
-        raise ValueError(checks.named(name, value, f"out of reach, 0 to {_MOST}"))
+        raise ValueError(_checks.named(name, value, f"out of reach, 0 to {_MOST}"))
     return int(value)
 
 
 def _text(name: str, value: Any) -> str:
     if not isinstance(value, str):
-        raise TypeError(checks.named(name, value, "no text"))
+        raise TypeError(_checks.named(name, value, "no text"))
     return value
 
 
@@ -276,7 +274,7 @@ def _optional(name: str, value: Any, check: Callable[[str, Any], Any]) -> Any:
 
 def _object(name: str, value: Any) -> dict[str, Any]:
     if not isinstance(value, dict):
-        raise TypeError(checks.named(name, value, "no object"))
+        raise TypeError(_checks.named(name, value, "no object"))
     return value
 
 

@@ -14,15 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asap import _core
-from asap.checks import number
+from asap._checks import number
 from asap.events import Events
 from asap.experiment.contenders import Contender
 from asap.experiment.runners import Progress, make_config, remember
 from asap.experiment.source import Source
 from asap.results.run import Run
 from asap.synthetic import joined
-
-__all__ = ["CheckedStream", "SideBySide", "side_by_side"]
 
 _CHUNK = 1 << 16  # events that all get before any gets more
 _MOST_HELD = 1 << 20  # events, for the exact clairvoyant
@@ -100,34 +98,8 @@ def side_by_side(
 ) -> SideBySide:
     """Run every contender and both oracles over one reading of a stream, in virtual time.
 
-    Parameters
-    ----------
-    stream : CheckedStream
-        Read once, chunk by chunk.
-    contenders : sequence of Contender
-        Of different labels.
-    cost : LinearCost
-        The simulated algorithm; every run has its own copy, with the same draws.
-    latency_ms : float
-        The latency bound of all, ms.
-    seed : int
-        Of the gamma filters.
-    capacity : int, optional
-        Of each ring, events. Default: at least 2**20.
-    threads : int, optional
-        That feed the runs; as many as there are cores unless given. The result does not depend on
-        it.
-    on_progress : callable, optional
-        Called as on_progress(done, total or None, {}) between chunks.
-
-    Returns
-    -------
-    SideBySide
-
-    Raises
-    ------
-    ValueError
-        A bad argument, named with its value and the remedy.
+    Every run has its own copy of the cost, with the same draws. The result does not depend on the
+    number of threads that feed the runs; there are as many as cores unless given.
     """
     configs = [
         make_config(

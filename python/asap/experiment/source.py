@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 
 from asap import _core
-from asap.checks import agreed, named, sides
-from asap.checks import source as check_source
+from asap._checks import agreed, named, sides
+from asap._checks import source as check_source
 from asap.events import Events, as_events
 from asap.io import Recording, read
-
-__all__ = ["Source", "is_iterable_of_arrays"]
 
 _LOOK = 256  # events in which the first good one is searched at once
 

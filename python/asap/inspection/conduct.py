@@ -7,19 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from asap import checks
+from asap import _checks
 from asap.experiment.runners import Progress
 from asap.inspection.door import Door
 from asap.inspection.findings import Meters, judge
-from asap.inspection.intervals import Intervals
-from asap.inspection.meters import Duplicates, Gaps, Stamps
+from asap.inspection.meters import Duplicates, Gaps, Intervals, RateMeter, Stamps
 from asap.inspection.pixels import PixelMap
-from asap.inspection.rates import RateMeter
 from asap.inspection.raw_source import RawSource
 from asap.io import TruncatedFileWarning
 from asap.results.inspection import Inspection
-
-__all__ = ["check"]
 
 
 def check(
@@ -67,7 +63,7 @@ def check(
     >>> asap.check(events, width=346, height=260).findings["back_steps"].event
     2
     """
-    checks.callback("on_progress", on_progress)
+    _checks.callback("on_progress", on_progress)
     raw = RawSource(source, width=width, height=height, order=order, time_unit=time_unit)
     door = Door(raw.width, raw.height)
     meters = Meters(

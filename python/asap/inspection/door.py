@@ -6,6 +6,7 @@ of the events in whose x each has its place in the block: what comes out tells w
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -13,11 +14,26 @@ import numpy.typing as npt
 
 from asap import _core
 from asap.events import EVENT_DTYPE, Events
-from asap.inspection.tally import Integers, Tally
-
-__all__ = ["Door", "Passed"]
 
 _MAX_STAMP_US = (1 << 52) - (1 << 50)  # beyond it the core refuses a stamp
+
+
+Integers = npt.NDArray[np.int64]
+
+
+@dataclass
+class Tally:
+    """A count, and the first occurrence: number of the event in the source, its own stamp in us."""
+
+    count: int = 0
+    event: int | None = None
+    t_us: int | None = None
+
+    def add(self, numbers: Integers, stamps: Integers) -> None:
+        """Count these events, in the order of the source."""
+        if self.event is None and numbers.size:
+            self.event, self.t_us = int(numbers[0]), int(stamps[0])
+        self.count += int(numbers.size)
 
 
 class Passed(NamedTuple):

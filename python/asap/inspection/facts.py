@@ -6,10 +6,8 @@ import os
 from dataclasses import asdict
 from typing import Any
 
-from asap import analysis, checks
+from asap import _checks, analysis
 from asap.io import Recording, read
-
-__all__ = ["info"]
 
 
 def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, Any]:
@@ -45,7 +43,7 @@ def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, 
     if isinstance(path, (str, os.PathLike)):
         recording = read(path, **options)
     elif not hasattr(path, "rejected"):
-        raise TypeError(checks.named("path", path, "give a path, or what read() returned"))
+        raise TypeError(_checks.named("path", path, "give a path, or what read() returned"))
     elif options:
         raise ValueError(f"{', '.join(options)}: a recording is open; say it to read()")
     else:

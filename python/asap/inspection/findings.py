@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asap import units
-from asap.inspection.door import Door, Passed
-from asap.inspection.intervals import Intervals
+from asap import _units
+from asap.inspection.door import Door, Passed, Tally
 from asap.inspection.meters import (
     BAND,
     BAND_GAP_US,
@@ -18,15 +17,13 @@ from asap.inspection.meters import (
     STUCK_US,
     Duplicates,
     Gaps,
+    Intervals,
+    RateMeter,
     Stamps,
 )
 from asap.inspection.pixels import MAX_SIDE, PixelMap
-from asap.inspection.rates import RateMeter
 from asap.inspection.raw_source import RawSource
-from asap.inspection.tally import Tally
 from asap.results.inspection import NOTE, OK, WRONG, Finding
-
-__all__ = ["Meters", "judge"]
 
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset
 WRONG_DUPLICATES = 1e-3  # of the good events; sound recordings have a few
@@ -80,7 +77,7 @@ def judge(raw: RawSource, meters: Meters) -> Iterator[Finding]:
         "back_steps",
         door.back_steps,
         WRONG,
-        f"largest {units.duration(door.largest_back_step_us)}" if door.back_steps.count else "",
+        f"largest {_units.duration(door.largest_back_step_us)}" if door.back_steps.count else "",
         "A run drops and counts them. asap.read(..., reorder_tolerance_us="
         f"{door.largest_back_step_us}) lifts them to the stamp before; sorting the events "
         "repairs the file, if their stamps are right.",
@@ -98,7 +95,7 @@ def judge(raw: RawSource, meters: Meters) -> Iterator[Finding]:
         "same_stamp",
         stamps.crowded,
         NOTE,
-        f"at most {units.count(stamps.most)} events on one stamp",
+        f"at most {_units.count(stamps.most)} events on one stamp",
         f"More than {CROWD} events on one stamp: a rate over so short a span says nothing; "
         "ASAP's own meter looks at time and count. Is the sensor saturated, or are the stamps "
         "coarse?",
@@ -107,9 +104,9 @@ def judge(raw: RawSource, meters: Meters) -> Iterator[Finding]:
         "stuck_time",
         stamps.stuck,
         WRONG,
-        f"{units.duration(stamps.stuck_us)} in all" if stamps.stuck.count else "",
-        f"The clock stood while events came in, then jumped by {units.duration(STUCK_US)} or more: "
-        "latencies below that are not in these stamps. Look for stamps per frame or per USB "
+        f"{_units.duration(stamps.stuck_us)} in all" if stamps.stuck.count else "",
+        f"The clock stood while events came in, then jumped by {_units.duration(STUCK_US)} or "
+        "more: latencies below that are not in these stamps. Look for stamps per frame or per USB "
         "packet instead of per event.",
     )
     yield _banding(meters)
@@ -126,7 +123,7 @@ def _found(name: str, tally: Tally, verdict: str, detail: str, remedy: str) -> F
 
 def _empty(door: Door, meters: Meters, raw: RawSource) -> Finding:
     if meters.events:
-        return Finding("empty", 0, OK, f"{units.count(meters.events)} good events")
+        return Finding("empty", 0, OK, f"{_units.count(meters.events)} good events")
     if door.seen + raw.bad_records + raw.out_of_bounds == 0:
         if raw.cut_at_byte is not None:
             words = "nothing before the end of the file can be read"
@@ -182,7 +179,7 @@ def _out_of_bounds(raw: RawSource, door: Door, pixels: PixelMap) -> Finding:
     rows, columns = pixels.counts.shape
     reach = f"addresses up to x = {columns - 1}, y = {rows - 1}"
     if pixels.beyond:
-        reach = f"{units.count(pixels.beyond)} events beyond {MAX_SIDE} px"
+        reach = f"{_units.count(pixels.beyond)} events beyond {MAX_SIDE} px"
     remedy = "Say the size: width=, height= (--width, --height)."
     return Finding("out_of_bounds", 0, NOTE, f"{sensor}; {reach}", remedy)
 
@@ -191,7 +188,7 @@ def _reset_words(door: Door) -> str:
     if door.clock_resets.count == 0:
         return ""
     fall_us = door.largest_reset_us
-    words = f"back by {units.duration(fall_us)}"
+    words = f"back by {_units.duration(fall_us)}"
     bits = [bits for bits in _COUNTER_BITS if abs(fall_us - 2**bits) < 0.01 * 2**bits]
     return f"{words}, as a counter of {bits[0]} bits wraps" if bits else words
 
@@ -202,8 +199,8 @@ def _gaps(gaps: Gaps) -> Finding:
         "gaps",
         gaps.tally,
         verdict,
-        f"longest {units.duration(gaps.longest_us)}",
-        f"No event for {units.duration(GAP_US)} or more: a still scene behind a noise filter, or "
+        f"longest {_units.duration(gaps.longest_us)}",
+        f"No event for {_units.duration(GAP_US)} or more: a still scene behind a noise filter, or "
         "lost data. Compare with the driver's own counters.",
     )
 
@@ -211,7 +208,7 @@ def _gaps(gaps: Gaps) -> Finding:
 def _banding(meters: Meters) -> Finding:
     bands = meters.stamps.bands
     share = meters.stamps.banded_events / meters.events if meters.events else 0.0
-    words = f"{units.share(share)} of the events in bands" if bands.count else ""
+    words = f"{_units.share(share)} of the events in bands" if bands.count else ""
     return _found(
         "banding",
         bands if share >= BANDED else Tally(),
@@ -230,7 +227,7 @@ def _duplicates(meters: Meters) -> Finding:
         "duplicates",
         tally,
         WRONG if share > WRONG_DUPLICATES else NOTE,
-        f"{units.share(share)} of the events" if tally.count else "",
+        f"{_units.share(share)} of the events" if tally.count else "",
         "A pixel cannot fire twice in 1 us: the same data were written twice, or the stamps are "
         "coarse. A run takes each as an event.",
     )
@@ -238,7 +235,7 @@ def _duplicates(meters: Meters) -> Finding:
 
 def _polarity(meters: Meters) -> Finding:
     tally, events, on = meters.door.odd_polarity, meters.events, meters.on
-    share = f"{units.share(on / events)} ON" if events else ""
+    share = f"{_units.share(on / events)} ON" if events else ""
     if tally.count == 0 and events >= ENOUGH and on in (0, events):
         return Finding(
             "polarity", 0, NOTE, share, "One polarity only: the other was lost, or never written."
@@ -257,7 +254,7 @@ def _hot_pixels(meters: Meters) -> Finding:
     hot = meters.pixels.hot()
     if hot.size == 0:
         share = int(meters.pixels.busiest()["events"].sum()) / max(meters.events, 1)
-        return Finding("hot_pixels", 0, OK, f"the 10 busiest hold {units.share(share)}")
+        return Finding("hot_pixels", 0, OK, f"the 10 busiest hold {_units.share(share)}")
     share = int(hot["events"].sum()) / meters.events
     where = ", ".join(f"({x}, {y})" for x, y, _ in hot[:3].tolist())
     more = f" and {hot.size - 3} more" if hot.size > 3 else ""
@@ -265,6 +262,6 @@ def _hot_pixels(meters: Meters) -> Finding:
         "hot_pixels",
         hot.size,
         WRONG if share >= WRONG_HOT else NOTE,
-        f"{units.share(share)} of the events: {where}{more}",
+        f"{_units.share(share)} of the events: {where}{more}",
         "Mask them in the camera, or put asap.BackgroundActivityFilter in front of the algorithm.",
     )

@@ -7,8 +7,6 @@ import numpy.typing as npt
 
 from asap.events import Events
 
-__all__ = ["MAX_SIDE", "PIXEL_DTYPE", "PixelMap"]
-
 MAX_SIDE = 4096  # px of the map, which bounds its memory
 HOT_EVENTS = 100  # a hot pixel has at least so many events,
 HOT_SHARE = 1e-3  # at least this share of all,

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from asap.checks import agreed, sides
-from asap.checks import source as check_source
+from asap._checks import agreed, sides
+from asap._checks import source as check_source
 from asap.events import EVENT_DTYPE, Events, columns_of, is_event_memory
 from asap.experiment.source import is_iterable_of_arrays
 from asap.io import Recording, read
@@ -18,8 +18,6 @@ from asap.io.columns import events_of
 from asap.io.errors import CutFile
 from asap.io.reader import Losses, Options
 from asap.io.sniff import sniff
-
-__all__ = ["BLOCK", "RawSource"]
 
 BLOCK = 1 << 16  # events in a block, at most
 

@@ -17,10 +17,7 @@ import numpy as np
 from asap.events import Events
 from asap.io.columns import events_of
 from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library
-from asap.io.flatbuffer import Buffer, Table
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, sensor_size
-
-__all__ = ["EVENT", "MAGIC", "MOST_PIXELS", "Aedat4Reader"]
 
 MAGIC = b"#!AER-DAT4.0\r\n"
 MOST_PIXELS = 1 << 15  # of a side
@@ -194,3 +191,43 @@ def _records_of(packet: bytes) -> Buffer:
     if len(records) < count * EVENT.itemsize:
         raise ValueError(f"{count} events promised, {len(records) // EVENT.itemsize} are there")
     return records
+
+
+Buffer = bytes | memoryview
+
+
+class Table:
+    """The root table of a FlatBuffer: fields by their number in the schema, every offset checked.
+
+    Positions count from behind the size prefix. What lies outside raises ``struct.error``.
+    """
+
+    def __init__(self, buffer: Buffer) -> None:
+        self.buffer = buffer
+        self._at = self._read("<I", 0)
+        self._fields = self._at - self._read("<i", self._at)
+        self._size = self._read("<H", self._fields)
+        self.name = bytes(self.buffer[4:8])  # of the schema
+
+    def number(self, field: int, kind: str, default: int) -> int:
+        """Return a field of the type `kind` of ``struct``."""
+        at = self._place(field)
+        return default if at is None else self._read(kind, at)
+
+    def vector(self, field: int) -> tuple[int, int]:
+        """Where the elements of a vector or a text begin, and how many there are."""
+        at = self._place(field)
+        if at is None:
+            return 0, 0
+        at += self._read("<I", at)
+        return at + 4, self._read("<I", at)
+
+    def _place(self, field: int) -> int | None:
+        slot = 4 + 2 * field
+        offset = self._read("<H", self._fields + slot) if slot + 2 <= self._size else 0
+        return self._at + offset if offset else None
+
+    def _read(self, kind: str, at: int) -> int:
+        if at < 0:
+            raise struct.error(f"offset {at} is outside the buffer")
+        return int(struct.unpack_from(kind, self.buffer, at)[0])

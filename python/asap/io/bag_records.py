@@ -19,8 +19,6 @@ from typing import Any, NamedTuple
 
 from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile
 
-__all__ = ["Channel", "Message", "mcap_records", "rosbag1_chunk_sizes", "rosbag1_records"]
-
 _MODULES = {  # that unpack: the first that is there
     "bz2": ("bz2",),
     "lz4": ("lz4.frame",),

@@ -25,8 +25,6 @@ from asap.io.bag_records import (
 )
 from asap.io.errors import CorruptFile, foreign, library, refuse_bomb
 
-__all__ = ["Bag", "open_bag"]
-
 
 class Bag(Protocol):
     """The topics of a bag and their messages."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from asap._stamps import time_exponent
 from asap.events import (
     Columns,
     Events,
@@ -21,9 +22,6 @@ from asap.events import (
 )
 from asap.io.errors import UnsupportedFormat, unclear_unit
 from asap.io.reader import Losses, Options
-from asap.stamps import time_exponent
-
-__all__ = ["events_of", "file_columns"]
 
 _MAX_ADDRESS = 65535
 

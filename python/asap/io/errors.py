@@ -8,22 +8,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-__all__ = [
-    "HARMLESS",
-    "MAX_RATIO",
-    "CorruptFile",
-    "CutFile",
-    "MissingLibrary",
-    "NoGoodEvent",
-    "TruncatedFileWarning",
-    "UnsupportedFormat",
-    "cut_file",
-    "foreign",
-    "library",
-    "refuse_bomb",
-    "unclear_unit",
-]
-
 MAX_RATIO = 1000  # decompressed to compressed, for what is beyond HARMLESS bytes
 HARMLESS = 1 << 28
 

@@ -15,16 +15,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap import stamps
+from asap import _stamps
 from asap.events import Events
+from asap.io.arrangement import order_of
 from asap.io.columns import events_of, file_columns
 from asap.io.errors import CorruptFile, cut_file, foreign, library
 from asap.io.hdf5_layout import Layout, find_layouts, sensor_of, usable
-from asap.io.mapped import mapped
-from asap.io.matrices import columns_of_matrix, order_of
+from asap.io.numpy_files import mapped
 from asap.io.reader import CHUNK, Losses, Options, choose_stream
-
-__all__ = ["Hdf5Reader"]
 
 _STEP = 4 * CHUNK  # events that are read at once: calls of h5py are dear
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -98,10 +96,10 @@ class Hdf5Reader:
     ) -> Iterator[Events]:
         source: Any = rows.get("records", rows)
         if self._layout.is_matrix:
-            source = columns_of_matrix(rows["matrix"], self._order or "txyp")
+            source = dict(zip(self._order or "txyp", rows["matrix"].T, strict=True))
         elif self._layout.t_offset:
             offset = np.asarray(self._layout.t_offset)
-            source = rows | {"t": stamps.shifted(rows["t"], offset)}
+            source = rows | {"t": _stamps.shifted(rows["t"], offset)}
         count = len(next(iter(rows.values())))
         for start in range(0, count, CHUNK):
             part = slice(start, start + CHUNK)

@@ -18,7 +18,9 @@ from typing import Any
 
 import numpy as np
 
+from asap._stamps import MAX
 from asap.events import FIELD_NAMES
+from asap.io.arrangement import as_rows
 from asap.io.errors import (
     CorruptFile,
     MissingLibrary,
@@ -26,11 +28,7 @@ from asap.io.errors import (
     library,
     refuse_bomb,
 )
-from asap.io.matrices import as_rows
 from asap.io.reader import sensor_size
-from asap.stamps import MAX
-
-__all__ = ["Layout", "find_layouts", "sensor_of", "usable"]
 
 _NAMES = {role: {*names, f"{role}s"} for role, names in FIELD_NAMES.items()}
 _MOST_OBJECTS = 10_000

@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap.checks import named
+from asap._checks import named
 from asap.events import FIELD_NAMES, Columns, Events
+from asap.io.arrangement import as_rows, order_of
 from asap.io.columns import events_of, file_columns
 from asap.io.errors import (
     CorruptFile,
@@ -29,10 +30,7 @@ from asap.io.errors import (
     library,
     refuse_bomb,
 )
-from asap.io.matrices import as_rows, columns_of_matrix, order_of
 from asap.io.reader import CHUNK, Losses, Options, choose_stream
-
-__all__ = ["MatlabReader"]
 
 _HEADER = 128
 _ROLES = {name: role for role, names in FIELD_NAMES.items() for name in names}
@@ -145,7 +143,7 @@ class MatlabReader:
         count = as_rows(matrix.shape)
         rows = matrix.T if count is not None and count[1] else matrix
         order = order_of(self._path, self._stream, rows[:CHUNK], self._options.order)
-        return columns_of_matrix(rows, order)
+        return dict(zip(order, rows.T, strict=True))
 
 
 def _of_buffer(path: Path, times: npt.NDArray[Any], polarity: npt.NDArray[Any]) -> Columns:

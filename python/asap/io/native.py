@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
 
 import numpy as np
 
@@ -20,8 +19,6 @@ from asap.events import EVENT_DTYPE, Events
 from asap.io.errors import CorruptFile, UnsupportedFormat
 from asap.io.reader import CHUNK, Losses, Options
 
-__all__ = ["FORMATS", "Layout", "NativeReader"]
-
 HEAD = 1 << 20  # bytes that a header may take
 _PIECE = 1 << 18
 _RECORD_OF_40_BITS = 5  # bytes
@@ -29,35 +26,12 @@ _ROWS_OF_40_BITS = 240  # of the largest sensor; the row below it marks time
 _BACK, _BACK_LEAST = 0.25, 8  # steps back in time that no recording has: a share, and so many
 
 
-class Decoder(Protocol):
-    """What the classes of ``_core`` that decode bytes have in common."""
-
-    def decode_into(self, data: memoryview, out: Events, /) -> tuple[int, int]:
-        """Return the bytes consumed and the events written."""
-        ...
-
-    @property
-    def unfinished(self) -> int:
-        """Bytes of a record that waits for its end."""
-        ...
-
-    @property
-    def bad_records(self) -> int:
-        """How many records are none."""
-        ...
-
-    @property
-    def noted(self) -> tuple[int, ...]:
-        """Byte offsets of the first bad records."""
-        ...
-
-
 @dataclass(frozen=True)
 class Layout:
     """What a header says."""
 
     start: int  # byte of the first record
-    make: Callable[[], Decoder]
+    make: Callable[[], _core._Decoder]
     width: int | None = None
     height: int | None = None
 
@@ -98,12 +72,8 @@ class NativeReader:
                 f"the last record is cut: {decoder.unfinished} bytes of it are there",
             )
 
-    def _count(self, decoder: Any, losses: Losses) -> None:
-        losses.bad_record = decoder.bad_records
-        losses.bad_offsets = list(decoder.noted)
-        if losses.bad_offsets and losses.on_bad == "raise":
-            offset = losses.bad_offsets[0]
-            raise CorruptFile(self._path, offset, f"no record of a file in {self.format}")
+    def _count(self, decoder: _core._Decoder, losses: Losses) -> None:
+        losses.take_bad_records(decoder, lambda _: f"no record of a file in {self.format}")
         losses.take_triggers(decoder)
 
 
@@ -113,7 +83,7 @@ def _raw(encoding: str, path: Path, head: bytes, options: Options) -> Layout:
     if header.get("words") and header["words"] != encoding:
         raise CorruptFile(path, 0, f"the header says {header['words']}, not {encoding}")
     start, little_endian = header.get("size", 0), header.get("little_endian", False)
-    make: dict[str, Callable[[], Decoder]] = {
+    make: dict[str, Callable[[], _core._Decoder]] = {
         "evt2": lambda: _core.Evt2Decoder(first_offset=start),
         "evt21": lambda: _core.Evt21Decoder(little_endian=little_endian, first_offset=start),
         "evt3": lambda: _core.Evt3Decoder(first_offset=start),

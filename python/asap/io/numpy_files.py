@@ -7,12 +7,13 @@ anything is allocated. Nothing is unpickled.
 from __future__ import annotations
 
 import math
+import mmap
 import zipfile
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -22,10 +23,7 @@ from asap.events import FIELD_NAMES, Events
 from asap.io.arrangement import SAMPLE
 from asap.io.columns import events_of, file_columns
 from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, refuse_bomb
-from asap.io.mapped import mapped, windows
 from asap.io.reader import CHUNK, Losses, Options
-
-__all__ = ["Archive", "NpyReader", "NpzReader"]
 
 _PACKED_BY_NUMPY = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit
 
@@ -289,3 +287,30 @@ def _infos(path: Path, archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
             fault = f"{info.filename}: compression {info.compress_type} is none of NumPy's"
             raise CorruptFile(path, info.header_offset, fault)
     return {info.filename: info for info in infos}
+
+
+_WINDOW = 1 << 24  # bytes
+
+
+def mapped(
+    path: Path,
+    dtype: np.dtype[Any],
+    offset: int,
+    shape: tuple[int, ...],
+    order: Literal["C", "F"] = "C",
+) -> npt.NDArray[Any]:
+    """Map one array without reading it; its pages stay as long as a view of it."""
+    size = dtype.itemsize * math.prod(shape)
+    into_page = offset % mmap.ALLOCATIONGRANULARITY
+    start = offset - into_page
+    with path.open("rb") as file:
+        pages = mmap.mmap(file.fileno(), into_page + size, offset=start, access=mmap.ACCESS_READ)
+    array: npt.NDArray[Any] = np.ndarray(shape, dtype, pages, into_page, order=order)
+    return array
+
+
+def windows(rows: int, row_bytes: int, chunk: int) -> Iterator[tuple[int, int]]:
+    """Half-open ranges of rows, multiples of `chunk`, of some megabytes each."""
+    step = max(_WINDOW // max(row_bytes, 1) // chunk, 1) * chunk
+    for start in range(0, rows, step):
+        yield start, min(start + step, rows)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -11,12 +11,10 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from asap.checks import named
-from asap.events import Events, check_order
+from asap._checks import named
+from asap._stamps import time_exponent
+from asap.events import EVENT_DTYPE, Events, check_order
 from asap.io.errors import CorruptFile, TruncatedFileWarning
-from asap.stamps import time_exponent
-
-__all__ = ["CHUNK", "Losses", "Options", "Reader", "choose_stream", "sensor_size"]
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about
 _MOST_OFFSETS = 16  # of bad records
@@ -64,6 +62,12 @@ class Losses:
     trigger_arrays: list[npt.NDArray[np.void]] = field(default_factory=list)  # of the first
     cut: CorruptFile | None = None
 
+    def take_bad_records(self, decoder: Any, fault: Callable[[int], str]) -> None:
+        """Take the bad records that a native decoder met; an error if bad data raise."""
+        self.bad_record, self.bad_offsets = decoder.bad_records, list(decoder.noted)
+        if self.bad_offsets and self.on_bad == "raise":
+            raise CorruptFile(self.path, self.bad_offsets[0], fault(self.bad_offsets[0]))
+
     def take_triggers(self, decoder: Any) -> None:
         """Take the triggers that a native decoder met, and count its events before the start."""
         self.before_start = decoder.before_start
@@ -95,20 +99,9 @@ class Losses:
 class Reader(Protocol):
     """The events of one file. It is opened by a path and `Options`, and may be read repeatedly."""
 
-    @property
-    def format(self) -> str:
-        """Name of the format."""
-        ...
-
-    @property
-    def width(self) -> int | None:
-        """Width of the sensor in px, if the file states it."""
-        ...
-
-    @property
-    def height(self) -> int | None:
-        """Height of the sensor in px, if the file states it."""
-        ...
+    format: str
+    width: int | None  # of the sensor in px, if the file states it
+    height: int | None
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Read from the start: events in ``EVENT_DTYPE``, order and sensor size not yet checked."""
@@ -146,3 +139,27 @@ def choose_stream(
         f"stream = {wanted!r}: {path} holds {len(streams)} stream{'s' * (len(streams) > 1)} of "
         f"events ({listed}); choose one, such as stream={streams[0]!r}"
     )
+
+
+_RECORD = np.dtype(f"V{EVENT_DTYPE.itemsize}")
+
+
+def gathered(chunks: Iterable[Events], expected: int) -> Events:
+    """One array of all chunks, made for as many events as are expected; it grows if need be."""
+    events: Events = np.empty(expected, EVENT_DTYPE)
+    count = 0
+    for chunk in chunks:
+        if count + len(chunk) > len(events):
+            larger = np.empty(max(2 * len(events), count + len(chunk)), EVENT_DTYPE)
+            _copy(larger[:count], events[:count])
+            events = larger
+        _copy(events[count : count + len(chunk)], chunk)
+        count += len(chunk)
+    if count < len(events):
+        events.resize(count, refcheck=False)  # gives the rest back, in place
+    return events
+
+
+def _copy(to: Events, source: Events) -> None:
+    """Copy memory as it is: NumPy copies structured arrays field by field, six times slower."""
+    to.view(_RECORD)[:] = source.view(_RECORD)

@@ -13,17 +13,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap import _core, checks, units
+from asap import _checks, _core, _units
 from asap._pickling import by_arguments
 from asap.events import Events, plain_view
 from asap.io.arrangement import arrangement, looks_like
 from asap.io.errors import CorruptFile, NoGoodEvent
-from asap.io.gathering import gathered
 from asap.io.native import FORMATS, NativeReader
-from asap.io.reader import Losses, Options, Reader
+from asap.io.reader import Losses, Options, Reader, gathered
 from asap.io.sniff import first_bytes, sniff, stated
-
-__all__ = ["FILE_FORMATS", "Recording", "load", "read"]
 
 
 def _late(module: str, reader: str) -> Callable[..., Reader]:
@@ -76,8 +73,8 @@ class Recording:
         file_format: str | None = None,
         stream: str | None = None,
     ) -> None:
-        self._path = checks.folder_or_file("path", path)
-        width, height = checks.sides(width, height)
+        self._path = _checks.folder_or_file("path", path)
+        width, height = _checks.sides(width, height)
         self._on_bad = on_bad
         self._reorder_tolerance_us = reorder_tolerance_us
         options = Options(order, time_unit, stream=stream, width=width, height=height)
@@ -86,8 +83,8 @@ class Recording:
             raise ValueError(
                 f"stream = {stream!r}: {self._path} is one stream of events; leave stream out"
             )
-        self._width = checks.agreed("width", width, self._reader.width, self._path)
-        self._height = checks.agreed("height", height, self._reader.height, self._path)
+        self._width = _checks.agreed("width", width, self._reader.width, self._path)
+        self._height = _checks.agreed("height", height, self._reader.height, self._path)
         self._losses, self._validator = self._books()
         self._options = options
         self._file_format = file_format
@@ -150,11 +147,11 @@ class Recording:
         good = self.received - sum(self.rejected.values())
         if good >= self.received / 2:
             return None
-        received = units.count(self.received)
-        what = f"only {units.count(good)} of its {received} events are good"
+        received = _units.count(self.received)
+        what = f"only {_units.count(good)} of its {received} events are good"
         if good == 0:
             what = f"not one of its {received} events is good"
-        return f"{self._path}: {what} ({units.reasons(self.rejected)}); {self._remedy()}"
+        return f"{self._path}: {what} ({_units.reasons(self.rejected)}); {self._remedy()}"
 
     def _remedy(self) -> str:
         if hasattr(self._reader, "sample"):
@@ -250,7 +247,7 @@ class Recording:
 
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}" if self.width and self.height else "size unknown"
-        return f"Recording({str(self._path)!r}, {self.format}, {size})"
+        return f"<Recording: {self._path}, {self.format}, {size}>"
 
     def _books(self) -> tuple[Losses, _core.Validator]:
         validator = _core.Validator(
@@ -265,7 +262,7 @@ class Recording:
 def _format_of(path: Path, file_format: str | None) -> str:
     if file_format is None:
         return sniff(path)
-    checks.choice("file_format", file_format, _READERS)
+    _checks.choice("file_format", file_format, _READERS)
     found = None if path.is_dir() else stated(first_bytes(path))  # a bag may be a folder
     if found not in (None, file_format):
         raise CorruptFile(path, 0, f"this is {found}, not {file_format}; leave file_format out")

@@ -7,10 +7,8 @@ import os
 from pathlib import Path
 
 from asap import _core
-from asap.checks import regular_file
+from asap._checks import regular_file
 from asap.io.errors import CorruptFile, UnsupportedFormat
-
-__all__ = ["SERVED", "first_bytes", "sniff", "stated"]
 
 SERVED = (
     "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, ROS bags, Prophesee RAW (EVT2, EVT2.1, "

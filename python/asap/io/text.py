@@ -22,13 +22,11 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _core
+from asap._stamps import time_exponent
 from asap.events import FIELD_NAMES, Events, check_order
 from asap.io.arrangement import SAMPLE, arrangement, as_option
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
-from asap.stamps import time_exponent
-
-__all__ = ["TextReader"]
 
 _HEAD = 1 << 14
 _PIECE = 1 << 18
@@ -90,17 +88,16 @@ class TextReader:
             losses.truncated(last_line, "the last line is cut")
 
     def _counted(self, decoder: _core.TextDecoder, events: Events, losses: Losses) -> Events:
-        losses.bad_record = decoder.bad_records
         losses.out_of_bounds = decoder.out_of_bounds
         losses.clamped_positions = decoder.clamped_positions
-        losses.bad_offsets = list(decoder.noted)
-        if losses.bad_offsets and losses.on_bad == "raise":
-            offset = losses.bad_offsets[0]
-            with self._path.open("rb") as file:
-                file.seek(offset)
-                line = file.readline(80).strip().decode("ascii", "replace")
-            raise CorruptFile(self._path, offset, f"no event {self._layout.order!r}: {line!r}")
+        losses.take_bad_records(decoder, self._line_at)
         return events
+
+    def _line_at(self, offset: int) -> str:
+        with self._path.open("rb") as file:
+            file.seek(offset)
+            line = file.readline(80).strip().decode("ascii", "replace")
+        return f"no event {self._layout.order!r}: {line!r}"
 
 
 def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:

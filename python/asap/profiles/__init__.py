@@ -10,10 +10,18 @@ A cost model is the simulated algorithm that has to keep up. `scenario` pairs on
 comparison: `PROFILES` and `COSTS` name them.
 """
 
-from asap.profiles.costs import COSTS, LATENCY_MS, CostModel, cost, drift, outages_ms
+from asap.profiles.costs import (
+    COSTS,
+    LATENCY_MS,
+    CostModel,
+    Scenario,
+    cost,
+    drift,
+    outages_ms,
+    scenario,
+)
 from asap.profiles.profile import Profile
 from asap.profiles.rates import FURTHER, PROFILES, RandomRate
-from asap.profiles.scenario import Scenario, scenario
 
 __all__ = [
     "COSTS",

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from asap import _core, checks
-from asap.profiles.draws import Draws, Floats, portable
-
-__all__ = ["COSTS", "LATENCY_MS", "CostModel", "cost", "drift", "outages_ms"]
+from asap import _checks, _core
+from asap.profiles.profile import Profile
+from asap.profiles.rates import FURTHER, PROFILES, Draws, Floats, portable
 
 
 class CostModel(NamedTuple):
@@ -50,8 +49,8 @@ def cost(name: str, *, seed: int = 1, duration_s: float = 5.0) -> _core.LinearCo
     ValueError
         There is no such name.
     """
-    checks.choice("name", name, COSTS)
-    checks.whole("seed", seed, 0, 2**64 - 101, "give 0 or more, and below 2**64 - 100")
+    _checks.choice("name", name, COSTS)
+    _checks.whole("seed", seed, 0, 2**64 - 101, "give 0 or more, and below 2**64 - 100")
     model = COSTS[name]
     return _core.LinearCost(
         model.alpha_us,
@@ -64,12 +63,7 @@ def cost(name: str, *, seed: int = 1, duration_s: float = 5.0) -> _core.LinearCo
 
 
 def drift(duration_s: float) -> Floats:
-    """Factors on beta of slow_tv, one per ms: a sine of 1 s period, half as much again from 2.75 s.
-
-    Returns
-    -------
-    ndarray of shape (n,), n = duration in ms
-    """
+    """Factors on beta of slow_tv, one per ms: a sine of period 1 s, times 1.5 from 2.75 s on."""
     duration_s = _checked_duration(duration_s)
     t = np.arange(math.ceil(duration_s * 1e3)) * 1e-3
     return portable((1.0 + 0.5 * np.sin(2.0 * np.pi * t)) * np.where(t > 2.75, 1.5, 1.0))
@@ -78,13 +72,10 @@ def drift(duration_s: float) -> Floats:
 def outages_ms(duration_s: float, *, seed: int) -> Floats:
     """Outages of slow_ht: 10 per second at random, Pareto of shape 1.5 from 1 ms to 30 ms.
 
-    Returns
-    -------
-    ndarray of shape (n, 2)
-        Begin and end, ms; one that would overlap the one before is put off to its end.
+    Shape (n, 2), begin and end in ms; one that would overlap the one before is put off to its end.
     """
     duration_s = _checked_duration(duration_s)
-    checks.whole("seed", seed, 0, 2**64 - 1, "give 0 or more, and below 2**64")
+    _checks.whole("seed", seed, 0, 2**64 - 1, "give 0 or more, and below 2**64")
     draws = Draws(seed)
     mean_gap_ms, begin_ms, free_ms = 100.0, 0.0, 0.0
     outages: list[tuple[float, float]] = []
@@ -101,4 +92,41 @@ def outages_ms(duration_s: float, *, seed: int) -> Floats:
 
 
 def _checked_duration(duration_s: float) -> float:
-    return checks.number("duration_s", duration_s, 0, 86_400, "give 0 to 86400 s")
+    return _checks.number("duration_s", duration_s, 0, 86_400, "give 0 to 86400 s")
+
+
+class Scenario(NamedTuple):
+    """What a scheme is put to: the arguments of ``asap.simulate``."""
+
+    source: Profile
+    cost: _core.LinearCost
+    latency_ms: float
+
+
+def scenario(profile: str, cost_model: str, *, seed: int = 1, **parameters: Any) -> Scenario:
+    """Return a named profile and cost model as the comparison pairs them.
+
+    Parameters
+    ----------
+    profile, cost_model : str
+        Names of `PROFILES` and `COSTS`.
+    seed : int
+        Of arrivals and costs; the comparison takes 1, 2 and 3.
+    **parameters
+        Of `Profile`, instead of the comparison's: 5 s, but 2 s for those of `FURTHER`, whose rates
+        are scaled by 15 where the cost model is "fast".
+    """
+    _checks.choice("profile", profile, PROFILES)
+    _checks.choice("cost_model", cost_model, COSTS)
+    further = profile in FURTHER
+    source = Profile(
+        profile,
+        **{
+            "duration_s": 2.0 if further else 5.0,
+            "scale": 15.0 if further and cost_model == "fast" else 1.0,
+            "seed": seed,
+            **parameters,
+        },
+    )
+    simulated = cost(cost_model, seed=seed, duration_s=source.duration_s)
+    return Scenario(source, simulated, LATENCY_MS[cost_model])

@@ -7,13 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap.events import Events
-from asap.profiles.draws import Floats, portable
-from asap.profiles.rates import PROFILES, RandomRate, Rate
+from asap.profiles.rates import PROFILES, Floats, RandomRate, Rate, portable
 from asap.synthetic import SyntheticStream, joined
-
-__all__ = ["Profile"]
 
 _STEP_US = 100
 _STEPS_PER_BLOCK = 10_000
@@ -74,9 +71,9 @@ class Profile(SyntheticStream):
             raise ValueError(
                 f"rate = {rate!r}: give a function of t, s, or one of {', '.join(PROFILES)}"
             )
-        checks.number("scale", scale, 0, sys.float_info.max, "give a factor of 0 or more")
+        _checks.number("scale", scale, 0, sys.float_info.max, "give a factor of 0 or more")
         if not (name is None or isinstance(name, str)):
-            raise TypeError(checks.named("name", name, "give text or None"))
+            raise TypeError(_checks.named("name", name, "give text or None"))
         called = rate if isinstance(rate, str) else getattr(rate, "__name__", "<lambda>")
         self.name = name or ("profile" if called == "<lambda>" else called)
         super().__init__(

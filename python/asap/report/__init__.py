@@ -2,15 +2,3 @@
 
 A result imports its own when it is asked: ``run.plot()``, ``run.report(path)``.
 """
-
-__all__ = [
-    "accuracy_figures",
-    "accuracy_report",
-    "comparison_figures",
-    "comparison_report",
-    "inspection_figures",
-    "inspection_report",
-    "page",
-    "run_report",
-    "scene_figures",
-]

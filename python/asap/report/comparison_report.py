@@ -10,16 +10,24 @@ import os
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from asap import checks
-from asap.report import comparison_figures, page
-from asap.results import comparison_table, run_table
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import _checks, _units, plots  # first: it says which extra is missing
+from asap.report import page
+from asap.results import comparison_table, notebook, run_table
+
+import matplotlib  # isort: skip
+from matplotlib.ticker import LogLocator, NullLocator  # isort: skip
+
 
 if TYPE_CHECKING:
-    from asap.results.comparison import Comparison, Row
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-__all__ = ["write"]
+    from asap.results.comparison import Comparison, Row
 
 _STYLE = """
 .contest th,.contest td{padding-right:9px}
@@ -54,38 +62,20 @@ border-bottom:1px solid var(--line)}
 """
 
 _CURVES = "Curves of every scheme: latency and kept share over time"
+_CAPTION = (
+    "Every scheme over time: the largest latency of the events of each moment, and the share of "
+    "the events that was finished. Latencies beyond 100 L are drawn at 100 L."
+)
 
 
 def write(
     comparison: Comparison, path: str | os.PathLike[str], title: str = "ASAP comparison"
 ) -> Path:
-    """Write one HTML file about a comparison.
+    """Write one HTML file about a comparison, of at most 10^6 bytes.
 
-    Parameters
-    ----------
-    comparison : Comparison
-        What `asap.compare` returns.
-    path : path-like
-        The file to write; an existing one is replaced.
-    title : str
-        Heading of the page.
-
-    Returns
-    -------
-    Path
-        `path`.
-
-    Raises
-    ------
-    OSError
-        The file cannot be written.
-
-    Notes
-    -----
-    The page takes at most 10^6 bytes. The numbers stand in ``<template data-comparison>`` as JSON:
-    what ``comparison.summary()`` says.
+    The numbers stand in ``<template data-comparison>`` as JSON: what ``comparison.summary()`` says.
     """
-    path = checks.new_file("path", path)
+    path = _checks.new_file("path", path)
     return page.write(
         path,
         title,
@@ -100,23 +90,19 @@ def _article(comparison: Comparison) -> str:
     headline, dot, rest = comparison_table.verdict(comparison).partition(". ")
     few = 9 / max(len(comparison.rows), 9)
     wide = _figure(comparison, "wide", 0.56, width_inches=8.6, points=int(500 * few))
-    narrow = _figure(comparison, "narrow", 0.34, width_inches=4.1, columns=1, points=int(300 * few))
+    options = {"width_inches": page.NARROW_INCHES, "columns": 1}
+    narrow = _figure(comparison, "narrow", 0.34, points=int(300 * few), **options)
     return f"""
 <article>
 <h2>{escape(comparison_table.title(comparison))}</h2>
 <p class="sub">{page.text(comparison_table.subtitle(comparison))}</p>
 <div class="scroll">{_table(comparison)}</div>
-<aside style="margin-top:24px"><h3>Verdict</h3>
-<p><strong>{page.text(headline + dot)}</strong>{page.text(rest)}</p></aside>
-<figure>
-{wide}
-{narrow}
-<figcaption>Every scheme over time: the largest latency of the events of each moment, and the share
-of the events that was finished. Latencies beyond 100 L are drawn at 100 L.</figcaption>
-</figure>
-<details><summary>What the columns say</summary><dl>{"".join(_words())}</dl></details>
+{page.verdict(headline + dot, rest)}
+{page.curves(wide, narrow, _CAPTION)}
+<details><summary>What the columns say</summary>
+{page.definitions(comparison_table.COLUMNS.items())}</details>
 <details><summary>The schemes and their parameters</summary>
-<div class="scroll"><table class="plain">{"".join(_parameters(comparison))}</table></div></details>
+<div class="scroll">{notebook.table((), _parameters(comparison), "plain")}</div></details>
 {page.embedded("data-comparison", comparison.summary())}
 </article>"""
 
@@ -125,8 +111,8 @@ def _figure(
     comparison: Comparison, css_class: str, share: float, *, points: int, **options: Any
 ) -> str:
     def draw(points: int) -> str:
-        figure = comparison_figures.figure(comparison, points=points, **options)
-        return page.inline_svg(figure, css_class[0], css_class, _CURVES)
+        drawn = figure(comparison, points=points, **options)
+        return page.inline_svg(drawn, css_class[0], css_class, _CURVES)
 
     return page.fitted(draw, points, share * page.MOST_BYTES)
 
@@ -168,18 +154,140 @@ def _row(row: Row, latency_ms: float) -> str:
     return f'<tr><th scope="row">{escape(name)}</th>{"".join(cells)}</tr>'
 
 
-def _words() -> Iterator[str]:
-    for name, words in comparison_table.COLUMNS.items():
-        yield f"<dt>{escape(name)}</dt><dd>{escape(words)}</dd>"
-
-
-def _parameters(comparison: Comparison) -> Iterator[str]:
+def _parameters(comparison: Comparison) -> Iterator[tuple[str, str, str]]:
     for row in comparison.rows:
         parameters = comparison.runs[row.label].scheme.parameters
         words = ", ".join(
             f"{name} {run_table.parameter_value(value)}" for name, value in parameters.items()
         )
-        yield (
-            f'<tr><th scope="row">{escape(row.label)}</th><td>{escape(row.scheme)}</td>'
-            f"<td>{escape(words or 'none')}</td></tr>"
+        yield row.label, row.scheme, words or "none"
+
+
+_PANEL_INCHES = 0.92
+_FRAME_INCHES = 0.95
+_SPAN = 100  # latencies from L / 100 to 100 L are told apart
+
+
+def figure(
+    comparison: Comparison, *, width_inches: float = 9.0, columns: int = 2, points: int = 500
+) -> Figure:
+    """Draw latency and kept share over time for each scheme, best score first.
+
+    The first row shows the events that came in. For each scheme the largest latency of the events
+    of each moment with the latency bound, and beside it (in one column, for narrow screens: below
+    it) the share of the events that was finished. A curve has at most so many points, each with the
+    worst latency and the mean share of what lies between.
+    """
+    rows = comparison.rows
+    lines = 1 + len(rows) * 2 // columns
+    # Fixed titles: to look for a place for each takes longer than to draw the page.
+    with matplotlib.rc_context({**plots.STYLE, "axes.titley": 1.0}):
+        page = plots.NotebookFigure(
+            figsize=(width_inches, _FRAME_INCHES + _PANEL_INCHES * lines), layout="constrained"
         )
+        grid = page.subplots(lines, columns, sharex=True, squeeze=False)
+        panels = iter(grid[1:].flat)
+        curves = {row.label: _Curves.of(comparison, row.label, points) for row in rows}
+        for axes in grid[0]:
+            _draw_rate(axes, next(iter(curves.values())))
+        for row in rows:
+            latency, kept = next(panels), next(panels)
+            _draw_latency(latency, curves[row.label], comparison.latency_ms)
+            _draw_kept(kept, curves[row.label])
+            _name(latency, kept, row)
+        _draw_legend(page, *grid[1:].flat[:2], columns=columns + 1)
+        for axes in grid[-1]:
+            axes.set_xlabel("time from the first event [s]")
+        for axes in grid.flat:
+            axes.margins(x=0.01)
+    return page
+
+
+class _Curves(NamedTuple):
+    """A run over time, in windows of equal length."""
+
+    time_s: NDArray[np.float64]
+    rate_hz: NDArray[np.float64]
+    latency_ms: NDArray[np.float64]  # the largest, NaN where nothing was finished
+    kept: NDArray[np.float64]  # NaN where nothing came in
+    on_time: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, comparison: Comparison, label: str, points: int) -> _Curves:
+        slots = comparison.runs[label].slots
+        if slots is None or slots.size == 0:
+            empty = np.empty(0)
+            return cls(empty, empty, empty, empty, np.empty(0, bool))
+        elapsed_ms = slots["slot"] - slots["slot"][0]
+        window_ms = -(-int(elapsed_ms[-1] + 1) // points)
+        window = elapsed_ms // window_ms
+        count = int(window[-1]) + 1
+        received = np.bincount(window, slots["received"], count)
+        delivered = np.bincount(window, slots["delivered"], count)
+        latency_ms = np.full(count, np.nan)
+        np.fmax.at(latency_ms, window[slots["delivered"] > 0], _delivered_ms(slots))
+        return cls(
+            time_s=(np.arange(count, dtype=np.float64) + 0.5) * (window_ms / 1e3),
+            rate_hz=np.asarray(received * (1e3 / window_ms), np.float64),
+            latency_ms=latency_ms,
+            kept=np.divide(delivered, received, out=np.full(count, np.nan), where=received > 0),
+            on_time=latency_ms <= comparison_table.KEEPS * comparison.latency_ms,
+        )
+
+
+def _delivered_ms(slots: NDArray[np.void]) -> NDArray[np.float64]:
+    return np.asarray(slots["latency_max_us"][slots["delivered"] > 0] / 1e3)
+
+
+def _draw_rate(axes: Axes, curves: _Curves) -> None:
+    unit, scale = _units.rate_axis(curves.rate_hz.max(initial=0))
+    axes.fill_between(
+        curves.time_s, curves.rate_hz * scale, color=plots.FAINT, alpha=0.55, linewidth=0
+    )
+    axes.set(title="events that come in", ylabel=unit)
+    axes.set_ylim(bottom=0)
+
+
+def _draw_latency(axes: Axes, curves: _Curves, bound_ms: float) -> None:
+    low, high = bound_ms / _SPAN, bound_ms * _SPAN
+    axes.plot(curves.time_s, np.clip(curves.latency_ms, low, high), color=plots.BLUE)
+    axes.axhline(
+        bound_ms, color=plots.VERMILION, linestyle=(0, (5, 3)), linewidth=1.2, label="bound L"
+    )
+    axes.set(ylabel="latency\n[ms]", yscale="log", ylim=(low / 1.4, high * 1.4))
+    axes.yaxis.set_major_locator(LogLocator(numticks=4))
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:,g}")
+    axes.yaxis.set_minor_locator(NullLocator())
+
+
+def _draw_kept(axes: Axes, curves: _Curves) -> None:
+    kept = np.nan_to_num(curves.kept)
+    for chosen, colour, label in (
+        (curves.on_time, plots.GREEN, "kept, all in time"),
+        (~curves.on_time, plots.VERMILION, "kept, some too late"),
+    ):
+        axes.fill_between(
+            curves.time_s,
+            np.where(chosen, kept, 0.0),
+            color=colour,
+            alpha=0.75,
+            linewidth=0,
+            step="mid",
+            label=label,
+        )
+    axes.set(ylabel="kept", ylim=(0, 1.05), yticks=(0, 0.5, 1))
+
+
+def _name(latency: Axes, kept: Axes, row: Row) -> None:
+    plain: Any = {"loc": "right", "fontweight": "normal", "fontsize": 8}
+    latency.set_title(row.label, parse_math=False)
+    latency.set_title(
+        f"p99 {_units.duration(row.p99_us)}, max {_units.duration(row.max_us)}", **plain
+    )
+    kept.set_title(f"score {row.score:.3f}")
+    kept.set_title(f"kept {_units.share(row.kept)}", **plain)
+
+
+def _draw_legend(page: Figure, *panels: Axes, columns: int) -> None:
+    handles = [handle for axes in panels for handle in axes.get_legend_handles_labels()[0]]
+    page.legend(handles=handles, loc="outside upper right", ncols=columns, handlelength=1.6)

@@ -7,30 +7,18 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asap import plots, units
+from asap import _units, plots
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = [
-    "INTRO_OF_RUNS",
-    "MOST_BYTES",
-    "WORDS_OF_RUNS",
-    "embedded",
-    "fitted",
-    "inline_svg",
-    "shortened",
-    "standalone_svg",
-    "text",
-    "write",
-]
-
 MOST_BYTES = 1_000_000  # of a page
+NARROW_INCHES = 3.4  # of a figure: on a phone its tick labels are then 10 px
 
 _LONGEST = 200  # characters of a text, elements of a list
 _FEWEST_POINTS = 50
@@ -66,7 +54,29 @@ def write(
 
 def text(words: str) -> str:
     """Escaped, with every number tied to its unit."""
-    return escape(units.tied(words))
+    return escape(_units.tied(words))
+
+
+def definitions(pairs: Iterable[tuple[str, str]]) -> str:
+    """Write names and what they mean."""
+    items = (f"<dt>{text(name)}</dt><dd>{text(words)}</dd>" for name, words in pairs)
+    return f"<dl>{''.join(items)}</dl>"
+
+
+def verdict(headline: str, rest: str = "", more: str = "") -> str:
+    """Write the box that says what to make of it; `more` is HTML."""
+    words = f"<p><strong>{text(headline)}</strong>{text(rest)}</p>"
+    return f"<aside><h3>Verdict</h3>{words}{more}</aside>"
+
+
+def drawn(wide: Figure, narrow: Figure, label: str) -> tuple[str, str]:
+    """Draw a figure for wide and for narrow screens."""
+    return inline_svg(wide, "w", "wide", label), inline_svg(narrow, "n", "narrow", label)
+
+
+def curves(wide: str, narrow: str, caption: str) -> str:
+    """Show a figure, drawn for wide and for narrow screens."""
+    return f"<figure>\n{wide}\n{narrow}\n<figcaption>{text(caption)}</figcaption>\n</figure>"
 
 
 def embedded(attribute: str, value: Any) -> str:
@@ -113,14 +123,6 @@ def inline_svg(figure: Figure, prefix: str, css_class: str, label: str) -> str:
     return svg.replace("<svg ", described, 1)
 
 
-def standalone_svg(figure: Figure, label: str) -> str:
-    """Write an SVG file with a card of its own, dark where the reader prefers it."""
-    style = f"<style>{_COLOURS}text{{font-family:system-ui,sans-serif!important}}</style>"
-    card = '<rect width="100%" height="100%" rx="8" fill="var(--card)"/>'
-    drawn = inline_svg(figure, "figure", "figure", label)
-    return re.sub(r"(<svg[^>]*>)", rf"\1{style}{card}", drawn, count=1) + "\n"
-
-
 def _short_tag(tag: re.Match[str]) -> str:
     """Hundredths of a point are enough, the page has a font, and nothing refers to a group."""
     short = re.sub(r"(\.\d\d)\d+", r"\1", tag[0])
@@ -129,7 +131,7 @@ def _short_tag(tag: re.Match[str]) -> str:
     return re.sub(r"font-family:[^;\"]*; ?|(?<=<g) id=\"[^\"]*\"", "", short)
 
 
-_COLOURS = """
+COLOURS = """
 :root{color-scheme:light dark;--page:#f5f6f7;--card:#fff;--ink:#22272c;--soft:#5b646d;
 --faint:#9aa1a8;--line:#e2e5e8;--blue:#0072b2;--vermilion:#d55e00;--green:#009e73;--purple:#a14f7c;
 --amber:#c98a00;--shade:#0002}
@@ -139,7 +141,7 @@ _COLOURS = """
 """
 
 _STYLE = (
-    _COLOURS
+    COLOURS
     + """\
 *{box-sizing:border-box}
 body{margin:0;background:var(--page);color:var(--ink);
@@ -159,10 +161,10 @@ margin:22px 0}
 .tiles span{display:block;font-weight:600;font-size:.85rem}
 .tiles small{display:block;color:var(--soft);font-size:.78rem;line-height:1.35}
 aside{border-left:4px solid var(--blue);background:var(--page);border-radius:0 8px 8px 0;
-padding:12px 16px;margin:0 0 24px}
+padding:12px 16px;margin:24px 0}
 aside h3{margin:0;color:var(--blue);font-size:.78rem;letter-spacing:.08em;text-transform:uppercase}
 aside p{margin:4px 0 0}
-figure{margin:0}
+figure{margin:24px 0 0}
 figure svg{display:block;width:100%;height:auto}
 svg text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,sans-serif!important}
 .narrow{display:none!important}

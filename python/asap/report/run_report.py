@@ -18,14 +18,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import analysis, checks, plots, units
+from asap import _checks, _units, analysis, plots
 from asap.report import page
-from asap.results import run_table
+from asap.results import notebook, run_table
 
 if TYPE_CHECKING:
     from asap.results.run import Run
-
-__all__ = ["write"]
 
 _CURVES = ("size", "event_rate", "rate", "gamma", "margin_us", "latency_max_us")
 _MOST_POINTS = 2000
@@ -36,36 +34,13 @@ _LEAST_SHARE, _TEXT_SHARE = 120_000, 12_000  # bytes: of a run with curves, of a
 def write(
     runs: Run | Sequence[Run], path: str | os.PathLike[str], title: str = "ASAP report"
 ) -> Path:
-    """Write one HTML file about one or several runs.
+    """Write one HTML file about one or several finished runs, of at most 10^6 bytes.
 
-    Parameters
-    ----------
-    runs : Run or sequence of Run
-        Finished runs, in the order of the page.
-    path : path-like
-        The file to write; an existing one is replaced.
-    title : str
-        Heading of the page.
-
-    Returns
-    -------
-    Path
-        `path`.
-
-    Raises
-    ------
-    ValueError
-        No run was given.
-    OSError
-        The file cannot be written.
-
-    Notes
-    -----
-    The page takes at most 10^6 bytes. The numbers of a run stand in ``<template data-run="0">`` as
-    JSON: ``summary`` and ``curves``, which holds of every curve its times in s and its values; the
-    smallest and the largest of what is left out stay. Of more runs than fit, the first have curves.
+    The numbers of a run stand in ``<template data-run="0">`` as JSON: ``summary`` and ``curves``,
+    which holds of every curve its times in s and its values; the smallest and the largest of what
+    is left out stay. Of more runs than fit, the first have curves.
     """
-    path = checks.new_file("path", path)
+    path = _checks.new_file("path", path)
     runs = list(runs) if isinstance(runs, Sequence) else [runs]
     if not runs:
         raise ValueError("runs = []: give at least one run")
@@ -85,17 +60,18 @@ def write(
 def _article(run: Run, number: int, most_bytes: int) -> str:
     summary = page.shortened(run.summary())
     name = run_table.title(summary)
+    headline, stop, rest = re.split(r"(\.(?: |$))", run_table.verdict(run), maxsplit=1)
     return f"""
 <article id="run-{number}">
 <h2>{escape(name)}</h2>
 <p class="sub">{page.text(run_table.subtitle(summary))}</p>
 <div class="tiles">{"".join(_tiles(run, summary))}</div>
-{_verdict(run)}
+{page.verdict(headline + stop, rest)}
 {_figure(run, number, name, most_bytes)}
 <h3>Where every event went</h3>
 {_ledger(run)}
 <details><summary>All numbers of this run</summary>
-<div class="scroll"><table class="plain">{"".join(_rows(summary))}</table></div>
+<div class="scroll">{notebook.table((), _rows(summary), "plain")}</div>
 </details>
 {_numbers(run, summary, number, most_bytes)}
 </article>"""
@@ -104,12 +80,12 @@ def _article(run: Run, number: int, most_bytes: int) -> str:
 def _tiles(run: Run, summary: Mapping[str, Any]) -> Iterator[str]:
     latency, packages = summary["latency_us"], summary["packages"]
     tiles = (
-        (units.share(run.kept), "kept", "of all events"),
-        (units.share(run.in_time), "in time", f"within {units.duration(run.latency_bound_us)}"),
-        (units.duration(latency["p50"]), "median latency", "of the delivered events"),
-        (units.duration(latency["p99"]), "p99 latency", f"max {units.duration(latency['max'])}"),
-        (units.count(packages["per_s"]), "packages per s", _sizes(packages)),
-        (units.count(summary["ledger"]["overflow"]), "overflow", "events the buffer had to drop"),
+        (_units.share(run.kept), "kept", "of all events"),
+        (_units.share(run.in_time), "in time", f"within {_units.duration(run.latency_bound_us)}"),
+        (_units.duration(latency["p50"]), "median latency", "of the delivered events"),
+        (_units.duration(latency["p99"]), "p99 latency", f"max {_units.duration(latency['max'])}"),
+        (_units.count(packages["per_s"]), "packages per s", _sizes(packages)),
+        (_units.count(summary["ledger"]["overflow"]), "overflow", "events the buffer had to drop"),
     )
     for value, name, note in tiles:
         yield (
@@ -119,15 +95,7 @@ def _tiles(run: Run, summary: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _sizes(packages: Mapping[str, float]) -> str:
-    return f"size {units.count(packages['size_mean'])}, max {units.count(packages['size_max'])}"
-
-
-def _verdict(run: Run) -> str:
-    headline, stop, rest = re.split(r"(\.(?: |$))", run_table.verdict(run), maxsplit=1)
-    return (
-        "<aside><h3>Verdict</h3>"
-        f"<p><strong>{page.text(headline + stop)}</strong>{page.text(rest)}</p></aside>"
-    )
+    return f"size {_units.count(packages['size_mean'])}, max {_units.count(packages['size_max'])}"
 
 
 def _figure(run: Run, number: int, name: str, most_bytes: int) -> str:
@@ -136,14 +104,11 @@ def _figure(run: Run, number: int, name: str, most_bytes: int) -> str:
     wide = narrow = ""
     if most_bytes:
         wide = _curves(run, f"r{number}w", name, (8.6, 8.4), "wide", 0.4 * most_bytes)
-        narrow = _curves(run, f"r{number}n", name, (4.1, 7.6), "narrow", 0.35 * most_bytes)
+        size_inches = page.NARROW_INCHES, 7.2
+        narrow = _curves(run, f"r{number}n", name, size_inches, "narrow", 0.35 * most_bytes)
     if not (wide and narrow):
         return _note("No curves: the page would be too large; run.report() of this run draws them.")
-    return f"""<figure>
-{wide}
-{narrow}
-<figcaption>What the closed loop did, package by package.</figcaption>
-</figure>"""
+    return page.curves(wide, narrow, "What the closed loop did, package by package.")
 
 
 def _note(words: str) -> str:
@@ -175,12 +140,12 @@ def _ledger(run: Run) -> str:
     bar = []
     for cause, words in run_table.LEDGER_WORDS.items():
         share = ledger[cause] / received if received else 0.0
-        if cause == "rejected" and (reasons := units.reasons(run.rejected)):
+        if cause == "rejected" and (reasons := _units.reasons(run.rejected)):
             words += f": {reasons}"
         rows.append(
             f'<tr class="{cause}"><th scope="row"><i></i>{cause}</th>'
-            f"<td>{units.count(ledger[cause])}</td>"
-            f"<td>{escape(units.share(share)) if ledger[cause] else ''}</td>"
+            f"<td>{_units.count(ledger[cause])}</td>"
+            f"<td>{escape(_units.share(share)) if ledger[cause] else ''}</td>"
             f"<td>{escape(words)}</td></tr>"
         )
         if share > 0 and cause != "received":
@@ -198,11 +163,11 @@ def _compare(runs: Sequence[Run]) -> str:
         summary = run.summary()
         latency = summary["latency_us"]
         cells = (
-            units.share(run.kept),
-            units.share(run.in_time),
-            *(units.duration(latency[name]) for name in ("p50", "p99", "max")),
-            units.count(summary["packages"]["per_s"]),
-            units.count(summary["ledger"]["overflow"]),
+            _units.share(run.kept),
+            _units.share(run.in_time),
+            *(_units.duration(latency[name]) for name in ("p50", "p99", "max")),
+            _units.count(summary["packages"]["per_s"]),
+            _units.count(summary["ledger"]["overflow"]),
         )
         name = escape(run_table.title(summary))
         rows.append(
@@ -217,13 +182,12 @@ def _compare(runs: Sequence[Run]) -> str:
     )
 
 
-def _rows(value: Any, name: str = "") -> Iterator[str]:
+def _rows(value: Any, name: str = "") -> Iterator[tuple[str, str]]:
     if isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _rows(inner, f"{name}.{key}" if name else str(key))
     else:
-        text = f"{value:.6g}" if isinstance(value, float) else str(value)
-        yield f'<tr><th scope="row">{escape(name)}</th><td>{escape(text)}</td></tr>'
+        yield name, f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _numbers(run: Run, summary: Mapping[str, Any], number: int, most_bytes: int) -> str:

@@ -1,25 +1,20 @@
 """Pictures of scenes: the events of some milliseconds and the truth over them.
 
-Needs matplotlib: ``asap-events[report]``. ``python -m asap.report.scene_figures FOLDER`` writes the
-pictures of notebooks/scenes.md.
+Needs matplotlib: ``asap-events[report]``.
 """
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import checks, plots, scenes
+from asap import _checks, plots
 
 if TYPE_CHECKING:
     from asap.scenes import Scene
-
-__all__ = ["documented", "snapshot"]
 
 _LOOKAHEAD_S = 0.1
 
@@ -30,24 +25,12 @@ def snapshot(
     """Draw the events of the window that ends at a moment, and the truth at that moment.
 
     Dark: the true outlines and the objects' numbers. Green: each one's way in the next 100 ms.
-
-    Parameters
-    ----------
-    scene : Scene
-        What is shown.
-    t_ms : float, optional
-        The moment; by default the middle of the scene.
-    window_ms : float
-        How far back the events go.
-
-    Returns
-    -------
-    Figure
+    Without a moment it is the middle of the scene.
     """
     if t_ms is not None:
         remedy = f"give a time from 0 to {scene.duration_us / 1e3:g} ms"
-        checks.number("t_ms", t_ms, 0, scene.duration_us / 1e3, remedy)
-    checks.number("window_ms", window_ms, 0, 1e8, "give 0 ms or more")
+        _checks.number("t_ms", t_ms, 0, scene.duration_us / 1e3, remedy)
+    _checks.number("window_ms", window_ms, 0, 1e8, "give 0 ms or more")
     t_us = scene.duration_us / 2 if t_ms is None else t_ms * 1e3
     truth = scene.truth(t_us)
     first, end = np.searchsorted(scene.events["t"], [t_us - window_ms * 1e3, t_us])
@@ -93,21 +76,3 @@ def _joined(lines: list[NDArray[np.float64]]) -> NDArray[np.float64]:
     parts = [part for line in lines for part in (line, gap)]
     points: NDArray[np.float64] = np.concatenate([gap, *parts]).T
     return points
-
-
-def documented() -> list[tuple[Scene, float | None, float]]:
-    """Scenes of the documentation, each with the moment that is shown and its window, ms."""
-    return [
-        *((make(), None, 15.0) for make in (scenes.A, scenes.B, scenes.C, scenes.D, scenes.E)),
-        (scenes.F(), None, 15.0),
-        (scenes.G(), None, 5.0),
-        (scenes.corners("slow"), None, 15.0),
-        (scenes.stop_and_go(), 690.0, 15.0),
-        (scenes.occlusion(), 600.0, 15.0),
-    ]
-
-
-if __name__ == "__main__":
-    for pictured, moment_ms, before_ms in documented():
-        picture = plots.svg(snapshot(pictured, moment_ms, window_ms=before_ms))
-        Path(sys.argv[1], f"scene_{pictured.name}.svg").write_text(picture, encoding="utf-8")

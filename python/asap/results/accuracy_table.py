@@ -9,17 +9,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from asap.results.keep_curve import KeepCurve, KeepRow
 
-__all__ = [
-    "CORNER_COLUMNS",
-    "TRACKER_COLUMNS",
-    "cell",
-    "cells",
-    "columns_of",
-    "format_keep_curve",
-    "title",
-    "told",
-]
-
 TRACKER_COLUMNS = {
     "mota": ("MOTA", "1 - (misses + false clusters + id switches) / objects; may be negative"),
     "id_switches": ("switches", "matched objects whose id is another than before, per run"),
@@ -40,18 +29,7 @@ CORNER_COLUMNS = {
 
 
 def format_keep_curve(curve: KeepCurve) -> str:
-    """Write the scores of an algorithm over gamma as a text table.
-
-    Parameters
-    ----------
-    curve : KeepCurve
-        What `asap.keep_curve` returns.
-
-    Returns
-    -------
-    str
-        Lines of at most 100 columns without colours, fit for a log file.
-    """
+    """Write the scores of an algorithm over gamma as a text table of at most 100 columns."""
     table = cells(curve)
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     lines = [_line(line, widths) for line in table]

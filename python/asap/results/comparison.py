@@ -17,8 +17,6 @@ from asap.results.run import Named, Run
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Comparison", "Row"]
-
 SCHEMA_VERSION = 1
 
 
@@ -203,9 +201,9 @@ class Comparison(Result, Mapping[str, Row]):
 
     def plot(self) -> Figure:
         """Draw latency and kept share over time, a row of the figure for each scheme."""
-        from asap.report import comparison_figures
+        from asap.report import comparison_report
 
-        return comparison_figures.figure(self)
+        return comparison_report.figure(self)
 
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write one self-contained HTML page and return its path; needs matplotlib."""

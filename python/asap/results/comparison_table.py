@@ -5,23 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from asap import units
+from asap import _units
 from asap.results.run_table import sensor
 
 if TYPE_CHECKING:
     from asap.results.comparison import Comparison, Row
-
-__all__ = [
-    "COLUMNS",
-    "KEEPS",
-    "cells",
-    "exceeds",
-    "format_comparison",
-    "oracle_rows",
-    "subtitle",
-    "title",
-    "verdict",
-]
 
 _WIDTH = 100
 KEEPS = 1.005  # of the bound: shown with three digits, that is the bound
@@ -51,18 +39,7 @@ COLUMNS = {
 
 
 def format_comparison(comparison: Comparison) -> str:
-    """Write a comparison as a text table, best score first, with a sentence on what it says.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        What `asap.compare` returns.
-
-    Returns
-    -------
-    str
-        Lines of at most 100 columns without colours, fit for a log file.
-    """
+    """Write a comparison as a text table of at most 100 columns, with a verdict."""
     table = [tuple(COLUMNS), *(cells(row, comparison.latency_ms) for row in comparison.rows)]
     oracles = oracle_rows(comparison)
     table += oracles
@@ -72,7 +49,7 @@ def format_comparison(comparison: Comparison) -> str:
     return "\n".join(
         [
             title(comparison),
-            *units.wrapped(subtitle(comparison), _WIDTH),
+            *_units.wrapped(subtitle(comparison), _WIDTH),
             "",
             lines[0],
             rule,
@@ -80,7 +57,7 @@ def format_comparison(comparison: Comparison) -> str:
             rule,
             *lines[-len(oracles) :],
             "",
-            *units.wrapped(verdict(comparison), _WIDTH),
+            *_units.wrapped(verdict(comparison), _WIDTH),
         ]
     )
 
@@ -101,11 +78,11 @@ def subtitle(comparison: Comparison) -> str:
     outages = ", with outages" if "outages_ms" in cost else ""
     whole = ", package by package as a whole (opaque)" if comparison.opaque else ""
     return (
-        f"{sensor(source)}, {units.count(source['events'])} events in "
+        f"{sensor(source)}, {_units.count(source['events'])} events in "
         f"{source['duration_s']:.3g} s{speed}; "
-        f"an algorithm of {units.duration(cost['alpha_us'])} per package + "
-        f"{units.duration(cost['beta_ns'] / 1e3)} per event{noise}{drift}{outages}{whole}; "
-        f"latency bound L = {units.duration(comparison.latency_ms * 1e3)}; virtual time"
+        f"an algorithm of {_units.duration(cost['alpha_us'])} per package + "
+        f"{_units.duration(cost['beta_ns'] / 1e3)} per event{noise}{drift}{outages}{whole}; "
+        f"latency bound L = {_units.duration(comparison.latency_ms * 1e3)}; virtual time"
     )
 
 
@@ -114,13 +91,13 @@ def cells(row: Row, latency_ms: float) -> tuple[str, ...]:
     return (
         row.label,
         f"{row.score:.3f}",
-        units.share(row.kept),
-        *(units.duration(value_us) for value_us in (row.p50_us, row.p99_us)),
+        _units.share(row.kept),
+        *(_units.duration(value_us) for value_us in (row.p50_us, row.p99_us)),
         _ratio(row.p99_us / (latency_ms * 1e3)),
-        units.duration(row.max_us),
-        units.duration(row.gap_us) if row.gap_us else "-",
-        units.share(row.overflow) if row.overflow else "-",
-        units.count(row.packages_per_s),
+        _units.duration(row.max_us),
+        _units.duration(row.gap_us) if row.gap_us else "-",
+        _units.share(row.overflow) if row.overflow else "-",
+        _units.count(row.packages_per_s),
         f"{100 * row.cpu:.0f} %",
     )
 
@@ -139,7 +116,7 @@ def oracle_rows(comparison: Comparison) -> list[tuple[str, ...]]:
         (
             name,
             f"{_of(events, comparison.oracle):.3f}",
-            units.share(_of(events, comparison.received)),
+            _units.share(_of(events, comparison.received)),
             *empty,
         )
         for name, events in found
@@ -152,20 +129,9 @@ def exceeds(latency_us: float, latency_ms: float) -> bool:
 
 
 def verdict(comparison: Comparison) -> str:
-    """Say which schemes keep the bound, and which of them processes the most in time.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        What `asap.compare` returns.
-
-    Returns
-    -------
-    str
-        Sentences on one line.
-    """
+    """Say which schemes keep the bound, and which of them processes the most in time."""
     bound_us = comparison.latency_ms * 1e3
-    bound = units.duration(bound_us)
+    bound = _units.duration(bound_us)
     if comparison.received == 0:
         return "No event was received."
     if comparison.oracle <= 0:
@@ -191,7 +157,7 @@ def verdict(comparison: Comparison) -> str:
     if gaps:
         sentences.append(f"Gaps of more than L/2 occur with {_listed(gaps)}.")
     if comparison.exact is not None and comparison.exact < _ALL * comparison.oracle:
-        share = units.share(comparison.exact / comparison.oracle)
+        share = _units.share(comparison.exact / comparison.oracle)
         sentences.append(
             "The oracle serves single events. A scheduler of whole packages that knows all "
             f"arrivals reaches {share} of it (exact clairvoyant)."
@@ -208,7 +174,7 @@ def verdict(comparison: Comparison) -> str:
 
 
 def _best(keepers: Sequence[Row], bound_us: float) -> str:
-    best, bound = keepers[0], units.duration(bound_us)
+    best, bound = keepers[0], _units.duration(bound_us)
     p99 = f"{_ratio(best.p99_us / bound_us)} L"
     perfect = [row for row in keepers if row.score >= _ALL]
     if len(perfect) > 1:
@@ -216,7 +182,7 @@ def _best(keepers: Sequence[Row], bound_us: float) -> str:
             f"{len(perfect)} schemes process as many events within {bound} as the oracle; "
             f"{best.label} has the lowest p99, {p99}."
         )
-    share = "as many as the oracle" if perfect else f"{units.share(best.score)} of the oracle's"
+    share = "as many as the oracle" if perfect else f"{_units.share(best.score)} of the oracle's"
     return (
         f"{best.label} processes the most events within {bound} of all schemes that keep the "
         f"bound: {share}, p99 {p99}."

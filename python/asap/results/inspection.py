@@ -18,8 +18,6 @@ from asap.results.result import Result
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["BINS_FROM_US", "NOTE", "OK", "WRONG", "Finding", "Inspection"]
-
 OK, NOTE, WRONG = "ok", "note", "wrong"
 
 # Times between events: 0 us, 1 us, then an octave each. No recording is longer than the last one.
@@ -178,9 +176,9 @@ class Inspection(Result):
 
     def plot(self) -> Figure:
         """Draw the rate over time and the map of the pixels; needs matplotlib."""
-        from asap.report import inspection_figures
+        from asap.report import inspection_report
 
-        return inspection_figures.figure(self)
+        return inspection_report.figure(self)
 
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write one self-contained HTML page and return its path; needs matplotlib."""
@@ -196,7 +194,7 @@ class Inspection(Result):
 
     def __repr__(self) -> str:
         name = self.path or self.format
-        return f"Inspection({name!r}, {self.events} events, {self.verdict})"
+        return f"<Inspection: {name}, {self.events} events, {self.verdict}>"
 
 
 def _rows(pixels: npt.NDArray[np.void]) -> list[dict[str, int]]:

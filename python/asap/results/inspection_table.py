@@ -9,21 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from asap import units
+from asap import _units
 
 if TYPE_CHECKING:
     from asap.results.inspection import Finding, Inspection
-
-__all__ = [
-    "CHECKS",
-    "detail",
-    "facts",
-    "format_inspection",
-    "named",
-    "remedies",
-    "title",
-    "verdict",
-]
 
 _WIDTH = 100
 
@@ -48,22 +37,11 @@ CHECKS = {
 
 
 def format_inspection(inspection: Inspection) -> str:
-    """Write an inspection as a text table that ends with the verdict and the remedies.
-
-    Parameters
-    ----------
-    inspection : Inspection
-        What `asap.check` returns.
-
-    Returns
-    -------
-    str
-        Lines of at most 100 columns without colours, fit for a log file.
-    """
+    """Write an inspection as a text table of at most 100 columns that ends with the remedies."""
     findings = inspection.findings.values()
     rows = [("check", "found", "verdict", "")]
     rows += [
-        (named(finding), units.count(finding.count), finding.verdict, detail(finding))
+        (named(finding), _units.count(finding.count), finding.verdict, detail(finding))
         for finding in findings
     ]
     name, found, word = (max(len(row[column]) for row in rows) for column in range(3))
@@ -101,11 +79,11 @@ def facts(inspection: Inspection) -> dict[str, str]:
     return {
         "format": inspection.format,
         "sensor": size,
-        "events": f"{units.count(inspection.events)} good ones of "
-        f"{units.count(inspection.received)}, {units.share(inspection.on_share)} ON",
-        "duration": units.duration(inspection.duration_s * 1e6),
-        "rate": f"mean {units.rate(rate)}, peak "
-        + ", ".join(f"{units.rate(value)} in {window}" for window, value in peaks.items()),
+        "events": f"{_units.count(inspection.events)} good ones of "
+        f"{_units.count(inspection.received)}, {_units.share(inspection.on_share)} ON",
+        "duration": _units.duration(inspection.duration_s * 1e6),
+        "rate": f"mean {_units.rate(rate)}, peak "
+        + ", ".join(f"{_units.rate(value)} in {window}" for window, value in peaks.items()),
         "intervals": _intervals(inspection),
     }
 
@@ -116,10 +94,10 @@ def _intervals(inspection: Inspection) -> str:
     if total == 0:
         return "none"
     below = np.cumsum(counts) / total
-    half, most = (units.duration(1 << int(np.searchsorted(below, q))) for q in (0.5, 0.99))
+    half, most = (_units.duration(1 << int(np.searchsorted(below, q))) for q in (0.5, 0.99))
     return (
-        f"{units.share(counts[0] / total)} on the stamp before, half below {half}, 99 % below "
-        f"{most}, longest {units.duration(inspection.longest_gap_us)}"
+        f"{_units.share(counts[0] / total)} on the stamp before, half below {half}, 99 % below "
+        f"{most}, longest {_units.duration(inspection.longest_gap_us)}"
     )
 
 
@@ -132,9 +110,9 @@ def detail(finding: Finding) -> str:
     """Say what was measured, and where the first one is."""
     first = []
     if finding.event is not None:
-        first.append(f"event {units.count(finding.event)} at t = {finding.t_us} us")
+        first.append(f"event {_units.count(finding.event)} at t = {finding.t_us} us")
     if finding.byte is not None:
-        first.append(f"byte {units.count(finding.byte)}")
+        first.append(f"byte {_units.count(finding.byte)}")
     where = [f"first: {' or '.join(first)}"] if first else []
     return "; ".join([*filter(None, [finding.detail]), *where])
 

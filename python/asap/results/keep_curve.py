@@ -18,8 +18,6 @@ from asap.results.result import Result, without_nan
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["KeepCurve", "KeepRow", "Scored"]
-
 SCHEMA_VERSION = 1
 
 
@@ -121,9 +119,9 @@ class KeepCurve(Result):
 
     def plot(self) -> Figure:
         """Draw the main scores over gamma, told and not told, with the spread over the seeds."""
-        from asap.report import accuracy_figures
+        from asap.report import accuracy_report
 
-        return accuracy_figures.figure([self])
+        return accuracy_report.figure([self])
 
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write one self-contained HTML page and return its path; needs matplotlib."""

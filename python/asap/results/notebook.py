@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from asap import units
+from asap import _units
 from asap.results import accuracy_table, comparison_table, inspection_table, run_table
 
 if TYPE_CHECKING:
@@ -19,14 +19,12 @@ if TYPE_CHECKING:
     from asap.results.keep_curve import KeepCurve
     from asap.results.run import Run
 
-__all__ = ["comparison_html", "inspection_html", "keep_curve_html", "run_html", "table"]
-
 
 def run_html(run: Run) -> str:
     """Show a run: its figures, where every event went, the verdict."""
     summary, received = run.summary(), run.ledger["received"]
     ledger = [
-        (cause, units.count(run.ledger[cause]), _share(run.ledger[cause], received), words)
+        (cause, _units.count(run.ledger[cause]), _share(run.ledger[cause], received), words)
         for cause, words in run_table.LEDGER_WORDS.items()
     ]
     return (
@@ -51,7 +49,7 @@ def inspection_html(inspection: Inspection) -> str:
     """Show an inspection: what the recording holds, every check, the verdict, what helps."""
     named, detail = inspection_table.named, inspection_table.detail
     checks = [
-        (named(one), units.count(one.count), one.verdict, detail(one))
+        (named(one), _units.count(one.count), one.verdict, detail(one))
         for one in inspection.findings.values()
     ]
     remedies = inspection_table.remedies(inspection)
@@ -71,14 +69,14 @@ def keep_curve_html(curve: KeepCurve) -> str:
 
 
 def _share(count: int, received: int) -> str:
-    return units.share(count / received) if count and received else ""
+    return _units.share(count / received) if count and received else ""
 
 
 def _heading(title: str, subtitle: str = "") -> str:
     return f"<p><b>{_text(title)}</b>{'<br>' if subtitle else ''}{_text(subtitle)}</p>"
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], css_class: str = "") -> str:
     """Write a table; the first cell of a row is its name."""
     names = "".join(f'<th scope="col">{_text(name)}</th>' for name in head)
     lines = [
@@ -88,7 +86,8 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
         for name, *cells in rows
     ]
     top = f"<thead><tr>{names}</tr></thead>" if names else ""
-    return f"<table>{top}<tbody>{''.join(lines)}</tbody></table>"
+    kind = f' class="{css_class}"' if css_class else ""
+    return f"<table{kind}>{top}<tbody>{''.join(lines)}</tbody></table>"
 
 
 def _verdict(sentences: str) -> str:
@@ -96,4 +95,4 @@ def _verdict(sentences: str) -> str:
 
 
 def _text(words: str) -> str:
-    return escape(units.tied(words))
+    return escape(_units.tied(words))

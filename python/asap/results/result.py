@@ -8,13 +8,11 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asap import checks
+from asap import _checks
 from asap._pickling import Pickled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["Result", "without_nan"]
 
 
 class Result(Pickled):
@@ -26,7 +24,7 @@ class Result(Pickled):
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the summary as a JSON file and return its path."""
-        file = checks.new_file("path", path)
+        file = _checks.new_file("path", path)
         file.write_text(json.dumps(self.summary(), allow_nan=False), encoding="utf-8")
         return file
 

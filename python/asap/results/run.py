@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap._pickling import can_be_pickled
 from asap.results import notebook, run_archive, run_table
 from asap.results.cost import BOUND_KEPT, Cost, bound_needed_us, check_run
@@ -20,8 +20,6 @@ from asap.results.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["LEDGER_FIELDS", "SCHEMA_VERSION", "Ledger", "Named", "Run", "with_first"]
 
 SCHEMA_VERSION = 1
 
@@ -253,7 +251,7 @@ class Run(Result):
         `asap.load_run` and ``asap report`` read both. Only the ``.npz`` brings back the packages,
         and with them the curves and the verdict.
         """
-        file = checks.new_file("path", path)
+        file = _checks.new_file("path", path)
         run_archive.check_name(file)
         if file.suffix.lower() == ".json":
             return super().save(file)

@@ -14,14 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap.io.numpy_files import Archive
 from asap.io.writers import write_archive
 
 if TYPE_CHECKING:
     from asap.results.run import Run
-
-__all__ = ["LATENCIES", "SUMMARY", "check_name", "columns", "write"]
 
 SUMMARY, LATENCIES = "summary.json", "latencies.json"
 
@@ -54,7 +52,7 @@ _FORMULAS: dict[str, Callable[[Columns], NDArray[Any]]] = {
 def check_name(path: Path) -> None:
     """Refuse a path that `Run.save` does not write to."""
     remedy = "give a name that ends in .npz (log and summary) or .json (the summary alone)"
-    checks.ending("path", path, (".npz", ".json"), remedy)
+    _checks.ending("path", path, (".npz", ".json"), remedy)
 
 
 def write(run: Run, path: Path) -> None:

@@ -6,24 +6,11 @@ import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from asap import units
-from asap.results.cost import LEAST_BOUND, Cost
-from asap.results.diagnosis import Diagnosis, diagnose
+from asap import _units
+from asap.results.cost import LEAST_BOUND, Cost, Diagnosis, diagnose
 
 if TYPE_CHECKING:
     from asap.results.run import Run
-
-__all__ = [
-    "LEDGER_WORDS",
-    "figures",
-    "format_ledger",
-    "format_run",
-    "parameter_value",
-    "sensor",
-    "subtitle",
-    "title",
-    "verdict",
-]
 
 _WIDTH = 78
 _LONG_GAP = 0.5  # of the bound
@@ -42,49 +29,43 @@ LEDGER_WORDS = {
 
 
 def format_run(run: Run) -> str:
-    """Write a run as a short text table that ends with the verdict.
-
-    Parameters
-    ----------
-    run : Run
-        A finished run.
-
-    Returns
-    -------
-    str
-        Lines of at most 78 columns without colours, fit for a log file.
-    """
+    """Write a run as a short text table of at most 78 columns that ends with the verdict."""
     summary = run.summary()
-    lines = [title(summary), *units.wrapped(subtitle(summary), _WIDTH), ""]
+    lines = [title(summary), *_units.wrapped(subtitle(summary), _WIDTH), ""]
     lines += [f"  {name:<11}{value}" for name, value in figures(run, summary).items()]
-    lines += ["", format_ledger(run.ledger, run.rejected), "", *units.wrapped(verdict(run), _WIDTH)]
+    lines += [
+        "",
+        format_ledger(run.ledger, run.rejected),
+        "",
+        *_units.wrapped(verdict(run), _WIDTH),
+    ]
     return "\n".join(lines)
 
 
 def figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
     """Write what a run came to, by name."""
     latency, packages, gamma = summary["latency_us"], summary["packages"], summary["gamma"]
-    bound = units.duration(run.latency_bound_us)
+    bound = _units.duration(run.latency_bound_us)
     rows = [
-        ("kept", units.share(run.kept)),
-        ("in time", f"{units.share(run.in_time)} within {bound}"),
+        ("kept", _units.share(run.kept)),
+        ("in time", f"{_units.share(run.in_time)} within {bound}"),
         (
             "latency",
-            f"p50 {units.duration(latency['p50'])}, p99 {units.duration(latency['p99'])}, "
-            f"max {units.duration(latency['max'])}",
+            f"p50 {_units.duration(latency['p50'])}, p99 {_units.duration(latency['p99'])}, "
+            f"max {_units.duration(latency['max'])}",
         ),
         (
             "packages",
-            f"{units.count(packages['count'])}, {units.count(packages['per_s'])} per s; "
-            f"size mean {units.count(packages['size_mean'])}, "
-            f"max {units.count(packages['size_max'])}",
+            f"{_units.count(packages['count'])}, {_units.count(packages['per_s'])} per s; "
+            f"size mean {_units.count(packages['size_mean'])}, "
+            f"max {_units.count(packages['size_max'])}",
         ),
         ("gap", _gap(summary["gap_us"])),
         ("gamma", f"mean {gamma['mean']:.3f}, min {gamma['min']:.3f}"),
-        ("busy", f"{units.share(summary['cpu'])} of the time in the algorithm"),
+        ("busy", f"{_units.share(summary['cpu'])} of the time in the algorithm"),
     ]
     if pacing := summary["pacing_us"]:
-        late = f"p99 {units.duration(pacing['p99'])}, max {units.duration(pacing['max'])}"
+        late = f"p99 {_units.duration(pacing['p99'])}, max {_units.duration(pacing['max'])}"
         rows.append(("jitter", f"{late}: this machine's, in the pace of the replay"))
     return dict(rows)
 
@@ -92,35 +73,22 @@ def figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
 def _gap(gap_us: int | None) -> str:
     if not gap_us:
         return "none" if gap_us == 0 else "not known"
-    return f"{units.duration(gap_us)} at most without a processed event while events came"
+    return f"{_units.duration(gap_us)} at most without a processed event while events came"
 
 
 def format_ledger(ledger: Mapping[str, int], rejected: Mapping[str, int] | None = None) -> str:
-    """Write where every event went, one line for each cause.
-
-    Parameters
-    ----------
-    ledger : mapping
-        The eight counts by name.
-    rejected : mapping, optional
-        The rejected events by reason.
-
-    Returns
-    -------
-    str
-        Eight lines; one more for the reasons, and one if the ledger is not balanced.
-    """
-    width = max(len(units.count(value)) for value in ledger.values())
+    """Write where every event went, one line for each cause; rejected events by reason."""
+    width = max(len(_units.count(value)) for value in ledger.values())
     received, lines = ledger["received"], []
     for name, words in LEDGER_WORDS.items():
-        share = units.share(ledger[name] / received) if ledger[name] and received else ""
-        number = f"{units.count(ledger[name]):>{width}}"
+        share = _units.share(ledger[name] / received) if ledger[name] and received else ""
+        number = f"{_units.count(ledger[name]):>{width}}"
         lines.append(f"  {name:<11}{number}  {share:>8}  {words}")
-        if name == "rejected" and (reasons := units.reasons(rejected or {})):
+        if name == "rejected" and (reasons := _units.reasons(rejected or {})):
             lines.append(f"{'':<13}{reasons}")
     missing = 2 * received - sum(ledger.values())
     if missing:
-        lines.append(f"  NOT BALANCED: {units.count(missing)} events are unaccounted for")
+        lines.append(f"  NOT BALANCED: {_units.count(missing)} events are unaccounted for")
     return "\n".join(lines)
 
 
@@ -142,7 +110,7 @@ def subtitle(summary: Mapping[str, Any]) -> str:
         f"{key} {parameter_value(value)}" for key, value in scheme.items() if value is not None
     )
     return (
-        f"{sensor(source)}, {units.count(source['events'])} events in "
+        f"{sensor(source)}, {_units.count(source['events'])} events in "
         f"{source['duration_s']:.3g} s, {clock}, "
         f"algorithm {summary['algorithm']['name']}, scheme {name}"
         + (f" ({parameters})" if parameters else "")
@@ -161,16 +129,7 @@ def sensor(source: Mapping[str, Any]) -> str:
 def verdict(run: Run) -> str:
     """Say what limited a run, what that cost, and what would have kept 95 % of the events.
 
-    Parameters
-    ----------
-    run : Run
-        A finished run.
-
-    Returns
-    -------
-    str
-        Short sentences on one line. What follows from the measured processing times is marked as
-        estimated.
+    What follows from the measured processing times is marked as estimated.
     """
     if run.ledger.received == 0:
         return "No event was received."
@@ -183,7 +142,7 @@ def verdict(run: Run) -> str:
     if run.packages.size == 0 and found.limit != "data":
         return f"No event reached the algorithm. {_losses(run)}"
     bottleneck = _BOTTLENECKS[found.limit].format(scheme=run.scheme.name)
-    in_time = units.share(run.in_time).replace("100.0 %", "100 %")
+    in_time = _units.share(run.in_time).replace("100.0 %", "100 %")
     return (
         f"Bottleneck: {bottleneck}. {in_time} processed in time. "
         f"{_explanation(run, found)} {_losses(run)}"
@@ -204,42 +163,42 @@ _BOTTLENECKS = {
 def _explanation(run: Run, found: Diagnosis) -> str:
     if found.limit == "data":
         return (
-            f"{units.count(run.ledger.rejected)} of {units.count(run.ledger.received)} events were "
-            f"rejected ({units.reasons(run.rejected)}). asap.check shows where."
+            f"{_units.count(run.ledger.rejected)} of {_units.count(run.ledger.received)} events "
+            f"were rejected ({_units.reasons(run.rejected)}). asap.check shows where."
         )
     if found.limit == "machine" and run.lateness is not None:
         return (
-            f"The replay itself was late, by {units.duration(run.lateness.quantile(0.99))} (p99) "
-            f"and {units.duration(run.lateness.max)} at most. Repeat it on a quiet machine, "
+            f"The replay itself was late, by {_units.duration(run.lateness.quantile(0.99))} (p99) "
+            f"and {_units.duration(run.lateness.max)} at most. Repeat it on a quiet machine, "
             "or in virtual time."
         )
-    per_package = units.duration(found.cost.alpha_us)
-    per_event = units.duration(found.cost.beta_ns / 1e3)
+    per_package = _units.duration(found.cost.alpha_us)
+    per_event = _units.duration(found.cost.beta_ns / 1e3)
     cost = f"Estimated cost: {per_package} per package + {per_event} per event."
     return f"{cost} {_remedy(run, found)}"
 
 
 def _remedy(run: Run, found: Diagnosis) -> str:
-    bound = units.duration(run.latency_bound_us)
+    bound = _units.duration(run.latency_bound_us)
     if found.limit == "fixed cost":
         return _impossible(run, found.cost)
     faster = f"make the algorithm {found.speedup:.1f} times as fast"
     if getattr(run.scheme, "parameters", {}).get("rate_bound", found.needed_hz) < found.needed_hz:
         faster += " and raise rate_bound"
     if found.limit == "bound" and found.bound_us is not None:
-        longer = units.duration(found.bound_us)
+        longer = _units.duration(found.bound_us)
         return f"To process 95 % in time, use a bound of {longer} or {faster}."
     if found.limit == "algorithm":
         return (
             f"A longer bound does not help. To process 95 % in time, {faster}: it has to process "
-            f"{units.rate(found.needed_hz)}."
+            f"{_units.rate(found.needed_hz)}."
         )
     passes_hz = found.cost.throughput_hz(run.latency_bound_us)
     if passes_hz == float("inf"):
         return f"The algorithm keeps up with any event rate within {bound}."
     return (
-        f"The algorithm can process {units.rate(passes_hz)} within {bound}; "
-        f"{units.rate(found.offered_hz)} arrived on average."
+        f"The algorithm can process {_units.rate(passes_hz)} within {bound}; "
+        f"{_units.rate(found.offered_hz)} arrived on average."
         + (" asap.compare shows which scheme processes more." * (found.limit == "scheme"))
     )
 
@@ -249,13 +208,13 @@ def _impossible(run: Run, cost: Cost) -> str:
     p99, most = (f"{us / bound_us:.3g}" for us in (run.latency.quantile(0.99), run.latency.max))
     least_us = cost.least_bound_us
     if least_us > LEAST_BOUND * cost.alpha_us:
-        cheaper = f"an algorithm that processes a single event in {units.duration(bound_us / 2)}"
+        cheaper = f"an algorithm that processes a single event in {_units.duration(bound_us / 2)}"
     else:
-        cheaper = f"a fixed cost of {units.duration(bound_us / LEAST_BOUND)}"
+        cheaper = f"a fixed cost of {_units.duration(bound_us / LEAST_BOUND)}"
     return (
-        f"No scheme can keep a bound of {units.duration(bound_us)} at this cost: latency was {p99} "
-        f"(p99) and {most} (max) times as long. "
-        f"Use a bound of at least {units.duration(least_us)}, or {cheaper} or less."
+        f"No scheme can keep a bound of {_units.duration(bound_us)} at this cost: latency was "
+        f"{p99} (p99) and {most} (max) times as long. "
+        f"Use a bound of at least {_units.duration(least_us)}, or {cheaper} or less."
     )
 
 
@@ -264,13 +223,13 @@ def _losses(run: Run) -> str:
     causes = ("rejected", "filtered", "discarded", "stale", "overflow", "pending")
     shares = {cause: ledger[cause] / ledger["received"] for cause in causes}
     shares["delivered late"] = run.kept - run.in_time
-    lost = [f"{units.share(share)} {cause}" for cause, share in shares.items() if share > 0]
+    lost = [f"{_units.share(share)} {cause}" for cause, share in shares.items() if share > 0]
     words = f"Lost: {', '.join(lost)}." if lost else "No event was lost."
     gap_us = run.gap_us or 0
     if ledger["delivered"] == 0 or gap_us <= _LONG_GAP * run.latency_bound_us:
         return words
     return (
-        f"{words} The longest gap is {units.duration(gap_us)} "
+        f"{words} The longest gap is {_units.duration(gap_us)} "
         f"({gap_us / run.latency_bound_us:.2g} L): events came, and none of them was processed. "
         "asap.compare shows the gaps of other schemes."
     )
@@ -279,5 +238,5 @@ def _losses(run: Run) -> str:
 def parameter_value(parameter: Any) -> str:
     """Write the value of a parameter."""
     if isinstance(parameter, (int, float)) and parameter == round(parameter):
-        return units.count(parameter)
+        return _units.count(parameter)
     return f"{parameter:g}" if isinstance(parameter, float) else str(parameter)

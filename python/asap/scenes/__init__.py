@@ -2,8 +2,8 @@
 
 By these trackers are judged. `A` to `K` are named and fixed but for their seed; `timing`,
 `corners`, `stop_and_go` and `occlusion` take parameters. The same arguments give the same events on
-every machine; they are made natively, when they are first touched. `labelled` opens a real
-recording with boxes.
+every machine; they are made natively, when they are first touched. An argument out of its range is
+a ValueError that names it. `labelled` opens a real recording with boxes.
 
 Shapes (disk, square, rectangle, triangle, star in turn; dark and bright in turn) move in steps of
 250 us before an even ground. A pixel sees the log of its brightness, has thresholds of its own
@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from asap import checks
+from asap import _checks
 from asap.scenes.labelled import LabelledScene, labelled
 from asap.scenes.scene import CORNER_DTYPE, TRUTH_DTYPE, Scene
 
@@ -98,14 +98,9 @@ def H(seed: int = 0, *, kind: Literal["bars", "angles", "rings"] | None = None) 
     kind : {"bars", "angles", "rings"}, optional
         Bars of 60 to 90 by 8 to 14 px, L shapes with arms of 40 px, or rings of radius 14 to 30 px;
         by default two of each. 1 Hz/px of noise, as in `I`, `J` and `K`.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
     """
     if kind is not None:
-        checks.choice("kind", kind, _LARGE)
+        _checks.choice("kind", kind, _LARGE)
     kinds = list(_LARGE) if kind is None else [kind]
     label = "H" if kind is None else f"H_{kind}"
     return Scene._of("large_shapes", label=label, kinds=kinds, seed=seed)
@@ -158,22 +153,17 @@ def timing(
         Background events per second and pixel, at most ``1e6 / (width * height)``.
     duration_s : float
         A multiple of 250 us.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
     """
-    checks.whole("n", n, 0, 10_000, "give 0 to 10000")
+    _checks.whole("n", n, 0, 10_000, "give 0 to 10000")
     for name, side in (("width", width), ("height", height)):
-        checks.whole(name, side, 16, 8192, "give 16 to 8192 px")
-    ends = checks.listed("radius", radius)
-    checks.require(len(ends) == 2, "radius", radius, "give two numbers, from and to, px")
+        _checks.whole(name, side, 16, 8192, "give 16 to 8192 px")
+    ends = _checks.listed("radius", radius)
+    _checks.require(len(ends) == 2, "radius", radius, "give two numbers, from and to, px")
     for end in ends:
-        checks.number("radius", end, 1, 8192, "give at least 1 px")
-    checks.require(ends[0] <= ends[1], "radius", radius, "give the smaller one first")
-    speed = checks.number("speed", speed, 0, 2000, "give 0 to 2000 px/s")
-    checks.number("duration_s", duration_s, 0.01, 86_400, "give 0.01 to 86400 s")
+        _checks.number("radius", end, 1, 8192, "give at least 1 px")
+    _checks.require(ends[0] <= ends[1], "radius", radius, "give the smaller one first")
+    speed = _checks.number("speed", speed, 0, 2000, "give 0 to 2000 px/s")
+    _checks.number("duration_s", duration_s, 0.01, 86_400, "give 0.01 to 86400 s")
     return Scene._of(
         "free_shapes",
         label="timing",
@@ -211,13 +201,8 @@ def corners(
         0 <= seed < 2**64.
     duration_s : float
         A multiple of 250 us.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
     """
-    checks.choice("kind", kind, _CORNERS)
+    _checks.choice("kind", kind, _CORNERS)
     speed, noise_hz = _CORNERS[kind]
     scene = timing(
         8, width, height, speed, (12.0, 26.0), seed, noise_hz=noise_hz, duration_s=duration_s
@@ -246,11 +231,6 @@ def stop_and_go(
         Background events per second and pixel.
     seed : int
         Decides on the kind of shape, its place and its direction.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
     """
     _check_object(speed, radius)
     return Scene._of(
@@ -280,11 +260,6 @@ def occlusion(
         Least time that object 0 is hidden, ms; 0 to what a square of half the view can hide.
     speed, radius, noise_hz, seed
         As for `stop_and_go`.
-
-    Raises
-    ------
-    ValueError
-        An argument is out of its range; the message names it.
     """
     _check_object(speed, radius)
     return Scene._of(
@@ -299,10 +274,10 @@ def occlusion(
 
 
 def _gap_us(gap_ms: float) -> int:
-    checks.number("gap_ms", gap_ms, 0, 10_000, "give 0 to 10000 ms")
+    _checks.number("gap_ms", gap_ms, 0, 10_000, "give 0 to 10000 ms")
     return round(float(gap_ms) * 1e3)
 
 
 def _check_object(speed: float, radius: float) -> None:
-    checks.number("speed", speed, 20, 1000, "give 20 to 1000 px/s")
-    checks.number("radius", radius, 2, 20, "give 2 to 20 px")
+    _checks.number("speed", speed, 20, 1000, "give 20 to 1000 px/s")
+    _checks.number("radius", radius, 2, 20, "give 2 to 20 px")

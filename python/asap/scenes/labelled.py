@@ -15,11 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import checks
+from asap import _checks
 from asap.events import Events
 from asap.io import load
-
-__all__ = ["BOX_DTYPE", "ZONE_DTYPE", "LabelledScene", "labelled"]
 
 BOX_DTYPE = np.dtype(
     [("t_us", "<i8"), ("id", "<i8"), *((name, "<f8") for name in ("x", "y", "w", "h"))]
@@ -76,7 +74,7 @@ class LabelledScene:
     def __repr__(self) -> str:
         objects = np.unique(self.boxes["id"]).size
         return (
-            f"<LabelledScene {self.name}: {self.width} x {self.height} px, {self.events.size} "
+            f"<LabelledScene: {self.name}, {self.width} x {self.height} px, {self.events.size} "
             f"events, {objects} objects in {self.boxes.size} boxes>"
         )
 
@@ -103,7 +101,7 @@ def labelled(folder: str | os.PathLike[str]) -> LabelledScene:
         A file holds something else: the message names file, row (the heading is row 1), field,
         value and remedy.
     """
-    path = checks.folder_or_file("folder", folder)
+    path = _checks.folder_or_file("folder", folder)
     for name in _FILES:
         if not (path / name).is_file():
             wanted = f"no such file; a labelled folder has {', '.join(_FILES)}"
@@ -229,4 +227,4 @@ def _real(path: Path, row: int, field: str, text: str) -> float:
 def _require(good: bool, path: Path, row: int | None, field: str, value: Any, remedy: str) -> None:
     if not good:
         where = f"{path}: " if row is None else f"{path}: row {row}: "
-        raise ValueError(where + checks.named(field, value, remedy))
+        raise ValueError(where + _checks.named(field, value, remedy))

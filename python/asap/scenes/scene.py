@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core, checks
+from asap import _checks, _core
 from asap._pickling import Pickled
 from asap.events import Events
 from asap.synthetic import joined
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["CORNER_DTYPE", "TRUTH_DTYPE", "Scene", "ThinnedScene"]
 
 TRUTH_DTYPE = np.dtype([("id", "<i4"), ("x", "<f8"), ("y", "<f8"), ("vx", "<f8"), ("vy", "<f8")])
 CORNER_DTYPE = np.dtype([("id", "<i4"), ("x", "<f8"), ("y", "<f8")])
@@ -123,11 +121,6 @@ class Scene(Pickled):
         -------
         ndarray, shape (objects,), TRUTH_DTYPE
             id (the label), x, y in px, vx, vy in px/s.
-
-        Raises
-        ------
-        ValueError
-            The time lies outside the scene.
         """
         poses = self._poses_at(t_us)
         truth = np.empty(len(poses), TRUTH_DTYPE)
@@ -148,11 +141,6 @@ class Scene(Pickled):
         -------
         ndarray, shape (corners,), CORNER_DTYPE
             id of the object, x, y in px, around each object in order.
-
-        Raises
-        ------
-        ValueError
-            The time lies outside the scene.
         """
         poses = self._poses_at(t_us)[self._corner_ids]
         along, across = self._corners.T
@@ -186,11 +174,6 @@ class Scene(Pickled):
             0 to 1.
         seed : int
             Of the `asap.GammaFilter` that decides.
-
-        Raises
-        ------
-        ValueError
-            gamma is not in [0, 1], or the seed is negative.
         """
         return ThinnedScene(self, gamma, seed)
 
@@ -214,7 +197,7 @@ class Scene(Pickled):
 
     def __repr__(self) -> str:
         return (
-            f"<{type(self).__name__} {self.name}, seed {self.seed}: "
+            f"<{type(self).__name__}: {self.name}, seed {self.seed}, "
             f"{self.width} x {self.height} px, {len(self.reaches_px)} objects, "
             f"{self.duration_us * 1e-6:g} s>"
         )
@@ -243,7 +226,7 @@ class Scene(Pickled):
 
     def _poses_at(self, t_us: float) -> NDArray[np.float64]:
         remedy = f"give a time from 0 to {self.duration_us} us"
-        checks.number("t_us", t_us, 0, self.duration_us, remedy)
+        _checks.number("t_us", t_us, 0, self.duration_us, remedy)
         poses: NDArray[np.float64] = self._track[int(t_us // _STEP_US)]
         return poses
 
@@ -259,7 +242,7 @@ class ThinnedScene(Scene):
         self._recipe = whole._recipe
         self._gamma = gamma
         self._thin_seed = seed
-        checks.number("gamma", gamma, 0, 1, "give 0 to 1")
+        _checks.number("gamma", gamma, 0, 1, "give 0 to 1")
         _core.GammaFilter(seed=seed)  # checks it
 
     def blocks(self) -> Iterator[tuple[Events, Labels]]:

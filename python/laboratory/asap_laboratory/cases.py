@@ -18,8 +18,6 @@ from asap.profiles import FURTHER, PROFILES, Profile, Scenario, scenario
 from asap_laboratory.contenders import HINDSIGHT, PRIORS, TABLE, contender
 from asap_laboratory.measure import Measured, measure
 
-__all__ = ["FORMS", "NAMED", "Case", "cases"]
-
 NAMED = ("quiet", "low", "uav", "flicker", "steps", "bursts", "high", "ramp", "steps60")
 FORMS = ("quick", "default", "full")
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any, TypeVar
 
-from asap import progress
+from asap import _progress
 from asap.cli.outcome import (
     CHECK_FAILED,
     OK,
@@ -21,8 +21,6 @@ from asap.cli.outcome import (
     writing,
 )
 from asap.results.result import without_nan
-
-__all__ = ["conduct"]
 
 _Found = TypeVar("_Found")
 
@@ -106,7 +104,7 @@ def _real(arguments: Any) -> int:
         scenes, left_out = opened(arguments.real)
     for words in left_out:
         say(f"left out: {words}")
-    with usage(), writing(arguments.out), progress.on_terminal() as on_progress:
+    with usage(), writing(arguments.out), _progress.on_terminal() as on_progress:
         found = real_study(
             arguments.out,
             list(scenes.values()),
@@ -157,7 +155,7 @@ def _form(arguments: Any) -> str:
 
 def _conducted(arguments: Any, study: Callable[..., _Found], command: str) -> _Found:
     form = _form(arguments)
-    with usage(), writing(arguments.out), progress.on_terminal() as on_progress:
+    with usage(), writing(arguments.out), _progress.on_terminal() as on_progress:
         return study(
             arguments.out,
             form=form,

@@ -6,16 +6,14 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import NamedTuple
 
-from asap import checks
-from asap.progress import OnProgress
+from asap import _checks
+from asap._progress import OnProgress
 from asap_laboratory import document
 from asap_laboratory.cases import FORMS, cases
 from asap_laboratory.goals import Goal, goals
 from asap_laboratory.probes import probes
 from asap_laboratory.results import Results
 from asap_laboratory.run import run
-
-__all__ = ["Study", "made_ready", "study"]
 
 
 class Study(NamedTuple):
@@ -44,15 +42,15 @@ def made_ready(
     on_progress: OnProgress | None,
 ) -> Path:
     """Check what every kind of study is asked for, and make its folder."""
-    folder = checks.folder_or_file("out", out)
-    checks.choice("form", form, FORMS)
+    folder = _checks.folder_or_file("out", out)
+    _checks.choice("form", form, FORMS)
     if executor is not None and not hasattr(executor, "submit"):
-        raise TypeError(checks.named("executor", executor, "give a concurrent.futures.Executor"))
+        raise TypeError(_checks.named("executor", executor, "give a concurrent.futures.Executor"))
     if workers is not None:
-        checks.whole("workers", workers, 1, 10_000, "give at least 1")
-    checks.flag("fresh", fresh)
-    checks.flag("figures", figures)
-    checks.callback("on_progress", on_progress)
+        _checks.whole("workers", workers, 1, 10_000, "give at least 1")
+    _checks.flag("fresh", fresh)
+    _checks.flag("figures", figures)
+    _checks.callback("on_progress", on_progress)
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 

@@ -8,8 +8,6 @@ from typing import Any
 from asap import _core
 from asap.experiment.contenders import Contender
 
-__all__ = ["HINDSIGHT", "PRIORS", "TABLE", "contender"]
-
 Make = Callable[[float, _core.LinearCost], _core.Scheme]
 
 

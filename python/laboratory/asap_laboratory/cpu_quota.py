@@ -23,8 +23,6 @@ from asap.experiment import run
 from asap.synthetic import FlightOverChairs
 from asap_laboratory.cpu_share import ALPHA_US, BETA_NS, LATENCY_MS, Row, Setting, figures, table
 
-__all__ = ["PERIOD_US", "SETTINGS", "NoQuota", "measure", "quota"]
-
 PERIOD_US = 10_000  # of the quota
 SETTINGS = (
     *(Setting(overhead=share) for share in (0.8, 0.5, 0.25, 0.1)),

@@ -19,8 +19,6 @@ from asap.experiment import Run, simulate
 from asap.synthetic import FlightOverChairs
 from asap_laboratory.tables import markdown
 
-__all__ = ["SETTINGS", "Row", "Setting", "draw", "figures", "measure", "table"]
-
 LATENCY_MS = 10.0
 ALPHA_US, BETA_NS = 300.0, 200.0
 SEEDS = tuple(range(20))

@@ -14,8 +14,6 @@ from asap_laboratory.cases import FORMS
 from asap_laboratory.goals import Goal
 from asap_laboratory.results import MODELS, Results
 
-__all__ = ["origin", "write"]
-
 _FORM_WORDS = dict(
     zip(
         FORMS,

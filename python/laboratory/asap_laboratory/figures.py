@@ -19,8 +19,6 @@ from asap_laboratory.results import MODELS, Results
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["heat_map", "score_and_latency", "step_response", "write"]
-
 _IN_HEAT_MAP = (
     "FixedSize 1000",
     "FixedTime 1 ms",

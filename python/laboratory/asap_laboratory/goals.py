@@ -10,8 +10,6 @@ from asap_laboratory.contenders import PRIORS
 from asap_laboratory.probes import CapProbe, SteadyProbe
 from asap_laboratory.results import Finding, Results
 
-__all__ = ["Goal", "goals"]
-
 _LAW = "Deadline"  # without a limit on the overhead, as the goals want it
 _OPAQUE = "opaque Deadline"
 _NO_OUTAGES = ("fast", "slow", "slow_tv")

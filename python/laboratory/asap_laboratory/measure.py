@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from asap import metrics
 from asap.experiment import Run
 from asap.experiment.contenders import Contender
 from asap.experiment.side_by_side import CheckedStream, side_by_side
 from asap.profiles import Scenario
-
-__all__ = ["Figures", "Measured", "measure"]
+from asap_laboratory import metrics
 
 _PHASE_MS = 500  # of the profiles that step
 

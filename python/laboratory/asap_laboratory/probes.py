@@ -19,19 +19,6 @@ from asap.experiment.side_by_side import CheckedStream, side_by_side
 from asap.profiles import COSTS, Profile, scenario
 from asap_laboratory.contenders import contender
 
-__all__ = [
-    "BOUNDS",
-    "CapProbe",
-    "Few",
-    "FewProbe",
-    "Probe",
-    "Steady",
-    "SteadyProbe",
-    "Window",
-    "mean_latency_us",
-    "probes",
-]
-
 BOUNDS = (100, 50, 20, 10, 5)
 """Latency bounds of the `FewProbe`, fixed costs."""
 

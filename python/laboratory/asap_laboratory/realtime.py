@@ -15,8 +15,6 @@ from asap.experiment import Run, run, simulate
 from asap.profiles import Profile
 from asap_laboratory import _native
 
-__all__ = ["Pair", "as_json", "format_pairs", "replay_beside_simulation", "scheduling_jitter"]
-
 PROFILES = ("low", "uav", "flicker", "steps", "bursts", "high")
 
 

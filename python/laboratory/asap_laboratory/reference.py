@@ -11,8 +11,6 @@ import csv
 from functools import cache
 from pathlib import Path
 
-__all__ = ["aggregate", "per_profile", "step"]
-
 
 def per_profile(quantity: str, cost_model: str, contender: str, profile: str) -> float | None:
     """Return score, kept, p99_ms, p50_ms, cpu or packages_per_s of a run; None: not reported."""

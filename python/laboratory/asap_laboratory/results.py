@@ -15,8 +15,6 @@ from asap_laboratory.measure import Figures, Measured
 from asap_laboratory.probes import Few, FewProbe, Probe, Steady, Window
 from asap_laboratory.rivals.cases import RecordingCase, Rivalry, RivalsCase
 
-__all__ = ["MODELS", "Finding", "Outcome", "Results", "Task"]
-
 Task: TypeAlias = (
     Case | Probe | AccuracyCase | RivalsCase | RecordingCase | CostCase | LadderCase | LadderReplay
 )

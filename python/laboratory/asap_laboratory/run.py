@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from asap import _core
-from asap.progress import OnProgress
+from asap._progress import OnProgress
 from asap_laboratory import _native
 from asap_laboratory.accuracy.cases import Accuracy
 from asap_laboratory.ladder.cases import Outcomes
@@ -27,8 +27,6 @@ from asap_laboratory.measure import Figures, Measured
 from asap_laboratory.probes import Few, Steady, Window
 from asap_laboratory.results import Outcome, Results, Task
 from asap_laboratory.rivals.cases import Rivalry
-
-__all__ = ["Ran", "key_of", "run"]
 
 _Future: TypeAlias = "Future[tuple[Outcome, float]]"
 

@@ -10,18 +10,6 @@ from asap_laboratory.goals import Goal
 from asap_laboratory.probes import Few
 from asap_laboratory.results import MODELS, Results
 
-__all__ = [
-    "DEVIATION",
-    "aggregate",
-    "by_profile",
-    "deviations",
-    "few",
-    "goal_table",
-    "markdown",
-    "number",
-    "steps",
-]
-
 DEVIATION = 0.02  #: of a score, from which on a cell is named
 
 _STEP_COLUMNS = (

@@ -1,3 +1,1 @@
 """What the algorithms get right, over scenes and the fraction of events kept."""
-
-__all__ = ["cases", "conduct", "document"]

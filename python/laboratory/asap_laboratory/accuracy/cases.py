@@ -16,8 +16,6 @@ from asap.accuracy import Scene
 from asap.accuracy.curve import GAMMAS, scores_of
 from asap.results.keep_curve import Scored
 
-__all__ = ["RUNGS", "Accuracy", "AccuracyCase", "Rung", "accuracy_cases", "missing_rungs"]
-
 Maker = Callable[[int, int], Any]
 
 
@@ -25,9 +23,9 @@ class HasSize(Protocol):
     """A scene or a recording."""
 
     @property
-    def width(self) -> int: ...
+    def width(self) -> int: ...  # noqa: D102
     @property
-    def height(self) -> int: ...
+    def height(self) -> int: ...  # noqa: D102
 
 
 class Rung(NamedTuple):

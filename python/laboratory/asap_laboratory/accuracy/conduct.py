@@ -7,8 +7,8 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import NamedTuple
 
+from asap._progress import OnProgress
 from asap.accuracy import KeepCurve
-from asap.progress import OnProgress
 from asap_laboratory.accuracy import document
 from asap_laboratory.accuracy.cases import (
     RUNGS,
@@ -20,8 +20,6 @@ from asap_laboratory.accuracy.cases import (
 from asap_laboratory.conduct import made_ready
 from asap_laboratory.results import Results
 from asap_laboratory.run import run
-
-__all__ = ["AccuracyStudy", "accuracy_study"]
 
 
 class AccuracyStudy(NamedTuple):
@@ -104,7 +102,7 @@ def curves_of(results: Results) -> list[KeepCurve]:
 
 def _draw(folder: Path, curves: Iterable[KeepCurve]) -> list[Path]:
     from asap import plots
-    from asap.report import accuracy_figures
+    from asap.report import accuracy_report
 
     by_scene: dict[str, list[KeepCurve]] = {}
     for curve in curves:
@@ -112,6 +110,6 @@ def _draw(folder: Path, curves: Iterable[KeepCurve]) -> list[Path]:
     paths = []
     for scene, some in by_scene.items():
         paths.append(folder / f"accuracy_{scene}.svg")
-        page = accuracy_figures.figure(some, title=f"scene {scene}")
+        page = accuracy_report.figure(some, title=f"scene {scene}")
         paths[-1].write_text(plots.svg(page), encoding="utf-8")
     return paths

@@ -11,8 +11,6 @@ from asap.results import accuracy_table
 from asap_laboratory.document import origin
 from asap_laboratory.tables import markdown
 
-__all__ = ["by_scene", "label_of", "write"]
-
 _OPENING = """\
 How much accuracy does an algorithm lose when only a fraction gamma of the events is kept? Each was
 run on scenes with exact truth, at gamma from 1 to 0.05, told the fraction (`set_keep`) and not

@@ -19,12 +19,9 @@ from numpy.typing import NDArray
 from asap.accuracy import Scene
 from asap.accuracy.corners import near_a_vertex
 from asap.accuracy.matching import match
-from asap.accuracy.mota import mota, ratio
-from asap.accuracy.snapshot import clusters_at
-from asap.accuracy.trace import Sample, sample_times, samples_without_clusters
+from asap.accuracy.measures import mota, ratio
+from asap.accuracy.trace import Sample, clusters_at, sample_times, samples_without_clusters
 from asap.experiment import Run
-
-__all__ = ["Delivery", "Recorder", "Used", "corner_accuracy", "everything", "tracker_accuracy"]
 
 _STEP_US = 1000
 

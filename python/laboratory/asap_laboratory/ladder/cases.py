@@ -28,8 +28,6 @@ from asap_laboratory.ladder.accuracy import (
 from asap_laboratory.ladder.rungs import LATENCY_MS, RUNGS, SLOWDOWN, LadderRung, stream
 from asap_laboratory.ladder.settings import Setting
 
-__all__ = ["REAL_LATENCY_MS", "LadderCase", "LadderReplay", "Loaded", "Outcomes", "ToldCase"]
-
 REAL_LATENCY_MS = 10.0  #: longer than in virtual time: a system without real time cannot do 3 ms
 _REPEATS = 4
 _EVENTS = 2_800_000  # of the whole stream

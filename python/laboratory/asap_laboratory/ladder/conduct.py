@@ -6,7 +6,7 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from asap.progress import OnProgress
+from asap._progress import OnProgress
 from asap_laboratory.conduct import made_ready
 from asap_laboratory.ladder import document
 from asap_laboratory.ladder.cases import LadderCase, LadderReplay, Outcomes, ToldCase
@@ -22,8 +22,6 @@ from asap_laboratory.ladder.results import (
 from asap_laboratory.ladder.rungs import LATENCY_MS, RUNGS, SLOWDOWN, missing_rungs
 from asap_laboratory.ladder.settings import BASELINES, OURS, Setting, best, best_for_all, ours
 from asap_laboratory.run import Ran, run
-
-__all__ = ["LadderStudy", "ladder_study"]
 
 _QUICK = ("BAF", "EFast", "compat", "compat, 2 us")
 _SEEDS = {"quick": (0,), "default": (0, 1, 2), "full": (0, 1, 2, 3, 4)}

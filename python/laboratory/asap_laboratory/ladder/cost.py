@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from asap_laboratory.ladder.rungs import RUNGS, SLOWDOWN, LadderRung, stream
 from asap_laboratory.ladder.settings import Setting, Tried, tried
 
-__all__ = ["CostCase", "Costs", "fit"]
-
 _SIZES = (1, 10, 100, 1000, 10_000)
 _TIME_FOR_A_SIZE_NS = 40_000_000
 _WARM_UP_EVENTS = 50_000

@@ -13,8 +13,6 @@ from asap_laboratory.ladder.results import Figures, LadderRow, Mean, OverLatency
 from asap_laboratory.ladder.rungs import LATENCY_MS, SLOWDOWN
 from asap_laboratory.tables import markdown
 
-__all__ = ["accuracy_table", "in_time_table", "write"]
-
 _OPENING = """\
 What is left of each algorithm when the stream overloads it? Every algorithm of the library, over
 three and a half decades of cost, gets the same stream on a computer that can process all of it or a

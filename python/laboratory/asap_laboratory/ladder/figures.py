@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["figure"]
-
 _NAME_HEIGHT = 12.0  # pixels of a page that is not printed yet
 
 _COLOURS = {

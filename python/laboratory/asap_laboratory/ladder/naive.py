@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["NaiveClusterer"]
-
 _DTYPE = np.dtype([("id", "<i8"), ("x", "<f8"), ("y", "<f8")])
 
 

@@ -16,8 +16,6 @@ from asap_laboratory.ladder.rungs import RUNGS, SLOWDOWN
 from asap_laboratory.ladder.settings import Setting
 from asap_laboratory.results import Results
 
-__all__ = ["LadderRow", "Mean", "OverLatency", "Told", "over_latency", "row", "told_rows"]
-
 FIGURES = tuple(field.name for field in fields(Loaded))
 
 

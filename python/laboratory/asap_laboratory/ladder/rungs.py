@@ -15,8 +15,6 @@ from asap import _core, scenes
 from asap.accuracy import Scene
 from asap_laboratory.ladder import naive
 
-__all__ = ["LATENCY_MS", "RUNGS", "SLOWDOWN", "LadderRung", "missing_rungs", "stream"]
-
 LATENCY_MS = 3.0  #: the bound
 SLOWDOWN = 8.0
 

@@ -19,8 +19,6 @@ from asap import _core
 from asap.experiment import simulate
 from asap_laboratory.ladder.rungs import LATENCY_MS
 
-__all__ = ["BASELINES", "OURS", "Setting", "Tried", "best", "best_for_all", "ours", "tried"]
-
 OURS = "Deadline"
 BASELINES = ("FixedSize", "FixedTime", "Asap2020")
 

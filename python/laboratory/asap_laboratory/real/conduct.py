@@ -7,15 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from asap import checks
-from asap.progress import OnProgress
+from asap import _checks
+from asap._progress import OnProgress
 from asap.scenes import LabelledScene
 from asap_laboratory.accuracy.cases import RUNGS
 from asap_laboratory.real import document
 from asap_laboratory.real.following import Followed, follow
 from asap_laboratory.rivals.cases import OURS
-
-__all__ = ["RealStudy", "real_study"]
 
 
 class RealStudy(NamedTuple):
@@ -55,9 +53,9 @@ def real_study(
     -------
     RealStudy
     """
-    folder = checks.folder_or_file("out", out)
-    checks.flag("figures", figures)
-    checks.callback("on_progress", on_progress)
+    folder = _checks.folder_or_file("out", out)
+    _checks.flag("figures", figures)
+    _checks.callback("on_progress", on_progress)
     begin_s = time.process_time()
     sets: list[Followed] = []
     for scene in scenes:

@@ -12,8 +12,6 @@ from asap_laboratory.real.following import Followed
 from asap_laboratory.real.mistakes import mistakes
 from asap_laboratory.tables import markdown
 
-__all__ = ["HEAD", "cells", "figure_cells", "table", "write"]
-
 HEAD = ("set", "hit", "precision", "switches", "longest", "error px", "MOTA", "ns per event")
 
 _OPENING = """\

@@ -9,8 +9,6 @@ from typing import NamedTuple
 
 from asap.scenes import LabelledScene, labelled
 
-__all__ = ["Opened", "at_hand", "opened"]
-
 _FILES = ("events.npz", "truth.csv", "ignore.csv", "sensor.json")
 _NOWHERE = (
     "no labelled recording here: give their folders, or set ASAP_TEST_DATA to the folder whose "

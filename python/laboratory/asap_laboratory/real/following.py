@@ -15,8 +15,6 @@ from asap.scenes import LabelledScene
 from asap_laboratory.accuracy.cases import Rung
 from asap_laboratory.rivals.cost import costs_ns
 
-__all__ = ["Followed", "follow"]
-
 
 @dataclass(frozen=True)
 class Followed:

@@ -11,8 +11,6 @@ import numpy as np
 from asap.accuracy.boxes import PADDING_PX, BoxMatch
 from asap_laboratory.real.following import Followed
 
-__all__ = ["Span", "mistakes", "spans"]
-
 _MOST_IDS = 6  # false ids that are named
 _MOST_SPANS = 3  # of an object's misses that are named
 

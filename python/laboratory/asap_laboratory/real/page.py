@@ -20,8 +20,6 @@ from asap_laboratory.real.following import Followed
 from asap_laboratory.real.mistakes import Span, mistakes, spans
 from asap_laboratory.real.pictures import STYLE, hue, overlay
 
-__all__ = ["write"]
-
 _PICTURES = (24, 16, 12, 8, 6, 4, 3, 2, 1, 0)  # of each recording: the most that fit
 
 _STYLE = (

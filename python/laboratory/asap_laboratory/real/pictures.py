@@ -14,8 +14,6 @@ from PIL import Image
 from asap import _core
 from asap_laboratory.real.following import Followed
 
-__all__ = ["STYLE", "hue", "overlay"]
-
 WINDOW_US = 30_000  # of the events that are shown
 _TAIL_S = 0.15
 _SIGMAS = 1.5  # of the outlines

@@ -13,15 +13,13 @@ from typing import Any
 from asap import _core
 from asap.accuracy import Scene
 from asap.accuracy.matching import match
-from asap.accuracy.mota import mota
+from asap.accuracy.measures import mota
 from asap.accuracy.trace import follow
 from asap.scenes import labelled
 from asap_laboratory import _native
 from asap_laboratory.accuracy.cases import RUNGS, Rung, scene_of
 from asap_laboratory.real import following
 from asap_laboratory.rivals.cost import costs_ns
-
-__all__ = ["OURS", "RIVALS", "RecordingCase", "Rivalry", "RivalsCase", "rivals_cases"]
 
 OURS = "fast"
 

@@ -6,7 +6,7 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import NamedTuple
 
-from asap.progress import OnProgress
+from asap._progress import OnProgress
 from asap.results.keep_curve import KeepCurve, Scored
 from asap_laboratory.conduct import made_ready
 from asap_laboratory.real.folders import at_hand
@@ -14,8 +14,6 @@ from asap_laboratory.results import Results
 from asap_laboratory.rivals import document
 from asap_laboratory.rivals.cases import RIVALS, RecordingCase, Rivalry, RivalsCase, rivals_cases
 from asap_laboratory.run import run
-
-__all__ = ["RivalsStudy", "rivals_study"]
 
 
 class RivalsStudy(NamedTuple):

@@ -9,8 +9,6 @@ from typing import Any
 from asap.accuracy.trace import HasEvents
 from asap_laboratory.accuracy.cases import Rung
 
-__all__ = ["costs_ns"]
-
 _REPETITIONS = 3
 _PACKAGE = 16_384  # events: large enough for the call not to count, small enough for the cache
 

@@ -14,17 +14,6 @@ from asap_laboratory.real.document import HEAD, figure_cells
 from asap_laboratory.rivals.cases import OURS
 from asap_laboratory.tables import markdown
 
-__all__ = [
-    "NO_RECORDINGS",
-    "accuracy",
-    "beside_prototypes",
-    "cost",
-    "recordings_table",
-    "table",
-    "verdict",
-    "write",
-]
-
 NO_RECORDINGS = "Not measured: no labelled recordings were here."
 
 _OPENING = """\

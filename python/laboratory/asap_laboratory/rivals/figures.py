@@ -12,17 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 from asap import plots  # first: it says which extra is missing
 from asap.accuracy import KeepCurve
-from asap.report import page
 from asap_laboratory.accuracy.document import label_of
 from asap_laboratory.rivals.cases import OURS
+from asap_laboratory.scheme_figure import svg
 
 import matplotlib  # isort: skip
 from matplotlib.layout_engine import ConstrainedLayoutEngine  # isort: skip
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-__all__ = ["draw", "write"]
 
 _LEAST = -1.0  # MOTA: what is below stands at the edge
 _LOOKS: dict[str, tuple[str, str, bool]] = {  # colour, marker, filled
@@ -40,7 +38,7 @@ Recordings = Mapping[str, Mapping[str, Mapping[str, float]]]
 
 def write(path: Path, curves: Sequence[KeepCurve], recordings: Recordings) -> Path:
     """Draw into an SVG file with a card of its own, dark where the reader's page is."""
-    drawn = page.standalone_svg(draw(curves, recordings), "MOTA and processor time of all trackers")
+    drawn = svg(draw(curves, recordings), "MOTA and processor time of all trackers")
     path.write_text(drawn, encoding="utf-8")
     return path
 

@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.optimize import linear_sum_assignment
 
-__all__ = ["FrameTracker"]
-
 CLUSTER_DTYPE = np.dtype([("id", "<i8"), *((name, "<f8") for name in ("x", "y", "vx", "vy"))])
 
 _TRACK_DTYPE = np.dtype(

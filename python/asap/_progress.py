@@ -9,8 +9,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["OnProgress", "on_terminal"]
-
 OnProgress = Callable[[int, "int | None", Any], None]
 
 _SECONDS_BETWEEN_LINES = 10.0
@@ -20,10 +18,7 @@ _SECONDS_BETWEEN_LINES = 10.0
 def on_terminal() -> Iterator[OnProgress | None]:
     """Give a callback ``on_progress(done, total, stats)`` that writes to stderr.
 
-    Yields
-    ------
-    callable or None
-        None when stderr is no terminal, or closed: logs and pipes stay clean.
+    None when stderr is no terminal, or closed: logs and pipes stay clean.
     """
     if sys.stderr is None or not sys.stderr.isatty():
         yield None

@@ -1,11 +1,12 @@
 """The figure of README: what each scheme does with one stream that grows, then bursts.
 
-Needs matplotlib: ``asap-events[report]``. ``python -m asap.report.scheme_figure OUT.svg`` simulates
-the stream and writes the figure. It is narrow, since half of its readers hold a phone.
+Needs matplotlib: ``asap-events[report]``. ``python -m asap_laboratory.scheme_figure OUT.svg``
+simulates the stream and writes the figure. It is narrow, since half of its readers hold a phone.
 """
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,10 +22,9 @@ from asap.report import page
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from asap.experiment import Comparison, Run
-
-__all__ = ["draw", "simulated", "stream", "svg"]
 
 LATENCY_MS = 10.0
 ALPHA_US, BETA_NS = 100.0, 150.0
@@ -119,9 +119,12 @@ def _in_bins(run: Run, column: str, reduce: np.ufunc) -> tuple[Floats, Floats]:
     return bins * (_BIN_MS / 1e3), reduce.reduceat(slots[column].astype(np.float64), begins)
 
 
-def svg(figure: plots.NotebookFigure) -> str:
+def svg(figure: Figure, label: str = "Latency and events in time of five schemes") -> str:
     """Write a figure as an SVG document on a card of its own, dark where the reader's page is."""
-    return page.standalone_svg(figure, label="Latency and events in time of five schemes")
+    style = f"<style>{page.COLOURS}text{{font-family:system-ui,sans-serif!important}}</style>"
+    card = '<rect width="100%" height="100%" rx="8" fill="var(--card)"/>'
+    drawn = page.inline_svg(figure, "figure", "figure", label)
+    return re.sub(r"(<svg[^>]*>)", rf"\1{style}{card}", drawn, count=1) + "\n"
 
 
 if __name__ == "__main__":

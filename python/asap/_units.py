@@ -7,78 +7,17 @@ import re
 import textwrap
 from collections.abc import Mapping
 
-__all__ = [
-    "count",
-    "duration",
-    "parse_cost",
-    "parse_duration_us",
-    "rate",
-    "rate_axis",
-    "reasons",
-    "share",
-    "tied",
-    "wrapped",
-]
-
 _NS_PER_UNIT = {"ns": 1, "us": 10**3, "µs": 10**3, "ms": 10**6, "s": 10**9}
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([^\W\d]*)\s*")
 
 
 def parse_duration_us(text: str, *, field: str = "duration") -> float:
-    """Microseconds of a duration with its unit, such as ``"10ms"``.
-
-    Parameters
-    ----------
-    text : str
-        A number and one of the units ns, us, ms, s.
-    field : str
-        How the value is called in an error message.
-
-    Returns
-    -------
-    float
-        Microseconds, finite and not negative.
-
-    Raises
-    ------
-    ValueError
-        No unit, an unknown unit, no number, or a negative one.
-
-    Examples
-    --------
-    >>> parse_duration_us("10ms")
-    10000.0
-    """
+    """Microseconds of a duration with its unit, such as ``"10ms"``: finite and not negative."""
     return _parse_ns(text, field) / 1e3
 
 
 def parse_cost(text: str, *, field: str = "cost") -> tuple[float, float]:
-    """Cost model alpha + beta n of an algorithm, such as ``"100us+300ns"``.
-
-    Parameters
-    ----------
-    text : str
-        The time per package, a plus sign, the time per event; each with its unit.
-    field : str
-        How the value is called in an error message.
-
-    Returns
-    -------
-    alpha_us : float
-        Time per package in us.
-    beta_ns : float
-        Time per event in ns.
-
-    Raises
-    ------
-    ValueError
-        Not two terms, or a term without a unit.
-
-    Examples
-    --------
-    >>> parse_cost("100us+300ns")
-    (100.0, 300.0)
-    """
+    """Read ``"100us+300ns"``: time per package in us, and per event in ns."""
     # A plus sign inside a number follows its "e".
     terms = re.split(r"(?<![eE])\+", text)
     if len(terms) != 2:

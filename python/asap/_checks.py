@@ -21,32 +21,6 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    "agreed",
-    "callback",
-    "choice",
-    "column",
-    "ending",
-    "flag",
-    "folder_or_file",
-    "index",
-    "is_masked",
-    "listed",
-    "named",
-    "new_file",
-    "number",
-    "regular_file",
-    "renamed",
-    "require",
-    "rows",
-    "sides",
-    "source",
-    "unmasked",
-    "whole",
-    "worker",
-    "workers",
-]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -269,11 +243,3 @@ def column(field: str, values: Any) -> npt.NDArray[Any]:
     if array.ndim != 1 or array.dtype.kind not in "biuf":
         raise TypeError(named(field, values, "give a one-dimensional array of numbers"))
     return array
-
-
-def rows(field: str, value: Any, dtype: np.dtype[Any], remedy: str) -> None:
-    """Refuse what is no one-dimensional array with the fields of a table."""
-    unmasked(field, value)
-    found = getattr(getattr(value, "dtype", None), "names", None) or ()
-    if np.ndim(value) != 1 or not set(dtype.names or ()) <= set(found):
-        raise TypeError(named(field, value, remedy))

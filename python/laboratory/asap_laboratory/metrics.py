@@ -13,9 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from asap import _core, checks
-
-__all__ = ["Load", "gap_ms", "load", "recovery_ms", "settle_ms"]
+from asap import _checks, _core
 
 _LATE = 1.1  # of the bound
 _KEPT = 0.98
@@ -41,7 +39,7 @@ def gap_ms(slots: npt.NDArray[np.void], ignore_last: int = 60) -> int:
         a run.
     """
     _check_slots(slots)
-    checks.whole("ignore_last", ignore_last, 0, 2**62, "give 0 ms or more")
+    _checks.whole("ignore_last", ignore_last, 0, 2**62, "give 0 ms or more")
     if slots.size == 0:
         return 0
     counted = slots["slot"] <= slots["slot"][-1] - ignore_last
@@ -121,7 +119,7 @@ def load(packages: npt.NDArray[np.void]) -> Load:
         Over all packages but the first, which has no interval; (0, 1) where there is no other.
     """
     remedy = "give run.packages"
-    checks.rows("packages", packages, _core.PACKAGE_DTYPE, remedy)
+    _require_rows("packages", packages, _core.PACKAGE_DTYPE, remedy)
     if packages.size < 2:
         return Load(0.0, 1.0)
     interval_us = np.maximum(np.diff(packages["start_us"]), 1e-3)
@@ -130,13 +128,13 @@ def load(packages: npt.NDArray[np.void]) -> Load:
 
 
 def _check_slots(slots: npt.NDArray[np.void]) -> None:
-    checks.rows("slots", slots, _core.SLOT_DTYPE, "give run.slots of a run in virtual time")
+    _require_rows("slots", slots, _core.SLOT_DTYPE, "give run.slots of a run in virtual time")
 
 
 def _check_phases(slots: npt.NDArray[np.void], phase_ms: int, bound_us: float) -> None:
     _check_slots(slots)
-    checks.whole("phase_ms", phase_ms, _LAST_MS, 2**31, f"give at least {_LAST_MS} ms")
-    checks.number("bound_us", bound_us, 0, sys.float_info.max, "give 0 us or more")
+    _checks.whole("phase_ms", phase_ms, _LAST_MS, 2**31, f"give at least {_LAST_MS} ms")
+    _checks.number("bound_us", bound_us, 0, sys.float_info.max, "give 0 us or more")
 
 
 def _is_late(slots: npt.NDArray[np.void], bound_us: float) -> npt.NDArray[Any]:
@@ -146,12 +144,20 @@ def _is_late(slots: npt.NDArray[np.void], bound_us: float) -> npt.NDArray[Any]:
 def _mean_disturbance_ms(
     disturbed: npt.NDArray[np.int64], steps_ms: npt.ArrayLike, phase_ms: int
 ) -> float:
-    given = checks.column("steps_ms", steps_ms)
+    given = _checks.column("steps_ms", steps_ms)
     is_whole = bool(np.all((np.abs(given) < 2**53) & (given == np.floor(given))))
-    checks.require(is_whole, "steps_ms", steps_ms, "give whole ms")
+    _checks.require(is_whole, "steps_ms", steps_ms, "give whole ms")
     steps = given.astype(np.int64)
     if steps.size == 0:
         return 0.0
     last = np.searchsorted(disturbed, steps + phase_ms) - 1
     end = np.append(disturbed, -(2**60))[last] + 1  # last = -1: none at all
     return float(np.clip(end - steps, 0, phase_ms - _LAST_MS).mean())
+
+
+def _require_rows(field: str, value: Any, dtype: np.dtype[Any], remedy: str) -> None:
+    """Refuse what is no one-dimensional array with the fields of a table."""
+    _checks.unmasked(field, value)
+    found = getattr(getattr(value, "dtype", None), "names", None) or ()
+    if np.ndim(value) != 1 or not set(dtype.names or ()) <= set(found):
+        raise TypeError(_checks.named(field, value, remedy))

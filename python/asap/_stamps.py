@@ -7,8 +7,6 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["MAX", "TIME_EXPONENTS", "misfits", "shifted", "time_exponent", "to_us"]
-
 Column: TypeAlias = npt.NDArray[Any]
 
 # A unit of time is 10^exponent us.
