@@ -140,8 +140,9 @@ int main(int argc, char** argv) {
   std::signal(SIGINT, asap_ros::end);
   std::signal(SIGTERM, asap_ros::end);
   int code = 0;
+  ros::start();  // waits for the master; the end of run() would end the log otherwise
   try {
-    asap_ros::run();
+    if (asap_ros::is_over == 0) asap_ros::run();
   } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());
     code = 2;
