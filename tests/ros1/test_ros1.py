@@ -252,7 +252,7 @@ def test_a_node_with_bad_parameters_does_not_start(parameters: dict, reason: str
 
 
 def test_sigint_ends_the_node_while_it_waits_for_feedback(peer: Peer) -> None:
-    with AsapNode(feedback="topic", feedback_timeout_ms=60_000) as node:
+    with AsapNode(latency_ms=1000, feedback="topic", feedback_timeout_ms=60_000) as node:
         peer.wait_for_node()
         peer.send(array(np.arange(1000)))
         wait(lambda: peer.packages, "a package")
