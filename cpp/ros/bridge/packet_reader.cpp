@@ -18,6 +18,7 @@ constexpr std::array<KnownEncoding, 5> kEncodings{
 std::optional<Refusal> refusal_of(const Packet& packet) {
   const auto known = std::ranges::find(kEncodings, packet.encoding, &KnownEncoding::name);
   const auto is_side = [](std::uint32_t px) { return px >= 1 && px <= kMostPixels; };
+  if (packet.is_torn) return Refusal::size;
   if (known == kEncodings.end()) return Refusal::encoding;
   if (packet.is_bigendian) return Refusal::big_endian;
   if (packet.bytes.size() % known->record != 0) return Refusal::size;
@@ -26,6 +27,13 @@ std::optional<Refusal> refusal_of(const Packet& packet) {
 }
 
 }  // namespace
+
+std::string sentence(Refusal refusal, const Packet& packet) {
+  return std::string("message refused: ") + kRefusals[static_cast<std::size_t>(refusal)] +
+         " (encoding \"" + std::string(packet.encoding) + "\", " +
+         std::to_string(packet.sensor.width) + " x " + std::to_string(packet.sensor.height) +
+         " px, " + std::to_string(packet.bytes.size()) + " bytes)";
+}
 
 PacketReader::PacketReader() : block_(kBlockOfEvents) { streams_.reserve(kPublishers + 1); }
 

@@ -39,7 +39,8 @@ struct Packet {
   std::string_view encoding{};
   bool is_bigendian = false;
   std::span<const std::byte> bytes{};
-  EventSpan events{};  // instead of bytes, where the encoding is kDecoded
+  EventSpan events{};    // instead of bytes, where the encoding is kDecoded
+  bool is_torn = false;  // the message ends before or behind its own fields
 };
 
 inline constexpr std::string_view kDecoded = "dvs_msgs";  // the middleware has decoded the events
@@ -47,6 +48,9 @@ inline constexpr std::string_view kDecoded = "dvs_msgs";  // the middleware has 
 // Why a message was refused.
 enum class Refusal : std::uint8_t { encoding, big_endian, size, geometry };
 inline constexpr std::array kRefusals{"encoding", "big_endian", "size", "geometry"};
+
+// For a log: the reason, and what the message was.
+std::string sentence(Refusal refusal, const Packet& packet);
 
 class PacketReader {
  public:

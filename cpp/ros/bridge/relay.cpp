@@ -29,6 +29,14 @@ void Relay::set(const Parameters& parameters) noexcept {
   rate_bound_ = parameters.rate_bound;
 }
 
+Facts Relay::facts() const {
+  const FeedbackGate::Counts counts = gate_.counts();
+  return {{"feedback.taken", number(counts.taken)},
+          {"feedback.refused", number(counts.refused)},
+          {"feedback.timeouts", number(counts.timeouts)},
+          {"feedback.stalled", counts.stalled ? "true" : "false"}};
+}
+
 void Relay::begin(const Geometry& sensor) {
   message_.sensor = sensor;
   gate_.open();

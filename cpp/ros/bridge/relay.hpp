@@ -22,13 +22,13 @@ namespace asap::ros {
 
 // A message to publish. Its bytes may be moved from.
 struct Message {
-  Geometry sensor;
+  Geometry sensor{};
   std::int64_t stamp_ns = 0;
   std::uint64_t seq = 0;
   std::uint64_t time_base = 0;  // ns
-  std::string_view encoding;
-  std::vector<std::uint8_t> bytes;
-  EventSpan events;  // the same as events
+  std::string_view encoding{};
+  std::vector<std::uint8_t> bytes{};
+  EventSpan events{};  // the same as events
 };
 
 class Relay final : public Receiver {
@@ -46,6 +46,7 @@ class Relay final : public Receiver {
   // The consumer has worked for so long; false: refused.
   bool feedback(double seconds) { return gate_.feedback(seconds); }
   FeedbackGate::Counts feedbacks() const { return gate_.counts(); }
+  Facts facts() const;  // the same
 
   void begin(const Geometry& sensor) override;
   void process(const Package& package, std::int64_t stamp_ns) override;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <exception>
+#include <numeric>
 #include <utility>
 
 namespace asap::ros {
@@ -104,6 +105,23 @@ PipelineStats Session::stats() const {
   PipelineStats stats = pipeline_->stats();
   stats.stalled = stats.stalled || receiver_.stalled();
   return stats;
+}
+
+std::string Session::trouble(std::string_view topic) {
+  const PipelineStats stats = this->stats();
+  const std::lock_guard lock(control_);
+  const auto refused = std::accumulate(refused_.begin(), refused_.end(), std::uint64_t{0});
+  std::array<std::uint64_t, 3> since{stats.ledger.overflow, stats.upstream_packets, refused};
+  for (std::size_t i = 0; i < since.size(); ++i) {
+    const std::uint64_t told = std::exchange(told_[i], since[i]);
+    if (since[i] >= told) since[i] -= told;  // else a run of its own
+  }
+  if (messages_ == 0) return "no message on " + std::string(topic);
+  if (stats.stalled) return "stalled: the consumer stays away";
+  if (since[0] > 0) return std::to_string(since[0]) + " events did not fit into the ring";
+  if (since[1] > 0) return std::to_string(since[1]) + " messages of the driver are missing";
+  if (since[2] > 0) return std::to_string(since[2]) + " messages refused";
+  return "";
 }
 
 Facts Session::facts() const {

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "asap/runner/pipeline.hpp"
 #include "ros/bridge/facts.hpp"
@@ -55,6 +56,9 @@ class Session {
 
   // Figures of the run, and the messages refused since the session began.
   Facts facts() const;
+
+  // What went wrong since the last call, in a sentence; empty: nothing. `topic`: of the messages.
+  std::string trouble(std::string_view topic);
   PipelineStats stats() const;
 
  private:
@@ -78,6 +82,7 @@ class Session {
   PacketReader reader_;
   std::uint64_t messages_ = 0;
   std::array<std::uint64_t, kRefusals.size()> refused_{};
+  std::array<std::uint64_t, 3> told_{};  // by trouble(): overflow, lost, refused
   mutable std::mutex worker_;  // the next three, which the worker reads and writes as well
   Mark mark_;
   std::uint64_t failures_ = 0;

@@ -187,19 +187,14 @@ void EventNode::take(ros::Packet& packet, const std_msgs::msg::Header& header,
                      const rclcpp::MessageInfo& info) {
   const auto& gid = info.get_rmw_message_info().publisher_gid.data;
   packet.publisher = {reinterpret_cast<const char*>(gid), sizeof gid};
-  ++messages_;
   {
     const std::lock_guard lock(frame_);
     if (frame_id_ != header.frame_id) frame_id_ = header.frame_id;
   }
   const std::optional<ros::Refusal> refusal = session_->take(packet, to_ns(header.stamp));
   if (!refusal) return;
-  ++refused_;
-  RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kLogEvery_ms,
-                       "message refused: %s (encoding \"%.*s\", %u x %u px, %zu bytes)",
-                       ros::kRefusals[static_cast<std::size_t>(*refusal)],
-                       static_cast<int>(packet.encoding.size()), packet.encoding.data(),
-                       packet.sensor.width, packet.sensor.height, packet.bytes.size());
+  RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kLogEvery_ms, "%s",
+                       ros::sentence(*refusal, packet).c_str());
 }
 
 std_msgs::msg::Header EventNode::header(std::int64_t stamp_ns) const {
@@ -212,24 +207,6 @@ std_msgs::msg::Header EventNode::header(std::int64_t stamp_ns) const {
 
 // ---- reports ----------------------------------------------------------------------------------
 
-// What went wrong since the last report; empty: nothing.
-std::string EventNode::trouble(const asap::PipelineStats& stats) {
-  const auto since = [](std::uint64_t now, std::uint64_t& told) {
-    const std::uint64_t more = now >= told ? now - told : now;  // a run of its own
-    told = now;
-    return more;
-  };
-  const std::uint64_t overflow = since(stats.ledger.overflow, told_overflow_);
-  const std::uint64_t lost = since(stats.upstream_packets, told_lost_);
-  const std::uint64_t refused = since(refused_, told_refused_);
-  if (messages_ == 0) return "no message on " + std::string(subscription_->get_topic_name());
-  if (stats.stalled) return "stalled: the consumer stays away";
-  if (overflow > 0) return std::to_string(overflow) + " events did not fit into the ring";
-  if (lost > 0) return std::to_string(lost) + " messages of the driver are missing";
-  if (refused > 0) return std::to_string(refused) + " messages refused";
-  return "";
-}
-
 void EventNode::report() {
   ros::Facts facts = session_->facts();
   const ros::Facts more = this->facts();
@@ -238,7 +215,7 @@ void EventNode::report() {
   stats.data = ros::to_json(facts);
   stats_->publish(stats);
 
-  const std::string trouble = this->trouble(session_->stats());
+  const std::string trouble = session_->trouble(subscription_->get_topic_name());
   diagnostic_msgs::msg::DiagnosticStatus status;
   status.name = get_fully_qualified_name();
   status.level = trouble.empty() ? status.OK : status.WARN;

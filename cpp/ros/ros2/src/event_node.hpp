@@ -58,18 +58,12 @@ class EventNode : public rclcpp::Node {
   void subscribe();
   void watch_parameters();
   void report();
-  std::string trouble(const asap::PipelineStats& stats);
 
   ros::Parameters parameters_;
   std::vector<const ros::NumberField*> numbers_;
   std::unique_ptr<ros::Session> session_;
   mutable std::mutex frame_;  // the next one
   std::string frame_id_;
-  std::uint64_t refused_ = 0;        // messages
-  std::uint64_t told_overflow_ = 0;  // in the last report, like the next two
-  std::uint64_t told_lost_ = 0;
-  std::uint64_t told_refused_ = 0;
-  std::uint64_t messages_ = 0;
   std::vector<asap::Event> decoded_;
   rclcpp::SubscriptionBase::SharedPtr subscription_;
   rclcpp::Publisher<std_msgs::msg::String>::SharedPtr stats_;

@@ -89,14 +89,6 @@ void PackageNode::listen() {
   }
 }
 
-ros::Facts PackageNode::facts() const {
-  const ros::FeedbackGate::Counts counts = relay_->feedbacks();
-  return {{"feedback.taken", ros::number(counts.taken)},
-          {"feedback.refused", ros::number(counts.refused)},
-          {"feedback.timeouts", ros::number(counts.timeouts)},
-          {"feedback.stalled", counts.stalled ? "true" : "false"}};
-}
-
 }  // namespace asap_ros
 
 RCLCPP_COMPONENTS_REGISTER_NODE(asap_ros::PackageNode)

@@ -22,7 +22,7 @@ class PackageNode : public EventNode {
   void advertise();
   void listen();
   void heed(const ros::Parameters& parameters) override { relay_->set(parameters); }
-  ros::Facts facts() const override;
+  ros::Facts facts() const override { return relay_->facts(); }
 
   std::function<void(ros::Message&)> publish_;
   rclcpp::PublisherBase::SharedPtr publisher_;

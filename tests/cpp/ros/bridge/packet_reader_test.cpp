@@ -104,6 +104,10 @@ TEST(PacketReader, RefusesAMessageThatCannotBeRead) {
   EXPECT_EQ(reader.see(bad).refusal, Refusal::geometry);
   bad.sensor.width = kMostPixels;
   EXPECT_FALSE(reader.see(bad).refusal);
+  bad.is_torn = true;
+  EXPECT_EQ(reader.see(bad).refusal, Refusal::size);
+  EXPECT_EQ(sentence(Refusal::size, packet(odd, 0)),
+            "message refused: size (encoding \"evt3\", 640 x 480 px, 7 bytes)");
 }
 
 TEST(PacketReader, CountsTheMessagesThatAreMissing) {

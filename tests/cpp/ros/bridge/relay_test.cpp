@@ -90,8 +90,14 @@ TEST(Relay, WaitsForTheConsumer) {
     while (!fixture.relay.feedback(0.0)) std::this_thread::sleep_for(1ms);
   });
   fixture.relay.process(package_of(test::some_events(10)), 0);
-  EXPECT_EQ(fixture.relay.feedbacks().taken, 1u);
-  EXPECT_EQ(fixture.relay.feedbacks().timeouts, 0u);
+  consumer.join();
+  const FeedbackGate::Counts counts = fixture.relay.feedbacks();
+  EXPECT_EQ(counts.taken, 1u);
+  EXPECT_EQ(counts.timeouts, 0u);
+  EXPECT_EQ(fixture.relay.facts(), (Facts{{"feedback.taken", "1"},
+                                          {"feedback.refused", number(counts.refused)},
+                                          {"feedback.timeouts", "0"},
+                                          {"feedback.stalled", "false"}}));
 }
 
 TEST(Relay, WaitsForNoFeedbackWhereThereIsNoConsumer) {

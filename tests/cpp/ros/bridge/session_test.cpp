@@ -150,6 +150,20 @@ TEST(Session, CountsRefusalsByReason) {
   EXPECT_EQ(value_of(facts, "messages.received"), "2");
 }
 
+TEST(Session, TellsATroubleOnce) {
+  Fixture fixture;
+  EXPECT_EQ(fixture.session.trouble("/events"), "no message on /events");
+  fixture.take({{1, 1, 1, 1}}, 0);
+  EXPECT_EQ(fixture.session.trouble("/events"), "");
+  fixture.take({{1, 1, 1, 2}}, 3);
+  EXPECT_EQ(fixture.session.trouble("/events"), "2 messages of the driver are missing");
+  fixture.session.take({.sensor = {640, 480}, .encoding = "evt4"}, 0);
+  EXPECT_EQ(fixture.session.trouble("/events"), "1 messages refused");
+  EXPECT_EQ(fixture.session.trouble("/events"), "");
+  fixture.collector.stays_away = true;
+  EXPECT_EQ(fixture.session.trouble("/events"), "stalled: the consumer stays away");
+}
+
 TEST(Session, APackageHasTheStampOfItsFirstEvent) {
   Fixture fixture;
   const std::int64_t stamp_ns = 1'700'000'000'000'000'000;
