@@ -28,12 +28,12 @@ struct ClusterTrackerConfig {
                                  // it grows, up to seed_ms
 
   double tick_ms = 1;     // period of the work that is not done per event
-  double warmup_ms = 30;  // no cluster begins before, while the noise rate is being measured
+  double warmup_ms = 12;  // no cluster begins before, while the noise rate is being measured
   double link_ms = 40;    // for which a cell remembers its owner
   double seed_ms = 15;    // decay of the counts of events without a cluster
   double mass_ms = 30;    // decay of a cluster's mass, its number of recent events
 
-  int mean_events = 60;         // memory of the mean
+  int mean_events = 60;         // longest memory of the mean; a small object has a shorter one
   int covariance_events = 300;  // memory of the covariance
 
   double birth_radius_px = 18;   // circular gate of a young cluster

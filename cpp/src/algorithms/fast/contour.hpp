@@ -31,6 +31,7 @@ struct alignas(32) Contour {
   float polarity = 0;                     // mean, OFF = -1, ON = 1
   // Variance of the centre's error, as a fraction of the covariance of the events.
   float centre_variance = kInitialCentreVariance;
+  std::uint32_t mean_events = 60;  // memory of the mean, by size; here because every event reads it
 
   bool known(std::size_t bin, const ContourRule& rule) const noexcept {
     return count[bin] >= rule.min_known;

@@ -193,6 +193,7 @@ Tracks::Slot Engine::begin_track(float x, float y) noexcept {
     return slot;
   }
   shape_birth_gate(tracks_[slot], settings_.gate);
+  tracks_.contour(slot).mean_events = settings_.update.mean_events;
   tracks_.state(slot).age_s = -seconds(clock_.now_us() - tracks_us_);
   coarse_.place(slot, x, y);
   return slot;
@@ -253,7 +254,9 @@ bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
   if (state.starved_s == 0) record_motion(track, state, tick);
   Contour& contour = tracks_.contour(slot);
   update_centre_variance(contour, track, state.extent_px, tick.dt_s);
-  kalman_update(track, state.kalman, contour.variance, settings_.kalman);
+  kalman_update(track, state.kalman, contour.variance, settings_.kalman,
+                mean_memory(track, contour, settings_.update));
+  contour.mean_events = size_memory(track, settings_.update);
   track.mean_weight = mean_weight(track, contour, settings_.weight);
 
   const float extent2 = largest_variance(track);

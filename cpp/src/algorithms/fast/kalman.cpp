@@ -13,11 +13,11 @@ constexpr float kLeastExtent_px = 1;
 
 // px^2, of the mean, of whose events `fresh` are new.
 float measurement_variance(const Track& track, float contour_variance, std::uint32_t fresh,
-                           const KalmanRule& rule) noexcept {
+                           std::uint32_t mean_events, const KalmanRule& rule) noexcept {
   const float w = track.mean_weight;
   const float spread =
       w * w * 0.5F * (track.sxx + track.syy) + (1 - w) * (1 - w) * 2 * contour_variance;
-  const auto memory = static_cast<float>(rule.mean_events);
+  const auto memory = static_cast<float>(std::min(mean_events, rule.mean_events));
   const float share = std::min(1.0F, static_cast<float>(fresh) / memory);
   return std::max(rule.min_measurement_px2, rule.measurement_scale * spread / (memory * share));
 }
@@ -37,8 +37,8 @@ void predict(KalmanState& state, float dt, float q) noexcept {
 
 }  // namespace
 
-void kalman_update(Track& track, KalmanState& state, float contour_variance,
-                   const KalmanRule& rule) noexcept {
+void kalman_update(Track& track, KalmanState& state, float contour_variance, const KalmanRule& rule,
+                   std::uint32_t mean_events) noexcept {
   const std::uint32_t fresh = track.events - state.events;
   if (fresh < kKalmanEvents) return;
   const float dt = std::max(0.0F, age_s(track.stamp, state.stamp));
@@ -46,7 +46,8 @@ void kalman_update(Track& track, KalmanState& state, float contour_variance,
   state.y += track.vy * dt;
   predict(state, dt, acceleration_density(track, rule));
 
-  const float s = state.pxx + measurement_variance(track, contour_variance, fresh, rule);
+  const float s =
+      state.pxx + measurement_variance(track, contour_variance, fresh, mean_events, rule);
   const float kx = state.pxx / s;
   const float kv = state.pxv / s;
   const float ex = track.x - state.x;

@@ -23,14 +23,15 @@ struct KalmanRule {
   float contact;                   // px^2/s^3, its value in contact
   float measurement_scale;         // factor on the variance: successive means are correlated
   float min_measurement_px2;       // least variance of a measurement
-  std::uint32_t mean_events = 60;  // memory of the mean
+  std::uint32_t mean_events = 60;  // longest memory of the mean
 };
 
 inline constexpr std::uint32_t kKalmanEvents = 8;  // new events that an update needs
 
 // Takes the track's mean as a measurement, if enough events are new, and sets its velocity.
-void kalman_update(Track& track, KalmanState& state, float contour_variance,
-                   const KalmanRule& rule) noexcept;
+// `mean_events`: its memory, if shorter than the rule's.
+void kalman_update(Track& track, KalmanState& state, float contour_variance, const KalmanRule& rule,
+                   std::uint32_t mean_events = UINT32_MAX) noexcept;
 
 // Moves a starved track to `now`: the velocity decays with the time constant, mean and state move
 // with it, and the covariance grows up to kMaxVariance_px2.

@@ -47,6 +47,22 @@ inline float far_weight(float noise_hz) noexcept {
   return std::clamp((kCommon_hz - noise_hz) / (kCommon_hz - kRare_hz), 0.0F, 1.0F);
 }
 
+// The memory of the mean of an object of this size: a small one moves by its own size in the time
+// in which a large one has the events to average over.
+inline std::uint32_t size_memory(const Track& track, const UpdateRule& rule) noexcept {
+  constexpr float kPerVariance = 1.5F;  // events per px^2
+  constexpr std::uint32_t kShortest = 10;
+  const auto events = static_cast<std::uint32_t>(
+      std::min(kPerVariance * (track.sxx + track.syy), static_cast<float>(rule.mean_events)));
+  return std::max(std::min(kShortest, rule.mean_events), events);
+}
+
+// The same of a track that may be in contact: events that a neighbour causes must not pull at it.
+inline std::uint32_t mean_memory(const Track& track, const Contour& contour,
+                                 const UpdateRule& rule) noexcept {
+  return track.partners > 0 ? rule.mean_events : contour.mean_events;
+}
+
 struct WeightRule {
   float least;  // least weight of the plain mean
   float scale;  // larger values favour the plain mean
@@ -76,7 +92,7 @@ inline void update_mean(Track& track, Contour& contour, const Innovation& nu, St
                         const UpdateRule& rule, const Reciprocals& reciprocals,
                         const DirectionTable& directions) noexcept {
   const std::uint32_t n = ++track.events;
-  const float gain = reciprocals[std::min(n, rule.mean_events)];
+  const float gain = reciprocals[std::min(n, contour.mean_events)];
   const float spread_gain = reciprocals[std::min(n, rule.covariance_events)];
   const float distance = length(nu.dx, nu.dy);
   const std::size_t bin = directions.bin(nu.dx, nu.dy);

@@ -83,6 +83,29 @@ TEST(Engine, FollowsADisk) {
   EXPECT_LT(std::count(labels.begin() + 3000, labels.end(), -1), 700);  // without support
 }
 
+TEST(Engine, ADiskIsListedSoonAfterTheStart) {
+  std::vector<Event> events;
+  add_disk(events, {}, 0, 0.03);
+  Engine engine(kFrame);
+  engine.process(events, nullptr);
+  EXPECT_EQ(clusters_of(engine).size(), 1U);
+}
+
+// The disk moves 12 px in 60 events, the longest memory of a mean.
+TEST(Engine, TheMeanOfASmallDiskDoesNotLag) {
+  constexpr Disk kSmall{.vx = 400, .radius = 1.5};
+  std::vector<Event> events;
+  add_disk(events, kSmall, 0, 0.25, 2000);
+  Engine engine(kFrame);
+  for (const Event& event : events) {
+    engine.process({&event, 1}, nullptr);
+    for (const Cluster& cluster : clusters_of(engine)) {
+      const double centre = kSmall.x - 0.5 + kSmall.vx * 1e-6 * static_cast<double>(event.t);
+      ASSERT_NEAR(cluster.x, centre, 3) << event.t << " us";
+    }
+  }
+}
+
 TEST(Engine, CrossingDisksKeepTheirIds) {
   std::vector<Event> events;
   add_disk(events, {.x = 50, .y = 100, .vx = 150}, 0, 1.2);

@@ -41,6 +41,21 @@ TEST(Kalman, FindsTheVelocity) {
   }
 }
 
+TEST(Kalman, AMeanOfFewerEventsIsTrustedLess) {
+  const auto correction = [](std::uint32_t mean_events) {
+    Track track;
+    track.sxx = track.syy = 25;
+    track.x = 1;
+    track.events = 100;
+    KalmanState state;
+    state.pxx = 0.5F;
+    kalman_update(track, state, 0.3F, kRule, mean_events);
+    return state.x;
+  };
+  EXPECT_LT(correction(10), 0.5F * correction(60));
+  EXPECT_EQ(correction(60), correction(1000));
+}
+
 TEST(Kalman, PredictionsAreLessCertain) {
   KalmanState state;
   const Track track = followed(100, state);

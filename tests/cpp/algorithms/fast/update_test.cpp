@@ -53,6 +53,39 @@ TEST(MeanUpdate, FirstEventIsTheMean) {
   EXPECT_EQ(track.sxx, 0);
 }
 
+TEST(MeanUpdate, HasTheMemoryThatTheContourSays) {
+  Track track;
+  Contour contour;
+  contour.mean_events = 10;
+  for (int i = 0; i < 100; ++i) give(track, contour, 0, 0);
+  give(track, contour, 5, 0);
+  EXPECT_FLOAT_EQ(track.x, 0.5F);
+}
+
+TEST(MeanMemory, GrowsWithTheObjectUpToTheRule) {
+  Track track;
+  track.sxx = track.syy = 1;
+  EXPECT_EQ(size_memory(track, kRule), 10U);
+  track.sxx = 11;
+  EXPECT_EQ(size_memory(track, kRule), 18U);
+  track.syy = 1000;
+  EXPECT_EQ(size_memory(track, kRule), 60U);
+  UpdateRule thinned = kRule;
+  thinned.mean_events = 7;
+  EXPECT_EQ(size_memory(track, thinned), 7U);
+  track.sxx = track.syy = 0;
+  EXPECT_EQ(size_memory(track, thinned), 7U);
+}
+
+TEST(MeanMemory, IsTheLongestInContact) {
+  Track track;
+  Contour contour;
+  contour.mean_events = 12;
+  EXPECT_EQ(mean_memory(track, contour, kRule), 12U);
+  track.partners = 1;
+  EXPECT_EQ(mean_memory(track, contour, kRule), 60U);
+}
+
 // A disk of radius 8 whose right half fires ten times as often: the plain mean is drawn there.
 TEST(MeanUpdate, AKnownOutlineHoldsTheCentre) {
   const auto centre_with = [](float mean_weight) {
