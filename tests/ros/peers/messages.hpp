@@ -1,5 +1,5 @@
-// Messages of the Source, and how old their events are when they arrive: the events of row i were
-// seen (kRows - 1 - i) * kRow_us before the message left.
+// Messages of the Source, and how old their events are when they arrive: the events of row i have
+// the stamp kRows - 1 - i us before the message left.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,6 @@ namespace ros = asap::ros;
 using EventPacket = event_camera_msgs::msg::EventPacket;
 
 inline constexpr std::size_t kRows = 8;
-inline constexpr std::int64_t kRow_us = 125;
 inline constexpr std::int64_t kEvt3Range_us = std::int64_t{1} << 24;
 
 inline std::int64_t now_us() {
@@ -46,7 +45,7 @@ inline std::unique_ptr<EventPacket> message(std::size_t events, std::uint64_t se
     *to++ = static_cast<std::uint8_t>(word >> 8);
   };
   for (std::size_t row = 0; row < kRows; ++row) {
-    const std::int64_t t = leaves_us - static_cast<std::int64_t>(kRows - 1 - row) * kRow_us;
+    const std::int64_t t = leaves_us - static_cast<std::int64_t>(kRows - 1 - row);
     put(8u << 12 | static_cast<std::uint32_t>(t >> 12 & 0xfff));
     put(6u << 12 | static_cast<std::uint32_t>(t & 0xfff));
     put(static_cast<std::uint32_t>(row));
@@ -60,7 +59,7 @@ inline std::unique_ptr<EventPacket> message(std::size_t events, std::uint64_t se
 
 // From the leaving of its message until now, us.
 inline std::int64_t age_us(const asap::Event& event, std::int64_t now) {
-  const std::int64_t left_us = event.t + (static_cast<std::int64_t>(kRows) - 1 - event.y) * kRow_us;
+  const std::int64_t left_us = event.t + static_cast<std::int64_t>(kRows) - 1 - event.y;
   return (now - left_us) & (kEvt3Range_us - 1);
 }
 

@@ -50,10 +50,12 @@ class Source : public rclcpp::Node {
 
   void play(const std::stop_token& stop) {
     const std::int64_t start_us = now_us();
+    std::int64_t left_us = start_us;
     for (std::uint64_t i = 0; i < load_.messages && !stop.stop_requested(); ++i) {
       const std::int64_t due_us = start_us + static_cast<std::int64_t>(i) * load_.period_us;
       if (due_us > now_us()) pause(due_us - now_us());
-      publisher_->publish(message(load_.events, i, now_us()));
+      left_us = std::max(now_us(), left_us + static_cast<std::int64_t>(kRows));  // stamps grow
+      publisher_->publish(message(load_.events, i, left_us));
     }
     seconds_ = static_cast<double>(now_us() - start_us) * 1e-6;
   }
