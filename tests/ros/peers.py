@@ -24,10 +24,39 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
-PREFIX = Path(os.environ["AMENT_PREFIX_PATH"].split(":")[0])
+PREFIXES = [Path(prefix) for prefix in os.environ["AMENT_PREFIX_PATH"].split(":")]
 DATA = Path(os.environ.get("ASAP_TEST_DATA", "none"))
 QOS = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
 PRELOAD = {**os.environ, "LD_PRELOAD": os.environ.get("ROS2_PRELOAD", "")}
+
+
+def program(package: str, name: str) -> str:
+    """Return the path of a package's executable."""
+    paths = [prefix / "lib" / package / name for prefix in PREFIXES]
+    return str(next(path for path in paths if path.exists()))
+
+
+class CppPeer:
+    """A role of peers/peer.cpp, until the end of the `with` block."""
+
+    def __init__(self, *words: Any, remap: str = "") -> None:
+        command = [program("asap_ros", "peer"), *map(str, words)]
+        command += ["--ros-args", "-r", remap] if remap else []
+        self.process = subprocess.Popen(command, env=PRELOAD, stdout=subprocess.PIPE, text=True)
+
+    def __enter__(self) -> CppPeer:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.communicate()
+
+    def result(self, seconds: float = 120.0) -> Any:
+        """Wait for its end; return what it has to say."""
+        said, _ = self.process.communicate(timeout=seconds)
+        assert self.process.returncode == 0
+        return json.loads(said)
 
 
 def messages_of(bag: str) -> list[tuple[int, bytes]]:
@@ -48,7 +77,7 @@ class AsapNode:
     """The executable, with parameters, until the end of the `with` block."""
 
     def __init__(self, *, remap: str = "", **parameters: Any) -> None:
-        command = [str(PREFIX / "lib" / "asap_ros" / "asap_node"), "--ros-args"]
+        command = [program("asap_ros", "asap_node"), "--ros-args"]
         for name, value in parameters.items():
             command += ["-p", f"{name}:={json.dumps(value)}"]
         command += ["-r", remap] if remap else []

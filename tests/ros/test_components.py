@@ -6,15 +6,17 @@ import re
 import struct
 import subprocess
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from composition_interfaces.srv import LoadNode, UnloadNode
-from peers import PREFIX, PRELOAD, Peer, mono, peers
+from peers import PRELOAD, Peer, mono, peers, program
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import UInt64
 
 make_peer = pytest.fixture(peers)
 
@@ -24,8 +26,8 @@ class Container:
 
     def __init__(self, peer: Peer) -> None:
         self.peer = peer
-        program = PREFIX / "lib" / "rclcpp_components" / "component_container"
-        words = [str(program), "--ros-args", "-r", "__node:=container"]
+        made = program("rclcpp_components", "component_container")
+        words = [made, "--ros-args", "-r", "__node:=container"]
         self.process = subprocess.Popen(words, env=PRELOAD)
         self._load = peer.create_client(LoadNode, "container/_container/load_node")
         self._unload = peer.create_client(UnloadNode, "container/_container/unload_node")
@@ -37,8 +39,16 @@ class Container:
         self.process.kill()
         self.process.wait()
 
-    def load(self, plugin: str, **parameters: object) -> int:
-        request = LoadNode.Request(package_name="asap_ros", plugin_name=f"asap_ros::{plugin}")
+    def load(
+        self,
+        plugin: str,
+        *,
+        package: str = "asap_ros",
+        remap: Sequence[str] = (),
+        **parameters: Any,
+    ) -> int:
+        request = LoadNode.Request(package_name=package, plugin_name=plugin)
+        request.remap_rules = list(remap)
         for name, value in parameters.items():
             request.parameters.append(Parameter(name, value=value).to_parameter_msg())
         within = Parameter("use_intra_process_comms", value=True)
@@ -65,7 +75,7 @@ def container(make_peer: Callable[..., Peer]) -> Iterator[Container]:
 def test_the_tracker_publishes_its_clusters(container: Container) -> None:
     peer, clouds = container.peer, []
     peer.create_subscription(PointCloud2, "asap_cluster_tracker/clusters", clouds.append, 10)
-    container.load("ClusterTrackerNode", latency_ms=200.0)
+    container.load("asap_ros::ClusterTrackerNode", latency_ms=200.0)
     peer.wait(lambda: peer.driver.get_subscription_count() > 0, "the tracker subscribes")
     peer.wait(lambda: peer.count_publishers("asap_cluster_tracker/clusters") > 0, "it publishes")
     random = np.random.default_rng(1)
@@ -87,10 +97,33 @@ def test_the_tracker_publishes_its_clusters(container: Container) -> None:
     assert size > 0
 
 
+def test_an_algorithm_of_the_users_own_runs_in_the_container(container: Container) -> None:
+    peer, counts = container.peer, []
+    peer.create_subscription(UInt64, "own/on_events", lambda count: counts.append(count.data), 10)
+    container.load("OwnNode", package="own_component", latency_ms=200.0)
+    peer.wait(lambda: peer.driver.get_subscription_count() > 0, "the component subscribes")
+    peer.wait(lambda: peer.count_publishers("own/on_events") > 0, "it publishes")
+    peer.wait(lambda: peer.count_subscribers("own/on_events") > 0, "we subscribe")
+    peer.send(mono(np.arange(1000)))
+    peer.wait(lambda: 1000 in counts, "all events are counted")
+
+
+def test_the_names_of_the_published_node(container: Container) -> None:
+    """By the rules of camera.launch.py."""
+    peer = container.peer
+    rules = ("__ns:=/robot", "events:=/camera", "~/events:=/asap/events")
+    rules = (*rules, "~/feedback:=/asap/feedback")
+    container.load("asap_ros::PackageNode", remap=rules, feedback="service")
+    peer.wait(lambda: peer.count_publishers("/asap/events") == 1, "the topic")
+    peer.wait(lambda: peer.count_services("/asap/feedback") == 1, "the service")
+    peer.wait(lambda: peer.count_subscribers("/camera") == 1, "the driver's topic")
+    assert peer.count_publishers("/robot/asap/stats") == 1
+
+
 def test_a_component_that_comes_and_goes_leaves_nothing(container: Container) -> None:
     resident = []
     for _ in range(100):
-        container.unload(container.load("PackageNode", feedback="topic"))
+        container.unload(container.load("asap_ros::PackageNode", feedback="topic"))
         resident.append(container.resident_kib)
     print(f"resident after 10 and 100 loads: {resident[9]} and {resident[-1]} KiB")
     assert resident[-1] - resident[9] <= 1024

@@ -8,14 +8,21 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from asap_ros.srv import Feedback
-from peers import DATA, QOS, AsapNode, Peer, ledger_in, messages_of, mono, peers
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from peers import DATA, QOS, AsapNode, CppPeer, Peer, ledger_in, messages_of, mono, peers
+from rcl_interfaces.srv import DescribeParameters
 from std_msgs.msg import Float64
 
 make_peer = pytest.fixture(peers)
 
-# Of `room_person_evt3.db3`, as every reader of bags counts them.
-BAG, EVENTS = "room_person_evt3.db3", 343_474
-needs_bag = pytest.mark.skipif(not (DATA / "ros" / BAG).exists(), reason=f"no {BAG}")
+# Events and sensors of the bags, as every reader of bags finds them.
+BAGS = {
+    "room_person_evt3.db3": (343_474, 640, 480),
+    "noise_hd_evt3.db3": (82_469, 1280, 720),
+    "mono_100.db3": (100, 640, 480),
+}
+BAG, (EVENTS, _, _) = next(iter(BAGS.items()))
+needs_bags = pytest.mark.skipif(not (DATA / "ros" / BAG).exists(), reason=f"no {BAG}")
 LOST = ("rejected", "filtered", "discarded", "stale", "overflow", "pending")
 
 
@@ -30,26 +37,28 @@ def settled(peer: Peer) -> dict:
     return peer.stats[-1]
 
 
-@needs_bag
-def test_every_event_of_a_bag_is_accounted_for(peer: Peer) -> None:
+@needs_bags
+@pytest.mark.parametrize("bag", BAGS)
+def test_every_event_of_a_bag_is_accounted_for(peer: Peer, bag: str) -> None:
+    count, width, height = BAGS[bag]
     with AsapNode(encoding="mono", latency_ms=200) as node:
         peer.wait_for_node()
-        peer.play(messages_of(BAG))
+        peer.play(messages_of(bag))
         stats = settled(peer)
         code, said, _ = node.interrupt()
     ledger = ledger_in(said)
     assert code == 0
-    assert stats["ledger"]["received"] == ledger["received"] == EVENTS
+    assert stats["ledger"]["received"] == ledger["received"] == count
     assert stats["upstream_lost"] == {"marks": 0, "packets": 0}
-    assert sum(ledger.get(name, 0) for name in ("delivered", *LOST)) == EVENTS
+    assert sum(ledger.get(name, 0) for name in ("delivered", *LOST)) == count
     assert len(peer.events) == ledger["delivered"]
     stamps = [p.time_base // 1000 for p in peer.packets]
     assert stamps == sorted(stamps)
-    assert {(p.width, p.height, p.encoding) for p in peer.packets} == {(640, 480, "mono")}
+    assert {(p.width, p.height, p.encoding) for p in peer.packets} == {(width, height, "mono")}
     assert [p.seq for p in peer.packets] == list(range(len(peer.packets)))
 
 
-@needs_bag
+@needs_bags
 def test_a_consumer_five_times_too_slow_keeps_the_bound(peer: Peer) -> None:
     messages = messages_of(BAG)
     per_event_s = 5 * (messages[-1][0] - messages[0][0]) * 1e-9 / EVENTS
@@ -108,6 +117,32 @@ def test_bad_messages_are_counted_by_reason(peer: Peer) -> None:
     assert 1 <= said.count("message refused") <= 10  # once a second
 
 
+def test_diagnostics_name_the_trouble(peer: Peer) -> None:
+    said = []
+    peer.create_subscription(DiagnosticArray, "/diagnostics", said.append, 10)
+
+    def message_with(level: bytes) -> str:
+        start = len(said)
+
+        def found() -> list[str]:
+            states = [array.status[0] for array in said[start:]]
+            return [state.message for state in states if state.level == level]
+
+        return peer.wait(found, f"a status of level {level[0]}")[0]
+
+    with AsapNode(encoding="mono", latency_ms=200):
+        peer.wait_for_node()
+        assert message_with(DiagnosticStatus.WARN) == "no message on /events"
+        peer.send(mono(np.arange(10)))
+        assert message_with(DiagnosticStatus.OK) == "ok"
+        peer.send(b"", encoding="evt4")
+        assert message_with(DiagnosticStatus.WARN) == "1 messages refused"
+        assert message_with(DiagnosticStatus.OK) == "ok"
+    status = said[-1].status[0]
+    assert status.name == "/asap"
+    assert {entry.key: entry.value for entry in status.values}["ledger.received"] == "10"
+
+
 def test_what_the_driver_lost_is_counted(peer: Peer) -> None:
     with AsapNode(latency_ms=200):
         peer.wait_for_node()
@@ -141,6 +176,33 @@ def test_parameters_change_or_are_refused_with_a_reason(peer: Peer) -> None:
             assert result.reason
         assert peer.next_stats()["latency_bound_us"] == 30_500
         assert node.process.poll() is None
+
+
+def test_parameters_describe_themselves(peer: Peer) -> None:
+    numbers = {"latency_ms", "feedback_timeout_ms", "rate_bound"}
+    names = [*numbers, "queue", "feedback", "encoding", "input", "best_effort"]
+    client = peer.create_client(DescribeParameters, "asap/describe_parameters")
+    with AsapNode():
+        peer.wait_for_node()
+        said = peer.ask(client, DescribeParameters.Request(names=names)).descriptors
+    for parameter in said:
+        assert parameter.description
+        assert parameter.read_only == (parameter.name not in numbers)
+        ranges = [*parameter.floating_point_range, *parameter.integer_range]
+        assert bool(ranges) == (parameter.name in numbers or parameter.name == "queue")
+        assert all(limits.from_value < limits.to_value for limits in ranges)
+
+
+def test_best_effort_and_queue_are_those_of_the_parameters(peer: Peer) -> None:
+    for asked, reliability in ((False, "RELIABLE"), (True, "BEST_EFFORT")):
+        with AsapNode(best_effort=asked) as node:
+            peer.wait_for_node()
+            ends = peer.get_publishers_info_by_topic("asap/events")
+            ends += peer.get_subscriptions_info_by_topic("events")
+            seen = [end.qos_profile.reliability.name for end in ends if end.node_name == "asap"]
+            assert seen == [reliability] * 2
+            node.interrupt()
+        peer.wait(lambda: peer.count_publishers("asap/events") == 0, "the node is forgotten")
 
 
 @pytest.mark.parametrize(
@@ -202,20 +264,23 @@ def test_no_call_of_the_service_is_lost(peer: Peer) -> None:
         assert stats["feedback"]["refused"] == count
 
 
-def test_a_consumer_that_leaves_and_comes_back(make_peer: Callable[..., Peer]) -> None:
-    driver, first = make_peer(consume=False), make_peer()
+def test_a_consumer_that_is_killed_and_comes_back(make_peer: Callable[..., Peer]) -> None:
+    driver = make_peer(consume=False)
     with AsapNode(encoding="mono", latency_ms=200):
-        first.wait_for_node()
-        driver.wait_for_node(consumers=False)
-        driver.send(mono(np.arange(100)))
-        first.wait(lambda: len(first.events) == 100, "the first consumer's events")
-        first.close()
+        driver.wait_for_node()
+        with CppPeer("sink", "asap/events", 10**9) as first:
+            driver.wait(lambda: driver.count_subscribers("asap/events") == 1, "a consumer")
+            driver.send(mono(np.arange(100)))
+            driver.next_stats()
+            first.process.kill()
         driver.send(mono(np.arange(100, 200)))
-        settled(driver)
-        second = make_peer()
-        second.wait_for_node()
-        driver.send(mono(np.arange(200, 300)))
-        second.wait(lambda: len(second.events) >= 100, "the second consumer's events")
+        assert settled(driver)["ledger"]["delivered"] == 200
+        with CppPeer("sink", "asap/events", 100) as second:
+            # One that was killed is on the list for some seconds more.
+            driver.wait(lambda: driver.count_subscribers("asap/events") == 2, "a second one")
+            driver.next_stats()
+            driver.send(mono(np.arange(200, 300)))
+            assert second.result()["events"] == 100
         assert settled(driver)["ledger"]["delivered"] == 300
 
 

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <initializer_list>
 
 #include "asap/core/check.hpp"
 
@@ -16,11 +15,11 @@ constexpr std::pair<const char*, std::uint64_t Ledger::*> kLines[] = {
     {"stale", &Ledger::stale},         {"overflow", &Ledger::overflow},
     {"pending", &Ledger::pending}};
 
-double share(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 1.0 : static_cast<double>(part) / static_cast<double>(whole);
-}
-
 double per(double amount, double of) { return of > 0 ? amount / of : 0.0; }
+
+std::string share(std::uint64_t part, std::uint64_t whole) {
+  return number(whole == 0 ? 1.0 : static_cast<double>(part) / static_cast<double>(whole));
+}
 
 }  // namespace
 
@@ -45,79 +44,71 @@ std::string quoted(std::string_view text) {
 
 Facts facts_of(const PipelineStats& stats) {
   const Ledger& ledger = stats.ledger;
-  const PackageTotals& packages = stats.packages;
+  const Rejections& rejected = stats.rejected;
+  const LatencyHistogram& latency = stats.latency;
+  const std::uint64_t count = stats.packages.count, size = stats.packages.size;
   const double elapsed_s = static_cast<double>(stats.elapsed_ns) * 1e-9;
+  const double busy_s = static_cast<double>(stats.packages.processing_ns.load()) * 1e-9;
   const auto us = [](auto ns) { return number(static_cast<double>(ns) * 1e-3); };
-  const auto ratio = [](std::uint64_t a, std::uint64_t b) {
-    return number(per(static_cast<double>(a), static_cast<double>(b)));
-  };
   Facts facts{{"latency_bound_us", us(stats.latency_bound_ns)},
               {"ledger.received", number(ledger.received)}};
   for (const auto& [name, line] : kLines) {
     facts.emplace_back(std::string("ledger.") + name, number(ledger.*line));
   }
-  for (const auto& [name, count] : std::initializer_list<std::pair<const char*, std::uint64_t>>{
-           {"nonmonotonic", stats.rejected.nonmonotonic},
-           {"out_of_bounds", stats.rejected.out_of_bounds},
-           {"bad_polarity", stats.rejected.bad_polarity},
-           {"bad_record", stats.rejected.bad_record},
-           {"before_start", stats.rejected.before_start}}) {
-    facts.emplace_back(std::string("rejected.") + name, number(count));
-  }
   const Facts rest{
+      {"rejected.nonmonotonic", number(rejected.nonmonotonic)},
+      {"rejected.out_of_bounds", number(rejected.out_of_bounds)},
+      {"rejected.bad_polarity", number(rejected.bad_polarity)},
+      {"rejected.bad_record", number(rejected.bad_record)},
+      {"rejected.before_start", number(rejected.before_start)},
       {"clock_resets", number(stats.clock_resets)},
       {"upstream_lost.marks", number(stats.upstream_marks)},
       {"upstream_lost.packets", number(stats.upstream_packets)},
       {"sensor_delay_us.last", us(stats.sensor_delay_ns)},
       {"sensor_delay_us.max", us(stats.sensor_delay_max_ns)},
       {"most_waiting", number(stats.most_waiting)},
-      {"kept", number(share(ledger.delivered, ledger.received))},
-      {"in_time", number(share(stats.latency.within_bound(), ledger.received))},
-      {"latency_us.mean", us(stats.latency.mean_ns())},
-      {"latency_us.p50", us(stats.latency.quantile_ns(0.5))},
-      {"latency_us.p99", us(stats.latency.quantile_ns(0.99))},
-      {"latency_us.max", us(stats.latency.max_ns())},
-      {"packages.count", number(packages.count.load())},
-      {"packages.per_s", number(per(static_cast<double>(packages.count.load()), elapsed_s))},
-      {"packages.size_mean", ratio(packages.size, packages.count)},
-      {"packages.size_max", number(packages.size_max.load())},
-      {"gamma.mean", number(share(packages.size, packages.thinned))},
-      {"gamma.min", number(packages.gamma_min.load())},
-      {"cpu", number(per(static_cast<double>(packages.processing_ns.load()) * 1e-9, elapsed_s))}};
+      {"kept", share(ledger.delivered, ledger.received)},
+      {"in_time", share(latency.within_bound(), ledger.received)},
+      {"latency_us.mean", us(latency.mean_ns())},
+      {"latency_us.p50", us(latency.quantile_ns(0.5))},
+      {"latency_us.p99", us(latency.quantile_ns(0.99))},
+      {"latency_us.max", us(latency.max_ns())},
+      {"packages.count", number(count)},
+      {"packages.per_s", number(per(static_cast<double>(count), elapsed_s))},
+      {"packages.size_mean", number(per(static_cast<double>(size), static_cast<double>(count)))},
+      {"packages.size_max", number(stats.packages.size_max.load())},
+      {"gamma.mean", share(size, stats.packages.thinned)},
+      {"gamma.min", number(stats.packages.gamma_min.load())},
+      {"cpu", number(per(busy_s, elapsed_s))}};
   facts.insert(facts.end(), rest.begin(), rest.end());
   return facts;
 }
 
 std::string to_json(const Facts& facts) {
   std::string json = "{", object;
-  const auto close = [&] {
-    if (!object.empty()) json += '}';
-    object.clear();
-  };
+  const auto close = [&] { json += object.empty() ? "" : "}"; };
   for (const auto& [name, value] : facts) {
     const std::size_t dot = name.find('.');
     const std::string of = dot == std::string::npos ? "" : name.substr(0, dot);
-    const bool goes_on = !of.empty() && of == object;
-    if (!goes_on) close();
+    const bool begins = of.empty() || of != object;
+    if (begins) close();
     if (json.size() > 1) json += ", ";
-    if (!goes_on && !of.empty()) json += quoted(of) + ": {";
+    if (begins && !of.empty()) json += quoted(of) + ": {";
+    json += quoted(name.substr(dot + 1)) + ": " + value;  // npos + 1 is 0
     object = of;
-    json += quoted(of.empty() ? name : name.substr(dot + 1)) + ": " + value;
   }
   close();
   return json + "}";
 }
 
 std::string sentence(const Ledger& ledger) {
-  std::string text = "received " + std::to_string(ledger.received) + " =";
-  bool is_first = true;
+  std::string sum;
   for (const auto& [name, line] : kLines) {
     if (ledger.*line == 0) continue;
-    text += std::string(is_first ? " " : " + ") + name + " " + std::to_string(ledger.*line);
-    is_first = false;
+    sum += (sum.empty() ? "" : " + ") + std::string(name) + " " + std::to_string(ledger.*line);
   }
-  if (is_first) text += " 0";
-  return text + (ledger.balanced() ? "" : " (does not add up)");
+  return "received " + std::to_string(ledger.received) + " = " + (sum.empty() ? "0" : sum) +
+         (ledger.balanced() ? "" : " (does not add up)");
 }
 
 }  // namespace asap::ros

@@ -62,11 +62,10 @@ void PackageWriter::write_evt3(EventSpan events, std::vector<std::uint8_t>& byte
   bytes.reserve(events.size() * 4 + Encoder::kMostPerEvent);
   evt3_.restate();
   while (!events.empty()) {
-    if (!begun_ || !goes_on(events.front())) {
+    if (!goes_on(events.front())) {
       evt3_.reset();
       origin_us_ = events.front().t & ~(kEvt3Range_us - 1);
       last_us_ = events.front().t;
-      begun_ = true;
     }
     std::size_t count = 0;
     for (; count < std::min(kBlock, events.size()) && goes_on(events[count]); ++count) {

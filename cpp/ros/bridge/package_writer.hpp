@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -34,9 +35,8 @@ class PackageWriter {
 
   const bool is_mono_;
   Encoder evt3_{{.encoding = Encoding::evt3}};
-  bool begun_ = false;
   std::int64_t origin_us_ = 0;  // what the encoder counts from
-  std::int64_t last_us_ = 0;
+  std::int64_t last_us_ = std::numeric_limits<std::int64_t>::max();
 };
 
 }  // namespace asap::ros

@@ -28,9 +28,15 @@ def generate_launch_description() -> LaunchDescription:
             {
                 "latency_ms": ParameterValue(LaunchConfiguration("latency_ms"), value_type=float),
                 "feedback": LaunchConfiguration("feedback"),
+                "encoding": LaunchConfiguration("encoding"),
             }
         ],
-        remappings=[("events", "/event_camera/events")],
+        remappings=[
+            ("events", "/event_camera/events"),
+            # As the node of the paper names them, in whatever namespace this one is.
+            ("~/events", "/asap/events"),
+            ("~/feedback", "/asap/feedback"),
+        ],
         extra_arguments=within,
     )
     container = ComposableNodeContainer(
@@ -45,6 +51,7 @@ def generate_launch_description() -> LaunchDescription:
         [
             DeclareLaunchArgument("latency_ms", default_value="10.0"),
             DeclareLaunchArgument("feedback", default_value="none"),
+            DeclareLaunchArgument("encoding", default_value="evt3"),
             container,
         ]
     )

@@ -1,0 +1,56 @@
+"""The node between a driver and a consumer in C++ (peers/peer.cpp): rate, copies, virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from peers import DATA, AsapNode, CppPeer, Peer, ledger_in, messages_of, peers
+
+make_peer = pytest.fixture(peers)
+BAG = "room_person_evt3.db3"
+
+
+def test_twenty_million_events_per_second_are_accounted_for(make_peer: Callable[..., Peer]) -> None:
+    """What a starved node does not fetch in time, DDS drops: its driver's numbers tell."""
+    size, count = 20_000, 3_000
+    watcher = make_peer(consume=False)
+
+    def seen() -> int:
+        stats = watcher.next_stats()
+        return stats["ledger"]["received"] + size * stats["upstream_lost"]["packets"]
+
+    with AsapNode(latency_ms=200) as node, CppPeer("source", size, count, 1_000) as source:
+        took = source.result()["seconds"]
+        watcher.wait(lambda: seen() == size * count, "every event is in the ledger, or lost before")
+        code, said, _ = node.interrupt()
+    ledger = ledger_in(said)
+    print(f"{size * count / took * 1e-6:.1f} Mev/s: {ledger}, {watcher.stats[-1]['upstream_lost']}")
+    assert code == 0
+    assert ledger.get("rejected", 0) == ledger.get("overflow", 0) == 0
+    assert sum(ledger.values()) == 2 * ledger["received"]
+
+
+def test_in_the_drivers_process_no_packet_is_copied() -> None:
+    with CppPeer("process", "asap", 1_000, 1_000, 1_000) as process:
+        result = process.result()
+    print(result)
+    assert result["events"] == 1_000 * 1_000
+    assert result["allocations"] == result["messages"]  # the driver's own
+
+
+@pytest.mark.skipif(not (DATA / "ros" / BAG).exists(), reason=f"no {BAG}")
+def test_virtual_time_makes_the_packages_of_python(make_peer: Callable[..., Peer]) -> None:
+    asap = pytest.importorskip("asap", reason="no wheel of asap: set ASAP_DIST")
+    messages = messages_of(BAG)
+    driver = make_peer(consume=False)
+    with CppPeer("virtual", len(messages)) as bridge:
+        driver.wait(lambda: driver.driver.get_subscription_count() > 0, "the bridge subscribes")
+        driver.play(messages)
+        rows = bridge.result()
+    run = asap.simulate(
+        DATA / "ros" / BAG, cost=asap.LinearCost(alpha_us=100, beta_ns=3000), latency_ms=10
+    )
+    columns = ("start_us", "t_first", "t_last", "offered", "size")
+    assert len(rows) > 1_000
+    assert [tuple(row) for row in rows] == run.packages[list(columns)].tolist()
