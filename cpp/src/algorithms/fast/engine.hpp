@@ -112,6 +112,7 @@ class Engine {
   std::uint64_t noise_us_ = 0;
   std::int32_t support_window_us_ = 0;  // as long as the noise allows
   float noise_hz_ = 0;                  // per pixel, of the noise that reaches the tracks
+  float widest_radius_px_ = 0;          // of a young track's gate
   float birth_threshold_ = 0;           // recent unassociated events around a cell
   std::int32_t next_id_ = 0;
 };

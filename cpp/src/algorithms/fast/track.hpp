@@ -112,6 +112,7 @@ struct TrackState {
   float fast_rate_hz = 0;
   float slow_rate_hz = 0;
   float evidence = 0;         // log-likelihood ratio of an object against noise
+  float young_radius_px = 0;  // of the gate's circle until the track is mature
   float unresolved_s = 0;     // for which it has looked like two objects
   float extent_px = 0;        // largest standard deviation of the events
   float average_extent2 = 0;  // px^2, slow average of extent_px^2 while no other object is near

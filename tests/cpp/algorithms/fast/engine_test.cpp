@@ -280,6 +280,29 @@ TEST(Engine, UnsupportedEventsAreCountedEvenIfNotRejected) {
   EXPECT_EQ(engine.counters().unsupported, 0U);
 }
 
+// Ids that the engine gives to a disk in its first half second.
+std::set<std::int32_t> ids_of_disk(double radius, double noise_hz) {
+  std::vector<Event> events;
+  add_disk(events, {.x = 100, .y = 100, .radius = radius}, 0, 0.5, 30'000);
+  add_noise(events, noise_hz, 0.5);
+  sort_by_time(events);
+  Engine engine(kFrame);
+  std::set<std::int32_t> ids;
+  std::vector<std::int32_t> labels(events.size());
+  engine.process(events, labels.data());
+  ids.insert(labels.begin(), labels.end());
+  ids.erase(-1);
+  return ids;
+}
+
+TEST(Engine, ALargeDiskIsBornWhole) {
+  for (const double radius : {8.0, 14.0, 20.0, 26.0}) {
+    for (const double noise_hz : {0.0, 1.0}) {
+      EXPECT_EQ(ids_of_disk(radius, noise_hz).size(), 1U) << radius << " px, " << noise_hz << " Hz";
+    }
+  }
+}
+
 TEST(Engine, AStoppedObjectKeepsItsId) {
   for (const double gap_s : {0.1, 0.2, 0.3}) {
     std::vector<Event> events;

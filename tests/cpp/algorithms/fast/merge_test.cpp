@@ -154,7 +154,7 @@ struct Beside {
     tracks[mature].sxx = 144;
     tracks[mature].syy = 64;
     tracks.state(mature).age_s = 0.21F;
-    shape_gate(tracks[mature], kGate, 144, true, 0);
+    shape_gate(tracks[mature], kGate, 18, 144, true, 0);
   }
   Tracks::Slot add(Phase phase, float mass) {
     const auto slot = tracks.create(0, 0, 0);
