@@ -57,10 +57,12 @@ class Losses:
     out_of_bounds: int = 0
     clamped_positions: int = 0
     before_start: int = 0  # events whose time is not known yet
+    stray: int = 0  # events whose stamps do not fit those around them
     bad_offsets: list[int] = field(default_factory=list)  # of the first bad records
     triggers: int = 0
     trigger_arrays: list[npt.NDArray[np.void]] = field(default_factory=list)  # of the first
     cut: CorruptFile | None = None
+    warned: bool = False  # of bad records
 
     def take_bad_records(self, decoder: Any, fault: Callable[[int], str]) -> None:
         """Take the bad records that a native decoder met; an error if bad data raise."""
@@ -77,14 +79,15 @@ class Losses:
             if sum(map(len, self.trigger_arrays)) < _MOST_TRIGGERS:
                 self.trigger_arrays.append(seen)
 
-    def bad(self, packet: CorruptFile) -> None:
+    def bad(self, packet: CorruptFile, what: str = "packets", events: int = 1) -> None:
         """Count a packet that is none, and warn of the first; an error if bad data raise."""
         if self.on_bad == "raise":
             raise packet
         if not self.bad_offsets:
-            words = f"{packet}; the events of such packets are missing"
+            words = f"{packet}; the events of such {what} are missing"
             warnings.warn(words, TruncatedFileWarning, stacklevel=2)
-        self.bad_record += 1
+            self.warned = True
+        self.bad_record += events
         if len(self.bad_offsets) < _MOST_OFFSETS:
             self.bad_offsets.append(packet.offset)
 
@@ -94,6 +97,7 @@ class Losses:
         if self.on_bad == "raise":
             raise self.cut
         warnings.warn(f"{self.cut}; what came before was read", TruncatedFileWarning, stacklevel=2)
+        self.warned = True
 
 
 class Reader(Protocol):
