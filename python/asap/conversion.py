@@ -15,7 +15,7 @@ import numpy as np
 from asap import _checks
 from asap.events import Events
 from asap.experiment.source import Source
-from asap.io.recording import losses_of
+from asap.io.reader import losses_of
 from asap.io.writers import Writer, write_aedat4, write_encoded, write_mcap, write_npy, write_npz
 
 __all__ = ["WRITERS", "convert", "format_of"]

@@ -11,10 +11,11 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from asap import _units
 from asap._checks import named
 from asap._stamps import time_exponent
 from asap.events import EVENT_DTYPE, Events, check_order
-from asap.io.errors import CorruptFile, TruncatedFileWarning
+from asap.io.errors import CorruptFile, LossWarning, TruncatedFileWarning
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about
 _MOST_OFFSETS = 16  # of bad records
@@ -98,6 +99,23 @@ class Losses:
             raise self.cut
         warnings.warn(f"{self.cut}; what came before was read", TruncatedFileWarning, stacklevel=2)
         self.warned = True
+
+    def tell(self, rejected: dict[str, int], clock_resets: int) -> None:
+        """Warn the caller's caller of what is missing, unless it was told while it was read."""
+        untold = rejected | ({"bad_record": 0} if self.warned else {})
+        for loss in losses_of(untold, clock_resets):
+            warnings.warn(f"{self.path}: {loss}", LossWarning, stacklevel=3)
+
+
+def losses_of(rejected: dict[str, int], clock_resets: int) -> Iterator[str]:
+    """Say what the events do not have of the recording that they come from."""
+    if reasons := _units.reasons(rejected):
+        yield f"without the events that were rejected: {reasons}"
+    if clock_resets:
+        yield (
+            f"the clock jumped back {clock_resets} times by 1 s or more; the events after "
+            "it have other stamps than in the source: they go on 1 us after the last event before"
+        )
 
 
 class Reader(Protocol):

@@ -17,7 +17,7 @@ from asap import _checks, _core, _units
 from asap._pickling import by_arguments
 from asap.events import Events, plain_view
 from asap.io.arrangement import arrangement, looks_like
-from asap.io.errors import CorruptFile, LossWarning, NoGoodEvent
+from asap.io.errors import CorruptFile, NoGoodEvent
 from asap.io.native import FORMATS, NativeReader
 from asap.io.reader import Losses, Options, Reader, gathered
 from asap.io.sniff import first_bytes, sniff, stated
@@ -48,8 +48,7 @@ FILE_FORMATS = tuple(_READERS)  # names that `file_format` takes
 
 # More events per us than any sensor sends, and so many that it is no burst: the unit is wrong.
 _CROWD, _CROWD_LEAST = 100, 1000
-# So small a share of good events is luck, where another arrangement of the columns fits.
-_FEW = 0.01
+_FEW = 0.01  # so small a share of good events is luck, where other columns fit
 
 
 class Recording:
@@ -312,9 +311,8 @@ def read(
         decimal point in the times, for arrays by their type (floating: seconds). Whole numbers that
         are stored as floats could be both: then it has to be said.
     on_bad
-        Events out of order, outside the sensor or unreadable: ``"drop"`` and count them,
-        ``"clamp"`` them where that is possible, or ``"raise"``. Where a few stamps do not fit
-        those around them, as after a flipped bit, these few are dropped, not what follows.
+        Events out of order, outside the sensor or unreadable: ``"drop"`` and count, ``"clamp"``
+        where possible, or ``"raise"``. Of stamps that do not fit together the few are dropped.
     reorder_tolerance_us
         A stamp that goes back by at most this much is lifted to the last one, not bad.
     file_format
@@ -398,20 +396,5 @@ def load(
         stream=stream,
     )
     events = gathered(recording, recording.expected)
-    rejected = recording.rejected
-    if recording._losses.warned:
-        rejected["bad_record"] = 0
-    for loss in losses_of(rejected, recording.clock_resets):
-        warnings.warn(f"{recording.path}: {loss}", LossWarning, stacklevel=2)
+    recording._losses.tell(recording.rejected, recording.clock_resets)
     return events
-
-
-def losses_of(rejected: dict[str, int], clock_resets: int) -> Iterator[str]:
-    """Say what the events do not have of the recording that they come from."""
-    if reasons := _units.reasons(rejected):
-        yield f"without the events that were rejected: {reasons}"
-    if clock_resets:
-        yield (
-            f"the clock jumped back {clock_resets} times by 1 s or more; the events after "
-            "it have other stamps than in the source: they go on 1 us after the last event before"
-        )
