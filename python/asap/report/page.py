@@ -1,6 +1,7 @@
 """What the reports have in common: the page, its style, text and figures inside it.
 
-One self-contained file: no script, nothing fetched, everything that comes from outside escaped.
+A page is one self-contained HTML file: no script, no font and no image from outside; every value is
+escaped; the numbers are embedded as JSON. Needs matplotlib: ``asap-events[report]``.
 """
 
 from __future__ import annotations
