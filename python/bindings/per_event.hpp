@@ -71,8 +71,9 @@ TypeError
 
 // What events have left in an algorithm, as bytes: pickle takes them along.
 template <class Algorithm>
-void bind_state(py::class_<Algorithm>& type) {
-  type.def(
+py::class_<Algorithm>& bind_state(py::class_<Algorithm>& type) {
+  return type
+      .def(
           "state",
           [](const Algorithm& self) {
             const std::vector<std::byte> bytes = self.state();

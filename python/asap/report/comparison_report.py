@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -85,9 +86,10 @@ def write(
 def _article(comparison: Comparison) -> str:
     headline, dot, rest = comparison_table.verdict(comparison).partition(". ")
     few = 9 / max(len(comparison.rows), 9)
-    wide = _figure(comparison, "wide", 0.56, width_inches=8.6, points=int(500 * few))
-    options = {"width_inches": page.NARROW_INCHES, "columns": 1}
-    narrow = _figure(comparison, "narrow", 0.34, points=int(300 * few), **options)
+    draw, most = partial(figure, comparison), page.MOST_BYTES
+    narrow_by: Any = {"width_inches": page.NARROW_INCHES, "columns": 1}
+    wide = page.fitted(draw, int(500 * few), 0.56 * most, "w", "wide", _CURVES, width_inches=8.6)
+    narrow = page.fitted(draw, int(300 * few), 0.34 * most, "n", "narrow", _CURVES, **narrow_by)
     return f"""
 <article>
 <h2>{escape(comparison_table.title(comparison))}</h2>
@@ -101,16 +103,6 @@ def _article(comparison: Comparison) -> str:
 <div class="scroll">{notebook.table((), _parameters(comparison), "plain")}</div></details>
 {page.embedded("data-comparison", comparison.summary())}
 </article>"""
-
-
-def _figure(
-    comparison: Comparison, css_class: str, share: float, *, points: int, **options: Any
-) -> str:
-    def draw(points: int) -> str:
-        drawn = figure(comparison, points=points, **options)
-        return page.inline_svg(drawn, css_class[0], css_class, _CURVES)
-
-    return page.fitted(draw, points, share * page.MOST_BYTES)
 
 
 def _table(comparison: Comparison) -> str:
