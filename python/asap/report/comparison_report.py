@@ -182,7 +182,7 @@ def figure(
             latency, kept = next(panels), next(panels)
             _draw_latency(latency, curves[row.label], comparison.latency_ms)
             _draw_kept(kept, curves[row.label])
-            _name(latency, kept, row)
+            _name(latency, kept, row, is_narrow=columns == 1)
         _draw_legend(page, *grid[1:].flat[:2], columns=columns + 1)
         for axes in grid[-1]:
             axes.set_xlabel("time from the first event [s]")
@@ -266,12 +266,11 @@ def _draw_kept(axes: Axes, curves: _Curves) -> None:
     axes.set(ylabel="kept", ylim=(0, 1.05), yticks=(0, 0.5, 1))
 
 
-def _name(latency: Axes, kept: Axes, row: Row) -> None:
+def _name(latency: Axes, kept: Axes, row: Row, *, is_narrow: bool) -> None:
     plain: Any = {"loc": "right", "fontweight": "normal", "fontsize": 8}
     latency.set_title(row.label, parse_math=False)
-    latency.set_title(
-        f"p99 {_units.duration(row.p99_us)}, max {_units.duration(row.max_us)}", **plain
-    )
+    longest = "" if is_narrow else f", max {_units.duration(row.max_us)}"
+    latency.set_title(f"p99 {_units.duration(row.p99_us)}{longest}", **plain)
     kept.set_title(f"score {row.score:.3f}")
     kept.set_title(f"kept {_units.share(row.kept)}", **plain)
 
