@@ -115,7 +115,7 @@ void refuse_in_function(py::handle bound) {
   const std::string_view name = record->name;
   const bool works = name == "process" || name == "learn" || name == "apply" || name == "mask" ||
                      name == "check" || name == "check_recorded" || name == "set_keep" ||
-                     name == "advance_to";
+                     name == "advance_to" || name == "restore";
   record->def->ml_meth = as_method(works ? &dispatch_work : &dispatch);
 }
 
