@@ -65,7 +65,7 @@ class Engine {
                     self.noise_, self.coarse_, self.tracks_, self.next_split_, self.counters_,
                     self.next_tick_, self.tracks_are_due_, self.started_us_, self.tracks_us_,
                     self.pairs_us_, self.noise_us_, self.support_window_us_, self.noise_hz_,
-                    self.birth_threshold_, self.next_id_);
+                    self.widest_radius_px_, self.birth_threshold_, self.next_id_);
   }
 
  private:

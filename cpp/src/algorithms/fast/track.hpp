@@ -18,6 +18,7 @@
 namespace asap::fast {
 
 inline constexpr std::size_t kMaxPartners = 3;
+inline constexpr std::size_t kMaxCandidates = 4;  // for a merge, of one track
 inline constexpr std::uint16_t kNoSlot = 0xffff;
 
 enum class Phase : std::uint8_t {
@@ -120,7 +121,7 @@ struct TrackState {
   std::uint32_t events = 0;   // of the track, at the last tick
   Stamp last_event = 0;       // up to the last tick
   KalmanState kalman;
-  MergeState merge;
+  std::array<MergeState, kMaxCandidates> merges{};  // the last updated first
   HalvesOffset halves;
   std::array<std::uint16_t, kMaxPartners> partners{};
   std::uint16_t sibling = kNoSlot;  // a track that may be part of the same object
