@@ -18,6 +18,10 @@ constexpr float kConfirmedMargin_px = 8;
 // Confirmed parts of one object lie closer than this.
 constexpr float kNeighbour_px = 35;
 
+// Extent from which a track may be a piece of an object that the gate cuts into several. Smaller
+// objects merge wrongly in crowds if they keep more candidates than the nearest.
+constexpr float kLarge_px = 12;
+
 // Standard deviation along a direction, at least a pixel.
 float spread_along(const Track& track, float ux, float uy) noexcept {
   return std::sqrt(
@@ -258,7 +262,8 @@ void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, floa
     }
   }
   const std::size_t keeper = second_keeps ? j : i;
-  insert(std::span(nearest_[keeper]).first(places_[keeper].has_id ? kMaxCandidates : 1),
+  const bool keeps_several = places_[keeper].has_id && std::max(a.extent, b.extent) > kLarge_px;
+  insert(std::span(nearest_[keeper]).first(keeps_several ? kMaxCandidates : 1),
          second_keeps ? Candidate{b.slot, a.slot, -dx, -dy, distance}
                       : Candidate{a.slot, b.slot, dx, dy, distance});
 }

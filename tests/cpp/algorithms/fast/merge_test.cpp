@@ -111,9 +111,9 @@ TEST(Pairs, ATentativeTrackOnAMatureOneMayBeItsFragment) {
   EXPECT_TRUE(scene.tracks.state(tentative).near_confirmed);
 }
 
-TEST(Pairs, TheOlderTrackKeepsTheNearestPairs) {
+TEST(Pairs, ALargeTrackKeepsTheFourNearestPairs) {
   Scene scene;
-  const auto a = scene.add(0, 0, true);
+  const auto a = scene.add(0, 0, true, 169);
   for (const float y : {-20.0F, 15.0F, 22.0F, 16.0F, -14.0F, 23.0F}) scene.add(0, y, true);
   const auto& found = scene.find();
   std::vector<float> distances;
@@ -121,6 +121,17 @@ TEST(Pairs, TheOlderTrackKeepsTheNearestPairs) {
     if (pair.keeper == a) distances.push_back(pair.distance_px);
   }
   EXPECT_EQ(distances, (std::vector<float>{14, 15, 16, 20}));
+}
+
+TEST(Pairs, ASmallTrackKeepsTheNearestPair) {
+  Scene scene;
+  const auto a = scene.add(0, 0, true);
+  for (const float y : {-20.0F, 15.0F, 22.0F}) scene.add(0, y, true);
+  std::vector<float> distances;
+  for (const Candidate& pair : scene.find()) {
+    if (pair.keeper == a) distances.push_back(pair.distance_px);
+  }
+  EXPECT_EQ(distances, std::vector<float>{15});
 }
 
 TEST(Pairs, ATentativeTrackKeepsTheNearestPair) {
