@@ -417,3 +417,13 @@ def test_raw_without_an_encoding_asks_for_it(tmp_path: Path) -> None:
         with pytest.raises(CorruptFile, match=f"{lack}.*{remedy}"):
             asap.read(path)
         assert len(asap.load(path, file_format="evt2")) == len(EVENTS)
+
+
+def test_a_dat_file_that_ends_in_its_header_is_no_empty_text(tmp_path: Path) -> None:
+    path = tmp_path / "a.dat"
+    asap.convert(EVENTS, path, **SENSOR)
+    whole = path.read_bytes()
+    for length in range(1, whole.rindex(b"\n", 0, 100) + 1):
+        path.write_bytes(whole[:length])
+        with pytest.raises(CorruptFile, match=r"ends inside its header|no header of text lines"):
+            asap.load(path)
