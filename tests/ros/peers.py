@@ -10,7 +10,7 @@ import sqlite3
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -74,10 +74,10 @@ def mono(t_us: np.ndarray, x: np.ndarray | int = 1, y: np.ndarray | int = 1) -> 
 
 
 class AsapNode:
-    """The executable, with parameters, until the end of the `with` block."""
+    """The executable, with parameters or words of a command, until the end of the `with` block."""
 
-    def __init__(self, *, remap: str = "", **parameters: Any) -> None:
-        command = [program("asap_ros", "asap_node"), "--ros-args"]
+    def __init__(self, *, remap: str = "", words: Sequence[str] = (), **parameters: Any) -> None:
+        command = [program("asap_ros", "asap_node"), *(words or ["--ros-args"])]
         for name, value in parameters.items():
             command += ["-p", f"{name}:={json.dumps(value)}"]
         command += ["-r", remap] if remap else []

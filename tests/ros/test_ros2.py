@@ -117,6 +117,21 @@ def test_bad_messages_are_counted_by_reason(peer: Peer) -> None:
     assert 1 <= said.count("message refused") <= 10  # once a second
 
 
+def test_the_keys_of_the_stats_are_those_of_python(peer: Peer) -> None:
+    asap = pytest.importorskip("asap", reason="no wheel of asap: set ASAP_DIST")
+    own = {"messages", "failures", "feedback"}
+    with AsapNode():
+        peer.wait_for_node()
+        stats = peer.next_stats()
+    with asap.Pipeline(latency_ms=10) as pipeline:
+        theirs = pipeline.stats()
+    assert own < set(stats)
+    for name in set(stats) - own:
+        assert isinstance(stats[name], dict) == isinstance(theirs[name], dict)
+        if isinstance(stats[name], dict):
+            assert set(stats[name]) <= set(theirs[name])
+
+
 def test_diagnostics_name_the_trouble(peer: Peer) -> None:
     said = []
     peer.create_subscription(DiagnosticArray, "/diagnostics", said.append, 10)
@@ -154,11 +169,13 @@ def test_what_the_driver_lost_is_counted(peer: Peer) -> None:
 
 
 def test_parameters_change_or_are_refused_with_a_reason(peer: Peer) -> None:
-    with AsapNode(latency_ms=20) as node:
+    with AsapNode(latency_ms=20, feedback="topic") as node:
         peer.wait_for_node()
         peer.send(mono(np.array([1])))
-        assert peer.set(latency_ms=30.5).successful
-        peer.wait(lambda: peer.next_stats()["latency_bound_us"] == 30_500, "the bound is in force")
+        for bound_ms in (40, 30.5):  # as `ros2 param set` reads them: an integer, a double
+            assert peer.set(latency_ms=bound_ms).successful
+            us = bound_ms * 1000
+            peer.wait(lambda us=us: peer.next_stats()["latency_bound_us"] == us, "the bound")
         refused = {
             "latency_ms = nan: must be between 0.1 and 10000": {"latency_ms": float("nan")},
             "feedback_timeout_ms = 20: must be at least latency_ms = 50": {
@@ -209,7 +226,10 @@ def test_best_effort_and_queue_are_those_of_the_parameters(peer: Peer) -> None:
     ("parameters", "reason"),
     [
         ({"encoding": "evt2"}, "encoding = evt2: must be one of evt3, mono, dvs_msgs"),
-        ({"latency_ms": 5000.0}, "feedback_timeout_ms = 1000: must be at least latency_ms = 5000"),
+        (
+            {"latency_ms": 5000.0, "feedback": "topic"},
+            "feedback_timeout_ms = 1000: must be at least latency_ms = 5000",
+        ),
         ({"input": "events"}, "input = events: must be event_camera_msgs"),
     ],
 )

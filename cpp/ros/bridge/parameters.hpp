@@ -1,5 +1,6 @@
-// Parameters: those of the nodes, with range and description, for every middleware the same. A
-// check names field, value and remedy.
+// Parameters: those of the nodes, with range and description, for every middleware the same. Every
+// node has kLatency; a node that publishes packages has them all. A check names field, value and
+// remedy.
 //
 // Any thread.
 #pragma once
@@ -27,9 +28,11 @@ struct NumberField {
   const char* description;
 };
 
+inline constexpr NumberField kLatency{
+    "latency_ms", &Parameters::latency_ms, 0.1, 10'000.0,
+    "Latency bound in ms, from the arrival of an event to the end of its processing."};
 inline constexpr std::array kNumbers{
-    NumberField{"latency_ms", &Parameters::latency_ms, 0.1, 10'000.0,
-                "Latency bound in ms, from the arrival of an event to the end of its processing."},
+    kLatency,
     NumberField{"feedback_timeout_ms", &Parameters::feedback_timeout_ms, 1.0, 60'000.0,
                 "Time in ms to wait for feedback before the next package; at least latency_ms."},
     NumberField{"rate_bound", &Parameters::rate_bound, 0.0, 1e9,

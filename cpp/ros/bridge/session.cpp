@@ -14,9 +14,9 @@ constexpr std::int64_t kMostBetweenMarks_us = 1'000'000;
 
 }  // namespace
 
-Session::Session(double latency_ms, Receiver& receiver, Say say)
-    : receiver_(receiver), say_(std::move(say)), latency_ms_(latency_ms) {
-  checked_latency_bound_ns(latency_ms * kUsPerMs);
+Session::Session(const Parameters& parameters, Receiver& receiver, Say say)
+    : receiver_(receiver), say_(std::move(say)), latency_ms_(parameters.latency_ms) {
+  check(parameters);
 }
 
 Session::~Session() { stop(); }

@@ -17,6 +17,7 @@
 #include "asap/runner/pipeline.hpp"
 #include "ros/bridge/facts.hpp"
 #include "ros/bridge/packet_reader.hpp"
+#include "ros/bridge/parameters.hpp"
 
 namespace asap::ros {
 
@@ -41,8 +42,8 @@ class Session {
   using Say = std::function<void(const std::string&)>;
 
   // The receiver outlives the session. `say` gets a line where a run begins or ends. Throws
-  // std::invalid_argument for a bound out of range.
-  Session(double latency_ms, Receiver& receiver, Say say);
+  // std::invalid_argument for parameters that are none.
+  Session(const Parameters& parameters, Receiver& receiver, Say say);
   ~Session();  // stop()
 
   // The reason, if the message is refused; refused after stop() without one.

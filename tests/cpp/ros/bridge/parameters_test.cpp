@@ -29,8 +29,12 @@ TEST(Parameters, ANumberOutsideItsRangeIsRefusedByName) {
 }
 
 TEST(Parameters, TheTimeoutIsNotShorterThanTheBound) {
-  EXPECT_EQ(error({.latency_ms = 50, .feedback_timeout_ms = 20}),
+  EXPECT_EQ(error({.latency_ms = 50, .feedback_timeout_ms = 20, .feedback = "topic"}),
             "feedback_timeout_ms = 20: must be at least latency_ms = 50");
+}
+
+TEST(Parameters, WithoutFeedbackTheTimeoutDoesNotCount) {
+  EXPECT_EQ(error({.latency_ms = 5'000}), "nothing was thrown");
 }
 
 TEST(Parameters, AChoiceIsOneOfItsNames) {

@@ -51,8 +51,9 @@ class Collector : public Receiver {
 struct Fixture {
   Collector collector;
   std::vector<std::string> said;
-  Session session{kNoHurry_ms, collector,
-                  [this](const std::string& line) { said.push_back(line); }};
+  Session session{{.latency_ms = kNoHurry_ms}, collector, [this](const std::string& line) {
+                    said.push_back(line);
+                  }};
 
   std::optional<Refusal> take(const Events& events, std::uint64_t seq, Geometry sensor = {640, 480},
                               std::string_view publisher = "camera", std::int64_t stamp_ns = 0) {
