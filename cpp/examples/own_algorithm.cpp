@@ -1,5 +1,5 @@
-// An algorithm of your own, event by event: the event rate in each tile of the image. When events
-// are discarded, a kept event stands for several; the package says for how many.
+// An algorithm of your own: the event rate in each tile of the image. When events are discarded, a
+// kept one stands for several: the package says how many. Continuity: none are dropped in a row.
 #include <asap/runner/simulator.hpp>
 #include <asap/schemes/deadline.hpp>
 #include <asap/synthetic/shaken_pattern.hpp>
@@ -48,7 +48,7 @@ int main() {
     not_told.process(package.events);
   };
   asap::ShakenPattern scene{{.duration_us = 500'000}};
-  asap::Deadline scheme{{.latency_ms = 10}};
+  asap::Deadline scheme{{.latency_ms = 10, .prefer = asap::Prefer::continuity}};
   asap::Simulator simulator{scheme, asap::LinearCost{{.beta_ns = 300}}, {}, process};
   for (auto events = scene.next(); !events.empty(); events = scene.next()) {
     all.process(events);

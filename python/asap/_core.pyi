@@ -109,9 +109,9 @@ class Deadline(Scheme):
         latency_ms: float = 10.0,
         overhead: float = 0.25,
         min_interval_ms: float = 0.0,
-        knee: float = 0.0,
         first_alpha_us: float = 50.0,
         first_beta_ns: float = 100.0,
+        prefer: str = "balanced",
     ) -> None: ...
     @property
     def alpha_us(self) -> float: ...

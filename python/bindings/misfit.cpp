@@ -192,6 +192,10 @@ std::optional<Misfit> out_of_range(const std::vector<Given>& all) {
                                       (negative ? "too small" : "too large")};
 }
 
+// Of Deadline, which had it until the law chose the length of a package itself.
+constexpr const char* kKneeIsGone =
+    "gone: the law chooses the length of a package itself, and prefer what it gains; ";
+
 }  // namespace
 
 std::optional<Misfit> find_misfit(std::string_view signature, const Call& call) {
@@ -215,8 +219,10 @@ std::optional<Misfit> find_misfit(std::string_view signature, const Call& call) 
       }
       all.push_back({&*known, value});
     } else if (signature.find("**") == std::string_view::npos) {
-      return Misfit{PyExc_TypeError,
-                    named(name, value) + "no such argument; " + names_of(parameters)};
+      const bool is_gone = name == "knee" && signature.find("prefer:") != std::string_view::npos;
+      return Misfit{PyExc_TypeError, named(name, value) +
+                                         (is_gone ? kKneeIsGone : "no such argument; ") +
+                                         names_of(parameters)};
     }
   }
   for (const Parameter& parameter : parameters) {

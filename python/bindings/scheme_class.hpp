@@ -12,6 +12,7 @@
 
 #include "arguments.hpp"
 #include "asap/schemes/bounded_scheme.hpp"
+#include "asap/schemes/deadline.hpp"
 #include "asap/schemes/scheme.hpp"
 
 namespace asap::python {
@@ -25,17 +26,27 @@ inline pybind11::dict scheme_parameters(const Scheme& scheme) {
   return result;
 }
 
-// A whole number comes as it is, to be refused by its name.
+// A whole number comes as it is, to be refused by its name; a choice as the name of what is chosen.
 template <class Value>
 using ArgumentOf =
-    std::conditional_t<std::is_same_v<Value, std::size_t>, const pybind11::object&, Value>;
+    std::conditional_t<std::is_same_v<Value, std::size_t>, const pybind11::object&,
+                       std::conditional_t<std::is_enum_v<Value>, std::string, Value>>;
 
 inline std::size_t value_of(const char* name, const pybind11::object& given) {
   return whole_number(name, given);
 }
+inline Prefer value_of(const char*, const std::string& given) { return prefer_of(given); }
 template <class Value>
 Value value_of(const char*, Value given) {
   return given;
+}
+
+inline auto default_of(const auto& value) {
+  if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(value)>>) {
+    return std::string(name_of(value));
+  } else {
+    return value;
+  }
 }
 
 template <class S, class Config, class... Values>
@@ -48,7 +59,8 @@ pybind11::class_<S, Scheme> keyword_class(pybind11::module_& m, const char* name
               ((config.*fields.field = value_of(fields.name, given)), ...);
               return S(config);
             }),
-            pybind11::kw_only(), (pybind11::arg(fields.name) = defaults.*fields.field)...);
+            pybind11::kw_only(),
+            (pybind11::arg(fields.name) = default_of(defaults.*fields.field))...);
   return bound;
 }
 

@@ -112,10 +112,10 @@ first_size : int
 
   bind_scheme<Deadline>(m, "Deadline", R"(As many events as possible within a latency bound.
 
-The reservoir law. While the algorithm keeps up, nothing is discarded. In overload the older part of
-what waits is thinned so that it is finished in time; the newest events stay behind untouched, as many
-as could still be finished if no more came. A package that takes longer than foreseen ends on time
-nevertheless, where the library runs the algorithm's loop.
+While the algorithm keeps up, nothing is discarded. In overload some ten plans are played forward on
+what waits, and the best is taken: what is too old is dropped, the older part of the rest is thinned so
+that it is finished in time, the newest events stay behind untouched. A package that takes longer than
+foreseen ends on time nevertheless, where the library runs the algorithm's loop.
 
 Parameters
 ----------
@@ -126,11 +126,12 @@ overhead : float
     fewer and larger packages, at the price of latency in quiet scenes.
 min_interval_ms : float
     Shortest time between the starts of two packages.
-knee : float
-    K: no package is longer than K times its fixed cost (or L / 10). 0 = off. Below 33 it trades
-    throughput for a lower median latency.
 first_alpha_us, first_beta_ns : float
     Assumed fixed cost of a package and cost of an event, until they are measured.
+prefer : str
+    In overload: "events", as many as possible; "continuity", no stretch of the scene without any,
+    the gap; "balanced", between the two: where the bound is 50 fixed costs or more, a gap is no
+    longer than a quarter of it.
 
 Attributes
 ----------

@@ -48,6 +48,7 @@ void expect_refusal_of(const std::string& field, const asap::Result<Value>& resu
 
 void spoil(double& value) { value = kNaN; }
 void spoil(std::size_t& value) { value = 0; }
+void spoil(asap::Prefer& value) { value = static_cast<asap::Prefer>(3); }
 void spoil(std::optional<double>& value) { value = kNaN; }
 
 template <class Scheme>

@@ -43,7 +43,7 @@ inline DeadlineConfig deadline_config(Bytes& bytes) {
   if (bytes.flag()) config.latency_ms = bytes.real(0.01, 1e7);
   if (bytes.flag()) config.overhead = bytes.real(0.0, 1.0);
   if (bytes.flag()) config.min_interval_ms = bytes.real(0.0, 1e7);
-  if (bytes.flag()) config.knee = bytes.real(1.0, 1e6);
+  if (bytes.flag()) config.prefer = static_cast<Prefer>(bytes.take<std::uint8_t>() % 3);
   if (bytes.flag()) config.first_alpha_us = bytes.real(0.001, 1e9);
   if (bytes.flag()) config.first_beta_ns = bytes.real(0.001, 1e9);
   return config;

@@ -152,6 +152,10 @@ MUTANTS: list[Mutant] = [
         "runner",
         lost_events_shift_the_random_numbers=("  thinner_.skip(count);\n", ""),
         due_after_the_bound_instead_of_at_it=("now_ns >= flush_ns ||", "now_ns > flush_ns ||"),
+        size_of_a_whole_package_by_chance=(
+            ".keep = left / static_cast<double>(last), .exactly = true}",
+            ".keep = left / static_cast<double>(last)}",
+        ),
         full_ring_is_not_due=("waiting.size() == buffer_.capacity() || head <", "head <"),
         consumes_what_was_offered=("  consume(package.raw);", "  consume(package.offered);"),
     ),
@@ -208,12 +212,18 @@ MUTANTS: list[Mutant] = [
         SOURCE + "schemes/deadline.cpp",
         "schemes",
         whole_package_of_any_size=(
-            "return safe_slice(decision, safe_size(room_ns / caution(), cost_.most_event_ns()));",
-            "return decision;",
+            "decision = safe_slice(decision, safe_size(room_ns / caution(), most_event_ns));",
+            "static_cast<void>(room_ns);",
         ),
-        reserve_left_with_caution=(
-            "latency_ns - lengths.package_ns - 2.0 * cost_.alpha_ns();",
-            "(latency_ns - lengths.package_ns - 2.0 * cost_.alpha_ns()) / caution();",
+        more_stays_than_can_be_finished=(
+            "work_.age_done_within(left_ns - 2.0 * fixed_ns_)",
+            "latency_ns_",
+        ),
+        gap_without_a_price=("throughput - gap_price_ * gap * gap", "throughput"),
+        rush_taken_for_its_end=("(is_rush_ ? if_they_go_on(plan) : 0.0)", "0.0"),
+        rest_that_is_too_old_counted=(
+            "oldest_ns = std::min(oldest_ns, latency_ns_ - now_ns - length_ns);",
+            "",
         ),
     ),
     *in_file(

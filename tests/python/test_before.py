@@ -70,7 +70,11 @@ def test_a_filter_may_answer_with_a_slice():
 def test_gamma_thins_what_passed():
     events = stream()
     run = asap.simulate(
-        events, cost=asap.LinearCost(50, 20_000), latency_ms=5, before=Sparse(), opaque=True
+        events,
+        cost=asap.LinearCost(50, 2_000),
+        scheme=asap.Asap2020(rate_bound=5e4),
+        before=Sparse(),
+        opaque=True,
     )
     assert run.ledger.balanced
     assert run.ledger.discarded > 0

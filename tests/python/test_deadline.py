@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -17,9 +18,9 @@ DEADLINE = {
     "latency_ms": 10.0,
     "overhead": 0.25,
     "min_interval_ms": 0.0,
-    "knee": 0.0,
     "first_alpha_us": 50.0,
     "first_beta_ns": 100.0,
+    "prefer": "balanced",
 }
 DEAD_BEAT = {"latency_ms": 10.0, "knee": 33.0, "overhead": 0.25, "min_interval_ms": 0.0}
 
@@ -40,7 +41,7 @@ def test_name_parameters_and_repr(make, name, defaults):
     scheme = make()
     assert scheme.name == name
     assert scheme.parameters == defaults
-    inside = ", ".join(f"{key}={value}" for key, value in defaults.items())
+    inside = ", ".join(f"{key}={value!r}" for key, value in defaults.items())
     assert repr(scheme) == f"{make.__name__}({inside})"
     with pytest.raises(TypeError):
         make(10.0)
@@ -48,18 +49,57 @@ def test_name_parameters_and_repr(make, name, defaults):
 
 @both
 def test_every_parameter_arrives_under_its_name(make, name, defaults):
-    others = {key: value + 3 + i / 8 for i, (key, value) in enumerate(defaults.items())}
-    others["overhead"] = 0.125
+    others = {key: i + 20 / 8 for i, key in enumerate(defaults)}
+    others |= {"overhead": 0.125} | ({"prefer": "events"} if "prefer" in defaults else {})
     assert make(**others).parameters == others
 
 
 def test_parameters_at_their_limits_are_taken():
     for limits in (
-        {"latency_ms": 0.01, "overhead": 0, "min_interval_ms": 0, "knee": 0},
-        {"latency_ms": 1e7, "overhead": 1, "min_interval_ms": 1e7, "knee": 1e6},
+        {"latency_ms": 0.01, "overhead": 0, "min_interval_ms": 0},
+        {"latency_ms": 1e7, "overhead": 1, "min_interval_ms": 1e7},
     ):
         assert asap.Deadline(**limits).parameters["latency_ms"] == limits["latency_ms"]
         assert asap.DeadBeat(**limits).parameters["overhead"] == limits["overhead"]
+    assert asap.DeadBeat(knee=0).parameters["knee"] == 0
+    assert asap.DeadBeat(knee=1e6).parameters["knee"] == 1e6
+
+
+def test_a_preference_is_named_and_knee_is_gone_with_a_sentence():
+    message = 'prefer = "speed": must be "balanced", "events" or "continuity"'
+    with pytest.raises(ValueError, match=re.escape(message)):
+        asap.Deadline(prefer="speed")
+    with pytest.raises(TypeError, match="knee = 5: gone: the law chooses the length"):
+        asap.Deadline(knee=5)
+
+
+@pytest.mark.parametrize("opaque", [False, True])
+def test_continuity_makes_shorter_gaps_and_events_keeps_more(opaque):
+    """Load 3, the bound is 20 fixed costs."""
+    events = streams.poisson(6e4, 0.5)
+    cost = asap.LinearCost(alpha_us=500, beta_ns=50_000)
+    runs = {
+        prefer: asap.simulate(
+            events, cost=cost, opaque=opaque, scheme=asap.Deadline(overhead=0, prefer=prefer)
+        )
+        for prefer in ("continuity", "balanced", "events")
+    }
+    gaps = [run.gap_us for run in runs.values()]
+    kept = [run.latency.within_bound for run in runs.values()]
+    assert gaps[0] < min(gaps[1:])
+    assert kept[0] < kept[2]
+
+
+def test_a_thinned_package_of_an_opaque_algorithm_has_the_planned_size():
+    """A number by chance, 7 % more or less here, would make one package in two late."""
+    run = asap.simulate(
+        streams.poisson(6e4, 0.5),
+        cost=asap.LinearCost(alpha_us=100, beta_ns=50_000),
+        opaque=True,
+        scheme=asap.Deadline(overhead=0),
+    )
+    assert run.kept < 0.5
+    assert run.latency.max <= 1.01 * 10_000
 
 
 # ---- the default -----------------------------------------------------------------------------

@@ -137,7 +137,6 @@ SUBJECTS = {
             "latency_ms": LATENCY,
             "overhead": SHARE,
             "min_interval_ms": INTERVAL,
-            "knee": KNEE,
             "first_alpha_us": Real(0.001, 1e9),
             "first_beta_ns": Real(0.001, 1e9),
         },

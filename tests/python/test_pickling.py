@@ -50,7 +50,7 @@ SCHEMES = [
     asap.Greedy(efficiency=0.9),
     asap.Asap2020(rate_bound=2e6, epsilon=0.1, first_size=5, max_size=100, min_size=2),
     asap.Asap2022(kappa=0.5),
-    asap.Deadline(latency_ms=3, overhead=0.1, knee=2.0, first_alpha_us=7, first_beta_ns=9),
+    asap.Deadline(latency_ms=3, overhead=0.1, first_alpha_us=7, first_beta_ns=9, prefer="events"),
     asap.DeadBeat(latency_ms=4, knee=20),
 ]
 

@@ -307,7 +307,7 @@ def as_algorithm(noise: Any) -> None:
 
 
 def in_front(noise: Any) -> None:
-    asap.simulate(OUTSIDE, cost=COST, before=noise)
+    asap.simulate(OUTSIDE, cost=COST, scheme=asap.Greedy(), before=noise)
 
 
 def by_calls(noise: Any) -> None:

@@ -423,7 +423,7 @@ def test_every_goal_can_be_reached():
         ("G7", {"slowest_recovery_ms": 12.1}, at("steps", "slow")),
         ("G8", {"cpu": 0.9}, at("low", "slow", "Deadline oh.25")),
         ("G9", {"overflow": 1e-6}, at("high", "slow")),
-        ("G9", {"silence_ms": 1}, at("train", "fast")),
+        ("G9", {"gap_ms": 0.51}, at("train", "fast")),
         ("G10", {"start_max_ms": 10.02}, at("high", "slow", PRIORS[0])),
         ("G10", {"score": 0.979}, at("uav", "slow", PRIORS[-1])),
         ("G12", {"in_time": 0.299}, at("ramp", "slow")),

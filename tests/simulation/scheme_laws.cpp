@@ -51,7 +51,8 @@ void hold_bounded(const Setup& setup, const Backlog& backlog, const Decision& de
   }
   if (decision.raw == 0) return;
   const bool is_anytime = setup.execution == Execution::anytime;
-  journal.hold(Law::protocol, is_anytime == (decision.budget_ns != kNever), "has a budget");
+  const bool is_timed = is_anytime || setup.scheme.kind == Kind::deadline;
+  journal.hold(Law::protocol, is_timed == (decision.budget_ns != kNever), "has a budget");
   journal.hold(Law::protocol, decision.budget_ns > 0, "budget > 0",
                static_cast<double>(decision.budget_ns));
   const double event_ns = decision.event_ns;

@@ -67,8 +67,8 @@ double draw_interval(Draw& draw, const Setup& setup) {
 DeadlineConfig deadline(const Setup& setup, Draw draw) {
   DeadlineConfig config{.latency_ms = ms(setup.latency_ns),
                         .overhead = draw_overhead(draw),
-                        .min_interval_ms = draw_interval(draw, setup),
-                        .knee = draw.chance(0.8) ? 0.0 : draw.octaves(8, 100)};
+                        .min_interval_ms = draw_interval(draw, setup)};
+  if (!draw.chance(0.6)) config.prefer = draw.chance(0.5) ? Prefer::events : Prefer::continuity;
   if (draw.chance(0.3)) {
     config.first_alpha_us = draw.octaves(0.01, 1e5);
     config.first_beta_ns = draw.octaves(0.01, 1e5);

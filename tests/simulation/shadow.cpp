@@ -136,8 +136,19 @@ void Shadow::decided(const Backlog& backlog, Decision decision) noexcept {
     is_planned_out_ = false;
   } else {
     raw_ = decision_.raw;
-    filter_.keep(head, head + raw_, decision_.keep, kept_);
+    keep_whole(head);
   }
+}
+
+// Where its time is planned, so is its size: the last raw / 16 + 128 make up for chance.
+void Shadow::keep_whole(std::uint64_t head) noexcept {
+  const bool is_planned = decision_.budget_ns != kNever && decision_.keep < 1;
+  const std::size_t last = is_planned ? std::min(raw_ / 16 + 128, raw_) : 0;
+  filter_.keep(head, head + raw_ - last, decision_.keep, kept_);
+  if (last == 0) return;
+  const double wanted = decision_.keep * static_cast<double>(raw_);
+  const double left = std::max(wanted - static_cast<double>(kept_.size()), 0.0);
+  filter_.keep_exactly(head + raw_ - last, head + raw_, left / static_cast<double>(last), kept_);
 }
 
 void Shadow::drop_stale() noexcept {

@@ -94,6 +94,7 @@ class Shadow {
   std::int64_t step_ns() const noexcept;  // by which a time may be too early
   std::size_t count_before(std::int64_t time_ns) const noexcept;
   void hold_counts(const Backlog& backlog, std::uint64_t random) noexcept;
+  void keep_whole(std::uint64_t head) noexcept;
   void drop_stale() noexcept;
   void leave(std::size_t count) noexcept;  // the ring
   AnytimePlan::Stratum next_stratum(std::int64_t now_ns);

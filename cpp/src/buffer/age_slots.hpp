@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
@@ -49,24 +50,53 @@ class AgeSlots {
   // the newest slot.
   std::size_t before(std::int64_t time_ns, std::int64_t now_ns, std::uint64_t head,
                      std::size_t count) const noexcept {
-    const std::int64_t newest = newest_.load(std::memory_order_acquire);
-    const std::int64_t slot = slot_of(time_ns);
-    if (slot > newest) return count;
-    if (slot <= newest - kSlots) return 0;
-    const std::size_t begin = waiting_before(slot, head, count);
-    const std::size_t end = slot == newest ? count : waiting_before(slot + 1, head, count);
-    const std::int64_t begin_ns = slot * width_ns_;
-    const std::int64_t end_ns = slot == newest
-                                    ? std::clamp(now_ns, begin_ns + 1, begin_ns + width_ns_)
-                                    : begin_ns + width_ns_;
-    if (time_ns >= end_ns) return end;
-    const double share =
-        static_cast<double>(time_ns - begin_ns) / static_cast<double>(end_ns - begin_ns);
-    return begin +
-           static_cast<std::size_t>(share * static_cast<double>(std::max(end, begin) - begin));
+    return before(place_of(time_ns), now_ns, head, count);
+  }
+
+  // The same for newest_ns, newest_ns - step_ns, ...: as many as there are counts.
+  void before_each(std::int64_t newest_ns, std::int64_t step_ns, std::int64_t now_ns,
+                   std::uint64_t head, std::size_t count,
+                   std::span<std::size_t> counts) const noexcept {
+    const Place step = place_of(step_ns);
+    Place place = place_of(newest_ns);
+    for (std::size_t& older : counts) {
+      older = before(place, now_ns, head, count);
+      place.slot -= step.slot;
+      place.into_ns -= step.into_ns;
+      if (place.into_ns < 0) {
+        place.into_ns += width_ns_;
+        --place.slot;
+      }
+    }
   }
 
  private:
+  struct Place {
+    std::int64_t slot;
+    std::int64_t into_ns;  // since its beginning
+  };
+
+  Place place_of(std::int64_t time_ns) const noexcept {
+    const std::int64_t rest_ns = time_ns % width_ns_;
+    return {slot_of(time_ns), rest_ns < 0 ? rest_ns + width_ns_ : rest_ns};
+  }
+
+  std::size_t before(Place place, std::int64_t now_ns, std::uint64_t head,
+                     std::size_t count) const noexcept {
+    const std::int64_t newest = newest_.load(std::memory_order_acquire);
+    if (place.slot > newest) return count;
+    if (place.slot <= newest - kSlots) return 0;
+    const std::size_t begin = waiting_before(place.slot, head, count);
+    const bool is_newest = place.slot == newest;
+    const std::size_t end = is_newest ? count : waiting_before(place.slot + 1, head, count);
+    const std::int64_t length_ns =
+        is_newest ? std::clamp<std::int64_t>(now_ns - place.slot * width_ns_, 1, width_ns_)
+                  : width_ns_;
+    if (place.into_ns >= length_ns || end <= begin) return std::max(end, begin);
+    const double share = static_cast<double>(place.into_ns) / static_cast<double>(length_ns);
+    return begin + static_cast<std::size_t>(share * static_cast<double>(end - begin));
+  }
+
   static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::min() / 2;
   static constexpr std::size_t kEntries = 2 * kSlots;  // old ones are overwritten late
 

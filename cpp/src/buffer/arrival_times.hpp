@@ -19,6 +19,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "asap/core/atomics.hpp"
 #include "asap/core/check.hpp"
@@ -94,13 +95,38 @@ class BasicArrivalTimes {
 
   // Consumer. Of the `count` events from ring index `head` on, those before time_ns.
   std::size_t before(std::int64_t time_ns, std::uint64_t head, std::size_t count) const noexcept {
+    const std::uint64_t tail = tail_.load(std::memory_order_acquire);
     const std::uint64_t step = first_step([&](const Entry& entry) {
       return entry.time_ns.load(std::memory_order_relaxed) >= time_ns;
     });
-    if (step == tail_.load(std::memory_order_acquire)) return count;
-    const std::uint64_t index = entry(step).first.load(std::memory_order_relaxed);
-    if (index <= head) return 0;
-    return std::min(count, static_cast<std::size_t>(index - head));
+    return waiting_before(step, tail, head, count);
+  }
+
+  // Consumer. The same for newest_ns, newest_ns - step_ns, ...: as many as there are counts. Each
+  // is looked for near the one before, as far back as that was.
+  void before_each(std::int64_t newest_ns, std::int64_t step_ns, std::uint64_t head,
+                   std::size_t count, std::span<std::size_t> counts) const noexcept {
+    const std::uint64_t begin = head_.load(std::memory_order_relaxed);
+    const std::uint64_t tail = tail_.load(std::memory_order_acquire);
+    std::uint64_t step = tail;
+    std::uint64_t stride = 1;
+    for (std::size_t& older : counts) {
+      const std::uint64_t from = step;
+      while (step > begin) {
+        const std::uint64_t jump = std::min(stride, step - begin);
+        if (entry(step - jump).time_ns.load(std::memory_order_relaxed) >= newest_ns) {
+          step -= jump;
+          stride = 2 * jump;
+        } else if (jump == 1) {
+          break;
+        } else {
+          stride = jump / 2;
+        }
+      }
+      older = waiting_before(step, tail, head, count);
+      stride = std::max<std::uint64_t>(from - step, 1);
+      newest_ns -= step_ns;
+    }
   }
 
   // Consumer. Events before this ring index will not be asked for any more.
@@ -129,6 +155,14 @@ class BasicArrivalTimes {
 
   Entry& entry(std::uint64_t i) noexcept { return entries_[i & (steps_ - 1)]; }
   const Entry& entry(std::uint64_t i) const noexcept { return entries_[i & (steps_ - 1)]; }
+
+  // Of the waiting events, those before this step; all of them where it is the tail.
+  std::size_t waiting_before(std::uint64_t step, std::uint64_t tail, std::uint64_t head,
+                             std::size_t count) const noexcept {
+    if (step == tail) return count;
+    const std::uint64_t index = entry(step).first.load(std::memory_order_relaxed);
+    return index <= head ? 0 : std::min(count, static_cast<std::size_t>(index - head));
+  }
 
   // The step that holds an event of this index.
   std::uint64_t step_of(std::uint64_t index) const noexcept {

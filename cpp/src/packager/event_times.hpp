@@ -65,6 +65,22 @@ class EventTimes {
     return ages_->before(time_ns, now_ns, head, waiting.size());
   }
 
+  // The same for newest_ns, newest_ns - step_ns, ...: as many as there are counts.
+  void about_before_each(std::int64_t newest_ns, std::int64_t step_ns, std::int64_t now_ns,
+                         const EventPieces& waiting, std::uint64_t head,
+                         std::span<std::size_t> counts) const noexcept {
+    if (by_arrival()) {
+      arrivals_->before_each(newest_ns, step_ns, head, waiting.size(), counts);
+    } else if (ages_ != nullptr) {
+      ages_->before_each(newest_ns, step_ns, now_ns, head, waiting.size(), counts);
+    } else {
+      for (std::size_t& older : counts) {
+        older = before(newest_ns, waiting, head);
+        newest_ns -= step_ns;
+      }
+    }
+  }
+
   // Events thinned out before this one, a waiting one, since the beginning: right to a step.
   std::uint64_t thinned(std::uint64_t index) const noexcept {
     return by_arrival() ? arrivals_->thinned(index) : 0;

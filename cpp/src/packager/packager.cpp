@@ -1,6 +1,7 @@
 #include "asap/packager/packager.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "asap/core/check.hpp"
@@ -30,6 +31,11 @@ class RingCounts final : public BacklogCounts {
 
   std::size_t about_before(std::int64_t time_ns) const noexcept override {
     return times_.about_before(time_ns, now_ns_, waiting_, head_);
+  }
+
+  void about_before_each(std::int64_t newest_ns, std::int64_t step_ns,
+                         std::span<std::size_t> counts) const noexcept override {
+    times_.about_before_each(newest_ns, step_ns, now_ns_, waiting_, head_, counts);
   }
 
  private:
@@ -70,6 +76,7 @@ class Packager::Work {
                bool ended) noexcept;
   void open(Package& package, const Decision& decision, std::int64_t now_ns) noexcept;
   EventSpan add(Package& package, std::size_t begin, std::size_t end, Share share);
+  void add_whole(Package& package, const Decision& decision);
   double smoothed_keep(double gamma, std::int64_t now_ns) const noexcept;
   Books::Left leaving(const EventPieces& waiting, std::size_t count,
                       std::int64_t oldest_ns) const noexcept;
@@ -156,7 +163,7 @@ Packager::Next Packager::Work::next(std::int64_t now_ns, std::uint64_t until) {
     oldest_ns_ = decision.stale > 0 ? times_.of(raw_[0], buffer_.head()) : oldest_ns;
     open(next.package, decision, now_ns);
     if (!is_anytime_) {
-      add(next.package, 0, decision.raw, {.keep = decision.keep});
+      add_whole(next.package, decision);
       if (next.package.events.empty()) {
         complete(next.package, now_ns);
         continue;
@@ -226,6 +233,19 @@ EventSpan Packager::Work::stratum(Package& package, std::int64_t now_ns) {
   const EventSpan rest = package.events.subspan(handed_out_);
   handed_out_ = package.events.size();
   return rest;
+}
+
+// Where its time is planned, so is the number of its events: the last part makes up for the chance
+// in the parts before it.
+void Packager::Work::add_whole(Package& package, const Decision& decision) {
+  const std::size_t raw = decision.raw;
+  const bool is_planned = decision.budget_ns != kNever && decision.keep < 1.0;
+  const std::size_t last = is_planned ? std::min(AnytimePlan::longest_stratum(raw), raw) : 0;
+  if (last < raw) add(package, 0, raw - last, {.keep = decision.keep});
+  if (last == 0 || package.raw < raw - last) return;  // or it is full
+  const double planned = decision.keep * static_cast<double>(raw);
+  const double left = std::max(planned - static_cast<double>(package.events.size()), 0.0);
+  add(package, raw - last, raw, {.keep = left / static_cast<double>(last), .exactly = true});
 }
 
 // Decides the package's raw events [begin, end), which follow those before, or as many as fit.

@@ -72,13 +72,10 @@ std::optional<Decision> HoldRule::wait(const Backlog& backlog, const CostModel& 
 }
 
 BoundedScheme::BoundedScheme(double latency_ms, double overhead, double min_interval_ms,
-                             double knee, CostModelConfig cost)
+                             CostModelConfig cost)
     : latency_bound_ns_(checked_latency_ns(latency_ms)),
       hold_(overhead, min_interval_ms),
-      cost_(cost) {
-  require(knee == 0 || (knee >= 1 && knee <= 1e6), "knee", knee,
-          "must be 0 (off) or between 1 and 1e6");
-}
+      cost_(cost) {}
 
 void BoundedScheme::reset(Execution execution) noexcept {
   cost_.reset();

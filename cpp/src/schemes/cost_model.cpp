@@ -32,7 +32,8 @@ constexpr double kLeastSigma = 0.01;
 constexpr double kMostSigma = 0.4;
 constexpr double kScaleGain = 0.2;
 constexpr double kSigmaGain = 0.05;
-constexpr double kFade = 0.98;  // of a size, per package
+constexpr double kSigmaWeight = 4.0;  // of the first guess, in packages
+constexpr double kFade = 0.98;        // of a size, per package
 
 double outlier_limit(double sigma) noexcept { return 3.0 * sigma + 0.03; }
 
@@ -229,7 +230,9 @@ void CostModel::fit() noexcept {
 
 void CostModel::follow(double size, double cost_ns, double noise, Gains gains) noexcept {
   scale_ += gains.scale * (std::clamp(cost_ns / line_ns(size), 0.1, 10.0) - scale_);
-  sigma_ = std::clamp(sigma_ + gains.sigma * (noise - sigma_), kLeastSigma, kMostSigma);
+  const double seen = kSigmaWeight + static_cast<double>(on_level() - kClipsFrom);
+  const double gain = gains.sigma > 0 ? std::max(gains.sigma, 1.0 / seen) : 0.0;
+  sigma_ = std::clamp(sigma_ + gain * (noise - sigma_), kLeastSigma, kMostSigma);
   if (scale_ > kMostScale || scale_ < 1.0 / kMostScale) rebase(scale_);
 }
 

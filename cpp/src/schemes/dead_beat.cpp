@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "asap/core/check.hpp"
 #include "schemes/calibration.hpp"
 
 namespace asap {
 
 DeadBeat::DeadBeat(Config config) : BoundedScheme(config), config_(config) {
+  require(config.knee == 0 || (config.knee >= 1 && config.knee <= 1e6), "knee", config.knee,
+          "must be 0 (off) or between 1 and 1e6");
   reset(Execution::whole);
 }
 

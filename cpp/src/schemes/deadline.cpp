@@ -1,39 +1,189 @@
 #include "asap/schemes/deadline.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <string>
 
+#include "asap/core/check.hpp"
 #include "schemes/calibration.hpp"
+#include "schemes/work_by_age.hpp"
 
 namespace asap {
 namespace {
 
-constexpr double kAgeSlots = 64.0;      // per bound, as in the ring
-constexpr double kLeastAgeNs = 1000.0;  // of a load
-constexpr double kLongestBudgetNs = 1e18;
-constexpr double kWholeCaution = 2.5;  // z: nothing stops a whole package that is late
-constexpr double kReach = 2.5;         // fixed costs
-constexpr std::uint64_t kSurePackages = 4;
+constexpr std::array<std::string_view, 3> kPreferences{"balanced", "events", "continuity"};
+
+constexpr double kMostBudgetNs = 1e18;
+constexpr double kAll = std::numeric_limits<double>::infinity();
+constexpr double kCaution = 3.0;     // z: nothing stops a whole package that is late
+constexpr double kReach = 2.5;       // fixed costs
+constexpr int kLengths = 8;          // that are tried, besides two that fit what waits
+constexpr int kRollOut = 3;          // packages that are played forward after this one
+constexpr double kHorizon = 6.0;     // bounds for which a rush goes on
+constexpr double kRecent = 0.1;      // of a bound: what has come in it tells a rush
+constexpr double kDearest = 50.0;    // fixed costs per bound from which on a gap has its full price
+constexpr std::uint64_t kFirst = 6;  // packages, until the first guess of the cost is forgotten
+
+// Of a gap as long as the bound, as a share of the throughput.
+double gap_price(Prefer prefer) noexcept {
+  switch (prefer) {
+    case Prefer::events:
+      return 0.05;
+    case Prefer::continuity:
+      return 1.0;
+    default:
+      return 0.2;
+  }
+}
 
 double age_ns(const Backlog& backlog) noexcept {
   return static_cast<double>(std::max<std::int64_t>(backlog.age_ns(), 0));
 }
 
-double count(const Backlog& backlog) noexcept { return static_cast<double>(backlog.count); }
+// A package of length T, drawn up for what waits.
+struct Plan {
+  double length_ns = 0.0;  // T: events older than L - T are dropped
+  double work_ns = 0.0;    // of the events that it keeps
+  double stay_ns = 0.0;    // x: events up to this age stay behind
+  double value_ns = -std::numeric_limits<double>::infinity();  // work in time less fixed costs
+};
 
-// Waiting events up to that age.
-double younger(const Backlog& backlog, double age_ns) noexcept {
-  const std::size_t older =
-      backlog.counts.about_before(backlog.now_ns - static_cast<std::int64_t>(age_ns));
-  return static_cast<double>(backlog.count - std::min(older, backlog.count));
-}
+// What a plan is drawn up for. Times in ns.
+struct Situation {
+  double latency_ns;   // L, as planned with
+  double caution;      // z: a package is planned to take that times its cost
+  double fixed_ns;     // a, of a package
+  double event_ns;     // b, of an event
+  double age_ns;       // A, of the oldest event
+  double shortest_ns;  // of a package
+  double longest_ns;   // likewise
+  bool is_new;         // a rush cannot be told yet
+  Prefer prefer;
+};
+
+// Plays plans forward on what waits.
+class Planner {
+ public:
+  Planner(const WorkByAge& work, const Situation& now) noexcept
+      : work_(work),
+        latency_ns_(now.latency_ns),
+        caution_(now.caution),
+        fixed_ns_(now.fixed_ns),
+        event_ns_(now.event_ns),
+        age_ns_(now.age_ns),
+        shortest_ns_(now.shortest_ns),
+        longest_ns_(now.longest_ns),
+        is_rush_(now.is_new || work.up_to(kRecent * latency_ns_) >= kRecent * latency_ns_),
+        is_continuous_(now.prefer == Prefer::continuity),
+        gap_price_(gap_price(now.prefer)) {
+    if (!is_continuous_) gap_price_ *= std::min(1.0, latency_ns_ / (kDearest * fixed_ns_));
+  }
+
+  // The best plan; without work if nothing that waits can be finished in time.
+  Plan best() const noexcept {
+    Plan best{.length_ns = shortest_ns_};
+    for (int i = 1; i <= kLengths; ++i) compare(0.98 * latency_ns_ * i / kLengths, best);
+    compare(latency_ns_ - age_ns_, best);                   // drops nothing
+    compare(work_.newest_only(fixed_ns_, caution_), best);  // leaves nothing behind
+    return best;
+  }
+
+ private:
+  void compare(double length_ns, Plan& best) const noexcept {
+    if (length_ns < shortest_ns_ || length_ns > longest_ns()) return;
+    Plan plan = drawn_up(length_ns);
+    if (plan.work_ns <= 0.0) return;
+    plan.value_ns = if_they_stop(plan) + (is_rush_ ? if_they_go_on(plan) : 0.0);
+    if (plan.value_ns > best.value_ns) best = plan;
+  }
+
+  // Without a gap: two packages per bound, and none that must drop what still can make it.
+  double longest_ns() const noexcept {
+    if (!is_continuous_) return longest_ns_;
+    const double room_ns = latency_ns_ - age_ns_;
+    return std::min(latency_ns_ / 2, room_ns < shortest_ns_ ? latency_ns_ : room_ns);
+  }
+
+  // What stays behind can still be finished: by itself if no more came, and by a package of like
+  // length, or in a pause of three fixed costs, if it does. But the package is filled first.
+  Plan drawn_up(double length_ns) const noexcept {
+    const double left_ns = latency_ns_ - length_ns;
+    const double there_ns = work_.up_to(left_ns);
+    const double work_ns = std::min(length_ns / caution_ - fixed_ns_, there_ns);
+    double next_ns = is_rush_ ? fixed_ns_ : std::min(length_ns, 3.0 * fixed_ns_);
+    if (is_rush_ && is_continuous_) next_ns = length_ns;
+    const double stay_ns = std::min({work_.age_done_within(left_ns - 2.0 * fixed_ns_),
+                                     left_ns - next_ns, work_.age_of(there_ns - work_ns)});
+    return {.length_ns = length_ns, .work_ns = work_ns, .stay_ns = std::max(stay_ns, 0.0)};
+  }
+
+  // The package, and then what has stayed, oldest first, in packages as long as the bound allows.
+  double if_they_stop(const Plan& plan) const noexcept {
+    double value_ns = plan.work_ns - fixed_ns_;
+    double now_ns = fixed_ns_ + plan.work_ns;
+    double oldest_ns = plan.stay_ns;
+    double left_ns = work_.up_to(oldest_ns);
+    double size_ns = plan.work_ns;
+    for (int k = 0; k < kRollOut && left_ns >= event_ns_; ++k) {
+      const double room_ns = latency_ns_ - now_ns - oldest_ns;
+      if (caution_ * (fixed_ns_ + left_ns) <= room_ns) return value_ns + left_ns - fixed_ns_;
+      const double length_ns = std::max(room_ns, 6.0 * caution_ * fixed_ns_);
+      oldest_ns = std::min(oldest_ns, latency_ns_ - now_ns - length_ns);  // the rest is too old
+      left_ns = work_.up_to(oldest_ns);
+      size_ns = std::min(left_ns, length_ns / caution_ - fixed_ns_);
+      if (size_ns <= 0.0) return value_ns;
+      value_ns += size_ns - fixed_ns_;
+      now_ns += fixed_ns_ + size_ns;
+      left_ns -= size_ns;
+      oldest_ns = work_.age_of(left_ns);
+    }
+    return left_ns >= event_ns_ ? value_ns + left_ns * (0.9 - fixed_ns_ / size_ns) : value_ns;
+  }
+
+  // Packages like this one for the horizon. The gap is what is dropped now, and before the next.
+  double if_they_go_on(const Plan& plan) const noexcept {
+    const double now_ns = std::max(0.0, age_ns_ + plan.length_ns - latency_ns_);
+    const double next_ns = std::max(0.0, plan.stay_ns + 2.0 * plan.length_ns - latency_ns_);
+    const double gap = (now_ns + next_ns) / latency_ns_;
+    const double throughput = plan.work_ns / (fixed_ns_ + plan.work_ns);
+    return kHorizon * latency_ns_ * (throughput - gap_price_ * gap * gap);
+  }
+
+  const WorkByAge& work_;
+  const double latency_ns_;
+  const double caution_;
+  const double fixed_ns_;
+  const double event_ns_;
+  const double age_ns_;
+  const double shortest_ns_;
+  const double longest_ns_;
+  const bool is_rush_;  // what comes now is more than can be worked off
+  const bool is_continuous_;
+  double gap_price_;
+};
 
 }  // namespace
+
+std::string_view name_of(Prefer prefer) noexcept {
+  return kPreferences.at(static_cast<std::size_t>(prefer));
+}
+
+Prefer prefer_of(std::string_view name) {
+  const auto found = std::find(kPreferences.begin(), kPreferences.end(), name);
+  if (found == kPreferences.end()) {
+    throw_bad_value("prefer", '"' + std::string(name) + '"',
+                    R"(must be "balanced", "events" or "continuity")");
+  }
+  return static_cast<Prefer>(found - kPreferences.begin());
+}
 
 Deadline::Deadline(Config config)
     : BoundedScheme(
           config, {.first_alpha_us = config.first_alpha_us, .first_beta_ns = config.first_beta_ns}),
       config_(config) {
+  require_known(config.prefer, Prefer::continuity, "prefer");
   reset(Execution::whole);
 }
 
@@ -44,29 +194,65 @@ void Deadline::reset(Execution execution) noexcept {
 }
 
 Decision Deadline::decide(const Backlog& backlog) noexcept {
-  const Limits limits = this->limits();
-  if (const auto wait = hold_.wait(backlog, cost_, caution(), limits.latency_ns)) return *wait;
-  if (const std::size_t stale = this->stale(backlog, limits); stale > 0) {
-    return Decision::drop(stale);
+  const double latency_ns = planned_ns();
+  if (const auto wait = hold_.wait(backlog, cost_, caution(), latency_ns)) return *wait;
+  const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
+  const double room_ns = latency_ns - age_ns(backlog);
+  const double cautious_ns = std::min(caution() * cost_.alpha_ns(), 0.4 * latency_ns);
+  const double shortest_ns = 1.5 * cautious_ns;
+  if (is_single(packages_, cost_.alpha_ns(), bound_ns)) {
+    return take(backlog, std::max(room_ns, shortest_ns), 1.0, kAll);
   }
-  age_ns_ = age_ns(backlog);
-  const double room_ns = std::max(limits.latency_ns - age_ns_, 1.0);
-  const Decision decision = plan(backlog, limits, room_ns);
-  if (!is_whole()) return decision;
-  return safe_slice(decision, safe_size(room_ns / caution(), cost_.most_event_ns()));
+  // Nothing stops a whole package that is late: a shorter one is less late.
+  const double most_ns = is_whole() ? std::max(latency_ns / 2, 12.0 * cautious_ns) : latency_ns;
+  const double fit_ns = std::min(room_ns, most_ns);
+  const auto all = static_cast<double>(backlog.count);
+  if (caution() * cost_.predict_ns(all) <= fit_ns) return take(backlog, fit_ns, all, 0.0);
+
+  const double event_ns = cost_.beta_ns();
+  const WorkByAge work(backlog, latency_ns, event_ns);
+  const double least_ns = std::min(hold_.min_interval_ns(), latency_ns / 2);
+  const Plan plan = Planner(work, {.latency_ns = latency_ns,
+                                   .caution = caution(),
+                                   .fixed_ns = cautious_ns / caution(),
+                                   .event_ns = event_ns,
+                                   .age_ns = age_ns(backlog),
+                                   .shortest_ns = std::max(shortest_ns, least_ns),
+                                   .longest_ns = most_ns,
+                                   .is_new = packages_ < 4,
+                                   .prefer = config_.prefer})
+                        .best();
+  return take(backlog, plan.length_ns, std::floor(plan.work_ns / event_ns),
+              std::floor(work.up_to(plan.stay_ns) / event_ns));
 }
 
-Decision Deadline::plan(const Backlog& backlog, const Limits& limits,
-                        double room_ns) const noexcept {
-  const double all = count(backlog);
-  const double work_ns = caution() * cost_.predict_ns(all);
-  const double budget_ns = std::min(limits.longest_ns, room_ns);
-  const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
-  if (is_single(packages_, cost_.alpha_ns(), bound_ns)) return take(1.0, 1.0, budget_ns);
-  if (work_ns <= budget_ns) return take(all, all, budget_ns);
-  const Lengths lengths = this->lengths(backlog, limits, room_ns);
-  if (work_ns <= lengths.package_ns) return take(all, all, lengths.package_ns);
-  return thin(backlog, reserve(backlog, lengths, limits.latency_ns), lengths.package_ns);
+// Drops what gets older than the bound within this length, and takes the oldest of the rest, but
+// for so many that stay, thinned to a size. No more than ends in time however wrong the line of the
+// cost is: of whole packages always, of others, which the clock ends, as long as the first guess is
+// all there is.
+Decision Deadline::take(const Backlog& backlog, double length_ns, double size,
+                        double stay) noexcept {
+  const double keep_ns = planned_ns() - length_ns;
+  age_ns_ = age_ns(backlog);
+  std::size_t stale = 0;
+  if (age_ns_ > keep_ns) {
+    stale = backlog.counts.before(backlog.now_ns - static_cast<std::int64_t>(keep_ns));
+    if (stale >= backlog.count) return Decision::drop(backlog.count);
+    age_ns_ = std::min(age_ns_, std::max(keep_ns, 0.0));
+  }
+  const auto left = static_cast<double>(backlog.count - stale);
+  size = std::clamp(size, 1.0, left);
+  const double raw = std::clamp(left - stay, size, left);
+  Decision decision = Decision::take(static_cast<std::size_t>(raw), size / raw);
+  decision.stale = stale;
+  const double most_event_ns = cost_.most_event_ns();
+  if (is_whole() || packages_ < kFirst) {
+    const double room_ns = std::max(planned_ns() - age_ns_, length_ns);
+    decision = safe_slice(decision, safe_size(room_ns / caution(), most_event_ns));
+  }
+  decision = within(std::clamp(length_ns, 1.0, kMostBudgetNs), decision);
+  if (most_event_ns > 1.1 * cost_.beta_ns()) decision.most_event_ns = most_event_ns;
+  return decision;
 }
 
 // The bound; what two packages take that are little more than their fixed cost where that is more,
@@ -76,91 +262,10 @@ double Deadline::reachable_ns() const noexcept {
   return is_early() ? bound_ns : std::max(bound_ns, kReach * cost_.alpha_ns());
 }
 
-Deadline::Limits Deadline::limits() const noexcept {
-  const double alpha_ns = cost_.alpha_ns();
-  double latency_ns = reachable_ns();
-  latency_ns *= 1.0 - 0.05 * std::max(0.0, cost_.sigma() - 0.05);
-  latency_ns -= reserve_.ns(latency_ns, alpha_ns);
-
-  const double least_ns = std::min(hold_.min_interval_ns(), latency_ns / 2);
-  double longest_ns = latency_ns / 2;
-  if (is_whole()) {
-    // Shorter, as nothing stops it, unless that would leave little but fixed costs.
-    longest_ns = std::clamp(4.0 * caution() * alpha_ns, latency_ns / 3, longest_ns);
-  }
-  if (config_.knee > 0) {
-    longest_ns = std::min(longest_ns, std::max(config_.knee * alpha_ns, latency_ns / 10));
-  }
-  longest_ns = std::max(longest_ns, least_ns);
-  const double shortest_ns = std::max(std::sqrt(12.0 * alpha_ns * latency_ns), least_ns);
-  return {latency_ns, longest_ns, std::min(longest_ns, shortest_ns)};
-}
-
-// None while the oldest event can still make it. Else all that is older than L - T_lo, so that
-// there is time for a package afterwards.
-std::size_t Deadline::stale(const Backlog& backlog, const Limits& limits) const noexcept {
-  const double least_ns = std::min(1.5 * cost_.alpha_ns(), limits.latency_ns / 2);
-  if (age_ns(backlog) + least_ns <= limits.latency_ns) return 0;
-  const double keep_ns = limits.latency_ns - std::max(limits.shortest_ns, least_ns);
-  const std::int64_t keep = static_cast<std::int64_t>(keep_ns);
-  return std::min(backlog.counts.before(backlog.now_ns - keep), backlog.count);
-}
-
-Deadline::Lengths Deadline::lengths(const Backlog& backlog, const Limits& limits,
-                                    double room_ns) const noexcept {
-  const double latency_ns = limits.latency_ns;
-  const double alpha_ns = cost_.alpha_ns();
-  const double event_ns = caution() * cost_.beta_ns();
-  const double recent_ns = latency_ns / 20;
-  const double load_now = event_ns * younger(backlog, recent_ns) / recent_ns;
-  const double load = event_ns * count(backlog) / std::max(age_ns(backlog), kLeastAgeNs);
-  double length_ns = limits.shortest_ns;
-  if (load > 1) length_ns = 0.9 * latency_ns * (load - 1.0) / (2.0 * load - 1.0);
-  length_ns = std::clamp(length_ns, limits.shortest_ns, limits.longest_ns);
-  const double in_time_ns = std::min(length_ns, room_ns);
-  if (load_now >= 1 || !is_sure()) return {in_time_ns, length_ns};
-  // The rush is over: the next packages will be short, and this one may use all the time there is.
-  const double next_ns =
-      std::min(length_ns, std::max(3.0 * alpha_ns, 2.0 * alpha_ns / (1.0 - load_now)));
-  const bool is_long = !is_whole() && load_now <= 1.0 - 2.0 * alpha_ns / length_ns;
-  return {is_long ? room_ns : in_time_ns, next_ns};
-}
-
-// How many of the youngest events stay behind: those up to the largest age x for which an event of
-// any age a < x is still in time when this package and all that is older in the reserve are done.
-double Deadline::reserve(const Backlog& backlog, const Lengths& lengths,
-                         double latency_ns) const noexcept {
-  const double beta_ns = cost_.beta_ns();
-  const double time_ns = latency_ns - lengths.package_ns - 2.0 * cost_.alpha_ns();
-  const double oldest_ns = std::min(latency_ns - lengths.next_ns - lengths.package_ns, time_ns);
-  const double slot_ns = latency_ns / kAgeSlots;
-  double lead_ns = 0.0;  // max over a of: a - beta #(age <= a)
-  double left = 0.0;     // #(age <= x)
-  for (double age_ns = 0.0; age_ns < oldest_ns;) {
-    age_ns = std::min(age_ns + slot_ns, oldest_ns);
-    const double next = younger(backlog, age_ns);
-    if (beta_ns * next + lead_ns > time_ns) {
-      return std::clamp((time_ns - lead_ns) / beta_ns, left, next);
-    }
-    left = next;
-    lead_ns = std::max(lead_ns, age_ns - beta_ns * left);
-  }
-  return left;
-}
-
-Decision Deadline::thin(const Backlog& backlog, double reserve, double budget_ns) const noexcept {
-  const double waiting = count(backlog);
-  const double alpha_ns = cost_.alpha_ns();
-  const double affordable_ns = std::max(budget_ns / caution() - alpha_ns, alpha_ns / 4.0);
-  const double affordable = std::max(1.0, std::floor(affordable_ns / cost_.beta_ns()));
-  const double raw = std::min(waiting, std::max(waiting - std::floor(reserve), affordable));
-  return take(raw, std::min(raw, affordable), budget_ns);
-}
-
-Decision Deadline::take(double raw, double size, double budget_ns) const noexcept {
-  const Decision decision = Decision::take(static_cast<std::size_t>(raw), size / raw);
-  if (is_whole()) return decision;
-  return within(std::clamp(budget_ns, 1.0, kLongestBudgetNs), decision);
+// Less a margin for noise and one for outages.
+double Deadline::planned_ns() const noexcept {
+  const double latency_ns = reachable_ns() * (1.0 - 0.05 * std::max(0.0, cost_.sigma() - 0.05));
+  return latency_ns - reserve_.ns(latency_ns, cost_.alpha_ns());
 }
 
 void Deadline::observe(const Outcome& outcome) noexcept {
@@ -174,13 +279,7 @@ void Deadline::observe(const Outcome& outcome) noexcept {
 bool Deadline::is_early() const noexcept { return asap::is_early(packages_); }
 
 double Deadline::caution() const noexcept {
-  return is_whole() ? 1.0 + kWholeCaution * cost_.sigma() : 1.0;
-}
-
-// Whether the cost model may be trusted with all the time there is. An anytime package ends on time
-// even if it may not, so a few packages will do.
-bool Deadline::is_sure() const noexcept {
-  return is_whole() ? !is_early() : packages_ >= kSurePackages;
+  return is_whole() ? 1.0 + kCaution * cost_.sigma() : 1.0;
 }
 
 }  // namespace asap

@@ -50,6 +50,8 @@ def _setting(text: str, scheme: str, defaults: dict[str, Any]) -> tuple[str, Any
         raise Failure(USAGE, f"--set {text}: write NAME=VALUE")
     if name not in defaults:
         raise Failure(USAGE, f"--set {text}: {scheme} has no {name}; {_near(name, defaults)}")
+    if isinstance(defaults[name], str):
+        return name, value
     try:
         number = float(value)
     except ValueError as error:

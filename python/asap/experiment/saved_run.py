@@ -239,6 +239,8 @@ def _named(
 
 
 def _parameter(name: str, value: Any) -> Any:
+    if name == "prefer":  # a choice, by its name
+        return _text(name, value)
     return value if value is None else _real(name, value, least=-_FARTHEST)
 
 

@@ -197,12 +197,14 @@ def _rho(finding: Finding) -> float:
 def _losses(found: list[Finding]) -> Goal:
     def judge() -> tuple[str, bool]:
         _, overflow = _largest(found, lambda one: one.figures.overflow)
-        name, silence_ms = _largest(found, lambda one: one.figures.silence_ms)
-        where = f" ({name})" if silence_ms else ""
-        words = f"overflow {overflow:g}; silence {silence_ms:g} ms{where}"
-        return words, overflow == 0 and silence_ms == 0
+        name, gap = _largest(found, _gap)
+        return f"overflow {overflow:g}; gap {gap:.2f} L ({name})", overflow == 0 and gap <= 0.25
 
-    return _judge("G9", "no outages", "overflow 0; silence 0", found, judge)
+    return _judge("G9", "no outages, anytime", "overflow 0; gap <= 0.25 L", found, judge)
+
+
+def _gap(one: Finding) -> float:
+    return one.figures.gap_ms / COSTS[one.case.cost_model].latency_ms
 
 
 def _wrong_priors(results: Results) -> Goal:

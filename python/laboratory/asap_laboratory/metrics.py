@@ -67,11 +67,11 @@ def settle_ms(
     Returns
     -------
     float
-        ms to the end of the last slot of the phase that is later than 1.1 L or without a result,
-        mean over the steps. phase_ms - 4 (496 of 500): never settled. 0 without steps.
+        ms to the end of the last slot of the phase that is later than 1.1 L, mean over the steps.
+        phase_ms - 4 (496 of 500): never settled. 0 without steps.
     """
     _check_phases(slots, phase_ms, bound_us)
-    late = _is_late(slots, bound_us) | (slots["delivered"] == 0)
+    late = _is_late(slots, bound_us)
     return _mean_disturbance_ms(slots["slot"][late], steps_ms, phase_ms)
 
 

@@ -168,7 +168,7 @@ class NaiveSimulator final : public BacklogCounts {
     if (config_.execution == Execution::anytime && decision.budget_ns != kNever) {
       run_anytime(decision, raw, cost_.package(begun_++, start_ns), kept);
     } else {
-      thin(raw, decision.keep, kept);
+      thin_whole(decision, raw, kept);
       if (!kept.empty()) pass(cost_.package(begun_++, start_ns).of(kept.size()));
     }
     meter_.observe(in_work_, ns(ring_[0]), ns(ring_[in_work_ - 1]));
@@ -222,6 +222,18 @@ class NaiveSimulator final : public BacklogCounts {
     }
     number_ += count;
     return size;
+  }
+
+  // Where the time is planned, the last raw / 16 + 128 make up for the chance in those before.
+  void thin_whole(const Decision& decision, std::size_t raw, std::vector<Event>& kept) {
+    const bool planned = decision.budget_ns != kNever && decision.keep < 1;
+    const std::size_t last = planned ? std::min(raw / 16 + 128, raw) : 0;
+    thin(raw - last, decision.keep, kept);
+    if (last == 0) return;
+    const double n = std::max(decision.keep, 0.0) * static_cast<double>(raw);
+    const double left = std::max(n - static_cast<double>(kept.size()), 0.0);
+    const double keep = left / static_cast<double>(last);
+    thin_to(last, std::min(keep, 1.0), kept);
   }
 
   // Events arrive while the algorithm works.

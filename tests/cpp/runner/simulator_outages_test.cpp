@@ -64,7 +64,7 @@ TEST(SimulatorOutages, WithoutThemTheBoundHolds) {
 TEST(SimulatorOutages, HalfTheProcessorInSlices) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const Result busy = overloaded(10, time_slices(4, 4, seed));
-    EXPECT_LT(busy.p99, 1.2) << seed;  // 1.3 without a reserve
+    EXPECT_LT(busy.p99, 1.25) << seed;
     EXPECT_GT(busy.kept, 0.093) << seed;
     EXPECT_GT(busy.in_time, 0.088) << seed;
     EXPECT_NEAR(busy.alpha_us, kAlphaUs, 0.6 * kAlphaUs) << seed;
@@ -79,7 +79,7 @@ TEST(SimulatorOutages, HalfTheProcessorInSlices) {
 TEST(SimulatorOutages, ASliceNowAndThen) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const Result busy = overloaded(10, time_slices(20, 4, seed));
-    EXPECT_LT(busy.p99, 1.1) << seed;
+    EXPECT_LT(busy.p99, 1.15) << seed;
     EXPECT_GT(busy.in_time, 0.155) << seed;
     EXPECT_NEAR(busy.alpha_us, kAlphaUs, 0.3 * kAlphaUs) << seed;
   }

@@ -214,10 +214,9 @@ struct LawConfig {
   double latency_ms = 10.0;
   double overhead = 0.25;
   double min_interval_ms = 0.0;
-  double knee = 0.0;
 
   static constexpr std::tuple kParameters{
-      NamedField{"knee", &LawConfig::knee},
+      NamedField{"overhead", &LawConfig::overhead},
       NamedField{"latency_ms", &LawConfig::latency_ms},
   };
 };
@@ -249,12 +248,12 @@ void observe(Law& law, std::size_t size) {
 }
 
 TEST(BoundedScheme, TellsTheBoundInForceAmongItsParameters) {
-  Law law({.latency_ms = 0.0123456, .knee = 2});
+  Law law({.latency_ms = 0.0123456, .overhead = 0.5});
   EXPECT_EQ(law.latency_bound_ns(), 12'346);
-  EXPECT_EQ(law.parameters(), (SchemeParameters{{"knee", 2.0}, {"latency_ms", 0.0123456}}));
+  EXPECT_EQ(law.parameters(), (SchemeParameters{{"overhead", 0.5}, {"latency_ms", 0.0123456}}));
   law.set_latency_bound_ns(20'000'000);
   EXPECT_EQ(law.latency_bound_ns(), 20'000'000);
-  EXPECT_EQ(law.parameters(), (SchemeParameters{{"knee", 2.0}, {"latency_ms", 20.0}}));
+  EXPECT_EQ(law.parameters(), (SchemeParameters{{"overhead", 0.5}, {"latency_ms", 20.0}}));
   law.set_latency_bound_ns(12'346);
   EXPECT_EQ(law.parameters()[1].second, SchemeParameter(0.0123456));
 }
@@ -290,20 +289,10 @@ TEST(BoundedScheme, PlansAnAnytimePackageWithWhatItLearned) {
 
 TEST(BoundedScheme, RefusesABadConfigurationByName) {
   const auto error = [](LawConfig config) { return error_of([=] { Law law(config); }); };
-  EXPECT_EQ(error({.latency_ms = 0, .overhead = 2, .knee = -1}),
+  EXPECT_EQ(error({.latency_ms = 0, .overhead = 2}),
             "latency_ms = 0: must be between 0.01 and 1e7 ms");
-  EXPECT_EQ(error({.overhead = 2, .knee = -1}), "overhead = 2: must be between 0 (no limit) and 1");
+  EXPECT_EQ(error({.overhead = 2}), "overhead = 2: must be between 0 (no limit) and 1");
   EXPECT_EQ(error({.min_interval_ms = -1}), "min_interval_ms = -1: must be between 0 and 1e7 ms");
-}
-
-TEST(BoundedScheme, KneeIsOffOrAtLeastOne) {
-  for (const double knee : {0.0, 1.0, 33.0, 1e6}) EXPECT_NO_THROW(Law({.knee = knee}));
-  const auto error = [](double knee) { return error_of([=] { Law law({.knee = knee}); }); };
-  const std::string remedy = ": must be 0 (off) or between 1 and 1e6";
-  EXPECT_EQ(error(0.5), "knee = 0.5" + remedy);
-  EXPECT_EQ(error(-1), "knee = -1" + remedy);
-  EXPECT_EQ(error(2e6), "knee = 2000000" + remedy);
-  EXPECT_EQ(error(std::numeric_limits<double>::quiet_NaN()), "knee = nan" + remedy);
 }
 
 }  // namespace

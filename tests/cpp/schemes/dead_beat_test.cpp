@@ -152,6 +152,16 @@ TEST(DeadBeat, OneEventAtATimeIsNoOverload) {
   EXPECT_EQ(size_of(decide(scheme, 2, kMs)), 2.0);
 }
 
+TEST(DeadBeat, KneeIsOffOrAtLeastOne) {
+  for (const double knee : {0.0, 1.0, 33.0, 1e6}) EXPECT_NO_THROW(DeadBeat({.knee = knee}));
+  const auto error = [](double knee) { return error_of([=] { DeadBeat law({.knee = knee}); }); };
+  const std::string remedy = ": must be 0 (off) or between 1 and 1e6";
+  EXPECT_EQ(error(0.5), "knee = 0.5" + remedy);
+  EXPECT_EQ(error(-1), "knee = -1" + remedy);
+  EXPECT_EQ(error(2e6), "knee = 2000000" + remedy);
+  EXPECT_EQ(error(std::numeric_limits<double>::quiet_NaN()), "knee = nan" + remedy);
+}
+
 TEST(DeadBeat, TheKneeHasAFloorAndACap) {
   const auto budget_ms = [](DeadBeatConfig config) {
     DeadBeat scheme = trained(config);

@@ -59,11 +59,10 @@ class BoundedScheme : public Scheme {
   double beta_ns() const noexcept { return cost_.beta_ns(); }
 
  protected:
-  // Of a configuration with latency_ms, overhead, min_interval_ms and knee; checks these.
+  // Of a configuration with latency_ms, overhead and min_interval_ms; checks these.
   template <class Config>
   explicit BoundedScheme(const Config& config, CostModelConfig cost = {})
-      : BoundedScheme(config.latency_ms, config.overhead, config.min_interval_ms, config.knee,
-                      cost) {}
+      : BoundedScheme(config.latency_ms, config.overhead, config.min_interval_ms, cost) {}
 
   // The configuration's parameters, with the bound in force.
   template <class Config>
@@ -83,8 +82,7 @@ class BoundedScheme : public Scheme {
   std::uint64_t packages_ = 0;  // k, done
 
  private:
-  BoundedScheme(double latency_ms, double overhead, double min_interval_ms, double knee,
-                CostModelConfig cost);
+  BoundedScheme(double latency_ms, double overhead, double min_interval_ms, CostModelConfig cost);
   double latency_ms(double configured_ms) const noexcept;
 };
 

@@ -19,8 +19,8 @@
 
 namespace asap {
 
-// The constructor's parameters by name.
-using SchemeParameter = std::variant<std::int64_t, double>;
+// The constructor's parameters by name. A choice is told by its name.
+using SchemeParameter = std::variant<std::int64_t, double, std::string_view>;
 using SchemeParameters = std::vector<std::pair<std::string_view, SchemeParameter>>;
 
 template <class Config, class Value>
@@ -41,6 +41,8 @@ SchemeParameters parameters_of(const Config& config) {
       if (value) parameters.emplace_back(name, *value);
     } else if constexpr (std::is_same_v<Value, std::size_t>) {
       parameters.emplace_back(name, static_cast<std::int64_t>(value));
+    } else if constexpr (std::is_enum_v<Value>) {
+      parameters.emplace_back(name, name_of(value));
     } else {
       parameters.emplace_back(name, value);
     }

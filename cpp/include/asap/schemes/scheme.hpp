@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string_view>
 
 #include "asap/core/nonblocking.hpp"
@@ -27,6 +28,14 @@ class BacklogCounts {
   // The same in O(1), right to the share of one age slot (buffer/age_slots.hpp); what is older than
   // the slots counts as their oldest. Never decreases with time_ns, never more than count.
   virtual std::size_t about_before(std::int64_t time_ns) const noexcept ASAP_NONBLOCKING = 0;
+  // The same for many times at once: counts[i] of newest_ns - i * step_ns. O(1) each.
+  virtual void about_before_each(std::int64_t newest_ns, std::int64_t step_ns,
+                                 std::span<std::size_t> counts) const noexcept ASAP_NONBLOCKING {
+    for (std::size_t& count : counts) {
+      count = about_before(newest_ns);
+      newest_ns -= step_ns;
+    }
+  }
 
  protected:
   ~BacklogCounts() = default;

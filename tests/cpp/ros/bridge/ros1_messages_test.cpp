@@ -91,7 +91,7 @@ TEST(Ros1Messages, WritesAnEventArrayByteForByte) {
               .events = kEvents},
              "cam", bytes);
   Bytes expected = kArray;
-  expected[expected.size() - 5] = 0xb8;  // 3 us: the nanoseconds are the sensor's, not ours
+  expected.at(expected.size() - 5) = 0xb8;  // 3 us: the nanoseconds are the sensor's, not ours
   EXPECT_EQ(bytes, expected);
 }
 

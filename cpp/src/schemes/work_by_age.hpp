@@ -1,0 +1,84 @@
+// WorkByAge: the work that waits, by the age of its events, as a plan needs it: curves over slots
+// of equal width, straight lines in between. Times and work are ns; work is what the events cost,
+// fixed costs not included. One pass over the slots, no allocation.
+// Source: notebooks/theory.md, section 6.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "asap/schemes/scheme.hpp"
+
+namespace asap {
+
+class WorkByAge {
+ public:
+  // Of events up to the age span_ns, each of which costs event_ns.
+  WorkByAge(const Backlog& backlog, double span_ns, double event_ns) noexcept
+      : slot_ns_(span_ns / kSlots) {
+    std::array<std::size_t, kSlots> older;
+    const auto step_ns = static_cast<std::int64_t>(slot_ns_);
+    backlog.counts.about_before_each(backlog.now_ns - step_ns, step_ns, older);
+    double lead_ns = 0.0;  // max over a of: a - C(a)
+    for (std::size_t k = 0; k < kSlots; ++k) {
+      const std::size_t younger = backlog.count - std::min(older[k], backlog.count);
+      work_[k + 1] = event_ns * static_cast<double>(younger);
+      lead_ns = std::max(lead_ns, slot_ns_ * static_cast<double>(k + 1) - work_[k + 1]);
+      done_[k + 1] = work_[k + 1] + lead_ns;
+    }
+  }
+
+  // C(x), of the events up to this age.
+  double up_to(double age_ns) const noexcept {
+    const double slots = std::clamp(age_ns / slot_ns_, 0.0, static_cast<double>(kSlots));
+    const std::size_t k = std::min(static_cast<std::size_t>(slots), kSlots - 1);
+    return work_[k] + (slots - static_cast<double>(k)) * (work_[k + 1] - work_[k]);
+  }
+
+  // The age up to which so much work waits.
+  double age_of(double work_ns) const noexcept { return inverse(work_, work_ns); }
+
+  // The largest age x such that, if no more came, an event of any age a < x would be done at the
+  // age a + time_ns: those up to x, oldest first, C(x) - C(a) + a <= time_ns.
+  double age_done_within(double time_ns) const noexcept { return inverse(done_, time_ns); }
+
+  // The largest package of the newest events that is over when its oldest gets span_ns old, if all
+  // takes `caution` times as long.
+  double newest_only(double fixed_ns, double caution) const noexcept {
+    const double span_ns = slot_ns_ * kSlots;
+    const auto end_ns = [&](std::size_t slot) {
+      return caution * (fixed_ns + work_[slot]) + slot_ns_ * static_cast<double>(slot);
+    };
+    std::size_t k = 0;
+    while (k < kSlots && end_ns(k + 1) <= span_ns) ++k;
+    double work_ns = work_[k];
+    if (k < kSlots) {
+      const double share = std::max(span_ns - end_ns(k), 0.0) / (end_ns(k + 1) - end_ns(k));
+      work_ns += share * (work_[k + 1] - work_[k]);
+    }
+    return caution * (fixed_ns + work_ns);
+  }
+
+ private:
+  static constexpr std::size_t kSlots = 32;
+  using Curve = std::array<double, kSlots + 1>;
+
+  double inverse(const Curve& curve, double value) const noexcept {
+    if (value <= 0.0) return 0.0;
+    if (value >= curve.back()) return slot_ns_ * kSlots;
+    std::size_t k = 0;  // the last slot that begins at or below the value
+    for (std::size_t step = kSlots / 2; step > 0; step /= 2) {
+      if (curve[k + step] <= value) k += step;
+    }
+    const double share = (value - curve[k]) / (curve[k + 1] - curve[k]);
+    return slot_ns_ * (static_cast<double>(k) + share);
+  }
+
+  double slot_ns_;
+  Curve work_{};
+  Curve done_{};
+};
+
+}  // namespace asap
