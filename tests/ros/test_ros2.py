@@ -197,7 +197,7 @@ def test_parameters_change_or_are_refused_with_a_reason(peer: Peer) -> None:
 
 def test_parameters_describe_themselves(peer: Peer) -> None:
     numbers = {"latency_ms", "feedback_timeout_ms", "rate_bound"}
-    names = [*numbers, "queue", "feedback", "encoding", "input", "best_effort"]
+    names = [*numbers, "queue", "prefer", "feedback", "encoding", "input", "best_effort"]
     client = peer.create_client(DescribeParameters, "asap/describe_parameters")
     with AsapNode():
         peer.wait_for_node()
@@ -225,6 +225,7 @@ def test_best_effort_and_queue_are_those_of_the_parameters(peer: Peer) -> None:
 @pytest.mark.parametrize(
     ("parameters", "reason"),
     [
+        ({"prefer": "all"}, "prefer = all: must be one of balanced, events, continuity"),
         ({"encoding": "evt2"}, "encoding = evt2: must be one of evt3, mono, dvs_msgs"),
         (
             {"latency_ms": 5000.0, "feedback": "topic"},

@@ -238,6 +238,7 @@ def test_parameters_change_or_are_refused_with_a_reason(peer: Peer) -> None:
 @pytest.mark.parametrize(
     ("parameters", "reason"),
     [
+        ({"prefer": "all"}, "prefer = all: must be one of balanced, events, continuity"),
         ({"encoding": "evt2"}, "encoding = evt2: must be one of evt3, mono, dvs_msgs"),
         (
             {"latency_ms": 5000.0, "feedback": "topic"},

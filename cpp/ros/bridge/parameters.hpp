@@ -1,6 +1,6 @@
 // Parameters: those of the nodes, with range and description, for every middleware the same. Every
-// node has kLatency; a node that publishes packages has them all. A check names field, value and
-// remedy.
+// node has kLatency and kPrefer; a node that publishes packages has them all. A check names field,
+// value and remedy.
 //
 // Any thread.
 #pragma once
@@ -15,6 +15,7 @@ struct Parameters {
   double latency_ms = 10.0;
   double feedback_timeout_ms = 1000.0;
   double rate_bound = 0.0;
+  std::string prefer = "balanced";
   std::string feedback = "none";
   std::string encoding = "evt3";
 };
@@ -47,9 +48,14 @@ struct ChoiceField {
   const char* description;
 };
 
+inline constexpr const char* kPreferences[] = {"balanced", "events", "continuity"};
 inline constexpr const char* kFeedbacks[] = {"none", "topic", "service"};
 inline constexpr const char* kOutputs[] = {"evt3", "mono", "dvs_msgs"};
+inline constexpr ChoiceField kPrefer{
+    "prefer", &Parameters::prefer, kPreferences,
+    "What matters in overload: events, as many as possible; continuity, no gap; or balanced."};
 inline constexpr std::array kChoices{
+    kPrefer,
     ChoiceField{"feedback", &Parameters::feedback, kFeedbacks,
                 "How the consumer says that it has finished a package: none, topic or service."},
     ChoiceField{"encoding", &Parameters::encoding, kOutputs,

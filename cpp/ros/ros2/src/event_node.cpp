@@ -40,6 +40,7 @@ builtin_interfaces::msg::Time to_time(std::int64_t ns) {
 EventNode::EventNode(const std::string& name, const rclcpp::NodeOptions& options)
     : Node(name, options) {
   declare(ros::kLatency);
+  declare(ros::kPrefer);
   rcl_interfaces::msg::ParameterDescriptor fixed;
   fixed.read_only = true;
   fixed.description = "Subscribe and publish best effort: a slow network loses messages.";
