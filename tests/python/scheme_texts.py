@@ -25,6 +25,7 @@ TYPES = {
     r"\bobject\b": "int",  # refused by name if it is none
     r"\bdict\b": "dict[str, float | None]",
     r"asap\._core\.": "",
+    "'": '"',  # as the formatter writes it
 }
 
 
