@@ -78,6 +78,11 @@ def test_one_header_includes_all(prefix: Path, tmp_path: Path) -> None:
     stranger(tmp_path, door, "asap::algorithms", program, CMAKE_PREFIX_PATH=prefix, **eigen())
 
 
+def test_one_header_serves_the_core_alone(prefix: Path, tmp_path: Path) -> None:
+    door, program = "find_package(asap REQUIRED)", with_one_include(OF_THE_CORE)
+    stranger(tmp_path, door, "asap::core", program, CMAKE_PREFIX_PATH=prefix)
+
+
 def test_the_page_for_boards_tells_the_memory_of_a_pipeline(prefix: Path, tmp_path: Path) -> None:
     page = (ROOT / "notebooks" / "board.md").read_text()
     table = page.partition("| `capacity`, events |")[2].partition("\n\n")[0]

@@ -18,6 +18,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -108,23 +109,31 @@ class BasicArrivalTimes {
                    std::size_t count, std::span<std::size_t> counts) const noexcept {
     const std::uint64_t begin = head_.load(std::memory_order_relaxed);
     const std::uint64_t tail = tail_.load(std::memory_order_acquire);
+    const auto time_before = [&](std::uint64_t step) {
+      return step > begin ? entry(step - 1).time_ns.load(std::memory_order_relaxed)
+                          : std::numeric_limits<std::int64_t>::min();
+    };
     std::uint64_t step = tail;
     std::uint64_t stride = 1;
+    std::int64_t time_ns = time_before(step);
+    std::size_t waiting = count;
     for (std::size_t& older : counts) {
-      const std::uint64_t from = step;
-      while (step > begin) {
-        const std::uint64_t jump = std::min(stride, step - begin);
-        if (entry(step - jump).time_ns.load(std::memory_order_relaxed) >= newest_ns) {
-          step -= jump;
-          stride = 2 * jump;
-        } else if (jump == 1) {
-          break;
-        } else {
-          stride = jump / 2;
+      if (time_ns >= newest_ns) {
+        const std::uint64_t from = step;
+        for (std::uint64_t jump = stride; time_ns >= newest_ns;) {
+          jump = std::min(jump, step - begin);
+          if (entry(step - jump).time_ns.load(std::memory_order_relaxed) >= newest_ns) {
+            step -= jump;
+            time_ns = time_before(step);
+            jump *= 2;
+          } else {
+            jump /= 2;  // 1 is not too far: time_ns
+          }
         }
+        stride = from - step;
+        waiting = waiting_before(step, tail, head, count);
       }
-      older = waiting_before(step, tail, head, count);
-      stride = std::max<std::uint64_t>(from - step, 1);
+      older = waiting;
       newest_ns -= step_ns;
     }
   }
@@ -156,7 +165,7 @@ class BasicArrivalTimes {
   Entry& entry(std::uint64_t i) noexcept { return entries_[i & (steps_ - 1)]; }
   const Entry& entry(std::uint64_t i) const noexcept { return entries_[i & (steps_ - 1)]; }
 
-  // Of the waiting events, those before this step; all of them where it is the tail.
+  // Returns how many waiting events lie before this step: all of them if it is the tail.
   std::size_t waiting_before(std::uint64_t step, std::uint64_t tail, std::uint64_t head,
                              std::size_t count) const noexcept {
     if (step == tail) return count;

@@ -76,7 +76,7 @@ class Packager::Work {
                bool ended) noexcept;
   void open(Package& package, const Decision& decision, std::int64_t now_ns) noexcept;
   EventSpan add(Package& package, std::size_t begin, std::size_t end, Share share);
-  void add_whole(Package& package, const Decision& decision);
+  void add_planned(Package& package, const Decision& decision);
   double smoothed_keep(double gamma, std::int64_t now_ns) const noexcept;
   Books::Left leaving(const EventPieces& waiting, std::size_t count,
                       std::int64_t oldest_ns) const noexcept;
@@ -163,7 +163,11 @@ Packager::Next Packager::Work::next(std::int64_t now_ns, std::uint64_t until) {
     oldest_ns_ = decision.stale > 0 ? times_.of(raw_[0], buffer_.head()) : oldest_ns;
     open(next.package, decision, now_ns);
     if (!is_anytime_) {
-      add_whole(next.package, decision);
+      if (decision.budget_ns == kNever || decision.keep == 1.0) {
+        add(next.package, 0, decision.raw, {.keep = decision.keep});
+      } else {
+        add_planned(next.package, decision);
+      }
       if (next.package.events.empty()) {
         complete(next.package, now_ns);
         continue;
@@ -235,14 +239,12 @@ EventSpan Packager::Work::stratum(Package& package, std::int64_t now_ns) {
   return rest;
 }
 
-// Where its time is planned, so is the number of its events: the last part makes up for the chance
-// in the parts before it.
-void Packager::Work::add_whole(Package& package, const Decision& decision) {
+// As many events as are planned: the last part makes up for the chance in those before it.
+void Packager::Work::add_planned(Package& package, const Decision& decision) {
   const std::size_t raw = decision.raw;
-  const bool is_planned = decision.budget_ns != kNever && decision.keep < 1.0;
-  const std::size_t last = is_planned ? std::min(AnytimePlan::longest_stratum(raw), raw) : 0;
+  const std::size_t last = std::min(AnytimePlan::longest_stratum(raw), raw);
   if (last < raw) add(package, 0, raw - last, {.keep = decision.keep});
-  if (last == 0 || package.raw < raw - last) return;  // or it is full
+  if (package.raw < raw - last) return;  // it is full
   const double planned = decision.keep * static_cast<double>(raw);
   const double left = std::max(planned - static_cast<double>(package.events.size()), 0.0);
   add(package, raw - last, raw, {.keep = left / static_cast<double>(last), .exactly = true});

@@ -26,7 +26,7 @@ constexpr double kRecent = 0.1;      // of a bound: what has come in it tells a 
 constexpr double kDearest = 50.0;    // fixed costs per bound from which on a gap has its full price
 constexpr std::uint64_t kFirst = 6;  // packages, until the first guess of the cost is forgotten
 
-// Of a gap as long as the bound, as a share of the throughput.
+// The price of a gap as long as the bound, as a share of the throughput.
 double gap_price(Prefer prefer) noexcept {
   switch (prefer) {
     case Prefer::events:
@@ -195,34 +195,35 @@ void Deadline::reset(Execution execution) noexcept {
 
 Decision Deadline::decide(const Backlog& backlog) noexcept {
   const double latency_ns = planned_ns();
-  if (const auto wait = hold_.wait(backlog, cost_, caution(), latency_ns)) return *wait;
+  const double zeta = caution();
+  if (const auto wait = hold_.wait(backlog, cost_, zeta, latency_ns)) return *wait;
   const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
   const double room_ns = latency_ns - age_ns(backlog);
-  const double cautious_ns = std::min(caution() * cost_.alpha_ns(), 0.4 * latency_ns);
+  const double cautious_ns = std::min(zeta * cost_.alpha_ns(), 0.4 * latency_ns);
   const double shortest_ns = 1.5 * cautious_ns;
   if (is_single(packages_, cost_.alpha_ns(), bound_ns)) {
-    return take(backlog, std::max(room_ns, shortest_ns), 1.0, kAll);
+    return take(backlog, latency_ns, std::max(room_ns, shortest_ns), 1.0, kAll);
   }
   // Nothing stops a whole package that is late: a shorter one is less late.
   const double most_ns = is_whole() ? std::max(latency_ns / 2, 12.0 * cautious_ns) : latency_ns;
   const double fit_ns = std::min(room_ns, most_ns);
   const auto all = static_cast<double>(backlog.count);
-  if (caution() * cost_.predict_ns(all) <= fit_ns) return take(backlog, fit_ns, all, 0.0);
+  if (zeta * cost_.predict_ns(all) <= fit_ns) return take(backlog, latency_ns, fit_ns, all, 0.0);
 
   const double event_ns = cost_.beta_ns();
   const WorkByAge work(backlog, latency_ns, event_ns);
-  const double least_ns = std::min(hold_.min_interval_ns(), latency_ns / 2);
-  const Plan plan = Planner(work, {.latency_ns = latency_ns,
-                                   .caution = caution(),
-                                   .fixed_ns = cautious_ns / caution(),
-                                   .event_ns = event_ns,
-                                   .age_ns = age_ns(backlog),
-                                   .shortest_ns = std::max(shortest_ns, least_ns),
-                                   .longest_ns = most_ns,
-                                   .is_new = packages_ < 4,
-                                   .prefer = config_.prefer})
-                        .best();
-  return take(backlog, plan.length_ns, std::floor(plan.work_ns / event_ns),
+  const Plan plan =
+      Planner(work, {.latency_ns = latency_ns,
+                     .caution = zeta,
+                     .fixed_ns = cautious_ns / zeta,
+                     .event_ns = event_ns,
+                     .age_ns = age_ns(backlog),
+                     .shortest_ns = std::max(shortest_ns, hold_.shortest_ns(latency_ns)),
+                     .longest_ns = most_ns,
+                     .is_new = packages_ < 4,
+                     .prefer = config_.prefer})
+          .best();
+  return take(backlog, latency_ns, plan.length_ns, std::floor(plan.work_ns / event_ns),
               std::floor(work.up_to(plan.stay_ns) / event_ns));
 }
 
@@ -230,9 +231,9 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
 // for so many that stay, thinned to a size. No more than ends in time however wrong the line of the
 // cost is: of whole packages always, of others, which the clock ends, as long as the first guess is
 // all there is.
-Decision Deadline::take(const Backlog& backlog, double length_ns, double size,
+Decision Deadline::take(const Backlog& backlog, double latency_ns, double length_ns, double size,
                         double stay) noexcept {
-  const double keep_ns = planned_ns() - length_ns;
+  const double keep_ns = latency_ns - length_ns;
   age_ns_ = age_ns(backlog);
   std::size_t stale = 0;
   if (age_ns_ > keep_ns) {
@@ -247,7 +248,7 @@ Decision Deadline::take(const Backlog& backlog, double length_ns, double size,
   decision.stale = stale;
   const double most_event_ns = cost_.most_event_ns();
   if (is_whole() || packages_ < kFirst) {
-    const double room_ns = std::max(planned_ns() - age_ns_, length_ns);
+    const double room_ns = std::max(latency_ns - age_ns_, length_ns);
     decision = safe_slice(decision, safe_size(room_ns / caution(), most_event_ns));
   }
   decision = within(std::clamp(length_ns, 1.0, kMostBudgetNs), decision);

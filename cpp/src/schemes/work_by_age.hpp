@@ -15,15 +15,17 @@ namespace asap {
 
 class WorkByAge {
  public:
-  // Of events up to the age span_ns, each of which costs event_ns.
+  // The curves reach up to the age span_ns; each event costs event_ns.
   WorkByAge(const Backlog& backlog, double span_ns, double event_ns) noexcept
       : slot_ns_(span_ns / kSlots) {
     std::array<std::size_t, kSlots> older;
     const auto step_ns = static_cast<std::int64_t>(slot_ns_);
     backlog.counts.about_before_each(backlog.now_ns - step_ns, step_ns, older);
+    work_[0] = done_[0] = 0.0;
     double lead_ns = 0.0;  // max over a of: a - C(a)
     for (std::size_t k = 0; k < kSlots; ++k) {
-      const std::size_t younger = backlog.count - std::min(older[k], backlog.count);
+      const auto younger =
+          static_cast<std::int64_t>(backlog.count - std::min(older[k], backlog.count));
       work_[k + 1] = event_ns * static_cast<double>(younger);
       lead_ns = std::max(lead_ns, slot_ns_ * static_cast<double>(k + 1) - work_[k + 1]);
       done_[k + 1] = work_[k + 1] + lead_ns;
@@ -51,13 +53,9 @@ class WorkByAge {
     const auto end_ns = [&](std::size_t slot) {
       return caution * (fixed_ns + work_[slot]) + slot_ns_ * static_cast<double>(slot);
     };
-    std::size_t k = 0;
-    while (k < kSlots && end_ns(k + 1) <= span_ns) ++k;
-    double work_ns = work_[k];
-    if (k < kSlots) {
-      const double share = std::max(span_ns - end_ns(k), 0.0) / (end_ns(k + 1) - end_ns(k));
-      work_ns += share * (work_[k + 1] - work_[k]);
-    }
+    const std::size_t k = last_slot([&](std::size_t slot) { return end_ns(slot) <= span_ns; });
+    const double share = std::max(span_ns - end_ns(k), 0.0) / (end_ns(k + 1) - end_ns(k));
+    const double work_ns = work_[k] + share * (work_[k + 1] - work_[k]);
     return caution * (fixed_ns + work_ns);
   }
 
@@ -65,20 +63,27 @@ class WorkByAge {
   static constexpr std::size_t kSlots = 32;
   using Curve = std::array<double, kSlots + 1>;
 
+  // Returns the last slot k for which is(k) holds. It holds up to some slot and not beyond.
+  template <class Is>
+  static std::size_t last_slot(const Is& is) noexcept {
+    std::size_t k = 0;
+    for (std::size_t step = kSlots / 2; step > 0; step /= 2) {
+      if (is(k + step)) k += step;
+    }
+    return k;
+  }
+
   double inverse(const Curve& curve, double value) const noexcept {
     if (value <= 0.0) return 0.0;
     if (value >= curve.back()) return slot_ns_ * kSlots;
-    std::size_t k = 0;  // the last slot that begins at or below the value
-    for (std::size_t step = kSlots / 2; step > 0; step /= 2) {
-      if (curve[k + step] <= value) k += step;
-    }
+    const std::size_t k = last_slot([&](std::size_t slot) { return curve[slot] <= value; });
     const double share = (value - curve[k]) / (curve[k + 1] - curve[k]);
     return slot_ns_ * (static_cast<double>(k) + share);
   }
 
   double slot_ns_;
-  Curve work_{};
-  Curve done_{};
+  Curve work_;
+  Curve done_;
 };
 
 }  // namespace asap

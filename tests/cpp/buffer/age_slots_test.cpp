@@ -57,6 +57,10 @@ class Rig {
     return slots_.before(time_ns, now_ns, head_, waiting());
   }
   std::size_t about(std::int64_t time_ns) const { return about(time_ns, newest_ns()); }
+  void about_each(std::int64_t newest_ns, std::int64_t step_ns, std::int64_t now_ns,
+                  std::vector<std::size_t>& counts) const {
+    slots_.before_each(newest_ns, step_ns, now_ns, head_, waiting(), counts);
+  }
 
   // Waiting events of the slot that holds this time.
   std::size_t beside(std::int64_t time_ns) const {
@@ -162,6 +166,13 @@ void agrees_with_counts(std::uint64_t seed, std::int64_t width_ns, std::int64_t 
       if (floor_of(time_ns, width_ns) == time_ns) {
         ASSERT_EQ(about, exact) << "at " << time_ns;
       }
+    }
+    std::vector<std::size_t> counts(32);
+    const auto step_ns = static_cast<std::int64_t>(draw(static_cast<std::uint64_t>(6 * width_ns)));
+    rig.about_each(now_ns, step_ns, now_ns, counts);
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      const std::int64_t time_ns = now_ns - static_cast<std::int64_t>(i) * step_ns;
+      ASSERT_EQ(counts[i], rig.about(time_ns, now_ns)) << "at " << time_ns;
     }
   }
 }

@@ -77,6 +77,31 @@ TEST(ArrivalTimes, StayRightWhereverTheyAreReleased) {
   }
 }
 
+TEST(ArrivalTimes, CountsForManyTimesAtOnceAsForEach) {
+  const CounterRandom random(1);
+  std::uint64_t draws = 0;
+  const auto draw = [&](std::uint64_t most) { return random(draws++) % (most + 1); };
+  for (int round = 0; round < 300; ++round) {
+    ArrivalTimes times(10);
+    std::uint64_t index = 0;
+    std::int64_t now_ns = 0;
+    for (std::uint64_t steps = draw(200); steps > 0; --steps) {
+      times.note(index, now_ns);
+      index += 1 + draw(20);
+      now_ns += static_cast<std::int64_t>(draw(5) == 0 ? draw(2000) : draw(30));
+    }
+    const std::uint64_t head = draw(index);
+    times.release(head);
+    const auto step_ns = static_cast<std::int64_t>(1 + draw(100));
+    std::vector<std::size_t> counts(32);
+    times.before_each(now_ns, step_ns, head, index - head, counts);
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      const std::int64_t time_ns = now_ns - static_cast<std::int64_t>(i) * step_ns;
+      ASSERT_EQ(counts[i], times.before(time_ns, head, index - head)) << round << ", " << i;
+    }
+  }
+}
+
 TEST(ArrivalTimes, GoesOnForEverWhenReleased) {
   ArrivalTimes times(10);
   for (std::uint64_t i = 0; i < 5 * kSteps; ++i) {

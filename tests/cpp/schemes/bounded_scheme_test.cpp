@@ -154,7 +154,8 @@ TEST(Hold, BothLimitsTogether) {
 
 TEST(Hold, AnIntervalBeyondHalfTheBoundIsNotKept) {
   const HoldRule rule(0, 500.0);
-  EXPECT_EQ(rule.min_interval_ns(), 5e8);
+  EXPECT_EQ(rule.shortest_ns(1e10), 5e8);
+  EXPECT_EQ(rule.shortest_ns(1e7), 5e6);
   const auto waits = wait(rule, {.interval_ns = 4'999'999});
   ASSERT_TRUE(waits);
   EXPECT_EQ(waits->until_ns, kNow + 1);

@@ -201,7 +201,7 @@ TEST(Deadline, DropsWhatHasNoChanceAndTakesTheRest) {
   EXPECT_EQ(decision.keep, 1.0);
 }
 
-// What is dropped is no older than what the package keeps in time, and no younger.
+// The dropped events are exactly those that would be too old when the package ends.
 TEST(Deadline, APackageThatDropsEndsWhenItsOldestIsTooOld) {
   for (const double load : {1.5, 3.0, 10.0}) {
     Deadline scheme = trained();
@@ -250,7 +250,7 @@ TEST(Deadline, TakesTheBestOfItsPlans) {
     const auto best = law.best();
     ASSERT_GT(best.length, 0) << seed;
     ASSERT_NEAR(static_cast<double>(decision.budget_ns), best.length, 30) << seed;
-    // What is too old was counted, the curves are straight lines. The package is filled first.
+    // Stale events are counted exactly, but the curves interpolate. The package is filled first.
     const auto left = static_cast<double>(events.at(kNow).count - decision.stale);
     ASSERT_NEAR(size_of(decision), std::min(best.size / beta, left), 1.5) << seed;
     const double stay = std::min(best.stay / beta, left - size_of(decision));

@@ -35,14 +35,12 @@ class HoldRule {
   std::optional<Decision> wait(const Backlog& backlog, const CostModel& cost, double caution,
                                double latency_ns) const noexcept;
 
-  double min_interval_ns() const noexcept { return min_interval_ns_; }
-
+  // The shortest time between two package starts: min_interval, but never more than half the bound.
+  double shortest_ns(double latency_ns) const noexcept;
   // The longest time between two package starts that is waited for.
   double longest_ns(const CostModel& cost, double latency_ns) const noexcept;
 
  private:
-  double shortest_ns(double latency_ns) const noexcept;
-
   const double overhead_;
   const double min_interval_ns_;
 };
@@ -59,7 +57,7 @@ class BoundedScheme : public Scheme {
   double beta_ns() const noexcept { return cost_.beta_ns(); }
 
  protected:
-  // Of a configuration with latency_ms, overhead and min_interval_ms; checks these.
+  // The configuration has latency_ms, overhead and min_interval_ms, which are checked here.
   template <class Config>
   explicit BoundedScheme(const Config& config, CostModelConfig cost = {})
       : BoundedScheme(config.latency_ms, config.overhead, config.min_interval_ms, cost) {}

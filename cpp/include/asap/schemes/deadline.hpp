@@ -1,9 +1,10 @@
 // Deadline: as many events as possible within the latency bound L of their stamps, and none later.
-// What waits is taken whole if it fits into the bound. If not, the law plays a dozen plans forward
-// on what waits and takes the best (notebooks/theory.md, section 6). A plan is a package of some
-// length T: it drops what is older than L - T, thins the older part of the rest to what it can
-// finish, and leaves the newest events behind raw. Its value is what gets finished in time if no
-// more came and, in a rush, what such packages finish if it goes on, less the price of a gap.
+// A backlog that fits into the bound is taken whole. Otherwise the law plays a dozen plans forward
+// on the backlog and takes the best (notebooks/theory.md, section 6). A plan is a package of some
+// length T: it drops events older than L - T, thins the older part of the rest to the number that
+// it can finish, and leaves the newest events in the ring. Its value is the work finished in time
+// if arrivals stop and, in a rush, the work of such packages if they go on, less the price of a
+// gap.
 //
 // There is no rate estimate and no integrator in the loop, so nothing lags. Called on the
 // consumer's thread, once or twice per package. 32 counts by age and one exact one, no allocation.
@@ -21,7 +22,7 @@ namespace asap {
 // What matters more in overload where the two differ: the number of events, or that none of the
 // scene's moments goes by without any (the gap, telemetry/gap_meter.hpp).
 enum class Prefer {
-  balanced,    // a gap has a price; none above L / 4 where the bound is 50 fixed costs or more
+  balanced,    // a gap has a price; notebooks/theory.md, section 6, has the gaps that were measured
   events,      // a quarter of that price
   continuity,  // no gap where what waits allows it
 };
@@ -95,7 +96,8 @@ class Deadline final : public BoundedScheme {
  private:
   double reachable_ns() const noexcept;
   double planned_ns() const noexcept;
-  Decision take(const Backlog& backlog, double length_ns, double size, double stay) noexcept;
+  Decision take(const Backlog& backlog, double latency_ns, double length_ns, double size,
+                double stay) noexcept;
 
   bool is_early() const noexcept;
   double caution() const noexcept;  // zeta
