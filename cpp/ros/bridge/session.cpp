@@ -104,7 +104,11 @@ void Session::stop() {
 
 PipelineStats Session::stats() const {
   const std::lock_guard lock(control_);
-  if (!pipeline_) return {{}, {}, LatencyHistogram(), {}};
+  if (!pipeline_) {
+    PipelineStats none;
+    none.latency_bound_ns = checked_latency_bound_ns(scheme_config_.latency_ms * kUsPerMs);
+    return none;
+  }
   PipelineStats stats = pipeline_->stats();
   stats.stalled = stats.stalled || receiver_.stalled();
   return stats;

@@ -219,7 +219,9 @@ TEST(Session, IsStalledWithItsReceiver) {
 
 TEST(Session, AnotherBoundHoldsFromNowOn) {
   Fixture fixture;
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 10'000'000'000);  // without a run too
   fixture.session.set_latency(20);
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 20'000'000);
   fixture.take({{1, 1, 1, 5}}, 0);
   EXPECT_EQ(fixture.session.stats().latency_bound_ns, 20'000'000);
   fixture.session.set_latency(30);
