@@ -6,6 +6,7 @@ import json
 import os
 import re
 import signal
+import socket
 import sqlite3
 import subprocess
 import threading
@@ -24,6 +25,24 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
+
+def own_domain() -> socket.socket:
+    """Set the first domain that no other run has; it is ours as long as the socket is open.
+
+    Two runs in one domain would hear each other's nodes, which have the same names.
+    """
+    claim = socket.socket(socket.AF_UNIX)
+    for domain in range(1, 102):  # above, ports are those of outgoing connections
+        try:
+            claim.bind(f"\0asap_ros2_domain_{domain}")
+        except OSError:
+            continue
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        return claim
+    raise RuntimeError("all domains are taken")
+
+
+DOMAIN = own_domain()
 PREFIXES = [Path(prefix) for prefix in os.environ["AMENT_PREFIX_PATH"].split(":")]
 DATA = Path(os.environ.get("ASAP_TEST_DATA", "none"))
 QOS = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)

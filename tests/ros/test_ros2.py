@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -193,6 +197,13 @@ def test_parameters_change_or_are_refused_with_a_reason(peer: Peer) -> None:
             assert result.reason
         assert peer.next_stats()["latency_bound_us"] == 30_500
         assert node.process.poll() is None
+
+
+def test_another_run_has_another_domain() -> None:
+    code = "import os, peers; print(os.environ['ROS_DOMAIN_ID'])"
+    run = [sys.executable, "-c", code]
+    other = subprocess.run(run, cwd=Path(__file__).parent, stdout=subprocess.PIPE, text=True)
+    assert int(other.stdout) not in (0, int(os.environ["ROS_DOMAIN_ID"]))
 
 
 def test_parameters_describe_themselves(peer: Peer) -> None:
