@@ -145,15 +145,21 @@ class Peer(Node):
         )
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self)
-        self._thread = threading.Thread(target=self._executor.spin, daemon=True)
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
 
     def close(self) -> None:
         if not self._thread.is_alive():
             return
+        self._closed.set()
+        self._thread.join()  # before the executor ends: it does not wait for the thread
         self._executor.shutdown()
-        self._thread.join()
         self.destroy_node()
+
+    def _spin(self) -> None:
+        while not self._closed.is_set():
+            self._executor.spin_once(timeout_sec=0.1)
 
     def _take(self, packet: EventPacket) -> None:
         self.packets.append(packet)
