@@ -1,9 +1,8 @@
 """Pickles of what configures a run and of what it results in.
 
 A pickle names the version that wrote it; another version refuses it by name. What the extension
-makes pickles by its parameters: schemes and costs, histograms and gamma filters with all they hold,
-algorithms as long as they are new. Events leave a state in an algorithm that only the extension
-knows: it then refuses.
+makes pickles by its parameters: schemes and costs; histograms, gamma filters and algorithms with
+all that events have left in them.
 """
 
 from __future__ import annotations
@@ -113,13 +112,24 @@ def _advanced(position: int, **parameters: Any) -> _core.GammaFilter:
 
 
 def _algorithm(algorithm: Any) -> Reduced:
-    if _core.has_worked(algorithm):
-        raise TypeError(
-            f"{type(algorithm).__name__} = one that has been given events: what they left in it "
-            "does not pickle; pickle a new one, or its .parameters"
-        )
     size = algorithm.width, algorithm.height
-    return by_arguments(type(algorithm), *size, **algorithm.parameters)
+    new = by_arguments(type(algorithm), *size, **algorithm.parameters)
+    if not _core.has_worked(algorithm):
+        return new
+    return _going_on, (*new[1], algorithm.state())
+
+
+def _going_on(
+    version: str,
+    make: Callable[..., Any],
+    positional: tuple[Any, ...],
+    named: Mapping[str, Any],
+    state: bytes,
+) -> Any:
+    """Make an algorithm that goes on where another one was."""
+    made = _made(version, make, positional, named)
+    made.restore(state)
+    return made
 
 
 # Of exactly these classes: a class that a user derives may have a state of its own.

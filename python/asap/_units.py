@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 _NS_PER_UNIT = {"ns": 1, "us": 10**3, "µs": 10**3, "ms": 10**6, "s": 10**9}
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([^\W\d]*)\s*")
@@ -76,6 +76,19 @@ def wrapped(text: str, width: int) -> list[str]:
     """Break a text into lines; a number stays on the line of its unit."""
     lines = textwrap.wrap(tied(text), width, break_long_words=False, break_on_hyphens=False)
     return [line.replace("\xa0", " ") for line in lines]
+
+
+def aligned(table: Sequence[Sequence[str]], left: int = 1) -> tuple[list[str], str]:
+    """Align the columns of a table, the first `left` of them to the left; its lines and a rule."""
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    lines = [
+        "  ".join(
+            text.ljust(width) if at < left else text.rjust(width)
+            for at, (text, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in table
+    ]
+    return lines, "-" * (sum(widths) + 2 * len(widths) - 2)
 
 
 def _parse_ns(text: str, field: str) -> float:

@@ -12,9 +12,10 @@ from typing import IO, Any
 
 import numpy as np
 
-from asap import _checks, _units
+from asap import _checks
 from asap.events import Events
 from asap.experiment.source import Source
+from asap.io.reader import losses_of
 from asap.io.writers import Writer, write_aedat4, write_encoded, write_mcap, write_npy, write_npz
 
 __all__ = ["WRITERS", "convert", "format_of"]
@@ -115,13 +116,7 @@ def format_of(path: Path, to: str | None) -> str:
 
 def _losses(stream: Source) -> Iterator[str]:
     """Say what the written file does not have of the recording."""
-    if rejected := _units.reasons(stream.rejected):
-        yield f"without the events that were rejected: {rejected}"
-    if stream.clock_resets:
-        yield (
-            f"the clock jumped back {stream.clock_resets} times by 1 s or more; the events after "
-            "it have other stamps than in the source: they go on 1 us after the last event before"
-        )
+    yield from losses_of(stream.rejected, stream.clock_resets)
     if stream.recording is not None and stream.recording.trigger_count:
         yield f"without the {stream.recording.trigger_count} external triggers"
 

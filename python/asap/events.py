@@ -27,10 +27,10 @@ EVENT_DTYPE = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")],
 
 # What the producers call the four columns.
 FIELD_NAMES = {
-    "t": ("t", "ts", "timestamp", "time"),
-    "x": ("x",),
-    "y": ("y",),
-    "p": ("p", "on", "polarity", "pol"),
+    "t": ("t", "ts", "timestamp", "timestamps", "time", "times"),
+    "x": ("x", "xs"),
+    "y": ("y", "ys"),
+    "p": ("p", "ps", "on", "polarity", "polarities", "pol"),
 }
 _UNDERSTOOD = "; ".join(f"{role}: {', '.join(names)}" for role, names in FIELD_NAMES.items())
 

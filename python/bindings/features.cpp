@@ -102,7 +102,8 @@ void bind_features(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(FeatureTrack, id, x, y, vx, vy, size, t_first, t_last);
 
   constexpr FeatureConfig kDefault{.width = 0, .height = 0};
-  py::class_<FeatureTracker>(m, "FeatureTracker", kFeatureTrackerDoc)
+  py::class_<FeatureTracker> type(m, "FeatureTracker", kFeatureTrackerDoc);
+  bind_state(type)
       .def(py::init(&make_feature_tracker), "width"_a, "height"_a, py::kw_only(),
            "detector"_a = name_of(kDefault.detector), "window"_a = kDefault.window,
            "radius"_a = kDefault.radius, "min_neighbours"_a = kDefault.min_neighbours,

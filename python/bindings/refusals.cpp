@@ -114,7 +114,8 @@ void refuse_in_function(py::handle bound) {
   take_whole_numbers_only(*record);
   const std::string_view name = record->name;
   const bool works = name == "process" || name == "learn" || name == "apply" || name == "mask" ||
-                     name == "check" || name == "set_keep" || name == "advance_to";
+                     name == "check" || name == "check_recorded" || name == "set_keep" ||
+                     name == "advance_to" || name == "restore";
   record->def->ml_meth = as_method(works ? &dispatch_work : &dispatch);
 }
 

@@ -7,6 +7,7 @@
 #include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/core/check.hpp"
+#include "filter/stray_stamps.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
 
@@ -28,20 +29,32 @@ int small_number(const char* field, const py::object& value) {
   return static_cast<int>(number);
 }
 
+py::array array_of(Checked&& checked, const py::array& events) {
+  if (checked.untouched) return events;
+  return moved_to_array(std::move(checked.kept));
+}
+
 // The array itself where all of it is good, else what is left of it.
 py::array check(Validator& validator, const py::array& events) {
   const EventSpan all = as_span(events);
-  std::vector<Event> kept;
-  bool untouched = all.empty();
+  Checked checked;
   {
     const WithoutGil release;  // pure C++ on memory that `events` keeps alive
-    validator.check(all, [&](EventSpan run) {
-      untouched = run.data() == all.data() && run.size() == all.size();
-      if (!untouched) kept.insert(kept.end(), run.begin(), run.end());
-    });
+    checked = check_all(validator, all);
   }
-  if (untouched) return events;
-  return moved_to_array(std::move(kept));
+  return array_of(std::move(checked), events);
+}
+
+// The same, and the number of events that were stray.
+py::tuple check_recorded(Validator& validator, const py::array& events) {
+  const EventSpan all = as_span(events);
+  Checked checked;
+  {
+    const WithoutGil release;
+    checked = asap::check_recorded(validator, all);
+  }
+  const std::size_t stray = checked.stray;
+  return py::make_tuple(array_of(std::move(checked), events), stray);
 }
 
 py::dict repaired(const Validator& validator) {
@@ -80,6 +93,7 @@ void bind_validator(py::module_& m) {
           py::kw_only(), py::arg("width") = 0, py::arg("height") = 0, py::arg("on_bad") = "drop",
           py::arg("reorder_tolerance_us") = 0, py::arg("warmup_discard_us") = 0)
       .def("check", &check, py::arg("events").noconvert())
+      .def("check_recorded", &check_recorded, py::arg("events").noconvert())
       .def_property_readonly("received", &Validator::received)
       .def_property_readonly("rejected",
                              [](const Validator& self) { return dict_of(self.rejected()); })

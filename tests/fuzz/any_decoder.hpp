@@ -19,24 +19,33 @@ struct Decoded {
   friend bool operator==(const Decoded&, const Decoded&) = default;
 };
 
+// Arrays of the exact size, so that the sanitizer sees a write beyond them.
 struct Room {
-  std::size_t events, triggers;
+  Room(std::size_t event_count, std::size_t trigger_count)
+      : events(event_count), triggers(trigger_count) {}
+
+  std::vector<Event> events;
+  std::vector<Trigger> triggers;
 };
 
-// Arrays of the exact size, so that the sanitizer sees a write beyond them.
+// Made once: memory under a sanitizer is dear.
+inline Room& ample_room() {
+  static Room room(256, 64);
+  return room;
+}
+
 template <class Decoder>
 Decoded decode_in_pieces(Decoder& decoder, std::span<const std::byte> bytes, std::size_t piece,
-                         Room room) {
+                         Room& room) {
   Decoded all;
-  std::vector<Event> events(room.events);
-  std::vector<Trigger> triggers(room.triggers);
+  auto& [events, triggers] = room;
   while (!bytes.empty()) {
     auto fed = bytes.first(std::min(piece, bytes.size()));
     bytes = bytes.subspan(fed.size());
     while (!fed.empty()) {
       const Progress done = decoder.decode(fed, events, triggers);
-      check(done.bytes <= fed.size() && done.events <= room.events &&
-            done.triggers <= room.triggers);
+      check(done.bytes <= fed.size() && done.events <= events.size() &&
+            done.triggers <= triggers.size());
       check(done.bytes + done.events + done.triggers > 0);
       all.events.insert(all.events.end(), events.begin(),
                         events.begin() + static_cast<std::ptrdiff_t>(done.events));
@@ -58,9 +67,9 @@ bool same_books(const Decoder& a, const Decoder& b) {
 template <class Decoder>
 void check_decoder(const Decoder& fresh, Bytes& bytes) {
   const std::size_t piece = 1 + bytes.below(64);
-  const Room little{Decoder::kMostPerRecord + bytes.below(16), 1 + bytes.below(3)};
+  Room little(Decoder::kMostPerRecord + bytes.below(16), 1 + bytes.below(3));
+  Room& ample = ample_room();
   const std::span<const std::byte> input = std::as_bytes(bytes.rest());
-  const Room ample{256, 64};
   Decoder whole = fresh, cut = fresh;
   const Decoded decoded = decode_in_pieces(whole, input, input.size(), ample);
   check(decode_in_pieces(cut, input, piece, little) == decoded);

@@ -52,6 +52,7 @@ def test_a_row_of_the_figure_for_each_scheme_best_first(comparison):
 
 def test_one_column_for_narrow_screens(comparison):
     axes = comparison_report.figure(comparison, columns=1).axes
+    assert all("max" not in one.get_title("right") for one in axes)  # no room beside a long name
     assert [titles(one)[0] for one in axes] == [
         "events that come in",
         *(text for row in comparison.rows for text in (row.label, f"score {row.score:.3f}")),

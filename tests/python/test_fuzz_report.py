@@ -124,7 +124,7 @@ def test_a_changed_run(saved: tuple[Path, dict[str, Any]], data: st.DataObject) 
         put(document, path, data.draw(VALUES))
     with pytest.MonkeyPatch.context() as patch:
         if data.draw(st.integers(0, 19)) != 13:  # the figures take most of a second
-            patch.setattr("asap.report.run_report._curves", lambda *_: "")
+            patch.setattr("asap.report.page.fitted", lambda *_, **__: "")
         report(folder, document)
 
 
@@ -138,7 +138,7 @@ def test_a_changed_summary(
     for _ in range(data.draw(st.integers(1, 2))):
         put(summary, data.draw(st.sampled_from(places(summary))), data.draw(VALUES))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asap.report.run_report._curves", lambda *_: "")
+        patch.setattr("asap.report.page.fitted", lambda *_, **__: "")
         if not as_archive:
             report(folder, summary)
             return

@@ -97,6 +97,16 @@ def test_none_is_hot():
     assert pixels.get_title(loc="left") == "hot pixels: none"
 
 
+def test_the_bar_beside_the_map_is_as_high_and_shows_its_ends():
+    few = inspect(EVENTS[:500])
+    page = few.plot()
+    page.canvas.draw()
+    (bar,) = page.axes[2].child_axes
+    assert bar.get_window_extent().height == pytest.approx(page.axes[2].bbox.height)
+    assert 1 < few.pixel_counts.max() < 10
+    assert bar.get_yticks().tolist() == [1, few.pixel_counts.max()]
+
+
 def test_nothing_can_be_drawn_as_well(tmp_path):
     for nothing in (inspect(EVENTS[:0]), asap.check(EVENTS[:0])):
         Page(nothing.report(tmp_path / "out.html").read_text("utf-8"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -42,7 +43,10 @@ def read_all(path: Path, **options: object) -> tuple[Events, asap.io.Recording]:
     events = np.concatenate(chunks) if chunks else np.zeros(0, asap.EVENT_DTYPE)
     assert rec.received == len(events) + sum(rec.rejected.values())
     assert (np.diff(events["t"]) >= 0).all()
-    assert_equal_events(asap.load(path, **SENSOR, **options), events)  # type: ignore[arg-type]
+    lost = sum(rec.rejected.values()) + rec.clock_resets > 0
+    with pytest.warns(UserWarning, match=str(path)) if lost else nullcontext():
+        loaded = asap.load(path, **SENSOR, **options)  # type: ignore[arg-type]
+    assert_equal_events(loaded, events)
     return events, rec
 
 
@@ -85,6 +89,31 @@ def test_A1_back_step_is_lifted_by_clamp_and_raised_by_raise(write: Write) -> No
     at = int(np.argmax(bad["t"] != EVENTS["t"]))
     with pytest.raises(ValueError, match=rf"t = {bad['t'][at]} \(event {at}\): goes back"):
         asap.load(path, on_bad="raise")
+
+
+@pytest.mark.parametrize("bit", [12, 19, 21, 40])
+@pytest.mark.parametrize("at", [1, 255, 256, 1500, 2997])
+def test_A1_a_flipped_bit_of_a_stamp_loses_one_event(write: Write, bit: int, at: int) -> None:
+    bad = EVENTS.copy()
+    bad["t"][at] ^= 1 << bit
+    path = write(bad)
+    events, rec = read_all(path)
+    assert rec.rejected == only(nonmonotonic=1)
+    assert rec.clock_resets == 0
+    assert_equal_events(events, np.delete(EVENTS, at))
+    finding = asap.check(path, **SENSOR).findings["back_steps"]
+    assert (finding.count, finding.event) == (1, at)
+
+
+def test_load_tells_what_it_dropped(write: Write) -> None:
+    bad = corrupt.clock_reset(corrupt.back_steps(EVENTS, 3), 2000)
+    path = write(bad)
+    with pytest.warns(UserWarning) as told:
+        asap.load(path)
+    words = sorted(str(warning.message) for warning in told)
+    assert words[0].startswith(f"{path}: the clock jumped back 1 times by 1 s or more")
+    assert words[1] == f"{path}: without the events that were rejected: 3 nonmonotonic"
+    assert {warning.filename for warning in told} == {__file__}
 
 
 def test_A2_clock_reset_starts_a_new_epoch(write: Write) -> None:
@@ -256,7 +285,7 @@ def test_A13_half_an_aedat4_keeps_its_packets(tmp_path: Path, share: float) -> N
 
 
 @pytest.mark.parametrize("seed", range(10))
-@pytest.mark.filterwarnings("ignore::asap.io.TruncatedFileWarning")
+@pytest.mark.filterwarnings("ignore::asap.io.LossWarning")
 def test_A13_damaged_aedat4_raises_only_what_is_promised(tmp_path: Path, seed: int) -> None:
     pytest.importorskip("lz4")
     path = tmp_path / "damaged.aedat4"

@@ -185,6 +185,7 @@ class TestFloatingTimes:
         (np.save if path.suffix == ".npy" else np.savez)(path, rows)
         return path
 
+    @pytest.mark.filterwarnings("ignore::asap.io.LossWarning")
     def test_whole_ones_could_be_both(self, tmp_path: Path, suffix: str) -> None:
         path = self.write(tmp_path / f"events.{suffix}", [0, 1000, np.nan, 2000])
         with pytest.raises(ValueError, match=rf"^time_unit = None: .*events\.{suffix} are whole"):
@@ -212,6 +213,12 @@ class TestNpz:
         assert_equal_events(asap.load(tmp_path / "a.npz"), EVENTS)
         save(tmp_path / "b.npz", labels=np.arange(3), events=EVENTS)
         assert_equal_events(asap.load(tmp_path / "b.npz"), EVENTS)
+
+    @pytest.mark.parametrize("names", ["ts xs ys ps", "timestamps x y polarities"])
+    def test_columns_by_their_plurals(self, tmp_path: Path, names: str) -> None:
+        columns = zip(names.split(), "txyp", strict=True)
+        np.savez(tmp_path / "a.npz", **{name: EVENTS[role] for name, role in columns})
+        assert_equal_events(asap.load(tmp_path / "a.npz"), EVENTS)
 
     def test_columns_by_their_other_names(self, tmp_path: Path) -> None:
         np.savez(tmp_path / "a.npz", timestamp=EVENTS["t"], x=EVENTS["x"], y=EVENTS["y"],
@@ -286,6 +293,13 @@ class TestText:
     def test_order_of_the_user_goes_before_the_header(self, tmp_path: Path) -> None:
         path = text(tmp_path, "t,x,y,p\n1,2,0,5\n")
         assert txyp(asap.load(path, order="xypt")) == [(5, 1, 2, 0)]
+
+    def test_polarity_as_pandas_writes_a_bool(self, tmp_path: Path) -> None:
+        rows = "".join(f"0.00000{i},1,2,{i % 2 == 0}\n" for i in range(1, 5))
+        for header in ("", "t,x,y,p\n"):
+            (tmp_path / "a.csv").write_text(header + rows)
+            events = asap.load(tmp_path / "a.csv")
+            assert (events["t"].tolist(), events["p"].tolist()) == ([1, 2, 3, 4], [0, 1, 0, 1])
 
     def test_two_numbers_first_are_the_sensor(self, tmp_path: Path) -> None:
         rec = asap.read(text(tmp_path, "346 260\n5 1 2 0\n6 346 2 0\n"))
@@ -436,9 +450,33 @@ class TestErrors:
     @pytest.mark.parametrize("name", ["a.aedat", "a.xyz"])
     def test_formats_that_are_not_served(self, tmp_path: Path, name: str) -> None:
         (tmp_path / name).write_bytes(bytes(range(256)))
-        with pytest.raises(UnsupportedFormat, match=r"is not read yet.*aedat4") as error:
+        words = {"a.aedat": "without '#!AER-DAT'", "a.xyz": "begins with the bytes 00 01 02 03"}[
+            name
+        ]
+        with pytest.raises(UnsupportedFormat, match=rf"{words}.* is not read yet.*aedat4") as error:
             asap.read(tmp_path / name)
         assert isinstance(error.value, ValueError)
+
+    @pytest.mark.parametrize("suffix", ["raw", "h5", "aedat4", "aedat", "npz", "bag", "bs2"])
+    def test_text_under_another_suffix(self, tmp_path: Path, suffix: str) -> None:
+        path = tmp_path / f"a.{suffix}"
+        path.write_text("5 1 2 0\n")
+        words = rf"byte 0: text, not the events of a \.{suffix} file; file_format='text' reads it"
+        with pytest.raises(CorruptFile, match=words):
+            asap.read(path)
+        assert len(asap.load(path, file_format="text")) == 1
+
+    @pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+    def test_text_in_utf_16(self, tmp_path: Path, encoding: str) -> None:
+        (tmp_path / "a.csv").write_bytes("\ufefft,x,y,p\n5,1,2,0\n".encode(encoding))
+        with pytest.raises(UnsupportedFormat, match=r"text in UTF-16; save it in UTF-8$"):
+            asap.read(tmp_path / "a.csv")
+
+    @pytest.mark.parametrize("there", [1, 5])
+    def test_a_file_cut_inside_its_signature(self, tmp_path: Path, there: int) -> None:
+        (tmp_path / "a.h5").write_bytes(b"\x89HDF\r\n\x1a\n"[:there])
+        with pytest.raises(CorruptFile, match=f"byte {there}: the file ends inside its signature"):
+            asap.read(tmp_path / "a.h5")
 
     @pytest.mark.parametrize(
         "head",
@@ -461,7 +499,7 @@ class TestErrors:
 
     @pytest.mark.parametrize("name", ["a.npy", "a.npz", "a.aedat4", "a.es"])
     def test_not_what_the_name_promises(self, tmp_path: Path, name: str) -> None:
-        (tmp_path / name).write_bytes(b"5 1 2 0\n")
+        (tmp_path / name).write_bytes(bytes(range(200)))
         with pytest.raises(CorruptFile, match="byte 0: not the beginning of"):
             asap.read(tmp_path / name)
 
@@ -501,7 +539,7 @@ def test_npz_members_longer_than_their_header_says_are_refused(tmp_path: Path) -
 
 
 @pytest.mark.parametrize("seed", range(40))
-@pytest.mark.filterwarnings("ignore::asap.io.TruncatedFileWarning")
+@pytest.mark.filterwarnings("ignore::asap.io.LossWarning")
 def test_A13_random_bytes_raise_only_what_is_promised(seed: int, path: Path) -> None:
     chance = random.Random(seed)
     corrupt.flip_bytes(path, chance.choice([1, 5, 50]), seed=seed)

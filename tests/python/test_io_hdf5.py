@@ -320,7 +320,7 @@ class TestDamage:
             with pytest.raises(CorruptFile, match=f"byte {there}: the file ends inside its head"):
                 asap.load(path)
 
-    def test_what_comes_before_a_bad_chunk_is_read(self, tmp_path: Path) -> None:
+    def test_a_bad_chunk_loses_its_own_events(self, tmp_path: Path) -> None:
         path = dsec(tmp_path / "a.h5", chunks=(1000,), compression="gzip")
         with h5py.File(path) as file:
             place = file["events/t"].id.get_chunk_info_by_coord((123_000,))
@@ -328,10 +328,12 @@ class TestDamage:
         middle = place.byte_offset + place.size // 2
         content[middle : middle + 20] = bytes(20)
         path.write_bytes(content)
-        words = f"byte {place.byte_offset}: /events/t: .*; 123000 events are before it"
-        with pytest.warns(TruncatedFileWarning, match=words):
-            events = asap.load(path)
-        assert_equal_events(events, shifted(EVENTS[:123_000]))
+        words = f"byte {place.byte_offset}: /events/t: .*"
+        recording = asap.read(path)
+        with pytest.warns(TruncatedFileWarning, match=f"{words}; the events of such chunks are"):
+            events = np.concatenate(list(recording))
+        assert_equal_events(events, shifted(np.delete(EVENTS, slice(123_000, 124_000))))
+        assert recording.rejected["bad_record"] == 1000
         with pytest.raises(CorruptFile, match=words):
             asap.load(path, on_bad="raise")
 
@@ -349,7 +351,7 @@ class TestDamage:
             shutil.copy(whole, path)
             corrupt.flip_bytes(path, 1 + seed % 20, seed=seed)
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore", TruncatedFileWarning)
+                warnings.simplefilter("ignore", asap.io.LossWarning)
                 try:
                     events = asap.load(path, width=corrupt.WIDTH, height=corrupt.HEIGHT)
                 except (ValueError, RuntimeError, OSError):

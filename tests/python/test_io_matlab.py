@@ -144,7 +144,7 @@ class TestBadInput:
                 assert_equal_events(asap.load(path), EVENTS)
 
     @pytest.mark.parametrize("compress", [False, True])
-    @pytest.mark.filterwarnings("ignore::asap.io.TruncatedFileWarning")
+    @pytest.mark.filterwarnings("ignore::asap.io.LossWarning")
     def test_random_bytes_raise_only_what_is_promised(self, tmp_path: Path, compress: bool) -> None:
         rows = matrix("xypt")[:500]
         for seed in range(150):

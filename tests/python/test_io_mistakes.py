@@ -88,6 +88,14 @@ def test_it_is_exit_3_and_the_option(tmp_path: Path, capsys: pytest.CaptureFixtu
         assert err.endswith("; columns look like x y t p: --order xytp\n")
 
 
+def test_one_good_event_among_thousands_is_luck(tmp_path: Path) -> None:
+    events = EVENTS.copy()
+    events["t"][0], events["x"][0] = 5, 6
+    path = write(tmp_path / "events.txt", "txyp", events)
+    with pytest.raises(NoGoodEvent, match=r"only 1 of its 3,000 .* look like t x y p: order='txyp"):
+        asap.load(path, order="xytp", **SENSOR)
+
+
 def test_nothing_good_in_an_array(tmp_path: Path) -> None:
     np.save(tmp_path / "events.npy", matrix("xytp"))
     with pytest.raises(NoGoodEvent, match="columns look like x y t p: order='xytp'"):
@@ -194,6 +202,14 @@ def test_info_and_run_warn_of_seconds(
     assert err.endswith("if they are, give --time-unit s\n")
 
 
+def test_nanoseconds_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "events.txt"
+    path.write_text("1504645177000000000 1 2 1\n1504645177000001000 1 2 0\n")
+    with pytest.raises(NoGoodEvent, match="142 years; if they count ns, give time_unit='ns'"):
+        asap.load(path)
+    assert len(asap.load(path, time_unit="ns")) == 2
+
+
 def test_a_burst_is_no_second(tmp_path: Path) -> None:
     np.save(tmp_path / "events.npy", corrupt.one_stamp(EVENTS, 500, 600)[500:1100])
     np.save(tmp_path / "more.npy", EVENTS)
@@ -247,7 +263,7 @@ def test_x_and_y_are_not_told_apart_without_polarities(tmp_path: Path) -> None:
 
 def test_the_first_bad_line_is_found(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
-    path.write_text("t,x,y,p\n1,2,3,True\n2,3,4,False\n")
+    path.write_text("t,x,y,p\n1,2,3,yes\n2,3,4,no\n")
     with pytest.raises(NoGoodEvent, match="the first bad one is at byte 8"):
         asap.load(path)
 

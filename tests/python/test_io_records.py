@@ -141,9 +141,14 @@ def test_bytes_whose_times_go_back_are_no_40_bit_events(tmp_path: Path) -> None:
 
 def test_text_is_no_40_bit_file(tmp_path: Path) -> None:
     path = file_of(tmp_path, b"5 1 2 0\n", "a.bin")
-    with pytest.raises(CorruptFile, match=r"text, not the 40-bit events of a \.bin file"):
+    with pytest.raises(CorruptFile, match=r"text, not the events of a \.bin file"):
         asap.read(path)
     assert len(asap.load(path, file_format="text")) == 1
+
+
+def test_zeros_are_no_40_bit_file(tmp_path: Path) -> None:
+    with pytest.raises(CorruptFile, match="its first 4096 bytes are all zero"):
+        asap.read(file_of(tmp_path, bytes(5000), "a.bin"))
 
 
 def test_marks_of_time_in_row_240(tmp_path: Path) -> None:

@@ -11,10 +11,16 @@ import asap
 import streams
 from asap import _core, scenes
 from asap.accuracy import score
-from asap.accuracy.trace import follow, samples_without_clusters
+from asap.accuracy.trace import follow
 from asap.cli import main
 from asap_laboratory import ladder, ladder_study
-from asap_laboratory.ladder.accuracy import Delivery, Recorder, corner_accuracy, tracker_accuracy
+from asap_laboratory.ladder.accuracy import (
+    Delivery,
+    Recorder,
+    corner_accuracy,
+    samples_without_clusters,
+    tracker_accuracy,
+)
 from asap_laboratory.ladder.cases import LadderCase, Loaded, Outcomes, ToldCase
 from asap_laboratory.ladder.cost import Costs, fit
 from asap_laboratory.ladder.naive import NaiveClusterer

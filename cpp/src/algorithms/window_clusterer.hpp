@@ -1,10 +1,8 @@
-// WindowClusterer: event-by-event clustering over one window of the last S events, with the results
-// of the published rule. An event joins the oldest-created cluster whose centre, or one of whose
-// randomly probed events, lies within R (L1), merges all others that pass, or founds a cluster.
-// One thread. update() costs the same however many clusters there are (but a merge relabels the
-// events of the smaller one) and allocates nothing; all memory is taken in the constructor.
-// Source: Rodriguez-Gomez et al., ICRA 2020. "The last S events" is exact: where stamps are equal,
-// the authors' release, which forgets by time, may remember more.
+// WindowClusterer: event-by-event clustering over one window of the last S events, as published. An
+// event joins the oldest-created cluster whose centre, or one of whose randomly probed events, lies
+// within R (L1), merges all others that pass, or founds a cluster. One thread. update() is O(1), a
+// merge O(events of the smaller one); allocates in the constructor only. Source: Rodriguez-Gomez et
+// al., ICRA 2020; their release forgets by time and remembers more where stamps are equal.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -125,10 +124,15 @@ class WindowClusterer {
     next_id_ = 0;
   }
 
+  static auto saved(auto& self) noexcept {
+    return std::tie(self.sampler_, self.window_, self.centres_, self.index_, self.states_,
+                    self.motions_, self.free_, self.keyless_, self.used_, self.events_,
+                    self.created_, self.next_id_);
+  }
+
  private:
   // A cluster is big, and so probed, beyond min_size events. It enters the probe index then, and
-  // leaves it kHysteresis events after it has ceased to be big, so one that hovers does not pay
-  // every time.
+  // leaves it kHysteresis events after it has ceased to be big: one that hovers does not pay.
   static constexpr int kHysteresis = 5;
   static constexpr ProbeIndex::Key kSmall = ProbeIndex::kNoKey;
   static constexpr ProbeIndex::Key kKeyless = kSmall - 1;  // big, but the index was full

@@ -40,6 +40,16 @@ std::int16_t to_polarity(const Decimal& number) noexcept {
   return number.negative ? -1 : 1;
 }
 
+// Polarity as pandas writes a bool; null if the field is no such word.
+const char* read_truth(const char* at, const char* end, std::int16_t& p) noexcept {
+  const char* const after = skip_field(at, end);
+  const std::string_view word(at, static_cast<std::size_t>(after - at));
+  const bool is_true = word == "True" || word == "true";
+  if (!is_true && word != "False" && word != "false") return nullptr;
+  p = is_true;
+  return after;
+}
+
 }  // namespace
 
 TextDecoder::TextDecoder(const TextConfig& config)
@@ -212,6 +222,12 @@ TextDecoder::Line TextDecoder::parse(const char* at, const char* end, Event& eve
     if (column == Column::skipped) {
       at = skip_separators(skip_field(at, end), end);
       continue;
+    }
+    if (column == Column::p) {
+      if (const char* const after = read_truth(at, end, event.p)) {
+        at = skip_separators(after, end);
+        continue;
+      }
     }
     Decimal number;
     at = read_decimal(at, end, number);

@@ -158,7 +158,7 @@ def follow(
             break
         seen = passing if active == "produced" else door.last
         recent = seen[scene.events["t"][seen] >= t_us - PERIOD_US]
-        sample = _sample(scene, t_us, labels[recent])
+        sample = sample_at(scene, t_us, labels[recent])
         samples.append(sample._replace(clusters=clusters_at(tracker, t_us)))
     feed = door.close()
     ids = feed.returned
@@ -201,23 +201,8 @@ def run_through(
     return door.close()
 
 
-def samples_without_clusters(scene: Scene) -> list[Sample]:
-    """Return what there is at every sample time, for whoever asks the tracker himself.
-
-    All events of the scene make an object active.
-    """
-    t_us, labels = scene.events["t"], np.asarray(scene.labels).astype(np.int64)
-    times = sample_times(scene.events)
-    begins, ends = (
-        np.searchsorted(t_us, np.array(times, np.int64) - before) for before in (PERIOD_US, 0)
-    )
-    return [
-        _sample(scene, time_us, labels[begin:end])
-        for time_us, begin, end in zip(times, begins.tolist(), ends.tolist(), strict=True)
-    ]
-
-
-def _sample(scene: Scene, t_us: int, recent: NDArray[np.int64]) -> Sample:
+def sample_at(scene: Scene, t_us: int, recent: NDArray[np.int64]) -> Sample:
+    """Return what there is at a time, without clusters; `recent`: objects of late events."""
     truth = scene.truth(t_us)
     caused = {
         int(label): int(count)

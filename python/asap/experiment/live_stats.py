@@ -1,16 +1,11 @@
-"""The JSON object of a live pipeline's stats, and its ledger."""
+"""The JSON object of a live pipeline's stats."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from asap import _core
-from asap.results.run import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named
-
-
-def ledger_of(native: _core.Ledger) -> Ledger:
-    """Make the ledger that users see."""
-    return Ledger(**{name: getattr(native, name) for name in LEDGER_FIELDS})
+from asap.results.run import SCHEMA_VERSION, Ledger, Named, latency_us
 
 
 def state_of(stats: _core.PipelineStats) -> str:
@@ -30,7 +25,7 @@ def summary(
     pinned: int,
 ) -> dict[str, Any]:
     """Sum the run up; the keys are those of run.summary(), as far as they make sense."""
-    ledger = ledger_of(stats.ledger)
+    ledger = Ledger.of(stats.ledger)
     latency, elapsed_s = stats.latency, stats.elapsed_s
     received = ledger["received"]
     return {
@@ -58,12 +53,7 @@ def summary(
         "pinned": pinned,
         "kept": ledger["delivered"] / received if received else 1.0,
         "in_time": latency.within_bound / received if received else 1.0,
-        "latency_us": {
-            "mean": latency.mean,
-            "p50": latency.quantile(0.5),
-            "p99": latency.quantile(0.99),
-            "max": latency.max,
-        },
+        "latency_us": latency_us(latency),
         "gap_us": stats.gap_us,
         "packages": {
             "count": stats.packages,

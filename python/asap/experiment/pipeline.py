@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from asap import _checks, _core
 from asap.events import events_of_argument
-from asap.experiment.live_stats import ledger_of, state_of, summary
+from asap.experiment.live_stats import state_of, summary
 from asap.experiment.runners import as_scheme, check_latency, make_config
 from asap.results.run import Ledger, Named
 
@@ -284,7 +284,7 @@ class Pipeline:
     @property
     def ledger(self) -> Ledger:
         """Where every event went; at any time."""
-        return ledger_of(self._native.ledger)
+        return Ledger.of(self._native.ledger)
 
     @property
     def packages(self) -> NDArray[np.void]:

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from asap import _checks, _core
 from asap.experiment.source import Source
-from asap.results.run import LEDGER_FIELDS, Ledger, Run, with_first
+from asap.results.run import Ledger, Run, with_first
 
 Progress = Callable[[int, "int | None", dict[str, int]], object]
 
@@ -115,7 +115,7 @@ def simulate(
             for begin in range(0, events.size, _CHUNK):
                 simulator.feed(events[begin : begin + _CHUNK])
             if on_progress is not None:
-                on_progress(stream.events, stream.total_hint, _counts(simulator.ledger))
+                on_progress(stream.events, stream.total_hint, dict(Ledger.of(simulator.ledger)))
         simulator.finish()
     finally:
         shown = algorithm if algorithm is not None else cost
@@ -193,7 +193,7 @@ def run(
 
     def poll() -> None:
         if on_progress is not None:
-            counts = _counts(replay.ledger)
+            counts = dict(Ledger.of(replay.ledger))
             on_progress(counts["received"] - counts["pending"], stream.total_hint, counts)
 
     try:
@@ -338,7 +338,7 @@ def remember(
     """Make the Run of what there is, however the runner ended, and keep it for last_run()."""
     global _last
     rejected = dict(runner.validator.rejected)
-    counts = _counts(runner.ledger)
+    counts = dict(Ledger.of(runner.ledger))
     for reason, count in stream.rejected.items():  # the reader's door comes before the runner's
         rejected[reason] = rejected.get(reason, 0) + count
         counts["received"] += count
@@ -365,7 +365,3 @@ def remember(
         kept_mask=kept_mask,
     )
     return _last
-
-
-def _counts(ledger: _core.Ledger) -> dict[str, int]:
-    return {name: getattr(ledger, name) for name in LEDGER_FIELDS}

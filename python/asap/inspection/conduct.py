@@ -65,7 +65,7 @@ def check(
     """
     _checks.callback("on_progress", on_progress)
     raw = RawSource(source, width=width, height=height, order=order, time_unit=time_unit)
-    door = Door(raw.width, raw.height)
+    door = Door(raw.width, raw.height, is_file=raw.recording is not None)
     meters = Meters(
         door,
         Gaps(),

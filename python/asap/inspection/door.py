@@ -15,7 +15,8 @@ import numpy.typing as npt
 from asap import _core
 from asap.events import EVENT_DTYPE, Events
 
-_MAX_STAMP_US = (1 << 52) - (1 << 50)  # beyond it the core refuses a stamp
+_LAST_US = 1 << 52
+_MAX_STAMP_US = _LAST_US - (1 << 50)  # beyond it the core refuses a stamp
 
 
 Integers = npt.NDArray[np.int64]
@@ -45,12 +46,16 @@ class Passed(NamedTuple):
 
 
 class Door:
-    """Good events on one side, tallies of the others on the other, block by block."""
+    """Good events on one side, tallies of the others on the other, block by block.
 
-    def __init__(self, width: int | None, height: int | None) -> None:
+    A file is looked ahead in for stray stamps, as `read` does.
+    """
+
+    def __init__(self, width: int | None, height: int | None, *, is_file: bool) -> None:
         # With one side alone or none, what is unknown is not checked.
         self._validator = _core.Validator()
         self._width, self._height = width or 1 << 16, height or 1 << 16
+        self._is_file = is_file
         self.seen = 0
         self._offset_us = 0
         self.unreadable = Tally()
@@ -74,7 +79,10 @@ class Door:
         carrier: Events = np.zeros(len(at), EVENT_DTYPE)
         carrier["t"] = t[at]
         carrier["x"] = np.arange(len(at))
-        passed = self._validator.check(carrier)
+        if self._is_file:
+            passed, _ = self._validator.check_recorded(carrier)
+        else:
+            passed = self._validator.check(carrier)
         kept = at[passed["x"]]
         # The state that each event met: what passed before it.
         reached = np.concatenate(([last_us], passed["t"]))
@@ -83,8 +91,9 @@ class Door:
 
         refused = np.setdiff1d(at, kept, assume_unique=True)
         before = np.searchsorted(kept, refused)
-        steps_us = reached[before] - (t[refused] + offsets[before])
-        back = steps_us > 0  # else continued beyond the last stamp that there is
+        stamps_us = t[refused] + offsets[before]
+        steps_us = reached[before] - stamps_us
+        back = stamps_us <= _LAST_US  # else continued beyond the last stamp that there is
         unreadable[refused[~back]] = True
         self.largest_back_step_us = max(self.largest_back_step_us, _largest(steps_us))
         resets = np.flatnonzero(np.diff(offsets))

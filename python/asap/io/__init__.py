@@ -1,11 +1,18 @@
 """Event files: which format it is, and the events in it, checked and in chunks."""
 
-from asap.io.errors import CorruptFile, NoGoodEvent, TruncatedFileWarning, UnsupportedFormat
+from asap.io.errors import (
+    CorruptFile,
+    LossWarning,
+    NoGoodEvent,
+    TruncatedFileWarning,
+    UnsupportedFormat,
+)
 from asap.io.recording import FILE_FORMATS, Recording, load, read
 
 __all__ = [
     "FILE_FORMATS",
     "CorruptFile",
+    "LossWarning",
     "NoGoodEvent",
     "Recording",
     "TruncatedFileWarning",

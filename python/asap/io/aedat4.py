@@ -120,6 +120,18 @@ class Aedat4Reader:
             at += 8 + length
         if at != end:
             raise CorruptFile(self._path, at, "no whole packet follows")
+        if self._end > 0 and not self._is_closed(file):
+            raise CorruptFile(self._path, size, "the table of all packets, which ends it, is cut")
+
+    def _is_closed(self, file: Any) -> bool:
+        """Whether the table of all packets is whole; it holds no events."""
+        file.seek(self._end)
+        try:
+            with foreign(self._path, self._end):
+                table = self._unpack(file.read(HARMLESS))
+        except CorruptFile:
+            return False
+        return len(table) >= 4 and len(table) >= 4 + int.from_bytes(table[:4], "little")
 
 
 def _header(path: Path) -> tuple[Table, int]:

@@ -41,7 +41,11 @@ class NoGoodEvent(ValueError):
     """A file of which not one event is good: columns, sensor or unit are not what was said."""
 
 
-class TruncatedFileWarning(UserWarning):
+class LossWarning(UserWarning):
+    """Events of the file were dropped, or do not come as they were."""
+
+
+class TruncatedFileWarning(LossWarning):
     """The file ends too early, or a packet in it cannot be read; the rest was read."""
 
 

@@ -67,29 +67,24 @@ class Hdf5Reader:
                 stop = min(start + step, self._layout.rows)
                 try:
                     rows = _rows(sources, start, stop)
-                except CorruptFile as broken:
-                    yield from self._before_the_fault(sources, start, stop, losses, broken)
-                    return
-                yield from self._pieces(rows, losses, start)
+                except CorruptFile:
+                    part = longest if longest > 1 else step
+                    yield from self._around_the_fault(sources, range(start, stop, part), losses)
+                else:
+                    yield from self._pieces(rows, losses, start)
 
-    def _before_the_fault(
-        self,
-        sources: dict[str, _Source],
-        start: int,
-        stop: int,
-        losses: Losses,
-        broken: CorruptFile,
+    def _around_the_fault(
+        self, sources: dict[str, _Source], parts: range, losses: Losses
     ) -> Iterator[Events]:
-        """Yield what is good of a step that cannot be read as a whole."""
-        step = max(source.rows_per_chunk for source in sources.values())
-        for first in range(start, stop, step):
+        """Yield what is good of a step that cannot be read as a whole, chunk by chunk."""
+        for first in parts:
+            last = min(first + parts.step, parts.stop)
             try:
-                rows = _rows(sources, first, min(first + step, stop))
+                rows = _rows(sources, first, last)
             except CorruptFile as error:
-                losses.truncated(error.offset, f"{error.fault}; {first} events are before it")
-                return
-            yield from self._pieces(rows, losses, first)
-        losses.truncated(broken.offset, broken.fault)
+                losses.bad(error, "chunks", last - first)
+            else:
+                yield from self._pieces(rows, losses, first)
 
     def _pieces(
         self, rows: dict[str, npt.NDArray[Any]], losses: Losses, first: int

@@ -30,7 +30,6 @@ from asap.io.errors import (
 )
 from asap.io.reader import sensor_size
 
-_NAMES = {role: {*names, f"{role}s"} for role, names in FIELD_NAMES.items()}
 _MOST_OBJECTS = 10_000
 _MOST_BYTES = 1024  # of one record
 _ECF = 0x8ECF
@@ -148,7 +147,7 @@ def _is_dataset(h5py: Any, group: Any, key: str) -> bool:
 
 def _columns(path: Path, name: str, group: Any, datasets: Mapping[str, Any]) -> Layout | None:
     columns: dict[str, Any] = {}
-    for role, names in _NAMES.items():
+    for role, names in FIELD_NAMES.items():
         candidates = [key for key in datasets if key.lower() in names]
         if len(candidates) != 1:
             return None

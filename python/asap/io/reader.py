@@ -11,10 +11,11 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from asap import _units
 from asap._checks import named
 from asap._stamps import time_exponent
 from asap.events import EVENT_DTYPE, Events, check_order
-from asap.io.errors import CorruptFile, TruncatedFileWarning
+from asap.io.errors import CorruptFile, LossWarning, TruncatedFileWarning
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about
 _MOST_OFFSETS = 16  # of bad records
@@ -57,10 +58,12 @@ class Losses:
     out_of_bounds: int = 0
     clamped_positions: int = 0
     before_start: int = 0  # events whose time is not known yet
+    stray: int = 0  # events whose stamps do not fit those around them
     bad_offsets: list[int] = field(default_factory=list)  # of the first bad records
     triggers: int = 0
     trigger_arrays: list[npt.NDArray[np.void]] = field(default_factory=list)  # of the first
     cut: CorruptFile | None = None
+    warned: bool = False  # of bad records
 
     def take_bad_records(self, decoder: Any, fault: Callable[[int], str]) -> None:
         """Take the bad records that a native decoder met; an error if bad data raise."""
@@ -77,14 +80,15 @@ class Losses:
             if sum(map(len, self.trigger_arrays)) < _MOST_TRIGGERS:
                 self.trigger_arrays.append(seen)
 
-    def bad(self, packet: CorruptFile) -> None:
+    def bad(self, packet: CorruptFile, what: str = "packets", events: int = 1) -> None:
         """Count a packet that is none, and warn of the first; an error if bad data raise."""
         if self.on_bad == "raise":
             raise packet
         if not self.bad_offsets:
-            words = f"{packet}; the events of such packets are missing"
+            words = f"{packet}; the events of such {what} are missing"
             warnings.warn(words, TruncatedFileWarning, stacklevel=2)
-        self.bad_record += 1
+            self.warned = True
+        self.bad_record += events
         if len(self.bad_offsets) < _MOST_OFFSETS:
             self.bad_offsets.append(packet.offset)
 
@@ -94,6 +98,24 @@ class Losses:
         if self.on_bad == "raise":
             raise self.cut
         warnings.warn(f"{self.cut}; what came before was read", TruncatedFileWarning, stacklevel=2)
+        self.warned = True
+
+    def tell(self, rejected: dict[str, int], clock_resets: int) -> None:
+        """Warn the caller's caller of what is missing, unless it was told while it was read."""
+        untold = rejected | ({"bad_record": 0} if self.warned else {})
+        for loss in losses_of(untold, clock_resets):
+            warnings.warn(f"{self.path}: {loss}", LossWarning, stacklevel=3)
+
+
+def losses_of(rejected: dict[str, int], clock_resets: int) -> Iterator[str]:
+    """Say what the events do not have of the recording that they come from."""
+    if reasons := _units.reasons(rejected):
+        yield f"without the events that were rejected: {reasons}"
+    if clock_resets:
+        yield (
+            f"the clock jumped back {clock_resets} times by 1 s or more; the events after "
+            "it have other stamps than in the source: they go on 1 us after the last event before"
+        )
 
 
 class Reader(Protocol):

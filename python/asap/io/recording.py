@@ -48,6 +48,7 @@ FILE_FORMATS = tuple(_READERS)  # names that `file_format` takes
 
 # More events per us than any sensor sends, and so many that it is no burst: the unit is wrong.
 _CROWD, _CROWD_LEAST = 100, 1000
+_FEW = 0.01  # so small a share of good events is luck, where other columns fit
 
 
 class Recording:
@@ -129,7 +130,7 @@ class Recording:
     def received(self) -> int:
         """Events read so far in the latest iteration: those yielded plus all of `rejected`."""
         losses = self._losses
-        lost = losses.bad_record + losses.out_of_bounds + losses.before_start
+        lost = losses.bad_record + losses.out_of_bounds + losses.before_start + losses.stray
         return self._validator.received + lost
 
     @property
@@ -139,6 +140,7 @@ class Recording:
         reasons["bad_record"] += self._losses.bad_record
         reasons["out_of_bounds"] += self._losses.out_of_bounds
         reasons["before_start"] += self._losses.before_start
+        reasons["nonmonotonic"] += self._losses.stray
         return reasons
 
     @property
@@ -153,16 +155,23 @@ class Recording:
             what = f"not one of its {received} events is good"
         return f"{self._path}: {what} ({_units.reasons(self.rejected)}); {self._remedy()}"
 
+    def _fitting(self) -> str | None:
+        """Return the arrangement of columns that fits the values, if another was taken."""
+        if not hasattr(self._reader, "sample"):
+            return None
+        rows, order = self._reader.sample()
+        found = arrangement(rows, self._width, self._height)
+        return None if found == order else found
+
     def _remedy(self) -> str:
-        if hasattr(self._reader, "sample"):
-            rows, order = self._reader.sample()
-            found = arrangement(rows, self._width, self._height)
-            if found is not None and found != order:
-                return looks_like(found)
+        if (found := self._fitting()) is not None:
+            return looks_like(found)
         if self.rejected["out_of_bounds"]:
             return f"are width = {self._width} and height = {self._height} right?"
         if self.rejected["nonmonotonic"]:
             return "the stamps go back; sort the events by t"
+        if self.rejected["bad_record"] and not self.bad_offsets and self._options.time_unit is None:
+            return "the times are beyond 142 years; if they count ns, give time_unit='ns'"
         if self.bad_offsets:
             return f"the first bad one is at byte {self.bad_offsets[0]}; are these events?"
         return "are these events?"
@@ -212,14 +221,15 @@ class Recording:
         losses, validator = self._losses, self._validator = self._books()
         count, first_us = 0, 0
         for events in self._reader.chunks(losses):
-            good = validator.check(events)
+            good, stray = validator.check_recorded(events)
+            losses.stray += stray
             if len(good):
                 first_us = first_us if count else int(good["t"][0])
                 count += len(good)
                 yield plain_view(good)
         if losses.cut is not None and validator.received == 0:
             raise losses.cut
-        if count == 0 and self.received:
+        if self.received and (count == 0 or (count < _FEW * self.received and self._fitting())):
             raise NoGoodEvent(self.doubt)
         span_us = validator.last_us - first_us
         if self._options.time_unit is None and count > max(_CROWD * (span_us + 1), _CROWD_LEAST):
@@ -301,8 +311,8 @@ def read(
         decimal point in the times, for arrays by their type (floating: seconds). Whole numbers that
         are stored as floats could be both: then it has to be said.
     on_bad
-        Events out of order, outside the sensor or unreadable: ``"drop"`` and count them,
-        ``"clamp"`` them where that is possible, or ``"raise"``.
+        Events out of order, outside the sensor or unreadable: ``"drop"`` and count, ``"clamp"``
+        where possible, or ``"raise"``. Of stamps that do not fit together the few are dropped.
     reorder_tolerance_us
         A stamp that goes back by at most this much is lifted to the last one, not bad.
     file_format
@@ -368,6 +378,11 @@ def load(
     -------
     numpy.ndarray
         Shape (N,), dtype ``EVENT_DTYPE``, t in us and never decreasing; writable.
+
+    Warns
+    -----
+    LossWarning
+        Events were rejected, and why; the clock was set back.
     """
     recording = read(
         path,
@@ -380,4 +395,6 @@ def load(
         file_format=file_format,
         stream=stream,
     )
-    return gathered(recording, recording.expected)
+    events = gathered(recording, recording.expected)
+    recording._losses.tell(recording.rejected, recording.clock_resets)
+    return events

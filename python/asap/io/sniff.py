@@ -42,16 +42,19 @@ _PACKED_BYTES = (
     (b"\x28\xb5\x2f\xfd", "zstd"),
 )
 _NO_EVENTS_BYTES = (
-    (b"\x7fELF", "a program"),
-    (b"\x89PNG\r\n\x1a\n", "a PNG picture"),
-    (b"\xff\xd8\xff", "a JPEG picture"),
-    (b"%PDF-", "a PDF document"),
+    (b"\x7fELF", "a program, no recording of events"),
+    (b"\x89PNG\r\n\x1a\n", "a PNG picture, no recording of events"),
+    (b"\xff\xd8\xff", "a JPEG picture, no recording of events"),
+    (b"%PDF-", "a PDF document, no recording of events"),
+    (b"\xff\xfe", "text in UTF-16; save it in UTF-8"),
+    (b"\xfe\xff", "text in UTF-16; save it in UTF-8"),
 )
 _OTHER_BYTES = ((b"#!AER-DAT", "AEDAT 1.0 or 3.0"),)
 _OTHER_SUFFIXES = {
-    ".aedat": "AEDAT 1.0",
+    ".aedat": "without '#!AER-DAT' at its beginning this is AEDAT 1.0 or none, which",
 }
 _SUFFIXES_OF_40_BITS = (".bin", ".bs2")
+_BINARY_SUFFIXES = (*_SERVED_SUFFIXES, *_OTHER_SUFFIXES, *_SUFFIXES_OF_40_BITS)
 _PROPHESEE_HEADER = (b"% evt ", b"% format EVT", b"% Data file containing", b"% camera_integrator")
 
 
@@ -75,28 +78,33 @@ def sniff(path: Path) -> str:
     if (packer := _that_begins(head, _PACKED_BYTES)) is not None:
         raise UnsupportedFormat(f"{path}: packed by {packer}; unpack it first")
     if (other := _that_begins(head, _NO_EVENTS_BYTES)) is not None:
-        raise UnsupportedFormat(f"{path}: {other}, no recording of events")
+        raise UnsupportedFormat(f"{path}: {other}")
     if (name := _that_begins(head, _OTHER_BYTES)) is not None:
         raise _unsupported(path, name)
     if (encoding := _prophesee(head)) is not None:
         return encoding
     if any(mark in head for mark in _PROPHESEE_HEADER):
         raise _unsupported(path, "this Prophesee encoding")
+    if not any(head):
+        raise CorruptFile(path, 0, f"its first {len(head)} bytes are all zero: nothing was copied")
     suffix = path.suffix.lower()
+    is_text = _is_text(head)
+    if suffix in _BINARY_SUFFIXES:
+        if any(mark.startswith(head) for mark, _ in _SERVED_BYTES):
+            raise CorruptFile(path, len(head), "the file ends inside its signature")
+        if is_text and not head.startswith(b"%"):
+            fault = f"text, not the events of a {suffix} file; file_format='text' reads it"
+            raise CorruptFile(path, 0, fault)
     if suffix in _SERVED_SUFFIXES:
         raise CorruptFile(path, 0, f"not the beginning of a {suffix} file{_remedy(suffix, head)}")
     if suffix in _OTHER_SUFFIXES:
         raise _unsupported(path, _OTHER_SUFFIXES[suffix])
-    is_text = _is_text(head)
     if suffix in _SUFFIXES_OF_40_BITS:  # nothing in such bytes says it
-        if is_text:
-            fault = f"text, not the 40-bit events of a {suffix} file; file_format='text' reads it"
-            raise CorruptFile(path, 0, fault)
         return "atis40"
     if not is_text:
         if suffix == ".dat":
             raise CorruptFile(path, 0, "not the beginning of a .dat file")
-        raise _unsupported(path, "this format")
+        raise _unsupported(path, f"a file that begins with the bytes {head[:8].hex(' ')}")
     return "text"
 
 

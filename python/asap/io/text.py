@@ -33,6 +33,7 @@ _PIECE = 1 << 18
 _SHORTEST = 6  # bytes of a line with three numbers
 _NUMBER = re.compile(rb"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _SEPARATORS = re.compile(rb"[ \t,;\r]+")
+_TRUTHS = {b"True": b"1", b"true": b"1", b"False": b"0", b"false": b"0"}  # as pandas writes them
 _UNIT = re.compile(r"[\W_]*(s|sec|seconds?|ms|us|µs|ns)[\W_]*")
 _UNITS = {"s": "s", "sec": "s", "second": "s", "seconds": "s", "µs": "us"}
 
@@ -117,7 +118,7 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
             if not rows and not names:
                 names = _names(text.lstrip(b"#% \t"), commented=True)
             continue
-        fields = [field for field in _SEPARATORS.split(text) if field]
+        fields = [_TRUTHS.get(field, field) for field in _SEPARATORS.split(text) if field]
         numeric = [_NUMBER.fullmatch(field) is not None for field in fields]
         if not rows and not any(numeric):
             names = _names(text, commented=False)

@@ -1,8 +1,4 @@
-"""One self-contained HTML page about scores over gamma, in the look of the page about runs.
-
-No script, no font and no image from outside; every value is escaped; the numbers are embedded as
-JSON. Needs matplotlib: ``asap-events[report]``.
-"""
+"""The page about scores over gamma."""
 
 from __future__ import annotations
 

@@ -1,13 +1,10 @@
-"""One self-contained HTML page about a comparison, in the look of the page about runs.
-
-No script, no font and no image from outside; every value is escaped; the numbers are embedded as
-JSON. Needs matplotlib: ``asap-events[report]``.
-"""
+"""The page about a comparison."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -89,9 +86,10 @@ def write(
 def _article(comparison: Comparison) -> str:
     headline, dot, rest = comparison_table.verdict(comparison).partition(". ")
     few = 9 / max(len(comparison.rows), 9)
-    wide = _figure(comparison, "wide", 0.56, width_inches=8.6, points=int(500 * few))
-    options = {"width_inches": page.NARROW_INCHES, "columns": 1}
-    narrow = _figure(comparison, "narrow", 0.34, points=int(300 * few), **options)
+    draw, most = partial(figure, comparison), page.MOST_BYTES
+    narrow_by: Any = {"width_inches": page.NARROW_INCHES, "columns": 1}
+    wide = page.fitted(draw, int(500 * few), 0.56 * most, "w", "wide", _CURVES, width_inches=8.6)
+    narrow = page.fitted(draw, int(300 * few), 0.34 * most, "n", "narrow", _CURVES, **narrow_by)
     return f"""
 <article>
 <h2>{escape(comparison_table.title(comparison))}</h2>
@@ -105,16 +103,6 @@ def _article(comparison: Comparison) -> str:
 <div class="scroll">{notebook.table((), _parameters(comparison), "plain")}</div></details>
 {page.embedded("data-comparison", comparison.summary())}
 </article>"""
-
-
-def _figure(
-    comparison: Comparison, css_class: str, share: float, *, points: int, **options: Any
-) -> str:
-    def draw(points: int) -> str:
-        drawn = figure(comparison, points=points, **options)
-        return page.inline_svg(drawn, css_class[0], css_class, _CURVES)
-
-    return page.fitted(draw, points, share * page.MOST_BYTES)
 
 
 def _table(comparison: Comparison) -> str:
@@ -194,7 +182,7 @@ def figure(
             latency, kept = next(panels), next(panels)
             _draw_latency(latency, curves[row.label], comparison.latency_ms)
             _draw_kept(kept, curves[row.label])
-            _name(latency, kept, row)
+            _name(latency, kept, row, is_narrow=columns == 1)
         _draw_legend(page, *grid[1:].flat[:2], columns=columns + 1)
         for axes in grid[-1]:
             axes.set_xlabel("time from the first event [s]")
@@ -278,12 +266,11 @@ def _draw_kept(axes: Axes, curves: _Curves) -> None:
     axes.set(ylabel="kept", ylim=(0, 1.05), yticks=(0, 0.5, 1))
 
 
-def _name(latency: Axes, kept: Axes, row: Row) -> None:
+def _name(latency: Axes, kept: Axes, row: Row, *, is_narrow: bool) -> None:
     plain: Any = {"loc": "right", "fontweight": "normal", "fontsize": 8}
     latency.set_title(row.label, parse_math=False)
-    latency.set_title(
-        f"p99 {_units.duration(row.p99_us)}, max {_units.duration(row.max_us)}", **plain
-    )
+    longest = "" if is_narrow else f", max {_units.duration(row.max_us)}"
+    latency.set_title(f"p99 {_units.duration(row.p99_us)}{longest}", **plain)
     kept.set_title(f"score {row.score:.3f}")
     kept.set_title(f"kept {_units.share(row.kept)}", **plain)
 

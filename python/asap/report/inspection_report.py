@@ -1,8 +1,4 @@
-"""One self-contained HTML page about an inspection, in the look of the page about runs.
-
-No script, no font and no image from outside; every value is escaped; the numbers are embedded as
-JSON. Needs matplotlib: ``asap-events[report]``.
-"""
+"""The page about an inspection."""
 
 from __future__ import annotations
 
@@ -166,8 +162,11 @@ def _draw_pixels(axes: Axes, inspection: Inspection) -> None:
     )
     axes.grid(False)
     words = "events of a pixel"
-    bar = axes.figure.colorbar(picture, ax=axes, label=words, shrink=0.8, pad=0.02, format="%g")
+    beside = axes.inset_axes((1.03, 0, 0.035, 1))  # as high as the map
+    bar = axes.figure.colorbar(picture, cax=beside, label=words, format="%g")
     bar.ax.yaxis.set_minor_formatter(lambda value, _: "")
+    if largest < 10:  # no other power of ten
+        bar.set_ticks([1, largest])
     hot = inspection.hot_pixels[:_MARKED]
     if hot.size:
         axes.scatter(

@@ -1,6 +1,7 @@
 """What the reports have in common: the page, its style, text and figures inside it.
 
-One self-contained file: no script, nothing fetched, everything that comes from outside escaped.
+A page is one self-contained HTML file: no script, no font and no image from outside; every value is
+escaped; the numbers are embedded as JSON. Needs matplotlib: ``asap-events[report]``.
 """
 
 from __future__ import annotations
@@ -96,16 +97,21 @@ def shortened(value: Any) -> Any:
     return [shortened(inner) for inner in value] if isinstance(value, (list, tuple)) else value
 
 
-def fitted(draw: Callable[[int], str], points: int, most_bytes: float) -> str:
-    """Draw with as many points as fit into so many bytes, at most `points`; "" if none do."""
-    drawn = draw(points)
-    while len(drawn) > most_bytes:
+def fitted(
+    draw: Callable[..., Figure], points: int, most_bytes: float, *names: str, **options: Any
+) -> str:
+    """Draw with as many points as fit into so many bytes, at most `points`; "" if none do.
+
+    `names` are those of `inline_svg`, the options the figure's.
+    """
+    while True:
+        drawn = inline_svg(draw(points=points, **options), *names)
+        if len(drawn) <= most_bytes:
+            return drawn
         if points <= _FEWEST_POINTS:
             return ""
         share = (most_bytes - _FRAME_BYTES) / (len(drawn) - _FRAME_BYTES)
         points = max(_FEWEST_POINTS, min(points - 1, int(0.95 * points * share)))
-        drawn = draw(points)
-    return drawn
 
 
 def inline_svg(figure: Figure, prefix: str, css_class: str, label: str) -> str:

@@ -11,6 +11,7 @@ import math
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 _CURVES = ("size", "event_rate", "rate", "gamma", "margin_us", "latency_max_us")
 _MOST_POINTS = 2000
+_SIZES = (("wide", 8.6, 8.4, 0.4), ("narrow", page.NARROW_INCHES, 7.2, 0.35))  # inches, of the page
 _POINT_BYTES = 20 * len(_CURVES)  # as JSON
 _LEAST_SHARE, _TEXT_SHARE = 120_000, 12_000  # bytes: of a run with curves, of a run without its
 
@@ -101,11 +103,20 @@ def _sizes(packages: Mapping[str, float]) -> str:
 def _figure(run: Run, number: int, name: str, most_bytes: int) -> str:
     if run.without_log:
         return _note("No curves: a summary holds no packages; run.save('run.npz') keeps them.")
-    wide = narrow = ""
-    if most_bytes:
-        wide = _curves(run, f"r{number}w", name, (8.6, 8.4), "wide", 0.4 * most_bytes)
-        size_inches = page.NARROW_INCHES, 7.2
-        narrow = _curves(run, f"r{number}n", name, size_inches, "narrow", 0.35 * most_bytes)
+    label = f"Curves of {name}: package size, rates, gamma, margin, latency over time"
+    wide, narrow = (
+        page.fitted(
+            partial(plots.figure, run, size_inches=(width, height)),
+            int(width / 8.6 * _MOST_POINTS),
+            share * most_bytes,
+            f"r{number}{css_class[0]}",
+            css_class,
+            label,
+        )
+        if most_bytes
+        else ""
+        for css_class, width, height, share in _SIZES
+    )
     if not (wide and narrow):
         return _note("No curves: the page would be too large; run.report() of this run draws them.")
     return page.curves(wide, narrow, "What the closed loop did, package by package.")
@@ -113,24 +124,6 @@ def _figure(run: Run, number: int, name: str, most_bytes: int) -> str:
 
 def _note(words: str) -> str:
     return f'<p class="sub">{escape(words)}</p>'
-
-
-def _curves(
-    run: Run,
-    prefix: str,
-    name: str,
-    size_inches: tuple[float, float],
-    css_class: str,
-    most_bytes: float,
-) -> str:
-    label = f"Curves of {name}: package size, rates, gamma, margin, latency over time"
-
-    def draw(points: int) -> str:
-        figure = plots.figure(run, size_inches=size_inches, points=points)
-        return page.inline_svg(figure, prefix, css_class, label)
-
-    points = int(size_inches[0] / 8.6 * _MOST_POINTS)
-    return page.fitted(draw, points, most_bytes)
 
 
 def _ledger(run: Run) -> str:

@@ -6,6 +6,8 @@ import math
 import re
 from typing import TYPE_CHECKING
 
+from asap import _units
+
 if TYPE_CHECKING:
     from asap.results.keep_curve import KeepCurve, KeepRow
 
@@ -30,18 +32,8 @@ CORNER_COLUMNS = {
 
 def format_keep_curve(curve: KeepCurve) -> str:
     """Write the scores of an algorithm over gamma as a text table of at most 100 columns."""
-    table = cells(curve)
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    lines = [_line(line, widths) for line in table]
-    return "\n".join(
-        [
-            title(curve),
-            "",
-            lines[0],
-            "-" * (sum(widths) + 2 * len(widths) - 2),
-            *lines[1:],
-        ]
-    )
+    (head, *lines), rule = _units.aligned(cells(curve), left=2)
+    return "\n".join([title(curve), "", head, rule, *lines])
 
 
 def title(curve: KeepCurve) -> str:
@@ -93,9 +85,3 @@ def _number(value: float, column: str) -> str:
     if column == "position_rms":
         return f"{value:.2f}"
     return re.sub(r"^(-?)0\.", r"\1.", f"{value:.3f}")
-
-
-def _line(cells: tuple[str, ...], widths: list[int]) -> str:
-    name, way, *numbers = cells
-    right = (f"{text:>{width}}" for text, width in zip(numbers, widths[2:], strict=True))
-    return "  ".join((f"{name:<{widths[0]}}", f"{way:<{widths[1]}}", *right)).rstrip()

@@ -42,24 +42,11 @@ def format_comparison(comparison: Comparison) -> str:
     """Write a comparison as a text table of at most 100 columns, with a verdict."""
     table = [tuple(COLUMNS), *(cells(row, comparison.latency_ms) for row in comparison.rows)]
     oracles = oracle_rows(comparison)
-    table += oracles
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    lines = [_line(line, widths) for line in table]
-    rule = "-" * (sum(widths) + 2 * len(widths) - 2)
-    return "\n".join(
-        [
-            title(comparison),
-            *_units.wrapped(subtitle(comparison), _WIDTH),
-            "",
-            lines[0],
-            rule,
-            *lines[1 : -len(oracles)],
-            rule,
-            *lines[-len(oracles) :],
-            "",
-            *_units.wrapped(verdict(comparison), _WIDTH),
-        ]
-    )
+    (head, *lines), rule = _units.aligned(table + oracles)
+    schemes, best = lines[: -len(oracles)], lines[-len(oracles) :]
+    above = [title(comparison), *_units.wrapped(subtitle(comparison), _WIDTH), ""]
+    below = ["", *_units.wrapped(verdict(comparison), _WIDTH)]
+    return "\n".join([*above, head, rule, *schemes, rule, *best, *below])
 
 
 def title(comparison: Comparison) -> str:
@@ -201,8 +188,3 @@ def _listed(names: Sequence[str]) -> str:
     if len(names) > _MOST_NAMES:
         names = [*names[: _MOST_NAMES - 2], f"{len(names) - _MOST_NAMES + 2} others"]
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-
-
-def _line(texts: Sequence[str], widths: Sequence[int]) -> str:
-    (name, width), *others = zip(texts, widths, strict=True)
-    return "  ".join([name.ljust(width), *(text.rjust(size) for text, size in others)]).rstrip()

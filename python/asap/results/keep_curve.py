@@ -6,7 +6,7 @@ import math
 import os
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -105,16 +105,7 @@ class KeepCurve(Result):
             "algorithm": self.algorithm,
             "scene": self.scene,
             "before": self.before,
-            "rows": [
-                {
-                    "gamma": row.gamma,
-                    "told": row.told,
-                    "seeds": row.seeds,
-                    "mean": without_nan(row.mean),
-                    "spread": without_nan(row.spread),
-                }
-                for row in self.rows
-            ],
+            "rows": [without_nan(asdict(row)) for row in self.rows],
         }
 
     def plot(self) -> Figure:

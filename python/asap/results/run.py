@@ -40,6 +40,11 @@ class Ledger(Mapping[str, int]):
     delivered: int = 0
     pending: int = 0
 
+    @classmethod
+    def of(cls, native: _core.Ledger) -> Ledger:
+        """Make it of the extension's."""
+        return cls(**{name: getattr(native, name) for name in LEDGER_FIELDS})
+
     def __getitem__(self, name: str) -> int:
         if name not in LEDGER_FIELDS:
             raise KeyError(name)
@@ -207,21 +212,10 @@ class Run(Result):
             "clock_resets": self.clock_resets,
             "kept": self.kept,
             "in_time": self.in_time,
-            "latency_us": {
-                "mean": self.latency.mean,
-                "p50": self.latency.quantile(0.5),
-                "p99": self.latency.quantile(0.99),
-                "max": self.latency.max,
-            },
+            "latency_us": latency_us(self.latency),
             "gap_us": self.gap_us,
             **{name: log[name] for name in ("packages", "gamma", "cpu")},
-            "pacing_us": None
-            if self.lateness is None
-            else {
-                "p50": self.lateness.quantile(0.5),
-                "p99": self.lateness.quantile(0.99),
-                "max": self.lateness.max,
-            },
+            "pacing_us": None if self.lateness is None else latency_us(self.lateness),
             "version": _core.__version__,
         }
 
@@ -287,6 +281,16 @@ class Run(Result):
 
     def __str__(self) -> str:
         return run_table.format_run(self)
+
+
+def latency_us(histogram: _core.LatencyHistogram) -> dict[str, float]:
+    """Sum latencies up, us."""
+    return {
+        "mean": histogram.mean,
+        "p50": histogram.quantile(0.5),
+        "p99": histogram.quantile(0.99),
+        "max": histogram.max,
+    }
 
 
 def with_first(packages: NDArray[np.void], first: NDArray[np.int64]) -> NDArray[np.void]:

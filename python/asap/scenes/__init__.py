@@ -232,16 +232,7 @@ def stop_and_go(
     seed : int
         Decides on the kind of shape, its place and its direction.
     """
-    _check_object(speed, radius)
-    return Scene._of(
-        "stop_and_go",
-        label="stop_and_go",
-        gap_us=_gap_us(gap_ms),
-        speed_px_s=speed,
-        radius_px=radius,
-        noise_hz=noise_hz,
-        seed=seed,
-    )
+    return _one_object("stop_and_go", gap_ms, speed, radius, noise_hz, seed)
 
 
 def occlusion(
@@ -261,23 +252,21 @@ def occlusion(
     speed, radius, noise_hz, seed
         As for `stop_and_go`.
     """
-    _check_object(speed, radius)
+    return _one_object("occlusion", gap_ms, speed, radius, noise_hz, seed)
+
+
+def _one_object(
+    kind: str, gap_ms: float, speed: float, radius: float, noise_hz: float, seed: int
+) -> Scene:
+    _checks.number("gap_ms", gap_ms, 0, 10_000, "give 0 to 10000 ms")
+    _checks.number("speed", speed, 20, 1000, "give 20 to 1000 px/s")
+    _checks.number("radius", radius, 2, 20, "give 2 to 20 px")
     return Scene._of(
-        "occlusion",
-        label="occlusion",
-        gap_us=_gap_us(gap_ms),
+        kind,
+        label=kind,
+        gap_us=round(float(gap_ms) * 1e3),
         speed_px_s=speed,
         radius_px=radius,
         noise_hz=noise_hz,
         seed=seed,
     )
-
-
-def _gap_us(gap_ms: float) -> int:
-    _checks.number("gap_ms", gap_ms, 0, 10_000, "give 0 to 10000 ms")
-    return round(float(gap_ms) * 1e3)
-
-
-def _check_object(speed: float, radius: float) -> None:
-    _checks.number("speed", speed, 20, 1000, "give 20 to 1000 px/s")
-    _checks.number("radius", radius, 2, 20, "give 2 to 20 px")

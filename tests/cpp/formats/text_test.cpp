@@ -89,6 +89,13 @@ TEST(TextDecoder, TakesNumbersAsNumpyWritesThem) {
   EXPECT_EQ(decoded.events, (Events{{218, 15, 1, 1'000'000}}));
 }
 
+TEST(TextDecoder, TakesPolarityAsPandasWritesABool) {
+  const Decoded decoded = decode("1 2 3 True\n1 2 3 False\n1 2 3 true\n1 2 3 false\n");
+  ASSERT_EQ(decoded.events.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(decoded.events[i].p, i % 2 == 0 ? 1 : 0);
+  EXPECT_EQ(decode("1 True 3 1\n1 2 3 Truer\n1 2 3 Tru\n").bad_records, 3U);
+}
+
 TEST(TextDecoder, KeepsTheSignOfPolarity) {
   const auto polarity = [](std::string_view p) {
     return decode("1 2 3 " + std::string(p)).events.at(0).p;

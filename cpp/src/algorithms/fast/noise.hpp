@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "algorithms/fast/time.hpp"
@@ -53,6 +54,8 @@ class SupportMap {
     });
   }
 
+  static auto saved(auto& self) noexcept { return std::tie(self.stamps_, self.scrubber_); }
+
  private:
   std::size_t stride_;
   std::vector<std::int32_t> stamps_;  // with a border of one pixel around the frame
@@ -76,6 +79,10 @@ class NoiseTiles {
   void clear() noexcept;
 
   std::size_t size() const noexcept { return tiles_.size(); }
+
+  static auto saved(auto& self) noexcept {
+    return std::tie(self.tiles_, self.age_s_, self.rate_hz_);
+  }
 
  private:
   struct Tile {

@@ -20,7 +20,7 @@ from asap.accuracy import Scene
 from asap.accuracy.corners import near_a_vertex
 from asap.accuracy.matching import match
 from asap.accuracy.measures import mota, ratio
-from asap.accuracy.trace import Sample, clusters_at, sample_times, samples_without_clusters
+from asap.accuracy.trace import PERIOD_US, Sample, clusters_at, sample_at, sample_times
 from asap.experiment import Run
 
 _STEP_US = 1000
@@ -88,7 +88,7 @@ def tracker_accuracy(make: Callable[[], Any], scene: Scene, deliveries: Sequence
 def _mota(tracker: Any, scene: Any, deliveries: Sequence[Delivery]) -> float:
     samples = []
     following = 0
-    for sample in _samples(scene):
+    for sample in samples_without_clusters(scene):
         while following < len(deliveries) and deliveries[following].done_us <= sample.t_us:
             if hasattr(tracker, "set_keep"):
                 tracker.set_keep(deliveries[following].keep)
@@ -111,8 +111,17 @@ def _split_at(deliveries: Sequence[Delivery], times_us: Sequence[int]) -> list[D
 
 
 @lru_cache(maxsize=1)
-def _samples(scene: Scene) -> list[Sample]:
-    return samples_without_clusters(scene)
+def samples_without_clusters(scene: Scene) -> list[Sample]:
+    """Return what there is at every sample time; all events of the scene make an object active."""
+    t_us, labels = scene.events["t"], np.asarray(scene.labels).astype(np.int64)
+    times = sample_times(scene.events)
+    begins, ends = (
+        np.searchsorted(t_us, np.array(times, np.int64) - before) for before in (PERIOD_US, 0)
+    )
+    return [
+        sample_at(scene, time_us, labels[begin:end])
+        for time_us, begin, end in zip(times, begins.tolist(), ends.tolist(), strict=True)
+    ]
 
 
 def corner_accuracy(
