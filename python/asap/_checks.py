@@ -146,6 +146,11 @@ def worker(field: str, value: Any) -> None:
         raise TypeError(
             named(field, value, f"give an object of it, such as {value.__name__}(346, 260)")
         )
+    works = methods[0] if callable(methods[0]) else value
+    if _is_a(inspect.isgeneratorfunction, works):
+        raise TypeError(named(field, value, "its yield makes a call do nothing; take it out"))
+    if callable(works) and not _takes_one(works):
+        raise TypeError(named(field, value, "takes no array of events; give it one parameter"))
 
 
 def workers(**given: Any) -> None:
@@ -155,14 +160,28 @@ def workers(**given: Any) -> None:
 
 
 def _is_async(function: Any) -> bool:
-    """Whether a call gives what has to be awaited; looks through partials and at __call__."""
+    """Whether a call gives what has to be awaited."""
+    return _is_a(inspect.iscoroutinefunction, function) or _is_a(
+        inspect.isasyncgenfunction, function
+    )
+
+
+def _is_a(kind: Callable[[Any], bool], function: Any) -> bool:
+    """Whether it is a function of that kind; looks through partials and at __call__."""
     while isinstance(function, partial):
         function = function.func
-    call = getattr(type(function), "__call__", None)  # noqa: B004
-    return any(
-        inspect.iscoroutinefunction(one) or inspect.isasyncgenfunction(one)
-        for one in (function, call)
-    )
+    return kind(function) or kind(getattr(type(function), "__call__", None))  # noqa: B004
+
+
+def _takes_one(function: Callable[..., Any]) -> bool:
+    """Whether it can be called with one argument, as far as it says what it takes."""
+    try:
+        inspect.signature(function).bind(None)
+    except ValueError:  # native code that does not say it
+        return True
+    except TypeError:
+        return False
+    return True
 
 
 def folder_or_file(field: str, value: Any) -> Path:
@@ -185,6 +204,19 @@ def new_file(field: str, value: Any) -> Path:
     if not os.access(path if path.exists() else path.parent, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
     return path
+
+
+def page_file(field: str, value: Any) -> Path:
+    """Refuse where no HTML page can be written, and a name that promises something else."""
+    path = new_file(field, value)
+    ending(field, path, (".html", ".htm"), "give a name that ends in .html")
+    return path
+
+
+def other_file(field: str, path: Path, source: str | os.PathLike[str] | None) -> None:
+    """Refuse to write over the recording, if the events come from one."""
+    if source is not None and path.exists() and Path(source).exists() and path.samefile(source):
+        raise ValueError(named(field, os.fspath(path), "is the recording itself; give another"))
 
 
 def ending(field: str, path: Path, known: Iterable[str], remedy: str) -> None:

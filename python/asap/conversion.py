@@ -92,8 +92,8 @@ def convert(
     writer = WRITERS[format_of(target, to)]
     _checks.flag("relative", relative)
     stream = Source(source, width=width, height=height, on_bad="drop")
-    if stream.recording is not None and _is_same(stream.recording.path, target):
-        raise ValueError(_checks.named("path", str(path), "is the recording itself; give another"))
+    if stream.recording is not None:
+        _checks.other_file("path", target, stream.recording.path)
     with _replacing(target) as file:
         chunks = _in_order(stream, relative=relative)
         count = writer(file, chunks, stream.width or 0, stream.height or 0)
@@ -153,10 +153,6 @@ def _check_pixels(events: Events, stream: Source) -> None:
                 f"{axis} = {events[axis][at]} (event {number}): outside the sensor, "
                 f"{side} = {size}; give the sensor's own {side}"
             )
-
-
-def _is_same(source: Path, target: Path) -> bool:
-    return target.exists() and source.samefile(target)
 
 
 @contextmanager

@@ -92,6 +92,34 @@ def test_an_async_worker_is_refused(field: str, call: Callable[[Any], Any], work
         call(worker)
 
 
+def yields(events: Any) -> Iterator[None]:
+    yield
+
+
+def takes_nothing() -> None:
+    """Stand for a function that forgot its parameter."""
+
+
+def takes_two(events: Any, sensor: Any) -> None:
+    """Stand for a function that wants more than it gets."""
+
+
+@pytest.mark.parametrize(("field", "call"), DOORS.values(), ids=DOORS)
+@pytest.mark.parametrize(
+    ("worker", "words"),
+    [
+        (yields, "its yield makes a call do nothing"),
+        (takes_nothing, "takes no array of events; give it one parameter"),
+        (takes_two, "takes no array of events; give it one parameter"),
+    ],
+)
+def test_a_function_that_cannot_work_is_refused(
+    field: str, call: Callable[[Any], Any], worker: Any, words: str
+) -> None:
+    with pytest.raises(TypeError, match=rf"^{field} = .*{words}"):
+        call(worker)
+
+
 SOURCES: dict[str, Callable[[], Any]] = {
     "async generator": generator,
     "its function": lambda: generator,

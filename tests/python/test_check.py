@@ -92,6 +92,19 @@ def test_back_steps() -> None:
     assert f"reorder_tolerance_us={largest})" in found.findings["back_steps"].remedy
 
 
+def test_no_tolerance_is_named_where_none_repairs(tmp_path: Path) -> None:
+    backwards, flipped = EVENTS.copy(), EVENTS.copy()
+    backwards["t"] = EVENTS["t"][::-1]
+    flipped["t"] += 1 << 50
+    flipped["t"][len(flipped) // 2] -= 1 << 49
+    for events in (backwards, flipped):
+        path = tmp_path / "events.npy"
+        np.save(path, events)
+        remedy = check(path).findings["back_steps"].remedy
+        assert "reorder_tolerance_us" not in remedy
+        assert "Sorting the events repairs the file" in remedy
+
+
 def test_a_step_back_by_1_us_is_one_and_an_equal_stamp_is_none() -> None:
     bad = EVENTS[:10].copy()
     bad["t"][4] = bad["t"][3]

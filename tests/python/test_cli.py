@@ -123,7 +123,7 @@ def test_version(api, asap):
         (["run", "f", "--cost", "100+300"], "cost, per package = 100: the unit is missing"),
         (["run", "f", "--cost", "100us"], "cost = 100us: write time per package + time per event"),
         (["run", "f", "--scheme", "asap2021"], "invalid choice: 'asap2021'"),
-        (["run", "f", "--set", "rate_bound=1"], "--set rate_bound=1: needs --scheme"),
+        (["run", "f", "--set", "rate_bound=1"], "--set rate_bound=1: deadline has no rate_bound"),
         (["run", "f", "--scheme", "asap2020", "--set", "rate_bound"], "write NAME=VALUE"),
         (["run", "f", "--scheme", "asap2020", "--set", "ratebound=1"], "did you mean rate_bound?"),
         (["run", "f", "--scheme", "asap2020", "--set", "zz=1"], "it has rate_bound, first_size"),

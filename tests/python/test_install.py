@@ -160,10 +160,10 @@ def test_editable_installation_follows_the_python_sources(sdist: Path, tmp_path:
     venv.create(tmp_path / "venv", with_pip=True)
     binaries = tmp_path / "venv" / "bin"
     run([binaries / "pip", "install", "--editable", source])
-    edited = source / "python" / "asap" / "units.py"
+    edited = source / "python" / "asap" / "_units.py"
     edited.write_text(edited.read_text() + "\nEDITED = True\n")
     program = (
-        "import asap; from asap import _units; print(asap.GammaFilter().position, units.EDITED)"
+        "import asap; from asap import _units; print(asap.GammaFilter().position, _units.EDITED)"
     )
     assert run([binaries / "python", "-c", program], cwd=tmp_path) == "0 True\n"
 

@@ -110,6 +110,8 @@ def test_a_sensor_that_holds_no_event(tmp_path: Path) -> None:
         NoGoodEvent, match=r"\(3,000 out_of_bounds\); are width = 50 and height = 9"
     ):
         asap.load(tmp_path / "events.npy", width=50, height=9)
+    with pytest.raises(NoGoodEvent, match=r"\(3,000 out_of_bounds\); is width = 50 right\?"):
+        asap.load(tmp_path / "events.npy", width=50)
 
 
 def test_a_file_of_no_events_at_all_is_no_mistake(tmp_path: Path) -> None:
@@ -227,7 +229,7 @@ def test_most_events_are_bad(tmp_path: Path) -> None:
     rec = asap.read(tmp_path / "a.npy", width=3)
     assert rec.doubt is None
     assert sum(map(len, rec)) == good
-    words = f"a.npy: only {good} of its 3,000 events are good ({3000 - good:,} out_of_bounds); are"
+    words = f"a.npy: only {good} of its 3,000 events are good ({3000 - good:,} out_of_bounds); is"
     assert words in str(rec.doubt)
     rec = asap.read(tmp_path / "a.npy", width=corrupt.WIDTH - 20)
     assert len(EVENTS) / 2 < sum(map(len, rec)) < len(EVENTS)
@@ -417,3 +419,13 @@ def test_raw_without_an_encoding_asks_for_it(tmp_path: Path) -> None:
         with pytest.raises(CorruptFile, match=f"{lack}.*{remedy}"):
             asap.read(path)
         assert len(asap.load(path, file_format="evt2")) == len(EVENTS)
+
+
+def test_a_dat_file_that_ends_in_its_header_is_no_empty_text(tmp_path: Path) -> None:
+    path = tmp_path / "a.dat"
+    asap.convert(EVENTS, path, **SENSOR)
+    whole = path.read_bytes()
+    for length in range(1, whole.rindex(b"\n", 0, 100) + 1):
+        path.write_bytes(whole[:length])
+        with pytest.raises(CorruptFile, match=r"ends inside its header|no header of text lines"):
+            asap.load(path)

@@ -6,11 +6,12 @@ import json
 import os
 import re
 import signal
+import socket
 import sqlite3
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,24 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
+
+def own_domain() -> socket.socket:
+    """Set the first domain that no other run has; it is ours as long as the socket is open.
+
+    Two runs in one domain would hear each other's nodes, which have the same names.
+    """
+    claim = socket.socket(socket.AF_UNIX)
+    for domain in range(1, 102):  # above, ports are those of outgoing connections
+        try:
+            claim.bind(f"\0asap_ros2_domain_{domain}")
+        except OSError:
+            continue
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        return claim
+    raise RuntimeError("all domains are taken")
+
+
+DOMAIN = own_domain()
 PREFIXES = [Path(prefix) for prefix in os.environ["AMENT_PREFIX_PATH"].split(":")]
 DATA = Path(os.environ.get("ASAP_TEST_DATA", "none"))
 QOS = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
@@ -74,10 +93,10 @@ def mono(t_us: np.ndarray, x: np.ndarray | int = 1, y: np.ndarray | int = 1) -> 
 
 
 class AsapNode:
-    """The executable, with parameters, until the end of the `with` block."""
+    """The executable, with parameters or words of a command, until the end of the `with` block."""
 
-    def __init__(self, *, remap: str = "", **parameters: Any) -> None:
-        command = [program("asap_ros", "asap_node"), "--ros-args"]
+    def __init__(self, *, remap: str = "", words: Sequence[str] = (), **parameters: Any) -> None:
+        command = [program("asap_ros", "asap_node"), *(words or ["--ros-args"])]
         for name, value in parameters.items():
             command += ["-p", f"{name}:={json.dumps(value)}"]
         command += ["-r", remap] if remap else []
@@ -126,15 +145,21 @@ class Peer(Node):
         )
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self)
-        self._thread = threading.Thread(target=self._executor.spin, daemon=True)
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
 
     def close(self) -> None:
         if not self._thread.is_alive():
             return
+        self._closed.set()
+        self._thread.join()  # before the executor ends: it does not wait for the thread
         self._executor.shutdown()
-        self._thread.join()
         self.destroy_node()
+
+    def _spin(self) -> None:
+        while not self._closed.is_set():
+            self._executor.spin_once(timeout_sec=0.1)
 
     def _take(self, packet: EventPacket) -> None:
         self.packets.append(packet)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -117,6 +121,21 @@ def test_bad_messages_are_counted_by_reason(peer: Peer) -> None:
     assert 1 <= said.count("message refused") <= 10  # once a second
 
 
+def test_the_keys_of_the_stats_are_those_of_python(peer: Peer) -> None:
+    asap = pytest.importorskip("asap", reason="no wheel of asap: set ASAP_DIST")
+    own = {"messages", "failures", "feedback"}
+    with AsapNode():
+        peer.wait_for_node()
+        stats = peer.next_stats()
+    with asap.Pipeline(latency_ms=10) as pipeline:
+        theirs = pipeline.stats()
+    assert own < set(stats)
+    for name in set(stats) - own:
+        assert isinstance(stats[name], dict) == isinstance(theirs[name], dict)
+        if isinstance(stats[name], dict):
+            assert set(stats[name]) <= set(theirs[name])
+
+
 def test_diagnostics_name_the_trouble(peer: Peer) -> None:
     said = []
     peer.create_subscription(DiagnosticArray, "/diagnostics", said.append, 10)
@@ -154,11 +173,13 @@ def test_what_the_driver_lost_is_counted(peer: Peer) -> None:
 
 
 def test_parameters_change_or_are_refused_with_a_reason(peer: Peer) -> None:
-    with AsapNode(latency_ms=20) as node:
+    with AsapNode(latency_ms=20, feedback="topic") as node:
         peer.wait_for_node()
         peer.send(mono(np.array([1])))
-        assert peer.set(latency_ms=30.5).successful
-        peer.wait(lambda: peer.next_stats()["latency_bound_us"] == 30_500, "the bound is in force")
+        for bound_ms in (40, 30.5):  # as `ros2 param set` reads them: an integer, a double
+            assert peer.set(latency_ms=bound_ms).successful
+            us = bound_ms * 1000
+            peer.wait(lambda us=us: peer.next_stats()["latency_bound_us"] == us, "the bound")
         refused = {
             "latency_ms = nan: must be between 0.1 and 10000": {"latency_ms": float("nan")},
             "feedback_timeout_ms = 20: must be at least latency_ms = 50": {
@@ -178,9 +199,16 @@ def test_parameters_change_or_are_refused_with_a_reason(peer: Peer) -> None:
         assert node.process.poll() is None
 
 
+def test_another_run_has_another_domain() -> None:
+    code = "import os, peers; print(os.environ['ROS_DOMAIN_ID'])"
+    run = [sys.executable, "-c", code]
+    other = subprocess.run(run, cwd=Path(__file__).parent, stdout=subprocess.PIPE, text=True)
+    assert int(other.stdout) not in (0, int(os.environ["ROS_DOMAIN_ID"]))
+
+
 def test_parameters_describe_themselves(peer: Peer) -> None:
     numbers = {"latency_ms", "feedback_timeout_ms", "rate_bound"}
-    names = [*numbers, "queue", "feedback", "encoding", "input", "best_effort"]
+    names = [*numbers, "queue", "prefer", "feedback", "encoding", "input", "best_effort"]
     client = peer.create_client(DescribeParameters, "asap/describe_parameters")
     with AsapNode():
         peer.wait_for_node()
@@ -208,8 +236,12 @@ def test_best_effort_and_queue_are_those_of_the_parameters(peer: Peer) -> None:
 @pytest.mark.parametrize(
     ("parameters", "reason"),
     [
+        ({"prefer": "all"}, "prefer = all: must be one of balanced, events, continuity"),
         ({"encoding": "evt2"}, "encoding = evt2: must be one of evt3, mono, dvs_msgs"),
-        ({"latency_ms": 5000.0}, "feedback_timeout_ms = 1000: must be at least latency_ms = 5000"),
+        (
+            {"latency_ms": 5000.0, "feedback": "topic"},
+            "feedback_timeout_ms = 1000: must be at least latency_ms = 5000",
+        ),
         ({"input": "events"}, "input = events: must be event_camera_msgs"),
     ],
 )

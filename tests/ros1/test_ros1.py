@@ -214,7 +214,7 @@ def test_what_the_driver_lost_is_counted(peer: Peer) -> None:
 
 
 def test_parameters_change_or_are_refused_with_a_reason(peer: Peer) -> None:
-    with AsapNode(latency_ms=20) as node:
+    with AsapNode(latency_ms=20, feedback="topic") as node:
         peer.wait_for_node()
         peer.send(array([1]))
         rospy.set_param("/asap/latency_ms", 30.5)
@@ -238,8 +238,12 @@ def test_parameters_change_or_are_refused_with_a_reason(peer: Peer) -> None:
 @pytest.mark.parametrize(
     ("parameters", "reason"),
     [
+        ({"prefer": "all"}, "prefer = all: must be one of balanced, events, continuity"),
         ({"encoding": "evt2"}, "encoding = evt2: must be one of evt3, mono, dvs_msgs"),
-        ({"latency_ms": 5000.0}, "feedback_timeout_ms = 1000: must be at least latency_ms = 5000"),
+        (
+            {"latency_ms": 5000.0, "feedback": "topic"},
+            "feedback_timeout_ms = 1000: must be at least latency_ms = 5000",
+        ),
         ({"latency_ms": "10ms"}, "latency_ms = 10ms: must be a number"),
         ({"queue": 0}, "queue = 0: must be between 1 and 100000"),
     ],

@@ -73,6 +73,7 @@ Facts facts_of(const PipelineStats& stats) {
       {"latency_us.p50", us(latency.quantile_ns(0.5))},
       {"latency_us.p99", us(latency.quantile_ns(0.99))},
       {"latency_us.max", us(latency.max_ns())},
+      {"gap_us", number(static_cast<std::uint64_t>(stats.gap_us))},
       {"packages.count", number(count)},
       {"packages.per_s", number(per(static_cast<double>(count), elapsed_s))},
       {"packages.size_mean", number(per(static_cast<double>(size), static_cast<double>(count)))},

@@ -1,5 +1,5 @@
 // Facts: what a node reports, by name; "ledger.received" is the entry of a JSON object "ledger".
-// The keys are those of Python's Pipeline.summary().
+// The keys are those of Python's Pipeline.stats().
 //
 // Any thread. Allocates.
 #pragma once

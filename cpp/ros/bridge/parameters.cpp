@@ -13,8 +13,8 @@ void check(const Parameters& parameters) {
     require(value >= number.least && value <= number.most, number.name, value,
             "must be between " + to_text(number.least) + " and " + to_text(number.most));
   }
-  require(parameters.feedback_timeout_ms >= parameters.latency_ms, "feedback_timeout_ms",
-          parameters.feedback_timeout_ms,
+  require(parameters.feedback == "none" || parameters.feedback_timeout_ms >= parameters.latency_ms,
+          "feedback_timeout_ms", parameters.feedback_timeout_ms,
           "must be at least latency_ms = " + to_text(parameters.latency_ms));
   for (const ChoiceField& choice : kChoices) {
     const std::string& value = parameters.*choice.field;

@@ -1,5 +1,6 @@
-// Parameters: those of the nodes, with range and description, for every middleware the same. A
-// check names field, value and remedy.
+// Parameters: those of the nodes, with range and description, for every middleware the same. Every
+// node has kLatency and kPrefer; a node that publishes packages has them all. A check names field,
+// value and remedy.
 //
 // Any thread.
 #pragma once
@@ -14,6 +15,7 @@ struct Parameters {
   double latency_ms = 10.0;
   double feedback_timeout_ms = 1000.0;
   double rate_bound = 0.0;
+  std::string prefer = "balanced";
   std::string feedback = "none";
   std::string encoding = "evt3";
 };
@@ -27,9 +29,11 @@ struct NumberField {
   const char* description;
 };
 
+inline constexpr NumberField kLatency{
+    "latency_ms", &Parameters::latency_ms, 0.1, 10'000.0,
+    "Latency bound in ms, from the arrival of an event to the end of its processing."};
 inline constexpr std::array kNumbers{
-    NumberField{"latency_ms", &Parameters::latency_ms, 0.1, 10'000.0,
-                "Latency bound in ms, from the arrival of an event to the end of its processing."},
+    kLatency,
     NumberField{"feedback_timeout_ms", &Parameters::feedback_timeout_ms, 1.0, 60'000.0,
                 "Time in ms to wait for feedback before the next package; at least latency_ms."},
     NumberField{"rate_bound", &Parameters::rate_bound, 0.0, 1e9,
@@ -44,9 +48,14 @@ struct ChoiceField {
   const char* description;
 };
 
+inline constexpr const char* kPreferences[] = {"balanced", "events", "continuity"};
 inline constexpr const char* kFeedbacks[] = {"none", "topic", "service"};
 inline constexpr const char* kOutputs[] = {"evt3", "mono", "dvs_msgs"};
+inline constexpr ChoiceField kPrefer{
+    "prefer", &Parameters::prefer, kPreferences,
+    "What matters in overload: events, as many as possible; continuity, no gap; or balanced."};
 inline constexpr std::array kChoices{
+    kPrefer,
     ChoiceField{"feedback", &Parameters::feedback, kFeedbacks,
                 "How the consumer says that it has finished a package: none, topic or service."},
     ChoiceField{"encoding", &Parameters::encoding, kOutputs,

@@ -14,9 +14,10 @@ constexpr std::int64_t kMostBetweenMarks_us = 1'000'000;
 
 }  // namespace
 
-Session::Session(double latency_ms, Receiver& receiver, Say say)
-    : receiver_(receiver), say_(std::move(say)), latency_ms_(latency_ms) {
-  checked_latency_bound_ns(latency_ms * kUsPerMs);
+Session::Session(const Parameters& parameters, Receiver& receiver, Say say)
+    : receiver_(receiver), say_(std::move(say)) {
+  check(parameters);
+  scheme_config_ = {.latency_ms = parameters.latency_ms, .prefer = prefer_of(parameters.prefer)};
 }
 
 Session::~Session() { stop(); }
@@ -52,10 +53,12 @@ void Session::begin(const Geometry& sensor) {
   end();
   const auto width = static_cast<int>(sensor.width), height = static_cast<int>(sensor.height);
   receiver_.begin(sensor);
-  pipeline_ = std::make_unique<Pipeline>(RunConfig{.latency_us = latency_ms_ * kUsPerMs,
-                                                   .validator = {.width = width, .height = height},
-                                                   .execution = receiver_.execution()},
-                                         [this](const Package& package) { process(package); });
+  pipeline_.reset();
+  pipeline_ = std::make_unique<Pipeline>(scheme_.emplace(scheme_config_),
+                                         RunConfig{.validator = {.width = width, .height = height},
+                                                   .execution = receiver_.execution()});
+  thread_ = std::jthread(
+      [this] { pipeline_->run([this](const Package& package) { process(package); }); });
   sensor_ = sensor;
   say_("a sensor of " + std::to_string(width) + " x " + std::to_string(height) + " px");
 }
@@ -64,7 +67,7 @@ void Session::end() {
   if (!pipeline_ || !pipeline_->is_open()) return;
   receiver_.hurry();
   pipeline_->stop();
-  pipeline_->join();
+  thread_.join();
   say_("run ended: " + sentence(pipeline_->ledger()));
 }
 
@@ -89,7 +92,7 @@ std::int64_t Session::stamp_of(std::int64_t t_us) const {
 void Session::set_latency(double latency_ms) {
   const std::lock_guard lock(control_);
   checked_latency_bound_ns(latency_ms * kUsPerMs);
-  latency_ms_ = latency_ms;
+  scheme_config_.latency_ms = latency_ms;
   if (pipeline_) pipeline_->set_latency(latency_ms * kUsPerMs);
 }
 
@@ -101,7 +104,11 @@ void Session::stop() {
 
 PipelineStats Session::stats() const {
   const std::lock_guard lock(control_);
-  if (!pipeline_) return {{}, {}, LatencyHistogram(), {}};
+  if (!pipeline_) {
+    PipelineStats none;
+    none.latency_bound_ns = checked_latency_bound_ns(scheme_config_.latency_ms * kUsPerMs);
+    return none;
+  }
   PipelineStats stats = pipeline_->stats();
   stats.stalled = stats.stalled || receiver_.stalled();
   return stats;
@@ -132,7 +139,9 @@ Facts Session::facts() const {
               {"mode", quoted("live")},
               {"state", quoted(state)},
               {"source.width", number(std::uint64_t{sensor_.width})},
-              {"source.height", number(std::uint64_t{sensor_.height})}};
+              {"source.height", number(std::uint64_t{sensor_.height})},
+              {"scheme.name", quoted("deadline")},
+              {"scheme.prefer", quoted(name_of(scheme_config_.prefer))}};
   const Facts run = facts_of(stats);
   facts.insert(facts.end(), run.begin(), run.end());
   facts.emplace_back("messages.received", number(messages_));

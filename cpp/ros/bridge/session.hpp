@@ -13,10 +13,13 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include "asap/runner/pipeline.hpp"
+#include "asap/schemes/deadline.hpp"
 #include "ros/bridge/facts.hpp"
 #include "ros/bridge/packet_reader.hpp"
+#include "ros/bridge/parameters.hpp"
 
 namespace asap::ros {
 
@@ -41,8 +44,8 @@ class Session {
   using Say = std::function<void(const std::string&)>;
 
   // The receiver outlives the session. `say` gets a line where a run begins or ends. Throws
-  // std::invalid_argument for a bound out of range.
-  Session(double latency_ms, Receiver& receiver, Say say);
+  // std::invalid_argument for parameters that are none.
+  Session(const Parameters& parameters, Receiver& receiver, Say say);
   ~Session();  // stop()
 
   // The reason, if the message is refused; refused after stop() without one.
@@ -76,7 +79,7 @@ class Session {
   Receiver& receiver_;
   const Say say_;
   mutable std::mutex control_;
-  double latency_ms_;
+  DeadlineConfig scheme_config_;  // of the next run
   bool stopped_ = false;
   Geometry sensor_;
   PacketReader reader_;
@@ -87,7 +90,9 @@ class Session {
   Mark mark_;
   std::uint64_t failures_ = 0;
   std::string failure_;
-  std::unique_ptr<Pipeline> pipeline_;  // the last member: its worker uses the others
+  std::optional<Deadline> scheme_;
+  std::unique_ptr<Pipeline> pipeline_;
+  std::jthread thread_;  // runs the pipeline; uses all the others
 };
 
 }  // namespace asap::ros

@@ -35,9 +35,9 @@ def schemes() -> list[str]:
 def scheme_of(name: str | None, settings: Sequence[str]) -> asap.Scheme | None:
     """Make the scheme with its NAME=VALUE parameters; None leaves the choice to the library."""
     if name is None:
-        if settings:
-            raise Failure(USAGE, f"--set {settings[0]}: needs --scheme, whose parameter it is")
-        return None
+        if not settings:
+            return None
+        name = "deadline"
     make = getattr(asap, _SCHEMES[name])
     defaults = make().parameters
     scheme: asap.Scheme = make(**dict(_setting(text, name, defaults) for text in settings))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -82,7 +83,7 @@ def add_recording(
 def add_report(parser: argparse.ArgumentParser) -> None:
     """Add the page to write."""
     words = "write one HTML page with table and figure"
-    parser.add_argument("--report", type=writable, metavar="OUT.html", help=words)
+    parser.add_argument("--report", type=page_file, metavar="OUT.html", help=words)
 
 
 def add_out(parser: argparse.ArgumentParser, default: str) -> None:
@@ -123,17 +124,29 @@ def typed(parse: Callable[..., T], field: str) -> Callable[[str], T]:
 
 def run_file(text: str) -> Path:
     """Refuse a file that no run is saved to, before the run."""
-    path = writable(text)
-    try:
+    with _as_argument(text):
+        path = _checks.new_file("path", text)
         run_archive.check_name(path)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error).removeprefix("path = ")) from error
-    return path
+        return path
+
+
+def page_file(text: str) -> Path:
+    """Refuse a file that no page is written to, before the run."""
+    with _as_argument(text):
+        return _checks.page_file("path", text)
 
 
 def writable(text: str) -> Path:
     """Refuse a file without a folder before the run, not after it."""
-    try:
+    with _as_argument(text):
         return _checks.new_file("path", text)
+
+
+@contextmanager
+def _as_argument(text: str) -> Iterator[None]:
+    try:
+        yield
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error).removeprefix("path = ")) from error
     except OSError as error:
         raise argparse.ArgumentTypeError(f"{text}: {error.strerror}") from error

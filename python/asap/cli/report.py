@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import asap
-from asap.cli.options import add_verb, writable
+from asap.cli.options import add_verb, page_file
 from asap.cli.outcome import OK, need_matplotlib, print_json, print_written, reading, writing
 
 
@@ -19,7 +19,7 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "-o",
         "--out",
-        type=writable,
+        type=page_file,
         metavar="OUT.html",
         help="default: the first run's name with .html",
     )

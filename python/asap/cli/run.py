@@ -6,7 +6,7 @@ from contextlib import nullcontext
 from typing import Any
 
 import asap
-from asap import _progress, _units
+from asap import _checks, _progress, _units
 from asap.cli.choices import ALGORITHMS, algorithm_name, algorithm_of, scheme_of, schemes
 from asap.cli.imported import failures_of
 from asap.cli.options import (
@@ -93,6 +93,9 @@ def _call(arguments: Any) -> int:
         cost = asap.LinearCost(*arguments.cost) if arguments.cost else None
     with reading(arguments):
         recording = open_recording(arguments)
+    if arguments.save:
+        with usage():
+            _checks.other_file("--save", arguments.save, recording.path)
     name = arguments.algorithm or (None if cost else "clusters")
     with usage():
         algorithm = algorithm_of(name, recording) if name else None

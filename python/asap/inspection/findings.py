@@ -78,9 +78,9 @@ def judge(raw: RawSource, meters: Meters) -> Iterator[Finding]:
         door.back_steps,
         WRONG,
         f"largest {_units.duration(door.largest_back_step_us)}" if door.back_steps.count else "",
-        "A run drops and counts them. asap.read(..., reorder_tolerance_us="
-        f"{door.largest_back_step_us}) lifts them to the stamp before; sorting the events "
-        "repairs the file, if their stamps are right.",
+        "A run drops and counts them. "
+        + _lifting(door, meters)
+        + "Sorting the events repairs the file, if their stamps are right.",
     )
     yield _found(
         "clock_resets",
@@ -182,6 +182,14 @@ def _out_of_bounds(raw: RawSource, door: Door, pixels: PixelMap) -> Finding:
         reach = f"{_units.count(pixels.beyond)} events beyond {MAX_SIDE} px"
     remedy = "Say the size: width=, height= (--width, --height)."
     return Finding("out_of_bounds", 0, NOTE, f"{sensor}; {reach}", remedy)
+
+
+def _lifting(door: Door, meters: Meters) -> str:
+    """Name the tolerance that repairs a few late stamps; none repairs a wrong clock."""
+    largest_us = door.largest_back_step_us
+    if largest_us >= WRONG_GAP_US or door.back_steps.count >= meters.events:
+        return ""
+    return f"asap.read(..., reorder_tolerance_us={largest_us}) lifts them to the stamp before. "
 
 
 def _reset_words(door: Door) -> str:

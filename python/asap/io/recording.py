@@ -167,7 +167,9 @@ class Recording:
         if (found := self._fitting()) is not None:
             return looks_like(found)
         if self.rejected["out_of_bounds"]:
-            return f"are width = {self._width} and height = {self._height} right?"
+            sides = (("width", self._width), ("height", self._height))
+            given = [f"{name} = {side}" for name, side in sides if side]
+            return f"{'are' if len(given) > 1 else 'is'} {' and '.join(given)} right?"
         if self.rejected["nonmonotonic"]:
             return "the stamps go back; sort the events by t"
         if self.rejected["bad_record"] and not self.bad_offsets and self._options.time_unit is None:

@@ -83,6 +83,8 @@ def sniff(path: Path) -> str:
         raise _unsupported(path, name)
     if (encoding := _prophesee(head)) is not None:
         return encoding
+    if path.suffix.lower() == ".dat" and _is_header(head):
+        raise CorruptFile(path, len(head), "the file ends inside its header")
     if any(mark in head for mark in _PROPHESEE_HEADER):
         raise _unsupported(path, "this Prophesee encoding")
     if not any(head):
@@ -158,6 +160,11 @@ def _prophesee(head: bytes) -> str | None:
 
 def _unsupported(path: Path, name: str) -> UnsupportedFormat:
     return UnsupportedFormat(f"{path}: {name} is not read yet; what is: {SERVED}")
+
+
+def _is_header(head: bytes) -> bool:
+    """Whether these bytes are the whole file, and no line of it is more than a comment."""
+    return len(head) < _HEAD and all(line.startswith(b"%") for line in head.splitlines())
 
 
 def _is_text(head: bytes) -> bool:

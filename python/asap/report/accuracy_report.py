@@ -34,7 +34,7 @@ def write(curve: KeepCurve, path: str | os.PathLike[str], title: str = "ASAP acc
 
     The numbers stand in ``<template data-keep-curve>`` as JSON: ``curve.summary()``.
     """
-    path = _checks.new_file("path", path)
+    path = _checks.page_file("path", path)
     name = accuracy_table.title(curve)
     wide = figure([curve], width_inches=8.6)
     narrow = figure([curve], width_inches=page.NARROW_INCHES, columns=1)

@@ -72,7 +72,7 @@ def write(
 
     The numbers stand in ``<template data-comparison>`` as JSON: what ``comparison.summary()`` says.
     """
-    path = _checks.new_file("path", path)
+    path = _checks.page_file("path", path)
     return page.write(
         path,
         title,

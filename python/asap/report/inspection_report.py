@@ -50,7 +50,7 @@ def write(
 
     The numbers stand in ``<template data-inspection>`` as JSON: ``inspection.summary()``.
     """
-    path = _checks.new_file("path", path)
+    path = _checks.page_file("path", path)
     return page.write(path, title, _article(inspection), style=_STYLE)
 
 

@@ -42,7 +42,7 @@ def write(
     which holds of every curve its times in s and its values; the smallest and the largest of what
     is left out stay. Of more runs than fit, the first have curves.
     """
-    path = _checks.new_file("path", path)
+    path = _checks.page_file("path", path)
     runs = list(runs) if isinstance(runs, Sequence) else [runs]
     if not runs:
         raise ValueError("runs = []: give at least one run")

@@ -25,6 +25,7 @@ class Result(Pickled):
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the summary as a JSON file and return its path."""
         file = _checks.new_file("path", path)
+        _checks.ending("path", file, (".json",), "give a name that ends in .json")
         file.write_text(json.dumps(self.summary(), allow_nan=False), encoding="utf-8")
         return file
 

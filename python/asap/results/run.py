@@ -247,6 +247,7 @@ class Run(Result):
         """
         file = _checks.new_file("path", path)
         run_archive.check_name(file)
+        _checks.other_file("path", file, self.source["path"])
         if file.suffix.lower() == ".json":
             return super().save(file)
         check_run(self)

@@ -5,7 +5,6 @@
 class OwnNode : public asap_ros::EventNode, private asap::ros::Receiver {
  public:
   explicit OwnNode(const rclcpp::NodeOptions& options) : EventNode("own", options) {
-    declare(asap::ros::kNumbers.front());  // latency_ms
     publisher_ = create_publisher<std_msgs::msg::UInt64>("~/on_events", 10);
     start(*this);
   }

@@ -49,7 +49,7 @@ struct Node::Parts {
         relay(
             parameters, [this](const ros::Message& message) { publish(message); },
             outward.is_heard),
-        session(parameters.latency_ms, relay, outward.say) {}
+        session(parameters, relay, outward.say) {}
 
   void publish(const ros::Message& message) {
     {

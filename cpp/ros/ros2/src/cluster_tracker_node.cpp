@@ -31,7 +31,6 @@ Field field(const char* name, std::size_t offset, std::uint8_t type = Field::FLO
 
 ClusterTrackerNode::ClusterTrackerNode(const rclcpp::NodeOptions& options)
     : EventNode("asap_cluster_tracker", options) {
-  declare(ros::kNumbers.front());  // latency_ms
   publisher_ = create_publisher<PointCloud2>("~/clusters", 10);
   start(*this);
 }

@@ -39,6 +39,8 @@ builtin_interfaces::msg::Time to_time(std::int64_t ns) {
 
 EventNode::EventNode(const std::string& name, const rclcpp::NodeOptions& options)
     : Node(name, options) {
+  declare(ros::kLatency);
+  declare(ros::kPrefer);
   rcl_interfaces::msg::ParameterDescriptor fixed;
   fixed.read_only = true;
   fixed.description = "Subscribe and publish best effort: a slow network loses messages.";
@@ -75,10 +77,9 @@ void EventNode::declare(const ros::ChoiceField& field) {
 }
 
 void EventNode::start(ros::Receiver& receiver) {
-  ros::check(parameters_);
-  session_ = std::make_unique<ros::Session>(
-      parameters_.latency_ms, receiver,
-      [this](const std::string& line) { RCLCPP_INFO(get_logger(), "%s", line.c_str()); });
+  session_ = std::make_unique<ros::Session>(parameters_, receiver, [this](const std::string& line) {
+    RCLCPP_INFO(get_logger(), "%s", line.c_str());
+  });
   stats_ = create_publisher<std_msgs::msg::String>("~/stats", 10);
   diagnostics_ = create_publisher<diagnostic_msgs::msg::DiagnosticArray>("/diagnostics", 10);
   watch_parameters();

@@ -1,5 +1,6 @@
 // EventNode: what the nodes have in common: events of a topic go into a Session, which works for a
-// receiver; ~/stats and /diagnostics say once a second how it does.
+// receiver; ~/stats and /diagnostics say once a second how it does. Declares the parameters that
+// every node has.
 //
 // The callbacks of a node run one at a time; the receiver runs on the session's thread.
 #pragma once
@@ -38,7 +39,8 @@ class EventNode : public rclcpp::Node {
   // Declares one that may not.
   void declare(const ros::ChoiceField& field);
 
-  // Once the receiver and the parameters are there. The receiver outlives stop().
+  // Once the receiver is there and all parameters are declared; throws std::invalid_argument for
+  // bad ones. The receiver outlives stop().
   void start(ros::Receiver& receiver);
   void stop();
 

@@ -1,6 +1,7 @@
 #include "package_node.hpp"
 
 #include <rclcpp_components/register_node_macro.hpp>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -16,9 +17,8 @@ constexpr std::size_t kCallsThatWait = 1000;  // 10 by default: a burst would lo
 }  // namespace
 
 PackageNode::PackageNode(const rclcpp::NodeOptions& options) : EventNode("asap", options) {
-  for (const ros::NumberField& field : ros::kNumbers) declare(field);
-  for (const ros::ChoiceField& field : ros::kChoices) declare(field);
-  ros::check(parameters());
+  for (const ros::NumberField& field : std::span(ros::kNumbers).subspan<1>()) declare(field);
+  for (const ros::ChoiceField& field : std::span(ros::kChoices).subspan<1>()) declare(field);
   advertise();
   relay_ = std::make_unique<ros::Relay>(parameters(), publish_, [this] {
     return publisher_->get_subscription_count() +

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <iterator>
 #include <limits>
 #include <string>
 
+#include "asap/schemes/deadline.hpp"
 #include "support/errors.hpp"
 
 namespace asap::ros::parameters_test {
@@ -29,12 +31,17 @@ TEST(Parameters, ANumberOutsideItsRangeIsRefusedByName) {
 }
 
 TEST(Parameters, TheTimeoutIsNotShorterThanTheBound) {
-  EXPECT_EQ(error({.latency_ms = 50, .feedback_timeout_ms = 20}),
+  EXPECT_EQ(error({.latency_ms = 50, .feedback_timeout_ms = 20, .feedback = "topic"}),
             "feedback_timeout_ms = 20: must be at least latency_ms = 50");
+}
+
+TEST(Parameters, WithoutFeedbackTheTimeoutDoesNotCount) {
+  EXPECT_EQ(error({.latency_ms = 5'000}), "nothing was thrown");
 }
 
 TEST(Parameters, AChoiceIsOneOfItsNames) {
   EXPECT_EQ(error({.feedback = "tpoic"}), "feedback = tpoic: must be one of none, topic, service");
+  EXPECT_EQ(error({.prefer = "all"}), "prefer = all: must be one of balanced, events, continuity");
   EXPECT_EQ(error({.encoding = ""}), "encoding = : must be one of evt3, mono, dvs_msgs");
   for (const ChoiceField& choice : kChoices) {
     for (const char* value : choice.choices) {
@@ -43,6 +50,12 @@ TEST(Parameters, AChoiceIsOneOfItsNames) {
       EXPECT_EQ(error(parameters), "nothing was thrown");
     }
   }
+}
+
+TEST(Parameters, PreferHasTheNamesOfTheScheme) {
+  for (const char* name : kPreferences) EXPECT_EQ(name_of(prefer_of(name)), name);
+  EXPECT_EQ(std::size(kPreferences), static_cast<std::size_t>(Prefer::continuity) + 1);
+  EXPECT_EQ(prefer_of(Parameters{}.prefer), DeadlineConfig{}.prefer);
 }
 
 }  // namespace

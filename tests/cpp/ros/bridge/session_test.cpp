@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -29,7 +31,6 @@ class Collector : public Receiver {
   void begin(const Geometry& sensor) override { sensors.push_back(sensor); }
   void process(const Package& package, std::int64_t stamp_ns) override {
     entered = true;
-    entered.notify_all();
     held.wait(true);
     stamps.emplace_back(package.t_first(), stamp_ns);
     events.insert(events.end(), package.events.begin(), package.events.end());
@@ -51,8 +52,9 @@ class Collector : public Receiver {
 struct Fixture {
   Collector collector;
   std::vector<std::string> said;
-  Session session{kNoHurry_ms, collector,
-                  [this](const std::string& line) { said.push_back(line); }};
+  Session session{{.latency_ms = kNoHurry_ms}, collector, [this](const std::string& line) {
+                    said.push_back(line);
+                  }};
 
   std::optional<Refusal> take(const Events& events, std::uint64_t seq, Geometry sensor = {640, 480},
                               std::string_view publisher = "camera", std::int64_t stamp_ns = 0) {
@@ -88,6 +90,16 @@ TEST(Session, EveryEventReachesTheReceiver) {
   EXPECT_EQ(ledger, (Ledger{.received = 10'000, .delivered = 10'000}));
   EXPECT_EQ(fixture.said.back(), "run ended: received 10000 = delivered 10000");
   EXPECT_EQ(value_of(fixture.session.facts(), "state"), "\"stopped\"");
+}
+
+TEST(Session, RunsTheSchemeThatTheParametersSay) {
+  Collector collector;
+  Session session({.latency_ms = 25, .prefer = "events"}, collector, [](const std::string&) {});
+  session.take({.sensor = {640, 480}, .encoding = kDecoded}, 0);
+  EXPECT_EQ(session.stats().latency_bound_ns, 25'000'000);
+  EXPECT_EQ(value_of(session.facts(), "scheme.prefer"), "\"events\"");
+  const auto refused = [&] { Session({.prefer = "all"}, collector, [](const std::string&) {}); };
+  EXPECT_EQ(test::error_of(refused), "prefer = all: must be one of balanced, events, continuity");
 }
 
 TEST(Session, HasFactsBeforeTheFirstMessage) {
@@ -171,11 +183,14 @@ TEST(Session, APackageHasTheStampOfItsFirstEvent) {
   for (const std::int64_t t : {5'000, 5'300, 5'700}) {
     const std::int64_t at_ns = stamp_ns + (t - 5'000) * 1'000;
     fixture.take({{1, 1, 1, t}}, 0, {640, 480}, "camera", at_ns);
-    fixture.collector.entered.wait(false);
+    while (!fixture.collector.entered && fixture.session.stats().ledger.stale == 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
   }
   fixture.collector.held = false;
   fixture.collector.held.notify_all();
   fixture.session.stop();
+  if (fixture.session.stats().ledger.stale > 0) GTEST_SKIP() << "the machine stands still";
   ASSERT_FALSE(fixture.collector.stamps.empty());
   EXPECT_LT(fixture.collector.stamps.back().first, 5'700);
   for (const auto& [t_us, at_ns] : fixture.collector.stamps) {
@@ -204,7 +219,9 @@ TEST(Session, IsStalledWithItsReceiver) {
 
 TEST(Session, AnotherBoundHoldsFromNowOn) {
   Fixture fixture;
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 10'000'000'000);  // without a run too
   fixture.session.set_latency(20);
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 20'000'000);
   fixture.take({{1, 1, 1, 5}}, 0);
   EXPECT_EQ(fixture.session.stats().latency_bound_ns, 20'000'000);
   fixture.session.set_latency(30);

@@ -1,0 +1,54 @@
+"""The commands and the consumer of the README of asap_ros, as they stand there."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from event_camera_msgs.msg import EventPacket
+from peers import QOS, AsapNode, Peer, mono, peers
+
+README = (Path(__file__).parents[2] / "cpp/ros/ros2/README.md").read_text()
+make_peer = pytest.fixture(peers)
+
+
+def test_the_command_starts_the_node_on_the_drivers_topic(make_peer: Callable[..., Peer]) -> None:
+    (words,) = re.findall(r"^ros2 run asap_ros asap_node (.*)$", README, re.M)
+    peer = make_peer(consume=False)
+    driver = peer.create_publisher(EventPacket, "/event_camera/events", QOS)
+    with AsapNode(words=words.split()) as node:
+        peer.wait(lambda: driver.get_subscription_count() > 0, "the node subscribes")
+        assert peer.next_stats()["latency_bound_us"] == 10_000
+        (name, value) = re.findall(r"^ros2 param set /asap (\S+) (\S+)$", README, re.M)[0]
+        assert peer.set(**{name: float(value)}).successful
+        peer.wait(lambda: peer.next_stats()["latency_bound_us"] == 20_000, "the bound is in force")
+        code, _, _ = node.interrupt()
+    assert code == 0
+
+
+def test_the_consumer_says_when_it_has_finished(make_peer: Callable[..., Peer]) -> None:
+    (code,) = re.findall(r"^```python\n(.*?)^```", README, re.M | re.S)
+    peer = make_peer(consume=False)
+    consumer = subprocess.Popen([sys.executable, "-c", code])
+    try:
+        with AsapNode(feedback="topic", latency_ms=500):
+            peer.wait_for_node()
+            for name in ("asap/events", "asap/processing_time"):
+                peer.wait(lambda name=name: peer.count_subscribers(name) > 0, name)
+            peer.next_stats()
+            for i in range(50):
+                peer.send(mono(np.arange(1000) + 10_000 * i))
+                time.sleep(0.01)
+            peer.wait(lambda: peer.next_stats()["ledger"]["pending"] == 0, "nothing pending")
+        stats = peer.stats[-1]
+    finally:
+        consumer.kill()
+        consumer.wait()
+    assert stats["feedback"]["timeouts"] == 0
+    assert stats["feedback"]["taken"] == stats["packages"]["count"] > 0
