@@ -272,8 +272,7 @@ void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, floa
 
 bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
                      float dy) noexcept {
-  constexpr float kMature_s = 0.2F;  // most pairs of objects that began as one
-                                     // track have separated
+  constexpr float kMature_s = 0.2F;  // most pairs of objects that began as one track have separated
   constexpr float kMostMass = 0.2F;
   constexpr float kReach = 1.25F;  // of the gate
   const TrackState& state = tracks.state(confirmed);
@@ -372,8 +371,7 @@ void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now)
   track.sxx = (1 - w) * track.sxx + w * gone.sxx + w * (1 - w) * dx * dx;
   track.sxy = (1 - w) * track.sxy + w * gone.sxy + w * (1 - w) * dx * dy;
   track.syy = (1 - w) * track.syy + w * gone.syy + w * (1 - w) * dy * dy;
-  // The next tick counts the events since the last
-  // one, so their time is noted here.
+  // The next tick counts the events since the last one, so their time is noted here.
   if (track.events != state.events) state.last_event = track.stamp;
   if (age_us(gone_state.last_event, state.last_event) > 0) state.last_event = gone_state.last_event;
   track.x = here.x + w * dx;
