@@ -107,10 +107,12 @@ def test_a_sensor_that_holds_no_event(tmp_path: Path) -> None:
     events["x"] += 50
     np.save(tmp_path / "events.npy", events)
     with pytest.raises(
-        NoGoodEvent, match=r"\(3,000 out_of_bounds\); are width = 50 and height = 9"
+        NoGoodEvent, match=r"\(3,000 out_of_bounds\); check width = 50 and height = 9"
     ):
         asap.load(tmp_path / "events.npy", width=50, height=9)
-    with pytest.raises(NoGoodEvent, match=r"\(3,000 out_of_bounds\); is width = 50 right\?"):
+    with pytest.raises(
+        NoGoodEvent, match=r"\(3,000 out_of_bounds\); check width = 50 and height = \?$"
+    ):
         asap.load(tmp_path / "events.npy", width=50)
 
 
@@ -229,7 +231,7 @@ def test_most_events_are_bad(tmp_path: Path) -> None:
     rec = asap.read(tmp_path / "a.npy", width=3)
     assert rec.doubt is None
     assert sum(map(len, rec)) == good
-    words = f"a.npy: only {good} of its 3,000 events are good ({3000 - good:,} out_of_bounds); is"
+    words = f"only {good} of its 3,000 events are good ({3000 - good:,} out_of_bounds); check w"
     assert words in str(rec.doubt)
     rec = asap.read(tmp_path / "a.npy", width=corrupt.WIDTH - 20)
     assert len(EVENTS) / 2 < sum(map(len, rec)) < len(EVENTS)

@@ -167,9 +167,7 @@ class Recording:
         if (found := self._fitting()) is not None:
             return looks_like(found)
         if self.rejected["out_of_bounds"]:
-            sides = (("width", self._width), ("height", self._height))
-            given = [f"{name} = {side}" for name, side in sides if side]
-            return f"{'are' if len(given) > 1 else 'is'} {' and '.join(given)} right?"
+            return f"check width = {self._width or '?'} and height = {self._height or '?'}"
         if self.rejected["nonmonotonic"]:
             return "the stamps go back; sort the events by t"
         if self.rejected["bad_record"] and not self.bad_offsets and self._options.time_unit is None:
