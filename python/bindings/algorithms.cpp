@@ -44,9 +44,9 @@ engine : str
     (of the published rule; "kalman": x, y, vx, vy of a filter instead; what joins what stays the same).
     "fast": support="reject" ("estimate": noise is counted and not left out; "off") and the numbers
     that `parameters` lists, units in the names. Worth knowing: support_window_ms=5.0 (a neighbour
-    that fired within it makes an event no noise), birth_radius_px=18.0 (gate of a young cluster),
-    max_radius_px=40.0 (longest half-axis of the gate), confirm_events=14.0 (recent events from which
-    it has an id), coast_ms=250.0 (how long an id outlives its events), slots=128 (clusters at a time).
+    that fired within it makes an event no noise), birth_radius_px=18.0 (least gate of a young
+    cluster), max_radius_px=66.0 (longest half-axis of the gate), confirm_events=14.0 (recent events
+    from which it has an id), coast_ms=250.0 (how long an id outlives its events), slots=128 (clusters at a time).
 
 Raises
 ------

@@ -27,5 +27,7 @@ def folder(path: Path, rows: str = "", *, zones: str = "", **sensor: Any) -> Pat
     return path
 
 
-def box(ms: int, x: float = 10, y: float = 15, w: float = 20, h: float = 10, id: int = 0) -> str:
+def box(
+    ms: int, x: float = 10, y: float = 15, w: float = 20, h: float = 10, id: int | str = 0
+) -> str:
     return f"{T0_US + 1000 * ms},{id},{x},{y},{w},{h},thing\n"

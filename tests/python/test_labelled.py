@@ -67,7 +67,12 @@ def test_a_missing_file_is_named(tmp_path: Path, name: str) -> None:
         (box(10, y=-10), "row 2: y = -10.0: the box lies off the sensor"),
         (box(10, w=0), "row 2: w = 0.0: give more than 0 px"),
         (box(10, h=math.nan), "row 2: h = 'nan': give a finite number, in px"),
+        (box(10, y=80), "row 2: y = 80.0: the box lies off the sensor of 100 x 80 px; correct"),
+        (box(10, h=0), "row 2: h = 0.0: give more than 0 px"),
+        (box(10, x=math.inf), "row 2: x = 'inf': give a finite number, in px"),
         (box(10).replace(",0,", ",a,", 1), "row 2: id = 'a': give a whole number"),
+        (box(10, id=1 << 63), f"row 2: id = '{1 << 63}': give a whole number"),
+        (box(10) + box(20, id="0.5"), "row 3: id = '0.5': give a whole number"),
         ("\n", "row 2: there is none; give at least one box"),
     ],
 )
@@ -81,7 +86,10 @@ def test_a_bad_truth_is_refused_by_file_and_row(tmp_path: Path, rows: str, messa
     [
         ("5,1,2,6,0,9\n", "row 2: x1 = 1.0: give more than 5.0"),
         ("1,5,2,6,0,9\n1,5,2,6,9,9\n", "row 3: to_us = 9: give more than 9"),
+        ("1,5,6,6,0,9\n", "row 2: y1 = 6.0: give more than 6.0"),
         ("1,5,2,6,0,9.5\n", "row 2: to_us = '9.5': give a whole number"),
+        ("1,5,2,nan,0,9\n", "row 2: y1 = 'nan': give a finite number, in px"),
+        ("1,5,2,6,0\n", "row 2: values = '1,5,2,6,0': give 6 values, as in the heading"),
     ],
 )
 def test_a_bad_zone_is_refused_by_file_and_row(tmp_path: Path, zones: str, message: str) -> None:
@@ -90,9 +98,27 @@ def test_a_bad_zone_is_refused_by_file_and_row(tmp_path: Path, zones: str, messa
 
 
 @pytest.mark.parametrize(
+    ("name", "heading", "message"),
+    [
+        ("truth.csv", "t_us,id,x,y,w,h,colour", "give t_us, id, x, y, w, h and, at will, name"),
+        ("truth.csv", "t_us,id,x,y,w", "give t_us, id, x, y, w, h and"),
+        ("truth.csv", "t_us,id,x,y,w,h,x", "give t_us, id, x, y, w, h and"),
+        ("ignore.csv", "x0,x1,y0,y1,from_us,to_us,why", "give x0, x1, y0, y1, from_us, to_us$"),
+        ("ignore.csv", "", "give x0, x1, y0, y1, from_us, to_us$"),
+    ],
+)
+def test_unknown_columns_are_refused(tmp_path: Path, name: str, heading: str, message: str) -> None:
+    (folder(tmp_path) / name).write_text(heading + "\n")
+    with pytest.raises(ValueError, match=rf"{name}: row 1: columns = '{heading}': {message}"):
+        labelled(tmp_path)
+
+
+@pytest.mark.parametrize(
     ("sensor", "message"),
     [
         ({"width": 0}, "width = 0: give the sensor's width, 1 to 65536 px"),
+        ({"width": "100"}, "width = '100': give the sensor's width, 1 to 65536 px"),
+        ({"height": True}, "height = True: give the sensor's height, 1 to 65536 px"),
         ({"camera": None}, "camera = None: give one of still, moving"),
         ({"background": "empty"}, "background = 'empty': give one of labelled, unlabelled"),
     ],
@@ -106,8 +132,25 @@ def test_a_sensor_that_is_no_json_or_too_small_is_refused(tmp_path: Path) -> Non
     (folder(tmp_path) / "sensor.json").write_text("width 100")
     with pytest.raises(ValueError, match=r"sensor\.json: .*give a JSON object"):
         labelled(tmp_path)
+    (folder(tmp_path) / "sensor.json").write_text("[100, 80]")
+    with pytest.raises(ValueError, match=r"sensor\.json: give a JSON object with width, height"):
+        labelled(tmp_path)
     with pytest.raises(ValueError, match=r"events\.npz"):
         labelled(folder(tmp_path, width=20))
+
+
+def test_events_that_are_none_or_of_another_clock_are_refused(tmp_path: Path) -> None:
+    columns = dict(np.load(folder(tmp_path) / "events.npz"))
+    np.savez(tmp_path / "events.npz", **{name: column[:0] for name, column in columns.items()})
+    with pytest.raises(
+        ValueError, match=r"events\.npz: no event; give the recording of truth\.csv"
+    ):
+        labelled(tmp_path)
+    columns["t"] = columns["t"] - T0_US
+    np.savez(tmp_path / "events.npz", **columns)
+    message = r"truth\.csv: row 2: t_us = 5010000: give the clock of events\.npz, 0 to 99000 us"
+    with pytest.raises(ValueError, match=message):
+        labelled(tmp_path)
 
 
 # ---- the score ------------------------------------------------------------------------------

@@ -1,6 +1,6 @@
 // ClusterTrackerConfig: the parameters of ClusterTracker and their check. One setting serves all
 // scenes it was tried on, so most users change none. The most useful ones are support_window_ms,
-// birth_radius_px (radius within which a new cluster takes events), max_radius_px and
+// birth_radius_px (least radius within which a new cluster takes events), max_radius_px and
 // confirm_events. Plain data, any thread; checked() throws std::invalid_argument.
 #pragma once
 
@@ -36,9 +36,9 @@ struct ClusterTrackerConfig {
   int mean_events = 60;         // longest memory of the mean; a small object has a shorter one
   int covariance_events = 300;  // memory of the covariance
 
-  double birth_radius_px = 18;   // circular gate of a young cluster
+  double birth_radius_px = 18;   // circular gate of a young cluster; alone, up to 5/3 of it
   double min_radius_px = 7;      // smallest circle of a mature one
-  double max_radius_px = 40;     // longest half-axis of the elliptic gate
+  double max_radius_px = 66;     // longest half-axis of the elliptic gate
   double gate_scale = 2.3;       // half-axes of the ellipse, standard deviations
   double gate_padding_px = 2;    // added to the standard deviation, in quadrature
   double circle_scale = 2.2;     // circle: standard deviations of the longest axis ...

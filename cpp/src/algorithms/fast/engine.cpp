@@ -71,6 +71,7 @@ void Engine::start() noexcept {
   next_tick_ = clock_.now() + static_cast<Stamp>(settings_.tick_us);
   tracks_are_due_ = true;
   birth_threshold_ = kNever;
+  widest_radius_px_ = settings_.gate.birth_radius_px;
   support_window_us_ = settings_.support_window_us;
 }
 
@@ -192,7 +193,8 @@ Tracks::Slot Engine::begin_track(float x, float y) noexcept {
     ++counters_.refused;
     return slot;
   }
-  shape_birth_gate(tracks_[slot], settings_.gate);
+  tracks_.state(slot).young_radius_px = settings_.gate.birth_radius_px;  // it may have neighbours
+  shape_birth_gate(tracks_[slot], settings_.gate.birth_radius_px);
   tracks_.contour(slot).mean_events = settings_.update.mean_events;
   tracks_.state(slot).age_s = -seconds(clock_.now_us() - tracks_us_);
   coarse_.place(slot, x, y);
@@ -262,10 +264,7 @@ bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
   const float extent2 = largest_variance(track);
   state.extent_px = std::sqrt(extent2);
   if (track.partners == 0) record_extent(state, extent2, tick);
-  if (track.has_id()) {
-    const bool mature = state.age_s >= settings_.lifecycle.mature_s;
-    shape_gate(track, settings_.gate, extent2, mature, is_starved(state) ? state.kalman.pxx : 0);
-  }
+  update_gate(track, state, settings_.lifecycle, settings_.gate, widest_radius_px_);
   const bool unresolved = looks_unresolved(track, contour, state, tick.noise_hz, settings_.gate);
   state.unresolved_s = unresolved ? state.unresolved_s + tick.dt_s : 0;
   const Point mean = predicted_mean(track, tick.now);
@@ -315,6 +314,7 @@ void Engine::measure_noise() noexcept {
   support_window_us_ = support_window_us(noise_hz_, settings_.support_window_us, seed_us);
   if (settings_.rejects_unsupported) noise_hz_ = supported_noise(noise_hz_, window_s());
   settings_.update.far_weight = far_weight(noise_hz_);
+  widest_radius_px_ = widest_radius(settings_.gate, noise_hz_, settings_.lifecycle.mass_s);
 
   if (clock_.now_us() - started_us_ < static_cast<std::uint64_t>(settings_.warmup_us)) return;
   birth_threshold_ = settings_.birth_threshold(noise_hz_);

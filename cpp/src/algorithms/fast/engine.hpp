@@ -65,7 +65,7 @@ class Engine {
                     self.noise_, self.coarse_, self.tracks_, self.next_split_, self.counters_,
                     self.next_tick_, self.tracks_are_due_, self.started_us_, self.tracks_us_,
                     self.pairs_us_, self.noise_us_, self.support_window_us_, self.noise_hz_,
-                    self.birth_threshold_, self.next_id_);
+                    self.widest_radius_px_, self.birth_threshold_, self.next_id_);
   }
 
  private:
@@ -121,6 +121,7 @@ class Engine {
   std::uint64_t noise_us_ = 0;
   std::int32_t support_window_us_ = 0;  // as long as the noise allows
   float noise_hz_ = 0;                  // per pixel, of the noise that reaches the tracks
+  float widest_radius_px_ = 0;          // of a young track's gate
   float birth_threshold_ = 0;           // recent unassociated events around a cell
   std::int32_t next_id_ = 0;
 };

@@ -1,5 +1,6 @@
 #include "algorithms/fast/gate.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -16,19 +17,35 @@ float largest_variance(const Track& track) noexcept {
   return half_sum + std::sqrt(half_difference * half_difference + track.sxy * track.sxy);
 }
 
-void shape_birth_gate(Track& track, const GateRule& rule) noexcept {
+float widest_radius(const GateRule& rule, float noise_hz, float mass_s) noexcept {
+  constexpr float kLeastNoise_hz = 1e-6F;
+  const float noise = std::max(kLeastNoise_hz, noise_hz) * mass_s;
+  return std::clamp(std::sqrt(rule.noise_events / (kPi * noise)), rule.birth_radius_px,
+                    kWidestBirth * rule.birth_radius_px);
+}
+
+float young_radius(const TrackState& state, const GateRule& rule, float widest_px) noexcept {
+  constexpr float kUnknown_s = 0.003F;  // an age at which the rates say nothing
+  if (state.near_confirmed) return rule.birth_radius_px;
+  if (state.age_s < kUnknown_s) return widest_px;
+  const float rate_hz = std::max(state.fast_rate_hz, state.slow_rate_hz);
+  return std::clamp(std::sqrt(rate_hz / (kPi * rule.least_density_hz)), rule.birth_radius_px,
+                    widest_px);
+}
+
+void shape_birth_gate(Track& track, float radius_px) noexcept {
   constexpr float kNothing = 1e6F;  // an ellipse that contains no pixel but the centre
-  track.inverse_circle2 = 1 / (rule.birth_radius_px * rule.birth_radius_px);
+  track.inverse_circle2 = 1 / (radius_px * radius_px);
   track.qa = kNothing;
   track.qb = 0;
   track.qc = kNothing;
 }
 
-void shape_gate(Track& track, const GateRule& rule, float largest_variance_px2, bool mature,
-                float position_variance_px2) noexcept {
+void shape_gate(Track& track, const GateRule& rule, float young_px, float largest_variance_px2,
+                bool mature, float position_variance_px2) noexcept {
   const float own = rule.circle_scale * std::sqrt(largest_variance_px2) + rule.circle_padding_px;
-  const float radius = mature ? std::max(rule.min_radius_px, std::min(own, rule.birth_radius_px))
-                              : rule.birth_radius_px;
+  const float radius =
+      mature ? std::max(rule.min_radius_px, std::min(own, rule.birth_radius_px)) : young_px;
   track.inverse_circle2 = 1 / (radius * radius);
 
   const float padding = rule.padding_px * rule.padding_px + position_variance_px2;
@@ -45,8 +62,9 @@ void shape_gate(Track& track, const GateRule& rule, float largest_variance_px2, 
   track.qc = a * factor;
 }
 
-float gate_area(const Track& track, const GateRule& rule, bool mature) noexcept {
-  if (!mature) return kPi * rule.birth_radius_px * rule.birth_radius_px;
+float young_gate_area(float radius_px) noexcept { return kPi * radius_px * radius_px; }
+
+float mature_gate_area(const Track& track, const GateRule& rule) noexcept {
   const float determinant = std::max(0.0F, track.sxx * track.syy - track.sxy * track.sxy);
   return kPi * std::max(rule.min_radius_px * rule.min_radius_px,
                         rule.scale * rule.scale * std::sqrt(determinant));

@@ -1,7 +1,8 @@
 // The gate of a track: which events it accepts. A circle around the predicted mean, or the ellipse
 // of the covariance, whichever is wider in the event's direction. A young track has the circle of a
-// birth only; the circle and ellipse of a mature one follow its size, so that one setting serves
-// objects of radius 3 to 20 px. One thread; gate_value() per event, the rest at the tick. O(1), no
+// birth only. Where it is alone, that is as wide as noise and its own events allow, so that a large
+// object is born whole. The circle and ellipse of a mature one follow its size. One setting serves
+// objects of radius 3 to 35 px. One thread; gate_value() per event, the rest at the tick. O(1), no
 // allocation.
 // Source: own design.
 #pragma once
@@ -13,14 +14,29 @@
 namespace asap::fast {
 
 struct GateRule {
-  float birth_radius_px;    // circle of a young track
-  float min_radius_px;      // smallest circle of a mature one
-  float max_radius_px;      // longest half-axis of the ellipse
-  float scale;              // half-axes of the ellipse, standard deviations
-  float padding_px;         // added to the standard deviation, in quadrature
-  float circle_scale;       // circle: standard deviations of the longest axis ...
-  float circle_padding_px;  // ... and px
+  float birth_radius_px;       // narrowest circle of a young track, widest of a mature one
+  float min_radius_px;         // smallest circle of a mature one
+  float max_radius_px;         // longest half-axis of the ellipse
+  float scale;                 // half-axes of the ellipse, standard deviations
+  float padding_px;            // added to the standard deviation, in quadrature
+  float circle_scale;          // circle: standard deviations of the longest axis ...
+  float circle_padding_px;     // ... and px
+  float noise_events = 0;      // of noise, at most, in a young track's mass
+  float least_density_hz = 0;  // events per pixel of its circle, from which an object fills it
 };
+
+// The widest circle of a young track, as a factor on the narrowest. Wider ones take events of the
+// neighbours.
+inline constexpr float kWidestBirth = 5.0F / 3;
+
+// px, of a young track's circle: the widest in which noise of this rate per pixel stays below the
+// rule's number of events in a mass that decays with mass_s.
+float widest_radius(const GateRule& rule, float noise_hz, float mass_s) noexcept;
+
+// px, of the circle of a track that is not mature: the narrowest beside a confirmed track, whose
+// events a wider one would take; else widest_px, but narrower from 3 ms on if its events are too
+// few to come from an object of that size.
+float young_radius(const TrackState& state, const GateRule& rule, float widest_px) noexcept;
 
 // The normalised distance, 0 in the centre; the gate accepts values up to 1.
 inline float gate_value(const Track& track, const Innovation& nu) noexcept {
@@ -33,15 +49,17 @@ inline float gate_value(const Track& track, const Innovation& nu) noexcept {
 // px^2, the larger eigenvalue of the covariance.
 float largest_variance(const Track& track) noexcept;
 
-// Sets the gate of a new track: the circle alone.
-void shape_birth_gate(Track& track, const GateRule& rule) noexcept;
+// Sets the gate of a tentative track: the circle alone.
+void shape_birth_gate(Track& track, float radius_px) noexcept;
 
-// Sets the gate of a confirmed track. `mature`: the circle follows the extent.
-// `position_variance_px2`: that of the predicted position, for a track without events.
-void shape_gate(Track& track, const GateRule& rule, float largest_variance_px2, bool mature,
-                float position_variance_px2) noexcept;
+// Sets the gate of a confirmed track. `young_px`: its circle until it is mature. `mature`: the
+// circle follows the extent. `position_variance_px2`: that of the predicted position, for a track
+// without events.
+void shape_gate(Track& track, const GateRule& rule, float young_px, float largest_variance_px2,
+                bool mature, float position_variance_px2) noexcept;
 
 // px^2 of the gate: noise on this area counts as the track's events.
-float gate_area(const Track& track, const GateRule& rule, bool mature) noexcept;
+float young_gate_area(float radius_px) noexcept;
+float mature_gate_area(const Track& track, const GateRule& rule) noexcept;
 
 }  // namespace asap::fast

@@ -130,7 +130,8 @@ Assessment assess(Track& track, TrackState& state, const Tick& tick, const Lifec
   state.mass = state.mass * tick.mass_decay + fresh * decay_since(track, tick, rule);
   const bool tentative = track.phase == Phase::kTentative;
   const bool mature = !tentative && state.age_s >= rule.mature_s;
-  const float noise_hz = tick.noise_hz * gate_area(track, gate, mature);
+  const float noise_hz = tick.noise_hz * (mature ? mature_gate_area(track, gate)
+                                                 : young_gate_area(state.young_radius_px));
   measure_rates(state, fresh, dt_s, tick, noise_hz, rule, tentative);
   if (tentative) {
     update_evidence(state, fresh, dt_s, noise_hz, rule);
@@ -138,6 +139,14 @@ Assessment assess(Track& track, TrackState& state, const Tick& tick, const Lifec
   }
   state.confirmed_s += tick.dt_s;
   return assess_confirmed(track, state, tick, mass_before, noise_hz, rule);
+}
+
+void update_gate(Track& track, TrackState& state, const LifecycleRule& rule, const GateRule& gate,
+                 float widest_px) noexcept {
+  state.young_radius_px = young_radius(state, gate, widest_px);
+  if (!track.has_id()) return shape_birth_gate(track, state.young_radius_px);
+  shape_gate(track, gate, state.young_radius_px, state.extent_px * state.extent_px,
+             state.age_s >= rule.mature_s, is_starved(state) ? state.kalman.pxx : 0);
 }
 
 void schedule_deletion(Track& track, TrackState& state) noexcept {

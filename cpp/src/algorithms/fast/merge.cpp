@@ -1,9 +1,12 @@
 #include "algorithms/fast/merge.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
+#include <utility>
 
 #include "algorithms/fast/gate.hpp"
 
@@ -14,6 +17,10 @@ namespace {
 constexpr float kConfirmedMargin_px = 8;
 // Confirmed parts of one object lie closer than this.
 constexpr float kNeighbour_px = 35;
+
+// Extent from which a track may be a piece of an object that the gate cuts into several. Smaller
+// objects merge wrongly in crowds if they keep more candidates than the nearest.
+constexpr float kLarge_px = 12;
 
 // Standard deviation along a direction, at least a pixel.
 float spread_along(const Track& track, float ux, float uy) noexcept {
@@ -46,7 +53,30 @@ bool touches_another_object(const Tracks& tracks, Tracks::Slot slot) noexcept {
   return false;
 }
 
+// ---- candidates ----
+
+constexpr Candidate kNoCandidate{Tracks::kNone, Tracks::kNone, 0, 0,
+                                 std::numeric_limits<float>::infinity()};
+
+// Inserts by distance. The farthest one falls out.
+void insert(std::span<Candidate> nearest, Candidate candidate) noexcept {
+  for (Candidate& one : nearest) {
+    if (candidate.distance_px < one.distance_px) std::swap(one, candidate);
+  }
+}
+
 // ---- evidence that a pair is one object ----
+
+// The MergeState of a pair, the first of its keeper now. A new pair takes that of the pair which
+// has not been a candidate for longest.
+MergeState& merge_state(TrackState& keeper, Tracks::Slot other, std::uint16_t generation) noexcept {
+  const auto last = keeper.merges.end() - 1;
+  const auto own = std::find_if(keeper.merges.begin(), last, [&](const MergeState& state) {
+    return state.other == other && state.generation == generation;
+  });
+  std::rotate(keeper.merges.begin(), own, own + 1);
+  return keeper.merges.front();
+}
 
 // For how long, and on which way, a pair must keep its relative position.
 struct Required {
@@ -71,6 +101,14 @@ constexpr std::uint32_t kKnownEvents = 20;  // with fewer, the mean polarity is 
 bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
   constexpr float kOneSided = 0.6F;
   return tracks[slot].events >= kKnownEvents && std::abs(tracks.contour(slot).polarity) < kOneSided;
+}
+
+// Whether a track is as thin as an arc of a ring, or as a piece of a bar. Its two edges lie close
+// together, so both polarities do not say that it is an object.
+bool is_thin(const Track& track) noexcept {
+  constexpr float kElongation = 6;  // of variances; an outline of 2 to 1 has 4 to 5
+  const float largest = largest_variance(track);
+  return largest > kElongation * (track.sxx + track.syy - largest);
 }
 
 // A tentative track beside a confirmed one. `whole`: both have both edges.
@@ -124,8 +162,8 @@ bool overlap_and_move_alike(const Tracks& tracks, const Candidate& pair, const M
          (siblings || would_have_separated(a, b, kept.hold_s));
 }
 
-// Two confirmed tracks with both edges, each of which may be an object: only a long way together is
-// evidence.
+// Two confirmed tracks with both edges that are not thin, each of which may be an object: only a
+// long way together is evidence.
 bool whole_tracks_are_one(const Tracks& tracks, const Candidate& pair, const MergeState& kept,
                           bool siblings) noexcept {
   constexpr Required kRequired{0.03F, 20};
@@ -134,7 +172,7 @@ bool whole_tracks_are_one(const Tracks& tracks, const Candidate& pair, const Mer
   return meets(kept, kRequired);
 }
 
-// Two confirmed tracks, at least one of which shows a single edge.
+// Two confirmed tracks, at least one of which is thin or shows a single edge.
 bool partial_tracks_are_one(const Tracks& tracks, const Candidate& pair, const MergeState& kept,
                             bool siblings) noexcept {
   constexpr float kYoung_s = 0.08F;
@@ -163,7 +201,7 @@ float merge_distance(float extents_px, const PairRule& rule) noexcept {
 Pairs::Pairs(std::size_t slots) {
   places_.reserve(slots);
   nearest_.reserve(slots);
-  candidates_.reserve(slots);
+  candidates_.reserve(kMaxCandidates * slots);
 }
 
 void Pairs::find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept {
@@ -179,7 +217,7 @@ void Pairs::find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept {
     state.may_be_fragment = false;
     const Point mean = predicted_mean(track, now);
     places_.push_back({mean.x, mean.y, state.extent_px, slot, track.has_id()});
-    nearest_.push_back({Tracks::kNone, Tracks::kNone, 0, 0, 0});
+    nearest_.emplace_back().fill(kNoCandidate);
     largest = std::max(largest, state.extent_px);
   }
   for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -192,8 +230,10 @@ void Pairs::find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept {
       if (distance2 <= reach * reach) compare(tracks, i, j, dx, dy, distance2, rule);
     }
   }
-  for (const Candidate& candidate : nearest_) {
-    if (candidate.other != Tracks::kNone) candidates_.push_back(candidate);
+  for (const auto& nearest : nearest_) {
+    for (const Candidate& candidate : nearest) {
+      if (candidate.other != Tracks::kNone) candidates_.push_back(candidate);
+    }
   }
 }
 
@@ -221,10 +261,11 @@ void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, floa
       tracks.state(tentative).may_be_fragment = true;
     }
   }
-  Candidate& nearest = nearest_[second_keeps ? j : i];
-  if (nearest.other != Tracks::kNone && nearest.distance_px <= distance) return;
-  nearest = second_keeps ? Candidate{b.slot, a.slot, -dx, -dy, distance}
-                         : Candidate{a.slot, b.slot, dx, dy, distance};
+  const std::size_t keeper = second_keeps ? j : i;
+  const bool keeps_several = places_[keeper].has_id && std::max(a.extent, b.extent) > kLarge_px;
+  insert(std::span(nearest_[keeper]).first(keeps_several ? kMaxCandidates : 1),
+         second_keeps ? Candidate{b.slot, a.slot, -dx, -dy, distance}
+                      : Candidate{a.slot, b.slot, dx, dy, distance});
 }
 
 // ---- fragments ----
@@ -285,7 +326,7 @@ bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule&
   const Track& b = tracks[pair.other];
   if (!a.has_id() && !b.has_id()) return true;
 
-  MergeState& kept = tracks.state(pair.keeper).merge;
+  MergeState& kept = merge_state(tracks.state(pair.keeper), pair.other, b.generation);
   const bool siblings = are_siblings(tracks, pair.keeper, pair.other);
   const bool same = kept.other == pair.other && kept.generation == b.generation;
   const float rotation_px = siblings ? rule.rotation_rad * pair.distance_px : 0;
@@ -300,8 +341,8 @@ bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule&
   const bool whole = has_both_edges(tracks, pair.keeper) && has_both_edges(tracks, pair.other);
   if (!a.has_id()) return is_fragment(a, kept, whole);
   if (!b.has_id()) return is_fragment(b, kept, whole);
-  return whole ? whole_tracks_are_one(tracks, pair, kept, siblings)
-               : partial_tracks_are_one(tracks, pair, kept, siblings);
+  return whole && !is_thin(a) && !is_thin(b) ? whole_tracks_are_one(tracks, pair, kept, siblings)
+                                             : partial_tracks_are_one(tracks, pair, kept, siblings);
 }
 
 Tracks::Slot survivor_of(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept {

@@ -24,6 +24,12 @@ constexpr double kLeastGammaFiltered = 0.75;
 constexpr double kFewestConfirm = 0.36;
 constexpr double kFewestSeed = 2.0 / 3;
 
+// Gates of 27 to 36 px are good where this bounds the noise in them: 19 px at 5 Hz/px.
+constexpr double kNoiseEvents = 30;
+// Half or twice of it changes little; recordings without noise need it, for nothing else bounds
+// the gate of a sparse object there.
+constexpr double kLeastDensity_hz = 1;
+
 float thinned(double events, double gamma, double fewest) noexcept {
   return single(events * std::clamp(4 * gamma, fewest, 1.0));
 }
@@ -104,6 +110,8 @@ void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
   lifecycle.confirm_events = thinned(c.confirm_events, gamma, kFewestConfirm);
   lifecycle.die_events = thinned(c.die_events, gamma, kFewestConfirm);
   lifecycle.birth_rate_hz = single(c.birth_rate_hz * gamma);
+  gate.noise_events = single(kNoiseEvents * gamma);
+  gate.least_density_hz = single(kLeastDensity_hz * gamma);
   rejects_unsupported = c.support == ClusterSupport::kReject &&
                         gamma >= (filtered_upstream ? kLeastGammaFiltered : kLeastGammaUnfiltered);
 }

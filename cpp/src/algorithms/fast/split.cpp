@@ -117,7 +117,7 @@ bool looks_unresolved(const Track& track, const Contour& contour, const TrackSta
   if (track.phase != Phase::kConfirmed || track.partners > 0 || state.near_confirmed) return false;
   if (state.starved_s > 0 || state.age_s < kYoung_s || track.events < kKnownEvents) return false;
   if (contour.variance < kScatter_px2 || track.mean_weight > kTextured) return false;
-  const float noise = noise_hz * gate_area(track, gate, true) / std::max(1.0F, state.slow_rate_hz);
+  const float noise = noise_hz * mature_gate_area(track, gate) / std::max(1.0F, state.slow_rate_hz);
   if (contour.variance < kScatter_px2 + kNoiseScatter_px2 * noise) return false;
   const float largest = largest_variance(track);
   return largest >= kElongation * (track.sxx + track.syy - largest);
@@ -312,7 +312,8 @@ void confirm_child(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, floa
   for (const Tracks::Slot slot : {parent, child}) {
     tracks.contour(slot).variance = kInitialVariance_px2;
     tracks.state(slot).average_extent2 = largest_variance(tracks[slot]);
-    shape_gate(tracks[slot], gate, tracks.state(slot).average_extent2, true, 0);
+    shape_gate(tracks[slot], gate, tracks.state(slot).young_radius_px,
+               tracks.state(slot).average_extent2, true, 0);
   }
 }
 

@@ -18,6 +18,7 @@
 namespace asap::fast {
 
 inline constexpr std::size_t kMaxPartners = 3;
+inline constexpr std::size_t kMaxCandidates = 4;  // for a merge, of one track
 inline constexpr std::uint16_t kNoSlot = 0xffff;
 
 enum class Phase : std::uint8_t {
@@ -113,13 +114,14 @@ struct TrackState {
   float fast_rate_hz = 0;
   float slow_rate_hz = 0;
   float evidence = 0;         // log-likelihood ratio of an object against noise
+  float young_radius_px = 0;  // of the gate's circle until the track is mature
   float unresolved_s = 0;     // for which it has looked like two objects
   float extent_px = 0;        // largest standard deviation of the events
   float average_extent2 = 0;  // px^2, slow average of extent_px^2 while no other object is near
   std::uint32_t events = 0;   // of the track, at the last tick
   Stamp last_event = 0;       // up to the last tick
   KalmanState kalman;
-  MergeState merge;
+  std::array<MergeState, kMaxCandidates> merges{};  // the last updated first
   HalvesOffset halves;
   std::array<std::uint16_t, kMaxPartners> partners{};
   std::uint16_t sibling = kNoSlot;  // a track that may be part of the same object

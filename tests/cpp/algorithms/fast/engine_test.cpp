@@ -280,6 +280,30 @@ TEST(Engine, UnsupportedEventsAreCountedEvenIfNotRejected) {
   EXPECT_EQ(engine.counters().unsupported, 0U);
 }
 
+// Ids that the engine gives to a disk in its first half second, with noise.
+std::size_t ids_of_disk(double radius, std::uint64_t seed) {
+  std::vector<Event> events;
+  add_disk(events, {.x = 100, .y = 100, .radius = radius}, 0, 0.5, 10'000, seed);
+  add_noise(events, 1, 0.5);
+  sort_by_time(events);
+  Engine engine(kFrame);
+  std::vector<std::int32_t> labels(events.size());
+  engine.process(events, labels.data());
+  std::set<std::int32_t> ids(labels.begin(), labels.end());
+  ids.erase(-1);
+  return ids.size();
+}
+
+// With a gate of 18 px alone they are 66. One each would be 18.
+TEST(Engine, LargeDisksAreBornInFewParts) {
+  EXPECT_EQ(ids_of_disk(8, 1), 1U);
+  std::size_t ids = 0;
+  for (const double radius : {20.0, 24.0, 28.0}) {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) ids += ids_of_disk(radius, seed);
+  }
+  EXPECT_LE(ids, 45U);
+}
+
 TEST(Engine, AStoppedObjectKeepsItsId) {
   for (const double gap_s : {0.1, 0.2, 0.3}) {
     std::vector<Event> events;

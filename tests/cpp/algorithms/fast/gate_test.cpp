@@ -11,7 +11,10 @@ constexpr GateRule kRule{.birth_radius_px = 18,
                          .scale = 2,
                          .padding_px = 2,
                          .circle_scale = 2,
-                         .circle_padding_px = 5};
+                         .circle_padding_px = 5,
+                         .noise_events = 30,
+                         .least_density_hz = 1};
+constexpr float kYoung_px = 18;
 
 Track track_with(float sxx, float sxy, float syy) {
   Track track;
@@ -27,14 +30,14 @@ float value_at(const Track& track, float x, float y) {
 
 TEST(Gate, OfANewTrackIsACircle) {
   Track track;
-  shape_birth_gate(track, kRule);
+  shape_birth_gate(track, kYoung_px);
   EXPECT_LE(value_at(track, 0, 17.9F), 1);
   EXPECT_GT(value_at(track, 13, 13), 1);
 }
 
 TEST(Gate, EllipseFollowsTheCovariance) {
   Track track = track_with(96, 0, 0);  // half-axes 2 sqrt(96 + 4) = 20 and 2 sqrt(4) = 4
-  shape_gate(track, kRule, largest_variance(track), true, 0);
+  shape_gate(track, kRule, kYoung_px, largest_variance(track), true, 0);
   EXPECT_NEAR(value_at(track, 20, 0), 1, 1e-4);
   EXPECT_LT(value_at(track, 19, 0), 1);
   EXPECT_GT(value_at(track, 21, 0), 1);
@@ -42,16 +45,16 @@ TEST(Gate, EllipseFollowsTheCovariance) {
 
 TEST(Gate, EllipseTurnsWithTheCovariance) {
   Track track = track_with(50, 45, 50);
-  shape_gate(track, kRule, largest_variance(track), true, 0);
+  shape_gate(track, kRule, kYoung_px, largest_variance(track), true, 0);
   EXPECT_LT(value_at(track, 13.5F, 13.5F), 1);
   EXPECT_GT(value_at(track, 13.5F, -13.5F), 1);
 }
 
 TEST(Gate, CircleFollowsTheExtentOnceMature) {
   Track track = track_with(4, 0, 4);  // circle: 2 * 2 + 5
-  shape_gate(track, kRule, 4, true, 0);
+  shape_gate(track, kRule, kYoung_px, 4, true, 0);
   EXPECT_NEAR(value_at(track, 9, 0), 1, 1e-4);
-  shape_gate(track, kRule, 4, false, 0);
+  shape_gate(track, kRule, kYoung_px, 4, false, 0);
   EXPECT_NEAR(value_at(track, 18, 0), 1, 1e-4);
   Track small = track_with(0.1F, 0, 0.1F);
   shape_gate(small,
@@ -62,27 +65,62 @@ TEST(Gate, CircleFollowsTheExtentOnceMature) {
               .padding_px = 0.1F,
               .circle_scale = 2,
               .circle_padding_px = 0.1F},
-             0.1F, true, 0);
+             kYoung_px, 0.1F, true, 0);
   EXPECT_NEAR(value_at(small, 7, 0), 1, 1e-4);
 }
 
 TEST(Gate, HasALongestAxis) {
   Track track = track_with(5000, 0, 100);
-  shape_gate(track, kRule, 5000, true, 0);
+  shape_gate(track, kRule, kYoung_px, 5000, true, 0);
   EXPECT_NEAR(value_at(track, 40, 0), 1, 1e-4);
 }
 
 TEST(Gate, PositionVarianceWidensIt) {
   Track track = track_with(96, 0, 96);
-  shape_gate(track, kRule, 96, true, 125);  // half-axis 2 sqrt(225)
+  shape_gate(track, kRule, kYoung_px, 96, true, 125);  // half-axis 2 sqrt(225)
   EXPECT_NEAR(value_at(track, 30, 0), 1, 1e-4);
 }
 
+TEST(Gate, AWideCircleIsForYoungTracksOnly) {
+  Track track = track_with(0, 0, 400);  // its own circle: 2 * 20 + 5; the ellipse is narrow along x
+  shape_gate(track, kRule, 25, 400, false, 0);
+  EXPECT_NEAR(value_at(track, 25, 0), 1, 1e-4);
+  shape_gate(track, kRule, 25, 400, true, 0);
+  EXPECT_NEAR(value_at(track, 18, 0), 1, 1e-4);
+}
+
+constexpr float kPi = 3.14159265F;
+
 TEST(Gate, AreaIsThatOfTheEllipseButNoLessThanTheSmallestCircle) {
-  constexpr float kPi = 3.14159265F;
-  EXPECT_NEAR(gate_area(track_with(100, 0, 100), kRule, true), kPi * 400, 0.1);
-  EXPECT_NEAR(gate_area(track_with(1, 0, 1), kRule, true), kPi * 49, 0.1);
-  EXPECT_NEAR(gate_area(track_with(1, 0, 1), kRule, false), kPi * 324, 0.1);
+  EXPECT_NEAR(mature_gate_area(track_with(100, 0, 100), kRule), kPi * 400, 0.1);
+  EXPECT_NEAR(mature_gate_area(track_with(1, 0, 1), kRule), kPi * 49, 0.1);
+  EXPECT_NEAR(young_gate_area(18), kPi * 324, 0.1);
+}
+
+TEST(Gate, YoungTracksAreAsWideAsTheNoiseAllows) {
+  constexpr float kMass_s = 0.03F;
+  EXPECT_EQ(widest_radius(kRule, 0, kMass_s), 30);
+  EXPECT_EQ(widest_radius(kRule, 10, kMass_s), 18);
+  const float radius = widest_radius(kRule, 0.5F, kMass_s);
+  EXPECT_GT(radius, 18);
+  EXPECT_LT(radius, 30);
+  EXPECT_NEAR(0.5F * kMass_s * kPi * radius * radius, kRule.noise_events, 1e-3);
+}
+
+TEST(Gate, ATrackOfFewEventsIsNoLargeObject) {
+  TrackState state;
+  state.near_confirmed = false;
+  state.age_s = 0.002F;
+  EXPECT_EQ(young_radius(state, kRule, 30), 30);  // not known yet
+  state.age_s = 0.003F;
+  EXPECT_EQ(young_radius(state, kRule, 30), 18);
+  state.slow_rate_hz = 500;
+  state.fast_rate_hz = 25 * 25 * kPi;  // an event per pixel and second
+  EXPECT_NEAR(young_radius(state, kRule, 30), 25, 1e-3);
+  state.slow_rate_hz = 1e5F;
+  EXPECT_EQ(young_radius(state, kRule, 30), 30);
+  state.near_confirmed = true;
+  EXPECT_EQ(young_radius(state, kRule, 30), 18);
 }
 
 }  // namespace

@@ -71,6 +71,7 @@ struct Object {
 
   Object() {
     track.phase = Phase::kTentative;
+    state.young_radius_px = 18;
     state.near_confirmed = false;
   }
 

@@ -111,16 +111,40 @@ TEST(Pairs, ATentativeTrackOnAMatureOneMayBeItsFragment) {
   EXPECT_TRUE(scene.tracks.state(tentative).near_confirmed);
 }
 
-TEST(Pairs, TheOlderTrackKeepsTheNearestPair) {
+TEST(Pairs, ALargeTrackKeepsTheFourNearestPairs) {
+  Scene scene;
+  const auto a = scene.add(0, 0, true, 169);
+  for (const float y : {-20.0F, 15.0F, 22.0F, 16.0F, -14.0F, 23.0F}) scene.add(0, y, true);
+  const auto& found = scene.find();
+  std::vector<float> distances;
+  for (const Candidate& pair : found) {
+    if (pair.keeper == a) distances.push_back(pair.distance_px);
+  }
+  EXPECT_EQ(distances, (std::vector<float>{14, 15, 16, 20}));
+}
+
+TEST(Pairs, ASmallTrackKeepsTheNearestPair) {
   Scene scene;
   const auto a = scene.add(0, 0, true);
+  for (const float y : {-20.0F, 15.0F, 22.0F}) scene.add(0, y, true);
+  std::vector<float> distances;
+  for (const Candidate& pair : scene.find()) {
+    if (pair.keeper == a) distances.push_back(pair.distance_px);
+  }
+  EXPECT_EQ(distances, std::vector<float>{15});
+}
+
+TEST(Pairs, ATentativeTrackKeepsTheNearestPair) {
+  Scene scene;
+  const auto tentative = scene.add(0, 0, false);
   scene.add(20, 0, true);
-  const auto c = scene.add(0, 15, true);
-  const auto& found = scene.find();
-  ASSERT_GE(found.size(), 1U);
-  EXPECT_EQ(found[0].keeper, a);
-  EXPECT_EQ(found[0].other, c);
-  EXPECT_FLOAT_EQ(found[0].distance_px, 15);
+  const auto near = scene.add(-14, 0, true);
+  std::vector<Candidate> own;
+  for (const Candidate& pair : scene.find()) {
+    if (pair.keeper == tentative) own.push_back(pair);
+  }
+  ASSERT_EQ(own.size(), 1U);
+  EXPECT_EQ(own[0].other, near);
 }
 
 TEST(Pairs, UsePredictedPositionsAndForgetOldPartners) {
@@ -154,7 +178,7 @@ struct Beside {
     tracks[mature].sxx = 144;
     tracks[mature].syy = 64;
     tracks.state(mature).age_s = 0.21F;
-    shape_gate(tracks[mature], kGate, 144, true, 0);
+    shape_gate(tracks[mature], kGate, 18, 144, true, 0);
   }
   Tracks::Slot add(Phase phase, float mass) {
     const auto slot = tracks.create(0, 0, 0);
@@ -328,13 +352,41 @@ TEST(AreOne, NotWithDifferentVelocitiesUnlessSiblings) {
   EXPECT_NEAR(siblings.until_one(), 0.2F, 0.005F);
 }
 
-TEST(AreOne, AnotherCandidateRestartsTheTime) {
+TEST(AreOne, AnotherCandidateInBetweenDoesNotRestartTheTime) {
+  Two two(Phase::kConfirmed, Phase::kConfirmed);
+  two.tracks[two.add(0, Phase::kConfirmed, 3)].vx = 300;
+  const Candidate pair{two.a, two.b, 16, 0, 16};
+  float t = 0;
+  for (; t < 1 && !are_one(two.tracks, pair, kTick_s, kRule); t += kTick_s) {
+    const Candidate passing{two.a, 2, 200 * t, 0, 200 * t};
+    EXPECT_FALSE(are_one(two.tracks, passing, kTick_s, kRule));
+  }
+  EXPECT_NEAR(t, 0.2F, 0.005F);  // 20 px, as without the other
+}
+
+TEST(AreOne, ACandidateTooManyRestartsTheTime) {
   Two two(Phase::kConfirmed, Phase::kConfirmed);
   const auto c = two.add(0, Phase::kConfirmed, 3);
   for (int i = 0; i < 300; ++i) {
-    const Candidate pair{two.a, i % 2 == 0 ? two.b : c, 16, 0, 16};
-    EXPECT_FALSE(are_one(two.tracks, pair, kTick_s, kRule));
+    for (std::size_t k = 0; k <= kMaxCandidates; ++k) {
+      two.tracks[c].generation = static_cast<std::uint16_t>(k);
+      const Candidate pair{two.a, k == 0 ? two.b : c, 16, 0, 16};
+      EXPECT_FALSE(are_one(two.tracks, pair, kTick_s, kRule));
+    }
   }
+}
+
+TEST(AreOne, ThinTracksAsSoonAsSingleEdges) {
+  const auto until_one = [](float sxx, float syy) {
+    Two two(Phase::kConfirmed, Phase::kConfirmed);
+    two.tracks.state(two.b).confirmed_s = 0.3F;
+    two.tracks[two.b].sxx = sxx;
+    two.tracks[two.b].syy = syy;
+    return two.until_one();
+  };
+  EXPECT_NEAR(until_one(2, 50), 0.05F, 0.005F);  // 5 px
+  EXPECT_NEAR(until_one(50, 2), 0.05F, 0.005F);
+  EXPECT_NEAR(until_one(10, 50), 0.2F, 0.005F);  // a rectangle of 2 to 1
 }
 
 TEST(Siblings, AreForgottenOutOfReachAndByGeneration) {

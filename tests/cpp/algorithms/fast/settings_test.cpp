@@ -70,6 +70,8 @@ TEST(Settings, FewerEventsMakeAClusterIfFewAreKept) {
   EXPECT_EQ(s.lifecycle.die_events, 2);
   s.set_keep(kConfig, 0.2, false);
   EXPECT_FLOAT_EQ(s.seed_events, 4.8F);
+  EXPECT_FLOAT_EQ(s.gate.noise_events, 6);
+  EXPECT_FLOAT_EQ(s.gate.least_density_hz, 0.2F);
   EXPECT_FLOAT_EQ(s.lifecycle.confirm_events, 11.2F);
   EXPECT_FLOAT_EQ(s.lifecycle.die_events, 1.6F);
   s.set_keep(kConfig, 0, false);
@@ -77,6 +79,8 @@ TEST(Settings, FewerEventsMakeAClusterIfFewAreKept) {
   EXPECT_FLOAT_EQ(s.lifecycle.confirm_events, 5.04F);
   s.set_keep(kConfig, 1, false);
   EXPECT_EQ(s.lifecycle.confirm_events, 14);
+  EXPECT_EQ(s.gate.noise_events, 30);
+  EXPECT_EQ(s.gate.least_density_hz, 1);
 }
 
 TEST(Settings, RejectOnlyIfAsked) {

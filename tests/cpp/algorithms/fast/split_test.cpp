@@ -399,6 +399,7 @@ TEST(ConfirmChild, SharesTheHistory) {
   for (const auto slot : {frame.slot, child}) {
     frame.tracks[slot].sxx = frame.tracks[slot].syy = 16;
     frame.tracks.contour(slot).variance = 12;
+    frame.tracks.state(slot).young_radius_px = 18;
   }
   confirm_child(frame.tracks, frame.slot, child, 0.25F, kGate);
   const TrackState& state = frame.tracks.state(child);
