@@ -296,10 +296,10 @@ def test_prototypes_stand_beside():
 
 def test_the_verdict_names_who_is_better():
     assert rivals.document.verdict(CURVES) == (
-        "Higher mean MOTA than `fast`, the best on each scene: BAF + old on B (by .0750)."
+        "Higher mean MOTA than `fast`, the best on each scene: BAF + old on B (by .07)."
     )
     better = [*CURVES, curve("new", "B", 0.6, 0.6), curve("far", "A", 3.0, 3.0)]
-    assert rivals.document.verdict(better).endswith(": far on A (by 2.0500), new on B (by .1000).")
+    assert rivals.document.verdict(better).endswith(": far on A (by 2.05), new on B (by .10).")
     assert rivals.document.verdict(CURVES[:2]) == "No rival has a higher mean MOTA on any scene."
 
 

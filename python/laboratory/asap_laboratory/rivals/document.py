@@ -221,7 +221,7 @@ def verdict(curves: Sequence[KeepCurve]) -> str:
         )
         by = best.rows[0].mean["mota"] - _ours(curves, scene).rows[0].mean["mota"]
         if by > 0:
-            words = f"{label_of(best)} on {scene.replace('_', ' ')} (by {by:.4f})"
+            words = f"{label_of(best)} on {scene.replace('_', ' ')} (by {by:.2f})"
             lost.append(words.replace("(by 0.", "(by ."))
     if not lost:
         return "No rival has a higher mean MOTA on any scene."
