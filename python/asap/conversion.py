@@ -28,6 +28,7 @@ WRITERS: dict[str, Writer] = {
     "mcap": write_mcap,
 }
 
+_STATE_SENSOR = {"es": "Event Stream", "aedat4": "AEDAT 4"}
 _SUFFIXES = {".raw": "evt3", **{f".{name}": name for name in WRITERS}}
 
 
@@ -89,14 +90,18 @@ def convert(
     target = _checks.new_file("path", path)
     if target.exists() and not target.is_file():
         raise ValueError(_checks.named("path", str(path), "is no regular file; give another"))
-    writer = WRITERS[format_of(target, to)]
+    to = format_of(target, to)
     _checks.flag("relative", relative)
     stream = Source(source, width=width, height=height, on_bad="drop")
+    for side, size in (("width", stream.width), ("height", stream.height)):
+        if to in _STATE_SENSOR and size is None:
+            remedy = f"{_STATE_SENSOR[to]} states its sensor; give width and height in px"
+            raise ValueError(_checks.named(side, None, remedy))
     if stream.recording is not None:
         _checks.other_file("path", target, stream.recording.path)
     with _replacing(target) as file:
         chunks = _in_order(stream, relative=relative)
-        count = writer(file, chunks, stream.width or 0, stream.height or 0)
+        count = WRITERS[to](file, chunks, stream.width or 0, stream.height or 0)
     for loss in _losses(stream):
         warnings.warn(f"{target}: {loss}", stacklevel=2)
     return count

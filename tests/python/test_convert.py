@@ -76,9 +76,9 @@ def test_a_sensor_need_not_be_known(tmp_path: Path, to: str) -> None:
     assert_equal_events(asap.load(tmp_path / "out"), EVENTS)
 
 
-@pytest.mark.parametrize(("to", "name"), [("es", "an Event Stream"), ("aedat4", "AEDAT 4")])
+@pytest.mark.parametrize(("to", "name"), [("es", "Event Stream"), ("aedat4", "AEDAT 4")])
 def test_some_formats_need_the_sensor(tmp_path: Path, to: str, name: str) -> None:
-    with pytest.raises(ValueError, match=f"width = 0: {name} states its sensor"):
+    with pytest.raises(ValueError, match=f"width = None: {name} states its sensor; give width"):
         asap.convert(EVENTS, tmp_path / "out", to=to)
     assert not list(tmp_path.iterdir())
 
@@ -373,8 +373,8 @@ def test_the_verb(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ("arguments", "code", "words"),
     [
         (["none.npy", "a.raw"], 3, "none.npy: no such file"),
-        (["a.npy", "a.xyz"], 2, "its suffix names no format"),
-        (["a.npy", "a.es"], 2, "width = 0: an Event Stream states its sensor"),
+        (["a.npy", "a.xyz"], 2, "its suffix names no format; give --to, one of npy, npz"),
+        (["a.npy", "a.es"], 2, "Event Stream states its sensor; give --width and --height in px"),
         (
             ["unix.npy", "a.raw"],
             2,

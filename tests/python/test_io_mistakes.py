@@ -170,6 +170,39 @@ def test_a_side_against_that_of_the_file_is_wrong_use(
     assert "error: width = 640: " in capsys.readouterr().err
 
 
+# ---- numbers that are written in another way ------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('"t","x","y","p"\n"5","1","2","1"\n', r"byte 16: numbers in quotes; write them without"),
+        ("t;x;y;p\n0,5;1;2;1\n", r"byte 8: numbers with a decimal comma; .* with a point"),
+        ("5 1.25 2.5 1\n6 1.25 3.5 0\n", r"x or y are no whole numbers; .* to be rounded"),
+    ],
+)
+def test_numbers_as_others_write_them(tmp_path: Path, text: str, words: str) -> None:
+    path = tmp_path / "events.csv"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=words):
+        asap.load(path)
+
+
+def test_quotes_around_names_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "events.csv"
+    path.write_text('"t","x","y","p"\n5,1,2,1\n')
+    assert len(asap.load(path)) == 1
+
+
+@pytest.mark.parametrize(("size", "told"), [(500, True), (501, False)])
+def test_40_bit_events_under_another_name(tmp_path: Path, size: int, told: bool) -> None:
+    path = tmp_path / "events.events"
+    path.write_bytes(bytes(range(250)) * 2 + b"\0" * (size - 500))
+    with pytest.raises(UnsupportedFormat) as error:
+        asap.load(path)
+    assert str(error.value).endswith("give file_format='atis40'") == told
+
+
 # ---- the wrong unit -------------------------------------------------------------------------
 
 
@@ -204,6 +237,41 @@ def test_info_and_run_warn_of_seconds(
     err = capsys.readouterr().err
     assert f"warning: {path}: 3000 events within 2 us: the times look like seconds" in err
     assert err.endswith("if they are, give --time-unit s\n")
+
+
+@pytest.mark.parametrize(
+    ("times", "unit", "other"),
+    [
+        ([str(t) for t in range(0, 2_000_000_000, 1_000_000)], "us", "ns"),
+        ([f"{t}.5" for t in range(0, 200_000, 100)], "s", "us"),
+        ([f"{t}.5" for t in range(2000)], "s", "ms"),
+    ],
+)
+def test_long_steps_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], times: list[str], unit: str, other: str
+) -> None:
+    path = tmp_path / "events.txt"
+    path.write_text("".join(f"{t} 1 2 1\n" for t in times))
+    words = (
+        rf"the times step by .*, which is long for a camera; .* count {other}, not {unit}, give "
+    )
+    with pytest.warns(UserWarning, match=f"{words}time_unit='{other}'"):
+        asap.load(path)
+    assert cli.main(["info", str(path)]) == 0
+    assert f"give --time-unit {other}\n" in capsys.readouterr().err
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        asap.load(path, time_unit=other)
+        asap.load(path, time_unit=unit)
+
+
+def test_a_unit_that_is_stated_is_not_doubted(tmp_path: Path) -> None:
+    path = tmp_path / "events.csv"
+    times = range(0, 2_000_000_000, 1_000_000)
+    path.write_text("t_us,x,y,p\n" + "".join(f"{t},1,2,1\n" for t in times))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(asap.load(path)) == 2000
 
 
 def test_nanoseconds_are_told(tmp_path: Path) -> None:

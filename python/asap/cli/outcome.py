@@ -32,7 +32,7 @@ def usage() -> Iterator[None]:
     try:
         yield
     except ValueError as error:
-        raise Failure(USAGE, str(error)) from error
+        raise Failure(USAGE, as_options(str(error))) from error
 
 
 @contextmanager
@@ -72,8 +72,13 @@ def as_options(message: str) -> str:
         message = message.replace(f"{name} = None: ", f"{option} is missing: ")
         message = re.sub(rf"\b{name} ?= ?'([^']*)'", rf"{option} \1", message)
         message = re.sub(rf"\b(give|leave|with|check) {name}\b", rf"\1 {option}", message)
+    message = re.sub(r"\bgive (to,|width and height)", _with_dashes, message)
     message = message.replace(", to asap.as_events or asap.load", "")
     return message.replace("(relative)", "(--relative)")
+
+
+def _with_dashes(found: re.Match[str]) -> str:
+    return re.sub(r"\b(to|width|height)\b", r"--\1", found[0])
 
 
 @contextmanager

@@ -55,6 +55,14 @@ def arrangement(
     return max(found, key=rank, default=None)
 
 
+def between_pixels(rows: npt.NDArray[Any], order: str) -> bool:
+    """Whether most of the rows have an x or y that is no whole number."""
+    if rows.ndim != 2 or rows.shape[1] != len(order):
+        return False
+    addresses = rows[:, [i for i, role in enumerate(order) if role in "xy"]]
+    return bool((addresses != np.floor(addresses)).any(axis=1).mean() > 0.5)
+
+
 def looks_like(order: str) -> str:
     """Name the columns, and the option that says so."""
     columns = " or ".join(" ".join(one) for one in _alike(order))

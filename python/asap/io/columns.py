@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap._stamps import time_exponent
+from asap import _units
+from asap._stamps import TIME_EXPONENTS, time_exponent
 from asap.events import (
     Columns,
     Events,
@@ -23,7 +24,12 @@ from asap.events import (
 from asap.io.errors import UnsupportedFormat, unclear_unit
 from asap.io.reader import Losses, Options
 
+Times = npt.NDArray[np.int64]
+
 _MAX_ADDRESS = 65535
+HEAD = 1001  # events whose steps say something
+_MOST_PER_US = 100  # more than any camera sends
+_LONG_US, _USUAL_US = 10_000, 1_000  # between events of a camera
 
 
 def file_columns(
@@ -45,11 +51,14 @@ def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
     whole numbers could be both, and the user is asked.
     """
     if isinstance(source, np.ndarray) and options.time_unit is None and is_event_memory(source):
+        losses.guessed_unit = "us"
         return plain_view(source)
     columns = file_columns(losses.path, source, options.order)
     unit = options.time_unit or ("s" if columns["t"].dtype.kind == "f" else "us")
-    if options.time_unit is None and unit == "s" and first == 0 and _all_whole(columns["t"]):
-        raise unclear_unit(losses.path)
+    if options.time_unit is None:
+        losses.guessed_unit = unit
+        if unit == "s" and first == 0 and _all_whole(columns["t"]):
+            raise unclear_unit(losses.path)
     exponent = time_exponent(unit)
     events = pack_good(columns, exponent, normalise=False)
     if events is not None:
@@ -59,6 +68,30 @@ def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
     if found:
         columns = _without(columns, found, losses, first)
     return pack(columns, exponent, normalise=False)
+
+
+def unit_doubt(unit: str | None, count: int, span_us: int, steps_us: Times) -> str | None:
+    """Say why the times are hardly in `unit`, which was guessed, and what helps; None if not.
+
+    `count` events within `span_us` are too many for seconds; `steps_us`, between the first events,
+    are too long for a camera if their median is (a pause is one long step).
+    """
+    if unit is None or count < HEAD:
+        return None
+    if unit == "us" and count > _MOST_PER_US * (span_us + 1):
+        words = f"{count} events within {span_us} us: the times look like seconds, not microseconds"
+        return f"{words}; if they are, give time_unit='s'"
+    step_us = float(np.median(steps_us)) if len(steps_us) else 0.0
+    if step_us <= _LONG_US:
+        return None
+    finer = {
+        name: step_us / 10.0 ** (TIME_EXPONENTS[unit] - exponent)
+        for name, exponent in TIME_EXPONENTS.items()
+        if exponent < TIME_EXPONENTS[unit]
+    }
+    name = next((one for one, step in finer.items() if step <= _USUAL_US), "ns")
+    words = f"the times step by {_units.duration(step_us)}, which is long for a camera"
+    return f"{words}; if they count {name}, not {unit}, give time_unit={name!r}"
 
 
 def _all_whole(times: npt.NDArray[Any]) -> bool:

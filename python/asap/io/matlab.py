@@ -89,7 +89,7 @@ class MatlabReader:
         unit = self._options.time_unit
         t = columns["t"]
         if unit is None and t.dtype.kind == "f" and bool((t == np.floor(t)).all()):
-            unit = "us"
+            unit = losses.guessed_unit = "us"
         options = Options(None, unit)
         for start in range(0, len(columns["t"]), CHUNK):
             piece = {role: column[start : start + CHUNK] for role, column in columns.items()}

@@ -64,6 +64,7 @@ class Losses:
     trigger_arrays: list[npt.NDArray[np.void]] = field(default_factory=list)  # of the first
     cut: CorruptFile | None = None
     warned: bool = False  # of bad records
+    guessed_unit: str | None = None  # of the times, where neither file nor user states it
 
     def take_bad_records(self, decoder: Any, fault: Callable[[int], str]) -> None:
         """Take the bad records that a native decoder met; an error if bad data raise."""

@@ -16,7 +16,8 @@ import numpy.typing as npt
 from asap import _checks, _core, _units
 from asap._pickling import by_arguments
 from asap.events import Events, plain_view
-from asap.io.arrangement import arrangement, looks_like
+from asap.io.arrangement import arrangement, between_pixels, looks_like
+from asap.io.columns import HEAD, unit_doubt
 from asap.io.errors import CorruptFile, NoGoodEvent
 from asap.io.native import FORMATS, NativeReader
 from asap.io.reader import Losses, Options, Reader, gathered
@@ -46,8 +47,6 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
 }
 FILE_FORMATS = tuple(_READERS)  # names that `file_format` takes
 
-# More events per us than any sensor sends, and so many that it is no burst: the unit is wrong.
-_CROWD, _CROWD_LEAST = 100, 1000
 _FEW = 0.01  # so small a share of good events is luck, where other columns fit
 
 
@@ -172,6 +171,8 @@ class Recording:
             return "the stamps go back; sort the events by t"
         if self.rejected["bad_record"] and not self.bad_offsets and self._options.time_unit is None:
             return "the times are beyond 142 years; if they count ns, give time_unit='ns'"
+        if hasattr(self._reader, "sample") and between_pixels(*self._reader.sample()):
+            return "their x or y are no whole numbers; undistorted ones have to be rounded"
         if self.bad_offsets:
             return f"the first bad one is at byte {self.bad_offsets[0]}; are these events?"
         return "are these events?"
@@ -219,25 +220,21 @@ class Recording:
 
     def __iter__(self) -> Iterator[Events]:
         losses, validator = self._losses, self._validator = self._books()
-        count, first_us = 0, 0
+        count, head = 0, np.zeros(1, np.int64)
         for events in self._reader.chunks(losses):
             good, stray = validator.check_recorded(events)
             losses.stray += stray
             if len(good):
-                first_us = first_us if count else int(good["t"][0])
+                head = head if count else good["t"][:HEAD].copy()
                 count += len(good)
                 yield plain_view(good)
         if losses.cut is not None and validator.received == 0:
             raise losses.cut
         if self.received and (count == 0 or (count < _FEW * self.received and self._fitting())):
             raise NoGoodEvent(self.doubt)
-        span_us = validator.last_us - first_us
-        if self._options.time_unit is None and count > max(_CROWD * (span_us + 1), _CROWD_LEAST):
-            warnings.warn(
-                f"{self._path}: {count} events within {span_us} us: the times look like seconds, "
-                "not microseconds; if they are, give time_unit='s'",
-                stacklevel=2,
-            )
+        span_us = validator.last_us - int(head[0])
+        if doubt := unit_doubt(losses.guessed_unit, count, span_us, np.diff(head)):
+            warnings.warn(f"{self._path}: {doubt}", stacklevel=2)
 
     def raw(self) -> Iterator[Events]:
         """Read it once without the checks: what the file holds, in its own order.
@@ -345,7 +342,8 @@ def read(
     TruncatedFileWarning
         While iterating: the file ends too early, or a packet cannot be read; the rest was yielded.
     UserWarning
-        The file is read as 40-bit events, by its name alone, but does not look like them.
+        The file is read as 40-bit events, by its name alone, but does not look like them; or the
+        unit of its times was guessed, and no camera sends events so fast or so slowly.
     """
     return Recording(
         path,

@@ -106,7 +106,8 @@ def sniff(path: Path) -> str:
     if not is_text:
         if suffix == ".dat":
             raise CorruptFile(path, 0, "not the beginning of a .dat file")
-        raise _unsupported(path, f"a file that begins with the bytes {head[:8].hex(' ')}")
+        words = f"a file that begins with the bytes {head[:8].hex(' ')}"
+        raise _unsupported(path, words, _as_40_bits(path))
     return "text"
 
 
@@ -158,8 +159,14 @@ def _prophesee(head: bytes) -> str | None:
     return "dat" if header["is_dat"] or _core.read_dat_header(head) is not None else None
 
 
-def _unsupported(path: Path, name: str) -> UnsupportedFormat:
-    return UnsupportedFormat(f"{path}: {name} is not read yet; what is: {SERVED}")
+def _unsupported(path: Path, name: str, remedy: str = "") -> UnsupportedFormat:
+    return UnsupportedFormat(f"{path}: {name} is not read yet; what is: {SERVED}{remedy}")
+
+
+def _as_40_bits(path: Path) -> str:
+    """Return how to read 40-bit events under another suffix, if there are whole ones."""
+    whole = path.stat().st_size % 5 == 0
+    return "; if these are 40-bit events, give file_format='atis40'" if whole else ""
 
 
 def _is_header(head: bytes) -> bool:

@@ -32,6 +32,7 @@ _HEAD = 1 << 14
 _PIECE = 1 << 18
 _SHORTEST = 6  # bytes of a line with three numbers
 _NUMBER = re.compile(rb"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_QUOTED = re.compile(rb"""(["'])\d[\d.]*\1""")
 _SEPARATORS = re.compile(rb"[ \t,;\r]+")
 _TRUTHS = {b"True": b"1", b"true": b"1", b"False": b"0", b"false": b"0"}  # as pandas writes them
 _UNIT = re.compile(r"[\W_]*(s|sec|seconds?|ms|us|µs|ns)[\W_]*")
@@ -48,6 +49,7 @@ class _Layout:
     height: int | None
     line_bytes: float  # of a data line, about
     sample: npt.NDArray[np.float64]  # the first data lines
+    guessed: bool  # the unit
 
 
 class TextReader:
@@ -69,6 +71,7 @@ class TextReader:
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Decode in pieces of a quarter of a megabyte."""
         layout = self._layout
+        losses.guessed_unit = layout.unit if layout.guessed else None
         decoder = _core.TextDecoder(
             order=layout.order,
             time_exponent=time_exponent(layout.unit),
@@ -118,6 +121,8 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
             if not rows and not names:
                 names = _names(text.lstrip(b"#% \t"), commented=True)
             continue
+        if _QUOTED.search(text):
+            raise CorruptFile(path, at - len(line), "numbers in quotes; write them without")
         fields = [_TRUTHS.get(field, field) for field in _SEPARATORS.split(text) if field]
         numeric = [_NUMBER.fullmatch(field) is not None for field in fields]
         if not rows and not any(numeric):
@@ -127,6 +132,9 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
             sensor = (int(fields[0]), int(fields[1]))
             start = at
         elif all(numeric):
+            if b";" in text and b"," in text:
+                fault = "numbers with a decimal comma; write them with a point"
+                raise CorruptFile(path, at - len(line), fault)
             rows.append(fields)
             separator = separator if len(rows) > 1 else _separator(text)
     is_prose = bool(names) and not _name_events(names) and max(map(len, rows), default=0) < 3
@@ -145,9 +153,11 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
         if options.order is None and not names:
             _check_polarity(path, rows)
     width, height = sensor or (None, None)
+    guessed = unit is None
     unit = unit or _unit_of(path, rows, order)
     line_bytes = max((at - start) / max(len(rows), 1), _SHORTEST)
-    return _Layout(order, unit, start, separator, width, height, line_bytes, _sample(rows))
+    sample = _sample(rows)
+    return _Layout(order, unit, start, separator, width, height, line_bytes, sample, guessed)
 
 
 def _sample(rows: list[list[bytes]]) -> npt.NDArray[np.float64]:
