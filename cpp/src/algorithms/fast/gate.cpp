@@ -9,6 +9,18 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
+// Half-axes of the ellipse, standard deviations. The tips of an L lie 2.45 of them from its centre:
+// cut off they would be tracks of their own again and again. A small track keeps the narrow
+// ellipse: in a crowd a wide one takes events of its neighbours.
+float half_axes(const GateRule& rule, float largest_variance_px2) noexcept {
+  constexpr float kSmall_px = 7;
+  constexpr float kLarge_px = 12;
+  constexpr float kWider = 0.4F;
+  const float extent_px = std::sqrt(largest_variance_px2);
+  const float size = (extent_px - kSmall_px) / (kLarge_px - kSmall_px);
+  return rule.scale + kWider * std::clamp(size, 0.0F, 1.0F);
+}
+
 }  // namespace
 
 float largest_variance(const Track& track) noexcept {
@@ -52,7 +64,8 @@ void shape_gate(Track& track, const GateRule& rule, float young_px, float larges
   const float a = track.sxx + padding;
   const float b = track.sxy;
   const float c = track.syy + padding;
-  const float scale2 = rule.scale * rule.scale;
+  const float scale = half_axes(rule, largest_variance_px2);
+  const float scale2 = scale * scale;
   const float longest2 = scale2 * (largest_variance_px2 + padding);
   const float most2 = rule.max_radius_px * rule.max_radius_px;
   const float shrink = std::max(1.0F, longest2 / most2);
@@ -66,8 +79,9 @@ float young_gate_area(float radius_px) noexcept { return kPi * radius_px * radiu
 
 float mature_gate_area(const Track& track, const GateRule& rule) noexcept {
   const float determinant = std::max(0.0F, track.sxx * track.syy - track.sxy * track.sxy);
-  return kPi * std::max(rule.min_radius_px * rule.min_radius_px,
-                        rule.scale * rule.scale * std::sqrt(determinant));
+  const float scale = half_axes(rule, largest_variance(track));
+  return kPi *
+         std::max(rule.min_radius_px * rule.min_radius_px, scale * scale * std::sqrt(determinant));
 }
 
 }  // namespace asap::fast

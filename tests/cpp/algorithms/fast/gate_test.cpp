@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace asap::fast::gate_test {
 namespace {
 
@@ -36,11 +38,37 @@ TEST(Gate, OfANewTrackIsACircle) {
 }
 
 TEST(Gate, EllipseFollowsTheCovariance) {
-  Track track = track_with(96, 0, 0);  // half-axes 2 sqrt(96 + 4) = 20 and 2 sqrt(4) = 4
-  shape_gate(track, kRule, kYoung_px, largest_variance(track), true, 0);
-  EXPECT_NEAR(value_at(track, 20, 0), 1, 1e-4);
-  EXPECT_LT(value_at(track, 19, 0), 1);
-  EXPECT_GT(value_at(track, 21, 0), 1);
+  Track track = track_with(45, 0, 0);  // half-axes 2 sqrt(45 + 4) = 14 and 2 sqrt(4) = 4
+  shape_gate(track, kRule, 5, largest_variance(track), false, 0);
+  EXPECT_NEAR(value_at(track, 14, 0), 1, 1e-4);
+  EXPECT_LT(value_at(track, 13, 0), 1);
+  EXPECT_GT(value_at(track, 15, 0), 1);
+}
+
+// The half-axes grow from 2 to 2.4 standard deviations between extents of 7 and 12 px.
+TEST(Gate, TheEllipseOfALargeTrackIsWider) {
+  const auto half_axis = [](float extent_px) {
+    Track track = track_with(extent_px * extent_px - 4, 0, 1);
+    shape_gate(track, kRule, 5, extent_px * extent_px, false, 0);
+    return 1 / std::sqrt(track.qa);  // along x
+  };
+  EXPECT_NEAR(half_axis(7), 2 * 7, 1e-3);
+  EXPECT_NEAR(half_axis(9.5F), 2.2 * 9.5, 1e-3);
+  EXPECT_NEAR(half_axis(12), 2.4 * 12, 1e-3);
+  EXPECT_NEAR(half_axis(15), 2.4 * 15, 1e-3);
+}
+
+// Arms of 40 px: with 2.3 standard deviations the tips lie outside.
+TEST(Gate, HoldsTheTipsOfAnL) {
+  GateRule rule = kRule;
+  rule.scale = 2.3F;
+  Track track = track_with(500.0F / 3, -100, 500.0F / 3);  // of the points of both arms
+  shape_gate(track, rule, 5, largest_variance(track), false, 0);
+  EXPECT_LT(value_at(track, 30, -10), 1);
+  EXPECT_LT(value_at(track, -10, 30), 1);
+  rule.scale = 1.9F;  // 2.3 in all
+  shape_gate(track, rule, 5, largest_variance(track), false, 0);
+  EXPECT_GT(value_at(track, 30, -10), 1);
 }
 
 TEST(Gate, EllipseTurnsWithTheCovariance) {
@@ -76,8 +104,8 @@ TEST(Gate, HasALongestAxis) {
 }
 
 TEST(Gate, PositionVarianceWidensIt) {
-  Track track = track_with(96, 0, 96);
-  shape_gate(track, kRule, kYoung_px, 96, true, 125);  // half-axis 2 sqrt(225)
+  Track track = track_with(45, 0, 45);
+  shape_gate(track, kRule, kYoung_px, 45, true, 176);  // half-axis 2 sqrt(225)
   EXPECT_NEAR(value_at(track, 30, 0), 1, 1e-4);
 }
 
@@ -92,7 +120,8 @@ TEST(Gate, AWideCircleIsForYoungTracksOnly) {
 constexpr float kPi = 3.14159265F;
 
 TEST(Gate, AreaIsThatOfTheEllipseButNoLessThanTheSmallestCircle) {
-  EXPECT_NEAR(mature_gate_area(track_with(100, 0, 100), kRule), kPi * 400, 0.1);
+  EXPECT_NEAR(mature_gate_area(track_with(36, 0, 36), kRule), kPi * 144, 0.1);
+  EXPECT_NEAR(mature_gate_area(track_with(225, 0, 225), kRule), kPi * 36 * 36, 0.1);
   EXPECT_NEAR(mature_gate_area(track_with(1, 0, 1), kRule), kPi * 49, 0.1);
   EXPECT_NEAR(young_gate_area(18), kPi * 324, 0.1);
 }

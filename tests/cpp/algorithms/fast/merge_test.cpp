@@ -168,7 +168,7 @@ constexpr GateRule kGate{.birth_radius_px = 18,
                          .circle_scale = 0,
                          .circle_padding_px = 0};
 
-// A mature track whose gate reaches 24 px in x and 16 px in y, and a tentative one.
+// A mature track whose gate reaches 28.8 px in x and 19.2 px in y, and a tentative one.
 struct Beside {
   Tracks tracks{4};
   Tracks::Slot mature = add(Phase::kConfirmed, 100);
@@ -194,10 +194,10 @@ struct Beside {
 
 TEST(Fragment, LiesInTheWidenedGate) {
   const Beside two;
-  EXPECT_TRUE(two.wait(29.9F, 0));  // 1.25 x 24
-  EXPECT_FALSE(two.wait(30.1F, 0));
-  EXPECT_TRUE(two.wait(0, -19.9F));  // 1.25 x 16
-  EXPECT_FALSE(two.wait(0, -20.1F));
+  EXPECT_TRUE(two.wait(35.9F, 0));  // 1.25 x 28.8
+  EXPECT_FALSE(two.wait(36.1F, 0));
+  EXPECT_TRUE(two.wait(0, -23.9F));  // 1.25 x 19.2
+  EXPECT_FALSE(two.wait(0, -24.1F));
 }
 
 TEST(Fragment, IsSmallBesideIt) {
@@ -325,6 +325,23 @@ TEST(AreOne, NotTracksThatSeparate) {
     two.polarity(polarity, -polarity);
     EXPECT_EQ(two.until_one(60), -1);
   }
+}
+
+// Siblings 16 px apart, one of which lies in the other, wander by 6 px: within .35 of the extents.
+TEST(AreOne, OverlappingTracksMayWander) {
+  const auto until_one = [](float extent_px) {
+    Two two(Phase::kConfirmed, Phase::kConfirmed);
+    two.tracks.state(two.a).extent_px = extent_px;
+    two.tracks.state(two.a).average_vx = 1000;
+    for (float t = 0; t < 1; t += kTick_s) {
+      const float dx = 16 + (static_cast<int>(t / 0.02F) % 2 == 1 ? 6.0F : 0.0F);
+      const Candidate pair{two.a, two.b, dx, 0, dx};
+      if (are_one(two.tracks, pair, kTick_s, kRule)) return t;
+    }
+    return -1.0F;
+  };
+  EXPECT_EQ(until_one(10), -1);
+  EXPECT_NEAR(until_one(33), 0.04F, 0.02F);
 }
 
 TEST(AreOne, NotTracksThatCircleEachOther) {

@@ -207,11 +207,11 @@ TEST(LooksUnresolved, IfLongWithoutOutlineOrNeighbour) {
 
 TEST(LooksUnresolved, NoiseScattersEventsToo) {
   Unresolved noisy;
-  noisy.noise_hz = 0.1F;  // 112 of 1000 events/s
+  noisy.noise_hz = 0.1F;  // 132 of 1000 events/s
   EXPECT_FALSE(noisy.looks());
-  noisy.contour.variance = 10.6F;
+  noisy.contour.variance = 11.8F;
   EXPECT_FALSE(noisy.looks());
-  noisy.contour.variance = 10.8F;
+  noisy.contour.variance = 12.0F;
   EXPECT_TRUE(noisy.looks());
 }
 
@@ -284,6 +284,16 @@ TEST(HalfFinder, CutsAlongAnyAxis) {
     const auto dy = static_cast<float>(2 * y) - 96;
     EXPECT_FLOAT_EQ(halves[0].distance(halves[1]), length(dx, dy));
   }
+}
+
+TEST(HalfFinder, ABarHasNoHalves) {
+  HalfScene bar;
+  for (std::size_t x = 20; x <= 68; x += 8) bar.own(x, 48, 2);
+  EXPECT_TRUE(bar.find().empty());
+  HalfScene beside;  // one half is long, the other is not
+  for (std::size_t x = 20; x <= 44; x += 8) beside.own(x, 48, 2);
+  for (std::size_t y = 36; y <= 60; y += 8) beside.own(64, y, 2);
+  EXPECT_EQ(beside.find().size(), 2U);
 }
 
 TEST(HalfFinder, AnEdgeIsNotAnObject) {
