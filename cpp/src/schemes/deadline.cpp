@@ -74,7 +74,7 @@ class Planner {
         event_ns_(now.event_ns),
         age_ns_(now.age_ns),
         shortest_ns_(now.shortest_ns),
-        longest_ns_(longest_ns(now)),
+        longest_ns_(std::max(shortest_ns_, longest_ns(now))),
         is_rush_(now.is_new || work.up_to(kRecent * latency_ns_) >= kRecent * latency_ns_),
         is_continuous_(now.prefer == Prefer::continuity),
         gap_price_(gap_price(now.prefer)) {
@@ -87,6 +87,7 @@ class Planner {
     for (int i = 1; i <= kLengths; ++i) compare(0.98 * latency_ns_ * i / kLengths, best);
     compare(latency_ns_ - age_ns_, best);                   // drops nothing
     compare(work_.newest_only(fixed_ns_, caution_), best);  // leaves nothing behind
+    if (best.work_ns <= 0.0) compare(shortest_ns_, best);   // there was none in between
     return best;
   }
 
