@@ -62,9 +62,10 @@ void CostModel::reset() noexcept {
   recent_cost_ns_ = 0.0;
   most_event_ns_ = std::numeric_limits<double>::infinity();
   buckets_ = {};
+  asked_for_ = 0;
   for (const std::size_t octave : {std::size_t{0}, kPriorBucket}) {
     const auto size = static_cast<double>(std::size_t{1} << octave);
-    buckets_[octave] = {kPriorWeight, size, line_ns(size), true};
+    bucket(size) = {kPriorWeight, size, line_ns(size), true};
   }
 }
 
@@ -158,15 +159,22 @@ double CostModel::least_cost_ns() const noexcept {
   return least_ns;
 }
 
+template <class Call>
+void CostModel::each_asked_for(const Call& call) noexcept {
+  for (std::uint32_t left = asked_for_; left != 0; left &= left - 1) {
+    call(buckets_[static_cast<std::size_t>(std::countr_zero(left))]);
+  }
+}
+
 void CostModel::forget() noexcept {
-  for (Bucket& bucket : buckets_) {
+  each_asked_for([this](Bucket& bucket) {
     if (bucket.weight > kLeastWeight) {
       bucket.weight = std::max(kLeastWeight, 0.998 * bucket.weight);
     } else if (bucket.is_prior && on_level() >= kPriorLasts && knows_better(bucket)) {
       // With weights of 1 / c^2 a prior that is far too small would rule for ever.
       bucket.weight = 0.0;
     }
-  }
+  });
 }
 
 // After a change of level: whether the sizes since tell alpha from beta without this memory of
@@ -177,7 +185,9 @@ bool CostModel::knows_better(const Bucket& prior) const noexcept {
 
 CostModel::Bucket& CostModel::bucket(double size) noexcept {
   const auto octave = static_cast<std::size_t>(std::bit_width(static_cast<std::size_t>(size))) - 1;
-  return buckets_[std::min(octave, buckets_.size() - 1)];
+  const std::size_t i = std::min(octave, buckets_.size() - 1);
+  asked_for_ |= std::uint32_t{1} << i;
+  return buckets_[i];
 }
 
 void CostModel::remember(double size, double cost_ns) noexcept {
@@ -194,15 +204,15 @@ void CostModel::remember(double size, double cost_ns) noexcept {
 
 void CostModel::fit() noexcept {
   double s0 = 0, s1 = 0, s2 = 0, y0 = 0, y1 = 0;
-  for (const Bucket& bucket : buckets_) {
-    if (bucket.weight <= 0) continue;
+  each_asked_for([&](const Bucket& bucket) {
+    if (bucket.weight <= 0) return;
     const double q = bucket.weight / (bucket.cost_ns * bucket.cost_ns);
     s0 += q;
     s1 += q * bucket.size;
     s2 += q * bucket.size * bucket.size;
     y0 += q * bucket.cost_ns;
     y1 += q * bucket.size * bucket.cost_ns;
-  }
+  });
   const double determinant = s0 * s2 - s1 * s1;
   if (determinant > 1e-9 * s0 * s2) {
     double alpha_ns = (y0 * s2 - y1 * s1) / determinant;

@@ -74,7 +74,7 @@ class Planner {
         event_ns_(now.event_ns),
         age_ns_(now.age_ns),
         shortest_ns_(now.shortest_ns),
-        longest_ns_(now.longest_ns),
+        longest_ns_(std::max(shortest_ns_, longest_ns(now))),
         is_rush_(now.is_new || work.up_to(kRecent * latency_ns_) >= kRecent * latency_ns_),
         is_continuous_(now.prefer == Prefer::continuity),
         gap_price_(gap_price(now.prefer)) {
@@ -87,12 +87,13 @@ class Planner {
     for (int i = 1; i <= kLengths; ++i) compare(0.98 * latency_ns_ * i / kLengths, best);
     compare(latency_ns_ - age_ns_, best);                   // drops nothing
     compare(work_.newest_only(fixed_ns_, caution_), best);  // leaves nothing behind
+    if (best.work_ns <= 0.0) compare(shortest_ns_, best);   // there was none in between
     return best;
   }
 
  private:
   void compare(double length_ns, Plan& best) const noexcept {
-    if (length_ns < shortest_ns_ || length_ns > longest_ns()) return;
+    if (length_ns < shortest_ns_ || length_ns > longest_ns_) return;
     Plan plan = drawn_up(length_ns);
     if (plan.work_ns <= 0.0) return;
     plan.value_ns = if_they_stop(plan) + (is_rush_ ? if_they_go_on(plan) : 0.0);
@@ -100,10 +101,10 @@ class Planner {
   }
 
   // Without a gap: two packages per bound, and none that must drop what still can make it.
-  double longest_ns() const noexcept {
-    if (!is_continuous_) return longest_ns_;
-    const double room_ns = latency_ns_ - age_ns_;
-    return std::min(latency_ns_ / 2, room_ns < shortest_ns_ ? latency_ns_ : room_ns);
+  static double longest_ns(const Situation& now) noexcept {
+    if (now.prefer != Prefer::continuity) return now.longest_ns;
+    const double room_ns = now.latency_ns - now.age_ns;
+    return std::min(now.latency_ns / 2, room_ns < now.shortest_ns ? now.latency_ns : room_ns);
   }
 
   // What stays behind can still be finished: by itself if no more came, and by a package of like

@@ -23,12 +23,14 @@ class WorkByAge {
     backlog.counts.about_before_each(backlog.now_ns - step_ns, step_ns, older);
     work_[0] = done_[0] = 0.0;
     double lead_ns = 0.0;  // max over a of: a - C(a)
+    double age_ns = 0.0;
     for (std::size_t k = 0; k < kSlots; ++k) {
-      const auto younger =
-          static_cast<std::int64_t>(backlog.count - std::min(older[k], backlog.count));
-      work_[k + 1] = event_ns * static_cast<double>(younger);
-      lead_ns = std::max(lead_ns, slot_ns_ * static_cast<double>(k + 1) - work_[k + 1]);
-      done_[k + 1] = work_[k + 1] + lead_ns;
+      const auto younger = static_cast<std::int64_t>(backlog.count - older[k]);
+      const double work_ns = event_ns * static_cast<double>(younger);
+      age_ns += slot_ns_;
+      lead_ns = std::max(lead_ns, age_ns - work_ns);
+      work_[k + 1] = work_ns;
+      done_[k + 1] = work_ns + lead_ns;
     }
   }
 

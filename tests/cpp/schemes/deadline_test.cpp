@@ -223,6 +223,18 @@ TEST(Deadline, NoPackageIsShorterThanTheInterval) {
   }
 }
 
+// Whole packages, and those that leave no gap, are no longer than half the bound: if the shortest
+// is as long, there is one length.
+TEST(Deadline, AnIntervalOfHalfTheBoundLeavesFullPackages) {
+  Deadline scheme = trained({.min_interval_ms = 40.0}, Execution::whole);
+  EXPECT_GT(size_of(decide(scheme, evenly(40'000, 4900 * kUs), 50 * kMs)), 10'000);
+}
+
+TEST(Deadline, AFixedCostOfAThirdOfTheBoundLeavesFullPackages) {
+  Deadline scheme = trained({.prefer = Prefer::continuity}, Execution::anytime, 400, 3.8e6);
+  EXPECT_GT(size_of(decide(scheme, evenly(40'000, 4 * kMs), 50 * kMs)), 3'000);
+}
+
 // ---- the plan ---------------------------------------------------------------------------------
 
 TEST(Deadline, TakesTheBestOfItsPlans) {

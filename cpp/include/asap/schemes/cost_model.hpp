@@ -74,6 +74,8 @@ class CostModel {
   void forget() noexcept;
   bool knows_better(const Bucket& prior) const noexcept;
   Bucket& bucket(double size) noexcept;
+  template <class Call>
+  void each_asked_for(const Call& call) noexcept;
   void remember(double size, double cost_ns) noexcept;
   void fit() noexcept;
   void follow(double size, double cost_ns, double noise, Gains gains) noexcept;
@@ -96,6 +98,7 @@ class CostModel {
   double recent_cost_ns_;           // what it took
   double most_event_ns_;            // the same by event
   std::array<Bucket, 24> buckets_;  // by log2 of the size
+  std::uint32_t asked_for_;         // a bit for each; the others are empty
 };
 
 }  // namespace asap
