@@ -45,14 +45,6 @@ bool is_sibling(const Tracks& tracks, Tracks::Slot of, Tracks::Slot other) noexc
   return state.sibling == other && state.sibling_generation == tracks[other].generation;
 }
 
-bool touches_another_object(const Tracks& tracks, Tracks::Slot slot) noexcept {
-  const TrackState& state = tracks.state(slot);
-  for (std::uint8_t i = 0; i < tracks[slot].partners; ++i) {
-    if (!are_siblings(tracks, slot, state.partners[i])) return true;
-  }
-  return false;
-}
-
 // ---- candidates ----
 
 constexpr Candidate kNoCandidate{Tracks::kNone, Tracks::kNone, 0, 0,
@@ -291,8 +283,7 @@ bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot 
   const TrackState& state = tracks.state(confirmed);
   return state.age_s > kMature_s && tracks.state(tentative).mass < kMostMass * state.mass &&
          gate_value(tracks[confirmed], {.mean_x = 0, .mean_y = 0, .dx = dx, .dy = dy}) <=
-             kReach * kReach &&
-         !touches_another_object(tracks, confirmed);
+             kReach * kReach;
 }
 
 // ---- siblings ----

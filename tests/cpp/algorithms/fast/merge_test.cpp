@@ -212,22 +212,10 @@ TEST(Fragment, IsOfAMatureTrack) {
   EXPECT_FALSE(two.wait(20, 0));
 }
 
-TEST(Fragment, IsNotAssumedInContact) {
+TEST(Fragment, IsOneInContactToo) {
   Beside two;
-  const auto other = two.add(Phase::kConfirmed, 100);
-  two.touch(other);
-  EXPECT_FALSE(two.wait(20, 0));
-}
-
-TEST(Fragment, AnEarlierFragmentIsNotAnotherObject) {
-  Beside two;
-  const auto earlier = two.add(Phase::kConfirmed, 10);
-  two.touch(earlier);
-  two.tracks.state(earlier).sibling = two.mature;
-  two.tracks.state(earlier).sibling_generation = two.tracks[two.mature].generation;
+  two.touch(two.add(Phase::kConfirmed, 100));
   EXPECT_TRUE(two.wait(20, 0));
-  two.touch(two.add(Phase::kConfirmed, 100));  // and another object
-  EXPECT_FALSE(two.wait(20, 0));
 }
 
 // ---- merging ----
