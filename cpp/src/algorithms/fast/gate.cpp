@@ -9,24 +9,22 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-// Half-axes of the ellipse, standard deviations. The tips of an L lie 2.45 of them from its centre:
-// cut off they would be tracks of their own again and again. A small track keeps the narrow
-// ellipse: in a crowd a wide one takes events of its neighbours.
-float half_axes(const GateRule& rule, float largest_variance_px2) noexcept {
-  constexpr float kSmall_px = 7;
-  constexpr float kLarge_px = 12;
-  constexpr float kWider = 0.4F;
-  const float extent_px = std::sqrt(largest_variance_px2);
-  const float size = (extent_px - kSmall_px) / (kLarge_px - kSmall_px);
-  return rule.scale + kWider * std::clamp(size, 0.0F, 1.0F);
-}
-
 }  // namespace
 
 float largest_variance(const Track& track) noexcept {
   const float half_sum = 0.5F * (track.sxx + track.syy);
   const float half_difference = 0.5F * (track.sxx - track.syy);
   return half_sum + std::sqrt(half_difference * half_difference + track.sxy * track.sxy);
+}
+
+float ellipse_scale(const GateRule& rule, float extent_px, float noise_share) noexcept {
+  constexpr float kSmall_px = 7;
+  constexpr float kLarge_px = 12;
+  constexpr float kRareNoise = 0.1F;
+  constexpr float kWider = 0.4F;
+  const float size = (extent_px - kSmall_px) / (kLarge_px - kSmall_px);
+  const float rarity = 2 - noise_share / kRareNoise;
+  return rule.scale + kWider * std::clamp(size, 0.0F, 1.0F) * std::clamp(rarity, 0.0F, 1.0F);
 }
 
 float widest_radius(const GateRule& rule, float noise_hz, float mass_s) noexcept {
@@ -53,8 +51,8 @@ void shape_birth_gate(Track& track, float radius_px) noexcept {
   track.qc = kNothing;
 }
 
-void shape_gate(Track& track, const GateRule& rule, float young_px, float largest_variance_px2,
-                bool mature, float position_variance_px2) noexcept {
+void shape_gate(Track& track, const GateRule& rule, float scale, float young_px,
+                float largest_variance_px2, bool mature, float position_variance_px2) noexcept {
   const float own = rule.circle_scale * std::sqrt(largest_variance_px2) + rule.circle_padding_px;
   const float radius =
       mature ? std::max(rule.min_radius_px, std::min(own, rule.birth_radius_px)) : young_px;
@@ -64,7 +62,6 @@ void shape_gate(Track& track, const GateRule& rule, float young_px, float larges
   const float a = track.sxx + padding;
   const float b = track.sxy;
   const float c = track.syy + padding;
-  const float scale = half_axes(rule, largest_variance_px2);
   const float scale2 = scale * scale;
   const float longest2 = scale2 * (largest_variance_px2 + padding);
   const float most2 = rule.max_radius_px * rule.max_radius_px;
@@ -79,9 +76,8 @@ float young_gate_area(float radius_px) noexcept { return kPi * radius_px * radiu
 
 float mature_gate_area(const Track& track, const GateRule& rule) noexcept {
   const float determinant = std::max(0.0F, track.sxx * track.syy - track.sxy * track.sxy);
-  const float scale = half_axes(rule, largest_variance(track));
-  return kPi *
-         std::max(rule.min_radius_px * rule.min_radius_px, scale * scale * std::sqrt(determinant));
+  return kPi * std::max(rule.min_radius_px * rule.min_radius_px,
+                        rule.scale * rule.scale * std::sqrt(determinant));
 }
 
 }  // namespace asap::fast

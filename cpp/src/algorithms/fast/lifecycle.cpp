@@ -142,11 +142,13 @@ Assessment assess(Track& track, TrackState& state, const Tick& tick, const Lifec
 }
 
 void update_gate(Track& track, TrackState& state, const LifecycleRule& rule, const GateRule& gate,
-                 float widest_px) noexcept {
+                 float widest_px, float noise_hz) noexcept {
   state.young_radius_px = young_radius(state, gate, widest_px);
   if (!track.has_id()) return shape_birth_gate(track, state.young_radius_px);
-  shape_gate(track, gate, state.young_radius_px, state.extent_px * state.extent_px,
-             state.age_s >= rule.mature_s, is_starved(state) ? state.kalman.pxx : 0);
+  const float noise = noise_hz * mature_gate_area(track, gate) / std::max(1.0F, state.slow_rate_hz);
+  shape_gate(track, gate, ellipse_scale(gate, state.extent_px, noise), state.young_radius_px,
+             state.extent_px * state.extent_px, state.age_s >= rule.mature_s,
+             is_starved(state) ? state.kalman.pxx : 0);
 }
 
 void schedule_deletion(Track& track, TrackState& state) noexcept {

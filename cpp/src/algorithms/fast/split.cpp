@@ -331,7 +331,7 @@ void confirm_child(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, floa
   for (const Tracks::Slot slot : {parent, child}) {
     tracks.contour(slot).variance = kInitialVariance_px2;
     tracks.state(slot).average_extent2 = largest_variance(tracks[slot]);
-    shape_gate(tracks[slot], gate, tracks.state(slot).young_radius_px,
+    shape_gate(tracks[slot], gate, gate.scale, tracks.state(slot).young_radius_px,
                tracks.state(slot).average_extent2, true, 0);
   }
 }

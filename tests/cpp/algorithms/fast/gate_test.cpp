@@ -38,51 +38,53 @@ TEST(Gate, OfANewTrackIsACircle) {
 }
 
 TEST(Gate, EllipseFollowsTheCovariance) {
-  Track track = track_with(45, 0, 0);  // half-axes 2 sqrt(45 + 4) = 14 and 2 sqrt(4) = 4
-  shape_gate(track, kRule, 5, largest_variance(track), false, 0);
-  EXPECT_NEAR(value_at(track, 14, 0), 1, 1e-4);
-  EXPECT_LT(value_at(track, 13, 0), 1);
-  EXPECT_GT(value_at(track, 15, 0), 1);
+  Track track = track_with(96, 0, 0);  // half-axes 2 sqrt(96 + 4) = 20 and 2 sqrt(4) = 4
+  shape_gate(track, kRule, kRule.scale, kYoung_px, largest_variance(track), true, 0);
+  EXPECT_NEAR(value_at(track, 20, 0), 1, 1e-4);
+  EXPECT_LT(value_at(track, 19, 0), 1);
+  EXPECT_GT(value_at(track, 21, 0), 1);
 }
 
-// The half-axes grow from 2 to 2.4 standard deviations between extents of 7 and 12 px.
 TEST(Gate, TheEllipseOfALargeTrackIsWider) {
-  const auto half_axis = [](float extent_px) {
-    Track track = track_with(extent_px * extent_px - 4, 0, 1);
-    shape_gate(track, kRule, 5, extent_px * extent_px, false, 0);
-    return 1 / std::sqrt(track.qa);  // along x
-  };
-  EXPECT_NEAR(half_axis(7), 2 * 7, 1e-3);
-  EXPECT_NEAR(half_axis(9.5F), 2.2 * 9.5, 1e-3);
-  EXPECT_NEAR(half_axis(12), 2.4 * 12, 1e-3);
-  EXPECT_NEAR(half_axis(15), 2.4 * 15, 1e-3);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 3, 0), 2);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 7, 0), 2);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 9.5F, 0), 2.2F);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 12, 0), 2.4F);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 30, 0), 2.4F);
 }
 
-// Arms of 40 px: with 2.3 standard deviations the tips lie outside.
+TEST(Gate, TheEllipseIsNoWiderInNoise) {
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 30, 0.1F), 2.4F);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 30, 0.15F), 2.2F);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 30, 0.2F), 2);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 30, 5), 2);
+}
+
+// Arms of 40 px. 2.3 standard deviations leave the tips out.
 TEST(Gate, HoldsTheTipsOfAnL) {
   GateRule rule = kRule;
   rule.scale = 2.3F;
   Track track = track_with(500.0F / 3, -100, 500.0F / 3);  // of the points of both arms
-  shape_gate(track, rule, 5, largest_variance(track), false, 0);
+  const float variance = largest_variance(track);
+  shape_gate(track, rule, ellipse_scale(rule, std::sqrt(variance), 0), 5, variance, false, 0);
   EXPECT_LT(value_at(track, 30, -10), 1);
   EXPECT_LT(value_at(track, -10, 30), 1);
-  rule.scale = 1.9F;  // 2.3 in all
-  shape_gate(track, rule, 5, largest_variance(track), false, 0);
+  shape_gate(track, rule, rule.scale, 5, variance, false, 0);
   EXPECT_GT(value_at(track, 30, -10), 1);
 }
 
 TEST(Gate, EllipseTurnsWithTheCovariance) {
   Track track = track_with(50, 45, 50);
-  shape_gate(track, kRule, kYoung_px, largest_variance(track), true, 0);
+  shape_gate(track, kRule, kRule.scale, kYoung_px, largest_variance(track), true, 0);
   EXPECT_LT(value_at(track, 13.5F, 13.5F), 1);
   EXPECT_GT(value_at(track, 13.5F, -13.5F), 1);
 }
 
 TEST(Gate, CircleFollowsTheExtentOnceMature) {
   Track track = track_with(4, 0, 4);  // circle: 2 * 2 + 5
-  shape_gate(track, kRule, kYoung_px, 4, true, 0);
+  shape_gate(track, kRule, kRule.scale, kYoung_px, 4, true, 0);
   EXPECT_NEAR(value_at(track, 9, 0), 1, 1e-4);
-  shape_gate(track, kRule, kYoung_px, 4, false, 0);
+  shape_gate(track, kRule, kRule.scale, kYoung_px, 4, false, 0);
   EXPECT_NEAR(value_at(track, 18, 0), 1, 1e-4);
   Track small = track_with(0.1F, 0, 0.1F);
   shape_gate(small,
@@ -93,35 +95,34 @@ TEST(Gate, CircleFollowsTheExtentOnceMature) {
               .padding_px = 0.1F,
               .circle_scale = 2,
               .circle_padding_px = 0.1F},
-             kYoung_px, 0.1F, true, 0);
+             2, kYoung_px, 0.1F, true, 0);
   EXPECT_NEAR(value_at(small, 7, 0), 1, 1e-4);
 }
 
 TEST(Gate, HasALongestAxis) {
   Track track = track_with(5000, 0, 100);
-  shape_gate(track, kRule, kYoung_px, 5000, true, 0);
+  shape_gate(track, kRule, kRule.scale, kYoung_px, 5000, true, 0);
   EXPECT_NEAR(value_at(track, 40, 0), 1, 1e-4);
 }
 
 TEST(Gate, PositionVarianceWidensIt) {
-  Track track = track_with(45, 0, 45);
-  shape_gate(track, kRule, kYoung_px, 45, true, 176);  // half-axis 2 sqrt(225)
+  Track track = track_with(96, 0, 96);
+  shape_gate(track, kRule, kRule.scale, kYoung_px, 96, true, 125);  // half-axis 2 sqrt(225)
   EXPECT_NEAR(value_at(track, 30, 0), 1, 1e-4);
 }
 
 TEST(Gate, AWideCircleIsForYoungTracksOnly) {
   Track track = track_with(0, 0, 400);  // its own circle: 2 * 20 + 5; the ellipse is narrow along x
-  shape_gate(track, kRule, 25, 400, false, 0);
+  shape_gate(track, kRule, kRule.scale, 25, 400, false, 0);
   EXPECT_NEAR(value_at(track, 25, 0), 1, 1e-4);
-  shape_gate(track, kRule, 25, 400, true, 0);
+  shape_gate(track, kRule, kRule.scale, 25, 400, true, 0);
   EXPECT_NEAR(value_at(track, 18, 0), 1, 1e-4);
 }
 
 constexpr float kPi = 3.14159265F;
 
 TEST(Gate, AreaIsThatOfTheEllipseButNoLessThanTheSmallestCircle) {
-  EXPECT_NEAR(mature_gate_area(track_with(36, 0, 36), kRule), kPi * 144, 0.1);
-  EXPECT_NEAR(mature_gate_area(track_with(225, 0, 225), kRule), kPi * 36 * 36, 0.1);
+  EXPECT_NEAR(mature_gate_area(track_with(100, 0, 100), kRule), kPi * 400, 0.1);
   EXPECT_NEAR(mature_gate_area(track_with(1, 0, 1), kRule), kPi * 49, 0.1);
   EXPECT_NEAR(young_gate_area(18), kPi * 324, 0.1);
 }

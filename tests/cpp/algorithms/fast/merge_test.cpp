@@ -168,7 +168,7 @@ constexpr GateRule kGate{.birth_radius_px = 18,
                          .circle_scale = 0,
                          .circle_padding_px = 0};
 
-// A mature track whose gate reaches 28.8 px in x and 19.2 px in y, and a tentative one.
+// A mature track whose gate reaches 24 px in x and 16 px in y, and a tentative one.
 struct Beside {
   Tracks tracks{4};
   Tracks::Slot mature = add(Phase::kConfirmed, 100);
@@ -178,7 +178,7 @@ struct Beside {
     tracks[mature].sxx = 144;
     tracks[mature].syy = 64;
     tracks.state(mature).age_s = 0.21F;
-    shape_gate(tracks[mature], kGate, 18, 144, true, 0);
+    shape_gate(tracks[mature], kGate, kGate.scale, 18, 144, true, 0);
   }
   Tracks::Slot add(Phase phase, float mass) {
     const auto slot = tracks.create(0, 0, 0);
@@ -194,10 +194,10 @@ struct Beside {
 
 TEST(Fragment, LiesInTheWidenedGate) {
   const Beside two;
-  EXPECT_TRUE(two.wait(35.9F, 0));  // 1.25 x 28.8
-  EXPECT_FALSE(two.wait(36.1F, 0));
-  EXPECT_TRUE(two.wait(0, -23.9F));  // 1.25 x 19.2
-  EXPECT_FALSE(two.wait(0, -24.1F));
+  EXPECT_TRUE(two.wait(29.9F, 0));  // 1.25 x 24
+  EXPECT_FALSE(two.wait(30.1F, 0));
+  EXPECT_TRUE(two.wait(0, -19.9F));  // 1.25 x 16
+  EXPECT_FALSE(two.wait(0, -20.1F));
 }
 
 TEST(Fragment, IsSmallBesideIt) {

@@ -207,11 +207,11 @@ TEST(LooksUnresolved, IfLongWithoutOutlineOrNeighbour) {
 
 TEST(LooksUnresolved, NoiseScattersEventsToo) {
   Unresolved noisy;
-  noisy.noise_hz = 0.1F;  // 132 of 1000 events/s
+  noisy.noise_hz = 0.1F;  // 112 of 1000 events/s
   EXPECT_FALSE(noisy.looks());
-  noisy.contour.variance = 11.8F;
+  noisy.contour.variance = 10.6F;
   EXPECT_FALSE(noisy.looks());
-  noisy.contour.variance = 12.0F;
+  noisy.contour.variance = 10.8F;
   EXPECT_TRUE(noisy.looks());
 }
 
