@@ -210,6 +210,17 @@ def test_many_events_on_one_stamp() -> None:
     assert outcome(check(crowd)) == {}
 
 
+def test_a_guessed_unit_is_doubted(tmp_path: Path) -> None:
+    path = tmp_path / "ns.txt"
+    path.write_text("".join(f"{k * 1_000_000} 1 2 {k % 2}\n" for k in range(2000)))
+    unit = check(str(path)).findings["time_unit"]
+    assert (unit.count, unit.verdict) == (1, "note")
+    assert unit.detail == "the times step by 1 s, which is long for a camera"
+    assert unit.remedy == "If they count ns, not us, give time_unit='ns'."
+    assert check(str(path), time_unit="us").findings["time_unit"].verdict == "ok"
+    assert check(str(path), time_unit="ns").findings["time_unit"].verdict == "ok"
+
+
 def test_stuck_time() -> None:
     crowd = EVENTS.copy()
     crowd["t"][65_500:65_601] = crowd["t"][65_500]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
 from asap import _units
 from asap.inspection.door import Door, Passed, Tally
@@ -23,6 +24,7 @@ from asap.inspection.meters import (
 )
 from asap.inspection.pixels import MAX_SIDE, PixelMap
 from asap.inspection.raw_source import RawSource
+from asap.io.columns import HEAD, unit_doubt
 from asap.results.inspection import NOTE, OK, WRONG, Finding
 
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset
@@ -48,6 +50,7 @@ class Meters:
     events: int = 0
     on: int = 0
     first_stamp_us: int | None = None
+    head: npt.NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     begin_us: int = 0
     end_us: int = 0
 
@@ -56,6 +59,9 @@ class Meters:
         if self.first_stamp_us is None:
             self.first_stamp_us = int(passed.stamps[0])
             self.begin_us = int(passed.events["t"][0])
+        if len(self.head) < HEAD:
+            rest = passed.events["t"][: HEAD - len(self.head)]
+            self.head = np.concatenate([self.head, rest])
         self.end_us = int(passed.events["t"][-1])
         self.events += len(passed.events)
         self.on += int(np.count_nonzero(passed.events["p"]))
@@ -91,6 +97,7 @@ def judge(raw: RawSource, meters: Meters) -> Iterator[Finding]:
         "1 us after the last event.",
     )
     yield _gaps(meters.gaps)
+    yield _time_unit(raw, meters)
     yield _found(
         "same_stamp",
         stamps.crowded,
@@ -211,6 +218,16 @@ def _gaps(gaps: Gaps) -> Finding:
         f"No event for {_units.duration(GAP_US)} or more: a still scene behind a noise filter, or "
         "lost data. Compare with the driver's own counters.",
     )
+
+
+def _time_unit(raw: RawSource, meters: Meters) -> Finding:
+    steps_us = np.diff(meters.head)
+    doubt = unit_doubt(raw.guessed_unit, meters.events, meters.duration_us, steps_us)
+    if doubt is None:
+        return Finding("time_unit", 0, OK, "")
+    detail, remedy = doubt.split("; ")
+    remedy = f"{remedy[0].upper()}{remedy[1:]}."
+    return Finding("time_unit", 1, NOTE, detail, remedy, 0, meters.first_stamp_us)
 
 
 def _banding(meters: Meters) -> Finding:

@@ -87,6 +87,11 @@ class RawSource:
         return self._rejected("out_of_bounds")
 
     @property
+    def guessed_unit(self) -> str | None:
+        """The unit of the times, where neither source nor user states it."""
+        return self.recording.guessed_unit if self.recording else self._losses.guessed_unit
+
+    @property
     def first_bad_byte(self) -> int | None:
         """Byte offset of the first bad record, where the format knows it."""
         offsets = self.recording.bad_offsets if self.recording is not None else ()

@@ -18,10 +18,10 @@ from asap._pickling import by_arguments
 from asap.events import Events, plain_view
 from asap.io.arrangement import arrangement, between_pixels, looks_like
 from asap.io.columns import HEAD, unit_doubt
-from asap.io.errors import CorruptFile, NoGoodEvent
+from asap.io.errors import NoGoodEvent
 from asap.io.native import FORMATS, NativeReader
 from asap.io.reader import Losses, Options, Reader, gathered
-from asap.io.sniff import first_bytes, sniff, stated
+from asap.io.sniff import format_of
 
 
 def _late(module: str, reader: str) -> Callable[..., Reader]:
@@ -78,7 +78,7 @@ class Recording:
         self._on_bad = on_bad
         self._reorder_tolerance_us = reorder_tolerance_us
         options = Options(order, time_unit, stream=stream, width=width, height=height)
-        self._reader = _READERS[_format_of(self._path, file_format)](self._path, options)
+        self._reader = _READERS[format_of(self._path, file_format, _READERS)](self._path, options)
         if stream is not None and not self.streams:
             raise ValueError(
                 f"stream = {stream!r}: {self._path} is one stream of events; leave stream out"
@@ -141,6 +141,11 @@ class Recording:
         reasons["before_start"] += self._losses.before_start
         reasons["nonmonotonic"] += self._losses.stray
         return reasons
+
+    @property
+    def guessed_unit(self) -> str | None:
+        """Unit of the times in the latest iteration, where neither file nor user states it."""
+        return self._losses.guessed_unit
 
     @property
     def doubt(self) -> str | None:
@@ -264,16 +269,6 @@ class Recording:
             reorder_tolerance_us=self._reorder_tolerance_us,
         )
         return Losses(self._path, self._on_bad), validator
-
-
-def _format_of(path: Path, file_format: str | None) -> str:
-    if file_format is None:
-        return sniff(path)
-    _checks.choice("file_format", file_format, _READERS)
-    found = None if path.is_dir() else stated(first_bytes(path))  # a bag may be a folder
-    if found not in (None, file_format):
-        raise CorruptFile(path, 0, f"this is {found}, not {file_format}; leave file_format out")
-    return file_format
 
 
 def read(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Collection
 from pathlib import Path
 
 from asap import _core
-from asap._checks import regular_file
+from asap._checks import choice, regular_file
 from asap.io.errors import CorruptFile, UnsupportedFormat
 
 SERVED = (
@@ -109,6 +110,17 @@ def sniff(path: Path) -> str:
         words = f"a file that begins with the bytes {head[:8].hex(' ')}"
         raise _unsupported(path, words, _as_40_bits(path))
     return "text"
+
+
+def format_of(path: Path, file_format: str | None, known: Collection[str]) -> str:
+    """Return the format that the user names, which must be `known`; else what `sniff` finds."""
+    if file_format is None:
+        return sniff(path)
+    choice("file_format", file_format, known)
+    found = None if path.is_dir() else stated(first_bytes(path))  # a bag may be a folder
+    if found not in (None, file_format):
+        raise CorruptFile(path, 0, f"this is {found}, not {file_format}; leave file_format out")
+    return file_format
 
 
 def stated(head: bytes) -> str | None:

@@ -24,6 +24,7 @@ CHECKS = {
     "back_steps": "stamps that go back by less than 1 s",
     "clock_resets": "stamps that go back by 1 s or more: the clock was reset, or a counter wrapped",
     "gaps": "100 ms or more without an event; from 1 s on something is wrong",
+    "time_unit": "whether times whose unit nothing states step as those of a camera",
     "same_stamp": "stamps that more than 100 events share",
     "stuck_time": "such stamps after which the time jumps by 1 ms or more",
     "banding": "4 or more events on one stamp, then none for 10 us or more; told when they hold a "
