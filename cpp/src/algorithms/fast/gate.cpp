@@ -17,12 +17,15 @@ float largest_variance(const Track& track) noexcept {
   return half_sum + std::sqrt(half_difference * half_difference + track.sxy * track.sxy);
 }
 
-float ellipse_scale(const GateRule& rule, float extent_px, float noise_share) noexcept {
+float ellipse_scale(const GateRule& rule, const TrackState& state, float noise_share) noexcept {
+  constexpr float kFragment_s = 0.1F;
+  constexpr float kVeryLarge_px = 16;
   constexpr float kSmall_px = 7;
   constexpr float kLarge_px = 12;
   constexpr float kRareNoise = 0.1F;
   constexpr float kWider = 0.4F;
-  const float size = (extent_px - kSmall_px) / (kLarge_px - kSmall_px);
+  if (state.fragment_s > kFragment_s && state.extent_px < kVeryLarge_px) return rule.scale;
+  const float size = (state.extent_px - kSmall_px) / (kLarge_px - kSmall_px);
   const float rarity = 2 - noise_share / kRareNoise;
   return rule.scale + kWider * std::clamp(size, 0.0F, 1.0F) * std::clamp(rarity, 0.0F, 1.0F);
 }

@@ -30,10 +30,11 @@ struct GateRule {
 inline constexpr float kWidestBirth = 5.0F / 3;
 
 // Half-axes of the ellipse, standard deviations. The tips of an L lie 2.45 of them from its centre:
-// cut off they would be tracks of their own again and again. So a large track has a wider ellipse
-// than the rule's, unless many of its events, a share, are noise. A small one has not: in a crowd
-// it would take events of its neighbours.
-float ellipse_scale(const GateRule& rule, float extent_px, float noise_share) noexcept;
+// cut off they would be tracks of their own again and again. So a track has a wider ellipse than
+// the rule's for 100 ms after a fragment began beside it, and a very large one always, unless many
+// of its events, a share, are noise. A small track has not: in a crowd it would take events of
+// others.
+float ellipse_scale(const GateRule& rule, const TrackState& state, float noise_share) noexcept;
 
 // px, of a young track's circle: the widest in which noise of this rate per pixel stays below the
 // rule's number of events in a mass that decays with mass_s.

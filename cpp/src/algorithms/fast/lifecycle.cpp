@@ -121,6 +121,7 @@ void record_extent(TrackState& state, float extent2, const Tick& tick) noexcept 
 Assessment assess(Track& track, TrackState& state, const Tick& tick, const LifecycleRule& rule,
                   const GateRule& gate) noexcept {
   state.age_s += tick.dt_s;
+  state.fragment_s += tick.dt_s;
   const float dt_s = std::max(kShortest_s, std::min(tick.dt_s, state.age_s));
   const auto fresh = static_cast<float>(track.events - state.events);
   if (track.events != state.events) state.last_event = track.stamp;
@@ -146,7 +147,7 @@ void update_gate(Track& track, TrackState& state, const LifecycleRule& rule, con
   state.young_radius_px = young_radius(state, gate, widest_px);
   if (!track.has_id()) return shape_birth_gate(track, state.young_radius_px);
   const float noise = noise_hz * mature_gate_area(track, gate) / std::max(1.0F, state.slow_rate_hz);
-  shape_gate(track, gate, ellipse_scale(gate, state.extent_px, noise), state.young_radius_px,
+  shape_gate(track, gate, ellipse_scale(gate, state, noise), state.young_radius_px,
              state.extent_px * state.extent_px, state.age_s >= rule.mature_s,
              is_starved(state) ? state.kalman.pxx : 0);
 }

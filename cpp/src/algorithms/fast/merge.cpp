@@ -264,6 +264,7 @@ void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, floa
     const Tracks::Slot confirmed = second_keeps ? a.slot : b.slot;
     if (may_be_fragment(tracks, tentative, confirmed, dx, dy)) {
       tracks.state(tentative).may_be_fragment = true;
+      tracks.state(confirmed).fragment_s = 0;
     }
   }
   const std::size_t keeper = second_keeps ? j : i;
@@ -277,7 +278,7 @@ void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, floa
 
 bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
                      float dy) noexcept {
-  constexpr float kMature_s = 0.2F;  // most pairs of objects that began as one track have separated
+  constexpr float kMature_s = 0.05F;
   constexpr float kMostMass = 0.2F;
   constexpr float kReach = 1.25F;  // of the gate
   const TrackState& state = tracks.state(confirmed);

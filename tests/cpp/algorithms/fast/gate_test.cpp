@@ -45,19 +45,30 @@ TEST(Gate, EllipseFollowsTheCovariance) {
   EXPECT_GT(value_at(track, 21, 0), 1);
 }
 
-TEST(Gate, TheEllipseOfALargeTrackIsWider) {
-  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 3, 0), 2);
-  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 7, 0), 2);
-  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 9.5F, 0), 2.2F);
-  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 12, 0), 2.4F);
-  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 30, 0), 2.4F);
+// Half-axes, where the rule has 2, of a track so long after a fragment began beside it.
+float scale_of(float extent_px, float noise_share, float fragment_s) {
+  TrackState state;
+  state.extent_px = extent_px;
+  state.fragment_s = fragment_s;
+  return ellipse_scale(kRule, state, noise_share);
+}
+
+TEST(Gate, TheEllipseOfALargeTrackWithFragmentsIsWider) {
+  EXPECT_FLOAT_EQ(scale_of(3, 0, 0), 2);
+  EXPECT_FLOAT_EQ(scale_of(7, 0, 0), 2);
+  EXPECT_FLOAT_EQ(scale_of(9.5F, 0, 0), 2.2F);
+  EXPECT_FLOAT_EQ(scale_of(12, 0, 0), 2.4F);
+  EXPECT_FLOAT_EQ(scale_of(12, 0, 0.09F), 2.4F);
+  EXPECT_FLOAT_EQ(scale_of(12, 0, 0.11F), 2);
+  EXPECT_FLOAT_EQ(scale_of(15, 0, 1), 2);
+  EXPECT_FLOAT_EQ(scale_of(17, 0, 1), 2.4F);
 }
 
 TEST(Gate, TheEllipseIsNoWiderInNoise) {
-  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 30, 0.1F), 2.4F);
-  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 30, 0.15F), 2.2F);
-  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 30, 0.2F), 2);
-  EXPECT_FLOAT_EQ(ellipse_scale(kRule, 30, 5), 2);
+  EXPECT_FLOAT_EQ(scale_of(30, 0.1F, 0), 2.4F);
+  EXPECT_FLOAT_EQ(scale_of(30, 0.15F, 0), 2.2F);
+  EXPECT_FLOAT_EQ(scale_of(30, 0.2F, 0), 2);
+  EXPECT_FLOAT_EQ(scale_of(30, 5, 0), 2);
 }
 
 // Arms of 40 px. 2.3 standard deviations leave the tips out.
@@ -66,7 +77,9 @@ TEST(Gate, HoldsTheTipsOfAnL) {
   rule.scale = 2.3F;
   Track track = track_with(500.0F / 3, -100, 500.0F / 3);  // of the points of both arms
   const float variance = largest_variance(track);
-  shape_gate(track, rule, ellipse_scale(rule, std::sqrt(variance), 0), 5, variance, false, 0);
+  TrackState state;
+  state.extent_px = std::sqrt(variance);
+  shape_gate(track, rule, ellipse_scale(rule, state, 0), 5, variance, false, 0);
   EXPECT_LT(value_at(track, 30, -10), 1);
   EXPECT_LT(value_at(track, -10, 30), 1);
   shape_gate(track, rule, rule.scale, 5, variance, false, 0);

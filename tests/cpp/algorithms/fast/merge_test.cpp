@@ -105,9 +105,12 @@ TEST(Pairs, ATentativeTrackOnAMatureOneMayBeItsFragment) {
   scene.find();
   EXPECT_TRUE(scene.tracks.state(tentative).may_be_fragment);
   EXPECT_FALSE(scene.tracks.state(mature).may_be_fragment);
+  EXPECT_EQ(scene.tracks.state(mature).fragment_s, 0);
   scene.tracks[tentative].x = 20;
+  scene.tracks.state(mature).fragment_s = 0.5F;
   scene.find();
   EXPECT_FALSE(scene.tracks.state(tentative).may_be_fragment);
+  EXPECT_EQ(scene.tracks.state(mature).fragment_s, 0.5F);
   EXPECT_TRUE(scene.tracks.state(tentative).near_confirmed);
 }
 
@@ -208,7 +211,7 @@ TEST(Fragment, IsSmallBesideIt) {
 
 TEST(Fragment, IsOfAMatureTrack) {
   Beside two;
-  two.tracks.state(two.mature).age_s = 0.19F;
+  two.tracks.state(two.mature).age_s = 0.049F;
   EXPECT_FALSE(two.wait(20, 0));
 }
 
