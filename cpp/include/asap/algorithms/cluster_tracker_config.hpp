@@ -66,7 +66,7 @@ struct ClusterTrackerConfig {
   double min_measurement_px2 = 0.05;         // least variance of a measurement
 
   double seed_events = 6;          // recent events without a cluster from which one begins
-  double confirm_events = 14;      // mass from which a cluster has an id
+  double confirm_events = 14;      // mass from which a cluster has an id; a small one 4/7 of it
   double die_events = 2;           // mass below which it coasts
   double die_sigma = 2;            // margin above the noise in its gate, standard deviations
   double birth_rate_hz = 300;      // least event rate of an object

@@ -40,6 +40,13 @@ void update_evidence(TrackState& state, float fresh, float dt_s, float noise_hz,
   state.evidence = std::min(kMost, state.evidence + fresh * gain - object_hz * dt_s);
 }
 
+// A small object, such as an insect, has few events.
+float confirm_events(const TrackState& state, const LifecycleRule& rule) noexcept {
+  constexpr float kSmall_px = 4;
+  constexpr float kShare = 4.0F / 7;
+  return state.extent_px < kSmall_px ? kShare * rule.confirm_events : rule.confirm_events;
+}
+
 Assessment assess_tentative(const TrackState& state, float noise_hz,
                             const LifecycleRule& rule) noexcept {
   if (state.evidence < -rule.drop_evidence && state.age_s > kShortestTentative_s)
@@ -47,7 +54,7 @@ Assessment assess_tentative(const TrackState& state, float noise_hz,
   if (state.age_s > kLongestTentative_s) return Assessment::kDelete;
   const float expected = noise_hz * std::min(state.age_s, rule.mass_s);
   if (state.evidence < rule.confirm_evidence ||
-      state.mass < rule.confirm_events + noise_bound(expected, 2)) {
+      state.mass < confirm_events(state, rule) + noise_bound(expected, 2)) {
     return Assessment::kKeep;
   }
   if (state.may_be_fragment) return Assessment::kKeep;
