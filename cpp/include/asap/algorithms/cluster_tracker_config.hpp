@@ -39,7 +39,7 @@ struct ClusterTrackerConfig {
   double birth_radius_px = 18;   // circular gate of a young cluster; alone, up to 5/3 of it
   double min_radius_px = 7;      // smallest circle of a mature one
   double max_radius_px = 66;     // longest half-axis of the elliptic gate
-  double gate_scale = 2.3;       // half-axes of the ellipse, standard deviations; large: .4 more
+  double gate_scale = 2.3;       // half-axes of the ellipse, standard deviations; some have .4 more
   double gate_padding_px = 2;    // added to the standard deviation, in quadrature
   double circle_scale = 2.2;     // circle: standard deviations of the longest axis ...
   double circle_padding_px = 5;  // ... and px
