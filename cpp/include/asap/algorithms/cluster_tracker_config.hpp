@@ -39,7 +39,7 @@ struct ClusterTrackerConfig {
   double birth_radius_px = 18;   // circular gate of a young cluster; alone, up to 5/3 of it
   double min_radius_px = 7;      // smallest circle of a mature one
   double max_radius_px = 66;     // longest half-axis of the elliptic gate
-  double gate_scale = 2.3;       // half-axes of the ellipse, standard deviations
+  double gate_scale = 2.3;       // half-axes of the ellipse, standard deviations; some have .4 more
   double gate_padding_px = 2;    // added to the standard deviation, in quadrature
   double circle_scale = 2.2;     // circle: standard deviations of the longest axis ...
   double circle_padding_px = 5;  // ... and px
@@ -66,7 +66,7 @@ struct ClusterTrackerConfig {
   double min_measurement_px2 = 0.05;         // least variance of a measurement
 
   double seed_events = 6;          // recent events without a cluster from which one begins
-  double confirm_events = 14;      // mass from which a cluster has an id
+  double confirm_events = 14;      // mass from which a cluster has an id; a small one 4/7 of it
   double die_events = 2;           // mass below which it coasts
   double die_sigma = 2;            // margin above the noise in its gate, standard deviations
   double birth_rate_hz = 300;      // least event rate of an object

@@ -264,7 +264,7 @@ bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
   const float extent2 = largest_variance(track);
   state.extent_px = std::sqrt(extent2);
   if (track.partners == 0) record_extent(state, extent2, tick);
-  update_gate(track, state, settings_.lifecycle, settings_.gate, widest_radius_px_);
+  update_gate(track, state, settings_.lifecycle, settings_.gate, widest_radius_px_, tick.noise_hz);
   const bool unresolved = looks_unresolved(track, contour, state, tick.noise_hz, settings_.gate);
   state.unresolved_s = unresolved ? state.unresolved_s + tick.dt_s : 0;
   const Point mean = predicted_mean(track, tick.now);

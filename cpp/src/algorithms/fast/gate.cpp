@@ -17,6 +17,19 @@ float largest_variance(const Track& track) noexcept {
   return half_sum + std::sqrt(half_difference * half_difference + track.sxy * track.sxy);
 }
 
+float ellipse_scale(const GateRule& rule, const TrackState& state, float noise_share) noexcept {
+  constexpr float kFragment_s = 0.1F;
+  constexpr float kVeryLarge_px = 16;
+  constexpr float kSmall_px = 7;
+  constexpr float kLarge_px = 12;
+  constexpr float kRareNoise = 0.1F;
+  constexpr float kWider = 0.4F;
+  if (state.fragment_s > kFragment_s && state.extent_px < kVeryLarge_px) return rule.scale;
+  const float size = (state.extent_px - kSmall_px) / (kLarge_px - kSmall_px);
+  const float rarity = 2 - noise_share / kRareNoise;
+  return rule.scale + kWider * std::clamp(size, 0.0F, 1.0F) * std::clamp(rarity, 0.0F, 1.0F);
+}
+
 float widest_radius(const GateRule& rule, float noise_hz, float mass_s) noexcept {
   constexpr float kLeastNoise_hz = 1e-6F;
   const float noise = std::max(kLeastNoise_hz, noise_hz) * mass_s;
@@ -41,8 +54,8 @@ void shape_birth_gate(Track& track, float radius_px) noexcept {
   track.qc = kNothing;
 }
 
-void shape_gate(Track& track, const GateRule& rule, float young_px, float largest_variance_px2,
-                bool mature, float position_variance_px2) noexcept {
+void shape_gate(Track& track, const GateRule& rule, float scale, float young_px,
+                float largest_variance_px2, bool mature, float position_variance_px2) noexcept {
   const float own = rule.circle_scale * std::sqrt(largest_variance_px2) + rule.circle_padding_px;
   const float radius =
       mature ? std::max(rule.min_radius_px, std::min(own, rule.birth_radius_px)) : young_px;
@@ -52,7 +65,7 @@ void shape_gate(Track& track, const GateRule& rule, float young_px, float larges
   const float a = track.sxx + padding;
   const float b = track.sxy;
   const float c = track.syy + padding;
-  const float scale2 = rule.scale * rule.scale;
+  const float scale2 = scale * scale;
   const float longest2 = scale2 * (largest_variance_px2 + padding);
   const float most2 = rule.max_radius_px * rule.max_radius_px;
   const float shrink = std::max(1.0F, longest2 / most2);

@@ -17,7 +17,7 @@ struct GateRule {
   float birth_radius_px;       // narrowest circle of a young track, widest of a mature one
   float min_radius_px;         // smallest circle of a mature one
   float max_radius_px;         // longest half-axis of the ellipse
-  float scale;                 // half-axes of the ellipse, standard deviations
+  float scale;                 // half-axes of the ellipse at least, standard deviations
   float padding_px;            // added to the standard deviation, in quadrature
   float circle_scale;          // circle: standard deviations of the longest axis ...
   float circle_padding_px;     // ... and px
@@ -28,6 +28,13 @@ struct GateRule {
 // The widest circle of a young track, as a factor on the narrowest. Wider ones take events of the
 // neighbours.
 inline constexpr float kWidestBirth = 5.0F / 3;
+
+// Half-axes of the ellipse, standard deviations. The tips of an L lie 2.45 of them from its centre:
+// cut off they would be tracks of their own again and again. So a track has a wider ellipse than
+// the rule's for 100 ms after a fragment began beside it, and a very large one always, unless many
+// of its events, a share, are noise. A small track has not: in a crowd it would take events of
+// others.
+float ellipse_scale(const GateRule& rule, const TrackState& state, float noise_share) noexcept;
 
 // px, of a young track's circle: the widest in which noise of this rate per pixel stays below the
 // rule's number of events in a mass that decays with mass_s.
@@ -52,13 +59,14 @@ float largest_variance(const Track& track) noexcept;
 // Sets the gate of a tentative track: the circle alone.
 void shape_birth_gate(Track& track, float radius_px) noexcept;
 
-// Sets the gate of a confirmed track. `young_px`: its circle until it is mature. `mature`: the
-// circle follows the extent. `position_variance_px2`: that of the predicted position, for a track
-// without events.
-void shape_gate(Track& track, const GateRule& rule, float young_px, float largest_variance_px2,
-                bool mature, float position_variance_px2) noexcept;
+// Sets the gate of a confirmed track. `scale`: ellipse_scale(). `young_px`: its circle until it is
+// mature. `mature`: the circle follows the extent. `position_variance_px2`: that of the predicted
+// position, for a track without events.
+void shape_gate(Track& track, const GateRule& rule, float scale, float young_px,
+                float largest_variance_px2, bool mature, float position_variance_px2) noexcept;
 
-// px^2 of the gate: noise on this area counts as the track's events.
+// px^2 of the gate, of a mature one without what ellipse_scale() adds: noise on this area counts as
+// the track's events.
 float young_gate_area(float radius_px) noexcept;
 float mature_gate_area(const Track& track, const GateRule& rule) noexcept;
 

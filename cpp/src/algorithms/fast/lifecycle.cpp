@@ -40,6 +40,13 @@ void update_evidence(TrackState& state, float fresh, float dt_s, float noise_hz,
   state.evidence = std::min(kMost, state.evidence + fresh * gain - object_hz * dt_s);
 }
 
+// A small object, such as an insect, has few events.
+float confirm_events(const TrackState& state, const LifecycleRule& rule) noexcept {
+  constexpr float kSmall_px = 4;
+  constexpr float kShare = 4.0F / 7;
+  return state.extent_px < kSmall_px ? kShare * rule.confirm_events : rule.confirm_events;
+}
+
 Assessment assess_tentative(const TrackState& state, float noise_hz,
                             const LifecycleRule& rule) noexcept {
   if (state.evidence < -rule.drop_evidence && state.age_s > kShortestTentative_s)
@@ -47,7 +54,7 @@ Assessment assess_tentative(const TrackState& state, float noise_hz,
   if (state.age_s > kLongestTentative_s) return Assessment::kDelete;
   const float expected = noise_hz * std::min(state.age_s, rule.mass_s);
   if (state.evidence < rule.confirm_evidence ||
-      state.mass < rule.confirm_events + noise_bound(expected, 2)) {
+      state.mass < confirm_events(state, rule) + noise_bound(expected, 2)) {
     return Assessment::kKeep;
   }
   if (state.may_be_fragment) return Assessment::kKeep;
@@ -121,6 +128,7 @@ void record_extent(TrackState& state, float extent2, const Tick& tick) noexcept 
 Assessment assess(Track& track, TrackState& state, const Tick& tick, const LifecycleRule& rule,
                   const GateRule& gate) noexcept {
   state.age_s += tick.dt_s;
+  state.fragment_s += tick.dt_s;
   const float dt_s = std::max(kShortest_s, std::min(tick.dt_s, state.age_s));
   const auto fresh = static_cast<float>(track.events - state.events);
   if (track.events != state.events) state.last_event = track.stamp;
@@ -142,11 +150,13 @@ Assessment assess(Track& track, TrackState& state, const Tick& tick, const Lifec
 }
 
 void update_gate(Track& track, TrackState& state, const LifecycleRule& rule, const GateRule& gate,
-                 float widest_px) noexcept {
+                 float widest_px, float noise_hz) noexcept {
   state.young_radius_px = young_radius(state, gate, widest_px);
   if (!track.has_id()) return shape_birth_gate(track, state.young_radius_px);
-  shape_gate(track, gate, state.young_radius_px, state.extent_px * state.extent_px,
-             state.age_s >= rule.mature_s, is_starved(state) ? state.kalman.pxx : 0);
+  const float noise = noise_hz * mature_gate_area(track, gate) / std::max(1.0F, state.slow_rate_hz);
+  shape_gate(track, gate, ellipse_scale(gate, state, noise), state.young_radius_px,
+             state.extent_px * state.extent_px, state.age_s >= rule.mature_s,
+             is_starved(state) ? state.kalman.pxx : 0);
 }
 
 void schedule_deletion(Track& track, TrackState& state) noexcept {

@@ -112,9 +112,10 @@ enum class Assessment { kKeep, kConfirm, kDelete };
 Assessment assess(Track& track, TrackState& state, const Tick& tick, const LifecycleRule& rule,
                   const GateRule& gate) noexcept;
 
-// Sets the gate by phase, age, size and rates. `widest_px`: of a young track's circle.
+// Sets the gate by phase, age, size and rates. `widest_px`: of a young track's circle. `noise_hz`:
+// per pixel.
 void update_gate(Track& track, TrackState& state, const LifecycleRule& rule, const GateRule& gate,
-                 float widest_px) noexcept;
+                 float widest_px, float noise_hz) noexcept;
 
 // Updates the average extent. Only for a track that is not in contact.
 void record_extent(TrackState& state, float extent2, const Tick& tick) noexcept;

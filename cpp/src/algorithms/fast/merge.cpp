@@ -45,14 +45,6 @@ bool is_sibling(const Tracks& tracks, Tracks::Slot of, Tracks::Slot other) noexc
   return state.sibling == other && state.sibling_generation == tracks[other].generation;
 }
 
-bool touches_another_object(const Tracks& tracks, Tracks::Slot slot) noexcept {
-  const TrackState& state = tracks.state(slot);
-  for (std::uint8_t i = 0; i < tracks[slot].partners; ++i) {
-    if (!are_siblings(tracks, slot, state.partners[i])) return true;
-  }
-  return false;
-}
-
 // ---- candidates ----
 
 constexpr Candidate kNoCandidate{Tracks::kNone, Tracks::kNone, 0, 0,
@@ -86,6 +78,21 @@ struct Required {
 
 bool meets(const MergeState& kept, const Required& required) noexcept {
   return kept.hold_s >= required.hold_s && kept.travel_px >= required.travel_px;
+}
+
+// Whether one lies in the other.
+bool overlap(const TrackState& a, const TrackState& b, float distance_px) noexcept {
+  constexpr float kExtents = 0.7F;
+  return distance_px < kExtents * std::max(a.extent_px, b.extent_px);
+}
+
+// Of the relative position, while the pair keeps it. The means of two large parts that share their
+// events wander.
+float tolerance_px(const TrackState& a, const TrackState& b, const Candidate& pair,
+                   const MergeRule& rule) noexcept {
+  constexpr float kPerExtent = 0.35F;
+  if (!overlap(a, b, pair.distance_px)) return rule.tolerance_px;
+  return std::max(rule.tolerance_px, kPerExtent * (a.extent_px + b.extent_px));
 }
 
 bool has_changed(const MergeState& kept, const Candidate& pair, float tolerance_px,
@@ -151,13 +158,11 @@ bool would_have_separated(const TrackState& a, const TrackState& b, float hold_s
 
 bool overlap_and_move_alike(const Tracks& tracks, const Candidate& pair, const MergeState& kept,
                             bool siblings) noexcept {
-  constexpr float kOverlap_extents = 0.7F;
   constexpr Required kRequired{0.03F, 3};
   const TrackState& a = tracks.state(pair.keeper);
   const TrackState& b = tracks.state(pair.other);
   const float speed = fastest(tracks[pair.keeper], tracks[pair.other]);
-  return pair.distance_px < kOverlap_extents * std::max(a.extent_px, b.extent_px) &&
-         meets(kept, kRequired) &&
+  return overlap(a, b, pair.distance_px) && meets(kept, kRequired) &&
          velocity_difference(tracks[pair.keeper], tracks[pair.other]) < 0.6F * speed + 25 &&
          (siblings || would_have_separated(a, b, kept.hold_s));
 }
@@ -259,6 +264,7 @@ void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, floa
     const Tracks::Slot confirmed = second_keeps ? a.slot : b.slot;
     if (may_be_fragment(tracks, tentative, confirmed, dx, dy)) {
       tracks.state(tentative).may_be_fragment = true;
+      tracks.state(confirmed).fragment_s = 0;
     }
   }
   const std::size_t keeper = second_keeps ? j : i;
@@ -272,14 +278,13 @@ void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, floa
 
 bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
                      float dy) noexcept {
-  constexpr float kMature_s = 0.2F;  // most pairs of objects that began as one track have separated
+  constexpr float kMature_s = 0.05F;
   constexpr float kMostMass = 0.2F;
   constexpr float kReach = 1.25F;  // of the gate
   const TrackState& state = tracks.state(confirmed);
   return state.age_s > kMature_s && tracks.state(tentative).mass < kMostMass * state.mass &&
          gate_value(tracks[confirmed], {.mean_x = 0, .mean_y = 0, .dx = dx, .dy = dy}) <=
-             kReach * kReach &&
-         !touches_another_object(tracks, confirmed);
+             kReach * kReach;
 }
 
 // ---- siblings ----
@@ -330,7 +335,9 @@ bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule&
   const bool siblings = are_siblings(tracks, pair.keeper, pair.other);
   const bool same = kept.other == pair.other && kept.generation == b.generation;
   const float rotation_px = siblings ? rule.rotation_rad * pair.distance_px : 0;
-  if (!same || has_changed(kept, pair, rule.tolerance_px, rotation_px)) {
+  const float most_px =
+      tolerance_px(tracks.state(pair.keeper), tracks.state(pair.other), pair, rule);
+  if (!same || has_changed(kept, pair, most_px, rotation_px)) {
     kept = {.other = pair.other, .generation = b.generation, .dx = pair.dx, .dy = pair.dy};
     return false;
   }

@@ -42,7 +42,7 @@ class Pairs {
  public:
   explicit Pairs(std::size_t slots);
 
-  // Sets partners, near_confirmed and may_be_fragment of all tracks, and candidates().
+  // Sets partners, near_confirmed, may_be_fragment and fragment_s of all tracks, and candidates().
   void find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept;
 
   const std::vector<Candidate>& candidates() const noexcept { return candidates_; }
@@ -72,8 +72,7 @@ float merge_distance(float extents_px, const PairRule& rule) noexcept;
 // The gate of a large object misses some of its parts, such as the tips of a star or the ends of a
 // bar. They begin as tracks of their own, and once confirmed would take the object's events in
 // contact. So a tentative track that lies in the widened gate of a mature one and is small beside
-// it waits until it has merged or left. Not if the mature track is in contact with another object:
-// when two objects that were taken for one separate, the second begins as a tentative track too.
+// it waits until it has merged or left.
 bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
                      float dy) noexcept;
 

@@ -136,6 +136,7 @@ std::span<const Part> HalfFinder::find(const OwnerGrid& owners, const Tracks& tr
   const std::size_t first = cut();
   const std::span<const OwnedCell> cells(owned_cells_);
   if (!has_both_edges(cells.first(first)) || !has_both_edges(cells.subspan(first))) return {};
+  if (lies_along_axis(cells.first(first)) && lies_along_axis(cells.subspan(first))) return {};
   cells_.clear();
   for (const OwnedCell& cell : owned_cells_) cells_.push_back(cell.index);
   halves_ = {part_of(0, first), part_of(first, owned_cells_.size() - first)};
@@ -186,11 +187,10 @@ std::size_t HalfFinder::cut() noexcept {
   }
   const float half = xx_yy / 2;
   const float root = length(half, xy);
-  const float along_x = half >= 0 ? half + root : xy;
-  const float along_y = half >= 0 ? xy : root - half;
+  axis_ = half >= 0 ? Point{half + root, xy} : Point{xy, root - half};
   const auto middle = std::partition(
       owned_cells_.begin(), owned_cells_.end(),
-      [&](const OwnedCell& cell) { return (cell.x - x) * along_x + (cell.y - y) * along_y < 0; });
+      [&](const OwnedCell& cell) { return (cell.x - x) * axis_.x + (cell.y - y) * axis_.y < 0; });
   return static_cast<std::size_t>(middle - owned_cells_.begin());
 }
 
@@ -200,6 +200,25 @@ bool HalfFinder::has_both_edges(std::span<const OwnedCell> cells) const noexcept
   for (const OwnedCell& cell : cells) sum += cell.sign;
   return cells.size() >= kMinPartCells &&
          std::abs(sum) <= kOneSided * static_cast<float>(cells.size());
+}
+
+// The halves of a bar do, each of two objects does not.
+bool HalfFinder::lies_along_axis(std::span<const OwnedCell> cells) const noexcept {
+  constexpr float kElongation = 2;  // of variances
+  const auto count = static_cast<float>(cells.size());
+  float along = 0;
+  float across = 0;
+  float along2 = 0;
+  float across2 = 0;
+  for (const OwnedCell& cell : cells) {
+    const float u = cell.x * axis_.x + cell.y * axis_.y;
+    const float v = cell.x * axis_.y - cell.y * axis_.x;
+    along += u / count;
+    across += v / count;
+    along2 += u * u / count;
+    across2 += v * v / count;
+  }
+  return along2 - along * along > kElongation * (across2 - across * across);
 }
 
 Part HalfFinder::part_of(std::size_t first, std::size_t count) const noexcept {
@@ -312,7 +331,7 @@ void confirm_child(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, floa
   for (const Tracks::Slot slot : {parent, child}) {
     tracks.contour(slot).variance = kInitialVariance_px2;
     tracks.state(slot).average_extent2 = largest_variance(tracks[slot]);
-    shape_gate(tracks[slot], gate, tracks.state(slot).young_radius_px,
+    shape_gate(tracks[slot], gate, gate.scale, tracks.state(slot).young_radius_px,
                tracks.state(slot).average_extent2, true, 0);
   }
 }

@@ -2,10 +2,11 @@
 // grown may hold objects that separated: its cells are grouped into connected parts, and a part far
 // from the predicted one becomes a track of its own. A track that began with two unresolved objects
 // is long, but its events do not lie on one outline and no other track is near; each half of its
-// cells shows both polarities, as a moving object does and a single edge does not; and the distance
-// of the halves changes, as that of the ends of one long object does not. It is cut across its long
-// axis, and both halves have an id at once: a tentative half would be merged again. One thread, at
-// the tick. O(cells in a window), allocates in the constructors only.
+// cells shows both polarities, as a moving object does and a single edge does not; the halves are
+// not both long, as those of a bar are; and their distance changes, as that of the ends of one long
+// object does not. It is cut across its long axis, and both halves have an id at once: a tentative
+// half would be merged again. One thread, at the tick. O(cells in a window), allocates in the
+// constructors only.
 // Source: own design.
 #pragma once
 
@@ -100,10 +101,12 @@ class HalfFinder {
   void gather(const OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot, Stamp now) noexcept;
   std::size_t cut() noexcept;
   bool has_both_edges(std::span<const OwnedCell> cells) const noexcept;
+  bool lies_along_axis(std::span<const OwnedCell> cells) const noexcept;
   Part part_of(std::size_t first, std::size_t count) const noexcept;
 
   CellMap map_;
   std::vector<OwnedCell> owned_cells_;
+  Point axis_{1, 0};                // of the cut, of any length
   std::vector<std::size_t> cells_;  // of the grid, those of the first half before the others
   std::array<Part, 2> halves_{};
 };

@@ -113,6 +113,7 @@ struct TrackState {
   float mass = 0;  // recent events
   float fast_rate_hz = 0;
   float slow_rate_hz = 0;
+  float fragment_s = 1;       // since the last fragment began beside it
   float evidence = 0;         // log-likelihood ratio of an object against noise
   float young_radius_px = 0;  // of the gate's circle until the track is mature
   float unresolved_s = 0;     // for which it has looked like two objects

@@ -126,6 +126,27 @@ TEST(Engine, CrossingDisksKeepTheirIds) {
   }
 }
 
+// Lost packets, say: nothing comes from the sensor for 50 ms.
+TEST(Engine, AGapOfTheSensorKeepsTheIds) {
+  std::vector<Event> events;
+  add_disk(events, {.x = 50, .y = 60, .vx = 150}, 0, 0.5);
+  add_disk(events, {.x = 230, .y = 160, .vx = -150}, 0, 0.5, 10'000, 2);
+  sort_by_time(events);
+  std::erase_if(events, [](const Event& event) { return event.t >= 300'000 && event.t < 350'000; });
+  const auto middle = std::partition_point(events.begin(), events.end(),
+                                           [](const Event& event) { return event.t < 300'000; });
+  Engine engine(kFrame);
+  engine.process({events.begin(), middle}, nullptr);
+  const auto before = clusters_of(engine);
+  ASSERT_EQ(before.size(), 2U);
+  engine.process({middle, middle + 1}, nullptr);
+  EXPECT_EQ(clusters_of(engine).size(), 2U);
+  engine.process({middle + 1, events.end()}, nullptr);
+  const auto after = clusters_of(engine);
+  ASSERT_EQ(after.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(after[i].id, before[i].id);
+}
+
 TEST(Engine, TwoEdgesOfALargeObjectAreOne) {
   std::vector<Event> events;
   add_disk(events, {.x = 60, .y = 120, .vx = 200, .radius = 20}, 0, 0.8, 30'000);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace asap::fast::gate_test {
 namespace {
 
@@ -37,24 +39,65 @@ TEST(Gate, OfANewTrackIsACircle) {
 
 TEST(Gate, EllipseFollowsTheCovariance) {
   Track track = track_with(96, 0, 0);  // half-axes 2 sqrt(96 + 4) = 20 and 2 sqrt(4) = 4
-  shape_gate(track, kRule, kYoung_px, largest_variance(track), true, 0);
+  shape_gate(track, kRule, kRule.scale, kYoung_px, largest_variance(track), true, 0);
   EXPECT_NEAR(value_at(track, 20, 0), 1, 1e-4);
   EXPECT_LT(value_at(track, 19, 0), 1);
   EXPECT_GT(value_at(track, 21, 0), 1);
 }
 
+// Half-axes, where the rule has 2, of a track so long after a fragment began beside it.
+float scale_of(float extent_px, float noise_share, float fragment_s) {
+  TrackState state;
+  state.extent_px = extent_px;
+  state.fragment_s = fragment_s;
+  return ellipse_scale(kRule, state, noise_share);
+}
+
+TEST(Gate, TheEllipseOfALargeTrackWithFragmentsIsWider) {
+  EXPECT_FLOAT_EQ(scale_of(3, 0, 0), 2);
+  EXPECT_FLOAT_EQ(scale_of(7, 0, 0), 2);
+  EXPECT_FLOAT_EQ(scale_of(9.5F, 0, 0), 2.2F);
+  EXPECT_FLOAT_EQ(scale_of(12, 0, 0), 2.4F);
+  EXPECT_FLOAT_EQ(scale_of(12, 0, 0.09F), 2.4F);
+  EXPECT_FLOAT_EQ(scale_of(12, 0, 0.11F), 2);
+  EXPECT_FLOAT_EQ(scale_of(15, 0, 1), 2);
+  EXPECT_FLOAT_EQ(scale_of(17, 0, 1), 2.4F);
+}
+
+TEST(Gate, TheEllipseIsNoWiderInNoise) {
+  EXPECT_FLOAT_EQ(scale_of(30, 0.1F, 0), 2.4F);
+  EXPECT_FLOAT_EQ(scale_of(30, 0.15F, 0), 2.2F);
+  EXPECT_FLOAT_EQ(scale_of(30, 0.2F, 0), 2);
+  EXPECT_FLOAT_EQ(scale_of(30, 5, 0), 2);
+}
+
+// Arms of 40 px. 2.3 standard deviations leave the tips out.
+TEST(Gate, HoldsTheTipsOfAnL) {
+  GateRule rule = kRule;
+  rule.scale = 2.3F;
+  Track track = track_with(500.0F / 3, -100, 500.0F / 3);  // of the points of both arms
+  const float variance = largest_variance(track);
+  TrackState state;
+  state.extent_px = std::sqrt(variance);
+  shape_gate(track, rule, ellipse_scale(rule, state, 0), 5, variance, false, 0);
+  EXPECT_LT(value_at(track, 30, -10), 1);
+  EXPECT_LT(value_at(track, -10, 30), 1);
+  shape_gate(track, rule, rule.scale, 5, variance, false, 0);
+  EXPECT_GT(value_at(track, 30, -10), 1);
+}
+
 TEST(Gate, EllipseTurnsWithTheCovariance) {
   Track track = track_with(50, 45, 50);
-  shape_gate(track, kRule, kYoung_px, largest_variance(track), true, 0);
+  shape_gate(track, kRule, kRule.scale, kYoung_px, largest_variance(track), true, 0);
   EXPECT_LT(value_at(track, 13.5F, 13.5F), 1);
   EXPECT_GT(value_at(track, 13.5F, -13.5F), 1);
 }
 
 TEST(Gate, CircleFollowsTheExtentOnceMature) {
   Track track = track_with(4, 0, 4);  // circle: 2 * 2 + 5
-  shape_gate(track, kRule, kYoung_px, 4, true, 0);
+  shape_gate(track, kRule, kRule.scale, kYoung_px, 4, true, 0);
   EXPECT_NEAR(value_at(track, 9, 0), 1, 1e-4);
-  shape_gate(track, kRule, kYoung_px, 4, false, 0);
+  shape_gate(track, kRule, kRule.scale, kYoung_px, 4, false, 0);
   EXPECT_NEAR(value_at(track, 18, 0), 1, 1e-4);
   Track small = track_with(0.1F, 0, 0.1F);
   shape_gate(small,
@@ -65,27 +108,27 @@ TEST(Gate, CircleFollowsTheExtentOnceMature) {
               .padding_px = 0.1F,
               .circle_scale = 2,
               .circle_padding_px = 0.1F},
-             kYoung_px, 0.1F, true, 0);
+             2, kYoung_px, 0.1F, true, 0);
   EXPECT_NEAR(value_at(small, 7, 0), 1, 1e-4);
 }
 
 TEST(Gate, HasALongestAxis) {
   Track track = track_with(5000, 0, 100);
-  shape_gate(track, kRule, kYoung_px, 5000, true, 0);
+  shape_gate(track, kRule, kRule.scale, kYoung_px, 5000, true, 0);
   EXPECT_NEAR(value_at(track, 40, 0), 1, 1e-4);
 }
 
 TEST(Gate, PositionVarianceWidensIt) {
   Track track = track_with(96, 0, 96);
-  shape_gate(track, kRule, kYoung_px, 96, true, 125);  // half-axis 2 sqrt(225)
+  shape_gate(track, kRule, kRule.scale, kYoung_px, 96, true, 125);  // half-axis 2 sqrt(225)
   EXPECT_NEAR(value_at(track, 30, 0), 1, 1e-4);
 }
 
 TEST(Gate, AWideCircleIsForYoungTracksOnly) {
   Track track = track_with(0, 0, 400);  // its own circle: 2 * 20 + 5; the ellipse is narrow along x
-  shape_gate(track, kRule, 25, 400, false, 0);
+  shape_gate(track, kRule, kRule.scale, 25, 400, false, 0);
   EXPECT_NEAR(value_at(track, 25, 0), 1, 1e-4);
-  shape_gate(track, kRule, 25, 400, true, 0);
+  shape_gate(track, kRule, kRule.scale, 25, 400, true, 0);
   EXPECT_NEAR(value_at(track, 18, 0), 1, 1e-4);
 }
 

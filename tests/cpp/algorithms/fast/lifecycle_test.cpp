@@ -72,6 +72,7 @@ struct Object {
   Object() {
     track.phase = Phase::kTentative;
     state.young_radius_px = 18;
+    state.extent_px = 5;
     state.near_confirmed = false;
   }
 
@@ -101,6 +102,18 @@ TEST(Lifecycle, ConfirmsWhatHasEnoughEvents) {
   EXPECT_EQ(busy.track.phase, Phase::kConfirmed);
   Object quiet;
   EXPECT_EQ(quiet.until(Assessment::kConfirm, 0, 0.5F), -1);
+}
+
+TEST(Lifecycle, ASmallObjectNeedsFewerEvents) {
+  Object small;
+  small.state.extent_px = 3.9F;
+  EXPECT_EQ(small.tick(7), Assessment::kKeep);
+  EXPECT_EQ(small.tick(2), Assessment::kConfirm);  // some of the mass has decayed
+  Object large;
+  large.state.extent_px = 4;
+  EXPECT_EQ(large.tick(13), Assessment::kKeep);
+  EXPECT_EQ(large.tick(0), Assessment::kKeep);
+  EXPECT_EQ(large.tick(3), Assessment::kConfirm);
 }
 
 TEST(Lifecycle, ATentativeTrackIsDeletedInTime) {

@@ -286,6 +286,16 @@ TEST(HalfFinder, CutsAlongAnyAxis) {
   }
 }
 
+TEST(HalfFinder, ABarHasNoHalves) {
+  HalfScene bar;
+  for (std::size_t x = 20; x <= 68; x += 8) bar.own(x, 48, 2);
+  EXPECT_TRUE(bar.find().empty());
+  HalfScene beside;  // one half is long, the other is not
+  for (std::size_t x = 20; x <= 44; x += 8) beside.own(x, 48, 2);
+  for (std::size_t y = 36; y <= 60; y += 8) beside.own(64, y, 2);
+  EXPECT_EQ(beside.find().size(), 2U);
+}
+
 TEST(HalfFinder, AnEdgeIsNotAnObject) {
   for (const int on : {0, 1, 3, 4}) {
     HalfScene frame;
