@@ -225,7 +225,7 @@ def _time_unit(raw: RawSource, meters: Meters) -> Finding:
     doubt = unit_doubt(raw.guessed_unit, meters.events, meters.duration_us, steps_us)
     if doubt is None:
         return Finding("time_unit", 0, OK, "")
-    detail, remedy = doubt.split("; ")
+    detail, remedy = doubt
     remedy = f"{remedy[0].upper()}{remedy[1:]}."
     return Finding("time_unit", 1, NOTE, detail, remedy, 0, meters.first_stamp_us)
 

@@ -70,7 +70,9 @@ def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
     return pack(columns, exponent, normalise=False)
 
 
-def unit_doubt(unit: str | None, count: int, span_us: int, steps_us: Times) -> str | None:
+def unit_doubt(
+    unit: str | None, count: int, span_us: int, steps_us: Times
+) -> tuple[str, str] | None:
     """Say why the times are hardly in `unit`, which was guessed, and what helps; None if not.
 
     `count` events within `span_us` are too many for seconds; `steps_us`, between the first events,
@@ -80,7 +82,7 @@ def unit_doubt(unit: str | None, count: int, span_us: int, steps_us: Times) -> s
         return None
     if unit == "us" and count > _MOST_PER_US * (span_us + 1):
         words = f"{count} events within {span_us} us: the times look like seconds, not microseconds"
-        return f"{words}; if they are, give time_unit='s'"
+        return words, "if they are, give time_unit='s'"
     step_us = float(np.median(steps_us)) if len(steps_us) else 0.0
     if step_us <= _LONG_US:
         return None
@@ -91,7 +93,7 @@ def unit_doubt(unit: str | None, count: int, span_us: int, steps_us: Times) -> s
     }
     name = next((one for one, step in finer.items() if step <= _USUAL_US), "ns")
     words = f"the times step by {_units.duration(step_us)}, which is long for a camera"
-    return f"{words}; if they count {name}, not {unit}, give time_unit={name!r}"
+    return words, f"if they count {name}, not {unit}, give time_unit={name!r}"
 
 
 def _all_whole(times: npt.NDArray[Any]) -> bool:

@@ -239,7 +239,7 @@ class Recording:
             raise NoGoodEvent(self.doubt)
         span_us = validator.last_us - int(head[0])
         if doubt := unit_doubt(losses.guessed_unit, count, span_us, np.diff(head)):
-            warnings.warn(f"{self._path}: {doubt}", stacklevel=2)
+            warnings.warn(f"{self._path}: {'; '.join(doubt)}", stacklevel=2)
 
     def raw(self) -> Iterator[Events]:
         """Read it once without the checks: what the file holds, in its own order.

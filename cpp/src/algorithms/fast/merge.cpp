@@ -86,11 +86,12 @@ bool overlap(const TrackState& a, const TrackState& b, float distance_px) noexce
   return distance_px < kExtents * std::max(a.extent_px, b.extent_px);
 }
 
-// Of the relative position, while the pair keeps it. The means of two large parts that share their
-// events wander.
-float tolerance_px(const TrackState& a, const TrackState& b, const Candidate& pair,
-                   const MergeRule& rule) noexcept {
+// px by which a relative position may change and still count as kept. The means of two large parts
+// that lie in each other wander, because they share events.
+float tolerance(const Tracks& tracks, const Candidate& pair, const MergeRule& rule) noexcept {
   constexpr float kPerExtent = 0.35F;
+  const TrackState& a = tracks.state(pair.keeper);
+  const TrackState& b = tracks.state(pair.other);
   if (!overlap(a, b, pair.distance_px)) return rule.tolerance_px;
   return std::max(rule.tolerance_px, kPerExtent * (a.extent_px + b.extent_px));
 }
@@ -335,9 +336,7 @@ bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule&
   const bool siblings = are_siblings(tracks, pair.keeper, pair.other);
   const bool same = kept.other == pair.other && kept.generation == b.generation;
   const float rotation_px = siblings ? rule.rotation_rad * pair.distance_px : 0;
-  const float most_px =
-      tolerance_px(tracks.state(pair.keeper), tracks.state(pair.other), pair, rule);
-  if (!same || has_changed(kept, pair, most_px, rotation_px)) {
+  if (!same || has_changed(kept, pair, tolerance(tracks, pair, rule), rotation_px)) {
     kept = {.other = pair.other, .generation = b.generation, .dx = pair.dx, .dy = pair.dy};
     return false;
   }

@@ -133,10 +133,10 @@ std::span<const Part> HalfFinder::find(const OwnerGrid& owners, const Tracks& tr
                                        Tracks::Slot slot, Stamp now) noexcept {
   constexpr float kApart_px = 8;
   gather(owners, tracks, slot, now);
-  const std::size_t first = cut();
+  const auto [first, axis] = cut();
   const std::span<const OwnedCell> cells(owned_cells_);
   if (!has_both_edges(cells.first(first)) || !has_both_edges(cells.subspan(first))) return {};
-  if (lies_along_axis(cells.first(first)) && lies_along_axis(cells.subspan(first))) return {};
+  if (lies_along(axis, cells.first(first)) && lies_along(axis, cells.subspan(first))) return {};
   cells_.clear();
   for (const OwnedCell& cell : owned_cells_) cells_.push_back(cell.index);
   halves_ = {part_of(0, first), part_of(first, owned_cells_.size() - first)};
@@ -168,8 +168,8 @@ void HalfFinder::gather(const OwnerGrid& owners, const Tracks& tracks, Tracks::S
 }
 
 // Cuts across the long axis, through the mean. Puts the cells of the first half before the others
-// and returns their number.
-std::size_t HalfFinder::cut() noexcept {
+// and returns their number and the axis.
+HalfFinder::Cut HalfFinder::cut() noexcept {
   const auto count = static_cast<float>(std::max<std::size_t>(1, owned_cells_.size()));
   float x = 0;
   float y = 0;
@@ -187,11 +187,11 @@ std::size_t HalfFinder::cut() noexcept {
   }
   const float half = xx_yy / 2;
   const float root = length(half, xy);
-  axis_ = half >= 0 ? Point{half + root, xy} : Point{xy, root - half};
+  const Point axis = half >= 0 ? Point{half + root, xy} : Point{xy, root - half};
   const auto middle = std::partition(
       owned_cells_.begin(), owned_cells_.end(),
-      [&](const OwnedCell& cell) { return (cell.x - x) * axis_.x + (cell.y - y) * axis_.y < 0; });
-  return static_cast<std::size_t>(middle - owned_cells_.begin());
+      [&](const OwnedCell& cell) { return (cell.x - x) * axis.x + (cell.y - y) * axis.y < 0; });
+  return {static_cast<std::size_t>(middle - owned_cells_.begin()), axis};
 }
 
 bool HalfFinder::has_both_edges(std::span<const OwnedCell> cells) const noexcept {
@@ -202,8 +202,8 @@ bool HalfFinder::has_both_edges(std::span<const OwnedCell> cells) const noexcept
          std::abs(sum) <= kOneSided * static_cast<float>(cells.size());
 }
 
-// The halves of a bar do, each of two objects does not.
-bool HalfFinder::lies_along_axis(std::span<const OwnedCell> cells) const noexcept {
+// The halves of a bar do, those of two objects do not.
+bool HalfFinder::lies_along(Point axis, std::span<const OwnedCell> cells) noexcept {
   constexpr float kElongation = 2;  // of variances
   const auto count = static_cast<float>(cells.size());
   float along = 0;
@@ -211,8 +211,8 @@ bool HalfFinder::lies_along_axis(std::span<const OwnedCell> cells) const noexcep
   float along2 = 0;
   float across2 = 0;
   for (const OwnedCell& cell : cells) {
-    const float u = cell.x * axis_.x + cell.y * axis_.y;
-    const float v = cell.x * axis_.y - cell.y * axis_.x;
+    const float u = cell.x * axis.x + cell.y * axis.y;
+    const float v = cell.x * axis.y - cell.y * axis.x;
     along += u / count;
     across += v / count;
     along2 += u * u / count;

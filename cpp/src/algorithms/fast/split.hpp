@@ -98,15 +98,19 @@ class HalfFinder {
     std::int8_t sign;
   };
 
+  struct Cut {
+    std::size_t first;  // cells in the first half
+    Point axis;         // the long one, of any length
+  };
+
   void gather(const OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot, Stamp now) noexcept;
-  std::size_t cut() noexcept;
+  Cut cut() noexcept;
   bool has_both_edges(std::span<const OwnedCell> cells) const noexcept;
-  bool lies_along_axis(std::span<const OwnedCell> cells) const noexcept;
+  static bool lies_along(Point axis, std::span<const OwnedCell> cells) noexcept;
   Part part_of(std::size_t first, std::size_t count) const noexcept;
 
   CellMap map_;
   std::vector<OwnedCell> owned_cells_;
-  Point axis_{1, 0};                // of the cut, of any length
   std::vector<std::size_t> cells_;  // of the grid, those of the first half before the others
   std::array<Part, 2> halves_{};
 };
