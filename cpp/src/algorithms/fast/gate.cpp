@@ -8,6 +8,7 @@ namespace asap::fast {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kFragment_s = 0.2F;  // for which a fragment is remembered
 
 }  // namespace
 
@@ -17,17 +18,22 @@ float largest_variance(const Track& track) noexcept {
   return half_sum + std::sqrt(half_difference * half_difference + track.sxy * track.sxy);
 }
 
+void note_fragment(const Track& track, TrackState& state, float dx, float dy) noexcept {
+  constexpr float kMargin = 1.1F;
+  constexpr float kWidest = 3.2F;  // standard deviations
+  const float gate = gate_value(track, {.mean_x = 0, .mean_y = 0, .dx = dx, .dy = dy});
+  const float reaching = kMargin * state.gate_scale * std::sqrt(gate);
+  const float before = state.fragment_s > kFragment_s ? 0 : state.fragment_scale;
+  state.fragment_scale = std::min(kWidest, std::max(before, reaching));
+  state.fragment_s = 0;
+}
+
 float ellipse_scale(const GateRule& rule, const TrackState& state, float noise_share) noexcept {
-  constexpr float kFragment_s = 0.1F;
-  constexpr float kVeryLarge_px = 16;
-  constexpr float kSmall_px = 7;
-  constexpr float kLarge_px = 12;
+  constexpr float kLarge_px = 8.5F;
   constexpr float kRareNoise = 0.1F;
-  constexpr float kWider = 0.4F;
-  if (state.fragment_s > kFragment_s && state.extent_px < kVeryLarge_px) return rule.scale;
-  const float size = (state.extent_px - kSmall_px) / (kLarge_px - kSmall_px);
-  const float rarity = 2 - noise_share / kRareNoise;
-  return rule.scale + kWider * std::clamp(size, 0.0F, 1.0F) * std::clamp(rarity, 0.0F, 1.0F);
+  if (state.fragment_s > kFragment_s || state.extent_px < kLarge_px) return rule.scale;
+  const float rarity = std::clamp(2 - noise_share / kRareNoise, 0.0F, 1.0F);
+  return rule.scale + rarity * std::max(0.0F, state.fragment_scale - rule.scale);
 }
 
 float widest_radius(const GateRule& rule, float noise_hz, float mass_s) noexcept {

@@ -29,11 +29,15 @@ struct GateRule {
 // neighbours.
 inline constexpr float kWidestBirth = 5.0F / 3;
 
-// Half-axes of the ellipse, standard deviations. The tips of an L lie 2.45 of them from its centre:
-// cut off they would be tracks of their own again and again. So a track has a wider ellipse than
-// the rule's for 100 ms after a fragment began beside it, and a very large one always, unless many
-// of its events, a share, are noise. A small track has not: in a crowd it would take events of
-// others.
+// The parts of an object that the gate misses, such as the tips of an L, 2.45 standard deviations
+// from its centre, would be tracks of their own again and again. So where a fragment has begun, a
+// large track has a wider ellipse for 200 ms, which contains it, unless many of its events, a
+// share, are noise. A small track has not: in a crowd it would take events of others.
+
+// Notes that a fragment lies at this displacement, or its opposite, from the track.
+void note_fragment(const Track& track, TrackState& state, float dx, float dy) noexcept;
+
+// Half-axes of the ellipse, standard deviations.
 float ellipse_scale(const GateRule& rule, const TrackState& state, float noise_share) noexcept;
 
 // px, of a young track's circle: the widest in which noise of this rate per pixel stays below the

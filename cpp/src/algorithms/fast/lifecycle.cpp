@@ -154,7 +154,8 @@ void update_gate(Track& track, TrackState& state, const LifecycleRule& rule, con
   state.young_radius_px = young_radius(state, gate, widest_px);
   if (!track.has_id()) return shape_birth_gate(track, state.young_radius_px);
   const float noise = noise_hz * mature_gate_area(track, gate) / std::max(1.0F, state.slow_rate_hz);
-  shape_gate(track, gate, ellipse_scale(gate, state, noise), state.young_radius_px,
+  state.gate_scale = ellipse_scale(gate, state, noise);
+  shape_gate(track, gate, state.gate_scale, state.young_radius_px,
              state.extent_px * state.extent_px, state.age_s >= rule.mature_s,
              is_starved(state) ? state.kalman.pxx : 0);
 }

@@ -265,7 +265,7 @@ void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, floa
     const Tracks::Slot confirmed = second_keeps ? a.slot : b.slot;
     if (may_be_fragment(tracks, tentative, confirmed, dx, dy)) {
       tracks.state(tentative).may_be_fragment = true;
-      tracks.state(confirmed).fragment_s = 0;
+      note_fragment(tracks[confirmed], tracks.state(confirmed), dx, dy);
     }
   }
   const std::size_t keeper = second_keeps ? j : i;
@@ -323,6 +323,14 @@ void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
       return;
   }
   state.sibling = kNoSlot;
+}
+
+void inherit_siblings(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other) noexcept {
+  for (const Tracks::Slot slot : tracks.active()) {
+    if (!is_sibling(tracks, slot, other)) continue;
+    tracks.state(slot).sibling = slot == survivor ? kNoSlot : survivor;
+    tracks.state(slot).sibling_generation = tracks[survivor].generation;
+  }
 }
 
 // ---- merging ----
@@ -389,6 +397,7 @@ void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now)
   state.fast_rate_hz += gone_state.fast_rate_hz;
   state.slow_rate_hz += gone_state.slow_rate_hz;
   tracks.contour(survivor).forget_radius();
+  inherit_siblings(tracks, survivor, other);
 }
 
 }  // namespace asap::fast

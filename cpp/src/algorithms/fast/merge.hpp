@@ -6,7 +6,7 @@
 // The time it takes depends on the edges: a moving object has a leading edge of one polarity and a
 // trailing one of the other, a part of an object often has only one of them, or is a thin arc or
 // bar. One thread, at the tick. Pairs::find() O(n^2) of cheap steps in n tracks, the rest O(1) per
-// pair but for find_sibling(), O(n); allocates in the constructor only. Source: own design.
+// pair but for siblings, O(n); allocates in the constructor only. Source: own design.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ class Pairs {
  public:
   explicit Pairs(std::size_t slots);
 
-  // Sets partners, near_confirmed, may_be_fragment and fragment_s of all tracks, and candidates().
+  // Sets partners, near_confirmed, may_be_fragment and fragments of all tracks, and candidates().
   void find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept;
 
   const std::vector<Candidate>& candidates() const noexcept { return candidates_; }
@@ -88,6 +88,9 @@ void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& 
 // Removes a sibling that was deleted or is farther away than the reach and 4 px.
 void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
                         const PairRule& rule) noexcept;
+
+// The siblings of a track that has become part of another are siblings of that one.
+void inherit_siblings(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other) noexcept;
 
 // ---- merging ----
 

@@ -113,7 +113,9 @@ struct TrackState {
   float mass = 0;  // recent events
   float fast_rate_hz = 0;
   float slow_rate_hz = 0;
-  float fragment_s = 1;       // since the last fragment began beside it
+  float gate_scale = 0;       // half-axes of the gate's ellipse, standard deviations
+  float fragment_scale = 0;   // those with which it contains the fragments that began beside it
+  float fragment_s = 1;       // since the last of them began
   float evidence = 0;         // log-likelihood ratio of an object against noise
   float young_radius_px = 0;  // of the gate's circle until the track is mature
   float unresolved_s = 0;     // for which it has looked like two objects

@@ -45,45 +45,65 @@ TEST(Gate, EllipseFollowsTheCovariance) {
   EXPECT_GT(value_at(track, 21, 0), 1);
 }
 
-// Half-axes, where the rule has 2, of a track so long after a fragment began beside it.
-float scale_of(float extent_px, float noise_share, float fragment_s) {
+// A large track whose gate has half-axes of 20 and 4 px.
+struct WithFragments {
+  Track track = track_with(96, 0, 0);
   TrackState state;
-  state.extent_px = extent_px;
-  state.fragment_s = fragment_s;
-  return ellipse_scale(kRule, state, noise_share);
+
+  WithFragments() {
+    state.extent_px = 10;
+    shape();
+  }
+  void shape(float noise_share = 0) {
+    state.gate_scale = ellipse_scale(kRule, state, noise_share);
+    shape_gate(track, kRule, state.gate_scale, 5, largest_variance(track), false, 0);
+  }
+};
+
+TEST(Gate, ContainsTheFragmentsBesideALargeTrack) {
+  WithFragments large;
+  note_fragment(large.track, large.state, 25, 0);
+  EXPECT_GT(value_at(large.track, 25, 0), 1);
+  large.shape();
+  EXPECT_LT(value_at(large.track, 25, 0), 1);
+  EXPECT_FLOAT_EQ(large.state.gate_scale, 1.1F * 2.5F);
+  note_fragment(large.track, large.state, 22, 0);  // the other one is still there
+  large.shape();
+  EXPECT_FLOAT_EQ(large.state.gate_scale, 1.1F * 2.5F);
+  note_fragment(large.track, large.state, 60, 0);
+  large.shape();
+  EXPECT_FLOAT_EQ(large.state.gate_scale, 3.2F);
 }
 
-TEST(Gate, TheEllipseOfALargeTrackWithFragmentsIsWider) {
-  EXPECT_FLOAT_EQ(scale_of(3, 0, 0), 2);
-  EXPECT_FLOAT_EQ(scale_of(7, 0, 0), 2);
-  EXPECT_FLOAT_EQ(scale_of(9.5F, 0, 0), 2.2F);
-  EXPECT_FLOAT_EQ(scale_of(12, 0, 0), 2.4F);
-  EXPECT_FLOAT_EQ(scale_of(12, 0, 0.09F), 2.4F);
-  EXPECT_FLOAT_EQ(scale_of(12, 0, 0.11F), 2);
-  EXPECT_FLOAT_EQ(scale_of(15, 0, 1), 2);
-  EXPECT_FLOAT_EQ(scale_of(17, 0, 1), 2.4F);
+TEST(Gate, ForgetsFragmentsAfter200Ms) {
+  WithFragments large;
+  note_fragment(large.track, large.state, 25, 0);
+  large.state.fragment_s = 0.19F;
+  large.shape();
+  EXPECT_FLOAT_EQ(large.state.gate_scale, 1.1F * 2.5F);
+  large.state.fragment_s = 0.21F;
+  large.shape();
+  EXPECT_FLOAT_EQ(large.state.gate_scale, 2);
+  note_fragment(large.track, large.state, 22, 0);
+  large.shape();
+  EXPECT_FLOAT_EQ(large.state.gate_scale, 1.1F * 2.2F);
 }
 
-TEST(Gate, TheEllipseIsNoWiderInNoise) {
-  EXPECT_FLOAT_EQ(scale_of(30, 0.1F, 0), 2.4F);
-  EXPECT_FLOAT_EQ(scale_of(30, 0.15F, 0), 2.2F);
-  EXPECT_FLOAT_EQ(scale_of(30, 0.2F, 0), 2);
-  EXPECT_FLOAT_EQ(scale_of(30, 5, 0), 2);
+TEST(Gate, IsNeverNarrowerForAFragment) {
+  WithFragments large;
+  note_fragment(large.track, large.state, 10, 0);
+  large.shape();
+  EXPECT_FLOAT_EQ(large.state.gate_scale, 2);
 }
 
-// Arms of 40 px. 2.3 standard deviations leave the tips out.
-TEST(Gate, HoldsTheTipsOfAnL) {
-  GateRule rule = kRule;
-  rule.scale = 2.3F;
-  Track track = track_with(500.0F / 3, -100, 500.0F / 3);  // of the points of both arms
-  const float variance = largest_variance(track);
-  TrackState state;
-  state.extent_px = std::sqrt(variance);
-  shape_gate(track, rule, ellipse_scale(rule, state, 0), 5, variance, false, 0);
-  EXPECT_LT(value_at(track, 30, -10), 1);
-  EXPECT_LT(value_at(track, -10, 30), 1);
-  shape_gate(track, rule, rule.scale, 5, variance, false, 0);
-  EXPECT_GT(value_at(track, 30, -10), 1);
+TEST(Gate, IsNoWiderForASmallTrackOrInNoise) {
+  WithFragments large;
+  note_fragment(large.track, large.state, 60, 0);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0.1F), 3.2F);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0.15F), 2.6F);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0.2F), 2);
+  large.state.extent_px = 8.4F;
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0), 2);
 }
 
 TEST(Gate, EllipseTurnsWithTheCovariance) {

@@ -411,6 +411,20 @@ TEST(Siblings, AreForgottenOutOfReachAndByGeneration) {
   EXPECT_FALSE(are_siblings(two.tracks, two.a, two.b));
 }
 
+TEST(Siblings, PassToTheTrackThatTheirsBecomesPartOf) {
+  Two two(Phase::kConfirmed, Phase::kConfirmed);
+  const auto c = two.add(20, Phase::kConfirmed, 3);
+  find_sibling(two.tracks, c, 0, kPairs);
+  ASSERT_TRUE(are_siblings(two.tracks, c, two.b));
+  find_sibling(two.tracks, two.a, 0, kPairs);
+  ASSERT_TRUE(are_siblings(two.tracks, two.a, two.b));
+  ASSERT_FALSE(are_siblings(two.tracks, c, two.a));
+  merge(two.tracks, two.a, two.b, 0);
+  two.tracks.remove(two.b);
+  EXPECT_TRUE(are_siblings(two.tracks, c, two.a));
+  EXPECT_EQ(two.tracks.state(two.a).sibling, kNoSlot);
+}
+
 TEST(Survivor, ConfirmedThenSmallerIdThenMoreEvents) {
   const Two mixed(Phase::kTentative, Phase::kCoasting);
   EXPECT_EQ(survivor_of(mixed.tracks, mixed.a, mixed.b), mixed.b);

@@ -175,9 +175,10 @@ struct Unresolved {
     track.phase = Phase::kConfirmed;
     track.events = 100;
     track.mean_weight = 0.3F;
-    track.sxx = 90;
-    track.syy = 50;
+    track.sxx = 110.5F;
+    track.syy = 40.9F;
     contour.variance = 4.1F;
+    state.average_extent2 = 110;
     state.age_s = 0.05F;
     state.slow_rate_hz = 1000;
     state.near_confirmed = false;
@@ -196,7 +197,8 @@ TEST(LooksUnresolved, IfLongWithoutOutlineOrNeighbour) {
       [](Unresolved& d) { d.track.events = 99; },
       [](Unresolved& d) { d.contour.variance = 3.9F; },
       [](Unresolved& d) { d.track.mean_weight = 0.41F; },
-      [](Unresolved& d) { d.track.syy = 51; },
+      [](Unresolved& d) { d.track.syy = 41; },
+      [](Unresolved& d) { d.state.average_extent2 = 111; },
   };
   for (std::size_t i = 0; i < std::size(reasons); ++i) {
     Unresolved single;
