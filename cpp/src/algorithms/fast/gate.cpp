@@ -20,7 +20,7 @@ float largest_variance(const Track& track) noexcept {
 
 void note_fragment(const Track& track, TrackState& state, float dx, float dy) noexcept {
   constexpr float kMargin = 1.1F;
-  constexpr float kWidest = 3.2F;  // standard deviations
+  constexpr float kWidest = 2.8F;  // standard deviations
   const float gate = gate_value(track, {.mean_x = 0, .mean_y = 0, .dx = dx, .dy = dy});
   const float reaching = kMargin * state.gate_scale * std::sqrt(gate);
   const float before = state.fragment_s > kFragment_s ? 0 : state.fragment_scale;

@@ -72,7 +72,7 @@ TEST(Gate, ContainsTheFragmentsBesideALargeTrack) {
   EXPECT_FLOAT_EQ(large.state.gate_scale, 1.1F * 2.5F);
   note_fragment(large.track, large.state, 60, 0);
   large.shape();
-  EXPECT_FLOAT_EQ(large.state.gate_scale, 3.2F);
+  EXPECT_FLOAT_EQ(large.state.gate_scale, 2.8F);
 }
 
 TEST(Gate, ForgetsFragmentsAfter200Ms) {
@@ -99,8 +99,8 @@ TEST(Gate, IsNeverNarrowerForAFragment) {
 TEST(Gate, IsNoWiderForASmallTrackOrInNoise) {
   WithFragments large;
   note_fragment(large.track, large.state, 60, 0);
-  EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0.1F), 3.2F);
-  EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0.15F), 2.6F);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0.1F), 2.8F);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0.15F), 2.4F);
   EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0.2F), 2);
   large.state.extent_px = 8.4F;
   EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0), 2);
