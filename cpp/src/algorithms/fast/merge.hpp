@@ -42,7 +42,8 @@ class Pairs {
  public:
   explicit Pairs(std::size_t slots);
 
-  // Sets partners, near_confirmed, may_be_fragment and fragments of all tracks, and candidates().
+  // Sets partners, near_confirmed and may_be_fragment of all tracks, and candidates(). Notes the
+  // fragments.
   void find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept;
 
   const std::vector<Candidate>& candidates() const noexcept { return candidates_; }
