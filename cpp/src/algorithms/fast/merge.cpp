@@ -18,8 +18,7 @@ constexpr float kConfirmedMargin_px = 8;
 // Confirmed parts of one object lie closer than this.
 constexpr float kNeighbour_px = 35;
 
-// Extent from which a track may be a piece of an object that the gate cuts into several. Smaller
-// objects merge wrongly in crowds if they keep more candidates than the nearest.
+// Extent of a piece of a large object. Smaller ones merge wrongly if they keep several candidates.
 constexpr float kLarge_px = 12;
 
 // Standard deviation along a direction, at least a pixel.
@@ -59,8 +58,7 @@ void insert(std::span<Candidate> nearest, Candidate candidate) noexcept {
 
 // ---- evidence that a pair is one object ----
 
-// The MergeState of a pair, the first of its keeper now. A new pair takes that of the pair which
-// has not been a candidate for longest.
+// The MergeState of a pair, the first of its keeper now. A new pair takes the least recent one.
 MergeState& merge_state(TrackState& keeper, Tracks::Slot other, std::uint16_t generation) noexcept {
   const auto last = keeper.merges.end() - 1;
   const auto own = std::find_if(keeper.merges.begin(), last, [&](const MergeState& state) {
@@ -146,8 +144,7 @@ bool move_alike(const Tracks& tracks, const Candidate& pair) noexcept {
   return velocity_difference(a, b) <= 2 * std::sqrt(variance) + 0.2F * fastest(a, b) + 10;
 }
 
-// Whether two tracks that were apart before would have separated again by now, had each kept its
-// average velocity.
+// Whether tracks that met would have separated by now, each with its average velocity.
 bool would_have_separated(const TrackState& a, const TrackState& b, float hold_s) noexcept {
   constexpr float kApart_px = 10;
   constexpr float kNew_s = 0.1F;      // a younger track was never apart from the other
@@ -168,8 +165,7 @@ bool overlap_and_move_alike(const Tracks& tracks, const Candidate& pair, const M
          (siblings || would_have_separated(a, b, kept.hold_s));
 }
 
-// Two confirmed tracks with both edges that are not thin, each of which may be an object: only a
-// long way together is evidence.
+// Two confirmed tracks, each of which may be an object: only a long way together is evidence.
 bool whole_tracks_are_one(const Tracks& tracks, const Candidate& pair, const MergeState& kept,
                           bool siblings) noexcept {
   constexpr Required kRequired{0.03F, 20};
