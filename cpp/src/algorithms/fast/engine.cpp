@@ -7,6 +7,7 @@
 #include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/kalman.hpp"
 #include "algorithms/fast/report.hpp"
+#include "algorithms/fast/siblings.hpp"
 
 namespace asap::fast {
 namespace {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "algorithms/fast/gate.hpp"
+#include "algorithms/fast/siblings.hpp"
 
 namespace asap::fast {
 namespace {
@@ -18,7 +19,8 @@ constexpr float kConfirmedMargin_px = 8;
 // Confirmed parts of one object lie closer than this.
 constexpr float kNeighbour_px = 35;
 
-// Extent of a piece of a large object. Smaller ones merge wrongly if they keep several candidates.
+// Extent from which a track may be a piece of an object that the gate cuts into several. Smaller
+// objects merge wrongly in crowds if they keep more candidates than the nearest.
 constexpr float kLarge_px = 12;
 
 // Standard deviation along a direction, at least a pixel.
@@ -39,11 +41,6 @@ void add_partner(Track& track, TrackState& state, Tracks::Slot partner) noexcept
   if (track.partners < kMaxPartners) state.partners[track.partners++] = partner;
 }
 
-bool is_sibling(const Tracks& tracks, Tracks::Slot of, Tracks::Slot other) noexcept {
-  const TrackState& state = tracks.state(of);
-  return state.sibling == other && state.sibling_generation == tracks[other].generation;
-}
-
 // ---- candidates ----
 
 constexpr Candidate kNoCandidate{Tracks::kNone, Tracks::kNone, 0, 0,
@@ -58,7 +55,8 @@ void insert(std::span<Candidate> nearest, Candidate candidate) noexcept {
 
 // ---- evidence that a pair is one object ----
 
-// The MergeState of a pair, the first of its keeper now. A new pair takes the least recent one.
+// The MergeState of a pair, the first of its keeper now. A new pair takes that of the pair which
+// has not been a candidate for longest.
 MergeState& merge_state(TrackState& keeper, Tracks::Slot other, std::uint16_t generation) noexcept {
   const auto last = keeper.merges.end() - 1;
   const auto own = std::find_if(keeper.merges.begin(), last, [&](const MergeState& state) {
@@ -144,7 +142,8 @@ bool move_alike(const Tracks& tracks, const Candidate& pair) noexcept {
   return velocity_difference(a, b) <= 2 * std::sqrt(variance) + 0.2F * fastest(a, b) + 10;
 }
 
-// Whether tracks that met would have separated by now, each with its average velocity.
+// Whether two tracks that were apart before would have separated again by now, had each kept its
+// average velocity.
 bool would_have_separated(const TrackState& a, const TrackState& b, float hold_s) noexcept {
   constexpr float kApart_px = 10;
   constexpr float kNew_s = 0.1F;      // a younger track was never apart from the other
@@ -165,7 +164,8 @@ bool overlap_and_move_alike(const Tracks& tracks, const Candidate& pair, const M
          (siblings || would_have_separated(a, b, kept.hold_s));
 }
 
-// Two confirmed tracks, each of which may be an object: only a long way together is evidence.
+// Two confirmed tracks with both edges that are not thin, each of which may be an object: only a
+// long way together is evidence.
 bool whole_tracks_are_one(const Tracks& tracks, const Candidate& pair, const MergeState& kept,
                           bool siblings) noexcept {
   constexpr Required kRequired{0.03F, 20};
@@ -282,51 +282,6 @@ bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot 
   return state.age_s > kMature_s && tracks.state(tentative).mass < kMostMass * state.mass &&
          gate_value(tracks[confirmed], {.mean_x = 0, .mean_y = 0, .dx = dx, .dy = dy}) <=
              kReach * kReach;
-}
-
-// ---- siblings ----
-
-bool are_siblings(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept {
-  return is_sibling(tracks, a, b) || is_sibling(tracks, b, a);
-}
-
-void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& rule) noexcept {
-  TrackState& state = tracks.state(slot);
-  const Point here = predicted_mean(tracks[slot], now);
-  float nearest = std::numeric_limits<float>::infinity();
-  for (const Tracks::Slot other : tracks.active()) {
-    if (other == slot || !tracks[other].has_id()) continue;
-    const Point there = predicted_mean(tracks[other], now);
-    const float distance = length(here.x - there.x, here.y - there.y);
-    const float reach = merge_distance(state.extent_px + tracks.state(other).extent_px, rule);
-    if (distance > reach || distance >= nearest) continue;
-    nearest = distance;
-    state.sibling = other;
-    state.sibling_generation = tracks[other].generation;
-  }
-}
-
-void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
-                        const PairRule& rule) noexcept {
-  TrackState& state = tracks.state(slot);
-  if (state.sibling == kNoSlot) return;
-  if (is_sibling(tracks, slot, state.sibling)) {
-    constexpr float kMargin_px = 4;
-    const Point here = predicted_mean(tracks[slot], now);
-    const Point there = predicted_mean(tracks[state.sibling], now);
-    const float extents = state.extent_px + tracks.state(state.sibling).extent_px;
-    if (length(there.x - here.x, there.y - here.y) <= merge_distance(extents, rule) + kMargin_px)
-      return;
-  }
-  state.sibling = kNoSlot;
-}
-
-void inherit_siblings(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other) noexcept {
-  for (const Tracks::Slot slot : tracks.active()) {
-    if (!is_sibling(tracks, slot, other)) continue;
-    tracks.state(slot).sibling = slot == survivor ? kNoSlot : survivor;
-    tracks.state(slot).sibling_generation = tracks[survivor].generation;
-  }
 }
 
 // ---- merging ----

@@ -6,7 +6,7 @@
 // The time it takes depends on the edges: a moving object has a leading edge of one polarity and a
 // trailing one of the other, a part of an object often has only one of them, or is a thin arc or
 // bar. One thread, at the tick. Pairs::find() O(n^2) of cheap steps in n tracks, the rest O(1) per
-// pair but for siblings, O(n); allocates in the constructor only. Source: own design.
+// pair, O(n) per merge; allocates in the constructor only. Source: own design.
 #pragma once
 
 #include <array>
@@ -76,22 +76,6 @@ float merge_distance(float extents_px, const PairRule& rule) noexcept;
 // it waits until it has merged or left.
 bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
                      float dy) noexcept;
-
-// ---- siblings ----
-
-// Whether one was confirmed within reach of the other and has not left it since. It is then a part
-// of the same object, and not an object that came along.
-bool are_siblings(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept;
-
-// Sets the sibling of a track that is confirmed now: the nearest confirmed track within reach.
-void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& rule) noexcept;
-
-// Removes a sibling that was deleted or is farther away than the reach and 4 px.
-void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
-                        const PairRule& rule) noexcept;
-
-// The siblings of a track that has become part of another are siblings of that one.
-void inherit_siblings(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other) noexcept;
 
 // ---- merging ----
 

@@ -54,56 +54,73 @@ struct WithFragments {
     state.extent_px = 10;
     shape();
   }
-  void shape(float noise_share = 0) {
-    state.gate_scale = ellipse_scale(kRule, state, noise_share);
+  void shape() {
+    state.gate_scale = ellipse_scale(kRule, state, 0);
     shape_gate(track, kRule, state.gate_scale, 5, largest_variance(track), false, 0);
+  }
+  void add(float dx) {
+    note_fragment(track, state, dx, 0);
+    shape();
   }
 };
 
 TEST(Gate, ContainsTheFragmentsBesideALargeTrack) {
   WithFragments large;
-  note_fragment(large.track, large.state, 25, 0);
   EXPECT_GT(value_at(large.track, 25, 0), 1);
-  large.shape();
+  large.add(25);
   EXPECT_LT(value_at(large.track, 25, 0), 1);
   EXPECT_FLOAT_EQ(large.state.gate_scale, 1.1F * 2.5F);
-  note_fragment(large.track, large.state, 22, 0);  // the other one is still there
-  large.shape();
+  large.add(22);  // the other one is still there
   EXPECT_FLOAT_EQ(large.state.gate_scale, 1.1F * 2.5F);
-  note_fragment(large.track, large.state, 60, 0);
-  large.shape();
+  large.add(60);
   EXPECT_FLOAT_EQ(large.state.gate_scale, 2.8F);
 }
 
 TEST(Gate, ForgetsFragmentsAfter200Ms) {
   WithFragments large;
-  note_fragment(large.track, large.state, 25, 0);
+  large.add(25);
   large.state.fragment_s = 0.19F;
   large.shape();
   EXPECT_FLOAT_EQ(large.state.gate_scale, 1.1F * 2.5F);
   large.state.fragment_s = 0.21F;
   large.shape();
   EXPECT_FLOAT_EQ(large.state.gate_scale, 2);
-  note_fragment(large.track, large.state, 22, 0);
-  large.shape();
+  large.add(22);
   EXPECT_FLOAT_EQ(large.state.gate_scale, 1.1F * 2.2F);
 }
 
 TEST(Gate, IsNeverNarrowerForAFragment) {
   WithFragments large;
-  note_fragment(large.track, large.state, 10, 0);
-  large.shape();
+  large.add(10);
   EXPECT_FLOAT_EQ(large.state.gate_scale, 2);
 }
 
 TEST(Gate, IsNoWiderForASmallTrackOrInNoise) {
   WithFragments large;
-  note_fragment(large.track, large.state, 60, 0);
+  large.add(60);
   EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0.1F), 2.8F);
   EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0.15F), 2.4F);
   EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0.2F), 2);
+  EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 5), 2);
   large.state.extent_px = 8.4F;
   EXPECT_FLOAT_EQ(ellipse_scale(kRule, large.state, 0), 2);
+}
+
+// Arms of 40 px. 2.3 standard deviations leave the tips out.
+TEST(Gate, HoldsTheTipsOfAnL) {
+  GateRule rule = kRule;
+  rule.scale = 2.3F;
+  Track track = track_with(500.0F / 3, -100, 500.0F / 3);  // of the points of both arms
+  const float variance = largest_variance(track);
+  TrackState state;
+  state.extent_px = std::sqrt(variance);
+  state.gate_scale = rule.scale;
+  shape_gate(track, rule, rule.scale, 5, variance, false, 0);
+  EXPECT_GT(value_at(track, 30, -10), 1);
+  note_fragment(track, state, 30, -10);
+  shape_gate(track, rule, ellipse_scale(rule, state, 0), 5, variance, false, 0);
+  EXPECT_LT(value_at(track, 30, -10), 1);
+  EXPECT_LT(value_at(track, -10, 30), 1);
 }
 
 TEST(Gate, EllipseTurnsWithTheCovariance) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "algorithms/fast/gate.hpp"
+#include "algorithms/fast/siblings.hpp"
 
 namespace asap::fast::merge_test {
 namespace {
@@ -395,34 +396,6 @@ TEST(AreOne, ThinTracksAsSoonAsSingleEdges) {
   EXPECT_NEAR(until_one(2, 50), 0.05F, 0.005F);  // 5 px
   EXPECT_NEAR(until_one(50, 2), 0.05F, 0.005F);
   EXPECT_NEAR(until_one(10, 50), 0.2F, 0.005F);  // a rectangle of 2 to 1
-}
-
-TEST(Siblings, AreForgottenOutOfReachAndByGeneration) {
-  Two two(Phase::kConfirmed, Phase::kConfirmed);
-  find_sibling(two.tracks, two.b, 0, kPairs);
-  forget_far_sibling(two.tracks, two.b, 0, kPairs);
-  EXPECT_TRUE(are_siblings(two.tracks, two.b, two.a));
-  two.tracks[two.b].x = 29;  // 1.6 (5 + 5) + 8 + 4 = 28
-  forget_far_sibling(two.tracks, two.b, 0, kPairs);
-  EXPECT_FALSE(are_siblings(two.tracks, two.a, two.b));
-  two.tracks[two.b].x = 16;
-  find_sibling(two.tracks, two.b, 0, kPairs);
-  ++two.tracks[two.a].generation;
-  EXPECT_FALSE(are_siblings(two.tracks, two.a, two.b));
-}
-
-TEST(Siblings, PassToTheTrackThatTheirsBecomesPartOf) {
-  Two two(Phase::kConfirmed, Phase::kConfirmed);
-  const auto c = two.add(20, Phase::kConfirmed, 3);
-  find_sibling(two.tracks, c, 0, kPairs);
-  ASSERT_TRUE(are_siblings(two.tracks, c, two.b));
-  find_sibling(two.tracks, two.a, 0, kPairs);
-  ASSERT_TRUE(are_siblings(two.tracks, two.a, two.b));
-  ASSERT_FALSE(are_siblings(two.tracks, c, two.a));
-  merge(two.tracks, two.a, two.b, 0);
-  two.tracks.remove(two.b);
-  EXPECT_TRUE(are_siblings(two.tracks, c, two.a));
-  EXPECT_EQ(two.tracks.state(two.a).sibling, kNoSlot);
 }
 
 TEST(Survivor, ConfirmedThenSmallerIdThenMoreEvents) {
