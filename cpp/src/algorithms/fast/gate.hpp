@@ -34,6 +34,9 @@ inline constexpr float kWidestBirth = 5.0F / 3;
 // large track has a wider ellipse for 200 ms, which reaches it up to 2.8 of them, unless many of
 // its events, a share, are noise. A small track has not: in a crowd it would take events of others.
 
+// px, extent from which a track is large in this sense.
+inline constexpr float kMayMissParts_px = 8.5F;
+
 // Notes that a fragment lies at this displacement, or its opposite, from the track.
 void note_fragment(const Track& track, TrackState& state, float dx, float dy) noexcept;
 

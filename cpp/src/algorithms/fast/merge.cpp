@@ -23,6 +23,8 @@ constexpr float kNeighbour_px = 35;
 // objects merge wrongly in crowds if they keep more candidates than the nearest.
 constexpr float kLarge_px = 12;
 
+constexpr float kMature_s = 0.05F;  // age from which the outline of a track is known
+
 // Standard deviation along a direction, at least a pixel.
 float spread_along(const Track& track, float ux, float uy) noexcept {
   return std::sqrt(
@@ -39,6 +41,16 @@ bool outlines_meet(const Track& a, const Track& b, float dx, float dy, float dis
 
 void add_partner(Track& track, TrackState& state, Tracks::Slot partner) noexcept {
   if (track.partners < kMaxPartners) state.partners[track.partners++] = partner;
+}
+
+// px, within which the tips of an object lie that a large track and a tentative one may share.
+float tip_distance(float extents_px, const PairRule& rule) noexcept {
+  constexpr float kTips = 2.5F;  // standard deviations; 2.45 for an L
+  return kTips * extents_px + rule.merge_padding_px;
+}
+
+bool may_miss_parts(const TrackState& confirmed) noexcept {
+  return confirmed.extent_px >= kMayMissParts_px && confirmed.age_s > kMature_s;
 }
 
 // ---- candidates ----
@@ -168,10 +180,14 @@ bool overlap_and_move_alike(const Tracks& tracks, const Candidate& pair, const M
 // long way together is evidence.
 bool whole_tracks_are_one(const Tracks& tracks, const Candidate& pair, const MergeState& kept,
                           bool siblings) noexcept {
+  constexpr float kLargeSibling_px = 10.5F;
+  constexpr Required kOfALarge{0.03F, 5};
   constexpr Required kRequired{0.03F, 20};
   if (overlap_and_move_alike(tracks, pair, kept, siblings)) return true;
-  if (!siblings && !move_alike(tracks, pair)) return false;
-  return meets(kept, kRequired);
+  if (!siblings) return meets(kept, kRequired) && move_alike(tracks, pair);
+  const float larger =
+      std::max(tracks.state(pair.keeper).extent_px, tracks.state(pair.other).extent_px);
+  return meets(kept, larger > kLargeSibling_px ? kOfALarge : kRequired);
 }
 
 // Two confirmed tracks, at least one of which is thin or shows a single edge.
@@ -224,7 +240,9 @@ void Pairs::find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept {
   }
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Place a = places_[i];
-    const float reach = merge_distance(a.extent + largest, rule) + kConfirmedMargin_px;
+    const float extents = a.extent + largest;
+    const float reach =
+        std::max(merge_distance(extents, rule) + kConfirmedMargin_px, tip_distance(extents, rule));
     for (std::size_t j = i + 1; j < places_.size(); ++j) {
       const float dx = places_[j].x - a.x;
       const float dy = places_[j].y - a.y;
@@ -244,8 +262,12 @@ void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, floa
   const Place& a = places_[i];
   const Place& b = places_[j];
   const float distance = std::sqrt(distance2);
-  const float margin = a.has_id && b.has_id ? kConfirmedMargin_px : 0;
-  if (distance > merge_distance(a.extent + b.extent, rule) + margin) return;
+  const float extents = a.extent + b.extent;
+  float reach = merge_distance(extents, rule);
+  if (a.has_id && b.has_id) reach += kConfirmedMargin_px;
+  if (a.has_id != b.has_id && may_miss_parts(tracks.state(a.has_id ? a.slot : b.slot)))
+    reach = std::max(reach, tip_distance(extents, rule));
+  if (distance > reach) return;
 
   if (a.has_id && b.has_id &&
       outlines_meet(tracks[a.slot], tracks[b.slot], dx, dy, distance, rule)) {
@@ -275,7 +297,6 @@ void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, floa
 
 bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
                      float dy) noexcept {
-  constexpr float kMature_s = 0.05F;
   constexpr float kMostMass = 0.2F;
   constexpr float kReach = 1.25F;  // of the gate
   const TrackState& state = tracks.state(confirmed);

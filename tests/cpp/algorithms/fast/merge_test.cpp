@@ -95,6 +95,24 @@ TEST(Pairs, ConfirmedTracksWithin35PxAreNear) {
   EXPECT_FALSE(scene.tracks.state(c).near_confirmed);
 }
 
+TEST(Pairs, TentativeTracksAreFoundAtTheTipsOfALargeMatureOne) {
+  const auto finds = [](float distance, float variance, float age_s) {
+    Scene scene;  // the tentative one is the first or the last
+    const auto before = scene.add(-distance, 0, false);
+    const auto confirmed = scene.add(0, 0, true, variance);
+    const auto after = scene.add(distance, 0, false);
+    scene.tracks.state(confirmed).age_s = age_s;
+    const std::size_t found = scene.find().size();
+    EXPECT_EQ(scene.tracks.state(before).near_confirmed, found > 0);
+    EXPECT_EQ(scene.tracks.state(after).near_confirmed, found > 0);
+    return found;
+  };
+  EXPECT_EQ(finds(70, 400, 0.06F), 2);  // 2.5 (20 + 5) + 8
+  EXPECT_EQ(finds(71, 400, 0.06F), 0);
+  EXPECT_EQ(finds(49, 400, 0.04F), 0);  // young: 1.6 (20 + 5) + 8
+  EXPECT_EQ(finds(30, 64, 0.06F), 0);   // small: 1.6 (8 + 5) + 8
+}
+
 TEST(Pairs, ATentativeTrackOnAMatureOneMayBeItsFragment) {
   Scene scene;
   const auto mature = scene.add(0, 0, true);
@@ -359,6 +377,18 @@ TEST(AreOne, NotWithDifferentVelocitiesUnlessSiblings) {
   find_sibling(siblings.tracks, siblings.b, 0, kPairs);
   ASSERT_TRUE(are_siblings(siblings.tracks, siblings.a, siblings.b));
   EXPECT_NEAR(siblings.until_one(), 0.2F, 0.005F);
+}
+
+TEST(AreOne, LargeSiblingsAfterAShortWay) {
+  const auto until_one = [](float extent_px, bool siblings) {
+    Two two(Phase::kConfirmed, Phase::kConfirmed);
+    two.tracks.state(two.b).extent_px = extent_px;
+    if (siblings) find_sibling(two.tracks, two.b, 0, kPairs);
+    return two.until_one();
+  };
+  EXPECT_NEAR(until_one(11, true), 0.05F, 0.005F);  // 5 px
+  EXPECT_NEAR(until_one(11, false), 0.2F, 0.005F);  // 20 px
+  EXPECT_NEAR(until_one(10, true), 0.2F, 0.005F);
 }
 
 TEST(AreOne, AnotherCandidateInBetweenDoesNotRestartTheTime) {
