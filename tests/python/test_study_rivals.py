@@ -17,6 +17,7 @@ from asap_laboratory.rivals.cases import COLUMNS, OURS, RIVALS, RecordingCase, R
 from asap_laboratory.rivals.conduct import recordings_of
 from asap_laboratory.run import run
 from fake_scene import FakeScene, perfect
+from house import ROOT
 from labelled_folders import folder
 
 BAF = asap.BackgroundActivityFilter
@@ -161,6 +162,11 @@ def test_the_study_writes_and_goes_on_where_it_stopped(small, tmp_path):
     bare = rivals_study(tmp_path, form="quick", executor=AtOnce(), fresh=True, figures=False)
     assert len(small) == 2 and bare.paths == [tmp_path / "rivals.md"]
     assert "rivals.svg" not in bare.paths[0].read_text()
+
+
+def test_the_published_page_was_made_where_recordings_were():
+    page = (ROOT / "notebooks" / "rivals.md").read_text()
+    assert "## Recordings" in page and rivals.document.NO_RECORDINGS not in page
 
 
 def test_recordings_are_scored_as_boxes_and_kept(tmp_path, monkeypatch):
