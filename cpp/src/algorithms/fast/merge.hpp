@@ -1,12 +1,13 @@
 // Pairs of tracks, and which pairs become one. Pairs: tracks whose outlines nearly meet are in
-// contact; within a wider reach two tracks may be parts of one object. A track keeps the
-// nearest such candidate, a confirmed one up to four where one of the two is large. Merge: two
-// tracks are one object if their relative position stays constant while they travel. Parts of one
-// object keep it, objects that met do not; similar velocities, the usual test, fail for new tracks.
-// The time it takes depends on the edges: a moving object has a leading edge of one polarity and a
-// trailing one of the other, a part of an object often has only one of them, or is a thin arc or
-// bar. One thread, at the tick. Pairs::find() O(n^2) of cheap steps in n tracks, the rest O(1) per
-// pair, O(n) per merge; allocates in the constructor only. Source: own design.
+// contact; within a wider reach two tracks may be parts of one object, and a tentative one the tip
+// of a large object within the widest. A track keeps the nearest such candidate, a confirmed one up
+// to four where one of the two is large. Merge: two tracks are one object if their relative
+// position stays constant while they travel. Parts of one object keep it, objects that met do not;
+// similar velocities, the usual test, fail for new tracks. The time it takes depends on the edges:
+// a moving object has a leading edge of one polarity and a trailing one of the other, a part of an
+// object often has only one of them, or is a thin arc or bar. One thread, at the tick.
+// Pairs::find() O(n^2) of cheap steps in n tracks, the rest O(1) per pair, O(n) per merge;
+// allocates in the constructor only. Source: own design.
 #pragma once
 
 #include <array>
