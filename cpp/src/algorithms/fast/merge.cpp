@@ -122,7 +122,7 @@ bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
 // Whether a track is as thin as an arc of a ring, or as a piece of a bar. Its two edges lie close
 // together, so both polarities do not say that it is an object.
 bool is_thin(const Track& track) noexcept {
-  constexpr float kElongation = 6;  // of variances; an outline of 2 to 1 has 4 to 5
+  constexpr float kElongation = 5;  // of variances; an outline of 2 to 1 has 4 to 5
   const float largest = largest_variance(track);
   return largest > kElongation * (track.sxx + track.syy - largest);
 }
@@ -246,8 +246,9 @@ void Pairs::find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept {
     for (std::size_t j = i + 1; j < places_.size(); ++j) {
       const float dx = places_[j].x - a.x;
       const float dy = places_[j].y - a.y;
-      const float distance2 = dx * dx + dy * dy;
-      if (distance2 <= reach * reach) compare(tracks, i, j, dx, dy, distance2, rule);
+      if (dx * dx + dy * dy > reach * reach) continue;
+      const bool second_keeps = a.has_id && !places_[j].has_id;
+      compare(tracks, second_keeps ? j : i, second_keeps ? i : j, rule);
     }
   }
   for (const auto& nearest : nearest_) {
@@ -257,40 +258,37 @@ void Pairs::find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept {
   }
 }
 
-void Pairs::compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, float dy,
-                    float distance2, const PairRule& rule) noexcept {
-  const Place& a = places_[i];
-  const Place& b = places_[j];
-  const float distance = std::sqrt(distance2);
+void Pairs::compare(Tracks& tracks, std::size_t keeper, std::size_t other,
+                    const PairRule& rule) noexcept {
+  const Place& a = places_[keeper];
+  const Place& b = places_[other];
+  const float dx = b.x - a.x;
+  const float dy = b.y - a.y;
+  const float distance = length(dx, dy);
   const float extents = a.extent + b.extent;
+  const bool confirmed = a.has_id && b.has_id;
+  const bool mixed = !a.has_id && b.has_id;
   float reach = merge_distance(extents, rule);
-  if (a.has_id && b.has_id) reach += kConfirmedMargin_px;
-  if (a.has_id != b.has_id && may_miss_parts(tracks.state(a.has_id ? a.slot : b.slot)))
+  if (confirmed) reach += kConfirmedMargin_px;
+  if (mixed && may_miss_parts(tracks.state(b.slot)))
     reach = std::max(reach, tip_distance(extents, rule));
   if (distance > reach) return;
 
-  if (a.has_id && b.has_id &&
-      outlines_meet(tracks[a.slot], tracks[b.slot], dx, dy, distance, rule)) {
+  if (confirmed && outlines_meet(tracks[a.slot], tracks[b.slot], dx, dy, distance, rule)) {
     add_partner(tracks[a.slot], tracks.state(a.slot), b.slot);
     add_partner(tracks[b.slot], tracks.state(b.slot), a.slot);
   }
-  const bool second_keeps = a.has_id && !b.has_id;
-  const bool close = !(a.has_id && b.has_id) || distance < kNeighbour_px;
-  if (b.has_id && close) tracks.state(a.slot).near_confirmed = true;
-  if (a.has_id && close) tracks.state(b.slot).near_confirmed = true;
-  if (a.has_id != b.has_id) {
-    const Tracks::Slot tentative = second_keeps ? b.slot : a.slot;
-    const Tracks::Slot confirmed = second_keeps ? a.slot : b.slot;
-    if (may_be_fragment(tracks, tentative, confirmed, dx, dy)) {
-      tracks.state(tentative).may_be_fragment = true;
-      note_fragment(tracks[confirmed], tracks.state(confirmed), dx, dy);
-    }
+  if (mixed || (confirmed && distance < kNeighbour_px)) {
+    tracks.state(a.slot).near_confirmed = true;
+    if (confirmed) tracks.state(b.slot).near_confirmed = true;
   }
-  const std::size_t keeper = second_keeps ? j : i;
-  const bool keeps_several = places_[keeper].has_id && std::max(a.extent, b.extent) > kLarge_px;
+  if (mixed && may_be_fragment(tracks, a.slot, b.slot, dx, dy)) {
+    tracks.state(a.slot).may_be_fragment = true;
+    note_fragment(tracks[b.slot], tracks.state(b.slot), dx, dy);
+  }
+  const bool keeps_several = a.has_id && std::max(a.extent, b.extent) > kLarge_px;
   insert(std::span(nearest_[keeper]).first(keeps_several ? kMaxCandidates : 1),
-         second_keeps ? Candidate{b.slot, a.slot, -dx, -dy, distance}
-                      : Candidate{a.slot, b.slot, dx, dy, distance});
+         Candidate{a.slot, b.slot, dx, dy, distance});
 }
 
 // ---- fragments ----

@@ -58,7 +58,8 @@ class Pairs {
     bool has_id;
   };
 
-  void compare(Tracks& tracks, std::size_t i, std::size_t j, float dx, float dy, float distance2,
+  // Two places, the first that of the tentative track if one is.
+  void compare(Tracks& tracks, std::size_t keeper, std::size_t other,
                const PairRule& rule) noexcept;
 
   std::vector<Place> places_;

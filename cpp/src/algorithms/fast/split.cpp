@@ -110,13 +110,11 @@ bool looks_unresolved(const Track& track, const Contour& contour, const TrackSta
                       float noise_hz, const GateRule& gate) noexcept {
   constexpr float kScatter_px2 = 4;        // of events about one outline
   constexpr float kNoiseScatter_px2 = 60;  // of noise events, anywhere in the gate
-  constexpr float kTextured = 0.4F;        // weight of the plain mean: no clear outline
   constexpr float kElongation = 2.7F;      // of variances; an L of equal arms has 2 to 2.6
   constexpr float kYoung_s = 0.04F;
   constexpr std::uint32_t kKnownEvents = 100;
   if (track.phase != Phase::kConfirmed || track.partners > 0 || state.near_confirmed) return false;
   if (state.starved_s > 0 || state.age_s < kYoung_s || track.events < kKnownEvents) return false;
-  if (contour.variance < kScatter_px2 || track.mean_weight > kTextured) return false;
   const float noise = noise_hz * mature_gate_area(track, gate) / std::max(1.0F, state.slow_rate_hz);
   if (contour.variance < kScatter_px2 + kNoiseScatter_px2 * noise) return false;
   const float largest = largest_variance(track);

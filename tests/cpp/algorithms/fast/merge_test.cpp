@@ -6,18 +6,13 @@
 #include <vector>
 
 #include "algorithms/fast/gate.hpp"
+#include "algorithms/fast/pair_rule.hpp"
 #include "algorithms/fast/siblings.hpp"
 
 namespace asap::fast::merge_test {
 namespace {
 
 // ---- pairs ----
-
-constexpr PairRule kPairs{.birth_radius_px = 18,
-                          .merge_reach = 1.6F,
-                          .merge_padding_px = 8,
-                          .contact_reach = 1.6F,
-                          .contact_padding_px = 1};
 
 struct Scene {
   Tracks tracks{8};
@@ -425,6 +420,7 @@ TEST(AreOne, ThinTracksAsSoonAsSingleEdges) {
   };
   EXPECT_NEAR(until_one(2, 50), 0.05F, 0.005F);  // 5 px
   EXPECT_NEAR(until_one(50, 2), 0.05F, 0.005F);
+  EXPECT_NEAR(until_one(9, 50), 0.05F, 0.005F);  // an arc
   EXPECT_NEAR(until_one(10, 50), 0.2F, 0.005F);  // a rectangle of 2 to 1
 }
 

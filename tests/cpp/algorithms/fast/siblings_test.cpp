@@ -2,16 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "algorithms/fast/merge.hpp"
+#include "algorithms/fast/pair_rule.hpp"
 
 namespace asap::fast::siblings_test {
 namespace {
-
-constexpr PairRule kPairs{.birth_radius_px = 18,
-                          .merge_reach = 1.6F,
-                          .merge_padding_px = 8,
-                          .contact_reach = 1.6F,
-                          .contact_padding_px = 1};
 
 // Confirmed tracks in a row, with extents of 5 px: two are in reach within 24 px.
 struct Row {

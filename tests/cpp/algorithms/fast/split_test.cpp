@@ -174,7 +174,6 @@ struct Unresolved {
   Unresolved() {
     track.phase = Phase::kConfirmed;
     track.events = 100;
-    track.mean_weight = 0.3F;
     track.sxx = 110.5F;
     track.syy = 40.9F;
     contour.variance = 4.1F;
@@ -196,7 +195,6 @@ TEST(LooksUnresolved, IfLongWithoutOutlineOrNeighbour) {
       [](Unresolved& d) { d.state.age_s = 0.03F; },
       [](Unresolved& d) { d.track.events = 99; },
       [](Unresolved& d) { d.contour.variance = 3.9F; },
-      [](Unresolved& d) { d.track.mean_weight = 0.41F; },
       [](Unresolved& d) { d.track.syy = 41; },
       [](Unresolved& d) { d.state.average_extent2 = 111; },
   };
