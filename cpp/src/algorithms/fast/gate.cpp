@@ -30,7 +30,7 @@ void note_fragment(const Track& track, TrackState& state, float dx, float dy) no
 
 float ellipse_scale(const GateRule& rule, const TrackState& state, float noise_share) noexcept {
   constexpr float kRareNoise = 0.1F;
-  if (state.fragment_s > kFragment_s || state.extent_px < kMayMissParts_px) return rule.scale;
+  if (state.fragment_s > kFragment_s || state.extent_px < kLarge_px) return rule.scale;
   const float rarity = std::clamp(2 - noise_share / kRareNoise, 0.0F, 1.0F);
   return rule.scale + rarity * std::max(0.0F, state.fragment_scale - rule.scale);
 }

@@ -29,13 +29,14 @@ struct GateRule {
 // neighbours.
 inline constexpr float kWidestBirth = 5.0F / 3;
 
+// px, extent from which a track is large: the gate may miss parts of its object, or it may itself
+// be a part of one that the gate cuts into several.
+inline constexpr float kLarge_px = 8.5F;
+
 // The parts of an object that the gate misses, such as the tips of an L, 2.45 standard deviations
 // from its centre, would be tracks of their own again and again. So where a fragment has begun, a
 // large track has a wider ellipse for 200 ms, which reaches it up to 2.8 of them, unless many of
 // its events, a share, are noise. A small track has not: in a crowd it would take events of others.
-
-// px, extent from which a track is large in this sense.
-inline constexpr float kMayMissParts_px = 8.5F;
 
 // Notes that a fragment lies at this displacement, or its opposite, from the track.
 void note_fragment(const Track& track, TrackState& state, float dx, float dy) noexcept;

@@ -19,10 +19,6 @@ constexpr float kConfirmedMargin_px = 8;
 // Confirmed parts of one object lie closer than this.
 constexpr float kNeighbour_px = 35;
 
-// Extent from which a track may be a piece of an object that the gate cuts into several. Smaller
-// objects merge wrongly in crowds if they keep more candidates than the nearest.
-constexpr float kLarge_px = 12;
-
 constexpr float kMature_s = 0.05F;  // age from which the outline of a track is known
 
 // Standard deviation along a direction, at least a pixel.
@@ -50,7 +46,7 @@ float tip_distance(float extents_px, const PairRule& rule) noexcept {
 }
 
 bool may_miss_parts(const TrackState& confirmed) noexcept {
-  return confirmed.extent_px >= kMayMissParts_px && confirmed.age_s > kMature_s;
+  return confirmed.extent_px >= kLarge_px && confirmed.age_s > kMature_s;
 }
 
 // ---- candidates ----
@@ -88,19 +84,24 @@ bool meets(const MergeState& kept, const Required& required) noexcept {
   return kept.hold_s >= required.hold_s && kept.travel_px >= required.travel_px;
 }
 
+float larger_extent(const TrackState& a, const TrackState& b) noexcept {
+  return std::max(a.extent_px, b.extent_px);
+}
+
 // Whether one lies in the other.
 bool overlap(const TrackState& a, const TrackState& b, float distance_px) noexcept {
   constexpr float kExtents = 0.7F;
-  return distance_px < kExtents * std::max(a.extent_px, b.extent_px);
+  return distance_px < kExtents * larger_extent(a, b);
 }
 
 // px by which a relative position may change and still count as kept. The means of two large parts
-// that lie in each other wander, because they share events.
+// that lie close together wander, because they share events.
 float tolerance(const Tracks& tracks, const Candidate& pair, const MergeRule& rule) noexcept {
+  constexpr float kExtents = 1.3F;
   constexpr float kPerExtent = 0.35F;
   const TrackState& a = tracks.state(pair.keeper);
   const TrackState& b = tracks.state(pair.other);
-  if (!overlap(a, b, pair.distance_px)) return rule.tolerance_px;
+  if (pair.distance_px > kExtents * larger_extent(a, b)) return rule.tolerance_px;
   return std::max(rule.tolerance_px, kPerExtent * (a.extent_px + b.extent_px));
 }
 
@@ -185,8 +186,7 @@ bool whole_tracks_are_one(const Tracks& tracks, const Candidate& pair, const Mer
   constexpr Required kRequired{0.03F, 20};
   if (overlap_and_move_alike(tracks, pair, kept, siblings)) return true;
   if (!siblings) return meets(kept, kRequired) && move_alike(tracks, pair);
-  const float larger =
-      std::max(tracks.state(pair.keeper).extent_px, tracks.state(pair.other).extent_px);
+  const float larger = larger_extent(tracks.state(pair.keeper), tracks.state(pair.other));
   return meets(kept, larger > kLargeSibling_px ? kOfALarge : kRequired);
 }
 
@@ -286,6 +286,7 @@ void Pairs::compare(Tracks& tracks, std::size_t keeper, std::size_t other,
     tracks.state(a.slot).may_be_fragment = true;
     note_fragment(tracks[b.slot], tracks.state(b.slot), dx, dy);
   }
+  // Smaller objects merge wrongly in crowds if they keep more candidates than the nearest.
   const bool keeps_several = a.has_id && std::max(a.extent, b.extent) > kLarge_px;
   insert(std::span(nearest_[keeper]).first(keeps_several ? kMaxCandidates : 1),
          Candidate{a.slot, b.slot, dx, dy, distance});
