@@ -278,10 +278,11 @@ void Pairs::compare(Tracks& tracks, std::size_t keeper, std::size_t other,
     add_partner(tracks[a.slot], tracks.state(a.slot), b.slot);
     add_partner(tracks[b.slot], tracks.state(b.slot), a.slot);
   }
-  if (mixed || (confirmed && distance < kNeighbour_px)) {
+  if (confirmed && distance < kNeighbour_px) {
     tracks.state(a.slot).near_confirmed = true;
-    if (confirmed) tracks.state(b.slot).near_confirmed = true;
+    tracks.state(b.slot).near_confirmed = true;
   }
+  if (mixed) tracks.state(a.slot).near_confirmed = true;
   if (mixed && may_be_fragment(tracks, a.slot, b.slot, dx, dy)) {
     tracks.state(a.slot).may_be_fragment = true;
     note_fragment(tracks[b.slot], tracks.state(b.slot), dx, dy);

@@ -332,7 +332,7 @@ TEST(AreOne, NotTracksThatSeparate) {
   }
 }
 
-// Siblings 16 px apart, one of which lies in the other, wander by 6 px: within .35 of the extents.
+// Tracks 16 px apart wander by 6 px: within .35 of the extents, 18 + 5 and 33 + 5 px.
 TEST(AreOne, LargeTracksCloseTogetherMayWander) {
   const auto until_one = [](float extent_px) {
     Two two(Phase::kConfirmed, Phase::kConfirmed);
