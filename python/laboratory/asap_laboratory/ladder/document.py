@@ -16,9 +16,9 @@ from asap_laboratory.tables import markdown
 _OPENING = """\
 What is left of each algorithm when the stream overloads it? Every algorithm of the library, over
 three decades of cost, gets the same stream on a computer that can process all of it or a
-five-hundredth. `Deadline` knows the latency bound L and nothing else; the other schemes were tuned to
-each algorithm with hindsight. The figure shows what was processed within L, as a share of what is
-possible, and the accuracy that is left then. Corner detectors do not tolerate thinning."""
+five-hundredth. `Deadline` knows the latency bound L and nothing else; the other schemes were tuned
+to each algorithm with hindsight. The figure shows what was processed within L, as a share of what
+is possible, and the accuracy that is left then. Corner detectors do not tolerate thinning."""
 
 _HOW_TO_READ = f"""\
 Every consumer of the library gets the same stream: 100 objects at up to 800 px/s on 1280 x 720 px
