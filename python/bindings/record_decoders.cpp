@@ -59,10 +59,11 @@ void bind_record_decoders(py::module_& m) {
   m.def("read_aedat2_header", &aedat2_header, py::arg("bytes"));
   m.def("read_aedat3_header", &aedat3_header, py::arg("bytes"));
   bind_decoder<EventStreamDecoder>(m, "EventStreamDecoder")
-      .def(py::init([](int version) {
-             return BoundDecoder<EventStreamDecoder>{EventStreamDecoder({.version = version}), {}};
+      .def(py::init([](int version, std::uint16_t height) {
+             return BoundDecoder<EventStreamDecoder>{
+                 EventStreamDecoder({.version = version, .height = height}), {}};
            }),
-           py::kw_only(), py::arg("version") = 2);
+           py::kw_only(), py::arg("version") = 2, py::arg("height"));
   bind_decoder<Atis40Decoder>(m, "Atis40Decoder")
       .def(py::init([](bool marks) {
              return BoundDecoder<Atis40Decoder>{Atis40Decoder({.marks = marks}), {}};

@@ -43,8 +43,8 @@ std::vector<Event> decode(Decoder decoder, std::span<const std::byte> bytes) {
   return events;
 }
 
-std::vector<Event> decode(Encoding encoding, std::span<const std::byte> bytes) {
-  switch (encoding) {
+std::vector<Event> decode(const EncoderConfig& config, std::span<const std::byte> bytes) {
+  switch (config.encoding) {
     case Encoding::evt2:
       return decode(Evt2Decoder(), bytes);
     case Encoding::evt3:
@@ -52,7 +52,7 @@ std::vector<Event> decode(Encoding encoding, std::span<const std::byte> bytes) {
     case Encoding::dat:
       return decode(DatDecoder(), bytes);
     case Encoding::event_stream:
-      return decode(EventStreamDecoder(), bytes);
+      return decode(EventStreamDecoder({.height = config.height}), bytes);
     case Encoding::csv:
       break;
   }
@@ -79,7 +79,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::check(encode(cut, events, room, same) && bytes == same);
     for (Event& event : events) event.p = event.p > 0 ? 1 : 0;
     const bool clamped = config.encoding == Encoding::csv;  // by the reader, beyond 2^62 us
-    fuzz::check(clamped || decode(config.encoding, bytes) == events);
+    fuzz::check(clamped || decode(config, bytes) == events);
   } catch (const std::invalid_argument& refused) {
     fuzz::check(std::string(refused.what()).find(" = ") != std::string::npos);
   }

@@ -40,10 +40,10 @@ def after_long_steps(longs: Column, records: npt.NDArray[np.uint8]) -> npt.NDArr
 
 
 def es2(events: Events) -> bytes:
-    """Event Stream 2.0."""
+    """Event Stream 2.0, whose row 0 is the bottom one."""
     t, x, y, p = columns(events)
     longs, step = np.divmod(np.diff(t, prepend=0), 127)
-    records = low_bytes(step << 1 | p | x << 8 | y << 24, 5)
+    records = low_bytes(step << 1 | p | x << 8 | (SIDE - 1 - y) << 24, 5)
     size = np.array([SIDE, SIDE], "<u2").tobytes()
     return b"Event Stream\x02\x00\x00\x01" + size + after_long_steps(longs, records).tobytes()
 
@@ -53,7 +53,8 @@ def es1(events: Events) -> bytes:
     t, x, y, p = columns(events)
     longs, rest = np.divmod(np.diff(t, prepend=0), 15 * 15)
     middle, step = np.divmod(rest, 15)
-    records = low_bytes(middle << 4 | 15 | (step | x << 4 | y << 14 | p << 23) << 8, 4)
+    words = step | x << 4 | (SIDE - 1 - y) << 14 | p << 23
+    records = low_bytes(middle << 4 | 15 | words << 8, 4)
     return b"Event Stream\x01\x00\x00" + after_long_steps(longs, records).tobytes()
 
 

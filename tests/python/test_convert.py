@@ -245,7 +245,7 @@ PEERS = {
     "evt2": ("expelliarmus", "expelliarmus.Wizard(encoding='evt2').read(path)"),
     "dat": ("expelliarmus", "expelliarmus.Wizard(encoding='dat').read(path)"),
     "evt3": ("evt3", "vars_of(evt3.decode_file(path))"),
-    "es": ("event_stream", "np.concatenate(list(event_stream.Decoder(path)))"),
+    "es": ("event_stream", "turned(np.concatenate(list(event_stream.Decoder(path))))"),
 }
 
 
@@ -257,6 +257,8 @@ def test_peers_read_it(written: Callable[[str], Path], tmp_path: Path, to: str) 
 import sys, numpy as np, {module}
 path, out = sys.argv[1:]
 vars_of = lambda events: {{name: getattr(events, name) for name in "txyp"}}
+turned = lambda events: {{"t": events["t"], "x": events["x"], "p": events["on"],
+                         "y": {SENSOR["height"]} - 1 - events["y"].astype(int)}}
 events = {read}
 np.save(out, np.stack([np.asarray(events[name]).astype(np.int64) for name in "txyp"]))
 """

@@ -31,11 +31,12 @@ class Format(NamedTuple):
     name: str
     suffix: str
     side: int | None  # of the sensor, px, where the file states it
+    height: int | None = None  # px, where the user has to state it
 
 
 FORMATS = {
     "es": Format(es2, "es", ".es", SIDE),
-    "es1": Format(es1, "es", ".es", None),
+    "es1": Format(es1, "es", ".es", None, SIDE),
     "atis40": Format(atis40, "atis40", ".bin", None),
     "davis": Format(aedat2, "aedat2", ".aedat", SIDE),
     "dvs128": Format(CONTENTS["dvs128"], "aedat2", ".aedat", SIDE),
@@ -56,17 +57,19 @@ def file_of(tmp_path: Path, content: bytes, name: str) -> Path:
 
 
 def test_every_event_is_read(form: Format, tmp_path: Path) -> None:
-    rec = asap.read(file_of(tmp_path, form.write(EVENTS), f"a{form.suffix}"), on_bad="raise")
+    path = file_of(tmp_path, form.write(EVENTS), f"a{form.suffix}")
+    rec = asap.read(path, on_bad="raise", height=form.height)
     for _ in range(2):
         assert_equal_events(np.concatenate(list(rec)), EVENTS)
-    assert (rec.format, rec.width, rec.height) == (form.name, form.side, form.side)
+    height = form.side or form.height
+    assert (rec.format, rec.width, rec.height) == (form.name, form.side, height)
     assert rec.truncated_at is None
 
 
 def test_content_goes_before_the_name(form: Format, tmp_path: Path) -> None:
     path = file_of(tmp_path, form.write(EVENTS), "recording.npy")
     stated = {"file_format": "atis40"} if form.name == "atis40" else {}
-    assert_equal_events(asap.load(path, **stated), EVENTS)  # type: ignore[arg-type]
+    assert_equal_events(asap.load(path, height=form.height, **stated), EVENTS)  # type: ignore[arg-type]
 
 
 def test_no_events(form: Format, tmp_path: Path) -> None:
@@ -75,7 +78,7 @@ def test_no_events(form: Format, tmp_path: Path) -> None:
         with pytest.raises(CorruptFile, match="byte 0: the file is empty"):
             asap.read(path, file_format=form.name)
     else:
-        assert len(asap.load(path)) == 0
+        assert len(asap.load(path, height=form.height)) == 0
 
 
 def test_cut_at_every_byte(form: Format, tmp_path: Path) -> None:
@@ -89,7 +92,7 @@ def test_cut_at_every_byte(form: Format, tmp_path: Path) -> None:
         path = file_of(tmp_path, content[:size], f"a{form.suffix}")
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            rec = asap.read(path, file_format=form.name)
+            rec = asap.read(path, file_format=form.name, height=form.height)
             try:
                 read = np.concatenate([events[:0], *rec])
             except CorruptFile as error:  # not one whole event
@@ -206,6 +209,11 @@ def test_an_unnamed_davis_needs_its_size(tmp_path: Path) -> None:
     with pytest.raises(UnsupportedFormat, match="give width and height"):
         asap.read(path, width=128)
     assert_equal_events(asap.load(path, width=128, height=128), EVENTS)
+
+
+def test_an_event_stream_of_version_1_needs_its_height(tmp_path: Path) -> None:
+    with pytest.raises(UnsupportedFormat, match="rows count from the bottom; give height in px"):
+        asap.read(file_of(tmp_path, es1(EVENTS), "a.es"), width=128)
 
 
 # ---- what is no event --------------------------------------------------------------------------

@@ -24,10 +24,12 @@ std::uint32_t is_on(const Event& event) noexcept { return event.p > 0 ? 1 : 0; }
 
 // A format has limits and functions. put() writes an event. Where the bytes count time from event
 // to event, it lies less than kReach after state.t, to which mark() has advanced it step by step: a
-// gap of kMostGap is worth its bytes. The layouts stand in the decoders' headers.
+// gap of kMostGap is worth its bytes. kRowsUp: row 0 is the bottom one. The layouts stand in the
+// decoders' headers.
 
 struct Limits {
   static constexpr std::uint32_t kMaxAddress = std::numeric_limits<std::uint16_t>::max();
+  static constexpr bool kRowsUp = false;
   static constexpr std::int64_t kMinTime = 0;
   static constexpr std::int64_t kMaxTime = std::numeric_limits<std::int64_t>::max();
 };
@@ -108,6 +110,7 @@ struct DatFormat : Limits {
 
 struct EventStreamFormat : Limits {
   static constexpr std::string_view kName = "Event Stream";
+  static constexpr bool kRowsUp = true;
   static constexpr std::int64_t kReach = 127;
   static constexpr std::int64_t kMostGap = std::int64_t{1} << 32;  // 71 min: 34 MB of marks
 
@@ -248,7 +251,11 @@ Progress Encoder::encode_as(std::span<const Event> events, std::span<std::byte> 
         continue;
       }
     }
-    to = Format::put(state, *event, to);
+    Event stored = *event;
+    if constexpr (Format::kRowsUp) {
+      stored.y = static_cast<std::uint16_t>(config_.height - 1 - stored.y);
+    }
+    to = Format::put(state, stored, to);
     state.last_t = event->t;
     ++state.events;
     ++event;

@@ -15,6 +15,7 @@ struct EventStream1 {
   static constexpr std::size_t kRecord = 3;
   static constexpr bool kBigEndian = false;
 
+  std::uint32_t bottom;  // the highest y
   std::int64_t t;
 
   static bool is_event(std::uint64_t word) noexcept { return (word & 15) != 15; }
@@ -26,7 +27,7 @@ struct EventStream1 {
       return 0;
     }
     t += static_cast<std::int64_t>(word & 15);
-    write_event(to, word >> 4 & 0x3ff, word >> 14 & 0x1ff, word >> 23 & 1, t);
+    write_event(to, word >> 4 & 0x3ff, (bottom - (word >> 14 & 0x1ff)) & 0xffff, word >> 23 & 1, t);
     return 1;
   }
 };
@@ -35,6 +36,7 @@ struct EventStream2 {
   static constexpr std::size_t kRecord = 5;
   static constexpr bool kBigEndian = false;
 
+  std::uint32_t bottom;  // the highest y
   std::int64_t t;
 
   static bool is_event(std::uint64_t word) noexcept { return (word & 0xff) < 0xfe; }
@@ -46,7 +48,7 @@ struct EventStream2 {
       return 0;
     }
     t += static_cast<std::int64_t>(word >> 1 & 0x7f);
-    write_event(to, word >> 8 & 0xffff, word >> 24 & 0xffff, word & 1, t);
+    write_event(to, word >> 8 & 0xffff, (bottom - (word >> 24)) & 0xffff, word & 1, t);
     return 1;
   }
 };
@@ -85,6 +87,8 @@ std::optional<EventStreamHeader> read_event_stream_header(
 
 EventStreamDecoder::EventStreamDecoder(const EventStreamConfig& config) : NativeDecoder(config) {
   require(config.version == 1 || config.version == 2, "version", config.version, "1 or 2");
+  require(config.height > 0, "height", config.height,
+          "the sensor's in px: rows count from the bottom");
 }
 
 std::size_t EventStreamDecoder::decode_bytes(std::span<const std::byte> bytes,
@@ -94,7 +98,8 @@ std::size_t EventStreamDecoder::decode_bytes(std::span<const std::byte> bytes,
     t_ = format.t;
     return used;
   };
-  return config_.version == 1 ? run(EventStream1{t_}) : run(EventStream2{t_});
+  const std::uint32_t bottom = config_.height - 1u;
+  return config_.version == 1 ? run(EventStream1{bottom, t_}) : run(EventStream2{bottom, t_});
 }
 
 template class NativeDecoder<EventStreamDecoder, EventStreamConfig, 5>;

@@ -120,11 +120,17 @@ def _event_stream(path: Path, head: bytes, options: Options) -> Layout:
         raise UnsupportedFormat(
             f"{path}: Event Stream of type {header['type']} is not read; type dvs is"
         )
+    height = header["height"] or options.height
+    if height is None:
+        raise UnsupportedFormat(
+            f"{path}: this Event Stream does not state the height of its sensor, and its rows "
+            "count from the bottom; give height in px, 240 for an ATIS"
+        )
     return Layout(
         header["size"],
-        lambda: _core.EventStreamDecoder(version=header["version"]),
+        lambda: _core.EventStreamDecoder(version=header["version"], height=height),
         header["width"],
-        header["height"],
+        height,
     )
 
 

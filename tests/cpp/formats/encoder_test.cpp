@@ -24,8 +24,10 @@ namespace {
 using Bytes = std::vector<std::byte>;
 using Events = std::vector<Event>;
 
+constexpr unsigned kHeight = 720;
+
 constexpr EncoderConfig config(Encoding encoding) {
-  return {.encoding = encoding, .width = 1280, .height = 720};
+  return {.encoding = encoding, .width = 1280, .height = kHeight};
 }
 
 constexpr Encoding kAll[] = {Encoding::evt2, Encoding::evt3, Encoding::dat, Encoding::event_stream,
@@ -130,7 +132,8 @@ Events read_event_stream(const Bytes& bytes) {
     }
     EXPECT_NE(first, 0xfeu);
     t += static_cast<std::int64_t>(first >> 1);
-    events.push_back(event(little(&bytes[at], 2), little(&bytes[at + 2], 2), first & 1, t));
+    const std::uint64_t y = kHeight - 1 - little(&bytes[at + 2], 2);  // row 0 is the bottom one
+    events.push_back(event(little(&bytes[at], 2), y & 0xffff, first & 1, t));
     at += 4;
   }
   return events;

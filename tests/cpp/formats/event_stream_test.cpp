@@ -11,6 +11,12 @@ namespace {
 
 using namespace decoding;
 
+constexpr std::uint16_t kHeight = 260;
+
+EventStreamDecoder decoder_of(int version) {
+  return EventStreamDecoder({.version = version, .height = kHeight});
+}
+
 Bytes record2(unsigned step, unsigned p, unsigned x, unsigned y) {
   Bytes bytes;
   append(bytes, {step << 1 | p});
@@ -51,7 +57,7 @@ std::pair<Bytes, Events> random_stream(int version, std::size_t count) {
     const auto y = static_cast<unsigned>(bits >> 44 & (version == 1 ? 0x1ff : 0xffff));
     bytes = joined({bytes, version == 1 ? record1(step, p, x, y) : record2(step, p, x, y)});
     t += step;
-    events.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
+    events.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(kHeight - 1 - y),
                       static_cast<std::int16_t>(p), t});
   }
   return {bytes, events};
@@ -61,29 +67,29 @@ TEST(EventStreamDecoder, DecodesVersion2) {
   Bytes bytes = joined({record2(3, 1, 345, 259), record2(0, 0, 0xffff, 0xfffe)});
   append(bytes, {0xff, 0xff, 0xfe});
   bytes = joined({bytes, record2(126, 1, 1, 2)});
-  EXPECT_EQ(events_of(EventStreamDecoder(), bytes),
-            (Events{{345, 259, 1, 3}, {0xffff, 0xfffe, 0, 3}, {1, 2, 1, 3 + 254 + 126}}));
+  EXPECT_EQ(events_of(decoder_of(2), bytes),
+            (Events{{345, 0, 1, 3}, {0xffff, 261, 0, 3}, {1, 257, 1, 3 + 254 + 126}}));
 }
 
 TEST(EventStreamDecoder, DecodesVersion1) {
   Bytes bytes = joined({record1(3, 1, 303, 239), record1(14, 0, 1023, 511)});
   append(bytes, {0x2f, 0x0f, 0xff});  // 2 x 15 us, padding, 15 x 15 us
   bytes = joined({bytes, record1(1, 1, 5, 6)});
-  EXPECT_EQ(events_of(EventStreamDecoder({.version = 1}), bytes),
-            (Events{{303, 239, 1, 3}, {1023, 511, 0, 17}, {5, 6, 1, 17 + 30 + 225 + 1}}));
+  EXPECT_EQ(events_of(EventStreamDecoder({.version = 1, .height = 240}), bytes),
+            (Events{{303, 0, 1, 3}, {1023, 0xfef0, 0, 17}, {5, 233, 1, 17 + 30 + 225 + 1}}));
 }
 
 TEST(EventStreamDecoder, DecodesRandomStreams) {
   for (const int version : {1, 2}) {
     const auto [bytes, truth] = random_stream(version, 10'000);
-    EXPECT_EQ(events_of(EventStreamDecoder({.version = version}), bytes), truth);
+    EXPECT_EQ(events_of(decoder_of(version), bytes), truth);
   }
 }
 
 TEST(EventStreamDecoder, IsTheSameHoweverTheBytesAreCut) {
   for (const int version : {1, 2}) {
     const auto [bytes, truth] = random_stream(version, 800);
-    const EventStreamDecoder decoder({.version = version});
+    const EventStreamDecoder decoder = decoder_of(version);
     expect_cuts_and_room_make_no_difference(decoder, bytes);
     expect_truncation_gives_a_prefix(decoder, bytes);
     expect_no_allocation(decoder, bytes);
@@ -93,7 +99,7 @@ TEST(EventStreamDecoder, IsTheSameHoweverTheBytesAreCut) {
 TEST(EventStreamDecoder, ConsumesWhatNeedsNoRoom) {
   Bytes bytes = record2(3, 1, 345, 259);
   append(bytes, {0xff, 0xfe, 0xff});
-  EventStreamDecoder decoder;
+  EventStreamDecoder decoder = decoder_of(2);
   Events one(1);
   EXPECT_EQ(decoder.decode(bytes, one).bytes, bytes.size());
   const Bytes next = record2(1, 0, 7, 8);
@@ -101,11 +107,12 @@ TEST(EventStreamDecoder, ConsumesWhatNeedsNoRoom) {
   EXPECT_EQ(decoder.decode(std::span(next).first(2), {}).bytes, 2u);
   EXPECT_EQ(decoder.unfinished(), 2u);
   EXPECT_EQ(decoder.decode(std::span(next).subspan(2), one).events, 1u);
-  EXPECT_EQ(one[0], (Event{7, 8, 0, 3 + 254 + 1}));
+  EXPECT_EQ(one[0], (Event{7, 251, 0, 3 + 254 + 1}));
 }
 
-TEST(EventStreamDecoder, RefusesUnknownVersions) {
-  EXPECT_THROW(EventStreamDecoder({.version = 3}), std::invalid_argument);
+TEST(EventStreamDecoder, RefusesUnknownVersionsAndNoHeight) {
+  EXPECT_THROW(decoder_of(3), std::invalid_argument);
+  EXPECT_THROW(EventStreamDecoder({.version = 1}), std::invalid_argument);
 }
 
 Bytes header(std::initializer_list<unsigned> rest) {

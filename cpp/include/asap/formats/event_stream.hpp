@@ -4,9 +4,10 @@
 // then records. An event has 5 bytes: time since the last event in us << 1 | polarity, u16 x, u16
 // y, little-endian. One byte 0xff adds 127 us, one byte 0xfe is padding. Version 1: 2 bytes
 // version, 1 byte type (0 = DVS), no size; an event has 3 bytes: time 4 bits, x 10, y 9, polarity
-// 1, lowest first; a byte whose low half is 15 adds 15 us times its high half. Source: the
-// specification, neuromorphic-paris/event_stream. It says that y grows upwards; no reader flips it,
-// nor does this. Every byte has a meaning: there are no bad records and no triggers.
+// 1, lowest first; a byte whose low half is 15 adds 15 us times its high half. Row 0 is the bottom
+// one: rows are turned by the sensor's height, so that (0, 0) is top left. Source: the
+// specification, neuromorphic-paris/event_stream; rows: its reference, neuromorphic-paris/sepia.
+// Every byte has a meaning: there are no bad records and no triggers.
 // One thread. O(bytes), no allocation, never throws.
 #pragma once
 
@@ -34,7 +35,8 @@ std::optional<EventStreamHeader> read_event_stream_header(
     std::span<const std::byte> front) noexcept;
 
 struct EventStreamConfig {
-  int version = 2;  // 1 or 2, as the header says
+  int version = 2;           // 1 or 2, as the header says
+  std::uint16_t height = 0;  // of the sensor, px; version 1 does not say it: 240 for an ATIS
 };
 
 // Feed it what follows the header. The first event's time counts from 0.
@@ -42,7 +44,7 @@ class EventStreamDecoder : public NativeDecoder<EventStreamDecoder, EventStreamC
  public:
   static constexpr std::size_t kMostPerRecord = 1;
 
-  explicit EventStreamDecoder(const EventStreamConfig& config = {});
+  explicit EventStreamDecoder(const EventStreamConfig& config);
 
  private:
   friend NativeDecoder;
