@@ -20,10 +20,8 @@ def comparison():
 
 def row(label="A", score=0.5, p99_us=4000.0, max_us=4500.0, **others):
     values = {"in_time": 0.3, "kept": 0.4, "p50_us": 900.0, "gap_us": 0, "overflow": 0.0}
-    values |= {"packages_per_s": 1234.5, "cpu": 0.987, **others}
-    return asap.experiment.Row(
-        label=label, scheme=label.lower(), score=score, p99_us=p99_us, max_us=max_us, **values
-    )
+    values |= {"packages_per_s": 1234.5, "cpu": 0.987, "scheme": label.lower(), **others}
+    return asap.experiment.Row(label=label, score=score, p99_us=p99_us, max_us=max_us, **values)
 
 
 def verdict(comparison, *rows, **others):
@@ -108,6 +106,20 @@ def test_the_verdict_names_the_best_of_those_that_keep_the_bound(comparison):
     idle = row("Idle", score=0.0, kept=0.0, p99_us=0.0, max_us=0.0)
     assert "Idle" not in verdict(comparison, row("A"), idle)
     assert verdict(comparison, late).startswith("No scheme keeps the bound of 5 ms for 99 %")
+
+
+def test_the_verdict_names_the_scheme_that_processes_more_than_the_default(comparison):
+    default = row("Default", score=0.4, scheme="deadline")
+    more, less = row("More", score=0.8), row("Less", score=0.39)
+    words = "More processes more in time than Default: 0.800 of the oracle's events "
+    words += "instead of 0.400"
+    assert f"{words}. " in verdict(comparison, more, default, less)
+    late, lost = replace(more, p99_us=7500.0), replace(default, kept=0)
+    assert f"{words}, but its p99 is 1.50 L. " in verdict(comparison, late, default, less)
+    assert f"{words}, but its p99 is 1.50 L. " in verdict(comparison, late, lost)
+    best, same = replace(default, label="Best", score=0.9), replace(more, score=0.4001)
+    for rows in ((same, default), (best, more, default), (late, more, less)):
+        assert "processes more in time" not in verdict(comparison, *rows)
 
 
 def test_what_is_shown_as_the_bound_keeps_it(comparison):
