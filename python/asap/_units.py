@@ -69,7 +69,7 @@ def share(value: float) -> str:
 
 def tied(text: str) -> str:
     """Put a no-break space between every number and its unit."""
-    return re.sub(r"(?<=[\d<>]) (?=\S)", "\xa0", text)
+    return re.sub(r"(?<=[\d<>]) (?=\S)|(?<=\+-) ", "\xa0", text)
 
 
 def wrapped(text: str, width: int) -> list[str]:

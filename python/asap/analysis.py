@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from asap import _checks
 from asap.events import events_of_argument
-from asap.results.cost import Cost, Diagnosis, check_run, cost_of, diagnose, fit_cost
+from asap.results.cost import Cost, Diagnosis, check_run, diagnose, fit_cost
 
 if TYPE_CHECKING:
     from asap.results.run import Run
@@ -25,7 +25,6 @@ __all__ = [
     "Description",
     "Diagnosis",
     "PeakCount",
-    "cost_of",
     "decimate",
     "describe",
     "diagnose",

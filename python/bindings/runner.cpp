@@ -138,7 +138,10 @@ void bind_runner(py::module_& m) {
           [](const RunConfig& config, const Scheme& scheme) {
             return static_cast<double>(latency_bound_ns(config, scheme)) * 1e-3;
           },
-          py::arg("scheme"), "The latency bound in force, us.");
+          py::arg("scheme"), "The latency bound in force, us.")
+      .def_property_readonly("anytime", [](const RunConfig& config) {
+        return config.execution == Execution::anytime;
+      });
 
   py::class_<LinearCost>(m, "LinearCost", R"(A simulated algorithm.
 

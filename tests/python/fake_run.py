@@ -65,6 +65,7 @@ class FakeRun:
         self.latency = FakeLatency(packages["latency_max_us"])
         self.lateness = FakeLatency(np.array([60.0, 230.0])) if mode == "real" else None
         self.learned = None
+        self.opaque = True
         self.gap_us = 1200
         received = ledger.received
         in_time = packages["size"][packages["latency_max_us"] <= bound_us].sum()

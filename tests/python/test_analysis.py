@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import asap
+import streams
 from asap import analysis
 from asap.results import cost
 from fake_run import PACKAGES_DTYPE, empty_run, fake_run
@@ -150,15 +151,61 @@ def test_cost_line_is_found_again(alpha_us, beta_ns):
 @pytest.mark.parametrize(
     ("size", "processing_us", "cost"),
     [
-        ([100, 100], [30, 50], (0, 400)),  # one size: no line, all of it per event
-        ([10, 20], [50, 30], (40, 0)),  # falling: all of it per package
-        ([10, 20], [10, 30], (0, 1400)),  # the line begins below zero
+        ([100, 100, 100], [40, 50, 40], (0, 400)),  # one size: no line, all of it per event
+        ([10, 20, 30], [50, 40, 30], (40, 0)),  # falling: all of it per package
+        ([10, 20, 40], [10, 22, 48], (0, 1100)),  # the line begins below zero
         ([0, 0], [10, 10], (0, 0)),
+        ([3, 5], [0, 0], (0, 0)),
     ],
 )
 def test_cost_is_never_negative(size, processing_us, cost):
     fitted = analysis.fit_cost(run_with(size, processing_us))
-    assert (fitted.alpha_us, fitted.beta_ns) == pytest.approx(cost)
+    assert (fitted.alpha_us, fitted.beta_ns) == pytest.approx(cost, rel=0.1)
+
+
+def noisy(size, alpha_us, beta_ns, noise, rng):
+    """Draw the processing times of packages as `LinearCost` does."""
+    factor = rng.lognormal(-(noise**2) / 2, noise, len(size))
+    return (alpha_us + beta_ns * size / 1e3) * factor
+
+
+@given(
+    st.integers(0, 2**32),
+    st.integers(200, 20_000),
+    st.floats(0, 1),
+    st.floats(0, 0.3),
+    st.floats(1, 1000),
+    st.floats(0, 0.1),
+)
+def test_the_fit_explains_the_packages(seed, count, fixed, noise, ratio, interrupted):
+    """Within 20 noise / sqrt(packages), and what interrupted packages move a median by.
+
+    The line at the sizes that were seen; and where these vary by a factor of 4, alpha in costs of
+    the smallest package, beta in costs per event of the largest.
+    """
+    rng = np.random.default_rng(seed)
+    smallest = 10 ** rng.uniform(0, 3)
+    size = np.ceil(smallest * ratio ** rng.random(count))
+    alpha_us, beta_ns = 5000 * fixed, 5e6 * (1 - fixed) / size.mean()
+    cost_us = noisy(size, alpha_us, beta_ns, noise, rng)
+    cost_us[rng.random(count) < interrupted] *= rng.uniform(2, 30)
+    found = analysis.fit_cost(run_with(size, cost_us))
+    within = noise * (20 / min(count, 8192) ** 0.5 + 3 * interrupted) + 1e-6
+
+    def line_us(alpha_us, beta_ns, size):
+        return alpha_us + beta_ns * size / 1e3
+
+    centre = np.exp(np.log(size).mean())
+    seen = (size.min(), centre, size.max()) if ratio >= 4 else (centre,)
+    for one in seen:
+        expected_us = line_us(alpha_us, beta_ns, one)
+        assert line_us(found.alpha_us, found.beta_ns, one) == pytest.approx(expected_us, rel=within)
+    if ratio >= 4:
+        least_us = line_us(alpha_us, beta_ns, size.min())
+        largest_ns = line_us(alpha_us, beta_ns, size.max()) / size.max() * 1e3
+        assert found.alpha_us == pytest.approx(alpha_us, abs=2 * within * least_us)
+        assert found.beta_ns == pytest.approx(beta_ns, abs=2 * within * largest_ns)
+        assert found.noise == pytest.approx(noise, rel=0.5, abs=1e-6)
 
 
 def test_throughput_at_a_bound():
@@ -217,26 +264,102 @@ def test_below_two_and_a_half_fixed_costs_no_bound_can_be_promised():
 def test_the_least_bound_is_two_and_a_half_fixed_costs_or_two_events():
     assert analysis.Cost(100, 300).least_bound_us == 250
     assert analysis.Cost(100, 1e6).least_bound_us == 2200
+    assert analysis.Cost(100, 300, one_size=50).least_bound_us == pytest.approx(4.6)
 
 
-def test_what_the_scheme_has_learned_counts_before_the_line():
-    run = run_with(np.arange(1, 13), np.full(12, 50.0))
-    line = analysis.fit_cost(run)
-    assert analysis.cost_of(run) == line
-    run.learned = analysis.Cost(40, 1000)
-    assert analysis.cost_of(run) == run.learned
-    run.learned = analysis.Cost(60, 1000)  # no package took that long
-    assert analysis.cost_of(run) == analysis.Cost(50, 1000)
-    run.packages = run.packages[:8]
-    assert analysis.cost_of(run) == analysis.Cost(50, 1000)
-    run.packages = run.packages[:7]  # still with the first guess in it
-    assert analysis.cost_of(run) == line
+def test_the_noise_of_a_cost_is_that_of_a_simulated_one():
+    """Alpha and beta are means: the median package takes 4 % less."""
+    rng = np.random.default_rng(0)
+    size = np.ceil(10 ** rng.uniform(0, 4, 8000))
+    found = analysis.fit_cost(run_with(size, noisy(size, 100, 300, 0.3, rng)))
+    assert (found.alpha_us, found.beta_ns) == pytest.approx((100, 300), rel=0.02)
+    assert found.noise == pytest.approx(0.3, rel=0.03)
 
 
-def test_the_diagnosis_takes_what_the_scheme_has_learned():
-    run = steady(1e6)
-    run.learned = analysis.Cost(70, 200)
-    assert analysis.diagnose(run).cost == run.learned
+@pytest.mark.parametrize(
+    ("thinned", "opaque", "expected"),
+    [(True, True, (100, 150)), (False, False, (100, 150)), (True, False, (0, 200))],
+)
+def test_what_a_scheme_learned_counts_where_the_clock_ends_packages(thinned, opaque, expected):
+    """Elsewhere the packages tell it better, and what was learned may be far off."""
+    rates = (12e6, 12e6) if thinned else (0.1e6, 5e6)
+    run = fake_run(rates=rates, duration_s=1.0)
+    assert (np.mean(run.packages["size"] < run.packages["offered"]) > 0.5) == thinned
+    run.learned, run.opaque = analysis.Cost(0, 1e6), opaque
+    found = analysis.fit_cost(run)
+    assert (found.alpha_us, found.beta_ns) == pytest.approx(expected, rel=0.02)
+
+
+def test_packages_that_the_clock_ended_do_not_count_among_others():
+    size = np.concatenate((np.linspace(1100, 1300, 520), np.linspace(500, 4000, 480))).astype(int)
+    by_clock = np.arange(size.size) >= 520
+    run = run_with(size, np.where(by_clock, 280, 100 + 0.15 * size))
+    run.packages["offered"] = np.where(by_clock, 2 * size, size)
+    run.learned, run.opaque = analysis.Cost(0, 1e6), False
+    found = analysis.fit_cost(run)
+    assert found.alpha_us / found.beta_ns == pytest.approx(100 / 150, rel=0.01)
+
+
+@pytest.mark.parametrize("count", [1, 2, 2000])
+def test_packages_of_one_size_tell_what_they_cost_and_no_more(count):
+    cost_us = noisy(np.full(count, 1000), 4000, 1000, 0.1, np.random.default_rng(0))
+    found = analysis.fit_cost(run_with([1000] * count, cost_us))
+    assert found.alpha_us + found.beta_ns == pytest.approx(np.median(cost_us), rel=0.02)
+    assert found.one_size == 1000
+    assert found.least_bound_us <= 2.001 * cost_us.max() / 1000
+
+
+def test_so_many_packages_that_some_are_drawn():
+    """Every 16th is a single event: no stride may step over these, or onto them alone."""
+    size = np.tile([1] + [8000] * 15, 2**16)
+    found = analysis.fit_cost(run_with(size, 500 + 0.1 * size))
+    assert (found.alpha_us, found.beta_ns) == pytest.approx((500, 100), rel=1e-6)
+
+
+@pytest.mark.parametrize("scheme", [asap.Deadline, asap.DeadBeat])
+@pytest.mark.parametrize(("rate", "noise"), [(4e6, 0.05), (4e6, 0.3), (1e6, 0.3)])
+def test_packages_that_the_clock_ends_do_not_pass_for_a_fixed_cost(scheme, rate, noise):
+    """In overload they all take the same time, whatever their size."""
+    cost = asap.LinearCost(100, 1000, noise=noise)
+    run = asap.simulate(streams.poisson(rate, 1), cost=cost, scheme=scheme(latency_ms=10))
+    found = analysis.fit_cost(run)
+    assert found.alpha_us < 200
+    assert found.beta_ns == pytest.approx(1000, rel=0.25)
+
+
+@pytest.mark.parametrize("opaque", [True, False])
+@pytest.mark.parametrize("scheme", [lambda: None, asap.Greedy], ids=["Deadline", "Greedy"])
+def test_a_flat_cost_is_not_charged_to_the_events(scheme, opaque):
+    cost = asap.LinearCost(5000, 1, noise=0.3)
+    events = streams.poisson(1e6, 1)
+    run = asap.simulate(events, cost=cost, scheme=scheme(), latency_ms=15, opaque=opaque)
+    found = analysis.diagnose(run)
+    assert found.limit in ("camera", "scheme")
+    typical = np.median(run.packages["size"])
+    assert found.cost.alpha_us + found.cost.beta_ns / 1e3 * typical == pytest.approx(5000, rel=0.1)
+    assert found.cost.alpha_us == pytest.approx(5000, rel=0.2)
+    assert found.cost.noise == pytest.approx(0.3, rel=0.2)
+
+
+def test_advice_is_for_a_loss_that_the_cost_explains():
+    """Of 12 Mev/s the algorithm can process 6.5; the scheme keeps 5, then 1."""
+    assert analysis.diagnose(fake_run(rates=(12e6, 12e6), duration_s=1.0)).limit == "algorithm"
+    thin = fake_run(rates=(12e6, 12e6), duration_s=1.0, rate_bound=1e6)
+    assert analysis.diagnose(thin).speedup > 1
+    assert analysis.diagnose(thin).limit == "scheme"
+    short = steady(1e6, bound_us=240.0)  # 2.4 alpha
+    assert analysis.diagnose(short).limit == "fixed cost"
+    short.ledger["discarded"] = short.ledger.received // 2
+    assert analysis.diagnose(short).limit == "scheme"
+
+
+def test_packages_of_one_size_give_no_advice():
+    """A scheme that never tried more than one event: what a larger package costs is not known."""
+    run = fake_run(rates=(1e6, 1e6), duration_s=1.0, stale=10_000_000)
+    run.packages["size"] = 1
+    run.packages["processing_us"] = 600.0
+    run.in_time = 0.01
+    assert analysis.diagnose(run).limit == "unknown"
 
 
 def test_a_rate_bound_far_below_the_throughput_is_the_schemes_choice():

@@ -1,7 +1,7 @@
 """Run: ledger, summary, saving and loading."""
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -73,7 +73,7 @@ def test_summary_is_the_documented_object(run):
     assert set(summary) >= {
         "schema_version", "mode", "source", "scheme", "algorithm", "latency_bound_us", "ledger",
         "kept", "in_time", "latency_us", "packages", "gamma", "cpu", "version", "bound_kept",
-        "bound_needed_us", "learned_cost",
+        "bound_needed_us", "learned_cost", "estimated_cost", "opaque",
     }  # fmt: skip
     assert summary["schema_version"] == 1
     assert summary["mode"] == "virtual"
@@ -165,6 +165,23 @@ def test_a_bound_below_the_fixed_cost_is_reported(scheme, tmp_path):
         assert summary["learned_cost"] is None
     late.save(tmp_path / "late.json")
     assert asap.load_run(tmp_path / "late.json").summary() == summary
+
+
+@pytest.mark.parametrize("opaque", [True, False])
+def test_the_summary_has_the_cost_of_the_verdict(opaque, tmp_path):
+    events, cost = streams.poisson(1e6, 0.2), asap.LinearCost(100, 300, noise=0.1)
+    run = asap.simulate(events, cost=cost, opaque=opaque)
+    summary = run.summary()
+    assert run.opaque is summary["opaque"] is opaque
+    assert summary["estimated_cost"] == asdict(asap.analysis.fit_cost(run))
+    assert summary["estimated_cost"] == asdict(asap.analysis.diagnose(run).cost)
+    for name in ("run.npz", "run.json"):
+        again = asap.load_run(run.save(tmp_path / name))
+        assert again.opaque is opaque
+        assert again.summary() == summary
+    called = asap.run(events[:1000], algorithm=lambda events: None)
+    native = asap.run(events[:1000], algorithm=asap.EFast(346, 260))
+    assert (called.opaque, native.opaque) == (True, False)
 
 
 @pytest.mark.parametrize(("late", "kept"), [(1.0, True), (1.009, True), (1.011, False)])

@@ -6,6 +6,7 @@ import pytest
 import asap
 import streams
 from asap.results import comparison_table, run_table
+from asap.results.cost import diagnose
 from fake_run import FakeLedger, empty_run, fake_run
 
 
@@ -138,6 +139,39 @@ def test_some_bad_data_do_not_hide_what_lost_more():
 def test_what_the_verdict_derives_is_called_estimated():
     verdict = run_table.verdict(steady(12e6))
     assert "Estimated cost: 100 us per package + 150 ns per event." in verdict
+
+
+def test_the_noise_of_the_cost_is_told():
+    run = fake_run()
+    run.packages["processing_us"] *= np.random.default_rng(0).lognormal(0, 0.1, run.packages.size)
+    words = r"Estimated cost: \S+ us per package \+ \S+ ns per event, \+- 10 %\."
+    assert re.search(words, run_table.verdict(run))
+
+
+def one_event_at_a_time(cost_us):
+    run = steady(1e6, stale=10_000_000)
+    run.packages["size"], run.packages["processing_us"], run.in_time = 1, cost_us, 0.01
+    return run
+
+
+def test_packages_of_one_size_give_no_advice():
+    run = one_event_at_a_time(600.0)
+    verdict = run_table.verdict(run)
+    assert verdict.startswith(
+        "Bottleneck: not known. 1.0 % processed in time. Estimated cost: 600 us per package of 1 "
+        "event. These packages are too few, or too alike in size, to tell what of it is per event."
+    )
+    assert "times as fast" not in verdict
+    run.in_time = 1.0
+    assert "Estimated cost: 600 us per package of 1 event. Lost: " in run_table.verdict(run)
+
+
+def test_no_factor_is_told_that_would_not_do():
+    """By 1.03, of which one digit is 1.0."""
+    run = steady(7.0e6, rate_bound=None)
+    run.in_time = 0.9
+    assert 1 < diagnose(run).speedup < 1.05
+    assert "make the algorithm 1.1 times as fast" in run_table.verdict(run)
 
 
 def test_a_machine_that_cannot_keep_pace_is_not_the_schemes_fault():

@@ -133,3 +133,9 @@ def test_shares_never_round_to_none_or_all():
 
 def test_counts_are_grouped():
     assert _units.count(27_300_000) == "27,300,000"
+
+
+def test_a_number_stays_with_its_sign_and_unit_at_every_width():
+    for width in range(9, 40):
+        lines = _units.wrapped("5 ms per package, +- 10 % of it", width)
+        assert any("+- 10 %" in line for line in lines)

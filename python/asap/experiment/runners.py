@@ -363,5 +363,6 @@ def remember(
         lateness=runner.lateness if isinstance(runner, _core.Replay) else None,
         slots=runner.slots if isinstance(runner, _core.Simulator) else None,
         kept_mask=kept_mask,
+        opaque=not config.anytime,
     )
     return _last

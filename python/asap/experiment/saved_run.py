@@ -120,6 +120,7 @@ def _from_summary(document: Mapping[str, Any]) -> Run:
         return run
     run.__dict__["summed_up"] = {
         "bound_needed_us": _optional("bound_needed_us", document["bound_needed_us"], _real),
+        "estimated_cost": _optional("estimated_cost", document.get("estimated_cost"), _cost),
         "packages": {
             name: check(name, packages[name])
             for name, check in (
@@ -167,7 +168,7 @@ def _facts(document: Mapping[str, Any]) -> dict[str, Any]:
         raise ValueError(
             _checks.named("schema_version", version, f"this asap reads {SCHEMA_VERSION}; {writer}")
         )
-    source, learned = _object("source", document["source"]), document.get("learned_cost")
+    source = _object("source", document["source"])
     return {
         "ledger": Ledger(**_counts("ledger", document["ledger"], LEDGER_FIELDS)),
         "rejected": _counts("rejected", document["rejected"]),
@@ -186,10 +187,19 @@ def _facts(document: Mapping[str, Any]) -> dict[str, Any]:
         "speed": _real("speed", document["speed"], least=1e-6),
         "clock_resets": _count("clock_resets", document["clock_resets"]),
         "gap_us": _optional("gap_us", document.get("gap_us"), _count),
-        "learned": Cost(*(_real(name, learned[name]) for name in ("alpha_us", "beta_ns")))
-        if learned
-        else None,
+        "learned": _optional("learned_cost", document.get("learned_cost"), _cost),
+        "opaque": document.get("opaque") is True,
     }
+
+
+def _cost(name: str, value: Any) -> Cost:
+    cost = _object(name, value)
+    return Cost(
+        _real(f"{name}.alpha_us", cost["alpha_us"]),
+        _real(f"{name}.beta_ns", cost["beta_ns"]),
+        _real(f"{name}.noise", cost.get("noise", 0.0)),
+        _optional(f"{name}.one_size", cost.get("one_size"), _count),
+    )
 
 
 def _packages(rows: Mapping[str, Any]) -> NDArray[np.void]:

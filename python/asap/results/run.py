@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from asap import _checks, _core
 from asap._pickling import can_be_pickled
 from asap.results import notebook, run_archive, run_table
-from asap.results.cost import BOUND_KEPT, Cost, bound_needed_us, check_run
+from asap.results.cost import BOUND_KEPT, Cost, bound_needed_us, check_run, fit_cost
 from asap.results.result import Result
 
 if TYPE_CHECKING:
@@ -134,6 +134,8 @@ class Run(Result):
         kept. Not saved.
     learned : Cost or None
         What the scheme had learned of the algorithm's cost by the end; None where it learns none.
+    opaque : bool
+        Whether the algorithm took its packages as a whole, as a Python callable does.
     """
 
     packages: NDArray[np.void]
@@ -152,6 +154,7 @@ class Run(Result):
     slots: NDArray[np.void] | None = None
     kept_mask: NDArray[np.bool_] | None = None
     learned: Cost | None = None
+    opaque: bool = False
 
     def __post_init__(self) -> None:
         if self.learned is None and hasattr(self.scheme, "alpha_us"):
@@ -205,7 +208,10 @@ class Run(Result):
             "latency_bound_us": self.latency_bound_us,
             "bound_kept": self.bound_kept,
             "bound_needed_us": log["bound_needed_us"],
-            "learned_cost": None if self.learned is None else asdict(self.learned),
+            "learned_cost": self.learned
+            and {name: getattr(self.learned, name) for name in ("alpha_us", "beta_ns")},
+            "estimated_cost": log["estimated_cost"] and asdict(log["estimated_cost"]),
+            "opaque": self.opaque,
             "speed": self.speed,
             "ledger": dict(self.ledger),
             "rejected": dict(self.rejected),
@@ -224,8 +230,10 @@ class Run(Result):
         packages = self.packages
         wall_s = self.source["duration_s"] / self.speed
         count = int(packages.size)
+        cost = fit_cost(self)
         return {
-            "bound_needed_us": bound_needed_us(self),
+            "bound_needed_us": bound_needed_us(self, cost),
+            "estimated_cost": cost,
             "packages": {
                 "count": count,
                 "per_s": count / wall_s if wall_s > 0 else 0.0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -157,6 +158,7 @@ _BOTTLENECKS = {
     "bound": "the latency bound",
     "algorithm": "the algorithm",
     "fixed cost": "the fixed cost of a package",
+    "unknown": "not known",
 }
 
 
@@ -172,17 +174,33 @@ def _explanation(run: Run, found: Diagnosis) -> str:
             f"and {_units.duration(run.lateness.max)} at most. Repeat it on a quiet machine, "
             "or in virtual time."
         )
-    per_package = _units.duration(found.cost.alpha_us)
-    per_event = _units.duration(found.cost.beta_ns / 1e3)
-    cost = f"Estimated cost: {per_package} per package + {per_event} per event."
-    return f"{cost} {_remedy(run, found)}"
+    return f"Estimated cost: {_cost(found.cost)}. {_remedy(run, found)}".rstrip()
+
+
+def _cost(cost: Cost) -> str:
+    noise = f"{100 * cost.noise:.0f}"
+    spread = f", +- {noise} %" if noise != "0" else ""
+    per_event_us = cost.beta_ns / 1e3
+    if cost.one_size is None:
+        per_package = _units.duration(cost.alpha_us)
+        return f"{per_package} per package + {_units.duration(per_event_us)} per event{spread}"
+    package = _units.duration(cost.alpha_us + per_event_us * cost.one_size)
+    events = "1 event" if cost.one_size == 1 else f"{_units.count(cost.one_size)} events"
+    return f"{package} per package of {events}{spread}"
 
 
 def _remedy(run: Run, found: Diagnosis) -> str:
     bound = _units.duration(run.latency_bound_us)
     if found.limit == "fixed cost":
         return _impossible(run, found.cost)
-    faster = f"make the algorithm {found.speedup:.1f} times as fast"
+    if found.limit == "unknown":
+        return (
+            "These packages are too few, or too alike in size, to tell what of it is per event. "
+            "Those of another scheme may tell: asap.Greedy() takes all that waits."
+        )
+    if found.cost.one_size is not None:
+        return ""
+    faster = f"make the algorithm {math.ceil(10 * found.speedup) / 10} times as fast"
     if getattr(run.scheme, "parameters", {}).get("rate_bound", found.needed_hz) < found.needed_hz:
         faster += " and raise rate_bound"
     if found.limit == "bound" and found.bound_us is not None:
@@ -195,12 +213,14 @@ def _remedy(run: Run, found: Diagnosis) -> str:
         )
     passes_hz = found.cost.throughput_hz(run.latency_bound_us)
     if passes_hz == float("inf"):
-        return f"The algorithm keeps up with any event rate within {bound}."
-    return (
-        f"The algorithm can process {_units.rate(passes_hz)} within {bound}; "
-        f"{_units.rate(found.offered_hz)} arrived on average."
-        + (" asap.compare shows which scheme processes more." * (found.limit == "scheme"))
-    )
+        passes = f"The algorithm keeps up with any event rate within {bound}."
+    else:
+        passes = (
+            f"The algorithm can process {_units.rate(passes_hz)} within {bound}; "
+            f"{_units.rate(found.offered_hz)} arrived on average."
+        )
+    more = " asap.compare shows which scheme processes more."
+    return passes + more * (found.limit == "scheme")
 
 
 def _impossible(run: Run, cost: Cost) -> str:
