@@ -1,7 +1,6 @@
 """asap.compare and asap.oracle: rows against single runs, the oracle against all schedules."""
 
 import hashlib
-import inspect
 import itertools
 import json
 import threading
@@ -345,15 +344,6 @@ def test_the_usual_schemes_and_with_all_the_rivals():
         *("SingleEvent", "jAER timer", "greedy+PIE", "greedy+rate-gamma", "greedy+clear"),
         *("Clipper AIMD", "Spark PID"),
     }
-
-
-def test_the_old_name_of_baselines_stays_for_one_version():
-    with pytest.warns(DeprecationWarning, match="all is now baselines"):
-        old = asap.compare(EVENTS[:2000], cost=COST, all=True)
-    assert old == asap.compare(EVENTS[:2000], cost=COST, baselines=True)
-    with pytest.raises(TypeError, match="old name of baselines"):
-        asap.compare(EVENTS[:2000], cost=COST, all=True, baselines=True)
-    assert "all" not in inspect.signature(asap.compare).parameters
 
 
 def test_the_usual_schemes_are_what_their_labels_say():

@@ -180,6 +180,3 @@ def test_a_comparison_has_one_in_each_row():
         label: run.gap_us for label, run in found.runs.items()
     }
     assert all(type(one["gap_us"]) is int for one in found.summary()["schemes"])
-    row = found.rows[0]
-    with pytest.warns(DeprecationWarning, match="gap_ms is now gap_us"):
-        assert row.gap_ms == row.gap_us // 1000

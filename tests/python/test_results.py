@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import pickle
 import re
 import sys
 from collections.abc import Callable, Mapping
@@ -147,17 +146,3 @@ def test_a_comparison_maps_labels_to_rows() -> None:
     assert found["D"].scheme == "deadline" and found.get("Deadline") is None
     with pytest.raises(KeyError):
         found["Deadline"]
-
-
-def test_rows_of_an_iteration_stay_for_one_version() -> None:
-    found = compared()
-    with pytest.warns(DeprecationWarning, match=r"iterate comparison\.rows"):
-        assert [row.score for row in found] == [row.score for row in found.rows]  # type: ignore[attr-defined]
-    assert not hasattr(next(iter(found)), "scor")
-    for twin in (json.loads(json.dumps([*found])), pickle.loads(pickle.dumps([*found]))):
-        assert twin == [*found] and {type(label) for label in twin} == {str}
-
-
-def test_the_old_name_of_a_curves_summary_stays_for_one_version() -> None:
-    with pytest.warns(DeprecationWarning, match=r"summary\(\)"):
-        assert scored().to_dict() == scored().summary()

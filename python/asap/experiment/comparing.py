@@ -17,7 +17,6 @@ from asap.synthetic import joined
 _DEFAULT_LATENCY_MS = 10.0
 
 
-@_checks.renamed(all="baselines")
 def compare(
     source: Any,
     *,

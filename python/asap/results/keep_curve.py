@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import warnings
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -119,11 +118,6 @@ class KeepCurve(Result):
         from asap.report import accuracy_report
 
         return accuracy_report.write(self, path)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the `summary`, by its old name."""
-        warnings.warn("to_dict() is now summary()", DeprecationWarning, stacklevel=2)
-        return self.summary()
 
     def _repr_html_(self) -> str:
         return notebook.keep_curve_html(self)
