@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import asap
+from asap_laboratory import scenes
 from event_files import recording
 
 Vectors = NDArray[np.float64]
@@ -54,7 +55,7 @@ def rotating_pipe(begin_us: int = 750_000, end_us: int = 1_500_000) -> Judged:
 def disk(seed: int, noise_hz: float = 5.0) -> Judged:
     """A disk of radius 20 px, 160 to 400 px/s; the rim that moves along itself is not judged."""
     radius = 20.0
-    scene = asap.scenes.timing(
+    scene = scenes.timing(
         1, 160, 160, 400, (radius, radius), seed, noise_hz=noise_hz, duration_s=0.2
     )
     events = scene.events

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import asap
+from asap_laboratory import profiles
 
 LONG = bool(os.environ.get("ASAP_LONG_TESTS"))
 MOST_EVENTS = 4e6 if LONG else 1e6
@@ -23,7 +24,7 @@ SHAPES = ("constant", "square", "on and off", "ramp", "spikes", "sine", "walk")
 class Draw(NamedTuple):
     """A stream and an algorithm, L in ms, and whether the cost jumps by up to four times."""
 
-    profile: asap.profiles.Profile
+    profile: profiles.Profile
     cost: asap.LinearCost
     latency_ms: float
     jumps: bool
@@ -60,7 +61,7 @@ def draw(seed):
     kind = int(random.integers(3))
     noise = float(random.choice([0, 0, 0.05, 0.15]))
     return Draw(
-        asap.profiles.Profile(rate, duration_s=duration_s, seed=seed),
+        profiles.Profile(rate, duration_s=duration_s, seed=seed),
         asap.LinearCost(
             alpha_us, beta_ns, noise=noise, seed=seed, drift=[None, swings, jumps][kind]
         ),

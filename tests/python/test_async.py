@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import asap
+from asap_laboratory import scenes, score
 
 EVENTS = np.zeros(5, asap.EVENT_DTYPE)
 COST = asap.LinearCost(1, 1)
@@ -81,7 +82,7 @@ DOORS: dict[str, tuple[str, Callable[[Any], Any]]] = {
     ),
     "Pipeline": ("algorithm", asap.Pipeline),
     "Pipeline, before": ("before", lambda worker: asap.Pipeline(before=worker)),
-    "score": ("tracker", lambda worker: asap.score(worker, asap.scenes.A())),
+    "score": ("tracker", lambda worker: score(worker, scenes.A())),
 }
 
 

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import asap
 from asap import EVENT_DTYPE, ClusterTracker
+from asap_laboratory import scenes, score
 
 WIDTH, HEIGHT = 346, 260
 FIELDS = ["id", "x", "y", "vx", "vy", "cxx", "cxy", "cyy", "size", "t_last", "pxx", "pxy", "pyy"]
@@ -110,8 +111,8 @@ def test_asking_changes_nothing(engine: str, kept: float, seed: int) -> None:
 
 
 def test_errors_are_as_large_as_stated() -> None:
-    for scene in (asap.scenes.B(seed=20), asap.scenes.C(seed=20)):
-        found = asap.score(ClusterTracker(scene.width, scene.height), scene)
+    for scene in (scenes.B(seed=20), scenes.C(seed=20)):
+        found = score(ClusterTracker(scene.width, scene.height), scene)
         assert 1 < found["nees"] < 4
 
 

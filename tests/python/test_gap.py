@@ -175,7 +175,7 @@ def test_the_table_and_the_verdict_tell_a_long_one():
 
 
 def test_a_comparison_has_one_in_each_row():
-    found = asap.compare(uneven(1), cost=SLOW, latency_ms=4, baselines=True)
+    found = asap.compare(uneven(1), cost=SLOW, latency_ms=4)
     assert {row.label: row.gap_us for row in found.rows} == {
         label: run.gap_us for label, run in found.runs.items()
     }

@@ -11,7 +11,8 @@ import pytest
 
 import asap
 import streams
-from asap import profiles, scenes, synthetic
+from asap import synthetic
+from asap_laboratory import keep_curve, profiles, scenes
 from labelled_folders import folder
 from test_signatures import MADE
 
@@ -68,7 +69,7 @@ def test_what_was_found_stands_in_angle_brackets(tmp_path: Path) -> None:
         asap.compare(events, cost=COST, schemes=[asap.Greedy()]),
         asap.check(path),
         asap.read(path),
-        asap.keep_curve(asap.EFast, scenes.corners(duration_s=0.2), gammas=[1], seeds=[0]),
+        keep_curve(asap.EFast, scenes.corners(duration_s=0.2), gammas=[1], seeds=[0]),
         asap.Pipeline(),
         scenes.A(),
         scenes.A().thin(0.5),

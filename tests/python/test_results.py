@@ -14,8 +14,9 @@ import pytest
 
 import asap
 import streams
-from asap.results.keep_curve import Scored
 from asap.results.result import Result
+from asap_laboratory import KeepCurve
+from asap_laboratory.scoring.result import Scored
 from test_run_report import Page
 
 EVENTS = streams.poisson(1e5, 0.02)
@@ -29,9 +30,9 @@ def compared() -> asap.Comparison:
     return asap.compare(EVENTS, cost=COST, schemes={EVIL: asap.Greedy(), "D": asap.Deadline()})
 
 
-def scored() -> asap.KeepCurve:
+def scored() -> KeepCurve:
     runs = [Scored(gamma, None if gamma == 1 else True, 0, FIGURES) for gamma in (1.0, 0.5)]
-    return asap.KeepCurve(EVIL, "A", None, runs)
+    return KeepCurve(EVIL, "A", None, runs)
 
 
 def inspected() -> asap.Inspection:
@@ -42,7 +43,7 @@ RESULTS: dict[type[Result], Callable[[], Any]] = {
     asap.Run: lambda: asap.simulate(EVENTS, cost=COST),
     asap.Comparison: compared,
     asap.Inspection: inspected,
-    asap.KeepCurve: scored,
+    KeepCurve: scored,
 }
 
 
@@ -115,7 +116,7 @@ def test_a_notebook_shows_a_table_and_the_verdict(result: Any) -> None:
     verdict = re.findall(r"^(?:Verdict|Bottleneck): (.{0,30})", str(result), re.M)
     assert len(verdict) == isinstance(result, (asap.Run, asap.Inspection))
     assert all(words in shown.replace("\xa0", " ") for words in verdict)
-    if not isinstance(result, asap.KeepCurve):
+    if not isinstance(result, KeepCurve):
         assert "Verdict:" in shown
 
 

@@ -63,7 +63,7 @@ def study(
     workers: int | None = None,
     fresh: bool = False,
     figures: bool = True,
-    command: str = "asap study",
+    command: str = "asap-study",
     on_progress: OnProgress | None = None,
 ) -> Study:
     """Compare all schemes over profiles and cost models; write study.md, figures and a state file.

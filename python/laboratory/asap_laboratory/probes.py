@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from asap import _core
 from asap.experiment import simulate
 from asap.experiment.side_by_side import CheckedStream, side_by_side
-from asap.profiles import COSTS, Profile, scenario
 from asap_laboratory.contenders import contender
+from asap_laboratory.profiles import COSTS, Profile, scenario
 
 BOUNDS = (100, 50, 20, 10, 5)
 """Latency bounds of the `FewProbe`, fixed costs."""

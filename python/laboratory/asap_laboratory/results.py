@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
-from asap.profiles import LATENCY_MS
 from asap_laboratory.accuracy.cases import Accuracy, AccuracyCase
 from asap_laboratory.cases import NAMED, Case
 from asap_laboratory.contenders import HINDSIGHT
@@ -13,6 +12,7 @@ from asap_laboratory.ladder.cases import LadderCase, LadderReplay, Outcomes
 from asap_laboratory.ladder.cost import CostCase, Costs
 from asap_laboratory.measure import Figures, Measured
 from asap_laboratory.probes import Few, FewProbe, Probe, Steady, Window
+from asap_laboratory.profiles import LATENCY_MS
 from asap_laboratory.rivals.cases import RecordingCase, Rivalry, RivalsCase
 
 Task: TypeAlias = (

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from asap.accuracy import KeepCurve, KeepRow
-from asap.results import accuracy_table
 from asap_laboratory.document import origin
+from asap_laboratory.scoring import KeepCurve, KeepRow
+from asap_laboratory.scoring import table as accuracy_table
 from asap_laboratory.tables import markdown
 
 _OPENING = """\
@@ -80,7 +80,7 @@ def write(
 
 
 def by_scene(curves: Sequence[KeepCurve], column: str) -> str:
-    """Write one figure of `asap.score` as Markdown: algorithms and gammas by scenes.
+    """Write one figure of `asap_laboratory.score` as Markdown: algorithms and gammas by scenes.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ def ladder_study(
     workers: int | None = None,
     fresh: bool = False,
     figures: bool = True,
-    command: str = "asap study --ladder",
+    command: str = "asap-study --ladder",
     on_progress: OnProgress | None = None,
 ) -> LadderStudy:
     """Put every consumer to the same overloading stream; write ladder.md, ladder.svg, a state file.

@@ -38,7 +38,7 @@ cost: most events within L of those whose p99 is within L. Asap2020 knows the tr
 _ACCURACY = """\
 MOTA of the trackers, F of the corner detectors; mean and standard deviation over the seeds. "All
 events": none discarded, no latency. *Delivered*: asked every 5 ms after the last event before it
-that got through, as `asap.score` does, so that latency costs nothing. *In use*: asked what is known
+that got through, as `score` does, so that latency costs nothing. *In use*: asked what is known
 at that moment, from the packages that were finished by then, against the truth of that moment: what
 a robot gets. For corners, F of the delivered events among themselves, and of all events of the
 stream, where an event that was discarded or late is no corner. Each baseline had the latency that

@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from asap.accuracy import KeepCurve
-from asap.results import accuracy_table
 from asap_laboratory.accuracy.document import label_of
 from asap_laboratory.document import origin
 from asap_laboratory.real.document import HEAD, figure_cells
 from asap_laboratory.rivals.cases import OURS
+from asap_laboratory.scoring import KeepCurve
+from asap_laboratory.scoring import table as accuracy_table
 from asap_laboratory.tables import markdown
 
 NO_RECORDINGS = "Not measured: no labelled recordings were here."
@@ -52,7 +52,7 @@ the scene after the other. Frames cost by the image, so by the event they are de
 few."""
 
 _RECORDINGS = """\
-As `asap study --real` scores: a box is hit when the centre of a cluster lies inside or up to 2 px
+As `asap-study --real` scores: a box is hit when the centre of a cluster lies inside or up to 2 px
 beyond. The recordings belong to third parties and are not distributed."""
 
 _DETAILS = """\
