@@ -7,7 +7,7 @@ import pytest
 
 import asap
 import streams
-from asap_laboratory import score
+from asap_laboratory import scenes, score
 from asap_laboratory.scoring.trace import passed
 from fake_scene import CLUSTER_DTYPE, FakeScene, FakeTracker, perfect
 
@@ -321,3 +321,18 @@ def test_a_scene_without_events_or_samples_has_no_figures():
         found = score(perfect(scene, ids=by_truth(scene)), scene)
         assert math.isnan(found["mota"]) and math.isnan(found["event_accuracy"])
         assert found["processed"] == scene.events.size
+
+
+def test_an_async_tracker_is_refused():
+    class Async:
+        async def process(self, events):
+            return events
+
+    with pytest.raises(TypeError, match=r"^tracker = .*asyncio\.to_thread"):
+        score(Async(), scenes.A())
+
+
+def test_the_errors_of_the_cluster_tracker_are_as_large_as_stated():
+    for scene in (scenes.B(seed=20), scenes.C(seed=20)):
+        found = score(asap.ClusterTracker(scene.width, scene.height), scene)
+        assert 1 < found["nees"] < 4

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import asap
-from asap_laboratory import scenes, score
 
 EVENTS = np.zeros(5, asap.EVENT_DTYPE)
 COST = asap.LinearCost(1, 1)
@@ -82,7 +81,6 @@ DOORS: dict[str, tuple[str, Callable[[Any], Any]]] = {
     ),
     "Pipeline": ("algorithm", asap.Pipeline),
     "Pipeline, before": ("before", lambda worker: asap.Pipeline(before=worker)),
-    "score": ("tracker", lambda worker: score(worker, scenes.A())),
 }
 
 

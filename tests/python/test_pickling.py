@@ -19,6 +19,9 @@ import pytest
 import asap
 import streams
 from asap import _core, _pickling, synthetic
+
+pytest.importorskip("asap_laboratory")
+
 from asap_laboratory import keep_curve, profiles, scenes
 
 EVENTS = streams.make(np.arange(2000) * 50, x=np.arange(2000) % 20, y=3)

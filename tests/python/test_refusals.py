@@ -19,6 +19,11 @@ import pytest
 
 import asap
 from asap import _core, analysis, synthetic
+from children import run_script
+from threads import TRIES
+
+pytest.importorskip("asap_laboratory")
+
 from asap_laboratory import (
     accuracy_study,
     keep_curve,
@@ -30,9 +35,7 @@ from asap_laboratory import (
     score,
     study,
 )
-from children import run_script
 from fake_scene import FakeScene
-from threads import TRIES
 
 EVENTS = np.zeros(5, asap.EVENT_DTYPE)
 CLASSES = [item for item in vars(_core).values() if isinstance(item, type)]
