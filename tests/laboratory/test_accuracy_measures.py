@@ -1,13 +1,12 @@
-"""Measures with a literature: by hand, and beside libraries that are well kept."""
+"""Measures with a literature, by hand."""
 
-import itertools
 import math
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from asap_laboratory.scoring.matching import assign, distances, match
+from asap_laboratory.scoring.matching import match
 from asap_laboratory.scoring.measures import (
     SETTLED_US,
     hota,
@@ -37,61 +36,7 @@ def samples_of(objects, clusters, covariances=None):
     return found
 
 
-def wild(seed, length=60):
-    """Objects that wander, clusters that are born, err, swap and vanish."""
-    rng = np.random.default_rng(seed)
-    places = rng.uniform(20, 80, (5, 2))
-    names = list(range(100, 105))
-    objects, clusters = [], []
-    for number in range(length):
-        places += rng.normal(0, 2, places.shape)
-        if number % 10 == 9:
-            names[rng.integers(5)] = 200 + number
-            i, j = rng.integers(5, size=2)
-            names[i], names[j] = names[j], names[i]
-        there = [k for k in range(5) if rng.random() < 0.9]
-        found = [k for k in range(5) if rng.random() < 0.8]
-        objects.append({k: places[k].copy() for k in there})
-        clusters.append({names[k]: places[k] + rng.normal(0, 4, 2) for k in found})
-        if rng.random() < 0.3:
-            clusters[-1][999] = rng.uniform(20, 80, 2)
-    return samples_of(objects, clusters)
-
-
 HERE, NEAR, THERE = (50.0, 50.0), (50.0, 56.0), (150.0, 50.0)
-
-
-# ---- assignment -----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("shape", [(4, 4), (3, 5), (5, 3), (1, 1), (0, 3), (3, 0)])
-def test_assignment_is_the_best_of_all(shape):
-    rng = np.random.default_rng(sum(shape))
-    for _ in range(20):
-        cost = rng.integers(-9, 9, shape).astype(float)
-        rows, columns = assign(cost)
-        assert rows.size == columns.size == min(shape)
-        assert np.all(np.diff(rows) > 0) and np.unique(columns).size == columns.size
-        wide = cost if shape[0] <= shape[1] else cost.T
-        ways = itertools.permutations(range(wide.shape[1]), wide.shape[0])
-        best = min(sum(wide[i, j] for i, j in enumerate(way)) for way in ways)
-        assert cost[rows, columns].sum() == best
-
-
-def test_assignment_costs_what_scipys_does():
-    scipy_optimize = pytest.importorskip("scipy.optimize")
-    rng = np.random.default_rng(0)
-    for number in range(40):
-        n, m = rng.integers(1, 60, 2)
-        cost = rng.normal(size=(n, m)) if number % 2 else rng.integers(0, 4, (n, m)) * 1.0
-        expected = cost[scipy_optimize.linear_sum_assignment(cost)].sum()
-        assert cost[assign(cost)].sum() == pytest.approx(expected, abs=1e-9)
-
-
-@pytest.mark.parametrize("cost", [[1.0, 2.0], [[1.0, math.nan]], [[math.inf]]])
-def test_assignment_refuses_what_has_no_answer(cost):
-    with pytest.raises(ValueError, match="must be a matrix of finite numbers"):
-        assign(cost)
 
 
 # ---- IDF1 and HOTA --------------------------------------------------------------------------
@@ -111,6 +56,11 @@ def test_idf1_assigns_all_tracks_together():
     objects = [{0: HERE}] * 5 + [{1: HERE}] * 4 + [{0: HERE}] * 3
     clusters = [{7: HERE}] * 5 + [{7: HERE}] * 4 + [{8: HERE}] * 3
     assert idf1(match(samples_of(objects, clusters))) == 2 * (4 + 3) / 24
+
+
+def test_idf1_agrees_up_to_the_gate():
+    # 11 px is nearer than the gate of 12 px, 12 px is not.
+    assert idf1(match(samples_of([{0: HERE}] * 2, [{7: (61, 50)}, {7: (62, 50)}]))) == 2 * 1 / 4
 
 
 def test_clusters_that_are_excused_do_not_count():
@@ -158,43 +108,6 @@ def test_noise_that_leaks_counts_once_it_is_settled():
     assert noise_leak(trace) == 1.0
 
 
-def trackeval_data(matches):
-    """Data as TrackEval's metrics take them."""
-    objects = sorted({int(one) for m in matches for one in m.sample.objects})
-    ids = sorted({int(one) for m in matches for one in m.sample.clusters.ids[m.counted]})
-    truth = [np.searchsorted(objects, m.sample.objects[m.sample.active]) for m in matches]
-    seen = [np.searchsorted(ids, m.sample.clusters.ids[m.counted]) for m in matches]
-    similar = [
-        np.maximum(0, 1 - distances(m.sample) / 24)[np.ix_(m.sample.active, m.counted)]
-        for m in matches
-    ]
-    return {
-        "num_gt_ids": len(objects),
-        "num_tracker_ids": len(ids),
-        "num_gt_dets": sum(map(len, truth)),
-        "num_tracker_dets": sum(map(len, seen)),
-        "num_timesteps": len(matches),
-        "gt_ids": truth,
-        "tracker_ids": seen,
-        "similarity_scores": similar,
-    }
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_idf1_and_hota_are_trackevals(seed):
-    trackeval = pytest.importorskip("trackeval")
-    matches = match(wild(seed))
-    data = trackeval_data(matches)
-    identity = trackeval.metrics.Identity({"THRESHOLD": 0.5 + 1e-9, "PRINT_CONFIG": False})
-    assert idf1(matches) == pytest.approx(identity.eval_sequence(data)["IDF1"])
-    theirs = trackeval.metrics.HOTA().eval_sequence(data)
-    found = hota(matches)
-    assert found.hota == pytest.approx(theirs["HOTA"].mean())
-    assert found.detection == pytest.approx(theirs["DetA"].mean())
-    assert found.association == pytest.approx(theirs["AssA"].mean())
-    assert 0.2 < found.hota < 0.7 and 0.2 < idf1(matches) < 0.8
-
-
 # ---- partitions -----------------------------------------------------------------------------
 
 
@@ -210,19 +123,6 @@ def test_partitions_by_hand():
     mixed = compare_partitions([1, 1, 1, 2], [8, 8, 9, 9])
     assert mixed.f_measure == pytest.approx((3 * 4 / 5 + 2 / 3) / 4)
     assert all(map(math.isnan, compare_partitions([], [])))
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_partitions_are_scikit_learns(seed):
-    sklearn = pytest.importorskip("sklearn.metrics")
-    rng = np.random.default_rng(seed)
-    labels = rng.integers(-1, 4, 500)
-    ids = np.where(rng.random(500) < 0.7, labels * 3 + rng.integers(0, 2, 500), -1)
-    found = compare_partitions(labels, ids)
-    h, c, v = sklearn.homogeneity_completeness_v_measure(labels, ids)
-    assert found[:3] == pytest.approx((h, c, v))
-    assert found.ari == pytest.approx(sklearn.adjusted_rand_score(labels, ids))
-    assert 0.1 < found.v_measure < 0.9 and 0.1 < found.ari < 0.9
 
 
 # ---- NEES -----------------------------------------------------------------------------------
@@ -250,15 +150,6 @@ def test_nees_of_a_consistent_tracker_lies_in_the_interval():
     assert found.nees_low < found.nees < found.nees_high
     bold = nees(match(samples_of([{0: HERE}] * 500, clusters, [[covariance / 2]] * 500)))
     assert bold.nees > bold.nees_high
-
-
-@pytest.mark.parametrize("count", [1, 2, 17, 500, 5600])
-def test_interval_is_the_chi_squares(count):
-    stats = pytest.importorskip("scipy.stats")
-    expected = stats.chi2.ppf([0.025, 0.975], 2 * count) / count
-    assert mean_chi_square_interval(count) == pytest.approx(expected, rel=1e-9)
-    outer = stats.chi2.ppf([0.005, 0.995], 2 * count) / count
-    assert mean_chi_square_interval(count, 0.99) == pytest.approx(outer, rel=1e-9)
 
 
 def test_interval_of_one_error_in_closed_form():

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
-from asap_laboratory.scoring.matching import assign
 from asap_laboratory.scoring.measures import ratio
 from asap_laboratory.scoring.trace import Snapshot
 
@@ -152,7 +152,7 @@ def _matched(
     """Rows of the boxes and of the clusters that go together."""
     ids_before = np.array([last.get(label, -1) for label in labels.tolist()])
     cost = np.minimum(distance + _NEW_ID * (ids != ids_before[:, None]), _APART)
-    pairs = zip(*(side.tolist() for side in assign(cost)), strict=True)
+    pairs = zip(*(side.tolist() for side in linear_sum_assignment(cost)), strict=True)
     return [(row, column) for row, column in pairs if np.isfinite(distance[row, column])]
 
 

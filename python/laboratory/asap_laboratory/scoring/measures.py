@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections import Counter, defaultdict
-from collections.abc import Callable, Sequence
+from collections import defaultdict
+from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
-from asap_laboratory.scoring.matching import Matched, assign, distances, gates
+from asap_laboratory.scoring.matching import Matched, distances, gates
 from asap_laboratory.scoring.scene import NOISE
 from asap_laboratory.scoring.trace import Trace
+
+_ROUNDING = 1e-9
 
 
 class Mota(NamedTuple):
@@ -82,30 +85,14 @@ def idf1(matches: Sequence[Matched]) -> float:
     apart. NaN without any object or cluster. Ristani, Solera, Zou, Cucchiara, Tomasi: Performance
     Measures and a Data Set for Multi-Target, Multi-Camera Tracking, 2016.
     """
-    together: Counter[tuple[int, int]] = Counter()
-    samples_of_objects = samples_of_ids = 0
-    for one in matches:
-        sample = one.sample
-        near = (distances(sample) < gates(sample)) & sample.active[:, None] & one.counted
-        for row, column in zip(*np.nonzero(near), strict=True):
-            together[int(sample.objects[row]), int(sample.clusters.ids[column])] += 1
-        samples_of_objects += int(sample.active.sum())
-        samples_of_ids += int(one.counted.sum())
-    true_positives = _most_agreements(together)
-    return ratio(2 * true_positives, samples_of_objects + samples_of_ids)
+    import trackeval
 
-
-def _most_agreements(together: Counter[tuple[int, int]]) -> int:
-    objects = sorted({pair[0] for pair in together})
-    ids = sorted({pair[1] for pair in together})
-    table = np.zeros((len(objects), len(ids)))
-    for (label, id), count in together.items():
-        table[objects.index(label), ids.index(id)] = count
-    return int(table[assign(-table)].sum())
-
-
-_THRESHOLDS = np.arange(0.05, 0.99, 0.05)
-_ROUNDING = 1e-9  # a similarity of just the threshold is enough
+    sequence = _sequence(matches)
+    if not sequence["num_gt_dets"] + sequence["num_tracker_dets"]:
+        return float("nan")
+    # A similarity of just one half is at the gate: that is no agreement.
+    metric = trackeval.metrics.Identity({"THRESHOLD": 0.5 + _ROUNDING, "PRINT_CONFIG": False})
+    return float(metric.eval_sequence(sequence)["IDF1"])
 
 
 class Hota(NamedTuple):
@@ -116,14 +103,6 @@ class Hota(NamedTuple):
     association: float  #: AssA: mean over the TP of TPA / (TPA + FNA + FPA)
 
 
-class _Frame(NamedTuple):
-    """Active objects and counted clusters of a sample, as rows and columns of the whole scene."""
-
-    rows: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    similarity: NDArray[np.float64]  # max(0, 1 - d / 2 gates): one half at the gate
-
-
 def hota(matches: Sequence[Matched]) -> Hota:
     """Score detection and association of active objects and counted clusters; NaN without any.
 
@@ -131,64 +110,40 @@ def hota(matches: Sequence[Matched]) -> Hota:
     the matching of its authors' TrackEval: in each sample the assignment that maximises the sum of
     similarity times the agreement of the two tracks over the whole scene.
     """
-    frames, objects, ids = _frames(matches)
-    samples_of_object, samples_of_id = np.zeros(objects), np.zeros(ids)
-    agreement = np.zeros((objects, ids))
-    for frame in frames:
-        samples_of_object[frame.rows] += 1
-        samples_of_id[frame.columns] += 1
-        similar = frame.similarity
-        either = similar.sum(0)[None, :] + similar.sum(1)[:, None] - similar
-        agreement[np.ix_(frame.rows, frame.columns)] += _share(similar, either)
-    both = samples_of_object[:, None] + samples_of_id[None, :]
-    agreement = _share(agreement, both - agreement)
+    import trackeval
 
-    together = np.zeros((_THRESHOLDS.size, objects, ids))
-    for frame in frames:
-        worth = agreement[np.ix_(frame.rows, frame.columns)] * frame.similarity
-        row, column = assign(-worth)
-        enough = frame.similarity[row, column] >= _THRESHOLDS[:, None] - _ROUNDING
-        together[:, frame.rows[row], frame.columns[column]] += enough
-    true_positives = together.sum((1, 2))
-    detection = _share(true_positives, _united(samples_of_object, samples_of_id, true_positives))
-    association = _share((together * _share(together, both - together)).sum((1, 2)), true_positives)
-    if objects == 0 and ids == 0:
+    sequence = _sequence(matches)
+    if not sequence["num_gt_dets"] + sequence["num_tracker_dets"]:
         return Hota(*[float("nan")] * 3)
-    return Hota(
-        float(np.sqrt(detection * association).mean()),
-        float(detection.mean()),
-        float(association.mean()),
-    )
+    found = trackeval.metrics.HOTA().eval_sequence(sequence)
+    return Hota(*(float(np.mean(found[name])) for name in ("HOTA", "DetA", "AssA")))
 
 
-def _united(
-    objects: NDArray[np.float64], ids: NDArray[np.float64], shared: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """TP + FN + FP: all samples of objects and ids, the shared ones once."""
-    return np.asarray(objects.sum() + ids.sum() - shared)
+def _sequence(matches: Sequence[Matched]) -> dict[str, Any]:
+    """Active objects and counted clusters of every sample, as TrackEval's metrics take them.
 
-
-def _frames(matches: Sequence[Matched]) -> tuple[list[_Frame], int, int]:
+    Their similarity is max(0, 1 - d / 2 gates): one half at the gate.
+    """
     objects: dict[int, int] = {}
     ids: dict[int, int] = {}
-    frames = []
+    truth, seen, similarities = [], [], []
     for one in matches:
         sample = one.sample
+        there, found = sample.objects[sample.active], sample.clusters.ids[one.counted]
+        truth.append(np.array([objects.setdefault(o, len(objects)) for o in there.tolist()], int))
+        seen.append(np.array([ids.setdefault(i, len(ids)) for i in found.tolist()], int))
         similarity = np.maximum(0.0, 1 - distances(sample) / (2 * gates(sample)))
-        seen, found = sample.objects[sample.active], sample.clusters.ids[one.counted]
-        frames.append(
-            _Frame(
-                np.array([objects.setdefault(o, len(objects)) for o in seen.tolist()], np.int64),
-                np.array([ids.setdefault(i, len(ids)) for i in found.tolist()], np.int64),
-                similarity[np.ix_(sample.active, one.counted)],
-            )
-        )
-    return frames, len(objects), len(ids)
-
-
-def _share(part: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Divide; 0 of nothing is 0."""
-    return np.divide(part, whole, out=np.zeros_like(part), where=whole > 0)
+        similarities.append(similarity[np.ix_(sample.active, one.counted)])
+    return {
+        "num_timesteps": len(matches),
+        "num_gt_ids": len(objects),
+        "num_tracker_ids": len(ids),
+        "num_gt_dets": sum(map(len, truth)),
+        "num_tracker_dets": sum(map(len, seen)),
+        "gt_ids": truth,
+        "tracker_ids": seen,
+        "similarity_scores": similarities,
+    }
 
 
 _DIMENSIONS = 2
@@ -227,28 +182,10 @@ def nees(matches: Sequence[Matched]) -> Nees:
 
 
 def mean_chi_square_interval(count: int, probability: float = 0.95) -> tuple[float, float]:
-    """Where the mean of `count` independent chi-squares of 2 degrees of freedom lies; tails alike.
-
-    Exact: the sum exceeds x where a Poisson variable of mean x / 2 is less than `count`.
-    """
+    """Where the mean of `count` chi-squares of 2 degrees of freedom lies; both tails alike."""
     tail = (1 - probability) / 2
-    log_factorial = np.concatenate([[0.0], np.cumsum(np.log(np.arange(1, count)))])
-    numbers = np.arange(count)
-
-    def exceeds(mean: float) -> float:
-        log_rate = math.log(mean * count / _DIMENSIONS)
-        logs = numbers * log_rate - mean * count / _DIMENSIONS - log_factorial
-        return float(np.exp(np.logaddexp.reduce(logs)))
-
-    return _root(exceeds, 1 - tail), _root(exceeds, tail)
-
-
-def _root(falling: Callable[[float], float], value: float) -> float:
-    low, high = 1e-9, 64.0
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if falling(middle) > value else (low, middle)
-    return (low + high) / 2
+    low, high = chi2.ppf((tail, 1 - tail), _DIMENSIONS * count) / count
+    return float(low), float(high)
 
 
 SETTLED_US = 200_000  #: events before it do not count
