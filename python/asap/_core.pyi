@@ -367,7 +367,6 @@ class Oracle(metaclass=_pybind11_type):
 def exact_clairvoyant(
     events: _Events, cost: LinearCost, latency_us: float, most_steps: float = 8e10
 ) -> int: ...
-def clairvoyant_latency_us(events: _Events, cost: LinearCost, bin_us: float = 10.0) -> float: ...
 
 # formats
 

@@ -118,6 +118,7 @@ PYBIND11_MODULE(_native, m) {
   pybind11::module_::import("asap._core");  // the types that ours derive from
   asap::python::watch_exit_and_fork();
   asap::python::bind_arrivals(m);
+  asap::python::bind_clairvoyant(m);
   asap::python::bind_rivals(m);
   asap::python::bind_scenes(m);
   asap::python::bind_jaer_cluster_tracker(m);

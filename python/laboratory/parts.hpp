@@ -6,6 +6,7 @@
 namespace asap::python {
 
 void bind_arrivals(pybind11::module_& m);
+void bind_clairvoyant(pybind11::module_& m);
 void bind_rivals(pybind11::module_& m);
 void bind_scenes(pybind11::module_& m);
 

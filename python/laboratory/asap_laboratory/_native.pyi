@@ -128,3 +128,7 @@ class ClipperAimd(Scheme):
 
 class SparkPid(Scheme):
     def __init__(self, latency_ms: float) -> None: ...
+
+# clairvoyant
+
+def clairvoyant_latency_us(events: _Events, cost: LinearCost, bin_us: float = 10.0) -> float: ...
