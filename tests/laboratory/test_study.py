@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import dataclasses
 import json
 import os
@@ -17,7 +18,7 @@ import pytest
 import asap
 import asap_laboratory
 import streams
-from asap_laboratory import Case, Results, document, measure, reference, tables
+from asap_laboratory import Case, Results, document, measure, reference, tables, writer
 from asap_laboratory.cases import FORMS, NAMED, cases
 from asap_laboratory.cli import main
 from asap_laboratory.contenders import HINDSIGHT, PRIORS, TABLE, contender
@@ -597,7 +598,7 @@ def test_steps_in_detail():
 
 
 def test_origin_names_command_time_and_machine():
-    words = document.origin("asap-study --full", 90.0)
+    words = writer.origin("asap-study --full", 90.0)
     assert words.startswith("`asap-study --full`, ")
     assert f"{os.cpu_count()} cores" in words
     assert words.endswith("; 1.5 minutes of processor time")
@@ -616,12 +617,17 @@ def test_document_names_machine_command_and_misses(tmp_path):
         figures=[tmp_path / "scores.svg"],
     )
     text = path.read_text()
-    assert f"{document.origin('asap-study --full', 90.0)}. Form full" in text
+    assert f"{writer.origin('asap-study --full', 90.0)}. Form full" in text
     assert "![scores](scores.svg)" in text
     assert text.count("**FAIL**") == 1
     assert "| G1 |" in next(line for line in text.splitlines() if "**FAIL**" in line)
     for model in LATENCY_MS:
         assert f"## {model}\n" in text
+    with (tmp_path / "study.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert {row["contender"] for row in rows} == set(results.contenders())
+    ours = [float(row["score"]) for row in rows if row["contender"] == "Deadline"]
+    assert ours == [one.figures.score for one in results.findings("Deadline")]
 
 
 def test_figures_are_drawn_from_results(tmp_path):

@@ -1,5 +1,6 @@
 """asap-study --accuracy: what it runs, what it keeps, what it writes."""
 
+import csv
 import json
 import math
 import sys
@@ -149,7 +150,11 @@ def test_the_study_writes_and_goes_on_where_it_stopped(small, tmp_path):
     assert found.missing == ["next"]
     assert found.curves[0].rows[0].mean["mota"] == 1
     assert [row.told for row in found.curves[-1]] == [None, False]
-    assert found.paths == [tmp_path / "accuracy.md"]
+    assert found.paths == [tmp_path / "accuracy.md", tmp_path / "accuracy.csv"]
+    with found.paths[1].open() as file:
+        rows = list(csv.DictReader(file))
+    assert float(rows[0]["mota"]) == 1
+    assert len(rows) == sum(len(curve.scored) for curve in found.curves)
     small.clear()
     again = accuracy_study(tmp_path, form="quick", executor=AtOnce(), figures=False)
     assert small == [] and again.taken_from_file == 5
@@ -171,10 +176,10 @@ def test_the_document_names_command_seeds_and_what_is_missing(small, tmp_path):
 def test_every_scene_has_its_figure(small, tmp_path):
     pytest.importorskip("matplotlib")
     found = accuracy_study(tmp_path, form="quick", executor=AtOnce())
-    names = [path.name for path in found.paths[1:]]
+    names = [path.name for path in found.paths[2:]]
     assert names == ["accuracy_A.svg", "accuracy_E.svg", "accuracy_corners_slow.svg"]
     assert "![accuracy A](accuracy_A.svg)" in found.paths[0].read_text()
-    text = found.paths[1].read_text()
+    text = found.paths[2].read_text()
     assert "scene A" in text and "BAF + best, not told" in text
 
 

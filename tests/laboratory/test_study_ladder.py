@@ -313,7 +313,10 @@ def test_quick_form_writes_what_it_says_and_goes_on_where_it_stopped(missing, tm
     assert 0 < efast.virtual[OURS]["in_use"].mean < efast.alone.mean < 1
     assert compat.virtual[OURS]["in_use"].mean < compat.alone.mean
     text = (tmp_path / "ladder.md").read_text()
-    assert found.paths == [tmp_path / "ladder.md"]
+    assert found.paths == [tmp_path / "ladder.md", tmp_path / "ladder.csv"]
+    rows = found.paths[1].read_text().splitlines()
+    schemes = 2 * sum(len(one.virtual) for one in found.rows)
+    assert len(rows) == 1 + schemes + len(found.bounds) + sum(len(one.in_use) for one in found.told)
     for words in ("`typed`", "1 seed.", "Not in this build: ", "| compat, 2 us |", "In real time"):
         assert words in text
     again = ladder_study(tmp_path, form="quick", executor=AtOnce(), figures=False)

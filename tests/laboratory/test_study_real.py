@@ -215,8 +215,11 @@ def test_command_prints_the_table_and_writes_document_and_page(
     printed, told = capsys.readouterr()
     assert printed.startswith("| set | hit | precision | switches | longest | error px | MOTA |")
     assert "| first | .000 | - | 0 | .000 | - | .000 |" in printed
-    assert printed.endswith(f"wrote {out / 'real.md'}\nwrote {out / 'real.html'}\n")
+    assert printed.endswith(
+        f"wrote {out / 'real.md'}\nwrote {out / 'real.csv'}\nwrote {out / 'real.html'}\n"
+    )
     assert "left out: second/truth.csv: row 1" in told
+    assert (out / "real.csv").read_text().startswith("set,hit,precision,switches,")
     text = (out / "real.md").read_text()
     assert f"`asap-study --real {tmp_path.name}`" in text
     assert "**first**\n\n- object 0 is missed at 3 of 3 times, between 0.01 and 0.03 s" in text
@@ -226,7 +229,7 @@ def test_command_with_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     words = ["--json", "--out", str(tmp_path / "out"), "--real", str(folder(tmp_path))]
     assert main(words) == 0
     document = json.loads(capsys.readouterr().out)
-    assert document["form"] == "real" and len(document["files"]) == 2
+    assert document["form"] == "real" and len(document["files"]) == 3
     (one,) = document["sets"]
     assert one["set"] == tmp_path.name and one["hit"] == 0 and one["precision"] is None
 
@@ -253,5 +256,5 @@ def test_the_page_of_the_labelled_recordings_fits(tmp_path: Path) -> None:
     found: RealStudy = real_study(tmp_path, list(scenes.values()), left_out=left_out)
     assert len(found.sets) >= 5 and any("rotating_pipe" in words for words in left_out)
     html = tmp_path / "real.html"
-    assert found.paths == [tmp_path / "real.md", html]
+    assert found.paths == [tmp_path / "real.md", tmp_path / "real.csv", html]
     assert html.stat().st_size <= page.MOST_BYTES

@@ -149,7 +149,8 @@ def test_the_study_writes_and_goes_on_where_it_stopped(small, tmp_path):
     assert found.curves[0].rows[0].mean["mota"] == 1
     assert found.curves[1].rows[0].mean["mota"] == 0
     text = found.paths[0].read_text()
-    assert found.paths == [tmp_path / "rivals.md", tmp_path / "rivals.svg"]
+    assert [path.name for path in found.paths] == ["rivals.md", "rivals.csv", "rivals.svg"]
+    assert len(found.paths[1].read_text().splitlines()) == 1 + 4  # a row for each scene and tracker
     assert "`as typed`" in text and "; seed 1000 of every scene." in text
     assert "](rivals.svg)" in text and rivals.document.NO_RECORDINGS in text
     assert "No rival has a higher mean MOTA on any scene." in text
@@ -160,7 +161,7 @@ def test_the_study_writes_and_goes_on_where_it_stopped(small, tmp_path):
     assert small == [] and again.taken_from_file == 2
     assert [one.summary() for one in again.curves] == [one.summary() for one in found.curves]
     bare = rivals_study(tmp_path, form="quick", executor=AtOnce(), fresh=True, figures=False)
-    assert len(small) == 2 and bare.paths == [tmp_path / "rivals.md"]
+    assert len(small) == 2 and [path.suffix for path in bare.paths] == [".md", ".csv"]
     assert "rivals.svg" not in bare.paths[0].read_text()
 
 

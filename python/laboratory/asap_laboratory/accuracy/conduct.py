@@ -80,11 +80,15 @@ def accuracy_study(
     )
     curves, missing = curves_of(ran.results), missing_rungs()
     drawn = _draw(out, curves) if figures else []
-    path = out / "accuracy.md"
-    document.write(
-        path, curves, command=command, seconds=ran.seconds, figures=drawn, missing=missing
+    written = document.write(
+        out / "accuracy.md",
+        curves,
+        command=command,
+        seconds=ran.seconds,
+        figures=drawn,
+        missing=missing,
     )
-    return AccuracyStudy(curves, missing, [path, *drawn], ran.taken_from_file, ran.seconds)
+    return AccuracyStudy(curves, missing, [*written, *drawn], ran.taken_from_file, ran.seconds)
 
 
 def curves_of(results: Results) -> list[KeepCurve]:

@@ -63,8 +63,8 @@ def real_study(
         if on_progress is not None:
             on_progress(len(sets), len(scenes), None)
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / "real.md"]
-    document.write(paths[0], sets, command=command, seconds=time.process_time() - begin_s)
+    seconds = time.process_time() - begin_s
+    paths = document.write(folder / "real.md", sets, command=command, seconds=seconds)
     if figures:
         from asap_laboratory.real import page
 

@@ -75,19 +75,15 @@ def rivals_study(
         on_progress=on_progress,
     )
     curves, recordings = curves_of(ran.results), recordings_of(ran.results)
-    paths = [out / "rivals.md"]
+    figure = None
     if figures:
         from asap_laboratory.rivals import figures as drawing
 
-        paths.append(drawing.write(out / "rivals.svg", curves, recordings))
-    document.write(
-        paths[0],
-        curves,
-        recordings,
-        command=command,
-        seconds=ran.seconds,
-        figure=paths[1] if figures else None,
+        figure = drawing.write(out / "rivals.svg", curves, recordings)
+    paths = document.write(
+        out / "rivals.md", curves, recordings, command=command, seconds=ran.seconds, figure=figure
     )
+    paths += [figure] if figure else []
     return RivalsStudy(curves, recordings, paths, ran.taken_from_file, ran.seconds)
 
 
