@@ -12,16 +12,21 @@ endforeach()
 install(DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}/include/asap" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
         COMPONENT development FILES_MATCHING PATTERN "*.hpp")
 
-set(_libraries core)
-if(ASAP_ALGORITHMS)
+set(_libraries core formats synthetic)
+set(_asap_requires_formats "asap-core = ${PROJECT_VERSION}")
+set(_asap_requires_synthetic "asap-core = ${PROJECT_VERSION}")
+set(_asap_threads_core "-pthread")
+install(TARGETS asap_core asap_formats asap_synthetic EXPORT asap-core
+        ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
+install(EXPORT asap-core NAMESPACE asap:: DESTINATION "${_asap_cmake_dir}" COMPONENT development)
+if(ASAP_ALGORITHMS)  # an export of its own, for it asks for Eigen
   list(APPEND _libraries algorithms)
-endif()
-foreach(_library ${_libraries})
-  install(TARGETS asap_${_library} EXPORT asap-${_library}
+  set(_asap_requires_algorithms "asap-core = ${PROJECT_VERSION}, eigen3 >= 3.4")
+  install(TARGETS asap_algorithms EXPORT asap-algorithms
           ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
-  install(EXPORT asap-${_library} NAMESPACE asap::
+  install(EXPORT asap-algorithms NAMESPACE asap::
           DESTINATION "${_asap_cmake_dir}" COMPONENT development)
-endforeach()
+endif()
 
 configure_package_config_file(asap-config.cmake.in asap-config.cmake
                               INSTALL_DESTINATION "${_asap_cmake_dir}")
@@ -40,7 +45,9 @@ endif()
 cmake_path(APPEND _asap_pc_libdir "\${prefix}" "${CMAKE_INSTALL_LIBDIR}")
 cmake_path(APPEND _asap_pc_includedir "\${prefix}" "${CMAKE_INSTALL_INCLUDEDIR}")
 foreach(_library ${_libraries})
-  configure_file(asap-${_library}.pc.in asap-${_library}.pc @ONLY)
+  set(_asap_requires "${_asap_requires_${_library}}")
+  set(_asap_threads "${_asap_threads_${_library}}")
+  configure_file(asap.pc.in asap-${_library}.pc @ONLY)
   install(FILES "${CMAKE_CURRENT_BINARY_DIR}/asap-${_library}.pc"
           DESTINATION "${_asap_pc_dir}" COMPONENT development)
 endforeach()

@@ -60,7 +60,6 @@ __all__ = [
     "Greedy",
     "HotPixelMask",
     "Inspection",
-    "KeepCurve",
     "LinearCost",
     "Pipeline",
     "PlaneFlow",
@@ -77,47 +76,39 @@ __all__ = [
     "compare",
     "convert",
     "info",
-    "keep_curve",
     "last_run",
     "load",
     "load_run",
     "oracle",
     "plots",
-    "profiles",
     "read",
     "report",
     "run",
-    "scenes",
-    "score",
     "simulate",
     "synthetic",
 ]
 
 # Imported when they are first used: modules, and names with the module that they are in.
-_MODULES = ("analysis", "plots", "profiles", "report", "scenes", "synthetic")
+_MODULES = ("analysis", "plots", "report", "synthetic")
 _NAMES = {
     "Comparison": "experiment",
     "Inspection": "inspection",
-    "KeepCurve": "accuracy",
     "Pipeline": "experiment",
     "Run": "experiment",
     "check": "inspection",
     "compare": "experiment",
     "convert": "conversion",
     "info": "inspection",
-    "keep_curve": "accuracy",
     "last_run": "experiment",
     "load_run": "experiment",
     "map": "experiment",  # not in __all__: `import *` leaves Python its own
     "oracle": "experiment",
     "run": "experiment",
-    "score": "accuracy",
     "simulate": "experiment",
 }
 
 if TYPE_CHECKING:
-    from asap import analysis, plots, profiles, report, scenes, synthetic
-    from asap.accuracy import KeepCurve, keep_curve, score
+    from asap import analysis, plots, report, synthetic
     from asap.conversion import convert
     from asap.experiment import (
         Comparison,

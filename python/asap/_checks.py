@@ -12,17 +12,13 @@ import math
 import operator
 import os
 import stat
-import warnings
 from collections.abc import AsyncIterable, Callable, Iterable
-from functools import partial, wraps
+from functools import partial
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-P = ParamSpec("P")
-T = TypeVar("T")
 
 _LONGEST = 200
 _WIDEST = 65536  # px
@@ -229,25 +225,6 @@ def regular_file(path: Path) -> None:
     mode = path.stat().st_mode
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # a folder is refused where it is opened
         raise OSError(errno.ESPIPE, "no regular file; save it to one first", str(path))
-
-
-def renamed(**names: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Take parameters by their old names too, ``old="new"``, for one version and with a warning."""
-
-    def decorated(function: Callable[P, T]) -> Callable[P, T]:
-        @wraps(function)
-        def call(*args: P.args, **kwargs: P.kwargs) -> T:
-            for old, new in names.items():
-                if old in kwargs:
-                    if new in kwargs:
-                        raise TypeError(f"{old}: this is the old name of {new}; give one of them")
-                    warnings.warn(f"{old} is now {new}", DeprecationWarning, stacklevel=2)
-                    kwargs[new] = kwargs.pop(old)
-            return function(*args, **kwargs)
-
-        return call
-
-    return decorated
 
 
 def is_masked(array: Any) -> bool:

@@ -36,15 +36,13 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_telemetry(m);
   asap::python::bind_runner(m);
   asap::python::bind_pipeline(m);
-  asap::python::bind_study(m);
-  asap::python::bind_rivals(m);
+  asap::python::bind_oracle(m);
   asap::python::bind_formats(m);
   asap::python::bind_columns(m);
   asap::python::bind_decoders(m);
   asap::python::bind_packets(m);
   asap::python::bind_record_decoders(m);
   asap::python::bind_synthetic(m);
-  asap::python::bind_scenes(m);
   asap::python::bind_algorithms(m);
   asap::python::bind_corners(m);
   asap::python::bind_hot_pixels(m);

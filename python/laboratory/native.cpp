@@ -10,6 +10,7 @@
 #include "asap/core/check.hpp"
 #include "gil.hpp"
 #include "native_consumer.hpp"
+#include "parts.hpp"
 #include "per_event.hpp"
 #include "study/jaer_cluster_tracker.hpp"
 #include "study/realtime.hpp"
@@ -114,7 +115,12 @@ py::tuple scheduling_jitter_for(double duration_s) {
 
 PYBIND11_MODULE(_native, m) {
   m.doc() = "Native part of the laboratory.";
+  pybind11::module_::import("asap._core");  // the types that ours derive from
   asap::python::watch_exit_and_fork();
+  asap::python::bind_arrivals(m);
+  asap::python::bind_clairvoyant(m);
+  asap::python::bind_rivals(m);
+  asap::python::bind_scenes(m);
   asap::python::bind_jaer_cluster_tracker(m);
   asap::python::bind_busy_wait(m);
   m.def("scheduling_jitter", &asap::python::scheduling_jitter_for, pybind11::arg("duration_s"),

@@ -34,6 +34,7 @@
 #include "asap/telemetry/slot_log.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"
+#include "oracle/oracle.hpp"
 #include "packager/anytime_plan.hpp"
 #include "packager/rate_meter.hpp"
 #include "runner/admission.hpp"
@@ -43,7 +44,6 @@
 #include "runner/push_door.hpp"
 #include "runner/read_ahead.hpp"
 #include "schemes/calibration.hpp"
-#include "study/oracle.hpp"
 #include "study/realtime.hpp"
 
 #if defined(__cpp_exceptions) || defined(__cpp_rtti)

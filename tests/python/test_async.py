@@ -81,7 +81,6 @@ DOORS: dict[str, tuple[str, Callable[[Any], Any]]] = {
     ),
     "Pipeline": ("algorithm", asap.Pipeline),
     "Pipeline, before": ("before", lambda worker: asap.Pipeline(before=worker)),
-    "score": ("tracker", lambda worker: asap.score(worker, asap.scenes.A())),
 }
 
 

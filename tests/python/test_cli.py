@@ -167,26 +167,6 @@ def test_every_argument_has_a_help_text_with_its_default():
                 assert re.search(rf"default: {shown}\b|default: dropped", one.help), words
 
 
-def test_the_study_says_how_long_it_takes(asap):
-    words = " ".join(asap("study", "--help")[1].split())
-    for said in ("less than 2 minutes", "less than 30 minutes", "less than 90 minutes"):
-        assert said in words
-
-
-def test_without_the_laboratory_the_study_says_what_to_install(asap, monkeypatch):
-    monkeypatch.setitem(sys.modules, "asap_laboratory", None)
-    code, out, err = asap("study", "--quick")
-    assert (code, out) == (2, "")
-    assert "pip install ./python/laboratory" in err and err.count("\n") == 1
-
-
-@pytest.mark.parametrize("verb", ["run", "info", "check"])
-def test_a_profile_is_no_recording(asap, verb):
-    code, out, err = asap(verb, "bursts")
-    assert (code, out) == (2, "")
-    assert "bursts: no such file; only asap compare takes the name of a profile" in err
-
-
 @pytest.mark.parametrize(
     ("text", "options", "words"),
     [

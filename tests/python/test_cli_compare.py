@@ -9,7 +9,6 @@ import asap
 import streams
 from asap import cli
 
-PROFILE = ("bursts", "--duration", "50ms")
 COST = ("--cost", "100us+300ns")
 
 
@@ -37,21 +36,15 @@ def result(call, *arguments):
     return json.loads(out)
 
 
-def test_a_profile(call):
-    code, out, err = call("compare", *PROFILE, *COST)
+def test_a_table(call, recording):
+    code, out, err = call("compare", recording, *COST)
     assert (code, err) == (0, "")
-    assert out.startswith("bursts: 8 schemes beside the oracle\n346 x 260 px, ")
-    assert "Deadline " in out and "jAER timer" not in out
+    assert out.startswith("flight.npy: 8 schemes beside the oracle\n") and "Deadline " in out
 
 
-def test_json_is_the_summary_of_compare(call):
-    got = result(call, *PROFILE, *COST, "--latency", "5ms", "--seed", 3)
-    expected = asap.compare(
-        asap.profiles.Profile("bursts", duration_s=0.05, seed=3),
-        cost=asap.LinearCost(100, 300),
-        latency_ms=5,
-        seed=3,
-    )
+def test_json_is_the_summary_of_compare(call, recording):
+    got = result(call, recording, *COST, "--latency", "5ms", "--seed", 3)
+    expected = asap.compare(recording, cost=asap.LinearCost(100, 300), latency_ms=5, seed=3)
     assert got == json.loads(json.dumps(expected.summary()))
 
 
@@ -68,67 +61,39 @@ def test_a_recording_with_the_options_of_reading(call, recording):
     assert got["name"] == "flight.npy"
 
 
-def test_speed_and_opaque_and_all(call, recording):
-    got = result(call, recording, *COST, "--speed", 20, "--opaque", "--all")
+def test_speed_and_opaque(call, recording):
+    got = result(call, recording, *COST, "--speed", 20, "--opaque")
     assert got["speed"] == 20 and got["opaque"]
     assert got["source"]["duration_s"] == pytest.approx(0.05 / 20, rel=0.01)
-    assert "jAER timer" in [one["label"] for one in got["schemes"]]
     best = asap.oracle(
         recording, cost=asap.LinearCost(100, 300), latency_ms=10, opaque=True, speed=20
     )
     assert got["oracle"]["events"] == best
 
 
-@pytest.mark.parametrize("name", ["fast", "slow", "slow_tv", "slow_ht"])
-def test_a_cost_model_by_name_brings_its_latency(call, recording, name):
-    model = asap.profiles.COSTS[name]
-    for source in ((*PROFILE,), (recording,)):
-        got = result(call, *source, "--cost", name)
-        assert got["latency_bound_us"] == model.latency_ms * 1e3
-        assert got["cost"]["alpha_us"] == model.alpha_us
-        assert got["cost"]["noise"] == model.noise
-        assert ("drift" in got["cost"], "outages_ms" in got["cost"]) == (
-            model.drifts,
-            model.fails and source == (recording,),  # none in the first 50 ms
-        )
-    assert result(call, recording, "--cost", name, "--latency", "7ms")["latency_bound_us"] == 7000
-
-
-def test_a_further_profile_is_scaled_as_in_the_study(call):
-    options = ("spikes", "--duration", "20ms")
-    fast, slow = (result(call, *options, "--cost", name) for name in ("fast", "slow"))
-    assert fast["source"]["events"] > 10 * slow["source"]["events"]
-
-
-def test_report(call, tmp_path, monkeypatch):
+def test_report(call, recording, tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
     path = tmp_path / "out.html"
-    code, out, _ = call("compare", *PROFILE, *COST, "--report", path)
-    assert code == 0 and out.startswith("bursts: 8") and out.endswith(f"\nwrote {path}\n")
+    code, out, _ = call("compare", recording, *COST, "--report", path)
+    assert code == 0 and out.startswith("flight.npy: 8") and out.endswith(f"\nwrote {path}\n")
     assert "<table" in path.read_text("utf-8")
     monkeypatch.setattr(asap.Comparison, "report", lambda self, path: path)
-    result(call, *PROFILE, *COST, "--report", path)  # the object and nothing else
+    result(call, recording, *COST, "--report", path)  # the object and nothing else
 
 
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["bursst", *COST], 2, "bursst: neither a file nor a profile; did you mean bursts?"),
-        (["zzz", *COST], 2, "profiles are quiet, low, uav"),
-        (["no/such/flight.npy", *COST], 3, "no/such/flight.npy: no such file\n"),
-        ([*PROFILE], 2, "--cost is missing: give what the algorithm takes"),
-        ([*PROFILE, "--cost", "slwo"], 2, "cost = slwo: no such cost model; did you mean slow?"),
-        ([*PROFILE, "--cost", "zzz"], 2, "there are fast, slow, slow_tv, slow_ht"),
-        ([*PROFILE, "--cost", "100us"], 2, "write time per package + time per event"),
-        ([*PROFILE, *COST, "--latency", "10"], 2, "latency = 10: the unit is missing"),
-        ([*PROFILE, *COST, "--speed", "0"], 2, "speed = 0.0: must be between"),
-        ([*PROFILE, *COST, "--seed", "-1"], 2, "seed"),
-        (["bursts", *COST, "--duration", "1ms"], 2, "duration_s = 0.001"),
-        ([*PROFILE, *COST, "--report", "no/such/out.html"], 2, "there is no folder no/such"),
+        ([], 2, "--cost is missing: give what the algorithm takes"),
+        (["--cost", "100us"], 2, "write time per package + time per event"),
+        ([*COST, "--latency", "10"], 2, "latency = 10: the unit is missing"),
+        ([*COST, "--speed", "0"], 2, "speed = 0.0: must be between"),
+        ([*COST, "--seed", "-1"], 2, "seed"),
+        ([*COST, "--report", "no/such/out.html"], 2, "there is no folder no/such"),
     ],
 )
-def test_wrong_use_says_what_is_right(call, arguments, code, words):
-    got, out, err = call("compare", *arguments)
+def test_wrong_use_says_what_is_right(call, recording, arguments, code, words):
+    got, out, err = call("compare", recording, *arguments)
     assert (got, out) == (code, "")
     assert words in err
 
@@ -137,8 +102,7 @@ def test_a_file_that_is_not_there_and_one_that_is_no_recording(call, recording, 
     missing = recording.with_name("fligth.npy")
     code, _, err = call("compare", missing, *COST)
     assert code == 3 and f"did you mean {recording}?" in err
-    code, _, err = call("compare", recording, *COST, "--duration", "1s")
-    assert code == 2 and "--duration: only a profile has one" in err
+    assert call("compare", "no/such/flight.npy", *COST)[0] == 3
     broken = tmp_path / "broken.npy"
     broken.write_bytes(b"no recording")
     assert call("compare", broken, *COST)[0] == 3

@@ -243,7 +243,6 @@ def test_bash_completes_verbs_options_and_choices(asap: Call) -> None:
     assert completed(script, "asap", "run", "few.npy", "--algorithm", "c") == ["clusters"]
     assert completed(script, "asap", "run", "") == []  # files
     assert completed(script, "asap", "run", "f", "--report", "") == []
-    assert "bursts" in completed(script, "asap", "compare", "b")
     assert completed(script, "asap", "completion", "") == ["bash", "zsh"]
 
 

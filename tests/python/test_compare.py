@@ -1,7 +1,6 @@
 """asap.compare and asap.oracle: rows against single runs, the oracle against all schedules."""
 
 import hashlib
-import inspect
 import itertools
 import json
 import threading
@@ -21,7 +20,7 @@ EVENTS = streams.poisson(6e6, 0.1)  # rho = 1.8
 
 
 def test_a_text_is_no_schemes():
-    words = r"^schemes = 'all': give schemes such as \[asap.Greedy\(\)\], .* baselines=True adds"
+    words = r"^schemes = 'all': give schemes such as \[asap.Greedy\(\)\], or leave it out"
     with pytest.raises(TypeError, match=words):
         asap.compare(EVENTS, cost=COST, schemes="all")
 
@@ -270,14 +269,6 @@ def test_a_chunk_of_bad_events_alone_does_not_set_the_time():
     assert digest(found.runs["Greedy"]) == digest(asap.compare(good, **options).runs["Greedy"])
 
 
-def test_a_profile_is_a_source():
-    profile = asap.profiles.Profile("high", duration_s=0.05)
-    found = asap.compare(profile, cost=COST, schemes=[asap.Greedy()])
-    assert found.name == "high"
-    assert found.received == profile.events().size
-    assert str(found).startswith("high: one scheme beside the oracle\n346 x 260 px, ")
-
-
 @pytest.mark.parametrize("make", [iter, lambda arrays: (one for one in arrays)])
 def test_what_can_be_read_only_once_is_refused(make):
     with pytest.raises(ValueError, match="read only once; give a path, an array"):
@@ -335,25 +326,11 @@ def test_an_error_of_the_source_comes_out_and_leaves_no_thread():
 # ---- schemes and arguments ------------------------------------------------------------------
 
 
-def test_the_usual_schemes_and_with_all_the_rivals():
+def test_the_usual_schemes():
     usual = asap.compare(EVENTS[:2000], cost=COST)
     labels = {row.label for row in usual.rows}
     assert {"Deadline", "DeadBeat", "Asap2020", "Asap2022", "Greedy", "FixedSize 1000"} <= labels
     assert usual.latency_ms == 10
-    everything = asap.compare(EVENTS[:2000], cost=COST, baselines=True)
-    assert {row.label for row in everything.rows} - labels == {
-        *("SingleEvent", "jAER timer", "greedy+PIE", "greedy+rate-gamma", "greedy+clear"),
-        *("Clipper AIMD", "Spark PID"),
-    }
-
-
-def test_the_old_name_of_baselines_stays_for_one_version():
-    with pytest.warns(DeprecationWarning, match="all is now baselines"):
-        old = asap.compare(EVENTS[:2000], cost=COST, all=True)
-    assert old == asap.compare(EVENTS[:2000], cost=COST, baselines=True)
-    with pytest.raises(TypeError, match="old name of baselines"):
-        asap.compare(EVENTS[:2000], cost=COST, all=True, baselines=True)
-    assert "all" not in inspect.signature(asap.compare).parameters
 
 
 def test_the_usual_schemes_are_what_their_labels_say():
@@ -393,11 +370,6 @@ ONE = asap.Greedy()
         ({"schemes": ["greedy"]}, TypeError, "schemes = 'greedy': give"),
         ({"schemes": [ONE, ONE]}, ValueError, "stands there twice"),
         ({"schemes": {1: ONE, "1": asap.Greedy()}}, ValueError, r"\['1', '1'\] are not all diff"),
-        (
-            {"schemes": [asap.SingleEvent()], "baselines": True},
-            ValueError,
-            r"= \['SingleEvent'\]: baselines=",
-        ),
         ({"schemes": [asap.Deadline(latency_ms=5)], "latency_ms": 10}, ValueError, "= 5, 10: two"),
         ({"latency_ms": 0}, ValueError, "latency_ms = 0: must be between"),
         ({"speed": 0}, ValueError, "speed = 0: must be between"),

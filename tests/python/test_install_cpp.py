@@ -16,6 +16,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.full]  # it builds the library once 
 
 EXAMPLES = ROOT / "cpp" / "examples"
 OF_THE_CORE, OF_ALL = EXAMPLES / "own_scheme.cpp", EXAMPLES / "smallest_loop.cpp"
+CORE, ALL = "asap::core asap::synthetic", "asap::algorithms asap::synthetic"
 STRICT = "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror"
 
 
@@ -75,12 +76,12 @@ def test_find_package(prefix: Path, tmp_path: Path) -> None:
 
 def test_one_header_includes_all(prefix: Path, tmp_path: Path) -> None:
     door, program = "find_package(asap REQUIRED)", with_one_include(OF_ALL)
-    stranger(tmp_path, door, "asap::algorithms", program, CMAKE_PREFIX_PATH=prefix, **eigen())
+    stranger(tmp_path, door, ALL, program, CMAKE_PREFIX_PATH=prefix, **eigen())
 
 
 def test_one_header_serves_the_core_alone(prefix: Path, tmp_path: Path) -> None:
     door, program = "find_package(asap REQUIRED)", with_one_include(OF_THE_CORE)
-    stranger(tmp_path, door, "asap::core", program, CMAKE_PREFIX_PATH=prefix)
+    stranger(tmp_path, door, CORE, program, CMAKE_PREFIX_PATH=prefix)
 
 
 def test_the_page_for_boards_tells_the_memory_of_a_pipeline(prefix: Path, tmp_path: Path) -> None:
@@ -123,7 +124,7 @@ def test_the_core_alone_needs_no_eigen(prefix: Path, tmp_path: Path) -> None:
     door = f"find_package(asap {minor} REQUIRED COMPONENTS core)"
     absent = {"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON"}
     program = OF_THE_CORE.read_text()
-    stranger(tmp_path, door, "asap::core", program, CMAKE_PREFIX_PATH=prefix, **absent)
+    stranger(tmp_path, door, CORE, program, CMAKE_PREFIX_PATH=prefix, **absent)
 
 
 def test_the_core_is_built_and_found_where_there_is_no_eigen(tmp_path: Path) -> None:
@@ -138,7 +139,7 @@ def test_the_core_is_built_and_found_where_there_is_no_eigen(tmp_path: Path) -> 
     }
     for name, door in doors.items():
         folder, installed = tmp_path / name, tmp_path / "prefix"
-        stranger(folder, door, "asap::core", everything, CMAKE_PREFIX_PATH=installed, **absent)
+        stranger(folder, door, CORE, everything, CMAKE_PREFIX_PATH=installed, **absent)
 
 
 def test_what_needs_the_algorithms_says_so(tmp_path: Path) -> None:
@@ -148,6 +149,13 @@ def test_what_needs_the_algorithms_says_so(tmp_path: Path) -> None:
     absent = "-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON"
     found = run(["cmake", "-S", ROOT, "-B", tmp_path / "all", absent], check=False)
     assert "build the core alone with -DASAP_ALGORITHMS=OFF" in " ".join(found.split())
+
+
+def test_the_core_holds_neither_formats_nor_scenes(prefix: Path) -> None:
+    (core,) = prefix.rglob("libasap_core.a")
+    names = run(["nm", "--demangle", "--defined-only", core])
+    assert "asap::Deadline::decide" in names
+    assert not re.search(r"asap::(Evt3Decoder|Encoder|FlightOverChairs|PoissonArrivals)::", names)
 
 
 @pytest.mark.parametrize("absent", [{"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON"}, {}], ids=len)
@@ -185,7 +193,7 @@ def test_add_subdirectory(tmp_path: Path) -> None:
 def test_pkg_config(library: str, example: Path, prefix: Path, tmp_path: Path) -> None:
     (folder,) = prefix.rglob("pkgconfig")
     env = {**os.environ, "PKG_CONFIG_PATH": str(folder)}
-    flags = run(["pkg-config", "--cflags", "--libs", library], env=env).split()
+    flags = run(["pkg-config", "--cflags", "--libs", library, "asap-synthetic"], env=env).split()
     program = tmp_path / "program"
     run(["c++", "-std=c++20", "-O1", *STRICT.split(), example, *flags, "-o", program])
     assert_it_works(program)

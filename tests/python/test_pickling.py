@@ -18,7 +18,11 @@ import pytest
 
 import asap
 import streams
-from asap import _core, _pickling, profiles, scenes, synthetic
+from asap import _core, _pickling, synthetic
+
+pytest.importorskip("asap_laboratory")
+
+from asap_laboratory import keep_curve, profiles, scenes
 
 EVENTS = streams.make(np.arange(2000) * 50, x=np.arange(2000) % 20, y=3)
 COST = asap.LinearCost(100, 300)
@@ -478,7 +482,7 @@ def test_a_run_that_was_loaded(tmp_path: Path, name: str) -> None:
 
 
 def test_a_comparison() -> None:
-    comparison = asap.compare(EVENTS, cost=COST, baselines=True)
+    comparison = asap.compare(EVENTS, cost=COST)
     twin = again(comparison)
     assert twin.summary() == comparison.summary()
     assert twin.rows == comparison.rows and repr(twin) == repr(comparison)
@@ -495,7 +499,7 @@ def test_an_inspection() -> None:
 
 def test_a_keep_curve() -> None:
     scene = scenes.stop_and_go(10.0)
-    curve = asap.keep_curve(asap.ClusterTracker, scene, gammas=(1.0, 0.5), seeds=(0,))
+    curve = keep_curve(asap.ClusterTracker, scene, gammas=(1.0, 0.5), seeds=(0,))
     twin = again(curve)
     assert twin.summary() == curve.summary() and repr(twin) == repr(curve)
 

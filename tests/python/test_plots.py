@@ -114,9 +114,8 @@ def test_pyplot_is_never_imported():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-@pytest.mark.parametrize("use", ["import asap.plots", "import asap; asap.scenes.A().plot()"])
-def test_a_missing_matplotlib_names_the_extra(use):
-    code = f"import sys; sys.modules['matplotlib'] = None; {use}"
+def test_a_missing_matplotlib_names_the_extra():
+    code = "import sys; sys.modules['matplotlib'] = None; import asap.plots"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert result.returncode != 0
     last = result.stderr.splitlines()[-1]

@@ -18,11 +18,24 @@ import numpy as np
 import pytest
 
 import asap
-from asap import _core, analysis, profiles, scenes, synthetic
-from asap_laboratory import accuracy_study, ladder_study, metrics, rivals_study, study
+from asap import _core, analysis, synthetic
 from children import run_script
-from fake_scene import FakeScene
 from threads import TRIES
+
+pytest.importorskip("asap_laboratory")
+
+from asap_laboratory import (
+    accuracy_study,
+    keep_curve,
+    ladder_study,
+    metrics,
+    profiles,
+    rivals_study,
+    scenes,
+    score,
+    study,
+)
+from fake_scene import FakeScene
 
 EVENTS = np.zeros(5, asap.EVENT_DTYPE)
 CLASSES = [item for item in vars(_core).values() if isinstance(item, type)]
@@ -217,8 +230,6 @@ def test_whole_numbers_of_numpy_are_taken() -> None:
     for stream in (synthetic.FlightOverChairs, synthetic.ShakenPattern):
         events = next(iter(stream(duration_s=0.01, seed=np.int64(3))))
         assert np.array_equal(events, next(iter(stream(duration_s=0.01, seed=3))))
-    layout = _core.SceneLayout.named("A", np.int64(3))
-    assert len(_core.MovingShapesStream(layout).read(np.int64(9))[0]) >= 9
     assert _core.TextDecoder(first_offset=np.int64(3)).noted == ()
 
 
@@ -401,8 +412,11 @@ HALF = decimal.Decimal("0.5")
         (lambda half: profiles.cost("slow_ht", duration_s=half).name, "linear_cost"),
         (lambda half: profiles.Profile("low", duration_s=half, scale=half).duration_s, 0.5),
         (lambda half: scenes.timing(1, 64, 48, half, duration_s=half).duration_us, 500_000),
-        (lambda half: asap.score(asap.EFast(64, 48), THIN, gamma=half)["events"], None),
-        (lambda half: asap.keep_curve(asap.EFast, THIN, gammas=[half]).rows[0].gamma, 0.5),
+        (lambda half: score(asap.EFast(64, 48), THIN, gamma=half)["events"], None),
+        (
+            lambda half: keep_curve(asap.EFast, THIN, gammas=[half]).rows[0].gamma,
+            0.5,
+        ),
         (lambda half: analysis.rate(EVENTS, half)[1][0], 1e7),
         (lambda half: metrics.settle_ms(RUN.slots, [], 9, half), 0),
         (lambda half: analysis.Cost(0, 1).throughput_hz(half), 1e9),
@@ -425,8 +439,8 @@ def test_whole_number_of_too_many_digits_is_told_by_its_type() -> None:
         ("cost", lambda: asap.simulate(EVENTS, cost=many)),
         ("cost", lambda: asap.compare(EVENTS, cost=many)),
         ("schemes", lambda: asap.compare(EVENTS, cost=COST, schemes=[many])),
-        ("algorithm", lambda: asap.keep_curve(many, SCENE)),
-        ("before", lambda: asap.keep_curve(asap.EFast, SCENE, before=many)),
+        ("algorithm", lambda: keep_curve(many, SCENE)),
+        ("before", lambda: keep_curve(asap.EFast, SCENE, before=many)),
     ):
         refused(call, f"{field} = <int>")
 
@@ -483,7 +497,6 @@ DOORS: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
     (lambda **named: asap.compare(EVENTS, cost=COST, **named), "on_progress", NO_CALLBACKS),
     (lambda **named: asap.compare(EVENTS, cost=COST, **named), "schemes", (1.5, object(), len)),
     (lambda **named: asap.compare(EVENTS, cost=COST, **named), "opaque", NO_FLAGS),
-    (lambda **named: asap.compare(EVENTS, cost=COST, **named), "baselines", NO_FLAGS),
     (lambda **named: asap.compare(EVENTS, cost=COST, **named), "height", NO_WHOLES[1:]),
     (lambda **named: asap.check(EVENTS, **named), "on_progress", NO_CALLBACKS),
     (lambda **named: asap.check(EVENTS, **named), "width", NO_WHOLES[1:]),
@@ -497,14 +510,34 @@ DOORS: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
     (RUN.save, "path", NO_PATHS),
     (RUN.report, "path", NO_PATHS[-1:]),  # each draws the page first
     (asap.check(EVENTS).report, "path", NO_PATHS[-1:]),
-    (lambda **named: asap.score(asap.EFast(346, 260), SCENE, **named), "gamma", NO_SHARES),
-    (lambda **named: asap.score(asap.EFast(346, 260), SCENE, **named), "told", NO_FLAGS),
-    (lambda **named: asap.score(asap.EFast(346, 260), SCENE, **named), "active", NO_NAMES),
-    (lambda **named: asap.score(asap.EFast(346, 260), SCENE, **named), "before", (1, "x", len)),
-    (lambda **named: asap.score(scene=SCENE, **named), "tracker", (None, 1, "x", len)),
-    (lambda **named: asap.keep_curve(asap.EFast, SCENE, **named), "gammas", (*NO_SEQUENCES, [2])),
-    (lambda **named: asap.keep_curve(asap.EFast, SCENE, **named), "seeds", (*NO_SEQUENCES, [1.5])),
-    (lambda **named: asap.keep_curve(scene=SCENE, **named), "algorithm", (None, 1, "x")),
+    (
+        lambda **named: score(asap.EFast(346, 260), SCENE, **named),
+        "gamma",
+        NO_SHARES,
+    ),
+    (lambda **named: score(asap.EFast(346, 260), SCENE, **named), "told", NO_FLAGS),
+    (
+        lambda **named: score(asap.EFast(346, 260), SCENE, **named),
+        "active",
+        NO_NAMES,
+    ),
+    (
+        lambda **named: score(asap.EFast(346, 260), SCENE, **named),
+        "before",
+        (1, "x", len),
+    ),
+    (lambda **named: score(scene=SCENE, **named), "tracker", (None, 1, "x", len)),
+    (
+        lambda **named: keep_curve(asap.EFast, SCENE, **named),
+        "gammas",
+        (*NO_SEQUENCES, [2]),
+    ),
+    (
+        lambda **named: keep_curve(asap.EFast, SCENE, **named),
+        "seeds",
+        (*NO_SEQUENCES, [1.5]),
+    ),
+    (lambda **named: keep_curve(scene=SCENE, **named), "algorithm", (None, 1, "x")),
     *studies("out", NO_PATHS),
     *studies("form", NO_NAMES),
     *studies("executor", ("x", [], object(), 1.5, np.ones(2))),
@@ -597,7 +630,7 @@ def test_a_refusal_of_a_long_value_is_short() -> None:
         (np.zeros((400, 400)), "active = array([[0., 0., "),
         (10**5000, "active = <int>"),
     ):
-        call = partial(asap.score, CORNERS, SCENE, active=value)
+        call = partial(score, CORNERS, SCENE, active=value)
         refused(call, opening, by=ValueError)
         with pytest.raises(ValueError) as caught:
             call()
@@ -606,7 +639,7 @@ def test_a_refusal_of_a_long_value_is_short() -> None:
 
 def test_scene_of_no_kind_is_named_before_an_algorithm_is_made() -> None:
     for scene in (None, "x", 1.5, np.ones(2)):
-        refused(partial(asap.keep_curve, nothing, scene), "scene")
+        refused(partial(keep_curve, nothing, scene), "scene")
 
 
 def test_masked_events_are_refused_by_every_door() -> None:
@@ -636,8 +669,11 @@ def test_masked_events_are_refused_by_every_door() -> None:
         (lambda cls: asap.simulate(EVENTS, cost=COST, before=cls), "before"),
         (asap.Pipeline, "algorithm"),
         (lambda cls: asap.Pipeline(before=cls), "before"),
-        (lambda cls: asap.score(cls, SCENE), "tracker"),
-        (lambda cls: asap.score(asap.ClusterTracker(64, 48), SCENE, before=cls), "before"),
+        (lambda cls: score(cls, SCENE), "tracker"),
+        (
+            lambda cls: score(asap.ClusterTracker(64, 48), SCENE, before=cls),
+            "before",
+        ),
     ],
 )
 def test_class_is_no_object_of_it(call: Callable[[type], object], field: str) -> None:

@@ -11,8 +11,7 @@ import pytest
 
 import asap
 import streams
-from asap import profiles, scenes, synthetic
-from labelled_folders import folder
+from asap import synthetic
 from test_signatures import MADE
 
 COST = asap.LinearCost(100, 300)
@@ -23,14 +22,13 @@ AGAIN = [
     asap.HotPixelMask(20, 10, pixels=[(1, 2)]),
     asap.GammaFilter(seed=3),
     asap.Deadline(latency_ms=5),
-    profiles.Profile("quiet", duration_s=0.1),
     synthetic.ShakenPattern(duration_s=0.1),
 ]
 
 
 @pytest.mark.parametrize("made", AGAIN, ids=repr)
 def test_it_says_how_to_make_it_anew(made: Any) -> None:
-    names = {**vars(asap), **vars(profiles), **vars(synthetic)}
+    names = {**vars(asap), **vars(synthetic)}
     again = eval(repr(made), names)
     assert type(again) is type(made)
     assert again.parameters == made.parameters
@@ -58,8 +56,7 @@ def test_a_class_of_a_user_is_called_by_its_own_name() -> None:
 
 def test_what_was_found_stands_in_angle_brackets(tmp_path: Path) -> None:
     events = streams.poisson(10_000, 0.1)
-    path, boxes = tmp_path / "ev.npy", tmp_path / "labelled"
-    boxes.mkdir()
+    path = tmp_path / "ev.npy"
     np.save(path, events)
     run = asap.simulate(events, cost=COST)
     found = [
@@ -68,11 +65,7 @@ def test_what_was_found_stands_in_angle_brackets(tmp_path: Path) -> None:
         asap.compare(events, cost=COST, schemes=[asap.Greedy()]),
         asap.check(path),
         asap.read(path),
-        asap.keep_curve(asap.EFast, scenes.corners(duration_s=0.2), gammas=[1], seeds=[0]),
         asap.Pipeline(),
-        scenes.A(),
-        scenes.A().thin(0.5),
-        scenes.labelled(folder(boxes)),
     ]
     for one in found:
         assert re.fullmatch(rf"<{type(one).__name__}: [^\n]+>", repr(one)), repr(one)

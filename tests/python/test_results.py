@@ -1,9 +1,8 @@
-"""What Run, Comparison, Inspection and KeepCurve have in common."""
+"""What Run, Comparison and Inspection have in common."""
 
 from __future__ import annotations
 
 import json
-import pickle
 import re
 import sys
 from collections.abc import Callable, Mapping
@@ -15,24 +14,16 @@ import pytest
 
 import asap
 import streams
-from asap.results.keep_curve import Scored
 from asap.results.result import Result
 from test_run_report import Page
 
 EVENTS = streams.poisson(1e5, 0.02)
 COST = asap.LinearCost(100, 300)
-FIGURES = {"mota": 0.9, "id_switches": 1.0, "idf1": 0.8, "hota": 0.7, "position_rms": 1.5}
-FIGURES |= {"velocity_rms": 0.1, "v_measure": float("nan")}
 EVIL = "<script>&"
 
 
 def compared() -> asap.Comparison:
     return asap.compare(EVENTS, cost=COST, schemes={EVIL: asap.Greedy(), "D": asap.Deadline()})
-
-
-def scored() -> asap.KeepCurve:
-    runs = [Scored(gamma, None if gamma == 1 else True, 0, FIGURES) for gamma in (1.0, 0.5)]
-    return asap.KeepCurve(EVIL, "A", None, runs)
 
 
 def inspected() -> asap.Inspection:
@@ -43,7 +34,6 @@ RESULTS: dict[type[Result], Callable[[], Any]] = {
     asap.Run: lambda: asap.simulate(EVENTS, cost=COST),
     asap.Comparison: compared,
     asap.Inspection: inspected,
-    asap.KeepCurve: scored,
 }
 
 
@@ -53,7 +43,8 @@ def result(request: pytest.FixtureRequest) -> Any:
 
 
 def test_these_are_all() -> None:
-    assert set(Result.__subclasses__()) == set(RESULTS)
+    kinds = {kind for kind in Result.__subclasses__() if kind.__module__.startswith("asap.")}
+    assert kinds == set(RESULTS)
 
 
 PHONE_PX = 360 - 2 * (12 + 14 + 1)  # the window less the padding of page and card
@@ -116,8 +107,7 @@ def test_a_notebook_shows_a_table_and_the_verdict(result: Any) -> None:
     verdict = re.findall(r"^(?:Verdict|Bottleneck): (.{0,30})", str(result), re.M)
     assert len(verdict) == isinstance(result, (asap.Run, asap.Inspection))
     assert all(words in shown.replace("\xa0", " ") for words in verdict)
-    if not isinstance(result, asap.KeepCurve):
-        assert "Verdict:" in shown
+    assert "Verdict:" in shown
 
 
 def test_no_notebook_needs_matplotlib(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -147,17 +137,3 @@ def test_a_comparison_maps_labels_to_rows() -> None:
     assert found["D"].scheme == "deadline" and found.get("Deadline") is None
     with pytest.raises(KeyError):
         found["Deadline"]
-
-
-def test_rows_of_an_iteration_stay_for_one_version() -> None:
-    found = compared()
-    with pytest.warns(DeprecationWarning, match=r"iterate comparison\.rows"):
-        assert [row.score for row in found] == [row.score for row in found.rows]  # type: ignore[attr-defined]
-    assert not hasattr(next(iter(found)), "scor")
-    for twin in (json.loads(json.dumps([*found])), pickle.loads(pickle.dumps([*found]))):
-        assert twin == [*found] and {type(label) for label in twin} == {str}
-
-
-def test_the_old_name_of_a_curves_summary_stays_for_one_version() -> None:
-    with pytest.warns(DeprecationWarning, match=r"summary\(\)"):
-        assert scored().to_dict() == scored().summary()

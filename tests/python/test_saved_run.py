@@ -1,4 +1,4 @@
-"""Runs on disk: the archive with the log, the summary, the form before, and files that lie."""
+"""Runs on disk: the archive with the log, the summary, and files that lie."""
 
 from __future__ import annotations
 
@@ -162,20 +162,6 @@ def test_the_command_line_refuses_another_ending_before_the_run(
 ) -> None:
     assert main(["run", "none.npy", "--save", str(tmp_path / "run.txt")]) == 2
     assert ".npz (log and summary) or .json (the summary alone)" in capsys.readouterr().err
-
-
-def old_form(run: asap.Run) -> dict[str, Any]:
-    document = run.summary()
-    document["rows"] = {name: run.packages[name].tolist() for name in run.packages.dtype.names}
-    document["latency_histogram"] = run.latency.state()
-    return document | {"lateness_histogram": None}
-
-
-def test_the_form_before_is_read_for_one_version(run: asap.Run, tmp_path: Path) -> None:
-    path = tmp_path / "run.json"
-    path.write_text(json.dumps(old_form(run)))
-    with pytest.warns(DeprecationWarning, match=r"run\.save\('run\.npz'\)"):
-        assert_same(asap.load_run(path), run)
 
 
 def many(run: asap.Run, count: int) -> asap.Run:

@@ -63,7 +63,7 @@ def test_lazy_modules_are_imported_and_getattr_hidden_for_the_type_checker() -> 
 @pytest.mark.full
 def test_type_checker_knows_the_lazy_modules_and_no_other_name(tmp_path: Path) -> None:
     pytest.importorskip("mypy")
-    uses = "import asap\n\nasap.scenes.A()\nasap.check\nasap.simulat\n"
+    uses = "import asap\n\nasap.synthetic.joined([])\nasap.check\nasap.simulat\n"
     (tmp_path / "uses.py").write_text(uses)
     environment = {**os.environ, "MYPYPATH": str(ROOT / "python")}
     command = [sys.executable, "-m", "mypy", "--strict", "uses.py"]

@@ -14,13 +14,13 @@ import warnings
 from collections.abc import Sequence
 
 import asap
-from asap.cli import check, compare, completion, convert, demo, info, report, run, study
+from asap.cli import check, compare, completion, convert, demo, info, report, run
 from asap.cli.options import EXAMPLES
 from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, as_options, say
 from asap.cli.parser import Parser
 from asap.results import run_table
 
-__all__ = ["main"]
+__all__ = ["carry_out", "main"]
 
 _EPILOG = """\
 examples:
@@ -32,8 +32,13 @@ exit codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable or corrupt, 130 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line, that of the process unless given, and return the exit code."""
+    return carry_out(_parser(), argv)
+
+
+def carry_out(parser: argparse.ArgumentParser, argv: Sequence[str] | None = None) -> int:
+    """Run what a command line asks for and return the exit code."""
     try:
-        arguments = _parser().parse_args(argv)
+        arguments = parser.parse_args(argv)
     except SystemExit as end:
         return int(end.code or 0)
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -78,6 +83,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"asap {asap.__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True)
-    for verb in (demo, run, compare, study, info, check, convert, report, completion):
+    for verb in (demo, run, compare, info, check, convert, report, completion):
         verb.add(verbs)
     return parser

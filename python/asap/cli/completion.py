@@ -9,7 +9,6 @@ import argparse
 import shlex
 from typing import Any
 
-from asap import profiles
 from asap.cli.choices import ALGORITHMS
 from asap.cli.options import add_verb
 from asap.cli.outcome import OK, print_json
@@ -39,9 +38,8 @@ compdef _asap asap
 
 _SHELLS = {"bash": _BASH, "zsh": _ZSH}
 
-# Of names that are not argparse's choices, because others are allowed too.
-_ALSO = {("run", "--algorithm"): sorted(ALGORITHMS), ("compare", "--cost"): [*profiles.COSTS]}
-_FIRST = {"compare": [*profiles.PROFILES]}
+# Names that are not argparse's choices, because others are allowed too.
+_ALSO = {("run", "--algorithm"): sorted(ALGORITHMS)}
 
 
 def add(verbs: Any) -> None:
@@ -76,7 +74,7 @@ def _cases(verbs: dict[str, argparse.ArgumentParser]) -> str:
     lines += ['      *) case "$verb $word" in']
     for verb, parser in verbs.items():
         options = " ".join(parser._option_string_actions)
-        others = " ".join([*_FIRST.get(verb, ()), *_choices(parser)])
+        others = " ".join(_choices(parser))
         lines.append(f'        "{verb} -"*) found={shlex.quote(options)} ;;')
         lines.append(f'        "{verb} "*) found={shlex.quote(others)} ;;')
     return "\n".join([*lines, "      esac ;;", "    esac", "  fi"])

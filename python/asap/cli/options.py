@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import asap
-from asap import _checks, profiles
+from asap import _checks
 from asap._stamps import TIME_EXPONENTS
-from asap.cli.outcome import USAGE, Failure
 from asap.results import run_archive
 
 T = TypeVar("T")
@@ -20,7 +19,6 @@ EXAMPLES = {
     "demo": "asap demo --out demo",
     "run": "asap run flight.aedat4 --algorithm mine:Detector",
     "compare": "asap compare flight.aedat4 --cost 100us+300ns --report flight.html",
-    "study": "asap study --quick --out study",
     "info": "asap info flight.aedat4",
     "check": "asap check flight.aedat4 --report flight.html",
     "convert": "asap convert flight.aedat4 flight.npz",
@@ -94,10 +92,6 @@ def add_out(parser: argparse.ArgumentParser, default: str) -> None:
 
 def open_recording(arguments: Any) -> asap.Recording:
     """Open what `add_recording` asked for."""
-    if arguments.file in profiles.PROFILES and not Path(arguments.file).exists():
-        raise Failure(
-            USAGE, f"{arguments.file}: no such file; only asap compare takes the name of a profile"
-        )
     return asap.read(
         arguments.file,
         width=arguments.width,

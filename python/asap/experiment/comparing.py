@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from asap import _checks, _core
-from asap.experiment.contenders import labelled, of_schemes, rivals, user_schemes
+from asap.experiment.contenders import labelled, of_schemes, user_schemes
 from asap.experiment.runners import Progress, check_latency
 from asap.experiment.side_by_side import CheckedStream, side_by_side
 from asap.results.comparison import Comparison, Row
@@ -17,7 +17,6 @@ from asap.synthetic import joined
 _DEFAULT_LATENCY_MS = 10.0
 
 
-@_checks.renamed(all="baselines")
 def compare(
     source: Any,
     *,
@@ -31,7 +30,6 @@ def compare(
     height: int | None = None,
     on_bad: str = "drop",
     capacity: int | None = None,
-    baselines: bool = False,
     on_progress: Progress | None = None,
 ) -> Comparison:
     """Put every scheme to the same events in virtual time, beside the oracle.
@@ -40,9 +38,8 @@ def compare(
 
     Parameters
     ----------
-    source : path, Recording, Profile, array or list of arrays
-        One that can be read again: the figures of a comparison can be checked. A profile of
-        `asap.profiles` is as good as a recording.
+    source : path, Recording, array or list of arrays
+        One that can be read again: the figures of a comparison can be checked.
     cost : LinearCost
         The simulated algorithm, the same for all.
     schemes : mapping of str to Scheme, or sequence of Scheme, optional
@@ -57,8 +54,6 @@ def compare(
         10 compresses the stamps by ten: a quiet recording becomes one that overloads the algorithm.
     width, height, on_bad, capacity
         As in `simulate`; each scheme has a ring of its own.
-    baselines : bool
-        Add those of the benchmark: rules of others that are not for use.
     on_progress : callable, optional
         Called as on_progress(done, total or None, {}) between chunks.
 
@@ -77,17 +72,11 @@ def compare(
     """
     _check_cost(cost)
     _require_replayable(source)
-    for name, value in (("opaque", opaque), ("baselines", baselines)):
-        _checks.flag(name, value)
+    _checks.flag("opaque", opaque)
     _checks.callback("on_progress", on_progress)
     given = {} if schemes is None else labelled(schemes)
     bound_ms = _common_bound_ms(given.values(), latency_ms)
     contenders = user_schemes() if schemes is None else of_schemes(given)
-    if baselines:
-        others = rivals()
-        twins = [one.label for one in others if one.label in given]
-        _checks.require(not twins, "schemes", twins, "baselines=True adds these; rename yours")
-        contenders += others
     if opaque:
         contenders = [replace(one, opaque=True) for one in contenders]
     stream = CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed)
@@ -138,7 +127,7 @@ def oracle(
 
     Parameters
     ----------
-    source : path, Recording, Profile, array or iterable of arrays
+    source : path, Recording, array or iterable of arrays
         Read once.
     cost : LinearCost
         The simulated algorithm.

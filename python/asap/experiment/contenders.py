@@ -26,7 +26,7 @@ _SETTINGS: dict[type[_core.Scheme], dict[str, dict[str, float]]] = {
     _core.FixedSize: {"FixedSize 1000": {"size": 1000}},
     _core.FixedTime: {"FixedTime 1 ms": {"period_ms": 1.0}},
     _core.Greedy: {"Greedy": {}, "Greedy 0.97": {"efficiency": 0.97}},
-    _core.SingleEvent: {},  # one of the rivals
+    _core.SingleEvent: {},  # pays the fixed cost for every event
 }
 
 
@@ -45,19 +45,6 @@ def _maker(kind: type[_core.Scheme], settings: Mapping[str, float]) -> Make:
     return lambda latency_ms, cost: kind(**settings)
 
 
-def rivals() -> list[Contender]:
-    """Return the baselines of the benchmark: exact rules of others, no products."""
-    return [
-        Contender("SingleEvent", lambda latency_ms, cost: _core.SingleEvent()),
-        Contender("jAER timer", lambda latency_ms, cost: _core.JaerTimer(latency_ms, cost)),
-        Contender("greedy+PIE", lambda latency_ms, cost: _core.GreedyPie(latency_ms)),
-        Contender("greedy+rate-gamma", lambda latency_ms, cost: _core.GreedyRateGamma(latency_ms)),
-        Contender("greedy+clear", lambda latency_ms, cost: _core.GreedyClear(latency_ms)),
-        Contender("Clipper AIMD", lambda latency_ms, cost: _core.ClipperAimd(latency_ms)),
-        Contender("Spark PID", lambda latency_ms, cost: _core.SparkPid(latency_ms)),
-    ]
-
-
 def labelled(schemes: Any) -> dict[str, _core.Scheme]:
     """Give every scheme a label: its key in a mapping, else its class and what sets it apart.
 
@@ -65,7 +52,7 @@ def labelled(schemes: Any) -> dict[str, _core.Scheme]:
     text.
     """
     if isinstance(schemes, str):
-        remedy = "give schemes such as [asap.Greedy()], or leave it out; baselines=True adds more"
+        remedy = "give schemes such as [asap.Greedy()], or leave it out"
         raise TypeError(_checks.named("schemes", schemes, remedy))
     named = isinstance(schemes, Mapping)
     given = schemes.values() if named else schemes

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,7 +28,7 @@ _FARTHEST = 1e18  # of other numbers
 _LEAST_GAMMA = 1e-15  # events are counted back from it
 _DEEPEST = 16  # objects inside objects
 _SIGNED = ("start_us", "t_first", "t_last", "margin_us")
-_LONGEST_SUMMARY, _LONGEST_JSON = 1 << 24, 1 << 28  # bytes; the form before held the log as JSON
+_LONGEST_SUMMARY = 1 << 24  # bytes
 
 
 def load_run(path: str | os.PathLike[str]) -> Run:
@@ -66,25 +65,19 @@ def _from_archive(file: Path) -> Run:
     summary = _parsed(archive.read(run_archive.SUMMARY, _LONGEST_SUMMARY))
     count = _count("count", _object("packages", summary["packages"])["count"])
     latencies = _parsed(archive.read(run_archive.LATENCIES, _LONGEST_SUMMARY))
-    return _run(summary, _packages(run_archive.columns(archive, count)), *latencies)
+    latency, lateness = latencies
+    return Run(
+        packages=_packages(run_archive.columns(archive, count)),
+        latency=_histogram("latency_histogram", latency),
+        lateness=_histogram("lateness_histogram", lateness) if lateness else None,
+        **_facts(summary),
+    )
 
 
 def _from_json(file: Path) -> Run:
-    if (size := file.stat().st_size) > _LONGEST_JSON:
-        raise ValueError(f"size = {size} bytes: a summary takes less than {_LONGEST_JSON}")
-    document = _parsed(file.read_bytes())
-    if "rows" not in document:
-        return _from_summary(document)
-    rows = _packages(_object("rows", document["rows"]))
-    latencies = (document["latency_histogram"], document["lateness_histogram"])
-    run = _run(document, rows, *latencies)
-    warnings.warn(
-        f"{file}: a run saved as JSON with its packages will not be read by the next version; "
-        "load it and write it again with run.save('run.npz')",
-        DeprecationWarning,
-        stacklevel=3,
-    )
-    return run
+    if (size := file.stat().st_size) > _LONGEST_SUMMARY:
+        raise ValueError(f"size = {size} bytes: a summary takes less than {_LONGEST_SUMMARY}")
+    return _from_summary(_parsed(file.read_bytes()))
 
 
 def _parsed(text: bytes) -> dict[str, Any]:
@@ -92,15 +85,6 @@ def _parsed(text: bytes) -> dict[str, Any]:
     if _depth(document) > _DEEPEST:
         raise ValueError("objects inside objects inside objects")
     return document  # type: ignore[no-any-return]
-
-
-def _run(document: Mapping[str, Any], rows: NDArray[np.void], latency: Any, lateness: Any) -> Run:
-    return Run(
-        packages=rows,
-        latency=_histogram("latency_histogram", latency),
-        lateness=_histogram("lateness_histogram", lateness) if lateness else None,
-        **_facts(document),
-    )
 
 
 def _from_summary(document: Mapping[str, Any]) -> Run:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -58,12 +57,6 @@ class Row:
     packages_per_s: float
     cpu: float
 
-    @property
-    def gap_ms(self) -> int:
-        """Return the gap in whole ms: the name of one version ago."""
-        warnings.warn("gap_ms is now gap_us", DeprecationWarning, stacklevel=2)
-        return self.gap_us // 1000
-
     @classmethod
     def of(cls, label: str, run: Run, oracle: float) -> Row:
         """Sum up a run beside the oracle's number of events."""
@@ -93,27 +86,6 @@ def _elapsed_s(run: Run) -> float:
     first, last = run.packages[0], run.packages[-1]
     busy_us = last["start_us"] + last["processing_us"] - first["t_first"]
     return max(float(run.source["duration_s"]), float(busy_us) * 1e-6)
-
-
-class _Label(str):
-    """A label. For one version it has its row's attributes too: iterating gave rows."""
-
-    _row: Row
-
-    def __new__(cls, row: Row) -> _Label:
-        label = super().__new__(cls, row.label)
-        label._row = row
-        return label
-
-    def __reduce__(self) -> Any:
-        return str, (str(self),)
-
-    def __getattr__(self, name: str) -> Any:
-        if name not in Row.__dataclass_fields__:
-            raise AttributeError(f"a label has no attribute {name!r}")
-        words = "iterating a comparison gives its labels; for rows iterate comparison.rows"
-        warnings.warn(words, DeprecationWarning, stacklevel=2)
-        return getattr(self._row, name)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -168,7 +140,7 @@ class Comparison(Result, Mapping[str, Row]):
         return run.ledger.received - run.ledger.rejected
 
     def __iter__(self) -> Iterator[str]:
-        return (_Label(row) for row in self.rows)
+        return (row.label for row in self.rows)
 
     def __len__(self) -> int:
         return len(self.rows)

@@ -11,12 +11,11 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from asap import _units
-from asap.results import accuracy_table, comparison_table, inspection_table, run_table
+from asap.results import comparison_table, inspection_table, run_table
 
 if TYPE_CHECKING:
     from asap.results.comparison import Comparison
     from asap.results.inspection import Inspection
-    from asap.results.keep_curve import KeepCurve
     from asap.results.run import Run
 
 
@@ -28,7 +27,7 @@ def run_html(run: Run) -> str:
         for cause, words in run_table.LEDGER_WORDS.items()
     ]
     return (
-        _heading(run_table.title(summary), run_table.subtitle(summary))
+        heading(run_table.title(summary), run_table.subtitle(summary))
         + table((), run_table.figures(run, summary).items())
         + table(("", "events", "share", ""), ledger)
         + _verdict(run_table.verdict(run))
@@ -39,7 +38,7 @@ def comparison_html(comparison: Comparison) -> str:
     """Show a comparison: a row for each scheme, the oracle, the verdict."""
     rows = [comparison_table.cells(row, comparison.latency_ms) for row in comparison.rows]
     return (
-        _heading(comparison_table.title(comparison), comparison_table.subtitle(comparison))
+        heading(comparison_table.title(comparison), comparison_table.subtitle(comparison))
         + table(tuple(comparison_table.COLUMNS), rows + comparison_table.oracle_rows(comparison))
         + _verdict(comparison_table.verdict(comparison))
     )
@@ -54,7 +53,7 @@ def inspection_html(inspection: Inspection) -> str:
     ]
     remedies = inspection_table.remedies(inspection)
     return (
-        _heading(inspection_table.title(inspection))
+        heading(inspection_table.title(inspection))
         + table((), inspection_table.facts(inspection).items())
         + table(("check", "found", "verdict", ""), checks)
         + _verdict(inspection_table.verdict(inspection))
@@ -62,17 +61,12 @@ def inspection_html(inspection: Inspection) -> str:
     )
 
 
-def keep_curve_html(curve: KeepCurve) -> str:
-    """Show the scores over gamma."""
-    head, *rows = accuracy_table.cells(curve)
-    return _heading(accuracy_table.title(curve)) + table(head, rows)
-
-
 def _share(count: int, received: int) -> str:
     return _units.share(count / received) if count and received else ""
 
 
-def _heading(title: str, subtitle: str = "") -> str:
+def heading(title: str, subtitle: str = "") -> str:
+    """Write a heading in one or two lines."""
     return f"<p><b>{_text(title)}</b>{'<br>' if subtitle else ''}{_text(subtitle)}</p>"
 
 

@@ -5,6 +5,8 @@ from typing import Any, Literal, TypeAlias, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from asap._core import EventStream, LinearCost, Scheme
+
 _Events = NDArray[np.void]
 _HistogramState: TypeAlias = tuple[int, int, int, int, int, list[tuple[int, int]]]
 
@@ -42,3 +44,91 @@ class BusyWait(metaclass=_pybind11_type):
     def process(self, events: _Events) -> None: ...
 
 def scheduling_jitter(duration_s: float) -> _HistogramState: ...
+
+# profiles
+
+class PoissonArrivals(EventStream):
+    def __init__(
+        self,
+        *,
+        width: int,
+        height: int,
+        duration_us: int,
+        t0_us: int,
+        noise: float,
+        seed: int,
+    ) -> None: ...
+    def feed(self, rates_hz: NDArray[np.float64]) -> None: ...
+
+# scenes
+
+class SceneLayout(metaclass=_pybind11_type):
+    def __init__(self, *args: object, **kwargs: object) -> None: ...  # has no constructor
+    @staticmethod
+    def named(name: str, seed: int) -> SceneLayout: ...
+    @staticmethod
+    def free_shapes(
+        *,
+        count: int,
+        width: int,
+        height: int,
+        duration_us: int,
+        radius_px: tuple[float, float],
+        speed_px_s: tuple[float, float],
+        noise_hz: float,
+        seed: int,
+    ) -> SceneLayout: ...
+    @staticmethod
+    def large_shapes(*, kinds: list[str], seed: int) -> SceneLayout: ...
+    @staticmethod
+    def large_disks(*, seed: int) -> SceneLayout: ...
+    @staticmethod
+    def hands(*, seed: int) -> SceneLayout: ...
+    @staticmethod
+    def moving_camera(*, seed: int) -> SceneLayout: ...
+    @staticmethod
+    def stop_and_go(
+        *, gap_us: int, speed_px_s: float, radius_px: float, noise_hz: float, seed: int
+    ) -> SceneLayout: ...
+    @staticmethod
+    def occlusion(
+        *, gap_us: int, speed_px_s: float, radius_px: float, noise_hz: float, seed: int
+    ) -> SceneLayout: ...
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def duration_us(self) -> int: ...
+    @property
+    def reaches_px(self) -> list[float]: ...
+    def corners(self) -> list[NDArray[np.float64]]: ...
+    def track(self) -> NDArray[np.float64]: ...
+
+class MovingShapesStream(metaclass=_pybind11_type):
+    def __init__(self, layout: SceneLayout) -> None: ...
+    def read(self, at_least: int) -> tuple[_Events, NDArray[np.int32]]: ...
+
+# rivals
+
+class JaerTimer(Scheme):
+    def __init__(self, latency_ms: float, cost: LinearCost) -> None: ...
+
+class GreedyPie(Scheme):
+    def __init__(self, latency_ms: float) -> None: ...
+
+class GreedyRateGamma(Scheme):
+    def __init__(self, latency_ms: float) -> None: ...
+
+class GreedyClear(Scheme):
+    def __init__(self, latency_ms: float) -> None: ...
+
+class ClipperAimd(Scheme):
+    def __init__(self, latency_ms: float) -> None: ...
+
+class SparkPid(Scheme):
+    def __init__(self, latency_ms: float) -> None: ...
+
+# clairvoyant
+
+def clairvoyant_latency_us(events: _Events, cost: LinearCost, bin_us: float = 10.0) -> float: ...

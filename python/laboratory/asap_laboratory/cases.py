@@ -14,9 +14,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
-from asap.profiles import FURTHER, PROFILES, Profile, Scenario, scenario
 from asap_laboratory.contenders import HINDSIGHT, PRIORS, TABLE, contender
 from asap_laboratory.measure import Measured, measure
+from asap_laboratory.profiles import FURTHER, PROFILES, Profile, Scenario, scenario
 
 NAMED = ("quiet", "low", "uav", "flicker", "steps", "bursts", "high", "ramp", "steps60")
 FORMS = ("quick", "default", "full")

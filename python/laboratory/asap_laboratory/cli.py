@@ -1,13 +1,17 @@
-"""What ``asap study`` does: measure, write tables and figures, judge by the goals."""
+"""The command ``asap-study``: measure, write tables and figures, judge by the goals."""
 
 from __future__ import annotations
 
+import argparse
 import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any, TypeVar
 
 from asap import _progress
+from asap.cli import carry_out
+from asap.cli.options import add_out
 from asap.cli.outcome import (
     CHECK_FAILED,
     OK,
@@ -20,13 +24,62 @@ from asap.cli.outcome import (
     usage,
     writing,
 )
+from asap.cli.parser import Parser
 from asap.results.result import without_nan
 
 _Found = TypeVar("_Found")
 
 
-def conduct(arguments: Any) -> int:
-    """Carry out ``asap study`` and return the exit code."""
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line, that of the process unless given, and return the exit code."""
+    return carry_out(_parser(), argv)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="asap-study",
+        description="Every scheme over all scenarios, against the goals; less than 30 minutes on "
+        "two cores.",
+        epilog="example: asap-study --quick --out study",
+    )
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--quick", action="store_true", help="a part, in less than 2 minutes")
+    form.add_argument(
+        "--full", action="store_true", help="three seeds, rows with hindsight; less than 90 minutes"
+    )
+    form.add_argument(
+        "--realtime", action="store_true", help="the simulator beside this machine's clock instead"
+    )
+    parser.add_argument(
+        "--accuracy", action="store_true", help="scores of the algorithms over gamma instead"
+    )
+    parser.add_argument(
+        "--rivals", action="store_true", help="the cluster tracker beside its rivals instead"
+    )
+    parser.add_argument(
+        "--ladder", action="store_true", help="every consumer under every scheme instead"
+    )
+    words = (
+        "the cluster tracker on recordings with boxes instead: their folders, or a folder of them"
+    )
+    parser.add_argument("--real", nargs="*", type=Path, metavar="FOLDER", help=words)
+    add_out(parser, "asap-study")
+    parser.add_argument("--workers", type=_workers, metavar="N", help="processes (default: cores)")
+    parser.add_argument(
+        "--fresh", action="store_true", help="forget what DIR holds of earlier runs"
+    )
+    parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
+    parser.set_defaults(verb=_conduct)
+    return parser
+
+
+def _workers(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text}: give a number of processes, at least 1")
+    return int(text)
+
+
+def _conduct(arguments: Any) -> int:
     asked = [kind for kind in _KINDS if getattr(arguments, kind) not in (False, None)]
     if len(asked) > 1:
         raise Failure(USAGE, " and ".join(f"--{kind}" for kind in asked) + ": give one of them")
@@ -36,7 +89,7 @@ def conduct(arguments: Any) -> int:
 def _schemes(arguments: Any) -> int:
     from asap_laboratory import study
 
-    found = _conducted(arguments, study, "asap study")
+    found = _conducted(arguments, study, "asap-study")
     if arguments.json:
         _print_json(arguments, found, goals=[asdict(goal) for goal in found.goals])
     else:
@@ -51,7 +104,7 @@ def _schemes(arguments: Any) -> int:
 def _accuracy(arguments: Any) -> int:
     from asap_laboratory import accuracy, accuracy_study
 
-    found = _conducted(arguments, accuracy_study, "asap study --accuracy")
+    found = _conducted(arguments, accuracy_study, "asap-study --accuracy")
     _say_missing(found)
     if arguments.json:
         _print_json(arguments, found, accuracy=[curve.summary() for curve in found.curves])
@@ -68,7 +121,7 @@ def _accuracy(arguments: Any) -> int:
 def _rivals(arguments: Any) -> int:
     from asap_laboratory import rivals, rivals_study
 
-    found = _conducted(arguments, rivals_study, "asap study --rivals")
+    found = _conducted(arguments, rivals_study, "asap-study --rivals")
     if arguments.json:
         curves = [curve.summary() for curve in found.curves]
         _print_json(arguments, found, rivals=curves, recordings=without_nan(found.recordings))
@@ -85,7 +138,7 @@ def _rivals(arguments: Any) -> int:
 def _ladder(arguments: Any) -> int:
     from asap_laboratory import ladder, ladder_study
 
-    found = _conducted(arguments, ladder_study, "asap study --ladder")
+    found = _conducted(arguments, ladder_study, "asap-study --ladder")
     _say_missing(found)
     if arguments.json:
         _print_json(arguments, found, ladder=[row.to_dict() for row in found.rows])
@@ -110,7 +163,7 @@ def _real(arguments: Any) -> int:
             list(scenes.values()),
             left_out=left_out,
             figures=_can_draw(),
-            command=" ".join(["asap study --real", *(folder.name for folder in arguments.real)]),
+            command=" ".join(["asap-study --real", *(folder.name for folder in arguments.real)]),
             on_progress=on_progress,
         )
     if arguments.json:

@@ -63,7 +63,7 @@ def study(
     workers: int | None = None,
     fresh: bool = False,
     figures: bool = True,
-    command: str = "asap study",
+    command: str = "asap-study",
     on_progress: OnProgress | None = None,
 ) -> Study:
     """Compare all schemes over profiles and cost models; write study.md, figures and a state file.
@@ -121,9 +121,8 @@ def study(
         from asap_laboratory import figures as drawing
 
         drawn = drawing.write(out, ran.results)
-    path = out / "study.md"
-    document.write(
-        path,
+    written = document.write(
+        out / "study.md",
         ran.results,
         judged,
         form=form,
@@ -131,4 +130,4 @@ def study(
         seconds=ran.seconds,
         figures=drawn,
     )
-    return Study(judged, ran.results, [path, *drawn], ran.taken_from_file, ran.seconds)
+    return Study(judged, ran.results, [*written, *drawn], ran.taken_from_file, ran.seconds)

@@ -7,6 +7,7 @@ from typing import Any
 
 from asap import _core
 from asap.experiment.contenders import Contender
+from asap_laboratory import _native
 
 Make = Callable[[float, _core.LinearCost], _core.Scheme]
 
@@ -50,13 +51,13 @@ _BASELINES = [
     Contender("SingleEvent", lambda *_: _core.SingleEvent()),
     Contender("Asap2020", _asap2020(0.9, 0.05), flush=False),
     Contender("Asap2022", _asap2022(), flush=False),
-    Contender("Spark PID", lambda latency_ms, cost: _core.SparkPid(latency_ms)),
-    Contender("Clipper AIMD", lambda latency_ms, cost: _core.ClipperAimd(latency_ms)),
+    Contender("Spark PID", lambda latency_ms, cost: _native.SparkPid(latency_ms)),
+    Contender("Clipper AIMD", lambda latency_ms, cost: _native.ClipperAimd(latency_ms)),
     Contender("Greedy", lambda *_: _core.Greedy()),
-    Contender("greedy+PIE", lambda latency_ms, cost: _core.GreedyPie(latency_ms)),
-    Contender("greedy+clear", lambda latency_ms, cost: _core.GreedyClear(latency_ms)),
-    Contender("jAER timer", lambda latency_ms, cost: _core.JaerTimer(latency_ms, cost)),
-    Contender("greedy+rate-gamma", lambda latency_ms, cost: _core.GreedyRateGamma(latency_ms)),
+    Contender("greedy+PIE", lambda latency_ms, cost: _native.GreedyPie(latency_ms)),
+    Contender("greedy+clear", lambda latency_ms, cost: _native.GreedyClear(latency_ms)),
+    Contender("jAER timer", lambda latency_ms, cost: _native.JaerTimer(latency_ms, cost)),
+    Contender("greedy+rate-gamma", lambda latency_ms, cost: _native.GreedyRateGamma(latency_ms)),
 ]
 _OURS = [
     Contender("opaque DeadBeat", _dead_beat(knee=0.0, overhead=0.0), opaque=True),
@@ -119,3 +120,14 @@ def contender(label: str) -> Contender:
         There is none.
     """
     return _BY_LABEL[label]
+
+
+_PUBLISHED = (
+    *("SingleEvent", "jAER timer", "greedy+PIE", "greedy+rate-gamma", "greedy+clear"),
+    *("Clipper AIMD", "Spark PID"),
+)
+
+
+def baselines(latency_ms: float, cost: _core.LinearCost) -> dict[str, _core.Scheme]:
+    """Make the published schedulers for `asap.compare` to run as its `schemes`, by label."""
+    return {label: contender(label).make(latency_ms, cost) for label in _PUBLISHED}

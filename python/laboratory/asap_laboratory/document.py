@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import datetime
-import os
-import platform
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
-from asap import _core
-from asap_laboratory import tables
+from asap_laboratory import tables, writer
 from asap_laboratory.cases import FORMS
 from asap_laboratory.goals import Goal
 from asap_laboratory.results import MODELS, Results
@@ -61,37 +59,27 @@ def write(
     command: str,
     seconds: float,
     figures: Iterable[Path] = (),
-) -> None:
-    """Write the document.
+) -> list[Path]:
+    """Write the document and its data; return their paths.
 
     Parameters
     ----------
-    path : Path
-        A Markdown file; its folder exists.
+    path, command, seconds
+        As in `writer.write`.
     results, goals
         What was measured, and how it was judged.
     form : str
         One of `FORMS`.
-    command : str
-        What has to be typed to get the same.
-    seconds : float
-        Processor time of all runs.
     figures : iterable of Path
         Beside the document.
     """
-    pictures = {
-        figure.stem: f"![{figure.stem.replace('_', ' ')}]({figure.name})" for figure in figures
-    }
-    first = pictures.pop("score_and_latency", None)
-    parts = [
-        "# Study of the schemes",
-        _OPENING,
-        *([first] if first else []),
-        f"{origin(command, seconds)}. Form {_FORM_WORDS[form]}.",
+    figures = list(figures)
+    lead = [figure for figure in figures if figure.stem == "score_and_latency"]
+    sections = [
         _HOW_TO_READ,
         "## Goals",
         tables.goal_table(goals),
-        *pictures.values(),
+        *writer.pictures(figure for figure in figures if figure not in lead),
         "## Aggregate over the named profiles",
         "Mean score / least score / worst p99 over L / mean CPU.",
         tables.aggregate(results),
@@ -114,7 +102,28 @@ def write(
         _DIFFERS,
         _deviations(results),
     ]
-    path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    return writer.write(
+        path,
+        "Study of the schemes",
+        _OPENING,
+        sections,
+        _rows(results),
+        command=command,
+        seconds=seconds,
+        notes=f". Form {_FORM_WORDS[form]}",
+        lead=writer.pictures(lead),
+    )
+
+
+def _rows(results: Results) -> Iterable[dict[str, Any]]:
+    for case, measured in results.cases():
+        for label, figures in measured.figures.items():
+            yield {
+                **{name: getattr(case, name) for name in ("cost_model", "profile", "seed")},
+                "contender": label,
+                **asdict(figures),
+                **{name: getattr(measured, name) for name in ("events", "oracle", "exact")},
+            }
 
 
 def _per_model(results: Results) -> Iterable[str]:
@@ -150,21 +159,3 @@ def _deviations(results: Results) -> str:
             for name, ours, theirs in found
         ],
     )
-
-
-def origin(command: str, seconds: float) -> str:
-    """Say what has measured a document's figures: command, date, version, machine, time taken."""
-    date = datetime.date.today().isoformat()
-    machine = f"{_processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}"
-    version = f"asap {_core.__version__}"
-    minutes = f"{seconds / 60:.1f} minutes of processor time"
-    return f"`{command}`, {date}, {version}, {machine}; {minutes}"
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor() or "unknown processor"
-    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(names, platform.processor() or "unknown processor")

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from asap.profiles import COSTS
 from asap_laboratory.contenders import PRIORS
 from asap_laboratory.probes import CapProbe, SteadyProbe
+from asap_laboratory.profiles import COSTS
 from asap_laboratory.results import Finding, Results
 
 _LAW = "Deadline"  # without a limit on the overhead, as the goals want it

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from asap.experiment import Run
 from asap.experiment.contenders import Contender
 from asap.experiment.side_by_side import CheckedStream, side_by_side
-from asap.profiles import Scenario
 from asap_laboratory import metrics
+from asap_laboratory.profiles import Scenario
 
 _PHASE_MS = 500  # of the profiles that step
 

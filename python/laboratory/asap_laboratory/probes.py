@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from asap import _core
 from asap.experiment import simulate
 from asap.experiment.side_by_side import CheckedStream, side_by_side
-from asap.profiles import COSTS, Profile, scenario
+from asap_laboratory import _native
 from asap_laboratory.contenders import contender
+from asap_laboratory.profiles import COSTS, Profile, scenario
 
 BOUNDS = (100, 50, 20, 10, 5)
 """Latency bounds of the `FewProbe`, fixed costs."""
@@ -96,7 +97,7 @@ class CapProbe:
             simulate(events, cost=cost, scheme=_core.Greedy(efficiency=efficiency)).latency.max
             for efficiency in (None, 0.97)
         )
-        return Window(greedy, capped, _core.clairvoyant_latency_us(events, cost))
+        return Window(greedy, capped, _native.clairvoyant_latency_us(events, cost))
 
 
 @dataclass(frozen=True)

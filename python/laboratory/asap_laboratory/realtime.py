@@ -12,8 +12,8 @@ from typing import Any
 
 from asap import _core
 from asap.experiment import Run, run, simulate
-from asap.profiles import Profile
 from asap_laboratory import _native
+from asap_laboratory.profiles import Profile
 
 PROFILES = ("low", "uav", "flicker", "steps", "bursts", "high")
 
@@ -57,7 +57,7 @@ def replay_beside_simulation(
     Parameters
     ----------
     profiles : sequence of str
-        Names of `asap.profiles.PROFILES`.
+        Names of `asap_laboratory.profiles.PROFILES`.
     alpha_us, beta_ns : float
         Cost of the algorithm, spun and simulated.
     latency_ms : float

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
-from asap.profiles import LATENCY_MS
 from asap_laboratory.accuracy.cases import Accuracy, AccuracyCase
 from asap_laboratory.cases import NAMED, Case
 from asap_laboratory.contenders import HINDSIGHT
@@ -13,6 +12,7 @@ from asap_laboratory.ladder.cases import LadderCase, LadderReplay, Outcomes
 from asap_laboratory.ladder.cost import CostCase, Costs
 from asap_laboratory.measure import Figures, Measured
 from asap_laboratory.probes import Few, FewProbe, Probe, Steady, Window
+from asap_laboratory.profiles import LATENCY_MS
 from asap_laboratory.rivals.cases import RecordingCase, Rivalry, RivalsCase
 
 Task: TypeAlias = (
@@ -77,7 +77,7 @@ class Results:
         models = tuple(models)
         profiles = None if profiles is None else tuple(profiles)
         found = []
-        for case, measured in self._cases():
+        for case, measured in self.cases():
             if case.cost_model not in models or (profiles and case.profile not in profiles):
                 continue
             if further is not None and case.is_further != further:
@@ -115,22 +115,23 @@ class Results:
 
     def profiles(self, model: str) -> list[str]:
         """Profiles that were measured with a cost model: the nine in their order, then others."""
-        seen = dict.fromkeys(case.profile for case, _ in self._cases() if case.cost_model == model)
+        seen = dict.fromkeys(case.profile for case, _ in self.cases() if case.cost_model == model)
         return sorted(seen, key=lambda name: NAMED.index(name) if name in NAMED else len(NAMED))
 
     def contenders(self) -> list[str]:
         """Labels of the rows that were measured, those with hindsight last."""
-        seen = dict.fromkeys(label for _, one in self._cases() for label in one.figures)
+        seen = dict.fromkeys(label for _, one in self.cases() for label in one.figures)
         settings = {label for group in HINDSIGHT.values() for label in group}
         best = [label for label, group in HINDSIGHT.items() if set(group) <= set(seen)]
         return [label for label in seen if label not in settings] + best
 
     def _of(self, model: str, profile: str) -> Iterator[Measured]:
-        for case, measured in self._cases():
+        for case, measured in self.cases():
             if (case.cost_model, case.profile) == (model, profile):
                 yield measured
 
-    def _cases(self) -> Iterator[tuple[Case, Measured]]:
+    def cases(self) -> Iterator[tuple[Case, Measured]]:
+        """Yield every scenario with what was measured in it."""
         for task, outcome in self.pairs:
             if isinstance(task, Case) and isinstance(outcome, Measured):
                 yield task, outcome

@@ -5,9 +5,10 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from asap import plots, scenes
-from asap.report.scene_figures import snapshot
-from asap.scenes import Scene
+from asap import plots
+from asap_laboratory import scenes
+from asap_laboratory.scenes import Scene
+from asap_laboratory.scenes.figures import snapshot
 
 
 def documented() -> list[tuple[Scene, float | None, float]]:

@@ -15,10 +15,11 @@ import matplotlib
 import numpy as np
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from asap import _core, plots, profiles
+from asap import _core, plots
 from asap.analysis import Floats
 from asap.experiment import compare
 from asap.report import page
+from asap_laboratory import profiles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,7 +9,6 @@
 #include <random>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -141,12 +140,6 @@ TEST(PublishedClusterTracker, LimitsAreAllowed) {
   EXPECT_EQ(complaint([](auto& c) { c.weight = 0; }), "none");
   EXPECT_EQ(complaint([](auto& c) { c.weight = 1; }), "none");
   EXPECT_EQ(complaint([](auto& c) { c.min_size = 0; }), "none");
-}
-
-TEST(PublishedClusterTracker, KeepsTheNamesOfEarlierVersions) {
-  static_assert(std::is_same_v<asap::CompatClusterTracker, PublishedClusterTracker>);
-  static_assert(std::is_same_v<asap::CompatClusterConfig, PublishedClusterTrackerConfig>);
-  static_assert(std::is_same_v<asap::CompatMotion, PublishedClusterMotion>);
 }
 
 TEST(PublishedClusterTracker, KeepIsCheckedAndWithoutEffect) {

@@ -94,9 +94,4 @@ class PublishedClusterTracker {
   std::unique_ptr<Engine> engine_;
 };
 
-// The names of earlier versions.
-using CompatClusterTracker = PublishedClusterTracker;
-using CompatClusterConfig = PublishedClusterTrackerConfig;
-using CompatMotion = PublishedClusterMotion;
-
 }  // namespace asap

@@ -5,7 +5,7 @@
 // this error. It is a fraction of the events' covariance, large for a new track; it shrinks while
 // the object travels over its own length and grows in contact, where a neighbour's events pull at
 // an outline that does not learn. One thread, at the tick. O(1), no allocation. Source: own design;
-// the fractions were fitted to the errors on asap.scenes A to G, seeds 100 to 102.
+// the fractions were fitted to the errors on the scenes A to G, seeds 100 to 102.
 #pragma once
 
 #include <cstdint>

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from asap import _core
-from asap.accuracy import Scene
-from asap.accuracy.curve import GAMMAS, scores_of
-from asap.results.keep_curve import Scored
+from asap_laboratory.scoring import Scene
+from asap_laboratory.scoring.curve import GAMMAS, scores_of
+from asap_laboratory.scoring.result import Scored
 
 Maker = Callable[[int, int], Any]
 
@@ -160,8 +160,8 @@ def _exists(rung: Rung) -> bool:
 
 
 def scene_of(name: str, seed: int) -> Scene:
-    """Make a scene of `asap.scenes` by its name, such as "A", "H_bars" or "corners_slow"."""
-    scenes: Any = importlib.import_module("asap.scenes")
+    """Make one of the `scenes` by its name, such as "A", "H_bars" or "corners_slow"."""
+    scenes: Any = importlib.import_module("asap_laboratory.scenes")
     make, _, kind = name.partition("_")
     scene: Scene = getattr(scenes, make)(seed=seed, **({"kind": kind} if kind else {}))
     return scene

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from asap._progress import OnProgress
-from asap.accuracy import KeepCurve
 from asap_laboratory.accuracy import document
 from asap_laboratory.accuracy.cases import (
     RUNGS,
@@ -20,6 +19,7 @@ from asap_laboratory.accuracy.cases import (
 from asap_laboratory.conduct import made_ready
 from asap_laboratory.results import Results
 from asap_laboratory.run import run
+from asap_laboratory.scoring import KeepCurve
 
 
 class AccuracyStudy(NamedTuple):
@@ -40,7 +40,7 @@ def accuracy_study(
     workers: int | None = None,
     fresh: bool = False,
     figures: bool = True,
-    command: str = "asap study --accuracy",
+    command: str = "asap-study --accuracy",
     on_progress: OnProgress | None = None,
 ) -> AccuracyStudy:
     """Score all algorithms over scenes and gammas; write accuracy.md, figures and a state file.
@@ -80,11 +80,15 @@ def accuracy_study(
     )
     curves, missing = curves_of(ran.results), missing_rungs()
     drawn = _draw(out, curves) if figures else []
-    path = out / "accuracy.md"
-    document.write(
-        path, curves, command=command, seconds=ran.seconds, figures=drawn, missing=missing
+    written = document.write(
+        out / "accuracy.md",
+        curves,
+        command=command,
+        seconds=ran.seconds,
+        figures=drawn,
+        missing=missing,
     )
-    return AccuracyStudy(curves, missing, [path, *drawn], ran.taken_from_file, ran.seconds)
+    return AccuracyStudy(curves, missing, [*written, *drawn], ran.taken_from_file, ran.seconds)
 
 
 def curves_of(results: Results) -> list[KeepCurve]:
@@ -102,7 +106,7 @@ def curves_of(results: Results) -> list[KeepCurve]:
 
 def _draw(folder: Path, curves: Iterable[KeepCurve]) -> list[Path]:
     from asap import plots
-    from asap.report import accuracy_report
+    from asap_laboratory.scoring import report as accuracy_report
 
     by_scene: dict[str, list[KeepCurve]] = {}
     for curve in curves:

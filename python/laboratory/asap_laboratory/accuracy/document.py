@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
-from asap.accuracy import KeepCurve, KeepRow
-from asap.results import accuracy_table
-from asap_laboratory.document import origin
+from asap_laboratory import writer
+from asap_laboratory.scoring import KeepCurve, KeepRow
+from asap_laboratory.scoring import table as accuracy_table
 from asap_laboratory.tables import markdown
 
 _OPENING = """\
@@ -38,31 +39,23 @@ def write(
     seconds: float,
     figures: Iterable[Path] = (),
     missing: Sequence[str] = (),
-) -> None:
-    """Write the document.
+) -> list[Path]:
+    """Write the document and its data; return their paths.
 
     Parameters
     ----------
-    path : Path
-        A Markdown file; its folder exists.
+    path, command, seconds
+        As in `writer.write`.
     curves : sequence of KeepCurve
         What was measured.
-    command : str
-        What has to be typed to get the same.
-    seconds : float
-        Processor time of all runs.
     figures : iterable of Path
         Beside the document.
     missing : sequence of str
         Algorithms that this build does not have.
     """
     seeds = max((row.seeds for curve in curves for row in curve.rows), default=0)
-    pictures = [f"![{figure.stem.replace('_', ' ')}]({figure.name})" for figure in figures]
-    parts = [
-        "# Accuracy against the kept fraction",
-        _OPENING,
-        *pictures[:1],
-        f"{origin(command, seconds)}; {seeds} seed{'s' * (seeds != 1)} of scene and thinning.",
+    pictures = writer.pictures(figures)
+    sections = [
         _HOW_TO_READ,
         *([f"Not in this build: {', '.join(missing)}."] if missing else []),
         *pictures[1:],
@@ -70,17 +63,36 @@ def write(
     for columns in (accuracy_table.TRACKER_COLUMNS, accuracy_table.CORNER_COLUMNS):
         some = [curve for curve in curves if accuracy_table.columns_of(curve.rows[0]) is columns]
         for column, (heading, words) in columns.items() if some else ():
-            parts += [f"## {heading}", f"{words[0].upper()}{words[1:]}.", by_scene(some, column)]
-    parts += [
+            sections += [f"## {heading}", f"{words[0].upper()}{words[1:]}.", by_scene(some, column)]
+    sections += [
         "## Cost",
         "ns per event of filter and algorithm, median over the packages of 5 ms of these runs.",
     ]
-    parts.append(by_scene(curves, _COST))
-    path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    sections.append(by_scene(curves, _COST))
+    return writer.write(
+        path,
+        "Accuracy against the kept fraction",
+        _OPENING,
+        sections,
+        rows_of(curves),
+        command=command,
+        seconds=seconds,
+        notes=f"; {seeds} seed{'s' * (seeds != 1)} of scene and thinning",
+        lead=pictures[:1],
+    )
+
+
+def rows_of(curves: Iterable[KeepCurve]) -> Iterator[dict[str, Any]]:
+    """Yield every score, with what was scored on what."""
+    for curve in curves:
+        what = {"algorithm": curve.algorithm, "before": curve.before, "scene": curve.scene}
+        for one in curve.scored:
+            how = {"gamma": one.gamma, "told": one.told, "seed": one.seed}
+            yield {**what, **how, **one.figures}
 
 
 def by_scene(curves: Sequence[KeepCurve], column: str) -> str:
-    """Write one figure of `asap.score` as Markdown: algorithms and gammas by scenes.
+    """Write one figure of `asap_laboratory.score` as Markdown: algorithms and gammas by scenes.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """What is left of the accuracy when a scheme has decided what arrives, and when.
 
 Told twice. *Delivered*: the algorithm is asked at every sample time after the last event before it
-that the scheme let through, as `asap.score` does; latency costs nothing. *In use*: it is asked what
+that the scheme let through, as `score` does; latency costs nothing. *In use*: it is asked what
 it knows at that moment, which is what the packages have told it that were finished by then. The
 truth is that of the moment in both. For a detector of corners: labels of the delivered events among
 themselves; and of all events of the stream, where one that was not finished in time is no corner.
@@ -16,12 +16,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from asap.accuracy import Scene
-from asap.accuracy.corners import near_a_vertex
-from asap.accuracy.matching import match
-from asap.accuracy.measures import mota, ratio
-from asap.accuracy.trace import PERIOD_US, Sample, clusters_at, sample_at, sample_times
 from asap.experiment import Run
+from asap_laboratory.scoring import Scene
+from asap_laboratory.scoring.corners import near_a_vertex
+from asap_laboratory.scoring.matching import match
+from asap_laboratory.scoring.measures import mota, ratio
+from asap_laboratory.scoring.trace import PERIOD_US, Sample, clusters_at, sample_at, sample_times
 
 _STEP_US = 1000
 

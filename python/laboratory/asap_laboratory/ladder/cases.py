@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _core
-from asap.accuracy import Scene
 from asap.experiment import Run, run, simulate
 from asap_laboratory import _native
 from asap_laboratory.ladder.accuracy import (
@@ -27,6 +26,7 @@ from asap_laboratory.ladder.accuracy import (
 )
 from asap_laboratory.ladder.rungs import LATENCY_MS, RUNGS, SLOWDOWN, LadderRung, stream
 from asap_laboratory.ladder.settings import Setting
+from asap_laboratory.scoring import Scene
 
 REAL_LATENCY_MS = 10.0  #: longer than in virtual time: a system without real time cannot do 3 ms
 _REPEATS = 4

@@ -50,7 +50,7 @@ def ladder_study(
     workers: int | None = None,
     fresh: bool = False,
     figures: bool = True,
-    command: str = "asap study --ladder",
+    command: str = "asap-study --ladder",
     on_progress: OnProgress | None = None,
 ) -> LadderStudy:
     """Put every consumer to the same overloading stream; write ladder.md, ladder.svg, a state file.
@@ -113,28 +113,20 @@ def ladder_study(
     rows.sort(key=lambda one: one.beta_ns)
     all_runs = (cost_runs, virtual, bounds, told, real)
     seconds = sum(one.seconds for one in all_runs)
-    found = LadderStudy(
+    over, otherwise = over_latency(bounds.results), told_rows(told.results)
+    drawn = [_draw(out / "ladder.svg", rows)] if figures else []
+    written = document.write(
+        out / "ladder.md",
         rows,
-        over_latency(bounds.results),
-        told_rows(told.results),
-        missing,
-        [out / "ladder.md"],
-        sum(one.taken_from_file for one in all_runs),
-        seconds,
-    )
-    if figures:
-        found.paths.append(_draw(out / "ladder.svg", rows))
-    document.write(
-        found.paths[0],
-        rows,
-        found.bounds,
-        found.told,
+        over,
+        otherwise,
         command=command,
         seconds=seconds,
-        figures=found.paths[1:],
+        figures=drawn,
         missing=missing,
     )
-    return found
+    taken = sum(one.taken_from_file for one in all_runs)
+    return LadderStudy(rows, over, otherwise, missing, [*written, *drawn], taken, seconds)
 
 
 def _of_rung(ran: Ran, rung: str) -> list[Outcomes]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from asap_laboratory.document import origin
+from asap_laboratory import writer
 from asap_laboratory.ladder.cases import REAL_LATENCY_MS
 from asap_laboratory.ladder.results import Figures, LadderRow, Mean, OverLatency, Told
 from asap_laboratory.ladder.rungs import LATENCY_MS, SLOWDOWN
@@ -38,7 +39,7 @@ cost: most events within L of those whose p99 is within L. Asap2020 knows the tr
 _ACCURACY = """\
 MOTA of the trackers, F of the corner detectors; mean and standard deviation over the seeds. "All
 events": none discarded, no latency. *Delivered*: asked every 5 ms after the last event before it
-that got through, as `asap.score` does, so that latency costs nothing. *In use*: asked what is known
+that got through, as `score` does, so that latency costs nothing. *In use*: asked what is known
 at that moment, from the packages that were finished by then, against the truth of that moment: what
 a robot gets. For corners, F of the delivered events among themselves, and of all events of the
 stream, where an event that was discarded or late is no corner. Each baseline had the latency that
@@ -60,19 +61,15 @@ def write(
     seconds: float,
     figures: Iterable[Path] = (),
     missing: Sequence[str] = (),
-) -> None:
-    """Write the document.
+) -> list[Path]:
+    """Write the document and its data; return their paths.
 
     Parameters
     ----------
-    path : Path
-        A Markdown file; its folder exists.
+    path, command, seconds
+        As in `writer.write`.
     rows, bounds, told
         What was measured.
-    command : str
-        What has to be typed to get the same.
-    seconds : float
-        Processor time of all runs.
     figures : iterable of Path
         Beside the document.
     missing : sequence of str
@@ -80,11 +77,7 @@ def write(
     """
     seeds = max(row.seeds for row in rows)
     late_ms = max(row.late_us for row in rows) / 1e3
-    parts = [
-        "# ASAP over the ladder",
-        _OPENING,
-        *(f"![{figure.stem}]({figure.name})" for figure in figures),
-        f"{origin(command, seconds)}; {seeds} seed{'s' * (seeds != 1)}.",
+    sections = [
         _HOW_TO_READ,
         *([f"Not in this build: {', '.join(missing)}."] if missing else []),
         "## Finished within L, share of all events",
@@ -116,7 +109,50 @@ def write(
         "## Settings",
         _settings(rows),
     ]
-    path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    return writer.write(
+        path,
+        "ASAP over the ladder",
+        _OPENING,
+        sections,
+        [*_rows(rows), *_rows_over_latency(bounds), *_rows_told(told)],
+        command=command,
+        seconds=seconds,
+        notes=f"; {seeds} seed{'s' * (seeds != 1)}",
+        lead=writer.pictures(figures),
+    )
+
+
+def _rows(rows: Iterable[LadderRow]) -> Iterator[dict[str, Any]]:
+    for row in rows:
+        for clock, schemes in (("virtual", row.virtual), ("real", row.real)):
+            for scheme, figures in schemes.items():
+                yield {
+                    **{
+                        name: getattr(row, name) for name in ("rung", "alpha_us", "beta_ns", "load")
+                    },
+                    "clock": clock,
+                    "scheme": scheme,
+                    "setting": str(row.settings[scheme]),
+                    **_means(figures),
+                }
+
+
+def _rows_over_latency(bounds: Iterable[OverLatency]) -> Iterator[dict[str, Any]]:
+    for one in bounds:
+        figures = {name: getattr(one, name) for name in ("kept", "delivered", "in_use")}
+        yield {"rung": one.rung, "latency_ms": one.latency_ms, **_means(figures)}
+
+
+def _rows_told(told: Iterable[Told]) -> Iterator[dict[str, Any]]:
+    for one in told:
+        for scheme, in_use in one.in_use.items():
+            what = {"rung": one.rung, "told": one.told, "scheme": scheme}
+            yield {**what, **_means({"in_use": in_use})}
+
+
+def _means(figures: Mapping[str, Mean]) -> dict[str, float]:
+    means = {name: value.mean for name, value in figures.items()}
+    return means | {f"{name}_spread": value.spread for name, value in figures.items()}
 
 
 def in_time_table(rows: Sequence[LadderRow]) -> str:

@@ -11,9 +11,10 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
-from asap import _core, scenes
-from asap.accuracy import Scene
+from asap import _core
+from asap_laboratory import scenes
 from asap_laboratory.ladder import naive
+from asap_laboratory.scoring import Scene
 
 LATENCY_MS = 3.0  #: the bound
 SLOWDOWN = 8.0

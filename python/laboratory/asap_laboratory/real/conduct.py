@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 from asap import _checks
 from asap._progress import OnProgress
-from asap.scenes import LabelledScene
 from asap_laboratory.accuracy.cases import RUNGS
 from asap_laboratory.real import document
 from asap_laboratory.real.following import Followed, follow
 from asap_laboratory.rivals.cases import OURS
+from asap_laboratory.scenes import LabelledScene
 
 
 class RealStudy(NamedTuple):
@@ -29,7 +29,7 @@ def real_study(
     *,
     left_out: Sequence[str] = (),
     figures: bool = True,
-    command: str = "asap study --real",
+    command: str = "asap-study --real",
     on_progress: OnProgress | None = None,
 ) -> RealStudy:
     """Score the cluster tracker on recordings with boxes; write real.md and real.html.
@@ -39,7 +39,7 @@ def real_study(
     out : path
         Folder to write to; made where it does not exist.
     scenes : sequence of LabelledScene
-        As `asap.scenes.labelled` opens them.
+        As `asap_laboratory.scenes.labelled` opens them.
     left_out : sequence of str
         Why other recordings are not among them; stands on the page.
     figures : bool
@@ -63,8 +63,8 @@ def real_study(
         if on_progress is not None:
             on_progress(len(sets), len(scenes), None)
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / "real.md"]
-    document.write(paths[0], sets, command=command, seconds=time.process_time() - begin_s)
+    seconds = time.process_time() - begin_s
+    paths = document.write(folder / "real.md", sets, command=command, seconds=seconds)
     if figures:
         from asap_laboratory.real import page
 

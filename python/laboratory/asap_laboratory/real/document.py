@@ -6,8 +6,9 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from asap_laboratory.document import origin
+from asap_laboratory import writer
 from asap_laboratory.real.following import Followed
 from asap_laboratory.real.mistakes import mistakes
 from asap_laboratory.tables import markdown
@@ -22,19 +23,21 @@ distance of the centres; ns is processor time per event, median of three turns. 
 belong to third parties and are not distributed."""
 
 
-def write(path: Path, sets: Sequence[Followed], *, command: str, seconds: float) -> None:
-    """Write the table and what went wrong, as Markdown."""
-    parts = [
-        "# The cluster tracker on recordings",
-        _OPENING,
-        f"{origin(command, seconds)}.",
+def write(path: Path, sets: Sequence[Followed], *, command: str, seconds: float) -> list[Path]:
+    """Write the table, what went wrong, and the data; return the paths."""
+    sections = [
         table(sets),
         "## What went wrong",
     ]
     for one in sets:
         wrong = mistakes(one) or ["Nothing."]
-        parts.append(f"**{one.scene.name}**\n\n" + "\n".join(f"- {words}" for words in wrong))
-    path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+        sections.append(f"**{one.scene.name}**\n\n" + "\n".join(f"- {words}" for words in wrong))
+    title, data = "The cluster tracker on recordings", [_row(one) for one in sets]
+    return writer.write(path, title, _OPENING, sections, data, command=command, seconds=seconds)
+
+
+def _row(one: Followed) -> dict[str, Any]:
+    return {"set": one.scene.name, **one.figures}
 
 
 def table(sets: Sequence[Followed]) -> str:

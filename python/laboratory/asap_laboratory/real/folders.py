@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from asap.scenes import LabelledScene, labelled
+from asap_laboratory.scenes import LabelledScene, labelled
 
 _FILES = ("events.npz", "truth.csv", "ignore.csv", "sensor.json")
 _NOWHERE = (

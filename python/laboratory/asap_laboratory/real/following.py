@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap.accuracy.boxes import BoxMatch, box_matches, box_score, frames
-from asap.accuracy.trace import snapshots_at
 from asap.results.result import without_nan
-from asap.scenes import LabelledScene
 from asap_laboratory.accuracy.cases import Rung
 from asap_laboratory.rivals.cost import costs_ns
+from asap_laboratory.scenes import LabelledScene
+from asap_laboratory.scoring.boxes import BoxMatch, box_matches, box_score, frames
+from asap_laboratory.scoring.trace import snapshots_at
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Followed:
     ----------
     scene : LabelledScene
     figures : dict of str to float
-        hit, precision, switches, longest, error, mota as of `asap.score`, and ns_per_event.
+        hit, precision, switches, longest, error, mota as of `score`, and ns_per_event.
     matches : list of BoxMatch
         At each labelled time.
     clusters : list of ndarray

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asap.accuracy.boxes import PADDING_PX, BoxMatch
 from asap_laboratory.real.following import Followed
+from asap_laboratory.scoring.boxes import PADDING_PX, BoxMatch
 
 _MOST_IDS = 6  # false ids that are named
 _MOST_SPANS = 3  # of an object's misses that are named

@@ -11,15 +11,15 @@ from pathlib import Path
 from typing import Any
 
 from asap import _core
-from asap.accuracy import Scene
-from asap.accuracy.matching import match
-from asap.accuracy.measures import mota
-from asap.accuracy.trace import follow
-from asap.scenes import labelled
 from asap_laboratory import _native
 from asap_laboratory.accuracy.cases import RUNGS, Rung, scene_of
 from asap_laboratory.real import following
 from asap_laboratory.rivals.cost import costs_ns
+from asap_laboratory.scenes import labelled
+from asap_laboratory.scoring import Scene
+from asap_laboratory.scoring.matching import match
+from asap_laboratory.scoring.measures import mota
+from asap_laboratory.scoring.trace import follow
 
 OURS = "fast"
 
@@ -131,6 +131,6 @@ def rivals_cases(form: str) -> Iterator[RivalsCase]:
 
 
 def _scored(rung: Rung, scene: Scene) -> dict[str, float]:
-    """Of the figures of `asap.score`, those of the table: the others take twice as long."""
+    """Of the figures of `score`, those of the table: the others take twice as long."""
     tracker, before = rung.made_for(scene)
     return mota(match(follow(tracker, scene, before=before).samples))._asdict()

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from asap._progress import OnProgress
-from asap.results.keep_curve import KeepCurve, Scored
 from asap_laboratory.conduct import made_ready
 from asap_laboratory.real.folders import at_hand
 from asap_laboratory.results import Results
 from asap_laboratory.rivals import document
 from asap_laboratory.rivals.cases import RIVALS, RecordingCase, Rivalry, RivalsCase, rivals_cases
 from asap_laboratory.run import run
+from asap_laboratory.scoring.result import KeepCurve, Scored
 
 
 class RivalsStudy(NamedTuple):
@@ -34,7 +34,7 @@ def rivals_study(
     workers: int | None = None,
     fresh: bool = False,
     figures: bool = True,
-    command: str = "asap study --rivals",
+    command: str = "asap-study --rivals",
     on_progress: OnProgress | None = None,
 ) -> RivalsStudy:
     """Score and time the cluster tracker and its rivals; write rivals.md, a figure, a state file.
@@ -75,19 +75,15 @@ def rivals_study(
         on_progress=on_progress,
     )
     curves, recordings = curves_of(ran.results), recordings_of(ran.results)
-    paths = [out / "rivals.md"]
+    figure = None
     if figures:
         from asap_laboratory.rivals import figures as drawing
 
-        paths.append(drawing.write(out / "rivals.svg", curves, recordings))
-    document.write(
-        paths[0],
-        curves,
-        recordings,
-        command=command,
-        seconds=ran.seconds,
-        figure=paths[1] if figures else None,
+        figure = drawing.write(out / "rivals.svg", curves, recordings)
+    paths = document.write(
+        out / "rivals.md", curves, recordings, command=command, seconds=ran.seconds, figure=figure
     )
+    paths += [figure] if figure else []
     return RivalsStudy(curves, recordings, paths, ran.taken_from_file, ran.seconds)
 
 

@@ -6,8 +6,8 @@ import statistics
 import time
 from typing import Any
 
-from asap.accuracy.trace import HasEvents
 from asap_laboratory.accuracy.cases import Rung
+from asap_laboratory.scoring.trace import HasEvents
 
 _REPETITIONS = 3
 _PACKAGE = 16_384  # events: large enough for the call not to count, small enough for the cache

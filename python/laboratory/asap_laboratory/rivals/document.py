@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from asap.accuracy import KeepCurve
-from asap.results import accuracy_table
-from asap_laboratory.accuracy.document import label_of
-from asap_laboratory.document import origin
+from asap_laboratory import writer
+from asap_laboratory.accuracy.document import label_of, rows_of
 from asap_laboratory.real.document import HEAD, figure_cells
 from asap_laboratory.rivals.cases import OURS
+from asap_laboratory.scoring import KeepCurve
+from asap_laboratory.scoring import table as accuracy_table
 from asap_laboratory.tables import markdown
 
 NO_RECORDINGS = "Not measured: no labelled recordings were here."
@@ -52,7 +52,7 @@ the scene after the other. Frames cost by the image, so by the event they are de
 few."""
 
 _RECORDINGS = """\
-As `asap study --real` scores: a box is hit when the centre of a cluster lies inside or up to 2 px
+As `asap-study --real` scores: a box is hit when the centre of a cluster lies inside or up to 2 px
 beyond. The recordings belong to third parties and are not distributed."""
 
 _DETAILS = """\
@@ -85,31 +85,23 @@ def write(
     command: str,
     seconds: float,
     figure: Path | None = None,
-) -> None:
-    """Write the document.
+) -> list[Path]:
+    """Write the document and its data; return their paths.
 
     Parameters
     ----------
-    path : Path
-        A Markdown file; its folder exists.
+    path, command, seconds
+        As in `writer.write`.
     curves : sequence of KeepCurve
         What was measured on scenes.
     recordings : mapping
         Figures by recording and tracker; empty where there are none.
-    command : str
-        What has to be typed to get the same.
-    seconds : float
-        Processor time of all runs.
     figure : Path, optional
         Beside the document.
     """
     on_recordings = [_RECORDINGS, recordings_table(recordings)] if recordings else [NO_RECORDINGS]
-    parts = [
-        "# The cluster tracker beside its rivals",
-        _OPENING,
-        *([f"![MOTA and processor time of every tracker]({figure.name})"] if figure else []),
-        verdict(curves),
-        f"{origin(command, seconds)}; {_seeds(curves)} of every scene.",
+    picture = [f"![MOTA and processor time of every tracker]({figure.name})"] if figure else []
+    sections = [
         markdown(("tracker", "rule"), _TRACKERS, numbers=False),
         "## Accuracy on scenes",
         _ACCURACY,
@@ -126,7 +118,22 @@ def write(
         _PROTOTYPES,
         beside_prototypes(curves),
     ]
-    path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    with_boxes = [
+        {"algorithm": label, "scene": recording, **figures}
+        for recording, by_label in recordings.items()
+        for label, figures in by_label.items()
+    ]
+    return writer.write(
+        path,
+        "The cluster tracker beside its rivals",
+        _OPENING,
+        sections,
+        [*rows_of(curves), *with_boxes],
+        command=command,
+        seconds=seconds,
+        notes=f"; {_seeds(curves)} of every scene",
+        lead=[*picture, verdict(curves)],
+    )
 
 
 def accuracy(curves: Sequence[KeepCurve]) -> str:

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asap import plots  # first: it says which extra is missing
-from asap.accuracy import KeepCurve
 from asap_laboratory.accuracy.document import label_of
 from asap_laboratory.rivals.cases import OURS
 from asap_laboratory.scheme_figure import svg
+from asap_laboratory.scoring import KeepCurve
 
 import matplotlib  # isort: skip
 from matplotlib.layout_engine import ConstrainedLayoutEngine  # isort: skip

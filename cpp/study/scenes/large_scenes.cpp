@@ -1,0 +1,128 @@
+#include "study/scenes/large_scenes.hpp"
+
+#include <string>
+
+#include "asap/core/check.hpp"
+#include "study/scenes/draws.hpp"
+
+namespace asap::scenes {
+namespace {
+
+constexpr std::uint64_t kLargeLayout = 5;
+constexpr std::int32_t kLargeWidth = 240;
+constexpr std::int32_t kLargeHeight = 180;
+constexpr std::int64_t kDuration_us = 2'000'000;
+constexpr double kNoise_hz = 1.0;
+constexpr Range kSpin_rad_s{0.2, 1.0};
+
+MovingShapesConfig view(std::int32_t width, std::int32_t height, std::uint64_t seed) {
+  return {.width = width,
+          .height = height,
+          .duration_us = kDuration_us,
+          .noise_hz = kNoise_hz,
+          .seed = seed};
+}
+
+// The centre turns back at half the shape's reach from the frame, so that the objects have the
+// whole view.
+MovingShape wanderer(MovingShape shape, const MovingShapesConfig& in, Range speed_px_s,
+                     std::int32_t number, Draws& draws) {
+  Bounce path = bounce_in(in.width, in.height, 0.5 * reach_px(shape));
+  path.start = draws.in_box(path.low, path.high);
+  path.velocity = draws.velocity(speed_px_s);
+  shape.motion = {.path = path,
+                  .axis = draws.direction(),
+                  .spin_rad_s = in_turn(number, draws.from(kSpin_rad_s))};
+  shape.brightness = brightness_of(number);
+  return shape;
+}
+
+MovingShape large_shape(ShapeKind kind, Draws& draws) {
+  switch (kind) {
+    case ShapeKind::kBar:
+      return {.kind = kind,
+              .radius_px = 0.5 * draws.from({60.0, 90.0}),
+              .thickness_px = draws.from({8.0, 14.0})};
+    case ShapeKind::kAngle:
+      return {.kind = kind, .radius_px = 40.0, .thickness_px = draws.from({8.0, 14.0})};
+    case ShapeKind::kRing:
+      return {.kind = kind,
+              .radius_px = draws.from({14.0, 30.0}),
+              .thickness_px = draws.from({3.0, 6.0})};
+    default:
+      throw_bad_value("kind", std::to_string(static_cast<int>(kind)), "give bars, angles or rings");
+  }
+}
+
+MovingShape hand(Draws& draws) {
+  constexpr double kPalm_px = 27.5;
+  constexpr double kFingers = 5.0;
+  constexpr double kBetween = 0.26;  // tan of half the angle from a finger to the next
+  MovingShape palm{.radius_px = kPalm_px};
+  UnitVector direction = UnitVector{}.turned(-kBetween).turned(-kBetween);
+  for (double finger = 0.0; finger < kFingers; finger += 1.0) {
+    constexpr double kJoint_px = kPalm_px - 4.0;  // no gap opens when the finger waves
+    palm.limbs.push_back({.length_px = draws.from({24.0, 34.0}),
+                          .width_px = draws.from({7.0, 10.0}),
+                          .joint{kJoint_px * direction.x, kJoint_px * direction.y},
+                          .direction = direction,
+                          .swing_rad = draws.from({0.2, 0.4}),
+                          .rate_hz = draws.from({1.0, 3.0}),
+                          .phase = draws.direction()});
+    direction = direction.turned(kBetween);
+  }
+  return palm;
+}
+
+}  // namespace
+
+MovingShapesConfig large_shapes(std::span<const ShapeKind> kinds, std::uint64_t seed) {
+  constexpr std::int32_t kCount = 6;
+  require(!kinds.empty(), "kinds", kinds.size(), "give one or more");
+  Draws draws{seed, kLargeLayout};
+  MovingShapesConfig config = view(kLargeWidth, kLargeHeight, seed);
+  for (std::int32_t i = 0; i < kCount; ++i) {
+    const ShapeKind kind = kinds[static_cast<std::size_t>(i) % kinds.size()];
+    config.shapes.push_back(wanderer(large_shape(kind, draws), config, {60.0, 400.0}, i, draws));
+  }
+  return config;
+}
+
+MovingShapesConfig large_disks(std::uint64_t seed) {
+  constexpr std::int32_t kCount = 6;
+  Draws draws{seed, kLargeLayout};
+  MovingShapesConfig config = view(346, 260, seed);
+  for (std::int32_t i = 0; i < kCount; ++i) {
+    MovingShape disk{.radius_px = draws.from({14.0, 34.0}), .textured = (i + 1) / 2 % 2 == 1};
+    config.shapes.push_back(wanderer(disk, config, {60.0, 200.0}, i, draws));
+  }
+  return config;
+}
+
+MovingShapesConfig hands(std::uint64_t seed) {
+  constexpr std::int32_t kCount = 2;
+  Draws draws{seed, kLargeLayout};
+  MovingShapesConfig config = view(346, 260, seed);
+  for (std::int32_t i = 0; i < kCount; ++i) {
+    config.shapes.push_back(wanderer(hand(draws), config, {50.0, 200.0}, i, draws));
+  }
+  return config;
+}
+
+MovingShapesConfig moving_camera(std::uint64_t seed) {
+  Draws draws{seed, kLargeLayout};
+  MovingShapesConfig config = view(kLargeWidth, kLargeHeight, seed);
+  config.duration_us = 1'000'000;
+  const auto count = static_cast<std::int32_t>(2 + seed % 2);
+  for (std::int32_t i = 0; i < count; ++i) {
+    MovingShape mover{.kind = i % 2 == 0 ? ShapeKind::kDisk : ShapeKind::kSquare,
+                      .radius_px = draws.from({5.0, 20.0})};
+    config.shapes.push_back(wanderer(mover, config, {120.0, 300.0}, i, draws));
+  }
+  config.ground = MovingGroundConfig{.shift_px_s = draws.velocity({20.0, 80.0}),
+                                     .turn_rad_s = in_turn(count, draws.from({0.1, 0.4})),
+                                     .zoom_per_s = draws.from({0.0, 0.3})};
+  return config;
+}
+
+}  // namespace asap::scenes

@@ -1,0 +1,316 @@
+"""Trace: what a tracker said about a scene, moment by moment and event by event."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import _core
+from asap_laboratory.scoring.scene import NOISE, Scene
+
+START_US = 100_000  #: the first sample
+PERIOD_US = 5_000  #: from one to the next
+ACTIVE_EVENTS = 5  #: of an object since the previous sample, to count as active
+
+
+class Sample(NamedTuple):
+    """A moment: what is there, and what the tracker says."""
+
+    t_us: int
+    objects: NDArray[np.int64]  #: their ids, shape (k,)
+    centres: NDArray[np.float64]  #: (k, 2), px
+    speeds: NDArray[np.float64]  #: (k, 2), px/s
+    active: NDArray[np.bool_]  #: at least 5 events since the previous sample
+    clusters: Snapshot
+    gates_px: NDArray[np.float64] | None = None  #: a cluster farther away is another; None: 12 px
+
+
+@dataclass(frozen=True)
+class Feed:
+    """The events that reached an algorithm, and what it returned for them."""
+
+    indices: NDArray[np.int64]  #: into the events of the scene
+    returned: NDArray[Any] | None  #: an id or a bool for each; None: nothing of that kind
+    entered: NDArray[np.int64]  #: events of each package that went into filter or algorithm
+    busy_ns: NDArray[np.int64]  #: time of each package in both
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A tracker over a scene."""
+
+    samples: list[Sample]  #: every 5 ms from 100 ms on, up to the last event
+    t_us: NDArray[np.int64]  #: of the events that reached the tracker
+    labels: NDArray[np.int64]  #: of the same
+    ids: NDArray[np.int64] | None  #: returned for them; None where the tracker returns none
+    first_us: dict[int, int]  #: stamp of the first event of each object in the scene
+    feed: Feed
+
+
+def sample_times(events: NDArray[np.void]) -> list[int]:
+    """Every 5 ms from 100 ms on, not after the last event; us."""
+    end_us = int(events["t"][-1]) if events.size else -1
+    return list(range(START_US, end_us + 1, PERIOD_US))
+
+
+class HasEvents(Protocol):
+    """What can be fed to an algorithm."""
+
+    @property
+    def events(self) -> NDArray[np.void]: ...  # noqa: D102
+
+
+class _Door:
+    """Package by package through filter, thinning and algorithm."""
+
+    def __init__(
+        self, algorithm: Any, scene: HasEvents, before: Any, gamma: float, seed: int
+    ) -> None:
+        self._algorithm, self._events, self._before = algorithm, scene.events, before
+        self._gamma, self._thinning = gamma, _core.GammaFilter(seed=seed)
+        self._indices: list[NDArray[np.int64]] = []
+        self._returned: list[Any] = []
+        self._entered: list[int] = []
+        self._busy_ns: list[int] = []
+
+    def feed(self, begin: int, end: int) -> NDArray[np.int64]:
+        """Hand over events [begin, end); return the indices of those that passed the filter."""
+        events, busy_ns = self._events[begin:end], 0
+        kept = np.arange(events.size)
+        if self._before is not None:
+            start_ns = time.perf_counter_ns()
+            returned = self._before.process(events)
+            busy_ns = time.perf_counter_ns() - start_ns
+            kept = passed(returned, events)
+        passing = begin + kept
+        if self._gamma < 1:
+            kept = kept[self._thinning.mask(events[kept], self._gamma)]
+        package = events if kept.size == events.size else events[kept]
+        start_ns = time.perf_counter_ns()
+        returned = self._algorithm.process(package)
+        self._busy_ns.append(busy_ns + time.perf_counter_ns() - start_ns)
+        self._entered.append(events.size if self._before is not None else package.size)
+        self._indices.append(begin + kept)
+        self._returned.append(_per_event(returned, package.size))
+        return passing
+
+    @property
+    def last(self) -> NDArray[np.int64]:
+        """Indices of the last package's events."""
+        return self._indices[-1]
+
+    def close(self) -> Feed:
+        """Put the packages together."""
+        returned = self._returned
+        whole = returned and all(one is not None for one in returned)
+        return Feed(
+            np.concatenate([np.empty(0, np.int64), *self._indices]),
+            np.concatenate(returned) if whole else None,
+            np.array(self._entered, np.int64),
+            np.array(self._busy_ns, np.int64),
+        )
+
+
+def _per_event(returned: Any, size: int) -> NDArray[Any] | None:
+    """Ids or bools, one for each event; None for anything else."""
+    values = np.asarray(returned)
+    if values.dtype != np.bool_ and not np.issubdtype(values.dtype, np.integer):
+        return None
+    if values.shape != (size,):
+        raise ValueError(
+            f"process returned an array of shape {values.shape} for {size} events: must be one id "
+            "or one bool for each event, or None"
+        )
+    return values
+
+
+def _packages(events: NDArray[np.void], times: list[int]) -> Iterator[tuple[int, int, int | None]]:
+    """Yield the events up to each of the times as (begin, end, time), then those after the last."""
+    ends = np.searchsorted(events["t"], times)
+    begin = 0
+    for end, t_us in zip(ends.tolist(), times, strict=True):
+        yield begin, end, t_us
+        begin = end
+    yield begin, events.size, None
+
+
+def follow(
+    tracker: Any,
+    scene: Scene,
+    *,
+    before: Any = None,
+    gamma: float = 1.0,
+    seed: int = 0,
+    active: str = "produced",
+) -> Trace:
+    """Let a tracker follow a scene and note what it says at every sample time; see `score`."""
+    labels = np.asarray(scene.labels).astype(np.int64)
+    door = _Door(tracker, scene, before, gamma, seed)
+    samples = []
+    for begin, end, t_us in _packages(scene.events, sample_times(scene.events)):
+        passing = door.feed(begin, end)
+        if t_us is None:
+            break
+        seen = passing if active == "produced" else door.last
+        recent = seen[scene.events["t"][seen] >= t_us - PERIOD_US]
+        sample = sample_at(scene, t_us, labels[recent])
+        samples.append(sample._replace(clusters=clusters_at(tracker, t_us)))
+    feed = door.close()
+    ids = feed.returned
+    return Trace(
+        samples,
+        scene.events["t"][feed.indices],
+        labels[feed.indices],
+        None if ids is None else ids.astype(np.int64),
+        _first_us(scene.events["t"], labels),
+        feed,
+    )
+
+
+def snapshots_at(
+    tracker: Any,
+    scene: HasEvents,
+    times: list[int],
+    *,
+    before: Any = None,
+    gamma: float = 1.0,
+    seed: int = 0,
+) -> tuple[list[Snapshot], Feed]:
+    """Let a tracker follow a recording and note its clusters at each of the times, us."""
+    door = _Door(tracker, scene, before, gamma, seed)
+    snapshots = []
+    for begin, end, t_us in _packages(scene.events, times):
+        door.feed(begin, end)
+        if t_us is not None:
+            snapshots.append(clusters_at(tracker, t_us))
+    return snapshots, door.close()
+
+
+def run_through(
+    algorithm: Any, scene: Scene, *, before: Any = None, gamma: float = 1.0, seed: int = 0
+) -> Feed:
+    """Put a scene through an algorithm without clusters, in the same packages as `follow`."""
+    door = _Door(algorithm, scene, before, gamma, seed)
+    for begin, end, _ in _packages(scene.events, sample_times(scene.events)):
+        door.feed(begin, end)
+    return door.close()
+
+
+def sample_at(scene: Scene, t_us: int, recent: NDArray[np.int64]) -> Sample:
+    """Return what there is at a time, without clusters; `recent`: objects of late events."""
+    truth = scene.truth(t_us)
+    caused = {
+        int(label): int(count)
+        for label, count in zip(*np.unique(recent, return_counts=True), strict=True)
+    }
+    objects = truth["id"].astype(np.int64)
+    return Sample(
+        t_us=t_us,
+        objects=objects,
+        centres=np.stack([truth["x"], truth["y"]], axis=-1).astype(np.float64),
+        speeds=np.stack([truth["vx"], truth["vy"]], axis=-1).astype(np.float64),
+        active=np.array([caused.get(one, 0) >= ACTIVE_EVENTS for one in objects.tolist()], bool),
+        clusters=Snapshot(np.empty(0, np.int64), np.empty((0, 2))),
+        gates_px=getattr(scene, "match_radii_px", None),
+    )
+
+
+def _first_us(t_us: NDArray[np.int64], labels: NDArray[np.int64]) -> dict[int, int]:
+    objects, first = np.unique(labels, return_index=True)
+    return {
+        int(label): int(t_us[index])
+        for label, index in zip(objects, first, strict=True)
+        if label != NOISE
+    }
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Clusters at one time, one row each; None: the tracker has or states none."""
+
+    ids: NDArray[np.int64]
+    positions: NDArray[np.float64]  # (m, 2), px
+    velocities: NDArray[np.float64] | None = None  # (m, 2), px/s
+    covariances: NDArray[np.float64] | None = None  # (m, 2, 2), of the position's error, px^2
+
+
+def clusters_at(tracker: Any, t_us: int) -> Snapshot:
+    """Read the confirmed clusters of a tracker at a time, not before the last event it has seen.
+
+    ``clusters_at(t_us)`` extrapolates by itself, ``clusters`` is extrapolated here where it has vx,
+    vy and t_last. Either gives a structured array with id, x, y and, where the tracker knows them,
+    vx, vy [px/s], t_last [us] and the covariance pxx, pxy, pyy [px^2] of the error of x, y
+    (infinite: it knows none). The fields cxx, cxy, cyy are its extent, not its error, and are not
+    read.
+    """
+    extrapolates = hasattr(tracker, "clusters_at")
+    table = np.asarray(tracker.clusters_at(t_us) if extrapolates else tracker.clusters)
+    names = table.dtype.names or ()
+    if not {"id", "x", "y"} <= set(names):
+        raise TypeError(f"clusters of {tracker!r} have the fields {names}: need id, x, y")
+    positions = _columns(table, "x", "y")
+    velocities = _columns(table, "vx", "vy") if {"vx", "vy"} <= set(names) else None
+    if velocities is not None and not extrapolates and "t_last" in names:
+        positions = positions + velocities * ((t_us - table["t_last"]) * 1e-6)[:, None]
+    covariances = None
+    if {"pxx", "pxy", "pyy"} <= set(names):
+        stated = _columns(table, "pxx", "pxy", "pxy", "pyy").reshape(-1, 2, 2)
+        covariances = stated if np.all(np.isfinite(stated)) else None
+    return Snapshot(table["id"].astype(np.int64), positions, velocities, covariances)
+
+
+def _columns(table: NDArray[np.void], *names: str) -> NDArray[np.float64]:
+    return np.stack([table[name].astype(np.float64) for name in names], axis=-1)
+
+
+_COORDINATE_BITS = 16
+
+
+def passed(returned: Any, events: NDArray[np.void]) -> NDArray[np.int64]:
+    """Find the indices, ascending, of the events that a filter let pass.
+
+    It returned those events, in their order and unchanged, or a bool for each event (a corner
+    detector in front of a tracker). The events that went in are in time order, of less than 1000 s;
+    of several that are alike in every field, the first ones pass. A ValueError if events came out
+    that did not go in, or in another order.
+    """
+    found = np.asarray(returned)
+    if found.dtype == np.bool_ and found.shape == events.shape:
+        return np.flatnonzero(found)
+    if found.dtype != events.dtype or found.ndim != 1:
+        raise ValueError(
+            f"before.process returned {found.dtype} of shape {found.shape}: must be the events "
+            "that pass, or a bool for each event"
+        )
+    if found.size == 0:
+        return np.empty(0, np.int64)
+    keys, order = _sorted_keys(events, events)
+    wanted, back = _sorted_keys(found, events)
+    # The k-th of the events that came out alike is the k-th of those that went in.
+    place = np.searchsorted(keys, wanted)
+    place += np.arange(wanted.size) - np.searchsorted(wanted, wanted)
+    if place.max() >= keys.size or not np.array_equal(keys[place], wanted):
+        raise ValueError("before.process returned events that were not handed to it")
+    indices = np.empty(found.size, np.int64)
+    indices[back] = order[place]
+    if np.any(np.diff(indices) < 0):
+        raise ValueError("before.process returned the events in another order")
+    return indices
+
+
+def _sorted_keys(
+    events: NDArray[np.void], among: NDArray[np.void]
+) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
+    """Every field of an event in one number, in ascending order, and where each stood."""
+    since = events["t"] - among["t"][0]
+    key = since << 2 * _COORDINATE_BITS + 1
+    key |= events["x"].astype(np.int64) << _COORDINATE_BITS + 1
+    key |= events["y"].astype(np.int64) << 1
+    key |= events["p"].astype(np.int64) & 1
+    order = np.argsort(key, kind="stable")
+    return key[order], order

@@ -1,0 +1,46 @@
+// The latency of a scheduler that knows every arrival: a row of the study's probes.
+#include "oracle/clairvoyant.hpp"
+
+#include "arrays.hpp"
+#include "gil.hpp"
+#include "parts.hpp"
+
+namespace asap::python {
+
+void bind_clairvoyant(py::module_& m) {
+  m.def(
+      "clairvoyant_latency_us",
+      [](const py::array& events, const LinearCost& cost, double bin_us) {
+        const EventSpan span = as_span(events);
+        const WithoutGil release;  // pure C++: other Python threads may run
+        return static_cast<double>(clairvoyant_latency_ns(span, cost, bin_us)) * 1e-3;
+      },
+      py::arg("events").noconvert(), py::arg("cost"), py::arg("bin_us") = 10.0,
+      R"(The smallest possible maximum latency without drops.
+
+Parameters
+----------
+events : ndarray of EVENT_DTYPE, shape (n,)
+    A window, in order of time; the algorithm is idle before it and drains the queue after it.
+cost : LinearCost
+    Without noise.
+bin_us : float
+    Packages begin and end between bins of this width, us; 1: between any two stamps, 0: anywhere.
+
+Returns
+-------
+float
+    us; 0 for no events.
+
+Raises
+------
+ValueError
+    The cost has noise, or bin_us is out of range.
+
+References
+----------
+notebooks/theory.md, section 9.
+)");
+}
+
+}  // namespace asap::python

@@ -1,0 +1,36 @@
+// The rivals: baselines of the benchmark, schemes that only the simulator can run. One row each, as
+// in schemes.cpp.
+#include <pybind11/pybind11.h>
+
+#include "parts.hpp"
+#include "study/rivals.hpp"
+
+namespace asap::python {
+namespace {
+
+namespace py = pybind11;
+
+template <class S>
+void bind_rival(py::module_& m, const char* name, const char* doc) {
+  py::class_<S, Scheme>(m, name, doc).def(py::init<double>(), py::arg("latency_ms"));
+}
+
+}  // namespace
+
+void bind_rivals(py::module_& m) {
+  py::class_<JaerTimer, Scheme>(
+      m, "JaerTimer",
+      "Greedy with a timer of half the bound; what is left when it has run is discarded. `cost` is "
+      "the simulated algorithm of the same run.")
+      .def(py::init<double, LinearCost>(), py::arg("latency_ms"), py::arg("cost"));
+  bind_rival<GreedyPie>(m, "GreedyPie", "Greedy behind an input filter steered like PIE.");
+  bind_rival<GreedyRateGamma>(m, "GreedyRateGamma",
+                              "Greedy behind an input filter that follows rate and cost.");
+  bind_rival<GreedyClear>(m, "GreedyClear",
+                          "Greedy that discards all but the newest when half the bound is over.");
+  bind_rival<ClipperAimd>(m, "ClipperAimd",
+                          "Packages that grow by 50 events and shrink by a tenth.");
+  bind_rival<SparkPid>(m, "SparkPid", "Batches of half the bound, thinned to the achieved rate.");
+}
+
+}  // namespace asap::python

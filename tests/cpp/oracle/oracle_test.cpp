@@ -1,0 +1,407 @@
+#include "oracle/oracle.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "support/allocation_counter.hpp"
+#include "support/errors.hpp"
+#include "support/streams.hpp"
+
+namespace asap::oracle_test {
+namespace {
+
+constexpr std::int64_t kMillisecond = 1'000'000;
+
+double bound_of(EventSpan events, const LinearCost& cost, double latency_us,
+                Execution execution = Execution::whole) {
+  Oracle oracle(cost, latency_us, execution);
+  oracle.feed(events);
+  return oracle.bound();
+}
+
+// ---- all schedules of a few events ----------------------------------------------------------
+
+// A choice of events, cut into packages, served as early as possible; package `patient` waits for
+// the first step of the drift.
+struct Schedule {
+  unsigned kept;  // bit i: event i is not discarded
+  unsigned cuts;  // bit i: a package ends with event i
+  int patient;
+};
+
+int in_time(const test::Events& events, const LinearCost& cost, std::int64_t latency_ns,
+            const Schedule& schedule) {
+  int count = 0;
+  int package = 0;
+  std::int64_t free_ns = 0;
+  std::vector<std::int64_t> members_ns;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    if ((schedule.kept >> i & 1U) != 0) members_ns.push_back(1000 * events[i].t);
+    const bool ends = (schedule.cuts >> i & 1U) != 0 || i + 1 == events.size();
+    if (!ends || members_ns.empty()) continue;
+    std::int64_t start_ns = std::max(free_ns, members_ns.back());
+    if (package++ == schedule.patient) start_ns = std::max(start_ns, kMillisecond);
+    start_ns = cost.start_ns(start_ns);
+    free_ns = cost.done_ns(start_ns, cost.package(0, start_ns).of(members_ns.size()));
+    for (const std::int64_t time_ns : members_ns) count += free_ns - time_ns <= latency_ns ? 1 : 0;
+    members_ns.clear();
+  }
+  return count;
+}
+
+int best_of_all(const test::Events& events, const LinearCost& cost, double latency_us) {
+  const auto latency_ns = std::llround(latency_us * 1e3);
+  const unsigned all = (1U << events.size()) - 1;
+  const int drifts = cost.config().drift.empty() ? 0 : static_cast<int>(events.size());
+  int best = 0;
+  for (unsigned kept = 0; kept <= all; ++kept) {
+    for (unsigned cuts = kept;; cuts = (cuts - 1) & kept) {  // a package ends with a kept event
+      for (int patient = -1; patient < drifts; ++patient) {
+        best = std::max(best, in_time(events, cost, latency_ns, {kept, cuts, patient}));
+      }
+      if (cuts == 0) break;
+    }
+  }
+  return best;
+}
+
+// Whole numbers in [low, high], one after the other.
+class Dice {
+ public:
+  explicit Dice(std::uint64_t seed) : random_(seed) {}
+
+  std::int64_t operator()(std::int64_t low, std::int64_t high) {
+    const auto range = static_cast<std::uint64_t>(high - low + 1);
+    return low + static_cast<std::int64_t>(random_(count_++) % range);
+  }
+
+ private:
+  CounterRandom random_;
+  std::uint64_t count_ = 0;
+};
+
+test::Events few_events(Dice& dice, std::int64_t unit_us, std::int64_t first_us,
+                        std::int64_t most) {
+  std::vector<std::int64_t> stamps_us;
+  const std::int64_t count = dice(1, most);
+  const std::int64_t last = dice(0, 20);
+  for (std::int64_t i = 0; i < count; ++i) stamps_us.push_back(first_us + unit_us * dice(0, last));
+  std::sort(stamps_us.begin(), stamps_us.end());
+  return test::at_times(stamps_us);
+}
+
+std::vector<Outage> few_outages(Dice& dice, std::int64_t unit_us, std::int64_t first_us) {
+  std::vector<Outage> outages;
+  std::int64_t free_us = first_us;
+  for (std::int64_t i = dice(0, 3); i > 0; --i) {
+    const std::int64_t begin_us = free_us + unit_us * dice(0, 10);
+    free_us = begin_us + unit_us * dice(1, 8);
+    outages.push_back({1000 * begin_us, 1000 * free_us});
+  }
+  return outages;
+}
+
+TEST(Oracle, NoScheduleFinishesMoreInTime) {
+  Dice dice(1);
+  int at_the_bound = 0;
+  for (int round = 0; round < 400; ++round) {
+    const test::Events events = few_events(dice, 2, 0, 7);
+    const LinearCost cost({.alpha_us = static_cast<double>(dice(0, 9)),
+                           .beta_ns = 500.0 * static_cast<double>(dice(1, 12)),
+                           .outages = few_outages(dice, 2, 0)});
+    const auto latency_us = static_cast<double>(dice(10, 24));
+    const int best = best_of_all(events, cost, latency_us);
+    const double bound = bound_of(events, cost, latency_us);
+    ASSERT_GE(bound + 1e-9, best) << "round " << round;
+    at_the_bound += best == static_cast<int>(bound + 1e-9) ? 1 : 0;
+  }
+  EXPECT_GT(at_the_bound, 150);
+}
+
+TEST(Oracle, NoScheduleFinishesMoreInTimeWhenEventsGetCheaper) {
+  Dice dice(2);
+  for (int round = 0; round < 100; ++round) {
+    const test::Events events = few_events(dice, 1, 985, 6);
+    const LinearCost cost({.alpha_us = static_cast<double>(dice(0, 9)),
+                           .beta_ns = 500.0 * static_cast<double>(dice(1, 6)),
+                           .drift = {static_cast<double>(dice(1, 6)), 1.0},
+                           .outages = few_outages(dice, 1, 985)});
+    const auto latency_us = static_cast<double>(dice(10, 24));
+    ASSERT_GE(bound_of(events, cost, latency_us) + 1e-9, best_of_all(events, cost, latency_us))
+        << "round " << round;
+  }
+}
+
+// Without a fixed cost, and where all times are multiples of beta, fluid buys nothing.
+TEST(Oracle, IsTheBestScheduleOfUnitJobs) {
+  Dice dice(3);
+  int discarded = 0;
+  for (int round = 0; round < 300; ++round) {
+    const std::int64_t unit_us = dice(1, 4);
+    const test::Events events = few_events(dice, unit_us, 40, 8);
+    const LinearCost cost({.alpha_us = 0,
+                           .beta_ns = 1000.0 * static_cast<double>(5 * unit_us),
+                           .outages = few_outages(dice, 5 * unit_us, 0)});
+    test::Events spread = events;
+    for (Event& event : spread) event.t = 5 * (event.t / 5 / unit_us) * unit_us;
+    const auto latency_us = static_cast<double>(5 * unit_us * dice(2, 4));
+    const int best = best_of_all(spread, cost, latency_us);
+    ASSERT_NEAR(bound_of(spread, cost, latency_us), best, 1e-9) << "round " << round;
+    discarded += best < static_cast<int>(events.size()) ? 1 : 0;
+  }
+  EXPECT_GT(discarded, 100);
+}
+
+TEST(Oracle, IsOnePackageOfABurstOnOneStamp) {
+  const test::Events burst = test::evenly_spaced(8, 0);
+  const LinearCost cost({.alpha_us = 4, .beta_ns = 3000});
+  for (const double latency_us : {10.0, 13.0, 16.0, 19.0, 22.0}) {
+    EXPECT_EQ(best_of_all(burst, cost, latency_us), std::lround((latency_us - 4) / 3));
+    EXPECT_NEAR(bound_of(burst, cost, latency_us), (latency_us - 4) / 3, 1e-9);
+  }
+}
+
+// ---- the same in bins of time ---------------------------------------------------------------
+
+constexpr std::int64_t kBinUs = 2;
+
+double served_in_bin(std::int64_t bin, const LinearCost& cost, double latency_us) {
+  const std::int64_t begin_ns = 1000 * kBinUs * bin;
+  const std::int64_t end_ns = begin_ns + 1000 * kBinUs;
+  std::int64_t available_ns = end_ns - begin_ns;
+  for (const Outage& outage : cost.config().outages) {
+    available_ns -= std::max<std::int64_t>(
+        std::min(end_ns, outage.end_ns) - std::max(begin_ns, outage.begin_ns), 0);
+  }
+  return static_cast<double>(available_ns) * (1 - cost.config().alpha_us / latency_us) /
+         cost.event_ns(begin_ns);
+}
+
+double binned_bound(const test::Events& events, const LinearCost& cost, std::int64_t latency_us) {
+  const auto bins = static_cast<std::size_t>(events.back().t / kBinUs + 1);
+  const auto w = static_cast<std::size_t>(latency_us / kBinUs);
+  std::vector<double> arrivals(bins, 0.0);
+  for (const Event& event : events) arrivals[static_cast<std::size_t>(event.t / kBinUs)] += 1;
+  std::vector<double> S{0.0};
+  for (std::size_t b = 0; b < bins + w + 1; ++b) {
+    S.push_back(S.back() +
+                served_in_bin(static_cast<std::int64_t>(b), cost, static_cast<double>(latency_us)));
+  }
+  double q = 0;
+  double done = 0;
+  for (std::size_t b = 0; b < bins; ++b) {
+    q = std::min(q + arrivals[b], S[b + w + 1] - S[b]);
+    const double d = std::min(q, S[b + 1] - S[b]);
+    q -= d;
+    done += d;
+  }
+  return done + q;
+}
+
+// 200 ms, busy and quiet ones.
+test::Events gusty_stream(Dice& dice) {
+  std::vector<std::int64_t> stamps_us;
+  for (std::int64_t begin_us = 0; begin_us < 200'000; begin_us += 1000) {
+    const std::int64_t count = dice(0, 3) == 0 ? dice(0, 3000) : dice(0, 50);
+    for (std::int64_t i = 0; i < count; ++i) stamps_us.push_back(begin_us + i * 1000 / count);
+  }
+  return test::at_times(stamps_us);
+}
+
+TEST(Oracle, AgreesWithTheBinnedRule) {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    Dice dice(seed);
+    const test::Events events = gusty_stream(dice);
+    std::vector<double> drift;
+    for (int step = 0; step < 180; ++step)
+      drift.push_back(0.01 * static_cast<double>(dice(50, 150)));
+    std::vector<Outage> outages;
+    for (std::int64_t free_us = 0; free_us < 200'000;) {
+      const std::int64_t begin_us = free_us + dice(0, 50'000);
+      free_us = begin_us + dice(1, 6000);
+      outages.push_back({1000 * begin_us, 1000 * free_us});
+    }
+    const LinearCost cost({.alpha_us = 100, .beta_ns = 3000, .drift = drift, .outages = outages});
+    for (const std::int64_t latency_us : {2000, 10'000}) {
+      const double binned = binned_bound(events, cost, latency_us);
+      const double bound = bound_of(events, cost, static_cast<double>(latency_us));
+      EXPECT_LT(bound, 0.9 * static_cast<double>(events.size()));  // there is something to lose
+      EXPECT_LE(bound, binned + 1e-3);  // a bin's deadline is that of its end
+      EXPECT_GE(bound, 0.995 * binned);
+    }
+  }
+}
+
+// ---- theory ---------------------------------------------------------------------------------
+
+TEST(Oracle, T7_ConstantOverload) {
+  const test::Events events = test::evenly_spaced(1'000'000, 1);
+  for (const double rho : {1.2, 3.0, 10.0}) {
+    const LinearCost cost({.alpha_us = 100, .beta_ns = 1000 * rho});
+    const double fraction = bound_of(events, cost, 10'000) / 1e6;
+    EXPECT_NEAR(fraction, (1 - 100.0 / 10'000) / rho * (1.0 + 0.01), 1e-6) << rho;
+  }
+}
+
+// Profile `steps`, cost `slow`, one period; the reference, with a noisy rate, has 0.584.
+TEST(Oracle, T7_Steps) {
+  std::vector<std::int64_t> stamps_us;
+  for (std::int64_t i = 0; i < 150'000; ++i) stamps_us.push_back(i * 10 / 3);
+  for (std::int64_t i = 0; i < 3'000'000; ++i) stamps_us.push_back(500'000 + i / 6);
+  const test::Events events = test::at_times(stamps_us);
+  const LinearCost cost({.alpha_us = 100, .beta_ns = 300});
+  const double expected = 150'000 + 0.99 * 0.509'999 / 300e-9;
+  EXPECT_NEAR(bound_of(events, cost, 10'000), expected, 1e-3);
+  EXPECT_NEAR(expected / 3'150'000, 0.584, 0.003);
+}
+
+TEST(Oracle, AdmitsAllThatOneCanKeepUpWith) {
+  const test::Events events = test::evenly_spaced(100'000, 1);
+  EXPECT_EQ(bound_of(events, LinearCost({.alpha_us = 100, .beta_ns = 980}), 10'000), 100'000);
+}
+
+TEST(Oracle, IsNothingBelowTheFixedCost) {
+  const test::Events events = test::evenly_spaced(100, 1000);
+  for (const double beta_ns : {0.0, 300.0}) {
+    const LinearCost cost({.alpha_us = 100, .beta_ns = beta_ns});
+    EXPECT_EQ(bound_of(events, cost, 50), 0.0);
+    EXPECT_EQ(bound_of(events, cost, 99.999), 0.0);
+  }
+  EXPECT_EQ(bound_of(events, LinearCost({.alpha_us = 100, .beta_ns = 300}), 100), 0.0);
+}
+
+TEST(Oracle, NoScheduleFinishesMoreInTimeWhereAPackageTakesExactlyTheBound) {
+  Dice dice(4);
+  for (int round = 0; round < 100; ++round) {
+    const test::Events events = few_events(dice, 4, 0, 6);
+    const auto latency_us = static_cast<double>(dice(10, 24));
+    const LinearCost cost(
+        {.alpha_us = latency_us, .beta_ns = 0, .outages = few_outages(dice, 2, 0)});
+    ASSERT_GE(bound_of(events, cost, latency_us), best_of_all(events, cost, latency_us))
+        << "round " << round;
+  }
+  const test::Events burst = test::evenly_spaced(8, 0);
+  EXPECT_EQ(bound_of(burst, LinearCost({.alpha_us = 10, .beta_ns = 0}), 10), 8.0);
+}
+
+TEST(Oracle, OnlyAnytimeExecutionUsesCheapPackages) {
+  const test::Events events = test::evenly_spaced(100'000, 1);
+  const LinearCost noisy({.alpha_us = 100, .beta_ns = 3000, .noise = 0.5});
+  const LinearCost mean({.alpha_us = 100, .beta_ns = 3000});
+  const LinearCost lucky({.alpha_us = 100, .beta_ns = 3000 * std::exp(-0.25)});
+  EXPECT_EQ(bound_of(events, noisy, 10'000, Execution::whole), bound_of(events, mean, 10'000));
+  EXPECT_NEAR(bound_of(events, noisy, 10'000, Execution::anytime), bound_of(events, lucky, 10'000),
+              1e-6);
+  EXPECT_GT(bound_of(events, lucky, 10'000), 1.2 * bound_of(events, mean, 10'000));
+}
+
+TEST(Oracle, EventsThatCostNothingAreAllAdmitted) {
+  test::Events events = test::evenly_spaced(100'000, 0);
+  const test::Events later = test::evenly_spaced(1000, 1, 5000);
+  events.insert(events.end(), later.begin(), later.end());
+  EXPECT_EQ(bound_of(events, LinearCost({.beta_ns = 0}), 200), 101'000);
+}
+
+TEST(Oracle, EventsThatCostNothingStillWaitForTheEndOfAnOutage) {
+  const test::Events events = test::evenly_spaced(2000, 1);  // 0 .. 1999 us
+  const LinearCost cost({.beta_ns = 0, .outages = {{500'000, 1'500'000}}});
+  // Lost: those of the first 800 us of the outage.
+  EXPECT_EQ(bound_of(events, cost, 200), 2000 - 801);
+}
+
+TEST(Oracle, AFreeMillisecondEmptiesTheQueue) {
+  const LinearCost cost({.alpha_us = 0, .beta_ns = 10'000, .drift = {1, 0, 1}});
+  // 100 us serve 10 events, and what reaches the free millisecond is admitted whole.
+  const auto burst = [&](std::int64_t at_us) {
+    return bound_of(test::evenly_spaced(1000, 0, at_us), cost, 100);
+  };
+  EXPECT_DOUBLE_EQ(burst(0), 10);
+  EXPECT_DOUBLE_EQ(burst(900), 10);  // the deadline is its first moment
+  EXPECT_DOUBLE_EQ(burst(901), 1000);
+  EXPECT_DOUBLE_EQ(burst(1999), 1000);
+  EXPECT_DOUBLE_EQ(burst(2000), 10);
+  test::Events two = test::evenly_spaced(1000, 0, 950);
+  const test::Events after = test::evenly_spaced(1000, 0, 2000);
+  two.insert(two.end(), after.begin(), after.end());
+  EXPECT_DOUBLE_EQ(bound_of(two, cost, 100), 1010);
+}
+
+TEST(Oracle, CostsNextToNothingStayFinite) {
+  const LinearCost cost({.beta_ns = 1e-300, .drift = {1.0, 1e6, 1e-10}});
+  EXPECT_EQ(bound_of(test::evenly_spaced(5000, 1), cost, 1000), 5000);
+}
+
+// ---- streams --------------------------------------------------------------------------------
+
+TEST(Oracle, DoesNotDependOnTheCuts) {
+  const LinearCost cost({.beta_ns = 20'000,
+                         .drift = {1.0, 0.7, 1.3, 0.4},
+                         .outages = {{700'000, 1'900'000}, {1'900'000, 2'100'000}}});
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    const test::Events events = test::random_stream(seed, 20'000);
+    const EventSpan all(events);
+    Dice dice(seed);
+    Oracle oracle(cost, 3000, Execution::anytime);
+    for (std::size_t at = 0; at < events.size();) {
+      const std::size_t size = std::min(static_cast<std::size_t>(dice(0, 700)), events.size() - at);
+      oracle.feed(all.subspan(at, size));
+      at += size;
+    }
+    EXPECT_EQ(oracle.bound(), bound_of(events, cost, 3000, Execution::anytime));
+  }
+}
+
+TEST(Oracle, RunTimeBeginsAtTheWholeSecondBeforeTheFirstStamp) {
+  const LinearCost cost({.alpha_us = 0, .beta_ns = 10'000, .drift = {1, 2, 4}});
+  for (const std::int64_t second_us : {-3'000'000LL, 0LL, 1'700'000'000'000'000LL}) {
+    for (const std::int64_t ms : {0, 1, 2, 700}) {
+      const test::Events burst = test::evenly_spaced(100, 0, second_us + 1000 * ms);
+      const double factor = ms == 0 ? 1 : ms == 1 ? 2 : 4;
+      EXPECT_NEAR(bound_of(burst, cost, 400), 40 / factor, 1e-6) << second_us << " + " << ms;
+    }
+  }
+  EXPECT_NEAR(bound_of(test::at_times({0, 5'000'000, 5'000'000}), cost, 50), 1 + 50.0 / 40, 1e-6);
+}
+
+TEST(Oracle, AStampThatGoesBackCountsAsTheOneBefore) {
+  const LinearCost cost({.alpha_us = 0, .beta_ns = 10'000});
+  const test::Events events = test::at_times({500, 500, 900, 100});
+  EXPECT_DOUBLE_EQ(bound_of(events, cost, 15), 1.5 + 1.5);
+}
+
+TEST(Oracle, CountsTheEventsSoFar) {
+  Oracle oracle(LinearCost({.alpha_us = 0, .beta_ns = 4000}), 10, Execution::whole);
+  EXPECT_EQ(oracle.bound(), 0.0);
+  const test::Events burst = test::evenly_spaced(4, 0);
+  for (const double expected : {1.0, 2.0, 2.5, 2.5}) {
+    oracle.feed(EventSpan(burst).first(1));
+    EXPECT_DOUBLE_EQ(oracle.bound(), expected);
+  }
+}
+
+TEST(Oracle, FeedingAllocatesNothing) {
+  const test::Events events = test::random_stream(1, 20'000);
+  Oracle oracle(LinearCost({.drift = {1, 2}, .outages = {{10, 20}}}), 1000, Execution::anytime);
+  const std::size_t before = test::allocations();
+  oracle.feed(events);
+  EXPECT_EQ(test::allocations(), before);
+}
+
+TEST(Oracle, RefusesABoundOutOfRange) {
+  const auto error = [](double latency_us) {
+    return test::error_of([=] { Oracle(LinearCost(), latency_us, Execution::whole); });
+  };
+  EXPECT_EQ(error(9.9), "latency_us = 9.9: must be between 10 and 1e10 us");
+  EXPECT_EQ(error(2e10), "latency_us = 20000000000: must be between 10 and 1e10 us");
+  EXPECT_EQ(error(std::numeric_limits<double>::quiet_NaN()),
+            "latency_us = nan: must be between 10 and 1e10 us");
+  EXPECT_EQ(error(1e10), "nothing was thrown");
+}
+
+}  // namespace
+}  // namespace asap::oracle_test

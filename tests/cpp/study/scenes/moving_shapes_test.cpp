@@ -1,0 +1,337 @@
+#include "study/scenes/moving_shapes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "support/allocation_counter.hpp"
+#include "synthetic/scene_checks.hpp"
+
+namespace asap::moving_shapes_test {
+namespace {
+
+// ---- ContrastPixel --------------------------------------------------------------------------
+
+using Change = ContrastPixel::Change;
+
+constexpr std::int32_t kStep_us = 250;
+
+// Level and reference at 0.
+ContrastPixel pixel(double on = 0.2, double off = 0.3) { return {on, off, 0.0, 0.0}; }
+
+TEST(ContrastPixel, FiresWhenItCrossesAThresholdAtTheInterpolatedTime) {
+  auto up = pixel();
+  EXPECT_EQ(up.move_to(0.8, 0, kStep_us), (Change{62, true}));  // 0.2 of 0.8: 62.5 us
+  auto down = pixel();
+  EXPECT_EQ(down.move_to(-0.4, 0, kStep_us), (Change{187, false}));  // 0.3 of 0.4
+}
+
+TEST(ContrastPixel, StaysSilentBelowTheThresholdsAndAddsUpWhatItSaw) {
+  auto slow = pixel();
+  EXPECT_EQ(slow.move_to(0.15, 0, kStep_us), std::nullopt);
+  EXPECT_EQ(slow.move_to(-0.25, 250, kStep_us), std::nullopt);
+  EXPECT_EQ(slow.move_to(0.15, 500, kStep_us), std::nullopt);
+  EXPECT_EQ(slow.move_to(0.25, 750, kStep_us), (Change{125, true}));  // half way up to 0.25
+}
+
+TEST(ContrastPixel, IsBlindFor300MicrosecondsButTheReferenceMoves) {
+  auto fast = pixel();
+  EXPECT_EQ(fast.move_to(0.3, 0, kStep_us), (Change{166, true}));    // at 0.2
+  EXPECT_EQ(fast.move_to(0.5, 250, kStep_us), std::nullopt);         // at 0.4: lost at 375
+  EXPECT_EQ(fast.move_to(0.5, 500, kStep_us), std::nullopt);         // it was seen
+  EXPECT_EQ(fast.move_to(0.7, 750, kStep_us), (Change{125, true}));  // at 0.6
+}
+
+TEST(ContrastPixel, SeesAgainAfterExactly300Microseconds) {
+  for (const std::int64_t late_us : {0, 1}) {
+    auto pixel_in_time = pixel(0.2, 0.2);
+    EXPECT_EQ(pixel_in_time.move_to(0.25, 0, kStep_us), (Change{200, true}));  // until 500
+    const auto again = pixel_in_time.move_to(0.45, 311 + late_us, kStep_us);
+    // The crossing of 0.4 is 187 us into the step: at 498 or 499 us.
+    EXPECT_EQ(again, std::nullopt);
+    auto pixel_too_late = pixel(0.2, 0.2);
+    EXPECT_EQ(pixel_too_late.move_to(0.25, 0, kStep_us), (Change{200, true}));
+    EXPECT_EQ(pixel_too_late.move_to(0.45, 313 + late_us, kStep_us), (Change{187, true}));
+  }
+}
+
+TEST(ContrastPixel, SeveralThresholdsInAStepAreOneEventAndOneNewReference) {
+  auto jump = pixel();
+  EXPECT_EQ(jump.move_to(1.1, 0, kStep_us), (Change{45, true}));  // the first of five
+  EXPECT_EQ(jump.move_to(0.75, 1000, kStep_us), std::nullopt);    // 1.0 - 0.25
+  EXPECT_EQ(jump.move_to(0.65, 2000, kStep_us), (Change{125, false}));
+}
+
+// The reference lies beyond the level, or already a threshold away from it.
+TEST(ContrastPixel, NeverFiresOutsideTheStep) {
+  ContrastPixel early{0.1, 0.1, 0.0, -0.12};
+  EXPECT_EQ(early.move_to(0.01, 0, kStep_us), (Change{0, true}));
+  ContrastPixel late{0.1, 0.1, 0.0, -0.12};
+  EXPECT_EQ(late.move_to(-0.01, 0, kStep_us), (Change{249, true}));
+  ContrastPixel still{0.1, 0.1, 0.0, -0.12};
+  EXPECT_EQ(still.move_to(0.0, 0, kStep_us), (Change{0, true}));
+  ContrastPixel end{0.25, 0.25, 0.0, 0.0};
+  EXPECT_EQ(end.move_to(0.25, 0, kStep_us), (Change{249, true}));
+}
+
+// ---- MovingShapes ---------------------------------------------------------------------------
+
+using test::all_events;
+using test::expect_well_formed;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+MovingShape moving(ShapeKind kind, double radius_px, PlanePoint start, PlanePoint velocity) {
+  return {
+      .kind = kind,
+      .radius_px = radius_px,
+      .motion{.path = Bounce{.start = start, .velocity = velocity, .low{12, 12}, .high{107, 77}},
+              .spin_rad_s = 2.0}};
+}
+
+// The five kinds, far from each other, on small orbits.
+MovingShapesConfig apart(double noise_hz) {
+  MovingShapesConfig config{.width = 160,
+                            .height = 60,
+                            .duration_us = 400'000,
+                            .t0_us = 1'000,
+                            .noise_hz = noise_hz,
+                            .seed = 4};
+  for (int i = 0; i < 5; ++i) {
+    config.shapes.push_back(
+        {.kind = static_cast<ShapeKind>(i),
+         .radius_px = 8.0,
+         .brightness = i % 2 == 0 ? 0.08 : 0.95,
+         .motion{
+             .path = Orbit{.centre{16.0 + 32.0 * i, 30.0}, .radius_px = 4.0, .speed_px_s = 60.0},
+             .spin_rad_s = 3.0}});
+  }
+  return config;
+}
+
+struct Truth {
+  std::vector<Event> events;
+  std::vector<std::int32_t> labels;
+};
+
+Truth read_all(const MovingShapesConfig& config) {
+  MovingShapes stream{config};
+  Truth truth;
+  for (EventSpan block = stream.next(); !block.empty(); block = stream.next()) {
+    EXPECT_EQ(stream.labels().size(), block.size());
+    truth.events.insert(truth.events.end(), block.begin(), block.end());
+    const auto labels = stream.labels();
+    truth.labels.insert(truth.labels.end(), labels.begin(), labels.end());
+  }
+  return truth;
+}
+
+double distance_px(const Event& event, const Pose& pose, const RigidShape& shape) {
+  const double dx = event.x - pose.position.x;
+  const double dy = event.y - pose.position.y;
+  return std::abs(shape.distance_px(
+      {dx * pose.axis.x + dy * pose.axis.y, dy * pose.axis.x - dx * pose.axis.y}));
+}
+
+TEST(MovingShapes, IsWellFormed) {
+  const auto config = apart(5.0);
+  expect_well_formed(all_events<MovingShapes>(config), config);
+  const MovingShapesConfig tiny{.width = 16,
+                                .height = 16,
+                                .duration_us = 10'000,
+                                .t0_us = std::int64_t{1} << 62,
+                                .noise_hz = 3900.0,
+                                .shapes{moving(ShapeKind::kStar, 40.0, {12, 12}, {2000, 0})}};
+  expect_well_formed(all_events<MovingShapes>(tiny), tiny);
+}
+
+TEST(MovingShapes, EveryEventLiesOnTheOutlineOfItsShape) {
+  const auto config = apart(0.0);
+  MovingShapes stream{config};
+  std::array<std::size_t, 5> counts{};
+  for (EventSpan block = stream.next(); !block.empty(); block = stream.next()) {
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      const auto label = static_cast<std::size_t>(stream.labels()[i]);
+      ++counts.at(label);
+      ASSERT_LE(distance_px(block[i], stream.poses()[label], stream.shapes()[label]), 0.55);
+    }
+  }
+  for (const std::size_t count : counts) EXPECT_GT(count, 1000U);
+}
+
+// A shape darker than the ground turns pixels off in front and on behind; a bright one otherwise.
+TEST(MovingShapes, PolarityIsThatOfTheEdge) {
+  for (const double brightness : {0.08, 0.95}) {
+    MovingShapesConfig config{.width = 120, .height = 90, .duration_us = 300'000, .noise_hz = 0.0};
+    config.shapes = {moving(ShapeKind::kDisk, 10.0, {20.0, 45.0}, {200.0, 0.0})};
+    config.shapes[0].brightness = brightness;
+    MovingShapes stream{config};
+    std::size_t events = 0;
+    for (EventSpan block = stream.next(); !block.empty(); block = stream.next()) {
+      for (const Event& event : block) {
+        const bool ahead = event.x > stream.poses()[0].position.x;
+        if (std::abs(event.x - stream.poses()[0].position.x) < 1.0) continue;
+        ASSERT_EQ(event.p == 1, ahead == (brightness > 0.5));
+        ++events;
+      }
+    }
+    EXPECT_GT(events, 1000U);
+  }
+}
+
+// ln(0.5 / 0.08) / 0.25 = 7.3 thresholds at each of the two edges of a row, less about half a one
+// where the way turns.
+TEST(MovingShapes, NumberOfEventsIsThatOfTheThresholdsThatTheEdgesCross) {
+  MovingShapesConfig config{.width = 120, .height = 90, .duration_us = 600'000, .noise_hz = 0.0};
+  config.shapes = {moving(ShapeKind::kSquare, 10.0, {20.0, 45.0}, {100.0, 0.0})};
+  config.shapes[0].motion.spin_rad_s = 0.0;
+  const double edges = 2 * 20 * 60.0;
+  const double thresholds = std::log(0.5 / 0.08) / 0.25;
+  const auto events = static_cast<double>(all_events<MovingShapes>(config).size());
+  EXPECT_NEAR(events / (edges * (thresholds - 0.5)), 1.0, 0.06);
+}
+
+TEST(MovingShapes, LabelsAtAnOverlapBelongToTheUpperShape) {
+  MovingShapesConfig config{.width = 120, .height = 90, .duration_us = 500'000, .noise_hz = 0.0};
+  config.shapes = {moving(ShapeKind::kDisk, 6.0, {20.0, 45.0}, {150.0, 0.0}),
+                   moving(ShapeKind::kSquare, 12.0, {60.0, 45.0}, {0.0, 20.0})};
+  config.shapes[1].brightness = 0.95;
+  MovingShapes stream{config};
+  std::map<std::int32_t, int> inside_upper;
+  for (EventSpan block = stream.next(); !block.empty(); block = stream.next()) {
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      const Pose& upper = stream.poses()[1];
+      const double dx = block[i].x - upper.position.x;
+      const double dy = block[i].y - upper.position.y;
+      // Well inside the upper shape nothing is seen of the lower one.
+      ASSERT_TRUE(stream.shapes()[1].distance_px({dx * upper.axis.x + dy * upper.axis.y,
+                                                  dy * upper.axis.x - dx * upper.axis.y}) > -1.0);
+      if (std::abs(dx) < 15.0 && std::abs(dy) < 6.0) ++inside_upper[stream.labels()[i]];
+    }
+  }
+  EXPECT_GT(inside_upper[1], 100);
+}
+
+TEST(MovingShapes, AShapeAtRestIsSilent) {
+  MovingShapesConfig config{.width = 120, .height = 90, .duration_us = 300'000, .noise_hz = 0.0};
+  config.shapes = {moving(ShapeKind::kStar, 9.0, {40.0, 45.0}, {100.0, 0.0}),
+                   moving(ShapeKind::kStar, 9.0, {90.0, 45.0}, {0.0, 0.0})};
+  config.shapes[1].motion.spin_rad_s = 0.0;
+  config.shapes[0].motion.pause = {100'000, 200'000};
+  const Truth truth = read_all(config);
+  std::array<std::size_t, 3> moves{};
+  for (const Event& event : truth.events) ++moves.at(static_cast<std::size_t>(event.t / 100'000));
+  EXPECT_GT(moves[0], 1000U);
+  EXPECT_EQ(moves[1], 0U);
+  EXPECT_GT(moves[2], 1000U);
+  EXPECT_EQ(std::ranges::count(truth.labels, 1), 0);
+}
+
+TEST(MovingShapes, NoiseIsLabelledAndChangesNothingElse) {
+  const Truth clean = read_all(apart(0.0));
+  const Truth noisy = read_all(apart(20.0));
+  Truth cleaned;
+  std::size_t noise = 0;
+  for (std::size_t i = 0; i < noisy.events.size(); ++i) {
+    if (noisy.labels[i] == MovingShapes::kNoise) {
+      ++noise;
+    } else {
+      cleaned.events.push_back(noisy.events[i]);
+      cleaned.labels.push_back(noisy.labels[i]);
+    }
+  }
+  EXPECT_EQ(cleaned.events, clean.events);
+  EXPECT_EQ(cleaned.labels, clean.labels);
+  const double expected = 20.0 * 160 * 60 * 0.4;
+  EXPECT_NEAR(static_cast<double>(noise), expected, 5.0 * std::sqrt(expected));
+}
+
+TEST(MovingShapes, APixelRestsForItsRefractoryTime) {
+  const Truth truth = read_all(apart(0.0));
+  std::map<std::pair<int, int>, std::int64_t> last;
+  for (const Event& event : truth.events) {
+    const auto [pixel, first] = last.try_emplace({event.x, event.y}, event.t);
+    if (!first) {
+      ASSERT_GE(event.t - pixel->second, ContrastPixel::kRefractory_us);
+    }
+    pixel->second = event.t;
+  }
+}
+
+TEST(MovingShapes, SeedDecidesAndStartShifts) {
+  auto config = apart(5.0);
+  const auto events = all_events<MovingShapes>(config);
+  EXPECT_EQ(all_events<MovingShapes>(config), events);
+  config.t0_us += 1'000'000'007;
+  auto later = all_events<MovingShapes>(config);
+  for (Event& event : later) event.t -= 1'000'000'007;
+  EXPECT_EQ(later, events);
+  config = apart(5.0);
+  config.seed = 5;
+  EXPECT_NE(all_events<MovingShapes>(config), events);
+}
+
+TEST(MovingShapes, PosesOfTheStreamAreThoseOfTheWholeScene) {
+  const auto config = apart(5.0);
+  const std::vector<Pose> whole = poses_of(config);
+  const std::size_t shapes = config.shapes.size();
+  ASSERT_EQ(whole.size(), shapes * (400'000 / 250 + 1));
+  MovingShapes stream{config};
+  for (EventSpan block = stream.next(); !block.empty(); block = stream.next()) {
+    const auto step = static_cast<std::size_t>((block.front().t - config.t0_us) / 250);
+    ASSERT_EQ(static_cast<std::size_t>((block.back().t - config.t0_us) / 250), step);
+    for (std::size_t i = 0; i < shapes; ++i) {
+      ASSERT_EQ(stream.poses()[i].position.x, whole[step * shapes + i].position.x);
+      ASSERT_EQ(stream.poses()[i].velocity.y, whole[step * shapes + i].velocity.y);
+      ASSERT_EQ(stream.poses()[i].axis.x, whole[step * shapes + i].axis.x);
+    }
+  }
+}
+
+TEST(MovingShapes, ReadingDoesNotAllocate) {
+  MovingShapes stream{apart(5.0)};
+  const std::size_t before = test::allocations();
+  std::size_t events = 0;
+  for (EventSpan block = stream.next(); !block.empty(); block = stream.next()) {
+    events += block.size();
+  }
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_GT(events, 0U);
+}
+
+TEST(MovingShapes, NothingMovesAndNothingIsHeard) {
+  MovingShapes stream{{.noise_hz = 0.0}};
+  EXPECT_TRUE(stream.next().empty());
+  EXPECT_TRUE(stream.next().empty());
+  EXPECT_TRUE(stream.labels().empty());
+}
+
+TEST(MovingShapes, RefusesABadConfiguration) {
+  const auto refused = [](const MovingShapesConfig& config, const std::string& field) {
+    try {
+      const MovingShapes stream{config};
+      ADD_FAILURE() << "accepted a bad " << field;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with(field + " = ")) << error.what();
+    }
+  };
+  refused({.width = 15}, "width");
+  refused({.height = 8193}, "height");
+  refused({.duration_us = 0}, "duration_us");
+  refused({.duration_us = 10'001}, "duration_us");
+  refused({.t0_us = std::numeric_limits<std::int64_t>::max()}, "t0_us");
+  refused({.noise_hz = kNan}, "noise_hz");
+  refused({.shapes{{.radius_px = 0.0}}}, "radius_px");
+  refused({.shapes{{.brightness = 0.019}}}, "brightness");
+  refused({.shapes{{.brightness = kNan}}}, "brightness");
+  refused({.shapes{{.motion{.spin_rad_s = kNan}}}}, "spin_rad_s");
+  EXPECT_THROW(poses_of({.duration_us = 10'001}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace asap::moving_shapes_test

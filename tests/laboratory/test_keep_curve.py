@@ -1,0 +1,260 @@
+"""keep_curve: one score after the other, their mean and spread, table and figure."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+import asap
+from asap_laboratory import keep_curve
+from asap_laboratory.scoring import curve as module
+from asap_laboratory.scoring.result import KeepCurve, Scored
+from fake_scene import FakeScene, perfect
+
+SCENE = FakeScene([(50, 50, 0, 0), (150, 100, 0, 0)], end_us=120_001)
+
+
+OTHER = FakeScene([(50, 50, 0, 0)])
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """Every call of score as (gamma, told, seed, has a filter); the score is made up."""
+    seen = []
+
+    def score(tracker, scene, *, before, gamma, told, seed, active):
+        seen.append((gamma, told, seed, before is not None))
+        assert active == ("kept" if scene is OTHER else "produced")
+        return {"mota": gamma - seed, "idf1": math.nan}
+
+    monkeypatch.setattr(module, "score", score)
+    return seen
+
+
+def made(width, height):
+    assert (width, height) == (346, 260)
+    return perfect(SCENE)
+
+
+class Silent:
+    """A detector that cannot be told."""
+
+    def __init__(self, width, height):
+        pass
+
+    def process(self, events):
+        return np.zeros(events.size, bool)
+
+
+def test_every_gamma_is_scored_with_every_seed_told_and_not(calls):
+    curve = keep_curve(made, lambda seed: SCENE, gammas=(1, 0.5, 0.1), seeds=(3, 4))
+    assert calls == [
+        (gamma, told, seed, False)
+        for seed in (3, 4)
+        for gamma, told in ((1, False), (0.5, True), (0.5, False), (0.1, True), (0.1, False))
+    ]
+    rows = [(row.gamma, row.told, row.seeds) for row in curve.rows]
+    assert rows == [(1, None, 2), (0.5, True, 2), (0.5, False, 2), (0.1, True, 2), (0.1, False, 2)]
+    assert [row.mean["mota"] for row in curve] == pytest.approx([-2.5, -3, -3, -3.4, -3.4])
+    assert [row.spread["mota"] for row in curve] == pytest.approx([0.5**0.5] * 5)
+    assert len(curve) == 5
+
+
+def test_the_usual_gammas_and_seeds(calls):
+    keep_curve(made, lambda seed: SCENE)
+    assert sorted({call[0] for call in calls}) == [0.05, 0.1, 0.2, 0.5, 1]
+    assert {call[2] for call in calls} == {0, 1, 2}
+
+
+def test_what_makes_an_object_active_is_handed_on(calls):
+    keep_curve(made, OTHER, gammas=(1, 0.5), seeds=(0,), active="kept")
+    assert len(calls) == 3
+
+
+def test_what_cannot_be_told_is_not(calls):
+    keep_curve(Silent, SCENE, gammas=(1, 0.5), seeds=(0,))
+    assert [call[:2] for call in calls] == [(1, False), (0.5, False)]
+
+
+def test_every_run_gets_a_fresh_algorithm_and_filter_and_every_seed_its_scene():
+    seeds, trackers, filters = [], [], []
+
+    def scene(seed):
+        seeds.append(seed)
+        return SCENE
+
+    def tracker(width, height):
+        trackers.append(perfect(SCENE))
+        return trackers[-1]
+
+    def before(width, height):
+        filters.append(asap.BackgroundActivityFilter(width, height))
+        return filters[-1]
+
+    keep_curve(tracker, scene, gammas=(1, 0.5), seeds=(5, 6), before=before)
+    assert seeds == [5, 6]
+    used = [one for one in trackers if one.packages]
+    assert len(used) == 6 and all(len(one.packages) == 6 for one in used)
+    assert len(filters) >= 6
+    assert [one.keeps for one in used] == [[], [0.5], []] * 2
+
+
+def test_names_are_those_of_the_makers(calls):
+    curve = keep_curve(asap.ClusterTracker, SCENE, seeds=(0,), before=asap.BackgroundActivityFilter)
+    assert (curve.algorithm, curve.scene) == ("ClusterTracker", "FakeScene")
+    assert curve.before == "BackgroundActivityFilter"
+    nameless = keep_curve(lambda w, h: asap.ClusterTracker(w, h), lambda seed: SCENE)
+    assert (nameless.algorithm, nameless.scene) == ("clusters", "FakeScene")
+
+
+def test_one_seed_has_no_spread(calls):
+    curve = keep_curve(made, SCENE, gammas=(1,), seeds=(2,))
+    assert math.isnan(curve.rows[0].spread["mota"])
+    alone = KeepCurve("fast", "A", None, CURVE.scored[:1])
+    assert str(alone).startswith("fast on A, 1 seed\n") and "±" not in str(alone)
+
+
+def test_json_has_none_for_what_does_not_exist(calls):
+    curve = keep_curve(made, SCENE, gammas=(0.5,), seeds=(0, 1))
+    found = json.loads(json.dumps(curve.summary(), allow_nan=False))
+    assert found["rows"][0] == {
+        "gamma": 0.5,
+        "told": True,
+        "seeds": 2,
+        "mean": {"mota": 0, "idf1": None},
+        "spread": {"mota": pytest.approx(0.5**0.5), "idf1": None},
+    }
+    assert (found["schema_version"], found["algorithm"], found["before"]) == (1, "made", None)
+
+
+def test_bad_arguments_are_named():
+    with pytest.raises(TypeError, match=r"algorithm = .* needs a fresh one"):
+        keep_curve(perfect(SCENE), SCENE)
+    with pytest.raises(TypeError, match=r"before = .* needs a fresh one"):
+        keep_curve(made, SCENE, before=asap.BackgroundActivityFilter(346, 260))
+    for empty in ({"gammas": ()}, {"seeds": ()}):
+        with pytest.raises(ValueError, match=r"^(gammas|seeds) = \(\): give at least one"):
+            keep_curve(made, SCENE, **empty)
+
+
+# ---- table and figure -----------------------------------------------------------------------
+
+
+def curve_of(rows, **others):
+    """Rows (gamma, told, mota) with two seeds each."""
+    figures = dict.fromkeys(("id_switches", "idf1", "hota", "position_rms", "v_measure"), 0.5)
+    scored = [
+        Scored(gamma, told, seed, {**figures, "velocity_rms": math.nan, "mota": mota + 0.1 * seed})
+        for gamma, told, mota in rows
+        for seed in (0, 1)
+    ]
+    return KeepCurve(
+        **{"algorithm": "fast", "scene": "A", "before": "BAF", **others}, scored=scored
+    )
+
+
+CURVE = curve_of([(1.0, None, 0.9), (0.2, True, 0.8), (0.2, False, -0.4)])
+
+
+def test_the_table_has_a_line_for_each_row():
+    lines = str(CURVE).splitlines()
+    assert lines[0] == "fast behind BAF on A, 2 seeds: mean ± standard deviation"
+    head = re.split(r"\s{2,}", lines[2].strip())
+    assert head == ["gamma", "MOTA", "switches", "IDF1", "HOTA", "rms px", "velocity", "V"]
+    assert [line.split()[:3] for line in lines[4:]] == [
+        ["1", ".950±.071", "0.5±0.0"],
+        ["0.2", "told", ".850±.071"],
+        ["0.2", "not", "told"],
+    ]
+    assert "-.350±.071" in lines[6]
+    assert lines[4].split()[-2] == "-"  # no velocity
+    assert max(map(len, lines)) <= 100
+
+
+def test_large_figures_fit_into_the_line():
+    figures = {"mota": -10.5, "id_switches": 985.0, "idf1": 0.5, "hota": 0.5, "v_measure": 0.5}
+    figures |= {"position_rms": 10.5, "velocity_rms": 12.15}
+    scored = [
+        Scored(0.05, False, seed, {name: value * seed for name, value in figures.items()})
+        for seed in (0, 1, 2)
+    ]
+    lines = str(KeepCurve("fast", "A", None, scored)).splitlines()
+    assert lines[-1].split()[3:6] == ["-10.500±10.500", "985±985", ".500±.500"]
+    assert "1215±1215 %" in lines[-1]
+    assert max(map(len, lines)) <= 100
+
+
+def test_the_table_of_a_corner_detector():
+    corners = keep_curve(Silent, Corners([(50, 50, 0, 0)]), gammas=(1,), seeds=(0,))
+    lines = str(corners).splitlines()
+    assert lines[0] == "Silent on Corners, 1 seed"
+    assert lines[2].split() == ["gamma", "precision", "recall", "false", "F", "corners"]
+    assert lines[4].split() == ["1", "-", ".000", ".000", ".000", "0"]
+
+
+class Corners(FakeScene):
+    def vertices(self, t_us):
+        return np.array([(0, 50, 50)], [("id", int), ("x", float), ("y", float)])[
+            : self.labels.size
+        ]
+
+    def __init__(self, objects):
+        super().__init__(objects, noise=[500])
+
+
+def test_the_figure_has_a_line_told_and_one_not_told():
+    pytest.importorskip("matplotlib")
+    page = CURVE.plot()
+    mota = page.axes[0]
+    assert [axes.get_title(loc="left") for axes in page.axes] == [
+        "MOTA",
+        "HOTA",
+        "position error [px]",
+        "id switches",
+    ]
+    lines = [bars.lines[0] for bars in mota.containers]
+    assert [line.get_xdata().tolist() for line in lines] == [[1, 0.2], [1, 0.2]]
+    assert [line.get_ydata().tolist() for line in lines] == [
+        pytest.approx([0.95, 0.85]),
+        pytest.approx([0.95, -0.35]),
+    ]
+    assert [line.get_linestyle() for line in lines] == ["-", "--"]
+    words = [text.get_text() for text in page.legends[0].get_texts()]
+    assert words == ["BAF + fast, told", "BAF + fast, not told"]
+    low, high = mota.get_xlim()
+    assert low > 1 > 0.2 > high  # all events on the left
+    assert mota.get_ylim()[0] < -0.35
+
+
+def test_every_curve_of_a_figure_is_in_sight():
+    pytest.importorskip("matplotlib")
+    from asap_laboratory.scoring import report as accuracy_report
+
+    low = curve_of([(1.0, None, 0.9)])
+    high = KeepCurve(
+        "b",
+        "A",
+        None,
+        [Scored(1.0, None, 0, {**low.scored[0].figures, "position_rms": 9, "mota": -0.4})],
+    )
+    mota, _, position, _ = accuracy_report.figure([low, high], title="scene A").axes
+    assert position.get_ylim()[0] == 0 and 9 < position.get_ylim()[1] < 12
+    assert -0.5 <= mota.get_ylim()[0] < -0.4
+    colours = {bars.lines[0].get_color() for bars in position.containers}
+    assert len(colours) == 2
+
+
+def test_a_curve_that_was_never_told_is_one_line():
+    pytest.importorskip("matplotlib")
+    page = curve_of([(1.0, None, 0.9), (0.2, False, 0.8)], before=None).plot()
+    assert len(page.axes[0].containers) == 1
+    assert page.axes[0].containers[0].lines[0].get_linestyle() == "-"
+    assert [text.get_text() for text in page.legends[0].get_texts()] == ["fast"]
+
+
+def test_a_private_class_has_its_place_in_the_legend():
+    pytest.importorskip("matplotlib")
+    page = curve_of([(1.0, None, 0.9)], before=None, algorithm="_Mine").plot()
+    assert [text.get_text() for text in page.legends[0].get_texts()] == ["Mine"]

@@ -1,0 +1,89 @@
+"""The simulator beside the clock: the same stream in both, and the table of the pairs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asap
+from asap_laboratory import _native, profiles, realtime
+from asap_laboratory.cli import main
+
+
+def test_both_clocks_get_the_same_events_and_keep_the_books():
+    pairs = realtime.replay_beside_simulation(("low",), duration_s=0.3)
+    (pair,) = pairs
+    assert pair.real.mode == "real"
+    assert pair.virtual.mode == "virtual"
+    assert pair.real.ledger.received == pair.virtual.ledger.received > 20_000
+    assert pair.real.ledger.balanced
+    assert pair.real.scheme.name == pair.virtual.scheme.name == "deadline"
+
+
+def test_a_busy_wait_costs_what_it_says():
+    events = profiles.Profile("low", duration_s=0.1).events()
+    algorithm = _native.BusyWait(200.0, 1000.0)
+    run = asap.run(events, algorithm=algorithm, scheme=asap.FixedSize(size=500))
+    rows = run.packages
+    assert np.all(rows["processing_us"] >= 200 + rows["size"])
+
+
+def test_an_algorithm_of_another_extension_runs_natively():
+    """Its Python face is not called: the library owns the loop, so a package ends on time."""
+
+    class Untouched(_native.BusyWait):
+        def process(self, events):
+            raise AssertionError("called")
+
+    events = profiles.Profile("low", duration_s=0.05).events()
+    run = asap.run(events, algorithm=Untouched(10.0, 10.0), latency_ms=10)
+    assert run.ledger.received == events.size and run.ledger.balanced
+
+
+def test_any_other_attribute_of_that_name_means_nothing():
+    class Odd:
+        __asap_consumer__ = "no capsule"
+        calls = 0
+
+        def process(self, events):
+            self.calls += 1
+
+    odd = Odd()
+    asap.run(profiles.Profile("low", duration_s=0.02).events(), algorithm=odd)
+    assert odd.calls
+
+
+def test_a_python_caller_is_spun_for_as_well():
+    events = profiles.Profile("low", duration_s=0.02).events()
+    # A busy machine may take the processor away for all that time.
+    assert any(realtime.scheduling_jitter(0.01).count > 100 for _ in range(100))
+    algorithm = _native.BusyWait(10.0, 0.0)
+    algorithm.process(events)
+    assert algorithm.parameters == {"alpha_us": 10.0, "beta_ns": 0.0}
+
+
+def test_the_table_has_both_columns():
+    pairs = realtime.replay_beside_simulation(("low",), duration_s=0.1)
+    table = realtime.format_pairs(pairs, realtime.scheduling_jitter(0.01))
+    row = next(line for line in table.splitlines() if line.startswith("| low |"))
+    assert row.count("|") == 8
+    assert " / ".join(f"{one.kept:.3f}" for one in (pairs[0].real, pairs[0].virtual)) in row
+    assert "Scheduling jitter" in table
+
+
+def test_the_command_writes_the_table(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(realtime, "PROFILES", ("low",))
+    short = realtime.replay_beside_simulation(("low",), duration_s=0.1)
+    monkeypatch.setattr(realtime, "replay_beside_simulation", lambda: short)
+    jitter = realtime.scheduling_jitter(0.01)
+    monkeypatch.setattr(realtime, "scheduling_jitter", lambda _: jitter)
+    assert main(["--realtime", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "realtime.md").read_text() in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("field", "value"), [("alpha_us", -1.0), ("beta_ns", float("nan"))])
+def test_a_bad_cost_is_refused_by_name(field, value):
+    with pytest.raises(ValueError, match=field):
+        _native.BusyWait(**{"alpha_us": 1.0, "beta_ns": 1.0, field: value})
+    with pytest.raises(ValueError, match="duration_s"):
+        realtime.scheduling_jitter(-1.0)

@@ -1,0 +1,260 @@
+"""asap-study --real: the table, the words about what went wrong, and the page of overlays."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asap import _core
+from asap.report import page
+from asap_laboratory import RealStudy, real, real_study, score
+from asap_laboratory.accuracy.cases import Rung
+from asap_laboratory.cli import main
+from asap_laboratory.real import page as strips
+from asap_laboratory.real import pictures
+from asap_laboratory.real.folders import at_hand, opened
+from asap_laboratory.real.following import Followed, follow
+from asap_laboratory.real.mistakes import Span, mistakes, spans
+from asap_laboratory.scenes import labelled
+from event_files import recording
+from labelled_folders import T0_US, box, folder
+
+DTYPE = _core.ClusterTracker(8, 8).clusters.dtype
+
+
+class Told:
+    """Says (id, x, y) at each ms after T0_US; every cluster has axes of 6 and 3 px at 1.5 sigma."""
+
+    def __init__(self, clusters: dict[int, list[tuple[int, float, float]]]) -> None:
+        self._clusters = clusters
+
+    def process(self, events: Any, labels: bool = True) -> None:
+        pass
+
+    def clusters_at(self, t_us: int) -> Any:
+        table = np.zeros(len(rows := self._clusters.get((t_us - T0_US) // 1000, [])), DTYPE)
+        for name, column in zip(("id", "x", "y"), np.array(rows).reshape(-1, 3).T, strict=True):
+            table[name] = column
+        table["cxx"], table["cyy"] = 16, 4
+        return table
+
+
+def followed(
+    path: Path, clusters: dict[int, list[tuple[int, float, float]]], **others: Any
+) -> Followed:
+    rung = Rung("told", lambda width, height: Told(clusters))
+    return follow({"told": rung}, labelled(folder(path, **others)))["told"]
+
+
+#: Right at 10 ms, another id and two more clusters at 20 ms, nothing at 30 ms.
+CLUSTERS = {10: [(7, 20, 20)], 20: [(8, 20, 20), (9, 80, 60), (5, 24, 20)]}
+
+
+# ---- words ----------------------------------------------------------------------------------
+
+
+def test_what_follows_each_other_is_one_span() -> None:
+    assert spans([1, 2, 3, 7, 9, 10]) == [Span(1, 3), Span(7, 7), Span(9, 10)]
+    assert spans([]) == [] and Span(1, 3).size == 3
+
+
+def test_every_mistake_is_named_with_its_time(tmp_path: Path) -> None:
+    assert mistakes(followed(tmp_path, CLUSTERS)) == [
+        "object 0 is missed at 1 of 3 times, at 0.03 s",
+        "object 0 changes from id 7 to id 8 at 0.02 s",
+        "id 9 is false at 1 time, at 0.02 s, near (80, 60): off every box",
+        "id 5 is false at 1 time, at 0.02 s, near (24, 20): a second cluster in the box of "
+        "object 0",
+    ]
+
+
+def test_a_perfect_tracker_makes_none(tmp_path: Path) -> None:
+    assert mistakes(followed(tmp_path, {ms: [(7, 20, 20)] for ms in (10, 20, 30)})) == []
+
+
+def test_an_unlabelled_background_has_no_false_clusters(tmp_path: Path) -> None:
+    one = followed(tmp_path, CLUSTERS, background="unlabelled")
+    assert not any("false" in words for words in mistakes(one))
+    cells = dict(zip(real.document.HEAD, real.document.cells(one), strict=True))
+    assert cells["precision"] == cells["MOTA"] == "not judged" and cells["hit"] == ".667"
+
+
+def test_many_misses_and_many_ids_are_put_together(tmp_path: Path) -> None:
+    rows = "".join(box(ms) for ms in range(1, 90))
+    seen = {ms: [(7, 20, 20), (ms, 80, 60)] for ms in range(1, 90) if ms % 9}
+    words = mistakes(followed(tmp_path, seen, rows=rows))
+    assert words[0] == (
+        "object 0 is missed at 9 of 89 times, at 0.01 s, at 0.02 s, at 0.03 s and shorter gaps"
+    )
+    assert words[-1].endswith("more ids are false, at 74 times")
+
+
+# ---- the table ------------------------------------------------------------------------------
+
+
+def test_the_figures_are_those_of_score(tmp_path: Path) -> None:
+    one = followed(tmp_path, CLUSTERS)
+    scored = score(Told(CLUSTERS), one.scene)
+    for name in ("hit", "precision", "switches", "longest", "error", "mota"):
+        assert one.figures[name] == scored[name]
+    assert one.summary()["hit"] == pytest.approx(2 / 3) and one.summary()["set"] == tmp_path.name
+    row = real.document.cells(one)[1:-1]
+    assert row == (".667", ".500", "1", ".333", "0.0", "-.333")
+
+
+# ---- the page -------------------------------------------------------------------------------
+
+
+def drawn(one: Followed, index: int) -> str:
+    return pictures.overlay(one, index, "words")
+
+
+def test_an_overlay_shows_events_outlines_ids_tails_and_boxes(tmp_path: Path) -> None:
+    seen = {10: [(7, 20, 20)], 20: [(7, 22, 20), (9, 80, 60)]}
+    one = followed(tmp_path, seen, zones=f"1,5,2,6,{T0_US},{T0_US + 15_000}\n")
+    first, second, third = (drawn(one, index) for index in range(3))
+    assert 'viewBox="0 0 100 80"' in first and "data:image/png;base64," in first
+    assert '<rect class="zone" x="1.0" y="2.0" width="4.0" height="4.0"/>' in first
+    assert 'class="zone"' not in second  # from 15 ms on it is judged
+    assert 'rx="6.0" ry="3.0"' in first and ">7</text>" in first and "polyline" not in first
+    assert 'points="20.0,20.0 22.0,20.0"' in second
+    assert second.count("<ellipse") == 2 and second.count('<ellipse class="id false"') == 1
+    assert 'class="box"' in second and 'class="box missed"' in third
+
+
+def test_the_page_is_one_file_without_script_and_says_what_went_wrong(tmp_path: Path) -> None:
+    one = followed(tmp_path, CLUSTERS)
+    path = strips.write(tmp_path / "real.html", [one], left_out=["a & b"], command="as typed")
+    html = path.read_text()
+    assert "<script" not in html and not re.findall(r'(?:src|href)="(?!data:)', html)
+    assert html.count("<figure>") == 3 and "as typed" in html and "Left out: a &amp; b" in html
+    for words in mistakes(one):
+        assert f"<li>{words}</li>" in html
+    assert "0.020 s: 1 of 1 hit, 2 false, 1 with a new id" in html
+    assert "0.030 s: 0 of 1 hit, 1 missed" in html
+
+
+def test_lanes_show_which_id_carried_an_object(tmp_path: Path) -> None:
+    html = strips.write(
+        tmp_path / "real.html", [followed(tmp_path, CLUSTERS)], command=""
+    ).read_text()
+    assert 'title="id 7" style="left:0.00%;width:33.33%' in html
+    assert 'title="id 8" style="left:33.33%;width:33.33%' in html
+    assert '<i class="missed" style="left:66.67%;width:33.33%' in html
+    assert '<i class="extra" style="left:33.33%;width:33.33%' in html
+
+
+def test_a_page_that_is_too_large_shows_fewer_pictures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = followed(tmp_path, {}, rows="".join(box(ms) for ms in range(1, 61)))
+    whole = strips.write(tmp_path / "real.html", [one], command="")
+    assert whole.read_text().count("<figure>") == 24
+    monkeypatch.setattr(page, "MOST_BYTES", whole.stat().st_size - 1)
+    fewer = strips.write(tmp_path / "real.html", [one], command="")
+    assert fewer.read_text().count("<figure>") == 16
+
+
+# ---- folders and the command ----------------------------------------------------------------
+
+
+def sets(path: Path) -> Path:
+    """Two recordings in a folder; the second has no boxes."""
+    for name, rows in (("first", ""), ("second", "#t_us,theta_rad\n")):
+        (path / name).mkdir()
+        folder(path / name, rows)
+    return path
+
+
+def test_a_folder_of_recordings_leaves_out_what_is_refused(tmp_path: Path) -> None:
+    scenes, left_out = opened([sets(tmp_path)])
+    assert [path.name for path in scenes] == ["first"]
+    assert len(left_out) == 1 and left_out[0].startswith("second/truth.csv: row 1: columns")
+    assert list(opened([tmp_path / "first"]).scenes) == [tmp_path / "first"]
+
+
+def test_a_recording_that_is_given_is_refused_by_its_file(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"second/truth\.csv: row 1: columns"):
+        opened([sets(tmp_path) / "second"])
+    (tmp_path / "first" / "ignore.csv").unlink()
+    with pytest.raises(FileNotFoundError, match="no such file; a labelled folder has"):
+        opened([tmp_path / "first"])
+
+
+def test_without_a_folder_it_looks_where_the_tests_look(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "labelled").mkdir()
+    sets(tmp_path / "labelled")
+    monkeypatch.setenv("ASAP_TEST_DATA", str(tmp_path))
+    assert [path.name for path in at_hand()] == ["first"]
+    monkeypatch.setenv("ASAP_TEST_DATA", str(tmp_path / "labelled"))
+    with pytest.raises(ValueError, match="no labelled recording here: give their folders, or set"):
+        opened()
+    assert at_hand() == []
+    (tmp_path / "shared").mkdir()
+    (tmp_path / "clone").mkdir()
+    (tmp_path / "labelled").rename(tmp_path / "away")
+    (tmp_path / "shared" / "data").mkdir()
+    (tmp_path / "away").rename(tmp_path / "shared" / "data" / "labelled")
+    monkeypatch.delenv("ASAP_TEST_DATA")
+    monkeypatch.chdir(tmp_path / "clone")
+    assert [path.name for path in at_hand()] == ["first"]
+
+
+def test_command_prints_the_table_and_writes_document_and_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert main(["--real", str(sets(tmp_path)), "--out", str(out)]) == 0
+    printed, told = capsys.readouterr()
+    assert printed.startswith("| set | hit | precision | switches | longest | error px | MOTA |")
+    assert "| first | .000 | - | 0 | .000 | - | .000 |" in printed
+    assert printed.endswith(
+        f"wrote {out / 'real.md'}\nwrote {out / 'real.csv'}\nwrote {out / 'real.html'}\n"
+    )
+    assert "left out: second/truth.csv: row 1" in told
+    assert (out / "real.csv").read_text().startswith("set,hit,precision,switches,")
+    text = (out / "real.md").read_text()
+    assert f"`asap-study --real {tmp_path.name}`" in text
+    assert "**first**\n\n- object 0 is missed at 3 of 3 times, between 0.01 and 0.03 s" in text
+
+
+def test_command_with_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--json", "--out", str(tmp_path / "out"), "--real", str(folder(tmp_path))]
+    assert main(words) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["form"] == "real" and len(document["files"]) == 3
+    (one,) = document["sets"]
+    assert one["set"] == tmp_path.name and one["hit"] == 0 and one["precision"] is None
+
+
+def test_command_without_recordings_says_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("ASAP_TEST_DATA", str(tmp_path))
+    assert main(["--real", "--out", str(tmp_path / "out")]) == 3
+    assert "give their folders, or set ASAP_TEST_DATA" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_command_refuses_two_kinds_at_once(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--real", "--rivals"]) == 2
+    assert "--rivals and --real: give one of them" in capsys.readouterr().err
+
+
+# ---- recordings outside the project ---------------------------------------------------------
+
+
+def test_the_page_of_the_labelled_recordings_fits(tmp_path: Path) -> None:
+    scenes, left_out = opened([recording("labelled")])
+    found: RealStudy = real_study(tmp_path, list(scenes.values()), left_out=left_out)
+    assert len(found.sets) >= 5 and any("rotating_pipe" in words for words in left_out)
+    html = tmp_path / "real.html"
+    assert found.paths == [tmp_path / "real.md", tmp_path / "real.csv", html]
+    assert html.stat().st_size <= page.MOST_BYTES
