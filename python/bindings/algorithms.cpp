@@ -280,7 +280,7 @@ void bind_algorithms(py::module_& m) {
         py::arg("cxy"), py::arg("cyy"), "As ClusterTracker.outline, of these fields of a cluster.");
 
   py::class_<Tracker> bound(m, "ClusterTracker", kClusterTrackerDoc);
-  bind_state(bound)
+  bind_pickle(bound)
       .def(py::init(&make_tracker), py::arg("width"), py::arg("height"), py::kw_only(),
            py::arg("engine") = "fast")
       .def("process", &process, py::arg("events").noconvert(), py::arg("labels") = true,

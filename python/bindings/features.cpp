@@ -103,7 +103,7 @@ void bind_features(py::module_& m) {
 
   constexpr FeatureConfig kDefault{.width = 0, .height = 0};
   py::class_<FeatureTracker> type(m, "FeatureTracker", kFeatureTrackerDoc);
-  bind_state(type)
+  bind_pickle(type)
       .def(py::init(&make_feature_tracker), "width"_a, "height"_a, py::kw_only(),
            "detector"_a = name_of(kDefault.detector), "window"_a = kDefault.window,
            "radius"_a = kDefault.radius, "min_neighbours"_a = kDefault.min_neighbours,

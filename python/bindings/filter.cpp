@@ -5,6 +5,7 @@
 #include "arrays.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
+#include "pickles.hpp"
 
 namespace asap::python {
 namespace {
@@ -72,12 +73,11 @@ ValueError
 )")
       .def("mask", &mask, py::arg("events").noconvert(), py::arg("gamma"),
            "Like apply, but a bool array of shape (n,): True where the event is kept.")
-      .def(
-          "skip",
-          [](SeededFilter& self, const py::object& count) {
-            self.skip(whole_number("count", count));
-          },
-          py::arg("count"), "Passes over so many events: the position advances, none is decided.")
+      .def("__reduce__",
+           [](const py::object& self) {
+             if (self.cast<const SeededFilter&>().position() > 0) throw_has_worked(self);
+             return by_arguments(self, py::type::of<SeededFilter>());
+           })
       .def_property_readonly("position", &GammaFilter::position, "Events seen so far.")
       .def_property_readonly(
           "parameters",

@@ -52,7 +52,6 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_flow(m);
   asap::python::bind_event_image(m);
   asap::python::bind_features(m);
-  asap::python::bind_has_worked(m);
   asap::python::show_signatures(m);
   asap::python::refuse_in_words(m);
 }

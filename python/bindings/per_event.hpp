@@ -3,16 +3,15 @@
 
 #include <pybind11/pybind11.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "gil.hpp"
+#include "pickles.hpp"
+#include "turns.hpp"
 
 namespace asap::python {
 
@@ -69,37 +68,20 @@ TypeError
 )");
 }
 
-// What events have left in an algorithm, as bytes: pickle takes them along.
+// An algorithm pickles while it is new.
 template <class Algorithm>
-py::class_<Algorithm>& bind_state(py::class_<Algorithm>& type) {
-  return type
-      .def(
-          "state",
-          [](const Algorithm& self) {
-            const std::vector<std::byte> bytes = self.state();
-            return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-          },
-          "bytes: what events have left in it, for `restore` of one with the same parameters.")
-      .def(
-          "restore",
-          [](Algorithm& self, const py::bytes& state) {
-            self.restore(std::as_bytes(std::span(std::string_view(state))));
-          },
-          py::arg("state"),
-          R"(Goes on where the one was whose `state` this is.
-
-Raises
-------
-ValueError
-    The bytes are truncated or altered, or of another version, class or parameters.
-)");
+py::class_<Algorithm>& bind_pickle(py::class_<Algorithm>& type) {
+  return type.def("__reduce__", [](const py::object& self) {
+    if (has_worked(self)) throw_has_worked(self);
+    return by_arguments(self, py::type::of<Algorithm>(), {"width", "height"});
+  });
 }
 
 // `parameters` makes the dict of the constructor's keyword parameters.
 template <class Algorithm>
 void bind_rest(py::class_<Algorithm>& type, const char* name,
                py::dict (*parameters)(const typename Algorithm::Config&), const char* keep_doc) {
-  bind_state(type);
+  bind_pickle(type);
   type.def("set_keep", &Algorithm::set_keep, py::arg("gamma"), keep_doc)
       .def("reset", &Algorithm::reset, "Back to the state after construction.")
       .def_property_readonly(

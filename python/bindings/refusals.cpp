@@ -115,7 +115,7 @@ void refuse_in_function(py::handle bound) {
   const std::string_view name = record->name;
   const bool works = name == "process" || name == "learn" || name == "apply" || name == "mask" ||
                      name == "check" || name == "check_recorded" || name == "set_keep" ||
-                     name == "advance_to" || name == "restore";
+                     name == "advance_to";
   record->def->ml_meth = as_method(works ? &dispatch_work : &dispatch);
 }
 
@@ -123,7 +123,10 @@ void refuse_in_class(py::handle type) {
   auto* info = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(type.ptr()));
   if (info == nullptr) return;
   info->operator_new = &refuse_unmade;
-  type.attr("__reduce__") = py::cpp_function(&refuse_copy, py::is_method(type));
+  const py::handle object_type(reinterpret_cast<PyObject*>(&PyBaseObject_Type));
+  if (type.attr("__reduce__").is(object_type.attr("__reduce__"))) {
+    type.attr("__reduce__") = py::cpp_function(&refuse_copy, py::is_method(type));
+  }
   // Else an object could be told that it is of another class of ours.
   reinterpret_cast<PyTypeObject*>(type.ptr())->tp_flags |= Py_TPFLAGS_IMMUTABLETYPE;
   for (const auto item :

@@ -20,6 +20,7 @@
 #include "front_filter.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
+#include "pickles.hpp"
 #include "runner/admission.hpp"
 #include "runner/read_ahead.hpp"
 #include "telemetry.hpp"
@@ -201,6 +202,8 @@ ValueError
           },
           "The constructor's arguments by name: us, ns, ms. Without drift and outages_ms where "
           "there are none.")
+      .def("__reduce__",
+           [](const py::object& self) { return by_arguments(self, py::type::of<LinearCost>()); })
       .def("__repr__", [](const LinearCost& cost) {
         return py::str("LinearCost(alpha_us={}, beta_ns={}, noise={}, seed={})")
             .format(cost.config().alpha_us, cost.config().beta_ns, cost.config().noise,

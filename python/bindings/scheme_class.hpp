@@ -14,6 +14,7 @@
 #include "asap/schemes/bounded_scheme.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/scheme.hpp"
+#include "pickles.hpp"
 
 namespace asap::python {
 
@@ -91,10 +92,14 @@ void bind_cost(pybind11::class_<S, Scheme>& bound) {
 
 template <class S>
 void bind_scheme(pybind11::module_& m, const char* name, const char* doc) {
+  const auto reduce = [](const pybind11::object& self) {
+    return by_arguments(self, pybind11::type::of<S>());
+  };
   if constexpr (requires { S::Config::kParameters; }) {
     std::apply(
         [&]<class Config, class... Values>(const NamedField<Config, Values>&... fields) {
           auto bound = keyword_class<S>(m, name, doc, fields...);
+          bound.def("__reduce__", reduce);
           if constexpr ((std::is_same_v<Values, std::optional<double>> || ...)) {
             bind_all_parameters(bound, fields...);
           }
@@ -102,7 +107,7 @@ void bind_scheme(pybind11::module_& m, const char* name, const char* doc) {
         },
         S::Config::kParameters);
   } else {
-    pybind11::class_<S, Scheme>(m, name, doc).def(pybind11::init<>());
+    pybind11::class_<S, Scheme>(m, name, doc).def(pybind11::init<>()).def("__reduce__", reduce);
   }
 }
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "gil.hpp"
-#include "layers.hpp"
 
 namespace asap::python {
 namespace {
@@ -81,13 +80,6 @@ std::shared_ptr<Turns> turns_at(py::handle object) {
 }
 
 bool has_worked(py::handle object) { return worked().contains(object.ptr()); }
-
-void bind_has_worked(py::module_& m) {
-  m.def(
-      "has_worked", [](const py::object& algorithm) { return has_worked(algorithm); },
-      py::arg("algorithm"),
-      "Whether an algorithm of the library has been given events, or told the kept fraction.");
-}
 
 CallersTurn::CallersTurn(std::shared_ptr<Turns> turns) {
   if (turns == nullptr || turns->are_mine()) return;
