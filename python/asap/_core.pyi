@@ -74,8 +74,6 @@ class SingleEvent(Scheme):
 
 class Greedy(Scheme):
     def __init__(self, *, efficiency: float | None = None) -> None: ...
-    @property
-    def parameters(self) -> dict[str, float | None]: ...
 
 class Asap2020(Scheme):
     def __init__(

@@ -18,6 +18,9 @@ struct EitherClusterTracker {
   void set_keep(double gamma) {
     std::visit([&](auto& tracker) { tracker.set_keep(gamma); }, engine);
   }
+  void reset() noexcept {
+    std::visit([](auto& tracker) { tracker.reset(); }, engine);
+  }
 };
 
 }  // namespace asap::python

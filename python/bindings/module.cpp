@@ -1,12 +1,10 @@
 // The extension asap._core: a table of contents. One file per layer of the C++ core, no logic but
-// how it begins.
+// how it begins and ends.
 #include <pybind11/pybind11.h>
 
 #include "asap/version.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
-#include "refusals.hpp"
-#include "signatures.hpp"
 
 namespace {
 
@@ -21,6 +19,25 @@ void begin_once() {
         "asap: an import in this process did not come to its end; start Python anew");
   }
   has_begun = true;
+}
+
+pybind11::object refuse_to_pickle(const pybind11::object& self) {
+  const auto name = pybind11::cast<std::string>(pybind11::type::of(self).attr("__name__"));
+  throw pybind11::type_error("cannot pickle " + name);
+}
+
+// What would end the process otherwise: pickle of protocol 0 or 1, which calls the nameless base
+// class of pybind11, and an object that is told that it is of another class of ours.
+void close_classes(const pybind11::module_& m) {
+  namespace py = pybind11;
+  const py::handle plain(reinterpret_cast<PyObject*>(&PyBaseObject_Type));
+  for (const auto& [name, item] : py::cast<py::dict>(m.attr("__dict__"))) {
+    if (PyType_Check(item.ptr()) == 0) continue;
+    if (item.attr("__reduce__").is(plain.attr("__reduce__"))) {
+      item.attr("__reduce__") = py::cpp_function(&refuse_to_pickle, py::is_method(item));
+    }
+    reinterpret_cast<PyTypeObject*>(item.ptr())->tp_flags |= Py_TPFLAGS_IMMUTABLETYPE;
+  }
 }
 
 }  // namespace
@@ -52,6 +69,5 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_flow(m);
   asap::python::bind_event_image(m);
   asap::python::bind_features(m);
-  asap::python::show_signatures(m);
-  asap::python::refuse_in_words(m);
+  close_classes(m);
 }

@@ -1,6 +1,7 @@
 // The layer `study`: the oracles.
 #include "arrays.hpp"
 #include "gil.hpp"
+#include "held.hpp"
 #include "layers.hpp"
 #include "study/clairvoyant.hpp"
 #include "study/oracle.hpp"
@@ -23,8 +24,8 @@ latency_us : float
 opaque : bool
     The algorithm takes a package in one call: with noise, cheap packages can't run on.
 )")
-      .def(py::init([](const LinearCost& cost, double latency_us, bool opaque) {
-             return Oracle(cost, latency_us, opaque ? Execution::whole : Execution::anytime);
+      .def(py::init([](const Held<LinearCost>& cost, double latency_us, bool opaque) {
+             return Oracle(*cost, latency_us, opaque ? Execution::whole : Execution::anytime);
            }),
            py::arg("cost"), py::arg("latency_us"), py::arg("opaque") = false)
       .def(
@@ -40,10 +41,10 @@ opaque : bool
 
   m.def(
       "clairvoyant_latency_us",
-      [](const py::array& events, const LinearCost& cost, double bin_us) {
+      [](const py::array& events, const Held<LinearCost>& cost, double bin_us) {
         const EventSpan span = as_span(events);
         const WithoutGil release;  // pure C++: other Python threads may run
-        return static_cast<double>(clairvoyant_latency_ns(span, cost, bin_us)) * 1e-3;
+        return static_cast<double>(clairvoyant_latency_ns(span, *cost, bin_us)) * 1e-3;
       },
       py::arg("events").noconvert(), py::arg("cost"), py::arg("bin_us") = 10.0,
       R"(The smallest possible maximum latency without drops.
@@ -74,10 +75,11 @@ notebooks/theory.md, section 9.
 
   m.def(
       "exact_clairvoyant",
-      [](const py::array& events, const LinearCost& cost, double latency_us, double most_steps) {
+      [](const py::array& events, const Held<LinearCost>& cost, double latency_us,
+         double most_steps) {
         const EventSpan span = as_span(events);
         const WithoutGil release;  // pure C++: other Python threads may run
-        return exact_clairvoyant(span, cost, latency_us, most_steps);
+        return exact_clairvoyant(span, *cost, latency_us, most_steps);
       },
       py::arg("events").noconvert(), py::arg("cost"), py::arg("latency_us"),
       py::arg("most_steps") = kMostExactSteps,

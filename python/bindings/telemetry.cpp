@@ -6,6 +6,7 @@
 #include "arguments.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/ledger.hpp"
+#include "held.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
@@ -53,7 +54,7 @@ void bind_telemetry(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(SlotRow, slot, received, delivered, latency_max_us);
   m.attr("SLOT_DTYPE") = py::dtype::of<SlotRow>();
 
-  py::class_<LatencyHistogram>(m, "LatencyHistogram", R"(Latency per delivered event, in us.
+  Class<LatencyHistogram>(m, "LatencyHistogram", R"(Latency per delivered event, in us.
 
 Fixed memory; a quantile is within 0.4 %, the rest is exact. Made of the `state()` of another.
 )")
