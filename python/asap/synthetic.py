@@ -16,7 +16,6 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from asap import _checks, _core
-from asap._pickling import Pickled
 from asap.events import EVENT_DTYPE, Events
 
 __all__ = ["FlightOverChairs", "Reader", "ShakenPattern", "SyntheticStream", "joined"]
@@ -46,7 +45,7 @@ def joined(arrays: Sequence[Events]) -> Events:
     return events
 
 
-class SyntheticStream(Pickled):
+class SyntheticStream:
     """What the synthetic streams share: each can be read again and again.
 
     Iterating yields fresh arrays in ``EVENT_DTYPE``, of shape (n,) with n a little above 2**16 (the

@@ -1,12 +1,9 @@
 // The layer `algorithms`: ClusterTracker, with either engine.
 #include <pybind11/stl.h>
 
-#include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -18,7 +15,6 @@
 #include "cluster_trackers.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
-#include "signatures.hpp"
 
 namespace asap::python {
 namespace {
@@ -67,130 +63,70 @@ motion="kalman" is not of that paper: the constant-velocity filter of "fast", ov
 of every ms or more, 8 at least; after a second without it begins anew.
 )";
 
-constexpr std::array<std::pair<const char*, ClusterSupport>, 3> kSupports{
-    {{"off", ClusterSupport::kOff},
-     {"estimate", ClusterSupport::kEstimate},
-     {"reject", ClusterSupport::kReject}}};
+constexpr Choices<ClusterSupport, 3> kSupports{{{"off", ClusterSupport::kOff},
+                                                {"estimate", ClusterSupport::kEstimate},
+                                                {"reject", ClusterSupport::kReject}}};
 
-constexpr std::array<std::pair<const char*, PublishedClusterMotion>, 2> kMotions{
+constexpr Choices<PublishedClusterMotion, 2> kMotions{
     {{"window", PublishedClusterMotion::kWindow}, {"kalman", PublishedClusterMotion::kKalman}}};
 
-template <class Number>
-Number number(const std::string& name, const py::handle& value) {
-  constexpr bool whole = std::is_integral_v<Number>;
-  py::detail::make_caster<Number> caster;
-  if (caster.load(value, !whole)) return py::detail::cast_op<Number>(caster);
-  if (whole && PyIndex_Check(value.ptr()) != 0) {
-    throw_bad_value(name.c_str(), shown(value), "out of range");
-  }
-  throw py::type_error(name + " = " + shown(value) + ": must be " +
-                       (whole ? "a whole number" : "a number"));
+// It has chosen the table by then.
+template <class Config>
+Keyword<Config> engine(const char* name) {
+  return {.name = "engine",
+          .set = [](Config&, py::handle) {},
+          .get = [name](const Config&) { return py::str(name); }};
 }
 
-template <class Kind, std::size_t count>
-Kind one_of(const std::array<std::pair<const char*, Kind>, count>& kinds, const char* field,
-            const py::handle& value, const char* remedy) {
-  for (const auto& [name, kind] : kinds) {
-    if (py::isinstance<py::str>(value) && value.equal(py::str(name))) return kind;
-  }
-  throw_bad_value(field, shown(value), remedy);
+const Keywords<ClusterTrackerConfig>& keywords_of(const ClusterTrackerConfig&) {
+  using Config = ClusterTrackerConfig;
+  static const auto all = [] {
+    std::vector<Keyword<Config>> rows{engine<Config>("fast"),
+                                      keyword("support", &Config::support, kSupports)};
+    for (const ClusterTrackerParameter& parameter : cluster_tracker_parameters()) {
+      const std::string name(parameter.name);
+      std::visit([&](auto field) { rows.push_back(keyword(name, field)); }, parameter.field);
+    }
+    return sized<Config>(std::move(rows));
+  }();
+  return all;
 }
 
-py::dict parameters_of(const PublishedClusterTrackerConfig& config) {
-  using namespace py::literals;
-  py::dict parameters("engine"_a = "compat", "window"_a = config.window, "radius"_a = config.radius,
-                      "probes"_a = config.probes, "weight"_a = config.weight,
-                      "min_size"_a = config.min_size, "seed"_a = config.seed);
-  for (const auto& [name, motion] : kMotions) {
-    if (motion == config.motion) parameters["motion"] = name;
-  }
-  return parameters;
-}
-
-py::dict parameters_of(const ClusterTrackerConfig& config) {
-  py::dict parameters;
-  parameters["engine"] = "fast";
-  for (const auto& [name, support] : kSupports) {
-    if (support == config.support) parameters["support"] = name;
-  }
-  for (const ClusterTrackerParameter& parameter : cluster_tracker_parameters()) {
-    std::visit(
-        [&](auto field) {
-          parameters[py::str(parameter.name.data(), parameter.name.size())] = config.*field;
-        },
-        parameter.field);
-  }
-  return parameters;
+const Keywords<PublishedClusterTrackerConfig>& keywords_of(const PublishedClusterTrackerConfig&) {
+  using Config = PublishedClusterTrackerConfig;
+  static const auto all =
+      sized<Config>({engine<Config>("compat"), keyword("window", &Config::window),
+                     keyword("radius", &Config::radius), keyword("probes", &Config::probes),
+                     keyword("weight", &Config::weight), keyword("min_size", &Config::min_size),
+                     keyword("seed", &Config::seed), keyword("motion", &Config::motion, kMotions)});
+  return all;
 }
 
 template <class Config>
-[[noreturn]] void throw_unknown(const std::string& name, const py::handle& value) {
-  const py::dict known = parameters_of(Config{});
-  const auto text = py::str("{} = {}: engine \"{}\" has no parameter {}; it takes {}");
-  const auto names = py::str(", ").attr("join")(known);
-  throw py::type_error(
-      py::cast<std::string>(text.format(name, shown(value), known["engine"], name, names)));
+Config config_from(const char* owner, const py::args& values, const py::kwargs& given) {
+  return config_of(owner, keywords_of(Config{}), values, given);
 }
 
-ClusterTrackerConfig fast_config(int width, int height, const py::kwargs& given) {
-  ClusterTrackerConfig config{.width = width, .height = height};
-  for (const auto& [key, value] : given) {
-    const auto name = py::cast<std::string>(key);
-    bool known = name == "support";
-    if (known) {
-      config.support =
-          one_of(kSupports, "support", value, "must be \"off\", \"estimate\" or \"reject\"");
-    }
-    for (const ClusterTrackerParameter& parameter : cluster_tracker_parameters()) {
-      if (parameter.name != name) continue;
-      known = true;
-      std::visit(
-          [&](auto field) {
-            config.*field = number<std::remove_reference_t<decltype(config.*field)>>(name, value);
-          },
-          parameter.field);
-    }
-    if (!known) throw_unknown<ClusterTrackerConfig>(name, value);
+Tracker* make_tracker(const py::args& values, const py::kwargs& given) {
+  const py::object engine = given.contains("engine") ? given["engine"] : py::str("fast");
+  if (engine.equal(py::str("fast"))) {
+    return new Tracker{
+        ClusterTracker(config_from<ClusterTrackerConfig>("engine \"fast\"", values, given))};
   }
-  return config;
+  if (engine.equal(py::str("compat"))) {
+    return new Tracker{PublishedClusterTracker(
+        config_from<PublishedClusterTrackerConfig>("engine \"compat\"", values, given))};
+  }
+  throw_bad_value("engine", shown(engine), "must be \"fast\" or \"compat\"");
 }
 
-PublishedClusterTrackerConfig compat_config(int width, int height, const py::kwargs& given) {
-  PublishedClusterTrackerConfig config{.width = width, .height = height};
-  for (const auto& [key, value] : given) {
-    const auto name = py::cast<std::string>(key);
-    if (name == "window") {
-      config.window = number<int>(name, value);
-    } else if (name == "radius") {
-      config.radius = number<double>(name, value);
-    } else if (name == "probes") {
-      config.probes = number<int>(name, value);
-    } else if (name == "weight") {
-      config.weight = number<double>(name, value);
-    } else if (name == "min_size") {
-      config.min_size = number<int>(name, value);
-    } else if (name == "seed") {
-      config.seed = whole_number("seed", py::reinterpret_borrow<py::object>(value));
-    } else if (name == "motion") {
-      config.motion = one_of(kMotions, "motion", value, "must be \"window\" or \"kalman\"");
-    } else {
-      throw_unknown<PublishedClusterTrackerConfig>(name, value);
-    }
-  }
-  return config;
-}
-
-std::unique_ptr<Tracker> make_tracker(int width, int height, const std::string& engine,
-                                      const py::kwargs& parameters) {
-  if (engine == "fast") {
-    return std::make_unique<Tracker>(
-        Tracker{ClusterTracker(fast_config(width, height, parameters))});
-  }
-  if (engine == "compat") {
-    return std::make_unique<Tracker>(
-        Tracker{PublishedClusterTracker(compat_config(width, height, parameters))});
-  }
-  throw_bad_value("engine", engine, "must be \"fast\" or \"compat\"");
+// The arguments of an engine by name, from one on.
+py::dict arguments_of(const Tracker& tracker, std::size_t from) {
+  return std::visit(
+      [from](const auto& engine) {
+        return told(keywords_of(engine.config()), engine.config(), from);
+      },
+      tracker.engine);
 }
 
 std::optional<py::array_t<std::int32_t>> process(Tracker& tracker, const py::array& events,
@@ -256,18 +192,15 @@ auto reading(Read read) {
   return [read](const Tracker& tracker) { return std::visit(read, tracker.engine); };
 }
 
-// For the signature: the parameters of either engine, with its defaults.
-std::string keywords_of_engines() {
-  const py::dict all = parameters_of(ClusterTrackerConfig{});
-  for (const auto& [name, value] : parameters_of(PublishedClusterTrackerConfig{})) {
-    all.attr("setdefault")(name, value);
+// For the signature: the arguments of either engine, with its defaults.
+py::dict defaults_of_engines() {
+  const ClusterTrackerConfig fast{};
+  const PublishedClusterTrackerConfig compat{};
+  py::dict all = told(keywords_of(fast), fast);
+  for (const auto& [name, value] : told(keywords_of(compat), compat)) {
+    if (!all.contains(name)) all[name] = value;
   }
-  std::string text;
-  for (const auto& [name, value] : all) {
-    if (name.equal(py::str("engine"))) continue;
-    text += ", " + py::cast<std::string>(name) + "=" + py::cast<std::string>(py::repr(value));
-  }
-  return text;
+  return all;
 }
 
 }  // namespace
@@ -279,10 +212,14 @@ void bind_algorithms(py::module_& m) {
   m.def("outline_of", &outline_of_moments, py::arg("x"), py::arg("y"), py::arg("cxx"),
         py::arg("cxy"), py::arg("cyy"), "As ClusterTracker.outline, of these fields of a cluster.");
 
-  py::class_<Tracker> bound(m, "ClusterTracker", kClusterTrackerDoc);
-  bind_state(bound)
-      .def(py::init(&make_tracker), py::arg("width"), py::arg("height"), py::kw_only(),
-           py::arg("engine") = "fast")
+  Class<Tracker> bound(m, "ClusterTracker", kClusterTrackerDoc);
+  const py::dict defaults = defaults_of_engines();
+  def_constructor(bound, signature_of(defaults, 2), &make_tracker);
+  bind_arguments(bound, &arguments_of, defaults, 2);
+  bind_reset(bound,
+             "Back to the state after construction, seed included: the same events, the same "
+             "results.");
+  bound
       .def("process", &process, py::arg("events").noconvert(), py::arg("labels") = true,
            R"(Takes the next events of the stream.
 
@@ -321,14 +258,14 @@ pxx, pxy, pyy : float64, px^2, covariance of the error of x and y. "fast": of th
 A new array, not changed by later events. "fast" leaves out objects that have stopped or are hidden; they
 keep their id for a while.
 )")
-      .def("clusters_at", &clusters_at, py::arg("t_us"),
+      .def("clusters_at", &clusters_at, py::arg("t_us").noconvert(),
            R"(What `clusters` would be at t_us, us, if nothing came until then.
 
 Asking changes nothing: events of before t_us may follow. "fast": positions are predicted, and objects
 without events are left out in time. "compat": `clusters`; with motion="kalman" positions are predicted, up
 to 0.1 s ahead. A t_us of the past is the latest time.
 )")
-      .def("outline", &outline, py::arg("id"),
+      .def("outline", &outline, py::arg("id").noconvert(),
            R"(The ellipse of two standard deviations of a cluster's events, or None.
 
 Parameters
@@ -342,7 +279,7 @@ numpy.void or None
     A row with the float64 fields x, y (px, centre), major, minor (px, half-axes) and angle (rad, of the
     major axis, from x to the right towards y downwards, -pi/2 to pi/2). None: `clusters` has no such id.
 )")
-      .def("advance_to", &advance_to, py::arg("t_us"),
+      .def("advance_to", &advance_to, py::arg("t_us").noconvert(),
            R"(Time has come to t_us, us, without events: in "fast" clusters starve, coast and die.
 
 For whoever knows that no event came; to look ahead, `clusters_at`. Later events with older stamps count
@@ -367,12 +304,6 @@ Raises
 ValueError
     gamma is NaN or outside [0, 1].
 )")
-      .def(
-          "reset",
-          [](Tracker& tracker) {
-            std::visit([](auto& engine) { engine.reset(); }, tracker.engine);
-          },
-          "Back to the state after construction, seed included: the same events, the same results.")
       .def_property_readonly(
           "width", reading([](const auto& engine) { return engine.config().width; }), "px")
       .def_property_readonly(
@@ -383,9 +314,6 @@ ValueError
           "engine",
           [](const Tracker& tracker) { return tracker.engine.index() == 0 ? "fast" : "compat"; },
           "\"fast\" or \"compat\".")
-      .def_property_readonly(
-          "parameters", reading([](const auto& engine) { return parameters_of(engine.config()); }),
-          "dict of the constructor's keyword parameters.")
       .def_property_readonly("rejected",
                              reading([](const auto& engine) { return engine.rejected(); }),
                              "Events dropped because they lie outside the frame.")
@@ -394,7 +322,6 @@ ValueError
           "Events without a recent event among their neighbours; 0 in \"compat\".")
       .def_property_readonly("refused", &count<&ClusterTracker::refused>,
                              "Clusters not begun because all `slots` were taken; 0 in \"compat\".");
-  show_signature(bound, keywords_of_engines());
 }
 
 }  // namespace asap::python

@@ -1,7 +1,5 @@
 #include "arguments.hpp"
 
-#include "asap/core/check.hpp"
-
 namespace asap::python {
 namespace {
 
@@ -24,19 +22,28 @@ std::string shown(py::handle value) {
   return text.substr(0, end) + "...";
 }
 
-std::uint64_t whole_number(const char* field, const py::object& value) {
-  const auto number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
-  if (!number) {
-    if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
-    PyErr_Clear();
-    throw py::type_error(std::string(field) + " = " + shown(value) + ": give a whole number");
-  }
-  const std::uint64_t result = PyLong_AsUnsignedLongLong(number.ptr());
-  if (PyErr_Occurred() != nullptr) {
-    PyErr_Clear();
-    throw_bad_value(field, shown(number), "must be at least 0 and below 2**64");
-  }
-  return result;
+void throw_wrong_kind(const char* field, py::handle value, const char* remedy) {
+  throw py::type_error(std::string(field) + " = " + shown(value) + ": " + remedy);
+}
+
+py::object index_of(const char* field, py::handle value) {
+  auto number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  if (number) return number;
+  if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
+  PyErr_Clear();
+  throw_wrong_kind(field, value, "give a whole number");
+}
+
+double real_number(const char* field, py::handle value) {
+  const double number = PyFloat_AsDouble(value.ptr());
+  if (PyErr_Occurred() == nullptr) return number;
+  const bool is_too_large = PyErr_ExceptionMatches(PyExc_OverflowError) != 0;
+  const bool is_none = PyErr_ExceptionMatches(PyExc_TypeError) != 0 ||
+                       PyErr_ExceptionMatches(PyExc_ValueError) != 0;  // a signaling NaN
+  if (!is_too_large && !is_none) throw py::error_already_set();
+  PyErr_Clear();
+  if (is_too_large) throw_bad_value(field, shown(value), "out of range");
+  throw_wrong_kind(field, value, "give a number");
 }
 
 }  // namespace asap::python

@@ -1,18 +1,40 @@
-// Arguments from Python that pybind11 would refuse with a list of signatures or take with a loss:
+// Arguments from Python that pybind11 would take with a loss or refuse without the field's name:
 // refused by field, value and remedy, as everywhere.
 #pragma once
 
 #include <pybind11/pybind11.h>
 
 #include <cstdint>
+#include <limits>
 #include <string>
+
+#include "asap/core/check.hpp"
 
 namespace asap::python {
 
-// Any object with __index__; TypeError for others, ValueError unless 0 <= value < 2**64.
-std::uint64_t whole_number(const char* field, const pybind11::object& value);
-
 // How a message shows a value: its repr, cut short. Whatever the repr does, there is a text.
 std::string shown(pybind11::handle value);
+
+// "field = value: remedy" as a TypeError.
+[[noreturn]] void throw_wrong_kind(const char* field, pybind11::handle value, const char* remedy);
+
+// The value's __index__; TypeError where it has none.
+pybind11::object index_of(const char* field, pybind11::handle value);
+
+// The value's __float__; TypeError where it has none, ValueError beyond every double.
+double real_number(const char* field, pybind11::handle value);
+
+// ValueError unless least <= value <= most.
+template <class Whole = std::uint64_t>
+Whole whole_number(const char* field, pybind11::handle value,
+                   Whole least = std::numeric_limits<Whole>::min(),
+                   Whole most = std::numeric_limits<Whole>::max()) {
+  const pybind11::object number = index_of(field, value);
+  if (number < pybind11::int_(least) || number > pybind11::int_(most)) {
+    throw_bad_value(field, shown(number),
+                    "must be " + std::to_string(least) + " to " + std::to_string(most));
+  }
+  return number.cast<Whole>();
+}
 
 }  // namespace asap::python

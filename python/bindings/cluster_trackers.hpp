@@ -1,10 +1,7 @@
 // What asap.ClusterTracker is behind its one face: either engine.
 #pragma once
 
-#include <cstddef>
-#include <span>
 #include <variant>
-#include <vector>
 
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
@@ -21,12 +18,8 @@ struct EitherClusterTracker {
   void set_keep(double gamma) {
     std::visit([&](auto& tracker) { tracker.set_keep(gamma); }, engine);
   }
-
-  std::vector<std::byte> state() const {
-    return std::visit([](const auto& tracker) { return tracker.state(); }, engine);
-  }
-  void restore(std::span<const std::byte> bytes) {
-    std::visit([&](auto& tracker) { tracker.restore(bytes); }, engine);
+  void reset() noexcept {
+    std::visit([](auto& tracker) { tracker.reset(); }, engine);
   }
 };
 

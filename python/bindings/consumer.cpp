@@ -15,8 +15,8 @@
 #include "cluster_trackers.hpp"
 #include "exact_type.hpp"
 #include "gil.hpp"
+#include "held.hpp"
 #include "native_consumer.hpp"
-#include "turns.hpp"
 
 namespace asap::python {
 namespace {
@@ -30,9 +30,9 @@ struct PythonAlgorithm {
 
 template <class Algorithm>
 Consumer native(const py::object& algorithm) {
-  auto* ours = algorithm.cast<Algorithm*>();
-  return [ours, turns = turns_at(algorithm)](const Package& package) {
-    const std::lock_guard turn(*turns);
+  return [ours = algorithm.cast<Held<Algorithm>>()](const Package& package) {
+    const std::lock_guard turn(ours.turns());
+    ours.has_worked() = true;
     if (!package.continues) ours->set_keep(package.keep);
     ours->process(package.events);
   };
@@ -41,10 +41,10 @@ Consumer native(const py::object& algorithm) {
 // What passes goes nowhere: the filter is there to be timed.
 template <class Filter>
 Consumer native_filter(const py::object& algorithm) {
-  auto* ours = algorithm.cast<Filter*>();
-  return [ours, turns = turns_at(algorithm),
+  return [ours = algorithm.cast<Held<Filter>>(),
           passed = std::vector<Event>()](const Package& package) mutable {
-    const std::lock_guard turn(*turns);
+    const std::lock_guard turn(ours.turns());
+    ours.has_worked() = true;
     if (!package.continues) ours->set_keep(package.keep);
     if (passed.size() < package.events.size()) passed.resize(package.events.size());
     ours->process(package.events, passed.data());

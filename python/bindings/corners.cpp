@@ -1,7 +1,7 @@
 // The layer `algorithms`: BackgroundActivityFilter and the corner detectors.
 #include <cstdint>
-#include <memory>
-#include <string>
+#include <utility>
+#include <vector>
 
 #include "arrays.hpp"
 #include "asap/algorithms/background_activity_filter.hpp"
@@ -12,8 +12,6 @@
 
 namespace asap::python {
 namespace {
-
-using namespace py::literals;
 
 constexpr const char* kBackgroundActivityFilterDoc = R"(Drops events without support.
 
@@ -153,22 +151,10 @@ py::array_t<bool> corners(Detector& detector, const py::array& events) {
   return labels;
 }
 
-py::dict parameters(const BackgroundActivityFilterConfig& config) {
-  return py::dict("window_us"_a = config.window_us);
-}
-py::dict parameters(const EFastConfig&) { return {}; }
-py::dict parameters(const ArcStarConfig& config) {
-  return py::dict("filter_us"_a = config.filter_us);
-}
-py::dict parameters(const EHarrisConfig& config) {
-  return py::dict("threshold"_a = config.threshold);
-}
-py::dict parameters(const FAHarrisConfig& config) {
-  return py::dict("filter_us"_a = config.filter_us, "threshold"_a = config.threshold);
-}
-
 template <class Detector>
-void bind_detector(py::class_<Detector>& type, const char* name) {
+void bind_detector(py::module_& m, const char* title, const char* doc, const char* name,
+                   std::vector<Keyword<typename Detector::Config>> keywords = {}) {
+  Class<Detector> type(m, title, doc);
   type.def("process", &corners<Detector>, py::arg("events").noconvert(),
            R"(Takes the next events of the stream.
 
@@ -186,7 +172,7 @@ Raises
 TypeError
     `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
 )");
-  bind_rest(type, name, &parameters,
+  bind_rest(type, name, sized<typename Detector::Config>(std::move(keywords)),
             R"(Tells the fraction of the events that reaches the detector, 0 <= gamma <= 1.
 
 Checked, without effect: the published rule holds no rate that could be corrected.
@@ -199,16 +185,10 @@ ValueError
 }
 
 void bind_filter_in_front(py::module_& m) {
-  constexpr BackgroundActivityFilterConfig kDefault{.width = 0, .height = 0};
-  py::class_<BackgroundActivityFilter> type(m, "BackgroundActivityFilter",
-                                            kBackgroundActivityFilterDoc);
-  type.def(py::init([](int width, int height, std::int64_t window_us) {
-             return std::make_unique<BackgroundActivityFilter>(BackgroundActivityFilterConfig{
-                 .width = width, .height = height, .window_us = window_us});
-           }),
-           "width"_a, "height"_a, py::kw_only(), "window_us"_a = kDefault.window_us);
+  using Config = BackgroundActivityFilterConfig;
+  Class<BackgroundActivityFilter> type(m, "BackgroundActivityFilter", kBackgroundActivityFilterDoc);
   bind_passing(type);
-  bind_rest(type, "background_activity", &parameters,
+  bind_rest(type, "background_activity", sized<Config>({keyword("window_us", &Config::window_us)}),
             R"(Tells the fraction of the events that reaches the filter, 0 <= gamma <= 1.
 
 Neighbours become as rare, so the window grows to window_us / gamma, at most 500 s. Tell nothing, or 1,
@@ -226,41 +206,14 @@ ValueError
 void bind_corners(py::module_& m) {
   bind_filter_in_front(m);
 
-  py::class_<EFast> e_fast(m, "EFast", kEFastDoc);
-  e_fast.def(py::init([](int width, int height) {
-               return std::make_unique<EFast>(EFastConfig{.width = width, .height = height});
-             }),
-             "width"_a, "height"_a);
-  bind_detector(e_fast, "e_fast");
-
-  constexpr ArcStarConfig kArcStar{.width = 0, .height = 0};
-  py::class_<ArcStar> arc_star(m, "ArcStar", kArcStarDoc);
-  arc_star.def(py::init([](int width, int height, std::int64_t filter_us) {
-                 return std::make_unique<ArcStar>(
-                     ArcStarConfig{.width = width, .height = height, .filter_us = filter_us});
-               }),
-               "width"_a, "height"_a, py::kw_only(), "filter_us"_a = kArcStar.filter_us);
-  bind_detector(arc_star, "arc_star");
-
-  constexpr EHarrisConfig kEHarris{.width = 0, .height = 0};
-  py::class_<EHarris> e_harris(m, "EHarris", kEHarrisDoc);
-  e_harris.def(py::init([](int width, int height, double threshold) {
-                 return std::make_unique<EHarris>(
-                     EHarrisConfig{.width = width, .height = height, .threshold = threshold});
-               }),
-               "width"_a, "height"_a, py::kw_only(), "threshold"_a = kEHarris.threshold);
-  bind_detector(e_harris, "e_harris");
-
-  constexpr FAHarrisConfig kFAHarris{.width = 0, .height = 0};
-  py::class_<FAHarris> fa_harris(m, "FAHarris", kFAHarrisDoc);
-  fa_harris.def(
-      py::init([](int width, int height, std::int64_t filter_us, double threshold) {
-        return std::make_unique<FAHarris>(FAHarrisConfig{
-            .width = width, .height = height, .filter_us = filter_us, .threshold = threshold});
-      }),
-      "width"_a, "height"_a, py::kw_only(), "filter_us"_a = kFAHarris.filter_us,
-      "threshold"_a = kFAHarris.threshold);
-  bind_detector(fa_harris, "fa_harris");
+  bind_detector<EFast>(m, "EFast", kEFastDoc, "e_fast");
+  bind_detector<ArcStar>(m, "ArcStar", kArcStarDoc, "arc_star",
+                         {keyword("filter_us", &ArcStarConfig::filter_us)});
+  bind_detector<EHarris>(m, "EHarris", kEHarrisDoc, "e_harris",
+                         {keyword("threshold", &EHarrisConfig::threshold)});
+  bind_detector<FAHarris>(m, "FAHarris", kFAHarrisDoc, "fa_harris",
+                          {keyword("filter_us", &FAHarrisConfig::filter_us),
+                           keyword("threshold", &FAHarrisConfig::threshold)});
 }
 
 }  // namespace asap::python

@@ -1,26 +1,18 @@
 // The layer `algorithms`: EventImage.
 #include <pybind11/stl.h>
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
-#include <memory>
-#include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "asap/algorithms/event_image.hpp"
-#include "asap/core/check.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
 
 namespace asap::python {
 namespace {
-
-using namespace py::literals;
 
 constexpr const char* kImageDoc = R"(Images of the events, one per so many events or per period.
 
@@ -50,23 +42,31 @@ Threads take turns. A stamp that goes back counts as the latest one. Each image 
 pixels. Channels as in Sanket et al., "EVDodgeNet", ICRA 2020, and Zhu et al., "EV-FlowNet", RSS 2018.
 )";
 
-constexpr std::array<std::string_view, 5> kChannels{"off", "on", "count", "sum", "time"};
+constexpr Choices<ImageChannel, 5> kChannels{{{"off", ImageChannel::off},
+                                              {"on", ImageChannel::on},
+                                              {"count", ImageChannel::count},
+                                              {"sum", ImageChannel::sum},
+                                              {"time", ImageChannel::time}}};
 
-ImageChannel channel_of(const std::string& name) {
-  const auto* const found = std::find(kChannels.begin(), kChannels.end(), name);
-  if (found == kChannels.end()) {
-    throw_bad_value("channels", "'" + name + "'", "must be off, on, count, sum or time");
-  }
-  return static_cast<ImageChannel>(found - kChannels.begin());
-}
-
-py::dict parameters(const EventImageConfig& config) {
-  py::list channels;
-  for (const ImageChannel channel : config.channels) {
-    channels.append(std::string(kChannels[static_cast<std::size_t>(channel)]));
-  }
-  return py::dict("count"_a = config.count, "period_us"_a = config.period_us,
-                  "channels"_a = py::tuple(channels));
+Keyword<EventImageConfig> channels() {
+  return {.name = "channels",
+          .set =
+              [](EventImageConfig& config, py::handle given) {
+                if (!py::isinstance<py::sequence>(given) || py::isinstance<py::str>(given)) {
+                  throw_wrong_kind("channels", given, "give a sequence of names");
+                }
+                config.channels.clear();
+                for (const py::handle name : given) {
+                  config.channels.push_back(chosen(kChannels, "channels", name));
+                }
+              },
+          .get = [](const EventImageConfig& config) -> py::object {
+            py::list names;
+            for (const ImageChannel channel : config.channels) {
+              names.append(name_in(kChannels, channel));
+            }
+            return py::tuple(names);
+          }};
 }
 
 template <class Value>
@@ -107,20 +107,9 @@ py::array last(const EventImage& image) {
 }  // namespace
 
 void bind_event_image(py::module_& m) {
-  py::class_<EventImage> type(m, "EventImage", kImageDoc);
-  type.def(py::init([](int width, int height, std::int64_t count, std::int64_t period_us,
-                       const std::vector<std::string>& channels) {
-             EventImageConfig config{.width = width,
-                                     .height = height,
-                                     .count = count,
-                                     .period_us = period_us,
-                                     .channels = {}};
-             for (const std::string& name : channels) config.channels.push_back(channel_of(name));
-             return std::make_unique<EventImage>(config);
-           }),
-           "width"_a, "height"_a, py::kw_only(), "count"_a = 0, "period_us"_a = 0,
-           "channels"_a = py::make_tuple("off", "on"))
-      .def("process", &images, py::arg("events").noconvert(),
+  using Config = EventImageConfig;
+  Class<EventImage> type(m, "EventImage", kImageDoc);
+  type.def("process", &images, py::arg("events").noconvert(),
            R"(Takes the next events of the stream and returns the images that they complete.
 
 Parameters
@@ -155,7 +144,9 @@ bool
             return std::pair(self.image().begin_us, self.image().end_us);
           },
           "Begin and end of `image`, us.");
-  bind_rest(type, "event_image", &parameters,
+  bind_rest(type, "event_image",
+            sized<Config>({keyword("count", &Config::count),
+                           keyword("period_us", &Config::period_us), channels()}),
             R"(Tells the fraction of the events that reaches the images, 0 <= gamma <= 1.
 
 Every event then stands for 1 / gamma, at most 1000: images end as often as without a discarder, and hold

@@ -1,23 +1,13 @@
 // The layer `algorithms`: FeatureTracker.
 #include <pybind11/stl.h>
 
-#include <algorithm>
-#include <array>
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <utility>
-
 #include "arrays.hpp"
 #include "asap/algorithms/feature_tracker.hpp"
-#include "asap/core/check.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
 
 namespace asap::python {
 namespace {
-
-using namespace py::literals;
 
 constexpr const char* kFeatureTrackerDoc = R"(Finds corners and follows them, event by event.
 
@@ -55,60 +45,20 @@ counts as the latest one. Source: the authors' release of the event feature trac
 (grvc_ef_tracker), which the ASAP papers use, with its launch values; ids and velocities are ours.
 )";
 
-constexpr std::array<std::pair<const char*, CornerSource>, 5> kDetectors{
-    {{"arc_star", CornerSource::arc_star},
-     {"e_fast", CornerSource::e_fast},
-     {"e_harris", CornerSource::e_harris},
-     {"fa_harris", CornerSource::fa_harris},
-     {"every_event", CornerSource::every_event}}};
-
-CornerSource source_of(const std::string& detector) {
-  for (const auto& [name, source] : kDetectors) {
-    if (detector == name) return source;
-  }
-  throw_bad_value("detector", detector,
-                  R"(must be "arc_star", "e_fast", "e_harris", "fa_harris" or "every_event")");
-}
-
-const char* name_of(CornerSource source) {
-  return std::find_if(kDetectors.begin(), kDetectors.end(),
-                      [&](const auto& detector) { return detector.second == source; })
-      ->first;
-}
-
-std::unique_ptr<FeatureTracker> make_feature_tracker(int width, int height,
-                                                     const std::string& detector, int window,
-                                                     int radius, int min_neighbours,
-                                                     std::int64_t velocity_us) {
-  return std::make_unique<FeatureTracker>(FeatureConfig{.width = width,
-                                                        .height = height,
-                                                        .detector = source_of(detector),
-                                                        .window = window,
-                                                        .radius = radius,
-                                                        .min_neighbours = min_neighbours,
-                                                        .velocity_us = velocity_us});
-}
-
-py::dict feature_parameters(const FeatureTracker& tracker) {
-  const FeatureConfig& config = tracker.config();
-  return py::dict("detector"_a = name_of(config.detector), "window"_a = config.window,
-                  "radius"_a = config.radius, "min_neighbours"_a = config.min_neighbours,
-                  "velocity_us"_a = config.velocity_us);
-}
+constexpr Choices<CornerSource, 5> kDetectors{{{"arc_star", CornerSource::arc_star},
+                                               {"e_fast", CornerSource::e_fast},
+                                               {"e_harris", CornerSource::e_harris},
+                                               {"fa_harris", CornerSource::fa_harris},
+                                               {"every_event", CornerSource::every_event}}};
 
 }  // namespace
 
 void bind_features(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(FeatureTrack, id, x, y, vx, vy, size, t_first, t_last);
 
-  constexpr FeatureConfig kDefault{.width = 0, .height = 0};
-  py::class_<FeatureTracker> type(m, "FeatureTracker", kFeatureTrackerDoc);
-  bind_state(type)
-      .def(py::init(&make_feature_tracker), "width"_a, "height"_a, py::kw_only(),
-           "detector"_a = name_of(kDefault.detector), "window"_a = kDefault.window,
-           "radius"_a = kDefault.radius, "min_neighbours"_a = kDefault.min_neighbours,
-           "velocity_us"_a = kDefault.velocity_us)
-      .def("process", &process_labelled<FeatureTracker>, py::arg("events").noconvert(),
+  using Config = FeatureConfig;
+  Class<FeatureTracker> type(m, "FeatureTracker", kFeatureTrackerDoc);
+  type.def("process", &process_labelled<FeatureTracker>, py::arg("events").noconvert(),
            "labels"_a = true,
            R"(Takes the next events of the stream.
 
@@ -141,9 +91,13 @@ size : int64, corner events that it took
 t_first, t_last : int64, us, stamps of its first and newest event
 
 A new array, not changed by later events.
-)")
-      .def("set_keep", &FeatureTracker::set_keep, "gamma"_a,
-           R"(Tells the fraction of the events that reaches the tracker, 0 <= gamma <= 1.
+)");
+  bind_rest(type, "features",
+            sized<Config>({keyword("detector", &Config::detector, kDetectors),
+                           keyword("window", &Config::window), keyword("radius", &Config::radius),
+                           keyword("min_neighbours", &Config::min_neighbours),
+                           keyword("velocity_us", &Config::velocity_us)}),
+            R"(Tells the fraction of the events that reaches the tracker, 0 <= gamma <= 1.
 
 Checked, without effect: the window counts corner events and so stretches in time by itself.
 
@@ -151,19 +105,7 @@ Raises
 ------
 ValueError
     gamma is NaN or outside [0, 1].
-)")
-      .def("reset", &FeatureTracker::reset, "Back to the state after construction.")
-      .def_property_readonly(
-          "width", [](const FeatureTracker& tracker) { return tracker.config().width; }, "px")
-      .def_property_readonly(
-          "height", [](const FeatureTracker& tracker) { return tracker.config().height; }, "px")
-      .def_property_readonly(
-          "name", [](const FeatureTracker&) { return "features"; },
-          "Name of the algorithm in reports.")
-      .def_property_readonly("parameters", &feature_parameters,
-                             "dict of the constructor's keyword parameters.")
-      .def_property_readonly("rejected", &FeatureTracker::rejected,
-                             "Events dropped because they lie outside the frame.");
+)");
 }
 
 }  // namespace asap::python

@@ -1,10 +1,10 @@
 // The layer `filter`: GammaFilter. (Validator has a file of its own.)
 #include "asap/filter/gamma_filter.hpp"
 
-#include "arguments.hpp"
 #include "arrays.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
+#include "per_event.hpp"
 
 namespace asap::python {
 namespace {
@@ -20,10 +20,20 @@ seed : int
     0 <= seed < 2**64.
 )";
 
+struct GammaFilterConfig {
+  std::uint64_t seed = 0;
+};
+
 // With the seed that it was made of, which its random numbers do not tell.
-struct SeededFilter : GammaFilter {
-  explicit SeededFilter(std::uint64_t from) : GammaFilter(from), seed(from) {}
-  std::uint64_t seed;
+class SeededFilter : public GammaFilter {
+ public:
+  explicit SeededFilter(const GammaFilterConfig& config)
+      : GammaFilter(config.seed), config_(config) {}
+
+  const GammaFilterConfig& config() const noexcept { return config_; }
+
+ private:
+  GammaFilterConfig config_;
 };
 
 py::array apply(SeededFilter& filter, const py::array& events, double gamma) {
@@ -52,11 +62,10 @@ py::array_t<bool> mask(SeededFilter& filter, const py::array& events, double gam
 }  // namespace
 
 void bind_filter(py::module_& m) {
-  py::class_<SeededFilter>(m, "GammaFilter", kGammaFilterDoc)
-      .def(
-          py::init([](const py::object& seed) { return SeededFilter(whole_number("seed", seed)); }),
-          py::kw_only(), py::arg("seed") = 0)
-      .def("apply", &apply, py::arg("events").noconvert(), py::arg("gamma"),
+  Class<SeededFilter> type(m, "GammaFilter", kGammaFilterDoc);
+  bind_configuration(
+      type, Keywords<GammaFilterConfig>{.rows = {keyword("seed", &GammaFilterConfig::seed)}});
+  type.def("apply", &apply, py::arg("events").noconvert(), py::arg("gamma"),
            R"(The kept events, a new array of shape (k,) in EVENT_DTYPE.
 
 Parameters
@@ -72,17 +81,7 @@ ValueError
 )")
       .def("mask", &mask, py::arg("events").noconvert(), py::arg("gamma"),
            "Like apply, but a bool array of shape (n,): True where the event is kept.")
-      .def(
-          "skip",
-          [](SeededFilter& self, const py::object& count) {
-            self.skip(whole_number("count", count));
-          },
-          py::arg("count"), "Passes over so many events: the position advances, none is decided.")
-      .def_property_readonly("position", &GammaFilter::position, "Events seen so far.")
-      .def_property_readonly(
-          "parameters",
-          [](const SeededFilter& self) { return py::dict(py::arg("seed") = self.seed); },
-          "dict of the constructor's keyword parameters.");
+      .def_property_readonly("position", &GammaFilter::position, "Events seen so far.");
 }
 
 }  // namespace asap::python

@@ -1,9 +1,4 @@
 // The layer `algorithms`: PlaneFlow.
-#include <pybind11/stl.h>
-
-#include <cstdint>
-#include <memory>
-#include <optional>
 
 #include "arrays.hpp"
 #include "asap/algorithms/plane_flow.hpp"
@@ -13,8 +8,6 @@
 
 namespace asap::python {
 namespace {
-
-using namespace py::literals;
 
 constexpr const char* kFlowDoc = R"(Optical flow of each event, normal to its edge, by a plane fit.
 
@@ -62,27 +55,12 @@ py::array_t<float> flows(PlaneFlow& flow, const py::array& events) {
   return result;
 }
 
-py::dict parameters(const PlaneFlowConfig& config) {
-  return py::dict("window_us"_a = config.window_us, "min_points"_a = config.min_points,
-                  "refit"_a = config.refit);
-}
-
 }  // namespace
 
 void bind_flow(py::module_& m) {
-  constexpr PlaneFlowConfig kDefault{.width = 0, .height = 0};
-  py::class_<PlaneFlow> type(m, "PlaneFlow", kFlowDoc);
-  type.def(py::init([](int width, int height, std::int64_t window_us, int min_points,
-                       std::optional<bool> refit) {
-             return std::make_unique<PlaneFlow>(PlaneFlowConfig{.width = width,
-                                                                .height = height,
-                                                                .window_us = window_us,
-                                                                .min_points = min_points,
-                                                                .refit = refit});
-           }),
-           "width"_a, "height"_a, py::kw_only(), "window_us"_a = kDefault.window_us,
-           "min_points"_a = kDefault.min_points, "refit"_a = kDefault.refit)
-      .def("process", &flows, py::arg("events").noconvert(),
+  using Config = PlaneFlowConfig;
+  Class<PlaneFlow> type(m, "PlaneFlow", kFlowDoc);
+  type.def("process", &flows, py::arg("events").noconvert(),
            R"(Takes the next events of the stream.
 
 Parameters
@@ -100,8 +78,11 @@ Raises
 TypeError
     `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
 )");
-  bind_rest(type, "plane_flow", &parameters,
-            R"(Tells the fraction of the events that reaches the algorithm, 0 <= gamma <= 1.
+  bind_rest(
+      type, "plane_flow",
+      sized<Config>({keyword("window_us", &Config::window_us),
+                     keyword("min_points", &Config::min_points), keyword("refit", &Config::refit)}),
+      R"(Tells the fraction of the events that reaches the algorithm, 0 <= gamma <= 1.
 
 Checked, without effect: none is needed, and a longer window would reach back to edges that passed before.
 

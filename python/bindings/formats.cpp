@@ -53,12 +53,6 @@ py::tuple noted(const DecoderWithRoom& decoder) {
   return offsets;
 }
 
-std::uint16_t side(const char* field, const py::object& value) {
-  const std::uint64_t given = whole_number(field, value);
-  require(given <= 65535, field, given, "give a side of the sensor in px, or 0");
-  return static_cast<std::uint16_t>(given);
-}
-
 Encoder make_encoder(const std::string& encoding, const py::object& width,
                      const py::object& height) {
   constexpr std::array<std::string_view, 5> kNames{"evt2", "evt3", "dat", "es", "csv"};
@@ -67,8 +61,8 @@ Encoder make_encoder(const std::string& encoding, const py::object& width,
     throw_bad_value("encoding", "'" + encoding + "'", "give evt2, evt3, dat, es or csv");
   }
   return Encoder({.encoding = static_cast<Encoding>(name - kNames.begin()),
-                  .width = side("width", width),
-                  .height = side("height", height)});
+                  .width = whole_number<std::uint16_t>("width", width),
+                  .height = whole_number<std::uint16_t>("height", height)});
 }
 
 // (events consumed, bytes written)

@@ -10,8 +10,8 @@
 #include "asap/algorithms/hot_pixel_mask.hpp"
 #include "exact_type.hpp"
 #include "gil.hpp"
+#include "held.hpp"
 #include "package_arrays.hpp"
-#include "turns.hpp"
 
 namespace asap::python {
 namespace {
@@ -32,10 +32,9 @@ std::shared_ptr<PythonFilter> held(py::object filter, py::object process) {
 
 template <class Filter>
 FrontFilter native_front(const py::object& object) {
-  auto* filter = object.cast<Filter*>();
-  return [filter, turns = turns_at(object), keep_alive = held(object, {})](EventSpan events,
-                                                                           Event* out) {
-    const std::lock_guard turn(*turns);
+  return [filter = object.cast<Held<Filter>>()](EventSpan events, Event* out) {
+    const std::lock_guard turn(filter.turns());
+    filter.has_worked() = true;
     return filter->process(events, out);
   };
 }

@@ -1,8 +1,6 @@
 // The layer `algorithms`: HotPixelMask.
 #include <pybind11/stl.h>
 
-#include <cstdint>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -14,8 +12,6 @@
 
 namespace asap::python {
 namespace {
-
-using namespace py::literals;
 
 using Pairs = std::vector<std::pair<int, int>>;
 
@@ -59,23 +55,27 @@ Pairs pairs_of(const std::vector<MaskedPixel>& pixels) {
   return pairs;
 }
 
-py::dict parameters(const HotPixelMaskConfig& config) {
-  return py::dict("pixels"_a = pairs_of(config.pixels), "learn_events"_a = config.learn_events);
+Keyword<HotPixelMaskConfig> pixels() {
+  return {.name = "pixels",
+          .set =
+              [](HotPixelMaskConfig& config, py::handle given) {
+                try {
+                  config.pixels.clear();
+                  for (const auto& [x, y] : given.cast<Pairs>()) config.pixels.push_back({x, y});
+                } catch (const py::cast_error&) {
+                  throw_wrong_kind("pixels", given, "give a sequence of (x, y)");
+                }
+              },
+          .get = [](const HotPixelMaskConfig& config) -> py::object {
+            return py::tuple(py::cast(pairs_of(config.pixels)));
+          }};
 }
 
 }  // namespace
 
 void bind_hot_pixels(py::module_& m) {
-  constexpr std::int64_t kLearnEvents = 100'000;
-  py::class_<HotPixelMask> type(m, "HotPixelMask", kHotPixelsDoc);
-  type.def(py::init([](int width, int height, const Pairs& pixels, std::int64_t learn_events) {
-             HotPixelMaskConfig config{
-                 .width = width, .height = height, .learn_events = learn_events};
-             for (const auto& [x, y] : pixels) config.pixels.push_back({x, y});
-             return std::make_unique<HotPixelMask>(config);
-           }),
-           "width"_a, "height"_a, py::kw_only(), "pixels"_a = py::tuple(),
-           "learn_events"_a = kLearnEvents);
+  using Config = HotPixelMaskConfig;
+  Class<HotPixelMask> type(m, "HotPixelMask", kHotPixelsDoc);
   bind_passing(type);
   type.def("learn", &learned, py::arg("events").noconvert(),
            R"(Masks the hot pixels of these events as well, judged by these events alone.
@@ -98,7 +98,8 @@ TypeError
       .def_property_readonly(
           "pixels", [](const HotPixelMask& self) { return pairs_of(self.pixels()); },
           "list of (x, y), px: the masked pixels, row by row.");
-  bind_rest(type, "hot_pixels", &parameters,
+  bind_rest(type, "hot_pixels",
+            sized<Config>({pixels(), keyword("learn_events", &Config::learn_events)}),
             R"(Tells the fraction of the events that reaches the mask, 0 <= gamma <= 1.
 
 Checked, without effect: a hot pixel's share of all events stays what it is.

@@ -11,7 +11,6 @@ void bind_schemes(pybind11::module_& m);
 void bind_telemetry(pybind11::module_& m);
 void bind_runner(pybind11::module_& m);
 void bind_pipeline(pybind11::module_& m);
-void bind_has_worked(pybind11::module_& m);
 void bind_oracle(pybind11::module_& m);
 void bind_formats(pybind11::module_& m);
 void bind_columns(pybind11::module_& m);

@@ -4,9 +4,8 @@
 
 #include "asap/version.hpp"
 #include "gil.hpp"
+#include "held.hpp"
 #include "layers.hpp"
-#include "refusals.hpp"
-#include "signatures.hpp"
 
 namespace {
 
@@ -50,7 +49,5 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_flow(m);
   asap::python::bind_event_image(m);
   asap::python::bind_features(m);
-  asap::python::bind_has_worked(m);
-  asap::python::show_signatures(m);
-  asap::python::refuse_in_words(m);
+  asap::python::close_classes(m);
 }

@@ -2,6 +2,7 @@
 #include "oracle/oracle.hpp"
 #include "arrays.hpp"
 #include "gil.hpp"
+#include "held.hpp"
 #include "layers.hpp"
 #include "oracle/clairvoyant.hpp"
 
@@ -23,8 +24,8 @@ latency_us : float
 opaque : bool
     The algorithm takes a package in one call: with noise, cheap packages can't run on.
 )")
-      .def(py::init([](const LinearCost& cost, double latency_us, bool opaque) {
-             return Oracle(cost, latency_us, opaque ? Execution::whole : Execution::anytime);
+      .def(py::init([](const Held<LinearCost>& cost, double latency_us, bool opaque) {
+             return Oracle(*cost, latency_us, opaque ? Execution::whole : Execution::anytime);
            }),
            py::arg("cost"), py::arg("latency_us"), py::arg("opaque") = false)
       .def(
@@ -40,10 +41,11 @@ opaque : bool
 
   m.def(
       "exact_clairvoyant",
-      [](const py::array& events, const LinearCost& cost, double latency_us, double most_steps) {
+      [](const py::array& events, const Held<LinearCost>& cost, double latency_us,
+         double most_steps) {
         const EventSpan span = as_span(events);
         const WithoutGil release;  // pure C++: other Python threads may run
-        return exact_clairvoyant(span, cost, latency_us, most_steps);
+        return exact_clairvoyant(span, *cost, latency_us, most_steps);
       },
       py::arg("events").noconvert(), py::arg("cost"), py::arg("latency_us"),
       py::arg("most_steps") = kMostExactSteps,

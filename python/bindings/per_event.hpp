@@ -3,16 +3,15 @@
 
 #include <pybind11/pybind11.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "gil.hpp"
+#include "held.hpp"
+#include "keywords.hpp"
 
 namespace asap::python {
 
@@ -39,7 +38,7 @@ std::optional<py::array_t<std::int32_t>> process_labelled(Tracker& tracker, cons
 
 // process() of an algorithm that lets some of the events pass.
 template <class Filter>
-void bind_passing(py::class_<Filter>& type) {
+void bind_passing(Class<Filter>& type) {
   const auto passing = [](Filter& filter, const py::array& events) {
     const EventSpan span = as_span(events);
     std::vector<Event> passed(span.size());
@@ -69,48 +68,60 @@ TypeError
 )");
 }
 
-// What events have left in an algorithm, as bytes: pickle takes them along.
-template <class Algorithm>
-py::class_<Algorithm>& bind_state(py::class_<Algorithm>& type) {
-  return type
-      .def(
-          "state",
-          [](const Algorithm& self) {
-            const std::vector<std::byte> bytes = self.state();
-            return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-          },
-          "bytes: what events have left in it, for `restore` of one with the same parameters.")
-      .def(
-          "restore",
-          [](Algorithm& self, const py::bytes& state) {
-            self.restore(std::as_bytes(std::span(std::string_view(state))));
-          },
-          py::arg("state"),
-          R"(Goes on where the one was whose `state` this is.
-
-Raises
-------
-ValueError
-    The bytes are truncated or altered, or of another version, class or parameters.
-)");
+// After it the object is as new.
+template <class T>
+void bind_reset(Class<T>& type, const char* doc) {
+  type.def(
+      "reset",
+      [](const Held<T>& self) {
+        const CallersTurn turn(self.turns());
+        self->reset();
+        self.has_worked() = false;
+      },
+      doc);
 }
 
-// `parameters` makes the dict of the constructor's keyword parameters.
+// What the constructor's arguments tell of an object: .parameters, the repr, and the pickle of one
+// that is new. `arguments(object, from)` makes the dict of them, from one on.
+template <class T, class Arguments>
+void bind_arguments(Class<T>& type, Arguments arguments, const py::dict& defaults,
+                    std::size_t by_position) {
+  type.def_property_readonly(
+          "parameters", [=](const T& self) { return arguments(self, by_position); },
+          "dict of the constructor's keyword parameters.")
+      .def("__repr__",
+           [=](const py::object& self) {
+             return repr_of(self, arguments(*self.cast<Held<T>>(), 0), defaults, by_position);
+           })
+      .def("__reduce__", [=](const py::object& self) {
+        const auto held = self.cast<Held<T>>();
+        const CallersTurn turn(held.turns());
+        if (held.has_worked()) throw_has_worked(self);
+        return reduced(self, py::type::of<T>(), arguments(*held, 0));
+      });
+}
+
+// All that the table of the constructor's arguments gives to a class.
+template <class T, class Config>
+void bind_configuration(Class<T>& type, const Keywords<Config>& keywords) {
+  bind_constructor(type, keywords);
+  bind_arguments(
+      type, [=](const T& self, std::size_t from) { return told(keywords, self.config(), from); },
+      told(keywords, Config{}), keywords.by_position);
+}
+
 template <class Algorithm>
-void bind_rest(py::class_<Algorithm>& type, const char* name,
-               py::dict (*parameters)(const typename Algorithm::Config&), const char* keep_doc) {
-  bind_state(type);
+void bind_rest(Class<Algorithm>& type, const char* name,
+               const Keywords<typename Algorithm::Config>& keywords, const char* keep_doc) {
+  bind_configuration(type, keywords);
+  bind_reset(type, "Back to the state after construction.");
   type.def("set_keep", &Algorithm::set_keep, py::arg("gamma"), keep_doc)
-      .def("reset", &Algorithm::reset, "Back to the state after construction.")
       .def_property_readonly(
           "width", [](const Algorithm& self) { return self.config().width; }, "px")
       .def_property_readonly(
           "height", [](const Algorithm& self) { return self.config().height; }, "px")
       .def_property_readonly(
           "name", [name](const Algorithm&) { return name; }, "Name of the algorithm in reports.")
-      .def_property_readonly(
-          "parameters", [parameters](const Algorithm& self) { return parameters(self.config()); },
-          "dict of the constructor's keyword parameters.")
       .def_property_readonly("rejected", &Algorithm::rejected,
                              "Events dropped because they lie outside the frame.");
 }

@@ -3,6 +3,7 @@
 
 #include "arguments.hpp"
 #include "asap/runner/pipeline.hpp"
+#include "held.hpp"
 #include "layers.hpp"
 #include "live_pipeline.hpp"
 #include "telemetry.hpp"
@@ -16,7 +17,7 @@ double us(std::int64_t ns) { return static_cast<double>(ns) * 1e-3; }
 void bind_stats(py::module_& m) {
   py::class_<PipelineStats>(m, "PipelineStats", "How a pipeline does: a snapshot.")
       .def_readonly("ledger", &PipelineStats::ledger)
-      .def_readonly("latency", &PipelineStats::latency)
+      .def_property_readonly("latency", [](const PipelineStats& stats) { return stats.latency; })
       .def_readonly("open", &PipelineStats::open)
       .def_readonly("stalled", &PipelineStats::stalled)
       .def_readonly("gap_us", &PipelineStats::gap_us)
@@ -94,8 +95,10 @@ Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenc
   bind_stats(m);
 
   py::class_<LivePipeline>(m, "LivePipeline", "Live events to the algorithm.")
-      .def(py::init<Scheme&, const RunConfig&>(), py::arg("scheme"), py::arg("config"),
-           py::keep_alive<1, 2>())
+      .def(py::init([](const Held<Scheme>& scheme, const RunConfig& config) {
+             return std::make_unique<LivePipeline>(*scheme, config);
+           }),
+           py::arg("scheme"), py::arg("config"), py::keep_alive<1, 2>())
       .def("push", &LivePipeline::push, py::arg("events").noconvert(),
            py::arg("arrival_time") = py::none(), "False: refused, nothing is counted.")
       .def(

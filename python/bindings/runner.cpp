@@ -19,6 +19,8 @@
 #include "consumer.hpp"
 #include "front_filter.hpp"
 #include "gil.hpp"
+#include "held.hpp"
+#include "keywords.hpp"
 #include "layers.hpp"
 #include "runner/admission.hpp"
 #include "runner/read_ahead.hpp"
@@ -67,17 +69,64 @@ void bind_results(Class& cls) {
           "first.");
 }
 
-std::vector<Outage> outages_of(
-    const std::optional<std::vector<std::pair<double, double>>>& outages_ms) {
-  constexpr double kLargestMs = 9e12;
-  std::vector<Outage> outages;
-  for (const auto& [begin_ms, end_ms] :
-       outages_ms.value_or(std::vector<std::pair<double, double>>{})) {
-    require(std::abs(begin_ms) <= kLargestMs && std::abs(end_ms) <= kLargestMs, "outages_ms",
-            begin_ms, "give begin and end in ms");
-    outages.push_back({std::llround(begin_ms * 1e6), std::llround(end_ms * 1e6)});
+using Times = std::vector<std::pair<double, double>>;
+
+// A sequence, or None for an empty one.
+template <class Value>
+Value sequence(const char* name, py::handle given, const char* remedy) {
+  try {
+    return given.is_none() ? Value() : given.cast<Value>();
+  } catch (const py::cast_error&) {
+    throw_wrong_kind(name, given, remedy);
   }
-  return outages;
+}
+
+template <class Value>
+py::object or_none(const Value& values) {
+  return values.empty() ? py::none() : py::cast(values);
+}
+
+Keyword<LinearCostConfig> drift() {
+  return {.name = "drift",
+          .set =
+              [](LinearCostConfig& config, py::handle given) {
+                config.drift =
+                    sequence<std::vector<double>>("drift", given, "give a sequence of numbers");
+              },
+          .get = [](const LinearCostConfig& config) { return or_none(config.drift); }};
+}
+
+Keyword<LinearCostConfig> outages() {
+  constexpr double kLargestMs = 9e12;
+  return {
+      .name = "outages_ms",
+      .set =
+          [](LinearCostConfig& config, py::handle given) {
+            const auto times =
+                sequence<Times>("outages_ms", given, "give a sequence of (begin, end) in ms");
+            for (const auto& [begin_ms, end_ms] : times) {
+              require(std::abs(begin_ms) <= kLargestMs && std::abs(end_ms) <= kLargestMs,
+                      "outages_ms", begin_ms, "give begin and end in ms");
+              config.outages.push_back({std::llround(begin_ms * 1e6), std::llround(end_ms * 1e6)});
+            }
+          },
+      .get =
+          [](const LinearCostConfig& config) {
+            Times times;
+            for (const Outage& outage : config.outages) {
+              times.emplace_back(static_cast<double>(outage.begin_ns) * 1e-6,
+                                 static_cast<double>(outage.end_ns) * 1e-6);
+            }
+            return or_none(times);
+          }};
+}
+
+Keywords<LinearCostConfig> cost_keywords() {
+  using Config = LinearCostConfig;
+  return {.by_position = 2,
+          .rows = {keyword("alpha_us", &Config::alpha_us), keyword("beta_ns", &Config::beta_ns),
+                   keyword("noise", &Config::noise), keyword("seed", &Config::seed), drift(),
+                   outages()}};
 }
 
 WhenFull when_full_from(const std::string& name) {
@@ -109,41 +158,8 @@ void replay_source(Replay& replay, EventSource& source, const py::object& algori
   replay.run(source, consumer, poll_python);
 }
 
-}  // namespace
-
-void bind_runner(py::module_& m) {
-  m.def("is_native", &is_native, py::arg("algorithm"),
-        "Whether the library owns the algorithm's loop over the events of a package.");
-
-  py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
-      .def(py::init([](std::optional<double> latency_us, const py::object& capacity,
-                       const py::object& seed, const Validator& validator, bool anytime, bool flush,
-                       const py::object& before, const std::string& when_full, bool keep_mask) {
-             return RunConfig{.latency_us = latency_us,
-                              .capacity = whole_number("capacity", capacity),
-                              .seed = whole_number("seed", seed),
-                              .validator = validator.config(),
-                              .execution = anytime ? Execution::anytime : Execution::whole,
-                              .flush = flush,
-                              .before = front_filter_of(before),
-                              .when_full = when_full_from(when_full),
-                              .keep_mask = keep_mask};
-           }),
-           py::kw_only(), py::arg("latency_us"), py::arg("capacity"), py::arg("seed"),
-           py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true,
-           py::arg("before") = py::none(), py::arg("when_full") = "thin",
-           py::arg("keep_mask") = false)
-      .def(
-          "latency_bound_us",
-          [](const RunConfig& config, const Scheme& scheme) {
-            return static_cast<double>(latency_bound_ns(config, scheme)) * 1e-3;
-          },
-          py::arg("scheme"), "The latency bound in force, us.")
-      .def_property_readonly("anytime", [](const RunConfig& config) {
-        return config.execution == Execution::anytime;
-      });
-
-  py::class_<LinearCost>(m, "LinearCost", R"(A simulated algorithm.
+void bind_cost(py::module_& m) {
+  Class<LinearCost> cost(m, "LinearCost", R"(A simulated algorithm.
 
 A package of n events costs X (alpha + beta n); X is lognormal of mean 1 with sigma = noise, one draw
 per package. beta may drift, and outages stop the algorithm: it neither starts nor goes on.
@@ -168,56 +184,77 @@ Raises
 ------
 ValueError
     A value out of range, or outages that overlap.
-)")
-      .def(py::init([](double alpha_us, double beta_ns, double noise, const py::object& seed,
-                       const std::optional<std::vector<double>>& drift,
-                       const std::optional<std::vector<std::pair<double, double>>>& outages_ms) {
-             return LinearCost({.alpha_us = alpha_us,
-                                .beta_ns = beta_ns,
-                                .noise = noise,
-                                .seed = whole_number("seed", seed),
-                                .drift = drift.value_or(std::vector<double>{}),
-                                .outages = outages_of(outages_ms)});
-           }),
-           py::arg("alpha_us"), py::arg("beta_ns"), py::kw_only(), py::arg("noise") = 0.0,
-           py::arg("seed") = 0, py::arg("drift") = py::none(), py::arg("outages_ms") = py::none())
-      .def_property_readonly(
+)");
+  const auto keywords = cost_keywords();
+  bind_constructor(cost, keywords);
+  cost.def_property_readonly(
           "name", [](const LinearCost&) { return "linear_cost"; }, "Its name in reports.")
       .def_property_readonly(
           "parameters",
-          [](const LinearCost& cost) {
-            py::dict result;
-            result["alpha_us"] = cost.config().alpha_us;
-            result["beta_ns"] = cost.config().beta_ns;
-            result["noise"] = cost.config().noise;
-            result["seed"] = cost.config().seed;
-            if (!cost.config().drift.empty()) {
-              result["drift"] = cost.config().drift;
+          [keywords](const LinearCost& cost) {
+            py::dict all;
+            for (const auto& [name, value] : told(keywords, cost.config())) {
+              if (!value.is_none()) all[name] = value;
             }
-            py::list outages_ms;
-            for (const Outage& outage : cost.config().outages) {
-              outages_ms.append(std::pair(static_cast<double>(outage.begin_ns) * 1e-6,
-                                          static_cast<double>(outage.end_ns) * 1e-6));
-            }
-            if (!outages_ms.empty()) result["outages_ms"] = outages_ms;
-            return result;
+            return all;
           },
           "The constructor's arguments by name: us, ns, ms. Without drift and outages_ms where "
           "there are none.")
+      .def("__reduce__",
+           [](const py::object& self) {
+             return reduced(self, py::type::of<LinearCost>(), self.attr("parameters"));
+           })
       .def("__repr__", [](const LinearCost& cost) {
         return py::str("LinearCost(alpha_us={}, beta_ns={}, noise={}, seed={})")
             .format(cost.config().alpha_us, cost.config().beta_ns, cost.config().noise,
                     cost.config().seed);
       });
+}
+
+}  // namespace
+
+void bind_runner(py::module_& m) {
+  m.def("is_native", &is_native, py::arg("algorithm"),
+        "Whether the library owns the algorithm's loop over the events of a package.");
+
+  bind_cost(m);
+
+  py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
+      .def(py::init([](std::optional<double> latency_us, const py::object& capacity,
+                       const py::object& seed, const Validator& validator, bool anytime, bool flush,
+                       const py::object& before, const std::string& when_full, bool keep_mask) {
+             return RunConfig{.latency_us = latency_us,
+                              .capacity = whole_number("capacity", capacity),
+                              .seed = whole_number("seed", seed),
+                              .validator = validator.config(),
+                              .execution = anytime ? Execution::anytime : Execution::whole,
+                              .flush = flush,
+                              .before = front_filter_of(before),
+                              .when_full = when_full_from(when_full),
+                              .keep_mask = keep_mask};
+           }),
+           py::kw_only(), py::arg("latency_us"), py::arg("capacity"), py::arg("seed"),
+           py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true,
+           py::arg("before") = py::none(), py::arg("when_full") = "thin",
+           py::arg("keep_mask") = false)
+      .def(
+          "latency_bound_us",
+          [](const RunConfig& config, const Held<Scheme>& scheme) {
+            return static_cast<double>(latency_bound_ns(config, *scheme)) * 1e-3;
+          },
+          py::arg("scheme"), "The latency bound in force, us.")
+      .def_property_readonly("anytime", [](const RunConfig& config) {
+        return config.execution == Execution::anytime;
+      });
 
   auto simulator =
       py::class_<Simulator>(m, "Simulator", "A run in virtual time, fed chunk by chunk.");
   simulator
-      .def(py::init([](Scheme& scheme, const LinearCost& cost, const RunConfig& config,
-                       const py::object& algorithm) {
+      .def(py::init([](const Held<Scheme>& scheme, const Held<LinearCost>& cost,
+                       const RunConfig& config, const py::object& algorithm) {
              // Rivals of the study also filter on arrival.
-             auto* const admission = dynamic_cast<Admission*>(&scheme);
-             return std::make_unique<Simulator>(scheme, cost, config, consumer_of(algorithm),
+             auto* const admission = dynamic_cast<Admission*>(scheme.get());
+             return std::make_unique<Simulator>(*scheme, *cost, config, consumer_of(algorithm),
                                                 admission);
            }),
            py::arg("scheme"), py::arg("cost"), py::arg("config"), py::arg("algorithm") = py::none(),
@@ -261,9 +298,11 @@ ValueError
 
   auto replay = py::class_<Replay>(m, "Replay", "A recording paced in real time.");
   replay
-      .def(py::init([](Scheme& scheme, const RunConfig& config, double speed) {
-             return std::make_unique<Replay>(scheme, ReplayConfig{.speed = speed}, config);
-           }),
+      .def(py::init(
+               [](const Held<Scheme>& scheme, const RunConfig& config, const py::object& speed) {
+                 return std::make_unique<Replay>(
+                     *scheme, ReplayConfig{.speed = real_number("speed", speed)}, config);
+               }),
            py::arg("scheme"), py::arg("config"), py::arg("speed") = 1.0, py::keep_alive<1, 2>())
       .def(
           "run",

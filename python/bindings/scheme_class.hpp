@@ -5,15 +5,13 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <optional>
-#include <string>
+#include <tuple>
 #include <type_traits>
-#include <utility>
 
-#include "arguments.hpp"
 #include "asap/schemes/bounded_scheme.hpp"
-#include "asap/schemes/deadline.hpp"
 #include "asap/schemes/scheme.hpp"
+#include "held.hpp"
+#include "keywords.hpp"
 
 namespace asap::python {
 
@@ -26,61 +24,8 @@ inline pybind11::dict scheme_parameters(const Scheme& scheme) {
   return result;
 }
 
-// A whole number comes as it is, to be refused by its name; a choice as the name of what is chosen.
-template <class Value>
-using ArgumentOf =
-    std::conditional_t<std::is_same_v<Value, std::size_t>, const pybind11::object&,
-                       std::conditional_t<std::is_enum_v<Value>, std::string, Value>>;
-
-inline std::size_t value_of(const char* name, const pybind11::object& given) {
-  return whole_number(name, given);
-}
-inline Prefer value_of(const char*, const std::string& given) { return prefer_of(given); }
-template <class Value>
-Value value_of(const char*, Value given) {
-  return given;
-}
-
-inline auto default_of(const auto& value) {
-  if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(value)>>) {
-    return std::string(name_of(value));
-  } else {
-    return value;
-  }
-}
-
-template <class S, class Config, class... Values>
-pybind11::class_<S, Scheme> keyword_class(pybind11::module_& m, const char* name, const char* doc,
-                                          const NamedField<Config, Values>&... fields) {
-  const Config defaults;
-  pybind11::class_<S, Scheme> bound(m, name, doc);
-  bound.def(pybind11::init([fields...](ArgumentOf<Values>... given) {
-              Config config;
-              ((config.*fields.field = value_of(fields.name, given)), ...);
-              return S(config);
-            }),
-            pybind11::kw_only(),
-            (pybind11::arg(fields.name) = default_of(defaults.*fields.field))...);
-  return bound;
-}
-
-// .parameters of a scheme that leaves some out: those are None.
-template <class S, class Config, class... Values>
-void bind_all_parameters(pybind11::class_<S, Scheme>& bound,
-                         const NamedField<Config, Values>&... fields) {
-  bound.def_property_readonly(
-      "parameters",
-      [fields...](const S& scheme) {
-        pybind11::dict result;
-        ((result[fields.name] = pybind11::none()), ...);
-        result.attr("update")(scheme_parameters(scheme));
-        return result;
-      },
-      "The constructor's arguments by name.");
-}
-
 template <class S>
-void bind_cost(pybind11::class_<S, Scheme>& bound) {
+void bind_cost(Class<S, Scheme>& bound) {
   bound
       .def_property_readonly(
           "alpha_us", [](const S& scheme) { return scheme.alpha_ns() * 1e-3; },
@@ -90,20 +35,36 @@ void bind_cost(pybind11::class_<S, Scheme>& bound) {
 }
 
 template <class S>
-void bind_scheme(pybind11::module_& m, const char* name, const char* doc) {
+auto keywords_of_scheme() {
   if constexpr (requires { S::Config::kParameters; }) {
-    std::apply(
-        [&]<class Config, class... Values>(const NamedField<Config, Values>&... fields) {
-          auto bound = keyword_class<S>(m, name, doc, fields...);
-          if constexpr ((std::is_same_v<Values, std::optional<double>> || ...)) {
-            bind_all_parameters(bound, fields...);
-          }
-          if constexpr (std::is_base_of_v<BoundedScheme, S>) bind_cost(bound);
+    return std::apply(
+        [](const auto&... fields) {
+          return Keywords<typename S::Config>{.rows = {keyword(fields.name, fields.field)...}};
         },
         S::Config::kParameters);
   } else {
-    pybind11::class_<S, Scheme>(m, name, doc).def(pybind11::init<>());
+    struct None {};
+    return Keywords<None>{};
   }
+}
+
+template <class S>
+void bind_scheme(pybind11::module_& m, const char* name, const char* doc) {
+  Class<S, Scheme> bound(m, name, doc);
+  const auto keywords = keywords_of_scheme<S>();
+  bind_constructor(bound, keywords);
+  // A scheme leaves out what it has no value of.
+  const auto parameters = [keywords](const S& scheme) {
+    pybind11::dict all;
+    for (const auto& row : keywords.rows) all[row.name.c_str()] = pybind11::none();
+    all.attr("update")(scheme_parameters(scheme));
+    return all;
+  };
+  bound.def_property_readonly("parameters", parameters, "The constructor's arguments by name.")
+      .def("__reduce__", [](const pybind11::object& self) {
+        return reduced(self, pybind11::type::of<S>(), self.attr("parameters"));
+      });
+  if constexpr (std::is_base_of_v<BoundedScheme, S>) bind_cost(bound);
 }
 
 }  // namespace asap::python

@@ -29,9 +29,9 @@ std::string repr(const py::object& scheme) {
 }  // namespace
 
 void bind_schemes(py::module_& m) {
-  py::class_<Scheme>(m, "Scheme",
-                     "Scheme(*args, **kwargs)\n--\n\n"  // none of its own
-                     "The rule that decides size and gamma of the next package.")
+  Class<Scheme>(m, "Scheme",
+                "Scheme(*args, **kwargs)\n--\n\n"  // none of its own
+                "The rule that decides size and gamma of the next package.")
       .def_property_readonly("name", &Scheme::name, "Its name on the command line and in files.")
       .def_property_readonly("parameters", &scheme_parameters,
                              "The constructor's arguments by name.")

@@ -1,5 +1,5 @@
 // The layer `algorithms`: the surfaces that events change around their pixel.
-#include <memory>
+#include <utility>
 
 #include "arrays.hpp"
 #include "asap/algorithms/event_surface.hpp"
@@ -9,8 +9,6 @@
 
 namespace asap::python {
 namespace {
-
-using namespace py::literals;
 
 constexpr const char* kThresholdOrdinalDoc = R"(How recently each pixel fired, in 8 bits (TOS).
 
@@ -77,15 +75,10 @@ py::array_t<typename Surface::Value> values(const Surface& surface) {
   return copy;
 }
 
-py::dict parameters(const ThresholdOrdinalSurfaceConfig& config) {
-  return py::dict("side"_a = config.side);
-}
-py::dict parameters(const SpeedInvariantTimeSurfaceConfig& config) {
-  return py::dict("radius"_a = config.radius);
-}
-
 template <class Surface>
-void bind_surface(py::class_<Surface>& type, const char* name, const char* surface_doc) {
+void bind_surface(py::module_& m, const char* title, const char* doc, const char* name,
+                  Keyword<typename Surface::Config> keyword, const char* surface_doc) {
+  Class<Surface> type(m, title, doc);
   type.def("process", &take<Surface>, py::arg("events").noconvert(),
            R"(Takes the next events of the stream.
 
@@ -99,7 +92,7 @@ TypeError
     `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
 )")
       .def_property_readonly("surface", &values<Surface>, surface_doc);
-  bind_rest(type, name, &parameters,
+  bind_rest(type, name, sized<typename Surface::Config>({std::move(keyword)}),
             R"(Tells the fraction of the events that reaches the surface, 0 <= gamma <= 1.
 
 Checked, without effect: the published rule ages by the events around and holds no rate to correct.
@@ -114,29 +107,14 @@ ValueError
 }  // namespace
 
 void bind_surfaces(py::module_& m) {
-  constexpr ThresholdOrdinalSurfaceConfig kThresholdOrdinal{.width = 0, .height = 0};
-  py::class_<ThresholdOrdinalSurface> threshold_ordinal(m, "ThresholdOrdinalSurface",
-                                                        kThresholdOrdinalDoc);
-  threshold_ordinal.def(
-      py::init([](int width, int height, int side) {
-        return std::make_unique<ThresholdOrdinalSurface>(
-            ThresholdOrdinalSurfaceConfig{.width = width, .height = height, .side = side});
-      }),
-      "width"_a, "height"_a, py::kw_only(), "side"_a = kThresholdOrdinal.side);
-  bind_surface(threshold_ordinal, "threshold_ordinal_surface",
-               "ndarray of uint8, shape (height, width): a copy. 255: fired last; 0: long ago.");
-
-  constexpr SpeedInvariantTimeSurfaceConfig kSpeedInvariant{.width = 0, .height = 0};
-  py::class_<SpeedInvariantTimeSurface> speed_invariant(m, "SpeedInvariantTimeSurface",
-                                                        kSpeedInvariantDoc);
-  speed_invariant.def(
-      py::init([](int width, int height, int radius) {
-        return std::make_unique<SpeedInvariantTimeSurface>(
-            SpeedInvariantTimeSurfaceConfig{.width = width, .height = height, .radius = radius});
-      }),
-      "width"_a, "height"_a, py::kw_only(), "radius"_a = kSpeedInvariant.radius);
-  bind_surface(speed_invariant, "speed_invariant_time_surface",
-               "ndarray of uint16, shape (height, width): a copy. (2 radius + 1)^2: fired last.");
+  bind_surface<ThresholdOrdinalSurface>(
+      m, "ThresholdOrdinalSurface", kThresholdOrdinalDoc, "threshold_ordinal_surface",
+      keyword("side", &ThresholdOrdinalSurfaceConfig::side),
+      "ndarray of uint8, shape (height, width): a copy. 255: fired last; 0: long ago.");
+  bind_surface<SpeedInvariantTimeSurface>(
+      m, "SpeedInvariantTimeSurface", kSpeedInvariantDoc, "speed_invariant_time_surface",
+      keyword("radius", &SpeedInvariantTimeSurfaceConfig::radius),
+      "ndarray of uint16, shape (height, width): a copy. (2 radius + 1)^2: fired last.");
 }
 
 }  // namespace asap::python

@@ -6,6 +6,7 @@
 #include "arguments.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/ledger.hpp"
+#include "held.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
@@ -53,10 +54,11 @@ void bind_telemetry(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(SlotRow, slot, received, delivered, latency_max_us);
   m.attr("SLOT_DTYPE") = py::dtype::of<SlotRow>();
 
-  py::class_<LatencyHistogram>(m, "LatencyHistogram", R"(Latency per delivered event, in us.
+  Class<LatencyHistogram>(m, "LatencyHistogram", R"(Latency per delivered event, in us.
 
-Fixed memory; a quantile is within 0.4 %, the rest is exact.
+Fixed memory; a quantile is within 0.4 %, the rest is exact. Made of the `state()` of another.
 )")
+      .def(py::init(&restored), py::arg("state"))
       .def(
           "__repr__",
           [](const LatencyHistogram& h) {
@@ -84,7 +86,10 @@ ValueError
     q is NaN or outside [0, 1].
 )")
       .def("state", &state_of, "All that is recorded, as plain numbers.")
-      .def_static("restored", &restored, py::arg("state"), "The histogram of a state().");
+      .def("__reduce__", [](const py::object& self) {
+        return py::make_tuple(py::type::of<LatencyHistogram>(),
+                              py::make_tuple(self.attr("state")()));
+      });
 
   py::class_<Ledger>(m, "Ledger", R"(Where every event went, in events.
 

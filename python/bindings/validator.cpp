@@ -1,14 +1,13 @@
 #include "validator.hpp"
 
-#include <limits>
 #include <string>
-#include <vector>
 
 #include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/core/check.hpp"
 #include "filter/stray_stamps.hpp"
 #include "gil.hpp"
+#include "held.hpp"
 #include "layers.hpp"
 
 namespace asap::python {
@@ -20,13 +19,6 @@ OnBad on_bad_from(const std::string& name) {
   if (name == "clamp") return OnBad::clamp;
   if (name == "raise") return OnBad::raise;
   throw_bad_value("on_bad", "'" + name + "'", "use 'drop', 'clamp' or 'raise'");
-}
-
-// What no int holds has its field named as well; the Validator knows the limits.
-int small_number(const char* field, const py::object& value) {
-  const std::uint64_t number = whole_number(field, value);
-  require(number <= std::numeric_limits<int>::max(), field, number, "is too large");
-  return static_cast<int>(number);
 }
 
 py::array array_of(Checked&& checked, const py::array& events) {
@@ -79,16 +71,17 @@ py::dict dict_of(const Rejections& by) {
 }
 
 void bind_validator(py::module_& m) {
-  py::class_<Validator>(m, "Validator")
+  Class<Validator>(m, "Validator")
       .def(
           py::init([](const py::object& width, const py::object& height, const std::string& on_bad,
                       const py::object& reorder_tolerance_us, const py::object& warmup_discard_us) {
             return Validator(
-                {.width = small_number("width", width),
-                 .height = small_number("height", height),
+                {.width = whole_number<int>("width", width),
+                 .height = whole_number<int>("height", height),
                  .on_bad = on_bad_from(on_bad),
-                 .reorder_tolerance_us = small_number("reorder_tolerance_us", reorder_tolerance_us),
-                 .warmup_discard_us = small_number("warmup_discard_us", warmup_discard_us)});
+                 .reorder_tolerance_us =
+                     whole_number<int>("reorder_tolerance_us", reorder_tolerance_us),
+                 .warmup_discard_us = whole_number<int>("warmup_discard_us", warmup_discard_us)});
           }),
           py::kw_only(), py::arg("width") = 0, py::arg("height") = 0, py::arg("on_bad") = "drop",
           py::arg("reorder_tolerance_us") = 0, py::arg("warmup_discard_us") = 0)

@@ -3,6 +3,7 @@
 
 #include "arrays.hpp"
 #include "gil.hpp"
+#include "held.hpp"
 #include "parts.hpp"
 
 namespace asap::python {
@@ -10,10 +11,10 @@ namespace asap::python {
 void bind_clairvoyant(py::module_& m) {
   m.def(
       "clairvoyant_latency_us",
-      [](const py::array& events, const LinearCost& cost, double bin_us) {
+      [](const py::array& events, const Held<LinearCost>& cost, double bin_us) {
         const EventSpan span = as_span(events);
         const WithoutGil release;  // pure C++: other Python threads may run
-        return static_cast<double>(clairvoyant_latency_ns(span, cost, bin_us)) * 1e-3;
+        return static_cast<double>(clairvoyant_latency_ns(span, *cost, bin_us)) * 1e-3;
       },
       py::arg("events").noconvert(), py::arg("cost"), py::arg("bin_us") = 10.0,
       R"(The smallest possible maximum latency without drops.

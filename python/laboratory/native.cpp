@@ -9,6 +9,7 @@
 
 #include "asap/core/check.hpp"
 #include "gil.hpp"
+#include "held.hpp"
 #include "native_consumer.hpp"
 #include "parts.hpp"
 #include "per_event.hpp"
@@ -25,9 +26,10 @@ py::array clusters_of(std::vector<Cluster> clusters) {
 
 void bind_jaer_cluster_tracker(py::module_& m) {
   using Tracker = JaerClusterTracker;
-  py::class_<Tracker>(m, "JaerClusterTracker",
-                      "The core of jAER's RectangularClusterTracker, built from its rules: boxes "
-                      "of 32 px that every event inside draws nearer.")
+  Class<Tracker>(
+      m, "JaerClusterTracker",
+      "The core of jAER's RectangularClusterTracker, built from its rules: boxes of 32 px "
+      "that every event inside draws nearer.")
       .def(py::init(
                [](int width, int height) { return Tracker({.width = width, .height = height}); }),
            py::arg("width"), py::arg("height"))
@@ -126,4 +128,5 @@ PYBIND11_MODULE(_native, m) {
   m.def("scheduling_jitter", &asap::python::scheduling_jitter_for, pybind11::arg("duration_s"),
         "State of a LatencyHistogram: times between two looks at the clock of a thread that does "
         "nothing else.");
+  asap::python::close_classes(m);
 }

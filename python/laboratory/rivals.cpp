@@ -2,6 +2,7 @@
 // in schemes.cpp.
 #include <pybind11/pybind11.h>
 
+#include "held.hpp"
 #include "parts.hpp"
 #include "study/rivals.hpp"
 
@@ -12,17 +13,20 @@ namespace py = pybind11;
 
 template <class S>
 void bind_rival(py::module_& m, const char* name, const char* doc) {
-  py::class_<S, Scheme>(m, name, doc).def(py::init<double>(), py::arg("latency_ms"));
+  Class<S, Scheme>(m, name, doc).def(py::init<double>(), py::arg("latency_ms"));
 }
 
 }  // namespace
 
 void bind_rivals(py::module_& m) {
-  py::class_<JaerTimer, Scheme>(
+  Class<JaerTimer, Scheme>(
       m, "JaerTimer",
       "Greedy with a timer of half the bound; what is left when it has run is discarded. `cost` is "
       "the simulated algorithm of the same run.")
-      .def(py::init<double, LinearCost>(), py::arg("latency_ms"), py::arg("cost"));
+      .def(py::init([](double latency_ms, const Held<LinearCost>& cost) {
+             return JaerTimer(latency_ms, *cost);
+           }),
+           py::arg("latency_ms"), py::arg("cost"));
   bind_rival<GreedyPie>(m, "GreedyPie", "Greedy behind an input filter steered like PIE.");
   bind_rival<GreedyRateGamma>(m, "GreedyRateGamma",
                               "Greedy behind an input filter that follows rate and cost.");

@@ -6,6 +6,7 @@ the stub, their names in the package, their rows on their page. A row that is th
 
 from __future__ import annotations
 
+import inspect
 import re
 from pathlib import Path
 
@@ -22,10 +23,7 @@ Kind = type[_core.Scheme]
 TYPES = {
     r"self: [\w.]+": "self",
     r"typing\.SupportsFloat \| typing\.SupportsIndex": "float",
-    r"\bobject\b": "int",  # refused by name if it is none
-    r"\bdict\b": "dict[str, float | None]",
     r"asap\._core\.": "",
-    "'": '"',  # as the formatter writes it
 }
 
 
@@ -36,15 +34,25 @@ def typed(signature: str | None) -> str:
     return line
 
 
+def argument_of(argument: inspect.Parameter) -> str:
+    value = argument.default
+    kind = "float | None" if value is None else type(value).__name__
+    return f"{argument.name}: {kind} = {value!r}".replace("'", '"')
+
+
 def stub_of(kind: Kind) -> str:
-    line = f"    def {typed(kind.__init__.__doc__)}: ..."
+    if kind in _core.SCHEMES:
+        named = [*map(argument_of, inspect.signature(kind).parameters.values())]
+        arguments = ["self", "*", *named] if named else ["self"]
+        line = f"    def __init__({', '.join(arguments)}) -> None: ..."
+    else:
+        line = f"    def {typed(kind.__init__.__doc__)}: ..."
     if len(line) > 100:
-        opening, arguments, closing = re.fullmatch(r"(.*\()(.*)(\).*)", line).groups()
-        listed = "".join(f"        {argument},\n" for argument in arguments.split(", "))
-        line = f"{opening}\n{listed}    {closing}"
+        listed = "".join(f"        {argument},\n" for argument in arguments)
+        line = f"    def __init__(\n{listed}    ) -> None: ..."
     lines = [f"class {kind.__name__}(Scheme):", line]
     for name, item in vars(kind).items():
-        if isinstance(item, property):
+        if isinstance(item, property) and name != "parameters":
             result = typed(item.fget.__doc__).partition(" -> ")[2]
             lines += ["    @property", f"    def {name}(self) -> {result}: ..."]
     return "\n".join(lines) + "\n\n"

@@ -176,7 +176,7 @@ def test_parameters_rebuild_the_tracker() -> None:
         ({"cell_px": 3}, r"cell_px = 3: must be a power of two"),
         ({"min_radius_px": 30}, r"min_radius_px = 30: must be at most birth_radius_px = 18"),
         ({"support": "maybe"}, r"support = 'maybe': must be "),
-        ({"engine": "slow"}, r"engine = slow: must be "),
+        ({"engine": "slow"}, r"engine = 'slow': must be "),
     ],
 )
 def test_bad_parameters_are_named(arguments: dict[str, Any], message: str) -> None:
@@ -185,11 +185,11 @@ def test_bad_parameters_are_named(arguments: dict[str, Any], message: str) -> No
 
 
 def test_parameters_of_the_other_engine_are_refused_by_name() -> None:
-    with pytest.raises(TypeError, match=r'engine "fast" has no parameter window'):
+    with pytest.raises(TypeError, match=r'^window = 800: engine "fast" has no such parameter'):
         ClusterTracker(WIDTH, HEIGHT, window=800)
-    with pytest.raises(TypeError, match=r"slots = 1\.5: must be a whole number"):
+    with pytest.raises(TypeError, match=r"^slots = 1\.5: "):
         ClusterTracker(WIDTH, HEIGHT, slots=1.5)
-    with pytest.raises(TypeError, match=r"link_ms = 'x': must be a number"):
+    with pytest.raises(TypeError, match=r"^link_ms = 'x': "):
         ClusterTracker(WIDTH, HEIGHT, link_ms="x")
 
 

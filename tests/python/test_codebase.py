@@ -39,7 +39,7 @@ MAY_INCLUDE = {
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
     {"_core", "_checks"},
-    {"_pickling", "_stamps", "_units"},
+    {"_stamps", "_units"},
     {"events"},
     {"io", "synthetic"},
     {"results"},
@@ -77,31 +77,6 @@ WITHOUT_A_HEADER_OF_ITS_OWN = {
     "runner/allocation_test.cpp": "the same of a live pipeline",
     "runner/simulator_anytime_test.cpp": "the simulator: anytime, outages, admission",
     "runner/simulator_outages_test.cpp": "the simulator: Deadline on a busy machine",
-}
-
-# Members that a list saved() leaves out: what follows from the configuration (or the machine), and
-# what holds nothing from one event to the next.
-NOT_SAVED = {
-    "ArcFilter": "width_",
-    "BackgroundActivityFilter::State": "frame_ stride_",
-    "BirthGrid": "map_ decay_us_",
-    "CoarseIndex": "columns_ rows_ stride_",
-    "Engine": "config_ frame_ map_ pairs_ parts_ halves_ reciprocals_ directions_",
-    "EventImage::State": "frame_",
-    "FeatureTracker::State": "detector",  # saves itself
-    "FeatureTracks": "frame_ reach_ min_neighbours_ velocity_us_ grid_",
-    "HotPixelMask::State": "frame_ stride_ first_",
-    "NewestPatch": "avx2_",
-    "NoiseTiles": "shift_ columns_ sorted_",
-    "OrderSurface": "stride_ plane_ limit_ scratch_",
-    "PaddedPlane": "width_ height_ reach_ stride_",
-    "PlaneFlow::State": "frame_ stride_ plane_ burst_us_",
-    "ProbeIndex": "capacity_",
-    "RecentTimes": "never_",
-    "SpeedInvariantTimeRule": "beyond_",
-    "SupportMap": "stride_",
-    "ThresholdOrdinalRule": "steps_ bars_",
-    "WindowClusterer": "radius_ reach_ probes_ weight_ min_size_ key_size_ grid_ assigned_",
 }
 
 CPP = ROOT / "cpp"
@@ -326,24 +301,6 @@ def test_every_test_has_a_header_of_the_same_path() -> None:
         if name.replace("_test.cpp", ".hpp") not in {*HEADERS, *helpers}
     ]
     assert set(orphans) == set(WITHOUT_A_HEADER_OF_ITS_OWN)
-
-
-def test_saved_lists_name_every_member_that_changes() -> None:
-    """A member that a list forgets would be found only by the pickle of a rare state."""
-    left_out = {}
-    for path in sources("cpp", suffixes=NATIVE):
-        for match in re.finditer(r"^class ([\w:]+) \{\n(.*?)^\};", path.read_text(), re.M | re.S):
-            name, body = match.groups()
-            if "static auto saved(auto& self)" not in body:
-                continue
-            saved = set(re.findall(r"\bself\.(\w+)", body))
-            members = re.findall(
-                r"^  (?!using|static)[\w:][\w:<>, \[\]*&]* (\w+)(?: = [^;]*|\{\})?;", body, re.M
-            )
-            left_out[name] = {*members} - saved
-    expected = {name: {*names.split()} for name, names in NOT_SAVED.items()}
-    assert len(left_out) > 30
-    assert {name: names for name, names in left_out.items() if names} == expected
 
 
 def test_sources_mirror_headers() -> None:

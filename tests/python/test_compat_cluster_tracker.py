@@ -174,7 +174,7 @@ def test_any_events_and_parameters_keep_the_sums(
         ({"min_size": -1}, r"min_size = -1: "),
         ({"motion": "mean"}, r"motion = 'mean': must be "),
         ({"motion": None}, r"motion = None: "),
-        ({"engine": "slow"}, r'engine = slow: must be "fast" or "compat"'),
+        ({"engine": "slow"}, r"engine = 'slow': must be "),
     ],
 )
 def test_bad_parameters_are_named(arguments: dict[str, Any], message: str) -> None:
@@ -183,9 +183,9 @@ def test_bad_parameters_are_named(arguments: dict[str, Any], message: str) -> No
 
 
 def test_parameters_of_the_other_engine_are_refused_by_name() -> None:
-    with pytest.raises(TypeError, match=r'engine "compat" has no parameter link_ms'):
+    with pytest.raises(TypeError, match=r'^link_ms = 40.0: engine "compat" has no such parameter'):
         ClusterTracker(WIDTH, HEIGHT, link_ms=40.0)
-    with pytest.raises(TypeError, match=r"window = 1\.5: must be a whole number"):
+    with pytest.raises(TypeError, match=r"^window = 1\.5: "):
         ClusterTracker(WIDTH, HEIGHT, window=1.5)
 
 

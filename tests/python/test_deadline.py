@@ -65,10 +65,12 @@ def test_parameters_at_their_limits_are_taken():
     assert asap.DeadBeat(knee=1e6).parameters["knee"] == 1e6
 
 
-def test_a_preference_is_named():
+def test_a_preference_is_named_and_a_near_name_is_found():
     message = 'prefer = "speed": must be "balanced", "events" or "continuity"'
     with pytest.raises(ValueError, match=re.escape(message)):
         asap.Deadline(prefer="speed")
+    with pytest.raises(TypeError, match=r"^preffer = 5: .*did you mean prefer\?"):
+        asap.Deadline(preffer=5)
 
 
 @pytest.mark.parametrize("opaque", [False, True])

@@ -112,7 +112,7 @@ def test_keep_is_checked(bad: float) -> None:
     [
         (lambda: FeatureTracker(0, 10), "width = 0: "),
         (lambda: FeatureTracker(10, 20_000), "height = 20000: "),
-        (lambda: FeatureTracker(10, 10, detector="harris"), "detector = harris: .*arc_star"),
+        (lambda: FeatureTracker(10, 10, detector="harris"), "detector = 'harris': .*arc_star"),
         (lambda: FeatureTracker(10, 10, window=0), "window = 0: "),
         (lambda: FeatureTracker(10, 10, radius=-1), "radius = -1: "),
         (lambda: FeatureTracker(10, 10, min_neighbours=8), "min_neighbours = 8: "),

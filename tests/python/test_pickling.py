@@ -1,15 +1,14 @@
-"""Pickles: equal after a round trip, in every protocol; another version's is refused by name."""
+"""Pickles: values are equal after a round trip, in every protocol; what has worked is refused."""
 
 from __future__ import annotations
 
-import concurrent.futures
 import copy
 import inspect
-import multiprocessing
 import pickle
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +17,7 @@ import pytest
 
 import asap
 import streams
-from asap import _core, _pickling, synthetic
-
-pytest.importorskip("asap_laboratory")
-
-from asap_laboratory import keep_curve, profiles, scenes
+from asap import _core, synthetic
 
 EVENTS = streams.make(np.arange(2000) * 50, x=np.arange(2000) % 20, y=3)
 COST = asap.LinearCost(100, 300)
@@ -34,12 +29,10 @@ def again(made: Any, protocol: int = pickle.HIGHEST_PROTOCOL) -> Any:
 
 
 def same(one: Any, other: Any) -> bool:
-    """Whether two are equal, arrays, their dtype and read-only flag included."""
+    """Whether two are equal, arrays and their dtype included."""
     if isinstance(one, np.ndarray):
-        return (
-            one.dtype == other.dtype
-            and one.flags.writeable == other.flags.writeable
-            and bool(np.array_equal(one, other, equal_nan=one.dtype.kind == "f"))
+        return one.dtype == other.dtype and bool(
+            np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
         )
     if isinstance(one, dict):
         return [*one] == [*other] and all(same(one[name], other[name]) for name in one)
@@ -82,7 +75,11 @@ def test_a_scheme_decides_alike_afterwards() -> None:
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 @pytest.mark.parametrize(
     "cost",
-    [COST, profiles.cost("slow_tv", seed=2, duration_s=3), profiles.cost("slow_ht", duration_s=3)],
+    [
+        COST,
+        asap.LinearCost(100, 300, noise=0.2, seed=2, drift=[1.0, 2.5, 0.5]),
+        asap.LinearCost(100, 300, outages_ms=[(0.5, 3.0), (20.0, 21.0)]),
+    ],
     ids=["plain", "drift", "outages"],
 )
 def test_costs(cost: asap.LinearCost, protocol: int) -> None:
@@ -117,217 +114,57 @@ def test_a_new_algorithm(make: Callable[[], Any], protocol: int) -> None:
         assert (twin.width, twin.height, twin.parameters) == (20, 10, made.parameters)
 
 
-# ---- algorithms with events in them ---------------------------------------------------------
-
-SCENE = scenes.D(seed=1)
-SIZE = (SCENE.width - 6, SCENE.height)  # so that some events lie outside
-WORKING: list[Callable[[], Any]] = [
-    lambda: asap.ClusterTracker(*SIZE),
-    lambda: asap.ClusterTracker(*SIZE, slots=4, support="estimate"),
-    lambda: asap.ClusterTracker(*SIZE, engine="compat", window=500, probes=3),
-    lambda: asap.ClusterTracker(*SIZE, engine="compat", motion="kalman", min_size=3, seed=7),
-    *(
-        lambda detector=detector: asap.FeatureTracker(*SIZE, detector=detector)
-        for detector in ("every_event", "e_fast", "arc_star", "e_harris", "fa_harris")
-    ),
-    lambda: asap.BackgroundActivityFilter(*SIZE, window_us=2000),
-    lambda: asap.HotPixelMask(*SIZE, pixels=[(3, 4)], learn_events=1000),
-    lambda: asap.EFast(*SIZE),
-    lambda: asap.ArcStar(*SIZE),
-    lambda: asap.EHarris(*SIZE),
-    lambda: asap.FAHarris(*SIZE),
-    lambda: asap.ThresholdOrdinalSurface(*SIZE, side=5),
-    lambda: asap.SpeedInvariantTimeSurface(*SIZE, radius=3),
-    lambda: asap.PlaneFlow(*SIZE),
-    lambda: asap.PlaneFlow(*SIZE, refit=True),
-    lambda: asap.EventImage(*SIZE, count=7000, channels=["on", "time"]),
-    lambda: asap.EventImage(*SIZE, period_us=10_000),
-]
-working = pytest.mark.parametrize("make", WORKING, ids=lambda make: repr(make())[:60])
-
-
-@pytest.fixture(scope="module")
-def halves() -> tuple[Any, Any]:
-    events = SCENE.events[:160_000]
-    return events[:80_000], events[80_000:]
-
-
-def told(algorithm: Any) -> dict[str, Any]:
-    """All that it says of itself: every property."""
-    names = [name for name, item in vars(type(algorithm)).items() if isinstance(item, property)]
-    return {name: getattr(algorithm, name) for name in names}
-
-
-def go_on(algorithm: Any, events: Any) -> tuple[Any, dict[str, Any]]:
-    """Take the second half in two packages, thinned."""
-    first = algorithm.process(events[:30_001])
-    algorithm.set_keep(0.6)
-    return [first, algorithm.process(events[30_001:])], told(algorithm)
-
-
-def equal(one: Any, other: Any) -> bool:
-    if isinstance(one, dict):
-        return one.keys() == other.keys() and all(equal(one[key], other[key]) for key in one)
-    if isinstance(one, (list, tuple)):
-        return len(one) == len(other) and all(map(equal, one, other))
-    if isinstance(one, np.ndarray) and one.dtype.names is None:
-        return one.dtype == other.dtype and np.array_equal(
-            one, other, equal_nan=one.dtype.kind == "f"
-        )
-    return same(one, other)
-
-
-@working
-def test_an_algorithm_goes_on_where_it_was(make: Callable[[], Any], halves: Any) -> None:
-    first, second = halves
-    unbroken = make()
-    unbroken.set_keep(0.8)
-    unbroken.process(first)
-    before = told(unbroken)
-    twins = [*(again(unbroken, protocol) for protocol in (2, 5)), copy.copy(unbroken)]
-    twins.append(copy.deepcopy(again(unbroken)))
-    twins.append(make())
-    twins[-1].process(first[:500])
-    twins[-1].restore(unbroken.state())
-    expected = go_on(unbroken, second)
-    assert not equal(expected[1], before)
-    for twin in twins:
-        assert type(twin) is type(unbroken) and equal(told(twin), before)
-        assert equal(go_on(twin, second), expected)
-        assert twin.state() == unbroken.state()
-
-
-def test_every_algorithm_that_pickles_is_among_them() -> None:
-    assert {type(make()) for make in WORKING} == {type(make()) for make in ALGORITHMS}
-
-
-def test_algorithms_go_on_in_a_process_of_their_own(halves: Any) -> None:
-    first, second = halves
-    used = [make() for make in WORKING]
-    for algorithm in used:
-        algorithm.process(first)
-    context = multiprocessing.get_context("spawn")
-    with concurrent.futures.ProcessPoolExecutor(1, mp_context=context) as executor:
-        there = [executor.submit(go_on, algorithm, second[:40_000]) for algorithm in used]
-        for algorithm, answer in zip(used, there, strict=True):
-            assert equal(answer.result(), go_on(algorithm, second[:40_000]))
-
-
-def test_a_used_algorithm_of_another_version_is_refused_by_name(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    used = asap.EFast(20, 10)
-    used.process(EVENTS)
-    monkeypatch.setattr(_core, "__version__", "0.0.7")
-    data = pickle.dumps(used)
-    monkeypatch.undo()
-    with pytest.raises(ValueError, match=r"^pickled EFast = of asap 0\.0\.7: this is asap"):
-        pickle.loads(data)
-
-
-def test_a_state_of_another_version_class_or_configuration_is_refused() -> None:
-    used = asap.EFast(20, 10)
-    used.process(EVENTS)
-    state = used.state()
-    with pytest.raises(ValueError, match=r"^state = of EFast: this is EHarris$"):
-        asap.EHarris(20, 10).restore(state)
-    with pytest.raises(ValueError, match=r"^state = of another EFast: make it with the parameters"):
-        asap.EFast(10, 20).restore(state)
-    old = state[:-8].replace(asap.__version__.encode(), b"0.0.7", 1)
-    total = 0xCBF29CE484222325
-    for byte in old:
-        total = (total ^ byte) * 0x100000001B3 % 2**64
-    with pytest.raises(ValueError, match=r"^state = of asap 0\.0\.7: this is asap"):
-        used.restore(old + total.to_bytes(8, sys.byteorder))
-    with pytest.raises(
-        ValueError, match=r"^state = 4 bytes: these are not what state\(\) returned"
-    ):
-        used.restore(b"abcd")
-    assert used.state() == state
-
-
-@working
-def test_a_state_of_other_parameters_is_refused(make: Callable[[], Any]) -> None:
-    made = make()
-    others = {
-        "width": lambda: type(made)(SIZE[0] + 1, SIZE[1], **made.parameters),
-        "height": lambda: type(made)(SIZE[0], SIZE[1] + 1, **made.parameters),
-    }
-    for name, value in made.parameters.items():
-        changed = {bool: False, int: 9, float: 5.5}.get(type(value))
-        if changed is None or (name, value) in {("count", 0), ("period_us", 0)}:
-            continue
-        others[name] = lambda name=name, changed=changed: type(made)(
-            *SIZE, **{**made.parameters, name: changed}
-        )
-    for name, other in others.items():
-        try:
-            twin = other()
-        except ValueError:
-            continue  # 9 is none of its values
-        assert twin.parameters != made.parameters or name in ("width", "height"), name
-        with pytest.raises(ValueError, match=r"^state = of another "):
-            twin.restore(made.state())
-
-
-@pytest.mark.parametrize("make", ALGORITHMS, ids=lambda make: repr(type(make()).__name__))
-def test_altered_bytes_are_refused(make: Callable[[], Any]) -> None:
-    """Bits flipped, bytes overwritten, taken out, put in, moved, cut off: nothing is restored."""
-    used = make()
-    used.process(EVENTS[:1000])
-    state = used.state()
-    random = np.random.default_rng(1)
-    for trial in range(250):
-        altered = bytearray(state)
-        place, other = sorted(int(i) for i in random.integers(0, len(state), 2))
-        if trial % 6 == 0:
-            altered[place] ^= 1 << int(random.integers(8))
-        elif trial % 6 == 1:
-            altered[place:other] = random.bytes(other - place)
-        elif trial % 6 == 2:
-            del altered[place : other + 1]
-        elif trial % 6 == 3:
-            altered[place:place] = random.bytes(1 + trial)
-        elif trial % 6 == 4:
-            altered = altered[place:] + altered[:place]
-        else:
-            del altered[place:]
-        if altered == state:
-            continue
-        with pytest.raises(ValueError, match=r"^state = "):
-            used.restore(bytes(altered))
-    assert used.state() == state
-    used.process(EVENTS[1000:])
-
-
-def test_a_new_one_is_small() -> None:
-    assert len(pickle.dumps(asap.ClusterTracker(1280, 720))) < 5000
-
-
-def test_an_algorithm_is_new_where_a_used_one_stood() -> None:
-    """The extension knows the used ones by their place in memory."""
-    for _ in range(100):
-        tracker = asap.EFast(20, 10)
-        pickle.dumps(tracker)
-        tracker.process(EVENTS)
-        del tracker
-
-
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_a_gamma_filter_goes_on_where_it_was(protocol: int) -> None:
+def test_a_new_gamma_filter(protocol: int) -> None:
     made = asap.GammaFilter(seed=2**64 - 1)
-    made.apply(EVENTS[:700], 0.3)
     twin = again(made, protocol)
-    assert (twin.position, twin.parameters) == (700, {"seed": 2**64 - 1})
+    assert twin.parameters == {"seed": 2**64 - 1}
     assert same(twin.mask(EVENTS, 0.3), made.mask(EVENTS, 0.3))
+
+
+# ---- what has worked ------------------------------------------------------------------------
+
+WORKS: list[Callable[[Any], object]] = [
+    lambda made: made.process(EVENTS),
+    lambda made: made.set_keep(0.5),
+    lambda made: asap.simulate(EVENTS, cost=COST, algorithm=made),
+]
+
+
+@pytest.mark.parametrize("work", WORKS)
+@pytest.mark.parametrize("make", ALGORITHMS, ids=lambda make: repr(type(make()).__name__))
+def test_an_algorithm_that_has_worked_says_so(
+    make: Callable[[], Any], work: Callable[[Any], object]
+) -> None:
+    used = make()
+    work(used)
+    for duplicate in (*(partial(pickle.dumps, protocol=one) for one in PROTOCOLS), copy.deepcopy):
+        with pytest.raises(TypeError, match=f"^cannot pickle {type(used).__name__}: it has worked"):
+            duplicate(used)
+    used.reset()
+    assert again(used).parameters == make().parameters
+
+
+def test_a_mask_that_has_learned_has_worked() -> None:
+    mask = asap.HotPixelMask(20, 10)
+    mask.learn(EVENTS)
+    with pytest.raises(TypeError, match="it has worked"):
+        pickle.dumps(mask)
+
+
+def test_a_gamma_filter_that_has_worked_says_so() -> None:
+    used = asap.GammaFilter()
+    used.apply(EVENTS, 0.3)
+    with pytest.raises(TypeError, match=r"^cannot pickle GammaFilter: it has worked"):
+        pickle.dumps(used)
+
+
+# ---- streams, recordings --------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     "make",
     [
-        lambda: profiles.Profile("walk", duration_s=0.2, seed=5),
-        lambda: profiles.Profile("high", duration_s=0.1, name="mine", width=20, height=30),
-        lambda: profiles.scenario("bursts", "slow", duration_s=0.2).source,
         lambda: synthetic.ShakenPattern(duration_s=0.05, seed=3, last_rate_hz=2e6),
         lambda: synthetic.FlightOverChairs(duration_s=0.05, t0_us=5),
     ],
@@ -341,36 +178,6 @@ def test_streams(make: Callable[[], Any]) -> None:
         stream.parameters,
     )
     assert same(twin.events(), stream.events())
-
-
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda: scenes.timing(3, 64, 48, 100.0, seed=2, duration_s=0.1),
-        lambda: scenes.corners("fast", duration_s=0.1),
-        lambda: scenes.stop_and_go(10.0),
-        lambda: scenes.occlusion(50.0),
-        lambda: scenes.stop_and_go(10.0).thin(0.3, seed=4),
-        lambda: scenes.stop_and_go(10.0).thin(0.3, seed=4).thin(0.5),
-    ],
-)
-def test_scenes(make: Callable[[], Any]) -> None:
-    scene = make()
-    before = again(scene)
-    assert scene.events.size  # made once and kept: not in the pickle
-    data = pickle.dumps(scene)
-    assert len(data) < 2000
-    for twin in (before, pickle.loads(data)):
-        assert repr(twin) == repr(scene)
-        assert same(twin.events, scene.events) and same(twin.labels, scene.labels)
-        assert same(twin.truth(5000.0), scene.truth(5000.0))
-
-
-def test_a_named_scene() -> None:
-    scene = scenes.A(seed=3)
-    twin = again(scene)
-    assert repr(twin) == repr(scene) and same(next(iter(twin)), next(iter(scene)))
-    assert same(twin.truth(5000.0), scene.truth(5000.0))
 
 
 @pytest.mark.parametrize(
@@ -396,9 +203,9 @@ def test_recordings_by_path(tmp_path: Path, name: str, text: str, options: Any) 
 
 def test_every_argument_of_a_recording_is_in_its_pickle(tmp_path: Path) -> None:
     (tmp_path / "plain.txt").write_text("1 2 3 1\n")
-    _, (_, make, _, named) = asap.read(tmp_path / "plain.txt").__reduce__()
-    assert make is asap.Recording
-    assert {"path", *named} == {*inspect.signature(make).parameters}
+    make, _ = asap.read(tmp_path / "plain.txt").__reduce__()
+    assert make.func is asap.Recording
+    assert {"path", *make.keywords} == {*inspect.signature(asap.Recording).parameters}
 
 
 def test_a_recording_of_numpy(tmp_path: Path) -> None:
@@ -442,13 +249,6 @@ def test_a_run_with_its_algorithm(protocol: int) -> None:
     assert twin.latency.quantile(0.5) == run.latency.quantile(0.5)
 
 
-def test_a_run_with_an_algorithm_of_ours() -> None:
-    run = asap.simulate(EVENTS, cost=COST, algorithm=asap.ClusterTracker(20, 10))
-    twin = again(run)
-    assert equal_runs(twin, run) and repr(twin) == repr(run)
-    assert twin.algorithm.state() == run.algorithm.state()
-
-
 def test_a_run_in_real_time() -> None:
     run = asap.run(EVENTS, algorithm=Counting(), speed=10.0)
     twin = again(run)
@@ -458,8 +258,8 @@ def test_a_run_in_real_time() -> None:
 
 @pytest.mark.parametrize(
     "algorithm",
-    [Stubborn(), lambda events: None],
-    ids=["stubborn", "lambda"],
+    [Stubborn(), lambda events: None, asap.ClusterTracker(20, 10)],
+    ids=["stubborn", "lambda", "ours"],
 )
 def test_a_run_without_it_if_that_cannot(algorithm: Any) -> None:
     run = asap.simulate(EVENTS, cost=COST, algorithm=algorithm)
@@ -470,7 +270,6 @@ def test_a_run_without_it_if_that_cannot(algorithm: Any) -> None:
     assert f"pickled without its algorithm {name}" in repr(twin)
     assert "without" not in repr(run) and run.algorithm is algorithm
     assert equal_runs(again(twin), run) and repr(again(twin)) == repr(twin)
-    assert copy.copy(run).algorithm is algorithm
 
 
 @pytest.mark.parametrize("name", ["run.npz", "run.json"])
@@ -497,35 +296,7 @@ def test_an_inspection() -> None:
     assert same(vars(twin), vars(inspection))
 
 
-def test_a_keep_curve() -> None:
-    scene = scenes.stop_and_go(10.0)
-    curve = keep_curve(asap.ClusterTracker, scene, gammas=(1.0, 0.5), seeds=(0,))
-    twin = again(curve)
-    assert twin.summary() == curve.summary() and repr(twin) == repr(curve)
-
-
 # ---- refusals -------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("make", "name"),
-    [
-        (asap.Deadline, "Deadline"),
-        (lambda: COST, "LinearCost"),
-        (lambda: profiles.Profile("high"), "Profile"),
-        (scenes.A, "Scene"),
-        (lambda: asap.simulate(EVENTS, cost=COST), "Run"),
-        (lambda: asap.check(EVENTS), "Inspection"),
-    ],
-)
-def test_another_versions_pickle_is_refused_by_name(
-    monkeypatch: pytest.MonkeyPatch, make: Callable[[], Any], name: str
-) -> None:
-    monkeypatch.setattr(_core, "__version__", "0.0.7")
-    data = pickle.dumps(make())
-    monkeypatch.undo()
-    with pytest.raises(ValueError, match=rf"^pickled {name} = of asap 0\.0\.7: this is asap"):
-        pickle.loads(data)
 
 
 class Derived(asap.Deadline):
@@ -538,8 +309,7 @@ class DerivedTracker(asap.ClusterTracker):
 
 @pytest.mark.parametrize("made", [Derived(), DerivedTracker(20, 10)], ids=type)
 def test_a_derived_class_refuses(made: Any) -> None:
-    assert not _pickling.can_be_pickled(made)
-    with pytest.raises(TypeError, match="pickle"):
+    with pytest.raises(TypeError, match=f"^cannot pickle {type(made).__name__}: it is derived"):
         pickle.dumps(made)
 
 

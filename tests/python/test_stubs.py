@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import operator
 import os
 import re
@@ -118,10 +119,12 @@ def look_up(path: str) -> Any:
     return operator.attrgetter(path)(_core)
 
 
-def signatures_of_docstring(path: str, docstring: str) -> list[Signature]:
-    """pybind11 opens a docstring with the signature, or numbers one line per overload."""
-    name = path.rpartition(".")[2]
-    first, *rest = docstring.splitlines()
+def signatures_at_runtime(path: str, thing: Any) -> list[Signature]:
+    """A constructor's own; else pybind11's, one line of the docstring or a line per overload."""
+    owner, _, name = path.rpartition(".")
+    if thing.__text_signature__ is not None:
+        return [signature(parsed(f"{name}{inspect.signature(look_up(owner))} -> None"))]
+    first, *rest = thing.__doc__.splitlines()
     if rest and rest[0] == "Overloaded function.":
         lines = [match[1] for line in rest if (match := re.match(rf"\d+\. ({name}\(.*)", line))]
     else:
@@ -153,8 +156,9 @@ CALLABLES = dict(callables_of_stub())
 @pytest.mark.parametrize("path", [path for path, found in CALLABLES.items() if ANY not in found])
 def test_signature(path: str) -> None:
     thing = look_up(path)
-    assert thing.__doc__
-    documented, stubbed = signatures_of_docstring(path, thing.__doc__), CALLABLES[path]
+    documented, stubbed = signatures_at_runtime(path, thing), CALLABLES[path]
+    if path == "ClusterTracker.__init__":  # the stub takes any keyword: the two engines differ
+        documented = [documented[0][: len(stubbed[0])]]
     if len(documented) == 1:  # overloads in the stub tell types apart, not arguments
         assert [without_defaults(one) for one in stubbed[1:]] == [
             without_defaults(documented[0]) for _ in stubbed[1:]

@@ -198,7 +198,7 @@ def test_bad_parameters_are_named(make_one: Callable[[], object], message: str) 
         (PlaneFlow, "plane_flow", {"window_us": 700, "min_points": 4, "refit": False}),
         (PlaneFlow, "plane_flow", {"window_us": 700, "min_points": 4, "refit": None}),
         (EventImage, "event_image", {"count": 0, "period_us": 9, "channels": ("time",)}),
-        (HotPixelMask, "hot_pixels", {"pixels": [(3, 4)], "learn_events": 0}),
+        (HotPixelMask, "hot_pixels", {"pixels": ((3, 4),), "learn_events": 0}),
     ],
 )
 def test_parameters_rebuild_the_algorithm(

@@ -8,13 +8,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
 
 #include "algorithms/recent_times.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
-#include "core/state_bytes.hpp"
 
 namespace asap {
 
@@ -38,10 +36,6 @@ class ArcFilter {
   }
 
   void clear() noexcept { times_.clear(); }
-
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.window_us_), std::tie(self.times_));
-  }
 
  private:
   static RecentTimes::Time checked(std::int64_t window_us) {

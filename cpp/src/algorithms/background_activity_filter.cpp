@@ -4,7 +4,6 @@
 #include "algorithms/recent_times.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "asap/core/check.hpp"
-#include "core/state_bytes.hpp"
 
 namespace asap {
 namespace {
@@ -61,11 +60,6 @@ class BackgroundActivityFilter::State {
     rejected = 0;
   }
 
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.config.width, self.config.height, self.config.window_us),
-                          std::tie(self.rejected, self.window_us_, self.times_));
-  }
-
   Config config;
   std::uint64_t rejected = 0;
 
@@ -106,14 +100,6 @@ void BackgroundActivityFilter::set_keep(double gamma) {
 }
 
 void BackgroundActivityFilter::reset() noexcept { state_->reset(); }
-
-std::vector<std::byte> BackgroundActivityFilter::state() const {
-  return state_bytes("BackgroundActivityFilter", *state_);
-}
-
-void BackgroundActivityFilter::restore(std::span<const std::byte> bytes) {
-  restore_state("BackgroundActivityFilter", bytes, *state_);
-}
 
 std::uint64_t BackgroundActivityFilter::rejected() const noexcept { return state_->rejected; }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 namespace asap {
@@ -41,8 +40,6 @@ class CentreGrid {
   }
 
   void clear() noexcept { std::fill(heads_.begin(), heads_.end(), kNone); }
-
-  static auto saved(auto& self) noexcept { return std::tie(self.heads_, self.nodes_); }
 
  private:
   struct Node {

@@ -1,36 +1,16 @@
 #include "asap/algorithms/cluster_tracker.hpp"
 
-#include <cstddef>
-#include <variant>
-
 #include "algorithms/fast/engine.hpp"
 #include "asap/algorithms/cluster_view.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/check.hpp"
 #include "core/made.hpp"
-#include "core/state_bytes.hpp"
 
 namespace asap {
-namespace {
-
-std::vector<double> values_of(const ClusterTrackerConfig& config) {
-  std::vector<double> values{static_cast<double>(config.width), static_cast<double>(config.height),
-                             static_cast<double>(config.support)};
-  for (const ClusterTrackerParameter& parameter : cluster_tracker_parameters()) {
-    std::visit([&](auto field) { values.push_back(config.*field); }, parameter.field);
-  }
-  return values;
-}
-
-}  // namespace
 
 class ClusterTracker::State {
  public:
   explicit State(const Config& given) : config(checked(given)), engine(config) {}
-
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(values_of(self.config)), std::tie(self.engine));
-  }
 
   Config config;
   fast::Engine engine;
@@ -79,14 +59,6 @@ void ClusterTracker::set_keep(double gamma, bool filter_upstream) {
 }
 
 void ClusterTracker::reset() noexcept { state_->engine.reset(); }
-
-std::vector<std::byte> ClusterTracker::state() const {
-  return state_bytes("ClusterTracker", *state_);
-}
-
-void ClusterTracker::restore(std::span<const std::byte> bytes) {
-  restore_state("ClusterTracker", bytes, *state_);
-}
 
 std::uint64_t ClusterTracker::rejected() const noexcept {
   return state_->engine.counters().rejected;

@@ -1,7 +1,6 @@
 #include "asap/algorithms/corner_detector.hpp"
 
 #include <bit>
-#include <tuple>
 
 #include "algorithms/arc_filter.hpp"
 #include "algorithms/arc_length.hpp"
@@ -11,7 +10,6 @@
 #include "algorithms/order_surface.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "asap/core/check.hpp"
-#include "core/state_bytes.hpp"
 
 namespace asap {
 namespace {
@@ -60,10 +58,6 @@ class HarrisPatch {
     patch_.clear();
   }
 
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.threshold_), std::tie(self.arrivals_, self.patch_));
-  }
-
  private:
   double threshold_;
   OrderSurface arrivals_;  // numbers events, not stamps: a patch has no ties
@@ -74,8 +68,6 @@ class HarrisPatch {
 
 class EFastRule {
  public:
-  static constexpr const char* kName = "EFast";
-
   explicit EFastRule(const EFastConfig& config)
       : frame_(config.width, config.height), surface_(frame_) {}
 
@@ -91,10 +83,6 @@ class EFastRule {
 
   void clear() noexcept { surface_.clear(); }
 
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.frame_.width(), self.frame_.height()), std::tie(self.surface_));
-  }
-
  private:
   SensorFrame frame_;
   OrderSurface surface_;
@@ -102,8 +90,6 @@ class EFastRule {
 
 class ArcStarRule {
  public:
-  static constexpr const char* kName = "ArcStar";
-
   explicit ArcStarRule(const ArcStarConfig& config)
       : frame_(config.width, config.height), filter_(frame_, config.filter_us), surface_(frame_) {}
 
@@ -121,11 +107,6 @@ class ArcStarRule {
     surface_.clear();
   }
 
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.frame_.width(), self.frame_.height()),
-                          std::tie(self.filter_, self.surface_));
-  }
-
  private:
   SensorFrame frame_;
   ArcFilter filter_;
@@ -134,8 +115,6 @@ class ArcStarRule {
 
 class EHarrisRule {
  public:
-  static constexpr const char* kName = "EHarris";
-
   explicit EHarrisRule(const EHarrisConfig& config)
       : frame_(config.width, config.height), patch_(frame_, config.threshold) {}
 
@@ -147,10 +126,6 @@ class EHarrisRule {
   }
 
   void clear() noexcept { patch_.clear(); }
-
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.frame_.width(), self.frame_.height()), std::tie(self.patch_));
-  }
 
  private:
   // One column and row more than the rings have: the window reaches into the padding there.
@@ -165,8 +140,6 @@ class EHarrisRule {
 
 class FAHarrisRule {
  public:
-  static constexpr const char* kName = "FAHarris";
-
   explicit FAHarrisRule(const FAHarrisConfig& config)
       : frame_(config.width, config.height),
         patch_(frame_, config.threshold),
@@ -187,11 +160,6 @@ class FAHarrisRule {
     filter_.clear();
     stamps_.clear();
     patch_.clear();
-  }
-
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.frame_.width(), self.frame_.height()),
-                          std::tie(self.patch_, self.filter_, self.stamps_));
   }
 
  private:
@@ -252,16 +220,6 @@ template <class Rule, class Configuration>
 void CornerDetector<Rule, Configuration>::reset() noexcept {
   rule_->clear();
   rejected_ = 0;
-}
-
-template <class Rule, class Configuration>
-std::vector<std::byte> CornerDetector<Rule, Configuration>::state() const {
-  return state_bytes(Rule::kName, *rule_, rejected_);
-}
-
-template <class Rule, class Configuration>
-void CornerDetector<Rule, Configuration>::restore(std::span<const std::byte> bytes) {
-  restore_state(Rule::kName, bytes, *rule_, rejected_);
 }
 
 template class CornerDetector<EFastRule, EFastConfig>;

@@ -6,7 +6,6 @@
 
 #include "algorithms/sensor_frame.hpp"
 #include "asap/core/check.hpp"
-#include "core/state_bytes.hpp"
 
 namespace asap {
 namespace {
@@ -113,14 +112,6 @@ class EventImage::State {
     rejected = 0;
   }
 
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.config.width, self.config.height, self.config.count,
-                               self.config.period_us, self.config.channels),
-                          std::tie(self.rejected, self.off_, self.on_, self.times_us_, self.image_,
-                                   self.weight_, self.filled_, self.begin_us_, self.last_us_,
-                                   self.image_begin_us_, self.image_end_us_));
-  }
-
   Config config;
   std::uint64_t rejected = 0;
 
@@ -206,12 +197,6 @@ void EventImage::set_keep(double gamma) {
 }
 
 void EventImage::reset() noexcept { state_->reset(); }
-
-std::vector<std::byte> EventImage::state() const { return state_bytes("EventImage", *state_); }
-
-void EventImage::restore(std::span<const std::byte> bytes) {
-  restore_state("EventImage", bytes, *state_);
-}
 
 std::uint64_t EventImage::rejected() const noexcept { return state_->rejected; }
 

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <tuple>
 #include <vector>
 
 #include "algorithms/padded_plane.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "asap/core/check.hpp"
-#include "core/state_bytes.hpp"
 
 namespace asap {
 namespace {
@@ -68,8 +66,6 @@ void lower(Rank* values, const Rank* beyond, Rank own) noexcept {
 
 class ThresholdOrdinalRule {
  public:
-  static constexpr const char* kName = "ThresholdOrdinalSurface";
-
   explicit ThresholdOrdinalRule(const ThresholdOrdinalSurfaceConfig& config)
       : side_(checked_side(config.side)),
         frame_(config.width, config.height),
@@ -92,11 +88,6 @@ class ThresholdOrdinalRule {
   PaddedPlane<Ordinal>& plane() noexcept { return plane_; }
   const SensorFrame& frame() const noexcept { return frame_; }
 
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.frame_.width(), self.frame_.height(), self.side_),
-                          std::tie(self.plane_));
-  }
-
  private:
   int side_;
   SensorFrame frame_;
@@ -109,8 +100,6 @@ class ThresholdOrdinalRule {
 
 class SpeedInvariantTimeRule {
  public:
-  static constexpr const char* kName = "SpeedInvariantTimeSurface";
-
   explicit SpeedInvariantTimeRule(const SpeedInvariantTimeSurfaceConfig& config)
       : side_(2 * checked_radius(config.radius) + 1),
         frame_(config.width, config.height),
@@ -132,11 +121,6 @@ class SpeedInvariantTimeRule {
 
   PaddedPlane<Rank>& plane() noexcept { return plane_; }
   const SensorFrame& frame() const noexcept { return frame_; }
-
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.frame_.width(), self.frame_.height(), self.side_),
-                          std::tie(self.plane_));
-  }
 
  private:
   int side_;
@@ -198,16 +182,6 @@ template <class Rule, class Configuration, class Pixel>
 void EventSurface<Rule, Configuration, Pixel>::reset() noexcept {
   rule_->plane().clear();
   rejected_ = 0;
-}
-
-template <class Rule, class Configuration, class Pixel>
-std::vector<std::byte> EventSurface<Rule, Configuration, Pixel>::state() const {
-  return state_bytes(Rule::kName, *rule_, rejected_);
-}
-
-template <class Rule, class Configuration, class Pixel>
-void EventSurface<Rule, Configuration, Pixel>::restore(std::span<const std::byte> bytes) {
-  restore_state(Rule::kName, bytes, *rule_, rejected_);
 }
 
 template class EventSurface<ThresholdOrdinalRule, ThresholdOrdinalSurfaceConfig, Ordinal>;

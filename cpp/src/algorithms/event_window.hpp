@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -91,10 +90,6 @@ class EventWindow {
   void clear() noexcept {
     cursor_ = 0;
     full_ = false;
-  }
-
-  static auto saved(auto& self) noexcept {
-    return std::tie(self.entries_, self.cursor_, self.full_);
   }
 
  private:

@@ -10,7 +10,6 @@
 #include "algorithms/sensor_frame.hpp"
 #include "asap/algorithms/corner_detector.hpp"
 #include "asap/core/check.hpp"
-#include "core/state_bytes.hpp"
 
 namespace asap {
 
@@ -28,10 +27,6 @@ class FeatureTracker::State {
     }
 
     void reset() noexcept { rejected_ = 0; }
-    std::vector<std::byte> state() const { return state_bytes("EveryEvent", rejected_); }
-    void restore(std::span<const std::byte> bytes) {
-      restore_state("EveryEvent", bytes, rejected_);
-    }
     std::uint64_t rejected() const noexcept { return rejected_; }
 
    private:
@@ -83,13 +78,6 @@ class FeatureTracker::State {
     std::visit(label, detector);
   }
 
-  static auto saved(auto& self) {
-    return std::tuple_cat(
-        same(self.config.width, self.config.height, self.config.detector, self.config.window,
-             self.config.radius, self.config.min_neighbours, self.config.velocity_us),
-        std::tie(self.tracks));
-  }
-
   Config config;
   FeatureTracks tracks;
   Detector detector;
@@ -127,18 +115,6 @@ void FeatureTracker::set_keep(double gamma) {
 void FeatureTracker::reset() noexcept {
   std::visit([](auto& detector) { detector.reset(); }, state_->detector);
   state_->tracks.clear();
-}
-
-std::vector<std::byte> FeatureTracker::state() const {
-  const auto of_detector = [](const auto& detector) { return detector.state(); };
-  return state_bytes("FeatureTracker", *state_, std::visit(of_detector, state_->detector));
-}
-
-void FeatureTracker::restore(std::span<const std::byte> bytes) {
-  std::vector<std::byte> of_detector;
-  of_detector.reserve(bytes.size());
-  restore_state("FeatureTracker", bytes, *state_, of_detector);
-  std::visit([&](auto& detector) { detector.restore(of_detector); }, state_->detector);
 }
 
 std::uint64_t FeatureTracker::rejected() const noexcept {

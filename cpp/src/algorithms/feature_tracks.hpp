@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 #include "algorithms/cell_grid.hpp"
@@ -76,12 +75,6 @@ class FeatureTracks {
 
   // Back to the state after construction.
   void clear() noexcept;
-
-  static auto saved(auto& self) noexcept {
-    return std::tie(self.latest_us_, self.window_us_, self.cursor_, self.full_, self.now_us_,
-                    self.places_, self.tracks_, self.free_, self.oldest_, self.newest_,
-                    self.created_);
-  }
 
  private:
   using Slot = CentreGrid::Slot;

@@ -4,7 +4,6 @@
 
 #include "algorithms/sensor_frame.hpp"
 #include "asap/core/check.hpp"
-#include "core/state_bytes.hpp"
 
 namespace asap {
 namespace {
@@ -90,12 +89,6 @@ class HotPixelMask::State {
     rejected = 0;
   }
 
-  static auto saved(auto& self) {
-    return std::tuple_cat(
-        same(self.config.width, self.config.height, self.config.learn_events, self.config.pixels),
-        std::tie(self.rejected, self.cells_, self.counted_));
-  }
-
   Config config;
   std::uint64_t rejected = 0;
 
@@ -179,12 +172,6 @@ void HotPixelMask::set_keep(double gamma) {
 }
 
 void HotPixelMask::reset() noexcept { state_->reset(); }
-
-std::vector<std::byte> HotPixelMask::state() const { return state_bytes("HotPixelMask", *state_); }
-
-void HotPixelMask::restore(std::span<const std::byte> bytes) {
-  restore_state("HotPixelMask", bytes, *state_);
-}
 
 std::uint64_t HotPixelMask::rejected() const noexcept { return state_->rejected; }
 

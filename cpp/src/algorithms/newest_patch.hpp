@@ -6,7 +6,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
 
 #include "algorithms/order_surface.hpp"
 
@@ -29,8 +28,6 @@ class NewestPatch {
   bool select(const OrderSurface::Number* centre, std::ptrdiff_t stride, PatchRows& rows) noexcept;
 
   void clear() noexcept { depth_ = kFirstDepth; }
-
-  static auto saved(auto& self) noexcept { return std::tie(self.depth_); }
 
  private:
   static constexpr OrderSurface::Number kFirstDepth = 1024;

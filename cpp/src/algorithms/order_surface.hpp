@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <tuple>
 #include <vector>
 
 #include "algorithms/sensor_frame.hpp"
@@ -51,10 +50,6 @@ class OrderSurface {
   }
 
   void clear() noexcept;
-
-  static auto saved(auto& self) noexcept {
-    return std::tie(self.newest_, self.last_us_, self.numbers_);
-  }
 
  private:
   static constexpr Number kFirst = kNever + 1;

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "algorithms/sensor_frame.hpp"
@@ -50,8 +49,6 @@ class PaddedPlane {
   }
 
   void clear() noexcept { std::fill(values_.begin(), values_.end(), Value{0}); }
-
-  static auto saved(auto& self) noexcept { return std::tie(self.values_); }
 
  private:
   std::size_t index(std::uint32_t x, std::uint32_t y) const noexcept {

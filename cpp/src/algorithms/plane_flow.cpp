@@ -5,7 +5,6 @@
 #include "algorithms/sensor_frame.hpp"
 #include "algorithms/trimmed_plane_fit.hpp"
 #include "asap/core/check.hpp"
-#include "core/state_bytes.hpp"
 
 namespace asap {
 namespace {
@@ -57,12 +56,6 @@ class PlaneFlow::State {
   void reset() noexcept {
     times_.clear();
     rejected = 0;
-  }
-
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.config.width, self.config.height, self.config.window_us,
-                               self.config.min_points, self.config.refit),
-                          std::tie(self.rejected, self.times_));
   }
 
   Config config;
@@ -133,12 +126,6 @@ void PlaneFlow::set_keep(double gamma) {
 }
 
 void PlaneFlow::reset() noexcept { state_->reset(); }
-
-std::vector<std::byte> PlaneFlow::state() const { return state_bytes("PlaneFlow", *state_); }
-
-void PlaneFlow::restore(std::span<const std::byte> bytes) {
-  restore_state("PlaneFlow", bytes, *state_);
-}
 
 std::uint64_t PlaneFlow::rejected() const noexcept { return state_->rejected; }
 

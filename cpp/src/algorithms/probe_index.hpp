@@ -6,7 +6,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 #include "algorithms/cell_grid.hpp"
@@ -113,11 +112,6 @@ class ProbeIndex {
     std::fill(keys_.begin(), keys_.end(), KeySet{});
     std::fill(counts_.begin(), counts_.end(), std::uint16_t{0});
     free_ = KeySet::all();
-  }
-
-  static auto saved(auto& self) noexcept {
-    return std::tie(self.free_, self.owner_, self.size_, self.keys_, self.counts_, self.members_,
-                    self.places_);
   }
 
  private:

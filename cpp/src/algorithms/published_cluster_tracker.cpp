@@ -7,7 +7,6 @@
 #include "algorithms/window_clusterer.hpp"
 #include "asap/algorithms/cluster_view.hpp"
 #include "asap/core/check.hpp"
-#include "core/state_bytes.hpp"
 
 namespace asap {
 namespace {
@@ -60,13 +59,6 @@ class PublishedClusterTracker::Engine {
   std::uint64_t rejected() const noexcept { return rejected_; }
   const Config& config() const noexcept { return config_; }
 
-  static auto saved(auto& self) {
-    return std::tuple_cat(same(self.config_.width, self.config_.height, self.config_.window,
-                               self.config_.radius, self.config_.probes, self.config_.weight,
-                               self.config_.min_size, self.config_.seed, self.config_.motion),
-                          std::tie(self.clusterer_, self.rejected_));
-  }
-
  private:
   Config config_;
   WindowClusterer<> clusterer_;
@@ -117,14 +109,6 @@ void PublishedClusterTracker::set_keep(double gamma) {
 }
 
 void PublishedClusterTracker::reset() noexcept { engine_->reset(); }
-
-std::vector<std::byte> PublishedClusterTracker::state() const {
-  return state_bytes("PublishedClusterTracker", *engine_);
-}
-
-void PublishedClusterTracker::restore(std::span<const std::byte> bytes) {
-  restore_state("PublishedClusterTracker", bytes, *engine_);
-}
 
 std::uint64_t PublishedClusterTracker::rejected() const noexcept { return engine_->rejected(); }
 

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <tuple>
 #include <vector>
 
 namespace asap {
@@ -36,10 +35,6 @@ class RecentTimes {
   Time* data() noexcept { return times_.data(); }
 
   void clear() noexcept;
-
-  static auto saved(auto& self) noexcept {
-    return std::tie(self.started_, self.origin_us_, self.last_us_, self.times_);
-  }
 
  private:
   static constexpr std::uint64_t kMaxTime = std::numeric_limits<Time>::max();

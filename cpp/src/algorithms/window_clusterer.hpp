@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -122,12 +121,6 @@ class WindowClusterer {
     events_ = 0;
     created_ = 0;
     next_id_ = 0;
-  }
-
-  static auto saved(auto& self) noexcept {
-    return std::tie(self.sampler_, self.window_, self.centres_, self.index_, self.states_,
-                    self.motions_, self.free_, self.keyless_, self.used_, self.events_,
-                    self.created_, self.next_id_);
   }
 
  private:

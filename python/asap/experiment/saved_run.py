@@ -216,7 +216,7 @@ def _histogram(name: str, state: Any) -> _core.LatencyHistogram:
     bound, largest, within, low, high = (_whole(name, scalar) for scalar in scalars)
     if min(largest, within, low, high) < 0 or not within <= total <= _MOST:
         raise ValueError(f"{name}: counts that cannot be")
-    return _core.LatencyHistogram.restored((bound, largest, within, low, high, bins))
+    return _core.LatencyHistogram((bound, largest, within, low, high, bins))
 
 
 def _counts(name: str, value: Any, known: tuple[str, ...] | None = None) -> dict[str, int]:

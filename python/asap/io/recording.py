@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _checks, _core, _units
-from asap._pickling import by_arguments
 from asap.events import Events, plain_view
 from asap.io.arrangement import arrangement, between_pixels, looks_like
 from asap.io.columns import HEAD, unit_doubt
@@ -91,7 +90,7 @@ class Recording:
 
     def __reduce__(self) -> Any:
         """Pickle it by its path and what it was told, not by what it has counted."""
-        return by_arguments(
+        make = partial(
             type(self),
             self._path,
             **vars(self._options),
@@ -99,6 +98,7 @@ class Recording:
             reorder_tolerance_us=self._reorder_tolerance_us,
             file_format=self._file_format,
         )
+        return make, ()
 
     @property
     def path(self) -> Path:

@@ -5,17 +5,17 @@ from __future__ import annotations
 import json
 import math
 import os
+import pickle  # only to ask whether something can be pickled; nothing here reads one
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asap import _checks
-from asap._pickling import Pickled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class Result(Pickled):
+class Result:
     """A result: summed up, saved, drawn, as one page, and as a table in a notebook."""
 
     def summary(self) -> dict[str, Any]:
@@ -40,6 +40,15 @@ class Result(Pickled):
     def _repr_html_(self) -> str:
         """Return a table and the verdict, as a notebook shows them."""
         raise NotImplementedError
+
+
+def can_be_pickled(value: Any) -> bool:
+    """Return whether pickle takes it; an error of its own ``__reduce__`` is a no."""
+    try:
+        pickle.dumps(value)
+    except Exception:
+        return False
+    return True
 
 
 def without_nan(value: Any) -> Any:

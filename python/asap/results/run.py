@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _checks, _core
-from asap._pickling import can_be_pickled
 from asap.results import notebook, run_archive, run_table
 from asap.results.cost import BOUND_KEPT, Cost, bound_needed_us, check_run, fit_cost
-from asap.results.result import Result
+from asap.results.result import Result, can_be_pickled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -92,7 +91,7 @@ class Named:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run(Result):
-    """What a run has left behind. It pickles always; an algorithm that cannot becomes None.
+    """What a run has left behind. It pickles always; an algorithm that does not becomes None.
 
     Attributes
     ----------
@@ -162,8 +161,8 @@ class Run(Result):
             learned = Cost(float(self.scheme.alpha_us), float(self.scheme.beta_ns))
             object.__setattr__(self, "learned", learned)
 
-    def _state(self) -> dict[str, Any]:
-        state = super()._state()
+    def __getstate__(self) -> dict[str, Any]:
+        state = dict(vars(self))
         if not can_be_pickled(self.scheme):
             state["scheme"] = Named.of(self.scheme)
         if not can_be_pickled(self.algorithm):

@@ -40,7 +40,7 @@ def scheduling_jitter(duration_s: float = 1.0) -> _core.LatencyHistogram:
     LatencyHistogram
         Times between two looks at the clock of a thread that does nothing else, us.
     """
-    return _core.LatencyHistogram.restored(_native.scheduling_jitter(duration_s))
+    return _core.LatencyHistogram(_native.scheduling_jitter(duration_s))
 
 
 def replay_beside_simulation(

@@ -8,8 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
-#include <vector>
 
 #include "asap/core/event.hpp"
 
@@ -44,13 +42,6 @@ class BackgroundActivityFilter {
 
   // Back to the state after construction.
   void reset() noexcept;
-
-  // What events have left in it, as bytes: for restore() of one with the same configuration.
-  std::vector<std::byte> state() const;
-
-  // Throws std::invalid_argument for bytes that are altered, or of another version or
-  // configuration.
-  void restore(std::span<const std::byte> bytes);
 
   // Events dropped because they lie outside the frame.
   std::uint64_t rejected() const noexcept;

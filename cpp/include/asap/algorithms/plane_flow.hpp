@@ -14,7 +14,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "asap/core/event.hpp"
 
@@ -60,13 +59,6 @@ class PlaneFlow {
 
   // Back to the state after construction.
   void reset() noexcept;
-
-  // What events have left in it, as bytes: for restore() of one with the same configuration.
-  std::vector<std::byte> state() const;
-
-  // Throws std::invalid_argument for bytes that are altered, or of another version or
-  // configuration.
-  void restore(std::span<const std::byte> bytes);
 
   // Events dropped because they lie outside the frame.
   std::uint64_t rejected() const noexcept;

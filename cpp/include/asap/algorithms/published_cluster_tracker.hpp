@@ -8,7 +8,6 @@
 // Monitoring in UAS", ICRA 2020. The defaults are the launch values of the authors' release.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -76,13 +75,6 @@ class PublishedClusterTracker {
 
   // Back to the state after construction, seed included: the same events give the same results.
   void reset() noexcept;
-
-  // What events have left in it, as bytes: for restore() of one with the same configuration.
-  std::vector<std::byte> state() const;
-
-  // Throws std::invalid_argument for bytes that are altered, or of another version or
-  // configuration.
-  void restore(std::span<const std::byte> bytes);
 
   // Events dropped because they lie outside the frame.
   std::uint64_t rejected() const noexcept;

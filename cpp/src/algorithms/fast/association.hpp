@@ -12,7 +12,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "algorithms/fast/contour.hpp"
@@ -130,8 +129,6 @@ class OwnerGrid {
     });
   }
 
-  static auto saved(auto& self) noexcept { return std::tie(self.cells_, self.scrubber_); }
-
  private:
   std::vector<Cell> cells_;
   Scrubber scrubber_;
@@ -188,8 +185,6 @@ class CoarseIndex {
       }
     }
   }
-
-  static auto saved(auto& self) noexcept { return std::tie(self.first_, self.links_); }
 
  private:
   static constexpr int kShift = 5;

@@ -10,7 +10,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 #include "algorithms/fast/association.hpp"
@@ -59,14 +58,6 @@ class Engine {
   void reset() noexcept;
 
   const Counters& counters() const noexcept { return counters_; }
-
-  static auto saved(auto& self) noexcept {
-    return std::tie(self.settings_, self.clock_, self.support_, self.owners_, self.births_,
-                    self.noise_, self.coarse_, self.tracks_, self.next_split_, self.counters_,
-                    self.next_tick_, self.tracks_are_due_, self.started_us_, self.tracks_us_,
-                    self.pairs_us_, self.noise_us_, self.support_window_us_, self.noise_hz_,
-                    self.widest_radius_px_, self.birth_threshold_, self.next_id_);
-  }
 
  private:
   using Slot = Tracks::Slot;

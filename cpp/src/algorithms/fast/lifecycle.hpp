@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 #include "algorithms/fast/association.hpp"
@@ -60,8 +59,6 @@ class BirthGrid {
                   [](Cell& cell) -> Stamp& { return cell.stamp; });
     });
   }
-
-  static auto saved(auto& self) noexcept { return std::tie(self.cells_, self.scrubber_); }
 
  private:
   struct Cell {

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 #include "algorithms/fast/time.hpp"
@@ -54,8 +53,6 @@ class SupportMap {
     });
   }
 
-  static auto saved(auto& self) noexcept { return std::tie(self.stamps_, self.scrubber_); }
-
  private:
   std::size_t stride_;
   std::vector<std::int32_t> stamps_;  // with a border of one pixel around the frame
@@ -79,10 +76,6 @@ class NoiseTiles {
   void clear() noexcept;
 
   std::size_t size() const noexcept { return tiles_.size(); }
-
-  static auto saved(auto& self) noexcept {
-    return std::tie(self.tiles_, self.age_s_, self.rate_hz_);
-  }
 
  private:
   struct Tile {

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 #include "algorithms/fast/contour.hpp"
@@ -201,10 +200,6 @@ class Tracks {
 
   // Oldest first.
   const std::vector<Slot>& active() const noexcept { return active_; }
-
-  static auto saved(auto& self) noexcept {
-    return std::tie(self.tracks_, self.contours_, self.states_, self.free_, self.active_);
-  }
 
  private:
   std::vector<Track> tracks_;

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _checks, _core
-from asap._pickling import Pickled
 from asap.events import Events
 from asap.synthetic import joined
 from asap_laboratory import _native
@@ -32,7 +31,7 @@ _LARGE = {"large_shapes", "large_disks", "hands", "moving_camera"}
 _EVENTS_PER_ARRAY = 2**16
 
 
-class Scene(Pickled):
+class Scene:
     """Events with exact truth. Made by the functions of `asap_laboratory.scenes`.
 
     Iterating yields the events in arrays of about 2**16, made as they are read: a scene is a source
@@ -61,14 +60,14 @@ class Scene(Pickled):
         scene._recipe = recipe
         return scene
 
-    def _state(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, Any]:
         if self._recipe is None:
             raise TypeError(f"cannot pickle scene {self.name}: its layout is its own; make it anew")
         made_again = {"_layout", "_whole", "_track", "_corners", "_corner_ids"}
         return {name: value for name, value in vars(self).items() if name not in made_again}
 
-    def __setstate__(self, state: tuple[dict[str, Any], list[str]]) -> None:
-        super().__setstate__(state)
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
         assert self._recipe is not None
         self._layout = _layout(self._recipe)
 

@@ -1,0 +1,29 @@
+"""Values that fit no field of their kind, and the calls that refuse them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+NO_NUMBERS = (
+    None,
+    "x",
+    [],
+    object(),
+    1j,
+    np.ones(1),
+    np.ones(2),
+    np.ones((2, 2)),
+    np.empty(0),
+    len,
+)
+NO_REALS = (None, "x", [], 1j, len, math.nan, -1, 10**400)
+NO_SHARES = (*NO_NUMBERS, math.nan, -1, 10**5000)
+NO_WHOLES = (*NO_SHARES, 1.5)
+NO_PATHS = (None, [], object(), 1.5, np.ones(2))
+NO_SEQUENCES = (None, "x", [], object(), 1.5, np.ones((2, 2)), np.empty(0), len)
+NO_TABLES = (None, "x", object(), 1.5, np.ones(2), np.zeros((2, 2)), np.zeros(2, [("a", int)]))
+NO_FLAGS = ("x", [], object(), np.ones(2), np.empty(0), len)
+NO_CALLBACKS = ("x", [], object(), math.nan, 1, np.ones(2))
+NO_NAMES = (None, "x", [], object(), 1.5, np.ones(2), np.empty(0), np.zeros(2, [("a", int)]))
