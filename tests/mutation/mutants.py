@@ -205,15 +205,17 @@ MUTANTS: list[Mutant] = [
             "return on_level() <= kPriorLasts ?",
             "return count_ < 0U ?",
         ),
-        rise_of_the_cost_refutes_nothing=(" && cost_ns <= recent_cost_ns_", ""),
+        rise_of_the_cost_refutes_nothing=(" && cost_ns <= dearer_ns", ""),
+        fixed_cost_charged_to_the_events=("if (small_.weight > 0 && spare_ns > 0)", "if (false)"),
+        slope_without_its_error=("cost_ns + error_ns)", "cost_ns)"),
         outage_of_the_largest_package_believed=("cost_ns >= most_event_ns_ * size && ", ""),
     ),
     *in_file(
         SOURCE + "schemes/deadline.cpp",
         "schemes",
         whole_package_of_any_size=(
-            "decision = safe_slice(decision, safe_size(room_ns / caution(), most_event_ns));",
-            "static_cast<void>(room_ns);",
+            "    decision = safe_slice(decision, safe);\n",
+            "",
         ),
         more_stays_than_can_be_finished=(
             "work_.age_done_within(left_ns - 2.0 * fixed_ns_)",

@@ -71,6 +71,20 @@ std::optional<Decision> HoldRule::wait(const Backlog& backlog, const CostModel& 
   return decision;
 }
 
+bool FixedCostProbe::is_due(std::uint64_t package, double alpha_ns, double bound_ns) noexcept {
+  is_measuring_ = was_late_ && package >= next_ && 4.0 * alpha_ns > bound_ns;
+  return is_measuring_;
+}
+
+void FixedCostProbe::observe(std::uint64_t package, double latency_ns, double bound_ns,
+                             double work_ns, double alpha_ns) noexcept {
+  was_late_ = latency_ns > bound_ns;
+  if (!is_measuring_) return;
+  is_measuring_ = false;
+  distance_ = work_ns > alpha_ns / 2 ? std::min(2 * distance_, kLongest) : kShortest;
+  next_ = package + distance_;
+}
+
 BoundedScheme::BoundedScheme(double latency_ms, double overhead, double min_interval_ms,
                              CostModelConfig cost)
     : latency_bound_ns_(checked_latency_ns(latency_ms)),
@@ -81,10 +95,15 @@ void BoundedScheme::reset(Execution execution) noexcept {
   cost_.reset();
   execution_ = execution;
   packages_ = 0;
+  age_ns_ = 0.0;
+  probe_ = {};
 }
 
 void BoundedScheme::observe(const Outcome& outcome) noexcept {
   if (outcome.size == 0) return;  // no algorithm ran
+  probe_.observe(packages_, age_ns_ + static_cast<double>(outcome.processing_ns),
+                 static_cast<double>(latency_bound_ns_.load()),
+                 static_cast<double>(outcome.work_ns()), cost_.alpha_ns());
   cost_.update(outcome);
   ++packages_;
 }

@@ -27,13 +27,17 @@ constexpr double kMostScale = 3.0;
 constexpr double kMostRise = 2.0;
 constexpr double kMostFall = -0.5;
 constexpr double kRefuted = 0.25;  // of the fixed cost
-constexpr double kFirstSigma = 0.2;
+constexpr double kFirstSigma = 0.15;
 constexpr double kLeastSigma = 0.01;
 constexpr double kMostSigma = 0.4;
 constexpr double kScaleGain = 0.2;
 constexpr double kSigmaGain = 0.05;
 constexpr double kSigmaWeight = 4.0;  // of the first guess, in packages
 constexpr double kFade = 0.98;        // of a size, per package
+constexpr double kApart = 3.0;        // sizes this far apart tell alpha from beta
+constexpr double kLeastShare = 0.02;  // of the events in the cost of a package
+constexpr double kMostGrowth = 8.0;   // of the largest size, per package ...
+constexpr double kSureGrowth = 64.0;  // ... while the first guess holds
 
 double outlier_limit(double sigma) noexcept { return 3.0 * sigma + 0.03; }
 
@@ -58,6 +62,8 @@ void CostModel::reset() noexcept {
   level_start_ = 0;
   smallest_ = kMostSize;
   largest_ = 0.0;
+  guess_holds_ = true;
+  small_ = {};
   recent_size_ = 0.0;
   recent_cost_ns_ = 0.0;
   most_event_ns_ = std::numeric_limits<double>::infinity();
@@ -88,6 +94,7 @@ void CostModel::learn(std::size_t size, std::int64_t time_ns, Gains gains) noexc
   const double expected_ns = predict_ns(n);
   const double error = measured_ns / expected_ns - 1.0;
   const double noise = std::min(std::abs(error), outlier_limit(sigma_));
+  if (std::abs(error) > outlier_limit(sigma_)) guess_holds_ = false;
   double cost_ns = std::clamp(expected_ns * (1.0 + clipped(error, n)), kLeastCostNs, kMostCostNs);
   // A single event, the look of a scheme that doubts, costs at least what is fixed.
   if (n == 1.0 && measured_ns < kRefuted * alpha_ns()) bucket(n) = {};
@@ -102,11 +109,13 @@ void CostModel::learn(std::size_t size, std::int64_t time_ns, Gains gains) noexc
 }
 
 // A smaller package tells nothing about larger ones, with two exceptions: if it is cheaper per
-// event, the larger one met an outage; if it is dearer as a whole, the cost has risen since.
+// event, the larger one met an outage; if it is dearer as a whole by more than the
+// noise, the cost has risen since.
 void CostModel::watch(double size, double cost_ns) noexcept {
   recent_size_ *= kFade;
+  const double dearer_ns = recent_cost_ns_ * (1.0 + outlier_limit(sigma_));
   const bool is_known =
-      size < recent_size_ && cost_ns >= most_event_ns_ * size && cost_ns <= recent_cost_ns_;
+      size < recent_size_ && cost_ns >= most_event_ns_ * size && cost_ns <= dearer_ns;
   if (is_known) return;
   recent_size_ = size;
   recent_cost_ns_ = cost_ns;
@@ -202,10 +211,42 @@ void CostModel::remember(double size, double cost_ns) noexcept {
   bucket.cost_ns += gain * (cost_ns - bucket.cost_ns);
 }
 
+// Upper bound on beta: the slope of the line through the smaller packages and the largest recent
+// one, and one standard error. What is fixed is in both of them and drops out.
+double CostModel::max_beta_ns() const noexcept {
+  const double cost_ns = scale_ * small_.cost_ns;
+  const double error_ns =
+      sigma_ * std::sqrt(recent_cost_ns_ * recent_cost_ns_ + cost_ns * cost_ns / small_.weight);
+  return std::max((recent_cost_ns_ - cost_ns + error_ns) / (recent_size() - small_.size),
+                  kLeastShare * most_event_ns_);
+}
+
+double CostModel::safe_size(double room_ns, double fixed_caution,
+                            double event_caution) const noexcept {
+  // Fixed costs are not negative: n events take at most n times what an event has cost.
+  const double share = std::floor(room_ns / (event_caution * most_event_ns_));
+  // One event is added: without it a fixed cost close to the room would keep packages small.
+  double size = 1.0 + std::max(1.0, share);
+  const double spare_ns = room_ns - fixed_caution * recent_cost_ns_;
+  if (small_.weight > 0 && spare_ns > 0) {
+    const double more = spare_ns / (event_caution * max_beta_ns());
+    size = std::max(size, recent_size() + std::min(more, (kMostGrowth - 1.0) * recent_size()));
+  }
+  const bool is_sure = guess_holds_ && count_ > 0 && count_ <= kPriorLasts;
+  return std::floor(is_sure ? std::max(size, kSureGrowth * largest_) : size);
+}
+
 void CostModel::fit() noexcept {
   double s0 = 0, s1 = 0, s2 = 0, y0 = 0, y1 = 0;
+  const double small = recent_size() / kApart;
+  small_ = {};
   each_asked_for([&](const Bucket& bucket) {
     if (bucket.weight <= 0) return;
+    if (bucket.size <= small && !bucket.is_prior) {
+      small_.weight += bucket.weight;
+      small_.size += bucket.weight * bucket.size;
+      small_.cost_ns += bucket.weight * bucket.cost_ns;
+    }
     const double q = bucket.weight / (bucket.cost_ns * bucket.cost_ns);
     s0 += q;
     s1 += q * bucket.size;
@@ -213,6 +254,10 @@ void CostModel::fit() noexcept {
     y0 += q * bucket.cost_ns;
     y1 += q * bucket.size * bucket.cost_ns;
   });
+  if (small_.weight > 0) {
+    small_.size /= small_.weight;
+    small_.cost_ns /= small_.weight;
+  }
   const double determinant = s0 * s2 - s1 * s1;
   if (determinant > 1e-9 * s0 * s2) {
     double alpha_ns = (y0 * s2 - y1 * s1) / determinant;

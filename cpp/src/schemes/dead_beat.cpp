@@ -35,13 +35,15 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
     budget_ns = std::min(budget_ns, room_ns);
   }
 
-  const bool is_single = asap::is_single(packages_, cost_.alpha_ns(), latency_ns);
+  age_ns_ = static_cast<double>(backlog.age_ns());
+  if (stale > 0) age_ns_ = std::min(age_ns_, length_ns);
+  const bool is_single = probe_.is_due(packages_, cost_.alpha_ns(), latency_ns);
   const std::size_t raw = is_single ? 1 : backlog.count - stale;
   const auto waiting = static_cast<double>(raw);
   Decision decision = Decision::take(raw, size(budget_ns, waiting) / waiting);
   decision.stale = stale;
   if (is_whole()) {
-    return safe_slice(decision, safe_size(budget_ns, cost_.most_event_ns()));
+    return safe_slice(decision, cost_.safe_size(budget_ns, 1.0, 1.0));
   }
   // As much as size() grants.
   return within(std::max({budget_ns, 1.25 * cost_.alpha_ns(), 1.0}), decision);

@@ -17,7 +17,10 @@ constexpr std::array<std::string_view, 3> kPreferences{"balanced", "events", "co
 
 constexpr double kMostBudgetNs = 1e18;
 constexpr double kAll = std::numeric_limits<double>::infinity();
-constexpr double kCaution = 3.0;     // z: nothing stops a whole package that is late
+constexpr double kCaution = 3.0;  // z: nothing stops a whole package that is late
+constexpr double kSlack = 0.5;    // of a bound: z times the fixed cost is at most that, times sigma
+constexpr double kGrowth = 6.0;   // packages from one event to thousands
+constexpr double kNewest = 0.125;    // of a package's time: what has come in it may fill the next
 constexpr double kReach = 2.5;       // fixed costs
 constexpr int kLengths = 8;          // that are tried, besides two that fit what waits
 constexpr int kRollOut = 3;          // packages that are played forward after this one
@@ -53,8 +56,9 @@ struct Plan {
 // What a plan is drawn up for. Times in ns.
 struct Situation {
   double latency_ns;   // L, as planned with
-  double caution;      // z: a package is planned to take that times its cost
+  double caution;      // zeta: events are planned to take that times their cost
   double fixed_ns;     // a, of a package
+  double slow_ns;      // the same with caution
   double event_ns;     // b, of an event
   double age_ns;       // A, of the oldest event
   double shortest_ns;  // of a package
@@ -71,6 +75,7 @@ class Planner {
         latency_ns_(now.latency_ns),
         caution_(now.caution),
         fixed_ns_(now.fixed_ns),
+        slow_ns_(now.slow_ns),
         event_ns_(now.event_ns),
         age_ns_(now.age_ns),
         shortest_ns_(now.shortest_ns),
@@ -85,9 +90,9 @@ class Planner {
   Plan best() const noexcept {
     Plan best{.length_ns = shortest_ns_};
     for (int i = 1; i <= kLengths; ++i) compare(0.98 * latency_ns_ * i / kLengths, best);
-    compare(latency_ns_ - age_ns_, best);                   // drops nothing
-    compare(work_.newest_only(fixed_ns_, caution_), best);  // leaves nothing behind
-    if (best.work_ns <= 0.0) compare(shortest_ns_, best);   // there was none in between
+    compare(latency_ns_ - age_ns_, best);                  // drops nothing
+    compare(work_.newest_only(slow_ns_, caution_), best);  // leaves nothing behind
+    if (best.work_ns <= 0.0) compare(shortest_ns_, best);  // there was none in between
     return best;
   }
 
@@ -112,7 +117,7 @@ class Planner {
   Plan drawn_up(double length_ns) const noexcept {
     const double left_ns = latency_ns_ - length_ns;
     const double there_ns = work_.up_to(left_ns);
-    const double work_ns = std::min(length_ns / caution_ - fixed_ns_, there_ns);
+    const double work_ns = std::min((length_ns - slow_ns_) / caution_, there_ns);
     double next_ns = is_rush_ ? fixed_ns_ : std::min(length_ns, 3.0 * fixed_ns_);
     if (is_rush_ && is_continuous_) next_ns = length_ns;
     const double stay_ns = std::min({work_.age_done_within(left_ns - 2.0 * fixed_ns_),
@@ -129,11 +134,11 @@ class Planner {
     double size_ns = plan.work_ns;
     for (int k = 0; k < kRollOut && left_ns >= event_ns_; ++k) {
       const double room_ns = latency_ns_ - now_ns - oldest_ns;
-      if (caution_ * (fixed_ns_ + left_ns) <= room_ns) return value_ns + left_ns - fixed_ns_;
-      const double length_ns = std::max(room_ns, 6.0 * caution_ * fixed_ns_);
+      if (slow_ns_ + caution_ * left_ns <= room_ns) return value_ns + left_ns - fixed_ns_;
+      const double length_ns = std::max(room_ns, 6.0 * slow_ns_);
       oldest_ns = std::min(oldest_ns, latency_ns_ - now_ns - length_ns);  // the rest is too old
       left_ns = work_.up_to(oldest_ns);
-      size_ns = std::min(left_ns, length_ns / caution_ - fixed_ns_);
+      size_ns = std::min(left_ns, (length_ns - slow_ns_) / caution_);
       if (size_ns <= 0.0) return value_ns;
       value_ns += size_ns - fixed_ns_;
       now_ns += fixed_ns_ + size_ns;
@@ -156,6 +161,7 @@ class Planner {
   const double latency_ns_;
   const double caution_;
   const double fixed_ns_;
+  const double slow_ns_;
   const double event_ns_;
   const double age_ns_;
   const double shortest_ns_;
@@ -191,7 +197,6 @@ Deadline::Deadline(Config config)
 void Deadline::reset(Execution execution) noexcept {
   BoundedScheme::reset(execution);
   reserve_ = {};
-  age_ns_ = 0.0;
 }
 
 Decision Deadline::decide(const Backlog& backlog) noexcept {
@@ -200,23 +205,27 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
   if (const auto wait = hold_.wait(backlog, cost_, zeta, latency_ns)) return *wait;
   const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
   const double room_ns = latency_ns - age_ns(backlog);
-  const double cautious_ns = std::min(zeta * cost_.alpha_ns(), 0.4 * latency_ns);
-  const double shortest_ns = 1.5 * cautious_ns;
-  if (is_single(packages_, cost_.alpha_ns(), bound_ns)) {
+  const double alpha_ns = cost_.alpha_ns();
+  const double slow = fixed_caution(latency_ns);
+  const double slow_ns = std::min(slow * alpha_ns, 0.4 * latency_ns);
+  const double shortest_ns = 1.5 * slow_ns;
+  if (probe_.is_due(packages_, alpha_ns, bound_ns)) {
     return take(backlog, latency_ns, std::max(room_ns, shortest_ns), 1.0, kAll);
   }
   // Nothing stops a whole package that is late: a shorter one is less late.
-  const double most_ns = is_whole() ? std::max(latency_ns / 2, 12.0 * cautious_ns) : latency_ns;
+  const double most_ns = is_whole() ? std::max(latency_ns / 2, 12.0 * slow_ns) : latency_ns;
   const double fit_ns = std::min(room_ns, most_ns);
   const auto all = static_cast<double>(backlog.count);
-  if (zeta * cost_.predict_ns(all) <= fit_ns) return take(backlog, latency_ns, fit_ns, all, 0.0);
+  if (slow * alpha_ns + zeta * cost_.beta_ns() * all <= fit_ns)
+    return take(backlog, latency_ns, fit_ns, all, 0.0);
 
   const double event_ns = cost_.beta_ns();
   const WorkByAge work(backlog, latency_ns, event_ns);
   const Plan plan =
       Planner(work, {.latency_ns = latency_ns,
                      .caution = zeta,
-                     .fixed_ns = cautious_ns / zeta,
+                     .fixed_ns = slow_ns / slow,
+                     .slow_ns = slow_ns,
                      .event_ns = event_ns,
                      .age_ns = age_ns(backlog),
                      .shortest_ns = std::max(shortest_ns, hold_.shortest_ns(latency_ns)),
@@ -250,11 +259,29 @@ Decision Deadline::take(const Backlog& backlog, double latency_ns, double length
   const double most_event_ns = cost_.most_event_ns();
   if (is_whole() || packages_ < kFirst) {
     const double room_ns = std::max(latency_ns - age_ns_, length_ns);
-    decision = safe_slice(decision, safe_size(room_ns / caution(), most_event_ns));
+    const double safe = safe_size(room_ns, latency_ns);
+    decision = safe_slice(decision, safe);
+    if (size > safe && is_early()) decision = newest_of(backlog, decision, latency_ns);
   }
   decision = within(std::clamp(length_ns, 1.0, kMostBudgetNs), decision);
   if (most_event_ns > 1.1 * cost_.beta_ns()) decision.most_event_ns = most_event_ns;
   return decision;
+}
+
+// In place of a first slice that cannot hold what comes while it is processed: the newest events,
+// where few packages fit into a bound while sizes grow. The others would be lost later, and the
+// newest leave the most room to grow.
+Decision Deadline::newest_of(const Backlog& backlog, const Decision& slice,
+                             double latency_ns) noexcept {
+  if (kGrowth * cost_.recent_cost_ns() < latency_ns) return slice;
+  const double young_ns = kNewest * cost_.recent_cost_ns();
+  const double safe = safe_size(latency_ns - young_ns, latency_ns);
+  const auto older = backlog.counts.before(backlog.now_ns - std::llround(young_ns));
+  if (older <= slice.stale || static_cast<double>(backlog.count - older) < safe) return slice;
+  age_ns_ = young_ns;
+  Decision newest = Decision::take(static_cast<std::size_t>(safe));
+  newest.stale = older;
+  return newest;
 }
 
 // The bound; what two packages take that are little more than their fixed cost where that is more,
@@ -282,6 +309,17 @@ bool Deadline::is_early() const noexcept { return asap::is_early(packages_); }
 
 double Deadline::caution() const noexcept {
   return is_whole() ? 1.0 + kCaution * cost_.sigma() : 1.0;
+}
+
+// Caution with events costs little, as they wait for the next package. Caution with the fixed cost
+// costs events where two packages hardly fit into a bound.
+double Deadline::fixed_caution(double latency_ns) const noexcept {
+  if (!is_whole()) return 1.0;
+  return 1.0 + cost_.sigma() * std::min(kCaution, kSlack * latency_ns / cost_.alpha_ns());
+}
+
+double Deadline::safe_size(double room_ns, double latency_ns) const noexcept {
+  return cost_.safe_size(room_ns, fixed_caution(latency_ns), caution());
 }
 
 }  // namespace asap

@@ -48,17 +48,17 @@ class WorkByAge {
   // age a + time_ns: those up to x, oldest first, C(x) - C(a) + a <= time_ns.
   double age_done_within(double time_ns) const noexcept { return inverse(done_, time_ns); }
 
-  // The largest package of the newest events that is over when its oldest gets span_ns old, if all
-  // takes `caution` times as long.
+  // How long the largest package of the newest events takes that is over when its oldest gets
+  // span_ns old, if events take `caution` times as long as they cost.
   double newest_only(double fixed_ns, double caution) const noexcept {
     const double span_ns = slot_ns_ * kSlots;
     const auto end_ns = [&](std::size_t slot) {
-      return caution * (fixed_ns + work_[slot]) + slot_ns_ * static_cast<double>(slot);
+      return fixed_ns + caution * work_[slot] + slot_ns_ * static_cast<double>(slot);
     };
     const std::size_t k = last_slot([&](std::size_t slot) { return end_ns(slot) <= span_ns; });
     const double share = std::max(span_ns - end_ns(k), 0.0) / (end_ns(k + 1) - end_ns(k));
     const double work_ns = work_[k] + share * (work_[k + 1] - work_[k]);
-    return caution * (fixed_ns + work_ns);
+    return fixed_ns + caution * work_ns;
   }
 
  private:

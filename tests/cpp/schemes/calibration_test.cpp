@@ -2,17 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
 namespace asap::calibration_test {
 namespace {
-
-TEST(Calibration, ASafeSizeKeepsTheTimeIfAllOfTheCostIsThatOfTheEvents) {
-  EXPECT_EQ(safe_size(1000, 10), 101.0);
-  EXPECT_EQ(safe_size(1000, 300), 4.0);
-  EXPECT_EQ(safe_size(1000, 1e6), 2.0);
-  EXPECT_EQ(safe_size(1000, std::numeric_limits<double>::infinity()), 2.0);
-}
 
 TEST(Calibration, WhatIsNotSafeWaits) {
   Decision planned = Decision::take(1000, 0.5);
@@ -22,14 +13,6 @@ TEST(Calibration, WhatIsNotSafeWaits) {
   EXPECT_EQ(slice.raw, 499u);
   EXPECT_EQ(slice.keep, 1.0);
   EXPECT_EQ(slice.stale, 7u);
-}
-
-TEST(Calibration, AFixedCostThatRulesTheBoundOutIsLookedAt) {
-  EXPECT_TRUE(is_single(31, 2.6e6, 10e6));
-  EXPECT_FALSE(is_single(31, 2.4e6, 10e6));
-  EXPECT_FALSE(is_single(30, 2.6e6, 10e6));
-  EXPECT_FALSE(is_single(14, 2.6e6, 10e6)) << "an early one";
-  EXPECT_TRUE(is_single(15, 2.6e6, 10e6));
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ TEST(CostModel, StartsWithItsFirstGuess) {
   EXPECT_DOUBLE_EQ(model.alpha_ns(), 50e3);
   EXPECT_DOUBLE_EQ(model.beta_ns(), 100.0);
   EXPECT_DOUBLE_EQ(model.predict_ns(1000), 150e3);
-  EXPECT_DOUBLE_EQ(model.sigma(), 0.2);
+  EXPECT_DOUBLE_EQ(model.sigma(), 0.15);
   EXPECT_EQ(model.count(), 0u);
 }
 
@@ -219,7 +219,7 @@ TEST(CostModel, ANewLevelIsLearnedAnew) {
   for (const double factor : {5.0, 100.0, 7.0}) model.update(package(1024, factor * normal_ns));
   EXPECT_NEAR(model.predict_ns(1024) / normal_ns, 6, 1);
   EXPECT_NEAR(model.predict_ns(1) / small_ns, 5, 0.7);
-  EXPECT_GE(model.sigma(), 0.2);                // as careful as at the start
+  EXPECT_GE(model.sigma(), 0.15);               // as careful as at the start
   model.update(package(1024, 10 * normal_ns));  // and every package is news
   EXPECT_NEAR(model.predict_ns(1024) / normal_ns, 8, 1.5);
 }
@@ -355,6 +355,63 @@ TEST(CostModel, TheLargestRecentPackageSaysWhatAnEventCostsAtMost) {
   EXPECT_DOUBLE_EQ(model.most_event_ns(), 9e5) << "or it costs more by now";
   update(50);
   EXPECT_DOUBLE_EQ(model.most_event_ns(), cost_by_event(50)) << "or that was an outage";
+}
+
+// ---- how large a package may be that nothing stops ---------------------------------------------
+
+// Of one size alone all of the cost may be that of the events.
+TEST(CostModel, ASizeIsSafeIfAllOfTheCostIsThatOfTheEvents) {
+  CostModel model;
+  EXPECT_EQ(model.safe_size(1e6, 1.0, 1.0), 2.0) << "nothing is known";
+  model.update(package(100, 1e6));
+  EXPECT_EQ(model.safe_size(10e6, 1.0, 1.0), 1001.0);
+  EXPECT_EQ(model.safe_size(10e6, 1.0, 2.0), 501.0) << "events that may take twice as long";
+  EXPECT_EQ(model.safe_size(1e3, 1.0, 1.0), 2.0);
+}
+
+// Three sizes that cost the same: what is fixed is not charged to the events.
+TEST(CostModel, AFixedCostIsNotChargedToTheEvents) {
+  CostModel model;
+  for (const std::size_t size : {1u, 4u, 16u}) model.update(package(size, 5e6));
+  EXPECT_GT(model.safe_size(13e6, 1.0, 1.0), 60.0) << "by events alone, 42";
+  EXPECT_LE(model.safe_size(13e6, 1.0, 1.0), 8 * 16.0) << "and never more than eight times";
+  EXPECT_LE(model.safe_size(4e6, 1.0, 1.0), 16.0) << "no room for what is fixed";
+}
+
+TEST(CostModel, TheSlopeLimitsASize) {
+  CostModel model;
+  for (int k = 0; k < 200; ++k) {
+    for (const std::size_t size : {10u, 100u, 1000u}) {
+      model.update(package(size, 5e6 + 1e3 * static_cast<double>(size)));
+    }
+  }
+  // 6 ms for 1000 events, 1 us for each more, and a standard error of 1 % of that package
+  const double exact = 1000 + (7e6 - 6e6) / 1e3;
+  EXPECT_LE(model.safe_size(7e6, 1.0, 1.0), exact);
+  EXPECT_GE(model.safe_size(7e6, 1.0, 1.0), 0.95 * exact);
+  EXPECT_LT(model.safe_size(7e6, 1.1, 1.0), 0.8 * exact) << "caution with what is fixed";
+  EXPECT_LT(model.safe_size(7e6, 1.0, 1.5), 0.9 * exact) << "caution with events";
+}
+
+TEST(CostModel, AFirstGuessThatHoldsLetsSizesGrow) {
+  CostModel holds({.first_alpha_us = 5000, .first_beta_ns = 1});
+  CostModel fails({.first_alpha_us = 500, .first_beta_ns = 1});
+  for (CostModel* model : {&holds, &fails}) model->update(package(1, 5e6));
+  EXPECT_EQ(holds.safe_size(13e6, 1.0, 1.0), 64.0);
+  EXPECT_EQ(fails.safe_size(13e6, 1.0, 1.0), 3.0);
+  holds.update(package(64, 50e6));
+  EXPECT_LT(holds.safe_size(100e6, 1.0, 1.0), 64.0 * 8) << "it holds no more";
+}
+
+// A smaller package that took a little longer is noise; a much dearer one is news.
+TEST(CostModel, ASmallPackageThatIsSlowByNoiseResetsNothing) {
+  CostModel model;
+  for (const std::size_t size : {1u, 100u, 1000u}) model.update(package(size, 5e6));
+  const double grown = model.safe_size(13e6, 1.0, 1.0);
+  model.update(package(1, 5.5e6));
+  EXPECT_GE(model.safe_size(13e6, 1.0, 1.0), 0.9 * grown);
+  model.update(package(1, 12e6));
+  EXPECT_LE(model.safe_size(13e6, 1.0, 1.0), 8.0);
 }
 
 TEST(CostModel, OfAPackageInPartsTheFirstIsASecondSize) {

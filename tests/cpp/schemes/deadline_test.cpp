@@ -163,14 +163,29 @@ TEST(Deadline, HoldsForTheOverheadUnlessDue) {
 
 TEST(Deadline, DoubtsAFixedCostThatRulesTheBoundOut) {
   for (const Execution execution : {Execution::whole, Execution::anytime}) {
-    Deadline doubts = trained({.latency_ms = 0.39}, execution, 399);
+    const auto end_late = [](Deadline& scheme, int packages) {
+      for (int k = 0; k < packages; ++k) observe(scheme, 1024, 1024, kAlphaNs + 1024 * kBetaNs);
+    };
+    Deadline doubts = trained({.latency_ms = 0.39}, execution);
+    end_late(doubts, 1);
     const Decision one = decide(doubts, evenly(100, 100 * kUs));
     EXPECT_EQ(one.raw, 1u);
     EXPECT_EQ(one.keep, 1.0);
-    Deadline later = trained({.latency_ms = 0.39}, execution, 400);
-    EXPECT_GT(decide(later, evenly(100, 100 * kUs)).raw, 1u);
-    Deadline believes = trained({.latency_ms = 0.41}, execution, 399);
+    observe(doubts, 1, 1, kAlphaNs);  // so it is: the next look is 32 packages away
+    for (int k = 0; k < 31; ++k) {
+      EXPECT_GT(decide(doubts, evenly(100, 100 * kUs)).raw, 1u) << k;
+      end_late(doubts, 1);
+    }
+    EXPECT_EQ(decide(doubts, evenly(100, 100 * kUs)).raw, 1u);
+    observe(doubts, 1, 1, kAlphaNs / 3);  // it is not: 16 packages
+    for (std::size_t k = 0; k < 14; ++k) train(doubts, 1, kAlphaNs);
+    end_late(doubts, 1);
+    EXPECT_EQ(decide(doubts, evenly(100, 100 * kUs)).raw, 1u);
+    Deadline believes = trained({.latency_ms = 0.405}, execution);
+    end_late(believes, 1);
     EXPECT_GT(decide(believes, evenly(100, 100 * kUs)).raw, 1u);
+    Deadline in_time = trained({.latency_ms = 0.39}, execution);
+    EXPECT_GT(decide(in_time, evenly(100, 100 * kUs)).raw, 1u) << "no package was late";
   }
 }
 
@@ -429,7 +444,7 @@ TEST(Deadline, ABoundThatCannotBeKeptIsReplacedByTwoAndAHalfFixedCosts) {
   // On the strength of a first guess nothing is given up.
   Deadline fresh({.first_alpha_us = 5000});
   fresh.reset(Execution::anytime);
-  EXPECT_NEAR(budget_ms(decide(fresh, evenly(1, kMs), 50 * kMs)), 9.925 - 1, 1e-6);
+  EXPECT_NEAR(budget_ms(decide(fresh, evenly(1, kMs), 50 * kMs)), 9.95 - 1, 1e-6);
 }
 
 // ---- an algorithm that takes a package in one call --------------------------------------------
@@ -442,8 +457,8 @@ TEST(Deadline, AWholePackageIsNoLargerThanIsSafe) {
   EXPECT_EQ(decide(scheme, crowd).raw, 2u);
   observe(scheme, 2, 2, 100'600);
   const Decision decision = decide(scheme, crowd);
-  const double room_ns = 9.925e6 - 4e6;  // planned short for sigma = 0.2, and zeta = 1.6
-  EXPECT_EQ(decision.raw, 1 + static_cast<std::size_t>(room_ns / 1.6 / 50'300));
+  const double room_ns = 9.95e6 - 4e6;  // planned short for sigma = 0.15, and zeta = 1.45
+  EXPECT_EQ(decision.raw, 1 + static_cast<std::size_t>(room_ns / 1.45 / 50'300));
   EXPECT_EQ(decision.keep, 1.0);
   observe(scheme, decision.raw, decision.raw, 100e3 + 300 * static_cast<double>(decision.raw));
   EXPECT_GT(decide(scheme, crowd).raw, 1500u);

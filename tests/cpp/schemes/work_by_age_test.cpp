@@ -51,7 +51,7 @@ TEST(WorkByAge, FindsThePackageOfTheNewest) {
   const test::FakeBacklog events = evenly();
   const WorkByAge dear(events.at(kNow), kSpan, 3 * kEvent);
   EXPECT_NEAR(dear.newest_only(400e3, 1.0), 400e3 + 3 * 700e3, 1e-6);            // y = 700 us
-  EXPECT_NEAR(dear.newest_only(400e3, 2.0), 2 * (400e3 + 3 * 2.4e6 / 7), 1e-6);  // 2.4 / 7 ms
+  EXPECT_NEAR(dear.newest_only(800e3, 2.0), 2 * (400e3 + 3 * 2.4e6 / 7), 1e-6);  // 2.4 / 7 ms
   const WorkByAge cheap(events.at(kNow), kSpan, 0.1 * kEvent);
   EXPECT_NEAR(cheap.newest_only(1e3, 1.0), 201e3, 1e-6);  // all of them
 }

@@ -46,6 +46,12 @@ class CostModel {
   double most_event_ns() const noexcept { return most_event_ns_; }
   // Beta once the line rests on measured packages; until then the larger of beta and that bound.
   double doubted_event_ns() const noexcept;
+  // The largest package that ends within room_ns even if the line is wrong; at least 2. What it
+  // costs is taken times `fixed_caution` up to the size of the largest recent package and times
+  // `event_caution` beyond. Source: notebooks/theory.md, section 8.
+  double safe_size(double room_ns, double fixed_caution, double event_caution) const noexcept;
+  // What the largest recent package took. 0 before the first.
+  double recent_cost_ns() const noexcept { return recent_cost_ns_; }
   // Relative noise of the package times.
   double sigma() const noexcept { return sigma_; }
   // Packages learned from, first parts included.
@@ -61,6 +67,13 @@ class CostModel {
     bool is_new() const noexcept { return weight < 0.2; }
   };
 
+  // The mean of measured packages.
+  struct Mean {
+    double weight = 0.0;
+    double size = 0.0;
+    double cost_ns = 0.0;
+  };
+
   struct Gains {
     double scale;
     double sigma;
@@ -71,6 +84,8 @@ class CostModel {
   void watch(double size, double cost_ns) noexcept;
   double clipped(double error, double size) noexcept;
   double least_cost_ns() const noexcept;
+  double recent_size() const noexcept { return recent_cost_ns_ / most_event_ns_; }
+  double max_beta_ns() const noexcept;
   void forget() noexcept;
   bool knows_better(const Bucket& prior) const noexcept;
   Bucket& bucket(double size) noexcept;
@@ -94,9 +109,11 @@ class CostModel {
   std::uint64_t level_start_;  // count_ when the present level began
   double smallest_;            // size since then
   double largest_;
+  bool guess_holds_;                // so far each package has cost what was assumed at first
   double recent_size_;              // of the largest recent package; it fades
   double recent_cost_ns_;           // what it took
   double most_event_ns_;            // the same by event
+  Mean small_;                      // packages of at most a third of its size
   std::array<Bucket, 24> buckets_;  // by log2 of the size
   std::uint32_t asked_for_;         // a bit for each; the others are empty
 };

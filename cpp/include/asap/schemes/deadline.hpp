@@ -99,12 +99,14 @@ class Deadline final : public BoundedScheme {
   Decision take(const Backlog& backlog, double latency_ns, double length_ns, double size,
                 double stay) noexcept;
 
+  Decision newest_of(const Backlog& backlog, const Decision& slice, double latency_ns) noexcept;
   bool is_early() const noexcept;
-  double caution() const noexcept;  // zeta
+  double caution() const noexcept;  // zeta, of events
+  double fixed_caution(double latency_ns) const noexcept;
+  double safe_size(double room_ns, double latency_ns) const noexcept;
 
   const DeadlineConfig config_;
   OutageReserve reserve_;
-  double age_ns_;  // of the oldest event that was not dropped, when the last package was taken
 };
 
 }  // namespace asap
