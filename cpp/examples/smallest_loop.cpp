@@ -10,7 +10,8 @@
 
 int main() {
   asap::ClusterTracker tracker{{.width = 346, .height = 260}};
-  asap::Pipeline pipeline{{.latency_us = 10'000},
+  // anytime: a call costs the tracker nothing, so a package may come in parts and end on the clock.
+  asap::Pipeline pipeline{{.latency_us = 10'000, .execution = asap::Execution::anytime},
                           [&](asap::EventSpan events) { tracker.process(events); }};
 
   asap::FlightOverChairs camera{{.duration_us = 500'000}};  // or a driver's callback

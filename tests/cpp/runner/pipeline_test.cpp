@@ -315,7 +315,7 @@ TEST(Pipeline, HasOneConsumerAtATime) {
     pipeline.stop();
   });
   Package package;
-  Pipeline anytime(scheme);
+  Pipeline anytime(scheme, {.execution = Execution::anytime});
   EXPECT_THROW(anytime.next(package, 0ns), std::logic_error);
 }
 

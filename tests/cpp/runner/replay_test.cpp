@@ -240,10 +240,27 @@ TEST(Replay, NotesTheAgeOfWhatItPushes) {
   EXPECT_EQ(replay.ledger().delivered, 5000u);
 }
 
+// A callable that costs 50 us per call would cost 800 us per package in sixteen parts.
+TEST(Replay, ACallableGetsAPackageInOneCallUnlessItAsksForParts) {
+  const Events events = evenly_spaced(100'000, 1);
+  for (const Execution execution : {RunConfig{}.execution, Execution::anytime}) {
+    test::ScriptedScheme scheme(all_within(60'000'000'000));
+    Replay replay(scheme, {}, {.execution = execution});
+    SpanSource source(events);
+    std::size_t calls = 0;
+    replay.run(source, [&](const Package&) {
+      ++calls;
+      std::this_thread::sleep_for(2ms);  // so that the next package is large
+    });
+    const std::size_t packages = replay.telemetry().log.size();
+    EXPECT_EQ(calls == packages, execution == Execution::whole) << calls << ", " << packages;
+  }
+}
+
 TEST(Replay, AnExceptionInAPartComesOutUnchanged) {
   const Events events = evenly_spaced(100'000, 1);
   test::ScriptedScheme scheme(all_within(60'000'000'000));
-  Replay replay(scheme);
+  Replay replay(scheme, {}, {.execution = Execution::anytime});
   SpanSource source(events);
   const int code = trouble_of([&] {
     replay.run(source, [&](const Package& part) {

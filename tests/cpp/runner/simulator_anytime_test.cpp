@@ -188,7 +188,8 @@ ScriptedScheme::Rule all_within(std::int64_t budget_ns, double event_ns) {
 PackageRow row_of(std::size_t count, std::int64_t budget_ns, double event_ns,
                   const LinearCostConfig& cost) {
   ScriptedScheme scheme(all_within(budget_ns, event_ns));
-  Simulator simulator(scheme, LinearCost(cost), {.capacity = count + 1});
+  Simulator simulator(scheme, LinearCost(cost),
+                      {.capacity = count + 1, .execution = Execution::anytime});
   Events events = at_times({0});
   for (std::size_t i = 0; i < count; ++i) events.push_back(test::numbered(i + 1, 1));
   simulator.feed(events);
@@ -218,7 +219,7 @@ TEST(SimulatorAnytime, AnOutageEndsAPackageEarlyAndLeavesTheRestInTheRing) {
   const LinearCostConfig cost{
       .alpha_us = 1, .beta_ns = 1000, .outages = {{450 * kMicrosecond, 9 * kMillisecond}}};
   ScriptedScheme scheme(all_within(2 * kMillisecond, 1000));
-  Simulator simulator(scheme, LinearCost(cost));
+  Simulator simulator(scheme, LinearCost(cost), {.execution = Execution::anytime});
   Events events = at_times({0});
   for (std::size_t i = 0; i < 1600; ++i) events.push_back(test::numbered(i + 1, 1));
   simulator.feed(events);

@@ -40,8 +40,8 @@ struct Result {
 Result overloaded(double latency_ms, std::vector<Outage> outages) {
   Deadline scheme({.latency_ms = latency_ms});
   Simulator simulator(
-      scheme,
-      LinearCost({.alpha_us = kAlphaUs, .beta_ns = kBetaNs, .outages = std::move(outages)}));
+      scheme, LinearCost({.alpha_us = kAlphaUs, .beta_ns = kBetaNs, .outages = std::move(outages)}),
+      {.execution = Execution::anytime});
   simulator.feed(test::evenly_spaced(2 * kSecondUs, 1));
   simulator.finish();
   const LatencyHistogram& latency = simulator.telemetry().latency;
@@ -71,7 +71,7 @@ TEST(SimulatorOutages, HalfTheProcessorInSlices) {
     EXPECT_NEAR(busy.beta_ns, kBetaNs, 0.05 * kBetaNs) << seed;
 
     const Result patient = overloaded(20, time_slices(4, 4, seed));
-    EXPECT_LT(patient.p99, 1.07) << seed;
+    EXPECT_LT(patient.p99, 1.08) << seed;
     EXPECT_GT(patient.in_time, 0.093) << seed;
   }
 }
