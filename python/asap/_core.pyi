@@ -105,7 +105,7 @@ class Deadline(Scheme):
         self,
         *,
         latency_ms: float = 10.0,
-        overhead: float = 0.25,
+        overhead: float = 0.5,
         min_interval_ms: float = 0.0,
         first_alpha_us: float = 50.0,
         first_beta_ns: float = 100.0,

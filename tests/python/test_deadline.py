@@ -16,7 +16,7 @@ COST = asap.LinearCost(alpha_us=100, beta_ns=300)
 
 DEADLINE = {
     "latency_ms": 10.0,
-    "overhead": 0.25,
+    "overhead": 0.5,
     "min_interval_ms": 0.0,
     "first_alpha_us": 50.0,
     "first_beta_ns": 100.0,

@@ -707,7 +707,7 @@ TEST(Deadline, TellsItsNameAndParameters) {
   EXPECT_EQ(Deadline().latency_bound_ns(), 10 * kMs);
   EXPECT_EQ(Deadline({.latency_ms = 2.5}).latency_bound_ns(), 2'500'000);
   EXPECT_EQ(Deadline().parameters(), (SchemeParameters{{"latency_ms", 10.0},
-                                                       {"overhead", 0.25},
+                                                       {"overhead", 0.5},
                                                        {"min_interval_ms", 0.0},
                                                        {"first_alpha_us", 50.0},
                                                        {"first_beta_ns", 100.0},

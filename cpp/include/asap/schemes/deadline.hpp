@@ -34,7 +34,7 @@ Prefer prefer_of(std::string_view name);
 
 struct DeadlineConfig {
   double latency_ms = 10.0;      // L, the one number that a user must know
-  double overhead = 0.25;        // permitted share of fixed costs in the processor, 0 = any
+  double overhead = 0.5;         // permitted share of fixed costs in the processor, 0 = any
   double min_interval_ms = 0.0;  // shortest time between package starts
   double first_alpha_us = 50.0;  // cost of a package before one has been seen
   double first_beta_ns = 100.0;  // cost of an event, likewise
