@@ -9,24 +9,30 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asap import _checks, _core, _units, analysis
 from asap.events import events_of_argument
+from asap.results import comparison_table
+from asap.results.inspection import BINS_FROM_US
 
 try:
     import matplotlib
+    from matplotlib.colors import LogNorm
     from matplotlib.figure import Figure, SubFigure
     from matplotlib.patches import Ellipse
+    from matplotlib.ticker import LogLocator, NullLocator
 except ImportError as error:
     raise ImportError("asap.plots needs matplotlib: install asap-events[report]") from error
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from asap.results.comparison import Comparison, Row
+    from asap.results.inspection import Inspection
     from asap.results.run import Run
 
 __all__ = ["clusters", "control", "figure", "frame", "rate", "svg"]
@@ -374,3 +380,208 @@ def _log_if_decades(axes: Axes, values: analysis.Floats) -> None:
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter(lambda value, _: f"{value:,g}")
         axes.yaxis.set_minor_formatter(lambda value, _: "")
+
+
+# ---- a comparison ------------------------------------------------------------------------------
+
+_PANEL_INCHES = 0.92
+_FRAME_INCHES = 0.95
+_SPAN = 100  # latencies from L / 100 to 100 L are told apart
+
+
+def comparison_figure(comparison: Comparison, *, points: int = 500) -> Figure:
+    """Draw latency and kept share over time for each scheme, best score first.
+
+    The first row shows the events that came in. For each scheme the largest latency of the events
+    of each moment with the latency bound, and beside it the share of the events that was finished.
+    A curve has at most so many points, each with the worst latency and the mean share of what lies
+    between.
+    """
+    rows = comparison.rows
+    lines = 1 + len(rows)
+    # Fixed titles: to look for a place for each takes longer than to draw the page.
+    with matplotlib.rc_context({**STYLE, "axes.titley": 1.0}):
+        page = NotebookFigure(
+            figsize=(9.0, _FRAME_INCHES + _PANEL_INCHES * lines), layout="constrained"
+        )
+        grid = page.subplots(lines, 2, sharex=True, squeeze=False)
+        windows = {row.label: _Windows.of(comparison, row.label, points) for row in rows}
+        for axes in grid[0]:
+            _draw_incoming(axes, next(iter(windows.values())))
+        for row, (latency, kept) in zip(rows, grid[1:], strict=True):
+            _draw_worst_latency(latency, windows[row.label], comparison.latency_ms)
+            _draw_kept(kept, windows[row.label])
+            _name(latency, kept, row)
+        handles = [handle for axes in grid[1] for handle in axes.get_legend_handles_labels()[0]]
+        page.legend(handles=handles, loc="outside upper right", ncols=3, handlelength=1.6)
+        for axes in grid[-1]:
+            axes.set_xlabel("time from the first event [s]")
+        for axes in grid.flat:
+            axes.margins(x=0.01)
+    return page
+
+
+class _Windows(NamedTuple):
+    """A run over time, in windows of equal length."""
+
+    time_s: NDArray[np.float64]
+    rate_hz: NDArray[np.float64]
+    latency_ms: NDArray[np.float64]  # the largest, NaN where nothing was finished
+    kept: NDArray[np.float64]  # NaN where nothing came in
+    on_time: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, comparison: Comparison, label: str, points: int) -> _Windows:
+        slots = comparison.runs[label].slots
+        if slots is None or slots.size == 0:
+            empty = np.empty(0)
+            return cls(empty, empty, empty, empty, np.empty(0, bool))
+        elapsed_ms = slots["slot"] - slots["slot"][0]
+        window_ms = -(-int(elapsed_ms[-1] + 1) // points)
+        window = elapsed_ms // window_ms
+        count = int(window[-1]) + 1
+        received = np.bincount(window, slots["received"], count)
+        delivered = np.bincount(window, slots["delivered"], count)
+        latency_ms = np.full(count, np.nan)
+        np.fmax.at(latency_ms, window[slots["delivered"] > 0], _delivered_ms(slots))
+        return cls(
+            time_s=(np.arange(count, dtype=np.float64) + 0.5) * (window_ms / 1e3),
+            rate_hz=np.asarray(received * (1e3 / window_ms), np.float64),
+            latency_ms=latency_ms,
+            kept=np.divide(delivered, received, out=np.full(count, np.nan), where=received > 0),
+            on_time=latency_ms <= comparison_table.KEEPS * comparison.latency_ms,
+        )
+
+
+def _delivered_ms(slots: NDArray[np.void]) -> NDArray[np.float64]:
+    return np.asarray(slots["latency_max_us"][slots["delivered"] > 0] / 1e3)
+
+
+def _draw_incoming(axes: Axes, windows: _Windows) -> None:
+    unit, scale = _units.rate_axis(windows.rate_hz.max(initial=0))
+    axes.fill_between(windows.time_s, windows.rate_hz * scale, color=FAINT, alpha=0.55, linewidth=0)
+    axes.set(title="events that come in", ylabel=unit)
+    axes.set_ylim(bottom=0)
+
+
+def _draw_worst_latency(axes: Axes, windows: _Windows, bound_ms: float) -> None:
+    low, high = bound_ms / _SPAN, bound_ms * _SPAN
+    axes.plot(windows.time_s, np.clip(windows.latency_ms, low, high), color=BLUE)
+    axes.axhline(bound_ms, color=VERMILION, linestyle=(0, (5, 3)), linewidth=1.2, label="bound L")
+    axes.set(ylabel="latency\n[ms]", yscale="log", ylim=(low / 1.4, high * 1.4))
+    axes.yaxis.set_major_locator(LogLocator(numticks=4))
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:,g}")
+    axes.yaxis.set_minor_locator(NullLocator())
+
+
+def _draw_kept(axes: Axes, windows: _Windows) -> None:
+    kept = np.nan_to_num(windows.kept)
+    for chosen, colour, label in (
+        (windows.on_time, GREEN, "kept, all in time"),
+        (~windows.on_time, VERMILION, "kept, some too late"),
+    ):
+        axes.fill_between(
+            windows.time_s,
+            np.where(chosen, kept, 0.0),
+            color=colour,
+            alpha=0.75,
+            linewidth=0,
+            step="mid",
+            label=label,
+        )
+    axes.set(ylabel="kept", ylim=(0, 1.05), yticks=(0, 0.5, 1))
+
+
+def _name(latency: Axes, kept: Axes, row: Row) -> None:
+    plain: Any = {"loc": "right", "fontweight": "normal", "fontsize": 8}
+    latency.set_title(row.label, parse_math=False)
+    latency.set_title(
+        f"p99 {_units.duration(row.p99_us)}, max {_units.duration(row.max_us)}", **plain
+    )
+    kept.set_title(f"score {row.score:.3f}")
+    kept.set_title(f"kept {_units.share(row.kept)}", **plain)
+
+
+# ---- an inspection -----------------------------------------------------------------------------
+
+_MARKED = 50  # hot pixels with a circle
+_MOST_LABELS = 11  # of octaves: more would run into each other
+
+
+def inspection_figure(inspection: Inspection) -> Figure:
+    """Draw rate over time, times between events, and the pixels with circles around hot ones."""
+    with matplotlib.rc_context(STYLE):
+        page = NotebookFigure(figsize=(7.5, 8.6), layout="constrained")
+        rate, intervals, pixels = page.subplots(3, 1, height_ratios=(1, 0.9, 2.6))
+        _draw_rate_curve(rate, inspection)
+        _draw_intervals(intervals, inspection)
+        _draw_pixels(pixels, inspection)
+    return page
+
+
+def _draw_rate_curve(axes: Axes, inspection: Inspection) -> None:
+    time_s, mean_hz, peak_hz = inspection.rate_curve.T
+    unit, scale = _units.rate_axis(peak_hz.max(initial=0))
+    window_ms = 1e3 * (time_s[1] - time_s[0]) if time_s.size > 1 else 1.0
+    if window_ms > 1.5:
+        axes.plot(
+            *analysis.decimate(time_s, peak_hz * scale, 2000),
+            color=FAINT,
+            label="largest in 1 ms",
+        )
+    axes.plot(
+        *analysis.decimate(time_s, mean_hz * scale, 2000),
+        color=BLUE,
+        drawstyle="steps-post",
+        label=f"in {window_ms:.0f} ms",
+    )
+    axes.set(title="event rate", xlabel="time from the first event [s]", ylabel=unit)
+    axes.set_ylim(bottom=0)
+    axes.margins(x=0.01)
+    _legend(axes)
+
+
+def _draw_intervals(axes: Axes, inspection: Inspection) -> None:
+    counts = inspection.interval_counts
+    total = max(int(counts.sum()), 1)
+    last = int(np.flatnonzero(counts)[-1]) if counts.any() else 0
+    axes.bar(np.arange(last + 1), 100 / total * counts[: last + 1], color=BLUE, width=0.92)
+    ticks = range(0, last + 1, -(-(last + 1) // _MOST_LABELS))
+    axes.set_xticks(ticks, [_units.duration(int(BINS_FROM_US[tick])) for tick in ticks])
+    axes.set(title="time since the event before", ylabel="% of events", xlabel="from, by octaves")
+    axes.grid(False, axis="x")
+
+
+def _draw_pixels(axes: Axes, inspection: Inspection) -> None:
+    counts = inspection.pixel_counts
+    largest = max(int(counts.max(initial=1)), 2)
+    picture = axes.imshow(
+        np.ma.masked_equal(counts, 0),
+        norm=LogNorm(1, largest),
+        cmap="cividis",
+        interpolation="nearest",
+        aspect="equal",
+    )
+    axes.grid(False)
+    words = "events of a pixel"
+    beside = axes.inset_axes((1.03, 0, 0.035, 1))  # as high as the map
+    bar = axes.figure.colorbar(picture, cax=beside, label=words, format="%g")
+    bar.ax.yaxis.set_minor_formatter(lambda value, _: "")
+    if largest < 10:  # no other power of ten
+        bar.set_ticks([1, largest])
+    hot = inspection.hot_pixels[:_MARKED]
+    if hot.size:
+        axes.scatter(
+            hot["x"],
+            hot["y"],
+            s=70,
+            facecolors="none",
+            edgecolors=VERMILION,
+            linewidths=1.3,
+        )
+    rows, columns = counts.shape
+    axes.set(xlim=(-0.5, columns - 0.5), ylim=(rows - 0.5, -0.5), xlabel="x [px]", ylabel="y [px]")
+    total = inspection.hot_pixels.size
+    share = int(inspection.hot_pixels["events"].sum()) / max(inspection.events, 1)
+    words = f"{_units.count(total)}, with {_units.share(share)} of the events" if total else "none"
+    axes.set_title(f"hot pixels: {words}")

@@ -439,21 +439,6 @@ def test_no_file_holds_what_is_banned() -> None:
     assert not found, "\n".join(found)
 
 
-# A test mirrors its header, so it may not be split and may be longer; the stub of a module is one
-# file.
-LONGEST = {("cpp", "python"): 400, ("tests",): 800}
-
-
-def test_files_are_short() -> None:
-    counts = {
-        name_of(path): (len(path.read_text().splitlines()), limit)
-        for folders, limit in LONGEST.items()
-        for path in sources(*folders)
-        if path.suffix != ".pyi"
-    }
-    assert not {name: count for name, (count, limit) in counts.items() if count > limit}
-
-
 def test_examples_fit_on_a_page() -> None:
     examples = [*(CPP / "examples").glob("*.cpp")]
     assert len(examples) >= 6

@@ -11,7 +11,7 @@ from asap.cli.options import add_out, add_verb
 from asap.cli.outcome import (
     CHECK_FAILED,
     OK,
-    need_matplotlib,
+    need_report,
     print_json,
     print_written,
     writing,
@@ -27,7 +27,7 @@ def add(verbs: Any) -> None:
 
 
 def _call(arguments: Any) -> int:
-    need_matplotlib()
+    need_report()
     from asap import demo
 
     with writing(arguments.out), _progress.on_terminal() as on_progress:

@@ -173,15 +173,15 @@ class Comparison(Result, Mapping[str, Row]):
 
     def plot(self) -> Figure:
         """Draw latency and kept share over time, a row of the figure for each scheme."""
-        from asap.report import comparison_report
+        from asap import plots
 
-        return comparison_report.figure(self)
+        return plots.comparison_figure(self)
 
     def report(self, path: str | os.PathLike[str]) -> Path:
-        """Write one self-contained HTML page and return its path; needs matplotlib."""
-        from asap.report import comparison_report
+        """Write one self-contained HTML page and return its path; needs the extra `report`."""
+        from asap import report
 
-        return comparison_report.write(self, path)
+        return report.write_comparison(self, path)
 
     def _repr_html_(self) -> str:
         return notebook.comparison_html(self)

@@ -176,15 +176,15 @@ class Inspection(Result):
 
     def plot(self) -> Figure:
         """Draw the rate over time and the map of the pixels; needs matplotlib."""
-        from asap.report import inspection_report
+        from asap import plots
 
-        return inspection_report.figure(self)
+        return plots.inspection_figure(self)
 
     def report(self, path: str | os.PathLike[str]) -> Path:
-        """Write one self-contained HTML page and return its path; needs matplotlib."""
-        from asap.report import inspection_report
+        """Write one self-contained HTML page and return its path; needs the extra `report`."""
+        from asap import report
 
-        return inspection_report.write(self, path)
+        return report.write_inspection(self, path)
 
     def _repr_html_(self) -> str:
         return notebook.inspection_html(self)

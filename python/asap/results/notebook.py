@@ -22,8 +22,14 @@ if TYPE_CHECKING:
 def run_html(run: Run) -> str:
     """Show a run: its figures, where every event went, the verdict."""
     summary, received = run.summary(), run.ledger["received"]
+    reasons = {"rejected": f": {_units.reasons(run.rejected)}"} if run.rejected else {}
     ledger = [
-        (cause, _units.count(run.ledger[cause]), _share(run.ledger[cause], received), words)
+        (
+            cause,
+            _units.count(run.ledger[cause]),
+            _share(run.ledger[cause], received),
+            words + reasons.get(cause, ""),
+        )
         for cause, words in run_table.LEDGER_WORDS.items()
     ]
     return (

@@ -268,10 +268,10 @@ class Run(Result):
         return plots.figure(self)
 
     def report(self, path: str | os.PathLike[str]) -> Path:
-        """Write one self-contained HTML page and return its path; needs matplotlib."""
-        from asap.report import run_report
+        """Write one self-contained HTML page and return its path; needs the extra `report`."""
+        from asap import report
 
-        return run_report.write(self, path)
+        return report.write_runs(self, path)
 
     def _repr_html_(self) -> str:
         return notebook.run_html(self)
