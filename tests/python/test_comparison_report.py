@@ -12,8 +12,9 @@ import streams
 
 pytest.importorskip("matplotlib")
 
-from asap import plots, report
-from asap.results import comparison_table
+from asap.results import figures as plots
+from asap.results import page as report
+from asap.results import text as text_of
 from test_run_report import IMAGE, Page
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)
@@ -109,11 +110,11 @@ def test_the_page_is_well_formed_and_asks_for_nothing(page):
 def test_the_page_says_what_the_table_says(page, comparison):
     text = html.unescape(re.sub(r"<[^>]*>", " ", page)).replace("\xa0", " ")
     for row in comparison.rows:
-        for cell in comparison_table.cells(row, 5.0):
+        for cell in text_of.comparison_cells(row, 5.0):
             assert cell in text
-    for words in (*comparison_table.COLUMNS, *comparison_table.COLUMNS.values()):
+    for words in (*text_of.COLUMNS, *text_of.COLUMNS.values()):
         assert words in text
-    assert comparison_table.subtitle(comparison) in text
+    assert text_of.comparison_subtitle(comparison) in text
     assert "overhead 0.25" in text
 
 

@@ -136,7 +136,7 @@ def test_a_changed_summary(
         put(summary, data.draw(st.sampled_from(places(summary))), data.draw(VALUES))
     with pytest.MonkeyPatch.context() as patch:
         if data.draw(st.integers(0, 19)) != 13:  # the figures take most of a second
-            patch.setattr("asap.plots.svg", lambda _: "")
+            patch.setattr("asap.results.figures.svg", lambda _: "")
         if as_archive:
             report_of_archive(folder, summary__json=json.dumps(summary).encode())
         else:
@@ -157,7 +157,7 @@ def test_a_changed_column(
     with suppress(OverflowError, ValueError):  # a float that no whole number is
         changed[place] = number
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asap.plots.svg", lambda _: "")
+        patch.setattr("asap.results.figures.svg", lambda _: "")
         report_of_archive(folder, **{f"{column}__npy": npy(changed)})
 
 
@@ -168,7 +168,7 @@ def test_changed_latencies(saved: tuple[Path, dict[str, Any]], data: st.DataObje
     latencies = json.loads(members(folder / "run.npz")["latencies.json"])
     put(latencies, data.draw(st.sampled_from(places(latencies))), data.draw(VALUES))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asap.plots.svg", lambda _: "")
+        patch.setattr("asap.results.figures.svg", lambda _: "")
         report_of_archive(folder, latencies__json=json.dumps(latencies).encode())
 
 

@@ -14,8 +14,8 @@ import corrupt
 
 pytest.importorskip("matplotlib")
 
-from asap import report
-from asap.results import inspection_table
+from asap.results import page as report
+from asap.results import text as text_of
 from test_run_report import Page
 
 EVENTS = corrupt.clean_events(20_000)
@@ -123,7 +123,7 @@ def test_every_check_has_a_line(text, inspection):
         head = f'<th scope="row">{name.replace("_", " ")}</th>'
         assert f"<tr>{head}<td>{finding.count}</td><td>{finding.verdict}</td>" in text
     plain = html.unescape(text)
-    for words in inspection_table.CHECKS.values():
+    for words in text_of.CHECKS.values():
         assert words in plain
     for finding in inspection.findings.values():
         assert finding.remedy in plain

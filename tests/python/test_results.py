@@ -14,7 +14,7 @@ import pytest
 
 import asap
 import streams
-from asap.results.result import Result
+from asap.results.data import Result
 from test_run_report import Page
 
 EVENTS = streams.poisson(1e5, 0.02)
@@ -43,8 +43,8 @@ def result(request: pytest.FixtureRequest) -> Any:
 
 
 def test_these_are_all() -> None:
-    kinds = {kind for kind in Result.__subclasses__() if kind.__module__.startswith("asap.")}
-    assert kinds == set(RESULTS)
+    data = {kind for kind in Result.__subclasses__() if kind.__module__.startswith("asap.")}
+    assert {kind for one in data for kind in one.__subclasses__()} == set(RESULTS)
 
 
 def test_a_summary_is_saved(result: Any, tmp_path: Path) -> None:
@@ -73,7 +73,7 @@ def test_a_path_is_checked_before_the_work(
 ) -> None:
     if method == "report":
         pytest.importorskip("matplotlib")
-        monkeypatch.setattr(asap.plots.NotebookFigure, "__init__", None)
+        monkeypatch.setattr(asap.results.figures.NotebookFigure, "__init__", None)
     monkeypatch.setattr(type(result), "summary", None)
     for path, error in (
         (5, TypeError),
@@ -99,7 +99,10 @@ def test_a_notebook_shows_a_table_and_the_verdict(result: Any) -> None:
 
 def test_no_notebook_needs_matplotlib(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [*sys.modules]:
-        if name.partition(".")[0] == "matplotlib" or name in ("asap.plots", "asap.report"):
+        if name.partition(".")[0] == "matplotlib" or name in (
+            "asap.results.figures",
+            "asap.results.page",
+        ):
             monkeypatch.setitem(sys.modules, name, None)
     assert "Verdict" in compared()._repr_html_()
 

@@ -10,8 +10,9 @@ from fake_run import empty_run, fake_run
 
 pytest.importorskip("matplotlib")
 
-from asap import plots, report
-from asap.results import run_table
+from asap.results import figures as plots
+from asap.results import page as report
+from asap.results import text as text_of
 
 IMAGE = "data:image/svg+xml;base64,"
 
@@ -110,9 +111,9 @@ def test_values_are_escaped(write):
 
 def test_the_page_says_what_the_table_says(text, run):
     text = html.unescape(text).replace("\xa0", " ")
-    for cause, words in run_table.LEDGER_WORDS.items():
+    for cause, words in text_of.LEDGER_WORDS.items():
         assert words in text and f"<td>{run.ledger[cause]:,}</td>" in text
-    verdict = run_table.verdict(run)
+    verdict = text_of.run_verdict(run)
     assert verdict.partition(". ")[2] in text
     assert "Verdict" in text
 

@@ -16,7 +16,7 @@ from asap.cli.outcome import (
     print_written,
     writing,
 )
-from asap.results import run_table
+from asap.results import text
 
 
 def add(verbs: Any) -> None:
@@ -45,7 +45,7 @@ def _call(arguments: Any) -> int:
         )
     else:
         for run, of_run in zip(experiments, claims, strict=True):
-            print(run_table.format_run(run), end="\n\n")
+            print(text.format_run(run), end="\n\n")
             for claim in of_run:
                 print(f"  {'holds' if claim.holds else 'FAILS':<7}{claim.sentence}")
                 print(textwrap.indent(textwrap.fill(claim.seen, 69), " " * 9))

@@ -105,7 +105,7 @@ def show(result: Any, arguments: Any, *saved: Path | None) -> None:
 def need_report() -> None:
     """Say that a page cannot be written before the run, not after it."""
     try:
-        importlib.import_module("asap.report")
+        importlib.import_module("asap.results.page")
     except ImportError as error:
         raise Failure(USAGE, str(error)) from error
 

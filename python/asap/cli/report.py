@@ -27,7 +27,7 @@ def add(verbs: Any) -> None:
 
 def _call(arguments: Any) -> int:
     need_report()
-    from asap.report import write_runs
+    from asap.results.page import write_runs
 
     with reading(arguments):
         runs = [asap.load_run(path) for path in arguments.runs]

@@ -15,8 +15,8 @@ import numpy as np
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from asap import _core, plots
-from asap.analysis import Floats
 from asap.experiment import compare
+from asap.results.cost import Floats
 from asap_laboratory import profiles
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from asap import report
-from asap.results import notebook
+from asap.results import page as pages
+from asap.results import text
 from asap_laboratory.real import document
 from asap_laboratory.real.following import Followed
 from asap_laboratory.real.mistakes import Span, mistakes, spans
@@ -68,9 +68,9 @@ def write(
     command : str
         What has to be typed to get the same.
     """
-    table = notebook.table(document.HEAD, [document.cells(one) for one in sets])
+    table = text.table(document.HEAD, [document.cells(one) for one in sets])
     notes = "".join(f'<p class="sub">Left out: {escape(words)}</p>' for words in left_out)
-    return report.write(
+    return pages.write(
         path,
         "The cluster tracker on recordings",
         map(_article, sets),
@@ -80,11 +80,11 @@ def write(
     )
 
 
-def _article(followed: Followed) -> report.Article:
+def _article(followed: Followed) -> pages.Article:
     scene = followed.scene
     facts = f"{scene.width} x {scene.height} px, camera {scene.camera}, {scene.events.size} events"
     wrong = "".join(f"<li>{escape(words)}</li>" for words in mistakes(followed))
-    return report.Article(
+    return pages.Article(
         "recording",
         {"name": scene.name, "labelled_times": len(followed.matches)},
         f"""<h2>{escape(scene.name)}</h2>

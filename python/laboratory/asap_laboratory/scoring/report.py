@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asap import plots, report  # first: they say which extra is missing
-from asap.results import notebook
+from asap import plots  # first: it says which extra is missing
+from asap.results import page as pages
+from asap.results import text
 from asap_laboratory.scoring import table as accuracy_table
 
 import matplotlib  # isort: skip
@@ -26,20 +27,20 @@ if TYPE_CHECKING:
 
 def write(curve: KeepCurve, path: str | os.PathLike[str], title: str = "ASAP accuracy") -> Path:
     """Write one HTML file about the scores of an algorithm over gamma."""
-    return report.write(path, title, _articles(curve))
+    return pages.write(path, title, _articles(curve))
 
 
-def _articles(curve: KeepCurve) -> Iterator[report.Article]:
+def _articles(curve: KeepCurve) -> Iterator[pages.Article]:
     head, *rows = accuracy_table.cells(curve)
     columns = accuracy_table.columns_of(curve.rows[0]).values()
-    yield report.Article(
+    yield pages.Article(
         "keep-curve",
         curve.summary(),
-        notebook.heading(accuracy_table.title(curve)) + notebook.table(head, rows),
+        text.heading(accuracy_table.title(curve)) + text.table(head, rows),
         figure([curve], width_inches=8.6),
         "Scores over the fraction of the events that is kept. Told: the algorithm knew it. Bars "
         "are standard deviations over the seeds.",
-        {"What the columns say": notebook.table((), columns)},
+        {"What the columns say": text.table((), columns)},
     )
 
 

@@ -13,22 +13,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asap import _checks, _units, plots  # first: it says which extra is missing
-from asap.results import comparison_table, inspection_table, notebook, run_table
+from asap import _checks, _units
+from asap.results import figures, text  # figures first: it says which extra is missing
+from asap.results.data import Comparison, Inspection, Run
 
 try:
     import jinja2
 except ImportError as error:
-    raise ImportError("asap.report needs jinja2: install asap-events[report]") from error
+    raise ImportError("a page needs jinja2: install asap-events[report]") from error
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from asap.results.comparison import Comparison
-    from asap.results.inspection import Inspection
-    from asap.results.run import Run
-
-__all__ = ["Article", "write", "write_comparison", "write_inspection", "write_runs"]
 
 _LONGEST = 200  # characters of a text, elements of a list
 
@@ -69,7 +64,7 @@ class Article:
     def image(self) -> str:
         """The figure as the address of an image."""
         assert self.figure is not None
-        drawn = plots.svg(self.figure).encode("utf-8", "replace")
+        drawn = figures.svg(self.figure).encode("utf-8", "replace")
         return f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode()}"
 
 
@@ -120,10 +115,10 @@ def _article_of_run(run: Run) -> Article:
     return Article(
         "run",
         summary,
-        notebook.run_html(run),
-        None if run.without_log else plots.figure(run),
+        text.run_html(run),
+        None if run.without_log else figures.figure(run),
         "What the closed loop did, package by package.",
-        {"All numbers of this run": notebook.table((), _flat(summary))},
+        {"All numbers of this run": text.table((), _flat(summary))},
     )
 
 
@@ -131,7 +126,7 @@ def _side_by_side(runs: Sequence[Run]) -> str:
     head = ("run", "kept", "in time", "p50", "p99", "max", "overflow")
     rows = [
         (
-            run_table.title(run.summary()),
+            text.run_title(run.summary()),
             _units.share(run.kept),
             _units.share(run.in_time),
             *(_units.duration(run.latency.quantile(q)) for q in (0.5, 0.99)),
@@ -140,7 +135,7 @@ def _side_by_side(runs: Sequence[Run]) -> str:
         )
         for run in runs
     ]
-    return notebook.heading("Side by side") + notebook.table(head, rows)
+    return text.heading("Side by side") + text.table(head, rows)
 
 
 def _articles_of_comparison(comparison: Comparison) -> Iterator[Article]:
@@ -149,7 +144,7 @@ def _articles_of_comparison(comparison: Comparison) -> Iterator[Article]:
             row.label,
             row.scheme,
             ", ".join(
-                f"{name} {run_table.parameter_value(value)}"
+                f"{name} {text.parameter_value(value)}"
                 for name, value in comparison.runs[row.label].scheme.parameters.items()
             ),
         )
@@ -158,13 +153,13 @@ def _articles_of_comparison(comparison: Comparison) -> Iterator[Article]:
     yield Article(
         "comparison",
         comparison.summary(),
-        notebook.comparison_html(comparison),
-        plots.comparison_figure(comparison),
+        text.comparison_html(comparison),
+        figures.comparison_figure(comparison),
         "Every scheme over time: the largest latency of the events of each moment, and the share "
         "of the events that was finished. Latencies beyond 100 L are drawn at 100 L.",
         {
-            "What the columns say": notebook.table((), comparison_table.COLUMNS.items()),
-            "The schemes and their parameters": notebook.table((), parameters),
+            "What the columns say": text.table((), text.COLUMNS.items()),
+            "The schemes and their parameters": text.table((), parameters),
         },
     )
 
@@ -180,17 +175,17 @@ def _articles_of_inspection(inspection: Inspection) -> Iterator[Article]:
         )
         for x, y, events in inspection.busiest_pixels.tolist()
     )
-    checks = ((name.replace("_", " "), text) for name, text in inspection_table.CHECKS.items())
+    checks = ((name.replace("_", " "), words) for name, words in text.CHECKS.items())
     yield Article(
         "inspection",
         inspection.summary(),
-        notebook.inspection_html(inspection),
-        plots.inspection_figure(inspection),
+        text.inspection_html(inspection),
+        figures.inspection_figure(inspection),
         "The good events: how many in each moment, how long after the one before, and how many of "
         "each pixel.",
         {
-            "The ten busiest pixels": notebook.table((), busiest),
-            "What is checked": notebook.table((), checks),
+            "The ten busiest pixels": text.table((), busiest),
+            "What is checked": text.table((), checks),
         },
     )
 
