@@ -107,6 +107,15 @@ def test_no_notebook_needs_matplotlib(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "Verdict" in compared()._repr_html_()
 
 
+def test_a_notebook_tells_why_events_were_rejected() -> None:
+    bad = EVENTS.copy()
+    bad["t"][10] -= 5000
+    for events, rejected in ((EVENTS, False), (bad, True)):
+        shown = asap.simulate(events, cost=COST)._repr_html_()
+        assert ("times that go back</td>" in shown) is not rejected
+        assert ("times that go back: " in shown.replace("\xa0", " ")) is rejected
+
+
 def test_nothing_received_is_shown_too() -> None:
     nothing = np.zeros(0, asap.EVENT_DTYPE)
     assert "No event was received" in asap.simulate(nothing, cost=COST)._repr_html_()

@@ -627,13 +627,13 @@ def _hang(text: str, indent: int) -> str:
 def run_html(run: Run) -> str:
     """Show a run: its figures, where every event went, the verdict."""
     summary, received = run.summary(), run.ledger["received"]
-    reasons = {"rejected": f": {_units.reasons(run.rejected)}"} if run.rejected else {}
+    reasons = _units.reasons(run.rejected)
     ledger = [
         (
             cause,
             _units.count(run.ledger[cause]),
             _share_of(run.ledger[cause], received),
-            words + reasons.get(cause, ""),
+            f"{words}: {reasons}" if cause == "rejected" and reasons else words,
         )
         for cause, words in LEDGER_WORDS.items()
     ]
