@@ -449,9 +449,7 @@ def test_a_missing_matplotlib_is_told_before_the_work(verb):
     command = [sys.executable, "-c", f"{code} sys.exit(cli.main({verb}))"]
     result = subprocess.run(command, capture_output=True, text=True)
     assert (result.returncode, result.stdout) == (2, "")
-    assert (
-        result.stderr == "asap: error: asap.plots needs matplotlib: install asap-events[report]\n"
-    )
+    assert result.stderr == "asap: error: a figure needs matplotlib: install asap-events[report]\n"
 
 
 def test_demo_as_json(api, asap, demo, tmp_path):

@@ -18,7 +18,7 @@ from asap.cli import check, compare, completion, convert, demo, info, report, ru
 from asap.cli.options import EXAMPLES
 from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, as_options, say
 from asap.cli.parser import Parser
-from asap.results import run_table
+from asap.results import text
 
 __all__ = ["carry_out", "main"]
 
@@ -57,7 +57,7 @@ def carry_out(parser: argparse.ArgumentParser, argv: Sequence[str] | None = None
         except KeyboardInterrupt:
             say("interrupted")
             if last := asap.last_run():
-                say(f"the run up to there:\n{run_table.format_ledger(last.ledger, last.rejected)}")
+                say(f"the run up to there:\n{text.format_ledger(last.ledger, last.rejected)}")
             return INTERRUPTED
         except BrokenPipeError:
             _drop_stdout()  # the reader of the pipe is gone

@@ -12,7 +12,7 @@ from asap.cli.outcome import (
     BAD_INPUT,
     CHECK_FAILED,
     OK,
-    need_matplotlib,
+    need_report,
     reading,
     show,
 )
@@ -28,7 +28,7 @@ def add(verbs: Any) -> None:
 
 def _call(arguments: Any) -> int:
     if arguments.report:
-        need_matplotlib()
+        need_report()
     with reading(arguments), _progress.on_terminal() as on_progress:
         inspection = asap.check(_source(arguments), on_progress=on_progress)
     show(inspection, arguments)

@@ -7,7 +7,7 @@ from typing import Any
 import asap
 from asap import _progress, _units
 from asap.cli.options import add_recording, add_report, add_verb, open_recording, typed
-from asap.cli.outcome import OK, USAGE, Failure, need_matplotlib, reading, show, usage
+from asap.cli.outcome import OK, USAGE, Failure, need_report, reading, show, usage
 
 
 def add(verbs: Any) -> None:
@@ -50,7 +50,7 @@ def _call(arguments: Any) -> int:
             "100us+300ns; the verdict of asap run estimates it for yours",
         )
     if arguments.report:
-        need_matplotlib()
+        need_report()
     with usage():
         cost = asap.LinearCost(*arguments.cost)
     with reading(arguments), _progress.on_terminal() as on_progress:

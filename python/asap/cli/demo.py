@@ -11,12 +11,12 @@ from asap.cli.options import add_out, add_verb
 from asap.cli.outcome import (
     CHECK_FAILED,
     OK,
-    need_matplotlib,
+    need_report,
     print_json,
     print_written,
     writing,
 )
-from asap.results import run_table
+from asap.results import text
 
 
 def add(verbs: Any) -> None:
@@ -27,7 +27,7 @@ def add(verbs: Any) -> None:
 
 
 def _call(arguments: Any) -> int:
-    need_matplotlib()
+    need_report()
     from asap import demo
 
     with writing(arguments.out), _progress.on_terminal() as on_progress:
@@ -45,7 +45,7 @@ def _call(arguments: Any) -> int:
         )
     else:
         for run, of_run in zip(experiments, claims, strict=True):
-            print(run_table.format_run(run), end="\n\n")
+            print(text.format_run(run), end="\n\n")
             for claim in of_run:
                 print(f"  {'holds' if claim.holds else 'FAILS':<7}{claim.sentence}")
                 print(textwrap.indent(textwrap.fill(claim.seen, 69), " " * 9))

@@ -102,10 +102,10 @@ def show(result: Any, arguments: Any, *saved: Path | None) -> None:
         print_written(*saved, arguments.report)
 
 
-def need_matplotlib() -> None:
-    """Say that a figure cannot be drawn before the run, not after it."""
+def need_report() -> None:
+    """Say that a page cannot be written before the run, not after it."""
     try:
-        importlib.import_module("asap.plots")
+        importlib.import_module("asap.results.page")
     except ImportError as error:
         raise Failure(USAGE, str(error)) from error
 

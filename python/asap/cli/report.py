@@ -7,7 +7,7 @@ from typing import Any
 
 import asap
 from asap.cli.options import add_verb, page_file
-from asap.cli.outcome import OK, need_matplotlib, print_json, print_written, reading, writing
+from asap.cli.outcome import OK, need_report, print_json, print_written, reading, writing
 
 
 def add(verbs: Any) -> None:
@@ -26,14 +26,14 @@ def add(verbs: Any) -> None:
 
 
 def _call(arguments: Any) -> int:
-    need_matplotlib()
-    from asap.report import run_report
+    need_report()
+    from asap.results.page import write_runs
 
     with reading(arguments):
         runs = [asap.load_run(path) for path in arguments.runs]
     out = arguments.out or arguments.runs[0].with_suffix(".html")
     with writing(out):
-        run_report.write(runs, out)
+        write_runs(runs, out)
     if arguments.json:
         print_json({"schema_version": 1, "runs": len(runs), "file": str(out)})
     else:

@@ -21,7 +21,7 @@ from asap.cli.outcome import (
     OK,
     USAGE,
     Failure,
-    need_matplotlib,
+    need_report,
     reading,
     show,
     tell_doubt,
@@ -87,7 +87,7 @@ def _call(arguments: Any) -> int:
     if arguments.cost and arguments.speed != 1.0:
         raise Failure(USAGE, "--speed: not with --cost; only a replay in real time has a speed")
     if arguments.report:
-        need_matplotlib()
+        need_report()
     with usage():
         scheme = scheme_of(arguments.scheme, arguments.settings)
         cost = asap.LinearCost(*arguments.cost) if arguments.cost else None

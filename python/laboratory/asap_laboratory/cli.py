@@ -25,7 +25,7 @@ from asap.cli.outcome import (
     writing,
 )
 from asap.cli.parser import Parser
-from asap.results.result import without_nan
+from asap.results.data import without_nan
 
 _Found = TypeVar("_Found")
 
