@@ -57,34 +57,24 @@ class Hdf5Reader:
         self._options = Options(None, options.time_unit)
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
-        """Read in steps of some chunks of the file, hand on in pieces."""
+        """Read steps of some chunks up to the first damaged chunk, hand on in pieces."""
         with self._open() as file:
             with foreign(self._path):
                 sources = self._sources(file)
             longest = max(source.rows_per_chunk for source in sources.values())
-            step = max(_STEP // longest, 1) * longest
-            for start in range(0, self._layout.rows, step):
+            start, step = 0, max(_STEP // longest, 1) * longest
+            while start < self._layout.rows:
                 stop = min(start + step, self._layout.rows)
                 try:
-                    rows = _rows(sources, start, stop)
-                except CorruptFile:
-                    part = longest if longest > 1 else step
-                    yield from self._around_the_fault(sources, range(start, stop, part), losses)
-                else:
-                    yield from self._pieces(rows, losses, start)
-
-    def _around_the_fault(
-        self, sources: dict[str, _Source], parts: range, losses: Losses
-    ) -> Iterator[Events]:
-        """Yield what is good of a step that cannot be read as a whole, chunk by chunk."""
-        for first in parts:
-            last = min(first + parts.step, parts.stop)
-            try:
-                rows = _rows(sources, first, last)
-            except CorruptFile as error:
-                losses.bad(error, "chunks", last - first)
-            else:
-                yield from self._pieces(rows, losses, first)
+                    rows = {role: source.rows(start, stop) for role, source in sources.items()}
+                except CorruptFile as error:
+                    if step > longest > 1:
+                        step = longest  # the chunks of this step before the damaged one are whole
+                        continue
+                    losses.truncated(error.offset, error.fault)
+                    return
+                yield from self._pieces(rows, losses, start)
+                start = stop
 
     def _pieces(
         self, rows: dict[str, npt.NDArray[Any]], losses: Losses, first: int
@@ -169,10 +159,6 @@ class _Source:
             return int(self._dataset.id.get_chunk_info_by_coord(at).byte_offset or 0)
         except (OSError, RuntimeError, ValueError):
             return 0
-
-
-def _rows(sources: dict[str, _Source], start: int, stop: int) -> dict[str, npt.NDArray[Any]]:
-    return {role: source.rows(start, stop) for role, source in sources.items()}
 
 
 def _why_not(path: Path, error: OSError) -> CorruptFile:
