@@ -130,4 +130,4 @@ def test_what_cannot_be_read(call, tmp_path):
     columns = tmp_path / "three.csv"
     columns.write_text("1,2,3\n4,5,6\n")
     code, out, err = call(columns)
-    assert (code, out) == (2, "") and "name each, such as --order xyt or --order yxt\n" in err
+    assert (code, out) == (2, "") and "name each, such as --order txy\n" in err

@@ -129,3 +129,48 @@ def _without(
 
 def _clamped(column: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return np.where(column > _MAX_ADDRESS, _MAX_ADDRESS, np.where(column < 0, 0, column))
+
+
+def as_rows(shape: tuple[int, ...]) -> tuple[int, bool] | None:
+    """Count the events in a matrix of this shape, and say whether they are its columns.
+
+    None if it is not four columns or rows. MATLAB 7.3 stores what it calls (N, 4) as (4, N).
+    """
+    if len(shape) != 2:
+        return None
+    if shape[1] == 4:
+        return shape[0], False
+    return (shape[1], True) if shape[0] == 4 else None
+
+
+def order_of(path: Path, name: str, rows: npt.NDArray[Any], order: str | None) -> str:
+    """Return `order`, else the arrangement that the first `rows` allow; a question if several."""
+    if order is not None:
+        if len(order) != 4:
+            raise ValueError(
+                f"order = {order!r}: names {len(order)} columns, {name} in {path} has 4"
+            )
+        return order
+    if len(rows) == 0:
+        return "txyp"
+    columns = range(4)
+    times = [i for i in columns if _only_a_time(rows[:, i])]
+    if len(times) != 1:
+        times = [i for i in columns if _ascends(rows[:, i])]
+    signs = [i for i in columns if i not in times and bool(np.isin(rows[:, i], (-1, 0, 1)).all())]
+    if len(times) != 1 or len(signs) != 1:
+        raise ValueError(
+            f"order = None: the values of {name} in {path} do not say which of its 4 columns are "
+            "t and p; give order, such as order='txyp'"
+        )
+    found = dict.fromkeys(times, "t") | dict.fromkeys(signs, "p")
+    addresses = iter("xy")
+    return "".join(found.get(i) or next(addresses) for i in columns)
+
+
+def _only_a_time(column: npt.NDArray[Any]) -> bool:
+    return bool(np.any(column > _MAX_ADDRESS) or np.any(column != np.floor(column)))
+
+
+def _ascends(column: npt.NDArray[Any]) -> bool:
+    return bool(column[0] < column[-1] and np.all(column[1:] >= column[:-1]))

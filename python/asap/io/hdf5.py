@@ -17,8 +17,7 @@ import numpy.typing as npt
 
 from asap import _stamps
 from asap.events import Events
-from asap.io.arrangement import order_of
-from asap.io.columns import events_of, file_columns
+from asap.io.columns import events_of, file_columns, order_of
 from asap.io.errors import CorruptFile, cut_file, foreign, library
 from asap.io.hdf5_layout import Layout, find_layouts, sensor_of, usable
 from asap.io.numpy_files import mapped

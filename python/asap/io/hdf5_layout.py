@@ -20,7 +20,7 @@ import numpy as np
 
 from asap._stamps import MAX
 from asap.events import FIELD_NAMES
-from asap.io.arrangement import as_rows
+from asap.io.columns import as_rows
 from asap.io.errors import (
     CorruptFile,
     MissingLibrary,
