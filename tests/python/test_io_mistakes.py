@@ -182,7 +182,7 @@ def test_info_and_run_warn_of_seconds(
     assert cli.main([*verb, str(path), "--width", "346", "--height", "260"]) == 0
     err = capsys.readouterr().err
     assert f"warning: {path}: 3000 events within 2 us: the times look like seconds" in err
-    assert err.endswith("if they are, give --time-unit s\n")
+    assert err.endswith("if they are, give time_unit='s'\n")
 
 
 @pytest.mark.parametrize(
@@ -204,7 +204,7 @@ def test_long_steps_are_told(
     with pytest.warns(UserWarning, match=f"{words}time_unit='{other}'"):
         asap.load(path)
     assert cli.main(["info", str(path)]) == 0
-    assert f"give --time-unit {other}\n" in capsys.readouterr().err
+    assert f"give time_unit='{other}'\n" in capsys.readouterr().err
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         asap.load(path, time_unit=other)
@@ -284,7 +284,7 @@ def test_the_command_line_names_the_format(
 ) -> None:
     path = write(tmp_path / "a.bin", "txyp")
     assert cli.main(["info", str(path)]) == 3
-    assert "--file-format text reads it" in capsys.readouterr().err
+    assert "file_format='text' reads it" in capsys.readouterr().err
     assert cli.main(["info", str(path), "--file-format", "text"]) == 0
     assert "format    text" in capsys.readouterr().out
 
