@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _units
-from asap._stamps import TIME_EXPONENTS, time_exponent
+from asap._stamps import time_exponent
 from asap.events import (
     Columns,
     Events,
@@ -29,7 +29,7 @@ Times = npt.NDArray[np.int64]
 _MAX_ADDRESS = 65535
 HEAD = 1001  # events whose steps say something
 _MOST_PER_US = 100  # more than any camera sends
-_LONG_US, _USUAL_US = 10_000, 1_000  # between events of a camera
+_LONG_US = 10_000  # between events of a camera
 
 
 def file_columns(
@@ -80,20 +80,14 @@ def unit_doubt(
     """
     if unit is None or count < HEAD:
         return None
-    if unit == "us" and count > _MOST_PER_US * (span_us + 1):
-        words = f"{count} events within {span_us} us: the times look like seconds, not microseconds"
-        return words, "if they are, give time_unit='s'"
     step_us = float(np.median(steps_us)) if len(steps_us) else 0.0
-    if step_us <= _LONG_US:
+    if unit == "us" and count > _MOST_PER_US * (span_us + 1):
+        words = f"{count} events within {span_us} us, which is short for a camera"
+    elif step_us > _LONG_US:
+        words = f"the times step by {_units.duration(step_us)}, which is long for a camera"
+    else:
         return None
-    finer = {
-        name: step_us / 10.0 ** (TIME_EXPONENTS[unit] - exponent)
-        for name, exponent in TIME_EXPONENTS.items()
-        if exponent < TIME_EXPONENTS[unit]
-    }
-    name = next((one for one, step in finer.items() if step <= _USUAL_US), "ns")
-    words = f"the times step by {_units.duration(step_us)}, which is long for a camera"
-    return words, f"if they count {name}, not {unit}, give time_unit={name!r}"
+    return words, f"if they are not in {unit}, give time_unit"
 
 
 def _all_whole(times: npt.NDArray[Any]) -> bool:
