@@ -216,7 +216,7 @@ def test_a_guessed_unit_is_doubted(tmp_path: Path) -> None:
     unit = check(str(path)).findings["time_unit"]
     assert (unit.count, unit.verdict) == (1, "note")
     assert unit.detail == "the times step by 1 s, which is long for a camera"
-    assert unit.remedy == "If they count ns, not us, give time_unit='ns'."
+    assert unit.remedy == "If they are not in us, give time_unit."
     assert check(str(path), time_unit="us").findings["time_unit"].verdict == "ok"
     assert check(str(path), time_unit="ns").findings["time_unit"].verdict == "ok"
 
