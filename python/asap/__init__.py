@@ -82,14 +82,13 @@ __all__ = [
     "oracle",
     "plots",
     "read",
-    "report",
     "run",
     "simulate",
     "synthetic",
 ]
 
 # Imported when they are first used: modules, and names with the module that they are in.
-_MODULES = ("analysis", "plots", "report", "synthetic")
+_MODULES = ("analysis", "plots", "synthetic")
 _NAMES = {
     "Comparison": "experiment",
     "Inspection": "inspection",
@@ -108,7 +107,7 @@ _NAMES = {
 }
 
 if TYPE_CHECKING:
-    from asap import analysis, plots, report, synthetic
+    from asap import analysis, plots, synthetic
     from asap.conversion import convert
     from asap.experiment import (
         Comparison,

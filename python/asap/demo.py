@@ -80,7 +80,7 @@ def run(
     is made where it does not exist. `quick`: scenes of 1 s, each over the full range of rates.
     """
     from asap import plots
-    from asap.report import run_report
+    from asap.results import page
 
     out = Path(out)
     out.mkdir(parents=True, exist_ok=True)
@@ -95,7 +95,7 @@ def run(
         (out / f"{name}.svg").write_text(plots.svg(result.plot()), encoding="utf-8")
     runs, report = [*results.values()], out / "report.html"
     title = "ASAP: the paper's two experiments, and the first again under Deadline"
-    run_report.write(runs, report, title=title)
+    page.write_runs(runs, report, title=title)
     return runs, [*(out / f"{name}.svg" for name in results), report]
 
 

@@ -11,7 +11,6 @@ from test_results import (  # noqa: F401
     test_a_figure_and_a_page,
     test_a_path_is_checked_before_the_work,
     test_a_summary_is_saved,
-    test_on_a_phone_the_smallest_words_of_its_figure_can_be_read,
 )
 from test_run_report import Page
 

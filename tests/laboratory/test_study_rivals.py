@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import asap
-from asap import _core
+from asap import _core, plots
 from asap_laboratory import RivalsStudy, _native, rivals, rivals_study
 from asap_laboratory.accuracy.cases import Rung
 from asap_laboratory.cli import main
@@ -272,7 +272,7 @@ def test_the_figure_has_a_dot_for_each_tracker_in_both_panels(tmp_path):
     (ours,) = (line for line in cost.lines if line.get_label() == OURS)
     assert ours.get_xdata() == pytest.approx([12.4, 12.4, 12.4, 30])
     drawn = figures.write(tmp_path / "rivals.svg", CURVES, {}).read_text()
-    assert "prefers-color-scheme:dark" in drawn and "var(--blue)" in drawn
+    assert plots.BLUE in drawn
     assert set(figures._LOOKS) == set(RIVALS)
 
 

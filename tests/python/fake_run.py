@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from asap.results import run_table
+from asap.results import text as text_of
 
 PACKAGES_DTYPE = np.dtype(
     [
@@ -74,7 +74,7 @@ class FakeRun:
         self._source = source
 
     def __str__(self):
-        return run_table.format_run(self)
+        return text_of.format_run(self)
 
     def summary(self):
         rows = self.packages

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import asap
-from asap.cli.choices import ALGORITHMS
+from asap.cli.algorithms import ALGORITHMS
 from house import ROOT, name_of, run
 
 FOLDER = ROOT / "notebooks" / "algorithms"

@@ -7,7 +7,7 @@ from hypothesis.extra.numpy import arrays
 import asap
 import streams
 from asap import analysis
-from asap.results import cost
+from asap.results import numbers
 from fake_run import PACKAGES_DTYPE, empty_run, fake_run
 
 EVENT_DTYPE = np.dtype(
@@ -377,14 +377,14 @@ def test_what_was_lost_before_a_package_counts_as_offered():
 @given(st.lists(st.floats(0, 1e7), min_size=1, max_size=30), st.floats(0.01, 1))
 def test_needed_throughput_lets_the_share_through(rates, share):
     rates = np.array(rates)
-    cap = cost._throughput_to_keep(rates, share)
+    cap = numbers._throughput_to_keep(rates, share)
     assert np.minimum(rates, cap).sum() == pytest.approx(share * rates.sum(), rel=1e-9, abs=1e-9)
 
 
 def test_single_events_on_one_stamp_are_all_offered():
     run = fake_run(duration_s=0.0)
     run.packages = packages(t_first=[5, 5, 5, 7], t_last=[5, 5, 5, 7], offered=[1, 1, 1, 1])
-    rates_hz = cost._offered_rates(run, 1.0)
+    rates_hz = numbers._offered_rates(run, 1.0)
     assert rates_hz.sum() * 1e-6 == pytest.approx(4)
 
 

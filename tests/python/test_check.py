@@ -21,7 +21,7 @@ from asap.events import Events
 from asap.inspection import raw_source
 from asap.inspection.pixels import PixelMap
 from asap.io import CorruptFile
-from asap.results import inspection_table
+from asap.results import text as text_of
 from event_files import DATA, WRITERS, facts, recording, write_csv
 
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
@@ -216,7 +216,7 @@ def test_a_guessed_unit_is_doubted(tmp_path: Path) -> None:
     unit = check(str(path)).findings["time_unit"]
     assert (unit.count, unit.verdict) == (1, "note")
     assert unit.detail == "the times step by 1 s, which is long for a camera"
-    assert unit.remedy == "If they count ns, not us, give time_unit='ns'."
+    assert unit.remedy == "If they are not in us, give time_unit."
     assert check(str(path), time_unit="us").findings["time_unit"].verdict == "ok"
     assert check(str(path), time_unit="ns").findings["time_unit"].verdict == "ok"
 
@@ -702,7 +702,7 @@ def test_the_table() -> None:
 
 
 def test_every_check_is_in_words() -> None:
-    assert list(inspection_table.CHECKS) == list(check(EVENTS[:10]).findings)
+    assert list(text_of.CHECKS) == list(check(EVENTS[:10]).findings)
 
 
 def test_intervals_by_octaves() -> None:
@@ -719,13 +719,13 @@ def test_intervals_by_octaves() -> None:
         {"from_us": 8, "events": 1},
         {"from_us": 1 << 20, "events": 1},
     ]
-    words = inspection_table.facts(found)["intervals"]
+    words = text_of.inspection_facts(found)["intervals"]
     assert words == "12.5 % on the stamp before, half below 4 us, 99 % below 2.1 s, longest 1.05 s"
     counts = np.zeros_like(found.interval_counts)
     counts[[1, 4, 8]] = 60, 35, 5
-    words = inspection_table.facts(replace(found, interval_counts=counts))["intervals"]
+    words = text_of.inspection_facts(replace(found, interval_counts=counts))["intervals"]
     assert "half below 2 us, 99 % below 256 us" in words
-    assert inspection_table.facts(check(EVENTS[:1]))["intervals"] == "none"
+    assert text_of.inspection_facts(check(EVENTS[:1]))["intervals"] == "none"
 
 
 def test_summary_is_plain_json() -> None:

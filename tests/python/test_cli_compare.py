@@ -84,7 +84,7 @@ def test_report(call, recording, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        ([], 2, "--cost is missing: give what the algorithm takes"),
+        ([], 2, "required: --cost"),
         (["--cost", "100us"], 2, "write time per package + time per event"),
         ([*COST, "--latency", "10"], 2, "latency = 10: the unit is missing"),
         ([*COST, "--speed", "0"], 2, "speed = 0.0: must be between"),

@@ -10,7 +10,6 @@ import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
 
 import asap
 from house import INCLUDE, ROOT, name_of, run, sources
@@ -44,20 +43,17 @@ PYTHON_LAYERS = (
     {"io", "synthetic"},
     {"results"},
     {"experiment"},
-    {"analysis", "conversion"},
+    {"analysis", "conversion", "plots"},
     {"inspection"},
-    {"_progress", "plots"},
-    {"report"},
+    {"_progress"},
     {"demo"},
     {"cli"},
     {"__main__"},
 )
 FOR_USERS = {  # what a user may name: modules, and where the names of asap itself are at home
     *("analysis", "cli", "conversion", "demo", "events", "experiment", "inspection"),
-    *("io", "plots", "report", "results", "synthetic"),
+    *("io", "plots", "results", "synthetic"),
 }
-# .plot() and .report() import their module when they are called.
-ARROWS_UP = {("results", "plots"), ("results", "report")}
 USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 
 WITHOUT_A_TEST_OF_ITS_OWN = {
@@ -201,35 +197,22 @@ def module_of(path: Path) -> str:
 MODULES = {module_of(path): path for path in PRODUCT}
 
 
-class Import(NamedTuple):
-    module: str  # of asap, in full
-    late: bool  # in a function
-    typing: bool  # for the type checker alone
-
-
-def imports(path: Path) -> Iterator[Import]:
-    """What a file imports of asap."""
+def imports(path: Path) -> Iterator[str]:
+    """The modules of asap that a file imports, late or for the type checker alone too."""
     package = path.relative_to(PYTHON_ROOT).parent.parts
-
-    def walk(node: ast.AST, late: bool, typing: bool) -> Iterator[Import]:
-        for child in ast.iter_child_nodes(node):
-            if isinstance(child, ast.Import):
-                names = [alias.name for alias in child.names]
-            elif isinstance(child, ast.ImportFrom):
-                base = list(package[: len(package) + 1 - child.level] if child.level else ())
-                base += [child.module] if child.module else []
-                names = [".".join([*base, alias.name]) for alias in child.names]
-            else:
-                names = []
-            for name in names:
-                if name.partition(".")[0] == "asap":
-                    is_module = name in MODULES or name == "asap._core"
-                    yield Import(name if is_module else name.rpartition(".")[0], late, typing)
-            is_function = isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))
-            is_typing = isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"
-            yield from walk(child, late or is_function, typing or is_typing)
-
-    yield from walk(ast.parse(path.read_text()), False, False)
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = list(package[: len(package) + 1 - node.level] if node.level else ())
+            base += [node.module] if node.module else []
+            names = [".".join([*base, alias.name]) for alias in node.names]
+        else:
+            names = []
+        for name in names:
+            if name.partition(".")[0] == "asap":
+                is_module = name in MODULES or name == "asap._core"
+                yield name if is_module else name.rpartition(".")[0]
 
 
 def part_of(module: str) -> str:
@@ -246,12 +229,12 @@ def test_python_imports_point_down() -> None:
             continue
         assert part in rank, f"{name_of(path)}: give it a place in PYTHON_LAYERS"
         for one in imports(path):
-            other = part_of(one.module)
-            if other == part or (one.late and (part, other) in ARROWS_UP):
+            other = part_of(one)
+            if other == part:
                 continue
             facade = other == ""  # a name of asap itself, such as asap.run
             if not (part in USE_THE_FACADE if facade else rank[other] < rank[part]):
-                up.append(f"{name_of(path)} imports {one.module}")
+                up.append(f"{name_of(path)} imports {one}")
     assert not up
 
 
@@ -261,16 +244,7 @@ def test_modules_that_are_not_for_users_begin_with_an_underscore() -> None:
 
 
 def test_no_module_of_python_is_in_a_circle() -> None:
-    """Only .plot() and .report() bind late; a table may name the class of its result to mypy."""
-    graph = {
-        module: {
-            one.module
-            for one in imports(path)
-            if not one.typing
-            and not (one.late and (part_of(module), part_of(one.module)) in ARROWS_UP)
-        }
-        for module, path in MODULES.items()
-    }
+    graph = {module: set(imports(path)) for module, path in MODULES.items()}
     graphlib.TopologicalSorter(graph).prepare()  # a CycleError names the circle
 
 
@@ -437,21 +411,6 @@ def test_no_file_holds_what_is_banned() -> None:
         for match in re.finditer(pattern, text, re.M)
     ]
     assert not found, "\n".join(found)
-
-
-# A test mirrors its header, so it may not be split and may be longer; the stub of a module is one
-# file.
-LONGEST = {("cpp", "python"): 400, ("tests",): 800}
-
-
-def test_files_are_short() -> None:
-    counts = {
-        name_of(path): (len(path.read_text().splitlines()), limit)
-        for folders, limit in LONGEST.items()
-        for path in sources(*folders)
-        if path.suffix != ".pyi"
-    }
-    assert not {name: count for name, (count, limit) in counts.items() if count > limit}
 
 
 def test_examples_fit_on_a_page() -> None:

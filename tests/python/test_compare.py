@@ -13,7 +13,7 @@ import asap
 import streams
 from asap.experiment import contenders
 from asap.experiment.side_by_side import CheckedStream, side_by_side
-from asap.results import comparison as module
+from asap.results import data as module
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300, noise=0.05, seed=3)
 EVENTS = streams.poisson(6e6, 0.1)  # rho = 1.8

@@ -7,7 +7,7 @@ import pytest
 
 import asap
 import streams
-from asap.results import comparison_table as table
+from asap.results import text as text_of
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)
 EVENTS = streams.poisson(6e6, 0.05)
@@ -25,14 +25,14 @@ def row(label="A", score=0.5, p99_us=4000.0, max_us=4500.0, **others):
 
 
 def verdict(comparison, *rows, **others):
-    return table.verdict(replace(comparison, rows=list(rows), **others))
+    return text_of.comparison_verdict(replace(comparison, rows=list(rows), **others))
 
 
 def test_a_line_for_each_scheme_between_head_and_oracle(comparison):
     lines = str(comparison).splitlines()
     assert lines[0] == "array: 8 schemes beside the oracle"
     head = next(i for i, line in enumerate(lines) if line.startswith("scheme"))
-    assert lines[head].split() == list(table.COLUMNS)
+    assert lines[head].split() == list(text_of.COLUMNS)
     names = [line.split("  ")[0] for line in lines[head + 2 : head + 10]]
     assert names == [row.label for row in comparison.rows]
     assert set(lines[head + 1]) == set(lines[head + 10]) == {"-"}
@@ -42,7 +42,7 @@ def test_a_line_for_each_scheme_between_head_and_oracle(comparison):
 
 
 def test_cells_are_numbers_with_units():
-    cells = dict(zip(table.COLUMNS, table.cells(row(), 5.0), strict=True))
+    cells = dict(zip(text_of.COLUMNS, text_of.comparison_cells(row(), 5.0), strict=True))
     assert cells == {
         "scheme": "A",
         "score": "0.500",
@@ -57,21 +57,21 @@ def test_cells_are_numbers_with_units():
         "busy": "99 %",
     }
     bad = row(gap_us=12_000, overflow=0.25, p99_us=62_500.0)
-    cells = dict(zip(table.COLUMNS, table.cells(bad, 5.0), strict=True))
+    cells = dict(zip(text_of.COLUMNS, text_of.comparison_cells(bad, 5.0), strict=True))
     assert (cells["gap"], cells["overflow"], cells["p99/L"]) == ("12 ms", "25.0 %", "12.5")
 
 
 def test_the_oracle_shows_what_can_be_kept(comparison):
     share = f"{100 * comparison.oracle / EVENTS.size:.1f} %"
-    assert [line[:3] for line in table.oracle_rows(comparison)] == [("oracle", "1.000", share)]
-    assert table.oracle_rows(replace(comparison, opaque=True))[0][0] == "oracle (opaque)"
+    assert [line[:3] for line in text_of.oracle_rows(comparison)] == [("oracle", "1.000", share)]
+    assert text_of.oracle_rows(replace(comparison, opaque=True))[0][0] == "oracle (opaque)"
 
 
 def test_the_exact_clairvoyant_stands_below_the_oracle_and_in_the_verdict(comparison):
     exact = round(0.8 * comparison.oracle)
     known = replace(comparison, exact=exact)
     share = f"{100 * exact / EVENTS.size:.1f} %"
-    assert table.oracle_rows(known)[1][:3] == ("exact clairvoyant", "0.800", share)
+    assert text_of.oracle_rows(known)[1][:3] == ("exact clairvoyant", "0.800", share)
     lines = str(known).splitlines()
     below = next(i for i, line in enumerate(lines) if line.startswith("oracle"))
     assert lines[below + 1].split()[:3] == ["exact", "clairvoyant", "0.800"]
@@ -82,13 +82,13 @@ def test_the_exact_clairvoyant_stands_below_the_oracle_and_in_the_verdict(compar
 
 
 def test_the_subtitle_says_what_was_compared(comparison):
-    assert table.subtitle(comparison) == (
+    assert text_of.comparison_subtitle(comparison) == (
         f"sensor unknown, addresses not checked, {EVENTS.size:,} events in 0.05 s; "
         "an algorithm of 100 us per package + 300 ns per event; "
         "latency bound L = 5 ms; virtual time"
     )
     drifting = asap.LinearCost(1, 2, noise=0.1, drift=[1.0, 2.0], outages_ms=[(1.0, 2.0)])
-    words = table.subtitle(replace(comparison, cost=drifting, opaque=True, speed=10.0))
+    words = text_of.comparison_subtitle(replace(comparison, cost=drifting, opaque=True, speed=10.0))
     assert "(10 times as fast as recorded)" in words
     assert "per event, noise 0.1, drifting, with outages, package by package as a whole" in words
 

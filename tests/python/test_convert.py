@@ -375,12 +375,12 @@ def test_the_verb(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ("arguments", "code", "words"),
     [
         (["none.npy", "a.raw"], 3, "none.npy: no such file"),
-        (["a.npy", "a.xyz"], 2, "its suffix names no format; give --to, one of npy, npz"),
-        (["a.npy", "a.es"], 2, "Event Stream states its sensor; give --width and --height in px"),
+        (["a.npy", "a.xyz"], 2, "its suffix names no format; give to, one of npy, npz"),
+        (["a.npy", "a.es"], 2, "Event Stream states its sensor; give width and height in px"),
         (
             ["unix.npy", "a.raw"],
             2,
-            "cannot hold this time; count from the first event (--relative)",
+            "cannot hold this time; count from the first event (relative)",
         ),
         (["a.npy", "no/a.es"], 2, "there is no folder"),
         (["a.npy", "a.npy"], 2, "is the recording itself"),

@@ -73,11 +73,11 @@ def check_page(html: str) -> None:
     """Nothing runs, nothing is fetched, and the page says so itself."""
     page = Elements(html)
     assert ("content", POLICY) in page.attributes
-    assert not page.names & {"script", "img", "iframe", "object", "embed", "link", "base", "form"}
+    assert not page.names & {"script", "iframe", "object", "embed", "link", "base", "form"}
     for name, value in page.attributes:
         assert not name.startswith("on")
         if name in ("href", "src", "xlink:href", "action", "data"):
-            assert value.startswith("#")
+            assert value.startswith("data:image/svg+xml;base64,")
 
 
 def report(folder: Path, document: Any) -> int:
@@ -136,7 +136,7 @@ def test_a_changed_summary(
         put(summary, data.draw(st.sampled_from(places(summary))), data.draw(VALUES))
     with pytest.MonkeyPatch.context() as patch:
         if data.draw(st.integers(0, 19)) != 13:  # the figures take most of a second
-            patch.setattr("asap.report.page.fitted", lambda *_, **__: "")
+            patch.setattr("asap.results.figures.svg", lambda _: "")
         if as_archive:
             report_of_archive(folder, summary__json=json.dumps(summary).encode())
         else:
@@ -157,7 +157,7 @@ def test_a_changed_column(
     with suppress(OverflowError, ValueError):  # a float that no whole number is
         changed[place] = number
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asap.report.page.fitted", lambda *_, **__: "")
+        patch.setattr("asap.results.figures.svg", lambda _: "")
         report_of_archive(folder, **{f"{column}__npy": npy(changed)})
 
 
@@ -168,7 +168,7 @@ def test_changed_latencies(saved: tuple[Path, dict[str, Any]], data: st.DataObje
     latencies = json.loads(members(folder / "run.npz")["latencies.json"])
     put(latencies, data.draw(st.sampled_from(places(latencies))), data.draw(VALUES))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asap.report.page.fitted", lambda *_, **__: "")
+        patch.setattr("asap.results.figures.svg", lambda _: "")
         report_of_archive(folder, latencies__json=json.dumps(latencies).encode())
 
 

@@ -14,9 +14,8 @@ import corrupt
 
 pytest.importorskip("matplotlib")
 
-from asap import plots
-from asap.report import inspection_report
-from asap.results import inspection_table
+from asap.results import page as report
+from asap.results import text as text_of
 from test_run_report import Page
 
 EVENTS = corrupt.clean_events(20_000)
@@ -37,7 +36,8 @@ def inspection():
 @pytest.fixture(scope="module")
 def text(inspection, tmp_path_factory):
     named = replace(inspection, path="a <b> & c.npy")
-    return named.report(tmp_path_factory.mktemp("page") / "out.html").read_text("utf-8")
+    page = named.report(tmp_path_factory.mktemp("page") / "out.html").read_text("utf-8")
+    return page.replace("\xa0", " ")
 
 
 def circles(axes):
@@ -70,12 +70,11 @@ def test_the_intervals_are_those_of_the_inspection(inspection):
     assert intervals.get_xticklabels()[0].get_text() == "0 us"
 
 
-@pytest.mark.parametrize("width_inches", [4.1, 7.5, 8.6])
-def test_labels_of_the_intervals_do_not_meet(inspection, width_inches):
+def test_labels_of_the_intervals_do_not_meet(inspection):
     counts = np.zeros_like(inspection.interval_counts)
     counts[:15] = 1
     spread = replace(inspection, interval_counts=counts)
-    page = inspection_report.figure(spread, size_inches=(width_inches, 7.2))
+    page = spread.plot()
     page.draw_without_rendering()
     boxes = [label.get_window_extent() for label in page.axes[1].get_xticklabels()]
     assert len(boxes) >= 5
@@ -112,28 +111,19 @@ def test_nothing_can_be_drawn_as_well(tmp_path):
         Page(nothing.report(tmp_path / "out.html").read_text("utf-8"))
 
 
-def test_a_curve_has_no_more_points_than_asked_for(inspection):
-    page = inspection_report.figure(inspection, points=20)
-    assert len(page.axes[0].lines[0].get_xdata()) <= 20
-
-
 def test_the_page_is_closed_and_escaped(text):
     page = Page(text)
     assert "a &lt;b&gt; &amp; c.npy" in text and "<b> & c" not in text
     assert not [tag for tag, _ in page.tags if tag in ("script", "link", "iframe")]
-    assert text.count("<svg ") == 2
-    outside = [value for _, some in page.tags for name, value in some.items() if "href" in name]
-    assert all(value.startswith(("#", "data:image/png;base64,")) for value in outside)
+    assert text.count("<img ") == 1
 
 
 def test_every_check_has_a_line(text, inspection):
     for name, finding in inspection.findings.items():
         head = f'<th scope="row">{name.replace("_", " ")}</th>'
-        row = re.search(rf'<tr class="(\w+)">{head}(.*?)</tr>', text)
-        assert row[1] == finding.verdict
-        assert f"<td>{finding.count}</td>" in row[2]
-    plain = html.unescape(text).replace("\xa0", " ")
-    for words in inspection_table.CHECKS.values():
+        assert f"<tr>{head}<td>{finding.count}</td><td>{finding.verdict}</td>" in text
+    plain = html.unescape(text)
+    for words in text_of.CHECKS.values():
         assert words in plain
     for finding in inspection.findings.values():
         assert finding.remedy in plain
@@ -143,12 +133,6 @@ def test_the_numbers_are_those_of_the_summary(text, inspection):
     (numbers,) = re.findall(r"<template data-inspection>(.*?)</template>", text, re.S)
     expected = replace(inspection, path="a <b> & c.npy").summary()
     assert json.loads(html.unescape(numbers)) == json.loads(json.dumps(expected))
-
-
-def test_identifiers_are_unique_and_colours_follow_the_look(text):
-    names = re.findall(r'\bid="([^"]+)"', text)
-    assert len(names) == len(set(names))
-    assert plots.VERMILION not in re.sub(r"<style>.*?</style>", "", text, flags=re.S)
 
 
 def test_shares_of_the_busiest_pixels_are_of_the_good_events(tmp_path):
@@ -161,6 +145,6 @@ def test_shares_of_the_busiest_pixels_are_of_the_good_events(tmp_path):
 def test_what_is_said_about_runs_is_not_said_here(text, tmp_path):
     assert "gamma" not in re.sub(r"<style>.*?</style>", "", text, flags=re.S)
     inspection = inspect(EVENTS)
-    path = inspection_report.write(inspection, tmp_path / "x.html", title="1 < 2")
+    path = report.write_inspection(inspection, tmp_path / "x.html", title="1 < 2")
     assert path == tmp_path / "x.html"
     assert "<title>1 &lt; 2</title>" in path.read_text("utf-8")

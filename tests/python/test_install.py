@@ -92,7 +92,7 @@ def test_wheel_holds_the_package_alone(wheel: Path) -> None:
     info = f"asap_events-{asap.__version__}.dist-info/"
     assert [name for name in names if not name.startswith(("asap/", info))] == []
     assert {Path(name).suffix for name in names if name.startswith("asap/")} == {
-        *(".py", ".pyi", ".so", ".typed"),
+        *(".html", ".py", ".pyi", ".so", ".typed"),
     }
     assert {"asap/py.typed", "asap/_core.pyi", info + "licenses/LICENSE"} <= set(names)
 

@@ -283,7 +283,7 @@ class TestText:
         assert txyp(asap.load(path)) == [(5, 1, 2, 0), (7, 3, 4, 1)]
 
     def test_header_that_names_no_events(self, tmp_path: Path) -> None:
-        with pytest.raises(ValueError, match=r"a, b, c; say .* order='txy' or order='tyx'$"):
+        with pytest.raises(ValueError, match=r"a, b, c; say what they are"):
             asap.read(text(tmp_path, "a,b,c\n5,1,2\n"))
         path = text(tmp_path, "a,b,c,d\n5,1,2,0\n")
         with pytest.raises(ValueError, match=r"order = None: the header of .* a, b, c, d"):

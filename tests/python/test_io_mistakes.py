@@ -16,7 +16,6 @@ from aedat4_files import write_aedat4
 from asap import cli
 from asap.events import Events
 from asap.io import CorruptFile, NoGoodEvent, UnsupportedFormat
-from asap.io.arrangement import arrangement
 
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
 EVENTS = corrupt.clean_events(3000)
@@ -36,84 +35,34 @@ def matrix(order: str) -> np.ndarray:
 # ---- the wrong columns ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("order", ["txyp", "xytp", "xypt", "ptxy", "txy", "xyt"])
-def test_the_arrangement_is_found_from_the_values(order: str) -> None:
-    assert arrangement(matrix(order), **SENSOR) == order
+@pytest.mark.parametrize("suffix", ["txt", "npy"])
+def test_nothing_good_asks_for_what_was_said(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"events.{suffix}"
+    if suffix == "npy":
+        np.save(path, matrix("xytp"))
+    else:
+        write(path, "xytp")
+    words = rf"^{path}: not one of its 3,000 events is good \(.*\); .*check order, time_unit, width"
+    with pytest.raises(NoGoodEvent, match=words):
+        asap.load(path, order="txyp", **SENSOR)
+    assert len(asap.load(path, order="xytp", **SENSOR)) == len(EVENTS)
 
 
-@pytest.mark.parametrize("order", ["tyxp", "yxtp", "yxt"])
-def test_the_sensor_tells_x_from_y(order: str) -> None:
-    assert EVENTS["x"].max() >= corrupt.HEIGHT
-    assert arrangement(matrix(order), **SENSOR) == order
-    assert arrangement(matrix(order)) == order.replace("yx", "xy")
-
-
-@pytest.mark.parametrize(
-    "rows",
-    [
-        np.empty((0, 4)), np.zeros((9, 5)), np.zeros(4), np.full((9, 4), np.nan),
-        np.array([[5, 1, 2, 0.5], [6, 1, 2, 0.1]]), -matrix("txyp"),
-    ],
-)  # fmt: skip
-def test_what_fits_no_order(rows: np.ndarray) -> None:
-    assert arrangement(rows) is None
-
-
-def test_a_few_bad_events_make_no_difference() -> None:
-    rows = matrix("xytp").astype(float)
-    rows[::200] = [1e6, -1, 0, 9]
-    assert arrangement(rows, **SENSOR) == "xytp"
-
-
-@pytest.mark.parametrize("order", ["xytp", "ytxp", "xpty"])
-def test_nothing_good_names_the_order_that_fits(tmp_path: Path, order: str) -> None:
-    path = write(tmp_path / "events.txt", order)
-    rec = asap.read(path, order="txyp", **SENSOR)
-    with pytest.raises(NoGoodEvent) as caught:
-        list(rec)
-    found = arrangement(matrix(order), **SENSOR)
-    assert str(caught.value).endswith(
-        f"; columns look like {' '.join(str(found))}: order={found!r}"
-    )
-    assert str(caught.value).startswith(f"{path}: not one of its 3,000 events is good (")
-    assert len(asap.load(path, order=found, **SENSOR)) == len(EVENTS)
-
-
-def test_it_is_exit_3_and_the_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_good_is_exit_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = write(tmp_path / "events.txt", "xytp")
     for verb in (["info"], ["run", "--algorithm", "baf"], ["run", "--cost", "1us+1ns"]):
         code = cli.main([*verb, str(path), "--width", "346", "--height", "260"])
         out, err = capsys.readouterr()
         assert (code, out) == (3, "")
-        assert err.endswith("; columns look like x y t p: --order xytp\n")
-
-
-def test_one_good_event_among_thousands_is_luck(tmp_path: Path) -> None:
-    events = EVENTS.copy()
-    events["t"][0], events["x"][0] = 5, 6
-    path = write(tmp_path / "events.txt", "txyp", events)
-    with pytest.raises(NoGoodEvent, match=r"only 1 of its 3,000 .* look like t x y p: order='txyp"):
-        asap.load(path, order="xytp", **SENSOR)
-
-
-def test_nothing_good_in_an_array(tmp_path: Path) -> None:
-    np.save(tmp_path / "events.npy", matrix("xytp"))
-    with pytest.raises(NoGoodEvent, match="columns look like x y t p: order='xytp'"):
-        asap.load(tmp_path / "events.npy", order="txyp", **SENSOR)
+        assert err.endswith("time_unit, width and height\n")
 
 
 def test_a_sensor_that_holds_no_event(tmp_path: Path) -> None:
     events = EVENTS.copy()
     events["x"] += 50
     np.save(tmp_path / "events.npy", events)
-    with pytest.raises(
-        NoGoodEvent, match=r"\(3,000 out_of_bounds\); check width = 50 and height = 9"
-    ):
+    with pytest.raises(NoGoodEvent, match=r"\(3,000 out_of_bounds\); check .* width and height"):
         asap.load(tmp_path / "events.npy", width=50, height=9)
-    with pytest.raises(
-        NoGoodEvent, match=r"\(3,000 out_of_bounds\); check width = 50 and height = \?$"
-    ):
-        asap.load(tmp_path / "events.npy", width=50)
 
 
 def test_a_file_of_no_events_at_all_is_no_mistake(tmp_path: Path) -> None:
@@ -121,13 +70,10 @@ def test_a_file_of_no_events_at_all_is_no_mistake(tmp_path: Path) -> None:
     assert len(asap.load(tmp_path / "events.npy", **SENSOR)) == 0
 
 
-@pytest.mark.parametrize("order", ["xypt", "xyt", "ptyx"])
-def test_a_question_about_the_columns_names_the_order_that_fits(tmp_path: Path, order: str) -> None:
+@pytest.mark.parametrize(("order", "such"), [("xypt", "xypt"), ("xyt", "txy")])
+def test_columns_without_names_are_a_question(tmp_path: Path, order: str, such: str) -> None:
     path = write(tmp_path / "events.txt", order)
-    found = arrangement(matrix(order))
-    with pytest.raises(
-        ValueError, match=rf"order = None: .*, such as order='{found}'( or order='yxt')?$"
-    ):
+    with pytest.raises(ValueError, match=rf"order = None: .*, such as order='{such}'$"):
         asap.read(path)
 
 
@@ -178,7 +124,7 @@ def test_a_side_against_that_of_the_file_is_wrong_use(
     [
         ('"t","x","y","p"\n"5","1","2","1"\n', r"byte 16: numbers in quotes; write them without"),
         ("t;x;y;p\n0,5;1;2;1\n", r"byte 8: numbers with a decimal comma; .* with a point"),
-        ("5 1.25 2.5 1\n6 1.25 3.5 0\n", r"x or y are no whole numbers; .* to be rounded"),
+        ("5 1.25 2.5 1\n6 1.25 3.5 0\n", r"the first bad one is at byte 0"),
     ],
 )
 def test_numbers_as_others_write_them(tmp_path: Path, text: str, words: str) -> None:
@@ -219,7 +165,7 @@ def test_whole_seconds_are_told(tmp_path: Path, suffix: str) -> None:
         np.save(path, in_seconds())
     else:
         write(path, "txyp", in_seconds())
-    words = rf"{suffix}: 3000 events within 2 us: the times look like seconds, .* time_unit='s'$"
+    words = rf"{suffix}: 3000 events within 2 us, .* if they are not in us, give time_unit$"
     with pytest.warns(UserWarning, match=words):
         asap.load(path)
     with warnings.catch_warnings():
@@ -235,8 +181,8 @@ def test_info_and_run_warn_of_seconds(
     path = write(tmp_path / "events.txt", "txyp", in_seconds())
     assert cli.main([*verb, str(path), "--width", "346", "--height", "260"]) == 0
     err = capsys.readouterr().err
-    assert f"warning: {path}: 3000 events within 2 us: the times look like seconds" in err
-    assert err.endswith("if they are, give --time-unit s\n")
+    assert f"warning: {path}: 3000 events within 2 us, which is short for a camera" in err
+    assert err.endswith("if they are not in us, give time_unit\n")
 
 
 @pytest.mark.parametrize(
@@ -252,13 +198,11 @@ def test_long_steps_are_told(
 ) -> None:
     path = tmp_path / "events.txt"
     path.write_text("".join(f"{t} 1 2 1\n" for t in times))
-    words = (
-        rf"the times step by .*, which is long for a camera; .* count {other}, not {unit}, give "
-    )
-    with pytest.warns(UserWarning, match=f"{words}time_unit='{other}'"):
+    words = rf"the times step by .*, which is long for a camera; if they are not in {unit}, give "
+    with pytest.warns(UserWarning, match=f"{words}time_unit"):
         asap.load(path)
     assert cli.main(["info", str(path)]) == 0
-    assert f"give --time-unit {other}\n" in capsys.readouterr().err
+    assert "give time_unit\n" in capsys.readouterr().err
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         asap.load(path, time_unit=other)
@@ -277,7 +221,7 @@ def test_a_unit_that_is_stated_is_not_doubted(tmp_path: Path) -> None:
 def test_nanoseconds_are_told(tmp_path: Path) -> None:
     path = tmp_path / "events.txt"
     path.write_text("1504645177000000000 1 2 1\n1504645177000001000 1 2 0\n")
-    with pytest.raises(NoGoodEvent, match="142 years; if they count ns, give time_unit='ns'"):
+    with pytest.raises(NoGoodEvent, match="check order, time_unit"):
         asap.load(path)
     assert len(asap.load(path, time_unit="ns")) == 2
 
@@ -299,18 +243,11 @@ def test_most_events_are_bad(tmp_path: Path) -> None:
     rec = asap.read(tmp_path / "a.npy", width=3)
     assert rec.doubt is None
     assert sum(map(len, rec)) == good
-    words = f"only {good} of its 3,000 events are good ({3000 - good:,} out_of_bounds); check w"
+    words = f"only {good} of its 3,000 events are good ({3000 - good:,} out_of_bounds); check "
     assert words in str(rec.doubt)
     rec = asap.read(tmp_path / "a.npy", width=corrupt.WIDTH - 20)
     assert len(EVENTS) / 2 < sum(map(len, rec)) < len(EVENTS)
     assert rec.doubt is None
-
-
-def test_stamps_that_go_back_are_to_be_sorted(tmp_path: Path) -> None:
-    np.save(tmp_path / "a.npy", EVENTS[::-1])
-    rec = asap.read(tmp_path / "a.npy")
-    list(rec)
-    assert str(rec.doubt).endswith("; the stamps go back; sort the events by t")
 
 
 @pytest.mark.parametrize(
@@ -325,12 +262,6 @@ def test_most_events_are_bad_for_the_command_line(
     assert code == 0
     assert "asap: warning: " in (err := capsys.readouterr().err)
     assert "of its 3,000 events are good" in err
-
-
-def test_x_and_y_are_not_told_apart_without_polarities(tmp_path: Path) -> None:
-    path = write(tmp_path / "a.txt", "yxt")
-    with pytest.raises(ValueError, match=r"such as order='xyt' or order='yxt'$"):
-        asap.read(path)
 
 
 def test_the_first_bad_line_is_found(tmp_path: Path) -> None:
@@ -351,7 +282,7 @@ def test_the_command_line_names_the_format(
 ) -> None:
     path = write(tmp_path / "a.bin", "txyp")
     assert cli.main(["info", str(path)]) == 3
-    assert "--file-format text reads it" in capsys.readouterr().err
+    assert "file_format='text' reads it" in capsys.readouterr().err
     assert cli.main(["info", str(path), "--file-format", "text"]) == 0
     assert "format    text" in capsys.readouterr().out
 

@@ -59,3 +59,8 @@ def test_readme_leads_to_every_page_and_picture() -> None:
             reached |= found
             ahead += found
     assert not [name_of(path) for path in (*PAGES, *PICTURES) if path not in reached]
+
+
+def test_every_picture_shows_in_a_viewer_without_css_variables() -> None:
+    """Such a viewer paints what has no colour of its own black."""
+    assert not [name_of(path) for path in PICTURES if "var(--" in path.read_text("utf-8")]

@@ -173,7 +173,7 @@ def test_stats_are_there_while_it_runs():
         for package in pipeline:
             stats = pipeline.stats()
             assert stats["ledger"]["delivered"] == 10 * package.index
-            assert asap.results.run.Ledger(**stats["ledger"]).balanced
+            assert asap.results.Ledger(**stats["ledger"]).balanced
     stats = pipeline.stats()
     assert stats["rejected"]["out_of_bounds"] == stats["ledger"]["rejected"] == 7
     assert stats["upstream_lost"] == {"marks": 2, "packets": 30}

@@ -10,7 +10,7 @@ matplotlib = pytest.importorskip("matplotlib")
 
 from matplotlib.figure import Figure  # noqa: E402
 
-from asap import plots  # noqa: E402
+from asap.results import figures as plots  # noqa: E402
 
 EVENT_DTYPE = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")], align=True)
 CLUSTER_DTYPE = np.dtype(
@@ -110,7 +110,7 @@ def test_the_global_style_stays_as_it_is():
 
 
 def test_pyplot_is_never_imported():
-    code = "import sys, asap.report.run_report; sys.exit('matplotlib.pyplot' in sys.modules)"
+    code = "import sys, asap.results.page; sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

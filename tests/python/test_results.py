@@ -14,7 +14,7 @@ import pytest
 
 import asap
 import streams
-from asap.results.result import Result
+from asap.results.data import Result
 from test_run_report import Page
 
 EVENTS = streams.poisson(1e5, 0.02)
@@ -43,21 +43,8 @@ def result(request: pytest.FixtureRequest) -> Any:
 
 
 def test_these_are_all() -> None:
-    kinds = {kind for kind in Result.__subclasses__() if kind.__module__.startswith("asap.")}
-    assert kinds == set(RESULTS)
-
-
-PHONE_PX = 360 - 2 * (12 + 14 + 1)  # the window less the padding of page and card
-
-
-def test_on_a_phone_the_smallest_words_of_its_figure_can_be_read(
-    result: Any, tmp_path: Path
-) -> None:
-    html = result.report(tmp_path / "page.html").read_text()
-    drawn = re.search(r'<svg class="narrow"[^>]*viewBox="0 0 ([0-9.]+) .*?</svg>', html, re.S)
-    assert drawn is not None
-    sizes = [float(size) for size in re.findall(r"(?:font-size|font): ?([0-9.]+)px", drawn[0])]
-    assert sizes and min(sizes) * PHONE_PX / float(drawn[1]) >= 10
+    data = {kind for kind in Result.__subclasses__() if kind.__module__.startswith("asap.")}
+    assert {kind for one in data for kind in one.__subclasses__()} == set(RESULTS)
 
 
 def test_a_summary_is_saved(result: Any, tmp_path: Path) -> None:
@@ -76,7 +63,7 @@ def test_a_figure_and_a_page(result: Any, tmp_path: Path) -> None:
     assert path == tmp_path / "out.html"
     page = path.read_text("utf-8")
     tags = {tag for tag, _ in Page(page).tags}
-    assert {"table", "svg", "template"} <= tags and "script" not in tags
+    assert {"table", "img", "template"} <= tags and "script" not in tags
     assert EVIL not in page
 
 
@@ -86,7 +73,7 @@ def test_a_path_is_checked_before_the_work(
 ) -> None:
     if method == "report":
         pytest.importorskip("matplotlib")
-        monkeypatch.setattr(asap.plots.NotebookFigure, "__init__", None)
+        monkeypatch.setattr(asap.results.figures.NotebookFigure, "__init__", None)
     monkeypatch.setattr(type(result), "summary", None)
     for path, error in (
         (5, TypeError),
@@ -112,9 +99,21 @@ def test_a_notebook_shows_a_table_and_the_verdict(result: Any) -> None:
 
 def test_no_notebook_needs_matplotlib(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [*sys.modules]:
-        if name.partition(".")[0] == "matplotlib" or name in ("asap.plots", "asap.report.page"):
+        if name.partition(".")[0] == "matplotlib" or name in (
+            "asap.results.figures",
+            "asap.results.page",
+        ):
             monkeypatch.setitem(sys.modules, name, None)
     assert "Verdict" in compared()._repr_html_()
+
+
+def test_a_notebook_tells_why_events_were_rejected() -> None:
+    bad = EVENTS.copy()
+    bad["t"][10] -= 5000
+    for events, rejected in ((EVENTS, False), (bad, True)):
+        shown = asap.simulate(events, cost=COST)._repr_html_()
+        assert ("times that go back</td>" in shown) is not rejected
+        assert ("times that go back: " in shown.replace("\xa0", " ")) is rejected
 
 
 def test_nothing_received_is_shown_too() -> None:

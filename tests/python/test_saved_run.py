@@ -153,7 +153,7 @@ def test_a_page_of_both(run: asap.Run, path: Path, tmp_path: Path) -> None:
     summary, page = run.save(tmp_path / "run.json"), tmp_path / "page.html"
     assert main(["report", str(path), str(summary), "-o", str(page)]) == 0
     text = page.read_text("utf-8")
-    assert text.count("<figure>") == 1 and text.count("No curves: a summary") == 1
+    assert text.count("<figure>") == 1 and text.count("a summary holds no packages") == 1
     assert "Side by side" in text
 
 

@@ -17,6 +17,7 @@ import asap
 import scheme_texts
 import streams
 from asap import _core, cli
+from asap.cli.algorithms import scheme_of
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)
 
@@ -42,7 +43,7 @@ def test_the_docstring_names_every_parameter(kind):
 @every_scheme
 def test_the_command_line_offers_it_by_name(kind):
     parsed = cli._parser().parse_args(["run", "f", "--scheme", kind().name])
-    assert type(cli.choices.scheme_of(parsed.scheme, [])) is kind
+    assert type(scheme_of(parsed.scheme, [])) is kind
 
 
 def test_a_subclass_has_the_signature_of_its_own_constructor():

@@ -1,3 +1,5 @@
+// decode_plain is the specification, a word at a time. decode_fast is the loop for the words that
+// come often; a test holds it to the same events.
 #include "asap/formats/evt3.hpp"
 
 #include <array>
@@ -29,11 +31,12 @@ constexpr std::uint32_t kEvt3Address = 0x7ff;
 constexpr std::uint32_t set_of(auto... types) noexcept { return ((1u << types) | ...); }
 
 // They change the state by one field or give one event.
-constexpr std::uint32_t kPlain = set_of(kAddrY, kAddrX, kTimeLow);
-constexpr std::uint32_t kKnown = kPlain | set_of(kVectBase, kVect12, kVect8, kContinued4, kTimeHigh,
-                                                 kEvt3Trigger, kEvt3Others, kContinued12);
+constexpr std::uint32_t kSimple = set_of(kAddrY, kAddrX, kTimeLow);
+constexpr std::uint32_t kKnown =
+    kSimple | set_of(kVectBase, kVect12, kVect8, kContinued4, kTimeHigh, kEvt3Trigger, kEvt3Others,
+                     kContinued12);
 
-// What a plain word does: the bits of it that become y and TIME_LOW, and the events it gives.
+// What a simple word does: the bits of it that become y and TIME_LOW, and the events it gives.
 struct Effect {
   std::uint32_t y, low, events;
 };
@@ -70,59 +73,8 @@ Event* write_vector(Event* out, std::uint32_t word, std::uint32_t base, std::uin
 
 }  // namespace
 
-std::size_t Evt3Decoder::decode_words(const std::byte* first, std::size_t count,
-                                      Output& out) noexcept {
-  std::size_t i = 0;
-  while (i < count) {
-    const bool knows_all = high_word_ != 0 && has_y_;
-    const std::size_t safe = knows_all ? out.room() / kMostPerRecord : 0;
-    i = decode_plain(first, i, i + std::min(count - i, safe), out);
-    if (i == count) break;
-    if (!decode_any(evt3_word(first, i), offset_ + i * sizeof(std::uint16_t), out)) break;
-    ++i;
-  }
-  return i;
-}
-
-// Until a word that is rare. Room for a vector per word.
-std::size_t Evt3Decoder::decode_plain(const std::byte* first, std::size_t i, std::size_t end,
-                                      Output& out) noexcept {
-  Event* event = out.event;
-  const std::int64_t high = high_;
-  auto low = static_cast<std::uint32_t>(t_ - high);
-  std::uint32_t y = y_, base = base_;
-  const std::uint32_t repeated = high_word_;
-  const bool has_base = has_base_;
-  for (; i < end; ++i) {
-    const std::uint32_t word = evt3_word(first, i);
-    const std::uint32_t type = word >> 12;
-    if ((kPlain >> type & 1) != 0 || word == repeated) {
-      // Masks instead of branches, which would be mispredicted: any word is written as an event.
-      const Effect effect = kEffects[type];
-      y = (word & effect.y) | (y & ~effect.y);
-      low = (word & effect.low) | (low & ~effect.low);
-      write_event(event, word & kEvt3Address, y, word >> 11 & 1, high + low);
-      event += effect.events;
-    } else if (!has_base) {
-      break;
-    } else if (type == kVectBase) {
-      base = (word & kEvt3Address) | (word << 5 & 0x10000);
-    } else if (type == kVect12 || type == kVect8) {
-      event = write_vector(event, word, base, y, high + low);
-      base = moved_base(base, word);
-    } else {
-      break;
-    }
-  }
-  out.event = event;
-  t_ = high + low;
-  y_ = y;
-  base_ = base;
-  return i;
-}
-
-// False without room for it.
-bool Evt3Decoder::decode_any(std::uint32_t word, std::uint64_t offset, Output& out) noexcept {
+// Takes one word of any type. False without room for what it gives: it was not taken.
+bool Evt3Decoder::decode_plain(std::uint32_t word, std::uint64_t offset, Output& out) noexcept {
   const std::uint32_t type = word >> 12;
   const bool has_time = high_word_ != 0;
   if (type == kAddrY) {
@@ -170,6 +122,58 @@ void Evt3Decoder::take_time_high(std::uint32_t word) noexcept {
   high_ = unwrapped(high_, std::int64_t{word & 0xfff} << 12, kEvt3Range);
   t_ = high_;
   high_word_ = word;
+}
+
+std::size_t Evt3Decoder::decode_words(const std::byte* first, std::size_t count,
+                                      Output& out) noexcept {
+  std::size_t i = 0;
+  while (i < count) {
+    const bool knows_all = high_word_ != 0 && has_y_;
+    const std::size_t safe = knows_all ? out.room() / kMostPerRecord : 0;
+    i = decode_fast(first, i, i + std::min(count - i, safe), out);
+    if (i == count) break;
+    if (!decode_plain(evt3_word(first, i), offset_ + i * sizeof(std::uint16_t), out)) break;
+    ++i;
+  }
+  return i;
+}
+
+// Decodes up to `end` or a rare word. The caller knows time and row and has room for a vector per
+// word.
+std::size_t Evt3Decoder::decode_fast(const std::byte* first, std::size_t i, std::size_t end,
+                                     Output& out) noexcept {
+  Event* event = out.event;
+  const std::int64_t high = high_;
+  auto low = static_cast<std::uint32_t>(t_ - high);
+  std::uint32_t y = y_, base = base_;
+  const std::uint32_t repeated = high_word_;
+  const bool has_base = has_base_;
+  for (; i < end; ++i) {
+    const std::uint32_t word = evt3_word(first, i);
+    const std::uint32_t type = word >> 12;
+    if ((kSimple >> type & 1) != 0 || word == repeated) {
+      // Masks instead of branches, which would be mispredicted: any word is written as an event.
+      const Effect effect = kEffects[type];
+      y = (word & effect.y) | (y & ~effect.y);
+      low = (word & effect.low) | (low & ~effect.low);
+      write_event(event, word & kEvt3Address, y, word >> 11 & 1, high + low);
+      event += effect.events;
+    } else if (!has_base) {
+      break;
+    } else if (type == kVectBase) {
+      base = (word & kEvt3Address) | (word << 5 & 0x10000);
+    } else if (type == kVect12 || type == kVect8) {
+      event = write_vector(event, word, base, y, high + low);
+      base = moved_base(base, word);
+    } else {
+      break;
+    }
+  }
+  out.event = event;
+  t_ = high + low;
+  y_ = y;
+  base_ = base;
+  return i;
 }
 
 template class NativeDecoder<Evt3Decoder, Evt3Config, 2>;

@@ -143,9 +143,8 @@ TextDecoder::Line TextDecoder::take(const char* begin, const char* end, Event& e
   const Line line = parse(begin, end, found);
   if (line == Line::event) event = found;
   if (line == Line::event || line == Line::empty) return line;
-  bad_records_ += line == Line::bad_record;
   out_of_bounds_ += line == Line::out_of_bounds;
-  if (noted_count_ < kNoted) noted_[noted_count_++] = line_offset_;
+  undecoded_.add(line_offset_);
   return line;
 }
 

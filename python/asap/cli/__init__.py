@@ -14,11 +14,10 @@ import warnings
 from collections.abc import Sequence
 
 import asap
-from asap.cli import check, compare, completion, convert, demo, info, report, run
 from asap.cli.options import EXAMPLES
-from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, as_options, say
-from asap.cli.parser import Parser
-from asap.results import run_table
+from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, say
+from asap.cli.verbs import VERBS
+from asap.results import text
 
 __all__ = ["carry_out", "main"]
 
@@ -45,7 +44,7 @@ def carry_out(parser: argparse.ArgumentParser, argv: Sequence[str] | None = None
         sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: a file name may be no text
     with warnings.catch_warnings():
         warnings.simplefilter("default")
-        warnings.showwarning = lambda message, *_, **__: say(f"warning: {as_options(str(message))}")
+        warnings.showwarning = lambda message, *_, **__: say(f"warning: {message}")
         try:
             code: int = arguments.verb(arguments)
             if sys.stdout is not None:  # None: closed
@@ -57,7 +56,7 @@ def carry_out(parser: argparse.ArgumentParser, argv: Sequence[str] | None = None
         except KeyboardInterrupt:
             say("interrupted")
             if last := asap.last_run():
-                say(f"the run up to there:\n{run_table.format_ledger(last.ledger, last.rejected)}")
+                say(f"the run up to there:\n{text.format_ledger(last.ledger, last.rejected)}")
             return INTERRUPTED
         except BrokenPipeError:
             _drop_stdout()  # the reader of the pipe is gone
@@ -75,7 +74,7 @@ def _drop_stdout() -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = Parser(
+    parser = argparse.ArgumentParser(
         prog="asap",
         description="Event-camera events to the algorithm as soon as possible.",
         epilog=_EPILOG.format("\n  ".join(EXAMPLES.values())),
@@ -83,6 +82,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"asap {asap.__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True)
-    for verb in (demo, run, compare, info, check, convert, report, completion):
-        verb.add(verbs)
+    for add in VERBS:
+        add(verbs)
+    parser.set_defaults(parser=parser)
     return parser

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import asap
 from asap import _checks
 from asap._stamps import TIME_EXPONENTS
-from asap.results import run_archive
+from asap.results import archive
 
 T = TypeVar("T")
 
@@ -120,7 +120,7 @@ def run_file(text: str) -> Path:
     """Refuse a file that no run is saved to, before the run."""
     with _as_argument(text):
         path = _checks.new_file("path", text)
-        run_archive.check_name(path)
+        archive.check_name(path)
         return path
 
 

@@ -6,7 +6,6 @@ import difflib
 import importlib
 import json
 import os
-import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -31,8 +30,8 @@ def usage() -> Iterator[None]:
     """Turn what the user asked for and cannot have into wrong use."""
     try:
         yield
-    except ValueError as error:
-        raise Failure(USAGE, as_options(str(error))) from error
+    except (TypeError, ValueError) as error:
+        raise Failure(USAGE, str(error)) from error
 
 
 @contextmanager
@@ -46,16 +45,16 @@ def reading(arguments: Any) -> Iterator[None]:
         asap.io.NoGoodEvent,
         RuntimeError,
     ) as error:
-        raise Failure(BAD_INPUT, as_options(str(error))) from error
+        raise Failure(BAD_INPUT, str(error)) from error
     except FileNotFoundError as error:
         name = os.fspath(error.filename or getattr(arguments, "file", "input"))
         raise Failure(BAD_INPUT, f"{name}: no such file{near_file(Path(name))}") from error
     except OSError as error:
         name = error.filename or getattr(arguments, "file", "input")
         raise Failure(BAD_INPUT, f"{name}: {error.strerror or error}") from error
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         lenient = getattr(arguments, "on_bad", "raise") != "raise"
-        raise Failure(USAGE if lenient else BAD_INPUT, as_options(str(error))) from error
+        raise Failure(USAGE if lenient else BAD_INPUT, str(error)) from error
 
 
 def near_file(path: Path) -> str:
@@ -63,22 +62,6 @@ def near_file(path: Path) -> str:
     files = [one.name for one in path.parent.iterdir()] if path.parent.is_dir() else []
     near = difflib.get_close_matches(path.name, files, n=1)
     return f"; did you mean {path.parent / near[0]}?" if near else ""
-
-
-def as_options(message: str) -> str:
-    """Call parameters such as `order` and `time_unit` as the command line does."""
-    for name in ("order", "time_unit", "stream", "file_format"):
-        option = "--" + name.replace("_", "-")
-        message = message.replace(f"{name} = None: ", f"{option} is missing: ")
-        message = re.sub(rf"\b{name} ?= ?'([^']*)'", rf"{option} \1", message)
-        message = re.sub(rf"\b(give|leave|with|check) {name}\b", rf"\1 {option}", message)
-    message = re.sub(r"\bgive (to,|width and height)", _with_dashes, message)
-    message = message.replace(", to asap.as_events or asap.load", "")
-    return message.replace("(relative)", "(--relative)")
-
-
-def _with_dashes(found: re.Match[str]) -> str:
-    return re.sub(r"\b(to|width|height)\b", r"--\1", found[0])
 
 
 @contextmanager
@@ -102,10 +85,10 @@ def show(result: Any, arguments: Any, *saved: Path | None) -> None:
         print_written(*saved, arguments.report)
 
 
-def need_matplotlib() -> None:
-    """Say that a figure cannot be drawn before the run, not after it."""
+def need_report() -> None:
+    """Say that a page cannot be written before the run, not after it."""
     try:
-        importlib.import_module("asap.plots")
+        importlib.import_module("asap.results.page")
     except ImportError as error:
         raise Failure(USAGE, str(error)) from error
 
@@ -133,4 +116,4 @@ def tell_doubt(recording: Any) -> None:
     """Warn where fewer than half of the events were good."""
     doubt = getattr(recording, "doubt", None)
     if doubt is not None:
-        say(f"warning: {as_options(doubt)}")
+        say(f"warning: {doubt}")

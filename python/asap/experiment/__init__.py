@@ -5,8 +5,7 @@ from asap.experiment.comparing import compare, oracle
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.runners import last_run, run, simulate
 from asap.experiment.saved_run import load_run
-from asap.results.comparison import Comparison, Row
-from asap.results.run import Run
+from asap.results import Comparison, Row, Run
 
 __all__ = [
     "Comparison",

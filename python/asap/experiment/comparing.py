@@ -11,7 +11,7 @@ from asap import _checks, _core
 from asap.experiment.contenders import labelled, of_schemes, user_schemes
 from asap.experiment.runners import Progress, check_latency
 from asap.experiment.side_by_side import CheckedStream, side_by_side
-from asap.results.comparison import Comparison, Row
+from asap.results import Comparison, Row
 from asap.synthetic import joined
 
 _DEFAULT_LATENCY_MS = 10.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from asap import _core
-from asap.results.run import SCHEMA_VERSION, Ledger, Named, latency_us
+from asap.results.data import SCHEMA_VERSION, Ledger, Named, latency_us
 
 
 def state_of(stats: _core.PipelineStats) -> str:

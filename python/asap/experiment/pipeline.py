@@ -14,7 +14,7 @@ from asap import _checks, _core
 from asap.events import events_of_argument
 from asap.experiment.live_stats import state_of, summary
 from asap.experiment.runners import as_scheme, check_latency, make_config
-from asap.results.run import Ledger, Named
+from asap.results import Ledger, Named
 
 _CHUNK = 1 << 16  # events pushed without another thread's turn
 

@@ -8,7 +8,8 @@ from typing import Any, Protocol
 
 from asap import _checks, _core
 from asap.experiment.source import Source
-from asap.results.run import Ledger, Run, with_first
+from asap.results import Ledger, Run
+from asap.results.data import with_first
 
 Progress = Callable[[int, "int | None", dict[str, int]], object]
 

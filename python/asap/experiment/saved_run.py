@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 from asap import _checks, _core
 from asap.io import CorruptFile
 from asap.io.numpy_files import Archive
-from asap.results import run_archive
+from asap.results import Ledger, Named, Run
+from asap.results import archive as archives
 from asap.results.cost import Cost
-from asap.results.run import LEDGER_FIELDS, SCHEMA_VERSION, Ledger, Named, Run, with_first
+from asap.results.data import LEDGER_FIELDS, SCHEMA_VERSION, with_first
 
 _MOST = 2**53  # events, us
 _FARTHEST = 1e18  # of other numbers
@@ -62,12 +63,12 @@ def load_run(path: str | os.PathLike[str]) -> Run:
 
 def _from_archive(file: Path) -> Run:
     archive = Archive(file)
-    summary = _parsed(archive.read(run_archive.SUMMARY, _LONGEST_SUMMARY))
+    summary = _parsed(archive.read(archives.SUMMARY, _LONGEST_SUMMARY))
     count = _count("count", _object("packages", summary["packages"])["count"])
-    latencies = _parsed(archive.read(run_archive.LATENCIES, _LONGEST_SUMMARY))
+    latencies = _parsed(archive.read(archives.LATENCIES, _LONGEST_SUMMARY))
     latency, lateness = latencies
     return Run(
-        packages=_packages(run_archive.columns(archive, count)),
+        packages=_packages(archives.columns(archive, count)),
         latency=_histogram("latency_histogram", latency),
         lateness=_histogram("lateness_histogram", lateness) if lateness else None,
         **_facts(summary),

@@ -19,7 +19,7 @@ from asap.events import Events
 from asap.experiment.contenders import Contender
 from asap.experiment.runners import Progress, make_config, remember
 from asap.experiment.source import Source
-from asap.results.run import Run
+from asap.results import Run
 from asap.synthetic import joined
 
 _CHUNK = 1 << 16  # events that all get before any gets more

@@ -2,6 +2,6 @@
 
 from asap.inspection.conduct import check
 from asap.inspection.facts import info
-from asap.results.inspection import Finding, Inspection
+from asap.results import Finding, Inspection
 
 __all__ = ["Finding", "Inspection", "check", "info"]

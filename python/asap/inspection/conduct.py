@@ -15,7 +15,7 @@ from asap.inspection.meters import Duplicates, Gaps, Intervals, RateMeter, Stamp
 from asap.inspection.pixels import PixelMap
 from asap.inspection.raw_source import RawSource
 from asap.io import TruncatedFileWarning
-from asap.results.inspection import Inspection
+from asap.results import Inspection
 
 
 def check(

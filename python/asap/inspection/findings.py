@@ -25,7 +25,7 @@ from asap.inspection.meters import (
 from asap.inspection.pixels import MAX_SIDE, PixelMap
 from asap.inspection.raw_source import RawSource
 from asap.io.columns import HEAD, unit_doubt
-from asap.results.inspection import NOTE, OK, WRONG, Finding
+from asap.results.data import NOTE, OK, WRONG, Finding
 
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset
 WRONG_DUPLICATES = 1e-3  # of the good events; sound recordings have a few

@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from asap.analysis import PeakCount
 from asap.inspection.door import Integers, Passed, Tally
-from asap.results.inspection import BINS_FROM_US
+from asap.results.data import BINS_FROM_US
+from asap.results.numbers import PeakCount
 
 GAP_US = 100_000  # so long without an event is a gap
 CROWD = 100  # events on one stamp; sound recordings have up to 94

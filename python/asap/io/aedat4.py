@@ -75,7 +75,7 @@ class Aedat4Reader:
         joined = memoryview(bytearray(CHUNK * EVENT.itemsize))
         filled = 0
         try:
-            for records in self._records(losses):
+            for records in self._records():
                 if filled + len(records) > len(joined):
                     yield joined[:filled]
                     filled = 0
@@ -90,20 +90,16 @@ class Aedat4Reader:
         else:
             yield joined[:filled]
 
-    def _records(self, losses: Losses) -> Iterator[Buffer]:
-        """Events of the stream, packet by packet, without the packets that are none."""
+    def _records(self) -> Iterator[Buffer]:
+        """Yield the events of the stream, packet by packet, up to the first that is damaged."""
         with self._path.open("rb") as file:
             for offset, stream, length in self._packets(file):
                 if str(stream) != self._stream:
                     continue
-                try:
-                    with foreign(self._path, offset):
-                        if length > HARMLESS:
-                            raise ValueError(f"a packet of {length} bytes")
-                        records = _records_of(self._unpack(file.read(length)))
-                except CorruptFile as error:
-                    losses.bad(error)
-                    continue
+                with foreign(self._path, offset):
+                    if length > HARMLESS:
+                        raise ValueError(f"a packet of {length} bytes")
+                    records = _records_of(self._unpack(file.read(length)))
                 yield records
 
     def _packets(self, file: Any) -> Iterator[tuple[int, int, int]]:

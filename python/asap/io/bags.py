@@ -1,29 +1,25 @@
 """ROS bags as topics and raw messages: ROS 1, MCAP and folders through ``rosbags``.
 
 A recorder that crashes, a full disk or a copy that broke off leaves a bag without its index, which
-the library refuses. Such a bag is read from the front, up to the first record that is not whole. So
-is one with a damaged chunk, at which the library stops: that chunk is then missing.
-Databases are read with ``sqlite3``, because the library takes zeros for a page that is cut.
+the library refuses. Such a bag is read from the front, up to the first record that is not whole; no
+size in it is believed: no more is unpacked than `MAX_RATIO` allows. Sources:
+wiki.ros.org/Bags/Format/2.0 and mcap.dev/spec. A database is read with ``sqlite3``.
 """
 
 from __future__ import annotations
 
 import errno
-import shutil
-import tempfile
-from collections.abc import Callable, Collection, Iterator
+import importlib
+import io
+import struct
+import zlib
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager, suppress
+from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
-from asap.io.bag_records import (
-    Channel,
-    Records,
-    mcap_records,
-    rosbag1_chunk_sizes,
-    rosbag1_records,
-)
-from asap.io.errors import CorruptFile, foreign, library, refuse_bomb
+from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library, refuse_bomb
 
 
 class Bag(Protocol):
@@ -31,8 +27,8 @@ class Bag(Protocol):
 
     topics: dict[str, str]  # type of each, "package/Type"
 
-    def messages(self, topic: str) -> Iterator[bytes | CorruptFile]:
-        """Yield the messages of a topic as they were recorded; an error in place of a lost chunk.
+    def messages(self, topic: str) -> Iterator[bytes]:
+        """Yield the messages of a topic as they were recorded.
 
         Raises
         ------
@@ -47,13 +43,13 @@ def open_bag(kind: str, path: Path) -> Bag:
     if kind == "rosbag2" and not path.is_dir():
         return _Database(path)
     make_reader = _library_reader(kind, path)
-    walk = rosbag1_records if kind == "rosbag1" else mcap_records
     try:
-        return _WholeBag(path, make_reader, walk)
+        return _IndexedBag(path, make_reader)
     except CorruptFile as error:
         if path.is_dir():
             raise
-        return _DamagedBag(path, walk, error.fault)
+        walk = _rosbag1_records if kind == "rosbag1" else _mcap_records
+        return _OpenBag(path, walk, error.fault)
 
 
 def _library_reader(kind: str, path: Path) -> Callable[[], Any]:
@@ -80,60 +76,34 @@ def _library_errors(path: Path) -> Iterator[None]:
             raise ValueError("its index points outside of it") from error
 
 
-class _WholeBag:
+class _IndexedBag:
     """A bag that the library opens."""
 
-    def __init__(
-        self, path: Path, make_reader: Callable[[], Any], walk: Callable[[Path], Records]
-    ) -> None:
-        self._path, self._make_reader, self._walk = path, make_reader, walk
+    def __init__(self, path: Path, make_reader: Callable[[], Any]) -> None:
+        self._path, self._make_reader = path, make_reader
         with self._opened() as reader, _library_errors(path):
             self.topics = {c.topic: _plain(c.msgtype) for c in reader.connections}
             for offset, unpacked, packed in self._chunk_sizes(reader):
                 refuse_bomb(path, offset, "the chunk", unpacked, packed)
 
-    def messages(self, topic: str) -> Iterator[bytes | CorruptFile]:
-        count, last = 0, b""
+    def messages(self, topic: str) -> Iterator[bytes]:
+        count = 0
         with self._opened() as reader:
             wanted = [c for c in reader.connections if c.topic == topic]
             try:
                 with _library_errors(self._path):
                     for _, _, data in reader.messages(wanted):
-                        last = data if isinstance(data, bytes) else b""  # in a database: anything
-                        yield last
+                        yield data if isinstance(data, bytes) else b""  # in a database: anything
                         count += 1
-                return
             except CorruptFile as error:
+                file = getattr(reader, "bio", None)  # none in a database or a folder
                 words = f"{error.fault} (after {count} messages of {topic})"
-                fault = CorruptFile(self._path, _position(reader), words)
-        if self._path.is_dir():
-            raise fault
-        yield from self._behind(count, last, {c.id for c in wanted}, fault)
-
-    def _behind(
-        self, count: int, last: bytes, channels: Collection[int], fault: CorruptFile
-    ) -> Iterator[bytes | CorruptFile]:
-        """Go on behind the message that the library gave last, unless the file has another order.
-
-        `fault` is raised if nothing else is wrong with the file.
-        """
-        is_told = False
-        for found in _messages(self._walk(self._path), channels):
-            if isinstance(found, CorruptFile):
-                is_told = True
-            elif count > 0:
-                count -= 1
-                if count == 0 and found != last:
-                    raise fault
-                continue
-            yield found
-        if not is_told:
-            raise fault
+                raise CorruptFile(self._path, file.tell() if file else 0, words) from error
 
     def _chunk_sizes(self, reader: Any) -> Iterator[tuple[int, int, int]]:
         chunks = getattr(reader, "chunks", ())
         if isinstance(chunks, dict):  # ROS 1
-            yield from rosbag1_chunk_sizes(self._path, chunks)
+            yield from _rosbag1_chunk_sizes(self._path, chunks)
         else:
             for chunk in chunks:
                 yield chunk.chunk_start_offset, chunk.uncompressed_size, chunk.compressed_size
@@ -152,92 +122,268 @@ class _WholeBag:
             yield reader
 
 
-def _position(reader: Any) -> int:
-    """Where the library was in the file; 0 in a database or a folder."""
-    file = getattr(reader, "bio", None)
-    return file.tell() if file is not None else 0
-
-
-def _messages(records: Records, channels: Collection[int]) -> Iterator[bytes | CorruptFile]:
-    for record in records:
-        if isinstance(record, CorruptFile):
-            yield record
-        elif not isinstance(record, Channel) and record.channel in channels:
-            yield record.data
-
-
-class _DamagedBag:
-    """A ROS 1 bag or an MCAP file, read from the front."""
-
-    def __init__(self, path: Path, walk: Callable[[Path], Records], fault: str) -> None:
-        self._path, self._walk, self._fault = path, walk, fault
-        self.topics: dict[str, str] = {}
-        self._channels: dict[str, set[int]] = {}
-        end = CorruptFile(path, path.stat().st_size, fault)
-        try:
-            for record in walk(path):
-                if isinstance(record, Channel):
-                    self.topics[record.topic] = _plain(record.type)
-                    self._channels.setdefault(record.topic, set()).add(record.number)
-                elif isinstance(record, CorruptFile):
-                    end = record
-        except CorruptFile as error:
-            end = error
-        if not self.topics:
-            raise end
-
-    def messages(self, topic: str) -> Iterator[bytes | CorruptFile]:
-        yield from _messages(self._walk(self._path), self._channels[topic])
-        raise CorruptFile(self._path, self._path.stat().st_size, self._fault)
-
-
 class _Database:
-    """A ROS 2 bag in one SQLite file: the rows up to the first page that is not good."""
+    """A ROS 2 bag in one SQLite file; SQLite itself refuses one that was cut."""
 
     def __init__(self, path: Path) -> None:
-        self._path, self._size = path, path.stat().st_size
-        with path.open("rb") as file:
-            header = file.read(100)
-        page, pages = (int.from_bytes(header[at:end], "big") for at, end in ((16, 18), (28, 32)))
-        self._page = {0: 1, 1: 65536}.get(page, page)  # bytes
-        is_valid = header[24:28] == header[92:96]  # the number of pages
-        self._promised = self._page * pages if is_valid else 0
+        self._path = path
         rows = self._rows("SELECT name, type FROM topics")
         self.topics = {str(name): _plain(str(kind)) for name, kind in rows}
-        if not self.topics:
-            self._check_whole()
 
     def messages(self, topic: str) -> Iterator[bytes]:
         wanted = "topic_id IN (SELECT id FROM topics WHERE name = ?)"
         query = f"SELECT CAST(data AS BLOB) FROM messages WHERE {wanted} ORDER BY id"
         for (data,) in self._rows(query, topic):
             yield data or b""
-        self._check_whole()
-
-    def _check_whole(self) -> None:
-        if self._size < self._promised:
-            raise CorruptFile(self._path, self._size, f"{self._promised} bytes are promised")
 
     def _rows(self, query: str, *values: str) -> Iterator[tuple[Any, ...]]:
         sqlite3 = library("sqlite3", "A ROS 2 bag", "ros")
         try:
-            with self._whole_pages() as path:
-                uri = f"{path.absolute().as_uri()}?mode=ro&immutable=1"
-                with closing(sqlite3.connect(uri, uri=True)) as database:
-                    database.execute("PRAGMA writable_schema = ON")  # else a cut one is refused
-                    yield from database.execute(query, values)
+            uri = f"{self._path.absolute().as_uri()}?mode=ro&immutable=1"
+            with closing(sqlite3.connect(uri, uri=True)) as database:
+                yield from database.execute(query, values)
         except sqlite3.Error as error:
-            raise CorruptFile(self._path, self._size, f"SQLite: {error}") from error
+            words = f"SQLite: {error}; what is left of it: sqlite3 {self._path.name} .recover"
+            raise CorruptFile(self._path, self._path.stat().st_size, words) from error
 
-    @contextmanager
-    def _whole_pages(self) -> Iterator[Path]:
-        """Give the file without a page that is cut, which SQLite would fill up with zeros."""
-        rest = self._size % self._page
-        if rest == 0:
-            yield self._path
-            return
-        with tempfile.NamedTemporaryFile() as copy:
-            with self._path.open("rb") as file:
-                shutil.copyfileobj(file, copy)
-            copy.truncate(self._size - rest)
-            yield Path(copy.name)
+
+class _OpenBag:
+    """A ROS 1 bag or an MCAP file without its index, read from the front."""
+
+    def __init__(self, path: Path, walk: Callable[[Path], _Records], fault: str) -> None:
+        self._path, self._walk = path, walk
+        self._end = CorruptFile(path, path.stat().st_size, fault)
+        self.topics: dict[str, str] = {}
+        self._channels: dict[str, set[int]] = {}
+        try:
+            for record in walk(path):
+                if isinstance(record, _Channel):
+                    self.topics[record.topic] = _plain(record.type)
+                    self._channels.setdefault(record.topic, set()).add(record.number)
+        except CorruptFile as error:
+            self._end = error
+        if not self.topics:
+            raise self._end
+
+    def messages(self, topic: str) -> Iterator[bytes]:
+        with suppress(CorruptFile):  # found before
+            for record in self._walk(self._path):
+                if isinstance(record, _Message) and record.channel in self._channels[topic]:
+                    yield record.data
+        raise self._end
+
+
+# ---- records, from the first byte on ------------------------------------------------------------
+
+_MODULES = {  # that unpack: the first that is there
+    "bz2": ("bz2",),
+    "lz4": ("lz4.frame",),
+    "zstd": ("compression.zstd", "backports.zstd", "zstandard"),
+}
+
+
+class _Channel(NamedTuple):
+    """A topic begins."""
+
+    number: int
+    topic: str
+    type: str
+
+
+class _Message(NamedTuple):
+    """A message as it was recorded."""
+
+    channel: int
+    data: bytes
+
+
+_Records = Iterator[_Channel | _Message]
+
+
+class _Broken(Exception):
+    """The bytes are none of the format."""
+
+
+_FAULTS = (_Broken, KeyError, ValueError, struct.error)
+
+
+class _Source:
+    """Bytes from the front of a file or a chunk; `left` are still promised."""
+
+    def __init__(self, file: Any, left: int, is_chunk: bool = False) -> None:
+        self._file, self.left, self.is_chunk = file, left, is_chunk
+
+    def take(self, size: int) -> bytes:
+        """Read exactly `size` bytes."""
+        data = self.take_some(size)
+        if len(data) < size:
+            raise _Broken("a record is cut")
+        return data
+
+    def take_some(self, size: int) -> bytes:
+        """Read as much as is there of `size` bytes."""
+        if size < 0:
+            raise _Broken("a record is longer than what holds it")
+        try:
+            data = bytes(self._file.read(min(size, self.left)))
+        except Exception as error:
+            if not self.is_chunk:
+                raise
+            raise _Broken(f"a chunk does not unpack: {error}") from error
+        self.left -= len(data)
+        return data
+
+    def skip(self, size: int) -> None:
+        if not 0 <= size <= self.left:
+            raise _Broken("a record is cut")
+        if self.is_chunk:
+            self.take(size)
+        else:
+            self._file.seek(size, io.SEEK_CUR)
+            self.left -= size
+
+    def u32(self) -> int:
+        return _u32(self.take(4))
+
+
+def _walk(path: Path, start: int, read_record: Callable[[_Source], _Records]) -> _Records:
+    """Walk a file from its first record on; `CorruptFile` at the first that is not whole."""
+    with path.open("rb") as file:
+        file.seek(start)
+        source = _Source(file, max(path.stat().st_size - start, 0))
+        while source.left:
+            at = file.tell()
+            try:
+                yield from read_record(source)
+            except _FAULTS as error:
+                raise CorruptFile(path, at, _words(error)) from error
+
+
+def _words(error: Exception) -> str:
+    return f"a record has no field {error}" if isinstance(error, KeyError) else str(error)
+
+
+# ---- ROS 1 --------------------------------------------------------------------------------------
+
+_MESSAGE, _CHUNK, _CONNECTION = b"\x02", b"\x05", b"\x07"
+
+
+def _rosbag1_records(path: Path) -> _Records:
+    """Walk a ROS 1 bag of version 2.0."""
+    return _walk(path, len(b"#ROSBAG V2.0\n"), _rosbag1_record)
+
+
+def _rosbag1_record(source: _Source) -> _Records:
+    header = _fields(source.take(source.u32()))
+    op, size = header["op"], source.u32()
+    if op == _CHUNK:
+        unpacked = _u32(header["size"])
+        yield from _chunk(source, size, header["compression"].decode(), unpacked, _rosbag1_record)
+    elif op == _CONNECTION:
+        kind = _fields(source.take(size))["type"].decode()
+        yield _Channel(_u32(header["conn"]), header["topic"].decode(), kind)
+    elif op == _MESSAGE:
+        yield _Message(_u32(header["conn"]), source.take(size))
+    else:
+        source.skip(size)
+
+
+def _rosbag1_chunk_sizes(path: Path, offsets: Iterable[int]) -> Iterator[tuple[int, int, int]]:
+    """Yield offset, bytes without compression and bytes in the file of the chunks at `offsets`."""
+    with path.open("rb") as file:
+        for offset in offsets:
+            file.seek(offset)
+            source = _Source(file, path.stat().st_size - offset)
+            header = _fields(source.take(source.u32()))
+            yield offset, _u32(header["size"]), source.u32()
+
+
+def _fields(block: bytes) -> dict[str, bytes]:
+    fields, source = {}, _Source(io.BytesIO(block), len(block))
+    while source.left:
+        name, _, value = source.take(source.u32()).partition(b"=")
+        fields[name.decode()] = value
+    return fields
+
+
+# ---- MCAP ---------------------------------------------------------------------------------------
+
+_FOOTER_OP, _SCHEMA_OP, _CHANNEL_OP, _MESSAGE_OP, _CHUNK_OP = 2, 3, 4, 5, 6
+
+
+def _mcap_records(path: Path) -> _Records:
+    """Walk an MCAP file: its topics of ROS 2 messages."""
+    return _walk(path, len(b"\x89MCAP0\r\n"), partial(_mcap_record, {}))
+
+
+def _mcap_record(schemas: dict[int, str], source: _Source) -> _Records:
+    op, size = struct.unpack("<BQ", source.take(9))
+    if op == _CHUNK_OP:
+        before = source.left
+        source.skip(16)  # first and last time
+        unpacked, checksum = struct.unpack("<QI", source.take(12))
+        compression = source.take(source.u32()).decode()
+        (packed,) = struct.unpack("<Q", source.take(8))
+        read_record = partial(_mcap_record, schemas)
+        yield from _chunk(source, packed, compression, unpacked, read_record, checksum)
+        source.skip(size - (before - source.left))
+    elif op == _SCHEMA_OP:
+        schema = _Source(io.BytesIO(source.take(size)), size)
+        (number,) = struct.unpack("<H", schema.take(2))
+        schemas[number] = schema.take(schema.u32()).decode()
+    elif op == _CHANNEL_OP:
+        channel = _Source(io.BytesIO(source.take(size)), size)
+        number, schema_number = struct.unpack("<HH", channel.take(4))
+        topic, encoding = (channel.take(channel.u32()).decode() for _ in range(2))
+        if encoding == "cdr":
+            yield _Channel(number, topic, schemas.get(schema_number, ""))
+    elif op == _MESSAGE_OP:
+        (number,) = struct.unpack("<H", source.take(2))
+        source.skip(20)  # number in its sequence, and two times
+        yield _Message(number, source.take(size - 22))
+    elif op == _FOOTER_OP:
+        source.left = 0
+    else:
+        source.skip(size)
+
+
+# ---- both ---------------------------------------------------------------------------------------
+
+
+def _chunk(
+    source: _Source,
+    size: int,
+    compression: str,
+    unpacked: int,
+    read_record: Callable[[_Source], _Records],
+    checksum: int = 0,
+) -> _Records:
+    """Walk the records in the next `size` bytes, which are `unpacked` without compression."""
+    packed = source.take_some(size)
+    if source.is_chunk:
+        raise _Broken("a chunk is inside a chunk")
+    if unpacked > max(HARMLESS, MAX_RATIO * len(packed)):
+        raise _Broken(f"a chunk of {len(packed)} bytes promises {unpacked}")
+    inside = _Source(_open(compression, packed), unpacked, is_chunk=True)
+    if checksum and len(packed) == size:
+        content = inside.take(unpacked)
+        if zlib.crc32(content) != checksum:
+            raise _Broken("the checksum of a chunk is another")
+        inside = _Source(io.BytesIO(content), unpacked, is_chunk=True)
+    while inside.left:
+        yield from read_record(inside)
+
+
+def _open(compression: str, packed: bytes) -> Any:
+    if compression in ("", "none"):
+        return io.BytesIO(packed)
+    for name in _MODULES.get(compression, ()):
+        try:
+            return importlib.import_module(name).open(io.BytesIO(packed), "rb")
+        except ImportError:
+            pass
+    raise _Broken(f"nothing here unpacks a chunk in {compression!r}")
+
+
+def _u32(value: bytes) -> int:
+    return int(struct.unpack("<I", value)[0])

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _units
-from asap._stamps import TIME_EXPONENTS, time_exponent
+from asap._stamps import time_exponent
 from asap.events import (
     Columns,
     Events,
@@ -29,7 +29,7 @@ Times = npt.NDArray[np.int64]
 _MAX_ADDRESS = 65535
 HEAD = 1001  # events whose steps say something
 _MOST_PER_US = 100  # more than any camera sends
-_LONG_US, _USUAL_US = 10_000, 1_000  # between events of a camera
+_LONG_US = 10_000  # between events of a camera
 
 
 def file_columns(
@@ -80,20 +80,14 @@ def unit_doubt(
     """
     if unit is None or count < HEAD:
         return None
-    if unit == "us" and count > _MOST_PER_US * (span_us + 1):
-        words = f"{count} events within {span_us} us: the times look like seconds, not microseconds"
-        return words, "if they are, give time_unit='s'"
     step_us = float(np.median(steps_us)) if len(steps_us) else 0.0
-    if step_us <= _LONG_US:
+    if unit == "us" and count > _MOST_PER_US * (span_us + 1):
+        words = f"{count} events within {span_us} us, which is short for a camera"
+    elif step_us > _LONG_US:
+        words = f"the times step by {_units.duration(step_us)}, which is long for a camera"
+    else:
         return None
-    finer = {
-        name: step_us / 10.0 ** (TIME_EXPONENTS[unit] - exponent)
-        for name, exponent in TIME_EXPONENTS.items()
-        if exponent < TIME_EXPONENTS[unit]
-    }
-    name = next((one for one, step in finer.items() if step <= _USUAL_US), "ns")
-    words = f"the times step by {_units.duration(step_us)}, which is long for a camera"
-    return words, f"if they count {name}, not {unit}, give time_unit={name!r}"
+    return words, f"if they are not in {unit}, give time_unit"
 
 
 def _all_whole(times: npt.NDArray[Any]) -> bool:
@@ -129,3 +123,48 @@ def _without(
 
 def _clamped(column: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return np.where(column > _MAX_ADDRESS, _MAX_ADDRESS, np.where(column < 0, 0, column))
+
+
+def as_rows(shape: tuple[int, ...]) -> tuple[int, bool] | None:
+    """Count the events in a matrix of this shape, and say whether they are its columns.
+
+    None if it is not four columns or rows. MATLAB 7.3 stores what it calls (N, 4) as (4, N).
+    """
+    if len(shape) != 2:
+        return None
+    if shape[1] == 4:
+        return shape[0], False
+    return (shape[1], True) if shape[0] == 4 else None
+
+
+def order_of(path: Path, name: str, rows: npt.NDArray[Any], order: str | None) -> str:
+    """Return `order`, else the arrangement that the first `rows` allow; a question if several."""
+    if order is not None:
+        if len(order) != 4:
+            raise ValueError(
+                f"order = {order!r}: names {len(order)} columns, {name} in {path} has 4"
+            )
+        return order
+    if len(rows) == 0:
+        return "txyp"
+    columns = range(4)
+    times = [i for i in columns if _only_a_time(rows[:, i])]
+    if len(times) != 1:
+        times = [i for i in columns if _ascends(rows[:, i])]
+    signs = [i for i in columns if i not in times and bool(np.isin(rows[:, i], (-1, 0, 1)).all())]
+    if len(times) != 1 or len(signs) != 1:
+        raise ValueError(
+            f"order = None: the values of {name} in {path} do not say which of its 4 columns are "
+            "t and p; give order, such as order='txyp'"
+        )
+    found = dict.fromkeys(times, "t") | dict.fromkeys(signs, "p")
+    addresses = iter("xy")
+    return "".join(found.get(i) or next(addresses) for i in columns)
+
+
+def _only_a_time(column: npt.NDArray[Any]) -> bool:
+    return bool(np.any(column > _MAX_ADDRESS) or np.any(column != np.floor(column)))
+
+
+def _ascends(column: npt.NDArray[Any]) -> bool:
+    return bool(column[0] < column[-1] and np.all(column[1:] >= column[:-1]))

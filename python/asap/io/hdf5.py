@@ -1,14 +1,21 @@
 """HDF5 through the package ``h5py`` (extra ``hdf5``), MATLAB 7.3 files among it.
 
+Streams are found by what is in the file: groups of columns, arrays of records, matrices. DSEC
+(``events/{t,x,y,p}``, ``t_offset``), Metavision (``CD/events``), MVSEC (``davis/left/events``),
+M3ED (``prophesee/left/{t,x,y,p}``) and others that are built alike need no rules of their own. The
+reader never follows links that lead elsewhere: soft ones, external ones, storage in other files.
 Columns that lie in the file uncompressed and in one piece are mapped; all others are read by h5py
 in steps of whole chunks.
 """
 
 from __future__ import annotations
 
+import importlib
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +23,25 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _stamps
-from asap.events import Events
-from asap.io.arrangement import order_of
-from asap.io.columns import events_of, file_columns
-from asap.io.errors import CorruptFile, cut_file, foreign, library
-from asap.io.hdf5_layout import Layout, find_layouts, sensor_of, usable
+from asap.events import FIELD_NAMES, Events
+from asap.io.columns import as_rows, events_of, file_columns, order_of
+from asap.io.errors import (
+    CorruptFile,
+    MissingLibrary,
+    UnsupportedFormat,
+    cut_file,
+    foreign,
+    library,
+    refuse_bomb,
+)
 from asap.io.numpy_files import mapped
-from asap.io.reader import CHUNK, Losses, Options, choose_stream
+from asap.io.reader import CHUNK, Losses, Options, choose_stream, sensor_size
 
 _STEP = 4 * CHUNK  # events that are read at once: calls of h5py are dear
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_MOST_OBJECTS = 10_000
+_MOST_BYTES = 1024  # of one record
+_ECF = 0x8ECF
 
 
 class Hdf5Reader:
@@ -37,15 +53,15 @@ class Hdf5Reader:
         self._path = path
         with self._open() as file:
             with foreign(path):
-                layouts = find_layouts(path, file)
+                layouts = _find_layouts(path, file)
             self.streams = tuple(layouts)
             words = [f"{name} ({layout.rows} events)" for name, layout in layouts.items()]
             layout = layouts[choose_stream(path, options.stream, self.streams, words)]
             self._layout = layout
             with foreign(path):
                 for name in layout.datasets.values():
-                    usable(path, file[name])
-                self.width, self.height = sensor_of(file, layout)
+                    _usable(path, file[name])
+                self.width, self.height = _sensor_of(file, layout)
             self.expected = layout.rows
             self._order = options.order
             if layout.is_matrix:
@@ -57,34 +73,24 @@ class Hdf5Reader:
         self._options = Options(None, options.time_unit)
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
-        """Read in steps of some chunks of the file, hand on in pieces."""
+        """Read steps of some chunks up to the first damaged chunk, hand on in pieces."""
         with self._open() as file:
             with foreign(self._path):
                 sources = self._sources(file)
             longest = max(source.rows_per_chunk for source in sources.values())
-            step = max(_STEP // longest, 1) * longest
-            for start in range(0, self._layout.rows, step):
+            start, step = 0, max(_STEP // longest, 1) * longest
+            while start < self._layout.rows:
                 stop = min(start + step, self._layout.rows)
                 try:
-                    rows = _rows(sources, start, stop)
-                except CorruptFile:
-                    part = longest if longest > 1 else step
-                    yield from self._around_the_fault(sources, range(start, stop, part), losses)
-                else:
-                    yield from self._pieces(rows, losses, start)
-
-    def _around_the_fault(
-        self, sources: dict[str, _Source], parts: range, losses: Losses
-    ) -> Iterator[Events]:
-        """Yield what is good of a step that cannot be read as a whole, chunk by chunk."""
-        for first in parts:
-            last = min(first + parts.step, parts.stop)
-            try:
-                rows = _rows(sources, first, last)
-            except CorruptFile as error:
-                losses.bad(error, "chunks", last - first)
-            else:
-                yield from self._pieces(rows, losses, first)
+                    rows = {role: source.rows(start, stop) for role, source in sources.items()}
+                except CorruptFile as error:
+                    if step > longest > 1:
+                        step = longest  # the chunks of this step before the damaged one are whole
+                        continue
+                    losses.truncated(error.offset, error.fault)
+                    return
+                yield from self._pieces(rows, losses, start)
+                start = stop
 
     def _pieces(
         self, rows: dict[str, npt.NDArray[Any]], losses: Losses, first: int
@@ -128,7 +134,7 @@ class Hdf5Reader:
 class _Source:
     """One dataset of a stream by rows: mapped where it lies uncompressed and in one piece."""
 
-    def __init__(self, path: Path, file: Any, dataset: Any, layout: Layout) -> None:
+    def __init__(self, path: Path, file: Any, dataset: Any, layout: _Layout) -> None:
         self.rows_per_chunk: int = max(dataset.chunks) if dataset.chunks else 1
         self._path, self._dataset, self._transposed = path, dataset, layout.transposed
         self._shape, self._dtype = dataset.shape, dataset.dtype
@@ -171,10 +177,6 @@ class _Source:
             return 0
 
 
-def _rows(sources: dict[str, _Source], start: int, stop: int) -> dict[str, npt.NDArray[Any]]:
-    return {role: source.rows(start, stop) for role, source in sources.items()}
-
-
 def _why_not(path: Path, error: OSError) -> CorruptFile:
     """Say where the file ends, if it ends before its header says."""
     size = path.stat().st_size
@@ -188,3 +190,200 @@ def _why_not(path: Path, error: OSError) -> CorruptFile:
         if end > size:
             return cut_file(path, size, "HDF5", f"the file ends, {end} bytes are promised")
     return CorruptFile(path, 0, f"HDF5: {error}")
+
+
+# ---- where the events are ------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """One stream of events: `datasets` are its columns by role, or one dataset under ``""``."""
+
+    name: str
+    datasets: Mapping[str, str]
+    rows: int
+    t_offset: int = 0
+    transposed: bool = False  # a matrix whose columns are the events
+
+    @property
+    def is_matrix(self) -> bool:
+        """Whether the columns have no names."""
+        return "matrix" in self.datasets
+
+
+def _find_layouts(path: Path, file: Any) -> dict[str, _Layout]:
+    """Every stream of events in the file, by its path in it."""
+    h5py = library("h5py", "HDF5", "hdf5")
+    found: dict[str, _Layout] = {}
+    links: list[str] = []
+    for group, name in _groups(h5py, path, file, links):
+        datasets = {key: group[key] for key in group if _is_dataset(h5py, group, key)}
+        layout = _columns(path, name, group, datasets)
+        if layout is not None:
+            found[layout.name] = layout
+            continue
+        for key, dataset in datasets.items():
+            layout = _records_or_matrix(f"{name}/{key}".lstrip("/"), dataset)
+            if layout is not None:
+                found[layout.name] = layout
+    if not found:
+        led = f"; links that lead elsewhere are not followed: {', '.join(links)}" if links else ""
+        raise UnsupportedFormat(
+            f"{path}: no events among {', '.join(_listing(h5py, file)) or 'no datasets'}: needed "
+            f"are datasets t, x, y, p in one group, records with such fields, or (N, 4){led}"
+        )
+    return found
+
+
+def _usable(path: Path, dataset: Any) -> None:
+    """Refuse what lies in other files, what needs a missing filter and what cannot be so large."""
+    h5py = library("h5py", "HDF5", "hdf5")
+    if dataset.external or (
+        dataset.is_virtual and any(part.file_name != "." for part in dataset.virtual_sources())
+    ):
+        raise UnsupportedFormat(
+            f"{path}: {dataset.name} lies in another file, which is never followed"
+        )
+    if dataset.dtype.hasobject or dataset.dtype.itemsize > _MOST_BYTES:
+        raise UnsupportedFormat(f"{path}: {dataset.name} holds {dataset.dtype}, no events")
+    stored = dataset.id.get_storage_size()
+    if dataset.size > 1 and not stored and not dataset.is_virtual:
+        raise CorruptFile(path, 0, f"{dataset.name}: {dataset.size} values promised, none stored")
+    chunk = math.prod(dataset.chunks or ()) * dataset.dtype.itemsize
+    promised = int(dataset.size) * dataset.dtype.itemsize
+    refuse_bomb(path, 0, dataset.name, max(promised, chunk), min(stored, path.stat().st_size))
+    filters = dataset.id.get_create_plist()
+    for i in range(filters.get_nfilters()):
+        code, _, _, name = filters.get_filter(i)
+        if not h5py.h5z.filter_avail(code):
+            _find_filter(h5py, path, dataset.name, code, name.decode("ascii", "replace"))
+
+
+def _sensor_of(file: Any, layout: _Layout) -> tuple[int | None, int | None]:
+    """Width and height, where attributes state them: ``geometry`` (Metavision) or both by name."""
+    dataset = file[next(iter(layout.datasets.values()))]
+    for place in (dataset, dataset.parent, file):
+        attributes = place.attrs
+        if "geometry" in attributes:
+            text = attributes["geometry"]
+            text = text.decode("ascii", "replace") if isinstance(text, bytes) else str(text)
+            size = re.fullmatch(r"\s*(\d{1,5})x(\d{1,5})\s*", text)
+            if size:
+                return sensor_size(size[1], size[2])
+        if "width" in attributes and "height" in attributes:
+            sides = [np.asarray(attributes[side]) for side in ("width", "height")]
+            if all(side.size == 1 and side.dtype.kind in "iu" for side in sides):
+                return sensor_size(sides[0].item(), sides[1].item())
+    return None, None
+
+
+def _groups(h5py: Any, path: Path, file: Any, links: list[str]) -> Iterator[tuple[Any, str]]:
+    """Every group once, however the links run in circles."""
+    seen: set[Any] = set()
+    waiting = [(file["/"], "")]
+    objects = 0
+    while waiting:
+        group, name = waiting.pop()
+        address = h5py.h5o.get_info(group.id).addr
+        if address in seen:
+            continue
+        seen.add(address)
+        yield group, name
+        for key in sorted(group, reverse=True):
+            objects += 1
+            if objects > _MOST_OBJECTS:
+                raise UnsupportedFormat(f"{path}: more than {_MOST_OBJECTS} objects")
+            inner = f"{name}/{key}".lstrip("/")
+            if not isinstance(group.get(key, getlink=True), h5py.HardLink):
+                links.append(inner)
+            elif group.get(key, getclass=True) is h5py.Group:
+                waiting.append((group[key], inner))
+
+
+def _is_dataset(h5py: Any, group: Any, key: str) -> bool:
+    hard = isinstance(group.get(key, getlink=True), h5py.HardLink)
+    return hard and group.get(key, getclass=True) is h5py.Dataset
+
+
+def _columns(path: Path, name: str, group: Any, datasets: Mapping[str, Any]) -> _Layout | None:
+    columns: dict[str, Any] = {}
+    for role, names in FIELD_NAMES.items():
+        candidates = [key for key in datasets if key.lower() in names]
+        if len(candidates) != 1:
+            return None
+        columns[role] = datasets[candidates[0]]
+    shapes = {role: column.shape for role, column in columns.items()}
+    if any(sum(side != 1 for side in shape) > 1 or not shape for shape in shapes.values()):
+        return None
+    lengths = {role: int(column.size) for role, column in columns.items()}
+    if len(set(lengths.values())) > 1:
+        raise CorruptFile(path, 0, f"{name or '/'}: columns of different lengths: {lengths}")
+    paths = {role: column.name for role, column in columns.items()}
+    return _Layout(name or "/", paths, lengths["t"], _offset(path, group))
+
+
+def _records_or_matrix(name: str, dataset: Any) -> _Layout | None:
+    fields = dataset.dtype.names
+    if fields is not None:
+        lower = {field.lower() for field in fields}
+        is_events = all(lower & set(names) for names in FIELD_NAMES.values())
+        if not is_events or len(dataset.shape) != 1:
+            return None
+        return _Layout(name, {"records": dataset.name}, dataset.shape[0])
+    rows = as_rows(dataset.shape)
+    if rows is None or "event" not in name.lower() or dataset.dtype.kind not in "biuf":
+        return None
+    return _Layout(name, {"matrix": dataset.name}, rows[0], transposed=rows[1])
+
+
+def _offset(path: Path, group: Any) -> int:
+    """DSEC: times count from t_offset, which stands beside the group."""
+    h5py = library("h5py", "HDF5", "hdf5")
+    for place in (group, group.parent):
+        link = place.get("t_offset", getlink=True)
+        if link is not None:
+            if not isinstance(link, h5py.HardLink):
+                raise UnsupportedFormat(f"{path}: t_offset is a link, which is never followed")
+            _usable(path, place["t_offset"])
+            offset = place["t_offset"]
+            if (
+                offset.size != 1
+                or offset.dtype.kind not in "iu"
+                or abs(int(offset[()])) > _stamps.MAX
+            ):
+                raise CorruptFile(path, 0, f"{offset.name}: one number of us is needed")
+            return int(np.asarray(offset[()]).item())
+    return 0
+
+
+def _find_filter(h5py: Any, path: Path, dataset: str, code: int, name: str) -> None:
+    if code == _ECF:
+        raise MissingLibrary(
+            f"{path}: {dataset} is compressed with Metavision's ECF filter (0x8ECF), which no "
+            "Python package has: set HDF5_PLUGIN_PATH to the folder of the plug-in hdf5_ecf, "
+            "or convert the file with metavision_file_to_dat"
+        )
+    try:
+        importlib.import_module("hdf5plugin")  # registers its filters
+    except ImportError as error:
+        raise MissingLibrary(
+            f"{path}: {dataset} is compressed with filter {code} ({name or 'no name'}); "
+            "the package hdf5plugin has many: pip install hdf5plugin"
+        ) from error
+    if not h5py.h5z.filter_avail(code):
+        raise MissingLibrary(
+            f"{path}: {dataset} is compressed with filter {code} ({name or 'no name'}), which "
+            "hdf5plugin lacks too: set HDF5_PLUGIN_PATH to the folder of its plug-in"
+        )
+
+
+def _listing(h5py: Any, file: Any) -> list[str]:
+    names: list[str] = []
+
+    def note(name: str, item: Any) -> bool | None:
+        if isinstance(item, h5py.Dataset):
+            names.append(f"{name} {item.shape}")
+        return True if len(names) == 10 else None
+
+    file.visititems(note)
+    return names

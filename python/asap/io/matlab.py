@@ -19,8 +19,7 @@ import numpy.typing as npt
 
 from asap._checks import named
 from asap.events import FIELD_NAMES, Columns, Events
-from asap.io.arrangement import as_rows, order_of
-from asap.io.columns import events_of, file_columns
+from asap.io.columns import as_rows, events_of, file_columns, order_of
 from asap.io.errors import (
     CorruptFile,
     CutFile,

@@ -20,7 +20,6 @@ import numpy.typing as npt
 from numpy.lib import format as npy
 
 from asap.events import FIELD_NAMES, Events
-from asap.io.arrangement import SAMPLE
 from asap.io.columns import events_of, file_columns
 from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, refuse_bomb
 from asap.io.reader import CHUNK, Losses, Options
@@ -73,10 +72,6 @@ class NpyReader:
         with foreign(path, header.end):
             rows = header.stand_in(self.expected)
         file_columns(path, rows, options.order, first=1)
-
-    def sample(self) -> tuple[npt.NDArray[Any], str | None]:
-        """Return the first rows, and what their columns were taken for."""
-        return self._rows(0, min(SAMPLE, self.expected)), self._options.order
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Map the file window by window and convert it piece by piece."""

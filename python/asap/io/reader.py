@@ -18,7 +18,6 @@ from asap.events import EVENT_DTYPE, Events, check_order
 from asap.io.errors import CorruptFile, LossWarning, TruncatedFileWarning
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about
-_MOST_OFFSETS = 16  # of bad records
 _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
@@ -63,7 +62,6 @@ class Losses:
     triggers: int = 0
     trigger_arrays: list[npt.NDArray[np.void]] = field(default_factory=list)  # of the first
     cut: CorruptFile | None = None
-    warned: bool = False  # of bad records
     guessed_unit: str | None = None  # of the times, where neither file nor user states it
 
     def take_bad_records(self, decoder: Any, fault: Callable[[int], str]) -> None:
@@ -81,29 +79,16 @@ class Losses:
             if sum(map(len, self.trigger_arrays)) < _MOST_TRIGGERS:
                 self.trigger_arrays.append(seen)
 
-    def bad(self, packet: CorruptFile, what: str = "packets", events: int = 1) -> None:
-        """Count a packet that is none, and warn of the first; an error if bad data raise."""
-        if self.on_bad == "raise":
-            raise packet
-        if not self.bad_offsets:
-            words = f"{packet}; the events of such {what} are missing"
-            warnings.warn(words, TruncatedFileWarning, stacklevel=2)
-            self.warned = True
-        self.bad_record += events
-        if len(self.bad_offsets) < _MOST_OFFSETS:
-            self.bad_offsets.append(packet.offset)
-
     def truncated(self, offset: int, fault: str) -> None:
         """Note that nothing good follows `offset`: a warning, or an error if bad data raise."""
         self.cut = CorruptFile(self.path, offset, fault)
         if self.on_bad == "raise":
             raise self.cut
         warnings.warn(f"{self.cut}; what came before was read", TruncatedFileWarning, stacklevel=2)
-        self.warned = True
 
     def tell(self, rejected: dict[str, int], clock_resets: int) -> None:
-        """Warn the caller's caller of what is missing, unless it was told while it was read."""
-        untold = rejected | ({"bad_record": 0} if self.warned else {})
+        """Warn the caller's caller of what was dropped, but not again of a record that was cut."""
+        untold = rejected if self.cut is None else rejected | {"bad_record": 0}
         for loss in losses_of(untold, clock_resets):
             warnings.warn(f"{self.path}: {loss}", LossWarning, stacklevel=3)
 

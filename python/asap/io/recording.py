@@ -15,7 +15,6 @@ import numpy.typing as npt
 
 from asap import _checks, _core, _units
 from asap.events import Events, plain_view
-from asap.io.arrangement import arrangement, between_pixels, looks_like
 from asap.io.columns import HEAD, unit_doubt
 from asap.io.errors import NoGoodEvent
 from asap.io.native import FORMATS, NativeReader
@@ -45,8 +44,6 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
     **{name: partial(_late("ros", "RosReader"), name) for name in ("rosbag1", "rosbag2", "mcap")},
 }
 FILE_FORMATS = tuple(_READERS)  # names that `file_format` takes
-
-_FEW = 0.01  # so small a share of good events is luck, where other columns fit
 
 
 class Recording:
@@ -157,30 +154,10 @@ class Recording:
         what = f"only {_units.count(good)} of its {received} events are good"
         if good == 0:
             what = f"not one of its {received} events is good"
-        return f"{self._path}: {what} ({_units.reasons(self.rejected)}); {self._remedy()}"
-
-    def _fitting(self) -> str | None:
-        """Return the arrangement of columns that fits the values, if another was taken."""
-        if not hasattr(self._reader, "sample"):
-            return None
-        rows, order = self._reader.sample()
-        found = arrangement(rows, self._width, self._height)
-        return None if found == order else found
-
-    def _remedy(self) -> str:
-        if (found := self._fitting()) is not None:
-            return looks_like(found)
-        if self.rejected["out_of_bounds"]:
-            return f"check width = {self._width or '?'} and height = {self._height or '?'}"
-        if self.rejected["nonmonotonic"]:
-            return "the stamps go back; sort the events by t"
-        if self.rejected["bad_record"] and not self.bad_offsets and self._options.time_unit is None:
-            return "the times are beyond 142 years; if they count ns, give time_unit='ns'"
-        if hasattr(self._reader, "sample") and between_pixels(*self._reader.sample()):
-            return "their x or y are no whole numbers; undistorted ones have to be rounded"
+        remedy = "check order, time_unit, width and height"
         if self.bad_offsets:
-            return f"the first bad one is at byte {self.bad_offsets[0]}; are these events?"
-        return "are these events?"
+            remedy = f"the first bad one is at byte {self.bad_offsets[0]}; {remedy}"
+        return f"{self._path}: {what} ({_units.reasons(self.rejected)}); {remedy}"
 
     @property
     def repaired(self) -> dict[str, int]:
@@ -235,7 +212,7 @@ class Recording:
                 yield plain_view(good)
         if losses.cut is not None and validator.received == 0:
             raise losses.cut
-        if self.received and (count == 0 or (count < _FEW * self.received and self._fitting())):
+        if self.received and count == 0:
             raise NoGoodEvent(self.doubt)
         span_us = validator.last_us - int(head[0])
         if doubt := unit_doubt(losses.guessed_unit, count, span_us, np.diff(head)):

@@ -60,10 +60,6 @@ class RosReader:
         out, filled, bad_messages = np.empty(CHUNK, EVENT_DTYPE), 0, 0
         for number, raw in enumerate(self._messages(losses)):
             fault = "some of its records hold no event"
-            if isinstance(raw, CorruptFile):
-                losses.bad(raw)
-                bad_messages += 1
-                continue
             try:
                 message = self._read(raw, self._cdr)
                 decoder.begin(message)
@@ -93,7 +89,7 @@ class RosReader:
             )
         return topics
 
-    def _messages(self, losses: Losses) -> Iterator[bytes | CorruptFile]:
+    def _messages(self, losses: Losses) -> Iterator[bytes]:
         try:
             yield from self._bag.messages(self._topic)
         except CorruptFile as error:
@@ -103,8 +99,7 @@ class RosReader:
         with suppress(CorruptFile):  # it is told when all are read
             for raw in self._bag.messages(self._topic):
                 with suppress(BadMessage):
-                    if not isinstance(raw, CorruptFile):
-                        return self._read(raw, self._cdr)
+                    return self._read(raw, self._cdr)
         return None
 
     def _decoder(self) -> _PacketDecoder | _ArrayDecoder:

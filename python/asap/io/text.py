@@ -18,13 +18,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
-
 from asap import _core
 from asap._stamps import time_exponent
 from asap.events import FIELD_NAMES, Events, check_order
-from asap.io.arrangement import SAMPLE, arrangement, as_option
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
 
@@ -48,7 +44,6 @@ class _Layout:
     width: int | None
     height: int | None
     line_bytes: float  # of a data line, about
-    sample: npt.NDArray[np.float64]  # the first data lines
     guessed: bool  # the unit
 
 
@@ -63,10 +58,6 @@ class TextReader:
         self.width, self.height = self._layout.width, self._layout.height
         #: Events in the file, about: its lines are seldom shorter than the first.
         self.expected = int((path.stat().st_size - self._layout.start) / self._layout.line_bytes)
-
-    def sample(self) -> tuple[npt.NDArray[np.float64], str]:
-        """Return the first rows, and what their columns were taken for."""
-        return self._layout.sample, self._layout.order
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Decode in pieces of a quarter of a megabyte."""
@@ -144,7 +135,7 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
     if options.order is not None:
         order = check_order(options.order)
     elif names:
-        order, named_unit = _order_of(path, names, rows)
+        order, named_unit = _order_of(path, names)
         unit = unit or named_unit
     else:
         order = "txyp"
@@ -156,14 +147,7 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
     guessed = unit is None
     unit = unit or _unit_of(path, rows, order)
     line_bytes = max((at - start) / max(len(rows), 1), _SHORTEST)
-    sample = _sample(rows)
-    return _Layout(order, unit, start, separator, width, height, line_bytes, sample, guessed)
-
-
-def _sample(rows: list[list[bytes]]) -> npt.NDArray[np.float64]:
-    """Return the first rows as numbers, without those of another length than the first."""
-    alike = [row for row in rows[:SAMPLE] if len(row) == len(rows[0])]
-    return np.array([[float(field) for field in row] for row in alike], ndmin=2)
+    return _Layout(order, unit, start, separator, width, height, line_bytes, guessed)
 
 
 def _separator(text: bytes) -> bytes:
@@ -194,13 +178,13 @@ def _role(name: str) -> tuple[str, str | None]:
     return "-", None
 
 
-def _order_of(path: Path, names: list[str], rows: list[list[bytes]]) -> tuple[str, str | None]:
+def _order_of(path: Path, names: list[str]) -> tuple[str, str | None]:
     roles = [_role(name) for name in names]
     order = "".join(role for role, _ in roles)
     if sorted(order.replace("-", "")) not in (sorted("txyp"), sorted("txy")):
         raise ValueError(
             f"order = None: the header of {path} names the columns {', '.join(names)}; "
-            f"say what they are{_such_as(rows)}"
+            "say what they are, such as order='txyp'"
         )
     return order, next((unit for role, unit in roles if role == "t"), None)
 
@@ -214,15 +198,9 @@ def _of_common_length(
         what = f"order = {order!r}" if known else "order = None"
         remedy = "only a header line can name them, such as 't x y p'"
         if length in (3, 4):
-            remedy = f"name each{_such_as(alike)}"
+            remedy = f"name each, such as order={'txyp'[:length]!r}"
         raise ValueError(f"{what}: the lines of {path} have {length} columns; {remedy}")
     return alike
-
-
-def _such_as(rows: list[list[bytes]]) -> str:
-    """Return an order that fits the rows, as the end of a sentence."""
-    found = arrangement(_sample(rows))
-    return ", with the option order" if found is None else f", such as {as_option(found)}"
 
 
 def _check_polarity(path: Path, rows: list[list[bytes]]) -> None:
@@ -230,7 +208,7 @@ def _check_polarity(path: Path, rows: list[list[bytes]]) -> None:
     if any(abs(p) > 127 or p != int(p) for p in polarity):
         raise ValueError(
             f"order = None: the fourth column of {path} holds no polarity (it begins with "
-            f"{rows[0][3].decode()}); say what the columns are{_such_as(rows)}"
+            f"{rows[0][3].decode()}); say what the columns are, such as order='xypt'"
         )
 
 

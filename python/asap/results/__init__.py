@@ -1,4 +1,87 @@
-"""What runs, comparisons, inspections and keep curves found: plain objects, tables beside them.
+"""What runs, comparisons and inspections found: their data, with text, figure and page at hand.
 
-Figures and pages are above them, in `asap.plots` and `asap.report`, and imported when asked for.
+The modules below go in one direction: `cost` and `archive`, `data`, `numbers`, `text`, `figures`,
+`page`. Figures and pages need the extra `report`, so they are imported when they are asked for.
 """
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from asap.results import data, text
+from asap.results.data import Finding, Ledger, Named, Row
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Comparison", "Finding", "Inspection", "Ledger", "Named", "Row", "Run"]
+
+
+class Run(data.Run):  # noqa: D101 (it has that of the data)
+    __doc__ = data.Run.__doc__
+
+    def plot(self) -> Figure:
+        """Draw the paper's figure: package size, R, gamma, margin and latency over time."""
+        from asap.results import figures
+
+        return figures.figure(self)
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one self-contained HTML page and return its path; needs the extra `report`."""
+        from asap.results import page
+
+        return page.write_runs(self, path)
+
+    def _repr_html_(self) -> str:
+        return text.run_html(self)
+
+    def __str__(self) -> str:
+        return text.format_run(self)
+
+
+class Comparison(data.Comparison):  # noqa: D101 (it has that of the data)
+    __doc__ = data.Comparison.__doc__
+    runs: Mapping[str, Run]
+
+    def plot(self) -> Figure:
+        """Draw latency and kept share over time, a row of the figure for each scheme."""
+        from asap.results import figures
+
+        return figures.comparison_figure(self)
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one self-contained HTML page and return its path; needs the extra `report`."""
+        from asap.results import page
+
+        return page.write_comparison(self, path)
+
+    def _repr_html_(self) -> str:
+        return text.comparison_html(self)
+
+    def __str__(self) -> str:
+        return text.format_comparison(self)
+
+
+class Inspection(data.Inspection):  # noqa: D101 (it has that of the data)
+    __doc__ = data.Inspection.__doc__
+
+    def plot(self) -> Figure:
+        """Draw the rate over time and the map of the pixels; needs matplotlib."""
+        from asap.results import figures
+
+        return figures.inspection_figure(self)
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one self-contained HTML page and return its path; needs the extra `report`."""
+        from asap.results import page
+
+        return page.write_inspection(self, path)
+
+    def _repr_html_(self) -> str:
+        return text.inspection_html(self)
+
+    def __str__(self) -> str:
+        return text.format_inspection(self)

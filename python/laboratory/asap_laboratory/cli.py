@@ -24,8 +24,7 @@ from asap.cli.outcome import (
     usage,
     writing,
 )
-from asap.cli.parser import Parser
-from asap.results.result import without_nan
+from asap.results.data import without_nan
 
 _Found = TypeVar("_Found")
 
@@ -36,7 +35,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = Parser(
+    parser = argparse.ArgumentParser(
         prog="asap-study",
         description="Every scheme over all scenarios, against the goals; less than 30 minutes on "
         "two cores.",

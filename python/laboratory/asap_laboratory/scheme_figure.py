@@ -6,7 +6,6 @@ simulates the stream and writes the figure. It is narrow, since half of its read
 
 from __future__ import annotations
 
-import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,14 +15,12 @@ import numpy as np
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from asap import _core, plots
-from asap.analysis import Floats
 from asap.experiment import compare
-from asap.report import page
+from asap.results.cost import Floats
 from asap_laboratory import profiles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from asap.experiment import Comparison, Run
 
@@ -120,13 +117,5 @@ def _in_bins(run: Run, column: str, reduce: np.ufunc) -> tuple[Floats, Floats]:
     return bins * (_BIN_MS / 1e3), reduce.reduceat(slots[column].astype(np.float64), begins)
 
 
-def svg(figure: Figure, label: str = "Latency and events in time of five schemes") -> str:
-    """Write a figure as an SVG document on a card of its own, dark where the reader's page is."""
-    style = f"<style>{page.COLOURS}text{{font-family:system-ui,sans-serif!important}}</style>"
-    card = '<rect width="100%" height="100%" rx="8" fill="var(--card)"/>'
-    drawn = page.inline_svg(figure, "figure", "figure", label)
-    return re.sub(r"(<svg[^>]*>)", rf"\1{style}{card}", drawn, count=1) + "\n"
-
-
 if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(svg(draw(simulated())), encoding="utf-8")
+    Path(sys.argv[1]).write_text(plots.svg(draw(simulated())), encoding="utf-8")

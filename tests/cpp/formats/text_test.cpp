@@ -158,7 +158,7 @@ TEST(TextDecoder, NotesTheFirstOffsetsOnly) {
   for (int i = 0; i < 100; ++i) text += "no\n";
   const Decoded decoded = decode(text);
   EXPECT_EQ(decoded.bad_records, 100u);
-  ASSERT_EQ(decoded.noted.size(), TextDecoder::kNoted);
+  ASSERT_EQ(decoded.noted.size(), BadRecords::kNoted);
   EXPECT_EQ(decoded.noted.back(), 45u);
 }
 

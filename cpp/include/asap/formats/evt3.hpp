@@ -40,9 +40,9 @@ class Evt3Decoder : public NativeDecoder<Evt3Decoder, Evt3Config, 2> {
   friend NativeDecoder;
 
   std::size_t decode_words(const std::byte* first, std::size_t count, Output& out) noexcept;
-  std::size_t decode_plain(const std::byte* first, std::size_t i, std::size_t end,
-                           Output& out) noexcept;
-  bool decode_any(std::uint32_t word, std::uint64_t offset, Output& out) noexcept;
+  bool decode_plain(std::uint32_t word, std::uint64_t offset, Output& out) noexcept;
+  std::size_t decode_fast(const std::byte* first, std::size_t i, std::size_t end,
+                          Output& out) noexcept;
   void take_time_high(std::uint32_t word) noexcept;
 
   std::int64_t t_ = 0;           // us, unwrapped

@@ -30,7 +30,6 @@ class TextDecoder {
  public:
   static constexpr std::size_t kMaxLine = 1024;  // bytes; a longer line is no event
   static constexpr std::size_t kMaxColumns = 16;
-  static constexpr std::size_t kNoted = 16;
 
   explicit TextDecoder(const TextConfig& config = {});
 
@@ -50,12 +49,12 @@ class TextDecoder {
   std::size_t room_for(std::size_t bytes) const noexcept { return bytes / (2 * column_count_) + 2; }
 
   // Lines with data = events + bad_records() + out_of_bounds()
-  std::uint64_t bad_records() const noexcept { return bad_records_; }
+  std::uint64_t bad_records() const noexcept { return undecoded_.count() - out_of_bounds_; }
   std::uint64_t out_of_bounds() const noexcept { return out_of_bounds_; }  // beyond 16 bits
   std::uint64_t clamped_positions() const noexcept { return clamped_positions_; }
 
-  // Byte offsets of the first kNoted lines that were not decoded.
-  std::span<const std::uint64_t> noted() const noexcept { return {noted_.data(), noted_count_}; }
+  // Byte offsets of the first lines that were not decoded.
+  std::span<const std::uint64_t> noted() const noexcept { return undecoded_.noted(); }
 
  private:
   enum class Column : std::uint8_t { t, x, y, p, skipped };
@@ -75,11 +74,9 @@ class TextDecoder {
   int time_exponent_;
   bool clamp_;
   std::uint64_t line_offset_;
-  std::uint64_t bad_records_ = 0;
   std::uint64_t out_of_bounds_ = 0;
   std::uint64_t clamped_positions_ = 0;
-  std::array<std::uint64_t, kNoted> noted_{};
-  std::size_t noted_count_ = 0;
+  BadRecords undecoded_;
   std::array<char, kMaxLine + 1> unfinished_{};
   std::size_t unfinished_size_ = 0;    // bytes kept
   std::size_t unfinished_length_ = 0;  // bytes seen, kept or not

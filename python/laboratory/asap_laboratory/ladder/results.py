@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from asap.results.result import without_nan
+from asap.results.data import without_nan
 from asap_laboratory.ladder.cases import LadderCase, Loaded, Outcomes, ToldCase
 from asap_laboratory.ladder.cost import Costs
 from asap_laboratory.ladder.rungs import RUNGS, SLOWDOWN

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap.results.result import without_nan
+from asap.results.data import without_nan
 from asap_laboratory.accuracy.cases import Rung
 from asap_laboratory.rivals.cost import costs_ns
 from asap_laboratory.scenes import LabelledScene

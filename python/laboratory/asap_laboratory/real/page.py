@@ -1,7 +1,7 @@
 """One self-contained HTML page: the table, then each recording as a strip of overlays.
 
 A strip is swiped picture by picture; above it a lane for each object shows which id carried it, and
-when it was missed. No script; at most `page.MOST_BYTES`.
+when it was missed. No script.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
-from asap.report import page
-from asap.results import notebook
+from asap.results import page as pages
+from asap.results import text
 from asap_laboratory.real import document
 from asap_laboratory.real.following import Followed
 from asap_laboratory.real.mistakes import Span, mistakes, spans
 from asap_laboratory.real.pictures import STYLE, hue, overlay
 
-_PICTURES = (24, 16, 12, 8, 6, 4, 3, 2, 1, 0)  # of each recording: the most that fit
+_MOST_PICTURES = 12  # of each recording
 
 _STYLE = (
     STYLE
@@ -68,40 +68,36 @@ def write(
     command : str
         What has to be typed to get the same.
     """
-    intro = f"<p>asap.ClusterTracker as it comes, beside hand-made boxes. {escape(command)}</p>"
-    for pictures in _PICTURES:
-        body = _body(sets, left_out, pictures)
-        title = "The cluster tracker on recordings"
-        page.write(path, title, body, style=_STYLE, intro=intro, words=_WORDS)
-        if path.stat().st_size <= page.MOST_BYTES:
-            break
-    return path
-
-
-def _body(sets: Sequence[Followed], left_out: Sequence[str], pictures: int) -> str:
-    table = notebook.table(document.HEAD, [document.cells(one) for one in sets])
+    table = text.table(document.HEAD, [document.cells(one) for one in sets])
     notes = "".join(f'<p class="sub">Left out: {escape(words)}</p>' for words in left_out)
-    articles = "".join(_article(one, pictures) for one in sets)
-    return f'<section class="compare"><div class="scroll">{table}</div>{notes}</section>{articles}'
+    return pages.write(
+        path,
+        "The cluster tracker on recordings",
+        map(_article, sets),
+        above=f"<p>asap.ClusterTracker as it comes, beside hand-made boxes. {escape(command)}</p>"
+        f"{table}{notes}{_WORDS}",
+        style=_STYLE,
+    )
 
 
-def _article(followed: Followed, pictures: int) -> str:
+def _article(followed: Followed) -> pages.Article:
     scene = followed.scene
     facts = f"{scene.width} x {scene.height} px, camera {scene.camera}, {scene.events.size} events"
     wrong = "".join(f"<li>{escape(words)}</li>" for words in mistakes(followed))
-    return f"""
-<article>
-<h2>{escape(scene.name)}</h2>
+    return pages.Article(
+        "recording",
+        {"name": scene.name, "labelled_times": len(followed.matches)},
+        f"""<h2>{escape(scene.name)}</h2>
 <p class="sub">{escape(facts)}, {len(followed.matches)} labelled times</p>
 <div class="lanes">{"".join(_lanes(followed))}</div>
-<div class="strip">{"".join(_figures(followed, pictures))}</div>
+<div class="strip">{"".join(_figures(followed))}</div>
 <h3>What went wrong</h3>
-<ul class="wrong">{wrong or "<li>nothing</li>"}</ul>
-</article>"""
+<ul class="wrong">{wrong or "<li>nothing</li>"}</ul>""",
+    )
 
 
-def _figures(followed: Followed, pictures: int) -> Iterator[str]:
-    shown = np.linspace(0, len(followed.matches) - 1, pictures).round().astype(int)
+def _figures(followed: Followed) -> Iterator[str]:
+    shown = np.linspace(0, len(followed.matches) - 1, _MOST_PICTURES).round().astype(int)
     for index in sorted(set(shown.tolist())):
         words = _caption(followed, index)
         drawn = overlay(followed, index, escape(f"{followed.scene.name}, {words}"))

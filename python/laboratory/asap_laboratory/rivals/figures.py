@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 from asap import plots  # first: it says which extra is missing
 from asap_laboratory.accuracy.document import label_of
 from asap_laboratory.rivals.cases import OURS
-from asap_laboratory.scheme_figure import svg
 from asap_laboratory.scoring import KeepCurve
 
 import matplotlib  # isort: skip
@@ -37,9 +36,8 @@ Recordings = Mapping[str, Mapping[str, Mapping[str, float]]]
 
 
 def write(path: Path, curves: Sequence[KeepCurve], recordings: Recordings) -> Path:
-    """Draw into an SVG file with a card of its own, dark where the reader's page is."""
-    drawn = svg(draw(curves, recordings), "MOTA and processor time of all trackers")
-    path.write_text(drawn, encoding="utf-8")
+    """Draw into an SVG file."""
+    path.write_text(plots.svg(draw(curves, recordings)), encoding="utf-8")
     return path
 
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from html import escape
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asap import _checks, plots  # first: it says which extra is missing
-from asap.report import page
-from asap.results import notebook
+from asap import plots  # first: it says which extra is missing
+from asap.results import page as pages
+from asap.results import text
 from asap_laboratory.scoring import table as accuracy_table
 
 import matplotlib  # isort: skip
@@ -25,36 +24,24 @@ if TYPE_CHECKING:
 
     from asap_laboratory.scoring.result import KeepCurve, KeepRow
 
-_STYLE = """
-.scores td+td,.scores th+th{text-align:right;white-space:nowrap}
-"""
-
 
 def write(curve: KeepCurve, path: str | os.PathLike[str], title: str = "ASAP accuracy") -> Path:
-    """Write one HTML file about the scores of an algorithm over gamma.
+    """Write one HTML file about the scores of an algorithm over gamma."""
+    return pages.write(path, title, _articles(curve))
 
-    The numbers stand in ``<template data-keep-curve>`` as JSON: ``curve.summary()``.
-    """
-    path = _checks.page_file("path", path)
-    name = accuracy_table.title(curve)
-    wide = figure([curve], width_inches=8.6)
-    narrow = figure([curve], width_inches=page.NARROW_INCHES, columns=1)
-    label = f"Curves of {name}: scores over the kept fraction gamma"
+
+def _articles(curve: KeepCurve) -> Iterator[pages.Article]:
     head, *rows = accuracy_table.cells(curve)
-    caption = (
+    columns = accuracy_table.columns_of(curve.rows[0]).values()
+    yield pages.Article(
+        "keep-curve",
+        curve.summary(),
+        text.heading(accuracy_table.title(curve)) + text.table(head, rows),
+        figure([curve], width_inches=8.6),
         "Scores over the fraction of the events that is kept. Told: the algorithm knew it. Bars "
-        "are standard deviations over the seeds."
+        "are standard deviations over the seeds.",
+        {"What the columns say": text.table((), columns)},
     )
-    body = f"""
-<article>
-<h2>{escape(name)}</h2>
-<div class="scroll scores">{notebook.table(head, rows)}</div>
-{page.curves(*page.drawn(wide, narrow, label), caption)}
-<details><summary>What the columns say</summary>
-{page.definitions(accuracy_table.columns_of(curve.rows[0]).values())}</details>
-{page.embedded("data-keep-curve", curve.summary())}
-</article>"""
-    return page.write(path, title, body, style=_STYLE)
 
 
 _TRACKER = {
@@ -78,19 +65,17 @@ def figure(
     *,
     title: str | None = None,
     width_inches: float = 9.0,
-    columns: int = 4,
 ) -> Figure:
     """Draw scores over gamma, a colour for each curve: told as a line, not told dashed.
 
     All curves are of trackers, or all of corner detectors; bars are standard deviations over the
-    seeds. One or two scores side by side, `columns`, are for narrow screens.
+    seeds.
     """
     is_tracker = accuracy_table.columns_of(curves[0].rows[0]) is accuracy_table.TRACKER_COLUMNS
     shown = _TRACKER if is_tracker else _CORNERS
-    rows = len(shown) // columns
     with matplotlib.rc_context({**plots.STYLE, "axes.titley": 1.0}):
         page = plots.NotebookFigure(layout="constrained")
-        panels = page.subplots(rows, columns, squeeze=False).ravel()
+        panels = page.subplots(1, len(shown))
         for axes, (column, words) in zip(panels, shown.items(), strict=True):
             for curve, colour in zip(curves, _cycle(curves), strict=True):
                 draw(axes, curve, column, colour=colour)
@@ -98,9 +83,9 @@ def figure(
         if title:
             page.suptitle(title, x=0.01, ha="left", fontsize=10)
         handles, labels = panels[0].get_legend_handles_labels()
-        page.legend(handles, labels, loc="outside lower center", ncols=columns)
-        lines = -(-len(labels) // columns)
-        page.set_size_inches(width_inches, 2.2 * rows + 0.2 * lines)
+        page.legend(handles, labels, loc="outside lower center", ncols=len(shown))
+        lines = -(-len(labels) // len(shown))
+        page.set_size_inches(width_inches, 2.2 + 0.2 * lines)
     return page
 
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asap.results import notebook
-from asap.results.result import Result, without_nan
+from asap.results import text
+from asap.results.data import Result, without_nan
 from asap_laboratory.scoring import table
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ class KeepCurve(Result):
 
     def _repr_html_(self) -> str:
         head, *rows = table.cells(self)
-        return notebook.heading(table.title(self)) + notebook.table(head, rows)
+        return text.heading(table.title(self)) + text.table(head, rows)
 
     def __repr__(self) -> str:
         rows = ", ".join(f"{row.gamma:g}" for row in self.rows)

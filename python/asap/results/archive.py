@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,6 @@ from numpy.typing import NDArray
 from asap import _checks, _core
 from asap.io.numpy_files import Archive
 from asap.io.writers import write_archive
-
-if TYPE_CHECKING:
-    from asap.results.run import Run
 
 SUMMARY, LATENCIES = "summary.json", "latencies.json"
 
@@ -55,15 +52,16 @@ def check_name(path: Path) -> None:
     _checks.ending("path", path, (".npz", ".json"), remedy)
 
 
-def write(run: Run, path: Path) -> None:
-    """Write log and summary of a run."""
-    latencies = [run.latency.state(), run.lateness.state() if run.lateness else None]
+def write(
+    path: Path, summary: dict[str, Any], latencies: list[Any], packages: NDArray[np.void]
+) -> None:
+    """Write summary, latencies and log of a run."""
     members: dict[str, Any] = {
-        SUMMARY: json.dumps(run.summary(), allow_nan=False).encode(),
+        SUMMARY: json.dumps(summary, allow_nan=False).encode(),
         LATENCIES: json.dumps(latencies, allow_nan=False).encode(),
     }
-    names = run.packages.dtype.names or ()
-    rows = {name: np.ascontiguousarray(run.packages[name]) for name in names}
+    names = packages.dtype.names or ()
+    rows = {name: np.ascontiguousarray(packages[name]) for name in names}
     for name, column in rows.items():
         if name not in _FORMULAS or (_follows(name, rows).view("i8") != column.view("i8")).any():
             members[f"{name}.npy"] = column

@@ -1,0 +1,395 @@
+"""The verbs of ``asap``: each adds its options to the parser, and does what they ask for."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import textwrap
+from contextlib import nullcontext
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import asap
+from asap import _checks, _progress, _units, conversion
+from asap.cli.algorithms import (
+    ALGORITHMS,
+    SCHEMES,
+    algorithm_name,
+    algorithm_of,
+    own_code,
+    scheme_of,
+    setting,
+)
+from asap.cli.options import (
+    add_out,
+    add_recording,
+    add_report,
+    add_verb,
+    open_recording,
+    page_file,
+    run_file,
+    typed,
+    writable,
+)
+from asap.cli.outcome import (
+    BAD_INPUT,
+    CHECK_FAILED,
+    OK,
+    USAGE,
+    Failure,
+    need_report,
+    print_json,
+    print_written,
+    reading,
+    show,
+    tell_doubt,
+    usage,
+    writing,
+)
+from asap.io.errors import CutFile
+from asap.results import text
+
+
+def add_demo(verbs: Any) -> None:
+    """Add ``asap demo``."""
+    verb = add_verb(verbs, "demo", _demo, "the paper's two experiments on synthetic scenes")
+    add_out(verb, "asap-demo")
+    verb.add_argument("--quick", action="store_true", help="shorter scenes")
+
+
+def _demo(arguments: Any) -> int:
+    need_report()
+    from asap import demo
+
+    with writing(arguments.out), _progress.on_terminal() as on_progress:
+        runs, paths = demo.run(arguments.out, quick=arguments.quick, on_progress=on_progress)
+    *experiments, default = runs
+    claims = [demo.claims(run) for run in experiments]
+    if arguments.json:
+        print_json(
+            {
+                "schema_version": 1,
+                "runs": [run.summary() for run in runs],
+                "claims": [[asdict(claim) for claim in of_run] for of_run in claims],
+                "files": [str(path) for path in paths],
+            }
+        )
+    else:
+        for run, of_run in zip(experiments, claims, strict=True):
+            print(text.format_run(run), end="\n\n")
+            for claim in of_run:
+                print(f"  {'holds' if claim.holds else 'FAILS':<7}{claim.sentence}")
+                print(textwrap.indent(textwrap.fill(claim.seen, 69), " " * 9))
+            print()
+        print("The first experiment again, under the default scheme:\n")
+        print(demo.side_by_side(experiments[0], default), end="\n\n")
+        print_written(*paths)
+    return OK if all(claim.holds for of_run in claims for claim in of_run) else CHECK_FAILED
+
+
+def add_run(verbs: Any) -> None:
+    """Add ``asap run``."""
+    verb = add_verb(verbs, "run", _run, "run an algorithm on a recording, in closed loop")
+    add_recording(verb)
+    verb.add_argument(
+        "--algorithm",
+        type=algorithm_name,
+        metavar="NAME|MODULE:NAME",
+        help=f"{', '.join(sorted(ALGORITHMS))}; or your own, as package.module:name, from the "
+        "current directory or Python's path: a class is made with (width, height), of an object "
+        "process(events) is used, a callable is called (default: clusters)",
+    )
+    verb.add_argument(
+        "--cost",
+        type=typed(_units.parse_cost, "cost"),
+        metavar="100us+300ns",
+        help="virtual time: an algorithm that takes this per package + per event",
+    )
+    verb.add_argument(
+        "--opaque",
+        action="store_true",
+        help="with --cost: the algorithm takes a package as a whole, as a Python callback does",
+    )
+    verb.add_argument("--scheme", choices=tuple(SCHEMES), help="default: deadline")
+    verb.add_argument(
+        "--set",
+        type=setting,
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        dest="settings",
+        help="a parameter of the scheme, for example rate_bound=5e6; repeatable",
+    )
+    verb.add_argument(
+        "--latency",
+        type=typed(_units.parse_duration_us, "latency"),
+        metavar="10ms",
+        help="latency bound (default: the scheme's own, else 10ms)",
+    )
+    verb.add_argument(
+        "--speed", type=float, default=1.0, help="of the replay (default: 1, as recorded)"
+    )
+    verb.add_argument("--seed", type=int, default=0, help="of the gamma filter (default: 0)")
+    add_report(verb)
+    verb.add_argument(
+        "--save",
+        type=run_file,
+        metavar="RUN.npz",
+        help="keep the run, for asap report: .npz log and summary, .json the summary alone",
+    )
+
+
+def _run(arguments: Any) -> int:
+    if arguments.opaque and not arguments.cost:
+        raise Failure(USAGE, "--opaque: needs --cost, the simulated algorithm that it describes")
+    if arguments.cost and arguments.speed != 1.0:
+        raise Failure(USAGE, "--speed: not with --cost; only a replay in real time has a speed")
+    if arguments.report:
+        need_report()
+    with usage():
+        scheme = scheme_of(arguments.scheme, arguments.settings)
+        cost = asap.LinearCost(*arguments.cost) if arguments.cost else None
+    with reading(arguments):
+        recording = open_recording(arguments)
+    if arguments.save:
+        with usage():
+            _checks.other_file("--save", arguments.save, recording.path)
+    name = arguments.algorithm or (None if cost else "clusters")
+    with usage():
+        algorithm = algorithm_of(name, recording) if name else None
+    options: dict[str, Any] = {
+        "algorithm": algorithm,
+        "scheme": scheme,
+        "latency_ms": None if arguments.latency is None else arguments.latency / 1e3,
+        "on_bad": arguments.on_bad,
+        "seed": arguments.seed,
+    }
+    own = own_code(name) if name and ":" in name else nullcontext()
+    with reading(arguments), own, _progress.on_terminal() as on_progress:
+        if cost is not None:
+            options["opaque"] = arguments.opaque
+            run = asap.simulate(recording, cost=cost, on_progress=on_progress, **options)
+        else:
+            run = asap.run(recording, speed=arguments.speed, on_progress=on_progress, **options)
+    tell_doubt(recording)
+    if arguments.save:
+        with writing(arguments.save):
+            run.save(arguments.save)
+    show(run, arguments, arguments.save)
+    return OK
+
+
+def add_compare(verbs: Any) -> None:
+    """Add ``asap compare``."""
+    verb = add_verb(verbs, "compare", _compare, "every scheme on the same events, and the oracle")
+    add_recording(verb)
+    verb.add_argument(
+        "--cost",
+        type=typed(_units.parse_cost, "cost"),
+        metavar="100us+300ns",
+        required=True,
+        help="required: what the algorithm takes per package + per event, as asap run estimates it "
+        "for yours",
+    )
+    verb.add_argument(
+        "--latency",
+        type=typed(_units.parse_duration_us, "latency"),
+        metavar="10ms",
+        help="latency bound of all (default: 10ms)",
+    )
+    verb.add_argument(
+        "--opaque",
+        action="store_true",
+        help="the algorithm takes a package as a whole, as a Python callback does",
+    )
+    verb.add_argument(
+        "--speed",
+        type=float,
+        default=1.0,
+        help="compress the stamps: 10 makes a quiet recording ten times as busy (default: 1)",
+    )
+    verb.add_argument("--seed", type=int, default=0, help="of the gamma filter (default: 0)")
+    add_report(verb)
+
+
+def _compare(arguments: Any) -> int:
+    if arguments.report:
+        need_report()
+    with usage():
+        cost = asap.LinearCost(*arguments.cost)
+    with reading(arguments), _progress.on_terminal() as on_progress:
+        comparison = asap.compare(
+            open_recording(arguments),
+            cost=cost,
+            latency_ms=None if arguments.latency is None else arguments.latency / 1e3,
+            seed=arguments.seed,
+            opaque=arguments.opaque,
+            speed=arguments.speed,
+            on_bad=arguments.on_bad,
+            on_progress=on_progress,
+        )
+    show(comparison, arguments)
+    return OK
+
+
+def add_info(verbs: Any) -> None:
+    """Add ``asap info``."""
+    verb = add_verb(verbs, "info", _info, "what a recording holds")
+    add_recording(verb)
+
+
+def _info(arguments: Any) -> int:
+    with reading(arguments):
+        recording = open_recording(arguments)
+        facts = asap.info(recording)
+    tell_doubt(recording)
+    if arguments.json:
+        print_json(facts)
+        return OK
+    width, height = facts["width"], facts["height"]
+    sensor = f"{width or '?'} x {height or '?'} px" if width or height else "unknown"
+    if not (width and height):
+        reach = f"events reach x = {facts['x_max']}, y = {facts['y_max']}"
+        sensor += f": addresses are not checked; {reach}. Give --width and --height"
+    rate = {name: _units.rate(value) for name, value in facts["rate_hz"].items()}
+    rows = {
+        "format": facts["format"],
+        "sensor": sensor,
+        "events": f"{_units.count(facts['events'])}, {_units.share(facts['on_share'])} ON",
+        "duration": _units.duration(facts["duration_s"] * 1e6),
+        "rate": f"mean {rate['mean']}, peak {rate['peak_10ms']} in 10 ms, "
+        f"{rate['peak_1ms']} in 1 ms",
+        "rejected": _units.reasons(facts["rejected"]) or "none",
+    }
+    if facts["clock_resets"]:
+        rows["clock"] = (
+            f"set back {facts['clock_resets']} x by 1 s or more: the duration leaves that out"
+        )
+    print(os.path.basename(facts["path"]))
+    for name, value in rows.items():
+        print(f"  {name:<10}{value}")
+    return OK
+
+
+def add_check(verbs: Any) -> None:
+    """Add ``asap check``."""
+    verb = add_verb(verbs, "check", _check, "what is wrong with a recording, where, and what helps")
+    add_recording(verb, on_bad=False)
+    add_report(verb)
+
+
+def _check(arguments: Any) -> int:
+    if arguments.report:
+        need_report()
+    with reading(arguments), _progress.on_terminal() as on_progress:
+        inspection = asap.check(_as_source(arguments), on_progress=on_progress)
+    show(inspection, arguments)
+    if inspection.ok:
+        return OK
+    is_lost = inspection.events == 0 and inspection.findings["truncated"].count > 0
+    return BAD_INPUT if is_lost else CHECK_FAILED
+
+
+def _as_source(arguments: Any) -> asap.Recording | Path:
+    try:
+        return open_recording(arguments)
+    except CutFile as cut:
+        return cut.path  # nothing can be read; the table says so
+
+
+def add_convert(verbs: Any) -> None:
+    """Add ``asap convert``."""
+    verb = add_verb(verbs, "convert", _convert, "write a recording in another format")
+    add_recording(verb, "IN")
+    verb.add_argument("out", type=writable, metavar="OUT", help="the file to write")
+    verb.add_argument(
+        "--to",
+        choices=tuple(conversion.WRITERS),
+        help="format (default: the suffix of OUT; .raw is evt3)",
+    )
+    verb.add_argument("--relative", action="store_true", help="count the time from the first event")
+
+
+def _convert(arguments: Any) -> int:
+    out = arguments.out
+    with usage():
+        to = conversion.format_of(out, arguments.to)
+    with reading(arguments):
+        recording = open_recording(arguments)
+        with writing(out):
+            count = asap.convert(recording, out, to=to, relative=arguments.relative)
+    tell_doubt(recording)
+    if arguments.json:
+        print_json({"schema_version": 1, "path": str(out), "format": to, "events": count})
+    else:
+        print(f"wrote {out}: {_units.count(count)} events")
+    return OK
+
+
+def add_report_verb(verbs: Any) -> None:
+    """Add ``asap report``."""
+    verb = add_verb(verbs, "report", _report, "one HTML page about saved runs")
+    verb.add_argument(
+        "runs", nargs="+", type=Path, metavar="RUN.npz", help="of asap run --save; .json: no curves"
+    )
+    verb.add_argument(
+        "-o",
+        "--out",
+        type=page_file,
+        metavar="OUT.html",
+        help="default: the first run's name with .html",
+    )
+
+
+def _report(arguments: Any) -> int:
+    need_report()
+    from asap.results.page import write_runs
+
+    with reading(arguments):
+        runs = [asap.load_run(path) for path in arguments.runs]
+    out = arguments.out or arguments.runs[0].with_suffix(".html")
+    with writing(out):
+        write_runs(runs, out)
+    if arguments.json:
+        print_json({"schema_version": 1, "runs": len(runs), "file": str(out)})
+    else:
+        print_written(out)
+    return OK
+
+
+def add_completion(verbs: Any) -> None:
+    """Add ``asap completion``."""
+    verb = add_verb(verbs, "completion", _completion, "a script that completes asap in a shell")
+    verb.add_argument("shell", choices=("bash", "zsh"), help="of bash or of zsh")
+    verb.set_defaults(verbs=verbs)
+
+
+def _completion(arguments: Any) -> int:
+    try:
+        shtab = importlib.import_module("shtab")
+    except ImportError as error:
+        words = "asap completion needs shtab: install asap-events[completion]"
+        raise Failure(USAGE, words) from error
+    for parser in arguments.verbs.choices.values():
+        for action in parser._actions:
+            if action.dest in ("file", "out", "report", "runs", "save"):
+                action.complete = shtab.FILE
+    script = shtab.complete(arguments.parser, arguments.shell)
+    if arguments.json:
+        print_json({"schema_version": 1, "shell": arguments.shell, "script": script})
+    else:
+        print(script)
+    return OK
+
+
+VERBS = (
+    add_demo,
+    add_run,
+    add_compare,
+    add_info,
+    add_check,
+    add_convert,
+    add_report_verb,
+    add_completion,
+)

@@ -1,0 +1,580 @@
+"""Figures of runs and events.
+
+Pixels with y down, time in s from the first event, ON red, OFF blue. Every function draws into the
+axes (or figure) that it is given, makes its own otherwise, and returns them; pyplot and the global
+style stay untouched. Needs matplotlib: ``asap-events[report]``.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import _checks, _core, _units
+from asap.events import events_of_argument
+from asap.results import numbers
+from asap.results.cost import Floats
+from asap.results.data import BINS_FROM_US, Comparison, Inspection, Row, Run
+from asap.results.text import KEEPS
+
+try:
+    import matplotlib
+    from matplotlib.colors import LogNorm
+    from matplotlib.figure import Figure, SubFigure
+    from matplotlib.patches import Ellipse
+    from matplotlib.ticker import LogLocator, NullLocator
+except ImportError as error:
+    raise ImportError("a figure needs matplotlib: install asap-events[report]") from error
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Okabe and Ito's colours: told apart by every kind of colour vision.
+BLUE, VERMILION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#a14f7c"
+AMBER = "#c98a00"
+INK, FAINT = "#33383d", "#9aa1a8"
+
+_ON, _OFF = (214, 39, 40), (31, 90, 180)
+
+STYLE: Any = {
+    "font.size": 9,
+    "axes.edgecolor": FAINT,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "axes.titlesize": 9,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "axes.facecolor": "none",
+    "grid.color": FAINT,
+    "grid.alpha": 0.3,
+    "grid.linewidth": 0.6,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "lines.linewidth": 1.1,
+    "figure.facecolor": "white",
+}
+
+
+class NotebookFigure(Figure):
+    """A figure that a notebook shows without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        png = io.BytesIO()
+        self.savefig(png, format="png", dpi=110)
+        return png.getvalue()
+
+
+def figure(
+    run: Run, *, size_inches: tuple[float, float] = (7.0, 8.4), points: int = 2000
+) -> Figure:
+    """Draw the paper's figure of a run on a page of its own; see `control`.
+
+    Parameters
+    ----------
+    run : Run
+        A finished run.
+    size_inches : (float, float)
+        Width and height of the page.
+    points : int
+        The most points of one curve.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Shown by a notebook as it is; ``.savefig(path)`` writes it.
+    """
+    with matplotlib.rc_context(STYLE):
+        page = NotebookFigure(figsize=size_inches, layout="constrained")
+    control(run, figure=page, points=points)
+    return page
+
+
+def control(
+    run: Run, *, figure: Figure | SubFigure | None = None, points: int = 2000
+) -> Figure | SubFigure:
+    """Draw what the closed loop did, over time: the figures of the 2020 paper, and the latency.
+
+    Five rows share the time axis: package size; event rate, thinned rate R and the rate bound a;
+    gamma; margin (processing time - span, below zero is real time); largest latency of each package
+    with the latency bound.
+
+    Parameters
+    ----------
+    run : Run
+        A finished run.
+    figure : Figure or SubFigure, optional
+        An empty one to draw into.
+    points : int
+        The most points of one curve; the smallest and the largest of what lies between stay.
+
+    Notes
+    -----
+    The curves of Tapia, Gomez Eguiluz, Martinez-de Dios, Ollero: ASAP: Adaptive Scheme for
+    Asynchronous Processing of Event-based Vision Algorithms, ICRA 2020 workshop; latency is ours.
+    """
+    with matplotlib.rc_context(STYLE):
+        figure = figure or NotebookFigure(figsize=(7.0, 8.4), layout="constrained")
+        rows = figure.subplots(len(_ROWS), 1, sharex=True)
+        for axes, draw in zip(rows, _ROWS, strict=True):
+            draw(_Curves(run, points), axes)
+            axes.margins(x=0.01)
+        rows[-1].set_xlabel("time from the first event [s]")
+        figure.align_ylabels()
+    return figure
+
+
+def svg(figure: Figure) -> str:
+    """Write a figure as SVG text: letters as letters, and the same bytes every time.
+
+    Parameters
+    ----------
+    figure : Figure
+        Any figure of this module.
+    """
+    text = io.StringIO()
+    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "asap"}):
+        figure.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()
+
+
+class _Curves:
+    """The columns of a run as curves of few points."""
+
+    def __init__(self, run: Run, points: int) -> None:
+        self.run = run
+        self._points = points
+        self._time_s = numbers.time_s(run)
+
+    def values(self, column: str, scale: float = 1.0) -> Floats:
+        return np.asarray(self.run.packages[column] * scale, np.float64)
+
+    def draw(self, axes: Axes, values: Floats, **style: Any) -> None:
+        time_s, thinned = numbers.decimate(self._time_s, values, self._points)
+        axes.plot(time_s, thinned, **style)
+
+
+def _draw_size(curves: _Curves, axes: Axes) -> None:
+    size = curves.values("size")
+    curves.draw(axes, size, color=BLUE)
+    _log_if_decades(axes, size)
+    axes.set(title="package size", ylabel="events")
+
+
+def _draw_rates(curves: _Curves, axes: Axes) -> None:
+    peak_hz = max(curves.values("event_rate").max(initial=0), 1.0)
+    unit, scale = _units.rate_axis(peak_hz)
+    curves.draw(axes, curves.values("event_rate", scale), color=FAINT, label="event rate")
+    curves.draw(axes, curves.values("rate", scale), color=GREEN, label="thinned, R")
+    rate_bound = curves.run.scheme.parameters.get("rate_bound")
+    if rate_bound:
+        _line(axes, rate_bound * scale, "bound, a")
+    axes.set(title="rates", ylabel=unit)
+    _legend(axes)
+
+
+def _draw_gamma(curves: _Curves, axes: Axes) -> None:
+    curves.draw(axes, curves.values("gamma"), color=PURPLE)
+    axes.set(title="gamma", ylabel="kept", ylim=(-0.03, 1.06))
+
+
+def _draw_margin(curves: _Curves, axes: Axes) -> None:
+    margin_ms = curves.values("margin_us", 1e-3)
+    bottom, top, off_scale = _limits(margin_ms)
+    hidden = f"; {off_scale} off scale" if off_scale else ""
+    curves.draw(axes, margin_ms, color=BLUE, label=f"below 0: real time{hidden}")
+    axes.axhline(0, color=INK, linewidth=0.8)
+    axes.set(title="margin", ylabel="ms", ylim=(bottom, top))
+    _legend(axes)
+
+
+def _limits(values: Floats) -> tuple[float, float, int]:
+    """Limits that hold zero and nearly all values, and the number of those outside.
+
+    One package at the start, large for want of a measurement, would flatten all others.
+    """
+    if values.size == 0:
+        return -1.0, 1.0, 0
+    low, high = (float(q) for q in np.quantile(values, (0.005, 0.995)))
+    low, high = min(low, 0.0), max(high, 0.0)
+    room = 0.25 * (high - low) or 1.0
+    bottom, top = low - room, high + room
+    return bottom, top, int(np.count_nonzero((values < bottom) | (values > top)))
+
+
+def _draw_latency(curves: _Curves, axes: Axes) -> None:
+    latency_ms = curves.values("latency_max_us", 1e-3)
+    curves.draw(axes, latency_ms, color=BLUE, label="oldest event of a package")
+    _line(axes, curves.run.latency_bound_us / 1e3, "bound")
+    _log_if_decades(axes, latency_ms)
+    axes.set(title="latency", ylabel="ms")
+    _legend(axes)
+
+
+_ROWS: tuple[Callable[[_Curves, Axes], None], ...] = (
+    _draw_size,
+    _draw_rates,
+    _draw_gamma,
+    _draw_margin,
+    _draw_latency,
+)
+
+
+def frame(events: NDArray[np.void], width: int, height: int, *, ax: Axes | None = None) -> Axes:
+    """Draw events as an image: a pixel is red where ON prevails, blue where OFF does.
+
+    Parameters
+    ----------
+    events : ndarray, shape (n,), EVENT_DTYPE
+        For example those of 5 ms. Events outside the sensor are not drawn.
+    width, height : int
+        Of the sensor, px.
+    ax : Axes, optional
+        Where to draw.
+    """
+    events = events_of_argument("events", events)
+    for name, side in (("width", width), ("height", height)):
+        _checks.whole(name, side, 1, 65536, "give the sensor's side in px, 1 to 65536")
+    axes = ax or _own_axes((5.0, 5.0 * height / width))
+    inside = (events["x"] < width) & (events["y"] < height)
+    pixel = events["y"][inside].astype(np.int64) * width + events["x"][inside]
+    sign = np.where(events["p"][inside] > 0, 1, -1)
+    balance = np.bincount(pixel, sign, minlength=width * height)
+    image = np.full((width * height, 3), 255, np.uint8)
+    # A tie is the last event's.
+    image[pixel] = np.where(sign[:, None] > 0, _ON, _OFF)
+    image[balance > 0] = _ON
+    image[balance < 0] = _OFF
+    axes.imshow(image.reshape(height, width, 3), interpolation="nearest")
+    axes.set(xlabel="x [px]", ylabel="y [px]")
+    axes.grid(False)
+    return axes
+
+
+def clusters(
+    events: NDArray[np.void],
+    clusters: NDArray[np.void],
+    width: int,
+    height: int,
+    *,
+    ax: Axes | None = None,
+    lookahead_ms: float = 0.0,
+) -> Axes:
+    """Draw clusters over the frame of their events: ellipses of two standard deviations.
+
+    Parameters
+    ----------
+    events : ndarray, shape (n,), EVENT_DTYPE
+        The events below, for example the last 5 ms.
+    clusters : ndarray, shape (m,)
+        ``ClusterTracker.clusters``: fields id, x, y, vx, vy, cxx, cxy, cyy.
+    width, height : int
+        Of the sensor, px.
+    ax : Axes, optional
+        Where to draw.
+    lookahead_ms : float
+        A line from each centre shows its way in this time; 0 draws none.
+    """
+    axes = frame(events, width, height, ax=ax)
+    for cluster in clusters:
+        axes.add_patch(_ellipse(cluster))
+        x, y = float(cluster["x"]), float(cluster["y"])
+        if lookahead_ms > 0:
+            dx, dy = (float(cluster[v]) * lookahead_ms / 1e3 for v in ("vx", "vy"))
+            axes.plot([x, x + dx], [y, y + dy], color=INK, linewidth=1.2)
+        label = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none"}
+        axes.text(
+            x,
+            y,
+            str(cluster["id"]),
+            color=INK,
+            fontsize=8,
+            ha="center",
+            va="center",
+            bbox=label,
+            clip_on=True,
+        )
+    axes.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
+    return axes
+
+
+def _ellipse(cluster: Mapping[str, Any] | np.void) -> Ellipse:
+    outline = _core.outline_of(*(cluster[field] for field in ("x", "y", "cxx", "cxy", "cyy")))
+    return Ellipse(
+        (float(outline["x"]), float(outline["y"])),
+        2 * float(outline["major"]),
+        2 * float(outline["minor"]),
+        angle=float(np.degrees(outline["angle"])),
+        fill=False,
+        edgecolor=INK,
+        linewidth=1.4,
+    )
+
+
+def rate(events: NDArray[np.void], bin_us: float = 10_000, *, ax: Axes | None = None) -> Axes:
+    """Draw the event rate in windows of `bin_us`; see `numbers.rate`.
+
+    Parameters
+    ----------
+    events : ndarray, shape (n,), EVENT_DTYPE
+        In time order.
+    bin_us : float
+        Length of a window in us.
+    ax : Axes, optional
+        Where to draw.
+    """
+    time_s, rate_hz = numbers.rate(events, bin_us)
+    axes = ax or _own_axes((7.0, 2.4))
+    unit, scale = _units.rate_axis(rate_hz.max(initial=0))
+    time_s, thinned = numbers.decimate(time_s, rate_hz * scale, 2000)
+    axes.plot(time_s, thinned, color=BLUE, drawstyle="steps-post")
+    axes.set(xlabel="time from the first event [s]", ylabel=f"event rate [{unit}]")
+    axes.set_ylim(bottom=0)
+    return axes
+
+
+def _own_axes(size_inches: tuple[float, float]) -> Axes:
+    with matplotlib.rc_context(STYLE):
+        return NotebookFigure(figsize=size_inches, layout="constrained").add_subplot()
+
+
+def _legend(axes: Axes) -> None:
+    # Beside the title, where no curve can be.
+    axes.legend(
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        borderaxespad=0.2,
+        ncols=3,
+        handlelength=1.5,
+        handletextpad=0.5,
+        columnspacing=1.2,
+    )
+
+
+def _line(axes: Axes, at: float, label: str) -> None:
+    axes.axhline(at, color=VERMILION, linestyle=(0, (5, 3)), linewidth=1.2, label=label)
+
+
+def _log_if_decades(axes: Axes, values: Floats) -> None:
+    positive = values[values > 0]
+    if positive.size and positive.max() >= 10 * positive.min():
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(lambda value, _: f"{value:,g}")
+        axes.yaxis.set_minor_formatter(lambda value, _: "")
+
+
+# ---- a comparison ------------------------------------------------------------------------------
+
+_PANEL_INCHES = 0.92
+_FRAME_INCHES = 0.95
+_SPAN = 100  # latencies from L / 100 to 100 L are told apart
+
+
+def comparison_figure(comparison: Comparison, *, points: int = 500) -> Figure:
+    """Draw latency and kept share over time for each scheme, best score first.
+
+    The first row shows the events that came in. For each scheme the largest latency of the events
+    of each moment with the latency bound, and beside it the share of the events that was finished.
+    A curve has at most so many points, each with the worst latency and the mean share of what lies
+    between.
+    """
+    rows = comparison.rows
+    lines = 1 + len(rows)
+    # Fixed titles: to look for a place for each takes longer than to draw the page.
+    with matplotlib.rc_context({**STYLE, "axes.titley": 1.0}):
+        page = NotebookFigure(
+            figsize=(9.0, _FRAME_INCHES + _PANEL_INCHES * lines), layout="constrained"
+        )
+        grid = page.subplots(lines, 2, sharex=True, squeeze=False)
+        windows = {row.label: _Windows.of(comparison, row.label, points) for row in rows}
+        for axes in grid[0]:
+            _draw_incoming(axes, next(iter(windows.values())))
+        for row, (latency, kept) in zip(rows, grid[1:], strict=True):
+            _draw_worst_latency(latency, windows[row.label], comparison.latency_ms)
+            _draw_kept(kept, windows[row.label])
+            _name(latency, kept, row)
+        handles = [handle for axes in grid[1] for handle in axes.get_legend_handles_labels()[0]]
+        page.legend(handles=handles, loc="outside upper right", ncols=3, handlelength=1.6)
+        for axes in grid[-1]:
+            axes.set_xlabel("time from the first event [s]")
+        for axes in grid.flat:
+            axes.margins(x=0.01)
+    return page
+
+
+class _Windows(NamedTuple):
+    """A run over time, in windows of equal length."""
+
+    time_s: NDArray[np.float64]
+    rate_hz: NDArray[np.float64]
+    latency_ms: NDArray[np.float64]  # the largest, NaN where nothing was finished
+    kept: NDArray[np.float64]  # NaN where nothing came in
+    on_time: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, comparison: Comparison, label: str, points: int) -> _Windows:
+        slots = comparison.runs[label].slots
+        if slots is None or slots.size == 0:
+            empty = np.empty(0)
+            return cls(empty, empty, empty, empty, np.empty(0, bool))
+        elapsed_ms = slots["slot"] - slots["slot"][0]
+        window_ms = -(-int(elapsed_ms[-1] + 1) // points)
+        window = elapsed_ms // window_ms
+        count = int(window[-1]) + 1
+        received = np.bincount(window, slots["received"], count)
+        delivered = np.bincount(window, slots["delivered"], count)
+        latency_ms = np.full(count, np.nan)
+        np.fmax.at(latency_ms, window[slots["delivered"] > 0], _delivered_ms(slots))
+        return cls(
+            time_s=(np.arange(count, dtype=np.float64) + 0.5) * (window_ms / 1e3),
+            rate_hz=np.asarray(received * (1e3 / window_ms), np.float64),
+            latency_ms=latency_ms,
+            kept=np.divide(delivered, received, out=np.full(count, np.nan), where=received > 0),
+            on_time=latency_ms <= KEEPS * comparison.latency_ms,
+        )
+
+
+def _delivered_ms(slots: NDArray[np.void]) -> NDArray[np.float64]:
+    return np.asarray(slots["latency_max_us"][slots["delivered"] > 0] / 1e3)
+
+
+def _draw_incoming(axes: Axes, windows: _Windows) -> None:
+    unit, scale = _units.rate_axis(windows.rate_hz.max(initial=0))
+    axes.fill_between(windows.time_s, windows.rate_hz * scale, color=FAINT, alpha=0.55, linewidth=0)
+    axes.set(title="events that come in", ylabel=unit)
+    axes.set_ylim(bottom=0)
+
+
+def _draw_worst_latency(axes: Axes, windows: _Windows, bound_ms: float) -> None:
+    low, high = bound_ms / _SPAN, bound_ms * _SPAN
+    axes.plot(windows.time_s, np.clip(windows.latency_ms, low, high), color=BLUE)
+    axes.axhline(bound_ms, color=VERMILION, linestyle=(0, (5, 3)), linewidth=1.2, label="bound L")
+    axes.set(ylabel="latency\n[ms]", yscale="log", ylim=(low / 1.4, high * 1.4))
+    axes.yaxis.set_major_locator(LogLocator(numticks=4))
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:,g}")
+    axes.yaxis.set_minor_locator(NullLocator())
+
+
+def _draw_kept(axes: Axes, windows: _Windows) -> None:
+    kept = np.nan_to_num(windows.kept)
+    for chosen, colour, label in (
+        (windows.on_time, GREEN, "kept, all in time"),
+        (~windows.on_time, VERMILION, "kept, some too late"),
+    ):
+        axes.fill_between(
+            windows.time_s,
+            np.where(chosen, kept, 0.0),
+            color=colour,
+            alpha=0.75,
+            linewidth=0,
+            step="mid",
+            label=label,
+        )
+    axes.set(ylabel="kept", ylim=(0, 1.05), yticks=(0, 0.5, 1))
+
+
+def _name(latency: Axes, kept: Axes, row: Row) -> None:
+    plain: Any = {"loc": "right", "fontweight": "normal", "fontsize": 8}
+    latency.set_title(row.label, parse_math=False)
+    latency.set_title(
+        f"p99 {_units.duration(row.p99_us)}, max {_units.duration(row.max_us)}", **plain
+    )
+    kept.set_title(f"score {row.score:.3f}")
+    kept.set_title(f"kept {_units.share(row.kept)}", **plain)
+
+
+# ---- an inspection -----------------------------------------------------------------------------
+
+_MARKED = 50  # hot pixels with a circle
+_MOST_LABELS = 11  # of octaves: more would run into each other
+
+
+def inspection_figure(inspection: Inspection) -> Figure:
+    """Draw rate over time, times between events, and the pixels with circles around hot ones."""
+    with matplotlib.rc_context(STYLE):
+        page = NotebookFigure(figsize=(7.5, 8.6), layout="constrained")
+        rate, intervals, pixels = page.subplots(3, 1, height_ratios=(1, 0.9, 2.6))
+        _draw_rate_curve(rate, inspection)
+        _draw_intervals(intervals, inspection)
+        _draw_pixels(pixels, inspection)
+    return page
+
+
+def _draw_rate_curve(axes: Axes, inspection: Inspection) -> None:
+    time_s, mean_hz, peak_hz = inspection.rate_curve.T
+    unit, scale = _units.rate_axis(peak_hz.max(initial=0))
+    window_ms = 1e3 * (time_s[1] - time_s[0]) if time_s.size > 1 else 1.0
+    if window_ms > 1.5:
+        axes.plot(
+            *numbers.decimate(time_s, peak_hz * scale, 2000),
+            color=FAINT,
+            label="largest in 1 ms",
+        )
+    axes.plot(
+        *numbers.decimate(time_s, mean_hz * scale, 2000),
+        color=BLUE,
+        drawstyle="steps-post",
+        label=f"in {window_ms:.0f} ms",
+    )
+    axes.set(title="event rate", xlabel="time from the first event [s]", ylabel=unit)
+    axes.set_ylim(bottom=0)
+    axes.margins(x=0.01)
+    _legend(axes)
+
+
+def _draw_intervals(axes: Axes, inspection: Inspection) -> None:
+    counts = inspection.interval_counts
+    total = max(int(counts.sum()), 1)
+    last = int(np.flatnonzero(counts)[-1]) if counts.any() else 0
+    axes.bar(np.arange(last + 1), 100 / total * counts[: last + 1], color=BLUE, width=0.92)
+    ticks = range(0, last + 1, -(-(last + 1) // _MOST_LABELS))
+    axes.set_xticks(ticks, [_units.duration(int(BINS_FROM_US[tick])) for tick in ticks])
+    axes.set(title="time since the event before", ylabel="% of events", xlabel="from, by octaves")
+    axes.grid(False, axis="x")
+
+
+def _draw_pixels(axes: Axes, inspection: Inspection) -> None:
+    counts = inspection.pixel_counts
+    largest = max(int(counts.max(initial=1)), 2)
+    picture = axes.imshow(
+        np.ma.masked_equal(counts, 0),
+        norm=LogNorm(1, largest),
+        cmap="cividis",
+        interpolation="nearest",
+        aspect="equal",
+    )
+    axes.grid(False)
+    words = "events of a pixel"
+    beside = axes.inset_axes((1.03, 0, 0.035, 1))  # as high as the map
+    bar = axes.figure.colorbar(picture, cax=beside, label=words, format="%g")
+    bar.ax.yaxis.set_minor_formatter(lambda value, _: "")
+    if largest < 10:  # no other power of ten
+        bar.set_ticks([1, largest])
+    hot = inspection.hot_pixels[:_MARKED]
+    if hot.size:
+        axes.scatter(
+            hot["x"],
+            hot["y"],
+            s=70,
+            facecolors="none",
+            edgecolors=VERMILION,
+            linewidths=1.3,
+        )
+    rows, columns = counts.shape
+    axes.set(xlim=(-0.5, columns - 0.5), ylim=(rows - 0.5, -0.5), xlabel="x [px]", ylabel="y [px]")
+    total = inspection.hot_pixels.size
+    share = int(inspection.hot_pixels["events"].sum()) / max(inspection.events, 1)
+    words = f"{_units.count(total)}, with {_units.share(share)} of the events" if total else "none"
+    axes.set_title(f"hot pixels: {words}")

@@ -1,0 +1,353 @@
+"""Numbers from events and from runs, in plain NumPy: what tables, figures and pages have in common.
+
+Times are seconds from the first event; rates are events per second; windows are half-open.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import _checks
+from asap.events import events_of_argument
+from asap.results.cost import Cost, Floats, bound_needed_us, fit
+from asap.results.data import Run, check_run
+
+_MAX_BINS = 10_000_000
+_POSITIVE = "must be positive and finite"
+
+
+def rate(events: NDArray[np.void], bin_us: float) -> tuple[Floats, Floats]:
+    """Event rate in windows of equal length, the first of which begins with the first event.
+
+    Parameters
+    ----------
+    events : ndarray, shape (n,), EVENT_DTYPE
+        Events in time order.
+    bin_us : float
+        Length of a window in us.
+
+    Returns
+    -------
+    time_s : ndarray, shape (m,)
+        Begin of each window, s from the first event.
+    rate_hz : ndarray, shape (m,)
+        Events per second in it.
+
+    Raises
+    ------
+    ValueError
+        `bin_us` is not positive, or so short that there would be more than ten million windows.
+    """
+    events = events_of_argument("events", events)
+    _checks.number("bin_us", bin_us, sys.float_info.min, sys.float_info.max, _POSITIVE)
+    if events.size == 0:
+        return np.empty(0), np.empty(0)
+    elapsed_us = events["t"] - events["t"][0]
+    fits = int(elapsed_us[-1]) / float(bin_us) < _MAX_BINS
+    _checks.require(fits, "bin_us", bin_us, "too short for this duration")
+    bin_us = float(bin_us)
+    counts = np.bincount((elapsed_us // bin_us).astype(np.int64))
+    time_s = np.arange(counts.size, dtype=np.float64) * (bin_us / 1e6)
+    return time_s, counts.astype(np.float64) * (1e6 / bin_us)
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a recording holds: counts, duration, rates in ev/s and the largest coordinates in px.
+
+    Peaks are of aligned windows, of the whole duration where it is shorter than one.
+    """
+
+    events: int
+    duration_s: float
+    on_share: float
+    rate_mean_hz: float
+    rate_peak_1ms_hz: float
+    rate_peak_10ms_hz: float
+    x_max: int
+    y_max: int
+
+
+def _blocks(blocks: Iterable[NDArray[np.void]]) -> Iterator[NDArray[np.void]]:
+    if not isinstance(blocks, Iterable) or isinstance(blocks, (str, np.ndarray)):
+        raise TypeError(_checks.named("blocks", blocks, "give a recording, or a list of arrays"))
+    return (events_of_argument("blocks", block) for block in blocks)
+
+
+def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
+    """Count, duration, rates, share of ON events and reach of a recording, block by block.
+
+    Parameters
+    ----------
+    blocks : iterable of ndarray, EVENT_DTYPE
+        The recording in time order; it is read once and never held as a whole.
+
+    Returns
+    -------
+    Description
+        Mean rate = events / (last time - first time); a recording without duration has rate 0.
+    """
+    events = on = x_max = y_max = 0
+    t_first = t_last = 0
+    fine, coarse = PeakCount(1_000), PeakCount(10_000)
+    for block in _blocks(blocks):
+        if block.size == 0:
+            continue
+        t = block["t"]
+        if events == 0:
+            t_first = int(t[0])
+        events += block.size
+        on += int(np.count_nonzero(block["p"] > 0))
+        t_last = int(t[-1])
+        x_max, y_max = max(x_max, int(block["x"].max())), max(y_max, int(block["y"].max()))
+        fine.add(t - t_first)
+        coarse.add(t - t_first)
+    duration_s = (t_last - t_first) / 1e6
+    return Description(
+        events=events,
+        duration_s=duration_s,
+        on_share=on / events if events else 0.0,
+        rate_mean_hz=events / duration_s if duration_s > 0 else 0.0,
+        rate_peak_1ms_hz=fine.rate_hz,
+        rate_peak_10ms_hz=coarse.rate_hz,
+        x_max=x_max,
+        y_max=y_max,
+    )
+
+
+class PeakCount:
+    """Largest number of events in one aligned window, over blocks that may cut a window."""
+
+    def __init__(self, window_us: int) -> None:
+        """Count in windows of this length, the first of which begins at 0."""
+        _checks.whole("window_us", window_us, 1, 2**62, "give at least 1 us")
+        self.peak = 0
+        self._window_us = window_us
+        self._open_window = -1
+        self._open_count = 0
+        self._last_us = 0
+
+    @property
+    def rate_hz(self) -> float:
+        """Events per second in that window, of which no more counts than the duration."""
+        return self.peak * 1e6 / (min(self._window_us, self._last_us) or self._window_us)
+
+    def add(self, elapsed_us: NDArray[np.int64]) -> None:
+        """Count the times of one block, at least one, none before those of the last block."""
+        elapsed_us = _checks.column("elapsed_us", elapsed_us)
+        _checks.require(elapsed_us.size > 0, "elapsed_us", elapsed_us, "give at least one time")
+        windows, counts = np.unique(elapsed_us // self._window_us, return_counts=True)
+        if windows[0] == self._open_window:
+            counts[0] += self._open_count
+        self.peak = max(self.peak, int(counts.max()))
+        self._open_window, self._open_count = int(windows[-1]), int(counts[-1])
+        self._last_us = int(elapsed_us[-1])
+
+
+def decimate(x: Floats, y: Floats, points: int) -> tuple[Floats, Floats]:
+    """Thin a curve for drawing: smallest and largest y of every column of pixels stay.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Not decreasing.
+    y : ndarray, shape (n,)
+        One value for each x.
+    points : int
+        The most points to keep, at least 4.
+
+    Returns
+    -------
+    x, y : ndarray, shape (m,)
+        At most `points` of the given points in their order, the first and the last among them.
+
+    Raises
+    ------
+    ValueError
+        `points` is below 4.
+    """
+    x, y = _checks.column("x", x), _checks.column("y", y)
+    _checks.require(x.size == y.size, "y", y, f"give one value for each of the {x.size} x")
+    _checks.whole("points", points, 4, 2**62, "must be at least 4")
+    if x.size <= points:
+        return x, y
+    columns = (points - 2) // 2
+    column = np.minimum((x - x[0]) / max(x[-1] - x[0], 1e-300) * columns, columns - 1)
+    column = column.astype(np.int64)
+    by_height = np.lexsort((y, column))
+    begins = np.flatnonzero(np.diff(column, prepend=-1))
+    ends = np.append(begins[1:], x.size) - 1
+    keep = np.unique(np.concatenate(([0, x.size - 1], by_height[begins], by_height[ends])))
+    return x[keep], y[keep]
+
+
+def time_s(run: Run) -> Floats:
+    """Start of each package in s from the first event, shape (packages,)."""
+    check_run(run)
+    rows = run.packages
+    if rows.size == 0:
+        return np.empty(0)
+    return np.asarray((rows["start_us"] - rows["t_first"][0]) / 1e6, np.float64)
+
+
+def median_in_windows(run: Run, column: str, window_ms: float) -> tuple[Floats, Floats]:
+    """Median of a column of ``run.packages`` over the packages that start in each window.
+
+    Parameters
+    ----------
+    run : Run
+        A finished run.
+    column : str
+        Name of the column, for example ``"margin_us"``.
+    window_ms : float
+        Length of a window in ms.
+
+    Returns
+    -------
+    time_s : ndarray, shape (m,)
+        Begin of each window in which a package started, s from the first event.
+    median : ndarray, shape (m,)
+        In the unit of the column.
+
+    Raises
+    ------
+    ValueError
+        `window_ms` is not positive, or there is no such column.
+    """
+    check_run(run)
+    _checks.number("window_ms", window_ms, sys.float_info.min, sys.float_info.max, _POSITIVE)
+    _checks.choice("column", column, run.packages.dtype.names or ())
+    window_s = float(window_ms) / 1e3
+    windows, begins = np.unique(np.floor(time_s(run) / window_s), return_index=True)
+    parts = np.split(run.packages[column], begins[1:]) if windows.size else []
+    return windows * window_s, np.array([np.median(part) for part in parts], np.float64)
+
+
+def fit_cost(run: Run) -> Cost:
+    """Fit the cost that explains the packages of a run; a run without packages costs nothing."""
+    check_run(run)
+    return fit(run.packages, run.learned, run.opaque)
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What limited a run, and what would lift the limit; everything but the first is estimated.
+
+    Attributes
+    ----------
+    limit : str
+        ``"data"``: bad events were most of the loss, and too many for the wanted share.
+        ``"camera"``: nearly all good events were in time. ``"bound"``: a longer one would do.
+        ``"algorithm"``: only a cheaper one would. ``"fixed cost"``: the bound was not kept and
+        could not be, whatever the events (`Cost.least_bound_us`). These three only where the cost
+        explains at least half of what the scheme dropped. ``"scheme"``: the algorithm could have
+        done it. ``"machine"``: it could, but the replay itself was late by much of the bound.
+        ``"unknown"``: the packages do not tell the cost of an event (`Cost.one_size`).
+    cost : Cost
+        As the packages of the run explain it (`fit_cost`).
+    offered_hz : float
+        Mean event rate.
+    needed_hz : float
+        Throughput that keeps the wanted share of the events.
+    bound_us : float or None
+        Latency bound that gives it; None where no bound does.
+    speedup : float
+        How many times faster the algorithm would have to be, at the bound of the run.
+    """
+
+    limit: str
+    cost: Cost
+    offered_hz: float
+    needed_hz: float
+    bound_us: float | None
+    speedup: float
+
+
+def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
+    """Find what kept a run from delivering the wanted share of its events in time.
+
+    The events that came in each window of one latency bound are compared with what the estimated
+    cost lets through (T6): a longer load cannot be buffered within the bound.
+    """
+    cost = fit_cost(run)
+    wanted = _checks.number("wanted", wanted, 0, 1, "give a share from 0 to 1")
+    bound_us = run.latency_bound_us
+    rates_hz = _offered_rates(run, bound_us)
+    needed_hz = _throughput_to_keep(rates_hz, wanted)
+    # T6 solved for L, and for a factor on alpha and beta together.
+    load = cost.beta_ns * needed_hz / 1e9
+    needed_bound_us = 2 * cost.alpha_us / (1 - load) if load < 1 else None
+    speedup = load + 2 * cost.alpha_us / bound_us
+    late_us = run.lateness.quantile(0.99) if run.lateness is not None else 0.0
+    if _bad_data_limit(run, wanted):
+        limit = "data"
+    elif bound_needed_us(cost, bound_us, run.latency.max) and _explains(run, cost, rates_hz):
+        limit = "fixed cost"
+    elif _good_in_time(run) >= wanted:
+        limit = "camera"
+    elif speedup > 1 and cost.one_size is None and _explains(run, cost, rates_hz):
+        limit = "algorithm" if needed_bound_us is None else "bound"
+    elif late_us > bound_us / 2:
+        limit = "machine"
+    else:
+        limit = "scheme" if cost.one_size is None else "unknown"
+    mean_hz = float(rates_hz.mean()) if rates_hz.size else 0.0
+    return Diagnosis(limit, cost, mean_hz, needed_hz, needed_bound_us, speedup)
+
+
+def _bad_data_limit(run: Run, wanted: float) -> bool:
+    """Whether bad events alone are too many, and more than all that was lost of the good ones."""
+    ledger = run.ledger
+    lost = ledger.received * (1 - run.in_time) - ledger.filtered
+    return ledger.rejected > (1 - wanted) * ledger.received and 2 * ledger.rejected >= lost
+
+
+def _good_in_time(run: Run) -> float:
+    """Share in time of the events that neither the validator nor the user's filter took out."""
+    ledger = run.ledger
+    good = ledger.received - ledger.rejected - ledger.filtered
+    return run.in_time * ledger.received / good if good else 1.0
+
+
+def _explains(run: Run, cost: Cost, rates_hz: Floats) -> bool:
+    """Whether the scheme dropped at most twice what has to be dropped at this cost (T6)."""
+    ledger = run.ledger
+    passed = float(np.minimum(rates_hz, cost.throughput_hz(run.latency_bound_us)).sum())
+    unavoidable = (ledger.received - ledger.rejected) * (1 - passed / float(rates_hz.sum()))
+    return ledger.discarded + ledger.stale <= 2 * unavoidable
+
+
+def _offered_rates(run: Run, window_us: float) -> Floats:
+    """Event rate (wall time) in windows over the run, losses before the packages included."""
+    rows = run.packages
+    if rows.size == 0:
+        return np.empty(0)
+    total = np.cumsum(rows["offered"] + rows["stale"] + rows["overflow"], dtype=np.float64)
+    # Within a package the events count as evenly spread from its first to just after its last.
+    at_us = np.column_stack((rows["t_first"], rows["t_last"] + 1)).ravel() - rows["t_first"][0]
+    at_us = np.maximum.accumulate(at_us) / run.speed
+    before_and_after = np.column_stack((np.append(0.0, total[:-1]), total)).ravel()
+    duration_us = float(at_us[-1])
+    windows = min(max(round(duration_us / window_us), 1), 1_000_000)
+    edges_us = np.linspace(0.0, duration_us, windows + 1)
+    counts = np.diff(np.interp(edges_us, at_us, before_and_after))
+    return np.asarray(counts * (windows * 1e6 / duration_us), np.float64)
+
+
+def _throughput_to_keep(rates_hz: Floats, share: float) -> float:
+    """Cap c for which sum(min(rate, c)) is the given share of sum(rate)."""
+    if rates_hz.size == 0:
+        return 0.0
+    ascending = np.sort(rates_hz)
+    # With the cap at ascending[i], the i smaller ones pass whole and the others are cut to it.
+    below = np.append(0.0, np.cumsum(ascending)[:-1])
+    others = np.arange(ascending.size, 0, -1)
+    passed = below + others * ascending
+    wanted = share * float(ascending.sum())
+    i = min(int(np.searchsorted(passed, wanted)), ascending.size - 1)
+    return float((wanted - below[i]) / others[i])

@@ -1,0 +1,209 @@
+"""Results as one self-contained HTML page: table, verdict and figure, and the numbers as JSON.
+
+No script, no font and no image from outside; the page forbids them to itself (content security
+policy). Every value is escaped. Needs matplotlib and Jinja2: ``asap-events[report]``.
+"""
+
+from __future__ import annotations
+
+import base64
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from asap import _checks, _units
+from asap.results import figures, text  # figures first: it says which extra is missing
+from asap.results.data import Comparison, Inspection, Run
+
+try:
+    import jinja2
+except ImportError as error:
+    raise ImportError("a page needs jinja2: install asap-events[report]") from error
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_LONGEST = 200  # characters of a text, elements of a list
+
+_TEMPLATES = jinja2.Environment(
+    loader=jinja2.FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True
+)
+_TEMPLATES.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
+
+
+@dataclass(frozen=True)
+class Article:
+    """What a page says about one result.
+
+    Attributes
+    ----------
+    kind : str
+        The numbers stand in ``<template data-KIND>``.
+    numbers : dict
+        The summary, embedded as JSON.
+    html : str
+        Table and verdict, escaped.
+    figure : Figure or None
+        Drawn below them.
+    caption : str
+        What the figure shows.
+    details : dict of str to str
+        Headings, and the HTML that each of them folds away.
+    """
+
+    kind: str
+    numbers: Any
+    html: str
+    figure: Figure | None = None
+    caption: str = ""
+    details: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def image(self) -> str:
+        """The figure as the address of an image."""
+        assert self.figure is not None
+        drawn = figures.svg(self.figure).encode("utf-8", "replace")
+        return f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode()}"
+
+
+def write(
+    path: str | os.PathLike[str],
+    title: str,
+    articles: Iterable[Article],
+    *,
+    above: str = "",
+    style: str = "",
+) -> Path:
+    """Write a page and return its path; `above` is HTML, `style` CSS, both of the caller's own."""
+    file = _checks.page_file("path", path)
+    template = _TEMPLATES.get_template("page.html")
+    html = template.render(title=title, articles=articles, above=above, style=style)
+    file.write_text(html, encoding="utf-8", errors="replace")  # a file name may be no text
+    return file
+
+
+def write_runs(
+    runs: Run | Sequence[Run], path: str | os.PathLike[str], title: str = "ASAP report"
+) -> Path:
+    """Write one page about one or several finished runs."""
+    runs = list(runs) if isinstance(runs, Sequence) else [runs]
+    if not runs:
+        raise ValueError("runs = []: give at least one run")
+    file = _checks.page_file("path", path)
+    above = _side_by_side(runs) if len(runs) > 1 else ""
+    return write(file, title, map(_article_of_run, runs), above=above)
+
+
+def write_comparison(
+    comparison: Comparison, path: str | os.PathLike[str], title: str = "ASAP comparison"
+) -> Path:
+    """Write one page about a comparison."""
+    return write(path, title, _articles_of_comparison(comparison))
+
+
+def write_inspection(
+    inspection: Inspection, path: str | os.PathLike[str], title: str = "ASAP inspection"
+) -> Path:
+    """Write one page about an inspection."""
+    return write(path, title, _articles_of_inspection(inspection))
+
+
+def _article_of_run(run: Run) -> Article:
+    summary = _shortened(run.summary())
+    return Article(
+        "run",
+        summary,
+        text.run_html(run),
+        None if run.without_log else figures.figure(run),
+        "What the closed loop did, package by package.",
+        {"All numbers of this run": text.table((), _flat(summary))},
+    )
+
+
+def _side_by_side(runs: Sequence[Run]) -> str:
+    head = ("run", "kept", "in time", "p50", "p99", "max", "overflow")
+    rows = [
+        (
+            text.run_title(run.summary()),
+            _units.share(run.kept),
+            _units.share(run.in_time),
+            *(_units.duration(run.latency.quantile(q)) for q in (0.5, 0.99)),
+            _units.duration(run.latency.max),
+            _units.count(run.ledger.overflow),
+        )
+        for run in runs
+    ]
+    return text.heading("Side by side") + text.table(head, rows)
+
+
+def _articles_of_comparison(comparison: Comparison) -> Iterator[Article]:
+    parameters = (
+        (
+            row.label,
+            row.scheme,
+            ", ".join(
+                f"{name} {text.parameter_value(value)}"
+                for name, value in comparison.runs[row.label].scheme.parameters.items()
+            ),
+        )
+        for row in comparison.rows
+    )
+    yield Article(
+        "comparison",
+        comparison.summary(),
+        text.comparison_html(comparison),
+        figures.comparison_figure(comparison),
+        "Every scheme over time: the largest latency of the events of each moment, and the share "
+        "of the events that was finished. Latencies beyond 100 L are drawn at 100 L.",
+        {
+            "What the columns say": text.table((), text.COLUMNS.items()),
+            "The schemes and their parameters": text.table((), parameters),
+        },
+    )
+
+
+def _articles_of_inspection(inspection: Inspection) -> Iterator[Article]:
+    hot = {(x, y) for x, y, _ in inspection.hot_pixels.tolist()}
+    busiest = (
+        (
+            f"x = {x}, y = {y}",
+            _units.count(events),
+            _units.share(events / inspection.events),
+            "hot" if (x, y) in hot else "",
+        )
+        for x, y, events in inspection.busiest_pixels.tolist()
+    )
+    checks = ((name.replace("_", " "), words) for name, words in text.CHECKS.items())
+    yield Article(
+        "inspection",
+        inspection.summary(),
+        text.inspection_html(inspection),
+        figures.inspection_figure(inspection),
+        "The good events: how many in each moment, how long after the one before, and how many of "
+        "each pixel.",
+        {
+            "The ten busiest pixels": text.table((), busiest),
+            "What is checked": text.table((), checks),
+        },
+    )
+
+
+def _shortened(value: Any) -> Any:
+    """Cut long texts and lists, such as the weights of a user's algorithm, to fit on a page."""
+    if isinstance(value, Mapping):
+        few = list(value.items())[:_LONGEST]
+        return {_shortened(name): _shortened(inner) for name, inner in few}
+    if isinstance(value, (str, list, tuple)) and len(value) > _LONGEST:
+        more: Any = "..." if isinstance(value, str) else ["..."]
+        value = (value if isinstance(value, str) else list(value))[:_LONGEST] + more
+    return [_shortened(inner) for inner in value] if isinstance(value, (list, tuple)) else value
+
+
+def _flat(value: Any, name: str = "") -> Iterator[tuple[str, str]]:
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _flat(inner, f"{name}.{key}" if name else str(key))
+    else:
+        yield name, f"{value:.6g}" if isinstance(value, float) else str(value)
