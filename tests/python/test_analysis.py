@@ -334,7 +334,7 @@ def test_a_flat_cost_is_not_charged_to_the_events(scheme, opaque):
     events = streams.poisson(1e6, 1)
     run = asap.simulate(events, cost=cost, scheme=scheme(), latency_ms=15, opaque=opaque)
     found = analysis.diagnose(run)
-    assert found.limit in ("camera", "scheme")
+    assert found.limit in ("camera", "scheme", "unknown")  # no advice to make it faster
     typical = np.median(run.packages["size"])
     assert found.cost.alpha_us + found.cost.beta_ns / 1e3 * typical == pytest.approx(5000, rel=0.1)
     assert found.cost.alpha_us == pytest.approx(5000, rel=0.2)

@@ -115,7 +115,7 @@ def test_the_page_says_what_the_table_says(page, comparison):
     for words in (*text_of.COLUMNS, *text_of.COLUMNS.values()):
         assert words in text
     assert text_of.comparison_subtitle(comparison) in text
-    assert "overhead 0.25" in text
+    assert "overhead 0.5" in text
 
 
 def test_the_numbers_are_embedded(page, comparison):

@@ -168,8 +168,8 @@ def test_f3_heavy_tailed_times(name, opaque):
 @bounded_schemes
 def test_f3_the_clock_stops_all_of_a_heavy_tail_but_the_fixed_cost(name):
     """Which is up to 220 times its mean: what matters is how often, so seeds of the cost vote."""
-    runs = [simulate(STEADY, name, opaque=False, noise=2.0, seed=seed) for seed in range(5)]
-    assert np.median([run.latency.max for run in runs]) <= 2e3 * L_MS
+    runs = [simulate(STEADY, name, opaque=False, noise=2.0, seed=seed) for seed in range(25)]
+    assert np.median([run.latency.max for run in runs]) <= 2.5e3 * L_MS
 
 
 @both_executions
