@@ -375,6 +375,7 @@ TEST(CostModel, AFixedCostIsNotChargedToTheEvents) {
   for (const std::size_t size : {1u, 4u, 16u}) model.update(package(size, 5e6));
   EXPECT_GT(model.safe_size(13e6, 1.0, 1.0), 60.0) << "by events alone, 42";
   EXPECT_LE(model.safe_size(13e6, 1.0, 1.0), 8 * 16.0) << "and never more than eight times";
+  EXPECT_LE(model.safe_size(5.2e6, 1.0, 1.0), 24.0) << "three costs say little: noise .15";
   EXPECT_LE(model.safe_size(4e6, 1.0, 1.0), 16.0) << "no room for what is fixed";
 }
 
