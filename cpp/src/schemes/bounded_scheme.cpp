@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "asap/core/check.hpp"
+#include "schemes/calibration.hpp"
 
 namespace asap {
 namespace {
@@ -72,7 +73,7 @@ std::optional<Decision> HoldRule::wait(const Backlog& backlog, const CostModel& 
 }
 
 bool FixedCostProbe::is_due(std::uint64_t package, double alpha_ns, double bound_ns) noexcept {
-  is_measuring_ = was_late_ && package >= next_ && 4.0 * alpha_ns > bound_ns;
+  is_measuring_ = was_late_ && !is_early(package) && package >= next_ && 4.0 * alpha_ns > bound_ns;
   return is_measuring_;
 }
 

@@ -63,7 +63,6 @@ void CostModel::reset() noexcept {
   smallest_ = kMostSize;
   largest_ = 0.0;
   guess_holds_ = true;
-  small_ = {};
   recent_size_ = 0.0;
   recent_cost_ns_ = 0.0;
   most_event_ns_ = std::numeric_limits<double>::infinity();
@@ -109,8 +108,8 @@ void CostModel::learn(std::size_t size, std::int64_t time_ns, Gains gains) noexc
 }
 
 // A smaller package tells nothing about larger ones, with two exceptions: if it is cheaper per
-// event, the larger one met an outage; if it is dearer as a whole by more than the
-// noise, the cost has risen since.
+// event, the larger one met an outage; if it is dearer as a whole by more than the noise, the cost
+// has risen since.
 void CostModel::watch(double size, double cost_ns) noexcept {
   recent_size_ *= kFade;
   const double dearer_ns = recent_cost_ns_ * (1.0 + outlier_limit(sigma_));
@@ -168,15 +167,15 @@ double CostModel::least_cost_ns() const noexcept {
   return least_ns;
 }
 
-template <class Call>
-void CostModel::each_asked_for(const Call& call) noexcept {
-  for (std::uint32_t left = asked_for_; left != 0; left &= left - 1) {
-    call(buckets_[static_cast<std::size_t>(std::countr_zero(left))]);
+template <class Self, class Call>
+void CostModel::each_asked_for(Self& self, const Call& call) noexcept {
+  for (std::uint32_t left = self.asked_for_; left != 0; left &= left - 1) {
+    call(self.buckets_[static_cast<std::size_t>(std::countr_zero(left))]);
   }
 }
 
 void CostModel::forget() noexcept {
-  each_asked_for([this](Bucket& bucket) {
+  each_asked_for(*this, [this](Bucket& bucket) {
     if (bucket.weight > kLeastWeight) {
       bucket.weight = std::max(kLeastWeight, 0.998 * bucket.weight);
     } else if (bucket.is_prior && on_level() >= kPriorLasts && knows_better(bucket)) {
@@ -211,13 +210,28 @@ void CostModel::remember(double size, double cost_ns) noexcept {
   bucket.cost_ns += gain * (cost_ns - bucket.cost_ns);
 }
 
+// At most a third as large as the largest recent one.
+CostModel::Mean CostModel::smaller_packages() const noexcept {
+  Mean small;
+  each_asked_for(*this, [&, limit = recent_size() / kApart](const Bucket& bucket) {
+    if (bucket.weight <= 0 || bucket.is_prior || bucket.size > limit) return;
+    small.weight += bucket.weight;
+    small.size += bucket.weight * bucket.size;
+    small.cost_ns += bucket.weight * bucket.cost_ns;
+  });
+  if (small.weight > 0) {
+    small.size /= small.weight;
+    small.cost_ns *= scale_ / small.weight;
+  }
+  return small;
+}
+
 // Upper bound on beta: the slope of the line through the smaller packages and the largest recent
 // one, and one standard error. What is fixed is in both of them and drops out.
-double CostModel::max_beta_ns() const noexcept {
-  const double cost_ns = scale_ * small_.cost_ns;
-  const double error_ns =
-      sigma_ * std::sqrt(recent_cost_ns_ * recent_cost_ns_ + cost_ns * cost_ns / small_.weight);
-  return std::max((recent_cost_ns_ - cost_ns + error_ns) / (recent_size() - small_.size),
+double CostModel::max_beta_ns(const Mean& small) const noexcept {
+  const double error_ns = sigma_ * std::sqrt(recent_cost_ns_ * recent_cost_ns_ +
+                                             small.cost_ns * small.cost_ns / small.weight);
+  return std::max((recent_cost_ns_ - small.cost_ns + error_ns) / (recent_size() - small.size),
                   kLeastShare * most_event_ns_);
 }
 
@@ -228,8 +242,9 @@ double CostModel::safe_size(double room_ns, double fixed_caution,
   // One event is added: without it a fixed cost close to the room would keep packages small.
   double size = 1.0 + std::max(1.0, share);
   const double spare_ns = room_ns - fixed_caution * recent_cost_ns_;
-  if (small_.weight > 0 && spare_ns > 0) {
-    const double more = spare_ns / (event_caution * max_beta_ns());
+  const Mean small = spare_ns > 0 ? smaller_packages() : Mean{};
+  if (small.weight > 0) {
+    const double more = spare_ns / (event_caution * max_beta_ns(small));
     size = std::max(size, recent_size() + std::min(more, (kMostGrowth - 1.0) * recent_size()));
   }
   const bool is_sure = guess_holds_ && count_ > 0 && count_ <= kPriorLasts;
@@ -238,15 +253,8 @@ double CostModel::safe_size(double room_ns, double fixed_caution,
 
 void CostModel::fit() noexcept {
   double s0 = 0, s1 = 0, s2 = 0, y0 = 0, y1 = 0;
-  const double small = recent_size() / kApart;
-  small_ = {};
-  each_asked_for([&](const Bucket& bucket) {
+  each_asked_for(*this, [&](const Bucket& bucket) {
     if (bucket.weight <= 0) return;
-    if (bucket.size <= small && !bucket.is_prior) {
-      small_.weight += bucket.weight;
-      small_.size += bucket.weight * bucket.size;
-      small_.cost_ns += bucket.weight * bucket.cost_ns;
-    }
     const double q = bucket.weight / (bucket.cost_ns * bucket.cost_ns);
     s0 += q;
     s1 += q * bucket.size;
@@ -254,10 +262,6 @@ void CostModel::fit() noexcept {
     y0 += q * bucket.cost_ns;
     y1 += q * bucket.size * bucket.cost_ns;
   });
-  if (small_.weight > 0) {
-    small_.size /= small_.weight;
-    small_.cost_ns /= small_.weight;
-  }
   const double determinant = s0 * s2 - s1 * s1;
   if (determinant > 1e-9 * s0 * s2) {
     double alpha_ns = (y0 * s2 - y1 * s1) / determinant;

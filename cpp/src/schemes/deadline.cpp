@@ -17,10 +17,10 @@ constexpr std::array<std::string_view, 3> kPreferences{"balanced", "events", "co
 
 constexpr double kMostBudgetNs = 1e18;
 constexpr double kAll = std::numeric_limits<double>::infinity();
-constexpr double kCaution = 3.0;  // z: nothing stops a whole package that is late
-constexpr double kSlack = 0.5;    // of a bound: z times the fixed cost is at most that, times sigma
-constexpr double kGrowth = 6.0;   // packages from one event to thousands
-constexpr double kNewest = 0.125;    // of a package's time: what has come in it may fill the next
+constexpr double kCaution = 3.0;     // z: nothing stops a whole package that is late
+constexpr double kSlack = 0.5;       // bounds: z times the fixed cost is no more
+constexpr double kGrowth = 6.0;      // packages that sizes take from one event to thousands
+constexpr double kNewest = 0.125;    // share of a package's time whose events may fill the next
 constexpr double kReach = 2.5;       // fixed costs
 constexpr int kLengths = 8;          // that are tried, besides two that fit what waits
 constexpr int kRollOut = 3;          // packages that are played forward after this one
@@ -216,10 +216,11 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
   const double most_ns = is_whole() ? std::max(latency_ns / 2, 12.0 * slow_ns) : latency_ns;
   const double fit_ns = std::min(room_ns, most_ns);
   const auto all = static_cast<double>(backlog.count);
-  if (slow * alpha_ns + zeta * cost_.beta_ns() * all <= fit_ns)
-    return take(backlog, latency_ns, fit_ns, all, 0.0);
-
   const double event_ns = cost_.beta_ns();
+  if (slow * alpha_ns + zeta * event_ns * all <= fit_ns) {
+    return take(backlog, latency_ns, fit_ns, all, 0.0);
+  }
+
   const WorkByAge work(backlog, latency_ns, event_ns);
   const Plan plan =
       Planner(work, {.latency_ns = latency_ns,

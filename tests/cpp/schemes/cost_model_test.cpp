@@ -359,7 +359,7 @@ TEST(CostModel, TheLargestRecentPackageSaysWhatAnEventCostsAtMost) {
 
 // ---- how large a package may be that nothing stops ---------------------------------------------
 
-// Of one size alone all of the cost may be that of the events.
+// With one size alone, all of the cost may be that of the events.
 TEST(CostModel, ASizeIsSafeIfAllOfTheCostIsThatOfTheEvents) {
   CostModel model;
   EXPECT_EQ(model.safe_size(1e6, 1.0, 1.0), 2.0) << "nothing is known";

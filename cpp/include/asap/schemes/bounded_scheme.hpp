@@ -45,23 +45,22 @@ class HoldRule {
   const double min_interval_ns_;
 };
 
-// When a single event is measured to see whether the fixed cost is what it is believed to be: where
-// packages end late and the estimate blames the fixed cost. Each time it is confirmed the distance
-// to the next doubles, from 16 packages to 16,384: 1 in 16 to 1 in 16,384 packages go into it. Pure
-// but for its counters.
+// Decides when a package of one event measures the fixed cost: where packages end late and the
+// estimate blames the fixed cost. Each probe that confirms it doubles the distance to the next one,
+// so 1 in 16 to 1 in 16,384 packages are probes.
 class FixedCostProbe {
  public:
   bool is_due(std::uint64_t package, double alpha_ns, double bound_ns) noexcept;
-  // Package number `package` ended so old, and its work took that long; alpha_ns was believed.
+  // That package has ended: the age of its oldest event, the time of its work, and the fixed cost
+  // that was believed before.
   void observe(std::uint64_t package, double latency_ns, double bound_ns, double work_ns,
                double alpha_ns) noexcept;
 
  private:
-  static constexpr std::uint64_t kFirst = 15;
   static constexpr std::uint64_t kShortest = 16;  // packages
   static constexpr std::uint64_t kLongest = 16'384;
 
-  std::uint64_t next_ = kFirst;
+  std::uint64_t next_ = 0;
   std::uint64_t distance_ = kShortest;
   bool was_late_ = false;
   bool is_measuring_ = false;

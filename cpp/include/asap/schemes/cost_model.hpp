@@ -67,7 +67,7 @@ class CostModel {
     bool is_new() const noexcept { return weight < 0.2; }
   };
 
-  // The mean of measured packages.
+  // Packages that were measured: their weight, and their mean size and cost.
   struct Mean {
     double weight = 0.0;
     double size = 0.0;
@@ -85,12 +85,13 @@ class CostModel {
   double clipped(double error, double size) noexcept;
   double least_cost_ns() const noexcept;
   double recent_size() const noexcept { return recent_cost_ns_ / most_event_ns_; }
-  double max_beta_ns() const noexcept;
+  Mean smaller_packages() const noexcept;
+  double max_beta_ns(const Mean& small) const noexcept;
   void forget() noexcept;
   bool knows_better(const Bucket& prior) const noexcept;
   Bucket& bucket(double size) noexcept;
-  template <class Call>
-  void each_asked_for(const Call& call) noexcept;
+  template <class Self, class Call>
+  static void each_asked_for(Self& self, const Call& call) noexcept;
   void remember(double size, double cost_ns) noexcept;
   void fit() noexcept;
   void follow(double size, double cost_ns, double noise, Gains gains) noexcept;
@@ -113,7 +114,6 @@ class CostModel {
   double recent_size_;              // of the largest recent package; it fades
   double recent_cost_ns_;           // what it took
   double most_event_ns_;            // the same by event
-  Mean small_;                      // packages of at most a third of its size
   std::array<Bucket, 24> buckets_;  // by log2 of the size
   std::uint32_t asked_for_;         // a bit for each; the others are empty
 };
