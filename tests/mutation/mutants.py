@@ -206,7 +206,7 @@ MUTANTS: list[Mutant] = [
             "return count_ < 0U ?",
         ),
         rise_of_the_cost_refutes_nothing=(" && cost_ns <= dearer_ns", ""),
-        fixed_cost_charged_to_the_events=("if (small.weight > 0)", "if (false)"),
+        fixed_cost_charged_to_the_events=("if (small.weight > 0 && spare_ns > 0)", "if (false)"),
         slope_without_its_error=("small.cost_ns + error_ns)", "small.cost_ns)"),
         outage_of_the_largest_package_believed=("cost_ns >= most_event_ns_ * size && ", ""),
     ),

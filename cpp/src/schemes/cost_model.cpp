@@ -235,15 +235,16 @@ double CostModel::max_beta_ns(const Mean& small) const noexcept {
                   kLeastShare * most_event_ns_);
 }
 
-double CostModel::safe_size(double room_ns, double fixed_caution,
-                            double event_caution) const noexcept {
+double CostModel::safe_size(double room_ns, double fixed_caution, double event_caution,
+                            double enough) const noexcept {
   // Fixed costs are not negative: n events take at most n times what an event has cost.
   const double share = std::floor(room_ns / (event_caution * most_event_ns_));
   // One event is added: without it a fixed cost close to the room would keep packages small.
   double size = 1.0 + std::max(1.0, share);
+  if (size >= enough) return size;
   const double spare_ns = room_ns - fixed_caution * recent_cost_ns_;
-  const Mean small = spare_ns > 0 ? smaller_packages() : Mean{};
-  if (small.weight > 0) {
+  const Mean small = smaller_packages();
+  if (small.weight > 0 && spare_ns > 0) {
     const double more = spare_ns / (event_caution * max_beta_ns(small));
     size = std::max(size, recent_size() + std::min(more, (kMostGrowth - 1.0) * recent_size()));
   }

@@ -260,7 +260,7 @@ Decision Deadline::take(const Backlog& backlog, double latency_ns, double length
   const double most_event_ns = cost_.most_event_ns();
   if (is_whole() || packages_ < kFirst) {
     const double room_ns = std::max(latency_ns - age_ns_, length_ns);
-    const double safe = safe_size(room_ns, latency_ns);
+    const double safe = safe_size(room_ns, latency_ns, size);
     decision = safe_slice(decision, safe);
     if (size > safe && is_early()) decision = newest_of(backlog, decision, latency_ns);
   }
@@ -276,7 +276,7 @@ Decision Deadline::newest_of(const Backlog& backlog, const Decision& slice,
                              double latency_ns) noexcept {
   if (kGrowth * cost_.recent_cost_ns() < latency_ns) return slice;
   const double young_ns = kNewest * cost_.recent_cost_ns();
-  const double safe = safe_size(latency_ns - young_ns, latency_ns);
+  const double safe = safe_size(latency_ns - young_ns, latency_ns, kAll);
   const auto older = backlog.counts.before(backlog.now_ns - std::llround(young_ns));
   if (older <= slice.stale || static_cast<double>(backlog.count - older) < safe) return slice;
   age_ns_ = young_ns;
@@ -319,8 +319,8 @@ double Deadline::fixed_caution(double latency_ns) const noexcept {
   return 1.0 + cost_.sigma() * std::min(kCaution, kSlack * latency_ns / cost_.alpha_ns());
 }
 
-double Deadline::safe_size(double room_ns, double latency_ns) const noexcept {
-  return cost_.safe_size(room_ns, fixed_caution(latency_ns), caution());
+double Deadline::safe_size(double room_ns, double latency_ns, double enough) const noexcept {
+  return cost_.safe_size(room_ns, fixed_caution(latency_ns), caution(), enough);
 }
 
 }  // namespace asap

@@ -19,6 +19,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "asap/schemes/scheme.hpp"
 
@@ -48,8 +49,10 @@ class CostModel {
   double doubted_event_ns() const noexcept;
   // The largest package that ends within room_ns even if the line is wrong; at least 2. What it
   // costs is taken times `fixed_caution` up to the size of the largest recent package and times
-  // `event_caution` beyond. Source: notebooks/theory.md, section 8.
-  double safe_size(double room_ns, double fixed_caution, double event_caution) const noexcept;
+  // `event_caution` beyond. Returns at once where `enough` events are safe: no more are asked for.
+  // Source: notebooks/theory.md, section 8.
+  double safe_size(double room_ns, double fixed_caution, double event_caution,
+                   double enough = std::numeric_limits<double>::infinity()) const noexcept;
   // What the largest recent package took. 0 before the first.
   double recent_cost_ns() const noexcept { return recent_cost_ns_; }
   // Relative noise of the package times.

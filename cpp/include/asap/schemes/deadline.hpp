@@ -103,7 +103,7 @@ class Deadline final : public BoundedScheme {
   bool is_early() const noexcept;
   double caution() const noexcept;  // zeta, of events
   double fixed_caution(double latency_ns) const noexcept;
-  double safe_size(double room_ns, double latency_ns) const noexcept;
+  double safe_size(double room_ns, double latency_ns, double enough) const noexcept;
 
   const DeadlineConfig config_;
   OutageReserve reserve_;
