@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import asap
-from asap import _checks
+from asap import _checks, _units
 from asap._stamps import TIME_EXPONENTS
 from asap.results import archive
 
@@ -82,6 +82,29 @@ def add_report(parser: argparse.ArgumentParser) -> None:
     """Add the page to write."""
     words = "write one HTML page with table and figure"
     parser.add_argument("--report", type=page_file, metavar="OUT.html", help=words)
+
+
+def add_simulation(
+    parser: argparse.ArgumentParser, *, cost: str, opaque: str, latency: str, required: bool = False
+) -> None:
+    """Add the simulated algorithm, the bound and the seed, with these words."""
+    parser.add_argument(
+        "--cost",
+        type=typed(_units.parse_cost, "cost"),
+        metavar="100us+300ns",
+        required=required,
+        help=cost,
+    )
+    parser.add_argument("--opaque", action="store_true", help=opaque)
+    parser.add_argument(
+        "--latency", type=typed(_units.parse_duration_us, "latency"), metavar="10ms", help=latency
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of the gamma filter (default: 0)")
+
+
+def latency_ms(arguments: Any) -> float | None:
+    """Return the bound that was asked for, if any."""
+    return None if arguments.latency is None else arguments.latency / 1e3
 
 
 def add_out(parser: argparse.ArgumentParser, default: str) -> None:

@@ -25,11 +25,12 @@ from asap.cli.options import (
     add_out,
     add_recording,
     add_report,
+    add_simulation,
     add_verb,
+    latency_ms,
     open_recording,
     page_file,
     run_file,
-    typed,
     writable,
 )
 from asap.cli.outcome import (
@@ -100,16 +101,11 @@ def add_run(verbs: Any) -> None:
         "current directory or Python's path: a class is made with (width, height), of an object "
         "process(events) is used, a callable is called (default: clusters)",
     )
-    verb.add_argument(
-        "--cost",
-        type=typed(_units.parse_cost, "cost"),
-        metavar="100us+300ns",
-        help="virtual time: an algorithm that takes this per package + per event",
-    )
-    verb.add_argument(
-        "--opaque",
-        action="store_true",
-        help="with --cost: the algorithm takes a package as a whole, as a Python callback does",
+    add_simulation(
+        verb,
+        cost="virtual time: an algorithm that takes this per package + per event",
+        opaque="with --cost: the algorithm takes a package as a whole, as a Python callback does",
+        latency="latency bound (default: the scheme's own, else 10ms)",
     )
     verb.add_argument("--scheme", choices=tuple(SCHEMES), help="default: deadline")
     verb.add_argument(
@@ -122,15 +118,8 @@ def add_run(verbs: Any) -> None:
         help="a parameter of the scheme, for example rate_bound=5e6; repeatable",
     )
     verb.add_argument(
-        "--latency",
-        type=typed(_units.parse_duration_us, "latency"),
-        metavar="10ms",
-        help="latency bound (default: the scheme's own, else 10ms)",
-    )
-    verb.add_argument(
         "--speed", type=float, default=1.0, help="of the replay (default: 1, as recorded)"
     )
-    verb.add_argument("--seed", type=int, default=0, help="of the gamma filter (default: 0)")
     add_report(verb)
     verb.add_argument(
         "--save",
@@ -161,7 +150,7 @@ def _run(arguments: Any) -> int:
     options: dict[str, Any] = {
         "algorithm": algorithm,
         "scheme": scheme,
-        "latency_ms": None if arguments.latency is None else arguments.latency / 1e3,
+        "latency_ms": latency_ms(arguments),
         "on_bad": arguments.on_bad,
         "seed": arguments.seed,
     }
@@ -184,24 +173,13 @@ def add_compare(verbs: Any) -> None:
     """Add ``asap compare``."""
     verb = add_verb(verbs, "compare", _compare, "every scheme on the same events, and the oracle")
     add_recording(verb)
-    verb.add_argument(
-        "--cost",
-        type=typed(_units.parse_cost, "cost"),
-        metavar="100us+300ns",
-        required=True,
-        help="required: what the algorithm takes per package + per event, as asap run estimates it "
+    add_simulation(
+        verb,
+        cost="required: what the algorithm takes per package + per event, as asap run estimates it "
         "for yours",
-    )
-    verb.add_argument(
-        "--latency",
-        type=typed(_units.parse_duration_us, "latency"),
-        metavar="10ms",
-        help="latency bound of all (default: 10ms)",
-    )
-    verb.add_argument(
-        "--opaque",
-        action="store_true",
-        help="the algorithm takes a package as a whole, as a Python callback does",
+        opaque="the algorithm takes a package as a whole, as a Python callback does",
+        latency="latency bound of all (default: 10ms)",
+        required=True,
     )
     verb.add_argument(
         "--speed",
@@ -209,7 +187,6 @@ def add_compare(verbs: Any) -> None:
         default=1.0,
         help="compress the stamps: 10 makes a quiet recording ten times as busy (default: 1)",
     )
-    verb.add_argument("--seed", type=int, default=0, help="of the gamma filter (default: 0)")
     add_report(verb)
 
 
@@ -222,7 +199,7 @@ def _compare(arguments: Any) -> int:
         comparison = asap.compare(
             open_recording(arguments),
             cost=cost,
-            latency_ms=None if arguments.latency is None else arguments.latency / 1e3,
+            latency_ms=latency_ms(arguments),
             seed=arguments.seed,
             opaque=arguments.opaque,
             speed=arguments.speed,
