@@ -9,7 +9,7 @@ import os
 import signal
 import subprocess
 import sys
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,17 +38,9 @@ from asap_laboratory.probes import (
 from asap_laboratory.profiles import FURTHER, LATENCY_MS, PROFILES
 from asap_laboratory.run import key_of
 from asap_laboratory.run import run as run_tasks
+from at_once import AtOnce
 
 SMALL = Case("low", "slow", duration_s=0.05, contenders=("Greedy", "Deadline"))
-
-
-class AtOnce(Executor):
-    """Does everything when it is submitted."""
-
-    def submit(self, function, *arguments, **named):
-        future = Future()
-        future.set_result(function(*arguments, **named))
-        return future
 
 
 class OnlyTheFirst(AtOnce):

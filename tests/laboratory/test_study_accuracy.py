@@ -5,7 +5,6 @@ import json
 import math
 import sys
 import types
-from concurrent.futures import Executor, Future
 
 import numpy as np
 import pytest
@@ -17,18 +16,10 @@ from asap_laboratory.cli import main
 from asap_laboratory.run import key_of
 from asap_laboratory.scoring.curve import GAMMAS
 from asap_laboratory.scoring.result import KeepCurve, Scored
+from at_once import AtOnce
 from fake_scene import FakeScene, perfect
 
 SCENE = FakeScene([(50, 50, 0, 0), (150, 100, 0, 0)], end_us=120_001)
-
-
-class AtOnce(Executor):
-    """Does everything when it is submitted."""
-
-    def submit(self, function, *arguments, **named):
-        future = Future()
-        future.set_result(function(*arguments, **named))
-        return future
 
 
 class Corners(FakeScene):

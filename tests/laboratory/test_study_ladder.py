@@ -2,7 +2,6 @@
 
 import json
 import math
-from concurrent.futures import Executor, Future
 
 import numpy as np
 import pytest
@@ -37,19 +36,11 @@ from asap_laboratory.ladder.settings import (
 from asap_laboratory.run import key_of
 from asap_laboratory.scoring import score
 from asap_laboratory.scoring.trace import follow
+from at_once import AtOnce
 from fake_scene import FakeScene, perfect
 
 SCENE = FakeScene([(50, 50, 0, 0), (150, 100, 400, 0)], end_us=130_001)
 LABELS = (OURS, *BASELINES, *(f"{name}, one for all" for name in BASELINES))
-
-
-class AtOnce(Executor):
-    """Does everything when it is submitted."""
-
-    def submit(self, function, *arguments, **named):
-        future = Future()
-        future.set_result(function(*arguments, **named))
-        return future
 
 
 def whole(scene, done_after_us=0.0):

@@ -2,7 +2,6 @@
 
 import json
 import math
-from concurrent.futures import Executor, Future
 
 import numpy as np
 import pytest
@@ -16,21 +15,13 @@ from asap_laboratory.rivals.cases import COLUMNS, OURS, RIVALS, RecordingCase, R
 from asap_laboratory.rivals.conduct import recordings_of
 from asap_laboratory.run import run
 from asap_laboratory.scoring.result import KeepCurve, Scored
+from at_once import AtOnce
 from fake_scene import FakeScene, perfect
 from house import ROOT
 from labelled_folders import folder
 
 BAF = asap.BackgroundActivityFilter
 SCENE = FakeScene([(50, 50, 0, 0), (150, 100, 0, 0)], end_us=120_001)
-
-
-class AtOnce(Executor):
-    """Does everything when it is submitted."""
-
-    def submit(self, function, *arguments, **named):
-        future = Future()
-        future.set_result(function(*arguments, **named))
-        return future
 
 
 class Blind:
