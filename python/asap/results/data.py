@@ -112,7 +112,7 @@ class Named:
     @classmethod
     def of(cls, thing: Any) -> Named:
         """Describe a live object."""
-        # Of a user's own algorithm they may be methods, as in a torch.nn.Module.
+        # A user's own algorithm may have methods of these names, as a torch.nn.Module has.
         names = getattr(thing, "name", None), getattr(thing, "__name__", None), type(thing).__name__
         parameters = getattr(thing, "parameters", None)
         return cls(
@@ -572,7 +572,7 @@ class Finding:
 
 @dataclass(frozen=True, eq=False)
 class Inspection(Result):
-    """What is wrong with a recording, and what it holds; made by `check`.
+    """The findings of `check` about a recording, and what it holds.
 
     Rates, gaps, stamps, duplicates and pixels are those of the good events. Windows are aligned to
     the first one; no more of a window counts than the recording lasts.

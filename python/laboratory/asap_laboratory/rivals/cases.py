@@ -131,6 +131,6 @@ def rivals_cases(form: str) -> Iterator[RivalsCase]:
 
 
 def _scored(rung: Rung, scene: Scene) -> dict[str, float]:
-    """Of the figures of `score`, those of the table: the others take twice as long."""
+    """Return the figures of the table; all figures of `score` would take twice as long."""
     tracker, before = rung.made_for(scene)
     return mota(match(follow(tracker, scene, before=before).samples))._asdict()
