@@ -87,7 +87,17 @@ def _side(field: str, value: Any) -> int:
     return side
 
 
-def agreed(field: str, given: int | None, stated: int | None, source: object) -> int | None:
+def sensor(width: Any, height: Any, known: Any, source: object) -> tuple[int | None, int | None]:
+    """Return the sides that are given or that `known` states; refuse a contradiction."""
+    given = sides(width, height)
+    stated = sides(getattr(known, "width", None), getattr(known, "height", None))
+    return (
+        _agreed("width", given[0], stated[0], source),
+        _agreed("height", given[1], stated[1], source),
+    )
+
+
+def _agreed(field: str, given: int | None, stated: int | None, source: object) -> int | None:
     """Return the side that is known; refuse a given one that the source contradicts."""
     if given and stated and given != stated:
         raise ValueError(named(field, given, f"{source} states {stated}; leave {field} out"))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from asap import _core
-from asap.experiment.contenders import Contender
+from asap.experiment.comparing import Contender
 from asap_laboratory import _native
 
 Make = Callable[[float, _core.LinearCost], _core.Scheme]

@@ -11,7 +11,8 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from asap import plots
-from asap.experiment.side_by_side import CheckedStream, side_by_side
+from asap.experiment.comparing import side_by_side
+from asap.experiment.source import CheckedStream
 from asap_laboratory.cases import Case
 from asap_laboratory.contenders import contender
 from asap_laboratory.results import MODELS, Results

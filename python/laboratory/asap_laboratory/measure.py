@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from asap.experiment import Run
-from asap.experiment.contenders import Contender
-from asap.experiment.side_by_side import CheckedStream, side_by_side
+from asap.experiment.comparing import Contender, side_by_side
+from asap.experiment.source import CheckedStream
 from asap_laboratory import metrics
 from asap_laboratory.profiles import Scenario
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from asap import _core
 from asap.experiment import simulate
-from asap.experiment.side_by_side import CheckedStream, side_by_side
+from asap.experiment.comparing import side_by_side
+from asap.experiment.source import CheckedStream
 from asap_laboratory import _native
 from asap_laboratory.contenders import contender
 from asap_laboratory.profiles import COSTS, Profile, scenario

@@ -1,20 +1,18 @@
-"""check: one pass over a source, block by block, through every meter."""
+"""check and info: one pass over a source, block by block."""
 
 from __future__ import annotations
 
+import os
 import warnings
+from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-
-from asap import _checks
+from asap import _checks, analysis
 from asap.experiment.runners import Progress
-from asap.inspection.door import Door
-from asap.inspection.findings import Meters, judge
-from asap.inspection.meters import Duplicates, Gaps, Intervals, RateMeter, Stamps
-from asap.inspection.pixels import PixelMap
+from asap.inspection.findings import judge
+from asap.inspection.meters import Door, Meters
 from asap.inspection.raw_source import RawSource
-from asap.io import TruncatedFileWarning
+from asap.io import Recording, TruncatedFileWarning, read
 from asap.results import Inspection
 
 
@@ -66,33 +64,18 @@ def check(
     _checks.callback("on_progress", on_progress)
     raw = RawSource(source, width=width, height=height, order=order, time_unit=time_unit)
     door = Door(raw.width, raw.height, is_file=raw.recording is not None)
-    meters = Meters(
-        door,
-        Gaps(),
-        Stamps(),
-        Duplicates(),
-        PixelMap(raw.width, raw.height),
-        RateMeter(),
-        Intervals(),
-    )
+    meters = Meters(raw.width, raw.height)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", TruncatedFileWarning)  # it becomes a finding
         for block in raw:
             passed = door.check(block)
             if on_progress is not None:
                 on_progress(door.seen, None, {})
-            if len(passed.events) == 0:
-                continue
-            meters.begin(passed)
-            for meter in (meters.gaps, meters.stamps, meters.duplicates, meters.intervals):
-                meter.add(passed)
-            meters.pixels.add(passed.events)
-            meters.rates.add(passed.events["t"] - meters.begin_us)
+            if len(passed.events):
+                meters.add(passed)
     meters.stamps.finish()
-    meters.rates.curve.finish()
-    time_s, mean_hz, peak_hz = meters.rates.curve.curves()
     duration_s = meters.duration_us / 1e6
-    peaks_hz = meters.rates.peaks_hz
+    peaks_hz = meters.peaks_hz
     return Inspection(
         path=raw.path,
         format=raw.format,
@@ -109,10 +92,63 @@ def check(
         rate_peak_100ms_hz=peaks_hz[100],
         longest_gap_us=meters.gaps.longest_us,
         most_on_one_stamp=meters.stamps.most,
-        findings={finding.name: finding for finding in judge(raw, meters)},
+        findings={finding.name: finding for finding in judge(raw, door, meters)},
         hot_pixels=meters.pixels.hot(),
         busiest_pixels=meters.pixels.busiest(),
         pixel_counts=meters.pixels.counts,
         interval_counts=meters.intervals.counts,
-        rate_curve=np.column_stack((time_s, mean_hz, peak_hz)),
+        rate_curve=meters.curve.curves(),
     )
+
+
+def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, Any]:
+    """Return what a recording holds: sensor, events, duration, rates, what was rejected.
+
+    The file is read once, in flat memory.
+
+    Parameters
+    ----------
+    path
+        The file, or what `read` returned for it.
+    **options
+        How to read it, as in `read`: ``width``, ``height``, ``order``, ``time_unit``, ``on_bad``.
+
+    Returns
+    -------
+    dict
+        ``schema_version``, ``path``, ``format``, ``width`` and ``height`` in px or None,
+        ``events``, ``duration_s``, ``on_share`` 0..1, ``x_max`` and ``y_max`` in px, ``rate_hz``
+        with ``mean``, ``peak_1ms`` and ``peak_10ms`` in ev/s, ``rejected`` by reason,
+        ``clock_resets``. It is the object of ``asap info --json``.
+
+    Raises
+    ------
+    UnsupportedFormat, CorruptFile, NoGoodEvent, ValueError, OSError, RuntimeError
+        As in `read`.
+
+    Examples
+    --------
+    >>> asap.info("flight.aedat4")["rate_hz"]["mean"]  # doctest: +SKIP
+    905127.3
+    """
+    if isinstance(path, (str, os.PathLike)):
+        recording = read(path, **options)
+    elif not hasattr(path, "rejected"):
+        raise TypeError(_checks.named("path", path, "give a path, or what read() returned"))
+    elif options:
+        raise ValueError(f"{', '.join(options)}: a recording is open; say it to read()")
+    else:
+        recording = path
+    facts = asdict(analysis.describe(recording))
+    rates = {name: facts.pop(f"rate_{name}_hz") for name in ("mean", "peak_1ms", "peak_10ms")}
+    return {
+        "schema_version": 1,
+        "path": os.fspath(recording.path),
+        "format": recording.format,
+        "width": recording.width,
+        "height": recording.height,
+        **facts,
+        "rate_hz": rates,
+        "rejected": dict(recording.rejected),
+        "clock_resets": recording.clock_resets,
+    }
