@@ -17,7 +17,7 @@ from asap import _core, plots
 from asap.events import Events
 from asap.experiment import Run, simulate
 from asap.synthetic import FlightOverChairs
-from asap_laboratory.tables import markdown
+from asap_laboratory.page import markdown
 
 LATENCY_MS = 10.0
 ALPHA_US, BETA_NS = 300.0, 200.0

@@ -80,19 +80,6 @@ RUNGS: dict[str, LadderRung] = {
 """By label, about in the order of their cost."""
 
 
-def missing_rungs() -> list[str]:
-    """Labels of consumers that this build of the library cannot make."""
-    return [label for label, rung in RUNGS.items() if not _exists(rung)]
-
-
-def _exists(rung: LadderRung) -> bool:
-    try:
-        rung.make(64, 64)
-    except ValueError:
-        return False
-    return True
-
-
 @lru_cache(maxsize=1)  # the tasks of a seed follow each other
 def stream(size: str, seed: int) -> Scene:
     """Make the stream of a seed: "whole", or "small" for the quick form."""

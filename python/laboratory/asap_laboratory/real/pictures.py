@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from asap import _core
-from asap_laboratory.real.following import Followed
+from asap_laboratory.rivals.recordings import Followed
 
 WINDOW_US = 30_000  # of the events that are shown
 _TAIL_S = 0.15
