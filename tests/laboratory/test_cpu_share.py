@@ -6,8 +6,6 @@ from itertools import pairwise
 
 import pytest
 
-from house import ROOT
-
 pytest.importorskip("asap_laboratory")
 
 from asap_laboratory import cpu_share
@@ -29,27 +27,11 @@ def test_each_knob_gives_latency_for_processor_time(rows: list[cpu_share.Row]) -
     assert all(row.in_time == 1.0 for row in rows)
 
 
-def test_the_share_is_the_cost_over_the_duration() -> None:
-    (row,) = cpu_share.measure([Setting(min_interval_ms=5.0)], seeds=(1,), duration_s=1.0)
-    assert row.packages_per_s == pytest.approx(200, abs=3)
-    events = cpu_share.FlightOverChairs(duration_s=1.0, seed=1).events().size
-    cost_us = row.packages_per_s * cpu_share.ALPHA_US + events * cpu_share.BETA_NS * 1e-3
-    assert row.cpu == pytest.approx(cost_us * 1e-6)
-
-
 def test_table_and_figure_have_every_setting(rows: list[cpu_share.Row]) -> None:
     pytest.importorskip("matplotlib")
     assert len(cpu_share.table(rows).splitlines()) == 2 + len(cpu_share.SETTINGS)
     (axes,) = cpu_share.draw(rows).axes
     assert [len(line.get_xdata()) for line in axes.lines] == [5, 5]
-
-
-def test_the_page_shows_the_table() -> None:
-    page = (ROOT / "notebooks" / "board.md").read_text()
-    header, rule, *_ = cpu_share.table([]).splitlines()
-    settings = [f"| {one.overhead:g} | {one.min_interval_ms:g} |" for one in cpu_share.SETTINGS]
-    assert f"{header}\n{rule}\n{settings[0]}" in page
-    assert all(page.count(f"\n{setting}") == 1 for setting in settings)
 
 
 def test_the_command_writes_both(tmp_path, capsys, monkeypatch) -> None:

@@ -45,19 +45,6 @@ def test_an_algorithm_of_another_extension_runs_natively():
     assert run.ledger.received == events.size and run.ledger.balanced
 
 
-def test_any_other_attribute_of_that_name_means_nothing():
-    class Odd:
-        __asap_consumer__ = "no capsule"
-        calls = 0
-
-        def process(self, events):
-            self.calls += 1
-
-    odd = Odd()
-    asap.run(profiles.Profile("low", duration_s=0.02).events(), algorithm=odd)
-    assert odd.calls
-
-
 def test_a_python_caller_is_spun_for_as_well():
     events = profiles.Profile("low", duration_s=0.02).events()
     # A busy machine may take the processor away for all that time.

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import asap
-import streams
 from asap_laboratory import STUDIES, conduct
 from asap_laboratory.page import Writer, only
 from asap_laboratory.profiles import FURTHER, LATENCY_MS, PROFILES
@@ -63,19 +62,6 @@ def test_wrong_priors_are_wrong_by_a_hundred():
         ratios.add(tuple(round(wrong[name] / normal[name], 6) for name in names))
         assert {**wrong, **dict.fromkeys(names)} == {**normal, **dict.fromkeys(names)}
     assert ratios == {(a, b) for a in (100.0, 0.01) for b in (100.0, 0.01)}
-
-
-@pytest.mark.parametrize("profile", ["uav", "ramp"])
-def test_short_window_climbs_as_far(profile):
-    short = np.concatenate(list(Case(profile, "slow", duration_s=1.0).scenario().source.rates()))
-    whole = np.concatenate(list(Case(profile, "slow").scenario().source.rates()))
-    assert short.size * 5 == whole.size and short.max() == pytest.approx(whole.max(), rel=1e-3)
-
-
-def test_ring_grows_with_the_rates_of_the_further_profiles_only():
-    assert Case("steps60", "slow").capacity() == 1 << 20
-    assert Case("spikes", "slow", duration_s=2.0).capacity() == 1 << 20
-    assert Case("spikes", "fast", duration_s=2.0).capacity() == 1 << 21  # 1.5 x 600 Mev/s x 2 ms
 
 
 # ---- measures -------------------------------------------------------------------------------
@@ -146,13 +132,6 @@ def test_silence_is_the_longest_run_of_slots_without_a_result():
     assert measure.silence_ms(slots(*rows[:20], *rows[21:])) == 2  # an empty slot ends it
     assert measure.silence_ms(slots(*rows), ignore_last=80) == 2
     assert measure.silence_ms(slots(*rows)[:0]) == 0
-
-
-def test_the_start_is_the_first_100_ms():
-    run = asap.simulate(streams.poisson(1e5, 0.1), cost=asap.LinearCost(100, 300))
-    made = slots((99, 1, 1, 1000), (100, 1, 1, 2000), (500, 1, 1, 9000))
-    found = measure.figures_of(dataclasses.replace(run, slots=made), 1.0, 1.0, 1.0, False)
-    assert found["start_max_ms"] == 1.0
 
 
 def test_mean_latency_of_theory():

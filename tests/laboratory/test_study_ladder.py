@@ -174,30 +174,11 @@ def test_latency_costs_accuracy_in_use_only():
     assert late.in_use == pytest.approx(0.0)  # half is missed, and found where nothing is
 
 
-def test_what_is_never_delivered_is_missed():
-    assert tracker_accuracy(Last, SCENE, []) == (0, 0)
-    first = whole(SCENE)[:1]
-    assert tracker_accuracy(Last, SCENE, first).in_use == pytest.approx(0.0)
-
-
-def test_a_package_with_a_long_gap_is_cut_at_each_sample_once():
-    events = SCENE.events[[0, 1, -2, -1]]
-    parts = ladder.accuracy._split_at([Delivery(events, 0.5, 1e6)], [105_000, 110_000, 115_000])
-    assert [part.events.size for part in parts] == [2, 2]
-    assert [part.keep for part in parts] == [0.5, 0.5]
-
-
 def test_an_event_at_a_sample_time_is_not_in_that_sample():
     events = streams.make([100, 200])
     before, at = ladder.accuracy._split_at([Delivery(events, 1.0, 900.0)], [200])
     assert before.events["t"].tolist() == [100] and at.events["t"].tolist() == [200]
     assert before.done_us <= 200 < at.done_us
-
-
-def test_the_tracker_is_told_what_the_scheme_told():
-    tracker = Last()
-    tracker_accuracy(lambda: tracker, SCENE, [one._replace(keep=0.25) for one in whole(SCENE)])
-    assert set(tracker.keeps) == {0.25}
 
 
 class Corners(FakeScene):
@@ -255,15 +236,6 @@ def test_naive_clusterer_is_the_rule_of_compat():
         for axis in "xy":
             np.testing.assert_allclose(mine[axis], its[axis], atol=1e-6)
     assert events.size > 3 * 300 and mine.size > 1
-
-
-def test_every_consumer_can_be_made():
-    stream = ladder.rungs.stream("small", 0)
-    for rung in RUNGS.values():
-        made = rung.make(stream.width, stream.height)
-        made.process(stream.events[:100])
-        assert (rung.score == "tracker") is hasattr(made, "clusters")
-        assert rung.opaque is not _core.is_native(made)
 
 
 # ---- the whole ------------------------------------------------------------------------------
@@ -379,11 +351,3 @@ def test_figure_has_a_line_for_each_scheme_and_a_name_for_each_rung():
     assert {text.get_text() for text in corners.texts} == {"EFast"}
     assert len(whole.get_legend_handles_labels()[1]) == len(LABELS)
     assert trackers.containers[0].lines[0].get_ydata().tolist() == [0.0]  # worse than nothing
-
-
-def test_crowded_names_move_apart():
-    from asap_laboratory.ladder.figures import _apart
-
-    places = _apart(np.array([1.0, 1.01, 1.02, 3.0]), 0.2, 0.5)
-    assert np.diff(places).min() == pytest.approx(0.2, rel=1e-3)
-    assert places[3] == 3 and places[:3].mean() == pytest.approx(1.01)

@@ -15,11 +15,11 @@ from asap_laboratory import score
 from asap_laboratory.accuracy import Rung
 from asap_laboratory.cli import main
 from asap_laboratory.real import overlays, pictures
-from asap_laboratory.real.mistakes import Span, mistakes, spans
+from asap_laboratory.real.mistakes import mistakes
 from asap_laboratory.rivals.recordings import Followed, at_hand, follow, opened
 from asap_laboratory.scenes import labelled
 from event_files import recording
-from labelled_folders import T0_US, box, folder
+from labelled_folders import T0_US, folder
 
 DTYPE = _core.ClusterTracker(8, 8).clusters.dtype
 
@@ -55,11 +55,6 @@ CLUSTERS = {10: [(7, 20, 20)], 20: [(8, 20, 20), (9, 80, 60), (5, 24, 20)]}
 # ---- words ----------------------------------------------------------------------------------
 
 
-def test_what_follows_each_other_is_one_span() -> None:
-    assert spans([1, 2, 3, 7, 9, 10]) == [Span(1, 3), Span(7, 7), Span(9, 10)]
-    assert spans([]) == [] and Span(1, 3).size == 3
-
-
 def test_every_mistake_is_named_with_its_time(tmp_path: Path) -> None:
     assert mistakes(followed(tmp_path, CLUSTERS)) == [
         "object 0 is missed at 1 of 3 times, at 0.03 s",
@@ -70,24 +65,10 @@ def test_every_mistake_is_named_with_its_time(tmp_path: Path) -> None:
     ]
 
 
-def test_a_perfect_tracker_makes_none(tmp_path: Path) -> None:
-    assert mistakes(followed(tmp_path, {ms: [(7, 20, 20)] for ms in (10, 20, 30)})) == []
-
-
 def test_an_unlabelled_background_has_no_false_clusters(tmp_path: Path) -> None:
     one = followed(tmp_path, CLUSTERS, background="unlabelled")
     assert not any("false" in words for words in mistakes(one))
     assert overlays._cells(one)[1:3] == (".667", "not judged")
-
-
-def test_many_misses_and_many_ids_are_put_together(tmp_path: Path) -> None:
-    rows = "".join(box(ms) for ms in range(1, 90))
-    seen = {ms: [(7, 20, 20), (ms, 80, 60)] for ms in range(1, 90) if ms % 9}
-    words = mistakes(followed(tmp_path, seen, rows=rows))
-    assert words[0] == (
-        "object 0 is missed at 9 of 89 times, at 0.01 s, at 0.02 s, at 0.03 s and shorter gaps"
-    )
-    assert words[-1].endswith("more ids are false, at 74 times")
 
 
 # ---- the table ------------------------------------------------------------------------------
@@ -144,11 +125,6 @@ def test_lanes_show_which_id_carried_an_object(tmp_path: Path) -> None:
     assert '<i class="extra" style="left:33.33%;width:33.33%' in html
 
 
-def test_a_long_recording_has_few_pictures(tmp_path: Path) -> None:
-    one = followed(tmp_path, {}, rows="".join(box(ms) for ms in range(1, 61)))
-    assert overlays.write(tmp_path / "real.html", [one], command="").read_text().count("<svg") == 12
-
-
 # ---- folders and the command ----------------------------------------------------------------
 
 
@@ -165,14 +141,6 @@ def test_a_folder_of_recordings_leaves_out_what_is_refused(tmp_path: Path) -> No
     assert [path.name for path in scenes] == ["first"]
     assert len(left_out) == 1 and left_out[0].startswith("second/truth.csv: row 1: columns")
     assert list(opened([tmp_path / "first"]).scenes) == [tmp_path / "first"]
-
-
-def test_a_recording_that_is_given_is_refused_by_its_file(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"second/truth\.csv: row 1: columns"):
-        opened([sets(tmp_path) / "second"])
-    (tmp_path / "first" / "ignore.csv").unlink()
-    with pytest.raises(FileNotFoundError, match="no such file; a labelled folder has"):
-        opened([tmp_path / "first"])
 
 
 def test_without_a_folder_it_looks_where_the_tests_look(
