@@ -42,14 +42,6 @@ def test_events_and_labels_are_in_order_inside_and_read_only(scene: Scene) -> No
     assert scene.events is events and scene.labels is labels
 
 
-def test_same_seed_same_bytes_another_seed_others(scene: Scene) -> None:
-    again = small()
-    assert same(again.events, scene.events)
-    assert np.array_equal(again.labels, scene.labels)
-    assert np.array_equal(again.truth(250_000), scene.truth(250_000))
-    assert not same(small(seed=1).events[:1000], scene.events[:1000])
-
-
 GOLDEN = {
     "A": (8834247836951532315, 193243989),
     "B": (14639644259146866180, 213955789),

@@ -37,22 +37,10 @@ def distinct(rows: Iterable[Row], column: str) -> list[Any]:
 
 
 def over_seeds(rows: Iterable[Row], keys: Sequence[str], figures: Sequence[str]) -> Rows:
-    """Put the rows of all seeds together.
+    """Put the rows that agree in the keys, one for each seed, together.
 
-    Parameters
-    ----------
-    rows : iterable of Row
-        One for each seed.
-    keys : sequence of str
-        Columns that a group has in common.
-    figures : sequence of str
-        Columns of numbers.
-
-    Returns
-    -------
-    list of Row
-        The keys, ``seeds``, and of each figure the mean and, as ``<figure>_sd``, the standard
-        deviation (n - 1). A figure exists where every seed has it, a deviation from two seeds on.
+    A row: the keys, ``seeds``, and of each figure the mean and, as ``<figure>_sd``, the standard
+    deviation (n - 1). A figure exists where every seed has it, a deviation from two seeds on.
     """
     groups: dict[tuple[Any, ...], Rows] = {}
     for row in rows:

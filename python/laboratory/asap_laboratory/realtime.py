@@ -66,17 +66,9 @@ def _figures(found: Run) -> Row:
 
 
 def scheduling_jitter(duration_s: float = 1.0) -> _core.LatencyHistogram:
-    """Measure how long this machine takes the processor away from a thread.
+    """Measure how long this machine takes the processor away from a thread, us.
 
-    Parameters
-    ----------
-    duration_s : float
-        How long to look, s.
-
-    Returns
-    -------
-    LatencyHistogram
-        Times between two looks at the clock of a thread that does nothing else, us.
+    Times between two looks at the clock of a thread that does nothing else.
     """
     return _core.LatencyHistogram(_native.scheduling_jitter(duration_s))
 

@@ -40,19 +40,9 @@ _SHOWN = {  # label: words
 def figure(rows: Rows, *, width_inches: float = 9.0) -> Figure:
     """Draw three panels over the cost per event, a line for each scheme.
 
-    Parameters
-    ----------
-    rows : list of Row
-        Each consumer under each scheme in virtual time, the cheapest first.
-    width_inches : float
-        Of the page.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        In time, of what the computer can do; MOTA and F at the moment of use, of that with all
-        events and without latency, 0 where it is below. Bars are standard deviations over the
-        seeds.
+    `rows`: each consumer under each scheme in virtual time, the cheapest first. In time, of what
+    the computer can do; MOTA and F at the moment of use, of that with all events and without
+    latency, 0 where it is below. Bars are standard deviations over the seeds.
     """
     with matplotlib.rc_context({**plots.STYLE, "axes.titley": 1.0}):
         page = plots.NotebookFigure(layout="constrained", figsize=(width_inches, 4.1))

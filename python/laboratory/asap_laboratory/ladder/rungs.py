@@ -25,16 +25,8 @@ Maker = Callable[[int, int], Any]
 class LadderRung(NamedTuple):
     """A consumer.
 
-    Attributes
-    ----------
-    make : callable
-        Makes one for (width, height).
-    score : {"tracker", "corners", None}
-        How its accuracy is told.
-    twin : callable, optional
-        Makes a faster one of the same rule, for the accuracy with all events.
-    stated : (float, float), optional
-        alpha in us and beta in ns, taken from elsewhere instead of measured.
+    `score`: how its accuracy is told; `twin`: makes a faster one of the same rule, for the accuracy
+    with all events; `stated`: alpha in us and beta in ns, taken from elsewhere, not measured.
     """
 
     make: Maker

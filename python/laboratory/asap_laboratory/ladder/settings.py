@@ -31,18 +31,9 @@ _RINGS_IN_L = (0.25, 0.45, 0.7, 1.0)  # times the events that cost L
 
 @dataclass(frozen=True)
 class Setting:
-    """A scheme and the ring in front of it, for the stream as it is.
+    """A scheme of `asap` and the ring in front of it, for the stream as it is.
 
-    Attributes
-    ----------
-    scheme : str
-        A class of `asap`.
-    parameters : dict
-        Of its constructor.
-    capacity : int
-        Of the ring, events.
-    for_all : bool
-        Whether it can be given without knowing the consumer.
+    `for_all`: it can be given without knowing the consumer.
     """
 
     scheme: str

@@ -33,16 +33,10 @@ class RealCase(RecordingCase):
 
 
 def real_study(scenes: dict[Path, LabelledScene], left_out: Sequence[str], command: str) -> Study:
-    """Make the study of recordings.
+    """Make the study of recordings by their folders, as `opened` returns them.
 
-    Parameters
-    ----------
-    scenes : dict of Path to LabelledScene
-        By their folders, as `opened` returns them.
-    left_out : sequence of str
-        Why other recordings are not among them; stands on the page.
-    command : str
-        Named in document and page.
+    `left_out`: why other recordings are not among them; stands on the page. `command`: named in
+    document and page.
     """
 
     def batches(form: str) -> Generator[Batch, Rows, None]:

@@ -55,18 +55,7 @@ false + switches) / boxes</dd>
 def write(
     path: Path, sets: Sequence[Followed], *, left_out: Sequence[str] = (), command: str
 ) -> Path:
-    """Write the page.
-
-    Parameters
-    ----------
-    path : Path
-        An HTML file; its folder exists.
-    sets : sequence of Followed
-    left_out : sequence of str
-        Why recordings are not on the page.
-    command : str
-        What has to be typed to get the same.
-    """
+    """Write the page; `left_out`: why recordings are not on it; `command`: what gives the same."""
     table = text.table(tuple(HEAD.values()), [_cells(one) for one in sets])
     notes = "".join(f'<p class="sub">Left out: {escape(words)}</p>' for words in left_out)
     return pages.write(

@@ -47,13 +47,7 @@ def hue(id: int) -> str:
 def overlay(followed: Followed, index: int, label: str) -> str:
     """Draw a labelled time: events grey, outlines, ids and tails coloured, boxes thin.
 
-    Parameters
-    ----------
-    followed : Followed
-    index : int
-        Of the labelled time.
-    label : str
-        What the picture shows, for those who do not see it; without markup.
+    `label`: what the picture shows, for those who do not see it; without markup.
     """
     scene = followed.scene
     parts = [_events(followed, index), *_zones(followed, index), *_boxes(followed, index)]

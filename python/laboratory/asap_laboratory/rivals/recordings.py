@@ -35,21 +35,10 @@ class Opened(NamedTuple):
 def opened(folders: Sequence[Path] = ()) -> Opened:
     """Open labelled recordings.
 
-    Parameters
-    ----------
-    folders : sequence of path
-        Each a labelled recording, or a folder of such; by default ``labelled`` in the folder that
-        ASAP_TEST_DATA names, or in ``../shared/data``.
-
-    Returns
-    -------
-    Opened
-        A recording that is found in a folder of such and refused is left out, with the reason.
-
-    Raises
-    ------
-    ValueError, OSError
-        A recording that was given is refused, or there is none.
+    `folders`: each a labelled recording, or a folder of such; by default ``labelled`` in the folder
+    that ASAP_TEST_DATA names, or in ``../shared/data``. A recording that is found in a folder of
+    such and refused is left out, with the reason; one that was given and is refused, or none at
+    all, is a ValueError or an OSError.
     """
     scenes: dict[Path, LabelledScene] = {}
     left_out: list[str] = []
@@ -96,15 +85,8 @@ def _holds_any(folder: Path, names: Sequence[str]) -> bool:
 class Followed:
     """A tracker on a recording with boxes.
 
-    Attributes
-    ----------
-    scene : LabelledScene
-    figures : dict of str to float
-        hit, precision, switches, longest, error, mota as of `score`, and ns_per_event.
-    matches : list of BoxMatch
-        At each labelled time.
-    clusters : list of ndarray
-        The clusters of each of them, as the tracker tells them.
+    `figures`: those of `score` and ns_per_event; `matches`: at each labelled time; `clusters`: of
+    each of them, as the tracker tells them.
     """
 
     scene: LabelledScene

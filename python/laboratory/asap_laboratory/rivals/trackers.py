@@ -39,19 +39,9 @@ RIVALS = {
 
 
 def costs_ns(rungs: dict[str, Rung], scene: HasEvents) -> dict[str, float]:
-    """Measure filter and tracker, ns of processor time per event that enters.
+    """Measure filter and tracker: median over the turns, ns of processor time per event.
 
-    Parameters
-    ----------
-    rungs : dict of str to Rung
-        They take turns, so that what else the machine does meets all of them.
-    scene : Scene or LabelledScene
-        Each takes it whole in every turn.
-
-    Returns
-    -------
-    dict of str to float
-        Median over the turns.
+    They take turns with the whole scene, so that what else the machine does meets all of them.
     """
     events = scene.events
     packages = [events[begin : begin + _PACKAGE] for begin in range(0, events.size, _PACKAGE)]

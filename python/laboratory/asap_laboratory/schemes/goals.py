@@ -18,13 +18,10 @@ Figure = Callable[[Row], float]
 
 
 def goals(rows: Rows) -> Rows:
-    """Judge what a study has measured.
+    """Judge what a study has measured, in the order of the reference.
 
-    Returns
-    -------
-    list of Row
-        In the order of the reference: goal, test, target, measured, runs that it was measured on,
-        and whether it holds; what the study has not run is neither held nor missed (None).
+    A row: goal, test, target, measured, runs that it was measured on, and whether it holds; what
+    the study has not run is neither held nor missed (None).
     """
     runs = only(rows, kind="run")
     law = only(runs, contender=_LAW, cost_model=_NO_OUTAGES)

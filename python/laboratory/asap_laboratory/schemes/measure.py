@@ -34,26 +34,9 @@ def measure(
 ) -> Rows:
     """Run every contender through a scenario, all over one reading of the stream.
 
-    Parameters
-    ----------
-    scenario : Scenario
-        Arrivals, cost and latency bound.
-    contenders : sequence of Contender
-        Of different labels.
-    duration_s : float
-        Of the scenario.
-    seed : int
-        Of the gamma filters.
-    capacity : int
-        Of each ring, events.
-    steps : bool
-        Whether the rate steps up at the middle of every second, and down at its end.
-
-    Returns
-    -------
-    list of Row
-        One for each contender: label, the figures of `figures_of`, events of the input, OB(L) and,
-        where it can be computed, EC(L).
+    `steps`: the rate steps up at the middle of every second, and down at its end. A row for each
+    contender: label, the figures of `figures_of`, events of the input, OB(L) and, where it can be
+    computed, EC(L).
     """
     found = side_by_side(
         CheckedStream(scenario.source),

@@ -39,11 +39,8 @@ def figure(
 ) -> Figure:
     """Draw scores over gamma, a colour for each curve: told as a line, not told dashed.
 
-    Parameters
-    ----------
-    curves : mapping of str to list of Row
-        Means over the seeds by the label of the algorithm: all of trackers, or all of corner
-        detectors; bars are standard deviations over the seeds.
+    `curves`: means over the seeds by the label of the algorithm, all of trackers or all of corner
+    detectors; bars are standard deviations over the seeds.
     """
     first = next(iter(curves.values()))[0]
     shown = _TRACKER if columns_of(first) is TRACKER else _CORNERS
