@@ -1,7 +1,7 @@
 // Memory fixed by the configuration: a pipeline takes all of it in its constructor. This program
 // counts allocations while far more events come than the ring holds.
 #include <asap/runner/pipeline.hpp>
-#include <asap/synthetic/flight_over_chairs.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <atomic>
 #include <cstdint>

@@ -2,7 +2,7 @@
 // -fno-rtti. What cannot be made is a message. All memory is there before the first event.
 #include <asap/algorithms/cluster_tracker.hpp>
 #include <asap/runner/pipeline.hpp>
-#include <asap/synthetic/flight_over_chairs.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <chrono>
 #include <cstdio>

@@ -2,7 +2,7 @@
 #include <asap/runner/simulator.hpp>
 #include <asap/schemes/deadline.hpp>
 #include <asap/schemes/fixed.hpp>
-#include <asap/synthetic/shaken_pattern.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <cstdint>
 #include <iomanip>

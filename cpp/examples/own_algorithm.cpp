@@ -2,7 +2,7 @@
 // kept one stands for several: the package says how many. Continuity: none are dropped in a row.
 #include <asap/runner/simulator.hpp>
 #include <asap/schemes/deadline.hpp>
-#include <asap/synthetic/shaken_pattern.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 // A scheme of your own: one package per period, thinned to what the algorithm can process within
 // a period. It works in virtual time, as here, and in a live pipeline.
 #include <asap/runner/simulator.hpp>
-#include <asap/synthetic/shaken_pattern.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <algorithm>
 #include <cstdint>

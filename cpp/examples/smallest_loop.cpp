@@ -2,7 +2,7 @@
 // package so that every event it delivers is processed within 10 ms of its push.
 #include <asap/algorithms/cluster_tracker.hpp>
 #include <asap/runner/pipeline.hpp>
-#include <asap/synthetic/flight_over_chairs.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <chrono>
 #include <iostream>

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "algorithms/cluster_tracker_config.hpp"
 #include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/algorithms/cluster_view.hpp"

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "asap/algorithms/background_activity_filter.hpp"
 #include "asap/algorithms/corner_detector.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"

@@ -3,11 +3,7 @@
 #include <pybind11/gil_safe_call_once.h>
 
 #include "arguments.hpp"
-#include "asap/formats/dat.hpp"
-#include "asap/formats/evt2.hpp"
-#include "asap/formats/evt21.hpp"
-#include "asap/formats/evt3.hpp"
-#include "asap/formats/raw_header.hpp"
+#include "asap/formats/prophesee.hpp"
 #include "layers.hpp"
 
 namespace asap::python {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "asap/formats/progress.hpp"
+#include "asap/formats/decoder.hpp"
 #include "gil.hpp"
 
 namespace asap::python {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "asap/algorithms/hot_pixel_mask.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"

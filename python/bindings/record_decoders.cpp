@@ -1,8 +1,6 @@
 #include "arguments.hpp"
-#include "asap/formats/aedat2.hpp"
-#include "asap/formats/aedat3.hpp"
-#include "asap/formats/atis40.hpp"
-#include "asap/formats/event_stream.hpp"
+#include "asap/formats/aedat.hpp"
+#include "asap/formats/atis.hpp"
 #include "decoders.hpp"
 #include "layers.hpp"
 

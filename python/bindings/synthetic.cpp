@@ -4,8 +4,7 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/synthetic/flight_over_chairs.hpp"
-#include "asap/synthetic/shaken_pattern.hpp"
+#include "asap/synthetic/streams.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/synthetic/poisson_arrivals.hpp"
+#include "asap/synthetic/streams.hpp"
 #include "parts.hpp"
 
 namespace asap::python {

@@ -1,6 +1,6 @@
 // Bar: at most 3 ns per event on every stream. The rival is the filter as it is defined: eight
 // neighbours looked at one by one, times in 64 bits.
-#include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "algorithms/cluster_tracker_config.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/runner/pipeline.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "asap/core/event.hpp"
-#include "asap/formats/progress.hpp"
+#include "asap/formats/decoder.hpp"
 #include "bytes.hpp"
 
 namespace asap::fuzz {

@@ -5,11 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "asap/formats/dat.hpp"
+#include "asap/formats/atis.hpp"
 #include "asap/formats/encoder.hpp"
-#include "asap/formats/event_stream.hpp"
-#include "asap/formats/evt2.hpp"
-#include "asap/formats/evt3.hpp"
+#include "asap/formats/prophesee.hpp"
 #include "asap/formats/text.hpp"
 #include "bytes.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "algorithms/fast/kalman.hpp"
-#include "asap/algorithms/cluster_tracker_config.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 
 namespace asap {
 namespace {

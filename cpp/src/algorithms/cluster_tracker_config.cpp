@@ -1,4 +1,4 @@
-#include "asap/algorithms/cluster_tracker_config.hpp"
+#include "algorithms/cluster_tracker_config.hpp"
 
 #include <array>
 #include <bit>

@@ -45,9 +45,9 @@ std::uint64_t distance(std::int64_t earlier, std::int64_t later) noexcept {
 
 }  // namespace
 
-class EventImage::State {
+class EventImage::Impl {
  public:
-  explicit State(const Config& given)
+  explicit Impl(const Config& given)
       : config(checked(given)),
         frame_(config.width, config.height),
         off_(std::size_t{frame_.width()} * frame_.height()),
@@ -174,32 +174,32 @@ class EventImage::State {
   std::int64_t image_end_us_ = 0;
 };
 
-EventImage::EventImage(const Config& config) : state_(std::make_unique<State>(config)) {}
+EventImage::EventImage(const Config& config) : impl_(std::make_unique<Impl>(config)) {}
 EventImage::~EventImage() = default;
-EventImage::EventImage(const EventImage& other) : state_(std::make_unique<State>(*other.state_)) {}
+EventImage::EventImage(const EventImage& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
 EventImage& EventImage::operator=(const EventImage& other) { return *this = EventImage(other); }
 EventImage::EventImage(EventImage&&) noexcept = default;
 EventImage& EventImage::operator=(EventImage&&) noexcept = default;
 
-bool EventImage::take(EventSpan& events) noexcept { return state_->take(events); }
+bool EventImage::take(EventSpan& events) noexcept { return impl_->take(events); }
 
 bool EventImage::flush() noexcept {
-  if (!state_->has_begun()) return false;
-  state_->close();
+  if (!impl_->has_begun()) return false;
+  impl_->close();
   return true;
 }
 
-ImageView EventImage::image() const noexcept { return state_->image(); }
+ImageView EventImage::image() const noexcept { return impl_->image(); }
 
 void EventImage::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  state_->set_keep(gamma);
+  impl_->set_keep(gamma);
 }
 
-void EventImage::reset() noexcept { state_->reset(); }
+void EventImage::reset() noexcept { impl_->reset(); }
 
-std::uint64_t EventImage::rejected() const noexcept { return state_->rejected; }
+std::uint64_t EventImage::rejected() const noexcept { return impl_->rejected; }
 
-const EventImage::Config& EventImage::config() const noexcept { return state_->config; }
+const EventImage::Config& EventImage::config() const noexcept { return impl_->config; }
 
 }  // namespace asap

@@ -25,9 +25,9 @@ bool is_flat(double squared_slope) noexcept { return squared_slope < 1e-6; }
 
 }  // namespace
 
-class PlaneFlow::State {
+class PlaneFlow::Impl {
  public:
-  explicit State(const Config& given)
+  explicit Impl(const Config& given)
       : config(checked(given)),
         frame_(config.width, config.height),
         stride_(frame_.width() + 2 * kBorder),
@@ -92,19 +92,19 @@ class PlaneFlow::State {
   RecentTimes times_;
 };
 
-PlaneFlow::PlaneFlow(const Config& config) : state_(std::make_unique<State>(config)) {}
+PlaneFlow::PlaneFlow(const Config& config) : impl_(std::make_unique<Impl>(config)) {}
 PlaneFlow::~PlaneFlow() = default;
-PlaneFlow::PlaneFlow(const PlaneFlow& other) : state_(std::make_unique<State>(*other.state_)) {}
+PlaneFlow::PlaneFlow(const PlaneFlow& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
 PlaneFlow& PlaneFlow::operator=(const PlaneFlow& other) { return *this = PlaneFlow(other); }
 PlaneFlow::PlaneFlow(PlaneFlow&&) noexcept = default;
 PlaneFlow& PlaneFlow::operator=(PlaneFlow&&) noexcept = default;
 
 std::size_t PlaneFlow::process(EventSpan events) noexcept {
-  State& state = *state_;
+  Impl& impl = *impl_;
   std::size_t with_flow = 0;
   for (const Event& event : events) {
     Flow flow;
-    with_flow += state.update(event, flow);
+    with_flow += impl.update(event, flow);
   }
   return with_flow;
 }
@@ -112,11 +112,11 @@ std::size_t PlaneFlow::process(EventSpan events) noexcept {
 std::size_t PlaneFlow::process(EventSpan events, std::span<Flow> flows) {
   require(flows.size() == events.size(), "flows.size()", flows.size(),
           "must be the number of events");
-  State& state = *state_;
+  Impl& impl = *impl_;
   std::size_t with_flow = 0;
   for (std::size_t i = 0; i < events.size(); ++i) {
     flows[i] = {};
-    with_flow += state.update(events[i], flows[i]);
+    with_flow += impl.update(events[i], flows[i]);
   }
   return with_flow;
 }
@@ -125,10 +125,10 @@ void PlaneFlow::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 
-void PlaneFlow::reset() noexcept { state_->reset(); }
+void PlaneFlow::reset() noexcept { impl_->reset(); }
 
-std::uint64_t PlaneFlow::rejected() const noexcept { return state_->rejected; }
+std::uint64_t PlaneFlow::rejected() const noexcept { return impl_->rejected; }
 
-const PlaneFlow::Config& PlaneFlow::config() const noexcept { return state_->config; }
+const PlaneFlow::Config& PlaneFlow::config() const noexcept { return impl_->config; }
 
 }  // namespace asap

@@ -20,7 +20,7 @@
 #include "algorithms/event_window.hpp"
 #include "algorithms/probe_index.hpp"
 #include "algorithms/window_moments.hpp"
-#include "asap/algorithms/cluster.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 

@@ -1,6 +1,6 @@
 // decode_plain is the specification, a word at a time. decode_fast is the loop for the words that
 // come often; a test holds it to the same events.
-#include "asap/formats/evt3.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include <array>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "asap/synthetic/flight_over_chairs.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <algorithm>
 #include <array>
@@ -98,9 +98,9 @@ std::vector<Outline> empty_rows(const FlightOverChairsConfig& config) {
 
 }  // namespace
 
-class FlightOverChairs::State {
+class FlightOverChairs::Impl {
  public:
-  explicit State(const FlightOverChairsConfig& config)
+  explicit Impl(const FlightOverChairsConfig& config)
       : config_(checked(config)),
         lanes_(lanes_of(config)),
         row_pitch_px_(kRowPitch * config.chair_px),
@@ -218,12 +218,12 @@ class FlightOverChairs::State {
 };
 
 FlightOverChairs::FlightOverChairs(const FlightOverChairsConfig& config)
-    : state_(std::make_unique<State>(config)) {}
+    : impl_(std::make_unique<Impl>(config)) {}
 
 FlightOverChairs::~FlightOverChairs() = default;
 FlightOverChairs::FlightOverChairs(FlightOverChairs&& other) noexcept = default;
 FlightOverChairs& FlightOverChairs::operator=(FlightOverChairs&& other) noexcept = default;
 
-EventSpan FlightOverChairs::next() noexcept { return state_->next(); }
+EventSpan FlightOverChairs::next() noexcept { return impl_->next(); }
 
 }  // namespace asap

@@ -1,4 +1,4 @@
-#include "asap/synthetic/poisson_arrivals.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,9 +24,9 @@ const PoissonArrivalsConfig& checked(const PoissonArrivalsConfig& config) {
 
 }  // namespace
 
-class PoissonArrivals::State {
+class PoissonArrivals::Impl {
  public:
-  explicit State(const PoissonArrivalsConfig& config)
+  explicit Impl(const PoissonArrivalsConfig& config)
       : config_(checked(config)),
         steps_(CounterRandom(config.seed)(0)),
         flicker_(CounterRandom(config.seed)(1)),
@@ -117,14 +117,14 @@ class PoissonArrivals::State {
 };
 
 PoissonArrivals::PoissonArrivals(const PoissonArrivalsConfig& config)
-    : state_(std::make_unique<State>(config)) {}
+    : impl_(std::make_unique<Impl>(config)) {}
 
 PoissonArrivals::~PoissonArrivals() = default;
 PoissonArrivals::PoissonArrivals(PoissonArrivals&& other) noexcept = default;
 PoissonArrivals& PoissonArrivals::operator=(PoissonArrivals&& other) noexcept = default;
 
-void PoissonArrivals::feed(std::span<const double> rates_hz) { state_->feed(rates_hz); }
+void PoissonArrivals::feed(std::span<const double> rates_hz) { impl_->feed(rates_hz); }
 
-EventSpan PoissonArrivals::next() noexcept { return state_->next(); }
+EventSpan PoissonArrivals::next() noexcept { return impl_->next(); }
 
 }  // namespace asap

@@ -1,4 +1,4 @@
-#include "asap/synthetic/shaken_pattern.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <array>
 #include <cmath>
@@ -87,9 +87,9 @@ double events_per_px_in_view(const Outline& poster, const ShakenPatternConfig& c
 
 }  // namespace
 
-class ShakenPattern::State {
+class ShakenPattern::Impl {
  public:
-  explicit State(const ShakenPatternConfig& config)
+  explicit Impl(const ShakenPatternConfig& config)
       : config_(checked(config)),
         print_(printed_poster(config)),
         noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(2)),
@@ -153,12 +153,12 @@ class ShakenPattern::State {
 };
 
 ShakenPattern::ShakenPattern(const ShakenPatternConfig& config)
-    : state_(std::make_unique<State>(config)) {}
+    : impl_(std::make_unique<Impl>(config)) {}
 
 ShakenPattern::~ShakenPattern() = default;
 ShakenPattern::ShakenPattern(ShakenPattern&& other) noexcept = default;
 ShakenPattern& ShakenPattern::operator=(ShakenPattern&& other) noexcept = default;
 
-EventSpan ShakenPattern::next() noexcept { return state_->next(); }
+EventSpan ShakenPattern::next() noexcept { return impl_->next(); }
 
 }  // namespace asap

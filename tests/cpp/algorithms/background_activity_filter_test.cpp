@@ -1,4 +1,4 @@
-#include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 
 #include <gtest/gtest.h>
 

@@ -14,7 +14,7 @@
 
 #include "asap/core/event.hpp"
 #include "asap/core/random.hpp"
-#include "asap/formats/progress.hpp"
+#include "asap/formats/decoder.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::decoding {

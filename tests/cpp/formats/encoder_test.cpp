@@ -13,8 +13,7 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
-#include "asap/formats/evt2.hpp"
-#include "asap/formats/raw_header.hpp"
+#include "asap/formats/prophesee.hpp"
 #include "asap/formats/text.hpp"
 #include "support/allocation_counter.hpp"
 

@@ -1,4 +1,4 @@
-#include "asap/synthetic/event_stream.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "asap/synthetic/flight_over_chairs.hpp"
-#include "asap/synthetic/poisson_arrivals.hpp"
-#include "asap/synthetic/shaken_pattern.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::event_stream_test {

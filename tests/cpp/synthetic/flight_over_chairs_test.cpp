@@ -1,4 +1,4 @@
-#include "asap/synthetic/flight_over_chairs.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <gtest/gtest.h>
 

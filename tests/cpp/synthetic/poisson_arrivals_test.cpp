@@ -1,4 +1,4 @@
-#include "asap/synthetic/poisson_arrivals.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <gtest/gtest.h>
 

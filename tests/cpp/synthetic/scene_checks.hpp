@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
-#include "asap/synthetic/event_stream.hpp"
+#include "asap/synthetic/streams.hpp"
 
 namespace asap::test {
 

@@ -93,8 +93,8 @@ class EventImage {
   // taken and none did.
   bool take(EventSpan& events) noexcept;
 
-  class State;
-  std::unique_ptr<State> state_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace asap

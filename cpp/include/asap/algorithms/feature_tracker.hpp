@@ -80,8 +80,8 @@ class FeatureTracker {
   const Config& config() const noexcept;
 
  private:
-  class State;
-  std::unique_ptr<State> state_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace asap

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "asap/algorithms/cluster.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
@@ -82,8 +82,8 @@ class PublishedClusterTracker {
   const Config& config() const noexcept;
 
  private:
-  class Engine;
-  std::unique_ptr<Engine> engine_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace asap

@@ -19,7 +19,7 @@
 #include <span>
 
 #include "asap/core/event.hpp"
-#include "asap/formats/progress.hpp"
+#include "asap/formats/decoder.hpp"
 
 namespace asap {
 

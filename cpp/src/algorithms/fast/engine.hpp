@@ -22,8 +22,7 @@
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 #include "algorithms/fast/update.hpp"
-#include "asap/algorithms/cluster.hpp"
-#include "asap/algorithms/cluster_tracker_config.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap::fast {

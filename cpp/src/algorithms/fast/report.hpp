@@ -12,7 +12,7 @@
 #include "algorithms/fast/settings.hpp"
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
-#include "asap/algorithms/cluster.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 
 namespace asap::fast {
 

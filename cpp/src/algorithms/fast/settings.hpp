@@ -10,7 +10,7 @@
 #include "algorithms/fast/lifecycle.hpp"
 #include "algorithms/fast/merge.hpp"
 #include "algorithms/fast/update.hpp"
-#include "asap/algorithms/cluster_tracker_config.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 
 namespace asap::fast {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 #include "asap/core/random.hpp"
 
 namespace asap::fast::noise_test {

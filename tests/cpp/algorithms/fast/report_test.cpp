@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "asap/algorithms/cluster_tracker_config.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 
 namespace asap::fast::report_test {
 namespace {
