@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "algorithms/fast/kalman.hpp"
+#include "algorithms/fast/track.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 
 namespace asap {

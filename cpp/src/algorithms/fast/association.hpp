@@ -14,8 +14,6 @@
 #include <span>
 #include <vector>
 
-#include "algorithms/fast/contour.hpp"
-#include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 

@@ -17,8 +17,6 @@
 #include <vector>
 
 #include "algorithms/fast/association.hpp"
-#include "algorithms/fast/contour.hpp"
-#include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
