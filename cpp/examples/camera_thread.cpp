@@ -28,7 +28,7 @@ int main() {
   asap::Deadline scheme{{.latency_ms = 10}};
   asap::Pipeline pipeline{scheme};
 
-  asap::ShakenPattern camera{{.duration_us = 500'000}};
+  asap::ShakenPattern camera{{.duration = std::chrono::milliseconds(500)}};
   const std::jthread driver([&] { play(camera, pipeline); });
   pipeline.run([&](const asap::Package& package) {
     tracker.set_keep(package.keep);  // so that its thresholds follow what is discarded

@@ -43,7 +43,7 @@ class Periodic final : public asap::Scheme {
 }  // namespace
 
 int main() {
-  asap::ShakenPattern scene{{.duration_us = 1'000'000}};  // from 0.1 to 13 Mev/s
+  asap::ShakenPattern scene{{.duration = std::chrono::seconds(1)}};  // from 0.1 to 13 Mev/s
   Periodic scheme{4'000};
   const asap::LinearCost cost{{.alpha_us = 100, .beta_ns = 300}};  // at most 3.3 Mev/s
   asap::Simulator simulator{scheme, cost, {.latency_us = 10'000}};

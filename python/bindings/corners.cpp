@@ -188,7 +188,7 @@ void bind_filter_in_front(py::module_& m) {
   using Config = BackgroundActivityFilterConfig;
   Class<BackgroundActivityFilter> type(m, "BackgroundActivityFilter", kBackgroundActivityFilterDoc);
   bind_passing(type);
-  bind_rest(type, "background_activity", sized<Config>({keyword("window_us", &Config::window_us)}),
+  bind_rest(type, "background_activity", sized<Config>({keyword("window_us", &Config::window)}),
             R"(Tells the fraction of the events that reaches the filter, 0 <= gamma <= 1.
 
 Neighbours become as rare, so the window grows to window_us / gamma, at most 500 s. Tell nothing, or 1,
@@ -208,11 +208,11 @@ void bind_corners(py::module_& m) {
 
   bind_detector<EFast>(m, "EFast", kEFastDoc, "e_fast");
   bind_detector<ArcStar>(m, "ArcStar", kArcStarDoc, "arc_star",
-                         {keyword("filter_us", &ArcStarConfig::filter_us)});
+                         {keyword("filter_us", &ArcStarConfig::filter)});
   bind_detector<EHarris>(m, "EHarris", kEHarrisDoc, "e_harris",
                          {keyword("threshold", &EHarrisConfig::threshold)});
   bind_detector<FAHarris>(m, "FAHarris", kFAHarrisDoc, "fa_harris",
-                          {keyword("filter_us", &FAHarrisConfig::filter_us),
+                          {keyword("filter_us", &FAHarrisConfig::filter),
                            keyword("threshold", &FAHarrisConfig::threshold)});
 }
 

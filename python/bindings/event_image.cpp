@@ -145,8 +145,8 @@ bool
           },
           "Begin and end of `image`, us.");
   bind_rest(type, "event_image",
-            sized<Config>({keyword("count", &Config::count),
-                           keyword("period_us", &Config::period_us), channels()}),
+            sized<Config>({keyword("count", &Config::count), keyword("period_us", &Config::period),
+                           channels()}),
             R"(Tells the fraction of the events that reaches the images, 0 <= gamma <= 1.
 
 Every event then stands for 1 / gamma, at most 1000: images end as often as without a discarder, and hold

@@ -96,7 +96,7 @@ A new array, not changed by later events.
             sized<Config>({keyword("detector", &Config::detector, kDetectors),
                            keyword("window", &Config::window), keyword("radius", &Config::radius),
                            keyword("min_neighbours", &Config::min_neighbours),
-                           keyword("velocity_us", &Config::velocity_us)}),
+                           keyword("velocity_us", &Config::velocity_window)}),
             R"(Tells the fraction of the events that reaches the tracker, 0 <= gamma <= 1.
 
 Checked, without effect: the window counts corner events and so stretches in time by itself.

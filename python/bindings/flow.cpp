@@ -80,7 +80,7 @@ TypeError
 )");
   bind_rest(
       type, "plane_flow",
-      sized<Config>({keyword("window_us", &Config::window_us),
+      sized<Config>({keyword("window_us", &Config::window),
                      keyword("min_points", &Config::min_points), keyword("refit", &Config::refit)}),
       R"(Tells the fraction of the events that reaches the algorithm, 0 <= gamma <= 1.
 

@@ -37,7 +37,8 @@ const Events& noisy_shapes() {
 
 void BM_BackgroundActivityFilter(benchmark::State& state, Stream stream) {
   const Events& events = stream();
-  asap::BackgroundActivityFilter filter({.width = 346, .height = 260, .window_us = kWindow_us});
+  asap::BackgroundActivityFilter filter(
+      {.width = 346, .height = 260, .window = std::chrono::microseconds(kWindow_us)});
   Events out(events.size());
   for (auto _ : state) {
     filter.reset();

@@ -130,6 +130,9 @@ void trackers() {
     bad = good;
     if (const auto* const number = std::get_if<0>(&parameter.field)) bad.** number = -1;
     if (const auto* const number = std::get_if<1>(&parameter.field)) bad.** number = kNaN;
+    if (const auto* const time = std::get_if<2>(&parameter.field)) {
+      bad.** time = asap::ClusterTrackerConfig::Milliseconds(kNaN);
+    }
     tracker_field(std::string(parameter.name), bad);
   }
 }

@@ -11,8 +11,8 @@ namespace {
 using Time = RecentTimes::Time;
 
 const BackgroundActivityFilterConfig& checked(const BackgroundActivityFilterConfig& config) {
-  require(0 <= config.window_us && config.window_us <= RecentTimes::kMaxWindow_us, "window_us",
-          config.window_us, "must be 0 to 500000000 us");
+  require(0 <= config.window.count() && config.window.count() <= RecentTimes::kMaxWindow_us,
+          "window_us", config.window.count(), "must be 0 to 500000000 us");
   return config;
 }
 
@@ -33,7 +33,7 @@ class BackgroundActivityFilter::Impl {
       : config(checked(given)),
         frame_(config.width, config.height),
         stride_(frame_.width() + 2),
-        window_us_(static_cast<Time>(config.window_us)),
+        window_us_(static_cast<Time>(config.window.count())),
         times_(stride_ * (frame_.height() + 2) + 1, RecentTimes::kLongAgo) {}
 
   bool update(const Event& event) noexcept {
@@ -50,13 +50,13 @@ class BackgroundActivityFilter::Impl {
 
   void set_keep(double gamma) noexcept {
     constexpr auto kLongest = static_cast<double>(RecentTimes::kMaxWindow_us);
-    const auto window = static_cast<double>(config.window_us);
+    const auto window = static_cast<double>(config.window.count());
     window_us_ = static_cast<Time>(window < kLongest * gamma ? window / gamma : kLongest);
   }
 
   void reset() noexcept {
     times_.clear();
-    window_us_ = static_cast<Time>(config.window_us);
+    window_us_ = static_cast<Time>(config.window.count());
     rejected = 0;
   }
 

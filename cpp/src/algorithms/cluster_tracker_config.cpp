@@ -26,12 +26,12 @@ constexpr double kMost_events = 60'000;
 constexpr Parameter kParameters[] = {
     {{"slots", &Config::slots}, 1, 256},
     {{"cell_px", &Config::cell_px}, 1, 64},
-    {{"support_window_ms", &Config::support_window_ms}, 0.001, kLongest_ms},
-    {{"tick_ms", &Config::tick_ms}, 0.01, 100},
-    {{"warmup_ms", &Config::warmup_ms}, 0.001, kLongest_ms},
-    {{"link_ms", &Config::link_ms}, 0.001, kLongest_ms},
-    {{"seed_ms", &Config::seed_ms}, 0.001, kLongest_ms},
-    {{"mass_ms", &Config::mass_ms}, 0.001, kLongest_ms},
+    {{"support_window_ms", &Config::support_window}, 0.001, kLongest_ms},
+    {{"tick_ms", &Config::tick}, 0.01, 100},
+    {{"warmup_ms", &Config::warmup}, 0.001, kLongest_ms},
+    {{"link_ms", &Config::link}, 0.001, kLongest_ms},
+    {{"seed_ms", &Config::seed}, 0.001, kLongest_ms},
+    {{"mass_ms", &Config::mass}, 0.001, kLongest_ms},
     {{"mean_events", &Config::mean_events}, 1, kMost_events},
     {{"covariance_events", &Config::covariance_events}, 1, kMost_events},
     {{"birth_radius_px", &Config::birth_radius_px}, 0.5, kFarthest_px},
@@ -41,7 +41,7 @@ constexpr Parameter kParameters[] = {
     {{"gate_padding_px", &Config::gate_padding_px}, 0.01, kFarthest_px},
     {{"circle_scale", &Config::circle_scale}, 0.01, 100},
     {{"circle_padding_px", &Config::circle_padding_px}, 0.01, kFarthest_px},
-    {{"mature_ms", &Config::mature_ms}, 0.001, kLongest_ms},
+    {{"mature_ms", &Config::mature}, 0.001, kLongest_ms},
     {{"contour_events", &Config::contour_events}, 1, 250},
     {{"contour_min_events", &Config::contour_min_events}, 1, 250},
     {{"contour_clip_px", &Config::contour_clip_px}, 0.01, kFarthest_px},
@@ -67,9 +67,9 @@ constexpr Parameter kParameters[] = {
     {{"confirm_evidence", &Config::confirm_evidence}, 0.001, 25},
     {{"drop_evidence", &Config::drop_evidence}, 0.001, 1'000},
     {{"starve_ratio", &Config::starve_ratio}, 0.001, 1},
-    {{"velocity_decay_ms", &Config::velocity_decay_ms}, 0.001, kLongest_ms},
-    {{"hide_ms", &Config::hide_ms}, 0.001, kLongest_ms},
-    {{"coast_ms", &Config::coast_ms}, 0.001, kLongest_ms},
+    {{"velocity_decay_ms", &Config::velocity_decay}, 0.001, kLongest_ms},
+    {{"hide_ms", &Config::hide}, 0.001, kLongest_ms},
+    {{"coast_ms", &Config::coast}, 0.001, kLongest_ms},
     {{"merge_reach", &Config::merge_reach}, 0.001, 100},
     {{"merge_padding_px", &Config::merge_padding_px}, 0.001, kFarthest_px},
     {{"merge_tolerance_px", &Config::merge_tolerance_px}, 0.001, kFarthest_px},
@@ -81,6 +81,11 @@ constexpr auto kByName = [] {
   for (std::size_t i = 0; i < parameters.size(); ++i) parameters[i] = kParameters[i].parameter;
   return parameters;
 }();
+
+// A time counts in the unit that its name in the table tells.
+int number_of(int value) { return value; }
+double number_of(double value) { return value; }
+double number_of(Config::Milliseconds value) { return value.count(); }
 
 std::string range_text(double least, double most) {
   return "must be " + to_text(least) + " to " + to_text(most);
@@ -104,7 +109,7 @@ const ClusterTrackerConfig& checked(const ClusterTrackerConfig& config) {
   for (const auto& limited : kParameters) {  // clang 14 captures no structured binding
     std::visit(
         [&](auto field) {
-          const auto value = config.*field;
+          const auto value = number_of(config.*field);
           const auto number = static_cast<double>(value);
           require(limited.least <= number && number <= limited.most, limited.parameter.name, value,
                   range_text(limited.least, limited.most));  // false for NaN

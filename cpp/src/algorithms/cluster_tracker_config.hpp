@@ -16,7 +16,9 @@ const ClusterTrackerConfig& checked(const ClusterTrackerConfig& config);
 // A parameter by name, so that bindings can set, list and check all without naming each.
 struct ClusterTrackerParameter {
   std::string_view name;
-  std::variant<int ClusterTrackerConfig::*, double ClusterTrackerConfig::*> field;
+  std::variant<int ClusterTrackerConfig::*, double ClusterTrackerConfig::*,
+               ClusterTrackerConfig::Milliseconds ClusterTrackerConfig::*>
+      field;
 };
 
 // All but width, height and support, in the order above.

@@ -91,7 +91,9 @@ class EFastRule {
 class ArcStarRule {
  public:
   explicit ArcStarRule(const ArcStarConfig& config)
-      : frame_(config.width, config.height), filter_(frame_, config.filter_us), surface_(frame_) {}
+      : frame_(config.width, config.height),
+        filter_(frame_, config.filter.count()),
+        surface_(frame_) {}
 
   const SensorFrame& frame() const noexcept { return frame_; }
 
@@ -143,7 +145,7 @@ class FAHarrisRule {
   explicit FAHarrisRule(const FAHarrisConfig& config)
       : frame_(config.width, config.height),
         patch_(frame_, config.threshold),
-        filter_(frame_, config.filter_us),
+        filter_(frame_, config.filter.count()),
         stamps_(frame_) {}
 
   const SensorFrame& frame() const noexcept { return frame_; }

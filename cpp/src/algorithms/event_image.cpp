@@ -16,9 +16,9 @@ constexpr std::int64_t kMaxPeriod_us = 1'000'000'000'000;
 const EventImageConfig& checked(const EventImageConfig& config) {
   require(0 <= config.count && config.count <= kMaxCount, "count", config.count,
           "must be 0 to 16777216 events");
-  require(0 <= config.period_us && config.period_us <= kMaxPeriod_us, "period_us", config.period_us,
-          "must be 0 to 10^12 us");
-  require((config.count > 0) != (config.period_us > 0), "count", config.count,
+  require(0 <= config.period.count() && config.period.count() <= kMaxPeriod_us, "period_us",
+          config.period.count(), "must be 0 to 10^12 us");
+  require((config.count > 0) != (config.period.count() > 0), "count", config.count,
           "give either count or period_us");
   require(!config.channels.empty(), "channels.size()", config.channels.size(),
           "an image has at least one channel");
@@ -84,8 +84,8 @@ class EventImage::Impl {
   void close() noexcept {
     // By count the newest event of the image is the last one seen.
     image_begin_us_ = begin_us_;
-    image_end_us_ = plus(config.period_us > 0 ? begin_us_ : last_us_,
-                         config.period_us > 0 ? config.period_us : 1);
+    image_end_us_ = plus(config.period.count() > 0 ? begin_us_ : last_us_,
+                         config.period.count() > 0 ? config.period.count() : 1);
     float* out = image_.data();
     for (const ImageChannel channel : config.channels) {
       draw(channel, out);
@@ -117,8 +117,8 @@ class EventImage::Impl {
 
  private:
   bool period_is_over() const noexcept {
-    return config.period_us > 0 && has_begun() &&
-           distance(begin_us_, last_us_) >= static_cast<std::uint64_t>(config.period_us);
+    return config.period.count() > 0 && has_begun() &&
+           distance(begin_us_, last_us_) >= static_cast<std::uint64_t>(config.period.count());
   }
 
   bool is_full() const noexcept {
@@ -127,7 +127,8 @@ class EventImage::Impl {
 
   void add(const Event& event) noexcept {
     if (!has_begun()) {
-      begin_us_ = config.period_us > 0 ? period_begin(last_us_, config.period_us) : last_us_;
+      begin_us_ =
+          config.period.count() > 0 ? period_begin(last_us_, config.period.count()) : last_us_;
     }
     const std::size_t pixel = event.y * std::size_t{frame_.width()} + event.x;
     (event.p > 0 ? on_ : off_)[pixel] += static_cast<float>(weight_);

@@ -13,8 +13,8 @@ constexpr std::size_t kBorder = TrimmedPlaneFit::kReach;
 constexpr std::int64_t kBurstsPerWindow = 4;
 
 const PlaneFlowConfig& checked(const PlaneFlowConfig& config) {
-  require(1 <= config.window_us && config.window_us <= PlaneFit::kMaxWindow_us, "window_us",
-          config.window_us, "must be 1 to 10000000 us");
+  require(1 <= config.window.count() && config.window.count() <= PlaneFit::kMaxWindow_us,
+          "window_us", config.window.count(), "must be 1 to 10000000 us");
   require(3 <= config.min_points && config.min_points <= 25, "min_points", config.min_points,
           "must be 3 to 25 px");
   return config;
@@ -32,7 +32,7 @@ class PlaneFlow::Impl {
         frame_(config.width, config.height),
         stride_(frame_.width() + 2 * kBorder),
         plane_(stride_ * (frame_.height() + 2 * kBorder)),
-        burst_us_(static_cast<Time>(config.window_us / kBurstsPerWindow)),
+        burst_us_(static_cast<Time>(config.window.count() / kBurstsPerWindow)),
         times_((config.refit ? 2 : 4) * plane_ + PlaneFit::kLanes, RecentTimes::kLongAgo) {}
 
   bool update(const Event& event, Flow& flow) noexcept {
@@ -71,13 +71,14 @@ class PlaneFlow::Impl {
     if (!first) return false;
     *own = now;
     TrimmedPlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_),
-                        static_cast<Time>(config.window_us));
+                        static_cast<Time>(config.window.count()));
     return fit.fit(static_cast<std::size_t>(config.min_points), plane);
   }
 
   bool fit_as_published(Time now, Time* own, TimePlane& plane) const noexcept {
     *own = now;
-    PlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_), static_cast<Time>(config.window_us));
+    PlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_),
+                 static_cast<Time>(config.window.count()));
     if (fit.points() < config.min_points || !fit.fit(plane)) return false;
     if (!*config.refit || fit.drop_outliers(plane) == 0) return true;
     return fit.points() >= config.min_points && fit.fit(plane);

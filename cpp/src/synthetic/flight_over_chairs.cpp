@@ -53,7 +53,8 @@ void add_chair(Outline& outline, double width_px, UnitVector tilt, PlanePoint to
 }
 
 const FlightOverChairsConfig& checked(const FlightOverChairsConfig& config) {
-  synthetic::require_view_and_time(config);
+  synthetic::require_view_and_time(config.width, config.height, config.duration.count(),
+                                   config.start.count());
   const double max_rate_hz = kMaxFlightPixelRate_hz * config.width * config.height;
   require(config.last_rate_hz > 0.0 && config.last_rate_hz <= max_rate_hz, "last_rate_hz",
           config.last_rate_hz, "give a rate above 0, at most 100 events per second and pixel");
@@ -105,7 +106,7 @@ class FlightOverChairs::Impl {
         lanes_(lanes_of(config)),
         row_pitch_px_(kRowPitch * config.chair_px),
         last_speed_px_s_(speed_over_full_floor_px_s(config)),
-        first_full_row_(std::max(1.0, flown_px(config.duration_us) / row_pitch_px_)),
+        first_full_row_(std::max(1.0, flown_px(config.duration.count()) / row_pitch_px_)),
         layout_(CounterRandom(config.seed)(1)),
         noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(2)),
         rows_(empty_rows(config)),
@@ -115,9 +116,9 @@ class FlightOverChairs::Impl {
   }
 
   EventSpan next() noexcept {
-    while (elapsed_us_ < config_.duration_us) {
+    while (elapsed_us_ < config_.duration.count()) {
       const std::int32_t step = step_us();
-      block_.open(config_.t0_us + elapsed_us_, step);
+      block_.open(config_.start.count() + elapsed_us_, step);
       noise_.add_to(block_, elapsed_us_);
 
       const View from = view();
@@ -194,13 +195,13 @@ class FlightOverChairs::Impl {
   double flown_px(std::int64_t elapsed_us) const noexcept {
     const double seconds = 1e-6 * static_cast<double>(elapsed_us);
     const double progress =
-        static_cast<double>(elapsed_us) / static_cast<double>(config_.duration_us);
+        static_cast<double>(elapsed_us) / static_cast<double>(config_.duration.count());
     return last_speed_px_s_ * seconds * (kFirstSpeed + (1.0 - kFirstSpeed) / 2.0 * progress);
   }
 
   std::int32_t step_us() const noexcept {
     return Outline::step_us((1.0 + kSwaySpeed) * last_speed_px_s_,
-                            config_.duration_us - elapsed_us_);
+                            config_.duration.count() - elapsed_us_);
   }
 
   FlightOverChairsConfig config_;

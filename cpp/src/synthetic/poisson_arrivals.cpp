@@ -17,7 +17,8 @@ constexpr std::size_t kBlock = 4096;
 constexpr double kMemory = 0.90483741803595957;  // exp(-0.1): 1 ms in steps of 0.1 ms
 
 const PoissonArrivalsConfig& checked(const PoissonArrivalsConfig& config) {
-  synthetic::require_view_and_time(config);
+  synthetic::require_view_and_time(config.width, config.height, config.duration.count(),
+                                   config.start.count());
   require(config.noise >= 0.0 && config.noise <= 1.0, "noise", config.noise, "give 0 to 1");
   return config;
 }
@@ -50,7 +51,7 @@ class PoissonArrivals::Impl {
     while (size < kBlock && (left_ > 0 || to_next_event())) {
       const std::size_t end = size + std::min<std::uint64_t>(left_, kBlock - size);
       left_ -= end - size;
-      const std::int64_t t = config_.t0_us + elapsed_us_ - 1;
+      const std::int64_t t = config_.start.count() + elapsed_us_ - 1;
       for (; size < end; ++size) {
         const std::uint64_t bits = step_(drawn_++);
         Event& event = block_[size];
@@ -67,7 +68,7 @@ class PoissonArrivals::Impl {
  private:
   // Goes on to the next microsecond that holds events.
   bool to_next_event() noexcept {
-    while (elapsed_us_ < config_.duration_us) {
+    while (elapsed_us_ < config_.duration.count()) {
       if (elapsed_us_ % kStep_us == 0) {
         if (next_rate_ == rates_hz_.size()) return false;
         open_step(rates_hz_[next_rate_++]);

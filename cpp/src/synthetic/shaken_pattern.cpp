@@ -21,7 +21,8 @@ constexpr double kMeanSpeed = 0.9028;    // on that ellipse, of the fastest
 constexpr double kMaxPatternPixelRate_hz = 500.0;
 
 const ShakenPatternConfig& checked(const ShakenPatternConfig& config) {
-  synthetic::require_view_and_time(config);
+  synthetic::require_view_and_time(config.width, config.height, config.duration.count(),
+                                   config.start.count());
   const double max_rate_hz = kMaxPatternPixelRate_hz * config.width * config.height;
   require(config.last_rate_hz > 0.0 && config.last_rate_hz <= max_rate_hz, "last_rate_hz",
           config.last_rate_hz, "give a rate above 0, at most 500 events per second and pixel");
@@ -97,9 +98,9 @@ class ShakenPattern::Impl {
         events_per_px_(events_per_px_in_view(print_, config)) {}
 
   EventSpan next() noexcept {
-    while (elapsed_us_ < config_.duration_us) {
+    while (elapsed_us_ < config_.duration.count()) {
       const std::int32_t step = step_us();
-      block_.open(config_.t0_us + elapsed_us_, step);
+      block_.open(config_.start.count() + elapsed_us_, step);
       noise_.add_to(block_, elapsed_us_);
 
       const Outline::Place from = place();
@@ -117,7 +118,7 @@ class ShakenPattern::Impl {
  private:
   // 0 at the start, 1 at the end.
   double progress() const noexcept {
-    return static_cast<double>(elapsed_us_) / static_cast<double>(config_.duration_us);
+    return static_cast<double>(elapsed_us_) / static_cast<double>(config_.duration.count());
   }
 
   double amplitude_px() const noexcept {
@@ -138,9 +139,9 @@ class ShakenPattern::Impl {
 
   std::int32_t step_us() const noexcept {
     const double growth_px_s =
-        1e6 * config_.amplitude_px / static_cast<double>(config_.duration_us);
+        1e6 * config_.amplitude_px / static_cast<double>(config_.duration.count());
     return Outline::step_us(speed_px_s() / kMeanSpeed + growth_px_s,
-                            config_.duration_us - elapsed_us_);
+                            config_.duration.count() - elapsed_us_);
   }
 
   ShakenPatternConfig config_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,8 @@
 
 namespace plane_flow_test {
 namespace {
+
+using std::chrono::microseconds;
 
 using asap::Event;
 using asap::Flow;
@@ -90,7 +93,7 @@ TEST(PlaneFlow, AgreesWithTheDefinition) {
         const int least = window_us == 3'000 ? 6 : 7;
         PlaneFlow flow({.width = wild.width,
                         .height = wild.height,
-                        .window_us = window_us,
+                        .window = microseconds(window_us),
                         .min_points = least,
                         .refit = refit});
         asap::test::NaivePlaneFlow naive(wild.width, wild.height, window_us,
@@ -169,7 +172,7 @@ TEST(PlaneFlow, OnlyTheFirstEventsOfABurstCount) {
 
 TEST(PlaneFlow, ABurstIsAQuarterOfTheWindow) {
   const Events events = edge(400, 300);
-  PlaneFlow flow({.width = 40, .height = 30, .window_us = 80'000});
+  PlaneFlow flow({.width = 40, .height = 30, .window = microseconds(80'000)});
   const std::size_t expected = flow.process(events);
   flow.reset();
   EXPECT_EQ(flow.process(with_echoes(events, 20'000)), expected);
@@ -273,10 +276,11 @@ TEST(PlaneFlow, NamesBadParameters) {
   using asap::test::error_of;
   EXPECT_EQ(error_of([] { PlaneFlow({.width = 0, .height = 9}); }),
             "width = 0: must be 1 to 16384 px");
-  EXPECT_EQ(error_of([] { PlaneFlow({.width = 9, .height = 9, .window_us = 0}); }),
+  EXPECT_EQ(error_of([] { PlaneFlow({.width = 9, .height = 9, .window = microseconds(0)}); }),
             "window_us = 0: must be 1 to 10000000 us");
-  EXPECT_EQ(error_of([] { PlaneFlow({.width = 9, .height = 9, .window_us = 10'000'001}); }),
-            "window_us = 10000001: must be 1 to 10000000 us");
+  EXPECT_EQ(
+      error_of([] { PlaneFlow({.width = 9, .height = 9, .window = microseconds(10'000'001)}); }),
+      "window_us = 10000001: must be 1 to 10000000 us");
   EXPECT_EQ(error_of([] { PlaneFlow({.width = 9, .height = 9, .min_points = 2}); }),
             "min_points = 2: must be 3 to 25 px");
   EXPECT_EQ(error_of([] { PlaneFlow({.width = 9, .height = 9, .min_points = 26}); }),

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,8 @@
 
 namespace asap::event_stream_test {
 namespace {
+
+using std::chrono::microseconds;
 
 // Blocks of 3, 1 and 2 events.
 class ThreeBlocks final : public EventStream {
@@ -43,10 +46,10 @@ TEST(EventStream, IsReadInWholeBlocksUntilThereIsEnough) {
 }
 
 TEST(EventStream, AllocatesNothingAfterConstruction) {
-  ShakenPattern shaken{{.duration_us = 300'000}};
+  ShakenPattern shaken{{.duration = microseconds(300'000)}};
   FlightOverChairs flight{{.width = 120,
                            .height = 100,
-                           .duration_us = 8'000'000,
+                           .duration = microseconds(8'000'000),
                            .last_rate_hz = 0.3e6,
                            .chair_px = 20}};
   for (EventStream* stream :

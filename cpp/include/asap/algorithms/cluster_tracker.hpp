@@ -8,6 +8,7 @@
 // Source: own design; PublishedClusterTracker is the published algorithm.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -60,23 +61,25 @@ enum class ClusterSupport {
 };
 
 // One setting serves all scenes it was tried on, so most users change none. The most useful ones
-// are support_window_ms, birth_radius_px (least radius within which a new cluster takes events),
+// are support_window, birth_radius_px (least radius within which a new cluster takes events),
 // max_radius_px and confirm_events.
 struct ClusterTrackerConfig {
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+
   int width;        // px
   int height;       // px
   int slots = 128;  // clusters at a time, tentative ones included, 1 to 256
   int cell_px = 4;  // side of the cells that remember their owner, a power of two
 
   ClusterSupport support = ClusterSupport::kReject;
-  double support_window_ms = 5;  // greatest age of a neighbour that gives support; in little noise
-                                 // it grows, up to seed_ms
+  Milliseconds support_window{5};  // greatest age of a neighbour that gives support; in little
+                                   // noise it grows, up to seed
 
-  double tick_ms = 1;     // period of the work that is not done per event
-  double warmup_ms = 12;  // no cluster begins before, while the noise rate is being measured
-  double link_ms = 40;    // for which a cell remembers its owner
-  double seed_ms = 15;    // decay of the counts of events without a cluster
-  double mass_ms = 30;    // decay of a cluster's mass, its number of recent events
+  Milliseconds tick{1};     // period of the work that is not done per event
+  Milliseconds warmup{12};  // no cluster begins before, while the noise rate is being measured
+  Milliseconds link{40};    // for which a cell remembers its owner
+  Milliseconds seed{15};    // decay of the counts of events without a cluster
+  Milliseconds mass{30};    // decay of a cluster's mass, its number of recent events
 
   int mean_events = 60;         // longest memory of the mean; a small object has a shorter one
   int covariance_events = 300;  // memory of the covariance
@@ -88,7 +91,7 @@ struct ClusterTrackerConfig {
   double gate_padding_px = 2;    // added to the standard deviation, in quadrature
   double circle_scale = 2.2;     // circle: standard deviations of the longest axis ...
   double circle_padding_px = 5;  // ... and px
-  double mature_ms = 40;         // age from which the circle follows the extent
+  Milliseconds mature{40};       // age from which the circle follows the extent
 
   int contour_events = 16;            // memory of the outline's radius, per direction
   int contour_min_events = 3;         // events from which the radius of a direction is known
@@ -110,17 +113,17 @@ struct ClusterTrackerConfig {
   double measurement_scale = 4;              // on the variance: successive means are correlated
   double min_measurement_px2 = 0.05;         // least variance of a measurement
 
-  double seed_events = 6;          // recent events without a cluster from which one begins
-  double confirm_events = 14;      // mass from which a cluster has an id; a small one 4/7 of it
-  double die_events = 2;           // mass below which it coasts
-  double die_sigma = 2;            // margin above the noise in its gate, standard deviations
-  double birth_rate_hz = 300;      // least event rate of an object
-  double confirm_evidence = 8;     // log-likelihood ratio of an object against noise ...
-  double drop_evidence = 4;        // ... and of noise against an object
-  double starve_ratio = 0.15;      // of the average event rate: below, the object has stopped
-  double velocity_decay_ms = 100;  // of a cluster without events
-  double hide_ms = 60;             // stopped for longer: not listed
-  double coast_ms = 250;           // from too little mass to deletion
+  double seed_events = 6;            // recent events without a cluster from which one begins
+  double confirm_events = 14;        // mass from which a cluster has an id; a small one 4/7 of it
+  double die_events = 2;             // mass below which it coasts
+  double die_sigma = 2;              // margin above the noise in its gate, standard deviations
+  double birth_rate_hz = 300;        // least event rate of an object
+  double confirm_evidence = 8;       // log-likelihood ratio of an object against noise ...
+  double drop_evidence = 4;          // ... and of noise against an object
+  double starve_ratio = 0.15;        // of the average event rate: below, the object has stopped
+  Milliseconds velocity_decay{100};  // of a cluster without events
+  Milliseconds hide{60};             // stopped for longer: not listed
+  Milliseconds coast{250};           // from too little mass to deletion
 
   double merge_reach = 1.6;         // sum of standard deviations ...
   double merge_padding_px = 8;      // ... and px within which two clusters may be one object

@@ -4,6 +4,7 @@
 // latest one.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -23,7 +24,7 @@ struct ArcStarConfig {
   int height;  // px
   // An event is tested if its pixel was silent for longer in its polarity, or fired in the other
   // since: the first of the burst that an edge makes. A quarter of the events are.
-  std::int64_t filter_us = 50000;
+  std::chrono::microseconds filter{50000};
 };
 
 struct EHarrisConfig {
@@ -33,10 +34,10 @@ struct EHarrisConfig {
 };
 
 struct FAHarrisConfig {
-  int width;                       // px
-  int height;                      // px
-  std::int64_t filter_us = 50000;  // as in ArcStarConfig
-  double threshold = 8;            // of the score
+  int width;                                // px
+  int height;                               // px
+  std::chrono::microseconds filter{50000};  // as in ArcStarConfig
+  double threshold = 8;                     // of the score
 };
 
 template <class Rule, class Configuration>

@@ -9,6 +9,7 @@
 // 2018.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -28,10 +29,10 @@ enum class ImageChannel : std::uint8_t {
 };
 
 struct EventImageConfig {
-  int width;                   // px
-  int height;                  // px
-  std::int64_t count = 0;      // events of an image; or
-  std::int64_t period_us = 0;  // its duration. One of the two is 0
+  int width;                           // px
+  int height;                          // px
+  std::int64_t count = 0;              // events of an image; or
+  std::chrono::microseconds period{};  // its duration. One of the two is 0
   std::vector<ImageChannel> channels{ImageChannel::off, ImageChannel::on};
 };
 

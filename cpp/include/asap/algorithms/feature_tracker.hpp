@@ -9,6 +9,7 @@
 // papers use, with its launch values; ids and velocities are ours.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -26,10 +27,10 @@ struct FeatureConfig {
   int width;   // px
   int height;  // px
   CornerSource detector = CornerSource::arc_star;
-  int window = 200;                  // B, corner events that are remembered
-  int radius = 5;                    // px, half of w: how far a corner moves between two events
-  int min_neighbours = 1;            // m: a corner needs more than these in the 3 x 3 window
-  std::int64_t velocity_us = 20000;  // how far back the velocity looks
+  int window = 200;        // B, corner events that are remembered
+  int radius = 5;          // px, half of w: how far a corner moves between two events
+  int min_neighbours = 1;  // m: a corner needs more than these in the 3 x 3 window
+  std::chrono::microseconds velocity_window{20000};  // how far back the velocity looks
 };
 
 // One corner that is followed. The Python array of tracks has these fields in this order.

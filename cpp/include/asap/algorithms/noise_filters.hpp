@@ -3,6 +3,7 @@
 // construction. They belong in front of the gamma filter.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,15 +16,15 @@ namespace asap {
 // ---- background activity -----------------------------------------------------------------------
 
 // BackgroundActivityFilter: drops events without support. An event passes if one of its eight
-// neighbours, of either polarity, fired at most window_us before it; its own pixel does not count.
+// neighbours, of either polarity, fired at most `window` before it; its own pixel does not count.
 // A rejected event still supports others. One thread. O(1) per event, no allocation
 // after construction. Belongs in front of the gamma filter, which would remove the support.
 // Source: Delbruck, "Frame-free dynamic digital vision", 2008.
 
 struct BackgroundActivityFilterConfig {
-  int width;                      // px
-  int height;                     // px
-  std::int64_t window_us = 5000;  // 1 000 to 10 000 is usual
+  int width;                               // px
+  int height;                              // px
+  std::chrono::microseconds window{5000};  // 1 to 10 ms is usual
 };
 
 class BackgroundActivityFilter {
@@ -44,7 +45,7 @@ class BackgroundActivityFilter {
   std::size_t process(EventSpan events, Event* out) noexcept;
 
   // The fraction of the events that reaches the filter, in [0, 1]: neighbours become as rare, so
-  // the window grows to window_us / gamma, at most 500 s.
+  // it grows to window / gamma, at most 500 s.
   void set_keep(double gamma);
 
   // Back to the state after construction.

@@ -8,6 +8,7 @@
 // which takes every event and every plane: `refit`.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -26,10 +27,10 @@ struct Flow {
 };
 
 struct PlaneFlowConfig {
-  int width;                       // px
-  int height;                      // px
-  std::int64_t window_us = 40000;  // older events do not count
-  int min_points = 7;              // pixels of a fit, the event's own included
+  int width;                                // px
+  int height;                               // px
+  std::chrono::microseconds window{40000};  // older events do not count
+  int min_points = 7;                       // pixels of a fit, the event's own included
   // Not set: the first events of an edge, 7 x 7 px, a fit that is tested. Set: the published rule,
   // every event and 5 x 5 px, with (true) or without a second fit that leaves the outliers out.
   std::optional<bool> refit{};

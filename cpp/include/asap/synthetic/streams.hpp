@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -48,9 +49,9 @@ inline std::vector<Event> read_events(EventStream& stream, std::size_t at_least)
 struct PoissonArrivalsConfig {
   std::int32_t width = 346;
   std::int32_t height = 260;
-  std::int64_t duration_us = 5'000'000;
-  std::int64_t t0_us = 0;
-  double noise = 0.2;  // sigma of the logarithm of the rate
+  std::chrono::microseconds duration{5'000'000};
+  std::chrono::microseconds start{};  // stamp from which times count
+  double noise = 0.2;                 // sigma of the logarithm of the rate
   std::uint64_t seed = 0;
 };
 
@@ -86,12 +87,12 @@ class PoissonArrivals final : public EventStream {
 struct ShakenPatternConfig {
   std::int32_t width = 346;
   std::int32_t height = 260;
-  std::int64_t duration_us = 5'000'000;
-  std::int64_t t0_us = 0;
-  double first_rate_hz = 0.1e6;  // events per second of the print, at the start ...
-  double last_rate_hz = 13e6;    // ... and at the end
-  double amplitude_px = 18.0;    // longer half-axis of the shake at the end
-  double noise_hz = 0.1;         // background events per second and pixel
+  std::chrono::microseconds duration{5'000'000};
+  std::chrono::microseconds start{};  // stamp from which times count
+  double first_rate_hz = 0.1e6;       // events per second of the print, at the start ...
+  double last_rate_hz = 13e6;         // ... and at the end
+  double amplitude_px = 18.0;         // longer half-axis of the shake at the end
+  double noise_hz = 0.1;              // background events per second and pixel
   std::uint64_t seed = 0;
 };
 
@@ -120,11 +121,11 @@ class ShakenPattern final : public EventStream {
 struct FlightOverChairsConfig {
   std::int32_t width = 346;
   std::int32_t height = 260;
-  std::int64_t duration_us = 4'000'000;
-  std::int64_t t0_us = 0;
-  double last_rate_hz = 1.8e6;  // events per second of the chairs at the end; sets the speed
-  double chair_px = 40.0;       // width of a chair
-  double noise_hz = 0.1;        // background events per second and pixel
+  std::chrono::microseconds duration{4'000'000};
+  std::chrono::microseconds start{};  // stamp from which times count
+  double last_rate_hz = 1.8e6;        // events per second of the chairs at the end; sets the speed
+  double chair_px = 40.0;             // width of a chair
+  double noise_hz = 0.1;              // background events per second and pixel
   std::uint64_t seed = 0;
 };
 

@@ -14,12 +14,14 @@ namespace asap::fast {
 namespace {
 
 float single(double value) noexcept { return static_cast<float>(value); }
-float seconds(double ms) noexcept { return static_cast<float>(1e-3 * ms); }
-std::int32_t microseconds(double ms) noexcept {
-  return static_cast<std::int32_t>(std::lround(1e3 * ms));
+using Milliseconds = ClusterTrackerConfig::Milliseconds;
+
+float seconds(Milliseconds time) noexcept { return static_cast<float>(1e-3 * time.count()); }
+std::int32_t microseconds(Milliseconds time) noexcept {
+  return static_cast<std::int32_t>(std::lround(1e3 * time.count()));
 }
 
-constexpr double kLongestWindow_ms = 50;
+constexpr Milliseconds kLongestWindow{50};
 constexpr double kLeastGamma = 0.01;
 // With a smaller gamma too many events of objects are without support to reject those. After a
 // noise filter upstream little noise is left, so rejection ends earlier.
@@ -49,10 +51,10 @@ std::uint32_t contour_mask(double gamma) noexcept {
 }  // namespace
 
 Settings::Settings(const ClusterTrackerConfig& c) noexcept
-    : tick_us(microseconds(c.tick_ms)),
-      warmup_us(microseconds(c.warmup_ms)),
-      link_us(microseconds(c.link_ms)),
-      seed_s(seconds(c.seed_ms)),
+    : tick_us(microseconds(c.tick)),
+      warmup_us(microseconds(c.warmup)),
+      link_us(microseconds(c.link)),
+      seed_s(seconds(c.seed)),
       cell_px(single(c.cell_px)),
       uses_support(c.support != ClusterSupport::kOff),
       update{.covariance_events = static_cast<std::uint32_t>(c.covariance_events),
@@ -77,15 +79,15 @@ Settings::Settings(const ClusterTrackerConfig& c) noexcept
              .contact = single(c.contact_acceleration_px2_s3),
              .measurement_scale = single(c.measurement_scale),
              .min_measurement_px2 = single(c.min_measurement_px2)},
-      lifecycle{.mass_s = seconds(c.mass_ms),
+      lifecycle{.mass_s = seconds(c.mass),
                 .die_sigma = single(c.die_sigma),
                 .confirm_evidence = single(c.confirm_evidence),
                 .drop_evidence = single(c.drop_evidence),
                 .starve_ratio = single(c.starve_ratio),
-                .velocity_decay_s = seconds(c.velocity_decay_ms),
-                .hide_s = seconds(c.hide_ms),
-                .coast_s = seconds(c.coast_ms),
-                .mature_s = seconds(c.mature_ms)},
+                .velocity_decay_s = seconds(c.velocity_decay),
+                .hide_s = seconds(c.hide),
+                .coast_s = seconds(c.coast),
+                .mature_s = seconds(c.mature)},
       pairs{.birth_radius_px = single(c.birth_radius_px),
             .merge_reach = single(c.merge_reach),
             .merge_padding_px = single(c.merge_padding_px),
@@ -110,8 +112,8 @@ void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
   update.mean_events = static_cast<std::uint32_t>(std::max(1L, std::lround(kept)));
   kalman.mean_events = update.mean_events;
   update.contour_mask = contour_mask(gamma);
-  const double longest = std::max(kLongestWindow_ms, c.support_window_ms);
-  const double window = std::min(longest, c.support_window_ms / gamma);
+  const Milliseconds longest = std::max(kLongestWindow, c.support_window);
+  const Milliseconds window = std::min(longest, c.support_window / gamma);
   support_window_us = microseconds(window);
   seed_events = thinned(c.seed_events, gamma, kFewestSeed);
   lifecycle.confirm_events = thinned(c.confirm_events, gamma, kFewestConfirm);
