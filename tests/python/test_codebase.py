@@ -62,7 +62,6 @@ WITHOUT_A_TEST_OF_ITS_OWN = {
     "formats/atis.hpp": "a test of each format",
     "formats/decoder.hpp": "the base of the decoders; each of their tests calls it",
     "formats/prophesee.hpp": "a test of each format",
-    "synthetic/streams.hpp": "a test of each stream",
     "telemetry/telemetry.hpp": "plain data",
 }
 

@@ -9,7 +9,7 @@
 
 #include "support/allocation_counter.hpp"
 
-namespace asap::event_stream_test {
+namespace asap::streams_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -88,4 +88,4 @@ TEST(EventStream, AMoveKeepsTheState) {
 }
 
 }  // namespace
-}  // namespace asap::event_stream_test
+}  // namespace asap::streams_test
