@@ -16,7 +16,7 @@ class ClusterMotion {
  public:
   static constexpr std::int64_t kTick_us = 1000;
   static constexpr std::int64_t kSilence_us = 1'000'000;
-  static constexpr std::int64_t kMostAhead_us = 100'000;
+  static constexpr std::int64_t kMaxAhead_us = 100'000;
 
   // At rest in `centre`, px.
   void begin(Vector2 centre, std::int64_t t_us) noexcept;
@@ -34,7 +34,7 @@ class ClusterMotion {
     if (ages_ >= kTick_us * static_cast<std::int64_t>(events_)) measure(moments);
   }
 
-  // px, as predicted for `t_us`: not the past, and no more than kMostAhead_us ahead.
+  // px, as predicted for `t_us`: not the past, and no more than kMaxAhead_us ahead.
   Vector2 position_at(std::int64_t t_us) const noexcept;
 
   // px/s

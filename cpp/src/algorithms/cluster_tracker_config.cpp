@@ -15,13 +15,13 @@ using Config = ClusterTrackerConfig;
 // Integers and reals share one table: the range in which the engine's floats stay finite.
 struct Parameter {
   ClusterTrackerParameter parameter;
-  double least;
-  double most;
+  double min;
+  double max;
 };
 
 constexpr double kLongest_ms = 60'000;
 constexpr double kFarthest_px = 4'096;
-constexpr double kMost_events = 60'000;
+constexpr double kMax_events = 60'000;
 
 constexpr Parameter kParameters[] = {
     {{"slots", &Config::slots}, 1, 256},
@@ -32,8 +32,8 @@ constexpr Parameter kParameters[] = {
     {{"link_ms", &Config::link}, 0.001, kLongest_ms},
     {{"seed_ms", &Config::seed}, 0.001, kLongest_ms},
     {{"mass_ms", &Config::mass}, 0.001, kLongest_ms},
-    {{"mean_events", &Config::mean_events}, 1, kMost_events},
-    {{"covariance_events", &Config::covariance_events}, 1, kMost_events},
+    {{"mean_events", &Config::mean_events}, 1, kMax_events},
+    {{"covariance_events", &Config::covariance_events}, 1, kMax_events},
     {{"birth_radius_px", &Config::birth_radius_px}, 0.5, kFarthest_px},
     {{"min_radius_px", &Config::min_radius_px}, 0.5, kFarthest_px},
     {{"max_radius_px", &Config::max_radius_px}, 0.5, kFarthest_px},
@@ -59,9 +59,9 @@ constexpr Parameter kParameters[] = {
     {{"contact_acceleration_px2_s3", &Config::contact_acceleration_px2_s3}, 0.001, 1e12},
     {{"measurement_scale", &Config::measurement_scale}, 0.001, 1e6},
     {{"min_measurement_px2", &Config::min_measurement_px2}, 1e-6, 1e6},
-    {{"seed_events", &Config::seed_events}, 1, kMost_events},
-    {{"confirm_events", &Config::confirm_events}, 1, kMost_events},
-    {{"die_events", &Config::die_events}, 0.001, kMost_events},
+    {{"seed_events", &Config::seed_events}, 1, kMax_events},
+    {{"confirm_events", &Config::confirm_events}, 1, kMax_events},
+    {{"die_events", &Config::die_events}, 0.001, kMax_events},
     {{"die_sigma", &Config::die_sigma}, 0.001, 1'000},
     {{"birth_rate_hz", &Config::birth_rate_hz}, 0.001, 1e9},
     {{"confirm_evidence", &Config::confirm_evidence}, 0.001, 25},
@@ -87,8 +87,8 @@ int number_of(int value) { return value; }
 double number_of(double value) { return value; }
 double number_of(Config::Milliseconds value) { return value.count(); }
 
-std::string range_text(double least, double most) {
-  return "must be " + to_text(least) + " to " + to_text(most);
+std::string range_text(double min, double max) {
+  return "must be " + to_text(min) + " to " + to_text(max);
 }
 
 template <class Value>
@@ -111,8 +111,8 @@ const ClusterTrackerConfig& checked(const ClusterTrackerConfig& config) {
         [&](auto field) {
           const auto value = number_of(config.*field);
           const auto number = static_cast<double>(value);
-          require(limited.least <= number && number <= limited.most, limited.parameter.name, value,
-                  range_text(limited.least, limited.most));  // false for NaN
+          require(limited.min <= number && number <= limited.max, limited.parameter.name, value,
+                  range_text(limited.min, limited.max));  // false for NaN
         },
         limited.parameter.field);
   }

@@ -98,7 +98,7 @@ class EventImage::Impl {
 
   ImageView image() const noexcept { return {image_, image_begin_us_, image_end_us_}; }
 
-  void set_keep(double gamma) noexcept { weight_ = 1 / std::max(gamma, kLeastKeep); }
+  void set_keep(double gamma) noexcept { weight_ = 1 / std::max(gamma, kMinKeep); }
 
   void reset() noexcept {
     std::fill(off_.begin(), off_.end(), 0.0F);

@@ -95,7 +95,7 @@ bool PlaneFit::fit(TimePlane& plane) const noexcept {
 }
 
 int PlaneFit::drop_outliers(const TimePlane& plane) noexcept {
-  constexpr double kLeast_us2 = 1.0;
+  constexpr double kMin_us2 = 1.0;
   constexpr double kFactor = 4.0;  // of squares
   std::array<std::array<double, kLanes>, kSide> squares;
   std::array<double, kLanes> sums{};
@@ -111,7 +111,7 @@ int PlaneFit::drop_outliers(const TimePlane& plane) noexcept {
     }
   }
   const double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
-  const double limit = std::max(kLeast_us2, kFactor * sum / points());
+  const double limit = std::max(kMin_us2, kFactor * sum / points());
   int dropped = 0;
   for (std::size_t y = 0; y < kSide; ++y) {
     for (std::size_t x = 0; x < kLanes; ++x) {

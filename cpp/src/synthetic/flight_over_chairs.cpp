@@ -19,7 +19,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kLane = 1.4;         // distance of two chairs of a row, in chair widths
 constexpr double kRowPitch = 1.9;     // distance of two rows; a chair stays inside
 constexpr double kFirstSpeed = 0.15;  // of the last
-constexpr double kMostTilt = 0.12;    // tangent of half the angle
+constexpr double kMaxTilt = 0.12;     // tangent of half the angle
 constexpr double kSwaySpeed = 0.08;   // the fastest, of the last speed
 constexpr double kSway_hz = 0.7;
 constexpr double kMaxFlightPixelRate_hz = 100.0;
@@ -69,7 +69,7 @@ std::int32_t lanes_of(const FlightOverChairsConfig& config) {
 
 double events_per_px_of_chair(double width_px) {
   Outline chair{CounterRandom{0}};
-  add_chair(chair, width_px, UnitVector{}.turned(kMostTilt / 2.0), {});
+  add_chair(chair, width_px, UnitVector{}.turned(kMaxTilt / 2.0), {});
   return chair.events_per_px({0.0, 1.0});
 }
 
@@ -80,7 +80,7 @@ double speed_over_full_floor_px_s(const FlightOverChairsConfig& config) {
   return config.last_rate_hz / (chairs_in_view * events_per_px_of_chair(config.chair_px));
 }
 
-std::size_t most_points_per_row(const FlightOverChairsConfig& config) {
+std::size_t max_points_per_row(const FlightOverChairsConfig& config) {
   constexpr std::size_t kRoundedUp = 4 * kChair.size();
   Outline chair{CounterRandom{0}};
   add_chair(chair, config.chair_px, {}, {});
@@ -92,7 +92,7 @@ std::vector<Outline> empty_rows(const FlightOverChairsConfig& config) {
   const auto count = static_cast<std::size_t>(config.height / (kRowPitch * config.chair_px)) + 2;
   std::vector<Outline> rows;
   for (std::size_t i = 0; i < count; ++i) {
-    rows.emplace_back(CounterRandom{seeds(i)}).reserve(most_points_per_row(config));
+    rows.emplace_back(CounterRandom{seeds(i)}).reserve(max_points_per_row(config));
   }
   return rows;
 }
@@ -111,7 +111,7 @@ class FlightOverChairs::Impl {
         noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(2)),
         rows_(empty_rows(config)),
         block_(config.width, config.height,
-               rows_.size() * most_points_per_row(config) + TimeSortedBlock::kMaxStep_us) {
+               rows_.size() * max_points_per_row(config) + TimeSortedBlock::kMaxStep_us) {
     for (std::size_t row = 0; row < rows_.size(); ++row) fill(static_cast<std::int64_t>(row));
   }
 
@@ -161,8 +161,7 @@ class FlightOverChairs::Impl {
       // Each lane that is left is equally likely to get one of the chairs that are left.
       if (random.uniform(drawn++) * (lanes_ - lane) >= static_cast<double>(chairs)) continue;
       --chairs;
-      const UnitVector tilt =
-          UnitVector{}.turned(kMostTilt * (2.0 * random.uniform(drawn++) - 1.0));
+      const UnitVector tilt = UnitVector{}.turned(kMaxTilt * (2.0 * random.uniform(drawn++) - 1.0));
       const double shift_x = 0.2 * random.uniform(drawn++) - 0.1;
       const double shift_y = 0.15 + 0.2 * random.uniform(drawn++);
       add_chair(outline, config_.chair_px, tilt,

@@ -138,9 +138,9 @@ TEST(BackgroundActivityFilter, TheWindowGrowsAsNeighboursAreDiscarded) {
   EXPECT_FALSE(passes(1, 1001));
   EXPECT_TRUE(passes(0.25, 4000));
   EXPECT_FALSE(passes(0.25, 4001));
-  for (const double least : {0.0, 1e-300, 1e-6}) {
-    EXPECT_TRUE(passes(least, RecentTimes::kMaxWindow_us)) << least;
-    EXPECT_FALSE(passes(least, RecentTimes::kMaxWindow_us + 1)) << least;
+  for (const double min : {0.0, 1e-300, 1e-6}) {
+    EXPECT_TRUE(passes(min, RecentTimes::kMaxWindow_us)) << min;
+    EXPECT_FALSE(passes(min, RecentTimes::kMaxWindow_us + 1)) << min;
   }
 }
 

@@ -199,7 +199,7 @@ TEST(EventImage, BehindADiscarderItHoldsAsMuch) {
   ASSERT_EQ(images.size(), 1U);
   EXPECT_EQ(total(images[0].values), 1000);
 
-  image.set_keep(0);  // counts as kLeastKeep
+  image.set_keep(0);  // counts as kMinKeep
   images = images_of(image, std::span(events).first(3));
   EXPECT_EQ(images.size(), 3U);
   EXPECT_EQ(total(images[0].values), 1000);

@@ -90,14 +90,14 @@ TEST(PlaneFlow, AgreesWithTheDefinition) {
     const Events events = asap::test::wild_stream(wild, 20'000);
     for (const auto refit : kRules) {
       for (const std::int64_t window_us : {3'000, 40'000, 10'000'000}) {
-        const int least = window_us == 3'000 ? 6 : 7;
+        const int min = window_us == 3'000 ? 6 : 7;
         PlaneFlow flow({.width = wild.width,
                         .height = wild.height,
                         .window = microseconds(window_us),
-                        .min_points = least,
+                        .min_points = min,
                         .refit = refit});
         asap::test::NaivePlaneFlow naive(wild.width, wild.height, window_us,
-                                         static_cast<std::size_t>(least), refit);
+                                         static_cast<std::size_t>(min), refit);
         const Flows flows = flows_of(flow, events);
         std::size_t found = 0;
         for (std::size_t i = 0; i < events.size(); ++i) {
@@ -138,9 +138,9 @@ TEST(PlaneFlow, NeedsEnoughPoints) {
                       {.x = 11, .y = 9, .p = 1, .t = 100},
                       {.x = 10, .y = 10, .p = 1, .t = 140}};
   for (const auto refit : kRules) {
-    for (const int least : {4, 5}) {
-      PlaneFlow flow({.width = 40, .height = 30, .min_points = least, .refit = refit});
-      EXPECT_EQ(std::isnan(flows_of(flow, events).back().vx), least == 5);
+    for (const int min : {4, 5}) {
+      PlaneFlow flow({.width = 40, .height = 30, .min_points = min, .refit = refit});
+      EXPECT_EQ(std::isnan(flows_of(flow, events).back().vx), min == 5);
     }
   }
 }

@@ -45,7 +45,7 @@ struct ImageView {
 class EventImage {
  public:
   using Config = EventImageConfig;
-  static constexpr double kLeastKeep = 1e-3;  // below it, events count as at it
+  static constexpr double kMinKeep = 1e-3;  // below it, events count as at it
 
   // Throws std::invalid_argument that names the bad field.
   explicit EventImage(const Config& config);

@@ -48,7 +48,7 @@ struct Aedat2Config {
 // Feed it what follows the header.
 class Aedat2Decoder : public NativeDecoder<Aedat2Decoder, Aedat2Config, 8> {
  public:
-  static constexpr std::size_t kMostPerRecord = 1;
+  static constexpr std::size_t kMaxPerRecord = 1;
 
   explicit Aedat2Decoder(const Aedat2Config& config = {});
 
@@ -95,7 +95,7 @@ struct Aedat3Config {
 // Feed it what follows the header.
 class Aedat3Decoder : public NativeDecoder<Aedat3Decoder, Aedat3Config, 28> {
  public:
-  static constexpr std::size_t kMostPerRecord = 1;
+  static constexpr std::size_t kMaxPerRecord = 1;
 
   explicit Aedat3Decoder(const Aedat3Config& config = {});
 

@@ -47,7 +47,7 @@ struct EventStreamConfig {
 // Feed it what follows the header. The first event's time counts from 0.
 class EventStreamDecoder : public NativeDecoder<EventStreamDecoder, EventStreamConfig, 5> {
  public:
-  static constexpr std::size_t kMostPerRecord = 1;
+  static constexpr std::size_t kMaxPerRecord = 1;
 
   explicit EventStreamDecoder(const EventStreamConfig& config);
 
@@ -76,7 +76,7 @@ struct Atis40Config {
 
 class Atis40Decoder : public NativeDecoder<Atis40Decoder, Atis40Config, 5> {
  public:
-  static constexpr std::size_t kMostPerRecord = 1;
+  static constexpr std::size_t kMaxPerRecord = 1;
 
   explicit Atis40Decoder(const Atis40Config& config = {}) noexcept : NativeDecoder(config) {}
 

@@ -27,7 +27,7 @@ struct EncoderConfig {
 
 class Encoder {
  public:
-  static constexpr std::size_t kMostPerEvent = 48;  // bytes; with less room nothing is written
+  static constexpr std::size_t kMaxPerEvent = 48;  // bytes; with less room nothing is written
 
   // Throws std::invalid_argument for an Event Stream without width and height.
   explicit Encoder(const EncoderConfig& config = {});

@@ -69,7 +69,7 @@ class Evt2Words : public NativeDecoder<Decoder, Config, kRecord> {
 
 class Evt2Decoder : public Evt2Words<Evt2Decoder, Evt2Config, 4> {
  public:
-  static constexpr std::size_t kMostPerRecord = 1;  // events that one word can give
+  static constexpr std::size_t kMaxPerRecord = 1;  // events that one word can give
 
   explicit Evt2Decoder(Evt2Config config = {}) noexcept : Evt2Words(config, config.first_offset) {}
 
@@ -97,7 +97,7 @@ struct Evt21Config {
 
 class Evt21Decoder : public Evt2Words<Evt21Decoder, Evt21Config, 8> {
  public:
-  static constexpr std::size_t kMostPerRecord = 32;  // events that one word can give
+  static constexpr std::size_t kMaxPerRecord = 32;  // events that one word can give
 
   explicit Evt21Decoder(Evt21Config config = {}) noexcept
       : Evt2Words(config, config.first_offset) {}
@@ -130,7 +130,7 @@ struct Evt3Config {
 
 class Evt3Decoder : public NativeDecoder<Evt3Decoder, Evt3Config, 2> {
  public:
-  static constexpr std::size_t kMostPerRecord = 12;  // events that one word can give
+  static constexpr std::size_t kMaxPerRecord = 12;  // events that one word can give
 
   explicit Evt3Decoder(Evt3Config config = {}) noexcept
       : NativeDecoder(config, config.first_offset) {}
@@ -188,7 +188,7 @@ std::optional<DatHeader> read_dat_header(std::span<const std::byte> bytes) noexc
 
 class DatDecoder : public NativeDecoder<DatDecoder, DatConfig, 8> {
  public:
-  static constexpr std::size_t kMostPerRecord = 1;  // events
+  static constexpr std::size_t kMaxPerRecord = 1;  // events
 
   explicit DatDecoder(DatConfig config = {});
 

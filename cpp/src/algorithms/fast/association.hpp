@@ -242,14 +242,14 @@ inline Tracks::Slot associate_in_contact(Tracks& tracks, Tracks::Slot owner, Sta
     return true;
   };
   Tracks::Slot best = owner;
-  float least = 0;
-  cost_of(owner, least);
-  least *= rule.owner_cost;
+  float min = 0;
+  cost_of(owner, min);
+  min *= rule.owner_cost;
   for (std::uint8_t i = 0; i < tracks[owner].partners; ++i) {
     const Tracks::Slot partner = tracks.state(owner).partners[i];
     float cost = 0;
-    if (!tracks[partner].has_id() || !cost_of(partner, cost) || !(cost < least)) continue;
-    least = cost;
+    if (!tracks[partner].has_id() || !cost_of(partner, cost) || !(cost < min)) continue;
+    min = cost;
     best = partner;
   }
   return best;

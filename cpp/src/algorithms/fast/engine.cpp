@@ -22,22 +22,22 @@ std::int32_t microseconds(Milliseconds time) noexcept {
 }
 
 constexpr Milliseconds kLongestWindow{50};
-constexpr double kLeastGamma = 0.01;
+constexpr double kMinGamma = 0.01;
 // With a smaller gamma too many events of objects are without support to reject those. After a
 // noise filter upstream little noise is left, so rejection ends earlier.
-constexpr double kLeastGammaUnfiltered = 0.15;
-constexpr double kLeastGammaFiltered = 0.75;
+constexpr double kMinGammaUnfiltered = 0.15;
+constexpr double kMinGammaFiltered = 0.75;
 
 // Least factors on the thresholds of masses. The masses of weak objects lie little above them and
 // fall with gamma, but fewer events than these may be one edge.
-constexpr double kFewestConfirm = 0.36;
-constexpr double kFewestSeed = 2.0 / 3;
+constexpr double kMinConfirm = 0.36;
+constexpr double kMinSeed = 2.0 / 3;
 
 // Gates of 27 to 36 px are good where this bounds the noise in them: 19 px at 5 Hz/px.
 constexpr double kNoiseEvents = 30;
 // Half or twice of it changes little; recordings without noise need it, for nothing else bounds
 // the gate of a sparse object there.
-constexpr double kLeastDensity_hz = 1;
+constexpr double kMinDensity_hz = 1;
 
 float thinned(double events, double gamma, double fewest) noexcept {
   return single(events * std::clamp(4 * gamma, fewest, 1.0));
@@ -63,7 +63,7 @@ Settings::Settings(const ClusterTrackerConfig& c) noexcept
                          .min_known = static_cast<std::uint8_t>(c.contour_min_events)},
              .contact_gain = single(c.contact_gain),
              .contact_mean_gain = single(c.contact_mean_gain)},
-      weight{.least = single(c.contour_min_weight), .scale = single(c.contour_weight_scale)},
+      weight{.min = single(c.contour_min_weight), .scale = single(c.contour_weight_scale)},
       contact{.variance_floor_px2 = single(c.contact_variance_px2),
               .owner_cost = single(c.contact_owner_cost)},
       gate{.birth_radius_px = single(c.birth_radius_px),
@@ -75,7 +75,7 @@ Settings::Settings(const ClusterTrackerConfig& c) noexcept
            .circle_padding_px = single(c.circle_padding_px)},
       kalman{.acceleration = single(c.acceleration_px2_s3),
              .per_speed3 = single(c.acceleration_per_speed_px),
-             .most = single(c.max_acceleration_px2_s3),
+             .max = single(c.max_acceleration_px2_s3),
              .contact = single(c.contact_acceleration_px2_s3),
              .measurement_scale = single(c.measurement_scale),
              .min_measurement_px2 = single(c.min_measurement_px2)},
@@ -106,7 +106,7 @@ float Settings::birth_threshold(float noise_hz) const noexcept {
 
 void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
                         bool filtered_upstream) noexcept {
-  gamma = std::max(gamma, kLeastGamma);
+  gamma = std::max(gamma, kMinGamma);
   const double events = c.mean_events;
   const double kept = std::clamp(2 * events * gamma, events / 3, events);
   update.mean_events = static_cast<std::uint32_t>(std::max(1L, std::lround(kept)));
@@ -115,14 +115,14 @@ void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
   const Milliseconds longest = std::max(kLongestWindow, c.support_window);
   const Milliseconds window = std::min(longest, c.support_window / gamma);
   support_window_us = microseconds(window);
-  seed_events = thinned(c.seed_events, gamma, kFewestSeed);
-  lifecycle.confirm_events = thinned(c.confirm_events, gamma, kFewestConfirm);
-  lifecycle.die_events = thinned(c.die_events, gamma, kFewestConfirm);
+  seed_events = thinned(c.seed_events, gamma, kMinSeed);
+  lifecycle.confirm_events = thinned(c.confirm_events, gamma, kMinConfirm);
+  lifecycle.die_events = thinned(c.die_events, gamma, kMinConfirm);
   lifecycle.birth_rate_hz = single(c.birth_rate_hz * gamma);
   gate.noise_events = single(kNoiseEvents * gamma);
-  gate.least_density_hz = single(kLeastDensity_hz * gamma);
+  gate.min_density_hz = single(kMinDensity_hz * gamma);
   rejects_unsupported = c.support == ClusterSupport::kReject &&
-                        gamma >= (filtered_upstream ? kLeastGammaFiltered : kLeastGammaUnfiltered);
+                        gamma >= (filtered_upstream ? kMinGammaFiltered : kMinGammaUnfiltered);
 }
 
 // ---- report ------------------------------------------------------------------------------------
@@ -329,7 +329,7 @@ std::int32_t Engine::associate(const Event& event, std::size_t cell, Stamp now) 
 // The nearest track whose gate accepts the event. A tentative track only if there is no other.
 Tracks::Slot Engine::nearest_track(const Event& event, std::size_t cell, Stamp now) noexcept {
   Slot best = Tracks::kNone;
-  float least = 1;
+  float min = 1;
   bool has_id = false;
   const auto consider = [&](Slot slot) {
     const Track& track = tracks_[slot];
@@ -338,9 +338,9 @@ Tracks::Slot Engine::nearest_track(const Event& event, std::size_t cell, Stamp n
         innovation_of(track, now, static_cast<float>(event.x), static_cast<float>(event.y));
     const float value = gate_value(track, nu);
     const bool outranks = track.has_id() && !has_id && value <= 1;
-    if (!outranks && !(value < least || (best == Tracks::kNone && value <= 1))) return;
+    if (!outranks && !(value < min || (best == Tracks::kNone && value <= 1))) return;
     best = slot;
-    least = value;
+    min = value;
     has_id = track.has_id();
   };
   coarse_.for_each_around(event.x, event.y, consider);

@@ -60,10 +60,10 @@ float merge_distance(float extents_px, const PairRule& rule) noexcept {
 // it waits until it has merged or left.
 bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
                      float dy) noexcept {
-  constexpr float kMostMass = 0.2F;
+  constexpr float kMaxMass = 0.2F;
   constexpr float kReach = 1.25F;  // of the gate
   const TrackState& state = tracks.state(confirmed);
-  return state.age_s > kMature_s && tracks.state(tentative).mass < kMostMass * state.mass &&
+  return state.age_s > kMature_s && tracks.state(tentative).mass < kMaxMass * state.mass &&
          gate_value(tracks[confirmed], {.mean_x = 0, .mean_y = 0, .dx = dx, .dy = dy}) <=
              kReach * kReach;
 }

@@ -54,8 +54,8 @@ float ellipse_scale(const GateRule& rule, const TrackState& state, float noise_s
 }
 
 float widest_radius(const GateRule& rule, float noise_hz, float mass_s) noexcept {
-  constexpr float kLeastNoise_hz = 1e-6F;
-  const float noise = std::max(kLeastNoise_hz, noise_hz) * mass_s;
+  constexpr float kMinNoise_hz = 1e-6F;
+  const float noise = std::max(kMinNoise_hz, noise_hz) * mass_s;
   return std::clamp(std::sqrt(rule.noise_events / (kPi * noise)), rule.birth_radius_px,
                     kWidestBirth * rule.birth_radius_px);
 }
@@ -65,7 +65,7 @@ float young_radius(const TrackState& state, const GateRule& rule, float widest_p
   if (state.near_confirmed) return rule.birth_radius_px;
   if (state.age_s < kUnknown_s) return widest_px;
   const float rate_hz = std::max(state.fast_rate_hz, state.slow_rate_hz);
-  return std::clamp(std::sqrt(rate_hz / (kPi * rule.least_density_hz)), rule.birth_radius_px,
+  return std::clamp(std::sqrt(rate_hz / (kPi * rule.min_density_hz)), rule.birth_radius_px,
                     widest_px);
 }
 
@@ -90,8 +90,8 @@ void shape_gate(Track& track, const GateRule& rule, float scale, float young_px,
   const float c = track.syy + padding;
   const float scale2 = scale * scale;
   const float longest2 = scale2 * (largest_variance_px2 + padding);
-  const float most2 = rule.max_radius_px * rule.max_radius_px;
-  const float shrink = std::max(1.0F, longest2 / most2);
+  const float max2 = rule.max_radius_px * rule.max_radius_px;
+  const float shrink = std::max(1.0F, longest2 / max2);
   const float factor = shrink / (scale2 * (a * c - b * b));
   track.qa = c * factor;
   track.qb = -b * factor;
@@ -113,7 +113,7 @@ namespace {
 constexpr float kTravel_extents = 2;  // in which the centre's variance falls to 1/e
 constexpr float kContactCentreVariance = 0.08F;
 constexpr float kContact_s = 0.14F;
-constexpr float kLeastExtent_px = 1;
+constexpr float kMinExtent_px = 1;
 
 // px^2, of the mean, of whose events `fresh` are new.
 float measurement_variance(const Track& track, float contour_variance, std::uint32_t fresh,
@@ -129,7 +129,7 @@ float measurement_variance(const Track& track, float contour_variance, std::uint
 float acceleration_density(const Track& track, const KalmanRule& rule) noexcept {
   if (track.partners > 0) return rule.contact;
   const float speed2 = track.vx * track.vx + track.vy * track.vy;
-  return std::min(rule.most, rule.acceleration + rule.per_speed3 * speed2 * std::sqrt(speed2));
+  return std::min(rule.max, rule.acceleration + rule.per_speed3 * speed2 * std::sqrt(speed2));
 }
 
 // Propagates the covariance over dt, s.
@@ -203,7 +203,7 @@ void update_centre_variance(Contour& contour, const Track& track, float extent_p
                             float dt_s) noexcept {
   const bool in_contact = track.partners > 0;
   const float travel_extents =
-      length(track.vx, track.vy) * dt_s / std::max(kLeastExtent_px, extent_px);
+      length(track.vx, track.vy) * dt_s / std::max(kMinExtent_px, extent_px);
   const float left = decay(in_contact ? dt_s / kContact_s : travel_extents / kTravel_extents);
   const float end = in_contact ? kContactCentreVariance : kMinCentreVariance;
   contour.centre_variance = end + (contour.centre_variance - end) * left;

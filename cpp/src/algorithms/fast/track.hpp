@@ -297,15 +297,15 @@ class Tracks {
 // Source: own design.
 
 struct GateRule {
-  float birth_radius_px;       // narrowest circle of a young track, widest of a mature one
-  float min_radius_px;         // smallest circle of a mature one
-  float max_radius_px;         // longest half-axis of the ellipse
-  float scale;                 // half-axes of the ellipse at least, standard deviations
-  float padding_px;            // added to the standard deviation, in quadrature
-  float circle_scale;          // circle: standard deviations of the longest axis ...
-  float circle_padding_px;     // ... and px
-  float noise_events = 0;      // of noise, at most, in a young track's mass
-  float least_density_hz = 0;  // events per pixel of its circle, from which an object fills it
+  float birth_radius_px;     // narrowest circle of a young track, widest of a mature one
+  float min_radius_px;       // smallest circle of a mature one
+  float max_radius_px;       // longest half-axis of the ellipse
+  float scale;               // half-axes of the ellipse at least, standard deviations
+  float padding_px;          // added to the standard deviation, in quadrature
+  float circle_scale;        // circle: standard deviations of the longest axis ...
+  float circle_padding_px;   // ... and px
+  float noise_events = 0;    // of noise, at most, in a young track's mass
+  float min_density_hz = 0;  // events per pixel of its circle, from which an object fills it
 };
 
 // The widest circle of a young track, as a factor on the narrowest. Wider ones take events of the
@@ -375,7 +375,7 @@ float mature_gate_area(const Track& track, const GateRule& rule) noexcept;
 struct KalmanRule {
   float acceleration;              // px^2/s^3, density at rest
   float per_speed3;                // 1/px, its growth with the cube of the speed
-  float most;                      // px^2/s^3, its maximum
+  float max;                       // px^2/s^3, its maximum
   float contact;                   // px^2/s^3, its value in contact
   float measurement_scale;         // factor on the variance: successive means are correlated
   float min_measurement_px2;       // least variance of a measurement
@@ -424,8 +424,8 @@ PositionError position_error(const Track& track, const KalmanState& state, const
 // 1/n for the memories of the means.
 class Reciprocals {
  public:
-  explicit Reciprocals(std::uint32_t most) : values_(most + 1, 1.0F) {
-    for (std::uint32_t n = 1; n <= most; ++n) values_[n] = 1 / static_cast<float>(n);
+  explicit Reciprocals(std::uint32_t max) : values_(max + 1, 1.0F) {
+    for (std::uint32_t n = 1; n <= max; ++n) values_[n] = 1 / static_cast<float>(n);
   }
   float operator[](std::uint32_t n) const noexcept { return values_[n]; }
 
@@ -468,7 +468,7 @@ inline std::uint32_t mean_memory(const Track& track, const Contour& contour,
 }
 
 struct WeightRule {
-  float least;  // least weight of the plain mean
+  float min;    // least weight of the plain mean
   float scale;  // larger values favour the plain mean
 };
 
@@ -478,7 +478,7 @@ inline float mean_weight(const Track& track, const Contour& contour,
                          const WeightRule& rule) noexcept {
   const float scatter = 2 * rule.scale * contour.variance;
   const float spread = 0.5F * (track.sxx + track.syy) + 0.5F;
-  return std::clamp(scatter / (scatter + spread), rule.least, 1.0F);
+  return std::clamp(scatter / (scatter + spread), rule.min, 1.0F);
 }
 
 // The weight of an event by its distance from the outline: 1 up to 3 px, `far` from 6 px on.
