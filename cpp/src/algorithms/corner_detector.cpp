@@ -112,7 +112,7 @@ class ArcStarRule {
  private:
   SensorFrame frame_;
   ArcFilter filter_;
-  OrderSurface surface_;  // of the events that passed
+  OrderSurface surface_;  // holds the events that passed
 };
 
 class EHarrisRule {
@@ -166,9 +166,9 @@ class FAHarrisRule {
 
  private:
   SensorFrame frame_;
-  HarrisPatch patch_;  // of the events that passed
+  HarrisPatch patch_;  // holds the events that passed
   ArcFilter filter_;
-  OrderSurface stamps_;  // of the same events: for the arcs, where equal stamps are ties
+  OrderSurface stamps_;  // holds the same events for the arcs, where equal stamps are ties
 };
 
 namespace {

@@ -82,7 +82,7 @@ class EventImage::Impl {
   bool has_begun() const noexcept { return filled_ > 0; }
 
   void close() noexcept {
-    // By count the newest event of the image is the last one seen.
+    // The newest event of an image by count is the last one seen.
     image_begin_us_ = begin_us_;
     image_end_us_ = plus(config.period.count() > 0 ? begin_us_ : last_us_,
                          config.period.count() > 0 ? config.period.count() : 1);
@@ -163,7 +163,7 @@ class EventImage::Impl {
   }
 
   SensorFrame frame_;
-  std::vector<float> off_;  // of the image that has begun
+  std::vector<float> off_;  // belongs to the image that has begun
   std::vector<float> on_;
   std::vector<std::int64_t> times_us_;
   std::vector<float> image_;

@@ -15,7 +15,7 @@ std::int32_t id_of(std::uint64_t created) noexcept {
   return static_cast<std::int32_t>(created & 0x7fffffffU);
 }
 
-// Without overflow, whatever the stamps.
+// Does not overflow, whatever the stamps.
 double distance_us(std::int64_t earlier, std::int64_t later) noexcept {
   return static_cast<double>(static_cast<std::uint64_t>(later) -
                              static_cast<std::uint64_t>(earlier));
@@ -86,7 +86,7 @@ std::int64_t FeatureTracks::remember(const Event& corner) noexcept {
   return window_us_[full_ ? cursor_ : 0];
 }
 
-// As released: the event counts itself too and one is taken off, also where all stamps that are
+// The release lets the event count itself too and takes one off, also where all stamps that are
 // remembered are equal and it did not count.
 bool FeatureTracks::is_supported(const Event& corner, std::int64_t oldest_us) const noexcept {
   const std::size_t stride = frame_.width();

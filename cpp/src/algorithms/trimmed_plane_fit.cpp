@@ -102,7 +102,7 @@ double TrimmedPlaneFit::mean_square(const TimePlane& plane) noexcept {
 
 bool TrimmedPlaneFit::drop_outliers(double mean_square) noexcept {
   constexpr double kMin_us2 = 1.0;
-  constexpr double kFactor = 1.5 * 1.5;  // of squares
+  constexpr double kFactor = 1.5 * 1.5;  // factor on squares
   const double limit = std::max(kMin_us2, kFactor * mean_square);
   std::size_t kept = 0;
   for (const Point& point : points()) {

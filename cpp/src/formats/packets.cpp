@@ -135,8 +135,9 @@ template class NativeDecoder<LibcaerCmpDecoder, PacketConfig, 2>;
 
 namespace {
 
-constexpr std::size_t kDvsSize = 13;    // of a record in ROS 1, of the first one in CDR
-constexpr std::size_t kCdrStride = 16;  // in CDR, of the stamps; x and y move 2 bytes to the front
+constexpr std::size_t kDvsSize = 13;  // size of a record in ROS 1 and of the first one in CDR
+constexpr std::size_t kCdrStride =
+    16;  // step of the stamps in CDR; x and y move 2 bytes to the front
 
 std::int64_t dvs_time(const std::byte* at) {
   const std::int64_t s = load_little<std::uint32_t>(at);

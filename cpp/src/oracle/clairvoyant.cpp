@@ -199,11 +199,11 @@ class Programme {
     return longest;
   }
 
-  // At most, for the first `count` events: blocks times numbers to look at.
+  // The maximum for the first `count` events: blocks times numbers to look at.
   double steps(std::size_t count) const noexcept {
     double sum = 0;
-    std::size_t first = 0;  // of the events of the last L
-    std::size_t past = 0;   // of those after the next L
+    std::size_t first = 0;  // first event of the last L
+    std::size_t past = 0;   // first event after the next L
     for (std::size_t i = 0; i < count; ++i) {
       while (times_ns_[i] - times_ns_[first] > latency_ns_) ++first;
       while (past < count && times_ns_[past] - times_ns_[i] <= latency_ns_) ++past;
@@ -263,7 +263,7 @@ class Programme {
   double latency_ns_;
   std::size_t longest_;
   std::vector<double> times_ns_;
-  std::vector<Ends> rows_;  // for the last `longest_` + 1 counts
+  std::vector<Ends> rows_;  // rows of the last `longest_` + 1 counts
 };
 
 }  // namespace

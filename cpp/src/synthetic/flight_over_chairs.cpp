@@ -18,7 +18,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kLane = 1.4;         // distance of two chairs of a row, in chair widths
 constexpr double kRowPitch = 1.9;     // distance of two rows; a chair stays inside
-constexpr double kFirstSpeed = 0.15;  // of the last
+constexpr double kFirstSpeed = 0.15;  // share of the last
 constexpr double kMaxTilt = 0.12;     // tangent of half the angle
 constexpr double kSwaySpeed = 0.08;   // the fastest, of the last speed
 constexpr double kSway_hz = 0.7;
@@ -144,7 +144,7 @@ class FlightOverChairs::Impl {
       outline_of(row).sweep(place_of(row, from), place_of(row, to), block_);
     }
     if (place_of(nearest_row_, to).y < config_.height * Outline::kUnit) return;
-    fill(nearest_row_ + rows);  // in the memory of the row that left at the bottom
+    fill(nearest_row_ + rows);  // takes the memory of the row that left at the bottom
     ++nearest_row_;
   }
 

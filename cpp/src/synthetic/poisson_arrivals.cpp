@@ -92,7 +92,7 @@ class PoissonArrivals::Impl {
     log_factor_ =
         step == 0 ? normal : kMemory * log_factor_ + std::sqrt(1.0 - kMemory * kMemory) * normal;
     const double exponent = config_.noise * log_factor_ - 0.5 * config_.noise * config_.noise;
-    const double mean = rate_hz * synthetic::portable_exp(exponent) * 1e-6;  // of a microsecond
+    const double mean = rate_hz * synthetic::portable_exp(exponent) * 1e-6;  // mean per microsecond
 
     step_ = CounterRandom(steps_(step));
     drawn_ = 0;
@@ -107,7 +107,7 @@ class PoissonArrivals::Impl {
   std::size_t next_rate_ = 0;
   double log_factor_ = 0.0;  // y
 
-  CounterRandom step_;  // of the open step: numbers of events and pixels
+  CounterRandom step_;  // draws numbers of events and pixels of the open step
   std::uint64_t drawn_ = 0;
   std::uint64_t pieces_ = 0;  // draws that make up a microsecond's number; 0: no events
   synthetic::PoissonTable piece_;

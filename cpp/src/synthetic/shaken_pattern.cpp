@@ -15,8 +15,8 @@ namespace asap {
 namespace {
 
 constexpr double kCell_px = 24.0;        // one shape of the print per cell
-constexpr double kFirstAmplitude = 0.1;  // of the last
-constexpr double kMinorAxis = 0.8;       // of the major
+constexpr double kFirstAmplitude = 0.1;  // share of the last
+constexpr double kMinorAxis = 0.8;       // share of the major
 constexpr double kMeanSpeed = 0.9028;    // on that ellipse, of the fastest
 constexpr double kMaxPatternPixelRate_hz = 500.0;
 

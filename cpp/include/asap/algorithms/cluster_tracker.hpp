@@ -77,7 +77,7 @@ struct ClusterTrackerConfig {
 
   Milliseconds tick{1};     // period of the work that is not done per event
   Milliseconds warmup{12};  // no cluster begins before, while the noise rate is being measured
-  Milliseconds link{40};    // for which a cell remembers its owner
+  Milliseconds link{40};    // time for which a cell remembers its owner
   Milliseconds seed{15};    // decay of the counts of events without a cluster
   Milliseconds mass{30};    // decay of a cluster's mass, its number of recent events
 
@@ -113,17 +113,17 @@ struct ClusterTrackerConfig {
   double measurement_scale = 4;              // on the variance: successive means are correlated
   double min_measurement_px2 = 0.05;         // least variance of a measurement
 
-  double seed_events = 6;            // recent events without a cluster from which one begins
-  double confirm_events = 14;        // mass from which a cluster has an id; a small one 4/7 of it
-  double die_events = 2;             // mass below which it coasts
-  double die_sigma = 2;              // margin above the noise in its gate, standard deviations
-  double birth_rate_hz = 300;        // least event rate of an object
-  double confirm_evidence = 8;       // log-likelihood ratio of an object against noise ...
-  double drop_evidence = 4;          // ... and of noise against an object
-  double starve_ratio = 0.15;        // of the average event rate: below, the object has stopped
-  Milliseconds velocity_decay{100};  // of a cluster without events
-  Milliseconds hide{60};             // stopped for longer: not listed
-  Milliseconds coast{250};           // from too little mass to deletion
+  double seed_events = 6;       // recent events without a cluster from which one begins
+  double confirm_events = 14;   // mass from which a cluster has an id; a small one 4/7 of it
+  double die_events = 2;        // mass below which it coasts
+  double die_sigma = 2;         // margin above the noise in its gate, standard deviations
+  double birth_rate_hz = 300;   // least event rate of an object
+  double confirm_evidence = 8;  // log-likelihood ratio of an object against noise ...
+  double drop_evidence = 4;     // ... and of noise against an object
+  double starve_ratio = 0.15;   // share of the average event rate below which an object has stopped
+  Milliseconds velocity_decay{100};  // decay of the velocity without events
+  Milliseconds hide{60};             // time after which a stopped cluster is not listed
+  Milliseconds coast{250};           // time from too little mass to deletion
 
   double merge_reach = 1.6;         // sum of standard deviations ...
   double merge_padding_px = 8;      // ... and px within which two clusters may be one object
@@ -146,9 +146,9 @@ class ClusterTracker {
   // Events outside the frame are dropped and counted.
   void process(EventSpan events) noexcept;
 
-  // As above, and labels[i] is the id of the cluster that took events[i]: -1 for noise, for a
-  // cluster that is not confirmed yet, and for dropped events. Throws std::invalid_argument if the
-  // sizes differ.
+  // Takes the events, and labels[i] is the id of the cluster that took events[i]: -1 for noise, for
+  // a cluster that is not confirmed yet, and for dropped events. Throws std::invalid_argument if
+  // the sizes differ.
   void process(EventSpan events, std::span<std::int32_t> labels);
 
   // The confirmed clusters at the latest time, sorted by id, positions predicted for that time.

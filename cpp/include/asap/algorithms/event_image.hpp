@@ -2,7 +2,7 @@
 // channels of float: what convolutional networks take. One thread. O(1) per event; a complete image
 // costs one pass over the pixels. No allocation after construction.
 //
-// By count an image ends with its last event; by period it holds the stamps from one multiple of
+// An image by count ends with its last event; one by period holds the stamps from one multiple of
 // the period to the next, and a period without events gives no image. Behind a discarder every
 // event stands for 1 / gamma: images end as often as without it, and hold as much on average.
 // Source of the channels: Sanket et al., "EVDodgeNet", ICRA 2020; Zhu et al., "EV-FlowNet", RSS
@@ -25,7 +25,7 @@ enum class ImageChannel : std::uint8_t {
   on,     // ON events
   count,  // both
   sum,    // ON minus OFF
-  time    // of the latest event, from 0 = begin to 1 = end of the image; 0 without one
+  time    // the latest event, from 0 = begin to 1 = end of the image; 0 without one
 };
 
 struct EventImageConfig {
@@ -37,8 +37,8 @@ struct EventImageConfig {
 };
 
 struct ImageView {
-  std::span<const float> values;  // by channel, row, column; valid until the next image
-  std::int64_t begin_us;          // by count: the first stamp
+  std::span<const float> values;  // channel, row, column; valid until the next image
+  std::int64_t begin_us;          // the first stamp of an image by count
   std::int64_t end_us;            // first stamp beyond; by count: 1 after the last
 };
 
@@ -67,7 +67,7 @@ class EventImage {
     return complete;
   }
 
-  // As above; the last complete image is left in image().
+  // Takes the events; the last complete image is left in image().
   std::size_t process(EventSpan events) noexcept {
     return process(events, [](const ImageView&) {});
   }

@@ -58,8 +58,8 @@ class FeatureTracker {
   // Events outside the frame are dropped and counted.
   void process(EventSpan events) noexcept;
 
-  // As above, and labels[i] is the id of the track that took events[i]: -1 where it is no corner, a
-  // unsupported corner, or dropped. Throws std::invalid_argument if the sizes differ.
+  // Takes the events, and labels[i] is the id of the track that took events[i]: -1 where it is no
+  // corner, a unsupported corner, or dropped. Throws std::invalid_argument if the sizes differ.
   void process(EventSpan events, std::span<std::int32_t> labels);
 
   // The tracks, first created first.

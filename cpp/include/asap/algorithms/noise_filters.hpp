@@ -111,7 +111,7 @@ class HotPixelMask {
   // x < width, y < height.
   bool is_masked(std::uint32_t x, std::uint32_t y) const noexcept;
 
-  // In reading order.
+  // The masked pixels in reading order.
   std::vector<MaskedPixel> pixels() const;
 
   // The fraction of the events that reaches the mask, in [0, 1]. Checked, without effect: shares

@@ -51,7 +51,8 @@ class PlaneFlow {
   // Returns how many of the events have a flow. Events outside the frame are dropped and counted.
   std::size_t process(EventSpan events) noexcept;
 
-  // As above, and flows[i] is that of events[i]. Throws std::invalid_argument if the sizes differ.
+  // Takes the events, and flows[i] is that of events[i]. Throws std::invalid_argument if the sizes
+  // differ.
   std::size_t process(EventSpan events, std::span<Flow> flows);
 
   // The fraction of the events that reaches the algorithm, in [0, 1]. Checked, without effect: none

@@ -42,7 +42,7 @@ std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front)
 
 struct Aedat2Config {
   Aedat2Chip chip = Aedat2Chip::davis;
-  std::uint16_t width = 240, height = 180;  // of the sensor, px: x and y are mirrored in it
+  std::uint16_t width = 240, height = 180;  // px of the sensor, in which x and y are mirrored
 };
 
 // Feed it what follows the header.

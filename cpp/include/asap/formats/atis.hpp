@@ -41,7 +41,7 @@ std::optional<EventStreamHeader> read_event_stream_header(
 
 struct EventStreamConfig {
   int version = 2;           // 1 or 2, as the header says
-  std::uint16_t height = 0;  // of the sensor, px; version 1 does not say it: 240 for an ATIS
+  std::uint16_t height = 0;  // rows of the sensor; version 1 does not say it: 240 for an ATIS
 };
 
 // Feed it what follows the header. The first event's time counts from 0.

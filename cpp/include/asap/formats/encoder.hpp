@@ -52,7 +52,7 @@ class Encoder {
   // Where a format has come to.
   struct State {
     std::int64_t t = 0;  // us, as a reader knows it from the bytes so far
-    std::int64_t last_t = std::numeric_limits<std::int64_t>::min();  // of the last event
+    std::int64_t last_t = std::numeric_limits<std::int64_t>::min();  // stamp of the last event
     std::uint64_t events = 0;
     std::uint32_t y = 1u << 16;  // the row that stands in the bytes; none yet
     bool started = false;        // a time stands in the bytes

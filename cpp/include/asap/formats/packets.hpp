@@ -24,7 +24,7 @@
 namespace asap {
 
 struct PacketConfig {
-  std::uint64_t first_offset = 0;  // of the first byte that is fed, for noted()
+  std::uint64_t first_offset = 0;  // offset of the first byte that is fed, for noted()
 };
 
 class MonoDecoder : public NativeDecoder<MonoDecoder, PacketConfig, 8> {
@@ -60,7 +60,7 @@ class LibcaerDecoder : public NativeDecoder<LibcaerDecoder, PacketConfig, 8> {
 
   std::size_t decode_words(const std::byte* first, std::size_t count, Output& out) noexcept;
 
-  std::int64_t base_us_ = 0;  // of the stamps that follow: grows where they wrap
+  std::int64_t base_us_ = 0;  // base of the stamps that follow; grows where they wrap
   std::int32_t last_stamp_ = 0;
 };
 

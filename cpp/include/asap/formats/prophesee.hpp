@@ -32,7 +32,7 @@ struct RawHeader {
   Words words = Words::unknown;
   bool little_endian = false;  // said so; EVT2.1 swaps the halves of its words otherwise
   bool is_dat = false;         // "Data file containing ..."
-  int version = -1;            // of a DAT file; -1: not stated
+  int version = -1;            // version of a DAT file; -1: not stated
   std::uint16_t width = 0;     // px; 0: not stated
   std::uint16_t height = 0;
 };

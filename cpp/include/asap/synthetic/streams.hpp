@@ -29,7 +29,7 @@ class EventStream {
 // Reads whole blocks until there are `at_least` events or the stream has ended; empty at the end.
 inline std::vector<Event> read_events(EventStream& stream, std::size_t at_least) {
   std::vector<Event> events;
-  events.reserve(std::min<std::size_t>(at_least, 1 << 20) * 5 / 4);  // with the last block's excess
+  events.reserve(std::min<std::size_t>(at_least, 1 << 20) * 5 / 4);  // the last block may exceed
   while (events.size() < at_least) {
     const EventSpan block = stream.next();
     if (block.empty()) break;

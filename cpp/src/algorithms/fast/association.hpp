@@ -100,7 +100,7 @@ class OwnerGrid {
     Stamp stamp;
     std::uint16_t generation;
     std::uint8_t slot;     // there are 256 at most
-    std::int8_t sign = 0;  // of the last event: ON = 1, OFF = -1
+    std::int8_t sign = 0;  // sign of the last event: ON = 1, OFF = -1
   };
 
   explicit OwnerGrid(const CellMap& map) : cells_(map.size()), scrubber_(map.size()) {}

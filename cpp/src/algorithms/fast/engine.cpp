@@ -23,7 +23,7 @@ std::int32_t microseconds(Milliseconds time) noexcept {
 
 constexpr Milliseconds kLongestWindow{50};
 constexpr double kMinGamma = 0.01;
-// With a smaller gamma too many events of objects are without support to reject those. After a
+// At a smaller gamma too many events of objects lack support to be rejected. After a
 // noise filter upstream little noise is left, so rejection ends earlier.
 constexpr double kMinGammaUnfiltered = 0.15;
 constexpr double kMinGammaFiltered = 0.75;

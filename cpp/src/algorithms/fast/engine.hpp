@@ -141,14 +141,14 @@ class Engine {
   DirectionTable directions_;
   Counters counters_;
   Stamp next_tick_ = 0;
-  bool tracks_are_due_ = true;  // at the next tick; else noise and pairs are
+  bool tracks_are_due_ = true;  // the next tick updates tracks, else noise and pairs
   std::uint64_t started_us_ = 0;
   std::uint64_t tracks_us_ = 0;  // when each of the two was updated
   std::uint64_t pairs_us_ = 0;
   std::uint64_t noise_us_ = 0;
-  std::int32_t support_window_us_ = 0;  // as long as the noise allows
+  std::int32_t support_window_us_ = 0;  // grows as far as the noise allows
   float noise_hz_ = 0;                  // per pixel, of the noise that reaches the tracks
-  float widest_radius_px_ = 0;          // of a young track's gate
+  float widest_radius_px_ = 0;          // widest circle of a young track's gate
   float birth_threshold_ = 0;           // recent unassociated events around a cell
   std::int32_t next_id_ = 0;
 };

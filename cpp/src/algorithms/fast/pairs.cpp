@@ -61,7 +61,7 @@ float merge_distance(float extents_px, const PairRule& rule) noexcept {
 bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
                      float dy) noexcept {
   constexpr float kMaxMass = 0.2F;
-  constexpr float kReach = 1.25F;  // of the gate
+  constexpr float kReach = 1.25F;  // factor on the gate
   const TrackState& state = tracks.state(confirmed);
   return state.age_s > kMature_s && tracks.state(tentative).mass < kMaxMass * state.mass &&
          gate_value(tracks[confirmed], {.mean_x = 0, .mean_y = 0, .dx = dx, .dy = dy}) <=
@@ -115,7 +115,7 @@ MergeState& merge_state(TrackState& keeper, Tracks::Slot other, std::uint16_t ge
   return keeper.merges.front();
 }
 
-// For how long, and on which way, a pair must keep its relative position.
+// Time and way for which a pair must keep its relative position.
 struct Required {
   float hold_s;
   float travel_px;
@@ -153,7 +153,7 @@ bool has_changed(const MergeState& kept, const Candidate& pair, float tolerance_
   return moved > tolerance_px + rotation_px || stretched > tolerance_px;
 }
 
-constexpr std::uint32_t kKnownEvents = 20;  // with fewer, the mean polarity is random
+constexpr std::uint32_t kKnownEvents = 20;  // the mean polarity of fewer is random
 
 // Whether a track has a leading and a trailing edge, which fire with opposite polarities.
 bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
@@ -164,7 +164,7 @@ bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
 // Whether a track is as thin as an arc of a ring, or as a piece of a bar. Its two edges lie close
 // together, so both polarities do not say that it is an object.
 bool is_thin(const Track& track) noexcept {
-  constexpr float kElongation = 5;  // of variances; an outline of 2 to 1 has 4 to 5
+  constexpr float kElongation = 5;  // ratio of variances; an outline of 2 to 1 has 4 to 5
   const float largest = largest_variance(track);
   return largest > kElongation * (track.sxx + track.syy - largest);
 }
@@ -201,7 +201,7 @@ bool move_alike(const Tracks& tracks, const Candidate& pair) noexcept {
 bool would_have_separated(const TrackState& a, const TrackState& b, float hold_s) noexcept {
   constexpr float kApart_px = 10;
   constexpr float kNew_s = 0.1F;      // a younger track was never apart from the other
-  constexpr float kLongest_s = 0.3F;  // with equal average velocities there is no other evidence
+  constexpr float kLongest_s = 0.3F;  // equal average velocities leave no other evidence
   if (std::min(a.confirmed_s, b.confirmed_s) <= kNew_s) return true;
   const float speed = length(a.average_vx - b.average_vx, a.average_vy - b.average_vy);
   return hold_s * speed >= kApart_px || hold_s >= kLongest_s;
@@ -367,7 +367,7 @@ void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now)
   const Track& gone = tracks[other];
   const TrackState& gone_state = tracks.state(other);
 
-  // With the events that no tick has counted yet.
+  // The events that no tick has counted yet belong to the mass.
   const auto mass_of = [](const Track& t, const TrackState& s) {
     return s.mass + static_cast<float>(t.events - s.events);
   };

@@ -26,7 +26,7 @@ DirectionTable::DirectionTable() : bins_{} {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kFragment_s = 0.2F;  // for which a fragment is remembered
+constexpr float kFragment_s = 0.2F;  // time for which a fragment is remembered
 
 }  // namespace
 
@@ -110,7 +110,7 @@ float mature_gate_area(const Track& track, const GateRule& rule) noexcept {
 
 namespace {
 
-constexpr float kTravel_extents = 2;  // in which the centre's variance falls to 1/e
+constexpr float kTravel_extents = 2;  // way on which the centre's variance falls to 1/e
 constexpr float kContactCentreVariance = 0.08F;
 constexpr float kContact_s = 0.14F;
 constexpr float kMinExtent_px = 1;

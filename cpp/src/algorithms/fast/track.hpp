@@ -94,7 +94,7 @@ class DirectionTable {
 // with the old generation is known to be stale.
 
 inline constexpr std::size_t kMaxPartners = 3;
-inline constexpr std::size_t kMaxCandidates = 4;  // for a merge, of one track
+inline constexpr std::size_t kMaxCandidates = 4;  // candidates of one track for a merge
 inline constexpr std::uint16_t kNoSlot = 0xffff;
 
 enum class Phase : std::uint8_t {
@@ -116,7 +116,7 @@ struct alignas(64) Track {
   float sxx = 0;              // px^2, covariance of the events
   float sxy = 0;
   float syy = 0;
-  float mean_weight = 1;  // of the plain mean against the contour
+  float mean_weight = 1;  // weight of the plain mean against the contour
   Stamp stamp = 0;
   std::uint32_t events = 0;
   std::int32_t id = -1;
@@ -160,15 +160,15 @@ struct KalmanState {
   float pxv = 0;
   float pvv = 1e4F;
   Stamp stamp = 0;
-  std::uint32_t events = 0;  // of the track, at the last update
+  std::uint32_t events = 0;  // the track's at the last update
 };
 
-// For how long a track and a candidate for a merge have kept their relative position.
+// The time for which a track and a candidate for a merge have kept their relative position.
 struct MergeState {
   std::uint16_t other = kNoSlot;
-  std::uint16_t generation = 0;  // of the other
-  float hold_s = 0;              // for which the relative position has been constant
-  float travel_px = 0;           // in that time
+  std::uint16_t generation = 0;  // the other's
+  float hold_s = 0;              // time for which the relative position has been constant
+  float travel_px = 0;           // way of that time
   float dx = 0;                  // px, the relative position at the start
   float dy = 0;
 };
@@ -193,11 +193,11 @@ struct TrackState {
   float fragment_scale = 0;   // those with which it contains the fragments that began beside it
   float fragment_s = 1;       // since the last of them began
   float evidence = 0;         // log-likelihood ratio of an object against noise
-  float young_radius_px = 0;  // of the gate's circle until the track is mature
-  float unresolved_s = 0;     // for which it has looked like two objects
+  float young_radius_px = 0;  // radius of the gate's circle until the track is mature
+  float unresolved_s = 0;     // time for which it has looked like two objects
   float extent_px = 0;        // largest standard deviation of the events
   float average_extent2 = 0;  // px^2, slow average of extent_px^2 while no other object is near
-  std::uint32_t events = 0;   // of the track, at the last tick
+  std::uint32_t events = 0;   // the track's at the last tick
   Stamp last_event = 0;       // up to the last tick
   KalmanState kalman;
   std::array<MergeState, kMaxCandidates> merges{};  // the last updated first
@@ -209,8 +209,8 @@ struct TrackState {
   float last_seen_y = 0;
   float average_vx = 0;  // px/s, of such ticks
   float average_vy = 0;
-  bool near_confirmed = true;    // within reach of a confirmed track, or not known yet
-  bool may_be_fragment = false;  // of a confirmed track
+  bool near_confirmed = true;    // a confirmed track is in reach, or it is not known yet
+  bool may_be_fragment = false;  // it may belong to a confirmed track
 };
 
 class Tracks {
@@ -304,7 +304,7 @@ struct GateRule {
   float padding_px;          // added to the standard deviation, in quadrature
   float circle_scale;        // circle: standard deviations of the longest axis ...
   float circle_padding_px;   // ... and px
-  float noise_events = 0;    // of noise, at most, in a young track's mass
+  float noise_events = 0;    // maximum of noise in a young track's mass
   float min_density_hz = 0;  // events per pixel of its circle, from which an object fills it
 };
 
@@ -399,7 +399,7 @@ void kalman_without_events(Track& track, KalmanState& state, Stamp now,
 
 inline constexpr float kMinCentreVariance = 0.002F;
 
-// After dt_s more with events.
+// Updates the variance after dt_s more with events.
 void update_centre_variance(Contour& contour, const Track& track, float extent_px,
                             float dt_s) noexcept;
 
@@ -437,7 +437,7 @@ struct UpdateRule {
   std::uint32_t mean_events = 0;    // memory of the mean; less with gamma
   std::uint32_t covariance_events;  // memory of the covariance
   std::uint32_t contour_mask = 0;   // the contour learns events whose number has none of these bits
-  float far_weight = 1;             // of events far from the outline
+  float far_weight = 1;             // weight of events far from the outline
   ContourRule contour;
   float contact_gain;       // on the outline's residual
   float contact_mean_gain;  // where the outline is unknown
@@ -491,7 +491,7 @@ inline float event_weight(float residual, float mean_weight, float far) noexcept
   return std::clamp(std::max(near, textured), far, 1.0F);
 }
 
-// Without contact.
+// Takes an event without contact.
 inline void update_mean(Track& track, Contour& contour, const Innovation& nu, Stamp now, float sign,
                         const UpdateRule& rule, const Reciprocals& reciprocals,
                         const DirectionTable& directions) noexcept {
@@ -519,7 +519,7 @@ inline void update_mean(Track& track, Contour& contour, const Innovation& nu, St
   track.syy += spread_gain * ((1 - gain) * nu.dy * nu.dy - track.syy);
 }
 
-// In contact: the mean alone, by the outline's residual.
+// Takes an event in contact: moves the mean alone, by the outline's residual.
 inline void update_in_contact(Track& track, Contour& contour, const Innovation& nu, Stamp now,
                               float sign, const UpdateRule& rule, const Reciprocals& reciprocals,
                               const DirectionTable& directions) noexcept {
