@@ -1,7 +1,7 @@
 // Memory fixed by the configuration: a pipeline takes all of it in its constructor. This program
 // counts allocations while far more events come than the ring holds.
 #include <asap/runner/pipeline.hpp>
-#include <asap/synthetic/flight_over_chairs.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <atomic>
 #include <cstdint>
@@ -26,7 +26,7 @@ void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 int main() {
-  asap::FlightOverChairs camera{{.duration_us = 1'000'000}};
+  asap::FlightOverChairs camera{{.duration = std::chrono::seconds(1)}};
   const asap::RunConfig config{
       .latency_us = 10'000,
       .capacity = 16'384,                 // events of 16 bytes that may wait in the ring

@@ -2,7 +2,7 @@
 // -fno-rtti. What cannot be made is a message. All memory is there before the first event.
 #include <asap/algorithms/cluster_tracker.hpp>
 #include <asap/runner/pipeline.hpp>
-#include <asap/synthetic/flight_over_chairs.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <chrono>
 #include <cstdio>
@@ -33,7 +33,7 @@ int main() {
       asap::make_pipeline(config, [&](asap::EventSpan events) { tracker->process(events); });
   if (!pipeline) return refuse(pipeline.message());
 
-  asap::FlightOverChairs camera{{.duration_us = 300'000}};  // in place of a driver
+  asap::FlightOverChairs camera{{.duration = std::chrono::milliseconds(300)}};  // or a driver
   for (auto events = camera.next(); !events.empty(); events = camera.next()) {
     pipeline->push(events);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

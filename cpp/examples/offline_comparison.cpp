@@ -2,7 +2,7 @@
 #include <asap/runner/simulator.hpp>
 #include <asap/schemes/deadline.hpp>
 #include <asap/schemes/fixed.hpp>
-#include <asap/synthetic/shaken_pattern.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <cstdint>
 #include <iomanip>
@@ -33,7 +33,7 @@ void print_row(asap::Scheme& scheme, asap::EventSpan events) {
 }  // namespace
 
 int main() {
-  asap::ShakenPattern scene{{.duration_us = 1'000'000}};  // from 0.1 to 13 Mev/s
+  asap::ShakenPattern scene{{.duration = std::chrono::seconds(1)}};  // from 0.1 to 13 Mev/s
   const std::vector<asap::Event> events = asap::read_events(scene, SIZE_MAX);
 
   asap::Deadline deadline{{.latency_ms = 10}};

@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "algorithms/cluster_tracker_config.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/runner/pipeline.hpp"
@@ -129,6 +130,9 @@ void trackers() {
     bad = good;
     if (const auto* const number = std::get_if<0>(&parameter.field)) bad.** number = -1;
     if (const auto* const number = std::get_if<1>(&parameter.field)) bad.** number = kNaN;
+    if (const auto* const time = std::get_if<2>(&parameter.field)) {
+      bad.** time = asap::ClusterTrackerConfig::Milliseconds(kNaN);
+    }
     tracker_field(std::string(parameter.name), bad);
   }
 }

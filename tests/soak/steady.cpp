@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "camera.hpp"
 #include "measure.hpp"

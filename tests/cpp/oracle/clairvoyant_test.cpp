@@ -69,9 +69,9 @@ struct Case {
   LinearCostConfig config;
 };
 
-Case random_case(std::uint64_t seed, std::size_t most, std::int64_t range_us) {
+Case random_case(std::uint64_t seed, std::size_t max, std::int64_t range_us) {
   const CounterRandom random(seed);
-  const std::size_t count = 1 + random(0) % most;
+  const std::size_t count = 1 + random(0) % max;
   std::vector<std::int64_t> stamps_us;
   for (std::size_t i = 0; i < count; ++i) {
     const auto slot = static_cast<std::int64_t>(random(10 + i) % 40);
@@ -214,7 +214,7 @@ class EveryChoice {
   EveryChoice(const Events& events, const LinearCost& cost, double latency_us)
       : events_(events), cost_(cost), latency_ns_(1e3 * latency_us) {}
 
-  int most() const { return most(0, -1e18, {}); }
+  int max() const { return max(0, -1e18, {}); }
 
  private:
   struct Package {
@@ -224,16 +224,16 @@ class EveryChoice {
   };
   static constexpr int kImpossible = -1000;
 
-  int most(std::size_t next, double free_ns, Package open) const {
+  int max(std::size_t next, double free_ns, Package open) const {
     if (next == events_.size()) return closed(open, free_ns) ? open.size : kImpossible;
     const double time_ns = 1e3 * static_cast<double>(events_[next].t);
-    int best = most(next + 1, free_ns, open);
+    int best = max(next + 1, free_ns, open);
     if (open.size > 0) {
       const Package longer{open.size + 1, open.first_ns, time_ns};
-      best = std::max(best, most(next + 1, free_ns, longer));
+      best = std::max(best, max(next + 1, free_ns, longer));
     }
     if (closed(open, free_ns)) {
-      best = std::max(best, open.size + most(next + 1, free_ns, {1, time_ns, time_ns}));
+      best = std::max(best, open.size + max(next + 1, free_ns, {1, time_ns, time_ns}));
     }
     return best;
   }
@@ -270,9 +270,9 @@ std::uint64_t by_the_whole_table(const Events& events, const LinearCost& cost, d
       }
     }
   }
-  std::size_t most = count;
-  while (end_ns[count][most] > 1e17) --most;
-  return most;
+  std::size_t max = count;
+  while (end_ns[count][max] > 1e17) --max;
+  return max;
 }
 
 Events at(const std::vector<std::int64_t>& stamps_us) {
@@ -302,7 +302,7 @@ TEST(ExactClairvoyant, IsTheBestOfAllSubsetsAndCuts) {
     const LinearCost cost{{.alpha_us = static_cast<double>(1 + random(2) % 60),
                            .beta_ns = static_cast<double>(random(3) % 40'000)}};
     const double latency_us = static_cast<double>(20 + random(4) % 250);
-    const auto wanted = static_cast<std::uint64_t>(EveryChoice(events, cost, latency_us).most());
+    const auto wanted = static_cast<std::uint64_t>(EveryChoice(events, cost, latency_us).max());
     const std::uint64_t found = exact_clairvoyant(events, cost, latency_us);
     ASSERT_EQ(found, wanted) << "seed " << seed;
     Oracle fluid(cost, latency_us, Execution::whole);

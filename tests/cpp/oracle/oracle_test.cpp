@@ -85,10 +85,9 @@ class Dice {
   std::uint64_t count_ = 0;
 };
 
-test::Events few_events(Dice& dice, std::int64_t unit_us, std::int64_t first_us,
-                        std::int64_t most) {
+test::Events few_events(Dice& dice, std::int64_t unit_us, std::int64_t first_us, std::int64_t max) {
   std::vector<std::int64_t> stamps_us;
-  const std::int64_t count = dice(1, most);
+  const std::int64_t count = dice(1, max);
   const std::int64_t last = dice(0, 20);
   for (std::int64_t i = 0; i < count; ++i) stamps_us.push_back(first_us + unit_us * dice(0, last));
   std::sort(stamps_us.begin(), stamps_us.end());

@@ -28,7 +28,7 @@ struct Progress {
 // An edge at an external input of the camera. 16 bytes.
 struct Trigger {
   std::int64_t t;       // us of the sensor's clock
-  std::uint16_t id;     // of the input
+  std::uint16_t id;     // number of the input
   std::uint16_t value;  // 1 = rising, 0 = falling edge
 
   friend bool operator==(const Trigger&, const Trigger&) = default;
@@ -104,7 +104,7 @@ class NativeDecoder {
   }
 
   Config config_;
-  std::uint64_t offset_;  // in the file, of the next word or packet
+  std::uint64_t offset_;  // place of the next word or packet in the file
   std::uint64_t triggers_ = 0;
   std::uint64_t before_start_ = 0;
   BadRecords bad_;

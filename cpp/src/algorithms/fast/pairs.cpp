@@ -1,4 +1,4 @@
-#include "algorithms/fast/merge.hpp"
+#include "algorithms/fast/pairs.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "algorithms/fast/gate.hpp"
-#include "algorithms/fast/siblings.hpp"
+#include "algorithms/fast/track.hpp"
 
 namespace asap::fast {
 namespace {
@@ -49,6 +48,48 @@ bool may_miss_parts(const TrackState& confirmed) noexcept {
   return confirmed.extent_px >= kLarge_px && confirmed.age_s > kMature_s;
 }
 
+// px within which two tracks may be one object.
+float merge_distance(float extents_px, const PairRule& rule) noexcept {
+  return std::max(0.9F * rule.birth_radius_px,
+                  rule.merge_reach * extents_px + rule.merge_padding_px);
+}
+
+// The gate of a large object misses some of its parts, such as the tips of a star or the ends of a
+// bar. They begin as tracks of their own, and once confirmed would take the object's events in
+// contact. So a tentative track that lies in the widened gate of a mature one and is small beside
+// it waits until it has merged or left.
+bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
+                     float dy) noexcept {
+  constexpr float kMaxMass = 0.2F;
+  constexpr float kReach = 1.25F;  // factor on the gate
+  const TrackState& state = tracks.state(confirmed);
+  return state.age_s > kMature_s && tracks.state(tentative).mass < kMaxMass * state.mass &&
+         gate_value(tracks[confirmed], {.mean_x = 0, .mean_y = 0, .dx = dx, .dy = dy}) <=
+             kReach * kReach;
+}
+
+// ---- siblings ----
+
+bool is_sibling(const Tracks& tracks, Tracks::Slot of, Tracks::Slot other) noexcept {
+  const TrackState& state = tracks.state(of);
+  return state.sibling == other && state.sibling_generation == tracks[other].generation;
+}
+
+// Whether one was confirmed within reach of the other and has not left it since. It is then a part
+// of the same object, and not an object that came along.
+bool are_siblings(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept {
+  return is_sibling(tracks, a, b) || is_sibling(tracks, b, a);
+}
+
+// The siblings of a track that has become part of another are siblings of that one.
+void inherit_siblings(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other) noexcept {
+  for (const Tracks::Slot slot : tracks.active()) {
+    if (!is_sibling(tracks, slot, other)) continue;
+    tracks.state(slot).sibling = slot == survivor ? kNoSlot : survivor;
+    tracks.state(slot).sibling_generation = tracks[survivor].generation;
+  }
+}
+
 // ---- candidates ----
 
 constexpr Candidate kNoCandidate{Tracks::kNone, Tracks::kNone, 0, 0,
@@ -74,7 +115,7 @@ MergeState& merge_state(TrackState& keeper, Tracks::Slot other, std::uint16_t ge
   return keeper.merges.front();
 }
 
-// For how long, and on which way, a pair must keep its relative position.
+// Time and way for which a pair must keep its relative position.
 struct Required {
   float hold_s;
   float travel_px;
@@ -112,7 +153,7 @@ bool has_changed(const MergeState& kept, const Candidate& pair, float tolerance_
   return moved > tolerance_px + rotation_px || stretched > tolerance_px;
 }
 
-constexpr std::uint32_t kKnownEvents = 20;  // with fewer, the mean polarity is random
+constexpr std::uint32_t kKnownEvents = 20;  // the mean polarity of fewer is random
 
 // Whether a track has a leading and a trailing edge, which fire with opposite polarities.
 bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
@@ -123,7 +164,7 @@ bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
 // Whether a track is as thin as an arc of a ring, or as a piece of a bar. Its two edges lie close
 // together, so both polarities do not say that it is an object.
 bool is_thin(const Track& track) noexcept {
-  constexpr float kElongation = 5;  // of variances; an outline of 2 to 1 has 4 to 5
+  constexpr float kElongation = 5;  // ratio of variances; an outline of 2 to 1 has 4 to 5
   const float largest = largest_variance(track);
   return largest > kElongation * (track.sxx + track.syy - largest);
 }
@@ -160,7 +201,7 @@ bool move_alike(const Tracks& tracks, const Candidate& pair) noexcept {
 bool would_have_separated(const TrackState& a, const TrackState& b, float hold_s) noexcept {
   constexpr float kApart_px = 10;
   constexpr float kNew_s = 0.1F;      // a younger track was never apart from the other
-  constexpr float kLongest_s = 0.3F;  // with equal average velocities there is no other evidence
+  constexpr float kLongest_s = 0.3F;  // equal average velocities leave no other evidence
   if (std::min(a.confirmed_s, b.confirmed_s) <= kNew_s) return true;
   const float speed = length(a.average_vx - b.average_vx, a.average_vy - b.average_vy);
   return hold_s * speed >= kApart_px || hold_s >= kLongest_s;
@@ -210,11 +251,6 @@ bool partial_tracks_are_one(const Tracks& tracks, const Candidate& pair, const M
 }  // namespace
 
 // ---- pairs ----
-
-float merge_distance(float extents_px, const PairRule& rule) noexcept {
-  return std::max(0.9F * rule.birth_radius_px,
-                  rule.merge_reach * extents_px + rule.merge_padding_px);
-}
 
 Pairs::Pairs(std::size_t slots) {
   places_.reserve(slots);
@@ -293,18 +329,6 @@ void Pairs::compare(Tracks& tracks, std::size_t keeper, std::size_t other,
          Candidate{a.slot, b.slot, dx, dy, distance});
 }
 
-// ---- fragments ----
-
-bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
-                     float dy) noexcept {
-  constexpr float kMostMass = 0.2F;
-  constexpr float kReach = 1.25F;  // of the gate
-  const TrackState& state = tracks.state(confirmed);
-  return state.age_s > kMature_s && tracks.state(tentative).mass < kMostMass * state.mass &&
-         gate_value(tracks[confirmed], {.mean_x = 0, .mean_y = 0, .dx = dx, .dy = dy}) <=
-             kReach * kReach;
-}
-
 // ---- merging ----
 
 bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule& rule) noexcept {
@@ -343,7 +367,7 @@ void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now)
   const Track& gone = tracks[other];
   const TrackState& gone_state = tracks.state(other);
 
-  // With the events that no tick has counted yet.
+  // The events that no tick has counted yet belong to the mass.
   const auto mass_of = [](const Track& t, const TrackState& s) {
     return s.mass + static_cast<float>(t.events - s.events);
   };
@@ -370,6 +394,39 @@ void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now)
   state.slow_rate_hz += gone_state.slow_rate_hz;
   tracks.contour(survivor).forget_radius();
   inherit_siblings(tracks, survivor, other);
+}
+
+// ---- siblings ----
+
+void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& rule) noexcept {
+  TrackState& state = tracks.state(slot);
+  const Point here = predicted_mean(tracks[slot], now);
+  float nearest = std::numeric_limits<float>::infinity();
+  for (const Tracks::Slot other : tracks.active()) {
+    if (other == slot || !tracks[other].has_id()) continue;
+    const Point there = predicted_mean(tracks[other], now);
+    const float distance = length(here.x - there.x, here.y - there.y);
+    const float reach = merge_distance(state.extent_px + tracks.state(other).extent_px, rule);
+    if (distance > reach || distance >= nearest) continue;
+    nearest = distance;
+    state.sibling = other;
+    state.sibling_generation = tracks[other].generation;
+  }
+}
+
+void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
+                        const PairRule& rule) noexcept {
+  TrackState& state = tracks.state(slot);
+  if (state.sibling == kNoSlot) return;
+  if (is_sibling(tracks, slot, state.sibling)) {
+    constexpr float kMargin_px = 4;
+    const Point here = predicted_mean(tracks[slot], now);
+    const Point there = predicted_mean(tracks[state.sibling], now);
+    const float extents = state.extent_px + tracks.state(state.sibling).extent_px;
+    if (length(there.x - here.x, there.y - here.y) <= merge_distance(extents, rule) + kMargin_px)
+      return;
+  }
+  state.sibling = kNoSlot;
 }
 
 }  // namespace asap::fast

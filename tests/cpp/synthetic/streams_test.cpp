@@ -1,18 +1,18 @@
-#include "asap/synthetic/event_stream.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <utility>
 #include <vector>
 
-#include "asap/synthetic/flight_over_chairs.hpp"
-#include "asap/synthetic/poisson_arrivals.hpp"
-#include "asap/synthetic/shaken_pattern.hpp"
 #include "support/allocation_counter.hpp"
 
-namespace asap::event_stream_test {
+namespace asap::streams_test {
 namespace {
+
+using std::chrono::microseconds;
 
 // Blocks of 3, 1 and 2 events.
 class ThreeBlocks final : public EventStream {
@@ -46,10 +46,10 @@ TEST(EventStream, IsReadInWholeBlocksUntilThereIsEnough) {
 }
 
 TEST(EventStream, AllocatesNothingAfterConstruction) {
-  ShakenPattern shaken{{.duration_us = 300'000}};
+  ShakenPattern shaken{{.duration = microseconds(300'000)}};
   FlightOverChairs flight{{.width = 120,
                            .height = 100,
-                           .duration_us = 8'000'000,
+                           .duration = microseconds(8'000'000),
                            .last_rate_hz = 0.3e6,
                            .chair_px = 20}};
   for (EventStream* stream :
@@ -88,4 +88,4 @@ TEST(EventStream, AMoveKeepsTheState) {
 }
 
 }  // namespace
-}  // namespace asap::event_stream_test
+}  // namespace asap::streams_test

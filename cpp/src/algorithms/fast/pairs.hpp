@@ -67,18 +67,6 @@ class Pairs {
   std::vector<Candidate> candidates_;
 };
 
-// px within which two tracks may be one object.
-float merge_distance(float extents_px, const PairRule& rule) noexcept;
-
-// ---- fragments ----
-
-// The gate of a large object misses some of its parts, such as the tips of a star or the ends of a
-// bar. They begin as tracks of their own, and once confirmed would take the object's events in
-// contact. So a tentative track that lies in the widened gate of a mature one and is small beside
-// it waits until it has merged or left.
-bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot confirmed, float dx,
-                     float dy) noexcept;
-
 // ---- merging ----
 
 struct MergeRule {
@@ -94,5 +82,16 @@ Tracks::Slot survivor_of(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) n
 
 // Joins the moments of both, at their positions now, in the survivor. The caller removes the other.
 void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now) noexcept;
+
+// ---- siblings ----------------------------------------------------------------------------------
+
+// Tracks that are parts of one object since one of them was confirmed beside the other.
+
+// Sets the sibling of a track that is confirmed now: the nearest confirmed track within reach.
+void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& rule) noexcept;
+
+// Removes a sibling that was deleted or is farther away than the reach and 4 px.
+void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
+                        const PairRule& rule) noexcept;
 
 }  // namespace asap::fast
