@@ -4,10 +4,13 @@
 #include <asap/synthetic/flight_over_chairs.hpp>
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <iostream>
 #include <new>
+
+using namespace std::chrono_literals;
 
 namespace {
 
@@ -28,7 +31,7 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 int main() {
   asap::FlightOverChairs camera{{.duration_us = 1'000'000}};
   const asap::RunConfig config{
-      .latency_us = 10'000,
+      .latency = 10ms,
       .capacity = 16'384,                 // events of 16 bytes that may wait in the ring
       .when_full = asap::WhenFull::thin,  // a random part of the new events gives way
   };

@@ -48,7 +48,7 @@ int main() {
     not_told.process(package.events);
   };
   asap::ShakenPattern scene{{.duration_us = 500'000}};
-  asap::Deadline scheme{{.latency_ms = 10, .prefer = asap::Prefer::continuity}};
+  asap::Deadline scheme{{.prefer = asap::Prefer::continuity}};
   asap::Simulator simulator{scheme, asap::LinearCost{{.beta_ns = 300}}, {}, process};
   for (auto events = scene.next(); !events.empty(); events = scene.next()) {
     all.process(events);

@@ -4,6 +4,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -23,6 +24,17 @@ pybind11::object index_of(const char* field, pybind11::handle value);
 
 // The value's __float__; TypeError where it has none, ValueError beyond every double.
 double real_number(const char* field, pybind11::handle value);
+
+// A time that Python gives as a number of ms; ValueError for one that is none.
+std::chrono::nanoseconds time_of_ms(const char* field, pybind11::handle value);
+
+// As Python writes a time: a number of ms.
+inline double ms_of(std::chrono::nanoseconds time) {
+  return static_cast<double>(time.count()) / 1e6;
+}
+
+// What C++ says of a time, "latency = -1 ms: ...", in Python's names: "latency_ms = -1: ...".
+void translate_bad_times();
 
 // ValueError unless least <= value <= most.
 template <class Whole = std::uint64_t>

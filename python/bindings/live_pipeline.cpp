@@ -227,10 +227,10 @@ void LivePipeline::start() {
   pipeline.start();
 }
 
-void LivePipeline::set_latency(double latency_us) {
+void LivePipeline::set_latency(std::chrono::nanoseconds latency) {
   Pipeline& pipeline = native();
   const WithoutGil released;
-  pipeline.set_latency(latency_us);
+  pipeline.set_latency(latency);
 }
 
 void LivePipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) {

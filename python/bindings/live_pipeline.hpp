@@ -44,7 +44,7 @@ class LivePipeline {
   void flush();
   void stop(bool drain);
   void start();
-  void set_latency(double latency_us);
+  void set_latency(std::chrono::nanoseconds latency);
   void upstream_lost(std::uint64_t marks, std::uint64_t packets);
   bool is_open() const { return native().is_open(); }
   Ledger ledger() const;

@@ -117,7 +117,12 @@ Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenc
       .def("flush", &LivePipeline::flush)
       .def("stop", &LivePipeline::stop, py::arg("drain") = true)
       .def("start", &LivePipeline::start)
-      .def("set_latency", &LivePipeline::set_latency, py::arg("latency_us"))
+      .def(
+          "set_latency",
+          [](LivePipeline& self, const py::object& latency_ms) {
+            self.set_latency(time_of_ms("latency_ms", latency_ms));
+          },
+          py::arg("latency_ms"))
       .def_property_readonly("is_open", &LivePipeline::is_open)
       .def_property_readonly("ledger", &LivePipeline::ledger)
       .def_property_readonly("packages", &LivePipeline::packages)

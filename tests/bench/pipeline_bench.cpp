@@ -22,8 +22,9 @@
 namespace {
 
 constexpr std::size_t kPushes = 100;  // of one round
-const asap::RunConfig kWhole{
-    .latency_us = 1e6, .capacity = std::size_t{1} << 20, .execution = asap::Execution::whole};
+const asap::RunConfig kWhole{.latency = std::chrono::seconds(1),
+                             .capacity = std::size_t{1} << 20,
+                             .execution = asap::Execution::whole};
 
 // By arrival: the pipeline.
 void BM_Pipeline(benchmark::State& state) {

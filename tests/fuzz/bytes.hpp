@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -66,6 +67,12 @@ class Bytes {
     if (kind % 2 == 0) return low + share * (high - low);
     const double least = std::max(low, 1e-9 * high);
     return std::clamp(least * std::pow(high / least, share), low, high);
+  }
+
+  // A time whose good values lie between low and high.
+  std::chrono::nanoseconds time(std::chrono::nanoseconds low, std::chrono::nanoseconds high) {
+    const double ns = real(static_cast<double>(low.count()), static_cast<double>(high.count()));
+    return std::chrono::nanoseconds(std::abs(ns) < 9e18 ? std::llround(ns) : -1);
   }
 
   std::size_t count(std::size_t high) {

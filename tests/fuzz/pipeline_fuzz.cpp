@@ -22,6 +22,7 @@ namespace {
 using Next = Pipeline::Next;
 using Steady = std::chrono::steady_clock;
 using std::chrono::nanoseconds;
+using namespace std::chrono_literals;
 
 // The fuzzer's own alarm wakes who sleeps, which hides it.
 constexpr auto kNoHang = std::chrono::seconds(8);
@@ -61,12 +62,12 @@ RunConfig any_run(fuzz::Bytes& bytes) {
                    .flush = bytes.below(8) != 0,
                    .when_full = static_cast<WhenFull>(bytes.below(4))};
   if (bytes.below(32) == 0) config.capacity = (std::size_t{1} << 40) + 1;
-  if (bytes.below(4) == 0) config.latency_us = bytes.real(10, 1e10);
+  if (bytes.below(4) == 0) config.latency = bytes.time(10us, 10'000s);
   config.validator = {.width = static_cast<int>(odd_or(bytes, 400)),
                       .height = static_cast<int>(odd_or(bytes, 400)),
                       .on_bad = static_cast<OnBad>(bytes.below(3)),
-                      .reorder_tolerance_us = odd_or(bytes, 256),
-                      .warmup_discard_us = odd_or(bytes, 256)};
+                      .reorder_tolerance = nanoseconds(odd_or(bytes, 256'000)),
+                      .warmup_discard = nanoseconds(odd_or(bytes, 256'000))};
   if (bytes.below(4) == 0) {
     config.before = Front{.keep_every = static_cast<int>(bytes.below(4)),
                           .throws = static_cast<int>(bytes.below(3))};
@@ -169,13 +170,13 @@ class Camera {
 };
 
 void set_any_latency(Pipeline& pipeline, fuzz::Bytes& bytes) {
-  const double latency_us = bytes.real(10, 1e10);
+  const nanoseconds latency = bytes.time(10us, 10'000s);
   try {
-    pipeline.set_latency(latency_us);
-    fuzz::check(pipeline.stats().latency_bound_ns == std::llround(latency_us * 1e3));
+    pipeline.set_latency(latency);
+    fuzz::check(pipeline.stats().latency_bound_ns == latency.count());
   } catch (const std::invalid_argument& refused) {
     check_refusal(refused);
-    fuzz::check(!(latency_us >= 10 && latency_us <= 1e10));
+    fuzz::check(latency < 10us || latency > 10'000s);
   }
 }
 

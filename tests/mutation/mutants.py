@@ -232,8 +232,8 @@ MUTANTS: list[Mutant] = [
         SOURCE + "filter/validator.cpp",
         "filter",
         stamp_back_by_the_tolerance_is_bad=(
-            "back > config_.reorder_tolerance_us",
-            "back >= config_.reorder_tolerance_us",
+            "back > reorder_tolerance_us_",
+            "back >= reorder_tolerance_us_",
         ),
         second_back_is_no_epoch=("back >= kNewEpoch_us", "back > kNewEpoch_us"),
         row_below_the_sensor_passes=("(kLane - max_y) << 16", "(kLane - max_y - 1) << 16"),

@@ -20,11 +20,14 @@ AROUND = """
 #include <asap/runner/pipeline.hpp>
 #include <asap/schemes/deadline.hpp>
 
+#include <chrono>
 #include <pthread.h>
 #include <thread>
 
+using namespace std::chrono_literals;
+
 int main() {
-  const auto scheme = asap::make_scheme<asap::Deadline>({.latency_ms = 5});
+  const auto scheme = asap::make_scheme<asap::Deadline>({.latency = 5ms});
   const auto tracker = asap::make_tracker({.width = 346, .height = 260});
   const asap::RunConfig config;
   %s

@@ -69,7 +69,8 @@ void fill(std::vector<Event>& events, std::int64_t& t_us) {
 
 bool pipeline() {
   const auto pipeline = asap::make_pipeline(
-      {.latency_us = 1e6, .capacity = 16'384, .validator = {.width = 346}}, [](EventSpan) {});
+      {.latency = std::chrono::seconds(1), .capacity = 16'384, .validator = {.width = 346}},
+      [](EventSpan) {});
   if (!pipeline) return false;
   std::vector<Event> events(kBatch);
   std::int64_t t_us = 0;

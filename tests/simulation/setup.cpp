@@ -32,10 +32,14 @@ ValidatorConfig draw_door(Draw& draw) {
   return {.width = bounded ? static_cast<int>(draw.between(1, 1280)) : 0,
           .height = bounded ? static_cast<int>(draw.between(1, 720)) : 0,
           .on_bad = kPolicies[draw.below(kPolicies.size())],
-          .reorder_tolerance_us = draw.chance(0.7) ? 0 : draw.between(1, 999'999)};
+          .reorder_tolerance =
+              std::chrono::microseconds(draw.chance(0.7) ? 0 : draw.between(1, 999'999))};
 }
 
 double ms(std::int64_t time_ns) { return static_cast<double>(time_ns) * 1e-6; }
+std::chrono::nanoseconds time_of(double time_ms) {
+  return std::chrono::nanoseconds(std::llround(time_ms * 1e6));
+}
 
 Asap2020Config asap2020(const Setup& setup, Draw draw) {
   const double rate = 1e9 / setup.gap_ns;
@@ -49,8 +53,8 @@ Asap2020Config asap2020(const Setup& setup, Draw draw) {
 Asap2022Config asap2022(const Setup& setup, Draw draw) {
   const double longest_ms = ms(setup.latency_ns) * draw.octaves(0.1, 2);
   const double least_gamma = draw.chance(0.3) ? 0.0 : 0.5 * draw.uniform();
-  return {.min_processing_ms = longest_ms * 0.5 * draw.uniform() + 1e-6,
-          .max_processing_ms = longest_ms + 1e-5,
+  return {.min_processing = time_of(longest_ms * 0.5 * draw.uniform() + 1e-6),
+          .max_processing = time_of(longest_ms + 1e-5),
           .min_size = setup.scheme.size,
           .max_size = setup.scheme.most,
           .kappa = draw.octaves(0.25, 4),
@@ -60,14 +64,14 @@ Asap2022Config asap2022(const Setup& setup, Draw draw) {
 }
 
 double draw_overhead(Draw& draw) { return draw.chance(0.7) ? 0.25 : draw.uniform(); }
-double draw_interval(Draw& draw, const Setup& setup) {
-  return draw.chance(0.8) ? 0.0 : ms(setup.latency_ns) * draw.uniform();
+std::chrono::nanoseconds draw_interval(Draw& draw, const Setup& setup) {
+  return time_of(draw.chance(0.8) ? 0.0 : ms(setup.latency_ns) * draw.uniform());
 }
 
 DeadlineConfig deadline(const Setup& setup, Draw draw) {
-  DeadlineConfig config{.latency_ms = ms(setup.latency_ns),
+  DeadlineConfig config{.latency = std::chrono::nanoseconds(setup.latency_ns),
                         .overhead = draw_overhead(draw),
-                        .min_interval_ms = draw_interval(draw, setup)};
+                        .min_interval = draw_interval(draw, setup)};
   if (!draw.chance(0.6)) config.prefer = draw.chance(0.5) ? Prefer::events : Prefer::continuity;
   if (draw.chance(0.3)) {
     config.first_alpha_us = draw.octaves(0.01, 1e5);
@@ -77,10 +81,10 @@ DeadlineConfig deadline(const Setup& setup, Draw draw) {
 }
 
 DeadBeatConfig dead_beat(const Setup& setup, Draw draw) {
-  return {.latency_ms = ms(setup.latency_ns),
+  return {.latency = std::chrono::nanoseconds(setup.latency_ns),
           .knee = draw.chance(0.5) ? 33.0 : (draw.chance(0.5) ? 0.0 : draw.octaves(8, 100)),
           .overhead = draw_overhead(draw),
-          .min_interval_ms = draw_interval(draw, setup)};
+          .min_interval = draw_interval(draw, setup)};
 }
 
 const char* name(Kind kind) {
@@ -141,7 +145,8 @@ std::unique_ptr<Scheme> make_scheme(const Setup& setup) {
     case Kind::fixed_size:
       return std::make_unique<FixedSize>(FixedSizeConfig{.size = setup.scheme.size});
     case Kind::fixed_time:
-      return std::make_unique<FixedTime>(FixedTimeConfig{.period_ms = ms(setup.scheme.period_ns)});
+      return std::make_unique<FixedTime>(
+          FixedTimeConfig{.period = std::chrono::nanoseconds(setup.scheme.period_ns)});
     case Kind::single_event:
       return std::make_unique<SingleEvent>();
     case Kind::greedy:
@@ -191,7 +196,7 @@ std::string text(const Setup& setup) {
       scheme.least_gamma, setup.alpha_ns * 1e-3, setup.beta_ns, setup.cost_noise, setup.events,
       setup.gap_ns, setup.load(), setup.longest_packet, setup.base_us, setup.door.width,
       setup.door.height, kPolicies[static_cast<std::size_t>(setup.door.on_bad)],
-      setup.door.reorder_tolerance_us);
+      static_cast<std::int64_t>(setup.door.reorder_tolerance / std::chrono::microseconds(1)));
   return line.data();
 }
 

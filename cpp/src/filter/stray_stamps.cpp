@@ -58,7 +58,7 @@ std::vector<std::size_t> stray_stamps(const Validator& validator, EventSpan even
       kept.push_back(at);
       continue;
     }
-    if (last - t <= validator.config().reorder_tolerance_us) continue;
+    if (last - t <= validator.config().reorder_tolerance / std::chrono::microseconds(1)) continue;
 
     // Either those kept that are after t are ahead, or those from here on that are before `last`
     // are late: the fewer are wrong. A clock that is reset does not go on where it was.

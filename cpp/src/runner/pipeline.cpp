@@ -1,7 +1,6 @@
 #include "asap/runner/pipeline.hpp"
 
 #include <atomic>
-#include <cmath>
 #include <cstddef>
 #include <exception>
 #include <mutex>
@@ -21,8 +20,6 @@ namespace asap {
 namespace {
 
 thread_local const void* worker_of = nullptr;  // whose worker this thread is
-
-constexpr double kDefaultLatency_us = 10'000;
 
 }  // namespace
 
@@ -44,7 +41,7 @@ class Pipeline::Work {
   void flush();
   void stop(bool drain);
   void start();
-  void set_latency(double latency_us);
+  void set_latency(std::chrono::nanoseconds latency);
   bool is_open() const noexcept { return door_.is_open(); }
   Ledger ledger() const;
   PipelineStats stats() const;
@@ -110,9 +107,8 @@ Pipeline::Work::Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConf
 
 std::unique_ptr<Pipeline::Work> Pipeline::Work::with_worker(RunConfig config, Consumer algorithm) {
   if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
-  const double latency_us = config.latency_us.value_or(kDefaultLatency_us);
-  checked_latency_bound_ns(latency_us);  // the scheme would name its own latency_ms
-  auto scheme = std::make_unique<Deadline>(DeadlineConfig{.latency_ms = latency_us * 1e-3});
+  auto scheme = std::make_unique<Deadline>(
+      DeadlineConfig{.latency = config.latency.value_or(kDefaultLatency)});
   Scheme& own = *scheme;
   auto work =
       std::make_unique<Work>(std::move(scheme), own, std::move(config), std::move(algorithm));
@@ -122,8 +118,7 @@ std::unique_ptr<Pipeline::Work> Pipeline::Work::with_worker(RunConfig config, Co
 
 PipelineMemory Pipeline::Work::memory(const RunConfig& config) noexcept {
   constexpr std::size_t kThread = 2 * sizeof(void*);  // what std::thread keeps of its function
-  const double latency_us = config.latency_us.value_or(kDefaultLatency_us);
-  PipelineMemory memory = Run::memory(config, std::llround(latency_us * 1e3));
+  PipelineMemory memory = Run::memory(config, config.latency.value_or(kDefaultLatency).count());
   memory.rest += sizeof(Work) + sizeof(LiveRun) + sizeof(Deadline) + kThread;
   return memory;
 }
@@ -284,11 +279,11 @@ void Pipeline::Work::begin() {
   door_.open();
 }
 
-void Pipeline::Work::set_latency(double latency_us) {
-  const std::int64_t bound_ns = checked_latency_bound_ns(latency_us);
+void Pipeline::Work::set_latency(std::chrono::nanoseconds latency) {
+  const std::int64_t bound_ns = checked_latency_ns(latency);
   const std::lock_guard lock(control_);
   latency_bound_ns_ = bound_ns;
-  config_.latency_us = latency_us;
+  config_.latency = latency;
   run_->set_latency_bound(bound_ns);
 }
 
@@ -350,7 +345,7 @@ void Pipeline::join() { work_->join(); }
 void Pipeline::flush() { work_->flush(); }
 void Pipeline::stop(bool drain) { work_->stop(drain); }
 void Pipeline::start() { work_->start(); }
-void Pipeline::set_latency(double latency_us) { work_->set_latency(latency_us); }
+void Pipeline::set_latency(std::chrono::nanoseconds latency) { work_->set_latency(latency); }
 bool Pipeline::is_open() const noexcept { return work_->is_open(); }
 Ledger Pipeline::ledger() const { return work_->ledger(); }
 PipelineStats Pipeline::stats() const { return work_->stats(); }

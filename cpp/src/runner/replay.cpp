@@ -20,10 +20,11 @@ constexpr std::int64_t kLongestChunkNs = 1'000'000;            // of stamps in o
 constexpr auto kLongestSleep = std::chrono::milliseconds(20);  // a stop is seen this soon
 
 ReplayConfig checked(ReplayConfig config) {
+  using namespace std::chrono_literals;
   require(config.speed >= 1e-3 && config.speed <= 1e6, "speed", config.speed,
           "must be between 0.001 and 1e6");
-  require(config.pacing_us >= 0 && config.pacing_us <= 1000, "pacing_us", config.pacing_us,
-          "must be between 0 and 1000 us");
+  require_time(config.pacing >= 0us && config.pacing <= 1ms, "pacing", config.pacing, TimeUnit::us,
+               "must be between 0 and 1000 us");
   return config;
 }
 
@@ -132,7 +133,7 @@ void Replay::Work::push_arrived() {
   doorbell_.announce(run_.buffer().tail());
   arriving_ = arriving_.subspan(count);
   lateness_.record(now_ns - first_ns);
-  next_push_ns_ = until_ns + std::llround(replay_.pacing_us * 1e3);
+  next_push_ns_ = until_ns + replay_.pacing.count();
 }
 
 Replay::Replay(Scheme& scheme, ReplayConfig replay, RunConfig config)

@@ -18,14 +18,20 @@ double law(double kappa, double processing_ms) noexcept {
   return std::atan(kappa * std::log(processing_ms));
 }
 
+double in_ms(std::chrono::nanoseconds time) noexcept {
+  return static_cast<double>(time.count()) / 1e6;
+}
+
 }  // namespace
 
 Asap2022::Asap2022(Config config) : config_(config) {
-  require(config.min_processing_ms >= 1e-6 && config.min_processing_ms <= 1e9, "min_processing_ms",
-          config.min_processing_ms, "must be between 1e-6 and 1e9 ms");
-  require(config.max_processing_ms > config.min_processing_ms && config.max_processing_ms <= 1e9,
-          "max_processing_ms", config.max_processing_ms,
-          "must be above min_processing_ms and at most 1e9 ms");
+  using namespace std::chrono_literals;
+  require_time(config.min_processing >= 1ns && config.min_processing <= 1'000'000s,
+               "min_processing", config.min_processing, TimeUnit::ms,
+               "must be between 1e-6 and 1e9 ms");
+  require_time(config.max_processing > config.min_processing && config.max_processing <= 1'000'000s,
+               "max_processing", config.max_processing, TimeUnit::ms,
+               "must be above the minimum and at most 1e9 ms");
   require(config.min_size >= 1, "min_size", config.min_size, "must be at least 1 event");
   require(config.max_size >= config.min_size && config.max_size <= kLargestSize, "max_size",
           config.max_size, "must be at least min_size and at most 2^40 events");
@@ -35,8 +41,8 @@ Asap2022::Asap2022(Config config) : config_(config) {
           "max_gamma", config.max_gamma, "must be above 0, at least min_gamma and at most 1");
   require(config.first_size >= 1 && config.first_size <= kLargestSize, "first_size",
           config.first_size, "must be between 1 and 2^40 events");
-  const double rise =
-      law(config.kappa, config.max_processing_ms) - law(config.kappa, config.min_processing_ms);
+  const double rise = law(config.kappa, in_ms(config.max_processing)) -
+                      law(config.kappa, in_ms(config.min_processing));
   require(rise > 1e-9 && std::isfinite(config.kappa), "kappa", config.kappa,
           "must be positive, and such that the size changes between the processing times; 1 will");
   scale_ = static_cast<double>(config.max_size - config.min_size) / rise;
@@ -107,8 +113,8 @@ void Asap2022::adapt_gamma(std::int64_t container_ns) noexcept {
 }
 
 void Asap2022::adapt_size(double processing_ms) noexcept {
-  const double least = config_.min_processing_ms;
-  const double longest = config_.max_processing_ms;
+  const double least = in_ms(config_.min_processing);
+  const double longest = in_ms(config_.max_processing);
   const auto largest = static_cast<double>(config_.max_size);
   const double h = std::clamp(processing_ms, least, longest);
   const double size =

@@ -9,7 +9,7 @@ from typing import Any
 
 from asap import _checks, _core
 from asap.experiment.contenders import labelled, of_schemes, user_schemes
-from asap.experiment.runners import Progress, check_latency
+from asap.experiment.runners import Progress
 from asap.experiment.side_by_side import CheckedStream, side_by_side
 from asap.results import Comparison, Row
 from asap.synthetic import joined
@@ -163,7 +163,7 @@ def oracle(
     _check_cost(cost)
     for name, value in (("exact", exact), ("opaque", opaque)):
         _checks.flag(name, value)
-    bound_us = check_latency(latency_ms) * 1e3
+    bound_us = _core.checked_latency_ms(latency_ms) * 1e3
     stream = CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed)
     if exact:
         return _core.exact_clairvoyant(joined(list(stream)), cost, bound_us)
@@ -190,7 +190,7 @@ def _require_replayable(source: Any) -> None:
 def _common_bound_ms(schemes: Iterable[_core.Scheme], latency_ms: float | None) -> float:
     """Find the one bound of all: the user's, else the schemes' own, else 10 ms."""
     if latency_ms is not None:
-        latency_ms = check_latency(latency_ms)
+        latency_ms = _core.checked_latency_ms(latency_ms)
     own = (scheme.parameters.get("latency_ms") for scheme in schemes)
     bounds = {bound for bound in (*own, latency_ms) if bound is not None}
     if len(bounds) > 1:

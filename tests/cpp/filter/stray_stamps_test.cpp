@@ -8,6 +8,8 @@
 namespace asap::stray_stamps_test {
 namespace {
 
+using namespace std::chrono_literals;
+
 using Indices = std::vector<std::size_t>;
 
 constexpr std::int64_t kSecond_us = 1'000'000;
@@ -59,8 +61,8 @@ TEST(StrayStamps, WhatTheValidatorRefusesForAnotherReasonIsNotLookedAt) {
 }
 
 TEST(StrayStamps, DisorderWithinTheToleranceIsNone) {
-  EXPECT_EQ(stray({10, 50, 20, 30, 40}, {.reorder_tolerance_us = 30}), Indices{});
-  EXPECT_EQ(stray({10, 50, 20, 30, 40}, {.reorder_tolerance_us = 29}), Indices{1});
+  EXPECT_EQ(stray({10, 50, 20, 30, 40}, {.reorder_tolerance = 30us}), Indices{});
+  EXPECT_EQ(stray({10, 50, 20, 30, 40}, {.reorder_tolerance = 29us}), Indices{1});
 }
 
 TEST(CheckRecorded, DropsTheStrayOneAndNotThoseAfterIt) {

@@ -20,6 +20,8 @@
 namespace asap::allocation_test {
 namespace {
 
+using namespace std::chrono_literals;
+
 using test::allocations;
 
 // How many events go through: a million, or 10^8 when the long tests are asked for.
@@ -107,7 +109,7 @@ void allocates_nothing(Scheme& scheme) {
 TEST(Allocations, NoneOnTheHotPath) {
   FixedSize fixed_size({.size = 37});
   allocates_nothing(fixed_size);
-  FixedTime fixed_time({.period_ms = 0.7});
+  FixedTime fixed_time({.period = 700us});
   allocates_nothing(fixed_time);
   SingleEvent single_event;
   allocates_nothing(single_event);

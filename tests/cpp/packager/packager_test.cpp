@@ -20,6 +20,8 @@
 namespace asap::packager_test {
 namespace {
 
+using namespace std::chrono_literals;
+
 using test::at_times;
 using test::evenly_spaced;
 using test::Events;
@@ -462,7 +464,7 @@ TEST(Packager, ReferenceDefect4_APartialPackageIsNotKeptForEver) {
   last_event_of_a_burst_arrives_within_the_bound(fixed_size);
   Asap2020 asap2020;
   last_event_of_a_burst_arrives_within_the_bound(asap2020);
-  FixedTime fixed_time({.period_ms = 1000});
+  FixedTime fixed_time({.period = 1000ms});
   last_event_of_a_burst_arrives_within_the_bound(fixed_time);
   ScriptedScheme lazy([](const Backlog&) { return Decision::wait_until(kNever); });
   last_event_of_a_burst_arrives_within_the_bound(lazy);
@@ -746,7 +748,7 @@ TEST(Packager, KeepsItsPromisesUnderEveryScheme) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", capacity " << capacity);
       FixedSize fixed_size({.size = 37});
       keeps_its_promises(fixed_size, seed, capacity, false);
-      FixedTime fixed_time({.period_ms = 0.7});
+      FixedTime fixed_time({.period = 700us});
       keeps_its_promises(fixed_time, seed, capacity, false);
       SingleEvent single_event;
       keeps_its_promises(single_event, seed, capacity, false);

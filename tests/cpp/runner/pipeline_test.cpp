@@ -33,8 +33,7 @@ using namespace std::chrono_literals;
 
 const RunConfig kWhole{.execution = Execution::whole};
 constexpr auto kLong = std::chrono::nanoseconds(120s);  // a test that waits so long has failed
-constexpr double kHour_us = 3.6e9;
-const RunConfig kPatient{.latency_us = kHour_us, .capacity = std::size_t{1} << 20};
+const RunConfig kPatient{.latency = 1h, .capacity = std::size_t{1} << 20};
 
 // Waits for ever, unless something is due.
 test::ScriptedScheme::Rule only_when_due() {
@@ -60,7 +59,7 @@ struct Camera {
 
 TEST(Pipeline, DeliversWhatAnotherThreadPushesInOrder) {
   const Events events = evenly_spaced(300'000, 1);
-  Deadline scheme({.latency_ms = kHour_us * 1e-3});
+  Deadline scheme({.latency = 1h});
   Pipeline pipeline(scheme, {.capacity = std::size_t{1} << 20, .execution = Execution::whole});
   std::jthread producer([&] {
     for (std::size_t i = 0; i < events.size(); i += 1000) {
@@ -119,7 +118,7 @@ TEST(Pipeline, TheLedgerBalancesOverMillionsInOverload) {
 
 TEST(Pipeline, TheLastEventOfABurstIsDeliveredWithinTheBound) {
   test::ScriptedScheme scheme(only_when_due());
-  Pipeline pipeline(scheme, {.latency_us = 30'000, .execution = Execution::whole});
+  Pipeline pipeline(scheme, {.latency = 30ms, .execution = Execution::whole});
   Package package;
   EXPECT_EQ(pipeline.next(package, 1ms), Next::idle);
   const auto before = Steady::now();
@@ -131,7 +130,7 @@ TEST(Pipeline, TheLastEventOfABurstIsDeliveredWithinTheBound) {
 
 TEST(Pipeline, FlushWaitsForNothing) {
   test::ScriptedScheme scheme(only_when_due());
-  Pipeline pipeline(scheme, {.latency_us = 1e9, .execution = Execution::whole});
+  Pipeline pipeline(scheme, {.latency = 1000s, .execution = Execution::whole});
   pipeline.push(evenly_spaced(100, 1));
   Package package;
   EXPECT_EQ(pipeline.next(package, 5ms), Next::idle);
@@ -193,7 +192,7 @@ TEST(Pipeline, APushAfterStopIsRefusedAndNotCounted) {
 
 TEST(Pipeline, EndsFromAnyStateSoon) {
   for (int round = 0; round < 300; ++round) {
-    Deadline scheme({.latency_ms = 5});
+    Deadline scheme({.latency = 5ms});
     Pipeline pipeline(scheme, {.capacity = 5000});
     Camera camera(pipeline, 1 + static_cast<std::size_t>(round) * 7,
                   round % 3 == 0 ? 0 : 1'000'000'000);
@@ -292,7 +291,7 @@ TEST(Pipeline, AStartThatFailsLeavesTheRunBefore) {
     std::int64_t latency_bound_ns() const noexcept override { return bound_ns; }
     std::string_view name() const noexcept override { return "stubborn"; }
   } scheme;
-  Pipeline pipeline(scheme, {.latency_us = 1000});
+  Pipeline pipeline(scheme, {.latency = 1000us});
   pipeline.push(at_times({1}));
   pipeline.abandon();
   scheme.bound_ns = 2'000'000;
@@ -520,7 +519,7 @@ TEST(PipelineBlock, ANewRunWaitsForThePushOfTheOneBefore) {
 TEST(Pipeline, SaysThatItsConsumerHasStalled) {
   Greedy scheme;
   RunConfig config = whole(1000, WhenFull::thin);
-  config.latency_us = 1000;
+  config.latency = 1000us;
   Pipeline pipeline(scheme, config);
   EXPECT_FALSE(pipeline.stats().stalled) << "there is nothing to do";
   pipeline.push(at_times({1}));
@@ -541,37 +540,37 @@ TEST(Pipeline, SaysThatItsConsumerHasStalled) {
 }
 
 TEST(Pipeline, TakesAnotherLatencyBoundWhileItRuns) {
-  Deadline scheme({.latency_ms = 3'600'000});
+  Deadline scheme({.latency = 3'600'000ms});
   RunConfig config = whole(1000, WhenFull::thin);
   Pipeline pipeline(scheme, config);
   // Alone, an event would wait for others as long as the bound allows.
   test::ScriptedScheme patient([](const Backlog& backlog) {
     return backlog.due ? Decision::take(backlog.count) : Decision::wait_for(1000);
   });
-  Pipeline waiting(patient, {.latency_us = 3.6e9, .execution = Execution::whole});
+  Pipeline waiting(patient, {.latency = 1h, .execution = Execution::whole});
   waiting.push(at_times({1}));
   Package package;
   ASSERT_EQ(waiting.next(package, 0ns), Next::idle);
-  std::jthread changes([&] { waiting.set_latency(1000); });
+  std::jthread changes([&] { waiting.set_latency(1ms); });
   ASSERT_EQ(waiting.next(package, kLong), Next::package) << "due by the new bound";
   waiting.complete();
   EXPECT_EQ(waiting.stats().latency_bound_ns, 1'000'000);
   EXPECT_EQ(waiting.stats().latency.bound_ns(), 1'000'000);
 
-  pipeline.set_latency(20'000);
+  pipeline.set_latency(20ms);
   EXPECT_EQ(pipeline.stats().latency_bound_ns, 20'000'000);
   pipeline.stop();
   pipeline.start();
   EXPECT_EQ(scheme.latency_bound_ns(), 20'000'000) << "later runs have it, and the scheme too";
   EXPECT_EQ(scheme.parameters()[0].second, SchemeParameter(20.0));
-  EXPECT_EQ(test::error_of([&] { pipeline.set_latency(1); }).rfind("latency_us = 1", 0), 0u);
+  EXPECT_EQ(test::error_of([&] { pipeline.set_latency(1us); }).rfind("latency = 0.001 ms", 0), 0u);
 }
 
 TEST(Pipeline, ASensorThatBeginsAnewMakesWhatWaitsDue) {
   test::ScriptedScheme patient([](const Backlog& backlog) {
     return backlog.due ? Decision::take(backlog.count) : Decision::wait_for(1000);
   });
-  Pipeline pipeline(patient, {.latency_us = 3.6e9, .execution = Execution::whole});
+  Pipeline pipeline(patient, {.latency = 1h, .execution = Execution::whole});
   pipeline.push(at_times({50'000'000, 50'000'001}));
   Package package;
   ASSERT_EQ(pipeline.next(package, 0ns), Next::idle);
@@ -690,12 +689,12 @@ TEST(MakePipeline, GivesOneThatWorks) {
 
 TEST(MakePipeline, NamesTheFieldAsItsCallerWroteIt) {
   Deadline scheme;
-  const std::string remedy = ": must be between 10 and 1e10 us";
-  EXPECT_EQ(make_pipeline(scheme, {.latency_us = -5}).message(), "latency_us = -5" + remedy);
-  EXPECT_EQ(make_pipeline({.latency_us = -5}, [](EventSpan) {}).message(),
-            "latency_us = -5" + remedy);
-  EXPECT_EQ(test::error_of([] { Pipeline({.latency_us = -5}, [](EventSpan) {}); }),
-            "latency_us = -5" + remedy);
+  const std::string remedy = ": must be between 0.01 and 1e7 ms";
+  EXPECT_EQ(make_pipeline(scheme, {.latency = -5us}).message(), "latency = -0.005 ms" + remedy);
+  EXPECT_EQ(make_pipeline({.latency = -5us}, [](EventSpan) {}).message(),
+            "latency = -0.005 ms" + remedy);
+  EXPECT_EQ(test::error_of([] { Pipeline({.latency = -5us}, [](EventSpan) {}); }),
+            "latency = -0.005 ms" + remedy);
   EXPECT_EQ(make_pipeline({}, Consumer{}).message(),
             "algorithm = none: give what the events are for");
 }

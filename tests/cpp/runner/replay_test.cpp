@@ -232,7 +232,7 @@ TEST(Replay, NotesTheAgeOfWhatItPushes) {
     ++asked;
     return Decision::take(backlog.count);
   });
-  Replay replay(scheme, {.speed = 4}, {.latency_us = 20'000, .flush = false});
+  Replay replay(scheme, {.speed = 4}, {.latency = 20ms, .flush = false});
   const Events events = evenly_spaced(5000, 10);
   SpanSource source(events);
   replay.run(source, [](const Package&) {});
@@ -308,7 +308,7 @@ TEST(Replay, AnExceptionOfTheAlgorithmComesOutUnchanged) {
   const Events events = evenly_spaced(50'000, 20);  // a second
   FixedSize scheme({.size = 10});
   // No flush, however long this thread may have to wait for its turn.
-  Replay replay(scheme, {}, {.latency_us = 1e9, .capacity = 65'536});
+  Replay replay(scheme, {}, {.latency = 1000s, .capacity = 65'536});
   SpanSource source(events);
   int calls = 0;
   const int code = trouble_of([&] {
@@ -496,8 +496,8 @@ TEST(Replay, RefusesABadConfigurationByName) {
   EXPECT_EQ(error({.speed = 0}), "speed = 0: must be between 0.001 and 1e6");
   EXPECT_EQ(error({.speed = -1}), "speed = -1: must be between 0.001 and 1e6");
   EXPECT_EQ(error({.speed = kNaN}), "speed = nan: must be between 0.001 and 1e6");
-  EXPECT_EQ(error({.pacing_us = -1}), "pacing_us = -1: must be between 0 and 1000 us");
-  EXPECT_EQ(error({.pacing_us = 1e6}), "pacing_us = 1000000: must be between 0 and 1000 us");
+  EXPECT_EQ(error({.pacing = -1us}), "pacing = -1 us: must be between 0 and 1000 us");
+  EXPECT_EQ(error({.pacing = 1s}), "pacing = 1000000 us: must be between 0 and 1000 us");
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 namespace asap::run_test {
 namespace {
 
+using namespace std::chrono_literals;
+
 using test::evenly_spaced;
 using test::Events;
 
@@ -35,7 +37,7 @@ TEST(Run, TheSchemeLearnsTheAgesOfWhatIsInTheRingOnTheAxis) {
     }
     return Decision::wait_for(1000);
   });
-  asap::Run run(scheme, {.latency_us = 6400, .capacity = 8},
+  asap::Run run(scheme, {.latency = 6400us, .capacity = 8},
                 asap::Run::Source::recording);  // slots of 100 us
   run.begin(0, 2.0);
   run.arrive(evenly_spaced(8, 100));       // two in each slot

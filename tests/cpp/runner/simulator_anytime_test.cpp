@@ -20,6 +20,8 @@
 namespace asap::simulator_anytime_test {
 namespace {
 
+using namespace std::chrono_literals;
+
 using test::at_times;
 using test::evenly_spaced;
 using test::Events;
@@ -96,7 +98,7 @@ void agree(Scheme& scheme, Scheme& naive_scheme, const LinearCostConfig& cost, E
   Events delivered;
   Simulator simulator(
       scheme, LinearCost(cost),
-      {.latency_us = static_cast<double>(config.bound_ns) * 1e-3,
+      {.latency = std::chrono::nanoseconds(config.bound_ns),
        .capacity = config.capacity,
        .seed = config.seed,
        .execution = config.execution,
@@ -166,7 +168,7 @@ TEST(SimulatorAnytime, CountsByAgeSlotsAreRightToASlot) {
       return Decision::take(1 + random(asked++) % backlog.count);
     });
     Simulator simulator(scheme, LinearCost({.alpha_us = 100, .beta_ns = 10'000}),
-                        {.latency_us = 5000, .capacity = 200});
+                        {.latency = 5000us, .capacity = 200});
     feed_in_chunks(simulator, test::random_stream(seed, 5000), 300);
     EXPECT_GT(simulator.ledger().overflow, 100u);
     EXPECT_GT(asked, 1000u);
@@ -261,7 +263,7 @@ TEST(SimulatorAnytime, AnAlgorithmThatIsOutStartsLater) {
 
 TEST(SimulatorAnytime, WithoutFlushOnlyTheEndForcesAScheme) {
   ScriptedScheme scheme([](const Backlog&) { return Decision::wait_for(100); });
-  Simulator simulator(scheme, LinearCost({.alpha_us = 10}), {.latency_us = 100, .flush = false});
+  Simulator simulator(scheme, LinearCost({.alpha_us = 10}), {.latency = 100us, .flush = false});
   simulator.feed(evenly_spaced(50, 1000));
   EXPECT_EQ(simulator.telemetry().log.size(), 0u);
   simulator.finish();

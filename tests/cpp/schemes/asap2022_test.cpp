@@ -14,6 +14,8 @@
 namespace asap::asap2022_test {
 namespace {
 
+using namespace std::chrono_literals;
+
 using test::error_of;
 using test::FakeBacklog;
 
@@ -46,7 +48,7 @@ TEST(Asap2022, TheSizeIsAnArcTangentOfTheLogarithmOfMilliseconds) {
   EXPECT_EQ(size_after(scheme, -5), 100u);
   // S = 29600 / (atan(ln 10) - atan(ln 0.2)), and where the logarithm is 0: 29700 - S atan(ln 10).
   EXPECT_EQ(size_after(scheme, 1 * kMillisecond), 13'905u);
-  Asap2022 steep({.min_processing_ms = 0.5, .max_processing_ms = 2, .kappa = 5});
+  Asap2022 steep({.min_processing = 500us, .max_processing = 2ms, .kappa = 5});
   EXPECT_EQ(size_after(steep, 1 * kMillisecond), 14'900u);  // halfway, by symmetry
 }
 
@@ -310,13 +312,11 @@ TEST(Asap2022, RefusesABadConfigurationByName) {
   };
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(error({.min_processing_ms = 0}),
-            "min_processing_ms = 0: must be between 1e-6 and 1e9 ms");
-  EXPECT_EQ(error({.min_processing_ms = kNaN}),
-            "min_processing_ms = nan: must be between 1e-6 and 1e9 ms");
-  const std::string longest = ": must be above min_processing_ms and at most 1e9 ms";
-  EXPECT_EQ(error({.max_processing_ms = 0.2}), "max_processing_ms = 0.2" + longest);
-  EXPECT_EQ(error({.max_processing_ms = 2e9}), "max_processing_ms = 2000000000" + longest);
+  EXPECT_EQ(error({.min_processing = 0ms}),
+            "min_processing = 0 ms: must be between 1e-6 and 1e9 ms");
+  const std::string longest = ": must be above the minimum and at most 1e9 ms";
+  EXPECT_EQ(error({.max_processing = 200us}), "max_processing = 0.2 ms" + longest);
+  EXPECT_EQ(error({.max_processing = 2'000'000s}), "max_processing = 2000000000 ms" + longest);
   EXPECT_EQ(error({.min_size = 0}), "min_size = 0: must be at least 1 event");
   const std::string largest = ": must be at least min_size and at most 2^40 events";
   EXPECT_EQ(error({.max_size = 99}), "max_size = 99" + largest);
@@ -334,7 +334,7 @@ TEST(Asap2022, RefusesABadConfigurationByName) {
   EXPECT_EQ(error({.kappa = -1}), "kappa = -1" + flat);
   EXPECT_EQ(error({.kappa = kNaN}), "kappa = nan" + flat);
   EXPECT_EQ(error({.kappa = kInfinity}), "kappa = inf" + flat);
-  EXPECT_EQ(error({.min_processing_ms = 5, .kappa = 1e12}), "kappa = 1e+12" + flat);
+  EXPECT_EQ(error({.min_processing = 5ms, .kappa = 1e12}), "kappa = 1e+12" + flat);
 }
 
 }  // namespace

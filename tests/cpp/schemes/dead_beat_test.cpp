@@ -12,9 +12,12 @@
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 #include "support/outcomes.hpp"
+#include "support/times.hpp"
 
 namespace asap::dead_beat_test {
 namespace {
+
+using namespace std::chrono_literals;
 
 using test::error_of;
 using test::FakeBacklog;
@@ -63,11 +66,11 @@ double size_of(const Decision& decision) {
 
 TEST(DeadBeat, DoubtsAFixedCostThatRulesTheBoundOut) {
   for (const Execution execution : {Execution::whole, Execution::anytime}) {
-    DeadBeat doubts = trained({.latency_ms = 0.39}, execution, 403);  // 1024 events last: late
+    DeadBeat doubts = trained({.latency = 390us}, execution, 403);  // 1024 events last: late
     const Decision one = decide(doubts, 100, kMs / 10);
     EXPECT_EQ(one.raw, 1u);
     EXPECT_EQ(one.keep, 1.0);
-    DeadBeat believes = trained({.latency_ms = 0.405}, execution, 403);
+    DeadBeat believes = trained({.latency = 405us}, execution, 403);
     EXPECT_GT(decide(believes, 100, kMs / 10).raw, 1u);
   }
 }
@@ -169,11 +172,11 @@ TEST(DeadBeat, TheKneeHasAFloorAndACap) {
   EXPECT_NEAR(budget_ms({.knee = 5}), 1.0, 1e-3);     // L / 10
   EXPECT_NEAR(budget_ms({.knee = 1000}), 5.0, 1e-3);  // L / 2
   EXPECT_NEAR(budget_ms({.knee = 20}), 2.0, 1e-3);
-  EXPECT_NEAR(budget_ms({.knee = 20, .min_interval_ms = 4}), 4.0, 1e-3);
+  EXPECT_NEAR(budget_ms({.knee = 20, .min_interval = 4ms}), 4.0, 1e-3);
 }
 
 TEST(DeadBeat, ALastResortIsAQuarterAlphaOfEvents) {
-  DeadBeat scheme = trained({.latency_ms = 0.2, .knee = 0});
+  DeadBeat scheme = trained({.latency = 200us, .knee = 0});
   EXPECT_NEAR(size_of(decide(scheme, 1000, 50'000)), kAlphaNs / 4 / kBetaNs, 1e-2);
 }
 
@@ -263,7 +266,7 @@ TEST(DeadBeat, KeepsTheBoundAndWhatTheoryAllows) {
 TEST(DeadBeat, LeavesAnOverloadWhereItWaitsForLongerThanTheKnee) {
   // 45 us an event every 69 us; between two starts it waits for 3.4 ms, the knee is 1.9 ms.
   for (const Execution execution : {Execution::anytime, Execution::whole}) {
-    DeadBeat scheme({.latency_ms = 13.5, .knee = 3.2, .overhead = 0.1});
+    DeadBeat scheme({.latency = 13500us, .knee = 3.2, .overhead = 0.1});
     const auto cost = [](std::size_t index) {
       const double factor = index == 100 ? 8 : 1;  // an overload for once
       return Law{.alpha_ns = factor * 600e3, .beta_ns = factor * 45e3};
@@ -279,10 +282,10 @@ TEST(DeadBeat, AlwaysDecidesSomethingValid) {
     const auto power = [&](std::uint64_t i, double decades) {
       return std::pow(10.0, decades * random.uniform(i));
     };
-    DeadBeat scheme({.latency_ms = 0.01 * power(1000, 9),
+    DeadBeat scheme({.latency = test::ms(0.01 * power(1000, 9)),
                      .knee = seed % 2 == 0 ? 0 : power(1001, 6),
                      .overhead = random.uniform(1002),
-                     .min_interval_ms = seed % 3 == 0 ? 0 : power(1003, 7)});
+                     .min_interval = seed % 3 == 0 ? 0ms : test::ms(power(1003, 7))});
     scheme.reset(seed % 5 == 0 ? Execution::whole : Execution::anytime);
     for (std::uint64_t k = 0; k < 100; ++k) {
       const FakeBacklog events = evenly(static_cast<std::size_t>(power(9 * k, 3)),
@@ -320,7 +323,7 @@ TEST(DeadBeat, ATakeThatKeptNothingTeachesNothing) {
 
 // Else the clock would end every package before its second event.
 TEST(DeadBeat, AFixedCostBeyondTheBudgetIsGrantedAndAQuarterMore) {
-  DeadBeat scheme({.latency_ms = 10});
+  DeadBeat scheme({.latency = 10ms});
   scheme.reset(Execution::anytime);
   for (std::uint64_t k = 0; k < 400; ++k) {
     const std::size_t size = std::size_t{1} << (k % 14);
@@ -348,7 +351,7 @@ TEST(DeadBeat, ResetBringsTheFirstStateBack) {
 TEST(DeadBeat, TellsItsNameAndParameters) {
   EXPECT_EQ(DeadBeat().name(), "dead_beat");
   EXPECT_EQ(DeadBeat().latency_bound_ns(), 10 * kMs);
-  EXPECT_EQ(DeadBeat({.latency_ms = 2.5}).latency_bound_ns(), 2'500'000);
+  EXPECT_EQ(DeadBeat({.latency = 2500us}).latency_bound_ns(), 2'500'000);
   EXPECT_EQ(
       DeadBeat().parameters(),
       (SchemeParameters{
@@ -359,10 +362,10 @@ TEST(DeadBeat, RefusesABadConfigurationByName) {
   const auto error = [](DeadBeatConfig config) {
     return error_of([=] { DeadBeat scheme(config); });
   };
-  EXPECT_EQ(error({.latency_ms = 0}), "latency_ms = 0: must be between 0.01 and 1e7 ms");
+  EXPECT_EQ(error({.latency = 0ms}), "latency = 0 ms: must be between 0.01 and 1e7 ms");
   EXPECT_EQ(error({.knee = 0.5}), "knee = 0.5: must be 0 (off) or between 1 and 1e6");
   EXPECT_EQ(error({.overhead = 2}), "overhead = 2: must be between 0 (no limit) and 1");
-  EXPECT_EQ(error({.min_interval_ms = -1}), "min_interval_ms = -1: must be between 0 and 1e7 ms");
+  EXPECT_EQ(error({.min_interval = -1ms}), "min_interval = -1 ms: must be between 0 and 1e7 ms");
 }
 
 }  // namespace

@@ -12,6 +12,8 @@
 namespace asap::rivals_test {
 namespace {
 
+using namespace std::chrono_literals;
+
 // ---- Rival ----------------------------------------------------------------------------------
 
 class Own final : public Rival {
@@ -24,7 +26,7 @@ class Own final : public Rival {
 };
 
 TEST(Rival, HasALatencyBoundThatStays) {
-  Own own(7.5);
+  Own own(7500us);
   EXPECT_EQ(own.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
   EXPECT_EQ(own.latency_bound_ns(), 7'500'000);
   own.set_latency_bound_ns(1'000'000);
@@ -32,8 +34,8 @@ TEST(Rival, HasALatencyBoundThatStays) {
 }
 
 TEST(Rival, RefusesABoundOutOfRange) {
-  EXPECT_EQ(test::error_of([] { Own bad(-1); }),
-            "latency_ms = -1: must be between 0.01 and 1e7 ms");
+  EXPECT_EQ(test::error_of([] { Own bad(-1ms); }),
+            "latency = -1 ms: must be between 0.01 and 1e7 ms");
 }
 
 // ---- ClipperAimd ----------------------------------------------------------------------------
@@ -55,7 +57,7 @@ std::size_t limit_after(ClipperAimd& scheme, std::size_t size, std::int64_t proc
 }
 
 TEST(ClipperAimd, GrowsByFiftyAfterAFullPackageInTime) {
-  ClipperAimd scheme(10);
+  ClipperAimd scheme(10ms);
   EXPECT_EQ(limit(scheme), 50u);
   EXPECT_EQ(limit_after(scheme, 50, 5'000'000), 100u);
   EXPECT_EQ(limit_after(scheme, 99, 1), 100u);  // was not full
@@ -64,7 +66,7 @@ TEST(ClipperAimd, GrowsByFiftyAfterAFullPackageInTime) {
 }
 
 TEST(ClipperAimd, ShrinksByATenthAfterALatePackage) {
-  ClipperAimd scheme(10);
+  ClipperAimd scheme(10ms);
   EXPECT_EQ(limit_after(scheme, 50, 5'000'001), 45u);
   EXPECT_EQ(limit_after(scheme, 3, 9'000'000), 40u);  // 40.5, full or not
   EXPECT_EQ(limit_after(scheme, 40, 1), 90u);         // 90.5
@@ -74,7 +76,7 @@ TEST(ClipperAimd, ShrinksByATenthAfterALatePackage) {
 }
 
 TEST(ClipperAimd, IsNotWedgedByAbsurdOutcomes) {
-  ClipperAimd scheme(10);
+  ClipperAimd scheme(10ms);
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
   for (int k = 0; k < 1000; ++k) {
     ASSERT_GE(limit_after(scheme, k % 2 == 0 ? 0 : 7, kMost), 1u);
@@ -83,24 +85,24 @@ TEST(ClipperAimd, IsNotWedgedByAbsurdOutcomes) {
 }
 
 TEST(ClipperAimd, ResetBringsTheFirstStateBack) {
-  ClipperAimd scheme(10);
+  ClipperAimd scheme(10ms);
   limit_after(scheme, 50, 1);
   scheme.reset(Execution::whole);
   EXPECT_EQ(limit(scheme), 50u);
 }
 
 TEST(ClipperAimd, TellsItsNameAndBound) {
-  const ClipperAimd scheme(7.5);
+  const ClipperAimd scheme(7500us);
   EXPECT_EQ(scheme.name(), "clipper_aimd");
   EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
   EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
-  EXPECT_EQ(test::error_of([] { ClipperAimd bad(0); }).substr(0, 16), "latency_ms = 0: ");
+  EXPECT_EQ(test::error_of([] { ClipperAimd bad(0ms); }).substr(0, 14), "latency = 0 ms");
 }
 
 // ---- GreedyClear ----------------------------------------------------------------------------
 
 TEST(GreedyClear, TakesAllThatWaitsUpToHalfTheBound) {
-  GreedyClear scheme(10);
+  GreedyClear scheme(10ms);
   const FakeBacklog backlog({0, 1, 4'000'000, 5'000'000});
   for (const bool due : {false, true}) {
     const Decision decision = scheme.decide(backlog.at(5'000'000, due));
@@ -112,7 +114,7 @@ TEST(GreedyClear, TakesAllThatWaitsUpToHalfTheBound) {
 }
 
 TEST(GreedyClear, ThenDiscardsWhatIsOlderThanFourMicroseconds) {
-  GreedyClear scheme(10);
+  GreedyClear scheme(10ms);
   constexpr std::int64_t kNow = 5'000'001;
   const FakeBacklog backlog({0, 1, 4'000'000, kNow - 4001, kNow - 4000, kNow - 10, kNow});
   const Decision decision = scheme.decide(backlog.at(kNow));
@@ -123,23 +125,23 @@ TEST(GreedyClear, ThenDiscardsWhatIsOlderThanFourMicroseconds) {
 }
 
 TEST(GreedyClear, MayDiscardAll) {
-  GreedyClear scheme(10);
+  GreedyClear scheme(10ms);
   EXPECT_EQ(scheme.decide(FakeBacklog({0, 1, 2}).at(6'000'000, true)).stale, 3u);
 }
 
 // Or it would throw nothing away, for ever.
 TEST(GreedyClear, WhatIsLateIsNeverFresh) {
-  GreedyClear scheme(0.01);  // the shortest bound there is
+  GreedyClear scheme(10us);  // the shortest bound there is
   EXPECT_EQ(scheme.decide(FakeBacklog({0, 1}).at(5000)).raw, 2u);
   EXPECT_EQ(scheme.decide(FakeBacklog({0, 1002}).at(5001)).stale, 1u);
 }
 
 TEST(GreedyClear, TellsItsNameAndBound) {
-  const GreedyClear scheme(7.5);
+  const GreedyClear scheme(7500us);
   EXPECT_EQ(scheme.name(), "greedy_clear");
   EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
   EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
-  EXPECT_EQ(test::error_of([] { GreedyClear bad(-1); }).substr(0, 17), "latency_ms = -1: ");
+  EXPECT_EQ(test::error_of([] { GreedyClear bad(-1ms); }).substr(0, 15), "latency = -1 ms");
 }
 
 // ---- GreedyPie ------------------------------------------------------------------------------
@@ -154,7 +156,7 @@ double gamma_at(GreedyPie& scheme, double age_ms) {
 }
 
 TEST(GreedyPie, TakesAllThatWaitsAtOnce) {
-  GreedyPie scheme(10);
+  GreedyPie scheme(10ms);
   for (const bool due : {false, true}) {
     const Decision decision = scheme.decide(test::FakeBacklog::of(1234).at(99'000'000, due));
     EXPECT_TRUE(decision.takes);
@@ -165,7 +167,7 @@ TEST(GreedyPie, TakesAllThatWaitsAtOnce) {
 
 // p += 20 (d - 5 ms), and 200 (d - d_old) if the two ages together exceed 0.2 ms.
 TEST(GreedyPie, FollowsTheAgeOfTheOldestEvent) {
-  GreedyPie scheme(10);
+  GreedyPie scheme(10ms);
   const struct {
     double age_ms;
     double drop;
@@ -180,16 +182,16 @@ TEST(GreedyPie, FollowsTheAgeOfTheOldestEvent) {
 }
 
 TEST(GreedyPie, SmallAgesSteerOnlySlowly) {
-  GreedyPie scheme(0.1);                              // target 50 us
+  GreedyPie scheme(100us);                            // target 50 us
   EXPECT_NEAR(gamma_at(scheme, 0.15), 0.998, 1e-12);  // 20 x 100 us; 0.15 ms together
   EXPECT_NEAR(gamma_at(scheme, 0.05), 0.998, 1e-12);  // 0.2 ms together: not more
   EXPECT_NEAR(gamma_at(scheme, 0.151), 0.998 - 0.00202 - 0.0202, 1e-12);
 }
 
-TEST(GreedyPie, IsAskedEveryMillisecond) { EXPECT_EQ(GreedyPie(10).period_ns(), 1'000'000); }
+TEST(GreedyPie, IsAskedEveryMillisecond) { EXPECT_EQ(GreedyPie(10ms).period_ns(), 1'000'000); }
 
 TEST(GreedyPie, RecoversFromAbsurdAges) {
-  GreedyPie scheme(10);
+  GreedyPie scheme(10ms);
   for (const double age_ms : {1e12, -1e12, 1e12}) {
     const double gamma = gamma_at(scheme, age_ms);
     EXPECT_GE(gamma, 0.01 - 1e-12);
@@ -200,7 +202,7 @@ TEST(GreedyPie, RecoversFromAbsurdAges) {
 }
 
 TEST(GreedyPie, ResetBringsTheFirstStateBack) {
-  GreedyPie scheme(10);
+  GreedyPie scheme(10ms);
   gamma_at(scheme, 9);
   scheme.reset(Execution::whole);
   EXPECT_NEAR(gamma_at(scheme, 5.1), 0.01, 1e-9);  // the step from 0, not from 9 ms
@@ -209,11 +211,11 @@ TEST(GreedyPie, ResetBringsTheFirstStateBack) {
 }
 
 TEST(GreedyPie, TellsItsNameAndBound) {
-  const GreedyPie scheme(7.5);
+  const GreedyPie scheme(7500us);
   EXPECT_EQ(scheme.name(), "greedy_pie");
   EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
   EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
-  EXPECT_EQ(test::error_of([] { GreedyPie bad(0); }).substr(0, 16), "latency_ms = 0: ");
+  EXPECT_EQ(test::error_of([] { GreedyPie bad(0ms); }).substr(0, 14), "latency = 0 ms");
 }
 
 // ---- GreedyRateGamma ------------------------------------------------------------------------
@@ -228,7 +230,7 @@ double gamma_after(GreedyRateGamma& scheme, int count, std::size_t arrived) {
 }
 
 TEST(GreedyRateGamma, TakesAllThatWaitsAtOnce) {
-  GreedyRateGamma scheme(10);
+  GreedyRateGamma scheme(10ms);
   for (const bool due : {false, true}) {
     const Decision decision = scheme.decide(test::FakeBacklog::of(1234).at(99'000'000, due));
     EXPECT_TRUE(decision.takes);
@@ -240,14 +242,14 @@ TEST(GreedyRateGamma, TakesAllThatWaitsAtOnce) {
 // Before the first package 50 us + 100 ns are assumed: mu = (1 - 100 us / 10 ms) / 100 ns
 // = 9.9e6/s.
 TEST(GreedyRateGamma, KeepsWhatTheAlgorithmCanDo) {
-  GreedyRateGamma scheme(10);
+  GreedyRateGamma scheme(10ms);
   EXPECT_DOUBLE_EQ(gamma_after(scheme, 20'000, 9 * 32), 1.0);
   EXPECT_NEAR(gamma_after(scheme, 20'000, 20 * 32), 9.9 / 20, 1e-9);
   EXPECT_DOUBLE_EQ(gamma_after(scheme, 20'000, 0), 1.0);
 }
 
 TEST(GreedyRateGamma, TheRateIsAnAverageOverFiveMilliseconds) {
-  GreedyRateGamma scheme(10);
+  GreedyRateGamma scheme(10ms);
   EXPECT_EQ(scheme.period_ns(), 32'000);
   for (const double time_ms : {3.2, 6.4, 9.6}) {
     const double rate = 40 * (1 - std::exp(-time_ms / 5));
@@ -256,12 +258,12 @@ TEST(GreedyRateGamma, TheRateIsAnAverageOverFiveMilliseconds) {
 }
 
 TEST(GreedyRateGamma, AtLeastATwentiethOfTheEventsPerSecond) {
-  GreedyRateGamma scheme(0.1);  // 2 alpha = L
+  GreedyRateGamma scheme(100us);  // 2 alpha = L
   EXPECT_NEAR(gamma_after(scheme, 20'000, 20 * 32), 0.5 / 20, 1e-9);
 }
 
 TEST(GreedyRateGamma, LearnsTheCost) {
-  GreedyRateGamma scheme(10);
+  GreedyRateGamma scheme(10ms);
   for (int k = 0; k < 200; ++k) {
     const std::size_t size = std::size_t{100} << (k % 7);
     scheme.observe({.size = size,
@@ -279,7 +281,7 @@ TEST(GreedyRateGamma, LearnsTheCost) {
 
 TEST(GreedyRateGamma, IsNotWedgedByAbsurdOutcomes) {
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
-  GreedyRateGamma scheme(10);
+  GreedyRateGamma scheme(10ms);
   for (const std::int64_t processing_ns : {std::int64_t{0}, std::int64_t{-1}, kMost, -kMost}) {
     for (int k = 0; k < 20; ++k) {
       scheme.observe(
@@ -292,11 +294,11 @@ TEST(GreedyRateGamma, IsNotWedgedByAbsurdOutcomes) {
 }
 
 TEST(GreedyRateGamma, TellsItsNameAndBound) {
-  const GreedyRateGamma scheme(7.5);
+  const GreedyRateGamma scheme(7500us);
   EXPECT_EQ(scheme.name(), "greedy_rate_gamma");
   EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
   EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
-  EXPECT_EQ(test::error_of([] { GreedyRateGamma bad(0); }).substr(0, 16), "latency_ms = 0: ");
+  EXPECT_EQ(test::error_of([] { GreedyRateGamma bad(0ms); }).substr(0, 14), "latency = 0 ms");
 }
 
 // ---- JaerTimer ------------------------------------------------------------------------------
@@ -314,7 +316,7 @@ void complete(JaerTimer& scheme, std::size_t raw, std::size_t size) {
 
 // 100 us + 300 ns per event, timer 5 ms: 4900 us / 300 ns = 16333.3 events.
 TEST(JaerTimer, StopsWhenTheTimerHasRun) {
-  JaerTimer scheme(10, LinearCost({.alpha_us = 100, .beta_ns = 300}));
+  JaerTimer scheme(10ms, LinearCost({.alpha_us = 100, .beta_ns = 300}));
   for (const std::size_t count : {1u, 16'333u, 16'334u, 1'000'000u}) {
     const Decision decision = ask(scheme, count);
     EXPECT_TRUE(decision.takes);
@@ -325,7 +327,7 @@ TEST(JaerTimer, StopsWhenTheTimerHasRun) {
 }
 
 TEST(JaerTimer, ThenDiscardsTheRestOfWhatWaitedAtTheStart) {
-  JaerTimer scheme(10, LinearCost({.alpha_us = 100, .beta_ns = 300}));
+  JaerTimer scheme(10ms, LinearCost({.alpha_us = 100, .beta_ns = 300}));
   EXPECT_EQ(ask(scheme, 20'000).raw, 16'333u);
   complete(scheme, 16'333, 16'333);
   const Decision rest = ask(scheme, 5000);  // 3667 of then, 1333 new ones
@@ -341,7 +343,7 @@ TEST(JaerTimer, ThenDiscardsTheRestOfWhatWaitedAtTheStart) {
 
 TEST(JaerTimer, KnowsTheDrawOfEachPackage) {
   const LinearCost cost({.alpha_us = 100, .beta_ns = 300, .noise = 0.5, .seed = 3});
-  JaerTimer scheme(10, cost);
+  JaerTimer scheme(10ms, cost);
   for (std::uint64_t index = 0; index < 50; ++index) {
     const double factor = cost.package(index, 0).event_ns / 300;
     const double most = (5e6 / factor - 100e3) / 300;  // (L/2/X - alpha)/beta
@@ -357,27 +359,28 @@ TEST(JaerTimer, KnowsTheDrawOfEachPackage) {
 }
 
 TEST(JaerTimer, KnowsTheDrift) {
-  JaerTimer scheme(10, LinearCost({.alpha_us = 100, .beta_ns = 300, .drift = {1.0, 2.0}}));
+  JaerTimer scheme(10ms, LinearCost({.alpha_us = 100, .beta_ns = 300, .drift = {1.0, 2.0}}));
   EXPECT_EQ(ask(scheme, 100'000, 0).raw, 16'333u);
   EXPECT_EQ(ask(scheme, 100'000, 1'000'000).raw, 8166u);
 }
 
 TEST(JaerTimer, TakesAtLeastOneEvent) {
-  EXPECT_EQ(JaerTimer(10, LinearCost({.alpha_us = 6000, .beta_ns = 300}))
+  EXPECT_EQ(JaerTimer(10ms, LinearCost({.alpha_us = 6000, .beta_ns = 300}))
                 .decide(FakeBacklog::of(9).at(0))
                 .raw,
             1u);
-  EXPECT_EQ(JaerTimer(10, LinearCost({.alpha_us = 6000, .beta_ns = 0}))
+  EXPECT_EQ(JaerTimer(10ms, LinearCost({.alpha_us = 6000, .beta_ns = 0}))
                 .decide(FakeBacklog::of(9).at(0))
                 .raw,
             1u);
-  EXPECT_EQ(
-      JaerTimer(10, LinearCost({.alpha_us = 0, .beta_ns = 0})).decide(FakeBacklog::of(9).at(0)).raw,
-      9u);
+  EXPECT_EQ(JaerTimer(10ms, LinearCost({.alpha_us = 0, .beta_ns = 0}))
+                .decide(FakeBacklog::of(9).at(0))
+                .raw,
+            9u);
 }
 
 TEST(JaerTimer, ResetForgetsTheRest) {
-  JaerTimer scheme(10, LinearCost());
+  JaerTimer scheme(10ms, LinearCost());
   ask(scheme, 20'000);
   complete(scheme, 16'333, 16'333);
   scheme.reset(Execution::whole);
@@ -385,12 +388,12 @@ TEST(JaerTimer, ResetForgetsTheRest) {
 }
 
 TEST(JaerTimer, TellsItsNameAndBound) {
-  const JaerTimer scheme(7.5, LinearCost());
+  const JaerTimer scheme(7500us, LinearCost());
   EXPECT_EQ(scheme.name(), "jaer_timer");
   EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
   EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
-  EXPECT_EQ(test::error_of([] { JaerTimer bad(0, LinearCost()); }).substr(0, 16),
-            "latency_ms = 0: ");
+  EXPECT_EQ(test::error_of([] { JaerTimer bad(0ms, LinearCost()); }).substr(0, 14),
+            "latency = 0 ms");
 }
 
 // ---- SparkPid -------------------------------------------------------------------------------
@@ -417,7 +420,7 @@ void complete(SparkPid& scheme, std::size_t size, std::int64_t start_ns,
 }
 
 TEST(SparkPid, ClosesAtMultiplesOfHalfTheBound) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   const FakeBacklog backlog({1'000'000, 4'999'999, 5'000'000, 12'000'000});
   const Decision early = scheme.decide(backlog.at(4'999'999));
   EXPECT_FALSE(early.takes);
@@ -433,7 +436,7 @@ TEST(SparkPid, ClosesAtMultiplesOfHalfTheBound) {
 }
 
 TEST(SparkPid, WhenDueTakesWhatThereIs) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   const FakeBacklog backlog({1, 2, 3});
   EXPECT_FALSE(scheme.decide(backlog.at(10)).takes);
   EXPECT_EQ(scheme.decide(backlog.at(10, true)).raw, 3u);
@@ -445,7 +448,7 @@ TEST(SparkPid, WhenDueTakesWhatThereIs) {
 }
 
 TEST(SparkPid, ThinsToWhatTheAlgorithmAchieved) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   EXPECT_EQ(ask(scheme, 0, 8000, kPeriod).keep, 1.0);
   complete(scheme, 8000, kPeriod, 2'000'000);  // v = 4 per us: 20'000 per T, the first q
   EXPECT_DOUBLE_EQ(ask(scheme, 1, 40'000, 2 * kPeriod).keep, 0.5);
@@ -464,7 +467,7 @@ TEST(SparkPid, ThinsToWhatTheAlgorithmAchieved) {
 
 // A push law would have thinned a batch when it closed, however long it has queued since.
 TEST(SparkPid, ABatchKnowsOnlyWhatWasKnownWhenItClosed) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   ask(scheme, 0, 10'000, kPeriod);
   complete(scheme, 10'000, kPeriod, 12'000'000);            // until 17 ms
   EXPECT_EQ(ask(scheme, 1, 10'000, 17'000'000).keep, 1.0);  // closed at 10 ms, nothing known
@@ -477,7 +480,7 @@ TEST(SparkPid, ABatchKnowsOnlyWhatWasKnownWhenItClosed) {
 }
 
 TEST(SparkPid, AQueueLongerThanItsMemoryIsThinnedAllTheSame) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   for (std::int64_t k = 0; k < 1000; ++k) {
     const std::int64_t now_ns = 1'000'000 * kPeriod + k * 1000;
     const Decision decision = ask(scheme, k, 10'000, now_ns);
@@ -488,14 +491,14 @@ TEST(SparkPid, AQueueLongerThanItsMemoryIsThinnedAllTheSame) {
 }
 
 TEST(SparkPid, NeverStarves) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   complete(scheme, 1, 0, 60'000'000'000);                          // a minute per event
   EXPECT_EQ(ask(scheme, 20'000, 4, 20'001 * kPeriod).keep, 0.25);  // one event
 }
 
 TEST(SparkPid, IsNotWedgedByAbsurdOutcomes) {
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max() / 4;
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   for (const std::int64_t processing_ns : {std::int64_t{0}, std::int64_t{-1}, -kMost, kMost}) {
     for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{1} << 40}) {
       complete(scheme, size, 0, processing_ns);
@@ -509,7 +512,7 @@ TEST(SparkPid, IsNotWedgedByAbsurdOutcomes) {
 }
 
 TEST(SparkPid, ResetBringsTheFirstStateBack) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   complete(scheme, 1, 0, 1'000'000);
   EXPECT_LT(ask(scheme, 1, 10'000, 2 * kPeriod).keep, 1.0);
   scheme.reset(Execution::whole);
@@ -517,11 +520,11 @@ TEST(SparkPid, ResetBringsTheFirstStateBack) {
 }
 
 TEST(SparkPid, TellsItsNameAndBound) {
-  const SparkPid scheme(7.5);
+  const SparkPid scheme(7500us);
   EXPECT_EQ(scheme.name(), "spark_pid");
   EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
   EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
-  EXPECT_EQ(test::error_of([] { SparkPid bad(0); }).substr(0, 16), "latency_ms = 0: ");
+  EXPECT_EQ(test::error_of([] { SparkPid bad(0ms); }).substr(0, 14), "latency = 0 ms");
 }
 
 }  // namespace

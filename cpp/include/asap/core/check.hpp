@@ -3,6 +3,7 @@
 // remedy. The throws are out of line, so headers compile with -fno-exceptions too.
 #pragma once
 
+#include <chrono>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -40,6 +41,27 @@ void require_known(Enumeration value, Enumeration last, std::string_view field) 
   require(number >= 0 && number <= static_cast<std::int64_t>(last), field, number,
           "must be one of the named values");
 }
+
+enum class TimeUnit { us, ms };
+
+// The std::invalid_argument of a time: "latency = 0.001 ms: must be ...". The parts, in the unit
+// that Python's name of the field carries.
+struct BadTime : std::invalid_argument {
+  BadTime(std::string_view field, std::chrono::nanoseconds value, TimeUnit unit,
+          std::string_view remedy);
+
+  std::string field;
+  std::string value;
+  std::string unit;
+  std::string remedy;
+};
+
+// Throws BadTime.
+void require_time(bool ok, std::string_view field, std::chrono::nanoseconds value, TimeUnit unit,
+                  std::string_view remedy);
+
+// Returns a latency bound in ns. Throws BadTime for one out of range.
+std::int64_t checked_latency_ns(std::chrono::nanoseconds latency);
 
 // MemoryError in Python.
 class NoMemory : public std::bad_alloc {

@@ -2,12 +2,12 @@
 // one thread at a time, pushes and is never blocked; the consumer works on its own thread; any
 // thread may look, flush and stop. No polling.
 //
-//   Pipeline pipeline{{.latency_us = 10'000}, [&](EventSpan events) { tracker.process(events); }};
+//   Pipeline pipeline{{.latency = 10ms}, [&](EventSpan events) { tracker.process(events); }};
 //   driver.on_events([&](EventSpan events) { pipeline.push(events); });   // any one thread
 //
 // works on a thread of its own. Or, with a scheme of your choice, on yours:
 //
-//   Pipeline pipeline{scheme, {.latency_us = 10'000}};
+//   Pipeline pipeline{scheme, {.latency = 10ms}};
 //   pipeline.run([&](EventSpan events) { tracker.process(events); });     // until stop()
 //
 // An event's age counts from its push (or the arrival time given with it), not from its stamp.
@@ -125,7 +125,7 @@ class Pipeline {
 
   // Another latency bound, from the consumer's next look on and for later runs; for a scheme that
   // has one, too. The ring keeps its capacity. Throws std::invalid_argument for one out of range.
-  void set_latency(double latency_us);
+  void set_latency(std::chrono::nanoseconds latency);
 
   bool is_open() const noexcept;
   Ledger ledger() const;

@@ -2,11 +2,12 @@
 // clock reaches their stamps (divided by `speed`); the algorithm runs on the caller's thread and is
 // timed. The producer is never delayed by the algorithm: a full ring overflows and counts.
 //
-//   Replay replay{scheme, {.speed = 1.0}, {.latency_us = 10'000}};
+//   Replay replay{scheme, {.speed = 1.0}, {.latency = 10ms}};
 //   SpanSource source{events};
 //   replay.run(source, [&](EventSpan events) { tracker.process(events); });
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -21,8 +22,9 @@
 namespace asap {
 
 struct ReplayConfig {
-  double speed = 1.0;        // 2 = twice as fast as recorded
-  double pacing_us = 200.0;  // the producer pushes at most this often
+  double speed = 1.0;  // 2 = twice as fast as recorded
+  // The producer pushes at most this often.
+  std::chrono::nanoseconds pacing = std::chrono::microseconds(200);
 };
 
 class Replay {

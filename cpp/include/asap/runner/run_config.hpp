@@ -1,6 +1,7 @@
 // Consumer, WhenFull, RunConfig, PipelineMemory: what the runners have in common.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -30,7 +31,8 @@ enum class WhenFull {
 };
 
 struct RunConfig {
-  std::optional<double> latency_us{};  // latency bound; none: the scheme's own, else 10 ms
+  // The latency bound, such as 10ms; none: the scheme's own, else kDefaultLatency.
+  std::optional<std::chrono::nanoseconds> latency{};
   // Of the ring, events; 0: 2^20 or 60 Mev/s x 2 bounds, if more. NoMemory if it cannot be had.
   std::size_t capacity = 0;
   std::uint64_t seed = 0;  // of the gamma filter
@@ -62,9 +64,6 @@ struct PipelineMemory {
 
   std::size_t total() const noexcept { return ring + copies + log + rest; }
 };
-
-// Throws std::invalid_argument for a bound out of range.
-std::int64_t checked_latency_bound_ns(double latency_us);
 
 // The bound in force. Throws std::invalid_argument for a value out of range, and when the scheme
 // has another bound of its own.

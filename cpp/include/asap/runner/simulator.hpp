@@ -3,8 +3,9 @@
 // timed. One thread, no clock: the same seed and the same input give the same bytes, however the
 // input is cut into chunks, faster than real time. Memory stays flat but for the rows of the logs.
 //
-//   Simulator simulator{scheme, LinearCost{{.alpha_us = 100, .beta_ns = 300}}, {.latency_us =
-//   10'000}}; while (read(chunk)) simulator.feed(chunk); simulator.finish();
+//   Simulator simulator{scheme, LinearCost{{.alpha_us = 100, .beta_ns = 300}}, {.latency = 10ms}};
+//   while (read(chunk)) simulator.feed(chunk);
+//   simulator.finish();
 #pragma once
 
 #include <cstdint>

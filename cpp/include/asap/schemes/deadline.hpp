@@ -33,17 +33,17 @@ std::string_view name_of(Prefer prefer) noexcept;
 Prefer prefer_of(std::string_view name);
 
 struct DeadlineConfig {
-  double latency_ms = 10.0;      // L, the one number that a user must know
-  double overhead = 0.5;         // permitted share of fixed costs in the processor, 0 = any
-  double min_interval_ms = 0.0;  // shortest time between package starts
-  double first_alpha_us = 50.0;  // cost of a package before one has been seen
-  double first_beta_ns = 100.0;  // cost of an event, likewise
+  std::chrono::nanoseconds latency = kDefaultLatency;  // L, the one number that a user must know
+  double overhead = 0.5;  // permitted share of fixed costs in the processor, 0 = any
+  std::chrono::nanoseconds min_interval{};  // shortest time between package starts
+  double first_alpha_us = 50.0;             // cost of a package before one has been seen
+  double first_beta_ns = 100.0;             // cost of an event, likewise
   Prefer prefer = Prefer::balanced;
 
   static constexpr std::tuple kParameters{
-      NamedField{"latency_ms", &DeadlineConfig::latency_ms},
+      NamedField{"latency_ms", &DeadlineConfig::latency},
       NamedField{"overhead", &DeadlineConfig::overhead},
-      NamedField{"min_interval_ms", &DeadlineConfig::min_interval_ms},
+      NamedField{"min_interval_ms", &DeadlineConfig::min_interval},
       NamedField{"first_alpha_us", &DeadlineConfig::first_alpha_us},
       NamedField{"first_beta_ns", &DeadlineConfig::first_beta_ns},
       NamedField{"prefer", &DeadlineConfig::prefer},
