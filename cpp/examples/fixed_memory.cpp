@@ -51,7 +51,7 @@ int main() {
   const std::uint64_t allocations_in_the_run = allocations - allocations_before;
 
   const asap::PipelineStats stats = pipeline.stats();
-  std::cout << stats.ledger.received << " events came, at most " << stats.most_waiting
-            << " waited, " << brighter
-            << " of the delivered ones are ON: " << allocations_in_the_run << " allocations.\n";
+  std::cout << stats.ledger.received << " events came, at most " << stats.max_waiting << " waited, "
+            << brighter << " of the delivered ones are ON: " << allocations_in_the_run
+            << " allocations.\n";
 }

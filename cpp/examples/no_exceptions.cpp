@@ -28,7 +28,7 @@ int main() {
       .latency = 10ms,     // -5 would print: latency = -5 ms: must be between 0.01 and 1e7 ms
       .capacity = 65'536,  // events of 16 bytes that may wait
       .log_rows = 0,       // totals, without a row per package
-      .most_copied = 16'384,
+      .max_copied = 16'384,
       .prefault = true,  // no page is missing when events come
   };
   const auto pipeline =

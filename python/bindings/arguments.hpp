@@ -36,15 +36,15 @@ inline double ms_of(std::chrono::nanoseconds time) {
 // What C++ says of a time, "latency = -1 ms: ...", in Python's names: "latency_ms = -1: ...".
 void translate_bad_times();
 
-// ValueError unless least <= value <= most.
+// ValueError unless min <= value <= max.
 template <class Whole = std::uint64_t>
 Whole whole_number(const char* field, pybind11::handle value,
-                   Whole least = std::numeric_limits<Whole>::min(),
-                   Whole most = std::numeric_limits<Whole>::max()) {
+                   Whole min = std::numeric_limits<Whole>::min(),
+                   Whole max = std::numeric_limits<Whole>::max()) {
   const pybind11::object number = index_of(field, value);
-  if (number < pybind11::int_(least) || number > pybind11::int_(most)) {
+  if (number < pybind11::int_(min) || number > pybind11::int_(max)) {
     throw_bad_value(field, shown(number),
-                    "must be " + std::to_string(least) + " to " + std::to_string(most));
+                    "must be " + std::to_string(min) + " to " + std::to_string(max));
   }
   return number.cast<Whole>();
 }

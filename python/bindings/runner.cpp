@@ -238,7 +238,7 @@ void bind_runner(py::module_& m) {
                               .validator = validator.config(),
                               .execution = anytime ? Execution::anytime : Execution::whole,
                               .flush = flush,
-                              .before = front_filter_of(before),
+                              .front_filter = front_filter_of(before),
                               .when_full = when_full_from(when_full),
                               .keep_mask = keep_mask};
            }),

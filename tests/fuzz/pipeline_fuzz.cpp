@@ -69,8 +69,8 @@ RunConfig any_run(fuzz::Bytes& bytes) {
                       .reorder_tolerance = nanoseconds(odd_or(bytes, 256'000)),
                       .warmup_discard = nanoseconds(odd_or(bytes, 256'000))};
   if (bytes.below(4) == 0) {
-    config.before = Front{.keep_every = static_cast<int>(bytes.below(4)),
-                          .throws = static_cast<int>(bytes.below(3))};
+    config.front_filter = Front{.keep_every = static_cast<int>(bytes.below(4)),
+                                .throws = static_cast<int>(bytes.below(3))};
   }
   return config;
 }
@@ -135,8 +135,8 @@ class Camera {
   // To be given up at its first poll, which costs 20 ms: seldom.
   void push() {
     if (waits_ && waited_ > 0) return;
-    const std::size_t most = bytes_.below(400);
-    const auto events = bytes_.below(4) == 0 ? bytes_.events(most) : bytes_.stream(most);
+    const std::size_t max = bytes_.below(400);
+    const auto events = bytes_.below(4) == 0 ? bytes_.events(max) : bytes_.stream(max);
     const bool open = pipeline_.is_open();
     try {
       const bool taken = pipeline_.push(events, any_arrival(bytes_), [this] {
@@ -144,19 +144,19 @@ class Camera {
         throw Mine{};
       });
       fuzz::check(taken == open || may_be_shut_);
-      if (taken) least_ += events.size();
-      if (taken) most_ += events.size();
+      if (taken) min_ += events.size();
+      if (taken) max_ += events.size();
     } catch (const std::invalid_argument& refused) {
       check_refusal(refused);
-      most_ += events.size();
+      max_ += events.size();
     } catch (const Mine&) {
-      most_ += events.size();
+      max_ += events.size();
     }
   }
   void check_received(const Ledger& ledger) const {
-    fuzz::check(ledger.received >= least_ && ledger.received <= most_);
+    fuzz::check(ledger.received >= min_ && ledger.received <= max_);
   }
-  void begin_anew() { least_ = most_ = 0; }
+  void begin_anew() { min_ = max_ = 0; }
   void may_be_shut_by_another_thread() { may_be_shut_ = true; }
 
  private:
@@ -165,8 +165,8 @@ class Camera {
   const bool waits_;
   bool may_be_shut_ = false;
   int waited_ = 0;
-  std::uint64_t least_ = 0;  // in pushes that were taken whole
-  std::uint64_t most_ = 0;   // and in those that were refused or given up on the way
+  std::uint64_t min_ = 0;  // in pushes that were taken whole
+  std::uint64_t max_ = 0;  // and in those that were refused or given up on the way
 };
 
 void set_any_latency(Pipeline& pipeline, fuzz::Bytes& bytes) {

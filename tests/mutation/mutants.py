@@ -82,7 +82,7 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "runner/sensor_delay.hpp",
         "runner",
-        least_delay_forgotten_with_its_window=("std::min(least_ns_, before_ns_)", "least_ns_"),
+        least_delay_forgotten_with_its_window=("std::min(min_ns_, before_ns_)", "least_ns_"),
     ),
     *in_file(
         SOURCE + "runner/intake.cpp",
@@ -90,7 +90,7 @@ MUTANTS: list[Mutant] = [
         forgotten_wake=("  doorbell_.announce(buffer_.tail());\n", ""),
         thinned_not_counted=("    discarded_ += block.size() - kept;\n", ""),
         thinning_knows_not_how_much_comes=(
-            "buffer_.filled(most - events.size()) > most - events.size()",
+            "buffer_.filled(max - events.size()) > max - events.size()",
             "buffer_.filled(most) > most",
         ),
         thinning_lets_in_more_than_fits=(
@@ -185,7 +185,7 @@ MUTANTS: list[Mutant] = [
         "packager",
         strata_by_count_alone=("std::max(by_count, by_time)", "by_count"),
         strata_as_if_the_guess_were_true=(
-            "std::max(decision.event_ns, decision.most_event_ns)",
+            "std::max(decision.event_ns, decision.max_event_ns)",
             "decision.event_ns",
         ),
         fixed_cost_of_one_part_forgotten=(
@@ -200,7 +200,7 @@ MUTANTS: list[Mutant] = [
         first_part_not_learned=("if (has_parts) learn(", "if (false) learn("),
         low_cost_of_a_new_size_clipped=("if (bucket(n).is_new()) cost_ns", "if (false) cost_ns"),
         single_event_refutes_no_fixed_cost=("if (n == 1.0 && ", "if (false && "),
-        fixed_cost_beyond_the_cheapest_package=(" && fall_ns < least_cost_ns()", ""),
+        fixed_cost_beyond_the_cheapest_package=(" && fall_ns < min_cost_ns()", ""),
         guess_trusted_from_the_first_package_on=(
             "return on_level() <= kPriorLasts ?",
             "return count_ < 0U ?",
@@ -208,7 +208,7 @@ MUTANTS: list[Mutant] = [
         rise_of_the_cost_refutes_nothing=(" && cost_ns <= dearer_ns", ""),
         fixed_cost_charged_to_the_events=("if (small.weight > 0 && spare_ns > 0)", "if (false)"),
         slope_without_its_error=("small.cost_ns + error_ns)", "small.cost_ns)"),
-        outage_of_the_largest_package_believed=("cost_ns >= most_event_ns_ * size && ", ""),
+        outage_of_the_largest_package_believed=("cost_ns >= max_event_ns_ * size && ", ""),
     ),
     *in_file(
         SOURCE + "schemes/deadline.cpp",

@@ -94,7 +94,7 @@ def test_the_page_for_boards_tells_the_memory_of_a_pipeline(prefix: Path, tmp_pa
     ]
     assert len(rows) >= 5
     calls = "".join(
-        f"  tell({{.capacity = {c}, .log_rows = 0, .most_copied = {m}}});\n" for c, m, *_ in rows
+        f"  tell({{.capacity = {c}, .log_rows = 0, .max_copied = {m}}});\n" for c, m, *_ in rows
     )
     (tmp_path / "memory.cpp").write_text(
         "#include <asap/runner/pipeline.hpp>\n#include <cstdio>\n"

@@ -39,7 +39,7 @@ RunConfig run_config(const Setup& setup, FrontFilter before, WhenFull when_full)
           .validator = setup.door,
           .execution = setup.execution,
           .flush = setup.flush,
-          .before = std::move(before),
+          .front_filter = std::move(before),
           .when_full = when_full};
 }
 

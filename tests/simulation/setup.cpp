@@ -43,24 +43,25 @@ std::chrono::nanoseconds time_of(double time_ms) {
 
 Asap2020Config asap2020(const Setup& setup, Draw draw) {
   const double rate = 1e9 / setup.gap_ns;
-  return {.rate_bound = rate * draw.octaves(0.1, 10),
-          .epsilon = 0.5 * draw.uniform(),
-          .first_size = setup.scheme.size + draw.below(setup.scheme.most - setup.scheme.size + 1),
-          .max_size = setup.scheme.most,
-          .min_size = setup.scheme.size};
+  return {
+      .rate_bound = rate * draw.octaves(0.1, 10),
+      .epsilon = 0.5 * draw.uniform(),
+      .first_size = setup.scheme.size + draw.below(setup.scheme.max_size - setup.scheme.size + 1),
+      .max_size = setup.scheme.max_size,
+      .min_size = setup.scheme.size};
 }
 
 Asap2022Config asap2022(const Setup& setup, Draw draw) {
   const double longest_ms = ms(setup.latency_ns) * draw.octaves(0.1, 2);
-  const double least_gamma = draw.chance(0.3) ? 0.0 : 0.5 * draw.uniform();
+  const double min_gamma = draw.chance(0.3) ? 0.0 : 0.5 * draw.uniform();
   return {.min_processing = time_of(longest_ms * 0.5 * draw.uniform() + 1e-6),
           .max_processing = time_of(longest_ms + 1e-5),
           .min_size = setup.scheme.size,
-          .max_size = setup.scheme.most,
+          .max_size = setup.scheme.max_size,
           .kappa = draw.octaves(0.25, 4),
-          .min_gamma = least_gamma,  // where its law aims; clipped to [0, 1] only
-          .max_gamma = least_gamma + (1 - least_gamma) * 0.9,
-          .first_size = 1 + draw.below(setup.scheme.most)};
+          .min_gamma = min_gamma,  // where its law aims; clipped to [0, 1] only
+          .max_gamma = min_gamma + (1 - min_gamma) * 0.9,
+          .first_size = 1 + draw.below(setup.scheme.max_size)};
 }
 
 double draw_overhead(Draw& draw) { return draw.chance(0.7) ? 0.25 : draw.uniform(); }
@@ -103,12 +104,12 @@ SchemeSetup draw_scheme(Draw& draw, const Setup& setup, std::size_t kinds) {
   const std::size_t bounded = static_cast<std::size_t>(Kind::deadline) + drawn % 2;
   scheme.kind = static_cast<Kind>(drawn < kinds ? drawn : bounded);
   scheme.size = static_cast<std::size_t>(draw.octaves(1, 2 + per_bound));
-  scheme.most = scheme.size + static_cast<std::size_t>(draw.octaves(1, 2 + 4 * per_bound));
+  scheme.max_size = scheme.size + static_cast<std::size_t>(draw.octaves(1, 2 + 4 * per_bound));
   scheme.period_ns =
       1000 * (1 + static_cast<std::int64_t>(draw.uniform() * ms(setup.latency_ns) * 1e3));
   scheme.efficiency = draw.chance(0.5) ? 0.0 : 0.3 + 0.69 * draw.uniform();
   scheme.key = draw.bits();
-  if (scheme.kind == Kind::asap2020) scheme.least_gamma = 0.02;
+  if (scheme.kind == Kind::asap2020) scheme.min_gamma = 0.02;
   return scheme;
 }
 
@@ -192,8 +193,8 @@ std::string text(const Setup& setup) {
       setup.execution == Execution::whole ? "whole" : "anytime",
       setup.fixed_cost_first ? "" : " (fixed cost in the first part)", ms(setup.latency_ns),
       setup.capacity, setup.filter_seed, setup.flush ? "on" : "off", ms(setup.lag_ns),
-      name(scheme.kind), scheme.size, scheme.most, ms(scheme.period_ns), scheme.efficiency,
-      scheme.least_gamma, setup.alpha_ns * 1e-3, setup.beta_ns, setup.cost_noise, setup.events,
+      name(scheme.kind), scheme.size, scheme.max_size, ms(scheme.period_ns), scheme.efficiency,
+      scheme.min_gamma, setup.alpha_ns * 1e-3, setup.beta_ns, setup.cost_noise, setup.events,
       setup.gap_ns, setup.load(), setup.longest_packet, setup.base_us, setup.door.width,
       setup.door.height, kPolicies[static_cast<std::size_t>(setup.door.on_bad)],
       static_cast<std::int64_t>(setup.door.reorder_tolerance / std::chrono::microseconds(1)));

@@ -17,7 +17,7 @@ namespace asap {
 
 class AnytimePlan {
  public:
-  static constexpr std::size_t kMostStrata = 16;
+  static constexpr std::size_t kMaxStrata = 16;
 
   AnytimePlan() = default;
   // For the raw events of the decision, in a package that started at start_ns. An outage that takes

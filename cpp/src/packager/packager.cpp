@@ -59,9 +59,9 @@ EventPieces oldest_of(const EventPieces& waiting, std::size_t count) noexcept {
 
 }  // namespace
 
-class Packager::Work {
+class Packager::Impl {
  public:
-  Work(EventBuffer& buffer, const EventTimes& times, Scheme& scheme, Telemetry& telemetry,
+  Impl(EventBuffer& buffer, const EventTimes& times, Scheme& scheme, Telemetry& telemetry,
        PackagerConfig config);
 
   void set_axis(TimeAxis axis) noexcept;
@@ -104,31 +104,31 @@ class Packager::Work {
   double keep_ = 1.0;
 };
 
-Packager::Work::Work(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
+Packager::Impl::Impl(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
                      Telemetry& telemetry, PackagerConfig config)
     : buffer_(buffer),
       scheme_(scheme),
       telemetry_(telemetry),
       times_(times),
       config_(std::move(config)),
-      thinner_(times_, buffer.capacity(), config_.seed, config_.before, config_.most_copied),
+      thinner_(times_, buffer.capacity(), config_.seed, config_.front_filter, config_.max_copied),
       books_(telemetry, times_) {
-  require(config_.most_copied >= 1, "most_copied", config_.most_copied, "must be at least 1");
+  require(config_.max_copied >= 1, "max_copied", config_.max_copied, "must be at least 1");
   if (config_.prefault) thinner_.prefault();
   scheme_.reset(config_.execution);
 }
 
-void Packager::Work::set_axis(TimeAxis axis) noexcept {
+void Packager::Impl::set_axis(TimeAxis axis) noexcept {
   times_.set_axis(axis);
   telemetry_.log.set_axis(axis);
 }
 
-void Packager::Work::set_latency_bound(std::int64_t bound_ns) noexcept {
+void Packager::Impl::set_latency_bound(std::int64_t bound_ns) noexcept {
   telemetry_.latency.set_bound_ns(bound_ns);
   scheme_.set_latency_bound_ns(bound_ns);
 }
 
-Packager::Next Packager::Work::next(std::int64_t now_ns, std::uint64_t until) {
+Packager::Next Packager::Impl::next(std::int64_t now_ns, std::uint64_t until) {
   Next next;
   for (;;) {
     const std::uint64_t there = until - buffer_.head();
@@ -180,7 +180,7 @@ Packager::Next Packager::Work::next(std::int64_t now_ns, std::uint64_t until) {
   }
 }
 
-Decision Packager::Work::ask(const EventPieces& waiting, std::int64_t oldest_ns,
+Decision Packager::Impl::ask(const EventPieces& waiting, std::int64_t oldest_ns,
                              std::int64_t now_ns, bool ended) noexcept {
   const std::uint64_t head = buffer_.head();
   const std::int64_t flush_ns = config_.flush ? oldest_ns + telemetry_.latency.bound_ns() : kNever;
@@ -208,7 +208,7 @@ Decision Packager::Work::ask(const EventPieces& waiting, std::int64_t oldest_ns,
   return decision;
 }
 
-void Packager::Work::open(Package& package, const Decision& decision,
+void Packager::Impl::open(Package& package, const Decision& decision,
                           std::int64_t now_ns) noexcept {
   handed_out_ = 0;
   thinner_.begin(raw_, buffer_.head());
@@ -219,7 +219,7 @@ void Packager::Work::open(Package& package, const Decision& decision,
   books_.open(package, now_ns, decision.keep, buffer_.overflow());
 }
 
-EventSpan Packager::Work::stratum(Package& package, std::int64_t now_ns) {
+EventSpan Packager::Impl::stratum(Package& package, std::int64_t now_ns) {
   while (is_anytime_) {
     const std::size_t size = package.events.size() - handed_out_;
     const AnytimePlan::Stratum stratum = plan_.next(now_ns, size);
@@ -240,7 +240,7 @@ EventSpan Packager::Work::stratum(Package& package, std::int64_t now_ns) {
 }
 
 // As many events as are planned: the last part makes up for the chance in those before it.
-void Packager::Work::add_planned(Package& package, const Decision& decision) {
+void Packager::Impl::add_planned(Package& package, const Decision& decision) {
   const std::size_t raw = decision.raw;
   const std::size_t last = std::min(AnytimePlan::longest_stratum(raw), raw);
   if (last < raw) add(package, 0, raw - last, {.keep = decision.keep});
@@ -251,7 +251,7 @@ void Packager::Work::add_planned(Package& package, const Decision& decision) {
 }
 
 // Decides the package's raw events [begin, end), which follow those before, or as many as fit.
-EventSpan Packager::Work::add(Package& package, std::size_t begin, std::size_t end, Share share) {
+EventSpan Packager::Impl::add(Package& package, std::size_t begin, std::size_t end, Share share) {
   const EventSpan kept = thinner_.decide(begin, end, share);
   const std::size_t raw = thinner_.decided();
   package.events = thinner_.events();
@@ -259,7 +259,7 @@ EventSpan Packager::Work::add(Package& package, std::size_t begin, std::size_t e
   return kept;
 }
 
-double Packager::Work::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept {
+double Packager::Impl::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept {
   if (gamma == keep_ || previous_start_ns_ == kLongAgo) return gamma;
   const auto elapsed =
       static_cast<double>(std::max(now_ns, previous_start_ns_) - previous_start_ns_);
@@ -267,7 +267,7 @@ double Packager::Work::smoothed_keep(double gamma, std::int64_t now_ns) const no
   return keep_ + (gamma - keep_) * weight;
 }
 
-Books::Left Packager::Work::leaving(const EventPieces& waiting, std::size_t count,
+Books::Left Packager::Impl::leaving(const EventPieces& waiting, std::size_t count,
                                     std::int64_t oldest_ns) const noexcept {
   const std::uint64_t last = buffer_.head() + count - 1;
   return {.count = count,
@@ -277,13 +277,13 @@ Books::Left Packager::Work::leaving(const EventPieces& waiting, std::size_t coun
 }
 
 // The oldest leave the ring undecided.
-void Packager::Work::pass_over(std::size_t count) noexcept {
+void Packager::Impl::pass_over(std::size_t count) noexcept {
   thinner_.skip(count);
   if (config_.kept_mask != nullptr) config_.kept_mask->passed_over(count);
   consume(count);
 }
 
-void Packager::Work::complete(const Package& package, std::int64_t end_ns) noexcept {
+void Packager::Impl::complete(const Package& package, std::int64_t end_ns) noexcept {
   const Books::Left left = leaving(raw_, package.raw, oldest_ns_);
   if (config_.kept_mask != nullptr) {
     config_.kept_mask->packaged(raw_, package.raw, package.events);
@@ -299,7 +299,7 @@ void Packager::Work::complete(const Package& package, std::int64_t end_ns) noexc
   consume(package.raw);  // last: then the producer may overwrite the events
 }
 
-void Packager::Work::observe(const Package& package, std::int64_t end_ns) noexcept {
+void Packager::Impl::observe(const Package& package, std::int64_t end_ns) noexcept {
   const EventSpan events = package.events;
   const TimeAxis& axis = times_.axis();
   Outcome outcome{
@@ -316,7 +316,7 @@ void Packager::Work::observe(const Package& package, std::int64_t end_ns) noexce
   scheme_.observe(outcome);
 }
 
-void Packager::Work::consume(std::size_t count) noexcept {
+void Packager::Impl::consume(std::size_t count) noexcept {
   buffer_.consume(count);
   times_.release(buffer_.head());
 }
@@ -325,37 +325,37 @@ void Packager::Work::consume(std::size_t count) noexcept {
 
 Packager::Packager(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
                    Telemetry& telemetry, PackagerConfig config)
-    : work_(std::make_unique<Work>(buffer, times, scheme, telemetry, std::move(config))) {}
+    : impl_(std::make_unique<Impl>(buffer, times, scheme, telemetry, std::move(config))) {}
 
 Packager::Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, PackagerConfig config)
     : Packager(buffer, EventTimes(), scheme, telemetry, std::move(config)) {}
 
-std::size_t Packager::memory_bytes(std::size_t capacity, std::size_t most_copied,
+std::size_t Packager::memory_bytes(std::size_t capacity, std::size_t max_copied,
                                    bool is_filtered) noexcept {
-  return sizeof(Work) + Thinner::memory_bytes(capacity, most_copied,
+  return sizeof(Impl) + Thinner::memory_bytes(capacity, max_copied,
                                               ArrivalTimes::steps_for(capacity), is_filtered);
 }
 
 Packager::~Packager() = default;
 
-void Packager::set_axis(TimeAxis axis) noexcept { work_->set_axis(axis); }
+void Packager::set_axis(TimeAxis axis) noexcept { impl_->set_axis(axis); }
 
 void Packager::set_latency_bound(std::int64_t bound_ns) noexcept {
-  work_->set_latency_bound(bound_ns);
+  impl_->set_latency_bound(bound_ns);
 }
 
-void Packager::flush(std::uint64_t until_index) noexcept { work_->flush(until_index); }
+void Packager::flush(std::uint64_t until_index) noexcept { impl_->flush(until_index); }
 
 Packager::Next Packager::next(std::int64_t now_ns, std::uint64_t until) {
-  return work_->next(now_ns, until);
+  return impl_->next(now_ns, until);
 }
 
 EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
-  return work_->stratum(package, now_ns);
+  return impl_->stratum(package, now_ns);
 }
 
 void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
-  work_->complete(package, end_ns);
+  impl_->complete(package, end_ns);
 }
 
 }  // namespace asap

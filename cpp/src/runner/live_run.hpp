@@ -2,7 +2,7 @@
 // consumer loops, any thread may look at the counters. The event's time is its arrival on the
 // steady clock; a wall clock that steps has no effect. Memory is bounded at construction: see
 // Pipeline::memory(). A package that is thinned or lies across the ring's end has at most
-// RunConfig::most_copied events; what the scheme has taken beyond follows as the next.
+// RunConfig::max_copied events; what the scheme has taken beyond follows as the next.
 #pragma once
 
 #include <atomic>
@@ -56,7 +56,7 @@ class LiveRun {
   // The consumer has been away for too long.
   bool stalled() const noexcept { return loop_.stalled(run_.buffer().size()); }
   // The most events that have waited at once.
-  std::uint64_t most_waiting() const noexcept { return intake_.most_waiting(); }
+  std::uint64_t max_waiting() const noexcept { return intake_.max_waiting(); }
   // Time since the first arrival, until close().
   std::int64_t elapsed_ns() const noexcept;
   // Latencies and totals from any thread; rows once the run is over.

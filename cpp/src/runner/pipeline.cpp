@@ -23,11 +23,11 @@ thread_local const void* worker_of = nullptr;  // whose worker this thread is
 
 }  // namespace
 
-class Pipeline::Work {
+class Pipeline::Impl {
  public:
-  Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConfig config, Consumer algorithm);
-  ~Work();
-  static std::unique_ptr<Work> with_worker(RunConfig config, Consumer algorithm);
+  Impl(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConfig config, Consumer algorithm);
+  ~Impl();
+  static std::unique_ptr<Impl> with_worker(RunConfig config, Consumer algorithm);
   static PipelineMemory memory(const RunConfig& config) noexcept;
 
   template <class Push>
@@ -79,9 +79,9 @@ class Pipeline::Work {
 };
 
 // The consumer's side has one guest at a time.
-class Pipeline::Work::Inside {
+class Pipeline::Impl::Inside {
  public:
-  explicit Inside(Work& pipeline) : pipeline_(pipeline) {
+  explicit Inside(Impl& pipeline) : pipeline_(pipeline) {
     if (pipeline_.consuming_.exchange(true, std::memory_order_acq_rel)) {
       throw std::logic_error("pipeline: another thread consumes; stop() it first");
     }
@@ -91,10 +91,10 @@ class Pipeline::Work::Inside {
   Inside& operator=(const Inside&) = delete;
 
  private:
-  Work& pipeline_;
+  Impl& pipeline_;
 };
 
-Pipeline::Work::Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConfig config,
+Pipeline::Impl::Impl(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConfig config,
                      Consumer algorithm)
     : own_scheme_(std::move(own_scheme)),
       scheme_(scheme),
@@ -105,31 +105,31 @@ Pipeline::Work::Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConf
   door_.open();
 }
 
-std::unique_ptr<Pipeline::Work> Pipeline::Work::with_worker(RunConfig config, Consumer algorithm) {
+std::unique_ptr<Pipeline::Impl> Pipeline::Impl::with_worker(RunConfig config, Consumer algorithm) {
   if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
   auto scheme = std::make_unique<Deadline>(
       DeadlineConfig{.latency = config.latency.value_or(kDefaultLatency)});
   Scheme& own = *scheme;
   auto work =
-      std::make_unique<Work>(std::move(scheme), own, std::move(config), std::move(algorithm));
+      std::make_unique<Impl>(std::move(scheme), own, std::move(config), std::move(algorithm));
   work->set_to_work();
   return work;
 }
 
-PipelineMemory Pipeline::Work::memory(const RunConfig& config) noexcept {
+PipelineMemory Pipeline::Impl::memory(const RunConfig& config) noexcept {
   constexpr std::size_t kThread = 2 * sizeof(void*);  // what std::thread keeps of its function
   PipelineMemory memory = Run::memory(config, config.latency.value_or(kDefaultLatency).count());
-  memory.rest += sizeof(Work) + sizeof(LiveRun) + sizeof(Deadline) + kThread;
+  memory.rest += sizeof(Impl) + sizeof(LiveRun) + sizeof(Deadline) + kThread;
   return memory;
 }
 
-Pipeline::Work::~Work() {
+Pipeline::Impl::~Impl() {
   stop(false);
   door_.wait_until_empty();
   if (worker_.joinable()) worker_.join();
 }
 
-void Pipeline::Work::set_to_work() {
+void Pipeline::Impl::set_to_work() {
   const auto give_up = [this] {
     works_ = false;
     works_.notify_all();
@@ -162,29 +162,29 @@ void Pipeline::Work::set_to_work() {
   }
 }
 
-void Pipeline::Work::join() {
+void Pipeline::Impl::join() {
   require_another_thread();
   works_.wait(true);
   const std::lock_guard lock(worker_control_);
   if (!works_) end_work();  // else a new run has begun
 }
 
-void Pipeline::Work::require_another_thread() const {
+void Pipeline::Impl::require_another_thread() const {
   if (worker_of != this) return;
   throw std::logic_error("pipeline: the worker cannot wait for itself; stop() is enough");
 }
 
-void Pipeline::Work::end_work() {
+void Pipeline::Impl::end_work() {
   if (!worker_.joinable()) return;
   worker_.join();
   if (error_) std::rethrow_exception(std::exchange(error_, {}));
 }
 
 template <class Push>
-bool Pipeline::Work::push_by(const Push& push) {
+bool Pipeline::Impl::push_by(const Push& push) {
   if (!door_.enter()) return false;
   struct Leave {
-    Work& pipeline;
+    Impl& pipeline;
     ~Leave() {
       pipeline.door_.leave([this] { pipeline.run_->close(); });
     }
@@ -193,12 +193,12 @@ bool Pipeline::Work::push_by(const Push& push) {
   return true;
 }
 
-void Pipeline::Work::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
+void Pipeline::Impl::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
   upstream_marks_.fetch_add(marks, std::memory_order_relaxed);
   upstream_packets_.fetch_add(packets, std::memory_order_relaxed);
 }
 
-Pipeline::Next Pipeline::Work::next(Package& package, std::chrono::nanoseconds patience,
+Pipeline::Next Pipeline::Impl::next(Package& package, std::chrono::nanoseconds patience,
                                     const Poll& poll) {
   const Inside inside(*this);
   if (config_.execution != Execution::whole) {
@@ -212,17 +212,17 @@ Pipeline::Next Pipeline::Work::next(Package& package, std::chrono::nanoseconds p
   return next;
 }
 
-void Pipeline::Work::complete() {
+void Pipeline::Impl::complete() {
   const Inside inside(*this);
   complete_package();
 }
 
-void Pipeline::Work::complete_package() {
+void Pipeline::Impl::complete_package() {
   if (has_package_) run_->loop().complete(package_);
   has_package_ = false;
 }
 
-void Pipeline::Work::abandon() {
+void Pipeline::Impl::abandon() {
   stop(false);
   if (consuming_.exchange(true, std::memory_order_acq_rel)) return;  // it will see the end itself
   has_package_ = false;
@@ -230,7 +230,7 @@ void Pipeline::Work::abandon() {
   consuming_.store(false, std::memory_order_release);
 }
 
-void Pipeline::Work::run(const Consumer& consumer, const Poll& poll) {
+void Pipeline::Impl::run(const Consumer& consumer, const Poll& poll) {
   const Inside inside(*this);
   complete_package();
   try {
@@ -243,19 +243,19 @@ void Pipeline::Work::run(const Consumer& consumer, const Poll& poll) {
   run_->finish();
 }
 
-void Pipeline::Work::flush() {
+void Pipeline::Impl::flush() {
   const std::lock_guard lock(control_);
   run_->loop().flush();
 }
 
-void Pipeline::Work::stop(bool drain) {
+void Pipeline::Impl::stop(bool drain) {
   const std::lock_guard lock(control_);
   run_->leave();
   if (door_.shut()) run_->close();  // else the push that is inside does
   if (!drain) run_->loop().abandon();
 }
 
-void Pipeline::Work::start() {
+void Pipeline::Impl::start() {
   if (!algorithm_) return begin();
   if (door_.is_open()) return;
   require_another_thread();
@@ -266,7 +266,7 @@ void Pipeline::Work::start() {
   set_to_work();
 }
 
-void Pipeline::Work::begin() {
+void Pipeline::Impl::begin() {
   const Inside inside(*this);  // no other thread opens meanwhile
   if (door_.is_open()) return;
   door_.wait_until_empty();
@@ -279,7 +279,7 @@ void Pipeline::Work::begin() {
   door_.open();
 }
 
-void Pipeline::Work::set_latency(std::chrono::nanoseconds latency) {
+void Pipeline::Impl::set_latency(std::chrono::nanoseconds latency) {
   const std::int64_t bound_ns = checked_latency_ns(latency);
   const std::lock_guard lock(control_);
   latency_bound_ns_ = bound_ns;
@@ -287,12 +287,12 @@ void Pipeline::Work::set_latency(std::chrono::nanoseconds latency) {
   run_->set_latency_bound(bound_ns);
 }
 
-Ledger Pipeline::Work::ledger() const {
+Ledger Pipeline::Impl::ledger() const {
   const std::lock_guard lock(control_);
   return run_->ledger();
 }
 
-PipelineStats Pipeline::Work::stats() const {
+PipelineStats Pipeline::Impl::stats() const {
   const std::lock_guard lock(control_);
   const Telemetry& telemetry = run_->telemetry();
   return {.ledger = run_->ledger(),
@@ -306,50 +306,50 @@ PipelineStats Pipeline::Work::stats() const {
           .upstream_packets = upstream_packets_.load(std::memory_order_relaxed),
           .open = door_.is_open(),
           .stalled = run_->stalled(),
-          .most_waiting = run_->most_waiting(),
+          .max_waiting = run_->max_waiting(),
           .latency_bound_ns = latency_bound_ns_,
           .sensor_delay_ns = run_->sensor_delay().last_ns(),
           .sensor_delay_max_ns = run_->sensor_delay().max_ns()};
 }
 
 Pipeline::Pipeline(Scheme& scheme, RunConfig config)
-    : work_(std::make_unique<Work>(nullptr, scheme, std::move(config), Consumer{})) {}
+    : impl_(std::make_unique<Impl>(nullptr, scheme, std::move(config), Consumer{})) {}
 
 Pipeline::Pipeline(RunConfig config, Consumer algorithm)
-    : work_(Work::with_worker(std::move(config), std::move(algorithm))) {}
+    : impl_(Impl::with_worker(std::move(config), std::move(algorithm))) {}
 
 Pipeline::~Pipeline() = default;
 
-PipelineMemory Pipeline::memory(const RunConfig& config) noexcept { return Work::memory(config); }
+PipelineMemory Pipeline::memory(const RunConfig& config) noexcept { return Impl::memory(config); }
 std::size_t memory_bytes(const RunConfig& config) noexcept {
   return Pipeline::memory(config).total();
 }
 
 bool Pipeline::push(EventSpan events, Arrival arrival) {
-  return work_->push_by([&](LiveRun& run) { run.push(events, arrival); });
+  return impl_->push_by([&](LiveRun& run) { run.push(events, arrival); });
 }
 bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
-  return work_->push_by([&](LiveRun& run) { run.push(events, arrival, poll); });
+  return impl_->push_by([&](LiveRun& run) { run.push(events, arrival, poll); });
 }
 void Pipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
-  work_->upstream_lost(marks, packets);
+  impl_->upstream_lost(marks, packets);
 }
 Pipeline::Next Pipeline::next(Package& package, std::chrono::nanoseconds patience,
                               const Poll& poll) {
-  return work_->next(package, patience, poll);
+  return impl_->next(package, patience, poll);
 }
-void Pipeline::complete() { work_->complete(); }
-void Pipeline::abandon() { work_->abandon(); }
-void Pipeline::run(const Consumer& consumer, const Poll& poll) { work_->run(consumer, poll); }
-void Pipeline::join() { work_->join(); }
-void Pipeline::flush() { work_->flush(); }
-void Pipeline::stop(bool drain) { work_->stop(drain); }
-void Pipeline::start() { work_->start(); }
-void Pipeline::set_latency(std::chrono::nanoseconds latency) { work_->set_latency(latency); }
-bool Pipeline::is_open() const noexcept { return work_->is_open(); }
-Ledger Pipeline::ledger() const { return work_->ledger(); }
-PipelineStats Pipeline::stats() const { return work_->stats(); }
-const Telemetry& Pipeline::telemetry() const noexcept { return work_->telemetry(); }
+void Pipeline::complete() { impl_->complete(); }
+void Pipeline::abandon() { impl_->abandon(); }
+void Pipeline::run(const Consumer& consumer, const Poll& poll) { impl_->run(consumer, poll); }
+void Pipeline::join() { impl_->join(); }
+void Pipeline::flush() { impl_->flush(); }
+void Pipeline::stop(bool drain) { impl_->stop(drain); }
+void Pipeline::start() { impl_->start(); }
+void Pipeline::set_latency(std::chrono::nanoseconds latency) { impl_->set_latency(latency); }
+bool Pipeline::is_open() const noexcept { return impl_->is_open(); }
+Ledger Pipeline::ledger() const { return impl_->ledger(); }
+PipelineStats Pipeline::stats() const { return impl_->stats(); }
+const Telemetry& Pipeline::telemetry() const noexcept { return impl_->telemetry(); }
 
 Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config) noexcept {
   return made<Pipeline>([&] { return std::make_unique<Pipeline>(scheme, std::move(config)); });

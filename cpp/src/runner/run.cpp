@@ -31,13 +31,13 @@ PackagerConfig packager_config(const RunConfig& config, Run::Source source, Kept
   PackagerConfig packager{.seed = config.seed,
                           .execution = config.execution,
                           .flush = config.flush,
-                          .before = config.before,
+                          .front_filter = config.front_filter,
                           .kept_mask = mask,
                           .prefault = config.prefault};
   const bool is_live = source == Run::Source::camera;
   packager.drop_oldest = is_live && config.when_full == WhenFull::oldest;
-  if (is_live) packager.most_copied = Run::kMostCopied;
-  if (config.most_copied > 0) packager.most_copied = config.most_copied;
+  if (is_live) packager.max_copied = Run::kMaxCopied;
+  if (config.max_copied > 0) packager.max_copied = config.max_copied;
   return packager;
 }
 
@@ -68,14 +68,15 @@ Run::Run(Scheme& scheme, const RunConfig& config, Source source)
 PipelineMemory Run::memory(const RunConfig& config, std::int64_t latency_bound_ns) noexcept {
   const std::size_t capacity =
       std::min(ring_capacity(config, latency_bound_ns), EventBuffer::kMaxCapacity);
-  const std::size_t most_copied = config.most_copied > 0 ? config.most_copied : kMostCopied;
-  const std::size_t copies = std::min(capacity, most_copied) * sizeof(Event);
+  const std::size_t max_copied = config.max_copied > 0 ? config.max_copied : kMaxCopied;
+  const std::size_t copies = std::min(capacity, max_copied) * sizeof(Event);
   return {.ring = EventBuffer::memory_bytes(capacity),
           .copies = copies,
           .log = RunLog::memory_bytes(config.log_rows),
           .rest = LatencyHistogram::memory_bytes() +
                   ArrivalTimes::memory_bytes(ArrivalTimes::steps_for(capacity)) +
-                  Packager::memory_bytes(capacity, most_copied, config.before != nullptr) - copies};
+                  Packager::memory_bytes(capacity, max_copied, config.front_filter != nullptr) -
+                  copies};
 }
 
 std::int64_t Run::age_slot_ns(std::int64_t latency_bound_ns) noexcept {

@@ -31,7 +31,7 @@ class Run {
   // the newest rows alone.
   enum class Source { recording, camera };
 
-  static constexpr std::size_t kMostCopied = std::size_t{1} << 17;  // unless configured
+  static constexpr std::size_t kMaxCopied = std::size_t{1} << 17;  // unless configured
 
   // The scheme outlives the run.
   Run(Scheme& scheme, const RunConfig& config, Source source);

@@ -9,7 +9,7 @@ namespace asap {
 namespace {
 
 constexpr double kHighestRate = 60e6;  // events per second that a sensor is known to deliver
-constexpr std::size_t kLeastCapacity = std::size_t{1} << 20;
+constexpr std::size_t kMinCapacity = std::size_t{1} << 20;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns
   const double events = kHighestRate * 2.0 * static_cast<double>(latency_bound_ns) * 1e-9;
   // A bound of minutes must not ask for gigabytes.
   return std::bit_ceil(
-      std::clamp(static_cast<std::size_t>(events), kLeastCapacity, 64 * kLeastCapacity));
+      std::clamp(static_cast<std::size_t>(events), kMinCapacity, 64 * kMinCapacity));
 }
 
 }  // namespace asap

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kFirstRate = 5e5;
 constexpr double kLeak = 0.99;
-constexpr double kLeastWindowNs = 1000;
-constexpr double kMeanOf = 16;            // containers
-constexpr double kLeastMeanGamma = 0.02;  // so that a take has an end
+constexpr double kMinWindowNs = 1000;
+constexpr double kMeanOf = 16;          // containers
+constexpr double kMinMeanGamma = 0.02;  // so that a take has an end
 
 double law(double kappa, double processing_ms) noexcept {
   return std::atan(kappa * std::log(processing_ms));
@@ -84,7 +84,7 @@ std::size_t Asap2022::raw_for_size() const noexcept {
   const auto open = static_cast<double>(containers_.left());
   const double beyond = size_ - open * gamma_;
   const double raw =
-      beyond <= 0 ? size_ / gamma_ : open + beyond / std::max(mean_gamma_, kLeastMeanGamma);
+      beyond <= 0 ? size_ / gamma_ : open + beyond / std::max(mean_gamma_, kMinMeanGamma);
   return static_cast<std::size_t>(std::ceil(raw));
 }
 
@@ -104,7 +104,7 @@ void Asap2022::adapt_gamma(std::int64_t container_ns) noexcept {
   if (container_count_ <= kWindow) return;
   const std::int64_t oldest_ns = container_ns_[container_count_ % kWindow];
   const double window_ns = static_cast<double>(container_ns) - static_cast<double>(oldest_ns);
-  const double r = static_cast<double>(kWindow) * 1e9 / std::max(window_ns, kLeastWindowNs);
+  const double r = static_cast<double>(kWindow) * 1e9 / std::max(window_ns, kMinWindowNs);
   r_max_ = r > r_max_ ? r : kLeak * r_max_;
   r_min_ = r < r_min_ ? r : r_min_ / kLeak;
   const double share = r_max_ == r_min_ ? 0.0 : (r - r_min_) / (r_max_ - r_min_);
@@ -113,16 +113,16 @@ void Asap2022::adapt_gamma(std::int64_t container_ns) noexcept {
 }
 
 void Asap2022::adapt_size(double processing_ms) noexcept {
-  const double least = in_ms(config_.min_processing);
+  const double shortest = in_ms(config_.min_processing);
   const double longest = in_ms(config_.max_processing);
   const auto largest = static_cast<double>(config_.max_size);
-  const double h = std::clamp(processing_ms, least, longest);
+  const double h = std::clamp(processing_ms, shortest, longest);
   const double size =
       scale_ * law(config_.kappa, h) + largest - scale_ * law(config_.kappa, longest);
   // Math libraries differ in the last bit; a run must not.
   size_ = std::clamp(std::nearbyint(size), static_cast<double>(config_.min_size), largest);
-  top_gamma_ =
-      config_.max_gamma - (h - least) / (longest - least) * (config_.max_gamma - config_.min_gamma);
+  top_gamma_ = config_.max_gamma -
+               (h - shortest) / (longest - shortest) * (config_.max_gamma - config_.min_gamma);
 }
 
 }  // namespace asap

@@ -107,7 +107,7 @@ Decision BoundedScheme::within(double budget_ns, Decision decision) const noexce
   decision.budget_ns = std::llround(budget_ns);
   decision.fixed_ns = cost_.alpha_ns();
   decision.event_ns = cost_.beta_ns();
-  decision.most_event_ns = cost_.doubted_event_ns();
+  decision.max_event_ns = cost_.doubted_event_ns();
   return decision;
 }
 

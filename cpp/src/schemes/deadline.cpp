@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kPreferences{"balanced", "events", "continuity"};
 
-constexpr double kMostBudgetNs = 1e18;
+constexpr double kMaxBudgetNs = 1e18;
 constexpr double kAll = std::numeric_limits<double>::infinity();
 constexpr double kCaution = 3.0;     // z: nothing stops a whole package that is late
 constexpr double kSlack = 0.5;       // bounds: z times the fixed cost is no more
@@ -213,8 +213,8 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
     return take(backlog, latency_ns, std::max(room_ns, shortest_ns), 1.0, kAll);
   }
   // Nothing stops a whole package that is late: a shorter one is less late.
-  const double most_ns = is_whole() ? std::max(latency_ns / 2, 12.0 * slow_ns) : latency_ns;
-  const double fit_ns = std::min(room_ns, most_ns);
+  const double max_ns = is_whole() ? std::max(latency_ns / 2, 12.0 * slow_ns) : latency_ns;
+  const double fit_ns = std::min(room_ns, max_ns);
   const auto all = static_cast<double>(backlog.count);
   const double event_ns = cost_.beta_ns();
   if (slow * alpha_ns + zeta * event_ns * all <= fit_ns) {
@@ -230,7 +230,7 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
                      .event_ns = event_ns,
                      .age_ns = age_ns(backlog),
                      .shortest_ns = std::max(shortest_ns, hold_.shortest_ns(latency_ns)),
-                     .longest_ns = most_ns,
+                     .longest_ns = max_ns,
                      .is_new = packages_ < 4,
                      .prefer = config_.prefer})
           .best();
@@ -257,15 +257,15 @@ Decision Deadline::take(const Backlog& backlog, double latency_ns, double length
   const double raw = std::clamp(left - stay, size, left);
   Decision decision = Decision::take(static_cast<std::size_t>(raw), size / raw);
   decision.stale = stale;
-  const double most_event_ns = cost_.most_event_ns();
+  const double max_event_ns = cost_.max_event_ns();
   if (is_whole() || packages_ < kFirst) {
     const double room_ns = std::max(latency_ns - age_ns_, length_ns);
     const double safe = safe_size(room_ns, latency_ns, size);
     decision = safe_slice(decision, safe);
     if (size > safe && is_early()) decision = newest_of(backlog, decision, latency_ns);
   }
-  decision = within(std::clamp(length_ns, 1.0, kMostBudgetNs), decision);
-  if (most_event_ns > 1.1 * cost_.beta_ns()) decision.most_event_ns = most_event_ns;
+  decision = within(std::clamp(length_ns, 1.0, kMaxBudgetNs), decision);
+  if (max_event_ns > 1.1 * cost_.beta_ns()) decision.max_event_ns = max_event_ns;
   return decision;
 }
 

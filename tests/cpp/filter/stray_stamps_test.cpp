@@ -47,7 +47,7 @@ TEST(StrayStamps, AResetOfTheClockIsNone) {
   EXPECT_EQ(stray({9 * kSecond_us, 9 * kSecond_us + 1, 0, 1, 2, 3}), Indices{});
   EXPECT_EQ(stray({5 * kSecond_us, 0, 1, 2}), Indices{}) << "stamps of the run before";
   std::vector<std::int64_t> jump{0};  // forward, and back to where it was: too many to be stray
-  for (std::size_t i = 0; i <= kMostStray; ++i) jump.push_back(9 * kSecond_us);
+  for (std::size_t i = 0; i <= kMaxStray; ++i) jump.push_back(9 * kSecond_us);
   for (std::int64_t i = 1; i < 3000; ++i) jump.push_back(i);
   EXPECT_EQ(stray(jump), Indices{});
 }

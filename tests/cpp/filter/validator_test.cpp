@@ -292,8 +292,8 @@ TEST(Validator, RefusesBadConfigurationByName) {
   };
   EXPECT_TRUE(error_of({.width = -1}).starts_with("width = -1: "));
   EXPECT_TRUE(error_of({.height = 65537}).starts_with("height = 65537: "));
-  constexpr int kLeast = std::numeric_limits<int>::min();  // found by the fuzzer: one below is none
-  EXPECT_TRUE(error_of({.width = kLeast}).starts_with("width = -2147483648: "));
+  constexpr int kMin = std::numeric_limits<int>::min();  // found by the fuzzer: one below is none
+  EXPECT_TRUE(error_of({.width = kMin}).starts_with("width = -2147483648: "));
   EXPECT_TRUE(error_of({.reorder_tolerance = -1us}).starts_with("reorder_tolerance = -1 us: "));
   EXPECT_TRUE(error_of({.reorder_tolerance = 1s}).starts_with("reorder_tolerance = "));
   EXPECT_TRUE(error_of({.warmup_discard = -1us}).starts_with("warmup_discard = -1 us: "));

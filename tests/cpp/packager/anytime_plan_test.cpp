@@ -192,7 +192,7 @@ TEST(AnytimePlan, OfASmallPlanTheExpectationWeighsAsOneEvent) {
 // Strata of a package of so many events that need work_ns in all, or may need it.
 std::size_t strata(std::size_t raw, std::int64_t budget_ns, double work_ns, bool may = false) {
   Decision decision = within(budget_ns, raw, may ? 1.0 : work_ns / static_cast<double>(raw));
-  if (may) decision.most_event_ns = work_ns / static_cast<double>(raw);
+  if (may) decision.max_event_ns = work_ns / static_cast<double>(raw);
   return execute(decision, 0.0).strata.size();
 }
 
@@ -213,7 +213,7 @@ TEST(AnytimePlan, NoStratumOfDearEventsIsLongerThanItsShareOfTheBudget) {
 
 TEST(AnytimePlan, WhereItMightTakeTooLongTheFirstStratumBeginsWithAFew) {
   Decision decision = within(1'600'000, 1600, 100.0);  // as expected 10 us a stratum, of 100 us
-  decision.most_event_ns = 10'000;
+  decision.max_event_ns = 10'000;
   const auto cost_ns = [](std::size_t) { return 10'000.0; };
   const Executed dear = execute(decision, cost_ns);
   ASSERT_EQ(dear.strata.size(), 17u);
@@ -225,11 +225,11 @@ TEST(AnytimePlan, WhereItMightTakeTooLongTheFirstStratumBeginsWithAFew) {
   EXPECT_LE(dear.end_ns, 1'900'000) << "without, 2.6 ms";
   const Executed cheap = execute(decision, 100.0);
   EXPECT_EQ(cheap.size, 1600u) << "nothing is lost";
-  decision.most_event_ns = kInfinity;
+  decision.max_event_ns = kInfinity;
   EXPECT_EQ(execute(decision, 100.0).strata[0].end, 1u);
-  decision.most_event_ns = 1000;  // then it would fit
+  decision.max_event_ns = 1000;  // then it would fit
   EXPECT_EQ(execute(decision, 100.0).strata[0].end, 100u);
-  decision.most_event_ns = 10'000;
+  decision.max_event_ns = 10'000;
   decision.keep = 0.01;  // the clock may allow more than was planned
   EXPECT_EQ(execute(decision, 100.0).strata[0].end, 10u);
   decision.event_ns = 10'000;  // no doubt
@@ -238,8 +238,8 @@ TEST(AnytimePlan, WhereItMightTakeTooLongTheFirstStratumBeginsWithAFew) {
 
 TEST(AnytimePlan, AnExpectationThatIsDoubtedWeighsLess) {
   Decision decision = within(kMillisecond, 6400, 100.0);
-  const auto second = [&](double most_ns) {
-    decision.most_event_ns = most_ns;
+  const auto second = [&](double max_ns) {
+    decision.max_event_ns = max_ns;
     AnytimePlan plan(decision, 0, 0);
     std::int64_t now_ns = 0;
     AnytimePlan::Stratum stratum = plan.next(0, 0);
@@ -370,9 +370,9 @@ TEST(AnytimePlan, WithoutAnExpectationItTriesAndLearns) {
 TEST(AnytimePlan, AlwaysPlansAFraction) {
   for (const double event_ns : {0.0, 1e-300, 1e300, kInfinity, kNaN, -kInfinity}) {
     const double fixed_ns = event_ns;
-    for (const double most_ns : {0.0, 1.0, kInfinity, kNaN, -kInfinity}) {
+    for (const double max_ns : {0.0, 1.0, kInfinity, kNaN, -kInfinity}) {
       Decision decision = within(kMillisecond, 100, event_ns);
-      decision.most_event_ns = most_ns;
+      decision.max_event_ns = max_ns;
       const Executed run = execute(decision, 10.0);
       ASSERT_LE(run.strata.size(), 17u);
       ASSERT_EQ(run.strata.back().end, 100u);

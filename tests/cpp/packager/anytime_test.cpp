@@ -403,8 +403,8 @@ TEST(Anytime, LosesNothingAndDoublesNothing) {
       return decision;
     });
     const std::size_t capacity = 500 + 300 * draw(8);
-    const std::size_t most_copied = seed % 2 == 0 ? capacity : 1 + draw(capacity);
-    Rig rig(scheme, capacity, {.seed = seed, .most_copied = most_copied});
+    const std::size_t max_copied = seed % 2 == 0 ? capacity : 1 + draw(capacity);
+    Rig rig(scheme, capacity, {.seed = seed, .max_copied = max_copied});
     const Events events = evenly_spaced(30'000, 1);
     std::size_t at = 0;
     std::int64_t now_ns = 0;

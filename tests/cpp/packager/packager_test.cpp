@@ -42,9 +42,9 @@ constexpr std::size_t kHuge = std::numeric_limits<std::size_t>::max();
 class Rig {
  public:
   explicit Rig(Scheme& scheme, std::size_t capacity = 1024, std::uint64_t seed = 0,
-               std::size_t most_copied = kHuge)
+               std::size_t max_copied = kHuge)
       : buffer(capacity),
-        packager(buffer, ages, scheme, telemetry, {.seed = seed, .most_copied = most_copied}) {
+        packager(buffer, ages, scheme, telemetry, {.seed = seed, .max_copied = max_copied}) {
     packager.set_axis(TimeAxis(0, 1.0));
   }
 

@@ -31,8 +31,8 @@ FrontFilter every(std::uint64_t nth) {
 // A ring with waiting events from index `first` on, and a thinner over it.
 struct Rig {
   explicit Rig(FrontFilter before = {}, std::uint64_t first = 0, std::uint64_t seed = 7,
-               std::size_t most_copied = kCapacity)
-      : buffer(kCapacity, first), thinner(times, kCapacity, seed, std::move(before), most_copied) {}
+               std::size_t max_copied = kCapacity)
+      : buffer(kCapacity, first), thinner(times, kCapacity, seed, std::move(before), max_copied) {}
 
   void push(EventSpan events) { buffer.push(events); }
   void begin() { thinner.begin(buffer.peek(), buffer.head()); }

@@ -100,7 +100,7 @@ TEST(PipelineMemory, IsWhatIsCounted) {
     const RunConfig configs[] = {
         {.capacity = capacity, .log_rows = 0},
         {.capacity = capacity, .prefault = true},
-        {.capacity = capacity, .before = all, .log_rows = 7, .most_copied = 5000}};
+        {.capacity = capacity, .front_filter = all, .log_rows = 7, .max_copied = 5000}};
     for (const RunConfig& config : configs) {
       Consumer nothing = [](EventSpan) {};
       RunConfig given = config;
@@ -116,7 +116,7 @@ TEST(PipelineMemory, FitsASmallBoard) {
   const PipelineMemory memory = Pipeline::memory({.capacity = 65'536, .log_rows = 0});
   EXPECT_LE(memory.total(), 2'600'000u);
   EXPECT_LE(memory.log + memory.rest, 256'000u);
-  const RunConfig small{.capacity = 16'384, .log_rows = 0, .most_copied = 4096};
+  const RunConfig small{.capacity = 16'384, .log_rows = 0, .max_copied = 4096};
   EXPECT_LE(memory_bytes(small), 600'000u);
 }
 

@@ -114,14 +114,14 @@ TEST(LiveRun, TheNewestThatDoNotFitOverflow) {
 }
 
 TEST(LiveRun, APackageThatIsCopiedIsBoundedAndTheRestFollows) {
-  constexpr std::size_t kEvents = asap::Run::kMostCopied + 40'000;
+  constexpr std::size_t kEvents = asap::Run::kMaxCopied + 40'000;
   test::ScriptedScheme scheme(
       [](const Backlog& backlog) { return Decision::take(backlog.count, 1 - 1e-9); });
   RunConfig config = kWhole;
-  config.capacity = 2 * asap::Run::kMostCopied;
+  config.capacity = 2 * asap::Run::kMaxCopied;
   LiveRun run(scheme, config);
   run.push(test::evenly_spaced(kEvents, 0), {});
-  for (const std::size_t size : {asap::Run::kMostCopied, kEvents - asap::Run::kMostCopied}) {
+  for (const std::size_t size : {asap::Run::kMaxCopied, kEvents - asap::Run::kMaxCopied}) {
     Package package;
     ASSERT_EQ(run.loop().next(package, 0ns), ConsumerLoop::Next::package);
     EXPECT_EQ(package.events.size(), size);
@@ -134,7 +134,7 @@ TEST(LiveRun, WhatTheFilterInFrontDropsIsFilteredAndNothingElse) {
   test::ScriptedScheme scheme(
       [](const Backlog& backlog) { return Decision::take(backlog.count, 0.25); });
   RunConfig config = kWhole;
-  config.before = [](EventSpan events, Event* out) {
+  config.front_filter = [](EventSpan events, Event* out) {
     Event* const end = std::copy_if(events.begin(), events.end(), out,
                                     [](const Event& event) { return event.p == 0; });
     return static_cast<std::size_t>(end - out);
@@ -171,7 +171,7 @@ TEST(LiveRun, TheBoundOfACopyIsConfigured) {
   test::ScriptedScheme scheme(
       [](const Backlog& backlog) { return Decision::take(backlog.count, 1 - 1e-9); });
   RunConfig config = kWhole;
-  config.most_copied = 300;
+  config.max_copied = 300;
   LiveRun run(scheme, config);
   run.push(test::evenly_spaced(500, 0), {});
   for (const std::size_t size : {300u, 200u}) {

@@ -44,10 +44,10 @@ test::ScriptedScheme::Rule only_when_due() {
 
 // Pushes chunks with stamps that go on, until the pipeline refuses; counts what it has pushed.
 struct Camera {
-  explicit Camera(Pipeline& pipeline, std::size_t chunk, std::uint64_t most = ~std::uint64_t{0})
-      : thread([this, &pipeline, chunk, most] {
+  explicit Camera(Pipeline& pipeline, std::size_t chunk, std::uint64_t max = ~std::uint64_t{0})
+      : thread([this, &pipeline, chunk, max] {
           Events events = evenly_spaced(chunk, 0);
-          for (std::int64_t t = 0; pushed < most && pipeline.push(events); ++t) {
+          for (std::int64_t t = 0; pushed < max && pipeline.push(events); ++t) {
             pushed += chunk;
             for (Event& event : events) event.t = t + 1;
           }
@@ -384,7 +384,7 @@ TEST(PipelineThin, OverflowStaysZeroAndGammaSaysIt) {
   EXPECT_EQ(stats.ledger.discarded, 1500 - stats.ledger.delivered);
   EXPECT_NEAR(static_cast<double>(stats.ledger.delivered), 938, 25);
   EXPECT_TRUE(stats.ledger.balanced());
-  EXPECT_EQ(stats.most_waiting, stats.ledger.delivered);
+  EXPECT_EQ(stats.max_waiting, stats.ledger.delivered);
 }
 
 TEST(PipelineOldest, AFullRingLosesItsOlderHalf) {
@@ -433,7 +433,7 @@ TEST(PipelineBlock, SaysHowManyWaitWhileThePushWaits) {
   Greedy scheme;
   Pipeline pipeline(scheme, whole(64, WhenFull::block));
   const auto poll = [&] {
-    EXPECT_EQ(pipeline.stats().most_waiting, 64u);
+    EXPECT_EQ(pipeline.stats().max_waiting, 64u);
     throw std::runtime_error("interrupted");
   };
   EXPECT_THROW(pipeline.push(evenly_spaced(100, 1), {}, poll), std::runtime_error);
@@ -710,7 +710,7 @@ TEST(MakePipeline, RefusedItHasTakenNothing) {
 }
 
 TEST(MakePipeline, WhereverMemoryEndsItHasTakenNothing) {
-  const RunConfig small{.capacity = 64, .most_copied = 64};
+  const RunConfig small{.capacity = 64, .max_copied = 64};
   EXPECT_GT(test::allocations_until_made([&] { return make_pipeline(small, [](EventSpan) {}); }),
             10);
   Greedy scheme;

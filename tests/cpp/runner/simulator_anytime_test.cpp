@@ -55,7 +55,7 @@ ScriptedScheme::Rule at_random(std::uint64_t seed) {
     if (number(32, 16) == 0) take.stale = part / 2;
     take.budget_ns = budgets[number(40, 7)];
     take.fixed_ns = fixed[number(52, 4)];
-    take.most_event_ns = fixed[number(53, 4)];
+    take.max_event_ns = fixed[number(53, 4)];
     take.event_ns = costs[number(48, 5)];
     return take;
   };

@@ -395,7 +395,7 @@ TEST(Simulator, TheMaskLeadsBackToTheEventsThatWereGiven) {
                          .capacity = seed % 3 == 0 ? 50u : 5000u,
                          .validator = {.width = 15'000},
                          .execution = seed % 4 < 2 ? Execution::anytime : Execution::whole,
-                         .before = seed % 5 < 2 ? every_fourth_is_noise : FrontFilter{},
+                         .front_filter = seed % 5 < 2 ? every_fourth_is_noise : FrontFilter{},
                          .keep_mask = true},
                         [&](const Package& package) {
                           delivered.insert(delivered.end(), package.events.begin(),

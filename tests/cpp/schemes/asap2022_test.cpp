@@ -145,7 +145,7 @@ TEST(Asap2022, FollowsTheLawOverRandomStreams) {
     Asap2022 scheme({.min_gamma = g_min});
     Law law(g_min, 1.0);
     std::int64_t oldest_ns = 0;
-    double least = 1;
+    double min = 1;
     std::size_t containers = 0;
     for (std::uint64_t k = 0; containers < 3000; ++k) {
       const std::int64_t step_ns = static_cast<std::int64_t>(60 + random(3 * k) % 2000);
@@ -154,7 +154,7 @@ TEST(Asap2022, FollowsTheLawOverRandomStreams) {
       const auto raw = static_cast<double>(decision.raw);
       ASSERT_NEAR(raw, law.raw(), 1 + 1e-6 * raw) << "package " << k;
       ASSERT_NEAR(decision.keep * raw, law.size, 1 + 1e-6 * raw) << "package " << k;
-      least = std::fmin(least, decision.keep);
+      min = std::fmin(min, decision.keep);
       const auto processing_ns =
           static_cast<std::int64_t>(std::pow(10.0, 5 + 0.7 * random.uniform(3 * k + 1)));
       scheme.observe({.size = decision.raw / 2,
@@ -170,7 +170,7 @@ TEST(Asap2022, FollowsTheLawOverRandomStreams) {
       oldest_ns += static_cast<std::int64_t>(decision.raw) * step_ns;
       containers += 1 + decision.raw / 1000;
     }
-    EXPECT_LT(least, 0.8) << "gamma never acted";
+    EXPECT_LT(min, 0.8) << "gamma never acted";
   }
 }
 
@@ -250,10 +250,10 @@ TEST(Asap2022, AFloodOnOneStampPasses) {
 }
 
 TEST(Asap2022, StaysWithinItsBoundsForAbsurdOutcomes) {
-  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max() / 2;
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max() / 2;
   Asap2022 scheme({.min_gamma = 0.0});
   const CounterRandom random(1);
-  const std::int64_t times[] = {0, 1, -1, kMost, -kMost, 1'000'000};
+  const std::int64_t times[] = {0, 1, -1, kMax, -kMax, 1'000'000};
   const std::size_t sizes[] = {0, 1, 2, 10, 1'000'000};
   std::int64_t now_ns = 0;
   for (std::uint64_t k = 0; k < 10'000; ++k) {

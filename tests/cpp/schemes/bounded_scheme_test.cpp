@@ -265,7 +265,7 @@ TEST(BoundedScheme, PlansAnAnytimePackageWithWhatItLearned) {
   EXPECT_EQ(decision.budget_ns, 5'000'000);
   EXPECT_DOUBLE_EQ(decision.fixed_ns, 7e3);
   EXPECT_DOUBLE_EQ(decision.event_ns, 8);
-  EXPECT_EQ(decision.most_event_ns, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(decision.max_event_ns, std::numeric_limits<double>::infinity());
 }
 
 TEST(BoundedScheme, RefusesABadConfigurationByName) {

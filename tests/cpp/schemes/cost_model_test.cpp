@@ -337,24 +337,24 @@ TEST(CostModel, UntilItKnowsAllOfTheCostMayBeThatOfTheEvents) {
 // No package of n events or more costs more by event than one of n.
 TEST(CostModel, TheLargestRecentPackageSaysWhatAnEventCostsAtMost) {
   CostModel model;
-  EXPECT_EQ(model.most_event_ns(), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(model.max_event_ns(), std::numeric_limits<double>::infinity());
   const auto cost_by_event = [](double size) { return kAlphaNs / size + kBetaNs; };
   const auto update = [&](std::size_t size) {
     model.update(package(size, kAlphaNs + kBetaNs * static_cast<double>(size)));
   };
   for (const std::size_t size : {1u, 2u, 64u, 2000u}) {
     update(size);
-    EXPECT_DOUBLE_EQ(model.most_event_ns(), cost_by_event(static_cast<double>(size)));
+    EXPECT_DOUBLE_EQ(model.max_event_ns(), cost_by_event(static_cast<double>(size)));
   }
   for (int k = 0; k < 100; ++k) update(200);
-  EXPECT_DOUBLE_EQ(model.most_event_ns(), cost_by_event(2000)) << "it has seen better";
+  EXPECT_DOUBLE_EQ(model.max_event_ns(), cost_by_event(2000)) << "it has seen better";
   for (int k = 0; k < 20; ++k) update(200);  // 0.98^120 of 2000
-  EXPECT_DOUBLE_EQ(model.most_event_ns(), cost_by_event(200)) << "but not lately";
+  EXPECT_DOUBLE_EQ(model.max_event_ns(), cost_by_event(200)) << "but not lately";
   update(3000);
   model.update(package(100, 90e6));
-  EXPECT_DOUBLE_EQ(model.most_event_ns(), 9e5) << "or it costs more by now";
+  EXPECT_DOUBLE_EQ(model.max_event_ns(), 9e5) << "or it costs more by now";
   update(50);
-  EXPECT_DOUBLE_EQ(model.most_event_ns(), cost_by_event(50)) << "or that was an outage";
+  EXPECT_DOUBLE_EQ(model.max_event_ns(), cost_by_event(50)) << "or that was an outage";
 }
 
 // ---- how large a package may be that nothing stops ---------------------------------------------

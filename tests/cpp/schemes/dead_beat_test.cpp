@@ -203,7 +203,7 @@ TEST(DeadBeat, AWholePackageIsNoLargerThanIsSafe) {
     const Decision decision = decide(scheme, 1000, kMs);
     const bool is_whole = execution == Execution::whole;
     EXPECT_EQ(size_of(decision), is_whole ? 11 : 1000) << "the clock ends it";
-    EXPECT_DOUBLE_EQ(decision.most_event_ns, is_whole ? 0 : 4e5);
+    EXPECT_DOUBLE_EQ(decision.max_event_ns, is_whole ? 0 : 4e5);
   }
 }
 

@@ -339,19 +339,19 @@ TEST(Deadline, KeepsAMarginForNoise) {
   scheme.reset(Execution::anytime);
   CostModel model;
   const CounterRandom random(1);
-  double least = 1;
+  double min = 1;
   for (std::uint64_t k = 0; k < 300; ++k) {
     const double margin = 0.05 * std::max(0.0, model.sigma() - 0.05);
     const double latency_ms = 10 * (1 - margin);
     ASSERT_NEAR(budget_ms(decide(scheme, evenly(1, kMs), 50 * kMs)), latency_ms - 1, 1e-5) << k;
-    least = std::min(least, 1 - margin);
+    min = std::min(min, 1 - margin);
     const double noise = k < 150 ? 4 * random.uniform(k) : 1.0;
     const double cost_ns = std::floor((kAlphaNs + kBetaNs * 1000) * noise);
     observe(scheme, 1000, 1000, cost_ns);
     model.update(test::package(1000, cost_ns));
   }
-  EXPECT_NEAR(least, 0.9825, 1e-4);  // the noise was felt, and sigma has a limit
-  EXPECT_LT(model.sigma(), 0.05);    // and is forgotten
+  EXPECT_NEAR(min, 0.9825, 1e-4);  // the noise was felt, and sigma has a limit
+  EXPECT_LT(model.sigma(), 0.05);  // and is forgotten
   EXPECT_NEAR(budget_ms(decide(scheme, evenly(1, kMs), 50 * kMs)), 9.0, 1e-6);
 }
 
@@ -431,11 +431,11 @@ TEST(Deadline, APackageOfSeveralPartsTellsItsFixedCost) {
   Deadline scheme;
   scheme.reset(Execution::anytime);
   const FakeBacklog events = evenly(10, kMs);
-  EXPECT_EQ(decide(scheme, events).most_event_ns, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(decide(scheme, events).max_event_ns, std::numeric_limits<double>::infinity());
   for (int k = 0; k < 30; ++k) scheme.observe(test::in_parts(1600, 100, kAlphaNs, kBetaNs));
   EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 0.001 * kAlphaNs);
   EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 0.001 * kBetaNs);
-  EXPECT_EQ(decide(scheme, events, 50 * kMs).most_event_ns, 362.5);  // (alpha + 1600 beta) / 1600
+  EXPECT_EQ(decide(scheme, events, 50 * kMs).max_event_ns, 362.5);  // (alpha + 1600 beta) / 1600
 }
 
 TEST(Deadline, ABoundThatCannotBeKeptIsReplacedByTwoAndAHalfFixedCosts) {
@@ -681,7 +681,7 @@ TEST(Deadline, ATakeThatKeptNothingTeachesNothing) {
   observe(scheme, 0, 50, 0);
   EXPECT_EQ(scheme.alpha_ns(), 50e3);
   EXPECT_EQ(scheme.beta_ns(), 100.0);
-  EXPECT_EQ(decide(scheme, events).most_event_ns, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(decide(scheme, events).max_event_ns, std::numeric_limits<double>::infinity());
 }
 
 TEST(Deadline, ResetBringsTheFirstStateBack) {

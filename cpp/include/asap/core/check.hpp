@@ -80,8 +80,8 @@ class NoMemory : public std::bad_alloc {
 // initialised, so its pages cost nothing until they are used.
 template <class Value>
 std::unique_ptr<Value[]> allocate(std::size_t count, std::string_view field, std::size_t value) {
-  constexpr std::size_t kMost = std::numeric_limits<std::ptrdiff_t>::max() / sizeof(Value);
-  Value* const memory = count <= kMost ? new (std::nothrow) Value[count] : nullptr;
+  constexpr std::size_t kMax = std::numeric_limits<std::ptrdiff_t>::max() / sizeof(Value);
+  Value* const memory = count <= kMax ? new (std::nothrow) Value[count] : nullptr;
   if (memory == nullptr) {
     throw_no_memory(field, value, static_cast<double>(count) * sizeof(Value));
   }

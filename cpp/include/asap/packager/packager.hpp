@@ -34,12 +34,12 @@ class KeptMask;
 struct PackagerConfig {
   std::uint64_t seed = 0;                    // of the gamma filter
   Execution execution = Execution::anytime;  // of the algorithm
-  bool flush = true;         // false: only a full ring or the end of the source forces a scheme
-  FrontFilter before{};      // may be none
-  bool drop_oldest = false;  // of a ring found full, the older half
+  bool flush = true;           // false: only a full ring or the end of the source forces a scheme
+  FrontFilter front_filter{};  // may be none
+  bool drop_oldest = false;    // of a ring found full, the older half
   KeptMask* kept_mask = nullptr;  // to note what is kept; may be none, else outlives the packager
   // Kept events of a package that is no slice of the ring; what is more follows as the next one.
-  std::size_t most_copied = std::numeric_limits<std::size_t>::max();
+  std::size_t max_copied = std::numeric_limits<std::size_t>::max();
   bool prefault = false;  // writes to all memory in the constructor
 };
 
@@ -64,7 +64,7 @@ class Packager {
   ~Packager();
 
   // What a packager of a live run takes, all of it in its constructor.
-  static std::size_t memory_bytes(std::size_t capacity, std::size_t most_copied,
+  static std::size_t memory_bytes(std::size_t capacity, std::size_t max_copied,
                                   bool is_filtered) noexcept;
 
   // Sets where stamps lie in run time; before the first event is pushed.
@@ -91,8 +91,8 @@ class Packager {
   void complete(const Package& package, std::int64_t end_ns) noexcept ASAP_NONBLOCKING;
 
  private:
-  class Work;
-  const std::unique_ptr<Work> work_;
+  class Impl;
+  const std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace asap

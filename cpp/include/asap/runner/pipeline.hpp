@@ -43,7 +43,7 @@ struct PipelineStats {
   std::uint64_t upstream_packets = 0;  // packets known to be lost
   bool open = true;                    // pushes are taken
   bool stalled = false;                // the consumer has been away for too long (StallWatch)
-  std::uint64_t most_waiting = 0;      // events that have been in the ring at once
+  std::uint64_t max_waiting = 0;       // events that have been in the ring at once
   std::int64_t latency_bound_ns = 0;   // in force from the consumer's next look on
   std::int64_t sensor_delay_ns = 0;    // of the last push, beyond the least of late (SensorDelay)
   std::int64_t sensor_delay_max_ns = 0;
@@ -135,8 +135,8 @@ class Pipeline {
   const Telemetry& telemetry() const noexcept;
 
  private:
-  class Work;
-  const std::unique_ptr<Work> work_;
+  class Impl;
+  const std::unique_ptr<Impl> impl_;
 };
 
 // Pipeline::memory(config).total()

@@ -54,8 +54,8 @@ class Replay {
   const LatencyHistogram& lateness() const noexcept;
 
  private:
-  class Work;
-  const std::unique_ptr<Work> work_;
+  class Impl;
+  const std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace asap

@@ -43,14 +43,14 @@ struct RunConfig {
   Execution execution = Execution::whole;
   bool flush =
       true;  // false, for experiments: nothing is taken because it has waited for the bound
-  FrontFilter before{};                 // in front of the gamma filter; may be none
+  FrontFilter front_filter{};           // in front of the gamma filter; may be none
   WhenFull when_full = WhenFull::thin;  // the ring of a live pipeline
   bool keep_mask = false;               // of a recording: note which events were delivered
   // Rows that the log of a live pipeline keeps, the newest ones, 96 bytes each; 0: totals alone.
   std::size_t log_rows = 16'384;
   // Kept events of a package that is thinned or lies across the ring's end, 16 bytes each; what is
   // more follows as the next package. 0: 131,072 of a live pipeline, any number of a recording.
-  std::size_t most_copied = 0;
+  std::size_t max_copied = 0;
   // Write to all memory in the constructor: no page of it is missing when events come.
   bool prefault = false;
 };
@@ -58,7 +58,7 @@ struct RunConfig {
 // Bytes that a pipeline with a worker takes from the heap, all of them in its constructor.
 struct PipelineMemory {
   std::size_t ring;    // RunConfig::capacity
-  std::size_t copies;  // RunConfig::most_copied
+  std::size_t copies;  // RunConfig::max_copied
   std::size_t log;     // RunConfig::log_rows
   std::size_t rest;    // tables of arrival times, the latency histogram, the scheme, scratch
 

@@ -52,8 +52,8 @@ class Simulator {
   std::int64_t busy_ns() const noexcept;
 
  private:
-  class Work;
-  const std::unique_ptr<Work> work_;
+  class Impl;
+  const std::unique_ptr<Impl> impl_;
 };
 
 // The same, for a program without exceptions.

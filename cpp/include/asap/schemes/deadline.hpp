@@ -64,7 +64,7 @@ class OutageReserve {
     const double late_ns = latency_ns - bound_ns;
     const bool is_late = late_ns > kGrace * bound_ns;
     const double late = is_late ? std::min(late_ns / std::max(span_ns, 1.0), 1.0) : 0.0;
-    share_ = std::clamp(share_ + kGain * (late - kTolerated), 0.0, kMost);
+    share_ = std::clamp(share_ + kGain * (late - kTolerated), 0.0, kMax);
   }
 
   // The reserve of a bound; at most what leaves room for four fixed costs.
@@ -76,7 +76,7 @@ class OutageReserve {
   static constexpr double kGain = 0.05;        // of a bound, for a package that is late as a whole
   static constexpr double kGrace = 0.01;       // of a bound: less than that is no outage
   static constexpr double kTolerated = 0.005;  // so that p99 is within the bound
-  static constexpr double kMost = 0.5;         // shorter packages cost more than they save
+  static constexpr double kMax = 0.5;          // shorter packages cost more than they save
 
   double share_ = 0.0;
 };

@@ -69,11 +69,11 @@ struct Decision {
   double keep = 1.0;      // ... and the fraction of them to keep
   // Anytime execution: the package is to end budget_ns after its start, and `keep` is only the
   // plan; it is expected to cost fixed_ns and event_ns per event, and no event more than
-  // most_event_ns. Without a budget, and where the execution is `whole`, `keep` holds.
+  // max_event_ns. Without a budget, and where the execution is `whole`, `keep` holds.
   std::int64_t budget_ns = kNever;
   double fixed_ns = 0.0;
   double event_ns = 0.0;
-  double most_event_ns = 0.0;
+  double max_event_ns = 0.0;
 
   static constexpr Decision wait_until(std::int64_t time_ns) noexcept {
     return {.takes = false, .until_ns = time_ns};

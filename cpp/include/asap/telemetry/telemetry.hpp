@@ -14,9 +14,9 @@
 namespace asap {
 
 struct Telemetry {
-  // most_rows: see RunLog.
-  explicit Telemetry(std::int64_t latency_bound_ns, std::size_t most_rows = RunLog::kAllRows)
-      : log(most_rows), latency(latency_bound_ns) {}
+  // max_rows: see RunLog.
+  explicit Telemetry(std::int64_t latency_bound_ns, std::size_t max_rows = RunLog::kAllRows)
+      : log(max_rows), latency(latency_bound_ns) {}
 
   RunLog log;
   LatencyHistogram latency;
