@@ -32,7 +32,7 @@ def in_file(
 
 MUTANTS: list[Mutant] = [
     *in_file(
-        INCLUDE + "buffer/event_buffer.hpp",
+        SOURCE + "buffer/event_buffer.hpp",
         "buffer",
         threads=True,
         tail_published_relaxed=(
@@ -45,7 +45,7 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
-        INCLUDE + "buffer/event_buffer.hpp",
+        SOURCE + "buffer/event_buffer.hpp",
         "buffer",
         consume_off_by_one=(
             "(std::memory_order_relaxed) + count,",
@@ -82,7 +82,7 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "runner/sensor_delay.hpp",
         "runner",
-        least_delay_forgotten_with_its_window=("std::min(min_ns_, before_ns_)", "least_ns_"),
+        least_delay_forgotten_with_its_window=("std::min(min_ns_, before_ns_)", "min_ns_"),
     ),
     *in_file(
         SOURCE + "runner/intake.cpp",
@@ -91,7 +91,7 @@ MUTANTS: list[Mutant] = [
         thinned_not_counted=("    discarded_ += block.size() - kept;\n", ""),
         thinning_knows_not_how_much_comes=(
             "buffer_.filled(max - events.size()) > max - events.size()",
-            "buffer_.filled(most) > most",
+            "buffer_.filled(max) > max",
         ),
         thinning_lets_in_more_than_fits=(
             "if (events <= room) return chance;",
@@ -101,21 +101,21 @@ MUTANTS: list[Mutant] = [
         producer_not_told_to_leave=("  left_.store(true, std::memory_order_release);\n", ""),
     ),
     *in_file(
-        SOURCE + "runner/live_run.cpp",
+        SOURCE + "runner/pipeline.cpp",
         "runner",
         arrival_clamp_removed=(
-            "std::clamp(arrival.value_or(now), Steady::time_point{}, now)",
+            "std::clamp(arrival.value_or(now), RunClock::Steady::time_point{}, now)",
             "arrival.value_or(now)",
         ),
-        arrivals_go_back=("std::max(arrival_ns_, clock_.at(came))", "clock_.at(came)"),
+        arrivals_go_back=("std::max(arrival_ns, clock.at(came))", "clock.at(came)"),
         clock_reset_flushes_nothing=(
-            "  sensor_delay_.forget();\n  loop_.flush();",
-            "  sensor_delay_.forget();",
+            "  sensor_delay.forget();\n  loop.flush();",
+            "  sensor_delay.forget();",
         ),
-        bound_not_applied=("  loop_.set_latency_bound(bound_ns);\n", ""),
+        bound_not_applied=("  impl_->live->loop.set_latency_bound(bound_ns);\n", ""),
         end_without_wake=(
-            "  run_.buffer().close();\n  doorbell_.wake();",
-            "  run_.buffer().close();",
+            "  run.buffer().close();\n  doorbell.wake();",
+            "  run.buffer().close();",
         ),
     ),
     *in_file(
@@ -131,11 +131,14 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "runner/pipeline.cpp",
         "runner",
-        forgotten_leave=("  run_->leave();\n", ""),
-        swallowed_exception=("    run_->finish();\n    throw;", "    run_->finish();"),
-        swallowed_exception_of_the_worker=("      error_ = std::current_exception();\n", ""),
-        stop_always_drains=("  if (!drain) run_->loop().abandon();\n", ""),
-        later_runs_have_the_old_bound=("  latency_bound_ns_ = bound_ns;\n", ""),
+        forgotten_leave=("  live->intake.leave();\n", ""),
+        swallowed_exception=(
+            "    live->finished.store(true, std::memory_order_release);\n    throw;",
+            "    live->finished.store(true, std::memory_order_release);",
+        ),
+        swallowed_exception_of_the_worker=("        error = std::current_exception();\n", ""),
+        stop_always_drains=("  if (!drain) live->loop.abandon();\n", ""),
+        later_runs_have_the_old_bound=("  impl_->latency_bound_ns = bound_ns;\n", ""),
     ),
     *in_file(
         SOURCE + "runner/consumer_loop.cpp",
@@ -256,7 +259,7 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
-        INCLUDE + "telemetry/gap_meter.hpp",
+        SOURCE + "telemetry/gap_meter.hpp",
         "telemetry",
         gap_without_a_loss=("if (is_lost_) extend(", "extend("),
         gap_in_the_last_stride=("    look(event, last);\n", ""),

@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/packager/packager.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "journal.hpp"
 #include "live_setup.hpp"
+#include "packager/packager.hpp"
 #include "shadow.hpp"
 #include "stall_reference.hpp"
 

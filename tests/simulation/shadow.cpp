@@ -8,7 +8,7 @@
 namespace asap::simulation {
 namespace {
 
-constexpr std::int64_t kStepsPerBound = 1024;  // as in LiveRun
+constexpr std::int64_t kStepsPerBound = 1024;  // as in Run
 constexpr std::int64_t kGraceShare = 100;      // of the bound: as in Packager
 
 }  // namespace

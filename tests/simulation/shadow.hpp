@@ -8,11 +8,11 @@
 #include <limits>
 #include <vector>
 
-#include "asap/buffer/event_buffer.hpp"
-#include "asap/packager/packager.hpp"
 #include "asap/telemetry/ledger.hpp"
+#include "buffer/event_buffer.hpp"
 #include "journal.hpp"
 #include "packager/anytime_plan.hpp"
+#include "packager/packager.hpp"
 #include "reference_filter.hpp"
 #include "reference_rate.hpp"
 #include "setup.hpp"

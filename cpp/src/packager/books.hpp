@@ -6,12 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/buffer/event_buffer.hpp"
 #include "asap/core/time.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/telemetry/telemetry.hpp"
+#include "buffer/event_buffer.hpp"
 #include "packager/event_times.hpp"
 #include "packager/rate_meter.hpp"
+#include "telemetry/gap_meter.hpp"
 
 namespace asap {
 
@@ -26,8 +27,8 @@ class Books {
   };
 
   // The referenced objects outlive the books.
-  Books(Telemetry& telemetry, const EventTimes& times) noexcept
-      : telemetry_(telemetry), times_(times) {}
+  Books(Telemetry& telemetry, GapMeter& gap, const EventTimes& times) noexcept
+      : telemetry_(telemetry), gap_(gap), times_(times) {}
 
   // These have left undecided: too old, or dropped from a full ring.
   void stale(const Left& left) noexcept;
@@ -66,6 +67,7 @@ class Books {
                                 const KeptTimes& kept_times) noexcept;
 
   Telemetry& telemetry_;
+  GapMeter& gap_;
   const EventTimes& times_;
   RateMeter rate_meter_;
   std::uint64_t packages_ = 0;

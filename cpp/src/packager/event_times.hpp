@@ -10,10 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "asap/buffer/event_buffer.hpp"
 #include "asap/core/time.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"
+#include "buffer/event_buffer.hpp"
 
 namespace asap {
 

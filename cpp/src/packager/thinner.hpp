@@ -12,9 +12,9 @@
 #include <limits>
 #include <memory>
 
-#include "asap/buffer/event_buffer.hpp"
 #include "asap/filter/front_filter.hpp"
 #include "asap/filter/gamma_filter.hpp"
+#include "buffer/event_buffer.hpp"
 #include "packager/event_times.hpp"
 
 namespace asap {

@@ -5,8 +5,6 @@
 namespace asap {
 namespace {
 
-constexpr std::chrono::nanoseconds kPollEvery = std::chrono::milliseconds(20);
-
 std::int64_t ns(RunClock::Steady::time_point time) noexcept {
   return std::chrono::nanoseconds(time.time_since_epoch()).count();
 }

@@ -8,8 +8,6 @@
 namespace asap {
 namespace {
 
-constexpr auto kRoomPollEvery = std::chrono::milliseconds(20);
-
 // Of a ring's capacity; up to there nothing is thinned.
 std::size_t thinning_begins(std::size_t capacity) noexcept { return capacity - capacity / 4; }
 
@@ -110,7 +108,7 @@ KeepThreshold Intake::bar(double share, std::size_t events, std::size_t room) no
 
 void Intake::wait_for_room(std::size_t wanted, const Poll& poll) {
   const std::uint64_t wanted_head = buffer_.tail() + wanted - buffer_.capacity();
-  room_.wait(wanted_head, System::now() + kRoomPollEvery, [&] {
+  room_.wait(wanted_head, System::now() + kPollEvery, [&] {
     return static_cast<std::int64_t>(buffer_.head() - wanted_head) >= 0 ||
            left_.load(std::memory_order_acquire);
   });

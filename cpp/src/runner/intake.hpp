@@ -18,13 +18,13 @@
 #include <cstdint>
 #include <functional>
 
-#include "asap/buffer/event_buffer.hpp"
 #include "asap/core/atomics.hpp"
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/runner/run_config.hpp"
-#include "asap/telemetry/gap_meter.hpp"
 #include "buffer/arrival_times.hpp"
+#include "buffer/event_buffer.hpp"
 #include "runner/doorbell.hpp"
+#include "telemetry/gap_meter.hpp"
 
 namespace asap {
 

@@ -16,8 +16,7 @@
 namespace asap {
 namespace {
 
-constexpr std::int64_t kLongestChunkNs = 1'000'000;            // of stamps in one push
-constexpr auto kLongestSleep = std::chrono::milliseconds(20);  // a stop is seen this soon
+constexpr std::int64_t kLongestChunkNs = 1'000'000;  // of stamps in one push
 
 ReplayConfig checked(ReplayConfig config) {
   using namespace std::chrono_literals;
@@ -115,7 +114,7 @@ void Replay::Impl::pace(const std::stop_token& stop) {
     if (stop.stop_requested()) throw Stopped{};
     const std::int64_t wanted_ns = std::max(run_.axis().to_ns(arriving_.front().t), next_push_ns_);
     if (clock_.now_ns() < wanted_ns) {
-      const auto soon = System::now() + kLongestSleep;
+      const auto soon = System::now() + kPollEvery;
       std::this_thread::sleep_until(std::min(clock_.when(wanted_ns), soon));
       continue;
     }

@@ -79,25 +79,20 @@ PipelineMemory Run::memory(const RunConfig& config, std::int64_t latency_bound_n
                   copies};
 }
 
-std::int64_t Run::age_slot_ns(std::int64_t latency_bound_ns) noexcept {
-  return std::max<std::int64_t>(latency_bound_ns / kSlotsPerBound, 1);
-}
-
 std::int64_t Run::arrival_step_ns(std::int64_t latency_bound_ns) noexcept {
   return std::max<std::int64_t>(latency_bound_ns / kStepsPerBound, 1);
 }
 
 void Run::begin(std::int64_t first_us, double speed) noexcept {
   axis_ = TimeAxis(first_us, speed);
-  packager_.set_axis(axis_);
-  telemetry_.gap.begin(first_us);
+  packager_.begin(axis_, first_us);
 }
 
 void Run::arrive(EventSpan events) {
   const std::uint64_t first = buffer_.tail();
   const std::size_t taken = buffer_.push(events);
-  door_.kept(events.first(taken));
-  if (taken < events.size()) door_.lost(events.subspan(taken));
+  ring_gap_.kept(events.first(taken));
+  if (taken < events.size()) ring_gap_.lost(events.subspan(taken));
   ages_->observe(events.first(taken), first,
                  [this](std::int64_t stamp) { return axis_.to_ns(stamp); });
   if (mask_) mask_->entered(taken, events.size() - taken);
@@ -144,13 +139,13 @@ Ledger Run::ledger(bool is_quiet, std::uint64_t thinned, std::uint64_t outside) 
 // events between two delivered ones, the last stage that lost any has seen those two in a row, and
 // no stage sees more than the run lost. Only behind the last delivered event two stages may add up.
 std::int64_t Run::gap_us(const GapMeter* in_front) const noexcept {
-  const GapMeter& ring = telemetry_.gap;
+  const GapMeter& ring = packager_.gap();
   const bool is_over = buffer_.closed() && buffer_.size() == 0;
   std::int64_t gap_us = ring.longest_us();
-  for (const GapMeter* door : {&door_, in_front}) {
-    if (door == nullptr || door->lost_until_us() == kLongAgo) continue;
-    gap_us = std::max(gap_us, door->longest_us());
-    if (is_over) gap_us = std::max(gap_us, door->lost_until_us() - ring.kept_until_us());
+  for (const GapMeter* front : {&ring_gap_, in_front}) {
+    if (front == nullptr || front->lost_until_us() == kLongAgo) continue;
+    gap_us = std::max(gap_us, front->longest_us());
+    if (is_over) gap_us = std::max(gap_us, front->lost_until_us() - ring.kept_until_us());
   }
   return gap_us;
 }

@@ -8,6 +8,7 @@
 #include "core/made.hpp"
 #include "runner/admission.hpp"
 #include "runner/run.hpp"
+#include "telemetry/slot_log.hpp"
 
 namespace asap {
 namespace {
@@ -27,7 +28,7 @@ class Simulator::Impl {
   Ledger ledger() const noexcept;
   std::int64_t gap_us() const noexcept { return run_.gap_us(gate_ ? &gate_->gap() : nullptr); }
   const Run& parts() const noexcept { return run_; }
-  const SlotLog& slots() const noexcept { return slots_; }
+  std::span<const Slot> slots() const noexcept { return slots_.slots(); }
   std::int64_t busy_ns() const noexcept { return busy_ns_; }
 
  private:
@@ -248,7 +249,7 @@ const Validator& Simulator::validator() const noexcept { return impl_->parts().v
 const Telemetry& Simulator::telemetry() const noexcept { return impl_->parts().telemetry(); }
 std::optional<KeptEvents> Simulator::kept() const { return impl_->parts().kept(); }
 std::int64_t Simulator::gap_us() const noexcept { return impl_->gap_us(); }
-const SlotLog& Simulator::slots() const noexcept { return impl_->slots(); }
+std::span<const Slot> Simulator::slots() const noexcept { return impl_->slots(); }
 std::int64_t Simulator::busy_ns() const noexcept { return impl_->busy_ns(); }
 
 Result<Simulator> make_simulator(Scheme& scheme, LinearCostConfig cost, RunConfig config,

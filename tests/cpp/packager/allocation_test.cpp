@@ -7,13 +7,13 @@
 #include <string>
 #include <string_view>
 
-#include "asap/packager/packager.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "asap/telemetry/run_log.hpp"
 #include "packager/event_times.hpp"
+#include "packager/packager.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/streams.hpp"
 
@@ -79,7 +79,7 @@ void allocates_nothing(Scheme& scheme) {
     AgeSlots ages(156'250);
     Telemetry telemetry(10'000'000);
     Packager packager(buffer, ages, scheme, telemetry, {.seed = done});
-    packager.set_axis(TimeAxis(0, 1.0));
+    packager.begin(TimeAxis(0, 1.0), 0);
     for (std::size_t at = 0; at < events.size(); at += kBatch, done += kBatch) {
       const std::uint64_t before = allocations();
       const EventSpan batch = EventSpan(events).subspan(at, kBatch);

@@ -10,9 +10,9 @@
 
 #include "asap/core/random.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/packager/packager.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "packager/event_times.hpp"
+#include "packager/packager.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
@@ -55,7 +55,7 @@ class Rig {
  public:
   explicit Rig(Scheme& scheme, std::size_t capacity = 4096, PackagerConfig config = {})
       : buffer(capacity), packager(buffer, ages, scheme, telemetry, config) {
-    packager.set_axis(TimeAxis(0, 1.0));
+    packager.begin(TimeAxis(0, 1.0), 0);
   }
 
   void push(EventSpan events) {

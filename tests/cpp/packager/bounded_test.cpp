@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "asap/packager/packager.hpp"
 #include "packager/event_times.hpp"
+#include "packager/packager.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
@@ -34,7 +34,7 @@ struct Rig {
       : scheme([decision](const Backlog&) { return decision; }),
         buffer(1024, first),
         packager(buffer, ages, scheme, telemetry, {.max_copied = max_copied}) {
-    packager.set_axis(TimeAxis(0, 1.0));
+    packager.begin(TimeAxis(0, 1.0), 0);
     buffer.push(evenly_spaced(1000, 1));
     buffer.close();
   }

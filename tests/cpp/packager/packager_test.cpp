@@ -1,4 +1,4 @@
-#include "asap/packager/packager.hpp"
+#include "packager/packager.hpp"
 
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ class Rig {
                std::size_t max_copied = kHuge)
       : buffer(capacity),
         packager(buffer, ages, scheme, telemetry, {.seed = seed, .max_copied = max_copied}) {
-    packager.set_axis(TimeAxis(0, 1.0));
+    packager.begin(TimeAxis(0, 1.0), 0);
   }
 
   void push(EventSpan events) {
@@ -231,7 +231,7 @@ TEST(Packager, FeedsBackWhatAPackageReallyWas) {
 TEST(Packager, DividesStampsBySpeed) {
   ScriptedScheme scheme = taking(2);
   Rig rig(scheme);
-  rig.packager.set_axis(TimeAxis(5'000'000, 2.0));
+  rig.packager.begin(TimeAxis(5'000'000, 2.0), 0);
   rig.push(at_times({5'000'100, 5'000'300}));
   rig.deliver(1000 * kMicrosecond, 10 * kMicrosecond);
   const PackageRow row = rig.telemetry.log[0];

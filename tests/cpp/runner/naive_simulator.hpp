@@ -16,9 +16,9 @@
 #include "asap/schemes/scheme.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/run_log.hpp"
-#include "asap/telemetry/slot_log.hpp"
 #include "packager/rate_meter.hpp"
 #include "runner/admission.hpp"
+#include "telemetry/slot_log.hpp"
 
 namespace asap::test {
 

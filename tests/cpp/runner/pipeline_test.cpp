@@ -11,12 +11,15 @@
 #include <stdexcept>
 #include <thread>
 
+#include "asap/core/random.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
+#include "buffer/event_buffer.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
+#include "support/gap.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
@@ -354,6 +357,162 @@ TEST(Pipeline, CountsWhatTheDriverReports) {
   EXPECT_EQ(pipeline.stats().upstream_marks, 3u);
   EXPECT_EQ(pipeline.stats().upstream_packets, 40u);
   EXPECT_EQ(pipeline.ledger(), Ledger{});
+}
+
+// ---- the way of an event
+
+void deliver_all(Pipeline& run) {
+  Package package;
+  while (run.next(package, 0ns) == Next::package) {
+  }
+}
+
+TEST(Pipeline, AgesCountFromTheArrivalWhateverTheStamps) {
+  Greedy scheme;
+  Pipeline run(scheme, kWhole);
+  const auto arrival = Steady::now() - 5s;
+  run.push(test::evenly_spaced(100, 1'000'000'000, 77), arrival);  // stamps of 28 hours
+  run.push(test::at_times({200'000'000'000}), arrival + 2s);
+  deliver_all(run);
+  const LatencyHistogram& latency = run.telemetry().latency;
+  EXPECT_EQ(latency.count(), 101u);
+  EXPECT_GE(latency.max_ns(), 5'000'000'000);
+  EXPECT_LT(latency.max_ns(), 50'000'000'000);
+  EXPECT_NEAR(latency.mean_ns(), static_cast<double>(latency.max_ns()) - 2e9 / 101, 1e6);
+  const PackageRow row = run.telemetry().log[0];
+  EXPECT_EQ(row.latency_max_us, static_cast<double>(latency.max_ns()) * 1e-3);
+  EXPECT_NEAR(row.start_us + row.processing_us - 77, row.latency_max_us, 1.0)
+      << "the run's axis begins with the first arrival at its stamp";
+}
+
+TEST(Pipeline, AnArrivalInTheFutureIsNowAndOneBeforeTheLastIsThat) {
+  Greedy scheme;
+  Pipeline run(scheme, kWhole);
+  run.push(test::at_times({1}), Steady::now() - 1s);
+  run.push(test::at_times({2}), Steady::now() - 9s);
+  deliver_all(run);
+  EXPECT_LT(run.telemetry().latency.max_ns(), 5'000'000'000);
+  run.push(test::at_times({3}), Steady::now() + 100s);
+  deliver_all(run);
+  EXPECT_EQ(run.ledger().delivered, 3u);
+  EXPECT_LT(run.stats().sensor_delay_max_ns, 5'000'000'000);
+}
+
+TEST(Pipeline, ARefusedEventIsCountedAndSoIsWhatCameBefore) {
+  Greedy scheme;
+  RunConfig config = kWhole;
+  config.validator = {.width = 50, .height = 50, .on_bad = OnBad::raise};
+  Pipeline run(scheme, config);
+  EXPECT_THROW(run.push(test::evenly_spaced(60, 10), {}), std::invalid_argument);
+  EXPECT_EQ(run.ledger(), (Ledger{.received = 51, .rejected = 1, .pending = 50}));
+}
+
+TEST(Pipeline, TheNewestThatDoNotFitOverflow) {
+  Greedy scheme;
+  RunConfig config = kWhole;
+  config.capacity = 100;
+  config.when_full = WhenFull::newest;
+  Pipeline run(scheme, config);
+  run.push(test::evenly_spaced(150, 1), {});
+  EXPECT_EQ(run.ledger(), (Ledger{.received = 150, .overflow = 50, .pending = 100}));
+  Package package;
+  ASSERT_EQ(run.next(package, 0ns), Next::package);
+  EXPECT_EQ(package.lost_before(), 50u);
+  EXPECT_EQ(test::number_of(package.events.front()), 0u);
+}
+
+TEST(Pipeline, WhatTheFilterInFrontDropsIsFilteredAndNothingElse) {
+  test::ScriptedScheme scheme(
+      [](const Backlog& backlog) { return Decision::take(backlog.count, 0.25); });
+  RunConfig config = kWhole;
+  config.front_filter = [](EventSpan events, Event* out) {
+    Event* const end = std::copy_if(events.begin(), events.end(), out,
+                                    [](const Event& event) { return event.p == 0; });
+    return static_cast<std::size_t>(end - out);
+  };
+  Pipeline run(scheme, config);
+  run.push(test::evenly_spaced(1000, 10));  // every second one
+  deliver_all(run);
+  const Ledger ledger = run.ledger();
+  EXPECT_EQ(ledger.filtered, 500u);
+  EXPECT_GT(ledger.discarded, 100u);
+  EXPECT_EQ(ledger.discarded + ledger.delivered, 500u);
+  run.push(test::Events(10, {1, 0, 1, 10'000}));  // none
+  deliver_all(run);
+  EXPECT_EQ(run.ledger().filtered, 510u);
+  EXPECT_EQ(run.ledger().discarded, ledger.discarded);
+  EXPECT_EQ(run.ledger().pending, 0u);
+}
+
+TEST(Pipeline, TheBoundOfACopyIsConfigured) {
+  test::ScriptedScheme scheme(
+      [](const Backlog& backlog) { return Decision::take(backlog.count, 1 - 1e-9); });
+  RunConfig config = kWhole;
+  config.max_copied = 300;
+  Pipeline run(scheme, config);
+  run.push(test::evenly_spaced(500, 0), {});
+  for (const std::size_t size : {300u, 200u}) {
+    Package package;
+    ASSERT_EQ(run.next(package, 0ns), Next::package);
+    EXPECT_EQ(package.events.size(), size);
+    run.complete();
+  }
+}
+
+// Lost at the door, dropped from a full ring, thinned there or stale: alone and in any mixture.
+TEST(Pipeline, TheGapIsThatOfTheEventsBetweenDeliveredOnes) {
+  for (const WhenFull when_full : {WhenFull::thin, WhenFull::newest, WhenFull::oldest}) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+      const CounterRandom random(seed + 77);
+      std::uint64_t draws = 0;
+      const auto below = [&](std::size_t end) { return random(draws++) % end; };
+      test::ScriptedScheme scheme([&](const Backlog& backlog) {
+        const double keep = below(2) == 0 ? 1.0 : static_cast<double>(below(10)) / 10;
+        Decision decision = Decision::take(1 + below(backlog.count), keep);
+        if (seed % 3 == 0 && below(3) == 0) decision.stale = below(backlog.count);
+        return decision;
+      });
+      RunConfig config = kWhole;
+      config.capacity = 256;
+      config.when_full = when_full;
+      Pipeline run(scheme, config);
+      test::Events delivered;
+      const auto deliver = [&](std::size_t packages) {
+        Package package;
+        for (; packages > 0; --packages) {
+          if (run.next(package, 0ns) != Next::package) return;
+          delivered.insert(delivered.end(), package.events.begin(), package.events.end());
+          run.complete();
+        }
+      };
+      const test::Events events = test::random_stream(seed, 4000);
+      std::int64_t so_far_us = 0;
+      for (EventSpan rest = events; !rest.empty();) {
+        const std::size_t count = std::min<std::size_t>(rest.size(), 1 + below(500));
+        run.push(rest.first(count));
+        rest = rest.subspan(count);
+        deliver(below(4));
+        EXPECT_GE(run.stats().gap_us, so_far_us);
+        so_far_us = run.stats().gap_us;
+      }
+      run.stop();
+      deliver(events.size());
+      ASSERT_EQ(run.ledger().pending, 0u);
+      ASSERT_EQ(run.stats().gap_us, test::gap_us(events, delivered))
+          << "rule " << static_cast<int>(when_full) << ", seed " << seed;
+    }
+  }
+}
+
+TEST(Pipeline, WithoutALogTheTotalsAreThere) {
+  Greedy scheme;
+  RunConfig config = kWhole;
+  config.log_rows = 0;
+  Pipeline run(scheme, config);
+  run.push(test::evenly_spaced(50, 0), {});
+  deliver_all(run);
+  EXPECT_EQ(run.telemetry().log.totals().size, 50u);
+  EXPECT_EQ(run.telemetry().log.first(), run.telemetry().log.size());
 }
 
 // ---- under pressure: what gives way, and what may change meanwhile

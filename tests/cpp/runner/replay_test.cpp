@@ -216,7 +216,7 @@ TEST(Replay, AnAnytimeAlgorithmGetsPartsAndAWholeOneDoesNot) {
 
 TEST(Replay, NotesTheAgeOfWhatItPushes) {
   constexpr std::int64_t kBound_ns = 20'000'000;
-  const std::int64_t width_ns = asap::Run::age_slot_ns(kBound_ns);
+  const std::int64_t width_ns = kBound_ns / 64;
   int asked = 0;
   test::ScriptedScheme scheme([&](const Backlog& backlog) {
     if (!backlog.due) return Decision::wait_for(1'000'000);

@@ -31,6 +31,9 @@ struct Package {
   operator EventSpan() const noexcept { return events; }
 };
 
+// What a wait for a package has brought: one, none within the time, or none any more.
+enum class Next { package, idle, ended };
+
 // What became of the events of a recording (RunConfig::keep_mask).
 struct KeptEvents {
   std::vector<std::uint8_t> kept;   // of every received event: 1 = delivered

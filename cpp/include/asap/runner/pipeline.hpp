@@ -51,7 +51,7 @@ struct PipelineStats {
 
 class Pipeline {
  public:
-  enum class Next { package, idle, ended };
+  using Next = asap::Next;
   using Arrival = std::optional<std::chrono::steady_clock::time_point>;
   using Poll = std::function<void()>;
 
@@ -135,7 +135,7 @@ class Pipeline {
   const Telemetry& telemetry() const noexcept;
 
  private:
-  class Impl;
+  struct Impl;
   const std::unique_ptr<Impl> impl_;
 };
 

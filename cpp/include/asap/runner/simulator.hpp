@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "asap/core/result.hpp"
 #include "asap/filter/validator.hpp"
@@ -18,7 +19,6 @@
 #include "asap/runner/linear_cost.hpp"
 #include "asap/runner/run_config.hpp"
 #include "asap/telemetry/ledger.hpp"
-#include "asap/telemetry/slot_log.hpp"
 #include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
@@ -47,7 +47,7 @@ class Simulator {
   std::int64_t gap_us() const noexcept;
   // Which events were delivered, if config.keep_mask. After finish().
   std::optional<KeptEvents> kept() const;
-  const SlotLog& slots() const noexcept;
+  std::span<const Slot> slots() const noexcept;
   // Virtual time during which the algorithm worked, ns.
   std::int64_t busy_ns() const noexcept;
 

@@ -109,4 +109,9 @@ class Deadline final : public BoundedScheme {
   OutageReserve reserve_;
 };
 
+// The default scheme, for a program without exceptions.
+inline Result<Deadline> make_scheme(const DeadlineConfig& config = {}) noexcept {
+  return make_scheme<Deadline>(config);
+}
+
 }  // namespace asap

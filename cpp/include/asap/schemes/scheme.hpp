@@ -18,8 +18,6 @@
 
 namespace asap {
 
-class Deadline;
-
 // Counts of waiting events by their time.
 class BacklogCounts {
  public:
@@ -125,7 +123,7 @@ class Scheme {
 };
 
 // A scheme of this library, for a program without exceptions: make_scheme<Asap2020>({...}).
-template <class Made = Deadline>
+template <class Made>
 Result<Made> make_scheme(const typename Made::Config& config = {}) noexcept;
 
 }  // namespace asap

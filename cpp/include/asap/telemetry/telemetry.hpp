@@ -1,5 +1,5 @@
 // Telemetry: what the consumer's side of a run writes down: a row per package, the latency of every
-// event, where the others went, and the gap. One thread writes; all but the rows may be read by any
+// event, and where the others went. One thread writes; all but the rows may be read by any
 // thread meanwhile, rows once the run is over.
 #pragma once
 
@@ -7,11 +7,18 @@
 #include <cstdint>
 
 #include "asap/core/atomics.hpp"
-#include "asap/telemetry/gap_meter.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/run_log.hpp"
 
 namespace asap {
+
+// What became of the events of 1 ms of stamps (Simulator::slots).
+struct Slot {
+  std::int64_t slot;            // stamps of [slot, slot + 1) ms
+  std::int64_t received;        // events
+  std::int64_t delivered;       // events
+  std::int64_t latency_max_ns;  // of the delivered ones
+};
 
 struct Telemetry {
   // max_rows: see RunLog.
@@ -20,7 +27,6 @@ struct Telemetry {
 
   RunLog log;
   LatencyHistogram latency;
-  GapMeter gap;  // of the events that came to the ring; gap_us() of a runner is that of all
   Relaxed<std::uint64_t> filtered;
   Relaxed<std::uint64_t> discarded;
   Relaxed<std::uint64_t> stale;
