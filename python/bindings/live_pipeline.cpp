@@ -51,7 +51,7 @@ struct Worker {
   bool operator==(const Worker&) const = default;
 };
 
-// Of this process and of those that it was forked from. With the GIL.
+// The workers of this process and of those that it was forked from. With the GIL.
 std::vector<Worker>& workers() {
   static auto& all = *new std::vector<Worker>;  // outlives every thread
   return all;

@@ -12,7 +12,8 @@ constexpr double kCoverage = 0.02;        // of the planned events: no stratum s
 constexpr double kDear = 3.0;             // times the cost so far: algorithms vary
 constexpr std::int64_t kLongestNs = 1'000'000'000'000'000;
 
-// Of kMinStratum events, or so many that none takes longer than its share of the budget.
+// Returns the number of strata: kMinStratum events each, or more strata if one of that size would
+// take longer than its share of the budget.
 std::size_t strata(const Decision& decision) noexcept {
   constexpr auto kMax = static_cast<double>(AnytimePlan::kMaxStrata);
   const auto raw = static_cast<double>(decision.raw);
@@ -41,7 +42,7 @@ std::size_t probe(const Decision& decision, std::size_t strata) noexcept {
   return safe < raw ? static_cast<std::size_t>(safe) : 0;
 }
 
-// Of a number that may be any.
+// Clamps any double to a valid duration.
 std::int64_t bounded_ns(double ns) noexcept {
   return ns > 0 ? static_cast<std::int64_t>(std::min(ns, static_cast<double>(kLongestNs))) : 0;
 }
@@ -86,8 +87,8 @@ AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) no
   return stratum;
 }
 
-// Of the first part's time: without the fixed cost, as expected, unless that has passed before it;
-// but not less than its events were expected to take.
+// Returns the first part's time less the expected fixed cost, unless that passed before it; at
+// least what its events were expected to take.
 double AnytimePlan::first_events_ns(double part_ns, double size) const noexcept {
   const std::int64_t fixed_ns = fixed_end_ns_ - stratum_start_ns_;
   if (fixed_ns < stratum_start_ns_ - start_ns_) return part_ns;

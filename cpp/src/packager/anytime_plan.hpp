@@ -44,7 +44,8 @@ class AnytimePlan {
   };
   Part first() const noexcept { return first_; }
 
-  // Of the package's time so far: what went into outages that show. None before the second stratum.
+  // Returns how much of the package's time so far went into outages that show; 0 before the second
+  // stratum.
   std::int64_t outage_ns() const noexcept;
 
  private:

@@ -34,8 +34,8 @@ class Books {
   void stale(const Left& left) noexcept;
   void overflow(const Left& left) noexcept;
 
-  // A package taken at now_ns; `lost` counts the overflow of the ring so far. add() says that it
-  // has `raw` events by now, the last of which lies at this ring index; the filter in front has
+  // Begins a package taken at now_ns; `lost` is the overflow of the ring so far. add() updates it:
+  // it has `raw` events, the last of which lies at ring index `last`, and the front filter has
   // dropped `filtered` of them.
   void open(Package& package, std::int64_t now_ns, double keep, std::uint64_t lost) const noexcept {
     package = {.events = {},
@@ -71,7 +71,7 @@ class Books {
   const EventTimes& times_;
   RateMeter rate_meter_;
   std::uint64_t packages_ = 0;
-  // Of packages without events since the one before.
+  // Carried over from packages that kept nothing.
   std::size_t offered_ = 0;
   std::size_t filtered_ = 0;
   std::uint64_t stale_ = 0;              // since the package before

@@ -79,8 +79,8 @@ class Packager {
 
   // Precondition: the package before is completed or given up, and telemetry.log has room. Throws,
   // like stratum(), what the filter in front throws: then the package is given up, its raw events
-  // are still in the ring. Events from ring index `until` on are not there yet: a producer does not
-  // wait between the caller's looks at the ring and at the clock.
+  // are still in the ring. Events from ring index `until` on are ignored: the producer may have
+  // pushed them after the caller read the clock.
   Next next(std::int64_t now_ns,
             std::uint64_t until = std::numeric_limits<std::uint64_t>::max()) ASAP_NONBLOCKING;
 

@@ -33,7 +33,7 @@ class Thinner {
   Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t seed, FrontFilter before,
           std::size_t max_copied = std::numeric_limits<std::size_t>::max());
 
-  // Of times by arrival, in a table of so many steps.
+  // What a thinner takes from the heap if times are arrivals, in a table of so many steps.
   static std::size_t memory_bytes(std::size_t capacity, std::size_t max_copied, std::size_t steps,
                                   bool is_filtered) noexcept;
 

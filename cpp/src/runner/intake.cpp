@@ -8,7 +8,7 @@
 namespace asap {
 namespace {
 
-// Of a ring's capacity; up to there nothing is thinned.
+// The number of waiting events up to which nothing is thinned.
 std::size_t thinning_begins(std::size_t capacity) noexcept { return capacity - capacity / 4; }
 
 // How many of a push the law lets in.

@@ -135,9 +135,10 @@ Ledger Run::ledger(bool is_quiet, std::uint64_t thinned, std::uint64_t outside) 
   return ledger;
 }
 
-// Each stage of the way measures the gap of what came to it. The largest is that of the run: of the
-// events between two delivered ones, the last stage that lost any has seen those two in a row, and
-// no stage sees more than the run lost. Only behind the last delivered event two stages may add up.
+// Each stage measures the gap among the events that reached it; the largest is the gap of the run.
+// Proof: for two delivered events, the last stage that lost any between them has seen both in a
+// row, and no stage sees a longer gap than the run has. Only after the last delivered event do the
+// gaps of two stages add up.
 std::int64_t Run::gap_us(const GapMeter* in_front) const noexcept {
   const GapMeter& ring = packager_.gap();
   const bool is_over = buffer_.closed() && buffer_.size() == 0;

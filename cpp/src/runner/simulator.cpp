@@ -35,7 +35,7 @@ class Simulator::Impl {
   void receive(EventSpan good);
   void start(const Event& first);
   void look(Arrivals& arrivals);
-  // Behind a gate: no event that arrives before this time is still to come.
+  // With an admission gate: every event that arrives before this time has been fed.
   void run_until(std::int64_t time_ns);
   bool knows(std::int64_t time_ns) const noexcept;  // all that arrives up to then
   void run_while_known();

@@ -14,8 +14,8 @@ using namespace std::chrono_literals;
 constexpr double kEfficientShare = 0.05;  // of the fixed cost in an efficient package
 constexpr double kManyEvents = 1e15;
 
-// As many are worth a package at once: its fixed cost would be within the permitted share, or it
-// would fill half the bound.
+// Returns the number of events that justify a package at once: its fixed cost is within the
+// permitted share, or it fills half the bound.
 std::size_t enough(const CostModel& cost, double overhead, double caution,
                    double latency_ns) noexcept {
   const double alpha_ns = cost.alpha_ns();

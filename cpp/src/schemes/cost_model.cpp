@@ -158,7 +158,7 @@ void CostModel::start_level(double factor, double size) noexcept {
   largest_ = 0.0;
 }
 
-// Of what is remembered. No fixed cost is larger.
+// The lowest cost that is remembered. No fixed cost is larger.
 double CostModel::min_cost_ns() const noexcept {
   double min_ns = kMaxCostNs;
   for (const Bucket& bucket : buckets_) {

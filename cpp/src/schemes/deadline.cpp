@@ -112,8 +112,8 @@ class Planner {
     return std::min(now.latency_ns / 2, room_ns < now.shortest_ns ? now.latency_ns : room_ns);
   }
 
-  // What stays behind can still be finished: by itself if no more came, and by a package of like
-  // length, or in a pause of three fixed costs, if it does. But the package is filled first.
+  // Fills the package first. What stays behind can still be finished: alone if no more events come,
+  // else within the next package of like length or within three fixed costs.
   Plan drawn_up(double length_ns) const noexcept {
     const double left_ns = latency_ns_ - length_ns;
     const double there_ns = work_.up_to(left_ns);
@@ -285,14 +285,14 @@ Decision Deadline::newest_of(const Backlog& backlog, const Decision& slice,
   return newest;
 }
 
-// The bound; what two packages take that are little more than their fixed cost where that is more,
-// but not on the strength of a first guess.
+// The user's bound, or 2.5 alpha if larger, since no shorter bound is reachable. alpha is ignored
+// while it is a guess.
 double Deadline::reachable_ns() const noexcept {
   const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
   return is_early() ? bound_ns : std::max(bound_ns, kReach * cost_.alpha_ns());
 }
 
-// Less a margin for noise and one for outages.
+// The reachable bound less a margin for noise and one for outages.
 double Deadline::planned_ns() const noexcept {
   const double latency_ns = reachable_ns() * (1.0 - 0.05 * std::max(0.0, cost_.sigma() - 0.05));
   return latency_ns - reserve_.ns(latency_ns, cost_.alpha_ns());

@@ -96,7 +96,7 @@ class BoundedScheme : public Scheme {
   CostModel cost_;
   Execution execution_ = Execution::whole;
   std::uint64_t packages_ = 0;  // k, done
-  double age_ns_ = 0.0;         // of the oldest event in the package that was decided last
+  double age_ns_ = 0.0;         // age of the oldest event in the last package decided
   FixedCostProbe probe_;
 
  private:

@@ -5,12 +5,13 @@
 // recursive fit runs away. Here each octave of n has a bucket of its own that is overwritten only
 // when its sizes come back. The line is a weighted least squares fit through the buckets; a fast
 // common scale follows a cost that varies as a whole. An anytime package shows two sizes at once,
-// its first part and all of it. Single outliers are clipped, but for low costs of new sizes and of
-// single events: a package may take longer than it costs, never less. The third in a row on one
-// side is a new level; one that is more than three times as dear, or less than half as dear, is
-// learned anew, but for a fall that the fixed cost alone explains and for sizes far beyond those
-// that have come since. What is known to be an outage is no cost: it would pass for a fixed cost.
-// The reference takes the wall time.
+// its first part and all of it.
+//
+// Single outliers are clipped. Low costs of new sizes and of single events are not: a package may
+// take longer than it costs, never less. The third outlier in a row on one side is a new level. A
+// level above three times or below half of the old one is learned anew, unless the fixed cost alone
+// explains the fall; sizes far beyond the recent ones keep their buckets. Known outages are
+// subtracted first, or they would pass for a fixed cost.
 //
 // Called on the consumer's thread, once per package. O(1), no allocation. Whatever is fed, the
 // estimates are positive and finite.

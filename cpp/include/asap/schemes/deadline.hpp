@@ -20,7 +20,7 @@
 namespace asap {
 
 // What matters more in overload where the two differ: the number of events, or that none of the
-// scene's moments goes by without any (the gap, telemetry/gap_meter.hpp).
+// scene's moments goes by without any (the gap).
 enum class Prefer {
   balanced,    // a gap has a price; notebooks/theory.md, section 6, has the gaps that were measured
   events,      // a quarter of that price
@@ -73,8 +73,8 @@ class OutageReserve {
   }
 
  private:
-  static constexpr double kGain = 0.05;        // of a bound, for a package that is late as a whole
-  static constexpr double kGrace = 0.01;       // of a bound: less than that is no outage
+  static constexpr double kGain = 0.05;   // step in bounds for a package that is late as a whole
+  static constexpr double kGrace = 0.01;  // share of the bound below which lateness is no outage
   static constexpr double kTolerated = 0.005;  // so that p99 is within the bound
   static constexpr double kMax = 0.5;          // shorter packages cost more than they save
 

@@ -95,14 +95,15 @@ struct Outcome {
   std::int64_t span_ns;        // newest minus oldest kept event
   std::int64_t start_ns;       // the package was taken
   std::int64_t processing_ns;  // until the algorithm had finished
-  std::int64_t outage_ns = 0;  // of that: the algorithm did not run, as far as it shows
+  std::int64_t outage_ns =
+      0;  // part of processing_ns in which the algorithm did not run, as far as it shows
   std::size_t first_size = 0;  // events of an anytime package's first part, if it had several ...
   std::int64_t first_ns = 0;   // ... and what that took, the fixed cost included
 
   std::int64_t work_ns() const noexcept { return processing_ns - outage_ns; }
 };
 
-// Of a package, where a parameter limits it: events.
+// The largest package size that a parameter may ask for, events.
 inline constexpr std::size_t kLargestSize = std::size_t{1} << 40;
 
 class Scheme {
@@ -118,7 +119,7 @@ class Scheme {
   virtual SchemeParameters parameters() const { return {}; }
   // The latency bound that the scheme plans with; 0 = it has none of its own. Any thread.
   virtual std::int64_t latency_bound_ns() const noexcept { return 0; }
-  // Another bound, 10 us to 10^4 s, from the next decision on; nothing to a scheme without one.
+  // Replaces the bound, from the next decision on. A scheme without a bound ignores it.
   virtual void set_latency_bound_ns(std::int64_t) noexcept {}
 };
 

@@ -26,7 +26,7 @@ struct PackageRecord {
   std::int64_t t_first;        // us, oldest kept event
   std::int64_t t_last;         // us, newest kept event
   std::uint64_t offered;       // raw events behind the package
-  std::uint64_t filtered;      // of these, dropped by the filter in front
+  std::uint64_t filtered;      // offered events that the front filter dropped
   std::uint64_t size;          // events kept
   std::uint64_t stale;         // events lost as too old since the package before
   std::uint64_t overflow;      // events lost to a full ring since the package before
@@ -47,7 +47,7 @@ struct PackageRow {
   double event_rate;      // events/s entering, over the last 1 ms or more
   double rate;            // R: kept events/s, size / max(span, 1 us)
   double margin_us;       // processing time - span
-  double latency_max_us;  // of the oldest kept event
+  double latency_max_us;  // latency of the oldest kept event
   std::int64_t stale;
   std::int64_t overflow;
 };
@@ -115,7 +115,7 @@ class RunLog {
   std::size_t size() const noexcept { return size_; }
   PackageRow operator[](std::size_t i) const noexcept;
 
-  // Of a bounded log.
+  // Totals since the start; a bounded log alone counts them.
   const PackageTotals& totals() const noexcept { return totals_; }
 
  private:
