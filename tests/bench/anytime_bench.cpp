@@ -89,7 +89,7 @@ class Chain {
   void operator()(EventSpan events) {
     for (const Event& event : events) {
       state_ ^= event.x;
-      for (int i = 0; i < kRounds; ++i) state_ = asap::mix(state_);
+      for (int i = 0; i < kRounds; ++i) state_ = asap::detail::mix(state_);
     }
     benchmark::DoNotOptimize(state_);
   }

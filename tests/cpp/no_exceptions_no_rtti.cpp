@@ -11,7 +11,6 @@
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
-#include "asap/runner/event_source.hpp"
 #include "asap/runner/linear_cost.hpp"
 #include "asap/runner/replay.hpp"
 #include "asap/runner/run_config.hpp"

@@ -46,7 +46,7 @@ std::int64_t checked_latency_ns(std::chrono::nanoseconds latency) {
   return latency.count();
 }
 
-void throw_no_memory(std::string_view field, std::size_t value, double bytes) {
+void detail::throw_no_memory(std::string_view field, std::size_t value, double bytes) {
   constexpr double kGibibyte = 1024.0 * 1024.0 * 1024.0;
   char size[32];
   std::snprintf(size, sizeof size, "%.3g GiB", bytes / kGibibyte);

@@ -19,7 +19,6 @@
 
 #include "asap/core/nonblocking.hpp"
 #include "asap/core/time.hpp"
-#include "asap/filter/front_filter.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/schemes/scheme.hpp"
 #include "asap/telemetry/telemetry.hpp"

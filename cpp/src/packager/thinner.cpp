@@ -33,8 +33,8 @@ Thinner::Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t se
       gamma_(seed),
       max_copied_(std::min(capacity, max_copied)),
       max_numbers_(AnytimePlan::longest_stratum(max_copied_)),
-      kept_(allocate<Event>(max_copied_, "capacity", capacity)),
-      numbers_(allocate<std::uint64_t>(max_numbers_, "capacity", capacity)),
+      kept_(detail::allocate<Event>(max_copied_, "capacity", capacity)),
+      numbers_(detail::allocate<std::uint64_t>(max_numbers_, "capacity", capacity)),
       kept_times_(max_runs(times.steps())),
       passed_times_(times.by_arrival() && before_ ? max_runs(times.steps()) : 1) {}
 

@@ -12,8 +12,8 @@
 #include <limits>
 #include <memory>
 
-#include "asap/filter/front_filter.hpp"
 #include "asap/filter/gamma_filter.hpp"
+#include "asap/packager/package.hpp"
 #include "buffer/event_buffer.hpp"
 #include "packager/event_times.hpp"
 

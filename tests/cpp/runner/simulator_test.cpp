@@ -244,7 +244,9 @@ TEST(Simulator, AgreesWithTheNaiveSimulatorRowByRow) {
 // Over the columns of the log: rows have no padding, but a hash of fields says which ones count.
 std::uint64_t hash_of(const RunLog& log) {
   std::uint64_t hash = 0;
-  const auto add = [&](auto value) { hash = mix(hash ^ std::bit_cast<std::uint64_t>(value)); };
+  const auto add = [&](auto value) {
+    hash = detail::mix(hash ^ std::bit_cast<std::uint64_t>(value));
+  };
   for (std::size_t i = 0; i < log.size(); ++i) {
     const PackageRow row = log[i];
     add(row.index);
@@ -272,8 +274,8 @@ std::uint64_t hash_of_run(Scheme& scheme, EventSpan events, std::size_t largest,
   Simulator simulator(
       scheme, LinearCost({.alpha_us = 100, .beta_ns = 900, .noise = 0.3, .seed = seed}),
       {.latency = 5000us, .capacity = 512, .seed = seed}, [&](const Package& package) {
-        hash = mix(hash ^ std::bit_cast<std::uint64_t>(package.keep));
-        for (const Event& event : package.events) hash = mix(hash ^ number_of(event));
+        hash = detail::mix(hash ^ std::bit_cast<std::uint64_t>(package.keep));
+        for (const Event& event : package.events) hash = detail::mix(hash ^ number_of(event));
       });
   const CounterRandom random(largest);
   for (std::size_t at = 0; at < events.size();) {
@@ -284,7 +286,7 @@ std::uint64_t hash_of_run(Scheme& scheme, EventSpan events, std::size_t largest,
     EXPECT_TRUE(simulator.ledger().balanced());
   }
   simulator.finish();
-  return mix(hash ^ hash_of(simulator.telemetry().log));
+  return detail::mix(hash ^ hash_of(simulator.telemetry().log));
 }
 
 TEST(Simulator, GivesTheSameBytesForAnyChunks) {

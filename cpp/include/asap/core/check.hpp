@@ -73,6 +73,8 @@ class NoMemory : public std::bad_alloc {
   std::runtime_error message_;  // a string whose copy does not throw
 };
 
+namespace detail {
+
 // Throws NoMemory("<field> = <value>: needs ... of memory, which cannot be had; choose less").
 [[noreturn]] void throw_no_memory(std::string_view field, std::size_t value, double bytes);
 
@@ -87,5 +89,7 @@ std::unique_ptr<Value[]> allocate(std::size_t count, std::string_view field, std
   }
   return std::unique_ptr<Value[]>(memory);
 }
+
+}  // namespace detail
 
 }  // namespace asap

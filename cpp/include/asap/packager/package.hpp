@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "asap/core/event.hpp"
@@ -33,6 +34,12 @@ struct Package {
 
 // What a wait for a package has brought: one, none within the time, or none any more.
 enum class Next { package, idle, ended };
+
+// A filter in front of the gamma filter, such as BackgroundActivityFilter::process. It sees every
+// raw event that is not stale, in order, writes those that pass to `out`, which holds at least
+// events.size() and is other memory, and returns their number. Called on the consumer's thread; its
+// time is part of the measured cost.
+using FrontFilter = std::function<std::size_t(EventSpan events, Event* out)>;
 
 // What became of the events of a recording (RunConfig::keep_mask).
 struct KeptEvents {

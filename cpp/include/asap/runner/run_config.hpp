@@ -7,7 +7,6 @@
 #include <functional>
 #include <optional>
 
-#include "asap/filter/front_filter.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/schemes/scheme.hpp"

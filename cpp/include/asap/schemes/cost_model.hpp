@@ -6,13 +6,11 @@
 // when its sizes come back. The line is a weighted least squares fit through the buckets; a fast
 // common scale follows a cost that varies as a whole. An anytime package shows two sizes at once,
 // its first part and all of it.
-//
 // Single outliers are clipped. Low costs of new sizes and of single events are not: a package may
 // take longer than it costs, never less. The third outlier in a row on one side is a new level. A
 // level above three times or below half of the old one is learned anew, unless the fixed cost alone
 // explains the fall; sizes far beyond the recent ones keep their buckets. Known outages are
 // subtracted first, or they would pass for a fixed cost.
-//
 // Called on the consumer's thread, once per package. O(1), no allocation. Whatever is fed, the
 // estimates are positive and finite.
 #pragma once

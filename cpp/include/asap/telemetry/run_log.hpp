@@ -123,7 +123,7 @@ class RunLog {
 
   std::size_t allocated() const noexcept { return blocks_.size() * block_rows_; }
   void add_block() {
-    blocks_.push_back(allocate<PackageRecord>(block_rows_, "log_rows", block_rows_));
+    blocks_.push_back(detail::allocate<PackageRecord>(block_rows_, "log_rows", block_rows_));
   }
   // Where the record of this row lies. Precondition: some are kept.
   PackageRecord& row(std::size_t i) const noexcept {
