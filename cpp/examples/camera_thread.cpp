@@ -9,6 +9,8 @@
 #include <iostream>
 #include <thread>
 
+using namespace std::chrono_literals;
+
 namespace {
 
 // Plays the driver: pushes each block of events at the time of its last event.
@@ -25,7 +27,7 @@ void play(asap::EventStream& camera, asap::Pipeline& pipeline) {
 
 int main() {
   asap::ClusterTracker tracker{{.width = 346, .height = 260}};
-  asap::Deadline scheme{{.latency_ms = 10}};
+  asap::Deadline scheme{{.latency = 10ms}};
   asap::Pipeline pipeline{scheme};
 
   asap::ShakenPattern camera{{.duration = std::chrono::milliseconds(500)}};

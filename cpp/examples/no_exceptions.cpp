@@ -9,6 +9,8 @@
 #include <string>
 #include <thread>
 
+using namespace std::chrono_literals;
+
 namespace {
 
 int refuse(const std::string& message) {
@@ -23,10 +25,10 @@ int main() {
   if (!tracker) return refuse(tracker.message());
 
   const asap::RunConfig config{
-      .latency_us = 10'000,  // -5 would print: latency_us = -5: must be between 10 and 1e10 us
-      .capacity = 65'536,    // events of 16 bytes that may wait
-      .log_rows = 0,         // totals, without a row per package
-      .most_copied = 16'384,
+      .latency = 10ms,     // -5 would print: latency = -5 ms: must be between 0.01 and 1e7 ms
+      .capacity = 65'536,  // events of 16 bytes that may wait
+      .log_rows = 0,       // totals, without a row per package
+      .max_copied = 16'384,
       .prefault = true,  // no page is missing when events come
   };
   const auto pipeline =

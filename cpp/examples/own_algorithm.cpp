@@ -5,6 +5,7 @@
 #include <asap/synthetic/streams.hpp>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <iostream>
 
@@ -48,7 +49,7 @@ int main() {
     not_told.process(package.events);
   };
   asap::ShakenPattern scene{{.duration = std::chrono::milliseconds(500)}};
-  asap::Deadline scheme{{.latency_ms = 10, .prefer = asap::Prefer::continuity}};
+  asap::Deadline scheme{{.prefer = asap::Prefer::continuity}};
   asap::Simulator simulator{scheme, asap::LinearCost{{.beta_ns = 300}}, {}, process};
   for (auto events = scene.next(); !events.empty(); events = scene.next()) {
     all.process(events);

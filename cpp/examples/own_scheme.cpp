@@ -4,6 +4,7 @@
 #include <asap/synthetic/streams.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <iostream>
 #include <string_view>
@@ -43,10 +44,11 @@ class Periodic final : public asap::Scheme {
 }  // namespace
 
 int main() {
-  asap::ShakenPattern scene{{.duration = std::chrono::seconds(1)}};  // from 0.1 to 13 Mev/s
+  using namespace std::chrono_literals;
+  asap::ShakenPattern scene{{.duration = 1s}};  // from 0.1 to 13 Mev/s
   Periodic scheme{4'000};
   const asap::LinearCost cost{{.alpha_us = 100, .beta_ns = 300}};  // at most 3.3 Mev/s
-  asap::Simulator simulator{scheme, cost, {.latency_us = 10'000}};
+  asap::Simulator simulator{scheme, cost, {.latency = 10ms}};
   for (auto events = scene.next(); !events.empty(); events = scene.next()) simulator.feed(events);
   simulator.finish();
 

@@ -9,9 +9,10 @@
 #include <thread>
 
 int main() {
+  using namespace std::chrono_literals;
   asap::ClusterTracker tracker{{.width = 346, .height = 260}};
   // anytime: a call costs the tracker nothing, so a package may come in parts and end on the clock.
-  asap::Pipeline pipeline{{.latency_us = 10'000, .execution = asap::Execution::anytime},
+  asap::Pipeline pipeline{{.latency = 10ms, .execution = asap::Execution::anytime},
                           [&](asap::EventSpan events) { tracker.process(events); }};
 
   asap::FlightOverChairs camera{{.duration = std::chrono::milliseconds(500)}};  // or a driver

@@ -46,7 +46,7 @@ def test_is_a_scheme_with_a_bound_of_its_own(name, runs):
     assert scheme.parameters == {"latency_ms": 10.0}
     assert not hasattr(asap, type(scheme).__name__)  # no product
     assert runs[name].summary()["latency_bound_us"] == 10_000
-    with pytest.raises(ValueError, match=r"^latency_us = 5000: "):
+    with pytest.raises(ValueError, match=r"^latency_ms = 5: "):
         asap.simulate(streams.make([0]), cost=COST, scheme=scheme, latency_ms=5)
 
 

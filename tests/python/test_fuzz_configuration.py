@@ -60,6 +60,17 @@ class Real:
         return float(rng.choice([x for x in values if not low <= x <= high and x not in self.also]))
 
 
+class Time(Real):
+    """A time in ms from low to high, which the library keeps in whole nanoseconds."""
+
+    def good(self, rng: Rng) -> float:
+        return round(super().good(rng) * 1e6) / 1e6
+
+    def bad(self, rng: Rng) -> float:
+        beside = (self.low - 1e-6, self.high * (1 + 1e-9))
+        return float(rng.choice([NAN, INFINITY, -INFINITY, -1e308, 1e308, -1.0, *beside]))
+
+
 @dataclass(frozen=True)
 class Whole:
     """A whole number from low to high."""
@@ -92,16 +103,16 @@ class Subject:
         return config
 
 
-LATENCY = Real(0.01, 1e7)
+LATENCY = Time(0.01, 1e7)
 SHARE = Real(0.0, 1.0)
 KNEE = Real(1.0, 1e6, also=(0.0,))
-INTERVAL = Real(0.0, 1e7)
+INTERVAL = Time(0.0, 1e7)
 SIZE = Whole(1, 2**40)
-HALF_A_DAY = Real(1e-6, 1e9)
+HALF_A_DAY = Time(1e-6, 1e9)
 
 SUBJECTS = {
     "FixedSize": Subject(asap.FixedSize, {"size": SIZE}),
-    "FixedTime": Subject(asap.FixedTime, {"period_ms": Real(0.001, 1e9)}),
+    "FixedTime": Subject(asap.FixedTime, {"period_ms": Time(0.001, 1e9)}),
     "Greedy": Subject(asap.Greedy, {"efficiency": Real(0.0, 1.0, open="both")}),
     "Asap2020": Subject(
         asap.Asap2020,

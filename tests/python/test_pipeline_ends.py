@@ -129,8 +129,9 @@ def test_nothing_waits_any_more_when_the_interpreter_exits():
             import atexit
             @atexit.register  # runs after the hook that stops the pipelines
             def report():
-                fill(pipeline, 10)  # goes nowhere
-                print(pipeline.state, list(pipeline), pipeline.ledger.pending)
+                fill(pipeline, 10)  # stays where it is
+                ledger = pipeline.ledger
+                print(pipeline.state, list(pipeline), ledger.received, ledger.pending)
                 pipeline.stop()
                 try:
                     pipeline.start()
@@ -140,7 +141,7 @@ def test_nothing_waits_any_more_when_the_interpreter_exits():
         ),
     )
     assert ended.code == 0, ended.errors
-    assert ended.lines == ["stopped [] 10", "pipeline: the interpreter exits"]
+    assert ended.lines == ["stopped [] 20 20", "pipeline: the interpreter exits"]
 
 
 # Ctrl-C during the first import, in a function that it calls; a second one follows.

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from asap import _checks, _core
 from asap.events import Events
-from asap.experiment.runners import Progress, check_cost, check_latency, make_config, remember
+from asap.experiment.runners import Progress, check_cost, make_config, remember
 from asap.experiment.source import CheckedStream
 from asap.results import Comparison, Row, Run
 from asap.synthetic import joined
@@ -167,7 +167,7 @@ def oracle(
     check_cost(cost)
     for name, value in (("exact", exact), ("opaque", opaque)):
         _checks.flag(name, value)
-    bound_us = check_latency(latency_ms) * 1e3
+    bound_us = _core.checked_latency_ms(latency_ms) * 1e3
     stream = CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed)
     if exact:
         return _core.exact_clairvoyant(joined(list(stream)), cost, bound_us)
@@ -189,7 +189,7 @@ def _require_replayable(source: Any) -> None:
 def _common_bound_ms(schemes: Iterable[_core.Scheme], latency_ms: float | None) -> float:
     """Find the one bound of all: the user's, else the schemes' own, else 10 ms."""
     if latency_ms is not None:
-        latency_ms = check_latency(latency_ms)
+        latency_ms = _core.checked_latency_ms(latency_ms)
     own = (scheme.parameters.get("latency_ms") for scheme in schemes)
     bounds = {bound for bound in (*own, latency_ms) if bound is not None}
     if len(bounds) > 1:

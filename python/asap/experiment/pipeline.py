@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from asap import _checks, _core
 from asap.events import events_of_argument
-from asap.experiment.runners import as_scheme, check_latency, make_config
+from asap.experiment.runners import as_scheme, make_config
 from asap.results import Ledger, Named
 from asap.results.data import SCHEMA_VERSION, latency_us
 
@@ -255,7 +255,7 @@ class Pipeline:
         ValueError
             Out of range.
         """
-        self._native.set_latency(check_latency(latency_ms) * 1e3)
+        self._native.set_latency(latency_ms)
 
     @property
     def is_open(self) -> bool:

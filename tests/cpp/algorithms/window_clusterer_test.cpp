@@ -27,7 +27,9 @@ using asap::test::NaiveClusterer;
 
 // The samplers of the oracle test: the same live event on both sides, found by its rank in time.
 std::uint64_t rank(const ProbeDraw& draw, std::uint64_t count) {
-  return asap::mix(asap::mix(asap::mix(draw.event + 1) + draw.cluster) + draw.probe) % count;
+  return asap::detail::mix(asap::detail::mix(asap::detail::mix(draw.event + 1) + draw.cluster) +
+                           draw.probe) %
+         count;
 }
 
 struct ByRank {  // members come in time order

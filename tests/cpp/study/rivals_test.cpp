@@ -13,16 +13,16 @@
 namespace asap::rivals_test {
 namespace {
 
-// ---- what all have in common -----------------------------------------------------------------
+using namespace std::chrono_literals;
 
 using test::FakeBacklog;
 
 template <class S>
-S made(double latency_ms) {
+S made(std::chrono::nanoseconds latency) {
   if constexpr (std::is_same_v<S, JaerTimer>) {
-    return S(latency_ms, LinearCost({.alpha_us = 100, .beta_ns = 300}));
+    return S(latency, LinearCost({.alpha_us = 100, .beta_ns = 300}));
   } else {
-    return S(latency_ms);
+    return S(latency);
   }
 }
 
@@ -34,18 +34,18 @@ using Rivals =
 TYPED_TEST_SUITE(EveryRival, Rivals);
 
 TYPED_TEST(EveryRival, HasALatencyBoundThatStays) {
-  auto scheme = made<TypeParam>(7.5);
+  auto scheme = made<TypeParam>(7500us);
   EXPECT_EQ(scheme.parameters(), (SchemeParameters{{"latency_ms", 7.5}}));
   scheme.set_latency_bound_ns(1'000'000);
   EXPECT_EQ(scheme.latency_bound_ns(), 7'500'000);
-  EXPECT_EQ(test::error_of([] { made<TypeParam>(-1); }),
-            "latency_ms = -1: must be between 0.01 and 1e7 ms");
+  EXPECT_EQ(test::error_of([] { made<TypeParam>(-1ms); }),
+            "latency = -1 ms: must be between 0.01 and 1e7 ms");
 }
 
 TYPED_TEST(EveryRival, IsNotWedgedByAbsurdOutcomesAndForgetsThemWithAReset) {
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max() / 4;
   constexpr std::int64_t kNow = 10'000'000;
-  auto scheme = made<TypeParam>(10);
+  auto scheme = made<TypeParam>(10ms);
   const FakeBacklog backlog({kNow - 3, kNow - 2, kNow - 1});
   const auto gamma = [&] {
     if constexpr (std::is_base_of_v<Admission, TypeParam>) {
@@ -95,7 +95,7 @@ std::size_t limit_after(ClipperAimd& scheme, std::size_t size, std::int64_t proc
 }
 
 TEST(ClipperAimd, GrowsByFiftyAfterAFullPackageInTime) {
-  ClipperAimd scheme(10);
+  ClipperAimd scheme(10ms);
   EXPECT_EQ(limit(scheme), 50u);
   EXPECT_EQ(limit_after(scheme, 50, 5'000'000), 100u);
   EXPECT_EQ(limit_after(scheme, 99, 1), 100u);  // was not full
@@ -104,7 +104,7 @@ TEST(ClipperAimd, GrowsByFiftyAfterAFullPackageInTime) {
 }
 
 TEST(ClipperAimd, ShrinksByATenthAfterALatePackage) {
-  ClipperAimd scheme(10);
+  ClipperAimd scheme(10ms);
   EXPECT_EQ(limit_after(scheme, 50, 5'000'001), 45u);
   EXPECT_EQ(limit_after(scheme, 3, 9'000'000), 40u);  // 40.5, full or not
   EXPECT_EQ(limit_after(scheme, 40, 1), 90u);         // 90.5
@@ -116,7 +116,7 @@ TEST(ClipperAimd, ShrinksByATenthAfterALatePackage) {
 // ---- GreedyClear ----------------------------------------------------------------------------
 
 TEST(GreedyClear, TakesAllThatWaitsUpToHalfTheBound) {
-  GreedyClear scheme(10);
+  GreedyClear scheme(10ms);
   const FakeBacklog backlog({0, 1, 4'000'000, 5'000'000});
   for (const bool due : {false, true}) {
     const Decision decision = scheme.decide(backlog.at(5'000'000, due));
@@ -128,7 +128,7 @@ TEST(GreedyClear, TakesAllThatWaitsUpToHalfTheBound) {
 }
 
 TEST(GreedyClear, ThenDiscardsWhatIsOlderThanFourMicroseconds) {
-  GreedyClear scheme(10);
+  GreedyClear scheme(10ms);
   constexpr std::int64_t kNow = 5'000'001;
   const FakeBacklog backlog({0, 1, 4'000'000, kNow - 4001, kNow - 4000, kNow - 10, kNow});
   const Decision decision = scheme.decide(backlog.at(kNow));
@@ -140,7 +140,7 @@ TEST(GreedyClear, ThenDiscardsWhatIsOlderThanFourMicroseconds) {
 
 // Or it would throw nothing away, for ever.
 TEST(GreedyClear, WhatIsLateIsNeverFresh) {
-  GreedyClear scheme(0.01);  // the shortest bound there is
+  GreedyClear scheme(10us);  // the shortest bound there is
   EXPECT_EQ(scheme.decide(FakeBacklog({0, 1}).at(5000)).raw, 2u);
   EXPECT_EQ(scheme.decide(FakeBacklog({0, 1002}).at(5001)).stale, 1u);
 }
@@ -158,7 +158,7 @@ double gamma_at(GreedyPie& scheme, double age_ms) {
 
 // p += 20 (d - 5 ms), and 200 (d - d_old) if the two ages together exceed 0.2 ms.
 TEST(GreedyPie, FollowsTheAgeOfTheOldestEvent) {
-  GreedyPie scheme(10);
+  GreedyPie scheme(10ms);
   const struct {
     double age_ms;
     double drop;
@@ -186,14 +186,14 @@ double gamma_after(GreedyRateGamma& scheme, int count, std::size_t arrived) {
 // Before the first package 50 us + 100 ns are assumed: mu = (1 - 100 us / 10 ms) / 100 ns
 // = 9.9e6/s.
 TEST(GreedyRateGamma, KeepsWhatTheAlgorithmCanDo) {
-  GreedyRateGamma scheme(10);
+  GreedyRateGamma scheme(10ms);
   EXPECT_DOUBLE_EQ(gamma_after(scheme, 20'000, 9 * 32), 1.0);
   EXPECT_NEAR(gamma_after(scheme, 20'000, 20 * 32), 9.9 / 20, 1e-9);
   EXPECT_DOUBLE_EQ(gamma_after(scheme, 20'000, 0), 1.0);
 }
 
 TEST(GreedyRateGamma, TheRateIsAnAverageOverFiveMilliseconds) {
-  GreedyRateGamma scheme(10);
+  GreedyRateGamma scheme(10ms);
   EXPECT_EQ(scheme.period_ns(), 32'000);
   for (const double time_ms : {3.2, 6.4, 9.6}) {
     const double rate = 40 * (1 - std::exp(-time_ms / 5));
@@ -202,12 +202,12 @@ TEST(GreedyRateGamma, TheRateIsAnAverageOverFiveMilliseconds) {
 }
 
 TEST(GreedyRateGamma, AtLeastATwentiethOfTheEventsPerSecond) {
-  GreedyRateGamma scheme(0.1);  // 2 alpha = L
+  GreedyRateGamma scheme(100us);  // 2 alpha = L
   EXPECT_NEAR(gamma_after(scheme, 20'000, 20 * 32), 0.5 / 20, 1e-9);
 }
 
 TEST(GreedyRateGamma, LearnsTheCost) {
-  GreedyRateGamma scheme(10);
+  GreedyRateGamma scheme(10ms);
   for (int k = 0; k < 200; ++k) {
     const std::size_t size = std::size_t{100} << (k % 7);
     scheme.observe({.size = size,
@@ -238,7 +238,7 @@ void complete(JaerTimer& scheme, std::size_t raw, std::size_t size) {
 
 // 100 us + 300 ns per event, timer 5 ms: 4900 us / 300 ns = 16333.3 events.
 TEST(JaerTimer, StopsWhenTheTimerHasRun) {
-  JaerTimer scheme(10, LinearCost({.alpha_us = 100, .beta_ns = 300}));
+  JaerTimer scheme(10ms, LinearCost({.alpha_us = 100, .beta_ns = 300}));
   for (const std::size_t count : {1u, 16'333u, 16'334u, 1'000'000u}) {
     const Decision decision = ask(scheme, count);
     EXPECT_TRUE(decision.takes);
@@ -249,7 +249,7 @@ TEST(JaerTimer, StopsWhenTheTimerHasRun) {
 }
 
 TEST(JaerTimer, ThenDiscardsTheRestOfWhatWaitedAtTheStart) {
-  JaerTimer scheme(10, LinearCost({.alpha_us = 100, .beta_ns = 300}));
+  JaerTimer scheme(10ms, LinearCost({.alpha_us = 100, .beta_ns = 300}));
   EXPECT_EQ(ask(scheme, 20'000).raw, 16'333u);
   complete(scheme, 16'333, 16'333);
   const Decision rest = ask(scheme, 5000);  // 3667 of then, 1333 new ones
@@ -265,7 +265,7 @@ TEST(JaerTimer, ThenDiscardsTheRestOfWhatWaitedAtTheStart) {
 
 TEST(JaerTimer, KnowsTheDrawOfEachPackage) {
   const LinearCost cost({.alpha_us = 100, .beta_ns = 300, .noise = 0.5, .seed = 3});
-  JaerTimer scheme(10, cost);
+  JaerTimer scheme(10ms, cost);
   for (std::uint64_t index = 0; index < 50; ++index) {
     const double factor = cost.package(index, 0).event_ns / 300;
     const double most = (5e6 / factor - 100e3) / 300;  // (L/2/X - alpha)/beta
@@ -281,23 +281,24 @@ TEST(JaerTimer, KnowsTheDrawOfEachPackage) {
 }
 
 TEST(JaerTimer, KnowsTheDrift) {
-  JaerTimer scheme(10, LinearCost({.alpha_us = 100, .beta_ns = 300, .drift = {1.0, 2.0}}));
+  JaerTimer scheme(10ms, LinearCost({.alpha_us = 100, .beta_ns = 300, .drift = {1.0, 2.0}}));
   EXPECT_EQ(ask(scheme, 100'000, 0).raw, 16'333u);
   EXPECT_EQ(ask(scheme, 100'000, 1'000'000).raw, 8166u);
 }
 
 TEST(JaerTimer, TakesAtLeastOneEvent) {
-  EXPECT_EQ(JaerTimer(10, LinearCost({.alpha_us = 6000, .beta_ns = 300}))
+  EXPECT_EQ(JaerTimer(10ms, LinearCost({.alpha_us = 6000, .beta_ns = 300}))
                 .decide(FakeBacklog::of(9).at(0))
                 .raw,
             1u);
-  EXPECT_EQ(JaerTimer(10, LinearCost({.alpha_us = 6000, .beta_ns = 0}))
+  EXPECT_EQ(JaerTimer(10ms, LinearCost({.alpha_us = 6000, .beta_ns = 0}))
                 .decide(FakeBacklog::of(9).at(0))
                 .raw,
             1u);
-  EXPECT_EQ(
-      JaerTimer(10, LinearCost({.alpha_us = 0, .beta_ns = 0})).decide(FakeBacklog::of(9).at(0)).raw,
-      9u);
+  EXPECT_EQ(JaerTimer(10ms, LinearCost({.alpha_us = 0, .beta_ns = 0}))
+                .decide(FakeBacklog::of(9).at(0))
+                .raw,
+            9u);
 }
 
 // ---- SparkPid -------------------------------------------------------------------------------
@@ -324,7 +325,7 @@ void complete(SparkPid& scheme, std::size_t size, std::int64_t start_ns,
 }
 
 TEST(SparkPid, ClosesAtMultiplesOfHalfTheBound) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   const FakeBacklog backlog({1'000'000, 4'999'999, 5'000'000, 12'000'000});
   const Decision early = scheme.decide(backlog.at(4'999'999));
   EXPECT_FALSE(early.takes);
@@ -340,7 +341,7 @@ TEST(SparkPid, ClosesAtMultiplesOfHalfTheBound) {
 }
 
 TEST(SparkPid, WhenDueTakesWhatThereIs) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   const FakeBacklog backlog({1, 2, 3});
   EXPECT_FALSE(scheme.decide(backlog.at(10)).takes);
   EXPECT_EQ(scheme.decide(backlog.at(10, true)).raw, 3u);
@@ -352,7 +353,7 @@ TEST(SparkPid, WhenDueTakesWhatThereIs) {
 }
 
 TEST(SparkPid, ThinsToWhatTheAlgorithmAchieved) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   EXPECT_EQ(ask(scheme, 0, 8000, kPeriod).keep, 1.0);
   complete(scheme, 8000, kPeriod, 2'000'000);  // v = 4 per us: 20'000 per T, the first q
   EXPECT_DOUBLE_EQ(ask(scheme, 1, 40'000, 2 * kPeriod).keep, 0.5);
@@ -371,7 +372,7 @@ TEST(SparkPid, ThinsToWhatTheAlgorithmAchieved) {
 
 // A push law would have thinned a batch when it closed, however long it has queued since.
 TEST(SparkPid, ABatchKnowsOnlyWhatWasKnownWhenItClosed) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   ask(scheme, 0, 10'000, kPeriod);
   complete(scheme, 10'000, kPeriod, 12'000'000);            // until 17 ms
   EXPECT_EQ(ask(scheme, 1, 10'000, 17'000'000).keep, 1.0);  // closed at 10 ms, nothing known
@@ -384,7 +385,7 @@ TEST(SparkPid, ABatchKnowsOnlyWhatWasKnownWhenItClosed) {
 }
 
 TEST(SparkPid, AQueueLongerThanItsMemoryIsThinnedAllTheSame) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   for (std::int64_t k = 0; k < 1000; ++k) {
     const std::int64_t now_ns = 1'000'000 * kPeriod + k * 1000;
     const Decision decision = ask(scheme, k, 10'000, now_ns);
@@ -395,7 +396,7 @@ TEST(SparkPid, AQueueLongerThanItsMemoryIsThinnedAllTheSame) {
 }
 
 TEST(SparkPid, NeverStarves) {
-  SparkPid scheme(10);
+  SparkPid scheme(10ms);
   complete(scheme, 1, 0, 60'000'000'000);                          // a minute per event
   EXPECT_EQ(ask(scheme, 20'000, 4, 20'001 * kPeriod).keep, 0.25);  // one event
 }

@@ -25,7 +25,7 @@ inline std::uint64_t fingerprint(EventSpan events) {
     const Event& event = events[i];
     const std::uint64_t place = event.x | static_cast<std::uint64_t>(event.y) << 16 |
                                 static_cast<std::uint64_t>(event.p) << 32;
-    sum += mix(mix(place ^ static_cast<std::uint64_t>(event.t) << 33) + i);
+    sum += detail::mix(detail::mix(place ^ static_cast<std::uint64_t>(event.t) << 33) + i);
   }
   return sum;
 }

@@ -23,7 +23,7 @@ TEST(LargeScenes, AreGolden) {
       const EventSpan block = stream.next();
       events.insert(events.end(), block.begin(), block.end());
       for (const std::int32_t label : stream.labels())
-        labels = mix(labels + static_cast<std::uint64_t>(label + 1));
+        labels = detail::mix(labels + static_cast<std::uint64_t>(label + 1));
     }
     return test::fingerprint(events) + labels;
   };

@@ -32,7 +32,7 @@ Counts count(const MovingShapesConfig& config) {
       EXPECT_TRUE(label >= -1 && label < static_cast<std::int32_t>(config.shapes.size()));
       if (label < 0) ++counts.noise;
       if (counts.events++ < 100'000) {
-        counts.fingerprint += mix(static_cast<std::uint64_t>(label + 1) * counts.events);
+        counts.fingerprint += detail::mix(static_cast<std::uint64_t>(label + 1) * counts.events);
         first.push_back(block[i]);
       }
     }

@@ -51,7 +51,7 @@ class BasicEventBuffer {
   explicit BasicEventBuffer(std::size_t capacity, std::uint64_t first_index = 0)
       : capacity_(checked(capacity)),
         mask_(std::bit_ceil(capacity) - 1),
-        slots_(allocate<Event>(std::bit_ceil(capacity), "capacity", capacity)),
+        slots_(detail::allocate<Event>(std::bit_ceil(capacity), "capacity", capacity)),
         tail_(first_index),
         head_copy_(first_index),
         head_(first_index),

@@ -10,15 +10,9 @@
 
 #include "asap/core/event.hpp"
 #include "asap/core/time.hpp"
+#include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
-
-struct Slot {
-  std::int64_t slot;            // stamps of [slot, slot + 1) ms
-  std::int64_t received;        // events
-  std::int64_t delivered;       // events
-  std::int64_t latency_max_ns;  // of the delivered ones
-};
 
 class SlotLog {
  public:
