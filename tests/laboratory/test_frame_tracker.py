@@ -89,6 +89,17 @@ def test_an_id_outlives_a_gap_and_ends_after_it() -> None:
     assert ids[19 + frames._MISSES] == []
 
 
+def test_two_that_come_near_keep_their_ids() -> None:
+    """The Hungarian method: the nearest pair first would leave one without a component."""
+    tracker = tracker_of()
+    for step in range(8):
+        left, right = square(step * 10 * MS, 10 + step), square(step * 10 * MS, 40 - step)
+        tracker.process(np.concatenate([left, right]))
+    told = tracker.clusters_at(80 * MS)
+    assert told["id"].tolist() == [0, 1] and told["x"][0] < told["x"][1]
+    assert told["vx"] == pytest.approx([100, -100], rel=0.2)
+
+
 def test_packages_do_not_matter_and_asking_only_closes_full_images() -> None:
     scene = FakeScene([(50, 50, 200, 0)], end_us=200_001, step_us=50)
     events = scene.events.copy()

@@ -56,6 +56,12 @@ def test_fit_finds_alpha_and_beta_of_very_different_packages():
     assert alpha_us == pytest.approx(2.5) and beta_ns == pytest.approx(40)
 
 
+def test_fit_is_never_below_zero():
+    alpha_us, beta_ns = fit((1, 10, 100), [0.5, 9, 100])
+    assert alpha_us == 0 and beta_ns == pytest.approx(659.4, rel=1e-3)
+    assert fit((1, 10, 100), [5.0, 5.0, 4.0])[1] == 0
+
+
 # ---- settings -------------------------------------------------------------------------------
 
 
