@@ -138,34 +138,6 @@ TEST(Packager, CountsByTimeAcrossTheWrap) {
   EXPECT_EQ(before, 3u);
 }
 
-TEST(Packager, CountsByAgeSlotsWithinTheSlot) {
-  std::vector<std::size_t> about;
-  ScriptedScheme scheme([&](const Backlog& backlog) {
-    for (const std::int64_t t_us : {-1, 0, 5000, 9999, 20'000}) {
-      about.push_back(backlog.counts.about_before(t_us * kMicrosecond));
-    }
-    return Decision::take(50);
-  });
-  Rig rig(scheme);
-  rig.push(evenly_spaced(200, 50));  // a slot is 156.25 us
-  rig.deliver(9950 * kMicrosecond);
-  EXPECT_EQ(about, (std::vector<std::size_t>{0, 0, 100, 200, 200}));
-  rig.deliver(9950 * kMicrosecond);
-  about.erase(about.begin(), about.begin() + 5);
-  EXPECT_EQ(about, (std::vector<std::size_t>{0, 0, 50, 150, 150})) << "of those that still wait";
-}
-
-TEST(Packager, TellsTheSchemeHowTheAlgorithmRuns) {
-  for (const Execution execution : {Execution::whole, Execution::anytime}) {
-    ScriptedScheme scheme = taking(1);
-    EventBuffer buffer(8);
-    const AgeSlots ages(1);
-    Telemetry telemetry(kBound_ns);
-    const Packager packager(buffer, ages, scheme, telemetry, {.execution = execution});
-    EXPECT_EQ(scheme.execution, execution);
-  }
-}
-
 TEST(Packager, HandsOutAPackageWithItsStory) {
   ScriptedScheme scheme = taking(2);
   Rig rig(scheme, 4);
@@ -399,15 +371,6 @@ TEST(Packager, MayDropAllThatWaits) {
 
 // ---- flush: nothing waits for a count that does not come
 
-TEST(Packager, OfAnEmptyRingWaitsForAnEvent) {
-  Greedy scheme;
-  Rig rig(scheme);
-  const Packager::Next next = rig.next(0);
-  EXPECT_EQ(next.step, Step::wait);
-  EXPECT_EQ(next.until_ns, kNever);
-  EXPECT_EQ(next.until_tail, 1u);
-}
-
 TEST(Packager, SeesNoEventThatCameAfterTheLookAtTheRing) {
   Greedy scheme;
   Rig rig(scheme);
@@ -530,19 +493,6 @@ TEST(Packager, KeepsAllForAGammaThatIsNone) {
   }
 }
 
-TEST(Packager, DropsAtMostWhatWaits) {
-  ScriptedScheme scheme([](const Backlog&) {
-    Decision decision = Decision::take(kHuge);
-    decision.stale = kHuge;
-    return decision;
-  });
-  Rig rig(scheme);
-  rig.push(evenly_spaced(5, 1));
-  EXPECT_FALSE(rig.deliver(0));
-  EXPECT_EQ(rig.ledger().stale, 5u);
-  EXPECT_TRUE(rig.ledger().balanced());
-}
-
 TEST(Packager, AWaitThatIsOverLetsTimePass) {
   for (const std::int64_t until_ns :
        {kLongAgo, std::int64_t{-1}, std::int64_t{0}, std::int64_t{7}}) {
@@ -563,25 +513,6 @@ TEST(Packager, AWaitThatIsOverLetsTimePass) {
   Rig rig(scheme, 8);
   rig.push(evenly_spaced(3, 1));
   EXPECT_EQ(rig.next(7).until_tail, 8u);
-}
-
-TEST(Packager, WhenDueAWaitIsATakeOfEverything) {
-  ScriptedScheme scheme([](const Backlog&) { return Decision::wait_for(1000); });
-  Rig rig(scheme);
-  rig.push(evenly_spaced(5, 1));
-  EXPECT_FALSE(rig.deliver(kBound_ns - 1));
-  ASSERT_TRUE(rig.deliver(kBound_ns));
-  EXPECT_EQ(rig.last.size(), 5u);
-}
-
-TEST(Packager, ReferenceDefect1_MemoryIsBoundedAndOverflowIsCounted) {
-  FixedSize scheme({.size = 100});
-  Rig rig(scheme, 1000);
-  const Events events = evenly_spaced(1'000'000, 0);
-  rig.push(events);
-  EXPECT_EQ(rig.ledger().pending, 1000u);
-  EXPECT_EQ(rig.ledger().overflow, 999'000u);
-  EXPECT_TRUE(rig.ledger().balanced());
 }
 
 TEST(Packager, ReferenceDefect5_AbsurdTimesGiveNoNaN) {
@@ -629,14 +560,6 @@ TEST(Packager, SmoothsTheKeptFractionOverTwentyMilliseconds) {
   EXPECT_NEAR(keep, 0.25 + 0.75 * std::exp(-1.0), 0.03);
   run_until(300 * kMillisecond);
   EXPECT_NEAR(keep, 0.25, 0.02);
-}
-
-TEST(Packager, TheFirstPackageSetsTheKeptFraction) {
-  ScriptedScheme scheme = taking(4000, 0.25);
-  Rig rig(scheme, 4096);
-  rig.push(evenly_spaced(4000, 1));
-  const auto package = rig.deliver(0);
-  EXPECT_EQ(package->keep, package->gamma);
 }
 
 TEST(Packager, TakesThatKeepNothingLowerTheKeptFraction) {

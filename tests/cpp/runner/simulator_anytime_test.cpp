@@ -271,19 +271,6 @@ TEST(SimulatorAnytime, WithoutFlushOnlyTheEndForcesAScheme) {
   EXPECT_EQ(simulator.telemetry().log[0].size, 50);
 }
 
-TEST(SimulatorAnytime, TheConsumerGetsAPackageOnceAtItsEnd) {
-  ScriptedScheme scheme(all_within(kMillisecond, 0));
-  std::vector<std::size_t> sizes;
-  Simulator simulator(scheme, LinearCost({.alpha_us = 10, .beta_ns = 1000}), {},
-                      [&](const Package& package) { sizes.push_back(package.events.size()); });
-  simulator.feed(evenly_spaced(5000, 0));
-  simulator.finish();
-  ASSERT_EQ(sizes.size(), simulator.telemetry().log.size());
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    EXPECT_EQ(static_cast<std::int64_t>(sizes[i]), simulator.telemetry().log[i].size);
-  }
-}
-
 // ---- admission
 
 // Filters on arrival, and decides like a rule.
@@ -349,23 +336,6 @@ TEST(SimulatorAnytime, AdmissionAgreesWithTheNaiveSimulator) {
 
 ScriptedScheme::Rule greedy() {
   return [](const Backlog& backlog) { return Decision::take(backlog.count); };
-}
-
-TEST(SimulatorAnytime, AdmissionSeesWhatWaitsWhenItIsAsked) {
-  Admitting scheme(greedy(), [](const Arrivals&) { return 1.0; }, kMillisecond);
-  Simulator simulator(scheme, LinearCost({.alpha_us = 1500, .beta_ns = 0}), {}, {}, &scheme);
-  simulator.feed(at_times({0, 10, 20, 5000}));
-  simulator.finish();
-  ASSERT_EQ(scheme.told.size(), 6u);
-  const std::vector<std::size_t> waiting{0, 2, 0, 0, 0, 0};  // from 1.5 to 3 ms they are in work
-  const std::vector<std::size_t> arrived{0, 3, 0, 0, 0, 0};
-  for (std::size_t i = 0; i < 6; ++i) {
-    const auto now_ns = static_cast<std::int64_t>(i) * kMillisecond;
-    EXPECT_EQ(scheme.told[i].now_ns, now_ns);
-    EXPECT_EQ(scheme.told[i].waiting, waiting[i]) << i;
-    EXPECT_EQ(scheme.told[i].arrived, arrived[i]) << i;
-    EXPECT_EQ(scheme.told[i].oldest_ns, i == 1 ? 10 * kMicrosecond : now_ns) << i;
-  }
 }
 
 struct Trouble {};

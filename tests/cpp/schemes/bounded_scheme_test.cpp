@@ -44,38 +44,6 @@ std::optional<Decision> wait(const HoldRule& rule, Situation situation) {
   return rule.wait(backlog, slow_algorithm(), situation.caution, kLatencyNs);
 }
 
-TEST(Hold, KnowsTheIntervalSinceTheLastStart) {
-  const FakeBacklog events = FakeBacklog::of(1);
-  Backlog backlog = events.at(kNow);
-  EXPECT_EQ(interval_ns(backlog), kNever);
-  backlog.previous_start_ns = kNow - 7;
-  EXPECT_EQ(interval_ns(backlog), 7);
-}
-
-TEST(Hold, NeverBeforeTheFirstPackage) {
-  const HoldRule rule(0.25, 1ms);
-  const FakeBacklog events = FakeBacklog::of(1);
-  EXPECT_FALSE(rule.wait(events.at(0), slow_algorithm(), 1.0, kLatencyNs));
-}
-
-TEST(Hold, WithoutLimitsNothingIsHeld) { EXPECT_FALSE(wait(HoldRule(0, 0s), {})); }
-
-// alpha / overhead = 400 us between starts.
-TEST(Hold, KeepsTheShareOfFixedCosts) {
-  const HoldRule rule(0.25, 0s);
-  EXPECT_TRUE(wait(rule, {.age_ns = 399'999, .interval_ns = 399'999}));
-  EXPECT_FALSE(wait(rule, {.age_ns = 399'999, .interval_ns = 400'000}));
-  EXPECT_FALSE(wait(rule, {.age_ns = 400'000, .interval_ns = 399'999}));
-
-  const auto fresh = wait(rule, {.age_ns = 100'000, .interval_ns = 150'000});
-  ASSERT_TRUE(fresh);
-  EXPECT_FALSE(fresh->takes);
-  EXPECT_EQ(fresh->until_ns, kNow + 250'000);  // the start is over before the age
-  const auto old = wait(rule, {.age_ns = 300'000, .interval_ns = 150'000});
-  ASSERT_TRUE(old);
-  EXPECT_EQ(old->until_ns, kNow + 100'000);
-}
-
 TEST(Hold, NoLongerThanAQuarterOfTheBound) {
   const HoldRule rule(0.001, 0s);
   EXPECT_TRUE(wait(rule, {.age_ns = 2'499'999, .interval_ns = 2'499'999}));
@@ -105,10 +73,6 @@ TEST(Hold, EndsWhenAPackageIsEfficient) {
   EXPECT_FALSE(wait(rule, {.count = 3834, .caution = 4.0}));
 }
 
-TEST(Hold, EndsAtOnceWhereASinglePackageFillsHalfTheBound) {
-  EXPECT_FALSE(wait(HoldRule(0.25, 0s), {.caution = 1000.0}));
-}
-
 TEST(Hold, LimitsTheNumberOfPackages) {
   const HoldRule rule(0, 1ms);
   // However many wait, the interval is kept; nothing but time ends it.
@@ -118,18 +82,6 @@ TEST(Hold, LimitsTheNumberOfPackages) {
   EXPECT_EQ(crowd->until_count, kAny);
   EXPECT_FALSE(wait(rule, {.count = 100'000, .interval_ns = 1'000'000}));
   EXPECT_FALSE(wait(rule, {.age_ns = 1'000'000, .interval_ns = 300'000}));
-}
-
-TEST(Hold, BothLimitsTogether) {
-  const HoldRule rule(0.05, 1ms);  // 2 ms of overhead, 1 ms of interval
-  const auto first = wait(rule, {.interval_ns = 999'999});
-  ASSERT_TRUE(first);
-  EXPECT_EQ(first->until_ns, kNow + 1);
-  const auto then = wait(rule, {.interval_ns = 1'000'000});
-  ASSERT_TRUE(then);
-  EXPECT_EQ(then->until_ns, kNow + 1'000'000);
-  EXPECT_EQ(then->until_count, 6334u);
-  EXPECT_FALSE(wait(rule, {.count = 6334, .interval_ns = 1'000'000}));
 }
 
 TEST(Hold, AnIntervalBeyondHalfTheBoundIsNotKept) {
@@ -253,19 +205,6 @@ TEST(BoundedScheme, LearnsTheCostOfPackagesThatRanAndForgetsItInAReset) {
   law.reset(Execution::whole);
   EXPECT_EQ(law.packages(), 0u);
   EXPECT_DOUBLE_EQ(law.alpha_ns(), 7e3);
-}
-
-TEST(BoundedScheme, PlansAnAnytimePackageWithWhatItLearned) {
-  Law law({}, {.first_alpha_us = 7, .first_beta_ns = 8});
-  const auto backlog = test::FakeBacklog::of(5);
-  EXPECT_EQ(law.decide(backlog.at(0)).budget_ns, kNever);
-  law.reset(Execution::anytime);
-  const Decision decision = law.decide(backlog.at(0));
-  EXPECT_EQ(decision.raw, 5u);
-  EXPECT_EQ(decision.budget_ns, 5'000'000);
-  EXPECT_DOUBLE_EQ(decision.fixed_ns, 7e3);
-  EXPECT_DOUBLE_EQ(decision.event_ns, 8);
-  EXPECT_EQ(decision.max_event_ns, std::numeric_limits<double>::infinity());
 }
 
 TEST(BoundedScheme, RefusesABadConfigurationByName) {

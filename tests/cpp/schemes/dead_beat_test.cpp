@@ -153,16 +153,6 @@ TEST(DeadBeat, OneEventAtATimeIsNoOverload) {
   EXPECT_EQ(size_of(decide(scheme, 2, kMs)), 2.0);
 }
 
-TEST(DeadBeat, KneeIsOffOrAtLeastOne) {
-  for (const double knee : {0.0, 1.0, 33.0, 1e6}) EXPECT_NO_THROW(DeadBeat({.knee = knee}));
-  const auto error = [](double knee) { return error_of([=] { DeadBeat law({.knee = knee}); }); };
-  const std::string remedy = ": must be 0 (off) or between 1 and 1e6";
-  EXPECT_EQ(error(0.5), "knee = 0.5" + remedy);
-  EXPECT_EQ(error(-1), "knee = -1" + remedy);
-  EXPECT_EQ(error(2e6), "knee = 2000000" + remedy);
-  EXPECT_EQ(error(std::numeric_limits<double>::quiet_NaN()), "knee = nan" + remedy);
-}
-
 TEST(DeadBeat, TheKneeHasAFloorAndACap) {
   const auto budget_ms = [](DeadBeatConfig config) {
     DeadBeat scheme = trained(config);
@@ -180,17 +170,6 @@ TEST(DeadBeat, ALastResortIsAQuarterAlphaOfEvents) {
   EXPECT_NEAR(size_of(decide(scheme, 1000, 50'000)), kAlphaNs / 4 / kBetaNs, 1e-2);
 }
 
-// Nothing stops a whole package, so it is planned with 1 + sigma times the cost.
-TEST(DeadBeat, AWholePackageIsPlannedWithCaution) {
-  DeadBeat scheme = trained({.knee = 0}, Execution::whole);
-  const Decision decision = decide(scheme, 50'000, 5 * kMs);
-  // Sigma is at its least, 0.01. 8192 events took 2557.6 us, and each more takes .3 us at least.
-  EXPECT_LE(size_of(decision), 8192 + (5e6 / 1.01 - 2'557'600) / kBetaNs);
-  EXPECT_GE(size_of(decision), 1 + std::floor(5e6 / 1.01 / (2'557'600 / 8192.0)));
-  EXPECT_EQ(decision.budget_ns, kNever);
-  EXPECT_EQ(decision.event_ns, 0.0);
-}
-
 // Of 4 ms for 10 events nobody knows what 16 will cost; L / 2 with caution is 4.2 ms.
 TEST(DeadBeat, AWholePackageIsNoLargerThanIsSafe) {
   for (const Execution execution : {Execution::whole, Execution::anytime}) {
@@ -205,14 +184,6 @@ TEST(DeadBeat, AWholePackageIsNoLargerThanIsSafe) {
     EXPECT_EQ(size_of(decision), is_whole ? 11 : 1000) << "the clock ends it";
     EXPECT_DOUBLE_EQ(decision.max_event_ns, is_whole ? 0 : 4e5);
   }
-}
-
-TEST(DeadBeat, APackageOfSeveralPartsTellsItsFixedCost) {
-  DeadBeat scheme({.knee = 0});
-  scheme.reset(Execution::anytime);
-  for (int k = 0; k < 30; ++k) scheme.observe(test::in_parts(1600, 100, kAlphaNs, kBetaNs));
-  EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 0.001 * kAlphaNs);
-  EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 0.001 * kBetaNs);
 }
 
 // An outage in a part of a package is known; it would pass for a fixed cost.
@@ -319,21 +290,6 @@ TEST(DeadBeat, ATakeThatKeptNothingTeachesNothing) {
   EXPECT_EQ(scheme.alpha_ns(), 50e3);
   EXPECT_EQ(scheme.beta_ns(), 100.0);
   EXPECT_EQ(size_of(decide(scheme, 1000, kMs)), 2);
-}
-
-// Else the clock would end every package before its second event.
-TEST(DeadBeat, AFixedCostBeyondTheBudgetIsGrantedAndAQuarterMore) {
-  DeadBeat scheme({.latency = 10ms});
-  scheme.reset(Execution::anytime);
-  for (std::uint64_t k = 0; k < 400; ++k) {
-    const std::size_t size = std::size_t{1} << (k % 14);
-    scheme.observe({.size = size,
-                    .raw = size,
-                    .span_ns = 0,
-                    .start_ns = 0,
-                    .processing_ns = std::llround(6e6 + kBetaNs * static_cast<double>(size))});
-  }
-  EXPECT_NEAR(static_cast<double>(decide(scheme, 1000, kMs).budget_ns), 7.5e6, 1e3);
 }
 
 TEST(DeadBeat, ResetBringsTheFirstStateBack) {

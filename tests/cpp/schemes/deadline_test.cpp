@@ -57,15 +57,6 @@ TEST(OutageReserve, AHundredthOfTheBoundIsNoOutage) {
   EXPECT_EQ(reserve.ns(kBound, kAlpha), 0.0);
 }
 
-TEST(OutageReserve, IsHalfTheBoundAtMost) {
-  OutageReserve reserve;
-  for (int k = 0; k < 1000; ++k) reserve.observe(1e18, kSpan, kBound);
-  EXPECT_EQ(reserve.ns(kBound, kAlpha), 500);
-  EXPECT_EQ(reserve.ns(kBound, 200), 200);  // four fixed costs have to fit
-  EXPECT_EQ(reserve.ns(kBound, 250), 0);
-  EXPECT_EQ(reserve.ns(kBound, 1e6), 0);
-}
-
 // One late package in a thousand leaves no reserve behind, one in ten does.
 TEST(OutageReserve, RareOutagesCostNothing) {
   OutageReserve rare;
@@ -241,18 +232,6 @@ TEST(Deadline, NoPackageIsShorterThanTheInterval) {
   }
 }
 
-// Whole packages, and those that leave no gap, are no longer than half the bound: if the shortest
-// is as long, there is one length.
-TEST(Deadline, AnIntervalOfHalfTheBoundLeavesFullPackages) {
-  Deadline scheme = trained({.min_interval = 40ms}, Execution::whole);
-  EXPECT_GT(size_of(decide(scheme, evenly(40'000, 4900 * kUs), 50 * kMs)), 10'000);
-}
-
-TEST(Deadline, AFixedCostOfAThirdOfTheBoundLeavesFullPackages) {
-  Deadline scheme = trained({.prefer = Prefer::continuity}, Execution::anytime, 400, 3.8e6);
-  EXPECT_GT(size_of(decide(scheme, evenly(40'000, 4 * kMs), 50 * kMs)), 3'000);
-}
-
 // ---- the plan ---------------------------------------------------------------------------------
 
 TEST(Deadline, TakesTheBestOfItsPlans) {
@@ -425,17 +404,6 @@ TEST(Deadline, DoesNotTakeOutagesForAFixedCost) {
   }
   EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 0.01 * kAlphaNs);
   EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 0.01 * kBetaNs);
-}
-
-TEST(Deadline, APackageOfSeveralPartsTellsItsFixedCost) {
-  Deadline scheme;
-  scheme.reset(Execution::anytime);
-  const FakeBacklog events = evenly(10, kMs);
-  EXPECT_EQ(decide(scheme, events).max_event_ns, std::numeric_limits<double>::infinity());
-  for (int k = 0; k < 30; ++k) scheme.observe(test::in_parts(1600, 100, kAlphaNs, kBetaNs));
-  EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 0.001 * kAlphaNs);
-  EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 0.001 * kBetaNs);
-  EXPECT_EQ(decide(scheme, events, 50 * kMs).max_event_ns, 362.5);  // (alpha + 1600 beta) / 1600
 }
 
 TEST(Deadline, ABoundThatCannotBeKeptIsReplacedByTwoAndAHalfFixedCosts) {
@@ -614,16 +582,6 @@ TEST(Deadline, LearnsACostThatHasJumpedByAHundred) {
     return Law{kAlphaNs * factor, kBetaNs * factor};
   });
   EXPECT_NEAR(scheme.alpha_ns() + 700 * scheme.beta_ns(), 1e6 + 700 * 3000, 0.3e6);
-}
-
-TEST(Deadline, AnAlgorithmThatReturnsAtOnceGetsEverything) {
-  for (const Execution execution : {Execution::anytime, Execution::whole}) {
-    Deadline scheme;
-    const auto run =
-        run_steady(scheme, execution, 1, 5 * kMs, [](std::size_t) { return Law{0, 1e-9}; });
-    EXPECT_EQ(run.kept, 1.0);
-    EXPECT_EQ(run.stale, 0u);
-  }
 }
 
 TEST(Deadline, AnImpossibleBoundIsMetAsWellAsPossible) {
