@@ -183,6 +183,7 @@ class Ledger(metaclass=_pybind11_type):
 # runner
 
 def is_native(algorithm: object) -> bool: ...
+def checked_latency_ms(latency_ms: float) -> float: ...
 
 class RunConfig(metaclass=_pybind11_type):
     def __init__(
