@@ -217,9 +217,7 @@ void bind_algorithms(py::module_& m) {
   bind_reset(bound,
              "Back to the state after construction, seed included: the same events, the same "
              "results.");
-  bound
-      .def("process", &process, py::arg("events").noconvert(), py::arg("labels") = true,
-           documented(R"(Takes the next events of the stream.
+  bind_process(bound, &process, R"(Takes the next events of the stream.
 
 $events
 labels : bool
@@ -232,7 +230,9 @@ ndarray of int32, shape (n,), or None
     frame.
 
 $not_events
-)").c_str())
+)",
+               py::arg("labels") = true);
+  bound
       .def_property_readonly("clusters", &clusters,
                              R"(Structured array, one row per cluster that has an id, sorted by id.
 
@@ -280,7 +280,7 @@ as of t_us. Before the first event, for the past, and in "compat", which forgets
 happens.
 )")
       .def("set_keep", &set_keep, py::arg("gamma"), py::arg("filter_upstream") = false,
-           documented(R"(Tells the fraction of the events that reaches the tracker.
+           R"(Tells the fraction of the events that reaches the tracker.
 
 Parameters
 ----------
@@ -292,8 +292,11 @@ filter_upstream : bool
     A noise filter stands before the discarder: "fast" rejects no more events as noise from 0.15 to 0.75;
     below it rejects none in either case.
 
-$not_gamma
-)").c_str())
+Raises
+------
+ValueError
+    gamma is NaN or outside [0, 1].
+)")
       .def_property_readonly(
           "width", reading([](const auto& engine) { return engine.config().width; }), "px")
       .def_property_readonly(

@@ -111,8 +111,8 @@ template <class Detector>
 void bind_detector(py::module_& m, const char* title, const char* doc, const char* name,
                    std::vector<Keyword<typename Detector::Config>> keywords = {}) {
   Class<Detector> type(m, title, documented(doc).c_str());
-  type.def("process", &process_each<bool, std::uint8_t, Detector>, py::arg("events").noconvert(),
-           documented(R"(Takes the next events of the stream.
+  bind_process(type, &process_each<bool, std::uint8_t, Detector>,
+               R"(Takes the next events of the stream.
 
 $events
 
@@ -122,7 +122,7 @@ ndarray of bool, shape (n,)
     True where the event is a corner.
 
 $not_events
-)").c_str());
+)");
   bind_rest(type, name, sized<typename Detector::Config>(std::move(keywords)),
             R"(Tells the fraction of the events that reaches the detector, 0 <= gamma <= 1.
 
@@ -134,7 +134,8 @@ $not_gamma
 
 void bind_filter_in_front(py::module_& m) {
   using Config = BackgroundActivityFilterConfig;
-  Class<BackgroundActivityFilter> type(m, "BackgroundActivityFilter", documented(kBackgroundActivityFilterDoc).c_str());
+  Class<BackgroundActivityFilter> type(m, "BackgroundActivityFilter",
+                                       documented(kBackgroundActivityFilterDoc).c_str());
   bind_passing(type);
   bind_rest(type, "background_activity", sized<Config>({keyword("window_us", &Config::window)}),
             R"(Tells the fraction of the events that reaches the filter, 0 <= gamma <= 1.

@@ -272,11 +272,11 @@ void bind_decoders(py::module_& m) {
                          .first_offset = whole_number("first_offset", first_offset)};
       }),
       py::arg("version") = 2, offset);
-  bind_decoder<EventStreamDecoder>(
-      m, "EventStreamDecoder", std::function([](int version, std::uint16_t height) {
-        return EventStreamConfig{.version = version, .height = height};
-      }),
-      py::arg("version") = 2, py::arg("height"));
+  bind_decoder<EventStreamDecoder>(m, "EventStreamDecoder",
+                                   std::function([](int version, std::uint16_t height) {
+                                     return EventStreamConfig{.version = version, .height = height};
+                                   }),
+                                   py::arg("version") = 2, py::arg("height"));
   bind_decoder<Atis40Decoder>(
       m, "Atis40Decoder", std::function([](bool marks) { return Atis40Config{.marks = marks}; }),
       py::arg("marks") = true);

@@ -103,8 +103,8 @@ py::array last(const EventImage& image) {
 void bind_event_image(py::module_& m) {
   using Config = EventImageConfig;
   Class<EventImage> type(m, "EventImage", documented(kImageDoc).c_str());
-  type.def("process", &images, py::arg("events").noconvert(),
-           documented(R"(Takes the next events of the stream and returns the images that they complete.
+  bind_process(type, &images,
+               R"(Takes the next events of the stream and returns the images that they complete.
 
 $events
 
@@ -115,8 +115,8 @@ spans : ndarray of int64, shape (k, 2)
     us: begin of each image, and its end, which is the first stamp beyond.
 
 $not_events
-)").c_str())
-      .def("flush", &EventImage::flush,
+)");
+  type.def("flush", &EventImage::flush,
            R"(Completes the image that has begun, which is then `image`.
 
 Returns

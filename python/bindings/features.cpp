@@ -52,9 +52,7 @@ void bind_features(py::module_& m) {
 
   using Config = FeatureConfig;
   Class<FeatureTracker> type(m, "FeatureTracker", documented(kFeatureTrackerDoc).c_str());
-  type.def("process", &process_labelled<FeatureTracker>, py::arg("events").noconvert(),
-           "labels"_a = true,
-           documented(R"(Takes the next events of the stream.
+  bind_process(type, &process_labelled<FeatureTracker>, R"(Takes the next events of the stream.
 
 $events
 labels : bool
@@ -67,10 +65,11 @@ ndarray of int32, shape (n,), or None
     the frame.
 
 $not_events
-)").c_str())
-      .def_property_readonly(
-          "tracks", [](const FeatureTracker& tracker) { return moved_to_array(tracker.tracks()); },
-          R"(Structured array, one row per track, first begun first.
+)",
+               "labels"_a = true);
+  type.def_property_readonly(
+      "tracks", [](const FeatureTracker& tracker) { return moved_to_array(tracker.tracks()); },
+      R"(Structured array, one row per track, first begun first.
 
 id : int64, never changes while the track lives
 x, y : float64, px, of the newest event

@@ -39,8 +39,7 @@ Ieng, Bartolozzi, "Event-Based Visual Flow", IEEE TNNLS 2014.
 void bind_flow(py::module_& m) {
   using Config = PlaneFlowConfig;
   Class<PlaneFlow> type(m, "PlaneFlow", documented(kFlowDoc).c_str());
-  type.def("process", &process_each<float, Flow, PlaneFlow>, py::arg("events").noconvert(),
-           documented(R"(Takes the next events of the stream.
+  bind_process(type, &process_each<float, Flow, PlaneFlow>, R"(Takes the next events of the stream.
 
 $events
 
@@ -51,7 +50,7 @@ ndarray of float32, shape (n, 2)
     are too few, all on a line, all at once or not one edge, or the event is not the first of its edge.
 
 $not_events
-)").c_str());
+)");
   bind_rest(
       type, "plane_flow",
       sized<Config>({keyword("window_us", &Config::window),

@@ -72,9 +72,11 @@ void bind_hot_pixels(py::module_& m) {
   Class<HotPixelMask> type(m, "HotPixelMask", documented(kHotPixelsDoc).c_str());
   bind_passing(type);
   type.def("learn", &learned, py::arg("events").noconvert(),
-           documented(R"(Masks the hot pixels of these events as well, judged by these events alone.
+           R"(Masks the hot pixels of these events as well, judged by these events alone.
 
-$events
+Parameters
+----------
+events : ndarray of shape (n,) in EVENT_DTYPE
     Some seconds of a recording; a calm scene shows hot pixels best.
 
 Returns
@@ -82,8 +84,11 @@ Returns
 int
     How many pixels of `events` are hot.
 
-$not_events
-)").c_str())
+Raises
+------
+TypeError
+    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+)")
       .def_property_readonly(
           "pixels", [](const HotPixelMask& self) { return pairs_of(self.pixels()); },
           "list of (x, y), px: the masked pixels, row by row.");

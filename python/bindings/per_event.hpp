@@ -22,6 +22,12 @@ namespace py = pybind11;
 // The docstring whose words in $ stand for what all of them say alike.
 std::string documented(std::string text);
 
+// process(events), whose docstring the words in $ complete.
+template <class T, class Process, class... Extra>
+void bind_process(Class<T>& type, Process process, const char* doc, const Extra&... extra) {
+  type.def("process", process, py::arg("events").noconvert(), extra..., documented(doc).c_str());
+}
+
 // A time of the configuration, in Python a number of its unit, which the name tells.
 template <class Config, class Number, class Unit>
 Keyword<Config> keyword(std::string name, std::chrono::duration<Number, Unit> Config::* field) {
@@ -81,8 +87,7 @@ void bind_passing(Class<Filter>& type) {
     }
     return moved_to_array(std::move(passed));
   };
-  type.def("process", passing, py::arg("events").noconvert(),
-           documented(R"(Takes the next events of the stream and returns those that pass.
+  bind_process(type, passing, R"(Takes the next events of the stream and returns those that pass.
 
 $events
 
@@ -92,7 +97,7 @@ ndarray of shape (k,) in EVENT_DTYPE
     A new array.
 
 $not_events
-)").c_str());
+)");
 }
 
 // After it the object is as new.

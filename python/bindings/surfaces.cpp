@@ -67,14 +67,13 @@ template <class Surface>
 void bind_surface(py::module_& m, const char* title, const char* doc, const char* name,
                   Keyword<typename Surface::Config> keyword, const char* surface_doc) {
   Class<Surface> type(m, title, documented(doc).c_str());
-  type.def("process", &take<Surface>, py::arg("events").noconvert(),
-           documented(R"(Takes the next events of the stream.
+  bind_process(type, &take<Surface>, R"(Takes the next events of the stream.
 
 $events
 
 $not_events
-)").c_str())
-      .def_property_readonly("surface", &values<Surface>, surface_doc);
+)");
+  type.def_property_readonly("surface", &values<Surface>, surface_doc);
   bind_rest(type, name, sized<typename Surface::Config>({std::move(keyword)}),
             R"(Tells the fraction of the events that reaches the surface, 0 <= gamma <= 1.
 

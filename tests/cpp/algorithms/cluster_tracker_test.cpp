@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -14,6 +15,7 @@
 
 #include "algorithms/cluster_streams.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
+#include "study/scenes/large_scenes.hpp"
 #include "study/scenes/scenes.hpp"
 #include "support/allocation_counter.hpp"
 
@@ -528,6 +530,9 @@ TEST(ClusterTracker, GivesTheSameBitsEverywhere) {
   EXPECT_EQ(bits_on(asap::scenes::named('D', 1)), 7902586103110999115U);
   EXPECT_EQ(bits_on(asap::scenes::named('F', 1)), 12398374376109522330U);
   EXPECT_EQ(bits_on(asap::scenes::named('G', 1)), 4144899742777912647U);
+  constexpr std::array kKinds{asap::ShapeKind::kBar, asap::ShapeKind::kAngle};
+  EXPECT_EQ(bits_on(asap::scenes::large_shapes(kKinds, 1)), 2511069011670080918U);
+  EXPECT_EQ(bits_on(asap::scenes::hands(1)), 1877253563945750676U);
   EXPECT_EQ(bits_on(asap::scenes::stop_and_go({})), 6653526319714574073U);
   EXPECT_EQ(bits_on(asap::scenes::occlusion({})), 12218875228727342397U);
 }

@@ -1,0 +1,63 @@
+#include "algorithms/fast/split.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <utility>
+
+namespace asap::fast::split_test {
+namespace {
+
+// A track at (50, 50) in a frame of 100 x 100, cells of 4 px.
+struct HalfScene {
+  static constexpr Stamp kNow = 100'000;
+
+  CellMap map{100, 100, 4};
+  OwnerGrid owners{map};
+  Tracks tracks{4};
+  HalfFinder halves{map};
+  Tracks::Slot slot = tracks.create(50, 50, kNow);
+
+  HalfScene() {
+    owners.clear(kNow);
+    tracks[slot].phase = Phase::kConfirmed;
+    tracks.state(slot).extent_px = 16;
+    tracks.state(slot).kalman.stamp = kNow;
+  }
+  // 2 x 2 cells, `on` of them ON.
+  void own(std::size_t x, std::size_t y, int on, Stamp age = 0) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      owners[map.cell(x + 4 * (i % 2), y + 4 * (i / 2))] = {
+          kNow - age, tracks[slot].generation, static_cast<std::uint8_t>(slot),
+          static_cast<std::int8_t>(on-- > 0 ? 1 : -1)};
+    }
+  }
+  auto find() { return halves.find(owners, tracks, slot, kNow); }
+};
+
+TEST(HalfFinder, CutsAlongAnyAxis) {
+  for (const auto& [x, y] : {std::pair{48U, 64U}, std::pair{60U, 60U}, std::pair{60U, 36U}}) {
+    HalfScene frame;
+    frame.own(x, y, 2);
+    frame.own(96 - x, 96 - y, 2);
+    const auto halves = frame.find();
+    ASSERT_EQ(halves.size(), 2U);
+    for (const auto& half : halves) EXPECT_EQ(half.cells.size(), 4U);
+    const auto dx = static_cast<float>(2 * x) - 96;
+    const auto dy = static_cast<float>(2 * y) - 96;
+    EXPECT_FLOAT_EQ(halves[0].distance(halves[1]), length(dx, dy));
+  }
+}
+
+TEST(HalfFinder, ABarHasNoHalves) {
+  HalfScene bar;
+  for (std::size_t x = 20; x <= 68; x += 8) bar.own(x, 48, 2);
+  EXPECT_TRUE(bar.find().empty());
+  HalfScene beside;  // one half is long, the other is not
+  for (std::size_t x = 20; x <= 44; x += 8) beside.own(x, 48, 2);
+  for (std::size_t y = 36; y <= 60; y += 8) beside.own(64, y, 2);
+  EXPECT_EQ(beside.find().size(), 2U);
+}
+
+}  // namespace
+}  // namespace asap::fast::split_test
