@@ -43,6 +43,10 @@ using Choices = std::array<std::pair<const char*, Kind>, count>;
 
 // ---- one value ----
 
+// Nanoseconds are a number of ms in Python, another duration is a number of its own unit.
+template <class Value>
+concept Duration = requires { typename Value::period; };
+
 template <class Value>
 Value value_of(const char* name, pybind11::handle given) {
   namespace py = pybind11;
@@ -59,6 +63,8 @@ Value value_of(const char* name, pybind11::handle given) {
     return given.is_none() ? Value() : time_of_ms(name, given);
   } else if constexpr (std::is_same_v<Value, std::chrono::nanoseconds>) {
     return time_of_ms(name, given);
+  } else if constexpr (Duration<Value>) {
+    return Value(value_of<typename Value::rep>(name, given));
   } else if constexpr (std::is_same_v<Value, Prefer>) {
     if (!py::isinstance<py::str>(given)) throw_wrong_kind(name, given, "give text");
     return prefer_of(given.cast<std::string>());
@@ -75,6 +81,8 @@ pybind11::object object_of(const Value& value) {
     return pybind11::cast(name_of(value));
   } else if constexpr (std::is_same_v<Value, std::chrono::nanoseconds>) {
     return pybind11::cast(ms_of(value));
+  } else if constexpr (Duration<Value>) {
+    return pybind11::cast(value.count());
   } else {
     return pybind11::cast(value);
   }

@@ -3,7 +3,6 @@
 
 #include <pybind11/pybind11.h>
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,17 +25,6 @@ std::string documented(std::string text);
 template <class T, class Process, class... Extra>
 void bind_process(Class<T>& type, Process process, const char* doc, const Extra&... extra) {
   type.def("process", process, py::arg("events").noconvert(), extra..., documented(doc).c_str());
-}
-
-// A time of the configuration, in Python a number of its unit, which the name tells.
-template <class Config, class Number, class Unit>
-Keyword<Config> keyword(std::string name, std::chrono::duration<Number, Unit> Config::* field) {
-  using Time = std::chrono::duration<Number, Unit>;
-  return {
-      .name = name,
-      .set = [=](Config& config,
-                 py::handle given) { config.*field = Time(value_of<Number>(name.c_str(), given)); },
-      .get = [=](const Config& config) { return object_of((config.*field).count()); }};
 }
 
 // process() of a tracker that gives every event an id. `labels` false: no array is made.
