@@ -270,7 +270,7 @@ WILD = st.lists(
 )
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(WILD, st.sampled_from([5, 64, 1 << 16]))
 def test_wild_streams_are_told_as_by_the_definitions(
     rows: list[tuple[int, int, int, int, int]], block: int

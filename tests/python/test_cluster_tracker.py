@@ -64,7 +64,7 @@ def test_an_outline_is_the_ellipse_of_the_covariance(engine: str) -> None:
     assert tracker.outline(10**6) is None
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     engine=st.sampled_from(["fast", "compat"]),
     kept=st.sampled_from([0.05, 0.2, 1.0]),

@@ -82,7 +82,7 @@ def test_clusters_are_a_structured_array_sorted_by_id() -> None:
     assert np.all(clusters["size"] >= 15)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(
     columns=hnp.arrays(np.uint16, st.tuples(st.integers(0, 200), st.just(2))),
     window=st.integers(1, 50),

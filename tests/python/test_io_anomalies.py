@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import asap
@@ -140,7 +140,6 @@ EVENT = st.tuples(
 )  # fmt: skip
 
 
-@settings(deadline=None)
 @given(st.lists(EVENT, max_size=60), st.sampled_from(["drop", "clamp"]), st.integers(0, 50))
 def test_validated_output_never_goes_back_and_the_ledger_is_exact(
     rows: list[tuple[int, ...]], on_bad: str, tolerance_us: int

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import asap
@@ -238,7 +238,6 @@ class TestText:
         assert asap.load(tmp_path / "events.txt")["t"].tolist() == [1000, 2000]
 
 
-@settings(deadline=None)
 @given(st.decimals(0, 10**9, places=9, allow_nan=False))
 def test_seconds_equal_exact_rounding(seconds: Decimal) -> None:
     decoder = _core.TextDecoder()

@@ -246,6 +246,7 @@ class TestDamage:
         ids=["message", "message in a chunk", "chunk in a chunk", "chunk", "schema"],
     )
     def test_a_record_that_lies_about_its_size(self, tmp_path: Path, record: bytes) -> None:
+        pytest.importorskip("rosbags")
         (tmp_path / "a.mcap").write_bytes(b"\x89MCAP0\r\n" + record + bytes(90))
         with pytest.raises(CorruptFile, match="byte 8: "):
             asap.read(tmp_path / "a.mcap")

@@ -88,7 +88,7 @@ def test_flight_stays_below_the_papers_rate_bound(flight: np.ndarray) -> None:
     assert np.all(np.diff(halves) > 0)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     scene=st.sampled_from(SCENES),
     seed=st.integers(0, 2**64 - 1),
