@@ -222,7 +222,8 @@ void bind_runner(py::module_& m) {
   py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
       .def(py::init([](std::optional<double> latency_us, const py::object& capacity,
                        const py::object& seed, const Validator& validator, bool anytime, bool flush,
-                       const py::object& before, const std::string& when_full, bool keep_mask) {
+                       const py::object& before, const std::string& when_full, bool keep_mask,
+                       bool every_row) {
              return RunConfig{.latency_us = latency_us,
                               .capacity = whole_number("capacity", capacity),
                               .seed = whole_number("seed", seed),
@@ -231,12 +232,13 @@ void bind_runner(py::module_& m) {
                               .flush = flush,
                               .before = front_filter_of(before),
                               .when_full = when_full_from(when_full),
-                              .keep_mask = keep_mask};
+                              .keep_mask = keep_mask,
+                              .log_rows = every_row ? RunLog::kAllRows : RunConfig{}.log_rows};
            }),
            py::kw_only(), py::arg("latency_us"), py::arg("capacity"), py::arg("seed"),
            py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true,
            py::arg("before") = py::none(), py::arg("when_full") = "thin",
-           py::arg("keep_mask") = false)
+           py::arg("keep_mask") = false, py::arg("every_row") = false)
       .def(
           "latency_bound_us",
           [](const RunConfig& config, const Held<Scheme>& scheme) {

@@ -44,14 +44,15 @@ PYTHON_LAYERS = (
     {"results"},
     {"experiment"},
     {"analysis", "conversion", "plots"},
-    {"inspection"},
+    {"_playback"},
+    {"camera", "inspection"},
     {"_progress"},
     {"demo"},
     {"cli"},
     {"__main__"},
 )
 FOR_USERS = {  # what a user may name: modules, and where the names of asap itself are at home
-    *("analysis", "cli", "conversion", "demo", "events", "experiment", "inspection"),
+    *("analysis", "camera", "cli", "conversion", "demo", "events", "experiment", "inspection"),
     *("io", "plots", "results", "synthetic"),
 }
 USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does

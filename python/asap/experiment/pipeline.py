@@ -14,6 +14,7 @@ from asap import _checks, _core
 from asap.events import events_of_argument
 from asap.experiment.live_stats import state_of, summary
 from asap.experiment.runners import as_scheme, check_latency, make_config
+from asap.experiment.source import is_camera
 from asap.results import Ledger, Named
 
 _CHUNK = 1 << 16  # events pushed without another thread's turn
@@ -26,8 +27,10 @@ _SMALL_PACKAGE = 100  # events
 class _Live:
     """What make_config asks of a source."""
 
-    def __init__(self, width: int | None, height: int | None) -> None:
-        self.width, self.height = _checks.sides(width, height)
+    def __init__(self, width: int | None, height: int | None, camera: Any) -> None:
+        width, height = _checks.sides(width, height)
+        self.width = _checks.agreed("width", width, getattr(camera, "width", None), camera)
+        self.height = _checks.agreed("height", height, getattr(camera, "height", None), camera)
 
 
 class Pipeline:
@@ -45,10 +48,13 @@ class Pipeline:
     ----------
     algorithm : optional
         For `run`, as in `asap.run`. Without one, iterate over the pipeline.
+    camera : Camera, optional
+        Feeds the pipeline within the ``with`` block, from a thread of its own, and stops it at its
+        end: `asap.open_camera` or `asap.SoftwareCamera`.
     latency_ms, scheme, before, on_bad, seed
         As in `asap.run`.
     width, height : int, optional
-        Sensor, px; a side that is not known is not checked.
+        Sensor, px; a side that is not known is not checked. Default: the camera's.
     capacity : int, optional
         Of the ring, events. Default: at least 2**20. MemoryError if that much, 16 bytes an event,
         cannot be had.
@@ -73,8 +79,7 @@ class Pipeline:
     --------
     ::
 
-        with asap.Pipeline(latency_ms=10) as pipeline:  # one thread pushes, this one works
-            camera.on_events(pipeline.push)
+        with asap.open_camera() as camera, asap.Pipeline(camera=camera, latency_ms=10) as pipeline:
             for package in pipeline:
                 my_algorithm(package.events)
 
@@ -83,10 +88,15 @@ class Pipeline:
             pipeline.run()
     """
 
+    # Of `asap.run` of a camera, which is over some day: its whole log, and its time.
+    _every_row = False
+    _duration_s: float | None = None
+
     def __init__(
         self,
         algorithm: Any = None,
         *,
+        camera: Any = None,
         latency_ms: float | None = None,
         scheme: _core.Scheme | None = None,
         before: Any = None,
@@ -104,7 +114,14 @@ class Pipeline:
             raise TypeError(_checks.named("algorithm", algorithm, remedy))
         self.algorithm = algorithm
         self.scheme = as_scheme(scheme, latency_ms)
-        self._live = _Live(width, height)
+        if camera is not None:
+            remedy = "give asap.open_camera() or asap.SoftwareCamera(recording)"
+            if not is_camera(camera):
+                raise TypeError(_checks.named("camera", camera, remedy))
+            remedy = "a camera cannot wait; use 'thin', 'newest' or 'oldest'"
+            _checks.require(when_full != "block", "when_full", when_full, remedy)
+        self._camera = camera
+        self._live = _Live(width, height, camera)
         config = make_config(
             self._live,
             latency_ms=latency_ms,
@@ -117,6 +134,7 @@ class Pipeline:
             when_full=when_full,
             reorder_tolerance_us=reorder_tolerance_us,
             warmup_discard_us=warmup_discard_us,
+            every_row=self._every_row,
         )
         self._native = _core.LivePipeline(self.scheme, config)
         self._in_work = False  # a package, also of a loop that was left
@@ -165,6 +183,8 @@ class Pipeline:
         ------
         RuntimeError
             The pipeline has an algorithm, or another thread consumes.
+        CameraError
+            At the end: the camera has gone; what it sent before is delivered.
         """
         if self.algorithm is not None:
             raise RuntimeError(
@@ -178,6 +198,7 @@ class Pipeline:
             self._in_work = True
             yield package
             self._in_work = False
+        self._see_camera_off()
 
     def run(self) -> None:
         """Let the algorithm work on this thread until `stop`, then return.
@@ -190,6 +211,8 @@ class Pipeline:
         ------
         RuntimeError
             The pipeline has no algorithm, or another thread consumes.
+        CameraError
+            The camera has gone; what it sent before is delivered.
         Exception
             Of the algorithm: unchanged. The pipeline is stopped, and the package in work pending.
 
@@ -206,6 +229,13 @@ class Pipeline:
             )
         self._native.run(self.algorithm, None if self._small_is_known else self._look_at_size)
         self._look_at_size()
+        self._see_camera_off()
+
+    def _see_camera_off(self) -> None:
+        """Raise what has ended the camera, now that what it sent before is delivered."""
+        if self._camera is not None:
+            self._camera.release()
+            self._camera.raise_error()
 
     def _look_at_size(self) -> None:
         if self._small_is_known:
@@ -302,9 +332,10 @@ class Pipeline:
 
         Beside the keys of `run.summary()`: state; most_waiting, events that were in the ring at
         once; sensor_delay_us, how much longer than at best events of late took from the sensor to
-        push; upstream_lost; pinned, package arrays that Python still holds.
+        push; upstream_lost; pinned, package arrays that Python still holds; camera, if it has one.
         """
-        return summary(
+        camera = {} if self._camera is None else {"camera": self._camera.stats()}
+        return camera | summary(
             self._native.stats(),
             scheme=self.scheme,
             algorithm=self.algorithm,
@@ -314,8 +345,10 @@ class Pipeline:
         )
 
     def __enter__(self) -> Pipeline:
-        """Start it, if it is stopped."""
+        """Start it, if it is stopped, and let its camera feed it."""
         self.start()
+        if self._camera is not None:
+            self._camera.feed(self, self._duration_s)
         return self
 
     def __exit__(
@@ -325,6 +358,8 @@ class Pipeline:
         trace: TracebackType | None,
     ) -> None:
         """Stop; what was not delivered stays pending in the ledger."""
+        if self._camera is not None:
+            self._camera.release()  # first: the packet in its hand is counted
         self._native.abandon()
 
     def __repr__(self) -> str:

@@ -168,6 +168,11 @@ def _facts(document: Mapping[str, Any]) -> dict[str, Any]:
             "height": _optional("height", source["height"], _count),
             "events": _count("events", source["events"]),
             "duration_s": _real("duration_s", source["duration_s"]),
+            **{
+                name: _counts(name, source[name], ("marks", "packets"))
+                for name in ("upstream_lost",)
+                if name in source
+            },
         },
         "speed": _real("speed", document["speed"], least=1e-6),
         "clock_resets": _count("clock_resets", document["clock_resets"]),

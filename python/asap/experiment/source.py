@@ -28,6 +28,9 @@ class Source:
         if source is None:
             raise TypeError(named("source", source, "give a path, a recording or arrays of events"))
         check_source(source)
+        if is_camera(source):
+            remedy = "a camera is no recording; use asap.run, or write one with camera.record(path)"
+            raise TypeError(named("source", source, remedy))
         if isinstance(source, (str, os.PathLike)):
             source = read(source, width=width, height=height, on_bad=on_bad)
         self.recording = source if isinstance(source, Recording) else None
@@ -110,6 +113,11 @@ class Source:
             "events": received,
             "duration_s": duration_us / 1e6,
         }
+
+
+def is_camera(source: Any) -> bool:
+    """Whether it feeds a pipeline by itself; `asap.camera` is above this module."""
+    return hasattr(type(source), "feed")
 
 
 def is_iterable_of_arrays(source: Any) -> bool:
