@@ -180,15 +180,13 @@ def play(speed: float, loop: bool, drop: float, packet_us: int) -> None:
 
 def _play(events: Events, speed: float, loop: bool, drop: float, packet_us: int) -> None:
     t: npt.NDArray[np.int64] = events["t"]
-    first_us = int(t[0])
-    t -= first_us
+    t -= t[0].copy()
     if speed != 1:
         t[:] = np.rint(t / speed)
     slots = t // packet_us
     ends = np.append(np.flatnonzero(np.diff(slots)) + 1, len(t))
     turn_us = (int(slots[-1]) + 1) * packet_us
     random, out = np.random.default_rng(0), _Out()
-    t += first_us
     dropped, after_loss, start_s = 0, False, time.monotonic()
     while True:
         begin = 0

@@ -129,6 +129,8 @@ class Camera:
     name, serial : str
     width, height : int
         Of the sensor, px.
+    recorded : Path or None
+        Once it is closed: the file that `record` has written.
 
     Examples
     --------
@@ -143,6 +145,7 @@ class Camera:
         self.device, self.name, self.serial = device, _name(device.name()), str(device.serial())
         self._state = "open"
         self._error: BaseException | None = None
+        self.recorded: Path | None = None
         self._recorder: _Recorder | None = None
         self._reading, self._leaving, self._stale = threading.Lock(), threading.Event(), False
         self._thread: threading.Thread | None = None
@@ -275,7 +278,9 @@ class Camera:
             self._state = "closed" if self._state == "open" else self._state
             self.device.close()
         if self._recorder is not None:
-            self._error = self._error or self._recorder.close()
+            failure = self._recorder.close()
+            self._error = self._error or failure
+            self.recorded = None if failure else self._recorder.path
 
     def __enter__(self) -> Camera:
         return self
@@ -295,8 +300,8 @@ class Camera:
 class SoftwareCamera(Camera):
     """A camera without hardware: a process that plays a recording in real time.
 
-    It begins when it is first read. What is not read in time is lost in packets and counted, as a
-    driver does; it ends with the recording.
+    It begins when it is first read, and its stamps with 0. What is not read in time is lost in
+    packets and counted, as a driver does; it ends with the recording.
 
     Parameters
     ----------
@@ -335,11 +340,10 @@ class SoftwareCamera(Camera):
         _checks.whole("packet_us", packet_us, 1, 10**9, "must be between 1 and 10^9 us")
         _checks.flag("loop", loop)
         stream = Source(source, width=width, height=height, on_bad="drop")
-        size = stream.width or 0, stream.height or 0
-        remedy = "the recording does not say it: give the sensor's width and height in px"
-        _checks.require(all(size), "size", size, remedy)
+        if not (stream.width and stream.height):
+            raise ValueError("sensor = unknown: a camera knows its size; give width and height, px")
         how = float(speed), bool(loop), float(drop), int(packet_us)
-        super().__init__(Playback(stream, size, *how))
+        super().__init__(Playback(stream, (stream.width, stream.height), *how))
 
 
 class _Recorder:
@@ -350,7 +354,7 @@ class _Recorder:
         self.path, self._size, self.not_recorded = path, (width, height), 0
         self._door = _core.Validator(width=width, height=height, on_bad="drop")
         self._queue: queue.Queue[Any] = queue.Queue(_MOST_PACKETS)
-        self._error: Exception | None = None
+        self._error: CameraError | None = None
         self._thread = threading.Thread(target=self._write, name=f"asap writes {path.name}")
         self._thread.start()
 
@@ -371,11 +375,11 @@ class _Recorder:
             width, height = self._size
             convert(self._good(), self.path, width=width, height=height)
         except Exception as error:
-            self._error = error
+            self._error = CameraError(f"{self.path}: not recorded: {error}")
             for good in self._good():
                 self.not_recorded += len(good)
 
-    def close(self) -> Exception | None:
+    def close(self) -> CameraError | None:
         self._queue.put(None)
         self._thread.join()
         return self._error

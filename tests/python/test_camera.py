@@ -291,6 +291,7 @@ def test_record(attach: Callable[..., Driver], tmp_path: Path) -> None:
         run = asap.run(camera, algorithm=len, latency_ms=LONG_MS, duration_s=0.3)
     events = asap.load(tmp_path / "flight.raw")
     assert events.size == run.ledger.received == 20 * PACKET
+    assert camera.recorded == tmp_path / "flight.raw"
     assert camera.stats()["not_recorded"] == 0
     assert (np.diff(events["t"]) >= 0).all()
 
@@ -303,7 +304,10 @@ def test_a_recording_that_fails_is_told_at_the_end(
 
     attach(*["events"] * 20)
     monkeypatch.setattr("asap.camera.convert", full)
-    with pytest.raises(OSError, match="full"), asap.open_camera() as camera:
+    with (
+        pytest.raises(asap.CameraError, match=r"flight\.raw: .*full"),
+        asap.open_camera() as camera,
+    ):
         camera.record(tmp_path / "flight.raw")
         run = asap.run(camera, algorithm=len, latency_ms=LONG_MS, duration_s=0.3)
     assert run.ledger.delivered == 20 * PACKET

@@ -36,9 +36,11 @@ def nothing_is_left() -> Iterator[None]:
         os.waitpid(-1, os.WNOHANG)
 
 
-def test_it_plays_what_is_in_the_recording(tmp_path: Path) -> None:
-    np.save(tmp_path / "few.npy", stream())
-    for source in (stream(), tmp_path / "few.npy", iter([stream()[:700], stream()[700:]])):
+def test_it_plays_what_is_in_the_recording_from_0_on(tmp_path: Path) -> None:
+    later = stream()
+    later["t"] += 1_589_163_147_368_868
+    np.save(tmp_path / "few.npy", later)
+    for source in (stream(), tmp_path / "few.npy", iter([later[:700], later[700:]])):
         with asap.SoftwareCamera(source, **SENSOR) as camera:
             packets = list(camera)
         assert np.array_equal(np.concatenate([packet.events for packet in packets]), stream())
@@ -148,6 +150,7 @@ def test_its_process_stands_still() -> None:
 
 
 SCRIPT = """
+os.setpgrp()  # Ctrl-C in a terminal goes to all of a group
 events = np.zeros(2000, asap.EVENT_DTYPE)
 events["t"] = np.arange(2000) * 50
 camera = asap.SoftwareCamera(events, loop=True, width=20, height=10)
@@ -184,7 +187,7 @@ def has_ended(pid: int) -> bool:
     ("end", "code", "said"),
     [
         ("os.kill(os.getpid(), signal.SIGKILL)", -9, []),
-        ("os.kill(os.getpid(), signal.SIGINT)", 0, ["interrupted True True 1"]),
+        ("os.killpg(0, signal.SIGINT)", 0, ["interrupted True True 1"]),
         ("os._exit(3)", 3, []),
     ],
 )

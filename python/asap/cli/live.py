@@ -81,7 +81,7 @@ def run_live(arguments: Any) -> int:
         scheme = scheme_of(arguments.scheme, arguments.settings)
     name = arguments.algorithm or "clusters"
     own = own_code(name) if ":" in name else nullcontext()
-    before = asap.last_run()
+    before, camera = asap.last_run(), None
     try:
         with reading(arguments), own, _open(arguments) as camera:
             with usage():
@@ -105,5 +105,5 @@ def run_live(arguments: Any) -> int:
             if arguments.save:
                 with writing(arguments.save):
                     run.save(arguments.save)
-            show(run, arguments, arguments.save, arguments.record)
+            show(run, arguments, arguments.save, camera.recorded if camera else None)
     return OK
