@@ -36,7 +36,7 @@ from asap._core import (
     ThresholdOrdinalSurface,
     __version__,
 )
-from asap.events import EVENT_DTYPE, as_events
+from asap.events import EVENT_DTYPE, as_events, to_dtype
 from asap.io import Recording, load, read
 
 __all__ = [
@@ -90,6 +90,7 @@ __all__ = [
     "run",
     "simulate",
     "synthetic",
+    "to_dtype",
 ]
 
 # Imported when they are first used: modules, and names with the module that they are in.

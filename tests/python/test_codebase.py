@@ -39,6 +39,7 @@ MAY_INCLUDE = {
 PYTHON_LAYERS = (
     {"_core", "_checks"},
     {"_stamps", "_units"},
+    {"_foreign"},
     {"events"},
     {"io", "synthetic"},
     {"results"},

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _units
+from asap._foreign import HEAD, unit_doubt
 from asap.inspection.door import Door, Passed, Tally
 from asap.inspection.meters import (
     BAND,
@@ -24,7 +25,6 @@ from asap.inspection.meters import (
 )
 from asap.inspection.pixels import MAX_SIDE, PixelMap
 from asap.inspection.raw_source import RawSource
-from asap.io.columns import HEAD, unit_doubt
 from asap.results.data import NOTE, OK, WRONG, Finding
 
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset
