@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
 import sys
 import threading
 import time
@@ -362,3 +364,70 @@ def test_the_fake_has_the_names_of_the_driver() -> None:
     methods = {name for name in dir(device) if not name.startswith("_")}
     kind = real.generated.devices.prophesee_evk4.PropheseeEvk4Device
     assert methods - {"made", "is_open", "waiting"} <= set(dir(kind))
+
+
+BUS = """
+import pathlib, struct, subprocess, os
+import asap
+
+def ask(what):
+    for call in (asap.cameras, asap.open_camera, lambda: asap.open_camera("ABC")):
+        try:
+            print(what, call())
+        except asap.CameraError as error:
+            print(what, error)
+
+for place in ("/dev", "/sys/bus"):
+    subprocess.run(["mount", "-t", "tmpfs", "none", place], check=True)
+for name, minor in (("null", 3), ("urandom", 9)):
+    os.mknod(f"/dev/{name}", 0o020666, os.makedev(1, minor))
+ask("no bus:")
+node, device = (pathlib.Path(p) for p in ("/dev/bus/usb/001/002", "/sys/bus/usb/devices/1-1"))
+node.parent.mkdir(parents=True)
+device.parent.mkdir(parents=True)
+ask("empty:")
+device.mkdir()
+facts = {"busnum": 1, "devnum": 2, "bConfigurationValue": 1, "speed": 5000}
+for name, value in facts.items():
+    (device / name).write_text(str(value))
+(device / "descriptors").write_bytes(  # an EVK4: device, configuration, interface, endpoint
+    struct.pack("<BBHBBBBHHHBBBB", 18, 1, 0x300, 0, 0, 0, 9, 0x4B4, 0xF5, 0x100, 1, 2, 3, 1)
+    + struct.pack("<BBHBBBBB", 9, 2, 25, 1, 1, 0, 0x80, 50)
+    + struct.pack("<BBBBBBBBB", 9, 4, 0, 0, 1, 255, 0, 0, 0)
+    + struct.pack("<BBBBHB", 7, 5, 0x81, 2, 1024, 0)
+)
+ask("gone:")
+node.touch(0)
+if os.fork() == 0:
+    os.setuid(65534)
+    ask("denied:")
+    os._exit(0)
+os.wait()
+"""
+
+
+def test_the_real_driver_on_an_emulated_bus() -> None:
+    """What it raises still has its remedy. Mounts over /dev, so in a namespace of its own."""
+    pytest.importorskip("neuromorphic_drivers")
+    may = (
+        subprocess.run(["unshare", "-m", "true"], capture_output=True, check=False).returncode == 0
+    )
+    if os.geteuid() != 0 or not may:
+        pytest.skip("needs root, and unshare")
+    done = subprocess.run(
+        ["unshare", "-m", sys.executable, "-u", "-c", BUS],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr
+    said = done.stdout.splitlines()
+    assert len(said) == 12
+    help_of = {
+        "no bus": r"/(sys|dev)/bus/usb",
+        "empty": r"\[\]|no camera",
+        "gone": "plug it in",
+        "denied": "neuromorphic_drivers.udev",
+    }
+    for line in said:
+        assert re.search(help_of[line.partition(":")[0]], line), line
