@@ -80,8 +80,11 @@ class Playback:
                 raise ValueError(named("t", int(t[number]), remedy))
             count, last_us = count + len(events), int(events["t"][-1])
             rest = events.view(np.uint8).data
-            while rest:
-                rest = rest[self._in.write(rest) :]
+            try:
+                while rest:
+                    rest = rest[self._in.write(rest) :]
+            except BrokenPipeError:
+                self._end()
         if not count:
             raise ValueError("source: holds no events; give some to play")
 

@@ -222,6 +222,10 @@ def test_what_a_pipeline_refuses_as_its_camera(attach: Callable[..., Driver]) ->
             asap.Pipeline(camera=camera, when_full="block")
         with pytest.raises(ValueError, match="width = 5"):
             asap.Pipeline(camera=camera, width=5)
+        with pytest.raises(RuntimeError, match="within the with block"):
+            iter(asap.Pipeline(camera=camera))
+        with pytest.raises(RuntimeError, match="within the with block"):
+            asap.Pipeline(len, camera=camera).run()
 
 
 # ---- asap.run -------------------------------------------------------------------------------

@@ -162,6 +162,12 @@ def test_its_process_stands_still() -> None:
         asap.run(camera, algorithm=len, duration_s=0.3)
 
 
+def test_its_process_cannot_begin(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.executable", "/bin/false")
+    with pytest.raises(RuntimeError, match=r"its process has ended \(1\)"):
+        asap.SoftwareCamera(stream(count=100_000), **SENSOR)
+
+
 SCRIPT = """
 os.setpgrp()  # Ctrl-C in a terminal goes to all of a group
 events = np.zeros(2000, asap.EVENT_DTYPE)

@@ -120,7 +120,7 @@ class Pipeline:
                 raise TypeError(_checks.named("camera", camera, remedy))
             remedy = "a camera cannot wait; use 'thin', 'newest' or 'oldest'"
             _checks.require(when_full != "block", "when_full", when_full, remedy)
-        self._camera = camera
+        self._camera, self._is_fed = camera, False
         self._live = _Live(width, height, camera)
         config = make_config(
             self._live,
@@ -190,6 +190,7 @@ class Pipeline:
             raise RuntimeError(
                 "iterate: this pipeline has an algorithm; call run(), or make it without one"
             )
+        self._need_feed("iterate")
         return self._packages()
 
     def _packages(self) -> Iterator[_core.LivePackage]:
@@ -227,9 +228,18 @@ class Pipeline:
                 "run: this pipeline has no algorithm; give it one, as in "
                 "asap.Pipeline(algorithm), or iterate: for package in pipeline"
             )
+        self._need_feed("run")
         self._native.run(self.algorithm, None if self._small_is_known else self._look_at_size)
         self._look_at_size()
         self._see_camera_off()
+
+    def _need_feed(self, what: str) -> None:
+        """Refuse to wait for ever for a camera that was never asked to feed."""
+        if self._camera is not None and not self._is_fed:
+            remedy = (
+                "the camera feeds within the with block: with asap.Pipeline(camera=camera) as ..."
+            )
+            raise RuntimeError(f"{what}: {remedy}")
 
     def _see_camera_off(self) -> None:
         """Raise what has ended the camera, now that what it sent before is delivered."""
@@ -349,6 +359,7 @@ class Pipeline:
         self.start()
         if self._camera is not None:
             self._camera.feed(self, self._duration_s)
+            self._is_fed = True
         return self
 
     def __exit__(
