@@ -28,7 +28,7 @@ from asap._checks import named
 from asap.events import EVENT_DTYPE, Events
 
 _HEAD = struct.Struct("<dQQQ?")  # came, s of the wall clock; events, backlog, dropped; after a loss
-_RING = 4096  # packets
+_RING = 1000  # packets
 _MERGED = 64  # packets at once
 _WAIT_S = 0.1
 _PIPE_BYTES = 1 << 20
@@ -127,10 +127,9 @@ class Playback:
                     break  # what came before first; the next call comes here again
                 self._end()
             self._rest = self._rest[taken:]
-            if self._rest:
-                continue
-            if self._events is None:
+            if not self._rest and self._events is None:
                 self._expect_events()
+            if self._rest or self._events is None:
                 continue
             wall_s, _, backlog, dropped, after_loss = self._head
             came_s = came_s or wall_s
@@ -145,8 +144,6 @@ class Playback:
             system_time=came_s,
             backlog=backlog,
             raw_packets=len(pieces),
-            clutch_engaged=False,
-            current_t=int(events["t"][-1]),
             dropped_packets=dropped,
         )
         packet = SimpleNamespace(
@@ -211,6 +208,8 @@ def _play(events: Events, speed: float, loop: bool, drop: float, packet_us: int)
             break
         t += turn_us
         start_s += turn_us * 1e-6
+    if after_loss:  # nothing else tells it
+        out.put(_HEAD.pack(time.time(), 0, out.waiting(), dropped, True), b"")
     while out.waiting():
         out.send(_WAIT_S)
 
