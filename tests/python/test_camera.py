@@ -152,7 +152,7 @@ def test_an_error_of_the_algorithm_comes_out_unchanged(attach: Callable[..., Dri
     with (
         pytest.raises(ZeroDivisionError),
         asap.open_camera() as camera,
-        asap.Pipeline(camera=camera) as pipeline,
+        asap.Pipeline(camera=camera, latency_ms=LONG_MS) as pipeline,
     ):
         for package in pipeline:
             len(package) / 0
@@ -162,7 +162,7 @@ def test_an_error_of_the_algorithm_comes_out_unchanged(attach: Callable[..., Dri
 
 def test_a_loop_that_is_left_leaves_no_packet_uncounted(attach: Callable[..., Driver]) -> None:
     driver = attach(*["events"] * 2000)
-    with asap.open_camera() as camera, asap.Pipeline(camera=camera) as pipeline:
+    with asap.open_camera() as camera, asap.Pipeline(camera=camera, latency_ms=LONG_MS) as pipeline:
         for _ in pipeline:
             break
     assert pipeline.ledger.received == driver.opened[0].made
@@ -259,7 +259,8 @@ def test_a_run_that_is_cut_short_is_kept(attach: Callable[..., Driver]) -> None:
 def test_the_log_of_a_run_is_whole(attach: Callable[..., Driver]) -> None:
     attach(*["events"] * 20)
     with asap.open_camera() as camera:
-        run = asap.run(camera, algorithm=len, scheme=asap.FixedSize(size=1), duration_s=0.5)
+        one = asap.FixedSize(size=1)
+        run = asap.run(camera, algorithm=len, scheme=one, latency_ms=LONG_MS, duration_s=0.5)
     assert run.packages.size == run.ledger.delivered > 16384  # more than a pipeline keeps
 
 
