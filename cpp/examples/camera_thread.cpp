@@ -3,11 +3,13 @@
 #include <asap/algorithms/cluster_tracker.hpp>
 #include <asap/runner/pipeline.hpp>
 #include <asap/schemes/deadline.hpp>
-#include <asap/synthetic/shaken_pattern.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <chrono>
 #include <iostream>
 #include <thread>
+
+using namespace std::chrono_literals;
 
 namespace {
 
@@ -25,10 +27,10 @@ void play(asap::EventStream& camera, asap::Pipeline& pipeline) {
 
 int main() {
   asap::ClusterTracker tracker{{.width = 346, .height = 260}};
-  asap::Deadline scheme{{.latency_ms = 10}};
+  asap::Deadline scheme{{.latency = 10ms}};
   asap::Pipeline pipeline{scheme};
 
-  asap::ShakenPattern camera{{.duration_us = 500'000}};
+  asap::ShakenPattern camera{{.duration = std::chrono::milliseconds(500)}};
   const std::jthread driver([&] { play(camera, pipeline); });
   pipeline.run([&](const asap::Package& package) {
     tracker.set_keep(package.keep);  // so that its thresholds follow what is discarded

@@ -46,7 +46,7 @@ class Feed {
 }  // namespace
 
 int main() {
-  asap::Pipeline pipeline{{.latency_us = 1'000'000, .validator = {.width = 346, .height = 260}},
+  asap::Pipeline pipeline{{.latency = 1s, .validator = {.width = 346, .height = 260}},
                           [](asap::EventSpan) { /* your algorithm */ }};
   Feed feed{pipeline};
   for (std::uint64_t k = 0; k < 100; ++k) {  // stands for the driver; it loses two packets

@@ -1,13 +1,16 @@
 // Memory fixed by the configuration: a pipeline takes all of it in its constructor. This program
 // counts allocations while far more events come than the ring holds.
 #include <asap/runner/pipeline.hpp>
-#include <asap/synthetic/flight_over_chairs.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <iostream>
 #include <new>
+
+using namespace std::chrono_literals;
 
 namespace {
 
@@ -26,9 +29,9 @@ void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 int main() {
-  asap::FlightOverChairs camera{{.duration_us = 1'000'000}};
+  asap::FlightOverChairs camera{{.duration = std::chrono::seconds(1)}};
   const asap::RunConfig config{
-      .latency_us = 10'000,
+      .latency = 10ms,
       .capacity = 16'384,                 // events of 16 bytes that may wait in the ring
       .when_full = asap::WhenFull::thin,  // a random part of the new events gives way
   };
@@ -48,7 +51,7 @@ int main() {
   const std::uint64_t allocations_in_the_run = allocations - allocations_before;
 
   const asap::PipelineStats stats = pipeline.stats();
-  std::cout << stats.ledger.received << " events came, at most " << stats.most_waiting
-            << " waited, " << brighter
-            << " of the delivered ones are ON: " << allocations_in_the_run << " allocations.\n";
+  std::cout << stats.ledger.received << " events came, at most " << stats.max_waiting << " waited, "
+            << brighter << " of the delivered ones are ON: " << allocations_in_the_run
+            << " allocations.\n";
 }

@@ -2,12 +2,14 @@
 // -fno-rtti. What cannot be made is a message. All memory is there before the first event.
 #include <asap/algorithms/cluster_tracker.hpp>
 #include <asap/runner/pipeline.hpp>
-#include <asap/synthetic/flight_over_chairs.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <chrono>
 #include <cstdio>
 #include <string>
 #include <thread>
+
+using namespace std::chrono_literals;
 
 namespace {
 
@@ -23,17 +25,17 @@ int main() {
   if (!tracker) return refuse(tracker.message());
 
   const asap::RunConfig config{
-      .latency_us = 10'000,  // -5 would print: latency_us = -5: must be between 10 and 1e10 us
-      .capacity = 65'536,    // events of 16 bytes that may wait
-      .log_rows = 0,         // totals, without a row per package
-      .most_copied = 16'384,
+      .latency = 10ms,     // -5 would print: latency = -5 ms: must be between 0.01 and 1e7 ms
+      .capacity = 65'536,  // events of 16 bytes that may wait
+      .log_rows = 0,       // totals, without a row per package
+      .max_copied = 16'384,
       .prefault = true,  // no page is missing when events come
   };
   const auto pipeline =
       asap::make_pipeline(config, [&](asap::EventSpan events) { tracker->process(events); });
   if (!pipeline) return refuse(pipeline.message());
 
-  asap::FlightOverChairs camera{{.duration_us = 300'000}};  // in place of a driver
+  asap::FlightOverChairs camera{{.duration = std::chrono::milliseconds(300)}};  // or a driver
   for (auto events = camera.next(); !events.empty(); events = camera.next()) {
     pipeline->push(events);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -2,18 +2,21 @@
 #include <asap/runner/simulator.hpp>
 #include <asap/schemes/deadline.hpp>
 #include <asap/schemes/fixed.hpp>
-#include <asap/synthetic/shaken_pattern.hpp>
+#include <asap/synthetic/streams.hpp>
 
+#include <chrono>
 #include <cstdint>
 #include <iomanip>
 #include <iostream>
 #include <vector>
 
+using namespace std::chrono_literals;
+
 namespace {
 
 void print_row(asap::Scheme& scheme, asap::EventSpan events) {
   const asap::LinearCost cost{{.alpha_us = 100, .beta_ns = 200}};  // at most 5 Mev/s
-  asap::Simulator simulator{scheme, cost, {.latency_us = 10'000}};
+  asap::Simulator simulator{scheme, cost, {.latency = 10ms}};
   simulator.feed(events);
   simulator.finish();
 
@@ -33,12 +36,12 @@ void print_row(asap::Scheme& scheme, asap::EventSpan events) {
 }  // namespace
 
 int main() {
-  asap::ShakenPattern scene{{.duration_us = 1'000'000}};  // from 0.1 to 13 Mev/s
+  asap::ShakenPattern scene{{.duration = std::chrono::seconds(1)}};  // from 0.1 to 13 Mev/s
   const std::vector<asap::Event> events = asap::read_events(scene, SIZE_MAX);
 
-  asap::Deadline deadline{{.latency_ms = 10}};
+  asap::Deadline deadline{{.latency = 10ms}};
   asap::FixedSize fixed_size{{.size = 1'000}};
-  asap::FixedTime fixed_time{{.period_ms = 5}};
+  asap::FixedTime fixed_time{{.period = 5ms}};
 
   std::cout << "    scheme  packages     kept %  in time %     p50 ms     p99 ms\n"
             << std::fixed << std::setprecision(1);

@@ -2,9 +2,10 @@
 // kept one stands for several: the package says how many. Continuity: none are dropped in a row.
 #include <asap/runner/simulator.hpp>
 #include <asap/schemes/deadline.hpp>
-#include <asap/synthetic/shaken_pattern.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <iostream>
 
@@ -47,8 +48,8 @@ int main() {
     told.process(package.events);
     not_told.process(package.events);
   };
-  asap::ShakenPattern scene{{.duration_us = 500'000}};
-  asap::Deadline scheme{{.latency_ms = 10, .prefer = asap::Prefer::continuity}};
+  asap::ShakenPattern scene{{.duration = std::chrono::milliseconds(500)}};
+  asap::Deadline scheme{{.prefer = asap::Prefer::continuity}};
   asap::Simulator simulator{scheme, asap::LinearCost{{.beta_ns = 300}}, {}, process};
   for (auto events = scene.next(); !events.empty(); events = scene.next()) {
     all.process(events);

@@ -1,9 +1,10 @@
 // A scheme of your own: one package per period, thinned to what the algorithm can process within
 // a period. It works in virtual time, as here, and in a live pipeline.
 #include <asap/runner/simulator.hpp>
-#include <asap/synthetic/shaken_pattern.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <iostream>
 #include <string_view>
@@ -43,10 +44,11 @@ class Periodic final : public asap::Scheme {
 }  // namespace
 
 int main() {
-  asap::ShakenPattern scene{{.duration_us = 1'000'000}};  // from 0.1 to 13 Mev/s
+  using namespace std::chrono_literals;
+  asap::ShakenPattern scene{{.duration = 1s}};  // from 0.1 to 13 Mev/s
   Periodic scheme{4'000};
   const asap::LinearCost cost{{.alpha_us = 100, .beta_ns = 300}};  // at most 3.3 Mev/s
-  asap::Simulator simulator{scheme, cost, {.latency_us = 10'000}};
+  asap::Simulator simulator{scheme, cost, {.latency = 10ms}};
   for (auto events = scene.next(); !events.empty(); events = scene.next()) simulator.feed(events);
   simulator.finish();
 

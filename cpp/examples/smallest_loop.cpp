@@ -2,19 +2,20 @@
 // package so that every event it delivers is processed within 10 ms of its push.
 #include <asap/algorithms/cluster_tracker.hpp>
 #include <asap/runner/pipeline.hpp>
-#include <asap/synthetic/flight_over_chairs.hpp>
+#include <asap/synthetic/streams.hpp>
 
 #include <chrono>
 #include <iostream>
 #include <thread>
 
 int main() {
+  using namespace std::chrono_literals;
   asap::ClusterTracker tracker{{.width = 346, .height = 260}};
   // anytime: a call costs the tracker nothing, so a package may come in parts and end on the clock.
-  asap::Pipeline pipeline{{.latency_us = 10'000, .execution = asap::Execution::anytime},
+  asap::Pipeline pipeline{{.latency = 10ms, .execution = asap::Execution::anytime},
                           [&](asap::EventSpan events) { tracker.process(events); }};
 
-  asap::FlightOverChairs camera{{.duration_us = 500'000}};  // or a driver's callback
+  asap::FlightOverChairs camera{{.duration = std::chrono::milliseconds(500)}};  // or a driver
   const auto start = std::chrono::steady_clock::now();
   for (auto events = camera.next(); !events.empty(); events = camera.next()) {
     std::this_thread::sleep_until(start + std::chrono::microseconds(events.back().t));

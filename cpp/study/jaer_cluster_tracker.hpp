@@ -16,7 +16,7 @@
 #include "algorithms/fast/association.hpp"
 #include "algorithms/fast/time.hpp"
 #include "algorithms/sensor_frame.hpp"
-#include "asap/algorithms/cluster.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {

@@ -15,7 +15,7 @@ constexpr double kBackOff = 0.9;
 
 }  // namespace
 
-ClipperAimd::ClipperAimd(double latency_ms) : Rival(latency_ms), limit_(kStep) {}
+ClipperAimd::ClipperAimd(std::chrono::nanoseconds latency) : Rival(latency), limit_(kStep) {}
 
 Decision ClipperAimd::decide(const Backlog& backlog) noexcept {
   return Decision::take(std::min(backlog.count, whole_limit()));
@@ -98,8 +98,8 @@ void GreedyRateGamma::reset(Execution) noexcept {
 
 // ---- JaerTimer ----
 
-JaerTimer::JaerTimer(double latency_ms, LinearCost cost)
-    : Rival(latency_ms), cost_(std::move(cost)) {}
+JaerTimer::JaerTimer(std::chrono::nanoseconds latency, LinearCost cost)
+    : Rival(latency), cost_(std::move(cost)) {}
 
 Decision JaerTimer::decide(const Backlog& backlog) noexcept {
   if (rest_ > 0) return Decision::drop(std::exchange(rest_, 0));
@@ -132,7 +132,8 @@ constexpr double kLeastEvents = 1.0;       // or no package would tell what the 
 
 }  // namespace
 
-SparkPid::SparkPid(double latency_ms) : Rival(latency_ms), period_ns_(latency_ns_ / 2) {}
+SparkPid::SparkPid(std::chrono::nanoseconds latency)
+    : Rival(latency), period_ns_(latency_ns_ / 2) {}
 
 Decision SparkPid::decide(const Backlog& backlog) noexcept {
   const std::int64_t close_ns = close_after(backlog.oldest_ns);

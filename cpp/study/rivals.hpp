@@ -4,7 +4,9 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 
+#include "asap/core/check.hpp"
 #include "asap/runner/linear_cost.hpp"
 #include "asap/schemes/bounded_scheme.hpp"
 #include "asap/schemes/cost_model.hpp"
@@ -16,14 +18,12 @@ namespace asap {
 // What the rivals share: a latency bound, their only parameter. The rule itself is theirs.
 class Rival : public Scheme {
  public:
-  explicit Rival(double latency_ms)
-      : latency_ms_(latency_ms), latency_ns_(checked_latency_ns(latency_ms)) {}
+  explicit Rival(std::chrono::nanoseconds latency) : latency_ns_(checked_latency_ns(latency)) {}
 
-  SchemeParameters parameters() const final { return {{"latency_ms", latency_ms_}}; }
+  SchemeParameters parameters() const final {
+    return {{"latency_ms", static_cast<double>(latency_ns_) / 1e6}};
+  }
   std::int64_t latency_bound_ns() const noexcept final { return latency_ns_; }
-
- private:
-  const double latency_ms_;
 
  protected:
   const std::int64_t latency_ns_;
@@ -34,7 +34,7 @@ class Rival : public Scheme {
 // by 50 if the package was full; after a longer one it shrinks by a tenth. It never drops.
 class ClipperAimd final : public Rival {
  public:
-  explicit ClipperAimd(double latency_ms);
+  explicit ClipperAimd(std::chrono::nanoseconds latency);
 
   Decision decide(const Backlog& backlog) noexcept override;
   void observe(const Outcome& outcome) noexcept override;
@@ -112,7 +112,7 @@ class GreedyRateGamma final : public Rival, public Admission {
 class JaerTimer final : public Rival {
  public:
   // The cost of the simulator that it will run in, from that simulator's first package on.
-  JaerTimer(double latency_ms, LinearCost cost);
+  JaerTimer(std::chrono::nanoseconds latency, LinearCost cost);
 
   Decision decide(const Backlog& backlog) noexcept override;
   void observe(const Outcome& outcome) noexcept override;
@@ -137,7 +137,7 @@ class JaerTimer final : public Rival {
 // per package but for the few batches that queue.
 class SparkPid final : public Rival {
  public:
-  explicit SparkPid(double latency_ms);
+  explicit SparkPid(std::chrono::nanoseconds latency);
 
   Decision decide(const Backlog& backlog) noexcept override;
   void observe(const Outcome& outcome) noexcept override;

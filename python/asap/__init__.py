@@ -109,7 +109,7 @@ _NAMES = {
     "convert": "conversion",
     "info": "inspection",
     "last_run": "experiment",
-    "load_run": "experiment",
+    "load_run": "results",
     "map": "experiment",  # not in __all__: `import *` leaves Python its own
     "open_camera": "camera",
     "oracle": "experiment",
@@ -127,13 +127,13 @@ if TYPE_CHECKING:
         Run,
         compare,
         last_run,
-        load_run,
         oracle,
         run,
         simulate,
     )
     from asap.experiment import map as map
     from asap.inspection import Inspection, check, info
+    from asap.results import load_run
 else:  # a type checker would take any name for one of a module that has a __getattr__
 
     def __getattr__(name: str) -> Any:

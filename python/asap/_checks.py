@@ -88,7 +88,17 @@ def _side(field: str, value: Any) -> int:
     return side
 
 
-def agreed(field: str, given: int | None, stated: int | None, source: object) -> int | None:
+def sensor(width: Any, height: Any, known: Any, source: object) -> tuple[int | None, int | None]:
+    """Return the sides that are given or that `known` states; refuse a contradiction."""
+    given = sides(width, height)
+    stated = sides(getattr(known, "width", None), getattr(known, "height", None))
+    return (
+        _agreed("width", given[0], stated[0], source),
+        _agreed("height", given[1], stated[1], source),
+    )
+
+
+def _agreed(field: str, given: int | None, stated: int | None, source: object) -> int | None:
     """Return the side that is known; refuse a given one that the source contradicts."""
     if given and stated and given != stated:
         raise ValueError(named(field, given, f"{source} states {stated}; leave {field} out"))
@@ -128,8 +138,16 @@ def callback(field: str, value: Any) -> None:
         raise TypeError(named(field, value, _AWAIT.format(kind="function")))
 
 
+def is_camera(source: Any) -> bool:
+    """Whether it feeds a pipeline by itself; `asap.camera` is above this module."""
+    return hasattr(type(source), "feed")
+
+
 def source(value: Any) -> None:
-    """Refuse a stream of events that has to be awaited, before anything of it is read."""
+    """Refuse a camera, and a stream that has to be awaited, before anything of it is read."""
+    if is_camera(value):
+        remedy = "a camera is no recording; use asap.run, or write one with camera.record(path)"
+        raise TypeError(named("source", value, remedy))
     if isinstance(value, AsyncIterable) or inspect.isawaitable(value) or _is_async(value):
         raise TypeError(named("source", value, _AWAIT.format(kind="iterable of arrays")))
 

@@ -11,7 +11,7 @@ Column: TypeAlias = npt.NDArray[Any]
 
 # A unit of time is 10^exponent us.
 TIME_EXPONENTS = {"s": 6, "ms": 3, "us": 0, "ns": -3}
-_FINE_EXPONENTS = {"ns": -3, "ps": -6, "fs": -9, "as": -12}  # of datetime64 and timedelta64
+_FINE_EXPONENTS = {"ns": -3, "ps": -6, "fs": -9, "as": -12}  # units of datetime64 and timedelta64
 
 MAX = 2**63 - 1  # us
 

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "algorithms/cluster_tracker_config.hpp"
 #include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/algorithms/cluster_view.hpp"
@@ -44,10 +45,7 @@ engine : str
     cluster), max_radius_px=66.0 (longest half-axis of the gate), confirm_events=14.0 (recent events
     from which it has an id), coast_ms=250.0 (how long an id outlives its events), slots=128 (clusters at a time).
 
-Raises
-------
-ValueError
-    A parameter is out of range; the message names it.
+$refuses
 TypeError
     The engine has no such parameter, or the value is no number.
 
@@ -212,20 +210,16 @@ void bind_algorithms(py::module_& m) {
   m.def("outline_of", &outline_of_moments, py::arg("x"), py::arg("y"), py::arg("cxx"),
         py::arg("cxy"), py::arg("cyy"), "As ClusterTracker.outline, of these fields of a cluster.");
 
-  Class<Tracker> bound(m, "ClusterTracker", kClusterTrackerDoc);
+  Class<Tracker> bound(m, "ClusterTracker", documented(kClusterTrackerDoc).c_str());
   const py::dict defaults = defaults_of_engines();
   def_constructor(bound, signature_of(defaults, 2), &make_tracker);
   bind_arguments(bound, &arguments_of, defaults, 2);
   bind_reset(bound,
              "Back to the state after construction, seed included: the same events, the same "
              "results.");
-  bound
-      .def("process", &process, py::arg("events").noconvert(), py::arg("labels") = true,
-           R"(Takes the next events of the stream.
+  bind_process(bound, &process, R"(Takes the next events of the stream.
 
-Parameters
-----------
-events : ndarray of shape (n,) in EVENT_DTYPE
+$events
 labels : bool
     False: no array is made.
 
@@ -235,11 +229,10 @@ ndarray of int32, shape (n,), or None
     The id of the cluster that took each event. -1: noise, a cluster that has no id yet, or outside the
     frame.
 
-Raises
-------
-TypeError
-    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
-)")
+$not_events
+)",
+               py::arg("labels") = true);
+  bound
       .def_property_readonly("clusters", &clusters,
                              R"(Structured array, one row per cluster that has an id, sorted by id.
 

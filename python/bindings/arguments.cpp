@@ -1,5 +1,7 @@
 #include "arguments.hpp"
 
+#include <cmath>
+
 namespace asap::python {
 namespace {
 
@@ -44,6 +46,24 @@ double real_number(const char* field, py::handle value) {
   PyErr_Clear();
   if (is_too_large) throw_bad_value(field, shown(value), "out of range");
   throw_wrong_kind(field, value, "give a number");
+}
+
+std::chrono::nanoseconds time_of_ms(const char* field, py::handle value) {
+  constexpr double kLongestMs = 9.2e12;  // 2^63 ns
+  const double ms = real_number(field, value);
+  if (!(std::abs(ms) < kLongestMs)) throw_bad_value(field, shown(value), "must be a time in ms");
+  return std::chrono::nanoseconds(std::llround(ms * 1e6));
+}
+
+void translate_bad_times() {
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const BadTime& bad) {
+      const std::string text = bad.field + "_" + bad.unit + " = " + bad.value + ": " + bad.remedy;
+      py::set_error(PyExc_ValueError, text.c_str());
+    }
+  });
 }
 
 }  // namespace asap::python

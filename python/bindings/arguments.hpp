@@ -4,6 +4,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -24,15 +25,26 @@ pybind11::object index_of(const char* field, pybind11::handle value);
 // The value's __float__; TypeError where it has none, ValueError beyond every double.
 double real_number(const char* field, pybind11::handle value);
 
-// ValueError unless least <= value <= most.
+// A time that Python gives as a number of ms; ValueError for one that is none.
+std::chrono::nanoseconds time_of_ms(const char* field, pybind11::handle value);
+
+// As Python writes a time: a number of ms.
+inline double ms_of(std::chrono::nanoseconds time) {
+  return static_cast<double>(time.count()) / 1e6;
+}
+
+// What C++ says of a time, "latency = -1 ms: ...", in Python's names: "latency_ms = -1: ...".
+void translate_bad_times();
+
+// ValueError unless min <= value <= max.
 template <class Whole = std::uint64_t>
 Whole whole_number(const char* field, pybind11::handle value,
-                   Whole least = std::numeric_limits<Whole>::min(),
-                   Whole most = std::numeric_limits<Whole>::max()) {
+                   Whole min = std::numeric_limits<Whole>::min(),
+                   Whole max = std::numeric_limits<Whole>::max()) {
   const pybind11::object number = index_of(field, value);
-  if (number < pybind11::int_(least) || number > pybind11::int_(most)) {
+  if (number < pybind11::int_(min) || number > pybind11::int_(max)) {
     throw_bad_value(field, shown(number),
-                    "must be " + std::to_string(least) + " to " + std::to_string(most));
+                    "must be " + std::to_string(min) + " to " + std::to_string(max));
   }
   return number.cast<Whole>();
 }

@@ -5,12 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "asap/algorithms/background_activity_filter.hpp"
 #include "asap/algorithms/corner_detector.hpp"
 #include "asap/algorithms/event_image.hpp"
 #include "asap/algorithms/event_surface.hpp"
 #include "asap/algorithms/feature_tracker.hpp"
-#include "asap/algorithms/hot_pixel_mask.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 #include "asap/algorithms/plane_flow.hpp"
 #include "cluster_trackers.hpp"
 #include "exact_type.hpp"

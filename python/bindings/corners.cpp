@@ -4,9 +4,8 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "asap/algorithms/background_activity_filter.hpp"
 #include "asap/algorithms/corner_detector.hpp"
-#include "gil.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
 
@@ -19,17 +18,11 @@ An event passes if one of its eight neighbours, of either polarity, fired at mos
 Its own pixel does not count; a rejected event still supports others. Put it before whatever
 discards events at random, which would remove the support.
 
-Parameters
-----------
-width, height : int
-    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`.
+$sensor.
 window_us : int
     us, 0 to 500 000 000; 1000 to 10 000 is usual.
 
-Raises
-------
-ValueError
-    A parameter is out of range; the message names it.
+$refuses
 
 Notes
 -----
@@ -42,16 +35,10 @@ constexpr const char* kEFastDoc = R"(Finds corners by the order of the events al
 An event is a corner if on a circle of 16 pixels around it 3 to 6 neighbouring ones fired later than all
 others, and 4 to 8 on a circle of 20, counting the latest event of its polarity at each pixel.
 
-Parameters
-----------
-width, height : int
-    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`; those within
+$sensor; those within
     4 px of the border are never corners.
 
-Raises
-------
-ValueError
-    A parameter is out of range; the message names it.
+$refuses
 
 Notes
 -----
@@ -66,18 +53,12 @@ Only events are tested whose pixel was silent for `filter_us` in their polarity,
 since. Such an event is a corner if on a circle of 16 pixels around it the newest arc has at most 6 or 10
 to 13 of them, and on a circle of 20 at most 8 or 12 to 16.
 
-Parameters
-----------
-width, height : int
-    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`; those within
+$sensor; those within
     4 px of the border are never corners.
 filter_us : int
     us, 0 to 500 000 000.
 
-Raises
-------
-ValueError
-    A parameter is out of range; the message names it.
+$refuses
 
 Notes
 -----
@@ -91,18 +72,12 @@ constexpr const char* kEHarrisDoc = R"(Finds corners by the Harris score of the 
 The 25 pixels of the 9 x 9 window around an event that fired last, in its polarity, are a black and white
 patch. The event is a corner if there are 25 and the Harris score of the patch exceeds `threshold`.
 
-Parameters
-----------
-width, height : int
-    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`; those within
+$sensor; those within
     4 px of the left and upper border, or 3 px of the others, are never corners.
 threshold : float
     Of the score.
 
-Raises
-------
-ValueError
-    A parameter is out of range; the message names it.
+$refuses
 
 Notes
 -----
@@ -116,20 +91,14 @@ constexpr const char* kFAHarrisDoc =
 
 Both steps look only at events that pass the filter of ArcStar. The score is that of EHarris.
 
-Parameters
-----------
-width, height : int
-    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`; those within
+$sensor; those within
     4 px of the border are ignored altogether.
 filter_us : int
     us, 0 to 500 000 000.
 threshold : float
     Of the score.
 
-Raises
-------
-ValueError
-    A parameter is out of range; the message names it.
+$refuses
 
 Notes
 -----
@@ -139,65 +108,42 @@ its release; equal stamps, undefined there, are ordered by arrival.
 )";
 
 template <class Detector>
-py::array_t<bool> corners(Detector& detector, const py::array& events) {
-  const EventSpan span = as_span(events);
-  py::array_t<bool> labels(static_cast<py::ssize_t>(span.size()));
-  auto* bytes = reinterpret_cast<std::uint8_t*>(labels.mutable_data());
-  {
-    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const WithoutGil release;
-    detector.process(span, {bytes, span.size()});
-  }
-  return labels;
-}
-
-template <class Detector>
 void bind_detector(py::module_& m, const char* title, const char* doc, const char* name,
                    std::vector<Keyword<typename Detector::Config>> keywords = {}) {
-  Class<Detector> type(m, title, doc);
-  type.def("process", &corners<Detector>, py::arg("events").noconvert(),
-           R"(Takes the next events of the stream.
+  Class<Detector> type(m, title, documented(doc).c_str());
+  bind_process(type, &process_each<bool, std::uint8_t, Detector>,
+               R"(Takes the next events of the stream.
 
-Parameters
-----------
-events : ndarray of shape (n,) in EVENT_DTYPE
+$events
 
 Returns
 -------
 ndarray of bool, shape (n,)
     True where the event is a corner.
 
-Raises
-------
-TypeError
-    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+$not_events
 )");
   bind_rest(type, name, sized<typename Detector::Config>(std::move(keywords)),
             R"(Tells the fraction of the events that reaches the detector, 0 <= gamma <= 1.
 
 Checked, without effect: the published rule holds no rate that could be corrected.
 
-Raises
-------
-ValueError
-    gamma is NaN or outside [0, 1].
+$not_gamma
 )");
 }
 
 void bind_filter_in_front(py::module_& m) {
   using Config = BackgroundActivityFilterConfig;
-  Class<BackgroundActivityFilter> type(m, "BackgroundActivityFilter", kBackgroundActivityFilterDoc);
+  Class<BackgroundActivityFilter> type(m, "BackgroundActivityFilter",
+                                       documented(kBackgroundActivityFilterDoc).c_str());
   bind_passing(type);
-  bind_rest(type, "background_activity", sized<Config>({keyword("window_us", &Config::window_us)}),
+  bind_rest(type, "background_activity", sized<Config>({keyword("window_us", &Config::window)}),
             R"(Tells the fraction of the events that reaches the filter, 0 <= gamma <= 1.
 
 Neighbours become as rare, so the window grows to window_us / gamma, at most 500 s. Tell nothing, or 1,
 to a filter in front of the discarder.
 
-Raises
-------
-ValueError
-    gamma is NaN or outside [0, 1].
+$not_gamma
 )");
 }
 
@@ -208,11 +154,11 @@ void bind_corners(py::module_& m) {
 
   bind_detector<EFast>(m, "EFast", kEFastDoc, "e_fast");
   bind_detector<ArcStar>(m, "ArcStar", kArcStarDoc, "arc_star",
-                         {keyword("filter_us", &ArcStarConfig::filter_us)});
+                         {keyword("filter_us", &ArcStarConfig::filter)});
   bind_detector<EHarris>(m, "EHarris", kEHarrisDoc, "e_harris",
                          {keyword("threshold", &EHarrisConfig::threshold)});
   bind_detector<FAHarris>(m, "FAHarris", kFAHarrisDoc, "fa_harris",
-                          {keyword("filter_us", &FAHarrisConfig::filter_us),
+                          {keyword("filter_us", &FAHarrisConfig::filter),
                            keyword("threshold", &FAHarrisConfig::threshold)});
 }
 

@@ -19,10 +19,7 @@ constexpr const char* kImageDoc = R"(Images of the events, one per so many event
 What convolutional networks take. By count an image ends with its last event. By period it holds the stamps
 from one multiple of the period to the next; a period without events gives no image.
 
-Parameters
-----------
-width, height : int
-    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`.
+$sensor.
 count : int
     Events of an image, up to 16 777 216; or
 period_us : int
@@ -31,10 +28,7 @@ channels : sequence of str
     "off", "on": events of that polarity; "count": of both; "sum": ON minus OFF; "time": of the pixel's
     latest event, from 0 = begin to 1 = end of the image, 0 without one.
 
-Raises
-------
-ValueError
-    A parameter is out of range; the message names it.
+$refuses
 
 Notes
 -----
@@ -108,13 +102,11 @@ py::array last(const EventImage& image) {
 
 void bind_event_image(py::module_& m) {
   using Config = EventImageConfig;
-  Class<EventImage> type(m, "EventImage", kImageDoc);
-  type.def("process", &images, py::arg("events").noconvert(),
-           R"(Takes the next events of the stream and returns the images that they complete.
+  Class<EventImage> type(m, "EventImage", documented(kImageDoc).c_str());
+  bind_process(type, &images,
+               R"(Takes the next events of the stream and returns the images that they complete.
 
-Parameters
-----------
-events : ndarray of shape (n,) in EVENT_DTYPE
+$events
 
 Returns
 -------
@@ -122,12 +114,9 @@ images : ndarray of float32, shape (k, channels, height, width)
 spans : ndarray of int64, shape (k, 2)
     us: begin of each image, and its end, which is the first stamp beyond.
 
-Raises
-------
-TypeError
-    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
-)")
-      .def("flush", &EventImage::flush,
+$not_events
+)");
+  type.def("flush", &EventImage::flush,
            R"(Completes the image that has begun, which is then `image`.
 
 Returns
@@ -145,17 +134,14 @@ bool
           },
           "Begin and end of `image`, us.");
   bind_rest(type, "event_image",
-            sized<Config>({keyword("count", &Config::count),
-                           keyword("period_us", &Config::period_us), channels()}),
+            sized<Config>({keyword("count", &Config::count), keyword("period_us", &Config::period),
+                           channels()}),
             R"(Tells the fraction of the events that reaches the images, 0 <= gamma <= 1.
 
 Every event then stands for 1 / gamma, at most 1000: images end as often as without a discarder, and hold
 as much on average.
 
-Raises
-------
-ValueError
-    gamma is NaN or outside [0, 1].
+$not_gamma
 )");
 }
 

@@ -16,10 +16,7 @@ A corner event is supported if more than `min_neighbours` of its eight neighbour
 there; where there is none it begins a track. A track that took none of the last `window` corner events
 ends with the next supported event.
 
-Parameters
-----------
-width, height : int
-    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`; those at the
+$sensor; those at the
     border are never tracked.
 detector : str
     "arc_star", "e_fast", "e_harris" or "fa_harris": asap.ArcStar and so on, with its defaults;
@@ -33,10 +30,7 @@ min_neighbours : int
 velocity_us : int
     us, how far back the velocity looks, 1 to 10**9. Without effect on anything else.
 
-Raises
-------
-ValueError
-    A parameter is out of range; the message names it.
+$refuses
 
 Notes
 -----
@@ -57,14 +51,10 @@ void bind_features(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(FeatureTrack, id, x, y, vx, vy, size, t_first, t_last);
 
   using Config = FeatureConfig;
-  Class<FeatureTracker> type(m, "FeatureTracker", kFeatureTrackerDoc);
-  type.def("process", &process_labelled<FeatureTracker>, py::arg("events").noconvert(),
-           "labels"_a = true,
-           R"(Takes the next events of the stream.
+  Class<FeatureTracker> type(m, "FeatureTracker", documented(kFeatureTrackerDoc).c_str());
+  bind_process(type, &process_labelled<FeatureTracker>, R"(Takes the next events of the stream.
 
-Parameters
-----------
-events : ndarray of shape (n,) in EVENT_DTYPE
+$events
 labels : bool
     False: no array is made.
 
@@ -74,14 +64,12 @@ ndarray of int32, shape (n,), or None
     The id of the track that took each event. -1: it is no corner, an unsupported corner, or outside
     the frame.
 
-Raises
-------
-TypeError
-    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
-)")
-      .def_property_readonly(
-          "tracks", [](const FeatureTracker& tracker) { return moved_to_array(tracker.tracks()); },
-          R"(Structured array, one row per track, first begun first.
+$not_events
+)",
+               "labels"_a = true);
+  type.def_property_readonly(
+      "tracks", [](const FeatureTracker& tracker) { return moved_to_array(tracker.tracks()); },
+      R"(Structured array, one row per track, first begun first.
 
 id : int64, never changes while the track lives
 x, y : float64, px, of the newest event
@@ -96,15 +84,12 @@ A new array, not changed by later events.
             sized<Config>({keyword("detector", &Config::detector, kDetectors),
                            keyword("window", &Config::window), keyword("radius", &Config::radius),
                            keyword("min_neighbours", &Config::min_neighbours),
-                           keyword("velocity_us", &Config::velocity_us)}),
+                           keyword("velocity_us", &Config::velocity_window)}),
             R"(Tells the fraction of the events that reaches the tracker, 0 <= gamma <= 1.
 
 Checked, without effect: the window counts corner events and so stretches in time by itself.
 
-Raises
-------
-ValueError
-    gamma is NaN or outside [0, 1].
+$not_gamma
 )");
 }
 

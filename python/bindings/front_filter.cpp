@@ -6,8 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "asap/algorithms/background_activity_filter.hpp"
-#include "asap/algorithms/hot_pixel_mask.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 #include "exact_type.hpp"
 #include "gil.hpp"
 #include "held.hpp"

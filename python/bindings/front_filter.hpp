@@ -3,7 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include "asap/filter/front_filter.hpp"
+#include "asap/packager/package.hpp"
 
 namespace asap::python {
 

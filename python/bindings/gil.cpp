@@ -12,7 +12,7 @@
 namespace asap::python {
 namespace {
 
-constexpr auto kMostPatience = std::chrono::milliseconds(450);
+constexpr auto kMaxPatience = std::chrono::milliseconds(450);
 constexpr auto kLook = std::chrono::milliseconds(1);
 
 // Sequentially consistent: who comes back says so and then looks whether the interpreter is gone;
@@ -49,11 +49,11 @@ void wait_until_nobody(const std::atomic<int>& is, std::chrono::steady_clock::ti
 void leave() {
   if (border.exiting.exchange(true)) return;  // registered again, after an import that failed
   const py::gil_scoped_release release;
-  const auto deadline = std::chrono::steady_clock::now() + kMostPatience;
+  const auto deadline = std::chrono::steady_clock::now() + kMaxPatience;
   for (const auto& stop : stops()) stop();
   wait_until_nobody(border.away, deadline);
   border.gone = true;
-  wait_until_nobody(border.coming_back, deadline + kMostPatience / 10);
+  wait_until_nobody(border.coming_back, deadline + kMaxPatience / 10);
 }
 
 // Only this thread lives on in the child.

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "asap/algorithms/hot_pixel_mask.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
@@ -22,19 +22,13 @@ Which these are is given, learned from a recording with `learn`, or learned on t
 all, and five times as many as the second busiest of the 24 pixels around it. Once masked it stays masked
 until `reset`.
 
-Parameters
-----------
-width, height : int
-    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`.
+$sensor.
 pixels : sequence of (x, y)
     Masked from the beginning, px; ``asap.check(source).hot_pixels[["x", "y"]].tolist()`` fits.
 learn_events : int
     Events from which is learned on the way, again and again; up to 10^9. 0: never.
 
-Raises
-------
-ValueError
-    A parameter is out of range; the message names it.
+$refuses
 
 Notes
 -----
@@ -75,7 +69,7 @@ Keyword<HotPixelMaskConfig> pixels() {
 
 void bind_hot_pixels(py::module_& m) {
   using Config = HotPixelMaskConfig;
-  Class<HotPixelMask> type(m, "HotPixelMask", kHotPixelsDoc);
+  Class<HotPixelMask> type(m, "HotPixelMask", documented(kHotPixelsDoc).c_str());
   bind_passing(type);
   type.def("learn", &learned, py::arg("events").noconvert(),
            R"(Masks the hot pixels of these events as well, judged by these events alone.
@@ -104,10 +98,7 @@ TypeError
 
 Checked, without effect: a hot pixel's share of all events stays what it is.
 
-Raises
-------
-ValueError
-    gamma is NaN or outside [0, 1].
+$not_gamma
 )");
 }
 

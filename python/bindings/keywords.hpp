@@ -6,6 +6,7 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -42,6 +43,10 @@ using Choices = std::array<std::pair<const char*, Kind>, count>;
 
 // ---- one value ----
 
+// Nanoseconds are a number of ms in Python, another duration is a number of its own unit.
+template <class Value>
+concept Duration = requires { typename Value::period; };
+
 template <class Value>
 Value value_of(const char* name, pybind11::handle given) {
   namespace py = pybind11;
@@ -54,6 +59,12 @@ Value value_of(const char* name, pybind11::handle given) {
     }
   } else if constexpr (std::is_same_v<Value, std::optional<double>>) {
     return given.is_none() ? Value() : real_number(name, given);
+  } else if constexpr (std::is_same_v<Value, std::optional<std::chrono::nanoseconds>>) {
+    return given.is_none() ? Value() : time_of_ms(name, given);
+  } else if constexpr (std::is_same_v<Value, std::chrono::nanoseconds>) {
+    return time_of_ms(name, given);
+  } else if constexpr (Duration<Value>) {
+    return Value(value_of<typename Value::rep>(name, given));
   } else if constexpr (std::is_same_v<Value, Prefer>) {
     if (!py::isinstance<py::str>(given)) throw_wrong_kind(name, given, "give text");
     return prefer_of(given.cast<std::string>());
@@ -68,6 +79,10 @@ template <class Value>
 pybind11::object object_of(const Value& value) {
   if constexpr (std::is_enum_v<Value>) {
     return pybind11::cast(name_of(value));
+  } else if constexpr (std::is_same_v<Value, std::chrono::nanoseconds>) {
+    return pybind11::cast(ms_of(value));
+  } else if constexpr (Duration<Value>) {
+    return pybind11::cast(value.count());
   } else {
     return pybind11::cast(value);
   }

@@ -15,8 +15,6 @@ void bind_oracle(pybind11::module_& m);
 void bind_formats(pybind11::module_& m);
 void bind_columns(pybind11::module_& m);
 void bind_decoders(pybind11::module_& m);
-void bind_packets(pybind11::module_& m);
-void bind_record_decoders(pybind11::module_& m);
 void bind_synthetic(pybind11::module_& m);
 void bind_algorithms(pybind11::module_& m);
 void bind_corners(pybind11::module_& m);

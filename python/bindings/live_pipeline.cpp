@@ -51,7 +51,7 @@ struct Worker {
   bool operator==(const Worker&) const = default;
 };
 
-// Of this process and of those that it was forked from. With the GIL.
+// The workers of this process and of those that it was forked from. With the GIL.
 std::vector<Worker>& workers() {
   static auto& all = *new std::vector<Worker>;  // outlives every thread
   return all;
@@ -153,7 +153,10 @@ bool LivePipeline::push(const py::array& events, std::optional<double> arrival_t
   Pipeline& pipeline = native();
   const EventSpan span = as_span(events);
   const Pipeline::Arrival arrival = arrival_of(arrival_time);
-  if (is_exiting() || deserted_) return true;
+  if (is_exiting() || deserted_) {
+    came_at_exit_ += span.size();
+    return true;
+  }
   // To take the GIL again may take another thread's 5 ms: longer than the push.
   if (!push_may_wait_) return pipeline.push(span, arrival);
   const WithoutGil released;
@@ -222,15 +225,16 @@ void LivePipeline::start() {
   Pipeline& pipeline = native();
   if (is_exiting()) throw std::runtime_error("pipeline: the interpreter exits");
   deserted_ = false;
+  came_at_exit_ = 0;
   const Guest guest(*this);
   const WithoutGil released;
   pipeline.start();
 }
 
-void LivePipeline::set_latency(double latency_us) {
+void LivePipeline::set_latency(std::chrono::nanoseconds latency) {
   Pipeline& pipeline = native();
   const WithoutGil released;
-  pipeline.set_latency(latency_us);
+  pipeline.set_latency(latency);
 }
 
 void LivePipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) {
@@ -239,14 +243,28 @@ void LivePipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) {
 
 Ledger LivePipeline::ledger() const {
   const Pipeline& pipeline = native();
-  const WithoutGil released;
-  return pipeline.ledger();
+  Ledger ledger;
+  {
+    const WithoutGil released;
+    ledger = pipeline.ledger();
+  }
+  return booked(ledger);
 }
 
 PipelineStats LivePipeline::stats() const {
   const Pipeline& pipeline = native();
-  const WithoutGil released;
-  return pipeline.stats();
+  PipelineStats stats = [&] {
+    const WithoutGil released;
+    return pipeline.stats();
+  }();
+  stats.ledger = booked(stats.ledger);
+  return stats;
+}
+
+Ledger LivePipeline::booked(Ledger ledger) const noexcept {
+  ledger.received += came_at_exit_;
+  ledger.pending += came_at_exit_;
+  return ledger;
 }
 
 py::array LivePipeline::packages() const {

@@ -30,7 +30,7 @@ class LivePipeline {
   LivePipeline& operator=(const LivePipeline&) = delete;
 
   // False: refused, nothing is counted. Waits only where the ring's rule is to block. While the
-  // program ends events go nowhere, without a word.
+  // program ends events are taken and stay pending, without a word.
   bool push(const py::array& events, std::optional<double> arrival_time);
 
   // None: stopped.
@@ -44,7 +44,7 @@ class LivePipeline {
   void flush();
   void stop(bool drain);
   void start();
-  void set_latency(double latency_us);
+  void set_latency(std::chrono::nanoseconds latency);
   void upstream_lost(std::uint64_t marks, std::uint64_t packets);
   bool is_open() const { return native().is_open(); }
   Ledger ledger() const;
@@ -66,11 +66,13 @@ class LivePipeline {
   void require_own_process() const;
   void look_up() const;     // what a thread that waits must not miss: Ctrl-C, a fork
   void stop_if_deserted();  // at the end of the program
+  Ledger booked(Ledger ledger) const noexcept;  // with the events that came at the end
 
   std::shared_ptr<Pipeline> pipeline_;
   const std::uint64_t forks_;
   const bool push_may_wait_;
-  bool deserted_ = false;  // nobody is left who would stop it
+  std::uint64_t came_at_exit_ = 0;  // events
+  bool deserted_ = false;           // nobody is left who would stop it
   PackageArrays arrays_;
   mutable int guests_ = 0;  // threads that may change the log
 };

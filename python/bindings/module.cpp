@@ -39,8 +39,6 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_formats(m);
   asap::python::bind_columns(m);
   asap::python::bind_decoders(m);
-  asap::python::bind_packets(m);
-  asap::python::bind_record_decoders(m);
   asap::python::bind_synthetic(m);
   asap::python::bind_algorithms(m);
   asap::python::bind_corners(m);

@@ -48,7 +48,7 @@ opaque : bool
         return exact_clairvoyant(span, *cost, latency_us, most_steps);
       },
       py::arg("events").noconvert(), py::arg("cost"), py::arg("latency_us"),
-      py::arg("most_steps") = kMostExactSteps,
+      py::arg("most_steps") = kMaxExactSteps,
       R"(The largest number of events that any scheduler can finish in time, in whole packages.
 
 Parameters

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,15 @@
 namespace asap::python {
 
 namespace py = pybind11;
+
+// The docstring whose words in $ stand for what all of them say alike.
+std::string documented(std::string text);
+
+// process(events), whose docstring the words in $ complete.
+template <class T, class Process, class... Extra>
+void bind_process(Class<T>& type, Process process, const char* doc, const Extra&... extra) {
+  type.def("process", process, py::arg("events").noconvert(), extra..., documented(doc).c_str());
+}
 
 // process() of a tracker that gives every event an id. `labels` false: no array is made.
 template <class Tracker>
@@ -36,6 +46,22 @@ std::optional<py::array_t<std::int32_t>> process_labelled(Tracker& tracker, cons
   return moved_to_array(std::move(ids));
 }
 
+// process() of an algorithm that gives every event a Value, in NumPy one or more Elements.
+template <class Element, class Value, class Algorithm>
+py::array_t<Element> process_each(Algorithm& algorithm, const py::array& events) {
+  const EventSpan span = as_span(events);
+  std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(span.size())};
+  if (sizeof(Value) > sizeof(Element)) shape.push_back(sizeof(Value) / sizeof(Element));
+  py::array_t<Element> values(shape);
+  auto* out = reinterpret_cast<Value*>(values.mutable_data());
+  {
+    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
+    const WithoutGil release;
+    algorithm.process(span, {out, span.size()});
+  }
+  return values;
+}
+
 // process() of an algorithm that lets some of the events pass.
 template <class Filter>
 void bind_passing(Class<Filter>& type) {
@@ -49,22 +75,16 @@ void bind_passing(Class<Filter>& type) {
     }
     return moved_to_array(std::move(passed));
   };
-  type.def("process", passing, py::arg("events").noconvert(),
-           R"(Takes the next events of the stream and returns those that pass.
+  bind_process(type, passing, R"(Takes the next events of the stream and returns those that pass.
 
-Parameters
-----------
-events : ndarray of shape (n,) in EVENT_DTYPE
+$events
 
 Returns
 -------
 ndarray of shape (k,) in EVENT_DTYPE
     A new array.
 
-Raises
-------
-TypeError
-    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+$not_events
 )");
 }
 
@@ -115,7 +135,7 @@ void bind_rest(Class<Algorithm>& type, const char* name,
                const Keywords<typename Algorithm::Config>& keywords, const char* keep_doc) {
   bind_configuration(type, keywords);
   bind_reset(type, "Back to the state after construction.");
-  type.def("set_keep", &Algorithm::set_keep, py::arg("gamma"), keep_doc)
+  type.def("set_keep", &Algorithm::set_keep, py::arg("gamma"), documented(keep_doc).c_str())
       .def_property_readonly(
           "width", [](const Algorithm& self) { return self.config().width; }, "px")
       .def_property_readonly(

@@ -21,7 +21,7 @@ void bind_stats(py::module_& m) {
       .def_readonly("open", &PipelineStats::open)
       .def_readonly("stalled", &PipelineStats::stalled)
       .def_readonly("gap_us", &PipelineStats::gap_us)
-      .def_readonly("most_waiting", &PipelineStats::most_waiting)
+      .def_readonly("most_waiting", &PipelineStats::max_waiting)
       .def_readonly("clock_resets", &PipelineStats::clock_resets)
       .def_readonly("upstream_marks", &PipelineStats::upstream_marks)
       .def_readonly("upstream_packets", &PipelineStats::upstream_packets)
@@ -117,7 +117,12 @@ Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenc
       .def("flush", &LivePipeline::flush)
       .def("stop", &LivePipeline::stop, py::arg("drain") = true)
       .def("start", &LivePipeline::start)
-      .def("set_latency", &LivePipeline::set_latency, py::arg("latency_us"))
+      .def(
+          "set_latency",
+          [](LivePipeline& self, const py::object& latency_ms) {
+            self.set_latency(time_of_ms("latency_ms", latency_ms));
+          },
+          py::arg("latency_ms"))
       .def_property_readonly("is_open", &LivePipeline::is_open)
       .def_property_readonly("ledger", &LivePipeline::ledger)
       .def_property_readonly("packages", &LivePipeline::packages)

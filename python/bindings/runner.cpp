@@ -219,23 +219,32 @@ void bind_runner(py::module_& m) {
 
   bind_cost(m);
 
+  m.def(
+      "checked_latency_ms",
+      [](const py::object& latency_ms) {
+        const auto latency = time_of_ms("latency_ms", latency_ms);
+        return ms_of(std::chrono::nanoseconds(checked_latency_ns(latency)));
+      },
+      py::arg("latency_ms"), "The latency bound to the ns; ValueError for one out of range.");
+
   py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
-      .def(py::init([](std::optional<double> latency_us, const py::object& capacity,
+      .def(py::init([](const py::object& latency_ms, const py::object& capacity,
                        const py::object& seed, const Validator& validator, bool anytime, bool flush,
                        const py::object& before, const std::string& when_full, bool keep_mask,
                        bool every_row) {
-             return RunConfig{.latency_us = latency_us,
+             return RunConfig{.latency = value_of<std::optional<std::chrono::nanoseconds>>(
+                                  "latency_ms", latency_ms),
                               .capacity = whole_number("capacity", capacity),
                               .seed = whole_number("seed", seed),
                               .validator = validator.config(),
                               .execution = anytime ? Execution::anytime : Execution::whole,
                               .flush = flush,
-                              .before = front_filter_of(before),
+                              .front_filter = front_filter_of(before),
                               .when_full = when_full_from(when_full),
                               .keep_mask = keep_mask,
                               .log_rows = every_row ? RunLog::kAllRows : RunConfig{}.log_rows};
            }),
-           py::kw_only(), py::arg("latency_us"), py::arg("capacity"), py::arg("seed"),
+           py::kw_only(), py::arg("latency_ms"), py::arg("capacity"), py::arg("seed"),
            py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true,
            py::arg("before") = py::none(), py::arg("when_full") = "thin",
            py::arg("keep_mask") = false, py::arg("every_row") = false)

@@ -1,6 +1,7 @@
 // The layer `schemes`: the schemes that a user chooses from, one row each: class, name, docstring.
-// The rest comes from kParameters of its configuration. After a new row, run
-// tests/python/scheme_texts.py: it writes the stub, the names of the package and a row of README.
+// The rest comes from kParameters of its configuration. A new row goes into the stub, the names of
+// the package and the table of README as well.
+#include "arguments.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/asap2022.hpp"
 #include "asap/schemes/dead_beat.hpp"
@@ -29,6 +30,7 @@ std::string repr(const py::object& scheme) {
 }  // namespace
 
 void bind_schemes(py::module_& m) {
+  translate_bad_times();
   Class<Scheme>(m, "Scheme",
                 "Scheme(*args, **kwargs)\n--\n\n"  // none of its own
                 "The rule that decides size and gamma of the next package.")

@@ -16,17 +16,11 @@ Age is counted in events of the neighbourhood: an event takes 1 from every pixel
 window around it, to 0 what thereby falls below 255 - 2 `side`, and sets its own to 255. So edges are as
 wide whatever their speed.
 
-Parameters
-----------
-width, height : int
-    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`.
+$sensor.
 side : int
     px of the window, odd, 3 to 127.
 
-Raises
-------
-ValueError
-    A parameter is out of range; the message names it.
+$refuses
 
 Notes
 -----
@@ -40,17 +34,11 @@ constexpr const char* kSpeedInvariantDoc = R"(The order in which neighbouring pi
 Ranks go from (2 `radius` + 1)^2, the newest, down to 0. An event takes 1 from every pixel of the window
 around it that ranks above its own, and sets its own to the top: the same picture at any speed.
 
-Parameters
-----------
-width, height : int
-    Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`.
+$sensor.
 radius : int
     px, 1 to 127; the window is 2 `radius` + 1 wide.
 
-Raises
-------
-ValueError
-    A parameter is out of range; the message names it.
+$refuses
 
 Notes
 -----
@@ -78,29 +66,20 @@ py::array_t<typename Surface::Value> values(const Surface& surface) {
 template <class Surface>
 void bind_surface(py::module_& m, const char* title, const char* doc, const char* name,
                   Keyword<typename Surface::Config> keyword, const char* surface_doc) {
-  Class<Surface> type(m, title, doc);
-  type.def("process", &take<Surface>, py::arg("events").noconvert(),
-           R"(Takes the next events of the stream.
+  Class<Surface> type(m, title, documented(doc).c_str());
+  bind_process(type, &take<Surface>, R"(Takes the next events of the stream.
 
-Parameters
-----------
-events : ndarray of shape (n,) in EVENT_DTYPE
+$events
 
-Raises
-------
-TypeError
-    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
-)")
-      .def_property_readonly("surface", &values<Surface>, surface_doc);
+$not_events
+)");
+  type.def_property_readonly("surface", &values<Surface>, surface_doc);
   bind_rest(type, name, sized<typename Surface::Config>({std::move(keyword)}),
             R"(Tells the fraction of the events that reaches the surface, 0 <= gamma <= 1.
 
 Checked, without effect: the published rule ages by the events around and holds no rate to correct.
 
-Raises
-------
-ValueError
-    gamma is NaN or outside [0, 1].
+$not_gamma
 )");
 }
 

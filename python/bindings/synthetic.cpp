@@ -4,8 +4,7 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/synthetic/flight_over_chairs.hpp"
-#include "asap/synthetic/shaken_pattern.hpp"
+#include "asap/synthetic/streams.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
 
@@ -35,8 +34,8 @@ void bind_synthetic(py::module_& m) {
                        double amplitude_px, double noise_hz, const py::object& seed) {
              return ShakenPattern({.width = width,
                                    .height = height,
-                                   .duration_us = duration_us,
-                                   .t0_us = t0_us,
+                                   .duration = std::chrono::microseconds(duration_us),
+                                   .start = std::chrono::microseconds(t0_us),
                                    .first_rate_hz = first_rate_hz,
                                    .last_rate_hz = last_rate_hz,
                                    .amplitude_px = amplitude_px,
@@ -53,8 +52,8 @@ void bind_synthetic(py::module_& m) {
                        const py::object& seed) {
              return FlightOverChairs({.width = width,
                                       .height = height,
-                                      .duration_us = duration_us,
-                                      .t0_us = t0_us,
+                                      .duration = std::chrono::microseconds(duration_us),
+                                      .start = std::chrono::microseconds(t0_us),
                                       .last_rate_hz = last_rate_hz,
                                       .chair_px = chair_px,
                                       .noise_hz = noise_hz,

@@ -36,10 +36,10 @@ py::array_t<PackageRow> rows_of(const RunLog& log) {
   return rows;
 }
 
-py::array_t<SlotRow> rows_of(const SlotLog& log) {
-  py::array_t<SlotRow> rows(static_cast<py::ssize_t>(log.slots().size()));
+py::array_t<SlotRow> rows_of(std::span<const Slot> slots) {
+  py::array_t<SlotRow> rows(static_cast<py::ssize_t>(slots.size()));
   SlotRow* out = rows.mutable_data();
-  for (const Slot& slot : log.slots()) {
+  for (const Slot& slot : slots) {
     *out++ = {slot.slot, slot.received, slot.delivered,
               static_cast<double>(slot.latency_max_ns) * 1e-3};
   }

@@ -3,8 +3,11 @@
 
 #include <pybind11/numpy.h>
 
+#include <cstdint>
+#include <span>
+
 #include "asap/telemetry/run_log.hpp"
-#include "asap/telemetry/slot_log.hpp"
+#include "asap/telemetry/telemetry.hpp"
 
 namespace asap::python {
 
@@ -21,6 +24,6 @@ struct SlotRow {
 // A copy in PACKAGE_DTYPE, one row per package.
 py::array_t<PackageRow> rows_of(const RunLog& log);
 // A copy in SLOT_DTYPE, one row per slot.
-py::array_t<SlotRow> rows_of(const SlotLog& log);
+py::array_t<SlotRow> rows_of(std::span<const Slot> slots);
 
 }  // namespace asap::python

@@ -75,13 +75,13 @@ void bind_validator(py::module_& m) {
       .def(
           py::init([](const py::object& width, const py::object& height, const std::string& on_bad,
                       const py::object& reorder_tolerance_us, const py::object& warmup_discard_us) {
-            return Validator(
-                {.width = whole_number<int>("width", width),
-                 .height = whole_number<int>("height", height),
-                 .on_bad = on_bad_from(on_bad),
-                 .reorder_tolerance_us =
-                     whole_number<int>("reorder_tolerance_us", reorder_tolerance_us),
-                 .warmup_discard_us = whole_number<int>("warmup_discard_us", warmup_discard_us)});
+            return Validator({.width = whole_number<int>("width", width),
+                              .height = whole_number<int>("height", height),
+                              .on_bad = on_bad_from(on_bad),
+                              .reorder_tolerance = std::chrono::microseconds(
+                                  whole_number<int>("reorder_tolerance_us", reorder_tolerance_us)),
+                              .warmup_discard = std::chrono::microseconds(
+                                  whole_number<int>("warmup_discard_us", warmup_discard_us))});
           }),
           py::kw_only(), py::arg("width") = 0, py::arg("height") = 0, py::arg("on_bad") = "drop",
           py::arg("reorder_tolerance_us") = 0, py::arg("warmup_discard_us") = 0)

@@ -4,7 +4,7 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/synthetic/poisson_arrivals.hpp"
+#include "asap/synthetic/streams.hpp"
 #include "parts.hpp"
 
 namespace asap::python {
@@ -28,8 +28,8 @@ void bind_arrivals(py::module_& m) {
                        std::int64_t t0_us, double noise, const py::object& seed) {
              return PoissonArrivals({.width = width,
                                      .height = height,
-                                     .duration_us = duration_us,
-                                     .t0_us = t0_us,
+                                     .duration = std::chrono::microseconds(duration_us),
+                                     .start = std::chrono::microseconds(t0_us),
                                      .noise = noise,
                                      .seed = whole_number("seed", seed)});
            }),

@@ -13,7 +13,11 @@ namespace py = pybind11;
 
 template <class S>
 void bind_rival(py::module_& m, const char* name, const char* doc) {
-  Class<S, Scheme>(m, name, doc).def(py::init<double>(), py::arg("latency_ms"));
+  Class<S, Scheme>(m, name, doc)
+      .def(py::init([](const py::object& latency_ms) {
+             return S(time_of_ms("latency_ms", latency_ms));
+           }),
+           py::arg("latency_ms"));
 }
 
 }  // namespace
@@ -23,8 +27,8 @@ void bind_rivals(py::module_& m) {
       m, "JaerTimer",
       "Greedy with a timer of half the bound; what is left when it has run is discarded. `cost` is "
       "the simulated algorithm of the same run.")
-      .def(py::init([](double latency_ms, const Held<LinearCost>& cost) {
-             return JaerTimer(latency_ms, *cost);
+      .def(py::init([](const py::object& latency_ms, const Held<LinearCost>& cost) {
+             return JaerTimer(time_of_ms("latency_ms", latency_ms), *cost);
            }),
            py::arg("latency_ms"), py::arg("cost"));
   bind_rival<GreedyPie>(m, "GreedyPie", "Greedy behind an input filter steered like PIE.");

@@ -14,9 +14,9 @@
 #include "algorithms/cluster_streams.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/random.hpp"
-#include "asap/packager/packager.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "packager/event_times.hpp"
+#include "packager/packager.hpp"
 #include "support/streams.hpp"
 
 namespace {
@@ -56,7 +56,7 @@ class Rig {
  public:
   Rig(asap::Execution execution, std::size_t size)
       : buffer_(size), packager_(buffer_, ages_, scheme_, telemetry_, {.execution = execution}) {
-    packager_.set_axis(asap::TimeAxis(0, 1.0));
+    packager_.begin(asap::TimeAxis(0, 1.0), 0);
   }
 
   // Time of one package, from the question to the booked row.
@@ -89,7 +89,7 @@ class Chain {
   void operator()(EventSpan events) {
     for (const Event& event : events) {
       state_ ^= event.x;
-      for (int i = 0; i < kRounds; ++i) state_ = asap::mix(state_);
+      for (int i = 0; i < kRounds; ++i) state_ = asap::detail::mix(state_);
     }
     benchmark::DoNotOptimize(state_);
   }

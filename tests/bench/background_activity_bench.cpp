@@ -1,6 +1,6 @@
 // Bar: at most 3 ns per event on every stream. The rival is the filter as it is defined: eight
 // neighbours looked at one by one, times in 64 bits.
-#include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -37,7 +37,8 @@ const Events& noisy_shapes() {
 
 void BM_BackgroundActivityFilter(benchmark::State& state, Stream stream) {
   const Events& events = stream();
-  asap::BackgroundActivityFilter filter({.width = 346, .height = 260, .window_us = kWindow_us});
+  asap::BackgroundActivityFilter filter(
+      {.width = 346, .height = 260, .window = std::chrono::microseconds(kWindow_us)});
   Events out(events.size());
   for (auto _ : state) {
     filter.reset();

@@ -9,7 +9,7 @@
 
 #include "algorithms/cluster_streams.hpp"
 #include "algorithms/naive_clusterer.hpp"
-#include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 
 namespace {

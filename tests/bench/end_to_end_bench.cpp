@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "asap/packager/packager.hpp"
 #include "packager/event_times.hpp"
+#include "packager/packager.hpp"
 #include "per_event.hpp"
 #include "support/streams.hpp"
 
@@ -46,7 +46,7 @@ void BM_EndToEnd(benchmark::State& state) {
     const asap::AgeSlots ages(156'250);
     asap::Telemetry telemetry(std::int64_t{1} << 60);
     asap::Packager packager(buffer, ages, scheme, telemetry, {.seed = 1});
-    packager.set_axis(asap::TimeAxis(0, 1.0));
+    packager.begin(asap::TimeAxis(0, 1.0), 0);
     std::thread producer([&] {
       for (std::size_t at = 0; at < events.size();) {
         const std::size_t size = std::min(kBatch, events.size() - at);

@@ -1,6 +1,6 @@
 // Bar: at least half the throughput of boost::lockfree::spsc_queue in the same run, at every batch
 // size, although ours counts what it drops and hands out contiguous pieces.
-#include "asap/buffer/event_buffer.hpp"
+#include "buffer/event_buffer.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -2,7 +2,7 @@
 // packages of 100 and more, 8 ns for single events. complete() is included: latency histogram, log,
 // feed back. The rival is what the public implementation of 2022 does: a locked std::queue, event
 // by event.
-#include "asap/packager/packager.hpp"
+#include "packager/packager.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -42,7 +42,7 @@ void BM_Packager(benchmark::State& state) {
     buffer.push(events);
     telemetry.emplace(kBound_ns);
     asap::Packager packager(buffer, ages, scheme, *telemetry, {.seed = 1});
-    packager.set_axis(asap::TimeAxis(0, 1.0));
+    packager.begin(asap::TimeAxis(0, 1.0), 0);
     state.ResumeTiming();
     std::int64_t now_ns = events.back().t * 1000;
     for (;;) {

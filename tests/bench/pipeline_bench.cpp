@@ -7,12 +7,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/buffer/event_buffer.hpp"
-#include "asap/packager/packager.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "buffer/age_slots.hpp"
+#include "buffer/event_buffer.hpp"
 #include "packager/event_times.hpp"
+#include "packager/packager.hpp"
 #include "per_event.hpp"
 #include "runner/clock.hpp"
 #include "runner/consumer_loop.hpp"
@@ -22,8 +22,9 @@
 namespace {
 
 constexpr std::size_t kPushes = 100;  // of one round
-const asap::RunConfig kWhole{
-    .latency_us = 1e6, .capacity = std::size_t{1} << 20, .execution = asap::Execution::whole};
+const asap::RunConfig kWhole{.latency = std::chrono::seconds(1),
+                             .capacity = std::size_t{1} << 20,
+                             .execution = asap::Execution::whole};
 
 // By arrival: the pipeline.
 void BM_Pipeline(benchmark::State& state) {
@@ -56,7 +57,7 @@ void BM_ByStamp(benchmark::State& state) {
   asap::AgeSlots ages(15'625'000);
   asap::Packager packager(buffer, ages, scheme, telemetry);
   const asap::TimeAxis axis(0, 1.0);
-  packager.set_axis(axis);
+  packager.begin(axis, 0);
   asap::RunClock clock;
   clock.start(1'000'000);
   asap::Doorbell doorbell;

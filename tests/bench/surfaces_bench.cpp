@@ -14,7 +14,7 @@
 #include "algorithms/naive_surfaces.hpp"
 #include "asap/algorithms/event_image.hpp"
 #include "asap/algorithms/event_surface.hpp"
-#include "asap/algorithms/hot_pixel_mask.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 #include "asap/algorithms/plane_flow.hpp"
 #include "per_event.hpp"
 

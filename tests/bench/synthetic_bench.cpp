@@ -2,8 +2,7 @@
 // to be faster than it.
 #include <benchmark/benchmark.h>
 
-#include "asap/synthetic/flight_over_chairs.hpp"
-#include "asap/synthetic/shaken_pattern.hpp"
+#include "asap/synthetic/streams.hpp"
 
 namespace {
 

@@ -3,6 +3,7 @@
 // field. Prints the messages, then how many fields were refused, and ends with 1, as a program does
 // whose configuration is refused; with 2 if a message is missing or names another field.
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "algorithms/cluster_tracker_config.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/runner/pipeline.hpp"
@@ -28,6 +30,8 @@
 #endif
 
 namespace {
+
+using namespace std::chrono_literals;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kTooMany = std::numeric_limits<std::size_t>::max() / 64;
@@ -47,6 +51,7 @@ void expect_refusal_of(const std::string& field, const asap::Result<Value>& resu
 // ---- schemes: the fields of kParameters, which are all there are
 
 void spoil(double& value) { value = kNaN; }
+void spoil(std::chrono::nanoseconds& value) { value = -1ns; }
 void spoil(std::size_t& value) { value = 0; }
 void spoil(asap::Prefer& value) { value = static_cast<asap::Prefer>(3); }
 void spoil(std::optional<double>& value) { value = kNaN; }
@@ -56,7 +61,12 @@ void scheme() {
   const auto refuse = [](const auto& named) {
     typename Scheme::Config config;
     spoil(config.*named.field);
-    expect_refusal_of(named.name, asap::make_scheme<Scheme>(config));
+    std::string name = named.name;
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(config.*named.field)>,
+                                 std::chrono::nanoseconds>) {
+      name.resize(name.size() - 3);  // "_ms", which the table's names carry
+    }
+    expect_refusal_of(name, asap::make_scheme<Scheme>(config));
   };
   std::apply([&](const auto&... named) { (refuse(named), ...); }, Scheme::Config::kParameters);
 }
@@ -69,29 +79,29 @@ void run_field(const char* field, asap::RunConfig config) {
   expect_refusal_of(field, asap::make_pipeline(config, [](const asap::Package&) {}));
 }
 
-// Every value of these is valid: flush, seed, before, most_copied, prefault.
+// Every value of these is valid: flush, seed, before, max_copied, prefault.
 void runs() {
-  const auto& [latency_us, capacity, seed, validator, execution, flush, before, when_full,
-               keep_mask, log_rows, most_copied, prefault] = asap::RunConfig{};
-  const auto& [width, height, on_bad, reorder_tolerance_us, warmup_discard_us] = validator;
-  static_cast<void>(std::tie(latency_us, capacity, seed, execution, flush, before, when_full,
-                             keep_mask, log_rows, most_copied, prefault));
-  static_cast<void>(std::tie(width, height, on_bad, reorder_tolerance_us, warmup_discard_us));
-  run_field("latency_us", {.latency_us = -5});
+  const auto& [latency, capacity, seed, validator, execution, flush, before, when_full, keep_mask,
+               log_rows, max_copied, prefault] = asap::RunConfig{};
+  const auto& [width, height, on_bad, reorder_tolerance, warmup_discard] = validator;
+  static_cast<void>(std::tie(latency, capacity, seed, execution, flush, before, when_full,
+                             keep_mask, log_rows, max_copied, prefault));
+  static_cast<void>(std::tie(width, height, on_bad, reorder_tolerance, warmup_discard));
+  run_field("latency", {.latency = -5us});
   run_field("capacity", {.capacity = kTooMany});
   run_field("capacity", {.capacity = std::size_t{1} << 40});  // no memory
   run_field("width", {.validator = {.width = -1}});
   run_field("height", {.validator = {.height = 65'537}});
   run_field("on_bad", {.validator = {.on_bad = static_cast<asap::OnBad>(9)}});
-  run_field("reorder_tolerance_us", {.validator = {.reorder_tolerance_us = -1}});
-  run_field("warmup_discard_us", {.validator = {.warmup_discard_us = -1}});
+  run_field("reorder_tolerance", {.validator = {.reorder_tolerance = -1us}});
+  run_field("warmup_discard", {.validator = {.warmup_discard = -1us}});
   run_field("execution", {.execution = static_cast<asap::Execution>(-1)});
   run_field("when_full", {.when_full = static_cast<asap::WhenFull>(4)});
   run_field("keep_mask", {.keep_mask = true});
   run_field("log_rows", {.log_rows = kTooMany});
 
-  asap::Deadline deadline{{.latency_ms = 5}};
-  expect_refusal_of("latency_us", asap::make_pipeline(deadline, {.latency_us = 10'000}));
+  asap::Deadline deadline{{.latency = 5ms}};
+  expect_refusal_of("latency", asap::make_pipeline(deadline, {.latency = 10ms}));
   expect_refusal_of("algorithm", asap::make_pipeline({}, asap::Consumer{}));
 }
 
@@ -109,7 +119,7 @@ void costs() {
   cost_field("drift", {.drift = {1, -1}});
   cost_field("outages", {.outages = {{.begin_ns = 2, .end_ns = 1}}});
   asap::Greedy scheme;
-  expect_refusal_of("latency_us", asap::make_simulator(scheme, {}, {.latency_us = kNaN}));
+  expect_refusal_of("latency", asap::make_simulator(scheme, {}, {.latency = 0s}));
 }
 
 // ---- trackers
@@ -129,6 +139,9 @@ void trackers() {
     bad = good;
     if (const auto* const number = std::get_if<0>(&parameter.field)) bad.** number = -1;
     if (const auto* const number = std::get_if<1>(&parameter.field)) bad.** number = kNaN;
+    if (const auto* const time = std::get_if<2>(&parameter.field)) {
+      bad.** time = asap::ClusterTrackerConfig::Milliseconds(kNaN);
+    }
     tracker_field(std::string(parameter.name), bad);
   }
 }
@@ -157,11 +170,11 @@ void published_trackers() {
 // The good ones are made, and work.
 bool good() {
   auto tracker = asap::make_tracker({.width = 346, .height = 260});
-  auto scheme = asap::make_scheme({.latency_ms = 10});
+  auto scheme = asap::make_scheme({.latency = 10ms});
   auto single = asap::make_scheme<asap::SingleEvent>();
   if (!tracker || !scheme || !single) return false;
   auto simulator = asap::make_simulator(*scheme, {.alpha_us = 100, .beta_ns = 50});
-  auto pipeline = asap::make_pipeline({.latency_us = 1e9},
+  auto pipeline = asap::make_pipeline({.latency = 1000s},
                                       [&](asap::EventSpan events) { tracker->process(events); });
   if (!simulator || !pipeline) return false;
   const std::array<asap::Event, 2> events{{{1, 2, 1, 10}, {3, 4, 0, 20}}};

@@ -4,7 +4,6 @@
 #include <string_view>
 #include <vector>
 
-#include "asap/buffer/event_buffer.hpp"
 #include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
 #include "asap/core/random.hpp"
@@ -12,8 +11,6 @@
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
-#include "asap/packager/packager.hpp"
-#include "asap/runner/event_source.hpp"
 #include "asap/runner/linear_cost.hpp"
 #include "asap/runner/replay.hpp"
 #include "asap/runner/run_config.hpp"
@@ -31,11 +28,12 @@
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/run_log.hpp"
-#include "asap/telemetry/slot_log.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"
+#include "buffer/event_buffer.hpp"
 #include "oracle/oracle.hpp"
 #include "packager/anytime_plan.hpp"
+#include "packager/packager.hpp"
 #include "packager/rate_meter.hpp"
 #include "runner/admission.hpp"
 #include "runner/clock.hpp"
@@ -45,6 +43,7 @@
 #include "runner/read_ahead.hpp"
 #include "schemes/calibration.hpp"
 #include "study/realtime.hpp"
+#include "telemetry/slot_log.hpp"
 
 #if defined(__cpp_exceptions) || defined(__cpp_rtti)
 #error "this file is to be compiled with -fno-exceptions -fno-rtti"

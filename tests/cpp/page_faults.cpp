@@ -20,6 +20,8 @@
 namespace asap {
 namespace {
 
+using namespace std::chrono_literals;
+
 // Minor ones of the process so far. Under an emulator they include those of the emulator.
 long page_faults() noexcept {
   rusage usage{};
@@ -49,7 +51,7 @@ Seen run_million(bool prefault, Pipelines& kept) {
 #if defined(__GLIBC__)
   malloc_trim(0);  // no page of what was freed before
 #endif
-  kept.push_back(std::make_unique<Pipeline>(RunConfig{.latency_us = 10'000,
+  kept.push_back(std::make_unique<Pipeline>(RunConfig{.latency = 10ms,
                                                       .capacity = 65'536,
                                                       .validator = {.width = 4000},
                                                       .log_rows = 0,

@@ -1,5 +1,5 @@
 // Aedat2Decoder and its header: any bytes, under any configuration.
-#include "asap/formats/aedat2.hpp"
+#include "asap/formats/aedat.hpp"
 
 #include <stdexcept>
 

@@ -1,7 +1,7 @@
 // Aedat3Decoder and its header: any bytes, of one camera or all. Between bytes that are none it
 // finds a packet that is one.
 #include "any_decoder.hpp"
-#include "asap/formats/aedat3.hpp"
+#include "asap/formats/aedat.hpp"
 
 using namespace asap;
 

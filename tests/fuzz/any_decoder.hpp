@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "asap/core/event.hpp"
-#include "asap/formats/progress.hpp"
+#include "asap/formats/decoder.hpp"
 #include "bytes.hpp"
 
 namespace asap::fuzz {
@@ -67,7 +67,7 @@ bool same_books(const Decoder& a, const Decoder& b) {
 template <class Decoder>
 void check_decoder(const Decoder& fresh, Bytes& bytes) {
   const std::size_t piece = 1 + bytes.below(64);
-  Room little(Decoder::kMostPerRecord + bytes.below(16), 1 + bytes.below(3));
+  Room little(Decoder::kMaxPerRecord + bytes.below(16), 1 + bytes.below(3));
   Room& ample = ample_room();
   const std::span<const std::byte> input = std::as_bytes(bytes.rest());
   Decoder whole = fresh, cut = fresh;

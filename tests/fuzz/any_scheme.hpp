@@ -15,6 +15,8 @@
 
 namespace asap::fuzz {
 
+using namespace std::chrono_literals;
+
 inline Asap2020Config asap2020_config(Bytes& bytes) {
   Asap2020Config config;
   config.rate_bound = bytes.real(1.0, 1e9);
@@ -27,8 +29,8 @@ inline Asap2020Config asap2020_config(Bytes& bytes) {
 
 inline Asap2022Config asap2022_config(Bytes& bytes) {
   Asap2022Config config;
-  if (bytes.flag()) config.max_processing_ms = bytes.real(1e-6, 1e9);
-  if (bytes.flag()) config.min_processing_ms = bytes.real(1e-6, config.max_processing_ms);
+  if (bytes.flag()) config.max_processing = bytes.time(1ns, 1'000'000s);
+  if (bytes.flag()) config.min_processing = bytes.time(1ns, config.max_processing);
   if (bytes.flag()) config.max_size = bytes.count(std::size_t{1} << 40);
   if (bytes.flag()) config.min_size = bytes.count(config.max_size | 1);
   if (bytes.flag()) config.kappa = bytes.real(1e-6, 1e6);
@@ -40,9 +42,9 @@ inline Asap2022Config asap2022_config(Bytes& bytes) {
 
 inline DeadlineConfig deadline_config(Bytes& bytes) {
   DeadlineConfig config;
-  if (bytes.flag()) config.latency_ms = bytes.real(0.01, 1e7);
+  if (bytes.flag()) config.latency = bytes.time(10us, 10'000s);
   if (bytes.flag()) config.overhead = bytes.real(0.0, 1.0);
-  if (bytes.flag()) config.min_interval_ms = bytes.real(0.0, 1e7);
+  if (bytes.flag()) config.min_interval = bytes.time(0s, 10'000s);
   if (bytes.flag()) config.prefer = static_cast<Prefer>(bytes.take<std::uint8_t>() % 3);
   if (bytes.flag()) config.first_alpha_us = bytes.real(0.001, 1e9);
   if (bytes.flag()) config.first_beta_ns = bytes.real(0.001, 1e9);
@@ -51,10 +53,10 @@ inline DeadlineConfig deadline_config(Bytes& bytes) {
 
 inline DeadBeatConfig dead_beat_config(Bytes& bytes) {
   DeadBeatConfig config;
-  if (bytes.flag()) config.latency_ms = bytes.real(0.01, 1e7);
+  if (bytes.flag()) config.latency = bytes.time(10us, 10'000s);
   if (bytes.flag()) config.knee = bytes.real(1.0, 1e6);
   if (bytes.flag()) config.overhead = bytes.real(0.0, 1.0);
-  if (bytes.flag()) config.min_interval_ms = bytes.real(0.0, 1e7);
+  if (bytes.flag()) config.min_interval = bytes.time(0s, 10'000s);
   return config;
 }
 
@@ -70,7 +72,7 @@ inline std::unique_ptr<Scheme> any_scheme(Bytes& bytes) {
     case 3:
       return std::make_unique<FixedSize>(FixedSizeConfig{.size = bytes.count(1 << 20)});
     case 4:
-      return std::make_unique<FixedTime>(FixedTimeConfig{.period_ms = bytes.real(0.001, 1e9)});
+      return std::make_unique<FixedTime>(FixedTimeConfig{.period = bytes.time(1us, 1'000'000s)});
     case 5:
       return std::make_unique<Greedy>(GreedyConfig{.efficiency = bytes.real(0.0, 1.0)});
     case 6:

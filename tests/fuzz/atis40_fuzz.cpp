@@ -1,6 +1,6 @@
 // Atis40Decoder: any bytes, with marks and without.
 #include "any_decoder.hpp"
-#include "asap/formats/atis40.hpp"
+#include "asap/formats/atis.hpp"
 
 using namespace asap;
 

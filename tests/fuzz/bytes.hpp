@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -64,8 +65,14 @@ class Bytes {
     }
     const double share = take<std::uint16_t>() / 65535.0;
     if (kind % 2 == 0) return low + share * (high - low);
-    const double least = std::max(low, 1e-9 * high);
-    return std::clamp(least * std::pow(high / least, share), low, high);
+    const double min = std::max(low, 1e-9 * high);
+    return std::clamp(min * std::pow(high / min, share), low, high);
+  }
+
+  // A time whose good values lie between low and high.
+  std::chrono::nanoseconds time(std::chrono::nanoseconds low, std::chrono::nanoseconds high) {
+    const double ns = real(static_cast<double>(low.count()), static_cast<double>(high.count()));
+    return std::chrono::nanoseconds(std::abs(ns) < 9e18 ? std::llround(ns) : -1);
   }
 
   std::size_t count(std::size_t high) {
@@ -76,9 +83,9 @@ class Bytes {
   }
 
   // Events of 16 bytes each, whatever they hold. The padding has no value and stays zero.
-  std::vector<Event> events(std::size_t most) {
+  std::vector<Event> events(std::size_t max) {
     std::vector<Event> events;
-    while (!left_.empty() && events.size() < most) {
+    while (!left_.empty() && events.size() < max) {
       const auto x = take<std::uint16_t>(), y = take<std::uint16_t>();
       const auto p = take<std::int16_t>();
       take<std::uint16_t>();
@@ -88,10 +95,10 @@ class Bytes {
   }
 
   // Events by small steps of time, now and then a wild one: what a camera with faults sends.
-  std::vector<Event> stream(std::size_t most) {
+  std::vector<Event> stream(std::size_t max) {
     std::vector<Event> events;
     auto t = static_cast<std::uint64_t>(take<std::int32_t>());  // wraps
-    while (!left_.empty() && events.size() < most) {
+    while (!left_.empty() && events.size() < max) {
       const auto step = take<std::uint8_t>();
       if (step >= 240) {
         t = step >= 252 ? take<std::uint64_t>()

@@ -71,14 +71,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const auto scheme = fuzz::any_scheme(bytes);
     const LinearCost cost = fuzz::any_cost(bytes);
-    RunConfig config{.capacity = 1 + bytes.below(1 << (1 + bytes.below(11))),
-                     .seed = bytes.take<std::uint8_t>(),
-                     .validator = {.width = 1 + static_cast<int>(bytes.below(400)),
-                                   .height = 1 + static_cast<int>(bytes.below(400)),
-                                   .on_bad = static_cast<OnBad>(bytes.below(3)),
-                                   .reorder_tolerance_us = bytes.take<std::uint8_t>()},
-                     .execution = bytes.flag() ? Execution::anytime : Execution::whole};
-    if (bytes.below(4) == 0) config.latency_us = bytes.real(10, 1e10);
+    RunConfig config{
+        .capacity = 1 + bytes.below(1 << (1 + bytes.below(11))),
+        .seed = bytes.take<std::uint8_t>(),
+        .validator = {.width = 1 + static_cast<int>(bytes.below(400)),
+                      .height = 1 + static_cast<int>(bytes.below(400)),
+                      .on_bad = static_cast<OnBad>(bytes.below(3)),
+                      .reorder_tolerance = std::chrono::microseconds(bytes.take<std::uint8_t>())},
+        .execution = bytes.flag() ? Execution::anytime : Execution::whole};
+    if (bytes.below(4) == 0)
+      config.latency = bytes.time(std::chrono::microseconds(10), std::chrono::seconds(10'000));
     const std::size_t piece = 1 + bytes.below(600);
     const auto events = bytes.below(4) == 0 ? bytes.events(1000) : bytes.stream(1500);
     const Ledger ledger = simulate(*scheme, cost, config, events, events.size() + 1);

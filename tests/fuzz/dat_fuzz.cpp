@@ -1,5 +1,5 @@
 // DatDecoder: any events, in both versions.
-#include "asap/formats/dat.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include "any_decoder.hpp"
 

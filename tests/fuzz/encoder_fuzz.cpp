@@ -5,11 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "asap/formats/dat.hpp"
+#include "asap/formats/atis.hpp"
 #include "asap/formats/encoder.hpp"
-#include "asap/formats/event_stream.hpp"
-#include "asap/formats/evt2.hpp"
-#include "asap/formats/evt3.hpp"
+#include "asap/formats/prophesee.hpp"
 #include "asap/formats/text.hpp"
 #include "bytes.hpp"
 
@@ -36,7 +34,7 @@ bool encode(Encoder& encoder, std::span<const Event> events, std::size_t room,
 
 template <class Decoder>
 std::vector<Event> decode(Decoder decoder, std::span<const std::byte> bytes) {
-  std::vector<Event> events(bytes.size() + Decoder::kMostPerRecord);
+  std::vector<Event> events(bytes.size() + Decoder::kMaxPerRecord);
   const Progress done = decoder.decode(bytes, events);
   fuzz::check(done.bytes == bytes.size() && decoder.unfinished() == 0);
   events.resize(done.events);
@@ -69,7 +67,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const EncoderConfig config{.encoding = static_cast<Encoding>(input.below(5)),
                              .width = input.take<std::uint16_t>(),
                              .height = input.take<std::uint16_t>()};
-  const std::size_t room = Encoder::kMostPerEvent + input.below(100);
+  const std::size_t room = Encoder::kMaxPerEvent + input.below(100);
   std::vector<Event> events = input.stream(200);
   try {
     Encoder whole(config), cut(config);

@@ -1,6 +1,6 @@
 // EventStreamDecoder and its header: any bytes, in both versions.
 #include "any_decoder.hpp"
-#include "asap/formats/event_stream.hpp"
+#include "asap/formats/atis.hpp"
 
 using namespace asap;
 

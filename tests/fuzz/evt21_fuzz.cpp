@@ -1,5 +1,5 @@
 // Evt21Decoder: any words, in both orders.
-#include "asap/formats/evt21.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include "any_decoder.hpp"
 

@@ -1,5 +1,5 @@
 // Evt2Decoder: any words.
-#include "asap/formats/evt2.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include "any_decoder.hpp"
 

@@ -1,5 +1,5 @@
 // Evt3Decoder: any words.
-#include "asap/formats/evt3.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include "any_decoder.hpp"
 

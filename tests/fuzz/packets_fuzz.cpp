@@ -15,7 +15,7 @@ template <class Decoder>
 void check_messages(fuzz::Bytes& bytes) {
   const std::size_t piece = 1 + bytes.below(64);
   fuzz::Room& ample = fuzz::ample_room();
-  fuzz::Room little(Decoder::kMostPerRecord + bytes.below(16), 1);
+  fuzz::Room little(Decoder::kMaxPerRecord + bytes.below(16), 1);
   Decoder whole, cut;
   while (!bytes.empty()) {
     const auto base = bytes.take<std::uint64_t>();

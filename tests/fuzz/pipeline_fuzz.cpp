@@ -22,6 +22,7 @@ namespace {
 using Next = Pipeline::Next;
 using Steady = std::chrono::steady_clock;
 using std::chrono::nanoseconds;
+using namespace std::chrono_literals;
 
 // The fuzzer's own alarm wakes who sleeps, which hides it.
 constexpr auto kNoHang = std::chrono::seconds(8);
@@ -61,15 +62,15 @@ RunConfig any_run(fuzz::Bytes& bytes) {
                    .flush = bytes.below(8) != 0,
                    .when_full = static_cast<WhenFull>(bytes.below(4))};
   if (bytes.below(32) == 0) config.capacity = (std::size_t{1} << 40) + 1;
-  if (bytes.below(4) == 0) config.latency_us = bytes.real(10, 1e10);
+  if (bytes.below(4) == 0) config.latency = bytes.time(10us, 10'000s);
   config.validator = {.width = static_cast<int>(odd_or(bytes, 400)),
                       .height = static_cast<int>(odd_or(bytes, 400)),
                       .on_bad = static_cast<OnBad>(bytes.below(3)),
-                      .reorder_tolerance_us = odd_or(bytes, 256),
-                      .warmup_discard_us = odd_or(bytes, 256)};
+                      .reorder_tolerance = nanoseconds(odd_or(bytes, 256'000)),
+                      .warmup_discard = nanoseconds(odd_or(bytes, 256'000))};
   if (bytes.below(4) == 0) {
-    config.before = Front{.keep_every = static_cast<int>(bytes.below(4)),
-                          .throws = static_cast<int>(bytes.below(3))};
+    config.front_filter = Front{.keep_every = static_cast<int>(bytes.below(4)),
+                                .throws = static_cast<int>(bytes.below(3))};
   }
   return config;
 }
@@ -134,8 +135,8 @@ class Camera {
   // To be given up at its first poll, which costs 20 ms: seldom.
   void push() {
     if (waits_ && waited_ > 0) return;
-    const std::size_t most = bytes_.below(400);
-    const auto events = bytes_.below(4) == 0 ? bytes_.events(most) : bytes_.stream(most);
+    const std::size_t max = bytes_.below(400);
+    const auto events = bytes_.below(4) == 0 ? bytes_.events(max) : bytes_.stream(max);
     const bool open = pipeline_.is_open();
     try {
       const bool taken = pipeline_.push(events, any_arrival(bytes_), [this] {
@@ -143,19 +144,19 @@ class Camera {
         throw Mine{};
       });
       fuzz::check(taken == open || may_be_shut_);
-      if (taken) least_ += events.size();
-      if (taken) most_ += events.size();
+      if (taken) min_ += events.size();
+      if (taken) max_ += events.size();
     } catch (const std::invalid_argument& refused) {
       check_refusal(refused);
-      most_ += events.size();
+      max_ += events.size();
     } catch (const Mine&) {
-      most_ += events.size();
+      max_ += events.size();
     }
   }
   void check_received(const Ledger& ledger) const {
-    fuzz::check(ledger.received >= least_ && ledger.received <= most_);
+    fuzz::check(ledger.received >= min_ && ledger.received <= max_);
   }
-  void begin_anew() { least_ = most_ = 0; }
+  void begin_anew() { min_ = max_ = 0; }
   void may_be_shut_by_another_thread() { may_be_shut_ = true; }
 
  private:
@@ -164,18 +165,18 @@ class Camera {
   const bool waits_;
   bool may_be_shut_ = false;
   int waited_ = 0;
-  std::uint64_t least_ = 0;  // in pushes that were taken whole
-  std::uint64_t most_ = 0;   // and in those that were refused or given up on the way
+  std::uint64_t min_ = 0;  // in pushes that were taken whole
+  std::uint64_t max_ = 0;  // and in those that were refused or given up on the way
 };
 
 void set_any_latency(Pipeline& pipeline, fuzz::Bytes& bytes) {
-  const double latency_us = bytes.real(10, 1e10);
+  const nanoseconds latency = bytes.time(10us, 10'000s);
   try {
-    pipeline.set_latency(latency_us);
-    fuzz::check(pipeline.stats().latency_bound_ns == std::llround(latency_us * 1e3));
+    pipeline.set_latency(latency);
+    fuzz::check(pipeline.stats().latency_bound_ns == latency.count());
   } catch (const std::invalid_argument& refused) {
     check_refusal(refused);
-    fuzz::check(!(latency_us >= 10 && latency_us <= 1e10));
+    fuzz::check(latency < 10us || latency > 10'000s);
   }
 }
 

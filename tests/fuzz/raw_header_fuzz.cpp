@@ -1,7 +1,6 @@
 // read_raw_header, read_dat_header: any bytes. A header lies within them and ends a line.
-#include "asap/formats/raw_header.hpp"
+#include "asap/formats/prophesee.hpp"
 
-#include "asap/formats/dat.hpp"
 #include "bytes.hpp"
 
 using namespace asap;

@@ -12,7 +12,7 @@ using namespace asap;
 namespace {
 
 constexpr std::int64_t kEndOfTimeNs = 9'200'000'000'000'000'000;
-constexpr std::size_t kMostWaiting = std::size_t{1} << 16;
+constexpr std::size_t kMaxWaiting = std::size_t{1} << 16;
 
 // Events spread evenly from the oldest to now.
 class EvenBacklog final : public BacklogCounts {
@@ -52,7 +52,7 @@ struct Run {
   void decide(Scheme& scheme) {
     now_ns += step_ns();
     oldest_ns = std::clamp<std::int64_t>(now_ns - step_ns(), oldest_ns, now_ns);
-    const std::size_t count = 1 + bytes.count(kMostWaiting) % kMostWaiting;
+    const std::size_t count = 1 + bytes.count(kMaxWaiting) % kMaxWaiting;
     const bool due = bytes.flag();
     const EvenBacklog counts(count, oldest_ns, now_ns);
     const Decision decision = scheme.decide({.count = count,

@@ -20,8 +20,8 @@ ValidatorConfig config_of(fuzz::Bytes& bytes) {
   return {.width = width,
           .height = height,
           .on_bad = static_cast<OnBad>(bytes.below(3)),
-          .reorder_tolerance_us = bytes.flag() ? bytes.take<std::int64_t>()
-                                               : static_cast<std::int64_t>(bytes.below(2000))};
+          .reorder_tolerance = bytes.flag() ? std::chrono::nanoseconds(bytes.take<std::int64_t>())
+                                            : std::chrono::microseconds(bytes.below(2000))};
 }
 
 void check_passed(const std::vector<Event>& events, const ValidatorConfig& config) {

@@ -20,6 +20,8 @@
 
 namespace {
 
+using namespace std::chrono_literals;
+
 constexpr std::size_t kPackage = 1000;
 
 #if defined(__x86_64__)
@@ -64,11 +66,11 @@ class Counted final : public asap::Scheme {
   std::size_t observations = 0;
 
  private:
-  asap::Deadline deadline_{{.latency_ms = 10}};
+  asap::Deadline deadline_{{.latency = 10ms}};
 };
 
 std::size_t run(asap::Scheme& scheme, std::size_t events, std::size_t push = kPackage) {
-  asap::Pipeline pipeline(scheme, {.latency_us = 10'000,
+  asap::Pipeline pipeline(scheme, {.latency = 10ms,
                                    .capacity = 65'536,
                                    .validator = {.width = 346, .height = 260},
                                    .execution = asap::Execution::whole,
@@ -115,7 +117,7 @@ int main(int count, char** words) {
     std::printf("%zu %zu\n", counted.decisions, counted.observations);
     return 0;
   }
-  asap::Deadline deadline{{.latency_ms = 10}};
+  asap::Deadline deadline{{.latency = 10ms}};
   Fixed fixed(what == "keep" ? 1.0 : 0.5);
   asap::Scheme& scheme = what == "deadline" ? static_cast<asap::Scheme&>(deadline) : fixed;
   return run(scheme, events) > 0 ? 0 : 1;

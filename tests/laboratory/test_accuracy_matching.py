@@ -5,7 +5,7 @@ import pytest
 
 from asap_laboratory.scoring.matching import match
 from asap_laboratory.scoring.measures import event_accuracy, mota, noise_leak, time_to_confirm
-from asap_laboratory.scoring.trace import Sample, Snapshot, follow, sample_times
+from asap_laboratory.scoring.trace import Sample, Snapshot, follow
 from fake_scene import FakeScene, FakeTracker, perfect
 
 
@@ -92,10 +92,6 @@ def test_an_inactive_object_is_neither_missed_nor_matched_but_excuses_a_cluster(
     assert match([both])[0].counted.tolist() == [False, True]
 
 
-def test_a_second_cluster_on_an_active_object_is_false():
-    assert counts(sample({0: (50, 50)}, {7: (50, 50), 8: (52, 50)})) == (1, 0, 1, 0)
-
-
 # ---- sums -----------------------------------------------------------------------------------
 
 
@@ -120,20 +116,7 @@ def test_velocity_error_is_relative_to_the_rms_speed():
     assert np.isnan(mota(match([sample({0: (50, 50)}, {7: (50, 50)})])).velocity_rms)
 
 
-def test_nothing_to_divide_by_is_nan():
-    found = mota(match([sample({}, {})]))
-    assert all(np.isnan(found[n]) for n in (0, 2, 3, 7, 8))
-
-
 # ---- samples --------------------------------------------------------------------------------
-
-
-def test_samples_are_every_5_ms_from_100_ms_on():
-    scene = FakeScene([(50, 50, 0, 0)], end_us=115_001)
-    assert sample_times(scene.events) == [100_000, 105_000, 110_000, 115_000]
-    assert sample_times(scene.events[:-1]) == [100_000, 105_000, 110_000]
-    assert sample_times(scene.events[:100]) == []
-    assert sample_times(scene.events[:0]) == []
 
 
 def test_a_tracker_has_seen_the_events_before_a_sample_and_no_other():
@@ -173,16 +156,6 @@ def test_event_accuracy_is_of_the_matched_id_after_200_ms():
     assert event_accuracy(*labelled(right, early)) == 0
     swapped = lambda events: np.where(events["x"] == 50, 8, 7)  # noqa: E731
     assert event_accuracy(*labelled(right, swapped)) == 0
-
-
-def test_the_matched_id_is_that_of_the_sample_before():
-    def changes(t_us):
-        return [(7 if t_us < 250_000 else 9, 50, 50)]
-
-    follows = lambda events: np.where(events["x"] == 50, np.where(events["t"] < 250_000, 7, 9), -1)  # noqa: E731
-    assert event_accuracy(*labelled(changes, follows)) == pytest.approx(0.5)
-    stays = lambda events: np.where(events["x"] == 50, 7, -1)  # noqa: E731
-    assert event_accuracy(*labelled(changes, stays)) == pytest.approx(0.25, abs=0.01)
 
 
 def test_noise_leak_is_of_noise_after_200_ms():

@@ -9,7 +9,6 @@ import pytest
 pytest.importorskip("asap_laboratory")
 
 from asap_laboratory import cpu_quota
-from asap_laboratory.cpu_share import Setting
 
 
 def test_a_system_without_the_controller_is_named(tmp_path: Path) -> None:
@@ -33,8 +32,8 @@ def test_a_group_that_cannot_be_made_is_named(
 
 def test_the_process_has_its_share_and_no_more() -> None:
     try:
-        (row,) = cpu_quota.measure(0.25, [Setting(overhead=0.8)], duration_s=1.0)
+        (row,) = cpu_quota.measure(0.25, [(0.8, 0.0)], duration_s=1.0)
     except cpu_quota.NoQuota as reason:
         pytest.skip(str(reason))
-    assert 0.05 < row.cpu < 0.35
-    assert row.packages_per_s > 0
+    assert 0.05 < row["cpu"] < 0.35
+    assert row["packages_per_s"] > 0

@@ -1,62 +1,36 @@
-"""The processor's share over latency: what the table says is what the runs say."""
+"""The processor's share over latency: each knob gives one for the other."""
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 
-from house import ROOT
-
-pytest.importorskip("asap_laboratory")
-
 from asap_laboratory import cpu_share
-from asap_laboratory.cpu_share import Setting
+from asap_laboratory.study import Batch
 
 
-@pytest.fixture(scope="module")
-def rows() -> list[cpu_share.Row]:
-    return cpu_share.measure(seeds=(1,), duration_s=1.0)
+def test_each_knob_gives_latency_for_processor_time(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task = cpu_share.FlightCase(1, duration_s=1.0)
 
+    def batches(form: str) -> Iterator[Batch]:
+        yield Batch([task])
 
-def test_each_knob_gives_latency_for_processor_time(rows: list[cpu_share.Row]) -> None:
-    by_overhead = [row for row in rows if row.setting.min_interval_ms == 0]
-    by_interval = [row for row in rows if row.setting.overhead == 0.25]
-    for some in (by_overhead, by_interval):
-        assert all(more.cpu >= less.cpu for more, less in pairwise(some))
-        assert all(more.p50 <= less.p50 for more, less in pairwise(some))
-        assert some[0].cpu > 1.3 * some[-1].cpu
-    assert all(row.in_time == 1.0 for row in rows)
-
-
-def test_the_share_is_the_cost_over_the_duration() -> None:
-    (row,) = cpu_share.measure([Setting(min_interval_ms=5.0)], seeds=(1,), duration_s=1.0)
-    assert row.packages_per_s == pytest.approx(200, abs=3)
-    events = cpu_share.FlightOverChairs(duration_s=1.0, seed=1).events().size
-    cost_us = row.packages_per_s * cpu_share.ALPHA_US + events * cpu_share.BETA_NS * 1e-3
-    assert row.cpu == pytest.approx(cost_us * 1e-6)
-
-
-def test_table_and_figure_have_every_setting(rows: list[cpu_share.Row]) -> None:
-    pytest.importorskip("matplotlib")
-    assert len(cpu_share.table(rows).splitlines()) == 2 + len(cpu_share.SETTINGS)
-    (axes,) = cpu_share.draw(rows).axes
-    assert [len(line.get_xdata()) for line in axes.lines] == [5, 5]
-
-
-def test_the_page_shows_the_table() -> None:
-    page = (ROOT / "notebooks" / "board.md").read_text()
-    header, rule, *_ = cpu_share.table([]).splitlines()
-    settings = [f"| {one.overhead:g} | {one.min_interval_ms:g} |" for one in cpu_share.SETTINGS]
-    assert f"{header}\n{rule}\n{settings[0]}" in page
-    assert all(page.count(f"\n{setting}") == 1 for setting in settings)
-
-
-def test_the_command_writes_both(tmp_path, capsys, monkeypatch) -> None:
-    pytest.importorskip("matplotlib")
-    short = cpu_share.measure([Setting(), Setting(overhead=0.5)], seeds=(1,), duration_s=0.1)
-    monkeypatch.setattr(cpu_share, "measure", lambda: short)
-    assert cpu_share.main([str(tmp_path)]) == 0
-    assert (tmp_path / "cpu_share.md").read_text() == capsys.readouterr().out
+    study = dataclasses.replace(cpu_share.CPU_SHARE, batches=batches)
+    monkeypatch.setattr(cpu_share, "CPU_SHARE", study)
+    assert cpu_share.main([]) == 2 and cpu_share.main([str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert printed in (tmp_path / "cpu_share.md").read_text()
+    assert len(printed.splitlines()) == 2 + len(cpu_share.SETTINGS)
     assert "<svg" in (tmp_path / "cpu_share.svg").read_text()
-    assert cpu_share.main([]) == 2
+    rows = task.measure()
+    for some in (rows[:5], [rows[2], *rows[5:]]):
+        assert all(more["cpu"] >= less["cpu"] for more, less in pairwise(some))
+        assert all(more["p50"] <= less["p50"] for more, less in pairwise(some))
+        assert some[0]["cpu"] > 1.3 * some[-1]["cpu"]
+    assert all(row["in_time"] == 1.0 for row in rows)

@@ -43,11 +43,6 @@ def test_a_folder_is_a_scene_and_a_source(tmp_path: Path) -> None:
     assert run.ledger.received == 100
 
 
-def test_rows_may_come_in_any_order(tmp_path: Path) -> None:
-    scene = labelled(folder(tmp_path, box(30, id=1) + box(10, id=2) + box(30, id=0)))
-    assert scene.boxes["id"].tolist() == [2, 0, 1]
-
-
 @pytest.mark.parametrize("name", ["events.npz", "truth.csv", "ignore.csv", "sensor.json"])
 def test_a_missing_file_is_named(tmp_path: Path, name: str) -> None:
     (folder(tmp_path) / name).unlink()
@@ -63,17 +58,11 @@ def test_a_missing_file_is_named(tmp_path: Path, name: str) -> None:
         (box(10) + box(20)[:-7] + "\n", "row 3: values = .*: give 7 values, as in the heading"),
         (box(10) + box(10), "row 3: id = 0: give one box per time"),
         (box(-101), "row 2: t_us = 4899000: give the clock of events.npz, 5000000 to 5099000 us"),
-        (box(10) + box(200), "row 3: t_us = 5200000: give the clock of events.npz"),
         (box(10, x=100), "row 2: x = 100.0: the box lies off the sensor of 100 x 80 px; correct"),
-        (box(10, y=-10), "row 2: y = -10.0: the box lies off the sensor"),
         (box(10, w=0), "row 2: w = 0.0: give more than 0 px"),
         (box(10, h=math.nan), "row 2: h = 'nan': give a finite number, in px"),
-        (box(10, y=80), "row 2: y = 80.0: the box lies off the sensor of 100 x 80 px; correct"),
-        (box(10, h=0), "row 2: h = 0.0: give more than 0 px"),
-        (box(10, x=math.inf), "row 2: x = 'inf': give a finite number, in px"),
         (box(10).replace(",0,", ",a,", 1), "row 2: id = 'a': give a whole number"),
         (box(10, id=1 << 63), f"row 2: id = '{1 << 63}': give a whole number"),
-        (box(10) + box(20, id="0.5"), "row 3: id = '0.5': give a whole number"),
         ("\n", "row 2: there is none; give at least one box"),
     ],
 )
@@ -87,10 +76,7 @@ def test_a_bad_truth_is_refused_by_file_and_row(tmp_path: Path, rows: str, messa
     [
         ("5,1,2,6,0,9\n", "row 2: x1 = 1.0: give more than 5.0"),
         ("1,5,2,6,0,9\n1,5,2,6,9,9\n", "row 3: to_us = 9: give more than 9"),
-        ("1,5,6,6,0,9\n", "row 2: y1 = 6.0: give more than 6.0"),
         ("1,5,2,6,0,9.5\n", "row 2: to_us = '9.5': give a whole number"),
-        ("1,5,2,nan,0,9\n", "row 2: y1 = 'nan': give a finite number, in px"),
-        ("1,5,2,6,0\n", "row 2: values = '1,5,2,6,0': give 6 values, as in the heading"),
     ],
 )
 def test_a_bad_zone_is_refused_by_file_and_row(tmp_path: Path, zones: str, message: str) -> None:
@@ -102,10 +88,8 @@ def test_a_bad_zone_is_refused_by_file_and_row(tmp_path: Path, zones: str, messa
     ("name", "heading", "message"),
     [
         ("truth.csv", "t_us,id,x,y,w,h,colour", "give t_us, id, x, y, w, h and, at will, name"),
-        ("truth.csv", "t_us,id,x,y,w", "give t_us, id, x, y, w, h and"),
         ("truth.csv", "t_us,id,x,y,w,h,x", "give t_us, id, x, y, w, h and"),
         ("ignore.csv", "x0,x1,y0,y1,from_us,to_us,why", "give x0, x1, y0, y1, from_us, to_us$"),
-        ("ignore.csv", "", "give x0, x1, y0, y1, from_us, to_us$"),
     ],
 )
 def test_unknown_columns_are_refused(tmp_path: Path, name: str, heading: str, message: str) -> None:
@@ -118,10 +102,8 @@ def test_unknown_columns_are_refused(tmp_path: Path, name: str, heading: str, me
     ("sensor", "message"),
     [
         ({"width": 0}, "width = 0: give the sensor's width, 1 to 65536 px"),
-        ({"width": "100"}, "width = '100': give the sensor's width, 1 to 65536 px"),
         ({"height": True}, "height = True: give the sensor's height, 1 to 65536 px"),
         ({"camera": None}, "camera = None: give one of still, moving"),
-        ({"background": "empty"}, "background = 'empty': give one of labelled, unlabelled"),
     ],
 )
 def test_a_bad_sensor_is_refused(tmp_path: Path, sensor: dict[str, Any], message: str) -> None:
@@ -173,11 +155,6 @@ def test_inside_is_up_to_2_px_beyond_the_edge(tmp_path: Path) -> None:
     assert found["error"] == (12 + 7) / 2
 
 
-def test_a_second_cluster_in_a_box_is_false(tmp_path: Path) -> None:
-    found = scored(tmp_path, {ms: [(7, *CENTRE), (8, 22, 20)] for ms in (10, 20, 30)})
-    assert (found["hit"], found["precision"], found["mota"]) == (1, 0.5, 0)
-
-
 def test_the_id_before_is_preferred_to_a_nearer_one(tmp_path: Path) -> None:
     found = scored(tmp_path, {10: [(7, 12, 20)], 20: [(7, 12, 20), (8, *CENTRE)], 30: []})
     assert (found["switches"], found["longest"], found["error"]) == (0, 2 / 3, 8)
@@ -196,12 +173,6 @@ def test_the_assignment_matches_the_most_boxes(tmp_path: Path) -> None:
     assert (found["hit"], found["error"]) == (1, 7)
 
 
-def test_longest_is_the_mean_over_the_objects(tmp_path: Path) -> None:
-    rows = box(10) + box(20) + box(20, id=1, x=60)
-    found = scored(tmp_path, {10: [(7, *CENTRE)], 20: [(7, *CENTRE)]}, rows=rows)
-    assert (found["hit"], found["longest"]) == (2 / 3, 0.5)
-
-
 def test_an_ignored_zone_excuses_clusters_not_misses(tmp_path: Path) -> None:
     zones = f"50,60,50,60,{T0_US},{T0_US + 20_000}\n"
     extra = {ms: [(7, *CENTRE), (8, 50, 59.9)] for ms in (10, 20, 30)}
@@ -217,23 +188,12 @@ def test_precision_is_not_judged_before_an_unlabelled_background(tmp_path: Path)
     assert found["hit"] == 1 / 3
 
 
-def test_a_tracker_that_finds_nothing_has_no_error(tmp_path: Path) -> None:
-    found = scored(tmp_path, {})
-    assert (found["hit"], found["longest"], found["mota"]) == (0, 0, 0)
-    assert math.isnan(found["error"]) and math.isnan(found["precision"])
-
-
 def test_the_tracker_sees_the_events_before_the_labelled_time(tmp_path: Path) -> None:
     scene = labelled(folder(tmp_path))
     tracker = FakeTracker(lambda t_us: [])
     score(tracker, scene)
     ends = [int(package["t"][-1]) - T0_US for package in tracker.packages]
     assert ends == [9_000, 19_000, 29_000, 99_000]
-
-
-def test_a_corner_detector_has_no_clusters_for_boxes(tmp_path: Path) -> None:
-    with pytest.raises(TypeError, match=r"^tracker = .*: boxes need clusters"):
-        score(asap.EFast(100, 80), labelled(folder(tmp_path)))  # type: ignore[arg-type]
 
 
 # ---- recordings outside the project ---------------------------------------------------------
@@ -253,8 +213,3 @@ def test_labelled_recordings_score_as_their_authors_measured(name: str) -> None:
     scene = labelled(recording("labelled") / name)
     found = score(asap.ClusterTracker(scene.width, scene.height, engine="compat"), scene)
     assert (found["hit"], found["precision"]) == pytest.approx(PUBLISHED_RULE[name], abs=0.0051)
-
-
-def test_a_recording_without_boxes_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"truth\.csv: row 1: columns = 't_us,theta_rad"):
-        labelled(recording("labelled") / "rotating_pipe")

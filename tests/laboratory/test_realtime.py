@@ -6,18 +6,23 @@ import numpy as np
 import pytest
 
 import asap
-from asap_laboratory import _native, profiles, realtime
-from asap_laboratory.cli import main
+from asap_laboratory import STUDIES, _native, conduct, profiles, realtime
+
+Short, Jitter = realtime.ClocksCase, realtime.JitterCase
 
 
-def test_both_clocks_get_the_same_events_and_keep_the_books():
-    pairs = realtime.replay_beside_simulation(("low",), duration_s=0.3)
-    (pair,) = pairs
-    assert pair.real.mode == "real"
-    assert pair.virtual.mode == "virtual"
-    assert pair.real.ledger.received == pair.virtual.ledger.received > 20_000
-    assert pair.real.ledger.balanced
-    assert pair.real.scheme.name == pair.virtual.scheme.name == "deadline"
+def test_both_clocks_get_the_same_events(tmp_path, monkeypatch):
+    monkeypatch.setattr(realtime, "PROFILES", ("low",))
+    real, virtual = realtime.ClocksCase("low", duration_s=0.1).measure()
+    assert (real["clock"], virtual["clock"]) == ("real", "virtual")
+    assert virtual["kept"] == virtual["in_time"] == 1 and virtual["late_max_ms"] is None
+    assert 0 <= real["in_time"] <= real["kept"] <= 1 and real["late_max_ms"] >= 0
+    study = STUDIES["realtime"]
+    monkeypatch.setattr(realtime, "ClocksCase", lambda profile: Short(profile, duration_s=0.05))
+    monkeypatch.setattr(realtime, "JitterCase", lambda: Jitter(duration_s=0.01))
+    found = conduct(study, tmp_path, workers=1)
+    row = next(line for line in found.paths[0].read_text().splitlines() if "| low |" in line)
+    assert row.count(" / ") == 6 and row.count("|") == 8
 
 
 def test_a_busy_wait_costs_what_it_says():
@@ -40,19 +45,6 @@ def test_an_algorithm_of_another_extension_runs_natively():
     assert run.ledger.received == events.size and run.ledger.balanced
 
 
-def test_any_other_attribute_of_that_name_means_nothing():
-    class Odd:
-        __asap_consumer__ = "no capsule"
-        calls = 0
-
-        def process(self, events):
-            self.calls += 1
-
-    odd = Odd()
-    asap.run(profiles.Profile("low", duration_s=0.02).events(), algorithm=odd)
-    assert odd.calls
-
-
 def test_a_python_caller_is_spun_for_as_well():
     events = profiles.Profile("low", duration_s=0.02).events()
     # A busy machine may take the processor away for all that time.
@@ -60,25 +52,6 @@ def test_a_python_caller_is_spun_for_as_well():
     algorithm = _native.BusyWait(10.0, 0.0)
     algorithm.process(events)
     assert algorithm.parameters == {"alpha_us": 10.0, "beta_ns": 0.0}
-
-
-def test_the_table_has_both_columns():
-    pairs = realtime.replay_beside_simulation(("low",), duration_s=0.1)
-    table = realtime.format_pairs(pairs, realtime.scheduling_jitter(0.01))
-    row = next(line for line in table.splitlines() if line.startswith("| low |"))
-    assert row.count("|") == 8
-    assert " / ".join(f"{one.kept:.3f}" for one in (pairs[0].real, pairs[0].virtual)) in row
-    assert "Scheduling jitter" in table
-
-
-def test_the_command_writes_the_table(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(realtime, "PROFILES", ("low",))
-    short = realtime.replay_beside_simulation(("low",), duration_s=0.1)
-    monkeypatch.setattr(realtime, "replay_beside_simulation", lambda: short)
-    jitter = realtime.scheduling_jitter(0.01)
-    monkeypatch.setattr(realtime, "scheduling_jitter", lambda _: jitter)
-    assert main(["--realtime", "--out", str(tmp_path)]) == 0
-    assert (tmp_path / "realtime.md").read_text() in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("field", "value"), [("alpha_us", -1.0), ("beta_ns", float("nan"))])

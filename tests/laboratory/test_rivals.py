@@ -46,7 +46,7 @@ def test_is_a_scheme_with_a_bound_of_its_own(name, runs):
     assert scheme.parameters == {"latency_ms": 10.0}
     assert not hasattr(asap, type(scheme).__name__)  # no product
     assert runs[name].summary()["latency_bound_us"] == 10_000
-    with pytest.raises(ValueError, match=r"^latency_us = 5000: "):
+    with pytest.raises(ValueError, match=r"^latency_ms = 5: "):
         asap.simulate(streams.make([0]), cost=COST, scheme=scheme, latency_ms=5)
 
 
@@ -77,23 +77,6 @@ def test_filters_on_arrival_leave_packages_whole(runs):
     for name in ("greedy_pie", "greedy_rate_gamma"):
         assert (runs[name].packages["gamma"] == 1.0).all()
         assert 0.3 < runs[name].kept < 0.5
-
-
-def test_the_timer_knows_the_cost_of_its_packages(runs):
-    """No package lasts longer than its timer, whatever X is, and busy ones use all of it."""
-    run = runs["jaer_timer"]
-    took_us = run.packages["processing_us"]
-    assert took_us.max() <= 5000
-    assert np.median(took_us[took_us > 2000]) > 4999
-    assert run.latency.max <= 10_001
-
-
-def test_spark_closes_every_five_milliseconds(runs):
-    packages = runs["spark_pid"].packages
-    assert (packages["t_first"] // 5000 == packages["t_last"] // 5000).all()
-    assert (np.diff(packages["t_first"] // 5000) >= 1).all()
-    assert packages["offered"].max() == 50_000
-    assert packages["gamma"].min() < 0.5
 
 
 def test_compare_takes_the_published_schedulers(events):

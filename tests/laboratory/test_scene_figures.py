@@ -39,10 +39,6 @@ def test_snapshot_shows_the_window_and_the_truth(scene: Scene) -> None:
     assert axes.get_title(loc="left") == "timing: 10 ms before 0.150 s"
 
 
-def test_a_scene_plots_itself_in_its_middle(scene: Scene) -> None:
-    assert scene.plot().axes[0].get_title(loc="left") == "timing: 15 ms before 0.100 s"
-
-
 def test_pictures_of_the_documentation_are_there_light_and_alike(scene: Scene) -> None:
     names = {f"scene_{one.name}.svg" for one, _, _ in scene_pictures.documented()}
     files = {path.name: path for path in (ROOT / "notebooks").glob("scene_*.svg")}

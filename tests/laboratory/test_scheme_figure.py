@@ -8,7 +8,6 @@ from asap.experiment import Comparison
 
 pytest.importorskip("matplotlib")
 
-from asap import plots
 from asap_laboratory import scheme_figure
 
 
@@ -38,8 +37,3 @@ def test_figure_shows_rate_latency_and_share_of_every_scheme(comparison: Compari
         for label in ("Deadline", "Asap2020", "FixedTime", "Greedy", "FixedSize")
     ]
     assert rate.collections
-
-
-def test_the_same_figure_has_the_same_bytes(comparison: Comparison) -> None:
-    drawn, again = (plots.svg(scheme_figure.draw(comparison)) for _ in range(2))
-    assert drawn == again and "most that the algorithm can do" in drawn

@@ -56,25 +56,6 @@ def test_a_perfect_tracker_scores_ones():
     assert 0 < found["ns_per_event_p50"] <= found["ns_per_event_p999"]
 
 
-def test_a_tracker_without_ids_has_no_figures_of_events():
-    scene = noisy()
-    found = score(perfect(scene), scene)
-    assert found["mota"] == 1
-    assert math.isnan(found["event_accuracy"]) and math.isnan(found["v_measure"])
-
-
-def test_noise_is_a_class_or_left_out():
-    scene = noisy()
-    ids = by_truth(scene)
-    greedy = score(perfect(scene, ids=lambda events: np.maximum(ids(events), 10)), scene)
-    assert greedy["v_measure"] < 0.99 and greedy["ari"] < 0.99 and greedy["noise_leak"] == 1
-    assert greedy["v_measure_objects"] == greedy["ari_objects"] == pytest.approx(1)
-    early = score(
-        perfect(scene, ids=lambda events: np.where(events["t"] < 200_000, -1, ids(events))), scene
-    )
-    assert early["v_measure"] == pytest.approx(1)  # of events after 200 ms
-
-
 def test_nees_reads_the_covariance_of_the_error():
     scene = FakeScene([(50, 50, 0, 0)])
 
@@ -110,13 +91,6 @@ def test_clusters_are_extrapolated_where_the_tracker_does_not():
             return Late.clusters.fget(self)[["id", "x", "y"]]
 
     assert score(Slow(None), scene)["position_rms"] == pytest.approx(0.2)  # 1 ms at 200 px/s
-
-
-def test_our_tracker_follows_an_object():
-    scene = FakeScene([(50, 50, 0, 0), (150, 100, 0, 0)], end_us=200_001)
-    found = score(asap.ClusterTracker(346, 260, engine="compat", min_size=5), scene)
-    assert found["mota"] == 1 and found["position_rms"] < 1e-9
-    assert math.isnan(found["nees"]) and math.isnan(found["nees_high"])  # infinite: not stated
 
 
 # ---- filter, thinning, telling --------------------------------------------------------------
@@ -169,12 +143,6 @@ def test_active_may_be_what_the_tracker_can_see():
         score(perfect(scene), scene, active="all")
 
 
-def test_thinned_labels_stay_with_their_events():
-    scene = noisy()
-    found = score(perfect(scene, ids=by_truth(scene)), scene, gamma=0.5)
-    assert found["event_accuracy"] == 1 and found["v_measure"] == pytest.approx(1)
-
-
 def test_the_algorithm_is_told_unless_it_should_not_or_cannot_be():
     scene = FakeScene([(50, 50, 0, 0)])
     told, not_told, whole = perfect(scene), perfect(scene), perfect(scene)
@@ -219,16 +187,6 @@ def test_events_that_did_not_go_in_are_refused(field):
         passed(np.array([1, 2]), events)
 
 
-def test_the_background_filter_in_front():
-    rng = np.random.default_rng(0)
-    scene = FakeScene([(50, 50, 0, 0)] * 3, end_us=300_001, noise=rng.integers(0, 300_000, 50))
-    scene.events["x"] += (scene.labels > 0).astype(np.uint16)  # a neighbour
-    scene.events["y"][scene.labels < 0] = rng.integers(100, 250, 50)
-    baf = asap.BackgroundActivityFilter(346, 260)
-    found = score(perfect(scene, ids=by_truth(scene)), scene, before=baf)
-    assert 800 < found["processed"] < found["events"] - 30
-
-
 # ---- corner detectors -----------------------------------------------------------------------
 
 
@@ -268,23 +226,6 @@ def test_a_corner_is_within_3_and_a_half_px(dx, dy, count):
     scene = Triangle([(50 + dx, 50 + dy, 0, 0)])
     scene.vertices = lambda t_us: Triangle.vertices(scene, 0)[:1]
     assert score(Detector(lambda events: events["y"] > 0), scene)["true_corners"] == count
-
-
-def test_a_vertex_of_another_object_makes_no_corner():
-    scene = Triangle([(50, 50, 0, 0), (200, 200, 0, 0)])
-    scene.vertices = lambda t_us: Triangle.vertices(scene, 0)[2:]  # of object 1, at object 0
-    assert score(Detector(lambda events: events["y"] > 0), scene)["true_corners"] == 0
-
-
-def test_a_detector_that_finds_nothing_has_no_precision():
-    found = score(Detector(lambda events: events["y"] > 999), Triangle([(50, 50, 100, 0)]))
-    assert math.isnan(found["precision"]) and found["recall"] == 0 and found["f_measure"] == 0
-
-
-def test_our_detectors_are_detectors():
-    found = score(asap.EFast(346, 260), Triangle([(50, 50, 100, 0)]), gamma=0.5)
-    assert found["true_corners"] == found["processed"] < found["events"]
-    assert found["ns_per_event"] > 0
 
 
 # ---- errors ---------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""asap-study --real: the table, the words about what went wrong, and the page of overlays."""
+"""The tracker on recordings with boxes: what it got wrong, table, page of overlays, command."""
 
 from __future__ import annotations
 
@@ -11,17 +11,15 @@ import numpy as np
 import pytest
 
 from asap import _core
-from asap_laboratory import RealStudy, real, real_study, score
-from asap_laboratory.accuracy.cases import Rung
+from asap_laboratory import score
+from asap_laboratory.accuracy import Rung
 from asap_laboratory.cli import main
-from asap_laboratory.real import page as strips
-from asap_laboratory.real import pictures
-from asap_laboratory.real.folders import at_hand, opened
-from asap_laboratory.real.following import Followed, follow
-from asap_laboratory.real.mistakes import Span, mistakes, spans
+from asap_laboratory.real import overlays, pictures
+from asap_laboratory.real.mistakes import mistakes
+from asap_laboratory.rivals.recordings import Followed, at_hand, follow, opened
 from asap_laboratory.scenes import labelled
 from event_files import recording
-from labelled_folders import T0_US, box, folder
+from labelled_folders import T0_US, folder
 
 DTYPE = _core.ClusterTracker(8, 8).clusters.dtype
 
@@ -46,7 +44,7 @@ class Told:
 def followed(
     path: Path, clusters: dict[int, list[tuple[int, float, float]]], **others: Any
 ) -> Followed:
-    rung = Rung("told", lambda width, height: Told(clusters))
+    rung = Rung(lambda width, height: Told(clusters))
     return follow({"told": rung}, labelled(folder(path, **others)))["told"]
 
 
@@ -55,11 +53,6 @@ CLUSTERS = {10: [(7, 20, 20)], 20: [(8, 20, 20), (9, 80, 60), (5, 24, 20)]}
 
 
 # ---- words ----------------------------------------------------------------------------------
-
-
-def test_what_follows_each_other_is_one_span() -> None:
-    assert spans([1, 2, 3, 7, 9, 10]) == [Span(1, 3), Span(7, 7), Span(9, 10)]
-    assert spans([]) == [] and Span(1, 3).size == 3
 
 
 def test_every_mistake_is_named_with_its_time(tmp_path: Path) -> None:
@@ -72,25 +65,10 @@ def test_every_mistake_is_named_with_its_time(tmp_path: Path) -> None:
     ]
 
 
-def test_a_perfect_tracker_makes_none(tmp_path: Path) -> None:
-    assert mistakes(followed(tmp_path, {ms: [(7, 20, 20)] for ms in (10, 20, 30)})) == []
-
-
 def test_an_unlabelled_background_has_no_false_clusters(tmp_path: Path) -> None:
     one = followed(tmp_path, CLUSTERS, background="unlabelled")
     assert not any("false" in words for words in mistakes(one))
-    cells = dict(zip(real.document.HEAD, real.document.cells(one), strict=True))
-    assert cells["precision"] == cells["MOTA"] == "not judged" and cells["hit"] == ".667"
-
-
-def test_many_misses_and_many_ids_are_put_together(tmp_path: Path) -> None:
-    rows = "".join(box(ms) for ms in range(1, 90))
-    seen = {ms: [(7, 20, 20), (ms, 80, 60)] for ms in range(1, 90) if ms % 9}
-    words = mistakes(followed(tmp_path, seen, rows=rows))
-    assert words[0] == (
-        "object 0 is missed at 9 of 89 times, at 0.01 s, at 0.02 s, at 0.03 s and shorter gaps"
-    )
-    assert words[-1].endswith("more ids are false, at 74 times")
+    assert overlays._cells(one)[1:3] == (".667", "not judged")
 
 
 # ---- the table ------------------------------------------------------------------------------
@@ -101,8 +79,7 @@ def test_the_figures_are_those_of_score(tmp_path: Path) -> None:
     scored = score(Told(CLUSTERS), one.scene)
     for name in ("hit", "precision", "switches", "longest", "error", "mota"):
         assert one.figures[name] == scored[name]
-    assert one.summary()["hit"] == pytest.approx(2 / 3) and one.summary()["set"] == tmp_path.name
-    row = real.document.cells(one)[1:-1]
+    row = overlays._cells(one)[1:-1]
     assert row == (".667", ".500", "1", ".333", "0.0", "-.333")
 
 
@@ -128,7 +105,7 @@ def test_an_overlay_shows_events_outlines_ids_tails_and_boxes(tmp_path: Path) ->
 
 def test_the_page_is_one_file_without_script_and_says_what_went_wrong(tmp_path: Path) -> None:
     one = followed(tmp_path, CLUSTERS)
-    path = strips.write(tmp_path / "real.html", [one], left_out=["a & b"], command="as typed")
+    path = overlays.write(tmp_path / "real.html", [one], left_out=["a & b"], command="as typed")
     html = path.read_text()
     assert "<script" not in html and not re.findall(r'(?:src|href)="(?!data:)', html)
     assert html.count("<figure>") == 3 and "as typed" in html and "Left out: a &amp; b" in html
@@ -139,18 +116,13 @@ def test_the_page_is_one_file_without_script_and_says_what_went_wrong(tmp_path: 
 
 
 def test_lanes_show_which_id_carried_an_object(tmp_path: Path) -> None:
-    html = strips.write(
+    html = overlays.write(
         tmp_path / "real.html", [followed(tmp_path, CLUSTERS)], command=""
     ).read_text()
     assert 'title="id 7" style="left:0.00%;width:33.33%' in html
     assert 'title="id 8" style="left:33.33%;width:33.33%' in html
     assert '<i class="missed" style="left:66.67%;width:33.33%' in html
     assert '<i class="extra" style="left:33.33%;width:33.33%' in html
-
-
-def test_a_long_recording_has_few_pictures(tmp_path: Path) -> None:
-    one = followed(tmp_path, {}, rows="".join(box(ms) for ms in range(1, 61)))
-    assert strips.write(tmp_path / "real.html", [one], command="").read_text().count("<svg") == 12
 
 
 # ---- folders and the command ----------------------------------------------------------------
@@ -169,14 +141,6 @@ def test_a_folder_of_recordings_leaves_out_what_is_refused(tmp_path: Path) -> No
     assert [path.name for path in scenes] == ["first"]
     assert len(left_out) == 1 and left_out[0].startswith("second/truth.csv: row 1: columns")
     assert list(opened([tmp_path / "first"]).scenes) == [tmp_path / "first"]
-
-
-def test_a_recording_that_is_given_is_refused_by_its_file(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"second/truth\.csv: row 1: columns"):
-        opened([sets(tmp_path) / "second"])
-    (tmp_path / "first" / "ignore.csv").unlink()
-    with pytest.raises(FileNotFoundError, match="no such file; a labelled folder has"):
-        opened([tmp_path / "first"])
 
 
 def test_without_a_folder_it_looks_where_the_tests_look(
@@ -209,10 +173,10 @@ def test_command_prints_the_table_and_writes_document_and_page(
     assert printed.startswith("| set | hit | precision | switches | longest | error px | MOTA |")
     assert "| first | .000 | - | 0 | .000 | - | .000 |" in printed
     assert printed.endswith(
-        f"wrote {out / 'real.md'}\nwrote {out / 'real.csv'}\nwrote {out / 'real.html'}\n"
+        f"wrote {out / 'real.md'}\nwrote {out / 'data' / 'real.csv'}\nwrote {out / 'real.html'}\n"
     )
     assert "left out: second/truth.csv: row 1" in told
-    assert (out / "real.csv").read_text().startswith("set,hit,precision,switches,")
+    assert (out / "data" / "real.csv").read_text().startswith("set,hit,precision,switches,")
     text = (out / "real.md").read_text()
     assert f"`asap-study --real {tmp_path.name}`" in text
     assert "**first**\n\n- object 0 is missed at 3 of 3 times, between 0.01 and 0.03 s" in text
@@ -222,8 +186,8 @@ def test_command_with_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     words = ["--json", "--out", str(tmp_path / "out"), "--real", str(folder(tmp_path))]
     assert main(words) == 0
     document = json.loads(capsys.readouterr().out)
-    assert document["form"] == "real" and len(document["files"]) == 3
-    (one,) = document["sets"]
+    assert document["study"] == "real" and len(document["files"]) == 3
+    (one,) = document["tables"]["real"]
     assert one["set"] == tmp_path.name and one["hit"] == 0 and one["precision"] is None
 
 
@@ -236,18 +200,9 @@ def test_command_without_recordings_says_what_to_do(
     assert not (tmp_path / "out").exists()
 
 
-def test_command_refuses_two_kinds_at_once(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--real", "--rivals"]) == 2
-    assert "--rivals and --real: give one of them" in capsys.readouterr().err
-
-
 # ---- recordings outside the project ---------------------------------------------------------
 
 
 def test_the_page_of_the_labelled_recordings(tmp_path: Path) -> None:
-    scenes, left_out = opened([recording("labelled")])
-    found: RealStudy = real_study(tmp_path, list(scenes.values()), left_out=left_out)
-    assert len(found.sets) >= 5 and any("rotating_pipe" in words for words in left_out)
-    html = tmp_path / "real.html"
-    assert found.paths == [tmp_path / "real.md", tmp_path / "real.csv", html]
-    assert html.read_text().count("<article>") == len(found.sets)
+    assert main(["--real", str(recording("labelled")), "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "real.html").read_text().count("<article>") >= 5

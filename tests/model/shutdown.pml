@@ -1,6 +1,6 @@
 /* Pipeline::stop() with draining: door, done flag, doorbell and ring together. A producer that
  * pushes until it is refused, one thread that stops, a consumer that goes on until it has seen
- * the end; who stops, or the last push, says it. Steps as in pipeline.cpp, live_run.cpp,
+ * the end; who stops, or the last push, says it. Steps as in pipeline.cpp,
  * consumer_loop.cpp; no deadline.
  *
  * Each of these mutants must be refuted:

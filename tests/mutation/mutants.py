@@ -32,7 +32,7 @@ def in_file(
 
 MUTANTS: list[Mutant] = [
     *in_file(
-        INCLUDE + "buffer/event_buffer.hpp",
+        SOURCE + "buffer/event_buffer.hpp",
         "buffer",
         threads=True,
         tail_published_relaxed=(
@@ -45,7 +45,7 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
-        INCLUDE + "buffer/event_buffer.hpp",
+        SOURCE + "buffer/event_buffer.hpp",
         "buffer",
         consume_off_by_one=(
             "(std::memory_order_relaxed) + count,",
@@ -82,7 +82,7 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "runner/sensor_delay.hpp",
         "runner",
-        least_delay_forgotten_with_its_window=("std::min(least_ns_, before_ns_)", "least_ns_"),
+        least_delay_forgotten_with_its_window=("std::min(min_ns_, before_ns_)", "min_ns_"),
     ),
     *in_file(
         SOURCE + "runner/intake.cpp",
@@ -90,8 +90,8 @@ MUTANTS: list[Mutant] = [
         forgotten_wake=("  doorbell_.announce(buffer_.tail());\n", ""),
         thinned_not_counted=("    discarded_ += block.size() - kept;\n", ""),
         thinning_knows_not_how_much_comes=(
-            "buffer_.filled(most - events.size()) > most - events.size()",
-            "buffer_.filled(most) > most",
+            "buffer_.filled(max - events.size()) > max - events.size()",
+            "buffer_.filled(max) > max",
         ),
         thinning_lets_in_more_than_fits=(
             "if (events <= room) return chance;",
@@ -101,21 +101,21 @@ MUTANTS: list[Mutant] = [
         producer_not_told_to_leave=("  left_.store(true, std::memory_order_release);\n", ""),
     ),
     *in_file(
-        SOURCE + "runner/live_run.cpp",
+        SOURCE + "runner/pipeline.cpp",
         "runner",
         arrival_clamp_removed=(
-            "std::clamp(arrival.value_or(now), Steady::time_point{}, now)",
+            "std::clamp(arrival.value_or(now), RunClock::Steady::time_point{}, now)",
             "arrival.value_or(now)",
         ),
-        arrivals_go_back=("std::max(arrival_ns_, clock_.at(came))", "clock_.at(came)"),
+        arrivals_go_back=("std::max(arrival_ns, clock.at(came))", "clock.at(came)"),
         clock_reset_flushes_nothing=(
-            "  sensor_delay_.forget();\n  loop_.flush();",
-            "  sensor_delay_.forget();",
+            "  sensor_delay.forget();\n  loop.flush();",
+            "  sensor_delay.forget();",
         ),
-        bound_not_applied=("  loop_.set_latency_bound(bound_ns);\n", ""),
+        bound_not_applied=("  impl_->live->loop.set_latency_bound(bound_ns);\n", ""),
         end_without_wake=(
-            "  run_.buffer().close();\n  doorbell_.wake();",
-            "  run_.buffer().close();",
+            "  run.buffer().close();\n  doorbell.wake();",
+            "  run.buffer().close();",
         ),
     ),
     *in_file(
@@ -131,11 +131,14 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "runner/pipeline.cpp",
         "runner",
-        forgotten_leave=("  run_->leave();\n", ""),
-        swallowed_exception=("    run_->finish();\n    throw;", "    run_->finish();"),
-        swallowed_exception_of_the_worker=("      error_ = std::current_exception();\n", ""),
-        stop_always_drains=("  if (!drain) run_->loop().abandon();\n", ""),
-        later_runs_have_the_old_bound=("  latency_bound_ns_ = bound_ns;\n", ""),
+        forgotten_leave=("  live->intake.leave();\n", ""),
+        swallowed_exception=(
+            "    live->finished.store(true, std::memory_order_release);\n    throw;",
+            "    live->finished.store(true, std::memory_order_release);",
+        ),
+        swallowed_exception_of_the_worker=("        error = std::current_exception();\n", ""),
+        stop_always_drains=("  if (!drain) live->loop.abandon();\n", ""),
+        later_runs_have_the_old_bound=("  impl_->latency_bound_ns = bound_ns;\n", ""),
     ),
     *in_file(
         SOURCE + "runner/consumer_loop.cpp",
@@ -185,7 +188,7 @@ MUTANTS: list[Mutant] = [
         "packager",
         strata_by_count_alone=("std::max(by_count, by_time)", "by_count"),
         strata_as_if_the_guess_were_true=(
-            "std::max(decision.event_ns, decision.most_event_ns)",
+            "std::max(decision.event_ns, decision.max_event_ns)",
             "decision.event_ns",
         ),
         fixed_cost_of_one_part_forgotten=(
@@ -200,7 +203,7 @@ MUTANTS: list[Mutant] = [
         first_part_not_learned=("if (has_parts) learn(", "if (false) learn("),
         low_cost_of_a_new_size_clipped=("if (bucket(n).is_new()) cost_ns", "if (false) cost_ns"),
         single_event_refutes_no_fixed_cost=("if (n == 1.0 && ", "if (false && "),
-        fixed_cost_beyond_the_cheapest_package=(" && fall_ns < least_cost_ns()", ""),
+        fixed_cost_beyond_the_cheapest_package=(" && fall_ns < min_cost_ns()", ""),
         guess_trusted_from_the_first_package_on=(
             "return on_level() <= kPriorLasts ?",
             "return count_ < 0U ?",
@@ -208,7 +211,7 @@ MUTANTS: list[Mutant] = [
         rise_of_the_cost_refutes_nothing=(" && cost_ns <= dearer_ns", ""),
         fixed_cost_charged_to_the_events=("if (small.weight > 0 && spare_ns > 0)", "if (false)"),
         slope_without_its_error=("small.cost_ns + error_ns)", "small.cost_ns)"),
-        outage_of_the_largest_package_believed=("cost_ns >= most_event_ns_ * size && ", ""),
+        outage_of_the_largest_package_believed=("cost_ns >= max_event_ns_ * size && ", ""),
     ),
     *in_file(
         SOURCE + "schemes/deadline.cpp",
@@ -232,8 +235,8 @@ MUTANTS: list[Mutant] = [
         SOURCE + "filter/validator.cpp",
         "filter",
         stamp_back_by_the_tolerance_is_bad=(
-            "back > config_.reorder_tolerance_us",
-            "back >= config_.reorder_tolerance_us",
+            "back > reorder_tolerance_us_",
+            "back >= reorder_tolerance_us_",
         ),
         second_back_is_no_epoch=("back >= kNewEpoch_us", "back > kNewEpoch_us"),
         row_below_the_sensor_passes=("(kLane - max_y) << 16", "(kLane - max_y - 1) << 16"),
@@ -256,7 +259,7 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
-        INCLUDE + "telemetry/gap_meter.hpp",
+        SOURCE + "telemetry/gap_meter.hpp",
         "telemetry",
         gap_without_a_loss=("if (is_lost_) extend(", "extend("),
         gap_in_the_last_stride=("    look(event, last);\n", ""),

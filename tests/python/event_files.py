@@ -66,7 +66,10 @@ def write_npz(path: Path, events: Events) -> None:
 
 
 def write_txt(path: Path, events: Events) -> None:
-    rows = (f"{t // 10**6}.{t % 10**6:06d} {x} {y} {p}\n" for x, y, p, t in events.tolist())
+    rows = (
+        f"{'-' * (t < 0)}{abs(t) // 10**6}.{abs(t) % 10**6:06d} {x} {y} {p}\n"
+        for x, y, p, t in events.tolist()
+    )
     path.write_text("".join(rows))
 
 

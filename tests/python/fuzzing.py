@@ -17,7 +17,7 @@ def effort(examples: int, long: int | None = None) -> Any:
     """Return settings for so many examples in a normal run and `long` in a long one."""
     count = examples if TIMES == 1 else long or examples * TIMES
     slow = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
-    return settings(max_examples=count, deadline=None, suppress_health_check=slow)
+    return settings(max_examples=count, suppress_health_check=slow)
 
 
 @st.composite

@@ -1,212 +1,267 @@
-"""Bad event data, class by class, through asap.run and asap.simulate, as array and as file.
+"""Bad event data, class by class, through every way in: simulate, run, Pipeline and each format."""
 
-(asap.read and asap.load: test_io_anomalies.py.)
-"""
+from __future__ import annotations
 
-import warnings
+from collections.abc import Callable
+from contextlib import nullcontext
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 import asap
 import corrupt
-from asap.io import CorruptFile, TruncatedFileWarning
+from asap.events import Events
+from event_files import WRITERS, assert_equal_events
 
 EVENTS = corrupt.clean_events(4000)
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
 
 
-class Collector:
-    def __init__(self):
-        self.packages = []
+class Passed(NamedTuple):
+    """What came through, and the books."""
 
-    def process(self, events):
-        self.packages.append(events)
-
-    def column(self, name):
-        parts = [events[name] for events in self.packages]
-        return np.concatenate(parts) if parts else np.zeros(0)
+    events: Events
+    rejected: dict[str, int]
+    clock_resets: int
 
 
-def simulate(source, **options):
+class Collector(list[Events]):
+    def process(self, events: Events) -> None:
+        self.append(events)
+
+
+def passed(parts: list[Events], books: Any, received: int) -> Passed:
+    events = np.concatenate([EVENTS[:0], *parts])
+    rejected = {reason: count for reason, count in books["rejected"].items() if count}
+    assert received == len(events) + sum(rejected.values())
+    assert (np.diff(events["t"]) >= 0).all()
+    return Passed(events, rejected, books["clock_resets"])
+
+
+def played(play: Callable[..., asap.Run], events: Any, _: Path, **options: Any) -> Passed:
     got = Collector()
-    cost = asap.LinearCost(alpha_us=10, beta_ns=10)
-    options = {"scheme": asap.Greedy(), **options}
-    return asap.simulate(source, cost=cost, algorithm=got, **options), got
-
-
-def replay(source, **options):
-    got = Collector()
-    options = {"scheme": asap.Greedy(), **options}
-    return asap.run(source, algorithm=got, speed=10, **options), got
-
-
-def as_array(events, tmp_path):
-    return events
-
-
-def as_file(events, tmp_path):
-    path = tmp_path / "events.npy"
-    np.save(path, events)
-    return path
-
-
-@pytest.fixture(params=[simulate, replay], ids=["simulate", "run"])
-def play(request):
-    return request.param
-
-
-@pytest.fixture(params=[as_array, as_file], ids=["array", "file"])
-def source(request, tmp_path):
-    return lambda events: request.param(events, tmp_path)
-
-
-def check(run, got, **rejected):
-    """The books are balanced, and exactly these events were rejected for exactly these reasons."""
+    run = play(events, algorithm=got, **{"scheme": asap.Greedy(), **SENSOR, **options})
     assert run.ledger.balanced
-    assert {k: v for k, v in run.rejected.items() if v} == rejected
-    assert run.ledger.rejected == sum(rejected.values())
-    assert run.ledger.delivered == got.column("t").size
-    t = got.column("t")
-    assert (np.diff(t) >= 0).all()
+    return passed(got, run.summary(), run.ledger.received)
 
 
-def test_A1_back_steps_are_dropped_and_counted(play, source):
+def played_from_file(events: Events, folder: Path, **options: Any) -> Passed:
+    WRITERS["npy"](folder / "played.npy", events)
+    return played(SIMULATE, folder / "played.npy", folder, **options)
+
+
+def live(events: Events, _: Path, **options: Any) -> Passed:
+    pipeline = asap.Pipeline(**{"scheme": asap.Greedy(), "latency_ms": 1e4, **SENSOR, **options})
+    for chunk in np.array_split(events, 3):
+        pipeline.push(chunk)
+    pipeline.stop()
+    parts = [package.events for package in pipeline]
+    assert pipeline.ledger.balanced
+    return passed(parts, pipeline.stats(), pipeline.ledger.received)
+
+
+def from_file(kind: str, events: Events, folder: Path, **options: Any) -> Passed:
+    path = folder / f"events.{kind}"
+    WRITERS[kind](path, events)
+    if len(events) == 0 and kind == "txt":
+        path.write_text("# no events\n")
+    recording = asap.read(path, **{**SENSOR, **options})
+    parts = list(recording)
+    books = {"rejected": recording.rejected, "clock_resets": recording.clock_resets}
+    found = passed(parts, books, recording.received)
+    lost = bool(found.rejected or found.clock_resets)
+    with pytest.warns(asap.io.LossWarning, match=str(path)) if lost else nullcontext():
+        assert_equal_events(asap.load(path, **{**SENSOR, **options}), found.events)
+    return found
+
+
+FILES = {f"read {kind}": partial(from_file, kind) for kind in WRITERS}
+WITH_TOLERANCE = {"live": live, **FILES}
+SIMULATE = partial(asap.simulate, cost=asap.LinearCost(10, 10))
+DOORS: dict[str, Callable[..., Passed]] = {
+    "simulate": partial(played, SIMULATE),
+    "simulate a file": played_from_file,
+    "run": partial(played, partial(asap.run, speed=10)),
+    **WITH_TOLERANCE,
+}
+
+
+@pytest.fixture(params=DOORS)
+def door(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[..., Passed]:
+    return lambda events, **options: DOORS[request.param](events, tmp_path, **options)
+
+
+def test_clean_events_pass_untouched(door: Any) -> None:
+    assert_equal_events(door(EVENTS).events, EVENTS)
+
+
+def test_A1_back_steps(door: Any) -> None:
     bad = corrupt.back_steps(EVENTS, 40)
-    run, got = play(source(bad), **SENSOR)
-    check(run, got, nonmonotonic=40)
-    assert run.ledger.received == EVENTS.size
-    np.testing.assert_array_equal(got.column("t"), EVENTS["t"][bad["t"] == EVENTS["t"]])
+    found = door(bad)
+    assert found.rejected == {"nonmonotonic": 40}
+    assert_equal_events(found.events, EVENTS[bad["t"] == EVENTS["t"]])
+    assert len(door(bad, on_bad="clamp").events) == len(EVENTS)
+    at = int(np.argmax(bad["t"] != EVENTS["t"]))
+    with pytest.raises(ValueError, match=rf"^t = {bad['t'][at]} \(event {at}\): "):
+        door(bad, on_bad="raise")
 
 
-def test_A1_back_step_raises_on_request(play, source):
-    bad = corrupt.back_steps(EVENTS, 1)
-    with pytest.raises(ValueError, match="t = "):
-        play(source(bad), on_bad="raise", **SENSOR)
-    assert asap.last_run().ledger.balanced
+@pytest.mark.parametrize("name", WITH_TOLERANCE)
+def test_A1_back_steps_within_the_tolerance_are_lifted(name: str, tmp_path: Path) -> None:
+    bad = corrupt.back_steps(EVENTS, 40, by_us=100)
+    found = WITH_TOLERANCE[name](bad, tmp_path, reorder_tolerance_us=100)
+    assert found.events["t"].tolist() == np.maximum.accumulate(bad["t"]).tolist()
+    assert WITH_TOLERANCE[name](bad, tmp_path, reorder_tolerance_us=50).rejected
 
 
-def test_A2_clock_reset_starts_an_epoch(play, source):
-    bad = corrupt.clock_reset(EVENTS, 2000, to_us=0)
-    run, got = play(source(bad), **SENSOR)
-    check(run, got)
-    assert run.ledger.delivered == EVENTS.size
-    t = got.column("t")
+def test_A2_clock_reset_starts_an_epoch(door: Any) -> None:
+    found = door(corrupt.clock_reset(EVENTS, 2000, to_us=0))
+    t = found.events["t"]
+    assert (found.clock_resets, found.rejected) == (1, {})
     assert t[2000] == t[1999] + 1
-    np.testing.assert_array_equal(np.diff(t[2000:]), np.diff(EVENTS["t"][2000:]))
-    assert run.clock_resets == 1
-    assert run.summary()["source"]["duration_s"] == pytest.approx((t[-1] - t[0]) / 1e6)
+    assert np.diff(t[2000:]).tolist() == np.diff(EVENTS["t"][2000:]).tolist()
 
 
-def test_A5_events_outside_the_sensor_are_dropped_and_counted(play, source):
+@pytest.mark.parametrize("bits", [24, 31])
+def test_A3_a_counter_that_wraps(door: Any, bits: int) -> None:
+    wrapped = EVENTS.copy()
+    wrapped["t"] = (EVENTS["t"] - EVENTS["t"][2000]) % (1 << bits)
+    found = door(wrapped)
+    assert (found.clock_resets, len(found.events)) == (1, len(EVENTS))
+
+
+@pytest.mark.parametrize("first_us", [-(1 << 50), -1, 0, 1_633_953_690_975_950])
+def test_A4_the_first_stamp_does_not_matter(door: Any, first_us: int) -> None:
+    moved = EVENTS.copy()
+    moved["t"] += first_us - moved["t"][0]
+    assert_equal_events(door(moved).events, moved)
+
+
+def test_A5_events_outside_the_sensor(door: Any) -> None:
     bad = corrupt.outside_sensor(EVENTS, 30)
-    run, got = play(source(bad), **SENSOR)
-    check(run, got, out_of_bounds=30)
-    assert got.column("x").max() < corrupt.WIDTH
-    assert got.column("y").max() < corrupt.HEIGHT
+    found = door(bad)
+    inside = (bad["x"] < corrupt.WIDTH) & (bad["y"] < corrupt.HEIGHT)
+    assert found.rejected == {"out_of_bounds": 30}
+    assert_equal_events(found.events, bad[inside])
+    clamped = door(bad, on_bad="clamp").events
+    assert clamped["x"].tolist() == np.minimum(bad["x"], corrupt.WIDTH - 1).tolist()
+    with pytest.raises(ValueError, match=r"^[xy] = \d+ \(event \d+\): outside the sensor"):
+        door(bad, on_bad="raise")
+    assert_equal_events(door(bad, width=None, height=None).events, bad)
 
 
-def test_A5_events_outside_the_sensor_raise_on_request(play, source):
-    with pytest.raises(ValueError, match=r"[xy] = "):
-        play(source(corrupt.outside_sensor(EVENTS, 2)), on_bad="raise", **SENSOR)
+def test_A6_A8_events_on_one_stamp_and_duplicates_pass(door: Any) -> None:
+    for odd in (corrupt.one_stamp(EVENTS, 500, 600), corrupt.duplicates(EVENTS, 80)):
+        assert_equal_events(door(odd).events, odd)
 
 
-def test_A5_events_outside_the_sensor_are_clamped_on_request(play, source):
-    run, got = play(source(corrupt.outside_sensor(EVENTS, 30)), on_bad="clamp", **SENSOR)
-    check(run, got)
-    assert run.ledger.delivered == EVENTS.size
-    assert got.column("x").max() == corrupt.WIDTH - 1
-
-
-def test_A6_many_events_on_one_stamp(play, source):
-    run, got = play(source(corrupt.one_stamp(EVENTS, 100, 700)), scheme=asap.FixedSize(size=100))
-    check(run, got)
-    assert run.ledger.delivered == EVENTS.size
-    rows = run.packages
-    assert np.isfinite(rows["rate"]).all()
-    # Clean events come at 0.2 Mev/s; 700 on one stamp must not look like 100 Mev/s.
-    assert rows["event_rate"][1:].max() < 2e6 * run.speed
-
-
-def test_A8_odd_polarities_are_normalised(play, source):
-    run, got = play(source(corrupt.odd_polarity(EVENTS, 50)), **SENSOR)
-    check(run, got)
-    np.testing.assert_array_equal(got.column("p"), EVENTS["p"])
-
-
-def test_A8_duplicates_pass_and_are_counted_once_each(play, source):
-    run, got = play(source(corrupt.duplicates(EVENTS, 20)), **SENSOR)
-    check(run, got)
-    assert run.ledger.received == run.ledger.delivered == EVENTS.size + 20
+def test_A8_odd_polarities_are_normalised(door: Any) -> None:
+    assert_equal_events(door(corrupt.odd_polarity(EVENTS, 50)).events, EVENTS)
 
 
 @pytest.mark.parametrize("count", [0, 1])
-def test_A9_nothing_and_a_single_event(play, source, count):
-    run, got = play(source(EVENTS[:count]), **SENSOR)
-    check(run, got)
-    assert run.ledger.received == count
-    assert run.packages.size == count
+def test_A9_nothing_and_a_single_event(door: Any, count: int) -> None:
+    assert_equal_events(door(EVENTS[:count]).events, EVENTS[:count])
 
 
-def test_A9_empty_arrays_and_none_in_a_stream(play):
+@pytest.mark.parametrize("name", ["simulate", "live", *FILES])
+def test_A10_a_year_of_silence_is_no_fault(name: str, tmp_path: Path) -> None:
+    quiet = corrupt.gap(EVENTS, 100, 365 * 24 * 3600 * 10**6)
+    found = DOORS[name](quiet, tmp_path)
+    assert (found.rejected, found.clock_resets) == ({}, 0)
+    assert_equal_events(found.events, quiet)
+
+
+# ---- what only one of them can tell ---------------------------------------------------------
+
+
+def test_many_events_on_one_stamp_are_no_rate() -> None:
+    crowd = corrupt.one_stamp(EVENTS, 100, 700)
+    run = asap.simulate(crowd, cost=asap.LinearCost(10, 10), scheme=asap.FixedSize(size=100))
+    assert all(np.isfinite(run.packages[name]).all() for name in run.packages.dtype.names or ())
+    assert run.packages["event_rate"][1:].max() < 2e6  # of 0.2 Mev/s; never 100 Mev/s
+
+
+def test_a_long_silence_is_flushed_and_forgotten() -> None:
+    silence = corrupt.gap(EVENTS, 2000, 10_000_000)
+    scheme = asap.FixedSize(size=1500)
+    run = asap.simulate(silence, cost=asap.LinearCost(10, 10), scheme=scheme, latency_ms=500)
+    # 1500, then the 500 before the silence, which nothing follows; no package spans the silence.
+    assert run.packages["size"].tolist() == [1500, 500, 1500, 500]
+    assert run.packages["event_rate"][1] == pytest.approx(2e5, rel=0.1)
+    assert run.packages["event_rate"][2] < 1e3
+    with asap.Pipeline(scheme=asap.FixedSize(size=5000), latency_ms=5) as pipeline:
+        pipeline.push(EVENTS[:10])
+        assert len(next(iter(pipeline))) == 10
+
+
+def test_empty_arrays_and_none_in_a_stream() -> None:
     chunks = [EVENTS[:0], EVENTS[:10], None, EVENTS[10:10], EVENTS[10:]]
-    run, got = play(iter(chunks), **SENSOR)
-    check(run, got)
-    assert run.ledger.delivered == EVENTS.size
+    run = asap.simulate(iter(chunks), cost=asap.LinearCost(10, 10))
+    assert run.ledger.received == EVENTS.size
+    pipeline = asap.Pipeline()
+    for chunk in chunks:
+        pipeline.push(chunk)
+    assert pipeline.ledger.received == EVENTS.size
 
 
-def test_A9_ten_million_events_in_one_call():
+def test_ten_million_events_in_one_call() -> None:
     events = np.zeros(10_000_000, asap.EVENT_DTYPE)
     events["t"] = np.arange(events.size) // 10
     run = asap.simulate(events, cost=asap.LinearCost(10, 10), scheme=asap.Greedy())
     assert run.ledger.delivered == events.size
+    pipeline = asap.Pipeline(when_full="newest", capacity=1 << 20)
+    pipeline.push(events)
+    assert (pipeline.ledger.received, pipeline.ledger.pending) == (events.size, 1 << 20)
 
 
-def test_A10_a_long_silence_is_flushed_and_forgotten(play, source):
-    silence_us = 10_000_000
-    run, got = play(
-        source(corrupt.gap(EVENTS, 2000, silence_us)),
-        scheme=asap.FixedSize(size=1500),
-        latency_ms=500,  # half the silence as asap.run plays it, far more than the events before it
-    )
-    check(run, got)
-    assert run.ledger.delivered == EVENTS.size
-    # 1500, then the 500 before the silence, which nothing follows; no package spans the silence.
-    assert run.packages["size"].tolist() == [1500, 500, 1500, 500]
-    assert (run.packages["t_last"] - run.packages["t_first"]).max() < silence_us
-    # Over the silence the rate is low, before it it is what it was.
-    rates = run.packages["event_rate"] / run.speed
-    assert rates[1] == pytest.approx(2e5, rel=0.1)
-    assert rates[2] < 1e3
+def test_a_pipeline_goes_on_after_what_it_refused() -> None:
+    pipeline = asap.Pipeline(on_bad="raise", scheme=asap.Greedy())
+    with pytest.raises(ValueError, match="t = "):
+        pipeline.push(corrupt.back_steps(EVENTS, 40))
+    good = pipeline.ledger.received - pipeline.ledger.rejected
+    assert pipeline.ledger.rejected == 1
+    later = EVENTS[-1:].copy()
+    later["t"] += 10
+    pipeline.push(later)
+    pipeline.stop()
+    assert sum(len(package) for package in pipeline) == good + 1
 
 
-def test_A13_a_truncated_file_keeps_what_is_good(play, tmp_path):
+def test_a_clock_reset_makes_due_what_waits() -> None:
+    with asap.Pipeline(scheme=asap.FixedSize(size=5000), latency_ms=1e6) as pipeline:
+        pipeline.push(EVENTS[:2000])
+        pipeline.push(corrupt.clock_reset(EVENTS, 2000, to_us=0)[2000:])
+        assert len(next(iter(pipeline))) >= 2000  # not only with the 5000th
+
+
+def test_A15_what_comes_first_is_left_over(tmp_path: Path) -> None:
+    rest = corrupt.clean_events(100, start_us=7_000_000)
+    rest["x"][::2] = 9999
+    fresh = EVENTS.copy()
+    fresh["t"] -= fresh["t"][0]
+    warm = fresh[fresh["t"] >= 5000]
+    both = np.concatenate([rest, fresh])
+    for on_bad in ("drop", "raise"):
+        found = live(both, tmp_path, warmup_discard_us=5000, on_bad=on_bad)
+        assert found.rejected == {"before_start": both.size - warm.size}
+        assert found.clock_resets == 0
+        assert_equal_events(found.events, warm)
+
+
+# ---- A13: files that are cut or damaged ------------------------------------------------------
+
+
+def test_A13_a_truncated_file_keeps_what_is_good_or_raises(tmp_path: Path) -> None:
     path = tmp_path / "events.npy"
     np.save(path, EVENTS)
     corrupt.cut_file(path, path.stat().st_size - 16 * 1000 - 3)
-    with pytest.warns(TruncatedFileWarning, match="byte"):
-        run, got = play(path, **SENSOR)
-    check(run, got)
-    np.testing.assert_array_equal(got.column("t"), EVENTS["t"][: got.column("t").size])
-    assert EVENTS.size - 1002 < got.column("t").size < EVENTS.size - 999
-
-
-def test_A13_a_truncated_file_raises_on_request(play, tmp_path):
-    path = tmp_path / "events.npy"
-    np.save(path, EVENTS)
-    corrupt.cut_file(path, 40_000)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        with pytest.raises(CorruptFile, match="byte"):
-            play(path, on_bad="raise", **SENSOR)
-
-
-def test_A13_a_corrupt_text_line_is_counted(play, tmp_path):
-    path = tmp_path / "events.csv"
-    lines = [f"{e['t']},{e['x']},{e['y']},{e['p']}" for e in EVENTS[:100]]
-    lines[50] = "garbage,1"
-    path.write_text("\n".join(lines) + "\n")
-    run, got = play(path, **SENSOR)
-    check(run, got, bad_record=1)
-    assert run.ledger.received == 100
-    assert run.ledger.delivered == 99
+    got = Collector()
+    with pytest.warns(asap.io.TruncatedFileWarning, match="byte"):
+        asap.run(path, algorithm=got, speed=10)
+    assert_equal_events(np.concatenate(got), EVENTS[:2999])
+    with pytest.raises(asap.io.CorruptFile, match="byte"):
+        asap.run(path, algorithm=got, on_bad="raise")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator
 from functools import partial
 from typing import Any
@@ -146,16 +145,3 @@ def test_an_async_source_is_refused(call: Callable[[Any], Any], make: Callable[[
 def test_an_async_callback_is_refused() -> None:
     with pytest.raises(TypeError, match=r"^on_progress = .*asyncio\.to_thread"):
         asap.simulate(EVENTS, cost=COST, on_progress=coroutine)
-
-
-def test_the_remedy_works() -> None:
-    found = asyncio.run(asyncio.to_thread(asap.simulate, EVENTS, cost=COST))
-    assert found.ledger.received == 5
-
-
-def test_a_function_that_waits_for_its_coroutine_is_none() -> None:
-    def waiting(events: Any) -> None:
-        """Stand for asyncio.run(coroutine(events))."""
-
-    waiting.__wrapped__ = coroutine  # type: ignore[attr-defined]
-    assert asap.simulate(EVENTS, cost=COST, algorithm=waiting).kept == 1

@@ -50,23 +50,6 @@ def test_the_filter_sees_every_event_and_the_ledger_says_what_it_dropped():
     assert run.summary()["gamma"]["mean"] == 1
 
 
-def test_a_filter_may_answer_with_a_slice():
-    events = stream(duration_s=0.01)
-    seen = []
-    run = asap.simulate(
-        events,
-        cost=COST,
-        scheme=asap.Greedy(),
-        before=lambda e: e[::-2][::-1],
-        algorithm=seen.append,
-    )
-    assert run.ledger.filtered + run.ledger.delivered == events.size
-    sizes = run.packages["offered"]
-    begins = np.cumsum(sizes) - sizes
-    expected = [events[b : b + n][::-2][::-1] for b, n in zip(begins, sizes, strict=True)]
-    np.testing.assert_array_equal(np.concatenate(seen), np.concatenate(expected))
-
-
 def test_gamma_thins_what_passed():
     events = stream()
     run = asap.simulate(
@@ -82,20 +65,6 @@ def test_gamma_thins_what_passed():
     assert run.ledger.filtered == pytest.approx(0.75 * (events.size - undecided), abs=2)
     passed = run.packages["size"] / run.packages["gamma"]
     np.testing.assert_allclose(passed, run.packages["offered"] / 4, atol=0.76)
-
-
-def test_a_filter_of_our_own_and_its_python_double_agree():
-    class Double:
-        def __init__(self):
-            self.filter = baf()
-
-        def process(self, events):
-            return self.filter.process(events)
-
-    def ledger(before):
-        return asap.simulate(stream(), cost=COST, latency_ms=5, before=before).ledger
-
-    assert ledger(baf()) == ledger(Double()) == ledger(Double().process)
 
 
 def test_under_the_clock_too():

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -280,8 +281,10 @@ def test_run_refuses_what_a_camera_has_not(given: Any, attach: Callable[..., Dri
 
 def test_a_camera_is_no_recording(attach: Callable[..., Driver]) -> None:
     attach()
-    with asap.open_camera() as camera, pytest.raises(TypeError, match=r"asap\.run"):
-        asap.simulate(camera, cost=asap.LinearCost(1, 1))
+    with asap.open_camera() as camera:
+        for use in (partial(asap.simulate, cost=asap.LinearCost(1, 1)), asap.check):
+            with pytest.raises(TypeError, match=r"asap\.run"):
+                use(camera)
     with pytest.raises(ValueError, match="duration_s"):
         asap.run(np.zeros(1, asap.EVENT_DTYPE), algorithm=len, duration_s=1)
 

@@ -14,10 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import asap as package
 import streams
 from asap import cli
-from asap.cli.algorithms import ALGORITHMS
 
 Call = Callable[..., tuple[int, str, str]]
 
@@ -168,12 +166,6 @@ def test_a_class_needs_to_know_the_sensor(asap: Call, folder: Path) -> None:
     assert asap(*arguments)[0] == 0
 
 
-def test_options_may_be_shortened_and_files_may_look_like_options(asap: Call, folder: Path) -> None:
-    assert asap("run", "few.npy", "--cost", "1us+1ns", "--lat", "5ms", "--js")[0] == 0
-    (folder / "few.npy").rename(folder / "--few.npy")
-    assert asap("info", "--", "--few.npy")[0] == 0
-
-
 def verbs() -> dict[str, argparse.ArgumentParser]:
     actions = cli._parser()._actions
     return next(one for one in actions if isinstance(one, argparse._SubParsersAction)).choices
@@ -205,10 +197,3 @@ def test_completion_names_its_extra(asap: Call, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(sys.modules, "shtab", None)
     code, out, err = asap("completion", "bash")
     assert (code, out) == (2, "") and "asap-events[completion]" in err
-
-
-def test_the_names_of_ours_stay() -> None:
-    parse = cli._parser().parse_args
-    for name in ALGORITHMS:
-        assert parse(["run", "f", "--algorithm", name]).algorithm == name
-    assert package.ClusterTracker

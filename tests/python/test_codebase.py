@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import builtins
 import graphlib
 import importlib.metadata
 import re
@@ -52,30 +51,20 @@ PYTHON_LAYERS = (
     {"cli"},
     {"__main__"},
 )
-FOR_USERS = {  # what a user may name: modules, and where the names of asap itself are at home
-    *("analysis", "camera", "cli", "conversion", "demo", "events", "experiment", "inspection"),
-    *("io", "plots", "results", "synthetic"),
-}
 USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 
 WITHOUT_A_TEST_OF_ITS_OWN = {
-    "algorithms/cluster.hpp": "plain data",
-    "formats/progress.hpp": "the base of the decoders; each of their tests calls it",
+    "algorithms/noise_filters.hpp": "a test of each filter",
+    "formats/aedat.hpp": "a test of each version",
+    "formats/atis.hpp": "a test of each format",
+    "formats/decoder.hpp": "the base of the decoders; each of their tests calls it",
+    "formats/prophesee.hpp": "a test of each format",
     "telemetry/telemetry.hpp": "plain data",
 }
 
-WITHOUT_A_HEADER_OF_ITS_OWN = {
-    "filter/validator_edges_test.cpp": "the validator: every field at its edges",
-    "packager/allocation_test.cpp": "a promise of the whole hot path",
-    "packager/anytime_test.cpp": "the packager, stratum by stratum",
-    "packager/bounded_test.cpp": "the packager, of packages that do not fit",
-    "runner/allocation_test.cpp": "the same of a live pipeline",
-    "runner/simulator_anytime_test.cpp": "the simulator: anytime, outages, admission",
-    "runner/simulator_outages_test.cpp": "the simulator: Deadline on a busy machine",
-}
-
 CPP = ROOT / "cpp"
-TREES = (INCLUDE / "asap", CPP / "src", CPP)  # public, private, the laboratory and the bridge
+SOURCE = CPP / "src"
+TREES = (INCLUDE / "asap", SOURCE, CPP)  # public, private, the laboratory and the bridge
 NODES = (CPP / "ros" / "ros1", CPP / "ros" / "ros2")  # they know a middleware, nothing knows them
 
 
@@ -94,9 +83,6 @@ LABORATORY = PYTHON_ROOT / "laboratory"
 PYTHON = [*PRODUCT, *sorted(LABORATORY.rglob("*.py"))]
 BINDINGS = ("python/bindings", "python/laboratory")
 NATIVE = {".cpp", ".hpp"}
-MOST_PUBLIC = 65
-
-
 # ---- arrows ---------------------------------------------------------------------------------
 
 
@@ -137,10 +123,6 @@ def test_public_headers_include_public_headers_only() -> None:
     assert not private
 
 
-def test_public_headers_are_few() -> None:
-    assert len(list(INCLUDE.rglob("*.hpp"))) <= MOST_PUBLIC
-
-
 def test_includes_say_whether_a_header_is_public() -> None:
     wrong = [
         f"{name_of(path)} includes {header}"
@@ -150,17 +132,6 @@ def test_includes_say_whether_a_header_is_public() -> None:
         and known.is_relative_to(INCLUDE) != header.startswith("asap/")
     ]
     assert not wrong
-
-
-def test_the_bridge_includes_public_headers_and_itself_only() -> None:
-    """An installed asap has no others."""
-    private = [
-        f"{name_of(path)} includes {header}"
-        for path in sources("cpp/ros", suffixes=NATIVE)
-        for header in includes(path)
-        if header in HEADERS and not header.startswith("ros/bridge/")
-    ]
-    assert not private
 
 
 def test_native_code_knows_neither_python_nor_foreign_libraries() -> None:
@@ -237,11 +208,6 @@ def test_python_imports_point_down() -> None:
     assert not up
 
 
-def test_modules_that_are_not_for_users_begin_with_an_underscore() -> None:
-    found = {part_of(module) for module in MODULES} - {"", "__main__"}
-    assert {name for name in found if not name.startswith("_")} == FOR_USERS
-
-
 def test_no_module_of_python_is_in_a_circle() -> None:
     graph = {module: set(imports(path)) for module, path in MODULES.items()}
     graphlib.TopologicalSorter(graph).prepare()  # a CycleError names the circle
@@ -265,86 +231,7 @@ def test_every_public_header_has_a_test_of_the_same_path() -> None:
     assert missing == set(WITHOUT_A_TEST_OF_ITS_OWN)
 
 
-def test_every_test_has_a_header_of_the_same_path() -> None:
-    tests = ROOT / "tests" / "cpp"
-    helpers = {path.relative_to(tests).as_posix() for path in tests.rglob("*.hpp")}
-    orphans = [
-        name
-        for path in tests.glob("*/**/*_test.cpp")
-        for name in [path.relative_to(tests).as_posix()]
-        if name.replace("_test.cpp", ".hpp") not in {*HEADERS, *helpers}
-    ]
-    assert set(orphans) == set(WITHOUT_A_HEADER_OF_ITS_OWN)
-
-
-def test_sources_mirror_headers() -> None:
-    orphans = [
-        name_of(path)
-        for path in (ROOT / "cpp" / "src").rglob("*.cpp")
-        if path.relative_to(ROOT / "cpp" / "src").with_suffix(".hpp").as_posix() not in HEADERS
-    ]
-    assert not orphans
-
-
-def opens_with_what_it_is(header: str) -> bool:
-    """Whether 1 to 16 lines of comment and nothing else stand before the guard."""
-    lines = HEADERS[header].read_text().splitlines()
-    opening = lines[: lines.index("#pragma once")] if "#pragma once" in lines else []
-    return 1 <= len(opening) <= 16 and all(line.startswith("//") for line in opening)
-
-
-def test_every_header_opens_with_what_it_is() -> None:
-    assert HEADERS
-    assert not [header for header in HEADERS if not opens_with_what_it_is(header)]
-
-
 # ---- Python ---------------------------------------------------------------------------------
-
-
-def exports(tree: ast.Module) -> bool:
-    return any(
-        isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
-        for node in tree.body
-    )
-
-
-def test_every_module_says_what_it_is() -> None:
-    assert PYTHON
-    assert not [
-        name_of(path) for path in PYTHON if not ast.get_docstring(ast.parse(path.read_text()))
-    ]
-
-
-def test_what_users_import_from_says_what_it_exports() -> None:
-    """Elsewhere a name without an underscore says it."""
-    tops = [PYTHON_ROOT / "asap" / f"{name}.py" for name in FOR_USERS]
-    doors = [*(path for path in PYTHON if path.name == "__init__.py"), *filter(Path.is_file, tops)]
-    trees = {name_of(path): ast.parse(path.read_text()) for path in doors}
-    names = (ast.ImportFrom, ast.FunctionDef, ast.ClassDef)
-    open_doors = [
-        name for name, tree in trees.items() if any(isinstance(n, names) for n in tree.body)
-    ]
-    assert len(open_doors) > 10
-    assert not [name for name in open_doors if not exports(trees[name])]
-
-
-def parameters(path: Path) -> Iterator[tuple[str, str]]:
-    """Every parameter of the functions that a user may call, with the function's name."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.FunctionDef) and re.match(r"__init__|[^_]", node.name):
-            given = node.args
-            for one in (*given.posonlyargs, *given.args, *given.kwonlyargs):
-                yield node.name, one.arg
-
-
-def test_no_parameter_is_named_like_a_builtin() -> None:
-    names = [
-        f"{name_of(path)}: {function}({name})"
-        for path in PRODUCT
-        for function, name in parameters(path)
-        if hasattr(builtins, name)
-    ]
-    assert not names
 
 
 STAMPS = r"f[\"']\{stamps\.dtype\.kind\}8\[.*|stamps\.dtype"
@@ -413,20 +300,8 @@ def test_no_file_holds_what_is_banned() -> None:
     assert not found, "\n".join(found)
 
 
-def test_examples_fit_on_a_page() -> None:
-    examples = [*(CPP / "examples").glob("*.cpp")]
-    assert len(examples) >= 6
-    counts = {name_of(path): len(path.read_text().splitlines()) for path in examples}
-    assert not {name: count for name, count in counts.items() if not 20 <= count <= 60}
-
-
 def test_every_mutant_still_finds_its_line() -> None:
     run([sys.executable, ROOT / "tests" / "mutation" / "mutate.py", "--check"])
-
-
-def test_files_end_with_one_newline() -> None:
-    texts = {name_of(path): path.read_text() for path in sources()}
-    assert not [name for name, text in texts.items() if not re.search(r"[^\n]\n\Z", text)]
 
 
 # ---- version --------------------------------------------------------------------------------

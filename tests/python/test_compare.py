@@ -3,26 +3,18 @@
 import hashlib
 import itertools
 import json
-import threading
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import asap
 import streams
-from asap.experiment import contenders
-from asap.experiment.side_by_side import CheckedStream, side_by_side
-from asap.results import data as module
+from asap.experiment import comparing as contenders
+from asap.experiment.comparing import side_by_side
+from asap.experiment.source import CheckedStream
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300, noise=0.05, seed=3)
 EVENTS = streams.poisson(6e6, 0.1)  # rho = 1.8
-
-
-def test_a_text_is_no_schemes():
-    words = r"^schemes = 'all': give schemes such as \[asap.Greedy\(\)\], or leave it out"
-    with pytest.raises(TypeError, match=words):
-        asap.compare(EVENTS, cost=COST, schemes="all")
 
 
 def schemes():
@@ -108,34 +100,6 @@ def test_no_scheme_beats_the_oracle_and_the_best_is_first(comparison):
     assert scores[0] > 0.9 > 0.5 > comparison["greedy"].score
 
 
-def test_equal_scores_are_sorted_by_latency():
-    quiet = streams.poisson(1e5, 0.1)
-    found = asap.compare(
-        quiet, cost=COST, schemes=[asap.FixedSize(size=150), asap.Greedy(), asap.FixedTime()]
-    )
-    assert [row.score for row in found.rows] == [1.0, 1.0, 1.0]
-    assert [row.label for row in found.rows] == ["Greedy", "FixedTime", "FixedSize"]
-
-
-def test_scores_that_are_shown_as_equal_are_equal(monkeypatch):
-    shown = {"A": (0.9991, 900.0), "B": (0.9993, 1000.0)}
-
-    def of(label, run, best, made=module.Row.of):
-        score, p99_us = shown[label]
-        return replace(made(label, run, best), score=score, p99_us=p99_us)
-
-    monkeypatch.setattr(module.Row, "of", of)
-    schemes = {"B": asap.Greedy(), "A": asap.SingleEvent()}
-    found = asap.compare(EVENTS[:100], cost=COST, schemes=schemes)
-    assert list(found) == list(found.runs) == ["A", "B"]
-
-
-def test_overflow_is_a_share():
-    found = asap.compare(EVENTS, cost=COST, schemes=[asap.Greedy()], capacity=1024)
-    ledger = found.runs["Greedy"].ledger
-    assert found["Greedy"].overflow == ledger.overflow / ledger.received > 0.1
-
-
 # ---- the oracle -----------------------------------------------------------------------------
 
 
@@ -157,16 +121,6 @@ def most_in_time(t_us, alpha_us, beta_us, latency_us):
     return 0
 
 
-def test_oracle_of_the_trivial_cases():
-    events = streams.make(np.arange(0, 10_000, 100))
-    assert asap.oracle(events, cost=asap.LinearCost(10, 100), latency_ms=1) == events.size
-    assert asap.oracle(events, cost=asap.LinearCost(1000, 0), latency_ms=0.5) == 0
-    assert asap.oracle(events[:0], cost=COST, latency_ms=1) == 0
-    # All at once: what fits into L - alpha.
-    burst = streams.make(np.full(1000, 5))
-    assert asap.oracle(burst, cost=asap.LinearCost(100, 10_000), latency_ms=1) == pytest.approx(90)
-
-
 @pytest.mark.parametrize("seed", range(4))
 def test_oracle_is_above_the_best_of_all_schedules(seed):
     t = np.sort(np.random.default_rng(seed).integers(1, 2000, 7))
@@ -185,25 +139,6 @@ def test_the_exact_oracle_is_the_best_of_all_schedules(seed):
     assert found == most_in_time(t.tolist(), 100, 150, 700)
 
 
-def test_the_exact_oracle_follows_speed_and_takes_chunks():
-    events = streams.poisson(6e4, 0.2)
-    options = {"cost": asap.LinearCost(1000, 20_000), "latency_ms": 5}
-    exact = asap.oracle(events, exact=True, **options)
-    assert 0.75 < exact / asap.oracle(events, **options) < 0.95  # five fixed costs per bound
-    assert asap.oracle(np.array_split(events, 7), exact=True, **options) == exact
-    assert asap.oracle(events, speed=5, exact=True, **options) < exact / 2
-    assert asap.oracle(events[:0], exact=True, **options) == 0
-
-
-def test_the_exact_oracle_names_the_number_of_events_that_fits():
-    flood = streams.make(np.full(200_000, 5))
-    cheap = asap.LinearCost(1, 0.01)
-    with pytest.raises(ValueError, match=r"^events = 200000: too many .* the first \d+ or fewer$"):
-        asap.oracle(flood, cost=cheap, latency_ms=10, exact=True)
-    with pytest.raises(TypeError, match=r"^exact = "):
-        asap.oracle(flood, cost=cheap, latency_ms=10, exact="no")
-
-
 def test_the_exact_clairvoyant_stands_beside_the_oracle_where_it_can_be_computed(comparison):
     few = streams.poisson(6e4, 0.2)
     options = {"latency_ms": 5, "schemes": [asap.Deadline(latency_ms=5)]}
@@ -217,19 +152,6 @@ def test_the_exact_clairvoyant_stands_beside_the_oracle_where_it_can_be_computed
     assert comparison.exact is None and comparison.summary()["exact"] is None  # too many
     drifting = asap.LinearCost(1000, 20_000, drift=[1.0, 2.0])
     assert asap.compare(few, cost=drifting, **options).exact is None
-
-
-def test_opaque_runs_are_scored_against_the_opaque_oracle():
-    noisy = asap.LinearCost(100, 300, noise=0.5, seed=1)
-    options = {"cost": noisy, "latency_ms": 5}
-    anytime, opaque = (asap.oracle(EVENTS, opaque=opaque, **options) for opaque in (False, True))
-    assert opaque < anytime
-    found = asap.compare(EVENTS, opaque=True, schemes=[asap.Deadline(latency_ms=5)], **options)
-    assert found.opaque and found.oracle == opaque
-    assert "opaque" in str(found)
-    seen = asap.compare(EVENTS, schemes=[asap.Deadline(latency_ms=5)], **options)
-    assert seen.oracle == anytime
-    assert "opaque" not in str(seen)
 
 
 # ---- the source -----------------------------------------------------------------------------
@@ -259,16 +181,6 @@ def test_a_contender_that_does_not_flush_waits_for_its_size():
     assert runs[1].latency.max > 99_000
 
 
-def test_a_chunk_of_bad_events_alone_does_not_set_the_time():
-    good = streams.make(np.arange(5_000_000, 5_001_000))
-    bad = streams.make([4_900_000], x=[9999])
-    options = {"cost": COST, "schemes": [asap.Greedy()], "width": 346, "height": 260, "speed": 2}
-    found = asap.compare([bad, good], **options)
-    assert found.received == 1000
-    assert found.source["events"] == 1001
-    assert digest(found.runs["Greedy"]) == digest(asap.compare(good, **options).runs["Greedy"])
-
-
 @pytest.mark.parametrize("make", [iter, lambda arrays: (one for one in arrays)])
 def test_what_can_be_read_only_once_is_refused(make):
     with pytest.raises(ValueError, match="read only once; give a path, an array"):
@@ -288,57 +200,7 @@ def test_speed_compresses_the_stamps():
     assert "(10 times as fast as recorded)" in str(found)
 
 
-def test_compressed_stamps_are_rounded_down():
-    stream = CheckedStream(streams.make([1000, 1003, 1006, 1009]), speed=4.0)
-    assert np.concatenate(list(stream))["t"].tolist() == [1000, 1000, 1001, 1002]
-
-
-def test_a_back_step_of_the_clock_is_judged_before_the_compression():
-    t = np.concatenate((np.arange(5_000_000, 5_001_000), np.arange(1000, 2000)))
-    found = asap.compare(streams.make(t), cost=COST, speed=100, schemes=[asap.Greedy()])
-    assert found.runs["Greedy"].ledger.rejected == 0
-    assert found.runs["Greedy"].clock_resets == 1
-
-
-def test_progress_is_told():
-    seen = []
-    asap.compare(
-        [EVENTS[:1000], EVENTS[1000:]],
-        cost=COST,
-        schemes=[asap.Greedy()],
-        on_progress=lambda *told: seen.append(told),
-    )
-    assert seen == [(1000, None, {}), (EVENTS.size, None, {})]
-
-
-def test_an_error_of_the_source_comes_out_and_leaves_no_thread():
-    class Broken:
-        def __iter__(self):
-            yield EVENTS[:1000]
-            raise OSError("the disk is gone")
-
-    before = set(threading.enumerate())  # another test's thread may be about to end
-    with pytest.raises(OSError, match="the disk is gone"):
-        asap.compare(Broken(), cost=COST, schemes=[asap.Greedy()])
-    assert set(threading.enumerate()) <= before
-
-
 # ---- schemes and arguments ------------------------------------------------------------------
-
-
-def test_the_usual_schemes():
-    usual = asap.compare(EVENTS[:2000], cost=COST)
-    labels = {row.label for row in usual.rows}
-    assert {"Deadline", "DeadBeat", "Asap2020", "Asap2022", "Greedy", "FixedSize 1000"} <= labels
-    assert usual.latency_ms == 10
-
-
-def test_the_usual_schemes_are_what_their_labels_say():
-    made = {one.label: one.make(7.0, COST).parameters for one in contenders.user_schemes()}
-    assert made["FixedSize 1000"] == {"size": 1000}
-    assert made["FixedTime 1 ms"] == {"period_ms": 1.0}
-    assert made["Greedy"] == {"efficiency": None} and made["Greedy 0.97"] == {"efficiency": 0.97}
-    assert made["DeadBeat"]["latency_ms"] == made["Deadline"]["latency_ms"] == 7.0
 
 
 @pytest.mark.parametrize(
@@ -357,6 +219,45 @@ def test_the_usual_schemes_are_what_their_labels_say():
 )
 def test_labels(given, labels):
     assert list(contenders.labelled(given)) == labels
+
+
+# ---- what it shows --------------------------------------------------------------------------
+
+
+def test_summary_is_json(comparison):
+    summary = json.loads(json.dumps(comparison.summary(), allow_nan=False))
+    assert summary["schema_version"] == 1
+    assert summary["latency_bound_us"] == 5000
+    assert summary["oracle"] == {
+        "events": comparison.oracle,
+        "in_time": comparison.oracle / EVENTS.size,
+    }
+    assert [one["label"] for one in summary["schemes"]] == list(comparison)
+    first = summary["schemes"][0]
+    assert first["scheme"] == "deadline" and first["parameters"]["latency_ms"] == 5
+    assert first["score"] == comparison.rows[0].score
+    assert summary["cost"]["alpha_us"] == 100
+    assert summary["source"]["events"] == EVENTS.size
+
+
+def test_overflow_is_a_share():
+    found = asap.compare(EVENTS, cost=COST, schemes=[asap.Greedy()], capacity=1024)
+    ledger = found.runs["Greedy"].ledger
+    assert found["Greedy"].overflow == ledger.overflow / ledger.received > 0.1
+
+
+def test_compressed_stamps_are_rounded_down():
+    stream = CheckedStream(streams.make([1000, 1003, 1006, 1009]), speed=4.0)
+    assert np.concatenate(list(stream))["t"].tolist() == [1000, 1000, 1001, 1002]
+
+
+def test_the_exact_oracle_names_the_number_of_events_that_fits():
+    flood = streams.make(np.full(200_000, 5))
+    cheap = asap.LinearCost(1, 0.01)
+    with pytest.raises(ValueError, match=r"^events = 200000: too many .* the first \d+ or fewer$"):
+        asap.oracle(flood, cost=cheap, latency_ms=10, exact=True)
+    with pytest.raises(TypeError, match=r"^exact = "):
+        asap.oracle(flood, cost=cheap, latency_ms=10, exact="no")
 
 
 ONE = asap.Greedy()
@@ -380,42 +281,3 @@ ONE = asap.Greedy()
 def test_bad_arguments_are_named(options, error, words):
     with pytest.raises(error, match=words):
         asap.compare(EVENTS[:10], **{"cost": COST, **options})
-
-
-def test_the_bound_is_the_schemes_own_else_10_ms():
-    def bound(*given, **options):
-        return asap.compare(EVENTS[:10], cost=COST, schemes=list(given), **options).latency_ms
-
-    assert bound(asap.Greedy(), asap.Deadline(latency_ms=3)) == 3
-    assert bound(asap.Greedy()) == 10
-    assert bound(asap.Greedy(), latency_ms=4) == 4
-
-
-# ---- what it shows --------------------------------------------------------------------------
-
-
-def test_summary_is_json(comparison):
-    summary = json.loads(json.dumps(comparison.summary(), allow_nan=False))
-    assert summary["schema_version"] == 1
-    assert summary["latency_bound_us"] == 5000
-    assert summary["oracle"] == {
-        "events": comparison.oracle,
-        "in_time": comparison.oracle / EVENTS.size,
-    }
-    assert [one["label"] for one in summary["schemes"]] == list(comparison)
-    first = summary["schemes"][0]
-    assert first["scheme"] == "deadline" and first["parameters"]["latency_ms"] == 5
-    assert first["score"] == comparison.rows[0].score
-    assert summary["cost"]["alpha_us"] == 100
-    assert summary["source"]["events"] == EVENTS.size
-
-
-def test_the_same_twice(comparison):
-    again = asap.compare(EVENTS, cost=COST, schemes=schemes(), seed=7)
-    assert again.rows == comparison.rows
-    other = asap.compare(EVENTS, cost=COST, schemes=schemes(), seed=8)
-    assert other["paper"] != comparison["paper"]
-
-
-def test_repr_is_short(comparison):
-    assert repr(comparison).startswith("<Comparison: array, 5 ms: deadline 0.9")

@@ -1,9 +1,5 @@
 """A comparison as figure and as page."""
 
-import html
-import json
-import re
-
 import numpy as np
 import pytest
 
@@ -13,9 +9,6 @@ import streams
 pytest.importorskip("matplotlib")
 
 from asap.results import figures as plots
-from asap.results import page as report
-from asap.results import text as text_of
-from test_run_report import IMAGE, Page
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)
 EVENTS = streams.poisson(6e6, 0.05)
@@ -67,62 +60,6 @@ def test_the_curves_are_those_of_the_slots(comparison):
     assert kept.max() == pytest.approx((delivered / received).max())
 
 
-def test_late_windows_have_the_other_colour(comparison):
-    axes = plots.comparison_figure(comparison).axes
-
-    def area(collection):
-        return max((path.vertices[:, 1].max() for path in collection.get_paths()), default=0.0)
-
-    ours, greedy = axes[3].collections, axes[5].collections
-    assert area(ours[0]) > 0.3 and area(ours[1]) == 0
-    assert area(greedy[1]) == 1
-    assert ours[0].get_label() == "kept, all in time"
-
-
-def test_latencies_beyond_the_axis_stay_at_its_edge():
-    found = asap.compare(EVENTS, cost=COST, schemes=[asap.SingleEvent()], latency_ms=1)
-    latency = found.plot().axes[2].get_lines()[0].get_ydata()
-    assert found["SingleEvent"].max_us > 1e6
-    assert latency.max() == 100
-
-
-def test_a_figure_and_a_page_of_nothing(tmp_path):
-    empty = asap.compare(EVENTS[:0], cost=COST, schemes=[asap.Greedy()])
-    assert plots.svg(empty.plot())
-    text = report.write_comparison(empty, tmp_path / "x.html").read_text("utf-8")
-    assert "No event was received." in text
-
-
 def test_a_label_is_no_formula():
     found = asap.compare(EVENTS[:100], cost=COST, schemes={"5 $^$": asap.Greedy()})
     assert plots.svg(found.plot())
-
-
-def test_the_page_is_well_formed_and_asks_for_nothing(page):
-    tags = Page(page).tags
-    assert not [tag for tag, _ in tags if tag in ("script", "link", "iframe")]
-    links = [a[name] for _, a in tags for name in ("src", "href") if name in a]
-    assert all(link.startswith(IMAGE) for link in links)
-    assert "co <b>" not in page and "greedy &amp; co &lt;b&gt;" in page
-    assert "default-src 'none'" in page
-
-
-def test_the_page_says_what_the_table_says(page, comparison):
-    text = html.unescape(re.sub(r"<[^>]*>", " ", page)).replace("\xa0", " ")
-    for row in comparison.rows:
-        for cell in text_of.comparison_cells(row, 5.0):
-            assert cell in text
-    for words in (*text_of.COLUMNS, *text_of.COLUMNS.values()):
-        assert words in text
-    assert text_of.comparison_subtitle(comparison) in text
-    assert "overhead 0.5" in text
-
-
-def test_the_numbers_are_embedded(page, comparison):
-    text = re.search(r"<template data-comparison>(.*?)</template>", page, re.DOTALL)[1]
-    assert json.loads(html.unescape(text)) == json.loads(json.dumps(comparison.summary()))
-
-
-def test_write_returns_the_path_and_takes_a_title(comparison, tmp_path):
-    path = report.write_comparison(comparison, tmp_path / "x.html", "A & B")
-    assert "<h1>A &amp; B</h1>" in path.read_text("utf-8")

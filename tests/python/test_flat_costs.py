@@ -55,7 +55,7 @@ def scenes(draw):
     }
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(scenes(), st.sampled_from(PREFERENCES), st.booleans())
 def test_deadline_finishes_what_greedy_finishes(scene, prefer, opaque):
     events, setup = scene

@@ -182,27 +182,6 @@ def test_any_array(array: Any, order: str | None, unit: str, copy: bool | None) 
     check(array, order=order, time_unit=unit, copy=copy)
 
 
-THINGS = st.recursive(
-    st.one_of(
-        st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=3),
-        st.binary(max_size=3), st.just(np.datetime64("NaT")), st.just(range(3)), st.just(object()),
-        st.just(np.zeros(2, asap.EVENT_DTYPE)), st.just(np.zeros(1, asap.EVENT_DTYPE)[0]),
-    ),
-    lambda inner: st.one_of(
-        st.lists(inner, max_size=5),
-        st.lists(inner, max_size=4).map(tuple),
-        st.dictionaries(st.sampled_from(("t", "x", "y", "p", "on", 3)), inner, max_size=4),
-    ),
-    max_leaves=10,
-)  # fmt: skip
-
-
-@effort(120)
-@given(THINGS, st.sampled_from((None, "txyp", "yxt")))
-def test_any_thing(thing: Any, order: str | None) -> None:
-    check(thing, order=order)
-
-
 def check(source: Any, **options: Any) -> None:
     """Events, or one of the two errors of the documentation."""
     try:

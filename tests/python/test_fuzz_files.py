@@ -159,16 +159,6 @@ HEADERS = st.builds(
 )
 
 
-@effort(100)
-@given(content=HEADERS, options=OPTIONS)
-@example(npy("<i8", (0, 2**70), False, b""), {"order": "txyp"})
-@example(npy("|V0", (10**12,), False, b""), {})
-@example(npy("<U0", (10**12, 4), False, b"abc"), {"order": "txyp"})
-@example(npy("<f8", (2**62, 4), False, b"\0" * 64), {"order": "txyp"})
-def test_an_npy_header_that_lies(folder: Path, content: bytes, options: dict[str, Any]) -> None:
-    check_load(folder / "lies.npy", content, options)
-
-
 def npz(members: dict[str, bytes], method: int) -> bytes:
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", method) as archive:
@@ -212,34 +202,3 @@ def test_an_npz_of_strange_members(
 
 
 # ---- text -----------------------------------------------------------------------------------
-
-TOKENS = st.one_of(
-    st.sampled_from(
-        ("t", "x", "y", "p", "time [s]", "t_us", "#", "%", "1", "0", "-1", "0.5", "1e999",
-         "-1e-999", "nan", "inf", "9" * 30, "9" * 5000, "1.", ".", "+", "e5", "\0", "\ufeff", "é",
-         "µs", ",,")
-    ),
-    st.integers(0, 70_000).map(str),
-    st.floats(allow_nan=False).map(repr),
-)  # fmt: skip
-LINES = st.builds(
-    lambda separator, words: separator.join(words),
-    st.sampled_from((" ", ",", "\t", ";", ", ")),
-    st.lists(TOKENS, max_size=6),
-)
-
-
-@effort(120)
-@given(
-    lines=st.lists(LINES, max_size=8),
-    newline=st.sampled_from(("\n", "\r\n", "\r", "\x0b")),
-    options=OPTIONS,
-)
-@example(lines=["99999999999 5", "1 2 3 1"], newline="\n", options={})
-@example(lines=["1 2 3 1e999"], newline="\n", options={})
-@example(lines=["9" * 5000 + " 5", "1 2 3 1"], newline="\n", options={})
-@example(lines=["1e999 2 3 1", "1.0 2.0 3.0 1.0"], newline="\n", options={})
-def test_text_of_strange_lines(
-    folder: Path, lines: list[str], newline: str, options: dict[str, Any]
-) -> None:
-    check_load(folder / "strange.txt", newline.join(lines).encode(), options)

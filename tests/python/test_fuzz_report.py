@@ -19,7 +19,7 @@ import asap
 import streams
 from asap.cli import main
 from fuzzing import INTERESTING, effort
-from test_saved_run import members, npy, rewrite
+from test_saved_run import npy, rewrite
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 ATTACK = "</title></template><script>alert(1)</script><img src=http://x.example/ onerror=a()>\"'&"
@@ -161,17 +161,6 @@ def test_a_changed_column(
         report_of_archive(folder, **{f"{column}__npy": npy(changed)})
 
 
-@effort(20, long=600)
-@given(data=st.data())
-def test_changed_latencies(saved: tuple[Path, dict[str, Any]], data: st.DataObject) -> None:
-    folder, _ = saved
-    latencies = json.loads(members(folder / "run.npz")["latencies.json"])
-    put(latencies, data.draw(st.sampled_from(places(latencies))), data.draw(VALUES))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asap.results.figures.svg", lambda _: "")
-        report_of_archive(folder, latencies__json=json.dumps(latencies).encode())
-
-
 @effort(40)
 @given(st.one_of(VALUES.map(json.dumps), st.text(max_size=60)))
 @example("[" * 100_000)
@@ -192,22 +181,6 @@ def test_every_text_is_escaped(saved: tuple[Path, dict[str, Any]]) -> None:
     document["rejected"] = {attack: 3}
     document["mode"] = attack
     assert report(folder, document) == 0
-
-
-def test_numbers_as_large_as_a_run_may_hold(saved: tuple[Path, dict[str, Any]]) -> None:
-    folder, good = saved
-    columns = {name: packages(folder)[name].copy() for name in COLUMNS}
-    for name, number in (("processing_us", 1e18), ("start_us", -1e18), ("offered", 2**53)):
-        columns[name][0] = number
-    columns["rate"][-1] = 1e18
-    members = {f"{name}__npy": npy(column) for name, column in columns.items()}
-    summary = json.dumps({**good, "latency_bound_us": 1e18}).encode()
-    assert report_of_archive(folder, summary__json=summary, **members) == 0
-
-
-def test_a_ledger_of_nothing_received(saved: tuple[Path, dict[str, Any]]) -> None:
-    folder, good = saved
-    assert report(folder, {**good, "ledger": {**good["ledger"], "received": 0}}) == 0
 
 
 LIES = {

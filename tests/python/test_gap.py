@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import copy
-import json
-import pickle
-import time
-import zipfile
-
 import numpy as np
 import pytest
 
 import asap
 import streams
-from asap.experiment.contenders import user_schemes
+from asap.experiment.comparing import user_schemes
 from asap.results import text as text_of
 
 SCHEMES = [pytest.param(one, id=one.label) for one in user_schemes()]
@@ -75,39 +69,6 @@ def test_rejected_and_filtered_events_make_no_gap():
     assert run.gap_us == 0
 
 
-def test_before_the_first_and_behind_the_last():
-    cost = asap.LinearCost(alpha_us=1, beta_ns=0, outages_ms=[(0, 30)])
-    events = streams.make(np.arange(0, 60_000, 10))
-    run = asap.simulate(
-        events, cost=cost, scheme=asap.Deadline(latency_ms=5), latency_ms=5, keep_mask=True
-    )
-    assert run.gap_us == events["t"][run.kept_mask][0] > 20_000
-    late = asap.LinearCost(alpha_us=1, beta_ns=0, outages_ms=[(30, 200)])
-    run = asap.simulate(
-        events, cost=late, scheme=asap.Deadline(latency_ms=5), latency_ms=5, keep_mask=True
-    )
-    assert run.gap_us == gap_of(events["t"], run.kept_mask) > 20_000
-
-
-def test_of_nothing_there_is_none():
-    assert asap.simulate(streams.make([]), cost=SLOW).gap_us == 0
-
-
-@pytest.mark.parametrize("speed", [1.0, 4.0])
-def test_in_real_time_it_is_of_the_wall(speed):
-    events = streams.make(np.arange(0, 200_000, 20) * int(speed))
-    run = asap.run(
-        events,
-        algorithm=lambda package: time.sleep(2e-3),
-        scheme=asap.FixedSize(size=10),
-        speed=speed,
-        capacity=300,
-        keep_mask=True,
-    )
-    assert run.ledger.overflow > 0
-    assert run.gap_us == round(gap_of(events["t"], run.kept_mask) / speed) > 0
-
-
 @pytest.mark.parametrize("when_full", ["thin", "newest", "oldest"])
 def test_live_it_is_of_the_stamps(when_full):
     events = uneven(5)
@@ -131,36 +92,6 @@ def test_live_it_is_of_the_stamps(when_full):
     assert stats["gap_us"] == gap_of(events["t"], kept) > 0
 
 
-def test_it_is_saved_copied_and_pickled(tmp_path):
-    run = asap.simulate(uneven(2), cost=SLOW, scheme=asap.Greedy(), capacity=500)
-    assert run.gap_us > 0
-    for twin in (copy.copy(run), pickle.loads(pickle.dumps(run))):
-        assert twin.gap_us == run.gap_us
-    for name in ("run.npz", "run.json"):
-        assert asap.load_run(run.save(tmp_path / name)).gap_us == run.gap_us
-
-
-def test_a_run_saved_without_it_opens(tmp_path):
-    run = asap.simulate(uneven(2), cost=SLOW)
-    summary = {key: value for key, value in run.summary().items() if key != "gap_us"}
-    (tmp_path / "old.json").write_text(json.dumps(summary))
-    with (
-        zipfile.ZipFile(run.save(tmp_path / "new.npz")) as new,
-        zipfile.ZipFile(tmp_path / "old.npz", "w") as old,
-    ):
-        for name in new.namelist():
-            old.writestr(name, json.dumps(summary) if name == "summary.json" else new.read(name))
-    for name in ("old.json", "old.npz"):
-        loaded = asap.load_run(tmp_path / name)
-        assert loaded.gap_us is None
-        assert loaded.summary()["gap_us"] is None
-        assert "gap        not known" in str(loaded)
-    summary["gap_us"] = -1
-    (tmp_path / "bad.json").write_text(json.dumps(summary))
-    with pytest.raises(ValueError, match="gap_us = -1"):
-        asap.load_run(tmp_path / "bad.json")
-
-
 def test_the_table_and_the_verdict_tell_a_long_one():
     events = uneven(2)
     whole = asap.simulate(events, cost=asap.LinearCost(1, 10), latency_ms=4)
@@ -172,11 +103,3 @@ def test_the_table_and_the_verdict_tell_a_long_one():
     assert "without a processed event while events came\n" in str(lossy)
     words = f"({lossy.gap_us / 4000:.2g} L): events came, and none of them was processed."
     assert words in text_of.run_verdict(lossy)
-
-
-def test_a_comparison_has_one_in_each_row():
-    found = asap.compare(uneven(1), cost=SLOW, latency_ms=4)
-    assert {row.label: row.gap_us for row in found.rows} == {
-        label: run.gap_us for label, run in found.runs.items()
-    }
-    assert all(type(one["gap_us"]) is int for one in found.summary()["schemes"])

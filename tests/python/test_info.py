@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -42,15 +41,6 @@ def test_the_facts(tmp_path: Path) -> None:
     assert asap.info(asap.read(path)) == facts
 
 
-def test_it_is_what_the_verb_prints(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "events.npy"
-    np.save(path, np.stack([EVENTS[role] for role in "yxtp"], axis=1))
-    options = {"order": "yxtp", "width": 346, "height": 200, "time_unit": "us", "on_bad": "clamp"}
-    arguments = [f"--{name.replace('_', '-')}={value}" for name, value in options.items()]
-    assert cli.main(["info", str(path), "--json", *arguments]) == 0
-    assert json.loads(capsys.readouterr().out) == asap.info(path, **options)
-
-
 def test_clock_resets_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "events.npy"
     np.save(path, EVENTS)
@@ -60,11 +50,3 @@ def test_clock_resets_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert asap.info(path)["clock_resets"] == 1
     assert cli.main(["info", str(path)]) == 0
     assert "\n  clock     set back 1 x by 1 s or more: " in capsys.readouterr().out
-
-
-def test_options_are_those_of_reading(tmp_path: Path) -> None:
-    np.save(tmp_path / "events.npy", EVENTS)
-    with pytest.raises(TypeError, match="colour"):
-        asap.info(tmp_path / "events.npy", colour=1)
-    with pytest.raises(ValueError, match=r"width: a recording is open; say it to read\(\)"):
-        asap.info(asap.read(tmp_path / "events.npy"), width=5)

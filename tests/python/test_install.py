@@ -117,12 +117,6 @@ def test_sdist_holds_the_sources_and_nothing_else(sdist: Path) -> None:
     assert not names & set(STRAY)
 
 
-@pytest.mark.skipif("ASAP_DIST" not in os.environ, reason="no ASAP_DIST with an sdist")
-def test_the_given_sdist_is_the_same(sdist: Path) -> None:
-    (given,) = Path(os.environ["ASAP_DIST"]).glob("*.tar.gz")
-    assert names_in(given) == names_in(sdist)
-
-
 @pytest.mark.full
 def test_a_wheel_is_built_from_the_sdist_alone(sdist: Path, wheel: Path, tmp_path: Path) -> None:
     run([sys.executable, "-m", "pip", "wheel", "--no-deps", "-w", tmp_path, sdist])

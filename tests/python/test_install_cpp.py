@@ -84,32 +84,6 @@ def test_one_header_serves_the_core_alone(prefix: Path, tmp_path: Path) -> None:
     stranger(tmp_path, door, CORE, program, CMAKE_PREFIX_PATH=prefix)
 
 
-def test_the_page_for_boards_tells_the_memory_of_a_pipeline(prefix: Path, tmp_path: Path) -> None:
-    page = (ROOT / "notebooks" / "board.md").read_text()
-    table = page.partition("| `capacity`, events |")[2].partition("\n\n")[0]
-    rows = [
-        # "0: 131,072": what 0 stands for
-        [int(re.findall(r"[\d,]+", cell)[0].replace(",", "")) for cell in line.split("|")[1:-1]]
-        for line in table.splitlines()[2:]
-    ]
-    assert len(rows) >= 5
-    calls = "".join(
-        f"  tell({{.capacity = {c}, .log_rows = 0, .most_copied = {m}}});\n" for c, m, *_ in rows
-    )
-    (tmp_path / "memory.cpp").write_text(
-        "#include <asap/runner/pipeline.hpp>\n#include <cstdio>\n"
-        "void tell(const asap::RunConfig& config) {\n"
-        "  const asap::PipelineMemory memory = asap::Pipeline::memory(config);\n"
-        '  std::printf("%zu %zu %zu %zu\\n", memory.ring, memory.copies,\n'
-        "              memory.log + memory.rest, memory.total());\n}\n"
-        f"int main() {{\n{calls}}}\n"
-    )
-    flags = ["-std=c++20", f"-I{prefix}/include", f"-L{prefix}/lib", "-lasap_core", "-pthread"]
-    run(["c++", tmp_path / "memory.cpp", *flags, "-o", tmp_path / "memory"])
-    for row, told in zip(rows, run([tmp_path / "memory"]).splitlines(), strict=True):
-        assert row[2:] == pytest.approx([int(value) / 1000 for value in told.split()], abs=1), row
-
-
 def test_find_package_refuses_another_version(prefix: Path, tmp_path: Path) -> None:
     (tmp_path / "CMakeLists.txt").write_text(
         "cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n"
@@ -197,18 +171,6 @@ def test_pkg_config(library: str, example: Path, prefix: Path, tmp_path: Path) -
     program = tmp_path / "program"
     run(["c++", "-std=c++20", "-O1", *STRICT.split(), example, *flags, "-o", program])
     assert_it_works(program)
-
-
-@pytest.mark.parametrize("include", ["include", "/elsewhere/include"])
-def test_pkg_config_knows_absolute_directories(include: str, tmp_path: Path) -> None:
-    places = {"PREFIX": "/prefix", "LIBDIR": "/somewhere/lib", "INCLUDEDIR": include}
-    settings = [f"-DCMAKE_INSTALL_{name}={place}" for name, place in places.items()]
-    settings += [f"-D{name}={place}" for name, place in eigen().items()]
-    run(["cmake", "-S", ROOT, "-B", tmp_path, *settings])
-    env = {**os.environ, "PKG_CONFIG_PATH": str(tmp_path / "cpp")}
-    for name, place in (("libdir", "/somewhere/lib"), ("includedir", include)):
-        found = run(["pkg-config", f"--variable={name}", "asap-core"], env=env).strip()
-        assert found == str(Path("/prefix", place))
 
 
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="needs a compiler that knows -m32")

@@ -42,29 +42,11 @@ def test_packets_of_any_size(path: Path, compression: int) -> None:
     assert rec.truncated_at is None
 
 
-def test_packets_are_handed_on_together(path: Path) -> None:
-    events = corrupt.clean_events(240_000)
-    small, large = in_packets(events[:70_000], 1000), [(0, events[70_000:])]
-    write_aedat4(path, small + large)
-    chunks = list(asap.read(path))
-    assert [len(chunk) for chunk in chunks] == [65_000, 5000, 170_000]
-    assert_equal_events(np.concatenate(chunks), events)
-    assert_equal_events(chunks[0], events[:65_000])  # not overwritten by what came after
-
-
 @pytest.mark.parametrize("name", RECORDINGS)
 def test_agrees_with_the_library_of_the_format(name: str) -> None:
     aedat = pytest.importorskip("aedat")
     packets = [p["events"] for p in aedat.Decoder(str(recording(name))) if "events" in p]
     assert_equal_events(asap.load(recording(name)), asap.as_events(np.concatenate(packets)))
-
-
-@pytest.mark.parametrize("compression", [0, 1, 3])
-def test_the_library_of_the_format_reads_what_the_tests_write(path: Path, compression: int) -> None:
-    aedat = pytest.importorskip("aedat")
-    write_aedat4(path, in_packets(EVENTS, 3000), compression=compression)
-    packets = [p["events"] for p in aedat.Decoder(str(path))]
-    assert_equal_events(asap.as_events(np.concatenate(packets)), EVENTS)
 
 
 class TestStreams:
@@ -84,22 +66,6 @@ class TestStreams:
         write_aedat4(path, [(0, EVENTS[:10]), (7, EVENTS[10:20]), (0, EVENTS[20:30])])
         rest = np.concatenate((EVENTS[:10], EVENTS[20:30]))
         assert_equal_events(asap.load(path), rest)
-
-    def test_without_events_those_that_are_there_are_listed(self, path: Path) -> None:
-        write_aedat4(path, [], streams=((1, 1), (2, 2)))
-        path.write_bytes(path.read_bytes().replace(b"EVTS", b"IMUS"))
-        with pytest.raises(CorruptFile, match="events is needed, streams found: IMUS, IMUS"):
-            asap.read(path)
-        write_aedat4(path, [], streams=())
-        with pytest.raises(CorruptFile, match="streams found: none"):
-            asap.read(path)
-
-    def test_a_sensor_that_is_none_is_not_known(self, path: Path) -> None:
-        for side in (0, -1, 65537, 10**50):
-            write_aedat4(path, in_packets(EVENTS, 5000), streams=((346, side),))
-            rec = asap.read(path)
-            assert (rec.width, rec.height) == (None, None)
-            assert len(np.concatenate(list(rec))) == len(EVENTS)
 
 
 @pytest.mark.parametrize(("compression", "name"), [(1, "lz4"), (3, "zstandard")])
@@ -216,15 +182,3 @@ class TestDamage:
         path.write_bytes(content.replace(text, bomb.ljust(len(text))))
         with pytest.raises(CorruptFile, match="defines entities"):
             asap.read(path)
-
-    def test_values_that_no_event_can_hold_are_counted(self, path: Path) -> None:
-        write_aedat4(path, in_packets(EVENTS[:20], 10))
-        content = bytearray(path.read_bytes())
-        second = content.rindex(b"EVTS") + 24  # its first event
-        content[second + 8 : second + 10] = b"\xff\xff"
-        path.write_bytes(content)
-        rec = asap.read(path)
-        assert_equal_events(np.concatenate(list(rec)), np.delete(EVENTS[:20], 10))
-        assert rec.rejected["out_of_bounds"] == 1
-        with pytest.raises(ValueError, match=r"x = -1 \(event 10\)"):
-            asap.load(path, on_bad="raise")

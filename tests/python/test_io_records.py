@@ -66,12 +66,6 @@ def test_every_event_is_read(form: Format, tmp_path: Path) -> None:
     assert rec.truncated_at is None
 
 
-def test_content_goes_before_the_name(form: Format, tmp_path: Path) -> None:
-    path = file_of(tmp_path, form.write(EVENTS), "recording.npy")
-    stated = {"file_format": "atis40"} if form.name == "atis40" else {}
-    assert_equal_events(asap.load(path, height=form.height, **stated), EVENTS)  # type: ignore[arg-type]
-
-
 def test_no_events(form: Format, tmp_path: Path) -> None:
     path = file_of(tmp_path, form.write(EVENTS[:0]), f"a{form.suffix}")
     if path.stat().st_size == 0:
@@ -142,33 +136,11 @@ def test_bytes_whose_times_go_back_are_no_40_bit_events(tmp_path: Path) -> None:
         asap.read(file_of(tmp_path, noise, "a.bin"))
 
 
-def test_text_is_no_40_bit_file(tmp_path: Path) -> None:
-    path = file_of(tmp_path, b"5 1 2 0\n", "a.bin")
-    with pytest.raises(CorruptFile, match=r"text, not the events of a \.bin file"):
-        asap.read(path)
-    assert len(asap.load(path, file_format="text")) == 1
-
-
-def test_zeros_are_no_40_bit_file(tmp_path: Path) -> None:
-    with pytest.raises(CorruptFile, match="its first 4096 bytes are all zero"):
-        asap.read(file_of(tmp_path, bytes(5000), "a.bin"))
-
-
 def test_marks_of_time_in_row_240(tmp_path: Path) -> None:
     rows = np.zeros(4, asap.EVENT_DTYPE)
     rows["y"], rows["t"] = [1, 240, 240, 2], [8000, 0, 0, 5]
     events = asap.load(file_of(tmp_path, atis40(rows), "a.bin"))
     assert events["t"].tolist() == [8000, 2 * 8192 + 5]
-
-
-def test_file_format_is_a_name_of_a_reader(tmp_path: Path) -> None:
-    path = file_of(tmp_path, atis40(EVENTS), "a.bin")
-    with pytest.raises(ValueError, match=r"file_format = 'atis': give one of npy, .*atis40"):
-        asap.read(path, file_format="atis")
-    with pytest.raises(CorruptFile, match="byte 0"):
-        asap.read(path, file_format="es")
-    with pytest.raises(FileNotFoundError):
-        asap.read(tmp_path / "nothing", file_format="es")
 
 
 # ---- what is not read, and why -----------------------------------------------------------------
@@ -190,12 +162,6 @@ def test_what_is_not_read_says_so(content: bytes, words: str, tmp_path: Path) ->
         asap.read(file_of(tmp_path, content, "a.aedat"))
 
 
-def test_two_cameras_in_one_file(tmp_path: Path) -> None:
-    content = aedat3(EVENTS, "#Format: RAW\r\n#Source 1: DVS128\r\n#Source 2: DAVIS240C\r\n")
-    with pytest.raises(UnsupportedFormat, match="2 cameras"):
-        asap.read(file_of(tmp_path, content, "a.aedat"))
-
-
 def test_an_unnamed_dvs128_is_known_by_its_addresses(tmp_path: Path) -> None:
     rec = asap.read(file_of(tmp_path, aedat2(EVENTS, "", dvs128), "a.aedat"))
     assert (rec.width, rec.height) == (128, 128)
@@ -209,11 +175,6 @@ def test_an_unnamed_davis_needs_its_size(tmp_path: Path) -> None:
     with pytest.raises(UnsupportedFormat, match="give width and height"):
         asap.read(path, width=128)
     assert_equal_events(asap.load(path, width=128, height=128), EVENTS)
-
-
-def test_an_event_stream_of_version_1_needs_its_height(tmp_path: Path) -> None:
-    with pytest.raises(UnsupportedFormat, match="rows count from the bottom; give height in px"):
-        asap.read(file_of(tmp_path, es1(EVENTS), "a.es"), width=128)
 
 
 # ---- what is no event --------------------------------------------------------------------------

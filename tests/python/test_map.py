@@ -7,13 +7,11 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
     BrokenExecutor,
     Executor,
     Future,
-    ProcessPoolExecutor,
     ThreadPoolExecutor,
 )
 from functools import partial
@@ -25,7 +23,6 @@ import pytest
 
 import asap
 import streams
-from house import ROOT
 
 # Python 3.12 and later warn of every fork of a process with threads.
 pytestmark = pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning")
@@ -114,16 +111,6 @@ def test_every_element_is_given_as_it_is(recordings: list[Path]) -> None:
         assert asap.map(str, [], executor=threads) == asap.map(str, []) == []
 
 
-def test_a_recording_goes_by_its_path(recordings: list[Path]) -> None:
-    opened = [asap.read(path, width=9, height=9) for path in recordings]
-    runs = asap.map(simulated, opened)
-    assert [run.ledger.received for run in runs] == [100, 200, 300]
-
-
-def test_more_elements_than_processes() -> None:
-    assert asap.map(doubled, range(50)) == [2 * number for number in range(50)]
-
-
 def test_a_failure_stands_at_its_place() -> None:
     found = asap.map(odd_only, [1, 2, 3, 4])
     assert [found[0], found[2]] == [1, 3]
@@ -131,13 +118,6 @@ def test_a_failure_stands_at_its_place() -> None:
     assert type(found[3]) is RuntimeError and str(found[3]) == "Stubborn: four and more"
     assert (found[1].recording, found[3].recording) == (2, 4)
     assert "odd_only" in str(found[1].__cause__)  # where it failed, in the other process
-
-
-def test_what_cannot_be_sent_fails_alone() -> None:
-    unsendable = threading.Lock()
-    found = asap.map(doubled, [1, unsendable, 3])
-    assert [found[0], found[2]] == [2, 6]
-    assert isinstance(found[1], TypeError) and found[1].recording is unsendable
 
 
 def test_an_exit_is_a_failure() -> None:
@@ -152,16 +132,6 @@ def test_a_process_that_dies_takes_its_own_element_only(tmp_path: Path, start_me
     assert isinstance(found[1], BrokenExecutor) and found[1].recording == elements[1]
     tries = [len((tmp_path / name).read_text().splitlines()) for name in "01234"]
     assert tries == [1, 2, 2, 1, 1]
-
-
-def test_a_pool_of_your_own_ends_with_the_first_that_dies(tmp_path: Path) -> None:
-    elements = [(tmp_path, f"{number}", 9 * (number == 2)) for number in range(40)]
-    with ProcessPoolExecutor(1) as pool:
-        found = asap.map(noted, elements, executor=pool)
-    assert found[:2] == ["0", "1"]
-    failed = found[2:]
-    assert all(isinstance(one, BrokenExecutor) for one in failed)
-    assert [one.recording for one in failed] == elements[2:]
 
 
 class Dying(Executor):
@@ -199,14 +169,6 @@ def test_progress_counts_the_elements() -> None:
     assert told == [(1, 3, {}), (2, 3, {}), (3, 3, {})]
 
 
-def test_progress_may_end_it() -> None:
-    def stop(*_: Any) -> None:
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        asap.map(doubled, range(1000), on_progress=stop)
-
-
 @pytest.mark.parametrize(
     ("function", "recordings", "words"),
     [
@@ -226,31 +188,6 @@ def test_wrong_arguments_are_refused(function: Any, recordings: Any, words: str)
         asap.map(function, recordings)
 
 
-def test_an_executor_and_progress_are_checked() -> None:
-    with pytest.raises(TypeError, match=r"executor = 4: give an executor of concurrent\.futures"):
-        asap.map(doubled, [1], executor=4)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="on_progress = 4"):
-        asap.map(doubled, [1], on_progress=4)  # type: ignore[arg-type]
-
-
-def test_a_prompts_function_is_refused_where_a_process_starts_anew() -> None:
-    code = """
-import multiprocessing, asap
-def mine(one): return one
-multiprocessing.set_start_method("spawn")
-try:
-    asap.map(mine, [1])
-except TypeError as error:
-    print(error)
-multiprocessing.set_start_method("fork", force=True)
-print(asap.map(mine, [1]))
-"""
-    command = [sys.executable, "-W", "ignore", "-c", code]
-    shown = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    assert "a new process finds nothing of a notebook" in shown
-    assert shown.endswith("[1]\n")
-
-
 def test_a_script_on_its_own(recordings: list[Path]) -> None:
     script = recordings[0].with_name("script.py")
     script.write_text(
@@ -263,18 +200,3 @@ def test_a_script_on_its_own(recordings: list[Path]) -> None:
     )
     command = [sys.executable, str(script), *map(str, recordings)]
     assert subprocess.check_output(command, text=True) == "[100, 200, 300]\n"
-
-
-def test_the_page_keeps_its_word(recordings: list[Path]) -> None:
-    text = (ROOT / "notebooks" / "many_recordings.md").read_text()
-    script = recordings[0].with_name("batch.py")
-    script.write_text(text.partition("```python\n")[2].partition("```")[0])
-    flights = recordings[0].with_name("flights")
-    flights.mkdir()
-    for path in recordings:
-        path.rename(flights / path.name)
-    (flights / "9.npy").touch()
-    shown = subprocess.check_output([sys.executable, script], cwd=flights.parent, text=True)
-    *good, bad = shown.splitlines()
-    assert good == [f"flights/{n}.npy: {100 * (n + 1)} events, kept 100.0%" for n in range(3)]
-    assert bad.startswith("flights/9.npy: ") and "the file is empty" in bad

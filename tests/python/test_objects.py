@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import copy
 import decimal
-import pickle
 import threading
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -56,22 +53,6 @@ def test_algorithm_without_init_is_refused_with_events(cls: type) -> None:
             use()
 
 
-def test_derived_class_that_does_not_call_init_is_refused() -> None:
-    class Forgetful(asap.Deadline):
-        def __init__(self) -> None:
-            pass
-
-    class TooEarly(asap.ClusterTracker):
-        def __init__(self) -> None:
-            self.process(EVENTS)
-            super().__init__(10, 10)
-
-    with pytest.raises(TypeError, match=r"__init__\(\) must be called"):
-        Forgetful()
-    with pytest.raises(RuntimeError, match="non-held"):
-        TooEarly()
-
-
 @pytest.mark.parametrize(
     "use",
     [
@@ -86,24 +67,6 @@ def test_derived_class_that_does_not_call_init_is_refused() -> None:
 def test_object_without_init_is_refused_as_an_argument(use: Callable[..., Any]) -> None:
     with pytest.raises((TypeError, RuntimeError)):
         use(lambda cls: cls.__new__(cls))
-
-
-@pytest.mark.parametrize("made", [_core.Validator(), _core.ReadAhead()], ids=type)
-def test_objects_of_the_library_itself_are_neither_copied_nor_pickled(made: Any) -> None:
-    for duplicate in (
-        copy.copy,
-        copy.deepcopy,
-        *(partial(pickle.dumps, protocol=protocol) for protocol in range(6)),
-    ):
-        with pytest.raises(TypeError, match="pickle"):
-            duplicate(made)
-
-
-def test_object_keeps_its_class() -> None:
-    corners: Any = asap.EFast(9, 9)
-    with pytest.raises(TypeError, match="__class__"):
-        corners.__class__ = asap.ArcStar
-    assert corners.process(EVENTS).shape == EVENTS.shape
 
 
 # ---- values of a constructor ----------------------------------------------------------------
@@ -142,33 +105,6 @@ def test_whole_numbers_of_numpy_are_taken() -> None:
         events = next(iter(stream(duration_s=0.01, seed=np.int64(3))))
         assert np.array_equal(events, next(iter(stream(duration_s=0.01, seed=3))))
     assert _core.TextDecoder(first_offset=np.int64(3)).noted == ()
-
-
-class Mine:
-    """A number with errors of its own."""
-
-    def __float__(self) -> float:
-        raise KeyError("mine")
-
-    def __index__(self) -> int:
-        raise KeyError("mine")
-
-    def __repr__(self) -> str:
-        raise KeyError("mine")
-
-
-def test_error_of_the_argument_itself_comes_out_unchanged() -> None:
-    for call in (lambda: asap.Deadline(latency_ms=Mine()), lambda: asap.EFast(9, Mine())):
-        with pytest.raises(KeyError, match="mine"):
-            call()
-
-
-def test_type_error_of_a_callback_comes_out_unchanged() -> None:
-    def algorithm(events: np.ndarray) -> None:
-        raise TypeError("process(): incompatible with me")
-
-    with pytest.raises(TypeError, match=r"^process\(\): incompatible with me$"):
-        asap.simulate(EVENTS, cost=COST, algorithm=algorithm)
 
 
 # ---- one object, several threads ------------------------------------------------------------
@@ -216,10 +152,6 @@ def as_algorithm(noise: Any) -> None:
     asap.simulate(OUTSIDE, cost=COST, scheme=scheme, algorithm=noise)
 
 
-def in_front(noise: Any) -> None:
-    asap.simulate(OUTSIDE, cost=COST, scheme=asap.Greedy(), before=noise)
-
-
 def by_calls(noise: Any) -> None:
     for _ in range(400):
         noise.process(OUTSIDE[:STEP])
@@ -236,31 +168,3 @@ def test_reader_finds_what_the_last_package_has_left(work: Callable[[Any], objec
             break
     assert len(values) > 20
     assert {value % STEP for value in values} == {0}
-
-
-@pytest.mark.parametrize("work", [as_algorithm, in_front])
-def test_threads_do_not_work_with_one_object_at_once(work: Callable[[Any], object]) -> None:
-    calls = 0
-    for _ in range(TRIES):
-        noise, worker = noise_of(work)
-        before = calls
-        while worker.is_alive() and calls - before < 100:
-            noise.process(OUTSIDE[:STEP])
-            calls += 1
-        worker.join()
-        assert noise.rejected == OUTSIDE.size + (calls - before) * STEP  # none was lost
-        if calls > 20:
-            break
-    assert calls > 20
-
-
-def test_reader_finds_what_the_last_check_has_left() -> None:
-    validator = _core.Validator(width=50)
-    worker = threading.Thread(target=validator.check, args=(OUTSIDE,))
-    worker.start()
-    received = set()
-    while worker.is_alive():
-        received.add(validator.received)
-    worker.join()
-    assert received <= {0, OUTSIDE.size}
-    assert validator.received == validator.rejected["out_of_bounds"] == OUTSIDE.size

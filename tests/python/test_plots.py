@@ -4,7 +4,7 @@ import sys
 import numpy as np
 import pytest
 
-from fake_run import empty_run, fake_run
+from fake_run import fake_run
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -58,46 +58,6 @@ def test_the_figure_has_the_papers_curves_on_one_time_axis():
     assert set(curve(latency, 1)[1]) == {10.0}
 
 
-def test_a_few_outliers_do_not_flatten_the_margin_but_are_counted():
-    run = fake_run(duration_s=1.0)
-    run.packages["margin_us"][:2] = -50_000
-    margin = plots.figure(run).axes[3]
-    assert margin.get_ylim()[0] > -1 and margin.get_ylim()[1] > 0
-    assert "2 off scale" in margin.get_legend().get_texts()[0].get_text()
-    assert curve(margin)[1].min() == -50
-    run.packages["margin_us"] = 0
-    margin = plots.figure(run).axes[3]
-    assert "off scale" not in margin.get_legend().get_texts()[0].get_text()
-
-
-def test_every_axis_names_its_unit():
-    axes = plots.figure(fake_run()).axes
-    assert [each.get_ylabel() for each in axes] == ["events", "Mev/s", "kept", "ms", "ms"]
-    assert axes[-1].get_xlabel() == "time from the first event [s]"
-    slow = plots.figure(fake_run(rates=(1e4, 1e5), duration_s=0.1))
-    assert slow.axes[1].get_ylabel() == "kev/s"
-
-
-def test_a_scheme_without_rate_bound_has_no_line_for_it():
-    rates = plots.figure(fake_run(rate_bound=None, duration_s=0.1)).axes[1]
-    assert len(rates.get_lines()) == 2
-
-
-def test_an_empty_run_has_an_empty_figure():
-    assert len(plots.figure(empty_run()).axes) == 5
-
-
-def test_a_figure_that_is_given_is_drawn_into():
-    page = Figure()
-    left, right = page.subfigures(1, 2)
-    assert plots.control(fake_run(duration_s=0.1), figure=left) is left
-    assert len(left.axes) == 5 and not right.axes
-
-
-def test_a_notebook_shows_the_figure_without_pyplot():
-    assert plots.figure(fake_run(duration_s=0.1))._repr_png_().startswith(b"\x89PNG")
-
-
 def test_the_global_style_stays_as_it_is():
     plots.figure(fake_run(duration_s=0.1))
     plots.rate(events_of((0, 0, 1, 0)))
@@ -145,22 +105,6 @@ def test_clusters_are_ellipses_of_two_standard_deviations():
     assert abs(ellipse.angle) % 180 == pytest.approx(0)
     assert axes.texts[0].get_text() == "7"
     assert curve(axes)[0].tolist() == [30, 32]
-
-
-def test_a_tilted_cluster_is_drawn_tilted():
-    cluster = np.array([(1, 30, 20, 0, 0, 5.0, 4.0, 5.0)], CLUSTER_DTYPE)
-    (ellipse,) = plots.clusters(events_of((1, 1, 1, 0)), cluster, 60, 40).patches
-    assert ellipse.angle % 180 == pytest.approx(45)
-    assert (ellipse.width, ellipse.height) == pytest.approx((12, 4))
-    assert not ellipse.axes.get_lines()
-
-
-def test_the_rate_is_drawn_over_time():
-    axes = plots.rate(events_of(*((0, 0, 1, t) for t in (0, 1, 2, 1500))), 1000)
-    time_s, rate_khz = curve(axes)
-    assert time_s.tolist() == [0, 0.001]
-    assert rate_khz.tolist() == [3, 1]
-    assert axes.get_ylabel() == "event rate [kev/s]"
 
 
 @pytest.mark.parametrize("draw", ["frame", "clusters", "rate"])

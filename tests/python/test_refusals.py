@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import decimal
 import math
 import os
 import socket
@@ -111,29 +110,6 @@ def test_argument_of_any_kind_is_named(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert_refused(call, field, values)
-
-
-HALF = decimal.Decimal("0.5")
-
-
-@pytest.mark.parametrize(
-    ("call", "plain"),
-    [
-        (lambda half: asap.Pipeline(latency_ms=half).latency_bound_us, 500),
-        (lambda half: asap.oracle(EVENTS, cost=COST, latency_ms=half, speed=half), 5),
-        (lambda half: asap.compare(EVENTS, cost=COST, latency_ms=half, speed=half).speed, 0.5),
-        (lambda half: asap.run(EVENTS, algorithm=len, speed=half).summary()["speed"], 0.5),
-        (lambda half: analysis.rate(EVENTS, half)[1][0], 1e7),
-        (lambda half: analysis.Cost(0, 1).throughput_hz(half), 1e9),
-    ],
-)
-def test_number_of_any_kind_is_taken_as_a_float(call: Callable[[Any], Any], plain: Any) -> None:
-    found = call(HALF)
-    assert found == call(0.5)
-    assert plain in (found, None)
-    for bad in ("nan", "snan"):
-        with pytest.raises((TypeError, ValueError), match=r"^\w+ = .*: "):
-            call(decimal.Decimal(bad))
 
 
 def test_masked_events_are_refused_by_every_door() -> None:

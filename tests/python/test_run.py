@@ -1,6 +1,5 @@
 """asap.run: real time, on a machine that may let a thread wait for its turn for a second."""
 
-import signal
 import subprocess
 import sys
 import textwrap
@@ -50,15 +49,6 @@ def test_every_event_arrives_once_and_in_order():
     assert run.lateness.count > 0
 
 
-def test_a_stream_of_arrays_gives_what_one_array_gives():
-    events = streams.poisson(1e6, 0.1)
-    whole, pieces = Collector(), Collector()
-    asap.run(events, algorithm=whole, scheme=asap.Greedy())
-    asap.run(iter(np.array_split(events, 50)), algorithm=pieces, scheme=asap.Greedy())
-    np.testing.assert_array_equal(whole.column("t"), events["t"])
-    np.testing.assert_array_equal(pieces.column("t"), events["t"])
-
-
 def test_the_mask_leads_back_to_the_users_array():
     events = streams.poisson(1e6, 0.05, seed=3)
     chunks = np.array_split(events, 7)
@@ -80,13 +70,6 @@ def test_takes_as_long_as_the_recording_divided_by_speed():
     assert (starts >= run.packages["t_last"]).all()
     assert starts[-1] - events["t"][0] <= 2e6 * elapsed
     assert run.summary()["packages"]["per_s"] == pytest.approx(run.packages.size / 0.3, rel=0.05)
-
-
-def test_no_event_is_delivered_before_its_stamp():
-    events = streams.poisson(1e5, 0.3)
-    run = asap.run(events, algorithm=lambda events: None)
-    assert (run.packages["latency_max_us"] >= run.packages["processing_us"]).all()
-    assert (run.packages["start_us"] >= run.packages["t_last"]).all()
 
 
 def test_a_quiet_scene_is_flushed_within_the_bound():
@@ -182,38 +165,6 @@ def test_exception_of_the_algorithm_comes_out_unchanged():
     assert run.ledger.pending > 0
 
 
-@pytest.mark.usefixtures("no_thread_left")
-def test_exception_of_the_source_comes_out_unchanged():
-    def source():
-        yield streams.poisson(1e5, 0.05)
-        raise OSError("unplugged")
-
-    with pytest.raises(OSError, match="unplugged"):
-        asap.run(source(), algorithm=lambda events: None)
-    assert asap.last_run().ledger.balanced
-
-
-@pytest.mark.usefixtures("no_thread_left")
-def test_a_source_that_waits_is_left_when_the_algorithm_fails():
-    unplugged = threading.Event()
-
-    def source():
-        yield streams.make([1])
-        unplugged.wait()
-
-    def algorithm(events):
-        raise RuntimeError("mine")
-
-    patience = threading.Timer(PATIENCE, unplugged.set)
-    patience.start()
-    with pytest.raises(RuntimeError, match="mine"):
-        asap.run(source(), algorithm=algorithm, scheme=asap.Greedy())
-    assert not unplugged.is_set()
-    patience.cancel()
-    unplugged.set()
-    assert asap.last_run().ledger.pending == 1
-
-
 def test_stops_at_once_though_the_next_event_is_an_hour_away():
     def algorithm(events):
         raise RuntimeError("enough")
@@ -276,73 +227,3 @@ def test_progress_is_reported():
     assert {one[1] for one in seen} == {events.size}
     assert set(seen[-1][2]) == set(asap.last_run().ledger)
     assert all(done == ledger["received"] - ledger["pending"] for done, _, ledger in seen)
-
-
-def test_signal_handlers_are_left_alone():
-    before = signal.getsignal(signal.SIGINT)
-    asap.run(streams.make([1, 2]), algorithm=lambda events: None)
-    assert signal.getsignal(signal.SIGINT) is before
-
-
-@pytest.mark.usefixtures("no_thread_left")
-def test_an_endless_source_is_left_when_the_algorithm_fails():
-    def source():
-        while True:
-            yield streams.poisson(1e5, 0.01)
-
-    def algorithm(events):
-        raise RuntimeError("stop")
-
-    with pytest.raises(RuntimeError):
-        asap.run(source(), algorithm=algorithm)
-
-
-def test_an_algorithm_is_needed():
-    with pytest.raises(TypeError, match="algorithm = None"):
-        asap.run(streams.make([1]), algorithm=None)
-
-
-def test_a_numpy_integer_is_a_seed():
-    seeds = np.arange(3)
-    assert asap.simulate(streams.make([1]), cost=asap.LinearCost(1, 1), seed=seeds[2]).kept == 1
-
-
-@pytest.mark.usefixtures("no_thread_left")
-def test_an_endless_source_is_left_when_the_algorithm_is_refused():
-    def source():
-        while True:
-            yield streams.poisson(1e6, 0.1)
-
-    with pytest.raises(TypeError, match="algorithm"):
-        asap.run(source(), algorithm=3)
-
-
-def test_the_total_of_a_stream_is_known_when_it_has_been_read():
-    totals = []
-    events = streams.poisson(1e5, 0.3)
-    asap.run(
-        iter(np.array_split(events, 5)),
-        algorithm=lambda events: None,
-        on_progress=lambda done, total, ledger: totals.append(total),
-    )
-    assert totals[-1] == events.size
-
-
-def test_the_total_of_a_stream_is_not_guessed_before():
-    events, totals = streams.poisson(1e5, 0.3), []
-    for source in (np.array_split(events, 3), events):
-        asap.simulate(
-            source,
-            cost=asap.LinearCost(100, 300),
-            on_progress=lambda done, total, ledger: totals.append(total),
-        )
-    assert totals == [None] * 3 + [events.size]
-
-
-def test_a_saved_run_keeps_its_speed(tmp_path):
-    run = asap.run(streams.poisson(1e5, 0.1), algorithm=lambda events: None, speed=2)
-    run.save(tmp_path / "run.npz")
-    again = asap.load_run(tmp_path / "run.npz")
-    assert again.speed == 2
-    assert again.summary() == run.summary()
-    assert again.lateness.max == run.lateness.max

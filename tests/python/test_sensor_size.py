@@ -55,46 +55,8 @@ def test_one_that_is_too_small_is_named_with_the_source_and_the_remedy(
     assert worker.rejected == 0
 
 
-@pytest.mark.parametrize("door", DOORS)
-def test_one_known_side_is_enough(door: Callable[..., object]) -> None:
-    with pytest.raises(ValueError, match=r"\? x 260 px; make it BackgroundActivityFilter\(34, 260"):
-        door(EVENTS, asap.BackgroundActivityFilter(34, 34), height=260)
-
-
-@pytest.mark.parametrize("door", DOORS)
-def test_what_is_larger_or_not_known_is_taken(door: Callable[..., object]) -> None:
-    door(EVENTS, asap.BackgroundActivityFilter(640, 480), width=346, height=260)
-    door(EVENTS, asap.BackgroundActivityFilter(34, 34))
-
-
 @pytest.mark.parametrize("door", [run, simulate, filtered])
 def test_the_file_knows_the_sensor(door: Callable[..., object], tmp_path: Path) -> None:
     np.savez(tmp_path / "events.npz", events=EVENTS, width=346, height=260)
     with pytest.raises(ValueError, match="346 x 260 px"):
         door(tmp_path / "events.npz", asap.BackgroundActivityFilter(34, 34))
-
-
-class Derived(asap.BackgroundActivityFilter):
-    pass
-
-
-class OfTheUser:
-    width = height = 3  # of who knows what
-
-    def process(self, events: np.ndarray) -> np.ndarray:
-        return events
-
-
-@pytest.mark.parametrize("door", DOORS)
-def test_size_is_known_of_the_librarys_own_and_what_is_derived_from_them(
-    door: Callable[..., object],
-) -> None:
-    with pytest.raises(ValueError, match=r"make it Derived\(346, 260\)"):
-        door(EVENTS, Derived(34, 34), width=346, height=260)
-    door(EVENTS, OfTheUser(), width=346, height=260)
-
-
-@pytest.mark.parametrize("door", DOORS)
-def test_what_is_ours_but_no_algorithm_is_refused_as_that(door: Callable[..., object]) -> None:
-    with pytest.raises(TypeError, match="process"):
-        door(EVENTS, asap.GammaFilter(), width=346, height=260)

@@ -14,12 +14,12 @@
 #include <utility>
 
 #include "../cpp/support/streams.hpp"
-#include "asap/buffer/event_buffer.hpp"
 #include "asap/core/random.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "buffer/arrival_times.hpp"
+#include "buffer/event_buffer.hpp"
 #include "noise.hpp"
 #include "runner/doorbell.hpp"
 #include "runner/push_door.hpp"
@@ -204,7 +204,7 @@ std::uint64_t restart_again_and_again(std::uint64_t seed, std::uint64_t events) 
   Scheme& scheme = draw(2) == 0 ? static_cast<Scheme&>(by_size) : greedy;
   const WhenFull rules[] = {WhenFull::thin, WhenFull::newest, WhenFull::oldest, WhenFull::block};
   Pipeline pipeline(scheme,
-                    {.latency_us = 2000, .capacity = 1 + draw(32), .when_full = rules[seed % 4]});
+                    {.latency = 2000us, .capacity = 1 + draw(32), .when_full = rules[seed % 4]});
   std::jthread watcher([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       const PipelineStats stats = pipeline.stats();
@@ -214,11 +214,11 @@ std::uint64_t restart_again_and_again(std::uint64_t seed, std::uint64_t events) 
       std::this_thread::yield();
     }
   });
-  std::jthread flusher([&, latency_us = 1000.0](const std::stop_token& stop) mutable {
+  std::jthread flusher([&, latency = 1000us](const std::stop_token& stop) mutable {
     while (!stop.stop_requested()) {
       pipeline.flush();
       pipeline.push({});  // a second producer, who has nothing
-      pipeline.set_latency(std::exchange(latency_us, 3000 - latency_us));
+      pipeline.set_latency(std::exchange(latency, 3000us - latency));
       std::this_thread::yield();
     }
   });
@@ -280,7 +280,7 @@ TEST(Race, AnOlderFlushTakesNothingFromANewerOne) {
   const int rounds = is_long() ? 20'000 : 500;
   test::make_noise(8, 1);
   FixedSize waits({.size = 1000});
-  Pipeline pipeline(waits, {.latency_us = 3.6e9, .capacity = 64, .execution = Execution::whole});
+  Pipeline pipeline(waits, {.latency = 1h, .capacity = 64, .execution = Execution::whole});
   std::atomic<int> round{0};
   std::jthread other([&] {
     for (int seen = 0; seen < rounds;) {

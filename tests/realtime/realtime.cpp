@@ -14,7 +14,6 @@
 #include <thread>
 #include <vector>
 
-#include "asap/packager/packager.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/asap2022.hpp"
@@ -22,6 +21,7 @@
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
+#include "packager/packager.hpp"
 
 namespace {
 
@@ -69,7 +69,8 @@ void fill(std::vector<Event>& events, std::int64_t& t_us) {
 
 bool pipeline() {
   const auto pipeline = asap::make_pipeline(
-      {.latency_us = 1e6, .capacity = 16'384, .validator = {.width = 346}}, [](EventSpan) {});
+      {.latency = std::chrono::seconds(1), .capacity = 16'384, .validator = {.width = 346}},
+      [](EventSpan) {});
   if (!pipeline) return false;
   std::vector<Event> events(kBatch);
   std::int64_t t_us = 0;
@@ -93,7 +94,7 @@ bool packages(asap::Scheme& scheme, asap::Execution execution) {
   std::int64_t t_us = 0;
   std::int64_t now_ns = 0;
   std::size_t delivered = 0;
-  packager.set_axis(asap::TimeAxis(0, 1.0));
+  packager.begin(asap::TimeAxis(0, 1.0), 0);
   for (int batch = 0; batch < 300; ++batch) {
     fill(events, t_us);
     buffer.push(events);

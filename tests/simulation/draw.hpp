@@ -13,7 +13,8 @@ namespace asap::simulation {
 
 class Draw {
  public:
-  Draw(std::uint64_t seed, std::uint64_t purpose) noexcept : random_(seed ^ mix(purpose + 1)) {}
+  Draw(std::uint64_t seed, std::uint64_t purpose) noexcept
+      : random_(seed ^ detail::mix(purpose + 1)) {}
 
   std::uint64_t bits() noexcept { return random_(next_++); }
   double uniform() noexcept { return random_.uniform(next_++); }

@@ -17,7 +17,7 @@ std::size_t draw_odd_capacity(Draw& draw) {
 std::vector<Fault> draw_faults(const Setup& setup, unsigned mask) {
   Draw draw(setup.seed, 4);
   std::vector<Fault> faults;
-  const std::size_t count = draw.below(kMostFaults + 1);
+  const std::size_t count = draw.below(kMaxFaults + 1);
   for (std::size_t i = 0; i < count; ++i) {
     const auto kind = static_cast<FaultKind>(draw.below(kFaultKinds));
     const std::size_t begin = draw.below(setup.faults_end());
@@ -35,7 +35,7 @@ void configure(Setup& setup, const std::vector<Fault>& faults) {
     if (fault.kind == FaultKind::extreme) {
       if (draw.chance(0.6)) {
         setup.scheme.kind = Kind::hostile;
-        setup.scheme.least_gamma = 0;
+        setup.scheme.min_gamma = 0;
       }
       if (draw.chance(0.5)) {
         setup.filter_seed = draw.chance(0.5) ? 0 : std::numeric_limits<std::uint64_t>::max();

@@ -39,7 +39,7 @@ struct Fault {
   Draw draw() const noexcept { return Draw(key, 3); }
 };
 
-inline constexpr std::size_t kMostFaults = 6;
+inline constexpr std::size_t kMaxFaults = 6;
 
 // Bit i of the mask permits fault i.
 std::vector<Fault> draw_faults(const Setup& setup, unsigned mask);

@@ -31,7 +31,7 @@ Decision HostileScheme::decide(const Backlog& backlog) noexcept {
           .budget_ns = draw_.chance(0.5) ? draw_.between(-1000, 10'000'000) : any(times),
           .fixed_ns = any(costs),
           .event_ns = any(costs),
-          .most_event_ns = any(costs)};
+          .max_event_ns = any(costs)};
 }
 
 }  // namespace asap::simulation

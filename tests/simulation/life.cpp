@@ -150,7 +150,7 @@ void Life::take_in(EventSpan good) {
 void Life::begin(const Event& first) {
   has_begun_ = true;
   axis_ = TimeAxis(first.t, 1.0);
-  packager_.set_axis(axis_);
+  packager_.begin(axis_, 0);
   shadow_.set_axis(axis_);
   offset_ns_ = axis_.to_ns(first.t) - packet_.sent_ns;
   producer_ns_ = arrival_ns_ = axis_.to_ns(first.t);

@@ -1,4 +1,4 @@
-// Life: one run of the library's own parts, put together as LiveRun, Replay and ConsumerLoop do,
+// Life: one run of the library's own parts, put together as Pipeline, Replay and ConsumerLoop do,
 // from the first event to the end or to a stop. Producer and consumer are two actors with a time of
 // their own, in one thread: the one whose time is due acts, and inside an action, wherever another
 // thread could get in between (behind a look at the clock, between note and push, push and slots,
@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/packager/packager.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"
 #include "journal.hpp"
+#include "packager/packager.hpp"
 #include "reference_door.hpp"
 #include "shadow.hpp"
 #include "watched_scheme.hpp"

@@ -249,7 +249,7 @@ void LiveLife::ask() {
                            10, static_cast<std::int64_t>(static_cast<double>(setup_.latency_ns) *
                                                          1e-3 * draw_.octaves(0.25, 4)));
     journal_.step("bound", time_ns_, static_cast<std::uint64_t>(bound_ns_));
-    pipeline_.set_latency(static_cast<double>(bound_ns_) * 1e-3);
+    pipeline_.set_latency(std::chrono::nanoseconds(bound_ns_));
     shadow_->sets_bound(bound_ns_);
   } else {
     journal_.step("flush", time_ns_, shadow_->waiting());

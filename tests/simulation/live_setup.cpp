@@ -33,13 +33,13 @@ LiveSetup draw_live(Setup& setup) {
 }
 
 RunConfig run_config(const Setup& setup, FrontFilter before, WhenFull when_full) {
-  return {.latency_us = static_cast<double>(setup.latency_ns) * 1e-3,
+  return {.latency = std::chrono::nanoseconds(setup.latency_ns),
           .capacity = setup.capacity,
           .seed = setup.filter_seed,
           .validator = setup.door,
           .execution = setup.execution,
           .flush = setup.flush,
-          .before = std::move(before),
+          .front_filter = std::move(before),
           .when_full = when_full};
 }
 

@@ -53,8 +53,8 @@ void LiveShadow::pushed(const Pushed& pushed, const Ledger& before, const Ledger
   journal_.equal(Law::ledger, taken + thinned + overflow, pushed.events.size(), "pushed");
   if (journal_.failed()) return;
   if (pushed.is_reset) {
-    asked_.flush_least = held_.size();
-    asked_.flush_most = held_.size() + taken;
+    asked_.flush_min = held_.size();
+    asked_.flush_max = held_.size() + taken;
     may_be_woken_ = true;
   }
   hold_admission(pushed.events.size(), taken, thinned, overflow);
@@ -67,7 +67,7 @@ void LiveShadow::pushed(const Pushed& pushed, const Ledger& before, const Ledger
   }
   thinned_ += thinned;
   overflow_ += overflow;
-  most_waiting_ = std::max(most_waiting_, waiting());
+  max_waiting_ = std::max(max_waiting_, waiting());
 }
 
 // Which events give way, by WhenFull.
@@ -102,7 +102,7 @@ void LiveShadow::hold_admission(std::size_t offered, std::uint64_t taken, std::u
 }
 
 void LiveShadow::flushes() noexcept {
-  asked_.flush_least = asked_.flush_most = held_.size();
+  asked_.flush_min = asked_.flush_max = held_.size();
   may_be_woken_ = true;
 }
 
@@ -174,7 +174,7 @@ void LiveShadow::asked(const Backlog& backlog) {
   journal_.equal(Law::protocol, backlog.now_ns, run_ns(seen_ns_), "time told");
   journal_.equal(Law::protocol, backlog.previous_start_ns, previous_start_ns_, "previous start");
   const std::int64_t oldest_ns = held_[head_].time_ns;
-  const bool is_exact = most_waiting_ + 100 <= ArrivalTimes::steps_for(setup_.capacity) / 2;
+  const bool is_exact = max_waiting_ + 100 <= ArrivalTimes::steps_for(setup_.capacity) / 2;
   const std::int64_t step_ns = std::max<std::int64_t>(longest_bound_ns_ / 1024, 1);
   journal_.hold(
       Law::age,
@@ -183,8 +183,8 @@ void LiveShadow::asked(const Backlog& backlog) {
   const bool is_late = setup_.flush && backlog.now_ns >= backlog.oldest_ns + setup_.latency_ns;
   const bool is_over = asked_.closed && seen() == waiting();
   const bool is_due = is_over || is_late || seen() == setup_.capacity;
-  const bool must = is_due || head_ < looked_.flush_least;
-  const bool may = is_due || head_ < looked_.flush_most;
+  const bool must = is_due || head_ < looked_.flush_min;
+  const bool may = is_due || head_ < looked_.flush_max;
   journal_.hold(Law::age, backlog.due ? may : !must, "due", backlog.due, must);
   journal_.equal(Law::age, backlog.counts.before(backlog.oldest_ns), 0u, "older than the oldest");
 }
@@ -357,7 +357,7 @@ void LiveShadow::sleeps(std::int64_t deadline_ns) {
   journal_.hold(Law::liveness, waits_ || waiting() == 0, "sleeps, though nobody said wait");
   journal_.hold(Law::liveness, held_.size() < wanted_tail_, "sleeps, though what it waits for came",
                 number(held_.size()), number(wanted_tail_));
-  journal_.hold(Law::liveness, head_ >= asked_.flush_least || waiting() == 0,
+  journal_.hold(Law::liveness, head_ >= asked_.flush_min || waiting() == 0,
                 "sleeps, though a flush is due");
   journal_.hold(Law::liveness, !asked_.closed && !asked_.abandoned, "sleeps behind the end");
 }

@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/packager/packager.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "journal.hpp"
 #include "live_setup.hpp"
+#include "packager/packager.hpp"
 #include "shadow.hpp"
 #include "stall_reference.hpp"
 
@@ -75,8 +75,8 @@ class LiveShadow {
   };
   // What other threads have asked for. A flush of a push with a reset is somewhere in that push.
   struct Asked {
-    std::uint64_t flush_least = 0;
-    std::uint64_t flush_most = 0;
+    std::uint64_t flush_min = 0;
+    std::uint64_t flush_max = 0;
     std::int64_t bound_ns = 0;
     bool closed = false;
     bool abandoned = false;
@@ -108,7 +108,7 @@ class LiveShadow {
   Asked asked_;
   Asked looked_;
   std::int64_t longest_bound_ns_;
-  std::size_t most_waiting_ = 0;
+  std::size_t max_waiting_ = 0;
   double let_in_ = 0;  // by the thinning
   double let_in_by_law_ = 0;
 

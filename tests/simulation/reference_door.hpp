@@ -28,7 +28,7 @@ class ReferenceDoor {
       if (back_us >= 1'000'000) {
         t = last_us_ + 1;
         offset_us = t - event.t;
-      } else if (clamps || back_us <= config_.reorder_tolerance_us) {
+      } else if (clamps || back_us <= config_.reorder_tolerance / std::chrono::microseconds(1)) {
         t = last_us_;
       } else {
         return reject(rejected.nonmonotonic);

@@ -28,13 +28,13 @@ void hold_paper(const SchemeSetup& scheme, const Backlog& backlog, const Decisio
                 Journal& journal) {
   if (!decision.takes) return;
   const double open = scheme.kind == Kind::asap2022 ? 1000 : 0;  // a container
-  const double most = open + std::ceil(static_cast<double>(scheme.most) / 0.02);
-  journal.hold(Law::size, static_cast<double>(decision.raw) <= most, "raw events taken",
-               static_cast<double>(decision.raw), most);
-  const std::size_t least = std::min(scheme.size, backlog.count);
+  const double max = open + std::ceil(static_cast<double>(scheme.max_size) / 0.02);
+  journal.hold(Law::size, static_cast<double>(decision.raw) <= max, "raw events taken",
+               static_cast<double>(decision.raw), max);
+  const std::size_t min = std::min(scheme.size, backlog.count);
   if (scheme.kind == Kind::asap2020) {
-    journal.hold(Law::size, backlog.due || decision.raw >= least, "raw events taken, not due",
-                 static_cast<double>(decision.raw), static_cast<double>(least));
+    journal.hold(Law::size, backlog.due || decision.raw >= min, "raw events taken, not due",
+                 static_cast<double>(decision.raw), static_cast<double>(min));
   }
 }
 
@@ -58,8 +58,8 @@ void hold_bounded(const Setup& setup, const Backlog& backlog, const Decision& de
   const double event_ns = decision.event_ns;
   journal.hold(Law::protocol, std::isfinite(event_ns) && (!is_anytime || event_ns > 0),
                "cost of an event", event_ns);
-  journal.hold(Law::protocol, !is_anytime || decision.most_event_ns >= event_ns,
-               "the most that an event costs", decision.most_event_ns);
+  journal.hold(Law::protocol, !is_anytime || decision.max_event_ns >= event_ns,
+               "the most that an event costs", decision.max_event_ns);
   journal.hold(Law::protocol, std::isfinite(decision.fixed_ns) && decision.fixed_ns >= 0,
                "fixed cost", decision.fixed_ns);
 }
@@ -75,8 +75,8 @@ void hold_decision(const Setup& setup, const Backlog& backlog, const Decision& d
     journal.hold(Law::size, decision.raw + decision.stale > 0, "takes nothing");
     journal.hold(Law::size, decision.raw + decision.stale <= backlog.count, "takes more than waits",
                  static_cast<double>(decision.raw), static_cast<double>(backlog.count));
-    journal.hold(Law::gamma, decision.keep >= scheme.least_gamma * (1 - 1e-9) || decision.raw == 0,
-                 "fraction to keep", decision.keep, scheme.least_gamma);
+    journal.hold(Law::gamma, decision.keep >= scheme.min_gamma * (1 - 1e-9) || decision.raw == 0,
+                 "fraction to keep", decision.keep, scheme.min_gamma);
     journal.hold(Law::gamma, decision.keep <= 1, "fraction to keep", decision.keep, 1);
   }
   switch (scheme.kind) {

@@ -25,7 +25,7 @@ SearchResult search(const SearchConfig& config) {
       sum.judged += result.judged ? 1U : 0U;
       if (!result.failed) continue;
       sum.failures.push_back(result.seed);
-      if (sum.failures.size() >= config.most_failures) next = count;
+      if (sum.failures.size() >= config.max_failures) next = count;
     }
   };
   {
@@ -39,8 +39,8 @@ SearchResult search(const SearchConfig& config) {
 
 Minimal minimise(const TrialConfig& config) {
   Minimal best{config, run_trial(config)};
-  best.config.faults &= (1U << kMostFaults) - 1;
-  for (unsigned i = 0; i < kMostFaults; ++i) {
+  best.config.faults &= (1U << kMaxFaults) - 1;
+  for (unsigned i = 0; i < kMaxFaults; ++i) {
     TrialConfig fewer = best.config;
     fewer.faults &= ~(1U << i);
     if (fewer.faults == best.config.faults) continue;

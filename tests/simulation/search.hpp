@@ -15,7 +15,7 @@ struct SearchConfig {
   std::uint64_t last = 0;
   unsigned jobs = 1;
   bool live = false;
-  std::size_t most_failures = 10;  // then the search ends
+  std::size_t max_failures = 10;  // then the search ends
 };
 
 struct SearchResult {

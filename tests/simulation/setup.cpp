@@ -32,42 +32,47 @@ ValidatorConfig draw_door(Draw& draw) {
   return {.width = bounded ? static_cast<int>(draw.between(1, 1280)) : 0,
           .height = bounded ? static_cast<int>(draw.between(1, 720)) : 0,
           .on_bad = kPolicies[draw.below(kPolicies.size())],
-          .reorder_tolerance_us = draw.chance(0.7) ? 0 : draw.between(1, 999'999)};
+          .reorder_tolerance =
+              std::chrono::microseconds(draw.chance(0.7) ? 0 : draw.between(1, 999'999))};
 }
 
 double ms(std::int64_t time_ns) { return static_cast<double>(time_ns) * 1e-6; }
+std::chrono::nanoseconds time_of(double time_ms) {
+  return std::chrono::nanoseconds(std::llround(time_ms * 1e6));
+}
 
 Asap2020Config asap2020(const Setup& setup, Draw draw) {
   const double rate = 1e9 / setup.gap_ns;
-  return {.rate_bound = rate * draw.octaves(0.1, 10),
-          .epsilon = 0.5 * draw.uniform(),
-          .first_size = setup.scheme.size + draw.below(setup.scheme.most - setup.scheme.size + 1),
-          .max_size = setup.scheme.most,
-          .min_size = setup.scheme.size};
+  return {
+      .rate_bound = rate * draw.octaves(0.1, 10),
+      .epsilon = 0.5 * draw.uniform(),
+      .first_size = setup.scheme.size + draw.below(setup.scheme.max_size - setup.scheme.size + 1),
+      .max_size = setup.scheme.max_size,
+      .min_size = setup.scheme.size};
 }
 
 Asap2022Config asap2022(const Setup& setup, Draw draw) {
   const double longest_ms = ms(setup.latency_ns) * draw.octaves(0.1, 2);
-  const double least_gamma = draw.chance(0.3) ? 0.0 : 0.5 * draw.uniform();
-  return {.min_processing_ms = longest_ms * 0.5 * draw.uniform() + 1e-6,
-          .max_processing_ms = longest_ms + 1e-5,
+  const double min_gamma = draw.chance(0.3) ? 0.0 : 0.5 * draw.uniform();
+  return {.min_processing = time_of(longest_ms * 0.5 * draw.uniform() + 1e-6),
+          .max_processing = time_of(longest_ms + 1e-5),
           .min_size = setup.scheme.size,
-          .max_size = setup.scheme.most,
+          .max_size = setup.scheme.max_size,
           .kappa = draw.octaves(0.25, 4),
-          .min_gamma = least_gamma,  // where its law aims; clipped to [0, 1] only
-          .max_gamma = least_gamma + (1 - least_gamma) * 0.9,
-          .first_size = 1 + draw.below(setup.scheme.most)};
+          .min_gamma = min_gamma,  // where its law aims; clipped to [0, 1] only
+          .max_gamma = min_gamma + (1 - min_gamma) * 0.9,
+          .first_size = 1 + draw.below(setup.scheme.max_size)};
 }
 
 double draw_overhead(Draw& draw) { return draw.chance(0.7) ? 0.25 : draw.uniform(); }
-double draw_interval(Draw& draw, const Setup& setup) {
-  return draw.chance(0.8) ? 0.0 : ms(setup.latency_ns) * draw.uniform();
+std::chrono::nanoseconds draw_interval(Draw& draw, const Setup& setup) {
+  return time_of(draw.chance(0.8) ? 0.0 : ms(setup.latency_ns) * draw.uniform());
 }
 
 DeadlineConfig deadline(const Setup& setup, Draw draw) {
-  DeadlineConfig config{.latency_ms = ms(setup.latency_ns),
+  DeadlineConfig config{.latency = std::chrono::nanoseconds(setup.latency_ns),
                         .overhead = draw_overhead(draw),
-                        .min_interval_ms = draw_interval(draw, setup)};
+                        .min_interval = draw_interval(draw, setup)};
   if (!draw.chance(0.6)) config.prefer = draw.chance(0.5) ? Prefer::events : Prefer::continuity;
   if (draw.chance(0.3)) {
     config.first_alpha_us = draw.octaves(0.01, 1e5);
@@ -77,10 +82,10 @@ DeadlineConfig deadline(const Setup& setup, Draw draw) {
 }
 
 DeadBeatConfig dead_beat(const Setup& setup, Draw draw) {
-  return {.latency_ms = ms(setup.latency_ns),
+  return {.latency = std::chrono::nanoseconds(setup.latency_ns),
           .knee = draw.chance(0.5) ? 33.0 : (draw.chance(0.5) ? 0.0 : draw.octaves(8, 100)),
           .overhead = draw_overhead(draw),
-          .min_interval_ms = draw_interval(draw, setup)};
+          .min_interval = draw_interval(draw, setup)};
 }
 
 const char* name(Kind kind) {
@@ -99,12 +104,12 @@ SchemeSetup draw_scheme(Draw& draw, const Setup& setup, std::size_t kinds) {
   const std::size_t bounded = static_cast<std::size_t>(Kind::deadline) + drawn % 2;
   scheme.kind = static_cast<Kind>(drawn < kinds ? drawn : bounded);
   scheme.size = static_cast<std::size_t>(draw.octaves(1, 2 + per_bound));
-  scheme.most = scheme.size + static_cast<std::size_t>(draw.octaves(1, 2 + 4 * per_bound));
+  scheme.max_size = scheme.size + static_cast<std::size_t>(draw.octaves(1, 2 + 4 * per_bound));
   scheme.period_ns =
       1000 * (1 + static_cast<std::int64_t>(draw.uniform() * ms(setup.latency_ns) * 1e3));
   scheme.efficiency = draw.chance(0.5) ? 0.0 : 0.3 + 0.69 * draw.uniform();
   scheme.key = draw.bits();
-  if (scheme.kind == Kind::asap2020) scheme.least_gamma = 0.02;
+  if (scheme.kind == Kind::asap2020) scheme.min_gamma = 0.02;
   return scheme;
 }
 
@@ -141,7 +146,8 @@ std::unique_ptr<Scheme> make_scheme(const Setup& setup) {
     case Kind::fixed_size:
       return std::make_unique<FixedSize>(FixedSizeConfig{.size = setup.scheme.size});
     case Kind::fixed_time:
-      return std::make_unique<FixedTime>(FixedTimeConfig{.period_ms = ms(setup.scheme.period_ns)});
+      return std::make_unique<FixedTime>(
+          FixedTimeConfig{.period = std::chrono::nanoseconds(setup.scheme.period_ns)});
     case Kind::single_event:
       return std::make_unique<SingleEvent>();
     case Kind::greedy:
@@ -187,11 +193,11 @@ std::string text(const Setup& setup) {
       setup.execution == Execution::whole ? "whole" : "anytime",
       setup.fixed_cost_first ? "" : " (fixed cost in the first part)", ms(setup.latency_ns),
       setup.capacity, setup.filter_seed, setup.flush ? "on" : "off", ms(setup.lag_ns),
-      name(scheme.kind), scheme.size, scheme.most, ms(scheme.period_ns), scheme.efficiency,
-      scheme.least_gamma, setup.alpha_ns * 1e-3, setup.beta_ns, setup.cost_noise, setup.events,
+      name(scheme.kind), scheme.size, scheme.max_size, ms(scheme.period_ns), scheme.efficiency,
+      scheme.min_gamma, setup.alpha_ns * 1e-3, setup.beta_ns, setup.cost_noise, setup.events,
       setup.gap_ns, setup.load(), setup.longest_packet, setup.base_us, setup.door.width,
       setup.door.height, kPolicies[static_cast<std::size_t>(setup.door.on_bad)],
-      setup.door.reorder_tolerance_us);
+      static_cast<std::int64_t>(setup.door.reorder_tolerance / std::chrono::microseconds(1)));
   return line.data();
 }
 

@@ -30,10 +30,10 @@ enum class Kind {
 struct SchemeSetup {
   Kind kind = Kind::fixed_size;
   std::size_t size = 0;        // fixed_size; least size of asap2020
-  std::size_t most = 0;        // largest size of asap2020 and asap2022
+  std::size_t max_size = 0;    // largest size of asap2020 and asap2022
   std::int64_t period_ns = 0;  // fixed_time
   double efficiency = 0;       // greedy; 0: none
-  double least_gamma = 0;      // never below
+  double min_gamma = 0;        // never below
   std::uint64_t key = 0;       // of the parameters that no check looks at
 };
 

@@ -8,7 +8,7 @@
 namespace asap::simulation {
 namespace {
 
-constexpr std::int64_t kStepsPerBound = 1024;  // as in LiveRun
+constexpr std::int64_t kStepsPerBound = 1024;  // as in Run
 constexpr std::int64_t kGraceShare = 100;      // of the bound: as in Packager
 
 }  // namespace
@@ -30,13 +30,13 @@ std::size_t Shadow::pushed(EventSpan events, const std::uint32_t* numbers,
     if (i < taken) held_.push_back({events[i], numbers[i], time_of(events[i], arrival_ns)});
   }
   overflow_ += events.size() - taken;
-  most_waiting_ = std::max(most_waiting_, waiting());
+  max_waiting_ = std::max(max_waiting_, waiting());
   return taken;
 }
 
 std::int64_t Shadow::step_ns() const noexcept {
   if (!setup_.by_arrival) return 0;
-  if (most_waiting_ > kExactTable) return kNever / 2;
+  if (max_waiting_ > kExactTable) return kNever / 2;
   return std::max<std::int64_t>(setup_.latency_ns / kStepsPerBound, 1);
 }
 
@@ -77,10 +77,10 @@ void Shadow::hold_counts(const Backlog& backlog, std::uint64_t random) noexcept 
   const std::int64_t time_ns = backlog.now_ns - before_ns;
   const std::int64_t step = std::min(step_ns(), kNever / 4);
   const std::size_t count = backlog.counts.before(time_ns);
-  const std::size_t least = count_before(time_ns);
-  const std::size_t most = step == 0 ? least : count_before(time_ns + step);
-  journal_.hold(Law::age, count >= least && count <= most, "events before a time",
-                static_cast<double>(count), static_cast<double>(least));
+  const std::size_t min = count_before(time_ns);
+  const std::size_t max = step == 0 ? min : count_before(time_ns + step);
+  journal_.hold(Law::age, count >= min && count <= max, "events before a time",
+                static_cast<double>(count), static_cast<double>(min));
   journal_.equal(Law::age, backlog.counts.before(backlog.oldest_ns), 0u, "older than the oldest");
   const std::size_t about = backlog.counts.about_before(time_ns);
   journal_.hold(Law::age, about <= backlog.count, "about so many before",
@@ -118,8 +118,8 @@ void Shadow::decided(const Backlog& backlog, Decision decision) noexcept {
   }
   decision_.stale = std::min(decision.stale, backlog.count);
   const std::size_t left = backlog.count - decision_.stale;
-  const std::size_t least = decision_.stale == 0 ? 1 : 0;
-  decision_.raw = std::min(std::max(decision.raw, least), left);
+  const std::size_t min = decision_.stale == 0 ? 1 : 0;
+  decision_.raw = std::min(std::max(decision.raw, min), left);
   decision_.keep = decision.keep < 1 ? std::max(decision.keep, 0.0) : 1.0;
   stale_due_ = decision_.stale;
   is_open_ = decision_.raw > 0;

@@ -8,11 +8,11 @@
 #include <limits>
 #include <vector>
 
-#include "asap/buffer/event_buffer.hpp"
-#include "asap/packager/packager.hpp"
 #include "asap/telemetry/ledger.hpp"
+#include "buffer/event_buffer.hpp"
 #include "journal.hpp"
 #include "packager/anytime_plan.hpp"
+#include "packager/packager.hpp"
 #include "reference_filter.hpp"
 #include "reference_rate.hpp"
 #include "setup.hpp"
@@ -110,7 +110,7 @@ class Shadow {
   std::vector<Held> held_;  // by ring index
   std::size_t head_ = 0;
   std::size_t slots_until_ = 0;  // the age slots know the events before
-  std::size_t most_waiting_ = 0;
+  std::size_t max_waiting_ = 0;
   std::uint64_t flush_until_ = 0;
   bool closed_ = false;
 

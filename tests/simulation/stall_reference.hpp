@@ -11,8 +11,8 @@ class StallReference {
  public:
   void looks_up(std::int64_t now_ns, bool has_worked, std::int64_t bound_ns) noexcept {
     if (has_worked) {
-      least_ns_ = learned(least_ns_, now_ns - last_ns_, bound_ns);
-      most_ns_ = learned(most_ns_, now_ns - first_ns_, bound_ns);
+      min_ns_ = learned(min_ns_, now_ns - last_ns_, bound_ns);
+      max_ns_ = learned(max_ns_, now_ns - first_ns_, bound_ns);
     }
     first_ns_ = last_ns_ = now_ns;
   }
@@ -20,10 +20,10 @@ class StallReference {
   void may_look_up(std::int64_t now_ns) noexcept { last_ns_ = now_ns; }
 
   bool must_be_stalled(std::int64_t now_ns, std::int64_t bound_ns) const noexcept {
-    return now_ns - last_ns_ > 4 * std::max(most_ns_, bound_ns);
+    return now_ns - last_ns_ > 4 * std::max(max_ns_, bound_ns);
   }
   bool may_be_stalled(std::int64_t now_ns, std::int64_t bound_ns) const noexcept {
-    return now_ns - first_ns_ > 4 * std::max(least_ns_, bound_ns);
+    return now_ns - first_ns_ > 4 * std::max(min_ns_, bound_ns);
   }
 
  private:
@@ -35,8 +35,8 @@ class StallReference {
 
   std::int64_t first_ns_ = 0;  // the last look is not before this ...
   std::int64_t last_ns_ = 0;   // ... and not behind this
-  std::int64_t least_ns_ = 0;  // expected processing time
-  std::int64_t most_ns_ = 0;
+  std::int64_t min_ns_ = 0;    // expected processing time
+  std::int64_t max_ns_ = 0;
 };
 
 }  // namespace asap::simulation

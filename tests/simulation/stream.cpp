@@ -103,7 +103,8 @@ void Stream::spoil(const Fault& fault, Event& event, Packet& packet) {
       if (draw_.chance(0.5)) {
         event.t -= draw_.between(1, draw_.chance(0.5) ? 100 : 1'100'000);
       } else {
-        const std::int64_t tolerance_us = setup_.door.reorder_tolerance_us;
+        const std::int64_t tolerance_us =
+            setup_.door.reorder_tolerance / std::chrono::microseconds(1);
         const std::array<std::int64_t, 5> steps{1, tolerance_us, tolerance_us + 1, 999'999,
                                                 1'000'000};
         event.t = last_us_ - steps[draw_.below(steps.size())];

@@ -99,9 +99,9 @@ void hold_recovery(const Run& run, const Run& twin, Journal& journal) {
   const double limit_ns = std::max(bound_ns, calm_ns) * 1.1 + 0.1 * bound_ns;
   journal.hold(Law::liveness, latency_ns <= limit_ns, "largest latency after the faults",
                latency_ns, limit_ns);
-  const double least = kept(twin.tally) - 0.1;
-  journal.hold(Law::liveness, kept(run.tally) >= least, "kept after the faults", kept(run.tally),
-               least);
+  const double min = kept(twin.tally) - 0.1;
+  journal.hold(Law::liveness, kept(run.tally) >= min, "kept after the faults", kept(run.tally),
+               min);
 }
 
 Run draw_run(const TrialConfig& config) {

@@ -13,6 +13,8 @@
 namespace asap::soak {
 namespace {
 
+using namespace std::chrono_literals;
+
 double quantile(const std::vector<double>& sorted, double q) {
   return sorted.empty()
              ? 0
@@ -31,7 +33,7 @@ void idle(double seconds, std::uint64_t seed) {
   const CounterRandom random(seed);
   Camera camera(1, seed);
   std::atomic<Steady::time_point> started{};
-  Pipeline pipeline({.latency_us = 10'000}, [&](EventSpan) { started = Steady::now(); });
+  Pipeline pipeline({.latency = 10ms}, [&](EventSpan) { started = Steady::now(); });
   pipeline.push(camera.packet(1, 1));  // the clock of the run has begun
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   {

@@ -20,6 +20,8 @@
 namespace asap::soak {
 namespace {
 
+using namespace std::chrono_literals;
+
 constexpr std::size_t kLargestPacket = 20'000;
 constexpr double kRoundSeconds = 0.25;
 
@@ -35,11 +37,11 @@ struct Totals {
 std::unique_ptr<Scheme> any_scheme(std::uint64_t choice) {
   switch (choice % 5) {
     case 0:
-      return std::make_unique<Deadline>(DeadlineConfig{.latency_ms = 2});
+      return std::make_unique<Deadline>(DeadlineConfig{.latency = 2ms});
     case 1:
       return std::make_unique<FixedSize>(FixedSizeConfig{.size = 1 + choice / 5 % 5000});
     case 2:
-      return std::make_unique<FixedTime>(FixedTimeConfig{.period_ms = 1});
+      return std::make_unique<FixedTime>(FixedTimeConfig{.period = 1ms});
     case 3:
       return std::make_unique<Asap2020>();
     default:
@@ -49,7 +51,7 @@ std::unique_ptr<Scheme> any_scheme(std::uint64_t choice) {
 
 RunConfig any_config(const CounterRandom& random) {
   constexpr std::size_t kCapacities[] = {1, 2, 7, 64, 1000, 65'536, 1'000'003};
-  return {.latency_us = 2000,
+  return {.latency = 2000us,
           .capacity = kCapacities[random(1) % std::size(kCapacities)],
           .seed = random(2),
           .validator = {.width = Camera::kWidth, .height = Camera::kHeight},

@@ -19,6 +19,8 @@
 namespace asap::soak {
 namespace {
 
+using namespace std::chrono_literals;
+
 constexpr double kAlpha_us = 100;
 constexpr double kBeta_ns = 1000;
 constexpr double kRate = 5e6;
@@ -95,7 +97,7 @@ void overloaded(const std::string& name, Scheme& scheme, const RunConfig& config
 }  // namespace
 
 void overload(double seconds, std::uint64_t seed) {
-  Deadline deadline({.latency_ms = 10});
+  Deadline deadline({.latency = 10ms});
   overloaded("deadline", deadline, {}, seconds / 2, seed);
   figure("deadline_alpha_us", deadline.alpha_ns() * 1e-3);
   FixedSize fixed_size({.size = 1000});

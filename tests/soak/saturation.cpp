@@ -14,11 +14,13 @@
 namespace asap::soak {
 namespace {
 
+using namespace std::chrono_literals;
+
 void saturated(const std::string& name, WhenFull when_full, double beta_ns, double seconds,
                std::uint64_t seed) {
   constexpr std::size_t kPacket = 4096;
   BusyWait work({.alpha_us = 0, .beta_ns = beta_ns});
-  Deadline scheme({.latency_ms = 10});
+  Deadline scheme({.latency = 10ms});
   Pipeline pipeline(scheme, {.capacity = 65'536, .when_full = when_full});
   std::uint64_t seen = 0;
   std::int64_t sum = 0;

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "camera.hpp"
 #include "measure.hpp"
@@ -28,18 +28,19 @@ void steady(double seconds, std::uint64_t seed) {
   MemoryWatch memory(seconds);
   Camera camera(static_cast<std::size_t>(kRate * 1e-3), seed);
   const double before_mib = resident_mib();
-  Pipeline pipeline({.latency_us = 10'000, .capacity = kCapacity}, [&](EventSpan events) {
-    if (stall.exchange(false)) std::this_thread::sleep_for(kStall);
-    const double before_s = thread_cpu_s();
-    if (seen == 0) begun_s = before_s;
-    for (std::size_t at = 0; at < events.size(); at += passed.size()) {
-      filter.process(events.subspan(at, std::min(passed.size(), events.size() - at)),
-                     passed.data());
-    }
-    seen += events.size();
-    ended_s = thread_cpu_s();
-    algorithm_s += ended_s - before_s;
-  });
+  Pipeline pipeline(
+      {.latency = std::chrono::milliseconds(10), .capacity = kCapacity}, [&](EventSpan events) {
+        if (stall.exchange(false)) std::this_thread::sleep_for(kStall);
+        const double before_s = thread_cpu_s();
+        if (seen == 0) begun_s = before_s;
+        for (std::size_t at = 0; at < events.size(); at += passed.size()) {
+          filter.process(events.subspan(at, std::min(passed.size(), events.size() - at)),
+                         passed.data());
+        }
+        seen += events.size();
+        ended_s = thread_cpu_s();
+        algorithm_s += ended_s - before_s;
+      });
 
   const auto start = Steady::now();
   Camera::Pushed pushed;

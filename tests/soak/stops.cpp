@@ -15,6 +15,8 @@
 namespace asap::soak {
 namespace {
 
+using namespace std::chrono_literals;
+
 struct Totals {
   std::uint64_t trials = 0;
   std::uint64_t thrown = 0;
@@ -60,7 +62,7 @@ void one_trial(std::uint64_t seed, Totals& totals) {
     if (rough) wait(work_us);
     seen += events.size();
   };
-  pipeline.emplace(RunConfig{.latency_us = 1000,
+  pipeline.emplace(RunConfig{.latency = 1000us,
                              .capacity = 1 + random(5) % 5000,
                              .when_full = static_cast<WhenFull>(random(6) % 4)},
                    algorithm);

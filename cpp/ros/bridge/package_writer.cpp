@@ -55,11 +55,11 @@ PackageWriter::Written PackageWriter::write_mono(EventSpan events,
 // stamps do.
 void PackageWriter::write_evt3(EventSpan events, std::vector<std::uint8_t>& bytes) {
   std::array<Event, kBlock> shifted;
-  std::array<std::byte, kBlock * Encoder::kMostPerEvent> encoded;
+  std::array<std::byte, kBlock * Encoder::kMaxPerEvent> encoded;
   const auto goes_on = [this](const Event& event) {
     return event.t >= last_us_ && event.t - last_us_ <= kMostGap_us;
   };
-  bytes.reserve(events.size() * 4 + Encoder::kMostPerEvent);
+  bytes.reserve(events.size() * 4 + Encoder::kMaxPerEvent);
   evt3_.restate();
   while (!events.empty()) {
     if (!goes_on(events.front())) {

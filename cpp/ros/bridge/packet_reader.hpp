@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "asap/core/event.hpp"
-#include "asap/formats/evt3.hpp"
 #include "asap/formats/packets.hpp"
+#include "asap/formats/prophesee.hpp"
 
 namespace asap::ros {
 

@@ -1,6 +1,7 @@
 #include "ros/bridge/session.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <numeric>
 #include <utility>
@@ -8,7 +9,9 @@
 namespace asap::ros {
 namespace {
 
-constexpr double kUsPerMs = 1e3;
+std::chrono::nanoseconds to_ns(double latency_ms) {
+  return std::chrono::nanoseconds(std::llround(latency_ms * 1e6));
+}
 constexpr std::int64_t kNsOfOneUs = 1000;
 constexpr std::int64_t kMostBetweenMarks_us = 1'000'000;
 
@@ -17,7 +20,8 @@ constexpr std::int64_t kMostBetweenMarks_us = 1'000'000;
 Session::Session(const Parameters& parameters, Receiver& receiver, Say say)
     : receiver_(receiver), say_(std::move(say)) {
   check(parameters);
-  scheme_config_ = {.latency_ms = parameters.latency_ms, .prefer = prefer_of(parameters.prefer)};
+  scheme_config_ = {.latency = to_ns(parameters.latency_ms),
+                    .prefer = prefer_of(parameters.prefer)};
 }
 
 Session::~Session() { stop(); }
@@ -91,9 +95,10 @@ std::int64_t Session::stamp_of(std::int64_t t_us) const {
 
 void Session::set_latency(double latency_ms) {
   const std::lock_guard lock(control_);
-  checked_latency_bound_ns(latency_ms * kUsPerMs);
-  scheme_config_.latency_ms = latency_ms;
-  if (pipeline_) pipeline_->set_latency(latency_ms * kUsPerMs);
+  const std::chrono::nanoseconds latency = to_ns(latency_ms);
+  checked_latency_ns(latency);
+  scheme_config_.latency = latency;
+  if (pipeline_) pipeline_->set_latency(latency);
 }
 
 void Session::stop() {
@@ -106,7 +111,7 @@ PipelineStats Session::stats() const {
   const std::lock_guard lock(control_);
   if (!pipeline_) {
     PipelineStats none;
-    none.latency_bound_ns = checked_latency_bound_ns(scheme_config_.latency_ms * kUsPerMs);
+    none.latency_bound_ns = checked_latency_ns(scheme_config_.latency);
     return none;
   }
   PipelineStats stats = pipeline_->stats();

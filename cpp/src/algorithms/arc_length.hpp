@@ -27,14 +27,14 @@ int arc_length(const Ring& ring, int shortest) noexcept {
   GrowingArc arc(ring);
   arc.grow_to(shortest);
   int length = shortest;
-  int first = arc.after();      // of the pixels that are left, forwards
+  int first = arc.after();      // the first pixel that is left, forwards
   int left = kSize - shortest;  // how many these are
   Number oldest = arc.oldest();
   Number passed_forwards = kNone;  // oldest that was passed over on this side
   Number passed_backwards = kNone;
 
   while (true) {
-    // Of the pixels that are left, those as new as the arc; bit i is pixel first + i.
+    // The pixels among those left that are as new as the arc; bit i is pixel first + i.
     const std::uint32_t newer = ring.at_least(oldest);
     std::uint32_t queue = ((newer >> first) | (newer << (kSize - first))) & ((1U << left) - 1);
     if (queue == 0) return length;

@@ -1,4 +1,4 @@
-#include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 
 #include "algorithms/int4.hpp"
 #include "algorithms/recent_times.hpp"
@@ -11,8 +11,8 @@ namespace {
 using Time = RecentTimes::Time;
 
 const BackgroundActivityFilterConfig& checked(const BackgroundActivityFilterConfig& config) {
-  require(0 <= config.window_us && config.window_us <= RecentTimes::kMaxWindow_us, "window_us",
-          config.window_us, "must be 0 to 500000000 us");
+  require(0 <= config.window.count() && config.window.count() <= RecentTimes::kMaxWindow_us,
+          "window_us", config.window.count(), "must be 0 to 500000000 us");
   return config;
 }
 
@@ -27,13 +27,13 @@ bool is_supported(const Time* own, std::ptrdiff_t stride, Time oldest) noexcept 
 
 }  // namespace
 
-class BackgroundActivityFilter::State {
+class BackgroundActivityFilter::Impl {
  public:
-  explicit State(const Config& given)
+  explicit Impl(const Config& given)
       : config(checked(given)),
         frame_(config.width, config.height),
         stride_(frame_.width() + 2),
-        window_us_(static_cast<Time>(config.window_us)),
+        window_us_(static_cast<Time>(config.window.count())),
         times_(stride_ * (frame_.height() + 2) + 1, RecentTimes::kLongAgo) {}
 
   bool update(const Event& event) noexcept {
@@ -50,13 +50,13 @@ class BackgroundActivityFilter::State {
 
   void set_keep(double gamma) noexcept {
     constexpr auto kLongest = static_cast<double>(RecentTimes::kMaxWindow_us);
-    const auto window = static_cast<double>(config.window_us);
+    const auto window = static_cast<double>(config.window.count());
     window_us_ = static_cast<Time>(window < kLongest * gamma ? window / gamma : kLongest);
   }
 
   void reset() noexcept {
     times_.clear();
-    window_us_ = static_cast<Time>(config.window_us);
+    window_us_ = static_cast<Time>(config.window.count());
     rejected = 0;
   }
 
@@ -71,10 +71,10 @@ class BackgroundActivityFilter::State {
 };
 
 BackgroundActivityFilter::BackgroundActivityFilter(const Config& config)
-    : state_(std::make_unique<State>(config)) {}
+    : impl_(std::make_unique<Impl>(config)) {}
 BackgroundActivityFilter::~BackgroundActivityFilter() = default;
 BackgroundActivityFilter::BackgroundActivityFilter(const BackgroundActivityFilter& other)
-    : state_(std::make_unique<State>(*other.state_)) {}
+    : impl_(std::make_unique<Impl>(*other.impl_)) {}
 BackgroundActivityFilter& BackgroundActivityFilter::operator=(
     const BackgroundActivityFilter& other) {
   return *this = BackgroundActivityFilter(other);
@@ -84,10 +84,10 @@ BackgroundActivityFilter& BackgroundActivityFilter::operator=(BackgroundActivity
     default;
 
 std::size_t BackgroundActivityFilter::process(EventSpan events, Event* out) noexcept {
-  State& state = *state_;
+  Impl& impl = *impl_;
   std::size_t passed = 0;
   for (const Event event : events) {
-    const bool passes = state.update(event);
+    const bool passes = impl.update(event);
     out[passed] = event;
     passed += passes;
   }
@@ -96,15 +96,15 @@ std::size_t BackgroundActivityFilter::process(EventSpan events, Event* out) noex
 
 void BackgroundActivityFilter::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  state_->set_keep(gamma);
+  impl_->set_keep(gamma);
 }
 
-void BackgroundActivityFilter::reset() noexcept { state_->reset(); }
+void BackgroundActivityFilter::reset() noexcept { impl_->reset(); }
 
-std::uint64_t BackgroundActivityFilter::rejected() const noexcept { return state_->rejected; }
+std::uint64_t BackgroundActivityFilter::rejected() const noexcept { return impl_->rejected; }
 
 const BackgroundActivityFilter::Config& BackgroundActivityFilter::config() const noexcept {
-  return state_->config;
+  return impl_->config;
 }
 
 }  // namespace asap

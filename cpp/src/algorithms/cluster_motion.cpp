@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "algorithms/fast/kalman.hpp"
-#include "asap/algorithms/cluster_tracker_config.hpp"
+#include "algorithms/fast/track.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 
 namespace asap {
 namespace {
@@ -14,7 +14,7 @@ constexpr float single(double value) { return static_cast<float>(value); }
 constexpr ClusterTrackerConfig kFast{.width = 1, .height = 1};
 constexpr fast::KalmanRule kRule{.acceleration = single(kFast.acceleration_px2_s3),
                                  .per_speed3 = single(kFast.acceleration_per_speed_px),
-                                 .most = single(kFast.max_acceleration_px2_s3),
+                                 .max = single(kFast.max_acceleration_px2_s3),
                                  .contact = single(kFast.contact_acceleration_px2_s3),
                                  .measurement_scale = single(kFast.measurement_scale),
                                  .min_measurement_px2 = single(kFast.min_measurement_px2)};
@@ -56,7 +56,7 @@ void ClusterMotion::measure(const WindowMoments& moments) noexcept {
 }
 
 Vector2 ClusterMotion::position_at(std::int64_t t_us) const noexcept {
-  const std::int64_t ahead_us = std::clamp(since_measured(t_us), std::int64_t{0}, kMostAhead_us);
+  const std::int64_t ahead_us = std::clamp(since_measured(t_us), std::int64_t{0}, kMaxAhead_us);
   const double ahead_s = 1e-6 * static_cast<double>(ahead_us);
   return {static_cast<double>(state_.x) + velocity_.x * ahead_s,
           static_cast<double>(state_.y) + velocity_.y * ahead_s};

@@ -16,9 +16,9 @@ class ClusterMotion {
  public:
   static constexpr std::int64_t kTick_us = 1000;
   static constexpr std::int64_t kSilence_us = 1'000'000;
-  static constexpr std::int64_t kMostAhead_us = 100'000;
+  static constexpr std::int64_t kMaxAhead_us = 100'000;
 
-  // At rest in `centre`, px.
+  // Starts at rest in `centre`, px.
   void begin(Vector2 centre, std::int64_t t_us) noexcept;
 
   // The cluster has taken an event; `moments`: of its live events, this one included.
@@ -34,7 +34,7 @@ class ClusterMotion {
     if (ages_ >= kTick_us * static_cast<std::int64_t>(events_)) measure(moments);
   }
 
-  // px, as predicted for `t_us`: not the past, and no more than kMostAhead_us ahead.
+  // px, as predicted for `t_us`: not the past, and no more than kMaxAhead_us ahead.
   Vector2 position_at(std::int64_t t_us) const noexcept;
 
   // px/s
@@ -52,7 +52,7 @@ class ClusterMotion {
   fast::KalmanState state_;
   Vector2 velocity_{};  // px/s
   std::int64_t measured_us_ = 0;
-  // Of the events since then.
+  // Sums over the events since then.
   std::uint32_t events_ = 0;
   std::uint64_t x_ = 0;
   std::uint64_t y_ = 0;

@@ -1,5 +1,6 @@
 #include "asap/algorithms/cluster_tracker.hpp"
 
+#include "algorithms/cluster_tracker_config.hpp"
 #include "algorithms/fast/engine.hpp"
 #include "asap/algorithms/cluster_view.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
@@ -8,33 +9,33 @@
 
 namespace asap {
 
-class ClusterTracker::State {
+class ClusterTracker::Impl {
  public:
-  explicit State(const Config& given) : config(checked(given)), engine(config) {}
+  explicit Impl(const Config& given) : config(checked(given)), engine(config) {}
 
   Config config;
   fast::Engine engine;
 };
 
-ClusterTracker::ClusterTracker(const Config& config) : state_(std::make_unique<State>(config)) {}
+ClusterTracker::ClusterTracker(const Config& config) : impl_(std::make_unique<Impl>(config)) {}
 ClusterTracker::~ClusterTracker() = default;
 ClusterTracker::ClusterTracker(ClusterTracker&&) noexcept = default;
 ClusterTracker& ClusterTracker::operator=(ClusterTracker&&) noexcept = default;
 
-void ClusterTracker::process(EventSpan events) noexcept { state_->engine.process(events, nullptr); }
+void ClusterTracker::process(EventSpan events) noexcept { impl_->engine.process(events, nullptr); }
 
 void ClusterTracker::process(EventSpan events, std::span<std::int32_t> labels) {
   require(labels.size() == events.size(), "labels.size()", labels.size(),
           "must be the number of events");
-  state_->engine.process(events, labels.data());
+  impl_->engine.process(events, labels.data());
 }
 
 std::vector<Cluster> ClusterTracker::clusters() const {
-  return clusters_at(state_->engine.latest_us());
+  return clusters_at(impl_->engine.latest_us());
 }
 
 void ClusterTracker::clusters(std::vector<Cluster>& clusters) const {
-  clusters_at(state_->engine.latest_us(), clusters);
+  clusters_at(impl_->engine.latest_us(), clusters);
 }
 
 std::vector<Cluster> ClusterTracker::clusters_at(std::int64_t t_us) const {
@@ -44,33 +45,33 @@ std::vector<Cluster> ClusterTracker::clusters_at(std::int64_t t_us) const {
 }
 
 void ClusterTracker::clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const {
-  state_->engine.read(t_us, clusters);
+  impl_->engine.read(t_us, clusters);
 }
 
 std::optional<ClusterOutline> ClusterTracker::outline(std::int64_t id) const {
   return outline_of(id, clusters());
 }
 
-void ClusterTracker::advance_to(std::int64_t t_us) noexcept { state_->engine.advance_to(t_us); }
+void ClusterTracker::advance_to(std::int64_t t_us) noexcept { impl_->engine.advance_to(t_us); }
 
 void ClusterTracker::set_keep(double gamma, bool filter_upstream) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  state_->engine.set_keep(gamma, filter_upstream);
+  impl_->engine.set_keep(gamma, filter_upstream);
 }
 
-void ClusterTracker::reset() noexcept { state_->engine.reset(); }
+void ClusterTracker::reset() noexcept { impl_->engine.reset(); }
 
 std::uint64_t ClusterTracker::rejected() const noexcept {
-  return state_->engine.counters().rejected;
+  return impl_->engine.counters().rejected;
 }
 
 std::uint64_t ClusterTracker::unsupported() const noexcept {
-  return state_->engine.counters().unsupported;
+  return impl_->engine.counters().unsupported;
 }
 
-std::uint64_t ClusterTracker::refused() const noexcept { return state_->engine.counters().refused; }
+std::uint64_t ClusterTracker::refused() const noexcept { return impl_->engine.counters().refused; }
 
-const ClusterTracker::Config& ClusterTracker::config() const noexcept { return state_->config; }
+const ClusterTracker::Config& ClusterTracker::config() const noexcept { return impl_->config; }
 
 template <class Made>
 Result<Made> make_tracker(const typename Made::Config& config) noexcept {

@@ -1,4 +1,4 @@
-#include "asap/algorithms/cluster_tracker_config.hpp"
+#include "algorithms/cluster_tracker_config.hpp"
 
 #include <array>
 #include <bit>
@@ -15,25 +15,25 @@ using Config = ClusterTrackerConfig;
 // Integers and reals share one table: the range in which the engine's floats stay finite.
 struct Parameter {
   ClusterTrackerParameter parameter;
-  double least;
-  double most;
+  double min;
+  double max;
 };
 
 constexpr double kLongest_ms = 60'000;
 constexpr double kFarthest_px = 4'096;
-constexpr double kMost_events = 60'000;
+constexpr double kMax_events = 60'000;
 
 constexpr Parameter kParameters[] = {
     {{"slots", &Config::slots}, 1, 256},
     {{"cell_px", &Config::cell_px}, 1, 64},
-    {{"support_window_ms", &Config::support_window_ms}, 0.001, kLongest_ms},
-    {{"tick_ms", &Config::tick_ms}, 0.01, 100},
-    {{"warmup_ms", &Config::warmup_ms}, 0.001, kLongest_ms},
-    {{"link_ms", &Config::link_ms}, 0.001, kLongest_ms},
-    {{"seed_ms", &Config::seed_ms}, 0.001, kLongest_ms},
-    {{"mass_ms", &Config::mass_ms}, 0.001, kLongest_ms},
-    {{"mean_events", &Config::mean_events}, 1, kMost_events},
-    {{"covariance_events", &Config::covariance_events}, 1, kMost_events},
+    {{"support_window_ms", &Config::support_window}, 0.001, kLongest_ms},
+    {{"tick_ms", &Config::tick}, 0.01, 100},
+    {{"warmup_ms", &Config::warmup}, 0.001, kLongest_ms},
+    {{"link_ms", &Config::link}, 0.001, kLongest_ms},
+    {{"seed_ms", &Config::seed}, 0.001, kLongest_ms},
+    {{"mass_ms", &Config::mass}, 0.001, kLongest_ms},
+    {{"mean_events", &Config::mean_events}, 1, kMax_events},
+    {{"covariance_events", &Config::covariance_events}, 1, kMax_events},
     {{"birth_radius_px", &Config::birth_radius_px}, 0.5, kFarthest_px},
     {{"min_radius_px", &Config::min_radius_px}, 0.5, kFarthest_px},
     {{"max_radius_px", &Config::max_radius_px}, 0.5, kFarthest_px},
@@ -41,7 +41,7 @@ constexpr Parameter kParameters[] = {
     {{"gate_padding_px", &Config::gate_padding_px}, 0.01, kFarthest_px},
     {{"circle_scale", &Config::circle_scale}, 0.01, 100},
     {{"circle_padding_px", &Config::circle_padding_px}, 0.01, kFarthest_px},
-    {{"mature_ms", &Config::mature_ms}, 0.001, kLongest_ms},
+    {{"mature_ms", &Config::mature}, 0.001, kLongest_ms},
     {{"contour_events", &Config::contour_events}, 1, 250},
     {{"contour_min_events", &Config::contour_min_events}, 1, 250},
     {{"contour_clip_px", &Config::contour_clip_px}, 0.01, kFarthest_px},
@@ -59,17 +59,17 @@ constexpr Parameter kParameters[] = {
     {{"contact_acceleration_px2_s3", &Config::contact_acceleration_px2_s3}, 0.001, 1e12},
     {{"measurement_scale", &Config::measurement_scale}, 0.001, 1e6},
     {{"min_measurement_px2", &Config::min_measurement_px2}, 1e-6, 1e6},
-    {{"seed_events", &Config::seed_events}, 1, kMost_events},
-    {{"confirm_events", &Config::confirm_events}, 1, kMost_events},
-    {{"die_events", &Config::die_events}, 0.001, kMost_events},
+    {{"seed_events", &Config::seed_events}, 1, kMax_events},
+    {{"confirm_events", &Config::confirm_events}, 1, kMax_events},
+    {{"die_events", &Config::die_events}, 0.001, kMax_events},
     {{"die_sigma", &Config::die_sigma}, 0.001, 1'000},
     {{"birth_rate_hz", &Config::birth_rate_hz}, 0.001, 1e9},
     {{"confirm_evidence", &Config::confirm_evidence}, 0.001, 25},
     {{"drop_evidence", &Config::drop_evidence}, 0.001, 1'000},
     {{"starve_ratio", &Config::starve_ratio}, 0.001, 1},
-    {{"velocity_decay_ms", &Config::velocity_decay_ms}, 0.001, kLongest_ms},
-    {{"hide_ms", &Config::hide_ms}, 0.001, kLongest_ms},
-    {{"coast_ms", &Config::coast_ms}, 0.001, kLongest_ms},
+    {{"velocity_decay_ms", &Config::velocity_decay}, 0.001, kLongest_ms},
+    {{"hide_ms", &Config::hide}, 0.001, kLongest_ms},
+    {{"coast_ms", &Config::coast}, 0.001, kLongest_ms},
     {{"merge_reach", &Config::merge_reach}, 0.001, 100},
     {{"merge_padding_px", &Config::merge_padding_px}, 0.001, kFarthest_px},
     {{"merge_tolerance_px", &Config::merge_tolerance_px}, 0.001, kFarthest_px},
@@ -82,8 +82,13 @@ constexpr auto kByName = [] {
   return parameters;
 }();
 
-std::string range_text(double least, double most) {
-  return "must be " + to_text(least) + " to " + to_text(most);
+// A time counts in the unit that its name in the table tells.
+int number_of(int value) { return value; }
+double number_of(double value) { return value; }
+double number_of(Config::Milliseconds value) { return value.count(); }
+
+std::string range_text(double min, double max) {
+  return "must be " + to_text(min) + " to " + to_text(max);
 }
 
 template <class Value>
@@ -104,10 +109,10 @@ const ClusterTrackerConfig& checked(const ClusterTrackerConfig& config) {
   for (const auto& limited : kParameters) {  // clang 14 captures no structured binding
     std::visit(
         [&](auto field) {
-          const auto value = config.*field;
+          const auto value = number_of(config.*field);
           const auto number = static_cast<double>(value);
-          require(limited.least <= number && number <= limited.most, limited.parameter.name, value,
-                  range_text(limited.least, limited.most));  // false for NaN
+          require(limited.min <= number && number <= limited.max, limited.parameter.name, value,
+                  range_text(limited.min, limited.max));  // false for NaN
         },
         limited.parameter.field);
   }

@@ -91,7 +91,9 @@ class EFastRule {
 class ArcStarRule {
  public:
   explicit ArcStarRule(const ArcStarConfig& config)
-      : frame_(config.width, config.height), filter_(frame_, config.filter_us), surface_(frame_) {}
+      : frame_(config.width, config.height),
+        filter_(frame_, config.filter.count()),
+        surface_(frame_) {}
 
   const SensorFrame& frame() const noexcept { return frame_; }
 
@@ -110,7 +112,7 @@ class ArcStarRule {
  private:
   SensorFrame frame_;
   ArcFilter filter_;
-  OrderSurface surface_;  // of the events that passed
+  OrderSurface surface_;  // holds the events that passed
 };
 
 class EHarrisRule {
@@ -143,7 +145,7 @@ class FAHarrisRule {
   explicit FAHarrisRule(const FAHarrisConfig& config)
       : frame_(config.width, config.height),
         patch_(frame_, config.threshold),
-        filter_(frame_, config.filter_us),
+        filter_(frame_, config.filter.count()),
         stamps_(frame_) {}
 
   const SensorFrame& frame() const noexcept { return frame_; }
@@ -164,9 +166,9 @@ class FAHarrisRule {
 
  private:
   SensorFrame frame_;
-  HarrisPatch patch_;  // of the events that passed
+  HarrisPatch patch_;  // holds the events that passed
   ArcFilter filter_;
-  OrderSurface stamps_;  // of the same events: for the arcs, where equal stamps are ties
+  OrderSurface stamps_;  // holds the same events for the arcs, where equal stamps are ties
 };
 
 namespace {

@@ -106,7 +106,7 @@ class GrowingArc {
       const Number forwards = ring_[after_];
       const Number backwards = ring_[before_];
       oldest_ = std::min(oldest_, std::max(forwards, backwards));
-      // Without a branch, which nothing would predict.
+      // A branch would be mispredicted, so there is none.
       after_ = forwards > backwards ? Ring::after(after_) : after_;
       before_ = forwards > backwards ? before_ : Ring::before(before_);
     }

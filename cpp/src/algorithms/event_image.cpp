@@ -16,9 +16,9 @@ constexpr std::int64_t kMaxPeriod_us = 1'000'000'000'000;
 const EventImageConfig& checked(const EventImageConfig& config) {
   require(0 <= config.count && config.count <= kMaxCount, "count", config.count,
           "must be 0 to 16777216 events");
-  require(0 <= config.period_us && config.period_us <= kMaxPeriod_us, "period_us", config.period_us,
-          "must be 0 to 10^12 us");
-  require((config.count > 0) != (config.period_us > 0), "count", config.count,
+  require(0 <= config.period.count() && config.period.count() <= kMaxPeriod_us, "period_us",
+          config.period.count(), "must be 0 to 10^12 us");
+  require((config.count > 0) != (config.period.count() > 0), "count", config.count,
           "give either count or period_us");
   require(!config.channels.empty(), "channels.size()", config.channels.size(),
           "an image has at least one channel");
@@ -45,9 +45,9 @@ std::uint64_t distance(std::int64_t earlier, std::int64_t later) noexcept {
 
 }  // namespace
 
-class EventImage::State {
+class EventImage::Impl {
  public:
-  explicit State(const Config& given)
+  explicit Impl(const Config& given)
       : config(checked(given)),
         frame_(config.width, config.height),
         off_(std::size_t{frame_.width()} * frame_.height()),
@@ -82,10 +82,10 @@ class EventImage::State {
   bool has_begun() const noexcept { return filled_ > 0; }
 
   void close() noexcept {
-    // By count the newest event of the image is the last one seen.
+    // The newest event of an image by count is the last one seen.
     image_begin_us_ = begin_us_;
-    image_end_us_ = plus(config.period_us > 0 ? begin_us_ : last_us_,
-                         config.period_us > 0 ? config.period_us : 1);
+    image_end_us_ = plus(config.period.count() > 0 ? begin_us_ : last_us_,
+                         config.period.count() > 0 ? config.period.count() : 1);
     float* out = image_.data();
     for (const ImageChannel channel : config.channels) {
       draw(channel, out);
@@ -98,7 +98,7 @@ class EventImage::State {
 
   ImageView image() const noexcept { return {image_, image_begin_us_, image_end_us_}; }
 
-  void set_keep(double gamma) noexcept { weight_ = 1 / std::max(gamma, kLeastKeep); }
+  void set_keep(double gamma) noexcept { weight_ = 1 / std::max(gamma, kMinKeep); }
 
   void reset() noexcept {
     std::fill(off_.begin(), off_.end(), 0.0F);
@@ -117,8 +117,8 @@ class EventImage::State {
 
  private:
   bool period_is_over() const noexcept {
-    return config.period_us > 0 && has_begun() &&
-           distance(begin_us_, last_us_) >= static_cast<std::uint64_t>(config.period_us);
+    return config.period.count() > 0 && has_begun() &&
+           distance(begin_us_, last_us_) >= static_cast<std::uint64_t>(config.period.count());
   }
 
   bool is_full() const noexcept {
@@ -127,7 +127,8 @@ class EventImage::State {
 
   void add(const Event& event) noexcept {
     if (!has_begun()) {
-      begin_us_ = config.period_us > 0 ? period_begin(last_us_, config.period_us) : last_us_;
+      begin_us_ =
+          config.period.count() > 0 ? period_begin(last_us_, config.period.count()) : last_us_;
     }
     const std::size_t pixel = event.y * std::size_t{frame_.width()} + event.x;
     (event.p > 0 ? on_ : off_)[pixel] += static_cast<float>(weight_);
@@ -162,7 +163,7 @@ class EventImage::State {
   }
 
   SensorFrame frame_;
-  std::vector<float> off_;  // of the image that has begun
+  std::vector<float> off_;  // belongs to the image that has begun
   std::vector<float> on_;
   std::vector<std::int64_t> times_us_;
   std::vector<float> image_;
@@ -174,32 +175,32 @@ class EventImage::State {
   std::int64_t image_end_us_ = 0;
 };
 
-EventImage::EventImage(const Config& config) : state_(std::make_unique<State>(config)) {}
+EventImage::EventImage(const Config& config) : impl_(std::make_unique<Impl>(config)) {}
 EventImage::~EventImage() = default;
-EventImage::EventImage(const EventImage& other) : state_(std::make_unique<State>(*other.state_)) {}
+EventImage::EventImage(const EventImage& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
 EventImage& EventImage::operator=(const EventImage& other) { return *this = EventImage(other); }
 EventImage::EventImage(EventImage&&) noexcept = default;
 EventImage& EventImage::operator=(EventImage&&) noexcept = default;
 
-bool EventImage::take(EventSpan& events) noexcept { return state_->take(events); }
+bool EventImage::take(EventSpan& events) noexcept { return impl_->take(events); }
 
 bool EventImage::flush() noexcept {
-  if (!state_->has_begun()) return false;
-  state_->close();
+  if (!impl_->has_begun()) return false;
+  impl_->close();
   return true;
 }
 
-ImageView EventImage::image() const noexcept { return state_->image(); }
+ImageView EventImage::image() const noexcept { return impl_->image(); }
 
 void EventImage::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  state_->set_keep(gamma);
+  impl_->set_keep(gamma);
 }
 
-void EventImage::reset() noexcept { state_->reset(); }
+void EventImage::reset() noexcept { impl_->reset(); }
 
-std::uint64_t EventImage::rejected() const noexcept { return state_->rejected; }
+std::uint64_t EventImage::rejected() const noexcept { return impl_->rejected; }
 
-const EventImage::Config& EventImage::config() const noexcept { return state_->config; }
+const EventImage::Config& EventImage::config() const noexcept { return impl_->config; }
 
 }  // namespace asap

@@ -13,7 +13,7 @@
 
 namespace asap {
 
-class FeatureTracker::State {
+class FeatureTracker::Impl {
   // The detector that takes every event of the frame for a corner.
   class EveryEvent {
    public:
@@ -56,7 +56,7 @@ class FeatureTracker::State {
   }
 
  public:
-  explicit State(const Config& given)
+  explicit Impl(const Config& given)
       : config(given), tracks(given), detector(make_detector(given)) {}
 
   // Calls visit(i, id) for every event: the detector labels a block, then the tracks take its
@@ -83,19 +83,19 @@ class FeatureTracker::State {
   Detector detector;
 };
 
-FeatureTracker::FeatureTracker(const Config& config) : state_(std::make_unique<State>(config)) {}
+FeatureTracker::FeatureTracker(const Config& config) : impl_(std::make_unique<Impl>(config)) {}
 FeatureTracker::~FeatureTracker() = default;
 FeatureTracker::FeatureTracker(FeatureTracker&&) noexcept = default;
 FeatureTracker& FeatureTracker::operator=(FeatureTracker&&) noexcept = default;
 
 void FeatureTracker::process(EventSpan events) noexcept {
-  state_->for_each_label(events, [](std::size_t, std::int32_t) {});
+  impl_->for_each_label(events, [](std::size_t, std::int32_t) {});
 }
 
 void FeatureTracker::process(EventSpan events, std::span<std::int32_t> labels) {
   require(labels.size() == events.size(), "labels.size()", labels.size(),
           "must be the number of events");
-  state_->for_each_label(events, [&](std::size_t i, std::int32_t id) { labels[i] = id; });
+  impl_->for_each_label(events, [&](std::size_t i, std::int32_t id) { labels[i] = id; });
 }
 
 std::vector<FeatureTrack> FeatureTracker::tracks() const {
@@ -104,23 +104,21 @@ std::vector<FeatureTrack> FeatureTracker::tracks() const {
   return read;
 }
 
-void FeatureTracker::tracks(std::vector<FeatureTrack>& tracks) const {
-  state_->tracks.read(tracks);
-}
+void FeatureTracker::tracks(std::vector<FeatureTrack>& tracks) const { impl_->tracks.read(tracks); }
 
 void FeatureTracker::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 
 void FeatureTracker::reset() noexcept {
-  std::visit([](auto& detector) { detector.reset(); }, state_->detector);
-  state_->tracks.clear();
+  std::visit([](auto& detector) { detector.reset(); }, impl_->detector);
+  impl_->tracks.clear();
 }
 
 std::uint64_t FeatureTracker::rejected() const noexcept {
-  return std::visit([](const auto& detector) { return detector.rejected(); }, state_->detector);
+  return std::visit([](const auto& detector) { return detector.rejected(); }, impl_->detector);
 }
 
-const FeatureTracker::Config& FeatureTracker::config() const noexcept { return state_->config; }
+const FeatureTracker::Config& FeatureTracker::config() const noexcept { return impl_->config; }
 
 }  // namespace asap

@@ -15,7 +15,7 @@ std::int32_t id_of(std::uint64_t created) noexcept {
   return static_cast<std::int32_t>(created & 0x7fffffffU);
 }
 
-// Without overflow, whatever the stamps.
+// Does not overflow, whatever the stamps.
 double distance_us(std::int64_t earlier, std::int64_t later) noexcept {
   return static_cast<double>(static_cast<std::uint64_t>(later) -
                              static_cast<std::uint64_t>(earlier));
@@ -36,8 +36,8 @@ const FeatureConfig& checked(const FeatureConfig& config) {
           "must be 0 to 16384 px");
   require(0 <= config.min_neighbours && config.min_neighbours < kNeighbours, "min_neighbours",
           config.min_neighbours, "must be 0 to 7");
-  require(1 <= config.velocity_us && config.velocity_us <= kMaxVelocity_us, "velocity_us",
-          config.velocity_us, "must be 1 to 1000000000 us");
+  require(1 <= config.velocity_window.count() && config.velocity_window.count() <= kMaxVelocity_us,
+          "velocity_us", config.velocity_window.count(), "must be 1 to 1000000000 us");
   return config;
 }
 
@@ -47,7 +47,7 @@ FeatureTracks::FeatureTracks(const FeatureConfig& config)
     : frame_(checked(config).width, config.height),
       reach_(config.radius * config.radius),
       min_neighbours_(config.min_neighbours),
-      velocity_us_(static_cast<double>(config.velocity_us)),
+      velocity_us_(static_cast<double>(config.velocity_window.count())),
       latest_us_(std::size_t{frame_.width()} * frame_.height()),
       window_us_(static_cast<std::size_t>(config.window)),
       grid_(config.width, config.height, config.radius),
@@ -86,7 +86,7 @@ std::int64_t FeatureTracks::remember(const Event& corner) noexcept {
   return window_us_[full_ ? cursor_ : 0];
 }
 
-// As released: the event counts itself too and one is taken off, also where all stamps that are
+// The release lets the event count itself too and takes one off, also where all stamps that are
 // remembered are equal and it did not count.
 bool FeatureTracks::is_supported(const Event& corner, std::int64_t oldest_us) const noexcept {
   const std::size_t stride = frame_.width();

@@ -21,7 +21,7 @@ constexpr std::array<std::size_t, kHarrisSide> kLaneOf{2, 1, 0, 5, 6};
 
 constexpr std::array<int, kHarrisSide> kSmooth{1, 4, 6, 4, 1};
 constexpr std::array<int, kHarrisSide> kDerive{1, 2, 0, -2, -1};
-constexpr double kScale = 12;  // of the kernel
+constexpr double kScale = 12;  // scale of the kernel
 
 // One row of pixels folded with a kernel, for each of the 512 rows there are.
 struct alignas(16) Folded {

@@ -1,4 +1,4 @@
-#include "asap/algorithms/hot_pixel_mask.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 
 #include <algorithm>
 
@@ -22,9 +22,9 @@ const HotPixelMaskConfig& checked(const HotPixelMaskConfig& config) {
 
 }  // namespace
 
-class HotPixelMask::State {
+class HotPixelMask::Impl {
  public:
-  explicit State(const Config& given)
+  explicit Impl(const Config& given)
       : config(checked(given)),
         frame_(config.width, config.height),
         stride_(frame_.width() + 2 * kReach),
@@ -145,10 +145,10 @@ class HotPixelMask::State {
   std::uint64_t counted_ = 0;
 };
 
-HotPixelMask::HotPixelMask(const Config& config) : state_(std::make_unique<State>(config)) {}
+HotPixelMask::HotPixelMask(const Config& config) : impl_(std::make_unique<Impl>(config)) {}
 HotPixelMask::~HotPixelMask() = default;
 HotPixelMask::HotPixelMask(const HotPixelMask& other)
-    : state_(std::make_unique<State>(*other.state_)) {}
+    : impl_(std::make_unique<Impl>(*other.impl_)) {}
 HotPixelMask& HotPixelMask::operator=(const HotPixelMask& other) {
   return *this = HotPixelMask(other);
 }
@@ -156,25 +156,25 @@ HotPixelMask::HotPixelMask(HotPixelMask&&) noexcept = default;
 HotPixelMask& HotPixelMask::operator=(HotPixelMask&&) noexcept = default;
 
 std::size_t HotPixelMask::process(EventSpan events, Event* out) noexcept {
-  return state_->process(events, out);
+  return impl_->process(events, out);
 }
 
-std::size_t HotPixelMask::learn(EventSpan events) noexcept { return state_->learn(events); }
+std::size_t HotPixelMask::learn(EventSpan events) noexcept { return impl_->learn(events); }
 
 bool HotPixelMask::is_masked(std::uint32_t x, std::uint32_t y) const noexcept {
-  return state_->is_masked(x, y);
+  return impl_->is_masked(x, y);
 }
 
-std::vector<MaskedPixel> HotPixelMask::pixels() const { return state_->pixels(); }
+std::vector<MaskedPixel> HotPixelMask::pixels() const { return impl_->pixels(); }
 
 void HotPixelMask::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 
-void HotPixelMask::reset() noexcept { state_->reset(); }
+void HotPixelMask::reset() noexcept { impl_->reset(); }
 
-std::uint64_t HotPixelMask::rejected() const noexcept { return state_->rejected; }
+std::uint64_t HotPixelMask::rejected() const noexcept { return impl_->rejected; }
 
-const HotPixelMask::Config& HotPixelMask::config() const noexcept { return state_->config; }
+const HotPixelMask::Config& HotPixelMask::config() const noexcept { return impl_->config; }
 
 }  // namespace asap

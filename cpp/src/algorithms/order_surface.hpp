@@ -62,7 +62,8 @@ class OrderSurface {
   Number newest_ = kFirst;
   std::int64_t last_us_ = std::numeric_limits<std::int64_t>::min();
   std::vector<Number> numbers_;
-  std::unique_ptr<Number[]> scratch_;  // for renumber(); untouched, and so not resident, until then
+  std::unique_ptr<Number[]>
+      scratch_;  // renumber() uses it; untouched, and so not resident, until then
 };
 
 inline OrderSurface::OrderSurface(const SensorFrame& frame, Number limit)

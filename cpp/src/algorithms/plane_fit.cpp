@@ -21,7 +21,7 @@ struct Moments {
   Sum second;
 };
 
-// Of five values at -2 .. 2.
+// The moments of five values at -2 .. 2.
 template <class Sum>
 Moments<Sum> moments(Sum v0, Sum v1, Sum v2, Sum v3, Sum v4) noexcept {
   const Sum far = v0 + v4;
@@ -95,8 +95,8 @@ bool PlaneFit::fit(TimePlane& plane) const noexcept {
 }
 
 int PlaneFit::drop_outliers(const TimePlane& plane) noexcept {
-  constexpr double kLeast_us2 = 1.0;
-  constexpr double kFactor = 4.0;  // of squares
+  constexpr double kMin_us2 = 1.0;
+  constexpr double kFactor = 4.0;  // factor on squares
   std::array<std::array<double, kLanes>, kSide> squares;
   std::array<double, kLanes> sums{};
   std::array<double, kLanes> of_columns;
@@ -111,7 +111,7 @@ int PlaneFit::drop_outliers(const TimePlane& plane) noexcept {
     }
   }
   const double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
-  const double limit = std::max(kLeast_us2, kFactor * sum / points());
+  const double limit = std::max(kMin_us2, kFactor * sum / points());
   int dropped = 0;
   for (std::size_t y = 0; y < kSide; ++y) {
     for (std::size_t x = 0; x < kLanes; ++x) {

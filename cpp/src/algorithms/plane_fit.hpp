@@ -42,7 +42,7 @@ class PlaneFit {
   using Row = std::array<std::int32_t, kLanes>;
 
   std::array<Row, kSide> used_;   // 1 or 0
-  std::array<Row, kSide> times_;  // from that of the centre, us; 0 if not used
+  std::array<Row, kSide> times_;  // us since the centre's; 0 if not used
 };
 
 }  // namespace asap

@@ -13,8 +13,8 @@ constexpr std::size_t kBorder = TrimmedPlaneFit::kReach;
 constexpr std::int64_t kBurstsPerWindow = 4;
 
 const PlaneFlowConfig& checked(const PlaneFlowConfig& config) {
-  require(1 <= config.window_us && config.window_us <= PlaneFit::kMaxWindow_us, "window_us",
-          config.window_us, "must be 1 to 10000000 us");
+  require(1 <= config.window.count() && config.window.count() <= PlaneFit::kMaxWindow_us,
+          "window_us", config.window.count(), "must be 1 to 10000000 us");
   require(3 <= config.min_points && config.min_points <= 25, "min_points", config.min_points,
           "must be 3 to 25 px");
   return config;
@@ -25,14 +25,14 @@ bool is_flat(double squared_slope) noexcept { return squared_slope < 1e-6; }
 
 }  // namespace
 
-class PlaneFlow::State {
+class PlaneFlow::Impl {
  public:
-  explicit State(const Config& given)
+  explicit Impl(const Config& given)
       : config(checked(given)),
         frame_(config.width, config.height),
         stride_(frame_.width() + 2 * kBorder),
         plane_(stride_ * (frame_.height() + 2 * kBorder)),
-        burst_us_(static_cast<Time>(config.window_us / kBurstsPerWindow)),
+        burst_us_(static_cast<Time>(config.window.count() / kBurstsPerWindow)),
         times_((config.refit ? 2 : 4) * plane_ + PlaneFit::kLanes, RecentTimes::kLongAgo) {}
 
   bool update(const Event& event, Flow& flow) noexcept {
@@ -71,13 +71,14 @@ class PlaneFlow::State {
     if (!first) return false;
     *own = now;
     TrimmedPlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_),
-                        static_cast<Time>(config.window_us));
+                        static_cast<Time>(config.window.count()));
     return fit.fit(static_cast<std::size_t>(config.min_points), plane);
   }
 
   bool fit_as_published(Time now, Time* own, TimePlane& plane) const noexcept {
     *own = now;
-    PlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_), static_cast<Time>(config.window_us));
+    PlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_),
+                 static_cast<Time>(config.window.count()));
     if (fit.points() < config.min_points || !fit.fit(plane)) return false;
     if (!*config.refit || fit.drop_outliers(plane) == 0) return true;
     return fit.points() >= config.min_points && fit.fit(plane);
@@ -92,19 +93,19 @@ class PlaneFlow::State {
   RecentTimes times_;
 };
 
-PlaneFlow::PlaneFlow(const Config& config) : state_(std::make_unique<State>(config)) {}
+PlaneFlow::PlaneFlow(const Config& config) : impl_(std::make_unique<Impl>(config)) {}
 PlaneFlow::~PlaneFlow() = default;
-PlaneFlow::PlaneFlow(const PlaneFlow& other) : state_(std::make_unique<State>(*other.state_)) {}
+PlaneFlow::PlaneFlow(const PlaneFlow& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
 PlaneFlow& PlaneFlow::operator=(const PlaneFlow& other) { return *this = PlaneFlow(other); }
 PlaneFlow::PlaneFlow(PlaneFlow&&) noexcept = default;
 PlaneFlow& PlaneFlow::operator=(PlaneFlow&&) noexcept = default;
 
 std::size_t PlaneFlow::process(EventSpan events) noexcept {
-  State& state = *state_;
+  Impl& impl = *impl_;
   std::size_t with_flow = 0;
   for (const Event& event : events) {
     Flow flow;
-    with_flow += state.update(event, flow);
+    with_flow += impl.update(event, flow);
   }
   return with_flow;
 }
@@ -112,11 +113,11 @@ std::size_t PlaneFlow::process(EventSpan events) noexcept {
 std::size_t PlaneFlow::process(EventSpan events, std::span<Flow> flows) {
   require(flows.size() == events.size(), "flows.size()", flows.size(),
           "must be the number of events");
-  State& state = *state_;
+  Impl& impl = *impl_;
   std::size_t with_flow = 0;
   for (std::size_t i = 0; i < events.size(); ++i) {
     flows[i] = {};
-    with_flow += state.update(events[i], flows[i]);
+    with_flow += impl.update(events[i], flows[i]);
   }
   return with_flow;
 }
@@ -125,10 +126,10 @@ void PlaneFlow::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 
-void PlaneFlow::reset() noexcept { state_->reset(); }
+void PlaneFlow::reset() noexcept { impl_->reset(); }
 
-std::uint64_t PlaneFlow::rejected() const noexcept { return state_->rejected; }
+std::uint64_t PlaneFlow::rejected() const noexcept { return impl_->rejected; }
 
-const PlaneFlow::Config& PlaneFlow::config() const noexcept { return state_->config; }
+const PlaneFlow::Config& PlaneFlow::config() const noexcept { return impl_->config; }
 
 }  // namespace asap

@@ -33,9 +33,9 @@ const PublishedClusterTrackerConfig& checked(const PublishedClusterTrackerConfig
 
 }  // namespace
 
-class PublishedClusterTracker::Engine {
+class PublishedClusterTracker::Impl {
  public:
-  explicit Engine(const Config& config)
+  explicit Impl(const Config& config)
       : config_(checked(config)), clusterer_(config_, UniformProbe(config_.seed)) {}
 
   // The id of the cluster that took the event, or kNoId.
@@ -66,22 +66,22 @@ class PublishedClusterTracker::Engine {
 };
 
 PublishedClusterTracker::PublishedClusterTracker(const Config& config)
-    : engine_(std::make_unique<Engine>(config)) {}
+    : impl_(std::make_unique<Impl>(config)) {}
 PublishedClusterTracker::~PublishedClusterTracker() = default;
 PublishedClusterTracker::PublishedClusterTracker(PublishedClusterTracker&&) noexcept = default;
 PublishedClusterTracker& PublishedClusterTracker::operator=(PublishedClusterTracker&&) noexcept =
     default;
 
 void PublishedClusterTracker::process(EventSpan events) noexcept {
-  Engine& engine = *engine_;
-  for (const Event& event : events) engine.process(event);
+  Impl& impl = *impl_;
+  for (const Event& event : events) impl.process(event);
 }
 
 void PublishedClusterTracker::process(EventSpan events, std::span<std::int32_t> labels) {
   require(labels.size() == events.size(), "labels.size()", labels.size(),
           "must be the number of events");
-  Engine& engine = *engine_;
-  for (std::size_t i = 0; i < events.size(); ++i) labels[i] = engine.process(events[i]);
+  Impl& impl = *impl_;
+  for (std::size_t i = 0; i < events.size(); ++i) labels[i] = impl.process(events[i]);
 }
 
 std::vector<Cluster> PublishedClusterTracker::clusters() const { return clusters_at(kTheLatest); }
@@ -97,7 +97,7 @@ std::vector<Cluster> PublishedClusterTracker::clusters_at(std::int64_t t_us) con
 }
 
 void PublishedClusterTracker::clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const {
-  engine_->read(t_us, clusters);
+  impl_->read(t_us, clusters);
 }
 
 std::optional<ClusterOutline> PublishedClusterTracker::outline(std::int64_t id) const {
@@ -108,12 +108,12 @@ void PublishedClusterTracker::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 
-void PublishedClusterTracker::reset() noexcept { engine_->reset(); }
+void PublishedClusterTracker::reset() noexcept { impl_->reset(); }
 
-std::uint64_t PublishedClusterTracker::rejected() const noexcept { return engine_->rejected(); }
+std::uint64_t PublishedClusterTracker::rejected() const noexcept { return impl_->rejected(); }
 
 const PublishedClusterTracker::Config& PublishedClusterTracker::config() const noexcept {
-  return engine_->config();
+  return impl_->config();
 }
 
 }  // namespace asap

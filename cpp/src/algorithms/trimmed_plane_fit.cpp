@@ -101,9 +101,9 @@ double TrimmedPlaneFit::mean_square(const TimePlane& plane) noexcept {
 }
 
 bool TrimmedPlaneFit::drop_outliers(double mean_square) noexcept {
-  constexpr double kLeast_us2 = 1.0;
-  constexpr double kFactor = 1.5 * 1.5;  // of squares
-  const double limit = std::max(kLeast_us2, kFactor * mean_square);
+  constexpr double kMin_us2 = 1.0;
+  constexpr double kFactor = 1.5 * 1.5;  // factor on squares
+  const double limit = std::max(kMin_us2, kFactor * mean_square);
   std::size_t kept = 0;
   for (const Point& point : points()) {
     if (point.square > limit) {

@@ -20,7 +20,7 @@
 #include "algorithms/event_window.hpp"
 #include "algorithms/probe_index.hpp"
 #include "algorithms/window_moments.hpp"
-#include "asap/algorithms/cluster.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
@@ -41,7 +41,7 @@ class WindowClusterer {
     std::uint64_t created;  // number of creation: smaller is older
     std::int32_t id;
     Position newest;      // event: the way into the chain
-    ProbeIndex::Key key;  // in the probe index, or kSmall or kKeyless
+    ProbeIndex::Key key;  // key in the probe index, or kSmall or kKeyless
   };
 
   // Precondition: the configuration is checked.
@@ -261,7 +261,7 @@ class WindowClusterer {
 
   // Returns the slot of the one that is left.
   Slot merge_assigned(Position newest) noexcept {
-    // In order of creation, as published: rounding could flip a later comparison with R.
+    // The published order is that of creation: rounding could flip a later comparison with R.
     double total = 0;
     for (const Slot slot : assigned_) total += static_cast<double>(size_of(states_[slot]));
     double x = 0;
@@ -382,7 +382,7 @@ class WindowClusterer {
   std::vector<State> states_;
   std::vector<ClusterMotion> motions_;  // [slot], of those with an id; empty: not asked for
   std::vector<Slot> free_;
-  std::vector<Slot> assigned_;  // of the event in hand
+  std::vector<Slot> assigned_;  // clusters that take the event in hand
   std::vector<Slot> keyless_;   // big clusters that found the index full
   std::size_t used_ = 0;        // slots from here on were never used
   std::uint64_t events_ = 0;

@@ -27,10 +27,10 @@
 
 namespace asap {
 
-template <class Atomics = StdAtomics, std::size_t most_steps = 8192>
+template <class Atomics = StdAtomics, std::size_t max_steps = 8192>
 class BasicArrivalTimes {
  public:
-  static constexpr std::size_t kSteps = most_steps;
+  static constexpr std::size_t kSteps = max_steps;
 
   // The table has a power of two of steps, at least 32.
   explicit BasicArrivalTimes(std::int64_t step_ns, std::size_t steps = kSteps)

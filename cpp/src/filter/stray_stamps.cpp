@@ -43,9 +43,9 @@ std::vector<std::size_t> stray_stamps(const Validator& validator, EventSpan even
     return from <= to && to - from < Validator::kNewEpoch_us;
   };
   // How many from `at` on are before `t`, counted to `most`.
-  const auto count_before = [&](std::size_t at, std::int64_t t, std::size_t most) {
+  const auto count_before = [&](std::size_t at, std::int64_t t, std::size_t max) {
     std::size_t end = at;
-    while (end < indices.size() && end - at < most && stamp(end) < t) ++end;
+    while (end < indices.size() && end - at < max && stamp(end) < t) ++end;
     return end - at;
   };
 
@@ -58,7 +58,7 @@ std::vector<std::size_t> stray_stamps(const Validator& validator, EventSpan even
       kept.push_back(at);
       continue;
     }
-    if (last - t <= validator.config().reorder_tolerance_us) continue;
+    if (last - t <= validator.config().reorder_tolerance / std::chrono::microseconds(1)) continue;
 
     // Either those kept that are after t are ahead, or those from here on that are before `last`
     // are late: the fewer are wrong. A clock that is reset does not go on where it was.
@@ -70,7 +70,7 @@ std::vector<std::size_t> stray_stamps(const Validator& validator, EventSpan even
                       : is_first                  ? near(t, last)
                                                   : near(before, t);
     const bool far = !near(t, last);
-    if (fits && ahead <= kMostStray && count_before(at, last, ahead + 1) + far > ahead) {
+    if (fits && ahead <= kMaxStray && count_before(at, last, ahead + 1) + far > ahead) {
       stray.insert(stray.end(), first_ahead, kept.end());
       kept.erase(first_ahead, kept.end());
       kept.push_back(at);
@@ -78,9 +78,9 @@ std::vector<std::size_t> stray_stamps(const Validator& validator, EventSpan even
     }
     if (!far) continue;  // late: the validator drops it
 
-    const std::size_t behind = count_before(at, last, kMostStray + 1);
+    const std::size_t behind = count_before(at, last, kMaxStray + 1);
     const std::size_t next = at + behind;
-    if (behind <= kMostStray && next < indices.size() && near(last, stamp(next))) {
+    if (behind <= kMaxStray && next < indices.size() && near(last, stamp(next))) {
       for (; at < next; ++at) stray.push_back(at);
       --at;
       continue;

@@ -14,9 +14,9 @@
 
 namespace asap {
 
-// Indices of the stray ones among events that come next to `validator`. At most kMostStray in a row
+// Indices of the stray ones among events that come next to `validator`. At most kMaxStray in a row
 // are stray: a word of Prophesee's that states the time counts for about 400 events.
-inline constexpr std::size_t kMostStray = 1024;
+inline constexpr std::size_t kMaxStray = 1024;
 std::vector<std::size_t> stray_stamps(const Validator& validator, EventSpan events);
 
 // What passed the validator, in order; `kept` is empty where that is all of the events as they are.

@@ -11,7 +11,7 @@ namespace asap {
 
 namespace {
 
-constexpr std::int64_t kLongestWarmUp_us = 1'000'000'000;
+using namespace std::chrono_literals;
 constexpr int kAddresses = 65536;  // x and y are 16 bits wide
 
 std::uint32_t largest_address(int size) noexcept {
@@ -56,20 +56,22 @@ static_assert(std::has_single_bit(kSteps_us));
 
 Validator::Validator(ValidatorConfig config, BitLog* passed)
     : config_(config),
+      reorder_tolerance_us_(config.reorder_tolerance / 1us),
+      warmup_discard_us_(config.warmup_discard / 1us),
       passed_(passed),
       max_x_(largest_address(config.width)),
       max_y_(largest_address(config.height)),
-      warming_up_(config.warmup_discard_us > 0) {
+      warming_up_(warmup_discard_us_ > 0) {
   require(config.width >= 0 && config.width <= kAddresses, "width", config.width,
           "give the sensor's width in pixels, at most 65536, or 0 for no check");
   require(config.height >= 0 && config.height <= kAddresses, "height", config.height,
           "give the sensor's height in pixels, at most 65536, or 0 for no check");
   require_known(config.on_bad, OnBad::raise, "on_bad");
-  require(config.reorder_tolerance_us >= 0 && config.reorder_tolerance_us < kNewEpoch_us,
-          "reorder_tolerance_us", config.reorder_tolerance_us,
-          "give 0 to 999999 us; a stamp that goes back by 1 s starts a new epoch");
-  require(config.warmup_discard_us >= 0 && config.warmup_discard_us <= kLongestWarmUp_us,
-          "warmup_discard_us", config.warmup_discard_us, "give 0 to 1e9 us");
+  require_time(config.reorder_tolerance >= 0us && config.reorder_tolerance < 1s,
+               "reorder_tolerance", config.reorder_tolerance, TimeUnit::us,
+               "give 0 to 999999 us; a stamp that goes back by 1 s starts a new epoch");
+  require_time(config.warmup_discard >= 0us && config.warmup_discard <= 1000s, "warmup_discard",
+               config.warmup_discard, TimeUnit::us, "give 0 to 1e9 us");
 }
 
 bool Validator::pass_clean(EventSpan block) {
@@ -121,7 +123,7 @@ bool Validator::warms_up(const Event& event) noexcept {
   if (!is_stamp(event.t)) return true;
   if (event.t <= warm_up_last_us_ - kNewEpoch_us) warm_up_first_us_ = event.t;
   warm_up_last_us_ = event.t;
-  warming_up_ = event.t - warm_up_first_us_ < config_.warmup_discard_us;
+  warming_up_ = event.t - warm_up_first_us_ < warmup_discard_us_;
   return warming_up_;
 }
 
@@ -134,7 +136,7 @@ Validator::Fault Validator::mend(Event& event) noexcept {
   const std::int64_t back = last_us_ - t;
   const bool new_epoch = back >= kNewEpoch_us;
   const bool lifted = back > 0 && !new_epoch;
-  if (lifted && back > config_.reorder_tolerance_us && config_.on_bad != OnBad::clamp) {
+  if (lifted && back > reorder_tolerance_us_ && config_.on_bad != OnBad::clamp) {
     return Fault::nonmonotonic;
   }
   if (new_epoch) t = last_us_ + 1;
@@ -183,7 +185,7 @@ void Validator::refuse(const Event& event, Fault fault) const {
   }
   throw_bad_value("t", value(event.t),
                   "goes back behind " + std::to_string(last_us_ - clock_offset_us_) +
-                      "; sort the events, raise reorder_tolerance_us, or drop with on_bad = drop");
+                      "; sort the events, raise the reorder tolerance, or drop with on_bad = drop");
 }
 
 }  // namespace asap

@@ -1,4 +1,4 @@
-#include "asap/formats/aedat2.hpp"
+#include "asap/formats/aedat.hpp"
 
 #include "asap/core/check.hpp"
 #include "formats/aedat_header.hpp"

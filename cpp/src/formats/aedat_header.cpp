@@ -7,7 +7,7 @@ namespace asap {
 namespace {
 
 struct NamedSensor {
-  std::string_view name;  // in small letters
+  std::string_view name;  // small letters
   std::uint16_t width, height;
 };
 

@@ -13,7 +13,7 @@ namespace asap {
 namespace {
 
 constexpr std::size_t kColumnBlock = 512;
-constexpr std::int64_t kMostAddress = 65535;
+constexpr std::int64_t kMaxColumnAddress = 65535;
 
 // One value at a time: true where an event can hold it, which is then in `out`. No branches, so
 // that loops over neighbouring values are vectorised.
@@ -22,7 +22,7 @@ struct ToAddress {
   template <class Value>
   bool operator()(Value value, Out& out) const noexcept {
     if constexpr (std::is_floating_point_v<Value>) {
-      const bool inside = value >= 0 && value <= kMostAddress;
+      const bool inside = value >= 0 && value <= kMaxColumnAddress;
       out = static_cast<Out>(static_cast<std::int32_t>(inside ? value : 0));
       return inside && out == value;
     } else {

@@ -1,4 +1,4 @@
-#include "asap/formats/dat.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include "asap/core/check.hpp"
 #include "formats/words.hpp"

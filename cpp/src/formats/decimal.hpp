@@ -21,7 +21,7 @@ struct Decimal {
 const char* read_decimal(const char* at, const char* end, Decimal& number) noexcept;
 
 struct Rounded {
-  std::int64_t value;  // within +-kHuge, where larger ones stop
+  std::int64_t value;  // larger ones stop at +-kHuge
   bool exact;          // nothing was rounded away
 
   static constexpr std::int64_t kHuge = std::int64_t{1} << 62;

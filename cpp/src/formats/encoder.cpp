@@ -24,7 +24,7 @@ std::uint32_t is_on(const Event& event) noexcept { return event.p > 0 ? 1 : 0; }
 
 // A format has limits and functions. put() writes an event. Where the bytes count time from event
 // to event, it lies less than kReach after state.t, to which mark() has advanced it step by step: a
-// gap of kMostGap is worth its bytes. kRowsUp: row 0 is the bottom one. The layouts stand in the
+// gap of kMaxGap is worth its bytes. kRowsUp: row 0 is the bottom one. The layouts stand in the
 // decoders' headers.
 
 struct Limits {
@@ -40,8 +40,8 @@ concept CountsTime = requires { Format::kReach; };
 struct Evt2Format : Limits {
   static constexpr std::string_view kName = "EVT2";
   static constexpr std::uint32_t kMaxAddress = 2047;
-  static constexpr std::int64_t kReach = std::int64_t{1} << 32;    // readers unwrap 2^34 us
-  static constexpr std::int64_t kMostGap = std::int64_t{1} << 51;  // Unix time: 1.5 MB of marks
+  static constexpr std::int64_t kReach = std::int64_t{1} << 32;   // readers unwrap 2^34 us
+  static constexpr std::int64_t kMaxGap = std::int64_t{1} << 51;  // Unix time: 1.5 MB of marks
 
   static std::byte* put(State& state, const Event& event, std::byte* to) noexcept {
     if (!state.started || event.t >> 6 != state.t >> 6) to = put_high(state, event.t, to);
@@ -64,8 +64,8 @@ struct Evt2Format : Limits {
 struct Evt3Format : Limits {
   static constexpr std::string_view kName = "EVT3";
   static constexpr std::uint32_t kMaxAddress = 2047;
-  static constexpr std::int64_t kReach = std::int64_t{1} << 22;    // readers unwrap 2^24 us
-  static constexpr std::int64_t kMostGap = std::int64_t{1} << 40;  // 12.7 days: 1 MB of marks
+  static constexpr std::int64_t kReach = std::int64_t{1} << 22;   // readers unwrap 2^24 us
+  static constexpr std::int64_t kMaxGap = std::int64_t{1} << 40;  // 12.7 days: 1 MB of marks
 
   static std::byte* put(State& state, const Event& event, std::byte* to) noexcept {
     if (!state.started || event.t >> 12 != state.t >> 12) {
@@ -112,7 +112,7 @@ struct EventStreamFormat : Limits {
   static constexpr std::string_view kName = "Event Stream";
   static constexpr bool kRowsUp = true;
   static constexpr std::int64_t kReach = 127;
-  static constexpr std::int64_t kMostGap = std::int64_t{1} << 32;  // 71 min: 34 MB of marks
+  static constexpr std::int64_t kMaxGap = std::int64_t{1} << 32;  // 71 min: 34 MB of marks
 
   static std::byte* put(State& state, const Event& event, std::byte* to) noexcept {
     const auto elapsed = static_cast<std::uint32_t>(event.t - state.t);
@@ -237,11 +237,11 @@ Progress Encoder::encode_as(std::span<const Event> events, std::span<std::byte> 
   const Event* event = events.data();
   const Event* const events_end = event + events.size();
   State state = state_;
-  while (event != events_end && end - to >= static_cast<std::ptrdiff_t>(kMostPerEvent)) {
+  while (event != events_end && end - to >= static_cast<std::ptrdiff_t>(kMaxPerEvent)) {
     bool held = event->t >= state.last_t && event->t >= Format::kMinTime &&
                 event->t <= Format::kMaxTime && event->x <= Format::kMaxAddress &&
                 event->y <= Format::kMaxAddress;
-    if constexpr (CountsTime<Format>) held = held && event->t - state.t <= Format::kMostGap;
+    if constexpr (CountsTime<Format>) held = held && event->t - state.t <= Format::kMaxGap;
     if (!held) [[unlikely]] {
       refuse<Format>(state, *event);
     }

@@ -1,6 +1,5 @@
-#include "asap/formats/evt2.hpp"
+#include "asap/formats/prophesee.hpp"
 
-#include "asap/formats/evt21.hpp"
 #include "formats/words.hpp"
 
 namespace asap {

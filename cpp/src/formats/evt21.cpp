@@ -1,4 +1,4 @@
-#include "asap/formats/evt21.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include <bit>
 
@@ -41,7 +41,7 @@ std::size_t Evt21Decoder::decode_in_order(const std::byte* first, std::size_t co
                                           Output& out) noexcept {
   std::size_t i = 0;
   while (i < count) {
-    const std::size_t safe = started_ ? out.room() / kMostPerRecord : 0;
+    const std::size_t safe = started_ ? out.room() / kMaxPerRecord : 0;
     const std::size_t end = i + std::min(count - i, safe);
     Event* event = out.event;
     const std::int64_t high = high_;

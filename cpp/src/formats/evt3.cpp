@@ -1,6 +1,6 @@
 // decode_plain is the specification, a word at a time. decode_fast is the loop for the words that
 // come often; a test holds it to the same events.
-#include "asap/formats/evt3.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include <array>
 #include <bit>
@@ -129,7 +129,7 @@ std::size_t Evt3Decoder::decode_words(const std::byte* first, std::size_t count,
   std::size_t i = 0;
   while (i < count) {
     const bool knows_all = high_word_ != 0 && has_y_;
-    const std::size_t safe = knows_all ? out.room() / kMostPerRecord : 0;
+    const std::size_t safe = knows_all ? out.room() / kMaxPerRecord : 0;
     i = decode_fast(first, i, i + std::min(count - i, safe), out);
     if (i == count) break;
     if (!decode_plain(evt3_word(first, i), offset_ + i * sizeof(std::uint16_t), out)) break;

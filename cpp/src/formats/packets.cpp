@@ -91,10 +91,10 @@ std::size_t LibcaerCmpDecoder::decode_words(const std::byte* first, std::size_t 
   Registers now = registers_;
   const std::int64_t base_us = base_us_;
   std::size_t i = 0;
-  while (i < count && out.room() >= kMostPerRecord) {
+  while (i < count && out.room() >= kMaxPerRecord) {
     // A plain word gives at most one event, so that only a vector has to look at the room again.
     // It always writes; what is no event is overwritten by the next.
-    const std::size_t stop = i + std::min(count - i, out.room() - (kMostPerRecord - 1));
+    const std::size_t stop = i + std::min(count - i, out.room() - (kMaxPerRecord - 1));
     std::uint32_t word = 0, code = 0;
     Event* event = out.event;
     for (; i < stop; ++i) {
@@ -135,8 +135,9 @@ template class NativeDecoder<LibcaerCmpDecoder, PacketConfig, 2>;
 
 namespace {
 
-constexpr std::size_t kDvsSize = 13;    // of a record in ROS 1, of the first one in CDR
-constexpr std::size_t kCdrStride = 16;  // in CDR, of the stamps; x and y move 2 bytes to the front
+constexpr std::size_t kDvsSize = 13;  // size of a record in ROS 1 and of the first one in CDR
+constexpr std::size_t kCdrStride =
+    16;  // step of the stamps in CDR; x and y move 2 bytes to the front
 
 std::int64_t dvs_time(const std::byte* at) {
   const std::int64_t s = load_little<std::uint32_t>(at);

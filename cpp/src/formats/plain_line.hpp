@@ -55,7 +55,7 @@ class PlainLine {
     const std::uint32_t t_end = next(), x_end = next(), y_end = next(), p_end = next();
     const std::uint32_t x = x_end - t_end - 1, y = y_end - x_end - 1;
     const char separator = line[t_end];
-    const bool plain = (t_end - 1 < 16) & (x - 1 < kMostSmallDigits) & (y - 1 < kMostSmallDigits) &
+    const bool plain = (t_end - 1 < 16) & (x - 1 < kMaxSmallDigits) & (y - 1 < kMaxSmallDigits) &
                        (p_end - y_end == 2) & is_separator(separator) & (line[x_end] == separator) &
                        (line[y_end] == separator) & (line[p_end] == '\n');
     if (!plain) return nullptr;
@@ -82,7 +82,7 @@ class PlainLine {
       value = append_digits(value, at, fraction);
       exponent -= static_cast<int>(fraction);
     }
-    if (digits > kMostTimeDigits) return refuse();
+    if (digits > kMaxTimeDigits) return refuse();
     if (exponent == 0) return static_cast<std::int64_t>(value);
     return round_decimal({.digits = value}, exponent).value;
   }
@@ -91,7 +91,7 @@ class PlainLine {
   std::uint32_t small() noexcept {
     const char* const at = line_ + at_;
     const std::uint32_t digits = next_digits();
-    plain_ &= digits - 1 < kMostSmallDigits;
+    plain_ &= digits - 1 < kMaxSmallDigits;
     return join_four(at, digits);
   }
 
@@ -119,8 +119,8 @@ class PlainLine {
 
  private:
   static constexpr std::uint64_t kBehindWindow = std::uint64_t{1} << kWindow;
-  static constexpr std::uint32_t kMostSmallDigits = 4;  // 16 bits hold them, with a sign too
-  static constexpr std::uint32_t kMostTimeDigits = 18;  // below Rounded::kHuge
+  static constexpr std::uint32_t kMaxSmallDigits = 4;  // 16 bits hold them, with a sign too
+  static constexpr std::uint32_t kMaxTimeDigits = 18;  // below Rounded::kHuge
   static constexpr std::array<std::uint64_t, 9> kPowersOfTen{
       1, 10, 100, 1'000, 10'000, 100'000, 1'000'000, 10'000'000, 100'000'000};
 

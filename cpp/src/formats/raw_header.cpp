@@ -1,4 +1,4 @@
-#include "asap/formats/raw_header.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -70,7 +70,7 @@ struct Side {
   std::uint16_t width, height;
 };
 
-// Of recordings without a geometry.
+// The sensor of a recording that states no geometry.
 Side size_of_sensor(Text plugin) noexcept {
   const auto names = [&](Text part) { return plugin.find(part) != Text::npos; };
   if (names("genx320")) return {320, 320};

@@ -21,7 +21,7 @@
 #include <span>
 
 #include "asap/core/event.hpp"
-#include "asap/formats/progress.hpp"
+#include "asap/formats/decoder.hpp"
 #include "formats/words.hpp"
 
 namespace asap::records {

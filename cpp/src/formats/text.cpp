@@ -167,7 +167,7 @@ const char* TextDecoder::plain_lines(const char* at, const char* end, std::span<
                                   const auto& columns) noexcept -> const char* {
     PlainLine line(from);
     std::int64_t t = 0;
-    std::array<std::uint32_t, 4> small{0, 0, 0, 1};  // at their places in kLetters
+    std::array<std::uint32_t, 4> small{0, 0, 0, 1};  // placed as in kLetters
     bool negative = false;
     for (std::size_t i = 0; i < columns.size(); ++i) {
       if (i > 0) line.separator();

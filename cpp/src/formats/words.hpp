@@ -13,7 +13,7 @@
 #include <span>
 
 #include "asap/core/event.hpp"
-#include "asap/formats/progress.hpp"
+#include "asap/formats/decoder.hpp"
 
 namespace asap {
 
@@ -41,7 +41,8 @@ Word load_big(const std::byte* at) noexcept {
   return std::endian::native == std::endian::big ? word : swap_bytes(word);
 }
 
-// In two stores, where a compiler would make four of the fields. Each argument fits its field.
+// Writes two words, where a compiler would make four stores of the fields. Each argument fits its
+// field.
 inline void write_event(Event* out, std::uint64_t x, std::uint64_t y, std::uint64_t p,
                         std::int64_t t) noexcept {
   if constexpr (std::endian::native == std::endian::little) {

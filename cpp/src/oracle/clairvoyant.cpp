@@ -137,7 +137,7 @@ struct Ends {
   std::size_t fewest = 0;
   std::vector<double> ns;
 
-  std::size_t most() const noexcept { return fewest + ns.size() - 1; }
+  std::size_t max() const noexcept { return fewest + ns.size() - 1; }
   // Numbers of events that can be done by this time, less the fewest.
   std::size_t done_by(double time_ns) const noexcept {
     return static_cast<std::size_t>(std::ranges::upper_bound(ns, time_ns) - ns.begin());
@@ -162,18 +162,18 @@ class Programme {
   double length_ns() const noexcept { return times_ns_.back(); }
 
   // Events, from the first on, for which so many steps are enough.
-  std::size_t affordable(double most_steps) const noexcept {
+  std::size_t affordable(double max_steps) const noexcept {
     std::size_t fits = 0;
     std::size_t too_many = times_ns_.size();
-    if (steps(times_ns_.size()) <= most_steps) return times_ns_.size();
+    if (steps(times_ns_.size()) <= max_steps) return times_ns_.size();
     while (too_many - fits > 1) {
       const std::size_t count = fits + (too_many - fits) / 2;
-      (steps(count) <= most_steps ? fits : too_many) = count;
+      (steps(count) <= max_steps ? fits : too_many) = count;
     }
     return fits;
   }
 
-  std::uint64_t most() {
+  std::uint64_t max() {
     row(0).ns = {0};
     for (std::size_t count = 1; count <= times_ns_.size(); ++count) {
       Ends& ends = row(count);
@@ -181,7 +181,7 @@ class Programme {
       end_blocks(count, ends);
       forget_the_hopeless(count, ends);
     }
-    return row(times_ns_.size()).most();
+    return row(times_ns_.size()).max();
   }
 
  private:
@@ -199,11 +199,11 @@ class Programme {
     return longest;
   }
 
-  // At most, for the first `count` events: blocks times numbers to look at.
+  // The maximum for the first `count` events: blocks times numbers to look at.
   double steps(std::size_t count) const noexcept {
     double sum = 0;
-    std::size_t first = 0;  // of the events of the last L
-    std::size_t past = 0;   // of those after the next L
+    std::size_t first = 0;  // first event of the last L
+    std::size_t past = 0;   // first event after the next L
     for (std::size_t i = 0; i < count; ++i) {
       while (times_ns_[i] - times_ns_[first] > latency_ns_) ++first;
       while (past < count && times_ns_[past] - times_ns_[i] <= latency_ns_) ++past;
@@ -226,13 +226,13 @@ class Programme {
       if (end == 0) continue;
       // Among the numbers that are done when the block can start, only the largest matters.
       std::size_t first = std::max<std::size_t>(before.done_by(newest_ns), 1) - 1;
-      const std::size_t least = before.fewest + size;
-      if (least + first < ends.fewest) first = ends.fewest - least;
+      const std::size_t min = before.fewest + size;
+      if (min + first < ends.fewest) first = ends.fewest - min;
       if (first >= end) continue;
-      const std::size_t most = least + end - 1;
-      if (most > ends.most()) ends.ns.resize(most - ends.fewest + 1, kNeverNs);
+      const std::size_t max = min + end - 1;
+      if (max > ends.max()) ends.ns.resize(max - ends.fewest + 1, kNeverNs);
       const double* const from = before.ns.data() + first;
-      double* const to = ends.ns.data() + (least + first - ends.fewest);
+      double* const to = ends.ns.data() + (min + first - ends.fewest);
       for (std::size_t i = 0; i < end - first; ++i) {
         const double end_ns = std::max(from[i], newest_ns) + work_ns;
         to[i] = end_ns < to[i] ? end_ns : to[i];
@@ -263,13 +263,13 @@ class Programme {
   double latency_ns_;
   std::size_t longest_;
   std::vector<double> times_ns_;
-  std::vector<Ends> rows_;  // for the last `longest_` + 1 counts
+  std::vector<Ends> rows_;  // rows of the last `longest_` + 1 counts
 };
 
 }  // namespace
 
 std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double latency_us,
-                                double most_steps) {
+                                double max_steps) {
   require(latency_us > 0 && latency_us <= 3.6e9, "latency_us", latency_us,
           "must be above 0 and at most 3.6e9");
   require(cost.config().drift.empty(), "drift", cost.config().drift.size(),
@@ -280,11 +280,11 @@ std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double
   Programme programme(events, cost, std::floor(1e3 * latency_us));
   require(programme.length_ns() <= kLongestNs, "duration", programme.length_ns() * 1e-9,
           "must be at most 9e6 s: give a part of the recording");
-  const std::size_t affordable = programme.affordable(most_steps);
+  const std::size_t affordable = programme.affordable(max_steps);
   require(affordable == events.size(), "events", events.size(),
           "too many for an exact answer at this rate: give the first " +
               std::to_string(affordable) + " or fewer");
-  return programme.most();
+  return programme.max();
 }
 
 }  // namespace asap

@@ -22,7 +22,7 @@ namespace asap {
 // The cost must be free of noise; drift and outages are foreseen. 0 for no events; nanoseconds.
 std::int64_t clairvoyant_latency_ns(EventSpan events, const LinearCost& cost, double bin_us = 10.0);
 
-inline constexpr double kMostExactSteps = 8e10;  // a minute at most
+inline constexpr double kMaxExactSteps = 8e10;  // a minute at most
 
 // EC(L), the largest number of events that any scheduler can finish within L of their stamps. A
 // package is a block of neighbouring events: to exchange an event for a younger one never hurts.
@@ -33,6 +33,6 @@ inline constexpr double kMostExactSteps = 8e10;  // a minute at most
 // with drift or outages, and where it may take more than most_steps, with the number of events that
 // fits.
 std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double latency_us,
-                                double most_steps = kMostExactSteps);
+                                double max_steps = kMaxExactSteps);
 
 }  // namespace asap

@@ -28,7 +28,7 @@ class Oracle {
   // Events in arrival order; a stamp that goes back counts as the one before it.
   void feed(EventSpan events) noexcept;
 
-  // Of the events so far, on the supposition that none follow.
+  // Counts the events so far and supposes that none follow.
   double bound() const noexcept { return bound_; }
 
  private:
@@ -40,7 +40,7 @@ class Oracle {
 
   // The service curve S(t), walked forwards over the steps of the drift and the outages' edges.
   struct Cursor {
-    Service before{};  // of the stretch [begin_ns, end_ns) of constant speed
+    Service before{};  // state before the stretch [begin_ns, end_ns) of constant speed
     std::int64_t begin_ns = 0;
     std::int64_t end_ns = 0;
     double events_per_ns = 0.0;
@@ -56,7 +56,7 @@ class Oracle {
 
   LinearCost cost_;
   std::int64_t latency_ns_;
-  double share_;         // of the time that goes into events: 1 - alpha/L, at least 0
+  double share_;         // share of the time that goes into events: 1 - alpha/L, at least 0
   double noise_factor_;  // on beta
 
   bool started_ = false;

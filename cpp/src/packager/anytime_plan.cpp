@@ -5,30 +5,31 @@
 namespace asap {
 namespace {
 
-constexpr std::size_t kLeastStratum = 64;  // raw events: reading the clock must cost nothing
-constexpr double kLeastStratumNs = 2000;   // likewise, where events are dear
-constexpr double kPriorShare = 1.0 / 32;   // of the planned events: weight of the expected cost
-constexpr double kCoverage = 0.02;         // of the planned events: no stratum stays empty
-constexpr double kDear = 3.0;              // times the cost so far: algorithms vary
+constexpr std::size_t kMinStratum = 64;   // raw events: reading the clock must cost nothing
+constexpr double kMinStratumNs = 2000;    // likewise, where events are dear
+constexpr double kPriorShare = 1.0 / 32;  // of the planned events: weight of the expected cost
+constexpr double kCoverage = 0.02;        // of the planned events: no stratum stays empty
+constexpr double kDear = 3.0;             // times the cost so far: algorithms vary
 constexpr std::int64_t kLongestNs = 1'000'000'000'000'000;
 
-// Of kLeastStratum events, or so many that none takes longer than its share of the budget.
+// Returns the number of strata: kMinStratum events each, or more strata if one of that size would
+// take longer than its share of the budget.
 std::size_t strata(const Decision& decision) noexcept {
-  constexpr auto kMost = static_cast<double>(AnytimePlan::kMostStrata);
+  constexpr auto kMax = static_cast<double>(AnytimePlan::kMaxStrata);
   const auto raw = static_cast<double>(decision.raw);
-  const double work_ns = decision.keep * raw * std::max(decision.event_ns, decision.most_event_ns);
+  const double work_ns = decision.keep * raw * std::max(decision.event_ns, decision.max_event_ns);
   const auto budget_ns = static_cast<double>(decision.budget_ns);
-  const double share_ns = std::max(budget_ns / kMost, kLeastStratumNs);
+  const double share_ns = std::max(budget_ns / kMax, kMinStratumNs);
   const double by_time = (work_ns < budget_ns ? work_ns : budget_ns) / share_ns;
-  const auto by_count = static_cast<double>(decision.raw / kLeastStratum);
+  const auto by_count = static_cast<double>(decision.raw / kMinStratum);
   return static_cast<std::size_t>(
-      std::max(1.0, std::min({kMost, raw, std::max(by_count, by_time)})));
+      std::max(1.0, std::min({kMax, raw, std::max(by_count, by_time)})));
 }
 
 // In the expected cost of an event, which may be more.
 double trust(const Decision& decision) noexcept {
-  const bool is_doubted = decision.event_ns < decision.most_event_ns;
-  return is_doubted ? decision.event_ns / decision.most_event_ns : 1.0;
+  const bool is_doubted = decision.event_ns < decision.max_event_ns;
+  return is_doubted ? decision.event_ns / decision.max_event_ns : 1.0;
 }
 
 // Raw events of the first stratum that come before the rest of it: so few that they keep to its
@@ -36,12 +37,12 @@ double trust(const Decision& decision) noexcept {
 std::size_t probe(const Decision& decision, std::size_t strata) noexcept {
   if (trust(decision) == 1.0 || strata == 1 || decision.budget_ns <= 0) return 0;
   const double share_ns = static_cast<double>(decision.budget_ns) / static_cast<double>(strata);
-  const double safe = std::max(1.0, share_ns / decision.most_event_ns);
+  const double safe = std::max(1.0, share_ns / decision.max_event_ns);
   const auto raw = static_cast<double>(decision.raw / strata);
   return safe < raw ? static_cast<std::size_t>(safe) : 0;
 }
 
-// Of a number that may be any.
+// Clamps any double to a valid duration.
 std::int64_t bounded_ns(double ns) noexcept {
   return ns > 0 ? static_cast<std::int64_t>(std::min(ns, static_cast<double>(kLongestNs))) : 0;
 }
@@ -62,7 +63,7 @@ AnytimePlan::AnytimePlan(const Decision& decision, std::int64_t start_ns,
       spent_ns_(weight_ * std::max(0.0, decision.event_ns)) {}
 
 std::size_t AnytimePlan::longest_stratum(std::size_t raw) noexcept {
-  return raw / kMostStrata + 2 * kLeastStratum;
+  return raw / kMaxStrata + 2 * kMinStratum;
 }
 
 AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) noexcept {
@@ -86,8 +87,8 @@ AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) no
   return stratum;
 }
 
-// Of the first part's time: without the fixed cost, as expected, unless that has passed before it;
-// but not less than its events were expected to take.
+// Returns the first part's time less the expected fixed cost, unless that passed before it; at
+// least what its events were expected to take.
 double AnytimePlan::first_events_ns(double part_ns, double size) const noexcept {
   const std::int64_t fixed_ns = fixed_end_ns_ - stratum_start_ns_;
   if (fixed_ns < stratum_start_ns_ - start_ns_) return part_ns;
@@ -122,8 +123,8 @@ double AnytimePlan::keep(std::int64_t now_ns) const noexcept {
   const double raw = static_cast<double>(raw_) / strata;
   const double size = event_ns * raw <= left_ns ? raw : left_ns / event_ns;
   // Without an event in the first stratum a fixed cost beyond the budget would be paid for nothing.
-  const double least = std::max(kCoverage * planned_ / strata, done_ == 0 ? 1.0 : 0.0);
-  return std::clamp(std::max(size, least) / raw, 0.0, 1.0);
+  const double min = std::max(kCoverage * planned_ / strata, done_ == 0 ? 1.0 : 0.0);
+  return std::clamp(std::max(size, min) / raw, 0.0, 1.0);
 }
 
 }  // namespace asap

@@ -17,7 +17,7 @@ namespace asap {
 
 class AnytimePlan {
  public:
-  static constexpr std::size_t kMostStrata = 16;
+  static constexpr std::size_t kMaxStrata = 16;
 
   AnytimePlan() = default;
   // For the raw events of the decision, in a package that started at start_ns. An outage that takes
@@ -44,7 +44,8 @@ class AnytimePlan {
   };
   Part first() const noexcept { return first_; }
 
-  // Of the package's time so far: what went into outages that show. None before the second stratum.
+  // Returns how much of the package's time so far went into outages that show; 0 before the second
+  // stratum.
   std::int64_t outage_ns() const noexcept;
 
  private:

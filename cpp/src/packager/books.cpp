@@ -5,14 +5,14 @@ namespace asap {
 void Books::stale(const Left& left) noexcept {
   rate_meter_.observe(left.count, left.oldest_ns, left.newest_ns);
   telemetry_.stale += left.count;
-  telemetry_.gap.lost(left.events);
+  gap_.lost(left.events);
   stale_ += left.count;
 }
 
 void Books::overflow(const Left& left) noexcept {
   rate_meter_.observe(left.count, left.oldest_ns, left.newest_ns);
   telemetry_.overflow += left.count;
-  telemetry_.gap.lost(left.events);
+  gap_.lost(left.events);
 }
 
 // Those that were thinned out in front of the ring have entered, too.
@@ -28,9 +28,9 @@ void Books::count(const Package& package, const Left& left) noexcept {
   const std::size_t filtered = package.filtered - filtered_;
   if (filtered > 0) telemetry_.filtered += filtered;
   const std::size_t discarded = package.raw - filtered - package.events.size();
-  if (discarded == 0) return telemetry_.gap.kept(package.events);
+  if (discarded == 0) return gap_.kept(package.events);
   telemetry_.discarded += discarded;
-  telemetry_.gap.thinned(left.events, package.events);
+  gap_.thinned(left.events, package.events);
 }
 
 void Books::discarded(const Package& package, const Left& left) noexcept {

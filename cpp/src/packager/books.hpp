@@ -6,12 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/buffer/event_buffer.hpp"
 #include "asap/core/time.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/telemetry/telemetry.hpp"
+#include "buffer/event_buffer.hpp"
 #include "packager/event_times.hpp"
 #include "packager/rate_meter.hpp"
+#include "telemetry/gap_meter.hpp"
 
 namespace asap {
 
@@ -26,15 +27,15 @@ class Books {
   };
 
   // The referenced objects outlive the books.
-  Books(Telemetry& telemetry, const EventTimes& times) noexcept
-      : telemetry_(telemetry), times_(times) {}
+  Books(Telemetry& telemetry, GapMeter& gap, const EventTimes& times) noexcept
+      : telemetry_(telemetry), gap_(gap), times_(times) {}
 
   // These have left undecided: too old, or dropped from a full ring.
   void stale(const Left& left) noexcept;
   void overflow(const Left& left) noexcept;
 
-  // A package taken at now_ns; `lost` counts the overflow of the ring so far. add() says that it
-  // has `raw` events by now, the last of which lies at this ring index; the filter in front has
+  // Begins a package taken at now_ns; `lost` is the overflow of the ring so far. add() updates it:
+  // it has `raw` events, the last of which lies at ring index `last`, and the front filter has
   // dropped `filtered` of them.
   void open(Package& package, std::int64_t now_ns, double keep, std::uint64_t lost) const noexcept {
     package = {.events = {},
@@ -66,10 +67,11 @@ class Books {
                                 const KeptTimes& kept_times) noexcept;
 
   Telemetry& telemetry_;
+  GapMeter& gap_;
   const EventTimes& times_;
   RateMeter rate_meter_;
   std::uint64_t packages_ = 0;
-  // Of packages without events since the one before.
+  // Carried over from packages that kept nothing.
   std::size_t offered_ = 0;
   std::size_t filtered_ = 0;
   std::uint64_t stale_ = 0;              // since the package before

@@ -10,10 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "asap/buffer/event_buffer.hpp"
 #include "asap/core/time.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"
+#include "buffer/event_buffer.hpp"
 
 namespace asap {
 
@@ -44,7 +44,7 @@ class EventTimes {
     return by_arrival() ? arrivals_->same_until(index, end) : end;
   }
 
-  // Of the waiting events, the oldest of which lies at ring index `head`: those before time_ns.
+  // Counts the waiting events before time_ns; the oldest lies at ring index `head`.
   std::size_t before(std::int64_t time_ns, const EventPieces& waiting,
                      std::uint64_t head) const noexcept {
     if (by_arrival()) return arrivals_->before(time_ns, head, waiting.size());

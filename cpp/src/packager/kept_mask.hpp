@@ -11,9 +11,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/buffer/event_buffer.hpp"
 #include "asap/core/event.hpp"
 #include "asap/packager/package.hpp"
+#include "buffer/event_buffer.hpp"
 #include "core/bit_log.hpp"
 
 namespace asap {

@@ -1,15 +1,10 @@
-#include "asap/packager/packager.hpp"
+#include "packager/packager.hpp"
 
 #include <algorithm>
 #include <span>
 #include <utility>
 
 #include "asap/core/check.hpp"
-#include "packager/anytime_plan.hpp"
-#include "packager/books.hpp"
-#include "packager/event_times.hpp"
-#include "packager/kept_mask.hpp"
-#include "packager/thinner.hpp"
 
 namespace asap {
 namespace {
@@ -59,76 +54,41 @@ EventPieces oldest_of(const EventPieces& waiting, std::size_t count) noexcept {
 
 }  // namespace
 
-class Packager::Work {
- public:
-  Work(EventBuffer& buffer, const EventTimes& times, Scheme& scheme, Telemetry& telemetry,
-       PackagerConfig config);
-
-  void set_axis(TimeAxis axis) noexcept;
-  void set_latency_bound(std::int64_t bound_ns) noexcept;
-  void flush(std::uint64_t until_index) noexcept { flush_until_ = until_index; }
-  Next next(std::int64_t now_ns, std::uint64_t until);
-  EventSpan stratum(Package& package, std::int64_t now_ns);
-  void complete(const Package& package, std::int64_t end_ns) noexcept;
-
- private:
-  Decision ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
-               bool ended) noexcept;
-  void open(Package& package, const Decision& decision, std::int64_t now_ns) noexcept;
-  EventSpan add(Package& package, std::size_t begin, std::size_t end, Share share);
-  void add_planned(Package& package, const Decision& decision);
-  double smoothed_keep(double gamma, std::int64_t now_ns) const noexcept;
-  Books::Left leaving(const EventPieces& waiting, std::size_t count,
-                      std::int64_t oldest_ns) const noexcept;
-  void pass_over(std::size_t count) noexcept;
-  void observe(const Package& package, std::int64_t end_ns) noexcept;
-  void consume(std::size_t count) noexcept;
-
-  EventBuffer& buffer_;
-  Scheme& scheme_;
-  Telemetry& telemetry_;
-  EventTimes times_;
-  const PackagerConfig config_;
-  Thinner thinner_;
-  Books books_;
-
-  // The package in work.
-  EventPieces raw_{};           // its raw events, and more if it ends early
-  std::int64_t oldest_ns_ = 0;  // time of the first
-  AnytimePlan plan_;
-  bool is_anytime_ = false;
-  std::size_t handed_out_ = 0;  // kept events
-
-  std::uint64_t flush_until_ = 0;
-  std::int64_t previous_start_ns_ = kLongAgo;
-  double keep_ = 1.0;
-};
-
-Packager::Work::Work(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
-                     Telemetry& telemetry, PackagerConfig config)
+Packager::Packager(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
+                   Telemetry& telemetry, PackagerConfig config)
     : buffer_(buffer),
       scheme_(scheme),
       telemetry_(telemetry),
       times_(times),
       config_(std::move(config)),
-      thinner_(times_, buffer.capacity(), config_.seed, config_.before, config_.most_copied),
-      books_(telemetry, times_) {
-  require(config_.most_copied >= 1, "most_copied", config_.most_copied, "must be at least 1");
+      thinner_(times_, buffer.capacity(), config_.seed, config_.front_filter, config_.max_copied),
+      books_(telemetry, gap_, times_) {
+  require(config_.max_copied >= 1, "max_copied", config_.max_copied, "must be at least 1");
   if (config_.prefault) thinner_.prefault();
   scheme_.reset(config_.execution);
 }
 
-void Packager::Work::set_axis(TimeAxis axis) noexcept {
+Packager::Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, PackagerConfig config)
+    : Packager(buffer, EventTimes(), scheme, telemetry, std::move(config)) {}
+
+std::size_t Packager::memory_bytes(std::size_t capacity, std::size_t max_copied,
+                                   bool is_filtered) noexcept {
+  return Thinner::memory_bytes(capacity, max_copied, ArrivalTimes::steps_for(capacity),
+                               is_filtered);
+}
+
+void Packager::begin(TimeAxis axis, std::int64_t first_us) noexcept {
+  gap_.begin(first_us);
   times_.set_axis(axis);
   telemetry_.log.set_axis(axis);
 }
 
-void Packager::Work::set_latency_bound(std::int64_t bound_ns) noexcept {
+void Packager::set_latency_bound(std::int64_t bound_ns) noexcept {
   telemetry_.latency.set_bound_ns(bound_ns);
   scheme_.set_latency_bound_ns(bound_ns);
 }
 
-Packager::Next Packager::Work::next(std::int64_t now_ns, std::uint64_t until) {
+Packager::Next Packager::next(std::int64_t now_ns, std::uint64_t until) {
   Next next;
   for (;;) {
     const std::uint64_t there = until - buffer_.head();
@@ -180,8 +140,8 @@ Packager::Next Packager::Work::next(std::int64_t now_ns, std::uint64_t until) {
   }
 }
 
-Decision Packager::Work::ask(const EventPieces& waiting, std::int64_t oldest_ns,
-                             std::int64_t now_ns, bool ended) noexcept {
+Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
+                       bool ended) noexcept {
   const std::uint64_t head = buffer_.head();
   const std::int64_t flush_ns = config_.flush ? oldest_ns + telemetry_.latency.bound_ns() : kNever;
   const bool due =
@@ -208,8 +168,7 @@ Decision Packager::Work::ask(const EventPieces& waiting, std::int64_t oldest_ns,
   return decision;
 }
 
-void Packager::Work::open(Package& package, const Decision& decision,
-                          std::int64_t now_ns) noexcept {
+void Packager::open(Package& package, const Decision& decision, std::int64_t now_ns) noexcept {
   handed_out_ = 0;
   thinner_.begin(raw_, buffer_.head());
   is_anytime_ = config_.execution == Execution::anytime && decision.budget_ns != kNever;
@@ -219,7 +178,7 @@ void Packager::Work::open(Package& package, const Decision& decision,
   books_.open(package, now_ns, decision.keep, buffer_.overflow());
 }
 
-EventSpan Packager::Work::stratum(Package& package, std::int64_t now_ns) {
+EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
   while (is_anytime_) {
     const std::size_t size = package.events.size() - handed_out_;
     const AnytimePlan::Stratum stratum = plan_.next(now_ns, size);
@@ -240,7 +199,7 @@ EventSpan Packager::Work::stratum(Package& package, std::int64_t now_ns) {
 }
 
 // As many events as are planned: the last part makes up for the chance in those before it.
-void Packager::Work::add_planned(Package& package, const Decision& decision) {
+void Packager::add_planned(Package& package, const Decision& decision) {
   const std::size_t raw = decision.raw;
   const std::size_t last = std::min(AnytimePlan::longest_stratum(raw), raw);
   if (last < raw) add(package, 0, raw - last, {.keep = decision.keep});
@@ -251,7 +210,7 @@ void Packager::Work::add_planned(Package& package, const Decision& decision) {
 }
 
 // Decides the package's raw events [begin, end), which follow those before, or as many as fit.
-EventSpan Packager::Work::add(Package& package, std::size_t begin, std::size_t end, Share share) {
+EventSpan Packager::add(Package& package, std::size_t begin, std::size_t end, Share share) {
   const EventSpan kept = thinner_.decide(begin, end, share);
   const std::size_t raw = thinner_.decided();
   package.events = thinner_.events();
@@ -259,7 +218,7 @@ EventSpan Packager::Work::add(Package& package, std::size_t begin, std::size_t e
   return kept;
 }
 
-double Packager::Work::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept {
+double Packager::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept {
   if (gamma == keep_ || previous_start_ns_ == kLongAgo) return gamma;
   const auto elapsed =
       static_cast<double>(std::max(now_ns, previous_start_ns_) - previous_start_ns_);
@@ -267,8 +226,8 @@ double Packager::Work::smoothed_keep(double gamma, std::int64_t now_ns) const no
   return keep_ + (gamma - keep_) * weight;
 }
 
-Books::Left Packager::Work::leaving(const EventPieces& waiting, std::size_t count,
-                                    std::int64_t oldest_ns) const noexcept {
+Books::Left Packager::leaving(const EventPieces& waiting, std::size_t count,
+                              std::int64_t oldest_ns) const noexcept {
   const std::uint64_t last = buffer_.head() + count - 1;
   return {.count = count,
           .events = oldest_of(waiting, count),
@@ -277,13 +236,13 @@ Books::Left Packager::Work::leaving(const EventPieces& waiting, std::size_t coun
 }
 
 // The oldest leave the ring undecided.
-void Packager::Work::pass_over(std::size_t count) noexcept {
+void Packager::pass_over(std::size_t count) noexcept {
   thinner_.skip(count);
   if (config_.kept_mask != nullptr) config_.kept_mask->passed_over(count);
   consume(count);
 }
 
-void Packager::Work::complete(const Package& package, std::int64_t end_ns) noexcept {
+void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
   const Books::Left left = leaving(raw_, package.raw, oldest_ns_);
   if (config_.kept_mask != nullptr) {
     config_.kept_mask->packaged(raw_, package.raw, package.events);
@@ -299,7 +258,7 @@ void Packager::Work::complete(const Package& package, std::int64_t end_ns) noexc
   consume(package.raw);  // last: then the producer may overwrite the events
 }
 
-void Packager::Work::observe(const Package& package, std::int64_t end_ns) noexcept {
+void Packager::observe(const Package& package, std::int64_t end_ns) noexcept {
   const EventSpan events = package.events;
   const TimeAxis& axis = times_.axis();
   Outcome outcome{
@@ -316,46 +275,9 @@ void Packager::Work::observe(const Package& package, std::int64_t end_ns) noexce
   scheme_.observe(outcome);
 }
 
-void Packager::Work::consume(std::size_t count) noexcept {
+void Packager::consume(std::size_t count) noexcept {
   buffer_.consume(count);
   times_.release(buffer_.head());
-}
-
-// ---- what others see
-
-Packager::Packager(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
-                   Telemetry& telemetry, PackagerConfig config)
-    : work_(std::make_unique<Work>(buffer, times, scheme, telemetry, std::move(config))) {}
-
-Packager::Packager(EventBuffer& buffer, Scheme& scheme, Telemetry& telemetry, PackagerConfig config)
-    : Packager(buffer, EventTimes(), scheme, telemetry, std::move(config)) {}
-
-std::size_t Packager::memory_bytes(std::size_t capacity, std::size_t most_copied,
-                                   bool is_filtered) noexcept {
-  return sizeof(Work) + Thinner::memory_bytes(capacity, most_copied,
-                                              ArrivalTimes::steps_for(capacity), is_filtered);
-}
-
-Packager::~Packager() = default;
-
-void Packager::set_axis(TimeAxis axis) noexcept { work_->set_axis(axis); }
-
-void Packager::set_latency_bound(std::int64_t bound_ns) noexcept {
-  work_->set_latency_bound(bound_ns);
-}
-
-void Packager::flush(std::uint64_t until_index) noexcept { work_->flush(until_index); }
-
-Packager::Next Packager::next(std::int64_t now_ns, std::uint64_t until) {
-  return work_->next(now_ns, until);
-}
-
-EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
-  return work_->stratum(package, now_ns);
-}
-
-void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
-  work_->complete(package, end_ns);
 }
 
 }  // namespace asap

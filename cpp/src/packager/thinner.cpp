@@ -12,8 +12,8 @@ namespace {
 
 // The most runs of events with one arrival time that a package can have: one for each step of the
 // table, and one more for each stratum that begins within a step. 0 where times are stamps.
-std::size_t most_runs(std::size_t steps) noexcept {
-  return steps > 0 ? steps + AnytimePlan::kMostStrata : 0;
+std::size_t max_runs(std::size_t steps) noexcept {
+  return steps > 0 ? steps + AnytimePlan::kMaxStrata : 0;
 }
 
 EventPieces part_of(const EventPieces& pieces, std::size_t begin, std::size_t end) noexcept {
@@ -27,28 +27,28 @@ EventPieces part_of(const EventPieces& pieces, std::size_t begin, std::size_t en
 }  // namespace
 
 Thinner::Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t seed,
-                 FrontFilter before, std::size_t most_copied)
+                 FrontFilter before, std::size_t max_copied)
     : times_(times),
       before_(std::move(before)),
       gamma_(seed),
-      most_copied_(std::min(capacity, most_copied)),
-      most_numbers_(AnytimePlan::longest_stratum(most_copied_)),
-      kept_(allocate<Event>(most_copied_, "capacity", capacity)),
-      numbers_(allocate<std::uint64_t>(most_numbers_, "capacity", capacity)),
-      kept_times_(most_runs(times.steps())),
-      passed_times_(times.by_arrival() && before_ ? most_runs(times.steps()) : 1) {}
+      max_copied_(std::min(capacity, max_copied)),
+      max_numbers_(AnytimePlan::longest_stratum(max_copied_)),
+      kept_(detail::allocate<Event>(max_copied_, "capacity", capacity)),
+      numbers_(detail::allocate<std::uint64_t>(max_numbers_, "capacity", capacity)),
+      kept_times_(max_runs(times.steps())),
+      passed_times_(times.by_arrival() && before_ ? max_runs(times.steps()) : 1) {}
 
-std::size_t Thinner::memory_bytes(std::size_t capacity, std::size_t most_copied, std::size_t steps,
+std::size_t Thinner::memory_bytes(std::size_t capacity, std::size_t max_copied, std::size_t steps,
                                   bool is_filtered) noexcept {
-  const std::size_t copied = std::min(capacity, most_copied);
+  const std::size_t copied = std::min(capacity, max_copied);
   return copied * sizeof(Event) + AnytimePlan::longest_stratum(copied) * sizeof(std::uint64_t) +
-         KeptTimes::memory_bytes(most_runs(steps)) +
-         KeptTimes::memory_bytes(is_filtered ? most_runs(steps) : 1);
+         KeptTimes::memory_bytes(max_runs(steps)) +
+         KeptTimes::memory_bytes(is_filtered ? max_runs(steps) : 1);
 }
 
 void Thinner::prefault() noexcept {
-  std::fill_n(kept_.get(), most_copied_, Event{});
-  std::fill_n(numbers_.get(), most_numbers_, std::uint64_t{0});
+  std::fill_n(kept_.get(), max_copied_, Event{});
+  std::fill_n(numbers_.get(), max_numbers_, std::uint64_t{0});
 }
 
 void Thinner::begin(const EventPieces& raw, std::uint64_t head) noexcept {
@@ -92,9 +92,9 @@ EventSpan Thinner::thin(std::size_t begin, std::size_t end, Share share) noexcep
   const KeepThreshold bar = threshold(end - begin, share);
   const std::size_t before = events_.size();
   std::size_t size = before;
-  for (std::size_t& at = decided_; at < end && size < most_copied_;) {
+  for (std::size_t& at = decided_; at < end && size < max_copied_;) {
     const std::size_t together_until = times_.same_until(head_ + at, head_ + end) - head_;
-    const std::size_t until = std::min(together_until, at + (most_copied_ - size));
+    const std::size_t until = std::min(together_until, at + (max_copied_ - size));
     const EventPieces together = part_of(raw_, at, until);
     size += gamma_.apply(together.first, bar, kept_.get() + size);
     size += gamma_.apply(together.second, bar, kept_.get() + size);
@@ -108,7 +108,7 @@ EventSpan Thinner::thin(std::size_t begin, std::size_t end, Share share) noexcep
 // First all of them through the filter in front, so that the share is planned with what has passed.
 EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share share) {
   const std::size_t before = events_.size();
-  end = std::min(end, begin + (most_copied_ - before));
+  end = std::min(end, begin + (max_copied_ - before));
   Event* const passing = kept_.get() + before;
   std::size_t passed = 0;
   const auto pass = [&](EventSpan events) {
@@ -144,7 +144,7 @@ EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share sha
 }
 
 KeepThreshold Thinner::threshold(std::size_t events, Share share) const noexcept {
-  if (!share.exactly || share.keep >= 1.0 || events > most_numbers_) {
+  if (!share.exactly || share.keep >= 1.0 || events > max_numbers_) {
     return KeepThreshold::clamped(share.keep);
   }
   constexpr double kRounding = 1e-6;

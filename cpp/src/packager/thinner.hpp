@@ -12,9 +12,9 @@
 #include <limits>
 #include <memory>
 
-#include "asap/buffer/event_buffer.hpp"
-#include "asap/filter/front_filter.hpp"
 #include "asap/filter/gamma_filter.hpp"
+#include "asap/packager/package.hpp"
+#include "buffer/event_buffer.hpp"
 #include "packager/event_times.hpp"
 
 namespace asap {
@@ -29,12 +29,12 @@ struct Share {
 class Thinner {
  public:
   // `times` outlives the thinner. A package has at most `capacity` raw events, and at most
-  // `most_copied` kept ones unless it is a slice of the ring.
+  // `max_copied` kept ones unless it is a slice of the ring.
   Thinner(const EventTimes& times, std::size_t capacity, std::uint64_t seed, FrontFilter before,
-          std::size_t most_copied = std::numeric_limits<std::size_t>::max());
+          std::size_t max_copied = std::numeric_limits<std::size_t>::max());
 
-  // Of times by arrival, in a table of so many steps.
-  static std::size_t memory_bytes(std::size_t capacity, std::size_t most_copied, std::size_t steps,
+  // What a thinner takes from the heap if times are arrivals, in a table of so many steps.
+  static std::size_t memory_bytes(std::size_t capacity, std::size_t max_copied, std::size_t steps,
                                   bool is_filtered) noexcept;
 
   // Writes to all memory, so that no page of it is missing later. Before the first package.
@@ -65,15 +65,15 @@ class Thinner {
   EventSpan thin(std::size_t begin, std::size_t end, Share share) noexcept;
   EventSpan filter_and_thin(std::size_t begin, std::size_t end, Share share);
   KeepThreshold threshold(std::size_t events, Share share) const noexcept;
-  bool fits(std::size_t more) const noexcept { return events_.size() + more <= most_copied_; }
+  bool fits(std::size_t more) const noexcept { return events_.size() + more <= max_copied_; }
   bool is_slice() const noexcept { return !events_.empty() && events_.data() != kept_.get(); }
   void leave_the_ring() noexcept;
 
   const EventTimes& times_;
   const FrontFilter before_;
   GammaFilter gamma_;
-  const std::size_t most_copied_;
-  const std::size_t most_numbers_;
+  const std::size_t max_copied_;
+  const std::size_t max_numbers_;
   const std::unique_ptr<Event[]> kept_;             // the package, unless it is a slice of the ring
   const std::unique_ptr<std::uint64_t[]> numbers_;  // scratch: the random numbers of a share
 

@@ -5,7 +5,7 @@
 namespace asap {
 namespace {
 
-constexpr std::int64_t kMostAsks = 100'000;  // in one silence; before that, what waited is gone
+constexpr std::int64_t kMaxAsks = 100'000;  // in one silence; before that, what waited is gone
 
 }  // namespace
 
@@ -14,7 +14,7 @@ void AdmissionGate::pass(EventSpan events, const TimeAxis& axis, const Look& loo
   while (!events.empty()) {
     const std::int64_t first_ns = axis.to_ns(events.front().t);
     if (next_ask_ns_ == kLongAgo) next_ask_ns_ = first_ns;
-    next_ask_ns_ = std::max(next_ask_ns_, first_ns - kMostAsks * admission_.period_ns());
+    next_ask_ns_ = std::max(next_ask_ns_, first_ns - kMaxAsks * admission_.period_ns());
     while (next_ask_ns_ <= first_ns) ask(look);
 
     const auto end = std::partition_point(events.begin(), events.end(), [&](const Event& e) {

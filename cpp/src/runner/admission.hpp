@@ -11,7 +11,7 @@
 #include "asap/core/event.hpp"
 #include "asap/core/time.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/telemetry/gap_meter.hpp"
+#include "telemetry/gap_meter.hpp"
 
 namespace asap {
 

@@ -5,8 +5,6 @@
 namespace asap {
 namespace {
 
-constexpr std::chrono::nanoseconds kPollEvery = std::chrono::milliseconds(20);
-
 std::int64_t ns(RunClock::Steady::time_point time) noexcept {
   return std::chrono::nanoseconds(time.time_since_epoch()).count();
 }
@@ -32,7 +30,7 @@ ConsumerLoop::Next ConsumerLoop::next(Package& package, std::chrono::nanoseconds
 ConsumerLoop::Next ConsumerLoop::wait(Package& package, std::chrono::nanoseconds patience) {
   telemetry_.log.make_room();
   const auto entered = System::now();
-  watch_.looks_up(ns(entered), telemetry_.latency.bound_ns());
+  watch_.on_wake(ns(entered), telemetry_.latency.bound_ns());
   const auto deadline = later(entered, patience);
   for (;;) {
     const Asked now = asked();
@@ -43,7 +41,7 @@ ConsumerLoop::Next ConsumerLoop::wait(Package& package, std::chrono::nanoseconds
       next = packager_.next(clock_.now_ns(), seen);  // the clock runs once an event is there
       if (next.step == Packager::Step::package) {
         package = next.package;
-        watch_.works();
+        watch_.on_work();
         return Next::package;
       }
       if (next.step == Packager::Step::ended) return Next::ended;  // nothing of the rest was kept
@@ -53,10 +51,10 @@ ConsumerLoop::Next ConsumerLoop::wait(Package& package, std::chrono::nanoseconds
     if (System::now() >= deadline) return Next::idle;
 
     if (room_ != nullptr) room_->announce(buffer_.head());
-    watch_.sleeps();
+    watch_.on_sleep();
     doorbell_.wait(next.until_tail, std::min(deadline, clock_.when(next.until_ns)),
                    [&] { return buffer_.tail() >= next.until_tail || asked() != now; });
-    watch_.looks_up(ns(System::now()), telemetry_.latency.bound_ns());
+    watch_.on_wake(ns(System::now()), telemetry_.latency.bound_ns());
   }
 }
 
@@ -84,7 +82,7 @@ bool ConsumerLoop::stalled(std::size_t waiting) const noexcept {
   return waiting > 0 && watch_.stalled(ns(System::now()), telemetry_.latency.bound_ns());
 }
 
-void ConsumerLoop::begin() noexcept { watch_.begins(ns(System::now())); }
+void ConsumerLoop::begin() noexcept { watch_.on_begin(ns(System::now())); }
 
 void ConsumerLoop::flush() noexcept {
   const std::uint64_t tail = buffer_.tail();

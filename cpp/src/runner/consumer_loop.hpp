@@ -12,10 +12,9 @@
 #include <cstdint>
 #include <functional>
 
-#include "asap/buffer/event_buffer.hpp"
-#include "asap/packager/packager.hpp"
-#include "asap/runner/pipeline.hpp"
 #include "asap/runner/run_config.hpp"
+#include "buffer/event_buffer.hpp"
+#include "packager/packager.hpp"
 #include "runner/clock.hpp"
 #include "runner/doorbell.hpp"
 #include "runner/stall_watch.hpp"
@@ -24,7 +23,7 @@ namespace asap {
 
 class ConsumerLoop {
  public:
-  using Next = Pipeline::Next;
+  using Next = asap::Next;
   using Poll = std::function<void()>;
 
   // The referenced objects outlive the loop. `room`: where a producer sleeps that waits for free

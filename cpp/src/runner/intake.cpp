@@ -8,9 +8,7 @@
 namespace asap {
 namespace {
 
-constexpr auto kRoomPollEvery = std::chrono::milliseconds(20);
-
-// Of a ring's capacity; up to there nothing is thinned.
+// The number of waiting events up to which nothing is thinned.
 std::size_t thinning_begins(std::size_t capacity) noexcept { return capacity - capacity / 4; }
 
 // How many of a push the law lets in.
@@ -35,8 +33,8 @@ void Intake::take(EventSpan events, std::int64_t arrival_ns) noexcept {
     return exempt([&] { put_waiting(events, arrival_ns, {}); });  // as the user has asked for
   }
   if (when_full_ == WhenFull::thin) {
-    const std::size_t most = thinning_begins(buffer_.capacity());
-    if (events.size() > most || buffer_.filled(most - events.size()) > most - events.size()) {
+    const std::size_t max = thinning_begins(buffer_.capacity());
+    if (events.size() > max || buffer_.filled(max - events.size()) > max - events.size()) {
       return thin(events, arrival_ns);
     }
   }
@@ -75,7 +73,7 @@ void Intake::put(EventSpan events, std::int64_t arrival_ns) noexcept {
 std::size_t Intake::enter(EventSpan events, std::int64_t arrival_ns) noexcept {
   arrivals_.note(buffer_.tail(), arrival_ns, discarded_);
   const std::size_t taken = buffer_.push(events);
-  most_waiting_ = std::max<std::uint64_t>(most_waiting_, buffer_.filled(most_waiting_));
+  max_waiting_ = std::max<std::uint64_t>(max_waiting_, buffer_.filled(max_waiting_));
   doorbell_.announce(buffer_.tail());
   return taken;
 }
@@ -104,13 +102,13 @@ void Intake::thin(EventSpan events, std::int64_t arrival_ns) noexcept {
 KeepThreshold Intake::bar(double share, std::size_t events, std::size_t room) noexcept {
   const KeepThreshold chance = KeepThreshold::clamped(share);
   if (events <= room) return chance;
-  const KeepThreshold most = filter_.keeping(room, events, numbers_.data());
-  return chance.value() < most.value() ? chance : most;
+  const KeepThreshold max = filter_.keeping(room, events, numbers_.data());
+  return chance.value() < max.value() ? chance : max;
 }
 
 void Intake::wait_for_room(std::size_t wanted, const Poll& poll) {
   const std::uint64_t wanted_head = buffer_.tail() + wanted - buffer_.capacity();
-  room_.wait(wanted_head, System::now() + kRoomPollEvery, [&] {
+  room_.wait(wanted_head, System::now() + kPollEvery, [&] {
     return static_cast<std::int64_t>(buffer_.head() - wanted_head) >= 0 ||
            left_.load(std::memory_order_acquire);
   });

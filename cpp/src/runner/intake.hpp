@@ -18,13 +18,13 @@
 #include <cstdint>
 #include <functional>
 
-#include "asap/buffer/event_buffer.hpp"
 #include "asap/core/atomics.hpp"
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/runner/run_config.hpp"
-#include "asap/telemetry/gap_meter.hpp"
 #include "buffer/arrival_times.hpp"
+#include "buffer/event_buffer.hpp"
 #include "runner/doorbell.hpp"
+#include "telemetry/gap_meter.hpp"
 
 namespace asap {
 
@@ -64,7 +64,7 @@ class Intake {
   const GapMeter& gap() const noexcept { return gap_; }
 
   // The most events that have waited at once, also while the producer waits for room.
-  std::uint64_t most_waiting() const noexcept { return most_waiting_; }
+  std::uint64_t max_waiting() const noexcept { return max_waiting_; }
 
  private:
   static constexpr std::size_t kBlock = 256;
@@ -81,7 +81,7 @@ class Intake {
   const WhenFull when_full_;
   GammaFilter filter_;
   Relaxed<std::uint64_t> discarded_;
-  Relaxed<std::uint64_t> most_waiting_;
+  Relaxed<std::uint64_t> max_waiting_;
   GapMeter gap_;
   Doorbell room_;  // the producer sleeps there
   std::atomic<bool> left_{false};

@@ -1,7 +1,7 @@
 #include "asap/runner/pipeline.hpp"
 
+#include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstddef>
 #include <exception>
 #include <mutex>
@@ -13,153 +13,350 @@
 #include "asap/core/check.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "core/made.hpp"
-#include "runner/live_run.hpp"
+#include "runner/clock.hpp"
+#include "runner/consumer_loop.hpp"
+#include "runner/doorbell.hpp"
+#include "runner/intake.hpp"
 #include "runner/prefault.hpp"
 #include "runner/push_door.hpp"
+#include "runner/run.hpp"
+#include "runner/sensor_delay.hpp"
 
 namespace asap {
 namespace {
 
 thread_local const void* worker_of = nullptr;  // whose worker this thread is
 
-constexpr double kDefaultLatency_us = 10'000;
+constexpr std::uint64_t kIntakeSeed = 0x696e74616b65;  // not the gamma filter's numbers
 
 }  // namespace
 
-class Pipeline::Work {
- public:
-  Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConfig config, Consumer algorithm);
-  ~Work();
-  static std::unique_ptr<Work> with_worker(RunConfig config, Consumer algorithm);
-  static PipelineMemory memory(const RunConfig& config) noexcept;
-
-  template <class Push>
-  bool push_by(const Push& push);
-  void upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept;
-  Next next(Package& package, std::chrono::nanoseconds patience, const Poll& poll);
-  void complete();
-  void abandon();
-  void run(const Consumer& consumer, const Poll& poll);
-  void join();
-  void flush();
-  void stop(bool drain);
-  void start();
-  void set_latency(double latency_us);
-  bool is_open() const noexcept { return door_.is_open(); }
-  Ledger ledger() const;
-  PipelineStats stats() const;
-  const Telemetry& telemetry() const noexcept { return run_->telemetry(); }
-
- private:
+struct Pipeline::Impl {
+  struct LiveRun;
   class Inside;
 
-  void set_to_work();
+  Impl(std::unique_ptr<Scheme> own_scheme, Scheme& its_scheme, RunConfig run_config,
+       Consumer its_algorithm);
+  ~Impl();
+
+  template <class Push>
+  bool enter(const Push& push);
   void complete_package();
+  void stop(bool drain);
+  void abandon();
+  void consume(const Consumer& consumer, const Poll& poll);
   void begin();
+  void set_to_work();
   void require_another_thread() const;
   void end_work();
 
-  const std::unique_ptr<Scheme> own_scheme_;
-  Scheme& scheme_;
-  RunConfig config_;
-  std::int64_t latency_bound_ns_;
-  mutable std::mutex control_;  // start, stop, flush and the snapshots; never push or next
-  std::unique_ptr<LiveRun> run_;
-  PushDoor door_;
-  std::atomic<std::uint64_t> upstream_marks_{0};
-  std::atomic<std::uint64_t> upstream_packets_{0};
+  const std::unique_ptr<Scheme> own_scheme;
+  Scheme& scheme;
+  RunConfig config;
+  std::int64_t latency_bound_ns;
+  mutable std::mutex control;  // start, stop, flush and the snapshots; never push or next
+  std::unique_ptr<LiveRun> live;
+  PushDoor door;
+  std::atomic<std::uint64_t> upstream_marks{0};
+  std::atomic<std::uint64_t> upstream_packets{0};
 
-  std::atomic<bool> consuming_{false};  // a consumer is inside
-  Package package_;                     // in work, if has_package_
-  bool has_package_ = false;
+  std::atomic<bool> consuming{false};  // a consumer is inside
+  Package package;                     // in work, if has_package
+  bool has_package = false;
 
-  const Consumer algorithm_;   // of the worker
-  std::mutex worker_control_;  // start and join; taken before control_
-  std::exception_ptr error_;   // what it has thrown
-  std::atomic<bool> works_{false};
-  std::atomic<bool> has_stack_{false};  // the worker: of RunConfig::prefault
-  std::thread worker_;
+  const Consumer algorithm;   // of the worker
+  std::mutex worker_control;  // start and join; taken before control
+  std::exception_ptr error;   // what it has thrown
+  std::atomic<bool> works{false};
+  std::atomic<bool> has_stack{false};  // the worker: of RunConfig::prefault
+  std::thread worker;
+};
+
+// From the first event to the end. An event's time is its arrival on the steady clock; a wall clock
+// that steps has no effect. Memory is bounded at construction: see Pipeline::memory().
+struct Pipeline::Impl::LiveRun {
+  // The scheme outlives the run.
+  LiveRun(Scheme& scheme, const RunConfig& config);
+
+  // Producer. take(EventSpan) brings good events into the ring. A stamp that shows that the
+  // sensor's clock was set back makes what waits due.
+  template <class Take>
+  void push(const Take& take, EventSpan events, Arrival arrival);
+  void begin(const Event& first, std::chrono::steady_clock::time_point arrival) noexcept;
+  void heed_clock() noexcept;
+
+  // Once the producer has gone: nothing follows.
+  void close() noexcept;
+
+  // Any thread. A snapshot, see Run::ledger; exact after close() and `finished`.
+  Ledger ledger() const noexcept;
+  // Any thread. The time since the first arrival, until close().
+  std::int64_t elapsed_ns() const noexcept;
+
+  Run run;
+  Doorbell doorbell;
+  Intake intake;
+  RunClock clock;
+  ConsumerLoop loop;
+
+  std::atomic<bool> finished{false};  // no package will be taken or booked any more
+  bool begun = false;                 // the producer's, like the next two
+  std::int64_t arrival_ns = 0;        // of the newest push
+  std::int64_t first_arrival_ns = 0;
+  std::int64_t closed_ns = 0;
+  Relaxed<std::uint64_t> clock_resets;
+  SensorDelay sensor_delay;
 };
 
 // The consumer's side has one guest at a time.
-class Pipeline::Work::Inside {
+class Pipeline::Impl::Inside {
  public:
-  explicit Inside(Work& pipeline) : pipeline_(pipeline) {
-    if (pipeline_.consuming_.exchange(true, std::memory_order_acq_rel)) {
+  explicit Inside(Impl& pipeline) : pipeline_(pipeline) {
+    if (pipeline_.consuming.exchange(true, std::memory_order_acq_rel)) {
       throw std::logic_error("pipeline: another thread consumes; stop() it first");
     }
   }
-  ~Inside() { pipeline_.consuming_.store(false, std::memory_order_release); }
+  ~Inside() { pipeline_.consuming.store(false, std::memory_order_release); }
   Inside(const Inside&) = delete;
   Inside& operator=(const Inside&) = delete;
 
  private:
-  Work& pipeline_;
+  Impl& pipeline_;
 };
 
-Pipeline::Work::Work(std::unique_ptr<Scheme> own_scheme, Scheme& scheme, RunConfig config,
-                     Consumer algorithm)
-    : own_scheme_(std::move(own_scheme)),
-      scheme_(scheme),
-      config_(std::move(config)),
-      latency_bound_ns_(asap::latency_bound_ns(config_, scheme_)),
-      run_(std::make_unique<LiveRun>(scheme_, config_)),
-      algorithm_(std::move(algorithm)) {
-  door_.open();
+// ---- a run
+
+Pipeline::Impl::LiveRun::LiveRun(Scheme& scheme, const RunConfig& config)
+    : run(scheme, config, Run::Source::camera),
+      intake(run.buffer(), run.arrivals(), doorbell, config.when_full, config.seed ^ kIntakeSeed),
+      loop(run.buffer(), run.packager(), run.telemetry(), doorbell, clock, intake.room()) {}
+
+template <class Take>
+void Pipeline::Impl::LiveRun::push(const Take& take, EventSpan events, Arrival arrival) {
+  struct Publish {
+    Run& run;
+    ~Publish() { run.publish(); }
+  } publish{run};  // also when the validator refuses an event
+  bool timed = false;
+  run.validator().check(events, [&](EventSpan good) {
+    if (!timed) {
+      const auto now = System::now();
+      const auto came = std::clamp(arrival.value_or(now), RunClock::Steady::time_point{}, now);
+      if (!begun) begin(good.front(), came);
+      arrival_ns = std::max(arrival_ns, clock.at(came));
+      timed = true;
+    }
+    heed_clock();
+    take(good);
+    sensor_delay.note(good.back().t, arrival_ns);
+  });
 }
 
-std::unique_ptr<Pipeline::Work> Pipeline::Work::with_worker(RunConfig config, Consumer algorithm) {
-  if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
-  const double latency_us = config.latency_us.value_or(kDefaultLatency_us);
-  checked_latency_bound_ns(latency_us);  // the scheme would name its own latency_ms
-  auto scheme = std::make_unique<Deadline>(DeadlineConfig{.latency_ms = latency_us * 1e-3});
-  Scheme& own = *scheme;
-  auto work =
-      std::make_unique<Work>(std::move(scheme), own, std::move(config), std::move(algorithm));
-  work->set_to_work();
-  return work;
+void Pipeline::Impl::LiveRun::begin(const Event& first,
+                                    std::chrono::steady_clock::time_point arrival) noexcept {
+  run.begin(first.t);
+  first_arrival_ns = run.axis().to_ns(first.t);
+  clock.start(first_arrival_ns, arrival);
+  arrival_ns = first_arrival_ns;
+  loop.begin();
+  begun = true;
 }
 
-PipelineMemory Pipeline::Work::memory(const RunConfig& config) noexcept {
+// A sensor that begins anew: what came before shall not wait for what comes now.
+void Pipeline::Impl::LiveRun::heed_clock() noexcept {
+  const std::uint64_t resets = run.validator().clock_resets();
+  if (resets == clock_resets) return;
+  clock_resets = resets;
+  sensor_delay.forget();
+  loop.flush();
+}
+
+void Pipeline::Impl::LiveRun::close() noexcept {
+  closed_ns = begun ? clock.now_ns() : first_arrival_ns;
+  run.buffer().close();
+  doorbell.wake();
+}
+
+Ledger Pipeline::Impl::LiveRun::ledger() const noexcept {
+  const bool is_over = finished.load(std::memory_order_acquire) && run.buffer().closed();
+  return run.ledger(is_over, intake.discarded());
+}
+
+std::int64_t Pipeline::Impl::LiveRun::elapsed_ns() const noexcept {
+  if (run.buffer().closed()) return closed_ns - first_arrival_ns;
+  return run.buffer().tail() == 0 ? 0 : clock.now_ns() - first_arrival_ns;
+}
+
+// ---- construction
+
+Pipeline::Impl::Impl(std::unique_ptr<Scheme> made_scheme, Scheme& its_scheme, RunConfig run_config,
+                     Consumer its_algorithm)
+    : own_scheme(std::move(made_scheme)),
+      scheme(its_scheme),
+      config(std::move(run_config)),
+      latency_bound_ns(asap::latency_bound_ns(config, scheme)),
+      live(std::make_unique<LiveRun>(scheme, config)),
+      algorithm(std::move(its_algorithm)) {
+  door.open();
+}
+
+Pipeline::Impl::~Impl() {
+  stop(false);
+  door.wait_until_empty();
+  if (worker.joinable()) worker.join();
+}
+
+Pipeline::Pipeline(Scheme& scheme, RunConfig config)
+    : impl_(std::make_unique<Impl>(nullptr, scheme, std::move(config), Consumer{})) {}
+
+Pipeline::Pipeline(RunConfig config, Consumer algorithm)
+    : impl_([&] {
+        if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
+        auto scheme = std::make_unique<Deadline>(
+            DeadlineConfig{.latency = config.latency.value_or(kDefaultLatency)});
+        Scheme& own = *scheme;
+        return std::make_unique<Impl>(std::move(scheme), own, std::move(config),
+                                      std::move(algorithm));
+      }()) {
+  impl_->set_to_work();
+}
+
+Pipeline::~Pipeline() = default;
+
+PipelineMemory Pipeline::memory(const RunConfig& config) noexcept {
   constexpr std::size_t kThread = 2 * sizeof(void*);  // what std::thread keeps of its function
-  const double latency_us = config.latency_us.value_or(kDefaultLatency_us);
-  PipelineMemory memory = Run::memory(config, std::llround(latency_us * 1e3));
-  memory.rest += sizeof(Work) + sizeof(LiveRun) + sizeof(Deadline) + kThread;
+  PipelineMemory memory = Run::memory(config, config.latency.value_or(kDefaultLatency).count());
+  memory.rest += sizeof(Impl) + sizeof(Impl::LiveRun) + sizeof(Deadline) + kThread;
   return memory;
 }
 
-Pipeline::Work::~Work() {
-  stop(false);
-  door_.wait_until_empty();
-  if (worker_.joinable()) worker_.join();
+std::size_t memory_bytes(const RunConfig& config) noexcept {
+  return Pipeline::memory(config).total();
 }
 
-void Pipeline::Work::set_to_work() {
+// ---- producer
+
+template <class Push>
+bool Pipeline::Impl::enter(const Push& push) {
+  if (!door.enter()) return false;
+  struct Leave {
+    Impl& pipeline;
+    ~Leave() {
+      pipeline.door.leave([this] { pipeline.live->close(); });
+    }
+  } leave{*this};
+  push(*live);
+  return true;
+}
+
+bool Pipeline::push(EventSpan events, Arrival arrival) {
+  return impl_->enter([&](Impl::LiveRun& live) {
+    live.push([&](EventSpan good) { live.intake.take(good, live.arrival_ns); }, events, arrival);
+  });
+}
+
+bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
+  return impl_->enter([&](Impl::LiveRun& live) {
+    std::exception_ptr interrupted;  // by the poll: what follows counts too, but waits no longer
+    const auto take = [&](EventSpan good) {
+      try {
+        if (interrupted) {
+          live.intake.put(good, live.arrival_ns);
+        } else {
+          live.intake.take(good, live.arrival_ns, poll);
+        }
+      } catch (...) {
+        interrupted = std::current_exception();
+      }
+    };
+    live.push(take, events, arrival);
+    if (interrupted) std::rethrow_exception(interrupted);
+  });
+}
+
+void Pipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
+  impl_->upstream_marks.fetch_add(marks, std::memory_order_relaxed);
+  impl_->upstream_packets.fetch_add(packets, std::memory_order_relaxed);
+}
+
+// ---- consumer
+
+Next Pipeline::next(Package& package, std::chrono::nanoseconds patience, const Poll& poll) {
+  const Impl::Inside inside(*impl_);
+  if (impl_->config.execution != Execution::whole) {
+    throw std::logic_error("pipeline: next() needs .execution = Execution::whole; or use run()");
+  }
+  impl_->complete_package();
+  const Next next = impl_->live->loop.next(impl_->package, patience, poll);
+  impl_->has_package = next == Next::package;
+  if (next == Next::ended) impl_->live->finished.store(true, std::memory_order_release);
+  if (impl_->has_package) package = impl_->package;
+  return next;
+}
+
+void Pipeline::complete() {
+  const Impl::Inside inside(*impl_);
+  impl_->complete_package();
+}
+
+void Pipeline::Impl::complete_package() {
+  if (has_package) live->loop.complete(package);
+  has_package = false;
+}
+
+void Pipeline::abandon() { impl_->abandon(); }
+
+void Pipeline::Impl::abandon() {
+  stop(false);
+  if (consuming.exchange(true, std::memory_order_acq_rel)) return;  // it will see the end itself
+  has_package = false;
+  live->finished.store(true, std::memory_order_release);
+  consuming.store(false, std::memory_order_release);
+}
+
+void Pipeline::run(const Consumer& consumer, const Poll& poll) { impl_->consume(consumer, poll); }
+
+void Pipeline::Impl::consume(const Consumer& consumer, const Poll& poll) {
+  const Inside inside(*this);
+  complete_package();
+  try {
+    live->loop.run(consumer, poll);
+  } catch (...) {
+    stop(false);
+    live->finished.store(true, std::memory_order_release);
+    throw;
+  }
+  live->finished.store(true, std::memory_order_release);
+}
+
+// ---- the worker
+
+void Pipeline::Impl::set_to_work() {
   const auto give_up = [this] {
-    works_ = false;
-    works_.notify_all();
+    works = false;
+    works.notify_all();
     abandon();
   };
-  works_ = true;
-  has_stack_ = false;
+  works = true;
+  has_stack = false;
   try {
-    worker_ = std::thread([this] {
+    worker = std::thread([this] {
       worker_of = this;
-      if (config_.prefault) touch_stack();
-      has_stack_ = true;
-      has_stack_.notify_all();
+      if (config.prefault) touch_stack();
+      has_stack = true;
+      has_stack.notify_all();
       try {
-        run(algorithm_, {});
+        consume(algorithm, {});
       } catch (...) {
-        error_ = std::current_exception();
+        error = std::current_exception();
       }
-      works_ = false;
-      works_.notify_all();
+      works = false;
+      works.notify_all();
     });
-    if (config_.prefault) has_stack_.wait(false);
-  } catch (const std::system_error& error) {
+    if (config.prefault) has_stack.wait(false);
+  } catch (const std::system_error& refused) {
     give_up();
-    throw std::system_error(error.code(),
+    throw std::system_error(refused.code(),
                             "the worker has no thread; end another one, or use run() on your own");
   } catch (...) {
     give_up();
@@ -167,194 +364,104 @@ void Pipeline::Work::set_to_work() {
   }
 }
 
-void Pipeline::Work::join() {
-  require_another_thread();
-  works_.wait(true);
-  const std::lock_guard lock(worker_control_);
-  if (!works_) end_work();  // else a new run has begun
+void Pipeline::join() {
+  impl_->require_another_thread();
+  impl_->works.wait(true);
+  const std::lock_guard lock(impl_->worker_control);
+  if (!impl_->works) impl_->end_work();  // else a new run has begun
 }
 
-void Pipeline::Work::require_another_thread() const {
+void Pipeline::Impl::require_another_thread() const {
   if (worker_of != this) return;
   throw std::logic_error("pipeline: the worker cannot wait for itself; stop() is enough");
 }
 
-void Pipeline::Work::end_work() {
-  if (!worker_.joinable()) return;
-  worker_.join();
-  if (error_) std::rethrow_exception(std::exchange(error_, {}));
+void Pipeline::Impl::end_work() {
+  if (!worker.joinable()) return;
+  worker.join();
+  if (error) std::rethrow_exception(std::exchange(error, {}));
 }
 
-template <class Push>
-bool Pipeline::Work::push_by(const Push& push) {
-  if (!door_.enter()) return false;
-  struct Leave {
-    Work& pipeline;
-    ~Leave() {
-      pipeline.door_.leave([this] { pipeline.run_->close(); });
-    }
-  } leave{*this};
-  push(*run_);
-  return true;
+// ---- any thread
+
+void Pipeline::flush() {
+  const std::lock_guard lock(impl_->control);
+  impl_->live->loop.flush();
 }
 
-void Pipeline::Work::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
-  upstream_marks_.fetch_add(marks, std::memory_order_relaxed);
-  upstream_packets_.fetch_add(packets, std::memory_order_relaxed);
+void Pipeline::stop(bool drain) { impl_->stop(drain); }
+
+void Pipeline::Impl::stop(bool drain) {
+  const std::lock_guard lock(control);
+  live->intake.leave();
+  if (door.shut()) live->close();  // else the push that is inside does
+  if (!drain) live->loop.abandon();
 }
 
-Pipeline::Next Pipeline::Work::next(Package& package, std::chrono::nanoseconds patience,
-                                    const Poll& poll) {
-  const Inside inside(*this);
-  if (config_.execution != Execution::whole) {
-    throw std::logic_error("pipeline: next() needs .execution = Execution::whole; or use run()");
-  }
-  complete_package();
-  const Next next = run_->loop().next(package_, patience, poll);
-  has_package_ = next == Next::package;
-  if (next == Next::ended) run_->finish();
-  if (has_package_) package = package_;
-  return next;
+void Pipeline::start() {
+  if (!impl_->algorithm) return impl_->begin();
+  if (impl_->door.is_open()) return;
+  impl_->require_another_thread();
+  const std::lock_guard lock(impl_->worker_control);
+  if (impl_->door.is_open()) return;  // another thread has been faster
+  impl_->end_work();
+  impl_->begin();
+  impl_->set_to_work();
 }
 
-void Pipeline::Work::complete() {
-  const Inside inside(*this);
-  complete_package();
-}
-
-void Pipeline::Work::complete_package() {
-  if (has_package_) run_->loop().complete(package_);
-  has_package_ = false;
-}
-
-void Pipeline::Work::abandon() {
-  stop(false);
-  if (consuming_.exchange(true, std::memory_order_acq_rel)) return;  // it will see the end itself
-  has_package_ = false;
-  run_->finish();
-  consuming_.store(false, std::memory_order_release);
-}
-
-void Pipeline::Work::run(const Consumer& consumer, const Poll& poll) {
-  const Inside inside(*this);
-  complete_package();
-  try {
-    run_->loop().run(consumer, poll);
-  } catch (...) {
-    stop(false);
-    run_->finish();
-    throw;
-  }
-  run_->finish();
-}
-
-void Pipeline::Work::flush() {
-  const std::lock_guard lock(control_);
-  run_->loop().flush();
-}
-
-void Pipeline::Work::stop(bool drain) {
-  const std::lock_guard lock(control_);
-  run_->leave();
-  if (door_.shut()) run_->close();  // else the push that is inside does
-  if (!drain) run_->loop().abandon();
-}
-
-void Pipeline::Work::start() {
-  if (!algorithm_) return begin();
-  if (door_.is_open()) return;
-  require_another_thread();
-  const std::lock_guard lock(worker_control_);
-  if (door_.is_open()) return;  // another thread has been faster
-  end_work();
-  begin();
-  set_to_work();
-}
-
-void Pipeline::Work::begin() {
+void Pipeline::Impl::begin() {
   const Inside inside(*this);  // no other thread opens meanwhile
-  if (door_.is_open()) return;
-  door_.wait_until_empty();
-  const std::lock_guard lock(control_);
-  if (has_package_) throw std::logic_error("pipeline: a package is in work; complete() it first");
-  if (scheme_.latency_bound_ns() != 0) scheme_.set_latency_bound_ns(latency_bound_ns_);
-  run_ = std::make_unique<LiveRun>(scheme_, config_);  // or the run before stays, if this throws
-  upstream_marks_ = 0;
-  upstream_packets_ = 0;
-  door_.open();
+  if (door.is_open()) return;
+  door.wait_until_empty();
+  const std::lock_guard lock(control);
+  if (has_package) throw std::logic_error("pipeline: a package is in work; complete() it first");
+  if (scheme.latency_bound_ns() != 0) scheme.set_latency_bound_ns(latency_bound_ns);
+  live = std::make_unique<LiveRun>(scheme, config);  // or the run before stays, if this throws
+  upstream_marks = 0;
+  upstream_packets = 0;
+  door.open();
 }
 
-void Pipeline::Work::set_latency(double latency_us) {
-  const std::int64_t bound_ns = checked_latency_bound_ns(latency_us);
-  const std::lock_guard lock(control_);
-  latency_bound_ns_ = bound_ns;
-  config_.latency_us = latency_us;
-  run_->set_latency_bound(bound_ns);
+void Pipeline::set_latency(std::chrono::nanoseconds latency) {
+  const std::int64_t bound_ns = checked_latency_ns(latency);
+  const std::lock_guard lock(impl_->control);
+  impl_->latency_bound_ns = bound_ns;
+  impl_->config.latency = latency;
+  impl_->live->run.arrivals().set_step(Run::arrival_step_ns(bound_ns));
+  impl_->live->loop.set_latency_bound(bound_ns);
 }
 
-Ledger Pipeline::Work::ledger() const {
-  const std::lock_guard lock(control_);
-  return run_->ledger();
+bool Pipeline::is_open() const noexcept { return impl_->door.is_open(); }
+
+Ledger Pipeline::ledger() const {
+  const std::lock_guard lock(impl_->control);
+  return impl_->live->ledger();
 }
 
-PipelineStats Pipeline::Work::stats() const {
-  const std::lock_guard lock(control_);
-  const Telemetry& telemetry = run_->telemetry();
-  return {.ledger = run_->ledger(),
-          .rejected = run_->rejected(),
+PipelineStats Pipeline::stats() const {
+  const std::lock_guard lock(impl_->control);
+  const Impl::LiveRun& live = *impl_->live;
+  const Telemetry& telemetry = live.run.telemetry();
+  return {.ledger = live.ledger(),
+          .rejected = live.run.rejected(),
           .latency = telemetry.latency,
           .packages = telemetry.log.totals(),
-          .gap_us = run_->gap_us(),
-          .elapsed_ns = run_->elapsed_ns(),
-          .clock_resets = run_->clock_resets(),
-          .upstream_marks = upstream_marks_.load(std::memory_order_relaxed),
-          .upstream_packets = upstream_packets_.load(std::memory_order_relaxed),
-          .open = door_.is_open(),
-          .stalled = run_->stalled(),
-          .most_waiting = run_->most_waiting(),
-          .latency_bound_ns = latency_bound_ns_,
-          .sensor_delay_ns = run_->sensor_delay().last_ns(),
-          .sensor_delay_max_ns = run_->sensor_delay().max_ns()};
+          .gap_us = live.run.gap_us(&live.intake.gap()),
+          .elapsed_ns = live.elapsed_ns(),
+          .clock_resets = live.clock_resets,
+          .upstream_marks = impl_->upstream_marks.load(std::memory_order_relaxed),
+          .upstream_packets = impl_->upstream_packets.load(std::memory_order_relaxed),
+          .open = is_open(),
+          .stalled = live.loop.stalled(live.run.buffer().size()),
+          .max_waiting = live.intake.max_waiting(),
+          .latency_bound_ns = impl_->latency_bound_ns,
+          .sensor_delay_ns = live.sensor_delay.last_ns(),
+          .sensor_delay_max_ns = live.sensor_delay.max_ns()};
 }
 
-Pipeline::Pipeline(Scheme& scheme, RunConfig config)
-    : work_(std::make_unique<Work>(nullptr, scheme, std::move(config), Consumer{})) {}
+const Telemetry& Pipeline::telemetry() const noexcept { return impl_->live->run.telemetry(); }
 
-Pipeline::Pipeline(RunConfig config, Consumer algorithm)
-    : work_(Work::with_worker(std::move(config), std::move(algorithm))) {}
-
-Pipeline::~Pipeline() = default;
-
-PipelineMemory Pipeline::memory(const RunConfig& config) noexcept { return Work::memory(config); }
-std::size_t memory_bytes(const RunConfig& config) noexcept {
-  return Pipeline::memory(config).total();
-}
-
-bool Pipeline::push(EventSpan events, Arrival arrival) {
-  return work_->push_by([&](LiveRun& run) { run.push(events, arrival); });
-}
-bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
-  return work_->push_by([&](LiveRun& run) { run.push(events, arrival, poll); });
-}
-void Pipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
-  work_->upstream_lost(marks, packets);
-}
-Pipeline::Next Pipeline::next(Package& package, std::chrono::nanoseconds patience,
-                              const Poll& poll) {
-  return work_->next(package, patience, poll);
-}
-void Pipeline::complete() { work_->complete(); }
-void Pipeline::abandon() { work_->abandon(); }
-void Pipeline::run(const Consumer& consumer, const Poll& poll) { work_->run(consumer, poll); }
-void Pipeline::join() { work_->join(); }
-void Pipeline::flush() { work_->flush(); }
-void Pipeline::stop(bool drain) { work_->stop(drain); }
-void Pipeline::start() { work_->start(); }
-void Pipeline::set_latency(double latency_us) { work_->set_latency(latency_us); }
-bool Pipeline::is_open() const noexcept { return work_->is_open(); }
-Ledger Pipeline::ledger() const { return work_->ledger(); }
-PipelineStats Pipeline::stats() const { return work_->stats(); }
-const Telemetry& Pipeline::telemetry() const noexcept { return work_->telemetry(); }
+// ---- without exceptions
 
 Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config) noexcept {
   return made<Pipeline>([&] { return std::make_unique<Pipeline>(scheme, std::move(config)); });

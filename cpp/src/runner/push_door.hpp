@@ -37,11 +37,11 @@ class BasicPushDoor {
 
   // Any thread. True: it was open, and no producer is inside.
   bool shut() noexcept { return state_.fetch_and(~kOpen, std::memory_order_acq_rel) == kOpen; }
-  // Of a door that is shut: until the last one is out.
+  // Waits until the last push is out. Precondition: the door is shut.
   void wait_until_empty() const noexcept {
     while (state_.load(std::memory_order_acquire) != 0) Wait::pause();
   }
-  // Of a door that is shut and empty.
+  // Precondition: the door is shut and empty.
   void open() noexcept { state_.store(kOpen, std::memory_order_release); }
   bool is_open() const noexcept { return (state_.load(std::memory_order_acquire) & kOpen) != 0; }
 

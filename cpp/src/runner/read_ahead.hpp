@@ -10,7 +10,7 @@
 #include <mutex>
 #include <vector>
 
-#include "asap/runner/event_source.hpp"
+#include "asap/runner/replay.hpp"
 
 namespace asap {
 

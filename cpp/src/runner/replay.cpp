@@ -16,14 +16,14 @@
 namespace asap {
 namespace {
 
-constexpr std::int64_t kLongestChunkNs = 1'000'000;            // of stamps in one push
-constexpr auto kLongestSleep = std::chrono::milliseconds(20);  // a stop is seen this soon
+constexpr std::int64_t kLongestChunkNs = 1'000'000;  // of stamps in one push
 
 ReplayConfig checked(ReplayConfig config) {
+  using namespace std::chrono_literals;
   require(config.speed >= 1e-3 && config.speed <= 1e6, "speed", config.speed,
           "must be between 0.001 and 1e6");
-  require(config.pacing_us >= 0 && config.pacing_us <= 1000, "pacing_us", config.pacing_us,
-          "must be between 0 and 1000 us");
+  require_time(config.pacing >= 0us && config.pacing <= 1ms, "pacing", config.pacing, TimeUnit::us,
+               "must be between 0 and 1000 us");
   return config;
 }
 
@@ -32,9 +32,9 @@ struct Stopped {};
 
 }  // namespace
 
-class Replay::Work {
+class Replay::Impl {
  public:
-  Work(Scheme& scheme, ReplayConfig replay, const RunConfig& config)
+  Impl(Scheme& scheme, ReplayConfig replay, const RunConfig& config)
       : replay_(checked(replay)),
         run_(scheme, config, Run::Source::recording),
         loop_(run_.buffer(), run_.packager(), run_.telemetry(), doorbell_, clock_) {}
@@ -66,7 +66,7 @@ class Replay::Work {
   LatencyHistogram lateness_;
 };
 
-void Replay::Work::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
+void Replay::Impl::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
   if (run_.buffer().closed()) throw std::logic_error("replay: has run; make another one");
   std::exception_ptr producer_error;
   {
@@ -87,12 +87,12 @@ void Replay::Work::run(EventSource& source, const Consumer& consumer, const Poll
 }
 
 // Once the producer has closed the ring, what it owned may be read.
-Ledger Replay::Work::ledger() const noexcept {
+Ledger Replay::Impl::ledger() const noexcept {
   const bool is_quiet = run_.buffer().closed();
   return run_.ledger(is_quiet, 0, is_quiet ? arriving_.size() : 0);
 }
 
-void Replay::Work::produce(EventSource& source, const std::stop_token& stop) {
+void Replay::Impl::produce(EventSource& source, const std::stop_token& stop) {
   for (EventSpan chunk = source.next(); !chunk.empty(); chunk = source.next()) {
     run_.validator().check(chunk, [&](EventSpan good) {
       arriving_ = good;
@@ -103,18 +103,18 @@ void Replay::Work::produce(EventSource& source, const std::stop_token& stop) {
   }
 }
 
-void Replay::Work::start(const Event& first) noexcept {
+void Replay::Impl::start(const Event& first) noexcept {
   run_.begin(first.t, replay_.speed);
   clock_.start(run_.axis().to_ns(first.t));
   started_ = true;
 }
 
-void Replay::Work::pace(const std::stop_token& stop) {
+void Replay::Impl::pace(const std::stop_token& stop) {
   while (!arriving_.empty()) {
     if (stop.stop_requested()) throw Stopped{};
     const std::int64_t wanted_ns = std::max(run_.axis().to_ns(arriving_.front().t), next_push_ns_);
     if (clock_.now_ns() < wanted_ns) {
-      const auto soon = System::now() + kLongestSleep;
+      const auto soon = System::now() + kPollEvery;
       std::this_thread::sleep_until(std::min(clock_.when(wanted_ns), soon));
       continue;
     }
@@ -122,7 +122,7 @@ void Replay::Work::pace(const std::stop_token& stop) {
   }
 }
 
-void Replay::Work::push_arrived() {
+void Replay::Impl::push_arrived() {
   const std::int64_t now_ns = clock_.now_ns();
   const std::int64_t first_ns = run_.axis().to_ns(arriving_.front().t);
   const std::int64_t until_ns = std::min(now_ns, first_ns + kLongestChunkNs);
@@ -132,23 +132,23 @@ void Replay::Work::push_arrived() {
   doorbell_.announce(run_.buffer().tail());
   arriving_ = arriving_.subspan(count);
   lateness_.record(now_ns - first_ns);
-  next_push_ns_ = until_ns + std::llround(replay_.pacing_us * 1e3);
+  next_push_ns_ = until_ns + replay_.pacing.count();
 }
 
 Replay::Replay(Scheme& scheme, ReplayConfig replay, RunConfig config)
-    : work_(std::make_unique<Work>(scheme, replay, config)) {}
+    : impl_(std::make_unique<Impl>(scheme, replay, config)) {}
 
 Replay::~Replay() = default;
 
 void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
-  work_->run(source, consumer, poll);
+  impl_->run(source, consumer, poll);
 }
 
-Ledger Replay::ledger() const noexcept { return work_->ledger(); }
-const Validator& Replay::validator() const noexcept { return work_->parts().validator(); }
-const Telemetry& Replay::telemetry() const noexcept { return work_->parts().telemetry(); }
-std::int64_t Replay::gap_us() const noexcept { return work_->gap_us(); }
-std::optional<KeptEvents> Replay::kept() const { return work_->parts().kept(); }
-const LatencyHistogram& Replay::lateness() const noexcept { return work_->lateness(); }
+Ledger Replay::ledger() const noexcept { return impl_->ledger(); }
+const Validator& Replay::validator() const noexcept { return impl_->parts().validator(); }
+const Telemetry& Replay::telemetry() const noexcept { return impl_->parts().telemetry(); }
+std::int64_t Replay::gap_us() const noexcept { return impl_->gap_us(); }
+std::optional<KeptEvents> Replay::kept() const { return impl_->parts().kept(); }
+const LatencyHistogram& Replay::lateness() const noexcept { return impl_->lateness(); }
 
 }  // namespace asap

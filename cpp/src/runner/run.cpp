@@ -31,13 +31,13 @@ PackagerConfig packager_config(const RunConfig& config, Run::Source source, Kept
   PackagerConfig packager{.seed = config.seed,
                           .execution = config.execution,
                           .flush = config.flush,
-                          .before = config.before,
+                          .front_filter = config.front_filter,
                           .kept_mask = mask,
                           .prefault = config.prefault};
   const bool is_live = source == Run::Source::camera;
   packager.drop_oldest = is_live && config.when_full == WhenFull::oldest;
-  if (is_live) packager.most_copied = Run::kMostCopied;
-  if (config.most_copied > 0) packager.most_copied = config.most_copied;
+  if (is_live) packager.max_copied = Run::kMaxCopied;
+  if (config.max_copied > 0) packager.max_copied = config.max_copied;
   return packager;
 }
 
@@ -68,18 +68,15 @@ Run::Run(Scheme& scheme, const RunConfig& config, Source source)
 PipelineMemory Run::memory(const RunConfig& config, std::int64_t latency_bound_ns) noexcept {
   const std::size_t capacity =
       std::min(ring_capacity(config, latency_bound_ns), EventBuffer::kMaxCapacity);
-  const std::size_t most_copied = config.most_copied > 0 ? config.most_copied : kMostCopied;
-  const std::size_t copies = std::min(capacity, most_copied) * sizeof(Event);
+  const std::size_t max_copied = config.max_copied > 0 ? config.max_copied : kMaxCopied;
+  const std::size_t copies = std::min(capacity, max_copied) * sizeof(Event);
   return {.ring = EventBuffer::memory_bytes(capacity),
           .copies = copies,
           .log = RunLog::memory_bytes(config.log_rows),
           .rest = LatencyHistogram::memory_bytes() +
                   ArrivalTimes::memory_bytes(ArrivalTimes::steps_for(capacity)) +
-                  Packager::memory_bytes(capacity, most_copied, config.before != nullptr) - copies};
-}
-
-std::int64_t Run::age_slot_ns(std::int64_t latency_bound_ns) noexcept {
-  return std::max<std::int64_t>(latency_bound_ns / kSlotsPerBound, 1);
+                  Packager::memory_bytes(capacity, max_copied, config.front_filter != nullptr) -
+                  copies};
 }
 
 std::int64_t Run::arrival_step_ns(std::int64_t latency_bound_ns) noexcept {
@@ -88,15 +85,14 @@ std::int64_t Run::arrival_step_ns(std::int64_t latency_bound_ns) noexcept {
 
 void Run::begin(std::int64_t first_us, double speed) noexcept {
   axis_ = TimeAxis(first_us, speed);
-  packager_.set_axis(axis_);
-  telemetry_.gap.begin(first_us);
+  packager_.begin(axis_, first_us);
 }
 
 void Run::arrive(EventSpan events) {
   const std::uint64_t first = buffer_.tail();
   const std::size_t taken = buffer_.push(events);
-  door_.kept(events.first(taken));
-  if (taken < events.size()) door_.lost(events.subspan(taken));
+  ring_gap_.kept(events.first(taken));
+  if (taken < events.size()) ring_gap_.lost(events.subspan(taken));
   ages_->observe(events.first(taken), first,
                  [this](std::int64_t stamp) { return axis_.to_ns(stamp); });
   if (mask_) mask_->entered(taken, events.size() - taken);
@@ -139,17 +135,18 @@ Ledger Run::ledger(bool is_quiet, std::uint64_t thinned, std::uint64_t outside) 
   return ledger;
 }
 
-// Each stage of the way measures the gap of what came to it. The largest is that of the run: of the
-// events between two delivered ones, the last stage that lost any has seen those two in a row, and
-// no stage sees more than the run lost. Only behind the last delivered event two stages may add up.
+// Each stage measures the gap among the events that reached it; the largest is the gap of the run.
+// Proof: for two delivered events, the last stage that lost any between them has seen both in a
+// row, and no stage sees a longer gap than the run has. Only after the last delivered event do the
+// gaps of two stages add up.
 std::int64_t Run::gap_us(const GapMeter* in_front) const noexcept {
-  const GapMeter& ring = telemetry_.gap;
+  const GapMeter& ring = packager_.gap();
   const bool is_over = buffer_.closed() && buffer_.size() == 0;
   std::int64_t gap_us = ring.longest_us();
-  for (const GapMeter* door : {&door_, in_front}) {
-    if (door == nullptr || door->lost_until_us() == kLongAgo) continue;
-    gap_us = std::max(gap_us, door->longest_us());
-    if (is_over) gap_us = std::max(gap_us, door->lost_until_us() - ring.kept_until_us());
+  for (const GapMeter* front : {&ring_gap_, in_front}) {
+    if (front == nullptr || front->lost_until_us() == kLongAgo) continue;
+    gap_us = std::max(gap_us, front->longest_us());
+    if (is_over) gap_us = std::max(gap_us, front->lost_until_us() - ring.kept_until_us());
   }
   return gap_us;
 }

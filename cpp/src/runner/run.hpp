@@ -1,5 +1,5 @@
 // Run: what every run consists of, whatever its clock: the validator, the ring, the times of its
-// events, the packager, telemetry and the ledger. Simulator, Replay and LiveRun drive it; they
+// events, the packager, telemetry and the ledger. Simulator, Replay and Pipeline drive it; they
 // differ in the clock, and in how events come to the ring.
 //
 // Producer and consumer as in EventBuffer; the accessors say whose each part is. Memory is taken in
@@ -11,17 +11,17 @@
 #include <memory>
 #include <optional>
 
-#include "asap/buffer/event_buffer.hpp"
 #include "asap/core/atomics.hpp"
 #include "asap/core/time.hpp"
 #include "asap/filter/validator.hpp"
-#include "asap/packager/packager.hpp"
 #include "asap/runner/run_config.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/telemetry.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"
+#include "buffer/event_buffer.hpp"
 #include "packager/kept_mask.hpp"
+#include "packager/packager.hpp"
 
 namespace asap {
 
@@ -31,7 +31,7 @@ class Run {
   // the newest rows alone.
   enum class Source { recording, camera };
 
-  static constexpr std::size_t kMostCopied = std::size_t{1} << 17;  // unless configured
+  static constexpr std::size_t kMaxCopied = std::size_t{1} << 17;  // unless configured
 
   // The scheme outlives the run.
   Run(Scheme& scheme, const RunConfig& config, Source source);
@@ -39,9 +39,7 @@ class Run {
   // What the run of a camera takes from the heap, all of it in its constructor.
   static PipelineMemory memory(const RunConfig& config, std::int64_t latency_bound_ns) noexcept;
 
-  // How finely time is cut: the ages of a recording's events are counted in slots, the arrivals of
-  // a camera's are known to a step.
-  static std::int64_t age_slot_ns(std::int64_t latency_bound_ns) noexcept;
+  // The step to which the arrivals of a camera's events are known.
   static std::int64_t arrival_step_ns(std::int64_t latency_bound_ns) noexcept;
 
   // Producer, before the first push: the stamp of the first event, which ties stamps to run time.
@@ -85,7 +83,7 @@ class Run {
   Validator validator_;
   Telemetry telemetry_;
   EventBuffer buffer_;
-  GapMeter door_;  // the producer's: of a recording, where events find the ring full
+  GapMeter ring_gap_;  // the producer's: of a recording, where events find the ring full
   const std::unique_ptr<AgeSlots> ages_;
   const std::unique_ptr<ArrivalTimes> arrivals_;
   Packager packager_;

@@ -22,12 +22,12 @@ class SensorDelay {
     const std::int64_t difference_ns = arrival_ns - stamp_us * 1000;
     const bool is_first = window_start_ns_ == kNone;
     if (is_first || arrival_ns - window_start_ns_ >= kWindowNs) {
-      before_ns_ = is_first ? kNone : least_ns_;
+      before_ns_ = is_first ? kNone : min_ns_;
       window_start_ns_ = arrival_ns;
-      least_ns_ = difference_ns;
+      min_ns_ = difference_ns;
     }
-    least_ns_ = std::min(least_ns_, difference_ns);
-    last_ns_ = difference_ns - std::min(least_ns_, before_ns_);
+    min_ns_ = std::min(min_ns_, difference_ns);
+    last_ns_ = difference_ns - std::min(min_ns_, before_ns_);
     max_ns_ = std::max(max_ns_.load(), last_ns_.load());
   }
 
@@ -42,7 +42,7 @@ class SensorDelay {
   static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
 
   std::int64_t window_start_ns_ = kNone;
-  std::int64_t least_ns_ = kNone;   // of this window
+  std::int64_t min_ns_ = kNone;     // of this window
   std::int64_t before_ns_ = kNone;  // of the window before
   Relaxed<std::int64_t> last_ns_;
   Relaxed<std::int64_t> max_ns_;

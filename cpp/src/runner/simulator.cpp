@@ -8,6 +8,7 @@
 #include "core/made.hpp"
 #include "runner/admission.hpp"
 #include "runner/run.hpp"
+#include "telemetry/slot_log.hpp"
 
 namespace asap {
 namespace {
@@ -17,9 +18,9 @@ constexpr std::uint64_t kAdmissionSeed = 0x61646d6974;  // not the gamma filter'
 
 }  // namespace
 
-class Simulator::Work {
+class Simulator::Impl {
  public:
-  Work(Scheme& scheme, LinearCost cost, const RunConfig& config, Consumer consumer,
+  Impl(Scheme& scheme, LinearCost cost, const RunConfig& config, Consumer consumer,
        Admission* admission);
 
   void feed(EventSpan events);
@@ -27,14 +28,14 @@ class Simulator::Work {
   Ledger ledger() const noexcept;
   std::int64_t gap_us() const noexcept { return run_.gap_us(gate_ ? &gate_->gap() : nullptr); }
   const Run& parts() const noexcept { return run_; }
-  const SlotLog& slots() const noexcept { return slots_; }
+  std::span<const Slot> slots() const noexcept { return slots_.slots(); }
   std::int64_t busy_ns() const noexcept { return busy_ns_; }
 
  private:
   void receive(EventSpan good);
   void start(const Event& first);
   void look(Arrivals& arrivals);
-  // Behind a gate: no event that arrives before this time is still to come.
+  // With an admission gate: every event that arrives before this time has been fed.
   void run_until(std::int64_t time_ns);
   bool knows(std::int64_t time_ns) const noexcept;  // all that arrives up to then
   void run_while_known();
@@ -69,7 +70,7 @@ class Simulator::Work {
   Packager::Next waiting_{};  // the wait in force, if is_waiting_
 };
 
-Simulator::Work::Work(Scheme& scheme, LinearCost cost, const RunConfig& config, Consumer consumer,
+Simulator::Impl::Impl(Scheme& scheme, LinearCost cost, const RunConfig& config, Consumer consumer,
                       Admission* admission)
     : cost_(std::move(cost)),
       consumer_(std::move(consumer)),
@@ -79,11 +80,11 @@ Simulator::Work::Work(Scheme& scheme, LinearCost cost, const RunConfig& config, 
   gate_.emplace(*admission, config.seed ^ kAdmissionSeed);
 }
 
-void Simulator::Work::feed(EventSpan events) {
+void Simulator::Impl::feed(EventSpan events) {
   run_.validator().check(events, [this](EventSpan good) { receive(good); });
 }
 
-void Simulator::Work::finish() {
+void Simulator::Impl::finish() {
   run_.buffer().close();
   now_ns_ = std::max(now_ns_, known_until_ns_);
   for (;;) {
@@ -99,12 +100,12 @@ void Simulator::Work::finish() {
   }
 }
 
-Ledger Simulator::Work::ledger() const noexcept {
+Ledger Simulator::Impl::ledger() const noexcept {
   const std::uint64_t at_the_gate = gate_ ? good_ - gate_->seen() : 0;
   return run_.ledger(true, gate_ ? gate_->discarded() : 0, arriving_.size() + at_the_gate);
 }
 
-void Simulator::Work::receive(EventSpan good) {
+void Simulator::Impl::receive(EventSpan good) {
   if (good.empty()) return;
   if (!started_) start(good.front());
   good_ += good.size();
@@ -122,18 +123,18 @@ void Simulator::Work::receive(EventSpan good) {
   run_until(run_.axis().to_ns(good.back().t));
 }
 
-void Simulator::Work::start(const Event& first) {
+void Simulator::Impl::start(const Event& first) {
   run_.begin(first.t);
   now_ns_ = run_.axis().to_ns(first.t);
   started_ = true;
 }
 
-void Simulator::Work::run_until(std::int64_t time_ns) {
+void Simulator::Impl::run_until(std::int64_t time_ns) {
   known_until_ns_ = time_ns;
   run_while_known();
 }
 
-void Simulator::Work::look(Arrivals& arrivals) {
+void Simulator::Impl::look(Arrivals& arrivals) {
   run_until(arrivals.now_ns);
   const EventPieces in_ring = run_.buffer().peek();
   const std::size_t in_work = is_working_ ? working_.raw : 0;
@@ -142,11 +143,11 @@ void Simulator::Work::look(Arrivals& arrivals) {
       arrivals.waiting > 0 ? run_.axis().to_ns(in_ring[in_work].t) : arrivals.now_ns;
 }
 
-bool Simulator::Work::knows(std::int64_t time_ns) const noexcept {
+bool Simulator::Impl::knows(std::int64_t time_ns) const noexcept {
   return !arriving_.empty() || time_ns < known_until_ns_;
 }
 
-void Simulator::Work::run_while_known() {
+void Simulator::Impl::run_while_known() {
   for (;;) {
     if (is_working_ && !work()) return;
     if (is_working_) continue;
@@ -170,7 +171,7 @@ void Simulator::Work::run_while_known() {
   }
 }
 
-bool Simulator::Work::work() {
+bool Simulator::Impl::work() {
   admit(arrivals_by(busy_until_ns_));
   if (!knows(busy_until_ns_)) return false;  // the next chunk may hold more for this time
   now_ns_ = busy_until_ns_;
@@ -178,7 +179,7 @@ bool Simulator::Work::work() {
   return true;
 }
 
-bool Simulator::Work::wait(const Packager::Next& next) {
+bool Simulator::Impl::wait(const Packager::Next& next) {
   const std::uint64_t missing = next.until_tail - run_.buffer().tail();
   const std::size_t by_time = arrivals_by(next.until_ns);
   if (missing > by_time && by_time == arriving_.size() && next.until_ns >= known_until_ns_) {
@@ -191,7 +192,7 @@ bool Simulator::Work::wait(const Packager::Next& next) {
   return true;
 }
 
-void Simulator::Work::begin(const Package& package) {
+void Simulator::Impl::begin(const Package& package) {
   working_ = package;
   is_working_ = true;
   working_cost_ = cost_.package(begun_++, package.start_ns);
@@ -201,7 +202,7 @@ void Simulator::Work::begin(const Package& package) {
   busy_until_ns_ = cost_.done_ns(now_ns_, working_cost_.of(size));
 }
 
-void Simulator::Work::go_on() {
+void Simulator::Impl::go_on() {
   const EventSpan part = run_.packager().stratum(working_, now_ns_);
   if (!part.empty()) {
     const double work_ns = working_cost_.event_ns * static_cast<double>(part.size());
@@ -215,12 +216,12 @@ void Simulator::Work::go_on() {
   run_.packager().complete(working_, now_ns_);
 }
 
-void Simulator::Work::admit(std::size_t count) {
+void Simulator::Impl::admit(std::size_t count) {
   run_.arrive(arriving_.first(count));
   arriving_ = arriving_.subspan(count);
 }
 
-std::size_t Simulator::Work::arrivals_by(std::int64_t time_ns) const noexcept {
+std::size_t Simulator::Impl::arrivals_by(std::int64_t time_ns) const noexcept {
   const auto arrived = [&](const Event& event) { return run_.axis().to_ns(event.t) <= time_ns; };
   // Gallop first: the answer is mostly near the front of a long chunk.
   std::size_t known = 0;
@@ -236,20 +237,20 @@ std::size_t Simulator::Work::arrivals_by(std::int64_t time_ns) const noexcept {
 
 Simulator::Simulator(Scheme& scheme, LinearCost cost, RunConfig config, Consumer consumer,
                      Admission* admission)
-    : work_(std::make_unique<Work>(scheme, std::move(cost), config, std::move(consumer),
+    : impl_(std::make_unique<Impl>(scheme, std::move(cost), config, std::move(consumer),
                                    admission)) {}
 
 Simulator::~Simulator() = default;
 
-void Simulator::feed(EventSpan events) { work_->feed(events); }
-void Simulator::finish() { work_->finish(); }
-Ledger Simulator::ledger() const noexcept { return work_->ledger(); }
-const Validator& Simulator::validator() const noexcept { return work_->parts().validator(); }
-const Telemetry& Simulator::telemetry() const noexcept { return work_->parts().telemetry(); }
-std::optional<KeptEvents> Simulator::kept() const { return work_->parts().kept(); }
-std::int64_t Simulator::gap_us() const noexcept { return work_->gap_us(); }
-const SlotLog& Simulator::slots() const noexcept { return work_->slots(); }
-std::int64_t Simulator::busy_ns() const noexcept { return work_->busy_ns(); }
+void Simulator::feed(EventSpan events) { impl_->feed(events); }
+void Simulator::finish() { impl_->finish(); }
+Ledger Simulator::ledger() const noexcept { return impl_->ledger(); }
+const Validator& Simulator::validator() const noexcept { return impl_->parts().validator(); }
+const Telemetry& Simulator::telemetry() const noexcept { return impl_->parts().telemetry(); }
+std::optional<KeptEvents> Simulator::kept() const { return impl_->parts().kept(); }
+std::int64_t Simulator::gap_us() const noexcept { return impl_->gap_us(); }
+std::span<const Slot> Simulator::slots() const noexcept { return impl_->slots(); }
+std::int64_t Simulator::busy_ns() const noexcept { return impl_->busy_ns(); }
 
 Result<Simulator> make_simulator(Scheme& scheme, LinearCostConfig cost, RunConfig config,
                                  Consumer consumer) noexcept {

@@ -16,17 +16,17 @@ class StallWatch {
   static constexpr std::int64_t kFactor = 4;
 
   // Before the consumer has come: from now on there is something to do.
-  void begins(std::int64_t now_ns) noexcept { since_ns_ = now_ns; }
+  void on_begin(std::int64_t now_ns) noexcept { since_ns_ = now_ns; }
 
   // Consumer.
-  void works() noexcept { works_ = true; }
-  void looks_up(std::int64_t now_ns, std::int64_t bound_ns) noexcept {
+  void on_work() noexcept { works_ = true; }
+  void on_wake(std::int64_t now_ns, std::int64_t bound_ns) noexcept {
     if (works_) learn(now_ns - since_ns_, bound_ns);
     works_ = false;
     sleeps_ = false;
     since_ns_ = now_ns;
   }
-  void sleeps() noexcept { sleeps_ = true; }
+  void on_sleep() noexcept { sleeps_ = true; }
 
   // Any thread, of a run in which something waits or is in work.
   bool stalled(std::int64_t now_ns, std::int64_t bound_ns) const noexcept {
@@ -36,8 +36,8 @@ class StallWatch {
  private:
   // A stall does not become what is expected.
   void learn(std::int64_t processing_ns, std::int64_t bound_ns) noexcept {
-    const std::int64_t most_ns = kFactor * std::max(expected_ns_.load(), bound_ns);
-    expected_ns_ += (std::min(processing_ns, most_ns) - expected_ns_) / 8;
+    const std::int64_t max_ns = kFactor * std::max(expected_ns_.load(), bound_ns);
+    expected_ns_ += (std::min(processing_ns, max_ns) - expected_ns_) / 8;
   }
 
   Relaxed<std::int64_t> since_ns_;

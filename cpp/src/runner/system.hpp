@@ -12,6 +12,9 @@
 
 namespace asap {
 
+// How often a thread that waits calls its poll, and sees that it is to stop.
+inline constexpr std::chrono::nanoseconds kPollEvery = std::chrono::milliseconds(20);
+
 struct System {
   using Clock = std::chrono::steady_clock;
   using Word = std::atomic<std::uint32_t>;

@@ -8,9 +8,9 @@
 namespace asap {
 namespace {
 
-constexpr double kLeastGamma = 0.02;
-constexpr double kGammaRecovery = 1.02;      // per package
-constexpr std::int64_t kLeastSpanNs = 2000;  // of a rate: stamps have 1 us
+constexpr double kMinGamma = 0.02;
+constexpr double kGammaRecovery = 1.02;    // per package
+constexpr std::int64_t kMinSpanNs = 2000;  // of a rate: stamps have 1 us
 
 }  // namespace
 
@@ -57,9 +57,9 @@ void Asap2020::adapt_size(const Outcome& outcome) noexcept {
 }
 
 void Asap2020::adapt_gamma(const Outcome& outcome) noexcept {
-  const auto span_ns = static_cast<double>(std::max(outcome.span_ns, kLeastSpanNs));
+  const auto span_ns = static_cast<double>(std::max(outcome.span_ns, kMinSpanNs));
   const double rate = static_cast<double>(outcome.size) / (span_ns * 1e-9);
-  gamma_ = rate > config_.rate_bound ? std::max(kLeastGamma, gamma_ * config_.rate_bound / rate)
+  gamma_ = rate > config_.rate_bound ? std::max(kMinGamma, gamma_ * config_.rate_bound / rate)
                                      : std::min(1.0, kGammaRecovery * gamma_);
 }
 

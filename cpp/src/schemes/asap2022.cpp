@@ -10,22 +10,28 @@ namespace {
 
 constexpr double kFirstRate = 5e5;
 constexpr double kLeak = 0.99;
-constexpr double kLeastWindowNs = 1000;
-constexpr double kMeanOf = 16;            // containers
-constexpr double kLeastMeanGamma = 0.02;  // so that a take has an end
+constexpr double kMinWindowNs = 1000;
+constexpr double kMeanOf = 16;          // containers
+constexpr double kMinMeanGamma = 0.02;  // so that a take has an end
 
 double law(double kappa, double processing_ms) noexcept {
   return std::atan(kappa * std::log(processing_ms));
 }
 
+double in_ms(std::chrono::nanoseconds time) noexcept {
+  return static_cast<double>(time.count()) / 1e6;
+}
+
 }  // namespace
 
 Asap2022::Asap2022(Config config) : config_(config) {
-  require(config.min_processing_ms >= 1e-6 && config.min_processing_ms <= 1e9, "min_processing_ms",
-          config.min_processing_ms, "must be between 1e-6 and 1e9 ms");
-  require(config.max_processing_ms > config.min_processing_ms && config.max_processing_ms <= 1e9,
-          "max_processing_ms", config.max_processing_ms,
-          "must be above min_processing_ms and at most 1e9 ms");
+  using namespace std::chrono_literals;
+  require_time(config.min_processing >= 1ns && config.min_processing <= 1'000'000s,
+               "min_processing", config.min_processing, TimeUnit::ms,
+               "must be between 1e-6 and 1e9 ms");
+  require_time(config.max_processing > config.min_processing && config.max_processing <= 1'000'000s,
+               "max_processing", config.max_processing, TimeUnit::ms,
+               "must be above the minimum and at most 1e9 ms");
   require(config.min_size >= 1, "min_size", config.min_size, "must be at least 1 event");
   require(config.max_size >= config.min_size && config.max_size <= kLargestSize, "max_size",
           config.max_size, "must be at least min_size and at most 2^40 events");
@@ -35,8 +41,8 @@ Asap2022::Asap2022(Config config) : config_(config) {
           "max_gamma", config.max_gamma, "must be above 0, at least min_gamma and at most 1");
   require(config.first_size >= 1 && config.first_size <= kLargestSize, "first_size",
           config.first_size, "must be between 1 and 2^40 events");
-  const double rise =
-      law(config.kappa, config.max_processing_ms) - law(config.kappa, config.min_processing_ms);
+  const double rise = law(config.kappa, in_ms(config.max_processing)) -
+                      law(config.kappa, in_ms(config.min_processing));
   require(rise > 1e-9 && std::isfinite(config.kappa), "kappa", config.kappa,
           "must be positive, and such that the size changes between the processing times; 1 will");
   scale_ = static_cast<double>(config.max_size - config.min_size) / rise;
@@ -78,7 +84,7 @@ std::size_t Asap2022::raw_for_size() const noexcept {
   const auto open = static_cast<double>(containers_.left());
   const double beyond = size_ - open * gamma_;
   const double raw =
-      beyond <= 0 ? size_ / gamma_ : open + beyond / std::max(mean_gamma_, kLeastMeanGamma);
+      beyond <= 0 ? size_ / gamma_ : open + beyond / std::max(mean_gamma_, kMinMeanGamma);
   return static_cast<std::size_t>(std::ceil(raw));
 }
 
@@ -98,7 +104,7 @@ void Asap2022::adapt_gamma(std::int64_t container_ns) noexcept {
   if (container_count_ <= kWindow) return;
   const std::int64_t oldest_ns = container_ns_[container_count_ % kWindow];
   const double window_ns = static_cast<double>(container_ns) - static_cast<double>(oldest_ns);
-  const double r = static_cast<double>(kWindow) * 1e9 / std::max(window_ns, kLeastWindowNs);
+  const double r = static_cast<double>(kWindow) * 1e9 / std::max(window_ns, kMinWindowNs);
   r_max_ = r > r_max_ ? r : kLeak * r_max_;
   r_min_ = r < r_min_ ? r : r_min_ / kLeak;
   const double share = r_max_ == r_min_ ? 0.0 : (r - r_min_) / (r_max_ - r_min_);
@@ -107,16 +113,16 @@ void Asap2022::adapt_gamma(std::int64_t container_ns) noexcept {
 }
 
 void Asap2022::adapt_size(double processing_ms) noexcept {
-  const double least = config_.min_processing_ms;
-  const double longest = config_.max_processing_ms;
+  const double shortest = in_ms(config_.min_processing);
+  const double longest = in_ms(config_.max_processing);
   const auto largest = static_cast<double>(config_.max_size);
-  const double h = std::clamp(processing_ms, least, longest);
+  const double h = std::clamp(processing_ms, shortest, longest);
   const double size =
       scale_ * law(config_.kappa, h) + largest - scale_ * law(config_.kappa, longest);
   // Math libraries differ in the last bit; a run must not.
   size_ = std::clamp(std::nearbyint(size), static_cast<double>(config_.min_size), largest);
-  top_gamma_ =
-      config_.max_gamma - (h - least) / (longest - least) * (config_.max_gamma - config_.min_gamma);
+  top_gamma_ = config_.max_gamma -
+               (h - shortest) / (longest - shortest) * (config_.max_gamma - config_.min_gamma);
 }
 
 }  // namespace asap

@@ -9,11 +9,13 @@
 namespace asap {
 namespace {
 
+using namespace std::chrono_literals;
+
 constexpr double kEfficientShare = 0.05;  // of the fixed cost in an efficient package
 constexpr double kManyEvents = 1e15;
 
-// As many are worth a package at once: its fixed cost would be within the permitted share, or it
-// would fill half the bound.
+// Returns the number of events that justify a package at once: its fixed cost is within the
+// permitted share, or it fills half the bound.
 std::size_t enough(const CostModel& cost, double overhead, double caution,
                    double latency_ns) noexcept {
   const double alpha_ns = cost.alpha_ns();
@@ -24,23 +26,17 @@ std::size_t enough(const CostModel& cost, double overhead, double caution,
 
 }  // namespace
 
-std::int64_t checked_latency_ns(double latency_ms) {
-  require(latency_ms >= 0.01 && latency_ms <= 1e7, "latency_ms", latency_ms,
-          "must be between 0.01 and 1e7 ms");
-  return std::llround(latency_ms * 1e6);
-}
-
 std::int64_t interval_ns(const Backlog& backlog) noexcept {
   if (backlog.previous_start_ns == kLongAgo) return kNever;
   return backlog.now_ns - backlog.previous_start_ns;
 }
 
-HoldRule::HoldRule(double overhead, double min_interval_ms)
-    : overhead_(overhead), min_interval_ns_(min_interval_ms * 1e6) {
+HoldRule::HoldRule(double overhead, std::chrono::nanoseconds min_interval)
+    : overhead_(overhead), min_interval_ns_(static_cast<double>(min_interval.count())) {
   require(overhead >= 0 && overhead <= 1, "overhead", overhead,
           "must be between 0 (no limit) and 1");
-  require(min_interval_ms >= 0 && min_interval_ms <= 1e7, "min_interval_ms", min_interval_ms,
-          "must be between 0 and 1e7 ms");
+  require_time(min_interval >= 0s && min_interval <= 10'000s, "min_interval", min_interval,
+               TimeUnit::ms, "must be between 0 and 1e7 ms");
 }
 
 double HoldRule::shortest_ns(double latency_ns) const noexcept {
@@ -86,11 +82,9 @@ void FixedCostProbe::observe(std::uint64_t package, double latency_ns, double bo
   next_ = package + distance_;
 }
 
-BoundedScheme::BoundedScheme(double latency_ms, double overhead, double min_interval_ms,
-                             CostModelConfig cost)
-    : latency_bound_ns_(checked_latency_ns(latency_ms)),
-      hold_(overhead, min_interval_ms),
-      cost_(cost) {}
+BoundedScheme::BoundedScheme(std::chrono::nanoseconds latency, double overhead,
+                             std::chrono::nanoseconds min_interval, CostModelConfig cost)
+    : latency_bound_ns_(checked_latency_ns(latency)), hold_(overhead, min_interval), cost_(cost) {}
 
 void BoundedScheme::reset(Execution execution) noexcept {
   cost_.reset();
@@ -113,15 +107,8 @@ Decision BoundedScheme::within(double budget_ns, Decision decision) const noexce
   decision.budget_ns = std::llround(budget_ns);
   decision.fixed_ns = cost_.alpha_ns();
   decision.event_ns = cost_.beta_ns();
-  decision.most_event_ns = cost_.doubted_event_ns();
+  decision.max_event_ns = cost_.doubted_event_ns();
   return decision;
-}
-
-// The configured number itself, while that is the bound in force.
-double BoundedScheme::latency_ms(double configured_ms) const noexcept {
-  const std::int64_t bound_ns = latency_bound_ns_;
-  if (bound_ns == std::llround(configured_ms * 1e6)) return configured_ms;
-  return static_cast<double>(bound_ns) / 1e6;
 }
 
 }  // namespace asap

@@ -10,33 +10,33 @@
 namespace asap {
 namespace {
 
-constexpr double kLeastAlphaNs = 200.0;
-constexpr double kLeastBetaNs = 0.1;
-constexpr double kLeastCostNs = 1.0;
-constexpr double kMostCostNs = 1e15;  // eleven days
-constexpr double kMostSize = 0x1p40;
+constexpr double kMinAlphaNs = 200.0;
+constexpr double kMinBetaNs = 0.1;
+constexpr double kMinCostNs = 1.0;
+constexpr double kMaxCostNs = 1e15;  // eleven days
+constexpr double kMaxSize = 0x1p40;
 
 constexpr std::uint64_t kPriorLasts = 6;  // packages
 constexpr std::uint64_t kClipsFrom = 8;   // packages: before, every one is news
 constexpr std::size_t kPriorBucket = 13;  // sizes from 8192
 constexpr double kPriorWeight = 0.05;
 constexpr double kSpread = 8.0;  // largest / smallest size
-constexpr double kLeastWeight = 0.25;
-constexpr double kMostWeight = 16.0;
-constexpr double kMostScale = 3.0;
-constexpr double kMostRise = 2.0;
-constexpr double kMostFall = -0.5;
+constexpr double kMinWeight = 0.25;
+constexpr double kMaxWeight = 16.0;
+constexpr double kMaxScale = 3.0;
+constexpr double kMaxRise = 2.0;
+constexpr double kMaxFall = -0.5;
 constexpr double kRefuted = 0.25;  // of the fixed cost
 constexpr double kFirstSigma = 0.15;
-constexpr double kLeastSigma = 0.01;
-constexpr double kMostSigma = 0.4;
+constexpr double kMinSigma = 0.01;
+constexpr double kMaxSigma = 0.4;
 constexpr double kScaleGain = 0.2;
 constexpr double kSigmaGain = 0.05;
 constexpr double kSigmaWeight = 4.0;  // of the first guess, in packages
 constexpr double kFade = 0.98;        // of a size, per package
 constexpr double kApart = 3.0;        // sizes this far apart tell alpha from beta
-constexpr double kLeastShare = 0.02;  // of the events in the cost of a package
-constexpr double kMostGrowth = 8.0;   // of the largest size, per package ...
+constexpr double kMinShare = 0.02;    // of the events in the cost of a package
+constexpr double kMaxGrowth = 8.0;    // of the largest size, per package ...
 constexpr double kSureGrowth = 64.0;  // ... while the first guess holds
 
 double outlier_limit(double sigma) noexcept { return 3.0 * sigma + 0.03; }
@@ -57,15 +57,15 @@ void CostModel::reset() noexcept {
   scale_ = 1.0;
   sigma_ = kFirstSigma;
   streak_ = 0;
-  least_ = 0.0;
+  min_error_ = 0.0;
   count_ = 0;
   level_start_ = 0;
-  smallest_ = kMostSize;
+  smallest_ = kMaxSize;
   largest_ = 0.0;
   guess_holds_ = true;
   recent_size_ = 0.0;
   recent_cost_ns_ = 0.0;
-  most_event_ns_ = std::numeric_limits<double>::infinity();
+  max_event_ns_ = std::numeric_limits<double>::infinity();
   buckets_ = {};
   asked_for_ = 0;
   for (const std::size_t octave : {std::size_t{0}, kPriorBucket}) {
@@ -75,7 +75,7 @@ void CostModel::reset() noexcept {
 }
 
 double CostModel::doubted_event_ns() const noexcept {
-  return on_level() <= kPriorLasts ? std::max(beta_ns(), most_event_ns_) : beta_ns();
+  return on_level() <= kPriorLasts ? std::max(beta_ns(), max_event_ns_) : beta_ns();
 }
 
 void CostModel::update(const Outcome& outcome) noexcept {
@@ -87,14 +87,14 @@ void CostModel::update(const Outcome& outcome) noexcept {
 
 void CostModel::learn(std::size_t size, std::int64_t time_ns, Gains gains) noexcept {
   if (size == 0 || time_ns < 0) return;
-  const double n = std::min(static_cast<double>(size), kMostSize);
-  const double measured_ns = std::clamp(static_cast<double>(time_ns), kLeastCostNs, kMostCostNs);
+  const double n = std::min(static_cast<double>(size), kMaxSize);
+  const double measured_ns = std::clamp(static_cast<double>(time_ns), kMinCostNs, kMaxCostNs);
   watch(n, measured_ns);
   const double expected_ns = predict_ns(n);
   const double error = measured_ns / expected_ns - 1.0;
   const double noise = std::min(std::abs(error), outlier_limit(sigma_));
   if (std::abs(error) > outlier_limit(sigma_)) guess_holds_ = false;
-  double cost_ns = std::clamp(expected_ns * (1.0 + clipped(error, n)), kLeastCostNs, kMostCostNs);
+  double cost_ns = std::clamp(expected_ns * (1.0 + clipped(error, n)), kMinCostNs, kMaxCostNs);
   // A single event, the look of a scheme that doubts, costs at least what is fixed.
   if (n == 1.0 && measured_ns < kRefuted * alpha_ns()) bucket(n) = {};
   if (bucket(n).is_new()) cost_ns = std::min(cost_ns, measured_ns);
@@ -114,11 +114,11 @@ void CostModel::watch(double size, double cost_ns) noexcept {
   recent_size_ *= kFade;
   const double dearer_ns = recent_cost_ns_ * (1.0 + outlier_limit(sigma_));
   const bool is_known =
-      size < recent_size_ && cost_ns >= most_event_ns_ * size && cost_ns <= dearer_ns;
+      size < recent_size_ && cost_ns >= max_event_ns_ * size && cost_ns <= dearer_ns;
   if (is_known) return;
   recent_size_ = size;
   recent_cost_ns_ = cost_ns;
-  most_event_ns_ = cost_ns / size;
+  max_event_ns_ = cost_ns / size;
 }
 
 double CostModel::clipped(double error, double size) noexcept {
@@ -130,12 +130,12 @@ double CostModel::clipped(double error, double size) noexcept {
   }
   const int side = error > 0 ? 1 : -1;
   const bool goes_on = streak_ * side > 0;
-  least_ = goes_on && std::abs(least_) < std::abs(error) ? least_ : error;
+  min_error_ = goes_on && std::abs(min_error_) < std::abs(error) ? min_error_ : error;
   streak_ = goes_on ? streak_ + side : side;
   if (std::abs(streak_) < 3) return std::clamp(error, -limit, limit);
   streak_ = 0;
-  if (least_ <= kMostRise && least_ >= kMostFall) return std::min(error, kMostRise);
-  start_level(1.0 + least_, size);
+  if (min_error_ <= kMaxRise && min_error_ >= kMaxFall) return std::min(error, kMaxRise);
+  start_level(1.0 + min_error_, size);
   return error;
 }
 
@@ -145,26 +145,26 @@ double CostModel::clipped(double error, double size) noexcept {
 // hundreds of packages.) A fall that the fixed cost alone explains says nothing about the rest.
 void CostModel::start_level(double factor, double size) noexcept {
   const double fall_ns = (1.0 - factor) * predict_ns(size);
-  const bool is_fixed_cost = fall_ns > 0.0 && fall_ns < alpha_ns() && fall_ns < least_cost_ns();
+  const bool is_fixed_cost = fall_ns > 0.0 && fall_ns < alpha_ns() && fall_ns < min_cost_ns();
   rebase(is_fixed_cost ? scale_ : scale_ * factor);
   for (Bucket& bucket : buckets_) {
-    if (is_fixed_cost) bucket.cost_ns = std::max(bucket.cost_ns - fall_ns, kLeastAlphaNs);
+    if (is_fixed_cost) bucket.cost_ns = std::max(bucket.cost_ns - fall_ns, kMinAlphaNs);
     bucket.weight = std::min(bucket.weight, kPriorWeight);
     bucket.is_prior = true;
   }
   sigma_ = std::max(sigma_, kFirstSigma);
   level_start_ = count_;
-  smallest_ = kMostSize;
+  smallest_ = kMaxSize;
   largest_ = 0.0;
 }
 
-// Of what is remembered. No fixed cost is larger.
-double CostModel::least_cost_ns() const noexcept {
-  double least_ns = kMostCostNs;
+// The lowest cost that is remembered. No fixed cost is larger.
+double CostModel::min_cost_ns() const noexcept {
+  double min_ns = kMaxCostNs;
   for (const Bucket& bucket : buckets_) {
-    if (bucket.weight > 0) least_ns = std::min(least_ns, scale_ * bucket.cost_ns);
+    if (bucket.weight > 0) min_ns = std::min(min_ns, scale_ * bucket.cost_ns);
   }
-  return least_ns;
+  return min_ns;
 }
 
 template <class Self, class Call>
@@ -176,8 +176,8 @@ void CostModel::each_asked_for(Self& self, const Call& call) noexcept {
 
 void CostModel::forget() noexcept {
   each_asked_for(*this, [this](Bucket& bucket) {
-    if (bucket.weight > kLeastWeight) {
-      bucket.weight = std::max(kLeastWeight, 0.998 * bucket.weight);
+    if (bucket.weight > kMinWeight) {
+      bucket.weight = std::max(kMinWeight, 0.998 * bucket.weight);
     } else if (bucket.is_prior && on_level() >= kPriorLasts && knows_better(bucket)) {
       // With weights of 1 / c^2 a prior that is far too small would rule for ever.
       bucket.weight = 0.0;
@@ -204,7 +204,7 @@ void CostModel::remember(double size, double cost_ns) noexcept {
     bucket = {1.0, size, cost_ns, false};
     return;
   }
-  bucket.weight = std::min(bucket.weight + 1.0, kMostWeight);
+  bucket.weight = std::min(bucket.weight + 1.0, kMaxWeight);
   const double gain = 1.0 / std::max(bucket.weight, 2.0);
   bucket.size += gain * (size - bucket.size);
   bucket.cost_ns += gain * (cost_ns - bucket.cost_ns);
@@ -232,13 +232,13 @@ double CostModel::max_beta_ns(const Mean& small) const noexcept {
   const double error_ns = sigma_ * std::sqrt(recent_cost_ns_ * recent_cost_ns_ +
                                              small.cost_ns * small.cost_ns / small.weight);
   return std::max((recent_cost_ns_ - small.cost_ns + error_ns) / (recent_size() - small.size),
-                  kLeastShare * most_event_ns_);
+                  kMinShare * max_event_ns_);
 }
 
 double CostModel::safe_size(double room_ns, double fixed_caution, double event_caution,
                             double enough) const noexcept {
   // Fixed costs are not negative: n events take at most n times what an event has cost.
-  const double share = std::floor(room_ns / (event_caution * most_event_ns_));
+  const double share = std::floor(room_ns / (event_caution * max_event_ns_));
   // One event is added: without it a fixed cost close to the room would keep packages small.
   double size = 1.0 + std::max(1.0, share);
   if (size >= enough) return size;
@@ -246,7 +246,7 @@ double CostModel::safe_size(double room_ns, double fixed_caution, double event_c
   const Mean small = smaller_packages();
   if (small.weight > 0 && spare_ns > 0) {
     const double more = spare_ns / (event_caution * max_beta_ns(small));
-    size = std::max(size, recent_size() + std::min(more, (kMostGrowth - 1.0) * recent_size()));
+    size = std::max(size, recent_size() + std::min(more, (kMaxGrowth - 1.0) * recent_size()));
   }
   const bool is_sure = guess_holds_ && count_ > 0 && count_ <= kPriorLasts;
   return std::floor(is_sure ? std::max(size, kSureGrowth * largest_) : size);
@@ -267,13 +267,13 @@ void CostModel::fit() noexcept {
   if (determinant > 1e-9 * s0 * s2) {
     double alpha_ns = (y0 * s2 - y1 * s1) / determinant;
     double beta_ns = (s0 * y1 - s1 * y0) / determinant;
-    if (alpha_ns < kLeastAlphaNs) {
-      alpha_ns = kLeastAlphaNs;
-      beta_ns = std::max(kLeastBetaNs, (y1 - alpha_ns * s1) / s2);
+    if (alpha_ns < kMinAlphaNs) {
+      alpha_ns = kMinAlphaNs;
+      beta_ns = std::max(kMinBetaNs, (y1 - alpha_ns * s1) / s2);
     }
-    if (beta_ns < kLeastBetaNs) {
-      beta_ns = kLeastBetaNs;
-      alpha_ns = std::max(kLeastAlphaNs, (y0 - beta_ns * s1) / s0);
+    if (beta_ns < kMinBetaNs) {
+      beta_ns = kMinBetaNs;
+      alpha_ns = std::max(kMinAlphaNs, (y0 - beta_ns * s1) / s0);
     }
     alpha_ns_ = alpha_ns;
     beta_ns_ = beta_ns;
@@ -284,23 +284,23 @@ void CostModel::fit() noexcept {
   const double a = alpha_ns_;
   const double b = beta_ns_;
   const double factor = (a * y0 + b * y1) / (a * a * s0 + 2.0 * a * b * s1 + b * b * s2);
-  alpha_ns_ = std::max(kLeastAlphaNs, factor * a);
-  beta_ns_ = std::max(kLeastBetaNs, factor * b);
+  alpha_ns_ = std::max(kMinAlphaNs, factor * a);
+  beta_ns_ = std::max(kMinBetaNs, factor * b);
 }
 
 void CostModel::follow(double size, double cost_ns, double noise, Gains gains) noexcept {
   scale_ += gains.scale * (std::clamp(cost_ns / line_ns(size), 0.1, 10.0) - scale_);
   const double seen = kSigmaWeight + static_cast<double>(on_level() - kClipsFrom);
   const double gain = gains.sigma > 0 ? std::max(gains.sigma, 1.0 / seen) : 0.0;
-  sigma_ = std::clamp(sigma_ + gain * (noise - sigma_), kLeastSigma, kMostSigma);
-  if (scale_ > kMostScale || scale_ < 1.0 / kMostScale) rebase(scale_);
+  sigma_ = std::clamp(sigma_ + gain * (noise - sigma_), kMinSigma, kMaxSigma);
+  if (scale_ > kMaxScale || scale_ < 1.0 / kMaxScale) rebase(scale_);
 }
 
 // The factor becomes part of what is remembered. (Otherwise a cost that has jumped by more
 // than 10 is never reached, as the memory of the cheap packages outweighs the others for ever.)
 void CostModel::rebase(double factor) noexcept {
   for (Bucket& bucket : buckets_) {
-    bucket.cost_ns = std::clamp(factor * bucket.cost_ns, kLeastCostNs, kMostCostNs);
+    bucket.cost_ns = std::clamp(factor * bucket.cost_ns, kMinCostNs, kMaxCostNs);
   }
   alpha_ns_ *= factor;
   beta_ns_ *= factor;

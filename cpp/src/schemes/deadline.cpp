@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kPreferences{"balanced", "events", "continuity"};
 
-constexpr double kMostBudgetNs = 1e18;
+constexpr double kMaxBudgetNs = 1e18;
 constexpr double kAll = std::numeric_limits<double>::infinity();
 constexpr double kCaution = 3.0;     // z: nothing stops a whole package that is late
 constexpr double kSlack = 0.5;       // bounds: z times the fixed cost is no more
@@ -112,8 +112,8 @@ class Planner {
     return std::min(now.latency_ns / 2, room_ns < now.shortest_ns ? now.latency_ns : room_ns);
   }
 
-  // What stays behind can still be finished: by itself if no more came, and by a package of like
-  // length, or in a pause of three fixed costs, if it does. But the package is filled first.
+  // Fills the package first. What stays behind can still be finished: alone if no more events come,
+  // else within the next package of like length or within three fixed costs.
   Plan drawn_up(double length_ns) const noexcept {
     const double left_ns = latency_ns_ - length_ns;
     const double there_ns = work_.up_to(left_ns);
@@ -213,8 +213,8 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
     return take(backlog, latency_ns, std::max(room_ns, shortest_ns), 1.0, kAll);
   }
   // Nothing stops a whole package that is late: a shorter one is less late.
-  const double most_ns = is_whole() ? std::max(latency_ns / 2, 12.0 * slow_ns) : latency_ns;
-  const double fit_ns = std::min(room_ns, most_ns);
+  const double max_ns = is_whole() ? std::max(latency_ns / 2, 12.0 * slow_ns) : latency_ns;
+  const double fit_ns = std::min(room_ns, max_ns);
   const auto all = static_cast<double>(backlog.count);
   const double event_ns = cost_.beta_ns();
   if (slow * alpha_ns + zeta * event_ns * all <= fit_ns) {
@@ -230,7 +230,7 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
                      .event_ns = event_ns,
                      .age_ns = age_ns(backlog),
                      .shortest_ns = std::max(shortest_ns, hold_.shortest_ns(latency_ns)),
-                     .longest_ns = most_ns,
+                     .longest_ns = max_ns,
                      .is_new = packages_ < 4,
                      .prefer = config_.prefer})
           .best();
@@ -257,15 +257,15 @@ Decision Deadline::take(const Backlog& backlog, double latency_ns, double length
   const double raw = std::clamp(left - stay, size, left);
   Decision decision = Decision::take(static_cast<std::size_t>(raw), size / raw);
   decision.stale = stale;
-  const double most_event_ns = cost_.most_event_ns();
+  const double max_event_ns = cost_.max_event_ns();
   if (is_whole() || packages_ < kFirst) {
     const double room_ns = std::max(latency_ns - age_ns_, length_ns);
     const double safe = safe_size(room_ns, latency_ns, size);
     decision = safe_slice(decision, safe);
     if (size > safe && is_early()) decision = newest_of(backlog, decision, latency_ns);
   }
-  decision = within(std::clamp(length_ns, 1.0, kMostBudgetNs), decision);
-  if (most_event_ns > 1.1 * cost_.beta_ns()) decision.most_event_ns = most_event_ns;
+  decision = within(std::clamp(length_ns, 1.0, kMaxBudgetNs), decision);
+  if (max_event_ns > 1.1 * cost_.beta_ns()) decision.max_event_ns = max_event_ns;
   return decision;
 }
 
@@ -285,14 +285,14 @@ Decision Deadline::newest_of(const Backlog& backlog, const Decision& slice,
   return newest;
 }
 
-// The bound; what two packages take that are little more than their fixed cost where that is more,
-// but not on the strength of a first guess.
+// The user's bound, or 2.5 alpha if larger, since no shorter bound is reachable. alpha is ignored
+// while it is a guess.
 double Deadline::reachable_ns() const noexcept {
   const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
   return is_early() ? bound_ns : std::max(bound_ns, kReach * cost_.alpha_ns());
 }
 
-// Less a margin for noise and one for outages.
+// The reachable bound less a margin for noise and one for outages.
 double Deadline::planned_ns() const noexcept {
   const double latency_ns = reachable_ns() * (1.0 - 0.05 * std::max(0.0, cost_.sigma() - 0.05));
   return latency_ns - reserve_.ns(latency_ns, cost_.alpha_ns());

@@ -1,21 +1,11 @@
 #include "asap/schemes/fixed.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <chrono>
 
 #include "asap/core/check.hpp"
 
 namespace asap {
-namespace {
-
-std::int64_t checked_period_ns(double period_ms) {
-  require(period_ms >= 0.001 && period_ms <= 1e9, "period_ms", period_ms,
-          "must be between 0.001 (1 us) and 1e9 ms");
-  return std::llround(period_ms * 1e6);
-}
-
-}  // namespace
-
 FixedSize::FixedSize(Config config) : config_(config) {
   require(config.size >= 1 && config.size <= kLargestSize, "size", config.size,
           "must be between 1 and 2^40 events");
@@ -26,11 +16,15 @@ Decision FixedSize::decide(const Backlog& backlog) noexcept {
   return Decision::take(std::min(backlog.count, config_.size));
 }
 
-FixedTime::FixedTime(Config config)
-    : config_(config), period_ns_(checked_period_ns(config.period_ms)) {}
+FixedTime::FixedTime(Config config) : config_(config) {
+  using namespace std::chrono_literals;
+  require_time(config.period >= 1us && config.period <= 1'000'000s, "period", config.period,
+               TimeUnit::ms, "must be between 0.001 (1 us) and 1e9 ms");
+}
 
 Decision FixedTime::decide(const Backlog& backlog) noexcept {
-  const std::int64_t boundary_ns = (floor_div(backlog.oldest_ns, period_ns_) + 1) * period_ns_;
+  const std::int64_t period_ns = config_.period.count();
+  const std::int64_t boundary_ns = (floor_div(backlog.oldest_ns, period_ns) + 1) * period_ns;
   if (backlog.now_ns < boundary_ns && !backlog.due) return Decision::wait_until(boundary_ns);
   return Decision::take(backlog.counts.before(boundary_ns));
 }

@@ -56,7 +56,7 @@ void BackgroundNoise::add_to(TimeSortedBlock& block, std::int64_t elapsed_us) co
   for (std::int32_t offset_us = 0; offset_us < block.step_us(); ++offset_us) {
     const auto microsecond = static_cast<std::uint64_t>(elapsed_us + offset_us);
     if (random_.uniform(microsecond) >= probability_) continue;
-    const std::uint64_t bits = mix(random_(microsecond));
+    const std::uint64_t bits = detail::mix(random_(microsecond));
     const auto x = static_cast<std::int32_t>(((bits & 0xffffffffU) * width_) >> 32);
     const auto y = static_cast<std::int32_t>(((bits >> 33) * height_) >> 31);
     block.add(x, y, (bits >> 32 & 1) != 0, offset_us);

@@ -1,4 +1,4 @@
-#include "asap/synthetic/flight_over_chairs.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <algorithm>
 #include <array>
@@ -18,8 +18,8 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kLane = 1.4;         // distance of two chairs of a row, in chair widths
 constexpr double kRowPitch = 1.9;     // distance of two rows; a chair stays inside
-constexpr double kFirstSpeed = 0.15;  // of the last
-constexpr double kMostTilt = 0.12;    // tangent of half the angle
+constexpr double kFirstSpeed = 0.15;  // share of the last
+constexpr double kMaxTilt = 0.12;     // tangent of half the angle
 constexpr double kSwaySpeed = 0.08;   // the fastest, of the last speed
 constexpr double kSway_hz = 0.7;
 constexpr double kMaxFlightPixelRate_hz = 100.0;
@@ -53,7 +53,8 @@ void add_chair(Outline& outline, double width_px, UnitVector tilt, PlanePoint to
 }
 
 const FlightOverChairsConfig& checked(const FlightOverChairsConfig& config) {
-  synthetic::require_view_and_time(config);
+  synthetic::require_view_and_time(config.width, config.height, config.duration.count(),
+                                   config.start.count());
   const double max_rate_hz = kMaxFlightPixelRate_hz * config.width * config.height;
   require(config.last_rate_hz > 0.0 && config.last_rate_hz <= max_rate_hz, "last_rate_hz",
           config.last_rate_hz, "give a rate above 0, at most 100 events per second and pixel");
@@ -68,7 +69,7 @@ std::int32_t lanes_of(const FlightOverChairsConfig& config) {
 
 double events_per_px_of_chair(double width_px) {
   Outline chair{CounterRandom{0}};
-  add_chair(chair, width_px, UnitVector{}.turned(kMostTilt / 2.0), {});
+  add_chair(chair, width_px, UnitVector{}.turned(kMaxTilt / 2.0), {});
   return chair.events_per_px({0.0, 1.0});
 }
 
@@ -79,7 +80,7 @@ double speed_over_full_floor_px_s(const FlightOverChairsConfig& config) {
   return config.last_rate_hz / (chairs_in_view * events_per_px_of_chair(config.chair_px));
 }
 
-std::size_t most_points_per_row(const FlightOverChairsConfig& config) {
+std::size_t max_points_per_row(const FlightOverChairsConfig& config) {
   constexpr std::size_t kRoundedUp = 4 * kChair.size();
   Outline chair{CounterRandom{0}};
   add_chair(chair, config.chair_px, {}, {});
@@ -91,33 +92,33 @@ std::vector<Outline> empty_rows(const FlightOverChairsConfig& config) {
   const auto count = static_cast<std::size_t>(config.height / (kRowPitch * config.chair_px)) + 2;
   std::vector<Outline> rows;
   for (std::size_t i = 0; i < count; ++i) {
-    rows.emplace_back(CounterRandom{seeds(i)}).reserve(most_points_per_row(config));
+    rows.emplace_back(CounterRandom{seeds(i)}).reserve(max_points_per_row(config));
   }
   return rows;
 }
 
 }  // namespace
 
-class FlightOverChairs::State {
+class FlightOverChairs::Impl {
  public:
-  explicit State(const FlightOverChairsConfig& config)
+  explicit Impl(const FlightOverChairsConfig& config)
       : config_(checked(config)),
         lanes_(lanes_of(config)),
         row_pitch_px_(kRowPitch * config.chair_px),
         last_speed_px_s_(speed_over_full_floor_px_s(config)),
-        first_full_row_(std::max(1.0, flown_px(config.duration_us) / row_pitch_px_)),
+        first_full_row_(std::max(1.0, flown_px(config.duration.count()) / row_pitch_px_)),
         layout_(CounterRandom(config.seed)(1)),
         noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(2)),
         rows_(empty_rows(config)),
         block_(config.width, config.height,
-               rows_.size() * most_points_per_row(config) + TimeSortedBlock::kMaxStep_us) {
+               rows_.size() * max_points_per_row(config) + TimeSortedBlock::kMaxStep_us) {
     for (std::size_t row = 0; row < rows_.size(); ++row) fill(static_cast<std::int64_t>(row));
   }
 
   EventSpan next() noexcept {
-    while (elapsed_us_ < config_.duration_us) {
+    while (elapsed_us_ < config_.duration.count()) {
       const std::int32_t step = step_us();
-      block_.open(config_.t0_us + elapsed_us_, step);
+      block_.open(config_.start.count() + elapsed_us_, step);
       noise_.add_to(block_, elapsed_us_);
 
       const View from = view();
@@ -143,7 +144,7 @@ class FlightOverChairs::State {
       outline_of(row).sweep(place_of(row, from), place_of(row, to), block_);
     }
     if (place_of(nearest_row_, to).y < config_.height * Outline::kUnit) return;
-    fill(nearest_row_ + rows);  // in the memory of the row that left at the bottom
+    fill(nearest_row_ + rows);  // takes the memory of the row that left at the bottom
     ++nearest_row_;
   }
 
@@ -160,8 +161,7 @@ class FlightOverChairs::State {
       // Each lane that is left is equally likely to get one of the chairs that are left.
       if (random.uniform(drawn++) * (lanes_ - lane) >= static_cast<double>(chairs)) continue;
       --chairs;
-      const UnitVector tilt =
-          UnitVector{}.turned(kMostTilt * (2.0 * random.uniform(drawn++) - 1.0));
+      const UnitVector tilt = UnitVector{}.turned(kMaxTilt * (2.0 * random.uniform(drawn++) - 1.0));
       const double shift_x = 0.2 * random.uniform(drawn++) - 0.1;
       const double shift_y = 0.15 + 0.2 * random.uniform(drawn++);
       add_chair(outline, config_.chair_px, tilt,
@@ -194,13 +194,13 @@ class FlightOverChairs::State {
   double flown_px(std::int64_t elapsed_us) const noexcept {
     const double seconds = 1e-6 * static_cast<double>(elapsed_us);
     const double progress =
-        static_cast<double>(elapsed_us) / static_cast<double>(config_.duration_us);
+        static_cast<double>(elapsed_us) / static_cast<double>(config_.duration.count());
     return last_speed_px_s_ * seconds * (kFirstSpeed + (1.0 - kFirstSpeed) / 2.0 * progress);
   }
 
   std::int32_t step_us() const noexcept {
     return Outline::step_us((1.0 + kSwaySpeed) * last_speed_px_s_,
-                            config_.duration_us - elapsed_us_);
+                            config_.duration.count() - elapsed_us_);
   }
 
   FlightOverChairsConfig config_;
@@ -218,12 +218,12 @@ class FlightOverChairs::State {
 };
 
 FlightOverChairs::FlightOverChairs(const FlightOverChairsConfig& config)
-    : state_(std::make_unique<State>(config)) {}
+    : impl_(std::make_unique<Impl>(config)) {}
 
 FlightOverChairs::~FlightOverChairs() = default;
 FlightOverChairs::FlightOverChairs(FlightOverChairs&& other) noexcept = default;
 FlightOverChairs& FlightOverChairs::operator=(FlightOverChairs&& other) noexcept = default;
 
-EventSpan FlightOverChairs::next() noexcept { return state_->next(); }
+EventSpan FlightOverChairs::next() noexcept { return impl_->next(); }
 
 }  // namespace asap

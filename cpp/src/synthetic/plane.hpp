@@ -15,7 +15,7 @@ struct UnitVector {
   double x = 1.0;
   double y = 0.0;
 
-  // For small angles half_tangent is half the angle in rad (0.3 % short at 0.2 rad).
+  // half_tangent of a small angle is half the angle in rad (0.3 % short at 0.2 rad).
   UnitVector turned(double half_tangent) const noexcept {
     const double square = half_tangent * half_tangent;
     const double cosine = (1.0 - square) / (1.0 + square);

@@ -1,4 +1,4 @@
-#include "asap/synthetic/poisson_arrivals.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,16 +17,17 @@ constexpr std::size_t kBlock = 4096;
 constexpr double kMemory = 0.90483741803595957;  // exp(-0.1): 1 ms in steps of 0.1 ms
 
 const PoissonArrivalsConfig& checked(const PoissonArrivalsConfig& config) {
-  synthetic::require_view_and_time(config);
+  synthetic::require_view_and_time(config.width, config.height, config.duration.count(),
+                                   config.start.count());
   require(config.noise >= 0.0 && config.noise <= 1.0, "noise", config.noise, "give 0 to 1");
   return config;
 }
 
 }  // namespace
 
-class PoissonArrivals::State {
+class PoissonArrivals::Impl {
  public:
-  explicit State(const PoissonArrivalsConfig& config)
+  explicit Impl(const PoissonArrivalsConfig& config)
       : config_(checked(config)),
         steps_(CounterRandom(config.seed)(0)),
         flicker_(CounterRandom(config.seed)(1)),
@@ -50,7 +51,7 @@ class PoissonArrivals::State {
     while (size < kBlock && (left_ > 0 || to_next_event())) {
       const std::size_t end = size + std::min<std::uint64_t>(left_, kBlock - size);
       left_ -= end - size;
-      const std::int64_t t = config_.t0_us + elapsed_us_ - 1;
+      const std::int64_t t = config_.start.count() + elapsed_us_ - 1;
       for (; size < end; ++size) {
         const std::uint64_t bits = step_(drawn_++);
         Event& event = block_[size];
@@ -67,7 +68,7 @@ class PoissonArrivals::State {
  private:
   // Goes on to the next microsecond that holds events.
   bool to_next_event() noexcept {
-    while (elapsed_us_ < config_.duration_us) {
+    while (elapsed_us_ < config_.duration.count()) {
       if (elapsed_us_ % kStep_us == 0) {
         if (next_rate_ == rates_hz_.size()) return false;
         open_step(rates_hz_[next_rate_++]);
@@ -91,7 +92,7 @@ class PoissonArrivals::State {
     log_factor_ =
         step == 0 ? normal : kMemory * log_factor_ + std::sqrt(1.0 - kMemory * kMemory) * normal;
     const double exponent = config_.noise * log_factor_ - 0.5 * config_.noise * config_.noise;
-    const double mean = rate_hz * synthetic::portable_exp(exponent) * 1e-6;  // of a microsecond
+    const double mean = rate_hz * synthetic::portable_exp(exponent) * 1e-6;  // mean per microsecond
 
     step_ = CounterRandom(steps_(step));
     drawn_ = 0;
@@ -106,7 +107,7 @@ class PoissonArrivals::State {
   std::size_t next_rate_ = 0;
   double log_factor_ = 0.0;  // y
 
-  CounterRandom step_;  // of the open step: numbers of events and pixels
+  CounterRandom step_;  // draws numbers of events and pixels of the open step
   std::uint64_t drawn_ = 0;
   std::uint64_t pieces_ = 0;  // draws that make up a microsecond's number; 0: no events
   synthetic::PoissonTable piece_;
@@ -117,14 +118,14 @@ class PoissonArrivals::State {
 };
 
 PoissonArrivals::PoissonArrivals(const PoissonArrivalsConfig& config)
-    : state_(std::make_unique<State>(config)) {}
+    : impl_(std::make_unique<Impl>(config)) {}
 
 PoissonArrivals::~PoissonArrivals() = default;
 PoissonArrivals::PoissonArrivals(PoissonArrivals&& other) noexcept = default;
 PoissonArrivals& PoissonArrivals::operator=(PoissonArrivals&& other) noexcept = default;
 
-void PoissonArrivals::feed(std::span<const double> rates_hz) { state_->feed(rates_hz); }
+void PoissonArrivals::feed(std::span<const double> rates_hz) { impl_->feed(rates_hz); }
 
-EventSpan PoissonArrivals::next() noexcept { return state_->next(); }
+EventSpan PoissonArrivals::next() noexcept { return impl_->next(); }
 
 }  // namespace asap

@@ -13,7 +13,7 @@
 
 namespace asap::synthetic {
 
-// For |x| up to 700; relative error below 1e-15.
+// Holds for |x| up to 700; relative error below 1e-15.
 inline double portable_exp(double x) noexcept {
   constexpr double kLog2E = 1.4426950408889634;
   constexpr double kLn2High = 6.93147180369123816490e-01;  // few bits: its multiples are exact
@@ -26,12 +26,12 @@ inline double portable_exp(double x) noexcept {
   return std::ldexp(sum, doublings);
 }
 
-// For x > 0; error below 1e-10.
+// Holds for x > 0; error below 1e-10.
 inline double portable_log(double x) noexcept {
   constexpr double kLn2 = 0.69314718055994531;
   constexpr double kHalfRoot = 0.70710678118654752;
   int doublings = 0;
-  double mantissa = std::frexp(x, &doublings);  // in [0.5, 1)
+  double mantissa = std::frexp(x, &doublings);  // lies in [0.5, 1)
   if (mantissa < kHalfRoot) {
     mantissa *= 2.0;
     --doublings;
@@ -73,7 +73,7 @@ class PoissonTable {
   [[nodiscard]] std::size_t draw(double uniform) const noexcept;
 
  private:
-  std::array<double, 512> cumulative_{1.0};  // of 0, 1, 2 ...
+  std::array<double, 512> cumulative_{1.0};  // up to 0, 1, 2 ...
   std::size_t size_ = 1;
 };
 

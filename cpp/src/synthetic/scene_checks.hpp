@@ -7,16 +7,15 @@
 
 namespace asap::synthetic {
 
-template <class Config>
-void require_view_and_time(const Config& config) {
+inline void require_view_and_time(std::int32_t width, std::int32_t height, std::int64_t duration_us,
+                                  std::int64_t t0_us) {
   constexpr std::int64_t kLastTime_us = std::int64_t{1} << 62;
-  require(config.width >= 16 && config.width <= 8192, "width", config.width,
-          "give the sensor's width, 16 to 8192 px");
-  require(config.height >= 16 && config.height <= 8192, "height", config.height,
+  require(width >= 16 && width <= 8192, "width", width, "give the sensor's width, 16 to 8192 px");
+  require(height >= 16 && height <= 8192, "height", height,
           "give the sensor's height, 16 to 8192 px");
-  require(config.duration_us >= 10'000 && config.duration_us <= 86'400'000'000, "duration_us",
-          config.duration_us, "give 10 ms to one day, in us");
-  require(config.t0_us >= -kLastTime_us && config.t0_us <= kLastTime_us, "t0_us", config.t0_us,
+  require(duration_us >= 10'000 && duration_us <= 86'400'000'000, "duration_us", duration_us,
+          "give 10 ms to one day, in us");
+  require(t0_us >= -kLastTime_us && t0_us <= kLastTime_us, "t0_us", t0_us,
           "give a time within 2^62 us of zero");
 }
 

@@ -1,4 +1,4 @@
-#include "asap/synthetic/shaken_pattern.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <array>
 #include <cmath>
@@ -15,13 +15,14 @@ namespace asap {
 namespace {
 
 constexpr double kCell_px = 24.0;        // one shape of the print per cell
-constexpr double kFirstAmplitude = 0.1;  // of the last
-constexpr double kMinorAxis = 0.8;       // of the major
+constexpr double kFirstAmplitude = 0.1;  // share of the last
+constexpr double kMinorAxis = 0.8;       // share of the major
 constexpr double kMeanSpeed = 0.9028;    // on that ellipse, of the fastest
 constexpr double kMaxPatternPixelRate_hz = 500.0;
 
 const ShakenPatternConfig& checked(const ShakenPatternConfig& config) {
-  synthetic::require_view_and_time(config);
+  synthetic::require_view_and_time(config.width, config.height, config.duration.count(),
+                                   config.start.count());
   const double max_rate_hz = kMaxPatternPixelRate_hz * config.width * config.height;
   require(config.last_rate_hz > 0.0 && config.last_rate_hz <= max_rate_hz, "last_rate_hz",
           config.last_rate_hz, "give a rate above 0, at most 500 events per second and pixel");
@@ -87,9 +88,9 @@ double events_per_px_in_view(const Outline& poster, const ShakenPatternConfig& c
 
 }  // namespace
 
-class ShakenPattern::State {
+class ShakenPattern::Impl {
  public:
-  explicit State(const ShakenPatternConfig& config)
+  explicit Impl(const ShakenPatternConfig& config)
       : config_(checked(config)),
         print_(printed_poster(config)),
         noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(2)),
@@ -97,9 +98,9 @@ class ShakenPattern::State {
         events_per_px_(events_per_px_in_view(print_, config)) {}
 
   EventSpan next() noexcept {
-    while (elapsed_us_ < config_.duration_us) {
+    while (elapsed_us_ < config_.duration.count()) {
       const std::int32_t step = step_us();
-      block_.open(config_.t0_us + elapsed_us_, step);
+      block_.open(config_.start.count() + elapsed_us_, step);
       noise_.add_to(block_, elapsed_us_);
 
       const Outline::Place from = place();
@@ -117,7 +118,7 @@ class ShakenPattern::State {
  private:
   // 0 at the start, 1 at the end.
   double progress() const noexcept {
-    return static_cast<double>(elapsed_us_) / static_cast<double>(config_.duration_us);
+    return static_cast<double>(elapsed_us_) / static_cast<double>(config_.duration.count());
   }
 
   double amplitude_px() const noexcept {
@@ -138,9 +139,9 @@ class ShakenPattern::State {
 
   std::int32_t step_us() const noexcept {
     const double growth_px_s =
-        1e6 * config_.amplitude_px / static_cast<double>(config_.duration_us);
+        1e6 * config_.amplitude_px / static_cast<double>(config_.duration.count());
     return Outline::step_us(speed_px_s() / kMeanSpeed + growth_px_s,
-                            config_.duration_us - elapsed_us_);
+                            config_.duration.count() - elapsed_us_);
   }
 
   ShakenPatternConfig config_;
@@ -153,12 +154,12 @@ class ShakenPattern::State {
 };
 
 ShakenPattern::ShakenPattern(const ShakenPatternConfig& config)
-    : state_(std::make_unique<State>(config)) {}
+    : impl_(std::make_unique<Impl>(config)) {}
 
 ShakenPattern::~ShakenPattern() = default;
 ShakenPattern::ShakenPattern(ShakenPattern&& other) noexcept = default;
 ShakenPattern& ShakenPattern::operator=(ShakenPattern&& other) noexcept = default;
 
-EventSpan ShakenPattern::next() noexcept { return state_->next(); }
+EventSpan ShakenPattern::next() noexcept { return impl_->next(); }
 
 }  // namespace asap

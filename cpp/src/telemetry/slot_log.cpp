@@ -1,4 +1,4 @@
-#include "asap/telemetry/slot_log.hpp"
+#include "telemetry/slot_log.hpp"
 
 #include <algorithm>
 

@@ -55,7 +55,7 @@ static_assert(MovingShapes::kStep_us <= ContrastPixel::kRefractory_us,
               "a pixel fires once in a step at most");
 
 const MovingShapesConfig& checked(const MovingShapesConfig& config) {
-  synthetic::require_view_and_time(config);
+  synthetic::require_view_and_time(config.width, config.height, config.duration_us, config.t0_us);
   require(config.duration_us % MovingShapes::kStep_us == 0, "duration_us", config.duration_us,
           "give a multiple of 250 us");
   require(config.shapes.size() <= kMaxShapes, "shapes", config.shapes.size(),

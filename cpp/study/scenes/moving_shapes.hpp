@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "asap/synthetic/event_stream.hpp"
+#include "asap/synthetic/streams.hpp"
 #include "study/scenes/limb.hpp"
 #include "study/scenes/rigid_motion.hpp"
 #include "study/scenes/rigid_shape.hpp"

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
 import asap
 from asap import _checks, _units
 from asap._stamps import TIME_EXPONENTS
-from asap.results import archive
+from asap.results import saved
 
 T = TypeVar("T")
 
@@ -130,42 +129,27 @@ def open_recording(arguments: Any) -> asap.Recording:
 
 
 def typed(parse: Callable[..., T], field: str) -> Callable[[str], T]:
-    """Let argparse show the message of a parser of `asap._units`."""
+    """Let argparse show what a parser, called as parse(text, field=field), says of a text."""
 
     def parse_argument(text: str) -> T:
         try:
             return parse(text, field=field)
         except ValueError as error:
-            raise argparse.ArgumentTypeError(str(error)) from error
+            words = str(error).removeprefix("path = ")
+        except OSError as error:
+            words = f"{text}: {error.strerror}"
+        raise argparse.ArgumentTypeError(words)
 
     return parse_argument
 
 
-def run_file(text: str) -> Path:
-    """Refuse a file that no run is saved to, before the run."""
-    with _as_argument(text):
-        path = _checks.new_file("path", text)
-        archive.check_name(path)
-        return path
+def _run_file(text: str, *, field: str) -> Path:
+    path = _checks.new_file(field, text)
+    saved.check_name(path)
+    return path
 
 
-def page_file(text: str) -> Path:
-    """Refuse a file that no page is written to, before the run."""
-    with _as_argument(text):
-        return _checks.page_file("path", text)
-
-
-def writable(text: str) -> Path:
-    """Refuse a file without a folder before the run, not after it."""
-    with _as_argument(text):
-        return _checks.new_file("path", text)
-
-
-@contextmanager
-def _as_argument(text: str) -> Iterator[None]:
-    try:
-        yield
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error).removeprefix("path = ")) from error
-    except OSError as error:
-        raise argparse.ArgumentTypeError(f"{text}: {error.strerror}") from error
+# Files that cannot be written are refused before the run, not after it.
+run_file = typed(_run_file, "path")
+page_file = typed(lambda text, field: _checks.page_file(field, text), "path")
+writable = typed(lambda text, field: _checks.new_file(field, text), "path")

@@ -4,7 +4,6 @@ from asap.experiment.batch import map
 from asap.experiment.comparing import compare, oracle
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.runners import last_run, run, simulate
-from asap.experiment.saved_run import load_run
 from asap.results import Comparison, Row, Run
 
 __all__ = [
@@ -14,7 +13,6 @@ __all__ = [
     "Run",
     "compare",
     "last_run",
-    "load_run",
     "map",
     "oracle",
     "run",

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 from asap import _checks, _core
-from asap.experiment.contenders import labelled, of_schemes, user_schemes
-from asap.experiment.runners import Progress, check_latency
-from asap.experiment.side_by_side import CheckedStream, side_by_side
-from asap.results import Comparison, Row
+from asap.events import Events
+from asap.experiment.runners import Progress, check_cost, make_config, remember
+from asap.experiment.source import CheckedStream
+from asap.results import Comparison, Row, Run
 from asap.synthetic import joined
 
 _DEFAULT_LATENCY_MS = 10.0
+_CHUNK = 1 << 16  # events that all get before any gets more
+_MOST_HELD = 1 << 20  # events, for the exact clairvoyant
+_MOST_EXACT_STEPS = 4e9  # some seconds
 
 
 def compare(
@@ -47,7 +51,7 @@ def compare(
     latency_ms : float, optional
         The latency bound of all, ms. Default: the schemes' own, else 10.
     seed : int
-        Of the gamma filters.
+        Seed of the gamma filters.
     opaque : bool
         As in `simulate`; schemes are then scored against an oracle that does so too.
     speed : float
@@ -70,7 +74,7 @@ def compare(
     -----
     Metrics: notebooks/theory.md, section 10; oracle: section 9.
     """
-    _check_cost(cost)
+    check_cost(cost)
     _require_replayable(source)
     _checks.flag("opaque", opaque)
     _checks.callback("on_progress", on_progress)
@@ -160,10 +164,10 @@ def oracle(
     -----
     notebooks/theory.md, section 9. With noise OB is a bound in expectation.
     """
-    _check_cost(cost)
+    check_cost(cost)
     for name, value in (("exact", exact), ("opaque", opaque)):
         _checks.flag(name, value)
-    bound_us = check_latency(latency_ms) * 1e3
+    bound_us = _core.checked_latency_ms(latency_ms) * 1e3
     stream = CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed)
     if exact:
         return _core.exact_clairvoyant(joined(list(stream)), cost, bound_us)
@@ -171,11 +175,6 @@ def oracle(
     for chunk in stream:
         found.feed(chunk)
     return float(found.bound)
-
-
-def _check_cost(cost: Any) -> None:
-    if not isinstance(cost, _core.LinearCost):
-        raise TypeError(_checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
 
 
 def _require_replayable(source: Any) -> None:
@@ -190,7 +189,7 @@ def _require_replayable(source: Any) -> None:
 def _common_bound_ms(schemes: Iterable[_core.Scheme], latency_ms: float | None) -> float:
     """Find the one bound of all: the user's, else the schemes' own, else 10 ms."""
     if latency_ms is not None:
-        latency_ms = check_latency(latency_ms)
+        latency_ms = _core.checked_latency_ms(latency_ms)
     own = (scheme.parameters.get("latency_ms") for scheme in schemes)
     bounds = {bound for bound in (*own, latency_ms) if bound is not None}
     if len(bounds) > 1:
@@ -199,3 +198,178 @@ def _common_bound_ms(schemes: Iterable[_core.Scheme], latency_ms: float | None) 
             "bounds; a score compares schemes at one"
         )
     return bounds.pop() if bounds else _DEFAULT_LATENCY_MS
+
+
+# ---- the schemes of a comparison ----------------------------------------------------------------
+
+Make = Callable[[float, _core.LinearCost], _core.Scheme]
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A scheme under a label, ready to be put to any latency and cost."""
+
+    label: str  #: how it is called in tables
+    make: Make  #: a new scheme; the cost is for rivals that know what a package will cost
+    flush: bool = True  #: gives out what waits when the oldest event has reached the bound
+    opaque: bool = False  #: the algorithm takes a package as a whole, as a Python callback does
+
+
+# Settings by label, where there are more or others than the defaults under the name of the class.
+_SETTINGS: dict[type[_core.Scheme], dict[str, dict[str, float]]] = {
+    _core.FixedSize: {"FixedSize 1000": {"size": 1000}},
+    _core.FixedTime: {"FixedTime 1 ms": {"period_ms": 1.0}},
+    _core.Greedy: {"Greedy": {}, "Greedy 0.97": {"efficiency": 0.97}},
+    _core.SingleEvent: {},  # pays the fixed cost for every event
+}
+
+
+def user_schemes() -> list[Contender]:
+    """Return what a user chooses from, the default last."""
+    return [
+        Contender(label, _maker(kind, settings))
+        for kind in sorted(_core.SCHEMES, key=lambda kind: kind is _core.Deadline)
+        for label, settings in _SETTINGS.get(kind, {kind.__name__: {}}).items()
+    ]
+
+
+def _maker(kind: type[_core.Scheme], settings: Mapping[str, float]) -> Make:
+    if "latency_ms" in kind().parameters:
+        return lambda latency_ms, cost: kind(latency_ms=latency_ms, **settings)
+    return lambda latency_ms, cost: kind(**settings)
+
+
+def labelled(schemes: Any) -> dict[str, _core.Scheme]:
+    """Give every scheme a label: its key in a mapping, else its class and what sets it apart.
+
+    A ValueError if there is none, one stands twice (it has one state), or two labels are the same
+    text.
+    """
+    if isinstance(schemes, str):
+        remedy = "give schemes such as [asap.Greedy()], or leave it out"
+        raise TypeError(_checks.named("schemes", schemes, remedy))
+    named = isinstance(schemes, Mapping)
+    given = schemes.values() if named else schemes
+    if not isinstance(given, (_core.Scheme, Iterable)):
+        raise TypeError(_checks.named("schemes", given, "give schemes such as [asap.Greedy()]"))
+    listed = [given] if isinstance(given, _core.Scheme) else list(given)
+    for scheme in listed:
+        if not isinstance(scheme, _core.Scheme):
+            raise TypeError(
+                _checks.named("schemes", scheme, "give schemes such as [asap.Greedy()]")
+            )
+    if not listed:
+        raise ValueError("schemes = []: give at least one, or None for the usual ones")
+    if len({id(scheme) for scheme in listed}) < len(listed):
+        raise ValueError("schemes: one of them stands there twice, but it can run only once")
+    labels = [str(label) for label in schemes] if named else _labels(listed)
+    if len(set(labels)) < len(labels):
+        raise ValueError(f"schemes: the labels {labels} are not all different")
+    return dict(zip(labels, listed, strict=True))
+
+
+def of_schemes(schemes: Mapping[str, _core.Scheme]) -> list[Contender]:
+    """Make contenders of schemes that exist already."""
+    return [Contender(label, _always(scheme)) for label, scheme in schemes.items()]
+
+
+def _always(scheme: _core.Scheme) -> Make:
+    return lambda latency_ms, cost: scheme
+
+
+def _labels(schemes: Sequence[_core.Scheme]) -> list[str]:
+    """Class names; where two are of one class, with the parameters in which they differ."""
+    labels: list[str] = []
+    for scheme in schemes:
+        kin = [other.parameters for other in schemes if type(other) is type(scheme)]
+        differing = [
+            f"{name}={value:g}"
+            for name, value in scheme.parameters.items()
+            if value is not None and any(other[name] != value for other in kin)
+        ]
+        label = " ".join([type(scheme).__name__, *differing])
+        twins = sum(other == label or other.startswith(f"{label} (") for other in labels)
+        labels.append(f"{label} ({twins + 1})" if twins else label)
+    return labels
+
+
+# ---- one pass over the events -------------------------------------------------------------------
+
+
+class SideBySide(NamedTuple):
+    """What one pass has found."""
+
+    runs: list[Run]  #: in the order of the contenders
+    oracle: float  #: OB(L) for an algorithm whose loop the library owns, events
+    opaque_oracle: float  #: the same for one that takes a package as a whole
+    exact: int | None  #: EC(L), events; None where it would take long, or the cost drifts
+
+
+def side_by_side(
+    stream: CheckedStream,
+    contenders: Sequence[Contender],
+    *,
+    cost: _core.LinearCost,
+    latency_ms: float,
+    seed: int = 0,
+    capacity: int | None = None,
+    threads: int | None = None,
+    on_progress: Progress | None = None,
+) -> SideBySide:
+    """Run every contender and both oracles over one reading of a stream, in virtual time.
+
+    Every run has its own copy of the cost, with the same draws. The result does not depend on the
+    number of threads that feed the runs; there are as many as cores unless given.
+    """
+    configs = [
+        make_config(
+            stream.sensor,
+            latency_ms,
+            seed=seed,
+            capacity=capacity,
+            anytime=not contender.opaque,
+            flush=contender.flush,
+        )
+        for contender in contenders
+    ]
+    schemes = [contender.make(latency_ms, cost) for contender in contenders]
+    simulators = [
+        _core.Simulator(scheme, cost, config)
+        for scheme, config in zip(schemes, configs, strict=True)
+    ]
+    oracles = [_core.Oracle(cost, latency_ms * 1e3, opaque=opaque) for opaque in (False, True)]
+    feeds = [simulator.feed for simulator in simulators] + [oracle.feed for oracle in oracles]
+    threads = threads if threads is not None else os.cpu_count() or 1
+    held: list[Events] = []
+    room = _MOST_HELD
+    with ThreadPoolExecutor(threads) as pool:  # feeding releases the GIL
+        for events in stream:
+            room -= events.size
+            if room >= 0:
+                held.append(events.copy())
+            else:
+                held.clear()
+            for begin in range(0, events.size, _CHUNK):
+                chunk = events[begin : begin + _CHUNK]
+                _wait_for([pool.submit(feed, chunk) for feed in feeds])
+            if on_progress is not None:
+                on_progress(stream.events, stream.total_hint, {})
+        _wait_for([pool.submit(simulator.finish) for simulator in simulators])
+    runs = [
+        remember(simulator, stream, config, scheme, cost, mode="virtual")
+        for simulator, config, scheme in zip(simulators, configs, schemes, strict=True)
+    ]
+    exact = _exact(joined(held), cost, latency_ms) if room >= 0 else None
+    return SideBySide(runs, oracles[0].bound, oracles[1].bound, exact)
+
+
+def _exact(events: Events, cost: _core.LinearCost, latency_ms: float) -> int | None:
+    try:
+        return _core.exact_clairvoyant(events, cost, latency_ms * 1e3, _MOST_EXACT_STEPS)
+    except ValueError:  # too many for an exact answer, or no one cost for all
+        return None
+
+
+def _wait_for(tasks: Iterable[Future[None]]) -> None:
+    for task in tasks:
+        task.result()

@@ -57,8 +57,8 @@ class LivePipeline(Pipeline):
             source={
                 "path": None,
                 "format": str(self._camera),
-                "width": self._live.width,
-                "height": self._live.height,
+                "width": self._sensor[0],
+                "height": self._sensor[1],
                 "events": ledger.received,
                 "duration_s": stats.elapsed_s,
                 "upstream_lost": {

@@ -12,25 +12,15 @@ from numpy.typing import NDArray
 
 from asap import _checks, _core
 from asap.events import events_of_argument
-from asap.experiment.live_stats import state_of, summary
-from asap.experiment.runners import as_scheme, check_latency, make_config
-from asap.experiment.source import is_camera
+from asap.experiment.runners import as_scheme, make_config
 from asap.results import Ledger, Named
+from asap.results.data import SCHEMA_VERSION, latency_us
 
 _CHUNK = 1 << 16  # events pushed without another thread's turn
 
 # A call of a Python algorithm costs microseconds: over the first packages it shall pay off.
 _FIRST_PACKAGES = 1000
 _SMALL_PACKAGE = 100  # events
-
-
-class _Live:
-    """What make_config asks of a source."""
-
-    def __init__(self, width: int | None, height: int | None, camera: Any) -> None:
-        width, height = _checks.sides(width, height)
-        self.width = _checks.agreed("width", width, getattr(camera, "width", None), camera)
-        self.height = _checks.agreed("height", height, getattr(camera, "height", None), camera)
 
 
 class Pipeline:
@@ -56,8 +46,8 @@ class Pipeline:
     width, height : int, optional
         Sensor, px; a side that is not known is not checked. Default: the camera's.
     capacity : int, optional
-        Of the ring, events. Default: at least 2**20. MemoryError if that much, 16 bytes an event,
-        cannot be had.
+        Size of the ring, events. Default: at least 2**20. MemoryError if that much memory, 16 bytes
+        an event, cannot be had.
     when_full : {"thin", "newest", "oldest", "block"}
         What gives way when events come faster than they leave the ring. "thin": beyond three
         quarters, the more the ring fills the fewer events get in, by chance, evenly over a push of
@@ -112,25 +102,26 @@ class Pipeline:
         if not (algorithm is None or callable(algorithm) or hasattr(algorithm, "process")):
             remedy = "give an object with process(events) or a callable"
             raise TypeError(_checks.named("algorithm", algorithm, remedy))
+        _checks.workers(algorithm=algorithm, before=before)
         self.algorithm = algorithm
         self.scheme = as_scheme(scheme, latency_ms)
         if camera is not None:
             remedy = "give asap.open_camera() or asap.SoftwareCamera(recording)"
-            if not is_camera(camera):
+            if not _checks.is_camera(camera):
                 raise TypeError(_checks.named("camera", camera, remedy))
             remedy = "a camera cannot wait; use 'thin', 'newest' or 'oldest'"
             _checks.require(when_full != "block", "when_full", when_full, remedy)
         self._camera, self._is_fed = camera, False
-        self._live = _Live(width, height, camera)
+        self._sensor = _checks.sensor(width, height, camera, camera)
         config = make_config(
-            self._live,
-            latency_ms=latency_ms,
-            on_bad=on_bad,
-            seed=seed,
-            capacity=capacity,
-            anytime=_core.is_native(algorithm),
-            algorithm=algorithm,
-            before=before,
+            self._sensor,
+            latency_ms,
+            on_bad,
+            seed,
+            capacity,
+            _core.is_native(algorithm),
+            algorithm,
+            before,
             when_full=when_full,
             reorder_tolerance_us=reorder_tolerance_us,
             warmup_discard_us=warmup_discard_us,
@@ -215,7 +206,8 @@ class Pipeline:
         CameraError
             The camera has gone; what it sent before is delivered.
         Exception
-            Of the algorithm: unchanged. The pipeline is stopped, and the package in work pending.
+            An error of the algorithm, unchanged. The pipeline is stopped; the package in work stays
+            pending.
 
         Warns
         -----
@@ -300,7 +292,7 @@ class Pipeline:
         ValueError
             Out of range.
         """
-        self._native.set_latency(check_latency(latency_ms) * 1e3)
+        self._native.set_latency(latency_ms)
 
     @property
     def is_open(self) -> bool:
@@ -314,7 +306,7 @@ class Pipeline:
         Stalled: open and something waits, but the algorithm has been away for four times as long as
         a package takes, the latency bound at least. That ends by itself when it comes back.
         """
-        return state_of(self._native.stats())
+        return _state_of(self._native.stats())
 
     @property
     def latency_bound_us(self) -> float:
@@ -344,15 +336,51 @@ class Pipeline:
         once; sensor_delay_us, how much longer than at best events of late took from the sensor to
         push; upstream_lost; pinned, package arrays that Python still holds; camera, if it has one.
         """
-        camera = {} if self._camera is None else {"camera": self._camera.stats()}
-        return camera | summary(
-            self._native.stats(),
-            scheme=self.scheme,
-            algorithm=self.algorithm,
-            width=self._live.width,
-            height=self._live.height,
-            pinned=self._native.pinned,
-        )
+        stats = self._native.stats()
+        ledger = Ledger.of(stats.ledger)
+        latency, elapsed_s = stats.latency, stats.elapsed_s
+        received = ledger["received"]
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "mode": "live",
+            "state": _state_of(stats),
+            "open": stats.open,
+            "source": {
+                "path": None,
+                "format": "live",
+                "width": self._sensor[0],
+                "height": self._sensor[1],
+                "events": received,
+                "duration_s": round(elapsed_s, 6),
+            },
+            "scheme": Named.of(self.scheme).as_json(),
+            "algorithm": None if self.algorithm is None else Named.of(self.algorithm).as_json(),
+            "latency_bound_us": stats.latency_bound_us,
+            "ledger": dict(ledger),
+            "rejected": stats.rejected,
+            "clock_resets": stats.clock_resets,
+            "upstream_lost": {"marks": stats.upstream_marks, "packets": stats.upstream_packets},
+            "sensor_delay_us": {"last": stats.sensor_delay_us, "max": stats.sensor_delay_max_us},
+            "most_waiting": stats.most_waiting,
+            "pinned": self._native.pinned,
+            "kept": ledger["delivered"] / received if received else 1.0,
+            "in_time": latency.within_bound / received if received else 1.0,
+            "latency_us": latency_us(latency),
+            "gap_us": stats.gap_us,
+            "packages": {
+                "count": stats.packages,
+                "per_s": stats.packages / elapsed_s if elapsed_s > 0 else 0.0,
+                "size_mean": stats.size / stats.packages if stats.packages else 0.0,
+                "size_max": stats.size_max,
+            },
+            "gamma": {
+                "mean": stats.size / stats.thinned if stats.thinned else 1.0,
+                "min": stats.gamma_min,
+            },
+            "cpu": stats.busy_s / elapsed_s if elapsed_s > 0 else 0.0,
+            "version": _core.__version__,
+            **({} if self._camera is None else {"camera": self._camera.stats()}),
+        }
 
     def __enter__(self) -> Pipeline:
         """Start it, if it is stopped, and let its camera feed it."""
@@ -379,3 +407,9 @@ class Pipeline:
             return f"<Pipeline: {self.state}, {name}, {self.ledger!r}>"
         except RuntimeError:
             return f"<Pipeline: created before fork, {name}>"
+
+
+def _state_of(stats: _core.PipelineStats) -> str:
+    if not stats.open:
+        return "stopped"
+    return "stalled" if stats.stalled else "open"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from asap import _checks, _core
-from asap.experiment.source import Source, is_camera
+from asap.experiment.source import Source
 from asap.results import Ledger, Run
 from asap.results.data import with_first
 
@@ -74,9 +74,9 @@ def simulate(
     on_bad : {"drop", "clamp", "raise"}
         What happens to bad events; dropped ones are counted by reason.
     seed : int
-        Of the gamma filter.
+        Seed of the gamma filter.
     capacity : int, optional
-        Of the ring, events. Default: at least 2**20.
+        Size of the ring, events. Default: at least 2**20.
     keep_mask : bool
         Note which events the algorithm got, `Run.kept_mask`, and where packages begin, the column
         `first` of `Run.packages`. Takes 3 bits of memory per event.
@@ -92,23 +92,14 @@ def simulate(
     ValueError
         A bad argument, named with its value and the remedy; bad events with on_bad="raise".
     """
-    if not isinstance(cost, _core.LinearCost):
-        raise TypeError(_checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
+    check_cost(cost)
     _checks.flag("opaque", opaque)
     _checks.callback("on_progress", on_progress)
     _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
     config = make_config(
-        stream,
-        latency_ms=latency_ms,
-        on_bad=on_bad,
-        seed=seed,
-        capacity=capacity,
-        anytime=not opaque,
-        algorithm=algorithm,
-        before=before,
-        keep_mask=keep_mask,
+        stream.sensor, latency_ms, on_bad, seed, capacity, not opaque, algorithm, before, keep_mask
     )
     simulator = _core.Simulator(scheme, cost, config, algorithm)
     try:
@@ -178,12 +169,12 @@ def run(
     CameraError
         The camera has gone; `last_run()` holds the run up to there.
     Exception
-        Of the algorithm: unchanged; `last_run()` holds the run up to there.
+        An error of the algorithm, unchanged; `last_run()` holds the run up to there.
     """
     if algorithm is None:
         raise TypeError("algorithm = None: give what the events are for, or use asap.simulate")
     _checks.callback("on_progress", on_progress)
-    if is_camera(source):
+    if _checks.is_camera(source):
         if speed != 1.0 or keep_mask:
             words = "speed, keep_mask: of recordings; a camera has its own pace and keeps no mask"
             raise ValueError(words)
@@ -206,16 +197,9 @@ def run(
     _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
+    anytime = _core.is_native(algorithm)
     config = make_config(
-        stream,
-        latency_ms=latency_ms,
-        on_bad=on_bad,
-        seed=seed,
-        capacity=capacity,
-        anytime=_core.is_native(algorithm),
-        algorithm=algorithm,
-        before=before,
-        keep_mask=keep_mask,
+        stream.sensor, latency_ms, on_bad, seed, capacity, anytime, algorithm, before, keep_mask
     )
     replay = _core.Replay(scheme, config, speed)
 
@@ -267,8 +251,6 @@ def _replay_stream(
 
 def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
     """Check the scheme and the bound, or make the default scheme."""
-    if latency_ms is not None:
-        latency_ms = check_latency(latency_ms)
     if scheme is None:
         return _core.Deadline() if latency_ms is None else _core.Deadline(latency_ms=latency_ms)
     if not isinstance(scheme, _core.Scheme):
@@ -276,57 +258,48 @@ def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
     return scheme
 
 
-def check_latency(latency_ms: float) -> float:
-    """Return a latency bound as a float; refuse one that is no number or out of range."""
-    return _checks.number("latency_ms", latency_ms, 0.01, 1e7, "must be between 0.01 and 1e7 ms")
+def check_cost(cost: Any) -> None:
+    """Refuse what is no simulated algorithm."""
+    if not isinstance(cost, _core.LinearCost):
+        raise TypeError(_checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
 
 
 def _whole(name: str, value: Any) -> int:
     return 0 if value is None else _checks.index(name, value)
 
 
-class Sensor(Protocol):
-    """What make_config asks of a source: the sensor in px, as far as it is known."""
-
-    width: int | None
-    height: int | None
-
-
 def make_config(
-    stream: Sensor,
-    *,
+    sensor: tuple[int | None, int | None],
     latency_ms: float | None,
     on_bad: str = "drop",
     seed: int = 0,
     capacity: int | None = None,
     anytime: bool = True,
-    flush: bool = True,
     algorithm: Any = None,
     before: Any = None,
+    keep_mask: bool = False,
+    *,
+    flush: bool = True,
     when_full: str = "thin",
     reorder_tolerance_us: int = 0,
     warmup_discard_us: int = 0,
-    keep_mask: bool = False,
     every_row: bool = False,
 ) -> _core.RunConfig:
     """Check what the runners have in common, and put it together for the native ones."""
-    if latency_ms is not None:
-        latency_ms = check_latency(latency_ms)
     slots = _whole("capacity", capacity)
     if capacity is not None and slots < 1:
         raise ValueError(f"capacity = {capacity}: must be at least 1 event")
     validator = _core.Validator(
-        width=_whole("width", stream.width),
-        height=_whole("height", stream.height),
+        width=_whole("width", sensor[0]),
+        height=_whole("height", sensor[1]),
         on_bad=on_bad,
         reorder_tolerance_us=reorder_tolerance_us,
         warmup_discard_us=warmup_discard_us,
     )
-    _checks.workers(algorithm=algorithm, before=before)
     for field, worker in (("algorithm", algorithm), ("before", before)):
-        _check_frame(field, worker, stream)
+        _check_frame(field, worker, sensor)
     return _core.RunConfig(
-        latency_us=None if latency_ms is None else latency_ms * 1e3,
+        latency_ms=latency_ms,
         capacity=slots,
         seed=seed,
         validator=validator,
@@ -339,18 +312,18 @@ def make_config(
     )
 
 
-def _check_frame(field: str, worker: Any, stream: Sensor) -> None:
+def _check_frame(field: str, worker: Any, sensor: tuple[int | None, int | None]) -> None:
     """Refuse one of ours that is made for a smaller sensor: it would drop what lies outside."""
     ours = any(base.__module__ == _core.__name__ for base in type(worker).__mro__)
     if not (ours and hasattr(type(worker), "width")):
         return
     own: tuple[int, int] = (worker.width, worker.height)
-    needed = tuple(map(max, own, (stream.width or 0, stream.height or 0)))
+    needed = max(own[0], sensor[0] or 0), max(own[1], sensor[1] or 0)
     if needed != own:
         name = type(worker).__name__
         raise ValueError(
             f"{field} = {name} for {own[0]} x {own[1]} px: the events come from a sensor of "
-            f"{stream.width or '?'} x {stream.height or '?'} px; "
+            f"{sensor[0] or '?'} x {sensor[1] or '?'} px; "
             f"make it {name}({needed[0]}, {needed[1]}), with its other arguments"
         )
 

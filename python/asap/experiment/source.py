@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from asap import _core
-from asap._checks import agreed, named, sides
+from asap._checks import named, number, sensor
 from asap._checks import source as check_source
 from asap._foreign import is_chunk, opened
 from asap.events import Events, as_events
@@ -31,9 +31,6 @@ class Source:
         if not hasattr(source, "__next__"):  # what comes in pieces stays a stream
             source = opened(source)
         check_source(source)
-        if is_camera(source):
-            remedy = "a camera is no recording; use asap.run, or write one with camera.record(path)"
-            raise TypeError(named("source", source, remedy))
         if isinstance(source, (str, os.PathLike)):
             source = read(source, width=width, height=height, on_bad=on_bad)
         self.recording = source if isinstance(source, Recording) else None
@@ -52,10 +49,7 @@ class Source:
         # A table may have a width and a height too: those of the table.
         known = source if self.array is None else None
         name = self._kind if self.recording is None else self.recording.path
-        width, height = sides(width, height)
-        stated = sides(getattr(known, "width", None), getattr(known, "height", None))
-        self.width = agreed("width", width, stated[0], name)
-        self.height = agreed("height", height, stated[1], name)
+        self.width, self.height = sensor(width, height, known, name)
         self._on_bad = on_bad
         self.events = 0
         self.first_us: int | None = None
@@ -83,6 +77,11 @@ class Source:
             if (good := door.check(events[begin : begin + _LOOK])).size:
                 return int(good["t"][0])
         return None
+
+    @property
+    def sensor(self) -> tuple[int | None, int | None]:
+        """Width and height in px, as far as they are known."""
+        return self.width, self.height
 
     @property
     def total_hint(self) -> int | None:
@@ -118,9 +117,53 @@ class Source:
         }
 
 
-def is_camera(source: Any) -> bool:
-    """Whether it feeds a pipeline by itself; `asap.camera` is above this module."""
-    return hasattr(type(source), "feed")
+class CheckedStream(Source):
+    """A source behind one door for all: good events only, their stamps compressed by `speed`.
+
+    `speed` makes a quiet recording a busy one: t becomes t0 + (t - t0) / speed in whole us, where
+    t0 is the first good stamp.
+    """
+
+    def __init__(
+        self,
+        source: Any,
+        *,
+        width: int | None = None,
+        height: int | None = None,
+        on_bad: str = "drop",
+        speed: float = 1.0,
+    ) -> None:
+        self.speed = number("speed", speed, 1e-6, 1e6, "must be between 1e-6 and 1e6")
+        super().__init__(source, width=width, height=height, on_bad=on_bad)
+        self._door = _core.Validator(width=self.width or 0, height=self.height or 0, on_bad=on_bad)
+        self._begin_us: int | None = None
+
+    def __iter__(self) -> Iterator[Events]:
+        for chunk in super().__iter__():
+            good = self._door.check(chunk)
+            if good.size:
+                yield good if self.speed == 1.0 else self._compressed(good)
+
+    @property
+    def rejected(self) -> dict[str, int]:
+        """Events that the reader of the file and the door have rejected, by reason."""
+        rejected = super().rejected
+        for reason, count in self._door.rejected.items():
+            rejected[reason] = rejected.get(reason, 0) + count
+        return rejected
+
+    @property
+    def clock_resets(self) -> int:
+        """How often the reader of the file and the door saw the sensor's clock jump back."""
+        return super().clock_resets + self._door.clock_resets
+
+    def _compressed(self, events: Events) -> Events:
+        if self._begin_us is None:
+            self._begin_us = int(events["t"][0])
+        compressed: Events = events.copy()
+        elapsed_us = np.floor((events["t"] - self._begin_us) / self.speed)
+        compressed["t"] = self._begin_us + elapsed_us.astype(np.int64)
+        return compressed
 
 
 def is_iterable_of_arrays(source: Any) -> bool:

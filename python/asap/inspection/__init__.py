@@ -1,7 +1,6 @@
 """What a recording holds, and what is wrong with it: how often, where first, and what helps."""
 
-from asap.inspection.conduct import check
-from asap.inspection.facts import info
+from asap.inspection.checking import check, info
 from asap.results import Finding, Inspection
 
 __all__ = ["Finding", "Inspection", "check", "info"]

@@ -3,78 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from asap import _units
-from asap._foreign import HEAD, unit_doubt
-from asap.inspection.door import Door, Passed, Tally
+from asap._foreign import unit_doubt
 from asap.inspection.meters import (
     BAND,
     BAND_GAP_US,
     CROWD,
     GAP_US,
+    MAX_SIDE,
     STUCK_US,
-    Duplicates,
+    Door,
     Gaps,
-    Intervals,
-    RateMeter,
-    Stamps,
+    Meters,
+    PixelMap,
+    Tally,
 )
-from asap.inspection.pixels import MAX_SIDE, PixelMap
 from asap.inspection.raw_source import RawSource
 from asap.results.data import NOTE, OK, WRONG, Finding
 
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset
-WRONG_DUPLICATES = 1e-3  # of the good events; sound recordings have a few
-WRONG_HOT = 0.1  # of the good events
-BANDED = 0.1  # of the good events
+# Shares of the good events.
+WRONG_DUPLICATES = 1e-3  # sound recordings have a few
+WRONG_HOT = 0.1
+BANDED = 0.1
 ENOUGH = 100  # events, to expect both polarities
 
-_COUNTER_BITS = (23, 24, 30, 31, 32)  # of cameras and formats, in us
+_COUNTER_BITS = (23, 24, 30, 31, 32)  # counters of cameras and formats, in us
 
 
-@dataclass
-class Meters:
-    """All that looks at the events, and what only needs counting."""
-
-    door: Door
-    gaps: Gaps
-    stamps: Stamps
-    duplicates: Duplicates
-    pixels: PixelMap
-    rates: RateMeter
-    intervals: Intervals
-    events: int = 0
-    on: int = 0
-    first_stamp_us: int | None = None
-    head: npt.NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
-    begin_us: int = 0
-    end_us: int = 0
-
-    def begin(self, passed: Passed) -> None:
-        """Count a block, which is not empty."""
-        if self.first_stamp_us is None:
-            self.first_stamp_us = int(passed.stamps[0])
-            self.begin_us = int(passed.events["t"][0])
-        if len(self.head) < HEAD:
-            rest = passed.events["t"][: HEAD - len(self.head)]
-            self.head = np.concatenate([self.head, rest])
-        self.end_us = int(passed.events["t"][-1])
-        self.events += len(passed.events)
-        self.on += int(np.count_nonzero(passed.events["p"]))
-
-    @property
-    def duration_us(self) -> int:
-        """From the first to the last good event."""
-        return self.end_us - self.begin_us
-
-
-def judge(raw: RawSource, meters: Meters) -> Iterator[Finding]:
+def judge(raw: RawSource, door: Door, meters: Meters) -> Iterator[Finding]:
     """Judge every check, once the source has been read."""
-    door, stamps = meters.door, meters.stamps
+    stamps = meters.stamps
     yield _empty(door, meters, raw)
     yield _records(raw, door)
     yield _truncated(raw)
@@ -118,7 +80,7 @@ def judge(raw: RawSource, meters: Meters) -> Iterator[Finding]:
     )
     yield _banding(meters)
     yield _duplicates(meters)
-    yield _polarity(meters)
+    yield _polarity(door, meters)
     yield _hot_pixels(meters)
 
 
@@ -258,8 +220,8 @@ def _duplicates(meters: Meters) -> Finding:
     )
 
 
-def _polarity(meters: Meters) -> Finding:
-    tally, events, on = meters.door.odd_polarity, meters.events, meters.on
+def _polarity(door: Door, meters: Meters) -> Finding:
+    tally, events, on = door.odd_polarity, meters.events, meters.on
     share = f"{_units.share(on / events)} ON" if events else ""
     if tally.count == 0 and events >= ENOUGH and on in (0, events):
         return Finding(

@@ -1,22 +1,143 @@
-"""Meters on the stream of good events: silence, crowded stamps, duplicates. Flat memory.
+"""What check measures, block by block in flat memory: the validator's refusals, and meters.
 
-Every meter sees blocks in time order that may cut a stamp, and tells the same however they are cut.
+Every meter sees the good events in time order, in blocks that may cut a stamp, and tells the same
+however they are cut.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 
-from asap.inspection.door import Integers, Passed, Tally
+from asap import _core
+from asap._foreign import HEAD
+from asap.events import EVENT_DTYPE, Events
 from asap.results.data import BINS_FROM_US
 from asap.results.numbers import PeakCount
+
+Integers = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+_LAST_US = 1 << 52
+_MAX_STAMP_US = _LAST_US - (1 << 50)  # beyond it the core refuses a stamp
 
 GAP_US = 100_000  # so long without an event is a gap
 CROWD = 100  # events on one stamp; sound recordings have up to 94
 STUCK_US = 1_000  # a crowded stamp after which time jumps by so much: the clock stood
 BAND = 4  # events on one stamp ...
 BAND_GAP_US = 10  # ... and none for so long: a band; sound recordings have 0.1 % of events in bands
+
+MAX_SIDE = 4096  # px of the map, which bounds its memory
+HOT_EVENTS = 100  # a hot pixel has at least so many events,
+HOT_SHARE = 1e-3  # at least this share of all,
+HOT_FACTOR = 5  # and so many times those of the second busiest pixel around it
+
+PIXEL_DTYPE = np.dtype([("x", "<u2"), ("y", "<u2"), ("events", "<i8")])
+
+_REACH = 2  # px around a pixel that are its neighbours
+
+
+@dataclass
+class Tally:
+    """A count, and the first occurrence: number of the event in the source, its own stamp in us."""
+
+    count: int = 0
+    event: int | None = None
+    t_us: int | None = None
+
+    def add(self, numbers: Integers, stamps: Integers) -> None:
+        """Count these events, in the order of the source."""
+        if self.event is None and numbers.size:
+            self.event, self.t_us = int(numbers[0]), int(stamps[0])
+        self.count += int(numbers.size)
+
+
+class Passed(NamedTuple):
+    """The good events of a block."""
+
+    events: Events  #: stamps never go back: after a clock reset time continues; p is 0 or 1
+    numbers: Integers  #: number of each in the source
+    stamps: Integers  #: as the source has them
+
+
+class Door:
+    """What the validator would refuse, event by event: where it was, and how far it was off.
+
+    The core's own validator decides about stamps, so that the counts are those of a run. It sees a
+    copy of the events in whose x each has its place in the block: what comes out tells which ones
+    passed. A file is looked ahead in for stray stamps, as `read` does.
+    """
+
+    def __init__(self, width: int | None, height: int | None, *, is_file: bool) -> None:
+        # With one side alone or none, what is unknown is not checked.
+        self._validator = _core.Validator()
+        self._width, self._height = width or 1 << 16, height or 1 << 16
+        self._is_file = is_file
+        self.seen = 0
+        self._offset_us = 0
+        self.unreadable = Tally()
+        self.outside = Tally()
+        self.back_steps = Tally()
+        self.clock_resets = Tally()
+        self.odd_polarity = Tally()
+        self.largest_back_step_us = 0
+        self.largest_reset_us = 0
+
+    def check(self, block: Events) -> Passed:
+        """Pass a block of at most 65536 events."""
+        t: Integers = block["t"]
+        numbers: Integers = self.seen + np.arange(len(block))
+        self.seen += len(block)
+        unreadable = (t > _MAX_STAMP_US) | (t < -_MAX_STAMP_US)
+        outside = ~unreadable & ((block["x"] >= self._width) | (block["y"] >= self._height))
+        at = np.flatnonzero(~(unreadable | outside))
+
+        last_us, offset_us = self._validator.last_us, self._offset_us
+        carrier: Events = np.zeros(len(at), EVENT_DTYPE)
+        carrier["t"] = t[at]
+        carrier["x"] = np.arange(len(at))
+        if self._is_file:
+            passed, _ = self._validator.check_recorded(carrier)
+        else:
+            passed = self._validator.check(carrier)
+        kept = at[passed["x"]]
+        # The state that each event met: what passed before it.
+        reached = np.concatenate(([last_us], passed["t"]))
+        offsets = np.concatenate(([offset_us], passed["t"] - t[kept]))
+        self._offset_us = int(offsets[-1])
+
+        refused = np.setdiff1d(at, kept, assume_unique=True)
+        before = np.searchsorted(kept, refused)
+        stamps_us = t[refused] + offsets[before]
+        steps_us = reached[before] - stamps_us
+        back = stamps_us <= _LAST_US  # else continued beyond the last stamp that there is
+        unreadable[refused[~back]] = True
+        self.largest_back_step_us = max(self.largest_back_step_us, _largest(steps_us))
+        resets = np.flatnonzero(np.diff(offsets))
+        falls_us = reached[resets] - offsets[resets] - t[kept[resets]]
+        self.largest_reset_us = max(self.largest_reset_us, _largest(falls_us))
+
+        p = block["p"][kept]
+        for tally, found in (
+            (self.unreadable, np.flatnonzero(unreadable)),
+            (self.outside, np.flatnonzero(outside)),
+            (self.back_steps, refused[back]),
+            (self.clock_resets, kept[resets]),
+            (self.odd_polarity, kept[(p < 0) | (p > 1)]),
+        ):
+            tally.add(numbers[found], t[found])
+
+        good: Events = block[kept]
+        good["t"] = passed["t"]
+        good["p"] = p > 0
+        return Passed(good, numbers[kept], t[kept])
+
+
+def _largest(values: npt.NDArray[np.int64]) -> int:
+    return int(values.max(initial=0))
 
 
 class Gaps:
@@ -134,28 +255,7 @@ class Intervals:
         self._last_us = int(t[-1])
 
 
-_BINS = 1 << 14  # of the curve; even
-
-Floats = npt.NDArray[np.float64]
-
-
-class RateMeter:
-    """Rates of a stream; windows are aligned to the first event."""
-
-    def __init__(self) -> None:
-        self.curve = RateCurve()
-        self._windows = {ms: PeakCount(ms * 1000) for ms in (1, 10, 100)}
-
-    @property
-    def peaks_hz(self) -> dict[int, float]:
-        """Largest rate in one window, by its length in ms."""
-        return {ms: window.rate_hz for ms, window in self._windows.items()}
-
-    def add(self, elapsed_us: npt.NDArray[np.int64]) -> None:
-        """See the times of a block, which is not empty."""
-        for window in self._windows.values():
-            window.add(elapsed_us)
-        self.curve.add(elapsed_us)
+_BINS = 1 << 14  # windows of the curve; even
 
 
 class RateCurve:
@@ -177,17 +277,14 @@ class RateCurve:
         self._book(windows[:-1], counts[:-1])
         self._open_ms, self._open_count = int(windows[-1]), int(counts[-1])
 
-    def finish(self) -> None:
-        """Book the last ms."""
+    def curves(self) -> Floats:
+        """Rows: begin of a window in s from the first event; mean and largest 1-ms rate in ev/s."""
         self._book(np.array([self._open_ms]), np.array([self._open_count]))
         self._open_count = 0
-
-    def curves(self) -> tuple[Floats, Floats, Floats]:
-        """Begin of each window in s from the first event; mean and largest 1-ms rate in ev/s."""
         length = self._open_ms // self.bin_ms + 1
         time_s = np.arange(length, dtype=np.float64) * (self.bin_ms / 1e3)
         mean_hz = self._counts[:length].astype(np.float64) * (1e3 / self.bin_ms)
-        return time_s, mean_hz, self._peaks[:length].astype(np.float64) * 1e3
+        return np.column_stack((time_s, mean_hz, self._peaks[:length].astype(np.float64) * 1e3))
 
     def _book(self, windows: npt.NDArray[np.int64], counts: npt.NDArray[np.int64]) -> None:
         if windows.size == 0:
@@ -204,3 +301,108 @@ class RateCurve:
         self._peaks[:half] = self._peaks.reshape(-1, 2).max(axis=1)
         self._counts[half:] = self._peaks[half:] = 0
         self.bin_ms *= 2
+
+
+class PixelMap:
+    """Counts of shape (height, width); without a sensor size it grows as far as events go."""
+
+    def __init__(self, width: int | None, height: int | None) -> None:
+        self.counts: Integers = np.zeros(
+            (min(height or 1, MAX_SIDE), min(width or 1, MAX_SIDE)), np.int64
+        )
+        self.events = 0
+        self.beyond = 0  # events that the map is too small for
+
+    def add(self, passed: Passed) -> None:
+        """See a block."""
+        events = passed.events
+        x, y = events["x"].astype(np.int64), events["y"].astype(np.int64)
+        self.events += len(events)
+        inside = (x < MAX_SIDE) & (y < MAX_SIDE)
+        if not inside.all():
+            x, y = x[inside], y[inside]
+            self.beyond += int(len(events) - len(x))
+        rows, columns = self.counts.shape
+        missing = (
+            max(0, int(y.max(initial=0)) + 1 - rows),
+            max(0, int(x.max(initial=0)) + 1 - columns),
+        )
+        if any(missing):
+            self.counts = np.pad(self.counts, [(0, missing[0]), (0, missing[1])])
+        np.add.at(self.counts, (y, x), 1)
+
+    def busiest(self, count: int = 10) -> npt.NDArray[np.void]:
+        """Return the pixels with most events, the busiest first; ties in reading order."""
+        flat = self.counts.ravel()
+        least = np.partition(flat, -count)[-count] if flat.size > count else 0
+        at = np.flatnonzero(flat >= max(int(least), 1))
+        return self._pixels(at)[:count]
+
+    def hot(self) -> npt.NDArray[np.void]:
+        """Return the hot pixels, the busiest first.
+
+        A hot pixel has at least `HOT_EVENTS` events, `HOT_SHARE` of all, and `HOT_FACTOR` times as
+        many as the second busiest of the 24 pixels around it. Not the busiest: hot pixels come in
+        pairs. A thin track passes at least two of them, even where it ends, so it is not hot.
+        """
+        limit = max(HOT_EVENTS, HOT_SHARE * self.events)
+        candidates = np.flatnonzero(self.counts >= limit)
+        if candidates.size == 0:
+            return self._pixels(candidates)
+        padded = np.pad(self.counts, _REACH)
+        y, x = np.divmod(candidates, self.counts.shape[1])
+        side = range(2 * _REACH + 1)
+        around = np.array(
+            [padded[y + dy, x + dx] for dy in side for dx in side if (dy, dx) != (_REACH, _REACH)]
+        )
+        second = np.sort(around, axis=0)[-2]
+        hot = self.counts[y, x] >= HOT_FACTOR * np.maximum(second, 1)
+        return self._pixels(candidates[hot])
+
+    def _pixels(self, at: npt.NDArray[np.intp]) -> npt.NDArray[np.void]:
+        pixels = np.zeros(at.size, PIXEL_DTYPE)
+        pixels["y"], pixels["x"] = np.divmod(at, self.counts.shape[1])
+        pixels["events"] = self.counts.ravel()[at]
+        return pixels[np.argsort(-pixels["events"], kind="stable")]
+
+
+class Meters:
+    """All that looks at the good events of a source, and what only needs counting."""
+
+    def __init__(self, width: int | None, height: int | None) -> None:
+        self.gaps, self.stamps, self.duplicates = Gaps(), Stamps(), Duplicates()
+        self.intervals, self.pixels = Intervals(), PixelMap(width, height)
+        self.curve = RateCurve()
+        self._windows = {ms: PeakCount(ms * 1000) for ms in (1, 10, 100)}
+        self.events = self.on = 0
+        self.first_stamp_us: int | None = None
+        self.head: Integers = np.empty(0, np.int64)
+        self._begin_us = self._end_us = 0
+
+    def add(self, passed: Passed) -> None:
+        """See a block, which is not empty."""
+        t: Integers = passed.events["t"]
+        if self.first_stamp_us is None:
+            self.first_stamp_us, self._begin_us = int(passed.stamps[0]), int(t[0])
+        self.head = np.concatenate([self.head, t[: HEAD - len(self.head)]])
+        self._end_us = int(t[-1])
+        self.events += len(t)
+        self.on += int(np.count_nonzero(passed.events["p"]))
+        self.gaps.add(passed)
+        self.stamps.add(passed)
+        self.duplicates.add(passed)
+        self.intervals.add(passed)
+        self.pixels.add(passed)
+        self.curve.add(t - self._begin_us)
+        for window in self._windows.values():
+            window.add(t - self._begin_us)
+
+    @property
+    def duration_us(self) -> int:
+        """From the first to the last good event."""
+        return self._end_us - self._begin_us
+
+    @property
+    def peaks_hz(self) -> dict[int, float]:
+        """Largest rate in one window, by its length in ms."""
+        return {ms: window.rate_hz for ms, window in self._windows.items()}

@@ -1,4 +1,4 @@
-"""What is inspected, as its file or array has it: unchecked, in its own order, in even blocks."""
+"""What is inspected, as its file or array has it: unchecked, in its own order, in blocks."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from asap._checks import agreed, sides
+from asap._checks import sensor, sides
 from asap._checks import source as check_source
-from asap.events import EVENT_DTYPE, Events, columns_of, is_event_memory
+from asap.events import Events, columns_of, is_event_memory
 from asap.experiment.source import is_iterable_of_arrays
 from asap.io import Recording, read
 from asap.io.columns import events_of
@@ -64,9 +64,7 @@ class RawSource:
             self.format = sniff(self._cut.path)
         if is_stream:
             self.format = str(getattr(source, "name", "stream"))
-        stated = sides(getattr(known, "width", None), getattr(known, "height", None))
-        self.width = agreed("width", width, stated[0], self.path or self.format)
-        self.height = agreed("height", height, stated[1], self.path or self.format)
+        self.width, self.height = sensor(width, height, known, self.path or self.format)
         self._chunks: Iterable[Any] = source if is_stream else (source,)
         self._losses = Losses(Path(self.format), "drop")
 
@@ -105,8 +103,10 @@ class RawSource:
         return self.recording.truncated_at if self.recording is not None else None
 
     def __iter__(self) -> Iterator[Events]:
-        """Blocks of `BLOCK` events in ``EVENT_DTYPE``, the last one shorter; none is empty."""
-        return _evenly(self._recorded() if self._cut or self.recording else self._arrays())
+        """Blocks of up to `BLOCK` events in ``EVENT_DTYPE``; none is empty."""
+        for events in self._recorded() if self._cut or self.recording else self._arrays():
+            for start in range(0, len(events), BLOCK):
+                yield events[start : start + BLOCK]
 
     def _recorded(self) -> Iterator[Events]:
         try:
@@ -129,23 +129,3 @@ class RawSource:
         if self.recording is not None:
             return self.recording.rejected[reason]
         return int(getattr(self._losses, reason))
-
-
-def _evenly(chunks: Iterable[Events]) -> Iterator[Events]:
-    block: Events = np.empty(BLOCK, EVENT_DTYPE)
-    filled = 0
-    for events in chunks:
-        while len(events):
-            if filled == 0 and len(events) >= BLOCK:
-                yield events[:BLOCK]
-                events = events[BLOCK:]
-                continue
-            taken = events[: BLOCK - filled]
-            block[filled : filled + len(taken)] = taken
-            filled += len(taken)
-            events = events[len(taken) :]
-            if filled == BLOCK:
-                yield block
-                filled = 0
-    if filled:
-        yield block[:filled]

@@ -20,9 +20,9 @@ from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, sensor_size
 
 MAGIC = b"#!AER-DAT4.0\r\n"
-MOST_PIXELS = 1 << 15  # of a side
+MOST_PIXELS = 1 << 15  # a side has at most so many
 _HEADER_AT = len(MAGIC)
-_USUAL_RATIO = 8  # of events; MAX_RATIO is that of anything
+_USUAL_RATIO = 8  # for events; MAX_RATIO is for anything
 EVENT = np.dtype(
     {
         "names": ["t", "x", "y", "p"],
@@ -32,7 +32,7 @@ EVENT = np.dtype(
     }
 )
 
-_TYPE = "typeIdentifier"  # of a stream: EVTS, FRME, IMUS, TRIG
+_TYPE = "typeIdentifier"  # says what a stream holds: EVTS, FRME, IMUS, TRIG
 
 
 class Aedat4Reader:
@@ -215,7 +215,7 @@ class Table:
         self._at = self._read("<I", 0)
         self._fields = self._at - self._read("<i", self._at)
         self._size = self._read("<H", self._fields)
-        self.name = bytes(self.buffer[4:8])  # of the schema
+        self.name = bytes(self.buffer[4:8])  # the name of the schema
 
     def number(self, field: int, kind: str, default: int) -> int:
         """Return a field of the type `kind` of ``struct``."""

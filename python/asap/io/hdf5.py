@@ -4,8 +4,7 @@ Streams are found by what is in the file: groups of columns, arrays of records, 
 (``events/{t,x,y,p}``, ``t_offset``), Metavision (``CD/events``), MVSEC (``davis/left/events``),
 M3ED (``prophesee/left/{t,x,y,p}``) and others that are built alike need no rules of their own. The
 reader never follows links that lead elsewhere: soft ones, external ones, storage in other files.
-Columns that lie in the file uncompressed and in one piece are mapped; all others are read by h5py
-in steps of whole chunks.
+h5py reads the columns in steps of whole chunks.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ import importlib
 import math
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -34,13 +33,12 @@ from asap.io.errors import (
     library,
     refuse_bomb,
 )
-from asap.io.numpy_files import mapped
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, sensor_size
 
 _STEP = 4 * CHUNK  # events that are read at once: calls of h5py are dear
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _MOST_OBJECTS = 10_000
-_MOST_BYTES = 1024  # of one record
+_MOST_BYTES = 1024  # one record has at most so many
 _ECF = 0x8ECF
 
 
@@ -114,8 +112,7 @@ class Hdf5Reader:
     def _sources(self, file: Any) -> dict[str, _Source]:
         layout = self._layout
         return {
-            role: _Source(self._path, file, file[name], layout)
-            for role, name in layout.datasets.items()
+            role: _Source(self._path, file[name], layout) for role, name in layout.datasets.items()
         }
 
     @contextmanager
@@ -132,16 +129,13 @@ class Hdf5Reader:
 
 
 class _Source:
-    """One dataset of a stream by rows: mapped where it lies uncompressed and in one piece."""
+    """One dataset of a stream by rows."""
 
-    def __init__(self, path: Path, file: Any, dataset: Any, layout: _Layout) -> None:
+    def __init__(self, path: Path, dataset: Any, layout: _Layout) -> None:
         self.rows_per_chunk: int = max(dataset.chunks) if dataset.chunks else 1
         self._path, self._dataset, self._transposed = path, dataset, layout.transposed
-        self._shape, self._dtype = dataset.shape, dataset.dtype
-        self._is_column = len(self._shape) > 1 and not layout.is_matrix  # of MATLAB 7.3
-        self._offset: int | None = None
-        if dataset.chunks is None and not file.userblock_size and not self._is_column:
-            self._offset = None if layout.transposed else dataset.id.get_offset()
+        self._shape = dataset.shape
+        self._is_column = len(self._shape) > 1 and not layout.is_matrix  # as in MATLAB 7.3
 
     def rows(self, start: int, stop: int) -> npt.NDArray[Any]:
         """Events from `start` to `stop`."""
@@ -153,10 +147,6 @@ class _Source:
 
     def _values(self, start: int, stop: int) -> npt.NDArray[Any]:
         values: npt.NDArray[Any]
-        if self._offset is not None and stop > start:
-            row = self._dtype.itemsize * math.prod(self._shape[1:])
-            shape = (stop - start, *self._shape[1:])
-            return mapped(self._path, self._dtype, self._offset + start * row, shape)
         if self._transposed:
             values = self._dataset[:, start:stop].T
         elif self._is_column:
@@ -357,24 +347,21 @@ def _offset(path: Path, group: Any) -> int:
 
 
 def _find_filter(h5py: Any, path: Path, dataset: str, code: int, name: str) -> None:
+    """Let the package hdf5plugin register its filters; say which one is missing then."""
+    with suppress(ImportError):
+        importlib.import_module("hdf5plugin")
+    if h5py.h5z.filter_avail(code):
+        return
+    remedy = "pip install hdf5plugin, or set HDF5_PLUGIN_PATH to the folder of its plug-in"
     if code == _ECF:
-        raise MissingLibrary(
-            f"{path}: {dataset} is compressed with Metavision's ECF filter (0x8ECF), which no "
-            "Python package has: set HDF5_PLUGIN_PATH to the folder of the plug-in hdf5_ecf, "
+        name = "Metavision's ECF, 0x8ECF"
+        remedy = (
+            "no Python package has it: set HDF5_PLUGIN_PATH to the folder of the plug-in hdf5_ecf, "
             "or convert the file with metavision_file_to_dat"
         )
-    try:
-        importlib.import_module("hdf5plugin")  # registers its filters
-    except ImportError as error:
-        raise MissingLibrary(
-            f"{path}: {dataset} is compressed with filter {code} ({name or 'no name'}); "
-            "the package hdf5plugin has many: pip install hdf5plugin"
-        ) from error
-    if not h5py.h5z.filter_avail(code):
-        raise MissingLibrary(
-            f"{path}: {dataset} is compressed with filter {code} ({name or 'no name'}), which "
-            "hdf5plugin lacks too: set HDF5_PLUGIN_PATH to the folder of its plug-in"
-        )
+    raise MissingLibrary(
+        f"{path}: {dataset} is compressed with filter {code} ({name or 'no name'}): {remedy}"
+    )
 
 
 def _listing(h5py: Any, file: Any) -> list[str]:

@@ -22,7 +22,7 @@ from asap.io.reader import CHUNK, Losses, Options
 HEAD = 1 << 20  # bytes that a header may take
 _PIECE = 1 << 18
 _RECORD_OF_40_BITS = 5  # bytes
-_ROWS_OF_40_BITS = 240  # of the largest sensor; the row below it marks time
+_ROWS_OF_40_BITS = 240  # the largest sensor has so many; the row below it marks time
 _BACK, _BACK_LEAST = 0.25, 8  # steps back in time that no recording has: a share, and so many
 
 

@@ -10,7 +10,7 @@ import math
 import mmap
 import zipfile
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, Literal
@@ -107,12 +107,10 @@ class NpzReader:
     def __init__(self, path: Path, options: Options) -> None:
         self._path, self._options = path, options
         _check_end(path)
-        with foreign(path), zipfile.ZipFile(path) as archive:
-            self._members = _members(path, archive)
-            self.width = self._number(archive, "width")
-            self.height = self._number(archive, "height")
-            self._keys = self._choose()
-            self._headers = {key: self._promise(archive, key) for key in self._keys}
+        self._archive = Archive(path)
+        with foreign(path):
+            self.width, self.height = self._number("width"), self._number("height")
+        self._headers = {key: self._archive.header(key) for key in self._choose()}
         lengths = {key: (*header.shape, 1)[0] for key, header in self._headers.items()}
         self.expected = max(lengths.values())
         if len(set(lengths.values())) > 1:
@@ -125,24 +123,21 @@ class NpzReader:
         arrays = {key: header.stand_in() for key, header in self._headers.items()}
         whole = arrays if len(arrays) > 1 else arrays.popitem()[1]
         file_columns(self._path, whole, self._options.order, first=1)
-        with ExitStack() as stack:
-            with foreign(self._path):
-                archive = stack.enter_context(zipfile.ZipFile(self._path))
-                pieces = {key: self._pieces(archive, key) for key in self._keys}
-            for start in range(0, self.expected, CHUNK):
-                columns = {key: next(piece) for key, piece in pieces.items()}
-                source = columns if len(columns) > 1 else columns.popitem()[1]
-                yield events_of(source, self._options, losses, start)
+        pieces = {key: self._pieces(key) for key in self._headers}
+        for start in range(0, self.expected, CHUNK):
+            columns = {key: next(piece) for key, piece in pieces.items()}
+            source = columns if len(columns) > 1 else columns.popitem()[1]
+            yield events_of(source, self._options, losses, start)
 
-    def _pieces(self, archive: zipfile.ZipFile, key: str) -> Iterator[npt.NDArray[Any]]:
+    def _pieces(self, key: str) -> Iterator[npt.NDArray[Any]]:
         """Rows of one array."""
-        header, info = self._headers[key], self._members[key]
+        header = self._headers[key]
         if header.is_by_columns or header.row_bytes == 0 or len(header.shape) == 0:
-            rows = self._array(archive, key)
+            rows = self._archive.array(key)
             for start in range(0, len(rows), CHUNK):
                 yield rows[start : start + CHUNK]
             return
-        with foreign(self._path, info.header_offset), archive.open(info) as member:
+        with self._archive.opened(key) as member:
             member.read(header.end)
             for start in range(0, self.expected, CHUNK):
                 count = min(CHUNK, self.expected - start)
@@ -152,13 +147,14 @@ class NpzReader:
                 yield np.frombuffer(data, header.dtype).reshape(count, *header.shape[1:])
 
     def _choose(self) -> list[str]:
-        if not self._members:
+        names = self._archive.arrays
+        if not names:
             raise UnsupportedFormat(f"{self._path}: a zip archive without arrays; unpack it first")
         understood = {name for names in FIELD_NAMES.values() for name in names}
-        columns = [key for key in self._members if key in understood]
+        columns = [key for key in names if key in understood]
         if len(columns) >= 3:
             return columns
-        others = [key for key in self._members if key not in ("width", "height")]
+        others = [key for key in names if key not in ("width", "height")]
         if "events" in others:
             return ["events"]
         if len(others) == 1:
@@ -168,41 +164,31 @@ class NpzReader:
             "columns t, x, y, p, or one structured array, called events if it is not the only one"
         )
 
-    def _promise(self, archive: zipfile.ZipFile, key: str) -> _Header:
-        """Header of an array whose size was compared with the bytes that are there."""
-        info = self._members[key]
-        with foreign(self._path, info.header_offset), archive.open(info) as member:
-            header = _header(member)
-        promised = header.end + header.dtype.itemsize * math.prod(header.shape)
-        if promised != info.file_size:
-            raise CorruptFile(
-                self._path,
-                info.header_offset,
-                f"{key}: {promised} bytes promised, {info.file_size} are there",
-            )
-        return header
-
-    def _array(self, archive: zipfile.ZipFile, key: str) -> npt.NDArray[Any]:
-        info = self._members[key]
-        self._promise(archive, key)
-        with foreign(self._path, info.header_offset), archive.open(info) as member:
-            array: npt.NDArray[Any] = npy.read_array(member, allow_pickle=False)
-        return array if array.ndim else array.reshape(1)
-
-    def _number(self, archive: zipfile.ZipFile, key: str) -> int | None:
-        return int(self._array(archive, key).item()) if key in self._members else None
+    def _number(self, key: str) -> int | None:
+        return int(self._archive.array(key).item()) if key in self._archive else None
 
 
 class Archive:
-    """The members of an ``.npz`` by name, each compared with what is expected before it is read."""
+    """The members of an ``.npz``, arrays by their names, each checked before it is unpacked."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         with foreign(path), zipfile.ZipFile(path) as archive:
-            self._infos = _infos(path, archive)
+            infos = archive.infolist()
+        refuse_bomb(path, 0, "it", sum(info.file_size for info in infos), path.stat().st_size)
+        for info in infos:
+            if info.compress_type not in _PACKED_BY_NUMPY:
+                fault = f"{info.filename}: compression {info.compress_type} is none of NumPy's"
+                raise CorruptFile(path, info.header_offset, fault)
+        self._infos = {info.filename: info for info in infos}
 
-    def __contains__(self, name: str) -> bool:
-        return name in self._infos
+    @property
+    def arrays(self) -> list[str]:
+        """Names of the arrays."""
+        return [name.removesuffix(".npy") for name in self._infos if name.endswith(".npy")]
+
+    def __contains__(self, key: str) -> bool:
+        return f"{key}.npy" in self._infos
 
     def read(self, name: str, most_bytes: int) -> bytes:
         """Unpack a member of at most so many bytes."""
@@ -210,30 +196,52 @@ class Archive:
         if info.file_size > most_bytes:
             fault = f"{name} = {info.file_size} bytes: more than {most_bytes}"
             raise CorruptFile(self._path, info.header_offset, fault)
-        with foreign(self._path, info.header_offset), zipfile.ZipFile(self._path) as archive:
-            return archive.read(info)
+        with self._open(info) as member:
+            return member.read()
 
-    def column(self, name: str, dtype: npt.DTypeLike, count: int) -> npt.NDArray[Any]:
+    def header(self, key: str) -> _Header:
+        """Read the header of an array and compare its size with the bytes that are there."""
+        info = self._info(f"{key}.npy")
+        with self._open(info) as member:
+            try:
+                header = _header(member)
+            except ValueError as error:
+                raise ValueError(f"{info.filename}: {error}") from error
+        promised = header.end + header.dtype.itemsize * math.prod(header.shape)
+        if promised != info.file_size:
+            fault = f"{key}: {promised} bytes promised, {info.file_size} are there"
+            raise CorruptFile(self._path, info.header_offset, fault)
+        return header
+
+    def opened(self, key: str) -> AbstractContextManager[IO[bytes]]:
+        """Open an array's member."""
+        return self._open(self._info(f"{key}.npy"))
+
+    def array(self, key: str) -> npt.NDArray[Any]:
+        """Unpack an array; a single value becomes one of shape (1,)."""
+        self.header(key)
+        with self.opened(key) as member:
+            array: npt.NDArray[Any] = npy.read_array(member, allow_pickle=False)
+        return array if array.ndim else array.reshape(1)
+
+    def column(self, key: str, dtype: npt.DTypeLike, count: int) -> npt.NDArray[Any]:
         """Unpack one array of exactly this type and length."""
-        info, expected = self._info(name), np.dtype(dtype)
+        with foreign(self._path):
+            header, expected = self.header(key), np.dtype(dtype)
+            if header.dtype != expected:
+                raise ValueError(f"{key}.npy = {header.dtype}: the type must be {expected}")
+            if header.shape != (count,):
+                raise ValueError(f"{key}.npy = {header.shape}: the shape must be ({count},)")
+        return self.array(key)
+
+    @contextmanager
+    def _open(self, info: zipfile.ZipInfo) -> Iterator[IO[bytes]]:
         with (
             foreign(self._path, info.header_offset),
             zipfile.ZipFile(self._path) as archive,
             archive.open(info) as member,
         ):
-            try:
-                header = _header(member)
-            except ValueError as error:
-                raise ValueError(f"{name}: {error}") from error
-            if header.dtype != expected:
-                raise ValueError(f"{name} = {header.dtype}: the type must be {expected}")
-            if header.shape != (count,):
-                raise ValueError(f"{name} = {header.shape}: the shape must be ({count},)")
-            promised = header.end + count * expected.itemsize
-            if promised != info.file_size:
-                raise ValueError(f"{name} = {info.file_size} bytes: must be {promised}")
-            values = member.read()  # to the end, where the checksum is compared
-            return np.frombuffer(values, expected)
+            yield member
 
     def _info(self, name: str) -> zipfile.ZipInfo:
         if name not in self._infos:
@@ -264,24 +272,6 @@ def _check_end(path: Path) -> None:
         if file.read(4) == b"PK\x03\x04" and not zipfile.is_zipfile(file):
             size = path.stat().st_size
             raise cut_file(path, size, "npz", "the directory of the archive, its end, is missing")
-
-
-def _members(path: Path, archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
-    infos = _infos(path, archive)
-    return {
-        name.removesuffix(".npy"): info for name, info in infos.items() if name.endswith(".npy")
-    }
-
-
-def _infos(path: Path, archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
-    """Members by name, after a look at their sizes."""
-    infos = archive.infolist()
-    refuse_bomb(path, 0, "it", sum(info.file_size for info in infos), path.stat().st_size)
-    for info in infos:
-        if info.compress_type not in _PACKED_BY_NUMPY:
-            fault = f"{info.filename}: compression {info.compress_type} is none of NumPy's"
-            raise CorruptFile(path, info.header_offset, fault)
-    return {info.filename: info for info in infos}
 
 
 _WINDOW = 1 << 24  # bytes

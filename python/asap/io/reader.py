@@ -27,7 +27,7 @@ class Options:
 
     order: str | None
     time_unit: str | None
-    width: int | None = None  # of the sensor, px
+    width: int | None = None  # sensor, px
     height: int | None = None
     stream: str | None = None
 
@@ -58,11 +58,11 @@ class Losses:
     clamped_positions: int = 0
     before_start: int = 0  # events whose time is not known yet
     stray: int = 0  # events whose stamps do not fit those around them
-    bad_offsets: list[int] = field(default_factory=list)  # of the first bad records
+    bad_offsets: list[int] = field(default_factory=list)  # where the first bad records are
     triggers: int = 0
-    trigger_arrays: list[npt.NDArray[np.void]] = field(default_factory=list)  # of the first
+    trigger_arrays: list[npt.NDArray[np.void]] = field(default_factory=list)  # the first of them
     cut: CorruptFile | None = None
-    guessed_unit: str | None = None  # of the times, where neither file nor user states it
+    guessed_unit: str | None = None  # unit of the times, where neither file nor user states it
 
     def take_bad_records(self, decoder: Any, fault: Callable[[int], str]) -> None:
         """Take the bad records that a native decoder met; an error if bad data raise."""
@@ -108,7 +108,7 @@ class Reader(Protocol):
     """The events of one file. It is opened by a path and `Options`, and may be read repeatedly."""
 
     format: str
-    width: int | None  # of the sensor in px, if the file states it
+    width: int | None  # sensor in px, if the file states it
     height: int | None
 
     def chunks(self, losses: Losses) -> Iterator[Events]:

@@ -6,9 +6,10 @@ import importlib
 import os
 import warnings
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -46,6 +47,14 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
 FILE_FORMATS = tuple(_READERS)  # names that `file_format` takes
 
 
+class _Told(NamedTuple):
+    """How a user wants a file to be read."""
+
+    options: Options
+    on_bad: str
+    reorder_tolerance_us: int
+
+
 class Recording:
     """Events of a file, read in chunks and checked; iterate it as often as you like.
 
@@ -56,46 +65,23 @@ class Recording:
     Made by `read`.
     """
 
-    def __init__(
-        self,
-        path: str | os.PathLike[str],
-        *,
-        width: int | None = None,
-        height: int | None = None,
-        order: str | None = None,
-        time_unit: str | None = None,
-        on_bad: str = "drop",
-        reorder_tolerance_us: int = 0,
-        file_format: str | None = None,
-        stream: str | None = None,
-    ) -> None:
+    def __init__(self, path: str | os.PathLike[str], file_format: str | None, told: _Told) -> None:
         self._path = _checks.folder_or_file("path", path)
-        width, height = _checks.sides(width, height)
-        self._on_bad = on_bad
-        self._reorder_tolerance_us = reorder_tolerance_us
-        options = Options(order, time_unit, stream=stream, width=width, height=height)
-        self._reader = _READERS[format_of(self._path, file_format, _READERS)](self._path, options)
-        if stream is not None and not self.streams:
+        width, height = _checks.sides(told.options.width, told.options.height)
+        self._arguments, self._told = (path, file_format, told), told
+        make = _READERS[format_of(self._path, file_format, _READERS)]
+        self._reader = make(self._path, replace(told.options, width=width, height=height))
+        if told.options.stream is not None and not self.streams:
             raise ValueError(
-                f"stream = {stream!r}: {self._path} is one stream of events; leave stream out"
+                f"stream = {told.options.stream!r}: {self._path} is one stream of events; "
+                "leave stream out"
             )
-        self._width = _checks.agreed("width", width, self._reader.width, self._path)
-        self._height = _checks.agreed("height", height, self._reader.height, self._path)
+        self._width, self._height = _checks.sensor(width, height, self._reader, self._path)
         self._losses, self._validator = self._books()
-        self._options = options
-        self._file_format = file_format
 
     def __reduce__(self) -> Any:
         """Pickle it by its path and what it was told, not by what it has counted."""
-        make = partial(
-            type(self),
-            self._path,
-            **vars(self._options),
-            on_bad=self._on_bad,
-            reorder_tolerance_us=self._reorder_tolerance_us,
-            file_format=self._file_format,
-        )
-        return make, ()
+        return type(self), self._arguments
 
     @property
     def path(self) -> Path:
@@ -242,10 +228,10 @@ class Recording:
         validator = _core.Validator(
             width=self._width or 0,
             height=self._height or 0,
-            on_bad=self._on_bad,
-            reorder_tolerance_us=self._reorder_tolerance_us,
+            on_bad=self._told.on_bad,
+            reorder_tolerance_us=self._told.reorder_tolerance_us,
         )
-        return Losses(self._path, self._on_bad), validator
+        return Losses(self._path, self._told.on_bad), validator
 
 
 def read(
@@ -317,17 +303,8 @@ def read(
         The file is read as 40-bit events, by its name alone, but does not look like them; or the
         unit of its times was guessed, and no camera sends events so fast or so slowly.
     """
-    return Recording(
-        path,
-        width=width,
-        height=height,
-        order=order,
-        time_unit=time_unit,
-        on_bad=on_bad,
-        reorder_tolerance_us=reorder_tolerance_us,
-        file_format=file_format,
-        stream=stream,
-    )
+    options = Options(order, time_unit, width, height, stream)
+    return Recording(path, file_format, _Told(options, on_bad, reorder_tolerance_us))
 
 
 def load(

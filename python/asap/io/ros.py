@@ -1,25 +1,43 @@
 """ROS bags: ROS 1 ``.bag``, ROS 2 ``.db3``, ``.mcap`` and folders, through ``rosbags``.
 
-The library hands out raw messages; the fields before the events are read here and the events
-decoded by the native core, never one by one. One decoder serves a topic from its first message to
-its last, because EVT3 words run on across messages. No definition of a message is needed.
+The library hands out raw messages; a database is read with ``sqlite3``. The fields before the
+events are read here and the events decoded by the native core, never one by one. One decoder serves
+a topic from its first message to its last, because EVT3 words run on across messages. No definition
+of a message is needed.
+
+A recorder that crashes, a full disk or a copy that broke off leaves a bag without its index, which
+the library refuses. Such a bag is read from the front, up to the first record that is not whole; no
+size in it is believed: no more is unpacked than `MAX_RATIO` allows. Sources:
+wiki.ros.org/Bags/Format/2.0 and mcap.dev/spec.
 """
 
 from __future__ import annotations
 
+import errno
+import importlib
+import io
 import struct
-from collections.abc import Iterator
-from contextlib import suppress
+import zlib
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from asap import _core
 from asap.events import EVENT_DTYPE, Events
-from asap.io.bags import open_bag
-from asap.io.errors import CorruptFile, UnsupportedFormat
+from asap.io.errors import (
+    HARMLESS,
+    MAX_RATIO,
+    CorruptFile,
+    UnsupportedFormat,
+    foreign,
+    library,
+    refuse_bomb,
+)
 from asap.io.reader import CHUNK, Losses, Options, choose_stream
 
 _DECODERS = {
@@ -190,9 +208,9 @@ class Message:
 
     width: int
     height: int
-    payload: memoryview  # of the events, as much as is there
+    payload: memoryview  # the events, as far as they are there
     promised: int  # bytes of the events
-    encoding: str = ""  # of a packet
+    encoding: str = ""  # a packet has one
     time_base: int = 0  # ns
 
     def check_whole(self) -> None:
@@ -244,3 +262,373 @@ def _after_frame(raw: bytes, cdr: bool) -> int:
 
 def _aligned(at: int, size: int, cdr: bool) -> int:
     return at + (4 - at) % size if cdr else at
+
+
+# ---- bags: topics and raw messages --------------------------------------------------------------
+
+
+class Bag(Protocol):
+    """The topics of a bag and their messages."""
+
+    topics: dict[str, str]  # type of each, "package/Type"
+
+    def messages(self, topic: str) -> Iterator[bytes]:
+        """Yield the messages of a topic as they were recorded.
+
+        Raises
+        ------
+        CorruptFile
+            After the last good one, if there should be more.
+        """
+        ...
+
+
+def open_bag(kind: str, path: Path) -> Bag:
+    """Open a bag of `kind`: ``"rosbag1"``, ``"rosbag2"`` (a file or a folder) or ``"mcap"``."""
+    if kind == "rosbag2" and not path.is_dir():
+        return _Database(path)
+    make_reader = _library_reader(kind, path)
+    try:
+        return _IndexedBag(path, make_reader)
+    except CorruptFile as error:
+        if path.is_dir():
+            raise
+        walk = _rosbag1_records if kind == "rosbag1" else _mcap_records
+        return _OpenBag(path, walk, error.fault)
+
+
+def _library_reader(kind: str, path: Path) -> Callable[[], Any]:
+    if kind == "rosbag1":
+        rosbag1 = library("rosbags.rosbag1", "A ROS 1 bag", "ros")
+        return lambda: rosbag1.Reader(path)
+    what, key = ("An MCAP file", ".mcap") if kind == "mcap" else ("A folder of ROS 2", "dir")
+    reader = library("rosbags.rosbag2", what, "ros").Reader.STORAGE_PLUGINS[key]
+    return lambda: reader(path)  # by content: Reader() would go by the suffix
+
+
+def _plain(msgtype: str) -> str:
+    return msgtype.replace("/msg/", "/")
+
+
+@contextmanager
+def _library_errors(path: Path) -> Iterator[None]:
+    with foreign(path):
+        try:
+            yield
+        except OSError as error:
+            if error.errno != errno.EINVAL:
+                raise
+            raise ValueError("its index points outside of it") from error
+
+
+class _IndexedBag:
+    """A bag that the library opens."""
+
+    def __init__(self, path: Path, make_reader: Callable[[], Any]) -> None:
+        self._path, self._make_reader = path, make_reader
+        with self._opened() as reader, _library_errors(path):
+            self.topics = {c.topic: _plain(c.msgtype) for c in reader.connections}
+            for offset, unpacked, packed in self._chunk_sizes(reader):
+                refuse_bomb(path, offset, "the chunk", unpacked, packed)
+
+    def messages(self, topic: str) -> Iterator[bytes]:
+        count = 0
+        with self._opened() as reader:
+            wanted = [c for c in reader.connections if c.topic == topic]
+            try:
+                with _library_errors(self._path):
+                    for _, _, data in reader.messages(wanted):
+                        yield data if isinstance(data, bytes) else b""  # in a database: anything
+                        count += 1
+            except CorruptFile as error:
+                file = getattr(reader, "bio", None)  # none in a database or a folder
+                words = f"{error.fault} (after {count} messages of {topic})"
+                raise CorruptFile(self._path, file.tell() if file else 0, words) from error
+
+    def _chunk_sizes(self, reader: Any) -> Iterator[tuple[int, int, int]]:
+        chunks = getattr(reader, "chunks", ())
+        if isinstance(chunks, dict):  # ROS 1
+            yield from _rosbag1_chunk_sizes(self._path, chunks)
+        else:
+            for chunk in chunks:
+                yield chunk.chunk_start_offset, chunk.uncompressed_size, chunk.compressed_size
+
+    @contextmanager
+    def _opened(self) -> Iterator[Any]:
+        with _library_errors(self._path):
+            reader = self._make_reader()
+            try:
+                reader.open()
+            except BaseException:
+                with suppress(Exception):  # older ones leave the file open
+                    reader.close()
+                raise
+        with closing(reader):
+            yield reader
+
+
+class _Database:
+    """A ROS 2 bag in one SQLite file; SQLite itself refuses one that was cut."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        rows = self._rows("SELECT name, type FROM topics")
+        self.topics = {str(name): _plain(str(kind)) for name, kind in rows}
+
+    def messages(self, topic: str) -> Iterator[bytes]:
+        wanted = "topic_id IN (SELECT id FROM topics WHERE name = ?)"
+        query = f"SELECT CAST(data AS BLOB) FROM messages WHERE {wanted} ORDER BY id"
+        for (data,) in self._rows(query, topic):
+            yield data or b""
+
+    def _rows(self, query: str, *values: str) -> Iterator[tuple[Any, ...]]:
+        sqlite3 = library("sqlite3", "A ROS 2 bag", "ros")
+        try:
+            uri = f"{self._path.absolute().as_uri()}?mode=ro&immutable=1"
+            with closing(sqlite3.connect(uri, uri=True)) as database:
+                yield from database.execute(query, values)
+        except sqlite3.Error as error:
+            words = f"SQLite: {error}; what is left of it: sqlite3 {self._path.name} .recover"
+            raise CorruptFile(self._path, self._path.stat().st_size, words) from error
+
+
+class _OpenBag:
+    """A ROS 1 bag or an MCAP file without its index, read from the front."""
+
+    def __init__(self, path: Path, walk: Callable[[Path], _Records], fault: str) -> None:
+        self._path, self._walk = path, walk
+        self._end = CorruptFile(path, path.stat().st_size, fault)
+        self.topics: dict[str, str] = {}
+        self._channels: dict[str, set[int]] = {}
+        try:
+            for record in walk(path):
+                if isinstance(record, _Channel):
+                    self.topics[record.topic] = _plain(record.type)
+                    self._channels.setdefault(record.topic, set()).add(record.number)
+        except CorruptFile as error:
+            self._end = error
+        if not self.topics:
+            raise self._end
+
+    def messages(self, topic: str) -> Iterator[bytes]:
+        with suppress(CorruptFile):  # found before
+            for record in self._walk(self._path):
+                if isinstance(record, _Message) and record.channel in self._channels[topic]:
+                    yield record.data
+        raise self._end
+
+
+# ---- records, from the first byte on ------------------------------------------------------------
+
+_MODULES = {  # that unpack: the first that is there
+    "bz2": ("bz2",),
+    "lz4": ("lz4.frame",),
+    "zstd": ("compression.zstd", "backports.zstd", "zstandard"),
+}
+
+
+class _Channel(NamedTuple):
+    """A topic begins."""
+
+    number: int
+    topic: str
+    type: str
+
+
+class _Message(NamedTuple):
+    """A message as it was recorded."""
+
+    channel: int
+    data: bytes
+
+
+_Records = Iterator[_Channel | _Message]
+
+
+class _Broken(Exception):
+    """The bytes are none of the format."""
+
+
+_FAULTS = (_Broken, KeyError, ValueError, struct.error)
+
+
+class _Source:
+    """Bytes from the front of a file or a chunk; `left` are still promised."""
+
+    def __init__(self, file: Any, left: int, is_chunk: bool = False) -> None:
+        self._file, self.left, self.is_chunk = file, left, is_chunk
+
+    def take(self, size: int) -> bytes:
+        """Read exactly `size` bytes."""
+        data = self.take_some(size)
+        if len(data) < size:
+            raise _Broken("a record is cut")
+        return data
+
+    def take_some(self, size: int) -> bytes:
+        """Read as much as is there of `size` bytes."""
+        if size < 0:
+            raise _Broken("a record is longer than what holds it")
+        try:
+            data = bytes(self._file.read(min(size, self.left)))
+        except Exception as error:
+            if not self.is_chunk:
+                raise
+            raise _Broken(f"a chunk does not unpack: {error}") from error
+        self.left -= len(data)
+        return data
+
+    def skip(self, size: int) -> None:
+        if not 0 <= size <= self.left:
+            raise _Broken("a record is cut")
+        if self.is_chunk:
+            self.take(size)
+        else:
+            self._file.seek(size, io.SEEK_CUR)
+            self.left -= size
+
+    def u32(self) -> int:
+        return _u32(self.take(4))
+
+
+def _walk(path: Path, start: int, read_record: Callable[[_Source], _Records]) -> _Records:
+    """Walk a file from its first record on; `CorruptFile` at the first that is not whole."""
+    with path.open("rb") as file:
+        file.seek(start)
+        source = _Source(file, max(path.stat().st_size - start, 0))
+        while source.left:
+            at = file.tell()
+            try:
+                yield from read_record(source)
+            except _FAULTS as error:
+                raise CorruptFile(path, at, _words(error)) from error
+
+
+def _words(error: Exception) -> str:
+    return f"a record has no field {error}" if isinstance(error, KeyError) else str(error)
+
+
+# ---- ROS 1 --------------------------------------------------------------------------------------
+
+_MESSAGE, _CHUNK, _CONNECTION = b"\x02", b"\x05", b"\x07"
+
+
+def _rosbag1_records(path: Path) -> _Records:
+    """Walk a ROS 1 bag of version 2.0."""
+    return _walk(path, len(b"#ROSBAG V2.0\n"), _rosbag1_record)
+
+
+def _rosbag1_record(source: _Source) -> _Records:
+    header = _fields(source.take(source.u32()))
+    op, size = header["op"], source.u32()
+    if op == _CHUNK:
+        unpacked = _u32(header["size"])
+        yield from _chunk(source, size, header["compression"].decode(), unpacked, _rosbag1_record)
+    elif op == _CONNECTION:
+        kind = _fields(source.take(size))["type"].decode()
+        yield _Channel(_u32(header["conn"]), header["topic"].decode(), kind)
+    elif op == _MESSAGE:
+        yield _Message(_u32(header["conn"]), source.take(size))
+    else:
+        source.skip(size)
+
+
+def _rosbag1_chunk_sizes(path: Path, offsets: Iterable[int]) -> Iterator[tuple[int, int, int]]:
+    """Yield offset, bytes without compression and bytes in the file of the chunks at `offsets`."""
+    with path.open("rb") as file:
+        for offset in offsets:
+            file.seek(offset)
+            source = _Source(file, path.stat().st_size - offset)
+            header = _fields(source.take(source.u32()))
+            yield offset, _u32(header["size"]), source.u32()
+
+
+def _fields(block: bytes) -> dict[str, bytes]:
+    fields, source = {}, _Source(io.BytesIO(block), len(block))
+    while source.left:
+        name, _, value = source.take(source.u32()).partition(b"=")
+        fields[name.decode()] = value
+    return fields
+
+
+# ---- MCAP ---------------------------------------------------------------------------------------
+
+_FOOTER_OP, _SCHEMA_OP, _CHANNEL_OP, _MESSAGE_OP, _CHUNK_OP = 2, 3, 4, 5, 6
+
+
+def _mcap_records(path: Path) -> _Records:
+    """Walk an MCAP file: its topics of ROS 2 messages."""
+    return _walk(path, len(b"\x89MCAP0\r\n"), partial(_mcap_record, {}))
+
+
+def _mcap_record(schemas: dict[int, str], source: _Source) -> _Records:
+    op, size = struct.unpack("<BQ", source.take(9))
+    if op == _CHUNK_OP:
+        before = source.left
+        source.skip(16)  # first and last time
+        unpacked, checksum = struct.unpack("<QI", source.take(12))
+        compression = source.take(source.u32()).decode()
+        (packed,) = struct.unpack("<Q", source.take(8))
+        read_record = partial(_mcap_record, schemas)
+        yield from _chunk(source, packed, compression, unpacked, read_record, checksum)
+        source.skip(size - (before - source.left))
+    elif op == _SCHEMA_OP:
+        schema = _Source(io.BytesIO(source.take(size)), size)
+        (number,) = struct.unpack("<H", schema.take(2))
+        schemas[number] = schema.take(schema.u32()).decode()
+    elif op == _CHANNEL_OP:
+        channel = _Source(io.BytesIO(source.take(size)), size)
+        number, schema_number = struct.unpack("<HH", channel.take(4))
+        topic, encoding = (channel.take(channel.u32()).decode() for _ in range(2))
+        if encoding == "cdr":
+            yield _Channel(number, topic, schemas.get(schema_number, ""))
+    elif op == _MESSAGE_OP:
+        (number,) = struct.unpack("<H", source.take(2))
+        source.skip(20)  # number in its sequence, and two times
+        yield _Message(number, source.take(size - 22))
+    elif op == _FOOTER_OP:
+        source.left = 0
+    else:
+        source.skip(size)
+
+
+# ---- both ---------------------------------------------------------------------------------------
+
+
+def _chunk(
+    source: _Source,
+    size: int,
+    compression: str,
+    unpacked: int,
+    read_record: Callable[[_Source], _Records],
+    checksum: int = 0,
+) -> _Records:
+    """Walk the records in the next `size` bytes, which are `unpacked` without compression."""
+    packed = source.take_some(size)
+    if source.is_chunk:
+        raise _Broken("a chunk is inside a chunk")
+    if unpacked > max(HARMLESS, MAX_RATIO * len(packed)):
+        raise _Broken(f"a chunk of {len(packed)} bytes promises {unpacked}")
+    inside = _Source(_open(compression, packed), unpacked, is_chunk=True)
+    if checksum and len(packed) == size:
+        content = inside.take(unpacked)
+        if zlib.crc32(content) != checksum:
+            raise _Broken("the checksum of a chunk is another")
+        inside = _Source(io.BytesIO(content), unpacked, is_chunk=True)
+    while inside.left:
+        yield from read_record(inside)
+
+
+def _open(compression: str, packed: bytes) -> Any:
+    if compression in ("", "none"):
+        return io.BytesIO(packed)
+    for name in _MODULES.get(compression, ()):
+        try:
+            return importlib.import_module(name).open(io.BytesIO(packed), "rb")
+        except ImportError:
+            pass
+    raise _Broken(f"nothing here unpacks a chunk in {compression!r}")
+
+
+def _u32(value: bytes) -> int:
+    return int(struct.unpack("<I", value)[0])

@@ -43,7 +43,7 @@ class _Layout:
     separator: bytes
     width: int | None
     height: int | None
-    line_bytes: float  # of a data line, about
+    line_bytes: float  # length of a data line, about
     guessed: bool  # the unit
 
 

@@ -31,7 +31,7 @@ Writer = Callable[[IO[bytes], Iterable[Events], int, int], int]
 _PIECE = 1 << 18
 _NPY_HEADER = 192  # bytes: enough for any count, so that it can be written again at the end
 _COLUMNS = {"t": "<i8", "x": "<u2", "y": "<u2", "p": "u1"}
-_PADDING = 3  # of the 16-bit words of an event
+_PADDING = 3  # the 16-bit word of an event that holds nothing
 
 
 def write_npy(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
@@ -72,21 +72,19 @@ def write_npz(file: IO[bytes], chunks: Iterable[Events], width: int, height: int
 
 
 def _member(archive: zipfile.ZipFile, name: str) -> IO[bytes]:
-    info = zipfile.ZipInfo(f"{name}.npy")  # of 1980, so that the same events are the same bytes
+    info = zipfile.ZipInfo(f"{name}.npy")  # dated 1980: the same events give the same bytes
     info.compress_type = zipfile.ZIP_DEFLATED
     return archive.open(info, "w", force_zip64=True)
 
 
-def write_archive(
-    path: Path, members: Mapping[str, bytes | npt.NDArray[Any]], *, stored: Iterable[str] = ()
-) -> None:
-    """Write bytes and arrays as the members of an ``.npz``, packed unless they are in `stored`."""
+def write_archive(path: Path, members: Mapping[str, bytes | npt.NDArray[Any]]) -> None:
+    """Write bytes and arrays as the members of an ``.npz``."""
     with path.open("wb") as file, zipfile.ZipFile(file, "w") as archive:
         for name, content in members.items():
             if isinstance(content, np.ndarray):
                 content = _npy_header(content.dtype, len(content)) + content.tobytes()
-            packed = zipfile.ZIP_STORED if name in stored else zipfile.ZIP_DEFLATED
-            archive.writestr(zipfile.ZipInfo(name), content, packed, compresslevel=1)
+            info = zipfile.ZipInfo(name)
+            archive.writestr(info, content, zipfile.ZIP_DEFLATED, compresslevel=1)
 
 
 def _npy_header(dtype: np.dtype[Any], count: int) -> bytes:
@@ -125,8 +123,8 @@ def write_encoded(
     return count
 
 
-_AEDAT4_PERIOD_US = 10_000  # of the cameras of iniVation
-_ROS_PERIOD_US = 1_000  # of the drivers for ROS
+_AEDAT4_PERIOD_US = 10_000  # packets of the cameras of iniVation
+_ROS_PERIOD_US = 1_000  # messages of the drivers for ROS
 
 
 def _packets(chunks: Iterable[Events], period_us: int) -> Iterator[Events]:

@@ -18,7 +18,7 @@ LEAST_BOUND = 2.5  # fixed costs
 _FITTED = 8192  # packages; of more, so many are drawn at random
 _OF_NORMAL = 1.4826  # standard deviation over median absolute deviation
 _OF_MEDIAN = 1.25  # standard error of a median over that of a mean
-_PLACE = 1e-6  # of the fixed share, as the argument of a logistic function
+_PLACE = 1e-6  # precision of the fixed share, as the argument of a logistic function
 _SURE = 0.05  # standard error of the fixed share at which alpha and beta are told apart
 
 

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _checks, _core
-from asap.results import archive
 from asap.results.cost import BOUND_KEPT, Cost, bound_needed_us, fit
 
 SCHEMA_VERSION = 1
@@ -139,7 +138,7 @@ class Run(Result):
     ledger : Ledger
         Where every event went.
     latency : LatencyHistogram
-        Of delivered events, us: .mean .max .count .quantile(q).
+        Latencies of delivered events, us: .mean .max .count .quantile(q).
     rejected : dict
         Rejected events by reason.
     scheme, algorithm
@@ -282,22 +281,6 @@ class Run(Result):
             },
             "cpu": _busy_share(packages, self.speed),
         }
-
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write a file and return its path: ``.npz`` holds log and summary, ``.json`` the summary.
-
-        `asap.load_run` and ``asap report`` read both. Only the ``.npz`` brings back the packages,
-        and with them the curves and the verdict.
-        """
-        file = _checks.new_file("path", path)
-        archive.check_name(file)
-        _checks.other_file("path", file, self.source["path"])
-        if file.suffix.lower() == ".json":
-            return super().save(file)
-        check_run(self)
-        latencies = [self.latency.state(), self.lateness.state() if self.lateness else None]
-        archive.write(file, self.summary(), latencies, self.packages)
-        return file
 
     def __repr__(self) -> str:
         left = self._left_behind
@@ -458,7 +441,7 @@ class Comparison(Result, Mapping[str, Row]):
     source : dict
         What was read: path, format, width, height, events, duration_s (after `speed`).
     name : str
-        Of the recording or profile.
+        The recording or profile.
     cost : LinearCost
         The simulated algorithm.
     latency_ms : float
@@ -468,7 +451,7 @@ class Comparison(Result, Mapping[str, Row]):
     speed : float
         By which the stamps were compressed.
     seed : int
-        Of the gamma filters.
+        Seed of the gamma filters.
     """
 
     rows: list[Row]
@@ -542,7 +525,7 @@ class Finding:
     Attributes
     ----------
     name : str
-        Of the check.
+        The check.
     count : int
         How often it was found.
     verdict : str
@@ -580,9 +563,9 @@ class Inspection(Result):
     Attributes
     ----------
     path : str or None
-        Of the file.
+        Where the file is.
     format : str
-        Of the file, or what else the source is.
+        Format of the file, or what else the source is.
     width, height : int or None
         Size of the sensor in px.
     received, events : int

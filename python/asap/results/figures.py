@@ -240,7 +240,7 @@ def frame(events: NDArray[np.void], width: int, height: int, *, ax: Axes | None 
     events : ndarray, shape (n,), EVENT_DTYPE
         For example those of 5 ms. Events outside the sensor are not drawn.
     width, height : int
-        Of the sensor, px.
+        Size of the sensor, px.
     ax : Axes, optional
         Where to draw.
     """
@@ -281,7 +281,7 @@ def clusters(
     clusters : ndarray, shape (m,)
         ``ClusterTracker.clusters``: fields id, x, y, vx, vy, cxx, cxy, cyy.
     width, height : int
-        Of the sensor, px.
+        Size of the sensor, px.
     ax : Axes, optional
         Where to draw.
     lookahead_ms : float
@@ -498,7 +498,7 @@ def _name(latency: Axes, kept: Axes, row: Row) -> None:
 # ---- an inspection -----------------------------------------------------------------------------
 
 _MARKED = 50  # hot pixels with a circle
-_MOST_LABELS = 11  # of octaves: more would run into each other
+_MOST_LABELS = 11  # more octaves would run into each other
 
 
 def inspection_figure(inspection: Inspection) -> Figure:

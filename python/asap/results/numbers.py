@@ -332,7 +332,7 @@ def _offered_rates(run: Run, window_us: float) -> Floats:
     at_us = np.column_stack((rows["t_first"], rows["t_last"] + 1)).ravel() - rows["t_first"][0]
     at_us = np.maximum.accumulate(at_us) / run.speed
     before_and_after = np.column_stack((np.append(0.0, total[:-1]), total)).ravel()
-    duration_us = float(at_us[-1])
+    duration_us = float(at_us[-1]) or 1.0
     windows = min(max(round(duration_us / window_us), 1), 1_000_000)
     edges_us = np.linspace(0.0, duration_us, windows + 1)
     counts = np.diff(np.interp(edges_us, at_us, before_and_after))

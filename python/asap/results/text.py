@@ -22,7 +22,7 @@ from asap.results.data import Comparison, Finding, Inspection, Row, Run
 from asap.results.numbers import Diagnosis, diagnose
 
 _WIDTH = 78
-_LONG_GAP = 0.5  # of the bound
+_LONG_GAP = 0.5  # times the bound
 
 LEDGER_WORDS = {
     "received": "handed to ASAP",
@@ -279,8 +279,8 @@ def parameter_value(parameter: Any) -> str:
 
 
 _WIDE = 100
-KEEPS = 1.005  # of the bound: shown with three digits, that is the bound
-_ALL = 0.9995  # of the oracle, likewise
+KEEPS = 1.005  # times the bound: shown with three digits, that is the bound
+_ALL = 0.9995  # times the oracle, likewise
 _SHORT = 10.0  # latency bounds
 _MOST_NAMES = 5
 _READ = (

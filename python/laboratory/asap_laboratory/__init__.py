@@ -3,46 +3,35 @@
 `scenes` are events with exact truth, `score` and `keep_curve` judge an algorithm on them,
 `profiles` are event rates over time, `baselines` the published schedulers beside ours.
 
-The study puts every scheme and rival to profiles and cost models, beside the oracle:
-``asap-study`` on the command line, `study` here. A study is made of cases (a stream, a cost and the
-contenders that go through it) and probes; they run through any executor, each finished one is kept,
-and what they show is judged by goals and written as tables beside the reference's. `accuracy_study`
-scores the algorithms instead, over scenes and the kept fraction; `rivals_study` puts the cluster
-tracker beside its rivals; `ladder_study` puts every consumer of the library to one stream that
-overloads the slow ones; `real_study` shows the tracker on recordings with boxes.
+A study is its tasks, its tables and the template of its page; `conduct` runs what is missing and
+writes page, data (CSV) and figures: ``asap-study`` on the command line. `STUDIES` holds them:
+every scheme and rival over profiles and costs, judged by goals ("study"); the algorithms' scores
+over scenes and the kept fraction ("accuracy"); the cluster tracker beside its rivals ("rivals");
+every consumer on one stream that overloads the slow ones ("ladder"); the simulator beside this
+machine's clock ("realtime"). `asap_laboratory.real` makes one of recordings with boxes.
 """
 
 from asap_laboratory import profiles, scenes
-from asap_laboratory.accuracy.conduct import AccuracyStudy, accuracy_study
-from asap_laboratory.cases import FORMS, Case
-from asap_laboratory.conduct import Study, study
-from asap_laboratory.contenders import baselines
-from asap_laboratory.goals import Goal
-from asap_laboratory.ladder.conduct import LadderStudy, ladder_study
-from asap_laboratory.real.conduct import RealStudy, real_study
-from asap_laboratory.results import Results
-from asap_laboratory.rivals.conduct import RivalsStudy, rivals_study
+from asap_laboratory.accuracy import ACCURACY
+from asap_laboratory.ladder import LADDER
+from asap_laboratory.realtime import REALTIME
+from asap_laboratory.rivals import RIVALS_STUDY
+from asap_laboratory.schemes import SCHEMES
+from asap_laboratory.schemes.contenders import baselines
 from asap_laboratory.scoring import KeepCurve, keep_curve, score
+from asap_laboratory.study import Study, conduct
+
+STUDIES = {study.name: study for study in (SCHEMES, ACCURACY, RIVALS_STUDY, LADDER, REALTIME)}
+"""By the name of its page."""
 
 __all__ = [
-    "FORMS",
-    "AccuracyStudy",
-    "Case",
-    "Goal",
+    "STUDIES",
     "KeepCurve",
-    "LadderStudy",
-    "RealStudy",
-    "Results",
-    "RivalsStudy",
     "Study",
-    "accuracy_study",
     "baselines",
+    "conduct",
     "keep_curve",
-    "ladder_study",
     "profiles",
-    "real_study",
-    "rivals_study",
     "scenes",
     "score",
-    "study",
 ]

@@ -18,15 +18,23 @@ from pathlib import Path
 
 import numpy as np
 
-from asap import _core
 from asap.experiment import run
 from asap.synthetic import FlightOverChairs
-from asap_laboratory.cpu_share import ALPHA_US, BETA_NS, LATENCY_MS, Row, Setting, figures, table
+from asap_laboratory.cpu_share import (
+    ALPHA_US,
+    BETA_NS,
+    USUAL_OVERHEAD,
+    Setting,
+    figures,
+    scheme,
+    table,
+)
+from asap_laboratory.page import Row, Rows
 
 PERIOD_US = 10_000  # of the quota
 SETTINGS = (
-    *(Setting(overhead=share) for share in (0.8, 0.5, 0.25, 0.1)),
-    Setting(min_interval_ms=4.0),
+    *((share, 0.0) for share in (0.8, 0.5, 0.25, 0.1)),
+    (USUAL_OVERHEAD, 4.0),
 )
 _CGROUPS = Path("/sys/fs/cgroup")
 
@@ -83,29 +91,12 @@ def measure(
     *,
     seed: int = 0,
     duration_s: float = 4.0,
-) -> list[Row]:
+) -> Rows:
     """Replay one flight in real time under every setting, in a process of its own.
 
-    Parameters
-    ----------
-    share : float or None
-        Of one core, that the process may use. None: no quota.
-    settings : sequence of Setting
-        What is compared.
-    seed : int
-        Of the flight.
-    duration_s : float
-        Of the flight.
-
-    Returns
-    -------
-    list of Row
-        One for each setting. `cpu` is the processor time of the whole process over the duration.
-
-    Raises
-    ------
-    NoQuota
-        The system gives none.
+    `share` is the part of one core that the process may use; None: no quota. A row for each
+    setting, where `cpu` is the processor time of the whole process over the duration. NoQuota where
+    the system gives none.
     """
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         return pool.apply(_measured, (share, tuple(settings), seed, duration_s))
@@ -113,7 +104,7 @@ def measure(
 
 def _measured(
     share: float | None, settings: tuple[Setting, ...], seed: int, duration_s: float
-) -> list[Row]:
+) -> Rows:
     events = FlightOverChairs(duration_s=duration_s, seed=seed).events()
     with nullcontext() if share is None else quota(share):
         return [_flown(events, setting) for setting in settings]
@@ -121,15 +112,7 @@ def _measured(
 
 def _flown(events: np.ndarray, setting: Setting) -> Row:
     begun, begun_cpu = time.perf_counter(), time.process_time()
-    found = run(
-        events,
-        algorithm=_work,
-        scheme=_core.Deadline(
-            latency_ms=LATENCY_MS,
-            overhead=setting.overhead,
-            min_interval_ms=setting.min_interval_ms,
-        ),
-    )
+    found = run(events, algorithm=_work, scheme=scheme(setting))
     duration_s = time.perf_counter() - begun
     return figures(setting, found, time.process_time() - begun_cpu, duration_s)
 

@@ -6,114 +6,128 @@ spins for a known cost (`BusyWait`), and simulated with that cost. What differs 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from asap import _core
 from asap.experiment import Run, run, simulate
 from asap_laboratory import _native
+from asap_laboratory.page import Cell, Row, Rows, Tables, only
 from asap_laboratory.profiles import Profile
+from asap_laboratory.study import Batch, Study
 
 PROFILES = ("low", "uav", "flicker", "steps", "bursts", "high")
+_LATENCY_MS = 10.0
 
 
 @dataclass(frozen=True)
-class Pair:
-    """One stream in both clocks."""
+class ClocksCase:
+    """One stream in both clocks; alpha and beta are the algorithm's cost, spun and simulated."""
 
     profile: str
-    real: Run
-    virtual: Run
+    alpha_us: float = 100.0
+    beta_ns: float = 300.0
+    duration_s: float = 2.0
+    seed: int = 1
+
+    def weight(self) -> float:
+        """Seconds, by the million."""
+        return 1e6 * self.duration_s
+
+    def measure(self) -> Rows:
+        """Run it."""
+        events = Profile(self.profile, duration_s=self.duration_s, seed=self.seed).events()
+        options: dict[str, Any] = {"latency_ms": _LATENCY_MS, "seed": self.seed}
+        cost = _core.LinearCost(self.alpha_us, self.beta_ns)
+        busy_wait = _native.BusyWait(self.alpha_us, self.beta_ns)
+        both = {
+            "real": run(events, algorithm=busy_wait, **options),
+            "virtual": simulate(events, cost=cost, **options),
+        }
+        return [
+            {"profile": self.profile, "clock": clock, **_figures(run)}
+            for clock, run in both.items()
+        ]
+
+
+def _figures(found: Run) -> Row:
+    late = found.lateness  # of the producer
+    return {
+        "kept": found.kept,
+        "in_time": found.in_time,
+        "p50_ms": found.latency.quantile(0.5) / 1e3,
+        "p99_ms": found.latency.quantile(0.99) / 1e3,
+        "max_ms": found.latency.max / 1e3,
+        "late_p99_ms": None if late is None else late.quantile(0.99) / 1e3,
+        "late_max_ms": None if late is None else late.max / 1e3,
+    }
 
 
 def scheduling_jitter(duration_s: float = 1.0) -> _core.LatencyHistogram:
-    """Measure how long this machine takes the processor away from a thread.
+    """Measure how long this machine takes the processor away from a thread, us.
 
-    Parameters
-    ----------
-    duration_s : float
-        How long to look, s.
-
-    Returns
-    -------
-    LatencyHistogram
-        Times between two looks at the clock of a thread that does nothing else, us.
+    Times between two looks at the clock of a thread that does nothing else.
     """
     return _core.LatencyHistogram(_native.scheduling_jitter(duration_s))
 
 
-def replay_beside_simulation(
-    profiles: Sequence[str] = PROFILES,
-    *,
-    alpha_us: float = 100.0,
-    beta_ns: float = 300.0,
-    latency_ms: float = 10.0,
-    duration_s: float = 2.0,
-    seed: int = 1,
-) -> list[Pair]:
-    """Run each profile in both clocks.
+@dataclass(frozen=True)
+class JitterCase:
+    """The scheduling jitter of this machine."""
 
-    Parameters
-    ----------
-    profiles : sequence of str
-        Names of `asap_laboratory.profiles.PROFILES`.
-    alpha_us, beta_ns : float
-        Cost of the algorithm, spun and simulated.
-    latency_ms : float
-        Bound of the scheme, a Deadline.
-    duration_s : float
-        Of each stream; so long takes the real one.
-    seed : int
-        Of the arrivals and of the gamma filter.
-    """
-    pairs = []
-    for profile in profiles:
-        events = Profile(profile, duration_s=duration_s, seed=seed).events()
-        options: dict[str, Any] = {"latency_ms": latency_ms, "seed": seed}
-        cost = _core.LinearCost(alpha_us, beta_ns)
-        pairs.append(
-            Pair(
-                profile,
-                run(events, algorithm=_native.BusyWait(alpha_us, beta_ns), **options),
-                simulate(events, cost=cost, **options),
-            )
-        )
-    return pairs
+    duration_s: float = 5.0
+
+    def weight(self) -> float:
+        """Seconds, by the million."""
+        return 1e6 * self.duration_s
+
+    def measure(self) -> Rows:
+        """Run it."""
+        found = scheduling_jitter(self.duration_s)
+        return [{"p99999_ms": found.quantile(0.99999) / 1e3, "max_ms": found.max / 1e3}]
 
 
-def format_pairs(pairs: Sequence[Pair], jitter: _core.LatencyHistogram) -> str:
-    """Write the pairs as a Markdown table; every cell reads real / virtual, latencies in ms."""
-    lines = [
-        "| profile | kept | in time | p50 | p99 | max | producer late, p99 / max |",
-        "|---|---|---|---|---|---|---|",
+def _batches(form: str) -> Generator[Batch, Rows, None]:
+    yield Batch([*map(ClocksCase, PROFILES), JitterCase()], one_at_a_time=True)
+
+
+def _summary(rows: Rows) -> Tables:
+    clocks = [row for row in rows if "clock" in row]
+    return {"realtime": clocks, "jitter": [row for row in rows if "clock" not in row]}
+
+
+def _facts(tables: Tables) -> dict[str, Any]:
+    virtual = {row["profile"]: row for row in only(tables["realtime"], clock="virtual")}
+    pairs = [
+        {"real": row, "virtual": virtual[row["profile"]], "profile": row["profile"]}
+        for row in only(tables["realtime"], clock="real")
     ]
-    for pair in pairs:
-        both = (pair.real, pair.virtual)
-        cells = [
-            " / ".join(f"{one.kept:.3f}" for one in both),
-            " / ".join(f"{one.in_time:.3f}" for one in both),
-            *(" / ".join(_ms(one.latency.quantile(q)) for one in both) for q in (0.5, 0.99)),
-            " / ".join(_ms(one.latency.max) for one in both),
-        ]
-        late = pair.real.lateness
-        cells.append("" if late is None else f"{_ms(late.quantile(0.99))} / {_ms(late.max)}")
-        lines.append(f"| {pair.profile} | {' | '.join(cells)} |")
-    lines += [
-        "",
-        "Scheduling jitter of the machine: a thread that does nothing but look at the clock "
-        f"misses {_ms(jitter.max)} ms at most and {_ms(jitter.quantile(0.99999))} ms at p99.999.",
-    ]
-    return "\n".join(lines)
+    return {"pairs": pairs, "jitter": tables["jitter"][0]}
 
 
-def as_json(pairs: Sequence[Pair]) -> list[dict[str, Any]]:
-    """Both summaries of each pair."""
-    return [
-        {"profile": pair.profile, "real": pair.real.summary(), "virtual": pair.virtual.summary()}
-        for pair in pairs
-    ]
+def _both(name: str, write: Callable[[float], str]) -> Cell:
+    return lambda pair: " / ".join(write(pair[clock][name]) for clock in ("real", "virtual"))
 
 
-def _ms(time_us: float) -> str:
-    return f"{time_us / 1e3:.2f}"
+def _ms(value: float) -> str:
+    return f"{value:.2f}"
+
+
+REALTIME = Study(
+    name="realtime",
+    command="asap-study --realtime",
+    template=Path(__file__).with_suffix(".md"),
+    batches=_batches,
+    summary=_summary,
+    tables=("realtime", "jitter"),
+    cells={
+        **{name: _both(name, lambda value: f"{value:.3f}") for name in ("kept", "in_time")},
+        **{name: _both(name, _ms) for name in ("p50_ms", "p99_ms", "max_ms")},
+        "late": lambda pair: " / ".join(
+            _ms(pair["real"][name]) for name in ("late_p99_ms", "late_max_ms")
+        ),
+    },
+    facts=_facts,
+)

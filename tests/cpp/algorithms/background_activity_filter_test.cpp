@@ -1,8 +1,9 @@
-#include "asap/algorithms/background_activity_filter.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
@@ -17,6 +18,8 @@
 
 namespace background_activity_filter_test {
 namespace {
+
+using std::chrono::microseconds;
 
 using asap::BackgroundActivityFilter;
 using asap::Event;
@@ -59,7 +62,7 @@ TEST(BackgroundActivityFilter, GoldenVectors) {
   EXPECT_EQ(std::count(labels.begin(), labels.end(), 1), 98'269);
   EXPECT_EQ(asap::test::hash_of(labels), 0x98c65cd6U);
 
-  BackgroundActivityFilter quick({.width = 346, .height = 260, .window_us = 1000});
+  BackgroundActivityFilter quick({.width = 346, .height = 260, .window = microseconds(1000)});
   const auto others = labels_of(quick, events);
   EXPECT_EQ(std::count(others.begin(), others.end(), 1), 38'473);
   EXPECT_EQ(asap::test::hash_of(others), 0x0b8f4236U);
@@ -71,7 +74,7 @@ TEST(BackgroundActivityFilter, AgreesWithTheDefinition) {
     for (const std::int64_t window :
          {std::int64_t{0}, std::int64_t{300}, RecentTimes::kMaxWindow_us}) {
       BackgroundActivityFilter filter(
-          {.width = wild.width, .height = wild.height, .window_us = window});
+          {.width = wild.width, .height = wild.height, .window = microseconds(window)});
       const asap::test::NaiveBackgroundActivityFilter naive(wild.width, wild.height, window);
       ASSERT_EQ(passed(filter, events), passed_by(naive, events)) << wild.seed << ' ' << window;
     }
@@ -82,7 +85,7 @@ TEST(BackgroundActivityFilter, AnyNeighbourIsCompanyForTheWholeWindow) {
   for (const int dy : {-1, 0, 1}) {
     for (const int dx : {-1, 0, 1}) {
       for (const std::int64_t age : {0, 100, 101}) {
-        BackgroundActivityFilter filter({.width = 9, .height = 9, .window_us = 100});
+        BackgroundActivityFilter filter({.width = 9, .height = 9, .window = microseconds(100)});
         const auto x = static_cast<std::uint16_t>(4 + dx);
         const auto y = static_cast<std::uint16_t>(4 + dy);
         const bool expected = age <= 100 && (dx != 0 || dy != 0);
@@ -127,7 +130,7 @@ TEST(BackgroundActivityFilter, DropsAndCountsEventsOutsideTheFrame) {
 
 TEST(BackgroundActivityFilter, TheWindowGrowsAsNeighboursAreDiscarded) {
   const auto passes = [](double gamma, std::int64_t age) {
-    BackgroundActivityFilter filter({.width = 9, .height = 9, .window_us = 1000});
+    BackgroundActivityFilter filter({.width = 9, .height = 9, .window = microseconds(1000)});
     filter.set_keep(gamma);
     return passed(filter, {at(3, 4, 0), at(4, 4, age)}).size() == 1;
   };
@@ -135,9 +138,9 @@ TEST(BackgroundActivityFilter, TheWindowGrowsAsNeighboursAreDiscarded) {
   EXPECT_FALSE(passes(1, 1001));
   EXPECT_TRUE(passes(0.25, 4000));
   EXPECT_FALSE(passes(0.25, 4001));
-  for (const double least : {0.0, 1e-300, 1e-6}) {
-    EXPECT_TRUE(passes(least, RecentTimes::kMaxWindow_us)) << least;
-    EXPECT_FALSE(passes(least, RecentTimes::kMaxWindow_us + 1)) << least;
+  for (const double min : {0.0, 1e-300, 1e-6}) {
+    EXPECT_TRUE(passes(min, RecentTimes::kMaxWindow_us)) << min;
+    EXPECT_FALSE(passes(min, RecentTimes::kMaxWindow_us + 1)) << min;
   }
 }
 
@@ -163,10 +166,14 @@ TEST(BackgroundActivityFilter, NamesBadParameters) {
   using asap::test::error_of;
   EXPECT_EQ(error_of([] { BackgroundActivityFilter({.width = 0, .height = 9}); }),
             "width = 0: must be 1 to 16384 px");
-  EXPECT_EQ(error_of([] { BackgroundActivityFilter({.width = 9, .height = 9, .window_us = -1}); }),
+  EXPECT_EQ(error_of([] {
+              BackgroundActivityFilter({.width = 9, .height = 9, .window = microseconds(-1)});
+            }),
             "window_us = -1: must be 0 to 500000000 us");
   EXPECT_EQ(
-      error_of([] { BackgroundActivityFilter({.width = 9, .height = 9, .window_us = 500000001}); }),
+      error_of([] {
+        BackgroundActivityFilter({.width = 9, .height = 9, .window = microseconds(500000001)});
+      }),
       "window_us = 500000001: must be 0 to 500000000 us");
 }
 

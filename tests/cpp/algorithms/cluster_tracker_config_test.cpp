@@ -1,4 +1,4 @@
-#include "asap/algorithms/cluster_tracker_config.hpp"
+#include "algorithms/cluster_tracker_config.hpp"
 
 #include <gtest/gtest.h>
 
@@ -40,13 +40,14 @@ TEST(ClusterTrackerConfig, EveryParameterRefusesWhatIsNoPositiveNumber) {
         [&](auto field) {
           using Value =
               std::remove_reference_t<decltype(std::declval<ClusterTrackerConfig>().*field)>;
-          std::vector<Value> bad{0, -1, std::numeric_limits<Value>::max()};
-          if constexpr (std::is_floating_point_v<Value>) {
-            bad.push_back(std::numeric_limits<Value>::quiet_NaN());
-            bad.push_back(std::numeric_limits<Value>::infinity());
+          using Number = std::conditional_t<std::is_same_v<Value, int>, int, double>;
+          std::vector<Number> bad{0, -1, std::numeric_limits<Number>::max()};
+          if constexpr (std::is_same_v<Number, double>) {
+            bad.push_back(std::numeric_limits<double>::quiet_NaN());
+            bad.push_back(std::numeric_limits<double>::infinity());
           }
-          for (const Value value : bad) {
-            const auto text = complaint([&](auto& config) { config.*field = value; });
+          for (const Number value : bad) {
+            const auto text = complaint([&](auto& config) { config.*field = Value(value); });
             EXPECT_TRUE(text.starts_with(name + " = ")) << name << ' ' << value << ": " << text;
             EXPECT_NE(text.find("must be "), std::string::npos) << text;
           }
@@ -60,10 +61,14 @@ TEST(ClusterTrackerConfig, NamesAreUniqueAndFieldsDiffer) {
   for (const auto& parameter : asap::cluster_tracker_parameters()) {
     EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name;
     ClusterTrackerConfig config{.width = 1, .height = 1};
-    std::visit([&](auto field) { config.*field = 77; }, parameter.field);
+    const auto is_77 = [&](auto field) {
+      return config.*field == std::decay_t<decltype(config.*field)>(77);
+    };
+    std::visit([&](auto field) { config.*field = std::decay_t<decltype(config.*field)>(77); },
+               parameter.field);
     int changed = 0;
     for (const auto& other : asap::cluster_tracker_parameters()) {
-      changed += std::visit([&](auto field) { return config.*field == 77; }, other.field);
+      changed += std::visit(is_77, other.field);
     }
     EXPECT_EQ(changed, 1) << parameter.name;
   }

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
@@ -13,6 +15,8 @@
 
 #include "algorithms/cluster_streams.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
+#include "study/scenes/large_scenes.hpp"
+#include "study/scenes/scenes.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace cluster_tracker_test {
@@ -486,6 +490,51 @@ TEST(ClusterTracker, LabelsOfAnotherSizeAreRefused) {
 
 TEST(ClusterTracker, ChecksItsConfiguration) {
   EXPECT_THROW(ClusterTracker({.width = 0, .height = 10}), std::invalid_argument);
+}
+
+// The bits of labels and clusters, over scenes in which clusters begin, merge, split, touch, stop,
+// hide and are found again, with all events and with three in ten. They change with the rules
+// alone: a commit that changes a rule gives new ones and the accuracy on the scenes.
+std::uint64_t bits_on(const asap::MovingShapesConfig& scene) {
+  asap::MovingShapes stream(scene);
+  const std::vector<Event> events = asap::read_events(stream, 80'000);
+  ClusterTracker tracker({.width = scene.width, .height = scene.height});
+  std::uint64_t bits = 0;
+  const auto add = [&](auto value) {
+    bits = (bits ^ std::bit_cast<std::uint64_t>(value)) * 1'099'511'628'211U;
+    bits ^= bits >> 29;
+  };
+  std::vector<std::int32_t> labels(1000);
+  for (std::size_t i = 0; i + 1000 <= events.size(); i += 1000) {
+    const asap::EventSpan package = std::span(events).subspan(i, 1000);
+    if (i >= 50'000) tracker.set_keep(0.3, i >= 65'000);
+    const std::size_t kept = i < 50'000 ? 1000 : 300;
+    tracker.process(package.first(kept), std::span(labels).first(kept));
+    for (const std::int32_t label : std::span(labels).first(kept)) add(std::int64_t{label});
+    for (const std::int64_t ahead_us : {0, 30'000}) {
+      for (const Cluster& c : tracker.clusters_at(package.back().t + ahead_us)) {
+        for (const std::int64_t whole : {c.id, c.size, c.t_last}) add(whole);
+        for (const double real : {c.x, c.y, c.vx, c.vy, c.cxx, c.cxy, c.cyy, c.pxx, c.pxy, c.pyy}) {
+          add(real);
+        }
+      }
+    }
+  }
+  add(tracker.unsupported());
+  return bits;
+}
+
+TEST(ClusterTracker, GivesTheSameBitsEverywhere) {
+  EXPECT_EQ(bits_on(asap::scenes::named('B', 1)), 8263869630351887681U);
+  EXPECT_EQ(bits_on(asap::scenes::named('C', 1)), 9541974044682153031U);
+  EXPECT_EQ(bits_on(asap::scenes::named('D', 1)), 7902586103110999115U);
+  EXPECT_EQ(bits_on(asap::scenes::named('F', 1)), 12398374376109522330U);
+  EXPECT_EQ(bits_on(asap::scenes::named('G', 1)), 4144899742777912647U);
+  constexpr std::array kKinds{asap::ShapeKind::kBar, asap::ShapeKind::kAngle};
+  EXPECT_EQ(bits_on(asap::scenes::large_shapes(kKinds, 1)), 2511069011670080918U);
+  EXPECT_EQ(bits_on(asap::scenes::hands(1)), 1877253563945750676U);
+  EXPECT_EQ(bits_on(asap::scenes::stop_and_go({})), 6653526319714574073U);
+  EXPECT_EQ(bits_on(asap::scenes::occlusion({})), 12218875228727342397U);
 }
 
 TEST(MakeTracker, WhereverMemoryEndsItHasTakenNothing) {

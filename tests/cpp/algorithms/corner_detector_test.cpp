@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -17,6 +18,8 @@
 
 namespace corner_detector_test {
 namespace {
+
+using std::chrono::microseconds;
 
 using asap::ArcStar;
 using asap::EFast;
@@ -225,7 +228,7 @@ TEST(ArcStar, AgreesWithTheDefinition) {
     for (const std::int64_t filter_us : {0, 50'000}) {
       const auto events = asap::test::wild_stream(wild, 20'000);
       Labels labels(events.size());
-      ArcStar({.width = wild.width, .height = wild.height, .filter_us = filter_us})
+      ArcStar({.width = wild.width, .height = wild.height, .filter = microseconds(filter_us)})
           .process(events, labels);
       const asap::test::NaiveArcStar naive(wild.width, wild.height, filter_us);
       ASSERT_EQ(labels, naive_labels(naive, events)) << wild.seed;
@@ -237,7 +240,8 @@ TEST(ArcStar, AgreesWithTheDefinition) {
 }
 
 TEST(ArcStar, NamesABadFilter) {
-  EXPECT_EQ(asap::test::error_of([] { ArcStar({.width = 10, .height = 10, .filter_us = -1}); }),
+  EXPECT_EQ(asap::test::error_of(
+                [] { ArcStar({.width = 10, .height = 10, .filter = microseconds(-1)}); }),
             "filter_us = -1: must be 0 to 500000000 us");
 }
 
@@ -305,7 +309,7 @@ TEST(FAHarris, AgreesWithTheDefinition) {
         Labels labels(events.size());
         FAHarris({.width = wild.width,
                   .height = wild.height,
-                  .filter_us = filter_us,
+                  .filter = microseconds(filter_us),
                   .threshold = threshold})
             .process(events, labels);
         const asap::test::NaiveFAHarris naive(wild.width, wild.height, filter_us, threshold);
@@ -320,7 +324,7 @@ TEST(FAHarris, AgreesWithTheDefinition) {
 
 TEST(FAHarris, NamesBadParameters) {
   using asap::test::error_of;
-  EXPECT_EQ(error_of([] { FAHarris({.width = 10, .height = 10, .filter_us = -1}); }),
+  EXPECT_EQ(error_of([] { FAHarris({.width = 10, .height = 10, .filter = microseconds(-1)}); }),
             "filter_us = -1: must be 0 to 500000000 us");
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(error_of([] { FAHarris({.width = 10, .height = 10, .threshold = kInfinity}); }),

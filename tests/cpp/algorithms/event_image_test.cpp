@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -18,6 +19,8 @@
 
 namespace event_image_test {
 namespace {
+
+using std::chrono::microseconds;
 
 using asap::Event;
 using asap::EventImage;
@@ -55,8 +58,8 @@ std::vector<Image> naive_images(const EventImageConfig& config, const Events& ev
   std::vector<std::vector<Event>> groups;
   for (const Event& event : events) {
     const auto period_of = [&](std::int64_t t) {
-      const std::int64_t rest = t % config.period_us;
-      return (t - rest) / config.period_us - (rest < 0);
+      const std::int64_t rest = t % config.period.count();
+      return (t - rest) / config.period.count() - (rest < 0);
     };
     const bool fits =
         !groups.empty() &&
@@ -65,16 +68,17 @@ std::vector<Image> naive_images(const EventImageConfig& config, const Events& ev
     if (!fits) groups.emplace_back();
     groups.back().push_back(event);
   }
-  if (config.period_us > 0 || groups.back().size() < static_cast<std::size_t>(config.count)) {
+  if (config.period.count() > 0 || groups.back().size() < static_cast<std::size_t>(config.count)) {
     groups.pop_back();  // not complete
   }
   std::vector<Image> images;
   const auto pixels = static_cast<std::size_t>(config.width * config.height);
   for (const auto& group : groups) {
     const std::int64_t first = group.front().t;
-    const std::int64_t rest = config.period_us > 0 ? first % config.period_us : 0;
-    const std::int64_t begin = first - rest - (rest < 0 ? config.period_us : 0);
-    const std::int64_t end = config.period_us > 0 ? begin + config.period_us : group.back().t + 1;
+    const std::int64_t rest = config.period.count() > 0 ? first % config.period.count() : 0;
+    const std::int64_t begin = first - rest - (rest < 0 ? config.period.count() : 0);
+    const std::int64_t end =
+        config.period.count() > 0 ? begin + config.period.count() : group.back().t + 1;
     Image image{Values(pixels * config.channels.size()), begin, end};
     for (std::size_t c = 0; c < config.channels.size(); ++c) {
       for (const Event& event : group) {
@@ -117,7 +121,7 @@ TEST(EventImage, AgreesWithTheDefinition) {
       const EventImageConfig config{.width = wild.width,
                                     .height = wild.height,
                                     .count = size,
-                                    .period_us = period,
+                                    .period = microseconds(period),
                                     .channels = {sum, off, on, time, count}};
       EventImage image(config);
       const auto images = images_of(image, events);
@@ -140,7 +144,8 @@ TEST(EventImage, ByCountTheLastEventCompletesIt) {
 }
 
 TEST(EventImage, ByPeriodTheClockCutsAndSilenceGivesNoImage) {
-  EventImage image({.width = 1, .height = 1, .period_us = 100, .channels = {count, time}});
+  EventImage image(
+      {.width = 1, .height = 1, .period = microseconds(100), .channels = {count, time}});
   const Events events{{.x = 0, .y = 0, .p = 1, .t = -1},
                       {.x = 0, .y = 0, .p = 1, .t = 0},
                       {.x = 0, .y = 0, .p = 1, .t = 99},
@@ -154,7 +159,7 @@ TEST(EventImage, ByPeriodTheClockCutsAndSilenceGivesNoImage) {
 }
 
 TEST(EventImage, FlushCompletesWhatHasBegun) {
-  EventImage image({.width = 1, .height = 1, .period_us = 100, .channels = {count}});
+  EventImage image({.width = 1, .height = 1, .period = microseconds(100), .channels = {count}});
   EXPECT_FALSE(image.flush());
   const Events events{{.x = 0, .y = 0, .p = 1, .t = 250}};
   image.process(events);
@@ -194,7 +199,7 @@ TEST(EventImage, BehindADiscarderItHoldsAsMuch) {
   ASSERT_EQ(images.size(), 1U);
   EXPECT_EQ(total(images[0].values), 1000);
 
-  image.set_keep(0);  // counts as kLeastKeep
+  image.set_keep(0);  // counts as kMinKeep
   images = images_of(image, std::span(events).first(3));
   EXPECT_EQ(images.size(), 3U);
   EXPECT_EQ(total(images[0].values), 1000);
@@ -202,7 +207,8 @@ TEST(EventImage, BehindADiscarderItHoldsAsMuch) {
 
 TEST(EventImage, PeriodsStayAsLongBehindADiscarder) {
   const auto events = asap::test::golden_corner_stream(10'000);
-  EventImage image({.width = 346, .height = 260, .period_us = 10'000, .channels = {count}});
+  EventImage image(
+      {.width = 346, .height = 260, .period = microseconds(10'000), .channels = {count}});
   image.set_keep(0.5);
   const auto images = images_of(image, events);
   ASSERT_EQ(images.size(), 10U);
@@ -224,7 +230,7 @@ TEST(EventImage, AStampThatGoesBackCountsAsTheLatest) {
     jagged[i].t -= 11 + static_cast<std::int64_t>(i);
     lifted[i].t = lifted[i - 1].t;
   }
-  EventImage image({.width = 346, .height = 260, .period_us = 1000, .channels = {time}});
+  EventImage image({.width = 346, .height = 260, .period = microseconds(1000), .channels = {time}});
   const auto expected = images_of(image, lifted);
   image.reset();
   EXPECT_EQ(images_of(image, jagged), expected);
@@ -235,7 +241,8 @@ TEST(EventImage, SurvivesAnyStampAndPolarity) {
                       {.x = 0, .y = 0, .p = 300, .t = kMin + 3},
                       {.x = 0, .y = 0, .p = 1, .t = kMax - 1},
                       {.x = 0, .y = 0, .p = 0, .t = kMax}};
-  EventImage periods({.width = 1, .height = 1, .period_us = 1000, .channels = {off, on, time}});
+  EventImage periods(
+      {.width = 1, .height = 1, .period = microseconds(1000), .channels = {off, on, time}});
   EXPECT_EQ(periods.process(events), 1U);
   EXPECT_EQ(periods.image().values[0], 1);
   EXPECT_EQ(periods.image().values[1], 1);
@@ -281,15 +288,17 @@ TEST(EventImage, NamesBadParameters) {
             "width = 0: must be 1 to 16384 px");
   EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9}); }),
             "count = 0: give either count or period_us");
-  EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .count = 5, .period_us = 5}); }),
+  EXPECT_EQ(error_of([] {
+              EventImage({.width = 9, .height = 9, .count = 5, .period = microseconds(5)});
+            }),
             "count = 5: give either count or period_us");
   EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .count = -1}); }),
             "count = -1: must be 0 to 16777216 events");
   EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .count = 16'777'217}); }),
             "count = 16777217: must be 0 to 16777216 events");
-  EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .period_us = -1}); }),
+  EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .period = microseconds(-1)}); }),
             "period_us = -1: must be 0 to 10^12 us");
-  EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .period_us = kMax}); }),
+  EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .period = microseconds(kMax)}); }),
             "period_us = 9223372036854775807: must be 0 to 10^12 us");
   EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .count = 1, .channels = {}}); }),
             "channels.size() = 0: an image has at least one channel");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -20,6 +21,8 @@
 
 namespace feature_tracker_test {
 namespace {
+
+using std::chrono::microseconds;
 
 using asap::CornerSource;
 using asap::Event;
@@ -155,23 +158,27 @@ TEST(FeatureTracker, NamesTheBadField) {
             "min_neighbours = -1: must be 0 to 7");
   EXPECT_EQ(error_of({.width = 10, .height = 10, .min_neighbours = 8}),
             "min_neighbours = 8: must be 0 to 7");
-  EXPECT_EQ(error_of({.width = 10, .height = 10, .velocity_us = 0}),
+  EXPECT_EQ(error_of({.width = 10, .height = 10, .velocity_window = microseconds(0)}),
             "velocity_us = 0: must be 1 to 1000000000 us");
-  EXPECT_EQ(error_of({.width = 10, .height = 10, .velocity_us = 1'000'000'001}),
+  EXPECT_EQ(error_of({.width = 10, .height = 10, .velocity_window = microseconds(1'000'000'001)}),
             "velocity_us = 1000000001: must be 1 to 1000000000 us");
   EXPECT_EQ(error_of({.width = 10, .height = 10, .detector = CornerSource(99)}),
             "detector = 99: must be a CornerSource");
 }
 
 TEST(FeatureTracker, TakesTheLimits) {
-  EXPECT_NO_THROW(FeatureTracker(
-      {.width = 1, .height = 1, .window = 1, .radius = 0, .min_neighbours = 0, .velocity_us = 1}));
+  EXPECT_NO_THROW(FeatureTracker({.width = 1,
+                                  .height = 1,
+                                  .window = 1,
+                                  .radius = 0,
+                                  .min_neighbours = 0,
+                                  .velocity_window = microseconds(1)}));
   EXPECT_NO_THROW(FeatureTracker({.width = 16384,
                                   .height = 1,
                                   .window = 65535,
                                   .radius = 16384,
                                   .min_neighbours = 7,
-                                  .velocity_us = 1'000'000'000}));
+                                  .velocity_window = microseconds(1'000'000'000)}));
   EXPECT_NO_THROW(FeatureTracker({.width = 1, .height = 16384}));
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -16,6 +17,8 @@
 
 namespace asap::feature_tracks_test {
 namespace {
+
+using std::chrono::microseconds;
 
 // ---- DiscountedMotion -----------------------------------------------------------------------
 
@@ -246,7 +249,8 @@ TEST(FeatureTracks, FollowACornerAndItsVelocity) {
 
 TEST(FeatureTracks, TheVelocityForgetsByItsMemory) {
   const auto turning = [](std::int64_t velocity_us) {
-    FeatureTracks tracks({.width = 346, .height = 260, .velocity_us = velocity_us});
+    FeatureTracks tracks(
+        {.width = 346, .height = 260, .velocity_window = microseconds(velocity_us)});
     for (Event corner : runner(300, 0, 300)) tracks.update(corner);
     for (Event corner : runner(-300, 0, 30)) {
       corner.x = static_cast<std::uint16_t>(corner.x + 90);

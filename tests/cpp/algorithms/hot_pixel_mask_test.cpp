@@ -1,4 +1,4 @@
-#include "asap/algorithms/hot_pixel_mask.hpp"
+#include "asap/algorithms/noise_filters.hpp"
 
 #include <gtest/gtest.h>
 

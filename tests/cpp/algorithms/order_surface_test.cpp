@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <limits>
-#include <set>
 #include <vector>
 
 #include "asap/core/random.hpp"
@@ -21,13 +20,6 @@ Event at(std::uint16_t x, std::uint16_t y, int p = 0) {
   return {.x = x, .y = y, .p = static_cast<std::int16_t>(p), .t = 0};
 }
 
-TEST(OrderSurface, NumbersEventsInOrder) {
-  OrderSurface surface(SensorFrame(5, 5));
-  const auto first = surface.next();
-  EXPECT_GT(first, OrderSurface::kNever);
-  EXPECT_GT(surface.next(), first);
-}
-
 TEST(OrderSurface, EqualStampsHaveEqualNumbers) {
   OrderSurface surface(SensorFrame(5, 5));
   const auto lowest = surface.next(std::numeric_limits<std::int64_t>::min());
@@ -39,43 +31,6 @@ TEST(OrderSurface, EqualStampsHaveEqualNumbers) {
   const auto last = surface.next(std::numeric_limits<std::int64_t>::max());
   EXPECT_GT(last, first);
   EXPECT_EQ(surface.next(0), last);
-}
-
-TEST(OrderSurface, EveryPixelOfEachPolarityIsItsOwn) {
-  OrderSurface surface(SensorFrame(7, 5));
-  std::set<OrderSurface::Number*> pixels;
-  for (std::uint16_t y = 0; y < 5; ++y) {
-    for (std::uint16_t x = 0; x < 7; ++x) {
-      pixels.insert(surface.pixel(at(x, y, 0)));
-      pixels.insert(surface.pixel(at(x, y, 1)));
-    }
-  }
-  EXPECT_EQ(pixels.size(), 70U);
-  EXPECT_EQ(surface.pixel(at(3, 2)) + 1, surface.pixel(at(4, 2)));
-  EXPECT_EQ(surface.pixel(at(3, 2)) + surface.stride(), surface.pixel(at(3, 3)));
-}
-
-TEST(OrderSurface, AnyPositivePolarityIsOn) {
-  OrderSurface surface(SensorFrame(7, 5));
-  EXPECT_EQ(surface.pixel(at(3, 2, 32767)), surface.pixel(at(3, 2, 1)));
-  EXPECT_EQ(surface.pixel(at(3, 2, -32768)), surface.pixel(at(3, 2, 0)));
-}
-
-TEST(OrderSurface, ABorderThatNeverFiresLiesAroundTheFrame) {
-  OrderSurface surface(SensorFrame(3, 2));
-  for (const int p : {0, 1}) {
-    for (std::uint16_t y = 0; y < 2; ++y) {
-      for (std::uint16_t x = 0; x < 3; ++x) *surface.pixel(at(x, y, p)) = surface.next();
-    }
-  }
-  for (const int p : {0, 1}) {
-    const auto* corner = surface.pixel(at(0, 0, p)) - 4 * surface.stride() - 4;
-    int fired = 0;
-    for (int y = 0; y < 2 + 8; ++y) {
-      for (int x = 0; x < 3 + 8; ++x) fired += corner[y * surface.stride() + x] > 0;
-    }
-    EXPECT_EQ(fired, 6);
-  }
 }
 
 // Two surfaces beside each other, one of which renumbers every few events.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,8 @@
 
 namespace plane_flow_test {
 namespace {
+
+using std::chrono::microseconds;
 
 using asap::Event;
 using asap::Flow;
@@ -87,14 +90,14 @@ TEST(PlaneFlow, AgreesWithTheDefinition) {
     const Events events = asap::test::wild_stream(wild, 20'000);
     for (const auto refit : kRules) {
       for (const std::int64_t window_us : {3'000, 40'000, 10'000'000}) {
-        const int least = window_us == 3'000 ? 6 : 7;
+        const int min = window_us == 3'000 ? 6 : 7;
         PlaneFlow flow({.width = wild.width,
                         .height = wild.height,
-                        .window_us = window_us,
-                        .min_points = least,
+                        .window = microseconds(window_us),
+                        .min_points = min,
                         .refit = refit});
         asap::test::NaivePlaneFlow naive(wild.width, wild.height, window_us,
-                                         static_cast<std::size_t>(least), refit);
+                                         static_cast<std::size_t>(min), refit);
         const Flows flows = flows_of(flow, events);
         std::size_t found = 0;
         for (std::size_t i = 0; i < events.size(); ++i) {
@@ -135,9 +138,9 @@ TEST(PlaneFlow, NeedsEnoughPoints) {
                       {.x = 11, .y = 9, .p = 1, .t = 100},
                       {.x = 10, .y = 10, .p = 1, .t = 140}};
   for (const auto refit : kRules) {
-    for (const int least : {4, 5}) {
-      PlaneFlow flow({.width = 40, .height = 30, .min_points = least, .refit = refit});
-      EXPECT_EQ(std::isnan(flows_of(flow, events).back().vx), least == 5);
+    for (const int min : {4, 5}) {
+      PlaneFlow flow({.width = 40, .height = 30, .min_points = min, .refit = refit});
+      EXPECT_EQ(std::isnan(flows_of(flow, events).back().vx), min == 5);
     }
   }
 }
@@ -169,7 +172,7 @@ TEST(PlaneFlow, OnlyTheFirstEventsOfABurstCount) {
 
 TEST(PlaneFlow, ABurstIsAQuarterOfTheWindow) {
   const Events events = edge(400, 300);
-  PlaneFlow flow({.width = 40, .height = 30, .window_us = 80'000});
+  PlaneFlow flow({.width = 40, .height = 30, .window = microseconds(80'000)});
   const std::size_t expected = flow.process(events);
   flow.reset();
   EXPECT_EQ(flow.process(with_echoes(events, 20'000)), expected);
@@ -273,10 +276,11 @@ TEST(PlaneFlow, NamesBadParameters) {
   using asap::test::error_of;
   EXPECT_EQ(error_of([] { PlaneFlow({.width = 0, .height = 9}); }),
             "width = 0: must be 1 to 16384 px");
-  EXPECT_EQ(error_of([] { PlaneFlow({.width = 9, .height = 9, .window_us = 0}); }),
+  EXPECT_EQ(error_of([] { PlaneFlow({.width = 9, .height = 9, .window = microseconds(0)}); }),
             "window_us = 0: must be 1 to 10000000 us");
-  EXPECT_EQ(error_of([] { PlaneFlow({.width = 9, .height = 9, .window_us = 10'000'001}); }),
-            "window_us = 10000001: must be 1 to 10000000 us");
+  EXPECT_EQ(
+      error_of([] { PlaneFlow({.width = 9, .height = 9, .window = microseconds(10'000'001)}); }),
+      "window_us = 10000001: must be 1 to 10000000 us");
   EXPECT_EQ(error_of([] { PlaneFlow({.width = 9, .height = 9, .min_points = 2}); }),
             "min_points = 2: must be 3 to 25 px");
   EXPECT_EQ(error_of([] { PlaneFlow({.width = 9, .height = 9, .min_points = 26}); }),

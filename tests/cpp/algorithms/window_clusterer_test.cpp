@@ -27,7 +27,9 @@ using asap::test::NaiveClusterer;
 
 // The samplers of the oracle test: the same live event on both sides, found by its rank in time.
 std::uint64_t rank(const ProbeDraw& draw, std::uint64_t count) {
-  return asap::mix(asap::mix(asap::mix(draw.event + 1) + draw.cluster) + draw.probe) % count;
+  return asap::detail::mix(asap::detail::mix(asap::detail::mix(draw.event + 1) + draw.cluster) +
+                           draw.probe) %
+         count;
 }
 
 struct ByRank {  // members come in time order
@@ -90,8 +92,8 @@ std::vector<Event> clumps(const PublishedClusterTrackerConfig& config, std::size
 }
 
 struct OracleRun {
-  std::size_t most_big = 0;  // largest number of clusters above min_size
-  std::size_t fewer = 0;     // events after which fewer clusters live than before: merges
+  std::size_t max_big = 0;  // largest number of clusters above min_size
+  std::size_t fewer = 0;    // events after which fewer clusters live than before: merges
 };
 
 // Compares everything that can be seen, after every event.
@@ -139,7 +141,7 @@ OracleRun expect_equals_oracle(const PublishedClusterTrackerConfig& config,
         std::count_if(oracle.clusters().begin(), oracle.clusters().end(), [&](const auto& c) {
           return c.members.size() > static_cast<std::size_t>(config.min_size);
         });
-    run.most_big = std::max(run.most_big, static_cast<std::size_t>(big));
+    run.max_big = std::max(run.max_big, static_cast<std::size_t>(big));
     if (live_before > oracle.clusters().size()) ++run.fewer;
     live_before = oracle.clusters().size();
   }
@@ -251,7 +253,7 @@ TEST(WindowClusterer, IsExactBeyondTheKeysOfTheProbeIndex) {
            .t = i});
     }
     const auto run = expect_equals_oracle(config, events);
-    EXPECT_GT(run.most_big, 140U);
+    EXPECT_GT(run.max_big, 140U);
     EXPECT_GT(run.fewer, 100U);
   }
 }

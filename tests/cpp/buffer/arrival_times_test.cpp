@@ -80,7 +80,7 @@ TEST(ArrivalTimes, StayRightWhereverTheyAreReleased) {
 TEST(ArrivalTimes, CountsForManyTimesAtOnceAsForEach) {
   const CounterRandom random(1);
   std::uint64_t draws = 0;
-  const auto draw = [&](std::uint64_t most) { return random(draws++) % (most + 1); };
+  const auto draw = [&](std::uint64_t max) { return random(draws++) % (max + 1); };
   for (int round = 0; round < 300; ++round) {
     ArrivalTimes times(10);
     std::uint64_t index = 0;

@@ -1,4 +1,4 @@
-#include "asap/buffer/event_buffer.hpp"
+#include "buffer/event_buffer.hpp"
 
 #include <gtest/gtest.h>
 

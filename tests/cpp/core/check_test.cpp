@@ -41,7 +41,7 @@ TEST(Require, WritesNumbersInFull) {
 // ---- allocate -------------------------------------------------------------------------------
 
 TEST(Allocate, GivesMemoryThatCanBeUsed) {
-  const auto memory = allocate<int>(1000, "capacity", 1000);
+  const auto memory = detail::allocate<int>(1000, "capacity", 1000);
   memory[0] = 1;
   memory[999] = 2;
   EXPECT_EQ(memory[0] + memory[999], 3);
@@ -50,7 +50,7 @@ TEST(Allocate, GivesMemoryThatCanBeUsed) {
 // A size that no allocator is asked for, so that sanitizers agree.
 TEST(Allocate, NamesFieldValueAndRemedyOfWhatCannotBeHad) {
   try {
-    allocate<double>(std::numeric_limits<std::size_t>::max(), "capacity", 7);
+    detail::allocate<double>(std::numeric_limits<std::size_t>::max(), "capacity", 7);
     FAIL();
   } catch (const std::bad_alloc& error) {
     const NoMemory copy = dynamic_cast<const NoMemory&>(error);

@@ -15,8 +15,8 @@ constexpr std::uint64_t kLastSeed = std::numeric_limits<std::uint64_t>::max();
 // Published numbers: SplitMix64 of seed 1234567, whose state starts one golden step further.
 TEST(Mix, IsTheFinaliserOfSplitMix64) {
   constexpr std::uint64_t golden = 0x9e3779b97f4a7c15U;
-  EXPECT_EQ(mix(1234567 + golden), 6457827717110365317U);
-  EXPECT_EQ(mix(1234567 + 2 * golden), 3203168211198807973U);
+  EXPECT_EQ(detail::mix(1234567 + golden), 6457827717110365317U);
+  EXPECT_EQ(detail::mix(1234567 + 2 * golden), 3203168211198807973U);
 }
 
 // Fixed for ever: every kept set and every synthetic scene of a user hangs on them.

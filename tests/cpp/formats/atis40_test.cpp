@@ -1,4 +1,4 @@
-#include "asap/formats/atis40.hpp"
+#include "asap/formats/atis.hpp"
 
 #include <gtest/gtest.h>
 

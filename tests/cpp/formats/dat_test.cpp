@@ -1,4 +1,4 @@
-#include "asap/formats/dat.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include <stdexcept>
 #include <string>

@@ -14,7 +14,7 @@
 
 #include "asap/core/event.hpp"
 #include "asap/core/random.hpp"
-#include "asap/formats/progress.hpp"
+#include "asap/formats/decoder.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::decoding {
@@ -110,7 +110,7 @@ void expect_cuts_and_room_make_no_difference(const Decoder& decoder, const Bytes
   const Decoded whole = decode(decoder, bytes);
   EXPECT_GT(whole.events.size(), 500u);
   for (std::size_t piece = 1; piece < 40; ++piece) {
-    const std::size_t room = Decoder::kMostPerRecord + piece % 5;
+    const std::size_t room = Decoder::kMaxPerRecord + piece % 5;
     EXPECT_EQ(decode(decoder, bytes, piece, room), whole) << piece;
   }
   const auto cut_at = [&](std::size_t cut) {
@@ -146,7 +146,7 @@ void expect_truncation_gives_a_prefix(const Decoder& decoder, const Bytes& bytes
 template <class Decoder>
 void expect_no_allocation(Decoder decoder, const Bytes& bytes) {
   const Decoded whole = decode(decoder, bytes);
-  Events events(bytes.size() * Decoder::kMostPerRecord);
+  Events events(bytes.size() * Decoder::kMaxPerRecord);
   const std::size_t before = test::allocations();
   decoder.decode(bytes, events);
   decoder.reset();

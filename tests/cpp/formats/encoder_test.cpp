@@ -13,8 +13,7 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
-#include "asap/formats/evt2.hpp"
-#include "asap/formats/raw_header.hpp"
+#include "asap/formats/prophesee.hpp"
 #include "asap/formats/text.hpp"
 #include "support/allocation_counter.hpp"
 
@@ -231,12 +230,12 @@ TEST(Encoder, RoomMakesNoDifference) {
   const Events events = some_events(2'000);
   for (const Encoding encoding : kAll) {
     const Bytes whole = encode(encoding, events);
-    for (std::size_t room = Encoder::kMostPerEvent; room < Encoder::kMostPerEvent + 20; ++room) {
+    for (std::size_t room = Encoder::kMaxPerEvent; room < Encoder::kMaxPerEvent + 20; ++room) {
       Encoder encoder(config(encoding));
       EXPECT_EQ(encode(encoder, events, room), whole) << room;
     }
     Encoder encoder(config(encoding));
-    Bytes bytes(Encoder::kMostPerEvent - 1);
+    Bytes bytes(Encoder::kMaxPerEvent - 1);
     EXPECT_EQ(encoder.encode(events, bytes), Progress{});
     Bytes joined;
     for (std::size_t at = 0; at < events.size(); at += 7) {

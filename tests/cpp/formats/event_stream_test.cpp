@@ -1,4 +1,4 @@
-#include "asap/formats/event_stream.hpp"
+#include "asap/formats/atis.hpp"
 
 #include <gtest/gtest.h>
 

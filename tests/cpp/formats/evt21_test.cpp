@@ -1,4 +1,4 @@
-#include "asap/formats/evt21.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include <bit>
 

@@ -1,4 +1,4 @@
-#include "asap/formats/evt2.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include "formats/decoding.hpp"
 

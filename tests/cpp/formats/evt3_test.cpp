@@ -1,4 +1,4 @@
-#include "asap/formats/evt3.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include "formats/decoding.hpp"
 
@@ -149,7 +149,7 @@ TEST(Evt3Decoder, CutsAndRoomMakeNoDifference) {
 }
 
 TEST(Evt3Decoder, TheFastPathGivesWhatThePlainDecoderGives) {
-  constexpr std::size_t kNoFastPath = Evt3Decoder::kMostPerRecord - 1;  // room for events
+  constexpr std::size_t kNoFastPath = Evt3Decoder::kMaxPerRecord - 1;  // room for events
   const Bytes bytes = bytes_of(some_words());
   const Decoded plain = decode(Evt3Decoder{}, bytes, bytes.size(), kNoFastPath);
   EXPECT_GT(plain.events.size(), 500u);

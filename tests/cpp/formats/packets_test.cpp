@@ -95,7 +95,7 @@ TYPED_TEST(Packets, CutsAndRoomMakeNoDifference) {
 TYPED_TEST(Packets, StopsWithoutRoom) {
   const Bytes bytes = random_message<TypeParam>(3, 700);
   auto decoder = begun<TypeParam>();
-  Events events(TypeParam::kMostPerRecord - 1);
+  Events events(TypeParam::kMaxPerRecord - 1);
   EXPECT_EQ(decoder.decode(bytes, events), Progress{});
   EXPECT_EQ(decode(decoder, bytes), decode<TypeParam>(bytes));
 }
@@ -147,8 +147,8 @@ TEST(MonoDecoder, AddsNanosecondsToTheBase) {
 
 TEST(MonoDecoder, TakesAnyBase) {
   const Bytes bytes = bytes_of({mono(0xffffffff, 1, 2, 0)});
-  const std::uint64_t most = ~std::uint64_t{0};
-  EXPECT_EQ(decode<MonoDecoder>(bytes, most).at(0).t, 18'446'744'073'709'551 + 4'294'967);
+  const std::uint64_t max = ~std::uint64_t{0};
+  EXPECT_EQ(decode<MonoDecoder>(bytes, max).at(0).t, 18'446'744'073'709'551 + 4'294'967);
 }
 
 TEST(LibcaerDecoder, AddsMicrosecondsToTheBase) {

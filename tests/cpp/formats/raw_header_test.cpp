@@ -1,4 +1,4 @@
-#include "asap/formats/raw_header.hpp"
+#include "asap/formats/prophesee.hpp"
 
 #include <gtest/gtest.h>
 

@@ -226,8 +226,8 @@ Decoded decode_the_long_way(std::string_view text, const TextConfig& config) {
   return collect(decoder, std::move(events));
 }
 
-std::string digits(std::uint64_t bits, std::size_t most) {
-  std::string text(bits % (most + 1), '0');
+std::string digits(std::uint64_t bits, std::size_t max) {
+  std::string text(bits % (max + 1), '0');
   for (char& digit : text) digit = static_cast<char>('0' + (bits >>= 3) % 10);
   return text;
 }

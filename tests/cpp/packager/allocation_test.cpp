@@ -7,18 +7,20 @@
 #include <string>
 #include <string_view>
 
-#include "asap/packager/packager.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "asap/telemetry/run_log.hpp"
 #include "packager/event_times.hpp"
+#include "packager/packager.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/streams.hpp"
 
 namespace asap::allocation_test {
 namespace {
+
+using namespace std::chrono_literals;
 
 using test::allocations;
 
@@ -77,7 +79,7 @@ void allocates_nothing(Scheme& scheme) {
     AgeSlots ages(156'250);
     Telemetry telemetry(10'000'000);
     Packager packager(buffer, ages, scheme, telemetry, {.seed = done});
-    packager.set_axis(TimeAxis(0, 1.0));
+    packager.begin(TimeAxis(0, 1.0), 0);
     for (std::size_t at = 0; at < events.size(); at += kBatch, done += kBatch) {
       const std::uint64_t before = allocations();
       const EventSpan batch = EventSpan(events).subspan(at, kBatch);
@@ -107,7 +109,7 @@ void allocates_nothing(Scheme& scheme) {
 TEST(Allocations, NoneOnTheHotPath) {
   FixedSize fixed_size({.size = 37});
   allocates_nothing(fixed_size);
-  FixedTime fixed_time({.period_ms = 0.7});
+  FixedTime fixed_time({.period = 700us});
   allocates_nothing(fixed_time);
   SingleEvent single_event;
   allocates_nothing(single_event);

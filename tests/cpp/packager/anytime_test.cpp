@@ -10,9 +10,9 @@
 
 #include "asap/core/random.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/packager/packager.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "packager/event_times.hpp"
+#include "packager/packager.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
@@ -55,7 +55,7 @@ class Rig {
  public:
   explicit Rig(Scheme& scheme, std::size_t capacity = 4096, PackagerConfig config = {})
       : buffer(capacity), packager(buffer, ages, scheme, telemetry, config) {
-    packager.set_axis(TimeAxis(0, 1.0));
+    packager.begin(TimeAxis(0, 1.0), 0);
   }
 
   void push(EventSpan events) {
@@ -150,23 +150,6 @@ TEST(Anytime, AWholePackageComesAtOnce) {
 
 // ---- where the events lie
 
-TEST(Anytime, WhileEverythingIsKeptAPackageIsASliceOfTheRing) {
-  ScriptedScheme scheme = always(within(kMillisecond, 640));
-  Rig rig(scheme);
-  rig.push(evenly_spaced(1000, 1));
-  const Event* const ring = rig.buffer.peek().first.data();
-  Package package = rig.open();
-  for (std::size_t j = 0; j < 10; ++j) {
-    const EventSpan part = rig.packager.stratum(package, 0);
-    EXPECT_EQ(part.data(), ring + 64 * j);
-    EXPECT_EQ(package.events.data(), ring);
-    EXPECT_EQ(package.events.size(), 64 * (j + 1));
-  }
-  EXPECT_TRUE(rig.packager.stratum(package, 0).empty());
-  rig.packager.complete(package, 0);
-  EXPECT_EQ(rig.buffer.head(), 640u);
-}
-
 TEST(Anytime, AThinnedStratumMovesThePackageOutOfTheRing) {
   ScriptedScheme scheme = always(within(100 * kMicrosecond, 640, 1.0));
   Rig rig(scheme, 1024, {.seed = 9});
@@ -182,24 +165,6 @@ TEST(Anytime, AThinnedStratumMovesThePackageOutOfTheRing) {
   EXPECT_EQ(second.data(), package.events.data() + 64);
   EXPECT_EQ(numbers_of(package.events.first(64)), numbers_between(0, 64));
   EXPECT_EQ(numbers_of(first), numbers_between(0, 64)) << "what was handed out stays valid";
-}
-
-TEST(Anytime, AcrossTheWrapAPackageIsOnePiece) {
-  for (const std::size_t turned : {1u, 63u, 64u, 100u, 320u, 639u}) {
-    ScriptedScheme scheme([&](const Backlog& backlog) {
-      return backlog.count < 640 ? Decision::take(backlog.count) : within(kMillisecond, 640);
-    });
-    Rig rig(scheme, 640);
-    rig.push(evenly_spaced(turned, 0));
-    Package before = rig.open();
-    rig.run(before, 0.0);
-    rig.push(evenly_spaced(640, 1));
-    Package package = rig.open();
-    const std::vector<Numbers> parts = rig.run(package, 1.0);
-    EXPECT_EQ(numbers_of(package.events), numbers_between(0, 640));
-    ASSERT_EQ(parts.size(), 10u);
-    for (std::size_t j = 0; j < 10; ++j) EXPECT_EQ(parts[j], numbers_between(64 * j, 64 * j + 64));
-  }
 }
 
 // ---- early end
@@ -319,20 +284,6 @@ TEST(Anytime, GammaIsAsPlannedAndTheRowAsItWas) {
   EXPECT_EQ(rig.telemetry.log[0].gamma, 1.0) << "there was time for all";
 }
 
-TEST(Anytime, TheSmoothedKeptFractionFollowsWhatWasKept) {
-  // Planned is 0.25, kept is all: keep before a package is a step from what was, towards the plan.
-  ScriptedScheme scheme = always(within(kMillisecond, 100, 1.0, 0.25));
-  Rig rig(scheme, 65'536);
-  rig.push(evenly_spaced(60'000, 1));
-  double keep = 0;
-  for (std::int64_t i = 0; i < 500; ++i) {
-    Package package = rig.open(i * kMillisecond / 5);
-    keep = package.keep;
-    rig.run(package, 0.0, i * kMillisecond / 5);
-  }
-  EXPECT_NEAR(keep, 1.0, 0.02);
-}
-
 // ---- drop, flush
 
 TEST(Anytime, ADropAsksAgainAboutWhatIsLeft) {
@@ -348,43 +299,6 @@ TEST(Anytime, ADropAsksAgainAboutWhatIsLeft) {
   EXPECT_EQ(package.stale_before, 20u);
   EXPECT_EQ(rig.run(package, 1.0), (std::vector<Numbers>{numbers_between(20, 25)}));
   EXPECT_EQ(rig.ledger(), (Ledger{.received = 100, .stale = 20, .delivered = 5, .pending = 75}));
-}
-
-TEST(Anytime, ADropOfEverythingWaitsForMore) {
-  ScriptedScheme scheme([](const Backlog& backlog) { return Decision::drop(backlog.count); });
-  Rig rig(scheme);
-  rig.push(evenly_spaced(100, 1));
-  const Packager::Next next = rig.packager.next(0);
-  EXPECT_EQ(next.step, Step::wait);
-  EXPECT_EQ(next.until_tail, 101u);
-  EXPECT_EQ(rig.ledger(), (Ledger{.received = 100, .stale = 100}));
-}
-
-TEST(Anytime, WithoutFlushTheBoundForcesNothing) {
-  std::vector<bool> due;
-  ScriptedScheme scheme([&](const Backlog& backlog) {
-    due.push_back(backlog.due);
-    return Decision::wait_for(1000);
-  });
-  Rig rig(scheme, 8, {.flush = false});
-  rig.push(evenly_spaced(7, 1));
-  for (const std::int64_t now_ns : {std::int64_t{0}, kBound_ns, 1000 * kBound_ns}) {
-    const Packager::Next next = rig.packager.next(now_ns);
-    EXPECT_EQ(next.step, Step::wait);
-    EXPECT_EQ(next.until_ns, kNever);
-    EXPECT_EQ(next.until_tail, 8u);
-  }
-  rig.push(evenly_spaced(1, 1, 7));
-  EXPECT_EQ(rig.open(1000 * kBound_ns).events.size(), 8u) << "a full ring still does";
-  EXPECT_EQ(due, (std::vector<bool>{false, false, false, true}));
-}
-
-TEST(Anytime, WithoutFlushTheEndOfTheSourceStillForcesAScheme) {
-  ScriptedScheme scheme([](const Backlog&) { return Decision::wait_for(1000); });
-  Rig rig(scheme, 16, {.flush = false});
-  rig.push(evenly_spaced(7, 1));
-  rig.buffer.close();
-  EXPECT_EQ(rig.open(0).events.size(), 7u);
 }
 
 // ---- whatever happens
@@ -403,8 +317,8 @@ TEST(Anytime, LosesNothingAndDoublesNothing) {
       return decision;
     });
     const std::size_t capacity = 500 + 300 * draw(8);
-    const std::size_t most_copied = seed % 2 == 0 ? capacity : 1 + draw(capacity);
-    Rig rig(scheme, capacity, {.seed = seed, .most_copied = most_copied});
+    const std::size_t max_copied = seed % 2 == 0 ? capacity : 1 + draw(capacity);
+    Rig rig(scheme, capacity, {.seed = seed, .max_copied = max_copied});
     const Events events = evenly_spaced(30'000, 1);
     std::size_t at = 0;
     std::int64_t now_ns = 0;

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "asap/packager/packager.hpp"
 #include "packager/event_times.hpp"
+#include "packager/packager.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
@@ -18,7 +18,7 @@ using test::evenly_spaced;
 using test::numbers_of;
 using test::ScriptedScheme;
 
-constexpr std::size_t kMost = 100;
+constexpr std::size_t kMax = 100;
 constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();
 
 Decision within_a_ms(std::size_t raw, double keep, double event_ns) {
@@ -30,11 +30,11 @@ Decision within_a_ms(std::size_t raw, double keep, double event_ns) {
 
 // A ring of 1024 that begins at `first` and holds 1000 events, and what comes out of it.
 struct Rig {
-  explicit Rig(Decision decision, std::size_t most_copied = kMost, std::uint64_t first = 0)
+  explicit Rig(Decision decision, std::size_t max_copied = kMax, std::uint64_t first = 0)
       : scheme([decision](const Backlog&) { return decision; }),
         buffer(1024, first),
-        packager(buffer, ages, scheme, telemetry, {.most_copied = most_copied}) {
-    packager.set_axis(TimeAxis(0, 1.0));
+        packager(buffer, ages, scheme, telemetry, {.max_copied = max_copied}) {
+    packager.begin(TimeAxis(0, 1.0), 0);
     buffer.push(evenly_spaced(1000, 1));
     buffer.close();
   }
@@ -77,8 +77,8 @@ TEST(Bounded, TheRestOfAThinnedPackageFollows) {
   rig.run();
   EXPECT_EQ(unbounded.sizes.size(), 1u);
   EXPECT_EQ(rig.delivered, unbounded.delivered);
-  EXPECT_EQ(rig.sizes.size(), (rig.delivered.size() + kMost - 1) / kMost);
-  for (std::size_t i = 0; i + 1 < rig.sizes.size(); ++i) EXPECT_EQ(rig.sizes[i], kMost);
+  EXPECT_EQ(rig.sizes.size(), (rig.delivered.size() + kMax - 1) / kMax);
+  for (std::size_t i = 0; i + 1 < rig.sizes.size(); ++i) EXPECT_EQ(rig.sizes[i], kMax);
   EXPECT_EQ(rig.booked(), 1000u);
   EXPECT_EQ(rig.offered, 1000u);
   ASSERT_EQ(rig.scheme.outcomes.size(), rig.sizes.size());
@@ -86,7 +86,7 @@ TEST(Bounded, TheRestOfAThinnedPackageFollows) {
 }
 
 TEST(Bounded, AllThatIsKeptIsDeliveredAcrossTheEndOfTheRing) {
-  Rig rig(Decision::take(1000), kMost, 1024 - 600);
+  Rig rig(Decision::take(1000), kMax, 1024 - 600);
   rig.run();
   EXPECT_EQ(rig.sizes, (std::vector<std::size_t>{600, 400})) << "two slices";
   EXPECT_EQ(rig.delivered.size(), 1000u);
@@ -96,7 +96,7 @@ TEST(Bounded, AllThatIsKeptIsDeliveredAcrossTheEndOfTheRing) {
 TEST(Bounded, AFullAnytimePackageEndsAndTheNextBegins) {
   for (const std::uint64_t first : {0U, 1024U - 600U}) {
     // 0.1 ms for what fits in, and more events than that: thinned from the second stratum on
-    Rig rig(within_a_ms(1000, 1.0, 1.0), kMost, first);
+    Rig rig(within_a_ms(1000, 1.0, 1.0), kMax, first);
     rig.run(5'000);
     ASSERT_GT(rig.sizes.size(), 2u);
     std::uint64_t last = 0;
@@ -111,7 +111,7 @@ TEST(Bounded, AFullAnytimePackageEndsAndTheNextBegins) {
 }
 
 TEST(Bounded, AsManyAsFitAreNotCut) {
-  Rig rig(Decision::take(100), kMost, 1024 - 50);
+  Rig rig(Decision::take(100), kMax, 1024 - 50);
   rig.run();
   EXPECT_EQ(rig.sizes, std::vector<std::size_t>(10, 100));
 }

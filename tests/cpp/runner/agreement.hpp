@@ -40,8 +40,8 @@ inline void expect_agreement(const Simulator& simulator, const NaiveSimulator& n
   ASSERT_EQ(simulator.ledger(), naive.ledger);
   ASSERT_EQ(simulator.gap_us(), gap_us(naive.received, naive.delivered));
   ASSERT_EQ(simulator.busy_ns(), naive.busy_ns);
-  ASSERT_EQ(simulator.slots().slots().size(), naive.slots.size());
-  for (const Slot& slot : simulator.slots().slots()) {
+  ASSERT_EQ(simulator.slots().size(), naive.slots.size());
+  for (const Slot& slot : simulator.slots()) {
     SCOPED_TRACE(testing::Message() << "slot " << slot.slot);
     ASSERT_TRUE(naive.slots.contains(slot.slot));
     const Slot& expected = naive.slots.at(slot.slot);

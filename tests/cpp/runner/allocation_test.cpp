@@ -24,7 +24,7 @@ using test::allocations;
 using test::Events;
 
 constexpr std::size_t kBatch = 1000;
-constexpr double kBound_ms = 60'000;  // or a consumer that gets no turn delivers nothing
+constexpr std::chrono::minutes kBound{1};  // or a consumer that gets no turn delivers nothing
 
 // How many events go through: a million, or 10^8 when the long tests are asked for.
 std::uint64_t events_to_run() {
@@ -48,7 +48,7 @@ std::uint64_t allocated_by_pushing(Pipeline& pipeline, std::uint64_t events) {
 }
 
 void allocates_nothing(Scheme& scheme, Execution execution) {
-  Pipeline pipeline(scheme, {.latency_us = kBound_ms * 1e3,
+  Pipeline pipeline(scheme, {.latency = kBound,
                              .capacity = 100'000,
                              .validator = {.width = 4000, .height = 4000},
                              .execution = execution});
@@ -79,7 +79,7 @@ void allocates_nothing(Scheme& scheme, Execution execution) {
 
 TEST(LiveAllocations, None) {
   for (const Execution execution : {Execution::whole, Execution::anytime}) {
-    Deadline deadline({.latency_ms = kBound_ms});
+    Deadline deadline({.latency = kBound});
     allocates_nothing(deadline, execution);
     Asap2020 asap2020({.rate_bound = 1e6, .first_size = 100});
     allocates_nothing(asap2020, execution);
@@ -100,7 +100,7 @@ TEST(PipelineMemory, IsWhatIsCounted) {
     const RunConfig configs[] = {
         {.capacity = capacity, .log_rows = 0},
         {.capacity = capacity, .prefault = true},
-        {.capacity = capacity, .before = all, .log_rows = 7, .most_copied = 5000}};
+        {.capacity = capacity, .front_filter = all, .log_rows = 7, .max_copied = 5000}};
     for (const RunConfig& config : configs) {
       Consumer nothing = [](EventSpan) {};
       RunConfig given = config;
@@ -116,7 +116,7 @@ TEST(PipelineMemory, FitsASmallBoard) {
   const PipelineMemory memory = Pipeline::memory({.capacity = 65'536, .log_rows = 0});
   EXPECT_LE(memory.total(), 2'600'000u);
   EXPECT_LE(memory.log + memory.rest, 256'000u);
-  const RunConfig small{.capacity = 16'384, .log_rows = 0, .most_copied = 4096};
+  const RunConfig small{.capacity = 16'384, .log_rows = 0, .max_copied = 4096};
   EXPECT_LE(memory_bytes(small), 600'000u);
 }
 

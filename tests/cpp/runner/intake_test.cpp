@@ -138,7 +138,7 @@ TEST(IntakeThin, ARingThatNobodyEmptiesFillsAndOverflows) {
   EXPECT_EQ(rig.buffer.size(), 100u);
   EXPECT_GT(rig.buffer.overflow(), 90'000u);
   EXPECT_EQ(rig.accounted(), 100'000u);
-  EXPECT_EQ(rig.intake.most_waiting(), 100u);
+  EXPECT_EQ(rig.intake.max_waiting(), 100u);
 }
 
 TEST(IntakeThin, KeepsTheSquareOfTheRoom) {
@@ -223,7 +223,7 @@ TEST(IntakeBlock, PollEndsTheWaitByThrowing) {
   Rig rig(10, WhenFull::block);
   int polled = 0;
   const auto poll = [&] {
-    EXPECT_EQ(rig.intake.most_waiting(), 10u);
+    EXPECT_EQ(rig.intake.max_waiting(), 10u);
     if (++polled == 3) throw std::runtime_error("interrupted");
   };
   EXPECT_THROW(rig.intake.take(evenly_spaced(100, 1), 0, poll), std::runtime_error);

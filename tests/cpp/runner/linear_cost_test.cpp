@@ -85,10 +85,6 @@ TEST(LinearCost, DriftsInStepsOfAMillisecond) {
   expect(kEndOfTimeNs, 900);  // the last one stays
 }
 
-TEST(LinearCost, TheMeanCostOfAnEventKnowsNoNoise) {
-  EXPECT_EQ(LinearCost({.beta_ns = 300, .noise = 0.5}).event_ns(7), 300);
-}
-
 TEST(LinearCost, WorkTakesAtLeastANanosecond) {
   const LinearCost cost;
   EXPECT_EQ(cost.done_ns(50, 0.0), 51);
@@ -96,27 +92,6 @@ TEST(LinearCost, WorkTakesAtLeastANanosecond) {
   EXPECT_EQ(cost.done_ns(50, 1.4), 51);
   EXPECT_EQ(cost.done_ns(50, 1.6), 52);
   EXPECT_EQ(cost.done_ns(-50, 80.0), 30);
-}
-
-TEST(LinearCost, WorkStopsInOutages) {
-  const LinearCost cost({.outages = {{100, 200}, {250, 300}, {300, 310}}});
-  EXPECT_EQ(cost.done_ns(0, 99), 99);
-  EXPECT_EQ(cost.done_ns(0, 100), 100);  // done as the outage begins
-  EXPECT_EQ(cost.done_ns(0, 101), 201);
-  EXPECT_EQ(cost.done_ns(0, 150), 250);
-  EXPECT_EQ(cost.done_ns(0, 151), 311);  // two outages in a row
-  EXPECT_EQ(cost.done_ns(0, 1000), 1160);
-  EXPECT_EQ(cost.done_ns(99, 2), 201);
-  EXPECT_EQ(cost.done_ns(310, 7), 317);
-}
-
-TEST(LinearCost, WorkThatBeginsInAnOutageWaitsForItsEnd) {
-  const LinearCost cost({.outages = {{100, 200}, {250, 300}}});
-  EXPECT_EQ(cost.done_ns(100, 1), 201);
-  EXPECT_EQ(cost.done_ns(150, 1), 201);
-  EXPECT_EQ(cost.done_ns(199, 50), 250);
-  EXPECT_EQ(cost.done_ns(199, 51), 301);
-  EXPECT_EQ(cost.done_ns(200, 50), 250);  // it has just ended
 }
 
 TEST(LinearCost, AnAlgorithmStartsOutsideOutages) {

@@ -16,9 +16,9 @@
 #include "asap/schemes/scheme.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/run_log.hpp"
-#include "asap/telemetry/slot_log.hpp"
 #include "packager/rate_meter.hpp"
 #include "runner/admission.hpp"
+#include "telemetry/slot_log.hpp"
 
 namespace asap::test {
 
@@ -252,14 +252,14 @@ class NaiveSimulator final : public BacklogCounts {
     std::size_t strata = raw / 64;
     for (std::size_t m = strata + 1; m <= 16; ++m) {
       const double m_ns = static_cast<double>(m) * share;
-      if (n * std::max(decision.event_ns, decision.most_event_ns) >= m_ns && H >= m_ns) strata = m;
+      if (n * std::max(decision.event_ns, decision.max_event_ns) >= m_ns && H >= m_ns) strata = m;
     }
     strata = std::clamp<std::size_t>(strata, 1, std::clamp<std::size_t>(raw, 1, 16));
     const double M = static_cast<double>(strata);
     constexpr std::int64_t kAges = 1'000'000'000'000'000;
     const std::int64_t end = now_ns_ + std::clamp<std::int64_t>(decision.budget_ns, 0, kAges);
-    const bool doubted = decision.most_event_ns > decision.event_ns;
-    const double trust = doubted ? decision.event_ns / decision.most_event_ns : 1.0;
+    const bool doubted = decision.max_event_ns > decision.event_ns;
+    const double trust = doubted ? decision.event_ns / decision.max_event_ns : 1.0;
     const double k0 = std::max(1.0, n / 32 * trust);
     double tau = 0;
     double m = 0;
@@ -270,7 +270,7 @@ class NaiveSimulator final : public BacklogCounts {
     const double fixed = std::max(0.0, static_cast<double>(fixed_end - now_ns_));
     std::size_t probe = 0;
     if (strata > 1 && doubted && H > 0) {
-      const double safe = std::max(1.0, H / M / decision.most_event_ns);
+      const double safe = std::max(1.0, H / M / decision.max_event_ns);
       if (safe < std::floor(N / M)) probe = static_cast<std::size_t>(safe);
     }
     std::vector<std::pair<std::size_t, std::size_t>> parts;  // of stratum j so many

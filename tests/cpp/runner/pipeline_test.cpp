@@ -11,12 +11,15 @@
 #include <stdexcept>
 #include <thread>
 
+#include "asap/core/random.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
+#include "buffer/event_buffer.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
+#include "support/gap.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
@@ -33,8 +36,7 @@ using namespace std::chrono_literals;
 
 const RunConfig kWhole{.execution = Execution::whole};
 constexpr auto kLong = std::chrono::nanoseconds(120s);  // a test that waits so long has failed
-constexpr double kHour_us = 3.6e9;
-const RunConfig kPatient{.latency_us = kHour_us, .capacity = std::size_t{1} << 20};
+const RunConfig kPatient{.latency = 1h, .capacity = std::size_t{1} << 20};
 
 // Waits for ever, unless something is due.
 test::ScriptedScheme::Rule only_when_due() {
@@ -45,10 +47,10 @@ test::ScriptedScheme::Rule only_when_due() {
 
 // Pushes chunks with stamps that go on, until the pipeline refuses; counts what it has pushed.
 struct Camera {
-  explicit Camera(Pipeline& pipeline, std::size_t chunk, std::uint64_t most = ~std::uint64_t{0})
-      : thread([this, &pipeline, chunk, most] {
+  explicit Camera(Pipeline& pipeline, std::size_t chunk, std::uint64_t max = ~std::uint64_t{0})
+      : thread([this, &pipeline, chunk, max] {
           Events events = evenly_spaced(chunk, 0);
-          for (std::int64_t t = 0; pushed < most && pipeline.push(events); ++t) {
+          for (std::int64_t t = 0; pushed < max && pipeline.push(events); ++t) {
             pushed += chunk;
             for (Event& event : events) event.t = t + 1;
           }
@@ -60,7 +62,7 @@ struct Camera {
 
 TEST(Pipeline, DeliversWhatAnotherThreadPushesInOrder) {
   const Events events = evenly_spaced(300'000, 1);
-  Deadline scheme({.latency_ms = kHour_us * 1e-3});
+  Deadline scheme({.latency = 1h});
   Pipeline pipeline(scheme, {.capacity = std::size_t{1} << 20, .execution = Execution::whole});
   std::jthread producer([&] {
     for (std::size_t i = 0; i < events.size(); i += 1000) {
@@ -119,7 +121,7 @@ TEST(Pipeline, TheLedgerBalancesOverMillionsInOverload) {
 
 TEST(Pipeline, TheLastEventOfABurstIsDeliveredWithinTheBound) {
   test::ScriptedScheme scheme(only_when_due());
-  Pipeline pipeline(scheme, {.latency_us = 30'000, .execution = Execution::whole});
+  Pipeline pipeline(scheme, {.latency = 30ms, .execution = Execution::whole});
   Package package;
   EXPECT_EQ(pipeline.next(package, 1ms), Next::idle);
   const auto before = Steady::now();
@@ -131,7 +133,7 @@ TEST(Pipeline, TheLastEventOfABurstIsDeliveredWithinTheBound) {
 
 TEST(Pipeline, FlushWaitsForNothing) {
   test::ScriptedScheme scheme(only_when_due());
-  Pipeline pipeline(scheme, {.latency_us = 1e9, .execution = Execution::whole});
+  Pipeline pipeline(scheme, {.latency = 1000s, .execution = Execution::whole});
   pipeline.push(evenly_spaced(100, 1));
   Package package;
   EXPECT_EQ(pipeline.next(package, 5ms), Next::idle);
@@ -193,7 +195,7 @@ TEST(Pipeline, APushAfterStopIsRefusedAndNotCounted) {
 
 TEST(Pipeline, EndsFromAnyStateSoon) {
   for (int round = 0; round < 300; ++round) {
-    Deadline scheme({.latency_ms = 5});
+    Deadline scheme({.latency = 5ms});
     Pipeline pipeline(scheme, {.capacity = 5000});
     Camera camera(pipeline, 1 + static_cast<std::size_t>(round) * 7,
                   round % 3 == 0 ? 0 : 1'000'000'000);
@@ -292,7 +294,7 @@ TEST(Pipeline, AStartThatFailsLeavesTheRunBefore) {
     std::int64_t latency_bound_ns() const noexcept override { return bound_ns; }
     std::string_view name() const noexcept override { return "stubborn"; }
   } scheme;
-  Pipeline pipeline(scheme, {.latency_us = 1000});
+  Pipeline pipeline(scheme, {.latency = 1000us});
   pipeline.push(at_times({1}));
   pipeline.abandon();
   scheme.bound_ns = 2'000'000;
@@ -357,6 +359,162 @@ TEST(Pipeline, CountsWhatTheDriverReports) {
   EXPECT_EQ(pipeline.ledger(), Ledger{});
 }
 
+// ---- the way of an event
+
+void deliver_all(Pipeline& run) {
+  Package package;
+  while (run.next(package, 0ns) == Next::package) {
+  }
+}
+
+TEST(Pipeline, AgesCountFromTheArrivalWhateverTheStamps) {
+  Greedy scheme;
+  Pipeline run(scheme, kWhole);
+  const auto arrival = Steady::now() - 5s;
+  run.push(test::evenly_spaced(100, 1'000'000'000, 77), arrival);  // stamps of 28 hours
+  run.push(test::at_times({200'000'000'000}), arrival + 2s);
+  deliver_all(run);
+  const LatencyHistogram& latency = run.telemetry().latency;
+  EXPECT_EQ(latency.count(), 101u);
+  EXPECT_GE(latency.max_ns(), 5'000'000'000);
+  EXPECT_LT(latency.max_ns(), 50'000'000'000);
+  EXPECT_NEAR(latency.mean_ns(), static_cast<double>(latency.max_ns()) - 2e9 / 101, 1e6);
+  const PackageRow row = run.telemetry().log[0];
+  EXPECT_EQ(row.latency_max_us, static_cast<double>(latency.max_ns()) * 1e-3);
+  EXPECT_NEAR(row.start_us + row.processing_us - 77, row.latency_max_us, 1.0)
+      << "the run's axis begins with the first arrival at its stamp";
+}
+
+TEST(Pipeline, AnArrivalInTheFutureIsNowAndOneBeforeTheLastIsThat) {
+  Greedy scheme;
+  Pipeline run(scheme, kWhole);
+  run.push(test::at_times({1}), Steady::now() - 1s);
+  run.push(test::at_times({2}), Steady::now() - 9s);
+  deliver_all(run);
+  EXPECT_LT(run.telemetry().latency.max_ns(), 5'000'000'000);
+  run.push(test::at_times({3}), Steady::now() + 100s);
+  deliver_all(run);
+  EXPECT_EQ(run.ledger().delivered, 3u);
+  EXPECT_LT(run.stats().sensor_delay_max_ns, 5'000'000'000);
+}
+
+TEST(Pipeline, ARefusedEventIsCountedAndSoIsWhatCameBefore) {
+  Greedy scheme;
+  RunConfig config = kWhole;
+  config.validator = {.width = 50, .height = 50, .on_bad = OnBad::raise};
+  Pipeline run(scheme, config);
+  EXPECT_THROW(run.push(test::evenly_spaced(60, 10), {}), std::invalid_argument);
+  EXPECT_EQ(run.ledger(), (Ledger{.received = 51, .rejected = 1, .pending = 50}));
+}
+
+TEST(Pipeline, TheNewestThatDoNotFitOverflow) {
+  Greedy scheme;
+  RunConfig config = kWhole;
+  config.capacity = 100;
+  config.when_full = WhenFull::newest;
+  Pipeline run(scheme, config);
+  run.push(test::evenly_spaced(150, 1), {});
+  EXPECT_EQ(run.ledger(), (Ledger{.received = 150, .overflow = 50, .pending = 100}));
+  Package package;
+  ASSERT_EQ(run.next(package, 0ns), Next::package);
+  EXPECT_EQ(package.lost_before(), 50u);
+  EXPECT_EQ(test::number_of(package.events.front()), 0u);
+}
+
+TEST(Pipeline, WhatTheFilterInFrontDropsIsFilteredAndNothingElse) {
+  test::ScriptedScheme scheme(
+      [](const Backlog& backlog) { return Decision::take(backlog.count, 0.25); });
+  RunConfig config = kWhole;
+  config.front_filter = [](EventSpan events, Event* out) {
+    Event* const end = std::copy_if(events.begin(), events.end(), out,
+                                    [](const Event& event) { return event.p == 0; });
+    return static_cast<std::size_t>(end - out);
+  };
+  Pipeline run(scheme, config);
+  run.push(test::evenly_spaced(1000, 10));  // every second one
+  deliver_all(run);
+  const Ledger ledger = run.ledger();
+  EXPECT_EQ(ledger.filtered, 500u);
+  EXPECT_GT(ledger.discarded, 100u);
+  EXPECT_EQ(ledger.discarded + ledger.delivered, 500u);
+  run.push(test::Events(10, {1, 0, 1, 10'000}));  // none
+  deliver_all(run);
+  EXPECT_EQ(run.ledger().filtered, 510u);
+  EXPECT_EQ(run.ledger().discarded, ledger.discarded);
+  EXPECT_EQ(run.ledger().pending, 0u);
+}
+
+TEST(Pipeline, TheBoundOfACopyIsConfigured) {
+  test::ScriptedScheme scheme(
+      [](const Backlog& backlog) { return Decision::take(backlog.count, 1 - 1e-9); });
+  RunConfig config = kWhole;
+  config.max_copied = 300;
+  Pipeline run(scheme, config);
+  run.push(test::evenly_spaced(500, 0), {});
+  for (const std::size_t size : {300u, 200u}) {
+    Package package;
+    ASSERT_EQ(run.next(package, 0ns), Next::package);
+    EXPECT_EQ(package.events.size(), size);
+    run.complete();
+  }
+}
+
+// Lost at the door, dropped from a full ring, thinned there or stale: alone and in any mixture.
+TEST(Pipeline, TheGapIsThatOfTheEventsBetweenDeliveredOnes) {
+  for (const WhenFull when_full : {WhenFull::thin, WhenFull::newest, WhenFull::oldest}) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+      const CounterRandom random(seed + 77);
+      std::uint64_t draws = 0;
+      const auto below = [&](std::size_t end) { return random(draws++) % end; };
+      test::ScriptedScheme scheme([&](const Backlog& backlog) {
+        const double keep = below(2) == 0 ? 1.0 : static_cast<double>(below(10)) / 10;
+        Decision decision = Decision::take(1 + below(backlog.count), keep);
+        if (seed % 3 == 0 && below(3) == 0) decision.stale = below(backlog.count);
+        return decision;
+      });
+      RunConfig config = kWhole;
+      config.capacity = 256;
+      config.when_full = when_full;
+      Pipeline run(scheme, config);
+      test::Events delivered;
+      const auto deliver = [&](std::size_t packages) {
+        Package package;
+        for (; packages > 0; --packages) {
+          if (run.next(package, 0ns) != Next::package) return;
+          delivered.insert(delivered.end(), package.events.begin(), package.events.end());
+          run.complete();
+        }
+      };
+      const test::Events events = test::random_stream(seed, 4000);
+      std::int64_t so_far_us = 0;
+      for (EventSpan rest = events; !rest.empty();) {
+        const std::size_t count = std::min<std::size_t>(rest.size(), 1 + below(500));
+        run.push(rest.first(count));
+        rest = rest.subspan(count);
+        deliver(below(4));
+        EXPECT_GE(run.stats().gap_us, so_far_us);
+        so_far_us = run.stats().gap_us;
+      }
+      run.stop();
+      deliver(events.size());
+      ASSERT_EQ(run.ledger().pending, 0u);
+      ASSERT_EQ(run.stats().gap_us, test::gap_us(events, delivered))
+          << "rule " << static_cast<int>(when_full) << ", seed " << seed;
+    }
+  }
+}
+
+TEST(Pipeline, WithoutALogTheTotalsAreThere) {
+  Greedy scheme;
+  RunConfig config = kWhole;
+  config.log_rows = 0;
+  Pipeline run(scheme, config);
+  run.push(test::evenly_spaced(50, 0), {});
+  deliver_all(run);
+  EXPECT_EQ(run.telemetry().log.totals().size, 50u);
+  EXPECT_EQ(run.telemetry().log.first(), run.telemetry().log.size());
+}
+
 // ---- under pressure: what gives way, and what may change meanwhile
 
 RunConfig whole(std::size_t capacity, WhenFull when_full) {
@@ -385,7 +543,7 @@ TEST(PipelineThin, OverflowStaysZeroAndGammaSaysIt) {
   EXPECT_EQ(stats.ledger.discarded, 1500 - stats.ledger.delivered);
   EXPECT_NEAR(static_cast<double>(stats.ledger.delivered), 938, 25);
   EXPECT_TRUE(stats.ledger.balanced());
-  EXPECT_EQ(stats.most_waiting, stats.ledger.delivered);
+  EXPECT_EQ(stats.max_waiting, stats.ledger.delivered);
 }
 
 TEST(PipelineOldest, AFullRingLosesItsOlderHalf) {
@@ -434,7 +592,7 @@ TEST(PipelineBlock, SaysHowManyWaitWhileThePushWaits) {
   Greedy scheme;
   Pipeline pipeline(scheme, whole(64, WhenFull::block));
   const auto poll = [&] {
-    EXPECT_EQ(pipeline.stats().most_waiting, 64u);
+    EXPECT_EQ(pipeline.stats().max_waiting, 64u);
     throw std::runtime_error("interrupted");
   };
   EXPECT_THROW(pipeline.push(evenly_spaced(100, 1), {}, poll), std::runtime_error);
@@ -520,7 +678,7 @@ TEST(PipelineBlock, ANewRunWaitsForThePushOfTheOneBefore) {
 TEST(Pipeline, SaysThatItsConsumerHasStalled) {
   Greedy scheme;
   RunConfig config = whole(1000, WhenFull::thin);
-  config.latency_us = 1000;
+  config.latency = 1000us;
   Pipeline pipeline(scheme, config);
   EXPECT_FALSE(pipeline.stats().stalled) << "there is nothing to do";
   pipeline.push(at_times({1}));
@@ -541,37 +699,37 @@ TEST(Pipeline, SaysThatItsConsumerHasStalled) {
 }
 
 TEST(Pipeline, TakesAnotherLatencyBoundWhileItRuns) {
-  Deadline scheme({.latency_ms = 3'600'000});
+  Deadline scheme({.latency = 3'600'000ms});
   RunConfig config = whole(1000, WhenFull::thin);
   Pipeline pipeline(scheme, config);
   // Alone, an event would wait for others as long as the bound allows.
   test::ScriptedScheme patient([](const Backlog& backlog) {
     return backlog.due ? Decision::take(backlog.count) : Decision::wait_for(1000);
   });
-  Pipeline waiting(patient, {.latency_us = 3.6e9, .execution = Execution::whole});
+  Pipeline waiting(patient, {.latency = 1h, .execution = Execution::whole});
   waiting.push(at_times({1}));
   Package package;
   ASSERT_EQ(waiting.next(package, 0ns), Next::idle);
-  std::jthread changes([&] { waiting.set_latency(1000); });
+  std::jthread changes([&] { waiting.set_latency(1ms); });
   ASSERT_EQ(waiting.next(package, kLong), Next::package) << "due by the new bound";
   waiting.complete();
   EXPECT_EQ(waiting.stats().latency_bound_ns, 1'000'000);
   EXPECT_EQ(waiting.stats().latency.bound_ns(), 1'000'000);
 
-  pipeline.set_latency(20'000);
+  pipeline.set_latency(20ms);
   EXPECT_EQ(pipeline.stats().latency_bound_ns, 20'000'000);
   pipeline.stop();
   pipeline.start();
   EXPECT_EQ(scheme.latency_bound_ns(), 20'000'000) << "later runs have it, and the scheme too";
   EXPECT_EQ(scheme.parameters()[0].second, SchemeParameter(20.0));
-  EXPECT_EQ(test::error_of([&] { pipeline.set_latency(1); }).rfind("latency_us = 1", 0), 0u);
+  EXPECT_EQ(test::error_of([&] { pipeline.set_latency(1us); }).rfind("latency = 0.001 ms", 0), 0u);
 }
 
 TEST(Pipeline, ASensorThatBeginsAnewMakesWhatWaitsDue) {
   test::ScriptedScheme patient([](const Backlog& backlog) {
     return backlog.due ? Decision::take(backlog.count) : Decision::wait_for(1000);
   });
-  Pipeline pipeline(patient, {.latency_us = 3.6e9, .execution = Execution::whole});
+  Pipeline pipeline(patient, {.latency = 1h, .execution = Execution::whole});
   pipeline.push(at_times({50'000'000, 50'000'001}));
   Package package;
   ASSERT_EQ(pipeline.next(package, 0ns), Next::idle);
@@ -690,12 +848,12 @@ TEST(MakePipeline, GivesOneThatWorks) {
 
 TEST(MakePipeline, NamesTheFieldAsItsCallerWroteIt) {
   Deadline scheme;
-  const std::string remedy = ": must be between 10 and 1e10 us";
-  EXPECT_EQ(make_pipeline(scheme, {.latency_us = -5}).message(), "latency_us = -5" + remedy);
-  EXPECT_EQ(make_pipeline({.latency_us = -5}, [](EventSpan) {}).message(),
-            "latency_us = -5" + remedy);
-  EXPECT_EQ(test::error_of([] { Pipeline({.latency_us = -5}, [](EventSpan) {}); }),
-            "latency_us = -5" + remedy);
+  const std::string remedy = ": must be between 0.01 and 1e7 ms";
+  EXPECT_EQ(make_pipeline(scheme, {.latency = -5us}).message(), "latency = -0.005 ms" + remedy);
+  EXPECT_EQ(make_pipeline({.latency = -5us}, [](EventSpan) {}).message(),
+            "latency = -0.005 ms" + remedy);
+  EXPECT_EQ(test::error_of([] { Pipeline({.latency = -5us}, [](EventSpan) {}); }),
+            "latency = -0.005 ms" + remedy);
   EXPECT_EQ(make_pipeline({}, Consumer{}).message(),
             "algorithm = none: give what the events are for");
 }
@@ -711,7 +869,7 @@ TEST(MakePipeline, RefusedItHasTakenNothing) {
 }
 
 TEST(MakePipeline, WhereverMemoryEndsItHasTakenNothing) {
-  const RunConfig small{.capacity = 64, .most_copied = 64};
+  const RunConfig small{.capacity = 64, .max_copied = 64};
   EXPECT_GT(test::allocations_until_made([&] { return make_pipeline(small, [](EventSpan) {}); }),
             10);
   Greedy scheme;

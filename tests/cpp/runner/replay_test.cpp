@@ -190,56 +190,6 @@ struct Loop {
   std::int64_t last = -1;
 };
 
-TEST(Replay, AnAnytimeAlgorithmGetsPartsAndAWholeOneDoesNot) {
-  const Events events = evenly_spaced(100'000, 1);
-  for (const Execution execution : {Execution::whole, Execution::anytime}) {
-    test::ScriptedScheme scheme(all_within(1'000'000));
-    Replay replay(scheme, {}, {.execution = execution});
-    SpanSource source(events);
-    Loop loop;
-    replay.run(source, std::ref(loop));
-    const Ledger ledger = replay.ledger();
-    EXPECT_EQ(scheme.execution, execution);
-    EXPECT_EQ(loop.packages, replay.telemetry().log.size());
-    EXPECT_EQ(loop.delivered, ledger.delivered);
-    EXPECT_TRUE(ledger.balanced());
-    EXPECT_EQ(ledger.pending, 0u);
-    if (execution == Execution::whole) {
-      EXPECT_EQ(loop.parts, loop.packages);
-      EXPECT_EQ(ledger.delivered, 100'000u) << "nothing thins a whole package but its keep";
-    } else {
-      EXPECT_GT(loop.parts, loop.packages);
-      EXPECT_GT(ledger.discarded, 10'000u) << "twice as much as the algorithm can do";
-    }
-  }
-}
-
-TEST(Replay, NotesTheAgeOfWhatItPushes) {
-  constexpr std::int64_t kBound_ns = 20'000'000;
-  const std::int64_t width_ns = asap::Run::age_slot_ns(kBound_ns);
-  int asked = 0;
-  test::ScriptedScheme scheme([&](const Backlog& backlog) {
-    if (!backlog.due) return Decision::wait_for(1'000'000);
-    for (std::int64_t i = 0; i <= 100; ++i) {  // the source has ended: 12.5 ms of run time wait
-      const std::int64_t time_ns = backlog.oldest_ns + i * 125'000;
-      const auto counts = [&](std::int64_t t_ns) { return backlog.counts.before(t_ns); };
-      const std::int64_t slot_ns = time_ns - time_ns % width_ns;
-      const auto about = static_cast<double>(backlog.counts.about_before(time_ns));
-      EXPECT_NEAR(about, static_cast<double>(counts(time_ns)),
-                  static_cast<double>(counts(slot_ns + width_ns) - counts(slot_ns)));
-      EXPECT_NEAR(about, 50.0 * static_cast<double>(i), 125) << "2.5 us apart";
-    }
-    ++asked;
-    return Decision::take(backlog.count);
-  });
-  Replay replay(scheme, {.speed = 4}, {.latency_us = 20'000, .flush = false});
-  const Events events = evenly_spaced(5000, 10);
-  SpanSource source(events);
-  replay.run(source, [](const Package&) {});
-  EXPECT_EQ(asked, 1);
-  EXPECT_EQ(replay.ledger().delivered, 5000u);
-}
-
 // A callable that costs 50 us per call would cost 800 us per package in sixteen parts.
 TEST(Replay, ACallableGetsAPackageInOneCallUnlessItAsksForParts) {
   const Events events = evenly_spaced(100'000, 1);
@@ -255,22 +205,6 @@ TEST(Replay, ACallableGetsAPackageInOneCallUnlessItAsksForParts) {
     const std::size_t packages = replay.telemetry().log.size();
     EXPECT_EQ(calls == packages, execution == Execution::whole) << calls << ", " << packages;
   }
-}
-
-TEST(Replay, AnExceptionInAPartComesOutUnchanged) {
-  const Events events = evenly_spaced(100'000, 1);
-  test::ScriptedScheme scheme(all_within(60'000'000'000));
-  Replay replay(scheme, {}, {.execution = Execution::anytime});
-  SpanSource source(events);
-  const int code = trouble_of([&] {
-    replay.run(source, [&](const Package& part) {
-      if (part.continues) throw Trouble{8};
-      std::this_thread::sleep_for(2ms);  // so that the next package has parts
-    });
-  });
-  EXPECT_EQ(code, 8);
-  EXPECT_TRUE(replay.ledger().balanced());
-  EXPECT_GT(replay.ledger().pending, 0u);
 }
 
 TEST(Replay, RunsAsFastAsAsked) {
@@ -308,7 +242,7 @@ TEST(Replay, AnExceptionOfTheAlgorithmComesOutUnchanged) {
   const Events events = evenly_spaced(50'000, 20);  // a second
   FixedSize scheme({.size = 10});
   // No flush, however long this thread may have to wait for its turn.
-  Replay replay(scheme, {}, {.latency_us = 1e9, .capacity = 65'536});
+  Replay replay(scheme, {}, {.latency = 1000s, .capacity = 65'536});
   SpanSource source(events);
   int calls = 0;
   const int code = trouble_of([&] {
@@ -374,23 +308,6 @@ TEST(Replay, StopsWhileTheSourceIsSilent) {
   });
   EXPECT_EQ(code, 9);
   EXPECT_TRUE(replay.ledger().balanced());
-}
-
-TEST(Replay, StopsWhileAReaderIsSilent) {
-  const Events events = at_times({0, 10});
-  Greedy scheme;
-  Replay replay(scheme);
-  ReadAhead source;
-  ASSERT_TRUE(source.feed(events));
-  const int code = trouble_of([&] {
-    replay.run(
-        source, [](const Package&) {},
-        [&] {
-          if (replay.ledger().delivered == 2) throw Trouble{9};
-        });
-  });
-  EXPECT_EQ(code, 9);
-  EXPECT_FALSE(source.feed(events)) << "the reader is told to stop";
 }
 
 TEST(Replay, StopsFromAnyPackage) {
@@ -496,8 +413,8 @@ TEST(Replay, RefusesABadConfigurationByName) {
   EXPECT_EQ(error({.speed = 0}), "speed = 0: must be between 0.001 and 1e6");
   EXPECT_EQ(error({.speed = -1}), "speed = -1: must be between 0.001 and 1e6");
   EXPECT_EQ(error({.speed = kNaN}), "speed = nan: must be between 0.001 and 1e6");
-  EXPECT_EQ(error({.pacing_us = -1}), "pacing_us = -1: must be between 0 and 1000 us");
-  EXPECT_EQ(error({.pacing_us = 1e6}), "pacing_us = 1000000: must be between 0 and 1000 us");
+  EXPECT_EQ(error({.pacing = -1us}), "pacing = -1 us: must be between 0 and 1000 us");
+  EXPECT_EQ(error({.pacing = 1s}), "pacing = 1000000 us: must be between 0 and 1000 us");
 }
 
 }  // namespace

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cstdint>
-#include <limits>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "asap/runner/simulator.hpp"
@@ -19,6 +20,8 @@
 namespace asap::run_config_test {
 namespace {
 
+using namespace std::chrono_literals;
+
 class WithBound final : public Scheme {
  public:
   Decision decide(const Backlog&) noexcept override { return Decision::take(1); }
@@ -30,35 +33,38 @@ TEST(RunConfig, TheBoundIsTheUsersElseTheSchemesElseTen) {
   const Greedy greedy;
   const WithBound with_bound;
   EXPECT_EQ(latency_bound_ns({}, greedy), 10'000'000);
-  EXPECT_EQ(latency_bound_ns({.latency_us = 2500}, greedy), 2'500'000);
+  EXPECT_EQ(latency_bound_ns({.latency = 2500us}, greedy), 2'500'000);
   EXPECT_EQ(latency_bound_ns({}, with_bound), 5'000'000);
-  EXPECT_EQ(latency_bound_ns({.latency_us = 5000}, with_bound), 5'000'000);
+  EXPECT_EQ(latency_bound_ns({.latency = 5000us}, with_bound), 5'000'000);
 }
 
-TEST(RunConfig, OneBoundInTwoUnitsIsOneBound) {
-  for (std::int64_t ns = 10'000; ns < 60'000; ++ns) {
-    const double us = static_cast<double>(ns) * 1e-3 + 0.0005;  // 15.6585 us: rounded up or down
-    for (const double ms : {us * 1e-3, us / 1e3}) {
-      const Deadline scheme({.latency_ms = ms});
-      ASSERT_EQ(latency_bound_ns({.latency_us = us}, scheme), scheme.latency_bound_ns()) << us;
-    }
-  }
+// To the nanosecond: the two are one type.
+TEST(RunConfig, RefusesABoundThatIsNotTheSchemes) {
+  const Deadline scheme({.latency = 15'659ns});
+  EXPECT_EQ(latency_bound_ns({.latency = 15'659ns}, scheme), 15'659);
+  EXPECT_EQ(test::error_of([&] { (void)latency_bound_ns({.latency = 15'658ns}, scheme); }),
+            "latency = 0.015658 ms: differs from the bound of the scheme; give one of the two");
 }
 
 TEST(RunConfig, RefusesABadBoundByName) {
   const Greedy greedy;
-  const WithBound with_bound;
-  const auto error = [](double latency_us, const Scheme& scheme) {
-    return test::error_of([&] { (void)latency_bound_ns({.latency_us = latency_us}, scheme); });
+  const auto error = [&](std::chrono::nanoseconds latency) {
+    return test::error_of([&] { (void)latency_bound_ns({.latency = latency}, greedy); });
   };
-  const std::string range = ": must be between 10 and 1e10 us";
-  EXPECT_EQ(error(0, greedy), "latency_us = 0" + range);
-  EXPECT_EQ(error(-1, greedy), "latency_us = -1" + range);
-  EXPECT_EQ(error(1e11, greedy), "latency_us = 100000000000" + range);
-  EXPECT_EQ(error(std::numeric_limits<double>::quiet_NaN(), greedy), "latency_us = nan" + range);
-  EXPECT_EQ(error(6000, with_bound),
-            "latency_us = 6000: differs from the bound of the scheme; give one of the two");
+  const std::string range = ": must be between 0.01 and 1e7 ms";
+  EXPECT_EQ(error(0ns), "latency = 0 ms" + range);
+  EXPECT_EQ(error(9'999ns), "latency = 0.009999 ms" + range);
+  EXPECT_EQ(error(-1ms), "latency = -1 ms" + range);
+  EXPECT_EQ(error(10'001s), "latency = 10001000 ms" + range);
+  for (const std::chrono::nanoseconds edge : {10'000ns, 10'000'000'000'000ns}) {
+    EXPECT_EQ(latency_bound_ns({.latency = edge}, greedy), edge.count());
+  }
 }
+
+// A bare number is no time.
+static_assert(!std::is_convertible_v<double, decltype(RunConfig::latency)>);
+static_assert(!std::is_convertible_v<int, decltype(RunConfig::latency)>);
+static_assert(!std::is_convertible_v<int, decltype(DeadlineConfig::latency)>);
 
 TEST(RunConfig, TheRingHoldsTwoBoundsOfTheFastestSensor) {
   EXPECT_EQ(ring_capacity({}, 10'000'000), std::size_t{1} << 21);

@@ -14,6 +14,8 @@
 namespace asap::simulator_outages_test {
 namespace {
 
+using namespace std::chrono_literals;
+
 constexpr double kAlphaUs = 100;
 constexpr double kBetaNs = 5000;
 constexpr std::int64_t kSecondUs = 1'000'000;
@@ -37,8 +39,8 @@ struct Result {
   double alpha_us, beta_ns;  // as learnt
 };
 
-Result overloaded(double latency_ms, std::vector<Outage> outages) {
-  Deadline scheme({.latency_ms = latency_ms});
+Result overloaded(std::chrono::nanoseconds bound, std::vector<Outage> outages) {
+  Deadline scheme({.latency = bound});
   Simulator simulator(
       scheme, LinearCost({.alpha_us = kAlphaUs, .beta_ns = kBetaNs, .outages = std::move(outages)}),
       {.execution = Execution::anytime});
@@ -46,8 +48,9 @@ Result overloaded(double latency_ms, std::vector<Outage> outages) {
   simulator.finish();
   const LatencyHistogram& latency = simulator.telemetry().latency;
   const auto received = static_cast<double>(simulator.ledger().received);
-  return {.p99 = latency.quantile_ns(0.99) * 1e-6 / latency_ms,
-          .max = static_cast<double>(latency.max_ns()) * 1e-6 / latency_ms,
+  const auto bound_ns = static_cast<double>(bound.count());
+  return {.p99 = latency.quantile_ns(0.99) / bound_ns,
+          .max = static_cast<double>(latency.max_ns()) / bound_ns,
           .kept = static_cast<double>(latency.count()) / received,
           .in_time = static_cast<double>(latency.within_bound()) / received,
           .alpha_us = scheme.alpha_ns() * 1e-3,
@@ -55,7 +58,7 @@ Result overloaded(double latency_ms, std::vector<Outage> outages) {
 }
 
 TEST(SimulatorOutages, WithoutThemTheBoundHolds) {
-  const Result alone = overloaded(10, {});
+  const Result alone = overloaded(10ms, {});
   EXPECT_LE(alone.max, 1.001);
   EXPECT_GT(alone.kept, 0.195);
   EXPECT_NEAR(alone.alpha_us, kAlphaUs, 1);
@@ -63,14 +66,14 @@ TEST(SimulatorOutages, WithoutThemTheBoundHolds) {
 
 TEST(SimulatorOutages, HalfTheProcessorInSlices) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const Result busy = overloaded(10, time_slices(4, 4, seed));
+    const Result busy = overloaded(10ms, time_slices(4, 4, seed));
     EXPECT_LT(busy.p99, 1.25) << seed;
     EXPECT_GT(busy.kept, 0.093) << seed;
     EXPECT_GT(busy.in_time, 0.088) << seed;
     EXPECT_NEAR(busy.alpha_us, kAlphaUs, 0.6 * kAlphaUs) << seed;
     EXPECT_NEAR(busy.beta_ns, kBetaNs, 0.05 * kBetaNs) << seed;
 
-    const Result patient = overloaded(20, time_slices(4, 4, seed));
+    const Result patient = overloaded(20ms, time_slices(4, 4, seed));
     EXPECT_LT(patient.p99, 1.08) << seed;
     EXPECT_GT(patient.in_time, 0.093) << seed;
   }
@@ -78,7 +81,7 @@ TEST(SimulatorOutages, HalfTheProcessorInSlices) {
 
 TEST(SimulatorOutages, ASliceNowAndThen) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const Result busy = overloaded(10, time_slices(20, 4, seed));
+    const Result busy = overloaded(10ms, time_slices(20, 4, seed));
     EXPECT_LT(busy.p99, 1.15) << seed;
     EXPECT_GT(busy.in_time, 0.155) << seed;
     EXPECT_NEAR(busy.alpha_us, kAlphaUs, 0.3 * kAlphaUs) << seed;

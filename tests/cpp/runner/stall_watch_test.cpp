@@ -9,27 +9,27 @@ constexpr std::int64_t kBound = 1000;
 
 TEST(StallWatch, AwakeForLongIsStalledUntilItLooksUp) {
   StallWatch watch;
-  watch.looks_up(10'000, kBound);
-  watch.works();
+  watch.on_wake(10'000, kBound);
+  watch.on_work();
   EXPECT_FALSE(watch.stalled(14'000, kBound));
   EXPECT_TRUE(watch.stalled(14'001, kBound));
-  watch.looks_up(20'000, kBound);
+  watch.on_wake(20'000, kBound);
   EXPECT_FALSE(watch.stalled(20'000, kBound));
 }
 
 TEST(StallWatch, SleepIsNoStall) {
   StallWatch watch;
-  watch.looks_up(0, kBound);
-  watch.sleeps();
+  watch.on_wake(0, kBound);
+  watch.on_sleep();
   EXPECT_FALSE(watch.stalled(1'000'000'000, kBound));
-  watch.looks_up(1'000'000'000, kBound);
+  watch.on_wake(1'000'000'000, kBound);
   EXPECT_FALSE(watch.stalled(1'000'004'000, kBound));
   EXPECT_TRUE(watch.stalled(1'000'004'001, kBound));
 }
 
 TEST(StallWatch, AConsumerThatNeverCameIsStalled) {
   StallWatch watch;
-  watch.begins(500);
+  watch.on_begin(500);
   EXPECT_FALSE(watch.stalled(4500, kBound));
   EXPECT_TRUE(watch.stalled(4501, kBound));
 }
@@ -38,21 +38,21 @@ TEST(StallWatch, LearnsThatPackagesTakeLong) {
   StallWatch watch;
   std::int64_t now = 0;
   for (int package = 0; package < 100; ++package) {
-    watch.looks_up(now, kBound);
-    watch.works();
+    watch.on_wake(now, kBound);
+    watch.on_work();
     now += 3 * kBound;
   }
-  watch.looks_up(now, kBound);
+  watch.on_wake(now, kBound);
   EXPECT_FALSE(watch.stalled(now + 11 * kBound, kBound));
   EXPECT_TRUE(watch.stalled(now + 12 * kBound + 1, kBound));
 }
 
 TEST(StallWatch, AStallIsNotWhatIsExpectedNext) {
   StallWatch watch;
-  watch.looks_up(0, kBound);
-  watch.works();
-  watch.looks_up(1000 * kBound, kBound);
-  watch.works();
+  watch.on_wake(0, kBound);
+  watch.on_work();
+  watch.on_wake(1000 * kBound, kBound);
+  watch.on_work();
   EXPECT_TRUE(watch.stalled(1005 * kBound, kBound));
 }
 
@@ -60,11 +60,11 @@ TEST(StallWatch, SleepIsNoProcessingTime) {
   StallWatch watch;
   std::int64_t now = 0;
   for (int nap = 0; nap < 100; ++nap) {
-    watch.looks_up(now, kBound);
-    watch.sleeps();
+    watch.on_wake(now, kBound);
+    watch.on_sleep();
     now += 100 * kBound;
   }
-  watch.looks_up(now, kBound);
+  watch.on_wake(now, kBound);
   EXPECT_TRUE(watch.stalled(now + 4 * kBound + 1, kBound));
 }
 

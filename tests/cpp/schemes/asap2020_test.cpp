@@ -120,10 +120,10 @@ TEST(Asap2020, GammaFallsAboveTheRateBoundAndRecovers) {
 }
 
 TEST(Asap2020, StaysWithinItsBoundsForAbsurdOutcomes) {
-  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max() / 2;
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max() / 2;
   Asap2020 scheme({.first_size = 100, .max_size = 5000, .min_size = 10});
   const CounterRandom random(1);
-  const std::int64_t times[] = {0, 1, -1, kMost, -kMost, 1'000'000};
+  const std::int64_t times[] = {0, 1, -1, kMax, -kMax, 1'000'000};
   const std::size_t sizes[] = {0, 1, 2, 10, std::size_t{1} << 40};
   for (std::uint64_t k = 0; k < 10'000; ++k) {
     const std::uint64_t bits = random(k);

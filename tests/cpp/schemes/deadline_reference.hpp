@@ -59,10 +59,10 @@ struct DeadlineReference {
   Plan played(double length, const Curves& of) const {
     const auto& [c, b] = of;
     const bool rush = curve(c, latency / 10) >= latency / 10;
-    double most = latency;
-    if (continuous) most = std::min(latency / 2, latency - oldest());
-    if (continuous && latency - oldest() < 1.5 * fixed) most = latency / 2;
-    if (length < 1.5 * fixed || length > most) return {};
+    double max = latency;
+    if (continuous) max = std::min(latency / 2, latency - oldest());
+    if (continuous && latency - oldest() < 1.5 * fixed) max = latency / 2;
+    if (length < 1.5 * fixed || length > max) return {};
     const double kept = latency - length;
     const double size = std::min(length - fixed, curve(c, kept));
     if (size <= 0) return {};

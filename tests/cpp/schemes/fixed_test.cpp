@@ -11,6 +11,8 @@
 namespace asap::fixed_test {
 namespace {
 
+using namespace std::chrono_literals;
+
 // ---- FixedSize ------------------------------------------------------------------------------
 
 using test::FakeBacklog;
@@ -59,7 +61,7 @@ TEST(FixedSize, RefusesPackagesOfNothing) {
 // ---- FixedTime ------------------------------------------------------------------------------
 
 TEST(FixedTime, WaitsForTheNextMultipleOfThePeriod) {
-  FixedTime scheme({.period_ms = 1.0});
+  FixedTime scheme({.period = 1ms});
   const struct {
     std::int64_t oldest_ns;
     std::int64_t boundary_ns;
@@ -78,7 +80,7 @@ TEST(FixedTime, WaitsForTheNextMultipleOfThePeriod) {
 }
 
 TEST(FixedTime, CutsABacklogWhereItWouldHaveBeenCutOnArrival) {
-  FixedTime scheme({.period_ms = 1.0});
+  FixedTime scheme({.period = 1ms});
   const FakeBacklog backlog({100, 999'999, 1'000'000, 1'500'000, 5'000'000});
   const Decision decision = scheme.decide(backlog.at(9'000'000));
   EXPECT_TRUE(decision.takes);
@@ -87,7 +89,7 @@ TEST(FixedTime, CutsABacklogWhereItWouldHaveBeenCutOnArrival) {
 }
 
 TEST(FixedTime, WhenDueTakesThePartOfThePeriodThatIsThere) {
-  FixedTime scheme({.period_ms = 20.0});
+  FixedTime scheme({.period = 20ms});
   const FakeBacklog backlog({100, 200, 300});
   EXPECT_FALSE(scheme.decide(backlog.at(1000)).takes);
   const Decision decision = scheme.decide(backlog.at(1000, true));
@@ -98,18 +100,17 @@ TEST(FixedTime, WhenDueTakesThePartOfThePeriodThatIsThere) {
 TEST(FixedTime, TellsItsNameAndParameters) {
   EXPECT_EQ(FixedTime().name(), "fixed_time");
   EXPECT_EQ(FixedTime().parameters(), (SchemeParameters{{"period_ms", 1.0}}));
-  EXPECT_EQ(FixedTime({.period_ms = 0.1}).parameters(), (SchemeParameters{{"period_ms", 0.1}}));
+  EXPECT_EQ(FixedTime({.period = 100us}).parameters(), (SchemeParameters{{"period_ms", 0.1}}));
 }
 
 TEST(FixedTime, RefusesAPeriodThatIsNone) {
-  const auto error = [](double period_ms) {
-    return test::error_of([=] { FixedTime scheme({.period_ms = period_ms}); });
+  const auto error = [](std::chrono::nanoseconds period) {
+    return test::error_of([=] { FixedTime scheme({.period = period}); });
   };
   const std::string remedy = ": must be between 0.001 (1 us) and 1e9 ms";
-  EXPECT_EQ(error(0.0), "period_ms = 0" + remedy);
-  EXPECT_EQ(error(-1.0), "period_ms = -1" + remedy);
-  EXPECT_EQ(error(2e9), "period_ms = 2000000000" + remedy);
-  EXPECT_EQ(error(std::numeric_limits<double>::quiet_NaN()), "period_ms = nan" + remedy);
+  EXPECT_EQ(error(0ms), "period = 0 ms" + remedy);
+  EXPECT_EQ(error(-1ms), "period = -1 ms" + remedy);
+  EXPECT_EQ(error(2'000'000s), "period = 2000000000 ms" + remedy);
 }
 
 // ---- SingleEvent ----------------------------------------------------------------------------

@@ -62,10 +62,10 @@ TEST(Greedy, TheCapIsThatOfTheCostThatItMeets) {
 }
 
 TEST(Greedy, TakesAtLeastOneWhateverItMeets) {
-  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   Greedy scheme({.efficiency = 1e-6});
   EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0)).raw, 1u);
-  for (const std::int64_t processing_ns : {std::int64_t{0}, std::int64_t{-1}, kMost, -kMost}) {
+  for (const std::int64_t processing_ns : {std::int64_t{0}, std::int64_t{-1}, kMax, -kMax}) {
     for (const std::size_t size : {0u, 1u, 1'000'000u}) {
       for (int k = 0; k < 5; ++k) observe(scheme, size, processing_ns);
       const std::size_t raw = scheme.decide(FakeBacklog::of(9).at(0)).raw;

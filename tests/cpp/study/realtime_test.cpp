@@ -48,13 +48,5 @@ TEST(SchedulingJitter, TheGapsAddUpToTheTimeThatPassed) {
   EXPECT_GT(gaps.count(), 0u);
 }
 
-TEST(SchedulingJitter, LooksAgainAndAgain) {
-  std::uint64_t most = 0;  // a gap may take all the time there is
-  for (int i = 0; i < 1000 && most <= 100; ++i) {
-    most = std::max(most, scheduling_jitter(std::chrono::milliseconds(5)).count());
-  }
-  EXPECT_GT(most, 100u);
-}
-
 }  // namespace
 }  // namespace asap::realtime_test

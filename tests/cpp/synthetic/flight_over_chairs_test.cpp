@@ -1,8 +1,9 @@
-#include "asap/synthetic/flight_over_chairs.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -12,26 +13,29 @@
 namespace asap::flight_over_chairs_test {
 namespace {
 
+using std::chrono::microseconds;
+
 using test::all_events;
 using test::expect_well_formed;
 using test::fingerprint;
 using test::rates_hz;
 
 TEST(FlightOverChairs, IsWellFormed) {
-  for (const FlightOverChairsConfig& config : {FlightOverChairsConfig{},
-                                               FlightOverChairsConfig{.width = 120,
-                                                                      .height = 700,
-                                                                      .duration_us = 3'000'001,
-                                                                      .t0_us = 77,
-                                                                      .chair_px = 60.0,
-                                                                      .seed = 3},
-                                               FlightOverChairsConfig{.width = 16,
-                                                                      .height = 16,
-                                                                      .duration_us = 10'000,
-                                                                      .t0_us = -5,
-                                                                      .last_rate_hz = 25'600,
-                                                                      .chair_px = 8.0,
-                                                                      .noise_hz = 1000.0}}) {
+  for (const FlightOverChairsConfig& config :
+       {FlightOverChairsConfig{},
+        FlightOverChairsConfig{.width = 120,
+                               .height = 700,
+                               .duration = microseconds(3'000'001),
+                               .start = microseconds(77),
+                               .chair_px = 60.0,
+                               .seed = 3},
+        FlightOverChairsConfig{.width = 16,
+                               .height = 16,
+                               .duration = microseconds(10'000),
+                               .start = microseconds(-5),
+                               .last_rate_hz = 25'600,
+                               .chair_px = 8.0,
+                               .noise_hz = 1000.0}}) {
     expect_well_formed(all_events<FlightOverChairs>(config), config);
   }
 }
@@ -40,20 +44,21 @@ TEST(FlightOverChairs, RateGrowsAndStaysBelowThePapersBound) {
   for (const std::uint64_t seed : {0U, 1U, 2U, 3U, 4U}) {
     const FlightOverChairsConfig config{.seed = seed};
     const auto events = all_events<FlightOverChairs>(config);
-    const auto coarse = rates_hz(events, 0, config.duration_us, 500'000);
+    const auto coarse = rates_hz(events, 0, config.duration.count(), 500'000);
     EXPECT_LT(coarse.front(), 0.2e6);
     EXPECT_NEAR(coarse.back(), 1.8e6, 0.2 * 1.8e6);
     EXPECT_TRUE(std::ranges::is_sorted(coarse)) << seed;
-    EXPECT_LT(std::ranges::max(rates_hz(events, 0, config.duration_us, 10'000)), 5e6);
+    EXPECT_LT(std::ranges::max(rates_hz(events, 0, config.duration.count(), 10'000)), 5e6);
   }
 }
 
 TEST(FlightOverChairs, KeepsItsRateOnOtherSensorsAndDurations) {
   for (const FlightOverChairsConfig& config :
-       {FlightOverChairsConfig{.width = 640, .height = 480, .duration_us = 16'000'000},
-        FlightOverChairsConfig{.width = 240, .height = 180, .duration_us = 12'000'000}}) {
+       {FlightOverChairsConfig{.width = 640, .height = 480, .duration = microseconds(16'000'000)},
+        FlightOverChairsConfig{
+            .width = 240, .height = 180, .duration = microseconds(12'000'000)}}) {
     const auto events = all_events<FlightOverChairs>(config);
-    const auto rates = rates_hz(events, 0, config.duration_us, config.duration_us / 10);
+    const auto rates = rates_hz(events, 0, config.duration.count(), config.duration.count() / 10);
     EXPECT_LT(rates.front(), 0.4e6);
     EXPECT_NEAR(rates.back(), 1.8e6, 0.3 * 1.8e6);
   }
@@ -77,15 +82,15 @@ TEST(FlightOverChairs, FillsTheViewChairByChair) {
 }
 
 TEST(FlightOverChairs, SeedDecidesAndStartShifts) {
-  const FlightOverChairsConfig config{.duration_us = 500'000, .seed = 11};
+  const FlightOverChairsConfig config{.duration = microseconds(500'000), .seed = 11};
   const auto events = all_events<FlightOverChairs>(config);
   EXPECT_EQ(all_events<FlightOverChairs>(config), events);
-  EXPECT_NE(
-      all_events<FlightOverChairs>(FlightOverChairsConfig{.duration_us = 500'000, .seed = 12}),
-      events);
+  EXPECT_NE(all_events<FlightOverChairs>(
+                FlightOverChairsConfig{.duration = microseconds(500'000), .seed = 12}),
+            events);
 
-  auto later = all_events<FlightOverChairs>(
-      FlightOverChairsConfig{.duration_us = 500'000, .t0_us = 1'000'000'007, .seed = 11});
+  auto later = all_events<FlightOverChairs>(FlightOverChairsConfig{
+      .duration = microseconds(500'000), .start = microseconds(1'000'000'007), .seed = 11});
   for (Event& event : later) event.t -= 1'000'000'007;
   EXPECT_EQ(later, events);
 }
@@ -123,8 +128,8 @@ TEST(FlightOverChairs, RefusesABadConfiguration) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   refused({.width = 15}, "width");
   refused({.height = -1}, "height");
-  refused({.duration_us = 9'999}, "duration_us");
-  refused({.t0_us = std::numeric_limits<std::int64_t>::min()}, "t0_us");
+  refused({.duration = microseconds(9'999)}, "duration_us");
+  refused({.start = microseconds(std::numeric_limits<std::int64_t>::min())}, "t0_us");
   refused({.last_rate_hz = 0.0}, "last_rate_hz");
   refused({.last_rate_hz = 9e6}, "last_rate_hz");
   refused({.chair_px = 7.0}, "chair_px");

@@ -1,8 +1,9 @@
-#include "asap/synthetic/poisson_arrivals.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -14,6 +15,8 @@
 
 namespace asap::poisson_arrivals_test {
 namespace {
+
+using std::chrono::microseconds;
 
 using test::expect_well_formed;
 using test::fingerprint;
@@ -128,14 +131,17 @@ TEST(PoissonArrivals, RateFollowsTheGridStepByStep) {
 
 TEST(PoissonArrivals, IsWellFormedAndEndsWithTheDuration) {
   for (const PoissonArrivalsConfig& config :
-       {PoissonArrivalsConfig{.duration_us = 12'345},
+       {PoissonArrivalsConfig{.duration = microseconds(12'345)},
+        PoissonArrivalsConfig{.width = 16,
+                              .height = 8192,
+                              .duration = microseconds(10'000),
+                              .start = microseconds(std::int64_t{1} << 62)},
         PoissonArrivalsConfig{
-            .width = 16, .height = 8192, .duration_us = 10'000, .t0_us = std::int64_t{1} << 62},
-        PoissonArrivalsConfig{.duration_us = 10'001, .t0_us = -5'000, .noise = 1.0}}) {
+            .duration = microseconds(10'001), .start = microseconds(-5'000), .noise = 1.0}}) {
     const auto events = arrivals(config, constant(3e7, 1'000));
     expect_well_formed(events, config);
-    EXPECT_EQ(events.front().t, config.t0_us);
-    EXPECT_EQ(events.back().t, config.t0_us + config.duration_us - 1);
+    EXPECT_EQ(events.front().t, config.start.count());
+    EXPECT_EQ(events.back().t, config.start.count() + config.duration.count() - 1);
   }
 }
 
@@ -179,7 +185,7 @@ TEST(PoissonArrivals, SeedDecidesAndStartShifts) {
   EXPECT_EQ(arrivals({.seed = 1}, rates_hz), events);
   EXPECT_NE(arrivals({.seed = 2}, rates_hz).size(), events.size());
 
-  auto shifted = arrivals({.t0_us = 1'000'000'007, .seed = 1}, rates_hz);
+  auto shifted = arrivals({.start = microseconds(1'000'000'007), .seed = 1}, rates_hz);
   for (Event& event : shifted) event.t -= 1'000'000'007;
   EXPECT_EQ(shifted, events);
 }
@@ -216,7 +222,7 @@ TEST(PoissonArrivals, RefusesABadConfiguration) {
   };
   refused({.width = 15}, "width");
   refused({.height = 8193}, "height");
-  refused({.duration_us = 0}, "duration_us");
+  refused({.duration = microseconds(0)}, "duration_us");
   refused({.noise = -0.1}, "noise");
   refused({.noise = 1.1}, "noise");
   refused({.noise = std::numeric_limits<double>::quiet_NaN()}, "noise");

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "asap/core/random.hpp"
-#include "asap/synthetic/event_stream.hpp"
+#include "asap/synthetic/streams.hpp"
 
 namespace asap::test {
 
@@ -25,7 +25,7 @@ inline std::uint64_t fingerprint(EventSpan events) {
     const Event& event = events[i];
     const std::uint64_t place = event.x | static_cast<std::uint64_t>(event.y) << 16 |
                                 static_cast<std::uint64_t>(event.p) << 32;
-    sum += mix(mix(place ^ static_cast<std::uint64_t>(event.t) << 33) + i);
+    sum += detail::mix(detail::mix(place ^ static_cast<std::uint64_t>(event.t) << 33) + i);
   }
   return sum;
 }
@@ -45,8 +45,13 @@ template <class Config>
 void expect_well_formed(EventSpan events, const Config& config) {
   ASSERT_FALSE(events.empty());
   EXPECT_TRUE(std::ranges::is_sorted(events, {}, &Event::t));
-  EXPECT_GE(events.front().t, config.t0_us);
-  EXPECT_LT(events.back().t, config.t0_us + config.duration_us);
+  if constexpr (requires { config.start; }) {
+    EXPECT_GE(events.front().t, config.start.count());
+    EXPECT_LT(events.back().t, (config.start + config.duration).count());
+  } else {  // a scene of the study
+    EXPECT_GE(events.front().t, config.t0_us);
+    EXPECT_LT(events.back().t, config.t0_us + config.duration_us);
+  }
   EXPECT_TRUE(std::ranges::all_of(events, [&](const Event& event) {
     return event.x < config.width && event.y < config.height && (event.p == 0 || event.p == 1);
   }));

@@ -1,7 +1,8 @@
-#include "asap/synthetic/shaken_pattern.hpp"
+#include "asap/synthetic/streams.hpp"
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -12,27 +13,30 @@
 namespace asap::shaken_pattern_test {
 namespace {
 
+using std::chrono::microseconds;
+
 using test::all_events;
 using test::expect_well_formed;
 using test::fingerprint;
 using test::rates_hz;
 
 TEST(ShakenPattern, IsWellFormed) {
-  for (const ShakenPatternConfig& config : {ShakenPatternConfig{.duration_us = 500'000},
-                                            ShakenPatternConfig{.width = 64,
-                                                                .height = 48,
-                                                                .duration_us = 123'457,
-                                                                .t0_us = -1'000,
-                                                                .last_rate_hz = 1e6,
-                                                                .amplitude_px = 4.0,
-                                                                .seed = 5},
-                                            ShakenPatternConfig{.width = 16,
-                                                                .height = 16,
-                                                                .duration_us = 10'000,
-                                                                .t0_us = std::int64_t{1} << 62,
-                                                                .first_rate_hz = 128'000,
-                                                                .last_rate_hz = 128'000,
-                                                                .amplitude_px = 1000.0}}) {
+  for (const ShakenPatternConfig& config :
+       {ShakenPatternConfig{.duration = microseconds(500'000)},
+        ShakenPatternConfig{.width = 64,
+                            .height = 48,
+                            .duration = microseconds(123'457),
+                            .start = microseconds(-1'000),
+                            .last_rate_hz = 1e6,
+                            .amplitude_px = 4.0,
+                            .seed = 5},
+        ShakenPatternConfig{.width = 16,
+                            .height = 16,
+                            .duration = microseconds(10'000),
+                            .start = microseconds(std::int64_t{1} << 62),
+                            .first_rate_hz = 128'000,
+                            .last_rate_hz = 128'000,
+                            .amplitude_px = 1000.0}}) {
     expect_well_formed(all_events<ShakenPattern>(config), config);
   }
 }
@@ -43,7 +47,7 @@ TEST(ShakenPattern, RateClimbsFromATenthToThirteenMillion) {
     const auto events = all_events<ShakenPattern>(config);
     EXPECT_GT(events.size(), 24'000'000U);
     EXPECT_LT(events.size(), 30'000'000U);
-    const auto rates = rates_hz(events, 0, config.duration_us, 100'000);
+    const auto rates = rates_hz(events, 0, config.duration.count(), 100'000);
     EXPECT_LT(rates.front(), 0.2e6);
     EXPECT_GT(rates.back(), 12e6);
     for (std::size_t i = 0; i < rates.size(); ++i) {
@@ -57,16 +61,16 @@ TEST(ShakenPattern, RateClimbsFromATenthToThirteenMillion) {
 
 TEST(ShakenPattern, PulsesStayMild) {
   const ShakenPatternConfig config{
-      .duration_us = 500'000, .first_rate_hz = 6e6, .last_rate_hz = 6e6};
+      .duration = microseconds(500'000), .first_rate_hz = 6e6, .last_rate_hz = 6e6};
   for (const double rate :
-       rates_hz(all_events<ShakenPattern>(config), 0, config.duration_us, 5'000)) {
+       rates_hz(all_events<ShakenPattern>(config), 0, config.duration.count(), 5'000)) {
     EXPECT_NEAR(rate, 6e6, 0.25 * 6e6);
   }
 }
 
 TEST(ShakenPattern, CoversTheWholeSensor) {
   const ShakenPatternConfig config{
-      .duration_us = 500'000, .first_rate_hz = 6e6, .last_rate_hz = 6e6};
+      .duration = microseconds(500'000), .first_rate_hz = 6e6, .last_rate_hz = 6e6};
   std::vector<int> per_tile(10 * 10);
   for (const Event& event : all_events<ShakenPattern>(config)) {
     ++per_tile.at(
@@ -76,20 +80,21 @@ TEST(ShakenPattern, CoversTheWholeSensor) {
 }
 
 TEST(ShakenPattern, SeedDecidesAndStartShifts) {
-  const ShakenPatternConfig config{.duration_us = 200'000, .seed = 11};
+  const ShakenPatternConfig config{.duration = microseconds(200'000), .seed = 11};
   const auto events = all_events<ShakenPattern>(config);
   EXPECT_EQ(all_events<ShakenPattern>(config), events);
-  EXPECT_NE(all_events<ShakenPattern>(ShakenPatternConfig{.duration_us = 200'000, .seed = 12}),
-            events);
+  EXPECT_NE(
+      all_events<ShakenPattern>(ShakenPatternConfig{.duration = microseconds(200'000), .seed = 12}),
+      events);
 
-  auto later = all_events<ShakenPattern>(
-      ShakenPatternConfig{.duration_us = 200'000, .t0_us = 1'000'000'007, .seed = 11});
+  auto later = all_events<ShakenPattern>(ShakenPatternConfig{
+      .duration = microseconds(200'000), .start = microseconds(1'000'000'007), .seed = 11});
   for (Event& event : later) event.t -= 1'000'000'007;
   EXPECT_EQ(later, events);
 }
 
 TEST(ShakenPattern, DoesNotDependOnHowItIsRead) {
-  const ShakenPatternConfig config{.duration_us = 200'000};
+  const ShakenPatternConfig config{.duration = microseconds(200'000)};
   const auto events = all_events<ShakenPattern>(config);
   ShakenPattern stream{config};
   std::vector<Event> joined;
@@ -121,8 +126,8 @@ TEST(ShakenPattern, RefusesABadConfiguration) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   refused({.width = 0}, "width");
   refused({.height = 8193}, "height");
-  refused({.duration_us = 0}, "duration_us");
-  refused({.t0_us = std::numeric_limits<std::int64_t>::max()}, "t0_us");
+  refused({.duration = microseconds(0)}, "duration_us");
+  refused({.start = microseconds(std::numeric_limits<std::int64_t>::max())}, "t0_us");
   refused({.first_rate_hz = 0.0}, "first_rate_hz");
   refused({.first_rate_hz = 14e6}, "first_rate_hz");
   refused({.last_rate_hz = 46e6}, "last_rate_hz");

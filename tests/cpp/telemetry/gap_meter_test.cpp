@@ -1,4 +1,4 @@
-#include "asap/telemetry/gap_meter.hpp"
+#include "telemetry/gap_meter.hpp"
 
 #include <gtest/gtest.h>
 

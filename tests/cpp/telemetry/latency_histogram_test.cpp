@@ -15,7 +15,7 @@
 namespace asap::latency_histogram_test {
 namespace {
 
-constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
 
 // The smallest value that at least the fraction q does not exceed.
 std::int64_t exact_quantile(const std::vector<std::int64_t>& sorted, double q) {
@@ -99,7 +99,7 @@ TEST(LatencyHistogram, EveryBinKeepsItsPromise) {
       if (value < base) continue;
       LatencyHistogram histogram;
       histogram.record(value);
-      histogram.record(kMost);
+      histogram.record(kMax);
       ASSERT_NEAR(histogram.quantile_ns(0.5), static_cast<double>(value),
                   0.004 * static_cast<double>(value));
     }
@@ -118,10 +118,10 @@ TEST(LatencyHistogram, MeanMaxAndCountsAreExact) {
 
 TEST(LatencyHistogram, SumsBeyondSixtyFourBits) {
   LatencyHistogram histogram;
-  for (int i = 0; i < 100; ++i) histogram.record(kMost);
-  EXPECT_DOUBLE_EQ(histogram.mean_ns(), static_cast<double>(kMost));
-  EXPECT_EQ(histogram.max_ns(), kMost);
-  EXPECT_EQ(histogram.quantile_ns(1.0), static_cast<double>(kMost));
+  for (int i = 0; i < 100; ++i) histogram.record(kMax);
+  EXPECT_DOUBLE_EQ(histogram.mean_ns(), static_cast<double>(kMax));
+  EXPECT_EQ(histogram.max_ns(), kMax);
+  EXPECT_EQ(histogram.quantile_ns(1.0), static_cast<double>(kMax));
 }
 
 TEST(LatencyHistogram, ANegativeLatencyCountsAsZero) {
@@ -145,13 +145,13 @@ TEST(LatencyHistogram, OfNothingIsZero) {
 TEST(LatencyHistogram, IsRestoredFromItsState) {
   LatencyHistogram histogram(1000);
   for (const std::int64_t latency : {0, 3, 1000, 1001, 5'000'000}) histogram.record(latency);
-  histogram.record(kMost, 7);  // the sum has more than 64 bits
+  histogram.record(kMax, 7);  // the sum has more than 64 bits
   LatencyHistogram::State state = histogram.state();
   const LatencyHistogram restored = LatencyHistogram::restored(state);
   EXPECT_EQ(restored.count(), 12u);
   EXPECT_EQ(restored.within_bound(), 3u);
   EXPECT_EQ(restored.bound_ns(), 1000);
-  EXPECT_EQ(restored.max_ns(), kMost);
+  EXPECT_EQ(restored.max_ns(), kMax);
   EXPECT_EQ(restored.mean_ns(), histogram.mean_ns());
   for (const double q : {0.0, 0.2, 0.4, 1.0}) {
     EXPECT_EQ(restored.quantile_ns(q), histogram.quantile_ns(q));

@@ -1,9 +1,9 @@
 // What a live pipeline shares between threads, under Relacy: door, arrival times, ring and doorbell
-// together, put together as in live_run.cpp, pipeline.cpp and consumer_loop.cpp. A thread pushes
+// together, put together as in pipeline.cpp and consumer_loop.cpp. A thread pushes
 // until the door is shut, one stops, the last one out says that it is the end, one consumes until
 // it has seen that; nobody has a deadline.
-#include "asap/buffer/event_buffer.hpp"
 #include "buffer/arrival_times.hpp"
+#include "buffer/event_buffer.hpp"
 #include "runner/doorbell.hpp"
 #include "runner/push_door.hpp"
 

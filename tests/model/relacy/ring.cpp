@@ -1,6 +1,6 @@
 // The ring under Relacy: the source of the production build, against the C++ memory model.
 // Contents, order, the end of the stream, and no event dropped while there is room.
-#include "asap/buffer/event_buffer.hpp"
+#include "buffer/event_buffer.hpp"
 
 namespace asap::model {
 namespace {

@@ -31,6 +31,8 @@
 
 namespace {
 
+using namespace std::chrono_literals;
+
 // Copies of a message are allocations of the size of its bytes, which nothing else has.
 std::atomic<std::size_t> watched_size = 0;
 std::atomic<std::uint64_t> watched_allocations = 0;
@@ -166,7 +168,7 @@ void virtual_time(const Words& words) {
   const std::uint64_t messages = std::stoull(words.at(1));
   asap::Deadline scheme;
   asap::Simulator simulator(scheme, asap::LinearCost{{.alpha_us = 100, .beta_ns = 3'000}},
-                            {.latency_us = 10'000, .validator = {.width = 640, .height = 480}});
+                            {.latency = 10ms, .validator = {.width = 640, .height = 480}});
   ros::PacketReader reader;
   std::uint64_t seen = 0;
   const auto node = std::make_shared<rclcpp::Node>("simulator");

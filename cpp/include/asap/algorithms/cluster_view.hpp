@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-#include "asap/algorithms/cluster.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 
 namespace asap {
 

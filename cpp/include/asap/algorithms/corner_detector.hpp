@@ -4,6 +4,7 @@
 // latest one.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -23,20 +24,20 @@ struct ArcStarConfig {
   int height;  // px
   // An event is tested if its pixel was silent for longer in its polarity, or fired in the other
   // since: the first of the burst that an edge makes. A quarter of the events are.
-  std::int64_t filter_us = 50000;
+  std::chrono::microseconds filter{50000};
 };
 
 struct EHarrisConfig {
   int width;             // px
   int height;            // px
-  double threshold = 8;  // of the score
+  double threshold = 8;  // a corner has a greater score
 };
 
 struct FAHarrisConfig {
-  int width;                       // px
-  int height;                      // px
-  std::int64_t filter_us = 50000;  // as in ArcStarConfig
-  double threshold = 8;            // of the score
+  int width;                                // px
+  int height;                               // px
+  std::chrono::microseconds filter{50000};  // see ArcStarConfig
+  double threshold = 8;                     // a corner has a greater score
 };
 
 template <class Rule, class Configuration>
@@ -53,8 +54,8 @@ class CornerDetector {
   // Returns how many of the events are corners. Events outside the frame are dropped and counted.
   std::size_t process(EventSpan events) noexcept;
 
-  // As above, and corners[i] is 1 where events[i] is a corner, else 0. Throws std::invalid_argument
-  // if the sizes differ.
+  // Takes the events, and corners[i] is 1 where events[i] is a corner, else 0. Throws
+  // std::invalid_argument if the sizes differ.
   void process(EventSpan events, std::span<std::uint8_t> corners);
 
   // The fraction of the events that reaches the detector, in [0, 1]. Checked, without effect: the
@@ -75,23 +76,23 @@ class CornerDetector {
   std::uint64_t rejected_ = 0;
 };
 
-// By order alone: an event is a corner if on a circle of 16 pixels around it 3 to 6 neighbouring
-// ones fired later than all others, and 4 to 8 on a circle of 20.
-// Source: Mueggler, Bartolozzi, Scaramuzza, "Fast Event-based Corner Detection", BMVC 2017. The
-// authors' release swaps width and height of its surface; here they are as published.
+// EFast looks at order alone: an event is a corner if on a circle of 16 pixels around it 3 to 6
+// neighbouring ones fired later than all others, and 4 to 8 on a circle of 20. Source: Mueggler,
+// Bartolozzi, Scaramuzza, "Fast Event-based Corner Detection", BMVC 2017. The authors' release
+// swaps width and height of its surface; here they are as published.
 class EFastRule;
 extern template class CornerDetector<EFastRule, EFastConfig>;
 using EFast = CornerDetector<EFastRule, EFastConfig>;
 
-// By the length of the newest arc on the same circles, for the first event of a burst: 6 pixels at
-// most or 10 to 13 on the circle of 16, 8 at most or 12 to 16 on the one of 20.
+// ArcStar looks at the length of the newest arc on the same circles, for the first event of a
+// burst: 6 pixels at most or 10 to 13 on the circle of 16, 8 at most or 12 to 16 on the one of 20.
 // Source: Alzugaray, Chli, "Asynchronous Corner Detection and Tracking for Event Cameras in Real
 // Time", RA-L 2018; the length is the one of its release.
 class ArcStarRule;
 extern template class CornerDetector<ArcStarRule, ArcStarConfig>;
 using ArcStar = CornerDetector<ArcStarRule, ArcStarConfig>;
 
-// By the Harris score of the 25 pixels around the event that fired last, taken as a black and white
+// EHarris scores the 25 pixels around the event that fired last, taken as a black and white
 // patch: the event is a corner if the score exceeds the threshold.
 // Source: Vasco, Glover, Bartolozzi, "Fast Event-based Harris Corner Detection Exploiting the
 // Advantages of Event-driven Cameras", IROS 2016, with the constants of the public implementation.
@@ -99,10 +100,10 @@ class EHarrisRule;
 extern template class CornerDetector<EHarrisRule, EHarrisConfig>;
 using EHarris = CornerDetector<EHarrisRule, EHarrisConfig>;
 
-// In two steps: the arcs of Arc* propose, the Harris score decides. Both look only at the first
-// event of a burst. Events within 4 px of the border are ignored altogether.
-// Source: Li, Shi, Zhang, Li, Liu, "FA-Harris: A Fast and Asynchronous Corner Detector for Event
-// Cameras", IROS 2019, with the constants of its release; equal stamps are ordered by arrival.
+// FAHarris has two steps: the arcs of Arc* propose, the Harris score decides. Both look only at the
+// first event of a burst. Events within 4 px of the border are ignored altogether. Source: Li, Shi,
+// Zhang, Li, Liu, "FA-Harris: A Fast and Asynchronous Corner Detector for Event Cameras", IROS
+// 2019, with the constants of its release; equal stamps are ordered by arrival.
 class FAHarrisRule;
 extern template class CornerDetector<FAHarrisRule, FAHarrisConfig>;
 using FAHarris = CornerDetector<FAHarrisRule, FAHarrisConfig>;

@@ -2,13 +2,14 @@
 // channels of float: what convolutional networks take. One thread. O(1) per event; a complete image
 // costs one pass over the pixels. No allocation after construction.
 //
-// By count an image ends with its last event; by period it holds the stamps from one multiple of
+// An image by count ends with its last event; one by period holds the stamps from one multiple of
 // the period to the next, and a period without events gives no image. Behind a discarder every
 // event stands for 1 / gamma: images end as often as without it, and hold as much on average.
 // Source of the channels: Sanket et al., "EVDodgeNet", ICRA 2020; Zhu et al., "EV-FlowNet", RSS
 // 2018.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -24,27 +25,27 @@ enum class ImageChannel : std::uint8_t {
   on,     // ON events
   count,  // both
   sum,    // ON minus OFF
-  time    // of the latest event, from 0 = begin to 1 = end of the image; 0 without one
+  time    // the latest event, from 0 = begin to 1 = end of the image; 0 without one
 };
 
 struct EventImageConfig {
-  int width;                   // px
-  int height;                  // px
-  std::int64_t count = 0;      // events of an image; or
-  std::int64_t period_us = 0;  // its duration. One of the two is 0
+  int width;                           // px
+  int height;                          // px
+  std::int64_t count = 0;              // events of an image; or
+  std::chrono::microseconds period{};  // its duration. One of the two is 0
   std::vector<ImageChannel> channels{ImageChannel::off, ImageChannel::on};
 };
 
 struct ImageView {
-  std::span<const float> values;  // by channel, row, column; valid until the next image
-  std::int64_t begin_us;          // by count: the first stamp
+  std::span<const float> values;  // channel, row, column; valid until the next image
+  std::int64_t begin_us;          // the first stamp of an image by count
   std::int64_t end_us;            // first stamp beyond; by count: 1 after the last
 };
 
 class EventImage {
  public:
   using Config = EventImageConfig;
-  static constexpr double kLeastKeep = 1e-3;  // below it, events count as at it
+  static constexpr double kMinKeep = 1e-3;  // below it, events count as at it
 
   // Throws std::invalid_argument that names the bad field.
   explicit EventImage(const Config& config);
@@ -66,7 +67,7 @@ class EventImage {
     return complete;
   }
 
-  // As above; the last complete image is left in image().
+  // Takes the events; the last complete image is left in image().
   std::size_t process(EventSpan events) noexcept {
     return process(events, [](const ImageView&) {});
   }
@@ -93,8 +94,8 @@ class EventImage {
   // taken and none did.
   bool take(EventSpan& events) noexcept;
 
-  class State;
-  std::unique_ptr<State> state_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace asap

@@ -9,6 +9,7 @@
 // papers use, with its launch values; ids and velocities are ours.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -26,10 +27,10 @@ struct FeatureConfig {
   int width;   // px
   int height;  // px
   CornerSource detector = CornerSource::arc_star;
-  int window = 200;                  // B, corner events that are remembered
-  int radius = 5;                    // px, half of w: how far a corner moves between two events
-  int min_neighbours = 1;            // m: a corner needs more than these in the 3 x 3 window
-  std::int64_t velocity_us = 20000;  // how far back the velocity looks
+  int window = 200;        // B, corner events that are remembered
+  int radius = 5;          // px, half of w: how far a corner moves between two events
+  int min_neighbours = 1;  // m: a corner needs more than these in the 3 x 3 window
+  std::chrono::microseconds velocity_window{20000};  // how far back the velocity looks
 };
 
 // One corner that is followed. The Python array of tracks has these fields in this order.
@@ -57,8 +58,8 @@ class FeatureTracker {
   // Events outside the frame are dropped and counted.
   void process(EventSpan events) noexcept;
 
-  // As above, and labels[i] is the id of the track that took events[i]: -1 where it is no corner, a
-  // unsupported corner, or dropped. Throws std::invalid_argument if the sizes differ.
+  // Takes the events, and labels[i] is the id of the track that took events[i]: -1 where it is no
+  // corner, a unsupported corner, or dropped. Throws std::invalid_argument if the sizes differ.
   void process(EventSpan events, std::span<std::int32_t> labels);
 
   // The tracks, first created first.
@@ -80,8 +81,8 @@ class FeatureTracker {
   const Config& config() const noexcept;
 
  private:
-  class State;
-  std::unique_ptr<State> state_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace asap

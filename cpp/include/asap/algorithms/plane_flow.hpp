@@ -8,6 +8,7 @@
 // which takes every event and every plane: `refit`.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -26,10 +27,10 @@ struct Flow {
 };
 
 struct PlaneFlowConfig {
-  int width;                       // px
-  int height;                      // px
-  std::int64_t window_us = 40000;  // older events do not count
-  int min_points = 7;              // pixels of a fit, the event's own included
+  int width;                                // px
+  int height;                               // px
+  std::chrono::microseconds window{40000};  // older events do not count
+  int min_points = 7;                       // pixels of a fit, the event's own included
   // Not set: the first events of an edge, 7 x 7 px, a fit that is tested. Set: the published rule,
   // every event and 5 x 5 px, with (true) or without a second fit that leaves the outliers out.
   std::optional<bool> refit{};
@@ -50,7 +51,8 @@ class PlaneFlow {
   // Returns how many of the events have a flow. Events outside the frame are dropped and counted.
   std::size_t process(EventSpan events) noexcept;
 
-  // As above, and flows[i] is that of events[i]. Throws std::invalid_argument if the sizes differ.
+  // Takes the events, and flows[i] is that of events[i]. Throws std::invalid_argument if the sizes
+  // differ.
   std::size_t process(EventSpan events, std::span<Flow> flows);
 
   // The fraction of the events that reaches the algorithm, in [0, 1]. Checked, without effect: none
@@ -66,8 +68,8 @@ class PlaneFlow {
   const Config& config() const noexcept;
 
  private:
-  class State;
-  std::unique_ptr<State> state_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace asap

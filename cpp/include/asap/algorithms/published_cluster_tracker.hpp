@@ -14,18 +14,18 @@
 #include <span>
 #include <vector>
 
-#include "asap/algorithms/cluster.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap {
 
 // What position and velocity of a cluster are. Which event joins what does not depend on it.
 enum class PublishedClusterMotion {
-  kWindow,  // as published: mean of the live events; their regression on time, rough within ms
-  kKalman,  // of a filter over the events' means, at the latest time
+  kWindow,  // published: mean of the live events; their regression on time, rough within ms
+  kKalman,  // a filter over the events' means, at the latest time
 };
 
-struct PublishedClusterTrackerConfig {  // in brackets: the paper's symbols
+struct PublishedClusterTrackerConfig {  // [the paper's symbol]
   int width;                            // px
   int height;                           // px
   int window = 800;                     // [S] events that are remembered, over all clusters
@@ -33,7 +33,7 @@ struct PublishedClusterTrackerConfig {  // in brackets: the paper's symbols
   int probes = 1;          // [kappa] random live events of each cluster that are tried as well
   double weight = 0.9;     // [alpha] weight of the newest event in the centre
   int min_size = 15;       // [minN] events from which a cluster is reported, and probed beyond
-  std::uint64_t seed = 0;  // of the probes
+  std::uint64_t seed = 0;  // seed of the probes
   PublishedClusterMotion motion = PublishedClusterMotion::kWindow;
 };
 
@@ -50,9 +50,9 @@ class PublishedClusterTracker {
   // Events outside the frame are dropped and counted.
   void process(EventSpan events) noexcept;
 
-  // As above, and labels[i] is the id of the cluster that took events[i]: -1 where it has none yet,
-  // for want of min_size events, and for dropped events. Throws std::invalid_argument if the sizes
-  // differ.
+  // Takes the events, and labels[i] is the id of the cluster that took events[i]: -1 where it has
+  // none yet, for want of min_size events, and for dropped events. Throws std::invalid_argument if
+  // the sizes differ.
   void process(EventSpan events, std::span<std::int32_t> labels);
 
   // The clusters of at least min_size events, sorted by id.
@@ -82,8 +82,8 @@ class PublishedClusterTracker {
   const Config& config() const noexcept;
 
  private:
-  class Engine;
-  std::unique_ptr<Engine> engine_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace asap

@@ -3,6 +3,7 @@
 // remedy. The throws are out of line, so headers compile with -fno-exceptions too.
 #pragma once
 
+#include <chrono>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -41,6 +42,27 @@ void require_known(Enumeration value, Enumeration last, std::string_view field) 
           "must be one of the named values");
 }
 
+enum class TimeUnit { us, ms };
+
+// The std::invalid_argument of a time: "latency = 0.001 ms: must be ...". The parts, in the unit
+// that Python's name of the field carries.
+struct BadTime : std::invalid_argument {
+  BadTime(std::string_view field, std::chrono::nanoseconds value, TimeUnit unit,
+          std::string_view remedy);
+
+  std::string field;
+  std::string value;
+  std::string unit;
+  std::string remedy;
+};
+
+// Throws BadTime.
+void require_time(bool ok, std::string_view field, std::chrono::nanoseconds value, TimeUnit unit,
+                  std::string_view remedy);
+
+// Returns a latency bound in ns. Throws BadTime for one out of range.
+std::int64_t checked_latency_ns(std::chrono::nanoseconds latency);
+
 // MemoryError in Python.
 class NoMemory : public std::bad_alloc {
  public:
@@ -51,6 +73,8 @@ class NoMemory : public std::bad_alloc {
   std::runtime_error message_;  // a string whose copy does not throw
 };
 
+namespace detail {
+
 // Throws NoMemory("<field> = <value>: needs ... of memory, which cannot be had; choose less").
 [[noreturn]] void throw_no_memory(std::string_view field, std::size_t value, double bytes);
 
@@ -58,12 +82,14 @@ class NoMemory : public std::bad_alloc {
 // initialised, so its pages cost nothing until they are used.
 template <class Value>
 std::unique_ptr<Value[]> allocate(std::size_t count, std::string_view field, std::size_t value) {
-  constexpr std::size_t kMost = std::numeric_limits<std::ptrdiff_t>::max() / sizeof(Value);
-  Value* const memory = count <= kMost ? new (std::nothrow) Value[count] : nullptr;
+  constexpr std::size_t kMax = std::numeric_limits<std::ptrdiff_t>::max() / sizeof(Value);
+  Value* const memory = count <= kMax ? new (std::nothrow) Value[count] : nullptr;
   if (memory == nullptr) {
     throw_no_memory(field, value, static_cast<double>(count) * sizeof(Value));
   }
   return std::unique_ptr<Value[]>(memory);
 }
+
+}  // namespace detail
 
 }  // namespace asap

@@ -7,19 +7,24 @@
 
 namespace asap {
 
+namespace detail {
+
 constexpr std::uint64_t mix(std::uint64_t z) noexcept {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
   return z ^ (z >> 31);
 }
 
+}  // namespace detail
+
 class CounterRandom {
  public:
   // Two seeds give two unrelated streams, neighbouring seeds included.
-  explicit constexpr CounterRandom(std::uint64_t seed) noexcept : key_(mix(seed + kGolden)) {}
+  explicit constexpr CounterRandom(std::uint64_t seed) noexcept
+      : key_(detail::mix(seed + kGolden)) {}
 
   constexpr std::uint64_t operator()(std::uint64_t counter) const noexcept {
-    return mix(key_ + counter * kGolden);
+    return detail::mix(key_ + counter * kGolden);
   }
 
   // Uniform in [0, 1) with 53 bits.

@@ -1,8 +1,8 @@
 // Result: an object, or the message that says why there is none. make_pipeline(), make_simulator(),
 // make_tracker() and make_scheme() return it, for programs that are compiled with -fno-exceptions:
 //
-//   auto pipeline = asap::make_pipeline({.latency_us = 10'000}, algorithm);
-//   if (!pipeline) return fail(pipeline.message());   // "latency_us = -5: must be between ..."
+//   auto pipeline = asap::make_pipeline({.latency = 10ms}, algorithm);
+//   if (!pipeline) return fail(pipeline.message());   // "latency = -5 ms: must be between ..."
 //   pipeline->push(events);
 //
 // Any thread. The object lies on the heap and keeps its address when the result is moved.

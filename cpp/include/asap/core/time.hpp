@@ -5,10 +5,14 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <limits>
 
 namespace asap {
+
+// The latency bound where the user gives none.
+inline constexpr std::chrono::nanoseconds kDefaultLatency = std::chrono::milliseconds(10);
 
 inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 inline constexpr std::int64_t kLongAgo = std::numeric_limits<std::int64_t>::min();

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
@@ -49,8 +50,10 @@ struct ValidatorConfig {
   int width = 0;   // px; 0: x is not checked
   int height = 0;  // px; 0: y is not checked
   OnBad on_bad = OnBad::drop;
-  std::int64_t reorder_tolerance_us = 0;  // a stamp that goes back by this much is lifted, not bad
-  std::int64_t warmup_discard_us = 0;     // what a camera sends first may be of the run before
+  // Both count whole microseconds.
+  std::chrono::nanoseconds
+      reorder_tolerance{};                    // a stamp that goes back by this is lifted, not bad
+  std::chrono::nanoseconds warmup_discard{};  // what a camera sends first may be of the run before
 };
 
 class Validator {
@@ -121,6 +124,8 @@ class Validator {
   [[noreturn]] void refuse(const Event& event, Fault fault) const;
 
   ValidatorConfig config_;
+  std::int64_t reorder_tolerance_us_;
+  std::int64_t warmup_discard_us_;
   BitLog* passed_;
   std::uint32_t max_x_;
   std::uint32_t max_y_;

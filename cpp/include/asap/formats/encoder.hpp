@@ -13,7 +13,7 @@
 #include <string>
 
 #include "asap/core/event.hpp"
-#include "asap/formats/progress.hpp"
+#include "asap/formats/decoder.hpp"
 
 namespace asap {
 
@@ -27,7 +27,7 @@ struct EncoderConfig {
 
 class Encoder {
  public:
-  static constexpr std::size_t kMostPerEvent = 48;  // bytes; with less room nothing is written
+  static constexpr std::size_t kMaxPerEvent = 48;  // bytes; with less room nothing is written
 
   // Throws std::invalid_argument for an Event Stream without width and height.
   explicit Encoder(const EncoderConfig& config = {});
@@ -52,7 +52,7 @@ class Encoder {
   // Where a format has come to.
   struct State {
     std::int64_t t = 0;  // us, as a reader knows it from the bytes so far
-    std::int64_t last_t = std::numeric_limits<std::int64_t>::min();  // of the last event
+    std::int64_t last_t = std::numeric_limits<std::int64_t>::min();  // stamp of the last event
     std::uint64_t events = 0;
     std::uint32_t y = 1u << 16;  // the row that stands in the bytes; none yet
     bool started = false;        // a time stands in the bytes

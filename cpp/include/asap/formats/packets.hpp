@@ -19,17 +19,17 @@
 #include <span>
 
 #include "asap/core/event.hpp"
-#include "asap/formats/progress.hpp"
+#include "asap/formats/decoder.hpp"
 
 namespace asap {
 
 struct PacketConfig {
-  std::uint64_t first_offset = 0;  // of the first byte that is fed, for noted()
+  std::uint64_t first_offset = 0;  // offset of the first byte that is fed, for noted()
 };
 
 class MonoDecoder : public NativeDecoder<MonoDecoder, PacketConfig, 8> {
  public:
-  static constexpr std::size_t kMostPerRecord = 1;  // events that one record can give
+  static constexpr std::size_t kMaxPerRecord = 1;  // events that one record can give
 
   explicit MonoDecoder(PacketConfig config = {}) noexcept
       : NativeDecoder(config, config.first_offset) {}
@@ -48,7 +48,7 @@ class MonoDecoder : public NativeDecoder<MonoDecoder, PacketConfig, 8> {
 // Records with a negative stamp are bad.
 class LibcaerDecoder : public NativeDecoder<LibcaerDecoder, PacketConfig, 8> {
  public:
-  static constexpr std::size_t kMostPerRecord = 1;
+  static constexpr std::size_t kMaxPerRecord = 1;
 
   explicit LibcaerDecoder(PacketConfig config = {}) noexcept
       : NativeDecoder(config, config.first_offset) {}
@@ -60,15 +60,15 @@ class LibcaerDecoder : public NativeDecoder<LibcaerDecoder, PacketConfig, 8> {
 
   std::size_t decode_words(const std::byte* first, std::size_t count, Output& out) noexcept;
 
-  std::int64_t base_us_ = 0;  // of the stamps that follow: grows where they wrap
+  std::int64_t base_us_ = 0;  // base of the stamps that follow; grows where they wrap
   std::int32_t last_stamp_ = 0;
 };
 
-// Words of another code are bad. Stops with less than kMostPerRecord room, whatever the next word
+// Words of another code are bad. Stops with less than kMaxPerRecord room, whatever the next word
 // is.
 class LibcaerCmpDecoder : public NativeDecoder<LibcaerCmpDecoder, PacketConfig, 2> {
  public:
-  static constexpr std::size_t kMostPerRecord = 8;
+  static constexpr std::size_t kMaxPerRecord = 8;
 
   explicit LibcaerCmpDecoder(PacketConfig config = {}) noexcept
       : NativeDecoder(config, config.first_offset) {}

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "asap/core/event.hpp"
-#include "asap/formats/progress.hpp"
+#include "asap/formats/decoder.hpp"
 
 namespace asap {
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "asap/core/event.hpp"
@@ -12,13 +13,13 @@ namespace asap {
 
 struct Package {
   EventSpan events;          // kept, oldest first; never empty when the algorithm sees it
-  std::uint64_t index = 0;   // of the package, from 0
+  std::uint64_t index = 0;   // number of the package, from 0
   bool continues = false;    // a later part of an anytime package
   double gamma = 1.0;        // kept / (offered - filtered); as planned while parts are to come
   double keep = 1.0;         // kept fraction smoothed over about 20 ms, for set_keep
   std::size_t raw = 0;       // raw events that leave the ring when it is completed
   std::size_t offered = 0;   // raw events behind it: raw, and those of takes that kept nothing
-  std::size_t filtered = 0;  // of these, dropped by the filter in front
+  std::size_t filtered = 0;  // offered events that the front filter dropped
   std::uint64_t stale_before = 0;     // events lost as too old since the package before
   std::uint64_t overflow_before = 0;  // events lost to a full ring since the package before
   std::int64_t start_ns = 0;          // run time at which it was taken
@@ -31,10 +32,19 @@ struct Package {
   operator EventSpan() const noexcept { return events; }
 };
 
+// What a wait for a package has brought: one, none within the time, or none any more.
+enum class Next { package, idle, ended };
+
+// A filter in front of the gamma filter, such as BackgroundActivityFilter::process. It sees every
+// raw event that is not stale, in order, writes those that pass to `out`, which holds at least
+// events.size() and is other memory, and returns their number. Called on the consumer's thread; its
+// time is part of the measured cost.
+using FrontFilter = std::function<std::size_t(EventSpan events, Event* out)>;
+
 // What became of the events of a recording (RunConfig::keep_mask).
 struct KeptEvents {
-  std::vector<std::uint8_t> kept;   // of every received event: 1 = delivered
-  std::vector<std::int64_t> first;  // of every package: number of its first raw event
+  std::vector<std::uint8_t> kept;   // one byte per received event: 1 = delivered
+  std::vector<std::int64_t> first;  // number of the first raw event, per package
 };
 
 }  // namespace asap

@@ -24,7 +24,7 @@ struct LinearCostConfig {
   double noise = 0.0;       // sigma of the logarithm
   std::uint64_t seed = 0;
   std::vector<double> drift{};    // factors on beta, one per ms of run time; the last one stays
-  std::vector<Outage> outages{};  // in order, not overlapping, none for ever
+  std::vector<Outage> outages{};  // ordered, disjoint, each of finite length
 };
 
 // The draw of one package: what it costs before its first event, and per event.
@@ -43,7 +43,7 @@ class LinearCost {
 
   explicit LinearCost(LinearCostConfig config = {});
 
-  // Of package number `index` that starts at start_ns.
+  // Draws the cost of package number `index`, which starts at start_ns.
   PackageCost package(std::uint64_t index, std::int64_t start_ns) const noexcept;
 
   // When work of work_ns that begins at begin_ns is done, outages in between included; at least

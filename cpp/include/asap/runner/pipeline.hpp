@@ -2,12 +2,12 @@
 // one thread at a time, pushes and is never blocked; the consumer works on its own thread; any
 // thread may look, flush and stop. No polling.
 //
-//   Pipeline pipeline{{.latency_us = 10'000}, [&](EventSpan events) { tracker.process(events); }};
+//   Pipeline pipeline{{.latency = 10ms}, [&](EventSpan events) { tracker.process(events); }};
 //   driver.on_events([&](EventSpan events) { pipeline.push(events); });   // any one thread
 //
 // works on a thread of its own. Or, with a scheme of your choice, on yours:
 //
-//   Pipeline pipeline{scheme, {.latency_us = 10'000}};
+//   Pipeline pipeline{scheme, {.latency = 10ms}};
 //   pipeline.run([&](EventSpan events) { tracker.process(events); });     // until stop()
 //
 // An event's age counts from its push (or the arrival time given with it), not from its stamp.
@@ -35,23 +35,24 @@ struct PipelineStats {
   Rejections rejected;
   LatencyHistogram latency;  // per delivered event, from its arrival to the end of its package
   PackageTotals packages;
-  std::int64_t gap_us = 0;      // of the stamps, between delivered events; see GapMeter
+  std::int64_t gap_us =
+      0;  // longest time between two delivered events in a row with a loss between, us of stamps
   std::int64_t elapsed_ns = 0;  // since the first arrival
   std::uint64_t clock_resets = 0;
   // Said by the driver; beside the ledger, not in it.
   std::uint64_t upstream_marks = 0;    // "events are missing here"
   std::uint64_t upstream_packets = 0;  // packets known to be lost
   bool open = true;                    // pushes are taken
-  bool stalled = false;                // the consumer has been away for too long (StallWatch)
-  std::uint64_t most_waiting = 0;      // events that have been in the ring at once
-  std::int64_t latency_bound_ns = 0;   // in force from the consumer's next look on
-  std::int64_t sensor_delay_ns = 0;    // of the last push, beyond the least of late (SensorDelay)
+  bool stalled = false;                // events wait, and the consumer has been away for too long
+  std::uint64_t max_waiting = 0;       // events that have been in the ring at once
+  std::int64_t latency_bound_ns = 0;   // the consumer applies it when it looks next
+  std::int64_t sensor_delay_ns = 0;    // delay of the last push beyond the smallest recent one
   std::int64_t sensor_delay_max_ns = 0;
 };
 
 class Pipeline {
  public:
-  enum class Next { package, idle, ended };
+  using Next = asap::Next;
   using Arrival = std::optional<std::chrono::steady_clock::time_point>;
   using Poll = std::function<void()>;
 
@@ -63,15 +64,15 @@ class Pipeline {
   // package: not from the algorithm of the worker, which cannot wait for itself.
   ~Pipeline();
 
-  // Of Pipeline{config, algorithm}, for a configuration that it accepts. What the algorithm holds,
-  // and the worker's stack, are not in it.
+  // The heap that Pipeline{config, algorithm} takes for a configuration that it accepts. What the
+  // algorithm holds and the worker's stack are not included.
   static PipelineMemory memory(const RunConfig& config) noexcept;
 
   // ---- producer: any thread, one at a time; wait-free, no allocation
 
   // False, and nothing is counted: after stop(), or while another thread pushes. Where the ring is
-  // full config.when_full decides. An arrival in the future counts as now, one before that of the
-  // last push as that. With OnBad::raise throws std::invalid_argument.
+  // full config.when_full decides. `arrival` is clamped to [previous arrival, now]. With
+  // OnBad::raise throws std::invalid_argument.
   bool push(EventSpan events, Arrival arrival = {}) ASAP_NONBLOCKING;
 
   // For WhenFull::block: `poll` is called every 20 ms while push waits for room; it may throw.
@@ -125,7 +126,7 @@ class Pipeline {
 
   // Another latency bound, from the consumer's next look on and for later runs; for a scheme that
   // has one, too. The ring keeps its capacity. Throws std::invalid_argument for one out of range.
-  void set_latency(double latency_us);
+  void set_latency(std::chrono::nanoseconds latency);
 
   bool is_open() const noexcept;
   Ledger ledger() const;
@@ -135,8 +136,8 @@ class Pipeline {
   const Telemetry& telemetry() const noexcept;
 
  private:
-  class Work;
-  const std::unique_ptr<Work> work_;
+  struct Impl;
+  const std::unique_ptr<Impl> impl_;
 };
 
 // Pipeline::memory(config).total()

@@ -2,27 +2,55 @@
 // clock reaches their stamps (divided by `speed`); the algorithm runs on the caller's thread and is
 // timed. The producer is never delayed by the algorithm: a full ring overflows and counts.
 //
-//   Replay replay{scheme, {.speed = 1.0}, {.latency_us = 10'000}};
+//   Replay replay{scheme, {.speed = 1.0}, {.latency = 10ms}};
 //   SpanSource source{events};
 //   replay.run(source, [&](EventSpan events) { tracker.process(events); });
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
 
+#include "asap/core/event.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
-#include "asap/runner/event_source.hpp"
 #include "asap/runner/run_config.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
 
+// Where a replay gets its chunks from. next() is called on the producer's thread.
+class EventSource {
+ public:
+  virtual ~EventSource() = default;
+
+  // The next chunk, valid until the call after; empty = the end. May block.
+  virtual EventSpan next() = 0;
+  // Any thread: a next() that blocks returns the end, and so do all later ones.
+  virtual void cancel() noexcept {}
+};
+
+// Events that lie in memory.
+class SpanSource final : public EventSource {
+ public:
+  explicit SpanSource(EventSpan events) noexcept : events_(events) {}
+
+  EventSpan next() override {
+    const EventSpan all = events_;
+    events_ = {};
+    return all;
+  }
+
+ private:
+  EventSpan events_;
+};
+
 struct ReplayConfig {
-  double speed = 1.0;        // 2 = twice as fast as recorded
-  double pacing_us = 200.0;  // the producer pushes at most this often
+  double speed = 1.0;  // 2 = twice as fast as recorded
+  // The producer pushes at most this often.
+  std::chrono::nanoseconds pacing = std::chrono::microseconds(200);
 };
 
 class Replay {
@@ -52,8 +80,8 @@ class Replay {
   const LatencyHistogram& lateness() const noexcept;
 
  private:
-  class Work;
-  const std::unique_ptr<Work> work_;
+  class Impl;
+  const std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace asap

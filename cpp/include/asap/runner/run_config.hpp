@@ -1,12 +1,12 @@
 // Consumer, WhenFull, RunConfig, PipelineMemory: what the runners have in common.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
 
-#include "asap/filter/front_filter.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/schemes/scheme.hpp"
@@ -30,41 +30,42 @@ enum class WhenFull {
 };
 
 struct RunConfig {
-  std::optional<double> latency_us{};  // latency bound; none: the scheme's own, else 10 ms
-  // Of the ring, events; 0: 2^20 or 60 Mev/s x 2 bounds, if more. NoMemory if it cannot be had.
+  // The latency bound, such as 10ms; none: the scheme's own, else kDefaultLatency.
+  std::optional<std::chrono::nanoseconds> latency{};
+  // The ring's capacity in events. 0 means max(2^20, two bounds at 60 Mev/s). Throws NoMemory.
   std::size_t capacity = 0;
-  std::uint64_t seed = 0;  // of the gamma filter
+  std::uint64_t seed = 0;  // seeds the gamma filter
   ValidatorConfig validator{};
-  // whole: the algorithm gets a package in one call. anytime: in up to 16 calls, in time order, so
-  // that the package ends on time whatever an event costs; for algorithms whose call costs nothing,
-  // such as this library's. A call that costs 50 us would cost 800 us per package.
+  // whole: the algorithm gets a package in one call. anytime: it gets the package in up to 16
+  // calls, in time order, so that the package ends on time whatever an event costs. Choose anytime
+  // where a call costs next to nothing, as with this library's algorithms: 16 calls of 50 us cost
+  // 800 us.
   Execution execution = Execution::whole;
   bool flush =
       true;  // false, for experiments: nothing is taken because it has waited for the bound
-  FrontFilter before{};                 // in front of the gamma filter; may be none
+  FrontFilter front_filter{};           // runs before the gamma filter; may be none
   WhenFull when_full = WhenFull::thin;  // the ring of a live pipeline
-  bool keep_mask = false;               // of a recording: note which events were delivered
-  // Rows that the log of a live pipeline keeps, the newest ones, 96 bytes each; 0: totals alone.
+  bool keep_mask = false;               // recordings only: note which events were delivered
+  // How many rows the log of a live pipeline keeps: the newest, 96 bytes each. 0 keeps totals
+  // alone.
   std::size_t log_rows = 16'384;
-  // Kept events of a package that is thinned or lies across the ring's end, 16 bytes each; what is
-  // more follows as the next package. 0: 131,072 of a live pipeline, any number of a recording.
-  std::size_t most_copied = 0;
-  // Write to all memory in the constructor: no page of it is missing when events come.
+  // The largest package that is copied, because it is thinned or lies across the ring's end, in
+  // events of 16 bytes; the rest follows as the next package. 0 means 131,072 in a live pipeline
+  // and no limit for a recording.
+  std::size_t max_copied = 0;
+  // The constructor writes to all memory, so that no page fault happens while events come.
   bool prefault = false;
 };
 
 // Bytes that a pipeline with a worker takes from the heap, all of them in its constructor.
 struct PipelineMemory {
   std::size_t ring;    // RunConfig::capacity
-  std::size_t copies;  // RunConfig::most_copied
+  std::size_t copies;  // RunConfig::max_copied
   std::size_t log;     // RunConfig::log_rows
   std::size_t rest;    // tables of arrival times, the latency histogram, the scheme, scratch
 
   std::size_t total() const noexcept { return ring + copies + log + rest; }
 };
-
-// Throws std::invalid_argument for a bound out of range.
-std::int64_t checked_latency_bound_ns(double latency_us);
 
 // The bound in force. Throws std::invalid_argument for a value out of range, and when the scheme
 // has another bound of its own.

@@ -3,13 +3,15 @@
 // timed. One thread, no clock: the same seed and the same input give the same bytes, however the
 // input is cut into chunks, faster than real time. Memory stays flat but for the rows of the logs.
 //
-//   Simulator simulator{scheme, LinearCost{{.alpha_us = 100, .beta_ns = 300}}, {.latency_us =
-//   10'000}}; while (read(chunk)) simulator.feed(chunk); simulator.finish();
+//   Simulator simulator{scheme, LinearCost{{.alpha_us = 100, .beta_ns = 300}}, {.latency = 10ms}};
+//   while (read(chunk)) simulator.feed(chunk);
+//   simulator.finish();
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "asap/core/result.hpp"
 #include "asap/filter/validator.hpp"
@@ -17,7 +19,6 @@
 #include "asap/runner/linear_cost.hpp"
 #include "asap/runner/run_config.hpp"
 #include "asap/telemetry/ledger.hpp"
-#include "asap/telemetry/slot_log.hpp"
 #include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
@@ -46,13 +47,13 @@ class Simulator {
   std::int64_t gap_us() const noexcept;
   // Which events were delivered, if config.keep_mask. After finish().
   std::optional<KeptEvents> kept() const;
-  const SlotLog& slots() const noexcept;
+  std::span<const Slot> slots() const noexcept;
   // Virtual time during which the algorithm worked, ns.
   std::int64_t busy_ns() const noexcept;
 
  private:
-  class Work;
-  const std::unique_ptr<Work> work_;
+  class Impl;
+  const std::unique_ptr<Impl> impl_;
 };
 
 // The same, for a program without exceptions.

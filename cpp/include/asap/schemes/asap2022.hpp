@@ -14,6 +14,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 
 #include "asap/schemes/driver_containers.hpp"
 #include "asap/schemes/scheme.hpp"
@@ -21,8 +22,8 @@
 namespace asap {
 
 struct Asap2022Config {
-  double min_processing_ms = 0.2;  // limits of H
-  double max_processing_ms = 10.0;
+  std::chrono::nanoseconds min_processing = std::chrono::microseconds(200);  // limits of H
+  std::chrono::nanoseconds max_processing = std::chrono::milliseconds(10);
   std::size_t min_size = 100;
   std::size_t max_size = 29'700;
   double kappa = 1.0;  // steepness of the size law
@@ -31,8 +32,8 @@ struct Asap2022Config {
   std::size_t first_size = 1000;
 
   static constexpr std::tuple kParameters{
-      NamedField{"min_processing_ms", &Asap2022Config::min_processing_ms},
-      NamedField{"max_processing_ms", &Asap2022Config::max_processing_ms},
+      NamedField{"min_processing_ms", &Asap2022Config::min_processing},
+      NamedField{"max_processing_ms", &Asap2022Config::max_processing},
       NamedField{"min_size", &Asap2022Config::min_size},
       NamedField{"max_size", &Asap2022Config::max_size},
       NamedField{"kappa", &Asap2022Config::kappa},

@@ -5,6 +5,7 @@
 // Called on the consumer's thread; any thread may read and set the bound. O(1), no allocation.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 
@@ -13,10 +14,6 @@
 #include "asap/schemes/scheme.hpp"
 
 namespace asap {
-
-// The parameter latency_ms of a scheme with a bound of its own, in ns. Throws std::invalid_argument
-// for a value out of range.
-std::int64_t checked_latency_ns(double latency_ms);
 
 // Since the start of the last package; kNever before the first.
 std::int64_t interval_ns(const Backlog& backlog) noexcept;
@@ -28,8 +25,8 @@ std::int64_t interval_ns(const Backlog& backlog) noexcept;
 // efficient package. The oldest event never waits longer either, so a quiet scene is flushed. Pure.
 class HoldRule {
  public:
-  // overhead: permitted share of fixed costs, 0 = any. min_interval_ms: between package starts.
-  HoldRule(double overhead, double min_interval_ms);
+  // overhead: permitted share of fixed costs, 0 = any. min_interval: between package starts.
+  HoldRule(double overhead, std::chrono::nanoseconds min_interval);
 
   // The wait, or nothing: start now. `caution` (zeta) times the predicted cost is planned with.
   std::optional<Decision> wait(const Backlog& backlog, const CostModel& cost, double caution,
@@ -78,15 +75,15 @@ class BoundedScheme : public Scheme {
   double beta_ns() const noexcept { return cost_.beta_ns(); }
 
  protected:
-  // The configuration has latency_ms, overhead and min_interval_ms, which are checked here.
+  // The configuration has latency, overhead and min_interval, which are checked here.
   template <class Config>
   explicit BoundedScheme(const Config& config, CostModelConfig cost = {})
-      : BoundedScheme(config.latency_ms, config.overhead, config.min_interval_ms, cost) {}
+      : BoundedScheme(config.latency, config.overhead, config.min_interval, cost) {}
 
   // The configuration's parameters, with the bound in force.
   template <class Config>
   SchemeParameters parameters_in_force(Config config) const {
-    config.latency_ms = latency_ms(config.latency_ms);
+    config.latency = std::chrono::nanoseconds(latency_bound_ns_);
     return parameters_of(config);
   }
 
@@ -99,12 +96,12 @@ class BoundedScheme : public Scheme {
   CostModel cost_;
   Execution execution_ = Execution::whole;
   std::uint64_t packages_ = 0;  // k, done
-  double age_ns_ = 0.0;         // of the oldest event in the package that was decided last
+  double age_ns_ = 0.0;         // age of the oldest event in the last package decided
   FixedCostProbe probe_;
 
  private:
-  BoundedScheme(double latency_ms, double overhead, double min_interval_ms, CostModelConfig cost);
-  double latency_ms(double configured_ms) const noexcept;
+  BoundedScheme(std::chrono::nanoseconds latency, double overhead,
+                std::chrono::nanoseconds min_interval, CostModelConfig cost);
 };
 
 }  // namespace asap

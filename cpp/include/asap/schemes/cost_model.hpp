@@ -5,13 +5,12 @@
 // recursive fit runs away. Here each octave of n has a bucket of its own that is overwritten only
 // when its sizes come back. The line is a weighted least squares fit through the buckets; a fast
 // common scale follows a cost that varies as a whole. An anytime package shows two sizes at once,
-// its first part and all of it. Single outliers are clipped, but for low costs of new sizes and of
-// single events: a package may take longer than it costs, never less. The third in a row on one
-// side is a new level; one that is more than three times as dear, or less than half as dear, is
-// learned anew, but for a fall that the fixed cost alone explains and for sizes far beyond those
-// that have come since. What is known to be an outage is no cost: it would pass for a fixed cost.
-// The reference takes the wall time.
-//
+// its first part and all of it.
+// Single outliers are clipped. Low costs of new sizes and of single events are not: a package may
+// take longer than it costs, never less. The third outlier in a row on one side is a new level. A
+// level above three times or below half of the old one is learned anew, unless the fixed cost alone
+// explains the fall; sizes far beyond the recent ones keep their buckets. Known outages are
+// subtracted first, or they would pass for a fixed cost.
 // Called on the consumer's thread, once per package. O(1), no allocation. Whatever is fed, the
 // estimates are positive and finite.
 #pragma once
@@ -44,7 +43,7 @@ class CostModel {
   double predict_ns(double size) const noexcept { return scale_ * line_ns(size); }
   // Upper bound on the cost of an event, its share of the fixed cost included, in packages at least
   // as large as recent ones. It holds however wrong the line is. Infinite before the first package.
-  double most_event_ns() const noexcept { return most_event_ns_; }
+  double max_event_ns() const noexcept { return max_event_ns_; }
   // Beta once the line rests on measured packages; until then the larger of beta and that bound.
   double doubted_event_ns() const noexcept;
   // The largest package that ends within room_ns even if the line is wrong; at least 2. What it
@@ -86,8 +85,8 @@ class CostModel {
   double line_ns(double size) const noexcept { return alpha_ns_ + beta_ns_ * size; }
   void watch(double size, double cost_ns) noexcept;
   double clipped(double error, double size) noexcept;
-  double least_cost_ns() const noexcept;
-  double recent_size() const noexcept { return recent_cost_ns_ / most_event_ns_; }
+  double min_cost_ns() const noexcept;
+  double recent_size() const noexcept { return recent_cost_ns_ / max_event_ns_; }
   Mean smaller_packages() const noexcept;
   double max_beta_ns(const Mean& small) const noexcept;
   void forget() noexcept;
@@ -107,8 +106,8 @@ class CostModel {
   double beta_ns_;
   double scale_;
   double sigma_;
-  int streak_;    // outliers in a row: > 0 too slow, < 0 too fast
-  double least_;  // the smallest error of them
+  int streak_;        // outliers in a row: > 0 too slow, < 0 too fast
+  double min_error_;  // the smallest error of them
   std::uint64_t count_;
   std::uint64_t level_start_;  // count_ when the present level began
   double smallest_;            // size since then
@@ -116,7 +115,7 @@ class CostModel {
   bool guess_holds_;                // so far each package has cost what was assumed at first
   double recent_size_;              // of the largest recent package; it fades
   double recent_cost_ns_;           // what it took
-  double most_event_ns_;            // the same by event
+  double max_event_ns_;             // the same by event
   std::array<Bucket, 24> buckets_;  // by log2 of the size
   std::uint32_t asked_for_;         // a bit for each; the others are empty
 };

@@ -17,16 +17,16 @@
 namespace asap {
 
 struct DeadBeatConfig {
-  double latency_ms = 10.0;      // L
-  double knee = 33.0;            // K: keeps 1 - 1 / K of the throughput; 0 = T is always L / 2
-  double overhead = 0.25;        // permitted share of fixed costs in the processor, 0 = any
-  double min_interval_ms = 0.0;  // shortest time between package starts
+  std::chrono::nanoseconds latency = kDefaultLatency;  // L
+  double knee = 33.0;      // K: keeps 1 - 1 / K of the throughput; 0 = T is always L / 2
+  double overhead = 0.25;  // permitted share of fixed costs in the processor, 0 = any
+  std::chrono::nanoseconds min_interval{};  // shortest time between package starts
 
   static constexpr std::tuple kParameters{
-      NamedField{"latency_ms", &DeadBeatConfig::latency_ms},
+      NamedField{"latency_ms", &DeadBeatConfig::latency},
       NamedField{"knee", &DeadBeatConfig::knee},
       NamedField{"overhead", &DeadBeatConfig::overhead},
-      NamedField{"min_interval_ms", &DeadBeatConfig::min_interval_ms},
+      NamedField{"min_interval_ms", &DeadBeatConfig::min_interval},
   };
 };
 

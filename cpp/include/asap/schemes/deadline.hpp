@@ -20,7 +20,7 @@
 namespace asap {
 
 // What matters more in overload where the two differ: the number of events, or that none of the
-// scene's moments goes by without any (the gap, telemetry/gap_meter.hpp).
+// scene's moments goes by without any (the gap).
 enum class Prefer {
   balanced,    // a gap has a price; notebooks/theory.md, section 6, has the gaps that were measured
   events,      // a quarter of that price
@@ -33,17 +33,17 @@ std::string_view name_of(Prefer prefer) noexcept;
 Prefer prefer_of(std::string_view name);
 
 struct DeadlineConfig {
-  double latency_ms = 10.0;      // L, the one number that a user must know
-  double overhead = 0.5;         // permitted share of fixed costs in the processor, 0 = any
-  double min_interval_ms = 0.0;  // shortest time between package starts
-  double first_alpha_us = 50.0;  // cost of a package before one has been seen
-  double first_beta_ns = 100.0;  // cost of an event, likewise
+  std::chrono::nanoseconds latency = kDefaultLatency;  // L, the one number that a user must know
+  double overhead = 0.5;  // permitted share of fixed costs in the processor, 0 = any
+  std::chrono::nanoseconds min_interval{};  // shortest time between package starts
+  double first_alpha_us = 50.0;             // cost of a package before one has been seen
+  double first_beta_ns = 100.0;             // cost of an event, likewise
   Prefer prefer = Prefer::balanced;
 
   static constexpr std::tuple kParameters{
-      NamedField{"latency_ms", &DeadlineConfig::latency_ms},
+      NamedField{"latency_ms", &DeadlineConfig::latency},
       NamedField{"overhead", &DeadlineConfig::overhead},
-      NamedField{"min_interval_ms", &DeadlineConfig::min_interval_ms},
+      NamedField{"min_interval_ms", &DeadlineConfig::min_interval},
       NamedField{"first_alpha_us", &DeadlineConfig::first_alpha_us},
       NamedField{"first_beta_ns", &DeadlineConfig::first_beta_ns},
       NamedField{"prefer", &DeadlineConfig::prefer},
@@ -64,7 +64,7 @@ class OutageReserve {
     const double late_ns = latency_ns - bound_ns;
     const bool is_late = late_ns > kGrace * bound_ns;
     const double late = is_late ? std::min(late_ns / std::max(span_ns, 1.0), 1.0) : 0.0;
-    share_ = std::clamp(share_ + kGain * (late - kTolerated), 0.0, kMost);
+    share_ = std::clamp(share_ + kGain * (late - kTolerated), 0.0, kMax);
   }
 
   // The reserve of a bound; at most what leaves room for four fixed costs.
@@ -73,10 +73,10 @@ class OutageReserve {
   }
 
  private:
-  static constexpr double kGain = 0.05;        // of a bound, for a package that is late as a whole
-  static constexpr double kGrace = 0.01;       // of a bound: less than that is no outage
+  static constexpr double kGain = 0.05;   // step in bounds for a package that is late as a whole
+  static constexpr double kGrace = 0.01;  // share of the bound below which lateness is no outage
   static constexpr double kTolerated = 0.005;  // so that p99 is within the bound
-  static constexpr double kMost = 0.5;         // shorter packages cost more than they save
+  static constexpr double kMax = 0.5;          // shorter packages cost more than they save
 
   double share_ = 0.0;
 };
@@ -108,5 +108,10 @@ class Deadline final : public BoundedScheme {
   const DeadlineConfig config_;
   OutageReserve reserve_;
 };
+
+// The default scheme, for a program without exceptions.
+inline Result<Deadline> make_scheme(const DeadlineConfig& config = {}) noexcept {
+  return make_scheme<Deadline>(config);
+}
 
 }  // namespace asap

@@ -3,6 +3,8 @@
 // allocation.
 #pragma once
 
+#include <chrono>
+
 #include "asap/schemes/scheme.hpp"
 
 namespace asap {
@@ -33,10 +35,10 @@ class FixedSize final : public Scheme {
 };
 
 struct FixedTimeConfig {
-  double period_ms = 1.0;
+  std::chrono::nanoseconds period = std::chrono::milliseconds(1);
 
   static constexpr std::tuple kParameters{
-      NamedField{"period_ms", &FixedTimeConfig::period_ms},
+      NamedField{"period_ms", &FixedTimeConfig::period},
   };
 };
 
@@ -56,7 +58,6 @@ class FixedTime final : public Scheme {
 
  private:
   const FixedTimeConfig config_;
-  const std::int64_t period_ns_;
 };
 
 struct SingleEventConfig {};

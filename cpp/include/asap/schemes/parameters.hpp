@@ -7,6 +7,7 @@
 // signature of its constructor, the stub and the command line. Any thread; parameters_of allocates.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -31,7 +32,8 @@ struct NamedField {
 template <class Config, class Value>
 NamedField(const char*, Value Config::*) -> NamedField<Config, Value>;
 
-// The values in the order of Config::kParameters. An optional one without a value is left out.
+// The values in the order of Config::kParameters. An optional one without a value is left out; a
+// time is told in ms, as its name says.
 template <class Config>
 SchemeParameters parameters_of(const Config& config) {
   SchemeParameters parameters;
@@ -41,6 +43,8 @@ SchemeParameters parameters_of(const Config& config) {
       if (value) parameters.emplace_back(name, *value);
     } else if constexpr (std::is_same_v<Value, std::size_t>) {
       parameters.emplace_back(name, static_cast<std::int64_t>(value));
+    } else if constexpr (std::is_same_v<Value, std::chrono::nanoseconds>) {
+      parameters.emplace_back(name, static_cast<double>(value.count()) / 1e6);
     } else if constexpr (std::is_enum_v<Value>) {
       parameters.emplace_back(name, name_of(value));
     } else {

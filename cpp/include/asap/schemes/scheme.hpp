@@ -18,8 +18,6 @@
 
 namespace asap {
 
-class Deadline;
-
 // Counts of waiting events by their time.
 class BacklogCounts {
  public:
@@ -69,11 +67,11 @@ struct Decision {
   double keep = 1.0;      // ... and the fraction of them to keep
   // Anytime execution: the package is to end budget_ns after its start, and `keep` is only the
   // plan; it is expected to cost fixed_ns and event_ns per event, and no event more than
-  // most_event_ns. Without a budget, and where the execution is `whole`, `keep` holds.
+  // max_event_ns. Without a budget, and where the execution is `whole`, `keep` holds.
   std::int64_t budget_ns = kNever;
   double fixed_ns = 0.0;
   double event_ns = 0.0;
-  double most_event_ns = 0.0;
+  double max_event_ns = 0.0;
 
   static constexpr Decision wait_until(std::int64_t time_ns) noexcept {
     return {.takes = false, .until_ns = time_ns};
@@ -97,14 +95,15 @@ struct Outcome {
   std::int64_t span_ns;        // newest minus oldest kept event
   std::int64_t start_ns;       // the package was taken
   std::int64_t processing_ns;  // until the algorithm had finished
-  std::int64_t outage_ns = 0;  // of that: the algorithm did not run, as far as it shows
+  std::int64_t outage_ns =
+      0;  // part of processing_ns in which the algorithm did not run, as far as it shows
   std::size_t first_size = 0;  // events of an anytime package's first part, if it had several ...
   std::int64_t first_ns = 0;   // ... and what that took, the fixed cost included
 
   std::int64_t work_ns() const noexcept { return processing_ns - outage_ns; }
 };
 
-// Of a package, where a parameter limits it: events.
+// The largest package size that a parameter may ask for, events.
 inline constexpr std::size_t kLargestSize = std::size_t{1} << 40;
 
 class Scheme {
@@ -120,12 +119,12 @@ class Scheme {
   virtual SchemeParameters parameters() const { return {}; }
   // The latency bound that the scheme plans with; 0 = it has none of its own. Any thread.
   virtual std::int64_t latency_bound_ns() const noexcept { return 0; }
-  // Another bound, 10 us to 10^4 s, from the next decision on; nothing to a scheme without one.
+  // Replaces the bound, from the next decision on. A scheme without a bound ignores it.
   virtual void set_latency_bound_ns(std::int64_t) noexcept {}
 };
 
 // A scheme of this library, for a program without exceptions: make_scheme<Asap2020>({...}).
-template <class Made = Deadline>
+template <class Made>
 Result<Made> make_scheme(const typename Made::Config& config = {}) noexcept;
 
 }  // namespace asap

@@ -10,8 +10,8 @@ namespace asap {
 struct Ledger {
   std::uint64_t received = 0;   // handed to us
   std::uint64_t rejected = 0;   // bad data: back in time, outside the sensor, ...
-  std::uint64_t filtered = 0;   // by a filter in front of gamma
-  std::uint64_t discarded = 0;  // by gamma: a choice
+  std::uint64_t filtered = 0;   // removed by the front filter
+  std::uint64_t discarded = 0;  // thinned out by gamma
   std::uint64_t stale = 0;      // thrown away as too old
   std::uint64_t overflow = 0;   // did not fit into the ring: a failure
   std::uint64_t delivered = 0;  // processed by the algorithm

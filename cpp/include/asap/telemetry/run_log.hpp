@@ -26,7 +26,7 @@ struct PackageRecord {
   std::int64_t t_first;        // us, oldest kept event
   std::int64_t t_last;         // us, newest kept event
   std::uint64_t offered;       // raw events behind the package
-  std::uint64_t filtered;      // of these, dropped by the filter in front
+  std::uint64_t filtered;      // offered events that the front filter dropped
   std::uint64_t size;          // events kept
   std::uint64_t stale;         // events lost as too old since the package before
   std::uint64_t overflow;      // events lost to a full ring since the package before
@@ -47,7 +47,7 @@ struct PackageRow {
   double event_rate;      // events/s entering, over the last 1 ms or more
   double rate;            // R: kept events/s, size / max(span, 1 us)
   double margin_us;       // processing time - span
-  double latency_max_us;  // of the oldest kept event
+  double latency_max_us;  // latency of the oldest kept event
   std::int64_t stale;
   std::int64_t overflow;
 };
@@ -79,15 +79,15 @@ class RunLog {
   static constexpr std::size_t kBlockRows = 4096;
   static constexpr std::size_t kAllRows = std::numeric_limits<std::size_t>::max();
 
-  // kAllRows: the log grows by blocks. Else the newest most_rows are kept, allocated at once;
+  // kAllRows: the log grows by blocks. Else the newest max_rows are kept, allocated at once;
   // NoMemory if they cannot be.
-  explicit RunLog(std::size_t most_rows = kAllRows)
-      : most_rows_(most_rows), block_rows_(most_rows == kAllRows ? kBlockRows : most_rows) {
+  explicit RunLog(std::size_t max_rows = kAllRows)
+      : max_rows_(max_rows), block_rows_(max_rows == kAllRows ? kBlockRows : max_rows) {
     blocks_.reserve(1);
     add_block();
   }
-  static std::size_t memory_bytes(std::size_t most_rows) noexcept {
-    return sizeof(Block) + most_rows * sizeof(PackageRecord);
+  static std::size_t memory_bytes(std::size_t max_rows) noexcept {
+    return sizeof(Block) + max_rows * sizeof(PackageRecord);
   }
 
   // Writes to the memory of a bounded log, so that no page of it is missing later. Before a row.
@@ -98,24 +98,24 @@ class RunLog {
 
   // Makes sure that the next append() has its place; allocates one block in kBlockRows calls.
   void make_room() {
-    if (size_ == allocated() && most_rows_ == kAllRows) add_block();
+    if (size_ == allocated() && max_rows_ == kAllRows) add_block();
   }
 
   // Precondition: make_room() since the last append().
   void append(const PackageRecord& record) noexcept {
-    if (most_rows_ > 0) row(size_) = record;
-    if (most_rows_ != kAllRows) {
+    if (max_rows_ > 0) row(size_) = record;
+    if (max_rows_ != kAllRows) {
       totals_.add(record.offered - record.filtered, record.size, record.processing_ns);
     }
     ++size_;
   }
 
   // Rows [first(), size()) are kept.
-  std::size_t first() const noexcept { return size_ > most_rows_ ? size_ - most_rows_ : 0; }
+  std::size_t first() const noexcept { return size_ > max_rows_ ? size_ - max_rows_ : 0; }
   std::size_t size() const noexcept { return size_; }
   PackageRow operator[](std::size_t i) const noexcept;
 
-  // Of a bounded log.
+  // Totals since the start; a bounded log alone counts them.
   const PackageTotals& totals() const noexcept { return totals_; }
 
  private:
@@ -123,15 +123,15 @@ class RunLog {
 
   std::size_t allocated() const noexcept { return blocks_.size() * block_rows_; }
   void add_block() {
-    blocks_.push_back(allocate<PackageRecord>(block_rows_, "log_rows", block_rows_));
+    blocks_.push_back(detail::allocate<PackageRecord>(block_rows_, "log_rows", block_rows_));
   }
   // Where the record of this row lies. Precondition: some are kept.
   PackageRecord& row(std::size_t i) const noexcept {
-    const std::size_t place = most_rows_ == kAllRows ? i : i % most_rows_;
+    const std::size_t place = max_rows_ == kAllRows ? i : i % max_rows_;
     return blocks_[place / block_rows_][place % block_rows_];
   }
 
-  const std::size_t most_rows_;
+  const std::size_t max_rows_;
   const std::size_t block_rows_;
   std::vector<Block> blocks_;
   Relaxed<std::size_t> size_;

@@ -1,5 +1,5 @@
 // Telemetry: what the consumer's side of a run writes down: a row per package, the latency of every
-// event, where the others went, and the gap. One thread writes; all but the rows may be read by any
+// event, and where the others went. One thread writes; all but the rows may be read by any
 // thread meanwhile, rows once the run is over.
 #pragma once
 
@@ -7,20 +7,26 @@
 #include <cstdint>
 
 #include "asap/core/atomics.hpp"
-#include "asap/telemetry/gap_meter.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/run_log.hpp"
 
 namespace asap {
 
+// What became of the events of 1 ms of stamps (Simulator::slots).
+struct Slot {
+  std::int64_t slot;            // stamps of [slot, slot + 1) ms
+  std::int64_t received;        // events
+  std::int64_t delivered;       // events
+  std::int64_t latency_max_ns;  // of the delivered ones
+};
+
 struct Telemetry {
-  // most_rows: see RunLog.
-  explicit Telemetry(std::int64_t latency_bound_ns, std::size_t most_rows = RunLog::kAllRows)
-      : log(most_rows), latency(latency_bound_ns) {}
+  // max_rows: see RunLog.
+  explicit Telemetry(std::int64_t latency_bound_ns, std::size_t max_rows = RunLog::kAllRows)
+      : log(max_rows), latency(latency_bound_ns) {}
 
   RunLog log;
   LatencyHistogram latency;
-  GapMeter gap;  // of the events that came to the ring; gap_us() of a runner is that of all
   Relaxed<std::uint64_t> filtered;
   Relaxed<std::uint64_t> discarded;
   Relaxed<std::uint64_t> stale;

@@ -14,8 +14,6 @@
 #include <span>
 #include <vector>
 
-#include "algorithms/fast/contour.hpp"
-#include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
@@ -102,7 +100,7 @@ class OwnerGrid {
     Stamp stamp;
     std::uint16_t generation;
     std::uint8_t slot;     // there are 256 at most
-    std::int8_t sign = 0;  // of the last event: ON = 1, OFF = -1
+    std::int8_t sign = 0;  // sign of the last event: ON = 1, OFF = -1
   };
 
   explicit OwnerGrid(const CellMap& map) : cells_(map.size()), scrubber_(map.size()) {}
@@ -244,14 +242,14 @@ inline Tracks::Slot associate_in_contact(Tracks& tracks, Tracks::Slot owner, Sta
     return true;
   };
   Tracks::Slot best = owner;
-  float least = 0;
-  cost_of(owner, least);
-  least *= rule.owner_cost;
+  float min = 0;
+  cost_of(owner, min);
+  min *= rule.owner_cost;
   for (std::uint8_t i = 0; i < tracks[owner].partners; ++i) {
     const Tracks::Slot partner = tracks.state(owner).partners[i];
     float cost = 0;
-    if (!tracks[partner].has_id() || !cost_of(partner, cost) || !(cost < least)) continue;
-    least = cost;
+    if (!tracks[partner].has_id() || !cost_of(partner, cost) || !(cost < min)) continue;
+    min = cost;
     best = partner;
   }
   return best;

@@ -4,12 +4,185 @@
 #include <cmath>
 #include <limits>
 
-#include "algorithms/fast/gate.hpp"
-#include "algorithms/fast/kalman.hpp"
-#include "algorithms/fast/report.hpp"
-#include "algorithms/fast/siblings.hpp"
+#include "algorithms/fast/pairs.hpp"
+#include "algorithms/fast/track.hpp"
 
 namespace asap::fast {
+
+// ---- settings ----------------------------------------------------------------------------------
+
+namespace {
+
+float single(double value) noexcept { return static_cast<float>(value); }
+using Milliseconds = ClusterTrackerConfig::Milliseconds;
+
+float seconds(Milliseconds time) noexcept { return static_cast<float>(1e-3 * time.count()); }
+std::int32_t microseconds(Milliseconds time) noexcept {
+  return static_cast<std::int32_t>(std::lround(1e3 * time.count()));
+}
+
+constexpr Milliseconds kLongestWindow{50};
+constexpr double kMinGamma = 0.01;
+// At a smaller gamma too many events of objects lack support to be rejected. After a
+// noise filter upstream little noise is left, so rejection ends earlier.
+constexpr double kMinGammaUnfiltered = 0.15;
+constexpr double kMinGammaFiltered = 0.75;
+
+// Least factors on the thresholds of masses. The masses of weak objects lie little above them and
+// fall with gamma, but fewer events than these may be one edge.
+constexpr double kMinConfirm = 0.36;
+constexpr double kMinSeed = 2.0 / 3;
+
+// Gates of 27 to 36 px are good where this bounds the noise in them: 19 px at 5 Hz/px.
+constexpr double kNoiseEvents = 30;
+// Half or twice of it changes little; recordings without noise need it, for nothing else bounds
+// the gate of a sparse object there.
+constexpr double kMinDensity_hz = 1;
+
+float thinned(double events, double gamma, double fewest) noexcept {
+  return single(events * std::clamp(4 * gamma, fewest, 1.0));
+}
+
+std::uint32_t contour_mask(double gamma) noexcept {
+  if (gamma >= 0.75) return 3;
+  return gamma >= 0.3 ? 1 : 0;
+}
+
+}  // namespace
+
+Settings::Settings(const ClusterTrackerConfig& c) noexcept
+    : tick_us(microseconds(c.tick)),
+      warmup_us(microseconds(c.warmup)),
+      link_us(microseconds(c.link)),
+      seed_s(seconds(c.seed)),
+      cell_px(single(c.cell_px)),
+      uses_support(c.support != ClusterSupport::kOff),
+      update{.covariance_events = static_cast<std::uint32_t>(c.covariance_events),
+             .contour = {.clip_px = single(c.contour_clip_px),
+                         .memory = static_cast<std::uint8_t>(c.contour_events),
+                         .min_known = static_cast<std::uint8_t>(c.contour_min_events)},
+             .contact_gain = single(c.contact_gain),
+             .contact_mean_gain = single(c.contact_mean_gain)},
+      weight{.min = single(c.contour_min_weight), .scale = single(c.contour_weight_scale)},
+      contact{.variance_floor_px2 = single(c.contact_variance_px2),
+              .owner_cost = single(c.contact_owner_cost)},
+      gate{.birth_radius_px = single(c.birth_radius_px),
+           .min_radius_px = single(c.min_radius_px),
+           .max_radius_px = single(c.max_radius_px),
+           .scale = single(c.gate_scale),
+           .padding_px = single(c.gate_padding_px),
+           .circle_scale = single(c.circle_scale),
+           .circle_padding_px = single(c.circle_padding_px)},
+      kalman{.acceleration = single(c.acceleration_px2_s3),
+             .per_speed3 = single(c.acceleration_per_speed_px),
+             .max = single(c.max_acceleration_px2_s3),
+             .contact = single(c.contact_acceleration_px2_s3),
+             .measurement_scale = single(c.measurement_scale),
+             .min_measurement_px2 = single(c.min_measurement_px2)},
+      lifecycle{.mass_s = seconds(c.mass),
+                .die_sigma = single(c.die_sigma),
+                .confirm_evidence = single(c.confirm_evidence),
+                .drop_evidence = single(c.drop_evidence),
+                .starve_ratio = single(c.starve_ratio),
+                .velocity_decay_s = seconds(c.velocity_decay),
+                .hide_s = seconds(c.hide),
+                .coast_s = seconds(c.coast),
+                .mature_s = seconds(c.mature)},
+      pairs{.birth_radius_px = single(c.birth_radius_px),
+            .merge_reach = single(c.merge_reach),
+            .merge_padding_px = single(c.merge_padding_px),
+            .contact_reach = single(c.contact_reach),
+            .contact_padding_px = single(c.contact_padding_px)},
+      merge{.tolerance_px = single(c.merge_tolerance_px),
+            .rotation_rad = single(c.merge_rotation_rad)} {
+  set_keep(c, 1, false);
+}
+
+float Settings::birth_threshold(float noise_hz) const noexcept {
+  const float around_px = 3 * cell_px;
+  const float expected = noise_hz * around_px * around_px * seed_s;
+  return std::max(seed_events, expected + 4 * std::sqrt(expected) + 2);
+}
+
+void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
+                        bool filtered_upstream) noexcept {
+  gamma = std::max(gamma, kMinGamma);
+  const double events = c.mean_events;
+  const double kept = std::clamp(2 * events * gamma, events / 3, events);
+  update.mean_events = static_cast<std::uint32_t>(std::max(1L, std::lround(kept)));
+  kalman.mean_events = update.mean_events;
+  update.contour_mask = contour_mask(gamma);
+  const Milliseconds longest = std::max(kLongestWindow, c.support_window);
+  const Milliseconds window = std::min(longest, c.support_window / gamma);
+  support_window_us = microseconds(window);
+  seed_events = thinned(c.seed_events, gamma, kMinSeed);
+  lifecycle.confirm_events = thinned(c.confirm_events, gamma, kMinConfirm);
+  lifecycle.die_events = thinned(c.die_events, gamma, kMinConfirm);
+  lifecycle.birth_rate_hz = single(c.birth_rate_hz * gamma);
+  gate.noise_events = single(kNoiseEvents * gamma);
+  gate.min_density_hz = single(kMinDensity_hz * gamma);
+  rejects_unsupported = c.support == ClusterSupport::kReject &&
+                        gamma >= (filtered_upstream ? kMinGammaFiltered : kMinGammaUnfiltered);
+}
+
+// ---- report ------------------------------------------------------------------------------------
+
+// The listed tracks as clusters, predicted for a time to which no event has come yet. The tracks
+// advance without events: they are starved, no longer listed, or leave the frame. All this happens
+// on copies, so that a report changes nothing. Births and merges wait for events.
+
+namespace {
+
+// The track as a cluster at the clock's time, up to which the track must have been advanced.
+Cluster report(const Track& track, const TrackState& state, const PositionError& error,
+               const EventClock& clock) noexcept {
+  const Point mean = predicted_mean(track, clock.now());
+  return {.id = track.id,
+          .x = mean.x,
+          .y = mean.y,
+          .vx = track.vx,
+          .vy = track.vy,
+          .cxx = track.sxx,
+          .cxy = track.sxy,
+          .cyy = track.syy,
+          .size = std::lround(state.mass),
+          .t_last = clock.stamp_us(age_us(clock.now(), state.last_event)),
+          .pxx = error.xx,
+          .pxy = error.xy,
+          .pyy = error.yy};
+}
+
+// Advances a track to the tick's time without events. False: it is not listed then.
+bool advance_without_events(Track& track, TrackState& state, const Tick& tick,
+                            const Settings& settings, const Frame& frame) noexcept {
+  if (!track.has_id()) return false;
+  if (assess(track, state, tick, settings.lifecycle, settings.gate) == Assessment::kDelete)
+    return false;
+  if (is_starved(state))
+    kalman_without_events(track, state.kalman, tick.now, settings.lifecycle.velocity_decay_s);
+  return is_listed(track, state, settings.lifecycle) && !has_left(track, tick.now, frame);
+}
+
+// Appends the clusters that are listed at `tick`, which is the clock's time, sorted by id.
+void predict_clusters(const Tracks& tracks, const EventClock& clock, const Tick& tick,
+                      const Settings& settings, const Frame& frame,
+                      std::vector<Cluster>& clusters) {
+  for (const Tracks::Slot slot : tracks.active()) {
+    Track track = tracks[slot];
+    TrackState state = tracks.state(slot);
+    if (!advance_without_events(track, state, tick, settings, frame)) continue;
+    const PositionError error =
+        position_error(track, state.kalman, tracks.contour(slot), tick.now, settings.kalman);
+    clusters.push_back(report(track, state, error, clock));
+  }
+  std::sort(clusters.begin(), clusters.end(),
+            [](const Cluster& a, const Cluster& b) { return a.id < b.id; });
+}
+
+}  // namespace
+
+// ---- engine ------------------------------------------------------------------------------------
+
 namespace {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
@@ -156,7 +329,7 @@ std::int32_t Engine::associate(const Event& event, std::size_t cell, Stamp now) 
 // The nearest track whose gate accepts the event. A tentative track only if there is no other.
 Tracks::Slot Engine::nearest_track(const Event& event, std::size_t cell, Stamp now) noexcept {
   Slot best = Tracks::kNone;
-  float least = 1;
+  float min = 1;
   bool has_id = false;
   const auto consider = [&](Slot slot) {
     const Track& track = tracks_[slot];
@@ -165,9 +338,9 @@ Tracks::Slot Engine::nearest_track(const Event& event, std::size_t cell, Stamp n
         innovation_of(track, now, static_cast<float>(event.x), static_cast<float>(event.y));
     const float value = gate_value(track, nu);
     const bool outranks = track.has_id() && !has_id && value <= 1;
-    if (!outranks && !(value < least || (best == Tracks::kNone && value <= 1))) return;
+    if (!outranks && !(value < min || (best == Tracks::kNone && value <= 1))) return;
     best = slot;
-    least = value;
+    min = value;
     has_id = track.has_id();
   };
   coarse_.for_each_around(event.x, event.y, consider);

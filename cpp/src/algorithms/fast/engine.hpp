@@ -13,20 +13,56 @@
 #include <vector>
 
 #include "algorithms/fast/association.hpp"
-#include "algorithms/fast/contour.hpp"
 #include "algorithms/fast/lifecycle.hpp"
-#include "algorithms/fast/merge.hpp"
 #include "algorithms/fast/noise.hpp"
-#include "algorithms/fast/settings.hpp"
+#include "algorithms/fast/pairs.hpp"
 #include "algorithms/fast/split.hpp"
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
-#include "algorithms/fast/update.hpp"
-#include "asap/algorithms/cluster.hpp"
-#include "asap/algorithms/cluster_tracker_config.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap::fast {
+
+// ---- settings ----------------------------------------------------------------------------------
+
+// Settings: the configuration of ClusterTracker in the units of the engine (float, s, px, us), and
+// how the kept fraction of the events changes it. One thread; O(1), no allocation.
+
+struct Settings {
+  // Precondition: the configuration is checked.
+  explicit Settings(const ClusterTrackerConfig& config) noexcept;
+
+  // Adapts to thinning, which leaves the fraction gamma of the events: the mean has a shorter
+  // memory, the contour learns from a larger share of the events, the window of the support is
+  // longer because neighbours are rarer, and fewer events make a cluster. gamma = 1 changes
+  // nothing. `filtered_upstream`: a noise filter stands before the thinning, so events without
+  // support are rejected from gamma = 0.75 instead of 0.15 on.
+  void set_keep(const ClusterTrackerConfig& config, double gamma, bool filtered_upstream) noexcept;
+
+  // Upper bound on the recent unassociated events around a cell that noise alone explains.
+  float birth_threshold(float noise_hz) const noexcept;
+
+  std::int32_t tick_us;
+  std::int32_t warmup_us;
+  std::int32_t link_us;
+  std::int32_t support_window_us;
+  float seed_s;
+  float seed_events;
+  float cell_px;
+  bool uses_support;
+  bool rejects_unsupported;
+  UpdateRule update;
+  WeightRule weight;
+  ContactRule contact;
+  GateRule gate;
+  KalmanRule kalman;
+  LifecycleRule lifecycle;
+  PairRule pairs;
+  MergeRule merge;
+};
+
+// ---- engine ------------------------------------------------------------------------------------
 
 class Engine {
  public:
@@ -105,14 +141,14 @@ class Engine {
   DirectionTable directions_;
   Counters counters_;
   Stamp next_tick_ = 0;
-  bool tracks_are_due_ = true;  // at the next tick; else noise and pairs are
+  bool tracks_are_due_ = true;  // the next tick updates tracks, else noise and pairs
   std::uint64_t started_us_ = 0;
   std::uint64_t tracks_us_ = 0;  // when each of the two was updated
   std::uint64_t pairs_us_ = 0;
   std::uint64_t noise_us_ = 0;
-  std::int32_t support_window_us_ = 0;  // as long as the noise allows
+  std::int32_t support_window_us_ = 0;  // grows as far as the noise allows
   float noise_hz_ = 0;                  // per pixel, of the noise that reaches the tracks
-  float widest_radius_px_ = 0;          // of a young track's gate
+  float widest_radius_px_ = 0;          // widest circle of a young track's gate
   float birth_threshold_ = 0;           // recent unassociated events around a cell
   std::int32_t next_id_ = 0;
 };

@@ -33,11 +33,11 @@ float noise_bound(float expected, float sigma) noexcept {
 // noise, against noise alone. It is bounded, so that it falls in time once the events end.
 void update_evidence(TrackState& state, float fresh, float dt_s, float noise_hz,
                      const LifecycleRule& rule) noexcept {
-  constexpr float kMost = 30;
-  constexpr float kLeastNoise = 0.02F;
+  constexpr float kMax = 30;
+  constexpr float kMinNoise = 0.02F;
   const float object_hz = std::max(rule.birth_rate_hz, noise_hz);
-  const float gain = logarithm(1 + object_hz / std::max(noise_hz, kLeastNoise * object_hz));
-  state.evidence = std::min(kMost, state.evidence + fresh * gain - object_hz * dt_s);
+  const float gain = logarithm(1 + object_hz / std::max(noise_hz, kMinNoise * object_hz));
+  state.evidence = std::min(kMax, state.evidence + fresh * gain - object_hz * dt_s);
 }
 
 // A small object, such as an insect, has few events.
@@ -63,21 +63,21 @@ Assessment assess_tentative(const TrackState& state, float noise_hz,
 }
 
 // Time since the mass fell below `least`, at most dt_s. It matters if the tick comes late.
-float time_below_s(float mass_before, float least, float dt_s, const LifecycleRule& rule) noexcept {
+float time_below_s(float mass_before, float min, float dt_s, const LifecycleRule& rule) noexcept {
   const float step_s = rule.mass_s / 4;
   const float step_decay = decay(0.25F);
-  for (; mass_before > least && dt_s > step_s; dt_s -= step_s) mass_before *= step_decay;
+  for (; mass_before > min && dt_s > step_s; dt_s -= step_s) mass_before *= step_decay;
   return dt_s;
 }
 
 Assessment assess_confirmed(Track& track, TrackState& state, const Tick& tick, float mass_before,
                             float noise_hz, const LifecycleRule& rule) noexcept {
   const float expected = noise_hz * rule.mass_s;
-  const float least = rule.die_events + noise_bound(expected, rule.die_sigma);
+  const float min = rule.die_events + noise_bound(expected, rule.die_sigma);
   if (track.phase == Phase::kConfirmed) {
-    if (state.mass >= least) return Assessment::kKeep;
+    if (state.mass >= min) return Assessment::kKeep;
     track.phase = Phase::kCoasting;
-    state.coasting_s = time_below_s(mass_before, least, tick.dt_s, rule);
+    state.coasting_s = time_below_s(mass_before, min, tick.dt_s, rule);
   } else {
     state.coasting_s += tick.dt_s;
   }
@@ -192,7 +192,7 @@ Tracks::Slot find_lost_track(const Tracks& tracks, Tracks::Slot confirmed, Stamp
                              const LifecycleRule& rule) noexcept {
   const Point here = predicted_mean(tracks[confirmed], now);
   Tracks::Slot best = Tracks::kNone;
-  float least = 1;
+  float min = 1;
   for (const Tracks::Slot slot : tracks.active()) {
     const TrackState& state = tracks.state(slot);
     if (slot == confirmed || !tracks[slot].has_id() || is_listed(tracks[slot], state, rule)) {
@@ -204,8 +204,8 @@ Tracks::Slot find_lost_track(const Tracks& tracks, Tracks::Slot confirmed, Stamp
     const float dy = state.last_seen_y + travel_y - here.y;
     const float tolerance = kTolerance_px + kTolerancePerTravel * length(travel_x, travel_y);
     const float distance = length(dx, dy) / tolerance;
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= min) continue;
+    min = distance;
     best = slot;
   }
   return best;

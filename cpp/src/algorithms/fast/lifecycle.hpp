@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "algorithms/fast/association.hpp"
-#include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
@@ -82,10 +81,10 @@ struct LifecycleRule {
   float birth_rate_hz = 0;   // least event rate of an object, times gamma
   float confirm_evidence;    // log-likelihood ratio of an object against noise ...
   float drop_evidence;       // ... and of noise against an object
-  float starve_ratio;        // of the average event rate: below, the track is starved
-  float velocity_decay_s;    // of a starved track
+  float starve_ratio;        // share of the average event rate below which a track is starved
+  float velocity_decay_s;    // decay of the velocity of a starved track
   float hide_s;              // starved for longer: not listed
-  float coast_s;             // from too little mass to deletion
+  float coast_s;             // time from too little mass to deletion
   float mature_s;            // age from which the gate's circle follows the extent
 };
 

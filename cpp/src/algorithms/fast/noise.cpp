@@ -7,7 +7,7 @@ namespace asap::fast {
 namespace {
 
 constexpr int kSmallestShift = 4;
-constexpr std::size_t kMostTiles = 512;
+constexpr std::size_t kMaxTiles = 512;
 constexpr float kMemory_s = 0.2F;
 
 std::size_t tiles_along(int side, int shift) {
@@ -16,7 +16,7 @@ std::size_t tiles_along(int side, int shift) {
 
 int shift_for(int width, int height) {
   int shift = kSmallestShift;
-  while (tiles_along(width, shift) * tiles_along(height, shift) > kMostTiles) ++shift;
+  while (tiles_along(width, shift) * tiles_along(height, shift) > kMaxTiles) ++shift;
   return shift;
 }
 

@@ -55,7 +55,7 @@ class SupportMap {
 
  private:
   std::size_t stride_;
-  std::vector<std::int32_t> stamps_;  // with a border of one pixel around the frame
+  std::vector<std::int32_t> stamps_;  // has a border of one pixel around the frame
   Scrubber scrubber_;
 };
 

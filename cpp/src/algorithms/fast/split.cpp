@@ -108,9 +108,9 @@ void PartFinder::grow(std::size_t start) noexcept {
 
 bool looks_unresolved(const Track& track, const Contour& contour, const TrackState& state,
                       float noise_hz, const GateRule& gate) noexcept {
-  constexpr float kScatter_px2 = 4;        // of events about one outline
-  constexpr float kNoiseScatter_px2 = 60;  // of noise events, anywhere in the gate
-  constexpr float kElongation = 2.7F;      // of variances; an L of equal arms has 2 to 2.6
+  constexpr float kScatter_px2 = 4;        // scatter of events about one outline
+  constexpr float kNoiseScatter_px2 = 60;  // scatter of noise anywhere in the gate
+  constexpr float kElongation = 2.7F;      // ratio of variances; an L of equal arms has 2 to 2.6
   constexpr float kYoung_s = 0.04F;
   constexpr std::uint32_t kKnownEvents = 100;
   if (track.phase != Phase::kConfirmed || track.partners > 0 || state.near_confirmed) return false;
@@ -203,7 +203,7 @@ bool HalfFinder::has_both_edges(std::span<const OwnedCell> cells) const noexcept
 
 // The halves of a bar do, those of two objects do not.
 bool HalfFinder::lies_along(Point axis, std::span<const OwnedCell> cells) noexcept {
-  constexpr float kElongation = 2;  // of variances
+  constexpr float kElongation = 2;  // ratio of variances
   const auto count = static_cast<float>(cells.size());
   float along = 0;
   float across = 0;
@@ -231,7 +231,7 @@ Part HalfFinder::part_of(std::size_t first, std::size_t count) const noexcept {
 
 bool distance_has_changed(TrackState& state, std::span<const Part> halves) noexcept {
   constexpr float kMoved_px = 3;
-  constexpr float kMovedShare = 0.2F;  // for the ends of a rotating long object it changes less
+  constexpr float kMovedShare = 0.2F;  // the ends of a rotating long object move less
   constexpr float kSameAxis = 0.85F;   // cosine
   constexpr float kWindow_s = 0.3F;
   if (halves.empty()) {

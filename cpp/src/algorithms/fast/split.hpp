@@ -17,8 +17,6 @@
 #include <vector>
 
 #include "algorithms/fast/association.hpp"
-#include "algorithms/fast/contour.hpp"
-#include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
@@ -29,7 +27,7 @@ inline constexpr std::size_t kMinPartCells = 4;
 struct Part {
   float x;  // px, mean of its cells
   float y;
-  std::span<const std::size_t> cells;  // of the grid
+  std::span<const std::size_t> cells;  // indices in the grid
 
   float distance(const Part& other) const noexcept { return length(x - other.x, y - other.y); }
 };
@@ -60,7 +58,8 @@ class PartFinder {
   Part part_of(std::size_t first) noexcept;
 
   CellMap map_;
-  std::array<std::uint8_t, kSide * kSide> owned_{};  // by the slot, and not in a part yet
+  std::array<std::uint8_t, kSide * kSide>
+      owned_{};  // 1: the slot owns the cell, and no part has it yet
   CellMap::Window window_;
   std::vector<std::size_t> cells_;
   std::array<Part, kMaxParts> parts_{};
@@ -73,7 +72,7 @@ class PartFinder {
 bool looks_unresolved(const Track& track, const Contour& contour, const TrackState& state,
                       float noise_hz, const GateRule& gate) noexcept;
 
-// For long enough to look for its halves.
+// Whether it has looked unresolved for long enough to look for its halves.
 inline bool is_unresolved(const TrackState& state) noexcept {
   constexpr float kSure_s = 0.03F;
   return state.unresolved_s >= kSure_s;
@@ -111,7 +110,7 @@ class HalfFinder {
 
   CellMap map_;
   std::vector<OwnedCell> owned_cells_;
-  std::vector<std::size_t> cells_;  // of the grid, those of the first half before the others
+  std::vector<std::size_t> cells_;  // indices in the grid, the first half before the other
   std::array<Part, 2> halves_{};
 };
 

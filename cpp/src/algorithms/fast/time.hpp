@@ -87,7 +87,7 @@ class EventClock {
     latest_us_ = t_us;
   }
 
-  // Without an event. A time of the past is ignored.
+  // Advances without an event. A time of the past is ignored.
   void advance_to(std::int64_t t_us) noexcept {
     if (t_us > latest_us_) advance(t_us);
   }

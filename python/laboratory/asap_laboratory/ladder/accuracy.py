@@ -21,7 +21,14 @@ from asap_laboratory.scoring import Scene
 from asap_laboratory.scoring.corners import near_a_vertex
 from asap_laboratory.scoring.matching import match
 from asap_laboratory.scoring.measures import mota, ratio
-from asap_laboratory.scoring.trace import PERIOD_US, Sample, clusters_at, sample_at, sample_times
+from asap_laboratory.scoring.trace import (
+    PERIOD_US,
+    Sample,
+    clusters_at,
+    passed,
+    sample_at,
+    sample_times,
+)
 
 _STEP_US = 1000
 
@@ -150,26 +157,9 @@ def _f(called: NDArray[np.bool_], is_corner: NDArray[np.bool_], corners: int) ->
 def _truth(scene: Any, delivered: NDArray[np.void]) -> tuple[NDArray[np.bool_], int]:
     """Return which delivered events are corners, and how many of the whole scene are."""
     truth = _corners(scene)
-    return truth[_places(scene.events, delivered)], int(truth.sum())
+    return truth[passed(delivered, scene.events)], int(truth.sum())
 
 
 @lru_cache(maxsize=1)
 def _corners(scene: Scene) -> NDArray[np.bool_]:
     return near_a_vertex(scene, scene.events, np.asarray(scene.labels).astype(np.int64))
-
-
-def _places(events: NDArray[np.void], some: NDArray[np.void]) -> NDArray[np.int64]:
-    """Return the indices of some of the events, in the same order.
-
-    Of events that are alike, such as two of one pixel in one microsecond, any will do.
-    """
-
-    def keys(of: NDArray[np.void]) -> NDArray[np.int64]:
-        t, y, x = (of[name].astype(np.int64) for name in "tyx")
-        found: NDArray[np.int64] = (t << 26) | (y << 13) | x
-        return found
-
-    whole = keys(events)
-    order = np.argsort(whole, kind="stable")
-    found: NDArray[np.int64] = order[np.searchsorted(whole, keys(some), sorter=order)]
-    return found

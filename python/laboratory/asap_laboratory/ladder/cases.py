@@ -6,9 +6,8 @@ the stream `SLOWDOWN` times as fast and four times over, everything else scaled 
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,7 @@ from asap_laboratory.ladder.accuracy import (
 )
 from asap_laboratory.ladder.rungs import LATENCY_MS, RUNGS, SLOWDOWN, LadderRung, stream
 from asap_laboratory.ladder.settings import Setting
+from asap_laboratory.page import Row, Rows
 from asap_laboratory.scoring import Scene
 
 REAL_LATENCY_MS = 10.0  #: longer than in virtual time: a system without real time cannot do 3 ms
@@ -34,38 +34,12 @@ _EVENTS = 2_800_000  # of the whole stream
 
 
 @dataclass(frozen=True)
-class Loaded:
-    """A consumer under one scheme."""
-
-    kept: float
-    in_time: float
-    p99_of_bound: float
-    max_of_bound: float
-    overflow: float  #: of the input
-    stale: float
-    delivered: float | None = None  #: accuracy of what was delivered
-    in_use: float | None = None  #: accuracy at the moment of use
-
-
-@dataclass(frozen=True)
-class Outcomes:
-    """What a `LadderCase` or a `LadderReplay` has found."""
-
-    schemes: dict[str, Loaded]  #: by label
-    rate_hz: float  #: events per second of the stream, on the clock of the run
-    alone: float | None = None  #: accuracy with all events, at once
-    late_p99_us: float | None = None  #: of the producer in real time: the machine's own jitter
-
-    @classmethod
-    def restored(cls, fields: dict[str, Any]) -> Outcomes:
-        """Make it again of what the state file holds."""
-        loaded = {label: Loaded(**one) for label, one in fields.pop("schemes").items()}
-        return cls(schemes=loaded, **fields)
-
-
-@dataclass(frozen=True)
 class LadderCase:
-    """One consumer, one seed, virtual time: alpha and beta are those of a computer so slow."""
+    """One consumer, one seed, virtual time: alpha and beta are those of a computer so slow.
+
+    The algorithm is told the fraction that it gets by the scheme, or nothing, or the true mean of
+    the whole run.
+    """
 
     rung: str
     seed: int
@@ -74,26 +48,32 @@ class LadderCase:
     settings: dict[str, Setting]
     size: str = "whole"
     latency_ms: float = LATENCY_MS
-
-    @property
-    def name(self) -> str:
-        """How it is called on the screen."""
-        return f"{self.rung}, seed {self.seed}"
+    told: Literal["by the scheme", "nothing", "mean"] = "by the scheme"
 
     def weight(self) -> float:
         """Events to be processed, about; the tasks of a seed shall follow each other."""
         return _EVENTS * len(self.settings) - self.seed
 
-    def measure(self) -> Outcomes:
+    def measure(self) -> Rows:
         """Run it."""
         rung, scene = RUNGS[self.rung], stream(self.size, self.seed)
-        found = {label: self._under(one, rung, scene) for label, one in self.settings.items()}
         alone = None
         if rung.score:
             alone = self._accuracy(rung, scene, everything(scene), twin=True).delivered
-        return Outcomes(found, _rate_hz(scene), alone)
+        what = {**self._what(), "rung": self.rung, "seed": self.seed, "rate_hz": _rate_hz(scene)}
+        return [
+            {**what, "scheme": label, "alone": alone, **self._under(setting, rung, scene)}
+            for label, setting in self.settings.items()
+        ]
 
-    def _under(self, setting: Setting, rung: LadderRung, scene: Scene) -> Loaded:
+    def _what(self) -> Row:
+        if self.told != "by the scheme":
+            return {"kind": "told", "told": self.told}
+        if self.latency_ms != LATENCY_MS or len(self.settings) == 1:
+            return {"kind": "bound", "latency_ms": self.latency_ms}
+        return {"kind": "run", "clock": "virtual"}
+
+    def _under(self, setting: Setting, rung: LadderRung, scene: Scene) -> Row:
         recorder = Recorder() if rung.score else None
         found = simulate(
             scene.events,
@@ -105,16 +85,16 @@ class LadderCase:
             opaque=rung.opaque,
             seed=self.seed,
         )
-        loaded = _loaded(found)
         if recorder is None:
-            return loaded
+            return _loaded(found)
         deliveries = self._as_told(recorder.deliveries(found), found.kept)
-        accuracy = self._accuracy(rung, scene, deliveries)
-        return dataclasses.replace(loaded, **accuracy._asdict())
+        return {**_loaded(found), **self._accuracy(rung, scene, deliveries)._asdict()}
 
     def _as_told(self, deliveries: list[Delivery], kept: float) -> list[Delivery]:
-        """Let the scheme say what fraction it keeps."""
-        return deliveries
+        """Let the scheme say what fraction it keeps, or replace what it says."""
+        if self.told == "by the scheme":
+            return deliveries
+        return [one._replace(keep=kept if self.told == "mean" else 1.0) for one in deliveries]
 
     def _accuracy(
         self, rung: LadderRung, scene: Scene, deliveries: list[Delivery], *, twin: bool = False
@@ -127,21 +107,6 @@ class LadderCase:
 
 
 @dataclass(frozen=True)
-class ToldCase(LadderCase):
-    """The same, but the algorithm is told nothing, or the true mean for the whole run."""
-
-    told: Literal["nothing", "mean"] = "nothing"
-
-    @property
-    def name(self) -> str:
-        """How it is called on the screen."""
-        return f"{self.rung}, seed {self.seed}, told {self.told}"
-
-    def _as_told(self, deliveries: list[Delivery], kept: float) -> list[Delivery]:
-        return [one._replace(keep=kept if self.told == "mean" else 1.0) for one in deliveries]
-
-
-@dataclass(frozen=True)
 class LadderReplay:
     """One consumer, one seed, real time: the stream is replayed the faster for it."""
 
@@ -150,23 +115,19 @@ class LadderReplay:
     settings: dict[str, Setting]
     size: str = "whole"
 
-    @property
-    def name(self) -> str:
-        """How it is called on the screen."""
-        return f"{self.rung}, seed {self.seed}, real time"
-
     def weight(self) -> float:
         """Events to be processed, about; the tasks of a seed shall follow each other."""
         return _EVENTS * len(self.settings) - self.seed
 
-    def measure(self) -> Outcomes:
+    def measure(self) -> Rows:
         """Run it."""
         rung, scene = RUNGS[self.rung], stream(self.size, self.seed)
         events = _repeated(scene.events)
-        found, late_us = {}, 0.0
+        what = {"kind": "run", "clock": "real", "rung": self.rung, "seed": self.seed}
+        rows = []
         for label, setting in self.settings.items():
             alike = setting.scaled(rate=SLOWDOWN, time=REAL_LATENCY_MS / LATENCY_MS)
-            ran = run(
+            found = run(
                 events,
                 algorithm=_native.BusyWait(*rung.stated)
                 if rung.stated
@@ -177,10 +138,10 @@ class LadderReplay:
                 capacity=alike.capacity,
                 seed=self.seed,
             )
-            found[label] = _loaded(ran)
-            assert ran.lateness is not None  # real time
-            late_us = max(late_us, ran.lateness.quantile(0.99))
-        return Outcomes(found, SLOWDOWN * _rate_hz(scene), late_p99_us=late_us)
+            assert found.lateness is not None  # real time
+            late_us = found.lateness.quantile(0.99)  # of the producer: the machine's own jitter
+            rows.append({**what, "scheme": label, **_loaded(found), "late_us": late_us})
+        return rows
 
 
 def _repeated(events: NDArray[np.void]) -> NDArray[np.void]:
@@ -190,16 +151,17 @@ def _repeated(events: NDArray[np.void]) -> NDArray[np.void]:
     return found
 
 
-def _loaded(found: Run) -> Loaded:
+def _loaded(found: Run) -> Row:
+    """Return what a scheme made of the stream: shares of the input, latencies in L."""
     received = max(found.ledger.received, 1)
-    return Loaded(
-        kept=found.kept,
-        in_time=found.in_time,
-        p99_of_bound=found.latency.quantile(0.99) / found.latency_bound_us,
-        max_of_bound=found.latency.max / found.latency_bound_us,
-        overflow=found.ledger.overflow / received,
-        stale=found.ledger.stale / received,
-    )
+    return {
+        "kept": found.kept,
+        "in_time": found.in_time,
+        "p99_of_bound": found.latency.quantile(0.99) / found.latency_bound_us,
+        "max_of_bound": found.latency.max / found.latency_bound_us,
+        "overflow": found.ledger.overflow / received,
+        "stale": found.ledger.stale / received,
+    }
 
 
 def _rate_hz(scene: Scene) -> float:

@@ -14,28 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap_laboratory.ladder.rungs import RUNGS, SLOWDOWN, LadderRung, stream
-from asap_laboratory.ladder.settings import Setting, Tried, tried
+from asap_laboratory.ladder.settings import tried
+from asap_laboratory.page import Rows
 
 _SIZES = (1, 10, 100, 1000, 10_000)
 _TIME_FOR_A_SIZE_NS = 40_000_000
 _TUNED_OVER_US = 100_000
-
-
-@dataclass(frozen=True)
-class Costs:
-    """What a `CostCase` has found."""
-
-    alpha_us: float
-    beta_ns: float
-    tried: list[Tried]  #: every setting of the baselines that was put to it
-
-    @classmethod
-    def restored(cls, fields: dict[str, Any]) -> Costs:
-        """Make it again of what the state file holds."""
-        found = [
-            Tried(**{**one, "setting": Setting(**one["setting"])}) for one in fields.pop("tried")
-        ]
-        return cls(tried=found, **fields)
 
 
 @dataclass(frozen=True)
@@ -45,16 +29,11 @@ class CostCase:
     rung: str
     size: str = "whole"
 
-    @property
-    def name(self) -> str:
-        """How it is called on the screen."""
-        return f"cost of {self.rung}"
-
     def weight(self) -> float:
         """Events to be processed, about."""
         return 1e7
 
-    def measure(self) -> Costs:
+    def measure(self) -> Rows:
         """Run it."""
         rung = RUNGS[self.rung]
         scene = stream(self.size, 0)
@@ -62,11 +41,9 @@ class CostCase:
             rung, rung.make(scene.width, scene.height), scene.events
         )
         begin = scene.events[: np.searchsorted(scene.events["t"], _TUNED_OVER_US)]
-        return Costs(
-            alpha_us,
-            beta_ns,
-            tried(begin, alpha_us * SLOWDOWN, beta_ns * SLOWDOWN, opaque=rung.opaque),
-        )
+        found = tried(begin, alpha_us * SLOWDOWN, beta_ns * SLOWDOWN, opaque=rung.opaque)
+        cost = {"kind": "cost", "rung": self.rung, "alpha_us": alpha_us, "beta_ns": beta_ns}
+        return [cost, *({"kind": "tried", "rung": self.rung, **row} for row in found)]
 
 
 def measured(rung: LadderRung, algorithm: Any, events: NDArray[np.void]) -> tuple[float, float]:

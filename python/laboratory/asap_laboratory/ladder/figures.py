@@ -5,15 +5,15 @@ Needs matplotlib: ``asap-events[report]``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asap import plots  # first: it says which extra is missing
-from asap_laboratory.ladder.results import LadderRow, Mean
 from asap_laboratory.ladder.settings import BASELINES, OURS
+from asap_laboratory.page import Row, Rows, only
 
 import matplotlib  # isort: skip
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator  # isort: skip
@@ -37,22 +37,12 @@ _SHOWN = {  # label: words
 }
 
 
-def figure(rows: Sequence[LadderRow], *, width_inches: float = 9.0) -> Figure:
+def figure(rows: Rows, *, width_inches: float = 9.0) -> Figure:
     """Draw three panels over the cost per event, a line for each scheme.
 
-    Parameters
-    ----------
-    rows : sequence of LadderRow
-        The cheapest first.
-    width_inches : float
-        Of the page.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        In time, of what the computer can do; MOTA and F at the moment of use, of that with all
-        events and without latency, 0 where it is below. Bars are standard deviations over the
-        seeds.
+    `rows`: each consumer under each scheme in virtual time, the cheapest first. In time, of what
+    the computer can do; MOTA and F at the moment of use, of that with all events and without
+    latency, 0 where it is below. Bars are standard deviations over the seeds.
     """
     with matplotlib.rc_context({**plots.STYLE, "axes.titley": 1.0}):
         page = plots.NotebookFigure(layout="constrained", figsize=(width_inches, 4.1))
@@ -64,7 +54,7 @@ def figure(rows: Sequence[LadderRow], *, width_inches: float = 9.0) -> Figure:
             (trackers, "tracker", "trackers: MOTA left in use"),
             (corners, "corners", "corner detectors: F left in use"),
         ):
-            if some := [row for row in rows if row.score == kind]:
+            if some := only(rows, score=kind):
                 _lines(axes, some, _left_in_use)
                 _name_rungs(axes, some)
             axes.set_title(words)
@@ -84,20 +74,18 @@ def figure(rows: Sequence[LadderRow], *, width_inches: float = 9.0) -> Figure:
     return page
 
 
-def _of_possible(row: LadderRow, label: str) -> Mean:
-    mean, spread = row.virtual[label]["in_time"]
-    return Mean(mean / row.possible, spread / row.possible)
+def _of_possible(row: Row) -> tuple[float, float | None]:
+    return row["of_possible"], row["of_possible_sd"]
 
 
-def _left_in_use(row: LadderRow, label: str) -> Mean:
-    mean, spread = row.virtual[label]["in_use"]
-    if mean <= 0:
-        return Mean(0.0, 0.0)
-    return Mean(mean / row.alone.mean, spread / row.alone.mean)
+def _left_in_use(row: Row) -> tuple[float, float | None]:
+    if row["in_use"] <= 0:
+        return 0.0, None
+    sd = row["in_use_sd"]
+    return row["in_use"] / row["alone"], None if sd is None else sd / row["alone"]
 
 
-def _lines(axes: Axes, rows: Sequence[LadderRow], value: Callable[[LadderRow, str], Mean]) -> None:
-    costs = [row.beta_ns for row in rows]
+def _lines(axes: Axes, rows: Rows, value: Callable[[Row], tuple[float, float | None]]) -> None:
     for label, words in _SHOWN.items():
         name = label.partition(",")[0]
         style: dict[str, Any] = {"color": _COLOURS[name], "linewidth": 1.0, "markersize": 2.5}
@@ -105,11 +93,12 @@ def _lines(axes: Axes, rows: Sequence[LadderRow], value: Callable[[LadderRow, st
             style |= {"linewidth": 2.2, "markersize": 4.5}
         elif label != name:
             style |= {"linestyle": (0, (3, 2))}
-        found = [value(row, label) for row in rows]
+        some = only(rows, scheme=label)
+        means, spreads = zip(*(value(row) for row in some), strict=True)
         axes.errorbar(
-            costs,
-            [one.mean for one in found],
-            np.nan_to_num([one.spread for one in found]),
+            [row["beta_ns"] for row in some],
+            means,
+            [spread or 0.0 for spread in spreads],
             marker="o",
             elinewidth=0.8,
             label=words,
@@ -117,17 +106,18 @@ def _lines(axes: Axes, rows: Sequence[LadderRow], value: Callable[[LadderRow, st
         )
 
 
-def _name_rungs(axes: Axes, rows: Sequence[LadderRow]) -> None:
+def _name_rungs(axes: Axes, rows: Rows) -> None:
     """Write the consumers under the curves, with a line to the cost where they are crowded."""
-    costs = np.log10([row.beta_ns for row in rows])
+    by_rung = {row["rung"]: row["beta_ns"] for row in rows}
+    costs = np.log10(list(by_rung.values()))
     margin = 0.09 * (costs[-1] - costs[0]) + 0.05
     axes.set_xlim(10 ** (costs[0] - margin), 10 ** (costs[-1] + margin))
     least = _NAME_HEIGHT / axes.bbox.width * (costs[-1] - costs[0] + 2 * margin)
-    for row, cost, place in zip(
-        rows, costs, _apart(costs, least, costs[0] - margin / 2), strict=True
+    for rung, cost, place in zip(
+        by_rung, costs, _apart(costs, least, costs[0] - margin / 2), strict=True
     ):
         axes.plot([10**cost, 10**place], [-0.02, -0.06], color=plots.FAINT, linewidth=0.6, zorder=0)
-        axes.text(10**place, -0.07, row.rung, rotation=90, ha="center", va="top", fontsize=6.5)
+        axes.text(10**place, -0.07, rung, rotation=90, ha="center", va="top", fontsize=6.5)
 
 
 def _apart(places: NDArray[np.float64], least: float, low: float) -> NDArray[np.float64]:

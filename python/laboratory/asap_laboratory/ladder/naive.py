@@ -38,20 +38,9 @@ class _Cluster:
 class NaiveClusterer:
     """Link an event to every cluster within a radius, merge those, forget beyond a count of events.
 
-    Parameters
-    ----------
-    window : int
-        Events that are remembered.
-    radius : float
-        px, L1 distance.
-    weight : float
-        Of a new event in the centre.
-    min_size : int
-        Events of a cluster that is reported.
-
-    Notes
-    -----
-    Rodriguez-Gomez et al., ICRA 2020, without random probes.
+    `window`: events that are remembered; `radius`: px, L1; `weight`: of a new event in the centre;
+    `min_size`: events of a cluster that is reported. Rodriguez-Gomez et al., ICRA 2020, without
+    random probes.
     """
 
     def __init__(

@@ -25,16 +25,8 @@ Maker = Callable[[int, int], Any]
 class LadderRung(NamedTuple):
     """A consumer.
 
-    Attributes
-    ----------
-    make : callable
-        Makes one for (width, height).
-    score : {"tracker", "corners", None}
-        How its accuracy is told.
-    twin : callable, optional
-        Makes a faster one of the same rule, for the accuracy with all events.
-    stated : (float, float), optional
-        alpha in us and beta in ns, taken from elsewhere instead of measured.
+    `score`: how its accuracy is told; `twin`: makes a faster one of the same rule, for the accuracy
+    with all events; `stated`: alpha in us and beta in ns, taken from elsewhere, not measured.
     """
 
     make: Maker
@@ -78,19 +70,6 @@ RUNGS: dict[str, LadderRung] = {
     "compat, Python": LadderRung(naive.make, "tracker", _compat),
 }
 """By label, about in the order of their cost."""
-
-
-def missing_rungs() -> list[str]:
-    """Labels of consumers that this build of the library cannot make."""
-    return [label for label, rung in RUNGS.items() if not _exists(rung)]
-
-
-def _exists(rung: LadderRung) -> bool:
-    try:
-        rung.make(64, 64)
-    except ValueError:
-        return False
-    return True
 
 
 @lru_cache(maxsize=1)  # the tasks of a seed follow each other

@@ -9,7 +9,7 @@ setting that did best over the whole ladder. Both have to keep p99 <= L, if any 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from asap import _core
 from asap.experiment import simulate
 from asap_laboratory.ladder.rungs import LATENCY_MS
+from asap_laboratory.page import Row, Rows, only
 
 OURS = "Deadline"
 BASELINES = ("FixedSize", "FixedTime", "Asap2020")
@@ -30,18 +31,9 @@ _RINGS_IN_L = (0.25, 0.45, 0.7, 1.0)  # times the events that cost L
 
 @dataclass(frozen=True)
 class Setting:
-    """A scheme and the ring in front of it, for the stream as it is.
+    """A scheme of `asap` and the ring in front of it, for the stream as it is.
 
-    Attributes
-    ----------
-    scheme : str
-        A class of `asap`.
-    parameters : dict
-        Of its constructor.
-    capacity : int
-        Of the ring, events.
-    for_all : bool
-        Whether it can be given without knowing the consumer.
+    `for_all`: it can be given without knowing the consumer.
     """
 
     scheme: str
@@ -78,19 +70,8 @@ def ours(latency_ms: float = LATENCY_MS) -> Setting:
     return Setting(OURS, {"latency_ms": latency_ms})
 
 
-@dataclass(frozen=True)
-class Tried:
-    """How a setting did on the first 100 ms of the stream."""
-
-    setting: Setting
-    in_time: float
-    p99_ms: float
-
-
-def tried(
-    events: NDArray[np.void], alpha_us: float, beta_ns: float, *, opaque: bool
-) -> list[Tried]:
-    """Put every setting of the baselines to a consumer of that cost."""
+def tried(events: NDArray[np.void], alpha_us: float, beta_ns: float, *, opaque: bool) -> Rows:
+    """Put every setting of the baselines to a consumer of that cost: how each did."""
     found = []
     for setting in _settings(alpha_us, beta_ns):
         run = simulate(
@@ -101,7 +82,8 @@ def tried(
             capacity=setting.capacity,
             opaque=opaque,
         )
-        found.append(Tried(setting, run.in_time, run.latency.quantile(0.99) / 1e3))
+        p99_ms = run.latency.quantile(0.99) / 1e3
+        found.append({**asdict(setting), "in_time": run.in_time, "p99_ms": p99_ms})
     return found
 
 
@@ -124,18 +106,21 @@ def _settings(alpha_us: float, beta_ns: float) -> Iterable[Setting]:
                 yield Setting("Asap2020", parameters, capacity, for_all=False)
 
 
-def best(found: Sequence[Tried], scheme: str) -> Setting:
+def best(found: Rows, scheme: str) -> Setting:
     """Choose with hindsight: most in time of those whose p99 is within L, else the least p99."""
-    some = [one for one in found if one.setting.scheme == scheme]
-    return max(some, key=_merit).setting
+    return _setting(max(only(found, scheme=scheme), key=_merit))
 
 
-def _merit(one: Tried) -> tuple[bool, float]:
-    kept = one.p99_ms <= LATENCY_MS
-    return kept, one.in_time if kept else -one.p99_ms
+def _merit(row: Row) -> tuple[bool, float]:
+    kept = row["p99_ms"] <= LATENCY_MS
+    return kept, row["in_time"] if kept else -row["p99_ms"]
 
 
-def best_for_all(ladder: Sequence[Sequence[Tried]], scheme: str) -> Setting:
+def _setting(row: Row) -> Setting:
+    return Setting(**{field.name: row[field.name] for field in fields(Setting)})
+
+
+def best_for_all(ladder: Sequence[Rows], scheme: str) -> Setting:
     """Choose the setting that does best over all consumers.
 
     Its share in time, of the best that this scheme reached for the consumer, is largest in the
@@ -144,11 +129,11 @@ def best_for_all(ladder: Sequence[Sequence[Tried]], scheme: str) -> Setting:
     merit: dict[str, list[float]] = {}
     known: dict[str, Setting] = {}
     for found in ladder:
-        some = [one for one in found if one.setting.scheme == scheme]
-        most = max((one.in_time for one in some if one.p99_ms <= LATENCY_MS), default=1.0)
-        for one in some:
-            if one.setting.for_all:
-                share = one.in_time / max(most, 1e-9) if one.p99_ms <= LATENCY_MS else 0.0
-                merit.setdefault(str(one.setting), []).append(share)
-                known[str(one.setting)] = one.setting
+        some = only(found, scheme=scheme)
+        most = max((row["in_time"] for row in some if row["p99_ms"] <= LATENCY_MS), default=1.0)
+        for row in only(some, for_all=True):
+            share = row["in_time"] / max(most, 1e-9) if row["p99_ms"] <= LATENCY_MS else 0.0
+            setting = _setting(row)
+            merit.setdefault(str(setting), []).append(share)
+            known[str(setting)] = setting
     return known[max(merit, key=lambda words: sum(merit[words]))]

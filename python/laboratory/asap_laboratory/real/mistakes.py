@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asap_laboratory.real.following import Followed
+from asap_laboratory.rivals.recordings import Followed
 from asap_laboratory.scoring.boxes import PADDING_PX, BoxMatch
 
 _MOST_IDS = 6  # false ids that are named

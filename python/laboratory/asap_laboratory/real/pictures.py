@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from asap import _core
-from asap_laboratory.real.following import Followed
+from asap_laboratory.rivals.recordings import Followed
 
 WINDOW_US = 30_000  # of the events that are shown
 _TAIL_S = 0.15
@@ -47,13 +47,7 @@ def hue(id: int) -> str:
 def overlay(followed: Followed, index: int, label: str) -> str:
     """Draw a labelled time: events grey, outlines, ids and tails coloured, boxes thin.
 
-    Parameters
-    ----------
-    followed : Followed
-    index : int
-        Of the labelled time.
-    label : str
-        What the picture shows, for those who do not see it; without markup.
+    `label`: what the picture shows, for those who do not see it; without markup.
     """
     scene = followed.scene
     parts = [_events(followed, index), *_zones(followed, index), *_boxes(followed, index)]

@@ -5,15 +5,12 @@ Needs matplotlib: ``asap-events[report]``.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from asap import plots  # first: it says which extra is missing
-from asap_laboratory.accuracy.document import label_of
-from asap_laboratory.rivals.cases import OURS
-from asap_laboratory.scoring import KeepCurve
+from asap_laboratory.page import Row, Rows
+from asap_laboratory.rivals.trackers import OURS
 
 import matplotlib  # isort: skip
 from matplotlib.layout_engine import ConstrainedLayoutEngine  # isort: skip
@@ -32,30 +29,14 @@ _LOOKS: dict[str, tuple[str, str, bool]] = {  # colour, marker, filled
     OURS: (plots.BLUE, "o", True),  # last: on top
 }
 
-Recordings = Mapping[str, Mapping[str, Mapping[str, float]]]
 
-
-def write(path: Path, curves: Sequence[KeepCurve], recordings: Recordings) -> Path:
-    """Draw into an SVG file."""
-    path.write_text(plots.svg(draw(curves, recordings)), encoding="utf-8")
-    return path
-
-
-def draw(curves: Sequence[KeepCurve], recordings: Recordings) -> plots.NotebookFigure:
-    """Draw one line for each scene and recording: MOTA left, ns per event right, a dot for each.
-
-    Parameters
-    ----------
-    curves : sequence of KeepCurve
-        Measured on scenes.
-    recordings : mapping
-        Figures by recording and tracker.
-    """
-    lines: dict[str, dict[str, Mapping[str, float]]] = {}
-    for curve in curves:
-        lines.setdefault(curve.scene.replace("_", " "), {})[label_of(curve)] = curve.rows[0].mean
-    for recording, by_label in recordings.items():
-        lines[recording.partition("_")[0]] = dict(by_label)
+def draw(scenes: Rows, recordings: Rows) -> plots.NotebookFigure:
+    """Draw one line for each scene and recording: MOTA left, ns per event right, a dot for each."""
+    lines: dict[str, dict[str, Row]] = {}
+    for row in scenes:
+        lines.setdefault(row["scene"].replace("_", " "), {})[row["tracker"]] = row
+    for row in recordings:
+        lines.setdefault(row["set"].partition("_")[0], {})[row["tracker"]] = row
     with matplotlib.rc_context({**plots.STYLE, "font.size": 10, "ytick.labelsize": 9}):
         room = ConstrainedLayoutEngine(w_pad=0.12, h_pad=0.1)
         size_inches = (4.4, 2.4 + 0.24 * len(lines))
@@ -91,11 +72,7 @@ def draw(curves: Sequence[KeepCurve], recordings: Recordings) -> plots.NotebookF
 
 
 def _dots(axes: Axes, values: Sequence[float | None], look: dict[str, Any]) -> None:
-    known = [
-        (value, place)
-        for place, value in enumerate(values)
-        if value is not None and not math.isnan(value)
-    ]
+    known = [(value, place) for place, value in enumerate(values) if value is not None]
     if known:
         x = [max(value, _LEAST) for value, _ in known]
         axes.plot(x, [place for _, place in known], **look)

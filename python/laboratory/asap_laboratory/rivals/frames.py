@@ -46,14 +46,8 @@ _APART = 1e6  # cost of a pair outside the gate: more than all others together
 class FrameTracker:
     """Track the components of binary images of events.
 
-    Parameters
-    ----------
-    width, height : int
-        Of the sensor, px.
-    period_us : int
-        Of the images.
-    neighbours : int
-        Of 8 that a pixel with an event needs, else it is noise.
+    `period_us`: of the images. `neighbours`: of 8 that a pixel with an event needs, else it is
+    noise.
     """
 
     def __init__(self, width: int, height: int, *, period_us: int, neighbours: int) -> None:

@@ -16,7 +16,8 @@ at rest; `H` to `K` have large, hollow, textured and waving objects and a moving
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Callable
+from typing import Any, Literal
 
 from asap import _checks
 from asap_laboratory.scenes.labelled import LabelledScene, labelled
@@ -46,46 +47,55 @@ __all__ = [
 ]
 
 
-def _named(name: str, seed: int) -> Scene:
-    return Scene._of("named", label=name, name=name, seed=seed)
-
-
-def A(seed: int = 0) -> Scene:
-    """20 objects on small orbits, 60 to 120 px/s; 346 x 260 px, 1.5 s, 0.5 Hz/px of noise."""
-    return _named("A", seed)
-
-
-def B(seed: int = 0) -> Scene:
-    """As `A`, but 10 to 400 px/s."""
-    return _named("B", seed)
-
-
-def C(seed: int = 0) -> Scene:
-    """8 objects that cross each other, 80 to 200 px/s; 346 x 260 px, 2 s, 0.5 Hz/px of noise."""
-    return _named("C", seed)
-
-
-def D(seed: int = 0) -> Scene:
-    """As `A`, with 5 Hz/px of noise: two thirds of the events."""
-    return _named("D", seed)
-
-
-def E(seed: int = 0) -> Scene:
-    """As `C`, a little smaller, on 240 x 180 px: more crossings."""
-    return _named("E", seed)
-
-
-def F(seed: int = 0) -> Scene:
-    """8 objects of very different size and speed: radius 3 to 20 px, 20 to 600 px/s; 2 s."""
-    return _named("F", seed)
-
-
-def G(seed: int = 0) -> Scene:
-    """30 objects of radius 6 to 14 px, up to 250 px/s; 640 x 480 px, 2 s, 2 Hz/px of noise."""
-    return _named("G", seed)
-
-
 _LARGE = ("bars", "angles", "rings")
+
+_MADE: dict[str, tuple[str, dict[str, Any], str]] = {  # kind of layout, its parameters, what it is
+    "A": (
+        *("named", {"name": "A"}),
+        "20 objects on small orbits, 60 to 120 px/s; 346 x 260 px, 1.5 s, 0.5 Hz/px of noise.",
+    ),
+    "B": ("named", {"name": "B"}, "As `A`, but 10 to 400 px/s."),
+    "C": (
+        *("named", {"name": "C"}),
+        "8 objects that cross each other, 80 to 200 px/s; 346 x 260 px, 2 s, 0.5 Hz/px of noise.",
+    ),
+    "D": ("named", {"name": "D"}, "As `A`, with 5 Hz/px of noise: two thirds of the events."),
+    "E": ("named", {"name": "E"}, "As `C`, a little smaller, on 240 x 180 px: more crossings."),
+    "F": (
+        *("named", {"name": "F"}),
+        "8 objects of very different size and speed: radius 3 to 20 px, 20 to 600 px/s; 2 s.",
+    ),
+    "G": (
+        *("named", {"name": "G"}),
+        "30 objects of radius 6 to 14 px, up to 250 px/s; 640 x 480 px, 2 s, 2 Hz/px of noise.",
+    ),
+    "I": (
+        *("large_disks", {}),
+        "6 disks of radius 14 to 34 px, plain and textured, 60 to 200 px/s; 346 x 260 px, 2 s.",
+    ),
+    "J": (
+        *("hands", {}),
+        "2 hands, palms of 55 px with five waving fingers, 50 to 200 px/s; 346 x 260 px, 2 s.",
+    ),
+    "K": (
+        *("moving_camera", {}),
+        "2 or 3 movers of 10 to 40 px before a texture that turns, zooms and shifts, labelled -1.",
+    ),
+}
+
+
+def _named(label: str) -> Callable[..., Scene]:
+    kind, parameters, words = _MADE[label]
+
+    def make(seed: int = 0) -> Scene:
+        return Scene._of(kind, label=label, seed=seed, **parameters)
+
+    make.__name__ = make.__qualname__ = label
+    make.__doc__ = words
+    return make
+
+
+A, B, C, D, E, F, G, I, J, K = map(_named, "ABCDEFGIJK")  # noqa: E741
 
 
 def H(seed: int = 0, *, kind: Literal["bars", "angles", "rings"] | None = None) -> Scene:
@@ -104,24 +114,6 @@ def H(seed: int = 0, *, kind: Literal["bars", "angles", "rings"] | None = None) 
     kinds = list(_LARGE) if kind is None else [kind]
     label = "H" if kind is None else f"H_{kind}"
     return Scene._of("large_shapes", label=label, kinds=kinds, seed=seed)
-
-
-def I(seed: int = 0) -> Scene:  # noqa: E743
-    """6 disks of radius 14 to 34 px, plain and textured, 60 to 200 px/s; 346 x 260 px, 2 s."""
-    return Scene._of("large_disks", label="I", seed=seed)
-
-
-def J(seed: int = 0) -> Scene:
-    """2 hands, palms of 55 px with five waving fingers, 50 to 200 px/s; 346 x 260 px, 2 s."""
-    return Scene._of("hands", label="J", seed=seed)
-
-
-def K(seed: int = 0) -> Scene:
-    """2 or 3 movers of 10 to 40 px before a moving texture; 240 x 180 px, 1 s.
-
-    The texture turns, zooms and shifts as before a moving camera; its events are labelled -1.
-    """
-    return Scene._of("moving_camera", label="K", seed=seed)
 
 
 def timing(

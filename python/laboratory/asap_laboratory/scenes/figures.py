@@ -5,7 +5,7 @@ Needs matplotlib: ``asap-events[report]``.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -13,14 +13,11 @@ from numpy.typing import NDArray
 
 from asap import _checks, plots
 
-if TYPE_CHECKING:
-    from asap_laboratory.scenes import Scene
-
 _LOOKAHEAD_S = 0.1
 
 
 def snapshot(
-    scene: Scene, t_ms: float | None = None, *, window_ms: float = 15.0
+    scene: Any, t_ms: float | None = None, *, window_ms: float = 15.0
 ) -> plots.NotebookFigure:
     """Draw the events of the window that ends at a moment, and the truth at that moment.
 
@@ -54,7 +51,7 @@ def snapshot(
     return figure
 
 
-def _outlines(scene: Scene, t_us: float) -> list[NDArray[np.float64]]:
+def _outlines(scene: Any, t_us: float) -> list[NDArray[np.float64]]:
     """Each object's outline as points of shape (n, 2), closed."""
     vertices = scene.vertices(t_us)
     angles = np.linspace(0.0, 2 * np.pi, 25)

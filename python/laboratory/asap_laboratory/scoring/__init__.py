@@ -4,9 +4,8 @@
 the `Trace` of a tracker or the matches of its samples.
 """
 
-from asap_laboratory.scoring.curve import keep_curve
-from asap_laboratory.scoring.result import KeepCurve, KeepRow
+from asap_laboratory.scoring.curve import KeepCurve, keep_curve
 from asap_laboratory.scoring.scene import Scene
 from asap_laboratory.scoring.scoring import score
 
-__all__ = ["KeepCurve", "KeepRow", "Scene", "keep_curve", "score"]
+__all__ = ["KeepCurve", "Scene", "keep_curve", "score"]

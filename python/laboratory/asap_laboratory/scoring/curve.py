@@ -3,15 +3,129 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from typing import Any
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from asap import _checks
-from asap_laboratory.scoring.result import KeepCurve, Scored
+from asap import _checks, _units
+from asap.results import text
+from asap.results.data import Result, without_nan
+from asap_laboratory.page import Row, Rows, over_seeds
+from asap_laboratory.scoring.columns import CELLS, columns_of
 from asap_laboratory.scoring.scene import Scene, check_scene
 from asap_laboratory.scoring.scoring import can_be_told, score
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 GAMMAS = (1.0, 0.5, 0.2, 0.1, 0.05)
+
+_KEYS = ("gamma", "told")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class KeepCurve(Result):
+    """A table: one row for each gamma, told and not told.
+
+    Attributes
+    ----------
+    algorithm, scene : str
+        What was scored on what.
+    before : str or None
+        The filter in front, which sees every event.
+    scored : list of dict
+        Every run: gamma, told (None at gamma = 1, where there is nothing to tell), seed, and the
+        figures of `score`.
+    """
+
+    algorithm: str
+    scene: str
+    before: str | None
+    scored: Rows
+
+    @property
+    def rows(self) -> Rows:
+        """gamma, told, seeds, and of every figure mean and deviation (``<figure>_sd``).
+
+        Largest gamma first, told before not told. What does not exist is None.
+        """
+        figures = [name for name in self.scored[0] if name not in (*_KEYS, "seed")]
+        rows = over_seeds(self.scored, _KEYS, figures)
+        return sorted(rows, key=lambda row: (-row["gamma"], not row["told"]))
+
+    def __iter__(self) -> Iterator[Row]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def summary(self) -> dict[str, Any]:
+        """Return one JSON object; what does not exist is None."""
+        return {
+            "schema_version": 2,
+            "algorithm": self.algorithm,
+            "scene": self.scene,
+            "before": self.before,
+            "rows": without_nan(self.rows),
+        }
+
+    def plot(self) -> Figure:
+        """Draw the main scores over gamma, told and not told, with the spread over the seeds."""
+        from asap_laboratory.scoring import figure
+
+        return figure.figure({self._label: self.rows})
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one self-contained HTML page and return its path; needs matplotlib."""
+        from asap.results import page
+        from asap_laboratory.scoring import figure
+
+        article = page.Article(
+            "keep-curve",
+            self.summary(),
+            self._repr_html_(),
+            figure.figure({self._label: self.rows}, width_inches=8.6),
+            "Scores over the fraction of the events that is kept. Told: the algorithm knew it. "
+            "Bars are standard deviations over the seeds.",
+            {"What the columns say": text.table((), columns_of(self.rows[0]).values())},
+        )
+        return page.write(path, "ASAP accuracy", [article])
+
+    @property
+    def _label(self) -> str:
+        return f"{self.before} + {self.algorithm}" if self.before else self.algorithm
+
+    @property
+    def _title(self) -> str:
+        behind = f" behind {self.before}" if self.before else ""
+        count = self.rows[0]["seeds"]
+        seeds = "1 seed" if count == 1 else f"{count} seeds: mean ± standard deviation"
+        return f"{self.algorithm}{behind} on {self.scene}, {seeds}"
+
+    def _cells(self) -> list[tuple[str, ...]]:
+        rows = self.rows
+        columns = columns_of(rows[0])
+        return [
+            ("gamma", "", *(heading for heading, _ in columns.values())),
+            *(
+                (f"{row['gamma']:g}", *(CELLS[name](row) for name in ("told", *columns)))
+                for row in rows
+            ),
+        ]
+
+    def _repr_html_(self) -> str:
+        head, *rows = self._cells()
+        return text.heading(self._title) + text.table(head, rows)
+
+    def __repr__(self) -> str:
+        rows = ", ".join(f"{row['gamma']:g}" for row in self.rows)
+        return f"<KeepCurve: {self.algorithm} on {self.scene}: gamma {rows}>"
+
+    def __str__(self) -> str:
+        (head, *lines), rule = _units.aligned(self._cells(), left=2)
+        return "\n".join([self._title, "", head, rule, *lines])
 
 
 def keep_curve(
@@ -76,7 +190,7 @@ def keep_curve(
                     "one",
                 )
             )
-    scored: list[Scored] = []
+    scored: Rows = []
     scenes: list[Scene] = []
     for seed in seeds:
         scenes.append(scene(seed) if callable(scene) else scene)
@@ -101,10 +215,10 @@ def scores_of(
     seed: int,
     before: Callable[[int, int], Any] | None = None,
     active: str = "produced",
-) -> list[Scored]:
+) -> Rows:
     """Score on one scene at every gamma, told (where the algorithm can be) and not told."""
 
-    def run(gamma: float, told: bool | None) -> Scored:
+    def run(gamma: float, told: bool | None) -> Row:
         found = score(
             algorithm(scene.width, scene.height),
             scene,
@@ -114,7 +228,7 @@ def scores_of(
             seed=seed,
             active=active,
         )
-        return Scored(gamma, told, seed, found)
+        return {"gamma": gamma, "told": told, "seed": seed, **found}
 
     can = can_be_told(algorithm(scene.width, scene.height))
     ways: tuple[bool, ...] = (True, False) if can else (False,)

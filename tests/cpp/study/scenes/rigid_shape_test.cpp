@@ -45,22 +45,6 @@ TEST(RigidShape, DistancesByHand) {
   EXPECT_GT(star.distance_px({0.0, 12.0}), 0.0);
 }
 
-TEST(RigidShape, VerticesLieOnTheOutlineAndOneReachesFarthest) {
-  const std::size_t sizes[] = {0, 4, 4, 3, 10};
-  for (std::size_t i = 0; i < RigidShape::kKinds; ++i) {
-    const RigidShape shape{kKinds[i], 8.0};
-    EXPECT_EQ(shape.vertices().size(), sizes[i]);
-    double farthest = i == 0 ? 8.0 : 0.0;
-    for (const PlanePoint vertex : shape.vertices()) {
-      EXPECT_NEAR(shape.distance_px(vertex), 0.0, 1e-12);
-      farthest = std::max(farthest, std::sqrt(vertex.x * vertex.x + vertex.y * vertex.y));
-    }
-    EXPECT_DOUBLE_EQ(shape.reach_px(), farthest);
-  }
-  EXPECT_NEAR(RigidShape(ShapeKind::kTriangle, 10.0).reach_px(), 12.0, 1e-12);
-  EXPECT_NEAR(RigidShape(ShapeKind::kStar, 10.0).reach_px(), 13.0, 1e-12);
-}
-
 // Where coverage() takes a short cut it has to agree with the distance.
 TEST(RigidShape, CoverageIsTheClampedDistance) {
   for (const ShapeKind kind : kKinds) {
@@ -116,18 +100,6 @@ TEST(RigidShape, AnAngleIsAnLAboutItsCentreOfArea) {
   EXPECT_NEAR(moment.y / area, 0.0, 1e-9);
 }
 
-TEST(RigidShape, OnlyThickKindsHaveAThickness) {
-  EXPECT_THROW(RigidShape(ShapeKind::kDisk, 10.0, 2.0), std::invalid_argument);
-  EXPECT_THROW(RigidShape(ShapeKind::kRing, 10.0), std::invalid_argument);
-  EXPECT_THROW(RigidShape(ShapeKind::kBar, 10.0, 10.0), std::invalid_argument);
-}
-
-TEST(RigidShape, RefusesABadRadius) {
-  for (const double radius_px : {0.9, 1001.0, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_THROW(RigidShape(ShapeKind::kDisk, radius_px), std::invalid_argument);
-  }
-}
-
 // ---- ShapeCanvas ----------------------------------------------------------------------------
 
 constexpr std::int32_t kWidth = 40;
@@ -153,47 +125,6 @@ TEST_F(Canvas, MixesGroundAndShapeByCoverage) {
   EXPECT_EQ(canvas_.owner(at(17, 10)), ShapeCanvas::kNone);
 }
 
-TEST_F(Canvas, TurnsTheShape) {
-  canvas_.begin();
-  const RigidShape bar{ShapeKind::kRectangle, 8.0};
-  canvas_.paint(bar, {.position{20.0, 15.0}, .velocity{}, .axis{0.0, 1.0}}, 0.1, 0);
-  EXPECT_EQ(canvas_.brightness(at(20, 22)), 0.1);
-  EXPECT_EQ(canvas_.brightness(at(27, 15)), 0.5);
-
-  const RigidShape triangle{ShapeKind::kTriangle, 8.0};  // its corner up, turned to the right
-  canvas_.begin();
-  canvas_.paint(triangle, {.position{20.0, 15.0}, .velocity{}, .axis{0.0, 1.0}}, 0.1, 0);
-  EXPECT_EQ(canvas_.brightness(at(28, 15)), 0.1);
-  EXPECT_EQ(canvas_.brightness(at(12, 15)), 0.5);
-}
-
-// The hole of a ring shows the ground, although the centre is nearer than its outline.
-TEST_F(Canvas, SeesThroughARing) {
-  canvas_.begin();
-  canvas_.paint(RigidShape{ShapeKind::kRing, 10.0, 3.0}, pose(20.0, 15.0), 0.1, 0);
-  EXPECT_EQ(canvas_.brightness(at(20, 15)), 0.5);
-  EXPECT_EQ(canvas_.brightness(at(29, 15)), 0.1);
-}
-
-TEST_F(Canvas, ATextureTurnsWithItsShape) {
-  const Texture texture{CounterRandom{1}, 4.0, 0.5, 1.5};
-  canvas_.begin();
-  canvas_.paint(square_, {.position{20.0, 15.0}, .velocity{}, .axis{0.0, 1.0}}, 0.2, 0, &texture);
-  EXPECT_DOUBLE_EQ(canvas_.brightness(at(20, 15)), 0.2 * texture.at({0.0, 0.0}));
-  EXPECT_DOUBLE_EQ(canvas_.brightness(at(18, 15)), 0.2 * texture.at({0.0, 2.0}));
-}
-
-TEST_F(Canvas, AMovingGroundIsEverywhereAndOwnsWhatAShapeLeft) {
-  const MovingGround ground{{}, kWidth, kHeight, CounterRandom{2}};
-  canvas_.begin(ground);
-  canvas_.paint(square_, pose(10.0, 10.0), 0.1, 7);
-  EXPECT_EQ(canvas_.touched().size(), std::size_t{kWidth * kHeight});
-  EXPECT_EQ(canvas_.brightness(at(30, 20)), ground.brightness(30, 20));
-  EXPECT_EQ(canvas_.owner(at(10, 10)), 7);
-  canvas_.begin(ground);
-  EXPECT_EQ(canvas_.owner(at(10, 10)), ShapeCanvas::kNone);
-}
-
 TEST_F(Canvas, LaterShapesHideEarlierOnes) {
   canvas_.begin();
   canvas_.paint(square_, pose(10.0, 10.0), 0.1, 0);
@@ -214,21 +145,6 @@ TEST_F(Canvas, ForgetsAShapeThatMovedButNotWhoWasThere) {
   EXPECT_EQ(canvas_.brightness(at(5, 10)), 0.5);
   EXPECT_EQ(canvas_.owner(at(5, 10)), 7);
   EXPECT_TRUE(std::ranges::count(canvas_.touched(), at(5, 10)) == 1);
-}
-
-TEST_F(Canvas, TouchesEachPixelNearAShapeOnce) {
-  canvas_.begin();
-  canvas_.paint(square_, pose(2.0, 3.0), 0.1, 0);
-  canvas_.paint(square_, pose(4.0, 3.0), 0.1, 1);
-  canvas_.paint(square_, pose(39.0, 29.0), 0.1, 2);
-  canvas_.paint(square_, pose(-500.0, 1e5), 0.1, 3);
-  const auto touched = canvas_.touched();
-  EXPECT_EQ(std::set<std::uint32_t>(touched.begin(), touched.end()).size(), touched.size());
-  EXPECT_LT(touched.size(), 400U);
-  EXPECT_EQ(std::ranges::count(touched, at(39, 29)), 1);
-  EXPECT_EQ(std::ranges::count(touched, at(20, 15)), 0);
-  canvas_.begin();
-  EXPECT_TRUE(canvas_.touched().empty());
 }
 
 }  // namespace

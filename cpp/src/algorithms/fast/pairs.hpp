@@ -1,0 +1,97 @@
+// Pairs of tracks, and which pairs become one. Pairs: tracks whose outlines nearly meet are in
+// contact; within a wider reach two tracks may be parts of one object, and a tentative one the tip
+// of a large object within the widest. A track keeps the nearest such candidate, a confirmed one up
+// to four where one of the two is large. Merge: two tracks are one object if their relative
+// position stays constant while they travel. Parts of one object keep it, objects that met do not;
+// similar velocities, the usual test, fail for new tracks. The time it takes depends on the edges:
+// a moving object has a leading edge of one polarity and a trailing one of the other, a part of an
+// object often has only one of them, or is a thin arc or bar. One thread, at the tick.
+// Pairs::find() O(n^2) of cheap steps in n tracks, the rest O(1) per pair, O(n) per merge;
+// allocates in the constructor only. Source: own design.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "algorithms/fast/time.hpp"
+#include "algorithms/fast/track.hpp"
+
+namespace asap::fast {
+
+// ---- pairs ----
+
+struct PairRule {
+  float birth_radius_px;     // circle of a young track's gate
+  float merge_reach;         // sum of standard deviations ...
+  float merge_padding_px;    // ... and px within which two tracks may be one object
+  float contact_reach;       // standard deviations along the line of centres ...
+  float contact_padding_px;  // ... and px within which two tracks are in contact
+};
+
+// Two tracks that may be one object. `keeper` holds their MergeState: of a mixed pair the tentative
+// track, else the older one.
+struct Candidate {
+  Tracks::Slot keeper;
+  Tracks::Slot other;
+  float dx;  // px, from keeper to other
+  float dy;
+  float distance_px;
+};
+
+class Pairs {
+ public:
+  explicit Pairs(std::size_t slots);
+
+  // Sets partners, near_confirmed and may_be_fragment of all tracks, and candidates(). Notes the
+  // fragments.
+  void find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept;
+
+  const std::vector<Candidate>& candidates() const noexcept { return candidates_; }
+
+ private:
+  struct Place {
+    float x;
+    float y;
+    float extent;
+    Tracks::Slot slot;
+    bool has_id;
+  };
+
+  // Two places, the first that of the tentative track if one is.
+  void compare(Tracks& tracks, std::size_t keeper, std::size_t other,
+               const PairRule& rule) noexcept;
+
+  std::vector<Place> places_;
+  std::vector<std::array<Candidate, kMaxCandidates>> nearest_;  // per place; no slot: none
+  std::vector<Candidate> candidates_;
+};
+
+// ---- merging ----
+
+struct MergeRule {
+  float tolerance_px;  // change of the relative position of two parts of one object
+  float rotation_rad;  // and its rotation
+};
+
+// Whether the pair has kept its relative position for long enough. Updates the keeper's MergeState.
+bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule& rule) noexcept;
+
+// The one of a pair that goes on: the confirmed, then the smaller id, then more events.
+Tracks::Slot survivor_of(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept;
+
+// Joins the moments of both, at their positions now, in the survivor. The caller removes the other.
+void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now) noexcept;
+
+// ---- siblings ----------------------------------------------------------------------------------
+
+// Tracks that are parts of one object since one of them was confirmed beside the other.
+
+// Sets the sibling of a track that is confirmed now: the nearest confirmed track within reach.
+void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& rule) noexcept;
+
+// Removes a sibling that was deleted or is farther away than the reach and 4 px.
+void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
+                        const PairRule& rule) noexcept;
+
+}  // namespace asap::fast

@@ -1,0 +1,203 @@
+"""The study of the schemes: every scheme and rival over profiles and costs, beside the oracle."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Generator, Iterator, Mapping
+from pathlib import Path
+from statistics import fmean
+from typing import Any
+
+from asap_laboratory.page import (
+    Row,
+    Rows,
+    Tables,
+    Writer,
+    figure,
+    fixed,
+    only,
+    over_seeds,
+    short,
+)
+from asap_laboratory.profiles import FURTHER, LATENCY_MS
+from asap_laboratory.schemes.cases import NAMED, cases
+from asap_laboratory.schemes.contenders import HINDSIGHT, PRIORS
+from asap_laboratory.schemes.goals import goals
+from asap_laboratory.schemes.probes import probes
+from asap_laboratory.study import Batch, Study
+
+__all__ = ["SCHEMES", "summary"]
+
+_SHARES = ("score", "kept", "overflow", "cpu", "opaque_score")
+_TIMES = ("p50_ms", "p99_ms", "max_ms", "gap_ms", "settle_ms", "packages_per_s")
+_DEVIATION = 0.02  # of a score, from which on a cell is named
+_LONG_SILENCE_MS = 60.0
+_CASE = ("cost_model", "profile")
+
+
+def _batches(form: str) -> Generator[Batch, Rows, None]:
+    yield Batch([*cases(form), *probes(form)])
+
+
+def summary(rows: Rows) -> Tables:
+    """Make the tables: cells by cost model, profile and contender; their aggregates; goals."""
+    runs = [row for row in only(rows, kind="run") if row["contender"] not in PRIORS]
+    settings = {label for group in HINDSIGHT.values() for label in group}
+    tabled = [row for row in runs if row["contender"] not in settings] + list(_in_hindsight(runs))
+    cells = over_seeds(tabled, (*_CASE, "contender"), (*_SHARES, *_TIMES))
+    cells.sort(key=lambda row: (*_place(row), row["contender"] in HINDSIGHT))
+    earlier = _earlier()
+    for row in cells:
+        key = row["cost_model"], row["contender"], row["profile"]
+        row["earlier_score"] = earlier.get(key)
+    kept = (*_CASE, "contender", *_SHARES, *_TIMES, "earlier_score")
+    return {
+        "study": [*_oracles(runs), *({name: row[name] for name in kept} for row in cells)],
+        "aggregates": list(_aggregates(cells)),
+        "few": list(_few(only(rows, kind="few"))),
+        "goals": goals(rows),
+    }
+
+
+def _place(row: Row) -> tuple[int, int]:
+    profile = row["profile"]
+    place = NAMED.index(profile) if profile in NAMED else len(NAMED)
+    return list(LATENCY_MS).index(row["cost_model"]), place
+
+
+def _in_hindsight(runs: Rows) -> Iterator[Row]:
+    """Yield the best setting of each family in each case.
+
+    By the reference's rule a long silence is worth as much as the whole score.
+    """
+    for best, group in HINDSIGHT.items():
+        by_case: dict[tuple[Any, ...], Rows] = {}
+        for row in only(runs, contender=group):
+            by_case.setdefault((row["cost_model"], row["profile"], row["seed"]), []).append(row)
+        for some in by_case.values():
+            chosen = max(
+                some, key=lambda row: row["score"] - (row["silence_ms"] >= _LONG_SILENCE_MS)
+            )
+            yield {**chosen, "contender": best}
+
+
+def _oracles(runs: Rows) -> Iterator[Row]:
+    """Yield what is possible at most, as a share of the input: a row like those of contenders."""
+    seeds = [
+        {
+            **row,
+            "OB(L)/input": row["oracle"] / max(row["events"], 1),
+            "EC(L)/input": None if row["exact"] is None else row["exact"] / max(row["events"], 1),
+        }
+        for row in runs
+    ]
+    labels = ("OB(L)/input", "EC(L)/input")
+    found = sorted(over_seeds(seeds, _CASE, labels), key=_place)
+    for label in labels:
+        for row in found:
+            if row[label] is not None:
+                yield {**{name: row[name] for name in _CASE}, "contender": label} | {
+                    "score": row[label]
+                }
+
+
+def _aggregates(cells: Rows) -> Iterator[Row]:
+    groups: dict[tuple[Any, ...], Rows] = {}
+    for row in cells:
+        key = row["contender"], row["cost_model"], row["profile"] in FURTHER
+        groups.setdefault(key, []).append(row)
+    for (contender, model, further), some in groups.items():
+        yield {
+            "contender": contender,
+            "cost_model": model,
+            "further": further,
+            "mean": fmean(row["score"] for row in some),
+            "least": min(row["score"] for row in some),
+            "p99_of_bound": max(row["p99_ms"] / LATENCY_MS[model] for row in some),
+            "cpu": fmean(row["cpu"] for row in some),
+        }
+
+
+def _few(rows: Rows) -> Iterator[Row]:
+    found = over_seeds(rows, ("contender", "bound", "arrivals"), ("share",))
+    for contender in dict.fromkeys(row["contender"] for row in found):
+        for bound in sorted({row["bound"] for row in found}, reverse=True):
+            shares = [row["share"] for row in only(found, contender=contender, bound=bound)]
+            mean, least = fmean(shares), min(shares)
+            yield {"contender": contender, "bound": bound, "mean": mean, "least": least}
+
+
+def _earlier() -> dict[tuple[str, str, str], float]:
+    """Read the scores of an earlier study, by cost model, contender and profile.
+
+    Means of three seeds of 5 s; it simulated a fluid in bins of 2 us, before this code was written.
+    """
+    with Path(__file__).with_name("reference.csv").open(encoding="utf-8", newline="") as lines:
+        rows = list(csv.DictReader(lines))
+    return {
+        (row["cost_model"], row["contender"], profile): float(cell)
+        for row in rows
+        for profile, cell in row.items()
+        if profile in (*NAMED, *FURTHER) and cell
+    }
+
+
+def _facts(tables: Tables) -> dict[str, Any]:
+    deviating = [
+        row
+        for row in tables["study"]
+        if row.get("earlier_score") is not None
+        and round(abs(row["score"] - row["earlier_score"]), 3) > _DEVIATION
+    ]
+    return {"models": tuple(LATENCY_MS), "deviating": deviating}
+
+
+def _figures(tables: Tables) -> Mapping[str, Any]:
+    from asap_laboratory.schemes import figures
+
+    return {
+        "step_response": figures.step_response(),
+        "score_and_latency": figures.score_and_latency(tables["aggregates"]),
+        "scores": figures.heat_map(tables["study"]),
+    }
+
+
+def _shown(tables: Tables, writer: Writer) -> str:
+    lines = []
+    for row in tables["goals"]:
+        word = {True: "pass", False: "FAIL", None: "-"}[row["holds"]]
+        lines.append(f"{row['goal']:<4} {word:<5} {row['test']}")
+        lines.append(f"           {row['measured']}  (goal: {row['target']})")
+    return "\n".join(lines)
+
+
+def _share(value: float | None) -> str:
+    return "" if value is None else fixed(value)
+
+
+def _aggregate(row: Row) -> str:
+    scores = f"{fixed(row['mean'])} / {fixed(row['least'])}"
+    return f"{scores} / {short(row['p99_of_bound'])} / {fixed(row['cpu'])}"
+
+
+SCHEMES = Study(
+    name="study",
+    command="asap-study",
+    template=Path(__file__).with_name("page.md"),
+    batches=_batches,
+    summary=summary,
+    tables=("study", "aggregates", "few", "goals"),
+    cells={
+        **{name: figure(name, _share) for name in _SHARES},
+        **{name: figure(name, short) for name in _TIMES},
+        "earlier_score": figure("earlier_score"),
+        "where": lambda row: f"{row['contender']}, {row['cost_model']}/{row['profile']}",
+        "difference": lambda row: f"{row['score'] - row['earlier_score']:+.3f}",
+        "aggregate": _aggregate,
+        "mean and least": lambda row: f"{fixed(row['mean'])} / {fixed(row['least'])}",
+        "verdict": lambda row: {True: "pass", False: "**FAIL**", None: "-"}[row["holds"]],
+    },
+    figures=_figures,
+    facts=_facts,
+    shown=_shown,
+)

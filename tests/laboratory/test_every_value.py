@@ -1,0 +1,192 @@
+"""What the laboratory is handed and hands out: refused by its field, pickled, told by its repr."""
+
+from __future__ import annotations
+
+import decimal
+import pickle
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asap
+from asap_laboratory import STUDIES, _native, conduct, keep_curve, profiles, scenes, score
+from fake_scene import FakeScene
+from labelled_folders import folder
+from unfit import (
+    NO_CALLBACKS,
+    NO_FLAGS,
+    NO_NAMES,
+    NO_PATHS,
+    NO_SEQUENCES,
+    NO_SHARES,
+    NO_WHOLES,
+    assert_refused,
+)
+
+SCENE = FakeScene([(50, 50, 0, 0)], end_us=120_001)
+THIN = scenes.timing(1, 64, 48, 50.0, (4.0, 8.0), duration_s=0.02)
+
+
+def study(**named: Any) -> Any:
+    return conduct(STUDIES["study"], **{"out": "never", **named})
+
+
+def scored(**named: Any) -> Any:
+    return score(**{"tracker": asap.EFast(346, 260), "scene": SCENE, **named})
+
+
+def curve(**named: Any) -> Any:
+    return keep_curve(**{"algorithm": asap.EFast, "scene": SCENE, **named})
+
+
+def timing(**named: Any) -> Any:
+    return scenes.timing(**{"n": 1, "width": 64, "height": 48, "speed": 50.0, **named})
+
+
+def low(**named: Any) -> Any:
+    return profiles.Profile("low", **named)
+
+
+DOORS: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
+    (scored, "gamma", NO_SHARES),
+    (scored, "told", NO_FLAGS),
+    (scored, "active", NO_NAMES),
+    (scored, "before", (1, "x", len)),
+    (scored, "tracker", (None, 1, "x", len)),
+    (curve, "gammas", (*NO_SEQUENCES, [2])),
+    (curve, "seeds", (*NO_SEQUENCES, [1.5])),
+    (curve, "algorithm", (None, 1, "x")),
+    (study, "out", NO_PATHS),
+    (study, "form", NO_NAMES),
+    (study, "workers", (*NO_WHOLES[1:], 0)),
+    (study, "fresh", NO_FLAGS),
+    (study, "on_progress", NO_CALLBACKS),
+    (timing, "n", NO_WHOLES),
+    (timing, "width", (*NO_WHOLES, 15)),
+    (timing, "height", (*NO_WHOLES, 15)),
+    (timing, "speed", NO_SHARES),
+    (timing, "radius", (*NO_SEQUENCES, (1,), (2, 1))),
+    (timing, "duration_s", NO_SHARES),
+    (scenes.corners, "kind", NO_NAMES),
+    *(
+        (make, field, NO_SHARES)
+        for make in (scenes.stop_and_go, scenes.occlusion)
+        for field in ("gap_ms", "speed", "radius")
+    ),
+    (THIN.truth, "t_us", NO_SHARES),
+    (THIN.thin, "gamma", NO_SHARES),
+    (low, "duration_s", NO_SHARES),
+    (low, "seed", NO_WHOLES),
+    (low, "scale", NO_SHARES),
+    (low, "name", NO_NAMES[2:]),
+    (profiles.RandomRate, "pieces", (None, *NO_CALLBACKS)),
+    (profiles.cost, "name", NO_NAMES),
+    (lambda seed: profiles.cost("slow", seed=seed), "seed", NO_WHOLES),
+    (profiles.drift, "duration_s", NO_SHARES),
+    (lambda profile: profiles.scenario(profile, "slow"), "profile", NO_NAMES),
+    (lambda cost_model: profiles.scenario("low", cost_model), "cost_model", NO_NAMES),
+]
+
+
+@pytest.mark.parametrize(("call", "field", "values"), DOORS)
+def test_a_value_that_does_not_fit_is_refused_by_its_field(
+    call: Callable[..., Any],
+    field: str,
+    values: tuple[Any, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert_refused(call, field, values)
+
+
+@pytest.mark.parametrize(
+    ("call", "plain"),
+    [
+        (lambda half: profiles.drift(half).size, 500),
+        (lambda half: low(duration_s=half, scale=half).duration_s, 0.5),
+        (lambda half: timing(speed=half, duration_s=half).duration_us, 500_000),
+        (lambda half: curve(scene=THIN, gammas=[half]).rows[0]["gamma"], 0.5),
+    ],
+)
+def test_number_of_any_kind_is_taken_as_a_float(call: Callable[[Any], Any], plain: Any) -> None:
+    assert call(decimal.Decimal("0.5")) == call(0.5) == plain
+    with pytest.raises((TypeError, ValueError), match=r"^\w+ = .*: "):
+        call(decimal.Decimal("nan"))
+
+
+# ---- pickles --------------------------------------------------------------------------------
+
+
+def again(made: Any) -> Any:
+    return pickle.loads(pickle.dumps(made))
+
+
+@pytest.mark.parametrize(
+    "stream",
+    [
+        profiles.Profile("walk", duration_s=0.2, seed=5),
+        profiles.Profile("high", duration_s=0.1, name="mine", width=20, height=30),
+    ],
+)
+def test_profiles_are_pickled_as_what_made_them(stream: Any) -> None:
+    twin = again(stream)
+    assert (twin.name, twin.parameters) == (stream.name, stream.parameters)
+    assert np.array_equal(twin.events(), stream.events())
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: scenes.timing(3, 64, 48, 100.0, seed=2, duration_s=0.1),
+        lambda: scenes.corners("fast", duration_s=0.1),
+        lambda: scenes.H(kind="rings"),
+        lambda: scenes.occlusion(50.0),
+        lambda: scenes.stop_and_go(10.0).thin(0.3, seed=4).thin(0.5),
+    ],
+)
+def test_scenes_are_pickled_as_what_made_them(make: Callable[[], Any]) -> None:
+    scene = make()
+    before = again(scene)
+    assert scene.events.size  # made once and kept: not in the pickle
+    data = pickle.dumps(scene)
+    assert len(data) < 2000
+    for twin in (before, pickle.loads(data)):
+        assert repr(twin) == repr(scene)
+        assert np.array_equal(twin.events, scene.events)
+        assert np.array_equal(twin.labels, scene.labels)
+        assert np.array_equal(twin.truth(5000.0), scene.truth(5000.0))
+
+
+def test_a_keep_curve_is_pickled() -> None:
+    found = keep_curve(asap.ClusterTracker, scenes.stop_and_go(10.0), gammas=(1.0,), seeds=(0,))
+    assert again(found).summary() == found.summary()
+
+
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+@pytest.mark.parametrize(
+    "made",
+    [_native.JaerClusterTracker(9, 9), _native.BusyWait(1, 1), _native.SceneLayout.named("A", 0)],
+    ids=lambda made: type(made).__name__,
+)
+def test_objects_of_the_extension_are_not_pickled(made: Any, protocol: int) -> None:
+    with pytest.raises(TypeError, match=f"^cannot pickle {type(made).__name__}$"):
+        pickle.dumps(made, protocol)
+
+
+# ---- reprs ----------------------------------------------------------------------------------
+
+
+def test_a_repr_makes_it_anew_or_says_what_it_is(tmp_path: Path) -> None:
+    made = profiles.Profile("quiet", duration_s=0.1)
+    assert eval(repr(made), vars(profiles)).parameters == made.parameters
+    for one in (
+        keep_curve(asap.EFast, scenes.corners(duration_s=0.2), gammas=[1], seeds=[0]),
+        scenes.A().thin(0.5),
+        scenes.labelled(folder(tmp_path)),
+    ):
+        assert re.fullmatch(rf"<{type(one).__name__}: [^\n]+>", repr(one)), repr(one)
