@@ -10,8 +10,8 @@ import queue
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +19,7 @@ import numpy as np
 
 from asap import _checks, _core
 from asap._playback import Playback
-from asap.conversion import convert, format_of
+from asap.conversion import convert, format_of, in_order, losses
 from asap.events import EVENT_DTYPE, as_events
 from asap.experiment.live_run import LivePipeline
 from asap.experiment.pipeline import Pipeline
@@ -215,20 +215,19 @@ class Camera:
 
     def _grab(self, pipeline: Pipeline, end_s: float) -> None:
         main = threading.main_thread()
+        _count_feeds(1)
         try:
-            with _quick_switches():
-                while not self._leaving.is_set() and main.is_alive() and time.monotonic() < end_s:
-                    packet = self._read()
-                    if packet is not None:
-                        if packet.lost_marks or packet.lost_packets:
-                            pipeline.upstream_lost(packet.lost_marks, packet.lost_packets)
-                        pipeline.push(packet.events, packet.arrival_time)
-                    elif self._state != "open" or not pipeline.is_open:
-                        return
+            while not self._leaving.is_set() and main.is_alive() and time.monotonic() < end_s:
+                if (packet := self._read()) is not None:
+                    pipeline.upstream_lost(packet.lost_marks, packet.lost_packets)
+                    pipeline.push(packet.events, packet.arrival_time)
+                elif self._state != "open" or not pipeline.is_open:
+                    return
         except BaseException as error:  # a driver's panic is no Exception; push raises if stopped
             if isinstance(error, CameraError) or pipeline.is_open:
                 self._error = error
         finally:
+            _count_feeds(-1)
             pipeline.stop()  # what waits is delivered, then its loop ends
 
     def run(self, on_progress: Any, **options: Any) -> Run:
@@ -321,7 +320,12 @@ class SoftwareCamera(Camera):
     Raises
     ------
     ValueError
-        A bad argument, a sensor of unknown size, no events, a stamp that goes back.
+        A bad argument, a sensor of unknown size, no events, an event of an array that is bad.
+
+    Warns
+    -----
+    UserWarning
+        The file holds what is not played, such as bad events: how much, as `convert` says it.
     """
 
     def __init__(
@@ -342,8 +346,11 @@ class SoftwareCamera(Camera):
         stream = Source(source, width=width, height=height, on_bad="drop")
         if not (stream.width and stream.height):
             raise ValueError("sensor = unknown: a camera knows its size; give width and height, px")
+        size = stream.width, stream.height
         how = float(speed), bool(loop), float(drop), int(packet_us)
-        super().__init__(Playback(stream, (stream.width, stream.height), *how))
+        super().__init__(Playback(in_order(stream, relative=True), size, *how))
+        for loss in losses(stream):
+            warnings.warn(f"{self}: {loss}", stacklevel=2)
 
 
 class _Recorder:
@@ -394,23 +401,14 @@ def _explained(what: str, error: Exception) -> CameraError:
     return CameraError(": ".join(filter(None, (what, str(error) or repr(error), remedy))))
 
 
-_feeding, _usual_s = 0, sys.getswitchinterval()
-_counting = threading.Lock()
+_feeding, _usual_s, _counting = 0, 0.0, threading.Lock()
 
 
-@contextmanager
-def _quick_switches() -> Iterator[None]:
-    """Let the grab threads have the interpreter within .5 ms, not 5, while Python works."""
+def _count_feeds(step: int) -> None:
+    """Let a grab thread have the interpreter within .5 ms, not 5, while Python works beside it."""
     global _feeding, _usual_s
     with _counting:
         if _feeding == 0:
             _usual_s = sys.getswitchinterval()
-            sys.setswitchinterval(min(_usual_s, 5e-4))
-        _feeding += 1
-    try:
-        yield
-    finally:
-        with _counting:
-            _feeding -= 1
-            if _feeding == 0:
-                sys.setswitchinterval(_usual_s)
+        _feeding += step
+        sys.setswitchinterval(min(_usual_s, 5e-4) if _feeding else _usual_s)
