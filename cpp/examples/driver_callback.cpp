@@ -1,5 +1,5 @@
-// A driver that is not ours: events in its own layout, a count of lost packets that begins at its
-// opening, the wall clock of each packet's arrival. Feed turns them into what a pipeline is told.
+// A driver's callback feeds a pipeline. Feed converts the driver's events, reports lost packets as
+// differences of the driver's counter, and moves the arrival from the wall to the monotonic clock.
 #include <asap/runner/pipeline.hpp>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ class Feed {
     for (const auto& [t, x, y, on] : packet) {
       events_.push_back({.x = x, .y = y, .p = on, .t = static_cast<std::int64_t>(t)});
     }
-    // The difference of two looks at the wall clock, which may have been set in between.
+    // Clamped, since the wall clock may have been set between the two readings.
     const auto age =
         std::clamp<std::chrono::nanoseconds>(std::chrono::system_clock::now() - came, 0ns, 1min);
     pipeline_.push(events_, std::chrono::steady_clock::now() - age);  // never waits

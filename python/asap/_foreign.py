@@ -1,4 +1,4 @@
-"""Objects of other libraries as what `as_events` knows, and what columns may hide in silence."""
+"""Open the objects of other libraries for `as_events`, and refuse columns that would mislead it."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def check_precision(t: Column, exponent: int) -> None:
 
 
 def doubt_of_unit(t: Column) -> str | None:
-    """Say why whole times that nobody gave a unit are hardly microseconds."""
+    """Say why whole times without a unit are hardly microseconds."""
     if len(t) < HEAD or t.dtype.kind not in "iu":
         return None
     span_us = int(t[-1]) - int(t[0])

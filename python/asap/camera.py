@@ -31,10 +31,10 @@ __all__ = ["Camera", "CameraError", "CameraInfo", "Packet", "SoftwareCamera"]
 __all__ += ["cameras", "open_camera"]
 
 _WAIT_S = 0.1  # the longest that a silent camera keeps its thread
-_OLDEST_S = 60.0  # a packet; the wall clock that says it may be set
-_MOST_PACKETS = 1000  # that wait for the disk
+_OLDEST_S = 60.0  # limit on a packet's age, since the wall clock may have been set
+_MOST_PACKETS = 1000  # waiting for the disk
 _UNPLUGGED = "it was unplugged; plug it in and open it again"
-# neuromorphic-drivers raises RuntimeError alone: what it says, and what helps.
+# neuromorphic-drivers raises only RuntimeError; its words tell the cause.
 _REMEDIES = {
     "Access denied": f"run 'sudo {sys.executable} -m neuromorphic_drivers.udev', then plug it in",
     "Other error": "this machine shows no USB (/dev/bus/usb), as in a container; pass it in",
@@ -48,7 +48,7 @@ _REMEDIES = {
 
 
 class CameraError(RuntimeError):
-    """A camera cannot be opened, or has gone: which one, what its driver says, what helps."""
+    """A camera cannot be opened, or has gone; says which one, why, and what helps."""
 
 
 class CameraInfo(NamedTuple):
@@ -63,7 +63,7 @@ class CameraInfo(NamedTuple):
 class Packet(NamedTuple):
     """Events as a camera hands them over, and what its driver lost since the packet before.
 
-    `arrival_time` is that of the first of them at this machine, s of `time.monotonic()`.
+    `arrival_time` is when the first of them reached this machine, s of `time.monotonic()`.
     """
 
     events: Any
@@ -98,12 +98,12 @@ def open_camera(serial: str | None = None, **driver_options: Any) -> Camera:
     serial : str, optional
         As `cameras` lists it.
     **driver_options
-        Of ``neuromorphic_drivers.open``, such as ``configuration`` with the biases.
+        Arguments of ``neuromorphic_drivers.open``, such as ``configuration`` with the biases.
 
     Raises
     ------
     CameraError
-        None is attached, access is denied, another program has it: with what helps.
+        None is attached, access is denied, another program has it; the message says what helps.
     MissingLibrary
         The driver is not installed: extra ``camera``.
     """
@@ -117,7 +117,7 @@ def open_camera(serial: str | None = None, **driver_options: Any) -> Camera:
 class Camera:
     """An open camera: feeds a pipeline from a thread of its own, or is iterated for its packets.
 
-    Leaving the ``with`` block closes it, and raises the CameraError that nobody has seen yet.
+    Leaving the ``with`` block closes it, and raises a CameraError that no loop has raised yet.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class Camera:
     ----------
     name, serial : str
     width, height : int
-        Of the sensor, px.
+        Sensor, px.
     recorded : Path or None
         Once it is closed: the file that `record` has written.
 

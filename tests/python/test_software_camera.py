@@ -159,7 +159,7 @@ def test_what_it_leaves_out_of_a_file_is_told(tmp_path: Path) -> None:
         assert sum(len(packet.events) for packet in camera) == 99
 
 
-# ---- ends that nobody planned ---------------------------------------------------------------
+# ---- unplanned ends -------------------------------------------------------------------------
 
 
 def test_its_process_is_killed() -> None:
@@ -238,9 +238,10 @@ def test_the_users_process_ends(end: str, code: int, said: list[str]) -> None:
     assert has_ended(int(ended.lines[0]))
 
 
-def test_a_camera_that_is_never_read_ends_with_its_user() -> None:
+@pytest.mark.parametrize("drop", [0.0, 1.0])  # the latter never writes
+def test_a_camera_that_is_never_read_ends_with_its_user(drop: float) -> None:
     head, _, _ = SCRIPT.partition("def consume")
-    ended = run_script(head + "os._exit(0)")
+    ended = run_script(head.replace("loop=True", f"loop=True, drop={drop}") + "os._exit(0)")
     assert has_ended(int(ended.lines[0]))
     assert ended.errors == ""
 

@@ -43,14 +43,14 @@ def _cameras(arguments: Any) -> int:
 def add_live(parser: argparse.ArgumentParser) -> None:
     """Add the cameras that ``asap run`` takes instead of a file."""
     camera = parser.add_mutually_exclusive_group()
-    words = "a live camera instead of FILE: of this serial number, or the first one"
+    words = "run a live camera instead of FILE: the one with this serial number, or the first"
     camera.add_argument("--camera", nargs="?", const="", metavar="SERIAL", help=words)
-    words = "a process that plays FILE as a camera would, on the live path"
+    words = "play FILE as a camera would, from a process of its own, on the live path"
     camera.add_argument("--software-camera", metavar="FILE", help=words)
     duration = typed(_units.parse_duration_us, "duration")
-    words = "of a camera: how long (default: until it ends, or Ctrl-C)"
+    words = "how long a camera runs (default: until it ends, or Ctrl-C)"
     parser.add_argument("--duration", type=duration, metavar="60s", help=words)
-    words = "of a camera: write its events, as asap convert does"
+    words = "write the events of a camera, as asap convert does"
     parser.add_argument("--record", type=writable, metavar="OUT", help=words)
 
 
@@ -76,7 +76,7 @@ def _open(arguments: Any) -> asap.Camera:
 
 
 def run_live(arguments: Any) -> int:
-    """Run an algorithm on a camera; what it came to is shown and saved, however it ended."""
+    """Run an algorithm on a camera; show and save the run, however it ended."""
     with usage():
         scheme = scheme_of(arguments.scheme, arguments.settings)
     name = arguments.algorithm or "clusters"

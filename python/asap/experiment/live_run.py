@@ -1,4 +1,4 @@
-"""The run of a camera: a pipeline that keeps its whole log, and the Run that it leaves behind."""
+"""Run a camera: a pipeline that keeps its whole log, and the Run made of it."""
 
 from __future__ import annotations
 
@@ -61,10 +61,7 @@ class LivePipeline(Pipeline):
                 "height": self._sensor[1],
                 "events": ledger.received,
                 "duration_s": stats.elapsed_s,
-                "upstream_lost": {
-                    "marks": stats.upstream_marks,
-                    "packets": stats.upstream_packets,
-                },
+                "upstream_lost": self.stats()["upstream_lost"],
             },
             clock_resets=stats.clock_resets,
             gap_us=stats.gap_us,

@@ -78,7 +78,7 @@ class Pipeline:
             pipeline.run()
     """
 
-    # Of `asap.run` of a camera, which is over some day: its whole log, and its time.
+    # `asap.run` of a camera keeps the whole log, and may limit the time.
     _every_row = False
     _duration_s: float | None = None
 

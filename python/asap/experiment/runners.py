@@ -139,9 +139,9 @@ def run(
     Parameters
     ----------
     source
-        As in `simulate`, or an `asap.Camera`, whose events' ages count from their arrival. A
-        generator over a driver of your own is replayed as a recording is: ages count from its
-        stamps, and drift with its clock. Push it into an `asap.Pipeline` instead.
+        As in `simulate`, or an `asap.Camera`: ages then count from the arrival. A generator over
+        another driver is replayed like a recording: ages count from its stamps and drift with its
+        clock. Push its events into an `asap.Pipeline` instead.
     algorithm
         One of ours, an object with process(events) and, if it has it, set_keep(gamma), or a
         callable. Events come as a read-only array in EVENT_DTYPE, valid as long as it is kept. The
@@ -154,7 +154,7 @@ def run(
     scheme, latency_ms, width, height, on_bad, seed, capacity, keep_mask
         As in `simulate`.
     duration_s : float, optional
-        Of a camera: after so many seconds the run ends. Default: when the camera does.
+        A camera's run ends after this time. Default: when the camera ends.
     on_progress : callable, optional
         Called as on_progress(done, total or None, ledger) about every 20 ms.
 
@@ -176,7 +176,7 @@ def run(
     _checks.callback("on_progress", on_progress)
     if _checks.is_camera(source):
         if speed != 1.0 or keep_mask:
-            words = "speed, keep_mask: of recordings; a camera has its own pace and keeps no mask"
+            words = "speed, keep_mask: only for recordings; leave them out for a camera"
             raise ValueError(words)
         run_of_camera: Run = source.run(
             on_progress,
@@ -193,7 +193,7 @@ def run(
         )
         return run_of_camera
     if duration_s is not None:
-        raise ValueError(_checks.named("duration_s", duration_s, "only the run of a camera has it"))
+        raise ValueError(_checks.named("duration_s", duration_s, "leave it out without a camera"))
     _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
