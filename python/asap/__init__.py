@@ -36,7 +36,7 @@ from asap._core import (
     ThresholdOrdinalSurface,
     __version__,
 )
-from asap.events import EVENT_DTYPE, as_events
+from asap.events import EVENT_DTYPE, as_events, to_dtype
 from asap.io import Recording, load, read
 
 __all__ = [
@@ -45,6 +45,8 @@ __all__ = [
     "Asap2020",
     "Asap2022",
     "BackgroundActivityFilter",
+    "Camera",
+    "CameraError",
     "ClusterTracker",
     "Comparison",
     "DeadBeat",
@@ -67,11 +69,13 @@ __all__ = [
     "Run",
     "Scheme",
     "SingleEvent",
+    "SoftwareCamera",
     "SpeedInvariantTimeSurface",
     "ThresholdOrdinalSurface",
     "__version__",
     "analysis",
     "as_events",
+    "cameras",
     "check",
     "compare",
     "convert",
@@ -79,21 +83,27 @@ __all__ = [
     "last_run",
     "load",
     "load_run",
+    "open_camera",
     "oracle",
     "plots",
     "read",
     "run",
     "simulate",
     "synthetic",
+    "to_dtype",
 ]
 
 # Imported when they are first used: modules, and names with the module that they are in.
 _MODULES = ("analysis", "plots", "synthetic")
 _NAMES = {
+    "Camera": "camera",
+    "CameraError": "camera",
     "Comparison": "experiment",
     "Inspection": "inspection",
     "Pipeline": "experiment",
     "Run": "experiment",
+    "SoftwareCamera": "camera",
+    "cameras": "camera",
     "check": "inspection",
     "compare": "experiment",
     "convert": "conversion",
@@ -101,6 +111,7 @@ _NAMES = {
     "last_run": "experiment",
     "load_run": "results",
     "map": "experiment",  # not in __all__: `import *` leaves Python its own
+    "open_camera": "camera",
     "oracle": "experiment",
     "run": "experiment",
     "simulate": "experiment",
@@ -108,6 +119,7 @@ _NAMES = {
 
 if TYPE_CHECKING:
     from asap import analysis, plots, synthetic
+    from asap.camera import Camera, CameraError, SoftwareCamera, cameras, open_camera
     from asap.conversion import convert
     from asap.experiment import (
         Comparison,

@@ -12,6 +12,7 @@ import math
 import operator
 import os
 import stat
+import sys
 from collections.abc import AsyncIterable, Callable, Iterable
 from functools import partial
 from pathlib import Path
@@ -137,8 +138,16 @@ def callback(field: str, value: Any) -> None:
         raise TypeError(named(field, value, _AWAIT.format(kind="function")))
 
 
+def is_camera(source: Any) -> bool:
+    """Whether it feeds a pipeline by itself; `asap.camera` is above this module."""
+    return hasattr(type(source), "feed")
+
+
 def source(value: Any) -> None:
-    """Refuse a stream of events that has to be awaited, before anything of it is read."""
+    """Refuse a camera, and a stream that has to be awaited, before anything of it is read."""
+    if is_camera(value):
+        remedy = "a camera is no recording; use asap.run, or write one with camera.record(path)"
+        raise TypeError(named("source", value, remedy))
     if isinstance(value, AsyncIterable) or inspect.isawaitable(value) or _is_async(value):
         raise TypeError(named("source", value, _AWAIT.format(kind="iterable of arrays")))
 
@@ -239,9 +248,10 @@ def regular_file(path: Path) -> None:
 
 def is_masked(array: Any) -> bool:
     """Whether a mask hides an element, or a field of one (which np.ma.is_masked cannot tell)."""
-    if not isinstance(array, np.ma.MaskedArray):
+    ma = sys.modules.get("numpy.ma")  # importing it would hold the first push up for 10 to 20 ms
+    if ma is None or not isinstance(array, ma.MaskedArray):
         return False
-    mask: Any = np.ma.getmaskarray(array)
+    mask: Any = ma.getmaskarray(array)
     parts = [mask] if mask.dtype.names is None else [mask[name] for name in mask.dtype.names]
     return any(bool(part.any()) for part in parts)
 

@@ -18,7 +18,7 @@ from asap.experiment.source import Source
 from asap.io.reader import losses_of
 from asap.io.writers import Writer, write_aedat4, write_encoded, write_mcap, write_npy, write_npz
 
-__all__ = ["WRITERS", "convert", "format_of"]
+__all__ = ["WRITERS", "convert", "format_of", "in_order", "losses"]
 
 WRITERS: dict[str, Writer] = {
     "npy": write_npy,
@@ -100,9 +100,9 @@ def convert(
     if stream.recording is not None:
         _checks.other_file("path", target, stream.recording.path)
     with _replacing(target) as file:
-        chunks = _in_order(stream, relative=relative)
+        chunks = in_order(stream, relative=relative)
         count = WRITERS[to](file, chunks, stream.width or 0, stream.height or 0)
-    for loss in _losses(stream):
+    for loss in losses(stream):
         warnings.warn(f"{target}: {loss}", stacklevel=2)
     return count
 
@@ -119,14 +119,14 @@ def format_of(path: Path, to: str | None) -> str:
         raise ValueError(_checks.named("path", str(path), remedy)) from None
 
 
-def _losses(stream: Source) -> Iterator[str]:
-    """Say what the written file does not have of the recording."""
+def losses(stream: Source) -> Iterator[str]:
+    """Say what of the recording does not go on: it was rejected, or is no event."""
     yield from losses_of(stream.rejected, stream.clock_resets)
     if stream.recording is not None and stream.recording.trigger_count:
         yield f"without the {stream.recording.trigger_count} external triggers"
 
 
-def _in_order(stream: Source, *, relative: bool) -> Iterator[Events]:
+def in_order(stream: Source, *, relative: bool) -> Iterator[Events]:
     """Refuse what only a source that is no file can have: a stamp that goes back, a bad pixel."""
     first_us: int | None = None
     last_us = 0

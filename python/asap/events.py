@@ -7,16 +7,18 @@ stores ``t`` first comes out scrambled, without an error. Nothing here does that
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from asap import _core, _stamps
+from asap import _core, _foreign, _stamps
 from asap._checks import flag, is_masked, named, unmasked
+from asap._foreign import FIELD_NAMES as FIELD_NAMES
 
-__all__ = ["EVENT_DTYPE", "Events", "as_events"]
+__all__ = ["EVENT_DTYPE", "Events", "as_events", "to_dtype"]
 
 Events: TypeAlias = npt.NDArray[np.void]
 Column: TypeAlias = npt.NDArray[Any]
@@ -25,14 +27,8 @@ Columns: TypeAlias = dict[str, Column]
 # Offsets 0 2 4 8, 16 bytes. Without align=True np.concatenate would pack them to 14 bytes.
 EVENT_DTYPE = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")], align=True)
 
-# What the producers call the four columns.
-FIELD_NAMES = {
-    "t": ("t", "ts", "timestamp", "timestamps", "time", "times"),
-    "x": ("x", "xs"),
-    "y": ("y", "ys"),
-    "p": ("p", "ps", "on", "polarity", "polarities", "pol"),
-}
 _UNDERSTOOD = "; ".join(f"{role}: {', '.join(names)}" for role, names in FIELD_NAMES.items())
+_KNOWN = frozenset(name for names in FIELD_NAMES.values() for name in names)
 
 _MAX_ADDRESS = 65535
 
@@ -41,7 +37,7 @@ def as_events(
     source: Any,
     *,
     order: str | None = None,
-    time_unit: str = "us",
+    time_unit: str | None = None,
     copy: bool | None = None,
 ) -> Events:
     """Events of any common layout as one array in ``EVENT_DTYPE``, matched by field name.
@@ -59,13 +55,17 @@ def as_events(
         * four columns ``(t, x, y, p)`` in a tuple or list, in this order or in `order`
           (a ``p`` of None: every event is ON);
         * an array of shape (N, len(order)), with `order`;
+        * an object with these columns as attributes, of the Arrow protocol (read by pyarrow), a
+          lazy table (collected once), a packet or a store of a camera's library;
+        * a list of several of these, one after the other;
         * None or something empty: no events.
     order
         What the columns are, for sources without names: an arrangement of ``t``, ``x``, ``y`` and
         ``p``, such as ``"txyp"`` or ``"yxt"`` (without ``p`` every event is ON).
     time_unit
         Unit of numeric times: ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``. Times are rounded to
-        microseconds, half to even. ``datetime64`` and ``timedelta64`` carry their own unit.
+        microseconds, half to even. ``datetime64`` and ``timedelta64`` carry their own unit. None:
+        microseconds; floating times need their unit.
     copy
         None copies where needed, True always, False never: an error where a copy is needed.
 
@@ -82,28 +82,39 @@ def as_events(
         A path (use ``asap.load``), fields that cannot be matched, a column that is not numeric.
     ValueError
         A value that an event cannot hold (named with its field and index), one that a mask hides,
-        floating times with ``time_unit="us"``, columns of different lengths, an array without
-        `order`, a copy that ``copy=False`` forbids.
+        floating times without a unit or too coarse for it, two polarities above 0, columns of
+        different lengths, an array without `order`, columns without names where another one than
+        the first looks like the times, a copy that ``copy=False`` forbids.
+
+    Warns
+    -----
+    UserWarning
+        Whole times without a unit that can hardly be microseconds.
     """
-    exponent = _stamps.time_exponent(time_unit)
+    exponent = 0 if time_unit is None else _stamps.time_exponent(time_unit)
     if order is not None:
         check_order(order)
     if copy is not None:
         flag("copy", copy)
-    as_it_is = isinstance(source, np.ndarray) and is_event_memory(source)
-    if as_it_is and not copy and _has_plain_polarity(source):
+    is_ours = isinstance(source, np.ndarray) and source.dtype == EVENT_DTYPE
+    if is_ours and not copy and is_event_memory(source) and _has_plain_polarity(source):
         return plain_view(source)
-    columns = columns_of(source, order)
+    columns = columns_of(source, order, exponent=exponent)
     if copy is False:
         raise ValueError(
             "copy = False: this source cannot be taken without a copy; give a contiguous array in "
             "asap.EVENT_DTYPE with polarity 0 or 1, or leave copy out"
         )
-    if columns["t"].dtype.kind == "f" and time_unit == "us":
-        raise ValueError(
-            f"time_unit = 'us': t is {columns['t'].dtype}; floating times need their unit, "
-            "such as time_unit='s'"
-        )
+    if time_unit is None:
+        if columns["t"].dtype.kind == "f":
+            raise ValueError(
+                f"time_unit = None: t is {columns['t'].dtype}; floating times need their unit, "
+                "such as time_unit='s'"
+            )
+        if not is_ours and (doubt := _foreign.doubt_of_unit(columns["t"])):
+            warnings.warn(f"t: {doubt}", stacklevel=2)
+    if "p" in columns and not is_ours:
+        _foreign.check_polarity(columns["p"])
     events = pack_good(columns, exponent)
     if events is not None:
         return events
@@ -135,12 +146,17 @@ def check_order(order: str) -> str:
     return order
 
 
-def columns_of(source: Any, order: str | None = None, *, first: int | None = None) -> Columns:
-    """Find the columns t, x, y and, if any, p: arrays of one length; of an array the `first`."""
+def columns_of(
+    source: Any, order: str | None = None, *, first: int | None = None, exponent: int = 6
+) -> Columns:
+    """Find the columns t, x, y and, if any, p: arrays of one length; of an array the `first`.
+
+    A unit of floating times is 10^`exponent` us: such as are too coarse for it are refused.
+    """
     columns = _find_columns(source, order)
     if first is not None:
         columns = {role: column[:first] for role, column in columns.items()}
-    columns = {role: _numeric(role, column) for role, column in columns.items()}
+    columns = {role: _numeric(role, column, exponent) for role, column in columns.items()}
     lengths = {role: len(column) for role, column in columns.items()}
     if len(set(lengths.values())) > 1:
         raise ValueError(f"lengths = {lengths}: the columns of events must be equally long")
@@ -243,8 +259,11 @@ def _find_columns(source: Any, order: str | None) -> Mapping[str, Any]:
         raise TypeError(f"source = {source!r}: a path is read with asap.load(path)")
     if source is None or (isinstance(source, (list, tuple)) and not source):
         return _no_columns()
+    source, given = _foreign.opened(source), source
     if isinstance(source, (np.ndarray, np.void)):
         return _columns_of_array(source, order)
+    if source is None:  # a packet without events
+        return _no_columns()
     if isinstance(source, Mapping):
         return _with_offset(source, _by_name(source, _positions(list(source)), order))
     if isinstance(source, (list, tuple)):
@@ -252,7 +271,7 @@ def _find_columns(source: Any, order: str | None) -> Mapping[str, Any]:
     names = getattr(source, "column_names", None)  # Arrow, whose .columns are the data
     if names is None:
         names = getattr(source, "columns", None)  # pandas, Polars
-    if names is not None and order is None:
+    if names is not None and (order is None or len(_KNOWN.intersection(names)) >= len("txy")):
         return _by_name(source, _positions(list(names)), order)
     if hasattr(source, "to_numpy"):
         return _columns_of_array(np.asarray(source.to_numpy()), order)
@@ -260,7 +279,7 @@ def _find_columns(source: Any, order: str | None) -> Mapping[str, Any]:
         return _columns_of_array(np.asarray(source), order)
     uncalled = callable(source) and hasattr(source, "__name__")
     remedy = f"call it: {source.__name__}()" if uncalled else _remedy()
-    raise TypeError(named("source", source, remedy))
+    raise TypeError(named("source", given, remedy))
 
 
 def _columns_of_array(array: npt.NDArray[Any] | np.void, order: str | None) -> Mapping[str, Any]:
@@ -296,6 +315,8 @@ def _columns_of_sequence(source: Sequence[Any], order: str | None) -> Mapping[st
         if any(item.dtype != source[0].dtype for item in source):
             raise TypeError("source: records of different dtypes")
         return _columns_of_array(np.array(source, dtype=source[0].dtype), order)
+    if all(map(_foreign.is_chunk, source)):
+        return _joined([columns_of(one, order) for one in source])
     roles = order or "txyp"
     plain = [len(item) for item in source if isinstance(item, (list, tuple))]
     if len(source) == len(roles) and all(_is_column(item) for item in source):
@@ -304,14 +325,23 @@ def _columns_of_sequence(source: Sequence[Any], order: str | None) -> Mapping[st
                 f"source: {len(roles)} lists of {len(roles)} may be columns or events; give arrays "
                 "for columns, or one array of shape (N, 4) with order"
             )
-        return {
+        columns = {
             role: item
             for role, item in zip(roles, source, strict=True)
             if not (role == "p" and item is None)
         }
+        if order is None:
+            _foreign.check_sequence(columns)
+        return columns
     if len(plain) == len(source):
         return _columns_of_array(np.asarray(source), order)
     raise TypeError(f"source is a {type(source).__name__} of {len(source)}: {_remedy()}")
+
+
+def _joined(parts: list[Columns]) -> Columns:
+    if len({"p" in part for part in parts}) > 1:
+        raise TypeError("source: some of the arrays have no polarity; give one kind of them")
+    return {role: np.concatenate([part[role] for part in parts]) for role in parts[0]}
 
 
 def _is_column(item: Any) -> bool:
@@ -329,14 +359,16 @@ def _by_name(source: Any, places: Mapping[Any, Any], order: str | None) -> dict[
         raise ValueError(
             f"order = {order!r}: this source names its columns ({found}); leave order out"
         )
+    _foreign.check_exposure(source, places)
     matched: dict[str, Any] = {}
     for role, names in FIELD_NAMES.items():
         candidates = [name for name in names if name in places]
         if not candidates or any(places[name] != places[candidates[0]] for name in candidates):
             fault = "no field" if not candidates else f"two fields ({', '.join(candidates)})"
-            raise TypeError(
-                f"source: {fault} for {role} among: {found}; understood are {_UNDERSTOOD}"
+            inner = (
+                "give source['events']" if "events" in places else f"understood are {_UNDERSTOOD}"
             )
+            raise TypeError(f"source: {fault} for {role} among: {found}; {inner}")
         matched[role] = source[candidates[0]]
     return {role: column for role, column in matched.items() if column is not None or role != "p"}
 
@@ -354,7 +386,7 @@ def _no_columns() -> Columns:
     return {role: np.empty(0, np.int64) for role in "txyp"}
 
 
-def _numeric(role: str, column: Any) -> Column:
+def _numeric(role: str, column: Any, exponent: int = 6) -> Column:
     if type(column) is np.ndarray and column.ndim == 1 and column.dtype.kind in "biu":
         return column  # what most readers bring, many times a second
     if hasattr(column, "to_numpy"):
@@ -374,6 +406,8 @@ def _numeric(role: str, column: Any) -> Column:
         raise TypeError(f"{role}: a column of {values.dtype} holds no numbers")
     if values.dtype.kind != "f":
         return values
+    if role == "t":
+        _foreign.check_precision(values, exponent)
     with np.errstate(over="ignore"):  # what becomes infinite is refused by its value
         return values.astype(np.float64, copy=False)
 
@@ -396,3 +430,37 @@ def _remedy() -> str:
         f"give an array with named fields ({_UNDERSTOOD}), four columns (t, x, y, p), or an array "
         "of shape (N, 4) with order"
     )
+
+
+def to_dtype(events: Any, dtype: npt.DTypeLike) -> npt.NDArray[np.void]:
+    """Return the events in the layout of another library, matched by field name.
+
+    Parameters
+    ----------
+    events
+        As in `as_events`.
+    dtype
+        The structured dtype that the library exports, such as ``faery.EVENTS_DTYPE``. Its fields
+        may have the names that `as_events` understands, in any order; others become 0.
+
+    Raises
+    ------
+    TypeError
+        A field is missing, or holds no whole numbers.
+    ValueError
+        A value does not fit into its field; named with the event.
+    """
+    events, target = events_of_argument("events", events), np.dtype(dtype)
+    places = {name: (field[0], field[1]) for name, field in (target.fields or {}).items()}
+    result = np.zeros(len(events), target)
+    fields = _by_name(result, places, None)
+    for role in "txyp":
+        column, field = events[role], fields[role]
+        if field.dtype.kind not in ("biu" if role == "p" else "iu") or field.ndim != 1:
+            raise TypeError(named("dtype", field.dtype, f"{role} needs a field of whole numbers"))
+        field[:] = column
+        if (differs := field != column).any():
+            number = int(differs.argmax())
+            remedy = f"does not fit into {role} of {field.dtype}"
+            raise ValueError(f"{role} = {column[number]} (event {number}): {remedy}")
+    return result

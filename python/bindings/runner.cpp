@@ -230,7 +230,8 @@ void bind_runner(py::module_& m) {
   py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
       .def(py::init([](const py::object& latency_ms, const py::object& capacity,
                        const py::object& seed, const Validator& validator, bool anytime, bool flush,
-                       const py::object& before, const std::string& when_full, bool keep_mask) {
+                       const py::object& before, const std::string& when_full, bool keep_mask,
+                       bool every_row) {
              return RunConfig{.latency = value_of<std::optional<std::chrono::nanoseconds>>(
                                   "latency_ms", latency_ms),
                               .capacity = whole_number("capacity", capacity),
@@ -240,12 +241,13 @@ void bind_runner(py::module_& m) {
                               .flush = flush,
                               .front_filter = front_filter_of(before),
                               .when_full = when_full_from(when_full),
-                              .keep_mask = keep_mask};
+                              .keep_mask = keep_mask,
+                              .log_rows = every_row ? RunLog::kAllRows : RunConfig{}.log_rows};
            }),
            py::kw_only(), py::arg("latency_ms"), py::arg("capacity"), py::arg("seed"),
            py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true,
            py::arg("before") = py::none(), py::arg("when_full") = "thin",
-           py::arg("keep_mask") = false)
+           py::arg("keep_mask") = false, py::arg("every_row") = false)
       .def(
           "latency_bound_us",
           [](const RunConfig& config, const Held<Scheme>& scheme) {

@@ -261,7 +261,7 @@ def test_A13_a_truncated_file_keeps_what_is_good_or_raises(tmp_path: Path) -> No
     corrupt.cut_file(path, path.stat().st_size - 16 * 1000 - 3)
     got = Collector()
     with pytest.warns(asap.io.TruncatedFileWarning, match="byte"):
-        asap.run(path, algorithm=got, speed=10)
+        asap.run(path, algorithm=got, speed=10, latency_ms=1000)
     assert_equal_events(np.concatenate(got), EVENTS[:2999])
     with pytest.raises(asap.io.CorruptFile, match="byte"):
         asap.run(path, algorithm=got, on_bad="raise")

@@ -66,7 +66,7 @@ def test_version(call: Call) -> None:
     [
         ("", "required: VERB"),
         ("fly", "invalid choice"),
-        ("run", "required: FILE"),
+        ("run", "give one of FILE"),
         ("run f --latency 10", "latency = 10: the unit is missing, for example 10ms"),
         ("run f --latency -1ms", "expected one argument"),
         ("run f --cost 100+300", "cost, per package = 100: the unit is missing"),

@@ -191,8 +191,10 @@ class TestColumns:
 
 class TestTime:
     def test_floating_times_need_their_unit(self) -> None:
-        with pytest.raises(ValueError, match="time_unit = 'us': t is float64"):
+        with pytest.raises(ValueError, match="time_unit = None: t is float64"):
             asap.as_events((T / 1e6, X, Y, P))
+        said = asap.as_events((T.astype(float), X, Y, P), time_unit="us")
+        assert_equal_events(said, expected())
 
     @pytest.mark.parametrize(
         ("t", "dtype"),

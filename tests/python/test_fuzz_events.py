@@ -117,11 +117,14 @@ def expected(table: dict[str, Any], unit: str) -> dict[str, list[int]] | None:
                 return None
             found[role] = [int(value) for value in values]
         elif role == "p":
+            if len({value for value in values if value > 0}) > 1 and max(values) > 1:
+                return None
             found[role] = [int(value > 0) for value in values]
         elif column.dtype.kind == "f":
-            if unit == "us" or any(
-                abs(value) * 10.0 ** EXPONENT[unit] >= 2**62 for value in values
-            ):
+            if any(abs(value) * 10.0 ** EXPONENT[unit] >= 2**62 for value in values):
+                return None
+            largest = np.abs(column).max() if values else column.dtype.type(0)
+            if column.itemsize < 8 and float(np.spacing(largest)) * 10.0 ** EXPONENT[unit] > 1:
                 return None
             found[role] = [round(value * 10.0 ** EXPONENT[unit]) for value in values]
         else:

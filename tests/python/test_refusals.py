@@ -57,7 +57,7 @@ DOORS: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
     (lambda algorithm: asap.run(EVENTS, algorithm=algorithm), "algorithm", (asap.EFast,)),
     (asap.Pipeline, "algorithm", (asap.EFast, 10**5000)),
     (lambda before: asap.Pipeline(before=before), "before", (asap.EFast,)),
-    (lambda **named: asap.as_events(EVENTS, **named), "time_unit", ([], {}, None, 5, "h")),
+    (lambda **named: asap.as_events(EVENTS, **named), "time_unit", ([], {}, 5, "h")),
     (asap.Pipeline().push, "events", ("a.npy", 5)),
     (lambda **named: asap.run(EVENTS, algorithm=nothing, **named), "on_progress", NO_CALLBACKS),
     (lambda **named: asap.simulate(EVENTS, cost=COST, **named), "on_progress", NO_CALLBACKS),

@@ -62,8 +62,8 @@ def algorithm_name(text: str) -> str:
     return text
 
 
-def algorithm_of(name: str, recording: asap.Recording) -> Any:
-    """Make the algorithm for the sensor of a recording; import it if it is the user's own."""
+def algorithm_of(name: str, recording: asap.Recording | asap.Camera) -> Any:
+    """Make the algorithm for the sensor of a source; import it if it is the user's own."""
     found = _imported(name) if ":" in name else getattr(asap, ALGORITHMS[name])
     if ":" in name and not isinstance(found, type):
         return found
@@ -71,7 +71,7 @@ def algorithm_of(name: str, recording: asap.Recording) -> Any:
     if not (width and height):
         raise Failure(
             USAGE,
-            f"{recording.path}: sensor = unknown: {name} needs its size. "
+            f"{getattr(recording, 'path', recording)}: sensor = unknown: {name} needs its size. "
             "Give --width and --height; asap info shows how far the events reach",
         )
     try:

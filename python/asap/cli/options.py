@@ -17,6 +17,7 @@ T = TypeVar("T")
 EXAMPLES = {
     "demo": "asap demo --out demo",
     "run": "asap run flight.aedat4 --algorithm mine:Detector",
+    "cameras": "asap cameras",
     "compare": "asap compare flight.aedat4 --cost 100us+300ns --report flight.html",
     "info": "asap info flight.aedat4",
     "check": "asap check flight.aedat4 --report flight.html",
@@ -45,9 +46,10 @@ def add_recording(
     *,
     words: str = "a recording: Prophesee, AEDAT, HDF5, MATLAB, ROS bag, NumPy, text and others",
     on_bad: bool = True,
+    nargs: str | None = None,
 ) -> None:
     """Add the recording and how to read it; without `on_bad`, bad events are always counted."""
-    parser.add_argument("file", metavar=metavar, help=words)
+    parser.add_argument("file", metavar=metavar, nargs=nargs, help=words)
     for side in ("--width", "--height"):
         parser.add_argument(
             side, type=int, metavar="PX", help="of the sensor, where the file has none"

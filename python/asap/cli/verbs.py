@@ -21,6 +21,7 @@ from asap.cli.algorithms import (
     scheme_of,
     setting,
 )
+from asap.cli.live import add_cameras, add_live, is_live, run_live
 from asap.cli.options import (
     add_out,
     add_recording,
@@ -91,8 +92,10 @@ def _demo(arguments: Any) -> int:
 
 def add_run(verbs: Any) -> None:
     """Add ``asap run``."""
-    verb = add_verb(verbs, "run", _run, "run an algorithm on a recording, in closed loop")
-    add_recording(verb)
+    words = "run an algorithm on a recording or a camera, in closed loop"
+    verb = add_verb(verbs, "run", _run, words)
+    add_recording(verb, nargs="?")
+    add_live(verb)
     verb.add_argument(
         "--algorithm",
         type=algorithm_name,
@@ -136,6 +139,8 @@ def _run(arguments: Any) -> int:
         raise Failure(USAGE, "--speed: not with --cost; only a replay in real time has a speed")
     if arguments.report:
         need_report()
+    if is_live(arguments):
+        return run_live(arguments)
     with usage():
         scheme = scheme_of(arguments.scheme, arguments.settings)
         cost = asap.LinearCost(*arguments.cost) if arguments.cost else None
@@ -335,6 +340,9 @@ def _report(arguments: Any) -> int:
     return OK
 
 
+_FILES = ("file", "out", "record", "report", "runs", "save", "software_camera")
+
+
 def add_completion(verbs: Any) -> None:
     """Add ``asap completion``."""
     verb = add_verb(verbs, "completion", _completion, "a script that completes asap in a shell")
@@ -350,7 +358,7 @@ def _completion(arguments: Any) -> int:
         raise Failure(USAGE, words) from error
     for parser in arguments.verbs.choices.values():
         for action in parser._actions:
-            if action.dest in ("file", "out", "report", "runs", "save"):
+            if action.dest in _FILES:
                 action.complete = shtab.FILE
     script = shtab.complete(arguments.parser, arguments.shell)
     if arguments.json:
@@ -363,6 +371,7 @@ def _completion(arguments: Any) -> int:
 VERBS = (
     add_demo,
     add_run,
+    add_cameras,
     add_compare,
     add_info,
     add_check,

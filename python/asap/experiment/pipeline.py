@@ -38,10 +38,13 @@ class Pipeline:
     ----------
     algorithm : optional
         For `run`, as in `asap.run`. Without one, iterate over the pipeline.
+    camera : Camera, optional
+        Feeds the pipeline within the ``with`` block, from a thread of its own, and stops it at its
+        end: `asap.open_camera` or `asap.SoftwareCamera`.
     latency_ms, scheme, before, on_bad, seed
         As in `asap.run`.
     width, height : int, optional
-        Sensor, px; a side that is not known is not checked.
+        Sensor, px; a side that is not known is not checked. Default: the camera's.
     capacity : int, optional
         Size of the ring, events. Default: at least 2**20. MemoryError if that much memory, 16 bytes
         an event, cannot be had.
@@ -66,8 +69,7 @@ class Pipeline:
     --------
     ::
 
-        with asap.Pipeline(latency_ms=10) as pipeline:  # one thread pushes, this one works
-            camera.on_events(pipeline.push)
+        with asap.open_camera() as camera, asap.Pipeline(camera=camera, latency_ms=10) as pipeline:
             for package in pipeline:
                 my_algorithm(package.events)
 
@@ -76,10 +78,15 @@ class Pipeline:
             pipeline.run()
     """
 
+    # `asap.run` of a camera keeps the whole log, and may limit the time.
+    _every_row = False
+    _duration_s: float | None = None
+
     def __init__(
         self,
         algorithm: Any = None,
         *,
+        camera: Any = None,
         latency_ms: float | None = None,
         scheme: _core.Scheme | None = None,
         before: Any = None,
@@ -98,7 +105,14 @@ class Pipeline:
         _checks.workers(algorithm=algorithm, before=before)
         self.algorithm = algorithm
         self.scheme = as_scheme(scheme, latency_ms)
-        self._sensor = _checks.sides(width, height)
+        if camera is not None:
+            remedy = "give asap.open_camera() or asap.SoftwareCamera(recording)"
+            if not _checks.is_camera(camera):
+                raise TypeError(_checks.named("camera", camera, remedy))
+            remedy = "a camera cannot wait; use 'thin', 'newest' or 'oldest'"
+            _checks.require(when_full != "block", "when_full", when_full, remedy)
+        self._camera, self._is_fed = camera, False
+        self._sensor = _checks.sensor(width, height, camera, camera)
         config = make_config(
             self._sensor,
             latency_ms,
@@ -111,6 +125,7 @@ class Pipeline:
             when_full=when_full,
             reorder_tolerance_us=reorder_tolerance_us,
             warmup_discard_us=warmup_discard_us,
+            every_row=self._every_row,
         )
         self._native = _core.LivePipeline(self.scheme, config)
         self._in_work = False  # a package, also of a loop that was left
@@ -159,11 +174,14 @@ class Pipeline:
         ------
         RuntimeError
             The pipeline has an algorithm, or another thread consumes.
+        CameraError
+            At the end: the camera has gone; what it sent before is delivered.
         """
         if self.algorithm is not None:
             raise RuntimeError(
                 "iterate: this pipeline has an algorithm; call run(), or make it without one"
             )
+        self._need_feed("iterate")
         return self._packages()
 
     def _packages(self) -> Iterator[_core.LivePackage]:
@@ -172,6 +190,7 @@ class Pipeline:
             self._in_work = True
             yield package
             self._in_work = False
+        self._see_camera_off()
 
     def run(self) -> None:
         """Let the algorithm work on this thread until `stop`, then return.
@@ -184,6 +203,8 @@ class Pipeline:
         ------
         RuntimeError
             The pipeline has no algorithm, or another thread consumes.
+        CameraError
+            The camera has gone; what it sent before is delivered.
         Exception
             An error of the algorithm, unchanged. The pipeline is stopped; the package in work stays
             pending.
@@ -199,8 +220,24 @@ class Pipeline:
                 "run: this pipeline has no algorithm; give it one, as in "
                 "asap.Pipeline(algorithm), or iterate: for package in pipeline"
             )
+        self._need_feed("run")
         self._native.run(self.algorithm, None if self._small_is_known else self._look_at_size)
         self._look_at_size()
+        self._see_camera_off()
+
+    def _need_feed(self, what: str) -> None:
+        """Refuse to wait for ever for a camera that was never asked to feed."""
+        if self._camera is not None and not self._is_fed:
+            remedy = (
+                "the camera feeds within the with block: with asap.Pipeline(camera=camera) as ..."
+            )
+            raise RuntimeError(f"{what}: {remedy}")
+
+    def _see_camera_off(self) -> None:
+        """Raise what has ended the camera, now that what it sent before is delivered."""
+        if self._camera is not None:
+            self._camera.release()
+            self._camera.raise_error()
 
     def _look_at_size(self) -> None:
         if self._small_is_known:
@@ -297,7 +334,7 @@ class Pipeline:
 
         Beside the keys of `run.summary()`: state; most_waiting, events that were in the ring at
         once; sensor_delay_us, how much longer than at best events of late took from the sensor to
-        push; upstream_lost; pinned, package arrays that Python still holds.
+        push; upstream_lost; pinned, package arrays that Python still holds; camera, if it has one.
         """
         stats = self._native.stats()
         ledger = Ledger.of(stats.ledger)
@@ -342,11 +379,15 @@ class Pipeline:
             },
             "cpu": stats.busy_s / elapsed_s if elapsed_s > 0 else 0.0,
             "version": _core.__version__,
+            **({} if self._camera is None else {"camera": self._camera.stats()}),
         }
 
     def __enter__(self) -> Pipeline:
-        """Start it, if it is stopped."""
+        """Start it, if it is stopped, and let its camera feed it."""
         self.start()
+        if self._camera is not None:
+            self._camera.feed(self, self._duration_s)
+            self._is_fed = True
         return self
 
     def __exit__(
@@ -356,6 +397,8 @@ class Pipeline:
         trace: TracebackType | None,
     ) -> None:
         """Stop; what was not delivered stays pending in the ledger."""
+        if self._camera is not None:
+            self._camera.release()  # first: the packet in its hand is counted
         self._native.abandon()
 
     def __repr__(self) -> str:

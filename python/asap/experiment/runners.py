@@ -129,6 +129,7 @@ def run(
     seed: int = 0,
     capacity: int | None = None,
     keep_mask: bool = False,
+    duration_s: float | None = None,
     on_progress: Progress | None = None,
 ) -> Run:
     """Replay a recording in real time: paced by its stamps, the algorithm measured by the clock.
@@ -138,7 +139,9 @@ def run(
     Parameters
     ----------
     source
-        As in `simulate`.
+        As in `simulate`, or an `asap.Camera`: ages then count from the arrival. A generator over
+        another driver is replayed like a recording: ages count from its stamps and drift with its
+        clock. Push its events into an `asap.Pipeline` instead.
     algorithm
         One of ours, an object with process(events) and, if it has it, set_keep(gamma), or a
         callable. Events come as a read-only array in EVENT_DTYPE, valid as long as it is kept. The
@@ -150,6 +153,8 @@ def run(
         As in `simulate`; its time is part of the measured cost.
     scheme, latency_ms, width, height, on_bad, seed, capacity, keep_mask
         As in `simulate`.
+    duration_s : float, optional
+        A camera's run ends after this time. Default: when the camera ends.
     on_progress : callable, optional
         Called as on_progress(done, total or None, ledger) about every 20 ms.
 
@@ -161,12 +166,34 @@ def run(
     ------
     ValueError
         A bad argument, named with its value and the remedy; bad events with on_bad="raise".
+    CameraError
+        The camera has gone; `last_run()` holds the run up to there.
     Exception
         An error of the algorithm, unchanged; `last_run()` holds the run up to there.
     """
     if algorithm is None:
         raise TypeError("algorithm = None: give what the events are for, or use asap.simulate")
     _checks.callback("on_progress", on_progress)
+    if _checks.is_camera(source):
+        if speed != 1.0 or keep_mask:
+            words = "speed, keep_mask: only for recordings; leave them out for a camera"
+            raise ValueError(words)
+        run_of_camera: Run = source.run(
+            on_progress,
+            duration_s=duration_s,
+            algorithm=algorithm,
+            scheme=scheme,
+            latency_ms=latency_ms,
+            before=before,
+            width=width,
+            height=height,
+            on_bad=on_bad,
+            seed=seed,
+            capacity=capacity,
+        )
+        return run_of_camera
+    if duration_s is not None:
+        raise ValueError(_checks.named("duration_s", duration_s, "leave it out without a camera"))
     _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad)
@@ -256,6 +283,7 @@ def make_config(
     when_full: str = "thin",
     reorder_tolerance_us: int = 0,
     warmup_discard_us: int = 0,
+    every_row: bool = False,
 ) -> _core.RunConfig:
     """Check what the runners have in common, and put it together for the native ones."""
     slots = _whole("capacity", capacity)
@@ -280,6 +308,7 @@ def make_config(
         before=before,
         when_full=when_full,
         keep_mask=keep_mask,
+        every_row=every_row,
     )
 
 
@@ -310,7 +339,6 @@ def remember(
     speed: float = 1.0,
 ) -> Run:
     """Make the Run of what there is, however the runner ended, and keep it for last_run()."""
-    global _last
     rejected = dict(runner.validator.rejected)
     counts = dict(Ledger.of(runner.ledger))
     for reason, count in stream.rejected.items():  # the reader's door comes before the runner's
@@ -321,7 +349,7 @@ def remember(
     if (mask := runner.kept_mask) is not None:  # put together anew at every look
         kept_mask, first = mask
         packages = with_first(packages, first)
-    _last = Run(
+    run = Run(
         packages=packages,
         ledger=Ledger(**counts),
         latency=runner.latency,
@@ -339,4 +367,11 @@ def remember(
         kept_mask=kept_mask,
         opaque=not config.anytime,
     )
-    return _last
+    return keep(run)
+
+
+def keep(run: Run) -> Run:
+    """Keep it for last_run()."""
+    global _last
+    _last = run
+    return run

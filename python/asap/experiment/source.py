@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from asap import _core
 from asap._checks import named, number, sensor
 from asap._checks import source as check_source
+from asap._foreign import is_chunk, opened
 from asap.events import Events, as_events
 from asap.io import Recording, read
 
@@ -27,6 +28,8 @@ class Source:
     def __init__(self, source: Any, *, width: int | None, height: int | None, on_bad: str) -> None:
         if source is None:
             raise TypeError(named("source", source, "give a path, a recording or arrays of events"))
+        if not hasattr(source, "__next__"):  # what comes in pieces stays a stream
+            source = opened(source)
         check_source(source)
         if isinstance(source, (str, os.PathLike)):
             source = read(source, width=width, height=height, on_bad=on_bad)
@@ -167,12 +170,8 @@ def is_iterable_of_arrays(source: Any) -> bool:
     """Whether it is a stream of arrays, and not one source of events."""
     if isinstance(source, (list, tuple)):
         # Four plain columns are one source of events; arrays with fields are a chunk each.
-        return bool(source) and all(_is_chunk(item) for item in source)
-    is_array = isinstance(source, (np.ndarray, dict)) or any(
+        return bool(source) and all(item is None or is_chunk(item) for item in source)
+    is_array = isinstance(source, (np.ndarray, Mapping)) or any(
         hasattr(source, name) for name in ("__array__", "to_numpy", "columns")
     )
     return isinstance(source, Iterable) and not is_array
-
-
-def _is_chunk(item: Any) -> bool:
-    return item is None or getattr(getattr(item, "dtype", None), "names", None) is not None

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from asap import _units
+from asap._foreign import unit_doubt
 from asap.inspection.meters import (
     BAND,
     BAND_GAP_US,
@@ -21,7 +22,6 @@ from asap.inspection.meters import (
     Tally,
 )
 from asap.inspection.raw_source import RawSource
-from asap.io.columns import unit_doubt
 from asap.results.data import NOTE, OK, WRONG, Finding
 
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset

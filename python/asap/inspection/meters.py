@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _core
+from asap._foreign import HEAD
 from asap.events import EVENT_DTYPE, Events
-from asap.io.columns import HEAD
 from asap.results.data import BINS_FROM_US
 from asap.results.numbers import PeakCount
 

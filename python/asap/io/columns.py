@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap import _units
 from asap._stamps import time_exponent
 from asap.events import (
     Columns,
@@ -24,20 +23,15 @@ from asap.events import (
 from asap.io.errors import UnsupportedFormat, unclear_unit
 from asap.io.reader import Losses, Options
 
-Times = npt.NDArray[np.int64]
-
 _MAX_ADDRESS = 65535
-HEAD = 1001  # events whose steps say something
-_MOST_PER_US = 100  # more than any camera sends
-_LONG_US = 10_000  # between events of a camera
 
 
 def file_columns(
-    path: Path, source: Any, order: str | None, *, first: int | None = None
+    path: Path, source: Any, order: str | None, *, first: int | None = None, exponent: int = 6
 ) -> Columns:
     """Find the columns; raise if the file has no such columns."""
     try:
-        return columns_of(source, order, first=first)
+        return columns_of(source, order, first=first, exponent=exponent)
     except TypeError as error:
         raise UnsupportedFormat(f"{path}: {error}") from error
     except ValueError as error:
@@ -53,7 +47,8 @@ def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
     if isinstance(source, np.ndarray) and options.time_unit is None and is_event_memory(source):
         losses.guessed_unit = "us"
         return plain_view(source)
-    columns = file_columns(losses.path, source, options.order)
+    exponent = time_exponent(options.time_unit or "s")
+    columns = file_columns(losses.path, source, options.order, exponent=exponent)
     unit = options.time_unit or ("s" if columns["t"].dtype.kind == "f" else "us")
     if options.time_unit is None:
         losses.guessed_unit = unit
@@ -68,26 +63,6 @@ def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
     if found:
         columns = _without(columns, found, losses, first)
     return pack(columns, exponent, normalise=False)
-
-
-def unit_doubt(
-    unit: str | None, count: int, span_us: int, steps_us: Times
-) -> tuple[str, str] | None:
-    """Say why the times are hardly in `unit`, which was guessed, and what helps; None if not.
-
-    `count` events within `span_us` are too many for seconds; `steps_us`, between the first events,
-    are too long for a camera if their median is (a pause is one long step).
-    """
-    if unit is None or count < HEAD:
-        return None
-    step_us = float(np.median(steps_us)) if len(steps_us) else 0.0
-    if unit == "us" and count > _MOST_PER_US * (span_us + 1):
-        words = f"{count} events within {span_us} us, which is short for a camera"
-    elif step_us > _LONG_US:
-        words = f"the times step by {_units.duration(step_us)}, which is long for a camera"
-    else:
-        return None
-    return words, f"if they are not in {unit}, give time_unit"
 
 
 def _all_whole(times: npt.NDArray[Any]) -> bool:

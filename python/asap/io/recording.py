@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _checks, _core, _units
+from asap._foreign import HEAD, unit_doubt
 from asap.events import Events, plain_view
-from asap.io.columns import HEAD, unit_doubt
 from asap.io.errors import NoGoodEvent
 from asap.io.native import FORMATS, NativeReader
 from asap.io.reader import Losses, Options, Reader, gathered

@@ -264,10 +264,26 @@ def _fields(**checks: Check) -> Check:
     return check
 
 
+def _source(name: str, value: Any) -> dict[str, Any]:
+    source: dict[str, Any] = _SOURCE(name, value)
+    if "upstream_lost" in value:  # a camera's
+        source["upstream_lost"] = _LOST(f"{name}.upstream_lost", value["upstream_lost"])
+    return source
+
+
 def _share(name: str, value: Any) -> float:
     return _real(name, value, most=1)
 
 
+_SOURCE = _fields(
+    path=_or_none(_text),
+    format=_text,
+    width=_or_none(_count),
+    height=_or_none(_count),
+    events=_count,
+    duration_s=_real,
+)
+_LOST = _fields(marks=_count, packets=_count)
 _FACTS = _fields(
     ledger=_fields(**dict.fromkeys(LEDGER_FIELDS, _count)),
     rejected=_counts,
@@ -275,14 +291,7 @@ _FACTS = _fields(
     algorithm=_algorithm,
     mode=_text,
     latency_bound_us=lambda name, value: _real(name, value, least=1e-3),
-    source=_fields(
-        path=_or_none(_text),
-        format=_text,
-        width=_or_none(_count),
-        height=_or_none(_count),
-        events=_count,
-        duration_s=_real,
-    ),
+    source=_source,
     speed=lambda name, value: _real(name, value, least=1e-6),
     clock_resets=_count,
     gap_us=_or_none(_count),

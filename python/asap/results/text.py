@@ -76,6 +76,11 @@ def run_figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
     if pacing := summary["pacing_us"]:
         late = f"p99 {_units.duration(pacing['p99'])}, max {_units.duration(pacing['max'])}"
         rows.append(("jitter", f"{late}: this machine's, in the pace of the replay"))
+    lost = summary["source"].get("upstream_lost", {})
+    if any(lost.values()):
+        rows.append(
+            ("driver", f"lost {lost['marks']} marks, {lost['packets']} packets before ASAP")
+        )
     return dict(rows)
 
 

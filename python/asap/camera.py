@@ -1,0 +1,414 @@
+"""Cameras: those that neuromorphic-drivers opens, and SoftwareCamera, which plays a recording.
+
+A camera is read by one thread at a time: its own while it feeds a pipeline.
+"""
+
+from __future__ import annotations
+
+import math
+import queue
+import sys
+import threading
+import time
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from asap import _checks, _core
+from asap._playback import Playback
+from asap.conversion import convert, format_of, in_order, losses
+from asap.events import EVENT_DTYPE, as_events
+from asap.experiment.live_run import LivePipeline
+from asap.experiment.pipeline import Pipeline
+from asap.experiment.source import Source
+from asap.io.errors import library
+from asap.results import Run
+
+__all__ = ["Camera", "CameraError", "CameraInfo", "Packet", "SoftwareCamera"]
+__all__ += ["cameras", "open_camera"]
+
+_WAIT_S = 0.1  # the longest that a silent camera keeps its thread
+_OLDEST_S = 60.0  # limit on a packet's age, since the wall clock may have been set
+_MOST_PACKETS = 1000  # waiting for the disk
+_UNPLUGGED = "it was unplugged; plug it in and open it again"
+# neuromorphic-drivers raises only RuntimeError; its words tell the cause.
+_REMEDIES = {
+    "Access denied": f"run 'sudo {sys.executable} -m neuromorphic_drivers.udev', then plug it in",
+    "Other error": "this machine shows no USB (/dev/bus/usb), as in a container; pass it in",
+    "Input/Output": "this machine shows no USB (/sys/bus/usb), as in a container; pass it in",
+    "no device found": "no camera is attached; plug it in, or use asap.SoftwareCamera(recording)",
+    "not found": "no camera has this serial number; asap.cameras() lists those attached",
+    "already used": "another program has opened it; close that one",
+    "NoDevice": _UNPLUGGED,
+    "disconnected": _UNPLUGGED,
+}
+
+
+class CameraError(RuntimeError):
+    """A camera cannot be opened, or has gone; says which one, why, and what helps."""
+
+
+class CameraInfo(NamedTuple):
+    """An attached camera; `error` says why it cannot be asked for its serial number."""
+
+    name: str
+    serial: str | None
+    connection: str
+    error: str | None = None
+
+
+class Packet(NamedTuple):
+    """Events as a camera hands them over, and what its driver lost since the packet before.
+
+    `arrival_time` is when the first of them reached this machine, s of `time.monotonic()`.
+    """
+
+    events: Any
+    arrival_time: float
+    lost_marks: int
+    lost_packets: int
+
+
+def cameras() -> list[CameraInfo]:
+    """List the attached cameras; [] if there are none.
+
+    Raises
+    ------
+    CameraError
+        USB cannot be read: the message says what helps.
+    MissingLibrary
+        The driver is not installed: extra ``camera``.
+    """
+    driver = library("neuromorphic_drivers", "a camera", "camera")
+    try:
+        found = driver.list_devices()
+    except RuntimeError as error:
+        raise _explained("cameras", error) from error
+    return [CameraInfo(_name(d.name), d.serial, _name(d.connection), d.error) for d in found]
+
+
+def open_camera(serial: str | None = None, **driver_options: Any) -> Camera:
+    """Open the camera of this serial number, or the first one, through neuromorphic-drivers.
+
+    Parameters
+    ----------
+    serial : str, optional
+        As `cameras` lists it.
+    **driver_options
+        Arguments of ``neuromorphic_drivers.open``, such as ``configuration`` with the biases.
+
+    Raises
+    ------
+    CameraError
+        None is attached, access is denied, another program has it; the message says what helps.
+    MissingLibrary
+        The driver is not installed: extra ``camera``.
+    """
+    driver = library("neuromorphic_drivers", "a camera", "camera")
+    try:
+        return Camera(driver.open(serial=serial, **{"iterator_timeout": _WAIT_S} | driver_options))
+    except RuntimeError as error:
+        raise _explained(f"camera {serial or ''}".rstrip(), error) from error
+
+
+class Camera:
+    """An open camera: feeds a pipeline from a thread of its own, or is iterated for its packets.
+
+    Leaving the ``with`` block closes it, and raises a CameraError that no loop has raised yet.
+
+    Parameters
+    ----------
+    device
+        An open device of neuromorphic-drivers; it stays the attribute `device`, for its biases.
+
+    Attributes
+    ----------
+    name, serial : str
+    width, height : int
+        Sensor, px.
+    recorded : Path or None
+        Once it is closed: the file that `record` has written.
+
+    Examples
+    --------
+    ::
+
+        with asap.open_camera() as camera, asap.Pipeline(camera=camera, latency_ms=10) as pipeline:
+            for package in pipeline:
+                my_algorithm(package.events)
+    """
+
+    def __init__(self, device: Any) -> None:
+        self.device, self.name, self.serial = device, _name(device.name()), str(device.serial())
+        self._state = "open"
+        self._error: BaseException | None = None
+        self.recorded: Path | None = None
+        self._recorder: _Recorder | None = None
+        self._reading, self._leaving, self._stale = threading.Lock(), threading.Event(), False
+        self._thread: threading.Thread | None = None
+        self._dropped: int | None = 0  # the driver counts from the opening on, a pipeline adds up
+        self._packets = self._backlog = self._most_backlog = 0
+        self._last_s = time.monotonic()
+        try:
+            size = device.properties()
+            self.width, self.height = int(size.width), int(size.height)
+        except (AttributeError, TypeError, ValueError) as error:
+            device.close()
+            raise CameraError(
+                f"{self}: does not tell its size in px; use its driver and asap.Pipeline"
+            ) from error
+
+    def __iter__(self) -> Iterator[Packet]:
+        """Yield packets until the camera ends or is closed; CameraError if it has gone."""
+        while self._state == "open":
+            if (packet := self._read()) is not None:
+                yield packet
+
+    def _read(self) -> Packet | None:
+        """Return the next packet; None: silence, or the end."""
+        with self._reading:
+            if self._state != "open":
+                return None
+            try:
+                if self._stale and self.device.backlog():
+                    self.device.clear_backlog(until=0)
+                    self._dropped = None
+                self._stale = False
+                status, packet = next(self.device)
+            except StopIteration:
+                self._state = "recording over"
+                return None
+            except Exception as error:
+                found = _explained(str(self), error)
+                self._state = "unplugged" if _UNPLUGGED in str(found) else "failed"
+                raise found from error
+        now, ring = time.monotonic(), status.ring
+        if ring is None:
+            return None
+        age_s = min(max(status.system_time - ring.system_time, 0.0), _OLDEST_S)
+        marks, events = packet.polarity_events_overflow_indices, packet.polarity_events
+        lost = 0 if self._dropped is None else ring.dropped_packets - self._dropped
+        self._dropped, self._last_s, self._backlog = ring.dropped_packets, now, ring.backlog
+        self._most_backlog = max(self._most_backlog, ring.backlog)
+        self._packets += 1
+        if events is None:  # something else came: frames, IMU
+            events = np.empty(0, EVENT_DTYPE)
+        if self._recorder is not None:
+            self._recorder.put(events)
+        return Packet(events, now - age_s, 0 if marks is None else len(marks), lost)
+
+    def feed(self, pipeline: Pipeline, duration_s: float | None = None) -> None:
+        """Push from a thread until the camera ends or `duration_s` is over; then stop the pipeline.
+
+        Events that waited before are left out. One camera feeds one pipeline at a time.
+        """
+        if self._thread is not None or self._state != "open":
+            state = self._state if self._thread is None else "it feeds a pipeline already"
+            raise RuntimeError(f"feed: {self}: {state}; open it once for each pipeline")
+        self._stale = True
+        end_s = math.inf if duration_s is None else time.monotonic() + duration_s
+        self._thread = threading.Thread(target=self._grab, args=(pipeline, end_s), name=str(self))
+        self._thread.start()
+
+    def _grab(self, pipeline: Pipeline, end_s: float) -> None:
+        main = threading.main_thread()
+        _count_feeds(1)
+        try:
+            while not self._leaving.is_set() and main.is_alive() and time.monotonic() < end_s:
+                if (packet := self._read()) is not None:
+                    pipeline.upstream_lost(packet.lost_marks, packet.lost_packets)
+                    pipeline.push(packet.events, packet.arrival_time)
+                elif self._state != "open" or not pipeline.is_open:
+                    return
+        except BaseException as error:  # a driver's panic is no Exception; push raises if stopped
+            if isinstance(error, CameraError) or pipeline.is_open:
+                self._error = error
+        finally:
+            _count_feeds(-1)
+            pipeline.stop()  # what waits is delivered, then its loop ends
+
+    def run(self, on_progress: Any, **options: Any) -> Run:
+        """Run for `asap.run`, which says what the arguments are."""
+        return LivePipeline(camera=self, **options).run_camera(on_progress)
+
+    def release(self) -> None:
+        """End the feed and wait for its thread; the camera stays open."""
+        if self._thread is not None:
+            self._leaving.set()
+            self._thread.join()  # _WAIT_S at most, and a push
+            self._thread = None
+            self._leaving.clear()
+
+    def raise_error(self) -> None:
+        """Raise what has ended the feed, once."""
+        error, self._error = self._error, None
+        if error is not None:
+            raise error
+
+    def record(self, path: str | Path) -> None:
+        """Write the events that are read from now on to a file, as `convert` does, until `close`.
+
+        A thread writes; what the disk is too slow for, and bad events, count as `not_recorded`.
+        """
+        if self._recorder is not None:
+            raise RuntimeError(f"record: {self} is recorded already, to {self._recorder.path}")
+        self._recorder = _Recorder(_checks.new_file("path", path), self.width, self.height)
+
+    def stats(self) -> dict[str, Any]:
+        """Sum up as one JSON object; `silent_s` counts from the last packet."""
+        return {
+            "name": self.name,
+            "serial": self.serial,
+            "backlog": self._backlog,
+            "most_backlog": self._most_backlog,
+            "packets": self._packets,
+            "silent_s": time.monotonic() - self._last_s,
+            "ended": self._state,
+            "not_recorded": 0 if self._recorder is None else self._recorder.not_recorded,
+        }
+
+    def close(self) -> None:
+        """End the feed, close the device and finish the recording."""
+        self.release()
+        with self._reading:
+            self._state = "closed" if self._state == "open" else self._state
+            self.device.close()
+        if self._recorder is not None:
+            failure = self._recorder.close()
+            self._error = self._error or failure
+            self.recorded = None if failure else self._recorder.path
+
+    def __enter__(self) -> Camera:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self.close()
+        if kind is None:
+            self.raise_error()
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.serial}"
+
+    def __repr__(self) -> str:
+        return f"<Camera: {self}, {self.width} x {self.height} px, {self._state}>"
+
+
+class SoftwareCamera(Camera):
+    """A camera without hardware: a process that plays a recording in real time.
+
+    It begins when it is first read, and its stamps with 0. What is not read in time is lost in
+    packets and counted, as a driver does; it ends with the recording.
+
+    Parameters
+    ----------
+    source : path, Recording, array or iterable of arrays
+        As in `asap.run`; the process holds all of it in memory.
+    speed : float
+        2 plays twice as fast: stamps are divided by it.
+    loop : bool
+        Begin again at the end; time goes on.
+    drop : float
+        Probability that a packet is lost.
+    packet_us : int
+        Time that a packet spans, us.
+    width, height : int, optional
+        Sensor, px. Default: from the file.
+
+    Raises
+    ------
+    ValueError
+        A bad argument, a sensor of unknown size, no events, an event of an array that is bad.
+
+    Warns
+    -----
+    UserWarning
+        The file holds what is not played, such as bad events: how much, as `convert` says it.
+    """
+
+    def __init__(
+        self,
+        source: Any,
+        *,
+        speed: float = 1.0,
+        loop: bool = False,
+        drop: float = 0.0,
+        packet_us: int = 1000,
+        width: int | None = None,
+        height: int | None = None,
+    ) -> None:
+        _checks.number("speed", speed, 1e-3, 1e3, "must be between 0.001 and 1000")
+        _checks.number("drop", drop, 0.0, 1.0, "must be between 0 and 1")
+        _checks.whole("packet_us", packet_us, 1, 10**9, "must be between 1 and 10^9 us")
+        _checks.flag("loop", loop)
+        stream = Source(source, width=width, height=height, on_bad="drop")
+        if not (stream.width and stream.height):
+            raise ValueError("sensor = unknown: a camera knows its size; give width and height, px")
+        size = stream.width, stream.height
+        how = float(speed), bool(loop), float(drop), int(packet_us)
+        super().__init__(Playback(in_order(stream, relative=True), size, *how))
+        for loss in losses(stream):
+            warnings.warn(f"{self}: {loss}", stacklevel=2)
+
+
+class _Recorder:
+    """A thread that writes packets; a full queue never holds the camera up."""
+
+    def __init__(self, path: Path, width: int, height: int) -> None:
+        format_of(path, None)
+        self.path, self._size, self.not_recorded = path, (width, height), 0
+        self._door = _core.Validator(width=width, height=height, on_bad="drop")
+        self._queue: queue.Queue[Any] = queue.Queue(_MOST_PACKETS)
+        self._error: CameraError | None = None
+        self._thread = threading.Thread(target=self._write, name=f"asap writes {path.name}")
+        self._thread.start()
+
+    def put(self, events: Any) -> None:
+        try:
+            self._queue.put_nowait(events)
+        except queue.Full:
+            self.not_recorded += len(events)
+
+    def _good(self) -> Iterator[Any]:
+        while (events := self._queue.get()) is not None:
+            good = self._door.check(as_events(events))
+            self.not_recorded += len(events) - len(good)
+            yield good
+
+    def _write(self) -> None:
+        try:
+            width, height = self._size
+            convert(self._good(), self.path, width=width, height=height)
+        except Exception as error:
+            self._error = CameraError(f"{self.path}: not recorded: {error}")
+            for good in self._good():
+                self.not_recorded += len(good)
+
+    def close(self) -> CameraError | None:
+        self._queue.put(None)
+        self._thread.join()
+        return self._error
+
+
+def _name(value: Any) -> str:
+    return str(getattr(value, "value", value))  # an enumeration's
+
+
+def _explained(what: str, error: Exception) -> CameraError:
+    remedy = next((text for key, text in _REMEDIES.items() if key in str(error)), "")
+    return CameraError(": ".join(filter(None, (what, str(error) or repr(error), remedy))))
+
+
+_feeding, _usual_s, _counting = 0, 0.0, threading.Lock()
+
+
+def _count_feeds(step: int) -> None:
+    """Let a grab thread have the interpreter within .5 ms, not 5, while Python works beside it."""
+    global _feeding, _usual_s
+    with _counting:
+        if _feeding == 0:
+            _usual_s = sys.getswitchinterval()
+        _feeding += step
+        sys.setswitchinterval(min(_usual_s, 5e-4) if _feeding else _usual_s)

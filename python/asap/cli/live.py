@@ -1,0 +1,109 @@
+"""Cameras on the command line: ``asap cameras``, and ``asap run`` of one instead of a file."""
+
+from __future__ import annotations
+
+import argparse
+from contextlib import nullcontext
+from typing import Any
+
+import asap
+from asap import _progress, _units
+from asap.cli.algorithms import algorithm_of, own_code, scheme_of
+from asap.cli.options import add_verb, latency_ms, open_recording, typed, writable
+from asap.cli.outcome import (
+    BAD_INPUT,
+    OK,
+    USAGE,
+    Failure,
+    print_json,
+    reading,
+    show,
+    usage,
+    writing,
+)
+
+
+def add_cameras(verbs: Any) -> None:
+    """Add ``asap cameras``."""
+    add_verb(verbs, "cameras", _cameras, "the cameras that are attached; exit code 3 if none")
+
+
+def _cameras(arguments: Any) -> int:
+    with reading(arguments):
+        found = asap.cameras()
+    if arguments.json:
+        print_json({"schema_version": 1, "cameras": [one._asdict() for one in found]})
+    elif not found:
+        print("no camera is attached")
+    for one in () if arguments.json else found:
+        print(f"{one.name}  {one.serial or '-'}  {one.connection}  {one.error or ''}".rstrip())
+    return OK if found else BAD_INPUT
+
+
+def add_live(parser: argparse.ArgumentParser) -> None:
+    """Add the cameras that ``asap run`` takes instead of a file."""
+    camera = parser.add_mutually_exclusive_group()
+    words = "run a live camera instead of FILE: the one with this serial number, or the first"
+    camera.add_argument("--camera", nargs="?", const="", metavar="SERIAL", help=words)
+    words = "play FILE as a camera would, from a process of its own, on the live path"
+    camera.add_argument("--software-camera", metavar="FILE", help=words)
+    duration = typed(_units.parse_duration_us, "duration")
+    words = "how long a camera runs (default: until it ends, or Ctrl-C)"
+    parser.add_argument("--duration", type=duration, metavar="60s", help=words)
+    words = "write the events of a camera, as asap convert does"
+    parser.add_argument("--record", type=writable, metavar="OUT", help=words)
+
+
+def is_live(arguments: Any) -> bool:
+    """Whether a camera is asked for; refuse what does not go together."""
+    live = arguments.camera is not None or arguments.software_camera is not None
+    if live == (arguments.file is not None):
+        raise Failure(USAGE, "give one of FILE, --camera [SERIAL] and --software-camera FILE")
+    if live and arguments.cost:
+        raise Failure(USAGE, "--cost: simulates with a recording; a camera runs in real time")
+    if arguments.camera is not None and arguments.speed != 1.0:
+        raise Failure(USAGE, "--speed: not with --camera, which has its own pace")
+    if not live and (arguments.record or arguments.duration):
+        raise Failure(USAGE, "--record, --duration: only with a camera")
+    return live
+
+
+def _open(arguments: Any) -> asap.Camera:
+    if arguments.camera is not None:
+        return asap.open_camera(arguments.camera or None)
+    arguments.file = arguments.software_camera
+    return asap.SoftwareCamera(open_recording(arguments), speed=arguments.speed)
+
+
+def run_live(arguments: Any) -> int:
+    """Run an algorithm on a camera; show and save the run, however it ended."""
+    with usage():
+        scheme = scheme_of(arguments.scheme, arguments.settings)
+    name = arguments.algorithm or "clusters"
+    own = own_code(name) if ":" in name else nullcontext()
+    before, camera = asap.last_run(), None
+    try:
+        with reading(arguments), own, _open(arguments) as camera:
+            with usage():
+                algorithm = algorithm_of(name, camera)
+                if arguments.record:
+                    camera.record(arguments.record)
+            with _progress.on_terminal() as on_progress:
+                asap.run(
+                    camera,
+                    algorithm=algorithm,
+                    scheme=scheme,
+                    latency_ms=latency_ms(arguments),
+                    on_bad=arguments.on_bad,
+                    seed=arguments.seed,
+                    duration_s=arguments.duration and arguments.duration / 1e6,
+                    on_progress=on_progress,
+                )
+    finally:
+        run = asap.last_run()
+        if run is not None and run is not before:
+            if arguments.save:
+                with writing(arguments.save):
+                    run.save(arguments.save)
+            show(run, arguments, arguments.save, camera.recorded if camera else None)
+    return OK
