@@ -117,7 +117,7 @@ def _article_of_run(run: Run) -> Article:
         summary,
         text.run_html(run),
         None if run.without_log else figures.figure(run),
-        "What the closed loop did, package by package.",
+        "What the closed loop did: rates and shares in windows of time, the rest by package.",
         {"All numbers of this run": text.table((), _flat(summary))},
     )
 

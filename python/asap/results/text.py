@@ -74,8 +74,8 @@ def run_figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
         ("busy", f"{_units.share(summary['cpu'])} of the time in the algorithm"),
     ]
     if pacing := summary["pacing_us"]:
-        late = f"p99 {_units.duration(pacing['p99'])}, max {_units.duration(pacing['max'])}"
-        rows.append(("jitter", f"{late}: this machine's, in the pace of the replay"))
+        late = ", ".join(f"{q} {_units.duration(pacing[q])}" for q in ("p50", "p99", "max"))
+        rows.append(("pace", f"{late}: by so much the replay itself was late"))
     return dict(rows)
 
 
@@ -178,9 +178,9 @@ def _explanation(run: Run, found: Diagnosis) -> str:
         )
     if found.limit == "machine" and run.lateness is not None:
         return (
-            f"The replay itself was late, by {_units.duration(run.lateness.quantile(0.99))} (p99) "
-            f"and {_units.duration(run.lateness.max)} at most. Repeat it on a quiet machine, "
-            "or in virtual time."
+            f"The replay itself was late, by {_units.duration(run.lateness.max)} at most and by "
+            f"more than half the bound for {_units.share(found.late_share)} of the time. Repeat it "
+            "on a quiet machine, or in virtual time."
         )
     return f"Estimated cost: {_run_cost(found.cost)}. {_run_remedy(run, found)}".rstrip()
 
