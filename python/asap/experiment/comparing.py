@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -13,6 +14,7 @@ from asap.events import Events
 from asap.experiment.runners import Progress, check_cost, make_config, remember
 from asap.experiment.source import CheckedStream
 from asap.results import Comparison, Row, Run
+from asap.results.cost import Cost
 from asap.synthetic import joined
 
 _DEFAULT_LATENCY_MS = 10.0
@@ -47,7 +49,8 @@ def compare(
     cost : LinearCost
         The simulated algorithm, the same for all.
     schemes : mapping of str to Scheme, or sequence of Scheme, optional
-        Default: those that a user chooses from.
+        Default: those that a user chooses from; `Asap2020` with the rate bound that this cost can
+        do within the bound.
     latency_ms : float, optional
         The latency bound of all, ms. Default: the schemes' own, else 10.
     seed : int
@@ -234,9 +237,20 @@ def user_schemes() -> list[Contender]:
 
 
 def _maker(kind: type[_core.Scheme], settings: Mapping[str, float]) -> Make:
-    if "latency_ms" in kind().parameters:
+    own = kind().parameters
+    if "latency_ms" in own:
         return lambda latency_ms, cost: kind(latency_ms=latency_ms, **settings)
-    return lambda latency_ms, cost: kind(**settings)
+    if "rate_bound" not in own:
+        return lambda latency_ms, cost: kind(**settings)
+
+    def with_rate_bound(latency_ms: float, cost: _core.LinearCost) -> _core.Scheme:
+        """Give the scheme the rate bound that its user would: what the algorithm can do."""
+        a_hz = Cost(*(cost.parameters[name] for name in ("alpha_us", "beta_ns"))).throughput_hz(
+            latency_ms * 1e3
+        )
+        return kind(rate_bound=a_hz, **settings) if 0 < a_hz < math.inf else kind(**settings)
+
+    return with_rate_bound
 
 
 def labelled(schemes: Any) -> dict[str, _core.Scheme]:

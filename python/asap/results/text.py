@@ -338,7 +338,20 @@ def comparison_subtitle(comparison: Comparison) -> str:
         f"an algorithm of {_units.duration(cost['alpha_us'])} per package + "
         f"{_units.duration(cost['beta_ns'] / 1e3)} per event{noise}{drift}{outages}{whole}; "
         f"latency bound L = {_units.duration(comparison.latency_ms * 1e3)}; virtual time"
+        f"{_rate_bounds(comparison)}"
     )
+
+
+def _rate_bounds(comparison: Comparison) -> str:
+    """Say the rate bound of each scheme that has one, and whether the cost can do it."""
+    cost = comparison.cost.parameters
+    most_hz = Cost(cost["alpha_us"], cost["beta_ns"]).throughput_hz(comparison.latency_ms * 1e3)
+    words = ""
+    for label, run in comparison.runs.items():
+        if a_hz := run.scheme.parameters.get("rate_bound"):
+            words += f"; {label} with the rate bound a = {_units.rate(a_hz)}"
+            words += ", what this cost can do within L" * math.isclose(a_hz, most_hz)
+    return words
 
 
 def comparison_cells(row: Row, latency_ms: float) -> tuple[str, ...]:
