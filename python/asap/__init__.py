@@ -85,6 +85,7 @@ __all__ = [
     "run",
     "simulate",
     "synthetic",
+    "table",
 ]
 
 # Imported when they are first used: modules, and names with the module that they are in.
@@ -104,6 +105,7 @@ _NAMES = {
     "oracle": "experiment",
     "run": "experiment",
     "simulate": "experiment",
+    "table": "results",
 }
 
 if TYPE_CHECKING:
@@ -121,7 +123,7 @@ if TYPE_CHECKING:
     )
     from asap.experiment import map as map
     from asap.inspection import Inspection, check, info
-    from asap.results import load_run
+    from asap.results import load_run, table
 else:  # a type checker would take any name for one of a module that has a __getattr__
 
     def __getattr__(name: str) -> Any:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from asap import _checks, _units
 from asap.results import figures, text  # figures first: it says which extra is missing
-from asap.results.data import Comparison, Inspection, Run
+from asap.results.data import Comparison, Inspection, Run, flat
 
 try:
     import jinja2
@@ -118,7 +118,7 @@ def _article_of_run(run: Run) -> Article:
         text.run_html(run),
         None if run.without_log else figures.figure(run),
         "What the closed loop did: rates and shares in windows of time, the rest by package.",
-        {"All numbers of this run": text.table((), _flat(summary))},
+        {"All numbers of this run": text.table((), _all_numbers(summary))},
     )
 
 
@@ -201,9 +201,6 @@ def _shortened(value: Any) -> Any:
     return [_shortened(inner) for inner in value] if isinstance(value, (list, tuple)) else value
 
 
-def _flat(value: Any, name: str = "") -> Iterator[tuple[str, str]]:
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _flat(inner, f"{name}.{key}" if name else str(key))
-    else:
+def _all_numbers(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    for name, value in flat(summary).items():
         yield name, f"{value:.6g}" if isinstance(value, float) else str(value)
