@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import inspect
 import os
 import sys
+import textwrap
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 import asap
 from asap import _checks, _core
@@ -19,7 +21,7 @@ from asap.cli.outcome import CHECK_FAILED, USAGE, Failure
 SCHEMES = {kind().name: kind for kind in _core.SCHEMES}
 ALGORITHMS = {
     "clusters": "ClusterTracker",
-    "baf": "BackgroundActivityFilter",
+    "background": "BackgroundActivityFilter",
     "hot_pixels": "HotPixelMask",
     "e_fast": "EFast",
     "arc_star": "ArcStar",
@@ -29,6 +31,8 @@ ALGORITHMS = {
     "sits": "SpeedInvariantTimeSurface",
     "flow": "PlaneFlow",
 }
+
+FILTERS = ("background", "hot_pixels")
 
 Setting = tuple[str, int | float | str]
 
@@ -53,19 +57,46 @@ def scheme_of(name: str | None, settings: Sequence[Setting]) -> asap.Scheme | No
     return SCHEMES[name or "deadline"](**dict(settings))
 
 
-def algorithm_name(text: str) -> str:
-    """Refuse what is neither one of ours by name nor ``package.module:name``."""
-    module, colon, name = text.partition(":")
-    if not (module and name if colon else text in ALGORITHMS):
+class Chosen(NamedTuple):
+    """An algorithm or filter as the command line names it."""
+
+    name: str  #: one of `ALGORITHMS`, or ``package.module:name``
+    parameters: dict[str, int | float | str]
+
+    @property
+    def is_own(self) -> bool:
+        """Whether it is the user's own."""
+        return ":" in self.name
+
+
+def chosen(text: str) -> Chosen:
+    """Parse ``NAME``, ``NAME:parameter=value,...``, and either with ``package.module:name``."""
+    name, _, settings = text.rpartition(":")
+    if not (name and "=" in settings):
+        name, settings = text, ""
+    module, colon, inner = name.partition(":")
+    if not (module and inner if colon else name in ALGORITHMS):
         known = ", ".join(sorted(ALGORITHMS))
         raise argparse.ArgumentTypeError(f"{text}: give one of {known}, or package.module:name")
-    return text
+    return Chosen(name, dict(setting(one) for one in settings.split(",") if one))
 
 
-def algorithm_of(name: str, recording: asap.Recording) -> Any:
+def chosen_filter(text: str) -> Chosen:
+    """Parse a filter: one of ours by name, or the user's own."""
+    found = chosen(text)
+    if not found.is_own and found.name not in FILTERS:
+        words = f"{text}: give one of {', '.join(FILTERS)}, or package.module:name"
+        raise argparse.ArgumentTypeError(words)
+    return found
+
+
+def algorithm_of(chosen: Chosen, recording: asap.Recording) -> Any:
     """Make the algorithm for the sensor of a recording; import it if it is the user's own."""
-    found = _imported(name) if ":" in name else getattr(asap, ALGORITHMS[name])
-    if ":" in name and not isinstance(found, type):
+    name = chosen.name
+    found = _imported(name) if chosen.is_own else getattr(asap, ALGORITHMS[name])
+    if chosen.is_own and not isinstance(found, type):
+        if chosen.parameters:
+            raise Failure(USAGE, f"{name}: is no class, so it takes no parameters")
         return found
     width, height = recording.width, recording.height
     if not (width and height):
@@ -75,11 +106,32 @@ def algorithm_of(name: str, recording: asap.Recording) -> Any:
             "Give --width and --height; asap info shows how far the events reach",
         )
     try:
-        return found(width, height)
+        return found(width, height, **chosen.parameters)
     except Exception as error:
-        if ":" not in name:
+        if not chosen.is_own:
             raise
         raise _failed(USAGE, name) from error
+
+
+def described() -> str:
+    """List the built-in algorithms and what each takes, as ``asap run --help algorithm`` does."""
+    lines = ["Algorithms and filters, for --algorithm and --before as NAME:PARAMETER=VALUE,...", ""]
+    for name, kind in ALGORITHMS.items():
+        given = list(inspect.signature(getattr(asap, kind)).parameters.values())[2:]
+        takes = ", ".join(f"{one.name}={one.default}" for one in given) or "no parameters"
+        lines += [f"{name}  (asap.{kind})", textwrap.indent(textwrap.fill(takes, 74), "    ")]
+    return "\n".join(
+        [*lines, "", "Your own class takes them as package.module:name:PARAMETER=VALUE."]
+    )
+
+
+class Help(argparse.Action):
+    """``--help``, or ``--help algorithm``: the topic instead of the options."""
+
+    def __call__(self, parser: argparse.ArgumentParser, _: Any, topic: Any, *__: Any) -> None:
+        """Print and end."""
+        print(described() if topic == "algorithm" else parser.format_help())
+        parser.exit()
 
 
 def _imported(spec: str) -> Any:

@@ -15,8 +15,10 @@ from asap import _checks, _progress, _units, conversion
 from asap.cli.algorithms import (
     ALGORITHMS,
     SCHEMES,
-    algorithm_name,
+    Help,
     algorithm_of,
+    chosen,
+    chosen_filter,
     own_code,
     scheme_of,
     setting,
@@ -31,6 +33,7 @@ from asap.cli.options import (
     open_recording,
     page_file,
     run_file,
+    typed,
     writable,
 )
 from asap.cli.outcome import (
@@ -92,14 +95,42 @@ def _demo(arguments: Any) -> int:
 def add_run(verbs: Any) -> None:
     """Add ``asap run``."""
     verb = add_verb(verbs, "run", _run, "run an algorithm on a recording, in closed loop")
+    words = "show this, or every algorithm with its parameters"
+    verb.add_argument(
+        "-h",
+        "--help",
+        action=Help,
+        nargs="?",
+        choices=["algorithm"],
+        metavar="algorithm",
+        help=words,
+    )
     add_recording(verb)
     verb.add_argument(
         "--algorithm",
-        type=algorithm_name,
-        metavar="NAME|MODULE:NAME",
+        type=chosen,
+        metavar="NAME[:PARAMETER=VALUE,...]",
         help=f"{', '.join(sorted(ALGORITHMS))}; or your own, as package.module:name, from the "
         "current directory or Python's path: a class is made with (width, height), of an object "
         "process(events) is used, a callable is called (default: clusters)",
+    )
+    verb.add_argument(
+        "--before",
+        type=chosen_filter,
+        metavar="NAME[:PARAMETER=VALUE,...]",
+        help="a filter in front: background, hot_pixels or your own",
+    )
+    verb.add_argument(
+        "--tracks",
+        type=writable,
+        metavar="OUT.csv",
+        help="write the clusters over time: id, t, x, y, vx, vy, size",
+    )
+    verb.add_argument(
+        "--every",
+        type=typed(_units.parse_duration_us, "every"),
+        metavar="10ms",
+        help="with --tracks: time of the events between two rows of a cluster (default: a package)",
     )
     add_simulation(
         verb,
@@ -134,6 +165,8 @@ def _run(arguments: Any) -> int:
         raise Failure(USAGE, "--opaque: needs --cost, the simulated algorithm that it describes")
     if arguments.cost and arguments.speed != 1.0:
         raise Failure(USAGE, "--speed: not with --cost; only a replay in real time has a speed")
+    if arguments.every and not arguments.tracks:
+        raise Failure(USAGE, "--every: needs --tracks, the file that it is for")
     if arguments.report:
         need_report()
     with usage():
@@ -141,20 +174,31 @@ def _run(arguments: Any) -> int:
         cost = asap.LinearCost(*arguments.cost) if arguments.cost else None
     with reading(arguments):
         recording = open_recording(arguments)
-    if arguments.save:
-        with usage():
-            _checks.other_file("--save", arguments.save, recording.path)
-    name = arguments.algorithm or (None if cost else "clusters")
     with usage():
+        for option in ("save", "tracks"):
+            if file := getattr(arguments, option):
+                _checks.other_file(f"--{option}", file, recording.path)
+    name = arguments.algorithm
+    if name is None and not (cost and not arguments.tracks):
+        name = chosen("clusters")
+    with usage():
+        if arguments.tracks:
+            _checks.ending("--tracks", arguments.tracks, (".csv",), "give a name that ends in .csv")
         algorithm = algorithm_of(name, recording) if name else None
+        before = algorithm_of(arguments.before, recording) if arguments.before else None
+        tracks = None
+        if arguments.tracks:
+            every_ms = arguments.every / 1e3 if arguments.every else None
+            algorithm = tracks = asap.Tracks(algorithm, every_ms=every_ms)
     options: dict[str, Any] = {
         "algorithm": algorithm,
+        "before": before,
         "scheme": scheme,
         "latency_ms": latency_ms(arguments),
         "on_bad": arguments.on_bad,
         "seed": arguments.seed,
     }
-    own = own_code(name) if name and ":" in name else nullcontext()
+    own = own_code(name.name) if name and name.is_own else nullcontext()
     with reading(arguments), own, _progress.on_terminal() as on_progress:
         if cost is not None:
             options["opaque"] = arguments.opaque
@@ -165,7 +209,10 @@ def _run(arguments: Any) -> int:
     if arguments.save:
         with writing(arguments.save):
             run.save(arguments.save)
-    show(run, arguments, arguments.save)
+    if tracks is not None:
+        with writing(arguments.tracks):
+            tracks.save(arguments.tracks)
+    show(run, arguments, arguments.save, arguments.tracks)
     return OK
 
 
@@ -350,7 +397,7 @@ def _completion(arguments: Any) -> int:
         raise Failure(USAGE, words) from error
     for parser in arguments.verbs.choices.values():
         for action in parser._actions:
-            if action.dest in ("file", "out", "report", "runs", "save"):
+            if action.dest in ("file", "out", "report", "runs", "save", "tracks"):
                 action.complete = shtab.FILE
     script = shtab.complete(arguments.parser, arguments.shell)
     if arguments.json:

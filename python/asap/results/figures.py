@@ -354,6 +354,54 @@ def clusters(
     return axes
 
 
+_LONG = 40  # tracks that are drawn in colour and named; the others are thin and grey
+
+
+def tracks(
+    tracks: NDArray[np.void],
+    *,
+    events: NDArray[np.void] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw where clusters went: a line for each, the 40 longest in colour, named at their ends.
+
+    Parameters
+    ----------
+    tracks : ndarray, shape (n,)
+        ``Tracks.tracks``: fields id, x, y, in time order.
+    events : ndarray, shape (m,), EVENT_DTYPE, optional
+        Drawn below as grey pixels.
+    ax : Axes, optional
+        Where to draw.
+    """
+    axes = ax or _own_axes((7.0, 5.2))
+    if events is not None and len(events):
+        events = events_of_argument("events", events)
+        axes.plot(events["x"], events["y"], ",", color=FAINT, alpha=0.35, rasterized=True)
+    order = np.argsort(tracks["id"], kind="stable")
+    parts = np.split(order, np.flatnonzero(np.diff(tracks["id"][order])) + 1)
+    parts.sort(key=len)
+    for rank, part in enumerate(reversed(parts)):
+        is_long = rank < _LONG and part.size > 1
+        colour = (BLUE, VERMILION, GREEN, PURPLE, AMBER)[rank % 5] if is_long else FAINT
+        x, y = tracks["x"][part], tracks["y"][part]
+        axes.plot(x, y, color=colour, linewidth=1.3 if is_long else 0.6, zorder=3 if is_long else 2)
+        if is_long:
+            axes.text(x[-1], y[-1], str(tracks["id"][part[0]]), color=colour, fontsize=7, zorder=4)
+    axes.set(aspect="equal", xlabel="x [px]", ylabel="y [px]")
+    axes.invert_yaxis()
+    axes.grid(False)
+    return axes
+
+
+def tracks_figure(found: NDArray[np.void], events: NDArray[np.void] | None) -> Figure:
+    """Draw tracks on a page of their own; see `tracks`."""
+    with matplotlib.rc_context(STYLE):
+        page = NotebookFigure(figsize=(7.0, 5.2), layout="constrained")
+        tracks(found, events=events, ax=page.add_subplot())
+    return page
+
+
 def _ellipse(cluster: Mapping[str, Any] | np.void) -> Ellipse:
     outline = _core.outline_of(*(cluster[field] for field in ("x", "y", "cxx", "cxy", "cyy")))
     return Ellipse(

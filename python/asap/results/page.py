@@ -10,8 +10,11 @@ import base64
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from asap import _checks, _units
 from asap.results import figures, text  # figures first: it says which extra is missing
@@ -93,7 +96,8 @@ def write_runs(
         raise ValueError("runs = []: give at least one run")
     file = _checks.page_file("path", path)
     above = _side_by_side(runs) if len(runs) > 1 else ""
-    return write(file, title, map(_article_of_run, runs), above=above)
+    articles = chain.from_iterable(map(_articles_of_run, runs))
+    return write(file, title, articles, above=above)
 
 
 def write_comparison(
@@ -110,9 +114,9 @@ def write_inspection(
     return write(path, title, _articles_of_inspection(inspection))
 
 
-def _article_of_run(run: Run) -> Article:
+def _articles_of_run(run: Run) -> Iterator[Article]:
     summary = _shortened(run.summary())
-    return Article(
+    yield Article(
         "run",
         summary,
         text.run_html(run),
@@ -120,6 +124,22 @@ def _article_of_run(run: Run) -> Article:
         "What the closed loop did: rates and shares in windows of time, the rest by package.",
         {"All numbers of this run": text.table((), _all_numbers(summary))},
     )
+    tracks = getattr(run.algorithm, "tracks", None)
+    if isinstance(tracks, np.ndarray) and {"id", "x", "y"} <= set(tracks.dtype.names or ()):
+        ids, lengths = np.unique(tracks["id"], return_counts=True)
+        numbers = {"tracks": int(ids.size), "rows": int(tracks.size)}
+        longest = ids[np.argsort(-lengths, kind="stable")][:10].tolist()
+        yield Article(
+            "tracks",
+            numbers,
+            text.heading(
+                f"Tracks of {text.run_title(run.summary())}",
+                f"{_units.count(ids.size)} clusters; longest: {', '.join(map(str, longest))}",
+            ),
+            figures.tracks_figure(tracks, getattr(run.algorithm, "seen", None)),
+            "Where the clusters went, the 40 longest tracks in colour and named at their ends. "
+            "Grey: some of the events.",
+        )
 
 
 def _side_by_side(runs: Sequence[Run]) -> str:
