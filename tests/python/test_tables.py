@@ -62,5 +62,5 @@ def test_pandas_gets_a_row_for_each_scheme(pandas):
 
 def test_without_pandas_it_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(ImportError, match="needs pandas"):
+    with pytest.raises(ImportError, match="pandas"):
         runs()[0].to_pandas()

@@ -9,7 +9,7 @@ import os
 import sys
 import textwrap
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from operator import attrgetter
 from typing import Any, NamedTuple
@@ -58,36 +58,23 @@ def scheme_of(name: str | None, settings: Sequence[Setting]) -> asap.Scheme | No
 
 
 class Chosen(NamedTuple):
-    """An algorithm or filter as the command line names it."""
+    """An algorithm or filter: one of ours by name or ``package.module:name``, and parameters."""
 
-    name: str  #: one of `ALGORITHMS`, or ``package.module:name``
+    name: str
     parameters: dict[str, int | float | str]
-
-    @property
-    def is_own(self) -> bool:
-        """Whether it is the user's own."""
-        return ":" in self.name
+    is_own: bool
 
 
-def chosen(text: str) -> Chosen:
+def chosen(text: str, known: Collection[str] = ALGORITHMS) -> Chosen:
     """Parse ``NAME``, ``NAME:parameter=value,...``, and either with ``package.module:name``."""
     name, _, settings = text.rpartition(":")
     if not (name and "=" in settings):
         name, settings = text, ""
     module, colon, inner = name.partition(":")
-    if not (module and inner if colon else name in ALGORITHMS):
-        known = ", ".join(sorted(ALGORITHMS))
-        raise argparse.ArgumentTypeError(f"{text}: give one of {known}, or package.module:name")
-    return Chosen(name, dict(setting(one) for one in settings.split(",") if one))
-
-
-def chosen_filter(text: str) -> Chosen:
-    """Parse a filter: one of ours by name, or the user's own."""
-    found = chosen(text)
-    if not found.is_own and found.name not in FILTERS:
-        words = f"{text}: give one of {', '.join(FILTERS)}, or package.module:name"
+    if not (module and inner if colon else name in known):
+        words = f"{text}: give one of {', '.join(sorted(known))}, or package.module:name"
         raise argparse.ArgumentTypeError(words)
-    return found
+    return Chosen(name, dict(setting(one) for one in settings.split(",") if one), bool(colon))
 
 
 def algorithm_of(chosen: Chosen, recording: asap.Recording) -> Any:
@@ -117,9 +104,9 @@ def described() -> str:
     """List the built-in algorithms and what each takes, as ``asap run --help algorithm`` does."""
     lines = ["Algorithms and filters, for --algorithm and --before as NAME:PARAMETER=VALUE,...", ""]
     for name, kind in ALGORITHMS.items():
-        given = list(inspect.signature(getattr(asap, kind)).parameters.values())[2:]
-        takes = ", ".join(f"{one.name}={one.default}" for one in given) or "no parameters"
-        lines += [f"{name}  (asap.{kind})", textwrap.indent(textwrap.fill(takes, 74), "    ")]
+        _, _, *given = inspect.signature(getattr(asap, kind)).parameters.values()
+        takes = ", ".join(f"{one.name}={one.default}" for one in given)
+        lines += [f"{name}  (asap.{kind})", textwrap.indent(textwrap.fill(takes, 74), " " * 4)]
     return "\n".join(
         [*lines, "", "Your own class takes them as package.module:name:PARAMETER=VALUE."]
     )

@@ -7,6 +7,7 @@ import os
 import textwrap
 from contextlib import nullcontext
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,11 @@ import asap
 from asap import _checks, _progress, _units, conversion
 from asap.cli.algorithms import (
     ALGORITHMS,
+    FILTERS,
     SCHEMES,
     Help,
     algorithm_of,
     chosen,
-    chosen_filter,
     own_code,
     scheme_of,
     setting,
@@ -96,15 +97,7 @@ def add_run(verbs: Any) -> None:
     """Add ``asap run``."""
     verb = add_verb(verbs, "run", _run, "run an algorithm on a recording, in closed loop")
     words = "show this, or every algorithm with its parameters"
-    verb.add_argument(
-        "-h",
-        "--help",
-        action=Help,
-        nargs="?",
-        choices=["algorithm"],
-        metavar="algorithm",
-        help=words,
-    )
+    verb.add_argument("-h", "--help", action=Help, nargs="?", metavar="algorithm", help=words)
     add_recording(verb)
     verb.add_argument(
         "--algorithm",
@@ -116,7 +109,7 @@ def add_run(verbs: Any) -> None:
     )
     verb.add_argument(
         "--before",
-        type=chosen_filter,
+        type=partial(chosen, known=FILTERS),
         metavar="NAME[:PARAMETER=VALUE,...]",
         help="a filter in front: background, hot_pixels or your own",
     )
@@ -178,16 +171,14 @@ def _run(arguments: Any) -> int:
         for option in ("save", "tracks"):
             if file := getattr(arguments, option):
                 _checks.other_file(f"--{option}", file, recording.path)
-    name = arguments.algorithm
-    if name is None and not (cost and not arguments.tracks):
+    tracks, name = None, arguments.algorithm
+    if name is None and (cost is None or arguments.tracks):
         name = chosen("clusters")
     with usage():
-        if arguments.tracks:
-            _checks.ending("--tracks", arguments.tracks, (".csv",), "give a name that ends in .csv")
         algorithm = algorithm_of(name, recording) if name else None
         before = algorithm_of(arguments.before, recording) if arguments.before else None
-        tracks = None
         if arguments.tracks:
+            _checks.ending("--tracks", arguments.tracks, (".csv",), "give a name that ends in .csv")
             every_ms = arguments.every / 1e3 if arguments.every else None
             algorithm = tracks = asap.Tracks(algorithm, every_ms=every_ms)
     options: dict[str, Any] = {

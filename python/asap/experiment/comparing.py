@@ -238,19 +238,16 @@ def user_schemes() -> list[Contender]:
 
 def _maker(kind: type[_core.Scheme], settings: Mapping[str, float]) -> Make:
     own = kind().parameters
-    if "latency_ms" in own:
-        return lambda latency_ms, cost: kind(latency_ms=latency_ms, **settings)
-    if "rate_bound" not in own:
-        return lambda latency_ms, cost: kind(**settings)
 
-    def with_rate_bound(latency_ms: float, cost: _core.LinearCost) -> _core.Scheme:
-        """Give the scheme the rate bound that its user would: what the algorithm can do."""
-        a_hz = Cost(*(cost.parameters[name] for name in ("alpha_us", "beta_ns"))).throughput_hz(
-            latency_ms * 1e3
-        )
-        return kind(rate_bound=a_hz, **settings) if 0 < a_hz < math.inf else kind(**settings)
+    def make(latency_ms: float, cost: _core.LinearCost) -> _core.Scheme:
+        given = dict(settings, latency_ms=latency_ms) if "latency_ms" in own else dict(settings)
+        if "rate_bound" in own:  # the one that its user would give: what the algorithm can do
+            per = Cost(*(cost.parameters[name] for name in ("alpha_us", "beta_ns")))
+            if 0 < (rate_bound := per.throughput_hz(latency_ms * 1e3)) < math.inf:
+                given["rate_bound"] = rate_bound
+        return kind(**given)
 
-    return with_rate_bound
+    return make
 
 
 def labelled(schemes: Any) -> dict[str, _core.Scheme]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,35 +29,26 @@ class Tracks:
         A `ClusterTracker`, or an object with process(events) and ``.clusters``, a structured array
         with the fields id, x, y and, where it has them, vx, vy and size.
     every_ms : float, optional
-        Time of the events between two notes, ms. Default: after every package.
+        Time of the events between two notes, ms. Default: after every package with a new stamp.
 
     Attributes
     ----------
     tracks : ndarray
         A row for each cluster at each note: id, t (us, the last event of the package), x, y, vx,
         vy, size; of these what the clusters have.
-
-    Examples
-    --------
-    >>> scene = asap.synthetic.FlightOverChairs(duration_s=0.2)
-    >>> tracks = asap.Tracks(asap.ClusterTracker(scene.width, scene.height), every_ms=10)
-    >>> run = asap.simulate(scene, cost=asap.LinearCost(100, 300), algorithm=tracks)
-    >>> tracks.tracks.dtype.names
-    ('id', 't', 'x', 'y', 'vx', 'vy', 'size')
     """
 
     def __init__(self, algorithm: Any, *, every_ms: float | None = None) -> None:
-        if not (hasattr(algorithm, "process") and hasattr(algorithm, "clusters")):
-            remedy = "give one with process(events) and clusters, such as a ClusterTracker"
+        fields = _fields(getattr(algorithm, "clusters", None))
+        if not (hasattr(algorithm, "process") and {"id", "x", "y"} <= set(fields)):
+            remedy = "give one with process(events) and clusters, an array with id, x, y"
             raise TypeError(_checks.named("algorithm", algorithm, remedy))
         self.algorithm = algorithm
-        self._every_us = 0
-        if every_ms is not None:
-            remedy = "give 0.001 ms or more, or None for every package"
-            self._every_us = round(_checks.number("every_ms", every_ms, 1e-3, 1e9, remedy) * 1e3)
-        # A tracker of ours need not say whose each event is.
+        remedy = "give 0.001 ms or more, or None for every package"
+        least = 1e-3 if every_ms is None else every_ms
+        self._every_us = round(_checks.number("every_ms", least, 1e-3, 1e9, remedy) * 1e3)
         own = isinstance(algorithm, _core.ClusterTracker)
-        self._options: dict[str, Any] = {"labels": False} if own else {}
+        self._options: dict[str, Any] = {"labels": False} if own else {}  # not needed here
         self._forget()
 
     def _forget(self) -> None:
@@ -75,8 +67,9 @@ class Tracks:
         now_us = int(events["t"][-1]) if len(events) else self._next_us - 1
         if now_us < self._next_us:
             return
-        if self._every_us:
-            self._next_us = (now_us // self._every_us + 1) * self._every_us
+        self._next_us = (
+            (now_us // self._every_us + 1) * self._every_us if self._every_us else now_us
+        )
         self._rows.append(_rows_of(self.algorithm.clusters, now_us))
         self._seen.append(events[-_SEEN:].copy())
         if len(self._seen) > _MOST_SEEN:
@@ -111,14 +104,12 @@ class Tracks:
 
 
 def _rows_of(clusters: NDArray[np.void], t_us: int) -> NDArray[np.void]:
-    found = np.asarray(clusters)
-    fields = found.dtype.names or ()
-    if not {"id", "x", "y"} <= set(fields):
-        remedy = "a structured array with the fields id, x, y is needed"
-        raise TypeError(f"clusters have the fields {', '.join(fields) or 'none'}: {remedy}")
-    kinds = {"t": "<i8", **{name: found.dtype[name].str for name in fields}}
-    names = [name for name in _COLUMNS if name in kinds]
-    rows = np.empty(found.shape, [(name, kinds[name]) for name in names])
-    for name in names:
-        rows[name] = t_us if name == "t" else found[name]
+    kinds = {"t": np.dtype("<i8"), **{name: kind for name, (kind, *_) in _fields(clusters).items()}}
+    rows = np.empty(len(clusters), [(name, kinds[name]) for name in _COLUMNS if name in kinds])
+    for name in rows.dtype.names or ():
+        rows[name] = t_us if name == "t" else clusters[name]
     return rows
+
+
+def _fields(clusters: Any) -> Mapping[str, Any]:
+    return getattr(getattr(clusters, "dtype", None), "fields", None) or {}

@@ -230,19 +230,13 @@ def _noise(meters: Meters) -> Finding:
     if alone is None:
         return Finding("noise", 0, OK, "not measured: the sensor is unknown")
     share = alone.count / max(meters.events, 1)
-    words = (
-        f"{_units.share(share)} of the events without a neighbour within "
-        f"{_units.duration(ALONE_US)}"
-    )
+    words = f"{_units.share(share)} of the events without a neighbour within {ALONE_US // 1000} ms"
     if share < NOISE or meters.events < ENOUGH or meters.duration_us < 5 * ALONE_US:
         return Finding("noise", 0, OK, words)
     if share >= ALL_NOISE * alone.at_random(meters.events, meters.duration_us):
         words += ", as many as where all are noise"
-    remedy = (
-        "Mostly noise, or a scene that hardly moves: put asap.BackgroundActivityFilter in front "
-        "(--before background), or raise the thresholds of the camera."
-    )
-    return Finding("noise", alone.count, NOTE, words, remedy)
+    remedy = "Put asap.BackgroundActivityFilter in front (--before background), or raise the "
+    return Finding("noise", alone.count, NOTE, words, remedy + "thresholds of the camera.")
 
 
 def _polarity(door: Door, meters: Meters) -> Finding:

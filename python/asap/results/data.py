@@ -58,7 +58,7 @@ def without_nan(value: Any) -> Any:
 
 
 def flat(value: Any, name: str = "") -> dict[str, Any]:
-    """Flatten dicts in dicts: ``{"latency_us": {"p99": 1}}`` becomes ``{"latency_us.p99": 1}``."""
+    """Flatten dicts in dicts: their names are joined by dots."""
     if not isinstance(value, Mapping):
         return {name: value}
     found: dict[str, Any] = {}
@@ -68,24 +68,14 @@ def flat(value: Any, name: str = "") -> dict[str, Any]:
 
 
 def table(runs: Iterable[Any]) -> list[dict[str, Any]]:
-    """Sum up many runs as one flat table.
+    """Return a flat row for each run: what `summary` holds, as ``"latency_us.p99"``.
+
+    ``pandas.DataFrame``, ``polars.DataFrame`` and ``csv.DictWriter`` take it.
 
     Parameters
     ----------
     runs : iterable of Run
         Of `run`, `simulate`, `map` or `load_run`; inspections too.
-
-    Returns
-    -------
-    list of dict
-        For each run what `summary` holds, with names such as ``"latency_us.p99"``. It is what
-        ``pandas.DataFrame`` and ``polars.DataFrame`` take, and ``csv.DictWriter``.
-
-    Examples
-    --------
-    >>> runs = [asap.simulate([], cost=asap.LinearCost(100, 300), latency_ms=ms) for ms in (5, 10)]
-    >>> [row["latency_bound_us"] for row in asap.table(runs)]
-    [5000.0, 10000.0]
     """
     if isinstance(runs, (Result, Mapping)) or not isinstance(runs, Iterable):
         raise TypeError(_checks.named("runs", runs, "give a list of runs"))
@@ -97,11 +87,7 @@ def table(runs: Iterable[Any]) -> list[dict[str, Any]]:
 
 
 def _data_frame(columns: Mapping[str, Any] | list[dict[str, Any]]) -> Any:
-    try:
-        pandas = importlib.import_module("pandas")
-    except ImportError as error:
-        raise ImportError("to_pandas() needs pandas: install pandas") from error
-    return pandas.DataFrame(columns)
+    return importlib.import_module("pandas").DataFrame(columns)
 
 
 # ---- a run --------------------------------------------------------------------------------------
@@ -282,8 +268,7 @@ class Run(Result):
     def to_pandas(self) -> Any:
         """Return `packages` as a ``pandas.DataFrame``, a row for each package."""
         check_run(self)
-        names = self.packages.dtype.names or ()
-        return _data_frame({name: self.packages[name] for name in names})
+        return _data_frame({name: self.packages[name] for name in self.packages.dtype.names or ()})
 
     def summary(self) -> dict[str, Any]:
         """Sum the run up as one JSON object."""

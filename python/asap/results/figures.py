@@ -181,17 +181,15 @@ def _draw_rates(curves: _Curves, axes: Axes) -> None:
     thinned = found.rate_hz(found.delivered, run.speed)
     top_hz = 1.15 * max(event_rate.max(initial=0), 1.0)
     unit, scale = _units.rate_axis(top_hz)
-    axes.stairs(
-        event_rate * scale, _edges(found), fill=True, color=FAINT, alpha=0.55, label="event rate"
-    )
-    _steps(axes, found, thinned * scale, color=GREEN, label="thinned, R")
+    edges_s = found.edges_s
+    axes.stairs(event_rate * scale, edges_s, fill=True, color=FAINT, alpha=0.55, label="event rate")
+    axes.stairs(thinned * scale, edges_s, color=GREEN, linewidth=1.1, label="thinned, R")
     rate_bound = run.scheme.parameters.get("rate_bound")
     if rate_bound:
         hidden = "" if rate_bound <= top_hz else f" = {_units.rate(rate_bound)}, off scale"
         _line(axes, rate_bound * scale, f"bound, a{hidden}")
-    width_us = 1e6 * float(np.diff(found.edges_s[:2]).sum())
-    window = f" in windows of {_units.duration(width_us)}" if width_us else ""
-    axes.set(title=f"rates{window}", ylabel=unit, ylim=(0, top_hz * scale))
+    width = _units.duration(1e6 * float(np.diff(found.edges_s[:2]).sum()))
+    axes.set(title=f"rates in windows of {width}", ylabel=unit, ylim=(0, top_hz * scale))
     _legend(axes)
 
 
@@ -211,21 +209,11 @@ def _draw_kept_and_lost(curves: _Curves, axes: Axes) -> None:
         part = getattr(found, name)
         if part.any():
             share = np.divide(part, found.received, out=np.zeros(part.size), where=part > 0)
-            axes.stairs(
-                below + share, _edges(found), baseline=below, fill=True, color=colour, label=label
-            )
-            below = below + share
+            top = below + share
+            axes.stairs(top, found.edges_s, baseline=below, fill=True, color=colour, label=label)
+            below = top
     axes.set(title="where the events went", ylabel="share", ylim=(0, 1.05), yticks=(0, 0.5, 1))
     _legend(axes)
-
-
-def _steps(axes: Axes, found: numbers.Windows, values: Floats, **style: Any) -> None:
-    if values.size:
-        axes.plot(found.edges_s, np.append(values, values[-1]), drawstyle="steps-post", **style)
-
-
-def _edges(found: numbers.Windows) -> Floats:
-    return found.edges_s if found.edges_s.size else np.zeros(1)
 
 
 def _draw_gamma(curves: _Curves, axes: Axes) -> None:
@@ -369,7 +357,7 @@ def tracks(
     ----------
     tracks : ndarray, shape (n,)
         ``Tracks.tracks``: fields id, x, y, in time order.
-    events : ndarray, shape (m,), EVENT_DTYPE, optional
+    events : ndarray, optional
         Drawn below as grey pixels.
     ax : Axes, optional
         Where to draw.

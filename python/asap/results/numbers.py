@@ -8,6 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -281,7 +282,8 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     cost = fit_cost(run)
     wanted = _checks.number("wanted", wanted, 0, 1, "give a share from 0 to 1")
     bound_us = run.latency_bound_us
-    rates_hz = _offered_rates(run, bound_us)
+    found = windows(run, bound_us * run.speed)
+    rates_hz = found.rate_hz(found.received, run.speed)
     needed_hz = _throughput_to_keep(rates_hz, wanted)
     # T6 solved for L, and for a factor on alpha and beta together.
     load = cost.beta_ns * needed_hz / 1e9
@@ -354,18 +356,8 @@ def _explains(run: Run, cost: Cost, rates_hz: Floats) -> bool:
     return ledger.discarded + ledger.stale <= 2 * unavoidable
 
 
-@dataclass(frozen=True)
-class Windows:
-    """Where the events of a run went, in windows of time.
-
-    Attributes
-    ----------
-    edges_s : ndarray, shape (m + 1,)
-        Where each window begins and the last one ends, s from the first event.
-    received, delivered, filtered, discarded, stale, overflow : ndarray, shape (m,)
-        Events of each window. Those of a package count as evenly spread over it, and what was lost
-        before it as evenly spread since the package before.
-    """
+class Windows(NamedTuple):
+    """Events of each window by where they went; the edges in s, one more than windows."""
 
     edges_s: Floats
     received: Floats
@@ -381,20 +373,16 @@ class Windows:
 
 
 def windows(run: Run, window_us: float | None = None) -> Windows:
-    """Count where the events went, in windows of equal length.
+    """Count where the events of a run went, in windows of equal length on the recording's axis.
 
-    Parameters
-    ----------
-    run : Run
-        A finished run.
-    window_us : float, optional
-        Length of a window on the recording's axis, us. Default: 1, 2 or 5 times a power of ten, so
-        long that a window holds 100 events on average and there are at most 400.
+    The events of a package count as evenly spread over it, what was lost before it as evenly spread
+    since the package before. By default a window is 1, 2 or 5 times a power of ten long, so that it
+    holds 100 events on average and there are at most 400.
     """
     check_run(run)
     rows = run.packages
     if rows.size == 0:
-        return Windows(*[np.empty(0)] * 7)
+        return Windows(np.zeros(1), *[np.empty(0)] * 6)
     # From its first event to just after its last.
     at_us = np.column_stack((rows["t_first"], rows["t_last"] + 1)).ravel() - rows["t_first"][0]
     within = np.asarray(np.maximum.accumulate(at_us), np.float64)
@@ -403,21 +391,17 @@ def windows(run: Run, window_us: float | None = None) -> Windows:
     if window_us is None:
         events = int((rows["offered"] + rows["stale"] + rows["overflow"]).sum())
         window_us = _round_up(max(duration_us / 400, 100 * duration_us / events))
-    # What is left after the last whole window belongs to it.
     count = min(max(round(duration_us / window_us), 1), 1_000_000)
-    edges_us = np.append(np.arange(count) * (duration_us / count if count == 1 else window_us), 0.0)
-    edges_us[-1] = duration_us
+    edges_us = np.append(np.arange(count) * window_us, duration_us)  # the last takes the rest
     thinned = np.rint(rows["size"] / rows["gamma"])
-    columns = {
-        "delivered": (within, rows["size"]),
-        "filtered": (within, rows["offered"] - thinned),
-        "discarded": (within, thinned - rows["size"]),
-        "stale": (before, rows["stale"]),
-        "overflow": (before, rows["overflow"]),
-    }
-    counts = {name: _spread(*column, edges_us) for name, column in columns.items()}
-    received = np.sum(list(counts.values()), axis=0)
-    return Windows(edges_s=edges_us / 1e6, received=received, **counts)
+    went = (
+        _spread(within, rows["size"], edges_us),
+        _spread(within, rows["offered"] - thinned, edges_us),
+        _spread(within, thinned - rows["size"], edges_us),
+        _spread(before, rows["stale"], edges_us),
+        _spread(before, rows["overflow"], edges_us),
+    )
+    return Windows(edges_us / 1e6, np.sum(went, axis=0), *went)
 
 
 def _round_up(value: float) -> float:
@@ -432,12 +416,6 @@ def _spread(at_us: Floats, counts: NDArray[np.int64], edges_us: Floats) -> Float
     reached = np.interp(edges_us, at_us, before_and_after)
     reached[0], reached[-1] = 0.0, total[-1]
     return np.asarray(np.diff(reached), np.float64)
-
-
-def _offered_rates(run: Run, window_us: float) -> Floats:
-    """Event rate (wall time) in windows over the run, losses before the packages included."""
-    found = windows(run, window_us * run.speed)
-    return found.rate_hz(found.received, run.speed)
 
 
 def _throughput_to_keep(rates_hz: Floats, share: float) -> float:

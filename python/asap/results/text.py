@@ -22,6 +22,7 @@ from asap.results.data import Comparison, Finding, Inspection, Row, Run
 from asap.results.numbers import Diagnosis, diagnose
 
 _WIDTH = 78
+_ALMOST = 100  # fixed costs, in which a scheme loses next to nothing to them
 _LONG_GAP = 0.5  # times the bound
 
 LEDGER_WORDS = {
@@ -73,6 +74,10 @@ def run_figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
         ("gamma", f"mean {gamma['mean']:.3f}, min {gamma['min']:.3f}"),
         ("busy", f"{_units.share(summary['cpu'])} of the time in the algorithm"),
     ]
+    cost = summary["estimated_cost"] and Cost(**summary["estimated_cost"])
+    if cost and cost.one_size is None and cost.alpha_us > 0:
+        least, most = (_units.duration(us) for us in (cost.least_bound_us, _ALMOST * cost.alpha_us))
+        rows.append(("bounds", f"at least {least} at this cost; from {most} on nearly all in time"))
     if pacing := summary["pacing_us"]:
         late = ", ".join(f"{q} {_units.duration(pacing[q])}" for q in ("p50", "p99", "max"))
         rows.append(("pace", f"{late}: by so much the replay itself was late"))
@@ -346,12 +351,12 @@ def _rate_bounds(comparison: Comparison) -> str:
     """Say the rate bound of each scheme that has one, and whether the cost can do it."""
     cost = comparison.cost.parameters
     most_hz = Cost(cost["alpha_us"], cost["beta_ns"]).throughput_hz(comparison.latency_ms * 1e3)
-    words = ""
-    for label, run in comparison.runs.items():
-        if a_hz := run.scheme.parameters.get("rate_bound"):
-            words += f"; {label} with the rate bound a = {_units.rate(a_hz)}"
-            words += ", what this cost can do within L" * math.isclose(a_hz, most_hz)
-    return words
+    return "".join(
+        f"; {label} with the rate bound a = {_units.rate(a_hz)}"
+        + ", what this cost can do within L" * math.isclose(a_hz, most_hz)
+        for label, run in comparison.runs.items()
+        if (a_hz := run.scheme.parameters.get("rate_bound"))
+    )
 
 
 def comparison_cells(row: Row, latency_ms: float) -> tuple[str, ...]:
