@@ -72,6 +72,7 @@ __all__ = [
     "SoftwareCamera",
     "SpeedInvariantTimeSurface",
     "ThresholdOrdinalSurface",
+    "Tracks",
     "__version__",
     "analysis",
     "as_events",
@@ -90,6 +91,7 @@ __all__ = [
     "run",
     "simulate",
     "synthetic",
+    "table",
     "to_dtype",
 ]
 
@@ -104,6 +106,7 @@ _NAMES = {
     "Run": "experiment",
     "SoftwareCamera": "camera",
     "cameras": "camera",
+    "Tracks": "experiment",
     "check": "inspection",
     "compare": "experiment",
     "convert": "conversion",
@@ -115,6 +118,7 @@ _NAMES = {
     "oracle": "experiment",
     "run": "experiment",
     "simulate": "experiment",
+    "table": "results",
 }
 
 if TYPE_CHECKING:
@@ -125,6 +129,7 @@ if TYPE_CHECKING:
         Comparison,
         Pipeline,
         Run,
+        Tracks,
         compare,
         last_run,
         oracle,
@@ -133,7 +138,7 @@ if TYPE_CHECKING:
     )
     from asap.experiment import map as map
     from asap.inspection import Inspection, check, info
-    from asap.results import load_run
+    from asap.results import load_run, table
 else:  # a type checker would take any name for one of a module that has a __getattr__
 
     def __getattr__(name: str) -> Any:

@@ -21,6 +21,7 @@ from asap.results.figures import (
     frame,
     rate,
     svg,
+    tracks,
 )
 
 __all__ = [
@@ -39,4 +40,5 @@ __all__ = [
     "frame",
     "rate",
     "svg",
+    "tracks",
 ]

@@ -131,10 +131,11 @@ Keywords<LinearCostConfig> cost_keywords() {
 
 WhenFull when_full_from(const std::string& name) {
   if (name == "thin") return WhenFull::thin;
-  if (name == "newest") return WhenFull::newest;
-  if (name == "oldest") return WhenFull::oldest;
+  if (name == "keep_oldest") return WhenFull::keep_oldest;
+  if (name == "keep_newest") return WhenFull::keep_newest;
   if (name == "block") return WhenFull::block;
-  throw_bad_value("when_full", "'" + name + "'", "use 'thin', 'newest', 'oldest' or 'block'");
+  throw_bad_value("when_full", "'" + name + "'",
+                  "use 'thin', 'keep_oldest', 'keep_newest' or 'block'");
 }
 
 // Ends a thread that replays while the interpreter exits, without a word.

@@ -43,6 +43,7 @@ def fake_run(
     source="abrupt.npy",
     mode="virtual",
     speed=1.0,
+    lateness_us=(60.0, 230.0),
     **others,
 ):
     """A rate that grows from rates[0] to rates[1], taken greedily, thinned to ``rate_bound``."""
@@ -97,7 +98,7 @@ def fake_run(
             pending=pending,
         ),
         latency=Latencies(packages["latency_max_us"], packages["size"], bound_us),
-        lateness=Latencies(np.array([60.0, 230.0])) if mode == "real" else None,
+        lateness=Latencies(np.array(lateness_us)) if mode == "real" else None,
         rejected={"nonmonotonic": rejected, "out_of_bounds": 0},
         scheme=scheme if rate_bound else Named("greedy", {"efficiency": None}),
         algorithm=SimpleNamespace(name="linear_cost", parameters={"alpha_us": alpha_us}),

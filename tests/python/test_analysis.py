@@ -2,12 +2,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+import asap
 from asap import analysis
 from asap._core import PACKAGE_DTYPE
+from asap.results import numbers
 from fake_run import fake_run
 
 EVENT_DTYPE = np.dtype(
@@ -230,6 +232,40 @@ def test_what_a_scheme_learned_counts_where_the_clock_ends_packages(thinned, opa
     assert (np.mean(run.packages["size"] < run.packages["offered"]) > 0.5) == thinned
     found = analysis.fit_cost(run)
     assert (found.alpha_us, found.beta_ns) == pytest.approx(expected, rel=0.02)
+
+
+def test_windows_say_where_the_events_of_their_time_went():
+    rows = packages(
+        t_first=[0, 10_000, 90_000],
+        t_last=[4_999, 19_999, 99_999],
+        offered=[100, 200, 50],
+        size=[100, 90, 50],
+        gamma=[1, 0.5, 1],
+        stale=[0, 0, 700],
+        overflow=[0, 10, 0],
+    )
+    found = numbers.windows(replace(steady(1e6), packages=rows), 10_000)
+    assert found.edges_s == pytest.approx(np.arange(11) / 100)
+    assert found.delivered.tolist() == [100, 90, 0, 0, 0, 0, 0, 0, 0, 50]
+    assert found.filtered.tolist() == [0, 20, *[0] * 8]
+    assert found.discarded.tolist() == [0, 90, *[0] * 8]
+    assert found.overflow.tolist() == [10, *[0] * 9]  # between the packages
+    assert found.stale.tolist() == [0, 0, *[100] * 7, 0]
+    total = found.delivered + found.filtered + found.discarded + found.overflow + found.stale
+    assert found.received.tolist() == total.tolist()
+    assert found.rate_hz(found.received, 2.0)[1] == pytest.approx(200 / 0.01 * 2)
+
+
+@given(st.integers(0, 2**32), st.sampled_from([5_000, 20_000, 2_000_000]))
+@settings(max_examples=20)
+def test_rates_of_windows_are_counts_at_any_load(seed, rate_hz):
+    """Of a package of one event alone the rate is 1 Mev/s."""
+    t = np.sort(np.random.default_rng(seed).integers(0, 10**6, rate_hz))
+    run = asap.simulate(events_at(t), cost=asap.LinearCost(50, 200), latency_ms=10)
+    found = numbers.windows(run)
+    counts, _ = np.histogram((t - t[0]) / 1e6, found.edges_s)
+    assert np.abs(found.received - counts).sum() < 0.05 * rate_hz
+    assert np.median(found.rate_hz(found.received)) == pytest.approx(rate_hz, rel=0.2)
 
 
 def test_a_faster_replay_offers_more_events_per_second():

@@ -213,7 +213,7 @@ def test_ten_million_events_in_one_call() -> None:
     events["t"] = np.arange(events.size) // 10
     run = asap.simulate(events, cost=asap.LinearCost(10, 10), scheme=asap.Greedy())
     assert run.ledger.delivered == events.size
-    pipeline = asap.Pipeline(when_full="newest", capacity=1 << 20)
+    pipeline = asap.Pipeline(when_full="keep_oldest", capacity=1 << 20)
     pipeline.push(events)
     assert (pipeline.ledger.received, pipeline.ledger.pending) == (events.size, 1 << 20)
 

@@ -21,6 +21,7 @@ from event_files import WRITERS, facts, recording, write_csv
 
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
 EVENTS = corrupt.clean_events(70_000)  # more than one block
+EVENTS["y"] //= 4  # dense as a scene, not as noise
 
 
 def outcome(inspection: asap.Inspection) -> dict[str, tuple[int, str, int | None, int | None]]:
@@ -110,7 +111,7 @@ def test_a_counter_that_wraps_is_named(by_us: int, words: str) -> None:
 def test_without_a_sensor_size_addresses_are_not_checked_and_that_is_said() -> None:
     found = asap.check(EVENTS)
     assert outcome(found) == {"out_of_bounds": (0, "note", None, None)}
-    assert "addresses up to x = 345, y = 259" in found.findings["out_of_bounds"].detail
+    assert "addresses up to x = 345, y = 64" in found.findings["out_of_bounds"].detail
     assert found.ok and found.verdict == "note"
     assert asap.check(corrupt.outside_sensor(EVENTS, 30)).ok
     half = asap.check(corrupt.outside_sensor(EVENTS, 30), width=corrupt.WIDTH)
@@ -162,11 +163,26 @@ def test_bands_of_equal_stamps(size: int, apart_us: int, bands: int, share: str)
     assert found.findings["banding"].detail == (f"{share} of the events in bands" if share else "")
 
 
-@pytest.mark.parametrize(("count", "verdict"), [(70, "note"), (71, "wrong")])
+@pytest.mark.parametrize(("count", "verdict"), [(3500, "note"), (3700, "wrong")])
 def test_duplicates(count: int, verdict: str) -> None:
     bad = corrupt.duplicates(EVENTS, count)[: 70_000 + count]
     again = np.append(False, (np.diff(bad["t"]) == 0))
     assert outcome(check(bad)) == {"duplicates": (count, verdict, *place(bad, again))}
+
+
+def test_noise_is_named() -> None:
+    """Of a static scene too: a pixel is no neighbour of its own."""
+    noise = corrupt.clean_events(20_000)
+    noise["y"] = np.random.default_rng(1).integers(0, corrupt.HEIGHT, noise.size)
+    noise["t"] *= 10
+    finding = check(noise).findings["noise"]
+    assert finding.verdict == "note" and finding.count / noise.size > 0.9
+    assert finding.detail.endswith("within 20 ms, as many as where all are noise")
+    flicker = noise.copy()  # pixels apart, each again and again
+    flicker["x"], flicker["y"] = noise["x"] // 8 * 8, noise["y"] // 8 * 8
+    assert check(flicker).findings["noise"].count == flicker.size
+    assert check(EVENTS).findings["noise"].verdict == "ok"
+    assert asap.check(noise).findings["noise"].detail == "not measured: the sensor is unknown"
 
 
 @pytest.mark.parametrize("p", [0, 1])

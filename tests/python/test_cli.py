@@ -21,7 +21,7 @@ import asap
 import corrupt
 import streams
 from asap import _progress, cli, demo
-from asap.cli.algorithms import ALGORITHMS, algorithm_of
+from asap.cli.algorithms import ALGORITHMS, algorithm_of, chosen
 from event_files import write_csv
 
 Call = Callable[..., tuple[int, str, str]]
@@ -180,7 +180,7 @@ def test_run_in_real_time_saves_and_reports(call: Call, flight: Path) -> None:
 
 @pytest.mark.parametrize("name", ALGORITHMS)
 def test_algorithms_by_name_are_made_for_the_sensor(name: str) -> None:
-    algorithm = algorithm_of(name, SimpleNamespace(width=346, height=260))  # type: ignore[arg-type]
+    algorithm = algorithm_of(chosen(name), SimpleNamespace(width=346, height=260))  # type: ignore[arg-type]
     assert type(algorithm).__name__ == ALGORITHMS[name]
     assert (algorithm.width, algorithm.height) == (346, 260)
 

@@ -240,6 +240,17 @@ def test_summary_is_json(comparison):
     assert summary["source"]["events"] == EVENTS.size
 
 
+@pytest.mark.parametrize(
+    ("cost", "rate_bound"), [((100, 300), 0.98 / 300e-9), ((100, 0), 5e6), ((5000, 300), 5e6)]
+)
+def test_the_papers_scheme_gets_the_rate_bound_that_the_cost_can_do(cost, rate_bound):
+    """Where the cost tells none, it has its own."""
+    events = streams.make(np.arange(100))
+    found = asap.compare(events, cost=asap.LinearCost(*cost), latency_ms=10)
+    assert found.runs["Asap2020"].scheme.parameters["rate_bound"] == pytest.approx(rate_bound)
+    assert ("what this cost can do" in str(found)) == (rate_bound != 5e6)
+
+
 def test_overflow_is_a_share():
     found = asap.compare(EVENTS, cost=COST, schemes=[asap.Greedy()], capacity=1024)
     ledger = found.runs["Greedy"].ledger

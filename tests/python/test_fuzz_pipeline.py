@@ -94,7 +94,7 @@ class LivePipeline(RuleBasedStateMachine):
         form=st.sampled_from(("loop", "callback", "native")),
         scheme=st.sampled_from(sorted(SCHEMES)),
         capacity=st.sampled_from((1, 2, 7, 64, 1000)),
-        when_full=st.sampled_from(("thin", "newest", "oldest", "block")),
+        when_full=st.sampled_from(("thin", "keep_oldest", "keep_newest", "block")),
         on_bad=st.sampled_from(("drop", "clamp", "raise")),
         front=st.one_of(st.none(), st.builds(Front, st.integers(1, 3), st.integers(0, 6))),
         of_ours=st.booleans(),

@@ -69,7 +69,7 @@ def test_rejected_and_filtered_events_make_no_gap():
     assert run.gap_us == 0
 
 
-@pytest.mark.parametrize("when_full", ["thin", "newest", "oldest"])
+@pytest.mark.parametrize("when_full", ["thin", "keep_oldest", "keep_newest"])
 def test_live_it_is_of_the_stamps(when_full):
     events = uneven(5)
     pipeline = asap.Pipeline(

@@ -51,7 +51,7 @@ def test_delivers_what_another_thread_pushes():
 
 
 def test_a_package_says_what_it_is():
-    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=10), capacity=30, when_full="newest")
+    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=10), capacity=30, when_full="keep_oldest")
     pipeline.push(streams.make(np.arange(40)))
     pipeline.stop()
     package = next(iter(pipeline))
@@ -174,7 +174,7 @@ def overfull(when_full):
 
 
 def test_when_full_the_newest_go():
-    ledger, stamps = overfull("newest")
+    ledger, stamps = overfull("keep_oldest")
     assert (ledger.overflow, ledger.discarded) == (4000, 0)
     assert stamps.tolist() == list(range(1000))
 
@@ -187,7 +187,7 @@ def resident_bytes():
 def test_a_full_ring_takes_no_more_memory():
     """The queue of the reference implementation grows without end."""
     events = streams.make(np.arange(100_000))
-    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=10), capacity=1000, when_full="newest")
+    pipeline = asap.Pipeline(scheme=asap.FixedSize(size=10), capacity=1000, when_full="keep_oldest")
     pipeline.push(events)
     before = resident_bytes()
     for _ in range(100):  # 160 MB
@@ -200,7 +200,7 @@ def test_a_full_ring_takes_no_more_memory():
 
 
 def test_when_full_the_oldest_go():
-    ledger, stamps = overfull("oldest")
+    ledger, stamps = overfull("keep_newest")
     assert ledger.overflow == 4500
     assert stamps.tolist() == list(range(500, 1000))
 
@@ -227,7 +227,7 @@ def test_every_event_that_no_consumer_took_is_in_the_ledger():
     """The reference implementation clears events without a count."""
     events = streams.make(np.arange(1000))
     events["x"][::100] = 400
-    with asap.Pipeline(width=346, height=260, capacity=256, when_full="newest") as pipeline:
+    with asap.Pipeline(width=346, height=260, capacity=256, when_full="keep_oldest") as pipeline:
         pipeline.push(events)  # and no loop
         now = {"received": 1000, "rejected": 10, "pending": 256, "overflow": 734}
         assert dict(pipeline.ledger) == dict.fromkeys(pipeline.ledger, 0) | now
@@ -399,7 +399,7 @@ def test_a_package_says_what_was_lost_before_it_and_how():
     pipeline = asap.Pipeline(
         scheme=asap.FixedSize(size=10),
         capacity=30,
-        when_full="newest",
+        when_full="keep_oldest",
         before=lambda events: events[::2].copy(),
     )
     pipeline.push(streams.make(np.arange(40)))

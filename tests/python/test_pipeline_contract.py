@@ -186,7 +186,7 @@ STATES = list(
     itertools.product(
         ["none", "loop", "stopping loop", "native", "callback", "stopping callback"],
         ["no camera", "camera"],
-        ["thin", "oldest", "block"],
+        ["thin", "keep_newest", "block"],
         [True, False],
     )
 )

@@ -31,17 +31,17 @@ def test_the_figure_has_the_papers_curves_on_one_time_axis():
     figure = plots.figure(run)
     assert [axes.get_title(loc="left") for axes in figure.axes] == [
         "package size",
-        "rates",
+        "rates in windows of 20 ms",
+        "where the events went",
         "gamma",
         "margin",
         "latency",
     ]
     first, *others = figure.axes
     assert all(first.get_shared_x_axes().joined(first, other) for other in others)
-    size, rates, gamma, margin, latency = figure.axes
+    size, rates, went, gamma, margin, latency = figure.axes
     for axes, column, scale in (
         (size, "size", 1),
-        (rates, "event_rate", 1e-6),
         (gamma, "gamma", 1),
         (margin, "margin_us", 1e-3),
         (latency, "latency_max_us", 1e-3),
@@ -52,10 +52,22 @@ def test_the_figure_has_the_papers_curves_on_one_time_axis():
         assert time_s[0] == pytest.approx(0.0005) and time_s[-1] <= 5
         assert len(values) <= 2000 < run.packages.size
     assert size.get_yscale() == "log"
-    assert curve(rates, 1)[1].max() == pytest.approx(run.packages["rate"].max() * 1e-6)
-    assert set(curve(rates, 2)[1]) == {5.0}
+    raw = rates.patches[0].get_data().values
+    assert raw.max() == pytest.approx(14, rel=0.05) and raw.min() == pytest.approx(0.1, rel=0.2)
+    assert rates.patches[1].get_data().values.max() == pytest.approx(5, rel=0.05)
+    assert set(curve(rates)[1]) == {5.0}
+    assert [patch.get_label() for patch in went.patches] == ["processed", "thinned"]
+    processed, thinned = (patch.get_data() for patch in went.patches)
+    assert processed.values[-1] == pytest.approx(5 / 14, rel=0.05)
+    assert thinned.values == pytest.approx(np.ones(thinned.values.size))
     assert set(curve(margin, 1)[1]) == {0}
     assert set(curve(latency, 1)[1]) == {10.0}
+
+
+def test_a_bound_far_above_the_rates_does_not_flatten_them():
+    rates = plots.figure(fake_run(rates=(1e4, 1e4))).axes[1]
+    assert rates.get_ylim()[1] < 20  # kev/s
+    assert rates.get_lines()[0].get_label() == "bound, a = 5 Mev/s, off scale"
 
 
 def test_the_global_style_stays_as_it_is():

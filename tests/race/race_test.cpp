@@ -202,7 +202,8 @@ std::uint64_t restart_again_and_again(std::uint64_t seed, std::uint64_t events) 
   FixedSize by_size({.size = 1 + draw(20)});
   Greedy greedy;
   Scheme& scheme = draw(2) == 0 ? static_cast<Scheme&>(by_size) : greedy;
-  const WhenFull rules[] = {WhenFull::thin, WhenFull::newest, WhenFull::oldest, WhenFull::block};
+  const WhenFull rules[] = {WhenFull::thin, WhenFull::keep_oldest, WhenFull::keep_newest,
+                            WhenFull::block};
   Pipeline pipeline(scheme,
                     {.latency = 2000us, .capacity = 1 + draw(32), .when_full = rules[seed % 4]});
   std::jthread watcher([&](const std::stop_token& stop) {

@@ -21,7 +21,9 @@ LiveSetup draw_live(Setup& setup) {
   setup.by_arrival = true;
   LiveSetup live;
   const std::size_t policy = draw.below(4);
-  live.when_full = policy < 2 ? WhenFull::thin : policy == 2 ? WhenFull::newest : WhenFull::oldest;
+  live.when_full = policy < 2    ? WhenFull::thin
+                   : policy == 2 ? WhenFull::keep_oldest
+                                 : WhenFull::keep_newest;
   if (draw.chance(0.3)) live.passing = 0.1 + 0.8 * draw.uniform();
   live.filter_key = draw.bits();
   live.own_loop = setup.execution == Execution::whole && draw.chance(0.5);
@@ -44,7 +46,7 @@ RunConfig run_config(const Setup& setup, FrontFilter before, WhenFull when_full)
 }
 
 std::string text(const LiveSetup& live) {
-  constexpr std::array kPolicies{"thin", "newest", "oldest", "block"};
+  constexpr std::array kPolicies{"thin", "keep_oldest", "keep_newest", "block"};
   std::array<char, 256> line{};
   std::snprintf(
       line.data(), line.size(),

@@ -160,7 +160,7 @@ void LiveShadow::saw(std::int64_t now_ns) {
 
 // The consumer's side drops the older half of a ring that it finds full.
 void LiveShadow::drop_oldest() noexcept {
-  if (live_.when_full != WhenFull::oldest || seen() != setup_.capacity || seen() < 2) return;
+  if (live_.when_full != WhenFull::keep_newest || seen() != setup_.capacity || seen() < 2) return;
   overflow_ += seen() / 2;
   head_ += seen() / 2;
 }

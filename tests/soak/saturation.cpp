@@ -66,7 +66,7 @@ void saturated(const std::string& name, WhenFull when_full, double beta_ns, doub
 }  // namespace
 
 void saturation(double seconds, std::uint64_t seed) {
-  saturated("saturation_newest", WhenFull::newest, 0, seconds / 2, seed);
+  saturated("saturation_newest", WhenFull::keep_oldest, 0, seconds / 2, seed);
   saturated("saturation_thin", WhenFull::thin, 100, seconds / 2, seed);
 }
 

@@ -35,7 +35,7 @@ PackagerConfig packager_config(const RunConfig& config, Run::Source source, Kept
                           .kept_mask = mask,
                           .prefault = config.prefault};
   const bool is_live = source == Run::Source::camera;
-  packager.drop_oldest = is_live && config.when_full == WhenFull::oldest;
+  packager.drop_oldest = is_live && config.when_full == WhenFull::keep_newest;
   if (is_live) packager.max_copied = Run::kMaxCopied;
   if (config.max_copied > 0) packager.max_copied = config.max_copied;
   return packager;

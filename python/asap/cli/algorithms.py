@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import inspect
 import os
 import sys
+import textwrap
 import traceback
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 import asap
 from asap import _checks, _core
@@ -19,7 +21,7 @@ from asap.cli.outcome import CHECK_FAILED, USAGE, Failure
 SCHEMES = {kind().name: kind for kind in _core.SCHEMES}
 ALGORITHMS = {
     "clusters": "ClusterTracker",
-    "baf": "BackgroundActivityFilter",
+    "background": "BackgroundActivityFilter",
     "hot_pixels": "HotPixelMask",
     "e_fast": "EFast",
     "arc_star": "ArcStar",
@@ -29,6 +31,8 @@ ALGORITHMS = {
     "sits": "SpeedInvariantTimeSurface",
     "flow": "PlaneFlow",
 }
+
+FILTERS = ("background", "hot_pixels")
 
 Setting = tuple[str, int | float | str]
 
@@ -53,19 +57,33 @@ def scheme_of(name: str | None, settings: Sequence[Setting]) -> asap.Scheme | No
     return SCHEMES[name or "deadline"](**dict(settings))
 
 
-def algorithm_name(text: str) -> str:
-    """Refuse what is neither one of ours by name nor ``package.module:name``."""
-    module, colon, name = text.partition(":")
-    if not (module and name if colon else text in ALGORITHMS):
-        known = ", ".join(sorted(ALGORITHMS))
-        raise argparse.ArgumentTypeError(f"{text}: give one of {known}, or package.module:name")
-    return text
+class Chosen(NamedTuple):
+    """An algorithm or filter: one of ours by name or ``package.module:name``, and parameters."""
+
+    name: str
+    parameters: dict[str, int | float | str]
+    is_own: bool
 
 
-def algorithm_of(name: str, recording: asap.Recording | asap.Camera) -> Any:
+def chosen(text: str, known: Collection[str] = ALGORITHMS) -> Chosen:
+    """Parse ``NAME``, ``NAME:parameter=value,...``, and either with ``package.module:name``."""
+    name, _, settings = text.rpartition(":")
+    if not (name and "=" in settings):
+        name, settings = text, ""
+    module, colon, inner = name.partition(":")
+    if not (module and inner if colon else name in known):
+        words = f"{text}: give one of {', '.join(sorted(known))}, or package.module:name"
+        raise argparse.ArgumentTypeError(words)
+    return Chosen(name, dict(setting(one) for one in settings.split(",") if one), bool(colon))
+
+
+def algorithm_of(chosen: Chosen, recording: asap.Recording | asap.Camera) -> Any:
     """Make the algorithm for the sensor of a source; import it if it is the user's own."""
-    found = _imported(name) if ":" in name else getattr(asap, ALGORITHMS[name])
-    if ":" in name and not isinstance(found, type):
+    name = chosen.name
+    found = _imported(name) if chosen.is_own else getattr(asap, ALGORITHMS[name])
+    if chosen.is_own and not isinstance(found, type):
+        if chosen.parameters:
+            raise Failure(USAGE, f"{name}: is no class, so it takes no parameters")
         return found
     width, height = recording.width, recording.height
     if not (width and height):
@@ -75,11 +93,57 @@ def algorithm_of(name: str, recording: asap.Recording | asap.Camera) -> Any:
             "Give --width and --height; asap info shows how far the events reach",
         )
     try:
-        return found(width, height)
+        return found(width, height, **chosen.parameters)
     except Exception as error:
-        if ":" not in name:
+        if not chosen.is_own:
             raise
         raise _failed(USAGE, name) from error
+
+
+def described() -> str:
+    """List the built-in algorithms and what each takes, as ``asap run --help algorithm`` does."""
+    lines = ["Algorithms and filters, for --algorithm and --before as NAME:PARAMETER=VALUE,...", ""]
+    for name, kind in ALGORITHMS.items():
+        _, _, *given = inspect.signature(getattr(asap, kind)).parameters.values()
+        takes = ", ".join(f"{one.name}={one.default}" for one in given)
+        lines += [f"{name}  (asap.{kind})", textwrap.indent(textwrap.fill(takes, 74), " " * 4)]
+    return "\n".join(
+        [*lines, "", "Your own class takes them as package.module:name:PARAMETER=VALUE."]
+    )
+
+
+class Workers(NamedTuple):
+    """What a run of the command line is given to work with."""
+
+    algorithm: Any
+    before: Any
+    tracks: asap.Tracks | None
+    own: AbstractContextManager[None]  # of the user's own code, if the algorithm is that
+
+
+def workers_of(
+    arguments: Any, source: asap.Recording | asap.Camera, *, default: str | None
+) -> Workers:
+    """Make what ``--algorithm``, ``--before``, ``--tracks`` and ``--every`` ask for."""
+    name = arguments.algorithm or (chosen(default) if default else None)
+    algorithm = algorithm_of(name, source) if name else None
+    before = algorithm_of(arguments.before, source) if arguments.before else None
+    tracks = None
+    if arguments.tracks:
+        _checks.ending("--tracks", arguments.tracks, (".csv",), "give a name that ends in .csv")
+        every_ms = arguments.every / 1e3 if arguments.every else None
+        algorithm = tracks = asap.Tracks(algorithm, every_ms=every_ms)
+    own = own_code(name.name) if name and name.is_own else nullcontext()
+    return Workers(algorithm, before, tracks, own)
+
+
+class Help(argparse.Action):
+    """``--help``, or ``--help algorithm``: the topic instead of the options."""
+
+    def __call__(self, parser: argparse.ArgumentParser, _: Any, topic: Any, *__: Any) -> None:
+        """Print and end."""
+        print(described() if topic == "algorithm" else parser.format_help())
+        parser.exit()
 
 
 def _imported(spec: str) -> Any:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from contextlib import nullcontext
 from typing import Any
 
 import asap
 from asap import _progress, _units
-from asap.cli.algorithms import algorithm_of, own_code, scheme_of
+from asap.cli.algorithms import scheme_of, workers_of
 from asap.cli.options import add_verb, latency_ms, open_recording, typed, writable
 from asap.cli.outcome import (
     BAD_INPUT,
@@ -79,19 +78,19 @@ def run_live(arguments: Any) -> int:
     """Run an algorithm on a camera; show and save the run, however it ended."""
     with usage():
         scheme = scheme_of(arguments.scheme, arguments.settings)
-    name = arguments.algorithm or "clusters"
-    own = own_code(name) if ":" in name else nullcontext()
-    before, camera = asap.last_run(), None
+    before, camera, tracks = asap.last_run(), None, None
     try:
-        with reading(arguments), own, _open(arguments) as camera:
+        with reading(arguments), _open(arguments) as camera:
             with usage():
-                algorithm = algorithm_of(name, camera)
+                workers = workers_of(arguments, camera, default="clusters")
+                tracks = workers.tracks
                 if arguments.record:
                     camera.record(arguments.record)
-            with _progress.on_terminal() as on_progress:
+            with workers.own, _progress.on_terminal() as on_progress:
                 asap.run(
                     camera,
-                    algorithm=algorithm,
+                    algorithm=workers.algorithm,
+                    before=workers.before,
                     scheme=scheme,
                     latency_ms=latency_ms(arguments),
                     on_bad=arguments.on_bad,
@@ -105,5 +104,9 @@ def run_live(arguments: Any) -> int:
             if arguments.save:
                 with writing(arguments.save):
                     run.save(arguments.save)
-            show(run, arguments, arguments.save, camera.recorded if camera else None)
+            if tracks is not None:
+                with writing(arguments.tracks):
+                    tracks.save(arguments.tracks)
+            written = arguments.save, arguments.tracks, camera.recorded if camera else None
+            show(run, arguments, *written)
     return OK

@@ -34,6 +34,7 @@ def add_verb(verbs: Any, name: str, call: Callable[[Any], int], words: str) -> A
         help=words,
         description=words[0].upper() + words[1:] + ".",
         epilog=f"example: {EXAMPLES[name]}",
+        add_help=name != "run",  # that one has a help of its own
     )
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     parser.set_defaults(verb=call)

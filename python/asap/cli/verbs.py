@@ -5,8 +5,8 @@ from __future__ import annotations
 import importlib
 import os
 import textwrap
-from contextlib import nullcontext
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +14,13 @@ import asap
 from asap import _checks, _progress, _units, conversion
 from asap.cli.algorithms import (
     ALGORITHMS,
+    FILTERS,
     SCHEMES,
-    algorithm_name,
-    algorithm_of,
-    own_code,
+    Help,
+    chosen,
     scheme_of,
     setting,
+    workers_of,
 )
 from asap.cli.live import add_cameras, add_live, is_live, run_live
 from asap.cli.options import (
@@ -32,6 +33,7 @@ from asap.cli.options import (
     open_recording,
     page_file,
     run_file,
+    typed,
     writable,
 )
 from asap.cli.outcome import (
@@ -94,15 +96,35 @@ def add_run(verbs: Any) -> None:
     """Add ``asap run``."""
     words = "run an algorithm on a recording or a camera, in closed loop"
     verb = add_verb(verbs, "run", _run, words)
+    words = "show this, or every algorithm with its parameters"
+    verb.add_argument("-h", "--help", action=Help, nargs="?", metavar="algorithm", help=words)
     add_recording(verb, nargs="?")
     add_live(verb)
     verb.add_argument(
         "--algorithm",
-        type=algorithm_name,
-        metavar="NAME|MODULE:NAME",
+        type=chosen,
+        metavar="NAME[:PARAMETER=VALUE,...]",
         help=f"{', '.join(sorted(ALGORITHMS))}; or your own, as package.module:name, from the "
         "current directory or Python's path: a class is made with (width, height), of an object "
         "process(events) is used, a callable is called (default: clusters)",
+    )
+    verb.add_argument(
+        "--before",
+        type=partial(chosen, known=FILTERS),
+        metavar="NAME[:PARAMETER=VALUE,...]",
+        help="a filter in front: background, hot_pixels or your own",
+    )
+    verb.add_argument(
+        "--tracks",
+        type=writable,
+        metavar="OUT.csv",
+        help="write the clusters over time: id, t, x, y, vx, vy, size",
+    )
+    verb.add_argument(
+        "--every",
+        type=typed(_units.parse_duration_us, "every"),
+        metavar="10ms",
+        help="with --tracks: time of the events between two rows of a cluster (default: a package)",
     )
     add_simulation(
         verb,
@@ -137,6 +159,8 @@ def _run(arguments: Any) -> int:
         raise Failure(USAGE, "--opaque: needs --cost, the simulated algorithm that it describes")
     if arguments.cost and arguments.speed != 1.0:
         raise Failure(USAGE, "--speed: not with --cost; only a replay in real time has a speed")
+    if arguments.every and not arguments.tracks:
+        raise Failure(USAGE, "--every: needs --tracks, the file that it is for")
     if arguments.report:
         need_report()
     if is_live(arguments):
@@ -146,21 +170,21 @@ def _run(arguments: Any) -> int:
         cost = asap.LinearCost(*arguments.cost) if arguments.cost else None
     with reading(arguments):
         recording = open_recording(arguments)
-    if arguments.save:
-        with usage():
-            _checks.other_file("--save", arguments.save, recording.path)
-    name = arguments.algorithm or (None if cost else "clusters")
     with usage():
-        algorithm = algorithm_of(name, recording) if name else None
+        for option in ("save", "tracks"):
+            if file := getattr(arguments, option):
+                _checks.other_file(f"--{option}", file, recording.path)
+        simulates = cost is not None and not arguments.tracks
+        workers = workers_of(arguments, recording, default=None if simulates else "clusters")
     options: dict[str, Any] = {
-        "algorithm": algorithm,
+        "algorithm": workers.algorithm,
+        "before": workers.before,
         "scheme": scheme,
         "latency_ms": latency_ms(arguments),
         "on_bad": arguments.on_bad,
         "seed": arguments.seed,
     }
-    own = own_code(name) if name and ":" in name else nullcontext()
-    with reading(arguments), own, _progress.on_terminal() as on_progress:
+    with reading(arguments), workers.own, _progress.on_terminal() as on_progress:
         if cost is not None:
             options["opaque"] = arguments.opaque
             run = asap.simulate(recording, cost=cost, on_progress=on_progress, **options)
@@ -170,7 +194,10 @@ def _run(arguments: Any) -> int:
     if arguments.save:
         with writing(arguments.save):
             run.save(arguments.save)
-    show(run, arguments, arguments.save)
+    if workers.tracks is not None:
+        with writing(arguments.tracks):
+            workers.tracks.save(arguments.tracks)
+    show(run, arguments, arguments.save, arguments.tracks)
     return OK
 
 
@@ -340,7 +367,7 @@ def _report(arguments: Any) -> int:
     return OK
 
 
-_FILES = ("file", "out", "record", "report", "runs", "save", "software_camera")
+_FILES = ("file", "out", "record", "report", "runs", "save", "software_camera", "tracks")
 
 
 def add_completion(verbs: Any) -> None:

@@ -4,6 +4,7 @@ from asap.experiment.batch import map
 from asap.experiment.comparing import compare, oracle
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.runners import last_run, run, simulate
+from asap.experiment.tracks import Tracks
 from asap.results import Comparison, Row, Run
 
 __all__ = [
@@ -11,6 +12,7 @@ __all__ = [
     "Pipeline",
     "Row",
     "Run",
+    "Tracks",
     "compare",
     "last_run",
     "map",

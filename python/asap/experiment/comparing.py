@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -13,6 +14,7 @@ from asap.events import Events
 from asap.experiment.runners import Progress, check_cost, make_config, remember
 from asap.experiment.source import CheckedStream
 from asap.results import Comparison, Row, Run
+from asap.results.cost import Cost
 from asap.synthetic import joined
 
 _DEFAULT_LATENCY_MS = 10.0
@@ -47,7 +49,8 @@ def compare(
     cost : LinearCost
         The simulated algorithm, the same for all.
     schemes : mapping of str to Scheme, or sequence of Scheme, optional
-        Default: those that a user chooses from.
+        Default: those that a user chooses from; `Asap2020` with the rate bound that this cost can
+        do within the bound.
     latency_ms : float, optional
         The latency bound of all, ms. Default: the schemes' own, else 10.
     seed : int
@@ -234,9 +237,17 @@ def user_schemes() -> list[Contender]:
 
 
 def _maker(kind: type[_core.Scheme], settings: Mapping[str, float]) -> Make:
-    if "latency_ms" in kind().parameters:
-        return lambda latency_ms, cost: kind(latency_ms=latency_ms, **settings)
-    return lambda latency_ms, cost: kind(**settings)
+    own = kind().parameters
+
+    def make(latency_ms: float, cost: _core.LinearCost) -> _core.Scheme:
+        given = dict(settings, latency_ms=latency_ms) if "latency_ms" in own else dict(settings)
+        if "rate_bound" in own:  # the one that its user would give: what the algorithm can do
+            per = Cost(*(cost.parameters[name] for name in ("alpha_us", "beta_ns")))
+            if 0 < (rate_bound := per.throughput_hz(latency_ms * 1e3)) < math.inf:
+                given["rate_bound"] = rate_bound
+        return kind(**given)
+
+    return make
 
 
 def labelled(schemes: Any) -> dict[str, _core.Scheme]:

@@ -48,12 +48,12 @@ class Pipeline:
     capacity : int, optional
         Size of the ring, events. Default: at least 2**20. MemoryError if that much memory, 16 bytes
         an event, cannot be had.
-    when_full : {"thin", "newest", "oldest", "block"}
+    when_full : {"thin", "keep_oldest", "keep_newest", "block"}
         What gives way when events come faster than they leave the ring. "thin": beyond three
         quarters, the more the ring fills the fewer events get in, by chance, evenly over a push of
-        any size; the others count as discarded. "newest": what does not fit is dropped. "oldest":
-        finding the ring full, the consumer drops the older half. "block": push waits for room,
-        which another thread has to make; only for sources that can wait, such as files.
+        any size; the others count as discarded. "keep_oldest": what does not fit is dropped.
+        "keep_newest": finding the ring full, the consumer drops the older half. "block": push waits
+        for room, which another thread has to make; only for sources that can wait, such as files.
     reorder_tolerance_us : int
         A stamp that goes back by at most this much, us, is set to the one before and not rejected.
     warmup_discard_us : int

@@ -8,6 +8,7 @@ from typing import Any
 
 from asap import _checks, _core
 from asap.experiment.source import Source
+from asap.experiment.tracks import Tracks
 from asap.results import Ledger, Run
 from asap.results.data import with_first
 
@@ -314,6 +315,7 @@ def make_config(
 
 def _check_frame(field: str, worker: Any, sensor: tuple[int | None, int | None]) -> None:
     """Refuse one of ours that is made for a smaller sensor: it would drop what lies outside."""
+    worker = worker.algorithm if isinstance(worker, Tracks) else worker
     ours = any(base.__module__ == _core.__name__ for base in type(worker).__mro__)
     if not (ours and hasattr(type(worker), "width")):
         return

@@ -9,6 +9,7 @@ import numpy as np
 from asap import _units
 from asap._foreign import unit_doubt
 from asap.inspection.meters import (
+    ALONE_US,
     BAND,
     BAND_GAP_US,
     CROWD,
@@ -26,7 +27,9 @@ from asap.results.data import NOTE, OK, WRONG, Finding
 
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset
 # Shares of the good events.
-WRONG_DUPLICATES = 1e-3  # sound recordings have a few
+WRONG_DUPLICATES = 0.05  # below, no algorithm notices
+NOISE = 0.5  # without a neighbour; sound recordings have up to 0.45
+ALL_NOISE = 0.9  # of the share that events at random would have; sound recordings have up to 0.7
 WRONG_HOT = 0.1
 BANDED = 0.1
 ENOUGH = 100  # events, to expect both polarities
@@ -81,6 +84,7 @@ def judge(raw: RawSource, door: Door, meters: Meters) -> Iterator[Finding]:
     yield _banding(meters)
     yield _duplicates(meters)
     yield _polarity(door, meters)
+    yield _noise(meters)
     yield _hot_pixels(meters)
 
 
@@ -216,8 +220,23 @@ def _duplicates(meters: Meters) -> Finding:
         WRONG if share > WRONG_DUPLICATES else NOTE,
         f"{_units.share(share)} of the events" if tally.count else "",
         "A pixel cannot fire twice in 1 us: the same data were written twice, or the stamps are "
-        "coarse. A run takes each as an event.",
+        f"coarse. A run takes each as an event, which below {WRONG_DUPLICATES:.0%} harms no "
+        "algorithm. Without them: events[np.sort(np.unique(events, return_index=True)[1])].",
     )
+
+
+def _noise(meters: Meters) -> Finding:
+    alone = meters.alone
+    if alone is None:
+        return Finding("noise", 0, OK, "not measured: the sensor is unknown")
+    share = alone.count / max(meters.events, 1)
+    words = f"{_units.share(share)} of the events without a neighbour within {ALONE_US // 1000} ms"
+    if share < NOISE or meters.events < ENOUGH or meters.duration_us < 5 * ALONE_US:
+        return Finding("noise", 0, OK, words)
+    if share >= ALL_NOISE * alone.at_random(meters.events, meters.duration_us):
+        words += ", as many as where all are noise"
+    remedy = "Put asap.BackgroundActivityFilter in front (--before background), or raise the "
+    return Finding("noise", alone.count, NOTE, words, remedy + "thresholds of the camera.")
 
 
 def _polarity(door: Door, meters: Meters) -> Finding:

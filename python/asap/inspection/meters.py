@@ -35,6 +35,8 @@ HOT_EVENTS = 100  # a hot pixel has at least so many events,
 HOT_SHARE = 1e-3  # at least this share of all,
 HOT_FACTOR = 5  # and so many times those of the second busiest pixel around it
 
+ALONE_US = 20_000  # an event without one at a neighbouring pixel for so long is alone
+
 PIXEL_DTYPE = np.dtype([("x", "<u2"), ("y", "<u2"), ("events", "<i8")])
 
 _REACH = 2  # px around a pixel that are its neighbours
@@ -239,6 +241,24 @@ class Duplicates:
         self._open_us = int(t[-1])
 
 
+class Alone:
+    """Events without an earlier one at a neighbouring pixel; its own pixel does not count."""
+
+    def __init__(self, width: int, height: int) -> None:
+        self.count = 0
+        self._pixels = width * height
+        self._filter = _core.BackgroundActivityFilter(width, height, window_us=ALONE_US)
+
+    def add(self, passed: Passed) -> None:
+        """See a block."""
+        self.count += len(passed.events) - len(self._filter.process(passed.events))
+
+    def at_random(self, events: int, duration_us: int) -> float:
+        """Share of the events that would be alone if they came anywhere at any time."""
+        per_pixel = events * ALONE_US / max(duration_us, ALONE_US) / self._pixels
+        return float(np.exp(-8 * per_pixel))
+
+
 class Intervals:
     """Counts by octaves; blocks in time order, however they are cut."""
 
@@ -373,6 +393,8 @@ class Meters:
         self.gaps, self.stamps, self.duplicates = Gaps(), Stamps(), Duplicates()
         self.intervals, self.pixels = Intervals(), PixelMap(width, height)
         self.curve = RateCurve()
+        sides = (width or 0, height or 0)
+        self.alone = Alone(*sides) if 0 < min(sides) <= max(sides) <= MAX_SIDE else None
         self._windows = {ms: PeakCount(ms * 1000) for ms in (1, 10, 100)}
         self.events = self.on = 0
         self.first_stamp_us: int | None = None
@@ -393,6 +415,8 @@ class Meters:
         self.duplicates.add(passed)
         self.intervals.add(passed)
         self.pixels.add(passed)
+        if self.alone is not None:
+            self.alone.add(passed)
         self.curve.add(t - self._begin_us)
         for window in self._windows.values():
             window.add(t - self._begin_us)

@@ -13,12 +13,22 @@ from typing import TYPE_CHECKING
 
 from asap import _checks
 from asap.results import data, saved, text
-from asap.results.data import Finding, Ledger, Named, Row
+from asap.results.data import Finding, Ledger, Named, Row, table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Comparison", "Finding", "Inspection", "Ledger", "Named", "Row", "Run", "load_run"]
+__all__ = [
+    "Comparison",
+    "Finding",
+    "Inspection",
+    "Ledger",
+    "Named",
+    "Row",
+    "Run",
+    "load_run",
+    "table",
+]
 
 
 class Run(data.Run):  # noqa: D101 (it has that of the data)

@@ -5,11 +5,12 @@ Text, figures and pages are above, in modules of their own; `asap.results` puts 
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import os
 import pickle  # only to ask whether something can be pickled; nothing here reads one
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -54,6 +55,39 @@ def without_nan(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [without_nan(one) for one in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def flat(value: Any, name: str = "") -> dict[str, Any]:
+    """Flatten dicts in dicts: their names are joined by dots."""
+    if not isinstance(value, Mapping):
+        return {name: value}
+    found: dict[str, Any] = {}
+    for key, inner in value.items():
+        found |= flat(inner, f"{name}.{key}" if name else str(key))
+    return found
+
+
+def table(runs: Iterable[Any]) -> list[dict[str, Any]]:
+    """Return a flat row for each run: what `summary` holds, as ``"latency_us.p99"``.
+
+    ``pandas.DataFrame``, ``polars.DataFrame`` and ``csv.DictWriter`` take it.
+
+    Parameters
+    ----------
+    runs : iterable of Run
+        Of `run`, `simulate`, `map` or `load_run`; inspections too.
+    """
+    if isinstance(runs, (Result, Mapping)) or not isinstance(runs, Iterable):
+        raise TypeError(_checks.named("runs", runs, "give a list of runs"))
+    listed = list(runs)
+    for run in listed:
+        if not hasattr(run, "summary"):
+            raise TypeError(_checks.named("runs", run, "give runs; leave out those that failed"))
+    return [flat(run.summary()) for run in listed]
+
+
+def _data_frame(columns: Mapping[str, Any] | list[dict[str, Any]]) -> Any:
+    return importlib.import_module("pandas").DataFrame(columns)
 
 
 # ---- a run --------------------------------------------------------------------------------------
@@ -230,6 +264,11 @@ class Run(Result):
     def bound_kept(self) -> bool:
         """Whether no event was delivered later than 1.01 times the bound."""
         return self.latency.max <= BOUND_KEPT * self.latency_bound_us
+
+    def to_pandas(self) -> Any:
+        """Return `packages` as a ``pandas.DataFrame``, a row for each package."""
+        check_run(self)
+        return _data_frame({name: self.packages[name] for name in self.packages.dtype.names or ()})
 
     def summary(self) -> dict[str, Any]:
         """Sum the run up as one JSON object."""
@@ -480,6 +519,10 @@ class Comparison(Result, Mapping[str, Row]):
 
     def __getitem__(self, label: str) -> Row:
         return {row.label: row for row in self.rows}[label]
+
+    def to_pandas(self) -> Any:
+        """Return a ``pandas.DataFrame`` with a row for each scheme, the best score first."""
+        return _data_frame([asdict(row) for row in self.rows])
 
     def summary(self) -> dict[str, Any]:
         """Sum the comparison up as one JSON object."""

@@ -78,7 +78,7 @@ class NotebookFigure(Figure):
 
 
 def figure(
-    run: Run, *, size_inches: tuple[float, float] = (7.0, 8.4), points: int = 2000
+    run: Run, *, size_inches: tuple[float, float] = (7.0, 9.8), points: int = 2000
 ) -> Figure:
     """Draw the paper's figure of a run on a page of its own; see `control`.
 
@@ -107,9 +107,9 @@ def control(
 ) -> Figure | SubFigure:
     """Draw what the closed loop did, over time: the figures of the 2020 paper, and the latency.
 
-    Five rows share the time axis: package size; event rate, thinned rate R and the rate bound a;
-    gamma; margin (processing time - span, below zero is real time); largest latency of each package
-    with the latency bound.
+    Six rows share the time axis: package size; event rate, thinned rate R and the rate bound a in
+    windows of time; where the events of each window went; gamma; margin (processing time - span,
+    below zero is real time); largest latency of each package with the latency bound.
 
     Parameters
     ----------
@@ -126,10 +126,11 @@ def control(
     Asynchronous Processing of Event-based Vision Algorithms, ICRA 2020 workshop; latency is ours.
     """
     with matplotlib.rc_context(STYLE):
-        figure = figure or NotebookFigure(figsize=(7.0, 8.4), layout="constrained")
+        figure = figure or NotebookFigure(figsize=(7.0, 9.8), layout="constrained")
         rows = figure.subplots(len(_ROWS), 1, sharex=True)
+        curves = _Curves(run, points)
         for axes, draw in zip(rows, _ROWS, strict=True):
-            draw(_Curves(run, points), axes)
+            draw(curves, axes)
             axes.margins(x=0.01)
         rows[-1].set_xlabel("time from the first event [s]")
         figure.align_ylabels()
@@ -157,6 +158,7 @@ class _Curves:
         self.run = run
         self._points = points
         self._time_s = numbers.time_s(run)
+        self.windows = numbers.windows(run)
 
     def values(self, column: str, scale: float = 1.0) -> Floats:
         return np.asarray(self.run.packages[column] * scale, np.float64)
@@ -174,14 +176,43 @@ def _draw_size(curves: _Curves, axes: Axes) -> None:
 
 
 def _draw_rates(curves: _Curves, axes: Axes) -> None:
-    peak_hz = max(curves.values("event_rate").max(initial=0), 1.0)
-    unit, scale = _units.rate_axis(peak_hz)
-    curves.draw(axes, curves.values("event_rate", scale), color=FAINT, label="event rate")
-    curves.draw(axes, curves.values("rate", scale), color=GREEN, label="thinned, R")
-    rate_bound = curves.run.scheme.parameters.get("rate_bound")
+    run, found = curves.run, curves.windows
+    event_rate = found.rate_hz(found.received, run.speed)
+    thinned = found.rate_hz(found.delivered, run.speed)
+    top_hz = 1.15 * max(event_rate.max(initial=0), 1.0)
+    unit, scale = _units.rate_axis(top_hz)
+    edges_s = found.edges_s
+    axes.stairs(event_rate * scale, edges_s, fill=True, color=FAINT, alpha=0.55, label="event rate")
+    axes.stairs(thinned * scale, edges_s, color=GREEN, linewidth=1.1, label="thinned, R")
+    rate_bound = run.scheme.parameters.get("rate_bound")
     if rate_bound:
-        _line(axes, rate_bound * scale, "bound, a")
-    axes.set(title="rates", ylabel=unit)
+        hidden = "" if rate_bound <= top_hz else f" = {_units.rate(rate_bound)}, off scale"
+        _line(axes, rate_bound * scale, f"bound, a{hidden}")
+    width = _units.duration(1e6 * float(np.diff(found.edges_s[:2]).sum()))
+    axes.set(title=f"rates in windows of {width}", ylabel=unit, ylim=(0, top_hz * scale))
+    _legend(axes)
+
+
+_WENT = {
+    "delivered": (GREEN, "processed"),
+    "filtered": (FAINT, "filtered"),
+    "discarded": (PURPLE, "thinned"),
+    "stale": (VERMILION, "stale"),
+    "overflow": (INK, "overflow"),
+}
+
+
+def _draw_kept_and_lost(curves: _Curves, axes: Axes) -> None:
+    found = curves.windows
+    below = np.zeros(found.received.size)
+    for name, (colour, label) in _WENT.items():
+        part = getattr(found, name)
+        if part.any():
+            share = np.divide(part, found.received, out=np.zeros(part.size), where=part > 0)
+            top = below + share
+            axes.stairs(top, found.edges_s, baseline=below, fill=True, color=colour, label=label)
+            below = top
+    axes.set(title="where the events went", ylabel="share", ylim=(0, 1.05), yticks=(0, 0.5, 1))
     _legend(axes)
 
 
@@ -226,6 +257,7 @@ def _draw_latency(curves: _Curves, axes: Axes) -> None:
 _ROWS: tuple[Callable[[_Curves, Axes], None], ...] = (
     _draw_size,
     _draw_rates,
+    _draw_kept_and_lost,
     _draw_gamma,
     _draw_margin,
     _draw_latency,
@@ -310,6 +342,54 @@ def clusters(
     return axes
 
 
+_LONG = 40  # tracks that are drawn in colour and named; the others are thin and grey
+
+
+def tracks(
+    tracks: NDArray[np.void],
+    *,
+    events: NDArray[np.void] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw where clusters went: a line for each, the 40 longest in colour, named at their ends.
+
+    Parameters
+    ----------
+    tracks : ndarray, shape (n,)
+        ``Tracks.tracks``: fields id, x, y, in time order.
+    events : ndarray, optional
+        Drawn below as grey pixels.
+    ax : Axes, optional
+        Where to draw.
+    """
+    axes = ax or _own_axes((7.0, 5.2))
+    if events is not None and len(events):
+        events = events_of_argument("events", events)
+        axes.plot(events["x"], events["y"], ",", color=FAINT, alpha=0.35, rasterized=True)
+    order = np.argsort(tracks["id"], kind="stable")
+    parts = np.split(order, np.flatnonzero(np.diff(tracks["id"][order])) + 1)
+    parts.sort(key=len)
+    for rank, part in enumerate(reversed(parts)):
+        is_long = rank < _LONG and part.size > 1
+        colour = (BLUE, VERMILION, GREEN, PURPLE, AMBER)[rank % 5] if is_long else FAINT
+        x, y = tracks["x"][part], tracks["y"][part]
+        axes.plot(x, y, color=colour, linewidth=1.3 if is_long else 0.6, zorder=3 if is_long else 2)
+        if is_long:
+            axes.text(x[-1], y[-1], str(tracks["id"][part[0]]), color=colour, fontsize=7, zorder=4)
+    axes.set(aspect="equal", xlabel="x [px]", ylabel="y [px]")
+    axes.invert_yaxis()
+    axes.grid(False)
+    return axes
+
+
+def tracks_figure(found: NDArray[np.void], events: NDArray[np.void] | None) -> Figure:
+    """Draw tracks on a page of their own; see `tracks`."""
+    with matplotlib.rc_context(STYLE):
+        page = NotebookFigure(figsize=(7.0, 5.2), layout="constrained")
+        tracks(found, events=events, ax=page.add_subplot())
+    return page
+
+
 def _ellipse(cluster: Mapping[str, Any] | np.void) -> Ellipse:
     outline = _core.outline_of(*(cluster[field] for field in ("x", "y", "cxx", "cxy", "cyy")))
     return Ellipse(
@@ -356,7 +436,7 @@ def _legend(axes: Axes) -> None:
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
         borderaxespad=0.2,
-        ncols=3,
+        ncols=5,
         handlelength=1.5,
         handletextpad=0.5,
         columnspacing=1.2,

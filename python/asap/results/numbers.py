@@ -8,6 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -242,12 +243,13 @@ class Diagnosis:
     ----------
     limit : str
         ``"data"``: bad events were most of the loss, and too many for the wanted share.
-        ``"camera"``: nearly all good events were in time. ``"bound"``: a longer one would do.
-        ``"algorithm"``: only a cheaper one would. ``"fixed cost"``: the bound was not kept and
-        could not be, whatever the events (`Cost.least_bound_us`). These three only where the cost
-        explains at least half of what the scheme dropped. ``"scheme"``: the algorithm could have
-        done it. ``"machine"``: it could, but the replay itself was late by much of the bound.
-        ``"unknown"``: the packages do not tell the cost of an event (`Cost.one_size`).
+        ``"machine"``: the replay itself was late for so long that this can explain at least half
+        of what was lost, however little that is. ``"camera"``: nearly all good events were in time.
+        ``"bound"``: a longer one would do. ``"algorithm"``: only a cheaper one would. ``"fixed
+        cost"``: the bound was not kept and could not be, whatever the events
+        (`Cost.least_bound_us`). These three only where the cost explains at least half of what the
+        scheme dropped. ``"scheme"``: the algorithm could have done it. ``"unknown"``:
+        the packages do not tell the cost of an event (`Cost.one_size`).
     cost : Cost
         As the packages of the run explain it (`fit_cost`).
     offered_hz : float
@@ -258,6 +260,8 @@ class Diagnosis:
         Latency bound that gives it; None where no bound does.
     speedup : float
         How many times faster the algorithm would have to be, at the bound of the run.
+    late_share : float
+        Share of the time in which the replay itself was late by more than half the bound.
     """
 
     limit: str
@@ -266,6 +270,7 @@ class Diagnosis:
     needed_hz: float
     bound_us: float | None
     speedup: float
+    late_share: float
 
 
 def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
@@ -277,27 +282,34 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     cost = fit_cost(run)
     wanted = _checks.number("wanted", wanted, 0, 1, "give a share from 0 to 1")
     bound_us = run.latency_bound_us
-    rates_hz = _offered_rates(run, bound_us)
+    found = windows(run, bound_us * run.speed)
+    rates_hz = found.rate_hz(found.received, run.speed)
     needed_hz = _throughput_to_keep(rates_hz, wanted)
     # T6 solved for L, and for a factor on alpha and beta together.
     load = cost.beta_ns * needed_hz / 1e9
     needed_bound_us = 2 * cost.alpha_us / (1 - load) if load < 1 else None
     speedup = load + 2 * cost.alpha_us / bound_us
-    late_us = run.lateness.quantile(0.99) if run.lateness is not None else 0.0
+    late_share = _late_share(run)
+    in_time = _good_in_time(run)
     if _bad_data_limit(run, wanted):
         limit = "data"
     elif bound_needed_us(cost, bound_us, run.latency.max) and _explains(run, cost, rates_hz):
         limit = "fixed cost"
-    elif _good_in_time(run) >= wanted:
-        limit = "camera"
-    elif speedup > 1 and cost.one_size is None and _explains(run, cost, rates_hz):
+    elif (
+        in_time < wanted
+        and speedup > 1
+        and cost.one_size is None
+        and _explains(run, cost, rates_hz)
+    ):
         limit = "algorithm" if needed_bound_us is None else "bound"
-    elif late_us > bound_us / 2:
+    elif 0 < 1 - in_time <= 2 * _most_in(rates_hz, late_share):
         limit = "machine"
+    elif in_time >= wanted:
+        limit = "camera"
     else:
         limit = "scheme" if cost.one_size is None else "unknown"
     mean_hz = float(rates_hz.mean()) if rates_hz.size else 0.0
-    return Diagnosis(limit, cost, mean_hz, needed_hz, needed_bound_us, speedup)
+    return Diagnosis(limit, cost, mean_hz, needed_hz, needed_bound_us, speedup, late_share)
 
 
 def _bad_data_limit(run: Run, wanted: float) -> bool:
@@ -314,6 +326,28 @@ def _good_in_time(run: Run) -> float:
     return run.in_time * ledger.received / good if good else 1.0
 
 
+_PUSH_US = 1_000  # of stamps, at most, in one push of a replay that is late
+
+
+def _late_share(run: Run) -> float:
+    """Share of the time in which the producer was late by more than half the bound."""
+    wall_us = run.source["duration_s"] * 1e6 / run.speed
+    if run.lateness is None or wall_us <= 0:
+        return 0.0
+    low, high = 0.0, 1.0  # the share of pushes that were not so late
+    for _ in range(30):
+        q = (low + high) / 2
+        is_late = run.lateness.quantile(q) > run.latency_bound_us / 2
+        low, high = (low, q) if is_late else (q, high)
+    return min((1 - high) * run.lateness.count * _PUSH_US / float(wall_us), 1.0)
+
+
+def _most_in(rates_hz: Floats, share: float) -> float:
+    """Share of the events in the busiest windows that are so large a share of the time."""
+    busiest = np.sort(rates_hz)[::-1][: int(np.ceil(share * rates_hz.size))]
+    return float(busiest.sum() / rates_hz.sum()) if busiest.size else 0.0
+
+
 def _explains(run: Run, cost: Cost, rates_hz: Floats) -> bool:
     """Whether the scheme dropped at most twice what has to be dropped at this cost (T6)."""
     ledger = run.ledger
@@ -322,21 +356,66 @@ def _explains(run: Run, cost: Cost, rates_hz: Floats) -> bool:
     return ledger.discarded + ledger.stale <= 2 * unavoidable
 
 
-def _offered_rates(run: Run, window_us: float) -> Floats:
-    """Event rate (wall time) in windows over the run, losses before the packages included."""
+class Windows(NamedTuple):
+    """Events of each window by where they went; the edges in s, one more than windows."""
+
+    edges_s: Floats
+    received: Floats
+    delivered: Floats
+    filtered: Floats
+    discarded: Floats
+    stale: Floats
+    overflow: Floats
+
+    def rate_hz(self, events: Floats, speed: float = 1.0) -> Floats:
+        """Return so many events of each window as a rate, of wall time at this speed."""
+        return np.asarray(events / np.diff(self.edges_s) * speed, np.float64)
+
+
+def windows(run: Run, window_us: float | None = None) -> Windows:
+    """Count where the events of a run went, in windows of equal length on the recording's axis.
+
+    The events of a package count as evenly spread over it, what was lost before it as evenly spread
+    since the package before. By default a window is 1, 2 or 5 times a power of ten long, so that it
+    holds 100 events on average and there are at most 400.
+    """
+    check_run(run)
     rows = run.packages
     if rows.size == 0:
-        return np.empty(0)
-    total = np.cumsum(rows["offered"] + rows["stale"] + rows["overflow"], dtype=np.float64)
-    # Within a package the events count as evenly spread from its first to just after its last.
+        return Windows(np.zeros(1), *[np.empty(0)] * 6)
+    # From its first event to just after its last.
     at_us = np.column_stack((rows["t_first"], rows["t_last"] + 1)).ravel() - rows["t_first"][0]
-    at_us = np.maximum.accumulate(at_us) / run.speed
+    within = np.asarray(np.maximum.accumulate(at_us), np.float64)
+    before = np.append(0.0, within[:-1])
+    duration_us = float(within[-1])
+    if window_us is None:
+        events = int((rows["offered"] + rows["stale"] + rows["overflow"]).sum())
+        window_us = _round_up(max(duration_us / 400, 100 * duration_us / events))
+    count = min(max(round(duration_us / window_us), 1), 1_000_000)
+    edges_us = np.append(np.arange(count) * window_us, duration_us)  # the last takes the rest
+    thinned = np.rint(rows["size"] / rows["gamma"])
+    went = (
+        _spread(within, rows["size"], edges_us),
+        _spread(within, rows["offered"] - thinned, edges_us),
+        _spread(within, thinned - rows["size"], edges_us),
+        _spread(before, rows["stale"], edges_us),
+        _spread(before, rows["overflow"], edges_us),
+    )
+    return Windows(edges_us / 1e6, np.sum(went, axis=0), *went)
+
+
+def _round_up(value: float) -> float:
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(factor * power for factor in (1, 2, 5, 10) if factor * power >= value))
+
+
+def _spread(at_us: Floats, counts: NDArray[np.int64], edges_us: Floats) -> Floats:
+    """Events in each window, from those of each package between its two times."""
+    total = np.cumsum(counts, dtype=np.float64)
     before_and_after = np.column_stack((np.append(0.0, total[:-1]), total)).ravel()
-    duration_us = float(at_us[-1]) or 1.0
-    windows = min(max(round(duration_us / window_us), 1), 1_000_000)
-    edges_us = np.linspace(0.0, duration_us, windows + 1)
-    counts = np.diff(np.interp(edges_us, at_us, before_and_after))
-    return np.asarray(counts * (windows * 1e6 / duration_us), np.float64)
+    reached = np.interp(edges_us, at_us, before_and_after)
+    reached[0], reached[-1] = 0.0, total[-1]
+    return np.asarray(np.diff(reached), np.float64)
 
 
 def _throughput_to_keep(rates_hz: Floats, share: float) -> float:

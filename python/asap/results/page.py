@@ -10,12 +10,15 @@ import base64
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from asap import _checks, _units
 from asap.results import figures, text  # figures first: it says which extra is missing
-from asap.results.data import Comparison, Inspection, Run
+from asap.results.data import Comparison, Inspection, Run, flat
 
 try:
     import jinja2
@@ -93,7 +96,7 @@ def write_runs(
         raise ValueError("runs = []: give at least one run")
     file = _checks.page_file("path", path)
     above = _side_by_side(runs) if len(runs) > 1 else ""
-    return write(file, title, map(_article_of_run, runs), above=above)
+    return write(file, title, chain.from_iterable(map(_articles_of_run, runs)), above=above)
 
 
 def write_comparison(
@@ -110,16 +113,27 @@ def write_inspection(
     return write(path, title, _articles_of_inspection(inspection))
 
 
-def _article_of_run(run: Run) -> Article:
+def _articles_of_run(run: Run) -> Iterator[Article]:
     summary = _shortened(run.summary())
-    return Article(
+    yield Article(
         "run",
         summary,
         text.run_html(run),
         None if run.without_log else figures.figure(run),
-        "What the closed loop did, package by package.",
-        {"All numbers of this run": text.table((), _flat(summary))},
+        "What the closed loop did: rates and shares in windows of time, the rest by package.",
+        {"All numbers of this run": text.table((), _all_numbers(summary))},
     )
+    tracks = getattr(run.algorithm, "tracks", None)
+    if isinstance(tracks, np.ndarray) and {"id", "x", "y"} <= set(tracks.dtype.names or ()):
+        found = int(np.unique(tracks["id"]).size)
+        yield Article(
+            "tracks",
+            {"tracks": found, "rows": int(tracks.size)},
+            text.heading(f"Tracks of {_units.count(found)} clusters"),
+            figures.tracks_figure(tracks, getattr(run.algorithm, "seen", None)),
+            "Where the clusters went, the 40 longest tracks in colour and named at their ends. "
+            "Grey: some of the events.",
+        )
 
 
 def _side_by_side(runs: Sequence[Run]) -> str:
@@ -201,9 +215,6 @@ def _shortened(value: Any) -> Any:
     return [_shortened(inner) for inner in value] if isinstance(value, (list, tuple)) else value
 
 
-def _flat(value: Any, name: str = "") -> Iterator[tuple[str, str]]:
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _flat(inner, f"{name}.{key}" if name else str(key))
-    else:
+def _all_numbers(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    for name, value in flat(summary).items():
         yield name, f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -22,6 +22,7 @@ from asap.results.data import Comparison, Finding, Inspection, Row, Run
 from asap.results.numbers import Diagnosis, diagnose
 
 _WIDTH = 78
+_ALMOST = 100  # fixed costs, in which a scheme loses next to nothing to them
 _LONG_GAP = 0.5  # times the bound
 
 LEDGER_WORDS = {
@@ -73,9 +74,13 @@ def run_figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
         ("gamma", f"mean {gamma['mean']:.3f}, min {gamma['min']:.3f}"),
         ("busy", f"{_units.share(summary['cpu'])} of the time in the algorithm"),
     ]
+    cost = summary["estimated_cost"] and Cost(**summary["estimated_cost"])
+    if cost and cost.one_size is None and cost.alpha_us > 0:
+        least, most = (_units.duration(us) for us in (cost.least_bound_us, _ALMOST * cost.alpha_us))
+        rows.append(("bounds", f"at least {least} at this cost; from {most} on nearly all in time"))
     if pacing := summary["pacing_us"]:
-        late = f"p99 {_units.duration(pacing['p99'])}, max {_units.duration(pacing['max'])}"
-        rows.append(("jitter", f"{late}: this machine's, in the pace of the replay"))
+        late = ", ".join(f"{q} {_units.duration(pacing[q])}" for q in ("p50", "p99", "max"))
+        rows.append(("pace", f"{late}: by so much the replay itself was late"))
     lost = summary["source"].get("upstream_lost", {})
     if any(lost.values()):
         rows.append(
@@ -183,9 +188,9 @@ def _explanation(run: Run, found: Diagnosis) -> str:
         )
     if found.limit == "machine" and run.lateness is not None:
         return (
-            f"The replay itself was late, by {_units.duration(run.lateness.quantile(0.99))} (p99) "
-            f"and {_units.duration(run.lateness.max)} at most. Repeat it on a quiet machine, "
-            "or in virtual time."
+            f"The replay itself was late, by {_units.duration(run.lateness.max)} at most and by "
+            f"more than half the bound for {_units.share(found.late_share)} of the time. Repeat it "
+            "on a quiet machine, or in virtual time."
         )
     return f"Estimated cost: {_run_cost(found.cost)}. {_run_remedy(run, found)}".rstrip()
 
@@ -343,6 +348,19 @@ def comparison_subtitle(comparison: Comparison) -> str:
         f"an algorithm of {_units.duration(cost['alpha_us'])} per package + "
         f"{_units.duration(cost['beta_ns'] / 1e3)} per event{noise}{drift}{outages}{whole}; "
         f"latency bound L = {_units.duration(comparison.latency_ms * 1e3)}; virtual time"
+        f"{_rate_bounds(comparison)}"
+    )
+
+
+def _rate_bounds(comparison: Comparison) -> str:
+    """Say the rate bound of each scheme that has one, and whether the cost can do it."""
+    cost = comparison.cost.parameters
+    most_hz = Cost(cost["alpha_us"], cost["beta_ns"]).throughput_hz(comparison.latency_ms * 1e3)
+    return "".join(
+        f"; {label} with the rate bound a = {_units.rate(a_hz)}"
+        + ", what this cost can do within L" * math.isclose(a_hz, most_hz)
+        for label, run in comparison.runs.items()
+        if (a_hz := run.scheme.parameters.get("rate_bound"))
     )
 
 
@@ -497,8 +515,9 @@ CHECKS = {
     "stuck_time": "such stamps after which the time jumps by 1 ms or more",
     "banding": "4 or more events on one stamp, then none for 10 us or more; told when they hold a "
     "tenth of the events",
-    "duplicates": "events that equal an earlier one in all: wrong beyond one in a thousand",
+    "duplicates": "events that equal an earlier one in all: wrong beyond one in twenty",
     "polarity": "values other than 0 and 1",
+    "noise": "events without a neighbour for 20 ms; told when they are half of all",
     "hot_pixels": "pixels with at least 100 events, 0.1 % of all, and five times those of the "
     "second busiest pixel around them; wrong if they hold a tenth of the events",
 }

@@ -183,7 +183,7 @@ TEST(IntakeThin, TheTableSaysHowManyAreMissingBefore) {
 }
 
 TEST(IntakeNewest, DropsWhatDoesNotFit) {
-  Rig rig(100, WhenFull::newest);
+  Rig rig(100, WhenFull::keep_oldest);
   for (int push = 0; push < 4; ++push) rig.intake.take(evenly_spaced(40, 1), push);
   EXPECT_EQ(rig.buffer.size(), 100u);
   EXPECT_EQ(rig.buffer.overflow(), 60u);

@@ -411,7 +411,7 @@ TEST(Pipeline, TheNewestThatDoNotFitOverflow) {
   Greedy scheme;
   RunConfig config = kWhole;
   config.capacity = 100;
-  config.when_full = WhenFull::newest;
+  config.when_full = WhenFull::keep_oldest;
   Pipeline run(scheme, config);
   run.push(test::evenly_spaced(150, 1), {});
   EXPECT_EQ(run.ledger(), (Ledger{.received = 150, .overflow = 50, .pending = 100}));
@@ -461,7 +461,7 @@ TEST(Pipeline, TheBoundOfACopyIsConfigured) {
 
 // Lost at the door, dropped from a full ring, thinned there or stale: alone and in any mixture.
 TEST(Pipeline, TheGapIsThatOfTheEventsBetweenDeliveredOnes) {
-  for (const WhenFull when_full : {WhenFull::thin, WhenFull::newest, WhenFull::oldest}) {
+  for (const WhenFull when_full : {WhenFull::thin, WhenFull::keep_oldest, WhenFull::keep_newest}) {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
       const CounterRandom random(seed + 77);
       std::uint64_t draws = 0;
@@ -548,7 +548,7 @@ TEST(PipelineThin, OverflowStaysZeroAndGammaSaysIt) {
 
 TEST(PipelineOldest, AFullRingLosesItsOlderHalf) {
   Greedy scheme;
-  Pipeline pipeline(scheme, whole(100, WhenFull::oldest));
+  Pipeline pipeline(scheme, whole(100, WhenFull::keep_newest));
   pipeline.push(evenly_spaced(130, 1));
   Package package;
   ASSERT_EQ(pipeline.next(package, kLong), Next::package);
@@ -563,7 +563,7 @@ TEST(PipelineOldest, AFullRingLosesItsOlderHalf) {
 TEST(PipelineOldest, ARingThatIsNotFullLosesNothing) {
   Greedy scheme;
   for (const std::size_t events : {std::size_t{99}, std::size_t{1}}) {
-    Pipeline pipeline(scheme, whole(events == 1 ? 1 : 100, WhenFull::oldest));
+    Pipeline pipeline(scheme, whole(events == 1 ? 1 : 100, WhenFull::keep_newest));
     pipeline.push(evenly_spaced(events, 1));
     Package package;
     ASSERT_EQ(pipeline.next(package, kLong), Next::package);

@@ -23,6 +23,10 @@
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
 
+#if defined(__linux__)
+#include <sys/prctl.h>
+#endif
+
 namespace asap::replay_test {
 namespace {
 
@@ -403,6 +407,21 @@ TEST(Replay, RunsOnce) {
   EXPECT_THROW(replay.run(again, [](EventSpan) {}), std::logic_error);
   EXPECT_EQ(replay.ledger(), (Ledger{.received = 60, .delivered = 60}));
 }
+
+#if defined(__linux__)
+TEST(Replay, SleepsAsExactlyAsTheKernelCan) {
+  struct Asking final : EventSource {
+    EventSpan next() override {
+      slack_ns = prctl(PR_GET_TIMERSLACK);
+      return {};
+    }
+    int slack_ns = 0;
+  } source;
+  Greedy scheme;
+  Replay(scheme).run(source, [](EventSpan) {});
+  EXPECT_EQ(source.slack_ns, 1);
+}
+#endif
 
 TEST(Replay, RefusesABadConfigurationByName) {
   Greedy scheme;

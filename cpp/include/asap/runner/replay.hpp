@@ -49,8 +49,8 @@ class SpanSource final : public EventSource {
 
 struct ReplayConfig {
   double speed = 1.0;  // 2 = twice as fast as recorded
-  // The producer pushes at most this often.
-  std::chrono::nanoseconds pacing = std::chrono::microseconds(200);
+  // The producer pushes at most this often; half of it is part of the median latency.
+  std::chrono::nanoseconds pacing = std::chrono::microseconds(50);
 };
 
 class Replay {

@@ -24,9 +24,9 @@ enum class WhenFull {
   // the thinning stays uniform, whatever the size of a push, and counts as discarded. Only a push
   // that finds the ring full, because the consumer stands still, is overflow. See Intake.
   thin,
-  newest,  // what does not fit is dropped
-  oldest,  // finding the ring full, the consumer drops the older half
-  block,   // the producer waits for room: only for sources that can wait, such as files
+  keep_oldest,  // what does not fit is dropped
+  keep_newest,  // finding the ring full, the consumer drops the older half
+  block,        // the producer waits for room: only for sources that can wait, such as files
 };
 
 struct RunConfig {

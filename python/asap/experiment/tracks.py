@@ -1,0 +1,115 @@
+"""Tracks: what an algorithm with clusters found, kept over the time of a run."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import _checks, _core
+from asap.events import EVENT_DTYPE, Events
+
+_COLUMNS = ("id", "t", "x", "y", "vx", "vy", "size")
+_SEEN = 256  # events of a row that the picture shows
+_MOST_SEEN = 4096  # rows with events; more thin each other out
+
+
+class Tracks:
+    """An algorithm with ``.clusters`` that notes where they are.
+
+    The algorithm gets every package as a whole, and what the notes cost is measured with it.
+
+    Parameters
+    ----------
+    algorithm
+        A `ClusterTracker`, or an object with process(events) and ``.clusters``, a structured array
+        with the fields id, x, y and, where it has them, vx, vy and size.
+    every_ms : float, optional
+        Time of the events between two notes, ms. Default: after every package with a new stamp.
+
+    Attributes
+    ----------
+    tracks : ndarray
+        A row for each cluster at each note: id, t (us, the last event of the package), x, y, vx,
+        vy, size; of these what the clusters have.
+    """
+
+    def __init__(self, algorithm: Any, *, every_ms: float | None = None) -> None:
+        fields = _fields(getattr(algorithm, "clusters", None))
+        if not (hasattr(algorithm, "process") and {"id", "x", "y"} <= set(fields)):
+            remedy = "give one with process(events) and clusters, an array with id, x, y"
+            raise TypeError(_checks.named("algorithm", algorithm, remedy))
+        self.algorithm = algorithm
+        remedy = "give 0.001 ms or more, or None for every package"
+        least = 1e-3 if every_ms is None else every_ms
+        self._every_us = round(_checks.number("every_ms", least, 1e-3, 1e9, remedy) * 1e3)
+        own = isinstance(algorithm, _core.ClusterTracker)
+        self._options: dict[str, Any] = {"labels": False} if own else {}  # not needed here
+        self._forget()
+
+    def _forget(self) -> None:
+        self._next_us = -(2**62)
+        self._rows: list[NDArray[np.void]] = [_rows_of(self.algorithm.clusters, 0)[:0]]
+        self._seen: list[Events] = []
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "algorithm":  # not made yet, as where a pickle is read
+            raise AttributeError(name)
+        return getattr(self.algorithm, name)
+
+    def process(self, events: Events) -> None:
+        """Let the algorithm process a package, and note its clusters when it is time."""
+        self.algorithm.process(events, **self._options)
+        now_us = int(events["t"][-1]) if len(events) else self._next_us - 1
+        if now_us < self._next_us:
+            return
+        self._next_us = (
+            (now_us // self._every_us + 1) * self._every_us if self._every_us else now_us
+        )
+        self._rows.append(_rows_of(self.algorithm.clusters, now_us))
+        self._seen.append(events[-_SEEN:].copy())
+        if len(self._seen) > _MOST_SEEN:
+            self._seen = self._seen[::2]
+
+    def reset(self) -> None:
+        """Forget the tracks, and let the algorithm forget."""
+        self.algorithm.reset()
+        self._forget()
+
+    @property
+    def tracks(self) -> NDArray[np.void]:
+        """All notes so far."""
+        self._rows = [np.concatenate(self._rows)]
+        return self._rows[0]
+
+    @property
+    def seen(self) -> Events:
+        """Some events of the notes, for a picture."""
+        return np.concatenate([np.empty(0, EVENT_DTYPE), *self._seen])
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the tracks as CSV with a line of names, and return the path."""
+        file = _checks.new_file("path", path)
+        _checks.ending("path", file, (".csv",), "give a name that ends in .csv")
+        tracks = self.tracks
+        names = tracks.dtype.names or ()
+        whole = [np.issubdtype(tracks.dtype[name], np.integer) for name in names]
+        formats = ["%d" if is_whole else "%.6g" for is_whole in whole]
+        np.savetxt(file, tracks, formats, delimiter=",", header=",".join(names), comments="")
+        return file
+
+
+def _rows_of(clusters: NDArray[np.void], t_us: int) -> NDArray[np.void]:
+    kinds = {"t": np.dtype("<i8"), **{name: kind for name, (kind, *_) in _fields(clusters).items()}}
+    rows = np.empty(len(clusters), [(name, kinds[name]) for name in _COLUMNS if name in kinds])
+    for name in rows.dtype.names or ():
+        rows[name] = t_us if name == "t" else clusters[name]
+    return rows
+
+
+def _fields(clusters: Any) -> Mapping[str, Any]:
+    return getattr(getattr(clusters, "dtype", None), "fields", None) or {}
