@@ -119,7 +119,7 @@ def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, 
         ``schema_version``, ``path``, ``format``, ``width`` and ``height`` in px or None,
         ``events``, ``duration_s``, ``on_share`` 0..1, ``x_max`` and ``y_max`` in px, ``rate_hz``
         with ``mean``, ``peak_1ms`` and ``peak_10ms`` in ev/s, ``rejected`` by reason,
-        ``clock_resets``. It is the object of ``asap info --json``.
+        ``clock_resets``, ``lost_packets``. It is the object of ``asap info --json``.
 
     Raises
     ------
@@ -151,4 +151,5 @@ def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, 
         "rate_hz": rates,
         "rejected": dict(recording.rejected),
         "clock_resets": recording.clock_resets,
+        "lost_packets": recording.lost_packets,
     }

@@ -66,7 +66,7 @@ class RawSource:
             self.format = str(getattr(source, "name", "stream"))
         self.width, self.height = sensor(width, height, known, self.path or self.format)
         self._chunks: Iterable[Any] = source if is_stream else (source,)
-        self._losses = Losses(Path(self.format), "drop")
+        self._losses = Losses(Path(self.format), "drop", takes_any_polarity=True)
 
     @property
     def path(self) -> str | None:
@@ -83,6 +83,25 @@ class RawSource:
     def out_of_bounds(self) -> int:
         """Pixels that no event can hold."""
         return self._rejected("out_of_bounds")
+
+    @property
+    def lost_packets(self) -> int:
+        """Packets that never arrived."""
+        return self._read_losses.lost_packets
+
+    @property
+    def between_pixels(self) -> int:
+        """Bad records whose x or y is no whole number."""
+        return self._read_losses.between_pixels
+
+    @property
+    def understood(self) -> list[str]:
+        """How numbers were understood that could have been others."""
+        return list(self._read_losses.understood)
+
+    @property
+    def _read_losses(self) -> Losses:
+        return self._losses if self.recording is None else self.recording._losses
 
     @property
     def guessed_unit(self) -> str | None:

@@ -56,11 +56,18 @@ class Aedat4Reader:
             raise CorruptFile(
                 path, _HEADER_AT, f"a stream of events is needed, streams found: {found}"
             )
-        self.streams = tuple(cameras)
-        sizes = {name: _size(node) for name, node in cameras.items()}
+        sources = [_source(node) for node in cameras.values()]
+        unique = all(sources) and len(set(sources)) == len(sources)
+        named = dict(zip(sources, cameras, strict=True)) if unique else {n: n for n in cameras}
+        self.streams = tuple(named)
+        sizes = {name: _size(cameras[number]) for name, number in named.items()}
         words = [f"{name} ({width}x{height})" for name, (width, height) in sizes.items()]
-        self._stream = choose_stream(path, options.stream, self.streams, words)
-        self.width, self.height = sizes[self._stream]
+        wanted = options.stream
+        if wanted in cameras and wanted not in named:  # the number of a stream that has a name
+            wanted = next(name for name, number in named.items() if number == wanted)
+        chosen = choose_stream(path, wanted, self.streams, words)
+        self.width, self.height = sizes[chosen]
+        self._stream = named[chosen]
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Decode packets, and hand on many at once: some cameras send a few events in each."""
@@ -153,6 +160,11 @@ def _streams(header: Table) -> dict[str, ElementTree.Element]:
 
 def _attribute(node: ElementTree.Element, key: str) -> str:
     return node.findtext(f"./attr[@key='{key}']", "")
+
+
+def _source(node: ElementTree.Element) -> str:
+    """Return the name of the camera, if the stream states it."""
+    return node.findtext("./node[@name='info']/attr[@key='source']", "")
 
 
 def _size(node: ElementTree.Element) -> tuple[int | None, int | None]:
