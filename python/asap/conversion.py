@@ -15,8 +15,18 @@ import numpy as np
 from asap import _checks
 from asap.events import Events
 from asap.experiment.source import Source
+from asap.io import read
 from asap.io.reader import losses_of
-from asap.io.writers import Writer, write_aedat4, write_encoded, write_mcap, write_npy, write_npz
+from asap.io.writers import (
+    Writer,
+    write_aedat4,
+    write_dsec,
+    write_encoded,
+    write_mcap,
+    write_metavision,
+    write_npy,
+    write_npz,
+)
 
 __all__ = ["WRITERS", "convert", "format_of"]
 
@@ -26,10 +36,13 @@ WRITERS: dict[str, Writer] = {
     **{name: partial(write_encoded, name) for name in ("csv", "es", "dat", "evt2", "evt3")},
     "aedat4": write_aedat4,
     "mcap": write_mcap,
+    "dsec": write_dsec,
+    "metavision": write_metavision,
 }
 
 _STATE_SENSOR = {"es": "Event Stream", "aedat4": "AEDAT 4"}
-_SUFFIXES = {".raw": "evt3", **{f".{name}": name for name in WRITERS}}
+_SUFFIXES = {f".{name}": name for name in WRITERS if name not in ("dsec", "metavision")}
+_SUFFIXES |= {".raw": "evt3", ".h5": "dsec", ".hdf5": "dsec"}
 
 
 def convert(
@@ -40,6 +53,8 @@ def convert(
     relative: bool = False,
     width: int | None = None,
     height: int | None = None,
+    start: float | None = None,
+    stop: float | None = None,
 ) -> int:
     """Write a recording in another format; the stamps stay as they are, but for clock resets.
 
@@ -52,8 +67,10 @@ def convert(
         is opened with `read`.
     path
         The file to write.
-    to : {"npz", "npy", "csv", "es", "dat", "evt2", "evt3", "aedat4", "mcap"}, optional
-        The format. Default: the suffix of `path`; ``.raw`` is EVT3. MCAP holds messages of
+    to : {"npz", "npy", "csv", "es", "dat", "evt2", "evt3", "aedat4", "mcap", "dsec", "metavision"}
+        The format. Default: the suffix of `path`; ``.raw`` is EVT3, ``.h5`` the HDF5 of DSEC, which
+        counts from ``t_offset``, the first event; Metavision's has records. Both are packed by
+        gzip and need the extra ``hdf5``. MCAP holds messages of
         event_camera_msgs in EVT3, one per ms of the events' time. AEDAT 4 needs the extra of the
         same name.
     relative
@@ -62,6 +79,8 @@ def convert(
     width, height : int, optional
         Sensor, px. Default: from the file. Event Stream and AEDAT 4 need them; ``npy`` and ``csv``
         have no place for them.
+    start, stop : float, optional
+        Of a file: write the events from `start` until before `stop`, in s from the first event.
 
     Returns
     -------
@@ -92,6 +111,11 @@ def convert(
         raise ValueError(_checks.named("path", str(path), "is no regular file; give another"))
     to = format_of(target, to)
     _checks.flag("relative", relative)
+    if start is not None or stop is not None:
+        if not isinstance(source, (str, os.PathLike, list, tuple)):
+            words = "only of files; say it to read(), or cut the array"
+            raise ValueError(_checks.named("start", start if stop is None else stop, words))
+        source = read(source, width=width, height=height, start=start, stop=stop)
     stream = Source(source, width=width, height=height, on_bad="drop")
     for side, size in (("width", stream.width), ("height", stream.height)):
         if to in _STATE_SENSOR and size is None:
