@@ -15,7 +15,6 @@ import numpy as np
 from asap import _checks
 from asap.events import Events
 from asap.experiment.source import Source
-from asap.io import read
 from asap.io.reader import losses_of
 from asap.io.writers import (
     Writer,
@@ -111,12 +110,7 @@ def convert(
         raise ValueError(_checks.named("path", str(path), "is no regular file; give another"))
     to = format_of(target, to)
     _checks.flag("relative", relative)
-    if start is not None or stop is not None:
-        if not isinstance(source, (str, os.PathLike, list, tuple)):
-            words = "only of files; say it to read(), or cut the array"
-            raise ValueError(_checks.named("start", start if stop is None else stop, words))
-        source = read(source, width=width, height=height, start=start, stop=stop)
-    stream = Source(source, width=width, height=height, on_bad="drop")
+    stream = Source(source, width=width, height=height, on_bad="drop", start=start, stop=stop)
     for side, size in (("width", stream.width), ("height", stream.height)):
         if to in _STATE_SENSOR and size is None:
             remedy = f"{_STATE_SENSOR[to]} states its sensor; give width and height in px"

@@ -344,3 +344,44 @@ def test_the_hash_of_the_scene() -> None:
         for role, kind in zip("txyp", ("<i8", "<u2", "<u2", "u1"), strict=True)
     ]
     assert hashlib.sha256(b"".join(columns)).hexdigest().startswith("118761ef")
+
+
+def test_every_verb_takes_several_files_and_a_window(tmp_path: Path) -> None:
+    cost = asap.LinearCost(10, 10)
+    parts = [tmp_path / "part_0.npy", tmp_path / "part_1.npy"]
+    for part, events in zip(parts, np.array_split(EVENTS, 2), strict=True):
+        np.save(part, events)
+    elapsed_us = EVENTS["t"] - EVENTS["t"][0]
+    inside = EVENTS[(elapsed_us >= 1_000) & (elapsed_us < 3_000)]
+    window = {"start": 0.001, "stop": 0.003}
+    for source in (parts, tmp_path):
+        assert_equal_events(asap.load(source, **window), inside)
+        run = asap.simulate(source, cost=cost, width=346, height=260, **window)
+        assert run.ledger.received == len(inside)
+        comparison = asap.compare(source, cost=cost, width=346, height=260, **window)
+        assert comparison.summary()["source"]["events"] == len(inside)
+        assert asap.info(source)["events"] == asap.check(source).events == len(EVENTS)
+        run = asap.run(source, algorithm=len, speed=100, **window)
+        assert run.ledger.received == len(inside)
+    assert asap.convert(parts, tmp_path / "out.csv", **window) == len(inside)
+    with pytest.raises(ValueError, match="start = 1: give a path"):
+        asap.simulate(EVENTS, cost=cost, start=1)
+
+
+def test_a_sensor_is_read_wherever_it_stands(tmp_path: Path) -> None:
+    columns = {role: EVENTS[role] for role in "txyp"}
+    for name, size in (
+        ("a.npz", {"width": 346, "height": 260}),
+        ("b.npz", {"resolution": [260, 346]}),
+        ("c.h5", {"width": 346, "height": 260}),
+        ("d.mat", {"width": 346, "height": 260}),
+    ):
+        path = write(tmp_path / name, columns | size)
+        opened = asap.read(path)
+        assert (opened.width, opened.height) == (346, 260)
+        assert_equal_events(np.concatenate(list(opened)), EVENTS)
+    lines = "".join(f"{t},{x},{y},{p}\n" for x, y, p, t in EVENTS.tolist())
+    for comment in ("# geometry: 346x260", "# width: 346, height: 260", "% resolution 346 260"):
+        path = tmp_path / "e.csv"
+        path.write_text(f"{comment}\nt,x,y,p\n{lines}")
+        assert (asap.read(path).width, asap.read(path).height) == (346, 260)

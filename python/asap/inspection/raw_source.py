@@ -12,7 +12,7 @@ import numpy as np
 from asap._checks import sensor, sides
 from asap._checks import source as check_source
 from asap.events import Events, columns_of, is_event_memory
-from asap.experiment.source import is_iterable_of_arrays
+from asap.experiment.source import is_iterable_of_arrays, names_files
 from asap.io import Recording, read
 from asap.io.columns import events_of
 from asap.io.errors import CutFile
@@ -43,7 +43,7 @@ class RawSource:
         width, height = sides(width, height)
         self.recording: Recording | None = None
         self._cut: CutFile | None = None
-        if isinstance(source, (str, os.PathLike)):
+        if names_files(source):
             try:
                 self.recording = read(
                     source, width=width, height=height, order=order, time_unit=time_unit

@@ -56,9 +56,7 @@ class Aedat4Reader:
             raise CorruptFile(
                 path, _HEADER_AT, f"a stream of events is needed, streams found: {found}"
             )
-        sources = [_source(node) for node in cameras.values()]
-        unique = all(sources) and len(set(sources)) == len(sources)
-        named = dict(zip(sources, cameras, strict=True)) if unique else {n: n for n in cameras}
+        named = _by_name(cameras)
         self.streams = tuple(named)
         sizes = {name: _size(cameras[number]) for name, number in named.items()}
         words = [f"{name} ({width}x{height})" for name, (width, height) in sizes.items()]
@@ -162,9 +160,13 @@ def _attribute(node: ElementTree.Element, key: str) -> str:
     return node.findtext(f"./attr[@key='{key}']", "")
 
 
-def _source(node: ElementTree.Element) -> str:
-    """Return the name of the camera, if the stream states it."""
-    return node.findtext("./node[@name='info']/attr[@key='source']", "")
+def _by_name(cameras: dict[str, ElementTree.Element]) -> dict[str, str]:
+    """Return the number of each stream by the name of its camera or output, else by itself."""
+    for path in ("./node[@name='info']/attr[@key='source']", "./attr[@key='originalOutputName']"):
+        names = [node.findtext(path, "") for node in cameras.values()]
+        if all(names) and len(set(names)) == len(names) > 1:
+            return dict(zip(names, cameras, strict=True))
+    return {number: number for number in cameras}
 
 
 def _size(node: ElementTree.Element) -> tuple[int | None, int | None]:

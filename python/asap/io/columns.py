@@ -230,7 +230,7 @@ def order_of(path: Path, name: str, rows: npt.NDArray[Any], order: str | None) -
     times = [i for i in columns if _only_a_time(rows[:, i])]
     if len(times) != 1:
         times = [i for i in columns if _ascends(rows[:, i])]
-    signs = [i for i in columns if i not in times and bool(np.isin(rows[:, i], (-1, 0, 1)).all())]
+    signs = [i for i in columns if i not in times and _only_signs(rows[:, i])]
     if len(times) != 1 or len(signs) != 1:
         raise ValueError(
             f"order = None: the values of {name} in {path} do not say which of its 4 columns are "
@@ -243,6 +243,10 @@ def order_of(path: Path, name: str, rows: npt.NDArray[Any], order: str | None) -
 
 def _only_a_time(column: npt.NDArray[Any]) -> bool:
     return bool(np.any(column > _MAX_ADDRESS) or np.any(column != np.floor(column)))
+
+
+def _only_signs(column: npt.NDArray[Any]) -> bool:
+    return bool(np.isin(column, (-1, 0, 1)).all()) or np.array_equal(np.unique(column), (1, 2))
 
 
 def _ascends(column: npt.NDArray[Any]) -> bool:

@@ -242,7 +242,7 @@ def _find_layouts(path: Path, file: Any, options: Options) -> dict[str, _Layout]
                 continue
             says_so = not layout.is_matrix or "event" in layout.name.lower()
             (found if says_so else others)[layout.name] = layout
-    if not found or (options.stream is not None and options.stream.strip("/") in others):
+    if not found or options.stream is not None:
         found |= others
     if not found:
         led = f"; links that lead elsewhere are not followed: {', '.join(links)}" if links else ""

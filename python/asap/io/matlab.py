@@ -29,8 +29,9 @@ from asap.io.errors import (
     library,
     refuse_bomb,
 )
-from asap.io.reader import CHUNK, Losses, Options, choose_stream
+from asap.io.reader import CHUNK, Losses, Options, choose_stream, size_of
 
+_FEW = 16  # values, where a size is stated
 _HEADER = 128
 _DEEPEST = 8  # structures in structures
 _ROLES = {name: role for role, names in FIELD_NAMES.items() for name in names}
@@ -43,8 +44,6 @@ class MatlabReader:
     """The variables of a file that are events; more than one stream of them is a question."""
 
     format = "matlab"
-    width: int | None = None
-    height: int | None = None
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path, self._options = path, options
@@ -58,6 +57,7 @@ class MatlabReader:
             width = _BYTES.get(kind.removeprefix("u"), 8)
             promised = width * math.prod(map(int, shape))
             refuse_bomb(path, 0, name, promised, size)
+        self.width, self.height = size_of(self._few)
         self._found = self._find()
         self.streams = tuple(self._found)
         if not self._found:
@@ -96,6 +96,16 @@ class MatlabReader:
             yield events_of(piece, options, losses, start)
         if self._cut is not None:
             losses.truncated(self._cut.offset, self._cut.fault)
+
+    def _few(self, name: str) -> Any:
+        """Return the value of a variable of few numbers, if there is one."""
+        shape, kind = self._shapes.get(name, ((), ""))
+        if kind not in (*_NUMERIC, "char") or math.prod(map(int, shape)) > _FEW:
+            return None
+        with _read(self._path, None):
+            values = self._scipy.loadmat(str(self._path), variable_names=[name], appendmat=False)
+        value = values[name]
+        return str(value.item()) if value.dtype.kind == "U" else value
 
     def _find(self) -> dict[str, tuple[str, ...]]:
         """Variables of each stream."""

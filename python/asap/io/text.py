@@ -34,7 +34,10 @@ _NUMBER = re.compile(rb"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _QUOTED = re.compile(rb"""(["'])\d[\d.]*\1""")
 _SEPARATORS = re.compile(rb"[ \t,;\r]+")
 _TRUTHS = {b"True": b"1", b"true": b"1", b"False": b"0", b"false": b"0"}  # as pandas writes them
-_SENSOR = re.compile(rb"(?:geometry|resolution|size)\W*(\d{1,5})\s*[x,; ]\s*(\d{1,5})\b")
+_SENSOR = re.compile(
+    rb"(?:geometry|resolution|size)\W*(\d{1,5})\s*[x,; ]\s*(\d{1,5})\b"
+    rb"|\bwidth\W*(\d{1,5})\b\W*height\W*(\d{1,5})\b"
+)
 _UNIT = re.compile(r"[\W_]*(s|sec|seconds?|ms|us|µs|ns)[\W_]*")
 _UNITS = {"s": "s", "sec": "s", "second": "s", "seconds": "s", "µs": "us"}
 
@@ -124,6 +127,7 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
     at = 3 if head.startswith(b"\xef\xbb\xbf") else 0
     names: list[str] = []
     sensor: tuple[int, int] | None = None
+    comments = b""
     start = at
     rows: list[list[bytes]] = []
     separator = b" "
@@ -134,8 +138,7 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
         at += len(line)
         text = line.strip()
         if not text or text[:1] in b"#%":
-            if (size := _SENSOR.search(text.lower())) and sensor is None:
-                sensor = (int(size[1]), int(size[2]))
+            comments += text.lower() + b"\n"
             if not rows and not names:
                 names = _names(text.lstrip(b"#% \t"), commented=True)
             continue
@@ -170,6 +173,8 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
         rows = _of_common_length(path, rows, order, options.order is not None or bool(names))
         if options.order is None and not names:
             _check_polarity(path, rows)
+    if sensor is None and (size := _SENSOR.search(comments)):
+        sensor = next((int(size[i]), int(size[i + 1])) for i in (1, 3) if size[i])
     width, height = sensor or (None, None)
     guessed = unit is None
     unit = unit or _unit_of(path, rows, order)
