@@ -63,6 +63,12 @@ class Hdf5Reader:
             with foreign(path):
                 for name in layout.datasets.values():
                     _usable(path, file[name])
+                # Narrow times cannot leave 64 bits by it, and no column has to be made wider.
+                narrow = "t" in layout.datasets and file[layout.datasets["t"]].dtype.itemsize <= 4
+                is_us = options.time_unit in (None, "us") and abs(layout.t_offset) < 1 << 62
+                self._adds_later = (
+                    narrow and is_us and file[layout.datasets["t"]].dtype.kind in "iu"
+                )
                 self.width, self.height = _sensor_of(h5py, file, layout)
             self.expected = layout.rows
             self._order = options.order
@@ -114,7 +120,7 @@ class Hdf5Reader:
         source: Any = rows.get("records", rows)
         if self._layout.is_matrix:
             source = columns_by_order(rows["matrix"], self._order or "txyp")
-        elif self._layout.t_offset:
+        elif self._layout.t_offset and not self._adds_later:
             offset = np.asarray(self._layout.t_offset)
             source = rows | {"t": _stamps.shifted(rows["t"], offset)}
         count = len(next(iter(rows.values())))
@@ -127,7 +133,10 @@ class Hdf5Reader:
                 if isinstance(source, np.ndarray)
                 else {role: column[part] for role, column in source.items()}
             )
-            yield events_of(piece, self._options, losses, first + start)
+            events = events_of(piece, self._options, losses, first + start)
+            if self._layout.t_offset and self._adds_later:
+                events["t"] += self._layout.t_offset
+            yield events
 
     def _sources(self, file: Any) -> dict[str, _Source]:
         layout = self._layout
@@ -282,9 +291,9 @@ def _sensor_of(h5py: Any, file: Any, layout: _Layout) -> tuple[int | None, int |
     """Width and height, where attributes or datasets beside the events state them."""
     dataset = file[next(iter(layout.datasets.values()))]
     for place in (dataset, dataset.parent, file):
-        size = size_of(place.attrs.get)
+        size = size_of(place.attrs, place.attrs.get)
         if size == (None, None) and place is not dataset:
-            size = size_of(partial(_small, h5py, place))
+            size = size_of(place, partial(_small, h5py, place))
         if size != (None, None):
             return size
     return None, None

@@ -57,7 +57,7 @@ class MatlabReader:
             width = _BYTES.get(kind.removeprefix("u"), 8)
             promised = width * math.prod(map(int, shape))
             refuse_bomb(path, 0, name, promised, size)
-        self.width, self.height = size_of(self._few)
+        self.width, self.height = size_of(self._shapes, self._few)
         self._found = self._find()
         self.streams = tuple(self._found)
         if not self._found:
@@ -99,7 +99,7 @@ class MatlabReader:
 
     def _few(self, name: str) -> Any:
         """Return the value of a variable of few numbers, if there is one."""
-        shape, kind = self._shapes.get(name, ((), ""))
+        shape, kind = self._shapes[name]
         if kind not in (*_NUMERIC, "char") or math.prod(map(int, shape)) > _FEW:
             return None
         with _read(self._path, None):

@@ -137,7 +137,7 @@ class NpzReader:
         _check_end(path)
         self._archive = Archive(path)
         with foreign(path):
-            self.width, self.height = size_of(self._stated)
+            self.width, self.height = size_of(self._archive.arrays, self._stated)
         self._headers = {
             key: self._archive.header(key).by_events(options.order) for key in self._choose()
         }
@@ -201,7 +201,7 @@ class NpzReader:
         )
 
     def _stated(self, key: str) -> Any:
-        if key not in self._archive or math.prod(self._archive.header(key).shape) > _FEW:
+        if math.prod(self._archive.header(key).shape) > _FEW:
             return None
         value = self._archive.array(key)
         return value.item() if value.dtype.kind in "SU" and value.size == 1 else value

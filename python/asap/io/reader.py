@@ -148,16 +148,21 @@ def losses_of(rejected: dict[str, int], clock_resets: int) -> Iterator[str]:
         )
 
 
-def size_of(value: Callable[[str], Any]) -> tuple[int | None, int | None]:
-    """Return the size of the sensor in px where it is stated; `value` returns what a name has.
+def size_of(names: Iterable[str], value: Callable[[str], Any]) -> tuple[int | None, int | None]:
+    """Return the size of the sensor in px, if one of the `names`, by its `value`, states it.
 
     Two numbers under one name may come in either order: no sensor is higher than wide.
     """
+    there = set(names)
     for prefix in ("", "sensor_"):
+        if not {f"{prefix}width", f"{prefix}height"} <= there:
+            continue
         sides = [np.asarray(value(prefix + side)) for side in ("width", "height")]
         if all(side.size == 1 and side.dtype.kind in "iuf" for side in sides):
             return sensor_size(sides[0].item(), sides[1].item())
     for name in ("geometry", "resolution", "sensor_size", "sensor_resolution"):
+        if name not in there:
+            continue
         stated = value(name)
         text = stated.decode("ascii", "replace") if isinstance(stated, bytes) else stated
         if isinstance(text, str):
