@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+import numpy.typing as npt
 
-from asap import _checks
+from asap import _checks, _core
 from asap.events import Events
 from asap.experiment.source import Source
 from asap.io.reader import losses_of
@@ -39,6 +40,7 @@ WRITERS: dict[str, Writer] = {
     "metavision": write_metavision,
 }
 
+_WITH_TRIGGERS = ("metavision",)
 _STATE_SENSOR = {"es": "Event Stream", "aedat4": "AEDAT 4"}
 _SUFFIXES = {f".{name}": name for name in WRITERS if name not in ("dsec", "metavision")}
 _SUFFIXES |= {".raw": "evt3", ".h5": "dsec", ".hdf5": "dsec"}
@@ -119,8 +121,11 @@ def convert(
         _checks.other_file("path", target, stream.recording.path)
     with _replacing(target) as file:
         chunks = _in_order(stream, relative=relative)
-        count = WRITERS[to](file, chunks, stream.width or 0, stream.height or 0)
-    for loss in _losses(stream):
+        write = WRITERS[to]
+        if to in _WITH_TRIGGERS:
+            write = partial(write, triggers=partial(_triggers, stream, relative=relative))
+        count = write(file, chunks, stream.width or 0, stream.height or 0)
+    for loss in _losses(stream, to):
         warnings.warn(f"{target}: {loss}", stacklevel=2)
     return count
 
@@ -137,11 +142,23 @@ def format_of(path: Path, to: str | None) -> str:
         raise ValueError(_checks.named("path", str(path), remedy)) from None
 
 
-def _losses(stream: Source) -> Iterator[str]:
+def _triggers(stream: Source, *, relative: bool) -> npt.NDArray[np.void]:
+    """Return the external triggers that have been read, on the axis of the written events."""
+    recording = stream.recording
+    triggers = np.empty(0, _core.TRIGGER_DTYPE) if recording is None else recording.triggers
+    if relative:
+        triggers["t"] -= stream.first_us or 0
+    return triggers
+
+
+def _losses(stream: Source, to: str) -> Iterator[str]:
     """Say what the written file does not have of the recording."""
     yield from losses_of(stream.rejected, stream.clock_resets)
-    if stream.recording is not None and stream.recording.trigger_count:
-        yield f"without the {stream.recording.trigger_count} external triggers"
+    seen = stream.recording.trigger_count if stream.recording is not None else 0
+    if to in _WITH_TRIGGERS and stream.recording is not None:
+        seen -= len(stream.recording.triggers)
+    if seen:
+        yield f"without {seen} external triggers"
 
 
 def _in_order(stream: Source, *, relative: bool) -> Iterator[Events]:

@@ -290,3 +290,21 @@ def test_the_verb_refuses(
     assert cli.main(["convert", *arguments]) == code
     out, err = capsys.readouterr()
     assert out == "" and words in err
+
+
+def test_triggers_are_written_where_the_format_has_them(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    words = [
+        8 << 28 | 5,
+        1 << 28 | 3 << 11 | 4,
+        10 << 28 | 7 << 22 | 2 << 8 | 1,
+        10 << 28 | 9 << 22,
+    ]
+    (tmp_path / "in.raw").write_bytes(b"% evt 2.0\n" + np.array(words, "<u4").tobytes())
+    for relative, first_us in ((False, 0), (True, 320)):
+        asap.convert(tmp_path / "in.raw", tmp_path / "a.h5", to="metavision", relative=relative)
+        with h5py.File(tmp_path / "a.h5") as file:
+            edges = file["EXT_TRIGGER/events"][()]
+        assert edges.tolist() == [(1, 327 - first_us, 2), (0, 329 - first_us, 0)]
+    with pytest.warns(UserWarning, match="without 2 external triggers"):
+        asap.convert(tmp_path / "in.raw", tmp_path / "a.npz")

@@ -27,7 +27,7 @@ from asap.io.aedat4 import EVENT, MAGIC, MOST_PIXELS
 from asap.io.errors import library
 from asap.io.reader import CHUNK
 
-Writer = Callable[[IO[bytes], Iterable[Events], int, int], int]
+Writer = Callable[..., int]
 
 _PIECE = 1 << 18
 _NPY_HEADER = 192  # bytes: enough for any count, so that it can be written again at the end
@@ -276,8 +276,17 @@ def write_dsec(file: IO[bytes], chunks: Iterable[Events], width: int, height: in
     return count
 
 
-def write_metavision(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
-    """Write the layout of Metavision: records, and the first event of every 2 ms."""
+def write_metavision(
+    file: IO[bytes],
+    chunks: Iterable[Events],
+    width: int,
+    height: int,
+    triggers: Callable[[], npt.NDArray[np.void]],
+) -> int:
+    """Write the layout of Metavision: records, the first event of every 2 ms, and triggers.
+
+    `triggers` returns those of the source, once its events have been read.
+    """
     with _hdf5(file) as hdf5:
         events = _growing(hdf5, "CD/events", [(n, EVENT_DTYPE[n]) for n in "xypt"])
         indexes = _growing(hdf5, "CD/indexes", [("id", "<u8"), ("ts", "<i8")])
@@ -292,6 +301,10 @@ def write_metavision(file: IO[bytes], chunks: Iterable[Events], width: int, heig
             rows["id"], rows["ts"] = count + at, t[at]
             _append(indexes, rows)
             count += len(chunk)
+        seen = triggers()
+        edges = np.zeros(len(seen), [("p", "<i2"), ("t", "<i8"), ("id", "<i2")])
+        edges["p"], edges["t"], edges["id"] = seen["value"], seen["t"], seen["id"]
+        _append(_growing(hdf5, "EXT_TRIGGER/events", edges.dtype), edges)
         if width and height:
             hdf5.attrs["geometry"] = f"{width}x{height}"
     return count
