@@ -13,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _core
+from asap._order import NEW_EPOCH_US
 from asap.events import EVENT_DTYPE, Events
 from asap.io.columns import HEAD
-from asap.io.parts import NEW_EPOCH_US
 from asap.results.data import BINS_FROM_US
 from asap.results.numbers import PeakCount
 

@@ -15,11 +15,12 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _checks, _core, _units
+from asap._order import sorted_within, within
 from asap.events import Events, plain_view
 from asap.io.columns import HEAD, unit_doubt
 from asap.io.errors import LossWarning, NoGoodEvent
 from asap.io.native import FORMATS, NativeReader
-from asap.io.parts import PartsReader, sorted_within, within
+from asap.io.parts import PartsReader
 from asap.io.reader import Losses, Options, Reader, gathered
 from asap.io.sniff import format_of, parts_of
 
@@ -338,15 +339,15 @@ def read(
         checked.
     order
         What the columns are, for files without names: an arrangement of ``t``, ``x``, ``y`` and
-        ``p`` such as ``"yxt"`` (without ``p`` every event is ON). Text: the header line, else
-        ``"txyp"``.
+        ``p`` such as ``"yxt"`` (without ``p`` every event is ON), and ``-`` for a column that is
+        skipped. Text: the header line, else ``"txyp"``; a matrix: what its values allow.
     time_unit
         ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``. None decides: for text by the header or by a
         decimal point in the times, for arrays by their type (floating: seconds). Whole numbers that
         are stored as floats could be both: then it has to be said.
     on_bad
         Events out of order, outside the sensor or unreadable: ``"drop"`` and count, ``"clamp"``
-        where possible, or ``"raise"``. Of stamps that do not fit together the few are dropped.
+        where possible (a position to the nearest pixel), or ``"raise"``. Of stamps that do not fit together the few are dropped.
     reorder_tolerance_us
         Events that come late by at most this much are sorted into their place and counted in
         `Recording.repaired`.
