@@ -347,7 +347,8 @@ def read(
         are stored as floats could be both: then it has to be said.
     on_bad
         Events out of order, outside the sensor or unreadable: ``"drop"`` and count, ``"clamp"``
-        where possible (a position to the nearest pixel), or ``"raise"``. Of stamps that do not fit together the few are dropped.
+        where possible (a position to the nearest pixel), or ``"raise"``. Of stamps that do not fit
+        together the few are dropped.
     reorder_tolerance_us
         Events that come late by at most this much are sorted into their place and counted in
         `Recording.repaired`.
