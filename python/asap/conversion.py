@@ -11,12 +11,22 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+import numpy.typing as npt
 
-from asap import _checks
+from asap import _checks, _core
 from asap.events import Events
 from asap.experiment.source import Source
 from asap.io.reader import losses_of
-from asap.io.writers import Writer, write_aedat4, write_encoded, write_mcap, write_npy, write_npz
+from asap.io.writers import (
+    Writer,
+    write_aedat4,
+    write_dsec,
+    write_encoded,
+    write_mcap,
+    write_metavision,
+    write_npy,
+    write_npz,
+)
 
 __all__ = ["WRITERS", "convert", "format_of", "in_order", "losses"]
 
@@ -26,10 +36,14 @@ WRITERS: dict[str, Writer] = {
     **{name: partial(write_encoded, name) for name in ("csv", "es", "dat", "evt2", "evt3")},
     "aedat4": write_aedat4,
     "mcap": write_mcap,
+    "dsec": write_dsec,
+    "metavision": write_metavision,
 }
 
+_WITH_TRIGGERS = ("metavision",)
 _STATE_SENSOR = {"es": "Event Stream", "aedat4": "AEDAT 4"}
-_SUFFIXES = {".raw": "evt3", **{f".{name}": name for name in WRITERS}}
+_SUFFIXES = {f".{name}": name for name in WRITERS if name not in ("dsec", "metavision")}
+_SUFFIXES |= {".raw": "evt3", ".h5": "dsec", ".hdf5": "dsec"}
 
 
 def convert(
@@ -40,6 +54,8 @@ def convert(
     relative: bool = False,
     width: int | None = None,
     height: int | None = None,
+    start: float | None = None,
+    stop: float | None = None,
 ) -> int:
     """Write a recording in another format; the stamps stay as they are, but for clock resets.
 
@@ -52,8 +68,10 @@ def convert(
         is opened with `read`.
     path
         The file to write.
-    to : {"npz", "npy", "csv", "es", "dat", "evt2", "evt3", "aedat4", "mcap"}, optional
-        The format. Default: the suffix of `path`; ``.raw`` is EVT3. MCAP holds messages of
+    to : {"npz", "npy", "csv", "es", "dat", "evt2", "evt3", "aedat4", "mcap", "dsec", "metavision"}
+        The format. Default: the suffix of `path`; ``.raw`` is EVT3, ``.h5`` the HDF5 of DSEC, which
+        counts from ``t_offset``, the first event; Metavision's has records. Both are packed by
+        gzip and need the extra ``hdf5``. MCAP holds messages of
         event_camera_msgs in EVT3, one per ms of the events' time. AEDAT 4 needs the extra of the
         same name.
     relative
@@ -62,6 +80,8 @@ def convert(
     width, height : int, optional
         Sensor, px. Default: from the file. Event Stream and AEDAT 4 need them; ``npy`` and ``csv``
         have no place for them.
+    start, stop : float, optional
+        Of a file: write the events from `start` until before `stop`, in s from the first event.
 
     Returns
     -------
@@ -92,7 +112,7 @@ def convert(
         raise ValueError(_checks.named("path", str(path), "is no regular file; give another"))
     to = format_of(target, to)
     _checks.flag("relative", relative)
-    stream = Source(source, width=width, height=height, on_bad="drop")
+    stream = Source(source, width=width, height=height, on_bad="drop", start=start, stop=stop)
     for side, size in (("width", stream.width), ("height", stream.height)):
         if to in _STATE_SENSOR and size is None:
             remedy = f"{_STATE_SENSOR[to]} states its sensor; give width and height in px"
@@ -101,8 +121,11 @@ def convert(
         _checks.other_file("path", target, stream.recording.path)
     with _replacing(target) as file:
         chunks = in_order(stream, relative=relative)
-        count = WRITERS[to](file, chunks, stream.width or 0, stream.height or 0)
-    for loss in losses(stream):
+        write = WRITERS[to]
+        if to in _WITH_TRIGGERS:
+            write = partial(write, triggers=partial(_triggers, stream, relative=relative))
+        count = write(file, chunks, stream.width or 0, stream.height or 0)
+    for loss in losses(stream, to):
         warnings.warn(f"{target}: {loss}", stacklevel=2)
     return count
 
@@ -119,11 +142,23 @@ def format_of(path: Path, to: str | None) -> str:
         raise ValueError(_checks.named("path", str(path), remedy)) from None
 
 
-def losses(stream: Source) -> Iterator[str]:
-    """Say what of the recording does not go on: it was rejected, or is no event."""
+def _triggers(stream: Source, *, relative: bool) -> npt.NDArray[np.void]:
+    """Return the external triggers that have been read, on the axis of the written events."""
+    recording = stream.recording
+    triggers = np.empty(0, _core.TRIGGER_DTYPE) if recording is None else recording.triggers
+    if relative:
+        triggers["t"] -= stream.first_us or 0
+    return triggers
+
+
+def losses(stream: Source, to: str | None = None) -> Iterator[str]:
+    """Say what does not go on of the recording, into a file of this format or elsewhere."""
     yield from losses_of(stream.rejected, stream.clock_resets)
-    if stream.recording is not None and stream.recording.trigger_count:
-        yield f"without the {stream.recording.trigger_count} external triggers"
+    seen = stream.recording.trigger_count if stream.recording is not None else 0
+    if to in _WITH_TRIGGERS and stream.recording is not None:
+        seen -= len(stream.recording.triggers)
+    if seen:
+        yield f"without {seen} external triggers"
 
 
 def in_order(stream: Source, *, relative: bool) -> Iterator[Events]:

@@ -137,13 +137,19 @@ def events_of_argument(field: str, events: Any) -> Events:
 
 
 def check_order(order: str) -> str:
-    """Return `order` if it names t, x, y once and p at most once."""
-    if not isinstance(order, Sequence) or sorted(order) not in (sorted("txyp"), sorted("txy")):
+    """Return `order` if it names t, x, y once and p at most once; '-' skips a column."""
+    roles = sorted(set(order) - {"-"}) if isinstance(order, str) else []
+    if roles not in (sorted("txyp"), sorted("txy")) or any(order.count(role) > 1 for role in roles):
         raise ValueError(
             f"order = {order!r}: name the columns with t, x, y and p, each once (p may be absent), "
-            "such as 'txyp' or 'yxt'"
+            "such as 'txyp' or 'yxt', and with '-' a column that is skipped"
         )
     return order
+
+
+def columns_by_order(rows: npt.NDArray[Any], order: str) -> Columns:
+    """Name the columns of rows of shape (N, len(order))."""
+    return {role: rows[:, i] for i, role in enumerate(order) if role != "-"}
 
 
 def columns_of(
@@ -307,7 +313,7 @@ def _columns_of_array(array: npt.NDArray[Any] | np.void, order: str | None) -> M
             f"order = {order!r}: names {len(order)} columns, the array has {array.shape[1]} "
             f"(shape {array.shape})"
         )
-    return {role: array[:, i] for i, role in enumerate(order)}
+    return columns_by_order(array, order)
 
 
 def _columns_of_sequence(source: Sequence[Any], order: str | None) -> Mapping[str, Any]:
@@ -328,7 +334,7 @@ def _columns_of_sequence(source: Sequence[Any], order: str | None) -> Mapping[st
         columns = {
             role: item
             for role, item in zip(roles, source, strict=True)
-            if not (role == "p" and item is None)
+            if role != "-" and not (role == "p" and item is None)
         }
         if order is None:
             _foreign.check_sequence(columns)

@@ -203,7 +203,7 @@ void bind_header(py::module_& m, const char* name, Read read, Tell tell) {
       py::arg("bytes"));
 }
 
-constexpr std::array kChips{"unnamed", "other", "davis", "dvs128"};  // by Aedat2Chip
+constexpr std::array kChips{"unnamed", "other", "davis", "dvs128", "dvs640"};  // by Aedat2Chip
 
 Aedat2Chip chip_named(const std::string& name) {
   const auto found = std::find(kChips.begin(), kChips.end(), name);
@@ -232,7 +232,8 @@ void bind_headers(py::module_& m) {
               });
   bind_header(m, "read_aedat2_header", &read_aedat2_header, [](const Aedat2Header& header) {
     return py::dict("size"_a = header.size,
-                    "chip"_a = kChips[static_cast<std::size_t>(header.chip)]);
+                    "chip"_a = kChips[static_cast<std::size_t>(header.chip)],
+                    "is_multi"_a = header.is_multi);
   });
   bind_header(m, "read_aedat3_header", &read_aedat3_header, [](const Aedat3Header& header) {
     return py::dict("size"_a = header.size, "raw"_a = header.raw, "sources"_a = header.sources);
@@ -259,7 +260,8 @@ void bind_decoders(py::module_& m) {
   m.attr("TRIGGER_DTYPE") = trigger_dtype();
   bind_headers(m);
   bind_with_offset<Evt2Decoder, Evt2Config>(m, "Evt2Decoder");
-  bind_with_offset<Evt3Decoder, Evt3Config>(m, "Evt3Decoder");
+  bind_with_offset<Evt3Decoder, Evt3Config>(m, "Evt3Decoder")
+      .def("resume", [](BoundDecoder<Evt3Decoder>& bound) { bound.decoder.resume(); });
   bind_decoder<Evt21Decoder>(
       m, "Evt21Decoder", std::function([](bool little_endian, const py::object& first_offset) {
         return Evt21Config{.little_endian = little_endian,
@@ -282,10 +284,13 @@ void bind_decoders(py::module_& m) {
       py::arg("marks") = true);
   bind_decoder<Aedat2Decoder>(
       m, "Aedat2Decoder",
-      std::function([](const std::string& chip, std::uint16_t width, std::uint16_t height) {
-        return Aedat2Config{.chip = chip_named(chip), .width = width, .height = height};
-      }),
-      py::arg("chip") = "davis", py::arg("width") = 240, py::arg("height") = 180);
+      std::function(
+          [](const std::string& chip, std::uint16_t width, std::uint16_t height, int camera) {
+            return Aedat2Config{
+                .chip = chip_named(chip), .width = width, .height = height, .camera = camera};
+          }),
+      py::arg("chip") = "davis", py::arg("width") = 240, py::arg("height") = 180,
+      py::arg("camera") = -1);
   bind_decoder<Aedat3Decoder>(
       m, "Aedat3Decoder", std::function([](int source, const py::object& first_offset) {
         return Aedat3Config{.source = source,

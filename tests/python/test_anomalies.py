@@ -110,10 +110,12 @@ def test_A1_back_steps(door: Any) -> None:
 
 
 @pytest.mark.parametrize("name", WITH_TOLERANCE)
-def test_A1_back_steps_within_the_tolerance_are_lifted(name: str, tmp_path: Path) -> None:
+def test_A1_back_steps_within_the_tolerance_are_no_loss(name: str, tmp_path: Path) -> None:
     bad = corrupt.back_steps(EVENTS, 40, by_us=100)
     found = WITH_TOLERANCE[name](bad, tmp_path, reorder_tolerance_us=100)
-    assert found.events["t"].tolist() == np.maximum.accumulate(bad["t"]).tolist()
+    in_files = np.sort(bad["t"])  # that can be looked ahead in
+    lifted = np.maximum.accumulate(bad["t"])
+    assert found.events["t"].tolist() == (in_files if "read" in name else lifted).tolist()
     assert WITH_TOLERANCE[name](bad, tmp_path, reorder_tolerance_us=50).rejected
 
 

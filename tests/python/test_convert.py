@@ -21,9 +21,10 @@ from event_files import assert_equal_events
 
 EVENTS = corrupt.clean_events(3000)
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
-STATE_THE_SENSOR = ("npz", "es", "dat", "evt2", "evt3", "aedat4", "mcap")
-LIBRARIES = {"aedat4": "lz4", "mcap": "rosbags"}
-IN_PACKETS = ("aedat4", "mcap")  # which also end where a piece of the source does
+HDF5 = ("dsec", "metavision")
+STATE_THE_SENSOR = ("npz", "es", "dat", "evt2", "evt3", "aedat4", "mcap", *HDF5)
+LIBRARIES = {"aedat4": "lz4", "mcap": "rosbags", **dict.fromkeys(HDF5, "h5py")}
+IN_PACKETS = ("aedat4", "mcap", *HDF5)  # which also end where a piece of the source does
 UNIX_US = 1_633_953_690_975_950
 
 
@@ -53,7 +54,7 @@ def test_it_is_read_back(tmp_path: Path, to: str, events: Events) -> None:
     path = tmp_path / "events.out"
     assert asap.convert(events, path, to=to, **SENSOR) == len(events)
     rec = asap.read(path)
-    assert rec.format == to
+    assert rec.format == ("hdf5" if to in HDF5 else to)
     sensor = (corrupt.WIDTH, corrupt.HEIGHT) if to in STATE_THE_SENSOR else (None, None)
     assert (rec.width, rec.height) == sensor
     assert_equal_events(asap.load(path), events)
@@ -268,7 +269,7 @@ def test_the_verb(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         ),
         (["a.npy", "no/a.es"], 2, "there is no folder"),
         (["a.npy", "a.npy"], 2, "is the recording itself"),
-        (["a.npy", "a.raw", "--to", "evt4"], 2, "invalid choice"),
+        (["a.npy", "a.raw", "--to", "evt4"], 2, "to = 'evt4'"),
         (["a.npy", "folder.raw"], 2, "folder.raw: a folder; give a file in it"),
     ],
 )
@@ -289,3 +290,21 @@ def test_the_verb_refuses(
     assert cli.main(["convert", *arguments]) == code
     out, err = capsys.readouterr()
     assert out == "" and words in err
+
+
+def test_triggers_are_written_where_the_format_has_them(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    words = [
+        8 << 28 | 5,
+        1 << 28 | 3 << 11 | 4,
+        10 << 28 | 7 << 22 | 2 << 8 | 1,
+        10 << 28 | 9 << 22,
+    ]
+    (tmp_path / "in.raw").write_bytes(b"% evt 2.0\n" + np.array(words, "<u4").tobytes())
+    for relative, first_us in ((False, 0), (True, 320)):
+        asap.convert(tmp_path / "in.raw", tmp_path / "a.h5", to="metavision", relative=relative)
+        with h5py.File(tmp_path / "a.h5") as file:
+            edges = file["EXT_TRIGGER/events"][()]
+        assert edges.tolist() == [(1, 327 - first_us, 2), (0, 329 - first_us, 0)]
+    with pytest.warns(UserWarning, match="without 2 external triggers"):
+        asap.convert(tmp_path / "in.raw", tmp_path / "a.npz")

@@ -37,6 +37,7 @@ def test_the_facts(tmp_path: Path) -> None:
         },
         "rejected": asap.read(path).rejected | {"out_of_bounds": 60},
         "clock_resets": 0,
+        "lost_packets": 0,
     }
     assert asap.info(asap.read(path)) == facts
 

@@ -152,12 +152,11 @@ def test_other_files_are_named(tmp_path: Path, name: str, content: bytes, words:
 
 
 def test_a_folder_without_the_metadata_of_a_bag(tmp_path: Path) -> None:
-    (tmp_path / "b_0.db3").touch()
-    with pytest.raises(IsADirectoryError, match=r"without metadata.yaml, .*; give b_0.db3 in it"):
-        asap.read(tmp_path)
-    (tmp_path / "b_0.db3").unlink()
-    with pytest.raises(IsADirectoryError, match="Is a directory; give a file in it"):
-        asap.read(tmp_path)
+    for names in ([], ["left.db3", "right.db3"], ["a_0.raw", "a_1.raw", "b_0.raw"]):
+        for name in names:
+            (tmp_path / name).touch()
+        with pytest.raises(IsADirectoryError, match=r"not of numbered parts .* give a file in it"):
+            asap.read(tmp_path)
 
 
 def test_no_path_is_not_the_current_folder(capsys: pytest.CaptureFixture[str]) -> None:

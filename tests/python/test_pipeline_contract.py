@@ -331,3 +331,20 @@ def test_others_go_on_while_a_native_algorithm_works():
     assert turns_meanwhile(asap.Pipeline.run, filled) > 2
     for pipeline in pipelines:
         assert pipeline.packages["size"].tolist() == [events.size]
+
+
+@pytest.mark.parametrize("parts", [1, 40, 4000])
+@pytest.mark.parametrize("in_a_row", [1, 5])
+def test_a_few_stray_stamps_do_not_move_time(parts: int, in_a_row: int) -> None:
+    stamps = 5_000_000 + 100 * np.arange(4000)
+    for at in (999, 2000, 3000):
+        stamps[at : at + in_a_row] -= 1_500_000
+    events = asap.as_events((stamps, stamps % 346, stamps % 260, stamps % 2))
+    pipeline = asap.Pipeline(latency_ms=1e4, width=346, height=260)
+    for part in np.array_split(events, parts):
+        pipeline.push(part)
+    pipeline.stop()
+    delivered = np.concatenate([package.events for package in pipeline])
+    assert np.array_equal(delivered["t"], stamps[stamps >= 5_000_000])
+    assert pipeline.stats()["clock_resets"] == 0
+    assert pipeline.stats()["rejected"]["nonmonotonic"] == 3 * in_a_row

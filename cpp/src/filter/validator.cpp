@@ -93,17 +93,19 @@ bool Validator::pass_clean(EventSpan block) {
   const std::int64_t last = block.back().t;
   if ((carries & kCarries) != 0 || steps >= kSteps_us || last > kMaxRawStamp_us) return false;
   last_us_ = last;
+  far_back_ = 0;
   received_ += block.size();
   if (passed_ != nullptr) passed_->append(block.size(), true);
   return true;
 }
 
-Validator::Repaired Validator::repair(EventSpan block) {
+// `rest` begins with the block: what comes next decides about a stamp that is far back.
+Validator::Repaired Validator::repair(EventSpan block, EventSpan rest) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < block.size(); ++i) {
     ++received_;
     Event event = block[i];
-    const Fault fault = warms_up(event) ? Fault::before_start : mend(event);
+    const Fault fault = warms_up(event) ? Fault::before_start : mend(event, rest.subspan(i));
     if (passed_ != nullptr) passed_->append(fault == Fault::none);
     if (fault == Fault::none) {
       last_us_ = event.t;
@@ -127,7 +129,19 @@ bool Validator::warms_up(const Event& event) noexcept {
   return warming_up_;
 }
 
-Validator::Fault Validator::mend(Event& event) noexcept {
+// Whether the stamps from the first of `rest` on, which is far back, stay where it is. Without
+// enough of them: only with those that came before.
+bool Validator::stays(EventSpan rest) noexcept {
+  if (!doubts_resets_) return true;
+  std::size_t seen = 0;
+  for (; seen < rest.size() && far_back_ + seen < kStays; ++seen) {
+    if (!is_stamp(rest[seen].t)) continue;
+    if (last_us_ - (rest[seen].t + clock_offset_us_) < kNewEpoch_us) return false;
+  }
+  return far_back_ + seen >= kStays;
+}
+
+Validator::Fault Validator::mend(Event& event, EventSpan rest) noexcept {
   if (!is_stamp(event.t)) return Fault::bad_record;
   const bool inside = event.x <= max_x_ && event.y <= max_y_;
   if (!inside && config_.on_bad != OnBad::clamp) return Fault::out_of_bounds;
@@ -139,6 +153,11 @@ Validator::Fault Validator::mend(Event& event) noexcept {
   if (lifted && back > reorder_tolerance_us_ && config_.on_bad != OnBad::clamp) {
     return Fault::nonmonotonic;
   }
+  if (new_epoch && !stays(rest)) {
+    ++far_back_;
+    return Fault::nonmonotonic;
+  }
+  far_back_ = 0;
   if (new_epoch) t = last_us_ + 1;
   if (lifted) t = last_us_;
   if (t > kMaxStamp_us) return Fault::bad_record;

@@ -16,11 +16,14 @@ struct Aedat2 {
   static constexpr bool kBigEndian = true;
 
   std::uint32_t right, bottom;  // the highest x and y
+  std::uint32_t camera_mask, camera;
   std::uint64_t triggers;
   std::int64_t t;
 
   static std::size_t size(std::uint64_t) noexcept { return kRecord; }
-  static bool is_event(std::uint64_t word) noexcept { return (word >> 32 & Address::kOther) == 0; }
+  bool is_event(std::uint64_t word) const noexcept {
+    return (word >> 32 & (Address::kOther | camera_mask)) == camera;
+  }
   static bool waits(std::uint64_t word, const Output& out) noexcept {
     return Address::is_trigger(static_cast<std::uint32_t>(word >> 32)) &&
            !out.has_room_for_a_trigger();
@@ -40,6 +43,8 @@ struct Aedat2 {
   }
 };
 
+constexpr int kCameras = 0xf;  // the bits of a DAVIS's address that name the camera
+
 struct Davis {
   static constexpr std::uint32_t kOther = 0x8000'0400;
   static std::uint32_t x(std::uint32_t address) noexcept { return address >> 12 & 0x3ff; }
@@ -54,6 +59,14 @@ struct Dvs128 {
   static std::uint32_t y(std::uint32_t address) noexcept { return address >> 8 & 0x7f; }
   static std::uint32_t p(std::uint32_t address) noexcept { return ~address & 1; }
   static bool is_trigger(std::uint32_t address) noexcept { return (address & kOther) != 0; }
+};
+
+struct Dvs640 {
+  static constexpr std::uint32_t kOther = 0xfff0'0000;
+  static std::uint32_t x(std::uint32_t address) noexcept { return address >> 1 & 0x3ff; }
+  static std::uint32_t y(std::uint32_t address) noexcept { return address >> 11 & 0x1ff; }
+  static std::uint32_t p(std::uint32_t address) noexcept { return address & 1; }
+  static bool is_trigger(std::uint32_t) noexcept { return false; }
 };
 
 // Addresses of a DVS128 have 16 bits; those of a DAVIS are mostly longer.
@@ -86,9 +99,11 @@ std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front)
     }
   }
   const AedatSensor sensor = aedat_sensor(device);
-  Aedat2Header header{at, Aedat2Chip::unnamed, sensor.width, sensor.height};
+  Aedat2Header header{at, Aedat2Chip::unnamed, sensor.width, sensor.height, sensor.is_multi};
   if (sensor.is_davis) {
     header.chip = Aedat2Chip::davis;
+  } else if (sensor.is_dvs640) {
+    header.chip = Aedat2Chip::dvs640;
   } else if (sensor.is_dvs128 || (!is_chip && are_of_a_dvs128(text.substr(at)))) {
     header.chip = Aedat2Chip::dvs128;
     header.width = header.height = 128;
@@ -100,8 +115,10 @@ std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front)
 
 Aedat2Decoder::Aedat2Decoder(const Aedat2Config& config) : NativeDecoder(config) {
   const bool is_dvs128 = config.chip == Aedat2Chip::dvs128;
-  require(is_dvs128 || config.chip == Aedat2Chip::davis, "chip", static_cast<int>(config.chip),
-          "davis or dvs128");
+  require(is_dvs128 || config.chip == Aedat2Chip::davis || config.chip == Aedat2Chip::dvs640,
+          "chip", static_cast<int>(config.chip), "davis, dvs128 or dvs640");
+  require(config.camera >= -1 && config.camera <= kCameras, "camera", config.camera,
+          "its number, 0 to 15, or -1 where the addresses name none");
   const std::uint16_t widest = is_dvs128 ? 128 : 1024, highest = is_dvs128 ? 128 : 512;
   require(config.width >= 1 && config.width <= widest, "width", config.width,
           "the sensor's, within the bits of an address");
@@ -117,8 +134,13 @@ std::size_t Aedat2Decoder::decode_bytes(std::span<const std::byte> bytes, Output
     return used;
   };
   const std::uint32_t right = config_.width - 1u, bottom = config_.height - 1u;
-  if (config_.chip == Aedat2Chip::dvs128) return run(Aedat2<Dvs128>{right, bottom, triggers_, t_});
-  return run(Aedat2<Davis>{right, bottom, triggers_, t_});
+  const std::uint32_t mask = config_.camera < 0 ? 0u : kCameras;
+  const std::uint32_t camera = mask & static_cast<std::uint32_t>(config_.camera);
+  const auto decode = [&]<class Address>(Address) {
+    return run(Aedat2<Address>{right, bottom, mask, camera, triggers_, t_});
+  };
+  if (config_.chip == Aedat2Chip::dvs128) return decode(Dvs128{});
+  return config_.chip == Aedat2Chip::dvs640 ? decode(Dvs640{}) : decode(Davis{});
 }
 
 template class NativeDecoder<Aedat2Decoder, Aedat2Config, 8>;

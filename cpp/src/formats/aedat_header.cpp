@@ -16,7 +16,8 @@ constexpr NamedSensor kSensors[] = {
     {"davisrgbw640", 640, 480}, {"davishet640", 640, 480}, {"davis640", 640, 480},
     {"davis346", 346, 260},     {"davis240", 240, 180},    {"davis208", 208, 192},
     {"davis128", 128, 128},     {"dvs128", 128, 128},      {"edvs4337", 128, 128},
-    {"dvs132s", 132, 104},      {"dvxplorer", 640, 480},
+    {"secdvs", 0, 0},           {"dvs640", 640, 480},      {"dvs132s", 132, 104},
+    {"dvxplorer", 640, 480},
 };
 
 bool contains(std::string_view text, std::string_view small) noexcept {
@@ -29,6 +30,8 @@ bool contains(std::string_view text, std::string_view small) noexcept {
 AedatSensor aedat_sensor(std::string_view device) noexcept {
   AedatSensor sensor{.is_davis = contains(device, "davis"),
                      .is_dvs128 = contains(device, "dvs128"),
+                     .is_dvs640 = contains(device, "dvs640") && !contains(device, "secdvs"),
+                     .is_multi = contains(device, "multi"),
                      .width = 0,
                      .height = 0};
   for (const NamedSensor& known : kSensors) {

@@ -10,7 +10,8 @@
 namespace asap {
 
 struct AedatSensor {
-  bool is_davis, is_dvs128;
+  bool is_davis, is_dvs128, is_dvs640;
+  bool is_multi;                // several cameras in one
   std::uint16_t width, height;  // px; 0 where the name does not say
 };
 

@@ -8,6 +8,7 @@ namespace {
 
 enum Evt2Type : std::uint32_t { kEvt2TimeHigh = 8, kEvt2Trigger = 10, kEvt2Others = 14 };
 
+constexpr std::uint32_t kEvt2Padding = 0x9999'9999;         // as in EVT3
 constexpr std::int64_t kEvt2Range = std::int64_t{1} << 34;  // us
 
 }  // namespace
@@ -53,7 +54,7 @@ bool Evt2Words<Decoder, Config, kRecord>::decode_other(std::uint32_t word, std::
                           .value = static_cast<std::uint16_t>(word & 1)};
     if (started_ && !out.take(trigger)) return false;
     ++this->triggers_;
-  } else if (type < kEvt2Others) {
+  } else if (type < kEvt2Others && word != kEvt2Padding) {
     this->bad_.add(offset);
   }
   return true;

@@ -49,6 +49,9 @@ constexpr auto kEffects = [] {
   return effects;
 }();
 
+// What cameras of GigE fill their packets up with; no word of another kind is like it.
+constexpr std::uint32_t kPadding = 0x9999;
+
 std::uint32_t evt3_word(const std::byte* first, std::size_t i) noexcept {
   return load_little<std::uint16_t>(first + i * sizeof(std::uint16_t));
 }
@@ -76,7 +79,7 @@ Event* write_vector(Event* out, std::uint32_t word, std::uint32_t base, std::uin
 // Takes one word of any type. False without room for what it gives: it was not taken.
 bool Evt3Decoder::decode_plain(std::uint32_t word, std::uint64_t offset, Output& out) noexcept {
   const std::uint32_t type = word >> 12;
-  const bool has_time = high_word_ != 0;
+  const bool has_time = high_word_ != 0 && has_low_;
   if (type == kAddrY) {
     y_ = word & kEvt3Address;
     has_y_ = true;
@@ -103,6 +106,7 @@ bool Evt3Decoder::decode_plain(std::uint32_t word, std::uint64_t offset, Output&
     base_ = moved_base(base_, word);
   } else if (type == kTimeLow) {
     t_ = high_ + (word & 0xfff);
+    has_low_ = has_low_ || high_word_ != 0;
   } else if (type == kTimeHigh) {
     take_time_high(word);
   } else if (type == kEvt3Trigger) {
@@ -111,7 +115,7 @@ bool Evt3Decoder::decode_plain(std::uint32_t word, std::uint64_t offset, Output&
                           .value = static_cast<std::uint16_t>(word & 1)};
     if (has_time && !out.take(trigger)) return false;
     ++triggers_;
-  } else if ((kKnown >> type & 1) == 0) {
+  } else if ((kKnown >> type & 1) == 0 && word != kPadding) {
     bad_.add(offset);
   }
   return true;
@@ -121,6 +125,7 @@ void Evt3Decoder::take_time_high(std::uint32_t word) noexcept {
   if (word == high_word_) return;
   high_ = unwrapped(high_, std::int64_t{word & 0xfff} << 12, kEvt3Range);
   t_ = high_;
+  has_low_ = has_low_ || high_word_ != 0;
   high_word_ = word;
 }
 
@@ -128,7 +133,7 @@ std::size_t Evt3Decoder::decode_words(const std::byte* first, std::size_t count,
                                       Output& out) noexcept {
   std::size_t i = 0;
   while (i < count) {
-    const bool knows_all = high_word_ != 0 && has_y_;
+    const bool knows_all = high_word_ != 0 && has_low_ && has_y_;
     const std::size_t safe = knows_all ? out.room() / kMaxPerRecord : 0;
     i = decode_fast(first, i, i + std::min(count - i, safe), out);
     if (i == count) break;

@@ -212,7 +212,7 @@ TextDecoder::Line TextDecoder::parse(const char* at, const char* end, Event& eve
   bool inside = true;
   const auto address = [&](const Rounded& number) {
     const std::int64_t nearest = std::clamp<std::int64_t>(number.value, 0, kMaxAddress);
-    inside &= nearest == number.value;
+    inside &= number.exact && nearest == number.value;
     return static_cast<std::uint16_t>(nearest);
   };
   for (std::size_t i = 0; i < column_count_; ++i) {
@@ -238,7 +238,7 @@ TextDecoder::Line TextDecoder::parse(const char* at, const char* end, Event& eve
       event.p = to_polarity(number);
     } else {
       const Rounded rounded = round_decimal(number, 0);
-      if (!rounded.exact) return Line::bad_record;
+      if (!rounded.exact && !clamp_) return Line::bad_record;
       (column == Column::x ? event.x : event.y) = address(rounded);
     }
   }

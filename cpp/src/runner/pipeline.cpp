@@ -129,7 +129,9 @@ class Pipeline::Impl::Inside {
 Pipeline::Impl::LiveRun::LiveRun(Scheme& scheme, const RunConfig& config)
     : run(scheme, config, Run::Source::camera),
       intake(run.buffer(), run.arrivals(), doorbell, config.when_full, config.seed ^ kIntakeSeed),
-      loop(run.buffer(), run.packager(), run.telemetry(), doorbell, clock, intake.room()) {}
+      loop(run.buffer(), run.packager(), run.telemetry(), doorbell, clock, intake.room()) {
+  run.validator().doubt_resets();
+}
 
 template <class Take>
 void Pipeline::Impl::LiveRun::push(const Take& take, EventSpan events, Arrival arrival) {

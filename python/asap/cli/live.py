@@ -56,7 +56,7 @@ def add_live(parser: argparse.ArgumentParser) -> None:
 def is_live(arguments: Any) -> bool:
     """Whether a camera is asked for; refuse what does not go together."""
     live = arguments.camera is not None or arguments.software_camera is not None
-    if live == (arguments.file is not None):
+    if live == bool(arguments.file):
         raise Failure(USAGE, "give one of FILE, --camera [SERIAL] and --software-camera FILE")
     if live and arguments.cost:
         raise Failure(USAGE, "--cost: simulates with a recording; a camera runs in real time")
@@ -70,7 +70,7 @@ def is_live(arguments: Any) -> bool:
 def _open(arguments: Any) -> asap.Camera:
     if arguments.camera is not None:
         return asap.open_camera(arguments.camera or None)
-    arguments.file = arguments.software_camera
+    arguments.file = [arguments.software_camera]
     return asap.SoftwareCamera(open_recording(arguments), speed=arguments.speed)
 
 

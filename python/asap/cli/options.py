@@ -47,9 +47,14 @@ def add_recording(
     *,
     words: str = "a recording: Prophesee, AEDAT, HDF5, MATLAB, ROS bag, NumPy, text and others",
     on_bad: bool = True,
-    nargs: str | None = None,
+    to_is_time: bool = True,
+    nargs: str = "+",
 ) -> None:
-    """Add the recording and how to read it; without `on_bad`, bad events are always counted."""
+    """Add the recording and how to read it; without `on_bad`, bad events are always counted.
+
+    A verb that has another ``--to`` sets `stop`, the end of the window, itself.
+    """
+    words += "; several files or a folder of numbered parts are read one after the other"
     parser.add_argument("file", metavar=metavar, nargs=nargs, help=words)
     for side in ("--width", "--height"):
         parser.add_argument(
@@ -68,6 +73,24 @@ def add_recording(
         choices=asap.io.FILE_FORMATS,
         metavar="NAME",
         help=f"where neither content nor file name tells it: {', '.join(asap.io.FILE_FORMATS)}",
+    )
+    parser.add_argument(
+        "--from",
+        dest="start",
+        type=time,
+        metavar="1.5s",
+        help="leave out what is earlier than this after the first event",
+    )
+    if to_is_time:
+        parser.add_argument(
+            "--to", dest="stop", type=time, metavar="3s", help="leave out what is not earlier"
+        )
+    parser.add_argument(
+        "--reorder-tolerance",
+        type=typed(_units.parse_duration_us, "reorder_tolerance"),
+        default=0.0,
+        metavar="20ms",
+        help="sort events that come late by at most this much into their place",
     )
     if not on_bad:
         parser.set_defaults(on_bad="drop")
@@ -117,8 +140,9 @@ def add_out(parser: argparse.ArgumentParser, default: str) -> None:
 
 def open_recording(arguments: Any) -> asap.Recording:
     """Open what `add_recording` asked for."""
+    start, stop = (None if t is None else t / 1e6 for t in (arguments.start, arguments.stop))
     return asap.read(
-        arguments.file,
+        arguments.file if len(arguments.file) > 1 else arguments.file[0],
         width=arguments.width,
         height=arguments.height,
         order=arguments.order,
@@ -126,6 +150,9 @@ def open_recording(arguments: Any) -> asap.Recording:
         on_bad=arguments.on_bad,
         stream=arguments.stream,
         file_format=arguments.file_format,
+        reorder_tolerance_us=round(arguments.reorder_tolerance),
+        start=start,
+        stop=stop,
     )
 
 
@@ -142,6 +169,9 @@ def typed(parse: Callable[..., T], field: str) -> Callable[[str], T]:
         raise argparse.ArgumentTypeError(words)
 
     return parse_argument
+
+
+time = typed(_units.parse_duration_us, "time")
 
 
 def _run_file(text: str, *, field: str) -> Path:

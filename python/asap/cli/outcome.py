@@ -47,14 +47,18 @@ def reading(arguments: Any) -> Iterator[None]:
     ) as error:
         raise Failure(BAD_INPUT, str(error)) from error
     except FileNotFoundError as error:
-        name = os.fspath(error.filename or getattr(arguments, "file", "input"))
+        name = os.fspath(error.filename or _first_file(arguments))
         raise Failure(BAD_INPUT, f"{name}: no such file{near_file(Path(name))}") from error
     except OSError as error:
-        name = error.filename or getattr(arguments, "file", "input")
+        name = error.filename or _first_file(arguments)
         raise Failure(BAD_INPUT, f"{name}: {error.strerror or error}") from error
     except (TypeError, ValueError) as error:
         lenient = getattr(arguments, "on_bad", "raise") != "raise"
         raise Failure(USAGE if lenient else BAD_INPUT, str(error)) from error
+
+
+def _first_file(arguments: Any) -> str:
+    return str(getattr(arguments, "file", ["input"])[0])
 
 
 def near_file(path: Path) -> str:

@@ -98,7 +98,7 @@ def add_run(verbs: Any) -> None:
     verb = add_verb(verbs, "run", _run, words)
     words = "show this, or every algorithm with its parameters"
     verb.add_argument("-h", "--help", action=Help, nargs="?", metavar="algorithm", help=words)
-    add_recording(verb, nargs="?")
+    add_recording(verb, nargs="*")
     add_live(verb)
     verb.add_argument(
         "--algorithm",
@@ -271,6 +271,8 @@ def _info(arguments: Any) -> int:
         f"{rate['peak_1ms']} in 1 ms",
         "rejected": _units.reasons(facts["rejected"]) or "none",
     }
+    if facts["lost_packets"]:
+        rows["lost"] = f"{_units.count(facts['lost_packets'])} packets never arrived"
     if facts["clock_resets"]:
         rows["clock"] = (
             f"set back {facts['clock_resets']} x by 1 s or more: the duration leaves that out"
@@ -310,20 +312,26 @@ def _as_source(arguments: Any) -> asap.Recording | Path:
 def add_convert(verbs: Any) -> None:
     """Add ``asap convert``."""
     verb = add_verb(verbs, "convert", _convert, "write a recording in another format")
-    add_recording(verb, "IN")
+    add_recording(verb, "IN", to_is_time=False)
     verb.add_argument("out", type=writable, metavar="OUT", help="the file to write")
     verb.add_argument(
         "--to",
-        choices=tuple(conversion.WRITERS),
-        help="format (default: the suffix of OUT; .raw is evt3)",
+        action="append",
+        default=[],
+        metavar="FORMAT|3s",
+        help=f"format: {', '.join(conversion.WRITERS)} (default: the suffix of OUT; .raw is evt3); "
+        "or a time, to leave out what is not earlier",
     )
     verb.add_argument("--relative", action="store_true", help="count the time from the first event")
 
 
 def _convert(arguments: Any) -> int:
     out = arguments.out
+    times = [text for text in arguments.to if text[:1].isdigit()]
+    formats = [text for text in arguments.to if text not in times]
     with usage():
-        to = conversion.format_of(out, arguments.to)
+        to = conversion.format_of(out, formats[-1] if formats else None)
+        arguments.stop = _units.parse_duration_us(times[-1], field="--to") if times else None
     with reading(arguments):
         recording = open_recording(arguments)
         with writing(out):

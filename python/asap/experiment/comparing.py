@@ -34,6 +34,8 @@ def compare(
     speed: float = 1.0,
     width: int | None = None,
     height: int | None = None,
+    start: float | None = None,
+    stop: float | None = None,
     on_bad: str = "drop",
     capacity: int | None = None,
     on_progress: Progress | None = None,
@@ -59,7 +61,7 @@ def compare(
         As in `simulate`; schemes are then scored against an oracle that does so too.
     speed : float
         10 compresses the stamps by ten: a quiet recording becomes one that overloads the algorithm.
-    width, height, on_bad, capacity
+    width, height, start, stop, on_bad, capacity
         As in `simulate`; each scheme has a ring of its own.
     on_progress : callable, optional
         Called as on_progress(done, total or None, {}) between chunks.
@@ -86,7 +88,15 @@ def compare(
     contenders = user_schemes() if schemes is None else of_schemes(given)
     if opaque:
         contenders = [replace(one, opaque=True) for one in contenders]
-    stream = CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed)
+    stream = CheckedStream(
+        source,
+        width=width,
+        height=height,
+        on_bad=on_bad,
+        speed=speed,
+        start=start,
+        stop=stop,
+    )
     found = side_by_side(
         stream,
         contenders,

@@ -41,6 +41,8 @@ def simulate(
     before: Any = None,
     width: int | None = None,
     height: int | None = None,
+    start: float | None = None,
+    stop: float | None = None,
     on_bad: str = "drop",
     seed: int = 0,
     capacity: int | None = None,
@@ -54,7 +56,7 @@ def simulate(
     Parameters
     ----------
     source : path, Recording, array or iterable of arrays
-        Arrays in any layout that `as_events` accepts.
+        Arrays in any layout that `as_events` accepts; several paths are one recording.
     cost : LinearCost
         The simulated algorithm.
     scheme : Scheme, optional
@@ -72,6 +74,8 @@ def simulate(
         nothing; what it drops is `filtered` in the ledger.
     width, height : int, optional
         Sensor, px. Default: from the file; a side that is not known is not checked.
+    start, stop : float, optional
+        Of a path: the events from `start` until before `stop`, s from the first event.
     on_bad : {"drop", "clamp", "raise"}
         What happens to bad events; dropped ones are counted by reason.
     seed : int
@@ -98,7 +102,7 @@ def simulate(
     _checks.callback("on_progress", on_progress)
     _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
-    stream = Source(source, width=width, height=height, on_bad=on_bad)
+    stream = Source(source, width=width, height=height, on_bad=on_bad, start=start, stop=stop)
     config = make_config(
         stream.sensor, latency_ms, on_bad, seed, capacity, not opaque, algorithm, before, keep_mask
     )
@@ -126,6 +130,8 @@ def run(
     before: Any = None,
     width: int | None = None,
     height: int | None = None,
+    start: float | None = None,
+    stop: float | None = None,
     on_bad: str = "drop",
     seed: int = 0,
     capacity: int | None = None,
@@ -152,7 +158,7 @@ def run(
         stay on the recording's axis, everything else is wall time.
     before : optional
         As in `simulate`; its time is part of the measured cost.
-    scheme, latency_ms, width, height, on_bad, seed, capacity, keep_mask
+    scheme, latency_ms, width, height, start, stop, on_bad, seed, capacity, keep_mask
         As in `simulate`.
     duration_s : float, optional
         A camera's run ends after this time. Default: when the camera ends.
@@ -197,7 +203,7 @@ def run(
         raise ValueError(_checks.named("duration_s", duration_s, "leave it out without a camera"))
     _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
-    stream = Source(source, width=width, height=height, on_bad=on_bad)
+    stream = Source(source, width=width, height=height, on_bad=on_bad, start=start, stop=stop)
     anytime = _core.is_native(algorithm)
     config = make_config(
         stream.sensor, latency_ms, on_bad, seed, capacity, anytime, algorithm, before, keep_mask

@@ -25,14 +25,26 @@ class Source:
     the first good one.
     """
 
-    def __init__(self, source: Any, *, width: int | None, height: int | None, on_bad: str) -> None:
+    def __init__(
+        self,
+        source: Any,
+        *,
+        width: int | None,
+        height: int | None,
+        on_bad: str,
+        start: float | None = None,
+        stop: float | None = None,
+    ) -> None:
         if source is None:
             raise TypeError(named("source", source, "give a path, a recording or arrays of events"))
         if not hasattr(source, "__next__"):  # what comes in pieces stays a stream
             source = opened(source)
         check_source(source)
-        if isinstance(source, (str, os.PathLike)):
-            source = read(source, width=width, height=height, on_bad=on_bad)
+        if names_files(source):
+            source = read(source, width=width, height=height, on_bad=on_bad, start=start, stop=stop)
+        elif start is not None or stop is not None:
+            side, value = ("stop", stop) if start is None else ("start", start)
+            raise ValueError(named(side, value, "give a path; of a recording say it to read()"))
         self.recording = source if isinstance(source, Recording) else None
         self.array: Events | None = None
         self._chunks: Iterable[Any]
@@ -132,9 +144,11 @@ class CheckedStream(Source):
         height: int | None = None,
         on_bad: str = "drop",
         speed: float = 1.0,
+        start: float | None = None,
+        stop: float | None = None,
     ) -> None:
         self.speed = number("speed", speed, 1e-6, 1e6, "must be between 1e-6 and 1e6")
-        super().__init__(source, width=width, height=height, on_bad=on_bad)
+        super().__init__(source, width=width, height=height, on_bad=on_bad, start=start, stop=stop)
         self._door = _core.Validator(width=self.width or 0, height=self.height or 0, on_bad=on_bad)
         self._begin_us: int | None = None
 
@@ -164,6 +178,12 @@ class CheckedStream(Source):
         elapsed_us = np.floor((events["t"] - self._begin_us) / self.speed)
         compressed["t"] = self._begin_us + elapsed_us.astype(np.int64)
         return compressed
+
+
+def names_files(source: Any) -> bool:
+    """Whether it is a path, or several of one recording."""
+    several = source if isinstance(source, (list, tuple)) and source else [source]
+    return all(isinstance(one, (str, os.PathLike)) for one in several)
 
 
 def is_iterable_of_arrays(source: Any) -> bool:

@@ -9,10 +9,11 @@ from typing import Any
 
 from asap import _checks, analysis
 from asap.experiment.runners import Progress
+from asap.experiment.source import names_files
 from asap.inspection.findings import judge
 from asap.inspection.meters import Door, Meters
 from asap.inspection.raw_source import RawSource
-from asap.io import Recording, TruncatedFileWarning, read
+from asap.io import TruncatedFileWarning, read
 from asap.results import Inspection
 
 
@@ -101,7 +102,7 @@ def check(
     )
 
 
-def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, Any]:
+def info(path: Any, **options: Any) -> dict[str, Any]:
     """Return what a recording holds: sensor, events, duration, rates, what was rejected.
 
     The file is read once, in flat memory.
@@ -109,7 +110,7 @@ def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, 
     Parameters
     ----------
     path
-        The file, or what `read` returned for it.
+        The file or files, or what `read` returned for them.
     **options
         How to read it, as in `read`: ``width``, ``height``, ``order``, ``time_unit``, ``on_bad``.
 
@@ -119,7 +120,7 @@ def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, 
         ``schema_version``, ``path``, ``format``, ``width`` and ``height`` in px or None,
         ``events``, ``duration_s``, ``on_share`` 0..1, ``x_max`` and ``y_max`` in px, ``rate_hz``
         with ``mean``, ``peak_1ms`` and ``peak_10ms`` in ev/s, ``rejected`` by reason,
-        ``clock_resets``. It is the object of ``asap info --json``.
+        ``clock_resets``, ``lost_packets``. It is the object of ``asap info --json``.
 
     Raises
     ------
@@ -131,7 +132,7 @@ def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, 
     >>> asap.info("flight.aedat4")["rate_hz"]["mean"]  # doctest: +SKIP
     905127.3
     """
-    if isinstance(path, (str, os.PathLike)):
+    if names_files(path):
         recording = read(path, **options)
     elif not hasattr(path, "rejected"):
         raise TypeError(_checks.named("path", path, "give a path, or what read() returned"))
@@ -151,4 +152,5 @@ def info(path: str | os.PathLike[str] | Recording, **options: Any) -> dict[str, 
         "rate_hz": rates,
         "rejected": dict(recording.rejected),
         "clock_resets": recording.clock_resets,
+        "lost_packets": recording.lost_packets,
     }

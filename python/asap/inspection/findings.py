@@ -32,6 +32,7 @@ NOISE = 0.5  # without a neighbour; sound recordings have up to 0.45
 ALL_NOISE = 0.9  # of the share that events at random would have; sound recordings have up to 0.7
 WRONG_HOT = 0.1
 BANDED = 0.1
+MOST_LATE = 4  # late events per one that a run drops: of two packets that changed places
 ENOUGH = 100  # events, to expect both polarities
 
 _COUNTER_BITS = (23, 24, 30, 31, 32)  # counters of cameras and formats, in us
@@ -48,11 +49,10 @@ def judge(raw: RawSource, door: Door, meters: Meters) -> Iterator[Finding]:
         "back_steps",
         door.back_steps,
         WRONG,
-        f"largest {_units.duration(door.largest_back_step_us)}" if door.back_steps.count else "",
-        "A run drops and counts them. "
-        + _lifting(door, meters)
-        + "Sorting the events repairs the file, if their stamps are right.",
+        _disorder_words(door),
+        f"A run drops and counts them. {_sorting(door, meters)}",
     )
+    yield _lost(raw)
     yield _found(
         "clock_resets",
         door.clock_resets,
@@ -83,7 +83,7 @@ def judge(raw: RawSource, door: Door, meters: Meters) -> Iterator[Finding]:
     )
     yield _banding(meters)
     yield _duplicates(meters)
-    yield _polarity(door, meters)
+    yield _polarity(raw, door, meters)
     yield _noise(meters)
     yield _hot_pixels(meters)
 
@@ -109,13 +109,20 @@ def _records(raw: RawSource, door: Door) -> Finding:
     count = raw.bad_records + door.unreadable.count
     if count == 0:
         return Finding("bad_records", 0, OK, "")
+    detail = "records that are no events, or whose stamps are no times"
+    remedy = "Are order and time unit right? Else the file is damaged there."
+    if 2 * raw.between_pixels > count:
+        detail = "x and y lie between pixels"
+        remedy = (
+            "asap.read(..., on_bad='clamp'), on the command line --on-bad clamp, moves each to the "
+            "nearest pixel."
+        )
     return Finding(
         "bad_records",
         count,
         WRONG,
-        "records that are no events, or whose stamps are no times",
-        "A run drops and counts them. Are order and time unit right? Else the file is damaged "
-        "there.",
+        detail,
+        f"A run drops and counts them. {remedy}",
         door.unreadable.event,
         door.unreadable.t_us,
         raw.first_bad_byte,
@@ -157,12 +164,42 @@ def _out_of_bounds(raw: RawSource, door: Door, pixels: PixelMap) -> Finding:
     return Finding("out_of_bounds", 0, NOTE, f"{sensor}; {reach}", remedy)
 
 
-def _lifting(door: Door, meters: Meters) -> str:
-    """Name the tolerance that repairs a few late stamps; none repairs a wrong clock."""
-    largest_us = door.largest_back_step_us
-    if largest_us >= WRONG_GAP_US or door.back_steps.count >= meters.events:
+def _is_disorder(door: Door) -> bool:
+    """Whether events are out of place; else few stamps are wrong, and many look late for them."""
+    return door.late <= MOST_LATE * door.back_steps.count
+
+
+def _disorder_words(door: Door) -> str:
+    if door.back_steps.count == 0:
         return ""
-    return f"asap.read(..., reorder_tolerance_us={largest_us}) lifts them to the stamp before. "
+    if not _is_disorder(door):
+        return f"largest {_units.duration(door.largest_back_step_us)}"
+    late = f"{_units.count(door.late)} event{'s' * (door.late > 1)} late"
+    return f"{late}, largest {_units.duration(door.latest_us)}"
+
+
+def _sorting(door: Door, meters: Meters) -> str:
+    """Name the tolerance that sorts events that are out of place; none repairs a wrong clock."""
+    if not _is_disorder(door) or door.back_steps.count >= meters.events:
+        return "The stamps of these are wrong, not their places: no sorting repairs them."
+    depth_us = door.latest_us
+    return (
+        f"asap.read(..., reorder_tolerance_us={depth_us}) sorts them into their place, on the "
+        f"command line --reorder-tolerance {depth_us}us."
+    )
+
+
+def _lost(raw: RawSource) -> Finding:
+    count = raw.lost_packets
+    if count == 0:
+        return Finding("lost_packets", 0, OK, "")
+    return Finding(
+        "lost_packets",
+        count,
+        WRONG,
+        f"{_units.count(count)} packets never arrived, as their numbers say",
+        "Nothing is decoded across a gap. Give the recorder a longer queue or a faster disk.",
+    )
 
 
 def _reset_words(door: Door) -> str:
@@ -239,9 +276,16 @@ def _noise(meters: Meters) -> Finding:
     return Finding("noise", alone.count, NOTE, words, remedy + "thresholds of the camera.")
 
 
-def _polarity(door: Door, meters: Meters) -> Finding:
+def _sentence(words: list[str]) -> str:
+    text = "; ".join(words)
+    return f"{text[0].upper()}{text[1:]}."
+
+
+def _polarity(raw: RawSource, door: Door, meters: Meters) -> Finding:
     tally, events, on = door.odd_polarity, meters.events, meters.on
     share = f"{_units.share(on / events)} ON" if events else ""
+    if raw.understood:
+        return Finding("polarity", 0, NOTE, share, _sentence(raw.understood))
     if tally.count == 0 and events >= ENOUGH and on in (0, events):
         return Finding(
             "polarity", 0, NOTE, share, "One polarity only: the other was lost, or never written."

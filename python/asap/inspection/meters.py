@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from asap import _core
 from asap._foreign import HEAD
+from asap._order import NEW_EPOCH_US
 from asap.events import EVENT_DTYPE, Events
 from asap.results.data import BINS_FROM_US
 from asap.results.numbers import PeakCount
@@ -87,6 +88,10 @@ class Door:
         self.odd_polarity = Tally()
         self.largest_back_step_us = 0
         self.largest_reset_us = 0
+        self.late = 0  # events that come after one with a later stamp, of the same epoch
+        self.latest_us = 0  # by at most so much
+        self._newest_us: int | None = None  # of all stamps so far, the clock as it is now
+        self._last_us = 0
 
     def check(self, block: Events) -> Passed:
         """Pass a block of at most 65536 events."""
@@ -97,6 +102,7 @@ class Door:
         outside = ~unreadable & ((block["x"] >= self._width) | (block["y"] >= self._height))
         at = np.flatnonzero(~(unreadable | outside))
 
+        self._measure_disorder(t[at])
         last_us, offset_us = self._validator.last_us, self._offset_us
         carrier: Events = np.zeros(len(at), EVENT_DTYPE)
         carrier["t"] = t[at]
@@ -136,6 +142,23 @@ class Door:
         good["t"] = passed["t"]
         good["p"] = p > 0
         return Passed(good, numbers[kept], t[kept])
+
+    def _measure_disorder(self, t: Integers) -> None:
+        """See how far the stamps would have to move in a sort; a clock that is reset ends it."""
+        if not t.size:
+            return
+        if self._newest_us is None or t[0] - self._last_us <= -NEW_EPOCH_US:
+            self._newest_us = int(t[0])
+        for epoch in np.split(t, np.flatnonzero(np.diff(t) <= -NEW_EPOCH_US) + 1):
+            newest_us = np.maximum.accumulate(np.append(self._newest_us, epoch))[1:]
+            if epoch is not t and epoch[0] <= newest_us[0] - NEW_EPOCH_US:
+                newest_us = np.maximum.accumulate(epoch)
+            late_us = newest_us - epoch
+            late_us = late_us[(late_us > 0) & (late_us < NEW_EPOCH_US)]
+            self.late += late_us.size
+            self.latest_us = max(self.latest_us, _largest(late_us))
+            self._newest_us = int(newest_us[-1])
+        self._last_us = int(t[-1])
 
 
 def _largest(values: npt.NDArray[np.int64]) -> int:

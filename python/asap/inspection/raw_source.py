@@ -12,7 +12,7 @@ import numpy as np
 from asap._checks import sensor, sides
 from asap._checks import source as check_source
 from asap.events import Events, columns_of, is_event_memory
-from asap.experiment.source import is_iterable_of_arrays
+from asap.experiment.source import is_iterable_of_arrays, names_files
 from asap.io import Recording, read
 from asap.io.columns import events_of
 from asap.io.errors import CutFile
@@ -43,7 +43,7 @@ class RawSource:
         width, height = sides(width, height)
         self.recording: Recording | None = None
         self._cut: CutFile | None = None
-        if isinstance(source, (str, os.PathLike)):
+        if names_files(source):
             try:
                 self.recording = read(
                     source, width=width, height=height, order=order, time_unit=time_unit
@@ -66,7 +66,7 @@ class RawSource:
             self.format = str(getattr(source, "name", "stream"))
         self.width, self.height = sensor(width, height, known, self.path or self.format)
         self._chunks: Iterable[Any] = source if is_stream else (source,)
-        self._losses = Losses(Path(self.format), "drop")
+        self._losses = Losses(Path(self.format), "drop", takes_any_polarity=True)
 
     @property
     def path(self) -> str | None:
@@ -83,6 +83,25 @@ class RawSource:
     def out_of_bounds(self) -> int:
         """Pixels that no event can hold."""
         return self._rejected("out_of_bounds")
+
+    @property
+    def lost_packets(self) -> int:
+        """Packets that never arrived."""
+        return self._read_losses.lost_packets
+
+    @property
+    def between_pixels(self) -> int:
+        """Bad records whose x or y is no whole number."""
+        return self._read_losses.between_pixels
+
+    @property
+    def understood(self) -> list[str]:
+        """How numbers were understood that could have been others."""
+        return list(self._read_losses.understood)
+
+    @property
+    def _read_losses(self) -> Losses:
+        return self._losses if self.recording is None else self.recording._losses
 
     @property
     def guessed_unit(self) -> str | None:

@@ -56,11 +56,16 @@ class Aedat4Reader:
             raise CorruptFile(
                 path, _HEADER_AT, f"a stream of events is needed, streams found: {found}"
             )
-        self.streams = tuple(cameras)
-        sizes = {name: _size(node) for name, node in cameras.items()}
+        named = _by_name(cameras)
+        self.streams = tuple(named)
+        sizes = {name: _size(cameras[number]) for name, number in named.items()}
         words = [f"{name} ({width}x{height})" for name, (width, height) in sizes.items()]
-        self._stream = choose_stream(path, options.stream, self.streams, words)
-        self.width, self.height = sizes[self._stream]
+        wanted = options.stream
+        if wanted in cameras and wanted not in named:  # the number of a stream that has a name
+            wanted = next(name for name, number in named.items() if number == wanted)
+        chosen = choose_stream(path, wanted, self.streams, words)
+        self.width, self.height = sizes[chosen]
+        self._stream = named[chosen]
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Decode packets, and hand on many at once: some cameras send a few events in each."""
@@ -153,6 +158,15 @@ def _streams(header: Table) -> dict[str, ElementTree.Element]:
 
 def _attribute(node: ElementTree.Element, key: str) -> str:
     return node.findtext(f"./attr[@key='{key}']", "")
+
+
+def _by_name(cameras: dict[str, ElementTree.Element]) -> dict[str, str]:
+    """Return the number of each stream by the name of its camera or output, else by itself."""
+    for path in ("./node[@name='info']/attr[@key='source']", "./attr[@key='originalOutputName']"):
+        names = [node.findtext(path, "") for node in cameras.values()]
+        if all(names) and len(set(names)) == len(names) > 1:
+            return dict(zip(names, cameras, strict=True))
+    return {number: number for number in cameras}
 
 
 def _size(node: ElementTree.Element) -> tuple[int | None, int | None]:

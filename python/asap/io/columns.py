@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +26,20 @@ from asap.io.errors import UnsupportedFormat, unclear_unit
 from asap.io.reader import Losses, Options
 
 _MAX_ADDRESS = 65535
+_DAMAGED = 0.1  # share of odd polarities that is no other way to write it
+# -1 in a type without a sign; the decoder of text stops at 2^15 - 1.
+_MINUS_ONE = (2**8 - 1, 2**16 - 1, 2**32 - 1, 2**64 - 1, 2**15 - 1)
+_EVERY = 64  # later events whose polarity is looked at
+
+
+def row_before(one: Callable[[int], Events], rows: int, t_us: int) -> int:
+    """Find a row that is earlier than `t_us`, among rows in the order of time; `one` reads one."""
+
+    def is_later(row: int) -> bool:
+        events = one(row)
+        return bool(len(events) and events["t"][0] >= t_us)
+
+    return max(bisect_left(range(rows), True, key=is_later) - 1, 0)
 
 
 def file_columns(
@@ -46,9 +62,13 @@ def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
     """
     if isinstance(source, np.ndarray) and options.time_unit is None and is_event_memory(source):
         losses.guessed_unit = "us"
-        return plain_view(source)
+        with_plain_polarity = _polarity(source["p"], losses, first)
+        if with_plain_polarity is None:
+            return plain_view(source)
     exponent = time_exponent(options.time_unit or "s")
     columns = file_columns(losses.path, source, options.order, exponent=exponent)
+    if "p" in columns and (p := _polarity(columns["p"], losses, first)) is not None:
+        columns = columns | {"p": p}
     unit = options.time_unit or ("s" if columns["t"].dtype.kind == "f" else "us")
     if options.time_unit is None:
         losses.guessed_unit = unit
@@ -65,6 +85,55 @@ def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
     return pack(columns, exponent, normalise=False)
 
 
+def plain_polarity(events: Events, losses: Losses, first: int) -> Events:
+    """Return the events with the polarity that their numbers mean; `first` as in `events_of`."""
+    if (p := _polarity(events["p"], losses, first)) is not None:
+        events["p"] = p
+    return events
+
+
+def _polarity(p: npt.NDArray[Any], losses: Losses, first: int) -> npt.NDArray[Any] | None:
+    """Map polarity that is neither 0 and 1 nor -1 and 1, as the first events decide; None if plain.
+
+    Raises
+    ------
+    ValueError
+        The numbers could mean several things.
+    """
+    if p.dtype.kind == "b" or not p.size or losses.takes_any_polarity:
+        return None
+    if losses.off_on is None:
+        some = p if first == 0 else p[::_EVERY]
+        if not (some.max() > 1 or some.min() < -1):  # NaN is neither
+            return None
+        values, counts = np.unique(some[some == some], return_counts=True)
+        odd = int(counts[~np.isin(values, (-1, 0, 1))].sum())
+        if odd <= _DAMAGED * some.size:
+            return None
+        found = tuple(values.tolist())
+        known = {(1, 2): (1, 2)} | {(1, minus): (minus, 1) for minus in _MINUS_ONE}
+        if first or found not in known:
+            listed = ", ".join(f"{value:g}" for value in found[:4]) + ", ..." * (len(found) > 4)
+            raise ValueError(
+                f"p = {listed}: the polarity in {losses.path} does not say which number is ON; "
+                "is this column the polarity? Write it as 0 and 1, or leave it out"
+            )
+        losses.off_on = known[found]
+    off, on = losses.off_on
+    return np.where(p == off, 0, np.where(p == on, 1, p))
+
+
+def from_one(columns: Columns, losses: Losses) -> Columns:
+    """Count pixels from 0 that MATLAB counted from 1, as it does where OFF is 1 and ON is 2."""
+    x, y, p = (columns.get(role) for role in "xyp")
+    if x is None or y is None or p is None or not p.size:
+        return columns
+    if losses.from_one is None:
+        is_matlab = np.array_equal(np.unique(p), (1, 2))
+        losses.from_one = bool(is_matlab and x.min() >= 1 and y.min() >= 1)
+    return columns | {"x": x - 1, "y": y - 1} if losses.from_one else columns
+
+
 def _all_whole(times: npt.NDArray[Any]) -> bool:
     finite = times[np.isfinite(times)]
     return finite.size > 0 and bool((finite == np.floor(finite)).all())
@@ -78,18 +147,23 @@ def _without(
         raise ValueError(misfit_message(role, columns[role], int(np.argmax(found[role])), first))
     none = np.zeros(len(columns["t"]), np.bool_)
     unreadable, outside = none.copy(), none.copy()
+    between = none.copy()
     for role, mask in found.items():
         if role in "tp":
             unreadable |= mask
         else:
             whole = columns[role] == np.floor(columns[role])  # False for NaN
-            unreadable |= mask & ~whole
+            unreadable |= np.isnan(columns[role])
+            between |= mask & ~whole
             outside |= mask & whole
-    outside &= ~unreadable
+    losses.between_pixels += int(between.sum())
     if losses.on_bad == "clamp":
         columns = columns | {role: _clamped(columns[role]) for role in ("x", "y")}
-        losses.clamped_positions += int(outside.sum())
+        losses.clamped_positions += int(((outside | between) & ~unreadable).sum())
         outside = none
+    else:
+        unreadable |= between
+        outside &= ~unreadable
     losses.bad_record += int(unreadable.sum())
     losses.out_of_bounds += int(outside.sum())
     good = ~(unreadable | outside)
@@ -97,27 +171,32 @@ def _without(
 
 
 def _clamped(column: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    return np.where(column > _MAX_ADDRESS, _MAX_ADDRESS, np.where(column < 0, 0, column))
+    """Move positions to the nearest pixel."""
+    inside = np.where(column > _MAX_ADDRESS, _MAX_ADDRESS, np.where(column < 0, 0, column))
+    return np.rint(inside) if inside.dtype.kind == "f" else inside
 
 
-def as_rows(shape: tuple[int, ...]) -> tuple[int, bool] | None:
+def as_rows(shape: tuple[int, ...], order: str | None = None) -> tuple[int, bool] | None:
     """Count the events in a matrix of this shape, and say whether they are its columns.
 
-    None if it is not four columns or rows. MATLAB 7.3 stores what it calls (N, 4) as (4, N).
+    None if it has not as many columns or rows as `order`, else four. MATLAB 7.3 stores what it
+    calls (N, 4) as (4, N).
     """
+    count = len(order or "txyp")
     if len(shape) != 2:
         return None
-    if shape[1] == 4:
+    if shape[1] == count:
         return shape[0], False
-    return (shape[1], True) if shape[0] == 4 else None
+    return (shape[1], True) if shape[0] == count else None
 
 
 def order_of(path: Path, name: str, rows: npt.NDArray[Any], order: str | None) -> str:
     """Return `order`, else the arrangement that the first `rows` allow; a question if several."""
     if order is not None:
-        if len(order) != 4:
+        if len(order) != rows.shape[1]:
             raise ValueError(
-                f"order = {order!r}: names {len(order)} columns, {name} in {path} has 4"
+                f"order = {order!r}: names {len(order)} columns, {name} in {path} has "
+                f"{rows.shape[1]}"
             )
         return order
     if len(rows) == 0:
@@ -126,7 +205,7 @@ def order_of(path: Path, name: str, rows: npt.NDArray[Any], order: str | None) -
     times = [i for i in columns if _only_a_time(rows[:, i])]
     if len(times) != 1:
         times = [i for i in columns if _ascends(rows[:, i])]
-    signs = [i for i in columns if i not in times and bool(np.isin(rows[:, i], (-1, 0, 1)).all())]
+    signs = [i for i in columns if i not in times and _only_signs(rows[:, i])]
     if len(times) != 1 or len(signs) != 1:
         raise ValueError(
             f"order = None: the values of {name} in {path} do not say which of its 4 columns are "
@@ -139,6 +218,10 @@ def order_of(path: Path, name: str, rows: npt.NDArray[Any], order: str | None) -
 
 def _only_a_time(column: npt.NDArray[Any]) -> bool:
     return bool(np.any(column > _MAX_ADDRESS) or np.any(column != np.floor(column)))
+
+
+def _only_signs(column: npt.NDArray[Any]) -> bool:
+    return bool(np.isin(column, (-1, 0, 1)).all()) or np.array_equal(np.unique(column), (1, 2))
 
 
 def _ascends(column: npt.NDArray[Any]) -> bool:

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import importlib
 import math
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +22,8 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _stamps
-from asap.events import FIELD_NAMES, Events
-from asap.io.columns import as_rows, events_of, file_columns, order_of
+from asap.events import FIELD_NAMES, Events, columns_by_order
+from asap.io.columns import as_rows, events_of, file_columns, from_one, order_of, row_before
 from asap.io.errors import (
     CorruptFile,
     MissingLibrary,
@@ -33,8 +33,10 @@ from asap.io.errors import (
     library,
     refuse_bomb,
 )
-from asap.io.reader import CHUNK, Losses, Options, choose_stream, sensor_size
+from asap.io.reader import CHUNK, Losses, Options, choose_stream, size_of
+from asap.io.sniff import first_bytes
 
+_FEW = 16  # values, where a size is stated
 _STEP = 4 * CHUNK  # events that are read at once: calls of h5py are dear
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _MOST_OBJECTS = 10_000
@@ -49,9 +51,11 @@ class Hdf5Reader:
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path = path
+        self._is_matlab = first_bytes(path).startswith(b"MATLAB")
+        h5py = library("h5py", "HDF5", "hdf5")
         with self._open() as file:
             with foreign(path):
-                layouts = _find_layouts(path, file)
+                layouts = _find_layouts(path, file, options)
             self.streams = tuple(layouts)
             words = [f"{name} ({layout.rows} events)" for name, layout in layouts.items()]
             layout = layouts[choose_stream(path, options.stream, self.streams, words)]
@@ -59,7 +63,13 @@ class Hdf5Reader:
             with foreign(path):
                 for name in layout.datasets.values():
                     _usable(path, file[name])
-                self.width, self.height = _sensor_of(file, layout)
+                # Narrow times cannot leave 64 bits by it, and no column has to be made wider.
+                narrow = "t" in layout.datasets and file[layout.datasets["t"]].dtype.itemsize <= 4
+                is_us = options.time_unit in (None, "us") and abs(layout.t_offset) < 1 << 62
+                self._adds_later = (
+                    narrow and is_us and file[layout.datasets["t"]].dtype.kind in "iu"
+                )
+                self.width, self.height = _sensor_of(h5py, file, layout)
             self.expected = layout.rows
             self._order = options.order
             if layout.is_matrix:
@@ -72,11 +82,25 @@ class Hdf5Reader:
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Read steps of some chunks up to the first damaged chunk, hand on in pieces."""
+        return self._from(losses, None)
+
+    def chunks_from(self, losses: Losses, t_us: int) -> Iterator[Events]:
+        """Read it from the chunk on that holds that time."""
+        return self._from(losses, t_us)
+
+    def _from(self, losses: Losses, t_us: int | None) -> Iterator[Events]:
         with self._open() as file:
             with foreign(self._path):
                 sources = self._sources(file)
             longest = max(source.rows_per_chunk for source in sources.values())
             start, step = 0, max(_STEP // longest, 1) * longest
+            if t_us is not None:
+
+                def one(row: int) -> Events:
+                    rows = {role: source.rows(row, row + 1) for role, source in sources.items()}
+                    return next(self._pieces(rows, replace(losses, path=self._path), row + 1))
+
+                start = row_before(one, self._layout.rows, t_us) // longest * longest
             while start < self._layout.rows:
                 stop = min(start + step, self._layout.rows)
                 try:
@@ -95,11 +119,13 @@ class Hdf5Reader:
     ) -> Iterator[Events]:
         source: Any = rows.get("records", rows)
         if self._layout.is_matrix:
-            source = dict(zip(self._order or "txyp", rows["matrix"].T, strict=True))
-        elif self._layout.t_offset:
+            source = columns_by_order(rows["matrix"], self._order or "txyp")
+        elif self._layout.t_offset and not self._adds_later:
             offset = np.asarray(self._layout.t_offset)
             source = rows | {"t": _stamps.shifted(rows["t"], offset)}
         count = len(next(iter(rows.values())))
+        if self._is_matlab and not isinstance(source, np.ndarray):
+            source = from_one(source, losses)
         for start in range(0, count, CHUNK):
             part = slice(start, start + CHUNK)
             piece = (
@@ -107,7 +133,10 @@ class Hdf5Reader:
                 if isinstance(source, np.ndarray)
                 else {role: column[part] for role, column in source.items()}
             )
-            yield events_of(piece, self._options, losses, first + start)
+            events = events_of(piece, self._options, losses, first + start)
+            if self._layout.t_offset and self._adds_later:
+                events["t"] += self._layout.t_offset
+            yield events
 
     def _sources(self, file: Any) -> dict[str, _Source]:
         layout = self._layout
@@ -201,10 +230,14 @@ class _Layout:
         return "matrix" in self.datasets
 
 
-def _find_layouts(path: Path, file: Any) -> dict[str, _Layout]:
-    """Every stream of events in the file, by its path in it."""
+def _find_layouts(path: Path, file: Any, options: Options) -> dict[str, _Layout]:
+    """Every stream of events in the file, by its path in it.
+
+    A matrix whose name says nothing counts where the user names it, or there is nothing else.
+    """
     h5py = library("h5py", "HDF5", "hdf5")
     found: dict[str, _Layout] = {}
+    others: dict[str, _Layout] = {}
     links: list[str] = []
     for group, name in _groups(h5py, path, file, links):
         datasets = {key: group[key] for key in group if _is_dataset(h5py, group, key)}
@@ -213,14 +246,19 @@ def _find_layouts(path: Path, file: Any) -> dict[str, _Layout]:
             found[layout.name] = layout
             continue
         for key, dataset in datasets.items():
-            layout = _records_or_matrix(f"{name}/{key}".lstrip("/"), dataset)
-            if layout is not None:
-                found[layout.name] = layout
+            layout = _records_or_matrix(f"{name}/{key}".lstrip("/"), dataset, options.order)
+            if layout is None:
+                continue
+            says_so = not layout.is_matrix or "event" in layout.name.lower()
+            (found if says_so else others)[layout.name] = layout
+    if not found or options.stream is not None:
+        found |= others
     if not found:
         led = f"; links that lead elsewhere are not followed: {', '.join(links)}" if links else ""
         raise UnsupportedFormat(
             f"{path}: no events among {', '.join(_listing(h5py, file)) or 'no datasets'}: needed "
-            f"are datasets t, x, y, p in one group, records with such fields, or (N, 4){led}"
+            f"are datasets t, x, y, p in one group, records with such fields, or a matrix "
+            f"of {len(options.order or 'txyp')} columns, as order names them{led}"
         )
     return found
 
@@ -249,22 +287,23 @@ def _usable(path: Path, dataset: Any) -> None:
             _find_filter(h5py, path, dataset.name, code, name.decode("ascii", "replace"))
 
 
-def _sensor_of(file: Any, layout: _Layout) -> tuple[int | None, int | None]:
-    """Width and height, where attributes state them: ``geometry`` (Metavision) or both by name."""
+def _sensor_of(h5py: Any, file: Any, layout: _Layout) -> tuple[int | None, int | None]:
+    """Width and height, where attributes or datasets beside the events state them."""
     dataset = file[next(iter(layout.datasets.values()))]
     for place in (dataset, dataset.parent, file):
-        attributes = place.attrs
-        if "geometry" in attributes:
-            text = attributes["geometry"]
-            text = text.decode("ascii", "replace") if isinstance(text, bytes) else str(text)
-            size = re.fullmatch(r"\s*(\d{1,5})x(\d{1,5})\s*", text)
-            if size:
-                return sensor_size(size[1], size[2])
-        if "width" in attributes and "height" in attributes:
-            sides = [np.asarray(attributes[side]) for side in ("width", "height")]
-            if all(side.size == 1 and side.dtype.kind in "iu" for side in sides):
-                return sensor_size(sides[0].item(), sides[1].item())
+        size = size_of(place.attrs, place.attrs.get)
+        if size == (None, None) and place is not dataset:
+            size = size_of(place, partial(_small, h5py, place))
+        if size != (None, None):
+            return size
     return None, None
+
+
+def _small(h5py: Any, group: Any, key: str) -> Any:
+    """Return the few values of a dataset; None if there is none."""
+    if not _is_dataset(h5py, group, key) or group[key].size > _FEW or group[key].external:
+        return None
+    return group[key][()]
 
 
 def _groups(h5py: Any, path: Path, file: Any, links: list[str]) -> Iterator[tuple[Any, str]]:
@@ -312,7 +351,7 @@ def _columns(path: Path, name: str, group: Any, datasets: Mapping[str, Any]) -> 
     return _Layout(name or "/", paths, lengths["t"], _offset(path, group))
 
 
-def _records_or_matrix(name: str, dataset: Any) -> _Layout | None:
+def _records_or_matrix(name: str, dataset: Any, order: str | None) -> _Layout | None:
     fields = dataset.dtype.names
     if fields is not None:
         lower = {field.lower() for field in fields}
@@ -320,8 +359,8 @@ def _records_or_matrix(name: str, dataset: Any) -> _Layout | None:
         if not is_events or len(dataset.shape) != 1:
             return None
         return _Layout(name, {"records": dataset.name}, dataset.shape[0])
-    rows = as_rows(dataset.shape)
-    if rows is None or "event" not in name.lower() or dataset.dtype.kind not in "biuf":
+    rows = as_rows(dataset.shape, order) or as_rows(dataset.shape)
+    if rows is None or dataset.dtype.kind not in "biuf":
         return None
     return _Layout(name, {"matrix": dataset.name}, rows[0], transposed=rows[1])
 

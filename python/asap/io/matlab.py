@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from asap._checks import named
-from asap.events import FIELD_NAMES, Columns, Events
-from asap.io.columns import as_rows, events_of, file_columns, order_of
+from asap.events import FIELD_NAMES, Columns, Events, columns_by_order
+from asap.io.columns import as_rows, events_of, file_columns, from_one, order_of
 from asap.io.errors import (
     CorruptFile,
     CutFile,
@@ -29,9 +29,11 @@ from asap.io.errors import (
     library,
     refuse_bomb,
 )
-from asap.io.reader import CHUNK, Losses, Options, choose_stream
+from asap.io.reader import CHUNK, Losses, Options, choose_stream, size_of
 
+_FEW = 16  # values, where a size is stated
 _HEADER = 128
+_DEEPEST = 8  # structures in structures
 _ROLES = {name: role for role, names in FIELD_NAMES.items() for name in names}
 _BYTES = {"double": 8, "single": 4, "int8": 1, "int16": 2, "int32": 4, "int64": 8}
 _NUMERIC = (*_BYTES, *(f"u{name}" for name in _BYTES if name.startswith("int")), "logical")
@@ -42,8 +44,6 @@ class MatlabReader:
     """The variables of a file that are events; more than one stream of them is a question."""
 
     format = "matlab"
-    width: int | None = None
-    height: int | None = None
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path, self._options = path, options
@@ -57,6 +57,7 @@ class MatlabReader:
             width = _BYTES.get(kind.removeprefix("u"), 8)
             promised = width * math.prod(map(int, shape))
             refuse_bomb(path, 0, name, promised, size)
+        self.width, self.height = size_of(self._shapes, self._few)
         self._found = self._find()
         self.streams = tuple(self._found)
         if not self._found:
@@ -84,7 +85,7 @@ class MatlabReader:
         if missing:
             unread = CorruptFile(self._path, 0, f"{missing[0]} cannot be read")
             raise unread if self._cut is None else _nothing_left(self._cut)
-        columns = self._columns({name: values[name] for name in names})
+        columns = from_one(self._columns({name: values[name] for name in names}), losses)
         unit = self._options.time_unit
         t = columns["t"]
         if unit is None and t.dtype.kind == "f" and bool((t == np.floor(t)).all()):
@@ -96,6 +97,16 @@ class MatlabReader:
         if self._cut is not None:
             losses.truncated(self._cut.offset, self._cut.fault)
 
+    def _few(self, name: str) -> Any:
+        """Return the value of a variable of few numbers, if there is one."""
+        shape, kind = self._shapes[name]
+        if kind not in (*_NUMERIC, "char") or math.prod(map(int, shape)) > _FEW:
+            return None
+        with _read(self._path, None):
+            values = self._scipy.loadmat(str(self._path), variable_names=[name], appendmat=False)
+        value = values[name]
+        return str(value.item()) if value.dtype.kind == "U" else value
+
     def _find(self) -> dict[str, tuple[str, ...]]:
         """Variables of each stream."""
         numeric = {name: shape for name, (shape, kind) in self._shapes.items() if kind in _NUMERIC}
@@ -105,32 +116,31 @@ class MatlabReader:
             found["variables"] = columns
         if set(_BUFFER) <= numeric.keys():
             found[_BUFFER[0]] = _BUFFER
-        matrices = [name for name, shape in numeric.items() if as_rows(shape)]
-        named = [name for name in matrices if "event" in name.lower()]
-        for name in named or (matrices if len(matrices) == 1 and not found else []):
+        order, stream = self._options.order, self._options.stream
+        matrices = [
+            name for name, shape in numeric.items() if as_rows(shape, order) or as_rows(shape)
+        ]
+        named = [name for name in matrices if "event" in name.lower() or name == stream]
+        for name in named or (matrices if not found else []):
             found[name] = (name,)
         for name, (shape, kind) in self._shapes.items():
-            if kind == "struct" and shape == (1, 1) and self._is_events(name):
-                found[name] = (name,)
+            if kind == "struct" and shape == (1, 1):
+                with _read(self._path, None):
+                    value = self._scipy.loadmat(
+                        str(self._path), variable_names=[name], appendmat=False
+                    )
+                for inner, _ in _structs(name, value.get(name)):
+                    found[inner] = (name,)
         return found
-
-    def _is_events(self, name: str) -> bool:
-        with _read(self._path, None):
-            value = self._scipy.loadmat(str(self._path), variable_names=[name], appendmat=False)
-        fields = getattr(value.get(name), "dtype", np.dtype(int)).names or ()
-        return sorted(
-            _ROLES.get(field.lower(), "") for field in fields if field.lower() in _ROLES
-        ) == sorted("txyp")
 
     def _columns(self, values: Mapping[str, Any]) -> Columns:
         if self._stream == _BUFFER[0]:
             return _of_buffer(self._path, *(values[name] for name in _BUFFER))
         if self._stream != "variables":
-            value = values[self._stream]
+            (value,) = values.values()
             if value.dtype.names is None:
                 return self._of_matrix(value)
-            record = value.reshape(-1)[0]
-            values = {field: record[field] for field in value.dtype.names}
+            values = dict(_structs(next(iter(values)), value))[self._stream]
         columns = {
             _ROLES[name.lower()]: np.asarray(value).reshape(-1)
             for name, value in values.items()
@@ -139,10 +149,24 @@ class MatlabReader:
         return file_columns(self._path, columns, self._options.order)
 
     def _of_matrix(self, matrix: npt.NDArray[Any]) -> Columns:
-        count = as_rows(matrix.shape)
+        count = as_rows(matrix.shape, self._options.order) or as_rows(matrix.shape)
         rows = matrix.T if count is not None and count[1] else matrix
         order = order_of(self._path, self._stream, rows[:CHUNK], self._options.order)
-        return dict(zip(order, rows.T, strict=True))
+        return columns_by_order(rows, order)
+
+
+def _structs(name: str, value: Any, depth: int = 0) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Find structures with the fields of events in a variable, by their path in it."""
+    fields = getattr(getattr(value, "dtype", None), "names", None)
+    if fields is None or value.size != 1 or depth > _DEEPEST:
+        return
+    record = value.reshape(-1)[0]
+    inside = {field: record[field] for field in fields}
+    roles = sorted(_ROLES[field.lower()] for field in fields if field.lower() in _ROLES)
+    if roles == sorted("txyp"):
+        yield name, inside
+    for field, part in inside.items():
+        yield from _structs(f"{name}.{field}", part, depth + 1)
 
 
 def _of_buffer(path: Path, times: npt.NDArray[Any], polarity: npt.NDArray[Any]) -> Columns:

@@ -6,7 +6,9 @@ records begin and which decoder takes them. The file is read in pieces into one 
 
 from __future__ import annotations
 
+import re
 import warnings
+from bisect import bisect_left
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -14,11 +16,12 @@ from pathlib import Path
 
 import numpy as np
 
-from asap import _core
+from asap import _core, _stamps
 from asap.events import EVENT_DTYPE, Events
 from asap.io.errors import CorruptFile, UnsupportedFormat
-from asap.io.reader import CHUNK, Losses, Options
+from asap.io.reader import CHUNK, Losses, Options, choose_stream
 
+_SOURCE = re.compile(r"^#Source (\d+): *(.*?)\s*$", re.MULTILINE)
 HEAD = 1 << 20  # bytes that a header may take
 _PIECE = 1 << 18
 _RECORD_OF_40_BITS = 5  # bytes
@@ -31,9 +34,13 @@ class Layout:
     """What a header says."""
 
     start: int  # byte of the first record
-    make: Callable[[], _core._Decoder]
+    make: Callable[[int], _core._Decoder]  # of the byte where it begins
     width: int | None = None
     height: int | None = None
+    streams: tuple[str, ...] = ()  # numbers of the cameras, where there are several
+    #: First byte of the bytes at an offset that can be read without what comes before, and its
+    #: time; None where there is none. Where a format has it, a window of time is sought.
+    entry: Callable[[bytes], tuple[int, int] | None] | None = None
 
 
 class NativeReader:
@@ -46,13 +53,38 @@ class NativeReader:
         with path.open("rb") as file:
             head = file.read(HEAD)
         self._layout = layout = FORMATS[name](path, head, options)
-        self.width, self.height = layout.width, layout.height
+        self.width, self.height, self.streams = layout.width, layout.height, layout.streams
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
+        """Decode it from the first record."""
+        return self._decoded(losses, self._layout.start)
+
+    def chunks_from(self, losses: Losses, t_us: int) -> Iterator[Events]:
+        """Decode it from a place before that time."""
+        start, entry = self._layout.start, self._layout.entry
+        last = (self._path.stat().st_size - start) // _PIECE
+        if entry is None or last == 0:
+            return self._decoded(losses, start)
+        with self._path.open("rb") as file:
+
+            def found(piece: int) -> tuple[int, int] | None:
+                file.seek(start + piece * _PIECE)
+                return entry(file.read(_PIECE))
+
+            def time_of(piece: int) -> int:
+                place = found(piece)
+                return _stamps.MAX if place is None else place[1]
+
+            is_ascending = time_of(0) <= time_of(last - 1)  # no counter wrapped
+            piece = max(bisect_left(range(last), t_us, key=time_of) - 1, 0)
+            place = found(piece) if is_ascending else None
+        return self._decoded(losses, start if place is None else start + piece * _PIECE + place[0])
+
+    def _decoded(self, losses: Losses, position: int) -> Iterator[Events]:
         """Decode piece by piece; an array goes out when it is full."""
-        decoder = self._layout.make()
+        decoder = self._layout.make(position)
         buffer = memoryview(bytearray(_PIECE))
-        out, filled, position = np.empty(CHUNK, EVENT_DTYPE), 0, self._layout.start
+        out, filled = np.empty(CHUNK, EVENT_DTYPE), 0
         with self._path.open("rb", buffering=0) as file:
             file.seek(position)
             while size := file.readinto(buffer):
@@ -83,12 +115,21 @@ def _raw(encoding: str, path: Path, head: bytes, options: Options) -> Layout:
     if header.get("words") and header["words"] != encoding:
         raise CorruptFile(path, 0, f"the header says {header['words']}, not {encoding}")
     start, little_endian = header.get("size", 0), header.get("little_endian", False)
-    make: dict[str, Callable[[], _core._Decoder]] = {
-        "evt2": lambda: _core.Evt2Decoder(first_offset=start),
-        "evt21": lambda: _core.Evt21Decoder(little_endian=little_endian, first_offset=start),
-        "evt3": lambda: _core.Evt3Decoder(first_offset=start),
+    make: dict[str, Callable[[int], _core._Decoder]] = {
+        "evt2": lambda at: _core.Evt2Decoder(first_offset=at),
+        "evt21": lambda at: _core.Evt21Decoder(little_endian=little_endian, first_offset=at),
+        "evt3": lambda at: _core.Evt3Decoder(first_offset=at),
     }
-    return Layout(start, make[encoding], header.get("width"), header.get("height"))
+    words = {"evt2": (1, 0), "evt21": (2, int(little_endian))}  # of 32 bits; the one with the time
+    entry = partial(_time_high, *words[encoding]) if encoding in words else None
+    return Layout(start, make[encoding], header.get("width"), header.get("height"), entry=entry)
+
+
+def _time_high(size: int, upper: int, piece: bytes) -> tuple[int, int] | None:
+    """Find the first TIME_HIGH among words of `size` times 32 bits."""
+    words = np.frombuffer(piece[: len(piece) // (4 * size) * 4 * size], "<u4")[upper::size]
+    found = np.flatnonzero(words >> 28 == 8)
+    return (int(found[0]) * 4 * size, int(words[found[0]] & 0xFFFFFFF) << 6) if len(found) else None
 
 
 def _dat(path: Path, head: bytes, options: Options) -> Layout:
@@ -106,9 +147,10 @@ def _dat(path: Path, head: bytes, options: Options) -> Layout:
         raise UnsupportedFormat(f"{path}: DAT of version {version}; what is read: 1 and 2")
     return Layout(
         start,
-        lambda: _core.DatDecoder(version=version, first_offset=start),
+        lambda at: _core.DatDecoder(version=version, first_offset=at),
         header["width"],
         header["height"],
+        entry=lambda piece: (0, int.from_bytes(piece[:4], "little")),
     )
 
 
@@ -128,7 +170,7 @@ def _event_stream(path: Path, head: bytes, options: Options) -> Layout:
         )
     return Layout(
         header["size"],
-        lambda: _core.EventStreamDecoder(version=header["version"], height=height),
+        lambda _: _core.EventStreamDecoder(version=header["version"], height=height),
         header["width"],
         height,
     )
@@ -142,7 +184,7 @@ def _atis40(path: Path, head: bytes, options: Options) -> Layout:
             f"{' and '.join(doubts)}; if it is another format, name it with file_format",
             stacklevel=2,
         )
-    return Layout(0, _core.Atis40Decoder)
+    return Layout(0, lambda _: _core.Atis40Decoder())
 
 
 def _doubts_of_40_bits(path: Path, head: bytes) -> list[str]:
@@ -171,27 +213,47 @@ def _doubts_of_40_bits(path: Path, head: bytes) -> list[str]:
     return doubts
 
 
+_CHIPS = {  # layout of the addresses by the size of the sensor
+    (240, 180): "davis",
+    (346, 260): "davis",
+    (208, 192): "davis",
+    (640, 480): "dvs640",
+    (128, 128): "davis",  # a DVS128 is known by its addresses
+}
+
+
 def _aedat2(path: Path, head: bytes, options: Options) -> Layout:
     header = _core.read_aedat2_header(head)
     if header is None:
         raise CorruptFile(path, 0, "no whole header of AEDAT 2.0")
-    chip = header["chip"]
+    chip, start = header["chip"], header["size"]
     width, height = header["width"] or options.width, header["height"] or options.height
     if chip == "other":
         raise UnsupportedFormat(
-            f"{path}: AEDAT 2.0 is read of a DAVIS or a DVS128; the header names another chip"
+            f"{path}: AEDAT 2.0 is read of a DAVIS, a DVS128 or a DVS640; the header names another "
+            "chip"
         )
-    if width is None or height is None:
+    if chip == "unnamed" and width is not None and height is not None:
+        chip = _CHIPS.get((width, height), chip)
+    if chip == "unnamed" or width is None or height is None:
+        known = ", ".join(f"{w} x {h} ({name})" for (w, h), name in _CHIPS.items())
         raise UnsupportedFormat(
-            f"{path}: the header of this AEDAT 2.0 file does not say which chip it is of; give "
-            "width and height, and it is read as that of a DAVIS"
+            f"{path}: the header of this AEDAT 2.0 file does not say which chip it is of, and the "
+            f"layout of its addresses depends on it; give width and height, one of {known}"
         )
-    chip = "davis" if chip == "unnamed" else chip
+    streams: tuple[str, ...] = ()
+    camera = -1
+    if header["is_multi"]:
+        words = np.frombuffer(head[start : start + (len(head) - start) // 8 * 8], ">u4")[::2]
+        of_pixels = words[words & 0x8000_0400 == 0]
+        streams = tuple(map(str, np.unique(of_pixels & 0xF).tolist())) or ("0",)
+        camera = int(choose_stream(path, options.stream, streams))
     return Layout(
-        header["size"],
-        lambda: _core.Aedat2Decoder(chip=chip, width=width, height=height),
+        start,
+        lambda _: _core.Aedat2Decoder(chip=chip, width=width, height=height, camera=camera),
         width,
         height,
+        streams,
     )
 
 
@@ -201,13 +263,17 @@ def _aedat3(path: Path, head: bytes, options: Options) -> Layout:
         raise CorruptFile(path, 0, "no whole header of AEDAT 3.1: '#!END-HEADER' is missing")
     if not header["raw"]:
         raise UnsupportedFormat(f"{path}: compressed AEDAT 3.1 is not read; '#Format: RAW' is")
-    if header["sources"] > 1:
-        raise UnsupportedFormat(
-            f"{path}: AEDAT 3.1 with {header['sources']} cameras is not read; record one per file"
-        )
-    start = header["size"]
+    start, size, source = header["size"], (header["width"], header["height"]), -1
+    cameras = dict(_SOURCE.findall(head[:start].decode("ascii", "replace")))
+    streams = tuple(cameras) if len(cameras) > 1 else ()
+    if streams:
+        words = [f"{number} ({name})" for number, name in cameras.items()]
+        stream = choose_stream(path, options.stream, streams, words)
+        source = int(stream)
+        if cameras[stream] != cameras[streams[0]]:  # the size that is known is of the first
+            size = (None, None)
     return Layout(
-        start, lambda: _core.Aedat3Decoder(first_offset=start), header["width"], header["height"]
+        start, lambda at: _core.Aedat3Decoder(source=source, first_offset=at), *size, streams
     )
 
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 import mmap
+import re
 import zipfile
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, Any, Literal
 
@@ -20,12 +21,14 @@ import numpy.typing as npt
 from numpy.lib import format as npy
 
 from asap.events import FIELD_NAMES, Events
-from asap.io.columns import events_of, file_columns
+from asap.io.columns import as_rows, events_of, file_columns, order_of, row_before
 from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, refuse_bomb
-from asap.io.reader import CHUNK, Losses, Options
+from asap.io.reader import CHUNK, Losses, Options, size_of
 
 _PACKED_BY_NUMPY = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit
 
+_SIZE = re.compile(r"(sensor_)?(width|height|size|resolution)|geometry")
+_FEW = 16  # values, where a size is stated
 _WIDEST = 1 << 16  # bytes of a value
 
 
@@ -45,6 +48,13 @@ class _Header:
         shape = self.shape if rows is None else (rows, *self.shape[1:])
         return np.broadcast_to(np.zeros((), self.dtype), shape or (1,))
 
+    def by_events(self, order: str | None) -> _Header:
+        """Return the same bytes as rows of events, where their columns are the events."""
+        rows = as_rows(self.shape, order)
+        if self.dtype.names is not None or rows is None or not rows[1]:
+            return self
+        return replace(self, shape=self.shape[::-1], fortran=not self.fortran)
+
     @property
     def is_by_columns(self) -> bool:
         return self.fortran and len(self.shape) > 1
@@ -60,7 +70,7 @@ class NpyReader:
     def __init__(self, path: Path, options: Options) -> None:
         self._path, self._options = path, options
         with foreign(path), path.open("rb") as file:
-            self._header = header = _header(file)
+            self._header = header = _header(file).by_events(options.order)
         if not header.shape:
             raise CorruptFile(path, header.end, "the array is a single value, not events")
         self._promised = header.shape[0]
@@ -71,12 +81,30 @@ class NpyReader:
             raise CorruptFile(path, self._end, f"{self._promised} events promised, the file ends")
         with foreign(path, header.end):
             rows = header.stand_in(self.expected)
-        file_columns(path, rows, options.order, first=1)
+        order = options.order
+        if order is None and header.dtype.kind in "biuf" and as_rows(header.shape):
+            order = order_of(path, "the array", self._rows(0, min(self.expected, CHUNK)), None)
+            self._options = replace(options, order=order)
+        file_columns(path, rows, order, first=1)
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Map the file window by window and convert it piece by piece."""
+        return self._from(losses, 0)
+
+    def chunks_from(self, losses: Losses, t_us: int) -> Iterator[Events]:
+        """Map it from the window on that holds that time."""
+        if self._header.is_by_columns:
+            return self.chunks(losses)
+
+        def one(row: int) -> Events:
+            known = replace(losses, path=self._path)  # counts nothing
+            return events_of(self._rows(row, row + 1), self._options, known, row + 1)
+
+        return self._from(losses, row_before(one, self.expected, t_us) // CHUNK * CHUNK)
+
+    def _from(self, losses: Losses, begin: int) -> Iterator[Events]:
         whole = [(0, self.expected)]  # a column does not lie in one window
-        by_rows = windows(self.expected, self._header.row_bytes, CHUNK)
+        by_rows = windows(begin, self.expected, self._header.row_bytes, CHUNK)
         for first, stop in whole if self._header.is_by_columns else by_rows:
             rows = self._rows(first, stop)
             for start in range(0, len(rows), CHUNK):
@@ -109,8 +137,10 @@ class NpzReader:
         _check_end(path)
         self._archive = Archive(path)
         with foreign(path):
-            self.width, self.height = self._number("width"), self._number("height")
-        self._headers = {key: self._archive.header(key) for key in self._choose()}
+            self.width, self.height = size_of(self._archive.arrays, self._stated)
+        self._headers = {
+            key: self._archive.header(key).by_events(options.order) for key in self._choose()
+        }
         lengths = {key: (*header.shape, 1)[0] for key, header in self._headers.items()}
         self.expected = max(lengths.values())
         if len(set(lengths.values())) > 1:
@@ -122,18 +152,24 @@ class NpzReader:
         """Read the arrays side by side and convert them piece by piece."""
         arrays = {key: header.stand_in() for key, header in self._headers.items()}
         whole = arrays if len(arrays) > 1 else arrays.popitem()[1]
-        file_columns(self._path, whole, self._options.order, first=1)
+        options = self._options
+        if isinstance(whole, np.ndarray) and options.order is None and as_rows(whole.shape):
+            rows = next(self._pieces(next(iter(self._headers))), whole)
+            if rows.dtype.kind in "biuf":
+                options = replace(options, order=order_of(self._path, "the array", rows, None))
+        file_columns(self._path, whole, options.order, first=1)
         pieces = {key: self._pieces(key) for key in self._headers}
         for start in range(0, self.expected, CHUNK):
             columns = {key: next(piece) for key, piece in pieces.items()}
             source = columns if len(columns) > 1 else columns.popitem()[1]
-            yield events_of(source, self._options, losses, start)
+            yield events_of(source, options, losses, start)
 
     def _pieces(self, key: str) -> Iterator[npt.NDArray[Any]]:
         """Rows of one array."""
         header = self._headers[key]
         if header.is_by_columns or header.row_bytes == 0 or len(header.shape) == 0:
             rows = self._archive.array(key)
+            rows = rows if rows.shape == header.shape or not header.shape else rows.T
             for start in range(0, len(rows), CHUNK):
                 yield rows[start : start + CHUNK]
             return
@@ -154,7 +190,7 @@ class NpzReader:
         columns = [key for key in names if key in understood]
         if len(columns) >= 3:
             return columns
-        others = [key for key in names if key not in ("width", "height")]
+        others = [key for key in names if not _SIZE.fullmatch(key)]
         if "events" in others:
             return ["events"]
         if len(others) == 1:
@@ -164,8 +200,11 @@ class NpzReader:
             "columns t, x, y, p, or one structured array, called events if it is not the only one"
         )
 
-    def _number(self, key: str) -> int | None:
-        return int(self._archive.array(key).item()) if key in self._archive else None
+    def _stated(self, key: str) -> Any:
+        if math.prod(self._archive.header(key).shape) > _FEW:
+            return None
+        value = self._archive.array(key)
+        return value.item() if value.dtype.kind in "SU" and value.size == 1 else value
 
 
 class Archive:
@@ -294,8 +333,8 @@ def mapped(
     return array
 
 
-def windows(rows: int, row_bytes: int, chunk: int) -> Iterator[tuple[int, int]]:
-    """Half-open ranges of rows, multiples of `chunk`, of some megabytes each."""
+def windows(begin: int, rows: int, row_bytes: int, chunk: int) -> Iterator[tuple[int, int]]:
+    """Half-open ranges of rows from `begin`, multiples of `chunk`, of some megabytes each."""
     step = max(_WINDOW // max(row_bytes, 1) // chunk, 1) * chunk
-    for start in range(0, rows, step):
+    for start in range(begin, rows, step):
         yield start, min(start + step, rows)

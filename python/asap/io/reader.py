@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -63,6 +64,49 @@ class Losses:
     trigger_arrays: list[npt.NDArray[np.void]] = field(default_factory=list)  # the first of them
     cut: CorruptFile | None = None
     guessed_unit: str | None = None  # unit of the times, where neither file nor user states it
+    lost_packets: int = 0  # that the numbers of those in the file skip
+    between_pixels: int = 0  # of the bad records: x or y is no whole number
+    off_on: tuple[int, int] | None = None  # polarities that are OFF and ON, where not 0 and 1
+    sorted_stamps: int = 0  # events that came late and were sorted in
+    takes_any_polarity: bool = False  # above 0 is ON
+    from_one: bool | None = None  # x and y count from 1
+
+    def count_sorted(self, events: int) -> None:
+        """Count events that came late."""
+        self.sorted_stamps += events
+
+    def add(self, part: Losses) -> None:
+        """Add those of a part of the recording, which is read."""
+        self.bad_record += part.bad_record
+        self.out_of_bounds += part.out_of_bounds
+        self.clamped_positions += part.clamped_positions
+        self.before_start += part.before_start
+        self.between_pixels += part.between_pixels
+        self.lost_packets += part.lost_packets
+        self.triggers += part.triggers
+        self.trigger_arrays += part.trigger_arrays
+        self.bad_offsets += part.bad_offsets
+        self.cut = self.cut or part.cut
+        self.guessed_unit = part.guessed_unit
+        self.off_on, self.from_one = part.off_on, part.from_one
+
+    @property
+    def understood(self) -> Iterator[str]:
+        """Say how numbers were understood that could have been others."""
+        if self.off_on is not None:
+            off, on = self.off_on
+            pixels = ", and x and y count from 1, as in MATLAB" if self.from_one else ""
+            yield f"polarity {off} is read as OFF and {on} as ON{pixels}"
+
+    @property
+    def said(self) -> Iterator[str]:
+        """Say what of the file the user would not expect."""
+        yield from self.understood
+        if self.lost_packets:
+            yield (
+                f"{self.lost_packets} packets are missing, as their numbers say; events after a "
+                "gap are left out until their time and row are stated again"
+            )
 
     def take_bad_records(self, decoder: Any, fault: Callable[[int], str]) -> None:
         """Take the bad records that a native decoder met; an error if bad data raise."""
@@ -102,6 +146,32 @@ def losses_of(rejected: dict[str, int], clock_resets: int) -> Iterator[str]:
             f"the clock jumped back {clock_resets} times by 1 s or more; the events after "
             "it have other stamps than in the source: they go on 1 us after the last event before"
         )
+
+
+def size_of(names: Iterable[str], value: Callable[[str], Any]) -> tuple[int | None, int | None]:
+    """Return the size of the sensor in px, if one of the `names`, by its `value`, states it.
+
+    Two numbers under one name may come in either order: no sensor is higher than wide.
+    """
+    there = set(names)
+    for prefix in ("", "sensor_"):
+        if not {f"{prefix}width", f"{prefix}height"} <= there:
+            continue
+        sides = [np.asarray(value(prefix + side)) for side in ("width", "height")]
+        if all(side.size == 1 and side.dtype.kind in "iuf" for side in sides):
+            return sensor_size(sides[0].item(), sides[1].item())
+    for name in ("geometry", "resolution", "sensor_size", "sensor_resolution"):
+        if name not in there:
+            continue
+        stated = value(name)
+        text = stated.decode("ascii", "replace") if isinstance(stated, bytes) else stated
+        if isinstance(text, str):
+            size = re.fullmatch(r"\s*(\d{1,5})\s*[x,]\s*(\d{1,5})\s*", text)
+            return sensor_size(size[1], size[2]) if size else (None, None)
+        pair = np.asarray(stated).reshape(-1)
+        if pair.size == 2 and pair.dtype.kind in "iuf":
+            return sensor_size(*sorted(pair.tolist(), reverse=True))
+    return None, None
 
 
 class Reader(Protocol):

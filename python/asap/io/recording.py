@@ -5,35 +5,38 @@ from __future__ import annotations
 import importlib
 import os
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from asap import _checks, _core, _units
 from asap._foreign import HEAD, unit_doubt
+from asap._order import sorted_within, within
 from asap.events import Events, plain_view
-from asap.io.errors import NoGoodEvent
+from asap.io.errors import LossWarning, NoGoodEvent
 from asap.io.native import FORMATS, NativeReader
+from asap.io.parts import PartsReader
 from asap.io.reader import Losses, Options, Reader, gathered
-from asap.io.sniff import format_of
+from asap.io.sniff import format_of, parts_of
 
 
 def _late(module: str, reader: str) -> Callable[..., Reader]:
     """Return what makes that reader; its module is imported when it is first used."""
 
-    def make(*arguments: Any) -> Reader:
-        made: Reader = getattr(importlib.import_module(f"asap.io.{module}"), reader)(*arguments)
-        return made
+    def make(*arguments: Any, **more: Any) -> Reader:
+        made = getattr(importlib.import_module(f"asap.io.{module}"), reader)
+        return cast(Reader, made(*arguments, **more))
 
     return make
 
 
-_READERS: dict[str, Callable[[Path, Options], Reader]] = {
+_BAGS = ("rosbag1", "rosbag2", "mcap")
+_READERS: dict[str, Callable[..., Reader]] = {
     "npy": _late("numpy_files", "NpyReader"),
     "npz": _late("numpy_files", "NpzReader"),
     "text": _late("text", "TextReader"),
@@ -42,8 +45,9 @@ _READERS: dict[str, Callable[[Path, Options], Reader]] = {
     **{name: partial(NativeReader, name) for name in FORMATS},
     "hdf5": _late("hdf5", "Hdf5Reader"),
     "matlab": _late("matlab", "MatlabReader"),
-    **{name: partial(_late("ros", "RosReader"), name) for name in ("rosbag1", "rosbag2", "mcap")},
+    **{name: partial(_late("ros", "RosReader"), name) for name in _BAGS},
 }
+_SLACK_US = 10_000  # disorder that does not mislead the search for a time
 FILE_FORMATS = tuple(_READERS)  # names that `file_format` takes
 
 
@@ -53,6 +57,28 @@ class _Told(NamedTuple):
     options: Options
     on_bad: str
     reorder_tolerance_us: int
+    start: float | None = None  # s from the first event
+    stop: float | None = None
+
+
+Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
+
+
+def _opened(paths: Sequence[Path], file_format: str | None, options: Options) -> Reader:
+    """Return the reader of one recording, in one file or in several."""
+    name = format_of(paths[0], file_format, _READERS)
+    make = _READERS[name]
+    is_bag = name in _BAGS
+    if paths[0].is_dir() and not is_bag and len(paths) == 1:
+        paths = parts_of(paths[0])
+    if len(paths) == 1:
+        return make(paths[0], options)
+    for path in paths:
+        if (other := format_of(path, file_format, _READERS)) != name:
+            raise ValueError(f"path = {path}: {other}, but {paths[0]} is {name}; give one format")
+    if is_bag:
+        return make(paths[0], options, parts=paths)
+    return PartsReader(make, paths, options)
 
 
 class Recording:
@@ -65,12 +91,22 @@ class Recording:
     Made by `read`.
     """
 
-    def __init__(self, path: str | os.PathLike[str], file_format: str | None, told: _Told) -> None:
-        self._path = _checks.folder_or_file("path", path)
+    def __init__(self, path: Paths, file_format: str | None, told: _Told) -> None:
+        named = list(path) if isinstance(path, (list, tuple)) else [path]
+        paths = [_checks.folder_or_file("path", one) for one in named]
+        if not paths:
+            raise ValueError("path = []: give one file at least")
+        self._path = paths[0]
         width, height = _checks.sides(told.options.width, told.options.height)
         self._arguments, self._told = (path, file_format, told), told
-        make = _READERS[format_of(self._path, file_format, _READERS)]
-        self._reader = make(self._path, replace(told.options, width=width, height=height))
+        self._reader = _opened(
+            paths, file_format, replace(told.options, width=width, height=height)
+        )
+        for side, value in (("start", told.start), ("stop", told.stop)):
+            if value is not None:
+                _checks.number(side, value, 0.0, 1e9, "give s from the first event")
+        if told.start is not None and told.stop is not None and told.stop <= told.start:
+            raise ValueError(f"stop = {told.stop}: give a later time than start = {told.start}")
         if told.options.stream is not None and not self.streams:
             raise ValueError(
                 f"stream = {told.options.stream!r}: {self._path} is one stream of events; "
@@ -126,6 +162,11 @@ class Recording:
         return reasons
 
     @property
+    def lost_packets(self) -> int:
+        """Packets that never arrived, as the numbers of the others say; only ROS bags have them."""
+        return self._losses.lost_packets
+
+    @property
     def guessed_unit(self) -> str | None:
         """Unit of the times in the latest iteration, where neither file nor user states it."""
         return self._losses.guessed_unit
@@ -141,7 +182,9 @@ class Recording:
         if good == 0:
             what = f"not one of its {received} events is good"
         remedy = "check order, time_unit, width and height"
-        if self.bad_offsets:
+        if 2 * self._losses.between_pixels > self._losses.bad_record:
+            remedy = "x and y lie between pixels; on_bad='clamp' moves each to the nearest pixel"
+        elif self.bad_offsets:
             remedy = f"the first bad one is at byte {self.bad_offsets[0]}; {remedy}"
         return f"{self._path}: {what} ({_units.reasons(self.rejected)}); {remedy}"
 
@@ -150,6 +193,7 @@ class Recording:
         """Events that were changed so far: polarity not 0 or 1, stamps lifted, pixels clamped."""
         kinds = dict(self._validator.repaired)
         kinds["clamped_positions"] += self._losses.clamped_positions
+        kinds["sorted_stamps"] = self._losses.sorted_stamps
         return kinds
 
     @property
@@ -187,9 +231,23 @@ class Recording:
         return self._losses.triggers
 
     def __iter__(self) -> Iterator[Events]:
+        start, stop = self._told.start, self._told.stop
+        if start is None and stop is None:
+            yield from self._checked()
+            return
+        first_us = next((int(chunk["t"][0]) for chunk in self._checked()), 0)
+        begin_us = first_us + round(1e6 * (start or 0.0))
+        end_us = None if stop is None else first_us + round(1e6 * stop)
+        yield from within(self._checked(begin_us), begin_us, end_us)
+
+    def _checked(self, from_us: int | None = None) -> Iterator[Events]:
+        """Read it from the start, or from a place before `from_us` where the format has one."""
+        known = self._losses
         losses, validator = self._losses, self._validator = self._books()
+        if from_us is not None:  # the first events have decided it
+            losses.off_on, losses.from_one = known.off_on, known.from_one
         count, head = 0, np.zeros(1, np.int64)
-        for events in self._reader.chunks(losses):
+        for events in self._chunks(losses, from_us):
             good, stray = validator.check_recorded(events)
             losses.stray += stray
             if len(good):
@@ -203,6 +261,19 @@ class Recording:
         span_us = validator.last_us - int(head[0])
         if doubt := unit_doubt(losses.guessed_unit, count, span_us, np.diff(head)):
             warnings.warn(f"{self._path}: {'; '.join(doubt)}", stacklevel=2)
+        for words in losses.said:
+            warnings.warn(f"{self._path}: {words}", LossWarning, stacklevel=2)
+
+    def _chunks(self, losses: Losses, from_us: int | None) -> Iterator[Events]:
+        tolerance_us = self._told.reorder_tolerance_us
+        place = getattr(self._reader, "chunks_from", None)
+        if from_us is None or place is None:
+            chunks = self._reader.chunks(losses)
+        else:
+            chunks = place(losses, from_us - tolerance_us - _SLACK_US)
+        if tolerance_us and self._told.on_bad != "raise":
+            return sorted_within(chunks, tolerance_us, losses.count_sorted)
+        return chunks
 
     def raw(self) -> Iterator[Events]:
         """Read it once without the checks: what the file holds, in its own order.
@@ -216,7 +287,13 @@ class Recording:
         """
         losses, self._validator = Losses(self._path, "drop"), self._books()[1]
         self._losses = losses
+        start, stop, first_us = self._told.start, self._told.stop, None
         for events in self._reader.chunks(losses):
+            if len(events) and (start is not None or stop is not None):
+                first_us = int(events["t"][0]) if first_us is None else first_us
+                elapsed_us = events["t"] - first_us
+                later = elapsed_us >= 1e6 * (start or 0.0)
+                events = events[later & (elapsed_us < 1e6 * (1e12 if stop is None else stop))]
             if len(events):
                 yield plain_view(events)
 
@@ -235,7 +312,7 @@ class Recording:
 
 
 def read(
-    path: str | os.PathLike[str],
+    path: Paths,
     *,
     width: int | None = None,
     height: int | None = None,
@@ -245,6 +322,8 @@ def read(
     reorder_tolerance_us: int = 0,
     file_format: str | None = None,
     stream: str | None = None,
+    start: float | None = None,
+    stop: float | None = None,
 ) -> Recording:
     """Open an event file: NumPy, text, csv, Prophesee, AEDAT, HDF5, ROS bags and others.
 
@@ -253,29 +332,35 @@ def read(
     Parameters
     ----------
     path
-        The file, or the folder of a ROS 2 bag.
+        The file; the folder of a ROS 2 bag, or of numbered parts of one recording; or a list of
+        files, which are read in its order.
     width, height
         Size of the sensor in px, where the file does not state it. Without it pixels are not
         checked.
     order
         What the columns are, for files without names: an arrangement of ``t``, ``x``, ``y`` and
-        ``p`` such as ``"yxt"`` (without ``p`` every event is ON). Text: the header line, else
-        ``"txyp"``.
+        ``p`` such as ``"yxt"`` (without ``p`` every event is ON), and ``-`` for a column that is
+        skipped. Text: the header line, else ``"txyp"``; a matrix: what its values allow.
     time_unit
         ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``. None decides: for text by the header or by a
         decimal point in the times, for arrays by their type (floating: seconds). Whole numbers that
         are stored as floats could be both: then it has to be said.
     on_bad
         Events out of order, outside the sensor or unreadable: ``"drop"`` and count, ``"clamp"``
-        where possible, or ``"raise"``. Of stamps that do not fit together the few are dropped.
+        where possible (a position to the nearest pixel), or ``"raise"``. Of stamps that do not fit
+        together the few are dropped.
     reorder_tolerance_us
-        A stamp that goes back by at most this much is lifted to the last one, not bad.
+        Events that come late by at most this much are sorted into their place and counted in
+        `Recording.repaired`.
     file_format
         The name of the format, as `Recording.format` has it, where neither content nor file name
         tells it: ``"atis40"`` for 40-bit events, for example.
     stream
         Which camera or topic, where the file holds several: its name, or a part of it between
         slashes such as ``"left"``.
+    start, stop
+        Read the events from `start` until before `stop`, in s from the first event. EVT2, EVT2.1,
+        DAT, npy and HDF5 are not read up to there.
 
     Returns
     -------
@@ -304,11 +389,12 @@ def read(
         unit of its times was guessed, and no camera sends events so fast or so slowly.
     """
     options = Options(order, time_unit, width, height, stream)
-    return Recording(path, file_format, _Told(options, on_bad, reorder_tolerance_us))
+    told = _Told(options, on_bad, reorder_tolerance_us, start, stop)
+    return Recording(path, file_format, told)
 
 
 def load(
-    path: str | os.PathLike[str],
+    path: Paths,
     *,
     width: int | None = None,
     height: int | None = None,
@@ -318,6 +404,8 @@ def load(
     reorder_tolerance_us: int = 0,
     file_format: str | None = None,
     stream: str | None = None,
+    start: float | None = None,
+    stop: float | None = None,
 ) -> Events:
     """Read a whole event file into one array; parameters, errors and warnings as in `read`.
 
@@ -341,7 +429,10 @@ def load(
         reorder_tolerance_us=reorder_tolerance_us,
         file_format=file_format,
         stream=stream,
+        start=start,
+        stop=stop,
     )
-    events = gathered(recording, recording.expected)
+    is_whole = start is None and stop is None
+    events = gathered(recording, recording.expected if is_whole else 0)
     recording._losses.tell(recording.rejected, recording.clock_resets)
     return events

@@ -16,13 +16,17 @@ from __future__ import annotations
 import errno
 import importlib
 import io
+import shutil
 import struct
+import warnings
+import weakref
 import zlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from tempfile import mkdtemp
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -39,6 +43,7 @@ from asap.io.errors import (
     refuse_bomb,
 )
 from asap.io.reader import CHUNK, Losses, Options, choose_stream
+from asap.io.sniff import METADATA, first_bytes, parts_of, stated
 
 _DECODERS = {
     "evt3": "Evt3Decoder",
@@ -52,16 +57,23 @@ _MOST_PX = 0xFFFF
 class RosReader:
     """The events of one topic of a bag of `kind`: ``"rosbag1"``, ``"rosbag2"`` or ``"mcap"``."""
 
-    def __init__(self, kind: str, path: Path, options: Options) -> None:
+    def __init__(self, kind: str, path: Path, options: Options, parts: Sequence[Path] = ()) -> None:
         options.refuse_stated(path, kind)
         self.format = kind
         self._path = path
-        self._bag = open_bag(kind, path)
-        self._cdr = kind != "rosbag1"
+        self._bag: Bag = _Parts(parts) if parts else open_bag(kind, path)
+        siblings = [] if parts or path.is_dir() else parts_of(path.parent, like=path)
+        if len(siblings) > 1:
+            warnings.warn(
+                f"{path} is one of {len(siblings)} parts, {siblings[0].name} to "
+                f"{siblings[-1].name}; give the folder to read them all",
+                stacklevel=2,
+            )
         self.streams = self._topics_of_events()
         types = self._bag.topics
         words = [f"{topic} ({types[topic]})" for topic in self.streams]
         self._topic = choose_stream(path, options.stream, self.streams, words)
+        self._cdr = self._topic not in getattr(self._bag, "ros1", ()) and kind != "rosbag1"
         self._read = read_packet if types[self._topic] in PACKETS else read_array
         self._first = first = self._first_message()
         self.width = first.width if first and 0 < first.width <= _MOST_PX else None
@@ -90,6 +102,7 @@ class RosReader:
                 message.check_whole()
             except BadMessage as error:
                 bad_messages, fault = bad_messages + 1, str(error)
+            losses.lost_packets = decoder.lost
             losses.bad_record = bad_messages + decoder.count(losses)
             if losses.bad_record and losses.on_bad == "raise":
                 raise CorruptFile(self._path, 0, f"message {number} of {self._topic}: {fault}")
@@ -133,9 +146,16 @@ class _PacketDecoder:
         self._encoding = encoding
         self._decoder: Any = getattr(_core, _DECODERS[encoding])()
         self._rest = memoryview(b"")
+        self._sequence: int | None = None
+        self.lost = 0  # messages that never arrived
 
     def begin(self, message: Message) -> None:
-        """Go on with the events of another message."""
+        """Go on with the events of another message; after a gap only with what is known there."""
+        last, self._sequence = self._sequence, message.sequence
+        if last is not None and message.sequence not in (last, last + 1):
+            self.lost += max(message.sequence - last - 1, 0)  # it goes back: the driver restarted
+            if self._encoding == "evt3":
+                self._decoder.resume()
         if message.encoding != self._encoding:
             raise BadMessage(f"its encoding is {message.encoding!r}, not {self._encoding!r}")
         if self._encoding != "evt3":  # whose words state their own time, and run on
@@ -169,6 +189,7 @@ class _ArrayDecoder:
 
     is_done = True
     is_inside_a_record = False
+    lost = 0  # arrays are not counted
 
     def __init__(self, cdr: bool) -> None:
         self._cdr = cdr
@@ -212,6 +233,7 @@ class Message:
     promised: int  # bytes of the events
     encoding: str = ""  # a packet has one
     time_base: int = 0  # ns
+    sequence: int = 0  # number of the packet
 
     def check_whole(self) -> None:
         """Raise `BadMessage` if events are missing at its end."""
@@ -225,7 +247,7 @@ def read_packet(raw: bytes, cdr: bool) -> Message:
         at = _after_frame(raw, cdr)
         height, width = struct.unpack_from("<II", raw, at)
         at = _aligned(at + 8, 8, cdr)
-        _, time_base, length = struct.unpack_from("<QQI", raw, at)
+        sequence, time_base, length = struct.unpack_from("<QQI", raw, at)
         encoding = raw[at + 20 : at + 20 + length].rstrip(b"\0").decode()
         at += 20 + length
         is_bigendian = raw[at]
@@ -237,7 +259,7 @@ def read_packet(raw: bytes, cdr: bool) -> Message:
         raise BadMessage("its events are big-endian")
     at += 4
     payload = memoryview(raw)[at : at + promised]
-    return Message(width, height, payload, promised, encoding, time_base)
+    return Message(width, height, payload, promised, encoding, time_base, sequence)
 
 
 def read_array(raw: bytes, cdr: bool) -> Message:
@@ -285,8 +307,12 @@ class Bag(Protocol):
 
 def open_bag(kind: str, path: Path) -> Bag:
     """Open a bag of `kind`: ``"rosbag1"``, ``"rosbag2"`` (a file or a folder) or ``"mcap"``."""
+    if path.is_dir() and (not (path / METADATA).exists() or any(map(_logs, path.glob("*.db3")))):
+        return _Parts(parts_of(path))
     if kind == "rosbag2" and not path.is_dir():
         return _Database(path)
+    if kind == "mcap" and _profile(path) != "ros2":
+        return _OpenBag(path, _mcap_records)
     make_reader = _library_reader(kind, path)
     try:
         return _IndexedBag(path, make_reader)
@@ -367,11 +393,35 @@ class _IndexedBag:
             yield reader
 
 
+class _Parts:
+    """A split bag: its files one after the other."""
+
+    def __init__(self, parts: Iterable[Path]) -> None:
+        self._bags = [open_bag(stated(first_bytes(part)) or "", part) for part in parts]
+        self.topics = {name: kind for bag in self._bags for name, kind in bag.topics.items()}
+        self.ros1 = {topic for bag in self._bags for topic in getattr(bag, "ros1", ())}
+
+    def messages(self, topic: str) -> Iterator[bytes]:
+        for bag in self._bags:
+            if topic in bag.topics:
+                yield from bag.messages(topic)
+
+
 class _Database:
-    """A ROS 2 bag in one SQLite file; SQLite itself refuses one that was cut."""
+    """A ROS 2 bag in one SQLite file; SQLite itself refuses one that was cut.
+
+    What a recorder that was killed left beside it, in a log or a journal, belongs to it: SQLite
+    reads both in a copy, because it would write beside the recording.
+    """
 
     def __init__(self, path: Path) -> None:
-        self._path = path
+        self._path = self._file = path
+        if logs := _logs(path):
+            folder = mkdtemp(prefix="asap-")
+            weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+            self._file = Path(folder, path.name)
+            for file in (path, *logs):
+                shutil.copyfile(file, self._file.with_name(file.name))
         rows = self._rows("SELECT name, type FROM topics")
         self.topics = {str(name): _plain(str(kind)) for name, kind in rows}
 
@@ -379,12 +429,13 @@ class _Database:
         wanted = "topic_id IN (SELECT id FROM topics WHERE name = ?)"
         query = f"SELECT CAST(data AS BLOB) FROM messages WHERE {wanted} ORDER BY id"
         for (data,) in self._rows(query, topic):
-            yield data or b""
+            yield _unpacked(data or b"")
 
     def _rows(self, query: str, *values: str) -> Iterator[tuple[Any, ...]]:
         sqlite3 = library("sqlite3", "A ROS 2 bag", "ros")
         try:
-            uri = f"{self._path.absolute().as_uri()}?mode=ro&immutable=1"
+            only_read = "?mode=ro&immutable=1" if self._file == self._path else ""
+            uri = f"{self._file.absolute().as_uri()}{only_read}"
             with closing(sqlite3.connect(uri, uri=True)) as database:
                 yield from database.execute(query, values)
         except sqlite3.Error as error:
@@ -392,22 +443,45 @@ class _Database:
             raise CorruptFile(self._path, self._path.stat().st_size, words) from error
 
 
-class _OpenBag:
-    """A ROS 1 bag or an MCAP file without its index, read from the front."""
+def _logs(path: Path) -> list[Path]:
+    """Files beside a database that hold a part of it."""
+    beside = (path.with_name(path.name + end) for end in ("-wal", "-journal"))
+    return [log for log in beside if log.exists() and log.stat().st_size]
 
-    def __init__(self, path: Path, walk: Callable[[Path], _Records], fault: str) -> None:
+
+def _unpacked(message: bytes) -> bytes:
+    """Unpack what a recorder packed message by message, which only its metadata would say."""
+    if not message.startswith(b"\x28\xb5\x2f\xfd"):  # no CDR begins so
+        return message
+    most = max(HARMLESS, MAX_RATIO * len(message))
+    try:
+        return bytes(_open("zstd", message).read(most))
+    except _Broken:
+        library("zstandard", "A bag of packed messages", "ros")
+        raise
+    except Exception:  # the library's own
+        return b""  # a bad message
+
+
+class _OpenBag:
+    """A ROS 1 bag or an MCAP file read from the front; a `fault` is why its index is not."""
+
+    def __init__(self, path: Path, walk: Callable[[Path], _Records], fault: str = "") -> None:
         self._path, self._walk = path, walk
-        self._end = CorruptFile(path, path.stat().st_size, fault)
+        self._end = CorruptFile(path, path.stat().st_size, fault) if fault else None
         self.topics: dict[str, str] = {}
+        self.ros1: set[str] = set()  # topics in the byte order of ROS 1
         self._channels: dict[str, set[int]] = {}
         try:
             for record in walk(path):
                 if isinstance(record, _Channel):
                     self.topics[record.topic] = _plain(record.type)
                     self._channels.setdefault(record.topic, set()).add(record.number)
+                    if record.encoding == "ros1":
+                        self.ros1.add(record.topic)
         except CorruptFile as error:
             self._end = error
-        if not self.topics:
+        if not self.topics and self._end is not None:
             raise self._end
 
     def messages(self, topic: str) -> Iterator[bytes]:
@@ -415,7 +489,8 @@ class _OpenBag:
             for record in self._walk(self._path):
                 if isinstance(record, _Message) and record.channel in self._channels[topic]:
                     yield record.data
-        raise self._end
+        if self._end is not None:
+            raise self._end
 
 
 # ---- records, from the first byte on ------------------------------------------------------------
@@ -433,6 +508,7 @@ class _Channel(NamedTuple):
     number: int
     topic: str
     type: str
+    encoding: str = ""
 
 
 class _Message(NamedTuple):
@@ -557,8 +633,18 @@ _FOOTER_OP, _SCHEMA_OP, _CHANNEL_OP, _MESSAGE_OP, _CHUNK_OP = 2, 3, 4, 5, 6
 
 
 def _mcap_records(path: Path) -> _Records:
-    """Walk an MCAP file: its topics of ROS 2 messages."""
+    """Walk an MCAP file: its topics of messages of ROS."""
     return _walk(path, len(b"\x89MCAP0\r\n"), partial(_mcap_record, {}))
+
+
+def _profile(path: Path) -> str:
+    """Read what the header says of the messages; a file without one is left to the library."""
+    with path.open("rb") as file:
+        source = _Source(file, path.stat().st_size)
+        with suppress(_Broken, UnicodeDecodeError, struct.error):
+            source.skip(len(b"\x89MCAP0\r\n") + 9)  # op and size of the header
+            return source.take(source.u32()).decode()
+    return "ros2"
 
 
 def _mcap_record(schemas: dict[int, str], source: _Source) -> _Records:
@@ -580,8 +666,8 @@ def _mcap_record(schemas: dict[int, str], source: _Source) -> _Records:
         channel = _Source(io.BytesIO(source.take(size)), size)
         number, schema_number = struct.unpack("<HH", channel.take(4))
         topic, encoding = (channel.take(channel.u32()).decode() for _ in range(2))
-        if encoding == "cdr":
-            yield _Channel(number, topic, schemas.get(schema_number, ""))
+        if encoding in ("cdr", "ros1"):
+            yield _Channel(number, topic, schemas.get(schema_number, ""), encoding)
     elif op == _MESSAGE_OP:
         (number,) = struct.unpack("<H", source.take(2))
         source.skip(20)  # number in its sequence, and two times

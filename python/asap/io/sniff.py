@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 from collections.abc import Collection
 from pathlib import Path
 
@@ -49,8 +50,22 @@ _REFUSED_BYTES = (
     (b"\xfe\xff", "text in UTF-16; save it in UTF-8"),
     (b"#!AER-DAT", f"AEDAT 1.0 or 3.0 is not read yet; what is: {SERVED}"),
 )
+_POINTER = "which stands for the recording: fetch it"
+_PAGE = "saved in the place of the recording; download the file itself"
+_REFUSED_TEXT = (  # in small letters
+    (b"version https://git-lfs", f"a pointer of Git LFS, {_POINTER} with 'git lfs pull'"),
+    (b"/annex/objects/", f"a pointer of git-annex, {_POINTER} with 'git annex get'"),
+    (b"<!doctype html", f"a web page, {_PAGE}"),
+    (b"<html", f"a web page, {_PAGE}"),
+    (b"<head", f"a web page, {_PAGE}"),
+    (b"<?xml", f"an XML document, often the error of a server, {_PAGE}"),
+    (b'{"', f"a JSON document, often the error of a server, {_PAGE}"),
+)
 _SUFFIXES_OF_40_BITS = (".bin", ".bs2")
 _AEDAT = ".aedat"
+_TEXT_SUFFIXES = (".csv", ".txt", ".dat")
+METADATA = "metadata.yaml"  # of a ROS 2 bag
+_NUMBERS = re.compile(r"\d+")
 _BINARY_SUFFIXES = (*_SERVED_SUFFIXES, _AEDAT, *_SUFFIXES_OF_40_BITS)
 _PROPHESEE_HEADER = (b"% evt ", b"% format EVT", b"% Data file containing", b"% camera_integrator")
 
@@ -72,7 +87,8 @@ def sniff(path: Path) -> str:
     head = first_bytes(path)
     if (name := stated(head)) is not None:
         return name
-    if (words := _that_begins(head, _REFUSED_BYTES)) is not None:
+    words = _that_begins(head, _REFUSED_BYTES) or _that_begins(_plain(head), _REFUSED_TEXT)
+    if words is not None:
         raise UnsupportedFormat(f"{path}: {words}")
     if (encoding := _prophesee(head)) is not None:
         return encoding
@@ -135,15 +151,32 @@ def _that_begins(head: bytes, marks: tuple[tuple[bytes, str], ...]) -> str | Non
     return next((name for mark, name in marks if head.startswith(mark)), None)
 
 
+def _plain(head: bytes) -> bytes:
+    return head.removeprefix(b"\xef\xbb\xbf").lstrip().lower()
+
+
 def _of_folder(path: Path) -> str:
-    names = sorted(os.listdir(path))
-    if "metadata.yaml" in names:
+    if (path / METADATA).exists():
         return "rosbag2"
-    bags = [name for name in names if name.endswith((".db3", ".mcap"))]
-    fault = "Is a directory; give a file in it"
-    if bags:
-        fault = f"Is a directory without metadata.yaml, which a bag needs; give {bags[0]} in it"
+    if parts := parts_of(path):
+        return sniff(parts[0])
+    fault = "Is a directory, and not of numbered parts of one recording; give a file in it"
     raise IsADirectoryError(errno.EISDIR, fault, str(path))
+
+
+def parts_of(folder: Path, *, like: Path | None = None) -> list[Path]:
+    """List the parts of one recording, by number; only those like a file, if one is given.
+
+    None where the folder holds recordings of several names, which are no parts of one.
+    """
+    suffixes = (*_BINARY_SUFFIXES, *_TEXT_SUFFIXES) if like is None else (like.suffix.lower(),)
+    names = [name for name in os.listdir(folder) if name.lower().endswith(suffixes)]
+    if like is not None:
+        names = [name for name in names if _NUMBERS.sub("#", name) == _NUMBERS.sub("#", like.name)]
+    if len({_NUMBERS.sub("#", name) for name in names}) != 1:
+        return []
+    names.sort(key=lambda name: [int(number) for number in _NUMBERS.findall(name)])
+    return [folder / name for name in names]
 
 
 def _remedy(suffix: str, head: bytes) -> str:

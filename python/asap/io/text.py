@@ -17,20 +17,27 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 from asap import _core
 from asap._stamps import time_exponent
 from asap.events import FIELD_NAMES, Events, check_order
+from asap.io.columns import plain_polarity
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
 
 _HEAD = 1 << 14
+_MOST = 1 << 24  # bytes of comments before the first line
 _PIECE = 1 << 18
 _SHORTEST = 6  # bytes of a line with three numbers
 _NUMBER = re.compile(rb"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _QUOTED = re.compile(rb"""(["'])\d[\d.]*\1""")
 _SEPARATORS = re.compile(rb"[ \t,;\r]+")
 _TRUTHS = {b"True": b"1", b"true": b"1", b"False": b"0", b"false": b"0"}  # as pandas writes them
+_SENSOR = re.compile(
+    rb"(?:geometry|resolution|size)\W*(\d{1,5})\s*[x,; ]\s*(\d{1,5})\b"
+    rb"|\bwidth\W*(\d{1,5})\b\W*height\W*(\d{1,5})\b"
+)
 _UNIT = re.compile(r"[\W_]*(s|sec|seconds?|ms|us|µs|ns)[\W_]*")
 _UNITS = {"s": "s", "sec": "s", "second": "s", "seconds": "s", "µs": "us"}
 
@@ -45,6 +52,7 @@ class _Layout:
     height: int | None
     line_bytes: float  # length of a data line, about
     guessed: bool  # the unit
+    between_pixels: bool  # x or y is mostly no whole number
 
 
 class TextReader:
@@ -53,9 +61,10 @@ class TextReader:
     def __init__(self, path: Path, options: Options) -> None:
         self._path = path
         with path.open("rb") as file:
-            self._layout = _find_layout(path, file.read(_HEAD), options)
+            self._layout = _find_layout(path, _front(file), options)
         self.format = "csv" if self._layout.separator in b",;" else "text"
         self.width, self.height = self._layout.width, self._layout.height
+        self._taken = 0
         #: Events in the file, about: its lines are seldom shorter than the first.
         self.expected = int((path.stat().st_size - self._layout.start) / self._layout.line_bytes)
 
@@ -70,6 +79,7 @@ class TextReader:
             first_offset=layout.start,
         )
         at = last_line = layout.start
+        self._taken = 0
         with self._path.open("rb") as file:
             file.seek(layout.start)
             while piece := file.read(_PIECE):
@@ -86,7 +96,9 @@ class TextReader:
         losses.out_of_bounds = decoder.out_of_bounds
         losses.clamped_positions = decoder.clamped_positions
         losses.take_bad_records(decoder, self._line_at)
-        return events
+        losses.between_pixels = decoder.bad_records if self._layout.between_pixels else 0
+        first, self._taken = self._taken, self._taken + len(events)
+        return plain_polarity(events, losses, first)
 
     def _line_at(self, offset: int) -> str:
         with self._path.open("rb") as file:
@@ -95,20 +107,38 @@ class TextReader:
         return f"no event {self._layout.order!r}: {line!r}"
 
 
+def _front(file: IO[bytes]) -> bytes:
+    """Read the comments that come first, however long they are, and what follows them."""
+    front = file.read(_HEAD)
+    while len(front) < _MOST and len(front) % _HEAD == 0 and _only_comments(front):
+        more = file.read(_HEAD)
+        if not more:
+            break
+        front += more
+    return front
+
+
+def _only_comments(front: bytes) -> bool:
+    *whole, _ = front.split(b"\n")
+    return all(not line.strip() or line.lstrip()[:1] in b"#%" for line in whole)
+
+
 def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
     at = 3 if head.startswith(b"\xef\xbb\xbf") else 0
     names: list[str] = []
     sensor: tuple[int, int] | None = None
+    comments = b""
     start = at
     rows: list[list[bytes]] = []
     separator = b" "
     lines = head[at:].splitlines(keepends=True)
-    if len(head) == _HEAD and len(lines) > 1:
+    if len(head) % _HEAD == 0 and len(lines) > 1:
         lines.pop()  # the head ends inside it
     for line in lines:
         at += len(line)
         text = line.strip()
         if not text or text[:1] in b"#%":
+            comments += text.lower() + b"\n"
             if not rows and not names:
                 names = _names(text.lstrip(b"#% \t"), commented=True)
             continue
@@ -143,11 +173,16 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
         rows = _of_common_length(path, rows, order, options.order is not None or bool(names))
         if options.order is None and not names:
             _check_polarity(path, rows)
+    if sensor is None and (size := _SENSOR.search(comments)):
+        sensor = next((int(size[i]), int(size[i + 1])) for i in (1, 3) if size[i])
     width, height = sensor or (None, None)
     guessed = unit is None
     unit = unit or _unit_of(path, rows, order)
     line_bytes = max((at - start) / max(len(rows), 1), _SHORTEST)
-    return _Layout(order, unit, start, separator, width, height, line_bytes, guessed)
+    places = [order.index(role) for role in "xy"]
+    between = [row for row in rows if any(not float(row[at]).is_integer() for at in places)]
+    mostly = 2 * len(between) > len(rows)
+    return _Layout(order, unit, start, separator, width, height, line_bytes, guessed, mostly)
 
 
 def _separator(text: bytes) -> bytes:
@@ -196,16 +231,16 @@ def _of_common_length(
     alike = [row for row in rows if len(row) == length]
     if length != len(order):
         what = f"order = {order!r}" if known else "order = None"
-        remedy = "only a header line can name them, such as 't x y p'"
-        if length in (3, 4):
-            remedy = f"name each, such as order={'txyp'[:length]!r}"
+        remedy = "name each, such as order=" + repr("txyp"[:length].ljust(length, "-"))
+        remedy += " where '-' skips one" * (length > 4)
         raise ValueError(f"{what}: the lines of {path} have {length} columns; {remedy}")
     return alike
 
 
 def _check_polarity(path: Path, rows: list[list[bytes]]) -> None:
     polarity = [float(row[3]) for row in rows]
-    if any(abs(p) > 127 or p != int(p) for p in polarity):
+    wide = {p for p in polarity if abs(p) > 127 or p != int(p)}
+    if len(wide) > 1 or polarity == [*wide]:  # one may be the -1 of a type without a sign
         raise ValueError(
             f"order = None: the fourth column of {path} holds no polarity (it begins with "
             f"{rows[0][3].decode()}); say what the columns are, such as order='xypt'"

@@ -25,8 +25,9 @@ from asap._checks import named
 from asap.events import EVENT_DTYPE, Events
 from asap.io.aedat4 import EVENT, MAGIC, MOST_PIXELS
 from asap.io.errors import library
+from asap.io.reader import CHUNK
 
-Writer = Callable[[IO[bytes], Iterable[Events], int, int], int]
+Writer = Callable[..., int]
 
 _PIECE = 1 << 18
 _NPY_HEADER = 192  # bytes: enough for any count, so that it can be written again at the end
@@ -236,3 +237,89 @@ def _write_record(file: IO[bytes], kind: int, *content: bytes) -> None:
 
 def _text(text: str) -> bytes:
     return struct.pack("<I", len(text.encode())) + text.encode()
+
+
+# ---- HDF5 ---------------------------------------------------------------------------------------
+# Packed by gzip, which every HDF5 library unpacks.
+
+_MS_US = 1000
+_INDEX_US = 2000  # Metavision's
+
+
+def write_dsec(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
+    """Write the layout of DSEC: columns, t_offset, and the first event of every ms.
+
+    ``ms_to_idx[k]`` is the first event with t >= 1000 k; it ends with the number of events.
+    """
+    with _hdf5(file) as hdf5:
+        columns = {
+            role: _growing(hdf5, f"events/{role}", kind)
+            for role, kind in {**_COLUMNS, "t": "<u4"}.items()
+        }
+        first_ms = _growing(hdf5, "ms_to_idx", "<u8")
+        count, t_offset = 0, 0
+        for chunk in chunks:
+            t_offset = t_offset if count else int(chunk["t"][0])
+            t = chunk["t"] - t_offset
+            if int(t[-1]) > np.iinfo(np.uint32).max:
+                raise ValueError(f"t = {chunk['t'][-1]}: DSEC ends 2^32 us after the first event")
+            for role, column in columns.items():
+                _append(column, t if role == "t" else chunk[role])
+            marks = np.arange(len(first_ms), int(t[-1]) // _MS_US + 1) * _MS_US
+            _append(first_ms, count + np.searchsorted(t, marks))
+            count += len(chunk)
+        _append(first_ms, np.array([count]))
+        hdf5["t_offset"] = t_offset
+        for name, side in (("width", width), ("height", height)):
+            if side:
+                hdf5[f"events/{name}"] = side
+    return count
+
+
+def write_metavision(
+    file: IO[bytes],
+    chunks: Iterable[Events],
+    width: int,
+    height: int,
+    triggers: Callable[[], npt.NDArray[np.void]],
+) -> int:
+    """Write the layout of Metavision: records, the first event of every 2 ms, and triggers.
+
+    `triggers` returns those of the source, once its events have been read.
+    """
+    with _hdf5(file) as hdf5:
+        events = _growing(hdf5, "CD/events", [(n, EVENT_DTYPE[n]) for n in "xypt"])
+        indexes = _growing(hdf5, "CD/indexes", [("id", "<u8"), ("ts", "<i8")])
+        count = 0
+        for chunk in chunks:
+            _append(events, chunk)
+            t = chunk["t"]
+            begin = len(indexes) if count else max(int(t[0]) // _INDEX_US, 0)
+            marks = np.arange(begin, int(t[-1]) // _INDEX_US + 1) * _INDEX_US
+            at = np.searchsorted(t, marks)
+            rows = np.zeros(len(at), indexes.dtype)
+            rows["id"], rows["ts"] = count + at, t[at]
+            _append(indexes, rows)
+            count += len(chunk)
+        seen = triggers()
+        edges = np.zeros(len(seen), [("p", "<i2"), ("t", "<i8"), ("id", "<i2")])
+        edges["p"], edges["t"], edges["id"] = seen["value"], seen["t"], seen["id"]
+        _append(_growing(hdf5, "EXT_TRIGGER/events", edges.dtype), edges)
+        if width and height:
+            hdf5.attrs["geometry"] = f"{width}x{height}"
+    return count
+
+
+def _hdf5(file: IO[bytes]) -> Any:
+    return library("h5py", "HDF5", "hdf5").File(file, "w")
+
+
+def _growing(hdf5: Any, name: str, dtype: npt.DTypeLike) -> Any:
+    options = {"chunks": CHUNK, "compression": "gzip", "compression_opts": 1, "shuffle": True}
+    return hdf5.create_dataset(name, (0,), dtype, maxshape=(None,), **options)
+
+
+def _append(dataset: Any, values: npt.NDArray[Any]) -> None:
+    size = len(dataset)
+    dataset.resize(size + len(values), axis=0)
+    dataset[size:] = values

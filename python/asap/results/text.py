@@ -509,6 +509,7 @@ CHECKS = {
     "out_of_bounds": "pixels outside the sensor",
     "back_steps": "stamps that go back by less than 1 s",
     "clock_resets": "stamps that go back by 1 s or more: the clock was reset, or a counter wrapped",
+    "lost_packets": "numbers of packets that a bag skips",
     "gaps": "100 ms or more without an event; from 1 s on something is wrong",
     "time_unit": "whether times whose unit nothing states step as those of a camera",
     "same_stamp": "stamps that more than 100 events share",

@@ -32,6 +32,24 @@ TEST(Aedat2Decoder, TurnsTheAddressesOfADavis) {
             (Events{{345, 259, 1, 10}, {0, 0, 0, 11}, {7, 9, 0, 12}}));
 }
 
+TEST(Aedat2Decoder, DecodesOneOfSeveralCameras) {
+  Bytes bytes;
+  append_record(bytes, davis(345, 259, 1) | 2, 10);
+  append_record(bytes, davis(344, 259, 1) | 3, 11);
+  Aedat2Config config = kDavis346;
+  config.camera = 3;
+  EXPECT_EQ(events_of(Aedat2Decoder(config), bytes), (Events{{1, 0, 1, 11}}));
+}
+
+TEST(Aedat2Decoder, TurnsTheAddressesOfADvs640) {
+  Bytes bytes;
+  append_record(bytes, 0, 10);
+  append_record(bytes, 479 << 11 | 639 << 1 | 1, 11);
+  append_record(bytes, 1 << 20, 12);
+  const Aedat2Decoder decoder({.chip = Aedat2Chip::dvs640, .width = 640, .height = 480});
+  EXPECT_EQ(events_of(decoder, bytes), (Events{{639, 479, 0, 10}, {0, 0, 1, 11}}));
+}
+
 TEST(Aedat2Decoder, TurnsTheAddressesOfADvs128) {
   Bytes bytes;
   append_record(bytes, dvs128(0, 0, 0), 10);

@@ -96,6 +96,24 @@ TEST(Evt3Decoder, BehindAGapDropsWhatItCannotPlaceAndTimeGoesOn) {
   EXPECT_EQ(decoder.before_start(), 5u);
 }
 
+TEST(Evt3Decoder, ATimeHighAloneIsNoTimeAfterAGap) {
+  Evt3Decoder decoder;
+  Decoded before, after;
+  feed(decoder, bytes_of(Words{high(1), low(5), addr_y(1), addr_x(1, 1)}), 4096, before);
+  decoder.resume();
+  feed(decoder, bytes_of(Words{high(1), addr_y(1), addr_x(1, 2), high(2), addr_x(1, 3)}), 4096,
+       after);
+  EXPECT_EQ(after.events, (Events{{3, 1, 1, 2 * 4096}}));
+  EXPECT_EQ(decoder.before_start(), 1u);
+}
+
+TEST(Evt3Decoder, PaddingIsNoBadRecord) {
+  const Decoded decoded =
+      decode_words({high(1), word(9, 0x999), addr_y(1), word(9, 0x999), addr_x(1, 1)});
+  EXPECT_EQ(decoded.bad_records, 0u);
+  EXPECT_EQ(decoded.events, (Events{{1, 1, 1, 4096}}));
+}
+
 TEST(Evt3Decoder, HandsTriggersOut) {
   const Decoded decoded = decode_words({trigger(1, 1), high(1), low(3), trigger(6, 1), low(4),
                                         addr_y(0), addr_x(1, 1), trigger(15, 0)});

@@ -4,7 +4,9 @@
 // One thread (the producer's). O(n), no allocation after construction. A block without a fault
 // passes in place, without a copy; a block with one is repaired into a fixed scratch buffer. A
 // stamp that goes back by less than kNewEpoch_us is a fault; by more, the sensor's clock was reset:
-// a new epoch starts, and time continues one microsecond after the last event. With a warm-up, what
+// a new epoch starts, and time continues one microsecond after the last event. A validator that
+// doubts resets lets none happen before kStays stamps in a row stay there: fewer are stray. With a
+// warm-up, what
 // comes within it after the first event, or the first after such a reset, is before the start.
 #pragma once
 
@@ -80,7 +82,7 @@ class Validator {
         continue;
       }
       if (at > run) sink(events.subspan(run, at - run));
-      const Repaired repaired = repair(block);
+      const Repaired repaired = repair(block, events.subspan(at));
       if (repaired.kept > 0) sink(EventSpan{scratch_.data(), repaired.kept});
       if (repaired.fault != Fault::none) {
         exempt([&] { refuse(block[repaired.read], repaired.fault); });  // it throws: OnBad::raise
@@ -90,6 +92,11 @@ class Validator {
     }
     if (events.size() > run) sink(events.subspan(run));
   }
+
+  // For live events, among which a few stamps may be stray. Of a reset whose next events have not
+  // been given to the same check(), the first are dropped.
+  void doubt_resets() noexcept { doubts_resets_ = config_.on_bad != OnBad::raise; }
+  static constexpr std::size_t kStays = 32;
 
   // received() = events sunk + rejected().total()
   std::uint64_t received() const noexcept { return received_; }
@@ -117,8 +124,9 @@ class Validator {
   };
 
   bool pass_clean(EventSpan block);
-  Repaired repair(EventSpan block);
-  Fault mend(Event& event) noexcept;
+  Repaired repair(EventSpan block, EventSpan rest);
+  Fault mend(Event& event, EventSpan rest) noexcept;
+  bool stays(EventSpan rest) noexcept;
   bool warms_up(const Event& event) noexcept;
   void count(Fault fault) noexcept;
   [[noreturn]] void refuse(const Event& event, Fault fault) const;
@@ -133,6 +141,8 @@ class Validator {
   bool warming_up_;
   std::int64_t warm_up_first_us_ = kMaxStamp_us;  // the warm-up counts from this stamp
   std::int64_t warm_up_last_us_ = kMaxStamp_us;
+  bool doubts_resets_ = false;
+  std::size_t far_back_ = 0;  // in a row, at the end of what has come
   std::int64_t clock_offset_us_ = 0;
   std::uint64_t clock_resets_ = 0;
   std::uint64_t received_ = 0;

@@ -121,8 +121,8 @@ class Evt21Decoder : public Evt2Words<Evt21Decoder, Evt21Config, 8> {
 // with id 11:8, value 0; 7, 14 and 15 others. Time is (TIME_HIGH << 12) + TIME_LOW: TIME_LOW may
 // step back; a repeated TIME_HIGH changes nothing, another one sets TIME_LOW to 0. Unwraps every
 // 2^24 us, where TIME_HIGH falls by more than half its range. Camera drivers cut the stream
-// anywhere: keep one decoder over all packets. Events before the first TIME_HIGH, ADDR_Y or base
-// are dropped: what they are is not known.
+// anywhere: keep one decoder over all packets. Words 0x9999 are padding. Events before the first
+// TIME_HIGH, ADDR_Y or base are dropped: what they are is not known.
 
 struct Evt3Config {
   std::uint64_t first_offset = 0;  // offset in the file of the first byte that is fed
@@ -135,10 +135,11 @@ class Evt3Decoder : public NativeDecoder<Evt3Decoder, Evt3Config, 2> {
   explicit Evt3Decoder(Evt3Config config = {}) noexcept
       : NativeDecoder(config, config.first_offset) {}
 
-  // Bytes are missing here: events up to the next TIME_HIGH, ADDR_Y or base are dropped. The time
-  // goes on.
+  // Bytes are missing here: events up to the next whole time (TIME_HIGH, then TIME_LOW or another
+  // TIME_HIGH), ADDR_Y or base are dropped. The time goes on.
   void resume() noexcept {
     high_word_ = 0;
+    has_low_ = false;
     has_y_ = false;
     has_base_ = false;
   }
@@ -157,6 +158,7 @@ class Evt3Decoder : public NativeDecoder<Evt3Decoder, Evt3Config, 2> {
   std::uint32_t high_word_ = 0;  // the last TIME_HIGH; 0: none came yet
   std::uint32_t y_ = 0;          // px
   std::uint32_t base_ = 0;       // the last VECT_BASE_X, moved by vectors
+  bool has_low_ = true;          // false between a gap and the next whole time
   bool has_y_ = false;
   bool has_base_ = false;
 };
