@@ -32,6 +32,7 @@ constexpr std::uint64_t kIntakeSeed = 0x696e74616b65;  // not the gamma filter's
 }  // namespace
 
 struct Pipeline::Impl {
+  enum class Seat { free, taken, being_cleared };
   struct LiveRun;
   class Inside;
 
@@ -43,11 +44,13 @@ struct Pipeline::Impl {
   bool enter(const Push& push);
   void complete_package();
   void stop(bool drain);
+  void stop_live(bool drain);
   void abandon();
   void consume(const Consumer& consumer, const Poll& poll);
   void begin();
   void set_to_work();
   void require_another_thread() const;
+  void require_no_worker() const;
   void end_work();
 
   const std::unique_ptr<Scheme> own_scheme;
@@ -60,7 +63,7 @@ struct Pipeline::Impl {
   std::atomic<std::uint64_t> upstream_marks{0};
   std::atomic<std::uint64_t> upstream_packets{0};
 
-  std::atomic<bool> consuming{false};  // a consumer is inside
+  std::atomic<Seat> seat{Seat::free};  // the consumer's
   Package package;                     // in work, if has_package
   bool has_package = false;
 
@@ -112,11 +115,16 @@ struct Pipeline::Impl::LiveRun {
 class Pipeline::Impl::Inside {
  public:
   explicit Inside(Impl& pipeline) : pipeline_(pipeline) {
-    if (pipeline_.consuming.exchange(true, std::memory_order_acq_rel)) {
-      throw std::logic_error("pipeline: another thread consumes; stop() it first");
+    Seat found = Seat::free;
+    while (!pipeline_.seat.compare_exchange_weak(found, Seat::taken, std::memory_order_acq_rel)) {
+      if (found == Seat::taken) {
+        throw std::logic_error("pipeline: another thread consumes; stop() it first");
+      }
+      if (found == Seat::being_cleared) std::this_thread::yield();  // by abandon()
+      found = Seat::free;
     }
   }
-  ~Inside() { pipeline_.consuming.store(false, std::memory_order_release); }
+  ~Inside() { pipeline_.seat.store(Seat::free, std::memory_order_release); }
   Inside(const Inside&) = delete;
   Inside& operator=(const Inside&) = delete;
 
@@ -282,6 +290,7 @@ void Pipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcep
 // ---- consumer
 
 Next Pipeline::next(Package& package, std::chrono::nanoseconds patience, const Poll& poll) {
+  impl_->require_no_worker();
   const Impl::Inside inside(*impl_);
   if (impl_->config.execution != Execution::whole) {
     throw std::logic_error("pipeline: next() needs .execution = Execution::whole; or use run()");
@@ -295,6 +304,7 @@ Next Pipeline::next(Package& package, std::chrono::nanoseconds patience, const P
 }
 
 void Pipeline::complete() {
+  impl_->require_no_worker();
   const Impl::Inside inside(*impl_);
   impl_->complete_package();
 }
@@ -307,14 +317,20 @@ void Pipeline::Impl::complete_package() {
 void Pipeline::abandon() { impl_->abandon(); }
 
 void Pipeline::Impl::abandon() {
-  stop(false);
-  if (consuming.exchange(true, std::memory_order_acq_rel)) return;  // it will see the end itself
+  const std::lock_guard lock(control);  // to the end: no new run begins meanwhile
+  stop_live(false);
+  if (works) return;  // the worker sees the end itself
+  Seat found = Seat::free;
+  if (!seat.compare_exchange_strong(found, Seat::being_cleared, std::memory_order_acq_rel)) return;
   has_package = false;
   live->finished.store(true, std::memory_order_release);
-  consuming.store(false, std::memory_order_release);
+  seat.store(Seat::free, std::memory_order_release);
 }
 
-void Pipeline::run(const Consumer& consumer, const Poll& poll) { impl_->consume(consumer, poll); }
+void Pipeline::run(const Consumer& consumer, const Poll& poll) {
+  impl_->require_no_worker();
+  impl_->consume(consumer, poll);
+}
 
 void Pipeline::Impl::consume(const Consumer& consumer, const Poll& poll) {
   const Inside inside(*this);
@@ -376,6 +392,12 @@ void Pipeline::Impl::require_another_thread() const {
   throw std::logic_error("pipeline: the worker cannot wait for itself; stop() is enough");
 }
 
+// The seat is the worker's from the constructor on, also between two runs.
+void Pipeline::Impl::require_no_worker() const {
+  if (!algorithm) return;
+  throw std::logic_error("pipeline: its worker consumes; for run() and next() make one without");
+}
+
 void Pipeline::Impl::end_work() {
   if (!worker.joinable()) return;
   worker.join();
@@ -393,6 +415,11 @@ void Pipeline::stop(bool drain) { impl_->stop(drain); }
 
 void Pipeline::Impl::stop(bool drain) {
   const std::lock_guard lock(control);
+  stop_live(drain);
+}
+
+// Precondition: control is locked.
+void Pipeline::Impl::stop_live(bool drain) {
   live->intake.leave();
   if (door.shut()) live->close();  // else the push that is inside does
   if (!drain) live->loop.abandon();

@@ -829,6 +829,35 @@ TEST(PipelineWorker, GoesAwayInAnyState) {
   }
 }
 
+// The seat is the worker's before its thread runs.
+TEST(PipelineWorker, RefusesOtherConsumers) {
+  for (int round = 0; round < 200; ++round) {
+    std::atomic<std::uint64_t> delivered = 0;
+    Pipeline pipeline{kPatient, [&](EventSpan part) { delivered += part.size(); }};
+    Package package;
+    EXPECT_THROW(pipeline.run([](EventSpan) {}), std::logic_error);
+    EXPECT_THROW(pipeline.next(package, 0ns), std::logic_error);
+    EXPECT_THROW(pipeline.complete(), std::logic_error);
+    pipeline.push(evenly_spaced(10, 1));
+    pipeline.stop();
+    ASSERT_NO_THROW(pipeline.join());
+    ASSERT_EQ(delivered, 10u);
+    EXPECT_THROW(pipeline.next(package, 0ns), std::logic_error) << "start() may come";
+  }
+}
+
+TEST(PipelineWorker, MayBeAbandonedWhileItBegins) {
+  Pipeline pipeline{{.capacity = 16}, [](EventSpan) {}};
+  std::jthread other([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) pipeline.abandon();
+  });
+  for (int round = 0; round < 500; ++round) {
+    pipeline.push(evenly_spaced(3, 1));
+    ASSERT_NO_THROW(pipeline.join());
+    ASSERT_NO_THROW(pipeline.start());
+  }
+}
+
 TEST(PipelineWorker, NeedsAnAlgorithm) {
   EXPECT_EQ(test::error_of([] { Pipeline({}, Consumer{}); }).rfind("algorithm", 0), 0u);
 }

@@ -81,7 +81,7 @@ class Pipeline {
   // The driver has lost events before they came here.
   void upstream_lost(std::uint64_t marks, std::uint64_t packets = 0) noexcept;
 
-  // ---- consumer: one thread at a time, else std::logic_error
+  // ---- consumer: one thread at a time, else std::logic_error; with a worker the worker alone
 
   // Waits for a package, at most for `patience` (then idle), and completes the one before. ended:
   // stopped. Meanwhile `poll` is called every 20 ms; it may throw. For a pipeline whose execution
