@@ -21,11 +21,19 @@
 #include "runner/push_door.hpp"
 #include "runner/run.hpp"
 #include "runner/sensor_delay.hpp"
+#include "schemes/scheme_hold.hpp"
 
 namespace asap {
 namespace {
 
 thread_local const void* worker_of = nullptr;  // whose worker this thread is
+
+Consumer given(Consumer algorithm) {
+  if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
+  return algorithm;
+}
+
+constexpr auto kLook = std::chrono::microseconds(100);  // how often ~Pipeline looks at the seat
 
 constexpr std::uint64_t kIntakeSeed = 0x696e74616b65;  // not the gamma filter's numbers
 
@@ -51,10 +59,13 @@ struct Pipeline::Impl {
   void set_to_work();
   void require_another_thread() const;
   void require_no_worker() const;
+  void finish() noexcept;
+  void start_on_worker();
   void end_work();
 
   const std::unique_ptr<Scheme> own_scheme;
   Scheme& scheme;
+  SchemeHold hold;  // of the consumer, from the begin to the end of a run
   RunConfig config;
   std::int64_t latency_bound_ns;
   mutable std::mutex control;  // start, stop, flush and the snapshots; never push or next
@@ -201,6 +212,7 @@ Pipeline::Impl::Impl(std::unique_ptr<Scheme> made_scheme, Scheme& its_scheme, Ru
                      Consumer its_algorithm)
     : own_scheme(std::move(made_scheme)),
       scheme(its_scheme),
+      hold(scheme),
       config(std::move(run_config)),
       latency_bound_ns(asap::latency_bound_ns(config, scheme)),
       live(std::make_unique<LiveRun>(scheme, config)),
@@ -212,19 +224,25 @@ Pipeline::Impl::~Impl() {
   stop(false);
   door.wait_until_empty();
   if (worker.joinable()) worker.join();
+  while (seat.load(std::memory_order_acquire) != Seat::free) std::this_thread::sleep_for(kLook);
 }
 
 Pipeline::Pipeline(Scheme& scheme, RunConfig config)
     : impl_(std::make_unique<Impl>(nullptr, scheme, std::move(config), Consumer{})) {}
 
+Pipeline::Pipeline(Scheme& scheme, RunConfig config, Consumer algorithm)
+    : impl_(
+          std::make_unique<Impl>(nullptr, scheme, std::move(config), given(std::move(algorithm)))) {
+  impl_->set_to_work();
+}
+
 Pipeline::Pipeline(RunConfig config, Consumer algorithm)
     : impl_([&] {
-        if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
         auto scheme = std::make_unique<Deadline>(
             DeadlineConfig{.latency = config.latency.value_or(kDefaultLatency)});
         Scheme& own = *scheme;
         return std::make_unique<Impl>(std::move(scheme), own, std::move(config),
-                                      std::move(algorithm));
+                                      given(std::move(algorithm)));
       }()) {
   impl_->set_to_work();
 }
@@ -298,7 +316,7 @@ Next Pipeline::next(Package& package, std::chrono::nanoseconds patience, const P
   impl_->complete_package();
   const Next next = impl_->live->loop.next(impl_->package, patience, poll);
   impl_->has_package = next == Next::package;
-  if (next == Next::ended) impl_->live->finished.store(true, std::memory_order_release);
+  if (next == Next::ended) impl_->finish();
   if (impl_->has_package) package = impl_->package;
   return next;
 }
@@ -307,6 +325,12 @@ void Pipeline::complete() {
   impl_->require_no_worker();
   const Impl::Inside inside(*impl_);
   impl_->complete_package();
+}
+
+// The consumer's side is over: its seat is held.
+void Pipeline::Impl::finish() noexcept {
+  live->finished.store(true, std::memory_order_release);
+  hold.release();
 }
 
 void Pipeline::Impl::complete_package() {
@@ -323,7 +347,7 @@ void Pipeline::Impl::abandon() {
   Seat found = Seat::free;
   if (!seat.compare_exchange_strong(found, Seat::being_cleared, std::memory_order_acq_rel)) return;
   has_package = false;
-  live->finished.store(true, std::memory_order_release);
+  finish();
   seat.store(Seat::free, std::memory_order_release);
 }
 
@@ -339,10 +363,10 @@ void Pipeline::Impl::consume(const Consumer& consumer, const Poll& poll) {
     live->loop.run(consumer, poll);
   } catch (...) {
     stop(false);
-    live->finished.store(true, std::memory_order_release);
+    finish();
     throw;
   }
-  live->finished.store(true, std::memory_order_release);
+  finish();
 }
 
 // ---- the worker
@@ -362,6 +386,7 @@ void Pipeline::Impl::set_to_work() {
       has_stack = true;
       has_stack.notify_all();
       try {
+        start_on_worker();
         consume(algorithm, {});
       } catch (...) {
         error = std::current_exception();
@@ -376,6 +401,17 @@ void Pipeline::Impl::set_to_work() {
                             "the worker has no thread; end another one, or use run() on your own");
   } catch (...) {
     give_up();
+    throw;
+  }
+}
+
+void Pipeline::Impl::start_on_worker() {
+  if (!config.on_worker_start) return;
+  try {
+    config.on_worker_start();
+  } catch (...) {
+    stop(false);
+    finish();
     throw;
   }
 }
@@ -442,8 +478,14 @@ void Pipeline::Impl::begin() {
   door.wait_until_empty();
   const std::lock_guard lock(control);
   if (has_package) throw std::logic_error("pipeline: a package is in work; complete() it first");
+  hold.take();
   if (scheme.latency_bound_ns() != 0) scheme.set_latency_bound_ns(latency_bound_ns);
-  live = std::make_unique<LiveRun>(scheme, config);  // or the run before stays, if this throws
+  try {
+    live = std::make_unique<LiveRun>(scheme, config);
+  } catch (...) {  // the run before stays
+    if (live->finished.load(std::memory_order_relaxed)) hold.release();
+    throw;
+  }
   upstream_marks = 0;
   upstream_packets = 0;
   door.open();
@@ -497,6 +539,11 @@ Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config) noexcept {
 Result<Pipeline> make_pipeline(RunConfig config, Consumer algorithm) noexcept {
   return made<Pipeline>(
       [&] { return std::make_unique<Pipeline>(std::move(config), std::move(algorithm)); });
+}
+
+Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config, Consumer algorithm) noexcept {
+  return made<Pipeline>(
+      [&] { return std::make_unique<Pipeline>(scheme, std::move(config), std::move(algorithm)); });
 }
 
 }  // namespace asap

@@ -12,6 +12,7 @@
 #include "runner/consumer_loop.hpp"
 #include "runner/doorbell.hpp"
 #include "runner/run.hpp"
+#include "schemes/scheme_hold.hpp"
 
 namespace asap {
 namespace {
@@ -36,6 +37,7 @@ class Replay::Impl {
  public:
   Impl(Scheme& scheme, ReplayConfig replay, const RunConfig& config)
       : replay_(checked(replay)),
+        hold_(scheme),
         run_(scheme, config, Run::Source::recording),
         loop_(run_.buffer(), run_.packager(), run_.telemetry(), doorbell_, clock_) {}
 
@@ -54,6 +56,7 @@ class Replay::Impl {
   void push_arrived();
 
   const ReplayConfig replay_;
+  SchemeHold hold_;  // until the run is over
   Run run_;
   Doorbell doorbell_;
   RunClock clock_;
@@ -68,6 +71,10 @@ class Replay::Impl {
 
 void Replay::Impl::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
   if (run_.buffer().closed()) throw std::logic_error("replay: has run; make another one");
+  struct Free {
+    SchemeHold& hold;
+    ~Free() { hold.release(); }
+  } const free{hold_};
   std::exception_ptr producer_error;
   {
     std::jthread producer([&](const std::stop_token& stop) {

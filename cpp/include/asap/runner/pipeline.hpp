@@ -5,7 +5,8 @@
 //   Pipeline pipeline{{.latency = 10ms}, [&](EventSpan events) { tracker.process(events); }};
 //   driver.on_events([&](EventSpan events) { pipeline.push(events); });   // any one thread
 //
-// works on a thread of its own. Or, with a scheme of your choice, on yours:
+// works on a thread of its own; `Pipeline{scheme, config, algorithm}` does so with a scheme of your
+// choice. Or, on your thread:
 //
 //   Pipeline pipeline{scheme, {.latency = 10ms}};
 //   pipeline.run([&](EventSpan events) { tracker.process(events); });     // until stop()
@@ -56,12 +57,15 @@ class Pipeline {
   using Arrival = std::optional<std::chrono::steady_clock::time_point>;
   using Poll = std::function<void()>;
 
-  // Open from the start. The scheme outlives the pipeline and serves no other run meanwhile.
+  // Open from the start. The scheme outlives the pipeline; std::logic_error while it serves another
+  // run: from the constructor, or start(), until the consumer has come to the end of that one.
   explicit Pipeline(Scheme& scheme, RunConfig config = {});
-  // With a worker: a thread that runs the algorithm, under Deadline, until stop(). See join().
+  // With a worker: a thread that runs the algorithm until stop(), see join(). Without a scheme
+  // under Deadline.
   Pipeline(RunConfig config, Consumer algorithm);
-  // Gives up what still waits, and waits for a push that is inside and for the worker to end its
-  // package: not from the algorithm of the worker, which cannot wait for itself.
+  Pipeline(Scheme& scheme, RunConfig config, Consumer algorithm);
+  // Gives up what still waits, and waits for a push that is inside and for the consumer, worker or
+  // not, to end its package: so not from inside the algorithm, which cannot wait for itself.
   ~Pipeline();
 
   // The heap that Pipeline{config, algorithm} takes for a configuration that it accepts. What the
@@ -146,5 +150,6 @@ std::size_t memory_bytes(const RunConfig& config) noexcept;
 // The constructors of Pipeline, for a program without exceptions.
 Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config = {}) noexcept;
 Result<Pipeline> make_pipeline(RunConfig config, Consumer algorithm) noexcept;
+Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config, Consumer algorithm) noexcept;
 
 }  // namespace asap
