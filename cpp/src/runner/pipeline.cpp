@@ -59,13 +59,14 @@ struct Pipeline::Impl {
   void set_to_work();
   void require_another_thread() const;
   void require_no_worker() const;
+  void take_scheme();
   void finish() noexcept;
   void start_on_worker();
   void end_work();
 
   const std::unique_ptr<Scheme> own_scheme;
   Scheme& scheme;
-  SchemeHold hold;  // of the consumer, from the begin to the end of a run
+  SchemeHold hold;  // the consumer's, from its first call to the end of the run
   RunConfig config;
   std::int64_t latency_bound_ns;
   mutable std::mutex control;  // start, stop, flush and the snapshots; never push or next
@@ -217,6 +218,7 @@ Pipeline::Impl::Impl(std::unique_ptr<Scheme> made_scheme, Scheme& its_scheme, Ru
       latency_bound_ns(asap::latency_bound_ns(config, scheme)),
       live(std::make_unique<LiveRun>(scheme, config)),
       algorithm(std::move(its_algorithm)) {
+  if (!algorithm) hold.release();
   door.open();
 }
 
@@ -313,6 +315,7 @@ Next Pipeline::next(Package& package, std::chrono::nanoseconds patience, const P
   if (impl_->config.execution != Execution::whole) {
     throw std::logic_error("pipeline: next() needs .execution = Execution::whole; or use run()");
   }
+  impl_->take_scheme();
   impl_->complete_package();
   const Next next = impl_->live->loop.next(impl_->package, patience, poll);
   impl_->has_package = next == Next::package;
@@ -325,6 +328,10 @@ void Pipeline::complete() {
   impl_->require_no_worker();
   const Impl::Inside inside(*impl_);
   impl_->complete_package();
+}
+
+void Pipeline::Impl::take_scheme() {
+  if (!live->finished.load(std::memory_order_relaxed)) hold.take();
 }
 
 // The consumer's side is over: its seat is held.
@@ -358,6 +365,7 @@ void Pipeline::run(const Consumer& consumer, const Poll& poll) {
 
 void Pipeline::Impl::consume(const Consumer& consumer, const Poll& poll) {
   const Inside inside(*this);
+  take_scheme();
   complete_package();
   try {
     live->loop.run(consumer, poll);
@@ -480,12 +488,15 @@ void Pipeline::Impl::begin() {
   if (has_package) throw std::logic_error("pipeline: a package is in work; complete() it first");
   hold.take();
   if (scheme.latency_bound_ns() != 0) scheme.set_latency_bound_ns(latency_bound_ns);
-  try {
-    live = std::make_unique<LiveRun>(scheme, config);
-  } catch (...) {  // the run before stays
-    if (live->finished.load(std::memory_order_relaxed)) hold.release();
-    throw;
-  }
+  struct Free {
+    Impl& pipeline;
+    bool is_done = false;
+    ~Free() {
+      if (!is_done || !pipeline.algorithm) pipeline.hold.release();
+    }
+  } free{*this};
+  live = std::make_unique<LiveRun>(scheme, config);  // or the run before stays, if this throws
+  free.is_done = true;
   upstream_marks = 0;
   upstream_packets = 0;
   door.open();

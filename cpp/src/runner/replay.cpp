@@ -39,7 +39,9 @@ class Replay::Impl {
       : replay_(checked(replay)),
         hold_(scheme),
         run_(scheme, config, Run::Source::recording),
-        loop_(run_.buffer(), run_.packager(), run_.telemetry(), doorbell_, clock_) {}
+        loop_(run_.buffer(), run_.packager(), run_.telemetry(), doorbell_, clock_) {
+    hold_.release();  // until run()
+  }
 
   void run(EventSource& source, const Consumer& consumer, const Poll& poll);
   Ledger ledger() const noexcept;
@@ -56,7 +58,7 @@ class Replay::Impl {
   void push_arrived();
 
   const ReplayConfig replay_;
-  SchemeHold hold_;  // until the run is over
+  SchemeHold hold_;
   Run run_;
   Doorbell doorbell_;
   RunClock clock_;
@@ -71,6 +73,7 @@ class Replay::Impl {
 
 void Replay::Impl::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
   if (run_.buffer().closed()) throw std::logic_error("replay: has run; make another one");
+  hold_.take();
   struct Free {
     SchemeHold& hold;
     ~Free() { hold.release(); }

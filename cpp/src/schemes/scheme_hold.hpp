@@ -1,5 +1,6 @@
-// SchemeHold: what a live run holds of its scheme, so that no other run asks it meanwhile. One
-// thread at a time calls take() and release(); two holds of one scheme may meet on two threads.
+// SchemeHold: what a run in real time holds of its scheme while it resets or asks it, so that no
+// other run does meanwhile. One thread at a time calls take() and release(); two holds of one
+// scheme may meet on two threads.
 #pragma once
 
 #include <atomic>

@@ -338,19 +338,29 @@ TEST(Pipeline, AConsumerThatWaitsIsNotThrownOutByAnother) {
 
 TEST(Pipeline, HasASchemeOfItsOwnWhileItRuns) {
   Greedy scheme;
+  Package package;
   Pipeline one(scheme, kWhole);
+  Pipeline early(scheme, kWhole);
+  Replay replay(scheme);
+  EXPECT_EQ(one.next(package, 0ns), Next::idle);
+  EXPECT_THROW(early.next(package, 0ns), std::logic_error);
   EXPECT_THROW(Pipeline(scheme, kWhole), std::logic_error);
+  EXPECT_THROW(Pipeline(scheme, kPatient, [](EventSpan) {}), std::logic_error);
   EXPECT_THROW(Replay{scheme}, std::logic_error);
+  SpanSource nothing({});
+  EXPECT_THROW(replay.run(nothing, [](EventSpan) {}), std::logic_error);
   Greedy copy = scheme;
-  const Pipeline third(copy, kWhole);
+  Pipeline third(copy, kWhole);
+  EXPECT_EQ(third.next(package, 0ns), Next::idle);
   one.abandon();
   {
-    Pipeline other(scheme, kWhole);
+    const Pipeline other(scheme, kPatient, [](EventSpan) {});
+    EXPECT_EQ(one.next(package, 0ns), Next::ended);
     EXPECT_THROW(one.start(), std::logic_error);
     EXPECT_FALSE(one.is_open());
   }
   one.start();
-  EXPECT_TRUE(one.is_open());
+  EXPECT_EQ(one.next(package, 0ns), Next::idle);
 }
 
 TEST(Pipeline, GoesAwayOnceAnotherThreadHasLeftRun) {

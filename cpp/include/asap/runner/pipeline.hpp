@@ -57,8 +57,9 @@ class Pipeline {
   using Arrival = std::optional<std::chrono::steady_clock::time_point>;
   using Poll = std::function<void()>;
 
-  // Open from the start. The scheme outlives the pipeline; std::logic_error while it serves another
-  // run: from the constructor, or start(), until the consumer has come to the end of that one.
+  // Open from the start. The scheme outlives the pipeline; std::logic_error here, in start() and
+  // from the consumer's first call while another run uses it: one that a consumer has begun, and
+  // whose end it has not seen.
   explicit Pipeline(Scheme& scheme, RunConfig config = {});
   // With a worker: a thread that runs the algorithm until stop(), see join(). Without a scheme
   // under Deadline.
