@@ -61,6 +61,7 @@ struct Pipeline::Impl {
   void require_no_worker() const;
   void take_scheme();
   void finish() noexcept;
+  void fail();
   void start_on_worker();
   void end_work();
 
@@ -115,8 +116,9 @@ struct Pipeline::Impl::LiveRun {
   ConsumerLoop loop;
 
   std::atomic<bool> finished{false};  // no package will be taken or booked any more
-  bool begun = false;                 // the producer's, like the next two
-  std::int64_t arrival_ns = 0;        // of the newest push
+  std::atomic<bool> failed{false};
+  bool begun = false;           // the producer's, like the next two
+  std::int64_t arrival_ns = 0;  // of the newest push
   std::int64_t first_arrival_ns = 0;
   std::int64_t closed_ns = 0;
   Relaxed<std::uint64_t> clock_resets;
@@ -340,6 +342,12 @@ void Pipeline::Impl::finish() noexcept {
   hold.release();
 }
 
+void Pipeline::Impl::fail() {
+  live->failed.store(true, std::memory_order_relaxed);
+  stop(false);
+  finish();
+}
+
 void Pipeline::Impl::complete_package() {
   if (has_package) live->loop.complete(package);
   has_package = false;
@@ -370,8 +378,7 @@ void Pipeline::Impl::consume(const Consumer& consumer, const Poll& poll) {
   try {
     live->loop.run(consumer, poll);
   } catch (...) {
-    stop(false);
-    finish();
+    fail();
     throw;
   }
   finish();
@@ -418,8 +425,7 @@ void Pipeline::Impl::start_on_worker() {
   try {
     config.on_worker_start();
   } catch (...) {
-    stop(false);
-    finish();
+    fail();
     throw;
   }
 }
@@ -532,6 +538,7 @@ PipelineStats Pipeline::stats() const {
           .upstream_marks = impl_->upstream_marks.load(std::memory_order_relaxed),
           .upstream_packets = impl_->upstream_packets.load(std::memory_order_relaxed),
           .open = is_open(),
+          .failed = live.failed.load(std::memory_order_relaxed),
           .stalled = live.loop.stalled(live.run.buffer().size()),
           .max_waiting = live.intake.max_waiting(),
           .latency_bound_ns = impl_->latency_bound_ns,

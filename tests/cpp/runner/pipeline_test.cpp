@@ -830,11 +830,15 @@ TEST(PipelineWorker, DeliversUntilItIsStopped) {
 
 TEST(PipelineWorker, JoinThrowsWhatTheAlgorithmThrew) {
   Pipeline pipeline{kPatient, [](EventSpan) { throw std::domain_error("of the algorithm"); }};
+  EXPECT_FALSE(pipeline.stats().failed);
   pipeline.push(evenly_spaced(10, 1));
   EXPECT_THROW(pipeline.join(), std::domain_error);
   EXPECT_FALSE(pipeline.is_open());
+  EXPECT_TRUE(pipeline.stats().failed);
   EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 10, .pending = 10}));
   pipeline.join();  // said once
+  pipeline.start();
+  EXPECT_FALSE(pipeline.stats().failed);
 }
 
 TEST(PipelineWorker, BeginsAnew) {

@@ -44,6 +44,7 @@ struct PipelineStats {
   std::uint64_t upstream_marks = 0;    // "events are missing here"
   std::uint64_t upstream_packets = 0;  // packets known to be lost
   bool open = true;                    // pushes are taken
+  bool failed = false;                 // the algorithm, or what is called beside it, has thrown
   bool stalled = false;                // events wait, and the consumer has been away for too long
   std::uint64_t max_waiting = 0;       // events that have been in the ring at once
   std::int64_t latency_bound_ns = 0;   // the consumer applies it when it looks next
