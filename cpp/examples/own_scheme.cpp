@@ -49,8 +49,7 @@ int main() {
   Periodic scheme{4'000};
   const asap::LinearCost cost{{.alpha_us = 100, .beta_ns = 300}};  // at most 3.3 Mev/s
   asap::Simulator simulator{scheme, cost, {.latency = 10ms}};
-  for (auto events = scene.next(); !events.empty(); events = scene.next()) simulator.feed(events);
-  simulator.finish();
+  simulator.run(scene);
 
   const asap::Ledger ledger = simulator.ledger();
   const asap::LatencyHistogram& latency = simulator.telemetry().latency;

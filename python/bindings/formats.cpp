@@ -32,7 +32,8 @@ py::array decode(DecoderWithRoom& decoder, const py::bytes& bytes) {
   {
     const WithoutGil release;  // pure C++ on memory that `bytes` keeps alive
     decoder.room.resize(std::max(decoder.room.size(), decoder.room_for(text.size())));
-    count = decoder.TextDecoder::decode(text, std::span<Event>(decoder.room)).events;
+    const auto all = std::as_bytes(std::span(text));
+    count = decoder.TextDecoder::decode(all, std::span<Event>(decoder.room)).events;
   }
   py::array events(event_dtype(), static_cast<py::ssize_t>(count));
   // NumPy would copy field by field.

@@ -38,7 +38,7 @@ void decode(benchmark::State& state, const std::string& text, int time_exponent)
   for (auto _ : state) {
     events.clear();
     asap::TextDecoder decoder({.time_exponent = time_exponent});
-    decoder.decode(text, events);
+    decoder.decode(std::as_bytes(std::span(text)), events);
     benchmark::DoNotOptimize(events.data());
   }
   if (events.size() != kLines) state.SkipWithError("lines were lost");

@@ -79,13 +79,13 @@ void run_field(const char* field, asap::RunConfig config) {
   expect_refusal_of(field, asap::make_pipeline(config, [](const asap::Package&) {}));
 }
 
-// Every value of these is valid: flush, seed, before, max_copied, prefault.
+// Every value of these is valid: flush, seed, before, max_copied, prefault, on_worker_start.
 void runs() {
   const auto& [latency, capacity, seed, validator, execution, flush, before, when_full, keep_mask,
-               log_rows, max_copied, prefault] = asap::RunConfig{};
+               log_rows, max_copied, prefault, on_worker_start] = asap::RunConfig{};
   const auto& [width, height, on_bad, reorder_tolerance, warmup_discard] = validator;
   static_cast<void>(std::tie(latency, capacity, seed, execution, flush, before, when_full,
-                             keep_mask, log_rows, max_copied, prefault));
+                             keep_mask, log_rows, max_copied, prefault, on_worker_start));
   static_cast<void>(std::tie(width, height, on_bad, reorder_tolerance, warmup_discard));
   run_field("latency", {.latency = -5us});
   run_field("capacity", {.capacity = kTooMany});

@@ -35,7 +35,7 @@ bool encode(Encoder& encoder, std::span<const Event> events, std::size_t room,
 template <class Decoder>
 std::vector<Event> decode(Decoder decoder, std::span<const std::byte> bytes) {
   std::vector<Event> events(bytes.size() + Decoder::kMaxPerRecord);
-  const Progress done = decoder.decode(bytes, events);
+  const Progress done = decoder.decode(bytes, std::span(events));
   fuzz::check(done.bytes == bytes.size() && decoder.unfinished() == 0);
   events.resize(done.events);
   return events;
@@ -56,7 +56,7 @@ std::vector<Event> decode(const EncoderConfig& config, std::span<const std::byte
   }
   TextDecoder decoder({.time_exponent = 0});
   std::vector<Event> events;
-  decoder.decode(std::span(reinterpret_cast<const char*>(bytes.data()), bytes.size()), events);
+  decoder.decode(bytes, events);
   return events;
 }
 

@@ -95,10 +95,11 @@ def test_find_package_refuses_another_version(prefix: Path, tmp_path: Path) -> N
 
 def test_the_core_alone_needs_no_eigen(prefix: Path, tmp_path: Path) -> None:
     minor = ".".join(asap.__version__.split(".")[:2])
-    door = f"find_package(asap {minor} REQUIRED COMPONENTS core)"
     absent = {"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON"}
     program = OF_THE_CORE.read_text()
-    stranger(tmp_path, door, CORE, program, CMAKE_PREFIX_PATH=prefix, **absent)
+    for name, components in (("all", ""), ("core", " COMPONENTS core")):
+        door = f"find_package(asap {minor} REQUIRED{components})"
+        stranger(tmp_path / name, door, CORE, program, CMAKE_PREFIX_PATH=prefix, **absent)
 
 
 def test_the_core_is_built_and_found_where_there_is_no_eigen(tmp_path: Path) -> None:
@@ -159,6 +160,25 @@ def test_add_subdirectory(tmp_path: Path) -> None:
     build = tmp_path / "build"
     cmake(tmp_path, build, CMAKE_CXX_FLAGS=STRICT, **absent, **eigen())
     assert_the_examples_work(build)
+
+
+def test_a_part_of_a_project_obeys_its_flags_and_installs_nothing(tmp_path: Path) -> None:
+    """No exceptions, no build type: the library has exceptions and -O2 of its own."""
+    (tmp_path / "main.cpp").write_text((EXAMPLES / "no_exceptions.cpp").read_text())
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n"
+        f'add_subdirectory("{ROOT}" asap)\nadd_executable(stranger main.cpp)\n'
+        f"target_link_libraries(stranger {ALL})\ninstall(TARGETS stranger)\n"
+    )
+    build = tmp_path / "build"
+    without = {"CMAKE_CXX_FLAGS": "-fno-exceptions", "CMAKE_EXPORT_COMPILE_COMMANDS": "ON"}
+    cmake(tmp_path, build, CMAKE_BUILD_TYPE="", CMAKE_UNITY_BUILD="ON", **without, **eigen())
+    assert "Every event is accounted for." in run([build / "stranger"])
+    commands = (build / "compile_commands.json").read_text()
+    assert re.search(r"-O2.*asap_core", commands)
+    run(["cmake", "--install", build, "--prefix", tmp_path / "prefix"])
+    installed = [path.name for path in (tmp_path / "prefix").rglob("*") if path.is_file()]
+    assert installed == ["stranger"]
 
 
 @pytest.mark.parametrize(

@@ -73,8 +73,9 @@ TextDecoder::TextDecoder(const TextConfig& config)
   plain_ = std::endian::native == std::endian::little && count('-') == 0;
 }
 
-Progress TextDecoder::decode(std::span<const char> bytes, std::span<Event> events) noexcept {
-  const char* at = bytes.data();
+Progress TextDecoder::decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept {
+  const auto* const begin = reinterpret_cast<const char*>(bytes.data());
+  const char* at = begin;
   const char* const end = at + bytes.size();
   std::size_t written = 0;
   while (at != end) {
@@ -102,13 +103,13 @@ Progress TextDecoder::decode(std::span<const char> bytes, std::span<Event> event
     }
     at = newline + 1;
   }
-  return {.bytes = static_cast<std::size_t>(at - bytes.data()), .events = written};
+  return {.bytes = static_cast<std::size_t>(at - begin), .events = written};
 }
 
-void TextDecoder::decode(std::span<const char> bytes, std::vector<Event>& events) {
+void TextDecoder::decode(std::span<const std::byte> bytes, std::vector<Event>& events) {
   std::array<Event, kBlock> block;  // on the stack: a vector would be zeroed first
   while (!bytes.empty()) {
-    const Progress progress = decode(bytes, block);
+    const Progress progress = decode(bytes, std::span(block));
     events.insert(events.end(), block.begin(),
                   block.begin() + static_cast<std::ptrdiff_t>(progress.events));
     bytes = bytes.subspan(progress.bytes);

@@ -6,11 +6,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <vector>
 
 #include "asap/core/event.hpp"
 #include "asap/formats/decoder.hpp"
@@ -140,6 +142,18 @@ Progress NativeDecoder<Decoder, Config, kRecord>::decode(std::span<const std::by
                                                          std::span<Event> events,
                                                          std::span<Trigger> triggers) noexcept {
   return decode_to(output_to(events, triggers), bytes);
+}
+
+template <class Decoder, class Config, std::size_t kRecord>
+void NativeDecoder<Decoder, Config, kRecord>::decode(std::span<const std::byte> bytes,
+                                                     std::vector<Event>& events) {
+  std::array<Event, 256> block;  // on the stack: a vector would be zeroed first
+  while (!bytes.empty()) {
+    const Progress progress = decode(bytes, std::span(block));
+    events.insert(events.end(), block.begin(),
+                  block.begin() + static_cast<std::ptrdiff_t>(progress.events));
+    bytes = bytes.subspan(progress.bytes);
+  }
 }
 
 template <class Decoder, class Config, std::size_t kRecord>

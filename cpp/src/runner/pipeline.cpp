@@ -21,17 +21,26 @@
 #include "runner/push_door.hpp"
 #include "runner/run.hpp"
 #include "runner/sensor_delay.hpp"
+#include "schemes/scheme_hold.hpp"
 
 namespace asap {
 namespace {
 
 thread_local const void* worker_of = nullptr;  // whose worker this thread is
 
+Consumer given(Consumer algorithm) {
+  if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
+  return algorithm;
+}
+
+constexpr auto kLook = std::chrono::microseconds(100);  // how often ~Pipeline looks at the seat
+
 constexpr std::uint64_t kIntakeSeed = 0x696e74616b65;  // not the gamma filter's numbers
 
 }  // namespace
 
 struct Pipeline::Impl {
+  enum class Seat { free, taken, being_cleared };
   struct LiveRun;
   class Inside;
 
@@ -43,15 +52,22 @@ struct Pipeline::Impl {
   bool enter(const Push& push);
   void complete_package();
   void stop(bool drain);
+  void stop_live(bool drain);
   void abandon();
   void consume(const Consumer& consumer, const Poll& poll);
   void begin();
   void set_to_work();
   void require_another_thread() const;
+  void require_no_worker() const;
+  void take_scheme();
+  void finish() noexcept;
+  void fail();
+  void start_on_worker();
   void end_work();
 
   const std::unique_ptr<Scheme> own_scheme;
   Scheme& scheme;
+  SchemeHold hold;  // the consumer's, from its first call to the end of the run
   RunConfig config;
   std::int64_t latency_bound_ns;
   mutable std::mutex control;  // start, stop, flush and the snapshots; never push or next
@@ -60,7 +76,7 @@ struct Pipeline::Impl {
   std::atomic<std::uint64_t> upstream_marks{0};
   std::atomic<std::uint64_t> upstream_packets{0};
 
-  std::atomic<bool> consuming{false};  // a consumer is inside
+  std::atomic<Seat> seat{Seat::free};  // the consumer's
   Package package;                     // in work, if has_package
   bool has_package = false;
 
@@ -100,8 +116,9 @@ struct Pipeline::Impl::LiveRun {
   ConsumerLoop loop;
 
   std::atomic<bool> finished{false};  // no package will be taken or booked any more
-  bool begun = false;                 // the producer's, like the next two
-  std::int64_t arrival_ns = 0;        // of the newest push
+  std::atomic<bool> failed{false};
+  bool begun = false;           // the producer's, like the next two
+  std::int64_t arrival_ns = 0;  // of the newest push
   std::int64_t first_arrival_ns = 0;
   std::int64_t closed_ns = 0;
   Relaxed<std::uint64_t> clock_resets;
@@ -112,11 +129,16 @@ struct Pipeline::Impl::LiveRun {
 class Pipeline::Impl::Inside {
  public:
   explicit Inside(Impl& pipeline) : pipeline_(pipeline) {
-    if (pipeline_.consuming.exchange(true, std::memory_order_acq_rel)) {
-      throw std::logic_error("pipeline: another thread consumes; stop() it first");
+    Seat found = Seat::free;
+    while (!pipeline_.seat.compare_exchange_weak(found, Seat::taken, std::memory_order_acq_rel)) {
+      if (found == Seat::taken) {
+        throw std::logic_error("pipeline: another thread consumes; stop() it first");
+      }
+      if (found == Seat::being_cleared) std::this_thread::yield();  // by abandon()
+      found = Seat::free;
     }
   }
-  ~Inside() { pipeline_.consuming.store(false, std::memory_order_release); }
+  ~Inside() { pipeline_.seat.store(Seat::free, std::memory_order_release); }
   Inside(const Inside&) = delete;
   Inside& operator=(const Inside&) = delete;
 
@@ -195,10 +217,12 @@ Pipeline::Impl::Impl(std::unique_ptr<Scheme> made_scheme, Scheme& its_scheme, Ru
                      Consumer its_algorithm)
     : own_scheme(std::move(made_scheme)),
       scheme(its_scheme),
+      hold(scheme),
       config(std::move(run_config)),
       latency_bound_ns(asap::latency_bound_ns(config, scheme)),
       live(std::make_unique<LiveRun>(scheme, config)),
       algorithm(std::move(its_algorithm)) {
+  if (!algorithm) hold.release();
   door.open();
 }
 
@@ -206,19 +230,25 @@ Pipeline::Impl::~Impl() {
   stop(false);
   door.wait_until_empty();
   if (worker.joinable()) worker.join();
+  while (seat.load(std::memory_order_acquire) != Seat::free) std::this_thread::sleep_for(kLook);
 }
 
 Pipeline::Pipeline(Scheme& scheme, RunConfig config)
     : impl_(std::make_unique<Impl>(nullptr, scheme, std::move(config), Consumer{})) {}
 
+Pipeline::Pipeline(Scheme& scheme, RunConfig config, Consumer algorithm)
+    : impl_(
+          std::make_unique<Impl>(nullptr, scheme, std::move(config), given(std::move(algorithm)))) {
+  impl_->set_to_work();
+}
+
 Pipeline::Pipeline(RunConfig config, Consumer algorithm)
     : impl_([&] {
-        if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
         auto scheme = std::make_unique<Deadline>(
             DeadlineConfig{.latency = config.latency.value_or(kDefaultLatency)});
         Scheme& own = *scheme;
         return std::make_unique<Impl>(std::move(scheme), own, std::move(config),
-                                      std::move(algorithm));
+                                      given(std::move(algorithm)));
       }()) {
   impl_->set_to_work();
 }
@@ -284,21 +314,40 @@ void Pipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcep
 // ---- consumer
 
 Next Pipeline::next(Package& package, std::chrono::nanoseconds patience, const Poll& poll) {
+  impl_->require_no_worker();
   const Impl::Inside inside(*impl_);
   if (impl_->config.execution != Execution::whole) {
     throw std::logic_error("pipeline: next() needs .execution = Execution::whole; or use run()");
   }
+  impl_->take_scheme();
   impl_->complete_package();
   const Next next = impl_->live->loop.next(impl_->package, patience, poll);
   impl_->has_package = next == Next::package;
-  if (next == Next::ended) impl_->live->finished.store(true, std::memory_order_release);
+  if (next == Next::ended) impl_->finish();
   if (impl_->has_package) package = impl_->package;
   return next;
 }
 
 void Pipeline::complete() {
+  impl_->require_no_worker();
   const Impl::Inside inside(*impl_);
   impl_->complete_package();
+}
+
+void Pipeline::Impl::take_scheme() {
+  if (!live->finished.load(std::memory_order_relaxed)) hold.take();
+}
+
+// The consumer's side is over: its seat is held.
+void Pipeline::Impl::finish() noexcept {
+  live->finished.store(true, std::memory_order_release);
+  hold.release();
+}
+
+void Pipeline::Impl::fail() {
+  live->failed.store(true, std::memory_order_relaxed);
+  stop(false);
+  finish();
 }
 
 void Pipeline::Impl::complete_package() {
@@ -309,26 +358,32 @@ void Pipeline::Impl::complete_package() {
 void Pipeline::abandon() { impl_->abandon(); }
 
 void Pipeline::Impl::abandon() {
-  stop(false);
-  if (consuming.exchange(true, std::memory_order_acq_rel)) return;  // it will see the end itself
+  const std::lock_guard lock(control);  // to the end: no new run begins meanwhile
+  stop_live(false);
+  if (works) return;  // the worker sees the end itself
+  Seat found = Seat::free;
+  if (!seat.compare_exchange_strong(found, Seat::being_cleared, std::memory_order_acq_rel)) return;
   has_package = false;
-  live->finished.store(true, std::memory_order_release);
-  consuming.store(false, std::memory_order_release);
+  finish();
+  seat.store(Seat::free, std::memory_order_release);
 }
 
-void Pipeline::run(const Consumer& consumer, const Poll& poll) { impl_->consume(consumer, poll); }
+void Pipeline::run(const Consumer& consumer, const Poll& poll) {
+  impl_->require_no_worker();
+  impl_->consume(consumer, poll);
+}
 
 void Pipeline::Impl::consume(const Consumer& consumer, const Poll& poll) {
   const Inside inside(*this);
+  take_scheme();
   complete_package();
   try {
     live->loop.run(consumer, poll);
   } catch (...) {
-    stop(false);
-    live->finished.store(true, std::memory_order_release);
+    fail();
     throw;
   }
-  live->finished.store(true, std::memory_order_release);
+  finish();
 }
 
 // ---- the worker
@@ -348,6 +403,7 @@ void Pipeline::Impl::set_to_work() {
       has_stack = true;
       has_stack.notify_all();
       try {
+        start_on_worker();
         consume(algorithm, {});
       } catch (...) {
         error = std::current_exception();
@@ -366,6 +422,16 @@ void Pipeline::Impl::set_to_work() {
   }
 }
 
+void Pipeline::Impl::start_on_worker() {
+  if (!config.on_worker_start) return;
+  try {
+    config.on_worker_start();
+  } catch (...) {
+    fail();
+    throw;
+  }
+}
+
 void Pipeline::join() {
   impl_->require_another_thread();
   impl_->works.wait(true);
@@ -376,6 +442,12 @@ void Pipeline::join() {
 void Pipeline::Impl::require_another_thread() const {
   if (worker_of != this) return;
   throw std::logic_error("pipeline: the worker cannot wait for itself; stop() is enough");
+}
+
+// The seat is the worker's from the constructor on, also between two runs.
+void Pipeline::Impl::require_no_worker() const {
+  if (!algorithm) return;
+  throw std::logic_error("pipeline: its worker consumes; for run() and next() make one without");
 }
 
 void Pipeline::Impl::end_work() {
@@ -395,6 +467,11 @@ void Pipeline::stop(bool drain) { impl_->stop(drain); }
 
 void Pipeline::Impl::stop(bool drain) {
   const std::lock_guard lock(control);
+  stop_live(drain);
+}
+
+// Precondition: control is locked.
+void Pipeline::Impl::stop_live(bool drain) {
   live->intake.leave();
   if (door.shut()) live->close();  // else the push that is inside does
   if (!drain) live->loop.abandon();
@@ -417,8 +494,17 @@ void Pipeline::Impl::begin() {
   door.wait_until_empty();
   const std::lock_guard lock(control);
   if (has_package) throw std::logic_error("pipeline: a package is in work; complete() it first");
+  hold.take();
   if (scheme.latency_bound_ns() != 0) scheme.set_latency_bound_ns(latency_bound_ns);
+  struct Free {
+    Impl& pipeline;
+    bool is_done = false;
+    ~Free() {
+      if (!is_done || !pipeline.algorithm) pipeline.hold.release();
+    }
+  } free{*this};
   live = std::make_unique<LiveRun>(scheme, config);  // or the run before stays, if this throws
+  free.is_done = true;
   upstream_marks = 0;
   upstream_packets = 0;
   door.open();
@@ -454,6 +540,7 @@ PipelineStats Pipeline::stats() const {
           .upstream_marks = impl_->upstream_marks.load(std::memory_order_relaxed),
           .upstream_packets = impl_->upstream_packets.load(std::memory_order_relaxed),
           .open = is_open(),
+          .failed = live.failed.load(std::memory_order_relaxed),
           .stalled = live.loop.stalled(live.run.buffer().size()),
           .max_waiting = live.intake.max_waiting(),
           .latency_bound_ns = impl_->latency_bound_ns,
@@ -472,6 +559,11 @@ Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config) noexcept {
 Result<Pipeline> make_pipeline(RunConfig config, Consumer algorithm) noexcept {
   return made<Pipeline>(
       [&] { return std::make_unique<Pipeline>(std::move(config), std::move(algorithm)); });
+}
+
+Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config, Consumer algorithm) noexcept {
+  return made<Pipeline>(
+      [&] { return std::make_unique<Pipeline>(scheme, std::move(config), std::move(algorithm)); });
 }
 
 }  // namespace asap

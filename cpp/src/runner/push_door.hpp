@@ -21,12 +21,12 @@ struct YieldingWait {
 template <class Atomics = StdAtomics, class Wait = YieldingWait>
 class BasicPushDoor {
  public:
-  // Any thread. False: the door is shut, or somebody is inside.
+  // Any thread. False: the door is shut, or a producer is inside.
   bool enter() noexcept {
     std::uint32_t empty = kOpen;
     return state_.compare_exchange_strong(empty, kOpen | kInside, std::memory_order_acq_rel);
   }
-  // Who is inside. Calls `last_out` before, if the door has been shut meanwhile.
+  // Called by the producer inside. Runs last_out first if the door was shut meanwhile.
   template <class LastOut>
   void leave(LastOut&& last_out) noexcept {
     std::uint32_t open = kOpen | kInside;

@@ -12,6 +12,7 @@
 #include "runner/consumer_loop.hpp"
 #include "runner/doorbell.hpp"
 #include "runner/run.hpp"
+#include "schemes/scheme_hold.hpp"
 
 #if defined(__linux__)
 #include <sys/prctl.h>
@@ -47,8 +48,11 @@ class Replay::Impl {
  public:
   Impl(Scheme& scheme, ReplayConfig replay, const RunConfig& config)
       : replay_(checked(replay)),
+        hold_(scheme),
         run_(scheme, config, Run::Source::recording),
-        loop_(run_.buffer(), run_.packager(), run_.telemetry(), doorbell_, clock_) {}
+        loop_(run_.buffer(), run_.packager(), run_.telemetry(), doorbell_, clock_) {
+    hold_.release();  // until run()
+  }
 
   void run(EventSource& source, const Consumer& consumer, const Poll& poll);
   Ledger ledger() const noexcept;
@@ -65,6 +69,7 @@ class Replay::Impl {
   void push_arrived();
 
   const ReplayConfig replay_;
+  SchemeHold hold_;
   Run run_;
   Doorbell doorbell_;
   RunClock clock_;
@@ -79,6 +84,11 @@ class Replay::Impl {
 
 void Replay::Impl::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
   if (run_.buffer().closed()) throw std::logic_error("replay: has run; make another one");
+  hold_.take();
+  struct Free {
+    SchemeHold& hold;
+    ~Free() { hold.release(); }
+  } const free{hold_};
   std::exception_ptr producer_error;
   {
     std::jthread producer([&](const std::stop_token& stop) {

@@ -27,6 +27,13 @@ std::unique_ptr<KeptMask> mask_for(const RunConfig& config, Run::Source source) 
   return std::make_unique<KeptMask>();
 }
 
+std::size_t log_rows(const RunConfig& config, Run::Source source) {
+  if (source == Run::Source::recording) return RunLog::kAllRows;
+  require(config.log_rows <= RunLog::kMaxRows, "log_rows", config.log_rows,
+          "must be at most 2^40; a live pipeline keeps the newest rows");
+  return config.log_rows;
+}
+
 PackagerConfig packager_config(const RunConfig& config, Run::Source source, KeptMask* mask) {
   PackagerConfig packager{.seed = config.seed,
                           .execution = config.execution,
@@ -46,8 +53,7 @@ PackagerConfig packager_config(const RunConfig& config, Run::Source source, Kept
 Run::Run(Scheme& scheme, const RunConfig& config, Source source)
     : mask_(mask_for(checked(config), source)),
       validator_(config.validator, mask_ ? &mask_->passed() : nullptr),
-      telemetry_(asap::latency_bound_ns(config, scheme),
-                 source == Source::camera ? config.log_rows : RunLog::kAllRows),
+      telemetry_(asap::latency_bound_ns(config, scheme), log_rows(config, source)),
       buffer_(ring_capacity(config, latency_bound_ns())),
       ages_(source == Source::recording ? std::make_unique<AgeSlots>(std::max<std::int64_t>(
                                               latency_bound_ns() / kSlotsPerBound, 1))
@@ -72,7 +78,7 @@ PipelineMemory Run::memory(const RunConfig& config, std::int64_t latency_bound_n
   const std::size_t copies = std::min(capacity, max_copied) * sizeof(Event);
   return {.ring = EventBuffer::memory_bytes(capacity),
           .copies = copies,
-          .log = RunLog::memory_bytes(config.log_rows),
+          .log = RunLog::memory_bytes(std::min(config.log_rows, RunLog::kMaxRows)),
           .rest = LatencyHistogram::memory_bytes() +
                   ArrivalTimes::memory_bytes(ArrivalTimes::steps_for(capacity)) +
                   Packager::memory_bytes(capacity, max_copied, config.front_filter != nullptr) -

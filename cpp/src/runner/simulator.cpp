@@ -243,6 +243,11 @@ Simulator::Simulator(Scheme& scheme, LinearCost cost, RunConfig config, Consumer
 Simulator::~Simulator() = default;
 
 void Simulator::feed(EventSpan events) { impl_->feed(events); }
+void Simulator::run(EventSource& source) {
+  for (EventSpan chunk = source.next(); !chunk.empty(); chunk = source.next()) feed(chunk);
+  finish();
+}
+
 void Simulator::finish() { impl_->finish(); }
 Ledger Simulator::ledger() const noexcept { return impl_->ledger(); }
 const Validator& Simulator::validator() const noexcept { return impl_->parts().validator(); }

@@ -27,6 +27,21 @@ double LatencyHistogram::quantile_ns(double q) const {
   return static_cast<double>(max_ns_.load());
 }
 
+LatencyHistogram LatencyHistogram::since(const LatencyHistogram& earlier) const {
+  LatencyHistogram later(bound_ns_);
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    const std::uint64_t count = bins_[bin] - earlier.bins_[bin];
+    if (count == 0) continue;
+    later.bins_.add(bin, count);
+    later.count_ += count;
+    later.max_ns_ = std::min(max_of(bin), max_ns_.load());
+  }
+  later.within_bound_ = within_bound_ - earlier.within_bound_;
+  later.sum_low_ = sum_low_ - earlier.sum_low_;
+  later.sum_high_ = sum_high_ - earlier.sum_high_ - (sum_low_ < earlier.sum_low_ ? 1U : 0U);
+  return later;
+}
+
 LatencyHistogram::State LatencyHistogram::state() const {
   State state{.bound_ns = bound_ns_,
               .max_ns = max_ns_,
@@ -59,6 +74,12 @@ double LatencyHistogram::middle_of(std::size_t bin) noexcept {
   const auto octave = static_cast<int>(bin / kBinsPerOctave) - 1;
   const auto mantissa = static_cast<double>(bin % kBinsPerOctave + kBinsPerOctave);
   return std::ldexp(mantissa + 0.5, octave) - 0.5;
+}
+
+std::int64_t LatencyHistogram::max_of(std::size_t bin) noexcept {
+  if (bin < 2 * kBinsPerOctave) return static_cast<std::int64_t>(bin);
+  const std::uint64_t mantissa = bin % kBinsPerOctave + kBinsPerOctave;
+  return static_cast<std::int64_t>(((mantissa + 1) << (bin / kBinsPerOctave - 1)) - 1);
 }
 
 }  // namespace asap

@@ -31,6 +31,17 @@ TEST(Result, OrAMessage) {
   EXPECT_EQ(result.message(), "speed = -1: must be at least 0");
 }
 
+TEST(Result, IsEmptyAtFirstAndGivesItsObjectAway) {
+  Result<Pinned> result;
+  EXPECT_FALSE(result);
+  EXPECT_EQ(result.message(), "");
+  EXPECT_EQ(result.release(), nullptr);
+  result = Result<Pinned>(std::make_unique<Pinned>(7));
+  const std::unique_ptr<Pinned> taken = result.release();
+  EXPECT_EQ(taken->number, 7);
+  EXPECT_FALSE(result);
+}
+
 TEST(Result, AnObjectKeepsItsAddressWhenItMoves) {
   Result<Pinned> from(std::make_unique<Pinned>(7));
   const Pinned* const address = &*from;

@@ -88,7 +88,7 @@ TEST(Aedat2Decoder, ATriggerWithoutRoomWaitsWhereItIsWanted) {
   EXPECT_EQ(decoder.decode(rest.first(5), events, {}).bytes, 5u);
   EXPECT_EQ(decoder.decode(rest.subspan(5), events, {}).bytes, 0u);
   EXPECT_EQ(decoder.triggers(), 0u);
-  EXPECT_EQ(decoder.decode(rest.subspan(5), events).bytes, 3u);  // not wanted: counted
+  EXPECT_EQ(decoder.decode(rest.subspan(5), std::span(events)).bytes, 3u);  // not wanted: counted
   EXPECT_EQ(decoder.triggers(), 1u);
 }
 

@@ -141,7 +141,7 @@ Events read_event_stream(const Bytes& bytes) {
 Events read_evt2(const Bytes& bytes) {
   Evt2Decoder decoder;
   Events events(bytes.size());
-  const Progress done = decoder.decode(bytes, events);
+  const Progress done = decoder.decode(bytes, std::span(events));
   EXPECT_EQ(done.bytes, bytes.size());
   EXPECT_EQ(decoder.bad_records() + decoder.before_start() + decoder.unfinished(), 0u);
   events.resize(done.events);
@@ -151,7 +151,7 @@ Events read_evt2(const Bytes& bytes) {
 Events read_csv(const Bytes& bytes) {
   TextDecoder decoder({.time_exponent = 0});
   Events events;
-  decoder.decode(std::span(reinterpret_cast<const char*>(bytes.data()), bytes.size()), events);
+  decoder.decode(bytes, events);
   EXPECT_EQ(decoder.bad_records() + decoder.out_of_bounds(), 0u);
   return events;
 }

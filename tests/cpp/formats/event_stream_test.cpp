@@ -101,12 +101,12 @@ TEST(EventStreamDecoder, ConsumesWhatNeedsNoRoom) {
   append(bytes, {0xff, 0xfe, 0xff});
   EventStreamDecoder decoder = decoder_of(2);
   Events one(1);
-  EXPECT_EQ(decoder.decode(bytes, one).bytes, bytes.size());
+  EXPECT_EQ(decoder.decode(bytes, std::span(one)).bytes, bytes.size());
   const Bytes next = record2(1, 0, 7, 8);
   EXPECT_EQ(decoder.decode(next, {}).bytes, 0u);
   EXPECT_EQ(decoder.decode(std::span(next).first(2), {}).bytes, 2u);
   EXPECT_EQ(decoder.unfinished(), 2u);
-  EXPECT_EQ(decoder.decode(std::span(next).subspan(2), one).events, 1u);
+  EXPECT_EQ(decoder.decode(std::span(next).subspan(2), std::span(one)).events, 1u);
   EXPECT_EQ(one[0], (Event{7, 251, 0, 3 + 254 + 1}));
 }
 

@@ -69,10 +69,10 @@ TEST(Evt21Decoder, StopsBeforeAWordWithoutRoomAndFillsUp) {
   const auto bytes = bytes_of(Words{high(0), cd(1, 0, 0, 0, 3), cd(1, 1, 0, 0, 7), high(1)});
   Evt21Decoder decoder({.little_endian = true});
   Events events(4);
-  EXPECT_EQ(decoder.decode(bytes, events), (Progress{.bytes = 16, .events = 2}));
+  EXPECT_EQ(decoder.decode(bytes, std::span(events)), (Progress{.bytes = 16, .events = 2}));
   decoder.reset();
   events.resize(5);
-  EXPECT_EQ(decoder.decode(bytes, events), (Progress{.bytes = 32, .events = 5}));
+  EXPECT_EQ(decoder.decode(bytes, std::span(events)), (Progress{.bytes = 32, .events = 5}));
 }
 
 TEST(Evt21Decoder, CutsAndRoomMakeNoDifference) {

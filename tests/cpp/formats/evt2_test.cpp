@@ -63,7 +63,7 @@ TEST(Evt2Decoder, CountsTriggersWithoutASpan) {
   const auto bytes = bytes_of(Words{high(1), trigger(3, 6, 1), trigger(4, 6, 0), cd(1, 0, 1, 1)});
   Evt2Decoder decoder;
   Events events(1);
-  EXPECT_EQ(decoder.decode(bytes, events), (Progress{.bytes = 16, .events = 1}));
+  EXPECT_EQ(decoder.decode(bytes, std::span(events)), (Progress{.bytes = 16, .events = 1}));
   EXPECT_EQ(decoder.triggers(), 2u);
 }
 
@@ -77,7 +77,7 @@ TEST(Evt2Decoder, WordsWithoutEventsNeedNoRoom) {
   const auto bytes = bytes_of(Words{high(0), cd(1, 0, 1, 1), high(1), high(2)});
   Evt2Decoder decoder;
   Events events(1);
-  EXPECT_EQ(decoder.decode(bytes, events), (Progress{.bytes = 16, .events = 1}));
+  EXPECT_EQ(decoder.decode(bytes, std::span(events)), (Progress{.bytes = 16, .events = 1}));
 }
 
 TEST(Evt2Decoder, SaysHowMuchOfAWordIsThere) {
@@ -91,10 +91,10 @@ TEST(Evt2Decoder, ResetForgetsEverything) {
   const auto bytes = bytes_of(Words{high(9), 2u << 28, cd(1, 0, 1, 1), trigger(0, 0, 0)});
   Evt2Decoder decoder;
   Events events(4);
-  EXPECT_EQ(decoder.decode(std::span(bytes).first(15), events).events, 1u);
+  EXPECT_EQ(decoder.decode(std::span(bytes).first(15), std::span(events)).events, 1u);
   decoder.reset();
   EXPECT_EQ(decoder.unfinished() + decoder.bad_records() + decoder.triggers(), 0u);
-  EXPECT_EQ(decoder.decode(std::span(bytes).subspan(8), events).events, 0u);
+  EXPECT_EQ(decoder.decode(std::span(bytes).subspan(8), std::span(events)).events, 0u);
   EXPECT_EQ(decoder.before_start(), 1u);
 }
 

@@ -133,10 +133,10 @@ TEST(Evt3Decoder, StopsBeforeAVectorWithoutRoomAndFillsUp) {
       Words{high(0), addr_y(1), addr_x(1, 1), base(1, 0), vect8(7), vect12(0), low(1), addr_y(3)});
   Evt3Decoder decoder;
   Events events(3);
-  EXPECT_EQ(decoder.decode(bytes, events), (Progress{.bytes = 8, .events = 1}));
+  EXPECT_EQ(decoder.decode(bytes, std::span(events)), (Progress{.bytes = 8, .events = 1}));
   decoder.reset();
   events.resize(4);
-  EXPECT_EQ(decoder.decode(bytes, events), (Progress{.bytes = 16, .events = 4}));
+  EXPECT_EQ(decoder.decode(bytes, std::span(events)), (Progress{.bytes = 16, .events = 4}));
 }
 
 TEST(Evt3Decoder, BaseNeverLeavesSixteenBits) {

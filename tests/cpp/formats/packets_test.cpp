@@ -96,7 +96,7 @@ TYPED_TEST(Packets, StopsWithoutRoom) {
   const Bytes bytes = random_message<TypeParam>(3, 700);
   auto decoder = begun<TypeParam>();
   Events events(TypeParam::kMaxPerRecord - 1);
-  EXPECT_EQ(decoder.decode(bytes, events), Progress{});
+  EXPECT_EQ(decoder.decode(bytes, std::span(events)), Progress{});
   EXPECT_EQ(decode(decoder, bytes), decode<TypeParam>(bytes));
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <stdexcept>
@@ -27,6 +28,10 @@ struct Decoded {
   friend bool operator==(const Decoded&, const Decoded&) = default;
 };
 
+std::span<const std::byte> bytes_of(std::string_view text) {
+  return std::as_bytes(std::span(text));
+}
+
 Decoded collect(TextDecoder& decoder, Events events) {
   const bool ended_well = decoder.finish(events);
   return {.events = std::move(events),
@@ -39,7 +44,7 @@ Decoded collect(TextDecoder& decoder, Events events) {
 Decoded decode(std::string_view text, const TextConfig& config = {}) {
   TextDecoder decoder(config);
   Events events;
-  decoder.decode(text, events);
+  decoder.decode(bytes_of(text), events);
   return collect(decoder, std::move(events));
 }
 
@@ -133,7 +138,7 @@ TEST(TextDecoder, CountsPositionsThatDoNotFit) {
 TEST(TextDecoder, ClampsPositionsOnRequest) {
   TextDecoder decoder({.clamp = true});
   Events events;
-  decoder.decode(std::string_view("1 -1 70000 1\n"), events);
+  decoder.decode(bytes_of(std::string_view("1 -1 70000 1\n")), events);
   EXPECT_EQ(events, (Events{{0, 65535, 1, 1'000'000}}));
   EXPECT_EQ(decoder.clamped_positions(), 1u);
   EXPECT_EQ(decoder.out_of_bounds(), 0u);
@@ -205,7 +210,7 @@ TEST(TextDecoder, IsResumableAtAnyByte) {
       Events events;
       for (std::size_t at = 0; at < text.size();) {
         const std::size_t size = std::min<std::size_t>(1 + random(at) % largest, text.size() - at);
-        decoder.decode(std::string_view(text).substr(at, size), events);
+        decoder.decode(bytes_of(std::string_view(text).substr(at, size)), events);
         at += size;
       }
       ASSERT_EQ(collect(decoder, std::move(events)), whole) << "seed " << seed << " " << largest;
@@ -219,8 +224,8 @@ Decoded decode_the_long_way(std::string_view text, const TextConfig& config) {
   Events events;
   while (!text.empty()) {
     const std::size_t rest = std::min(text.find('\n'), text.size() - 1);
-    decoder.decode(text.substr(0, 1), events);
-    decoder.decode(text.substr(1, rest), events);
+    decoder.decode(bytes_of(text.substr(0, 1)), events);
+    decoder.decode(bytes_of(text.substr(1, rest)), events);
     text.remove_prefix(rest + 1);
   }
   return collect(decoder, std::move(events));
@@ -280,7 +285,8 @@ TEST(TextDecoder, FillsASpanUntilItIsFull) {
     std::vector<Event> events(room);
     Events found;
     for (std::size_t at = 0; at < text.size();) {
-      const auto progress = decoder.decode(std::string_view(text).substr(at), std::span(events));
+      const auto progress =
+          decoder.decode(bytes_of(std::string_view(text).substr(at)), std::span(events));
       ASSERT_LE(progress.events, room);
       found.insert(found.end(), events.begin(),
                    events.begin() + static_cast<std::ptrdiff_t>(progress.events));
@@ -292,7 +298,7 @@ TEST(TextDecoder, FillsASpanUntilItIsFull) {
 
 TEST(TextDecoder, WithoutRoomNothingIsConsumed) {
   TextDecoder decoder;
-  const auto progress = decoder.decode(std::string_view("1 2 3 1\n"), std::span<Event>{});
+  const auto progress = decoder.decode(bytes_of(std::string_view("1 2 3 1\n")), std::span<Event>{});
   EXPECT_EQ(progress.bytes, 0u);
   EXPECT_EQ(progress.events, 0u);
 }
@@ -300,7 +306,7 @@ TEST(TextDecoder, WithoutRoomNothingIsConsumed) {
 TEST(TextDecoder, WhatFollowsTheLastEventThatFitsIsKept) {
   TextDecoder decoder;
   std::vector<Event> events(1);
-  EXPECT_EQ(decoder.decode(std::string_view("1 2 3 1\n4"), std::span(events)).bytes, 9u);
+  EXPECT_EQ(decoder.decode(bytes_of(std::string_view("1 2 3 1\n4")), std::span(events)).bytes, 9u);
 }
 
 TEST(TextDecoder, EventsNeverFillTheRoomForTheirBytes) {
@@ -308,8 +314,8 @@ TEST(TextDecoder, EventsNeverFillTheRoomForTheirBytes) {
   for (std::size_t size = 0; size <= text.size(); ++size) {
     TextDecoder decoder({.order = "txy"});
     Events events;
-    decoder.decode(std::string_view("1,"), events);
-    decoder.decode(std::string_view(text).substr(0, size), events);
+    decoder.decode(bytes_of(std::string_view("1,")), events);
+    decoder.decode(bytes_of(std::string_view(text).substr(0, size)), events);
     EXPECT_LT(events.size(), decoder.room_for(size));
   }
 }

@@ -8,10 +8,13 @@
 
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 #include "asap/core/random.hpp"
+#include "asap/runner/replay.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
@@ -333,6 +336,52 @@ TEST(Pipeline, AConsumerThatWaitsIsNotThrownOutByAnother) {
   EXPECT_EQ(pipeline.next(package, kLong, other), Next::package);
 }
 
+TEST(Pipeline, HasASchemeOfItsOwnWhileItRuns) {
+  Greedy scheme;
+  Package package;
+  Pipeline one(scheme, kWhole);
+  Pipeline early(scheme, kWhole);
+  Replay replay(scheme);
+  EXPECT_EQ(one.next(package, 0ns), Next::idle);
+  EXPECT_THROW(early.next(package, 0ns), std::logic_error);
+  EXPECT_THROW(Pipeline(scheme, kWhole), std::logic_error);
+  EXPECT_THROW(Pipeline(scheme, kPatient, [](EventSpan) {}), std::logic_error);
+  EXPECT_THROW(Replay{scheme}, std::logic_error);
+  SpanSource nothing({});
+  EXPECT_THROW(replay.run(nothing, [](EventSpan) {}), std::logic_error);
+  Greedy copy = scheme;
+  Pipeline third(copy, kWhole);
+  EXPECT_EQ(third.next(package, 0ns), Next::idle);
+  one.abandon();
+  {
+    const Pipeline other(scheme, kPatient, [](EventSpan) {});
+    EXPECT_EQ(one.next(package, 0ns), Next::ended);
+    EXPECT_THROW(one.start(), std::logic_error);
+    EXPECT_FALSE(one.is_open());
+  }
+  one.start();
+  EXPECT_EQ(one.next(package, 0ns), Next::idle);
+}
+
+TEST(Pipeline, GoesAwayOnceAnotherThreadHasLeftRun) {
+  Greedy scheme;
+  std::atomic<bool> is_inside = false;
+  std::atomic<bool> is_done = false;
+  auto pipeline = std::make_unique<Pipeline>(scheme, kWhole);
+  const std::jthread consumer([&, used = pipeline.get()] {
+    used->run([&](EventSpan) {
+      is_inside = true;
+      is_inside.notify_all();
+      std::this_thread::sleep_for(20ms);
+      is_done = true;
+    });
+  });
+  pipeline->push(at_times({1}));
+  is_inside.wait(false);
+  pipeline.reset();
+  EXPECT_TRUE(is_done);
+}
+
 TEST(Pipeline, RunCompletesThePackageOfNext) {
   FixedSize scheme({.size = 10});
   Pipeline pipeline(scheme, kWhole);
@@ -501,6 +550,16 @@ TEST(Pipeline, TheGapIsThatOfTheEventsBetweenDeliveredOnes) {
       ASSERT_EQ(run.stats().gap_us, test::gap_us(events, delivered))
           << "rule " << static_cast<int>(when_full) << ", seed " << seed;
     }
+  }
+}
+
+TEST(Pipeline, ItsLogIsBounded) {
+  Greedy scheme;
+  const std::size_t wraps = RunLog::kAllRows / sizeof(PackageRecord) + 2;
+  for (const std::size_t rows : {RunLog::kAllRows, RunLog::kMaxRows + 1, wraps}) {
+    const std::string said = make_pipeline(scheme, {.log_rows = rows}).message();
+    EXPECT_TRUE(said.starts_with("log_rows = " + std::to_string(rows))) << said;
+    EXPECT_GE(memory_bytes({.log_rows = rows}), RunLog::kMaxRows) << "a sum that wraps";
   }
 }
 
@@ -771,11 +830,15 @@ TEST(PipelineWorker, DeliversUntilItIsStopped) {
 
 TEST(PipelineWorker, JoinThrowsWhatTheAlgorithmThrew) {
   Pipeline pipeline{kPatient, [](EventSpan) { throw std::domain_error("of the algorithm"); }};
+  EXPECT_FALSE(pipeline.stats().failed);
   pipeline.push(evenly_spaced(10, 1));
   EXPECT_THROW(pipeline.join(), std::domain_error);
   EXPECT_FALSE(pipeline.is_open());
+  EXPECT_TRUE(pipeline.stats().failed);
   EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 10, .pending = 10}));
   pipeline.join();  // said once
+  pipeline.start();
+  EXPECT_FALSE(pipeline.stats().failed);
 }
 
 TEST(PipelineWorker, BeginsAnew) {
@@ -827,6 +890,76 @@ TEST(PipelineWorker, GoesAwayInAnyState) {
     Pipeline pipeline{{.capacity = 16}, [](EventSpan) {}};
     for (int push = 0; push < events; ++push) pipeline.push(evenly_spaced(3, 1));
   }
+}
+
+// The seat is the worker's before its thread runs.
+TEST(PipelineWorker, RefusesOtherConsumers) {
+  for (int round = 0; round < 200; ++round) {
+    std::atomic<std::uint64_t> delivered = 0;
+    Pipeline pipeline{kPatient, [&](EventSpan part) { delivered += part.size(); }};
+    Package package;
+    EXPECT_THROW(pipeline.run([](EventSpan) {}), std::logic_error);
+    EXPECT_THROW(pipeline.next(package, 0ns), std::logic_error);
+    EXPECT_THROW(pipeline.complete(), std::logic_error);
+    pipeline.push(evenly_spaced(10, 1));
+    pipeline.stop();
+    ASSERT_NO_THROW(pipeline.join());
+    ASSERT_EQ(delivered, 10u);
+    EXPECT_THROW(pipeline.next(package, 0ns), std::logic_error) << "start() may come";
+  }
+}
+
+TEST(PipelineWorker, MayBeAbandonedWhileItBegins) {
+  Pipeline pipeline{{.capacity = 16}, [](EventSpan) {}};
+  std::jthread other([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) pipeline.abandon();
+  });
+  for (int round = 0; round < 500; ++round) {
+    pipeline.push(evenly_spaced(3, 1));
+    ASSERT_NO_THROW(pipeline.join());
+    ASSERT_NO_THROW(pipeline.start());
+  }
+}
+
+TEST(PipelineWorker, WorksUnderTheSchemeThatItIsGiven) {
+  FixedSize scheme({.size = 10});
+  std::uint64_t packages = 0;
+  Pipeline pipeline{scheme, {.latency = 1h}, [&](EventSpan part) {
+                      EXPECT_EQ(part.size(), 10u);
+                      ++packages;
+                    }};
+  pipeline.push(evenly_spaced(100, 1));
+  pipeline.stop();
+  pipeline.join();
+  EXPECT_EQ(packages, 10u);
+  EXPECT_EQ(test::error_of([&] { Pipeline(scheme, {}, Consumer{}); }).rfind("algorithm", 0), 0u);
+}
+
+TEST(PipelineWorker, IsPreparedOnItsOwnThreadInEveryRun) {
+  std::thread::id prepared;
+  int preparations = 0;
+  RunConfig config = kPatient;
+  config.on_worker_start = [&] {
+    prepared = std::this_thread::get_id();
+    ++preparations;
+  };
+  Pipeline pipeline{config, [&](EventSpan) { EXPECT_EQ(std::this_thread::get_id(), prepared); }};
+  for (int run = 1; run <= 3; ++run) {
+    pipeline.push(evenly_spaced(10, 1));
+    pipeline.stop();
+    pipeline.join();
+    EXPECT_EQ(preparations, run);
+    EXPECT_EQ(pipeline.ledger().delivered, 10u);
+    pipeline.start();
+  }
+}
+
+TEST(PipelineWorker, WhatItsPreparationThrowsComesOutOfJoin) {
+  RunConfig config = kPatient;
+  config.on_worker_start = [] { throw std::domain_error("no such processor"); };
+  Pipeline pipeline{config, [](EventSpan) {}};
+  EXPECT_THROW(pipeline.join(), std::domain_error);
+  EXPECT_FALSE(pipeline.is_open());
 }
 
 TEST(PipelineWorker, NeedsAnAlgorithm) {

@@ -172,5 +172,35 @@ TEST(LatencyHistogram, RefusesAFractionThatIsNone) {
             "q = nan: must be a number between 0 and 1");
 }
 
+TEST(LatencyHistogram, TellsWhatCameSinceACopy) {
+  LatencyHistogram histogram(5000);
+  LatencyHistogram expected(5000);
+  for (std::int64_t value = 1; value < 1'000'000; value = value * 3 + 1) histogram.record(value);
+  histogram.record(std::int64_t{1} << 62, 3);  // sums beyond 64 bits
+  const LatencyHistogram earlier = histogram;
+  for (std::int64_t value = 7; value < 100'000; value = value * 2 + 1) {
+    histogram.record(value);
+    expected.record(value);
+  }
+  histogram.record(std::int64_t{1} << 62, 2);
+  expected.record(std::int64_t{1} << 62, 2);
+  const LatencyHistogram since = histogram.since(earlier);
+  EXPECT_EQ(since.count(), expected.count());
+  EXPECT_EQ(since.within_bound(), expected.within_bound());
+  EXPECT_DOUBLE_EQ(since.mean_ns(), expected.mean_ns());
+  EXPECT_EQ(since.max_ns(), expected.max_ns());
+  EXPECT_EQ(since.quantile_ns(0.5), expected.quantile_ns(0.5));
+  EXPECT_EQ(histogram.since(histogram).max_ns(), 0);
+}
+
+TEST(LatencyHistogram, TheMaxSinceACopyIsExactToABin) {
+  LatencyHistogram histogram;
+  histogram.record(std::int64_t{1} << 50);
+  const LatencyHistogram earlier = histogram;
+  histogram.record(1'000'000);
+  EXPECT_GE(histogram.since(earlier).max_ns(), 1'000'000);
+  EXPECT_LE(histogram.since(earlier).max_ns(), 1'008'000);
+}
+
 }  // namespace
 }  // namespace asap::latency_histogram_test

@@ -34,5 +34,15 @@ TEST(Ledger, IsNotBalancedWhenOneCounterIsOffByOne) {
   EXPECT_TRUE(off_by_one(&Ledger::pending));
 }
 
+TEST(Ledger, ADifferenceBalances) {
+  const Ledger earlier{.received = 100, .rejected = 1, .delivered = 9, .pending = 90};
+  const Ledger later{.received = 150, .rejected = 3, .stale = 5, .delivered = 130, .pending = 12};
+  ASSERT_TRUE(earlier.balanced() && later.balanced());
+  const Ledger since = later - earlier;
+  EXPECT_EQ(since,
+            (Ledger{.received = 140, .rejected = 2, .stale = 5, .delivered = 121, .pending = 12}));
+  EXPECT_TRUE(since.balanced());
+}
+
 }  // namespace
 }  // namespace asap::ledger_test

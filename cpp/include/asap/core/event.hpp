@@ -3,6 +3,10 @@
 // compare and hash fields, never raw bytes.
 #pragma once
 
+#if __cplusplus < 201709L  // as gcc 10 calls C++20
+#error "asap needs C++20: compile with -std=c++20, or link the CMake target asap::core, which asks for it"
+#endif
+
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -17,6 +17,8 @@ namespace asap {
 template <class Value>
 class [[nodiscard]] Result {
  public:
+  // Neither: a member that is assigned later.
+  Result() noexcept = default;
   explicit Result(std::unique_ptr<Value> value) noexcept : value_(std::move(value)) {}
   explicit Result(std::string message) noexcept : message_(std::move(message)) {}
 
@@ -25,6 +27,9 @@ class [[nodiscard]] Result {
   // Precondition: there is an object.
   Value& operator*() const noexcept { return *value_; }
   Value* operator->() const noexcept { return value_.get(); }
+
+  // The object, which the result has no longer; null if there is none.
+  std::unique_ptr<Value> release() noexcept { return std::move(value_); }
 
   // "<field> = <value>: <remedy>"; empty if there is an object.
   const std::string& message() const noexcept { return message_; }

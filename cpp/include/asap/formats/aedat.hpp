@@ -115,6 +115,8 @@ class Aedat3Decoder : public NativeDecoder<Aedat3Decoder, Aedat3Config, 28> {
  private:
   friend NativeDecoder;
 
+  static constexpr std::size_t kMinRecord = 8;  // bytes of an event in a packet
+
   enum class Packet : std::uint8_t { polarity, special, other };
   static constexpr std::size_t kHeader = 28;
 

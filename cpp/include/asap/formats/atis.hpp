@@ -54,6 +54,8 @@ class EventStreamDecoder : public NativeDecoder<EventStreamDecoder, EventStreamC
  private:
   friend NativeDecoder;
 
+  static constexpr std::size_t kMinRecord = 3;  // bytes of an event of version 1
+
   std::size_t decode_bytes(std::span<const std::byte> bytes, Output& out) noexcept;
 
   std::int64_t t_ = 0;  // us, of the last event

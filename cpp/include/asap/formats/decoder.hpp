@@ -1,7 +1,8 @@
 // NativeDecoder: what the decoder of every format offers. How far a call came, the triggers it met,
 // the records that are none, and the bytes of a record that was cut.
 //
-// One thread. Never throws, never allocates. decode() is O(bytes), the rest O(1).
+// One thread. Never throws on bytes, allocates only in a vector that it fills. decode() is
+// O(bytes), the rest O(1).
 #pragma once
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "asap/core/event.hpp"
 
@@ -73,11 +75,19 @@ class NativeDecoder {
  public:
   // Decodes from the front of `bytes` until they end or the next record has no room. Events beyond
   // those reported are overwritten.
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
+  [[nodiscard]] Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
 
   // The same; stops before a trigger that has no room as well.
-  Progress decode(std::span<const std::byte> bytes, std::span<Event> events,
-                  std::span<Trigger> triggers) noexcept;
+  [[nodiscard]] Progress decode(std::span<const std::byte> bytes, std::span<Event> events,
+                                std::span<Trigger> triggers) noexcept;
+
+  // Appends the events of all records that end in `bytes`.
+  void decode(std::span<const std::byte> bytes, std::vector<Event>& events);
+
+  // Room that the events of so many bytes never fill, so that all bytes are consumed.
+  std::size_t room_for(std::size_t bytes) const noexcept {
+    return (bytes / Decoder::kMinRecord + 2) * Decoder::kMaxPerRecord;
+  }
 
   // Bytes of a record that waits for its end; > 0 at the end of the input: the file was cut.
   std::size_t unfinished() const noexcept { return cut_.size; }
@@ -89,9 +99,12 @@ class NativeDecoder {
   // Events that came before what their time or place counts from: they are dropped.
   std::uint64_t before_start() const noexcept { return before_start_; }
 
+  // As new.
   void reset() noexcept { static_cast<Decoder&>(*this) = Decoder(config_); }
 
  protected:
+  static constexpr std::size_t kMinRecord = kRecord;  // bytes of the shortest one with an event
+
   explicit NativeDecoder(const Config& config, std::uint64_t first_offset = 0) noexcept
       : config_(config), offset_(first_offset) {}
 

@@ -35,10 +35,10 @@ class TextDecoder {
 
   // Decodes lines from the front of `bytes` into `events` until one of them ends. A line gives at
   // most one event.
-  Progress decode(std::span<const char> bytes, std::span<Event> events) noexcept;
+  [[nodiscard]] Progress decode(std::span<const std::byte> bytes, std::span<Event> events) noexcept;
 
   // Appends the events of all lines that end in `bytes`.
-  void decode(std::span<const char> bytes, std::vector<Event>& events);
+  void decode(std::span<const std::byte> bytes, std::vector<Event>& events);
 
   // The end of the input: decodes a last line that has no newline. Returns false if that line is
   // bad, which means that the file was cut.

@@ -5,7 +5,8 @@
 //   Pipeline pipeline{{.latency = 10ms}, [&](EventSpan events) { tracker.process(events); }};
 //   driver.on_events([&](EventSpan events) { pipeline.push(events); });   // any one thread
 //
-// works on a thread of its own. Or, with a scheme of your choice, on yours:
+// works on a thread of its own; `Pipeline{scheme, config, algorithm}` does so with a scheme of your
+// choice. Or, on your thread:
 //
 //   Pipeline pipeline{scheme, {.latency = 10ms}};
 //   pipeline.run([&](EventSpan events) { tracker.process(events); });     // until stop()
@@ -43,6 +44,7 @@ struct PipelineStats {
   std::uint64_t upstream_marks = 0;    // "events are missing here"
   std::uint64_t upstream_packets = 0;  // packets known to be lost
   bool open = true;                    // pushes are taken
+  bool failed = false;                 // the algorithm, or what is called beside it, has thrown
   bool stalled = false;                // events wait, and the consumer has been away for too long
   std::uint64_t max_waiting = 0;       // events that have been in the ring at once
   std::int64_t latency_bound_ns = 0;   // the consumer applies it when it looks next
@@ -56,12 +58,16 @@ class Pipeline {
   using Arrival = std::optional<std::chrono::steady_clock::time_point>;
   using Poll = std::function<void()>;
 
-  // Open from the start. The scheme outlives the pipeline and serves no other run meanwhile.
+  // Open from the start. The scheme outlives the pipeline; std::logic_error here, in start() and
+  // from the consumer's first call while another run uses it: one that a consumer has begun, and
+  // whose end it has not seen.
   explicit Pipeline(Scheme& scheme, RunConfig config = {});
-  // With a worker: a thread that runs the algorithm, under Deadline, until stop(). See join().
+  // With a worker: a thread that runs the algorithm until stop(), see join(). Without a scheme
+  // under Deadline.
   Pipeline(RunConfig config, Consumer algorithm);
-  // Gives up what still waits, and waits for a push that is inside and for the worker to end its
-  // package: not from the algorithm of the worker, which cannot wait for itself.
+  Pipeline(Scheme& scheme, RunConfig config, Consumer algorithm);
+  // Gives up what still waits, and waits for a push that is inside and for the consumer, worker or
+  // not, to end its package: so not from inside the algorithm, which cannot wait for itself.
   ~Pipeline();
 
   // The heap that Pipeline{config, algorithm} takes for a configuration that it accepts. What the
@@ -81,7 +87,7 @@ class Pipeline {
   // The driver has lost events before they came here.
   void upstream_lost(std::uint64_t marks, std::uint64_t packets = 0) noexcept;
 
-  // ---- consumer: one thread at a time, else std::logic_error
+  // ---- consumer: one thread at a time, else std::logic_error; with a worker the worker alone
 
   // Waits for a package, at most for `patience` (then idle), and completes the one before. ended:
   // stopped. Meanwhile `poll` is called every 20 ms; it may throw. For a pipeline whose execution
@@ -146,5 +152,6 @@ std::size_t memory_bytes(const RunConfig& config) noexcept;
 // The constructors of Pipeline, for a program without exceptions.
 Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config = {}) noexcept;
 Result<Pipeline> make_pipeline(RunConfig config, Consumer algorithm) noexcept;
+Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config, Consumer algorithm) noexcept;
 
 }  // namespace asap

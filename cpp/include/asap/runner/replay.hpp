@@ -12,7 +12,7 @@
 #include <memory>
 #include <optional>
 
-#include "asap/core/event.hpp"
+#include "asap/core/event_source.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
@@ -20,32 +20,6 @@
 #include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
-
-// Where a replay gets its chunks from. next() is called on the producer's thread.
-class EventSource {
- public:
-  virtual ~EventSource() = default;
-
-  // The next chunk, valid until the call after; empty = the end. May block.
-  virtual EventSpan next() = 0;
-  // Any thread: a next() that blocks returns the end, and so do all later ones.
-  virtual void cancel() noexcept {}
-};
-
-// Events that lie in memory.
-class SpanSource final : public EventSource {
- public:
-  explicit SpanSource(EventSpan events) noexcept : events_(events) {}
-
-  EventSpan next() override {
-    const EventSpan all = events_;
-    events_ = {};
-    return all;
-  }
-
- private:
-  EventSpan events_;
-};
 
 struct ReplayConfig {
   double speed = 1.0;  // 2 = twice as fast as recorded

@@ -55,6 +55,9 @@ struct RunConfig {
   std::size_t max_copied = 0;
   // The constructor writes to all memory, so that no page fault happens while events come.
   bool prefault = false;
+  // The worker calls it before its first package, in every run: for its name, its processor, its
+  // priority. May be none. What it throws ends the run and comes out of join().
+  std::function<void()> on_worker_start{};
 };
 
 // Bytes that a pipeline with a worker takes from the heap, all of them in its constructor.

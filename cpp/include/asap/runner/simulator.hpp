@@ -4,8 +4,7 @@
 // input is cut into chunks, faster than real time. Memory stays flat but for the rows of the logs.
 //
 //   Simulator simulator{scheme, LinearCost{{.alpha_us = 100, .beta_ns = 300}}, {.latency = 10ms}};
-//   while (read(chunk)) simulator.feed(chunk);
-//   simulator.finish();
+//   simulator.run(source);   // or feed(chunk) again and again, then finish()
 #pragma once
 
 #include <cstdint>
@@ -13,6 +12,7 @@
 #include <optional>
 #include <span>
 
+#include "asap/core/event_source.hpp"
 #include "asap/core/result.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
@@ -38,6 +38,8 @@ class Simulator {
   void feed(EventSpan events);
   // No event follows: what waits is delivered.
   void finish();
+  // Feeds all that the source has, and finishes.
+  void run(EventSource& source);
 
   Ledger ledger() const noexcept;
   const Rejections& rejected() const noexcept { return validator().rejected(); }

@@ -5,6 +5,7 @@
 // the run's axis (core/time.hpp).
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -121,6 +122,18 @@ class Scheme {
   virtual std::int64_t latency_bound_ns() const noexcept { return 0; }
   // Replaces the bound, from the next decision on. A scheme without a bound ignores it.
   virtual void set_latency_bound_ns(std::int64_t) noexcept {}
+
+ private:
+  friend class SchemeHold;
+
+  // Whether a live run asks it. A copy is free.
+  struct InUse {
+    InUse() = default;
+    InUse(const InUse&) noexcept {}
+    InUse& operator=(const InUse&) noexcept { return *this; }
+
+    std::atomic<bool> flag{false};
+  } in_use_;
 };
 
 // A scheme of this library, for a program without exceptions: make_scheme<Asap2020>({...}).

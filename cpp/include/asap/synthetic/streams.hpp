@@ -12,18 +12,16 @@
 #include <span>
 #include <vector>
 
-#include "asap/core/event.hpp"
+#include "asap/core/event_source.hpp"
 
 namespace asap {
 
 // ---- a stream ----------------------------------------------------------------------------------
 
-class EventStream {
+class EventStream : public EventSource {
  public:
-  virtual ~EventStream() = default;
-
-  // The next block, valid until the next call. Empty when, and only when, the stream has ended.
-  [[nodiscard]] virtual EventSpan next() noexcept = 0;
+  // Never blocks, never throws.
+  [[nodiscard]] EventSpan next() noexcept override = 0;
 };
 
 // Reads whole blocks until there are `at_least` events or the stream has ended; empty at the end.

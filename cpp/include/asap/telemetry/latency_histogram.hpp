@@ -85,6 +85,9 @@ class LatencyHistogram {
   // max_ns(). 0 of nothing recorded. Throws std::invalid_argument unless 0 <= q <= 1.
   double quantile_ns(double q) const;
 
+  // What was recorded since an earlier copy of this histogram. Its max_ns() is exact to a bin.
+  LatencyHistogram since(const LatencyHistogram& earlier) const;
+
   // All that is recorded, to be kept in a file: the counts of the bins that are not empty.
   struct State {
     std::int64_t bound_ns;
@@ -116,6 +119,7 @@ class LatencyHistogram {
     sum_high_ += batch.sum_high_ + (sum_low_ < batch.sum_low_ ? 1U : 0U);
   }
   static double middle_of(std::size_t bin) noexcept;
+  static std::int64_t max_of(std::size_t bin) noexcept;
 
   Relaxed<std::int64_t> bound_ns_;
   // Plain numbers, so that a histogram is made and read fast; atomic where two threads meet.

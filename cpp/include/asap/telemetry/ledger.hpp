@@ -22,6 +22,19 @@ struct Ledger {
   }
 
   friend bool operator==(const Ledger&, const Ledger&) = default;
+
+  // What happened since an earlier snapshot of the same run. What was pending then counts as
+  // received since, so the difference balances.
+  friend constexpr Ledger operator-(const Ledger& later, const Ledger& earlier) noexcept {
+    return {.received = later.received - earlier.received + earlier.pending,
+            .rejected = later.rejected - earlier.rejected,
+            .filtered = later.filtered - earlier.filtered,
+            .discarded = later.discarded - earlier.discarded,
+            .stale = later.stale - earlier.stale,
+            .overflow = later.overflow - earlier.overflow,
+            .delivered = later.delivered - earlier.delivered,
+            .pending = later.pending};
+  }
 };
 
 }  // namespace asap

@@ -77,6 +77,7 @@ struct PackageTotals {
 class RunLog {
  public:
   static constexpr std::size_t kBlockRows = 4096;
+  static constexpr std::size_t kMaxRows = std::size_t{1} << 40;  // of a bounded log
   static constexpr std::size_t kAllRows = std::numeric_limits<std::size_t>::max();
 
   // kAllRows: the log grows by blocks. Else the newest max_rows are kept, allocated at once;

@@ -1,0 +1,51 @@
+// RecordingSource: the events of a recording's file, chunk by chunk. The first bytes tell the
+// format (Prophesee RAW and DAT, AEDAT 2.0 and 3.1, Event Stream); lines of numbers are told by the
+// name: .csv or .txt.
+//
+//   RecordingSource recording{"flight.raw"};
+//   replay.run(recording, algorithm);      // or simulator.run(recording)
+//
+// One thread, but for cancel(). Memory: a chunk of bytes, and its events.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "asap/core/event_source.hpp"
+#include "asap/formats/text.hpp"
+
+namespace asap {
+
+struct RecordingConfig {
+  TextConfig text{};                               // columns and unit of a .csv or .txt file
+  std::size_t chunk_bytes = std::size_t{1} << 18;  // of the file, read at once
+};
+
+class RecordingSource final : public EventSource {
+ public:
+  // Opens the file and reads its header. Throws std::system_error where it cannot be read, and
+  // std::invalid_argument where the format is not known or has no decoder.
+  explicit RecordingSource(const std::filesystem::path& path, RecordingConfig config = {});
+  ~RecordingSource() override;
+
+  // Throws std::system_error where reading fails.
+  [[nodiscard]] EventSpan next() override;
+  void cancel() noexcept override;
+
+  // Size of the sensor in px; 0 where the file does not say.
+  std::uint16_t width() const noexcept;
+  std::uint16_t height() const noexcept;
+
+  // Records that are none, so far.
+  std::uint64_t bad_records() const noexcept;
+  // At the end: the file ends inside a record.
+  bool is_cut() const noexcept;
+
+ private:
+  struct Impl;
+  const std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace asap

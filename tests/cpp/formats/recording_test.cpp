@@ -1,0 +1,132 @@
+#include "asap/formats/recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "asap/formats/encoder.hpp"
+#include "formats/decoding.hpp"
+#include "support/errors.hpp"
+
+namespace asap::recording_test {
+namespace {
+
+using decoding::Bytes;
+using decoding::Events;
+
+// A file that goes with the test.
+struct File {
+  explicit File(const std::string& name, const Bytes& bytes)
+      : path(std::filesystem::path(testing::TempDir()) / ("asap_recording_" + name)) {
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+  }
+  ~File() { std::filesystem::remove(path); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  const std::filesystem::path path;
+};
+
+Events some_events() {
+  Events events;
+  for (std::int64_t i = 0; i < 3000; ++i) {
+    const auto place = static_cast<std::uint16_t>(i % 200);
+    events.push_back({.x = place, .y = place, .p = static_cast<std::int16_t>(i % 2), .t = 40 * i});
+  }
+  return events;
+}
+
+Bytes encoded(Encoding encoding) {
+  Encoder encoder({.encoding = encoding, .width = 346, .height = 260});
+  Bytes bytes;
+  decoding::append(bytes, encoder.header());
+  const Events events = some_events();
+  Bytes body(events.size() * Encoder::kMaxPerEvent);
+  const Progress progress = encoder.encode(events, body);
+  EXPECT_EQ(progress.events, events.size());
+  bytes.insert(bytes.end(), body.begin(),
+               body.begin() + static_cast<std::ptrdiff_t>(progress.bytes));
+  return bytes;
+}
+
+Events read_all(RecordingSource& recording) {
+  Events events;
+  for (EventSpan chunk = recording.next(); !chunk.empty(); chunk = recording.next()) {
+    events.insert(events.end(), chunk.begin(), chunk.end());
+  }
+  return events;
+}
+
+TEST(RecordingSource, PicksTheDecoderByTheFile) {
+  const RecordingConfig in_pieces{.text = {.time_exponent = 0}, .chunk_bytes = 1001};
+  const auto names = {"evt2.raw", "evt3.raw", "events.dat", "events.es", "events.csv"};
+  auto encoding = Encoding::evt2;
+  for (const char* const name : names) {
+    SCOPED_TRACE(name);
+    const File file(name, encoded(encoding));
+    RecordingSource recording(file.path, in_pieces);
+    EXPECT_EQ(read_all(recording), some_events());
+    EXPECT_EQ(recording.bad_records(), 0u);
+    EXPECT_FALSE(recording.is_cut());
+    if (encoding != Encoding::csv) {
+      EXPECT_EQ(recording.width(), 346);
+      EXPECT_EQ(recording.height(), 260);
+    }
+    encoding = static_cast<Encoding>(static_cast<int>(encoding) + 1);
+  }
+}
+
+TEST(RecordingSource, ReadsAedat) {
+  Bytes dvs128;
+  decoding::append(dvs128, "#!AER-DAT2.0\r\n# AEChip: eu.seebetter.DVS128\r\n");
+  decoding::append_big(dvs128, 5 << 8 | 3 << 1, 4);
+  decoding::append_big(dvs128, 77, 4);
+  const File second("dvs128.aedat", dvs128);
+  RecordingSource from_jaer(second.path);
+  EXPECT_EQ(read_all(from_jaer).at(0).t, 77);
+
+  Bytes packet;
+  decoding::append(packet, "#!AER-DAT3.1\r\n#Format: RAW\r\n#!END-HEADER\r\n");
+  for (const std::uint64_t field : {1u << 16 | 1u, 8u, 4u, 0u, 1u, 1u, 1u}) {
+    decoding::append_little(packet, field, 4);
+  }
+  decoding::append_little(packet, std::uint64_t{88} << 32 | 7, 8);
+  const File third("davis.aedat", packet);
+  RecordingSource from_caer(third.path);
+  EXPECT_EQ(read_all(from_caer).at(0).t, 88);
+}
+
+TEST(RecordingSource, SaysThatTheFileIsCut) {
+  Bytes bytes = encoded(Encoding::evt3);
+  bytes.pop_back();
+  const File file("cut.raw", bytes);
+  RecordingSource recording(file.path);
+  const Events events = read_all(recording);
+  EXPECT_TRUE(std::equal(events.begin(), events.end(), some_events().begin()));
+  EXPECT_TRUE(recording.is_cut());
+}
+
+TEST(RecordingSource, EndsWhenItIsCancelled) {
+  const File file("cancelled.raw", encoded(Encoding::evt3));
+  RecordingSource recording(file.path, {.chunk_bytes = 100});
+  EXPECT_FALSE(recording.next().empty());
+  recording.cancel();
+  EXPECT_TRUE(recording.next().empty());
+}
+
+TEST(RecordingSource, RefusesWhatItCannotRead) {
+  EXPECT_THROW(RecordingSource("no/such/file.raw"), std::system_error);
+  const File file("unknown.bin", Bytes(100));
+  EXPECT_EQ(test::error_of([&] { RecordingSource{file.path}; }).rfind("path = ", 0), 0u);
+}
+
+}  // namespace
+}  // namespace asap::recording_test
