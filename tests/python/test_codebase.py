@@ -39,6 +39,7 @@ PYTHON_LAYERS = (
     {"_core", "_checks"},
     {"_stamps", "_units"},
     {"events"},
+    {"_order"},
     {"io", "synthetic"},
     {"results"},
     {"experiment"},
