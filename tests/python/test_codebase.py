@@ -40,6 +40,7 @@ PYTHON_LAYERS = (
     {"_stamps", "_units"},
     {"_foreign"},
     {"events"},
+    {"_order"},
     {"io", "synthetic"},
     {"results"},
     {"experiment"},

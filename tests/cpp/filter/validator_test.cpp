@@ -166,6 +166,28 @@ TEST(Validator, UnwrapsACounterThatWrapsTwice) {
   EXPECT_EQ(validator.clock_resets(), 2u);
 }
 
+TEST(Validator, OneThatDoubtsResetsWaitsUntilStampsStay) {
+  Validator validator;
+  validator.doubt_resets();
+  const std::int64_t start = 10 * kSecond_us;
+  EXPECT_EQ(times(check(validator, at_times({start, 5, 6, start + 1, 7}))),
+            (Times{start, start + 1}));
+  EXPECT_EQ(validator.clock_resets(), 0u);
+  EXPECT_EQ(validator.rejected().nonmonotonic, 3u);
+  // Event by event: the last of kStays in a row, the first of which came above.
+  for (std::int64_t i = 1; i < std::int64_t{Validator::kStays} - 1; ++i) {
+    EXPECT_TRUE(check(validator, at_times({7 + i})).empty());
+  }
+  EXPECT_EQ(times(check(validator, at_times({100}))), (Times{start + 2}));
+  EXPECT_EQ(validator.clock_resets(), 1u);
+  // In one call none is lost.
+  Times again;
+  for (std::int64_t i = 0; i < std::int64_t{Validator::kStays}; ++i)
+    again.push_back(i - kSecond_us);
+  EXPECT_EQ(check(validator, at_times(again)).size(), Validator::kStays);
+  EXPECT_EQ(validator.clock_resets(), 2u);
+}
+
 TEST(Validator, BackStepsAreMeasuredInsideTheNewEpoch) {
   Validator validator;
   const Events good = check(validator, at_times({5 * kSecond_us, 0, 100, 50, 100 - kSecond_us}));
