@@ -24,7 +24,7 @@ def blocks_of(text: str) -> list[tuple[str, str]]:
 BLOCKS = blocks_of(TEXT)
 PAGES = {"README.md": BLOCKS} | {
     name: blocks_of((NOTEBOOKS / name).read_text())
-    for name in ("own_algorithm.md", "live.md", "command_line.md", "cpp.md")
+    for name in ("own_algorithm.md", "live.md", "questions.md", "command_line.md", "cpp.md")
 }
 
 
