@@ -327,7 +327,7 @@ def _good_in_time(run: Run) -> float:
 
 
 def _late_share(run: Run) -> float:
-    """Share of the time in which the producer was late by more than half the bound."""
+    """Share of the time in which the producer was late by over half the bound, 1 ms a push."""
     wall_us = run.source["duration_s"] * 1e6 / run.speed
     if run.lateness is None or wall_us <= 0:
         return 0.0
@@ -336,7 +336,6 @@ def _late_share(run: Run) -> float:
         q = (low + high) / 2
         is_late = run.lateness.quantile(q) > run.latency_bound_us / 2
         low, high = (low, q) if is_late else (q, high)
-    # A push that is late holds 1 ms of stamps.
     return min((1 - high) * run.lateness.count * 1_000 / float(wall_us), 1.0)
 
 
