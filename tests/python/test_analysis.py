@@ -244,13 +244,16 @@ def test_windows_say_where_the_events_of_their_time_went():
         stale=[0, 0, 700],
         overflow=[0, 10, 0],
     )
-    found = numbers.windows(replace(steady(1e6), packages=rows), 10_000)
-    assert found.edges_s == pytest.approx(np.arange(11) / 100)
-    assert found.delivered.tolist() == [100, 90, 0, 0, 0, 0, 0, 0, 0, 50]
-    assert found.filtered.tolist() == [0, 20, *[0] * 8]
-    assert found.discarded.tolist() == [0, 90, *[0] * 8]
-    assert found.overflow.tolist() == [10, *[0] * 9]  # between the packages
-    assert found.stale.tolist() == [0, 0, *[100] * 7, 0]
+    run = steady(1e6)
+    ledger = replace(run.ledger, stale=730, overflow=10)
+    run = replace(run, packages=rows, ledger=ledger, source=run.source | {"duration_s": 0.13})
+    found = numbers.windows(run, 10_000)
+    assert found.edges_s == pytest.approx(np.arange(14) / 100)
+    assert found.delivered.tolist() == [100, 90, 0, 0, 0, 0, 0, 0, 0, 50, 0, 0, 0]
+    assert found.filtered.tolist() == [0, 20, *[0] * 11]
+    assert found.discarded.tolist() == [0, 90, *[0] * 11]
+    assert found.overflow.tolist() == [10, *[0] * 12]  # between the packages
+    assert found.stale.tolist() == [0, 0, *[100] * 7, 0, 10, 10, 10]  # and after the last
     total = found.delivered + found.filtered + found.discarded + found.overflow + found.stale
     assert found.received.tolist() == total.tolist()
     assert found.rate_hz(found.received, 2.0)[1] == pytest.approx(200 / 0.01 * 2)

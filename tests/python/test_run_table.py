@@ -120,6 +120,16 @@ def test_a_machine_that_cannot_keep_pace_is_neither_the_cameras_nor_the_schemes_
     assert "Bottleneck: this machine." not in text_of.run_verdict(quiet)
 
 
+@pytest.mark.parametrize(
+    ("cost", "words"),
+    [((100, 300), "at least 250 us .* from 10 ms on"), ((0.05, 3), "at least 10 us .* from 10 us")],
+)
+def test_the_bounds_that_a_cost_allows_are_told(cost, words):
+    scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+    run = asap.simulate(scene, cost=asap.LinearCost(*cost))
+    assert re.search(f"bounds +{words}", str(run))
+
+
 def test_a_bound_that_cannot_be_kept_is_told_with_what_would_be_needed():
     run = RUNS["fixed cost"]
     p99, most = (f"{us / 150:.3g}" for us in (run.latency.quantile(0.99), run.latency.max))

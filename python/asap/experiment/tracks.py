@@ -67,9 +67,7 @@ class Tracks:
         now_us = int(events["t"][-1]) if len(events) else self._next_us - 1
         if now_us < self._next_us:
             return
-        self._next_us = (
-            (now_us // self._every_us + 1) * self._every_us if self._every_us else now_us
-        )
+        self._next_us = (now_us // self._every_us + 1) * self._every_us
         self._rows.append(_rows_of(self.algorithm.clusters, now_us))
         self._seen.append(events[-_SEEN:].copy())
         if len(self._seen) > _MOST_SEEN:

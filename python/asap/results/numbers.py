@@ -326,11 +326,8 @@ def _good_in_time(run: Run) -> float:
     return run.in_time * ledger.received / good if good else 1.0
 
 
-_PUSH_US = 1_000  # of stamps, at most, in one push of a replay that is late
-
-
 def _late_share(run: Run) -> float:
-    """Share of the time in which the producer was late by more than half the bound."""
+    """Share of the time in which the producer was late by over half the bound, 1 ms a push."""
     wall_us = run.source["duration_s"] * 1e6 / run.speed
     if run.lateness is None or wall_us <= 0:
         return 0.0
@@ -339,7 +336,7 @@ def _late_share(run: Run) -> float:
         q = (low + high) / 2
         is_late = run.lateness.quantile(q) > run.latency_bound_us / 2
         low, high = (low, q) if is_late else (q, high)
-    return min((1 - high) * run.lateness.count * _PUSH_US / float(wall_us), 1.0)
+    return min((1 - high) * run.lateness.count * 1_000 / float(wall_us), 1.0)
 
 
 def _most_in(rates_hz: Floats, share: float) -> float:
@@ -386,10 +383,13 @@ def windows(run: Run, window_us: float | None = None) -> Windows:
     # From its first event to just after its last.
     at_us = np.column_stack((rows["t_first"], rows["t_last"] + 1)).ravel() - rows["t_first"][0]
     within = np.asarray(np.maximum.accumulate(at_us), np.float64)
-    before = np.append(0.0, within[:-1])
-    duration_us = float(within[-1])
+    duration_us = max(float(within[-1]), run.source["duration_s"] * 1e6)
+    before = np.concatenate(([0.0], within, [duration_us]))  # and after the last
+    stale, overflow = (
+        np.append(rows[name], run.ledger[name] - rows[name].sum()) for name in ("stale", "overflow")
+    )
     if window_us is None:
-        events = int((rows["offered"] + rows["stale"] + rows["overflow"]).sum())
+        events = int(rows["offered"].sum() + stale.sum() + overflow.sum())
         window_us = _round_up(max(duration_us / 400, 100 * duration_us / events))
     count = min(max(round(duration_us / window_us), 1), 1_000_000)
     edges_us = np.append(np.arange(count) * window_us, duration_us)  # the last takes the rest
@@ -398,8 +398,8 @@ def windows(run: Run, window_us: float | None = None) -> Windows:
         _spread(within, rows["size"], edges_us),
         _spread(within, rows["offered"] - thinned, edges_us),
         _spread(within, thinned - rows["size"], edges_us),
-        _spread(before, rows["stale"], edges_us),
-        _spread(before, rows["overflow"], edges_us),
+        _spread(before, stale, edges_us),
+        _spread(before, overflow, edges_us),
     )
     return Windows(edges_us / 1e6, np.sum(went, axis=0), *went)
 

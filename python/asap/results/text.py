@@ -22,7 +22,6 @@ from asap.results.data import Comparison, Finding, Inspection, Row, Run
 from asap.results.numbers import Diagnosis, diagnose
 
 _WIDTH = 78
-_ALMOST = 100  # fixed costs, in which a scheme loses next to nothing to them
 _LONG_GAP = 0.5  # times the bound
 
 LEDGER_WORDS = {
@@ -76,7 +75,8 @@ def run_figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
     ]
     cost = summary["estimated_cost"] and Cost(**summary["estimated_cost"])
     if cost and cost.one_size is None and cost.alpha_us > 0:
-        least, most = (_units.duration(us) for us in (cost.least_bound_us, _ALMOST * cost.alpha_us))
+        both_us = cost.least_bound_us, 100 * cost.alpha_us  # 10 us: the shortest bound there is
+        least, most = (_units.duration(max(us, 10)) for us in both_us)
         rows.append(("bounds", f"at least {least} at this cost; from {most} on nearly all in time"))
     if pacing := summary["pacing_us"]:
         late = ", ".join(f"{q} {_units.duration(pacing[q])}" for q in ("p50", "p99", "max"))
