@@ -203,6 +203,22 @@ TEST(PlaneFlow, SimultaneousEventsHaveNone) {
   EXPECT_EQ(flow.process(edge(0, 0)), 0U);
 }
 
+TEST(PlaneFlow, EventsOnALineHaveNone) {
+  for (const auto refit : kRules) {
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}}) {
+      Events events;
+      for (int i = 0; i < 20; ++i) {
+        events.push_back({.x = static_cast<std::uint16_t>(10 + i * dx),
+                          .y = static_cast<std::uint16_t>(5 + i * dy),
+                          .p = 1,
+                          .t = 1000 * i});
+      }
+      PlaneFlow flow({.width = 40, .height = 30, .min_points = 4, .refit = refit});
+      EXPECT_EQ(flow.process(events), 0U) << dx << dy;
+    }
+  }
+}
+
 TEST(PlaneFlow, ResetIsANewFlow) {
   const Events events = asap::test::golden_corner_stream(20'000);
   PlaneFlow flow({.width = 346, .height = 260});

@@ -155,6 +155,28 @@ TEST(AnytimePlan, WhatTheFixedCostTakesIsNotTheEvents) {
   EXPECT_DOUBLE_EQ(second(1e9), planned(100'000));
 }
 
+TEST(AnytimePlan, AFixedCostThatHasPassedBeforeIsNotLookedForAgain) {
+  const auto second = [](std::int64_t first_ns) {
+    AnytimePlan plan(with_fixed_cost(400'000, within(2 * kMillisecond, 6400, 1000.0)), 0, 0);
+    (void)plan.next(first_ns, 0);
+    return plan.next(first_ns + 300'000, 100).keep;
+  };
+  EXPECT_DOUBLE_EQ(second(210'000), 1.49e6 / 15 / (500'000.0 / 300) / 400);
+  EXPECT_DOUBLE_EQ(second(190'000), 1.51e6 / 15 / (300'000.0 / 300) / 400) << "most is to come";
+}
+
+TEST(AnytimePlan, OfTheFirstPartTheEventsTookNoMoreThanAll) {
+  AnytimePlan plan(with_fixed_cost(450'000, within(2 * kMillisecond, 6400, 1000.0)), 0, 0);
+  (void)plan.next(0, 0);
+  EXPECT_DOUBLE_EQ(plan.next(60'000, 100).keep, 1.94e6 / 15 / (260'000.0 / 300) / 400);
+}
+
+TEST(AnytimePlan, OfASmallPlanTheExpectationWeighsAsOneEvent) {
+  AnytimePlan plan(within(10'000, 128, 300.0, 0.1), 0, kMillisecond);
+  (void)plan.next(0, 0);
+  EXPECT_DOUBLE_EQ(plan.next(3000, 2).keep, 7000 / ((300.0 + 3000) / 3) / 64);
+}
+
 // Strata of a package of so many events that need work_ns in all, or may need it.
 std::size_t strata(std::size_t raw, std::int64_t budget_ns, double work_ns, bool may = false) {
   Decision decision = within(budget_ns, raw, may ? 1.0 : work_ns / static_cast<double>(raw));
@@ -200,6 +222,47 @@ TEST(AnytimePlan, WhereItMightTakeTooLongTheFirstStratumBeginsWithAFew) {
   EXPECT_EQ(execute(decision, 100.0).strata[0].end, 10u);
   decision.event_ns = 10'000;  // no doubt
   EXPECT_EQ(execute(decision, 100.0).strata[0].end, 100u);
+}
+
+TEST(AnytimePlan, AnExpectationThatIsDoubtedWeighsLess) {
+  Decision decision = within(kMillisecond, 6400, 100.0);
+  const auto second = [&](double max_ns) {
+    decision.max_event_ns = max_ns;
+    AnytimePlan plan(decision, 0, 0);
+    std::int64_t now_ns = 0;
+    AnytimePlan::Stratum stratum = plan.next(0, 0);
+    now_ns += 1000 * static_cast<std::int64_t>(stratum.end);
+    return plan.next(now_ns, stratum.end).keep * 400;  // in strata of 400
+  };
+  const double time_ns = 1e6 - 400e3;
+  EXPECT_DOUBLE_EQ(second(0), time_ns / 15 / ((200 * 100.0 + 400e3) / 600));
+  EXPECT_DOUBLE_EQ(second(125), time_ns / 15 / ((160 * 100.0 + 400e3) / 560));
+}
+
+TEST(AnytimePlan, SaysWhichStratumIsTheLast) {
+  for (const std::size_t raw : {1u, 127u, 128u, 6400u}) {
+    AnytimePlan plan(within(kMillisecond, raw, 1.0), 0, kMillisecond);
+    for (std::size_t end = 0; end < raw;) {
+      const AnytimePlan::Stratum stratum = plan.next(0, 0);
+      end = stratum.end;
+      EXPECT_EQ(stratum.is_last, end == raw);
+      EXPECT_LE(stratum.end - stratum.begin, AnytimePlan::longest_stratum(raw));
+    }
+  }
+}
+
+TEST(AnytimePlan, TellsWhatItWasUntilTheEndOfTheFirstStratum) {
+  AnytimePlan plan(within(kMillisecond, 6400, 100.0), 7, 0);
+  (void)plan.next(1007, 0);  // a fixed cost, paid before
+  EXPECT_EQ(plan.first().size, 0u);
+  (void)plan.next(50'007, 300);
+  (void)plan.next(90'007, 200);
+  EXPECT_EQ(plan.first().size, 300u);
+  EXPECT_EQ(plan.first().time_ns, 50'000);
+  AnytimePlan one(within(kMillisecond, 60, 100.0), 0, 0);
+  (void)one.next(0, 0);
+  (void)one.next(6000, 60);
+  EXPECT_EQ(one.first().size, 0u) << "there are not two sizes";
 }
 
 TEST(AnytimePlan, ALatePackageGoesOnAtItsFloor) {

@@ -363,5 +363,24 @@ TEST(Anytime, LosesNothingAndDoublesNothing) {
   }
 }
 
+TEST(Anytime, WithoutFlushTheBoundForcesNothing) {
+  std::vector<bool> due;
+  ScriptedScheme scheme([&](const Backlog& backlog) {
+    due.push_back(backlog.due);
+    return Decision::wait_for(1000);
+  });
+  Rig rig(scheme, 8, {.flush = false});
+  rig.push(evenly_spaced(7, 1));
+  for (const std::int64_t now_ns : {std::int64_t{0}, kBound_ns, 1000 * kBound_ns}) {
+    const Packager::Next next = rig.packager.next(now_ns);
+    EXPECT_EQ(next.step, Step::wait);
+    EXPECT_EQ(next.until_ns, kNever);
+    EXPECT_EQ(next.until_tail, 8u);
+  }
+  rig.push(evenly_spaced(1, 1, 7));
+  EXPECT_EQ(rig.open(1000 * kBound_ns).events.size(), 8u) << "a full ring still does";
+  EXPECT_EQ(due, (std::vector<bool>{false, false, false, true}));
+}
+
 }  // namespace
 }  // namespace asap::anytime_test

@@ -194,6 +194,30 @@ struct Loop {
   std::int64_t last = -1;
 };
 
+TEST(Replay, AnAnytimeAlgorithmGetsPartsAndAWholeOneDoesNot) {
+  const Events events = evenly_spaced(100'000, 1);
+  for (const Execution execution : {Execution::whole, Execution::anytime}) {
+    test::ScriptedScheme scheme(all_within(1'000'000));
+    Replay replay(scheme, {}, {.execution = execution});
+    SpanSource source(events);
+    Loop loop;
+    replay.run(source, std::ref(loop));
+    const Ledger ledger = replay.ledger();
+    EXPECT_EQ(scheme.execution, execution);
+    EXPECT_EQ(loop.packages, replay.telemetry().log.size());
+    EXPECT_EQ(loop.delivered, ledger.delivered);
+    EXPECT_TRUE(ledger.balanced());
+    EXPECT_EQ(ledger.pending, 0u);
+    if (execution == Execution::whole) {
+      EXPECT_EQ(loop.parts, loop.packages);
+      EXPECT_EQ(ledger.delivered, 100'000u) << "nothing thins a whole package but its keep";
+    } else {
+      EXPECT_GT(loop.parts, loop.packages);
+      EXPECT_GT(ledger.discarded, 10'000u) << "twice as much as the algorithm can do";
+    }
+  }
+}
+
 // A callable that costs 50 us per call would cost 800 us per package in sixteen parts.
 TEST(Replay, ACallableGetsAPackageInOneCallUnlessItAsksForParts) {
   const Events events = evenly_spaced(100'000, 1);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <utility>
@@ -164,6 +165,15 @@ TEST(SimulatorAnytime, CountsByAgeSlotsAreRightToASlot) {
         const std::size_t about = backlog.counts.about_before(time_ns);
         EXPECT_LE(std::max(about, exact) - std::min(about, exact),
                   counts(slot_ns + width_ns) - counts(slot_ns));
+      }
+      EXPECT_EQ(backlog.counts.about_before(backlog.now_ns + 1), backlog.count);
+      EXPECT_EQ(backlog.counts.about_before(backlog.now_ns - 1000 * kBound_ns), 0u);
+      std::array<std::size_t, 40> older;
+      const std::int64_t step_ns = kBound_ns / 37;
+      backlog.counts.about_before_each(backlog.now_ns, step_ns, older);
+      for (std::size_t i = 0; i < older.size(); ++i) {
+        const std::int64_t time_ns = backlog.now_ns - static_cast<std::int64_t>(i) * step_ns;
+        EXPECT_EQ(older[i], backlog.counts.about_before(time_ns)) << i;
       }
       return Decision::take(1 + random(asked++) % backlog.count);
     });
@@ -336,6 +346,15 @@ TEST(SimulatorAnytime, AdmissionAgreesWithTheNaiveSimulator) {
 
 ScriptedScheme::Rule greedy() {
   return [](const Backlog& backlog) { return Decision::take(backlog.count); };
+}
+
+TEST(SimulatorAnytime, ALongSilenceIsNotAskedForAtEveryPeriod) {
+  Admitting scheme(greedy(), [](const Arrivals&) { return 1.0; }, kMillisecond);
+  Simulator simulator(scheme, LinearCost({.alpha_us = 1, .beta_ns = 1}), {}, {}, &scheme);
+  simulator.feed(test::at_times({0, 1'000'000'000}));
+  simulator.finish();
+  EXPECT_EQ(simulator.ledger().delivered, 2u);
+  EXPECT_LE(scheme.told.size(), 100'010u) << "of a million";
 }
 
 struct Trouble {};

@@ -437,6 +437,18 @@ TEST(CostModel, WrongFirstGuessesAreGoneAfterSixUpdates) {
   }
 }
 
+TEST(CostModel, WrongFirstGuessesAreGoneAfterSixUpdatesOfOneSize) {
+  for (const double error : {1e-4, 0.01, 100.0, 1e4}) {
+    for (const std::size_t size : {1u, 100u, 10'000u, 100'000'000u}) {
+      CostModel model({.first_alpha_us = 100 * error, .first_beta_ns = 300 * error});
+      const double n = static_cast<double>(size);
+      for (int k = 0; k < 7; ++k) model.update(package(size, kAlphaNs + kBetaNs * n));
+      EXPECT_NEAR(model.predict_ns(n) / (kAlphaNs + kBetaNs * n), 1.0, 1e-6)
+          << error << " at " << size;
+    }
+  }
+}
+
 TEST(CostModel, NeverNegativeNorNaNWhateverIsFed) {
   const std::vector<double> times = {0, -1, -9e18, 9e18, 1e18, 1, 1e5, 1e5, 1e9};
   const std::vector<std::size_t> sizes = {
@@ -455,6 +467,17 @@ TEST(CostModel, NeverNegativeNorNaNWhateverIsFed) {
       ASSERT_TRUE(std::isfinite(model.predict_ns(1e18)));
     }
   }
+}
+
+TEST(CostModel, WhatIsNoTimeIsNoUpdate) {
+  CostModel model;
+  model.update(package(100, -1));
+  model.update(package(0, 1e5));
+  EXPECT_EQ(model.count(), 0u);
+  EXPECT_DOUBLE_EQ(model.predict_ns(1000), 150e3);
+  model.update(package(100, 0));  // an algorithm that returns at once is one
+  EXPECT_EQ(model.count(), 1u);
+  EXPECT_LT(model.predict_ns(100), 1000);
 }
 
 TEST(CostModel, ResetBringsTheFirstStateBack) {
