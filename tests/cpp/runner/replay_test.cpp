@@ -266,6 +266,45 @@ TEST(Replay, CountsWhatItRejects) {
   EXPECT_EQ(replay.rejected(), (Rejections{.nonmonotonic = 1, .out_of_bounds = 1}));
 }
 
+// Its second chunk comes once the algorithm has had the first.
+class StepSource final : public EventSource {
+ public:
+  EventSpan next() override {
+    if (chunk_ == 2) return {};
+    if (chunk_ == 1) {
+      std::unique_lock lock(mutex_);
+      was_seen_in_time = changed_.wait_for(lock, 60s, [this] { return seen_; });
+    }
+    return {&events_[chunk_++], 1};
+  }
+
+  void see() {
+    {
+      const std::lock_guard lock(mutex_);
+      seen_ = true;
+    }
+    changed_.notify_all();
+  }
+
+  bool was_seen_in_time = false;
+
+ private:
+  const Events events_ = evenly_spaced(2, 10);
+  std::size_t chunk_ = 0;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool seen_ = false;
+};
+
+TEST(Replay, DeliversWhatHasComeWhileTheSourceIsSilent) {
+  Greedy scheme;
+  Replay replay(scheme, {}, {});
+  StepSource source;
+  replay.run(source, [&](const Package&) { source.see(); });
+  EXPECT_TRUE(source.was_seen_in_time);
+  EXPECT_EQ(replay.ledger().delivered, 2u);
+}
+
 TEST(Replay, AnExceptionOfTheAlgorithmComesOutUnchanged) {
   const Events events = evenly_spaced(50'000, 20);  // a second
   FixedSize scheme({.size = 10});
