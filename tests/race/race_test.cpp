@@ -294,7 +294,7 @@ TEST(Race, AnOlderFlushTakesNothingFromANewerOne) {
   while (round < rounds) {
     ++round;
     pipeline.push(test::at_times({2'000'000}));
-    pipeline.push(test::at_times({0}));
+    pipeline.push(test::at_times(std::vector<std::int64_t>(Validator::kStays, 0)));
     const auto next = pipeline.next(package, kLost);
     if (next != Pipeline::Next::package) round = rounds;
     ASSERT_EQ(next, Pipeline::Next::package) << "what came before the new time is due";

@@ -205,7 +205,7 @@ void LiveLife::push() {
   bool refused = false;
   for (std::size_t i = 0; i < packet_.events.size() && !refused; ++i) {
     Event event = packet_.events[i];
-    refused = !door_->passes(event);
+    refused = !door_->passes_live(event, EventSpan(packet_.events).subspan(i + 1));
     if (!refused) {
       good_.push_back(event);
       numbers_.push_back(packet_.numbers[i]);
