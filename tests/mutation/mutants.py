@@ -132,10 +132,7 @@ MUTANTS: list[Mutant] = [
         SOURCE + "runner/pipeline.cpp",
         "runner",
         forgotten_leave=("  live->intake.leave();\n", ""),
-        swallowed_exception=(
-            "    live->finished.store(true, std::memory_order_release);\n    throw;",
-            "    live->finished.store(true, std::memory_order_release);",
-        ),
+        swallowed_exception=("    throw;\n  }\n  finish();", "  }\n  finish();"),
         swallowed_exception_of_the_worker=("        error = std::current_exception();\n", ""),
         stop_always_drains=("  if (!drain) live->loop.abandon();\n", ""),
         later_runs_have_the_old_bound=("  impl_->latency_bound_ns = bound_ns;\n", ""),

@@ -13,7 +13,6 @@ from house import ROOT
 
 PAGE = (ROOT / "notebooks" / "board.md").read_text()
 RECIPES = dict(re.findall(r"```cpp\n// (\w+\.cpp):.*?\n(.*?)```", PAGE, re.DOTALL))
-(CONSUMER,) = re.findall(r"```cpp\n(const auto pipeline.*?)```", PAGE, re.DOTALL)
 COMPILER = shutil.which("c++") or shutil.which("g++")
 
 

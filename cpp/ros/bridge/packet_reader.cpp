@@ -87,7 +87,7 @@ void PacketReader::decode_with(Known& decoder, const Packet& packet, const Sink&
   const std::uint64_t bad = decoder.bad_records(), unplaced = decoder.before_start();
   if constexpr (requires { decoder.begin(packet.time_base); }) decoder.begin(packet.time_base);
   for (auto rest = packet.bytes; !rest.empty();) {
-    const Progress done = decoder.decode(rest, block_);
+    const Progress done = decoder.decode(rest, std::span(block_));
     rest = rest.subspan(done.bytes);
     if (done.events > 0) sink(EventSpan(block_).first(done.events));
   }
