@@ -198,7 +198,7 @@ class RunConfig(metaclass=_pybind11_type):
         before: Any = None,
         when_full: str = "thin",
         keep_mask: bool = False,
-        every_row: bool = False,
+        long_log: bool = False,
     ) -> None: ...
     def latency_bound_us(self, scheme: Scheme) -> float: ...
     @property

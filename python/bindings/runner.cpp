@@ -212,6 +212,9 @@ ValueError
       });
 }
 
+// Rows of 96 bytes; a page of them is only taken when it is written.
+constexpr std::size_t kLongLog = std::size_t{1} << 20;
+
 }  // namespace
 
 void bind_runner(py::module_& m) {
@@ -232,7 +235,7 @@ void bind_runner(py::module_& m) {
       .def(py::init([](const py::object& latency_ms, const py::object& capacity,
                        const py::object& seed, const Validator& validator, bool anytime, bool flush,
                        const py::object& before, const std::string& when_full, bool keep_mask,
-                       bool every_row) {
+                       bool long_log) {
              return RunConfig{.latency = value_of<std::optional<std::chrono::nanoseconds>>(
                                   "latency_ms", latency_ms),
                               .capacity = whole_number("capacity", capacity),
@@ -243,12 +246,12 @@ void bind_runner(py::module_& m) {
                               .front_filter = front_filter_of(before),
                               .when_full = when_full_from(when_full),
                               .keep_mask = keep_mask,
-                              .log_rows = every_row ? RunLog::kAllRows : RunConfig{}.log_rows};
+                              .log_rows = long_log ? kLongLog : RunConfig{}.log_rows};
            }),
            py::kw_only(), py::arg("latency_ms"), py::arg("capacity"), py::arg("seed"),
            py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true,
            py::arg("before") = py::none(), py::arg("when_full") = "thin",
-           py::arg("keep_mask") = false, py::arg("every_row") = false)
+           py::arg("keep_mask") = false, py::arg("long_log") = false)
       .def(
           "latency_bound_us",
           [](const RunConfig& config, const Held<Scheme>& scheme) {

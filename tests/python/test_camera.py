@@ -257,7 +257,7 @@ def test_a_run_that_is_cut_short_is_kept(attach: Callable[..., Driver]) -> None:
     assert run.ledger.delivered == PACKET
 
 
-def test_the_log_of_a_run_is_whole(attach: Callable[..., Driver]) -> None:
+def test_the_log_of_a_run_is_long(attach: Callable[..., Driver]) -> None:
     attach(*["events"] * 20)
     with asap.open_camera() as camera:
         one = asap.FixedSize(size=1)

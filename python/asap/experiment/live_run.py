@@ -1,4 +1,4 @@
-"""Run a camera: a pipeline that keeps its whole log, and the Run made of it."""
+"""Run a camera: a pipeline with a log of 2^20 packages, and the Run made of it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from asap.results import Ledger, Run
 class LivePipeline(Pipeline):
     """A pipeline for one run of a camera, of `duration_s` at most."""
 
-    _every_row = True
+    _long_log = True
 
     def __init__(self, algorithm: Any, camera: Any, duration_s: float | None, **options: Any):
         if duration_s is not None:

@@ -78,8 +78,8 @@ class Pipeline:
             pipeline.run()
     """
 
-    # `asap.run` of a camera keeps the whole log, and may limit the time.
-    _every_row = False
+    # `asap.run` of a camera keeps a long log, and may limit the time.
+    _long_log = False
     _duration_s: float | None = None
 
     def __init__(
@@ -125,7 +125,7 @@ class Pipeline:
             when_full=when_full,
             reorder_tolerance_us=reorder_tolerance_us,
             warmup_discard_us=warmup_discard_us,
-            every_row=self._every_row,
+            long_log=self._long_log,
         )
         self._native = _core.LivePipeline(self.scheme, config)
         self._in_work = False  # a package, also of a loop that was left

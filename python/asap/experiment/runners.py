@@ -290,7 +290,7 @@ def make_config(
     when_full: str = "thin",
     reorder_tolerance_us: int = 0,
     warmup_discard_us: int = 0,
-    every_row: bool = False,
+    long_log: bool = False,
 ) -> _core.RunConfig:
     """Check what the runners have in common, and put it together for the native ones."""
     slots = _whole("capacity", capacity)
@@ -315,7 +315,7 @@ def make_config(
         before=before,
         when_full=when_full,
         keep_mask=keep_mask,
-        every_row=every_row,
+        long_log=long_log,
     )
 
 
