@@ -4,7 +4,8 @@
 #pragma once
 
 #if __cplusplus < 201709L  // as gcc 10 calls C++20
-#error "asap needs C++20: compile with -std=c++20, or link the CMake target asap::core, which asks for it"
+#error \
+    "asap needs C++20: compile with -std=c++20, or link the CMake target asap::core, which asks for it"
 #endif
 
 #include <cstddef>
