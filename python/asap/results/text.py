@@ -258,11 +258,13 @@ def _impossible(run: Run, cost: Cost) -> str:
 
 def _losses(run: Run) -> str:
     ledger = run.ledger
-    causes = ("rejected", "filtered", "discarded", "stale", "overflow", "pending")
+    causes = ("rejected", "discarded", "stale", "overflow", "pending")  # a filter is a choice
     shares = {cause: ledger[cause] / ledger["received"] for cause in causes}
     shares["delivered late"] = run.kept - run.in_time
     lost = [f"{_units.share(share)} {cause}" for cause, share in shares.items() if share > 0]
     words = f"Lost: {', '.join(lost)}." if lost else "No event was lost."
+    if ledger["filtered"] > 0:
+        words += f" The filter took out {_units.share(ledger['filtered'] / ledger['received'])}."
     gap_us = run.gap_us or 0
     if ledger["delivered"] == 0 or gap_us <= _LONG_GAP * run.latency_bound_us:
         return words
