@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import multiprocessing
 import os
 import signal
@@ -76,6 +77,14 @@ def exits(number: int) -> int:
 
 async def awaited(number: int) -> int:
     return number
+
+
+@pytest.fixture(autouse=True)
+def plain_pickles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pickle exceptions as Python does, where another test has imported dask, which changes it."""
+    for kind in list(copyreg.dispatch_table):
+        if isinstance(kind, type) and issubclass(kind, BaseException):
+            monkeypatch.delitem(copyreg.dispatch_table, kind)
 
 
 @pytest.fixture
