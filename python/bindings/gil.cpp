@@ -42,7 +42,7 @@ void come_back(Take take) {
   --border.coming_back;
 }
 
-void wait_until_nobody(const std::atomic<int>& is, std::chrono::steady_clock::time_point deadline) {
+void wait_until_none(const std::atomic<int>& is, std::chrono::steady_clock::time_point deadline) {
   while (is > 0 && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(kLook);
 }
 
@@ -51,9 +51,9 @@ void leave() {
   const py::gil_scoped_release release;
   const auto deadline = std::chrono::steady_clock::now() + kMaxPatience;
   for (const auto& stop : stops()) stop();
-  wait_until_nobody(border.away, deadline);
+  wait_until_none(border.away, deadline);
   border.gone = true;
-  wait_until_nobody(border.coming_back, deadline + kMaxPatience / 10);
+  wait_until_none(border.coming_back, deadline + kMaxPatience / 10);
 }
 
 // Only this thread lives on in the child.

@@ -3,7 +3,7 @@
 //
 // A thread that asks for the GIL of an interpreter that is ending is ended by it (before 3.14), by
 // an unwinding that no destructor lets through: std::terminate. So a hook of atexit ends what waits
-// (on_exit), waits for a while until nobody is away, and who comes back even later sleeps for ever.
+// (on_exit), waits for a while until no thread is away; one that comes back later sleeps for ever.
 #pragma once
 
 #include <pybind11/pybind11.h>

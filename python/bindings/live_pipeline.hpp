@@ -72,7 +72,7 @@ class LivePipeline {
   const std::uint64_t forks_;
   const bool push_may_wait_;
   std::uint64_t came_at_exit_ = 0;  // events
-  bool deserted_ = false;           // nobody is left who would stop it
+  bool deserted_ = false;           // no thread is left that would stop it
   PackageArrays arrays_;
   mutable int guests_ = 0;  // threads that may change the log
 };

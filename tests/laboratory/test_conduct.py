@@ -187,7 +187,7 @@ except KeyboardInterrupt:
     ("when", "code"), [("interrupt", 130), ("death", -signal.SIGKILL)], ids=lambda one: str(one)
 )
 def test_workers_do_not_outlive_the_study(tmp_path, when, code):
-    """One of them has a task without an end; nobody holds the output any more."""
+    """A process whose task never ends leaves the output alone once its parent has gone."""
     done = subprocess.run(
         [sys.executable, "-c", INTERRUPTED, tmp_path / "state.jsonl", when],
         start_new_session=True,

@@ -265,7 +265,7 @@ def test_windows_say_where_the_events_of_their_time_went():
 @given(st.integers(0, 2**32), st.sampled_from([5_000, 20_000, 2_000_000]))
 @settings(max_examples=20)
 def test_rates_of_windows_are_counts_at_any_load(seed, rate_hz):
-    """Of a package of one event alone the rate is 1 Mev/s."""
+    """A package of one event has a rate of 1 Mev/s by itself; a window has the true one."""
     t = np.sort(np.random.default_rng(seed).integers(0, 10**6, rate_hz))
     run = asap.simulate(events_at(t), cost=asap.LinearCost(50, 200), latency_ms=10)
     found = numbers.windows(run)

@@ -1,6 +1,6 @@
 """Real objects of other libraries into `as_events` and back: extra array-peers.
 
-What comes in is exact, or refused with a remedy that works. A library that is not there is skipped.
+Events come in exactly, or are refused with a remedy that works. A missing library is skipped.
 """
 
 from __future__ import annotations
@@ -313,7 +313,7 @@ OPTIONS: dict[str, tuple[Make, dict[str, Any]]] = {
     "eventcv array": (lambda _: eventcv().numpy(), {"order": "xytp"}),
 }
 
-# What is refused, with the words that help.
+# Refused objects, with the words that help.
 REFUSED: dict[str, tuple[Make, dict[str, Any], str]] = {
     "a path": (lambda _: "events.raw", {}, r"asap\.load"),
     "rows without order": (lambda _: np.stack(tx(*NAMES), 1), {}, "give order"),

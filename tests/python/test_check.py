@@ -171,7 +171,7 @@ def test_duplicates(count: int, verdict: str) -> None:
 
 
 def test_noise_is_named() -> None:
-    """Of a static scene too: a pixel is no neighbour of its own."""
+    """Static noise is found too: a pixel is no neighbour of itself."""
     noise = corrupt.clean_events(20_000)
     noise["y"] = np.random.default_rng(1).integers(0, corrupt.HEIGHT, noise.size)
     noise["t"] *= 10

@@ -1,4 +1,4 @@
-"""What is inspected, as its file or array has it: unchecked, in its own order, in blocks."""
+"""The events to inspect, as the file or the array holds them: unchecked, in order, in blocks."""
 
 from __future__ import annotations
 

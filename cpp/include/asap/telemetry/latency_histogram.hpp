@@ -85,7 +85,7 @@ class LatencyHistogram {
   // max_ns(). 0 of nothing recorded. Throws std::invalid_argument unless 0 <= q <= 1.
   double quantile_ns(double q) const;
 
-  // What was recorded since an earlier copy of this histogram. Its max_ns() is exact to a bin.
+  // Returns what was recorded since an earlier copy of this histogram, its max_ns() exact to a bin.
   LatencyHistogram since(const LatencyHistogram& earlier) const;
 
   // All that is recorded, to be kept in a file: the counts of the bins that are not empty.
