@@ -219,7 +219,7 @@ def test_what_a_pipeline_refuses_as_its_camera(attach: Callable[..., Driver]) ->
         asap.Pipeline(camera=5)
     attach()
     with asap.open_camera() as camera:
-        with pytest.raises(ValueError, match="when_full = 'block'"):
+        with pytest.raises(ValueError, match=r"when_full = 'block'.*'keep_newest'"):
             asap.Pipeline(camera=camera, when_full="block")
         with pytest.raises(ValueError, match="width = 5"):
             asap.Pipeline(camera=camera, width=5)
@@ -272,7 +272,9 @@ def test_a_silent_camera_is_named(attach: Callable[..., Driver]) -> None:
     assert run.ledger.received == 0
 
 
-@pytest.mark.parametrize("given", [{"speed": 2.0}, {"keep_mask": True}, {"duration_s": 0}])
+@pytest.mark.parametrize(
+    "given", [{"speed": 2.0}, {"keep_mask": True}, {"duration_s": 0}, {"start": 1.0}]
+)
 def test_run_refuses_what_a_camera_has_not(given: Any, attach: Callable[..., Driver]) -> None:
     attach()
     with asap.open_camera() as camera, pytest.raises(ValueError, match=next(iter(given))):

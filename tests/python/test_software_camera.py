@@ -258,6 +258,10 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert np.array_equal(asap.load(recorded), stream())
     assert main(["run", "--software-camera", str(tmp_path / "none.npz")]) == 3
     assert main([*command, "--cost", "1us+1ns"]) == 2
+    kept = (tmp_path / "few.npz").read_bytes()
+    assert main([*command, "--record", str(tmp_path / "few.npz")]) == 2
+    assert (tmp_path / "few.npz").read_bytes() == kept
+    assert main(["run", "--camera", "--from", "1s"]) == 2
 
 
 # ---- long -----------------------------------------------------------------------------------

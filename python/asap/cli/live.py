@@ -8,17 +8,23 @@ from typing import Any
 import asap
 from asap import _progress, _units
 from asap.cli.algorithms import scheme_of, workers_of
-from asap.cli.options import add_verb, latency_ms, open_recording, typed, writable
+from asap.cli.options import (
+    add_verb,
+    latency_ms,
+    open_recording,
+    refuse_to_overwrite,
+    typed,
+    writable,
+)
 from asap.cli.outcome import (
     BAD_INPUT,
     OK,
     USAGE,
     Failure,
+    hand_over,
     print_json,
     reading,
-    show,
     usage,
-    writing,
 )
 
 
@@ -62,6 +68,8 @@ def is_live(arguments: Any) -> bool:
         raise Failure(USAGE, "--cost: simulates with a recording; a camera runs in real time")
     if arguments.camera is not None and arguments.speed != 1.0:
         raise Failure(USAGE, "--speed: not with --camera, which has its own pace")
+    if arguments.camera is not None and (arguments.start, arguments.stop) != (None, None):
+        raise Failure(USAGE, "--from, --to: only of a file; --duration says how long a camera runs")
     if not live and (arguments.record or arguments.duration):
         raise Failure(USAGE, "--record, --duration: only with a camera")
     return live
@@ -77,6 +85,7 @@ def _open(arguments: Any) -> asap.Camera:
 def run_live(arguments: Any) -> int:
     """Run an algorithm on a camera; show and save the run, however it ended."""
     with usage():
+        refuse_to_overwrite(arguments, arguments.software_camera)
         scheme = scheme_of(arguments.scheme, arguments.settings)
     before, camera, tracks = asap.last_run(), None, None
     try:
@@ -101,12 +110,5 @@ def run_live(arguments: Any) -> int:
     finally:
         run = asap.last_run()
         if run is not None and run is not before:
-            if arguments.save:
-                with writing(arguments.save):
-                    run.save(arguments.save)
-            if tracks is not None:
-                with writing(arguments.tracks):
-                    tracks.save(arguments.tracks)
-            written = arguments.save, arguments.tracks, camera.recorded if camera else None
-            show(run, arguments, *written)
+            hand_over(run, arguments, tracks, camera.recorded if camera else None)
     return OK

@@ -156,6 +156,13 @@ def open_recording(arguments: Any) -> asap.Recording:
     )
 
 
+def refuse_to_overwrite(arguments: Any, source: str | Path | None) -> None:
+    """Refuse results that would take the place of the recording."""
+    for option in ("save", "tracks", "record"):
+        if file := getattr(arguments, option):
+            _checks.other_file(f"--{option}", file, source)
+
+
 def typed(parse: Callable[..., T], field: str) -> Callable[[str], T]:
     """Let argparse show what a parser, called as parse(text, field=field), says of a text."""
 

@@ -89,6 +89,15 @@ def show(result: Any, arguments: Any, *saved: Path | None) -> None:
         print_written(*saved, arguments.report)
 
 
+def hand_over(run: Any, arguments: Any, tracks: Any, *written: Path | None) -> None:
+    """Write what ``--save`` and ``--tracks`` ask for, and show the run."""
+    for path, result in ((arguments.save, run), (arguments.tracks, tracks)):
+        if path is not None and result is not None:
+            with writing(path):
+                result.save(path)
+    show(run, arguments, arguments.save, arguments.tracks, *written)
+
+
 def need_report() -> None:
     """Say that a page cannot be written before the run, not after it."""
     try:

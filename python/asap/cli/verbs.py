@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import asap
-from asap import _checks, _progress, _units, conversion
+from asap import _progress, _units, conversion
 from asap.cli.algorithms import (
     ALGORITHMS,
     FILTERS,
@@ -32,6 +32,7 @@ from asap.cli.options import (
     latency_ms,
     open_recording,
     page_file,
+    refuse_to_overwrite,
     run_file,
     typed,
     writable,
@@ -42,6 +43,7 @@ from asap.cli.outcome import (
     OK,
     USAGE,
     Failure,
+    hand_over,
     need_report,
     print_json,
     print_written,
@@ -171,9 +173,7 @@ def _run(arguments: Any) -> int:
     with reading(arguments):
         recording = open_recording(arguments)
     with usage():
-        for option in ("save", "tracks"):
-            if file := getattr(arguments, option):
-                _checks.other_file(f"--{option}", file, recording.path)
+        refuse_to_overwrite(arguments, recording.path)
         simulates = cost is not None and not arguments.tracks
         workers = workers_of(arguments, recording, default=None if simulates else "clusters")
     options: dict[str, Any] = {
@@ -191,13 +191,7 @@ def _run(arguments: Any) -> int:
         else:
             run = asap.run(recording, speed=arguments.speed, on_progress=on_progress, **options)
     tell_doubt(recording)
-    if arguments.save:
-        with writing(arguments.save):
-            run.save(arguments.save)
-    if workers.tracks is not None:
-        with writing(arguments.tracks):
-            workers.tracks.save(arguments.tracks)
-    show(run, arguments, arguments.save, arguments.tracks)
+    hand_over(run, arguments, workers.tracks)
     return OK
 
 

@@ -109,7 +109,7 @@ class Pipeline:
             remedy = "give asap.open_camera() or asap.SoftwareCamera(recording)"
             if not _checks.is_camera(camera):
                 raise TypeError(_checks.named("camera", camera, remedy))
-            remedy = "a camera cannot wait; use 'thin', 'newest' or 'oldest'"
+            remedy = "a camera cannot wait; use 'thin', 'keep_oldest' or 'keep_newest'"
             _checks.require(when_full != "block", "when_full", when_full, remedy)
         self._camera, self._is_fed = camera, False
         self._sensor = _checks.sensor(width, height, camera, camera)

@@ -182,9 +182,9 @@ def run(
         raise TypeError("algorithm = None: give what the events are for, or use asap.simulate")
     _checks.callback("on_progress", on_progress)
     if _checks.is_camera(source):
-        if speed != 1.0 or keep_mask:
-            words = "speed, keep_mask: only for recordings; leave them out for a camera"
-            raise ValueError(words)
+        if speed != 1.0 or keep_mask or start is not None or stop is not None:
+            words = "speed, keep_mask, start, stop: only for recordings"
+            raise ValueError(f"{words}; leave them out for a camera")
         run_of_camera: Run = source.run(
             on_progress,
             duration_s=duration_s,
