@@ -383,7 +383,7 @@ def test_a_name_that_stdout_cannot_write_is_escaped(flight: Path) -> None:
     assert "fl\\xfcg.npy" in ran.stdout
 
 
-@pytest.mark.parametrize("verb", ["info {}", "run {} --cost 1us+1ns --json"])
+@pytest.mark.parametrize("verb", ["info {}", "run {} --cost 1us+1ns --json", "run --help"])
 def test_a_closed_stream_or_pipe_is_no_error(flight: Path, verb: str) -> None:
     command = verb.format(flight)
     said = process(command)

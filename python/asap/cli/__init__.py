@@ -36,17 +36,13 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def carry_out(parser: argparse.ArgumentParser, argv: Sequence[str] | None = None) -> int:
     """Run what a command line asks for and return the exit code."""
-    try:
-        arguments = parser.parse_args(argv)
-    except SystemExit as end:
-        return int(end.code or 0)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: a file name may be no text
     with warnings.catch_warnings():
         warnings.simplefilter("default")
         warnings.showwarning = lambda message, *_, **__: say(f"warning: {message}")
         try:
-            code: int = arguments.verb(arguments)
+            code = _parsed_and_done(parser, argv)
             if sys.stdout is not None:  # None: closed
                 sys.stdout.flush()
             return code
@@ -65,6 +61,15 @@ def carry_out(parser: argparse.ArgumentParser, argv: Sequence[str] | None = None
             _drop_stdout()
             say(f"error: {error.filename or 'stdout'}: {error.strerror or error}")
             return USAGE
+
+
+def _parsed_and_done(parser: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
+    try:
+        arguments = parser.parse_args(argv)
+    except SystemExit as end:
+        return int(end.code or 0)
+    code: int = arguments.verb(arguments)
+    return code
 
 
 def _drop_stdout() -> None:
