@@ -77,7 +77,12 @@ def run_figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
     if cost and cost.one_size is None and cost.alpha_us > 0:
         both_us = cost.least_bound_us, 100 * cost.alpha_us  # 10 us: the shortest bound there is
         least, most = (_units.duration(max(us, 10)) for us in both_us)
-        rows.append(("bounds", f"at least {least} at this cost; from {most} on nearly all in time"))
+        rows.append(
+            (
+                "bounds",
+                f"at least {least} at this cost; from {most} on nearly all that its speed allows",
+            )
+        )
     if pacing := summary["pacing_us"]:
         late = ", ".join(f"{q} {_units.duration(pacing[q])}" for q in ("p50", "p99", "max"))
         rows.append(("pace", f"{late}: by so much the replay itself was late"))
