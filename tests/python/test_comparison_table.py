@@ -7,6 +7,7 @@ import pytest
 
 import asap
 import streams
+from asap.results import cost
 from asap.results import text as text_of
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)
@@ -54,6 +55,13 @@ def test_the_verdict_names_the_best_of_those_that_keep_the_bound(comparison):
     idle = row("Idle", score=0.0, kept=0.0, p99_us=0.0, max_us=0.0)
     assert "Idle" not in verdict(comparison, row("A"), idle)
     assert verdict(comparison, late).startswith("No scheme keeps the bound of 5 ms for 99 %")
+
+
+@pytest.mark.parametrize(("max_us", "kept"), [(5049.0, True), (5051.0, False)])
+def test_a_comparison_and_a_run_agree_on_what_is_late(comparison, max_us, kept):
+    words = verdict(comparison, row("A", max_us=max_us))
+    assert ("No event is late with A." in words) == kept
+    assert (cost.bound_needed_us(cost.Cost(9e3, 1.0), 5000.0, max_us) is None) == kept
 
 
 def test_the_verdict_names_the_scheme_that_processes_more_than_the_default(comparison):

@@ -39,7 +39,7 @@ class Cost:
     def throughput_hz(self, bound_us: float) -> float:
         """Largest event rate whose latency stays below the bound at full load.
 
-        a* = (1 - 2 alpha / L) / beta: theory T6 of the project's control notes.
+        a* = (1 - 2 alpha / L) / beta: notebooks/theory.md, T6.
         """
         bound_us = _checks.number("bound_us", bound_us, 0, sys.float_info.max, "give 0 us or more")
         share = max(0.0, 1 - 2 * self.alpha_us / bound_us) if bound_us > 0 else 0.0

@@ -161,7 +161,7 @@ class Named:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run(Result):
-    """What a run has left behind. It pickles always; an algorithm that does not becomes None.
+    """What a run has left behind. It always pickles; an algorithm that cannot is replaced by None.
 
     Attributes
     ----------

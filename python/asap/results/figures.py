@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 from asap import _checks, _core, _units
 from asap.events import events_of_argument
 from asap.results import numbers
-from asap.results.cost import Floats
+from asap.results.cost import BOUND_KEPT, Floats
 from asap.results.data import BINS_FROM_US, Comparison, Inspection, Row, Run
-from asap.results.text import KEEPS
 
 try:
     import matplotlib
@@ -522,7 +521,7 @@ class _Windows(NamedTuple):
             rate_hz=np.asarray(received * (1e3 / window_ms), np.float64),
             latency_ms=latency_ms,
             kept=np.divide(delivered, received, out=np.full(count, np.nan), where=received > 0),
-            on_time=latency_ms <= KEEPS * comparison.latency_ms,
+            on_time=latency_ms <= BOUND_KEPT * comparison.latency_ms,
         )
 
 
