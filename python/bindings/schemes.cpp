@@ -1,6 +1,5 @@
 // The layer `schemes`: the schemes that a user chooses from, one row each: class, name, docstring.
-// The rest comes from kParameters of its configuration. A new row goes into the stub, the names of
-// the package and the table of README as well.
+// The rest comes from kParameters of its configuration.
 #include "arguments.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/asap2022.hpp"

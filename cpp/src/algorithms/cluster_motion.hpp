@@ -2,7 +2,7 @@
 // The measurement is the mean of the events since the one before, taken once their mean age is a
 // millisecond and they are eight; so neither the window nor the weight of the rule matters. After a
 // second without one the filter begins anew: its velocity is history by then. One thread. take() is
-// O(1) and allocates nothing. Source: own design, the filter of ClusterTracker (fast/kalman.hpp).
+// O(1) and allocates nothing. Source: own design, the filter of ClusterTracker (fast/track.hpp).
 #pragma once
 
 #include <cstdint>

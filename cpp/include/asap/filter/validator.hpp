@@ -5,9 +5,8 @@
 // passes in place, without a copy; a block with one is repaired into a fixed scratch buffer. A
 // stamp that goes back by less than kNewEpoch_us is a fault; by more, the sensor's clock was reset:
 // a new epoch starts, and time continues one microsecond after the last event. A validator that
-// doubts resets lets none happen before kStays stamps in a row stay there: fewer are stray. With a
-// warm-up, what
-// comes within it after the first event, or the first after such a reset, is before the start.
+// doubts resets believes one only after kStays stamps in a row confirm it; fewer are faults. With a
+// warm-up, events within it after the first one, or after such a reset, are before the start.
 #pragma once
 
 #include <algorithm>

@@ -27,7 +27,7 @@ struct LinearCostConfig {
   std::vector<Outage> outages{};  // ordered, disjoint, each of finite length
 };
 
-// The draw of one package: what it costs before its first event, and per event.
+// The random cost of one package: its fixed part, and per event.
 struct PackageCost {
   double fixed_ns;
   double event_ns;

@@ -58,9 +58,9 @@ class Pipeline {
   using Arrival = std::optional<std::chrono::steady_clock::time_point>;
   using Poll = std::function<void()>;
 
-  // Open from the start. The scheme outlives the pipeline; std::logic_error here, in start() and
-  // from the consumer's first call while another run uses it: one that a consumer has begun, and
-  // whose end it has not seen.
+  // Open from the start. The scheme outlives the pipeline and serves one run at a time: while the
+  // consumer of another run has not seen its end, the constructor, start() and the consumer's first
+  // call throw std::logic_error.
   explicit Pipeline(Scheme& scheme, RunConfig config = {});
   // With a worker: a thread that runs the algorithm until stop(), see join(). Without a scheme
   // under Deadline.

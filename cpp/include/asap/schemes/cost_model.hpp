@@ -1,15 +1,15 @@
 // CostModel: what a package of n events will cost, learned from what packages did cost,
-// c(n) = alpha + beta n (ASAP control reference, 6.3). Times are ns.
+// c(n) = alpha + beta n (notebooks/theory.md, section 8). Times are ns.
 //
 // In closed loop n hardly varies, and then alpha and beta are not separately observable: a plain
-// recursive fit runs away. Here each octave of n has a bucket of its own that is overwritten only
-// when its sizes come back. The line is a weighted least squares fit through the buckets; a fast
-// common scale follows a cost that varies as a whole. An anytime package shows two sizes at once,
-// its first part and all of it.
-// Single outliers are clipped. Low costs of new sizes and of single events are not: a package may
-// take longer than it costs, never less. The third outlier in a row on one side is a new level. A
-// level above three times or below half of the old one is learned anew, unless the fixed cost alone
-// explains the fall; sizes far beyond the recent ones keep their buckets. Known outages are
+// recursive fit runs away. So the model remembers one average for each power of two of n and
+// updates it only when such sizes occur. The line is a weighted least squares fit through these
+// averages; a fast common scale follows a cost that varies as a whole. An anytime package shows two
+// sizes at once, its first part and all of it.
+// Single outliers are clipped. Low times of new sizes and of single events are trusted, because an
+// interruption only makes a package slower. The third outlier in a row on one side is a new level.
+// A level above three times or below half of the old one is learned anew, unless the fixed cost
+// alone explains the fall; sizes far beyond the recent ones keep their buckets. Known outages are
 // subtracted first, or they would pass for a fixed cost.
 // Called on the consumer's thread, once per package. O(1), no allocation. Whatever is fed, the
 // estimates are positive and finite.

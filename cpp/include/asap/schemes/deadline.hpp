@@ -1,10 +1,10 @@
-// Deadline: as many events as possible within the latency bound L of their stamps, and none later.
-// A backlog that fits into the bound is taken whole. Otherwise the law plays a dozen plans forward
-// on the backlog and takes the best (notebooks/theory.md, section 6). A plan is a package of some
-// length T: it drops events older than L - T, thins the older part of the rest to the number that
-// it can finish, and leaves the newest events in the ring. Its value is the work finished in time
-// if arrivals stop and, in a rush, the work of such packages if they go on, less the price of a
-// gap.
+// Deadline: as many events as possible within the latency bound L, counted from their arrival
+// (live) or their stamp (a recording), and none later. A backlog that fits into the bound is taken
+// whole. Otherwise the law plays a dozen plans forward on the backlog and takes the best
+// (notebooks/theory.md, section 6). A plan is a package of some length T: it drops events older
+// than L - T, thins the older part of the rest to the number that it can finish, and leaves the
+// newest events in the ring. Its value is the work finished in time if arrivals stop and, in a
+// rush, the work of such packages if they go on, less the price of a gap.
 //
 // There is no rate estimate and no integrator in the loop, so nothing lags. Called on the
 // consumer's thread, once or twice per package. 32 counts by age and one exact one, no allocation.
@@ -19,8 +19,8 @@
 
 namespace asap {
 
-// What matters more in overload where the two differ: the number of events, or that none of the
-// scene's moments goes by without any (the gap).
+// What matters more in overload where the two differ: the number of processed events, or that no
+// long stretch of time (a gap) goes by without one.
 enum class Prefer {
   balanced,    // a gap has a price; notebooks/theory.md, section 6, has the gaps that were measured
   events,      // a quarter of that price
@@ -53,9 +53,9 @@ struct DeadlineConfig {
 // The part of the latency bound that is left free for outages. On a busy machine the thread is
 // taken off the processor for milliseconds, again and again; what is in work then ends as much too
 // late, and no replanning makes up for an outage at the end of a package. So the scheme plans with
-// a shorter bound where more than a few in a thousand events have come late: each package moves the
-// reserve by its late share less what is tolerated, until the late share settles there. Where
-// outages are rare there is no reserve, nor is it paid for. Without a parameter. O(1) per package.
+// a shorter bound: the reserve grows while more than a few in a thousand events are late, and
+// shrinks while fewer are. Where outages are rare it is zero and costs nothing. It has no
+// parameter. O(1) per package.
 class OutageReserve {
  public:
   // A package ended with its oldest event latency_ns old, its newest span_ns less. bound_ns is what

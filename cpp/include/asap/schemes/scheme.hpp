@@ -24,8 +24,8 @@ class BacklogCounts {
  public:
   // Waiting raw events with time < time_ns: they are the oldest ones. O(log n).
   virtual std::size_t before(std::int64_t time_ns) const noexcept ASAP_NONBLOCKING = 0;
-  // The same in O(1), right to the share of one age slot (buffer/age_slots.hpp); what is older than
-  // the slots counts as their oldest. Never decreases with time_ns, never more than count.
+  // The same in O(1), from a table of counts by age: off by less than one slot's count, and older
+  // events count in its oldest slot. Never decreases with time_ns, never more than count.
   virtual std::size_t about_before(std::int64_t time_ns) const noexcept ASAP_NONBLOCKING = 0;
   // The same for many times at once: counts[i] of newest_ns - i * step_ns. O(1) each.
   virtual void about_before_each(std::int64_t newest_ns, std::int64_t step_ns,

@@ -35,8 +35,8 @@ struct ContourRule {
 
 struct alignas(32) Contour {
   static constexpr float kInitialVariance_px2 = 4;
-  static constexpr float kVarianceMemory = 64;            // events
-  static constexpr float kInitialCentreVariance = 0.05F;  // see kalman.hpp
+  static constexpr float kVarianceMemory = 64;  // events
+  static constexpr float kInitialCentreVariance = 0.05F;
 
   std::array<float, kContourBins> radius{};
   std::array<std::uint8_t, kContourBins> count{};
