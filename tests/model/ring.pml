@@ -1,5 +1,5 @@
-/* EventBuffer: one producer, one consumer, the copies of each other's index, and the end of the
- * stream. Every access to memory is a step of its own, in the order of event_buffer.hpp.
+/* EventBuffer: one producer, one consumer, the copies of each other's index, the return to the
+ * first slot where the ring is empty, and the end of the stream. Every access to memory is a step of its own, in the order of event_buffer.hpp.
  * Sequentially consistent: memory orders are Relacy's.
  *
  * -DCAP= capacity, -DBATCH= largest push, -DTOTAL= events. Each of these mutants must be refuted:
@@ -9,6 +9,9 @@
  *   -DSTALE_TAIL           the consumer likewise, with its copy of tail
  *   -DCLOSED_BEFORE_TAIL   the done flag is stored before the last index
  *   -DDONE_AFTER_PEEK      the consumer asks whether it is done after its last look at the index
+ *   -DBACK_TOO_EARLY       the producer goes back to the first slot while an event waits
+ *   -DBASE_AFTER_TAIL      the base is stored after the tail
+ *   -DBASE_READ_FIRST      the consumer reads the base before the tail
  *   -DOVERFLOW_LOST        what does not fit is not counted
  */
 #ifndef CAP
@@ -26,12 +29,13 @@
 
 byte slots[SLOTS];
 byte tail, head;         /* the shared indices */
+byte base;               /* the index at the first slot */
 byte overflow;
 bool closed;
 byte pushed;             /* events offered so far: what a caller knows */
 
 active proctype producer() {
-  byte head_copy, n, taken, i, room_before;
+  byte head_copy, n, taken, i, room_before, next_base;
   do
   :: pushed < TOTAL ->
     select(n : 1 .. BATCH);
@@ -67,28 +71,49 @@ active proctype producer() {
     :: else
     fi;
 #endif
-#ifdef INDEX_BEFORE_DATA
     n = tail;
-    tail = tail + taken;
+    next_base = base;
+    if
+    :: ((n - base) & MASK) >= 1 ->            /* the ring of the source has a larger `near` */
+      if
+      :: n != head_copy -> head_copy = head
+      :: else
+      fi;
+      if
+#ifdef BACK_TOO_EARLY
+      :: n - head_copy <= 1 -> next_base = n
 #else
-    n = tail;
+      :: n == head_copy -> next_base = n
+#endif
+      :: else
+      fi
+    :: else
+    fi;
+#ifndef BASE_AFTER_TAIL
+    base = next_base;
+#endif
+#ifdef INDEX_BEFORE_DATA
+    tail = tail + taken;
 #endif
     i = 0;
     do
-    :: i < taken -> slots[(n + i) & MASK] = n + i; i++
+    :: i < taken -> slots[(n + i - next_base) & MASK] = n + i; i++
     :: else -> break
     od;
 #ifndef INDEX_BEFORE_DATA
     tail = tail + taken;
 #endif
-    n = 0; taken = 0; i = 0; room_before = 0
+#ifdef BASE_AFTER_TAIL
+    base = next_base;
+#endif
+    n = 0; taken = 0; i = 0; room_before = 0; next_base = 0
   :: else -> break
   od;
   closed = true
 }
 
 active proctype consumer() {
-  byte tail_copy, limit, size, i, there;
+  byte tail_copy, base_copy, limit, size, i, there;
   bool done;
   do
   :: true ->
@@ -99,7 +124,14 @@ active proctype consumer() {
     there = tail - head;                      /* what a peek from now on must see */
     size = tail_copy;
     if
-    :: tail_copy - head < limit -> tail_copy = tail
+    :: tail_copy - head < limit ->
+#ifdef BASE_READ_FIRST
+      base_copy = base;
+      tail_copy = tail
+#else
+      tail_copy = tail;
+      base_copy = base
+#endif
     :: else
     fi;
 #ifndef STALE_TAIL
@@ -120,11 +152,11 @@ active proctype consumer() {
 #endif
     i = 0;
     do
-    :: i < size -> assert(slots[(there + i) & MASK] == there + i); i++
+    :: i < size -> assert(slots[(there + i - base_copy) & MASK] == there + i); i++
     :: else -> break
     od;
     do                                        /* they stay valid until consumed */
-    :: i > 0 -> i--; assert(slots[(there + i) & MASK] == there + i)
+    :: i > 0 -> i--; assert(slots[(there + i - base_copy) & MASK] == there + i)
     :: else -> break
     od;
 #ifndef HEAD_BEFORE_READ

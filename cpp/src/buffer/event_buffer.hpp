@@ -6,13 +6,18 @@
 // newest events, those that do not fit, and counts them. Memory is allocated once, in the
 // constructor.
 //
+// A push that finds the ring empty, and itself `near` slots or more behind the first, begins at the
+// first slot again. A consumer that keeps up is so served from memory that is in the cache, and
+// a page that no backlog has needed is never touched.
+//
 // Memory order. Each index has one writer. The producer writes events, then stores tail_ with
 // release; the consumer loads tail_ with acquire, so it sees them. The consumer is done with the
 // events, then stores head_ with release; the producer loads head_ with acquire before it
 // overwrites their slots. closed_ is stored with release after the last tail_: a consumer that
-// reads closed() == true and then peeks once more sees everything that was pushed. Each side keeps
-// a copy of the other's index and refreshes it only when the copy says full (or empty): most calls
-// touch no shared line.
+// reads closed() == true and then peeks once more sees everything that was pushed. base_, the index
+// at the first slot, is stored before tail_ and loaded after it; it changes only while nothing
+// waits, so it belongs to the tail that was loaded. Each side keeps a copy of the other's index and
+// refreshes it only when the copy says full (or empty): most calls touch no shared line.
 #pragma once
 
 #include <algorithm>
@@ -41,7 +46,7 @@ struct EventPieces {
   }
 };
 
-template <class Atomics = StdAtomics>
+template <class Atomics = StdAtomics, std::size_t near = std::size_t{1} << 14>
 class BasicEventBuffer {
  public:
   static constexpr std::size_t kMaxCapacity = std::size_t{1} << 40;
@@ -77,7 +82,7 @@ class BasicEventBuffer {
       const std::uint64_t lost = overflow_.load(std::memory_order_relaxed);
       overflow_.store(lost + (events.size() - taken), std::memory_order_relaxed);
     }
-    const std::size_t begin = static_cast<std::size_t>(tail & mask_);
+    const std::size_t begin = place_of(tail);
     const std::size_t until_wrap = std::min(taken, mask_ + 1 - begin);
     std::copy_n(events.data(), until_wrap, slots_.get() + begin);
     std::copy_n(events.data() + until_wrap, taken - until_wrap, slots_.get());
@@ -100,9 +105,12 @@ class BasicEventBuffer {
   EventPieces peek(std::size_t limit = std::numeric_limits<std::size_t>::max()) noexcept
       ASAP_NONBLOCKING {
     const std::uint64_t head = head_.load(std::memory_order_relaxed);
-    if (tail_copy_ - head < limit) tail_copy_ = tail_.load(std::memory_order_acquire);
+    if (tail_copy_ - head < limit) {
+      tail_copy_ = tail_.load(std::memory_order_acquire);
+      base_copy_ = base_.load(std::memory_order_relaxed);
+    }
     const std::size_t size = std::min(limit, static_cast<std::size_t>(tail_copy_ - head));
-    const std::size_t begin = static_cast<std::size_t>(head & mask_);
+    const std::size_t begin = slot(head, base_copy_);
     const std::size_t until_wrap = std::min(size, mask_ + 1 - begin);
     return {{slots_.get() + begin, until_wrap}, {slots_.get(), size - until_wrap}};
   }
@@ -136,6 +144,21 @@ class BasicEventBuffer {
     return capacity;
   }
 
+  std::size_t slot(std::uint64_t index, std::uint64_t base) const noexcept {
+    return static_cast<std::size_t>(index - base) & mask_;
+  }
+
+  // Producer. The slot of the next event.
+  std::size_t place_of(std::uint64_t tail) noexcept {
+    const std::uint64_t base = base_.load(std::memory_order_relaxed);
+    const std::size_t place = slot(tail, base);
+    if (place < near) return place;
+    if (tail != head_copy_) head_copy_ = head_.load(std::memory_order_acquire);
+    if (tail != head_copy_) return place;
+    base_.store(tail, std::memory_order_relaxed);
+    return 0;
+  }
+
   // 128 bytes apart: a pair of cache lines is fetched together on x86, a line is 128 bytes on some
   // ARM.
   static constexpr std::size_t kApart = 128;
@@ -148,11 +171,13 @@ class BasicEventBuffer {
 
   alignas(kApart) Atomic<std::uint64_t> tail_;  // written by the producer
   std::uint64_t head_copy_;                     // the producer's own
+  Atomic<std::uint64_t> base_{0};               // written by the producer
   Atomic<std::uint64_t> overflow_{0};           // written by the producer
   Atomic<bool> closed_{false};                  // written by the producer
 
   alignas(kApart) Atomic<std::uint64_t> head_;  // written by the consumer
   std::uint64_t tail_copy_;                     // the consumer's own
+  std::uint64_t base_copy_ = 0;                 // the consumer's own
 };
 
 using EventBuffer = BasicEventBuffer<>;

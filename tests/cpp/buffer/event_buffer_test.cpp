@@ -26,6 +26,9 @@ using test::numbers_of;
 
 using Numbers = std::vector<std::uint64_t>;
 
+// Goes back to the first slot whenever a push finds it empty.
+using RestlessBuffer = BasicEventBuffer<StdAtomics, 1>;
+
 constexpr std::uint64_t kNearTheEnd = std::numeric_limits<std::uint64_t>::max() - 5;
 
 Numbers waiting_in(EventBuffer& buffer) {
@@ -81,8 +84,9 @@ TEST_P(EventBufferOfSize, ConsumeFreesExactlyThatMany) {
 }
 
 // The same calls on the ring and on a plain queue; everything that can be seen must agree.
+template <class Buffer>
 void compare_with_a_queue(std::size_t capacity, std::uint64_t first_index, std::uint64_t count) {
-  EventBuffer buffer(capacity, first_index);
+  Buffer buffer(capacity, first_index);
   std::deque<Event> queue;
   const CounterRandom random(capacity);
   std::uint64_t overflow = 0;
@@ -119,14 +123,39 @@ void compare_with_a_queue(std::size_t capacity, std::uint64_t first_index, std::
   }
 }
 
-TEST_P(EventBufferOfSize, AgreesWithAQueue) { compare_with_a_queue(GetParam(), 0, 100'000); }
+TEST_P(EventBufferOfSize, AgreesWithAQueue) {
+  compare_with_a_queue<EventBuffer>(GetParam(), 0, 100'000);
+}
 
 TEST_P(EventBufferOfSize, AgreesWithAQueueWhereTheIndicesWrap) {
-  compare_with_a_queue(GetParam(), kNearTheEnd, 100'000);
+  compare_with_a_queue<EventBuffer>(GetParam(), kNearTheEnd, 100'000);
+}
+
+TEST_P(EventBufferOfSize, AgreesWithAQueueWhereItGoesBackToTheFirstSlot) {
+  compare_with_a_queue<RestlessBuffer>(GetParam(), kNearTheEnd, 100'000);
+}
+
+// Whoever keeps up works in the same few pages for ever; a backlog gets all there are.
+TEST(EventBuffer, StaysNearTheFirstSlotWhereTheConsumerKeepsUp) {
+  EventBuffer buffer(std::size_t{1} << 17);
+  const Events events = evenly_spaced(std::size_t{1} << 17, 1);
+  const EventSpan block = EventSpan(events).first(1000);
+  buffer.push(block);
+  const Event* const first = buffer.peek().first.data();
+  buffer.consume(1000);
+  for (int i = 0; i < 1000; ++i) {
+    buffer.push(block);
+    const EventPieces pieces = buffer.peek();
+    ASSERT_EQ(pieces.first.size(), 1000u);
+    ASSERT_LT(pieces.first.data() - first, 20'000);
+    buffer.consume(1000);
+  }
+  EXPECT_EQ(buffer.push(events), events.size());
+  EXPECT_EQ(waiting_in(buffer), numbers_of(events));
 }
 
 TEST(EventBuffer, AgreesWithAQueueOverSixteenMillionEvents) {
-  compare_with_a_queue(1000, kNearTheEnd - 1'000'000, std::uint64_t{1} << 24);
+  compare_with_a_queue<EventBuffer>(1000, kNearTheEnd - 1'000'000, std::uint64_t{1} << 24);
 }
 
 TEST(EventBuffer, PeekGivesTwoContiguousPieces) {
@@ -174,9 +203,10 @@ void pause(std::uint64_t bits) {
 class EventBufferOnTwoThreads : public testing::TestWithParam<std::size_t> {};
 INSTANTIATE_TEST_SUITE_P(, EventBufferOnTwoThreads, testing::Values(1, 2, 3, 4, 7, 32, 1000));
 
-TEST_P(EventBufferOnTwoThreads, NothingIsLostDoubledOrTorn) {
+template <class Buffer>
+void lose_double_and_tear_nothing(std::size_t capacity) {
   constexpr std::uint64_t kEvents = 100'000;
-  EventBuffer buffer(GetParam(), kNearTheEnd);
+  Buffer buffer(capacity, kNearTheEnd);
   std::thread producer([&] {
     const CounterRandom random(1);
     Events batch;
@@ -184,7 +214,7 @@ TEST_P(EventBufferOnTwoThreads, NothingIsLostDoubledOrTorn) {
     for (std::uint64_t round = 0; next < kEvents; ++round) {
       const std::uint64_t bits = random(round);
       batch.clear();
-      const std::uint64_t size = std::min(1 + bits % (GetParam() + 1), kEvents - next);
+      const std::uint64_t size = std::min(1 + bits % (capacity + 1), kEvents - next);
       for (std::uint64_t i = 0; i < size; ++i) {
         batch.push_back(numbered(next + i, static_cast<std::int64_t>(~(next + i))));
       }
@@ -201,7 +231,7 @@ TEST_P(EventBufferOnTwoThreads, NothingIsLostDoubledOrTorn) {
   for (std::uint64_t round = 0;; ++round) {
     const std::uint64_t bits = random(round);
     const bool closed = buffer.closed();
-    const EventPieces pieces = buffer.peek(1 + bits % (GetParam() + 1));
+    const EventPieces pieces = buffer.peek(1 + bits % (capacity + 1));
     if (pieces.size() == 0 && closed) break;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       ASSERT_EQ(pieces[i], numbered(next, static_cast<std::int64_t>(~next)));
@@ -213,6 +243,14 @@ TEST_P(EventBufferOnTwoThreads, NothingIsLostDoubledOrTorn) {
   }
   producer.join();
   EXPECT_EQ(next, kEvents);
+}
+
+TEST_P(EventBufferOnTwoThreads, NothingIsLostDoubledOrTorn) {
+  lose_double_and_tear_nothing<EventBuffer>(GetParam());
+}
+
+TEST_P(EventBufferOnTwoThreads, NothingIsLostDoubledOrTornWhereItGoesBackToTheFirstSlot) {
+  lose_double_and_tear_nothing<RestlessBuffer>(GetParam());
 }
 
 TEST_P(EventBufferOnTwoThreads, EveryEventIsDeliveredOrCounted) {

@@ -10,7 +10,7 @@
 namespace asap::model {
 namespace {
 
-using Ring = BasicEventBuffer<RelacyAtomics>;
+using Ring = BasicEventBuffer<RelacyAtomics, 1>;  // goes back to the first slot when it can
 using Bell = BasicDoorbell<RelacyAtomics, RelacySleep>;
 using Door = BasicPushDoor<RelacyAtomics, RelacyWait>;
 using Times = BasicArrivalTimes<RelacyAtomics, 32>;

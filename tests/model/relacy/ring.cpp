@@ -5,7 +5,7 @@
 namespace asap::model {
 namespace {
 
-using Ring = BasicEventBuffer<RelacyAtomics>;
+using Ring = BasicEventBuffer<RelacyAtomics, 1>;  // goes back to the first slot when it can
 using Size = std::size_t;
 
 // The producer tries again with what did not fit, then closes. The consumer looks in pieces of any
