@@ -244,13 +244,16 @@ CONTAINERS = (".npz", ".npy", ".h5", ".mat", ".txt")
 @pytest.mark.parametrize("suffix", CONTAINERS)
 @pytest.mark.parametrize("dtype", ["u1", "u2", "u4", "i8"])
 @pytest.mark.parametrize("off_on", [(-1, 1), (1, 2), (0, 1)], ids=str)
+@pytest.mark.parametrize("rare", [None, 0, 1])
 def test_polarity_that_can_mean_one_thing(
-    suffix: str, dtype: str, off_on: tuple[int, int], tmp_path: Path
+    suffix: str, dtype: str, off_on: tuple[int, int], rare: int | None, tmp_path: Path
 ) -> None:
-    p = np.where(EVENTS["p"], off_on[1], off_on[0]).astype(dtype)
+    expected = EVENTS.copy()
+    if rare is not None:
+        expected["p"] = np.where(np.arange(len(EVENTS)) % 20, 1 - rare, rare)
+    p = np.where(expected["p"], off_on[1], off_on[0]).astype(dtype)
     columns = {role: EVENTS[role] for role in "txy"} | {"p": p}
     loaded = asap.load(write(tmp_path / f"events{suffix}", columns))
-    expected = EVENTS.copy()
     if suffix == ".mat" and off_on == (1, 2) and min(EVENTS["x"].min(), EVENTS["y"].min()) > 0:
         expected["x"] -= 1
         expected["y"] -= 1
@@ -258,7 +261,7 @@ def test_polarity_that_can_mean_one_thing(
 
 
 @pytest.mark.parametrize("suffix", CONTAINERS)
-@pytest.mark.parametrize("off_on", [(0, 255), (0, 2), (3, 7)], ids=str)
+@pytest.mark.parametrize("off_on", [(0, 255), (0, 2), (3, 7), (-1, 0), (2, 2)], ids=str)
 def test_polarity_that_can_mean_several_things_is_asked(
     suffix: str, off_on: tuple[int, int], tmp_path: Path
 ) -> None:
@@ -266,6 +269,29 @@ def test_polarity_that_can_mean_several_things_is_asked(
     columns = {role: EVENTS[role] for role in "txy"} | {"p": p}
     with pytest.raises(ValueError, match="does not say which number is ON"):
         asap.load(write(tmp_path / f"events{suffix}", columns))
+
+
+def test_polarity_of_three_numbers_is_asked(tmp_path: Path) -> None:
+    p = np.arange(len(EVENTS)) % 3 - 1
+    columns = {role: EVENTS[role] for role in "txy"} | {"p": p}
+    with pytest.raises(ValueError, match=r"p = -1, 0, 1: .* does not say which number is ON"):
+        asap.load(write(tmp_path / "events.npz", columns))
+
+
+@pytest.mark.parametrize("off_on", [(255, 1), (1, 2)], ids=str)
+def test_polarity_that_shows_late_is_mapped_or_asked(
+    off_on: tuple[int, int], tmp_path: Path
+) -> None:
+    expected = clean_events(70_000)
+    expected["p"] = on = off_on[1] == 1  # until the last events
+    expected["p"][-4_000:] = np.arange(4_000) % 2
+    p = np.where(expected["p"], off_on[1], off_on[0])
+    path = write(tmp_path / "events.npz", {role: expected[role] for role in "txy"} | {"p": p})
+    if on:
+        assert_equal_events(asap.load(path), expected)
+    else:
+        with pytest.raises(ValueError, match="does not say which number is ON"):
+            asap.load(path)
 
 
 def test_a_few_damaged_polarities_do_not_change_the_others(tmp_path: Path) -> None:

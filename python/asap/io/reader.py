@@ -19,6 +19,7 @@ from asap.events import EVENT_DTYPE, Events, check_order
 from asap.io.errors import CorruptFile, LossWarning, TruncatedFileWarning
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about
+PLAIN = (0, 1)  # polarity that is OFF and ON; above 0 is ON
 _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
@@ -66,9 +67,8 @@ class Losses:
     guessed_unit: str | None = None  # unit of the times, where neither file nor user states it
     lost_packets: int = 0  # that the numbers of those in the file skip
     between_pixels: int = 0  # of the bad records: x or y is no whole number
-    off_on: tuple[int, int] | None = None  # polarities that are OFF and ON, where not 0 and 1
+    off_on: tuple[float, float] | None = None  # polarities that are OFF and ON, once it is known
     sorted_stamps: int = 0  # events that came late and were sorted in
-    takes_any_polarity: bool = False  # above 0 is ON
     from_one: bool | None = None  # x and y count from 1
 
     def count_sorted(self, events: int) -> None:
@@ -93,7 +93,7 @@ class Losses:
     @property
     def understood(self) -> Iterator[str]:
         """Say how numbers were understood that could have been others."""
-        if self.off_on is not None:
+        if self.off_on not in (None, PLAIN):
             off, on = self.off_on
             pixels = ", and x and y count from 1, as in MATLAB" if self.from_one else ""
             yield f"polarity {off} is read as OFF and {on} as ON{pixels}"
