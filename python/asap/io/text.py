@@ -108,37 +108,30 @@ class TextReader:
 
 
 def _front(file: IO[bytes]) -> bytes:
-    """Read the comments that come first, however long they are, and what follows them."""
-    front = file.read(_HEAD)
-    while len(front) < _MOST and len(front) % _HEAD == 0 and _only_comments(front):
-        more = file.read(_HEAD)
-        if not more:
+    """Read the comments that come first, however long they are, and whole lines that follow."""
+    lines, size = [], 0
+    while size < _MOST and (line := file.readline(_MOST)):
+        lines.append(line)
+        size += len(line)
+        if line.strip() and line.lstrip()[:1] not in b"#%":
             break
-        front += more
-    return front
-
-
-def _only_comments(front: bytes) -> bool:
-    *whole, _ = front.split(b"\n")
-    return all(not line.strip() or line.lstrip()[:1] in b"#%" for line in whole)
+    rest = file.read(_HEAD)
+    return b"".join(lines) + (rest if len(rest) < _HEAD else rest[: rest.rfind(b"\n") + 1])
 
 
 def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
     at = 3 if head.startswith(b"\xef\xbb\xbf") else 0
     names: list[str] = []
     sensor: tuple[int, int] | None = None
-    comments = b""
+    comments: list[bytes] = []
     start = at
     rows: list[list[bytes]] = []
     separator = b" "
-    lines = head[at:].splitlines(keepends=True)
-    if len(head) % _HEAD == 0 and len(lines) > 1:
-        lines.pop()  # the head ends inside it
-    for line in lines:
+    for line in head[at:].splitlines(keepends=True):
         at += len(line)
         text = line.strip()
         if not text or text[:1] in b"#%":
-            comments += text.lower() + b"\n"
+            comments.append(text.lower())
             if not rows and not names:
                 names = _names(text.lstrip(b"#% \t"), commented=True)
             continue
@@ -173,7 +166,7 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
         rows = _of_common_length(path, rows, order, options.order is not None or bool(names))
         if options.order is None and not names:
             _check_polarity(path, rows)
-    if sensor is None and (size := _SENSOR.search(comments)):
+    if sensor is None and (size := _SENSOR.search(b"\n".join(comments))):
         sensor = next((int(size[i]), int(size[i + 1])) for i in (1, 3) if size[i])
     width, height = sensor or (None, None)
     guessed = unit is None
