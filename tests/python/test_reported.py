@@ -121,6 +121,75 @@ def test_the_layout_of_aedat_2_is_known_or_asked() -> None:
     assert_equal_events(asap.load(path, width=640, height=480), truth("v2e_640.aedat.truth.npz"))
 
 
+def aedat2(path: Path, address: Any, chip: str = "") -> Path:
+    """Write records of `EVENTS` at these addresses, under a header that names a chip, or none."""
+    name = f"# AEChip: {chip}\r\n" if chip else ""
+    records = np.stack([address, EVENTS["t"]], axis=1).astype(">u4")
+    path.write_bytes(f"#!AER-DAT2.0\r\n{name}".encode() + records.tobytes())
+    return path
+
+
+X, Y, P = (EVENTS[role].astype(np.int64) for role in "xyp")
+
+
+@pytest.mark.parametrize(
+    ("chip", "address", "size"),
+    [
+        ("retina.DVS1280x720SD", (719 - Y) << 12 | (1279 - X) << 1 | P, (1280, 720)),
+        ("retina.DVXplorer", (479 - Y) << 22 | (639 - X) << 12 | P << 11, (640, 480)),
+        ("davis.Davis640", (479 - Y) << 22 | (639 - X) << 12 | P << 11, (640, 480)),
+        ("retina.DVS640", (479 - Y) << 11 | (639 - X) << 1 | P, (640, 480)),
+        ("retina.DVS640", (Y % 20) << 11 | (639 - X) << 1 | P, (640, 480)),  # as of a DVS128
+    ],
+)
+def test_a_chip_of_jaer_is_known_by_its_name_or_its_size(
+    chip: str, address: Any, size: tuple[int, int], tmp_path: Path
+) -> None:
+    expected = EVENTS.copy()
+    if (address >> 11).max() < 20:
+        expected["y"] = 479 - Y % 20
+    named = asap.read(aedat2(tmp_path / "named.aedat", address, chip))
+    assert (named.width, named.height) == size
+    assert_equal_events(np.concatenate(list(named)), expected)
+    unnamed = aedat2(tmp_path / "unnamed.aedat", address)
+    assert_equal_events(asap.load(unnamed, width=size[0], height=size[1]), expected)
+
+
+CAMERA = np.arange(len(EVENTS)) % 3 % 2
+
+
+@pytest.mark.parametrize(
+    ("chip", "address", "streams"),
+    [
+        ("DVS128StereoPair", CAMERA << 15, ("left", "right")),
+        ("MultiDVS128CameraChip", CAMERA * 200 << 24, ("0", "200")),
+    ],
+)
+def test_several_dvs128_of_one_aedat_are_streams(
+    chip: str, address: Any, streams: tuple[str, ...], tmp_path: Path
+) -> None:
+    pixel = (127 - Y % 128) << 8 | (127 - X % 128) << 1 | 1 - P
+    path = aedat2(tmp_path / "cameras.aedat", address | pixel, chip)
+    with pytest.raises(ValueError, match="2 streams of events"):
+        asap.read(path)
+    expected = EVENTS.copy()
+    expected["x"], expected["y"] = X % 128, Y % 128
+    for number, stream in enumerate(streams):
+        opened = asap.read(path, stream=stream)
+        assert opened.streams == streams
+        assert_equal_events(np.concatenate(list(opened)), expected[number == CAMERA])
+        assert opened.trigger_count == 0
+
+
+def test_a_camera_that_begins_late_is_a_stream(tmp_path: Path) -> None:
+    path = aedat2(tmp_path / "cameras.aedat", Y << 22 | X << 12, "MultiDAVIS346BCameraChip")
+    with path.open("ab") as file:
+        file.write(path.read_bytes()[-8000:] * 150)
+        file.write((3).to_bytes(4, "big") + (1_000_000).to_bytes(4, "big"))
+    with pytest.raises(ValueError, match=r"2 streams of events \(0, 3\)"):
+        asap.read(path)
+
+
 def test_several_cameras_of_one_aedat_are_streams() -> None:
     path = reported("four.aedat")
     with pytest.raises(ValueError, match=r"4 streams of events \(0, 1, 2, 3\)"):

@@ -15,6 +15,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from asap import _core, _stamps
 from asap.events import EVENT_DTYPE, Events
@@ -24,6 +25,7 @@ from asap.io.reader import CHUNK, Losses, Options, choose_stream
 _SOURCE = re.compile(r"^#Source (\d+): *(.*?)\s*$", re.MULTILINE)
 HEAD = 1 << 20  # bytes that a header may take
 _PIECE = 1 << 18
+_MUCH = 1 << 24
 _RECORD_OF_40_BITS = 5  # bytes
 _ROWS_OF_40_BITS = 240  # the largest sensor has so many; the row below it marks time
 _BACK, _BACK_LEAST = 0.25, 8  # steps back in time that no recording has: a share, and so many
@@ -218,8 +220,11 @@ _CHIPS = {  # layout of the addresses by the size of the sensor
     (346, 260): "davis",
     (208, 192): "davis",
     (640, 480): "dvs640",
+    (1280, 720): "dvs1280",
     (128, 128): "davis",  # a DVS128 is known by its addresses
 }
+_BITS_OF_DVS640 = 21
+_RIGHT_OF_TWO = 0x8000  # the bit of the addresses that marks the right one of a stereo pair
 
 
 def _aedat2(path: Path, head: bytes, options: Options) -> Layout:
@@ -230,31 +235,57 @@ def _aedat2(path: Path, head: bytes, options: Options) -> Layout:
     width, height = header["width"] or options.width, header["height"] or options.height
     if chip == "other":
         raise UnsupportedFormat(
-            f"{path}: AEDAT 2.0 is read of a DAVIS, a DVS128 or a DVS640; the header names another "
-            "chip"
+            f"{path}: AEDAT 2.0 is read of a DAVIS, a DVXplorer, a DVS128, a DVS640 or a "
+            "DVS1280x720SD; the header names another chip"
         )
+    addresses = _addresses(head[start:])
+    if chip == "dvs128" and header["width"] is None:  # so say its addresses
+        width, height = width or 128, height or 128
+        if (width, height) != (128, 128):
+            chip = "unnamed"
     if chip == "unnamed" and width is not None and height is not None:
         chip = _CHIPS.get((width, height), chip)
+        if chip == "dvs640" and 2 * np.count_nonzero(addresses >> _BITS_OF_DVS640) > len(addresses):
+            chip = "davis"
     if chip == "unnamed" or width is None or height is None:
         known = ", ".join(f"{w} x {h} ({name})" for (w, h), name in _CHIPS.items())
         raise UnsupportedFormat(
             f"{path}: the header of this AEDAT 2.0 file does not say which chip it is of, and the "
             f"layout of its addresses depends on it; give width and height, one of {known}"
         )
-    streams: tuple[str, ...] = ()
-    camera = -1
-    if header["is_multi"]:
-        words = np.frombuffer(head[start : start + (len(head) - start) // 8 * 8], ">u4")[::2]
-        of_pixels = words[words & 0x8000_0400 == 0]
-        streams = tuple(map(str, np.unique(of_pixels & 0xF).tolist())) or ("0",)
-        camera = int(choose_stream(path, options.stream, streams))
+    streams: dict[str, int] = {}
+    camera, bits = 0, header["camera_bits"]
+    if bits:
+        streams = _cameras(path, start, chip, bits)
+        camera = streams[choose_stream(path, options.stream, tuple(streams))]
     return Layout(
         start,
-        lambda _: _core.Aedat2Decoder(chip=chip, width=width, height=height, camera=camera),
+        lambda _: _core.Aedat2Decoder(
+            chip=chip, width=width, height=height, camera_bits=bits, camera=camera
+        ),
         width,
         height,
-        streams,
+        tuple(streams),
     )
+
+
+def _addresses(records: bytes) -> npt.NDArray[np.uint32]:
+    return np.frombuffer(records[: len(records) // 8 * 8], ">u4")[::2]
+
+
+def _cameras(path: Path, start: int, chip: str, bits: int) -> dict[str, int]:
+    """Return the numbers of the cameras that have events, by their names; reads the whole file."""
+    numbers: set[int] = set()
+    no_event = 0x8000_0400 if chip == "davis" else 0x8000_8000 & ~bits
+    with path.open("rb") as file:
+        file.seek(start)
+        while piece := file.read(_MUCH):
+            addresses = _addresses(piece)
+            cameras = addresses[addresses & no_event == 0] & bits
+            numbers.update((np.unique(cameras) // (bits & -bits)).tolist())
+    if bits == _RIGHT_OF_TWO:
+        return {"left": 0, "right": 1}
+    return {str(number): number for number in sorted(numbers)} or {"0": 0}
 
 
 def _aedat3(path: Path, head: bytes, options: Options) -> Layout:
