@@ -282,6 +282,20 @@ def test_a_size_that_is_a_dataset_is_read_and_the_offset_added() -> None:
     assert_equal_events(np.concatenate(list(opened)), expected)
 
 
+@pytest.mark.parametrize("place", ["events", "/"])
+@pytest.mark.parametrize("offset", [7_000, 7_000.0, [7_000]], ids=str)
+@pytest.mark.parametrize("is_attribute", [False, True])
+def test_the_offset_of_the_times_is_added_wherever_it_stands(
+    place: str, offset: Any, is_attribute: bool, tmp_path: Path
+) -> None:
+    path = write(tmp_path / "events.h5", {role: EVENTS[role] for role in "txyp"})
+    with pytest.importorskip("h5py").File(path, "a") as file:
+        (file[place].attrs if is_attribute else file[place])["t_offset"] = offset
+    expected = EVENTS.copy()
+    expected["t"] += 7_000
+    assert_equal_events(asap.load(path), expected)
+
+
 def test_a_size_in_a_comment_is_read() -> None:
     opened = asap.read(reported("geometry.csv"), order="xypt")
     assert (opened.width, opened.height) == (346, 260)
@@ -470,13 +484,19 @@ def test_a_sensor_is_read_wherever_it_stands(tmp_path: Path) -> None:
         ("b.npz", {"resolution": [260, 346]}),
         ("c.h5", {"width": 346, "height": 260}),
         ("d.mat", {"width": 346, "height": 260}),
+        ("e.npz", {"image_width": 346, "image_height": 260}),
+        ("f.npz", {"Width": "346", "Height": "260"}),
+        ("g.npz", {"img_size": "(346, 260)"}),
     ):
         path = write(tmp_path / name, columns | size)
         opened = asap.read(path)
         assert (opened.width, opened.height) == (346, 260)
         assert_equal_events(np.concatenate(list(opened)), EVENTS)
     lines = "".join(f"{t},{x},{y},{p}\n" for x, y, p, t in EVENTS.tolist())
-    for comment in ("# geometry: 346x260", "# width: 346, height: 260", "% resolution 346 260"):
+    for comment in (
+        *("# geometry: 346x260", "# width: 346, height: 260", "% resolution 346 260"),
+        *("# height=260 width=346", "# 346 x 260", "# sensor: 346 x 260", "346,260"),
+    ):
         path = tmp_path / "e.csv"
         path.write_text(f"{comment}\nt,x,y,p\n{lines}")
         assert (asap.read(path).width, asap.read(path).height) == (346, 260)

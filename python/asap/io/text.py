@@ -35,9 +35,13 @@ _QUOTED = re.compile(rb"""(["'])\d[\d.]*\1""")
 _SEPARATORS = re.compile(rb"[ \t,;\r]+")
 _TRUTHS = {b"True": b"1", b"true": b"1", b"False": b"0", b"false": b"0"}  # as pandas writes them
 _SENSOR = re.compile(
-    rb"(?:geometry|resolution|size)\W*(\d{1,5})\s*[x,; ]\s*(\d{1,5})\b"
+    rb"(?:geometry|resolution|size|sensor)\W*(\d{1,5})\s*[x,; ]\s*(\d{1,5})\b"
     rb"|\bwidth\W*(\d{1,5})\b\W*height\W*(\d{1,5})\b"
+    rb"|^[#%\s]*(\d{1,5})\s*x\s*(\d{1,5})\s*$"
+    rb"|(?P<height>)\bheight\W*(\d{1,5})\b\W*width\W*(\d{1,5})\b",
+    re.MULTILINE,
 )
+_SIDES = re.compile(rb"(\d+)[\s,;x]+(\d+)")
 _UNIT = re.compile(r"[\W_]*(s|sec|seconds?|ms|us|µs|ns)[\W_]*")
 _UNITS = {"s": "s", "sec": "s", "second": "s", "seconds": "s", "µs": "us"}
 
@@ -142,8 +146,8 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
         if not rows and not any(numeric):
             names = _names(text, commented=False)
             start = at
-        elif not rows and sensor is None and len(fields) == 2 and text.replace(b" ", b"").isdigit():
-            sensor = (int(fields[0]), int(fields[1]))
+        elif not rows and sensor is None and (sides := _SIDES.fullmatch(text)):
+            sensor = (int(sides[1]), int(sides[2]))
             start = at
         elif all(numeric):
             if b";" in text and b"," in text:
@@ -167,7 +171,8 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
         if options.order is None and not names:
             _check_polarity(path, rows)
     if sensor is None and (size := _SENSOR.search(b"\n".join(comments))):
-        sensor = next((int(size[i]), int(size[i + 1])) for i in (1, 3) if size[i])
+        first, second = (int(side) for side in size.groups() if side)
+        sensor = (second, first) if size["height"] is not None else (first, second)
     width, height = sensor or (None, None)
     guessed = unit is None
     unit = unit or _unit_of(path, rows, order)
