@@ -18,6 +18,7 @@ from asap.cli import main
 from asap.events import Events
 from corrupt import clean_events
 from event_files import assert_equal_events, recording
+from record_files import aedat3
 
 EVENTS = clean_events(1000)
 LIBRARIES = {".h5": "h5py", ".mat": "scipy", ".aedat4": "lz4", ".mcap": "rosbags"}
@@ -190,6 +191,24 @@ def test_a_camera_that_begins_late_is_a_stream(tmp_path: Path) -> None:
         asap.read(path)
 
 
+@pytest.mark.parametrize("named", ["", "#Source 1: DAVIS346\r\n"])
+def test_cameras_that_no_header_of_aedat_3_names_are_streams(named: str, tmp_path: Path) -> None:
+    events, others = EVENTS[:400], EVENTS[400:]
+    lines = f"#Format: RAW\r\n{named}"
+    content = (
+        aedat3(events, lines, source=1)
+        + aedat3(others, lines, source=2).partition(b"HEADER\r\n")[2]
+    )
+    path = tmp_path / "cameras.aedat"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match="2 streams of events"):
+        asap.read(path)
+    assert_equal_events(asap.load(path, stream="1"), events)
+    second = asap.read(path, stream="2")
+    assert second.width is None
+    assert_equal_events(np.concatenate(list(second)), others)
+
+
 def test_several_cameras_of_one_aedat_are_streams() -> None:
     path = reported("four.aedat")
     with pytest.raises(ValueError, match=r"4 streams of events \(0, 1, 2, 3\)"):
@@ -259,6 +278,14 @@ def test_what_stands_for_a_recording_is_named(
 def test_without_order_long_comments_lead_to_the_right_question() -> None:
     with pytest.raises(ValueError, match=r"fourth column .* order='xypt'"):
         asap.read(reported("long_comment_xypt.csv"))
+
+
+@pytest.mark.parametrize("order", ["xytp", "yxtp"])
+def test_columns_of_text_that_begin_with_no_time_are_asked(order: str, tmp_path: Path) -> None:
+    path = write(tmp_path / "events.txt", {role: EVENTS[role] for role in order})
+    with pytest.raises(ValueError, match=r"third column of .* order='xytp'"):
+        asap.read(path)
+    assert_equal_events(asap.load(path, order=order), EVENTS)
 
 
 def test_messages_of_ros_1_in_mcap() -> None:

@@ -7,11 +7,13 @@ records begin and which decoder takes them. The file is read in pieces into one 
 from __future__ import annotations
 
 import re
+import struct
 import warnings
 from bisect import bisect_left
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from os import SEEK_CUR
 from pathlib import Path
 
 import numpy as np
@@ -224,6 +226,7 @@ _CHIPS = {  # layout of the addresses by the size of the sensor
     (128, 128): "davis",  # a DVS128 is known by its addresses
 }
 _BITS_OF_DVS640 = 21
+_PACKET = struct.Struct("<hh6i")  # the header of one of AEDAT 3.1
 _RIGHT_OF_TWO = 0x8000  # the bit of the addresses that marks the right one of a stereo pair
 
 
@@ -296,16 +299,33 @@ def _aedat3(path: Path, head: bytes, options: Options) -> Layout:
         raise UnsupportedFormat(f"{path}: compressed AEDAT 3.1 is not read; '#Format: RAW' is")
     start, size, source = header["size"], (header["width"], header["height"]), -1
     cameras = dict(_SOURCE.findall(head[:start].decode("ascii", "replace")))
-    streams = tuple(cameras) if len(cameras) > 1 else ()
-    if streams:
-        words = [f"{number} ({name})" for number, name in cameras.items()]
+    streams = _sources(path, start)
+    if len(streams) > 1:
+        words = [f"{number} ({cameras.get(number, 'not named')})" for number in streams]
         stream = choose_stream(path, options.stream, streams, words)
         source = int(stream)
-        if cameras[stream] != cameras[streams[0]]:  # the size that is known is of the first
-            size = (None, None)
+        first = next(iter(cameras.values()), None)  # the size that is known is of it
+        size = size if first is not None and cameras.get(stream) == first else (None, None)
+    else:
+        streams = ()
     return Layout(
         start, lambda at: _core.Aedat3Decoder(source=source, first_offset=at), *size, streams
     )
+
+
+def _sources(path: Path, start: int) -> tuple[str, ...]:
+    """Return the numbers of the cameras that have events, by the headers of whole packets."""
+    found: set[int] = set()
+    with path.open("rb") as file:
+        file.seek(start)
+        while len(head := file.read(_PACKET.size)) == _PACKET.size:
+            kind, source, size, _, _, capacity, count, _ = _PACKET.unpack(head)
+            if size < 0 or not 0 <= count <= capacity:
+                break
+            if kind == 1 and count:
+                found.add(source)
+            file.seek(size * count, SEEK_CUR)
+    return tuple(map(str, sorted(found)))
 
 
 FORMATS: dict[str, Callable[[Path, bytes, Options], Layout]] = {

@@ -169,7 +169,7 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
     if rows:
         rows = _of_common_length(path, rows, order, options.order is not None or bool(names))
         if options.order is None and not names:
-            _check_polarity(path, rows)
+            _check_columns(path, rows)
     if sensor is None and (size := _SENSOR.search(b"\n".join(comments))):
         first, second = (int(side) for side in size.groups() if side)
         sensor = (second, first) if size["height"] is not None else (first, second)
@@ -235,14 +235,24 @@ def _of_common_length(
     return alike
 
 
-def _check_polarity(path: Path, rows: list[list[bytes]]) -> None:
+def _check_columns(path: Path, rows: list[list[bytes]]) -> None:
+    """Refuse to take four columns for t, x, y and p where the first rows say otherwise."""
     polarity = [float(row[3]) for row in rows]
     wide = {p for p in polarity if abs(p) > 127 or p != int(p)}
     if len(wide) > 1 or polarity == [*wide]:  # one may be the -1 of a type without a sign
-        raise ValueError(
-            f"order = None: the fourth column of {path} holds no polarity (it begins with "
-            f"{rows[0][3].decode()}); say what the columns are, such as order='xypt'"
-        )
+        first = rows[0][3].decode()
+        words, order = f"fourth column of {path} holds no polarity (it begins with {first})", "xypt"
+    elif not _ascends(rows, 0) and _ascends(rows, 2):
+        words, order = f"third column of {path} ascends, the first one does not", "xytp"
+    else:
+        return
+    remedy = f"say what the columns are, such as order={order!r}"
+    raise ValueError(f"order = None: the {words}; {remedy}")
+
+
+def _ascends(rows: list[list[bytes]], column: int) -> bool:
+    times = [float(row[column]) for row in rows]
+    return len(times) > 2 and times[0] < times[-1] and times == sorted(times)
 
 
 def _unit_of(path: Path, rows: list[list[bytes]], order: str) -> str:
