@@ -436,7 +436,13 @@ class Atis40Decoder(_Decoder):
 
 class Aedat2Decoder(_Decoder):
     def __init__(
-        self, *, chip: str = "davis", width: int = 240, height: int = 180, camera: int = -1
+        self,
+        *,
+        chip: str = "davis",
+        width: int = 240,
+        height: int = 180,
+        camera_bits: int = 0,
+        camera: int = 0,
     ) -> None: ...
 
 class Aedat3Decoder(_Decoder):

@@ -203,7 +203,8 @@ void bind_header(py::module_& m, const char* name, Read read, Tell tell) {
       py::arg("bytes"));
 }
 
-constexpr std::array kChips{"unnamed", "other", "davis", "dvs128", "dvs640"};  // by Aedat2Chip
+constexpr std::array kChips{"unnamed", "other",  "davis",
+                            "dvs128",  "dvs640", "dvs1280"};  // by Aedat2Chip
 
 Aedat2Chip chip_named(const std::string& name) {
   const auto found = std::find(kChips.begin(), kChips.end(), name);
@@ -233,7 +234,7 @@ void bind_headers(py::module_& m) {
   bind_header(m, "read_aedat2_header", &read_aedat2_header, [](const Aedat2Header& header) {
     return py::dict("size"_a = header.size,
                     "chip"_a = kChips[static_cast<std::size_t>(header.chip)],
-                    "is_multi"_a = header.is_multi);
+                    "camera_bits"_a = header.camera_bits);
   });
   bind_header(m, "read_aedat3_header", &read_aedat3_header, [](const Aedat3Header& header) {
     return py::dict("size"_a = header.size, "raw"_a = header.raw, "sources"_a = header.sources);
@@ -284,13 +285,16 @@ void bind_decoders(py::module_& m) {
       py::arg("marks") = true);
   bind_decoder<Aedat2Decoder>(
       m, "Aedat2Decoder",
-      std::function(
-          [](const std::string& chip, std::uint16_t width, std::uint16_t height, int camera) {
-            return Aedat2Config{
-                .chip = chip_named(chip), .width = width, .height = height, .camera = camera};
-          }),
+      std::function([](const std::string& chip, std::uint16_t width, std::uint16_t height,
+                       std::uint32_t camera_bits, std::uint32_t camera) {
+        return Aedat2Config{.chip = chip_named(chip),
+                            .width = width,
+                            .height = height,
+                            .camera_bits = camera_bits,
+                            .camera = camera};
+      }),
       py::arg("chip") = "davis", py::arg("width") = 240, py::arg("height") = 180,
-      py::arg("camera") = -1);
+      py::arg("camera_bits") = 0, py::arg("camera") = 0);
   bind_decoder<Aedat3Decoder>(
       m, "Aedat3Decoder", std::function([](int source, const py::object& first_offset) {
         return Aedat3Config{.source = source,

@@ -11,9 +11,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto front = std::as_bytes(std::span(data, size));
   if (const auto header = read_aedat2_header(front)) fuzz::check(header->size <= size);
   fuzz::Bytes bytes(data, size);
-  const Aedat2Config config{.chip = static_cast<Aedat2Chip>(bytes.below(4)),
-                            .width = static_cast<std::uint16_t>(bytes.count(1024)),
-                            .height = static_cast<std::uint16_t>(bytes.count(512))};
+  const Aedat2Config config{.chip = static_cast<Aedat2Chip>(bytes.below(6)),
+                            .width = static_cast<std::uint16_t>(bytes.count(2048)),
+                            .height = static_cast<std::uint16_t>(bytes.count(1024))};
   try {
     fuzz::check_decoder(Aedat2Decoder(config), bytes);
   } catch (const std::invalid_argument&) {

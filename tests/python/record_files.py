@@ -92,12 +92,14 @@ def packet(kind: int, records: bytes, *, source: int = 0) -> bytes:
     )
 
 
-def aedat3(events: Events, lines: str = ONE_CAMERA, per_packet: int = 4096) -> bytes:
+def aedat3(
+    events: Events, lines: str = ONE_CAMERA, per_packet: int = 4096, source: int = 0
+) -> bytes:
     """AEDAT 3.1."""
     t, x, y, p = columns(events)
     records = low_bytes(1 | p << 1 | y << 2 | x << 17 | t << 32, 8)
     packets = [
-        packet(1, records[at : at + per_packet].tobytes())
+        packet(1, records[at : at + per_packet].tobytes(), source=source)
         for at in range(0, len(events), per_packet)
     ]
     return f"#!AER-DAT3.1\r\n{lines}#!END-HEADER\r\n".encode() + b"".join(packets)

@@ -107,15 +107,21 @@ def write_bag(path: Path, types: Types, messages: Messages, *, compression: str 
 
 
 def write_folder(
-    folder: Path, types: Types, messages: Messages, storage: str, *, compression: str = ""
+    folder: Path,
+    types: Types,
+    messages: Messages,
+    storage: str,
+    *,
+    compression: str = "",
+    mode: str = "storage",
 ) -> None:
     """A bag of ROS 2 as a folder with its metadata."""
     rosbag2 = pytest.importorskip("rosbags.rosbag2")
     plugin = rosbag2.StoragePlugin.MCAP if storage == "mcap" else rosbag2.StoragePlugin.SQLITE3
     writer = rosbag2.Writer(folder, version=9, storage_plugin=plugin)
     if compression:
-        mode = rosbag2.CompressionMode.STORAGE
-        writer.set_compression(mode, rosbag2.CompressionFormat[compression.upper()])
+        way = rosbag2.CompressionMode[mode.upper()]
+        writer.set_compression(way, rosbag2.CompressionFormat[compression.upper()])
     _write(writer, types, messages)
 
 

@@ -201,6 +201,16 @@ MANY = clean_events(20_000)  # in messages that are longer than a page of a data
 WAYS = [(format, way) for format in SUFFIXES for way in ("", *ros_bags.COMPRESSIONS[format])]
 
 
+@pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
+def test_a_file_of_messages_that_are_packed_one_by_one(storage: str, tmp_path: Path) -> None:
+    types, folder = Types("mcap" if storage == "mcap" else "rosbag2"), tmp_path / "bag"
+    options = {"compression": "zstd", "mode": "message"}
+    ros_bags.write_folder(folder, types, packets(types, EVENTS, 20), storage, **options)
+    (file,) = (path for path in folder.iterdir() if path.suffix != ".yaml")
+    for path in (folder, file):
+        assert_equal_events(read_all(path)[0], EVENTS)
+
+
 class TestDamage:
     @pytest.mark.parametrize(("format", "compression"), WAYS)
     def test_a_cut_bag_gives_what_is_whole(

@@ -18,6 +18,7 @@ from asap.cli import main
 from asap.events import Events
 from corrupt import clean_events
 from event_files import assert_equal_events, recording
+from record_files import aedat3
 
 EVENTS = clean_events(1000)
 LIBRARIES = {".h5": "h5py", ".mat": "scipy", ".aedat4": "lz4", ".mcap": "rosbags"}
@@ -121,6 +122,93 @@ def test_the_layout_of_aedat_2_is_known_or_asked() -> None:
     assert_equal_events(asap.load(path, width=640, height=480), truth("v2e_640.aedat.truth.npz"))
 
 
+def aedat2(path: Path, address: Any, chip: str = "") -> Path:
+    """Write records of `EVENTS` at these addresses, under a header that names a chip, or none."""
+    name = f"# AEChip: {chip}\r\n" if chip else ""
+    records = np.stack([address, EVENTS["t"]], axis=1).astype(">u4")
+    path.write_bytes(f"#!AER-DAT2.0\r\n{name}".encode() + records.tobytes())
+    return path
+
+
+X, Y, P = (EVENTS[role].astype(np.int64) for role in "xyp")
+
+
+@pytest.mark.parametrize(
+    ("chip", "address", "size"),
+    [
+        ("retina.DVS1280x720SD", (719 - Y) << 12 | (1279 - X) << 1 | P, (1280, 720)),
+        ("retina.DVXplorer", (479 - Y) << 22 | (639 - X) << 12 | P << 11, (640, 480)),
+        ("davis.Davis640", (479 - Y) << 22 | (639 - X) << 12 | P << 11, (640, 480)),
+        ("retina.DVS640", (479 - Y) << 11 | (639 - X) << 1 | P, (640, 480)),
+        ("retina.DVS640", (Y % 20) << 11 | (639 - X) << 1 | P, (640, 480)),  # as of a DVS128
+    ],
+)
+def test_a_chip_of_jaer_is_known_by_its_name_or_its_size(
+    chip: str, address: Any, size: tuple[int, int], tmp_path: Path
+) -> None:
+    expected = EVENTS.copy()
+    if (address >> 11).max() < 20:
+        expected["y"] = 479 - Y % 20
+    named = asap.read(aedat2(tmp_path / "named.aedat", address, chip))
+    assert (named.width, named.height) == size
+    assert_equal_events(np.concatenate(list(named)), expected)
+    unnamed = aedat2(tmp_path / "unnamed.aedat", address)
+    assert_equal_events(asap.load(unnamed, width=size[0], height=size[1]), expected)
+
+
+CAMERA = np.arange(len(EVENTS)) % 3 % 2
+
+
+@pytest.mark.parametrize(
+    ("chip", "address", "streams"),
+    [
+        ("DVS128StereoPair", CAMERA << 15, ("left", "right")),
+        ("MultiDVS128CameraChip", CAMERA * 200 << 24, ("0", "200")),
+    ],
+)
+def test_several_dvs128_of_one_aedat_are_streams(
+    chip: str, address: Any, streams: tuple[str, ...], tmp_path: Path
+) -> None:
+    pixel = (127 - Y % 128) << 8 | (127 - X % 128) << 1 | 1 - P
+    path = aedat2(tmp_path / "cameras.aedat", address | pixel, chip)
+    with pytest.raises(ValueError, match="2 streams of events"):
+        asap.read(path)
+    expected = EVENTS.copy()
+    expected["x"], expected["y"] = X % 128, Y % 128
+    for number, stream in enumerate(streams):
+        opened = asap.read(path, stream=stream)
+        assert opened.streams == streams
+        assert_equal_events(np.concatenate(list(opened)), expected[number == CAMERA])
+        assert opened.trigger_count == 0
+
+
+def test_a_camera_that_begins_late_is_a_stream(tmp_path: Path) -> None:
+    path = aedat2(tmp_path / "cameras.aedat", Y << 22 | X << 12, "MultiDAVIS346BCameraChip")
+    with path.open("ab") as file:
+        file.write(path.read_bytes()[-8000:] * 150)
+        file.write((3).to_bytes(4, "big") + (1_000_000).to_bytes(4, "big"))
+    with pytest.raises(ValueError, match=r"2 streams of events \(0, 3\)"):
+        asap.read(path)
+
+
+@pytest.mark.parametrize("named", ["", "#Source 1: DAVIS346\r\n"])
+def test_cameras_that_no_header_of_aedat_3_names_are_streams(named: str, tmp_path: Path) -> None:
+    events, others = EVENTS[:400], EVENTS[400:]
+    lines = f"#Format: RAW\r\n{named}"
+    content = (
+        aedat3(events, lines, source=1)
+        + aedat3(others, lines, source=2).partition(b"HEADER\r\n")[2]
+    )
+    path = tmp_path / "cameras.aedat"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match="2 streams of events"):
+        asap.read(path)
+    assert_equal_events(asap.load(path, stream="1"), events)
+    second = asap.read(path, stream="2")
+    assert second.width is None
+    assert_equal_events(np.concatenate(list(second)), others)
+
+
 def test_several_cameras_of_one_aedat_are_streams() -> None:
     path = reported("four.aedat")
     with pytest.raises(ValueError, match=r"4 streams of events \(0, 1, 2, 3\)"):
@@ -192,6 +280,14 @@ def test_without_order_long_comments_lead_to_the_right_question() -> None:
         asap.read(reported("long_comment_xypt.csv"))
 
 
+@pytest.mark.parametrize("order", ["xytp", "yxtp"])
+def test_columns_of_text_that_begin_with_no_time_are_asked(order: str, tmp_path: Path) -> None:
+    path = write(tmp_path / "events.txt", {role: EVENTS[role] for role in order})
+    with pytest.raises(ValueError, match=r"third column of .* order='xytp'"):
+        asap.read(path)
+    assert_equal_events(asap.load(path, order=order), EVENTS)
+
+
 def test_messages_of_ros_1_in_mcap() -> None:
     events = asap.load(reported("ros1_dvs.mcap"))
     expected = truth()
@@ -211,6 +307,20 @@ def test_a_size_that_is_a_dataset_is_read_and_the_offset_added() -> None:
     expected = truth()
     expected["t"] += 49_599_300_523
     assert_equal_events(np.concatenate(list(opened)), expected)
+
+
+@pytest.mark.parametrize("place", ["events", "/"])
+@pytest.mark.parametrize("offset", [7_000, 7_000.0, [7_000]], ids=str)
+@pytest.mark.parametrize("is_attribute", [False, True])
+def test_the_offset_of_the_times_is_added_wherever_it_stands(
+    place: str, offset: Any, is_attribute: bool, tmp_path: Path
+) -> None:
+    path = write(tmp_path / "events.h5", {role: EVENTS[role] for role in "txyp"})
+    with pytest.importorskip("h5py").File(path, "a") as file:
+        (file[place].attrs if is_attribute else file[place])["t_offset"] = offset
+    expected = EVENTS.copy()
+    expected["t"] += 7_000
+    assert_equal_events(asap.load(path), expected)
 
 
 def test_a_size_in_a_comment_is_read() -> None:
@@ -244,13 +354,16 @@ CONTAINERS = (".npz", ".npy", ".h5", ".mat", ".txt")
 @pytest.mark.parametrize("suffix", CONTAINERS)
 @pytest.mark.parametrize("dtype", ["u1", "u2", "u4", "i8"])
 @pytest.mark.parametrize("off_on", [(-1, 1), (1, 2), (0, 1)], ids=str)
+@pytest.mark.parametrize("rare", [None, 0, 1])
 def test_polarity_that_can_mean_one_thing(
-    suffix: str, dtype: str, off_on: tuple[int, int], tmp_path: Path
+    suffix: str, dtype: str, off_on: tuple[int, int], rare: int | None, tmp_path: Path
 ) -> None:
-    p = np.where(EVENTS["p"], off_on[1], off_on[0]).astype(dtype)
+    expected = EVENTS.copy()
+    if rare is not None:
+        expected["p"] = np.where(np.arange(len(EVENTS)) % 20, 1 - rare, rare)
+    p = np.where(expected["p"], off_on[1], off_on[0]).astype(dtype)
     columns = {role: EVENTS[role] for role in "txy"} | {"p": p}
     loaded = asap.load(write(tmp_path / f"events{suffix}", columns))
-    expected = EVENTS.copy()
     if suffix == ".mat" and off_on == (1, 2) and min(EVENTS["x"].min(), EVENTS["y"].min()) > 0:
         expected["x"] -= 1
         expected["y"] -= 1
@@ -258,7 +371,7 @@ def test_polarity_that_can_mean_one_thing(
 
 
 @pytest.mark.parametrize("suffix", CONTAINERS)
-@pytest.mark.parametrize("off_on", [(0, 255), (0, 2), (3, 7)], ids=str)
+@pytest.mark.parametrize("off_on", [(0, 255), (0, 2), (3, 7), (-1, 0), (2, 2)], ids=str)
 def test_polarity_that_can_mean_several_things_is_asked(
     suffix: str, off_on: tuple[int, int], tmp_path: Path
 ) -> None:
@@ -266,6 +379,29 @@ def test_polarity_that_can_mean_several_things_is_asked(
     columns = {role: EVENTS[role] for role in "txy"} | {"p": p}
     with pytest.raises(ValueError, match="does not say which number is ON"):
         asap.load(write(tmp_path / f"events{suffix}", columns))
+
+
+def test_polarity_of_three_numbers_is_asked(tmp_path: Path) -> None:
+    p = np.arange(len(EVENTS)) % 3 - 1
+    columns = {role: EVENTS[role] for role in "txy"} | {"p": p}
+    with pytest.raises(ValueError, match=r"p = -1, 0, 1: .* does not say which number is ON"):
+        asap.load(write(tmp_path / "events.npz", columns))
+
+
+@pytest.mark.parametrize("off_on", [(255, 1), (1, 2)], ids=str)
+def test_polarity_that_shows_late_is_mapped_or_asked(
+    off_on: tuple[int, int], tmp_path: Path
+) -> None:
+    expected = clean_events(70_000)
+    expected["p"] = on = off_on[1] == 1  # until the last events
+    expected["p"][-4_000:] = np.arange(4_000) % 2
+    p = np.where(expected["p"], off_on[1], off_on[0])
+    path = write(tmp_path / "events.npz", {role: expected[role] for role in "txy"} | {"p": p})
+    if on:
+        assert_equal_events(asap.load(path), expected)
+    else:
+        with pytest.raises(ValueError, match="does not say which number is ON"):
+            asap.load(path)
 
 
 def test_a_few_damaged_polarities_do_not_change_the_others(tmp_path: Path) -> None:
@@ -375,13 +511,19 @@ def test_a_sensor_is_read_wherever_it_stands(tmp_path: Path) -> None:
         ("b.npz", {"resolution": [260, 346]}),
         ("c.h5", {"width": 346, "height": 260}),
         ("d.mat", {"width": 346, "height": 260}),
+        ("e.npz", {"image_width": 346, "image_height": 260}),
+        ("f.npz", {"Width": "346", "Height": "260"}),
+        ("g.npz", {"img_size": "(346, 260)"}),
     ):
         path = write(tmp_path / name, columns | size)
         opened = asap.read(path)
         assert (opened.width, opened.height) == (346, 260)
         assert_equal_events(np.concatenate(list(opened)), EVENTS)
     lines = "".join(f"{t},{x},{y},{p}\n" for x, y, p, t in EVENTS.tolist())
-    for comment in ("# geometry: 346x260", "# width: 346, height: 260", "% resolution 346 260"):
+    for comment in (
+        *("# geometry: 346x260", "# width: 346, height: 260", "% resolution 346 260"),
+        *("# height=260 width=346", "# 346 x 260", "# sensor: 346 x 260", "346,260"),
+    ):
         path = tmp_path / "e.csv"
         path.write_text(f"{comment}\nt,x,y,p\n{lines}")
         assert (asap.read(path).width, asap.read(path).height) == (346, 260)

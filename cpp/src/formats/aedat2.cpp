@@ -1,5 +1,7 @@
 #include "asap/formats/aedat.hpp"
 
+#include <bit>
+
 #include "asap/core/check.hpp"
 #include "formats/aedat_header.hpp"
 #include "formats/records.hpp"
@@ -15,25 +17,27 @@ struct Aedat2 {
   static constexpr std::size_t kRecord = 8;
   static constexpr bool kBigEndian = true;
 
-  std::uint32_t right, bottom;  // the highest x and y
-  std::uint32_t camera_mask, camera;
+  std::uint32_t right, bottom;        // the highest x and y
+  std::uint32_t camera_bits, camera;  // the second within the first
   std::uint64_t triggers;
   std::int64_t t;
 
   static std::size_t size(std::uint64_t) noexcept { return kRecord; }
   bool is_event(std::uint64_t word) const noexcept {
-    return (word >> 32 & (Address::kOther | camera_mask)) == camera;
+    return (word >> 32 & (Address::kOther | camera_bits)) == camera;
   }
-  static bool waits(std::uint64_t word, const Output& out) noexcept {
-    return Address::is_trigger(static_cast<std::uint32_t>(word >> 32)) &&
-           !out.has_room_for_a_trigger();
+  bool is_trigger(std::uint64_t word) const noexcept {
+    return Address::is_trigger(static_cast<std::uint32_t>(word >> 32) & ~camera_bits);
+  }
+  bool waits(std::uint64_t word, const Output& out) const noexcept {
+    return is_trigger(word) && !out.has_room_for_a_trigger();
   }
   std::size_t take(std::uint64_t word, Event* to, Output& out) noexcept {
     const auto address = static_cast<std::uint32_t>(word >> 32);
     // The 32 bits wrap: the shorter way from the last time is the right one.
     const auto step = static_cast<std::uint32_t>(word) - static_cast<std::uint32_t>(t);
     t += static_cast<std::int32_t>(step);
-    if (Address::is_trigger(address)) {
+    if (is_trigger(word)) {
       ++triggers;
       out.take({.t = t, .id = 0, .value = 1});
     }
@@ -42,8 +46,6 @@ struct Aedat2 {
     return is_event(word);
   }
 };
-
-constexpr int kCameras = 0xf;  // the bits of a DAVIS's address that name the camera
 
 struct Davis {
   static constexpr std::uint32_t kOther = 0x8000'0400;
@@ -61,13 +63,22 @@ struct Dvs128 {
   static bool is_trigger(std::uint32_t address) noexcept { return (address & kOther) != 0; }
 };
 
-struct Dvs640 {
-  static constexpr std::uint32_t kOther = 0xfff0'0000;
-  static std::uint32_t x(std::uint32_t address) noexcept { return address >> 1 & 0x3ff; }
-  static std::uint32_t y(std::uint32_t address) noexcept { return address >> 11 & 0x1ff; }
+template <unsigned kBitsOfX, unsigned kBitsOfY>
+struct Dvs {
+  static constexpr std::uint32_t kOther = ~0u << (1 + kBitsOfX + kBitsOfY);
+  static std::uint32_t x(std::uint32_t address) noexcept {
+    return address >> 1 & ~(~0u << kBitsOfX);
+  }
+  static std::uint32_t y(std::uint32_t address) noexcept {
+    return address >> (1 + kBitsOfX) & ~(~0u << kBitsOfY);
+  }
   static std::uint32_t p(std::uint32_t address) noexcept { return address & 1; }
   static bool is_trigger(std::uint32_t) noexcept { return false; }
 };
+
+unsigned shift_of(std::uint32_t bits) noexcept {
+  return bits == 0 ? 0 : static_cast<unsigned>(std::countr_zero(bits));
+}
 
 // Addresses of a DVS128 have 16 bits; those of a DAVIS are mostly longer.
 bool are_of_a_dvs128(std::string_view records) noexcept {
@@ -99,27 +110,24 @@ std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front)
     }
   }
   const AedatSensor sensor = aedat_sensor(device);
-  Aedat2Header header{at, Aedat2Chip::unnamed, sensor.width, sensor.height, sensor.is_multi};
-  if (sensor.is_davis) {
-    header.chip = Aedat2Chip::davis;
-  } else if (sensor.is_dvs640) {
-    header.chip = Aedat2Chip::dvs640;
-  } else if (sensor.is_dvs128 || (!is_chip && are_of_a_dvs128(text.substr(at)))) {
-    header.chip = Aedat2Chip::dvs128;
-    header.width = header.height = 128;
-  } else if (is_chip) {
-    header.chip = Aedat2Chip::other;
+  Aedat2Header header{at, sensor.chip, sensor.width, sensor.height, sensor.camera_bits};
+  if (sensor.chip == Aedat2Chip::other && !is_chip) {
+    const bool is_dvs128 = are_of_a_dvs128(text.substr(at));
+    header.chip = is_dvs128 ? Aedat2Chip::dvs128 : Aedat2Chip::unnamed;
   }
   return header;
 }
 
 Aedat2Decoder::Aedat2Decoder(const Aedat2Config& config) : NativeDecoder(config) {
-  const bool is_dvs128 = config.chip == Aedat2Chip::dvs128;
-  require(is_dvs128 || config.chip == Aedat2Chip::davis || config.chip == Aedat2Chip::dvs640,
-          "chip", static_cast<int>(config.chip), "davis, dvs128 or dvs640");
-  require(config.camera >= -1 && config.camera <= kCameras, "camera", config.camera,
-          "its number, 0 to 15, or -1 where the addresses name none");
-  const std::uint16_t widest = is_dvs128 ? 128 : 1024, highest = is_dvs128 ? 128 : 512;
+  const Aedat2Chip chip = config.chip;
+  require(chip != Aedat2Chip::unnamed && chip != Aedat2Chip::other && chip <= Aedat2Chip::dvs1280,
+          "chip", static_cast<int>(chip), "davis, dvs128, dvs640 or dvs1280");
+  require(config.camera <= config.camera_bits >> shift_of(config.camera_bits), "camera",
+          config.camera, "a number that camera_bits hold");
+  const std::uint16_t widest = chip == Aedat2Chip::dvs128    ? 128
+                               : chip == Aedat2Chip::dvs1280 ? 2048
+                                                             : 1024;
+  const std::uint16_t highest = chip == Aedat2Chip::dvs128 ? 128 : widest / 2;
   require(config.width >= 1 && config.width <= widest, "width", config.width,
           "the sensor's, within the bits of an address");
   require(config.height >= 1 && config.height <= highest, "height", config.height,
@@ -134,13 +142,13 @@ std::size_t Aedat2Decoder::decode_bytes(std::span<const std::byte> bytes, Output
     return used;
   };
   const std::uint32_t right = config_.width - 1u, bottom = config_.height - 1u;
-  const std::uint32_t mask = config_.camera < 0 ? 0u : kCameras;
-  const std::uint32_t camera = mask & static_cast<std::uint32_t>(config_.camera);
+  const std::uint32_t bits = config_.camera_bits, camera = config_.camera << shift_of(bits);
   const auto decode = [&]<class Address>(Address) {
-    return run(Aedat2<Address>{right, bottom, mask, camera, triggers_, t_});
+    return run(Aedat2<Address>{right, bottom, bits, camera, triggers_, t_});
   };
   if (config_.chip == Aedat2Chip::dvs128) return decode(Dvs128{});
-  return config_.chip == Aedat2Chip::dvs640 ? decode(Dvs640{}) : decode(Davis{});
+  if (config_.chip == Aedat2Chip::dvs640) return decode(Dvs<10, 9>{});
+  return config_.chip == Aedat2Chip::dvs1280 ? decode(Dvs<11, 10>{}) : decode(Davis{});
 }
 
 template class NativeDecoder<Aedat2Decoder, Aedat2Config, 8>;

@@ -9,15 +9,26 @@ namespace {
 struct NamedSensor {
   std::string_view name;  // small letters
   std::uint16_t width, height;
+  Aedat2Chip chip = Aedat2Chip::other;
 };
 
 // Longer names before those that they contain.
 constexpr NamedSensor kSensors[] = {
-    {"davisrgbw640", 640, 480}, {"davishet640", 640, 480}, {"davis640", 640, 480},
-    {"davis346", 346, 260},     {"davis240", 240, 180},    {"davis208", 208, 192},
-    {"davis128", 128, 128},     {"dvs128", 128, 128},      {"edvs4337", 128, 128},
-    {"secdvs", 0, 0},           {"dvs640", 640, 480},      {"dvs132s", 132, 104},
-    {"dvxplorer", 640, 480},
+    {"davisrgbw640", 640, 480, Aedat2Chip::davis},
+    {"davishet640", 640, 480, Aedat2Chip::davis},
+    {"davis640", 640, 480, Aedat2Chip::davis},
+    {"davis346", 346, 260, Aedat2Chip::davis},
+    {"davis240", 240, 180, Aedat2Chip::davis},
+    {"davis208", 208, 192, Aedat2Chip::davis},
+    {"davis128", 128, 128, Aedat2Chip::davis},
+    {"davis", 0, 0, Aedat2Chip::davis},
+    {"dvs1280", 1280, 720, Aedat2Chip::dvs1280},
+    {"dvs128", 128, 128, Aedat2Chip::dvs128},
+    {"edvs4337", 128, 128},
+    {"secdvs", 0, 0},
+    {"dvs640", 640, 480, Aedat2Chip::dvs640},
+    {"dvs132s", 132, 104},
+    {"dvxplorer", 640, 480, Aedat2Chip::davis},
 };
 
 bool contains(std::string_view text, std::string_view small) noexcept {
@@ -28,17 +39,16 @@ bool contains(std::string_view text, std::string_view small) noexcept {
 }  // namespace
 
 AedatSensor aedat_sensor(std::string_view device) noexcept {
-  AedatSensor sensor{.is_davis = contains(device, "davis"),
-                     .is_dvs128 = contains(device, "dvs128"),
-                     .is_dvs640 = contains(device, "dvs640") && !contains(device, "secdvs"),
-                     .is_multi = contains(device, "multi"),
-                     .width = 0,
-                     .height = 0};
-  for (const NamedSensor& known : kSensors) {
-    if (!contains(device, known.name)) continue;
-    sensor.width = known.width;
-    sensor.height = known.height;
-    break;
+  const auto known = std::ranges::find_if(
+      kSensors, [&](const NamedSensor& sensor) { return contains(device, sensor.name); });
+  if (known == std::end(kSensors)) return {0, 0, Aedat2Chip::other, 0};
+  AedatSensor sensor{known->width, known->height, known->chip, 0};
+  const bool is_davis = known->chip == Aedat2Chip::davis;
+  if (contains(device, "stereo")) {
+    sensor.camera_bits = 0x8000;
+    if (is_davis) sensor.chip = Aedat2Chip::other;
+  } else if (contains(device, "multi")) {
+    sensor.camera_bits = is_davis ? 0xf : 0xff00'0000;
   }
   return sensor;
 }

@@ -7,12 +7,14 @@
 #include <optional>
 #include <string_view>
 
+#include "asap/formats/aedat.hpp"
+
 namespace asap {
 
 struct AedatSensor {
-  bool is_davis, is_dvs128, is_dvs640;
-  bool is_multi;                // several cameras in one
   std::uint16_t width, height;  // px; 0 where the name does not say
+  Aedat2Chip chip;              // other: jAER writes its addresses in another way, or it is unknown
+  std::uint32_t camera_bits;    // as in Aedat2Header
 };
 
 // The sensor whose name stands in `device`, in whatever case, such as "DAVIS FX2" or the name of a

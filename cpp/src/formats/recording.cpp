@@ -74,17 +74,21 @@ std::optional<Opened> open_raw(const std::filesystem::path& path, Bytes front) {
 
 std::optional<Opened> open_aedat(const std::filesystem::path& path, Bytes front) {
   if (const auto header = read_aedat2_header(front)) {
-    if (header->chip != Aedat2Chip::davis && header->chip != Aedat2Chip::dvs128) {
-      refuse(path, "is an AEDAT 2.0 file that names neither a DAVIS nor a DVS128");
+    const bool is_dvs128 = header->chip == Aedat2Chip::dvs128;  // maybe by its addresses
+    if (header->chip == Aedat2Chip::other || (header->width == 0 && !is_dvs128)) {
+      refuse(path, "is an AEDAT 2.0 file whose header names no sensor that is decoded");
     }
-    Aedat2Config config{.chip = header->chip};
-    if (header->width > 0) config.width = header->width;
-    if (header->height > 0) config.height = header->height;
-    return Opened{Aedat2Decoder(config), header->size, header->width, header->height};
+    if (header->camera_bits != 0) refuse(path, "holds several cameras");
+    const std::uint16_t width = is_dvs128 ? 128 : header->width;
+    const std::uint16_t height = is_dvs128 ? 128 : header->height;
+    return Opened{
+        Aedat2Decoder(Aedat2Config{.chip = header->chip, .width = width, .height = height}),
+        header->size, width, height};
   }
   const auto header = read_aedat3_header(front);
   if (!header) return std::nullopt;
   if (!header->raw) refuse(path, "is a compressed AEDAT 3.1 file; only RAW ones have a decoder");
+  if (header->sources > 1) refuse(path, "holds several cameras");
   return Opened{Aedat3Decoder({.first_offset = header->size}), header->size, header->width,
                 header->height};
 }

@@ -23,13 +23,14 @@ from asap.events import (
     plain_view,
 )
 from asap.io.errors import UnsupportedFormat, unclear_unit
-from asap.io.reader import Losses, Options
+from asap.io.reader import PLAIN, Losses, Options
 
 _MAX_ADDRESS = 65535
 _DAMAGED = 0.1  # share of odd polarities that is no other way to write it
 # -1 in a type without a sign; the decoder of text stops at 2^15 - 1.
 _MINUS_ONE = (2**8 - 1, 2**16 - 1, 2**32 - 1, 2**64 - 1, 2**15 - 1)
-_EVERY = 64  # later events whose polarity is looked at
+_PAIRS = {(1, 2): (1, 2)} | {(1, minus): (minus, 1) for minus in _MINUS_ONE}  # OFF and ON
+_EVERY = 61  # later events whose polarity is looked at: a prime, against patterns
 
 
 def row_before(one: Callable[[int], Events], rows: int, t_us: int) -> int:
@@ -100,27 +101,36 @@ def _polarity(p: npt.NDArray[Any], losses: Losses, first: int) -> npt.NDArray[An
     ValueError
         The numbers could mean several things.
     """
-    if p.dtype.kind == "b" or not p.size or losses.takes_any_polarity:
+    if p.dtype.kind == "b" or losses.off_on == PLAIN:
         return None
     if losses.off_on is None:
         some = p if first == 0 else p[::_EVERY]
-        if not (some.max() > 1 or some.min() < -1):  # NaN is neither
+        losses.off_on = _off_on(some[some == some], losses.path, first)
+        if losses.off_on in (None, PLAIN):
             return None
-        values, counts = np.unique(some[some == some], return_counts=True)
-        odd = int(counts[~np.isin(values, (-1, 0, 1))].sum())
-        if odd <= _DAMAGED * some.size:
-            return None
-        found = tuple(values.tolist())
-        known = {(1, 2): (1, 2)} | {(1, minus): (minus, 1) for minus in _MINUS_ONE}
-        if first or found not in known:
-            listed = ", ".join(f"{value:g}" for value in found[:4]) + ", ..." * (len(found) > 4)
-            raise ValueError(
-                f"p = {listed}: the polarity in {losses.path} does not say which number is ON; "
-                "is this column the polarity? Write it as 0 and 1, or leave it out"
-            )
-        losses.off_on = known[found]
     off, on = losses.off_on
     return np.where(p == off, 0, np.where(p == on, 1, p))
+
+
+def _off_on(p: npt.NDArray[Any], path: Path, first: int) -> tuple[float, float] | None:
+    """Return which numbers are OFF and ON; None where one number alone is plain."""
+    if p.size == 0:
+        return None
+    if p.dtype.kind != "f" and p.min() == 0 and p.max() == 1:
+        return PLAIN
+    values, counts = np.unique(p, return_counts=True)
+    plain = max(int(counts[np.isin(values, pair)].sum()) for pair in ((0, 1), (-1, 1)))
+    found = tuple(values.tolist())
+    if plain == p.size or (len(found) > 2 and plain >= (1 - _DAMAGED) * p.size):
+        return PLAIN if len(found) > 1 else None
+    pair = _PAIRS.get(found) or (found if len(found) == 2 and found[0] < 0 < found[1] else None)
+    if pair is None or (first and pair[1] != 1):  # 1 was read as ON before
+        listed = ", ".join(f"{value:g}" for value in found[:4]) + ", ..." * (len(found) > 4)
+        raise ValueError(
+            f"p = {listed}: the polarity in {path} does not say which number is ON; "
+            "is this column the polarity? Write it as 0 and 1, or leave it out"
+        )
+    return pair
 
 
 def from_one(columns: Columns, losses: Losses) -> Columns:

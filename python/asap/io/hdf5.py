@@ -366,22 +366,23 @@ def _records_or_matrix(name: str, dataset: Any, order: str | None) -> _Layout | 
 
 
 def _offset(path: Path, group: Any) -> int:
-    """DSEC: times count from t_offset, which stands beside the group."""
+    """DSEC: times count from t_offset, a dataset or an attribute of the group or its parent."""
     h5py = library("h5py", "HDF5", "hdf5")
     for place in (group, group.parent):
         link = place.get("t_offset", getlink=True)
+        if link is not None and not isinstance(link, h5py.HardLink):
+            raise UnsupportedFormat(f"{path}: t_offset is a link, which is never followed")
         if link is not None:
-            if not isinstance(link, h5py.HardLink):
-                raise UnsupportedFormat(f"{path}: t_offset is a link, which is never followed")
             _usable(path, place["t_offset"])
-            offset = place["t_offset"]
-            if (
-                offset.size != 1
-                or offset.dtype.kind not in "iu"
-                or abs(int(offset[()])) > _stamps.MAX
-            ):
-                raise CorruptFile(path, 0, f"{offset.name}: one number of us is needed")
-            return int(np.asarray(offset[()]).item())
+        elif "t_offset" not in place.attrs:
+            continue
+        stated = _small(h5py, place, "t_offset") if link else place.attrs["t_offset"]
+        offset = np.asarray(stated).reshape(-1)
+        if offset.size == 1 and offset.dtype.kind in "iuf":
+            us = offset[0].item()
+            if abs(us) <= _stamps.MAX and us == int(us):
+                return int(us)
+        raise CorruptFile(path, 0, f"{place.name}: t_offset: one number of us is needed")
     return 0
 
 

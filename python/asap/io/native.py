@@ -7,14 +7,17 @@ records begin and which decoder takes them. The file is read in pieces into one 
 from __future__ import annotations
 
 import re
+import struct
 import warnings
 from bisect import bisect_left
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from os import SEEK_CUR
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from asap import _core, _stamps
 from asap.events import EVENT_DTYPE, Events
@@ -24,6 +27,7 @@ from asap.io.reader import CHUNK, Losses, Options, choose_stream
 _SOURCE = re.compile(r"^#Source (\d+): *(.*?)\s*$", re.MULTILINE)
 HEAD = 1 << 20  # bytes that a header may take
 _PIECE = 1 << 18
+_MUCH = 1 << 24
 _RECORD_OF_40_BITS = 5  # bytes
 _ROWS_OF_40_BITS = 240  # the largest sensor has so many; the row below it marks time
 _BACK, _BACK_LEAST = 0.25, 8  # steps back in time that no recording has: a share, and so many
@@ -218,8 +222,12 @@ _CHIPS = {  # layout of the addresses by the size of the sensor
     (346, 260): "davis",
     (208, 192): "davis",
     (640, 480): "dvs640",
+    (1280, 720): "dvs1280",
     (128, 128): "davis",  # a DVS128 is known by its addresses
 }
+_BITS_OF_DVS640 = 21
+_PACKET = struct.Struct("<hh6i")  # the header of one of AEDAT 3.1
+_RIGHT_OF_TWO = 0x8000  # the bit of the addresses that marks the right one of a stereo pair
 
 
 def _aedat2(path: Path, head: bytes, options: Options) -> Layout:
@@ -230,31 +238,57 @@ def _aedat2(path: Path, head: bytes, options: Options) -> Layout:
     width, height = header["width"] or options.width, header["height"] or options.height
     if chip == "other":
         raise UnsupportedFormat(
-            f"{path}: AEDAT 2.0 is read of a DAVIS, a DVS128 or a DVS640; the header names another "
-            "chip"
+            f"{path}: AEDAT 2.0 is read of a DAVIS, a DVXplorer, a DVS128, a DVS640 or a "
+            "DVS1280x720SD; the header names another chip"
         )
+    addresses = _addresses(head[start:])
+    if chip == "dvs128" and header["width"] is None:  # so say its addresses
+        width, height = width or 128, height or 128
+        if (width, height) != (128, 128):
+            chip = "unnamed"
     if chip == "unnamed" and width is not None and height is not None:
         chip = _CHIPS.get((width, height), chip)
+        if chip == "dvs640" and 2 * np.count_nonzero(addresses >> _BITS_OF_DVS640) > len(addresses):
+            chip = "davis"
     if chip == "unnamed" or width is None or height is None:
         known = ", ".join(f"{w} x {h} ({name})" for (w, h), name in _CHIPS.items())
         raise UnsupportedFormat(
             f"{path}: the header of this AEDAT 2.0 file does not say which chip it is of, and the "
             f"layout of its addresses depends on it; give width and height, one of {known}"
         )
-    streams: tuple[str, ...] = ()
-    camera = -1
-    if header["is_multi"]:
-        words = np.frombuffer(head[start : start + (len(head) - start) // 8 * 8], ">u4")[::2]
-        of_pixels = words[words & 0x8000_0400 == 0]
-        streams = tuple(map(str, np.unique(of_pixels & 0xF).tolist())) or ("0",)
-        camera = int(choose_stream(path, options.stream, streams))
+    streams: dict[str, int] = {}
+    camera, bits = 0, header["camera_bits"]
+    if bits:
+        streams = _cameras(path, start, chip, bits)
+        camera = streams[choose_stream(path, options.stream, tuple(streams))]
     return Layout(
         start,
-        lambda _: _core.Aedat2Decoder(chip=chip, width=width, height=height, camera=camera),
+        lambda _: _core.Aedat2Decoder(
+            chip=chip, width=width, height=height, camera_bits=bits, camera=camera
+        ),
         width,
         height,
-        streams,
+        tuple(streams),
     )
+
+
+def _addresses(records: bytes) -> npt.NDArray[np.uint32]:
+    return np.frombuffer(records[: len(records) // 8 * 8], ">u4")[::2]
+
+
+def _cameras(path: Path, start: int, chip: str, bits: int) -> dict[str, int]:
+    """Return the numbers of the cameras that have events, by their names; reads the whole file."""
+    numbers: set[int] = set()
+    no_event = 0x8000_0400 if chip == "davis" else 0x8000_8000 & ~bits
+    with path.open("rb") as file:
+        file.seek(start)
+        while piece := file.read(_MUCH):
+            addresses = _addresses(piece)
+            cameras = addresses[addresses & no_event == 0] & bits
+            numbers.update((np.unique(cameras) // (bits & -bits)).tolist())
+    if bits == _RIGHT_OF_TWO:
+        return {"left": 0, "right": 1}
+    return {str(number): number for number in sorted(numbers)} or {"0": 0}
 
 
 def _aedat3(path: Path, head: bytes, options: Options) -> Layout:
@@ -265,16 +299,33 @@ def _aedat3(path: Path, head: bytes, options: Options) -> Layout:
         raise UnsupportedFormat(f"{path}: compressed AEDAT 3.1 is not read; '#Format: RAW' is")
     start, size, source = header["size"], (header["width"], header["height"]), -1
     cameras = dict(_SOURCE.findall(head[:start].decode("ascii", "replace")))
-    streams = tuple(cameras) if len(cameras) > 1 else ()
-    if streams:
-        words = [f"{number} ({name})" for number, name in cameras.items()]
+    streams = _sources(path, start)
+    if len(streams) > 1:
+        words = [f"{number} ({cameras.get(number, 'not named')})" for number in streams]
         stream = choose_stream(path, options.stream, streams, words)
         source = int(stream)
-        if cameras[stream] != cameras[streams[0]]:  # the size that is known is of the first
-            size = (None, None)
+        first = next(iter(cameras.values()), None)  # the size that is known is of it
+        size = size if first is not None and cameras.get(stream) == first else (None, None)
+    else:
+        streams = ()
     return Layout(
         start, lambda at: _core.Aedat3Decoder(source=source, first_offset=at), *size, streams
     )
+
+
+def _sources(path: Path, start: int) -> tuple[str, ...]:
+    """Return the numbers of the cameras that have events, by the headers of whole packets."""
+    found: set[int] = set()
+    with path.open("rb") as file:
+        file.seek(start)
+        while len(head := file.read(_PACKET.size)) == _PACKET.size:
+            kind, source, size, _, _, capacity, count, _ = _PACKET.unpack(head)
+            if size < 0 or not 0 <= count <= capacity:
+                break
+            if kind == 1 and count:
+                found.add(source)
+            file.seek(size * count, SEEK_CUR)
+    return tuple(map(str, sorted(found)))
 
 
 FORMATS: dict[str, Callable[[Path, bytes, Options], Layout]] = {

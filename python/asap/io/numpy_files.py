@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import mmap
-import re
 import zipfile
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -23,11 +22,10 @@ from numpy.lib import format as npy
 from asap.events import FIELD_NAMES, Events
 from asap.io.columns import as_rows, events_of, file_columns, order_of, row_before
 from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, refuse_bomb
-from asap.io.reader import CHUNK, Losses, Options, size_of
+from asap.io.reader import CHUNK, SIZE, Losses, Options, size_of
 
 _PACKED_BY_NUMPY = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit
 
-_SIZE = re.compile(r"(sensor_)?(width|height|size|resolution)|geometry")
 _FEW = 16  # values, where a size is stated
 _WIDEST = 1 << 16  # bytes of a value
 
@@ -190,7 +188,7 @@ class NpzReader:
         columns = [key for key in names if key in understood]
         if len(columns) >= 3:
             return columns
-        others = [key for key in names if not _SIZE.fullmatch(key)]
+        others = [key for key in names if not SIZE.fullmatch(key)]
         if "events" in others:
             return ["events"]
         if len(others) == 1:

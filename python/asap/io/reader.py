@@ -19,6 +19,9 @@ from asap.events import EVENT_DTYPE, Events, check_order
 from asap.io.errors import CorruptFile, LossWarning, TruncatedFileWarning
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about
+#: What names state the size of the sensor.
+SIZE = re.compile("(?:sensor_|image_|img_)?(width|height|resolution|geometry|size)", re.IGNORECASE)
+PLAIN = (0, 1)  # polarity that is OFF and ON; above 0 is ON
 _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
@@ -66,9 +69,8 @@ class Losses:
     guessed_unit: str | None = None  # unit of the times, where neither file nor user states it
     lost_packets: int = 0  # that the numbers of those in the file skip
     between_pixels: int = 0  # of the bad records: x or y is no whole number
-    off_on: tuple[int, int] | None = None  # polarities that are OFF and ON, where not 0 and 1
+    off_on: tuple[float, float] | None = None  # polarities that are OFF and ON, once it is known
     sorted_stamps: int = 0  # events that came late and were sorted in
-    takes_any_polarity: bool = False  # above 0 is ON
     from_one: bool | None = None  # x and y count from 1
 
     def count_sorted(self, events: int) -> None:
@@ -93,7 +95,7 @@ class Losses:
     @property
     def understood(self) -> Iterator[str]:
         """Say how numbers were understood that could have been others."""
-        if self.off_on is not None:
+        if self.off_on not in (None, PLAIN):
             off, on = self.off_on
             pixels = ", and x and y count from 1, as in MATLAB" if self.from_one else ""
             yield f"polarity {off} is read as OFF and {on} as ON{pixels}"
@@ -151,27 +153,28 @@ def losses_of(rejected: dict[str, int], clock_resets: int) -> Iterator[str]:
 def size_of(names: Iterable[str], value: Callable[[str], Any]) -> tuple[int | None, int | None]:
     """Return the size of the sensor in px, if one of the `names`, by its `value`, states it.
 
-    Two numbers under one name may come in either order: no sensor is higher than wide.
+    Two numbers of an array may come in either order: no sensor is higher than wide.
     """
-    there = set(names)
-    for prefix in ("", "sensor_"):
-        if not {f"{prefix}width", f"{prefix}height"} <= there:
-            continue
-        sides = [np.asarray(value(prefix + side)) for side in ("width", "height")]
-        if all(side.size == 1 and side.dtype.kind in "iuf" for side in sides):
-            return sensor_size(sides[0].item(), sides[1].item())
-    for name in ("geometry", "resolution", "sensor_size", "sensor_resolution"):
-        if name not in there:
-            continue
-        stated = value(name)
-        text = stated.decode("ascii", "replace") if isinstance(stated, bytes) else stated
-        if isinstance(text, str):
-            size = re.fullmatch(r"\s*(\d{1,5})\s*[x,]\s*(\d{1,5})\s*", text)
-            return sensor_size(size[1], size[2]) if size else (None, None)
-        pair = np.asarray(stated).reshape(-1)
-        if pair.size == 2 and pair.dtype.kind in "iuf":
-            return sensor_size(*sorted(pair.tolist(), reverse=True))
-    return None, None
+    found: dict[str, list[Any]] = {}
+    for name in names:
+        if meaning := SIZE.fullmatch(name):
+            found.setdefault(meaning[1].lower(), _sides(value(name)))
+    if {"width", "height"} <= found.keys():
+        size = sensor_size(*found["width"][:1], *found["height"][:1])
+        if size != (None, None):
+            return size
+    pairs = (found[key] for key in ("geometry", "resolution", "size") if key in found)
+    return sensor_size(*next((pair for pair in pairs if len(pair) == 2), ()))
+
+
+def _sides(stated: Any) -> list[Any]:
+    values: list[Any] = np.asarray(stated).reshape(-1).tolist()
+    text = values[0] if len(values) == 1 else None
+    if isinstance(text, (str, bytes)):
+        return re.findall(
+            r"\d+", text if isinstance(text, str) else text.decode("ascii", "replace")
+        )
+    return values[:1] if len(values) != 2 else sorted(values, reverse=True)
 
 
 class Reader(Protocol):
@@ -186,7 +189,7 @@ class Reader(Protocol):
         ...
 
 
-def sensor_size(width: Any, height: Any) -> tuple[int | None, int | None]:
+def sensor_size(width: Any = None, height: Any = None) -> tuple[int | None, int | None]:
     """Return what a file states of its sensor in px, or (None, None) where no sensor is such."""
     try:
         sides = int(width), int(height)

@@ -122,13 +122,13 @@ class RosReader:
 
     def _messages(self, losses: Losses) -> Iterator[bytes]:
         try:
-            yield from self._bag.messages(self._topic)
+            yield from map(_unpacked, self._bag.messages(self._topic))
         except CorruptFile as error:
             losses.truncated(error.offset, error.fault)
 
     def _first_message(self) -> Message | None:
         with suppress(CorruptFile):  # it is told when all are read
-            for raw in self._bag.messages(self._topic):
+            for raw in map(_unpacked, self._bag.messages(self._topic)):
                 with suppress(BadMessage):
                     return self._read(raw, self._cdr)
         return None
@@ -429,7 +429,7 @@ class _Database:
         wanted = "topic_id IN (SELECT id FROM topics WHERE name = ?)"
         query = f"SELECT CAST(data AS BLOB) FROM messages WHERE {wanted} ORDER BY id"
         for (data,) in self._rows(query, topic):
-            yield _unpacked(data or b"")
+            yield data or b""
 
     def _rows(self, query: str, *values: str) -> Iterator[tuple[Any, ...]]:
         sqlite3 = library("sqlite3", "A ROS 2 bag", "ros")

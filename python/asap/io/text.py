@@ -35,9 +35,13 @@ _QUOTED = re.compile(rb"""(["'])\d[\d.]*\1""")
 _SEPARATORS = re.compile(rb"[ \t,;\r]+")
 _TRUTHS = {b"True": b"1", b"true": b"1", b"False": b"0", b"false": b"0"}  # as pandas writes them
 _SENSOR = re.compile(
-    rb"(?:geometry|resolution|size)\W*(\d{1,5})\s*[x,; ]\s*(\d{1,5})\b"
+    rb"(?:geometry|resolution|size|sensor)\W*(\d{1,5})\s*[x,; ]\s*(\d{1,5})\b"
     rb"|\bwidth\W*(\d{1,5})\b\W*height\W*(\d{1,5})\b"
+    rb"|^[#%\s]*(\d{1,5})\s*x\s*(\d{1,5})\s*$"
+    rb"|(?P<height>)\bheight\W*(\d{1,5})\b\W*width\W*(\d{1,5})\b",
+    re.MULTILINE,
 )
+_SIDES = re.compile(rb"(\d+)[\s,;x]+(\d+)")
 _UNIT = re.compile(r"[\W_]*(s|sec|seconds?|ms|us|µs|ns)[\W_]*")
 _UNITS = {"s": "s", "sec": "s", "second": "s", "seconds": "s", "µs": "us"}
 
@@ -108,37 +112,30 @@ class TextReader:
 
 
 def _front(file: IO[bytes]) -> bytes:
-    """Read the comments that come first, however long they are, and what follows them."""
-    front = file.read(_HEAD)
-    while len(front) < _MOST and len(front) % _HEAD == 0 and _only_comments(front):
-        more = file.read(_HEAD)
-        if not more:
+    """Read the comments that come first, however long they are, and whole lines that follow."""
+    lines, size = [], 0
+    while size < _MOST and (line := file.readline(_MOST)):
+        lines.append(line)
+        size += len(line)
+        if line.strip() and line.lstrip()[:1] not in b"#%":
             break
-        front += more
-    return front
-
-
-def _only_comments(front: bytes) -> bool:
-    *whole, _ = front.split(b"\n")
-    return all(not line.strip() or line.lstrip()[:1] in b"#%" for line in whole)
+    rest = file.read(_HEAD)
+    return b"".join(lines) + (rest if len(rest) < _HEAD else rest[: rest.rfind(b"\n") + 1])
 
 
 def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
     at = 3 if head.startswith(b"\xef\xbb\xbf") else 0
     names: list[str] = []
     sensor: tuple[int, int] | None = None
-    comments = b""
+    comments: list[bytes] = []
     start = at
     rows: list[list[bytes]] = []
     separator = b" "
-    lines = head[at:].splitlines(keepends=True)
-    if len(head) % _HEAD == 0 and len(lines) > 1:
-        lines.pop()  # the head ends inside it
-    for line in lines:
+    for line in head[at:].splitlines(keepends=True):
         at += len(line)
         text = line.strip()
         if not text or text[:1] in b"#%":
-            comments += text.lower() + b"\n"
+            comments.append(text.lower())
             if not rows and not names:
                 names = _names(text.lstrip(b"#% \t"), commented=True)
             continue
@@ -149,8 +146,8 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
         if not rows and not any(numeric):
             names = _names(text, commented=False)
             start = at
-        elif not rows and sensor is None and len(fields) == 2 and text.replace(b" ", b"").isdigit():
-            sensor = (int(fields[0]), int(fields[1]))
+        elif not rows and sensor is None and (sides := _SIDES.fullmatch(text)):
+            sensor = (int(sides[1]), int(sides[2]))
             start = at
         elif all(numeric):
             if b";" in text and b"," in text:
@@ -172,9 +169,10 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
     if rows:
         rows = _of_common_length(path, rows, order, options.order is not None or bool(names))
         if options.order is None and not names:
-            _check_polarity(path, rows)
-    if sensor is None and (size := _SENSOR.search(comments)):
-        sensor = next((int(size[i]), int(size[i + 1])) for i in (1, 3) if size[i])
+            _check_columns(path, rows)
+    if sensor is None and (size := _SENSOR.search(b"\n".join(comments))):
+        first, second = (int(side) for side in size.groups() if side)
+        sensor = (second, first) if size["height"] is not None else (first, second)
     width, height = sensor or (None, None)
     guessed = unit is None
     unit = unit or _unit_of(path, rows, order)
@@ -237,14 +235,24 @@ def _of_common_length(
     return alike
 
 
-def _check_polarity(path: Path, rows: list[list[bytes]]) -> None:
+def _check_columns(path: Path, rows: list[list[bytes]]) -> None:
+    """Refuse to take four columns for t, x, y and p where the first rows say otherwise."""
     polarity = [float(row[3]) for row in rows]
     wide = {p for p in polarity if abs(p) > 127 or p != int(p)}
     if len(wide) > 1 or polarity == [*wide]:  # one may be the -1 of a type without a sign
-        raise ValueError(
-            f"order = None: the fourth column of {path} holds no polarity (it begins with "
-            f"{rows[0][3].decode()}); say what the columns are, such as order='xypt'"
-        )
+        first = rows[0][3].decode()
+        words, order = f"fourth column of {path} holds no polarity (it begins with {first})", "xypt"
+    elif not _ascends(rows, 0) and _ascends(rows, 2):
+        words, order = f"third column of {path} ascends, the first one does not", "xytp"
+    else:
+        return
+    remedy = f"say what the columns are, such as order={order!r}"
+    raise ValueError(f"order = None: the {words}; {remedy}")
+
+
+def _ascends(rows: list[list[bytes]], column: int) -> bool:
+    times = [float(row[column]) for row in rows]
+    return len(times) > 2 and times[0] < times[-1] and times == sorted(times)
 
 
 def _unit_of(path: Path, rows: list[list[bytes]], order: str) -> str:

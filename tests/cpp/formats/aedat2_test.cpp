@@ -37,8 +37,24 @@ TEST(Aedat2Decoder, DecodesOneOfSeveralCameras) {
   append_record(bytes, davis(345, 259, 1) | 2, 10);
   append_record(bytes, davis(344, 259, 1) | 3, 11);
   Aedat2Config config = kDavis346;
+  config.camera_bits = 0xf;
   config.camera = 3;
   EXPECT_EQ(events_of(Aedat2Decoder(config), bytes), (Events{{1, 0, 1, 11}}));
+}
+
+TEST(Aedat2Decoder, TellsTheCamerasOfAStereoPairApart) {
+  Bytes bytes;
+  append_record(bytes, dvs128(127, 127, 0), 10);
+  append_record(bytes, 0x8000 | dvs128(126, 127, 0), 11);
+  Aedat2Config config = kDvs128;
+  config.camera_bits = 0x8000;
+  EXPECT_EQ(events_of(Aedat2Decoder(config), bytes), (Events{{0, 0, 1, 10}}));
+  config.camera = 1;
+  Aedat2Decoder right(config);
+  Decoded decoded;
+  feed(right, bytes, 4, decoded);
+  EXPECT_EQ(decoded.events, (Events{{1, 0, 1, 11}}));
+  EXPECT_EQ(right.triggers(), 0u);
 }
 
 TEST(Aedat2Decoder, TurnsTheAddressesOfADvs640) {
@@ -48,6 +64,14 @@ TEST(Aedat2Decoder, TurnsTheAddressesOfADvs640) {
   append_record(bytes, 1 << 20, 12);
   const Aedat2Decoder decoder({.chip = Aedat2Chip::dvs640, .width = 640, .height = 480});
   EXPECT_EQ(events_of(decoder, bytes), (Events{{639, 479, 0, 10}, {0, 0, 1, 11}}));
+}
+
+TEST(Aedat2Decoder, TurnsTheAddressesOfADvs1280) {
+  Bytes bytes;
+  append_record(bytes, 719 << 12 | 1279 << 1 | 1, 11);
+  append_record(bytes, 1 << 22, 12);
+  const Aedat2Decoder decoder({.chip = Aedat2Chip::dvs1280, .width = 1280, .height = 720});
+  EXPECT_EQ(events_of(decoder, bytes), (Events{{0, 0, 1, 11}}));
 }
 
 TEST(Aedat2Decoder, TurnsTheAddressesOfADvs128) {
@@ -130,6 +154,8 @@ TEST(Aedat2Decoder, RefusesWhatNoSensorIs) {
   EXPECT_THROW(Aedat2Decoder({.width = 0}), std::invalid_argument);
   EXPECT_THROW(Aedat2Decoder({.width = 1025}), std::invalid_argument);
   EXPECT_THROW(Aedat2Decoder({.height = 513}), std::invalid_argument);
+  EXPECT_THROW(Aedat2Decoder({.camera = 1}), std::invalid_argument);
+  EXPECT_THROW(Aedat2Decoder({.camera_bits = 0xf, .camera = 16}), std::invalid_argument);
   EXPECT_THROW(Aedat2Decoder({.chip = Aedat2Chip::dvs128, .width = 129}), std::invalid_argument);
 }
 
@@ -154,6 +180,15 @@ TEST(Aedat2Header, NamesTheChip) {
   const Aedat2Header dvs = chip("ch.unizh.ini.jaer.chip.retina.DVS128");
   EXPECT_EQ(dvs.chip, Aedat2Chip::dvs128);
   EXPECT_EQ(dvs.width, 128);
+  EXPECT_EQ(dvs.camera_bits, 0u);
+  EXPECT_EQ(chip("ch.unizh.ini.jaer.chip.stereopsis.DVS128StereoPair").camera_bits, 0x8000u);
+  EXPECT_EQ(chip("ch.unizh.ini.jaer.chip.multicamera.MultiDVS128CameraChip").camera_bits,
+            0xff00'0000u);
+  EXPECT_EQ(chip("ch.unizh.ini.jaer.chip.multicamera.MultiDAVIS346BCameraChip").camera_bits, 0xfu);
+  EXPECT_EQ(chip("ch.unizh.ini.jaer.chip.retina.DVS1280x720SD").chip, Aedat2Chip::dvs1280);
+  const Aedat2Header dvxplorer = chip("ch.unizh.ini.jaer.chip.retina.DVXplorer");
+  EXPECT_EQ(dvxplorer.chip, Aedat2Chip::davis);
+  EXPECT_EQ(dvxplorer.width, 640);
   EXPECT_EQ(chip("com.sec.dvs.SecDvs640Gen2").chip, Aedat2Chip::other);
   EXPECT_EQ(chip("ch.unizh.ini.jaer.chip.cochlea.CochleaAMS1c").chip, Aedat2Chip::other);
 }
@@ -168,7 +203,9 @@ TEST(Aedat2Header, TheClassOfTheChipIsBetterThanTheCamera) {
 }
 
 TEST(Aedat2Header, WithoutANameTheAddressesTell) {
-  EXPECT_EQ(read_aedat2_header(file("", dvs128(5, 6, 1)))->chip, Aedat2Chip::dvs128);
+  const auto guessed = read_aedat2_header(file("", dvs128(5, 6, 1)));
+  EXPECT_EQ(guessed->chip, Aedat2Chip::dvs128);
+  EXPECT_EQ(guessed->width, 0);  // the first rows of another chip look alike
   EXPECT_EQ(read_aedat2_header(file("", davis(5, 6, 1)))->chip, Aedat2Chip::unnamed);
 }
 

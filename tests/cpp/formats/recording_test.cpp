@@ -104,6 +104,19 @@ TEST(RecordingSource, ReadsAedat) {
   EXPECT_EQ(read_all(from_caer).at(0).t, 88);
 }
 
+TEST(RecordingSource, RefusesAedatOfSeveralCamerasOrOfNoKnownSensor) {
+  for (const std::string_view header :
+       {"#!AER-DAT2.0\r\n# AEChip: MultiDAVIS346BCameraChip\r\n",
+        "#!AER-DAT2.0\r\n# HardwareInterface: DAVIS FX2\r\n",
+        "#!AER-DAT3.1\r\n#Source 1: DAVIS346\r\n#Source 2: DVS128\r\n#!END-HEADER\r\n"}) {
+    Bytes bytes;
+    decoding::append(bytes, header);
+    decoding::append_big(bytes, std::uint64_t{5} << 22, 8);
+    const File file("cameras.aedat", bytes);
+    EXPECT_THROW(RecordingSource{file.path}, std::exception) << header;
+  }
+}
+
 TEST(RecordingSource, SaysThatTheFileIsCut) {
   Bytes bytes = encoded(Encoding::evt3);
   bytes.pop_back();

@@ -21,22 +21,24 @@ namespace asap {
 // 8 bytes, big-endian: u32 address, u32 time in us, which wraps. What the address means depends on
 // the chip, which the line "# AEChip:" names:
 //   DAVIS   bit 31 0, bit 10 0: an event; y 30:22, x 21:12, ON 11. Bit 31 1: frames and motion
-//           sensor. Bit 31 0, bit 10 1: an external trigger.
+//           sensor. Bit 31 0, bit 10 1: an external trigger. DVXplorer: the same.
 //           Several DAVIS in one file: the number of the camera 3:0.
 //   DVS128  bits 31 and 15 0: an event; y 14:8, x 7:1, OFF 0. Else an external trigger.
+//           A stereo pair: bit 15 1 is the right one. Several: the number of the camera 31:24.
 //   DVS640  bits 31:20 0: an event; y 19:11, x 10:1, ON 0. As v2e writes it.
+//   DVS1280 bits 31:22 0: an event; y 21:12, x 11:1, ON 0.
 // x counts from the right and y from below: both are turned, so that (0, 0) is top left, as jAER
 // shows them. A trigger has no number and no edge: id 0, value 1. Every record has a meaning.
-// Source: jAER (SensorsINI/jaer), event extractors of DAVIS and DVS128.
+// Source: jAER (SensorsINI/jaer), event extractors of these chips.
 
 // unnamed: no line says it, and the first addresses do not tell. other: it is not decoded.
-enum class Aedat2Chip : std::uint8_t { unnamed, other, davis, dvs128, dvs640 };
+enum class Aedat2Chip : std::uint8_t { unnamed, other, davis, dvs128, dvs640, dvs1280 };
 
 struct Aedat2Header {
   std::size_t size;  // bytes; the first record follows
   Aedat2Chip chip;
   std::uint16_t width, height;  // px; 0 where the header does not say
-  bool is_multi;                // several cameras, whose numbers stand in the addresses
+  std::uint32_t camera_bits;    // of the addresses, that number several cameras; 0: there is one
 };
 
 // Nothing where `front` is not AEDAT 2.0 or ends inside a line. Where it ends with a line, more
@@ -46,7 +48,8 @@ std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front)
 struct Aedat2Config {
   Aedat2Chip chip = Aedat2Chip::davis;
   std::uint16_t width = 240, height = 180;  // px of the sensor, in which x and y are mirrored
-  int camera = -1;                          // the one to decode; -1: the addresses name none
+  std::uint32_t camera_bits = 0;            // as in the header
+  std::uint32_t camera = 0;                 // the one to decode, where there are several
 };
 
 // Feed it what follows the header.
