@@ -22,8 +22,8 @@ from peers import PREFIXES, PRELOAD, Peer, program
 from rclpy.parameter import Parameter
 
 WORDS = {
-    "launch": ["LaunchDescription"],
-    "launch.actions": ["DeclareLaunchArgument", "ExecuteProcess"],
+    "launch": ["LaunchContext", "LaunchDescription"],
+    "launch.actions": ["DeclareLaunchArgument", "ExecuteProcess", "OpaqueFunction"],
     "launch.substitutions": ["LaunchConfiguration"],
     "launch_ros": [],
     "launch_ros.actions": ["ComposableNodeContainer", "Node"],
@@ -49,6 +49,10 @@ class Said:
 
     def __init__(self, *values: Any, **fields: Any) -> None:
         self.word, self.values, self.fields = type(self).__name__, values, fields
+
+    def perform(self, context: dict[str, str]) -> str:
+        """Return what the launch has for a LaunchConfiguration."""
+        return context[self.values[0]]
 
 
 def actions_of(path: Path) -> list[Said]:
@@ -92,22 +96,27 @@ class Launch:
     def _do(self, action: Said) -> None:
         if action.word == "DeclareLaunchArgument" and action.values[0] not in self.given:
             self.given[action.values[0]] = action.fields["default_value"]
+        if action.word == "OpaqueFunction":
+            for described in action.fields["function"](self.given):
+                self._do(described)
         if action.word not in ("Node", "ComposableNodeContainer"):
             return
         fields = action.fields
         words = ["--ros-args", "-r", f"__node:={fields['name']}"]
+        if namespace := fields.get("namespace"):
+            words += ["-r", f"__ns:=/{namespace}"]
         for name, value in self._parameters(fields).items():
             words += ["-p", f"{name}:={value}"]
         for rule in self._remappings(fields):
             words += ["-r", rule]
         self._start([program(fields["package"], fields["executable"]), *words])
         for component in fields.get("composable_node_descriptions", []):
-            self._load(fields["name"], component.fields)
+            self._load(f"{fields['namespace']}/{fields['name']}".strip("/"), component.fields)
 
     def _load(self, container: str, fields: dict[str, Any]) -> None:
         """Load a component; as launch_ros does, go on where that fails."""
         request = LoadNode.Request(package_name=fields["package"], plugin_name=fields["plugin"])
-        request.node_name = fields["name"]
+        request.node_name, request.node_namespace = fields["name"], "/" + fields["namespace"]
         request.remap_rules = self._remappings(fields)
         for name, value in self._parameters(fields).items():
             request.parameters.append(Parameter(name, value=value).to_parameter_msg())
@@ -131,4 +140,4 @@ class Launch:
             return said
         if said.word == "ParameterValue":
             return said.fields["value_type"](self._value(said.values[0]))
-        return self.given[said.values[0]]
+        return said.perform(self.given)

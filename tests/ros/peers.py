@@ -46,6 +46,8 @@ DOMAIN = own_domain()
 PREFIXES = [Path(prefix) for prefix in os.environ["AMENT_PREFIX_PATH"].split(":")]
 DATA = Path(os.environ.get("ASAP_TEST_DATA", "none"))
 QOS = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
+# As metavision_driver and libcaer_driver publish: neither is heard by a reliable subscriber.
+DRIVERS_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 PRELOAD = {**os.environ, "LD_PRELOAD": os.environ.get("ROS2_PRELOAD", "")}
 
 
@@ -130,13 +132,13 @@ def ledger_in(said: str) -> dict[str, int]:
 class Peer(Node):
     """Driver and consumer; its callbacks run on a thread of its own."""
 
-    def __init__(self, *, consume: bool = True) -> None:
-        super().__init__("peer")
+    def __init__(self, *, consume: bool = True, name: str = "peer") -> None:
+        super().__init__(name)
         self.seq = 0
         self.packets: list[EventPacket] = []
         self.on_packet: Callable[[EventPacket], None] = lambda packet: None
         self.stats: list[dict[str, Any]] = []
-        self.driver = self.create_publisher(EventPacket, "events", QOS)
+        self.driver = self.create_publisher(EventPacket, "events", DRIVERS_QOS)
         if consume:
             self.create_subscription(EventPacket, "asap/events", self._take, QOS)
         self.create_subscription(String, "asap/stats", self._note, 10)
@@ -181,13 +183,16 @@ class Peer(Node):
         width: int = 640,
         height: int = 480,
         **fields: Any,
-    ) -> None:
+    ) -> int:
+        """Publish a packet; return its stamp, ns."""
         packet = EventPacket(encoding=encoding, width=width, height=height, seq=self.seq, **fields)
-        packet.header.stamp = self.get_clock().now().to_msg()
+        now = self.get_clock().now()
+        packet.header.stamp = now.to_msg()
         packet.header.frame_id = "camera"
         packet.events.frombytes(payload)
         self.seq += 1
         self.driver.publish(packet)
+        return now.nanoseconds
 
     def play(self, messages: list[tuple[int, bytes]]) -> None:
         """Publish stored messages in their own pace."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import struct
 import subprocess
@@ -106,6 +107,16 @@ def test_an_algorithm_of_the_users_own_runs_in_the_container(container: Containe
     peer.wait(lambda: peer.count_subscribers("own/on_events") > 0, "we subscribe")
     peer.send(mono(np.arange(1000)))
     peer.wait(lambda: 1000 in counts, "all events are counted")
+
+
+OWN = ("OwnNode", "own_component")
+OURS = (("asap_ros::PackageNode", "asap_ros"), ("asap_ros::ClusterTrackerNode", "asap_ros"))
+
+
+@pytest.mark.parametrize("order", list(itertools.permutations((OWN, *OURS))))
+def test_components_load_in_any_order(container: Container, order: tuple) -> None:
+    for plugin, package in order:
+        container.load(plugin, package=package)
 
 
 def test_the_names_of_the_published_node(container: Container) -> None:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 from event_camera_msgs.msg import EventPacket
 from launching import Launch
-from peers import Peer, mono, peers
+from peers import DRIVERS_QOS, Peer, mono, peers
 from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import String
 
 make_peer = pytest.fixture(peers)
 
@@ -28,12 +30,17 @@ def test_a_recording_goes_through_asap_to_the_tracker(make_peer: Callable[..., P
         assert peer.next_stats()["latency_bound_us"] == 200_000
 
 
-def test_the_component_in_the_drivers_container(make_peer: Callable[..., Peer]) -> None:
+@pytest.mark.parametrize("driver", ["metavision", "libcaer"])
+def test_asap_in_the_container_of_a_driver(make_peer: Callable[..., Peer], driver: str) -> None:
     """The container reports that there is no driver here, and goes on with asap."""
-    peer = make_peer()
-    driver = peer.create_publisher(EventPacket, "event_camera/events", 1000)
-    with Launch(peer, "camera.launch.py", "latency_ms:=25.0", "feedback:=service"):
-        peer.wait(lambda: driver.get_subscription_count() > 0, "asap subscribes to the driver")
-        peer.wait(lambda: peer.count_services("asap/feedback") > 0, "the published node's service")
-        stats = peer.next_stats()
-    assert (stats["state"], stats["latency_bound_us"]) == ("open", 25_000)
+    peer, stats = make_peer(), []
+    camera = peer.create_publisher(EventPacket, "robot/event_camera/events", DRIVERS_QOS)
+    peer.create_subscription(String, "robot/asap/stats", stats.append, 10)
+    words = ("latency_ms:=25.0", "feedback:=service", "namespace:=robot", f"driver:={driver}")
+    with Launch(peer, "camera.launch.py", *words):
+        peer.wait(lambda: camera.get_subscription_count() > 0, "asap hears the driver")
+        peer.wait(lambda: peer.count_services("robot/asap/feedback") > 0, "the service")
+        peer.wait(lambda: peer.count_publishers("robot/asap/events") > 0, "the packages")
+        peer.wait(lambda: stats, "a report")
+    said = json.loads(stats[0].data)
+    assert (said["state"], said["latency_bound_us"]) == ("open", 25_000)

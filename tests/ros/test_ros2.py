@@ -11,11 +11,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from asap_ros.msg import ProcessingTime
 from asap_ros.srv import Feedback
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from peers import DATA, QOS, AsapNode, CppPeer, Peer, ledger_in, messages_of, mono, peers
+from event_camera_msgs.msg import EventPacket
+from peers import (
+    DATA,
+    DRIVERS_QOS,
+    QOS,
+    AsapNode,
+    CppPeer,
+    Peer,
+    ledger_in,
+    messages_of,
+    mono,
+    peers,
+)
 from rcl_interfaces.srv import DescribeParameters
-from std_msgs.msg import Float64
 
 make_peer = pytest.fixture(peers)
 
@@ -59,19 +71,19 @@ def test_every_event_of_a_bag_is_accounted_for(peer: Peer, bag: str) -> None:
     stamps = [p.time_base // 1000 for p in peer.packets]
     assert stamps == sorted(stamps)
     assert {(p.width, p.height, p.encoding) for p in peer.packets} == {(width, height, "mono")}
-    assert [p.seq for p in peer.packets] == list(range(len(peer.packets)))
+    assert [p.seq for p in peer.packets] == list(range(1, len(peer.packets) + 1))
 
 
 @needs_bags
 def test_a_consumer_five_times_too_slow_keeps_the_bound(peer: Peer) -> None:
     messages = messages_of(BAG)
     per_event_s = 5 * (messages[-1][0] - messages[0][0]) * 1e-9 / EVENTS
-    feedback = peer.create_publisher(Float64, "asap/processing_time", 10)
+    feedback = peer.create_publisher(ProcessingTime, "asap/processing_time", 10)
 
     def work(packet: object) -> None:
         start = time.monotonic()
         time.sleep(len(packet.events) / 8 * per_event_s)
-        feedback.publish(Float64(data=time.monotonic() - start))
+        feedback.publish(ProcessingTime(seq=packet.seq, time=time.monotonic() - start))
 
     peer.on_packet = work
     with AsapNode(encoding="mono", latency_ms=200, feedback="topic") as node:
@@ -106,6 +118,7 @@ def test_bad_messages_are_counted_by_reason(peer: Peer) -> None:
         peer.send(mono(np.array([50])), width=320, height=240)  # another camera's
         for _ in range(1000):
             peer.send(b"", encoding="evt4")
+            time.sleep(1e-3)
         peer.send(mono(np.array([60])))
         peer.wait(lambda: peer.next_stats()["messages"]["received"] == 1011, "all messages")
         stats = settled(peer)
@@ -123,7 +136,7 @@ def test_bad_messages_are_counted_by_reason(peer: Peer) -> None:
 
 def test_the_keys_of_the_stats_are_those_of_python(peer: Peer) -> None:
     asap = pytest.importorskip("asap", reason="no wheel of asap: set ASAP_DIST")
-    own = {"messages", "failures", "feedback"}
+    own = {"messages", "failures", "feedback", "last_second"}
     with AsapNode():
         peer.wait_for_node()
         stats = peer.next_stats()
@@ -136,30 +149,82 @@ def test_the_keys_of_the_stats_are_those_of_python(peer: Peer) -> None:
             assert set(stats[name]) <= set(theirs[name])
 
 
+class Diagnostics:
+    """What the node says on /diagnostics."""
+
+    def __init__(self, peer: Peer) -> None:
+        self.peer, self.said, self._seen = peer, [], 0
+        peer.create_subscription(
+            DiagnosticArray, "/diagnostics", lambda array: self.said.append(array.status[0]), 10
+        )
+
+    def wait(self, level: bytes, message: str) -> DiagnosticStatus:
+        """Return the next status with this level and these words."""
+
+        def found() -> DiagnosticStatus | None:
+            while self._seen < len(self.said):
+                status = self.said[self._seen]
+                self._seen += 1
+                if status.level == level and message in status.message:
+                    return status
+            return None
+
+        return self.peer.wait(found, message)
+
+
 def test_diagnostics_name_the_trouble(peer: Peer) -> None:
-    said = []
-    peer.create_subscription(DiagnosticArray, "/diagnostics", said.append, 10)
+    diagnostics, t_us = Diagnostics(peer), 0
 
-    def message_with(level: bytes) -> str:
-        start = len(said)
-
-        def found() -> list[str]:
-            states = [array.status[0] for array in said[start:]]
-            return [state.message for state in states if state.level == level]
-
-        return peer.wait(found, f"a status of level {level[0]}")[0]
+    def send(count: int = 30, **fields: object) -> None:
+        nonlocal t_us
+        for _ in range(count):
+            t_us += 50_000
+            peer.send(mono(np.arange(10) + t_us), **fields)
+            time.sleep(0.05)
 
     with AsapNode(encoding="mono", latency_ms=200):
         peer.wait_for_node()
-        assert message_with(DiagnosticStatus.WARN) == "no message on /events"
-        peer.send(mono(np.arange(10)))
-        assert message_with(DiagnosticStatus.OK) == "ok"
-        peer.send(b"", encoding="evt4")
-        assert message_with(DiagnosticStatus.WARN) == "1 messages refused"
-        assert message_with(DiagnosticStatus.OK) == "ok"
-    status = said[-1].status[0]
-    assert status.name == "/asap"
-    assert {entry.key: entry.value for entry in status.values}["ledger.received"] == "10"
+        diagnostics.wait(DiagnosticStatus.WARN, "no message on /events")
+        send()
+        diagnostics.wait(DiagnosticStatus.OK, "ok")
+        send(encoding="evt4")
+        diagnostics.wait(DiagnosticStatus.ERROR, "messages refused")
+        peer.seq += 5
+        send()
+        diagnostics.wait(DiagnosticStatus.WARN, "5 messages of the driver are missing")
+        diagnostics.wait(DiagnosticStatus.WARN, "no message on /events for 2 s")
+    status = diagnostics.said[-1]
+    values = {entry.key: entry.value for entry in status.values}
+    assert (status.name, status.hardware_id) == ("/asap", "camera")
+    assert values["state"] == "open"  # no quotes
+    assert int(values["ledger.received"]) > int(values["last_second.received"]) == 0
+
+
+def test_diagnostics_say_that_all_is_rejected(peer: Peer) -> None:
+    diagnostics = Diagnostics(peer)
+    with AsapNode(encoding="mono", latency_ms=200):
+        peer.wait_for_node()
+        for _ in range(100):
+            peer.send(mono(np.arange(10), x=640))
+            time.sleep(0.03)
+        diagnostics.wait(DiagnosticStatus.ERROR, "events rejected")
+
+
+def test_diagnostics_say_that_nobody_hears_or_can_hear(make_peer: Callable[..., Peer]) -> None:
+    peer = make_peer(consume=False)
+    diagnostics = Diagnostics(peer)
+    with AsapNode(latency_ms=200, input_reliability="reliable"):
+        peer.wait(lambda: peer.count_publishers("asap/stats") > 0, "the node reports")
+        status = diagnostics.wait(DiagnosticStatus.ERROR, "/peer is not heard")
+        assert "input_reliability" in status.message
+    with AsapNode(latency_ms=200, output_reliability="best_effort"):
+        peer.wait_for_node(consumers=False)
+        for _ in range(30):
+            peer.send(mono(np.arange(10) + peer.seq * 1000))
+            time.sleep(0.05)
+        diagnostics.wait(DiagnosticStatus.WARN, "nobody subscribes")
+        make_peer(name="consumer")
+        diagnostics.wait(DiagnosticStatus.ERROR, "/consumer hears nothing")
 
 
 def test_what_the_driver_lost_is_counted(peer: Peer) -> None:
@@ -191,10 +256,11 @@ def test_parameters_change_or_are_refused_with_a_reason(peer: Peer) -> None:
         for reason, values in refused.items():
             result = peer.set(**values)
             assert (result.successful, result.reason) == (False, reason)
-        for values in ({"latency_ms": -1.0}, {"encoding": "mono"}, {"rate_bound": 1e12}):
-            result = peer.set(**values)
+        for name, value in (("latency_ms", -1.0), ("rate_bound", 1e12)):
+            result = peer.set(**{name: value})
             assert not result.successful
-            assert result.reason
+            assert result.reason.startswith(f"{name} = {value:g}: must be between")
+        assert not peer.set(encoding="mono").successful  # chosen when the node starts
         assert peer.next_stats()["latency_bound_us"] == 30_500
         assert node.process.poll() is None
 
@@ -207,28 +273,60 @@ def test_another_run_has_another_domain() -> None:
 
 
 def test_parameters_describe_themselves(peer: Peer) -> None:
-    numbers = {"latency_ms", "feedback_timeout_ms", "rate_bound"}
-    names = [*numbers, "queue", "prefer", "feedback", "encoding", "input", "best_effort"]
+    changing = {"latency_ms", "feedback_timeout_ms", "rate_bound"}
+    fixed = {"reorder_tolerance_us", "warmup_discard_us", "capacity", "seed", "queue", "prefer"}
+    fixed |= {"when_full", "feedback", "encoding", "input"}
+    fixed |= {"input_reliability", "output_reliability"}
+    names = [*changing, *fixed]
     client = peer.create_client(DescribeParameters, "asap/describe_parameters")
     with AsapNode():
         peer.wait_for_node()
         said = peer.ask(client, DescribeParameters.Request(names=names)).descriptors
     for parameter in said:
         assert parameter.description
-        assert parameter.read_only == (parameter.name not in numbers)
-        ranges = [*parameter.floating_point_range, *parameter.integer_range]
-        assert bool(ranges) == (parameter.name in numbers or parameter.name == "queue")
-        assert all(limits.from_value < limits.to_value for limits in ranges)
+        assert parameter.read_only == (parameter.name in fixed)
+        assert parameter.additional_constraints.startswith(("Must be one of", "Must be between"))
 
 
-def test_best_effort_and_queue_are_those_of_the_parameters(peer: Peer) -> None:
-    for asked, reliability in ((False, "RELIABLE"), (True, "BEST_EFFORT")):
-        with AsapNode(best_effort=asked) as node:
-            peer.wait_for_node()
+def test_late_events_are_lifted_within_the_tolerance(peer: Peer) -> None:
+    with AsapNode(latency_ms=200, reorder_tolerance_us=100):
+        peer.wait_for_node()
+        peer.send(mono(np.array([1000, 920, 1001, 800])))
+        stats = settled(peer)
+    assert stats["ledger"]["delivered"] == 3
+    assert stats["rejected"]["nonmonotonic"] == 1
+
+
+def test_a_driver_of_today_reaches_reliable_and_best_effort_consumers(peer: Peer) -> None:
+    best_effort = []
+    peer.create_subscription(EventPacket, "asap/events", best_effort.append, DRIVERS_QOS)
+    with AsapNode(encoding="mono"):
+        peer.wait_for_node()
+        peer.wait(lambda: peer.count_subscribers("asap/events") == 2, "both consumers")
+        for i in range(300):
+            peer.send(mono(np.arange(100) * 10 + i * 1000))
+            time.sleep(0.002)
+        ledger = settled(peer)["ledger"]
+    assert ledger["received"] == 30_000
+    assert len(peer.events) == ledger["delivered"] == 30_000
+    assert sum(len(packet.events) // 8 for packet in best_effort) == 30_000
+
+
+def test_each_reliability_is_that_of_its_parameter(peer: Peer) -> None:
+    for given, expected in (
+        ({}, ["RELIABLE", "BEST_EFFORT"]),
+        (
+            {"input_reliability": "reliable", "output_reliability": "best_effort"},
+            ["BEST_EFFORT", "RELIABLE"],
+        ),
+    ):
+        with AsapNode(**given) as node:
+            peer.wait(lambda: peer.count_publishers("asap/events") > 0, "the node publishes")
+            peer.next_stats()
             ends = peer.get_publishers_info_by_topic("asap/events")
             ends += peer.get_subscriptions_info_by_topic("events")
             seen = [end.qos_profile.reliability.name for end in ends if end.node_name == "asap"]
-            assert seen == [reliability] * 2
+            assert seen == expected
             node.interrupt()
         peer.wait(lambda: peer.count_publishers("asap/events") == 0, "the node is forgotten")
 
@@ -242,7 +340,10 @@ def test_best_effort_and_queue_are_those_of_the_parameters(peer: Peer) -> None:
             {"latency_ms": 5000.0, "feedback": "topic"},
             "feedback_timeout_ms = 1000: must be at least latency_ms = 5000",
         ),
-        ({"input": "events"}, "input = events: must be event_camera_msgs"),
+        ({"input": "events"}, "input = events: must be one of event_camera_msgs, dvs_msgs"),
+        ({"latency_ms": -1}, "latency_ms = -1: must be between 0.1 and 10000"),
+        ({"input_reliability": "tcp"}, "input_reliability = tcp: must be one of best_effort"),
+        ({"queue": 0}, "queue = 0: must be between 1 and 100000"),
     ],
 )
 def test_a_node_with_bad_parameters_does_not_start(parameters: dict, reason: str) -> None:
@@ -277,6 +378,51 @@ def test_the_node_goes_on_without_feedback(peer: Peer) -> None:
         assert stats["feedback"]["timeouts"] >= 1
         assert stats["state"] == "stalled"
         assert len(peer.packets) == stats["packages"]["count"]
+
+
+@pytest.mark.parametrize("way", ["topic", "service"])
+def test_late_feedback_of_an_earlier_package_is_refused(peer: Peer, way: str) -> None:
+    finished = peer.create_publisher(ProcessingTime, "asap/processing_time", 10)
+    client = peer.create_client(Feedback, "asap/feedback")
+
+    def say(seq: int) -> None:
+        if way == "topic":
+            finished.publish(ProcessingTime(seq=seq, time=0.0))
+        else:
+            peer.ask(client, Feedback.Request(seq=seq, time=0.0))
+
+    with AsapNode(encoding="mono", latency_ms=500, feedback=way, feedback_timeout_ms=1500):
+        peer.wait_for_node()
+        if way == "topic":
+            peer.wait(lambda: finished.get_subscription_count() > 0, "the node listens")
+        peer.send(mono(np.arange(10)))
+        peer.wait(lambda: len(peer.packets) == 1, "a package")
+        peer.wait(lambda: peer.next_stats()["feedback"]["timeouts"] == 1, "its time is up")
+        peer.send(mono(np.arange(100, 110)))
+        peer.wait(lambda: len(peer.packets) == 2, "the next package")
+        say(peer.packets[0].seq)
+        say(peer.packets[1].seq)
+        peer.wait(lambda: peer.next_stats()["feedback"]["taken"] == 1, "the right one")
+        assert peer.stats[-1]["feedback"]["refused"] == 1
+
+
+def test_refusals_are_logged_under_simulated_time(peer: Peer) -> None:
+    with AsapNode(use_sim_time=True) as node:  # there is no clock: it stays at 0
+        peer.wait_for_node()
+        for _ in range(2):
+            peer.send(b"", encoding="evt4")
+            time.sleep(1.2)
+        _, said, _ = node.interrupt()
+    assert said.count("message refused: encoding (from /peer") == 2
+
+
+def test_triggers_are_declared_lost(peer: Peer) -> None:
+    words = np.array([8 << 12 | 1, 6 << 12 | 5, 10 << 12 | 1, 7, 2 << 12 | 9], "<u2")
+    with AsapNode(latency_ms=200):
+        peer.wait_for_node()
+        peer.send(words.tobytes(), encoding="evt3")
+        stats = settled(peer)
+    assert stats["messages"]["triggers_lost"] == stats["ledger"]["delivered"] == 1
 
 
 def test_no_call_of_the_service_is_lost(peer: Peer) -> None:
@@ -317,24 +463,100 @@ def test_a_consumer_that_is_killed_and_comes_back(make_peer: Callable[..., Peer]
 
 
 def test_a_driver_with_another_sensor(make_peer: Callable[..., Peer]) -> None:
-    consumer, old = make_peer(), make_peer(consume=False)
+    consumer, old = make_peer(), make_peer(consume=False, name="old")
     with AsapNode(encoding="mono", latency_ms=200) as node:
         consumer.wait_for_node()
         old.wait_for_node(consumers=False)
         old.send(mono(np.arange(100)))
         consumer.wait(lambda: len(consumer.events) == 100, "the old driver's events")
-        new = make_peer(consume=False)
+        new = make_peer(consume=False, name="new")
         new.wait_for_node(consumers=False)
+        time.sleep(1.0)  # the old one is silent
         new.send(mono(np.arange(50), x=1279, y=719), width=1280, height=720)
         consumer.wait(lambda: len(consumer.events) == 150, "the new driver's events")
         old.send(mono(np.arange(100, 200)))
-        new.wait(lambda: new.next_stats()["messages"]["refused_geometry"] == 1, "a refusal")
+        new.wait(lambda: new.next_stats()["messages"]["refused_publisher"] == 1, "a refusal")
         stats = settled(new)
         _, said, _ = node.interrupt()
     assert (stats["source"]["width"], stats["source"]["height"]) == (1280, 720)
     assert said.count("run ended: received 100 = delivered 100") == 1
     assert ledger_in(said) == {"received": 50, "delivered": 50}
     assert [p.width for p in consumer.packets] == sorted(p.width for p in consumer.packets)
+
+
+def test_a_stray_message_costs_the_camera_one_second(make_peer: Callable[..., Peer]) -> None:
+    camera, stray = make_peer(name="camera"), make_peer(consume=False, name="stray")
+    diagnostics = Diagnostics(camera)
+    with AsapNode(encoding="mono", latency_ms=200) as node:
+        camera.wait_for_node()
+        stray.wait_for_node(consumers=False)
+        stray.send(mono(np.arange(10)), width=320, height=240)
+        camera.wait(lambda: len(camera.events) == 10, "the stray events")
+        start, late = time.monotonic(), 0
+        for i in range(350):
+            late += time.monotonic() - start > 1.0
+            camera.send(mono(np.arange(10) + i * 10_000))
+            if i > 200:
+                stray.send(mono(np.arange(10) + i * 10_000), width=320, height=240)
+            time.sleep(0.01)
+        diagnostics.wait(DiagnosticStatus.WARN, "two cameras: /camera is heard, /stray is refused")
+        stats = settled(camera)
+        _, said, _ = node.interrupt()
+    assert 10 * late <= stats["ledger"]["delivered"] <= 10 * (late + 5)
+    assert stats["messages"]["refused_publisher"] >= 149
+    assert "message refused: publisher (from /camera" in said
+    assert "message refused: publisher (from /stray" in said
+
+
+@pytest.mark.parametrize("latency_ms", [50, 200])
+@pytest.mark.parametrize("how", ["loop", "restart", "untold"])
+def test_stamps_follow_a_camera_whose_clock_begins_anew(
+    make_peer: Callable[..., Peer], how: str, latency_ms: int
+) -> None:
+    """The consumer is slow, so that packages begin in messages that came long before."""
+    consumer, feedback, sent = make_peer(), None, []
+    feedback = consumer.create_publisher(ProcessingTime, "asap/processing_time", 10)
+
+    def work(packet: EventPacket) -> None:
+        time.sleep(latency_ms * 0.4e-3)
+        feedback.publish(ProcessingTime(seq=packet.seq, time=latency_ms * 0.4e-3))
+
+    def play(driver: Peer, start_us: int) -> None:
+        for i in range(80):  # .8 s; each message has its number in x
+            payload = mono(np.arange(10) * 100 + i * 10_000, x=len(sent))
+            stamp = driver.send(payload, time_base=start_us * 1000)
+            sent.append(stamp)
+            time.sleep(0.01)
+
+    consumer.on_packet = work
+    with AsapNode(encoding="mono", latency_ms=latency_ms, feedback="topic"):
+        driver = make_peer(consume=False)
+        consumer.wait_for_node()
+        driver.wait_for_node(consumers=False)
+        consumer.wait(lambda: feedback.get_subscription_count() > 0, "the node listens")
+        play(driver, 70_000_000)
+        if how == "restart":
+            driver.close()
+            driver = make_peer(consume=False)
+            driver.wait_for_node(consumers=False)
+            time.sleep(1.0)
+        if how == "loop":
+            driver.seq = 0
+        play(driver, 1_000_000 if how == "untold" else 70_000_000)
+        stats = settled(consumer)
+    ledger = stats["ledger"]
+    assert (ledger["received"], stats["clock_resets"]) == (1600, 1)
+    # 32 stamps in a row that stay there tell it, if nothing else does: the first are dropped.
+    assert ledger["rejected"] <= (31 if how == "untold" else 0)
+    errors_ns = []
+    for packet in consumer.packets:
+        first = int(np.frombuffer(bytes(packet.events[:8]), "<u8")[0])
+        number = first >> 32 & 0x7FFF
+        stamp = packet.header.stamp.sec * 10**9 + packet.header.stamp.nanosec
+        errors_ns.append((number, stamp - sent[number]))
+    assert {number >= 80 for number, _ in errors_ns} == {False, True}
+    wrong = [e for e in errors_ns if not 0 <= e[1] <= 1_000_000]  # an event's place: < 1 ms
+    assert not wrong
 
 
 def test_a_rate_bound_thins(peer: Peer) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from event_camera_msgs.msg import EventPacket
-from peers import QOS, AsapNode, Peer, mono, peers
+from peers import DRIVERS_QOS, AsapNode, Peer, mono, peers
 
 README = (Path(__file__).parents[2] / "cpp/ros/ros2/README.md").read_text()
 make_peer = pytest.fixture(peers)
@@ -21,7 +21,7 @@ make_peer = pytest.fixture(peers)
 def test_the_command_starts_the_node_on_the_drivers_topic(make_peer: Callable[..., Peer]) -> None:
     (words,) = re.findall(r"^ros2 run asap_ros asap_node (.*)$", README, re.M)
     peer = make_peer(consume=False)
-    driver = peer.create_publisher(EventPacket, "/event_camera/events", QOS)
+    driver = peer.create_publisher(EventPacket, "/event_camera/events", DRIVERS_QOS)
     with AsapNode(words=words.split()) as node:
         peer.wait(lambda: driver.get_subscription_count() > 0, "the node subscribes")
         assert peer.next_stats()["latency_bound_us"] == 10_000

@@ -92,19 +92,37 @@ Array = raw_type("dvs_msgs/EventArray", "5e8beee5a6c107e504c2e78903c224b8")
 Packet = raw_type("event_camera_msgs/EventPacket", "8a6101b351a64529ac77bd8b71074e52")
 
 
-def header(seq: int, frame_id: bytes = b"camera") -> bytes:
-    return struct.pack("<IIII", seq, 1_700_000_000, 5, len(frame_id)) + frame_id
+def header(seq: int, frame_id: bytes = b"camera", stamp_s: int = 1_700_000_000) -> bytes:
+    return struct.pack("<IIII", seq, stamp_s, 5, len(frame_id)) + frame_id
+
+
+def seq_of(message: bytes) -> int:
+    return struct.unpack_from("<I", message)[0]
+
+
+def stamp_of(message: bytes) -> float:
+    """Return the stamp of a message in s."""
+    _, s, ns = struct.unpack_from("<III", message)
+    return s + ns * 1e-9
 
 
 def array(
-    t_us: Any, x: Any = 1, y: Any = 1, *, seq: int = 0, width: int = 640, height: int = 480
+    t_us: Any,
+    x: Any = 1,
+    y: Any = 1,
+    *,
+    seq: int = 0,
+    width: int = 640,
+    height: int = 480,
+    stamp_s: int = 1_700_000_000,
 ) -> bytes:
     """Return ON events as an EventArray."""
     t_us = np.asarray(t_us, np.int64)
     records = np.zeros(len(t_us), RECORD)
     records["x"], records["y"], records["p"] = x, y, 1
     records["s"], records["ns"] = t_us // 1_000_000, t_us % 1_000_000 * 1000
-    return header(seq) + struct.pack("<III", height, width, len(t_us)) + records.tobytes()
+    head = header(seq, stamp_s=stamp_s) + struct.pack("<III", height, width, len(t_us))
+    return head + records.tobytes()
 
 
 def packet(payload: bytes, *, encoding: bytes = b"mono", seq: int = 0, big: bool = False) -> bytes:

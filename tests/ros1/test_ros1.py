@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import io
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from typing import IO
 
 import genpy.dynamic
 import numpy as np
 import pytest
 import rospy
-from asap_ros.srv import Feedback
+from asap_ros.msg import ProcessingTime
+from asap_ros.srv import Feedback, FeedbackRequest
 from diagnostic_msgs.msg import DiagnosticArray
 from peers import (
     DATA,
@@ -25,9 +28,10 @@ from peers import (
     messages_of,
     packet,
     peers,
+    seq_of,
+    stamp_of,
     wait,
 )
-from std_msgs.msg import Float64
 
 make_peer = pytest.fixture(peers)
 
@@ -77,12 +81,12 @@ def test_every_event_of_a_bag_is_accounted_for(make_peer: Callable[..., Peer]) -
 def test_a_consumer_five_times_too_slow_keeps_the_bound(make_peer: Callable[..., Peer]) -> None:
     peer, messages = make_peer(driver=Packet), messages_of(BAG)
     per_event_s = 5 * (messages[-1][0] - messages[0][0]) / EVENTS
-    feedback = rospy.Publisher("/asap/processing_time", Float64, queue_size=10)
+    feedback = rospy.Publisher("/asap/processing_time", ProcessingTime, queue_size=10)
 
     def work(message: bytes) -> None:
         start = time.monotonic()
         time.sleep(len(events_in(message)) * per_event_s)
-        feedback.publish(Float64(time.monotonic() - start))
+        feedback.publish(ProcessingTime(seq_of(message), time.monotonic() - start))
 
     peer.on_package = work
     with AsapNode(latency_ms=200, feedback="topic") as node:
@@ -178,7 +182,8 @@ def test_another_type_is_refused(peer: Peer) -> None:
         foreign.wait()
         code, said = node.interrupt()
     assert code == 0
-    assert 'message refused: encoding (encoding "another type"' in said
+    assert "message refused: encoding (from /rostopic" in said
+    assert 'encoding "another type"' in said
 
 
 def test_bad_packets_are_counted_and_logged_once_a_second(make_peer: Callable[..., Peer]) -> None:
@@ -309,9 +314,27 @@ def test_no_call_of_the_service_is_lost(peer: Peer) -> None:
         call.close()
 
 
-def test_feedback_by_the_service_sends_the_next_package(peer: Peer) -> None:
-    call, taken = rospy.ServiceProxy("/asap/feedback", Feedback, persistent=True), []
-    peer.on_package = lambda package: taken.append(call(time=0.0).success)
+class PublishedFeedback(Feedback):
+    """The service of the published node, which has no `seq`."""
+
+    _md5sum = "any other"
+
+    class _request_class(FeedbackRequest):
+        def serialize(self, buffer: IO[bytes]) -> None:
+            whole = io.BytesIO()
+            super().serialize(whole)
+            buffer.write(whole.getvalue()[:-8])
+
+
+@pytest.mark.parametrize("service", [Feedback, PublishedFeedback])
+def test_feedback_by_the_service_sends_the_next_package(peer: Peer, service: type) -> None:
+    call, taken = rospy.ServiceProxy("/asap/feedback", service, persistent=True), []
+
+    def work(package: bytes) -> None:
+        named = {"seq": seq_of(package)} if service is Feedback else {}
+        taken.append(call(time=0.0, **named).success)
+
+    peer.on_package = work
     with AsapNode(feedback="service", feedback_timeout_ms=60_000, latency_ms=1000):
         peer.wait_for_node()
         for i in range(10):
@@ -340,15 +363,107 @@ def test_a_consumer_that_leaves_and_comes_back(make_peer: Callable[..., Peer]) -
 
 
 def test_a_driver_that_begins_anew_with_another_sensor(peer: Peer) -> None:
+    large = array(np.arange(50), x=1279, y=719, width=1280, height=720, seq=1)
     with AsapNode(latency_ms=200) as node:
         peer.wait_for_node()
         peer.send(array(np.arange(100), seq=5))
         wait(lambda: len(peer.events) == 100, "the old driver's events")
-        peer.send(array(np.arange(50), x=1279, y=719, width=1280, height=720, seq=1))
+        peer.send(large)
+        wait(lambda: peer.next_stats()["messages"]["refused_geometry"] == 1, "a stray message")
+        peer.send(large)  # the other one has been silent for a second
         wait(lambda: len(peer.events) == 150, "the new driver's events")
         _, said = node.interrupt()
     assert said.count("run ended: received 100 = delivered 100") == 1
     assert ledger_in(said) == {"received": 50, "delivered": 50}
+
+
+def test_a_stray_message_costs_the_camera_one_second(peer: Peer) -> None:
+    late = 0
+    with AsapNode(latency_ms=200) as node:
+        peer.wait_for_node()
+        peer.send(array(np.arange(10), width=320, height=240))
+        wait(lambda: len(peer.events) == 10, "the stray events")
+        start = time.monotonic()
+        for i in range(200):
+            late += time.monotonic() - start > 1.0
+            peer.send(array(np.arange(10) + i * 10_000, seq=i))
+            time.sleep(0.01)
+        stats = peer.settled()
+        _, said = node.interrupt()
+    assert 10 * late <= stats["ledger"]["delivered"] <= 10 * (late + 5)
+    assert "message refused: geometry (from /test" in said
+
+
+def test_a_bag_that_loops_loses_no_event_and_keeps_its_stamps(peer: Peer) -> None:
+    with AsapNode(latency_ms=200):
+        peer.wait_for_node()
+        for i in range(160):  # .8 s, twice; a message has its number in x and as its stamp in s
+            t_us = np.arange(10) * 100 + i % 80 * 10_000
+            peer.send(array(t_us, x=i, seq=i % 80, stamp_s=1000 + i))
+            time.sleep(0.005)
+        wait(lambda: len(peer.events) == 1600, "all events")
+        stats = peer.settled()
+    assert (stats["ledger"]["rejected"], stats["clock_resets"]) == (0, 1)
+    for package in peer.packages:
+        first = events_in(package)[0]
+        assert 0 <= stamp_of(package) - (1000 + first["x"]) < 1e-3
+
+
+def test_diagnostics_have_a_level_for_each_trouble(peer: Peer) -> None:
+    said = []
+    diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, said.append)
+
+    def found(level: int, message: str) -> bool:
+        status = said[-1].status[0] if said else None
+        return status is not None and status.level == level and message in status.message
+
+    with AsapNode(latency_ms=200):
+        peer.wait_for_node()
+        wait(lambda: found(1, "no message on /events"), "silence")
+        for trouble, level, message in (
+            ({"x": 640}, 2, "events rejected"),
+            ({"width": 0}, 2, "messages refused"),
+            ({}, 0, "ok"),
+        ):
+            end = time.monotonic() + 30
+            while not found(level, message):
+                assert time.monotonic() < end, said[-1]
+                peer.driver_time = getattr(peer, "driver_time", 0) + 50_000
+                peer.send(array(np.arange(10) + peer.driver_time, **trouble))
+                time.sleep(0.05)
+    status = said[-1].status[0]
+    values = {entry.key: entry.value for entry in status.values}
+    assert (status.hardware_id, values["state"]) == ("camera", "open")
+    diagnostics.unregister()
+
+
+def test_late_feedback_of_an_earlier_package_is_refused(peer: Peer) -> None:
+    finished = rospy.Publisher("/asap/processing_time", ProcessingTime, queue_size=10)
+    with AsapNode(feedback="topic", feedback_timeout_ms=1500, latency_ms=500):
+        peer.wait_for_node()
+        wait(lambda: finished.get_num_connections() > 0, "the node listens")
+        peer.send(array(np.arange(10)))
+        wait(lambda: peer.next_stats()["feedback"]["timeouts"] == 1, "its time is up")
+        peer.send(array(np.arange(100, 110), seq=1))
+        wait(lambda: len(peer.packages) == 2, "the next package")
+        for package in peer.packages:
+            finished.publish(ProcessingTime(seq_of(package), 0.0))
+        wait(lambda: peer.next_stats()["feedback"]["taken"] == 1, "the right one")
+        assert peer.stats[-1]["feedback"]["refused"] == 1
+
+
+def test_refusals_are_logged_under_simulated_time(peer: Peer) -> None:
+    rospy.set_param("/use_sim_time", True)
+    try:
+        with AsapNode() as node:  # there is no clock: it stays at 0
+            peer.wait_for_node()
+            for _ in range(2):
+                peer.send(array([1], width=0))
+                time.sleep(1.2)
+            _, said = node.interrupt()
+    finally:
+        rospy.delete_param("/use_sim_time")
+    assert said.count("message refused: geometry") == 2
 
 
 def test_a_rate_bound_thins(peer: Peer) -> None:

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "asap/core/check.hpp"
 
@@ -21,12 +22,6 @@ std::string share(std::uint64_t part, std::uint64_t whole) {
   return number(whole == 0 ? 1.0 : static_cast<double>(part) / static_cast<double>(whole));
 }
 
-}  // namespace
-
-std::string number(double value) { return std::isfinite(value) ? to_text(value) : "null"; }
-
-std::string number(std::uint64_t value) { return std::to_string(value); }
-
 std::string quoted(std::string_view text) {
   std::string quoted = "\"";
   for (const char c : text) {
@@ -42,6 +37,16 @@ std::string quoted(std::string_view text) {
   return quoted + '"';
 }
 
+}  // namespace
+
+std::string number(double value) { return std::isfinite(value) ? to_text(value) : "null"; }
+
+std::string number(std::uint64_t value) { return std::to_string(value); }
+
+Fact text(std::string name, std::string_view value) {
+  return {std::move(name), std::string(value), true};
+}
+
 Facts facts_of(const PipelineStats& stats) {
   const Ledger& ledger = stats.ledger;
   const Rejections& rejected = stats.rejected;
@@ -53,7 +58,7 @@ Facts facts_of(const PipelineStats& stats) {
   Facts facts{{"latency_bound_us", us(stats.latency_bound_ns)},
               {"ledger.received", number(ledger.received)}};
   for (const auto& [name, line] : kLines) {
-    facts.emplace_back(std::string("ledger.") + name, number(ledger.*line));
+    facts.push_back({std::string("ledger.") + name, number(ledger.*line)});
   }
   const Facts rest{
       {"rejected.nonmonotonic", number(rejected.nonmonotonic)},
@@ -88,14 +93,15 @@ Facts facts_of(const PipelineStats& stats) {
 std::string to_json(const Facts& facts) {
   std::string json = "{", object;
   const auto close = [&] { json += object.empty() ? "" : "}"; };
-  for (const auto& [name, value] : facts) {
+  for (const auto& [name, value, is_text] : facts) {
     const std::size_t dot = name.find('.');
     const std::string of = dot == std::string::npos ? "" : name.substr(0, dot);
     const bool begins = of.empty() || of != object;
     if (begins) close();
     if (json.size() > 1) json += ", ";
     if (begins && !of.empty()) json += quoted(of) + ": {";
-    json += quoted(name.substr(dot + 1)) + ": " + value;  // npos + 1 is 0
+    json +=
+        quoted(name.substr(dot + 1)) + ": " + (is_text ? quoted(value) : value);  // npos + 1 is 0
     object = of;
   }
   close();

@@ -7,19 +7,24 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "asap/runner/pipeline.hpp"
 
 namespace asap::ros {
 
-// Name and value; the value is a number or a quoted text of JSON.
-using Facts = std::vector<std::pair<std::string, std::string>>;
+struct Fact {
+  std::string name;
+  std::string value;
+  bool is_text = false;  // else a number, true, false or null
+
+  friend bool operator==(const Fact&, const Fact&) = default;
+};
+using Facts = std::vector<Fact>;
 
 std::string number(double value);
 std::string number(std::uint64_t value);
-std::string quoted(std::string_view text);
+Fact text(std::string name, std::string_view value);
 
 Facts facts_of(const PipelineStats& stats);
 

@@ -2,8 +2,9 @@
 
 namespace asap::ros {
 
-void FeedbackGate::sent() {
+void FeedbackGate::sent(std::uint64_t seq) {
   const std::lock_guard lock(mutex_);
+  seq_ = seq;
   in_flight_ = true;
   sent_ = Clock::now();
 }
@@ -23,10 +24,11 @@ void FeedbackGate::pause(Clock::time_point until) {
   changed_.wait_until(lock, until, [this] { return closed_; });
 }
 
-bool FeedbackGate::feedback(double seconds) {
+bool FeedbackGate::feedback(std::uint64_t seq, double seconds) {
   const std::lock_guard lock(mutex_);
   const std::chrono::duration<double> out = Clock::now() - sent_;
-  if (!(in_flight_ && seconds >= 0.0 && seconds <= out.count())) {  // NaN too
+  const bool is_named = in_flight_ && (seq == 0 || seq == seq_);
+  if (!(is_named && seconds >= 0.0 && seconds <= out.count())) {  // NaN too
     ++counts_.refused;
     return false;
   }

@@ -1,5 +1,5 @@
 // FeedbackGate: where the worker waits for the consumer of its packages to say that it has finished
-// the one in flight. There is at most one.
+// the message in flight. There is at most one.
 //
 // sent() and wait() are the worker's; any thread gives feedback, opens and closes. O(1).
 #pragma once
@@ -22,8 +22,8 @@ class FeedbackGate {
     bool stalled = false;        // the last package had none
   };
 
-  // A package is about to leave.
-  void sent();
+  // The message with this number, 1 or more, is about to leave; a package has one or several.
+  void sent(std::uint64_t seq);
 
   // Until the feedback for it has come, the patience has ended or the gate is closed.
   void wait(Clock::duration patience);
@@ -31,9 +31,10 @@ class FeedbackGate {
   // Until then, or until the gate is closed.
   void pause(Clock::time_point until);
 
-  // The consumer has worked for so long. False for what is no time, and where it is longer than the
-  // package in flight has been out: it belongs to an earlier one, whose time was up.
-  bool feedback(double seconds);
+  // The consumer has worked for so long on the message with this number; 0, from one that does not
+  // tell: on the one in flight. False for another one, whose time was up, and for what is no time
+  // or longer than the message has been out.
+  bool feedback(std::uint64_t seq, double seconds);
 
   // Waits last no longer, until open().
   void close();
@@ -45,6 +46,7 @@ class FeedbackGate {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   Clock::time_point sent_{};
+  std::uint64_t seq_ = 0;
   bool in_flight_ = false;
   bool closed_ = false;
   Counts counts_;

@@ -15,6 +15,8 @@ struct KnownEncoding {
 constexpr std::array<KnownEncoding, 5> kEncodings{
     {{"evt3", 2}, {"libcaer", 8}, {"libcaer_cmp", 2}, {"mono", 8}, {kDecoded, 1}}};
 
+}  // namespace
+
 std::optional<Refusal> refusal_of(const Packet& packet) {
   const auto known = std::ranges::find(kEncodings, packet.encoding, &KnownEncoding::name);
   const auto is_side = [](std::uint32_t px) { return px >= 1 && px <= kMostPixels; };
@@ -26,47 +28,35 @@ std::optional<Refusal> refusal_of(const Packet& packet) {
   return {};
 }
 
-}  // namespace
-
-std::string sentence(Refusal refusal, const Packet& packet) {
+std::string sentence(Refusal refusal, const Packet& packet, std::string_view publisher) {
   return std::string("message refused: ") + kRefusals[static_cast<std::size_t>(refusal)] +
-         " (encoding \"" + std::string(packet.encoding) + "\", " +
-         std::to_string(packet.sensor.width) + " x " + std::to_string(packet.sensor.height) +
-         " px, " + std::to_string(packet.bytes.size()) + " bytes)";
+         " (from " + std::string(publisher) + ", encoding \"" + std::string(packet.encoding) +
+         "\", " + std::to_string(packet.sensor.width) + " x " +
+         std::to_string(packet.sensor.height) + " px, " + std::to_string(packet.bytes.size()) +
+         " bytes)";
 }
 
-PacketReader::PacketReader() : block_(kBlockOfEvents) { streams_.reserve(kPublishers + 1); }
-
-PacketReader::Stream* PacketReader::find(std::string_view publisher) {
-  const auto found = std::ranges::find(streams_, publisher, &Stream::publisher);
-  if (found == streams_.end()) return nullptr;
-  std::rotate(found, found + 1, streams_.end());
-  return &streams_.back();
-}
+PacketReader::PacketReader() : block_(kBlockOfEvents) {}
 
 PacketReader::Seen PacketReader::see(const Packet& packet) {
-  Seen seen{.refusal = refusal_of(packet)};
-  Stream* stream = find(packet.publisher);
-  if (stream != nullptr && packet.seq > stream->seq) seen.lost = packet.seq - stream->seq - 1;
-  const bool goes_on = stream != nullptr && packet.seq >= stream->seq;
-  if (goes_on) stream->seq = packet.seq;  // a message that is refused was not lost
-  if (seen.refusal) return seen;
-
-  if (!goes_on || packet.encoding != stream->encoding) {
-    seen.is_new = !goes_on;
-    if (stream == nullptr) stream = &streams_.emplace_back();
-    *stream = {.publisher = std::string(packet.publisher),
-               .encoding = std::string(packet.encoding),
-               .decoder = {},
-               .seq = packet.seq};
-    if (packet.encoding == "evt3") stream->decoder.emplace<Evt3Decoder>();
-    if (packet.encoding == "libcaer") stream->decoder.emplace<LibcaerDecoder>();
-    if (packet.encoding == "libcaer_cmp") stream->decoder.emplace<LibcaerCmpDecoder>();
-    if (packet.encoding == "mono") stream->decoder.emplace<MonoDecoder>();
-    if (streams_.size() > kPublishers) streams_.erase(streams_.begin());
-  } else if (auto* const evt3 = std::get_if<Evt3Decoder>(&stream->decoder); evt3 && seen.lost) {
-    evt3->resume();
+  const bool goes_on = packet.publisher == publisher_ && packet.encoding == encoding_ &&
+                       packet.seq >= seq_ && (packet.seq > 0 || packet.stamp_ns >= stamp_ns_);
+  Seen seen{.is_new = !goes_on};
+  if (!goes_on) {
+    publisher_ = packet.publisher;
+    encoding_ = packet.encoding;
+    decoder_.emplace<std::monostate>();
+    if (encoding_ == "evt3") decoder_.emplace<Evt3Decoder>();
+    if (encoding_ == "libcaer") decoder_.emplace<LibcaerDecoder>();
+    if (encoding_ == "libcaer_cmp") decoder_.emplace<LibcaerCmpDecoder>();
+    if (encoding_ == "mono") decoder_.emplace<MonoDecoder>();
+  } else if (const std::uint64_t next = seq_ + 1; packet.seq > next) {
+    seen.lost = packet.seq - next - std::min(packet.seq - next, refused_);
+    if (auto* const evt3 = std::get_if<Evt3Decoder>(&decoder_)) evt3->resume();
   }
+  seq_ = packet.seq;
+  stamp_ns_ = packet.stamp_ns;
+  refused_ = 0;
   return seen;
 }
 
@@ -79,12 +69,13 @@ void PacketReader::decode(const Packet& packet, const Sink& sink) {
           decode_with(decoder, packet, sink);
         }
       },
-      streams_.back().decoder);
+      decoder_);
 }
 
 template <class Known>
 void PacketReader::decode_with(Known& decoder, const Packet& packet, const Sink& sink) {
   const std::uint64_t bad = decoder.bad_records(), unplaced = decoder.before_start();
+  const std::uint64_t triggers = decoder.triggers();
   if constexpr (requires { decoder.begin(packet.time_base); }) decoder.begin(packet.time_base);
   for (auto rest = packet.bytes; !rest.empty();) {
     const Progress done = decoder.decode(rest, std::span(block_));
@@ -93,6 +84,7 @@ void PacketReader::decode_with(Known& decoder, const Packet& packet, const Sink&
   }
   bad_records_ += decoder.bad_records() - bad;
   before_start_ += decoder.before_start() - unplaced;
+  triggers_ += decoder.triggers() - triggers;
 }
 
 }  // namespace asap::ros

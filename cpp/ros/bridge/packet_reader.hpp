@@ -1,7 +1,7 @@
-// PacketReader: events of messages of event_camera_msgs. Every publisher has a decoder of its own,
-// because EVT3 words run on from message to message. A message is read whole or refused whole.
+// PacketReader: events of messages of event_camera_msgs, of one publisher at a time: EVT3 words run
+// on from message to message. A message is read whole or refused whole.
 //
-// One thread. O(bytes). Allocates only for a publisher that is new; remembers the last kPublishers.
+// One thread. O(bytes). Allocates only for a publisher that is new.
 #pragma once
 
 #include <array>
@@ -33,6 +33,8 @@ inline constexpr std::uint32_t kMostPixels = 2048;  // of a side: what EVT3 addr
 // The fields of a message, where they stand.
 struct Packet {
   std::string_view publisher{};  // any bytes that tell publishers apart
+  std::string_view frame_id{};
+  std::int64_t stamp_ns = 0;
   Geometry sensor{};
   std::uint64_t seq = 0;        // 0 in every message: the publisher does not count
   std::uint64_t time_base = 0;  // ns
@@ -45,56 +47,61 @@ struct Packet {
 
 inline constexpr std::string_view kDecoded = "dvs_msgs";  // the middleware has decoded the events
 
-// Why a message was refused.
-enum class Refusal : std::uint8_t { encoding, big_endian, size, geometry };
-inline constexpr std::array kRefusals{"encoding", "big_endian", "size", "geometry"};
+// Why a message was refused. publisher, geometry: another camera is heard.
+enum class Refusal : std::uint8_t { encoding, big_endian, size, geometry, publisher };
+inline constexpr std::array kRefusals{"encoding", "big_endian", "size", "geometry", "publisher"};
+
+// Why the message cannot be read, whatever came before it.
+std::optional<Refusal> refusal_of(const Packet& packet);
 
 // For a log: the reason, and what the message was.
-std::string sentence(Refusal refusal, const Packet& packet);
+std::string sentence(Refusal refusal, const Packet& packet, std::string_view publisher);
 
 class PacketReader {
  public:
   using Sink = std::function<void(EventSpan)>;
-  static constexpr std::size_t kPublishers = 8;
 
   struct Seen {
-    std::optional<Refusal> refusal;
-    bool is_new = false;     // the first message of a publisher, or the first since it began anew
+    bool is_new = false;  // the decoder begins anew: another publisher, or the same one restarted
     std::uint64_t lost = 0;  // messages that are missing before this one
   };
 
   PacketReader();
 
-  // Once per message, in the order of arrival. A `seq` that goes back means that the publisher
-  // began anew.
+  // Once per message that is not refused, in the order of arrival. A `seq` or, without one, a stamp
+  // that goes back means that the publisher began anew.
   Seen see(const Packet& packet);
 
-  // The events of the message that see() has just accepted, block by block.
+  // The message was refused, so it was not lost.
+  void refuse(const Packet& packet) noexcept { refused_ += packet.publisher == publisher_; }
+
+  // The events of the message that see() has just seen, block by block.
   void decode(const Packet& packet, const Sink& sink);
 
+  const std::string& publisher() const noexcept { return publisher_; }
   std::uint64_t bad_records() const noexcept { return bad_records_; }
   // Events whose time or row is not known, at the start of an EVT3 stream or behind a gap.
   std::uint64_t before_start() const noexcept { return before_start_; }
+  // External triggers, which no output has.
+  std::uint64_t triggers() const noexcept { return triggers_; }
 
  private:
   using Decoder =
       std::variant<std::monostate, Evt3Decoder, LibcaerDecoder, LibcaerCmpDecoder, MonoDecoder>;
 
-  struct Stream {
-    std::string publisher;
-    std::string encoding;
-    Decoder decoder;
-    std::uint64_t seq = 0;
-  };
-
-  Stream* find(std::string_view publisher);
   template <class Known>
   void decode_with(Known& decoder, const Packet& packet, const Sink& sink);
 
-  std::vector<Stream> streams_;  // the one of the last message comes last
+  std::string publisher_;
+  std::string encoding_;
+  Decoder decoder_;
+  std::uint64_t seq_ = 0;
+  std::int64_t stamp_ns_ = 0;
+  std::uint64_t refused_ = 0;  // since the last one that was seen
   std::vector<Event> block_;
   std::uint64_t bad_records_ = 0;
   std::uint64_t before_start_ = 0;
+  std::uint64_t triggers_ = 0;
 };
 
 }  // namespace asap::ros

@@ -7,24 +7,29 @@
 
 namespace asap::ros {
 
+std::string constraint(const NumberField& number) {
+  return "between " + to_text(number.min) + " and " + to_text(number.max);
+}
+
+std::string constraint(const ChoiceField& choice) {
+  std::string names;
+  for (const char* name : choice.choices) names += (names.empty() ? "" : ", ") + std::string(name);
+  return "one of " + names;
+}
+
 void check(const Parameters& parameters) {
   for (const NumberField& number : kNumbers) {
     const double value = parameters.*number.field;
-    require(value >= number.least && value <= number.most, number.name, value,
-            "must be between " + to_text(number.least) + " and " + to_text(number.most));
+    require(value >= number.min && value <= number.max, number.name, value,
+            "must be " + constraint(number));
   }
   require(parameters.feedback == "none" || parameters.feedback_timeout_ms >= parameters.latency_ms,
           "feedback_timeout_ms", parameters.feedback_timeout_ms,
           "must be at least latency_ms = " + to_text(parameters.latency_ms));
   for (const ChoiceField& choice : kChoices) {
-    const std::string& value = parameters.*choice.field;
-    if (std::ranges::find(choice.choices, std::string_view(value)) != choice.choices.end()) {
-      continue;
-    }
-    std::string names;
-    for (const char* name : choice.choices)
-      names += (names.empty() ? "" : ", ") + std::string(name);
-    throw_bad_value(choice.name, value, "must be one of " + names);
+    const std::string_view value = parameters.*choice.field;
+    if (std::ranges::find(choice.choices, value) != choice.choices.end()) continue;
+    throw_bad_value(choice.name, value, "must be " + constraint(choice));
   }
 }
 

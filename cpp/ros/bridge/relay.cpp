@@ -45,13 +45,14 @@ void Relay::begin(const Geometry& sensor) {
 void Relay::process(const Package& package, std::int64_t stamp_ns) {
   const auto start = FeedbackGate::Clock::now();
   const bool waits = waits_ && is_heard_();
-  if (waits) gate_.sent();
   message_.stamp_ns = stamp_ns;
-  for (EventSpan rest = package.events; !rest.empty(); ++message_.seq) {
+  for (EventSpan rest = package.events; !rest.empty();) {
     PackageWriter::Written written{.events = rest.size()};
     if (writer_) written = writer_->write(rest, message_.bytes);
     message_.time_base = written.time_base;
     message_.events = rest.first(written.events);
+    ++message_.seq;
+    if (waits) gate_.sent(message_.seq);
     publish_(message_);
     rest = rest.subspan(written.events);
   }

@@ -24,7 +24,7 @@ namespace asap::ros {
 struct Message {
   Geometry sensor{};
   std::int64_t stamp_ns = 0;
-  std::uint64_t seq = 0;
+  std::uint64_t seq = 0;        // the first one has 1
   std::uint64_t time_base = 0;  // ns
   std::string_view encoding{};
   std::vector<std::uint8_t> bytes{};
@@ -43,8 +43,9 @@ class Relay final : public Receiver {
   // What may change while it runs.
   void set(const Parameters& parameters) noexcept;
 
-  // The consumer has worked for so long; false: refused.
-  bool feedback(double seconds) { return gate_.feedback(seconds); }
+  // The consumer has worked for so long on the message with this number, see FeedbackGate; false:
+  // refused.
+  bool feedback(std::uint64_t seq, double seconds) { return gate_.feedback(seq, seconds); }
   FeedbackGate::Counts feedbacks() const { return gate_.counts(); }
   Facts facts() const;  // the same
 

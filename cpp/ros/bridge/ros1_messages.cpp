@@ -94,17 +94,15 @@ const Ros1Type kEventPacket{
     "std_msgs/Header header\nuint32 height\nuint32 width\nuint64 seq\nuint64 time_base\n"
     "string encoding\nbool is_bigendian\nuint8[] events\n" ASAP_ROS1_HEADER};
 
-Ros1Reader::Read Ros1Reader::read(std::string_view md5, std::span<const std::byte> bytes) {
-  Read read;
-  read.packet.encoding = "another type";
+Packet Ros1Reader::read(std::string_view md5, std::span<const std::byte> bytes) {
+  Packet packet{.encoding = "another type"};
   const bool is_array = md5 == kEventArray.md5;
-  if (!is_array && md5 != kEventPacket.md5) return read;
+  if (!is_array && md5 != kEventPacket.md5) return packet;
   Fields fields(bytes);
-  Packet& packet = read.packet;
   packet.seq = fields.number<std::uint32_t>();
-  read.stamp_ns = fields.number<std::uint32_t>() * kNsPerS;
-  read.stamp_ns += fields.number<std::uint32_t>();
-  read.frame_id = fields.text();
+  packet.stamp_ns = fields.number<std::uint32_t>() * kNsPerS;
+  packet.stamp_ns += fields.number<std::uint32_t>();
+  packet.frame_id = fields.text();
   packet.sensor.height = fields.number<std::uint32_t>();
   packet.sensor.width = fields.number<std::uint32_t>();
   if (is_array) {
@@ -121,8 +119,7 @@ Ros1Reader::Read Ros1Reader::read(std::string_view md5, std::span<const std::byt
     packet.is_bigendian = fields.number<std::uint8_t>() != 0;
     packet.bytes = fields.bytes(fields.number<std::uint32_t>());
   }
-  if (fields.is_torn()) packet = {.encoding = "torn", .is_torn = true};
-  return read;
+  return fields.is_torn() ? Packet{.encoding = "torn", .is_torn = true} : packet;
 }
 
 void write_ros1(const Message& message, std::string_view frame_id,

@@ -27,15 +27,9 @@ extern const Ros1Type kEventPacket;
 
 class Ros1Reader {
  public:
-  // It views the bytes that were read, and is good until the next read().
-  struct Read {
-    Packet packet;  // torn, where the lengths in the message do not fit its bytes
-    std::int64_t stamp_ns = 0;
-    std::string_view frame_id;
-  };
-
-  // The encoding of a message of another type is "another type".
-  Read read(std::string_view md5, std::span<const std::byte> bytes);
+  // It views the bytes, and is good until the next read(). It is torn where the lengths in the
+  // message do not fit its bytes; the encoding of a message of another type is "another type".
+  Packet read(std::string_view md5, std::span<const std::byte> bytes);
 
  private:
   std::vector<Event> events_;

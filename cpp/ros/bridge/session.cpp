@@ -1,6 +1,6 @@
 #include "ros/bridge/session.hpp"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <numeric>
@@ -9,62 +9,108 @@
 namespace asap::ros {
 namespace {
 
+using namespace std::chrono_literals;
+
+constexpr auto kTurn = 1s;           // a camera that is silent for longer has lost its turn
+constexpr auto kComplainEvery = 1s;  // of messages
+constexpr std::size_t kMarks = 4096;
+constexpr std::int64_t kNsOfOneUs = 1000;
+
 std::chrono::nanoseconds to_ns(double latency_ms) {
   return std::chrono::nanoseconds(std::llround(latency_ms * 1e6));
 }
-constexpr std::int64_t kNsOfOneUs = 1000;
-constexpr std::int64_t kMostBetweenMarks_us = 1'000'000;
+
+std::chrono::microseconds to_us(double us) { return std::chrono::microseconds(std::llround(us)); }
 
 }  // namespace
 
-Session::Session(const Parameters& parameters, Receiver& receiver, Say say)
-    : receiver_(receiver), say_(std::move(say)) {
+Session::Session(const Parameters& parameters, Receiver& receiver, Say say, NameOf name_of)
+    : receiver_(receiver), say_(std::move(say)), name_of_(std::move(name_of)) {
   check(parameters);
   scheme_config_ = {.latency = to_ns(parameters.latency_ms),
                     .prefer = prefer_of(parameters.prefer)};
+  const auto* const when_full =
+      std::ranges::find(kWhenFull, std::string_view(parameters.when_full));
+  run_config_ = {.capacity = static_cast<std::size_t>(parameters.capacity),
+                 .seed = static_cast<std::uint64_t>(parameters.seed),
+                 .validator = {.reorder_tolerance = to_us(parameters.reorder_tolerance_us),
+                               .warmup_discard = to_us(parameters.warmup_discard_us)},
+                 .execution = receiver.execution(),
+                 .when_full = static_cast<WhenFull>(when_full - kWhenFull)};
 }
 
 Session::~Session() { stop(); }
 
-std::optional<Refusal> Session::take(const Packet& packet, std::int64_t stamp_ns) {
-  const auto arrival = std::chrono::steady_clock::now();
+// ---- messages
+
+std::optional<Refusal> Session::take(const Packet& packet) {
+  const auto now = Clock::now();
   const std::lock_guard lock(control_);
   if (stopped_) return {};
   ++messages_;
-  const auto refuse = [this](Refusal refusal) {
-    ++refused_[static_cast<std::size_t>(refusal)];
+  if (const auto refusal = refusal_of(packet, now)) {
+    refuse(*refusal, packet, now);
     return refusal;
-  };
-  const PacketReader::Seen seen = reader_.see(packet);
-  if (seen.refusal) return refuse(*seen.refusal);
-  if (packet.sensor != sensor_) {
-    if (!seen.is_new) return refuse(Refusal::geometry);  // of a camera that is not the one in use
-    begin(packet.sensor);
   }
+  heard_ = now;
+  const PacketReader::Seen seen = reader_.see(packet);
+  if (packet.sensor != sensor_) begin(packet.sensor);
   if (seen.lost > 0) pipeline_->upstream_lost(1, seen.lost);
-  bool is_marked = false;
+  is_new_epoch_ = is_new_epoch_ || seen.is_new;
+  std::optional<std::int64_t> first_us;
   reader_.decode(packet, [&](EventSpan events) {
-    if (!std::exchange(is_marked, true)) {
-      const std::lock_guard worker(worker_);
-      mark_ = {stamp_ns, events.front().t};
+    if (!first_us) {
+      first_us = events.front().t;
+      if (std::exchange(is_new_epoch_, false)) pipeline_->begin_epoch(*first_us);
+      mark(packet, *first_us + pipeline_->clock_offset_us());
     }
-    pipeline_->push(events, arrival);
+    pipeline_->push(events, now);
   });
+  // Again: a clock that nobody has told of may have been found set back.
+  if (first_us) mark(packet, *first_us + pipeline_->clock_offset_us());
   return {};
 }
 
+std::optional<Refusal> Session::refusal_of(const Packet& packet, Clock::time_point now) const {
+  if (const auto refusal = ros::refusal_of(packet)) return refusal;
+  if (!pipeline_ || now - heard_ > kTurn) return {};
+  if (packet.publisher != reader_.publisher()) return Refusal::publisher;
+  if (packet.sensor != sensor_) return Refusal::geometry;
+  return {};
+}
+
+void Session::refuse(Refusal refusal, const Packet& packet, Clock::time_point now) {
+  ++refused_[static_cast<std::size_t>(refusal)];
+  reader_.refuse(packet);
+  if (refusal == Refusal::publisher) other_ = packet.publisher;
+  if (now - complained_ < kComplainEvery) return;
+  complained_ = now;
+  say_(Level::warn, sentence(refusal, packet, name_of_(packet.publisher)));
+}
+
+void Session::mark(const Packet& packet, std::int64_t t_us) {
+  const std::lock_guard worker(worker_);
+  if (frame_id_ != packet.frame_id) frame_id_ = packet.frame_id;
+  if (!marks_.empty() && t_us <= marks_.back().t_us) return;
+  marks_.push_back({t_us, packet.stamp_ns});
+  if (marks_.size() > kMarks) marks_.pop_front();
+}
+
+// ---- runs
+
 void Session::begin(const Geometry& sensor) {
   end();
-  const auto width = static_cast<int>(sensor.width), height = static_cast<int>(sensor.height);
+  run_config_.validator.width = static_cast<int>(sensor.width);
+  run_config_.validator.height = static_cast<int>(sensor.height);
   receiver_.begin(sensor);
   pipeline_.reset();
-  pipeline_ = std::make_unique<Pipeline>(scheme_.emplace(scheme_config_),
-                                         RunConfig{.validator = {.width = width, .height = height},
-                                                   .execution = receiver_.execution()});
+  marks_.clear();
+  pipeline_ = std::make_unique<Pipeline>(scheme_.emplace(scheme_config_), run_config_);
   thread_ = std::jthread(
       [this] { pipeline_->run([this](const Package& package) { process(package); }); });
   sensor_ = sensor;
-  say_("a sensor of " + std::to_string(width) + " x " + std::to_string(height) + " px");
+  say_(Level::ok, "a sensor of " + std::to_string(sensor.width) + " x " +
+                      std::to_string(sensor.height) + " px");
 }
 
 void Session::end() {
@@ -72,25 +118,32 @@ void Session::end() {
   receiver_.hurry();
   pipeline_->stop();
   thread_.join();
-  say_("run ended: " + sentence(pipeline_->ledger()));
+  say_(Level::ok, "run ended: " + sentence(pipeline_->ledger()));
 }
 
 void Session::process(const Package& package) {
   try {
     receiver_.process(package, stamp_of(package.t_first()));
   } catch (const std::exception& error) {
-    const std::lock_guard lock(worker_);
-    ++failures_;
-    failure_ = error.what();
+    failed(error.what());
+  } catch (...) {
+    failed("no std::exception");
   }
 }
 
-// Sensor and host drift apart, so the last message counts; a clock that was reset says nothing.
-std::int64_t Session::stamp_of(std::int64_t t_us) const {
+void Session::failed(const std::string& what) {
+  std::unique_lock lock(worker_);
+  ++failures_;
+  if (std::exchange(failure_, what) == what) return;
+  lock.unlock();
+  say_(Level::error, "process() throws: " + what);
+}
+
+// Sensor and host drift apart, so the message counts in which the package began.
+std::int64_t Session::stamp_of(std::int64_t t_us) {
   const std::lock_guard lock(worker_);
-  const std::int64_t since_us = t_us - mark_.t_us;
-  const bool is_near = since_us > -kMostBetweenMarks_us && since_us < kMostBetweenMarks_us;
-  return mark_.stamp_ns + (is_near ? since_us * kNsOfOneUs : 0);
+  while (marks_.size() > 1 && marks_[1].t_us <= t_us) marks_.pop_front();
+  return marks_.front().stamp_ns + (t_us - marks_.front().t_us) * kNsOfOneUs;
 }
 
 void Session::set_latency(double latency_ms) {
@@ -107,6 +160,13 @@ void Session::stop() {
   end();
 }
 
+// ---- reports
+
+std::string Session::frame_id() const {
+  const std::lock_guard lock(worker_);
+  return frame_id_;
+}
+
 PipelineStats Session::stats() const {
   const std::lock_guard lock(control_);
   if (!pipeline_) {
@@ -119,45 +179,87 @@ PipelineStats Session::stats() const {
   return stats;
 }
 
-std::string Session::trouble(std::string_view topic) {
+Session::Report Session::report(const Around& around) {
+  static constexpr std::array<const char*, kCounts> kNames{
+      "received", "rejected", "discarded", "stale",   "overflow", "delivered",
+      "in_time",  "lost",     "messages",  "refused", "failures"};
   const PipelineStats stats = this->stats();
   const std::lock_guard lock(control_);
-  const auto refused = std::accumulate(refused_.begin(), refused_.end(), std::uint64_t{0});
-  std::array<std::uint64_t, 3> since{stats.ledger.overflow, stats.upstream_packets, refused};
-  for (std::size_t i = 0; i < since.size(); ++i) {
-    const std::uint64_t told = std::exchange(told_[i], since[i]);
-    if (since[i] >= told) since[i] -= told;  // else a run of its own
+  Report report{.facts = facts(stats)};
+  const std::lock_guard worker(worker_);
+  const Ledger& ledger = stats.ledger;
+  const Counts counts{ledger.received,
+                      ledger.rejected,
+                      ledger.discarded,
+                      ledger.stale,
+                      ledger.overflow,
+                      ledger.delivered,
+                      stats.latency.within_bound(),
+                      stats.upstream_packets,
+                      messages_,
+                      std::accumulate(refused_.begin(), refused_.end(), std::uint64_t{0}),
+                      failures_};
+  Counts since = counts;
+  for (std::size_t i = 0; i < kCounts; ++i) {
+    if (counts[i] >= reported_[i]) since[i] -= reported_[i];  // else a run of its own
+    report.facts.push_back({std::string("last_second.") + kNames[i], number(since[i])});
   }
-  if (messages_ == 0) return "no message on " + std::string(topic);
-  if (stats.stalled) return "stalled: the consumer stays away";
-  if (since[0] > 0) return std::to_string(since[0]) + " events did not fit into the ring";
-  if (since[1] > 0) return std::to_string(since[1]) + " messages of the driver are missing";
-  if (since[2] > 0) return std::to_string(since[2]) + " messages refused";
-  return "";
+  reported_ = counts;
+  judge(report, around, since, stats.stalled);
+  other_.clear();
+  return report;
 }
 
-Facts Session::facts() const {
-  const PipelineStats stats = this->stats();
-  const std::lock_guard lock(control_);
+// The worst is said.
+void Session::judge(Report& report, const Around& around, const Counts& since,
+                    bool is_stalled) const {
+  const auto say = [&report](bool is_so, Level level, const std::string& message) {
+    if (is_so && report.level == Level::ok) report.level = level, report.message = message;
+  };
+  const auto count = [&since](Count of) { return std::to_string(since[of]); };
+  const auto silent_s = std::chrono::floor<std::chrono::seconds>(Clock::now() - heard_).count();
+  const bool all_refused = since[kMessages] > 0 && since[kRefused] == since[kMessages];
+  const bool all_rejected = since[kReceived] > 0 && since[kRejected] == since[kReceived];
+  say(since[kFailures] > 0, Level::error, "process() throws: " + failure_);
+  say(!around.mismatch.empty(), Level::error, around.mismatch);
+  if (!other_.empty()) {
+    say(true, all_refused ? Level::error : Level::warn,
+        "two cameras: " + name_of_(reader_.publisher()) + " is heard, " + name_of_(other_) +
+            " is refused");
+  }
+  say(all_refused, Level::error, "all " + count(kRefused) + " messages refused");
+  say(all_rejected, Level::error, "all " + count(kRejected) + " events rejected");
+  say(is_stalled, Level::warn, "stalled: the consumer stays away");
+  say(messages_ == 0, Level::warn, "no message on " + around.topic);
+  say(since[kMessages] == 0, Level::warn,
+      "no message on " + around.topic + " for " + std::to_string(silent_s) + " s");
+  say(!around.is_heard, Level::warn, "nobody subscribes to the packages");
+  say(since[kOverflow] > 0, Level::warn, count(kOverflow) + " events did not fit into the ring");
+  say(since[kLost] > 0, Level::warn, count(kLost) + " messages of the driver are missing");
+  say(since[kRefused] > 0, Level::warn, count(kRefused) + " messages refused");
+}
+
+Facts Session::facts(const PipelineStats& stats) const {
   const char* const state = stopped_ ? "stopped" : stats.stalled ? "stalled" : "open";
   Facts facts{{"schema_version", "1"},
-              {"mode", quoted("live")},
-              {"state", quoted(state)},
+              text("mode", "live"),
+              text("state", state),
               {"source.width", number(std::uint64_t{sensor_.width})},
               {"source.height", number(std::uint64_t{sensor_.height})},
-              {"scheme.name", quoted("deadline")},
-              {"scheme.prefer", quoted(name_of(scheme_config_.prefer))}};
+              text("scheme.name", "deadline"),
+              text("scheme.prefer", name_of(scheme_config_.prefer))};
   const Facts run = facts_of(stats);
   facts.insert(facts.end(), run.begin(), run.end());
-  facts.emplace_back("messages.received", number(messages_));
+  facts.push_back({"messages.received", number(messages_)});
   for (std::size_t i = 0; i < kRefusals.size(); ++i) {
-    facts.emplace_back(std::string("messages.refused_") + kRefusals[i], number(refused_[i]));
+    facts.push_back({std::string("messages.refused_") + kRefusals[i], number(refused_[i])});
   }
-  facts.emplace_back("messages.bad_records", number(reader_.bad_records()));
-  facts.emplace_back("messages.before_start", number(reader_.before_start()));
+  facts.push_back({"messages.bad_records", number(reader_.bad_records())});
+  facts.push_back({"messages.before_start", number(reader_.before_start())});
+  facts.push_back({"messages.triggers_lost", number(reader_.triggers())});
   const std::lock_guard worker(worker_);
-  facts.emplace_back("failures.count", number(failures_));
-  facts.emplace_back("failures.last", quoted(failure_));
+  facts.push_back({"failures.count", number(failures_)});
+  facts.push_back(text("failures.last", failure_));
   return facts;
 }
 

@@ -1,12 +1,16 @@
-// Session: the run of a node. Messages go in; packages of their events go to a receiver, within the
-// latency bound, on a thread of the session. A sensor of another size begins a run of its own.
+// Session: the run of a node. Messages of one camera go in; packages of their events go to a
+// receiver, within the latency bound, on a thread of the session. Another publisher is heard once
+// the one before has been silent for a second: as a new epoch of its clock or, with a sensor of
+// another size, in a run of its own.
 //
 // Any thread. take() decodes and pushes: O(bytes), never blocked by the receiver but where a run
 // ends, which waits for the package in work.
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -31,7 +35,7 @@ class Receiver {
   virtual Execution execution() const noexcept { return Execution::whole; }
   // A run begins: events of a sensor of this size will come.
   virtual void begin(const Geometry&) {}
-  // On the session's thread. `stamp_ns`: that of the message in which the package began.
+  // On the session's thread. `stamp_ns`: when the package began, by the clock of the messages.
   virtual void process(const Package& package, std::int64_t stamp_ns) = 0;
   // The run ends: a process() that waits for something waits no longer. Any thread.
   virtual void hurry() noexcept {}
@@ -39,17 +43,34 @@ class Receiver {
   virtual bool stalled() const { return false; }
 };
 
+enum class Level : std::uint8_t { ok, warn, error };  // as in diagnostic_msgs
+
 class Session {
  public:
-  using Say = std::function<void(const std::string&)>;
+  using Say = std::function<void(Level, const std::string&)>;
+  using NameOf = std::function<std::string(std::string_view publisher)>;
 
-  // The receiver outlives the session. `say` gets a line where a run begins or ends. Throws
+  // What the node knows of its surroundings.
+  struct Around {
+    std::string topic{};     // of the messages
+    std::string mismatch{};  // an end whose QoS does not match; empty: none
+    bool is_heard = true;  // somebody subscribes to the packages
+  };
+
+  struct Report {
+    Level level = Level::ok;
+    std::string message = "ok";
+    Facts facts;  // of the run, of the time since the last report, and of the messages in all
+  };
+
+  // The receiver outlives the session. `say` gets a line where a run begins or ends and, once a
+  // second at most, where a message is refused; `name_of` names a publisher for it. Throws
   // std::invalid_argument for parameters that are none.
-  Session(const Parameters& parameters, Receiver& receiver, Say say);
+  Session(const Parameters& parameters, Receiver& receiver, Say say, NameOf name_of);
   ~Session();  // stop()
 
   // The reason, if the message is refused; refused after stop() without one.
-  std::optional<Refusal> take(const Packet& packet, std::int64_t stamp_ns);
+  std::optional<Refusal> take(const Packet& packet);
 
   // Throws std::invalid_argument for a bound out of range.
   void set_latency(double latency_ms);
@@ -57,37 +78,67 @@ class Session {
   // Delivers what waits, and ends. Says the ledger.
   void stop();
 
-  // Figures of the run, and the messages refused since the session began.
-  Facts facts() const;
-
-  // What went wrong since the last call, in a sentence; empty: nothing. `topic`: of the messages.
-  std::string trouble(std::string_view topic);
+  // Once a second.
+  Report report(const Around& around);
   PipelineStats stats() const;
+  std::string frame_id() const;  // of the camera's messages
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   // The stamp of a message and of its first event.
   struct Mark {
-    std::int64_t stamp_ns = 0;
     std::int64_t t_us = 0;
+    std::int64_t stamp_ns = 0;
   };
 
+  // What a report compares with the one before.
+  enum Count : std::uint8_t {
+    kReceived,
+    kRejected,
+    kDiscarded,
+    kStale,
+    kOverflow,
+    kDelivered,
+    kInTime,
+    kLost,
+    kMessages,
+    kRefused,
+    kFailures,
+    kCounts
+  };
+  using Counts = std::array<std::uint64_t, kCounts>;
+
+  std::optional<Refusal> refusal_of(const Packet& packet, Clock::time_point now) const;
+  void refuse(Refusal refusal, const Packet& packet, Clock::time_point now);
   void begin(const Geometry& sensor);
   void end();
+  void mark(const Packet& packet, std::int64_t t_us);
   void process(const Package& package);
-  std::int64_t stamp_of(std::int64_t t_us) const;
+  void failed(const std::string& what);
+  std::int64_t stamp_of(std::int64_t t_us);
+  Facts facts(const PipelineStats& stats) const;
+  void judge(Report& report, const Around& around, const Counts& since, bool is_stalled) const;
 
   Receiver& receiver_;
   const Say say_;
+  const NameOf name_of_;
   mutable std::mutex control_;
   DeadlineConfig scheme_config_;  // of the next run
+  RunConfig run_config_;          // the same
   bool stopped_ = false;
   Geometry sensor_;
   PacketReader reader_;
+  bool is_new_epoch_ = false;  // begins with the next event
+  Clock::time_point heard_{};  // the camera
+  Clock::time_point complained_{};
+  std::string other_;  // a publisher that was refused since the last report
   std::uint64_t messages_ = 0;
   std::array<std::uint64_t, kRefusals.size()> refused_{};
-  std::array<std::uint64_t, 3> told_{};  // by trouble(): overflow, lost, refused
-  mutable std::mutex worker_;  // the next three, which the worker reads and writes as well
-  Mark mark_;
+  Counts reported_;
+  mutable std::mutex worker_;  // the next four, which the worker reads and writes as well
+  std::deque<Mark> marks_;     // of the messages that may still wait
+  std::string frame_id_;
   std::uint64_t failures_ = 0;
   std::string failure_;
   std::optional<Deadline> scheme_;

@@ -75,7 +75,7 @@ Validator::Validator(ValidatorConfig config, BitLog* passed)
 }
 
 bool Validator::pass_clean(EventSpan block) {
-  if (clock_offset_us_ != 0 || warming_up_) return false;
+  if (warming_up_) return false;
   // Additions and bits alone, without a branch per event, so that the compiler can treat two events
   // at once. Stamps that do not decrease and end below the limit are all below it; the lower limit
   // is where last_us_ starts.
@@ -85,18 +85,36 @@ bool Validator::pass_clean(EventSpan block) {
     return (pixel + room) ^ pixel ^ room;
   };
   std::uint64_t carries = carry(block.front());
-  std::uint64_t steps = step_us(last_us_, block.front().t);
+  std::uint64_t steps = step_us(last_us_ - clock_offset_us_, block.front().t);
   for (std::size_t i = 1; i < block.size(); ++i) {
     carries |= carry(block[i]);
     steps |= step_us(block[i - 1].t, block[i].t);
   }
-  const std::int64_t last = block.back().t;
-  if ((carries & kCarries) != 0 || steps >= kSteps_us || last > kMaxRawStamp_us) return false;
-  last_us_ = last;
+  const std::int64_t last = block.back().t, shifted_us = last + clock_offset_us_;
+  if ((carries & kCarries) != 0 || steps >= kSteps_us || last > kMaxRawStamp_us ||
+      shifted_us > kMaxStamp_us) {
+    return false;
+  }
+  last_us_ = shifted_us;
   far_back_ = 0;
   received_ += block.size();
   if (passed_ != nullptr) passed_->append(block.size(), true);
   return true;
+}
+
+EventSpan Validator::shifted(EventSpan block) noexcept {
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    scratch_[i] = block[i];
+    scratch_[i].t += clock_offset_us_;
+  }
+  return {scratch_.data(), block.size()};
+}
+
+void Validator::begin_epoch(std::int64_t first_us) noexcept {
+  if (last_us_ == kNone_us || !is_stamp(first_us)) return;
+  clock_offset_us_ = last_us_ + 1 - first_us;
+  far_back_ = 0;
+  ++clock_resets_;
 }
 
 // `rest` begins with the block: what comes next decides about a stamp that is far back.

@@ -306,6 +306,14 @@ bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
   });
 }
 
+void Pipeline::begin_epoch(std::int64_t first_us) noexcept {
+  impl_->enter([&](Impl::LiveRun& live) { live.run.validator().begin_epoch(first_us); });
+}
+
+std::int64_t Pipeline::clock_offset_us() const noexcept {
+  return impl_->live->run.validator().clock_offset_us();
+}
+
 void Pipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
   impl_->upstream_marks.fetch_add(marks, std::memory_order_relaxed);
   impl_->upstream_packets.fetch_add(packets, std::memory_order_relaxed);

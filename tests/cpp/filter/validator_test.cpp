@@ -188,6 +188,39 @@ TEST(Validator, OneThatDoubtsResetsWaitsUntilStampsStay) {
   EXPECT_EQ(validator.clock_resets(), 2u);
 }
 
+TEST(Validator, AnEpochThatIsToldBeginsWhereverItsFirstStampLies) {
+  Validator validator;
+  validator.begin_epoch(77);  // nothing to go on with
+  EXPECT_EQ(validator.clock_resets(), 0u);
+  check(validator, at_times({5'000}));
+  for (const std::int64_t first : {4'900, 5'000, 80'000'000}) {
+    const std::int64_t last = validator.last_us();
+    validator.begin_epoch(first);
+    EXPECT_EQ(validator.clock_offset_us(), last + 1 - first);
+    EXPECT_EQ(times(check(validator, at_times({first, first + 7, first + 3}))),
+              (Times{last + 1, last + 8}));
+  }
+  EXPECT_EQ(validator.clock_resets(), 3u);
+  EXPECT_EQ(validator.rejected(), (Rejections{.nonmonotonic = 3}));
+}
+
+TEST(Validator, AnEpochWithoutAFaultIsTheSameEventsLater) {
+  Validator validator;
+  const Events events = good_events(1'000);
+  check(validator, events);
+  const std::int64_t last = validator.last_us();
+  validator.begin_epoch(0);
+  const Events good = check(validator, events);
+  ASSERT_EQ(good.size(), events.size());
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    Event expected = events[i];
+    expected.t += last + 1;
+    EXPECT_EQ(good[i], expected);
+  }
+  EXPECT_EQ(validator.last_us(), good.back().t);
+  EXPECT_EQ(validator.repaired(), Repairs{});
+}
+
 TEST(Validator, BackStepsAreMeasuredInsideTheNewEpoch) {
   Validator validator;
   const Events good = check(validator, at_times({5 * kSecond_us, 0, 100, 50, 100 - kSecond_us}));

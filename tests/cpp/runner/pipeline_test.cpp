@@ -882,6 +882,17 @@ TEST(Pipeline, ASensorThatBeginsAnewMakesWhatWaitsDue) {
   EXPECT_EQ(pipeline.stats().clock_resets, 1u);
 }
 
+TEST(Pipeline, AnEpochThatIsToldLosesNoEvent) {
+  Greedy scheme;
+  Pipeline pipeline(scheme);
+  pipeline.push(at_times({50'000, 50'100}));
+  pipeline.begin_epoch(49'000);
+  EXPECT_EQ(pipeline.clock_offset_us(), 1'101);
+  pipeline.push(at_times({49'000, 49'005}));
+  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 4, .pending = 4}));
+  EXPECT_EQ(pipeline.stats().clock_resets, 1u);
+}
+
 TEST(Pipeline, ReportsTheDelayOfTheTransport) {
   Greedy scheme;
   Pipeline pipeline(scheme);

@@ -18,6 +18,9 @@ namespace asap_peers {
 
 inline rclcpp::QoS qos() { return rclcpp::QoS(rclcpp::KeepLast(1000)).reliable(); }
 
+// As metavision_driver and libcaer_driver publish.
+inline rclcpp::QoS drivers_qos() { return qos().best_effort().durability_volatile(); }
+
 struct Load {
   std::size_t events = 1'000;  // in a message
   std::size_t messages = 10'000;
@@ -29,7 +32,7 @@ class Source : public rclcpp::Node {
  public:
   Source(const Load& load, std::size_t subscribers, const rclcpp::NodeOptions& options)
       : Node("source", options), load_(load) {
-    publisher_ = create_publisher<EventPacket>("events", qos());
+    publisher_ = create_publisher<EventPacket>("events", drivers_qos());
     thread_ = std::jthread([this, subscribers](const std::stop_token& stop) {
       while (heard() < subscribers && !stop.stop_requested()) pause(10'000);
       pause(1'000'000);  // all have found each other
@@ -41,6 +44,8 @@ class Source : public rclcpp::Node {
   double seconds() const { return seconds_; }
 
  private:
+  static constexpr std::int64_t kCalm_us = 500'000;
+
   static void pause(std::int64_t us) { std::this_thread::sleep_for(std::chrono::microseconds(us)); }
 
   std::size_t heard() const {
@@ -54,10 +59,11 @@ class Source : public rclcpp::Node {
     for (std::uint64_t i = 0; i < load_.messages && !stop.stop_requested(); ++i) {
       const std::int64_t due_us = start_us + static_cast<std::int64_t>(i) * load_.period_us;
       if (due_us > now_us()) pause(due_us - now_us());
+      if (i + 1 == load_.messages) pause(kCalm_us);  // its number tells what was lost
       left_us = std::max(now_us(), left_us + static_cast<std::int64_t>(kRows));  // stamps grow
       publisher_->publish(message(load_.events, i, left_us));
     }
-    seconds_ = static_cast<double>(now_us() - start_us) * 1e-6;
+    seconds_ = static_cast<double>(now_us() - start_us - kCalm_us) * 1e-6;
   }
 
   const Load load_;
@@ -71,7 +77,7 @@ class Relay : public rclcpp::Node {
   explicit Relay(const rclcpp::NodeOptions& options) : Node("relay", options) {
     publisher_ = create_publisher<EventPacket>("~/events", qos());
     subscription_ = create_subscription<EventPacket>(
-        "events", qos(),
+        "events", drivers_qos(),
         [this](EventPacket::UniquePtr packet) { publisher_->publish(std::move(packet)); });
   }
 
@@ -107,7 +113,8 @@ class Sink : public rclcpp::Node {
   void take(const EventPacket& message) {
     const std::int64_t now = now_us();
     const ros::Packet packet = packet_of(message);
-    if (reader_.see(packet).refusal) return;
+    if (ros::refusal_of(packet)) return;
+    reader_.see(packet);
     std::uint64_t count = 0;
     reader_.decode(packet, [&](asap::EventSpan events) {
       count += events.size();

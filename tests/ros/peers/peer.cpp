@@ -173,9 +173,10 @@ void virtual_time(const Words& words) {
   std::uint64_t seen = 0;
   const auto node = std::make_shared<rclcpp::Node>("simulator");
   const auto subscription = node->create_subscription<EventPacket>(
-      "events", qos(), [&](EventPacket::ConstSharedPtr message) {
+      "events", drivers_qos(), [&](EventPacket::ConstSharedPtr message) {
         const ros::Packet packet = packet_of(*message);
-        if (!reader.see(packet).refusal) {
+        if (!ros::refusal_of(packet)) {
+          reader.see(packet);
           reader.decode(packet, [&](asap::EventSpan events) { simulator.feed(events); });
         }
         ++seen;

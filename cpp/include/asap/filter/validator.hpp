@@ -2,11 +2,12 @@
 // and polarity is 0 or 1; what does not fit is dropped, clamped or refused, and always counted.
 //
 // One thread (the producer's). O(n), no allocation after construction. A block without a fault
-// passes in place, without a copy; a block with one is repaired into a fixed scratch buffer. A
-// stamp that goes back by less than kNewEpoch_us is a fault; by more, the sensor's clock was reset:
-// a new epoch starts, and time continues one microsecond after the last event. A validator that
-// doubts resets believes one only after kStays stamps in a row confirm it; fewer are faults. With a
-// warm-up, events within it after the first one, or after such a reset, are before the start.
+// passes in place, without a copy; a block with one, or whose stamps are shifted, passes through a
+// fixed scratch buffer. A stamp that goes back by less than kNewEpoch_us is a fault; by more, the
+// sensor's clock was reset: a new epoch starts, and time continues one microsecond after the last
+// event. A validator that doubts resets believes one only after kStays stamps in a row confirm it;
+// fewer are faults. With a warm-up, events within it after the first one, or after such a reset,
+// are before the start.
 #pragma once
 
 #include <algorithm>
@@ -78,6 +79,9 @@ class Validator {
       const EventSpan block = events.subspan(at, std::min(kBlock, events.size() - at));
       if (pass_clean(block)) {
         at += block.size();
+        if (clock_offset_us_ == 0) continue;
+        sink(shifted(block));  // the run is empty: no event passes in place in such an epoch
+        run = at;
         continue;
       }
       if (at > run) sink(events.subspan(run, at - run));
@@ -97,6 +101,10 @@ class Validator {
   void doubt_resets() noexcept { doubts_resets_ = config_.on_bad != OnBad::raise; }
   static constexpr std::size_t kStays = 32;
 
+  // The sensor's clock begins anew with this stamp, whatever it is: time continues 1 us after the
+  // last event. Nothing happens before the first event.
+  void begin_epoch(std::int64_t first_us) noexcept;
+
   // received() = events sunk + rejected().total()
   std::uint64_t received() const noexcept { return received_; }
   const Rejections& rejected() const noexcept { return rejected_; }
@@ -106,7 +114,7 @@ class Validator {
   // Stamp of the last event that passed; meaningless before the first.
   std::int64_t last_us() const noexcept { return last_us_; }
 
-  // Epochs: how often the sensor's clock went back, and what is now added to its stamps.
+  // Epochs: how often the sensor's clock began anew, and what is now added to its stamps.
   std::uint64_t clock_resets() const noexcept { return clock_resets_; }
   std::int64_t clock_offset_us() const noexcept { return clock_offset_us_; }
 
@@ -123,6 +131,7 @@ class Validator {
   };
 
   bool pass_clean(EventSpan block);
+  EventSpan shifted(EventSpan block) noexcept;
   Repaired repair(EventSpan block, EventSpan rest);
   Fault mend(Event& event, EventSpan rest) noexcept;
   bool stays(EventSpan rest) noexcept;
@@ -136,7 +145,8 @@ class Validator {
   BitLog* passed_;
   std::uint32_t max_x_;
   std::uint32_t max_y_;
-  std::int64_t last_us_ = -kMaxRawStamp_us;  // stamp of the last event that passed
+  static constexpr std::int64_t kNone_us = -kMaxRawStamp_us;
+  std::int64_t last_us_ = kNone_us;  // stamp of the last event that passed
   bool warming_up_;
   std::int64_t warm_up_first_us_ = kMaxStamp_us;  // the warm-up counts from this stamp
   std::int64_t warm_up_last_us_ = kMaxStamp_us;

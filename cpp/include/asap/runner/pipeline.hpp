@@ -84,6 +84,13 @@ class Pipeline {
   // For WhenFull::block: `poll` is called every 20 ms while push waits for room; it may throw.
   bool push(EventSpan events, Arrival arrival, const Poll& poll);
 
+  // The camera's clock begins anew with this stamp, whatever it is, as after a restart of its
+  // driver: time continues 1 us after the last event. Ignored after stop() and before an event.
+  void begin_epoch(std::int64_t first_us) noexcept;
+
+  // What is now added to the camera's stamps, us. The producer's.
+  std::int64_t clock_offset_us() const noexcept;
+
   // The driver has lost events before they came here.
   void upstream_lost(std::uint64_t marks, std::uint64_t packets = 0) noexcept;
 

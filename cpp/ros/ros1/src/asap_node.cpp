@@ -1,10 +1,10 @@
 // The node as roscpp sees it: topics, a service, parameters and signals around a Node.
 #include <asap_ros/Feedback.h>
+#include <asap_ros/ProcessingTime.h>
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <ros/xmlrpc_manager.h>
-#include <std_msgs/Float64.h>
 #include <std_msgs/String.h>
 
 #include <csignal>
@@ -15,9 +15,7 @@
 namespace asap_ros {
 namespace {
 
-constexpr double kLogEvery_s = 1.0;
 constexpr double kLookEvery_s = 0.05;  // whether a signal has come
-constexpr int kMostQueue = 100'000;    // messages
 
 // roscpp closes the topics at once when a signal or `rosnode kill` comes. The node ends itself, so
 // that what waits is still delivered.
@@ -49,19 +47,12 @@ Value value_of(const ros::NodeHandle& handle, const std::string& name) {
   }
 }
 
-std::uint32_t queue_of(const ros::NodeHandle& handle) {
-  int queue = 1000;
-  handle.getParam("queue", queue);
-  if (queue >= 1 && queue <= kMostQueue) return static_cast<std::uint32_t>(queue);
-  throw std::invalid_argument("queue = " + std::to_string(queue) +
-                              ": must be between 1 and 100000");
-}
-
 diagnostic_msgs::DiagnosticArray diagnostics_of(const Report& report) {
   diagnostic_msgs::DiagnosticStatus status;
   status.name = ros::this_node::getName();
-  status.level = report.trouble.empty() ? status.OK : status.WARN;
-  status.message = report.trouble.empty() ? "ok" : report.trouble;
+  status.hardware_id = report.hardware_id;
+  status.level = static_cast<std::int8_t>(report.level);
+  status.message = report.message;
   for (const auto& [name, value] : report.facts) {
     status.values.emplace_back();
     status.values.back().key = name;
@@ -75,14 +66,16 @@ diagnostic_msgs::DiagnosticArray diagnostics_of(const Report& report) {
 
 void run() {
   ros::NodeHandle handle, self("~");
-  const std::uint32_t queue = queue_of(self);
   const Values values = [&](const std::string& name) { return value_of(self, name); };
   ros::Publisher packages;
   Node node(values, {[&](const Bytes& message) { packages.publish(AnyMessage{message}); },
                      [&] { return packages.getNumSubscribers() > 0; },
-                     [](const std::string& line) { ROS_INFO("%s", line.c_str()); }});
+                     [](bool is_trouble, const std::string& line) {
+                       if (is_trouble) ROS_WARN("%s", line.c_str());
+                       if (!is_trouble) ROS_INFO("%s", line.c_str());
+                     }});
   const Type type = node.type();
-  ros::AdvertiseOptions options("events", queue, type.md5, type.name, type.definition);
+  ros::AdvertiseOptions options("events", node.queue(), type.md5, type.name, type.definition);
   packages = self.advertise(options);
   ros::Publisher stats = self.advertise<std_msgs::String>("stats", 10);
   ros::Publisher diagnostics =
@@ -91,24 +84,34 @@ void run() {
   ros::Subscriber times;
   ros::ServiceServer service;
   if (node.feedback() == "topic") {
-    times = self.subscribe<std_msgs::Float64>("processing_time", 10,
-                                              [&](const auto& time) { node.feedback(time->data); });
+    times = self.subscribe<ProcessingTime>(
+        "processing_time", 10, [&](const auto& time) { node.feedback(time->seq, time->time); });
   }
   if (node.feedback() == "service") {
-    service = self.advertiseService<Feedback::Request, Feedback::Response>(
-        "feedback", [&](auto& request, auto& response) {
-          response.success = node.feedback(request.time);
+    // Whatever its sum: the published node's consumers call without `seq`.
+    using Any = ros::ServiceSpec<AnyMessage, Feedback::Response>;
+    ros::AdvertiseServiceOptions options;
+    options.init<Feedback>("feedback", {});
+    options.md5sum = "*";
+    options.helper = boost::make_shared<ros::ServiceCallbackHelperT<Any>>(
+        [&](AnyMessage& bytes, Feedback::Response& response) {
+          namespace wire = ros::serialization;
+          Feedback::Request request;
+          bytes.bytes.resize(wire::serializationLength(request));
+          wire::IStream stream(bytes.bytes.data(), static_cast<std::uint32_t>(bytes.bytes.size()));
+          wire::deserialize(stream, request);
+          response.success = node.feedback(request.seq, request.time);
           return true;
         });
+    service = self.advertiseService(options);
   }
 
   using Event = ros::MessageEvent<const AnyMessage>;
   const ros::Subscriber events = handle.subscribe<AnyMessage, const Event&>(
-      "events", queue,
+      "events", node.queue(),
       [&](const Event& event) {
-        const std::string reason = node.take(event.getConnectionHeader()["md5sum"],
-                                             event.getPublisherName(), event.getMessage()->bytes);
-        if (!reason.empty()) ROS_WARN_THROTTLE(kLogEvery_s, "%s", reason.c_str());
+        node.take(event.getConnectionHeader()["md5sum"], event.getPublisherName(),
+                  event.getMessage()->bytes);
       },
       {}, ros::TransportHints().tcpNoDelay());
 

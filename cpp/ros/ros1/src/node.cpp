@@ -1,9 +1,8 @@
 #include "node.hpp"
 
-#include <mutex>
-#include <optional>
 #include <span>
 #include <stdexcept>
+#include <string_view>
 
 #include "asap/core/check.hpp"
 #include "ros/bridge/relay.hpp"
@@ -22,20 +21,17 @@ void read(ros::Parameters& parameters, const ros::NumberField& number, const Val
   if (const auto* given = std::get_if<double>(&value)) parameters.*number.field = *given;
 }
 
-void read(ros::Parameters& parameters, const ros::ChoiceField& choice, const Value& value) {
-  if (const auto* given = std::get_if<double>(&value)) {
-    parameters.*choice.field = asap::to_text(*given);
-  }
-  if (const auto* text = std::get_if<std::string>(&value)) parameters.*choice.field = *text;
-}
-
 ros::Parameters parameters_at_the_start(const Values& values) {
   ros::Parameters parameters{.encoding = std::string(ros::kDecoded)};
   for (const ros::NumberField& number : ros::kNumbers) {
     read(parameters, number, values(number.name));
   }
   for (const ros::ChoiceField& choice : ros::kChoices) {
-    read(parameters, choice, values(choice.name));
+    const Value value = ros::is_of_dds(choice.has) ? Value{} : values(choice.name);
+    if (const auto* given = std::get_if<double>(&value)) {
+      parameters.*choice.field = asap::to_text(*given);
+    }
+    if (const auto* text = std::get_if<std::string>(&value)) parameters.*choice.field = *text;
   }
   return parameters;
 }
@@ -49,13 +45,15 @@ struct Node::Parts {
         relay(
             parameters, [this](const ros::Message& message) { publish(message); },
             outward.is_heard),
-        session(parameters, relay, outward.say) {}
+        session(
+            parameters, relay,
+            [this](ros::Level level, const std::string& line) {
+              outward.say(level != ros::Level::ok, line);
+            },
+            [](std::string_view publisher) { return std::string(publisher); }) {}
 
   void publish(const ros::Message& message) {
-    {
-      const std::lock_guard lock(frame);
-      ros::write_ros1(message, frame_id, bytes);
-    }
+    ros::write_ros1(message, session.frame_id(), bytes);
     outward.publish(bytes);
   }
 
@@ -63,8 +61,6 @@ struct Node::Parts {
   ros::Parameters parameters;
   std::string refusal;  // of a parameter, said last
   ros::Ros1Reader reader;
-  std::mutex frame;  // the next one
-  std::string frame_id;
   Bytes bytes;  // the session's thread's
   ros::Relay relay;
   ros::Session session;  // the last member: its thread uses the others
@@ -81,26 +77,27 @@ Type Node::type() const {
   return {type.name, type.md5, type.definition};
 }
 
+std::uint32_t Node::queue() const { return static_cast<std::uint32_t>(parts_->parameters.queue); }
+
 const std::string& Node::feedback() const { return parts_->parameters.feedback; }
 
-bool Node::feedback(double seconds) { return parts_->relay.feedback(seconds); }
+bool Node::feedback(std::uint64_t seq, double seconds) {
+  return parts_->relay.feedback(seq, seconds);
+}
 
-std::string Node::take(const std::string& md5, const std::string& publisher, const Bytes& message) {
-  auto [packet, stamp_ns, frame_id] = parts_->reader.read(md5, std::as_bytes(std::span(message)));
+void Node::take(const std::string& md5, const std::string& publisher, const Bytes& message) {
+  ros::Packet packet = parts_->reader.read(md5, std::as_bytes(std::span(message)));
   packet.publisher = publisher;
-  {
-    const std::lock_guard lock(parts_->frame);
-    if (!packet.is_torn) parts_->frame_id = frame_id;
-  }
-  const std::optional<ros::Refusal> refusal = parts_->session.take(packet, stamp_ns);
-  return refusal ? ros::sentence(*refusal, packet) : "";
+  parts_->session.take(packet);
 }
 
 void Node::update(const Values& values) {
   ros::Parameters next = parts_->parameters;
   std::string refusal;
   try {
-    for (const ros::NumberField& number : ros::kNumbers) read(next, number, values(number.name));
+    for (const ros::NumberField& number : ros::kNumbers) {
+      if (!number.is_fixed) read(next, number, values(number.name));
+    }
     ros::check(next);
     parts_->parameters = next;
     parts_->session.set_latency(next.latency_ms);
@@ -108,15 +105,22 @@ void Node::update(const Values& values) {
   } catch (const std::invalid_argument& error) {
     refusal = std::string("parameters refused: ") + error.what();
   }
-  if (!refusal.empty() && refusal != parts_->refusal) parts_->outward.say(refusal);
+  if (!refusal.empty() && refusal != parts_->refusal) parts_->outward.say(true, refusal);
   parts_->refusal = refusal;
 }
 
 Report Node::report(const std::string& topic) {
-  ros::Facts facts = parts_->session.facts();
+  ros::Session::Report report =
+      parts_->session.report({.topic = topic, .is_heard = parts_->outward.is_heard()});
   const ros::Facts more = parts_->relay.facts();
-  facts.insert(facts.end(), more.begin(), more.end());
-  return {ros::to_json(facts), parts_->session.trouble(topic), facts};
+  report.facts.insert(report.facts.end(), more.begin(), more.end());
+  Report told{static_cast<std::uint8_t>(report.level),
+              report.message,
+              parts_->session.frame_id(),
+              ros::to_json(report.facts),
+              {}};
+  for (const ros::Fact& fact : report.facts) told.facts.emplace_back(fact.name, fact.value);
+  return told;
 }
 
 void Node::stop() { parts_->session.stop(); }

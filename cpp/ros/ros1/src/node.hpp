@@ -23,7 +23,7 @@ using Values = std::function<Value(const std::string& name)>;
 struct Outward {
   std::function<void(const Bytes& message)> publish;
   std::function<bool()> is_heard;  // a consumer is there
-  std::function<void(const std::string& line)> say;
+  std::function<void(bool is_trouble, const std::string& line)> say;
 };
 
 struct Type {
@@ -33,8 +33,10 @@ struct Type {
 };
 
 struct Report {
+  std::uint8_t level;  // of diagnostic_msgs
+  std::string message;
+  std::string hardware_id;
   std::string json;
-  std::string trouble;  // empty: none
   std::vector<std::pair<std::string, std::string>> facts;
 };
 
@@ -44,12 +46,12 @@ class Node {
   Node(const Values& values, Outward outward);
   ~Node();  // stop()
 
-  Type type() const;                    // of the messages to publish
-  const std::string& feedback() const;  // the parameter
-  bool feedback(double seconds);        // false: refused
+  Type type() const;                                 // of the messages to publish
+  std::uint32_t queue() const;                       // the parameter
+  const std::string& feedback() const;               // the same
+  bool feedback(std::uint64_t seq, double seconds);  // false: refused
 
-  // Why the message was refused; empty: it was not.
-  std::string take(const std::string& md5, const std::string& publisher, const Bytes& message);
+  void take(const std::string& md5, const std::string& publisher, const Bytes& message);
 
   // Heeds the parameters that may change; says once why it does not.
   void update(const Values& values);

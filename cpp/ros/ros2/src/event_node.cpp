@@ -1,8 +1,8 @@
 #include "event_node.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
-#include <string_view>
 
 #ifdef ASAP_ROS_DVS_MSGS
 #include <dvs_msgs/msg/event_array.hpp>
@@ -12,17 +12,6 @@ namespace asap_ros {
 namespace {
 
 constexpr std::int64_t kNsPerS = 1'000'000'000;
-constexpr int kLogEvery_ms = 1000;
-
-// A number of any kind: `latency_ms:=20` is an integer to ROS.
-double number_of(const rclcpp::Parameter& parameter) {
-  if (parameter.get_type() == rclcpp::PARAMETER_DOUBLE) return parameter.as_double();
-  if (parameter.get_type() == rclcpp::PARAMETER_INTEGER) {
-    return static_cast<double>(parameter.as_int());
-  }
-  throw std::invalid_argument(parameter.get_name() + " = " + parameter.value_to_string() +
-                              ": must be a number");
-}
 
 std::int64_t to_ns(const builtin_interfaces::msg::Time& time) {
   return std::int64_t{time.sec} * kNsPerS + time.nanosec;
@@ -39,50 +28,34 @@ builtin_interfaces::msg::Time to_time(std::int64_t ns) {
 
 EventNode::EventNode(const std::string& name, const rclcpp::NodeOptions& options)
     : Node(name, options) {
-  declare(ros::kLatency);
-  declare(ros::kPrefer);
-  rcl_interfaces::msg::ParameterDescriptor fixed;
-  fixed.read_only = true;
-  fixed.description = "Subscribe and publish best effort: a slow network loses messages.";
-  declare_parameter("best_effort", false, fixed);
-  fixed.description = "Messages that wait in the middleware, on either side.";
-  fixed.integer_range.resize(1);
-  fixed.integer_range[0].from_value = 1;
-  fixed.integer_range[0].to_value = 100'000;
-  declare_parameter("queue", 1000, fixed);
-  fixed.integer_range.clear();
-  fixed.description = "Package of the messages on `events`: event_camera_msgs or dvs_msgs.";
-  declare_parameter("input", std::string("event_camera_msgs"), fixed);
+  declare(false);
 }
 
 EventNode::~EventNode() { stop(); }
 
-void EventNode::declare(const ros::NumberField& field) {
-  rcl_interfaces::msg::ParameterDescriptor descriptor;
-  descriptor.description = field.description;
-  descriptor.dynamic_typing = true;
-  descriptor.floating_point_range.resize(1);
-  descriptor.floating_point_range[0].from_value = field.least;
-  descriptor.floating_point_range[0].to_value = field.most;
-  declare_parameter(field.name, rclcpp::ParameterValue(parameters_.*field.field), descriptor);
-  parameters_.*field.field = number_of(get_parameter(field.name));
-  numbers_.push_back(&field);
-}
-
-void EventNode::declare(const ros::ChoiceField& field) {
-  rcl_interfaces::msg::ParameterDescriptor descriptor;
-  descriptor.description = field.description;
-  descriptor.read_only = true;
-  parameters_.*field.field = declare_parameter(field.name, parameters_.*field.field, descriptor);
-}
-
-void EventNode::start(ros::Receiver& receiver) {
-  session_ = std::make_unique<ros::Session>(parameters_, receiver, [this](const std::string& line) {
-    RCLCPP_INFO(get_logger(), "%s", line.c_str());
-  });
+void EventNode::start(ros::Receiver& receiver, rclcpp::PublisherBase::SharedPtr packages) {
+  const auto say = [this](ros::Level level, const std::string& line) {
+    if (level == ros::Level::ok) RCLCPP_INFO(get_logger(), "%s", line.c_str());
+    if (level != ros::Level::ok) RCLCPP_WARN(get_logger(), "%s", line.c_str());
+  };
+  session_ = std::make_unique<ros::Session>(parameters_, receiver, say,
+                                            [this](std::string_view gid) { return name_of(gid); });
+  packages_ = std::move(packages);
   stats_ = create_publisher<std_msgs::msg::String>("~/stats", 10);
   diagnostics_ = create_publisher<diagnostic_msgs::msg::DiagnosticArray>("/diagnostics", 10);
-  watch_parameters();
+  on_set_ = add_on_set_parameters_callback([this](const std::vector<rclcpp::Parameter>& given) {
+    rcl_interfaces::msg::SetParametersResult result;
+    result.successful = true;
+    try {
+      ros::Parameters next = parameters_;
+      for (const rclcpp::Parameter& parameter : given) read(parameter, next);
+      ros::check(next);
+    } catch (const std::invalid_argument& error) {
+      result.successful = false;
+      result.reason = error.what();
+    }
+    return result;
+  });
   subscribe();
   timer_ = create_wall_timer(std::chrono::seconds(1), [this] { report(); });
   // While messages still leave: afterwards the context is no longer valid.
@@ -100,59 +73,65 @@ void EventNode::stop() {
 
 // ---- parameters -------------------------------------------------------------------------------
 
-void EventNode::watch_parameters() {
-  const auto changed = [this](const std::vector<rclcpp::Parameter>& given) {
-    ros::Parameters next = parameters_;
-    for (const rclcpp::Parameter& parameter : given) {
-      for (const ros::NumberField* field : numbers_) {
-        if (parameter.get_name() == field->name) next.*field->field = number_of(parameter);
-      }
-    }
-    ros::check(next);
-    return next;
+void EventNode::declare(bool of_packages) {
+  rcl_interfaces::msg::ParameterDescriptor descriptor;
+  descriptor.dynamic_typing = true;  // so that it is our check that refuses, with value and remedy
+  const auto declare_one = [&](const auto& field, bool is_fixed) {
+    if (ros::is_of_packages(field.has) != of_packages) return;
+    descriptor.read_only = is_fixed;
+    descriptor.description = field.description;
+    descriptor.additional_constraints = "Must be " + ros::constraint(field) + ".";
+    declare_parameter(field.name, rclcpp::ParameterValue(parameters_.*field.field), descriptor);
+    read(get_parameter(field.name), parameters_);
+    names_.emplace_back(field.name);
   };
-  on_set_ = add_on_set_parameters_callback([changed](const std::vector<rclcpp::Parameter>& given) {
-    rcl_interfaces::msg::SetParametersResult result;
-    result.successful = true;
-    try {
-      changed(given);
-    } catch (const std::invalid_argument& error) {
-      result.successful = false;
-      result.reason = error.what();
-    }
-    return result;
-  });
-  post_set_ = add_post_set_parameters_callback(
-      [this, changed](const std::vector<rclcpp::Parameter>& given) {
-        parameters_ = changed(given);
-        session_->set_latency(parameters_.latency_ms);
-        heed(parameters_);
-      });
+  for (const ros::NumberField& field : ros::kNumbers) declare_one(field, field.is_fixed);
+  for (const ros::ChoiceField& field : ros::kChoices) declare_one(field, true);
 }
 
-rclcpp::QoS EventNode::qos() const {
-  rclcpp::QoS qos(rclcpp::KeepLast(static_cast<std::size_t>(get_parameter("queue").as_int())));
-  return get_parameter("best_effort").as_bool() ? qos.best_effort() : qos.reliable();
+void EventNode::read(const rclcpp::Parameter& given, ros::Parameters& parameters) const {
+  const std::string value = given.value_to_string();
+  for (const ros::ChoiceField& field : ros::kChoices) {
+    if (given.get_name() == field.name) parameters.*field.field = value;
+  }
+  for (const ros::NumberField& field : ros::kNumbers) {
+    if (given.get_name() != field.name) continue;
+    if (given.get_type() == rclcpp::PARAMETER_DOUBLE) {
+      parameters.*field.field = given.as_double();
+    } else if (given.get_type() == rclcpp::PARAMETER_INTEGER) {  // `latency_ms:=20`
+      parameters.*field.field = static_cast<double>(given.as_int());
+    } else {
+      throw std::invalid_argument(given.get_name() + " = " + value + ": must be a number");
+    }
+  }
+}
+
+rclcpp::QoS EventNode::qos(const std::string& reliability) const {
+  rclcpp::QoS qos(rclcpp::KeepLast(static_cast<std::size_t>(parameters_.queue)));
+  return reliability == "reliable" ? qos.reliable() : qos.best_effort();
 }
 
 // ---- events -----------------------------------------------------------------------------------
 
 void EventNode::subscribe() {
-  const std::string input = get_parameter("input").as_string();
-  if (input == "event_camera_msgs") {
+  const rclcpp::QoS qos = this->qos(parameters_.input_reliability);
+  if (parameters_.input == "event_camera_msgs") {
     subscription_ = create_subscription<EventPacket>(
-        "events", qos(),
+        "events", qos,
         [this](EventPacket::ConstSharedPtr message, const rclcpp::MessageInfo& info) {
-          take(*message, info);
+          take({.sensor = {message->width, message->height},
+                .seq = message->seq,
+                .time_base = message->time_base,
+                .encoding = message->encoding,
+                .is_bigendian = message->is_bigendian,
+                .bytes = std::as_bytes(std::span(message->events))},
+               message->header, info);
         });
-    return;
-  }
+  } else {
 #ifdef ASAP_ROS_DVS_MSGS
-  if (input == "dvs_msgs") {
     using EventArray = dvs_msgs::msg::EventArray;
     subscription_ = create_subscription<EventArray>(
-        "events", qos(),
-        [this](EventArray::ConstSharedPtr message, const rclcpp::MessageInfo& info) {
+        "events", qos, [this](EventArray::ConstSharedPtr message, const rclcpp::MessageInfo& info) {
           decoded_.clear();
           for (const auto& event : message->events) {
             decoded_.push_back({.x = event.x,
@@ -160,76 +139,102 @@ void EventNode::subscribe() {
                                 .p = static_cast<std::int16_t>(event.polarity),
                                 .t = to_ns(event.ts) / 1000});
           }
-          ros::Packet packet{.sensor = {message->width, message->height},
-                             .encoding = ros::kDecoded,
-                             .events = decoded_};
-          take(packet, message->header, info);
+          take({.sensor = {message->width, message->height},
+                .encoding = ros::kDecoded,
+                .events = decoded_},
+               message->header, info);
         });
-    return;
-  }
-  throw std::invalid_argument("input = " + input + ": must be event_camera_msgs or dvs_msgs");
 #else
-  throw std::invalid_argument("input = " + input +
-                              ": must be event_camera_msgs; asap_ros was built without dvs_msgs");
+    throw std::invalid_argument("input = " + parameters_.input +
+                                ": must be event_camera_msgs; asap_ros was built without dvs_msgs");
 #endif
+  }
+  topic_ = subscription_->get_topic_name();
 }
 
-void EventNode::take(const EventPacket& message, const rclcpp::MessageInfo& info) {
-  ros::Packet packet{.sensor = {message.width, message.height},
-                     .seq = message.seq,
-                     .time_base = message.time_base,
-                     .encoding = message.encoding,
-                     .is_bigendian = message.is_bigendian,
-                     .bytes = std::as_bytes(std::span(message.events))};
-  take(packet, message.header, info);
-}
-
-void EventNode::take(ros::Packet& packet, const std_msgs::msg::Header& header,
+void EventNode::take(ros::Packet packet, const std_msgs::msg::Header& header,
                      const rclcpp::MessageInfo& info) {
   const auto& gid = info.get_rmw_message_info().publisher_gid.data;
   packet.publisher = {reinterpret_cast<const char*>(gid), sizeof gid};
-  {
-    const std::lock_guard lock(frame_);
-    if (frame_id_ != header.frame_id) frame_id_ = header.frame_id;
-  }
-  const std::optional<ros::Refusal> refusal = session_->take(packet, to_ns(header.stamp));
-  if (!refusal) return;
-  RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kLogEvery_ms, "%s",
-                       ros::sentence(*refusal, packet).c_str());
+  packet.frame_id = header.frame_id;
+  packet.stamp_ns = to_ns(header.stamp);
+  session_->take(packet);
 }
 
 std_msgs::msg::Header EventNode::header(std::int64_t stamp_ns) const {
   std_msgs::msg::Header header;
   header.stamp = to_time(stamp_ns);
-  const std::lock_guard lock(frame_);
-  header.frame_id = frame_id_;
+  header.frame_id = session_->frame_id();
   return header;
 }
 
 // ---- reports ----------------------------------------------------------------------------------
 
+namespace {
+
+std::string name_of(const rclcpp::TopicEndpointInfo& end) {
+  return end.node_namespace() + (end.node_namespace() == "/" ? "" : "/") + end.node_name();
+}
+
+}  // namespace
+
+std::string EventNode::name_of(std::string_view publisher) const {
+  for (const rclcpp::TopicEndpointInfo& end : get_publishers_info_by_topic(topic_)) {
+    const auto& gid = end.endpoint_gid();
+    if (std::equal(gid.begin(), gid.end(), publisher.begin(), publisher.end(),
+                   [](auto a, char b) { return a == static_cast<std::uint8_t>(b); })) {
+      return asap_ros::name_of(end);
+    }
+  }
+  return "a publisher that has gone, or is in this process";
+}
+
+std::string EventNode::mismatch() const {
+  std::string found;
+  const auto look = [&](const auto& end, const auto& offered, const auto& asked, const char* what) {
+    const auto fit = rclcpp::qos_check_compatible(offered, asked);
+    if (fit.compatibility == rclcpp::QoSCompatibility::Error)
+      found = asap_ros::name_of(end) + what + fit.reason;
+  };
+  for (const rclcpp::TopicEndpointInfo& end : get_publishers_info_by_topic(topic_)) {
+    look(end, end.qos_profile(), subscription_->get_actual_qos(),
+         " is not heard; change input_reliability: ");
+  }
+  if (!packages_) return found;
+  for (const auto& end : get_subscriptions_info_by_topic(packages_->get_topic_name())) {
+    look(end, packages_->get_actual_qos(), end.qos_profile(),
+         " hears nothing; change output_reliability: ");
+  }
+  return found;
+}
+
 void EventNode::report() {
-  ros::Facts facts = session_->facts();
+  for (const std::string& name : names_) read(get_parameter(name), parameters_);
+  session_->set_latency(parameters_.latency_ms);
+  heed(parameters_);
+
+  const bool is_heard = !packages_ || packages_->get_subscription_count() > 0 ||
+                        packages_->get_intra_process_subscription_count() > 0;
+  ros::Session::Report report =
+      session_->report({.topic = topic_, .mismatch = mismatch(), .is_heard = is_heard});
   const ros::Facts more = this->facts();
-  facts.insert(facts.end(), more.begin(), more.end());
+  report.facts.insert(report.facts.end(), more.begin(), more.end());
   std_msgs::msg::String stats;
-  stats.data = ros::to_json(facts);
+  stats.data = ros::to_json(report.facts);
   stats_->publish(stats);
 
-  const std::string trouble = session_->trouble(subscription_->get_topic_name());
-  diagnostic_msgs::msg::DiagnosticStatus status;
-  status.name = get_fully_qualified_name();
-  status.level = trouble.empty() ? status.OK : status.WARN;
-  status.message = trouble.empty() ? "ok" : trouble;
-  for (const auto& [name, value] : facts) {
-    diagnostic_msgs::msg::KeyValue entry;
-    entry.key = name;
-    entry.value = value;
-    status.values.push_back(entry);
-  }
   diagnostic_msgs::msg::DiagnosticArray array;
   array.header.stamp = now();
-  array.status.push_back(status);
+  diagnostic_msgs::msg::DiagnosticStatus& status = array.status.emplace_back();
+  status.name = get_fully_qualified_name();
+  status.hardware_id = session_->frame_id();
+  status.level = static_cast<std::uint8_t>(report.level);
+  status.message = report.message;
+  for (const ros::Fact& fact : report.facts) {
+    diagnostic_msgs::msg::KeyValue& entry = status.values.emplace_back();
+    entry.key = fact.name;
+    entry.value = fact.value;
+  }
   diagnostics_->publish(array);
 }
 

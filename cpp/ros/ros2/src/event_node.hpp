@@ -5,17 +5,16 @@
 // The callbacks of a node run one at a time; the receiver runs on the session's thread.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <diagnostic_msgs/msg/diagnostic_array.hpp>
 #include <event_camera_msgs/msg/event_packet.hpp>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <rclcpp/rclcpp.hpp>
 #include <std_msgs/msg/header.hpp>
 #include <std_msgs/msg/string.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ros/bridge/parameters.hpp"
@@ -34,14 +33,12 @@ class EventNode : public rclcpp::Node {
   ~EventNode() override;
 
  protected:
-  // Declares a parameter that may change while the node runs, with its range.
-  void declare(const ros::NumberField& field);
-  // Declares one that may not.
-  void declare(const ros::ChoiceField& field);
+  // Declares the parameters of a node that publishes packages as well.
+  void declare_packages() { declare(true); }
 
   // Once the receiver is there and all parameters are declared; throws std::invalid_argument for
-  // bad ones. The receiver outlives stop().
-  void start(ros::Receiver& receiver);
+  // bad ones. `packages`, if any, is where the receiver publishes. The receiver outlives stop().
+  void start(ros::Receiver& receiver, rclcpp::PublisherBase::SharedPtr packages = {});
   void stop();
 
   // Those in force have changed.
@@ -51,28 +48,29 @@ class EventNode : public rclcpp::Node {
 
   const ros::Parameters& parameters() const noexcept { return parameters_; }
   std_msgs::msg::Header header(std::int64_t stamp_ns) const;
-  rclcpp::QoS qos() const;
+  rclcpp::QoS qos(const std::string& reliability) const;
 
  private:
-  void take(const EventPacket& message, const rclcpp::MessageInfo& info);
-  void take(ros::Packet& packet, const std_msgs::msg::Header& header,
-            const rclcpp::MessageInfo& info);
+  void declare(bool of_packages);
+  void read(const rclcpp::Parameter& given, ros::Parameters& parameters) const;
   void subscribe();
-  void watch_parameters();
+  void take(ros::Packet packet, const std_msgs::msg::Header& header,
+            const rclcpp::MessageInfo& info);
+  std::string name_of(std::string_view publisher) const;
+  std::string mismatch() const;
   void report();
 
   ros::Parameters parameters_;
-  std::vector<const ros::NumberField*> numbers_;
+  std::vector<std::string> names_;  // of the parameters
   std::unique_ptr<ros::Session> session_;
-  mutable std::mutex frame_;  // the next one
-  std::string frame_id_;
   std::vector<asap::Event> decoded_;
+  std::string topic_;
   rclcpp::SubscriptionBase::SharedPtr subscription_;
+  rclcpp::PublisherBase::SharedPtr packages_;
   rclcpp::Publisher<std_msgs::msg::String>::SharedPtr stats_;
   rclcpp::Publisher<diagnostic_msgs::msg::DiagnosticArray>::SharedPtr diagnostics_;
   rclcpp::TimerBase::SharedPtr timer_;
   OnSetParametersCallbackHandle::SharedPtr on_set_;
-  PostSetParametersCallbackHandle::SharedPtr post_set_;
   std::optional<rclcpp::PreShutdownCallbackHandle> on_shutdown_;
 };
 

@@ -1,7 +1,8 @@
 #include "package_node.hpp"
 
+#include <rclcpp/version.h>
+
 #include <rclcpp_components/register_node_macro.hpp>
-#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -17,8 +18,7 @@ constexpr std::size_t kCallsThatWait = 1000;  // 10 by default: a burst would lo
 }  // namespace
 
 PackageNode::PackageNode(const rclcpp::NodeOptions& options) : EventNode("asap", options) {
-  for (const ros::NumberField& field : std::span(ros::kNumbers).subspan<1>()) declare(field);
-  for (const ros::ChoiceField& field : std::span(ros::kChoices).subspan<1>()) declare(field);
+  declare_packages();
   advertise();
   relay_ = std::make_unique<ros::Relay>(parameters(), publish_, [this] {
     return publisher_->get_subscription_count() +
@@ -26,14 +26,15 @@ PackageNode::PackageNode(const rclcpp::NodeOptions& options) : EventNode("asap",
            0;
   });
   listen();
-  start(*relay_);
+  start(*relay_, publisher_);
 }
 
 PackageNode::~PackageNode() { stop(); }
 
 void PackageNode::advertise() {
   if (parameters().encoding != ros::kDecoded) {
-    const auto publisher = create_publisher<EventPacket>("~/events", qos());
+    const auto publisher =
+        create_publisher<EventPacket>("~/events", qos(parameters().output_reliability));
     publisher_ = publisher;
     publish_ = [this, publisher = publisher.get()](ros::Message& message) {
       auto packet = std::make_unique<EventPacket>();
@@ -50,7 +51,8 @@ void PackageNode::advertise() {
   }
 #ifdef ASAP_ROS_DVS_MSGS
   using EventArray = dvs_msgs::msg::EventArray;
-  const auto publisher = create_publisher<EventArray>("~/events", qos());
+  const auto publisher =
+      create_publisher<EventArray>("~/events", qos(parameters().output_reliability));
   publisher_ = publisher;
   publish_ = [this, publisher = publisher.get()](ros::Message& message) {
     auto array = std::make_unique<EventArray>();
@@ -75,17 +77,23 @@ void PackageNode::advertise() {
 
 void PackageNode::listen() {
   if (parameters().feedback == "topic") {
-    processing_time_ = create_subscription<std_msgs::msg::Float64>(
-        "~/processing_time", 10,
-        [this](std_msgs::msg::Float64::ConstSharedPtr time) { relay_->feedback(time->data); });
+    processing_time_ = create_subscription<ProcessingTime>(
+        "~/processing_time", 10, [this](ProcessingTime::ConstSharedPtr finished) {
+          relay_->feedback(finished->seq, finished->time);
+        });
   }
   if (parameters().feedback == "service") {
+    auto qos = rclcpp::ServicesQoS().keep_last(kCallsThatWait);
     service_ = create_service<Service>(
         "~/feedback",
         [this](Service::Request::SharedPtr request, Service::Response::SharedPtr response) {
-          response->success = relay_->feedback(request->time);
+          response->success = relay_->feedback(request->seq, request->time);
         },
-        rclcpp::ServicesQoS().keep_last(kCallsThatWait));
+#if RCLCPP_VERSION_GTE(17, 0, 0)
+        qos);
+#else  // Humble
+        qos.get_rmw_qos_profile());
+#endif
   }
 }
 

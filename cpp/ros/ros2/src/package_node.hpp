@@ -2,9 +2,10 @@
 // works and within latency_ms. The consumer says when it has finished a package: see `feedback`.
 #pragma once
 
+#include <asap_ros/msg/processing_time.hpp>
 #include <asap_ros/srv/feedback.hpp>
+#include <functional>
 #include <memory>
-#include <std_msgs/msg/float64.hpp>
 
 #include "event_node.hpp"
 #include "ros/bridge/relay.hpp"
@@ -18,6 +19,7 @@ class PackageNode : public EventNode {
 
  private:
   using Service = asap_ros::srv::Feedback;
+  using ProcessingTime = asap_ros::msg::ProcessingTime;
 
   void advertise();
   void listen();
@@ -27,7 +29,7 @@ class PackageNode : public EventNode {
   std::function<void(ros::Message&)> publish_;
   rclcpp::PublisherBase::SharedPtr publisher_;
   std::unique_ptr<ros::Relay> relay_;
-  rclcpp::Subscription<std_msgs::msg::Float64>::SharedPtr processing_time_;
+  rclcpp::Subscription<ProcessingTime>::SharedPtr processing_time_;
   rclcpp::Service<Service>::SharedPtr service_;
 };
 

@@ -8,7 +8,7 @@ namespace asap::ros::facts_test {
 namespace {
 
 TEST(Facts, NamesWithADotBecomeObjects) {
-  const Facts facts{{"state", quoted("open")},
+  const Facts facts{text("state", "open"),
                     {"ledger.received", number(std::uint64_t{3})},
                     {"ledger.pending", number(std::uint64_t{0})},
                     {"gamma.mean", number(0.5)},
@@ -20,7 +20,9 @@ TEST(Facts, NamesWithADotBecomeObjects) {
   EXPECT_EQ(to_json({{"a.b", "1"}}), R"({"a": {"b": 1}})");
 }
 
-TEST(Facts, TextsAreQuoted) { EXPECT_EQ(quoted("a \"b\" \\ \n"), R"("a \"b\" \\ \u000a")"); }
+TEST(Facts, TextsAreQuoted) {
+  EXPECT_EQ(to_json({text("a", "b \"c\" \\ \n")}), R"({"a": "b \"c\" \\ \u000a"})");
+}
 
 TEST(Facts, ALedgerIsASentence) {
   EXPECT_EQ(sentence(Ledger{}), "received 0 = 0");

@@ -35,7 +35,8 @@ Events read_back(const std::string& encoding, const std::vector<Events>& package
                           .encoding = encoding,
                           .bytes = std::as_bytes(std::span(bytes))};
       if (alone) reader = PacketReader();
-      EXPECT_FALSE(reader.see(packet).refusal);
+      EXPECT_FALSE(refusal_of(packet));
+      reader.see(packet);
       reader.decode(packet,
                     [&](EventSpan block) { all.insert(all.end(), block.begin(), block.end()); });
     }

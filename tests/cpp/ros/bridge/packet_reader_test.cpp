@@ -32,7 +32,8 @@ Packet packet(const Bytes& bytes, std::uint64_t seq, std::string_view encoding =
 
 Events read(PacketReader& reader, const Packet& packet) {
   Events events;
-  EXPECT_FALSE(reader.see(packet).refusal);
+  EXPECT_FALSE(refusal_of(packet));
+  reader.see(packet);
   reader.decode(packet,
                 [&](EventSpan block) { events.insert(events.end(), block.begin(), block.end()); });
   return events;
@@ -63,51 +64,56 @@ TEST(PacketReader, ReadsAStreamThatIsCutAnywhere) {
   EXPECT_EQ(all, events);
 }
 
-TEST(PacketReader, KeepsADecoderPerPublisher) {
-  const Events left = test::some_events(600), right = test::some_events(600, 3'000'000);
-  const Bytes of_left = stream_of(left), of_right = stream_of(right);
-  const auto half = [](const Bytes& bytes, bool second) {
-    const auto middle = bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 4 * 2);
-    return second ? Bytes(middle, bytes.end()) : Bytes(bytes.begin(), middle);
-  };
+TEST(PacketReader, ADecoderBeginsAnewWithItsPublisher) {
+  const Bytes whole = stream_of(test::some_events(600));
+  const Bytes rest(whole.begin() + 200, whole.end());  // its row and time came before
   PacketReader reader;
-  Events seen_left, seen_right;
-  for (const bool second : {false, true}) {
-    const Bytes l = half(of_left, second), r = half(of_right, second);
-    const Events from_left = read(reader, packet(l, second, "evt3", "left"));
-    const Events from_right = read(reader, packet(r, second, "evt3", "right"));
-    seen_left.insert(seen_left.end(), from_left.begin(), from_left.end());
-    seen_right.insert(seen_right.end(), from_right.begin(), from_right.end());
-  }
-  EXPECT_EQ(seen_left, left);
-  EXPECT_EQ(seen_right, right);
+  EXPECT_TRUE(reader.see(packet(whole, 0, "evt3", "left")).is_new);
+  EXPECT_TRUE(reader.see(packet(rest, 1, "evt3", "right")).is_new);
+  reader.decode(packet(rest, 1, "evt3", "right"), [](EventSpan) {});
+  EXPECT_GT(reader.before_start(), 0u);
+  EXPECT_EQ(reader.publisher(), "right");
+  EXPECT_TRUE(reader.see(packet({}, 2, "mono", "right")).is_new) << "another encoding";
+  EXPECT_TRUE(reader.see(packet({}, 1, "mono", "right")).is_new) << "restarted";
+}
+
+TEST(PacketReader, WithoutNumbersAStampThatGoesBackBeginsAnew) {
+  PacketReader reader;
+  const auto see = [&](std::int64_t stamp_ns) {
+    Packet decoded = packet({}, 0, kDecoded);
+    decoded.stamp_ns = stamp_ns;
+    return reader.see(decoded).is_new;
+  };
+  EXPECT_TRUE(see(100));
+  EXPECT_FALSE(see(100));
+  EXPECT_FALSE(see(200));
+  EXPECT_TRUE(see(199));
 }
 
 TEST(PacketReader, RefusesAMessageThatCannotBeRead) {
   const Bytes odd(7), none;
-  PacketReader reader;
   Packet bad = packet(odd, 0);
-  EXPECT_EQ(reader.see(bad).refusal, Refusal::size);
+  EXPECT_EQ(refusal_of(bad), Refusal::size);
   bad = packet(odd, 0, "mono");
-  EXPECT_EQ(reader.see(bad).refusal, Refusal::size);
+  EXPECT_EQ(refusal_of(bad), Refusal::size);
   bad = packet(none, 0, "evt4");
-  EXPECT_EQ(reader.see(bad).refusal, Refusal::encoding);
+  EXPECT_EQ(refusal_of(bad), Refusal::encoding);
   bad = packet(none, 0, "trigger");
-  EXPECT_EQ(reader.see(bad).refusal, Refusal::encoding);
+  EXPECT_EQ(refusal_of(bad), Refusal::encoding);
   bad = packet(none, 0);
   bad.is_bigendian = true;
-  EXPECT_EQ(reader.see(bad).refusal, Refusal::big_endian);
+  EXPECT_EQ(refusal_of(bad), Refusal::big_endian);
   bad = packet(none, 0);
   bad.sensor.width = 0;
-  EXPECT_EQ(reader.see(bad).refusal, Refusal::geometry);
+  EXPECT_EQ(refusal_of(bad), Refusal::geometry);
   bad.sensor.width = kMostPixels + 1;
-  EXPECT_EQ(reader.see(bad).refusal, Refusal::geometry);
+  EXPECT_EQ(refusal_of(bad), Refusal::geometry);
   bad.sensor.width = kMostPixels;
-  EXPECT_FALSE(reader.see(bad).refusal);
+  EXPECT_FALSE(refusal_of(bad));
   bad.is_torn = true;
-  EXPECT_EQ(reader.see(bad).refusal, Refusal::size);
-  EXPECT_EQ(sentence(Refusal::size, packet(odd, 0)),
-            "message refused: size (encoding \"evt3\", 640 x 480 px, 7 bytes)");
+  EXPECT_EQ(refusal_of(bad), Refusal::size);
+  EXPECT_EQ(sentence(Refusal::size, packet(odd, 0), "/camera"),
+            "message refused: size (from /camera, encoding \"evt3\", 640 x 480 px, 7 bytes)");
 }
 
 TEST(PacketReader, CountsTheMessagesThatAreMissing) {
@@ -117,9 +123,9 @@ TEST(PacketReader, CountsTheMessagesThatAreMissing) {
   EXPECT_TRUE(see(40).is_new);  // the publisher has been there before us
   EXPECT_EQ(see(41).lost, 0u);
   EXPECT_EQ(see(45).lost, 3u);
-  const Packet refused = packet(none, 46, "evt4");
-  EXPECT_EQ(reader.see(refused).lost, 0u);
-  EXPECT_EQ(see(47).lost, 0u);
+  reader.refuse(packet(none, 46, "evt4"));
+  reader.refuse(packet(none, 47, "evt3", "another"));
+  EXPECT_EQ(see(48).lost, 1u);
   const PacketReader::Seen anew = see(0);
   EXPECT_TRUE(anew.is_new);
   EXPECT_EQ(anew.lost, 0u);
@@ -153,23 +159,18 @@ TEST(PacketReader, TakesWhatTheMiddlewareHasDecoded) {
   EXPECT_EQ(read(reader, decoded), events);
 }
 
-TEST(PacketReader, RemembersFewPublishers) {
-  const Bytes none;
-  PacketReader reader;
-  for (std::size_t i = 0; i < 100; ++i) {
-    const std::string publisher = std::to_string(i);
-    EXPECT_TRUE(reader.see(packet(none, 5, "evt3", publisher)).is_new);
-    EXPECT_EQ(reader.see(packet(none, 6, "evt3", publisher)).is_new, false);
-  }
-  EXPECT_FALSE(reader.see(packet(none, 7, "evt3", "93")).is_new);
-  EXPECT_TRUE(reader.see(packet(none, 7, "evt3", "91")).is_new);
-}
-
 TEST(PacketReader, CountsRecordsThatAreNone) {
   const Bytes bytes{0, 0, 0, 0, 0xff, 0xff, 0xff, 0xff};  // a stamp of -1 us
   PacketReader reader;
   EXPECT_TRUE(read(reader, packet(bytes, 0, "libcaer")).empty());
   EXPECT_EQ(reader.bad_records(), 1u);
+}
+
+TEST(PacketReader, CountsTriggers) {
+  const Bytes bytes{1, 0x80, 5, 0x60, 1, 0xa1};  // a time, an edge at input 1
+  PacketReader reader;
+  EXPECT_TRUE(read(reader, packet(bytes, 0)).empty());
+  EXPECT_EQ(reader.triggers(), 1u);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ TEST(Parameters, ANumberOutsideItsRangeIsRefusedByName) {
     Parameters parameters;
     parameters.*number.field = std::numeric_limits<double>::quiet_NaN();
     EXPECT_EQ(error(parameters).find(std::string(number.name) + " = nan: must be"), 0u);
-    parameters.*number.field = number.most * 1.01;
+    parameters.*number.field = number.max * 1.01;
     EXPECT_EQ(error(parameters).find(number.name), 0u);
   }
 }

@@ -39,25 +39,25 @@ const Bytes kPacket{9, 0, 0, 0, 1,   0,   0,   0,   0, 0, 0, 0, 0, 0, 0, 0,  // 
 TEST(Ros1Messages, ReadsAnEventArray) {
   Ros1Reader reader;
   const auto read = reader.read(kEventArray.md5, view(kArray));
-  EXPECT_EQ(read.packet.encoding, kDecoded);
-  EXPECT_EQ(read.packet.sensor, (Geometry{640, 480}));
-  EXPECT_EQ(read.packet.seq, 7);
+  EXPECT_EQ(read.encoding, kDecoded);
+  EXPECT_EQ(read.sensor, (Geometry{640, 480}));
+  EXPECT_EQ(read.seq, 7);
   EXPECT_EQ(read.stamp_ns, 10'000'000'020);
   EXPECT_EQ(read.frame_id, "cam");
-  EXPECT_FALSE(read.packet.is_torn);
-  EXPECT_TRUE(std::ranges::equal(read.packet.events, kEvents));
+  EXPECT_FALSE(read.is_torn);
+  EXPECT_TRUE(std::ranges::equal(read.events, kEvents));
 }
 
 TEST(Ros1Messages, ReadsAnEventPacket) {
   Ros1Reader reader;
   const auto read = reader.read(kEventPacket.md5, view(kPacket));
-  EXPECT_EQ(read.packet.encoding, "mono");
-  EXPECT_EQ(read.packet.sensor, (Geometry{3, 2}));
-  EXPECT_EQ(read.packet.seq, (std::uint64_t{1} << 32) + 5);
-  EXPECT_EQ(read.packet.time_base, (std::uint64_t{0x200} << 32) + 6);
-  EXPECT_TRUE(read.packet.is_bigendian);
-  EXPECT_FALSE(read.packet.is_torn);
-  EXPECT_TRUE(std::ranges::equal(read.packet.bytes, view({8, 9, 10})));
+  EXPECT_EQ(read.encoding, "mono");
+  EXPECT_EQ(read.sensor, (Geometry{3, 2}));
+  EXPECT_EQ(read.seq, (std::uint64_t{1} << 32) + 5);
+  EXPECT_EQ(read.time_base, (std::uint64_t{0x200} << 32) + 6);
+  EXPECT_TRUE(read.is_bigendian);
+  EXPECT_FALSE(read.is_torn);
+  EXPECT_TRUE(std::ranges::equal(read.bytes, view({8, 9, 10})));
 }
 
 // Cut at every place, and with one byte more.
@@ -66,18 +66,18 @@ TEST(Ros1Messages, KnowsATornMessage) {
     for (std::size_t size = 0; size < whole->size(); ++size) {
       Ros1Reader reader;
       const Bytes part(whole->begin(), whole->begin() + static_cast<std::ptrdiff_t>(size));
-      const Packet packet = reader.read(type->md5, view(part)).packet;
+      const Packet packet = reader.read(type->md5, view(part));
       EXPECT_TRUE(packet.is_torn) << type->name << " " << size;
       EXPECT_TRUE(packet.events.empty() && packet.bytes.empty());
     }
     Bytes longer = *whole;
     longer.push_back(0);
-    EXPECT_TRUE(Ros1Reader().read(type->md5, view(longer)).packet.is_torn);
+    EXPECT_TRUE(Ros1Reader().read(type->md5, view(longer)).is_torn);
   }
 }
 
 TEST(Ros1Messages, ReadsNoOtherType) {
-  const Packet packet = Ros1Reader().read("d41d8cd98f00b204e9800998ecf8427e", view(kArray)).packet;
+  const Packet packet = Ros1Reader().read("d41d8cd98f00b204e9800998ecf8427e", view(kArray));
   EXPECT_EQ(packet.encoding, "another type");
   EXPECT_FALSE(packet.is_torn);
 }
@@ -100,7 +100,7 @@ TEST(Ros1Messages, ReadsWhatItWrites) {
   Bytes bytes;
   write_ros1({.sensor = {640, 480}, .encoding = kDecoded, .events = events}, "", bytes);
   Ros1Reader reader;
-  EXPECT_TRUE(std::ranges::equal(reader.read(kEventArray.md5, view(bytes)).packet.events, events));
+  EXPECT_TRUE(std::ranges::equal(reader.read(kEventArray.md5, view(bytes)).events, events));
 
   write_ros1({.sensor = {640, 480},
               .stamp_ns = 5,
@@ -110,15 +110,15 @@ TEST(Ros1Messages, ReadsWhatItWrites) {
               .bytes = {1, 2, 3, 4}},
              "camera", bytes);
   const auto read = reader.read(kEventPacket.md5, view(bytes));
-  EXPECT_FALSE(read.packet.is_torn);
-  EXPECT_EQ(read.packet.encoding, "evt3");
-  EXPECT_EQ(read.packet.seq, (std::uint64_t{1} << 40) + 3);
-  EXPECT_EQ(read.packet.time_base, 99);
-  EXPECT_EQ(read.packet.sensor, (Geometry{640, 480}));
-  EXPECT_FALSE(read.packet.is_bigendian);
+  EXPECT_FALSE(read.is_torn);
+  EXPECT_EQ(read.encoding, "evt3");
+  EXPECT_EQ(read.seq, (std::uint64_t{1} << 40) + 3);
+  EXPECT_EQ(read.time_base, 99);
+  EXPECT_EQ(read.sensor, (Geometry{640, 480}));
+  EXPECT_FALSE(read.is_bigendian);
   EXPECT_EQ(read.stamp_ns, 5);
   EXPECT_EQ(read.frame_id, "camera");
-  EXPECT_TRUE(std::ranges::equal(read.packet.bytes, view({1, 2, 3, 4})));
+  EXPECT_TRUE(std::ranges::equal(read.bytes, view({1, 2, 3, 4})));
 }
 
 }  // namespace

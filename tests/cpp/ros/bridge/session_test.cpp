@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -49,30 +51,37 @@ class Collector : public Receiver {
   std::atomic<bool> held{false};
 };
 
+std::string name_of(std::string_view publisher) { return std::string(publisher); }
+
 struct Fixture {
   Collector collector;
   std::vector<std::string> said;
-  Session session{{.latency_ms = kNoHurry_ms}, collector, [this](const std::string& line) {
+  std::mutex saying;
+  Session session{{.latency_ms = kNoHurry_ms},
+                  collector,
+                  [this](Level, const std::string& line) {
+                    const std::lock_guard lock(saying);
                     said.push_back(line);
-                  }};
+                  },
+                  name_of};
 
   std::optional<Refusal> take(const Events& events, std::uint64_t seq, Geometry sensor = {640, 480},
                               std::string_view publisher = "camera", std::int64_t stamp_ns = 0) {
     std::vector<std::uint8_t> bytes;
     const auto written = PackageWriter("mono").write(events, bytes);
     return session.take({.publisher = publisher,
+                         .stamp_ns = stamp_ns,
                          .sensor = sensor,
                          .seq = seq,
                          .time_base = written.time_base,
                          .encoding = "mono",
-                         .bytes = std::as_bytes(std::span(bytes))},
-                        stamp_ns);
+                         .bytes = std::as_bytes(std::span(bytes))});
   }
 };
 
 std::string value_of(const Facts& facts, const std::string& name) {
-  for (const auto& [of, value] : facts) {
-    if (of == name) return value;
+  for (const Fact& fact : facts) {
+    if (fact.name == name) return fact.value;
   }
   return "missing";
 }
@@ -89,22 +98,25 @@ TEST(Session, EveryEventReachesTheReceiver) {
   const Ledger ledger = fixture.session.stats().ledger;
   EXPECT_EQ(ledger, (Ledger{.received = 10'000, .delivered = 10'000}));
   EXPECT_EQ(fixture.said.back(), "run ended: received 10000 = delivered 10000");
-  EXPECT_EQ(value_of(fixture.session.facts(), "state"), "\"stopped\"");
+  EXPECT_EQ(value_of(fixture.session.report({}).facts, "state"), "stopped");
 }
 
 TEST(Session, RunsTheSchemeThatTheParametersSay) {
   Collector collector;
-  Session session({.latency_ms = 25, .prefer = "events"}, collector, [](const std::string&) {});
-  session.take({.sensor = {640, 480}, .encoding = kDecoded}, 0);
+  Session session(
+      {.latency_ms = 25, .prefer = "events"}, collector, [](Level, const std::string&) {}, name_of);
+  session.take({.sensor = {640, 480}, .encoding = kDecoded});
   EXPECT_EQ(session.stats().latency_bound_ns, 25'000'000);
-  EXPECT_EQ(value_of(session.facts(), "scheme.prefer"), "\"events\"");
-  const auto refused = [&] { Session({.prefer = "all"}, collector, [](const std::string&) {}); };
+  EXPECT_EQ(value_of(session.report({}).facts, "scheme.prefer"), "events");
+  const auto refused = [&] {
+    Session({.prefer = "all"}, collector, [](Level, const std::string&) {}, name_of);
+  };
   EXPECT_EQ(test::error_of(refused), "prefer = all: must be one of balanced, events, continuity");
 }
 
 TEST(Session, HasFactsBeforeTheFirstMessage) {
   Fixture fixture;
-  const std::string json = to_json(fixture.session.facts());
+  const std::string json = to_json(fixture.session.report({}).facts);
   EXPECT_NE(json.find(R"("state": "open")"), std::string::npos) << json;
   EXPECT_NE(json.find(R"("ledger": {"received": 0, "delivered": 0)"), std::string::npos) << json;
   EXPECT_NE(json.find(R"("latency_us": {"mean": 0)"), std::string::npos) << json;
@@ -117,28 +129,60 @@ TEST(Session, NothingIsTakenAfterTheStop) {
   fixture.session.stop();
   EXPECT_FALSE(fixture.take(test::some_events(10), 1));
   EXPECT_EQ(fixture.session.stats().ledger.received, 10u);
-  EXPECT_EQ(value_of(fixture.session.facts(), "messages.received"), "1");
+  EXPECT_EQ(value_of(fixture.session.report({}).facts, "messages.received"), "1");
 }
 
-TEST(Session, ANewPublisherBringsItsSensor) {
+constexpr auto kSilence = std::chrono::milliseconds(1'050);
+
+TEST(Session, ASilentCameraLosesItsTurn) {
   Fixture fixture;
+  const Geometry large{1280, 720};
   EXPECT_FALSE(fixture.take({{600, 400, 1, 10}}, 0, {640, 480}, "old"));
-  EXPECT_FALSE(fixture.take({{1'200, 700, 1, 10}}, 0, {1280, 720}, "new"));
-  EXPECT_EQ(fixture.take({{600, 400, 1, 20}}, 1, {640, 480}, "old"), Refusal::geometry);
-  EXPECT_FALSE(fixture.take({{1'200, 700, 1, 20}, {1'300, 700, 1, 21}}, 1, {1280, 720}, "new"));
+  EXPECT_EQ(fixture.take({{600, 400, 1, 10}}, 1, large, "old"), Refusal::geometry);
+  EXPECT_EQ(fixture.take({{1'200, 700, 1, 10}}, 0, large, "new"), Refusal::publisher);
+  EXPECT_EQ(fixture.session.report({}).message, "two cameras: old is heard, new is refused");
+  std::this_thread::sleep_for(kSilence);
+  EXPECT_FALSE(fixture.take({{1'200, 700, 1, 10}}, 1, large, "new"));
+  EXPECT_EQ(fixture.take({{600, 400, 1, 20}}, 2, {640, 480}, "old"), Refusal::publisher);
+  EXPECT_FALSE(fixture.take({{1'200, 700, 1, 20}, {1'300, 700, 1, 21}}, 2, large, "new"));
   fixture.session.stop();
-  EXPECT_EQ(fixture.collector.sensors, (std::vector<Geometry>{{640, 480}, {1280, 720}}));
+  EXPECT_EQ(fixture.collector.sensors, (std::vector<Geometry>{{640, 480}, large}));
   EXPECT_EQ(fixture.collector.hurries, 2);
   EXPECT_EQ(fixture.session.stats().ledger, (Ledger{.received = 3, .rejected = 1, .delivered = 2}));
-  EXPECT_EQ(value_of(fixture.session.facts(), "rejected.out_of_bounds"), "1");
-  EXPECT_EQ(value_of(fixture.session.facts(), "messages.refused_geometry"), "1");
+  const Facts facts = fixture.session.report({}).facts;
+  EXPECT_EQ(value_of(facts, "rejected.out_of_bounds"), "1");
+  EXPECT_EQ(value_of(facts, "messages.refused_geometry"), "1");
+  EXPECT_EQ(value_of(facts, "messages.refused_publisher"), "2");
+  EXPECT_EQ(std::ranges::count_if(fixture.said,
+                                  [](auto& line) { return line.starts_with("message refused"); }),
+            2)
+      << "once a second";
 }
 
-TEST(Session, APublisherThatBeginsAnewMayBringAnotherSensor) {
+TEST(Session, AClockThatBeginsAnewLosesNoEventAndKeepsItsStamps) {
   Fixture fixture;
-  EXPECT_FALSE(fixture.take({{1, 1, 1, 10}}, 7, {640, 480}));
-  EXPECT_FALSE(fixture.take({{1, 1, 1, 10}}, 0, {1280, 720}));
-  EXPECT_EQ(fixture.take({{1, 1, 1, 20}}, 1, {640, 480}), Refusal::geometry);
+  const std::int64_t stamp_ns = 1'700'000'000'000'000'000;
+  const auto take = [&](std::int64_t t, std::uint64_t seq, const char* publisher, int at_ms) {
+    fixture.take({{1, 1, 1, t}, {1, 1, 1, t + 100}}, seq, {640, 480}, publisher,
+                 stamp_ns + at_ms * 1'000'000);
+  };
+  take(70'000, 5, "camera", 0);
+  take(80'000, 6, "camera", 10);
+  take(69'000, 0, "camera", 20);  // a bag that loops
+  take(79'000, 1, "camera", 30);
+  std::this_thread::sleep_for(kSilence);
+  take(60'000, 0, "again", 2'000);  // a driver that was started again
+  fixture.session.stop();
+  EXPECT_EQ(fixture.session.stats().ledger, (Ledger{.received = 10, .delivered = 10}));
+  EXPECT_EQ(fixture.session.stats().clock_resets, 2u);
+  // Event times go on: 10 ms between two messages, 1 us from one epoch to the next.
+  const auto at = [&](std::int64_t t) {
+    if (t < 80'100 + 1) return stamp_ns + (t - 70'000) * 1'000;
+    if (t < 90'201 + 1) return stamp_ns + 20'000'000 + (t - 80'101) * 1'000;
+    return stamp_ns + 2'000'000'000 + (t - 90'202) * 1'000;
+  };
+  for (const auto& [t_us, at_ns] : fixture.collector.stamps) EXPECT_EQ(at_ns, at(t_us)) << t_us;
+  EXPECT_EQ(fixture.collector.stamps.back().first / 100, 902);
 }
 
 TEST(Session, CountsWhatTheDriverLost) {
@@ -154,26 +198,43 @@ TEST(Session, CountsWhatTheDriverLost) {
 
 TEST(Session, CountsRefusalsByReason) {
   Fixture fixture;
-  EXPECT_EQ(fixture.session.take({.sensor = {640, 480}, .encoding = "evt4"}, 0), Refusal::encoding);
-  EXPECT_EQ(fixture.session.take({.sensor = {0, 480}, .encoding = "evt3"}, 0), Refusal::geometry);
-  const Facts facts = fixture.session.facts();
+  EXPECT_EQ(fixture.session.take({.sensor = {640, 480}, .encoding = "evt4"}), Refusal::encoding);
+  EXPECT_EQ(fixture.session.take({.sensor = {0, 480}, .encoding = "evt3"}), Refusal::geometry);
+  const Facts facts = fixture.session.report({}).facts;
   EXPECT_EQ(value_of(facts, "messages.refused_encoding"), "1");
   EXPECT_EQ(value_of(facts, "messages.refused_geometry"), "1");
   EXPECT_EQ(value_of(facts, "messages.received"), "2");
 }
 
-TEST(Session, TellsATroubleOnce) {
+TEST(Session, ReportsWhatIsWrong) {
   Fixture fixture;
-  EXPECT_EQ(fixture.session.trouble("/events"), "no message on /events");
+  const Session::Around around{.topic = "/events"};
+  const auto message = [&] { return fixture.session.report(around).message; };
+  EXPECT_EQ(message(), "no message on /events");
   fixture.take({{1, 1, 1, 1}}, 0);
-  EXPECT_EQ(fixture.session.trouble("/events"), "");
+  EXPECT_EQ(message(), "ok");
+  EXPECT_EQ(message(), "no message on /events for 0 s");
   fixture.take({{1, 1, 1, 2}}, 3);
-  EXPECT_EQ(fixture.session.trouble("/events"), "2 messages of the driver are missing");
-  fixture.session.take({.sensor = {640, 480}, .encoding = "evt4"}, 0);
-  EXPECT_EQ(fixture.session.trouble("/events"), "1 messages refused");
-  EXPECT_EQ(fixture.session.trouble("/events"), "");
+  EXPECT_EQ(message(), "2 messages of the driver are missing");
+  fixture.session.take({.sensor = {640, 480}, .encoding = "evt4"});
+  EXPECT_EQ(message(), "all 1 messages refused");
+  fixture.take({{1, 1, 1, 3}}, 4);
+  fixture.session.take({.sensor = {640, 480}, .encoding = "evt4"});
+  EXPECT_EQ(message(), "1 messages refused");
+  fixture.take({{1, 1, 1, 2}}, 5);
+  Session::Report report = fixture.session.report(around);
+  EXPECT_EQ(report.level, Level::error);
+  EXPECT_EQ(report.message, "all 1 events rejected");
+  EXPECT_EQ(value_of(report.facts, "last_second.rejected"), "1");
+  EXPECT_EQ(value_of(report.facts, "ledger.received"), "4");
+  fixture.take({{1, 1, 1, 9}}, 6);
+  report = fixture.session.report({.is_heard = false});
+  EXPECT_EQ(report.level, Level::warn);
+  EXPECT_EQ(report.message, "nobody subscribes to the packages");
   fixture.collector.stays_away = true;
-  EXPECT_EQ(fixture.session.trouble("/events"), "stalled: the consumer stays away");
+  fixture.take({{1, 1, 1, 9}}, 7);
+  EXPECT_EQ(message(), "stalled: the consumer stays away");
+  EXPECT_EQ(fixture.session.report({.mismatch = "QoS"}).message, "QoS");
 }
 
 TEST(Session, APackageHasTheStampOfItsFirstEvent) {
@@ -198,14 +259,20 @@ TEST(Session, APackageHasTheStampOfItsFirstEvent) {
   }
 }
 
-TEST(Session, AReceiverThatFailsIsCounted) {
+TEST(Session, AReceiverThatFailsIsCountedAndSaidOnce) {
   Fixture fixture;
   fixture.collector.fails = true;
-  fixture.take(test::some_events(10), 0);
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    fixture.take({{1, 1, 1, static_cast<std::int64_t>(i)}}, i);
+    while (fixture.session.stats().ledger.pending > 0) std::this_thread::yield();
+  }
   fixture.session.stop();
-  const Facts facts = fixture.session.facts();
-  EXPECT_NE(value_of(facts, "failures.count"), "0");
-  EXPECT_EQ(value_of(facts, "failures.last"), "\"no room\"");
+  const Session::Report report = fixture.session.report({});
+  EXPECT_EQ(report.level, Level::error);
+  EXPECT_EQ(report.message, "process() throws: no room");
+  EXPECT_EQ(value_of(report.facts, "failures.count"), "3");
+  EXPECT_EQ(value_of(report.facts, "failures.last"), "no room");
+  EXPECT_EQ(std::ranges::count(fixture.said, "process() throws: no room"), 1);
   EXPECT_TRUE(fixture.session.stats().ledger.balanced());
 }
 
@@ -214,7 +281,7 @@ TEST(Session, IsStalledWithItsReceiver) {
   fixture.take({{1, 1, 1, 5}}, 0);
   fixture.collector.stays_away = true;
   EXPECT_TRUE(fixture.session.stats().stalled);
-  EXPECT_EQ(value_of(fixture.session.facts(), "state"), "\"stalled\"");
+  EXPECT_EQ(value_of(fixture.session.report({}).facts, "state"), "stalled");
 }
 
 TEST(Session, AnotherBoundHoldsFromNowOn) {
