@@ -9,6 +9,8 @@
 namespace asap::python {
 namespace {
 
+using namespace py::literals;
+
 constexpr const char* kFeatureTrackerDoc = R"(Finds corners and follows them, event by event.
 
 A corner event is supported if more than `min_neighbours` of its eight neighbours are among the last
