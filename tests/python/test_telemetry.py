@@ -26,9 +26,7 @@ def piped(path: Path, algorithm: Any = None, packages: int = 30) -> asap.Pipelin
     """Run a pipeline that gets this many packages of ten events, and one event that it rejects."""
     events = streams.make(np.arange(packages * 10) * 100, x=3, y=4)
     scheme = asap.FixedSize(size=10)
-    pipeline = asap.Pipeline(
-        algorithm, scheme=scheme, telemetry=path, latency_ms=LONG_MS, **SENSOR
-    )
+    pipeline = asap.Pipeline(algorithm, scheme=scheme, telemetry=path, latency_ms=LONG_MS, **SENSOR)
     with pipeline:
         pipeline.push(events)
         pipeline.push(streams.make([10**6], x=30, y=4))
