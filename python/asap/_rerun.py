@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from asap.events import EVENT_DTYPE, Events
 from asap.experiment.telemetry import TELEMETRY_DTYPE, Rows, lost
-from asap.results.outlines import OUTLINE_DTYPE
+from asap.results.pictures import BRIGHT, COLOURS, OUTLINE_DTYPE, painted
 
 PORT = 9876
 
@@ -36,10 +36,6 @@ _PRIVATE = {
     **dict.fromkeys(("HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY"), "http://127.0.0.1:9"),
 }
 
-_DARK = (14, 17, 22)
-_OFF = [(27, 62, 107), (44, 111, 196), (94, 173, 255)]  # older to newer
-_ON = [(110, 38, 30), (205, 70, 52), (255, 122, 92)]
-_BRIGHT = [(255, 209, 82), (94, 230, 166), (214, 140, 255), (255, 255, 255), (92, 220, 255)]
 _CURVES = {  # panel: its title, and its lines with their colours
     "size": ("package size [events]", {"mean": (92, 220, 255)}),
     "rate": ("event rate [Mev/s]", {"entering": (150, 160, 170), "lost": (255, 92, 92)}),
@@ -108,8 +104,7 @@ class _Picture:
         self._first_us: float | None = None
         self._seen_lost = self._now_s = 0.0
 
-        palette = [_DARK, *_OFF, *_ON]
-        classes = [rr.AnnotationInfo(id=n, color=colour) for n, colour in enumerate(palette)]
+        classes = [rr.AnnotationInfo(id=n, color=colour) for n, colour in enumerate(COLOURS)]
         self._log("scene", rr.AnnotationContext(classes), static=True)
         for path, colour in _LINES:
             name = path.rpartition("/")[2]
@@ -129,7 +124,7 @@ class _Picture:
             )
             for name, (title, lines) in _CURVES.items()
         ]
-        scene = rrb.Spatial2DView(origin="scene", name="events and clusters", background=_DARK)
+        scene = rrb.Spatial2DView(origin="scene", name="events and clusters", background=COLOURS[0])
         blueprint = rrb.Blueprint(
             rrb.Horizontal(scene, rrb.Vertical(*curves), column_shares=[5, 3]),
             rrb.TimePanel(state="collapsed", timeline="time", play_state="following"),
@@ -150,21 +145,13 @@ class _Picture:
             self._log_curves(rows, max(self._now_s - before_s, 1e-3))
         self._recording.set_time("time", duration=self._now_s)
         if len(events):
-            self._log("scene/events", self._rr.SegmentationImage(self._image(events), opacity=1.0))
+            image = painted(events, self._size)
+            self._size = image.shape
+            self._log("scene/events", self._rr.SegmentationImage(image, opacity=1.0))
         self._log_found(found)
 
-    def _image(self, events: Events) -> NDArray[np.uint8]:
-        """Paint ON and OFF, the newer the brighter, the newest on top."""
-        x, y, t = events["x"], events["y"], events["t"]
-        self._size = max(self._size[0], int(y.max()) + 1), max(self._size[1], int(x.max()) + 1)
-        image = np.zeros(self._size, np.uint8)
-        age = (t[-1] - t) / max(int(t[-1] - t[0]), 1)
-        level = np.clip(3 - (age * 3).astype(np.uint8), 1, 3)
-        image[y, x] = level + 3 * (events["p"] > 0)
-        return image
-
     def _log_found(self, found: NDArray[np.void]) -> None:
-        colours = [_BRIGHT[int(one) % len(_BRIGHT)] for one in found["id"]]
+        colours = [BRIGHT[int(one) % len(BRIGHT)] for one in found["id"]]
         outlines = self._rr.LineStrips2D(
             found["outline"],
             colors=colours,
@@ -180,7 +167,7 @@ class _Picture:
             while trail and trail[0][0] < self._now_s - _TRAIL_S:
                 trail.popleft()
         self._trails = {name: trail for name, trail in self._trails.items() if trail}
-        faint = [(*_BRIGHT[name % len(_BRIGHT)], 140) for name in self._trails]
+        faint = [(*BRIGHT[name % len(BRIGHT)], 140) for name in self._trails]
         ways = [[(x, y) for _, x, y in trail] for trail in self._trails.values()]
         self._log("scene/tracks", self._rr.LineStrips2D(ways, colors=faint, radii=-1.0))
 

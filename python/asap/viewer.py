@@ -21,12 +21,13 @@ from numpy.typing import NDArray
 
 from asap import _checks
 from asap._rerun import PORT, write_frame
+from asap.events import EVENT_DTYPE
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.telemetry import TELEMETRY_DTYPE, Rows, as_rows
 from asap.experiment.tracks import Tracks
 from asap.io.errors import library
 from asap.results import Run
-from asap.results.outlines import found_by, shown_by
+from asap.results.pictures import found_by, last_of, within
 
 __all__ = ["View", "view"]
 
@@ -94,10 +95,14 @@ def _frames(run: Run) -> Iterator[tuple[NDArray[np.void], ...]]:
         rows[f"all_{name}"] = np.cumsum(rows[name])
     rows["all_discarded"] = np.cumsum(np.rint(rows["size"] / rows["gamma"]) - rows["size"])
     tracks = run.algorithm if isinstance(run.algorithm, Tracks) else None
+    seen = np.empty(0, EVENT_DTYPE) if tracks is None else tracks.seen
+    noted = None if tracks is None else tracks.tracks
     cuts = np.flatnonzero(np.diff(rows["start_us"] // (_FRAME_S * 1e6))) + 1
     for part in np.split(rows, cuts) if len(rows) else ():
         end_us = int(part["t_last"][-1]) + 1
-        yield part, *shown_by(tracks, end_us - int(_SHOWN_S * 1e6), end_us)
+        time_us = end_us - int(_SHOWN_S * 1e6), end_us
+        found = found_by(None) if noted is None else last_of(within(noted, "t", *time_us))
+        yield part, within(seen, "t", *time_us), found
 
 
 def _has_screen() -> bool:

@@ -160,7 +160,7 @@ def open_recording(arguments: Any) -> asap.Recording:
 
 def refuse_to_overwrite(arguments: Any, source: str | Path | None) -> None:
     """Refuse results that would take the place of the recording."""
-    for option in ("save", "tracks", "record"):
+    for option in ("save", "tracks", "video", "record"):
         if file := getattr(arguments, option):
             _checks.other_file(f"--{option}", file, source)
 

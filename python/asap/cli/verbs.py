@@ -145,6 +145,9 @@ def _add_run_options(verb: Any) -> None:
         metavar="10ms",
         help="with --tracks: time of the events between two rows of a cluster (default: a package)",
     )
+    verb.add_argument(
+        "--video", type=writable, metavar="OUT.gif", help="write events and clusters, .gif or .mp4"
+    )
     add_simulation(
         verb,
         cost="virtual time: an algorithm that takes this per package + per event",
@@ -193,7 +196,7 @@ def _run(arguments: Any) -> int:
         recording = open_recording(arguments)
     with usage():
         refuse_to_overwrite(arguments, recording.path)
-        simulates = cost is not None and not arguments.tracks
+        simulates = cost is not None and not (arguments.tracks or arguments.video)
         workers = workers_of(arguments, recording, default=None if simulates else "clusters")
     options: dict[str, Any] = {
         "algorithm": workers.algorithm,
@@ -405,7 +408,7 @@ def _report(arguments: Any) -> int:
     return OK
 
 
-_FILES = ("file", "out", "record", "report", "runs", "save", "software_camera", "tracks")
+_FILES = ("file", "out", "record", "report", "runs", "save", "software_camera", "tracks", "video")
 
 
 def add_completion(verbs: Any) -> None:
