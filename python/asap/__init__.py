@@ -93,6 +93,7 @@ __all__ = [
     "synthetic",
     "table",
     "to_dtype",
+    "view",
 ]
 
 # Imported when they are first used: modules, and names with the module that they are in.
@@ -119,6 +120,7 @@ _NAMES = {
     "run": "experiment",
     "simulate": "experiment",
     "table": "results",
+    "view": "viewer",
 }
 
 if TYPE_CHECKING:
@@ -139,6 +141,7 @@ if TYPE_CHECKING:
     from asap.experiment import map as map
     from asap.inspection import Inspection, check, info
     from asap.results import load_run, table
+    from asap.viewer import view
 else:  # a type checker would take any name for one of a module that has a __getattr__
 
     def __getattr__(name: str) -> Any:

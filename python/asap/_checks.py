@@ -248,8 +248,11 @@ def regular_file(path: Path) -> None:
 
 def is_masked(array: Any) -> bool:
     """Whether a mask hides an element, or a field of one (which np.ma.is_masked cannot tell)."""
-    ma = sys.modules.get("numpy.ma")  # importing it would hold the first push up for 10 to 20 ms
-    if ma is None or not isinstance(array, ma.MaskedArray):
+    ma: Any = sys.modules.get(
+        "numpy.ma"
+    )  # to import it would hold the first push up for 10 to 20 ms
+    kind = getattr(ma, "MaskedArray", None)  # another thread may be importing it
+    if kind is None or not isinstance(array, kind):
         return False
     mask: Any = ma.getmaskarray(array)
     parts = [mask] if mask.dtype.names is None else [mask[name] for name in mask.dtype.names]

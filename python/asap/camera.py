@@ -131,6 +131,8 @@ class Camera:
         Sensor, px.
     recorded : Path or None
         Once it is closed: the file that `record` has written.
+    pipeline : Pipeline or None
+        The one that it feeds, or has fed last.
 
     Examples
     --------
@@ -149,6 +151,7 @@ class Camera:
         self._recorder: _Recorder | None = None
         self._reading, self._leaving, self._stale = threading.Lock(), threading.Event(), False
         self._thread: threading.Thread | None = None
+        self.pipeline: Pipeline | None = None
         self._dropped: int | None = 0  # the driver counts from the opening on, a pipeline adds up
         self._packets = self._backlog = self._most_backlog = 0
         self._last_s = time.monotonic()
@@ -210,6 +213,7 @@ class Camera:
             raise RuntimeError(f"feed: {self}: {state}; open it once for each pipeline")
         self._stale = True
         end_s = math.inf if duration_s is None else time.monotonic() + duration_s
+        self.pipeline = pipeline
         self._thread = threading.Thread(target=self._grab, args=(pipeline, end_s), name=str(self))
         self._thread.start()
 

@@ -13,7 +13,6 @@
 #include "asap/core/check.hpp"
 #include "consumer.hpp"
 #include "gil.hpp"
-#include "telemetry.hpp"
 
 namespace asap::python {
 namespace {
@@ -181,6 +180,7 @@ std::optional<LivePackage> LivePipeline::next() {
     });
   }
   if (next == Pipeline::Next::ended) return std::nullopt;
+  glimpse_.note(package.events);
   LivePackage result{arrays_.array_of(package.events), package};
   result.package.events = {};
   return result;
@@ -188,7 +188,10 @@ std::optional<LivePackage> LivePipeline::next() {
 
 void LivePipeline::run(const py::object& algorithm, const py::object& poll) {
   Pipeline& pipeline = native();
-  const Consumer consumer = consumer_of(algorithm, arrays_);
+  const Consumer consumer = [this, works = consumer_of(algorithm, arrays_)](const Package& part) {
+    works(part);
+    glimpse_.note(part.events);
+  };
   if (is_exiting()) return;
   const Guest guest(*this);
   const AtWork at_work;
@@ -278,6 +281,11 @@ py::array LivePipeline::packages() const {
         "packages: a consumer still works; wait for the end of its loop, then read the rows");
   }
   return rows_of(pipeline.telemetry().log);
+}
+
+py::array LivePipeline::glimpse(bool more) {
+  require_own_process();
+  return moved_to_array(glimpse_.take(more));
 }
 
 void stop_pipelines_on_exit() { on_exit(stop_all); }

@@ -12,7 +12,9 @@
 #include <optional>
 
 #include "asap/runner/pipeline.hpp"
+#include "glimpse.hpp"
 #include "package_arrays.hpp"
+#include "telemetry.hpp"
 
 namespace asap::python {
 
@@ -56,6 +58,13 @@ class LivePipeline {
   // The newest rows of the log: a copy. RuntimeError before the end of the run.
   py::array packages() const;
 
+  // Those that the log keeps of the rows from number `since` on. The consumer's thread, between
+  // two packages.
+  py::array rows(std::size_t since) const { return rows_of(native().telemetry().log, since); }
+
+  // Some of the events that came to the algorithm since the call before, if that one wanted more.
+  py::array glimpse(bool more);
+
   // Arrays of packages that Python still holds.
   std::size_t pinned() const noexcept { return arrays_.pinned(); }
 
@@ -74,6 +83,7 @@ class LivePipeline {
   std::uint64_t came_at_exit_ = 0;  // events
   bool deserted_ = false;           // no thread is left that would stop it
   PackageArrays arrays_;
+  Glimpse glimpse_;
   mutable int guests_ = 0;  // threads that may change the log
 };
 

@@ -126,6 +126,10 @@ Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenc
       .def_property_readonly("is_open", &LivePipeline::is_open)
       .def_property_readonly("ledger", &LivePipeline::ledger)
       .def_property_readonly("packages", &LivePipeline::packages)
+      .def("rows", &LivePipeline::rows, py::arg("since"),
+           "Rows of the log from this number on; for the consumer, between two packages.")
+      .def("glimpse", &LivePipeline::glimpse, py::arg("more"),
+           "Events, at most 65536, that came to the algorithm since glimpse(more=True).")
       .def_property_readonly("pinned", &LivePipeline::pinned)
       .def("stats", &LivePipeline::stats);
 

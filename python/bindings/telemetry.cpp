@@ -3,6 +3,8 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
+
 #include "arguments.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/ledger.hpp"
@@ -28,10 +30,11 @@ LatencyHistogram restored(const HistogramState& state) {
 
 }  // namespace
 
-py::array_t<PackageRow> rows_of(const RunLog& log) {
-  py::array_t<PackageRow> rows(static_cast<py::ssize_t>(log.size() - log.first()));
+py::array_t<PackageRow> rows_of(const RunLog& log, std::size_t since) {
+  const std::size_t first = std::clamp(since, log.first(), log.size());
+  py::array_t<PackageRow> rows(static_cast<py::ssize_t>(log.size() - first));
   PackageRow* out = rows.mutable_data();
-  for (std::size_t i = log.first(); i < log.size(); ++i) *out++ = log[i];
+  for (std::size_t i = first; i < log.size(); ++i) *out++ = log[i];
   rows.attr("flags").attr("writeable") = false;
   return rows;
 }

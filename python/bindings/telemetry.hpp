@@ -3,6 +3,7 @@
 
 #include <pybind11/numpy.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -21,8 +22,8 @@ struct SlotRow {
   double latency_max_us;
 };
 
-// A copy in PACKAGE_DTYPE, one row per package.
-py::array_t<PackageRow> rows_of(const RunLog& log);
+// A copy in PACKAGE_DTYPE, one row per package, of those that are kept from number `since` on.
+py::array_t<PackageRow> rows_of(const RunLog& log, std::size_t since = 0);
 // A copy in SLOT_DTYPE, one row per slot.
 py::array_t<SlotRow> rows_of(std::span<const Slot> slots);
 

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+from types import ModuleType
+
+import numpy as np
 import pytest
 
+import asap
 from children import run_script
 
 LAYOUTS = {
@@ -23,3 +28,13 @@ def test_the_first_push_imports_nothing(layout: str) -> None:
         print(sorted(set(sys.modules) - known))
         """
     assert run_script(script.format(LAYOUTS[layout])).lines == ["[]"]
+
+
+def test_a_push_does_not_mind_that_another_thread_imports_numpy_ma(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "numpy.ma", ModuleType("numpy.ma"))  # only begun
+    pipeline = asap.Pipeline()
+    pipeline.push(np.zeros(5, asap.EVENT_DTYPE))
+    pipeline.stop()
+    assert pipeline.ledger.received == 5

@@ -131,6 +131,7 @@ def workers_of(
     tracks = None
     if arguments.tracks:
         _checks.ending("--tracks", arguments.tracks, (".csv",), "give a name that ends in .csv")
+    if arguments.tracks or arguments.video:
         every_ms = arguments.every / 1e3 if arguments.every else None
         algorithm = tracks = asap.Tracks(algorithm, every_ms=every_ms)
     own = own_code(name.name) if name and name.is_own else nullcontext()

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import asap
-from asap import _progress, _units
+from asap import _progress, _units, monitor, viewer
 from asap.cli.algorithms import scheme_of, workers_of
 from asap.cli.options import (
     add_verb,
@@ -72,6 +74,8 @@ def is_live(arguments: Any) -> bool:
         raise Failure(USAGE, "--from, --to: only of a file; --duration says how long a camera runs")
     if not live and (arguments.record or arguments.duration):
         raise Failure(USAGE, "--record, --duration: only with a camera")
+    if not live and arguments.monitor:
+        raise Failure(USAGE, "--monitor: only with a camera; --software-camera FILE plays a file")
     return live
 
 
@@ -80,6 +84,25 @@ def _open(arguments: Any) -> asap.Camera:
         return asap.open_camera(arguments.camera or None)
     arguments.file = [arguments.software_camera]
     return asap.SoftwareCamera(open_recording(arguments), speed=arguments.speed)
+
+
+@contextmanager
+def _shown(arguments: Any, camera: asap.Camera) -> Iterator[Any]:
+    """Give the callback of a run: a viewer's, a monitor's or that of the progress."""
+    if arguments.target:
+        with usage():
+            view = viewer.View(arguments.target, camera.width, camera.height)
+        with view:
+            yield lambda *_: view.attach(camera.pipeline)
+    elif arguments.monitor:
+        screen = monitor.Screen(
+            f"{camera} · {arguments.algorithm.name if arguments.algorithm else 'clusters'}"
+        )
+        with monitor.shown(screen):
+            yield lambda *_: screen.attach(camera.pipeline)
+    else:
+        with _progress.on_terminal() as on_progress:
+            yield on_progress
 
 
 def run_live(arguments: Any) -> int:
@@ -95,7 +118,7 @@ def run_live(arguments: Any) -> int:
                 tracks = workers.tracks
                 if arguments.record:
                     camera.record(arguments.record)
-            with workers.own, _progress.on_terminal() as on_progress:
+            with workers.own, _shown(arguments, camera) as on_progress:
                 asap.run(
                     camera,
                     algorithm=workers.algorithm,

@@ -17,6 +17,8 @@ T = TypeVar("T")
 EXAMPLES = {
     "demo": "asap demo --out demo",
     "run": "asap run flight.aedat4 --algorithm mine:Detector",
+    "view": "asap view flight.aedat4",
+    "monitor": "asap monitor flight.csv",
     "cameras": "asap cameras",
     "compare": "asap compare flight.aedat4 --cost 100us+300ns --report flight.html",
     "info": "asap info flight.aedat4",
@@ -34,7 +36,7 @@ def add_verb(verbs: Any, name: str, call: Callable[[Any], int], words: str) -> A
         help=words,
         description=words[0].upper() + words[1:] + ".",
         epilog=f"example: {EXAMPLES[name]}",
-        add_help=name != "run",  # that one has a help of its own
+        add_help=name not in ("run", "view"),  # these have a help of their own
     )
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     parser.set_defaults(verb=call)
@@ -158,7 +160,7 @@ def open_recording(arguments: Any) -> asap.Recording:
 
 def refuse_to_overwrite(arguments: Any, source: str | Path | None) -> None:
     """Refuse results that would take the place of the recording."""
-    for option in ("save", "tracks", "record"):
+    for option in ("save", "tracks", "video", "record"):
         if file := getattr(arguments, option):
             _checks.other_file(f"--{option}", file, source)
 

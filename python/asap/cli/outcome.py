@@ -95,7 +95,10 @@ def hand_over(run: Any, arguments: Any, tracks: Any, *written: Path | None) -> N
         if path is not None and result is not None:
             with writing(path):
                 result.save(path)
-    show(run, arguments, arguments.save, arguments.tracks, *written)
+    if arguments.video:
+        with writing(arguments.video):
+            run.animate(arguments.video)
+    show(run, arguments, arguments.save, arguments.tracks, arguments.video, *written)
 
 
 def need_report() -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import asap
-from asap import _progress, _units, conversion
+from asap import _progress, _units, conversion, monitor
 from asap.cli.algorithms import (
     ALGORITHMS,
     FILTERS,
@@ -98,6 +98,23 @@ def add_run(verbs: Any) -> None:
     """Add ``asap run``."""
     words = "run an algorithm on a recording or a camera, in closed loop"
     verb = add_verb(verbs, "run", _run, words)
+    words = "show the panels of a camera's run as text; not with --json on the same terminal"
+    verb.add_argument("--monitor", action="store_true", help=words)
+    verb.set_defaults(target=None)
+    _add_run_options(verb)
+
+
+def add_view(verbs: Any) -> None:
+    """Add ``asap view``."""
+    words = "watch a run in Rerun: its events, clusters with tracks, and what the loop does"
+    verb = add_verb(verbs, "view", _run, words)
+    words = "spawn: a window; connect: one that listens on port 9876; or a file to write"
+    verb.add_argument("--target", default="spawn", metavar="spawn|connect|OUT.rrd", help=words)
+    verb.set_defaults(monitor=False)
+    _add_run_options(verb)
+
+
+def _add_run_options(verb: Any) -> None:
     words = "show this, or every algorithm with its parameters"
     verb.add_argument("-h", "--help", action=Help, nargs="?", metavar="algorithm", help=words)
     add_recording(verb, nargs="*")
@@ -127,6 +144,9 @@ def add_run(verbs: Any) -> None:
         type=typed(_units.parse_duration_us, "every"),
         metavar="10ms",
         help="with --tracks: time of the events between two rows of a cluster (default: a package)",
+    )
+    verb.add_argument(
+        "--video", type=writable, metavar="OUT.gif", help="write events and clusters, .gif or .mp4"
     )
     add_simulation(
         verb,
@@ -165,6 +185,8 @@ def _run(arguments: Any) -> int:
         raise Failure(USAGE, "--every: needs --tracks, the file that it is for")
     if arguments.report:
         need_report()
+    if arguments.target and len(arguments.file) == 1:
+        arguments.software_camera, arguments.file = arguments.file[0], []
     if is_live(arguments):
         return run_live(arguments)
     with usage():
@@ -174,7 +196,7 @@ def _run(arguments: Any) -> int:
         recording = open_recording(arguments)
     with usage():
         refuse_to_overwrite(arguments, recording.path)
-        simulates = cost is not None and not arguments.tracks
+        simulates = cost is not None and not (arguments.tracks or arguments.video)
         workers = workers_of(arguments, recording, default=None if simulates else "clusters")
     options: dict[str, Any] = {
         "algorithm": workers.algorithm,
@@ -192,6 +214,23 @@ def _run(arguments: Any) -> int:
             run = asap.run(recording, speed=arguments.speed, on_progress=on_progress, **options)
     tell_doubt(recording)
     hand_over(run, arguments, workers.tracks)
+    return OK
+
+
+def add_monitor(verbs: Any) -> None:
+    """Add ``asap monitor``."""
+    verb = add_verb(verbs, "monitor", _monitor, "the panels of a run in another process, as text")
+    words = "the file that asap.Pipeline(telemetry=PATH) writes"
+    verb.add_argument("file", nargs=1, metavar="PATH", help=words)
+
+
+def _monitor(arguments: Any) -> int:
+    path = Path(arguments.file[0])
+    with reading(arguments):
+        if arguments.json:
+            print_json({"schema_version": 1, "row": monitor.newest(path)})
+        else:
+            monitor.follow(path)
     return OK
 
 
@@ -369,7 +408,7 @@ def _report(arguments: Any) -> int:
     return OK
 
 
-_FILES = ("file", "out", "record", "report", "runs", "save", "software_camera", "tracks")
+_FILES = ("file", "out", "record", "report", "runs", "save", "software_camera", "tracks", "video")
 
 
 def add_completion(verbs: Any) -> None:
@@ -400,6 +439,8 @@ def _completion(arguments: Any) -> int:
 VERBS = (
     add_demo,
     add_run,
+    add_view,
+    add_monitor,
     add_cameras,
     add_compare,
     add_info,

@@ -27,6 +27,7 @@ class LivePipeline(Pipeline):
         """Work on this thread until the camera ends or the time is over; `last_run` has the Run."""
 
         def poll() -> None:
+            self._log.look()
             if on_progress is not None:
                 counts = dict(self.ledger)
                 on_progress(counts["received"] - counts["pending"], None, counts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Iterator
 from types import TracebackType
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from asap import _checks, _core
 from asap.events import events_of_argument
 from asap.experiment.runners import as_scheme, make_config
+from asap.experiment.telemetry import Log, TelemetryFile
 from asap.results import Ledger, Named
 from asap.results.data import SCHEMA_VERSION, latency_us
 
@@ -59,6 +61,10 @@ class Pipeline:
     warmup_discard_us : int
         Events whose stamp lies less than this, us, after the first one are dropped and counted as
         `before_start`: what a camera sends first may be left over from its run before.
+    telemetry : path, optional
+        A CSV file for ``asap monitor``: a row a package with the columns of `run.packages`, the
+        bound and the ledger, written by a thread of its own. Rows that the disk is too slow for are
+        lost and counted. At 500,000 rows the file becomes ``PATH.1``, and a new one begins.
 
     Raises
     ------
@@ -98,6 +104,7 @@ class Pipeline:
         when_full: str = "thin",
         reorder_tolerance_us: int = 0,
         warmup_discard_us: int = 0,
+        telemetry: str | os.PathLike[str] | None = None,
     ) -> None:
         if not (algorithm is None or callable(algorithm) or hasattr(algorithm, "process")):
             remedy = "give an object with process(events) or a callable"
@@ -128,6 +135,10 @@ class Pipeline:
             long_log=self._long_log,
         )
         self._native = _core.LivePipeline(self.scheme, config)
+        self._log = Log(self._native)
+        self._telemetry = None if telemetry is None else TelemetryFile(telemetry)
+        if self._telemetry is not None:
+            self._log.watchers.append(self._telemetry)
         self._in_work = False  # a package, also of a loop that was left
         self._small_is_known = algorithm is None or _core.is_native(algorithm)
 
@@ -187,10 +198,11 @@ class Pipeline:
     def _packages(self) -> Iterator[_core.LivePackage]:
         self._in_work = False
         while (package := self._native.next()) is not None:
+            self._log.look_if_due()
             self._in_work = True
             yield package
             self._in_work = False
-        self._see_camera_off()
+        self._end()
 
     def run(self) -> None:
         """Let the algorithm work on this thread until `stop`, then return.
@@ -221,9 +233,13 @@ class Pipeline:
                 "asap.Pipeline(algorithm), or iterate: for package in pipeline"
             )
         self._need_feed("run")
-        self._native.run(self.algorithm, None if self._small_is_known else self._look_at_size)
+        self._native.run(self.algorithm, self._look)
+        self._look()
+        self._end()
+
+    def _look(self) -> None:
+        self._log.look()
         self._look_at_size()
-        self._see_camera_off()
 
     def _need_feed(self, what: str) -> None:
         """Refuse to wait for ever for a camera that was never asked to feed."""
@@ -233,8 +249,11 @@ class Pipeline:
             )
             raise RuntimeError(f"{what}: {remedy}")
 
-    def _see_camera_off(self) -> None:
-        """Raise what has ended the camera, now that what it sent before is delivered."""
+    def _end(self) -> None:
+        """Finish the telemetry; raise what has ended the camera, now that all is delivered."""
+        self._log.look()
+        if self._telemetry is not None:
+            self._telemetry.close()
         if self._camera is not None:
             self._camera.release()
             self._camera.raise_error()
@@ -252,7 +271,7 @@ class Pipeline:
                 f"packages of {mean:.0f} events on average: calling Python for each costs about as "
                 "much as the work; allow a longer latency_ms, or use an algorithm of asap's own",
                 RuntimeWarning,
-                stacklevel=3,
+                stacklevel=4,
             )
 
     # ---- any thread
@@ -280,6 +299,8 @@ class Pipeline:
         if self._in_work and not self.is_open:
             self._native.abandon()
             self._in_work = False
+        if not self.is_open:
+            self._log.begin()
         self._native.start()
 
     def set_latency(self, latency_ms: float) -> None:
@@ -334,7 +355,8 @@ class Pipeline:
 
         Beside the keys of `run.summary()`: state; most_waiting, events that were in the ring at
         once; sensor_delay_us, how much longer than at best events of late took from the sensor to
-        push; upstream_lost; pinned, package arrays that Python still holds; camera, if it has one.
+        push; upstream_lost; pinned, package arrays that Python still holds; camera and telemetry,
+        if it has them.
         """
         stats = self._native.stats()
         ledger = Ledger.of(stats.ledger)
@@ -380,6 +402,7 @@ class Pipeline:
             "cpu": stats.busy_s / elapsed_s if elapsed_s > 0 else 0.0,
             "version": _core.__version__,
             **({} if self._camera is None else {"camera": self._camera.stats()}),
+            **({} if self._telemetry is None else {"telemetry": self._telemetry.stats()}),
         }
 
     def __enter__(self) -> Pipeline:
@@ -400,6 +423,8 @@ class Pipeline:
         if self._camera is not None:
             self._camera.release()  # first: the packet in its hand is counted
         self._native.abandon()
+        if self._telemetry is not None:
+            self._telemetry.close()
 
     def __repr__(self) -> str:
         name = Named.of(self.scheme).name

@@ -14,8 +14,8 @@ from asap import _checks, _core
 from asap.events import EVENT_DTYPE, Events
 
 _COLUMNS = ("id", "t", "x", "y", "vx", "vy", "size")
-_SEEN = 256  # events of a row that the picture shows
-_MOST_SEEN = 4096  # rows with events; more thin each other out
+_SHAPE = ("cxx", "cxy", "cyy")  # px^2, not in the file
+_MOST_SEEN = 1 << 20  # events that are kept for pictures; more thin each other out
 
 
 class Tracks:
@@ -35,7 +35,7 @@ class Tracks:
     ----------
     tracks : ndarray
         A row for each cluster at each note: id, t (us, the last event of the package), x, y, vx,
-        vy, size; of these what the clusters have.
+        vy, size, cxx, cxy, cyy; of these what the clusters have.
     """
 
     def __init__(self, algorithm: Any, *, every_ms: float | None = None) -> None:
@@ -55,6 +55,8 @@ class Tracks:
         self._next_us = -(2**62)
         self._rows: list[NDArray[np.void]] = [_rows_of(self.algorithm.clusters, 0)[:0]]
         self._seen: list[Events] = []
+        self._noted = self._seen_count = 0
+        self._seen_every = 1
 
     def __getattr__(self, name: str) -> Any:
         if name == "algorithm":  # not made yet, as where a pickle is read
@@ -69,9 +71,12 @@ class Tracks:
             return
         self._next_us = (now_us // self._every_us + 1) * self._every_us
         self._rows.append(_rows_of(self.algorithm.clusters, now_us))
-        self._seen.append(events[-_SEEN:].copy())
-        if len(self._seen) > _MOST_SEEN:
-            self._seen = self._seen[::2]
+        self._seen.append(events[-self._noted % self._seen_every :: self._seen_every].copy())
+        self._noted += len(events)
+        self._seen_count += len(self._seen[-1])
+        if self._seen_count > _MOST_SEEN:
+            self._seen = [self.seen[::2].copy()]
+            self._seen_count, self._seen_every = len(self._seen[0]), 2 * self._seen_every
 
     def reset(self) -> None:
         """Forget the tracks, and let the algorithm forget."""
@@ -94,16 +99,17 @@ class Tracks:
         file = _checks.new_file("path", path)
         _checks.ending("path", file, (".csv",), "give a name that ends in .csv")
         tracks = self.tracks
-        names = tracks.dtype.names or ()
+        names = [name for name in _COLUMNS if name in (tracks.dtype.names or ())]
         whole = [np.issubdtype(tracks.dtype[name], np.integer) for name in names]
         formats = ["%d" if is_whole else "%.6g" for is_whole in whole]
-        np.savetxt(file, tracks, formats, delimiter=",", header=",".join(names), comments="")
+        np.savetxt(file, tracks[names], formats, delimiter=",", header=",".join(names), comments="")
         return file
 
 
 def _rows_of(clusters: NDArray[np.void], t_us: int) -> NDArray[np.void]:
     kinds = {"t": np.dtype("<i8"), **{name: kind for name, (kind, *_) in _fields(clusters).items()}}
-    rows = np.empty(len(clusters), [(name, kinds[name]) for name in _COLUMNS if name in kinds])
+    names = [name for name in (*_COLUMNS, *_SHAPE) if name in kinds]
+    rows = np.empty(len(clusters), [(name, kinds[name]) for name in names])
     for name in rows.dtype.names or ():
         rows[name] = t_us if name == "t" else clusters[name]
     return rows

@@ -60,6 +60,16 @@ class Run(data.Run):  # noqa: D101 (it has that of the data)
 
         return page.write_runs(self, path)
 
+    def animate(self, path: str | os.PathLike[str]) -> Path:
+        """Write events and clusters over time as ``.gif`` or ``.mp4`` and return its path.
+
+        In real time, of a run whose algorithm was an `asap.Tracks`. Needs the extra `report`, and
+        for MP4 the program ffmpeg.
+        """
+        from asap.results import animation
+
+        return animation.write(self, path)
+
     def _repr_html_(self) -> str:
         return text.run_html(self)
 

@@ -1,0 +1,188 @@
+"""The process that shows a run in Rerun: frames come in by its standard input, until it ends.
+
+Whatever it starts is told by the environment to send no usage statistics, and listens and talks on
+127.0.0.1 alone.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import struct
+import subprocess
+import sys
+from collections import deque
+from collections.abc import Iterator, Sequence
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap.events import EVENT_DTYPE, Events
+from asap.experiment.telemetry import TELEMETRY_DTYPE, Rows, lost
+from asap.results.pictures import BRIGHT, COLOURS, OUTLINE_DTYPE, painted
+
+PORT = 9876
+
+_KINDS = (TELEMETRY_DTYPE, EVENT_DTYPE, OUTLINE_DTYPE)  # of a frame
+_COUNTS = struct.Struct(f"<{len(_KINDS)}q")
+_CURVES_S = 15.0
+_TRAIL_S = 0.7
+
+# The first switches usage statistics off, without a file of its own. The others refuse a window of
+# Rerun its look at whether there is a newer version.
+_PRIVATE = {
+    "CI": "1",
+    **dict.fromkeys(("HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY"), "http://127.0.0.1:9"),
+}
+
+_CURVES = {  # panel: its title, and its lines with their colours
+    "size": ("package size [events]", {"mean": (92, 220, 255)}),
+    "rate": ("event rate [Mev/s]", {"entering": (150, 160, 170), "lost": (255, 92, 92)}),
+    "gamma": ("gamma", {"gamma": (255, 209, 82)}),
+    "latency": ("latency [ms]", {"bound": (255, 92, 92), "worst": (94, 230, 166)}),
+    "ring": ("waiting in the ring [events]", {"most": (94, 173, 255)}),
+}
+_LINES = [
+    (f"loop/{name}/{line}", colour)
+    for name, (_, lines) in _CURVES.items()
+    for line, colour in lines.items()
+]
+
+
+def write_frame(pipe: BinaryIO, frame: Sequence[NDArray[np.void]]) -> None:
+    """Write rows, events and outlines."""
+    rest = memoryview(b"".join([_COUNTS.pack(*map(len, frame)), *(p.tobytes() for p in frame)]))
+    while rest:
+        rest = rest[pipe.write(rest) :]
+
+
+def _frames(pipe: BinaryIO) -> Iterator[list[NDArray[np.void]]]:
+    while len(head := pipe.read(_COUNTS.size)) == _COUNTS.size:
+        sizes = [n * kind.itemsize for n, kind in zip(_COUNTS.unpack(head), _KINDS, strict=True)]
+        parts = [pipe.read(size) for size in sizes]
+        if [len(part) for part in parts] != sizes:
+            return  # cut
+        yield [np.frombuffer(part, kind) for part, kind in zip(parts, _KINDS, strict=True)]
+
+
+def draw(target: str, width: int, height: int) -> None:
+    """Show what comes in."""
+    os.environ.update(_PRIVATE)
+    import rerun as rr
+
+    recording = rr.RecordingStream("asap")
+    if target == "spawn":
+        _open_window()
+    if target in ("spawn", "connect"):
+        recording.connect_grpc(f"rerun+http://127.0.0.1:{PORT}/proxy")
+    else:
+        recording.save(target)
+    picture = _Picture(recording, width, height)
+    for frame in _frames(sys.stdin.buffer):
+        picture.log(*frame)
+    recording.flush(timeout_sec=2.0)
+    recording.disconnect()
+
+
+def _open_window() -> None:
+    with socket.socket() as door:
+        if door.connect_ex(("127.0.0.1", PORT)) == 0:
+            return  # one is open
+    command = [sys.executable, "-m", "rerun_cli", "--bind", "127.0.0.1", "--port", str(PORT)]
+    subprocess.Popen([*command, "--hide-welcome-screen"], start_new_session=True)
+
+
+class _Picture:
+    def __init__(self, recording: Any, width: int, height: int) -> None:
+        import rerun as rr
+        import rerun.blueprint as rrb
+
+        self._rr, self._recording = rr, recording
+        self._size = (height, width)
+        self._trails: dict[int, deque[tuple[float, float, float]]] = {}
+        self._first_us: float | None = None
+        self._seen_lost = self._now_s = 0.0
+
+        classes = [rr.AnnotationInfo(id=n, color=colour) for n, colour in enumerate(COLOURS)]
+        self._log("scene", rr.AnnotationContext(classes), static=True)
+        for path, colour in _LINES:
+            name = path.rpartition("/")[2]
+            style = rr.SeriesLines(colors=[colour], names=[name], widths=[1.5])
+            self._log(path, style, static=True)
+
+        newest = rr.TimeRangeBoundary.cursor_relative(seconds=0)
+        oldest = rr.TimeRangeBoundary.cursor_relative(seconds=-_CURVES_S)
+        shown = [rr.VisibleTimeRange("time", start=oldest, end=newest)]
+        curves = [
+            rrb.TimeSeriesView(
+                origin=f"loop/{name}",
+                name=title,
+                time_ranges=shown,
+                axis_y=rrb.ScalarAxis(range=(0.0, 1.05)) if name == "gamma" else None,
+                plot_legend=rrb.PlotLegend(visible=len(lines) > 1),
+            )
+            for name, (title, lines) in _CURVES.items()
+        ]
+        scene = rrb.Spatial2DView(origin="scene", name="events and clusters", background=COLOURS[0])
+        blueprint = rrb.Blueprint(
+            rrb.Horizontal(scene, rrb.Vertical(*curves), column_shares=[5, 3]),
+            rrb.TimePanel(state="collapsed", timeline="time", play_state="following"),
+            collapse_panels=True,
+        )
+        recording.send_blueprint(blueprint)
+
+    def _log(self, *what: Any, static: bool = False) -> None:
+        self._rr.log(*what, static=static, recording=self._recording)
+
+    def log(self, rows: Rows, events: Events, found: NDArray[np.void]) -> None:
+        """Log a frame: the image, what was found with its trails, a point of each curve."""
+        if len(rows):
+            if self._first_us is None:
+                self._first_us = float(rows["start_us"][0])
+            before_s, self._now_s = self._now_s, float(rows["start_us"][-1] - self._first_us) * 1e-6
+            self._recording.set_time("time", duration=self._now_s)
+            self._log_curves(rows, max(self._now_s - before_s, 1e-3))
+        self._recording.set_time("time", duration=self._now_s)
+        if len(events):
+            image = painted(events, self._size)
+            self._size = image.shape
+            self._log("scene/events", self._rr.SegmentationImage(image, opacity=1.0))
+        self._log_found(found)
+
+    def _log_found(self, found: NDArray[np.void]) -> None:
+        colours = [BRIGHT[int(one) % len(BRIGHT)] for one in found["id"]]
+        outlines = self._rr.LineStrips2D(
+            found["outline"],
+            colors=colours,
+            radii=-1.5,
+            labels=[str(one) for one in found["id"]],
+            show_labels=True,
+        )
+        self._log("scene/found", outlines)
+        for one in found:
+            trail = self._trails.setdefault(int(one["id"]), deque())
+            trail.append((self._now_s, float(one["x"]), float(one["y"])))
+        for trail in self._trails.values():
+            while trail and trail[0][0] < self._now_s - _TRAIL_S:
+                trail.popleft()
+        self._trails = {name: trail for name, trail in self._trails.items() if trail}
+        faint = [(*BRIGHT[name % len(BRIGHT)], 140) for name in self._trails]
+        ways = [[(x, y) for _, x, y in trail] for trail in self._trails.values()]
+        self._log("scene/tracks", self._rr.LineStrips2D(ways, colors=faint, radii=-1.0))
+
+    def _log_curves(self, rows: Rows, seconds: float) -> None:
+        gone = lost(rows[-1])
+        thinned = float((rows["size"] / rows["gamma"]).sum())
+        figures = (
+            rows["size"].mean(),
+            rows["event_rate"].max() * 1e-6,
+            (gone - self._seen_lost) * 1e-6 / seconds,
+            float(rows["size"].sum()) / thinned,
+            rows["latency_bound_us"][-1] * 1e-3,
+            rows["latency_max_us"].max() * 1e-3,
+            rows["all_pending"].max(),
+        )
+        self._seen_lost = gone
+        for (path, _), figure in zip(_LINES, figures, strict=True):
+            self._log(path, self._rr.Scalars(float(figure)))

@@ -1,0 +1,162 @@
+"""Telemetry: one row a package, from the log of a live pipeline to those that watch it."""
+
+from __future__ import annotations
+
+import os
+import queue
+import threading
+import time
+import warnings
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import _checks, _core
+from asap.events import Events
+from asap.results.data import LEDGER_FIELDS
+
+Rows = NDArray[np.void]
+Watcher = Callable[[Rows], object]
+
+# The columns of `run.packages`, and what the pipeline said when the row was read, after it was
+# written by 20 ms at most: the bound, the ledger so far, what the driver and the file have lost.
+TELEMETRY_DTYPE = np.dtype(
+    [
+        *_core.PACKAGE_DTYPE.descr,
+        ("latency_bound_us", "<f8"),
+        *((f"all_{name}", "<i8") for name in LEDGER_FIELDS),
+        ("upstream_lost", "<i8"),
+        ("rows_lost", "<i8"),
+    ]
+)
+HEAD = (",".join(TELEMETRY_DTYPE.names or ()) + "\n").encode()
+_FORMATS = {"i": "%d", "f": "%.16g"}
+_KINDS = [TELEMETRY_DTYPE[name].kind for name in TELEMETRY_DTYPE.names or ()]
+_LINE = ",".join(_FORMATS[kind] for kind in _KINDS) + "\n"
+
+_EVERY_S = 0.02
+_WAITING = 100  # looks, thus 2 s, that wait for the disk
+_MOST_ROWS = 500_000  # in a file of 100 MB; then it becomes FILE.1, and a new one begins
+_PATIENCE_S = 1.0  # for the disk, at the end
+
+
+def lost(row: Any) -> float:
+    """Count the events that were thinned away or lost before this row, the driver's marks too."""
+    return float(
+        row["all_discarded"] + row["all_stale"] + row["all_overflow"] + row["upstream_lost"]
+    )
+
+
+def as_rows(log: Rows, latency_bound_us: float) -> Rows:
+    """Return the rows of a log with more columns, which are 0 but for the bound."""
+    rows = np.zeros(len(log), TELEMETRY_DTYPE)
+    for name in log.dtype.names or ():
+        rows[name] = log[name]
+    rows["latency_bound_us"] = latency_bound_us
+    return rows
+
+
+class Log:
+    """The log of a live pipeline, looked at on the consumer's thread between two packages."""
+
+    def __init__(self, native: _core.LivePipeline) -> None:
+        self._native = native
+        self.watchers: list[Watcher] = []
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin with row 0, as the log does."""
+        self._next, self._due_s = 0, 0.0
+
+    def look(self) -> None:
+        """Give the rows since the look before to the watchers."""
+        self._due_s = time.monotonic() + _EVERY_S
+        if not self.watchers or not len(log := self._native.rows(self._next)):
+            return
+        self._next = int(log["index"][-1]) + 1
+        stats = self._native.stats()
+        rows = as_rows(log, stats.latency_bound_us)
+        for name in LEDGER_FIELDS:
+            rows[f"all_{name}"] = getattr(stats.ledger, name)
+        rows["upstream_lost"] = stats.upstream_marks + stats.upstream_packets
+        for watch in tuple(self.watchers):
+            watch(rows)
+
+    def glimpse(self, more: bool) -> Events:
+        """Return up to 65536 events that came since glimpse(more=True); from any thread."""
+        return self._native.glimpse(more)
+
+    def look_if_due(self) -> None:
+        """Look every 20 ms."""
+        if self.watchers and time.monotonic() >= self._due_s:
+            self.look()
+
+
+class TelemetryFile:
+    """A thread that writes rows as CSV; what the disk is too slow for is lost, and counted."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = _checks.new_file("telemetry", path)
+        _checks.ending("telemetry", self.path, (".csv",), "give a name that ends in .csv")
+        self.written = self.lost = 0  # rows
+        self._in_file = 0
+        self._queue: queue.Queue[Rows | None] = queue.Queue(_WAITING)
+        self._thread: threading.Thread | None = None
+        self._error: OSError | None = None
+
+    def __call__(self, rows: Rows) -> None:
+        """Have them written; never wait."""
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._write, name="asap telemetry", daemon=True)
+            self._thread.start()
+        rows["rows_lost"] = self.lost
+        try:
+            self._queue.put_nowait(rows)
+        except queue.Full:
+            self.lost += len(rows)
+
+    def _write(self) -> None:
+        while (rows := self._queue.get()) is not None:
+            try:
+                self._append(rows)
+            except OSError as error:
+                self._error = error
+                self.lost += len(rows)
+
+    def _append(self, rows: Rows) -> None:
+        if self._in_file + len(rows) > _MOST_ROWS:
+            self.path.replace(f"{self.path}.1")
+            self._in_file = 0
+        lines = "".join(map(_LINE.__mod__, rows.tolist())).encode()
+        with self.path.open("ab" if self._in_file else "wb") as file:
+            file.write(lines if self._in_file else HEAD + lines)
+        self._in_file += len(rows)
+        self.written += len(rows)
+
+    def stats(self) -> dict[str, Any]:
+        """Sum up as one JSON object, in rows."""
+        return {"path": str(self.path), "written": self.written, "lost": self.lost}
+
+    def close(self) -> None:
+        """Wait for the disk, 1 s at most; warn of what could not be written."""
+        thread, self._thread = self._thread, None
+        if thread is None:
+            return
+        with suppress(queue.Full):
+            self._queue.put(None, timeout=_PATIENCE_S)
+        thread.join(_PATIENCE_S)
+        if thread.is_alive():  # the disk is stalled: what waits is lost
+            with suppress(queue.Empty):
+                while (rows := self._queue.get_nowait()) is not None:
+                    self.lost += len(rows)
+            self._queue.put(None)
+        if self._error is not None:
+            warnings.warn(
+                f"{self.path}: {self._error.strerror}; telemetry lost {self.lost} rows",
+                RuntimeWarning,
+                stacklevel=4,
+            )
+            self._error = None

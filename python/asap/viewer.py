@@ -1,0 +1,197 @@
+"""view: a run in Rerun: its events, clusters with tracks, and the curves of the loop.
+
+A process of its own draws, see `_rerun`. A thread hands it snapshots, at most 15 a second: if that
+process is stalled or killed, only this thread waits or ends. Needs the extra ``view``.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Iterator
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asap import _checks
+from asap._rerun import PORT, write_frame
+from asap.events import EVENT_DTYPE
+from asap.experiment.pipeline import Pipeline
+from asap.experiment.telemetry import TELEMETRY_DTYPE, Rows, as_rows
+from asap.experiment.tracks import Tracks
+from asap.io.errors import library
+from asap.results import Run
+from asap.results.pictures import found_by, last_of, within
+
+__all__ = ["View", "view"]
+
+_FRAME_S = 1 / 15
+_SHOWN_S = 0.02  # of events in a picture
+_PATIENCE_S = 5.0
+
+
+def view(
+    pipeline_or_run: Pipeline | Run,
+    target: str | os.PathLike[str] = "spawn",
+    *,
+    algorithm: Any = None,
+) -> View:
+    """Show a pipeline while it works, or what a finished run has left behind.
+
+    Parameters
+    ----------
+    pipeline_or_run : Pipeline or Run
+        A run shows its curves and, if its algorithm was an `asap.Tracks`, clusters and events.
+    target : "spawn", "connect" or path
+        A new window of Rerun on this machine; one that listens on port 9876 of this machine, which
+        may be the end of an ssh tunnel; or a ``.rrd`` file to write.
+    algorithm : optional
+        Whose ``.objects`` or ``.clusters`` are shown; another thread reads them. Default: that of
+        the pipeline.
+
+    Returns
+    -------
+    View
+        ``close()``, or leaving its ``with`` block, ends it.
+
+    Raises
+    ------
+    MissingLibrary
+        rerun-sdk is not installed: extra ``view``.
+
+    Examples
+    --------
+    ::
+
+        with asap.Pipeline(tracker, camera=camera, latency_ms=10) as pipeline:
+            with asap.view(pipeline):
+                pipeline.run()
+    """
+    if isinstance(pipeline_or_run, Pipeline):
+        shown = View(target, *pipeline_or_run._sensor)
+        shown.attach(pipeline_or_run, algorithm)
+        return shown
+    if not isinstance(pipeline_or_run, Run):
+        remedy = "give an asap.Pipeline or a run of asap.run or asap.simulate"
+        raise TypeError(_checks.named("pipeline_or_run", pipeline_or_run, remedy))
+    run = pipeline_or_run
+    with View(target, run.source["width"], run.source["height"]) as shown:
+        for frame in _frames(run):
+            if not shown.send(*frame):
+                break
+    return shown
+
+
+def _frames(run: Run) -> Iterator[tuple[NDArray[np.void], ...]]:
+    """Cut the log of a finished run into frames, with what `Tracks` has noted."""
+    rows = as_rows(run.packages, run.latency_bound_us)
+    for name in ("stale", "overflow"):
+        rows[f"all_{name}"] = np.cumsum(rows[name])
+    rows["all_discarded"] = np.cumsum(np.rint(rows["size"] / rows["gamma"]) - rows["size"])
+    tracks = run.algorithm if isinstance(run.algorithm, Tracks) else None
+    seen = np.empty(0, EVENT_DTYPE) if tracks is None else tracks.seen
+    noted = None if tracks is None else tracks.tracks
+    cuts = np.flatnonzero(np.diff(rows["start_us"] // (_FRAME_S * 1e6))) + 1
+    for part in np.split(rows, cuts) if len(rows) else ():
+        end_us = int(part["t_last"][-1]) + 1
+        time_us = end_us - int(_SHOWN_S * 1e6), end_us
+        found = found_by(None) if noted is None else last_of(within(noted, "t", *time_us))
+        yield part, within(seen, "t", *time_us), found
+
+
+def _has_screen() -> bool:
+    names = ("DISPLAY", "WAYLAND_DISPLAY")
+    return sys.platform != "linux" or any(map(os.environ.get, names))
+
+
+class View:
+    """A process that shows frames, and the thread that takes them from a pipeline."""
+
+    def __init__(
+        self, target: str | os.PathLike[str], width: int | None = None, height: int | None = None
+    ) -> None:
+        if target == "spawn" and not _has_screen():
+            raise RuntimeError(
+                "view: no screen, DISPLAY is not set; give a file, such as run.rrd, or 'connect' "
+                f"after ssh -R {PORT}:localhost:{PORT} from a machine where rerun is open"
+            )
+        if target not in ("spawn", "connect"):
+            path = _checks.new_file("target", target)
+            _checks.ending("target", path, (".rrd",), "give 'spawn', 'connect' or a .rrd file")
+            target = str(path.absolute())
+        if find_spec("rerun") is None:
+            library("rerun", "a view", "view")
+        code = f"import sys; sys.path[:] = {sys.path!r}; from asap import _rerun"
+        arguments = target, width or 0, height or 0
+        process = subprocess.Popen(
+            [sys.executable, "-c", f"{code}; _rerun.draw{arguments!r}"],
+            stdin=subprocess.PIPE,
+            bufsize=0,
+            start_new_session=True,  # Ctrl-C is for the user's process alone
+        )
+        pipe: Any = process.stdin
+        self._process, self._pipe = process, pipe
+        self._closing = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def attach(self, pipeline: Any, algorithm: Any = None) -> None:
+        """Show this pipeline from now on."""
+        if self._thread is None:
+            shown = pipeline.algorithm if algorithm is None else algorithm
+            self._thread = threading.Thread(
+                target=self._watch, args=(pipeline, shown), name="asap view", daemon=True
+            )
+            self._thread.start()
+
+    def _watch(self, pipeline: Pipeline, algorithm: Any) -> None:
+        came: deque[Rows] = deque(maxlen=100)
+        look = came.append
+        pipeline._log.watchers.append(look)
+        is_over, next_s = False, 0.0
+        while not is_over:
+            is_over = self._closing.wait(max(next_s - time.monotonic(), 0.0))
+            next_s = time.monotonic() + _FRAME_S
+            pipeline._log.glimpse(more=True)
+            self._closing.wait(_SHOWN_S)
+            events = pipeline._log.glimpse(more=False)
+            found = found_by(algorithm)
+            parts = [came.popleft() for _ in range(len(came))]
+            rows = np.concatenate([np.empty(0, TELEMETRY_DTYPE), *parts])
+            if (len(rows) or len(events)) and not self.send(rows, events, found):
+                break
+        pipeline._log.watchers.remove(look)
+
+    def send(self, *frame: NDArray[np.void]) -> bool:
+        """Hand rows, events and what was found over; False: the other process has ended."""
+        try:
+            write_frame(self._pipe, frame)
+        except OSError:
+            return False
+        return True
+
+    def close(self) -> None:
+        """Show the last frame and end; a viewer that takes none is not waited for."""
+        self._closing.set()
+        if self._thread is not None:
+            self._thread.join(_PATIENCE_S)
+            if self._thread.is_alive():  # in a write that ends with the process
+                self._process.kill()
+                self._thread.join()
+        self._pipe.close()
+        try:
+            self._process.wait(_PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+    def __enter__(self) -> View:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
