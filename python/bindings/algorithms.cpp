@@ -150,10 +150,36 @@ py::object row_of(const ClusterOutline& outline) {
   return moved_to_array(std::vector{outline})[py::int_(0)];
 }
 
+[[noreturn]] void throw_no_key(std::int64_t id) {
+  PyErr_SetObject(PyExc_KeyError, py::int_(id).ptr());
+  throw py::error_already_set();
+}
+
 py::object outline(const Tracker& tracker, std::int64_t id) {
   const auto found =
       std::visit([id](const auto& engine) { return engine.outline(id); }, tracker.engine);
-  return found ? row_of(*found) : py::none();
+  if (!found) throw_no_key(id);
+  return row_of(*found);
+}
+
+// The engine with objects. hasattr() is false for the other.
+const ClusterTracker& with_objects(const Tracker& tracker) {
+  if (const auto* fast = std::get_if<ClusterTracker>(&tracker.engine)) return *fast;
+  throw py::attribute_error("engine = compat: has clusters and no objects. Use engine=\"fast\"");
+}
+
+py::array objects(const Tracker& tracker) {
+  return moved_to_array(with_objects(tracker).objects());
+}
+
+py::array objects_at(const Tracker& tracker, std::int64_t t_us) {
+  return moved_to_array(with_objects(tracker).objects_at(t_us));
+}
+
+py::array members(const Tracker& tracker, std::int64_t id) {
+  auto found = with_objects(tracker).members(id);
+  if (found.empty()) throw_no_key(id);
+  return moved_to_array(std::move(found));
 }
 
 py::object outline_of_moments(double x, double y, double cxx, double cxy, double cyy) {
@@ -206,6 +232,8 @@ py::dict defaults_of_engines() {
 void bind_algorithms(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(Cluster, id, x, y, vx, vy, cxx, cxy, cyy, size, t_last, pxx, pxy, pyy);
   PYBIND11_NUMPY_DTYPE(ClusterOutline, x, y, major, minor, angle);
+  PYBIND11_NUMPY_DTYPE(TrackedObject, id, x, y, vx, vy, left, top, width, height, size, t_last,
+                       age_us, independent);
   m.attr("CLUSTER_DTYPE") = py::dtype::of<Cluster>();
   m.def("outline_of", &outline_of_moments, py::arg("x"), py::arg("y"), py::arg("cxx"),
         py::arg("cxy"), py::arg("cyy"), "As ClusterTracker.outline, of these fields of a cluster.");
@@ -258,19 +286,62 @@ Asking changes nothing: events of before t_us may follow. "fast": positions are 
 without events are left out in time. "compat": `clusters`; with motion="kalman" positions are predicted, up
 to 0.1 s ahead. A t_us of the past is the latest time.
 )")
-      .def("outline", &outline, py::arg("id").noconvert(),
-           R"(The ellipse of two standard deviations of a cluster's events, or None.
+      .def_property_readonly("objects", &objects,
+                             R"(Structured array, one row per thing that moves, sorted by id.
+
+An object is a cluster, or several that are parts of one thing; noise that is denser in one place and
+a flickering light are clusters and no objects. Grouped every 5 ms of event time.
+
+id : int64, never changes; an object that has stopped or is hidden is left out, and has its id again
+    when it is back where it must be within half a second
+x, y : float64, px, of its heaviest cluster, predicted for the latest time
+vx, vy : float64, px/s, of the same
+left, top, width, height : float64, px, the box of its clusters, 1.75 standard deviations to each side
+size : int64, events of about the last `mass_ms`
+t_last : int64, us, stamp of the newest event
+age_us : int64, us since it began
+independent : float64, 0 to 1, whether it moves unlike the background; -1: not known
+
+AttributeError in "compat", which has clusters alone.
+)")
+      .def("objects_at", &objects_at, py::arg("t_us").noconvert(),
+           R"(What `objects` would be at t_us, us, if nothing came until then; see `clusters_at`.)")
+      .def("members", &members, py::arg("id").noconvert(),
+           R"(The ids of the clusters that are parts of an object.
 
 Parameters
 ----------
 id : int
-    That of a cluster.
+    That of an object.
 
 Returns
 -------
-numpy.void or None
+ndarray of int64
+    The heaviest first, whose position is the object's. `process` labels the events with these ids.
+
+Raises
+------
+KeyError
+    `objects` has no such id.
+)")
+      .def("outline", &outline, py::arg("id").noconvert(),
+           R"(The ellipse of two standard deviations of an object's events.
+
+Parameters
+----------
+id : int
+    That of an object; in "compat" of a cluster.
+
+Returns
+-------
+numpy.void
     A row with the float64 fields x, y (px, centre), major, minor (px, half-axes) and angle (rad, of the
-    major axis, from x to the right towards y downwards, -pi/2 to pi/2). None: `clusters` has no such id.
+    major axis, from x to the right towards y downwards, -pi/2 to pi/2).
+
+Raises
+------
+KeyError
+    There is no such id now.
 )")
       .def("advance_to", &advance_to, py::arg("t_us").noconvert(),
            R"(Time has come to t_us, us, without events: in "fast" clusters starve, coast and die.

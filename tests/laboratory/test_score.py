@@ -93,6 +93,40 @@ def test_clusters_are_extrapolated_where_the_tracker_does_not():
     assert score(Slow(None), scene)["position_rms"] == pytest.approx(0.2)  # 1 ms at 200 px/s
 
 
+def test_objects_are_judged_where_a_tracker_has_them():
+    scene = FakeScene([(50, 50, 200, 0)])
+
+    class Grouping(FakeTracker):
+        """Clusters 1 and 2 are object 7, cluster 3 is noise."""
+
+        def clusters_at(self, t_us):
+            x = 50 + 200 * t_us * 1e-6
+            rows = [(1, x, 50, 4, 0, 0.5), (2, x + 5, 50, 9, 0, 9), (3, 200, 200, 9, 0, 9)]
+            fields = [("id", int), *((name, float) for name in ("x", "y", "pxx", "pxy", "pyy"))]
+            return np.array(rows, fields)
+
+        @property
+        def objects(self):
+            return self.objects_at(self.packages[-1]["t"][-1])
+
+        def objects_at(self, t_us):
+            fields = [("id", int), ("x", float), ("y", float)]
+            return np.array([(7, 52 + 200 * t_us * 1e-6, 50)], fields)
+
+        def members(self, id):
+            return np.array({7: [1, 2]}[id])
+
+    tracker = Grouping(None, ids=lambda events: 1 + np.arange(events.size) % 3)
+    found = score(tracker, scene)
+    assert found["mota"] == 1 and found["position_rms"] == pytest.approx(2)
+    assert found["nees"] == pytest.approx(1)  # of the heaviest
+    found = score(
+        Grouping(None, ids=lambda events: np.full(events.size, 2)),
+        FakeScene([(50, 50, 200, 0)], end_us=300_001),
+    )
+    assert found["event_accuracy"] > 0.95
+
+
 # ---- filter, thinning, telling --------------------------------------------------------------
 
 

@@ -43,13 +43,54 @@ def test_follows_a_disk() -> None:
     assert cluster["t_last"] == pytest.approx(499_900, abs=500)
 
 
+OBJECT_FIELDS = ["id", "x", "y", "vx", "vy", "left", "top", "width", "height", "size", "t_last"]
+
+
+def test_a_disk_is_one_object() -> None:
+    tracker = ClusterTracker(WIDTH, HEIGHT)
+    nothing = tracker.objects
+    assert nothing.size == 0 and list(nothing.dtype.names or ())[:-2] == OBJECT_FIELDS
+    labels = tracker.process(disk(0, 0.5))
+    (found,) = tracker.objects
+    assert found.dtype == nothing.dtype
+    assert (found["x"], found["y"]) == pytest.approx((110, 80), abs=1)
+    assert (found["vx"], found["vy"]) == pytest.approx((100, 0), abs=20)
+    assert (found["left"], found["top"]) == pytest.approx((100, 70), abs=2)
+    assert (found["width"], found["height"]) == pytest.approx((20, 20), abs=3)
+    assert found["age_us"] == pytest.approx(480_000, abs=10_000)
+    assert found["independent"] == -1
+    (member,) = tracker.members(found["id"])
+    assert np.mean(labels[-1000:] == member) > 0.8
+    (ahead,) = tracker.objects_at(510_000)
+    assert ahead["x"] == pytest.approx(found["x"] + 0.01 * found["vx"], abs=0.1)
+    assert tracker.objects_at(10**9).size == 0
+
+
+def test_an_id_that_is_gone_is_a_key_error() -> None:
+    tracker = ClusterTracker(WIDTH, HEIGHT)
+    tracker.process(disk(0, 0.5), labels=False)
+    (id,) = tracker.objects["id"]
+    tracker.advance_to(1_000_000)
+    for ask in (tracker.members, tracker.outline):
+        with pytest.raises(KeyError) as raised:
+            ask(id)
+        assert raised.value.args == (id,)
+
+
+def test_the_published_engine_has_clusters_alone() -> None:
+    tracker = ClusterTracker(WIDTH, HEIGHT, engine="compat")
+    assert not hasattr(tracker, "objects")
+    with pytest.raises(AttributeError, match="engine = compat"):
+        tracker.members(0)
+
+
 @pytest.mark.parametrize("engine", ["fast", "compat"])
 def test_an_outline_is_the_ellipse_of_the_covariance(engine: str) -> None:
     tracker = ClusterTracker(WIDTH, HEIGHT, engine=engine)
     tracker.process(disk(0, 0.5), labels=False)
-    for cluster in tracker.clusters:
-        outline = tracker.outline(cluster["id"])
-        assert outline is not None
+    ids = tracker.objects["id"] if engine == "fast" else tracker.clusters["id"]
+    for cluster, id in zip(tracker.clusters, ids, strict=True):
+        outline = tracker.outline(id)
         assert outline.dtype.names == ("x", "y", "major", "minor", "angle")
         assert (outline["x"], outline["y"]) == (cluster["x"], cluster["y"])
         turn = np.array([np.cos(outline["angle"]), np.sin(outline["angle"])])
@@ -61,7 +102,6 @@ def test_an_outline_is_the_ellipse_of_the_covariance(engine: str) -> None:
         assert outline["major"] >= outline["minor"] > 3
         assert pickle.loads(pickle.dumps(outline)) == outline
     assert len(tracker.clusters) > 0
-    assert tracker.outline(10**6) is None
 
 
 @settings(max_examples=30)

@@ -60,18 +60,20 @@ def test_a_tracker_finds_the_same_with_and_without_notes():
     asap.simulate(scene, cost=COST, algorithm=plain)
     tracks = asap.Tracks(noted)
     run = asap.simulate(scene, cost=COST, algorithm=tracks)
-    assert noted.clusters.tobytes() == plain.clusters.tobytes()
-    assert tracks.clusters["id"].tolist() == noted.clusters["id"].tolist()
+    assert noted.objects.tobytes() == plain.objects.tobytes()
+    assert tracks.objects["id"].tolist() == noted.objects["id"].tolist()
     last = tracks.tracks[tracks.tracks["t"] == run.packages["t_last"][-1]]
-    assert last["x"].tolist() == plain.clusters["x"].tolist()
+    assert last["x"].tolist() == plain.objects["x"].tolist()
     assert run.summary()["algorithm"]["name"] == "clusters"
     tracks.reset()
-    assert tracks.tracks.size == 0 and noted.clusters.size == 0
+    assert tracks.tracks.size == 0 and noted.objects.size == 0
 
 
 @pytest.mark.parametrize("given", [None, len, asap.EFast(10, 10)])
 def test_an_algorithm_without_clusters_is_refused(given):
-    with pytest.raises(TypeError, match=r"^algorithm = .*process\(events\) and clusters"):
+    with pytest.raises(
+        TypeError, match=r"^algorithm = .*process\(events\) and objects or clusters"
+    ):
         asap.Tracks(given)
 
 
@@ -102,7 +104,7 @@ def test_the_command_writes_tracks_with_parameters_and_a_filter(recording, tmp_p
     [
         ("--every 10ms", "--every: needs --tracks"),
         ("--tracks out.txt", "a name that ends in .csv"),
-        ("--tracks out.csv --algorithm e_fast", "process(events) and clusters"),
+        ("--tracks out.csv --algorithm e_fast", "process(events) and objects or clusters"),
         ("--algorithm clusters:window_us=5", "window_us = 5"),
         ("--before e_fast", "give one of background, hot_pixels"),
     ],

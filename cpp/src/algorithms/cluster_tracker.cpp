@@ -9,9 +9,39 @@
 
 namespace asap {
 
+namespace {
+
+// The moments of all events of these clusters, each of which has events of late.
+Cluster joined(std::span<const Cluster> parts) noexcept {
+  Cluster all{};
+  double total = 0;
+  for (const Cluster& part : parts) {
+    const double weight = 1 + static_cast<double>(part.size);
+    total += weight;
+    const double share = weight / total;
+    const double dx = part.x - all.x;
+    const double dy = part.y - all.y;
+    const double apart = share * (1 - share);
+    all.cxx += share * (part.cxx - all.cxx) + apart * dx * dx;
+    all.cxy += share * (part.cxy - all.cxy) + apart * dx * dy;
+    all.cyy += share * (part.cyy - all.cyy) + apart * dy * dy;
+    all.x += share * dx;
+    all.y += share * dy;
+  }
+  return all;
+}
+
+}  // namespace
+
 class ClusterTracker::Impl {
  public:
   explicit Impl(const Config& given) : config(checked(given)), engine(config) {}
+
+  std::vector<Cluster> parts(std::int64_t object) const {
+    std::vector<Cluster> clusters;
+    engine.read_parts(object, clusters);
+    return clusters;
+  }
 
   Config config;
   fast::Engine engine;
@@ -48,8 +78,34 @@ void ClusterTracker::clusters_at(std::int64_t t_us, std::vector<Cluster>& cluste
   impl_->engine.read(t_us, clusters);
 }
 
+std::vector<TrackedObject> ClusterTracker::objects() const {
+  return objects_at(impl_->engine.latest_us());
+}
+
+void ClusterTracker::objects(std::vector<TrackedObject>& objects) const {
+  objects_at(impl_->engine.latest_us(), objects);
+}
+
+std::vector<TrackedObject> ClusterTracker::objects_at(std::int64_t t_us) const {
+  std::vector<TrackedObject> objects;
+  objects_at(t_us, objects);
+  return objects;
+}
+
+void ClusterTracker::objects_at(std::int64_t t_us, std::vector<TrackedObject>& objects) const {
+  impl_->engine.read(t_us, objects);
+}
+
+std::vector<std::int64_t> ClusterTracker::members(std::int64_t id) const {
+  std::vector<std::int64_t> ids;
+  for (const Cluster& part : impl_->parts(id)) ids.push_back(part.id);
+  return ids;
+}
+
 std::optional<ClusterOutline> ClusterTracker::outline(std::int64_t id) const {
-  return outline_of(id, clusters());
+  const std::vector<Cluster> parts = impl_->parts(id);
+  if (parts.empty()) return std::nullopt;
+  return outline_of(joined(parts));
 }
 
 void ClusterTracker::advance_to(std::int64_t t_us) noexcept { impl_->engine.advance_to(t_us); }

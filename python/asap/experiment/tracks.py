@@ -1,4 +1,4 @@
-"""Tracks: what an algorithm with clusters found, kept over the time of a run."""
+"""Tracks: what an algorithm with objects or clusters found, kept over the time of a run."""
 
 from __future__ import annotations
 
@@ -14,34 +14,36 @@ from asap import _checks, _core
 from asap.events import EVENT_DTYPE, Events
 
 _COLUMNS = ("id", "t", "x", "y", "vx", "vy", "size")
-_SHAPE = ("cxx", "cxy", "cyy")  # px^2, not in the file
+_SHAPE = ("left", "top", "width", "height", "cxx", "cxy", "cyy")  # px, px^2, not in the file
 _MOST_SEEN = 1 << 20  # events that are kept for pictures; more thin each other out
 
 
 class Tracks:
-    """An algorithm with ``.clusters`` that notes where they are.
+    """An algorithm with ``.objects``, or ``.clusters``, that notes where they are.
 
     The algorithm gets every package as a whole, and what the notes cost is measured with it.
 
     Parameters
     ----------
     algorithm
-        A `ClusterTracker`, or an object with process(events) and ``.clusters``, a structured array
-        with the fields id, x, y and, where it has them, vx, vy and size.
+        A `ClusterTracker`, or an instance with process(events) and ``.objects`` or ``.clusters``, a
+        structured array with the fields id, x, y and, where it has them, vx, vy and size.
     every_ms : float, optional
         Time of the events between two notes, ms. Default: after every package with a new stamp.
 
     Attributes
     ----------
     tracks : ndarray
-        A row for each cluster at each note: id, t (us, the last event of the package), x, y, vx,
-        vy, size, cxx, cxy, cyy; of these what the clusters have.
+        A row for each object, or cluster of an algorithm without objects, at each note: id, t (us,
+        the last event of the package), x, y, vx, vy, size, and its box (left, top, width, height)
+        or covariance (cxx, cxy, cyy); of these what the algorithm tells.
     """
 
     def __init__(self, algorithm: Any, *, every_ms: float | None = None) -> None:
-        fields = _fields(getattr(algorithm, "clusters", None))
+        self._name = "objects" if hasattr(algorithm, "objects") else "clusters"
+        fields = _fields(getattr(algorithm, self._name, None))
         if not (hasattr(algorithm, "process") and {"id", "x", "y"} <= set(fields)):
-            remedy = "give one with process(events) and clusters, an array with id, x, y"
+            remedy = "give one with process(events) and objects or clusters, an array with id, x, y"
             raise TypeError(_checks.named("algorithm", algorithm, remedy))
         self.algorithm = algorithm
         remedy = "give 0.001 ms or more, or None for every package"
@@ -53,10 +55,13 @@ class Tracks:
 
     def _forget(self) -> None:
         self._next_us = -(2**62)
-        self._rows: list[NDArray[np.void]] = [_rows_of(self.algorithm.clusters, 0)[:0]]
+        self._rows: list[NDArray[np.void]] = [self._now(0)[:0]]
         self._seen: list[Events] = []
         self._noted = self._seen_count = 0
         self._seen_every = 1
+
+    def _now(self, t_us: int) -> NDArray[np.void]:
+        return _rows_of(getattr(self.algorithm, self._name), t_us)
 
     def __getattr__(self, name: str) -> Any:
         if name == "algorithm":  # not made yet, as where a pickle is read
@@ -64,13 +69,13 @@ class Tracks:
         return getattr(self.algorithm, name)
 
     def process(self, events: Events) -> None:
-        """Let the algorithm process a package, and note its clusters when it is time."""
+        """Let the algorithm process a package, and note what it found when it is time."""
         self.algorithm.process(events, **self._options)
         now_us = int(events["t"][-1]) if len(events) else self._next_us - 1
         if now_us < self._next_us:
             return
         self._next_us = (now_us // self._every_us + 1) * self._every_us
-        self._rows.append(_rows_of(self.algorithm.clusters, now_us))
+        self._rows.append(self._now(now_us))
         self._seen.append(events[-self._noted % self._seen_every :: self._seen_every].copy())
         self._noted += len(events)
         self._seen_count += len(self._seen[-1])
@@ -106,14 +111,14 @@ class Tracks:
         return file
 
 
-def _rows_of(clusters: NDArray[np.void], t_us: int) -> NDArray[np.void]:
-    kinds = {"t": np.dtype("<i8"), **{name: kind for name, (kind, *_) in _fields(clusters).items()}}
+def _rows_of(found: NDArray[np.void], t_us: int) -> NDArray[np.void]:
+    kinds = {"t": np.dtype("<i8"), **{name: kind for name, (kind, *_) in _fields(found).items()}}
     names = [name for name in (*_COLUMNS, *_SHAPE) if name in kinds]
-    rows = np.empty(len(clusters), [(name, kinds[name]) for name in names])
+    rows = np.empty(len(found), [(name, kinds[name]) for name in names])
     for name in rows.dtype.names or ():
-        rows[name] = t_us if name == "t" else clusters[name]
+        rows[name] = t_us if name == "t" else found[name]
     return rows
 
 
-def _fields(clusters: Any) -> Mapping[str, Any]:
-    return getattr(getattr(clusters, "dtype", None), "fields", None) or {}
+def _fields(found: Any) -> Mapping[str, Any]:
+    return getattr(getattr(found, "dtype", None), "fields", None) or {}

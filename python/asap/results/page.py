@@ -129,9 +129,9 @@ def _articles_of_run(run: Run) -> Iterator[Article]:
         yield Article(
             "tracks",
             {"tracks": found, "rows": int(tracks.size)},
-            text.heading(f"Tracks of {_units.count(found)} clusters"),
+            text.heading(f"Tracks of {_units.count(found)} objects"),
             figures.tracks_figure(tracks, getattr(run.algorithm, "seen", None)),
-            "Where the clusters went, the 40 longest tracks in colour and named at their ends. "
+            "Where the objects went, the 40 longest tracks in colour and named at their ends. "
             "Grey: some of the events.",
         )
 

@@ -42,6 +42,26 @@ struct Cluster {
   double pyy = std::numeric_limits<double>::infinity();
 };
 
+// ---- objects -----------------------------------------------------------------------------------
+
+// One thing at the moment of the question: one cluster or several that are parts of it. Plain data;
+// the Python array of objects has these fields in this order.
+struct TrackedObject {
+  std::int64_t id;          // never changes, and outlives stops and short occlusions
+  double x;                 // px, of its heaviest cluster
+  double y;                 // px
+  double vx;                // px/s
+  double vy;                // px/s
+  double left;              // px, box of its clusters
+  double top;               // px
+  double width;             // px
+  double height;            // px
+  std::int64_t size;        // live events
+  std::int64_t t_last;      // us, stamp of its newest event
+  std::int64_t age_us;      // us, since it began
+  double independent = -1;  // 0 to 1, whether it moves unlike the background; -1: not known
+};
+
 // The ellipse of two standard deviations of a cluster's events: that of a filled disk is its edge.
 struct ClusterOutline {
   double x;      // px, centre
@@ -164,7 +184,21 @@ class ClusterTracker {
   std::vector<Cluster> clusters_at(std::int64_t t_us) const;
   void clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const;
 
-  // The outline of the cluster with this id. Empty: `clusters` does not list it.
+  // The objects at the latest time, sorted by id, positions predicted for that time. An object that
+  // has stopped or is occluded is not listed, but keeps its id for half a second. A patch of noise
+  // and a flickering light are clusters and no objects.
+  std::vector<TrackedObject> objects() const;
+  void objects(std::vector<TrackedObject>& objects) const;
+
+  // As clusters_at().
+  std::vector<TrackedObject> objects_at(std::int64_t t_us) const;
+  void objects_at(std::int64_t t_us, std::vector<TrackedObject>& objects) const;
+
+  // The ids of the clusters that are parts of the object with this id; the first is the heaviest,
+  // whose position is the object's. Empty: `objects` does not list it.
+  std::vector<std::int64_t> members(std::int64_t id) const;
+
+  // The outline of the object with this id. Empty: `objects` does not list it.
   std::optional<ClusterOutline> outline(std::int64_t id) const;
 
   // Advances the time to t_us when it is known that no event came: clusters stop, coast and are

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "algorithms/fast/pairs.hpp"
@@ -127,9 +128,9 @@ void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
 
 // ---- report ------------------------------------------------------------------------------------
 
-// The listed tracks as clusters, predicted for a time to which no event has come yet. The tracks
-// advance without events: they are starved, no longer listed, or leave the frame. All this happens
-// on copies, so that a report changes nothing. Births and merges wait for events.
+// The listed tracks, predicted for a time to which no event has come yet. The tracks advance
+// without events: they are starved, no longer listed, or leave the frame. All this happens on
+// copies, so that a report changes nothing. Births and merges wait for events.
 
 namespace {
 
@@ -152,6 +153,23 @@ Cluster report(const Track& track, const TrackState& state, const PositionError&
           .pyy = error.yy};
 }
 
+// The object with this sum at the clock's time.
+TrackedObject report(const ObjectSum& sum, std::int64_t id, std::uint64_t born_us,
+                     const EventClock& clock) noexcept {
+  return {.id = id,
+          .x = sum.x,
+          .y = sum.y,
+          .vx = sum.vx,
+          .vy = sum.vy,
+          .left = sum.box.left,
+          .top = sum.box.top,
+          .width = sum.box.right - sum.box.left,
+          .height = sum.box.bottom - sum.box.top,
+          .size = std::lround(sum.mass),
+          .t_last = clock.stamp_us(sum.quiet_us),
+          .age_us = static_cast<std::int64_t>(clock.now_us() - born_us)};
+}
+
 // Advances a track to the tick's time without events. False: it is not listed then.
 bool advance_without_events(Track& track, TrackState& state, const Tick& tick,
                             const Settings& settings, const Frame& frame) noexcept {
@@ -161,22 +179,6 @@ bool advance_without_events(Track& track, TrackState& state, const Tick& tick,
   if (is_starved(state))
     kalman_without_events(track, state.kalman, tick.now, settings.lifecycle.velocity_decay_s);
   return is_listed(track, state, settings.lifecycle) && !has_left(track, tick.now, frame);
-}
-
-// Appends the clusters that are listed at `tick`, which is the clock's time, sorted by id.
-void predict_clusters(const Tracks& tracks, const EventClock& clock, const Tick& tick,
-                      const Settings& settings, const Frame& frame,
-                      std::vector<Cluster>& clusters) {
-  for (const Tracks::Slot slot : tracks.active()) {
-    Track track = tracks[slot];
-    TrackState state = tracks.state(slot);
-    if (!advance_without_events(track, state, tick, settings, frame)) continue;
-    const PositionError error =
-        position_error(track, state.kalman, tracks.contour(slot), tick.now, settings.kalman);
-    clusters.push_back(report(track, state, error, clock));
-  }
-  std::sort(clusters.begin(), clusters.end(),
-            [](const Cluster& a, const Cluster& b) { return a.id < b.id; });
 }
 
 }  // namespace
@@ -214,6 +216,7 @@ Engine::Engine(const ClusterTrackerConfig& config)
       pairs_(static_cast<std::size_t>(config.slots)),
       parts_(map_),
       halves_(map_),
+      objects_(static_cast<std::size_t>(config.slots)),
       reciprocals_(longest_memory(config)) {
   clear_maps();
 }
@@ -225,6 +228,8 @@ void Engine::reset() noexcept {
   noise_.clear();
   coarse_.clear();
   tracks_.clear();
+  objects_.clear();
+  has_confirmed_ = false;
   counters_ = {};
   noise_hz_ = 0;
   next_id_ = 0;
@@ -241,7 +246,7 @@ void Engine::clear_maps() noexcept {
 }
 
 void Engine::start() noexcept {
-  started_us_ = tracks_us_ = pairs_us_ = noise_us_ = clock_.now_us();
+  started_us_ = tracks_us_ = pairs_us_ = noise_us_ = objects_us_ = clock_.now_us();
   next_tick_ = clock_.now() + static_cast<Stamp>(settings_.tick_us);
   tracks_are_due_ = true;
   birth_threshold_ = kNever;
@@ -392,6 +397,7 @@ void Engine::tick() noexcept {
   const bool late = 2 * since_us > 5 * static_cast<std::uint64_t>(settings_.tick_us);
   if (late || tracks_are_due_) update_tracks();
   if (late || !tracks_are_due_) update_pairs_and_noise();
+  update_objects();
   tracks_are_due_ = !tracks_are_due_;
   next_tick_ = clock_.now() + static_cast<Stamp>(settings_.tick_us);
 }
@@ -449,14 +455,18 @@ bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
 void Engine::confirm(Slot slot) noexcept {
   Track& track = tracks_[slot];
   track.phase = Phase::kConfirmed;
-  const Slot lost = find_lost_track(tracks_, slot, clock_.now(), settings_.lifecycle);
-  if (lost != Tracks::kNone) {
-    track.id = tracks_[lost].id;
-    schedule_deletion(tracks_[lost], tracks_.state(lost));
-  } else {
-    track.id = next_id_++;
-  }
+  has_confirmed_ = true;
+  track.id = next_id_++;
   find_sibling(tracks_, slot, clock_.now(), settings_.pairs);
+}
+
+// Every few ms, and at once for a new track.
+void Engine::update_objects() noexcept {
+  constexpr std::uint64_t kPeriod_us = 5'000;
+  if (!has_confirmed_ && clock_.now_us() - objects_us_ < kPeriod_us) return;
+  objects_.update(tracks_, noise_, settings_.lifecycle, settings_.gate, clock_.now_us());
+  objects_us_ = clock_.now_us();
+  has_confirmed_ = false;
 }
 
 void Engine::remove(Slot slot) noexcept {
@@ -545,6 +555,7 @@ void Engine::halve(Slot slot) noexcept {
   restart_at_part(tracks_, slot, halves[0], 1 - share, settings_.cell_px, clock_.now());
   confirm_child(tracks_, slot, child, share, settings_.gate);
   tracks_[child].id = next_id_++;
+  has_confirmed_ = true;
 }
 
 Tracks::Slot Engine::begin_part(Slot parent, const Part& part, float share) noexcept {
@@ -557,14 +568,78 @@ Tracks::Slot Engine::begin_part(Slot parent, const Part& part, float share) noex
 
 // ---- output ----
 
-void Engine::read(std::int64_t t_us, std::vector<Cluster>& clusters) const {
-  clusters.clear();
+EventClock Engine::clock_at(std::int64_t t_us) const noexcept {
   EventClock clock = clock_;
   clock.advance_to(t_us);
+  return clock;
+}
+
+// Calls visit(slot, track, state) with copies of the tracks that `chosen` accepts by their slot and
+// that are listed at the clock's time.
+template <class Chosen, class Visit>
+void Engine::for_each_listed(const EventClock& clock, Chosen&& chosen, Visit&& visit) const {
   const std::uint64_t elapsed_us = clock.now_us() - tracks_us_;
   if (elapsed_us > kSilence_us) return;
   const Tick tick(clock.now(), seconds(elapsed_us), noise_hz_, settings_.lifecycle);
-  predict_clusters(tracks_, clock, tick, settings_, frame_, clusters);
+  for (const Slot slot : tracks_.active()) {
+    if (!chosen(slot)) continue;
+    Track track = tracks_[slot];
+    TrackState state = tracks_.state(slot);
+    if (advance_without_events(track, state, tick, settings_, frame_)) visit(slot, track, state);
+  }
+}
+
+Cluster Engine::cluster_of(Slot slot, const Track& track, const TrackState& state,
+                           const EventClock& clock) const noexcept {
+  const PositionError error =
+      position_error(track, state.kalman, tracks_.contour(slot), clock.now(), settings_.kalman);
+  return report(track, state, error, clock);
+}
+
+void Engine::read(std::int64_t t_us, std::vector<Cluster>& clusters) const {
+  clusters.clear();
+  const EventClock clock = clock_at(t_us);
+  for_each_listed(
+      clock, [](Slot) { return true; },
+      [&](Slot slot, const Track& track, const TrackState& state) {
+        clusters.push_back(cluster_of(slot, track, state, clock));
+      });
+  std::ranges::sort(clusters, {}, &Cluster::id);
+}
+
+void Engine::read(std::int64_t t_us, std::vector<TrackedObject>& objects) const {
+  objects.clear();
+  const EventClock clock = clock_at(t_us);
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (!objects_.is_shown(i)) continue;
+    const ObjectSum sum = sum_of(i, clock);
+    if (sum.parts == 0 || sum.is_quiet()) continue;
+    objects.push_back(report(sum, objects_.id(i), objects_.born_us(i), clock));
+  }
+  std::ranges::sort(objects, {}, &TrackedObject::id);
+}
+
+ObjectSum Engine::sum_of(std::size_t object, const EventClock& clock) const {
+  ObjectSum sum;
+  for_each_listed(
+      clock, [&](Slot slot) { return objects_.object_of(slot, tracks_[slot]) == object; },
+      [&](Slot slot, const Track& track, const TrackState& state) {
+        sum.add(slot, track, state, clock.now());
+      });
+  return sum;
+}
+
+void Engine::read_parts(std::int64_t id, std::vector<Cluster>& clusters) const {
+  clusters.clear();
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (!objects_.is_shown(i) || objects_.id(i) != id || sum_of(i, clock_).is_quiet()) continue;
+    for_each_listed(
+        clock_, [&](Slot slot) { return objects_.object_of(slot, tracks_[slot]) == i; },
+        [&](Slot slot, const Track& track, const TrackState& state) {
+          clusters.push_back(cluster_of(slot, track, state, clock_));
+        });
+  }
+  std::ranges::stable_sort(clusters, std::ranges::greater(), &Cluster::size);
 }
 
 }  // namespace asap::fast

@@ -15,6 +15,7 @@
 #include "algorithms/fast/association.hpp"
 #include "algorithms/fast/lifecycle.hpp"
 #include "algorithms/fast/noise.hpp"
+#include "algorithms/fast/objects.hpp"
 #include "algorithms/fast/pairs.hpp"
 #include "algorithms/fast/split.hpp"
 #include "algorithms/fast/time.hpp"
@@ -87,6 +88,13 @@ class Engine {
   // t_us of the past counts as the latest time. Allocates only where `clusters` must grow.
   void read(std::int64_t t_us, std::vector<Cluster>& clusters) const;
 
+  // The same with the shown objects.
+  void read(std::int64_t t_us, std::vector<TrackedObject>& objects) const;
+
+  // Sets `clusters` to those listed now that are parts of this object, the heaviest first; empty:
+  // no such object is shown.
+  void read_parts(std::int64_t object, std::vector<Cluster>& clusters) const;
+
   // The latest timestamp.
   std::int64_t latest_us() const noexcept { return clock_.latest_us(); }
 
@@ -97,6 +105,14 @@ class Engine {
 
  private:
   using Slot = Tracks::Slot;
+
+  // ---- output ----
+  EventClock clock_at(std::int64_t t_us) const noexcept;
+  template <class Chosen, class Visit>
+  void for_each_listed(const EventClock& clock, Chosen&& chosen, Visit&& visit) const;
+  Cluster cluster_of(Slot slot, const Track& track, const TrackState& state,
+                     const EventClock& clock) const noexcept;
+  ObjectSum sum_of(std::size_t object, const EventClock& clock) const;
 
   // ---- per event ----
   std::int32_t process(const Event& event) noexcept;
@@ -113,6 +129,7 @@ class Engine {
   void update_tracks() noexcept;
   bool update_track(Slot slot, const Tick& tick) noexcept;
   void confirm(Slot slot) noexcept;
+  void update_objects() noexcept;
   void update_pairs_and_noise() noexcept;
   void measure_noise() noexcept;
   void merge_pairs(float dt_s) noexcept;
@@ -136,6 +153,7 @@ class Engine {
   Pairs pairs_;
   PartFinder parts_;
   HalfFinder halves_;
+  Objects objects_;
   std::size_t next_split_ = 0;
   Reciprocals reciprocals_;
   DirectionTable directions_;
@@ -143,6 +161,8 @@ class Engine {
   Stamp next_tick_ = 0;
   bool tracks_are_due_ = true;  // the next tick updates tracks, else noise and pairs
   std::uint64_t started_us_ = 0;
+  bool has_confirmed_ = false;  // a track, since the objects were updated
+  std::uint64_t objects_us_ = 0;
   std::uint64_t tracks_us_ = 0;  // when each of the two was updated
   std::uint64_t pairs_us_ = 0;
   std::uint64_t noise_us_ = 0;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace asap::fast {
 namespace {
@@ -18,11 +17,6 @@ constexpr float kExtent_s = 1;  // long, so that two objects that separate slowl
 constexpr float kShortestTentative_s = 0.005F;
 constexpr float kLongestTentative_s = 0.15F;
 constexpr float kWaitNearConfirmed_s = 0.03F;
-
-// Tolerance of a re-identification: the part that reappears first lies ahead of the centre, and the
-// velocity is not exact.
-constexpr float kTolerance_px = 12;
-constexpr float kTolerancePerTravel = 0.35F;
 
 // Upper bound on the count that noise alone explains.
 float noise_bound(float expected, float sigma) noexcept {
@@ -119,6 +113,22 @@ Tick::Tick(Stamp at, float elapsed_s, float noise, const LifecycleRule& rule) no
       motion_decay(decay(elapsed_s / kMotion_s)),
       extent_decay(decay(elapsed_s / kExtent_s)) {}
 
+void record_motion(const Track& track, TrackState& state, const Tick& tick) noexcept {
+  const Point mean = predicted_mean(track, tick.now);
+  state.last_seen_x = mean.x;
+  state.last_seen_y = mean.y;
+  const float weight = 1 - tick.motion_decay;
+  state.average_vx += weight * (track.vx - state.average_vx);
+  state.average_vy += weight * (track.vy - state.average_vy);
+}
+
+void return_to_last_seen(Track& track, TrackState& state) noexcept {
+  track.x = state.kalman.x = state.last_seen_x;
+  track.y = state.kalman.y = state.last_seen_y;
+  track.vx = 0;
+  track.vy = 0;
+}
+
 void record_extent(TrackState& state, float extent2, const Tick& tick) noexcept {
   const float dt_s = std::max(kShortest_s, std::min(tick.dt_s, state.age_s));
   const float weight = low_pass_weight(tick.extent_decay, dt_s, state.age_s);
@@ -160,55 +170,11 @@ void update_gate(Track& track, TrackState& state, const LifecycleRule& rule, con
              is_starved(state) ? state.kalman.pxx : 0);
 }
 
-void schedule_deletion(Track& track, TrackState& state) noexcept {
-  track.phase = Phase::kCoasting;
-  state.coasting_s = std::numeric_limits<float>::infinity();
-}
-
 bool has_left(const Track& track, Stamp now, const Frame& frame) noexcept {
   const Point mean = predicted_mean(track, now);
   const auto right = static_cast<float>(frame.width + 2);
   const auto bottom = static_cast<float>(frame.height + 2);
   return !(mean.x >= -3 && mean.x <= right && mean.y >= -3 && mean.y <= bottom);
-}
-
-void record_motion(const Track& track, TrackState& state, const Tick& tick) noexcept {
-  const Point mean = predicted_mean(track, tick.now);
-  state.last_seen_x = mean.x;
-  state.last_seen_y = mean.y;
-  const float weight = 1 - tick.motion_decay;
-  state.average_vx += weight * (track.vx - state.average_vx);
-  state.average_vy += weight * (track.vy - state.average_vy);
-}
-
-void return_to_last_seen(Track& track, TrackState& state) noexcept {
-  track.x = state.kalman.x = state.last_seen_x;
-  track.y = state.kalman.y = state.last_seen_y;
-  track.vx = 0;
-  track.vy = 0;
-}
-
-Tracks::Slot find_lost_track(const Tracks& tracks, Tracks::Slot confirmed, Stamp now,
-                             const LifecycleRule& rule) noexcept {
-  const Point here = predicted_mean(tracks[confirmed], now);
-  Tracks::Slot best = Tracks::kNone;
-  float min = 1;
-  for (const Tracks::Slot slot : tracks.active()) {
-    const TrackState& state = tracks.state(slot);
-    if (slot == confirmed || !tracks[slot].has_id() || is_listed(tracks[slot], state, rule)) {
-      continue;
-    }
-    const float travel_x = state.average_vx * state.starved_s;
-    const float travel_y = state.average_vy * state.starved_s;
-    const float dx = state.last_seen_x + travel_x - here.x;
-    const float dy = state.last_seen_y + travel_y - here.y;
-    const float tolerance = kTolerance_px + kTolerancePerTravel * length(travel_x, travel_y);
-    const float distance = length(dx, dy) / tolerance;
-    if (distance >= min) continue;
-    min = distance;
-    best = slot;
-  }
-  return best;
 }
 
 }  // namespace asap::fast

@@ -1,10 +1,9 @@
 // Track life cycle. Birth: events that no track takes are counted per cell, and a tentative track
 // begins where they are more than noise explains. Confirmation: once its own events are more than
 // noise explains, for long enough. A confirmed track whose object stops or is occluded is starved,
-// then not listed, then coasts with its id and gate, and is deleted at last. Re-identification: a
-// track that is confirmed where an unlisted one must have reappeared takes over its id. One thread;
-// BirthGrid::count() per event, the rest at the tick. O(1) per track, find_lost_track() O(n) in n
-// tracks; allocates in the constructor of BirthGrid only.
+// then not listed, then coasts with its id and gate, and is deleted at last. One thread;
+// BirthGrid::count() per event, the rest at the tick. O(1) per track; allocates in the constructor
+// of BirthGrid only.
 // Source: own design; the evidence is a sequential likelihood-ratio test (Wald 1945).
 #pragma once
 
@@ -113,15 +112,19 @@ Assessment assess(Track& track, TrackState& state, const Tick& tick, const Lifec
 void update_gate(Track& track, TrackState& state, const LifecycleRule& rule, const GateRule& gate,
                  float widest_px, float noise_hz) noexcept;
 
+// Records position and average velocity of a track that is not starved.
+void record_motion(const Track& track, TrackState& state, const Tick& tick) noexcept;
+
+// Puts an unlisted track back to where it was last seen: if the object stopped, the track's own
+// gate finds it there.
+void return_to_last_seen(Track& track, TrackState& state) noexcept;
+
 // Updates the average extent. Only for a track that is not in contact.
 void record_extent(TrackState& state, float extent2, const Tick& tick) noexcept;
 
 // Whether the track has been starved for long enough: its object must have stopped or be hidden.
 inline constexpr float kStarved_s = 0.01F;
 inline bool is_starved(const TrackState& state) noexcept { return state.starved_s > kStarved_s; }
-
-// The next tick deletes the track; until then it is not listed.
-void schedule_deletion(Track& track, TrackState& state) noexcept;
 
 inline bool is_listed(const Track& track, const TrackState& state,
                       const LifecycleRule& rule) noexcept {
@@ -135,19 +138,5 @@ struct Frame {
 
 // Whether the predicted mean lies more than 2 px beyond the edges of the frame, or is not a number.
 bool has_left(const Track& track, Stamp now, const Frame& frame) noexcept;
-
-// ---- re-identification ----
-
-// Records position and average velocity of a track that is not starved.
-void record_motion(const Track& track, TrackState& state, const Tick& tick) noexcept;
-
-// Puts an unlisted track back to where it was last seen: if the object stopped, the track's own
-// gate finds it there.
-void return_to_last_seen(Track& track, TrackState& state) noexcept;
-
-// The unlisted track that `confirmed` continues, or kNone: an object that moved on behind another
-// reappears where its average velocity has carried it meanwhile.
-Tracks::Slot find_lost_track(const Tracks& tracks, Tracks::Slot confirmed, Stamp now,
-                             const LifecycleRule& rule) noexcept;
 
 }  // namespace asap::fast

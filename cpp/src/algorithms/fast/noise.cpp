@@ -53,6 +53,29 @@ void NoiseTiles::update(float dt_s) noexcept {
   rate_hz_ = *low * (1 + 0.52F / std::sqrt(std::max(1.0F, events)));
 }
 
+float NoiseTiles::rate_near_hz(float x, float y) const noexcept {
+  const std::size_t rows = tiles_.size() / columns_;
+  const auto tile_at = [&](float position, std::size_t count) {
+    const auto last = static_cast<float>((count << shift_) - 1);
+    return static_cast<std::size_t>(std::clamp(position, 0.0F, last)) >> shift_;
+  };
+  const std::size_t column = tile_at(x, columns_);
+  const std::size_t row = tile_at(y, rows);
+  float events_hz = 0;
+  float pixels = 0;
+  const auto add = [&](const Tile& tile) {
+    events_hz += tile.rate_hz * tile.pixels;
+    pixels += tile.pixels;
+  };
+  for (std::size_t r = row - (row > 0); r <= std::min(rows - 1, row + 1); ++r) {
+    for (std::size_t c = column - (column > 0); c <= std::min(columns_ - 1, column + 1); ++c) {
+      add(tiles_[r * columns_ + c]);
+    }
+  }
+  add(tiles_[row * columns_ + column]);
+  return events_hz / pixels;
+}
+
 void NoiseTiles::clear() noexcept {
   for (Tile& tile : tiles_) {
     tile.events = 0;

@@ -73,6 +73,9 @@ class NoiseTiles {
   // Counted events per second and pixel where there are no objects.
   float rate_hz() const noexcept { return rate_hz_; }
 
+  // The same around a place: of its tile, which counts twice, and those around it.
+  float rate_near_hz(float x, float y) const noexcept;
+
   void clear() noexcept;
 
   std::size_t size() const noexcept { return tiles_.size(); }

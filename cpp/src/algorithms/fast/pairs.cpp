@@ -18,13 +18,8 @@ constexpr float kConfirmedMargin_px = 8;
 // Confirmed parts of one object lie closer than this.
 constexpr float kNeighbour_px = 35;
 
-constexpr float kMature_s = 0.05F;  // age from which the outline of a track is known
-
-// Standard deviation along a direction, at least a pixel.
-float spread_along(const Track& track, float ux, float uy) noexcept {
-  return std::sqrt(
-      std::max(1.0F, ux * ux * track.sxx + 2 * ux * uy * track.sxy + uy * uy * track.syy));
-}
+constexpr float kMature_s = 0.05F;          // age from which the outline of a track is known
+constexpr std::uint32_t kKnownEvents = 20;  // the mean polarity of fewer is random
 
 bool outlines_meet(const Track& a, const Track& b, float dx, float dy, float distance_px,
                    const PairRule& rule) noexcept {
@@ -151,14 +146,6 @@ bool has_changed(const MergeState& kept, const Candidate& pair, float tolerance_
   const float moved = length(pair.dx - kept.dx, pair.dy - kept.dy);
   const float stretched = std::abs(pair.distance_px - length(kept.dx, kept.dy));
   return moved > tolerance_px + rotation_px || stretched > tolerance_px;
-}
-
-constexpr std::uint32_t kKnownEvents = 20;  // the mean polarity of fewer is random
-
-// Whether a track has a leading and a trailing edge, which fire with opposite polarities.
-bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
-  constexpr float kOneSided = 0.6F;
-  return tracks[slot].events >= kKnownEvents && std::abs(tracks.contour(slot).polarity) < kOneSided;
 }
 
 // Whether a track is as thin as an arc of a ring, or as a piece of a bar. Its two edges lie close
@@ -330,6 +317,11 @@ void Pairs::compare(Tracks& tracks, std::size_t keeper, std::size_t other,
 }
 
 // ---- merging ----
+
+bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
+  constexpr float kOneSided = 0.6F;
+  return tracks[slot].events >= kKnownEvents && std::abs(tracks.contour(slot).polarity) < kOneSided;
+}
 
 bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule& rule) noexcept {
   const Track& a = tracks[pair.keeper];

@@ -74,6 +74,9 @@ struct MergeRule {
   float rotation_rad;  // and its rotation
 };
 
+// Whether a track has a leading and a trailing edge, which fire with opposite polarities.
+bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept;
+
 // Whether the pair has kept its relative position for long enough. Updates the keeper's MergeState.
 bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule& rule) noexcept;
 

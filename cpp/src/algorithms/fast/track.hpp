@@ -140,6 +140,12 @@ inline Point predicted_mean(const Track& track, Stamp now) noexcept {
   return {track.x + track.vx * dt_s, track.y + track.vy * dt_s};
 }
 
+// Standard deviation of the events along a direction, at least a pixel.
+inline float spread_along(const Track& track, float ux, float uy) noexcept {
+  return std::sqrt(
+      std::max(1.0F, ux * ux * track.sxx + 2 * ux * uy * track.sxy + uy * uy * track.syy));
+}
+
 // An event's position minus the mean that the track predicts for its time.
 struct Innovation {
   float mean_x;  // px, predicted

@@ -24,10 +24,10 @@ from asap_laboratory.scoring.measures import mota, ratio
 from asap_laboratory.scoring.trace import (
     PERIOD_US,
     Sample,
-    clusters_at,
     passed,
     sample_at,
     sample_times,
+    snapshot_at,
 )
 
 _STEP_US = 1000
@@ -101,7 +101,7 @@ def _mota(tracker: Any, scene: Any, deliveries: Sequence[Delivery]) -> float:
                 tracker.set_keep(deliveries[following].keep)
             tracker.process(deliveries[following].events)
             following += 1
-        samples.append(sample._replace(clusters=clusters_at(tracker, sample.t_us)))
+        samples.append(sample._replace(clusters=snapshot_at(tracker, sample.t_us)))
     return mota(match(samples)).mota
 
 

@@ -42,12 +42,12 @@ _WORDS = """\
 <h3>Reading the pictures</h3>
 <dl>
 <dt>grey</dt><dd>events of the 30 ms before the labelled time</dd>
-<dt>ellipse, number, line</dt><dd>a cluster at 1.5 standard deviations, its id, its way in the last
-150 ms; dashed: no box goes with it</dd>
+<dt>coloured box, number, line</dt><dd>an object, its id, its way in the last 150 ms; dashed: no
+truth goes with it</dd>
 <dt>thin box</dt><dd>the truth; orange: missed; shaded: nothing is judged there</dd>
 <dt>lanes</dt><dd>for each object the ids that carried it, in their colours, over the labelled time;
-a thin orange line: missed; others: times with a cluster that no box goes with</dd>
-<dt>hit, MOTA</dt><dd>boxes with the centre of a cluster inside or up to 2 px beyond; 1 - (misses +
+a thin orange line: missed; others: times with an object that no box goes with</dd>
+<dt>hit, MOTA</dt><dd>boxes with the centre of an object inside or up to 2 px beyond; 1 - (misses +
 false + switches) / boxes</dd>
 </dl>"""
 

@@ -100,32 +100,42 @@ def _rectangle(css_class: str, x: float, y: float, w: float, h: float) -> str:
 def _tails(followed: Followed, index: int) -> Iterator[str]:
     times_s = followed.times_s
     since = int(np.searchsorted(times_s, times_s[index] - _TAIL_S))
-    for id in followed.clusters[index]["id"].tolist():
-        rows = [table[table["id"] == id] for table in followed.clusters[since : index + 1]]
+    for id in followed.found[index]["id"].tolist():
+        rows = [table[table["id"] == id] for table in followed.found[since : index + 1]]
         points = [f"{row['x'][0]:.1f},{row['y'][0]:.1f}" for row in rows if row.size]
         if len(points) > 1:
             yield f'<polyline class="id" style="{hue(id)}" points="{" ".join(points)}"/>'
 
 
 def _outlines(followed: Followed, index: int) -> Iterator[str]:
-    scene, table = followed.scene, followed.clusters[index]
+    scene, table = followed.scene, followed.found[index]
     false = {int(table["id"][row]) for row in followed.matches[index].false}
     judged = scene.background_labelled
     letter_px = max(scene.width, 1.3 * scene.height) / 24
     for row in table:
-        id, x, y = int(row["id"]), float(row["x"]), float(row["y"])
-        long_px, short_px, degrees = _axes(row)
+        id = int(row["id"])
         own = f'class="id{" false" if judged and id in false else ""}" style="{hue(id)}"'
-        yield (
-            f'<ellipse {own} rx="{long_px:.1f}" ry="{short_px:.1f}" '
-            f'transform="translate({x:.1f} {y:.1f}) rotate({degrees:.0f})"/>'
-        )
-        right = min(x + 0.7 * long_px, scene.width - letter_px * 0.62 * len(str(id)))
-        top = min(max(y - 0.7 * short_px, letter_px), scene.height - 2.0)
+        shape, right, top = _shape(row, own)
+        yield shape
+        right = min(right, scene.width - letter_px * 0.62 * len(str(id)))
+        top = min(max(top, letter_px), scene.height - 2.0)
         yield (
             f'<text class="id" style="{hue(id)}" font-size="{letter_px:.1f}" '
             f'x="{max(right, 0.0):.1f}" y="{top:.1f}">{id}</text>'
         )
+
+
+def _shape(row: np.void, own: str) -> tuple[str, float, float]:
+    """Draw the box of an object or the ellipse of a cluster; return its upper right corner, px."""
+    if "left" in (row.dtype.names or ()):
+        x, y, width, height = (float(row[name]) for name in ("left", "top", "width", "height"))
+        place = f'x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}"'
+        return f"<rect {own} {place}/>", x + width, y
+    x, y = float(row["x"]), float(row["y"])
+    long_px, short_px, degrees = _axes(row)
+    turn = f"translate({x:.1f} {y:.1f}) rotate({degrees:.0f})"
+    shape = f'<ellipse {own} rx="{long_px:.1f}" ry="{short_px:.1f}" transform="{turn}"/>'
+    return shape, x + 0.7 * long_px, y - 0.7 * short_px
 
 
 def _axes(cluster: np.void) -> tuple[float, float, float]:

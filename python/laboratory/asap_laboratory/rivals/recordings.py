@@ -16,7 +16,7 @@ from asap_laboratory.page import Cell, Row, Rows, figure, fixed
 from asap_laboratory.rivals.trackers import RIVALS, costs_ns
 from asap_laboratory.scenes import LabelledScene, labelled
 from asap_laboratory.scoring.boxes import BoxMatch, box_matches, box_score, frames
-from asap_laboratory.scoring.trace import snapshots_at
+from asap_laboratory.scoring.trace import found_at, snapshots_at
 
 _FILES = ("events.npz", "truth.csv", "ignore.csv", "sensor.json")
 _NOWHERE = (
@@ -85,14 +85,14 @@ def _holds_any(folder: Path, names: Sequence[str]) -> bool:
 class Followed:
     """A tracker on a recording with boxes.
 
-    `figures`: those of `score` and ns_per_event; `matches`: at each labelled time; `clusters`: of
-    each of them, as the tracker tells them.
+    `figures`: those of `score` and ns_per_event; `matches`: at each labelled time; `found`: the
+    objects, or clusters, of each of them, as the tracker tells them.
     """
 
     scene: LabelledScene
     figures: dict[str, float]
     matches: list[BoxMatch]
-    clusters: list[NDArray[np.void]]
+    found: list[NDArray[np.void]]
 
     @property
     def times_s(self) -> NDArray[np.float64]:
@@ -102,18 +102,18 @@ class Followed:
 
 
 class _Witness:
-    """A tracker whose clusters are noted whenever they are read."""
+    """A tracker whose objects, or clusters, are noted whenever they are read."""
 
     def __init__(self, tracker: Any) -> None:
         self._tracker = tracker
-        self.clusters: list[NDArray[np.void]] = []
+        self.found: list[NDArray[np.void]] = []
 
     def process(self, events: NDArray[np.void]) -> None:
         self._tracker.process(events, labels=False)
 
     def clusters_at(self, t_us: int) -> NDArray[np.void]:
-        self.clusters.append(self._tracker.clusters_at(t_us))
-        return self.clusters[-1]
+        self.found.append(found_at(self._tracker, t_us))
+        return self.found[-1]
 
 
 def follow(rungs: dict[str, Rung], recording: str | LabelledScene) -> dict[str, Followed]:
@@ -130,7 +130,7 @@ def _followed(rung: Rung, scene: LabelledScene, ns_per_event: float) -> Followed
     snapshots, _ = snapshots_at(witness, scene, times, before=before)
     matches = box_matches(scene, snapshots)
     figures = {**box_score(scene, matches)._asdict(), "ns_per_event": ns_per_event}
-    return Followed(scene, figures, matches, witness.clusters)
+    return Followed(scene, figures, matches, witness.found)
 
 
 @dataclass(frozen=True)

@@ -43,9 +43,11 @@ def score(
     Parameters
     ----------
     tracker : object with process(events)
-        Fresh, or reset. A tracker has ``clusters_at(t_us)`` or ``clusters``, a structured array
-        with id, x, y and, as far as it knows them, vx, vy, t_last and the covariance pxx, pxy, pyy
-        of the position's error; its ``process`` may return the id of each event, -1 for none. An
+        Fresh, or reset. A tracker has ``objects`` (and ``objects_at(t_us)``), or
+        ``clusters_at(t_us)`` or ``clusters``, a structured array with id, x, y and, as far as it
+        knows them, vx, vy, t_last and the covariance pxx, pxy, pyy of the position's error; its
+        ``process`` may return the id of each event, -1 for none. Where it has objects with
+        ``members(id)``, these are judged, and clusters by the object that they are a part of. An
         algorithm without clusters whose ``process`` returns a bool for each event is a corner
         detector.
     scene : Scene

@@ -99,6 +99,11 @@ class _Door:
         self._returned.append(_per_event(returned, package.size))
         return passing
 
+    def rename(self, objects: list[int]) -> None:
+        """Put the ids of objects for those of clusters in what the last package returned."""
+        if self._returned[-1] is not None:
+            self._returned[-1] = _ids_of_objects(self._algorithm, self._returned[-1], objects)
+
     @property
     def last(self) -> NDArray[np.int64]:
         """Indices of the last package's events."""
@@ -156,10 +161,13 @@ def follow(
         passing = door.feed(begin, end)
         if t_us is None:
             break
+        clusters = snapshot_at(tracker, t_us)
+        if _groups(tracker):
+            door.rename(clusters.ids.tolist())
         seen = passing if active == "produced" else door.last
         recent = seen[scene.events["t"][seen] >= t_us - PERIOD_US]
         sample = sample_at(scene, t_us, labels[recent])
-        samples.append(sample._replace(clusters=clusters_at(tracker, t_us)))
+        samples.append(sample._replace(clusters=clusters))
     feed = door.close()
     ids = feed.returned
     return Trace(
@@ -187,7 +195,7 @@ def snapshots_at(
     for begin, end, t_us in _packages(scene.events, times):
         door.feed(begin, end)
         if t_us is not None:
-            snapshots.append(clusters_at(tracker, t_us))
+            snapshots.append(snapshot_at(tracker, t_us))
     return snapshots, door.close()
 
 
@@ -239,29 +247,65 @@ class Snapshot:
     covariances: NDArray[np.float64] | None = None  # (m, 2, 2), of the position's error, px^2
 
 
-def clusters_at(tracker: Any, t_us: int) -> Snapshot:
-    """Read the confirmed clusters of a tracker at a time, not before the last event it has seen.
+def found_at(tracker: Any, t_us: int) -> NDArray[np.void]:
+    """Read the objects of a tracker at a time, or the clusters of one that knows no objects.
 
-    ``clusters_at(t_us)`` extrapolates by itself, ``clusters`` is extrapolated here where it has vx,
-    vy and t_last. Either gives a structured array with id, x, y and, where the tracker knows them,
-    vx, vy [px/s], t_last [us] and the covariance pxx, pxy, pyy [px^2] of the error of x, y
-    (infinite: it knows none). The fields cxx, cxy, cyy are its extent, not its error, and are not
-    read.
+    ``objects_at(t_us)`` and ``clusters_at(t_us)`` extrapolate by themselves, ``objects`` and
+    ``clusters`` are extrapolated here where they have vx, vy and t_last.
     """
-    extrapolates = hasattr(tracker, "clusters_at")
-    table = np.asarray(tracker.clusters_at(t_us) if extrapolates else tracker.clusters)
+    name = "objects" if hasattr(tracker, "objects") else "clusters"
+    if hasattr(tracker, f"{name}_at"):
+        return np.asarray(getattr(tracker, f"{name}_at")(t_us))
+    table = np.array(getattr(tracker, name))
+    if {"x", "y", "vx", "vy", "t_last"} <= set(table.dtype.names or ()):
+        ahead_s = (t_us - table["t_last"]) * 1e-6
+        table["x"] = table["x"] + table["vx"] * ahead_s
+        table["y"] = table["y"] + table["vy"] * ahead_s
+    return table
+
+
+def snapshot_at(tracker: Any, t_us: int) -> Snapshot:
+    """Read what `found_at` finds, at a time not before the last event that the tracker has seen.
+
+    A structured array with id, x, y and, where the tracker knows them, vx, vy [px/s], t_last [us]
+    and the covariance pxx, pxy, pyy [px^2] of the error of x, y (infinite: it knows none). The
+    fields cxx, cxy, cyy are the extent, not the error, and are not read.
+    """
+    table = found_at(tracker, t_us)
     names = table.dtype.names or ()
     if not {"id", "x", "y"} <= set(names):
         raise TypeError(f"clusters of {tracker!r} have the fields {names}: need id, x, y")
     positions = _columns(table, "x", "y")
     velocities = _columns(table, "vx", "vy") if {"vx", "vy"} <= set(names) else None
-    if velocities is not None and not extrapolates and "t_last" in names:
-        positions = positions + velocities * ((t_us - table["t_last"]) * 1e-6)[:, None]
+    stated = _heaviest(tracker, table["id"].tolist(), t_us) if _groups(tracker) else table
     covariances = None
-    if {"pxx", "pxy", "pyy"} <= set(names):
-        stated = _columns(table, "pxx", "pxy", "pxy", "pyy").reshape(-1, 2, 2)
-        covariances = stated if np.all(np.isfinite(stated)) else None
+    if {"pxx", "pxy", "pyy"} <= set(stated.dtype.names or ()):
+        errors = _columns(stated, "pxx", "pxy", "pxy", "pyy").reshape(-1, 2, 2)
+        covariances = errors if np.all(np.isfinite(errors)) else None
     return Snapshot(table["id"].astype(np.int64), positions, velocities, covariances)
+
+
+def _groups(tracker: Any) -> bool:
+    """Whether a tracker tells which clusters an object has."""
+    return hasattr(tracker, "objects") and hasattr(tracker, "members")
+
+
+def _heaviest(tracker: Any, objects: list[int], t_us: int) -> NDArray[np.void]:
+    """Return the cluster of each object that it has its position from."""
+    clusters = np.asarray(tracker.clusters_at(t_us))
+    row_of = {id: row for row, id in enumerate(clusters["id"].tolist())}
+    members = (tracker.members(id).tolist() for id in objects)
+    return clusters[[next(row_of[one] for one in some if one in row_of) for some in members]]
+
+
+def _ids_of_objects(tracker: Any, ids: NDArray[Any], objects: list[int]) -> NDArray[np.int64]:
+    """Put the id of its object for the id of each cluster; -1 for a cluster without."""
+    object_of = {NOISE: NOISE}
+    for id in objects:
+        object_of.update(dict.fromkeys(tracker.members(id).tolist(), id))
+    clusters, at = np.unique(ids, return_inverse=True)
+    names = [object_of.get(one, NOISE) for one in clusters.tolist()]
+    return np.array(names, np.int64)[at]
 
 
 def _columns(table: NDArray[np.void], *names: str) -> NDArray[np.float64]:

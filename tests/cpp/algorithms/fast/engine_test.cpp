@@ -61,6 +61,12 @@ std::vector<Cluster> clusters_of(const Engine& engine) {
   return clusters;
 }
 
+std::vector<TrackedObject> objects_of(const Engine& engine) {
+  std::vector<TrackedObject> objects;
+  engine.read(engine.latest_us(), objects);
+  return objects;
+}
+
 constexpr ClusterTrackerConfig kFrame{.width = 346, .height = 260};
 
 TEST(Engine, FollowsADisk) {
@@ -333,12 +339,13 @@ TEST(Engine, AStoppedObjectKeepsItsId) {
     engine.process(events, nullptr);
     engine.advance_to(static_cast<std::int64_t>(1e6 * (0.7 + gap_s)));
     EXPECT_TRUE(clusters_of(engine).empty()) << gap_s;
+    EXPECT_TRUE(objects_of(engine).empty()) << gap_s;
     events.clear();
     add_disk(events, {.x = 60 - 100 * gap_s}, 0.7 + gap_s, 1.4 + gap_s);
     engine.process(events, nullptr);
-    const auto clusters = clusters_of(engine);
-    ASSERT_EQ(clusters.size(), 1U) << gap_s;
-    EXPECT_EQ(clusters[0].id, 0) << gap_s;
+    const auto objects = objects_of(engine);
+    ASSERT_EQ(objects.size(), 1U) << gap_s;
+    EXPECT_EQ(objects[0].id, 0) << gap_s;
   }
 }
 
@@ -351,10 +358,10 @@ TEST(Engine, AStoppedObjectIsFoundWhereItStopped) {
   events.clear();
   add_disk(events, {.x = 400, .vx = -200, .radius = 11}, 1.0, 1.02, 30'000);
   engine.process(events, nullptr);
-  const auto clusters = clusters_of(engine);
-  ASSERT_EQ(clusters.size(), 1U);
-  EXPECT_EQ(clusters[0].id, 0);
-  EXPECT_NEAR(clusters[0].x, 198, 6);
+  const auto objects = objects_of(engine);
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_EQ(objects[0].id, 0);
+  EXPECT_NEAR(objects[0].x, 198, 6);
 }
 
 TEST(Engine, AnObjectKeepsItsIdThroughAnOcclusion) {
@@ -363,9 +370,9 @@ TEST(Engine, AnObjectKeepsItsIdThroughAnOcclusion) {
   add_disk(events, {.vx = 150}, 1.0, 1.5);
   Engine engine(kFrame);
   engine.process(events, nullptr);
-  const auto clusters = clusters_of(engine);
-  ASSERT_EQ(clusters.size(), 1U);
-  EXPECT_EQ(clusters[0].id, 0);
+  const auto objects = objects_of(engine);
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_EQ(objects[0].id, 0);
 }
 
 TEST(Engine, AfterALongTimeTheIdIsNew) {
@@ -374,9 +381,9 @@ TEST(Engine, AfterALongTimeTheIdIsNew) {
   add_disk(events, {.vx = 0}, 1.5, 2);
   Engine engine(kFrame);
   engine.process(events, nullptr);
-  const auto clusters = clusters_of(engine);
-  ASSERT_EQ(clusters.size(), 1U);
-  EXPECT_EQ(clusters[0].id, 1);
+  const auto objects = objects_of(engine);
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_EQ(objects[0].id, 1);
 }
 
 }  // namespace

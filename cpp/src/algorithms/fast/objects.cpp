@@ -1,0 +1,325 @@
+#include "algorithms/fast/objects.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "algorithms/fast/pairs.hpp"
+
+namespace asap::fast {
+namespace {
+
+float seconds_between(std::uint64_t before_us, std::uint64_t after_us) noexcept {
+  return 1e-6F * static_cast<float>(after_us - before_us);
+}
+
+float mass_of(const TrackState& state) noexcept { return 1 + state.mass; }
+
+// Whether two tracks lie as close together as parts of one object.
+bool touch(const Track& a, const Track& b, Stamp now) noexcept {
+  constexpr float kReach = 2.5F;  // standard deviations along the line of centres ...
+  constexpr float kReach_px = 8;  // ... and px
+  const Point from = predicted_mean(a, now);
+  const Point to = predicted_mean(b, now);
+  const float dx = to.x - from.x;
+  const float dy = to.y - from.y;
+  const float distance = length(dx, dy);
+  const float ux = distance > 0 ? dx / distance : 1;
+  const float uy = distance > 0 ? dy / distance : 0;
+  return distance <= kReach * (spread_along(a, ux, uy) + spread_along(b, ux, uy)) + kReach_px;
+}
+
+}  // namespace
+
+// ---- sums --------------------------------------------------------------------------------------
+
+void ObjectSum::add(Tracks::Slot slot, const Track& track, const TrackState& state,
+                    Stamp now) noexcept {
+  constexpr float kHalf = 1.75F;  // standard deviations: half a bar, nearly half a ring or disk
+  const Point mean = predicted_mean(track, now);
+  const float half_x = kHalf * std::sqrt(std::max(0.0F, track.sxx));
+  const float half_y = kHalf * std::sqrt(std::max(0.0F, track.syy));
+  const Box own{mean.x - half_x, mean.y - half_y, mean.x + half_x, mean.y + half_y};
+  box = parts++ == 0 ? own
+                     : Box{std::min(box.left, own.left), std::min(box.top, own.top),
+                           std::max(box.right, own.right), std::max(box.bottom, own.bottom)};
+  mass += state.mass;
+  rate_hz += state.slow_rate_hz;
+  const Stamp newest = track.events != state.events ? track.stamp : state.last_event;
+  quiet_us = std::min(quiet_us, age_us(now, newest));
+  if (lead != Tracks::kNone && mass_of(state) <= lead_mass) return;
+  lead = slot;
+  lead_mass = mass_of(state);
+  x = mean.x;
+  y = mean.y;
+  vx = track.vx;
+  vy = track.vy;
+}
+
+bool ObjectSum::is_quiet() const noexcept {
+  constexpr float kShortest_us = 20'000;
+  constexpr float kEvents = 5;  // as many are missing at the object's own rate
+  return static_cast<float>(quiet_us) >
+         std::max(kShortest_us, 1e6F * kEvents / std::max(1.0F, rate_hz));
+}
+
+// ---- objects -----------------------------------------------------------------------------------
+
+Objects::Objects(std::size_t slots) : parts_(slots), objects_(2 * slots) {
+  listed_.reserve(slots);
+  component_.reserve(slots);
+}
+
+void Objects::clear() noexcept {
+  std::fill(parts_.begin(), parts_.end(), Part{});
+  std::fill(objects_.begin(), objects_.end(), Object{});
+  now_us_ = 0;
+  next_id_ = 0;
+}
+
+std::size_t Objects::object_of(Slot slot, const Track& track) const noexcept {
+  return parts_[slot].generation == track.generation ? parts_[slot].object : kNone;
+}
+
+void Objects::update(const Tracks& tracks, const NoiseTiles& noise, const LifecycleRule& lifecycle,
+                     const GateRule& gate, std::uint64_t now_us) noexcept {
+  const float dt_s = seconds_between(now_us_, now_us);
+  now_us_ = now_us;
+  forget_old();
+  list(tracks, lifecycle);
+  add_up(tracks);
+  place_new(tracks);
+  adopt(tracks);
+  leave(tracks, dt_s);
+  judge(tracks, noise, gate);
+  note_ways(tracks);
+}
+
+// ---- which track is a part of which object ----
+
+void Objects::list(const Tracks& tracks, const LifecycleRule& lifecycle) noexcept {
+  listed_.clear();
+  for (const Slot slot : tracks.active()) {
+    if (!is_listed(tracks[slot], tracks.state(slot), lifecycle)) continue;
+    listed_.push_back(slot);
+    if (parts_[slot].generation == tracks[slot].generation) continue;
+    parts_[slot] = {.generation = tracks[slot].generation};
+  }
+}
+
+// An object that has lost its parts keeps the last sum.
+void Objects::add_up(const Tracks& tracks) noexcept {
+  const Stamp now = static_cast<Stamp>(now_us_);
+  for (Object& object : objects_) object.sum.parts = 0;
+  for (const Slot slot : listed_) {
+    if (parts_[slot].object == kNone) continue;
+    Object& object = objects_[parts_[slot].object];
+    if (object.sum.parts == 0) object.sum = {};
+    object.sum.add(slot, tracks[slot], tracks.state(slot), now);
+    object.seen_us = now_us_;
+  }
+}
+
+void Objects::place_new(const Tracks& tracks) noexcept {
+  bool any = false;
+  for (const Slot slot : listed_) {
+    if (parts_[slot].object != kNone) continue;
+    const std::size_t lost = find_lost(predicted_mean(tracks[slot], static_cast<Stamp>(now_us_)));
+    const std::size_t object = lost != kNone ? lost : begin();
+    parts_[slot].object = object;
+    objects_[object].sum.parts = 1;  // it is lost no longer
+    any = true;
+  }
+  if (any) add_up(tracks);
+}
+
+void Objects::note_ways(const Tracks& tracks) noexcept {
+  for (Object& object : objects_) {
+    const ObjectSum& sum = object.sum;
+    if (object.id < 0 || sum.parts == 0 || tracks.state(sum.lead).starved_s > 0) continue;
+    const TrackState& state = tracks.state(sum.lead);
+    object.way = {now_us_,
+                  {sum.x, sum.y},
+                  {state.average_vx, state.average_vy},
+                  {(sum.box.right - sum.box.left) / 2, (sum.box.bottom - sum.box.top) / 2}};
+  }
+}
+
+// LOST: the object without parts that must have reappeared at this place: where it has moved on to,
+// behind another.
+std::size_t Objects::find_lost(const Point& place) const noexcept {
+  constexpr float kTolerance_px = 12;
+  constexpr float kPerTravel = 0.35F;  // the velocity is not exact
+  std::size_t best = kNone;
+  float least = 1;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (objects_[i].id < 0 || objects_[i].sum.parts > 0) continue;
+    const Way& way = objects_[i].way;
+    const float unseen_s = seconds_between(way.at_us, now_us_);
+    const float travel_x = way.velocity.x * unseen_s;
+    const float travel_y = way.velocity.y * unseen_s;
+    const float dx = std::abs(place.x - way.place.x - travel_x) - way.half.x;
+    const float dy = std::abs(place.y - way.place.y - travel_y) - way.half.y;
+    const float tolerance = kTolerance_px + kPerTravel * length(travel_x, travel_y);
+    const float distance = length(std::max(0.0F, dx), std::max(0.0F, dy)) / tolerance;
+    if (distance >= least) continue;
+    least = distance;
+    best = i;
+  }
+  return best;
+}
+
+std::size_t Objects::begin() noexcept {
+  std::size_t chosen = kNone;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (objects_[i].id < 0) {
+      chosen = i;
+      break;
+    }
+    if (objects_[i].sum.parts > 0) continue;
+    if (chosen == kNone || objects_[i].seen_us < objects_[chosen].seen_us) chosen = i;
+  }
+  forget(chosen);
+  objects_[chosen] = {.id = next_id_++, .born_us = now_us_, .seen_us = now_us_};
+  return chosen;
+}
+
+void Objects::forget(std::size_t object) noexcept {
+  objects_[object].id = -1;
+  for (Part& part : parts_) {
+    if (part.object == object) part.object = kNone;
+  }
+}
+
+void Objects::forget_old() noexcept {
+  constexpr std::uint64_t kRemembered_us = 500'000;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (objects_[i].id >= 0 && now_us_ - objects_[i].seen_us > kRemembered_us) forget(i);
+  }
+}
+
+// ADOPT: what begins at a large object is a piece of it.
+void Objects::adopt(const Tracks& tracks) noexcept {
+  constexpr std::uint64_t kYoung_us = 50'000;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    Object& child = objects_[i];
+    if (child.id < 0 || child.sum.parts == 0 || child.has_left) continue;
+    if (now_us_ - child.born_us >= kYoung_us) continue;
+    const std::size_t parent = find_parent(tracks, i);
+    if (parent == kNone) continue;
+    for (const Slot slot : listed_) {
+      if (parts_[slot].object == i) parts_[slot] = {parts_[slot].generation, parent};
+    }
+    forget(i);
+    add_up(tracks);
+  }
+}
+
+std::size_t Objects::find_parent(const Tracks& tracks, std::size_t child) const noexcept {
+  const Stamp now = static_cast<Stamp>(now_us_);
+  for (const Slot slot : listed_) {
+    if (parts_[slot].object != child) continue;
+    for (const Slot other : listed_) {
+      const std::size_t object = parts_[other].object;
+      if (object == child || !may_adopt(objects_[object])) continue;
+      if (touch(tracks[slot], tracks[other], now)) return object;
+    }
+  }
+  return kNone;
+}
+
+bool Objects::may_adopt(const Object& object) const noexcept {
+  constexpr std::uint64_t kOld_us = 100'000;
+  constexpr float kWide_px = 70;
+  return object.sum.box.longest_side() >= kWide_px &&
+         (object.has_left || now_us_ - object.born_us > kOld_us);
+}
+
+// LEAVE: parts that have been apart from the others for long are an object of their own.
+void Objects::leave(const Tracks& tracks, float dt_s) noexcept {
+  bool any = false;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (objects_[i].id >= 0 && objects_[i].sum.parts > 1) any = divide(tracks, i, dt_s) || any;
+  }
+  if (any) add_up(tracks);
+}
+
+bool Objects::divide(const Tracks& tracks, std::size_t object, float dt_s) noexcept {
+  constexpr float kApart_s = 0.06F;
+  component_.clear();
+  for (const Slot slot : listed_) {
+    if (parts_[slot].object == object) component_.push_back(slot);
+  }
+  const std::size_t main = heaviest_component(tracks);
+  bool any = false;
+  for (std::size_t first = 0, end = 0; first < component_.size(); first = end) {
+    end = grow_component(tracks, first);
+    const std::span component = std::span(component_).subspan(first, end - first);
+    bool leaves = first != main;
+    for (const Slot slot : component) {
+      parts_[slot].apart_s = first == main ? 0 : parts_[slot].apart_s + dt_s;
+      leaves = leaves && parts_[slot].apart_s >= kApart_s;
+    }
+    if (!leaves) continue;
+    const std::size_t own = begin();
+    objects_[own].has_left = any = true;
+    for (const Slot slot : component) parts_[slot] = {parts_[slot].generation, own};
+  }
+  return any;
+}
+
+// Where it begins in component_.
+std::size_t Objects::heaviest_component(const Tracks& tracks) noexcept {
+  std::size_t heaviest = 0;
+  float most = 0;
+  for (std::size_t first = 0, end = 0; first < component_.size(); first = end) {
+    end = grow_component(tracks, first);
+    float mass = 0;
+    for (std::size_t k = first; k < end; ++k) mass += mass_of(tracks.state(component_[k]));
+    if (mass <= most) continue;
+    most = mass;
+    heaviest = first;
+  }
+  return heaviest;
+}
+
+// Puts the parts that hang together with the first one behind it, and returns their end.
+std::size_t Objects::grow_component(const Tracks& tracks, std::size_t first) noexcept {
+  const auto now = static_cast<Stamp>(now_us_);
+  std::size_t end = first + 1;
+  for (std::size_t next = first; next < end; ++next) {
+    for (std::size_t k = end; k < component_.size(); ++k) {
+      if (!touch(tracks[component_[next]], tracks[component_[k]], now)) continue;
+      std::swap(component_[end++], component_[k]);
+    }
+  }
+  return end;
+}
+
+// ---- which object is noise ----
+
+// NOISE: events with support against those without in the same place, above the rate of noise
+// elsewhere. Noise and a flickering light have one polarity, a moving object has two edges.
+void Objects::judge(const Tracks& tracks, const NoiseTiles& noise, const GateRule& gate) noexcept {
+  constexpr float kMinRatio = 2;    // hidden below; shown from here on with both polarities ...
+  constexpr float kSureRatio = 12;  // ... and from here on in any case
+  for (Object& object : objects_) object.lone_hz = 0;
+  for (const Slot slot : listed_) {
+    const Point mean = predicted_mean(tracks[slot], static_cast<Stamp>(now_us_));
+    const float excess_hz = std::max(0.0F, noise.rate_near_hz(mean.x, mean.y) - noise.rate_hz());
+    objects_[parts_[slot].object].lone_hz += excess_hz * mature_gate_area(tracks[slot], gate);
+  }
+  for (Object& object : objects_) {
+    if (object.id < 0 || object.sum.parts == 0) continue;
+    const float ratio = object.sum.rate_hz / std::max(1e-3F, object.lone_hz);
+    const bool is_sure = ratio >= kSureRatio;
+    if (ratio < kMinRatio) {
+      object.is_noise = true;
+    } else if (is_sure || has_both_edges(tracks, object.sum.lead)) {
+      object.is_noise = false;
+    }
+  }
+}
+
+}  // namespace asap::fast

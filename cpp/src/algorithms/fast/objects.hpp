@@ -1,0 +1,127 @@
+// Objects: one id per thing, over the tracks of the engine. A thing is several tracks where parts
+// of it fire apart, and a patch of noise may be a track, so the tracks are grouped every 5 ms.
+// LOST: a new track continues the object that must have reappeared there, else it begins one.
+// ADOPT: what begins at a large object is a part of it. LEAVE: parts that stay apart from the
+// others become an object of their own. NOISE: an object is shown once its tracks fire more than
+// the noise around them explains. QUIET: an object without events is not shown. The layer reads the
+// engine and changes nothing in it. One thread, at the tick. O(n) in n tracks, O(n k) for a young
+// or divided object of k parts; allocates in the constructor only. Source: own design.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "algorithms/fast/lifecycle.hpp"
+#include "algorithms/fast/noise.hpp"
+#include "algorithms/fast/time.hpp"
+#include "algorithms/fast/track.hpp"
+
+namespace asap::fast {
+
+struct Box {
+  float left;  // px
+  float top;
+  float right;
+  float bottom;
+
+  float longest_side() const noexcept { return std::max(right - left, bottom - top); }
+};
+
+// What the parts of an object add up to. Position and velocity are those of the heaviest part: the
+// centre of the box jumps with every part that comes or goes.
+struct ObjectSum {
+  std::size_t parts = 0;
+  Tracks::Slot lead = Tracks::kNone;  // the heaviest part
+  float lead_mass = 0;
+  float x = 0;  // px
+  float y = 0;
+  float vx = 0;  // px/s
+  float vy = 0;
+  Box box{};
+  float mass = 0;
+  float rate_hz = 0;
+  std::int32_t quiet_us = std::numeric_limits<std::int32_t>::max();  // since the newest event
+
+  void add(Tracks::Slot slot, const Track& track, const TrackState& state, Stamp now) noexcept;
+
+  bool is_quiet() const noexcept;
+};
+
+class Objects {
+ public:
+  using Slot = Tracks::Slot;
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+  explicit Objects(std::size_t slots);
+
+  // Groups the listed tracks, if 5 ms have passed since the last time.
+  void update(const Tracks& tracks, const NoiseTiles& noise, const LifecycleRule& lifecycle,
+              const GateRule& gate, std::uint64_t now_us) noexcept;
+
+  void clear() noexcept;
+
+  // The object whose part a track is, as an index below size(), or kNone.
+  std::size_t object_of(Slot slot, const Track& track) const noexcept;
+
+  std::size_t size() const noexcept { return objects_.size(); }
+  bool is_shown(std::size_t object) const noexcept {
+    return objects_[object].id >= 0 && !objects_[object].is_noise;
+  }
+  std::int64_t id(std::size_t object) const noexcept { return objects_[object].id; }
+  std::uint64_t born_us(std::size_t object) const noexcept { return objects_[object].born_us; }
+
+ private:
+  struct Part {
+    std::uint16_t generation = 0;  // the track's
+    std::size_t object = kNone;
+    float apart_s = 0;  // time for which it has not touched the heaviest component
+  };
+
+  // Where its heaviest part was while it had enough events, and where it went.
+  struct Way {
+    std::uint64_t at_us = 0;
+    Point place{};
+    Point velocity{};  // px/s, average
+    Point half{};      // px, half the box
+  };
+
+  struct Object {
+    std::int64_t id = -1;  // none: free
+    std::uint64_t born_us = 0;
+    std::uint64_t seen_us = 0;  // when it had parts last
+    bool has_left = false;      // another object, whose part it was
+    bool is_noise = true;
+    float lone_hz = 0;  // noise in its gates that is more than elsewhere
+    ObjectSum sum{};
+    Way way{};
+  };
+
+  void list(const Tracks& tracks, const LifecycleRule& lifecycle) noexcept;
+  void add_up(const Tracks& tracks) noexcept;
+  void note_ways(const Tracks& tracks) noexcept;
+  void place_new(const Tracks& tracks) noexcept;
+  std::size_t find_lost(const Point& place) const noexcept;
+  std::size_t begin() noexcept;
+  void forget(std::size_t object) noexcept;
+  void forget_old() noexcept;
+  void adopt(const Tracks& tracks) noexcept;
+  std::size_t find_parent(const Tracks& tracks, std::size_t child) const noexcept;
+  bool may_adopt(const Object& object) const noexcept;
+  void leave(const Tracks& tracks, float dt_s) noexcept;
+  bool divide(const Tracks& tracks, std::size_t object, float dt_s) noexcept;
+  std::size_t heaviest_component(const Tracks& tracks) noexcept;
+  std::size_t grow_component(const Tracks& tracks, std::size_t first) noexcept;
+  void judge(const Tracks& tracks, const NoiseTiles& noise, const GateRule& gate) noexcept;
+
+  std::vector<Part> parts_;      // by slot
+  std::vector<Object> objects_;  // twice the slots: one without parts can always be forgotten
+  std::vector<Slot> listed_;
+  std::vector<Slot> component_;  // the parts of one object, component by component
+  std::uint64_t now_us_ = 0;
+  std::int64_t next_id_ = 0;
+};
+
+}  // namespace asap::fast

@@ -1,0 +1,217 @@
+#include "algorithms/fast/objects.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "algorithms/fast/engine.hpp"
+
+namespace asap::fast::objects_test {
+namespace {
+
+// Tracks that stand where a test puts them, and the layer over them, every 5 ms.
+struct Layer {
+  Tracks tracks{16};
+  NoiseTiles noise{346, 260};
+  Settings settings{{.width = 346, .height = 260}};
+  Objects objects{16};
+  std::uint64_t now_us = EventClock::kOrigin_us;
+
+  // A confirmed track with both edges, unless it has one polarity.
+  Tracks::Slot add(float x, float y, float sigma_px = 5, float mass = 100, float polarity = 0) {
+    const Tracks::Slot slot = tracks.create(x, y, static_cast<Stamp>(now_us));
+    Track& track = tracks[slot];
+    track.phase = Phase::kConfirmed;
+    track.sxx = track.syy = sigma_px * sigma_px;
+    track.events = tracks.state(slot).events = 100;
+    tracks.state(slot).mass = mass;
+    tracks.state(slot).slow_rate_hz = 5'000;
+    tracks.contour(slot).polarity = polarity;
+    return slot;
+  }
+
+  void wait(std::uint64_t duration_us) {
+    for (const std::uint64_t end = now_us + duration_us; now_us < end; now_us += 5'000) {
+      for (const Tracks::Slot slot : tracks.active()) {
+        const Point place = predicted_mean(tracks[slot], static_cast<Stamp>(now_us));
+        tracks[slot].x = place.x;
+        tracks[slot].y = place.y;
+        tracks[slot].stamp = tracks.state(slot).last_event = static_cast<Stamp>(now_us);
+      }
+      objects.update(tracks, noise, settings.lifecycle, settings.gate, now_us);
+    }
+  }
+
+  std::int64_t id_of(Tracks::Slot slot) const {
+    const std::size_t object = objects.object_of(slot, tracks[slot]);
+    return object == Objects::kNone ? -1 : objects.id(object);
+  }
+  bool shows(Tracks::Slot slot) const {
+    return objects.is_shown(objects.object_of(slot, tracks[slot]));
+  }
+};
+
+TEST(Objects, EveryTrackIsAnObject) {
+  Layer layer;
+  const auto a = layer.add(50, 50);
+  const auto b = layer.add(150, 50);
+  layer.wait(5'000);
+  EXPECT_EQ(layer.id_of(a), 0);
+  EXPECT_EQ(layer.id_of(b), 1);
+  EXPECT_TRUE(layer.shows(a));
+}
+
+// It moves 100 px/s: after 300 ms it is 30 px on.
+TEST(Objects, ALostObjectIsTheOneThatReappearsOnItsWay) {
+  const auto id_after = [](std::uint64_t gap_us, float x) {
+    Layer layer;
+    const auto lost = layer.add(50, 50);
+    layer.tracks[lost].vx = layer.tracks.state(lost).average_vx = 100;
+    layer.wait(5'000);
+    layer.tracks.remove(lost);
+    layer.wait(gap_us);
+    const auto found = layer.add(x, 50);
+    layer.wait(5'000);
+    return layer.id_of(found);
+  };
+  EXPECT_EQ(id_after(300'000, 80), 0);
+  EXPECT_EQ(id_after(300'000, 110), 0);  // half a box, 12 px and a third of the way beside it
+  EXPECT_EQ(id_after(300'000, 120), 1);
+  EXPECT_EQ(id_after(300'000, 30), 1);
+  EXPECT_EQ(id_after(600'000, 110), 1);  // half a second is over
+}
+
+TEST(Objects, WhatBeginsAtALargeObjectIsAPartOfIt) {
+  const auto id_beside = [](float sigma_px, float x, std::uint64_t age_us) {
+    Layer layer;
+    layer.add(100, 100, sigma_px);
+    layer.wait(age_us);
+    const auto piece = layer.add(x, 100, 3, 20);
+    layer.wait(5'000);
+    return layer.id_of(piece);
+  };
+  EXPECT_EQ(id_beside(21, 165, 200'000), 0);  // 73 px long; its reach ends at 168 px
+  EXPECT_EQ(id_beside(21, 172, 200'000), 1);
+  EXPECT_EQ(id_beside(19, 155, 200'000), 1);  // 66 px long
+  EXPECT_EQ(id_beside(21, 165, 50'000), 1);   // too new to tell
+}
+
+TEST(Objects, WhatWasThereBeforeIsNoPart) {
+  Layer layer;
+  layer.add(100, 100, 21);
+  const auto other = layer.add(250, 100, 3);
+  layer.tracks[other].vx = -1'000;
+  layer.wait(200'000);
+  EXPECT_EQ(layer.id_of(other), 1);
+}
+
+TEST(Objects, APartThatStaysApartBecomesAnObject) {
+  Layer layer;
+  layer.add(100, 100, 21);
+  layer.wait(200'000);
+  const auto piece = layer.add(165, 100, 3, 20);
+  layer.wait(20'000);
+  ASSERT_EQ(layer.id_of(piece), 0);
+  layer.tracks[piece].x = 200;
+  layer.wait(60'000);
+  EXPECT_EQ(layer.id_of(piece), 0);
+  layer.wait(10'000);
+  EXPECT_EQ(layer.id_of(piece), 2);  // 1 was the piece before it was adopted
+  layer.tracks[piece].x = 165;
+  layer.wait(200'000);
+  EXPECT_EQ(layer.id_of(piece), 2);
+}
+
+// Fills the tiles around (100, 100), where no track takes them, at a rate per pixel.
+void add_noise(Layer& layer, double rate_hz) {
+  const auto events = static_cast<int>(0.2 * 48 * 48 * rate_hz);
+  for (int i = 0; i < events; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    layer.noise.count(80 + at % 48, 80 + at / 48 % 48);
+  }
+  layer.noise.update(0.2F);
+}
+
+TEST(Objects, NoiseThatIsDenserThanElsewhereIsNotShown) {
+  for (const float polarity : {0.0F, 0.9F}) {
+    Layer layer;
+    add_noise(layer, 20);
+    const auto patch = layer.add(104, 104, 5, 100, polarity);
+    const auto shows = [&](float rate_hz) {
+      layer.tracks.state(patch).slow_rate_hz = rate_hz;
+      layer.wait(10'000);
+      return layer.shows(patch);
+    };
+    // Its gate has 415 px, so the noise makes up to 8300 events per second.
+    EXPECT_FALSE(shows(4'000));
+    EXPECT_EQ(shows(40'000), polarity == 0);  // one edge alone must be more
+    EXPECT_TRUE(shows(120'000));
+    EXPECT_TRUE(shows(40'000));  // once shown, it stays
+    EXPECT_FALSE(shows(4'000));
+  }
+}
+
+TEST(Objects, NoiseEverywhereHidesNothing) {
+  Layer layer;
+  for (std::size_t i = 0; i < 20 * 346 * 260; ++i) layer.noise.count(i % 346, i / 346 % 260);
+  layer.noise.update(1);
+  ASSERT_NEAR(layer.noise.rate_hz(), 20, 1);
+  const auto slot = layer.add(104, 104);
+  layer.wait(5'000);
+  EXPECT_TRUE(layer.shows(slot));
+}
+
+TEST(ObjectSum, AnObjectWithoutEventsIsQuiet) {
+  constexpr Stamp kNow = 1'000'000;
+  const auto is_quiet = [](float rate_hz, Stamp silent_us) {
+    Track track;
+    TrackState state;
+    track.stamp = state.last_event = kNow - silent_us;
+    state.slow_rate_hz = rate_hz;
+    ObjectSum sum;
+    sum.add(0, track, state, kNow);
+    return sum.is_quiet();
+  };
+  EXPECT_FALSE(is_quiet(5'000, 20'000));
+  EXPECT_TRUE(is_quiet(5'000, 20'001));
+  EXPECT_FALSE(is_quiet(100, 49'000));  // five events of this rate take 50 ms
+  EXPECT_TRUE(is_quiet(100, 51'000));
+}
+
+TEST(ObjectSum, ItsPlaceIsThatOfTheHeaviestPartAndItsBoxThatOfAll) {
+  Layer layer;
+  const auto light = layer.add(100, 100, 4, 20);
+  const auto heavy = layer.add(130, 110, 4, 50);
+  ObjectSum sum;
+  for (const auto slot : {light, heavy}) {
+    sum.add(slot, layer.tracks[slot], layer.tracks.state(slot), static_cast<Stamp>(layer.now_us));
+  }
+  EXPECT_EQ(sum.parts, 2U);
+  EXPECT_EQ(sum.lead, heavy);
+  EXPECT_EQ(sum.x, 130);
+  EXPECT_EQ(sum.box.left, 93);
+  EXPECT_EQ(sum.box.top, 93);
+  EXPECT_EQ(sum.box.right, 137);
+  EXPECT_EQ(sum.box.bottom, 117);
+  EXPECT_EQ(sum.mass, 70);
+}
+
+// Objects that were lost are forgotten for new ones, the longest lost first.
+TEST(Objects, TheTableIsNeverFull) {
+  Layer layer;
+  for (int round = 0; round < 8; ++round) {
+    std::vector<Tracks::Slot> slots;
+    for (int i = 0; i < 16; ++i) {
+      slots.push_back(layer.add(static_cast<float>(20 * i), static_cast<float>(30 * round), 2));
+    }
+    layer.wait(5'000);
+    for (const auto slot : slots) {
+      EXPECT_GE(layer.id_of(slot), 16 * round);
+      layer.tracks.remove(slot);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace asap::fast::objects_test
