@@ -21,7 +21,7 @@ from asap.events import Events, plain_view
 from asap.io.errors import LossWarning, NoGoodEvent
 from asap.io.native import FORMATS, NativeReader
 from asap.io.parts import PartsReader
-from asap.io.reader import Losses, Options, Reader, gathered
+from asap.io.reader import Losses, Options, Reader, Room, gathered, new_room
 from asap.io.sniff import format_of, parts_of
 
 
@@ -113,6 +113,7 @@ class Recording:
                 "leave stream out"
             )
         self._width, self._height = _checks.sensor(width, height, self._reader, self._path)
+        self._room: Room = new_room
         self._losses, self._validator = self._books()
 
     def __reduce__(self) -> Any:
@@ -198,7 +199,7 @@ class Recording:
 
     @property
     def expected(self) -> int:
-        """How many events the file promises, checked against its size; 0 where it does not say."""
+        """How many events the file promises, or may hold by its size; 0 where it does not say."""
         return int(getattr(self._reader, "expected", 0))
 
     @property
@@ -239,6 +240,11 @@ class Recording:
         begin_us = first_us + round(1e6 * (start or 0.0))
         end_us = None if stop is None else first_us + round(1e6 * stop)
         yield from within(self._checked(begin_us), begin_us, end_us)
+
+    def _read_into(self, room: Room) -> Iterator[Events]:
+        """Read it once; its chunks are good until the next one."""
+        self._room = room
+        return iter(self)
 
     def _checked(self, from_us: int | None = None) -> Iterator[Events]:
         """Read it from the start, or from a place before `from_us` where the format has one."""
@@ -308,7 +314,7 @@ class Recording:
             on_bad=self._told.on_bad,
             reorder_tolerance_us=self._told.reorder_tolerance_us,
         )
-        return Losses(self._path, self._told.on_bad), validator
+        return Losses(self._path, self._told.on_bad, room=self._room), validator
 
 
 def read(
@@ -433,6 +439,6 @@ def load(
         stop=stop,
     )
     is_whole = start is None and stop is None
-    events = gathered(recording, recording.expected if is_whole else 0)
+    events = gathered(recording._read_into, recording.expected if is_whole else 0)
     recording._losses.tell(recording.rejected, recording.clock_resets)
     return events
