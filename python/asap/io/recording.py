@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import numpy.typing as npt
 
-from asap import _checks, _core, _units
+from asap import _checks, _core, _stamps, _units
 from asap._foreign import HEAD, unit_doubt
 from asap._order import sorted_within, within
 from asap.events import Events, plain_view
@@ -114,6 +114,7 @@ class Recording:
             )
         self._width, self._height = _checks.sensor(width, height, self._reader, self._path)
         self._room: Room = new_room
+        self._window_us: tuple[int, int] | None = None
         self._losses, self._validator = self._books()
 
     def __reduce__(self) -> Any:
@@ -222,14 +223,19 @@ class Recording:
         """External triggers seen so far in the latest iteration; only native formats have them.
 
         Fields ``t`` in us, as the file states it, ``id`` of the input and ``value``: 1 = rising
-        edge or 0. The first 2^20 at least; `trigger_count` counts all.
+        edge or 0. The first 2^20 at least; `trigger_count` counts all. Of a window of time: those
+        within it.
         """
-        return np.concatenate([np.empty(0, _core.TRIGGER_DTYPE), *self._losses.trigger_arrays])
+        seen = np.concatenate([np.empty(0, _core.TRIGGER_DTYPE), *self._losses.trigger_arrays])
+        if self._window_us is None:
+            return seen
+        begin_us, end_us = self._window_us
+        return seen[(seen["t"] >= begin_us) & (seen["t"] < end_us)]
 
     @property
     def trigger_count(self) -> int:
         """How many external triggers were seen so far in the latest iteration."""
-        return self._losses.triggers
+        return self._losses.triggers if self._window_us is None else len(self.triggers)
 
     def __iter__(self) -> Iterator[Events]:
         start, stop = self._told.start, self._told.stop
@@ -238,7 +244,8 @@ class Recording:
             return
         first_us = next((int(chunk["t"][0]) for chunk in self._checked()), 0)
         begin_us = first_us + round(1e6 * (start or 0.0))
-        end_us = None if stop is None else first_us + round(1e6 * stop)
+        end_us = _stamps.MAX if stop is None else first_us + round(1e6 * stop)
+        self._window_us = begin_us, end_us
         yield from within(self._checked(begin_us), begin_us, end_us)
 
     def _read_into(self, room: Room) -> Iterator[Events]:
