@@ -469,6 +469,7 @@ def events_of_columns(
     *,
     us_per_unit: float = 1.0,
     normalise: bool = True,
+    out: _Events | None = None,
 ) -> _Events | None: ...
 
 # synthetic

@@ -48,12 +48,12 @@ def sorted_within(
         yield held
 
 
-def within(chunks: Iterator[Events], begin_us: int, end_us: int | None) -> Iterator[Events]:
+def within(chunks: Iterator[Events], begin_us: int, end_us: int) -> Iterator[Events]:
     """Yield the events from `begin_us` up to `end_us` of chunks in order; read no further."""
     for chunk in chunks:
         t: Any = chunk["t"]
         first = int(np.searchsorted(t, begin_us))
-        stop = len(t) if end_us is None else int(np.searchsorted(t, end_us))
+        stop = int(np.searchsorted(t, end_us))
         if first < stop:
             yield chunk[first:stop]
         if stop < len(t):

@@ -22,6 +22,7 @@ from asap.io.writers import (
     write_aedat4,
     write_dsec,
     write_encoded,
+    write_evt3,
     write_mcap,
     write_metavision,
     write_npy,
@@ -33,14 +34,15 @@ __all__ = ["WRITERS", "convert", "format_of", "in_order", "losses"]
 WRITERS: dict[str, Writer] = {
     "npy": write_npy,
     "npz": write_npz,
-    **{name: partial(write_encoded, name) for name in ("csv", "es", "dat", "evt2", "evt3")},
+    **{name: partial(write_encoded, name) for name in ("csv", "es", "dat", "evt2")},
+    "evt3": write_evt3,
     "aedat4": write_aedat4,
     "mcap": write_mcap,
     "dsec": write_dsec,
     "metavision": write_metavision,
 }
 
-_WITH_TRIGGERS = ("metavision",)
+_WITH_TRIGGERS = ("evt3", "metavision")
 _STATE_SENSOR = {"es": "Event Stream", "aedat4": "AEDAT 4"}
 _SUFFIXES = {f".{name}": name for name in WRITERS if name not in ("dsec", "metavision")}
 _SUFFIXES |= {".raw": "evt3", ".h5": "dsec", ".hdf5": "dsec"}
@@ -125,7 +127,7 @@ def convert(
         if to in _WITH_TRIGGERS:
             write = partial(write, triggers=partial(_triggers, stream, relative=relative))
         count = write(file, chunks, stream.width or 0, stream.height or 0)
-    for loss in losses(stream, to):
+    for loss in losses(stream, to, relative=relative):
         warnings.warn(f"{target}: {loss}", stacklevel=2)
     return count
 
@@ -148,15 +150,16 @@ def _triggers(stream: Source, *, relative: bool) -> npt.NDArray[np.void]:
     triggers = np.empty(0, _core.TRIGGER_DTYPE) if recording is None else recording.triggers
     if relative:
         triggers["t"] -= stream.first_us or 0
+        triggers = triggers[triggers["t"] >= 0]
     return triggers
 
 
-def losses(stream: Source, to: str | None = None) -> Iterator[str]:
+def losses(stream: Source, to: str | None = None, *, relative: bool = False) -> Iterator[str]:
     """Say what does not go on of the recording, into a file of this format or elsewhere."""
     yield from losses_of(stream.rejected, stream.clock_resets)
     seen = stream.recording.trigger_count if stream.recording is not None else 0
     if to in _WITH_TRIGGERS and stream.recording is not None:
-        seen -= len(stream.recording.triggers)
+        seen -= len(_triggers(stream, relative=relative))
     if seen:
         yield f"without {seen} external triggers"
 

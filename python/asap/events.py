@@ -206,13 +206,18 @@ def misfit_message(role: str, column: Column, index: int, first: int = 0) -> str
     return f"{role} = {column[index]} (event {first + index}): {remedy}"
 
 
-def pack_good(columns: Columns, exponent: int = 0, *, normalise: bool = True) -> Events | None:
-    """`pack` in one native pass; None for a misfit or a type that the pass does not know."""
+def pack_good(
+    columns: Columns, exponent: int = 0, *, normalise: bool = True, out: Events | None = None
+) -> Events | None:
+    """`pack` in one native pass; None for a misfit or a type that the pass does not know.
+
+    The events are written into `out`, where it is given.
+    """
     if exponent and columns["t"].dtype.kind != "f":
         return None
     t, x, y = (columns[role] for role in "txy")
     return _core.events_of_columns(
-        t, x, y, columns.get("p"), us_per_unit=10.0**exponent, normalise=normalise
+        t, x, y, columns.get("p"), us_per_unit=10.0**exponent, normalise=normalise, out=out
     )
 
 

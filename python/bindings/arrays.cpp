@@ -49,6 +49,12 @@ EventSpan as_span(const py::array& events) {
   return {static_cast<const Event*>(events.data()), static_cast<std::size_t>(events.size())};
 }
 
+std::span<Event> as_writable_span(const py::array& out) {
+  const EventSpan events = as_span(out);
+  if (!out.writeable()) throw py::value_error("out = read-only array: give a writable one");
+  return {const_cast<Event*>(events.data()), events.size()};
+}
+
 py::array view_of(EventSpan events, py::handle owner) {
   py::array view(event_dtype(), {static_cast<py::ssize_t>(events.size())},
                  {static_cast<py::ssize_t>(sizeof(Event))}, events.data(), owner);

@@ -9,6 +9,7 @@
 #include <pybind11/numpy.h>
 
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,9 @@ constexpr const char* kGiveEvents =
 
 // The events of an array in EVENT_DTYPE; valid while the array lives.
 EventSpan as_span(const py::array& events);
+
+// The events of a writable array in EVENT_DTYPE, to be filled.
+std::span<Event> as_writable_span(const py::array& out);
 
 // A read-only array over memory that `owner` keeps alive.
 py::array view_of(EventSpan events, py::handle owner);

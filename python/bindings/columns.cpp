@@ -41,7 +41,8 @@ std::optional<NumberColumn> column_of(const py::array& array) {
 
 // None where a column is of another kind or holds a value that no event can: NumPy then says which.
 py::object events_of_columns(const py::array& t, const py::array& x, const py::array& y,
-                             const py::object& p, double us_per_unit, bool normalise) {
+                             const py::object& p, double us_per_unit, bool normalise,
+                             const py::object& into) {
   const auto t_column = column_of(t);
   const auto x_column = column_of(x);
   const auto y_column = column_of(y);
@@ -59,8 +60,11 @@ py::object events_of_columns(const py::array& t, const py::array& x, const py::a
     columns.p = column_of(array);
     if (!columns.p || array.size() != count) return py::none();
   }
-  py::array events(event_dtype(), std::vector<py::ssize_t>{count});
-  const std::span out(static_cast<Event*>(events.mutable_data()), static_cast<std::size_t>(count));
+  const py::array events = into.is_none()
+                               ? py::array(event_dtype(), std::vector<py::ssize_t>{count})
+                               : py::cast<py::array>(into);
+  const std::span<Event> out = as_writable_span(events);
+  if (out.size() != static_cast<std::size_t>(count)) return py::none();
   bool good = false;
   {
     const WithoutGil release;  // pure C++ on memory that the arguments keep alive
@@ -75,7 +79,7 @@ py::object events_of_columns(const py::array& t, const py::array& x, const py::a
 void bind_columns(py::module_& m) {
   m.def("events_of_columns", &events_of_columns, py::arg("t").noconvert(), py::arg("x").noconvert(),
         py::arg("y").noconvert(), py::arg("p").none(true), py::kw_only(),
-        py::arg("us_per_unit") = 1.0, py::arg("normalise") = true);
+        py::arg("us_per_unit") = 1.0, py::arg("normalise") = true, py::arg("out") = py::none());
 }
 
 }  // namespace asap::python

@@ -48,13 +48,6 @@ class BytesView {
   Py_buffer view_{};
 };
 
-// The events of a writable array in EVENT_DTYPE, to be filled.
-std::span<Event> as_writable_span(const py::array& out) {
-  const EventSpan events = as_span(out);
-  if (!out.writeable()) throw py::value_error("out = read-only array: give a writable one");
-  return {const_cast<Event*>(events.data()), events.size()};
-}
-
 // Fields t, id, value: TRIGGER_DTYPE.
 py::dtype trigger_dtype() {
   PYBIND11_CONSTINIT static py::gil_safe_call_once_and_store<py::dtype> storage;

@@ -292,19 +292,57 @@ def test_the_verb_refuses(
     assert out == "" and words in err
 
 
-def test_triggers_are_written_where_the_format_has_them(tmp_path: Path) -> None:
-    h5py = pytest.importorskip("h5py")
-    words = [
-        8 << 28 | 5,
-        1 << 28 | 3 << 11 | 4,
-        10 << 28 | 7 << 22 | 2 << 8 | 1,
-        10 << 28 | 9 << 22,
-    ]
-    (tmp_path / "in.raw").write_bytes(b"% evt 2.0\n" + np.array(words, "<u4").tobytes())
-    for relative, first_us in ((False, 0), (True, 320)):
-        asap.convert(tmp_path / "in.raw", tmp_path / "a.h5", to="metavision", relative=relative)
-        with h5py.File(tmp_path / "a.h5") as file:
+def triggers_of(tmp_path: Path) -> Path:
+    """Write EVT2 with three events and four triggers, one after a pause of 10 s."""
+
+    def high(t: int) -> int:
+        return 8 << 28 | t >> 6
+
+    def trigger(t: int, number: int, value: int) -> int:
+        return 10 << 28 | (t & 63) << 22 | number << 8 | value
+
+    def event(t: int) -> int:
+        return 1 << 28 | (t & 63) << 22 | 3 << 11 | 4
+
+    late = 10_000_000
+    words = [high(320), event(320), trigger(327, 2, 1), trigger(329, 0, 0), event(329)]
+    words += [high(late), trigger(late + 1, 1, 1), event(late + 5), trigger(late + 6, 1, 0)]
+    path = tmp_path / "in.raw"
+    path.write_bytes(b"% evt 2.0\n" + np.array(words, "<u4").tobytes())
+    return path
+
+
+EDGES = [(327, 2, 1), (329, 0, 0), (10_000_001, 1, 1), (10_000_006, 1, 0)]
+
+
+@pytest.mark.parametrize(("to", "suffix"), [("metavision", ".h5"), ("evt3", ".raw")])
+@pytest.mark.parametrize("relative", [False, True])
+def test_triggers_are_written_where_the_format_has_them(
+    to: str, suffix: str, relative: bool, tmp_path: Path
+) -> None:
+    source, path = triggers_of(tmp_path), tmp_path / f"out{suffix}"
+    asap.convert(source, path, to=to, relative=relative)
+    first_us = 320 * relative
+    expected = [(t - first_us, number, value) for t, number, value in EDGES]
+    if to == "evt3":
+        written = asap.read(path)
+        assert np.concatenate(list(written))["t"].tolist() == [
+            320 - first_us, 329 - first_us, 10_000_005 - first_us
+        ]  # fmt: skip
+        assert written.triggers.tolist() == expected
+    else:
+        with pytest.importorskip("h5py").File(path) as file:
             edges = file["EXT_TRIGGER/events"][()]
-        assert edges.tolist() == [(1, 327 - first_us, 2), (0, 329 - first_us, 0)]
-    with pytest.warns(UserWarning, match="without 2 external triggers"):
-        asap.convert(tmp_path / "in.raw", tmp_path / "a.npz")
+        assert [(t, number, p) for p, t, number in edges.tolist()] == expected
+
+
+def test_triggers_of_a_window_of_time_are_written(tmp_path: Path) -> None:
+    asap.convert(triggers_of(tmp_path), tmp_path / "out.raw", start=9, stop=9.999686)
+    written = asap.read(tmp_path / "out.raw")
+    assert np.concatenate(list(written))["t"].tolist() == [10_000_005]
+    assert written.triggers.tolist() == EDGES[2:3]
+
+
+def test_triggers_that_a_format_does_not_have_are_told(tmp_path: Path) -> None:
+    with pytest.warns(UserWarning, match="without 4 external triggers"):
+        asap.convert(triggers_of(tmp_path), tmp_path / "a.npz")

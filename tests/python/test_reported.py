@@ -443,6 +443,24 @@ def test_a_window_of_time_is_that_of_the_whole(suffix: str, tmp_path: Path) -> N
         assert_equal_events(asap.load(path, start=low, stop=high), events[inside])
 
 
+@pytest.mark.parametrize("suffix", [".npy", ".npz", ".csv", ".raw", ".dat", ".h5", ".aedat4"])
+@pytest.mark.parametrize("options", [{}, {"start": 0.2, "stop": 0.7}, {"reorder_tolerance_us": 9}])
+def test_loading_gives_what_iterating_gives(
+    suffix: str, options: dict[str, Any], tmp_path: Path
+) -> None:
+    if suffix in LIBRARIES:
+        pytest.importorskip(LIBRARIES[suffix])
+    events = clean_events(200_000)
+    events["x"][::999] = 900  # dropped from every chunk
+    path = tmp_path / f"events{suffix}"
+    asap.convert(events, path, **({"width": 1000, "height": 1000} if suffix == ".aedat4" else {}))
+    size = {} if suffix == ".aedat4" else {"width": 800, "height": 600}
+    opened = asap.read(path, **options, **size)
+    expected = np.concatenate([chunk.copy() for chunk in opened])
+    assert_equal_events(asap.load(path, **options, **size), expected)
+    assert_equal_events(np.concatenate(list(opened)), expected)
+
+
 @pytest.mark.parametrize("to", ["dsec", "metavision"])
 def test_hdf5_that_is_written_reads_back(to: str, tmp_path: Path) -> None:
     pytest.importorskip("h5py")

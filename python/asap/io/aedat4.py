@@ -14,10 +14,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from asap.events import Events
+from asap.events import Events, pack_good
 from asap.io.columns import events_of
 from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library
-from asap.io.reader import CHUNK, Losses, Options, choose_stream, sensor_size
+from asap.io.reader import CHUNK, Losses, Options, choose_stream, expected_of, sensor_size
 
 MAGIC = b"#!AER-DAT4.0\r\n"
 MOST_PIXELS = 1 << 15  # a side has at most so many
@@ -43,6 +43,7 @@ class Aedat4Reader:
     def __init__(self, path: Path, options: Options) -> None:
         options.refuse_stated(path, self.format)
         self._path = path
+        self.expected = expected_of(path, 4)  # packed events have 4 to 8 bytes
         with foreign(path, _HEADER_AT):
             header, self._first = _header(path)
             self._unpack = _unpacker(header.number(0, "<i", 0))
@@ -69,31 +70,33 @@ class Aedat4Reader:
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Decode packets, and hand on many at once: some cameras send a few events in each."""
-        count = 0
-        for records in self._gathered(losses):
-            rows = np.frombuffer(records, EVENT)
-            yield events_of(rows, Options(None, None), losses, count)
-            count += len(rows)
-
-    def _gathered(self, losses: Losses) -> Iterator[Buffer]:
-        """Join records to about `CHUNK` events, in memory that is used again."""
-        joined = memoryview(bytearray(CHUNK * EVENT.itemsize))
-        filled = 0
-        try:
-            for records in self._records():
-                if filled + len(records) > len(joined):
-                    yield joined[:filled]
-                    filled = 0
-                if len(records) > len(joined):
-                    yield records
-                    continue
-                joined[filled : filled + len(records)] = records
-                filled += len(records)
-        except CorruptFile as error:
-            yield joined[:filled]
-            losses.truncated(error.offset, error.fault)
-        else:
-            yield joined[:filled]
+        out, filled, count = losses.room(CHUNK), 0, 0
+        cut: CorruptFile | None = None
+        records = self._records()
+        while True:
+            try:
+                packet = next(records, None)
+            except CorruptFile as error:
+                cut, packet = error, None
+            if packet is None:
+                break
+            whole = np.frombuffer(packet, EVENT)
+            for rows in (whole[at : at + CHUNK] for at in range(0, len(whole), CHUNK)):
+                if filled + len(rows) > CHUNK:
+                    yield out[:filled]
+                    out, filled = losses.room(CHUNK), 0
+                place = out[filled : filled + len(rows)]
+                columns = {role: rows[role] for role in "txyp"}
+                if pack_good(columns, normalise=False, out=place) is not None:
+                    filled += len(rows)
+                else:
+                    yield out[:filled]
+                    yield events_of(rows, Options(None, None), losses, count)
+                    out, filled = losses.room(CHUNK), 0
+                count += len(rows)
+        yield out[:filled]
+        if cut is not None:
+            losses.truncated(cut.offset, cut.fault)
 
     def _records(self) -> Iterator[Buffer]:
         """Yield the events of the stream, packet by packet, up to the first that is damaged."""

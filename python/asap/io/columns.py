@@ -76,7 +76,8 @@ def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
         if unit == "s" and first == 0 and _all_whole(columns["t"]):
             raise unclear_unit(losses.path)
     exponent = time_exponent(unit)
-    events = pack_good(columns, exponent, normalise=False)
+    out = losses.room(len(columns["t"]))
+    events = pack_good(columns, exponent, normalise=False, out=out)
     if events is not None:
         return events
     bad = {role: misfits(role, column, exponent) for role, column in columns.items()}

@@ -33,7 +33,7 @@ from asap.io.errors import (
     library,
     refuse_bomb,
 )
-from asap.io.reader import CHUNK, Losses, Options, choose_stream, size_of
+from asap.io.reader import CHUNK, Losses, Options, choose_stream, new_room, size_of
 from asap.io.sniff import first_bytes
 
 _FEW = 16  # values, where a size is stated
@@ -61,15 +61,15 @@ class Hdf5Reader:
             layout = layouts[choose_stream(path, options.stream, self.streams, words)]
             self._layout = layout
             with foreign(path):
-                for name in layout.datasets.values():
-                    _usable(path, file[name])
+                datasets = {role: file[name] for role, name in layout.datasets.items()}
+                for dataset in datasets.values():
+                    _usable(path, dataset)
                 # Narrow times cannot leave 64 bits by it, and no column has to be made wider.
-                narrow = "t" in layout.datasets and file[layout.datasets["t"]].dtype.itemsize <= 4
+                t = datasets["t"].dtype if "t" in datasets else None
+                narrow = t is not None and t.itemsize <= 4 and t.kind in "iu"
                 is_us = options.time_unit in (None, "us") and abs(layout.t_offset) < 1 << 62
-                self._adds_later = (
-                    narrow and is_us and file[layout.datasets["t"]].dtype.kind in "iu"
-                )
-                self.width, self.height = _sensor_of(h5py, file, layout)
+                self._adds_later = narrow and is_us
+                self.width, self.height = _sensor_of(h5py, file, next(iter(datasets.values())))
             self.expected = layout.rows
             self._order = options.order
             if layout.is_matrix:
@@ -93,14 +93,16 @@ class Hdf5Reader:
             with foreign(self._path):
                 sources = self._sources(file)
             longest = max(source.rows_per_chunk for source in sources.values())
-            start, step = 0, max(_STEP // longest, 1) * longest
+            step, most = (max(events // longest, 1) * longest for events in (CHUNK, _STEP))
+            start = 0
             if t_us is not None:
+                counted = replace(losses, room=new_room)  # of which nothing is taken
 
-                def one(row: int) -> Events:
-                    rows = {role: source.rows(row, row + 1) for role, source in sources.items()}
-                    return next(self._pieces(rows, replace(losses, path=self._path), row + 1))
+                def begin(number: int) -> Events:
+                    rows = {role: source.row(number * step) for role, source in sources.items()}
+                    return next(self._pieces(rows, counted, 1))
 
-                start = row_before(one, self._layout.rows, t_us) // longest * longest
+                start = row_before(begin, -(-self._layout.rows // step), t_us) * step
             while start < self._layout.rows:
                 stop = min(start + step, self._layout.rows)
                 try:
@@ -112,7 +114,7 @@ class Hdf5Reader:
                     losses.truncated(error.offset, error.fault)
                     return
                 yield from self._pieces(rows, losses, start)
-                start = stop
+                start, step = stop, min(2 * step, most)
 
     def _pieces(
         self, rows: dict[str, npt.NDArray[Any]], losses: Losses, first: int
@@ -141,7 +143,8 @@ class Hdf5Reader:
     def _sources(self, file: Any) -> dict[str, _Source]:
         layout = self._layout
         return {
-            role: _Source(self._path, file[name], layout) for role, name in layout.datasets.items()
+            role: _Source(self._path, role, file[name], layout)
+            for role, name in layout.datasets.items()
         }
 
     @contextmanager
@@ -160,11 +163,18 @@ class Hdf5Reader:
 class _Source:
     """One dataset of a stream by rows."""
 
-    def __init__(self, path: Path, dataset: Any, layout: _Layout) -> None:
+    def __init__(self, path: Path, role: str, dataset: Any, layout: _Layout) -> None:
         self.rows_per_chunk: int = max(dataset.chunks) if dataset.chunks else 1
         self._path, self._dataset, self._transposed = path, dataset, layout.transposed
+        self._has_time = role not in ("x", "y", "p")
         self._shape = dataset.shape
         self._is_column = len(self._shape) > 1 and not layout.is_matrix  # as in MATLAB 7.3
+
+    def row(self, number: int) -> npt.NDArray[Any]:
+        """One event, for its time alone: 0 where none is."""
+        if self._has_time:
+            return self.rows(number, number + 1)
+        return np.zeros(1, self._dataset.dtype)
 
     def rows(self, start: int, stop: int) -> npt.NDArray[Any]:
         """Events from `start` to `stop`."""
@@ -239,8 +249,7 @@ def _find_layouts(path: Path, file: Any, options: Options) -> dict[str, _Layout]
     found: dict[str, _Layout] = {}
     others: dict[str, _Layout] = {}
     links: list[str] = []
-    for group, name in _groups(h5py, path, file, links):
-        datasets = {key: group[key] for key in group if _is_dataset(h5py, group, key)}
+    for group, name, datasets in _groups(h5py, path, file, links):
         layout = _columns(path, name, group, datasets)
         if layout is not None:
             found[layout.name] = layout
@@ -266,8 +275,10 @@ def _find_layouts(path: Path, file: Any, options: Options) -> dict[str, _Layout]
 def _usable(path: Path, dataset: Any) -> None:
     """Refuse what lies in other files, what needs a missing filter and what cannot be so large."""
     h5py = library("h5py", "HDF5", "hdf5")
-    if dataset.external or (
-        dataset.is_virtual and any(part.file_name != "." for part in dataset.virtual_sources())
+    filters = dataset.id.get_create_plist()
+    is_virtual = filters.get_layout() == h5py.h5d.VIRTUAL
+    if filters.get_external_count() or (
+        is_virtual and any(part.file_name != "." for part in dataset.virtual_sources())
     ):
         raise UnsupportedFormat(
             f"{path}: {dataset.name} lies in another file, which is never followed"
@@ -275,21 +286,19 @@ def _usable(path: Path, dataset: Any) -> None:
     if dataset.dtype.hasobject or dataset.dtype.itemsize > _MOST_BYTES:
         raise UnsupportedFormat(f"{path}: {dataset.name} holds {dataset.dtype}, no events")
     stored = dataset.id.get_storage_size()
-    if dataset.size > 1 and not stored and not dataset.is_virtual:
+    if dataset.size > 1 and not stored and not is_virtual:
         raise CorruptFile(path, 0, f"{dataset.name}: {dataset.size} values promised, none stored")
     chunk = math.prod(dataset.chunks or ()) * dataset.dtype.itemsize
     promised = int(dataset.size) * dataset.dtype.itemsize
     refuse_bomb(path, 0, dataset.name, max(promised, chunk), min(stored, path.stat().st_size))
-    filters = dataset.id.get_create_plist()
     for i in range(filters.get_nfilters()):
         code, _, _, name = filters.get_filter(i)
         if not h5py.h5z.filter_avail(code):
             _find_filter(h5py, path, dataset.name, code, name.decode("ascii", "replace"))
 
 
-def _sensor_of(h5py: Any, file: Any, layout: _Layout) -> tuple[int | None, int | None]:
+def _sensor_of(h5py: Any, file: Any, dataset: Any) -> tuple[int | None, int | None]:
     """Width and height, where attributes or datasets beside the events state them."""
-    dataset = file[next(iter(layout.datasets.values()))]
     for place in (dataset, dataset.parent, file):
         size = size_of(place.attrs, place.attrs.get)
         if size == (None, None) and place is not dataset:
@@ -306,8 +315,10 @@ def _small(h5py: Any, group: Any, key: str) -> Any:
     return group[key][()]
 
 
-def _groups(h5py: Any, path: Path, file: Any, links: list[str]) -> Iterator[tuple[Any, str]]:
-    """Every group once, however the links run in circles."""
+def _groups(
+    h5py: Any, path: Path, file: Any, links: list[str]
+) -> Iterator[tuple[Any, str, dict[str, Any]]]:
+    """Every group with its datasets once, however the links run in circles."""
     seen: set[Any] = set()
     waiting = [(file["/"], "")]
     objects = 0
@@ -317,7 +328,7 @@ def _groups(h5py: Any, path: Path, file: Any, links: list[str]) -> Iterator[tupl
         if address in seen:
             continue
         seen.add(address)
-        yield group, name
+        datasets: dict[str, Any] = {}
         for key in sorted(group, reverse=True):
             objects += 1
             if objects > _MOST_OBJECTS:
@@ -325,8 +336,11 @@ def _groups(h5py: Any, path: Path, file: Any, links: list[str]) -> Iterator[tupl
             inner = f"{name}/{key}".lstrip("/")
             if not isinstance(group.get(key, getlink=True), h5py.HardLink):
                 links.append(inner)
-            elif group.get(key, getclass=True) is h5py.Group:
-                waiting.append((group[key], inner))
+            elif isinstance(item := group[key], h5py.Group):
+                waiting.append((item, inner))
+            elif isinstance(item, h5py.Dataset):
+                datasets[key] = item
+        yield group, name, datasets
 
 
 def _is_dataset(h5py: Any, group: Any, key: str) -> bool:

@@ -20,13 +20,16 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _core, _stamps
-from asap.events import EVENT_DTYPE, Events
+from asap.events import Events
 from asap.io.errors import CorruptFile, UnsupportedFormat
-from asap.io.reader import CHUNK, Losses, Options, choose_stream
+from asap.io.reader import CHUNK, Losses, Options, choose_stream, expected_of
 
 _SOURCE = re.compile(r"^#Source (\d+): *(.*?)\s*$", re.MULTILINE)
-HEAD = 1 << 20  # bytes that a header may take
+_HEAD = 1 << 20  # bytes that a header may take, with the records that tell the layout
+_RAW_HEAD = 1 << 14
+_WITH_RECORDS = ("aedat2", "aedat3", "atis40")
 _PIECE = 1 << 18
+_BYTES_PER_EVENT = {"evt2": 4, "evt3": 4, "es": 5, "atis40": 5}  # about; 8 in the others
 _MUCH = 1 << 24
 _RECORD_OF_40_BITS = 5  # bytes
 _ROWS_OF_40_BITS = 240  # the largest sensor has so many; the row below it marks time
@@ -55,9 +58,10 @@ class NativeReader:
         self.format = name
         self._path = path
         with path.open("rb") as file:
-            head = file.read(HEAD)
+            head = file.read(_HEAD if name in _WITH_RECORDS else _RAW_HEAD)
         self._layout = layout = FORMATS[name](path, head, options)
         self.width, self.height, self.streams = layout.width, layout.height, layout.streams
+        self.expected = expected_of(path, _BYTES_PER_EVENT.get(name, 8))
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Decode it from the first record."""
@@ -88,7 +92,7 @@ class NativeReader:
         """Decode piece by piece; an array goes out when it is full."""
         decoder = self._layout.make(position)
         buffer = memoryview(bytearray(_PIECE))
-        out, filled = np.empty(CHUNK, EVENT_DTYPE), 0
+        out, filled = losses.room(CHUNK), 0
         with self._path.open("rb", buffering=0) as file:
             file.seek(position)
             while size := file.readinto(buffer):
@@ -99,7 +103,7 @@ class NativeReader:
                     if at < size:  # no room for the next record
                         self._count(decoder, losses)
                         yield out[:filled]
-                        out, filled = np.empty(CHUNK, EVENT_DTYPE), 0
+                        out, filled = losses.room(CHUNK), 0
                 self._count(decoder, losses)
         yield out[:filled]
         if decoder.unfinished:

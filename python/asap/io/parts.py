@@ -32,6 +32,7 @@ class PartsReader:
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Read the files in the order in which they were given."""
         for path, reader in zip(self._paths, self._readers, strict=True):
-            part = Losses(path, losses.on_bad, off_on=losses.off_on, from_one=losses.from_one)
+            part = Losses(path, losses.on_bad, room=losses.room)
+            part.off_on, part.from_one = losses.off_on, losses.from_one
             yield from reader.chunks(part)
             losses.add(part)

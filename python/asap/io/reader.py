@@ -22,6 +22,7 @@ CHUNK = 1 << 16  # events that a reader hands on at once, about
 #: What names state the size of the sensor.
 SIZE = re.compile("(?:sensor_|image_|img_)?(width|height|resolution|geometry|size)", re.IGNORECASE)
 PLAIN = (0, 1)  # polarity that is OFF and ON; above 0 is ON
+_MOST_EXPECTED = 1 << 28
 _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
@@ -51,6 +52,14 @@ class Options:
                 raise ValueError(named(name, value, remedy))
 
 
+Room = Callable[[int], Events]
+
+
+def new_room(count: int) -> Events:
+    """Memory for so many events."""
+    return np.empty(count, EVENT_DTYPE)
+
+
 @dataclass
 class Losses:
     """What a reader could not turn into events, while it reads."""
@@ -72,6 +81,7 @@ class Losses:
     off_on: tuple[float, float] | None = None  # polarities that are OFF and ON, once it is known
     sorted_stamps: int = 0  # events that came late and were sorted in
     from_one: bool | None = None  # x and y count from 1
+    room: Room = new_room  # memory for the events that are read next
 
     def count_sorted(self, events: int) -> None:
         """Count events that came late."""
@@ -189,6 +199,11 @@ class Reader(Protocol):
         ...
 
 
+def expected_of(path: Path, bytes_per_event: int) -> int:
+    """About how many events a file has; memory that none of them takes costs nothing."""
+    return min(path.stat().st_size // bytes_per_event, _MOST_EXPECTED)
+
+
 def sensor_size(width: Any = None, height: Any = None) -> tuple[int | None, int | None]:
     """Return what a file states of its sensor in px, or (None, None) where no sensor is such."""
     try:
@@ -225,20 +240,28 @@ def choose_stream(
 _RECORD = np.dtype(f"V{EVENT_DTYPE.itemsize}")
 
 
-def gathered(chunks: Iterable[Events], expected: int) -> Events:
-    """One array of all chunks, made for as many events as are expected; it grows if need be."""
-    events: Events = np.empty(expected, EVENT_DTYPE)
+def gathered(read: Callable[[Room], Iterable[Events]], expected: int) -> Events:
+    """One array of all chunks, made for as many events as are expected; it grows if need be.
+
+    `read` gives the chunks; it may write them where they belong in that array, one after the other.
+    """
+    events: Events = np.empty(expected + CHUNK, EVENT_DTYPE)  # a last chunk has room
     count = 0
-    for chunk in chunks:
+
+    def room(size: int) -> Events:
+        place: Events = events[count : count + size]
+        return place if len(place) == size else new_room(size)
+
+    for chunk in read(room):
         if count + len(chunk) > len(events):
             larger = np.empty(max(2 * len(events), count + len(chunk)), EVENT_DTYPE)
             _copy(larger[:count], events[:count])
             events = larger
-        _copy(events[count : count + len(chunk)], chunk)
+        place = events[count : count + len(chunk)]
+        if chunk.ctypes.data != place.ctypes.data:
+            _copy(place, chunk)
         count += len(chunk)
-    if count < len(events):
-        events.resize(count, refcheck=False)  # gives the rest back, in place
-    return events
+    return events[:count]  # the rest was never touched: no memory is behind it
 
 
 def _copy(to: Events, source: Events) -> None:

@@ -14,14 +14,14 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import numpy.typing as npt
 
-from asap import _checks, _core, _units
+from asap import _checks, _core, _stamps, _units
 from asap._foreign import HEAD, unit_doubt
 from asap._order import sorted_within, within
 from asap.events import Events, plain_view
 from asap.io.errors import LossWarning, NoGoodEvent
 from asap.io.native import FORMATS, NativeReader
 from asap.io.parts import PartsReader
-from asap.io.reader import Losses, Options, Reader, gathered
+from asap.io.reader import Losses, Options, Reader, Room, gathered, new_room
 from asap.io.sniff import format_of, parts_of
 
 
@@ -113,6 +113,8 @@ class Recording:
                 "leave stream out"
             )
         self._width, self._height = _checks.sensor(width, height, self._reader, self._path)
+        self._room: Room = new_room
+        self._window_us: tuple[int, int] | None = None
         self._losses, self._validator = self._books()
 
     def __reduce__(self) -> Any:
@@ -198,7 +200,7 @@ class Recording:
 
     @property
     def expected(self) -> int:
-        """How many events the file promises, checked against its size; 0 where it does not say."""
+        """How many events the file promises, or may hold by its size; 0 where it does not say."""
         return int(getattr(self._reader, "expected", 0))
 
     @property
@@ -221,14 +223,19 @@ class Recording:
         """External triggers seen so far in the latest iteration; only native formats have them.
 
         Fields ``t`` in us, as the file states it, ``id`` of the input and ``value``: 1 = rising
-        edge or 0. The first 2^20 at least; `trigger_count` counts all.
+        edge or 0. The first 2^20 at least; `trigger_count` counts all. Of a window of time: those
+        within it.
         """
-        return np.concatenate([np.empty(0, _core.TRIGGER_DTYPE), *self._losses.trigger_arrays])
+        seen = np.concatenate([np.empty(0, _core.TRIGGER_DTYPE), *self._losses.trigger_arrays])
+        if self._window_us is None:
+            return seen
+        begin_us, end_us = self._window_us
+        return seen[(seen["t"] >= begin_us) & (seen["t"] < end_us)]
 
     @property
     def trigger_count(self) -> int:
         """How many external triggers were seen so far in the latest iteration."""
-        return self._losses.triggers
+        return self._losses.triggers if self._window_us is None else len(self.triggers)
 
     def __iter__(self) -> Iterator[Events]:
         start, stop = self._told.start, self._told.stop
@@ -237,8 +244,14 @@ class Recording:
             return
         first_us = next((int(chunk["t"][0]) for chunk in self._checked()), 0)
         begin_us = first_us + round(1e6 * (start or 0.0))
-        end_us = None if stop is None else first_us + round(1e6 * stop)
+        end_us = _stamps.MAX if stop is None else first_us + round(1e6 * stop)
+        self._window_us = begin_us, end_us
         yield from within(self._checked(begin_us), begin_us, end_us)
+
+    def _read_into(self, room: Room) -> Iterator[Events]:
+        """Read it once; its chunks are good until the next one."""
+        self._room = room
+        return iter(self)
 
     def _checked(self, from_us: int | None = None) -> Iterator[Events]:
         """Read it from the start, or from a place before `from_us` where the format has one."""
@@ -308,7 +321,7 @@ class Recording:
             on_bad=self._told.on_bad,
             reorder_tolerance_us=self._told.reorder_tolerance_us,
         )
-        return Losses(self._path, self._told.on_bad), validator
+        return Losses(self._path, self._told.on_bad, room=self._room), validator
 
 
 def read(
@@ -433,6 +446,6 @@ def load(
         stop=stop,
     )
     is_whole = start is None and stop is None
-    events = gathered(recording, recording.expected if is_whole else 0)
+    events = gathered(recording._read_into, recording.expected if is_whole else 0)
     recording._losses.tell(recording.rejected, recording.clock_resets)
     return events

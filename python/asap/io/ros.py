@@ -97,6 +97,7 @@ class RosReader:
                     filled += decoder.decode_into(out[filled:])
                     if decoder.is_done:
                         break
+                    decoder.count(losses)  # its triggers go with the events
                     yield out[:filled]
                     out, filled = np.empty(CHUNK, EVENT_DTYPE), 0
                 message.check_whole()

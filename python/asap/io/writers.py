@@ -124,6 +124,50 @@ def write_encoded(
     return count
 
 
+_EXT_TRIGGER = 0xA000
+_MOST_ID = 15
+
+
+def write_evt3(
+    file: IO[bytes],
+    chunks: Iterable[Events],
+    width: int,
+    height: int,
+    triggers: Callable[[], npt.NDArray[np.void]],
+) -> int:
+    """Write EVT3 with its triggers, each before the first event that is not older.
+
+    `triggers` returns those of the source that have been read.
+    """
+    encoded = Encoded("evt3", width, height)
+    file.write(encoded.header)
+    count = written = 0
+    last_us = np.iinfo(np.int64).min
+
+    def edge(trigger: np.void) -> bytes:
+        """Encode an event of its time, whose last word becomes the trigger."""
+        event = np.zeros(1, EVENT_DTYPE)
+        event["t"] = max(int(trigger["t"]), last_us)
+        number = int(trigger["id"])
+        if number > _MOST_ID:
+            raise ValueError(named("id", number, f"EVT3 holds triggers of inputs 0 to {_MOST_ID}"))
+        word = _EXT_TRIGGER | number << 8 | int(trigger["value"])
+        return b"".join(map(bytes, encoded.pieces(event)))[:-2] + struct.pack("<H", word)
+
+    for chunk in chunks:
+        seen = triggers()[written:]
+        due = seen[np.maximum.accumulate(seen["t"]) <= chunk["t"][-1]]
+        first, *parts = np.split(chunk, np.searchsorted(chunk["t"], due["t"]))
+        file.writelines(encoded.pieces(first))
+        for part, trigger in zip(parts, due, strict=True):
+            file.write(edge(trigger))
+            last_us = max(last_us, int(trigger["t"]))
+            file.writelines(encoded.pieces(part))
+        count, written, last_us = count + len(chunk), written + len(due), int(chunk["t"][-1])
+    file.writelines(map(edge, np.sort(triggers()[written:], order="t")))
+    return count
+
+
 _AEDAT4_PERIOD_US = 10_000  # packets of the cameras of iniVation
 _ROS_PERIOD_US = 1_000  # messages of the drivers for ROS
 
