@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 from composition_interfaces.srv import LoadNode, UnloadNode
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from peers import PRELOAD, Peer, mono, peers, program
+from rcl_interfaces.msg import Log
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import UInt64
@@ -101,7 +103,7 @@ def test_the_tracker_publishes_its_clusters(container: Container) -> None:
 def test_an_algorithm_of_the_users_own_runs_in_the_container(container: Container) -> None:
     peer, counts = container.peer, []
     peer.create_subscription(UInt64, "own/on_events", lambda count: counts.append(count.data), 10)
-    container.load("OwnNode", package="own_component", latency_ms=200.0)
+    container.load("OwnNode", package="own_node", latency_ms=200.0)
     peer.wait(lambda: peer.driver.get_subscription_count() > 0, "the component subscribes")
     peer.wait(lambda: peer.count_publishers("own/on_events") > 0, "it publishes")
     peer.wait(lambda: peer.count_subscribers("own/on_events") > 0, "we subscribe")
@@ -109,7 +111,24 @@ def test_an_algorithm_of_the_users_own_runs_in_the_container(container: Containe
     peer.wait(lambda: 1000 in counts, "all events are counted")
 
 
-OWN = ("OwnNode", "own_component")
+def test_what_throws_is_reported_and_logged_once(container: Container) -> None:
+    peer, said, log = container.peer, [], []
+    peer.create_subscription(DiagnosticArray, "/diagnostics", said.append, 10)
+    peer.create_subscription(Log, "/rosout", log.append, 1000)
+    container.load("FailingNode", package="failing_component", latency_ms=200.0)
+    peer.wait(lambda: peer.driver.get_subscription_count() > 0, "the component subscribes")
+    peer.wait(lambda: said, "a report")
+    message = "process() throws: no room"
+    for i in range(150):
+        peer.send(mono(np.arange(10) + i * 10_000))
+        time.sleep(0.01)
+    states = [array.status[0] for array in said]
+    assert (DiagnosticStatus.ERROR, message) in [(state.level, state.message) for state in states]
+    peer.wait(lambda: [line for line in log if line.msg == message], "a line in the log")
+    assert len([line for line in log if line.msg == message]) == 1
+
+
+OWN = ("OwnNode", "own_node")
 OURS = (("asap_ros::PackageNode", "asap_ros"), ("asap_ros::ClusterTrackerNode", "asap_ros"))
 
 

@@ -52,3 +52,12 @@ def test_the_consumer_says_when_it_has_finished(make_peer: Callable[..., Peer]) 
         consumer.wait()
     assert stats["feedback"]["timeouts"] == 0
     assert stats["feedback"]["taken"] == stats["packages"]["count"] > 0
+
+
+def test_the_source_tree_for_a_release_stands_alone(tmp_path: Path) -> None:
+    """It is configured; the tests' package is built from the same files in the checkout."""
+    tree = tmp_path / "tree"
+    subprocess.run([Path(__file__).parents[2] / "cpp/ros/release", "ros2", tree], check=True)
+    words = ["-G", "Ninja", f"-DPython3_EXECUTABLE={sys.executable}"]
+    subprocess.run(["cmake", "-S", tree, "-B", tmp_path / "build", *words], check=True)
+    assert "asap_event_node" in (tmp_path / "build/build.ninja").read_text()

@@ -1,7 +1,6 @@
 #include "ros/bridge/parameters.hpp"
 
 #include <algorithm>
-#include <string_view>
 
 #include "asap/core/check.hpp"
 
@@ -15,6 +14,18 @@ std::string constraint(const ChoiceField& choice) {
   std::string names;
   for (const char* name : choice.choices) names += (names.empty() ? "" : ", ") + std::string(name);
   return "one of " + names;
+}
+
+void set(Parameters& parameters, std::string_view name, const std::string& text,
+         std::optional<double> number) {
+  for (const ChoiceField& choice : kChoices) {
+    if (name == choice.name) parameters.*choice.field = text;
+  }
+  for (const NumberField& field : kNumbers) {
+    if (name != field.name) continue;
+    if (!number) throw_bad_value(name, text, "must be a number");
+    parameters.*field.field = *number;
+  }
 }
 
 void check(const Parameters& parameters) {

@@ -6,8 +6,10 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace asap::ros {
 
@@ -99,6 +101,11 @@ inline constexpr std::array kChoices{
 // "between 0.1 and 10000", "one of a, b".
 std::string constraint(const NumberField& number);
 std::string constraint(const ChoiceField& choice);
+
+// Sets the field of this name, if there is one: a choice to the text, a number to the number.
+// Throws std::invalid_argument where it is none.
+void set(Parameters& parameters, std::string_view name, const std::string& text,
+         std::optional<double> number);
 
 // Throws std::invalid_argument("<field> = <value>: <remedy>").
 void check(const Parameters& parameters);

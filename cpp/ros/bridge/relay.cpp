@@ -19,12 +19,12 @@ Relay::Relay(const Parameters& parameters, Publish publish, IsHeard is_heard)
       publish_(std::move(publish)),
       is_heard_(std::move(is_heard)) {
   check(parameters);
-  set(parameters);
+  Relay::set(parameters);
   if (encoding_ != kDecoded) writer_.emplace(encoding_);
   message_.encoding = encoding_;
 }
 
-void Relay::set(const Parameters& parameters) noexcept {
+void Relay::set(const Parameters& parameters) {
   feedback_timeout_ms_ = parameters.feedback_timeout_ms;
   rate_bound_ = parameters.rate_bound;
 }

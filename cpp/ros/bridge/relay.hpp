@@ -40,19 +40,18 @@ class Relay final : public Receiver {
   // std::invalid_argument for parameters that are none.
   Relay(const Parameters& parameters, Publish publish, IsHeard is_heard);
 
-  // What may change while it runs.
-  void set(const Parameters& parameters) noexcept;
-
   // The consumer has worked for so long on the message with this number, see FeedbackGate; false:
   // refused.
   bool feedback(std::uint64_t seq, double seconds) { return gate_.feedback(seq, seconds); }
   FeedbackGate::Counts feedbacks() const { return gate_.counts(); }
-  Facts facts() const;  // the same
 
   void begin(const Geometry& sensor) override;
   void process(const Package& package, std::int64_t stamp_ns) override;
   void hurry() noexcept override { gate_.close(); }
+  bool is_heard() const override { return is_heard_(); }
   bool stalled() const override { return gate_.counts().stalled; }
+  Facts facts() const override;
+  void set(const Parameters& parameters) override;
 
  private:
   const std::string encoding_;

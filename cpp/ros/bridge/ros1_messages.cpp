@@ -94,7 +94,8 @@ const Ros1Type kEventPacket{
     "std_msgs/Header header\nuint32 height\nuint32 width\nuint64 seq\nuint64 time_base\n"
     "string encoding\nbool is_bigendian\nuint8[] events\n" ASAP_ROS1_HEADER};
 
-Packet Ros1Reader::read(std::string_view md5, std::span<const std::byte> bytes) {
+Packet read_ros1(std::string_view md5, std::span<const std::byte> bytes,
+                 std::vector<Event>& events) {
   Packet packet{.encoding = "another type"};
   const bool is_array = md5 == kEventArray.md5;
   if (!is_array && md5 != kEventPacket.md5) return packet;
@@ -109,9 +110,9 @@ Packet Ros1Reader::read(std::string_view md5, std::span<const std::byte> bytes) 
     packet.encoding = kDecoded;
     const std::uint64_t count = fields.number<std::uint32_t>();
     const DvsRecords records(fields.bytes(count * kRecord), DvsRecords::Layout::ros1);
-    events_.resize(records.whole());
-    records.decode(0, events_);
-    packet.events = events_;
+    events.resize(records.whole());
+    records.decode(0, events);
+    packet.events = events;
   } else {
     packet.seq = fields.number<std::uint64_t>();
     packet.time_base = fields.number<std::uint64_t>();

@@ -25,15 +25,11 @@ struct Ros1Type {
 extern const Ros1Type kEventArray;
 extern const Ros1Type kEventPacket;
 
-class Ros1Reader {
- public:
-  // It views the bytes, and is good until the next read(). It is torn where the lengths in the
-  // message do not fit its bytes; the encoding of a message of another type is "another type".
-  Packet read(std::string_view md5, std::span<const std::byte> bytes);
-
- private:
-  std::vector<Event> events_;
-};
+// Reads a message. The packet views its bytes and, for an EventArray, `events`, which are replaced.
+// It is torn where the lengths in the message do not fit its bytes; the encoding of a message of
+// another type is "another type".
+Packet read_ros1(std::string_view md5, std::span<const std::byte> bytes,
+                 std::vector<Event>& events);
 
 // Writes an EventArray where the encoding is kDecoded, else an EventPacket. `bytes` are replaced.
 void write_ros1(const Message& message, std::string_view frame_id,

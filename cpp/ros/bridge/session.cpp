@@ -122,16 +122,13 @@ void Session::end() {
 }
 
 void Session::process(const Package& package) {
+  std::string what = "no std::exception";
   try {
-    receiver_.process(package, stamp_of(package.t_first()));
+    return receiver_.process(package, stamp_of(package.t_first()));
   } catch (const std::exception& error) {
-    failed(error.what());
+    what = error.what();
   } catch (...) {
-    failed("no std::exception");
   }
-}
-
-void Session::failed(const std::string& what) {
   std::unique_lock lock(worker_);
   ++failures_;
   if (std::exchange(failure_, what) == what) return;
@@ -146,12 +143,12 @@ std::int64_t Session::stamp_of(std::int64_t t_us) {
   return marks_.front().stamp_ns + (t_us - marks_.front().t_us) * kNsOfOneUs;
 }
 
-void Session::set_latency(double latency_ms) {
+void Session::set(const Parameters& parameters) {
+  check(parameters);
   const std::lock_guard lock(control_);
-  const std::chrono::nanoseconds latency = to_ns(latency_ms);
-  checked_latency_ns(latency);
-  scheme_config_.latency = latency;
-  if (pipeline_) pipeline_->set_latency(latency);
+  scheme_config_.latency = to_ns(parameters.latency_ms);
+  if (pipeline_) pipeline_->set_latency(scheme_config_.latency);
+  receiver_.set(parameters);
 }
 
 void Session::stop() {
@@ -169,74 +166,66 @@ std::string Session::frame_id() const {
 
 PipelineStats Session::stats() const {
   const std::lock_guard lock(control_);
-  if (!pipeline_) {
-    PipelineStats none;
-    none.latency_bound_ns = checked_latency_ns(scheme_config_.latency);
-    return none;
-  }
-  PipelineStats stats = pipeline_->stats();
+  PipelineStats stats;
+  if (pipeline_) stats = pipeline_->stats();
+  stats.latency_bound_ns = scheme_config_.latency.count();
   stats.stalled = stats.stalled || receiver_.stalled();
   return stats;
 }
 
-Session::Report Session::report(const Around& around) {
-  static constexpr std::array<const char*, kCounts> kNames{
-      "received", "rejected", "discarded", "stale",   "overflow", "delivered",
-      "in_time",  "lost",     "messages",  "refused", "failures"};
+Session::Report Session::report(const std::string& topic, const std::string& mismatch) {
   const PipelineStats stats = this->stats();
   const std::lock_guard lock(control_);
-  Report report{.facts = facts(stats)};
+  Report report{.frame_id = frame_id(), .facts = facts(stats)};
   const std::lock_guard worker(worker_);
   const Ledger& ledger = stats.ledger;
-  const Counts counts{ledger.received,
-                      ledger.rejected,
-                      ledger.discarded,
-                      ledger.stale,
-                      ledger.overflow,
-                      ledger.delivered,
-                      stats.latency.within_bound(),
-                      stats.upstream_packets,
-                      messages_,
-                      std::accumulate(refused_.begin(), refused_.end(), std::uint64_t{0}),
-                      failures_};
-  Counts since = counts;
-  for (std::size_t i = 0; i < kCounts; ++i) {
-    if (counts[i] >= reported_[i]) since[i] -= reported_[i];  // else a run of its own
-    report.facts.push_back({std::string("last_second.") + kNames[i], number(since[i])});
+  const auto refused = std::accumulate(refused_.begin(), refused_.end(), std::uint64_t{0});
+  const decltype(reported_) counts{{"received", ledger.received},
+                                   {"rejected", ledger.rejected},
+                                   {"discarded", ledger.discarded},
+                                   {"stale", ledger.stale},
+                                   {"overflow", ledger.overflow},
+                                   {"delivered", ledger.delivered},
+                                   {"messages", messages_},
+                                   {"refused", refused},
+                                   {"failures", failures_},
+                                   {"lost", stats.upstream_packets},
+                                   {"in_time", stats.latency.within_bound()}};
+  auto since = counts;
+  for (auto& [name, count] : since) {
+    if (count >= reported_[name]) count -= reported_[name];  // else a run of its own
+    report.facts.push_back({"last_second." + name, number(count)});
   }
   reported_ = counts;
-  judge(report, around, since, stats.stalled);
-  other_.clear();
-  return report;
-}
 
-// The worst is said.
-void Session::judge(Report& report, const Around& around, const Counts& since,
-                    bool is_stalled) const {
+  // The first that holds is said.
   const auto say = [&report](bool is_so, Level level, const std::string& message) {
     if (is_so && report.level == Level::ok) report.level = level, report.message = message;
   };
-  const auto count = [&since](Count of) { return std::to_string(since[of]); };
+  const auto any = [&since](const char* of) { return since.at(of) > 0; };
+  const auto count = [&since](const char* of) { return std::to_string(since.at(of)); };
   const auto silent_s = std::chrono::floor<std::chrono::seconds>(Clock::now() - heard_).count();
-  const bool all_refused = since[kMessages] > 0 && since[kRefused] == since[kMessages];
-  const bool all_rejected = since[kReceived] > 0 && since[kRejected] == since[kReceived];
-  say(since[kFailures] > 0, Level::error, "process() throws: " + failure_);
-  say(!around.mismatch.empty(), Level::error, around.mismatch);
+  const std::string silent = "no message on " + topic;
+  const bool all_refused = any("messages") && since.at("refused") == since.at("messages");
+  const bool all_rejected = any("received") && since.at("rejected") == since.at("received");
+  say(any("failures"), Level::error, "process() throws: " + failure_);
+  say(!mismatch.empty(), Level::error, mismatch);
   if (!other_.empty()) {
     say(true, all_refused ? Level::error : Level::warn,
         "two cameras: " + name_of_(reader_.publisher()) + " is heard, " + name_of_(other_) +
             " is refused");
   }
-  say(all_refused, Level::error, "all " + count(kRefused) + " messages refused");
-  say(all_rejected, Level::error, "all " + count(kRejected) + " events rejected");
-  say(is_stalled, Level::warn, "stalled: the consumer stays away");
-  say(messages_ == 0, Level::warn, "no message on " + around.topic);
-  say(since[kMessages] == 0, Level::warn,
-      "no message on " + around.topic + " for " + std::to_string(silent_s) + " s");
-  say(!around.is_heard, Level::warn, "nobody subscribes to the packages");
-  say(since[kOverflow] > 0, Level::warn, count(kOverflow) + " events did not fit into the ring");
-  say(since[kLost] > 0, Level::warn, count(kLost) + " messages of the driver are missing");
-  say(since[kRefused] > 0, Level::warn, count(kRefused) + " messages refused");
+  say(all_refused, Level::error, "all " + count("refused") + " messages refused");
+  say(all_rejected, Level::error, "all " + count("rejected") + " events rejected");
+  say(stats.stalled, Level::warn, "stalled: the consumer stays away");
+  say(messages_ == 0, Level::warn, silent);
+  say(!any("messages"), Level::warn, silent + " for " + std::to_string(silent_s) + " s");
+  say(!receiver_.is_heard(), Level::warn, "nobody subscribes to the packages");
+  say(any("overflow"), Level::warn, count("overflow") + " events did not fit into the ring");
+  say(any("lost"), Level::warn, count("lost") + " messages of the driver are missing");
+  say(any("refused"), Level::warn, count("refused") + " messages refused");
+  other_.clear();
+  return report;
 }
 
 Facts Session::facts(const PipelineStats& stats) const {
@@ -260,6 +249,8 @@ Facts Session::facts(const PipelineStats& stats) const {
   const std::lock_guard worker(worker_);
   facts.push_back({"failures.count", number(failures_)});
   facts.push_back(text("failures.last", failure_));
+  const Facts more = receiver_.facts();
+  facts.insert(facts.end(), more.begin(), more.end());
   return facts;
 }
 

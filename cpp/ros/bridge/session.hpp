@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -39,8 +40,13 @@ class Receiver {
   virtual void process(const Package& package, std::int64_t stamp_ns) = 0;
   // The run ends: a process() that waits for something waits no longer. Any thread.
   virtual void hurry() noexcept {}
-  // What it works for stays away. Any thread.
+  // What it works for is not there, or stays away. Any thread.
+  virtual bool is_heard() const { return true; }
   virtual bool stalled() const { return false; }
+  // What else a report says. Any thread.
+  virtual Facts facts() const { return {}; }
+  // Those that may change while it runs. Any thread.
+  virtual void set(const Parameters&) {}
 };
 
 enum class Level : std::uint8_t { ok, warn, error };  // as in diagnostic_msgs
@@ -50,36 +56,32 @@ class Session {
   using Say = std::function<void(Level, const std::string&)>;
   using NameOf = std::function<std::string(std::string_view publisher)>;
 
-  // What the node knows of its surroundings.
-  struct Around {
-    std::string topic{};     // of the messages
-    std::string mismatch{};  // an end whose QoS does not match; empty: none
-    bool is_heard = true;  // somebody subscribes to the packages
-  };
-
   struct Report {
     Level level = Level::ok;
     std::string message = "ok";
-    Facts facts;  // of the run, of the time since the last report, and of the messages in all
+    std::string frame_id{};  // of the camera
+    Facts facts{};  // of the run, of the time since the last report, and of the messages in all
   };
 
   // The receiver outlives the session. `say` gets a line where a run begins or ends and, once a
   // second at most, where a message is refused; `name_of` names a publisher for it. Throws
   // std::invalid_argument for parameters that are none.
-  Session(const Parameters& parameters, Receiver& receiver, Say say, NameOf name_of);
+  Session(
+      const Parameters& parameters, Receiver& receiver, Say say,
+      NameOf name_of = [](std::string_view publisher) { return std::string(publisher); });
   ~Session();  // stop()
 
   // The reason, if the message is refused; refused after stop() without one.
   std::optional<Refusal> take(const Packet& packet);
 
-  // Throws std::invalid_argument for a bound out of range.
-  void set_latency(double latency_ms);
+  // Those that may change while it runs. Throws std::invalid_argument for ones that are none.
+  void set(const Parameters& parameters);
 
   // Delivers what waits, and ends. Says the ledger.
   void stop();
 
-  // Once a second.
-  Report report(const Around& around);
+  // Once a second. `topic`: of the messages; `mismatch`: an end whose QoS does not match, or empty.
+  Report report(const std::string& topic = "", const std::string& mismatch = "");
   PipelineStats stats() const;
   std::string frame_id() const;  // of the camera's messages
 
@@ -92,33 +94,14 @@ class Session {
     std::int64_t stamp_ns = 0;
   };
 
-  // What a report compares with the one before.
-  enum Count : std::uint8_t {
-    kReceived,
-    kRejected,
-    kDiscarded,
-    kStale,
-    kOverflow,
-    kDelivered,
-    kInTime,
-    kLost,
-    kMessages,
-    kRefused,
-    kFailures,
-    kCounts
-  };
-  using Counts = std::array<std::uint64_t, kCounts>;
-
   std::optional<Refusal> refusal_of(const Packet& packet, Clock::time_point now) const;
   void refuse(Refusal refusal, const Packet& packet, Clock::time_point now);
   void begin(const Geometry& sensor);
   void end();
   void mark(const Packet& packet, std::int64_t t_us);
   void process(const Package& package);
-  void failed(const std::string& what);
   std::int64_t stamp_of(std::int64_t t_us);
   Facts facts(const PipelineStats& stats) const;
-  void judge(Report& report, const Around& around, const Counts& since, bool is_stalled) const;
 
   Receiver& receiver_;
   const Say say_;
@@ -135,7 +118,7 @@ class Session {
   std::string other_;  // a publisher that was refused since the last report
   std::uint64_t messages_ = 0;
   std::array<std::uint64_t, kRefusals.size()> refused_{};
-  Counts reported_;
+  std::map<std::string, std::uint64_t> reported_;  // what the last report counted
   mutable std::mutex worker_;  // the next four, which the worker reads and writes as well
   std::deque<Mark> marks_;     // of the messages that may still wait
   std::string frame_id_;
@@ -145,5 +128,19 @@ class Session {
   std::unique_ptr<Pipeline> pipeline_;
   std::jthread thread_;  // runs the pipeline; uses all the others
 };
+
+// Fills a DiagnosticStatus of either middleware.
+template <class Status>
+void write(const Session::Report& report, const char* name, Status& status) {
+  status.name = name;
+  status.hardware_id = report.frame_id.c_str();
+  status.level = static_cast<decltype(status.level)>(report.level);
+  status.message = report.message.c_str();
+  for (const Fact& fact : report.facts) {
+    auto& entry = status.values.emplace_back();
+    entry.key = fact.name.c_str();
+    entry.value = fact.value.c_str();
+  }
+}
 
 }  // namespace asap::ros

@@ -103,9 +103,11 @@ bool Validator::pass_clean(EventSpan block) {
 }
 
 EventSpan Validator::shifted(EventSpan block) noexcept {
+  const std::int64_t offset_us = clock_offset_us_;
   for (std::size_t i = 0; i < block.size(); ++i) {
-    scratch_[i] = block[i];
-    scratch_[i].t += clock_offset_us_;
+    Event event = block[i];
+    event.t += offset_us;
+    scratch_[i] = event;
   }
   return {scratch_.data(), block.size()};
 }

@@ -74,7 +74,6 @@ std::size_t Intake::enter(EventSpan events, std::int64_t arrival_ns) noexcept {
   arrivals_.note(buffer_.tail(), arrival_ns, discarded_);
   const std::size_t taken = buffer_.push(events);
   max_waiting_ = std::max<std::uint64_t>(max_waiting_, buffer_.filled(max_waiting_));
-  doorbell_.announce(buffer_.tail());
   return taken;
 }
 
@@ -107,6 +106,7 @@ KeepThreshold Intake::bar(double share, std::size_t events, std::size_t room) no
 }
 
 void Intake::wait_for_room(std::size_t wanted, const Poll& poll) {
+  announce();
   const std::uint64_t wanted_head = buffer_.tail() + wanted - buffer_.capacity();
   room_.wait(wanted_head, System::now() + kPollEvery, [&] {
     return static_cast<std::int64_t>(buffer_.head() - wanted_head) >= 0 ||

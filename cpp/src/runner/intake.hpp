@@ -51,6 +51,10 @@ class Intake {
   // Producer. What there is room for, whatever the rule; the rest is overflow.
   void put(EventSpan events, std::int64_t arrival_ns) noexcept;
 
+  // Producer, at the end of a push: wakes the consumer if it waits for what has come. A push may
+  // come in pieces, which are to make one package.
+  void announce() noexcept { doorbell_.announce(buffer_.tail()); }
+
   // Where the producer sleeps that waits for room; none if it never does.
   Doorbell* room() noexcept { return when_full_ == WhenFull::block ? &room_ : nullptr; }
 

@@ -158,9 +158,12 @@ Pipeline::Impl::LiveRun::LiveRun(Scheme& scheme, const RunConfig& config)
 template <class Take>
 void Pipeline::Impl::LiveRun::push(const Take& take, EventSpan events, Arrival arrival) {
   struct Publish {
-    Run& run;
-    ~Publish() { run.publish(); }
-  } publish{run};  // also when the validator refuses an event
+    LiveRun& live;
+    ~Publish() {
+      live.intake.announce();
+      live.run.publish();
+    }
+  } publish{*this};  // also when the validator refuses an event
   bool timed = false;
   run.validator().check(events, [&](EventSpan good) {
     if (!timed) {

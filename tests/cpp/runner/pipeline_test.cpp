@@ -893,6 +893,24 @@ TEST(Pipeline, AnEpochThatIsToldLosesNoEvent) {
   EXPECT_EQ(pipeline.stats().clock_resets, 1u);
 }
 
+TEST(Pipeline, APushInAnEpochOfItsOwnIsOnePackage) {
+  Pipeline pipeline({.latency = 10s}, [](const Package&) {});
+  std::int64_t t = 1'000'000;
+  const auto push = [&] {
+    std::vector<std::int64_t> stamps;
+    for (int i = 0; i < 2'000; ++i) stamps.push_back(t++);
+    pipeline.push(at_times(stamps));
+    while (pipeline.ledger().pending > 0) std::this_thread::sleep_for(1ms);
+  };
+  push();
+  pipeline.begin_epoch(t = 0);
+  for (int i = 0; i < 50; ++i) push();
+  pipeline.stop();
+  pipeline.join();
+  // A few are cut where the consumer has not gone to sleep yet.
+  EXPECT_LT(pipeline.stats().packages.count, 100u);
+}
+
 TEST(Pipeline, ReportsTheDelayOfTheTransport) {
   Greedy scheme;
   Pipeline pipeline(scheme);

@@ -1,4 +1,4 @@
-// The node as roscpp sees it: topics, a service, parameters and signals around a Node.
+// The node in roscpp: topics, a service, parameters and signals around a session and its relay.
 #include <asap_ros/Feedback.h>
 #include <asap_ros/ProcessingTime.h>
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -7,13 +7,79 @@
 #include <ros/xmlrpc_manager.h>
 #include <std_msgs/String.h>
 
+#include <algorithm>
 #include <csignal>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
-#include "any_message.hpp"
-#include "node.hpp"
+#include "asap/core/check.hpp"
+#include "ros/bridge/relay.hpp"
+#include "ros/bridge/ros1_messages.hpp"
+#include "ros/bridge/session.hpp"
+
+namespace asap_ros {
+
+// A message of any type, as bytes.
+struct AnyMessage {
+  std::vector<std::uint8_t> bytes;
+};
+
+// For messages with texts, which want a member of std::allocator that C++20 took away.
+template <class T>
+struct Allocator : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = Allocator<U>;
+  };
+  Allocator() = default;
+  template <class U>
+  Allocator(const Allocator<U>&) noexcept {}
+};
+
+}  // namespace asap_ros
+
+namespace ros::message_traits {
+
+struct AnyType {
+  static const char* value() { return "*"; }
+  static const char* value(const asap_ros::AnyMessage&) { return "*"; }
+};
+template <>
+struct IsMessage<asap_ros::AnyMessage> : TrueType {};
+template <>
+struct MD5Sum<asap_ros::AnyMessage> : AnyType {};
+template <>
+struct DataType<asap_ros::AnyMessage> : AnyType {};
+template <>
+struct Definition<asap_ros::AnyMessage> : AnyType {};
+
+}  // namespace ros::message_traits
+
+template <>
+struct ros::serialization::Serializer<asap_ros::AnyMessage> {
+  template <class Stream>
+  static void write(Stream& stream, const asap_ros::AnyMessage& message) {
+    std::ranges::copy(message.bytes, stream.advance(serializedLength(message)));
+  }
+  template <class Stream>
+  static void read(Stream& stream, asap_ros::AnyMessage& message) {
+    message.bytes.assign(stream.getData(), stream.getData() + stream.getLength());
+  }
+  static std::uint32_t serializedLength(const asap_ros::AnyMessage& message) {
+    return static_cast<std::uint32_t>(message.bytes.size());
+  }
+};
 
 namespace asap_ros {
 namespace {
+
+namespace bridge = asap::ros;
+using Diagnostics = diagnostic_msgs::DiagnosticArray_<Allocator<void>>;
+using String = std_msgs::String_<Allocator<void>>;
 
 constexpr double kLookEvery_s = 0.05;  // whether a signal has come
 
@@ -32,106 +98,138 @@ void end_by_call(XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue& answer) {
   answer = ros::xmlrpc::responseInt(1, "", 0);
 }
 
-Value value_of(const ros::NodeHandle& handle, const std::string& name) {
-  XmlRpc::XmlRpcValue value;
-  if (!handle.getParamCached(name, value)) return {};
-  switch (value.getType()) {
-    case XmlRpc::XmlRpcValue::TypeInt:
-      return static_cast<double>(static_cast<int>(value));
-    case XmlRpc::XmlRpcValue::TypeDouble:
-      return static_cast<double>(value);
-    case XmlRpc::XmlRpcValue::TypeString:
-      return static_cast<std::string>(value);
-    default:
-      return value.toXml();
-  }
+void say(bridge::Level level, const std::string& line) {
+  if (level == bridge::Level::ok) ROS_INFO("%s", line.c_str());
+  if (level != bridge::Level::ok) ROS_WARN("%s", line.c_str());
 }
 
-diagnostic_msgs::DiagnosticArray diagnostics_of(const Report& report) {
-  diagnostic_msgs::DiagnosticStatus status;
-  status.name = ros::this_node::getName();
-  status.hardware_id = report.hardware_id;
-  status.level = static_cast<std::int8_t>(report.level);
-  status.message = report.message;
-  for (const auto& [name, value] : report.facts) {
-    status.values.emplace_back();
-    status.values.back().key = name;
-    status.values.back().value = value;
-  }
-  diagnostic_msgs::DiagnosticArray array;
-  array.header.stamp = ros::Time::now();
-  array.status.push_back(status);
-  return array;
+// Those that are set. While the node runs, those that may change.
+bridge::Parameters read(const ros::NodeHandle& self, bridge::Parameters parameters, bool runs) {
+  const auto look = [&](const auto& field, bool is_fixed) {
+    XmlRpc::XmlRpcValue value;
+    if (bridge::is_of_dds(field.has) || (runs && is_fixed)) return;
+    if (!self.getParamCached(field.name, value)) return;
+    std::optional<double> number;
+    if (value.getType() == value.TypeInt) number = static_cast<int>(value);
+    if (value.getType() == value.TypeDouble) number = static_cast<double>(value);
+    const bool is_text = value.getType() == value.TypeString;
+    const std::string text = is_text  ? static_cast<std::string>(value)
+                             : number ? asap::to_text(*number)
+                                      : value.toXml();
+    bridge::set(parameters, field.name, text, number);
+  };
+  for (const bridge::NumberField& field : bridge::kNumbers) look(field, field.is_fixed);
+  for (const bridge::ChoiceField& field : bridge::kChoices) look(field, true);
+  bridge::check(parameters);
+  return parameters;
 }
 
-void run() {
-  ros::NodeHandle handle, self("~");
-  const Values values = [&](const std::string& name) { return value_of(self, name); };
-  ros::Publisher packages;
-  Node node(values, {[&](const Bytes& message) { packages.publish(AnyMessage{message}); },
-                     [&] { return packages.getNumSubscribers() > 0; },
-                     [](bool is_trouble, const std::string& line) {
-                       if (is_trouble) ROS_WARN("%s", line.c_str());
-                       if (!is_trouble) ROS_INFO("%s", line.c_str());
-                     }});
-  const Type type = node.type();
-  ros::AdvertiseOptions options("events", node.queue(), type.md5, type.name, type.definition);
-  packages = self.advertise(options);
-  ros::Publisher stats = self.advertise<std_msgs::String>("stats", 10);
-  ros::Publisher diagnostics =
-      handle.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10);
-
-  ros::Subscriber times;
-  ros::ServiceServer service;
-  if (node.feedback() == "topic") {
-    times = self.subscribe<ProcessingTime>(
-        "processing_time", 10, [&](const auto& time) { node.feedback(time->seq, time->time); });
+class Node {
+ public:
+  Node() {
+    const bool is_array = parameters_.encoding == bridge::kDecoded;
+    const bridge::Ros1Type& type = is_array ? bridge::kEventArray : bridge::kEventPacket;
+    const auto queue = static_cast<std::uint32_t>(parameters_.queue);
+    ros::AdvertiseOptions options("events", queue, type.md5, type.name, type.definition);
+    packages_ = self_.advertise(options);
+    stats_ = self_.advertise<String>("stats", 10);
+    diagnostics_ = handle_.advertise<Diagnostics>("/diagnostics", 10);
+    listen();
+    using Event = ros::MessageEvent<const AnyMessage>;
+    events_ = handle_.subscribe<AnyMessage, const Event&>(
+        "events", queue, [this](const Event& event) { take(event); }, {},
+        ros::TransportHints().tcpNoDelay());
+    timer_ = self_.createWallTimer(ros::WallDuration(1.0),
+                                   [this](const ros::WallTimerEvent&) { report(); });
   }
-  if (node.feedback() == "service") {
+  ~Node() { session_.stop(); }  // delivers what waits
+
+ private:
+  void publish(const bridge::Message& message) {
+    bridge::write_ros1(message, session_.frame_id(), bytes_.bytes);
+    packages_.publish(bytes_);
+  }
+
+  void take(const ros::MessageEvent<const AnyMessage>& event) {
+    bridge::Packet packet =
+        bridge::read_ros1(event.getConnectionHeader()["md5sum"],
+                          std::as_bytes(std::span(event.getMessage()->bytes)), decoded_);
+    packet.publisher = event.getPublisherName();
+    session_.take(packet);
+  }
+
+  void listen() {
+    if (parameters_.feedback == "topic") {
+      const boost::function<void(const ProcessingTime&)> finished =
+          [this](const ProcessingTime& time) { relay_.feedback(time.seq, time.time); };
+      times_ = self_.subscribe<ProcessingTime>("processing_time", 10, finished);
+    }
+    if (parameters_.feedback != "service") return;
     // Whatever its sum: the published node's consumers call without `seq`.
     using Any = ros::ServiceSpec<AnyMessage, Feedback::Response>;
     ros::AdvertiseServiceOptions options;
     options.init<Feedback>("feedback", {});
     options.md5sum = "*";
     options.helper = boost::make_shared<ros::ServiceCallbackHelperT<Any>>(
-        [&](AnyMessage& bytes, Feedback::Response& response) {
+        [this](AnyMessage& bytes, Feedback::Response& response) {
           namespace wire = ros::serialization;
           Feedback::Request request;
           bytes.bytes.resize(wire::serializationLength(request));
           wire::IStream stream(bytes.bytes.data(), static_cast<std::uint32_t>(bytes.bytes.size()));
           wire::deserialize(stream, request);
-          response.success = node.feedback(request.seq, request.time);
+          response.success = relay_.feedback(request.seq, request.time);
           return true;
         });
-    service = self.advertiseService(options);
+    service_ = self_.advertiseService(options);
   }
 
-  using Event = ros::MessageEvent<const AnyMessage>;
-  const ros::Subscriber events = handle.subscribe<AnyMessage, const Event&>(
-      "events", node.queue(),
-      [&](const Event& event) {
-        node.take(event.getConnectionHeader()["md5sum"], event.getPublisherName(),
-                  event.getMessage()->bytes);
-      },
-      {}, ros::TransportHints().tcpNoDelay());
+  // Heeds the parameters that may change; says once why it does not.
+  void update() {
+    std::string refusal;
+    try {
+      parameters_ = read(self_, parameters_, true);
+      session_.set(parameters_);
+    } catch (const std::invalid_argument& error) {
+      refusal = std::string("parameters refused: ") + error.what();
+    }
+    if (!refusal.empty() && refusal != refusal_) ROS_WARN("%s", refusal.c_str());
+    refusal_ = refusal;
+  }
 
-  const ros::WallTimer timer =
-      self.createWallTimer(ros::WallDuration(1.0), [&](const ros::WallTimerEvent&) {
-        node.update(values);
-        const Report report = node.report(events.getTopic());
-        std_msgs::String json;
-        json.data = report.json;
-        stats.publish(json);
-        diagnostics.publish(diagnostics_of(report));
-      });
+  void report() {
+    update();
+    const bridge::Session::Report report = session_.report(events_.getTopic());
+    String json;
+    json.data = bridge::to_json(report.facts).c_str();
+    stats_.publish(json);
+    Diagnostics array;
+    array.header.stamp = ros::Time::now();
+    bridge::write(report, ros::this_node::getName().c_str(), array.status.emplace_back());
+    diagnostics_.publish(array);
+  }
 
+  ros::NodeHandle handle_, self_{"~"};
+  bridge::Parameters parameters_ = read(self_, {.encoding = std::string(bridge::kDecoded)}, false);
+  std::string refusal_;  // of a parameter, said last
+  AnyMessage bytes_;     // the session's thread's
+  std::vector<asap::Event> decoded_;
+  ros::Publisher packages_, stats_, diagnostics_;
+  bridge::Relay relay_{parameters_, [this](const bridge::Message& message) { publish(message); },
+                       [this] { return packages_.getNumSubscribers() > 0; }};
+  bridge::Session session_{parameters_, relay_, say};
+  ros::Subscriber events_, times_;
+  ros::ServiceServer service_;
+  ros::WallTimer timer_;
+};
+
+void run() {
+  Node node;
   ros::XMLRPCManager::instance()->unbind("shutdown");
   ros::XMLRPCManager::instance()->bind("shutdown", end_by_call);
   is_ready = 1;
   while (is_over == 0 && ros::ok()) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kLookEvery_s));
   }
-  node.stop();
 }
 
 }  // namespace

@@ -17,51 +17,47 @@ ARGUMENTS = {
     "serial": ("", "serial number of the camera; empty: the first one"),
     "bias_file": ("", "for metavision a .bias file, for libcaer a YAML file of parameters"),
     "namespace": ("", "of both nodes"),
-}
-PARAMETERS = {  # of asap
-    "latency_ms": "10.0",
-    "feedback": "none",
-    "encoding": "evt3",
-    "input_reliability": "best_effort",
-    "output_reliability": "reliable",
+    "latency_ms": ("10.0", "as the parameter of asap, and so the rest"),
+    "feedback": ("none", ""),
+    "encoding": ("evt3", ""),
+    "input_reliability": ("best_effort", ""),
+    "output_reliability": ("reliable", ""),
 }
 
 
 def containers(context: LaunchContext) -> list[ComposableNodeContainer]:
     """Return one container with both components."""
-
-    def given(name: str) -> str:
-        return LaunchConfiguration(name).perform(context)
-
-    driver, bias_file, namespace = given("driver"), given("bias_file"), given("namespace")
-    camera = [{"serial": ParameterValue(given("serial"), value_type=str)}]
+    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    driver, bias_file = given["driver"], given["bias_file"]
+    camera = [{"serial": ParameterValue(given["serial"], value_type=str)}]
     if driver == "metavision":
         camera[0]["bias_file"] = bias_file
     else:
-        camera = [*camera, {"device_type": given("device_type")}, *filter(None, [bias_file])]
-    asap = {name: given(name) for name in PARAMETERS} | {"latency_ms": float(given("latency_ms"))}
-
-    def node(package: str, plugin: str, name: str, **fields: list) -> ComposableNode:
-        within = [{"use_intra_process_comms": True}]
-        return ComposableNode(
+        camera = [*camera, {"device_type": given["device_type"]}, *filter(None, [bias_file])]
+    asap = {name: given[name] for name in [*ARGUMENTS][6:]}
+    asap["latency_ms"] = float(given["latency_ms"])
+    plugins = [
+        (f"{driver}_driver", DRIVERS[driver], "event_camera", camera, []),
+        ("asap_ros", "asap_ros::PackageNode", "asap", [asap], [("events", "event_camera/events")]),
+    ]
+    components = [
+        ComposableNode(
             package=package,
             plugin=plugin,
             name=name,
-            namespace=namespace,
-            extra_arguments=within,
-            **fields,
+            namespace=given["namespace"],
+            parameters=parameters,
+            remappings=rules,
+            extra_arguments=[{"use_intra_process_comms": True}],
         )
-
-    rules = [("events", "event_camera/events")]
+        for package, plugin, name, parameters, rules in plugins
+    ]
     container = ComposableNodeContainer(
         name="events",
-        namespace=namespace,
+        namespace=given["namespace"],
         package="rclcpp_components",
         executable="component_container",
-        composable_node_descriptions=[
-            node(f"{driver}_driver", DRIVERS[driver], "event_camera", parameters=camera),
-            node("asap_ros", "asap_ros::PackageNode", "asap", parameters=[asap], remappings=rules),
-        ],
+        composable_node_descriptions=components,
         output="screen",
     )
     return [container]
@@ -69,9 +65,8 @@ def containers(context: LaunchContext) -> list[ComposableNodeContainer]:
 
 def generate_launch_description() -> LaunchDescription:
     """Start the container."""
-    arguments = ARGUMENTS | {name: (value, "as in asap") for name, value in PARAMETERS.items()}
     declared = [
         DeclareLaunchArgument(name, default_value=value, description=text)
-        for name, (value, text) in arguments.items()
+        for name, (value, text) in ARGUMENTS.items()
     ]
     return LaunchDescription([*declared, OpaqueFunction(function=containers)])

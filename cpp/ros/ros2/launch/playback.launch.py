@@ -10,32 +10,22 @@ from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
 
+def node(executable: str, name: str, topic: LaunchConfiguration | str) -> Node:
+    """Return a node that takes the events of a topic."""
+    latency_ms = ParameterValue(LaunchConfiguration("latency_ms"), value_type=float)
+    given = {"parameters": [{"latency_ms": latency_ms}], "remappings": [("events", topic)]}
+    return Node(package="asap_ros", executable=executable, name=name, output="screen", **given)
+
+
 def generate_launch_description() -> LaunchDescription:
     """Start the player, the node and a consumer."""
-    latency_ms = ParameterValue(LaunchConfiguration("latency_ms"), value_type=float)
-    asap = Node(
-        package="asap_ros",
-        executable="asap_node",
-        name="asap",
-        parameters=[{"latency_ms": latency_ms}],
-        remappings=[("events", LaunchConfiguration("topic"))],
-        output="screen",
-    )
-    tracker = Node(
-        package="asap_ros",
-        executable="cluster_tracker",
-        name="asap_cluster_tracker",
-        parameters=[{"latency_ms": latency_ms}],
-        remappings=[("events", "/asap/events")],
-        output="screen",
-    )
     return LaunchDescription(
         [
             DeclareLaunchArgument("bag"),
             DeclareLaunchArgument("topic", default_value="/event_camera/events"),
             DeclareLaunchArgument("latency_ms", default_value="10.0"),
-            asap,
-            tracker,
+            node("asap_node", "asap", LaunchConfiguration("topic")),
+            node("cluster_tracker", "asap_cluster_tracker", "/asap/events"),
             ExecuteProcess(cmd=["ros2", "bag", "play", LaunchConfiguration("bag")]),
         ]
     )

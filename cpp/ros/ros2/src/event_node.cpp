@@ -17,6 +17,19 @@ std::int64_t to_ns(const builtin_interfaces::msg::Time& time) {
   return std::int64_t{time.sec} * kNsPerS + time.nanosec;
 }
 
+std::string name_of(const rclcpp::TopicEndpointInfo& end) {
+  return end.node_namespace() + (end.node_namespace() == "/" ? "" : "/") + end.node_name();
+}
+
+void read(const rclcpp::Parameter& given, ros::Parameters& parameters) {
+  std::optional<double> number;
+  if (given.get_type() == rclcpp::PARAMETER_DOUBLE) number = given.as_double();
+  if (given.get_type() == rclcpp::PARAMETER_INTEGER) {  // `latency_ms:=20`
+    number = static_cast<double>(given.as_int());
+  }
+  ros::set(parameters, given.get_name(), given.value_to_string(), number);
+}
+
 }  // namespace
 
 builtin_interfaces::msg::Time to_time(std::int64_t ns) {
@@ -83,27 +96,9 @@ void EventNode::declare(bool of_packages) {
     descriptor.additional_constraints = "Must be " + ros::constraint(field) + ".";
     declare_parameter(field.name, rclcpp::ParameterValue(parameters_.*field.field), descriptor);
     read(get_parameter(field.name), parameters_);
-    names_.emplace_back(field.name);
   };
   for (const ros::NumberField& field : ros::kNumbers) declare_one(field, field.is_fixed);
   for (const ros::ChoiceField& field : ros::kChoices) declare_one(field, true);
-}
-
-void EventNode::read(const rclcpp::Parameter& given, ros::Parameters& parameters) const {
-  const std::string value = given.value_to_string();
-  for (const ros::ChoiceField& field : ros::kChoices) {
-    if (given.get_name() == field.name) parameters.*field.field = value;
-  }
-  for (const ros::NumberField& field : ros::kNumbers) {
-    if (given.get_name() != field.name) continue;
-    if (given.get_type() == rclcpp::PARAMETER_DOUBLE) {
-      parameters.*field.field = given.as_double();
-    } else if (given.get_type() == rclcpp::PARAMETER_INTEGER) {  // `latency_ms:=20`
-      parameters.*field.field = static_cast<double>(given.as_int());
-    } else {
-      throw std::invalid_argument(given.get_name() + " = " + value + ": must be a number");
-    }
-  }
 }
 
 rclcpp::QoS EventNode::qos(const std::string& reliability) const {
@@ -170,14 +165,6 @@ std_msgs::msg::Header EventNode::header(std::int64_t stamp_ns) const {
 
 // ---- reports ----------------------------------------------------------------------------------
 
-namespace {
-
-std::string name_of(const rclcpp::TopicEndpointInfo& end) {
-  return end.node_namespace() + (end.node_namespace() == "/" ? "" : "/") + end.node_name();
-}
-
-}  // namespace
-
 std::string EventNode::name_of(std::string_view publisher) const {
   for (const rclcpp::TopicEndpointInfo& end : get_publishers_info_by_topic(topic_)) {
     const auto& gid = end.endpoint_gid();
@@ -209,32 +196,17 @@ std::string EventNode::mismatch() const {
 }
 
 void EventNode::report() {
-  for (const std::string& name : names_) read(get_parameter(name), parameters_);
-  session_->set_latency(parameters_.latency_ms);
-  heed(parameters_);
-
-  const bool is_heard = !packages_ || packages_->get_subscription_count() > 0 ||
-                        packages_->get_intra_process_subscription_count() > 0;
-  ros::Session::Report report =
-      session_->report({.topic = topic_, .mismatch = mismatch(), .is_heard = is_heard});
-  const ros::Facts more = this->facts();
-  report.facts.insert(report.facts.end(), more.begin(), more.end());
+  for (const ros::NumberField& field : ros::kNumbers) {
+    if (has_parameter(field.name)) read(get_parameter(field.name), parameters_);
+  }
+  session_->set(parameters_);
+  const ros::Session::Report report = session_->report(topic_, mismatch());
   std_msgs::msg::String stats;
   stats.data = ros::to_json(report.facts);
   stats_->publish(stats);
-
   diagnostic_msgs::msg::DiagnosticArray array;
   array.header.stamp = now();
-  diagnostic_msgs::msg::DiagnosticStatus& status = array.status.emplace_back();
-  status.name = get_fully_qualified_name();
-  status.hardware_id = session_->frame_id();
-  status.level = static_cast<std::uint8_t>(report.level);
-  status.message = report.message;
-  for (const ros::Fact& fact : report.facts) {
-    diagnostic_msgs::msg::KeyValue& entry = status.values.emplace_back();
-    entry.key = fact.name;
-    entry.value = fact.value;
-  }
+  ros::write(report, get_fully_qualified_name(), array.status.emplace_back());
   diagnostics_->publish(array);
 }
 

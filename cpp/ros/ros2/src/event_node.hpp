@@ -41,18 +41,12 @@ class EventNode : public rclcpp::Node {
   void start(ros::Receiver& receiver, rclcpp::PublisherBase::SharedPtr packages = {});
   void stop();
 
-  // Those in force have changed.
-  virtual void heed(const ros::Parameters&) {}
-  // What else a report says.
-  virtual ros::Facts facts() const { return {}; }
-
   const ros::Parameters& parameters() const noexcept { return parameters_; }
   std_msgs::msg::Header header(std::int64_t stamp_ns) const;
   rclcpp::QoS qos(const std::string& reliability) const;
 
  private:
   void declare(bool of_packages);
-  void read(const rclcpp::Parameter& given, ros::Parameters& parameters) const;
   void subscribe();
   void take(ros::Packet packet, const std_msgs::msg::Header& header,
             const rclcpp::MessageInfo& info);
@@ -61,7 +55,6 @@ class EventNode : public rclcpp::Node {
   void report();
 
   ros::Parameters parameters_;
-  std::vector<std::string> names_;  // of the parameters
   std::unique_ptr<ros::Session> session_;
   std::vector<asap::Event> decoded_;
   std::string topic_;

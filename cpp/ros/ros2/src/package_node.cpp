@@ -1,101 +1,117 @@
-#include "package_node.hpp"
-
+// PackageNode: publishes the events of a camera in packages, on ~/events, as fast as the consumer
+// works and within latency_ms. The consumer says when it has finished a package: see `feedback`.
 #include <rclcpp/version.h>
 
+#include <asap_ros/msg/processing_time.hpp>
+#include <asap_ros/srv/feedback.hpp>
+#include <functional>
+#include <memory>
 #include <rclcpp_components/register_node_macro.hpp>
 #include <stdexcept>
 #include <utility>
+
+#include "event_node.hpp"
+#include "ros/bridge/relay.hpp"
 
 #ifdef ASAP_ROS_DVS_MSGS
 #include <dvs_msgs/msg/event_array.hpp>
 #endif
 
 namespace asap_ros {
-namespace {
 
-constexpr std::size_t kCallsThatWait = 1000;  // 10 by default: a burst would lose some
+class PackageNode : public EventNode {
+ public:
+  explicit PackageNode(const rclcpp::NodeOptions& options) : EventNode("asap", options) {
+    declare_packages();
+    advertise();
+    relay_ = std::make_unique<ros::Relay>(parameters(), publish_, [this] {
+      return publisher_->get_subscription_count() +
+                 publisher_->get_intra_process_subscription_count() >
+             0;
+    });
+    listen();
+    start(*relay_, publisher_);
+  }
+  ~PackageNode() override { stop(); }
 
-}  // namespace
+ private:
+  using Service = asap_ros::srv::Feedback;
+  using ProcessingTime = asap_ros::msg::ProcessingTime;
+  static constexpr std::size_t kCallsThatWait = 1000;  // 10 by default: a burst would lose some
 
-PackageNode::PackageNode(const rclcpp::NodeOptions& options) : EventNode("asap", options) {
-  declare_packages();
-  advertise();
-  relay_ = std::make_unique<ros::Relay>(parameters(), publish_, [this] {
-    return publisher_->get_subscription_count() +
-               publisher_->get_intra_process_subscription_count() >
-           0;
-  });
-  listen();
-  start(*relay_, publisher_);
-}
-
-PackageNode::~PackageNode() { stop(); }
-
-void PackageNode::advertise() {
-  if (parameters().encoding != ros::kDecoded) {
-    const auto publisher =
-        create_publisher<EventPacket>("~/events", qos(parameters().output_reliability));
+  void advertise() {
+    const rclcpp::QoS qos = this->qos(parameters().output_reliability);
+    if (parameters().encoding != ros::kDecoded) {
+      const auto publisher = create_publisher<EventPacket>("~/events", qos);
+      publisher_ = publisher;
+      publish_ = [this, publisher = publisher.get()](ros::Message& message) {
+        auto packet = std::make_unique<EventPacket>();
+        packet->header = header(message.stamp_ns);
+        packet->width = message.sensor.width;
+        packet->height = message.sensor.height;
+        packet->seq = message.seq;
+        packet->time_base = message.time_base;
+        packet->encoding = message.encoding;
+        packet->events = std::move(message.bytes);
+        publisher->publish(std::move(packet));
+      };
+      return;
+    }
+#ifdef ASAP_ROS_DVS_MSGS
+    using EventArray = dvs_msgs::msg::EventArray;
+    const auto publisher = create_publisher<EventArray>("~/events", qos);
     publisher_ = publisher;
     publish_ = [this, publisher = publisher.get()](ros::Message& message) {
-      auto packet = std::make_unique<EventPacket>();
-      packet->header = header(message.stamp_ns);
-      packet->width = message.sensor.width;
-      packet->height = message.sensor.height;
-      packet->seq = message.seq;
-      packet->time_base = message.time_base;
-      packet->encoding = message.encoding;
-      packet->events = std::move(message.bytes);
-      publisher->publish(std::move(packet));
+      auto array = std::make_unique<EventArray>();
+      array->header = header(message.stamp_ns);
+      array->width = message.sensor.width;
+      array->height = message.sensor.height;
+      array->events.reserve(message.events.size());
+      for (const asap::Event& event : message.events) {
+        auto& to = array->events.emplace_back();
+        to.x = event.x;
+        to.y = event.y;
+        to.ts = to_time(event.t * 1000);
+        to.polarity = event.p > 0;
+      }
+      publisher->publish(std::move(array));
     };
-    return;
-  }
-#ifdef ASAP_ROS_DVS_MSGS
-  using EventArray = dvs_msgs::msg::EventArray;
-  const auto publisher =
-      create_publisher<EventArray>("~/events", qos(parameters().output_reliability));
-  publisher_ = publisher;
-  publish_ = [this, publisher = publisher.get()](ros::Message& message) {
-    auto array = std::make_unique<EventArray>();
-    array->header = header(message.stamp_ns);
-    array->width = message.sensor.width;
-    array->height = message.sensor.height;
-    array->events.reserve(message.events.size());
-    for (const asap::Event& event : message.events) {
-      auto& to = array->events.emplace_back();
-      to.x = event.x;
-      to.y = event.y;
-      to.ts = to_time(event.t * 1000);
-      to.polarity = event.p > 0;
-    }
-    publisher->publish(std::move(array));
-  };
 #else
-  throw std::invalid_argument(
-      "encoding = dvs_msgs: must be evt3 or mono; asap_ros was built without dvs_msgs");
+    throw std::invalid_argument(
+        "encoding = dvs_msgs: must be evt3 or mono; asap_ros was built without dvs_msgs");
 #endif
-}
+  }
 
-void PackageNode::listen() {
-  if (parameters().feedback == "topic") {
-    processing_time_ = create_subscription<ProcessingTime>(
-        "~/processing_time", 10, [this](ProcessingTime::ConstSharedPtr finished) {
-          relay_->feedback(finished->seq, finished->time);
-        });
-  }
-  if (parameters().feedback == "service") {
-    auto qos = rclcpp::ServicesQoS().keep_last(kCallsThatWait);
-    service_ = create_service<Service>(
-        "~/feedback",
-        [this](Service::Request::SharedPtr request, Service::Response::SharedPtr response) {
-          response->success = relay_->feedback(request->seq, request->time);
-        },
+  void listen() {
+    if (parameters().feedback == "topic") {
+      processing_time_ = create_subscription<ProcessingTime>(
+          "~/processing_time", 10, [this](ProcessingTime::ConstSharedPtr finished) {
+            relay_->feedback(finished->seq, finished->time);
+          });
+    }
+    if (parameters().feedback == "service") {
+      auto qos = rclcpp::ServicesQoS().keep_last(kCallsThatWait);
+      service_ = create_service<Service>(
+          "~/feedback",
+          [this](Service::Request::SharedPtr request, Service::Response::SharedPtr response) {
+            response->success = relay_->feedback(request->seq, request->time);
+          },
 #if RCLCPP_VERSION_GTE(17, 0, 0)
-        qos);
+          qos);
 #else  // Humble
-        qos.get_rmw_qos_profile());
+          qos.get_rmw_qos_profile());
 #endif
+    }
   }
-}
+
+  std::function<void(ros::Message&)> publish_;
+  rclcpp::PublisherBase::SharedPtr publisher_;
+  std::unique_ptr<ros::Relay> relay_;
+  rclcpp::Subscription<ProcessingTime>::SharedPtr processing_time_;
+  rclcpp::Service<Service>::SharedPtr service_;
+};
+
+int asap_node(int argc, char** argv) { return spin<PackageNode>(argc, argv); }
 
 }  // namespace asap_ros
 

@@ -36,6 +36,13 @@ const Bytes kPacket{9, 0, 0, 0, 1,   0,   0,   0,   0, 0, 0, 0, 0, 0, 0, 0,  // 
                     4, 0, 0, 0, 'm', 'o', 'n', 'o', 1,                       // big-endian
                     3, 0, 0, 0, 8,   9,   10};
 
+struct Ros1Reader {
+  Packet read(std::string_view md5, std::span<const std::byte> bytes) {
+    return read_ros1(md5, bytes, events);
+  }
+  std::vector<Event> events;
+};
+
 TEST(Ros1Messages, ReadsAnEventArray) {
   Ros1Reader reader;
   const auto read = reader.read(kEventArray.md5, view(kArray));
