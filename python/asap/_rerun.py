@@ -13,6 +13,7 @@ import subprocess
 import sys
 from collections import deque
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -25,7 +26,7 @@ from asap.results.pictures import BRIGHT, COLOURS, OUTLINE_DTYPE, painted
 PORT = 9876
 
 _KINDS = (TELEMETRY_DTYPE, EVENT_DTYPE, OUTLINE_DTYPE)  # of a frame
-_COUNTS = struct.Struct(f"<{len(_KINDS)}q")
+_HEAD = struct.Struct(f"<{2 + len(_KINDS)}q")
 _CURVES_S = 15.0
 _TRAIL_S = 0.7
 
@@ -50,23 +51,27 @@ _LINES = [
 ]
 
 
-def write_frame(pipe: BinaryIO, frame: Sequence[NDArray[np.void]]) -> None:
-    """Write rows, events and outlines."""
-    rest = memoryview(b"".join([_COUNTS.pack(*map(len, frame)), *(p.tobytes() for p in frame)]))
+def write_frame(pipe: BinaryIO, sensor: tuple[int, int], frame: Sequence[NDArray[np.void]]) -> None:
+    """Write the size of the sensor, rows, events and outlines."""
+    rest = memoryview(
+        b"".join([_HEAD.pack(*sensor, *map(len, frame)), *(p.tobytes() for p in frame)])
+    )
     while rest:
         rest = rest[pipe.write(rest) :]
 
 
-def _frames(pipe: BinaryIO) -> Iterator[list[NDArray[np.void]]]:
-    while len(head := pipe.read(_COUNTS.size)) == _COUNTS.size:
-        sizes = [n * kind.itemsize for n, kind in zip(_COUNTS.unpack(head), _KINDS, strict=True)]
+def _frames(pipe: BinaryIO) -> Iterator[tuple[Any, ...]]:
+    while len(head := pipe.read(_HEAD.size)) == _HEAD.size:
+        width, height, *counts = _HEAD.unpack(head)
+        sizes = [n * kind.itemsize for n, kind in zip(counts, _KINDS, strict=True)]
         parts = [pipe.read(size) for size in sizes]
         if [len(part) for part in parts] != sizes:
             return  # cut
-        yield [np.frombuffer(part, kind) for part, kind in zip(parts, _KINDS, strict=True)]
+        arrays = [np.frombuffer(part, kind) for part, kind in zip(parts, _KINDS, strict=True)]
+        yield (height, width), *arrays
 
 
-def draw(target: str, width: int, height: int) -> None:
+def draw(target: str) -> None:
     """Show what comes in."""
     os.environ.update(_PRIVATE)
     import rerun as rr
@@ -78,7 +83,9 @@ def draw(target: str, width: int, height: int) -> None:
         recording.connect_grpc(f"rerun+http://127.0.0.1:{PORT}/proxy")
     else:
         recording.save(target)
-    picture = _Picture(recording, width, height)
+    picture = _Picture(recording)
+    with suppress(AttributeError):  # Windows has none
+        os.nice(10)  # the run comes first
     for frame in _frames(sys.stdin.buffer):
         picture.log(*frame)
     recording.flush(timeout_sec=2.0)
@@ -94,12 +101,11 @@ def _open_window() -> None:
 
 
 class _Picture:
-    def __init__(self, recording: Any, width: int, height: int) -> None:
+    def __init__(self, recording: Any) -> None:
         import rerun as rr
         import rerun.blueprint as rrb
 
         self._rr, self._recording = rr, recording
-        self._size = (height, width)
         self._trails: dict[int, deque[tuple[float, float, float]]] = {}
         self._first_us: float | None = None
         self._seen_lost = self._now_s = 0.0
@@ -135,7 +141,9 @@ class _Picture:
     def _log(self, *what: Any, static: bool = False) -> None:
         self._rr.log(*what, static=static, recording=self._recording)
 
-    def log(self, rows: Rows, events: Events, found: NDArray[np.void]) -> None:
+    def log(
+        self, size: tuple[int, int], rows: Rows, events: Events, found: NDArray[np.void]
+    ) -> None:
         """Log a frame: the image, what was found with its trails, a point of each curve."""
         if len(rows):
             if self._first_us is None:
@@ -145,8 +153,7 @@ class _Picture:
             self._log_curves(rows, max(self._now_s - before_s, 1e-3))
         self._recording.set_time("time", duration=self._now_s)
         if len(events):
-            image = painted(events, self._size)
-            self._size = image.shape
+            image = painted(events, size)
             self._log("scene/events", self._rr.SegmentationImage(image, opacity=1.0))
         self._log_found(found)
 

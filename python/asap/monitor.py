@@ -26,7 +26,7 @@ from asap.io.errors import library
 
 __all__ = ["Screen", "Tail", "follow", "newest", "shown"]
 
-_EVERY_S = 0.25
+_EVERY_S = 0.5
 _SLOT_US = 500_000  # a column of the curves
 _MOST_SLOTS = 400
 _SILENT_S = 2.0

@@ -74,16 +74,16 @@ def view(
                 pipeline.run()
     """
     if isinstance(pipeline_or_run, Pipeline):
-        shown = View(target, *pipeline_or_run._sensor)
+        shown = View(target)
         shown.attach(pipeline_or_run, algorithm)
         return shown
     if not isinstance(pipeline_or_run, Run):
         remedy = "give an asap.Pipeline or a run of asap.run or asap.simulate"
         raise TypeError(_checks.named("pipeline_or_run", pipeline_or_run, remedy))
     run = pipeline_or_run
-    with View(target, run.source["width"], run.source["height"]) as shown:
+    with View(target) as shown:
         for frame in _frames(run):
-            if not shown.send(*frame):
+            if not shown.send((run.source["width"], run.source["height"]), *frame):
                 break
     return shown
 
@@ -113,9 +113,7 @@ def _has_screen() -> bool:
 class View:
     """A process that shows frames, and the thread that takes them from a pipeline."""
 
-    def __init__(
-        self, target: str | os.PathLike[str], width: int | None = None, height: int | None = None
-    ) -> None:
+    def __init__(self, target: str | os.PathLike[str]) -> None:
         if target == "spawn" and not _has_screen():
             raise RuntimeError(
                 "view: no screen, DISPLAY is not set; give a file, such as run.rrd, or 'connect' "
@@ -128,9 +126,8 @@ class View:
         if find_spec("rerun") is None:
             library("rerun", "a view", "view")
         code = f"import sys; sys.path[:] = {sys.path!r}; from asap import _rerun"
-        arguments = target, width or 0, height or 0
         process = subprocess.Popen(
-            [sys.executable, "-c", f"{code}; _rerun.draw{arguments!r}"],
+            [sys.executable, "-c", f"{code}; _rerun.draw({target!r})"],
             stdin=subprocess.PIPE,
             bufsize=0,
             start_new_session=True,  # Ctrl-C is for the user's process alone
@@ -163,14 +160,14 @@ class View:
             found = found_by(algorithm)
             parts = [came.popleft() for _ in range(len(came))]
             rows = np.concatenate([np.empty(0, TELEMETRY_DTYPE), *parts])
-            if (len(rows) or len(events)) and not self.send(rows, events, found):
+            if (len(rows) or len(events)) and not self.send(pipeline._sensor, rows, events, found):
                 break
         pipeline._log.watchers.remove(look)
 
-    def send(self, *frame: NDArray[np.void]) -> bool:
+    def send(self, sensor: tuple[int | None, int | None], *frame: NDArray[np.void]) -> bool:
         """Hand rows, events and what was found over; False: the other process has ended."""
         try:
-            write_frame(self._pipe, frame)
+            write_frame(self._pipe, (sensor[0] or 0, sensor[1] or 0), frame)
         except OSError:
             return False
         return True

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 import asap
@@ -79,30 +79,32 @@ def is_live(arguments: Any) -> bool:
     return live
 
 
-def _open(arguments: Any) -> asap.Camera:
-    if arguments.camera is not None:
+def _open(arguments: Any, recording: asap.Recording | None) -> asap.Camera:
+    if recording is None:
         return asap.open_camera(arguments.camera or None)
+    return asap.SoftwareCamera(recording, speed=arguments.speed)
+
+
+def _recording(arguments: Any) -> asap.Recording | None:
+    if arguments.camera is not None:
+        return None
     arguments.file = [arguments.software_camera]
-    return asap.SoftwareCamera(open_recording(arguments), speed=arguments.speed)
+    return open_recording(arguments)
 
 
 @contextmanager
-def _shown(arguments: Any, camera: asap.Camera) -> Iterator[Any]:
-    """Give the callback of a run: a viewer's, a monitor's or that of the progress."""
+def _shown(arguments: Any) -> Iterator[Any]:
+    """Begin to show, and give what makes the callback of a camera's run."""
     if arguments.target:
-        with usage():
-            view = viewer.View(arguments.target, camera.width, camera.height)
-        with view:
-            yield lambda *_: view.attach(camera.pipeline)
+        with viewer.View(arguments.target) as view:
+            yield lambda camera: lambda *_: view.attach(camera.pipeline)
     elif arguments.monitor:
-        screen = monitor.Screen(
-            f"{camera} · {arguments.algorithm.name if arguments.algorithm else 'clusters'}"
-        )
+        screen = monitor.Screen(arguments.algorithm.name if arguments.algorithm else "clusters")
         with monitor.shown(screen):
-            yield lambda *_: screen.attach(camera.pipeline)
+            yield lambda camera: lambda *_: screen.attach(camera.pipeline)
     else:
         with _progress.on_terminal() as on_progress:
-            yield on_progress
+            yield lambda _: on_progress
 
 
 def run_live(arguments: Any) -> int:
@@ -112,13 +114,18 @@ def run_live(arguments: Any) -> int:
         scheme = scheme_of(arguments.scheme, arguments.settings)
     before, camera, tracks = asap.last_run(), None, None
     try:
-        with reading(arguments), _open(arguments) as camera:
+        with (
+            reading(arguments),
+            nullcontext(_recording(arguments)) as recording,
+            _shown(arguments) as show,  # what it starts takes its time, as opening does
+            _open(arguments, recording) as camera,
+        ):
             with usage():
                 workers = workers_of(arguments, camera, default="clusters")
                 tracks = workers.tracks
                 if arguments.record:
                     camera.record(arguments.record)
-            with workers.own, _shown(arguments, camera) as on_progress:
+            with workers.own:
                 asap.run(
                     camera,
                     algorithm=workers.algorithm,
@@ -128,7 +135,7 @@ def run_live(arguments: Any) -> int:
                     on_bad=arguments.on_bad,
                     seed=arguments.seed,
                     duration_s=arguments.duration and arguments.duration / 1e6,
-                    on_progress=on_progress,
+                    on_progress=show(camera),
                 )
     finally:
         run = asap.last_run()
