@@ -24,7 +24,7 @@ def blocks_of(text: str) -> list[tuple[str, str]]:
 BLOCKS = blocks_of(TEXT)
 PAGES = {"README.md": BLOCKS} | {
     f"{name}.md": blocks_of((NOTEBOOKS / f"{name}.md").read_text())
-    for name in ("own_algorithm", "live", "questions", "command_line", "cpp")
+    for name in ("index", "own_algorithm", "live", "questions", "command_line", "cpp")
 }
 
 
