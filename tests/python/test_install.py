@@ -6,6 +6,7 @@ import importlib.metadata
 import os
 import re
 import shutil
+import subprocess
 import sys
 import tarfile
 import venv
@@ -123,6 +124,14 @@ def test_a_wheel_is_built_from_the_sdist_alone(sdist: Path, wheel: Path, tmp_pat
     (built,) = tmp_path.glob("*.whl")
     assert built.name == wheel.name
     assert {*zipfile.ZipFile(built).namelist()} == {*zipfile.ZipFile(wheel).namelist()}
+
+
+def test_a_missing_compiler_is_named_in_one_line(tmp_path: Path) -> None:
+    command = ["cmake", "-S", ROOT, "-B", tmp_path]
+    environment = os.environ | {"CXX": "no-such-compiler"}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert "\n  No C++20 compiler: apt-get install g++, or name yours in CXX.\n" in done.stderr
 
 
 def test_import_from_elsewhere(stranger: Path, tmp_path: Path) -> None:

@@ -23,8 +23,8 @@ def blocks_of(text: str) -> list[tuple[str, str]]:
 
 BLOCKS = blocks_of(TEXT)
 PAGES = {"README.md": BLOCKS} | {
-    name: blocks_of((NOTEBOOKS / name).read_text())
-    for name in ("own_algorithm.md", "live.md", "questions.md", "command_line.md", "cpp.md")
+    f"{name}.md": blocks_of((NOTEBOOKS / f"{name}.md").read_text())
+    for name in ("index", "own_algorithm", "live", "questions", "command_line", "cpp")
 }
 
 
@@ -62,6 +62,13 @@ def test_python_examples_run(page: str, example: str, tmp_path: Path) -> None:
     script = tmp_path / "example.py"
     script.write_text(example)
     run([sys.executable, "-W", "error", script], cwd=tmp_path)
+
+
+def test_the_page_of_a_package_index_needs_no_file_beside_it() -> None:
+    page = (ROOT / "python" / "README.md").read_text()
+    targets = re.findall(r"\]\(([^)]*)\)|(?:src|href)=\"([^\"]*)\"", page)
+    assert not [found for found in targets if not "".join(found).startswith("https://")]
+    assert {text for name, text in blocks_of(page) if name == "python"} <= {*blocks("python")}
 
 
 def test_cpp_blocks_stand_in_the_examples_that_are_built_and_run() -> None:
