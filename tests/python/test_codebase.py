@@ -56,11 +56,9 @@ USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 
 WITHOUT_A_TEST_OF_ITS_OWN = {
     "algorithms/noise_filters.hpp": "a test of each filter",
-    "core/event_source.hpp": "an interface; the runs' tests read it",
     "formats/aedat.hpp": "a test of each version",
     "formats/atis.hpp": "a test of each format",
     "formats/prophesee.hpp": "a test of each format",
-    "telemetry/telemetry.hpp": "plain data",
 }
 
 CPP = ROOT / "cpp"
