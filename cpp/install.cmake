@@ -12,21 +12,11 @@ endforeach()
 install(DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}/include/asap" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
         COMPONENT development FILES_MATCHING PATTERN "*.hpp")
 
-set(_libraries core formats synthetic)
-set(_asap_requires_formats "asap-core = ${PROJECT_VERSION}")
-set(_asap_requires_synthetic "asap-core = ${PROJECT_VERSION}")
-set(_asap_threads_core "-pthread")
-install(TARGETS asap_core asap_formats asap_synthetic EXPORT asap-core
+set(_libraries core ${ASAP_LIBRARIES})
+list(TRANSFORM _libraries PREPEND asap_ OUTPUT_VARIABLE _targets)
+install(TARGETS ${_targets} EXPORT asap-targets
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
-install(EXPORT asap-core NAMESPACE asap:: DESTINATION "${_asap_cmake_dir}" COMPONENT development)
-if(ASAP_ALGORITHMS)  # an export of its own, for it asks for Eigen
-  list(APPEND _libraries algorithms)
-  set(_asap_requires_algorithms "asap-core = ${PROJECT_VERSION}, eigen3 >= 3.4")
-  install(TARGETS asap_algorithms EXPORT asap-algorithms
-          ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
-  install(EXPORT asap-algorithms NAMESPACE asap::
-          DESTINATION "${_asap_cmake_dir}" COMPONENT development)
-endif()
+install(EXPORT asap-targets NAMESPACE asap:: DESTINATION "${_asap_cmake_dir}" COMPONENT development)
 
 configure_package_config_file(asap-config.cmake.in asap-config.cmake
                               INSTALL_DESTINATION "${_asap_cmake_dir}")
@@ -44,10 +34,12 @@ endif()
 # What is absolute takes the place of the prefix.
 cmake_path(APPEND _asap_pc_libdir "\${prefix}" "${CMAKE_INSTALL_LIBDIR}")
 cmake_path(APPEND _asap_pc_includedir "\${prefix}" "${CMAKE_INSTALL_INCLUDEDIR}")
+set(_asap_requires "")
+set(_asap_threads "-pthread")
 foreach(_library ${_libraries})
-  set(_asap_requires "${_asap_requires_${_library}}")
-  set(_asap_threads "${_asap_threads_${_library}}")
   configure_file(asap.pc.in asap-${_library}.pc @ONLY)
   install(FILES "${CMAKE_CURRENT_BINARY_DIR}/asap-${_library}.pc"
           DESTINATION "${_asap_pc_dir}" COMPONENT development)
+  set(_asap_requires "asap-core = ${PROJECT_VERSION}")  # of all but the first
+  set(_asap_threads "")
 endforeach()

@@ -7,9 +7,8 @@
 #include <chrono>
 
 #include "asap/core/check.hpp"
-#include "asap/runner/linear_cost.hpp"
+#include "asap/runner/simulator.hpp"
 #include "asap/schemes/bounded_scheme.hpp"
-#include "asap/schemes/cost_model.hpp"
 #include "asap/schemes/scheme.hpp"
 #include "runner/admission.hpp"
 

@@ -11,7 +11,6 @@
 #include "algorithms/cluster_tracker_config.hpp"
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/algorithms/cluster_view.hpp"
 #include "asap/core/check.hpp"
 #include "cluster_trackers.hpp"
 #include "layers.hpp"

@@ -59,7 +59,8 @@ void translate_bad_times() {
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       std::rethrow_exception(thrown);
-    } catch (const BadTime& bad) {
+    } catch (const BadValue& bad) {
+      if (bad.unit.empty()) throw;  // the message says all
       const std::string text = bad.field + "_" + bad.unit + " = " + bad.value + ": " + bad.remedy;
       py::set_error(PyExc_ValueError, text.c_str());
     }

@@ -17,7 +17,7 @@
 
 #include "arguments.hpp"
 #include "asap/schemes/deadline.hpp"
-#include "asap/schemes/parameters.hpp"
+#include "asap/schemes/scheme.hpp"
 #include "held.hpp"
 
 namespace asap::python {

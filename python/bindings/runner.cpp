@@ -13,7 +13,6 @@
 #include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/core/check.hpp"
-#include "asap/runner/linear_cost.hpp"
 #include "asap/runner/replay.hpp"
 #include "asap/runner/simulator.hpp"
 #include "consumer.hpp"

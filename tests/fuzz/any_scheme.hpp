@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "asap/runner/linear_cost.hpp"
+#include "asap/runner/simulator.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/asap2022.hpp"
 #include "asap/schemes/dead_beat.hpp"

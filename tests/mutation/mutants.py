@@ -287,7 +287,7 @@ MUTANTS: list[Mutant] = [
         pixels_on_a_line_have_a_plane=("< kOnALine) return false;", "< -1) return false;"),
     ),
     *in_file(
-        SOURCE + "algorithms/cluster_view.cpp",
+        SOURCE + "algorithms/cluster_outline.cpp",
         "algorithms",
         the_axes_are_of_one_deviation=("2 * solver.eigenvalues()", "solver.eigenvalues()"),
         the_angle_is_that_of_the_minor_axis=("eigenvectors().col(1)", "eigenvectors().col(0)"),

@@ -17,6 +17,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.full]  # it builds the library once 
 EXAMPLES = ROOT / "cpp" / "examples"
 OF_THE_CORE, OF_ALL = EXAMPLES / "own_scheme.cpp", EXAMPLES / "smallest_loop.cpp"
 CORE, ALL = "asap::core asap::synthetic", "asap::algorithms asap::synthetic"
+NO_EIGEN = {"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON"}
 STRICT = "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror"
 
 
@@ -56,6 +57,21 @@ def stranger(folder: Path, door: str, library: str, program: str, **variables: s
     assert_it_works(folder / "build" / "stranger")
 
 
+def known_targets(
+    folder: Path, prefix: Path, ask: str = "COMPONENTS core OPTIONAL_COMPONENTS algorithms"
+) -> str:
+    """Return whether asap::algorithms is a target, and whether the package says that it is."""
+    folder.mkdir(exist_ok=True)
+    (folder / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n"
+        f"find_package(asap REQUIRED {ask})\n"
+        "set(known FALSE)\nif(TARGET asap::algorithms)\n  set(known TRUE)\nendif()\n"
+        "file(WRITE ${CMAKE_BINARY_DIR}/known ${known},${asap_algorithms_FOUND})\n"
+    )
+    cmake(folder, folder / "build", CMAKE_PREFIX_PATH=prefix)
+    return (folder / "build" / "known").read_text()
+
+
 def with_one_include(example: Path) -> str:
     """Return an example that includes all of asap by one header."""
     one = "#include <asap/asap.hpp>\n"
@@ -70,13 +86,13 @@ def test_the_licence_comes_with_the_binaries(prefix: Path) -> None:
 
 
 def test_find_package(prefix: Path, tmp_path: Path) -> None:
-    cmake(EXAMPLES, tmp_path, CMAKE_PREFIX_PATH=prefix, CMAKE_CXX_FLAGS=STRICT, **eigen())
+    cmake(EXAMPLES, tmp_path, CMAKE_PREFIX_PATH=prefix, CMAKE_CXX_FLAGS=STRICT, **NO_EIGEN)
     assert_the_examples_work(tmp_path)
 
 
 def test_one_header_includes_all(prefix: Path, tmp_path: Path) -> None:
     door, program = "find_package(asap REQUIRED)", with_one_include(OF_ALL)
-    stranger(tmp_path, door, ALL, program, CMAKE_PREFIX_PATH=prefix, **eigen())
+    stranger(tmp_path, door, ALL, program, CMAKE_PREFIX_PATH=prefix, **NO_EIGEN)
 
 
 def test_one_header_serves_the_core_alone(prefix: Path, tmp_path: Path) -> None:
@@ -93,17 +109,14 @@ def test_find_package_refuses_another_version(prefix: Path, tmp_path: Path) -> N
         cmake(tmp_path, tmp_path / "build", CMAKE_PREFIX_PATH=prefix)
 
 
-def test_the_core_alone_needs_no_eigen(prefix: Path, tmp_path: Path) -> None:
+def test_a_component_that_is_there(prefix: Path, tmp_path: Path) -> None:
     minor = ".".join(asap.__version__.split(".")[:2])
-    absent = {"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON"}
-    program = OF_THE_CORE.read_text()
-    for name, components in (("all", ""), ("core", " COMPONENTS core")):
-        door = f"find_package(asap {minor} REQUIRED{components})"
-        stranger(tmp_path / name, door, CORE, program, CMAKE_PREFIX_PATH=prefix, **absent)
+    door = f"find_package(asap {minor} REQUIRED COMPONENTS core)"
+    stranger(tmp_path, door, CORE, OF_THE_CORE.read_text(), CMAKE_PREFIX_PATH=prefix)
 
 
 def test_the_core_is_built_and_found_where_there_is_no_eigen(tmp_path: Path) -> None:
-    absent = {"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON", "ASAP_ALGORITHMS": "OFF"}
+    absent = {**NO_EIGEN, "ASAP_ALGORITHMS": "OFF"}
     cmake(ROOT, tmp_path / "asap", CMAKE_UNITY_BUILD="ON", **absent)
     run(["cmake", "--install", tmp_path / "asap", "--prefix", tmp_path / "prefix"])
     assert not list((tmp_path / "prefix").rglob("*algorithms*"))
@@ -115,14 +128,17 @@ def test_the_core_is_built_and_found_where_there_is_no_eigen(tmp_path: Path) -> 
     for name, door in doors.items():
         folder, installed = tmp_path / name, tmp_path / "prefix"
         stranger(folder, door, CORE, everything, CMAKE_PREFIX_PATH=installed, **absent)
+    assert known_targets(tmp_path / "asked", installed) == "FALSE,"
+    with pytest.raises(AssertionError, match="ASAP_ALGORITHMS=OFF"):
+        known_targets(tmp_path / "required", installed, "COMPONENTS algorithms")
 
 
 def test_what_needs_the_algorithms_says_so(tmp_path: Path) -> None:
     words = "ASAP_TESTS = ON: needs the algorithms; set ASAP_ALGORITHMS = ON too"
     settings = ["-DASAP_TESTS=ON", "-DASAP_ALGORITHMS=OFF"]
     assert words in run(["cmake", "-S", ROOT, "-B", tmp_path, *settings], check=False)
-    absent = "-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON"
-    found = run(["cmake", "-S", ROOT, "-B", tmp_path / "all", absent], check=False)
+    absent = [f"-D{name}={value}" for name, value in NO_EIGEN.items()]
+    found = run(["cmake", "-S", ROOT, "-B", tmp_path / "all", *absent], check=False)
     assert "build the core alone with -DASAP_ALGORITHMS=OFF" in " ".join(found.split())
 
 
@@ -133,17 +149,8 @@ def test_the_core_holds_neither_formats_nor_scenes(prefix: Path) -> None:
     assert not re.search(r"asap::(Evt3Decoder|Encoder|FlightOverChairs|PoissonArrivals)::", names)
 
 
-@pytest.mark.parametrize("absent", [{"CMAKE_DISABLE_FIND_PACKAGE_Eigen3": "ON"}, {}], ids=len)
-def test_algorithms_may_be_optional(absent: dict[str, str], prefix: Path, tmp_path: Path) -> None:
-    (tmp_path / "CMakeLists.txt").write_text(
-        "cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n"
-        "find_package(asap REQUIRED COMPONENTS core OPTIONAL_COMPONENTS algorithms)\n"
-        "set(known FALSE)\nif(TARGET asap::algorithms)\n  set(known TRUE)\nendif()\n"
-        "file(WRITE ${CMAKE_BINARY_DIR}/known ${known},${asap_algorithms_FOUND})\n"
-    )
-    cmake(tmp_path, tmp_path / "build", CMAKE_PREFIX_PATH=prefix, **(absent or eigen()))
-    known = (tmp_path / "build" / "known").read_text()
-    assert known == ("FALSE," if absent else "TRUE,TRUE")
+def test_algorithms_may_be_optional(prefix: Path, tmp_path: Path) -> None:
+    assert known_targets(tmp_path, prefix) == "TRUE,TRUE"
 
 
 def test_add_subdirectory(tmp_path: Path) -> None:

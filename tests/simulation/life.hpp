@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/telemetry/ledger.hpp"
+#include "asap/telemetry/telemetry.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"
 #include "journal.hpp"

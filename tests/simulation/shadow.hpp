@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "asap/telemetry/ledger.hpp"
+#include "asap/telemetry/telemetry.hpp"
 #include "buffer/event_buffer.hpp"
 #include "journal.hpp"
 #include "packager/anytime_plan.hpp"

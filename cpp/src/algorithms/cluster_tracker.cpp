@@ -2,7 +2,6 @@
 
 #include "algorithms/cluster_tracker_config.hpp"
 #include "algorithms/fast/engine.hpp"
-#include "asap/algorithms/cluster_view.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/check.hpp"
 #include "core/made.hpp"

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "algorithms/window_clusterer.hpp"
-#include "asap/algorithms/cluster_view.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/check.hpp"
 
 namespace asap {

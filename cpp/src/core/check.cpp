@@ -5,10 +5,21 @@
 
 namespace asap {
 
+BadValue::BadValue(std::string_view its_field, std::string_view its_value,
+                   std::string_view its_unit, std::string_view its_remedy)
+    : invalid_argument([&] {
+        std::string message(its_field);
+        message.append(" = ").append(its_value);
+        if (!its_unit.empty()) message.append(" ").append(its_unit);
+        return message.append(": ").append(its_remedy);
+      }()),
+      field(its_field),
+      value(its_value),
+      unit(its_unit),
+      remedy(its_remedy) {}
+
 void throw_bad_value(std::string_view field, std::string_view value, std::string_view remedy) {
-  std::string message;
-  message.append(field).append(" = ").append(value).append(": ").append(remedy);
-  throw std::invalid_argument(message);
+  throw BadValue(field, value, {}, remedy);
 }
 
 std::string to_text(double value) {
@@ -17,26 +28,12 @@ std::string to_text(double value) {
   return text;
 }
 
-static std::string in_unit(std::chrono::nanoseconds time, TimeUnit unit) {
-  return to_text(static_cast<double>(time.count()) / (unit == TimeUnit::ms ? 1e6 : 1e3));
-}
-
-BadTime::BadTime(std::string_view field_name, std::chrono::nanoseconds time, TimeUnit time_unit,
-                 std::string_view advice)
-    : invalid_argument([&] {
-        const bool is_ms = time_unit == TimeUnit::ms;
-        std::string message(field_name);
-        message.append(" = ").append(in_unit(time, time_unit)).append(is_ms ? " ms: " : " us: ");
-        return message.append(advice);
-      }()),
-      field(field_name),
-      value(in_unit(time, time_unit)),
-      unit(time_unit == TimeUnit::ms ? "ms" : "us"),
-      remedy(advice) {}
-
 void require_time(bool ok, std::string_view field, std::chrono::nanoseconds value, TimeUnit unit,
                   std::string_view remedy) {
-  if (!ok) throw BadTime(field, value, unit, remedy);
+  if (ok) return;
+  const bool is_ms = unit == TimeUnit::ms;
+  throw BadValue(field, to_text(static_cast<double>(value.count()) / (is_ms ? 1e6 : 1e3)),
+                 is_ms ? "ms" : "us", remedy);
 }
 
 std::int64_t checked_latency_ns(std::chrono::nanoseconds latency) {

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "asap/core/event.hpp"
-#include "asap/runner/linear_cost.hpp"
+#include "asap/runner/simulator.hpp"
 
 namespace asap {
 

@@ -14,7 +14,7 @@
 
 #include "asap/core/event.hpp"
 #include "asap/core/time.hpp"
-#include "asap/runner/linear_cost.hpp"
+#include "asap/runner/simulator.hpp"
 #include "asap/schemes/scheme.hpp"
 
 namespace asap {

@@ -1,4 +1,4 @@
-#include "asap/runner/linear_cost.hpp"
+#include "asap/runner/simulator.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -15,7 +15,6 @@
 #include "asap/core/time.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/runner/run_config.hpp"
-#include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/telemetry.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"

@@ -135,7 +135,7 @@ TEST_P(EventBufferOfSize, AgreesWithAQueueWhereItGoesBackToTheFirstSlot) {
   compare_with_a_queue<RestlessBuffer>(GetParam(), kNearTheEnd, 100'000);
 }
 
-// Whoever keeps up works in the same few pages for ever; a backlog gets all there are.
+// A consumer that keeps up works in the same few pages for ever; a backlog gets all there are.
 TEST(EventBuffer, StaysNearTheFirstSlotWhereTheConsumerKeepsUp) {
   EventBuffer buffer(std::size_t{1} << 17);
   const Events events = evenly_spaced(std::size_t{1} << 17, 1);

@@ -25,10 +25,11 @@ TEST(Result, HoldsAnObject) {
   EXPECT_EQ(result.message(), "");
 }
 
-TEST(Result, OrAMessage) {
-  const Result<Pinned> result(std::string("speed = -1: must be at least 0"));
+TEST(Result, OrAnError) {
+  const Result<Pinned> result(Error{.message = "speed = -1: must be at least 0", .field = "speed"});
   EXPECT_FALSE(result);
   EXPECT_EQ(result.message(), "speed = -1: must be at least 0");
+  EXPECT_EQ(result.error().field, "speed");
 }
 
 TEST(Result, IsEmptyAtFirstAndGivesItsObjectAway) {

@@ -10,7 +10,7 @@
 
 #include "asap/core/random.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/telemetry/ledger.hpp"
+#include "asap/telemetry/telemetry.hpp"
 #include "packager/event_times.hpp"
 #include "packager/packager.hpp"
 #include "support/scripted_scheme.hpp"

@@ -12,10 +12,10 @@
 
 #include "asap/core/random.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/runner/linear_cost.hpp"
+#include "asap/runner/simulator.hpp"
 #include "asap/schemes/scheme.hpp"
-#include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/run_log.hpp"
+#include "asap/telemetry/telemetry.hpp"
 #include "packager/rate_meter.hpp"
 #include "runner/admission.hpp"
 #include "telemetry/slot_log.hpp"

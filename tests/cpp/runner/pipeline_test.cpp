@@ -1108,6 +1108,16 @@ TEST(MakePipeline, NamesTheFieldAsItsCallerWroteIt) {
             "algorithm = none: give what the events are for");
 }
 
+TEST(MakePipeline, TellsThePartsOfWhatItRefuses) {
+  const Error time = make_pipeline({.latency = -5us}, [](EventSpan) {}).error();
+  EXPECT_EQ(time.field, "latency");
+  EXPECT_EQ(time.value, "-0.005 ms");
+  EXPECT_EQ(time.remedy, "must be between 0.01 and 1e7 ms");
+  const Error number = make_pipeline({.validator = {.width = -1}}, [](EventSpan) {}).error();
+  EXPECT_EQ(number.field, "width");
+  EXPECT_EQ(number.value, "-1");
+}
+
 TEST(MakePipeline, RefusedItHasTakenNothing) {
   const std::string refused = "capacity = 1099511627776: needs ";
   const std::ptrdiff_t before = test::live_allocations();

@@ -1,4 +1,4 @@
-#include "asap/schemes/cost_model.hpp"
+#include "asap/schemes/bounded_scheme.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/schemes/driver_containers.hpp"
+#include "asap/schemes/asap2022.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "asap/schemes/parameters.hpp"
+#include "asap/schemes/scheme.hpp"
 
 #include <gtest/gtest.h>
 

@@ -24,7 +24,7 @@ namespace asap {
 // ---- clusters ----------------------------------------------------------------------------------
 
 // One object at the moment of the question. Plain data, the same for every engine; the Python array
-// of clusters has these fields in this order. cluster_view.hpp shows it in Eigen's types.
+// of clusters has these fields in this order.
 struct Cluster {
   std::int64_t id;      // never changes while the cluster lives
   double x;             // px, centroid
@@ -70,6 +70,11 @@ struct ClusterOutline {
   double minor;  // px, half-axis
   double angle;  // rad, of the major axis: from x (0) towards y, downwards; -pi/2 to pi/2
 };
+
+// Any thread; no allocation. Empty: no cluster has this id.
+ClusterOutline outline_of(const Cluster& cluster) noexcept;
+std::optional<ClusterOutline> outline_of(std::int64_t id,
+                                         std::span<const Cluster> clusters) noexcept;
 
 // ---- parameters --------------------------------------------------------------------------------
 

@@ -16,7 +16,18 @@
 
 namespace asap {
 
-// Throws std::invalid_argument("<field> = <value>: <remedy>").
+// The std::invalid_argument of a field: "<field> = <value> <unit>: <remedy>".
+struct BadValue : std::invalid_argument {
+  BadValue(std::string_view field, std::string_view value, std::string_view unit,
+           std::string_view remedy);
+
+  std::string field;
+  std::string value;
+  std::string unit;  // "us" or "ms" of a time, otherwise empty
+  std::string remedy;
+};
+
+// Throws a BadValue without a unit.
 [[noreturn]] void throw_bad_value(std::string_view field, std::string_view value,
                                   std::string_view remedy);
 
@@ -33,7 +44,7 @@ void require(bool ok, std::string_view field, Value value, std::string_view reme
   }
 }
 
-// Throws std::invalid_argument for a value beyond `last`: C++ lets any number be cast to an
+// Throws BadValue for a value beyond `last`: C++ lets any number be cast to an
 // enumeration. Its values run from 0.
 template <class Enumeration>
 void require_known(Enumeration value, Enumeration last, std::string_view field) {
@@ -44,23 +55,11 @@ void require_known(Enumeration value, Enumeration last, std::string_view field) 
 
 enum class TimeUnit { us, ms };
 
-// The std::invalid_argument of a time: "latency = 0.001 ms: must be ...". The parts, in the unit
-// that Python's name of the field carries.
-struct BadTime : std::invalid_argument {
-  BadTime(std::string_view field, std::chrono::nanoseconds value, TimeUnit unit,
-          std::string_view remedy);
-
-  std::string field;
-  std::string value;
-  std::string unit;
-  std::string remedy;
-};
-
-// Throws BadTime.
+// Throws BadValue, in the unit that Python's name of the field carries.
 void require_time(bool ok, std::string_view field, std::chrono::nanoseconds value, TimeUnit unit,
                   std::string_view remedy);
 
-// Returns a latency bound in ns. Throws BadTime for one out of range.
+// Returns a latency bound in ns. Throws BadValue for one out of range.
 std::int64_t checked_latency_ns(std::chrono::nanoseconds latency);
 
 // MemoryError in Python.

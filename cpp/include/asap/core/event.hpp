@@ -1,6 +1,6 @@
 // Event: one brightness change of one pixel. 16 bytes, byte-identical to Metavision's EventCD, so
 // such arrays enter without a copy. The two bytes between p and t are padding without a value:
-// compare and hash fields, never raw bytes.
+// compare and hash fields, never raw bytes. EventSource: where a run gets its events from.
 #pragma once
 
 #if __cplusplus < 201709L  // as gcc 10 calls C++20
@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 namespace asap {
 
@@ -32,5 +33,27 @@ static_assert(
 static_assert(sizeof(Event) == 16 && offsetof(Event, x) == 0 && offsetof(Event, y) == 2 &&
               offsetof(Event, p) == 4 && offsetof(Event, t) == 8);
 static_assert(std::is_trivially_copyable_v<Event> && std::is_standard_layout_v<Event>);
+
+// A recording, a scene, memory, or your own. One thread reads: in a replay its producer.
+class EventSource {
+ public:
+  virtual ~EventSource() = default;
+
+  // The next chunk, valid until the call after; empty = the end. May block.
+  [[nodiscard]] virtual EventSpan next() = 0;
+  // Any thread: a next() that blocks returns the end, and so do all later ones.
+  virtual void cancel() noexcept {}
+};
+
+// Events that lie in memory.
+class SpanSource final : public EventSource {
+ public:
+  explicit SpanSource(EventSpan events) noexcept : events_(events) {}
+
+  [[nodiscard]] EventSpan next() override { return std::exchange(events_, {}); }
+
+ private:
+  EventSpan events_;
+};
 
 }  // namespace asap

@@ -1,4 +1,4 @@
-// Result: an object, or the message that says why there is none. make_pipeline(), make_simulator(),
+// Result: an object, or the error that says why there is none. make_pipeline(), make_simulator(),
 // make_tracker() and make_scheme() return it, for programs that are compiled with -fno-exceptions:
 //
 //   auto pipeline = asap::make_pipeline({.latency = 10ms}, algorithm);
@@ -14,13 +14,22 @@
 
 namespace asap {
 
+// Why there is no object. The parts are those of the field that was refused; where it was no field,
+// such as a thread that could not be had, there is the message alone.
+struct Error {
+  std::string message{};  // "<field> = <value>: <remedy>"
+  std::string field{};
+  std::string value{};  // a time with its unit
+  std::string remedy{};
+};
+
 template <class Value>
 class [[nodiscard]] Result {
  public:
   // Neither: a member that is assigned later.
   Result() noexcept = default;
   explicit Result(std::unique_ptr<Value> value) noexcept : value_(std::move(value)) {}
-  explicit Result(std::string message) noexcept : message_(std::move(message)) {}
+  explicit Result(Error error) noexcept : error_(std::move(error)) {}
 
   explicit operator bool() const noexcept { return value_ != nullptr; }
 
@@ -31,12 +40,13 @@ class [[nodiscard]] Result {
   // The object, which the result has no longer; null if there is none.
   std::unique_ptr<Value> release() noexcept { return std::move(value_); }
 
-  // "<field> = <value>: <remedy>"; empty if there is an object.
-  const std::string& message() const noexcept { return message_; }
+  // All parts are empty if there is an object.
+  const Error& error() const noexcept { return error_; }
+  const std::string& message() const noexcept { return error_.message; }
 
  private:
   std::unique_ptr<Value> value_;
-  std::string message_;
+  Error error_;
 };
 
 }  // namespace asap

@@ -13,7 +13,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "asap/core/event_source.hpp"
+#include "asap/core/event.hpp"
 #include "asap/formats/text.hpp"
 
 namespace asap {

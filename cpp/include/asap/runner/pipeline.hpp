@@ -25,7 +25,6 @@
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
-#include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/telemetry.hpp"
 
 namespace asap {

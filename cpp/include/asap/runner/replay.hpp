@@ -12,11 +12,10 @@
 #include <memory>
 #include <optional>
 
-#include "asap/core/event_source.hpp"
+#include "asap/core/event.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
-#include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
@@ -46,7 +45,7 @@ class Replay {
   const Rejections& rejected() const noexcept { return validator().rejected(); }
   const Validator& validator() const noexcept;
   const Telemetry& telemetry() const noexcept;
-  // The gap (GapMeter) between delivered events, us of wall time: of the stamps, over the speed.
+  // The longest time between two delivered events in a row with a loss between: us of wall time.
   std::int64_t gap_us() const noexcept;
   // Which events were delivered, if config.keep_mask. After run().
   std::optional<KeptEvents> kept() const;

@@ -20,9 +20,9 @@ using Consumer = std::function<void(const Package&)>;
 
 // What gives way when live events come faster than they leave the ring.
 enum class WhenFull {
-  // Beyond three quarters, the more the ring fills the fewer events of a push get in, by chance:
-  // the thinning stays uniform, whatever the size of a push, and counts as discarded. Only a push
-  // that finds the ring full, because the consumer stands still, is overflow. See Intake.
+  // A ring that is more than three quarters full takes a random part of each push: the fuller it
+  // is, the smaller the part. The rest counts as discarded. Overflow is only what finds the ring
+  // full, because the consumer stands still.
   thin,
   keep_oldest,  // what does not fit is dropped
   keep_newest,  // finding the ring full, the consumer drops the older half
@@ -41,17 +41,18 @@ struct RunConfig {
   // where a call costs next to nothing, as with this library's algorithms: 16 calls of 50 us cost
   // 800 us.
   Execution execution = Execution::whole;
-  bool flush =
-      true;  // false, for experiments: nothing is taken because it has waited for the bound
+  // An event that has waited for the latency bound is due, whatever the scheme waits for. false,
+  // for experiments: the scheme alone decides.
+  bool flush = true;
   FrontFilter front_filter{};           // runs before the gamma filter; may be none
   WhenFull when_full = WhenFull::thin;  // the ring of a live pipeline
   bool keep_mask = false;               // recordings only: note which events were delivered
   // How many rows the log of a live pipeline keeps: the newest, 96 bytes each. 0 keeps totals
   // alone.
   std::size_t log_rows = 16'384;
-  // The largest package that is copied, because it is thinned or lies across the ring's end, in
-  // events of 16 bytes; the rest follows as the next package. 0 means 131,072 in a live pipeline
-  // and no limit for a recording.
+  // The most events of a package that is copied, 16 bytes each: one that is thinned or lies across
+  // the ring's end. The rest follows as the next package. 0 means 131,072 in a live pipeline and no
+  // limit for a recording.
   std::size_t max_copied = 0;
   // The constructor writes to all memory, so that no page fault happens while events come.
   bool prefault = false;

@@ -5,15 +5,130 @@
 // Called on the consumer's thread; any thread may read and set the bound. O(1), no allocation.
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "asap/core/atomics.hpp"
-#include "asap/schemes/cost_model.hpp"
 #include "asap/schemes/scheme.hpp"
 
 namespace asap {
+
+// CostModel: what a package of n events will cost, learned from what packages did cost,
+// c(n) = alpha + beta n. Times are ns.
+//
+// In closed loop n hardly varies, and then alpha and beta are not separately observable: a plain
+// recursive fit runs away. So the model remembers one average for each power of two of n and
+// updates it only when such sizes occur. The line is a weighted least squares fit through these
+// averages; a fast common scale follows a cost that varies as a whole. An anytime package shows two
+// sizes at once, its first part and all of it.
+// Single outliers are clipped. Low times of new sizes and of single events are trusted, because an
+// interruption only makes a package slower. The third outlier in a row on one side is a new level.
+// A level above three times or below half of the old one is learned anew, unless the fixed cost
+// alone explains the fall; sizes far beyond the recent ones keep their buckets. Known outages are
+// subtracted first, or they would pass for a fixed cost.
+// Called on the consumer's thread, once per package. O(1), no allocation. Whatever is fed, the
+// estimates are positive and finite.
+struct CostModelConfig {
+  double first_alpha_us = 50.0;  // assumed before the first package; forgotten after six
+  double first_beta_ns = 100.0;
+};
+
+class CostModel {
+ public:
+  explicit CostModel(CostModelConfig config = {});
+
+  // Learns from the time that a package's work took, outages excluded. Ignores a package without
+  // events or with a negative time.
+  void update(const Outcome& outcome) noexcept;
+  void reset() noexcept;
+
+  double alpha_ns() const noexcept { return scale_ * alpha_ns_; }
+  double beta_ns() const noexcept { return scale_ * beta_ns_; }
+  double predict_ns(double size) const noexcept { return scale_ * line_ns(size); }
+  // Upper bound on the cost of an event, its share of the fixed cost included, in packages at least
+  // as large as recent ones. It holds however wrong the line is. Infinite before the first package.
+  double max_event_ns() const noexcept { return max_event_ns_; }
+  // Beta once the line rests on measured packages; until then the larger of beta and that bound.
+  double doubted_event_ns() const noexcept;
+  // The largest package that ends within room_ns even if the line is wrong; at least 2. What it
+  // costs is taken times `fixed_caution` up to the size of the largest recent package and times
+  // `event_caution` beyond. Returns at once where `enough` events are safe: no more are asked for.
+  // Source: notebooks/theory.md, section 8.
+  double safe_size(double room_ns, double fixed_caution, double event_caution,
+                   double enough = std::numeric_limits<double>::infinity()) const noexcept;
+  // What the largest recent package took. 0 before the first.
+  double recent_cost_ns() const noexcept { return recent_cost_ns_; }
+  // Relative noise of the package times.
+  double sigma() const noexcept { return sigma_; }
+  // Packages learned from, first parts included.
+  std::uint64_t count() const noexcept { return count_; }
+
+ private:
+  struct Bucket {
+    double weight;
+    double size;     // mean of its packages
+    double cost_ns;  // likewise
+    bool is_prior;   // not measured
+
+    bool is_new() const noexcept { return weight < 0.2; }
+  };
+
+  // Packages that were measured: their weight, and their mean size and cost.
+  struct Mean {
+    double weight = 0.0;
+    double size = 0.0;
+    double cost_ns = 0.0;
+  };
+
+  struct Gains {
+    double scale;
+    double sigma;
+  };
+
+  void learn(std::size_t size, std::int64_t time_ns, Gains gains) noexcept;
+  double line_ns(double size) const noexcept { return alpha_ns_ + beta_ns_ * size; }
+  void watch(double size, double cost_ns) noexcept;
+  double clipped(double error, double size) noexcept;
+  double min_cost_ns() const noexcept;
+  double recent_size() const noexcept { return recent_cost_ns_ / max_event_ns_; }
+  Mean smaller_packages() const noexcept;
+  double max_beta_ns(const Mean& small) const noexcept;
+  void forget() noexcept;
+  bool knows_better(const Bucket& prior) const noexcept;
+  Bucket& bucket(double size) noexcept;
+  template <class Self, class Call>
+  static void each_asked_for(Self& self, const Call& call) noexcept;
+  void remember(double size, double cost_ns) noexcept;
+  void fit() noexcept;
+  void follow(double size, double cost_ns, double noise, Gains gains) noexcept;
+  void rebase(double factor) noexcept;
+  void start_level(double factor, double size) noexcept;
+  std::uint64_t on_level() const noexcept { return count_ - level_start_; }
+
+  const CostModelConfig config_;
+  double alpha_ns_;
+  double beta_ns_;
+  double scale_;
+  double sigma_;
+  int streak_;        // outliers in a row: > 0 too slow, < 0 too fast
+  double min_error_;  // the smallest error of them
+  std::uint64_t count_;
+  std::uint64_t level_start_;  // count_ when the present level began
+  double smallest_;            // size since then
+  double largest_;
+  bool guess_holds_;                // so far each package has cost what was assumed at first
+  double recent_size_;              // of the largest recent package; it fades
+  double recent_cost_ns_;           // what it took
+  double max_event_ns_;             // the same by event
+  std::array<Bucket, 24> buckets_;  // by log2 of the size
+  std::uint32_t asked_for_;         // a bit for each; the others are empty
+};
+
+// ---- what the two schemes share
 
 // Since the start of the last package; kNever before the first.
 std::int64_t interval_ns(const Backlog& backlog) noexcept;

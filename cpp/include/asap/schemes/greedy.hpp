@@ -9,7 +9,7 @@
 
 #include <optional>
 
-#include "asap/schemes/cost_model.hpp"
+#include "asap/schemes/bounded_scheme.hpp"
 #include "asap/schemes/scheme.hpp"
 
 namespace asap {

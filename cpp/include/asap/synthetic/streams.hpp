@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "asap/core/event_source.hpp"
+#include "asap/core/event.hpp"
 
 namespace asap {
 

@@ -1,6 +1,6 @@
-// Telemetry: what the consumer's side of a run writes down: a row per package, the latency of every
-// event, and where the others went. One thread writes; all but the rows may be read by any
-// thread meanwhile, rows once the run is over.
+// Ledger: where every event went. Telemetry: what the consumer's side of a run writes down: a row
+// per package, the latency of every event, and where the others went. One thread writes; all but
+// the rows may be read by any thread meanwhile, rows once the run is over.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,39 @@
 #include "asap/telemetry/run_log.hpp"
 
 namespace asap {
+
+// Where every event went. At every quiescent point
+//   received = rejected + filtered + discarded + stale + overflow + delivered + pending
+// All counts are events. Counters are written by one thread each; this is their snapshot.
+struct Ledger {
+  std::uint64_t received = 0;   // handed to us
+  std::uint64_t rejected = 0;   // bad data: back in time, outside the sensor, ...
+  std::uint64_t filtered = 0;   // removed by the front filter
+  std::uint64_t discarded = 0;  // thinned out by gamma
+  std::uint64_t stale = 0;      // thrown away as too old
+  std::uint64_t overflow = 0;   // did not fit into the ring: a failure
+  std::uint64_t delivered = 0;  // processed by the algorithm
+  std::uint64_t pending = 0;    // still in the ring, or in a package that was not finished
+
+  constexpr bool balanced() const noexcept {
+    return received == rejected + filtered + discarded + stale + overflow + delivered + pending;
+  }
+
+  friend bool operator==(const Ledger&, const Ledger&) = default;
+
+  // What happened since an earlier snapshot of the same run. What was pending then counts as
+  // received since, so the difference balances.
+  friend constexpr Ledger operator-(const Ledger& later, const Ledger& earlier) noexcept {
+    return {.received = later.received - earlier.received + earlier.pending,
+            .rejected = later.rejected - earlier.rejected,
+            .filtered = later.filtered - earlier.filtered,
+            .discarded = later.discarded - earlier.discarded,
+            .stale = later.stale - earlier.stale,
+            .overflow = later.overflow - earlier.overflow,
+            .delivered = later.delivered - earlier.delivered,
+            .pending = later.pending};
+  }
+};
 
 // What became of the events of 1 ms of stamps (Simulator::slots).
 struct Slot {

@@ -1,5 +1,3 @@
-#include "asap/algorithms/cluster_view.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -7,7 +5,9 @@
 #include <cstdint>
 #include <numbers>
 
-namespace cluster_view_test {
+#include "asap/algorithms/cluster_tracker.hpp"
+
+namespace cluster_outline_test {
 namespace {
 
 using asap::Cluster;
@@ -36,14 +36,7 @@ Cluster ellipse(double major, double minor, double angle) {
                  along * s * s + across * c * c);
 }
 
-TEST(ClusterView, IsTheClusterInVectors) {
-  const asap::ClusterView view(cluster(9, 2, 4));
-  EXPECT_EQ(view.position, Eigen::Vector2d(30, 20));
-  EXPECT_EQ(view.velocity, Eigen::Vector2d(100, -50));
-  EXPECT_EQ(view.covariance, (Eigen::Matrix2d() << 9, 2, 2, 4).finished());
-}
-
-TEST(ClusterView, AnOutlineHasTheAxesOfTheCovariance) {
+TEST(ClusterOutline, HasTheAxesOfTheCovariance) {
   constexpr double kPi = std::numbers::pi;
   for (const double angle : {0.0, 0.3, kPi / 4, 1.5, -0.3, -1.5}) {
     const ClusterOutline outline = outline_of(ellipse(12, 5, angle));
@@ -55,7 +48,7 @@ TEST(ClusterView, AnOutlineHasTheAxesOfTheCovariance) {
   }
 }
 
-TEST(ClusterView, TheAngleIsThatOfALine) {
+TEST(ClusterOutline, TheAngleIsThatOfALine) {
   for (double angle = -7; angle < 7; angle += 0.1) {
     const ClusterOutline outline = outline_of(ellipse(12, 5, angle));
     EXPECT_LE(std::abs(outline.angle), std::numbers::pi / 2 + 1e-12);
@@ -63,14 +56,14 @@ TEST(ClusterView, TheAngleIsThatOfALine) {
   }
 }
 
-TEST(ClusterView, ALineHasNoWidth) {
+TEST(ClusterOutline, ALineHasNoWidth) {
   // As rounding may leave it: slightly indefinite.
   EXPECT_EQ(outline_of(cluster(4, 0, -1e-15)).minor, 0);
   EXPECT_EQ(outline_of(cluster(4, 0, -1e-15)).major, 4);
   EXPECT_EQ(outline_of(cluster(0, 0, 0)).major, 0);
 }
 
-TEST(ClusterView, TheOutlineOfAnId) {
+TEST(ClusterOutline, OfAnId) {
   const std::array clusters{cluster(9, 0, 4, 2), cluster(25, 0, 4, 5)};
   EXPECT_EQ(asap::outline_of(5, clusters).value().major, 10);
   EXPECT_EQ(asap::outline_of(2, clusters).value().major, 6);
@@ -79,4 +72,4 @@ TEST(ClusterView, TheOutlineOfAnId) {
 }
 
 }  // namespace
-}  // namespace cluster_view_test
+}  // namespace cluster_outline_test

@@ -1,8 +1,8 @@
-#include "asap/telemetry/ledger.hpp"
+#include "asap/telemetry/telemetry.hpp"
 
 #include <gtest/gtest.h>
 
-namespace asap::ledger_test {
+namespace asap::telemetry_test {
 namespace {
 
 TEST(Ledger, IsBalancedWhenEveryEventIsSomewhere) {
@@ -45,4 +45,4 @@ TEST(Ledger, ADifferenceBalances) {
 }
 
 }  // namespace
-}  // namespace asap::ledger_test
+}  // namespace asap::telemetry_test

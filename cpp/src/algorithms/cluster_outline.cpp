@@ -1,14 +1,15 @@
-#include "asap/algorithms/cluster_view.hpp"
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "asap/algorithms/cluster_tracker.hpp"
+
 namespace asap {
 
 ClusterOutline outline_of(const Cluster& cluster) noexcept {
-  const ClusterView view(cluster);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(view.covariance);  // ascending
+  Eigen::Matrix2d covariance;
+  covariance << cluster.cxx, cluster.cxy, cluster.cxy, cluster.cyy;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);  // ascending
   const Eigen::Vector2d half = 2 * solver.eigenvalues().cwiseMax(0).cwiseSqrt();
   const Eigen::Vector2d major = solver.eigenvectors().col(1);
   const double to_the_right = std::copysign(1.0, major.x());
