@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 import struct
 import warnings
-from bisect import bisect_left
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -19,8 +18,9 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from asap import _core, _stamps
+from asap import _core
 from asap.events import Events
+from asap.io.columns import row_before
 from asap.io.errors import CorruptFile, UnsupportedFormat
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, expected_of
 
@@ -79,13 +79,12 @@ class NativeReader:
                 file.seek(start + piece * _PIECE)
                 return entry(file.read(_PIECE))
 
-            def time_of(piece: int) -> int:
+            def time_of(piece: int) -> int | None:
                 place = found(piece)
-                return _stamps.MAX if place is None else place[1]
+                return None if place is None else place[1]
 
-            is_ascending = time_of(0) <= time_of(last - 1)  # no counter wrapped
-            piece = max(bisect_left(range(last), t_us, key=time_of) - 1, 0)
-            place = found(piece) if is_ascending else None
+            piece = row_before(time_of, last, t_us)
+            place = found(piece) if piece else None
         return self._decoded(losses, start if place is None else start + piece * _PIECE + place[0])
 
     def _decoded(self, losses: Losses, position: int) -> Iterator[Events]:
