@@ -44,7 +44,7 @@ class Aedat4Reader:
     def __init__(self, path: Path, options: Options) -> None:
         options.refuse_stated(path, self.format)
         self._path = path
-        self.expected = expected_of(path, 4)  # packed events have 4 to 8 bytes
+        self.expected = expected_of(path, 8)  # packed, most have 5 to 9
         with foreign(path, _HEADER_AT):
             header, self._first = _header(path)
             self._unpack = _unpacker(header.number(0, "<i", 0))

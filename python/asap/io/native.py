@@ -25,8 +25,8 @@ from asap.io.errors import CorruptFile, UnsupportedFormat
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, expected_of
 
 _SOURCE = re.compile(r"^#Source (\d+): *(.*?)\s*$", re.MULTILINE)
-_HEAD = 1 << 20  # bytes that a header may take, with the records that tell the layout
-_RAW_HEAD = 1 << 14
+HEAD = 1 << 20  # bytes that a header may take, with the records that tell the layout
+_RAW_HEAD = 1 << 16
 _WITH_RECORDS = ("aedat2", "aedat3", "atis40")
 _PIECE = 1 << 18
 _BYTES_PER_EVENT = {"evt2": 4, "evt3": 4, "es": 5, "atis40": 5}  # about; 8 in the others
@@ -58,7 +58,7 @@ class NativeReader:
         self.format = name
         self._path = path
         with path.open("rb") as file:
-            head = file.read(_HEAD if name in _WITH_RECORDS else _RAW_HEAD)
+            head = file.read(HEAD if name in _WITH_RECORDS else _RAW_HEAD)
         self._layout = layout = FORMATS[name](path, head, options)
         self.width, self.height, self.streams = layout.width, layout.height, layout.streams
         self.expected = expected_of(path, _BYTES_PER_EVENT.get(name, 8))
