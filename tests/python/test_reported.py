@@ -344,7 +344,8 @@ def write(path: Path, columns: dict[str, Any]) -> Path:
     elif path.suffix == ".mat":
         pytest.importorskip("scipy.io").savemat(path, columns)
     else:
-        np.savetxt(path, np.column_stack(list(columns.values())), fmt="%d")
+        separator = "," if path.suffix == ".csv" else " "
+        np.savetxt(path, np.column_stack(list(columns.values())), fmt="%d", delimiter=separator)
     return path
 
 
@@ -427,20 +428,46 @@ def test_sorting_within_a_tolerance_puts_every_event_in_its_place(
     assert opened.repaired["sorted_stamps"] > 0 and not sum(opened.rejected.values())
 
 
-@pytest.mark.parametrize("suffix", [".npy", ".csv", ".raw", ".dat", ".h5"])
+@pytest.mark.parametrize("suffix", [".npy", ".csv", ".raw", ".dat", ".h5", ".aedat4"])
 def test_a_window_of_time_is_that_of_the_whole(suffix: str, tmp_path: Path) -> None:
     events = clean_events(300_000)
     path = tmp_path / f"events{suffix}"
     if suffix == ".h5":
         write(path, {role: events[role] for role in "txyp"})
     else:
-        asap.convert(events, path, to="evt2" if suffix == ".raw" else None)
+        to = "evt2" if suffix == ".raw" else None
+        asap.convert(events, path, to=to, width=1000, height=1000)
     span_s = (events["t"][-1] - events["t"][0]) / 1e6
     elapsed_s = (events["t"] - events["t"][0]) / 1e6
     for start, stop in ((0.4, 0.6), (0.0, 0.01), (0.99, None), (None, 0.3), (0.5, 0.5001)):
         low, high = (None if side is None else round(side * span_s, 6) for side in (start, stop))
         inside = (elapsed_s >= (low or 0.0)) & (elapsed_s < (high or np.inf))
         assert_equal_events(asap.load(path, start=low, stop=high), events[inside])
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".csv", ".raw", ".h5"])
+def test_a_window_of_a_clock_that_was_set_back_is_that_of_the_whole(
+    suffix: str, tmp_path: Path
+) -> None:
+    first = clean_events(300_000)
+    second = first.copy()
+    first["t"] += 5_000_000
+    path = tmp_path / f"events{suffix}"
+    if suffix == ".raw":
+        asap.convert(first, path, to="evt2")
+        asap.convert(second, tmp_path / "second.raw", to="evt2")
+        with path.open("ab") as file:
+            file.write((tmp_path / "second.raw").read_bytes().partition(b"% end\n")[2])
+    else:
+        events = np.concatenate([first, second])
+        write(path, {role: events[role] for role in "txyp"})
+    whole = asap.load(path)
+    assert len(whole) == 600_000
+    elapsed_us = whole["t"] - whole["t"][0]
+    for begin_us, end_us in elapsed_us[[[9, 99_999], [320_000, 400_000], [550_000, -1]]].tolist():
+        inside = (elapsed_us >= begin_us) & (elapsed_us < end_us)
+        window = {"start": begin_us / 1e6, "stop": end_us / 1e6}
+        assert_equal_events(asap.load(path, **window), whole[inside])
 
 
 @pytest.mark.parametrize("suffix", [".npy", ".npz", ".csv", ".raw", ".dat", ".h5", ".aedat4"])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -15,7 +16,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from asap.events import Events, pack_good
-from asap.io.columns import events_of
+from asap.io.columns import events_of, first_us, row_before
 from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, expected_of, sensor_size
 
@@ -43,7 +44,7 @@ class Aedat4Reader:
     def __init__(self, path: Path, options: Options) -> None:
         options.refuse_stated(path, self.format)
         self._path = path
-        self.expected = expected_of(path, 4)  # packed events have 4 to 8 bytes
+        self.expected = expected_of(path, 8)  # packed, most have 5 to 9
         with foreign(path, _HEADER_AT):
             header, self._first = _header(path)
             self._unpack = _unpacker(header.number(0, "<i", 0))
@@ -70,9 +71,29 @@ class Aedat4Reader:
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Decode packets, and hand on many at once: some cameras send a few events in each."""
+        return self._decoded(losses, self._first)
+
+    def chunks_from(self, losses: Losses, t_us: int) -> Iterator[Events]:
+        """Decode from a packet before that time; only the headers of those before are read."""
+        places: list[int] = []
+        with self._path.open("rb") as file, suppress(CorruptFile):  # told when it is reached
+            for at, stream, _ in self._packets(file, self._first):
+                if str(stream) == self._stream:
+                    places.append(at)
+
+        def time_of(number: int) -> int | None:
+            return first_us(np.frombuffer(next(self._records(places[number])), EVENT))
+
+        place = self._first
+        with suppress(CorruptFile):  # no packet before the damage is left out
+            place = places[row_before(time_of, len(places), t_us)] if places else place
+        return self._decoded(losses, place)
+
+    def _decoded(self, losses: Losses, at: int) -> Iterator[Events]:
+        """Decode the packets from that place on."""
         out, filled, count = losses.room(CHUNK), 0, 0
         cut: CorruptFile | None = None
-        records = self._records()
+        records = self._records(at)
         while True:
             try:
                 packet = next(records, None)
@@ -81,7 +102,7 @@ class Aedat4Reader:
             if packet is None:
                 break
             whole = np.frombuffer(packet, EVENT)
-            for rows in (whole[at : at + CHUNK] for at in range(0, len(whole), CHUNK)):
+            for rows in (whole[first : first + CHUNK] for first in range(0, len(whole), CHUNK)):
                 if filled + len(rows) > CHUNK:
                     yield out[:filled]
                     out, filled = losses.room(CHUNK), 0
@@ -98,10 +119,10 @@ class Aedat4Reader:
         if cut is not None:
             losses.truncated(cut.offset, cut.fault)
 
-    def _records(self) -> Iterator[Buffer]:
+    def _records(self, at: int) -> Iterator[Buffer]:
         """Yield the events of the stream, packet by packet, up to the first that is damaged."""
         with self._path.open("rb") as file:
-            for offset, stream, length in self._packets(file):
+            for offset, stream, length in self._packets(file, at):
                 if str(stream) != self._stream:
                     continue
                 with foreign(self._path, offset):
@@ -110,11 +131,10 @@ class Aedat4Reader:
                     records = _records_of(self._unpack(file.read(length)))
                 yield records
 
-    def _packets(self, file: Any) -> Iterator[tuple[int, int, int]]:
+    def _packets(self, file: Any, at: int) -> Iterator[tuple[int, int, int]]:
         """Offset, stream and length of each packet, while the file stands behind its header."""
         size = self._path.stat().st_size
         end = self._end if self._end > 0 else size  # the file may never have been closed
-        at = self._first
         while at + 8 <= min(end, size):
             file.seek(at)
             stream, length = struct.unpack("<ii", file.read(8))

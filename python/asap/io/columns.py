@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from asap.io.errors import UnsupportedFormat, unclear_unit
 from asap.io.reader import PLAIN, Losses, Options
 
 _MAX_ADDRESS = 65535
+_LOOKS = 32  # rows whose times must ascend before one is sought
 _DAMAGED = 0.1  # share of odd polarities that is no other way to write it
 # -1 in a type without a sign; the decoder of text stops at 2^15 - 1.
 _MINUS_ONE = (2**8 - 1, 2**16 - 1, 2**32 - 1, 2**64 - 1, 2**15 - 1)
@@ -33,14 +35,29 @@ _PAIRS = {(1, 2): (1, 2)} | {(1, minus): (minus, 1) for minus in _MINUS_ONE}  # 
 _EVERY = 61  # later events whose polarity is looked at: a prime, against patterns
 
 
-def row_before(one: Callable[[int], Events], rows: int, t_us: int) -> int:
-    """Find a row that is earlier than `t_us`, among rows in the order of time; `one` reads one."""
+def row_before(time_of: Callable[[int], int | None], rows: int, t_us: int) -> int:
+    """Find a row that is earlier than `t_us`; `time_of` reads the time at one, if one is there.
+
+    The first row where the times of those that are looked at go back: a clock was set back.
+    """
+    last = max(rows - 1, 0)
+    looks = sorted({last * part // _LOOKS for part in range(_LOOKS + 1)})
+    seen = [(row, time) for row in looks if (time := time_of(row)) is not None]
+    if any(after < before for (_, before), (_, after) in pairwise(seen)):
+        return 0
+    low = max((row for row, time in seen if time < t_us), default=0)
+    high = min((row for row, time in seen if time >= t_us), default=rows)
 
     def is_later(row: int) -> bool:
-        events = one(row)
-        return bool(len(events) and events["t"][0] >= t_us)
+        time = time_of(row)
+        return time is not None and time >= t_us
 
-    return max(bisect_left(range(rows), True, key=is_later) - 1, 0)
+    return max(bisect_left(range(rows), True, low, high, key=is_later) - 1, 0)
+
+
+def first_us(events: Events) -> int | None:
+    """Return the time of the first event, if there is one."""
+    return int(events["t"][0]) if len(events) else None
 
 
 def file_columns(

@@ -23,7 +23,15 @@ import numpy.typing as npt
 
 from asap import _stamps
 from asap.events import FIELD_NAMES, Events, columns_by_order
-from asap.io.columns import as_rows, events_of, file_columns, from_one, order_of, row_before
+from asap.io.columns import (
+    as_rows,
+    events_of,
+    file_columns,
+    first_us,
+    from_one,
+    order_of,
+    row_before,
+)
 from asap.io.errors import (
     CorruptFile,
     MissingLibrary,
@@ -98,11 +106,11 @@ class Hdf5Reader:
             if t_us is not None:
                 counted = replace(losses, room=new_room)  # of which nothing is taken
 
-                def begin(number: int) -> Events:
+                def time_of(number: int) -> int | None:
                     rows = {role: source.row(number * step) for role, source in sources.items()}
-                    return next(self._pieces(rows, counted, 1))
+                    return first_us(next(self._pieces(rows, counted, 1)))
 
-                start = row_before(begin, -(-self._layout.rows // step), t_us) * step
+                start = row_before(time_of, -(-self._layout.rows // step), t_us) * step
             while start < self._layout.rows:
                 stop = min(start + step, self._layout.rows)
                 try:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 import struct
 import warnings
-from bisect import bisect_left
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -19,14 +18,15 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from asap import _core, _stamps
+from asap import _core
 from asap.events import Events
+from asap.io.columns import row_before
 from asap.io.errors import CorruptFile, UnsupportedFormat
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, expected_of
 
 _SOURCE = re.compile(r"^#Source (\d+): *(.*?)\s*$", re.MULTILINE)
-_HEAD = 1 << 20  # bytes that a header may take, with the records that tell the layout
-_RAW_HEAD = 1 << 14
+HEAD = 1 << 20  # bytes that a header may take, with the records that tell the layout
+_RAW_HEAD = 1 << 16
 _WITH_RECORDS = ("aedat2", "aedat3", "atis40")
 _PIECE = 1 << 18
 _BYTES_PER_EVENT = {"evt2": 4, "evt3": 4, "es": 5, "atis40": 5}  # about; 8 in the others
@@ -58,7 +58,7 @@ class NativeReader:
         self.format = name
         self._path = path
         with path.open("rb") as file:
-            head = file.read(_HEAD if name in _WITH_RECORDS else _RAW_HEAD)
+            head = file.read(HEAD if name in _WITH_RECORDS else _RAW_HEAD)
         self._layout = layout = FORMATS[name](path, head, options)
         self.width, self.height, self.streams = layout.width, layout.height, layout.streams
         self.expected = expected_of(path, _BYTES_PER_EVENT.get(name, 8))
@@ -79,13 +79,12 @@ class NativeReader:
                 file.seek(start + piece * _PIECE)
                 return entry(file.read(_PIECE))
 
-            def time_of(piece: int) -> int:
+            def time_of(piece: int) -> int | None:
                 place = found(piece)
-                return _stamps.MAX if place is None else place[1]
+                return None if place is None else place[1]
 
-            is_ascending = time_of(0) <= time_of(last - 1)  # no counter wrapped
-            piece = max(bisect_left(range(last), t_us, key=time_of) - 1, 0)
-            place = found(piece) if is_ascending else None
+            piece = row_before(time_of, last, t_us)
+            place = found(piece) if piece else None
         return self._decoded(losses, start if place is None else start + piece * _PIECE + place[0])
 
     def _decoded(self, losses: Losses, position: int) -> Iterator[Events]:

@@ -20,9 +20,9 @@ import numpy.typing as npt
 from numpy.lib import format as npy
 
 from asap.events import FIELD_NAMES, Events
-from asap.io.columns import as_rows, events_of, file_columns, order_of, row_before
+from asap.io.columns import as_rows, events_of, file_columns, first_us, order_of, row_before
 from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, refuse_bomb
-from asap.io.reader import CHUNK, SIZE, Losses, Options, size_of
+from asap.io.reader import CHUNK, SIZE, Losses, Options, new_room, size_of
 
 _PACKED_BY_NUMPY = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit
 
@@ -94,11 +94,12 @@ class NpyReader:
         if self._header.is_by_columns:
             return self.chunks(losses)
 
-        def one(row: int) -> Events:
-            known = replace(losses, path=self._path)  # counts nothing
-            return events_of(self._rows(row, row + 1), self._options, known, row + 1)
+        counted = replace(losses, room=new_room)  # of which nothing is taken
 
-        return self._from(losses, row_before(one, self.expected, t_us) // CHUNK * CHUNK)
+        def time_of(row: int) -> int | None:
+            return first_us(events_of(self._rows(row, row + 1), self._options, counted, row + 1))
+
+        return self._from(losses, row_before(time_of, self.expected, t_us) // CHUNK * CHUNK)
 
     def _from(self, losses: Losses, begin: int) -> Iterator[Events]:
         whole = [(0, self.expected)]  # a column does not lie in one window

@@ -373,7 +373,7 @@ def read(
         slashes such as ``"left"``.
     start, stop
         Read the events from `start` until before `stop`, in s from the first event. EVT2, EVT2.1,
-        DAT, npy and HDF5 are not read up to there.
+        DAT, npy, HDF5, AEDAT 4 and text are not read up to there.
 
     Returns
     -------

@@ -22,7 +22,7 @@ from typing import IO
 from asap import _core
 from asap._stamps import time_exponent
 from asap.events import FIELD_NAMES, Events, check_order
-from asap.io.columns import plain_polarity
+from asap.io.columns import first_us, plain_polarity, row_before
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
 
@@ -74,18 +74,41 @@ class TextReader:
 
     def chunks(self, losses: Losses) -> Iterator[Events]:
         """Decode in pieces of a quarter of a megabyte."""
-        layout = self._layout
-        losses.guessed_unit = layout.unit if layout.guessed else None
-        decoder = _core.TextDecoder(
-            order=layout.order,
-            time_exponent=time_exponent(layout.unit),
+        return self._decoded(losses, self._layout.start)
+
+    def chunks_from(self, losses: Losses, t_us: int) -> Iterator[Events]:
+        """Decode from a line before that time."""
+        start = self._layout.start
+        with self._path.open("rb") as file:
+
+            def line_at(piece: int) -> int:
+                file.seek(start + piece * _PIECE)
+                if piece:
+                    file.readline(_PIECE)
+                return file.tell()
+
+            def time_of(piece: int) -> int | None:
+                at = line_at(piece)
+                return first_us(self._decoder(losses, at).decode(file.read(_HEAD)))
+
+            pieces = max((self._path.stat().st_size - start) // _PIECE, 1)
+            return self._decoded(losses, line_at(row_before(time_of, pieces, t_us)))
+
+    def _decoder(self, losses: Losses, at: int) -> _core.TextDecoder:
+        return _core.TextDecoder(
+            order=self._layout.order,
+            time_exponent=time_exponent(self._layout.unit),
             clamp=losses.on_bad == "clamp",
-            first_offset=layout.start,
+            first_offset=at,
         )
-        at = last_line = layout.start
+
+    def _decoded(self, losses: Losses, at: int) -> Iterator[Events]:
+        losses.guessed_unit = self._layout.unit if self._layout.guessed else None
+        decoder = self._decoder(losses, at)
+        last_line = at
         self._taken = 0
         with self._path.open("rb") as file:
-            file.seek(layout.start)
+            file.seek(at)
             while piece := file.read(_PIECE):
                 if b"\n" in piece:
                     last_line = at + piece.rindex(b"\n") + 1
