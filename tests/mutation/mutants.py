@@ -87,7 +87,7 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "runner/intake.cpp",
         "runner",
-        forgotten_wake=("  doorbell_.announce(buffer_.tail());\n", ""),
+        full_ring_wakes_nobody=("  announce();\n", ""),
         thinned_not_counted=("    discarded_ += block.size() - kept;\n", ""),
         thinning_knows_not_how_much_comes=(
             "buffer_.filled(max - events.size()) > max - events.size()",
@@ -107,6 +107,7 @@ MUTANTS: list[Mutant] = [
             "std::clamp(arrival.value_or(now), RunClock::Steady::time_point{}, now)",
             "arrival.value_or(now)",
         ),
+        forgotten_wake=("      live.intake.announce();\n", ""),
         arrivals_go_back=("std::max(arrival_ns, clock.at(came))", "clock.at(came)"),
         clock_reset_flushes_nothing=(
             "  sensor_delay.forget();\n  loop.flush();",
@@ -235,6 +236,7 @@ MUTANTS: list[Mutant] = [
             "back > reorder_tolerance_us_",
             "back >= reorder_tolerance_us_",
         ),
+        epoch_that_is_told_overlaps=("last_us_ + 1 - first_us", "last_us_ - first_us"),
         second_back_is_no_epoch=("back >= kNewEpoch_us", "back > kNewEpoch_us"),
         row_below_the_sensor_passes=("(kLane - max_y) << 16", "(kLane - max_y - 1) << 16"),
         short_step_back_passes=("steps >= kSteps_us ||", "steps > ~kSteps_us ||"),
