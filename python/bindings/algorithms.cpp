@@ -359,7 +359,7 @@ gamma : float
     cheap enough for every package. "compat" checks it: its window counts events and so stretches in
     time by itself.
 filter_upstream : bool
-    A noise filter stands before the discarder: "fast" rejects no more events as noise from 0.15 to 0.75;
+    A noise filter stands before the discarder: "fast" rejects no more events as noise from 0.08 to 0.75;
     below it rejects none in either case.
 
 Raises

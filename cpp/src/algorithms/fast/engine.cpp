@@ -22,17 +22,18 @@ std::int32_t microseconds(Milliseconds time) noexcept {
   return static_cast<std::int32_t>(std::lround(1e3 * time.count()));
 }
 
-constexpr Milliseconds kLongestWindow{50};
+constexpr Milliseconds kLongestWindow{150};
 constexpr double kMinGamma = 0.01;
-// At a smaller gamma too many events of objects lack support to be rejected. After a
-// noise filter upstream little noise is left, so rejection ends earlier.
-constexpr double kMinGammaUnfiltered = 0.15;
+// At a smaller gamma too many events of objects lack support to be rejected: they go to tracks and
+// begin none, or noise would come back that was left out at a larger gamma. After a noise filter
+// upstream little noise is left, so rejection ends earlier.
+constexpr double kMinGammaUnfiltered = 0.08;
 constexpr double kMinGammaFiltered = 0.75;
 
 // Least factors on the thresholds of masses. The masses of weak objects lie little above them and
 // fall with gamma, but fewer events than these may be one edge.
-constexpr double kMinConfirm = 0.36;
-constexpr double kMinSeed = 2.0 / 3;
+constexpr double kMinConfirm = 0.25;
+constexpr double kMinSeed = 0.5;
 
 // Gates of 27 to 36 px are good where this bounds the noise in them: 19 px at 5 Hz/px.
 constexpr double kNoiseEvents = 30;
@@ -114,8 +115,9 @@ void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
   kalman.mean_events = update.mean_events;
   update.contour_mask = contour_mask(gamma);
   const Milliseconds longest = std::max(kLongestWindow, c.support_window);
-  const Milliseconds window = std::min(longest, c.support_window / gamma);
-  support_window_us = microseconds(window);
+  support_window_us = microseconds(std::min(longest, c.support_window / gamma));
+  // Longer is of no use for all events: the counts of unassociated ones decay with `seed`.
+  longest_window_us = microseconds(std::max(c.seed, std::min(longest, c.seed / gamma)));
   seed_events = thinned(c.seed_events, gamma, kMinSeed);
   lifecycle.confirm_events = thinned(c.confirm_events, gamma, kMinConfirm);
   lifecycle.die_events = thinned(c.die_events, gamma, kMinConfirm);
@@ -124,6 +126,7 @@ void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
   gate.min_density_hz = single(kMinDensity_hz * gamma);
   rejects_unsupported = c.support == ClusterSupport::kReject &&
                         gamma >= (filtered_upstream ? kMinGammaFiltered : kMinGammaUnfiltered);
+  begins_unsupported = c.support != ClusterSupport::kReject || filtered_upstream;
 }
 
 // ---- report ------------------------------------------------------------------------------------
@@ -277,10 +280,12 @@ std::int32_t Engine::process(const Event& event) noexcept {
   if (age_us(now, next_tick_) >= 0) [[unlikely]]
     tick();
 
+  bool may_begin = true;
   if (settings_.uses_support && !support_.touch(event.x, event.y, now, support_window_us_)) {
     noise_.count(event.x, event.y);
     ++counters_.unsupported;
     if (settings_.rejects_unsupported) return kNoId;
+    may_begin = settings_.begins_unsupported;
   }
   const std::size_t index = map_.cell(event.x, event.y);
   OwnerGrid::Cell& cell = owners_[index];
@@ -298,7 +303,7 @@ std::int32_t Engine::process(const Event& event) noexcept {
       return track.id;
     }
   }
-  return associate(event, index, now);
+  return associate(event, index, now, may_begin);
 }
 
 // Assigns the event to the slot or, in contact, to a partner whose outline it fits better.
@@ -324,9 +329,10 @@ std::int32_t Engine::assign(Slot slot, OwnerGrid::Cell& cell, const Event& event
   return track.id;
 }
 
-std::int32_t Engine::associate(const Event& event, std::size_t cell, Stamp now) noexcept {
+std::int32_t Engine::associate(const Event& event, std::size_t cell, Stamp now,
+                               bool may_begin) noexcept {
   Slot slot = nearest_track(event, cell, now);
-  if (slot == Tracks::kNone) slot = try_birth(event, cell, now);
+  if (slot == Tracks::kNone && may_begin) slot = try_birth(event, cell, now);
   if (slot == Tracks::kNone) return kNoId;
   return assign(slot, owners_[cell], event, now);
 }
@@ -493,9 +499,8 @@ void Engine::measure_noise() noexcept {
   const auto window_s = [&] { return 1e-6F * static_cast<float>(support_window_us_); };
   noise_hz_ = noise_.rate_hz();
   if (settings_.uses_support) noise_hz_ = total_noise(noise_hz_, window_s());
-  // A longer window is of no use: the counts of unassociated events decay with seed_s.
-  const auto seed_us = static_cast<std::int32_t>(1e6F * settings_.seed_s);
-  support_window_us_ = support_window_us(noise_hz_, settings_.support_window_us, seed_us);
+  support_window_us_ =
+      support_window_us(noise_hz_, settings_.support_window_us, settings_.longest_window_us);
   if (settings_.rejects_unsupported) noise_hz_ = supported_noise(noise_hz_, window_s());
   settings_.update.far_weight = far_weight(noise_hz_);
   widest_radius_px_ = widest_radius(settings_.gate, noise_hz_, settings_.lifecycle.mass_s);

@@ -38,7 +38,7 @@ struct Settings {
   // memory, the contour learns from a larger share of the events, the window of the support is
   // longer because neighbours are rarer, and fewer events make a cluster. gamma = 1 changes
   // nothing. `filtered_upstream`: a noise filter stands before the thinning, so events without
-  // support are rejected from gamma = 0.75 instead of 0.15 on.
+  // support are rejected from gamma = 0.75 instead of 0.08 on.
   void set_keep(const ClusterTrackerConfig& config, double gamma, bool filtered_upstream) noexcept;
 
   // Upper bound on the recent unassociated events around a cell that noise alone explains.
@@ -48,11 +48,13 @@ struct Settings {
   std::int32_t warmup_us;
   std::int32_t link_us;
   std::int32_t support_window_us;
+  std::int32_t longest_window_us;  // of the support, in little noise
   float seed_s;
   float seed_events;
   float cell_px;
   bool uses_support;
   bool rejects_unsupported;
+  bool begins_unsupported;  // else such an event, where it is not rejected, begins no track
   UpdateRule update;
   WeightRule weight;
   ContactRule contact;
@@ -117,7 +119,7 @@ class Engine {
   // ---- per event ----
   std::int32_t process(const Event& event) noexcept;
   std::int32_t assign(Slot slot, OwnerGrid::Cell& cell, const Event& event, Stamp now) noexcept;
-  std::int32_t associate(const Event& event, std::size_t cell, Stamp now) noexcept;
+  std::int32_t associate(const Event& event, std::size_t cell, Stamp now, bool may_begin) noexcept;
   Slot nearest_track(const Event& event, std::size_t cell, Stamp now) noexcept;
   Slot try_birth(const Event& event, std::size_t cell, Stamp now) noexcept;
   Slot begin_track(float x, float y) noexcept;
