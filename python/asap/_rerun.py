@@ -53,11 +53,11 @@ _LINES = [
 
 def write_frame(pipe: BinaryIO, sensor: tuple[int, int], frame: Sequence[NDArray[np.void]]) -> None:
     """Write the size of the sensor, rows, events and outlines."""
-    rest = memoryview(
-        b"".join([_HEAD.pack(*sensor, *map(len, frame)), *(p.tobytes() for p in frame)])
-    )
-    while rest:
-        rest = rest[pipe.write(rest) :]
+    head: Any = _HEAD.pack(*sensor, *map(len, frame))
+    for part in (head, *(rows.view(np.uint8) for rows in frame)):
+        rest = memoryview(part)
+        while rest:
+            rest = rest[pipe.write(rest) :]
 
 
 def _frames(pipe: BinaryIO) -> Iterator[tuple[Any, ...]]:

@@ -124,23 +124,25 @@ class Screen:
 
 def _panels(slots: list[dict[str, float]], last: Any) -> Iterator[tuple[Any, ...]]:
     """Name, words, curve, upper end of its scale, colour, and the value above which it is red."""
-    bound_us, none = float(last["latency_bound_us"]), float("inf")
-    newest = next(slot for slot in reversed(slots) if slot["packages"])
+    bound_us, per_s, none = float(last["latency_bound_us"]), 1e6 / _SLOT_US, float("inf")
+    full = slots[-2:][0]  # the newest is not over yet
     rate = [slot["rate"] for slot in slots]
-    yield "event rate", _units.rate(rate[-1]), rate, max(rate), "cyan", none
+    yield "event rate", _units.rate(full["rate"]), rate, max(rate), "cyan", none
     size = [slot["size"] / max(slot["packages"], 1) for slot in slots]
-    words = f"{_units.count(size[-1])} ev x {_units.count(slots[-1]['packages'] * 2)}/s"
+    count = full["packages"]
+    words = f"{full['size'] / max(count, 1):,.0f} ev x {count * per_s:,.0f}/s"
     yield "package size", words, size, max(size), "cyan", none
     gamma = [slot["size"] / slot["thinned"] if slot["thinned"] else 0.0 for slot in slots]
-    yield "gamma", _units.share(newest["size"] / newest["thinned"]), gamma, 1.0, "yellow", none
+    yield "gamma", _units.share(gamma[-1]), gamma, 1.0, "yellow", none
     late = [slot["latency"] for slot in slots]
-    words = f"{_units.duration(late[-1])} of {_units.duration(bound_us)}"
+    words = f"{_units.duration(full['latency'])} of {_units.duration(bound_us)}"
     yield "latency, worst", words, late, max(bound_us, *late), "green", bound_us
     waiting = [slot["waiting"] for slot in slots]
-    words = f"{_units.count(waiting[-1])} events"
+    words = f"{full['waiting']:,.0f} events"
     yield "waiting in the ring", words, waiting, max(waiting), "blue", none
     gone = [slot["lost"] - slot["before"] for slot in slots]
-    yield "lost", _units.rate(gone[-1] * 1e6 / _SLOT_US), gone, max(gone), "red", none
+    words = _units.rate((full["lost"] - full["before"]) * per_s)
+    yield "lost", words, gone, max(gone), "red", none
 
 
 def _curve(values: list[float], top: float) -> list[str]:
@@ -216,7 +218,10 @@ class Tail:
             now = os.fstat(file.fileno())
             is_first = self._file == 0
             if now.st_ino != self._file or now.st_size < self._at:
-                if file.read(len(HEAD)) != HEAD:
+                head = file.read(len(HEAD))
+                if len(head) < len(HEAD) and HEAD.startswith(head):  # it is being made
+                    return np.empty(0, TELEMETRY_DTYPE)
+                if head != HEAD:
                     remedy = "holds no telemetry; give the file of Pipeline(telemetry=)"
                     raise ValueError(f"{self._path}: {remedy}")
                 self._file, self._at = now.st_ino, len(HEAD)

@@ -285,7 +285,12 @@ py::array LivePipeline::packages() const {
 
 py::array LivePipeline::glimpse(bool more) {
   require_own_process();
-  return moved_to_array(glimpse_.take(more));
+  std::vector<Event> events;
+  {
+    const WithoutGil released;  // a megabyte is written to
+    events = glimpse_.take(more);
+  }
+  return moved_to_array(std::move(events));
 }
 
 void stop_pipelines_on_exit() { on_exit(stop_all); }

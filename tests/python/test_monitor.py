@@ -9,6 +9,7 @@ import pty
 import re
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -73,7 +74,8 @@ def test_silence_leaves_empty_columns() -> None:
     screen = monitor.Screen("flight")
     screen(rows_of(50))
     screen(rows_of(50, since=500))
-    curve = next(line for line in drawn(screen).split("\n") if "20 kev/s" in line)
+    lines = drawn(screen).split("\n")
+    curve = next(below for line, below in pairwise(lines) if "event rate" in line)
     assert curve.endswith("█" + " " * 9 + "█")
 
 
@@ -105,6 +107,15 @@ def test_a_file_is_followed_through_its_changes(tmp_path: Path) -> None:
     assert tail.read()["index"].tolist() == list(range(31, 36))
 
 
+def test_a_file_that_is_being_made_has_no_rows_yet(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    path.touch()
+    tail = monitor.Tail(path)
+    assert len(tail.read()) == 0
+    TelemetryFile(path)._append(rows_of(3))
+    assert tail.read()["index"].tolist() == [0, 1, 2]
+
+
 def test_of_a_long_file_the_end_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(monitor, "_TAIL", 1000)
     TelemetryFile(tmp_path / "rows.csv")._append(rows_of(500))
@@ -125,7 +136,8 @@ def test_the_newest_row_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[st
         ("monitor missing.csv", 3, "no such file"),
         ("monitor other.csv", 3, "no telemetry"),
         ("monitor rows.csv", 3, "no terminal"),
-        ("run flight.npy --width 346 --height 260 --monitor", 2, "--software-camera FILE"),
+        ("run flight.npy --width 346 --height 260 --monitor", 3, "no terminal"),
+        ("run flight.npy --cost 1us+1ns --monitor", 2, "--cost"),
     ],
 )
 def test_wrong_use_is_told(
@@ -155,7 +167,7 @@ def test_without_rich_the_extra_is_named(
 
 def test_a_run_is_shown_on_its_terminal_and_ends_as_usual(tmp_path: Path) -> None:
     np.save(tmp_path / "flight.npy", streams.poisson(2e5, 1.0))
-    command = "run --software-camera flight.npy --width 346 --height 260 --monitor --json"
+    command = "run flight.npy --width 346 --height 260 --monitor --json"
     ours, theirs = pty.openpty()
     process = subprocess.Popen(
         [sys.executable, "-m", "asap", *command.split()],

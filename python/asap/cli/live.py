@@ -74,8 +74,6 @@ def is_live(arguments: Any) -> bool:
         raise Failure(USAGE, "--from, --to: only of a file; --duration says how long a camera runs")
     if not live and (arguments.record or arguments.duration):
         raise Failure(USAGE, "--record, --duration: only with a camera")
-    if not live and arguments.monitor:
-        raise Failure(USAGE, "--monitor: only with a camera; --software-camera FILE plays a file")
     return live
 
 

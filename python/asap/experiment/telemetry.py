@@ -101,8 +101,8 @@ class TelemetryFile:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = _checks.new_file("telemetry", path)
         _checks.ending("telemetry", self.path, (".csv",), "give a name that ends in .csv")
-        self.written = self.lost = 0  # rows
-        self._in_file = 0
+        self._written = self._failed = self._in_file = 0  # rows, of the thread
+        self._dropped = 0
         self._queue: queue.Queue[Rows | None] = queue.Queue(_WAITING)
         self._thread: threading.Thread | None = None
         self._error: OSError | None = None
@@ -116,7 +116,12 @@ class TelemetryFile:
         try:
             self._queue.put_nowait(rows)
         except queue.Full:
-            self.lost += len(rows)
+            self._dropped += len(rows)
+
+    @property
+    def lost(self) -> int:
+        """Rows that are not in the file."""
+        return self._dropped + self._failed
 
     def _write(self) -> None:
         while (rows := self._queue.get()) is not None:
@@ -124,7 +129,7 @@ class TelemetryFile:
                 self._append(rows)
             except OSError as error:
                 self._error = error
-                self.lost += len(rows)
+                self._failed += len(rows)
 
     def _append(self, rows: Rows) -> None:
         if self._in_file + len(rows) > _MOST_ROWS:
@@ -134,11 +139,11 @@ class TelemetryFile:
         with self.path.open("ab" if self._in_file else "wb") as file:
             file.write(lines if self._in_file else HEAD + lines)
         self._in_file += len(rows)
-        self.written += len(rows)
+        self._written += len(rows)
 
     def stats(self) -> dict[str, Any]:
         """Sum up as one JSON object, in rows."""
-        return {"path": str(self.path), "written": self.written, "lost": self.lost}
+        return {"path": str(self.path), "written": self._written, "lost": self.lost}
 
     def close(self) -> None:
         """Wait for the disk, 1 s at most; warn of what could not be written."""
@@ -151,7 +156,7 @@ class TelemetryFile:
         if thread.is_alive():  # the disk is stalled: what waits is lost
             with suppress(queue.Empty):
                 while (rows := self._queue.get_nowait()) is not None:
-                    self.lost += len(rows)
+                    self._dropped += len(rows)
             self._queue.put(None)
         if self._error is not None:
             warnings.warn(

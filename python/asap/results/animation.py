@@ -10,6 +10,7 @@ import shutil
 import subprocess
 from collections import deque
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
@@ -64,14 +65,14 @@ def _write_mp4(frames: Iterator[Any], file: Path) -> None:
     first = next(frames)
     size = f"{first.width}x{first.height}"
     source = f"-f rawvideo -pix_fmt rgb24 -s {size} -r {10**6 // _FRAME_US} -i -".split()
-    target = ["-pix_fmt", "yuv420p", "-movflags", "+faststart", os.fspath(file)]
+    target = ["-pix_fmt", "yuv420p", "-movflags", "+faststart", os.fspath(file.absolute())]
     with subprocess.Popen(
         [program, "-y", "-loglevel", "error", *source, *target], stdin=subprocess.PIPE
     ) as process:
         pipe: Any = process.stdin
-        for frame in chain([first], frames):
-            pipe.write(frame.tobytes())
-        pipe.close()
+        with suppress(BrokenPipeError), pipe:  # its code tells what was wrong
+            for frame in chain([first], frames):
+                pipe.write(frame.tobytes())
     if process.returncode:
         raise RuntimeError(f"{file}: ffmpeg ended with code {process.returncode}")
 
