@@ -29,21 +29,21 @@
 
 namespace asap {
 
-// How a pipeline does; a snapshot of the run since the last start().
+// A snapshot of a pipeline: its state, and the counts of the run since the last start().
 struct PipelineStats {
   Ledger ledger;
   Rejections rejected;
   LatencyHistogram latency;  // per delivered event, from its arrival to the end of its package
   PackageTotals packages;
-  std::int64_t gap_us =
-      0;  // longest time between two delivered events in a row with a loss between, us of stamps
+  // The longest time between two delivered events in a row with a loss between, us of stamps.
+  std::int64_t gap_us = 0;
   std::int64_t elapsed_ns = 0;  // since the first arrival
   std::uint64_t clock_resets = 0;
   // Said by the driver; beside the ledger, not in it.
   std::uint64_t upstream_marks = 0;    // "events are missing here"
   std::uint64_t upstream_packets = 0;  // packets known to be lost
   bool open = true;                    // pushes are taken
-  bool failed = false;                 // the algorithm, or what is called beside it, has thrown
+  bool failed = false;                 // algorithm, front filter, poll or on_worker_start threw
   bool stalled = false;                // events wait, and the consumer has been away for too long
   std::uint64_t max_waiting = 0;       // events that have been in the ring at once
   std::int64_t latency_bound_ns = 0;   // the consumer applies it when it looks next
@@ -57,9 +57,9 @@ class Pipeline {
   using Arrival = std::optional<std::chrono::steady_clock::time_point>;
   using Poll = std::function<void()>;
 
-  // Open from the start. The scheme outlives the pipeline and serves one run at a time: while the
-  // consumer of another run has not seen its end, the constructor, start() and the consumer's first
-  // call throw std::logic_error.
+  // Takes pushes at once. The scheme outlives the pipeline. A live run uses it from the consumer's
+  // first call until the consumer has seen the end: another one throws std::logic_error meanwhile,
+  // in the constructor, in start() and from its consumer's first call.
   explicit Pipeline(Scheme& scheme, RunConfig config = {});
   // With a worker: a thread that runs the algorithm until stop(), see join(). Without a scheme
   // under Deadline.
