@@ -295,6 +295,18 @@ def test_messages_of_ros_1_in_mcap() -> None:
     assert_equal_events(events, expected)
 
 
+def test_matrices_of_an_archive_are_streams(tmp_path: Path) -> None:
+    matrix = np.column_stack([EVENTS[role] for role in "txyp"])
+    path = tmp_path / "events.npz"
+    np.savez(path, left=matrix, right=matrix[:9], labels=np.arange(5), names=np.array([None]))
+    with pytest.raises(ValueError, match=r"2 streams of events \(left, right\)"):
+        asap.read(path)
+    assert_equal_events(asap.load(path, stream="left"), EVENTS)
+    assert_equal_events(asap.load(path, stream="right"), EVENTS[:9])
+    np.savez(path, data=matrix, labels=np.arange(5))
+    assert_equal_events(asap.load(path), EVENTS)
+
+
 def test_streams_have_the_names_of_the_file() -> None:
     path = reported("stereo.aedat4")
     assert asap.read(path, stream="Right").streams == ("Left", "Right")
