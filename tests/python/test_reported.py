@@ -254,6 +254,13 @@ def test_a_folder_of_parts_is_one_recording() -> None:
         asap.load(first)
 
 
+@pytest.mark.parametrize("metadata", ["", "rosbag2_bagfile_information:\n  version: 9\n"])
+def test_metadata_that_a_killed_recorder_left_are_none(metadata: str, tmp_path: Path) -> None:
+    shutil.copytree(reported("split/rosbag2_0.db3").parent, tmp_path / "bag")
+    (tmp_path / "bag" / "metadata.yaml").write_text(metadata)
+    assert_equal_events(asap.load(tmp_path / "bag"), truth()[:3000])
+
+
 @pytest.mark.parametrize(
     ("content", "words"),
     [
