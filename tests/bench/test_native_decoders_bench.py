@@ -86,7 +86,7 @@ def test_decoder(benchmark, written):
     out, piece = np.empty(COUNT, asap.EVENT_DTYPE), memoryview(bytearray(PIECE))
 
     def read():
-        decoder, filled = layout.make(), 0
+        decoder, filled = layout.make(layout.start), 0
         with path.open("rb", buffering=0) as file:
             file.seek(layout.start)
             while size := file.readinto(piece):

@@ -254,6 +254,13 @@ def test_a_folder_of_parts_is_one_recording() -> None:
         asap.load(first)
 
 
+@pytest.mark.parametrize("metadata", ["", "rosbag2_bagfile_information:\n  version: 9\n"])
+def test_metadata_that_a_killed_recorder_left_are_none(metadata: str, tmp_path: Path) -> None:
+    shutil.copytree(reported("split/rosbag2_0.db3").parent, tmp_path / "bag")
+    (tmp_path / "bag" / "metadata.yaml").write_text(metadata)
+    assert_equal_events(asap.load(tmp_path / "bag"), truth()[:3000])
+
+
 @pytest.mark.parametrize(
     ("content", "words"),
     [
@@ -293,6 +300,18 @@ def test_messages_of_ros_1_in_mcap() -> None:
     expected = truth()
     expected["t"] += 100_000_000
     assert_equal_events(events, expected)
+
+
+def test_matrices_of_an_archive_are_streams(tmp_path: Path) -> None:
+    matrix = np.column_stack([EVENTS[role] for role in "txyp"])
+    path = tmp_path / "events.npz"
+    np.savez(path, left=matrix, right=matrix[:9], labels=np.arange(5), names=np.array([None]))
+    with pytest.raises(ValueError, match=r"2 streams of events \(left, right\)"):
+        asap.read(path)
+    assert_equal_events(asap.load(path, stream="left"), EVENTS)
+    assert_equal_events(asap.load(path, stream="right"), EVENTS[:9])
+    np.savez(path, data=matrix, labels=np.arange(5))
+    assert_equal_events(asap.load(path), EVENTS)
 
 
 def test_streams_have_the_names_of_the_file() -> None:

@@ -10,7 +10,7 @@ import math
 import mmap
 import zipfile
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, Any, Literal
@@ -22,7 +22,7 @@ from numpy.lib import format as npy
 from asap.events import FIELD_NAMES, Events
 from asap.io.columns import as_rows, events_of, file_columns, first_us, order_of, row_before
 from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, refuse_bomb
-from asap.io.reader import CHUNK, SIZE, Losses, Options, new_room, size_of
+from asap.io.reader import CHUNK, SIZE, Losses, Options, choose_stream, new_room, size_of
 
 _PACKED_BY_NUMPY = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit
 
@@ -125,11 +125,12 @@ class NpyReader:
 class NpzReader:
     """Columns ``t``, ``x``, ``y``, ``p`` (or their other names), or one array of events.
 
-    The array is the only one in the file, or the one called ``events``. Two numbers ``width`` and
-    ``height`` state the sensor.
+    The array is the only one in the file, the one called ``events``, or a stream. Two numbers
+    ``width`` and ``height`` state the sensor.
     """
 
     format = "npz"
+    streams: tuple[str, ...] = ()
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path, self._options = path, options
@@ -190,14 +191,25 @@ class NpzReader:
         if len(columns) >= 3:
             return columns
         others = [key for key in names if not SIZE.fullmatch(key)]
-        if "events" in others:
+        if "events" in others and self._options.stream is None:
             return ["events"]
         if len(others) == 1:
             return others
+        if found := list(filter(self._may_be_events, others)):
+            self.streams = tuple(found)
+            return [choose_stream(self._path, self._options.stream, found)]
         raise UnsupportedFormat(
             f"{self._path}: no events among the arrays {', '.join(others) or '(none)'}: needed are "
-            "columns t, x, y, p, or one structured array, called events if it is not the only one"
+            "columns t, x, y, p, or arrays of records or of four columns"
         )
+
+    def _may_be_events(self, key: str) -> bool:
+        with suppress(ValueError):  # of Python objects, for example
+            header = self._archive.header(key)
+            return header.dtype.names is not None or bool(
+                header.dtype.kind in "biuf" and as_rows(header.shape, self._options.order)
+            )
+        return False
 
     def _stated(self, key: str) -> Any:
         if math.prod(self._archive.header(key).shape) > _FEW:

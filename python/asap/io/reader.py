@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -245,8 +246,9 @@ def gathered(read: Callable[[Room], Iterable[Events]], expected: int) -> Events:
 
     `read` gives the chunks; it may write them where they belong in that array, one after the other.
     """
-    events: Events = np.empty(expected + CHUNK, EVENT_DTYPE)  # a last chunk has room
-    count = 0
+    events, count = new_room(0), 0
+    with suppress(MemoryError):  # fewer may come
+        events = new_room(expected + CHUNK)  # so that a last chunk has room
 
     def room(size: int) -> Events:
         place: Events = events[count : count + size]

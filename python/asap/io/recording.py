@@ -340,7 +340,8 @@ def read(
 ) -> Recording:
     """Open an event file: NumPy, text, csv, Prophesee, AEDAT, HDF5, ROS bags and others.
 
-    The format is found by content, then by name. Nothing but the header is read yet.
+    The format is found by content, then by name. Nothing but the header is read yet, and in AEDAT
+    2 and 3 the numbers of several cameras.
 
     Parameters
     ----------

@@ -308,8 +308,9 @@ class Bag(Protocol):
 
 def open_bag(kind: str, path: Path) -> Bag:
     """Open a bag of `kind`: ``"rosbag1"``, ``"rosbag2"`` (a file or a folder) or ``"mcap"``."""
-    if path.is_dir() and (not (path / METADATA).exists() or any(map(_logs, path.glob("*.db3")))):
-        return _Parts(parts_of(path))
+    by_parts = path.is_dir() and (not _has_metadata(path) or any(map(_logs, path.glob("*.db3"))))
+    if by_parts and (parts := parts_of(path)):
+        return _Parts(parts)
     if kind == "rosbag2" and not path.is_dir():
         return _Database(path)
     if kind == "mcap" and _profile(path) != "ros2":
@@ -322,6 +323,12 @@ def open_bag(kind: str, path: Path) -> Bag:
             raise
         walk = _rosbag1_records if kind == "rosbag1" else _mcap_records
         return _OpenBag(path, walk, error.fault)
+
+
+def _has_metadata(folder: Path) -> bool:
+    """Whether the recorder came to list its files; one that was killed did not."""
+    metadata = folder / METADATA
+    return metadata.exists() and b"relative_file_paths" in metadata.read_bytes()
 
 
 def _library_reader(kind: str, path: Path) -> Callable[[], Any]:

@@ -265,7 +265,7 @@ def _check_columns(path: Path, rows: list[list[bytes]]) -> None:
     if len(wide) > 1 or polarity == [*wide]:  # one may be the -1 of a type without a sign
         first = rows[0][3].decode()
         words, order = f"fourth column of {path} holds no polarity (it begins with {first})", "xypt"
-    elif not _ascends(rows, 0) and _ascends(rows, 2):
+    elif _goes_back(rows, 0) and not _goes_back(rows, 2) and rows[0][2] != rows[-1][2]:
         words, order = f"third column of {path} ascends, the first one does not", "xytp"
     else:
         return
@@ -273,9 +273,9 @@ def _check_columns(path: Path, rows: list[list[bytes]]) -> None:
     raise ValueError(f"order = None: the {words}; {remedy}")
 
 
-def _ascends(rows: list[list[bytes]], column: int) -> bool:
+def _goes_back(rows: list[list[bytes]], column: int) -> bool:
     times = [float(row[column]) for row in rows]
-    return len(times) > 2 and times[0] < times[-1] and times == sorted(times)
+    return times != sorted(times)
 
 
 def _unit_of(path: Path, rows: list[list[bytes]], order: str) -> str:
