@@ -210,7 +210,7 @@ def test_diagnostics_say_that_all_is_rejected(peer: Peer) -> None:
         diagnostics.wait(DiagnosticStatus.ERROR, "events rejected")
 
 
-def test_diagnostics_say_that_nobody_hears_or_can_hear(make_peer: Callable[..., Peer]) -> None:
+def test_diagnostics_say_that_no_end_hears_or_can_hear(make_peer: Callable[..., Peer]) -> None:
     peer = make_peer(consume=False)
     diagnostics = Diagnostics(peer)
     with AsapNode(latency_ms=200, input_reliability="reliable"):
@@ -222,7 +222,7 @@ def test_diagnostics_say_that_nobody_hears_or_can_hear(make_peer: Callable[..., 
         for _ in range(30):
             peer.send(mono(np.arange(10) + peer.seq * 1000))
             time.sleep(0.05)
-        diagnostics.wait(DiagnosticStatus.WARN, "nobody subscribes")
+        diagnostics.wait(DiagnosticStatus.WARN, "no subscriber of the packages")
         make_peer(name="consumer")
         diagnostics.wait(DiagnosticStatus.ERROR, "/consumer hears nothing")
 
