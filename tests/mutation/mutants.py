@@ -87,7 +87,7 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "runner/intake.cpp",
         "runner",
-        full_ring_wakes_nobody=("  announce();\n", ""),
+        full_ring_without_wake=("  announce();\n", ""),
         thinned_not_counted=("    discarded_ += block.size() - kept;\n", ""),
         thinning_knows_not_how_much_comes=(
             "buffer_.filled(max - events.size()) > max - events.size()",

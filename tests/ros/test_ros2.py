@@ -210,7 +210,7 @@ def test_diagnostics_say_that_all_is_rejected(peer: Peer) -> None:
         diagnostics.wait(DiagnosticStatus.ERROR, "events rejected")
 
 
-def test_diagnostics_say_that_nobody_hears_or_can_hear(make_peer: Callable[..., Peer]) -> None:
+def test_diagnostics_say_that_no_end_hears_or_can_hear(make_peer: Callable[..., Peer]) -> None:
     peer = make_peer(consume=False)
     diagnostics = Diagnostics(peer)
     with AsapNode(latency_ms=200, input_reliability="reliable"):
@@ -222,7 +222,7 @@ def test_diagnostics_say_that_nobody_hears_or_can_hear(make_peer: Callable[..., 
         for _ in range(30):
             peer.send(mono(np.arange(10) + peer.seq * 1000))
             time.sleep(0.05)
-        diagnostics.wait(DiagnosticStatus.WARN, "nobody subscribes")
+        diagnostics.wait(DiagnosticStatus.WARN, "no subscriber of the packages")
         make_peer(name="consumer")
         diagnostics.wait(DiagnosticStatus.ERROR, "/consumer hears nothing")
 
@@ -300,7 +300,7 @@ def test_late_events_are_lifted_within_the_tolerance(peer: Peer) -> None:
 def test_a_driver_of_today_reaches_reliable_and_best_effort_consumers(peer: Peer) -> None:
     best_effort = []
     peer.create_subscription(EventPacket, "asap/events", best_effort.append, DRIVERS_QOS)
-    with AsapNode(encoding="mono"):
+    with AsapNode(encoding="mono", latency_ms=1000):  # a busy machine thins nothing
         peer.wait_for_node()
         peer.wait(lambda: peer.count_subscribers("asap/events") == 2, "both consumers")
         for i in range(300):
@@ -522,8 +522,8 @@ def test_stamps_follow_a_camera_whose_clock_begins_anew(
         feedback.publish(ProcessingTime(seq=packet.seq, time=latency_ms * 0.4e-3))
 
     def play(driver: Peer, start_us: int) -> None:
-        for i in range(80):  # .8 s; each message has its number in x
-            payload = mono(np.arange(10) * 100 + i * 10_000, x=len(sent))
+        for i in range(80):  # .8 s; the number of the message is in x, that of the event in y
+            payload = mono(np.arange(10) * 100 + i * 10_000, len(sent), np.arange(10))
             stamp = driver.send(payload, time_base=start_us * 1000)
             sent.append(stamp)
             time.sleep(0.01)
@@ -551,12 +551,13 @@ def test_stamps_follow_a_camera_whose_clock_begins_anew(
     errors_ns = []
     for packet in consumer.packets:
         first = int(np.frombuffer(bytes(packet.events[:8]), "<u8")[0])
-        number = first >> 32 & 0x7FFF
+        number, place = first >> 32 & 0xFFFF, first >> 48 & 0x7FFF
         stamp = packet.header.stamp.sec * 10**9 + packet.header.stamp.nanosec
-        errors_ns.append((number, stamp - sent[number]))
+        errors_ns.append((number, stamp - sent[number] - place * 100_000))
+    worst_ns = max(abs(error) for _, error in errors_ns)
+    print(f"{how}, bound {latency_ms} ms: stamps err by {worst_ns * 1e-6} ms at most")
     assert {number >= 80 for number, _ in errors_ns} == {False, True}
-    wrong = [e for e in errors_ns if not 0 <= e[1] <= 1_000_000]  # an event's place: < 1 ms
-    assert not wrong
+    assert worst_ns <= 1_000_000
 
 
 def test_a_rate_bound_thins(peer: Peer) -> None:

@@ -12,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kTurn = 1s;           // a camera that is silent for longer has lost its turn
-constexpr auto kComplainEvery = 1s;  // of messages
+constexpr auto kComplainEvery = 1s;  // a refusal is logged
 constexpr std::size_t kMarks = 4096;
 constexpr std::int64_t kNsOfOneUs = 1000;
 
@@ -66,7 +66,7 @@ std::optional<Refusal> Session::take(const Packet& packet) {
     }
     pipeline_->push(events, now);
   });
-  // Again: a clock that nobody has told of may have been found set back.
+  // Again: the pipeline may have found by itself that the clock was set back.
   if (first_us) mark(packet, *first_us + pipeline_->clock_offset_us());
   return {};
 }
@@ -220,7 +220,7 @@ Session::Report Session::report(const std::string& topic, const std::string& mis
   say(stats.stalled, Level::warn, "stalled: the consumer stays away");
   say(messages_ == 0, Level::warn, silent);
   say(!any("messages"), Level::warn, silent + " for " + std::to_string(silent_s) + " s");
-  say(!receiver_.is_heard(), Level::warn, "nobody subscribes to the packages");
+  say(!receiver_.is_heard(), Level::warn, "no subscriber of the packages");
   say(any("overflow"), Level::warn, count("overflow") + " events did not fit into the ring");
   say(any("lost"), Level::warn, count("lost") + " messages of the driver are missing");
   say(any("refused"), Level::warn, count("refused") + " messages refused");

@@ -40,12 +40,12 @@ class Receiver {
   virtual void process(const Package& package, std::int64_t stamp_ns) = 0;
   // The run ends: a process() that waits for something waits no longer. Any thread.
   virtual void hurry() noexcept {}
-  // What it works for is not there, or stays away. Any thread.
+  // The consumer of what it makes is there; it stays away. Any thread.
   virtual bool is_heard() const { return true; }
   virtual bool stalled() const { return false; }
-  // What else a report says. Any thread.
+  // Returns further facts for a report. Any thread.
   virtual Facts facts() const { return {}; }
-  // Those that may change while it runs. Any thread.
+  // Takes the parameters that may change while it runs. Any thread.
   virtual void set(const Parameters&) {}
 };
 
@@ -59,8 +59,8 @@ class Session {
   struct Report {
     Level level = Level::ok;
     std::string message = "ok";
-    std::string frame_id{};  // of the camera
-    Facts facts{};  // of the run, of the time since the last report, and of the messages in all
+    std::string frame_id{};  // the camera's
+    Facts facts{};           // the run, the time since the last report, the messages in all
   };
 
   // The receiver outlives the session. `say` gets a line where a run begins or ends and, once a
@@ -74,7 +74,7 @@ class Session {
   // The reason, if the message is refused; refused after stop() without one.
   std::optional<Refusal> take(const Packet& packet);
 
-  // Those that may change while it runs. Throws std::invalid_argument for ones that are none.
+  // Takes the parameters that may change while it runs. Throws std::invalid_argument for bad ones.
   void set(const Parameters& parameters);
 
   // Delivers what waits, and ends. Says the ledger.
@@ -83,7 +83,7 @@ class Session {
   // Once a second. `topic`: of the messages; `mismatch`: an end whose QoS does not match, or empty.
   Report report(const std::string& topic = "", const std::string& mismatch = "");
   PipelineStats stats() const;
-  std::string frame_id() const;  // of the camera's messages
+  std::string frame_id() const;  // the camera's
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -120,7 +120,7 @@ class Session {
   std::array<std::uint64_t, kRefusals.size()> refused_{};
   std::map<std::string, std::uint64_t> reported_;  // what the last report counted
   mutable std::mutex worker_;  // the next four, which the worker reads and writes as well
-  std::deque<Mark> marks_;     // of the messages that may still wait
+  std::deque<Mark> marks_;     // one per message that may still wait
   std::string frame_id_;
   std::uint64_t failures_ = 0;
   std::string failure_;

@@ -87,7 +87,7 @@ class Pipeline {
   // driver: time continues 1 us after the last event. Ignored after stop() and before an event.
   void begin_epoch(std::int64_t first_us) noexcept;
 
-  // What is now added to the camera's stamps, us. The producer's.
+  // The offset that is now added to the camera's stamps, us. The producer's.
   std::int64_t clock_offset_us() const noexcept;
 
   // The driver has lost events before they came here.

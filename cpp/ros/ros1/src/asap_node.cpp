@@ -165,7 +165,7 @@ class Node {
       times_ = self_.subscribe<ProcessingTime>("processing_time", 10, finished);
     }
     if (parameters_.feedback != "service") return;
-    // Whatever its sum: the published node's consumers call without `seq`.
+    // Any sum is taken: the published node's consumers call without `seq`.
     using Any = ros::ServiceSpec<AnyMessage, Feedback::Response>;
     ros::AdvertiseServiceOptions options;
     options.init<Feedback>("feedback", {});
@@ -210,7 +210,7 @@ class Node {
 
   ros::NodeHandle handle_, self_{"~"};
   bridge::Parameters parameters_ = read(self_, {.encoding = std::string(bridge::kDecoded)}, false);
-  std::string refusal_;  // of a parameter, said last
+  std::string refusal_;  // the one that was logged last
   AnyMessage bytes_;     // the session's thread's
   std::vector<asap::Event> decoded_;
   ros::Publisher packages_, stats_, diagnostics_;

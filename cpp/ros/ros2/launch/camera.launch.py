@@ -29,11 +29,10 @@ def containers(context: LaunchContext) -> list[ComposableNodeContainer]:
     """Return one container with both components."""
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     driver, bias_file = given["driver"], given["bias_file"]
-    camera = [{"serial": ParameterValue(given["serial"], value_type=str)}]
-    if driver == "metavision":
-        camera[0]["bias_file"] = bias_file
-    else:
-        camera = [*camera, {"device_type": given["device_type"]}, *filter(None, [bias_file])]
+    names = ["serial", "bias_file" if driver == "metavision" else "device_type"]
+    camera = [{name: ParameterValue(given[name], value_type=str) for name in names}]
+    if driver == "libcaer" and bias_file:
+        camera.append(bias_file)
     asap = {name: given[name] for name in [*ARGUMENTS][6:]}
     asap["latency_ms"] = float(given["latency_ms"])
     plugins = [

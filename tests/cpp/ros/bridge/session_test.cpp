@@ -227,7 +227,7 @@ TEST(Session, ReportsWhatIsWrong) {
   fixture.collector.heard = false;
   report = fixture.session.report();
   EXPECT_EQ(report.level, Level::warn);
-  EXPECT_EQ(report.message, "nobody subscribes to the packages");
+  EXPECT_EQ(report.message, "no subscriber of the packages");
   fixture.collector.stays_away = true;
   fixture.take({{1, 1, 1, 9}}, 7);
   EXPECT_EQ(message(), "stalled: the consumer stays away");
