@@ -28,6 +28,11 @@ LONG_MS = 1000.0  # a bound that a busy machine keeps
 
 
 @pytest.fixture(autouse=True)
+def patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(viewer, "_PATIENCE_S", 60.0)  # on a busy machine
+
+
+@pytest.fixture(autouse=True)
 def nothing_is_left() -> Iterator[None]:
     threads = set(threading.enumerate())
     yield
