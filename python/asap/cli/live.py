@@ -142,5 +142,6 @@ def run_live(arguments: Any) -> int:
     finally:
         run = asap.last_run()
         if run is not None and run is not before:
-            hand_over(run, arguments, tracks, camera.recorded if camera else None)
+            shown = None if arguments.target in (None, "spawn", "connect") else arguments.target
+            hand_over(run, arguments, tracks, camera.recorded if camera else None, shown)
     return OK
