@@ -33,7 +33,7 @@ __all__ = ["View", "view"]
 
 _FRAME_S = 1 / 15
 _SHOWN_S = 0.02  # of events in a picture
-_PATIENCE_S = 5.0
+_PATIENCE_S = 10.0
 
 
 def view(

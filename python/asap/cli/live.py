@@ -8,7 +8,7 @@ from contextlib import contextmanager, nullcontext
 from typing import Any
 
 import asap
-from asap import _progress, _units, monitor, viewer
+from asap import _progress, _units
 from asap.cli.algorithms import scheme_of, workers_of
 from asap.cli.options import (
     add_verb,
@@ -94,9 +94,13 @@ def _recording(arguments: Any) -> asap.Recording | None:
 def _shown(arguments: Any) -> Iterator[Any]:
     """Begin to show, and give what makes the callback of a camera's run."""
     if arguments.target:
+        from asap import viewer
+
         with viewer.View(arguments.target) as view:
             yield lambda camera: lambda *_: view.attach(camera.pipeline)
     elif arguments.monitor:
+        from asap import monitor
+
         screen = monitor.Screen(arguments.algorithm.name if arguments.algorithm else "clusters")
         with monitor.shown(screen):
             yield lambda camera: lambda *_: screen.attach(camera.pipeline)
@@ -138,5 +142,6 @@ def run_live(arguments: Any) -> int:
     finally:
         run = asap.last_run()
         if run is not None and run is not before:
-            hand_over(run, arguments, tracks, camera.recorded if camera else None)
+            shown = None if arguments.target in (None, "spawn", "connect") else arguments.target
+            hand_over(run, arguments, tracks, camera.recorded if camera else None, shown)
     return OK

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import asap
-from asap import _progress, _units, conversion, monitor
+from asap import _progress, _units, conversion
 from asap.cli.algorithms import (
     ALGORITHMS,
     FILTERS,
@@ -108,7 +108,7 @@ def add_view(verbs: Any) -> None:
     """Add ``asap view``."""
     words = "watch a run in Rerun: its events, clusters with tracks, and what the loop does"
     verb = add_verb(verbs, "view", _run, words)
-    words = "spawn: a window; connect: one that listens on port 9876; or a file to write"
+    words = "a window, one that listens on port 9876, or a file to write (default: spawn)"
     verb.add_argument("--target", default="spawn", metavar="spawn|connect|OUT.rrd", help=words)
     verb.set_defaults(monitor=False)
     _add_run_options(verb)
@@ -225,6 +225,8 @@ def add_monitor(verbs: Any) -> None:
 
 
 def _monitor(arguments: Any) -> int:
+    from asap import monitor
+
     path = Path(arguments.file[0])
     with reading(arguments):
         if arguments.json:
