@@ -9,6 +9,7 @@
 #include "asap/algorithms/event_image.hpp"
 #include "asap/algorithms/event_surface.hpp"
 #include "asap/algorithms/feature_tracker.hpp"
+#include "asap/algorithms/motion_segmenter.hpp"
 #include "asap/algorithms/noise_filters.hpp"
 #include "asap/algorithms/plane_flow.hpp"
 #include "cluster_trackers.hpp"
@@ -78,9 +79,10 @@ Consumer foreign_native(const py::object& algorithm) {
 
 // Empty: it has no native loop.
 Consumer native_consumer_of(const py::object& algorithm) {
-  if (Consumer consumer = first_native<EitherClusterTracker, EFast, ArcStar, EHarris, FAHarris,
-                                       ThresholdOrdinalSurface, SpeedInvariantTimeSurface,
-                                       PlaneFlow, EventImage, FeatureTracker>(algorithm)) {
+  if (Consumer consumer =
+          first_native<EitherClusterTracker, EFast, ArcStar, EHarris, FAHarris,
+                       ThresholdOrdinalSurface, SpeedInvariantTimeSurface, PlaneFlow, EventImage,
+                       FeatureTracker, MotionSegmenter>(algorithm)) {
     return consumer;
   }
   if (Consumer consumer = first_native_filter<BackgroundActivityFilter, HotPixelMask>(algorithm)) {

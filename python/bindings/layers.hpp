@@ -23,5 +23,6 @@ void bind_surfaces(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
 void bind_event_image(pybind11::module_& m);
 void bind_features(pybind11::module_& m);
+void bind_motion(pybind11::module_& m);
 
 }  // namespace asap::python

@@ -47,5 +47,6 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_flow(m);
   asap::python::bind_event_image(m);
   asap::python::bind_features(m);
+  asap::python::bind_motion(m);
   asap::python::close_classes(m);
 }

@@ -41,6 +41,7 @@ MADE: dict[str, tuple[Make, dict[str, Any]]] = {
     "ordinal_surface": (asap.ThresholdOrdinalSurface, {"side": 5}),
     "speed_invariant_surface": (asap.SpeedInvariantTimeSurface, {"radius": 3}),
     "plane_flow": (asap.PlaneFlow, {"window_us": 900, "min_points": 9, "refit": False}),
+    "motion": (asap.MotionSegmenter, {"window_us": 50_000, "least_px_s": 9.0, "least_share": 0.25}),
     "event_image": (asap.EventImage, {"count": 1000, "channels": ["on", "off"]}),
 }
 
@@ -166,6 +167,9 @@ BAD: list[tuple[Make, dict[str, Any]]] = [
     (asap.SpeedInvariantTimeSurface, {"radius": 0}),
     (asap.PlaneFlow, {"window_us": 0}),
     (asap.PlaneFlow, {"min_points": 0}),
+    (asap.MotionSegmenter, {"window_us": 0}),
+    (asap.MotionSegmenter, {"least_px_s": NAN}),
+    (asap.MotionSegmenter, {"least_share": -1}),
     (asap.EventImage, {"count": -1}),
 ]
 

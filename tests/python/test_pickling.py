@@ -73,6 +73,7 @@ ALGORITHMS: list[Callable[[], Any]] = [
     lambda: asap.ThresholdOrdinalSurface(20, 10, side=5),
     lambda: asap.SpeedInvariantTimeSurface(20, 10, radius=3),
     lambda: asap.PlaneFlow(20, 10, window_us=900, refit=False),
+    lambda: asap.MotionSegmenter(20, 10, window_us=50_000, least_share=0.25),
     lambda: asap.EventImage(20, 10, count=50, channels=["on", "off"]),
 ]
 

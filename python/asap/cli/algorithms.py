@@ -30,6 +30,7 @@ ALGORITHMS = {
     "tos": "ThresholdOrdinalSurface",
     "sits": "SpeedInvariantTimeSurface",
     "flow": "PlaneFlow",
+    "motion": "MotionSegmenter",
 }
 
 FILTERS = ("background", "hot_pixels")

@@ -1,0 +1,115 @@
+#include "algorithms/motion/background_motion.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace asap::motion {
+namespace {
+
+constexpr std::size_t kFewest = 20;  // samples, five for each parameter
+constexpr int kSteps = 8;
+constexpr double kLeastSigma = 0.05;
+
+double square(double value) noexcept { return value * value; }
+
+}  // namespace
+
+BackgroundMotion::BackgroundMotion(int width, int height, std::size_t most_samples)
+    : frame_(width, height),
+      width_(static_cast<std::size_t>(width)),
+      height_(static_cast<std::size_t>(height)),
+      columns_((width_ + kCell_px - 1) / kCell_px),
+      counts_(columns_ * ((height_ + kCell_px - 1) / kCell_px)),
+      scores_(counts_.size()),
+      errors_(most_samples) {}
+
+bool BackgroundMotion::fit(std::span<const FlowSample> samples, double keep) noexcept {
+  const bool begins = !is_known_;
+  is_known_ = false;
+  if (samples.size() < kFewest) return false;
+  std::fill(counts_.begin(), counts_.end(), 0U);
+  for (const FlowSample& sample : samples) ++counts_[cell(sample)];
+  for (int step = 0; step < kSteps; ++step) {
+    if (!iterate(samples, begins && step == 0)) return false;
+  }
+  measure_sigma(samples);
+  is_known_ = is_covered(samples, keep);
+  if (is_known_) measure_covariance(samples);
+  return is_known_;
+}
+
+// A cell with much flow weighs as much as one with little: else one textured thing is the ground.
+double BackgroundMotion::weight(const FlowSample& sample) const noexcept {
+  return 1 / (square(flow_error_px_s(sample)) * counts_[cell(sample)]);
+}
+
+double BackgroundMotion::robust_weight(const FlowSample& sample, double residual) const noexcept {
+  return weight(sample) * robust_share(residual / (sigma_ * flow_error_px_s(sample)));
+}
+
+bool BackgroundMotion::iterate(std::span<const FlowSample> samples, bool begins) noexcept {
+  if (!begins) measure_sigma(samples);
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Motion right = Motion::Zero();
+  for (const FlowSample& sample : samples) {
+    const Motion row = frame_.row(sample);
+    const double speed = static_cast<double>(sample.speed);
+    const double w = begins ? weight(sample) : robust_weight(sample, speed - row.dot(motion_));
+    normal.noalias() += w * row * row.transpose();
+    right.noalias() += w * speed * row;
+  }
+  const Eigen::LDLT<Eigen::Matrix4d> solver(normal);
+  constexpr double kOneDirection = 1e-6;  // share of the trace, far above rounding
+  if (!(solver.vectorD().minCoeff() > kOneDirection * normal.trace())) return false;
+  motion_ = solver.solve(right);
+  normal_ = normal;
+  return motion_.allFinite();
+}
+
+void BackgroundMotion::measure_sigma(std::span<const FlowSample> samples) noexcept {
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    errors_[i] = std::abs(frame_.residual(samples[i], motion_)) / flow_error_px_s(samples[i]);
+  }
+  const auto middle = errors_.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+  std::nth_element(errors_.begin(), middle,
+                   errors_.begin() + static_cast<std::ptrdiff_t>(samples.size()));
+  constexpr double kOfMedian = 1.48;  // of a normal distribution
+  sigma_ = std::max(kLeastSigma, kOfMedian * *middle);
+}
+
+// Of M-estimates whose errors are independent from cell to cell, but not within one.
+void BackgroundMotion::measure_covariance(std::span<const FlowSample> samples) noexcept {
+  std::fill(scores_.begin(), scores_.end(), Motion::Zero());
+  for (const FlowSample& sample : samples) {
+    const Motion row = frame_.row(sample);
+    const double residual = static_cast<double>(sample.speed) - row.dot(motion_);
+    scores_[cell(sample)] += robust_weight(sample, residual) * residual * row;
+  }
+  Eigen::Matrix4d scatter = Eigen::Matrix4d::Zero();
+  for (const Motion& score : scores_) scatter.noalias() += score * score.transpose();
+  const Eigen::LDLT<Eigen::Matrix4d> solver(normal_);
+  const Eigen::Matrix4d half = solver.solve(scatter);
+  covariance_ = solver.solve(half.transpose());
+}
+
+// Whether flow that fits lies all over the frame, and most of it in a third of the blocks.
+bool BackgroundMotion::is_covered(std::span<const FlowSample> samples, double keep) const noexcept {
+  std::array<std::uint32_t, kBlocks * kBlocks> fitting{};
+  std::array<std::uint32_t, kBlocks * kBlocks> all{};
+  for (const FlowSample& sample : samples) {
+    const std::size_t block = sample.y * kBlocks / height_ * kBlocks + sample.x * kBlocks / width_;
+    const double speed = static_cast<double>(sample.speed);
+    ++all[block];
+    fitting[block] += std::abs(frame_.residual(sample, motion_)) < 15 + 0.3 * speed;
+  }
+  int some = 0;
+  int many = 0;
+  for (std::size_t block = 0; block < all.size(); ++block) {
+    some += fitting[block] >= std::max(1.0, 3 * keep);
+    many += fitting[block] >= std::max(3.0, 10 * keep) && 2 * fitting[block] >= all[block];
+  }
+  return some >= 13 && many >= 5;
+}
+
+}  // namespace asap::motion
