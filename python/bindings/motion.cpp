@@ -73,8 +73,6 @@ void process(MotionSegmenter& segmenter, const py::array& events) {
 }  // namespace
 
 void bind_motion(py::module_& m) {
-  PYBIND11_NUMPY_DTYPE(TrackedObject, id, x, y, vx, vy, left, top, width, height, size, t_last,
-                       age_us, independent);
   PYBIND11_NUMPY_DTYPE(CameraMotion, t, vx, vy, turn, zoom, covariance);
 
   using Config = MotionSegmenterConfig;

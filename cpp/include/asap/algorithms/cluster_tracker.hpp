@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "asap/algorithms/tracked_object.hpp"
 #include "asap/core/event.hpp"
 #include "asap/core/result.hpp"
 
@@ -40,26 +41,6 @@ struct Cluster {
   double pxx = std::numeric_limits<double>::infinity();
   double pxy = 0;
   double pyy = std::numeric_limits<double>::infinity();
-};
-
-// ---- objects -----------------------------------------------------------------------------------
-
-// One thing at the moment of the question: one cluster or several that are parts of it. Plain data;
-// the Python array of objects has these fields in this order.
-struct TrackedObject {
-  std::int64_t id;          // never changes, and outlives stops and short occlusions
-  double x;                 // px, of its heaviest cluster
-  double y;                 // px
-  double vx;                // px/s
-  double vy;                // px/s
-  double left;              // px, box of its clusters
-  double top;               // px
-  double width;             // px
-  double height;            // px
-  std::int64_t size;        // live events
-  std::int64_t t_last;      // us, stamp of its newest event
-  std::int64_t age_us;      // us, since it began
-  double independent = -1;  // 0 to 1, whether it moves unlike the background; -1: not known
 };
 
 // The ellipse of two standard deviations of a cluster's events: that of a filled disk is its edge.
@@ -189,9 +170,10 @@ class ClusterTracker {
   std::vector<Cluster> clusters_at(std::int64_t t_us) const;
   void clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const;
 
-  // The objects at the latest time, sorted by id, positions predicted for that time. An object that
-  // has stopped or is occluded is not listed, but keeps its id for half a second. A patch of noise
-  // and a flickering light are clusters and no objects.
+  // The objects at the latest time: one cluster or several that are parts of one thing, at the
+  // position of the heaviest, with the box of all. Sorted by id, positions predicted for that time.
+  // An object that has stopped or is occluded is not listed, but keeps its id for half a second. A
+  // patch of noise and a flickering light are clusters and no objects.
   std::vector<TrackedObject> objects() const;
   void objects(std::vector<TrackedObject>& objects) const;
 

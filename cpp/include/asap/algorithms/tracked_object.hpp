@@ -7,7 +7,7 @@
 namespace asap {
 
 struct TrackedObject {
-  std::int64_t id;          // never changes while the object lives
+  std::int64_t id;          // never changes, and outlives stops and short occlusions
   double x;                 // px, centre
   double y;                 // px
   double vx;                // px/s
