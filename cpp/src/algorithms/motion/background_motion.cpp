@@ -8,7 +8,8 @@ namespace asap::motion {
 namespace {
 
 constexpr std::size_t kFewest = 20;  // samples, five for each parameter
-constexpr int kSteps = 8;
+constexpr int kFirstSteps = 8;       // without a motion of before
+constexpr int kSteps = 3;
 constexpr double kLeastSigma = 0.05;
 
 double square(double value) noexcept { return value * value; }
@@ -27,14 +28,14 @@ BackgroundMotion::BackgroundMotion(int width, int height, std::size_t most_sampl
 bool BackgroundMotion::fit(std::span<const FlowSample> samples, double keep) noexcept {
   const bool begins = !is_known_;
   is_known_ = false;
-  if (samples.size() < kFewest) return false;
+  if (samples.size() < kFewest || !is_covered(samples, keep, false)) return false;
   std::fill(counts_.begin(), counts_.end(), 0U);
   for (const FlowSample& sample : samples) ++counts_[cell(sample)];
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < (begins ? kFirstSteps : kSteps); ++step) {
     if (!iterate(samples, begins && step == 0)) return false;
   }
   measure_sigma(samples);
-  is_known_ = is_covered(samples, keep);
+  is_known_ = is_covered(samples, keep, true);
   if (is_known_) measure_covariance(samples);
   return is_known_;
 }
@@ -93,15 +94,17 @@ void BackgroundMotion::measure_covariance(std::span<const FlowSample> samples) n
   covariance_ = solver.solve(half.transpose());
 }
 
-// Whether flow that fits lies all over the frame, and most of it in a third of the blocks.
-bool BackgroundMotion::is_covered(std::span<const FlowSample> samples, double keep) const noexcept {
+// Whether flow lies all over the frame, and much of it in a third of the blocks; after a fit, the
+// flow that fits.
+bool BackgroundMotion::is_covered(std::span<const FlowSample> samples, double keep,
+                                  bool is_fitted) const noexcept {
   std::array<std::uint32_t, kBlocks * kBlocks> fitting{};
   std::array<std::uint32_t, kBlocks * kBlocks> all{};
   for (const FlowSample& sample : samples) {
     const std::size_t block = sample.y * kBlocks / height_ * kBlocks + sample.x * kBlocks / width_;
     const double speed = static_cast<double>(sample.speed);
     ++all[block];
-    fitting[block] += std::abs(frame_.residual(sample, motion_)) < 15 + 0.3 * speed;
+    fitting[block] += !is_fitted || std::abs(frame_.residual(sample, motion_)) < 15 + 0.3 * speed;
   }
   int some = 0;
   int many = 0;

@@ -106,7 +106,7 @@ class BackgroundMotion {
   void measure_covariance(std::span<const FlowSample> samples) noexcept;
   double weight(const FlowSample& sample) const noexcept;
   double robust_weight(const FlowSample& sample, double residual) const noexcept;
-  bool is_covered(std::span<const FlowSample> samples, double keep) const noexcept;
+  bool is_covered(std::span<const FlowSample> samples, double keep, bool is_fitted) const noexcept;
 
   static constexpr std::size_t kCell_px = 16;
 
