@@ -31,8 +31,12 @@ bool BackgroundMotion::fit(std::span<const FlowSample> samples, double keep) noe
   if (samples.size() < kFewest || !is_covered(samples, keep, false)) return false;
   std::fill(counts_.begin(), counts_.end(), 0U);
   for (const FlowSample& sample : samples) ++counts_[cell(sample)];
-  for (int step = 0; step < (begins ? kFirstSteps : kSteps); ++step) {
-    if (!iterate(samples, begins && step == 0)) return false;
+  if (begins) {
+    if (!iterate(samples, true)) return false;
+    measure_sigma(samples);
+  }
+  for (int step = 0; step < kSteps; ++step) {
+    if (!iterate(samples, false)) return false;
   }
   measure_sigma(samples);
   is_known_ = is_covered(samples, keep, true);
@@ -50,7 +54,6 @@ double BackgroundMotion::robust_weight(const FlowSample& sample, double residual
 }
 
 bool BackgroundMotion::iterate(std::span<const FlowSample> samples, bool begins) noexcept {
-  if (!begins) measure_sigma(samples);
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   Motion right = Motion::Zero();
   for (const FlowSample& sample : samples) {
