@@ -56,7 +56,6 @@ USE_THE_FACADE = {"cli", "__main__"}  # they see `import asap` as a user does
 
 WITHOUT_A_TEST_OF_ITS_OWN = {
     "algorithms/noise_filters.hpp": "a test of each filter",
-    "algorithms/tracked_object.hpp": "plain data",
     "formats/aedat.hpp": "a test of each version",
     "formats/atis.hpp": "a test of each format",
     "formats/prophesee.hpp": "a test of each format",

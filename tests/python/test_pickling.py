@@ -128,7 +128,7 @@ def test_a_gamma_filter_that_has_worked_says_so() -> None:
         ("header.csv", "x,y,other,t_us,p\n2,3,9,500,1\n3,4,9,600,0\n", {}),
         ("yxt.txt", "3 2 1000\n7 6 2000\n", {"order": "yxt", "time_unit": "ns"}),
         ("text.bin", "1 2 3 1\n5 6 7 0\n", {"file_format": "text"}),
-        ("bad.txt", "9 2 3 1\n8 6 7 0\n", {"reorder_tolerance_us": 3, "on_bad": "clamp"}),
+        ("bad.txt", "9 2 7 1\n8 6 3 0\n", {"reorder_tolerance_us": 3, "on_bad": "clamp"}),
     ],
 )
 def test_recordings_by_path(tmp_path: Path, name: str, text: str, options: Any) -> None:
