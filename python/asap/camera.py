@@ -21,7 +21,7 @@ from asap import _checks, _core
 from asap._playback import Playback
 from asap.conversion import convert, format_of, in_order, losses
 from asap.events import EVENT_DTYPE, as_events
-from asap.experiment.live_run import LivePipeline
+from asap.experiment.live_run import CameraRun
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.source import Source
 from asap.io.errors import library
@@ -236,7 +236,7 @@ class Camera:
 
     def run(self, on_progress: Any, **options: Any) -> Run:
         """Run for `asap.run`, which says what the arguments are."""
-        return LivePipeline(camera=self, **options).run_camera(on_progress)
+        return CameraRun(camera=self, **options).run_camera(on_progress)
 
     def release(self) -> None:
         """End the feed and wait for its thread; the camera stays open."""

@@ -33,7 +33,7 @@ void bind_stats(py::module_& m) {
       .def_property_readonly("packages",
                              [](const PipelineStats& stats) { return stats.packages.count.load(); })
       .def_property_readonly(
-          "thinned", [](const PipelineStats& stats) { return stats.packages.thinned.load(); })
+          "to_gamma", [](const PipelineStats& stats) { return stats.packages.to_gamma.load(); })
       .def_property_readonly("size",
                              [](const PipelineStats& stats) { return stats.packages.size.load(); })
       .def_property_readonly(

@@ -83,7 +83,7 @@ Facts facts_of(const PipelineStats& stats) {
       {"packages.per_s", number(per(static_cast<double>(count), elapsed_s))},
       {"packages.size_mean", number(per(static_cast<double>(size), static_cast<double>(count)))},
       {"packages.size_max", number(stats.packages.size_max.load())},
-      {"gamma.mean", share(size, stats.packages.thinned)},
+      {"gamma.mean", share(size, stats.packages.to_gamma)},
       {"gamma.min", number(stats.packages.gamma_min.load())},
       {"cpu", number(per(busy_s, elapsed_s))}};
   facts.insert(facts.end(), rest.begin(), rest.end());

@@ -11,7 +11,7 @@ from asap.experiment.runners import keep
 from asap.results import Ledger, Run
 
 
-class LivePipeline(Pipeline):
+class CameraRun(Pipeline):
     """A pipeline for one run of a camera, of `duration_s` at most."""
 
     _long_log = True

@@ -396,7 +396,7 @@ class Pipeline:
                 "size_max": stats.size_max,
             },
             "gamma": {
-                "mean": stats.size / stats.thinned if stats.thinned else 1.0,
+                "mean": stats.size / stats.to_gamma if stats.to_gamma else 1.0,
                 "min": stats.gamma_min,
             },
             "cpu": stats.busy_s / elapsed_s if elapsed_s > 0 else 0.0,

@@ -149,7 +149,7 @@ TEST(PackageTotals, AddUp) {
   totals.add(30, 20, 200);
   const PackageTotals copy = totals;
   EXPECT_EQ(copy.count, 3u);
-  EXPECT_EQ(copy.thinned, 80u);
+  EXPECT_EQ(copy.to_gamma, 80u);
   EXPECT_EQ(copy.size, 40u);
   EXPECT_EQ(copy.size_max, 20u);
   EXPECT_EQ(copy.processing_ns, 1000);

@@ -55,21 +55,21 @@ struct PackageRow {
 // What all packages of a run come to, exactly, also when the log keeps only the newest rows. One
 // thread adds; a copy may be taken by any thread meanwhile.
 struct PackageTotals {
-  Relaxed<std::uint64_t> count;    // packages
-  Relaxed<std::uint64_t> thinned;  // events that came to the gamma filter
-  Relaxed<std::uint64_t> size;     // events kept
+  Relaxed<std::uint64_t> count;     // packages
+  Relaxed<std::uint64_t> to_gamma;  // events that came to the gamma filter
+  Relaxed<std::uint64_t> size;      // events kept
   Relaxed<std::uint64_t> size_max;
   Relaxed<std::int64_t> processing_ns;
   Relaxed<double> gamma_min = 1.0;
 
-  void add(std::uint64_t package_thinned, std::uint64_t package_size,
+  void add(std::uint64_t package_to_gamma, std::uint64_t package_size,
            std::int64_t package_processing_ns) noexcept {
     ++count;
-    thinned += package_thinned;
+    to_gamma += package_to_gamma;
     size += package_size;
     size_max = std::max(size_max.load(), package_size);
     processing_ns += package_processing_ns;
-    const double gamma = static_cast<double>(package_size) / static_cast<double>(package_thinned);
+    const double gamma = static_cast<double>(package_size) / static_cast<double>(package_to_gamma);
     gamma_min = std::min(gamma_min.load(), gamma);
   }
 };
