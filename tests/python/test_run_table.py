@@ -1,3 +1,4 @@
+import dataclasses
 import re
 
 import numpy as np
@@ -118,6 +119,17 @@ def test_a_machine_that_cannot_keep_pace_is_neither_the_cameras_nor_the_schemes_
     assert float(share) == pytest.approx(late / 10, abs=0.2)
     quiet = steady(1e6, mode="real", rate_bound=1e6 / thinned)
     assert "Bottleneck: this machine." not in text_of.run_verdict(quiet)
+
+
+@pytest.mark.parametrize(("held_up_ms", "is_blamed"), [(60, True), (3, False)])
+def test_a_thread_that_was_held_up_is_not_the_schemes_fault(held_up_ms, is_blamed):
+    run = steady(1e6, bound_us=10_000.0, rate_bound=None, stale=50_000)
+    packages = run.packages.copy()
+    packages["start_us"][-1] = packages["start_us"][-2] + 1000 * held_up_ms
+    live = dataclasses.replace(run, mode="real", lateness=None, packages=packages)
+    verdict = text_of.run_verdict(live)
+    assert ("Bottleneck: this machine." in verdict) == is_blamed
+    assert ("was held up while events waited, for 59" in verdict) == is_blamed
 
 
 @pytest.mark.parametrize(

@@ -261,7 +261,8 @@ class Diagnosis:
     speedup : float
         How many times faster the algorithm would have to be, at the bound of the run.
     late_share : float
-        Share of the time in which the replay itself was late by more than half the bound.
+        Share of the time in which the replay itself was late by more than half the bound; of a
+        camera's run, in which the algorithm's thread was held up (`held_up_us`).
     """
 
     limit: str
@@ -326,11 +327,27 @@ def _good_in_time(run: Run) -> float:
     return run.in_time * ledger.received / good if good else 1.0
 
 
+def held_up_us(run: Run) -> Floats:
+    """Return how long events waited past the bound, and were lost, while no package was in work.
+
+    No scheme waits for so long, so it was the thread that did not run.
+    """
+    rows = run.packages
+    idle_us = np.diff(rows["start_us"]) - rows["processing_us"][:-1]
+    lost = rows["stale"][1:] + rows["overflow"][1:] > 0
+    return np.asarray(idle_us[lost & (idle_us > run.latency_bound_us)], np.float64)
+
+
 def _late_share(run: Run) -> float:
-    """Share of the time in which the producer was late by over half the bound, 1 ms a push."""
+    """Share of the time in which the producer was late by over half the bound, 1 ms a push.
+
+    Of a camera's run: in which the algorithm's thread was held up.
+    """
     wall_us = run.source["duration_s"] * 1e6 / run.speed
-    if run.lateness is None or wall_us <= 0:
+    if run.mode != "real" or wall_us <= 0:
         return 0.0
+    if run.lateness is None:
+        return min(float(held_up_us(run).sum()) / float(wall_us), 1.0)
     low, high = 0.0, 1.0  # the share of pushes that were not so late
     for _ in range(30):
         q = (low + high) / 2

@@ -19,7 +19,7 @@ import numpy as np
 from asap import _units
 from asap.results.cost import BOUND_KEPT, LEAST_BOUND, Cost
 from asap.results.data import Comparison, Finding, Inspection, Row, Run
-from asap.results.numbers import Diagnosis, diagnose
+from asap.results.numbers import Diagnosis, diagnose, held_up_us
 
 _WIDTH = 78
 _LONG_GAP = 0.5  # times the bound
@@ -190,6 +190,13 @@ def _explanation(run: Run, found: Diagnosis) -> str:
         return (
             f"{_units.count(run.ledger.rejected)} of {_units.count(run.ledger.received)} events "
             f"were rejected ({_units.reasons(run.rejected)}). asap.check shows where."
+        )
+    if found.limit == "machine" and run.lateness is None:
+        longest = _units.duration(held_up_us(run).max())
+        return (
+            f"The algorithm's thread was held up while events waited, for {longest} at most and "
+            f"{_units.share(found.late_share)} of the time. Run it on a quiet machine, or give the "
+            "thread a priority."
         )
     if found.limit == "machine" and run.lateness is not None:
         return (
