@@ -90,11 +90,10 @@ bool Validator::pass_clean(EventSpan block) {
     carries |= carry(block[i]);
     steps |= step_us(block[i - 1].t, block[i].t);
   }
-  const std::int64_t last = block.back().t, shifted_us = last + clock_offset_us_;
-  if ((carries & kCarries) != 0 || steps >= kSteps_us || last > kMaxRawStamp_us ||
-      shifted_us > kMaxStamp_us) {
-    return false;
-  }
+  const std::int64_t last = block.back().t;
+  if ((carries & kCarries) != 0 || steps >= kSteps_us || last > kMaxRawStamp_us) return false;
+  const std::int64_t shifted_us = last + clock_offset_us_;
+  if (shifted_us > kMaxStamp_us) return false;
   last_us_ = shifted_us;
   far_back_ = 0;
   received_ += block.size();
