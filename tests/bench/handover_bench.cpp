@@ -210,7 +210,7 @@ Round measure(std::size_t events_per_block) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int rounds = argc > 1 ? std::atoi(argv[1]) : 15;
+  const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 15;  // an option: one
   constexpr std::array kNames{"asap", "deque of events", "deque of vectors", "camera alone"};
   constexpr std::array kWays{&measure<Asap>, &measure<DequeOfEvents>, &measure<DequeOfVectors>,
                              &measure<Nothing>};
