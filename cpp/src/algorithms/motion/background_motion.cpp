@@ -8,7 +8,6 @@ namespace asap::motion {
 namespace {
 
 constexpr std::size_t kFewest = 20;  // samples, five for each parameter
-constexpr int kFirstSteps = 8;       // without a motion of before
 constexpr int kSteps = 3;
 constexpr double kLeastSigma = 0.05;
 
