@@ -132,13 +132,15 @@ def ledger_in(said: str) -> dict[str, int]:
 class Peer(Node):
     """Driver and consumer; its callbacks run on a thread of its own."""
 
-    def __init__(self, *, consume: bool = True, name: str = "peer") -> None:
+    def __init__(
+        self, *, consume: bool = True, name: str = "peer", qos: QoSProfile = DRIVERS_QOS
+    ) -> None:
         super().__init__(name)
         self.seq = 0
         self.packets: list[EventPacket] = []
         self.on_packet: Callable[[EventPacket], None] = lambda packet: None
         self.stats: list[dict[str, Any]] = []
-        self.driver = self.create_publisher(EventPacket, "events", DRIVERS_QOS)
+        self.driver = self.create_publisher(EventPacket, "events", qos)
         if consume:
             self.create_subscription(EventPacket, "asap/events", self._take, QOS)
         self.create_subscription(String, "asap/stats", self._note, 10)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from peers import DATA, AsapNode, CppPeer, Peer, ledger_in, messages_of, peers
+from peers import DATA, QOS, AsapNode, CppPeer, Peer, ledger_in, messages_of, peers
 
 make_peer = pytest.fixture(peers)
 BAG = "room_person_evt3.db3"
@@ -43,14 +43,13 @@ def test_in_the_drivers_process_no_packet_is_copied() -> None:
 def test_virtual_time_makes_the_packages_of_python(make_peer: Callable[..., Peer]) -> None:
     asap = pytest.importorskip("asap", reason="no wheel of asap: set ASAP_DIST")
     messages = messages_of(BAG)
-    driver = make_peer(consume=False)
+    driver = make_peer(consume=False, qos=QOS)  # every message has to arrive
     with CppPeer("virtual", len(messages)) as bridge:
         driver.wait(lambda: driver.driver.get_subscription_count() > 0, "the bridge subscribes")
         driver.play(messages)
         rows = bridge.result()
-    run = asap.simulate(
-        DATA / "ros" / BAG, cost=asap.LinearCost(alpha_us=100, beta_ns=3000), latency_ms=10
-    )
+    cost = asap.LinearCost(alpha_us=100, beta_ns=3000)
+    run = asap.simulate(DATA / "ros" / BAG, cost=cost, latency_ms=10, opaque=True)
     columns = ("start_us", "t_first", "t_last", "offered", "size")
     assert len(rows) > 1_000
     assert [tuple(row) for row in rows] == run.packages[list(columns)].tolist()

@@ -173,7 +173,7 @@ void virtual_time(const Words& words) {
   std::uint64_t seen = 0;
   const auto node = std::make_shared<rclcpp::Node>("simulator");
   const auto subscription = node->create_subscription<EventPacket>(
-      "events", drivers_qos(), [&](EventPacket::ConstSharedPtr message) {
+      "events", qos(), [&](EventPacket::ConstSharedPtr message) {
         const ros::Packet packet = packet_of(*message);
         if (!ros::refusal_of(packet)) {
           reader.see(packet);
