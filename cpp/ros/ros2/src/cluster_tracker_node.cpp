@@ -71,7 +71,8 @@ class ClusterTrackerNode : public EventNode, private ros::Receiver {
     cloud->data.resize(cloud->row_step);
     std::uint8_t* to = cloud->data.data();
     for (const asap::Cluster& cluster : clusters_) {
-      Point point{.z = 0, .id = static_cast<std::int32_t>(cluster.id)};
+      Point point{};
+      point.id = static_cast<std::int32_t>(cluster.id);
       point.x = static_cast<float>(cluster.x);
       point.y = static_cast<float>(cluster.y);
       point.vx = static_cast<float>(cluster.vx);
