@@ -1,6 +1,6 @@
 """The panels of a live run as one screen of text, for a terminal over ssh too.
 
-Of a run in this process, or of the file that ``Pipeline(telemetry=...)`` writes in another one.
+It shows a run of this process, or the file that ``Pipeline(telemetry=...)`` writes in another.
 Needs rich: ``asap-events[monitor]``.
 """
 

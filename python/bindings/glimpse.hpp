@@ -17,7 +17,7 @@ class Glimpse {
  public:
   static constexpr std::size_t kMost = std::size_t{1} << 16;  // events
 
-  // What was collected; if there shall be more, collects anew from now on.
+  // Returns what was collected, and collects anew from now on if `more` is asked for.
   std::vector<Event> take(bool more) {
     std::vector<Event> events(more ? kMost : 0);  // written to: the consumer shall miss no page
     events.clear();

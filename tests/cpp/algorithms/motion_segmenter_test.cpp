@@ -200,7 +200,7 @@ TEST(MotionSegmenter, UnknownTurnsIndependentToMinusOne) {
   found.process(until(moving(), 250'000));
   ASSERT_EQ(found.objects().size(), 1U);
   ASSERT_EQ(found.objects().front().independent, 1);
-  // Two steps without flow: the object goes on, and nobody knows.
+  // Two steps without flow: the object goes on, and its independence is not known.
   found.process(Events{{.x = 3, .y = 3, .p = 1, .t = 271'000}});
   ASSERT_EQ(found.objects().size(), 1U);
   EXPECT_EQ(found.objects().front().independent, -1);

@@ -51,7 +51,7 @@ class MotionRegions {
     double gain(const Eigen::Vector2d& solution) const noexcept;
   };
 
-  // Of a region, while it is made.
+  // A region while it is being made.
   struct Parts {
     Eigen::Vector2d centre = Eigen::Vector2d::Zero();
     Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  // of the round before
