@@ -119,6 +119,13 @@ def test_clusters_are_ellipses_of_two_standard_deviations():
     assert curve(axes)[0].tolist() == [30, 32]
 
 
+def test_objects_are_their_boxes():
+    fields = ("id", "x", "y", "vx", "vy", "left", "top", "width", "height")
+    things = np.array([(7, 30, 20, 100, 0, 25, 12, 9, 14)], [(name, float) for name in fields])
+    (box,) = plots.clusters(events_of((1, 1, 1, 0)), things, 60, 40).patches
+    assert (box.get_xy(), box.get_width(), box.get_height()) == ((25, 12), 9, 14)
+
+
 @pytest.mark.parametrize("draw", ["frame", "clusters", "rate"])
 def test_axes_that_are_given_are_used_and_returned(draw):
     axes = Figure().add_subplot()

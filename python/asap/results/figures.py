@@ -8,7 +8,7 @@ style stay untouched. Needs matplotlib: ``asap-events[report]``.
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -24,7 +24,7 @@ try:
     import matplotlib
     from matplotlib.colors import LogNorm
     from matplotlib.figure import Figure, SubFigure
-    from matplotlib.patches import Ellipse
+    from matplotlib.patches import Ellipse, Patch, Rectangle
     from matplotlib.ticker import LogLocator, NullLocator
 except ImportError as error:
     raise ImportError("a figure needs matplotlib: install asap-events[report]") from error
@@ -303,14 +303,17 @@ def clusters(
     ax: Axes | None = None,
     lookahead_ms: float = 0.0,
 ) -> Axes:
-    """Draw clusters over the frame of their events: ellipses of two standard deviations.
+    """Draw objects, as their boxes, or clusters, as ellipses of two standard deviations.
+
+    The frame of their events is below.
 
     Parameters
     ----------
     events : ndarray, shape (n,), EVENT_DTYPE
         The events below, for example the last 5 ms.
     clusters : ndarray, shape (m,)
-        ``ClusterTracker.clusters``: fields id, x, y, vx, vy, cxx, cxy, cyy.
+        ``ClusterTracker.objects``: fields id, x, y, vx, vy, left, top, width, height. Or
+        ``ClusterTracker.clusters``: cxx, cxy, cyy in place of the box.
     width, height : int
         Size of the sensor, px.
     ax : Axes, optional
@@ -320,7 +323,7 @@ def clusters(
     """
     axes = frame(events, width, height, ax=ax)
     for cluster in clusters:
-        axes.add_patch(_ellipse(cluster))
+        axes.add_patch(_outline(cluster))
         x, y = float(cluster["x"]), float(cluster["y"])
         if lookahead_ms > 0:
             dx, dy = (float(cluster[v]) * lookahead_ms / 1e3 for v in ("vx", "vy"))
@@ -389,16 +392,18 @@ def tracks_figure(found: NDArray[np.void], events: NDArray[np.void] | None) -> F
     return page
 
 
-def _ellipse(cluster: Mapping[str, Any] | np.void) -> Ellipse:
-    outline = _core.outline_of(*(cluster[field] for field in ("x", "y", "cxx", "cxy", "cyy")))
+def _outline(one: np.void) -> Patch:
+    style: dict[str, Any] = {"fill": False, "edgecolor": INK, "linewidth": 1.4}
+    if "left" in (one.dtype.names or ()):
+        left, top, width, height = (float(one[f]) for f in ("left", "top", "width", "height"))
+        return Rectangle((left, top), width, height, **style)
+    outline = _core.outline_of(*(one[field] for field in ("x", "y", "cxx", "cxy", "cyy")))
     return Ellipse(
         (float(outline["x"]), float(outline["y"])),
         2 * float(outline["major"]),
         2 * float(outline["minor"]),
         angle=float(np.degrees(outline["angle"])),
-        fill=False,
-        edgecolor=INK,
-        linewidth=1.4,
+        **style,
     )
 
 
