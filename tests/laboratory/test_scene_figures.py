@@ -5,12 +5,9 @@ import pytest
 
 from asap_laboratory import scenes
 from asap_laboratory.scenes import Scene
-from house import ROOT
 
 pytest.importorskip("matplotlib")
 
-from asap import plots
-from asap_laboratory import scene_pictures
 from asap_laboratory.scenes import figures as scene_figures
 
 
@@ -37,15 +34,3 @@ def test_snapshot_shows_the_window_and_the_truth(scene: Scene) -> None:
         [scene.truth(150_000)[v][0] * 0.1 for v in ("vx", "vy")]
     )
     assert axes.get_title(loc="left") == "timing: 10 ms before 0.150 s"
-
-
-def test_pictures_of_the_documentation_are_there_light_and_alike(scene: Scene) -> None:
-    names = {f"scene_{one.name}.svg" for one, _, _ in scene_pictures.documented()}
-    files = {path.name: path for path in (ROOT / "notebooks").glob("scene_*.svg")}
-    assert set(files) == names
-    sizes = [path.stat().st_size for path in files.values()]
-    assert max(sizes) < 60_000
-    assert sum(sizes) < 300_000
-    page = (ROOT / "notebooks" / "scenes.md").read_text()
-    assert all(f"({name})" in page for name in names)
-    assert plots.svg(scene.plot()) == plots.svg(scene.plot())
