@@ -10,7 +10,6 @@
 #include <limits>
 #include <vector>
 
-#include "algorithms/corner_streams.hpp"
 #include "algorithms/order_surface.hpp"
 #include "asap/core/random.hpp"
 
@@ -68,14 +67,8 @@ std::vector<std::int32_t> draw(std::uint64_t seed, std::size_t fired, std::int32
   return numbers;
 }
 
-// On a machine without AVX2 both paths are the portable one.
-class NewestPatchPaths : public testing::TestWithParam<NewestPatch::Path> {};
-
-INSTANTIATE_TEST_SUITE_P(NewestPatch, NewestPatchPaths,
-                         testing::Values(NewestPatch::Path::fastest, NewestPatch::Path::portable));
-
-TEST_P(NewestPatchPaths, SelectsAsSortingDoes) {
-  NewestPatch patch(GetParam());  // one for all: what it remembers must not show
+TEST(NewestPatch, SelectsAsSortingDoes) {
+  NewestPatch patch;  // one for all: what it remembers must not show
   std::uint64_t seed = 0;
   for (const std::size_t fired : {25U, 26U, 40U, 80U}) {
     for (const std::int32_t newest :
@@ -91,8 +84,8 @@ TEST_P(NewestPatchPaths, SelectsAsSortingDoes) {
   }
 }
 
-TEST_P(NewestPatchPaths, AFullWindowOfNeighbouringNumbers) {
-  NewestPatch patch(GetParam());
+TEST(NewestPatch, AFullWindowOfNeighbouringNumbers) {
+  NewestPatch patch;
   std::vector<std::int32_t> numbers;
   for (std::int32_t i = 0; i < 81; ++i) numbers.push_back(1 + i);
   std::swap(numbers[40], numbers[80]);
@@ -101,8 +94,8 @@ TEST_P(NewestPatchPaths, AFullWindowOfNeighbouringNumbers) {
   EXPECT_EQ(rows, newest_by_sorting(numbers));
 }
 
-TEST_P(NewestPatchPaths, FewerThan25AreNone) {
-  NewestPatch patch(GetParam());
+TEST(NewestPatch, FewerThan25AreNone) {
+  NewestPatch patch;
   for (const std::size_t fired : {1U, 2U, 24U}) {
     for (const std::int32_t newest : {25, 1000, 1 << 30}) {
       PatchRows rows;
@@ -111,97 +104,6 @@ TEST_P(NewestPatchPaths, FewerThan25AreNone) {
   }
   PatchRows rows;
   EXPECT_TRUE(patch.select(Window(draw(1, 25, 1000, 0)).centre(), kStride, rows));
-}
-
-// ---- select_avx2 ----------------------------------------------------------------------------
-
-using asap::Event;
-using asap::OrderSurface;
-using asap::PatchSearch;
-
-// Every window of a stream on both paths: the same patches, so the same scores and labels.
-void expect_the_same_patches(const asap::SensorFrame& frame, const std::vector<Event>& events) {
-  OrderSurface surface(frame);
-  NewestPatch fastest(NewestPatch::Path::fastest);
-  NewestPatch portable(NewestPatch::Path::portable);
-  for (std::size_t i = 0; i < events.size(); ++i) {
-    OrderSurface::Number* pixel = surface.pixel(events[i]);
-    *pixel = surface.next();
-    if (!frame.contains(events[i], 4)) continue;
-    PatchRows a, b;
-    const bool found = portable.select(pixel, surface.stride(), b);
-    ASSERT_EQ(fastest.select(pixel, surface.stride(), a), found) << i;
-    if (found) {
-      ASSERT_EQ(a, b) << i;
-    }
-  }
-}
-
-TEST(NewestPatchAvx2, AgreesWithThePortablePath) {
-  const asap::SensorFrame frame(346, 260);
-  expect_the_same_patches(frame, asap::test::golden_corner_stream());
-  expect_the_same_patches(frame, asap::test::turning_shapes({.speed = 700}, 100'000));
-  expect_the_same_patches(frame,
-                          asap::test::turning_shapes({.speed = 300, .noise_hz = 8}, 100'000));
-  for (const auto& wild : asap::test::wild_streams()) {
-    expect_the_same_patches(asap::SensorFrame(wild.width, wild.height),
-                            asap::test::wild_stream(wild, 6000));
-  }
-}
-
-class Pixels {
- public:
-  Pixels() { numbers_.fill(OrderSurface::kNever); }
-  OrderSurface::Number& operator()(std::size_t x, std::size_t y) { return numbers_[9 * y + x]; }
-  PatchSearch select(OrderSurface::Number depth, PatchRows& rows) {
-    return asap::select_avx2(&numbers_[40], 9, depth, rows);
-  }
-
- private:
-  std::array<OrderSurface::Number, 81> numbers_;
-};
-
-// Each pixel alone among the newest, and each alone among the oldest.
-TEST(NewestPatchAvx2, FindsEveryPixelInItsPlace) {
-  if (!asap::has_avx2()) GTEST_SKIP() << "this machine has no AVX2";
-  for (std::size_t place = 0; place < 81; ++place) {
-    if (place == 40) continue;
-    Pixels pixels;
-    OrderSurface::Number number = 1000;
-    PatchRows expected{};
-    expected[4] = 1U << 4;
-    const auto fire = [&](std::size_t i) { pixels(i % 9, i / 9) = number--; };
-    fire(40);
-    std::size_t picked = 1;
-    for (std::size_t i = place; picked < 25; i = (i + 1) % 81) {
-      if (i == 40) continue;
-      fire(i);
-      expected[i / 9] |= 1U << (i % 9);
-      ++picked;
-    }
-    for (std::size_t i = 0; i < 81; ++i) {
-      if (pixels(i % 9, i / 9) == OrderSurface::kNever) fire(i);
-    }
-    PatchRows rows;
-    ASSERT_EQ(pixels.select(64, rows), PatchSearch::found) << place;
-    ASSERT_EQ(rows, expected) << place;
-  }
-}
-
-TEST(NewestPatchAvx2, LeavesToThePortablePathWhatItCannotTell) {
-  if (!asap::has_avx2()) GTEST_SKIP() << "this machine has no AVX2";
-  Pixels pixels;
-  for (std::size_t i = 0; i < 81; ++i) {
-    pixels(i % 9, i / 9) = 1'000'000'000 - static_cast<OrderSurface::Number>(i);
-  }
-  pixels(4, 4) = 2'000'000'000;
-  PatchRows rows;
-  EXPECT_EQ(pixels.select(64, rows), PatchSearch::unresolved);             // far below the guess
-  EXPECT_EQ(pixels.select(1'000'000'000, rows), PatchSearch::unresolved);  // too close together
-  for (std::size_t i = 0; i < 36; ++i) pixels(i % 9, i / 9) = OrderSurface::kNever;
-  for (std::size_t i = 60; i < 81; ++i) pixels(i % 9, i / 9) = OrderSurface::kNever;
-  EXPECT_EQ(pixels.select(64, rows), PatchSearch::too_few);  // 24 have fired
-  EXPECT_EQ(pixels.select(1'000'000'000, rows), PatchSearch::too_few);
 }
 
 }  // namespace
