@@ -8,7 +8,6 @@
 #include <variant>
 #include <vector>
 
-#include "algorithms/cluster_tracker_config.hpp"
 #include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/core/check.hpp"
@@ -38,11 +37,11 @@ engine : str
     Of the engine, none needed. "compat": window=800 (S, events), radius=20.0 (R, px, L1 distance),
     probes=1 (kappa), weight=0.9 (alpha), min_size=15 (minN, events), seed=0 (of the probes), motion="window"
     (of the published rule; "kalman": x, y, vx, vy of a filter instead; what joins what stays the same).
-    "fast": support="reject" ("estimate": noise is counted and not left out; "off") and the numbers
-    that `parameters` lists, units in the names. Worth knowing: support_window_ms=5.0 (a neighbour
-    that fired within it makes an event no noise), birth_radius_px=18.0 (least gate of a young
-    cluster), max_radius_px=66.0 (longest half-axis of the gate), confirm_events=14.0 (recent events
-    from which it has an id), coast_ms=250.0 (how long an id outlives its events), slots=128 (clusters at a time).
+    "fast": slots=128 (clusters at a time), support="reject" ("estimate": noise is counted and not left
+    out; "off"), support_window_ms=5.0 (a neighbour that fired within it makes an event no noise),
+    birth_radius_px=18.0 (least gate of a young cluster), max_radius_px=66.0 (longest half-axis of the
+    gate), confirm_events=14.0 (recent events from which it has an id), coast_ms=250.0 (how long an id
+    outlives its events).
 
 $refuses
 TypeError
@@ -77,15 +76,13 @@ Keyword<Config> engine(const char* name) {
 
 const Keywords<ClusterTrackerConfig>& keywords_of(const ClusterTrackerConfig&) {
   using Config = ClusterTrackerConfig;
-  static const auto all = [] {
-    std::vector<Keyword<Config>> rows{engine<Config>("fast"),
-                                      keyword("support", &Config::support, kSupports)};
-    for (const ClusterTrackerParameter& parameter : cluster_tracker_parameters()) {
-      const std::string name(parameter.name);
-      std::visit([&](auto field) { rows.push_back(keyword(name, field)); }, parameter.field);
-    }
-    return sized<Config>(std::move(rows));
-  }();
+  static const auto all = sized<Config>({engine<Config>("fast"), keyword("slots", &Config::slots),
+                                         keyword("support", &Config::support, kSupports),
+                                         keyword("support_window_ms", &Config::support_window),
+                                         keyword("birth_radius_px", &Config::birth_radius_px),
+                                         keyword("max_radius_px", &Config::max_radius_px),
+                                         keyword("confirm_events", &Config::confirm_events),
+                                         keyword("coast_ms", &Config::coast)});
   return all;
 }
 
@@ -269,7 +266,7 @@ x, y : float64, px. "fast": centre of the outline, predicted for the latest time
 vx, vy : float64, px/s. "fast": Kalman filter. "compat": regression of x and y on t over the live
     events, rough for windows of ms; with motion="kalman" of the filter, 0 at first
 cxx, cxy, cyy : float64, px^2, covariance of its events: its extent
-size : int64. "fast": events of about the last `mass_ms`. "compat": live events
+size : int64. "fast": events of about the last 30 ms. "compat": live events
 t_last : int64, us, stamp of the newest event
 pxx, pxy, pyy : float64, px^2, covariance of the error of x and y. "fast": of the Kalman filter, and of
     the outline's centre, which is only as good as the edges that have been seen. "compat", which does
@@ -296,7 +293,7 @@ id : int64, never changes; an object that has stopped or is hidden is left out, 
 x, y : float64, px, of its heaviest cluster, predicted for the latest time
 vx, vy : float64, px/s, of the same
 left, top, width, height : float64, px, the box of its clusters, 1.75 standard deviations to each side
-size : int64, events of about the last `mass_ms`
+size : int64, events of about the last 30 ms
 t_last : int64, us, stamp of the newest event
 age_us : int64, us since it began
 independent : float64, 0 to 1, whether it moves unlike the background; -1: not known

@@ -11,9 +11,7 @@
 #include <string>
 #include <tuple>
 #include <type_traits>
-#include <variant>
 
-#include "algorithms/cluster_tracker_config.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/runner/pipeline.hpp"
@@ -124,26 +122,25 @@ void costs() {
 
 // ---- trackers
 
-void tracker_field(const std::string& field, const asap::ClusterTrackerConfig& config) {
+void tracker_field(const char* field, const asap::ClusterTrackerConfig& config) {
   expect_refusal_of(field, asap::make_tracker(config));
 }
 
 void trackers() {
-  const asap::ClusterTrackerConfig good{.width = 346, .height = 260};
+  const auto& [width, height, slots, support, support_window, birth_radius_px, max_radius_px,
+               confirm_events, coast] = asap::ClusterTrackerConfig{};
+  static_cast<void>(std::tie(width, height, slots, support, support_window, birth_radius_px,
+                             max_radius_px, confirm_events, coast));
   tracker_field("width", {.width = 0, .height = 260});
   tracker_field("height", {.width = 346, .height = 0});
-  auto bad = good;
-  bad.support = static_cast<asap::ClusterSupport>(3);
-  tracker_field("support", bad);
-  for (const asap::ClusterTrackerParameter& parameter : asap::cluster_tracker_parameters()) {
-    bad = good;
-    if (const auto* const number = std::get_if<0>(&parameter.field)) bad.** number = -1;
-    if (const auto* const number = std::get_if<1>(&parameter.field)) bad.** number = kNaN;
-    if (const auto* const time = std::get_if<2>(&parameter.field)) {
-      bad.** time = asap::ClusterTrackerConfig::Milliseconds(kNaN);
-    }
-    tracker_field(std::string(parameter.name), bad);
-  }
+  tracker_field("slots", {.width = 346, .height = 260, .slots = 257});
+  tracker_field("support",
+                {.width = 346, .height = 260, .support = static_cast<asap::ClusterSupport>(3)});
+  tracker_field("support_window", {.width = 346, .height = 260, .support_window = 0s});
+  tracker_field("birth_radius_px", {.width = 346, .height = 260, .birth_radius_px = kNaN});
+  tracker_field("max_radius_px", {.width = 346, .height = 260, .max_radius_px = 5'000});
+  tracker_field("confirm_events", {.width = 346, .height = 260, .confirm_events = 1});
+  tracker_field("coast", {.width = 346, .height = 260, .coast = 61s});
 }
 
 void published_field(const char* field, const asap::PublishedClusterTrackerConfig& config) {

@@ -6,20 +6,6 @@
 #include "asap/algorithms/cluster_tracker.hpp"
 
 namespace asap {
-namespace {
-
-constexpr float single(double value) { return static_cast<float>(value); }
-
-// The defaults of ClusterTracker.
-constexpr ClusterTrackerConfig kFast{.width = 1, .height = 1};
-constexpr fast::KalmanRule kRule{.acceleration = single(kFast.acceleration_px2_s3),
-                                 .per_speed3 = single(kFast.acceleration_per_speed_px),
-                                 .max = single(kFast.max_acceleration_px2_s3),
-                                 .contact = single(kFast.contact_acceleration_px2_s3),
-                                 .measurement_scale = single(kFast.measurement_scale),
-                                 .min_measurement_px2 = single(kFast.min_measurement_px2)};
-
-}  // namespace
 
 void ClusterMotion::begin(Vector2 centre, std::int64_t t_us) noexcept {
   *this = {};
@@ -43,9 +29,7 @@ void ClusterMotion::measure(const WindowMoments& moments) noexcept {
   mean.syy = static_cast<float>(spread.yy);
   mean.stamp = state_.stamp + static_cast<fast::Stamp>(age);
   mean.events = state_.events + events_;
-  fast::KalmanRule rule = kRule;
-  rule.mean_events = events_;
-  fast::kalman_update(mean, state_, 0, rule);
+  fast::kalman_update(mean, state_, 0, events_);
 
   velocity_ = {mean.vx, mean.vy};
   measured_us_ += age;

@@ -1,6 +1,8 @@
 #include "asap/algorithms/cluster_tracker.hpp"
 
-#include "algorithms/cluster_tracker_config.hpp"
+#include <chrono>
+
+#include "algorithms/fast/constants.hpp"
 #include "algorithms/fast/engine.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/check.hpp"
@@ -9,6 +11,34 @@
 namespace asap {
 
 namespace {
+
+using namespace std::chrono_literals;
+
+const ClusterTrackerConfig& checked(const ClusterTrackerConfig& config) {
+  constexpr double kFarthest_px = 4'096;  // the engine's floats stay finite
+  const auto require_side = [](const char* field, int value) {
+    require(1 <= value && value <= 16'384, field, value, "must be 1 to 16384 px");
+  };
+  const auto require_radius = [](const char* field, double value) {
+    require(fast::kMinRadius_px <= value && value <= kFarthest_px, field, value,
+            "must be 7 to 4096 px");  // false for NaN
+  };
+  const auto require_duration = [](const char* field, std::chrono::nanoseconds value) {
+    require_time(1us <= value && value <= 60s, field, value, TimeUnit::ms,
+                 "must be 0.001 ms to 60 s");
+  };
+  require_side("width", config.width);
+  require_side("height", config.height);
+  require(1 <= config.slots && config.slots <= 256, "slots", config.slots, "must be 1 to 256");
+  require_known(config.support, ClusterSupport::kReject, "support");
+  require_duration("support_window", config.support_window);
+  require_radius("birth_radius_px", config.birth_radius_px);
+  require_radius("max_radius_px", config.max_radius_px);
+  require(fast::kDieEvents <= config.confirm_events && config.confirm_events <= 60'000,
+          "confirm_events", config.confirm_events, "must be 2 to 60000");
+  require_duration("coast", config.coast);
+  return config;
+}
 
 // The moments of all events of these clusters, each of which has events of late.
 Cluster joined(std::span<const Cluster> parts) noexcept {

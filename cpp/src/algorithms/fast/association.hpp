@@ -214,37 +214,30 @@ class CoarseIndex {
 
 // ---- contact ----
 
-struct ContactRule {
-  float variance_floor_px2;  // added to the variance of the residuals
-  float owner_cost;          // factor on the owner's cost, below 1
-};
-
 // The cost of assigning the event to a track: the residual in standard deviations (factor 1.5) if
 // the outline is known, else the distance from where an outline usually lies in the gate.
-inline float contact_cost(const Contour& contour, const Innovation& nu, float gate, std::size_t bin,
-                          const ContourRule& outline, const ContactRule& rule) noexcept {
-  if (!contour.known(bin, outline)) return std::abs(6 * std::sqrt(gate) - 4);
+inline float contact_cost(const Contour& contour, const Innovation& nu, float gate,
+                          std::size_t bin) noexcept {
+  if (!contour.known(bin)) return std::abs(6 * std::sqrt(gate) - 4);
   return 1.5F * std::abs(contour.residual(bin, length(nu.dx, nu.dy))) /
-         std::sqrt(contour.variance + rule.variance_floor_px2);
+         std::sqrt(contour.variance + kContactVariance_px2);
 }
 
 // The track with the least cost among the owner, whose gate accepts the event, and its partners.
 inline Tracks::Slot associate_in_contact(Tracks& tracks, Tracks::Slot owner, Stamp now, float x,
-                                         float y, const ContourRule& outline,
-                                         const ContactRule& rule,
-                                         const DirectionTable& directions) noexcept {
+                                         float y, const DirectionTable& directions) noexcept {
   const auto cost_of = [&](Tracks::Slot slot, float& cost) {
     const Innovation nu = innovation_of(tracks[slot], now, x, y);
     const float gate = gate_value(tracks[slot], nu);
     if (!(gate <= 1)) return false;
     const std::size_t bin = directions.bin(nu.dx, nu.dy);
-    cost = contact_cost(tracks.contour(slot), nu, gate, bin, outline, rule);
+    cost = contact_cost(tracks.contour(slot), nu, gate, bin);
     return true;
   };
   Tracks::Slot best = owner;
   float min = 0;
   cost_of(owner, min);
-  min *= rule.owner_cost;
+  min *= kOwnerCost;
   for (std::uint8_t i = 0; i < tracks[owner].partners; ++i) {
     const Tracks::Slot partner = tracks.state(owner).partners[i];
     float cost = 0;

@@ -1,6 +1,7 @@
 #include "algorithms/fast/engine.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -15,7 +16,7 @@ namespace asap::fast {
 namespace {
 
 float single(double value) noexcept { return static_cast<float>(value); }
-using Milliseconds = ClusterTrackerConfig::Milliseconds;
+using Milliseconds = std::chrono::duration<double, std::milli>;
 
 float seconds(Milliseconds time) noexcept { return static_cast<float>(1e-3 * time.count()); }
 std::int32_t microseconds(Milliseconds time) noexcept {
@@ -23,6 +24,7 @@ std::int32_t microseconds(Milliseconds time) noexcept {
 }
 
 constexpr Milliseconds kLongestWindow{150};
+constexpr Milliseconds kSeed = std::chrono::microseconds(kSeed_us);
 constexpr double kMinGamma = 0.01;
 // At a smaller gamma too many events of objects lack support to be rejected: they go to tracks and
 // begin none, or noise would come back that was left out at a larger gamma. After a noise filter
@@ -53,75 +55,34 @@ std::uint32_t contour_mask(double gamma) noexcept {
 }  // namespace
 
 Settings::Settings(const ClusterTrackerConfig& c) noexcept
-    : tick_us(microseconds(c.tick)),
-      warmup_us(microseconds(c.warmup)),
-      link_us(microseconds(c.link)),
-      seed_s(seconds(c.seed)),
-      cell_px(single(c.cell_px)),
-      uses_support(c.support != ClusterSupport::kOff),
-      update{.covariance_events = static_cast<std::uint32_t>(c.covariance_events),
-             .contour = {.clip_px = single(c.contour_clip_px),
-                         .memory = static_cast<std::uint8_t>(c.contour_events),
-                         .min_known = static_cast<std::uint8_t>(c.contour_min_events)},
-             .contact_gain = single(c.contact_gain),
-             .contact_mean_gain = single(c.contact_mean_gain)},
-      weight{.min = single(c.contour_min_weight), .scale = single(c.contour_weight_scale)},
-      contact{.variance_floor_px2 = single(c.contact_variance_px2),
-              .owner_cost = single(c.contact_owner_cost)},
-      gate{.birth_radius_px = single(c.birth_radius_px),
-           .min_radius_px = single(c.min_radius_px),
-           .max_radius_px = single(c.max_radius_px),
-           .scale = single(c.gate_scale),
-           .padding_px = single(c.gate_padding_px),
-           .circle_scale = single(c.circle_scale),
-           .circle_padding_px = single(c.circle_padding_px)},
-      kalman{.acceleration = single(c.acceleration_px2_s3),
-             .per_speed3 = single(c.acceleration_per_speed_px),
-             .max = single(c.max_acceleration_px2_s3),
-             .contact = single(c.contact_acceleration_px2_s3),
-             .measurement_scale = single(c.measurement_scale),
-             .min_measurement_px2 = single(c.min_measurement_px2)},
-      lifecycle{.mass_s = seconds(c.mass),
-                .die_sigma = single(c.die_sigma),
-                .confirm_evidence = single(c.confirm_evidence),
-                .drop_evidence = single(c.drop_evidence),
-                .starve_ratio = single(c.starve_ratio),
-                .velocity_decay_s = seconds(c.velocity_decay),
-                .hide_s = seconds(c.hide),
-                .coast_s = seconds(c.coast),
-                .mature_s = seconds(c.mature)},
-      pairs{.birth_radius_px = single(c.birth_radius_px),
-            .merge_reach = single(c.merge_reach),
-            .merge_padding_px = single(c.merge_padding_px),
-            .contact_reach = single(c.contact_reach),
-            .contact_padding_px = single(c.contact_padding_px)},
-      merge{.tolerance_px = single(c.merge_tolerance_px),
-            .rotation_rad = single(c.merge_rotation_rad)} {
+    : uses_support(c.support != ClusterSupport::kOff),
+      gate{.birth_radius_px = single(c.birth_radius_px), .max_radius_px = single(c.max_radius_px)},
+      lifecycle{.coast_s = seconds(c.coast)} {
   set_keep(c, 1, false);
 }
 
 float Settings::birth_threshold(float noise_hz) const noexcept {
-  const float around_px = 3 * cell_px;
-  const float expected = noise_hz * around_px * around_px * seed_s;
+  constexpr float kAround_px = 3 * kCell_px;
+  const float expected = noise_hz * kAround_px * kAround_px * kSeed_s;
   return std::max(seed_events, expected + 4 * std::sqrt(expected) + 2);
 }
 
 void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
                         bool filtered_upstream) noexcept {
   gamma = std::max(gamma, kMinGamma);
-  const double events = c.mean_events;
-  const double kept = std::clamp(2 * events * gamma, events / 3, events);
+  constexpr double kEvents = kMeanEvents;
+  const double kept = std::clamp(2 * kEvents * gamma, kEvents / 3, kEvents);
   update.mean_events = static_cast<std::uint32_t>(std::max(1L, std::lround(kept)));
-  kalman.mean_events = update.mean_events;
   update.contour_mask = contour_mask(gamma);
-  const Milliseconds longest = std::max(kLongestWindow, c.support_window);
-  support_window_us = microseconds(std::min(longest, c.support_window / gamma));
-  // Longer is of no use for all events: the counts of unassociated ones decay with `seed`.
-  longest_window_us = microseconds(std::max(c.seed, std::min(longest, c.seed / gamma)));
-  seed_events = thinned(c.seed_events, gamma, kMinSeed);
+  const Milliseconds window = c.support_window;
+  const Milliseconds longest = std::max(kLongestWindow, window);
+  support_window_us = microseconds(std::min(longest, window / gamma));
+  // Longer is of no use for all events: the counts of unassociated ones decay with kSeed_us.
+  longest_window_us = microseconds(std::max(kSeed, std::min(longest, kSeed / gamma)));
+  seed_events = thinned(kSeedEvents, gamma, kMinSeed);
   lifecycle.confirm_events = thinned(c.confirm_events, gamma, kMinConfirm);
-  lifecycle.die_events = thinned(c.die_events, gamma, kMinConfirm);
-  lifecycle.birth_rate_hz = single(c.birth_rate_hz * gamma);
+  lifecycle.die_events = thinned(kDieEvents, gamma, kMinConfirm);
+  lifecycle.birth_rate_hz = single(kBirthRate_hz * gamma);
   gate.noise_events = single(kNoiseEvents * gamma);
   gate.min_density_hz = single(kMinDensity_hz * gamma);
   rejects_unsupported = c.support == ClusterSupport::kReject &&
@@ -177,11 +138,9 @@ TrackedObject report(const ObjectSum& sum, std::int64_t id, std::uint64_t born_u
 bool advance_without_events(Track& track, TrackState& state, const Tick& tick,
                             const Settings& settings, const Frame& frame) noexcept {
   if (!track.has_id()) return false;
-  if (assess(track, state, tick, settings.lifecycle, settings.gate) == Assessment::kDelete)
-    return false;
-  if (is_starved(state))
-    kalman_without_events(track, state.kalman, tick.now, settings.lifecycle.velocity_decay_s);
-  return is_listed(track, state, settings.lifecycle) && !has_left(track, tick.now, frame);
+  if (assess(track, state, tick, settings.lifecycle) == Assessment::kDelete) return false;
+  if (is_starved(state)) kalman_without_events(track, state.kalman, tick.now);
+  return is_listed(track, state) && !has_left(track, tick.now, frame);
 }
 
 }  // namespace
@@ -199,20 +158,16 @@ float seconds(std::uint64_t us) noexcept { return 1e-6F * static_cast<float>(us)
 
 std::int8_t sign_of(const Event& event) noexcept { return event.p > 0 ? 1 : -1; }
 
-std::uint32_t longest_memory(const ClusterTrackerConfig& config) noexcept {
-  return static_cast<std::uint32_t>(std::max(config.mean_events, config.covariance_events));
-}
-
 }  // namespace
 
 Engine::Engine(const ClusterTrackerConfig& config)
     : config_(config),
       settings_(config),
       frame_{static_cast<std::uint32_t>(config.width), static_cast<std::uint32_t>(config.height)},
-      map_(config.width, config.height, config.cell_px),
+      map_(config.width, config.height, kCell_px),
       support_(config.width, config.height),
       owners_(map_),
-      births_(map_, settings_.seed_s),
+      births_(map_),
       noise_(config.width, config.height),
       coarse_(config.width, config.height, static_cast<std::size_t>(config.slots)),
       tracks_(static_cast<std::size_t>(config.slots)),
@@ -220,7 +175,7 @@ Engine::Engine(const ClusterTrackerConfig& config)
       parts_(map_),
       halves_(map_),
       objects_(static_cast<std::size_t>(config.slots)),
-      reciprocals_(longest_memory(config)) {
+      reciprocals_(kCovarianceEvents) {
   clear_maps();
 }
 
@@ -250,7 +205,7 @@ void Engine::clear_maps() noexcept {
 
 void Engine::start() noexcept {
   started_us_ = tracks_us_ = pairs_us_ = noise_us_ = objects_us_ = clock_.now_us();
-  next_tick_ = clock_.now() + static_cast<Stamp>(settings_.tick_us);
+  next_tick_ = clock_.now() + static_cast<Stamp>(kTick_us);
   tracks_are_due_ = true;
   birth_threshold_ = kNever;
   widest_radius_px_ = settings_.gate.birth_radius_px;
@@ -290,7 +245,7 @@ std::int32_t Engine::process(const Event& event) noexcept {
   const std::size_t index = map_.cell(event.x, event.y);
   OwnerGrid::Cell& cell = owners_[index];
   Track& track = tracks_[cell.slot];
-  if (cell.generation == track.generation && age_us(now, cell.stamp) <= settings_.link_us) {
+  if (cell.generation == track.generation && age_us(now, cell.stamp) <= kLink_us) {
     const Innovation nu =
         innovation_of(track, now, static_cast<float>(event.x), static_cast<float>(event.y));
     if (gate_value(track, nu) <= 1) {
@@ -313,8 +268,7 @@ std::int32_t Engine::assign(Slot slot, OwnerGrid::Cell& cell, const Event& event
   const auto y = static_cast<float>(event.y);
   const bool in_contact = tracks_[slot].partners > 0;
   if (in_contact) {
-    slot = associate_in_contact(tracks_, slot, now, x, y, settings_.update.contour,
-                                settings_.contact, directions_);
+    slot = associate_in_contact(tracks_, slot, now, x, y, directions_);
   }
   Track& track = tracks_[slot];
   cell = {now, track.generation, static_cast<std::uint8_t>(slot), sign_of(event)};
@@ -359,7 +313,7 @@ Tracks::Slot Engine::nearest_track(const Event& event, std::size_t cell, Stamp n
   map_.for_each_neighbour(cell, [&](std::size_t neighbour) {
     const OwnerGrid::Cell& owner = owners_[neighbour];
     if (owner.generation != tracks_[owner.slot].generation) return;
-    if (age_us(now, owner.stamp) <= settings_.link_us) consider(owner.slot);
+    if (age_us(now, owner.stamp) <= kLink_us) consider(owner.slot);
   });
   return best;
 }
@@ -400,12 +354,12 @@ void Engine::advance_to(std::int64_t t_us) noexcept {
 // Does half of the work, or all of it after a missed tick.
 void Engine::tick() noexcept {
   const std::uint64_t since_us = clock_.now_us() - std::max(tracks_us_, pairs_us_);
-  const bool late = 2 * since_us > 5 * static_cast<std::uint64_t>(settings_.tick_us);
+  const bool late = 2 * since_us > 5 * static_cast<std::uint64_t>(kTick_us);
   if (late || tracks_are_due_) update_tracks();
   if (late || !tracks_are_due_) update_pairs_and_noise();
   update_objects();
   tracks_are_due_ = !tracks_are_due_;
-  next_tick_ = clock_.now() + static_cast<Stamp>(settings_.tick_us);
+  next_tick_ = clock_.now() + static_cast<Stamp>(kTick_us);
 }
 
 void Engine::update_tracks() noexcept {
@@ -416,7 +370,7 @@ void Engine::update_tracks() noexcept {
     while (!active.empty()) remove(active.back());
     return;
   }
-  const Tick tick(clock_.now(), seconds(elapsed_us), noise_hz_, settings_.lifecycle);
+  const Tick tick(clock_.now(), seconds(elapsed_us), noise_hz_);
   for (std::size_t i = 0; i < active.size();) {
     const Slot slot = active[i];
     if (update_track(slot, tick)) {
@@ -431,27 +385,28 @@ void Engine::update_tracks() noexcept {
 bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
   Track& track = tracks_[slot];
   TrackState& state = tracks_.state(slot);
-  const Assessment assessment = assess(track, state, tick, settings_.lifecycle, settings_.gate);
+  const Assessment assessment = assess(track, state, tick, settings_.lifecycle);
   if (assessment == Assessment::kDelete || has_left(track, tick.now, frame_)) return false;
   if (assessment == Assessment::kConfirm) confirm(slot);
 
   if (track.has_id() && is_starved(state)) {
-    kalman_without_events(track, state.kalman, tick.now, settings_.lifecycle.velocity_decay_s);
-    if (!is_listed(track, state, settings_.lifecycle)) return_to_last_seen(track, state);
+    kalman_without_events(track, state.kalman, tick.now);
+    if (!is_listed(track, state)) return_to_last_seen(track, state);
   }
   if (state.starved_s == 0) record_motion(track, state, tick);
   Contour& contour = tracks_.contour(slot);
   update_centre_variance(contour, track, state.extent_px, tick.dt_s);
-  kalman_update(track, state.kalman, contour.variance, settings_.kalman,
-                mean_memory(track, contour, settings_.update));
+  kalman_update(
+      track, state.kalman, contour.variance,
+      std::min(mean_memory(track, contour, settings_.update), settings_.update.mean_events));
   contour.mean_events = size_memory(track, settings_.update);
-  track.mean_weight = mean_weight(track, contour, settings_.weight);
+  track.mean_weight = mean_weight(track, contour);
 
   const float extent2 = largest_variance(track);
   state.extent_px = std::sqrt(extent2);
   if (track.partners == 0) record_extent(state, extent2, tick);
-  update_gate(track, state, settings_.lifecycle, settings_.gate, widest_radius_px_, tick.noise_hz);
-  const bool unresolved = looks_unresolved(track, contour, state, tick.noise_hz, settings_.gate);
+  update_gate(track, state, settings_.gate, widest_radius_px_, tick.noise_hz);
+  const bool unresolved = looks_unresolved(track, contour, state, tick.noise_hz);
   state.unresolved_s = unresolved ? state.unresolved_s + tick.dt_s : 0;
   const Point mean = predicted_mean(track, tick.now);
   coarse_.place(slot, mean.x, mean.y);
@@ -463,14 +418,14 @@ void Engine::confirm(Slot slot) noexcept {
   track.phase = Phase::kConfirmed;
   has_confirmed_ = true;
   track.id = next_id_++;
-  find_sibling(tracks_, slot, clock_.now(), settings_.pairs);
+  find_sibling(tracks_, slot, clock_.now(), settings_.gate.birth_radius_px);
 }
 
 // Every few ms, and at once for a new track.
 void Engine::update_objects() noexcept {
   constexpr std::uint64_t kPeriod_us = 5'000;
   if (!has_confirmed_ && clock_.now_us() - objects_us_ < kPeriod_us) return;
-  objects_.update(tracks_, noise_, settings_.lifecycle, settings_.gate, clock_.now_us());
+  objects_.update(tracks_, noise_, clock_.now_us());
   objects_us_ = clock_.now_us();
   has_confirmed_ = false;
 }
@@ -485,7 +440,7 @@ void Engine::update_pairs_and_noise() noexcept {
   const std::uint64_t elapsed_us = now_us - pairs_us_;
   pairs_us_ = now_us;
   if (now_us - noise_us_ >= kNoisePeriod_us) measure_noise();
-  pairs_.find(tracks_, clock_.now(), settings_.pairs);
+  pairs_.find(tracks_, clock_.now(), settings_.gate.birth_radius_px);
   merge_pairs(seconds(elapsed_us));
   split_next();
   support_.scrub(clock_.now(), elapsed_us);
@@ -503,21 +458,21 @@ void Engine::measure_noise() noexcept {
       support_window_us(noise_hz_, settings_.support_window_us, settings_.longest_window_us);
   if (settings_.rejects_unsupported) noise_hz_ = supported_noise(noise_hz_, window_s());
   settings_.update.far_weight = far_weight(noise_hz_);
-  widest_radius_px_ = widest_radius(settings_.gate, noise_hz_, settings_.lifecycle.mass_s);
+  widest_radius_px_ = widest_radius(settings_.gate, noise_hz_);
 
-  if (clock_.now_us() - started_us_ < static_cast<std::uint64_t>(settings_.warmup_us)) return;
+  if (clock_.now_us() - started_us_ < static_cast<std::uint64_t>(kWarmup_us)) return;
   birth_threshold_ = settings_.birth_threshold(noise_hz_);
 }
 
 void Engine::merge_pairs(float dt_s) noexcept {
   for (const Slot slot : tracks_.active()) {
-    forget_far_sibling(tracks_, slot, clock_.now(), settings_.pairs);
+    forget_far_sibling(tracks_, slot, clock_.now(), settings_.gate.birth_radius_px);
   }
   for (const Candidate& pair : pairs_.candidates()) {
     // One of them was removed by a merge in this tick.
     if (tracks_[pair.keeper].phase == Phase::kFree || tracks_[pair.other].phase == Phase::kFree)
       continue;
-    if (!are_one(tracks_, pair, dt_s, settings_.merge)) continue;
+    if (!are_one(tracks_, pair, dt_s)) continue;
     const Slot survivor = survivor_of(tracks_, pair.keeper, pair.other);
     const Slot other = survivor == pair.keeper ? pair.other : pair.keeper;
     merge(tracks_, survivor, other, clock_.now());
@@ -538,7 +493,7 @@ void Engine::split_next() noexcept {
 
 void Engine::split(Slot slot) noexcept {
   const Stamp now = clock_.now();
-  const auto parts = parts_.find(owners_, tracks_, slot, now, settings_.link_us);
+  const auto parts = parts_.find(owners_, tracks_, slot, now, kLink_us);
   const Part* kept = part_at_prediction(parts, tracks_[slot], tracks_.state(slot), now);
   if (kept == nullptr) return;
   float given = 0;
@@ -548,7 +503,7 @@ void Engine::split(Slot slot) noexcept {
     if (begin_part(slot, part, share) != Tracks::kNone) given += share;
   }
   if (given == 0) return;
-  restart_at_part(tracks_, slot, *kept, 1 - given, settings_.cell_px, now);
+  restart_at_part(tracks_, slot, *kept, 1 - given, now);
 }
 
 void Engine::halve(Slot slot) noexcept {
@@ -557,7 +512,7 @@ void Engine::halve(Slot slot) noexcept {
   const float share = share_of(halves[1], halves);
   const Slot child = begin_part(slot, halves[1], share);
   if (child == Tracks::kNone) return;
-  restart_at_part(tracks_, slot, halves[0], 1 - share, settings_.cell_px, clock_.now());
+  restart_at_part(tracks_, slot, halves[0], 1 - share, clock_.now());
   confirm_child(tracks_, slot, child, share, settings_.gate);
   tracks_[child].id = next_id_++;
   has_confirmed_ = true;
@@ -566,7 +521,7 @@ void Engine::halve(Slot slot) noexcept {
 Tracks::Slot Engine::begin_part(Slot parent, const Part& part, float share) noexcept {
   const Slot slot = begin_track(part.x, part.y);
   if (slot == Tracks::kNone) return slot;
-  begin_at_part(tracks_, parent, slot, part, share, settings_.cell_px);
+  begin_at_part(tracks_, parent, slot, part, share);
   owners_.give(part.cells, slot, tracks_[slot].generation);
   return slot;
 }
@@ -585,7 +540,7 @@ template <class Chosen, class Visit>
 void Engine::for_each_listed(const EventClock& clock, Chosen&& chosen, Visit&& visit) const {
   const std::uint64_t elapsed_us = clock.now_us() - tracks_us_;
   if (elapsed_us > kSilence_us) return;
-  const Tick tick(clock.now(), seconds(elapsed_us), noise_hz_, settings_.lifecycle);
+  const Tick tick(clock.now(), seconds(elapsed_us), noise_hz_);
   for (const Slot slot : tracks_.active()) {
     if (!chosen(slot)) continue;
     Track track = tracks_[slot];
@@ -597,7 +552,7 @@ void Engine::for_each_listed(const EventClock& clock, Chosen&& chosen, Visit&& v
 Cluster Engine::cluster_of(Slot slot, const Track& track, const TrackState& state,
                            const EventClock& clock) const noexcept {
   const PositionError error =
-      position_error(track, state.kalman, tracks_.contour(slot), clock.now(), settings_.kalman);
+      position_error(track, state.kalman, tracks_.contour(slot), clock.now());
   return report(track, state, error, clock);
 }
 

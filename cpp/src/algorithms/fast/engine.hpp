@@ -44,25 +44,15 @@ struct Settings {
   // Upper bound on the recent unassociated events around a cell that noise alone explains.
   float birth_threshold(float noise_hz) const noexcept;
 
-  std::int32_t tick_us;
-  std::int32_t warmup_us;
-  std::int32_t link_us;
   std::int32_t support_window_us;
   std::int32_t longest_window_us;  // of the support, in little noise
-  float seed_s;
   float seed_events;
-  float cell_px;
   bool uses_support;
   bool rejects_unsupported;
   bool begins_unsupported;  // else such an event, where it is not rejected, begins no track
   UpdateRule update;
-  WeightRule weight;
-  ContactRule contact;
   GateRule gate;
-  KalmanRule kalman;
   LifecycleRule lifecycle;
-  PairRule pairs;
-  MergeRule merge;
 };
 
 // ---- engine ------------------------------------------------------------------------------------

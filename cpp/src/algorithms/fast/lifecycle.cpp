@@ -43,11 +43,11 @@ float confirm_events(const TrackState& state, const LifecycleRule& rule) noexcep
 
 Assessment assess_tentative(const TrackState& state, float noise_hz,
                             const LifecycleRule& rule) noexcept {
-  if (state.evidence < -rule.drop_evidence && state.age_s > kShortestTentative_s)
+  if (state.evidence < -kDropEvidence && state.age_s > kShortestTentative_s)
     return Assessment::kDelete;
   if (state.age_s > kLongestTentative_s) return Assessment::kDelete;
-  const float expected = noise_hz * std::min(state.age_s, rule.mass_s);
-  if (state.evidence < rule.confirm_evidence ||
+  const float expected = noise_hz * std::min(state.age_s, kMass_s);
+  if (state.evidence < kConfirmEvidence ||
       state.mass < confirm_events(state, rule) + noise_bound(expected, 2)) {
     return Assessment::kKeep;
   }
@@ -57,8 +57,8 @@ Assessment assess_tentative(const TrackState& state, float noise_hz,
 }
 
 // Time since the mass fell below `least`, at most dt_s. It matters if the tick comes late.
-float time_below_s(float mass_before, float min, float dt_s, const LifecycleRule& rule) noexcept {
-  const float step_s = rule.mass_s / 4;
+float time_below_s(float mass_before, float min, float dt_s) noexcept {
+  const float step_s = kMass_s / 4;
   const float step_decay = decay(0.25F);
   for (; mass_before > min && dt_s > step_s; dt_s -= step_s) mass_before *= step_decay;
   return dt_s;
@@ -66,12 +66,12 @@ float time_below_s(float mass_before, float min, float dt_s, const LifecycleRule
 
 Assessment assess_confirmed(Track& track, TrackState& state, const Tick& tick, float mass_before,
                             float noise_hz, const LifecycleRule& rule) noexcept {
-  const float expected = noise_hz * rule.mass_s;
-  const float min = rule.die_events + noise_bound(expected, rule.die_sigma);
+  const float expected = noise_hz * kMass_s;
+  const float min = rule.die_events + noise_bound(expected, kDieSigma);
   if (track.phase == Phase::kConfirmed) {
     if (state.mass >= min) return Assessment::kKeep;
     track.phase = Phase::kCoasting;
-    state.coasting_s = time_below_s(mass_before, min, tick.dt_s, rule);
+    state.coasting_s = time_below_s(mass_before, min, tick.dt_s);
   } else {
     state.coasting_s += tick.dt_s;
   }
@@ -83,18 +83,18 @@ Assessment assess_confirmed(Track& track, TrackState& state, const Tick& tick, f
 }
 
 // Decay of the events since the last tick. It matters after a silence only.
-float decay_since(const Track& track, const Tick& tick, const LifecycleRule& rule) noexcept {
+float decay_since(const Track& track, const Tick& tick) noexcept {
   const float since_s = age_s(tick.now, track.stamp);
-  return since_s > rule.mass_s / 4 ? decay(since_s / rule.mass_s) : 1;
+  return since_s > kMass_s / 4 ? decay(since_s / kMass_s) : 1;
 }
 
 void measure_rates(TrackState& state, float fresh, float dt_s, const Tick& tick, float noise_hz,
-                   const LifecycleRule& rule, bool tentative) noexcept {
+                   bool tentative) noexcept {
   const float rate_hz = fresh / dt_s;
   state.fast_rate_hz +=
       low_pass_weight(tick.fast_decay, dt_s, state.age_s) * (rate_hz - state.fast_rate_hz);
   const bool starved =
-      !tentative && state.fast_rate_hz < rule.starve_ratio * state.slow_rate_hz + noise_hz / 2;
+      !tentative && state.fast_rate_hz < kStarveRatio * state.slow_rate_hz + noise_hz / 2;
   state.starved_s = starved ? state.starved_s + dt_s : 0;
   if (starved) return;
   state.slow_rate_hz +=
@@ -103,11 +103,11 @@ void measure_rates(TrackState& state, float fresh, float dt_s, const Tick& tick,
 
 }  // namespace
 
-Tick::Tick(Stamp at, float elapsed_s, float noise, const LifecycleRule& rule) noexcept
+Tick::Tick(Stamp at, float elapsed_s, float noise) noexcept
     : now(at),
       dt_s(elapsed_s),
       noise_hz(noise),
-      mass_decay(decay(elapsed_s / rule.mass_s)),
+      mass_decay(decay(elapsed_s / kMass_s)),
       fast_decay(decay(elapsed_s / kFastRate_s)),
       slow_decay(decay(elapsed_s / kSlowRate_s)),
       motion_decay(decay(elapsed_s / kMotion_s)),
@@ -135,8 +135,8 @@ void record_extent(TrackState& state, float extent2, const Tick& tick) noexcept 
   state.average_extent2 += weight * (extent2 - state.average_extent2);
 }
 
-Assessment assess(Track& track, TrackState& state, const Tick& tick, const LifecycleRule& rule,
-                  const GateRule& gate) noexcept {
+Assessment assess(Track& track, TrackState& state, const Tick& tick,
+                  const LifecycleRule& rule) noexcept {
   state.age_s += tick.dt_s;
   state.fragment_s += tick.dt_s;
   const float dt_s = std::max(kShortest_s, std::min(tick.dt_s, state.age_s));
@@ -145,12 +145,12 @@ Assessment assess(Track& track, TrackState& state, const Tick& tick, const Lifec
   state.events = track.events;
 
   const float mass_before = state.mass + fresh;
-  state.mass = state.mass * tick.mass_decay + fresh * decay_since(track, tick, rule);
+  state.mass = state.mass * tick.mass_decay + fresh * decay_since(track, tick);
   const bool tentative = track.phase == Phase::kTentative;
-  const bool mature = !tentative && state.age_s >= rule.mature_s;
-  const float noise_hz = tick.noise_hz * (mature ? mature_gate_area(track, gate)
-                                                 : young_gate_area(state.young_radius_px));
-  measure_rates(state, fresh, dt_s, tick, noise_hz, rule, tentative);
+  const bool mature = !tentative && state.age_s >= kMature_s;
+  const float noise_hz =
+      tick.noise_hz * (mature ? mature_gate_area(track) : young_gate_area(state.young_radius_px));
+  measure_rates(state, fresh, dt_s, tick, noise_hz, tentative);
   if (tentative) {
     update_evidence(state, fresh, dt_s, noise_hz, rule);
     return assess_tentative(state, noise_hz, rule);
@@ -159,14 +159,14 @@ Assessment assess(Track& track, TrackState& state, const Tick& tick, const Lifec
   return assess_confirmed(track, state, tick, mass_before, noise_hz, rule);
 }
 
-void update_gate(Track& track, TrackState& state, const LifecycleRule& rule, const GateRule& gate,
-                 float widest_px, float noise_hz) noexcept {
+void update_gate(Track& track, TrackState& state, const GateRule& gate, float widest_px,
+                 float noise_hz) noexcept {
   state.young_radius_px = young_radius(state, gate, widest_px);
   if (!track.has_id()) return shape_birth_gate(track, state.young_radius_px);
-  const float noise = noise_hz * mature_gate_area(track, gate) / std::max(1.0F, state.slow_rate_hz);
-  state.gate_scale = ellipse_scale(gate, state, noise);
+  const float noise = noise_hz * mature_gate_area(track) / std::max(1.0F, state.slow_rate_hz);
+  state.gate_scale = ellipse_scale(state, noise);
   shape_gate(track, gate, state.gate_scale, state.young_radius_px,
-             state.extent_px * state.extent_px, state.age_s >= rule.mature_s,
+             state.extent_px * state.extent_px, state.age_s >= kMature_s,
              is_starved(state) ? state.kalman.pxx : 0);
 }
 

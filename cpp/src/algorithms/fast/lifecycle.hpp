@@ -23,8 +23,7 @@ namespace asap::fast {
 // Counts of unassociated events per cell, with exponential decay.
 class BirthGrid {
  public:
-  BirthGrid(const CellMap& map, float decay_s)
-      : map_(map), decay_us_(1e6F * decay_s), cells_(map.size()), scrubber_(map.size()) {}
+  explicit BirthGrid(const CellMap& map) : map_(map), cells_(map.size()), scrubber_(map.size()) {}
 
   void clear(Stamp now) noexcept {
     std::fill(cells_.begin(), cells_.end(), Cell{long_before(now), 0.0F});
@@ -34,12 +33,12 @@ class BirthGrid {
   // linear here and reaches zero after twice the time constant.
   float count(std::size_t cell, Stamp now) noexcept {
     Cell& own = cells_[cell];
-    own.events = own.events * decay(static_cast<float>(age_us(now, own.stamp)) / decay_us_) + 1;
+    own.events = own.events * decay(static_cast<float>(age_us(now, own.stamp)) / kSeed_us) + 1;
     own.stamp = now;
     float sum = own.events;
     map_.for_each_neighbour(cell, [&](std::size_t neighbour) {
       const Cell& other = cells_[neighbour];
-      const float age = static_cast<float>(age_us(now, other.stamp)) / (2 * decay_us_);
+      const float age = static_cast<float>(age_us(now, other.stamp)) / (2 * kSeed_us);
       if (age < 1) sum += other.events * (1 - age);
     });
     return sum;
@@ -65,7 +64,6 @@ class BirthGrid {
   };
 
   CellMap map_;
-  float decay_us_;
   std::vector<Cell> cells_;
   Scrubber scrubber_;
 };
@@ -73,23 +71,15 @@ class BirthGrid {
 // ---- confirmation, starvation, coasting, deletion ----
 
 struct LifecycleRule {
-  float mass_s;              // decay of the mass
   float confirm_events = 0;  // mass from which a track is confirmed; fewer with gamma
   float die_events = 0;      // mass below which it coasts; fewer with gamma
-  float die_sigma;           // margin above the noise in the gate, standard deviations
   float birth_rate_hz = 0;   // least event rate of an object, times gamma
-  float confirm_evidence;    // log-likelihood ratio of an object against noise ...
-  float drop_evidence;       // ... and of noise against an object
-  float starve_ratio;        // share of the average event rate below which a track is starved
-  float velocity_decay_s;    // decay of the velocity of a starved track
-  float hide_s;              // starved for longer: not listed
   float coast_s;             // time from too little mass to deletion
-  float mature_s;            // age from which the gate's circle follows the extent
 };
 
 // What one tick has in common for all tracks.
 struct Tick {
-  Tick(Stamp now, float dt_s, float noise_hz, const LifecycleRule& rule) noexcept;
+  Tick(Stamp now, float dt_s, float noise_hz) noexcept;
 
   Stamp now;
   float dt_s;
@@ -104,13 +94,13 @@ struct Tick {
 enum class Assessment { kKeep, kConfirm, kDelete };
 
 // Counts the new events and decides. After kConfirm the caller sets phase and id.
-Assessment assess(Track& track, TrackState& state, const Tick& tick, const LifecycleRule& rule,
-                  const GateRule& gate) noexcept;
+Assessment assess(Track& track, TrackState& state, const Tick& tick,
+                  const LifecycleRule& rule) noexcept;
 
 // Sets the gate by phase, age, size and rates. `widest_px`: of a young track's circle. `noise_hz`:
 // per pixel.
-void update_gate(Track& track, TrackState& state, const LifecycleRule& rule, const GateRule& gate,
-                 float widest_px, float noise_hz) noexcept;
+void update_gate(Track& track, TrackState& state, const GateRule& gate, float widest_px,
+                 float noise_hz) noexcept;
 
 // Records position and average velocity of a track that is not starved.
 void record_motion(const Track& track, TrackState& state, const Tick& tick) noexcept;
@@ -126,9 +116,8 @@ void record_extent(TrackState& state, float extent2, const Tick& tick) noexcept;
 inline constexpr float kStarved_s = 0.01F;
 inline bool is_starved(const TrackState& state) noexcept { return state.starved_s > kStarved_s; }
 
-inline bool is_listed(const Track& track, const TrackState& state,
-                      const LifecycleRule& rule) noexcept {
-  return track.phase == Phase::kConfirmed && state.starved_s < rule.hide_s;
+inline bool is_listed(const Track& track, const TrackState& state) noexcept {
+  return track.phase == Phase::kConfirmed && state.starved_s < kHide_s;
 }
 
 struct Frame {

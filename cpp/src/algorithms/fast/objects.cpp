@@ -82,26 +82,25 @@ std::size_t Objects::object_of(Slot slot, const Track& track) const noexcept {
   return parts_[slot].generation == track.generation ? parts_[slot].object : kNone;
 }
 
-void Objects::update(const Tracks& tracks, const NoiseTiles& noise, const LifecycleRule& lifecycle,
-                     const GateRule& gate, std::uint64_t now_us) noexcept {
+void Objects::update(const Tracks& tracks, const NoiseTiles& noise, std::uint64_t now_us) noexcept {
   const float dt_s = seconds_between(now_us_, now_us);
   now_us_ = now_us;
   forget_old();
-  list(tracks, lifecycle);
+  list(tracks);
   add_up(tracks);
   place_new(tracks);
   adopt(tracks);
   leave(tracks, dt_s);
-  judge(tracks, noise, gate);
+  judge(tracks, noise);
   note_ways(tracks);
 }
 
 // ---- which track is a part of which object ----
 
-void Objects::list(const Tracks& tracks, const LifecycleRule& lifecycle) noexcept {
+void Objects::list(const Tracks& tracks) noexcept {
   listed_.clear();
   for (const Slot slot : tracks.active()) {
-    if (!is_listed(tracks[slot], tracks.state(slot), lifecycle)) continue;
+    if (!is_listed(tracks[slot], tracks.state(slot))) continue;
     listed_.push_back(slot);
     if (parts_[slot].generation == tracks[slot].generation) continue;
     parts_[slot] = {.generation = tracks[slot].generation};
@@ -301,14 +300,14 @@ std::size_t Objects::grow_component(const Tracks& tracks, std::size_t first) noe
 
 // NOISE: events with support against those without in the same place, above the rate of noise
 // elsewhere. Noise and a flickering light have one polarity, a moving object has two edges.
-void Objects::judge(const Tracks& tracks, const NoiseTiles& noise, const GateRule& gate) noexcept {
+void Objects::judge(const Tracks& tracks, const NoiseTiles& noise) noexcept {
   constexpr float kMinRatio = 2;    // hidden below; shown from here on with both polarities ...
   constexpr float kSureRatio = 12;  // ... and from here on in any case
   for (Object& object : objects_) object.lone_hz = 0;
   for (const Slot slot : listed_) {
     const Point mean = predicted_mean(tracks[slot], static_cast<Stamp>(now_us_));
     const float excess_hz = std::max(0.0F, noise.rate_near_hz(mean.x, mean.y) - noise.rate_hz());
-    objects_[parts_[slot].object].lone_hz += excess_hz * mature_gate_area(tracks[slot], gate);
+    objects_[parts_[slot].object].lone_hz += excess_hz * mature_gate_area(tracks[slot]);
   }
   for (Object& object : objects_) {
     if (object.id < 0 || object.sum.parts == 0) continue;

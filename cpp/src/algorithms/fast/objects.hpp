@@ -58,8 +58,7 @@ class Objects {
   explicit Objects(std::size_t slots);
 
   // Groups the listed tracks, if 5 ms have passed since the last time.
-  void update(const Tracks& tracks, const NoiseTiles& noise, const LifecycleRule& lifecycle,
-              const GateRule& gate, std::uint64_t now_us) noexcept;
+  void update(const Tracks& tracks, const NoiseTiles& noise, std::uint64_t now_us) noexcept;
 
   void clear() noexcept;
 
@@ -99,7 +98,7 @@ class Objects {
     Way way{};
   };
 
-  void list(const Tracks& tracks, const LifecycleRule& lifecycle) noexcept;
+  void list(const Tracks& tracks) noexcept;
   void add_up(const Tracks& tracks) noexcept;
   void note_ways(const Tracks& tracks) noexcept;
   void place_new(const Tracks& tracks) noexcept;
@@ -114,7 +113,7 @@ class Objects {
   bool divide(const Tracks& tracks, std::size_t object, float dt_s) noexcept;
   std::size_t heaviest_component(const Tracks& tracks) noexcept;
   std::size_t grow_component(const Tracks& tracks, std::size_t first) noexcept;
-  void judge(const Tracks& tracks, const NoiseTiles& noise, const GateRule& gate) noexcept;
+  void judge(const Tracks& tracks, const NoiseTiles& noise) noexcept;
 
   std::vector<Part> parts_;      // by slot
   std::vector<Object> objects_;  // twice the slots: one without parts can always be forgotten

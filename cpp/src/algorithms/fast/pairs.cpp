@@ -18,15 +18,14 @@ constexpr float kConfirmedMargin_px = 8;
 // Confirmed parts of one object lie closer than this.
 constexpr float kNeighbour_px = 35;
 
-constexpr float kMature_s = 0.05F;          // age from which the outline of a track is known
+constexpr float kOutline_s = 0.05F;         // age from which the outline of a track is known
 constexpr std::uint32_t kKnownEvents = 20;  // the mean polarity of fewer is random
 
-bool outlines_meet(const Track& a, const Track& b, float dx, float dy, float distance_px,
-                   const PairRule& rule) noexcept {
+bool outlines_meet(const Track& a, const Track& b, float dx, float dy, float distance_px) noexcept {
   const float ux = distance_px > 0 ? dx / distance_px : 1;
   const float uy = distance_px > 0 ? dy / distance_px : 0;
   const float spreads = spread_along(a, ux, uy) + spread_along(b, ux, uy);
-  return distance_px < rule.contact_reach * spreads + rule.contact_padding_px;
+  return distance_px < kContactReach * spreads + kContactPadding_px;
 }
 
 void add_partner(Track& track, TrackState& state, Tracks::Slot partner) noexcept {
@@ -34,19 +33,18 @@ void add_partner(Track& track, TrackState& state, Tracks::Slot partner) noexcept
 }
 
 // px, within which the tips of an object lie that a large track and a tentative one may share.
-float tip_distance(float extents_px, const PairRule& rule) noexcept {
+float tip_distance(float extents_px) noexcept {
   constexpr float kTips = 2.5F;  // standard deviations; 2.45 for an L
-  return kTips * extents_px + rule.merge_padding_px;
+  return kTips * extents_px + kMergePadding_px;
 }
 
 bool may_miss_parts(const TrackState& confirmed) noexcept {
-  return confirmed.extent_px >= kLarge_px && confirmed.age_s > kMature_s;
+  return confirmed.extent_px >= kLarge_px && confirmed.age_s > kOutline_s;
 }
 
 // px within which two tracks may be one object.
-float merge_distance(float extents_px, const PairRule& rule) noexcept {
-  return std::max(0.9F * rule.birth_radius_px,
-                  rule.merge_reach * extents_px + rule.merge_padding_px);
+float merge_distance(float extents_px, float birth_radius_px) noexcept {
+  return std::max(0.9F * birth_radius_px, kMergeReach * extents_px + kMergePadding_px);
 }
 
 // The gate of a large object misses some of its parts, such as the tips of a star or the ends of a
@@ -58,7 +56,7 @@ bool may_be_fragment(const Tracks& tracks, Tracks::Slot tentative, Tracks::Slot 
   constexpr float kMaxMass = 0.2F;
   constexpr float kReach = 1.25F;  // factor on the gate
   const TrackState& state = tracks.state(confirmed);
-  return state.age_s > kMature_s && tracks.state(tentative).mass < kMaxMass * state.mass &&
+  return state.age_s > kOutline_s && tracks.state(tentative).mass < kMaxMass * state.mass &&
          gate_value(tracks[confirmed], {.mean_x = 0, .mean_y = 0, .dx = dx, .dy = dy}) <=
              kReach * kReach;
 }
@@ -132,13 +130,13 @@ bool overlap(const TrackState& a, const TrackState& b, float distance_px) noexce
 
 // px by which a relative position may change and still count as kept. The means of two large parts
 // that lie close together wander, because they share events.
-float tolerance(const Tracks& tracks, const Candidate& pair, const MergeRule& rule) noexcept {
+float tolerance(const Tracks& tracks, const Candidate& pair) noexcept {
   constexpr float kExtents = 1.3F;
   constexpr float kPerExtent = 0.35F;
   const TrackState& a = tracks.state(pair.keeper);
   const TrackState& b = tracks.state(pair.other);
-  if (pair.distance_px > kExtents * larger_extent(a, b)) return rule.tolerance_px;
-  return std::max(rule.tolerance_px, kPerExtent * (a.extent_px + b.extent_px));
+  if (pair.distance_px > kExtents * larger_extent(a, b)) return kMergeTolerance_px;
+  return std::max(kMergeTolerance_px, kPerExtent * (a.extent_px + b.extent_px));
 }
 
 bool has_changed(const MergeState& kept, const Candidate& pair, float tolerance_px,
@@ -245,7 +243,7 @@ Pairs::Pairs(std::size_t slots) {
   candidates_.reserve(kMaxCandidates * slots);
 }
 
-void Pairs::find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept {
+void Pairs::find(Tracks& tracks, Stamp now, float birth_radius_px) noexcept {
   places_.clear();
   nearest_.clear();
   candidates_.clear();
@@ -264,14 +262,14 @@ void Pairs::find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Place a = places_[i];
     const float extents = a.extent + largest;
-    const float reach =
-        std::max(merge_distance(extents, rule) + kConfirmedMargin_px, tip_distance(extents, rule));
+    const float reach = std::max(merge_distance(extents, birth_radius_px) + kConfirmedMargin_px,
+                                 tip_distance(extents));
     for (std::size_t j = i + 1; j < places_.size(); ++j) {
       const float dx = places_[j].x - a.x;
       const float dy = places_[j].y - a.y;
       if (dx * dx + dy * dy > reach * reach) continue;
       const bool second_keeps = a.has_id && !places_[j].has_id;
-      compare(tracks, second_keeps ? j : i, second_keeps ? i : j, rule);
+      compare(tracks, second_keeps ? j : i, second_keeps ? i : j, birth_radius_px);
     }
   }
   for (const auto& nearest : nearest_) {
@@ -282,7 +280,7 @@ void Pairs::find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept {
 }
 
 void Pairs::compare(Tracks& tracks, std::size_t keeper, std::size_t other,
-                    const PairRule& rule) noexcept {
+                    float birth_radius_px) noexcept {
   const Place& a = places_[keeper];
   const Place& b = places_[other];
   const float dx = b.x - a.x;
@@ -291,13 +289,12 @@ void Pairs::compare(Tracks& tracks, std::size_t keeper, std::size_t other,
   const float extents = a.extent + b.extent;
   const bool confirmed = a.has_id && b.has_id;
   const bool mixed = !a.has_id && b.has_id;
-  float reach = merge_distance(extents, rule);
+  float reach = merge_distance(extents, birth_radius_px);
   if (confirmed) reach += kConfirmedMargin_px;
-  if (mixed && may_miss_parts(tracks.state(b.slot)))
-    reach = std::max(reach, tip_distance(extents, rule));
+  if (mixed && may_miss_parts(tracks.state(b.slot))) reach = std::max(reach, tip_distance(extents));
   if (distance > reach) return;
 
-  if (confirmed && outlines_meet(tracks[a.slot], tracks[b.slot], dx, dy, distance, rule)) {
+  if (confirmed && outlines_meet(tracks[a.slot], tracks[b.slot], dx, dy, distance)) {
     add_partner(tracks[a.slot], tracks.state(a.slot), b.slot);
     add_partner(tracks[b.slot], tracks.state(b.slot), a.slot);
   }
@@ -323,7 +320,7 @@ bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
   return tracks[slot].events >= kKnownEvents && std::abs(tracks.contour(slot).polarity) < kOneSided;
 }
 
-bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule& rule) noexcept {
+bool are_one(Tracks& tracks, const Candidate& pair, float dt_s) noexcept {
   const Track& a = tracks[pair.keeper];
   const Track& b = tracks[pair.other];
   if (!a.has_id() && !b.has_id()) return true;
@@ -331,8 +328,8 @@ bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule&
   MergeState& kept = merge_state(tracks.state(pair.keeper), pair.other, b.generation);
   const bool siblings = are_siblings(tracks, pair.keeper, pair.other);
   const bool same = kept.other == pair.other && kept.generation == b.generation;
-  const float rotation_px = siblings ? rule.rotation_rad * pair.distance_px : 0;
-  if (!same || has_changed(kept, pair, tolerance(tracks, pair, rule), rotation_px)) {
+  const float rotation_px = siblings ? kMergeRotation_rad * pair.distance_px : 0;
+  if (!same || has_changed(kept, pair, tolerance(tracks, pair), rotation_px)) {
     kept = {.other = pair.other, .generation = b.generation, .dx = pair.dx, .dy = pair.dy};
     return false;
   }
@@ -390,7 +387,7 @@ void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now)
 
 // ---- siblings ----
 
-void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& rule) noexcept {
+void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, float birth_radius_px) noexcept {
   TrackState& state = tracks.state(slot);
   const Point here = predicted_mean(tracks[slot], now);
   float nearest = std::numeric_limits<float>::infinity();
@@ -398,7 +395,8 @@ void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& 
     if (other == slot || !tracks[other].has_id()) continue;
     const Point there = predicted_mean(tracks[other], now);
     const float distance = length(here.x - there.x, here.y - there.y);
-    const float reach = merge_distance(state.extent_px + tracks.state(other).extent_px, rule);
+    const float reach =
+        merge_distance(state.extent_px + tracks.state(other).extent_px, birth_radius_px);
     if (distance > reach || distance >= nearest) continue;
     nearest = distance;
     state.sibling = other;
@@ -407,7 +405,7 @@ void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& 
 }
 
 void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
-                        const PairRule& rule) noexcept {
+                        float birth_radius_px) noexcept {
   TrackState& state = tracks.state(slot);
   if (state.sibling == kNoSlot) return;
   if (is_sibling(tracks, slot, state.sibling)) {
@@ -415,7 +413,8 @@ void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
     const Point here = predicted_mean(tracks[slot], now);
     const Point there = predicted_mean(tracks[state.sibling], now);
     const float extents = state.extent_px + tracks.state(state.sibling).extent_px;
-    if (length(there.x - here.x, there.y - here.y) <= merge_distance(extents, rule) + kMargin_px)
+    if (length(there.x - here.x, there.y - here.y) <=
+        merge_distance(extents, birth_radius_px) + kMargin_px)
       return;
   }
   state.sibling = kNoSlot;

@@ -21,14 +21,6 @@ namespace asap::fast {
 
 // ---- pairs ----
 
-struct PairRule {
-  float birth_radius_px;     // circle of a young track's gate
-  float merge_reach;         // sum of standard deviations ...
-  float merge_padding_px;    // ... and px within which two tracks may be one object
-  float contact_reach;       // standard deviations along the line of centres ...
-  float contact_padding_px;  // ... and px within which two tracks are in contact
-};
-
 // Two tracks that may be one object. `keeper` holds their MergeState: of a mixed pair the tentative
 // track, else the older one.
 struct Candidate {
@@ -44,8 +36,8 @@ class Pairs {
   explicit Pairs(std::size_t slots);
 
   // Sets partners, near_confirmed and may_be_fragment of all tracks, and candidates(). Notes the
-  // fragments.
-  void find(Tracks& tracks, Stamp now, const PairRule& rule) noexcept;
+  // fragments. `birth_radius_px`: narrowest circle of a young track.
+  void find(Tracks& tracks, Stamp now, float birth_radius_px) noexcept;
 
   const std::vector<Candidate>& candidates() const noexcept { return candidates_; }
 
@@ -60,7 +52,7 @@ class Pairs {
 
   // Two places, the first that of the tentative track if one is.
   void compare(Tracks& tracks, std::size_t keeper, std::size_t other,
-               const PairRule& rule) noexcept;
+               float birth_radius_px) noexcept;
 
   std::vector<Place> places_;
   std::vector<std::array<Candidate, kMaxCandidates>> nearest_;  // per place; no slot: none
@@ -69,16 +61,11 @@ class Pairs {
 
 // ---- merging ----
 
-struct MergeRule {
-  float tolerance_px;  // change of the relative position of two parts of one object
-  float rotation_rad;  // and its rotation
-};
-
 // Whether a track has a leading and a trailing edge, which fire with opposite polarities.
 bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept;
 
 // Whether the pair has kept its relative position for long enough. Updates the keeper's MergeState.
-bool are_one(Tracks& tracks, const Candidate& pair, float dt_s, const MergeRule& rule) noexcept;
+bool are_one(Tracks& tracks, const Candidate& pair, float dt_s) noexcept;
 
 // The one of a pair that goes on: the confirmed, then the smaller id, then more events.
 Tracks::Slot survivor_of(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept;
@@ -91,10 +78,10 @@ void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now)
 // Tracks that are parts of one object since one of them was confirmed beside the other.
 
 // Sets the sibling of a track that is confirmed now: the nearest confirmed track within reach.
-void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, const PairRule& rule) noexcept;
+void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, float birth_radius_px) noexcept;
 
 // Removes a sibling that was deleted or is farther away than the reach and 4 px.
 void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
-                        const PairRule& rule) noexcept;
+                        float birth_radius_px) noexcept;
 
 }  // namespace asap::fast

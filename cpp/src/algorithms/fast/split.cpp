@@ -8,8 +8,8 @@ namespace asap::fast {
 namespace {
 
 // The covariance of cells that are evenly filled.
-void set_spread(Track& track, TrackState& state, const Part& part, float cell_px) noexcept {
-  const float pixels = static_cast<float>(part.cells.size()) * cell_px * cell_px;
+void set_spread(Track& track, TrackState& state, const Part& part) noexcept {
+  const float pixels = static_cast<float>(part.cells.size()) * kCell_px * kCell_px;
   track.sxx = track.syy = std::max(4.0F, pixels / 10);
   track.sxy = 0;
   state.extent_px = std::sqrt(track.sxx);
@@ -107,7 +107,7 @@ void PartFinder::grow(std::size_t start) noexcept {
 // ---- unresolved objects ----
 
 bool looks_unresolved(const Track& track, const Contour& contour, const TrackState& state,
-                      float noise_hz, const GateRule& gate) noexcept {
+                      float noise_hz) noexcept {
   constexpr float kScatter_px2 = 4;        // scatter of events about one outline
   constexpr float kNoiseScatter_px2 = 60;  // scatter of noise anywhere in the gate
   constexpr float kElongation = 2.7F;      // ratio of variances; an L of equal arms has 2 to 2.6
@@ -115,7 +115,7 @@ bool looks_unresolved(const Track& track, const Contour& contour, const TrackSta
   constexpr std::uint32_t kKnownEvents = 100;
   if (track.phase != Phase::kConfirmed || track.partners > 0 || state.near_confirmed) return false;
   if (state.starved_s > 0 || state.age_s < kYoung_s || track.events < kKnownEvents) return false;
-  const float noise = noise_hz * mature_gate_area(track, gate) / std::max(1.0F, state.slow_rate_hz);
+  const float noise = noise_hz * mature_gate_area(track) / std::max(1.0F, state.slow_rate_hz);
   if (contour.variance < kScatter_px2 + kNoiseScatter_px2 * noise) return false;
   const float largest = largest_variance(track);
   if (largest < state.average_extent2) return false;
@@ -273,7 +273,7 @@ const Part* part_at_prediction(std::span<const Part> parts, const Track& track,
 }
 
 void restart_at_part(Tracks& tracks, Tracks::Slot slot, const Part& part, float share,
-                     float cell_px, Stamp now) noexcept {
+                     Stamp now) noexcept {
   constexpr std::uint32_t kEvents = 30;
   constexpr float kPositionVariance_px2 = 9;
   Track& track = tracks[slot];
@@ -286,7 +286,7 @@ void restart_at_part(Tracks& tracks, Tracks::Slot slot, const Part& part, float 
   track.x = part.x;
   track.y = part.y;
   track.stamp = now;
-  set_spread(track, state, part, cell_px);
+  set_spread(track, state, part);
   state.mass *= share;
   state.fast_rate_hz *= share;
   state.slow_rate_hz *= share;
@@ -299,7 +299,7 @@ void restart_at_part(Tracks& tracks, Tracks::Slot slot, const Part& part, float 
 }
 
 void begin_at_part(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, const Part& part,
-                   float share, float cell_px) noexcept {
+                   float share) noexcept {
   constexpr std::uint32_t kEvents = 10;
   constexpr float kEvidence = 4;
   Track& track = tracks[child];
@@ -309,7 +309,7 @@ void begin_at_part(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, cons
   track.events = state.events = state.kalman.events = kEvents;
   state.mass = share * tracks.state(parent).mass;
   state.evidence = kEvidence;
-  set_spread(track, state, part, cell_px);
+  set_spread(track, state, part);
 }
 
 void confirm_child(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, float share,
@@ -330,7 +330,7 @@ void confirm_child(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, floa
   for (const Tracks::Slot slot : {parent, child}) {
     tracks.contour(slot).variance = kInitialVariance_px2;
     tracks.state(slot).average_extent2 = largest_variance(tracks[slot]);
-    shape_gate(tracks[slot], gate, gate.scale, tracks.state(slot).young_radius_px,
+    shape_gate(tracks[slot], gate, kGateScale, tracks.state(slot).young_radius_px,
                tracks.state(slot).average_extent2, true, 0);
   }
 }

@@ -70,7 +70,7 @@ class PartFinder {
 // Whether a track, with no other near, is long, not smaller than it was, and its events do not lie
 // on one outline. noise_hz: per pixel.
 bool looks_unresolved(const Track& track, const Contour& contour, const TrackState& state,
-                      float noise_hz, const GateRule& gate) noexcept;
+                      float noise_hz) noexcept;
 
 // Whether it has looked unresolved for long enough to look for its halves.
 inline bool is_unresolved(const TrackState& state) noexcept {
@@ -129,11 +129,11 @@ const Part* part_at_prediction(std::span<const Part> parts, const Track& track,
 
 // Restarts the track at a part, with this share of its mass and rates.
 void restart_at_part(Tracks& tracks, Tracks::Slot slot, const Part& part, float share,
-                     float cell_px, Stamp now) noexcept;
+                     Stamp now) noexcept;
 
 // Gives a new track at a part the parent's velocity and a share of its mass.
 void begin_at_part(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, const Part& part,
-                   float share, float cell_px) noexcept;
+                   float share) noexcept;
 
 // Confirms the child with the history of its parent, which has restarted with its own share of the
 // mass. The caller gives it an id.

@@ -46,16 +46,16 @@ void note_fragment(const Track& track, TrackState& state, float dx, float dy) no
   state.fragment_s = 0;
 }
 
-float ellipse_scale(const GateRule& rule, const TrackState& state, float noise_share) noexcept {
+float ellipse_scale(const TrackState& state, float noise_share) noexcept {
   constexpr float kRareNoise = 0.1F;
-  if (state.fragment_s > kFragment_s || state.extent_px < kLarge_px) return rule.scale;
+  if (state.fragment_s > kFragment_s || state.extent_px < kLarge_px) return kGateScale;
   const float rarity = std::clamp(2 - noise_share / kRareNoise, 0.0F, 1.0F);
-  return rule.scale + rarity * std::max(0.0F, state.fragment_scale - rule.scale);
+  return kGateScale + rarity * std::max(0.0F, state.fragment_scale - kGateScale);
 }
 
-float widest_radius(const GateRule& rule, float noise_hz, float mass_s) noexcept {
+float widest_radius(const GateRule& rule, float noise_hz) noexcept {
   constexpr float kMinNoise_hz = 1e-6F;
-  const float noise = std::max(kMinNoise_hz, noise_hz) * mass_s;
+  const float noise = std::max(kMinNoise_hz, noise_hz) * kMass_s;
   return std::clamp(std::sqrt(rule.noise_events / (kPi * noise)), rule.birth_radius_px,
                     kWidestBirth * rule.birth_radius_px);
 }
@@ -79,12 +79,12 @@ void shape_birth_gate(Track& track, float radius_px) noexcept {
 
 void shape_gate(Track& track, const GateRule& rule, float scale, float young_px,
                 float largest_variance_px2, bool mature, float position_variance_px2) noexcept {
-  const float own = rule.circle_scale * std::sqrt(largest_variance_px2) + rule.circle_padding_px;
+  const float own = kCircleScale * std::sqrt(largest_variance_px2) + kCirclePadding_px;
   const float radius =
-      mature ? std::max(rule.min_radius_px, std::min(own, rule.birth_radius_px)) : young_px;
+      mature ? std::max(kMinRadius_px, std::min(own, rule.birth_radius_px)) : young_px;
   track.inverse_circle2 = 1 / (radius * radius);
 
-  const float padding = rule.padding_px * rule.padding_px + position_variance_px2;
+  const float padding = kGatePadding_px * kGatePadding_px + position_variance_px2;
   const float a = track.sxx + padding;
   const float b = track.sxy;
   const float c = track.syy + padding;
@@ -100,10 +100,10 @@ void shape_gate(Track& track, const GateRule& rule, float scale, float young_px,
 
 float young_gate_area(float radius_px) noexcept { return kPi * radius_px * radius_px; }
 
-float mature_gate_area(const Track& track, const GateRule& rule) noexcept {
+float mature_gate_area(const Track& track) noexcept {
   const float determinant = std::max(0.0F, track.sxx * track.syy - track.sxy * track.sxy);
-  return kPi * std::max(rule.min_radius_px * rule.min_radius_px,
-                        rule.scale * rule.scale * std::sqrt(determinant));
+  return kPi *
+         std::max(kMinRadius_px * kMinRadius_px, kGateScale * kGateScale * std::sqrt(determinant));
 }
 
 // ---- Kalman filter -----------------------------------------------------------------------------
@@ -117,19 +117,20 @@ constexpr float kMinExtent_px = 1;
 
 // px^2, of the mean, of whose events `fresh` are new.
 float measurement_variance(const Track& track, float contour_variance, std::uint32_t fresh,
-                           std::uint32_t mean_events, const KalmanRule& rule) noexcept {
+                           std::uint32_t mean_events) noexcept {
   const float w = track.mean_weight;
   const float spread =
       w * w * 0.5F * (track.sxx + track.syy) + (1 - w) * (1 - w) * 2 * contour_variance;
-  const auto memory = static_cast<float>(std::min(mean_events, rule.mean_events));
+  const auto memory = static_cast<float>(mean_events);
   const float share = std::min(1.0F, static_cast<float>(fresh) / memory);
-  return std::max(rule.min_measurement_px2, rule.measurement_scale * spread / (memory * share));
+  return std::max(kMinMeasurement_px2, kMeasurementScale * spread / (memory * share));
 }
 
-float acceleration_density(const Track& track, const KalmanRule& rule) noexcept {
-  if (track.partners > 0) return rule.contact;
+float acceleration_density(const Track& track) noexcept {
+  if (track.partners > 0) return kContactAcceleration_px2_s3;
   const float speed2 = track.vx * track.vx + track.vy * track.vy;
-  return std::min(rule.max, rule.acceleration + rule.per_speed3 * speed2 * std::sqrt(speed2));
+  return std::min(kMaxAcceleration_px2_s3,
+                  kAcceleration_px2_s3 + kAccelerationPerSpeed_px * speed2 * std::sqrt(speed2));
 }
 
 // Propagates the covariance over dt, s.
@@ -140,26 +141,24 @@ void predict(KalmanState& state, float dt, float q) noexcept {
 }
 
 // px^2, of the position along each axis, predicted for `now`.
-float position_variance(const Track& track, const KalmanState& state, Stamp now,
-                        const KalmanRule& rule) noexcept {
+float position_variance(const Track& track, const KalmanState& state, Stamp now) noexcept {
   KalmanState then = state;
-  predict(then, std::max(0.0F, age_s(now, state.stamp)), acceleration_density(track, rule));
+  predict(then, std::max(0.0F, age_s(now, state.stamp)), acceleration_density(track));
   return then.pxx;
 }
 
 }  // namespace
 
-void kalman_update(Track& track, KalmanState& state, float contour_variance, const KalmanRule& rule,
+void kalman_update(Track& track, KalmanState& state, float contour_variance,
                    std::uint32_t mean_events) noexcept {
   const std::uint32_t fresh = track.events - state.events;
   if (fresh < kKalmanEvents) return;
   const float dt = std::max(0.0F, age_s(track.stamp, state.stamp));
   state.x += track.vx * dt;
   state.y += track.vy * dt;
-  predict(state, dt, acceleration_density(track, rule));
+  predict(state, dt, acceleration_density(track));
 
-  const float s =
-      state.pxx + measurement_variance(track, contour_variance, fresh, mean_events, rule);
+  const float s = state.pxx + measurement_variance(track, contour_variance, fresh, mean_events);
   const float kx = state.pxx / s;
   const float kv = state.pxv / s;
   const float ex = track.x - state.x;
@@ -175,10 +174,9 @@ void kalman_update(Track& track, KalmanState& state, float contour_variance, con
   state.events = track.events;
 }
 
-void kalman_without_events(Track& track, KalmanState& state, Stamp now,
-                           float velocity_decay_s) noexcept {
+void kalman_without_events(Track& track, KalmanState& state, Stamp now) noexcept {
   const auto moved_s = [&](Stamp then) {
-    return velocity_decay_s * (1 - decay(std::max(0.0F, age_s(now, then)) / velocity_decay_s));
+    return kVelocityDecay_s * (1 - decay(std::max(0.0F, age_s(now, then)) / kVelocityDecay_s));
   };
   const float mean_s = moved_s(track.stamp);
   const float state_s = moved_s(state.stamp);
@@ -192,7 +190,7 @@ void kalman_without_events(Track& track, KalmanState& state, Stamp now,
   state.pxv += dt * state.pvv;
   // pxx pvv >= pxv^2 keeps the matrix a covariance.
   state.pxv = std::min(state.pxv, std::sqrt(state.pxx * state.pvv));
-  const float slower = 1 - state_s / velocity_decay_s;
+  const float slower = 1 - state_s / kVelocityDecay_s;
   track.vx *= slower;
   track.vy *= slower;
   track.stamp = now;
@@ -210,8 +208,8 @@ void update_centre_variance(Contour& contour, const Track& track, float extent_p
 }
 
 PositionError position_error(const Track& track, const KalmanState& state, const Contour& contour,
-                             Stamp now, const KalmanRule& rule) noexcept {
-  const float variance = position_variance(track, state, now, rule);
+                             Stamp now) noexcept {
+  const float variance = position_variance(track, state, now);
   return {variance + contour.centre_variance * track.sxx, contour.centre_variance * track.sxy,
           variance + contour.centre_variance * track.syy};
 }

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "algorithms/fast/constants.hpp"
 #include "algorithms/fast/time.hpp"
 
 namespace asap::fast {
@@ -27,12 +28,6 @@ namespace asap::fast {
 
 inline constexpr std::size_t kContourBins = 16;
 
-struct ContourRule {
-  float clip_px;           // largest residual that counts
-  std::uint8_t memory;     // events per bin
-  std::uint8_t min_known;  // events from which the radius of a bin is known
-};
-
 struct alignas(32) Contour {
   static constexpr float kInitialVariance_px2 = 4;
   static constexpr float kVarianceMemory = 64;  // events
@@ -44,20 +39,19 @@ struct alignas(32) Contour {
   float polarity = 0;                     // mean, OFF = -1, ON = 1
   // Variance of the centre's error, as a fraction of the covariance of the events.
   float centre_variance = kInitialCentreVariance;
-  std::uint32_t mean_events = 60;  // memory of the mean, by size; here because every event reads it
+  std::uint32_t mean_events =
+      kMeanEvents;  // memory of the mean, by size; here because every event reads it
 
-  bool known(std::size_t bin, const ContourRule& rule) const noexcept {
-    return count[bin] >= rule.min_known;
-  }
+  bool known(std::size_t bin) const noexcept { return count[bin] >= kKnownContourEvents; }
 
   // Distance of an event from the outline, positive outside.
   float residual(std::size_t bin, float distance) const noexcept { return distance - radius[bin]; }
 
-  void learn(std::size_t bin, float distance, const ContourRule& rule) noexcept {
+  void learn(std::size_t bin, float distance) noexcept {
     const float outwards = residual(bin, distance);
-    const float clipped = std::clamp(outwards, -rule.clip_px, rule.clip_px);
-    if (known(bin, rule)) variance += (clipped * clipped - variance) / kVarianceMemory;
-    count[bin] = std::min<std::uint8_t>(rule.memory, static_cast<std::uint8_t>(count[bin] + 1));
+    const float clipped = std::clamp(outwards, -kContourClip_px, kContourClip_px);
+    if (known(bin)) variance += (clipped * clipped - variance) / kVarianceMemory;
+    count[bin] = std::min<std::uint8_t>(kContourEvents, static_cast<std::uint8_t>(count[bin] + 1));
     radius[bin] += outwards / static_cast<float>(count[bin]);
   }
 
@@ -304,12 +298,7 @@ class Tracks {
 
 struct GateRule {
   float birth_radius_px;     // narrowest circle of a young track, widest of a mature one
-  float min_radius_px;       // smallest circle of a mature one
   float max_radius_px;       // longest half-axis of the ellipse
-  float scale;               // half-axes of the ellipse at least, standard deviations
-  float padding_px;          // added to the standard deviation, in quadrature
-  float circle_scale;        // circle: standard deviations of the longest axis ...
-  float circle_padding_px;   // ... and px
   float noise_events = 0;    // maximum of noise in a young track's mass
   float min_density_hz = 0;  // events per pixel of its circle, from which an object fills it
 };
@@ -331,11 +320,11 @@ inline constexpr float kLarge_px = 8.5F;
 void note_fragment(const Track& track, TrackState& state, float dx, float dy) noexcept;
 
 // Half-axes of the ellipse, standard deviations.
-float ellipse_scale(const GateRule& rule, const TrackState& state, float noise_share) noexcept;
+float ellipse_scale(const TrackState& state, float noise_share) noexcept;
 
 // px, of a young track's circle: the widest in which noise of this rate per pixel stays below the
-// rule's number of events in a mass that decays with mass_s.
-float widest_radius(const GateRule& rule, float noise_hz, float mass_s) noexcept;
+// rule's number of events in a mass.
+float widest_radius(const GateRule& rule, float noise_hz) noexcept;
 
 // px, of the circle of a track that is not mature: the narrowest beside a confirmed track, whose
 // events a wider one would take; else widest_px, but narrower from 3 ms on if its events are too
@@ -365,7 +354,7 @@ void shape_gate(Track& track, const GateRule& rule, float scale, float young_px,
 // px^2 of the gate, of a mature one without what ellipse_scale() adds: noise on this area counts as
 // the track's events.
 float young_gate_area(float radius_px) noexcept;
-float mature_gate_area(const Track& track, const GateRule& rule) noexcept;
+float mature_gate_area(const Track& track) noexcept;
 
 // ---- Kalman filter -----------------------------------------------------------------------------
 
@@ -378,28 +367,17 @@ float mature_gate_area(const Track& track, const GateRule& rule) noexcept;
 // an outline that does not learn. One thread, at the tick. O(1), no allocation. Source: own design;
 // the fractions were fitted to the errors on the scenes A to G, seeds 100 to 102.
 
-struct KalmanRule {
-  float acceleration;              // px^2/s^3, density at rest
-  float per_speed3;                // 1/px, its growth with the cube of the speed
-  float max;                       // px^2/s^3, its maximum
-  float contact;                   // px^2/s^3, its value in contact
-  float measurement_scale;         // factor on the variance: successive means are correlated
-  float min_measurement_px2;       // least variance of a measurement
-  std::uint32_t mean_events = 60;  // longest memory of the mean
-};
-
 inline constexpr std::uint32_t kKalmanEvents = 8;  // new events that an update needs
 
 // Takes the track's mean as a measurement, if enough events are new, and sets its velocity.
-// `mean_events`: its memory, if shorter than the rule's.
-void kalman_update(Track& track, KalmanState& state, float contour_variance, const KalmanRule& rule,
-                   std::uint32_t mean_events = UINT32_MAX) noexcept;
+// `mean_events`: its memory.
+void kalman_update(Track& track, KalmanState& state, float contour_variance,
+                   std::uint32_t mean_events) noexcept;
 
-// Moves a starved track to `now`: the velocity decays with the time constant, mean and state move
+// Moves a starved track to `now`: the velocity decays, mean and state move
 // with it, and the covariance grows up to kMaxVariance_px2.
 inline constexpr float kMaxVariance_px2 = 100;
-void kalman_without_events(Track& track, KalmanState& state, Stamp now,
-                           float velocity_decay_s) noexcept;
+void kalman_without_events(Track& track, KalmanState& state, Stamp now) noexcept;
 
 // ---- the error of the outline's centre ----
 
@@ -416,7 +394,7 @@ struct PositionError {
 };
 
 PositionError position_error(const Track& track, const KalmanState& state, const Contour& contour,
-                             Stamp now, const KalmanRule& rule) noexcept;
+                             Stamp now) noexcept;
 
 // ---- update per event --------------------------------------------------------------------------
 
@@ -440,13 +418,9 @@ class Reciprocals {
 };
 
 struct UpdateRule {
-  std::uint32_t mean_events = 0;    // memory of the mean; less with gamma
-  std::uint32_t covariance_events;  // memory of the covariance
-  std::uint32_t contour_mask = 0;   // the contour learns events whose number has none of these bits
-  float far_weight = 1;             // weight of events far from the outline
-  ContourRule contour;
-  float contact_gain;       // on the outline's residual
-  float contact_mean_gain;  // where the outline is unknown
+  std::uint32_t mean_events = 0;   // memory of the mean; less with gamma
+  std::uint32_t contour_mask = 0;  // the contour learns events whose number has none of these bits
+  float far_weight = 1;            // weight of events far from the outline
 };
 
 // The weight of events far from the outline. If noise is rare, they belong to the object, whose
@@ -473,18 +447,12 @@ inline std::uint32_t mean_memory(const Track& track, const Contour& contour,
   return track.partners > 0 ? rule.mean_events : contour.mean_events;
 }
 
-struct WeightRule {
-  float min;    // least weight of the plain mean
-  float scale;  // larger values favour the plain mean
-};
-
 // The weight of the plain mean, by inverse variances. Textured objects, whose events fill their
 // outline, fall back to the plain mean.
-inline float mean_weight(const Track& track, const Contour& contour,
-                         const WeightRule& rule) noexcept {
-  const float scatter = 2 * rule.scale * contour.variance;
+inline float mean_weight(const Track& track, const Contour& contour) noexcept {
+  const float scatter = 2 * kMeanWeightScale * contour.variance;
   const float spread = 0.5F * (track.sxx + track.syy) + 0.5F;
-  return std::clamp(scatter / (scatter + spread), rule.min, 1.0F);
+  return std::clamp(scatter / (scatter + spread), kMinMeanWeight, 1.0F);
 }
 
 // The weight of an event by its distance from the outline: 1 up to 3 px, `far` from 6 px on.
@@ -503,17 +471,16 @@ inline void update_mean(Track& track, Contour& contour, const Innovation& nu, St
                         const DirectionTable& directions) noexcept {
   const std::uint32_t n = ++track.events;
   const float gain = reciprocals[std::min(n, contour.mean_events)];
-  const float spread_gain = reciprocals[std::min(n, rule.covariance_events)];
+  const float spread_gain = reciprocals[std::min(n, kCovarianceEvents)];
   const float distance = length(nu.dx, nu.dy);
   const std::size_t bin = directions.bin(nu.dx, nu.dy);
   contour.polarity += gain * (sign - contour.polarity);
 
   const float residual = contour.residual(bin, distance);
-  if ((n & rule.contour_mask) == 0) contour.learn(bin, distance, rule.contour);
+  if ((n & rule.contour_mask) == 0) contour.learn(bin, distance);
   float blend = 1;
-  if (n >= rule.mean_events && contour.known(bin, rule.contour) && distance > 0) {
-    const float clip = rule.contour.clip_px;
-    const float clipped = std::clamp(residual, -clip, clip);
+  if (n >= rule.mean_events && contour.known(bin) && distance > 0) {
+    const float clipped = std::clamp(residual, -kContourClip_px, kContourClip_px);
     blend = track.mean_weight + (1 - track.mean_weight) * 2 * clipped / distance;
     blend *= event_weight(residual, track.mean_weight, rule.far_weight);
   }
@@ -533,12 +500,12 @@ inline void update_in_contact(Track& track, Contour& contour, const Innovation& 
   const float gain = reciprocals[std::min(n, rule.mean_events)];
   const std::size_t bin = directions.bin(nu.dx, nu.dy);
   contour.polarity += gain * (sign - contour.polarity);
-  float step = rule.contact_mean_gain * gain;
-  if (contour.known(bin, rule.contour)) {
+  float step = kContactMeanGain * gain;
+  if (contour.known(bin)) {
     const float distance = length(nu.dx, nu.dy);
-    const float clip = rule.contour.clip_px;
-    const float clipped = std::clamp(contour.residual(bin, distance), -clip, clip);
-    step = distance > 0 ? std::min(1.0F, 2 * rule.contact_gain * gain) * clipped / distance : 0;
+    const float clipped =
+        std::clamp(contour.residual(bin, distance), -kContourClip_px, kContourClip_px);
+    step = distance > 0 ? std::min(1.0F, 2 * kContactGain * gain) * clipped / distance : 0;
   }
   track.x = nu.mean_x + step * nu.dx;
   track.y = nu.mean_y + step * nu.dy;

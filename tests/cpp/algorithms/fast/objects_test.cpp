@@ -14,7 +14,6 @@ namespace {
 struct Layer {
   Tracks tracks{16};
   NoiseTiles noise{346, 260};
-  Settings settings{{.width = 346, .height = 260}};
   Objects objects{16};
   std::uint64_t now_us = EventClock::kOrigin_us;
 
@@ -39,7 +38,7 @@ struct Layer {
         tracks[slot].y = place.y;
         tracks[slot].stamp = tracks.state(slot).last_event = static_cast<Stamp>(now_us);
       }
-      objects.update(tracks, noise, settings.lifecycle, settings.gate, now_us);
+      objects.update(tracks, noise, now_us);
     }
   }
 
