@@ -147,6 +147,7 @@ class TestLibraries:
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         path = dsec(tmp_path / "a.h5")
+        monkeypatch.delitem(sys.modules, "asap.io.hdf5", raising=False)
         monkeypatch.setitem(sys.modules, "h5py", None)
         words = r"^HDF5 needs the package h5py: pip install 'asap-events\[hdf5\]'$"
         with pytest.raises(RuntimeError, match=words):

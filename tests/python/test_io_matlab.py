@@ -83,6 +83,7 @@ class TestBadInput:
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         path = save(tmp_path / "a.mat", events=matrix("xypt"))
+        monkeypatch.delitem(sys.modules, "asap.io.matlab", raising=False)
         monkeypatch.setitem(sys.modules, "scipy.io", None)
         words = r"^MATLAB needs the package scipy: pip install 'asap-events\[matlab\]'$"
         with pytest.raises(RuntimeError, match=words):
