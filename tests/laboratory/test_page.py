@@ -8,13 +8,9 @@ from asap_laboratory.page import (
     Writer,
     distinct,
     figure,
-    fixed,
     only,
     over_seeds,
     read_tables,
-    share,
-    short,
-    spread,
     write_tables,
 )
 
@@ -60,22 +56,6 @@ def test_tables_come_back_from_their_files(tmp_path):
         ],
         "more": [],
     }
-
-
-def test_numbers_are_written_as_the_tables_do():
-    assert [fixed(value) for value in (0.9761, -0.05, 12.0, None)] == [
-        ".976",
-        "-.050",
-        "12.000",
-        "-",
-    ]
-    assert [share(value) for value in (1.0, 0.25, 0.002, 4e-5, 0.0)] == [
-        *("1.000", ".250", ".002", "4e-05", "0"),
-    ]
-    assert [short(value) for value in (0.01234, 12.34, 99.6, None)] == ["0.0123", "12.3", "100", ""]
-    cell = spread("mota")
-    assert cell({"mota": 0.5, "mota_sd": 0.01}) == ".500±.010"
-    assert cell({"mota": 0.5, "mota_sd": None}) == ".500" and cell({"mota": None}) == "-"
 
 
 def test_a_pivot_has_a_row_for_each_key_and_leaves_out_what_has_no_cell():

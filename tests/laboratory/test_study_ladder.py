@@ -316,15 +316,3 @@ def test_rows_hold_mean_and_deviation_over_the_seeds():
     ]
     unscored = ladder._summary(made_rows(in_use=(None,)))["ladder"][0]
     assert cells["in_use"](unscored) == "-"
-
-
-def test_figure_has_a_line_for_each_scheme_and_a_name_for_each_rung():
-    from asap_laboratory.ladder import figures
-
-    rows = made_rows("BAF", 5.0) + made_rows("EFast", 60.0) + made_rows("compat", 500.0, (-1.0,))
-    page = figures.figure(only(ladder._summary(rows)["ladder"], clock="virtual"))
-    whole, trackers, corners = page.axes
-    assert {text.get_text() for text in whole.texts} == {"BAF", "EFast", "compat"}
-    assert {text.get_text() for text in corners.texts} == {"EFast"}
-    assert len(whole.get_legend_handles_labels()[1]) == len(LABELS)
-    assert trackers.containers[0].lines[0].get_ydata().tolist() == [0.0]  # worse than nothing

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -237,28 +236,6 @@ def test_the_page_has_every_table(made):
     assert "; seeds 1000 to 1001 of every scene." in text
     shown = study.shown(found.tables, Writer(study.cells))
     assert shown.startswith("Higher mean MOTA") and "| old | clip_1 |" in shown
-
-
-def test_without_recordings_or_a_better_rival_it_says_so(made, tmp_path):
-    study, _ = made
-    rows = ROWS[:4]
-    study = dataclasses.replace(study, summary=lambda _: rivals._summary(rows))
-    text = Path(conduct(study, tmp_path / "other", workers=1).paths[0]).read_text()
-    assert "No rival has a higher mean MOTA on any scene." in text
-    assert "Not measured: no labelled recordings were here." in text
-
-
-def test_the_figure_has_a_dot_for_each_tracker_in_both_panels():
-    from asap_laboratory.rivals import figures
-
-    tables = rivals._summary([*ROWS, *scored("C", OURS, -7.0)])
-    accuracy, cost = figures.draw(tables["rivals"], tables["recordings"]).axes
-    assert [text.get_text() for text in accuracy.get_yticklabels()] == ["A", "H bars", "C", "clip"]
-    for axes, expected in ((accuracy, [0.95, 0.5, -1, -1]), (cost, [12.4, 12.4, 12.4, 30])):
-        (ours,) = (line for line in axes.lines if line.get_label() == OURS)
-        assert ours.get_xdata() == pytest.approx(expected)  # what is below -1 at the edge
-        assert list(ours.get_ydata()) == [0, 1, 2, 3]
-    assert set(figures._LOOKS) == set(RIVALS)
 
 
 def test_all_trackers_of_a_scene_are_one_task(monkeypatch):
