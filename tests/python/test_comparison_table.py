@@ -78,21 +78,6 @@ def test_the_verdict_names_the_scheme_that_processes_more_than_the_default(compa
         assert "processes more in time" not in verdict(comparison, *rows)
 
 
-def test_the_verdict_of_a_load_that_is_no_problem(comparison):
-    one, two = row("A", score=1.0, p99_us=500.0), row("B", score=0.9996)
-    words = verdict(comparison, one, two)
-    assert words.startswith(
-        "2 schemes process as many events within 5 ms as the oracle; A has the lowest p99, 0.10 L. "
-        "No event is late with A and B."
-    )
-    light = replace(comparison, oracle=float(comparison.received))
-    assert "do not overload this algorithm; a larger speed does." in verdict(light, one, two)
-    assert "do not overload" not in verdict(replace(light, oracle=0.9 * light.oracle), one, two)
-    assert "keep the bound: as many as the oracle, p99 0.10 L." in verdict(comparison, one)
-    all_but = (row("A", score=0.9994), row("B", score=0.9994))
-    assert "> 99.9 % of the oracle's" in verdict(comparison, *all_but)
-
-
 def test_the_verdict_where_nothing_can_be_had(comparison):
     assert "one package takes longer" in verdict(comparison, row(), oracle=0.0)
     empty = asap.compare(EVENTS[:0], cost=COST, schemes=[asap.Greedy()])

@@ -28,11 +28,6 @@ both = pytest.mark.parametrize(
 )
 
 
-@pytest.fixture(scope="module")
-def overload():
-    return streams.poisson(8e6, 0.2)  # rho = 2.4
-
-
 def test_a_preference_is_named_and_a_near_name_is_found():
     message = 'prefer = "speed": must be "balanced", "events" or "continuity"'
     with pytest.raises(ValueError, match=re.escape(message)):
@@ -85,20 +80,3 @@ def test_two_different_bounds_are_refused(make, name, defaults):
     with pytest.raises(ValueError, match=differs):
         asap.run(events, algorithm=len, scheme=make(latency_ms=5), latency_ms=10)
     assert asap.simulate(events, cost=COST, scheme=make(), latency_ms=10).kept == 1
-
-
-@both
-@pytest.mark.parametrize("opaque", [False, True], ids=["anytime", "opaque"])
-@pytest.mark.parametrize("latency_ms", [3, 10, 30])
-def test_the_bound_is_kept_in_overload(overload, make, name, defaults, opaque, latency_ms):
-    run = asap.simulate(overload, cost=COST, scheme=make(latency_ms=latency_ms), opaque=opaque)
-    assert run.latency_bound_us == 1e3 * latency_ms
-    assert run.bound_kept
-    assert run.ledger.balanced
-    assert run.ledger.overflow == run.ledger.pending == 0
-    ideal = (1 - 2 * 0.1 / latency_ms) / 2.4
-    in_flight = latency_ms / 200  # what waits when the source ends is worth up to a bound more
-    assert 0.93 * ideal < run.in_time < 1.02 * ideal * (1 + in_flight)
-
-
-# ---- what it learns --------------------------------------------------------------------------

@@ -1,7 +1,5 @@
 """An inspection as figure and as page."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -24,13 +22,6 @@ def inspection():
     bad["x"][::50], bad["y"][::50] = 30, 40
     bad["x"][1::50], bad["y"][1::50] = 300, 200
     return inspect(bad)
-
-
-@pytest.fixture(scope="module")
-def text(inspection, tmp_path_factory):
-    named = replace(inspection, path="a <b> & c.npy")
-    page = named.report(tmp_path_factory.mktemp("page") / "out.html").read_text("utf-8")
-    return page.replace("\xa0", " ")
 
 
 def circles(axes):

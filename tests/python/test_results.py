@@ -99,6 +99,3 @@ def test_no_notebook_needs_matplotlib(monkeypatch: pytest.MonkeyPatch) -> None:
         ):
             monkeypatch.setitem(sys.modules, name, None)
     assert "Verdict" in compared()._repr_html_()
-
-
-# ---- a comparison is a mapping --------------------------------------------------------------

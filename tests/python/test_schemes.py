@@ -41,21 +41,6 @@ def test_greedy_has_no_cap_unless_asked():
         asap.Greedy(0.97)
 
 
-def test_the_cap_shows_in_a_run_and_is_forgotten_between_runs():
-    bursts = np.repeat(1000 * np.arange(100), np.tile([20, 80, 320, 1280], 25))
-    events = streams.make(np.concatenate([np.zeros(5000), bursts + 10_000, np.full(9000, 200_000)]))
-    capped = asap.Greedy(efficiency=0.5)
-    first = asap.simulate(events, cost=COST, scheme=capped, latency_ms=10)
-    # 50 us and 100 ns are assumed at first: 500 events; 100 us and 300 ns are found: 333.
-    assert first.packages["size"][0] == 500
-    assert first.packages["size"][-5:-1] == pytest.approx(333, rel=0.02)
-    assert first.kept == 1.0
-    again = asap.simulate(events, cost=COST, scheme=capped, latency_ms=10)
-    np.testing.assert_array_equal(again.packages, first.packages)
-    free = asap.simulate(events, cost=COST, scheme=asap.Greedy(), latency_ms=10)
-    assert free.packages["size"][-1] == 9000
-
-
 def test_equal_limits_and_no_processing_time_are_refused_or_finite():
     """In the reference implementation atan(kappa log(t)) of them is NaN, cast to a size."""
     with pytest.raises(ValueError, match=r"^max_processing_ms = 3"):
