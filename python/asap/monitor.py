@@ -1,6 +1,6 @@
 """The panels of a live run as one screen of text, for a terminal over ssh too.
 
-It shows a run of this process, or the file that ``Pipeline(telemetry=...)`` writes in another.
+The process of `viewer` shows a run, ``asap monitor`` the file of ``Pipeline(telemetry=...)``.
 Needs rich: ``asap-events[monitor]``.
 """
 
@@ -11,7 +11,7 @@ import os
 import sys
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import groupby
 from operator import itemgetter
@@ -24,9 +24,9 @@ from asap import _checks, _units
 from asap.experiment.telemetry import HEAD, TELEMETRY_DTYPE, Rows, lost
 from asap.io.errors import library
 
-__all__ = ["Screen", "Tail", "follow", "newest", "shown"]
+__all__ = ["EVERY_S", "Screen", "Tail", "follow", "need_terminal", "newest", "shown"]
 
-_EVERY_S = 0.5
+EVERY_S = 0.5
 _SLOT_US = 500_000  # a column of the curves
 _MOST_SLOTS = 400
 _SILENT_S = 2.0
@@ -47,33 +47,22 @@ _FIGURES = ("packages", "size", "thinned", *_LARGEST)
 
 
 class Screen:
-    """What the rows of the last minutes say. One thread gives rows, another one draws."""
+    """What the rows of the last minutes say."""
 
     def __init__(self, title: str) -> None:
-        library("rich", "a monitor", "monitor")
         self._title = title
-        self._came: deque[Rows] = deque(maxlen=1000)
         self._slots: deque[dict[str, float]] = deque(maxlen=_MOST_SLOTS)
         self._last: Any = None
         self._last_s = time.monotonic()
 
-    def __call__(self, rows: Rows) -> None:
+    def add(self, rows: Rows) -> None:
         """Take rows, for the next drawing."""
-        self._came.append(rows)
-
-    def attach(self, pipeline: Any) -> None:
-        """Show this pipeline from now on."""
-        if self not in pipeline._log.watchers:
-            pipeline._log.watchers.append(self)
-
-    def _take(self) -> None:
-        while self._came:
-            if not len(rows := self._came.popleft()):
-                continue
-            slots = (rows["start_us"] // _SLOT_US).astype(np.int64)
-            for slot in dict.fromkeys(slots.tolist()):
-                self._add(slot, rows[slots == slot])
-            self._last, self._last_s = rows[-1], time.monotonic()
+        if not len(rows):
+            return
+        slots = (rows["start_us"] // _SLOT_US).astype(np.int64)
+        for slot in dict.fromkeys(slots.tolist()):
+            self._add(slot, rows[slots == slot])
+        self._last, self._last_s = rows[-1], time.monotonic()
 
     def _add(self, number: int, rows: Rows) -> None:
         slots = self._slots
@@ -97,7 +86,6 @@ class Screen:
         """Draw what there is, in lines of the terminal's width."""
         from rich.text import Text
 
-        self._take()
         width = options.max_width
         silent_s = time.monotonic() - self._last_s
         state = f"silent for {silent_s:.0f} s" if silent_s > _SILENT_S else "running"
@@ -176,27 +164,40 @@ def _ledger(last: Any, width: int) -> Iterator[Any]:
 # ---- where it is shown
 
 
-@contextmanager
-def shown(screen: Screen) -> Iterator[None]:
-    """Draw it over the whole terminal, from another thread."""
+def need_terminal() -> None:
+    """Refuse what cannot be drawn on."""
+    library("rich", "a monitor", "monitor")
     if sys.stderr is None or not sys.stderr.isatty():
         raise RuntimeError("monitor: stderr is no terminal; write a file with telemetry= instead")
+
+
+@contextmanager
+def shown(title: str) -> Iterator[Callable[..., None]]:
+    """Take the whole terminal, and give what draws more rows on it."""
     from rich.console import Console
     from rich.live import Live
 
-    with Live(screen, console=Console(stderr=True), screen=True, refresh_per_second=1 / _EVERY_S):
-        yield
+    screen = Screen(title)
+    with Live(screen, console=Console(stderr=True), screen=True, auto_refresh=False) as live:
+
+        def draw(rows: Rows, *_: Any) -> None:
+            screen.add(rows)
+            live.refresh()
+
+        yield draw
 
 
 def follow(path: Path) -> None:
     """Show the file that a pipeline writes, until Ctrl-C."""
-    tail, screen = Tail(path), Screen(str(path))
-    screen(tail.read())
-    with suppress(KeyboardInterrupt), shown(screen):
+    tail = Tail(path)
+    rows = tail.read()
+    need_terminal()
+    with suppress(KeyboardInterrupt), shown(str(path)) as draw:
+        draw(rows)
         while True:
+            time.sleep(EVERY_S)
             with suppress(FileNotFoundError):  # it is being renamed
-                screen(tail.read())
-            time.sleep(_EVERY_S)
+                draw(tail.read())
 
 
 def newest(path: Path) -> dict[str, Any]:

@@ -97,8 +97,9 @@ def _add_run(verbs: Any) -> None:
     words = "run an algorithm on a recording or a camera, in closed loop"
     verb = add_verb(verbs, "run", _run, words)
     words = "show the panels of the run as text; FILE is then played as by --software-camera"
-    verb.add_argument("--monitor", action="store_true", help=words)
-    verb.set_defaults(target=None)
+    verb.add_argument(
+        "--monitor", action="store_const", const="terminal", dest="target", help=words
+    )
     _add_run_options(verb)
 
 
@@ -107,7 +108,6 @@ def _add_view(verbs: Any) -> None:
     verb = add_verb(verbs, "view", _run, words)
     words = "a window, one that listens on port 9876, or a file to write (default: spawn)"
     verb.add_argument("--target", default="spawn", metavar="spawn|connect|OUT.rrd", help=words)
-    verb.set_defaults(monitor=False)
     _add_run_options(verb)
 
 
@@ -182,7 +182,7 @@ def _run(arguments: Any) -> int:
         raise Failure(USAGE, "--every: needs --tracks, the file that it is for")
     if arguments.report:
         need_report()
-    if (arguments.target or arguments.monitor) and len(arguments.file) == 1:
+    if arguments.target and len(arguments.file) == 1:
         arguments.software_camera, arguments.file = arguments.file[0], []
     if is_live(arguments):
         return run_live(arguments)

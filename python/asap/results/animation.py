@@ -19,7 +19,7 @@ import numpy as np
 
 from asap import _checks, _units
 from asap.results.data import Run
-from asap.results.pictures import BRIGHT, COLOURS, last_of, painted, within
+from asap.results.pictures import BRIGHT, COLOURS, last_of, outlines_of, painted, within
 
 try:
     from PIL import Image, ImageDraw, ImageFont
@@ -93,7 +93,7 @@ def _frames(run: Run) -> Iterator[Any]:
         picture = Image.new("RGB", size, COLOURS[0])
         picture.paste(Image.fromarray(pixels).resize((width * scale, height * scale), 0))
         draw = ImageDraw.Draw(picture)
-        found = last_of(within(noted, "t", *time_us))
+        found = outlines_of(last_of(within(noted, "t", *time_us)))
         trails = {one: trails.get(one, deque(maxlen=_TRAIL)) for one in found["id"].tolist()}
         for one, outline in zip(found, found["outline"] * scale, strict=True):
             number, (x, y) = int(one["id"]), (float(one["x"] * scale), float(one["y"] * scale))

@@ -42,11 +42,11 @@ def painted(events: Events, size: tuple[int, int]) -> NDArray[np.uint8]:
 
 
 def found_by(algorithm: Any) -> NDArray[np.void]:
-    """Return the objects or the clusters that an algorithm has now, if it has any, in outline."""
+    """Return the objects or the clusters that an algorithm has now, if it has any."""
     for name in ("objects", "clusters"):
         found = getattr(algorithm, name, None)
         if isinstance(found, np.ndarray) and {"id", "x", "y"} <= set(found.dtype.names or ()):
-            return outlines_of(found)
+            return found
     return np.empty(0, OUTLINE_DTYPE)
 
 
@@ -56,8 +56,8 @@ def within(noted: NDArray[np.void], column: str, begin_us: int, end_us: int) -> 
 
 
 def last_of(tracks: NDArray[np.void]) -> NDArray[np.void]:
-    """Return the outlines of the newest note in these rows of `Tracks.tracks`."""
-    return outlines_of(tracks[tracks["t"] == tracks["t"][-1]] if len(tracks) else tracks)
+    """Return the newest note in these rows of `Tracks.tracks`."""
+    return tracks[tracks["t"] == tracks["t"][-1]] if len(tracks) else tracks
 
 
 def outlines_of(found: NDArray[np.void]) -> NDArray[np.void]:
