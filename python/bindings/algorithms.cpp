@@ -11,8 +11,8 @@
 #include "algorithms/cluster_tracker_config.hpp"
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/core/check.hpp"
 #include "cluster_trackers.hpp"
+#include "core/check.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
 

@@ -3,7 +3,7 @@
 #include "algorithms/cluster_tracker_config.hpp"
 #include "algorithms/fast/engine.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "core/made.hpp"
 
 namespace asap {

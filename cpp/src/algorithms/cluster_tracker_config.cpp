@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

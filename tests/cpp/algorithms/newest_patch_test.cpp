@@ -12,7 +12,7 @@
 
 #include "algorithms/corner_streams.hpp"
 #include "algorithms/order_surface.hpp"
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace asap::newest_patch_test {
 namespace {
