@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "asap/core/check.hpp"
 #include "consumer.hpp"
+#include "core/check.hpp"
 #include "gil.hpp"
 
 namespace asap::python {

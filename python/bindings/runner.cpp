@@ -12,10 +12,10 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/core/check.hpp"
 #include "asap/runner/replay.hpp"
 #include "asap/runner/simulator.hpp"
 #include "consumer.hpp"
+#include "core/check.hpp"
 #include "front_filter.hpp"
 #include "gil.hpp"
 #include "held.hpp"

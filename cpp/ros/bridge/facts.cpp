@@ -5,8 +5,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "asap/core/check.hpp"
-
 namespace asap::ros {
 namespace {
 
@@ -38,6 +36,12 @@ std::string quoted(std::string_view text) {
 }
 
 }  // namespace
+
+std::string to_text(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.12g", value);
+  return text.data();
+}
 
 std::string number(double value) { return std::isfinite(value) ? to_text(value) : "null"; }
 

@@ -23,7 +23,7 @@
 #include <span>
 
 #include "asap/core/atomics.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

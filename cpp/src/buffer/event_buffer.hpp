@@ -29,9 +29,9 @@
 #include <memory>
 
 #include "asap/core/atomics.hpp"
-#include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
 #include "asap/core/nonblocking.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

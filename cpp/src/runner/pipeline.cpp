@@ -10,8 +10,8 @@
 #include <thread>
 #include <utility>
 
-#include "asap/core/check.hpp"
 #include "asap/schemes/deadline.hpp"
+#include "core/check.hpp"
 #include "core/made.hpp"
 #include "runner/clock.hpp"
 #include "runner/consumer_loop.hpp"
@@ -261,7 +261,8 @@ Pipeline::~Pipeline() = default;
 PipelineMemory Pipeline::memory(const RunConfig& config) noexcept {
   constexpr std::size_t kThread = 2 * sizeof(void*);  // what std::thread keeps of its function
   PipelineMemory memory = Run::memory(config, config.latency.value_or(kDefaultLatency).count());
-  memory.rest += sizeof(Impl) + sizeof(Impl::LiveRun) + sizeof(Deadline) + kThread;
+  memory.rest +=
+      sizeof(Impl) + sizeof(Impl::LiveRun) + sizeof(Deadline) + Deadline::memory_bytes() + kThread;
   return memory;
 }
 

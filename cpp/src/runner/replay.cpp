@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <thread>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "runner/clock.hpp"
 #include "runner/consumer_loop.hpp"
 #include "runner/doorbell.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "packager/event_times.hpp"
 #include "runner/prefault.hpp"
 #include "runner/system.hpp"

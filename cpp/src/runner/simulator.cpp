@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "core/made.hpp"
 #include "runner/admission.hpp"
 #include "runner/run.hpp"

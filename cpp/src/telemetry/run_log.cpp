@@ -2,7 +2,13 @@
 
 #include <algorithm>
 
+#include "core/check.hpp"
+
 namespace asap {
+
+void RunLog::add_block() {
+  blocks_.push_back(detail::allocate<PackageRecord>(block_rows_, "log_rows", block_rows_));
+}
 
 PackageRow RunLog::operator[](std::size_t i) const noexcept {
   const PackageRecord& record = row(i);

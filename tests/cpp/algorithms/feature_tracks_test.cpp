@@ -12,7 +12,7 @@
 #include "algorithms/corner_streams.hpp"
 #include "algorithms/naive_features.hpp"
 #include "asap/algorithms/corner_detector.hpp"
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::feature_tracks_test {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace int4_test {
 namespace {

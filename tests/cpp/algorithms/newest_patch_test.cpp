@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "algorithms/order_surface.hpp"
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace asap::newest_patch_test {
 namespace {

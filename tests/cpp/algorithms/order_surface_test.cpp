@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace order_surface_test {

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/errors.hpp"
 #include "support/streams.hpp"
 

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace asap::columns_test {
 namespace {

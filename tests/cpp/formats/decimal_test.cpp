@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace asap::decimal_test {
 namespace {

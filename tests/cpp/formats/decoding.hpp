@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "asap/core/event.hpp"
-#include "asap/core/random.hpp"
 #include "asap/formats/decoder.hpp"
+#include "core/random.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::decoding {

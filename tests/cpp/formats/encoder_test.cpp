@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/formats/prophesee.hpp"
 #include "asap/formats/text.hpp"
+#include "core/random.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::encoder_test {

@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/core/time.hpp"
+#include "core/random.hpp"
 #include "oracle/oracle.hpp"
 #include "support/errors.hpp"
 #include "support/streams.hpp"

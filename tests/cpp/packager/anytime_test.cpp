@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/telemetry/telemetry.hpp"
+#include "core/random.hpp"
 #include "packager/event_times.hpp"
 #include "packager/packager.hpp"
 #include "support/scripted_scheme.hpp"

@@ -13,13 +13,13 @@
 #include <string>
 #include <thread>
 
-#include "asap/core/random.hpp"
 #include "asap/runner/replay.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "buffer/event_buffer.hpp"
+#include "core/random.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 #include "support/gap.hpp"

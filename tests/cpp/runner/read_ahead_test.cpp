@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/streams.hpp"
 
 namespace asap::read_ahead_test {

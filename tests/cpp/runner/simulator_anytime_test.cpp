@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/runner/simulator.hpp"
 #include "asap/schemes/greedy.hpp"
+#include "core/random.hpp"
 #include "runner/admission.hpp"
 #include "runner/agreement.hpp"
 #include "runner/naive_simulator.hpp"

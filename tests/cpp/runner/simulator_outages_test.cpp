@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/runner/simulator.hpp"
 #include "asap/schemes/deadline.hpp"
+#include "core/random.hpp"
 #include "support/streams.hpp"
 
 namespace asap::simulator_outages_test {

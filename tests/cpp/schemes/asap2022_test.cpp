@@ -7,7 +7,7 @@
 #include <deque>
 #include <limits>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 

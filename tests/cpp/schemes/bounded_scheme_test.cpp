@@ -1,4 +1,4 @@
-#include "asap/schemes/bounded_scheme.hpp"
+#include "schemes/bounded_scheme.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 #include "support/times.hpp"

@@ -1,4 +1,4 @@
-#include "asap/schemes/bounded_scheme.hpp"
+#include "schemes/bounded_scheme.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/errors.hpp"
 #include "support/outcomes.hpp"
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "schemes/steady_backlog.hpp"
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"

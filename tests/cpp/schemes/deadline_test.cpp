@@ -8,8 +8,10 @@
 #include <limits>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
+#include "schemes/bounded_scheme.hpp"
 #include "schemes/deadline_reference.hpp"
+#include "schemes/outage_reserve.hpp"
 #include "schemes/steady_backlog.hpp"
 #include "support/errors.hpp"
 #include "support/fake_backlog.hpp"

@@ -1,10 +1,10 @@
-#include "asap/schemes/asap2022.hpp"
+#include "schemes/driver_containers.hpp"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace asap::driver_containers_test {
 namespace {

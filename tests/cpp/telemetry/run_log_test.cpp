@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "asap/core/result.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::run_log_test {

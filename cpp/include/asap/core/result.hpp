@@ -1,5 +1,6 @@
-// Result: an object, or the error that says why there is none. make_pipeline(), make_simulator(),
-// make_tracker() and make_scheme() return it, for programs that are compiled with -fno-exceptions:
+// BadValue and NoMemory: what a constructor throws. Result: an object, or the error that says why
+// there is none. make_pipeline(), make_simulator(), make_tracker() and make_scheme() return it, for
+// programs that are compiled with -fno-exceptions:
 //
 //   auto pipeline = asap::make_pipeline({.latency = 10ms}, algorithm);
 //   if (!pipeline) return fail(pipeline.message());   // "latency = -5 ms: must be between ..."
@@ -9,10 +10,34 @@
 #pragma once
 
 #include <memory>
+#include <new>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace asap {
+
+// A value that a field must not have. what() says "<field> = <value> <unit>: <remedy>".
+struct BadValue : std::invalid_argument {
+  BadValue(std::string_view field, std::string_view value, std::string_view unit,
+           std::string_view remedy);
+
+  std::string field;
+  std::string value;
+  std::string unit;  // "us" or "ms" of a time, otherwise empty
+  std::string remedy;
+};
+
+// Memory of a size that the user has chosen, which cannot be had. MemoryError in Python.
+class NoMemory : public std::bad_alloc {
+ public:
+  explicit NoMemory(const std::string& message) : message_(message) {}
+  const char* what() const noexcept override { return message_.what(); }
+
+ private:
+  std::runtime_error message_;  // a string whose copy does not throw
+};
 
 // Why there is no object. The parts are those of the field that was refused; where it was no field,
 // such as a thread that could not be had, there is the message alone.

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "asap/core/event.hpp"
-#include "asap/core/random.hpp"
 #include "asap/core/result.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
@@ -80,7 +79,6 @@ class LinearCost {
   std::vector<Outage>::const_iterator outage_after(std::int64_t time_ns) const noexcept;
 
   LinearCostConfig config_;
-  CounterRandom random_;
 };
 
 class Admission;

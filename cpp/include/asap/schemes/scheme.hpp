@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -184,6 +185,23 @@ class Scheme {
 
     std::atomic<bool> flag{false};
   } in_use_;
+};
+
+// What the schemes of this library that learn have in common: their law stands beside its source.
+class LearningScheme : public Scheme {
+ public:
+  Decision decide(const Backlog& backlog) noexcept final;
+  void observe(const Outcome& outcome) noexcept final;
+  void reset(Execution execution) noexcept final;
+  std::string_view name() const noexcept final;
+  SchemeParameters parameters() const final;
+  std::int64_t latency_bound_ns() const noexcept final;
+  void set_latency_bound_ns(std::int64_t bound_ns) noexcept final;
+
+ protected:
+  explicit LearningScheme(std::unique_ptr<Scheme> law) noexcept : law_(std::move(law)) {}
+
+  std::unique_ptr<Scheme> law_;
 };
 
 // A scheme of this library, for a program without exceptions: make_scheme<Asap2020>({...}).

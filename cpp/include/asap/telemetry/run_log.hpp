@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "asap/core/atomics.hpp"
-#include "asap/core/check.hpp"
 #include "asap/core/time.hpp"
 
 namespace asap {
@@ -123,9 +122,7 @@ class RunLog {
   using Block = std::unique_ptr<PackageRecord[]>;
 
   std::size_t allocated() const noexcept { return blocks_.size() * block_rows_; }
-  void add_block() {
-    blocks_.push_back(detail::allocate<PackageRecord>(block_rows_, "log_rows", block_rows_));
-  }
+  void add_block();
   // Where the record of this row lies. Precondition: some are kept.
   PackageRecord& row(std::size_t i) const noexcept {
     const std::size_t place = max_rows_ == kAllRows ? i : i % max_rows_;

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "ros/bridge/package_writer.hpp"
 #include "ros/some_events.hpp"
 
