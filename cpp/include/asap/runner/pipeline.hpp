@@ -22,28 +22,19 @@
 
 #include "asap/core/nonblocking.hpp"
 #include "asap/core/result.hpp"
-#include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
-#include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
 
-// A snapshot of a pipeline: its state, and the counts of the run since the last start().
-struct PipelineStats {
-  Ledger ledger;
-  Rejections rejected;
-  LatencyHistogram latency;  // per delivered event, from its arrival to the end of its package
-  PackageTotals packages;
-  // The longest time between two delivered events in a row with a loss between, us of stamps.
-  std::int64_t gap_us = 0;
+// The counts are those of the run since the last start(). An event's latency counts from its
+// arrival.
+struct PipelineStats : RunStats {
   std::int64_t elapsed_ns = 0;  // since the first arrival
-  std::uint64_t clock_resets = 0;
   // Said by the driver; beside the ledger, not in it.
   std::uint64_t upstream_marks = 0;    // "events are missing here"
   std::uint64_t upstream_packets = 0;  // packets known to be lost
   bool open = true;                    // pushes are taken
-  bool failed = false;                 // algorithm, front filter, poll or on_worker_start threw
   bool stalled = false;                // events wait, and the consumer has been away for too long
   std::uint64_t max_waiting = 0;       // events that have been in the ring at once
   std::int64_t latency_bound_ns = 0;   // the consumer applies it when it looks next
@@ -144,8 +135,8 @@ class Pipeline {
   Ledger ledger() const;
   PipelineStats stats() const;
 
-  // The newest rows of the log. After stop(), when the consumer has come to the end.
-  const Telemetry& telemetry() const noexcept;
+  // The newest rows. After stop(), when the consumer has come to the end.
+  const RunLog& log() const noexcept;
 
  private:
   struct Impl;

@@ -1,4 +1,4 @@
-// Consumer, WhenFull, RunConfig, PipelineMemory: what the runners have in common.
+// Consumer, WhenFull, RunConfig, RunStats, PipelineMemory: what the runners have in common.
 #pragma once
 
 #include <chrono>
@@ -10,6 +10,9 @@
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/schemes/scheme.hpp"
+#include "asap/telemetry/latency_histogram.hpp"
+#include "asap/telemetry/ledger.hpp"
+#include "asap/telemetry/run_log.hpp"
 
 namespace asap {
 
@@ -59,6 +62,20 @@ struct RunConfig {
   // The worker calls it before its first package, in every run: for its name, its processor, its
   // priority. May be none. What it throws ends the run and comes out of join().
   std::function<void()> on_worker_start{};
+};
+
+// What a run has come to: a snapshot. What happened between two of them: `later.ledger -
+// earlier.ledger`, `later.latency.since(earlier.latency)`.
+struct RunStats {
+  Ledger ledger;
+  Rejections rejected;
+  LatencyHistogram latency;  // per delivered event, to the end of its package
+  PackageTotals packages;
+  // The longest time between two delivered events in a row with a loss between, us: of wall time in
+  // a replay, else of stamps.
+  std::int64_t gap_us = 0;
+  std::uint64_t clock_resets = 0;
+  bool failed = false;  // the run has ended by an exception of the algorithm, the source or a poll
 };
 
 // Bytes that a pipeline with a worker takes from the heap, all of them in its constructor.
