@@ -62,13 +62,13 @@ class LatencyHistogram {
   std::uint64_t count() const noexcept { return count_; }
   std::uint64_t within_bound() const noexcept { return within_bound_; }
   std::int64_t bound_ns() const noexcept { return bound_ns_; }
-  // Another bound: within_bound() goes on with it.
+  // Later events are counted within_bound() by this bound.
   void set_bound_ns(std::int64_t bound_ns) noexcept;
   std::int64_t max_ns() const noexcept { return max_ns_; }
-  // 0 of nothing recorded.
+  // 0 if nothing is recorded.
   double mean_ns() const noexcept;
   // The smallest latency that at least the fraction q of the events do not exceed; never above
-  // max_ns(). 0 of nothing recorded. Throws std::invalid_argument unless 0 <= q <= 1.
+  // max_ns(). 0 if nothing is recorded. Throws std::invalid_argument unless 0 <= q <= 1.
   double quantile_ns(double q) const;
 
   // Returns what was recorded since an earlier copy of this histogram, its max_ns() exact to a bin.

@@ -83,7 +83,7 @@ class RunLog {
   // Where stamps lie in run time; before a row is read.
   void set_axis(TimeAxis axis) noexcept { axis_ = axis; }
 
-  // Makes sure that the next append() has its place; allocates one block in kBlockRows calls.
+  // Makes room for the next append(); allocates one block in kBlockRows calls.
   void make_room() {
     if (size_ == allocated() && max_rows_ == kAllRows) add_block();
   }
