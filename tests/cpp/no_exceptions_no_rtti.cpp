@@ -21,7 +21,6 @@
 #include "asap/schemes/scheme.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/run_log.hpp"
-#include "asap/telemetry/telemetry.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"
 #include "buffer/event_buffer.hpp"
@@ -41,6 +40,7 @@
 #include "schemes/calibration.hpp"
 #include "study/realtime.hpp"
 #include "telemetry/slot_log.hpp"
+#include "telemetry/telemetry.hpp"
 
 #if defined(__cpp_exceptions) || defined(__cpp_rtti)
 #error "this file is to be compiled with -fno-exceptions -fno-rtti"

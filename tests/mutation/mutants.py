@@ -250,7 +250,7 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
-        INCLUDE + "telemetry/latency_histogram.hpp",
+        SOURCE + "telemetry/latency_histogram.cpp",
         "telemetry",
         at_the_bound_is_late=(
             "latency_ns <= bound_ns_ ? count : 0U",

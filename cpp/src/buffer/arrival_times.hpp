@@ -22,7 +22,7 @@
 #include <memory>
 #include <span>
 
-#include "asap/core/atomics.hpp"
+#include "core/atomics.hpp"
 #include "core/check.hpp"
 
 namespace asap {

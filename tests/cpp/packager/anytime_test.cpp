@@ -9,12 +9,13 @@
 #include <vector>
 
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/telemetry/telemetry.hpp"
+#include "asap/telemetry/ledger.hpp"
 #include "core/random.hpp"
 #include "packager/event_times.hpp"
 #include "packager/packager.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
+#include "telemetry/telemetry.hpp"
 
 namespace asap::anytime_test {
 namespace {

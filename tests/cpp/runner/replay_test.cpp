@@ -107,7 +107,11 @@ TEST(Replay, DeliversEveryEventInOrder) {
   });
   EXPECT_EQ(delivered, events);
   EXPECT_EQ(replay.ledger(), (Ledger{.received = 20'000, .delivered = 20'000}));
-  EXPECT_EQ(replay.telemetry().latency.count(), 20'000u);
+  const RunStats stats = replay.stats();
+  EXPECT_EQ(stats.latency.count(), 20'000u);
+  EXPECT_EQ(stats.packages.count, replay.log().size());
+  EXPECT_EQ(stats.packages.size, 20'000u);
+  EXPECT_FALSE(stats.failed);
 }
 
 TEST(Replay, TheMaskLeadsBackToTheEventsThatWereGiven) {
@@ -129,7 +133,7 @@ TEST(Replay, TheMaskLeadsBackToTheEventsThatWereGiven) {
   EXPECT_EQ(reading.kept.size(), events.size());
   EXPECT_EQ(kept, delivered);
   EXPECT_LT(kept.size(), 19'800u);
-  EXPECT_EQ(reading.first.size(), replay.telemetry().log.size());
+  EXPECT_EQ(reading.first.size(), replay.log().size());
 }
 
 TEST(Replay, APackageStartsAfterItsEventsHaveArrived) {
@@ -138,7 +142,7 @@ TEST(Replay, APackageStartsAfterItsEventsHaveArrived) {
   Replay replay(scheme, {.speed = 4});
   SpanSource source(events);
   replay.run(source, [](const Package&) {});
-  const RunLog& log = replay.telemetry().log;
+  const RunLog& log = replay.log();
   ASSERT_GE(log.size(), 50u);
   for (std::size_t i = 0; i < log.size(); ++i) {
     EXPECT_GE(log[i].start_us, static_cast<double>(log[i].t_last));
@@ -204,7 +208,7 @@ TEST(Replay, AnAnytimeAlgorithmGetsPartsAndAWholeOneDoesNot) {
     replay.run(source, std::ref(loop));
     const Ledger ledger = replay.ledger();
     EXPECT_EQ(scheme.execution, execution);
-    EXPECT_EQ(loop.packages, replay.telemetry().log.size());
+    EXPECT_EQ(loop.packages, replay.log().size());
     EXPECT_EQ(loop.delivered, ledger.delivered);
     EXPECT_TRUE(ledger.balanced());
     EXPECT_EQ(ledger.pending, 0u);
@@ -230,7 +234,7 @@ TEST(Replay, ACallableGetsAPackageInOneCallUnlessItAsksForParts) {
       ++calls;
       std::this_thread::sleep_for(2ms);  // so that the next package is large
     });
-    const std::size_t packages = replay.telemetry().log.size();
+    const std::size_t packages = replay.log().size();
     EXPECT_EQ(calls == packages, execution == Execution::whole) << calls << ", " << packages;
   }
 }
@@ -263,7 +267,7 @@ TEST(Replay, CountsWhatItRejects) {
   SpanSource source(events);
   replay.run(source, [](const Package&) {});
   EXPECT_EQ(replay.ledger(), (Ledger{.received = 4, .rejected = 2, .delivered = 2}));
-  EXPECT_EQ(replay.rejected(), (Rejections{.nonmonotonic = 1, .out_of_bounds = 1}));
+  EXPECT_EQ(replay.stats().rejected, (Rejections{.nonmonotonic = 1, .out_of_bounds = 1}));
 }
 
 // Its second chunk comes once the algorithm has had the first.
@@ -319,6 +323,7 @@ TEST(Replay, AnExceptionOfTheAlgorithmComesOutUnchanged) {
   });
   EXPECT_EQ(code, 7);
   EXPECT_EQ(calls, 4);
+  EXPECT_TRUE(replay.stats().failed);
   const Ledger ledger = replay.ledger();
   EXPECT_EQ(ledger.delivered, 30u);
   EXPECT_GE(ledger.pending, 10u);
@@ -414,7 +419,7 @@ TEST(Replay, ASlowAlgorithmDoesNotDelayTheProducer) {
   EXPECT_GE(ledger.overflow, 4000u);
   EXPECT_EQ(ledger.delivered + ledger.overflow, 5000u);
   // What was lost until the first package was done is told with it and the next one.
-  const RunLog& log = replay.telemetry().log;
+  const RunLog& log = replay.log();
   EXPECT_EQ(static_cast<std::uint64_t>(log[0].overflow + log[1].overflow), ledger.overflow);
 }
 
@@ -452,7 +457,7 @@ TEST(Replay, PollsWhileTheAlgorithmIsBusyAndWhileNothingComes) {
     replay.run(
         source, [](const Package&) { std::this_thread::sleep_for(2ms); },
         [&] {
-          ++(replay.telemetry().delivered < 60 ? busy : idle);
+          ++(replay.ledger().delivered < 60 ? busy : idle);
           if (idle == 2) throw Trouble{9};
         });
   });

@@ -105,7 +105,7 @@ void agree(Scheme& scheme, Scheme& naive_scheme, const LinearCostConfig& cost, E
        .execution = config.execution,
        .flush = config.flush},
       [&](const Package& package) {
-        ASSERT_EQ(package.index, simulator.telemetry().log.size());
+        ASSERT_EQ(package.index, simulator.log().size());
         ASSERT_FALSE(package.continues);
         delivered.insert(delivered.end(), package.events.begin(), package.events.end());
       },
@@ -207,8 +207,8 @@ PackageRow row_of(std::size_t count, std::int64_t budget_ns, double event_ns,
   simulator.feed(events);
   simulator.finish();
   EXPECT_TRUE(simulator.ledger().balanced());
-  EXPECT_GE(simulator.telemetry().log.size(), 2u);
-  return simulator.telemetry().log[1];
+  EXPECT_GE(simulator.log().size(), 2u);
+  return simulator.log()[1];
 }
 
 TEST(SimulatorAnytime, APackageEndsOnTimeHoweverLowTheExpectation) {
@@ -236,7 +236,7 @@ TEST(SimulatorAnytime, AnOutageEndsAPackageEarlyAndLeavesTheRestInTheRing) {
   for (std::size_t i = 0; i < 1600; ++i) events.push_back(test::numbered(i + 1, 1));
   simulator.feed(events);
   simulator.finish();
-  const RunLog& log = simulator.telemetry().log;
+  const RunLog& log = simulator.log();
   ASSERT_EQ(log.size(), 3u);
   EXPECT_EQ(log[1].start_us, 2);
   EXPECT_EQ(log[1].size, 500);
@@ -262,7 +262,7 @@ TEST(SimulatorAnytime, AnAlgorithmThatIsOutStartsLater) {
                   .outages = {{0, 100 * kMicrosecond}, {105 * kMicrosecond, 200 * kMicrosecond}}}));
   simulator.feed(at_times({0, 50, 60, 500}));
   simulator.finish();
-  const RunLog& log = simulator.telemetry().log;
+  const RunLog& log = simulator.log();
   ASSERT_EQ(log.size(), 2u);
   EXPECT_EQ(log[0].start_us, 100);
   EXPECT_EQ(log[0].size, 3);
@@ -275,10 +275,10 @@ TEST(SimulatorAnytime, WithoutFlushOnlyTheEndForcesAScheme) {
   ScriptedScheme scheme([](const Backlog&) { return Decision::wait_for(100); });
   Simulator simulator(scheme, LinearCost({.alpha_us = 10}), {.latency = 100us, .flush = false});
   simulator.feed(evenly_spaced(50, 1000));
-  EXPECT_EQ(simulator.telemetry().log.size(), 0u);
+  EXPECT_EQ(simulator.log().size(), 0u);
   simulator.finish();
-  ASSERT_EQ(simulator.telemetry().log.size(), 1u);
-  EXPECT_EQ(simulator.telemetry().log[0].size, 50);
+  ASSERT_EQ(simulator.log().size(), 1u);
+  EXPECT_EQ(simulator.log()[0].size, 50);
 }
 
 // ---- admission
@@ -377,7 +377,7 @@ TEST(SimulatorAnytime, AnExceptionLeavesABalancedLedgerBehindAGate) {
       const Ledger ledger = simulator.ledger();
       EXPECT_TRUE(ledger.balanced());
       EXPECT_GT(ledger.pending, 0u);
-      EXPECT_EQ(simulator.telemetry().log.size(), static_cast<std::size_t>(last) - 1);
+      EXPECT_EQ(simulator.log().size(), static_cast<std::size_t>(last) - 1);
     }
   }
 }

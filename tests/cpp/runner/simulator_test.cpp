@@ -50,7 +50,7 @@ struct Row {
 
 std::vector<Row> rows_of(const Simulator& simulator) {
   std::vector<Row> rows;
-  const RunLog& log = simulator.telemetry().log;
+  const RunLog& log = simulator.log();
   for (std::size_t i = 0; i < log.size(); ++i) {
     rows.push_back(
         {log[i].start_us, log[i].processing_us, log[i].t_first, log[i].t_last, log[i].size});
@@ -140,7 +140,7 @@ TEST(Simulator, APackageInWorkHoldsItsPlaceInTheRing) {
                                                   {110, 110, 50, 50, 1},
                                                   {220, 110, 200, 200, 1},
                                                   {330, 110, 300, 300, 1}}));
-  EXPECT_EQ(simulator.telemetry().log[1].overflow, 2);
+  EXPECT_EQ(simulator.log()[1].overflow, 2);
   EXPECT_EQ(simulator.ledger(), (Ledger{.received = 6, .overflow = 2, .delivered = 4}));
 }
 
@@ -286,7 +286,7 @@ std::uint64_t hash_of_run(Scheme& scheme, EventSpan events, std::size_t largest,
     EXPECT_TRUE(simulator.ledger().balanced());
   }
   simulator.finish();
-  return detail::mix(hash ^ hash_of(simulator.telemetry().log));
+  return detail::mix(hash ^ hash_of(simulator.log()));
 }
 
 TEST(Simulator, GivesTheSameBytesForAnyChunks) {
@@ -346,7 +346,8 @@ TEST(Simulator, AnExceptionOfTheConsumerComesOutUnchanged) {
     }
     EXPECT_EQ(code, 7);
     EXPECT_EQ(calls, 4);
-    EXPECT_EQ(simulator.telemetry().log.size(), 3u);
+    EXPECT_EQ(simulator.log().size(), 3u);
+    EXPECT_TRUE(simulator.stats().failed);
     const Ledger ledger = simulator.ledger();
     EXPECT_EQ(ledger.delivered, 30u);
     EXPECT_EQ(ledger.received, fed + chunk);
@@ -367,13 +368,33 @@ TEST(Simulator, AValidatorThatRefusesLeavesABalancedLedger) {
   EXPECT_TRUE(simulator.ledger().balanced());
 }
 
+TEST(Simulator, ItsStatsAreThoseOfTheRun) {
+  FixedSize scheme({.size = 10});
+  Simulator simulator(scheme, slow());
+  Events events = evenly_spaced(1000, 30);
+  for (std::size_t i = 500; i < events.size(); ++i) events[i].t -= 2'000'000;  // a clock set back
+  simulator.feed(events);
+  const RunStats earlier = simulator.stats();
+  simulator.finish();
+  const RunStats stats = simulator.stats();
+  EXPECT_EQ(stats.ledger, simulator.ledger());
+  EXPECT_EQ(stats.packages.count, simulator.log().size());
+  EXPECT_EQ(stats.packages.size, 1000u);
+  EXPECT_EQ(stats.packages.size_max, 10u);
+  EXPECT_EQ(stats.latency.count(), 1000u);
+  EXPECT_EQ(stats.clock_resets, 1u);
+  EXPECT_FALSE(stats.failed);
+  EXPECT_EQ(stats.latency.since(earlier.latency).count(),
+            (stats.ledger - earlier.ledger).delivered);
+}
+
 TEST(Simulator, CountsRejectedEvents) {
   Greedy scheme;
   Simulator simulator(scheme, slow(), {.validator = {.width = 10, .height = 10}});
   simulator.feed(Events{{1, 1, 1, 0}, {10, 1, 1, 1}, {1, 10, 1, 2}, {1, 1, 1, 3}, {1, 1, 1, 2}});
   simulator.finish();
   EXPECT_EQ(simulator.ledger(), (Ledger{.received = 5, .rejected = 3, .delivered = 2}));
-  EXPECT_EQ(simulator.rejected(), (Rejections{.nonmonotonic = 1, .out_of_bounds = 2}));
+  EXPECT_EQ(simulator.stats().rejected, (Rejections{.nonmonotonic = 1, .out_of_bounds = 2}));
 }
 
 // Losses of every kind: rejected, filtered, discarded by gamma, stale, overflow.
@@ -416,7 +437,7 @@ TEST(Simulator, TheMaskLeadsBackToTheEventsThatWereGiven) {
     }
     EXPECT_EQ(kept, delivered);
 
-    const RunLog& log = simulator.telemetry().log;
+    const RunLog& log = simulator.log();
     ASSERT_EQ(reading.first.size(), log.size());
     auto event = delivered.begin();  // of the kept ones, the first of this package
     std::int64_t after = 0;          // the last one of the package before
@@ -460,8 +481,8 @@ TEST(Simulator, KnowsHowManyWereInTime) {
   simulator.feed(kSmall);
   simulator.finish();
   // 0 takes 110 us; 50, 60, 70 are done at 240; 500 and 900 take 110.
-  EXPECT_EQ(simulator.telemetry().latency.within_bound(), 3u);
-  EXPECT_EQ(simulator.telemetry().latency.max_ns(), 190'000);
+  EXPECT_EQ(simulator.stats().latency.within_bound(), 3u);
+  EXPECT_EQ(simulator.stats().latency.max_ns(), 190'000);
 }
 
 TEST(MakeSimulator, GivesAnObjectOrAMessage) {

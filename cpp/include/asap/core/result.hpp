@@ -39,8 +39,8 @@ class NoMemory : public std::bad_alloc {
   std::runtime_error message_;  // a string whose copy does not throw
 };
 
-// Why there is no object. The parts are those of the field that was refused; where it was no field,
-// such as a thread that could not be had, there is the message alone.
+// Why there is no object. Field, value and remedy are empty where no field is to blame, such as for
+// a thread that the system refused.
 struct Error {
   std::string message{};  // "<field> = <value>: <remedy>"
   std::string field{};
@@ -51,7 +51,7 @@ struct Error {
 template <class Value>
 class [[nodiscard]] Result {
  public:
-  // Neither: a member that is assigned later.
+  // No object and no error: a member that is assigned later.
   Result() noexcept = default;
   explicit Result(std::unique_ptr<Value> value) noexcept : value_(std::move(value)) {}
   explicit Result(Error error) noexcept : error_(std::move(error)) {}
@@ -62,7 +62,7 @@ class [[nodiscard]] Result {
   Value& operator*() const noexcept { return *value_; }
   Value* operator->() const noexcept { return value_.get(); }
 
-  // The object, which the result has no longer; null if there is none.
+  // Hands the object over; null if there is none.
   std::unique_ptr<Value> release() noexcept { return std::move(value_); }
 
   // All parts are empty if there is an object.

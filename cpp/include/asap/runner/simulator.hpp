@@ -19,7 +19,6 @@
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
-#include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
 
@@ -100,11 +99,10 @@ class Simulator {
   void run(EventSource& source);
 
   Ledger ledger() const noexcept;
-  const Rejections& rejected() const noexcept { return validator().rejected(); }
   const Validator& validator() const noexcept;
-  const Telemetry& telemetry() const noexcept;
-  // The longest time between two delivered events in a row with a loss between: us of stamps.
-  std::int64_t gap_us() const noexcept;
+  RunStats stats() const;
+  // A row per package. The caller's thread.
+  const RunLog& log() const noexcept;
   // Which events were delivered, if config.keep_mask. After finish().
   std::optional<KeptEvents> kept() const;
   std::span<const Slot> slots() const noexcept;

@@ -75,8 +75,9 @@ class BacklogCounts {
  public:
   // Waiting raw events with time < time_ns: they are the oldest ones. O(log n).
   virtual std::size_t before(std::int64_t time_ns) const noexcept ASAP_NONBLOCKING = 0;
-  // The same in O(1), from a table of counts by age: off by less than one slot's count, and older
-  // events count in its oldest slot. Never decreases with time_ns, never more than count.
+  // An estimate of it in O(1), from a table of counts by age: off by less than the count of one
+  // slot; events older than the table count in its oldest slot. It never decreases with time_ns and
+  // never exceeds the count.
   virtual std::size_t about_before(std::int64_t time_ns) const noexcept ASAP_NONBLOCKING = 0;
   // The same for many times at once: counts[i] of newest_ns - i * step_ns. O(1) each.
   virtual void about_before_each(std::int64_t newest_ns, std::int64_t step_ns,
@@ -91,7 +92,7 @@ class BacklogCounts {
   ~BacklogCounts() = default;
 };
 
-// What waits when a scheme is asked. count >= 1.
+// The waiting events at the moment when a scheme is asked. count >= 1.
 struct Backlog {
   std::size_t count;  // raw events
   std::int64_t now_ns;
@@ -134,13 +135,13 @@ struct Decision {
   static constexpr Decision take(std::size_t raw, double keep = 1.0) noexcept {
     return {.takes = true, .raw = raw, .keep = keep};
   }
-  // Throw away and be asked again about what is left.
+  // Throws the oldest events away; the scheme is asked again about the rest.
   static constexpr Decision drop(std::size_t stale) noexcept {
     return {.takes = true, .stale = stale};
   }
 };
 
-// What a package really was. size may be 0: all of `raw` were discarded and no algorithm ran.
+// What a package came to. size may be 0: all of `raw` were discarded and no algorithm ran.
 struct Outcome {
   std::size_t size;            // events kept
   std::size_t raw;             // raw events taken; an anytime package may leave some to the next
