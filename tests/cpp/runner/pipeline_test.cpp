@@ -925,6 +925,22 @@ TEST(Pipeline, ReportsTheDelayOfTheTransport) {
   EXPECT_EQ(pipeline.stats().sensor_delay_ns, 0) << "a clock that begins anew is another clock";
 }
 
+// Clocks drift apart: what has been the least delay for long becomes the rule.
+TEST(Pipeline, TheLeastDelayOfTheTransportIsRememberedForAWindow) {
+  Greedy scheme;
+  Pipeline pipeline(scheme);
+  const auto begin = std::chrono::steady_clock::now() - 27s;
+  const auto push = [&](std::int64_t stamp_ms, std::int64_t late_ms) {
+    pipeline.push(at_times({1000 * stamp_ms}),
+                  begin + std::chrono::milliseconds(stamp_ms + late_ms));
+    return pipeline.stats().sensor_delay_ns;
+  };
+  push(0, 0);
+  for (std::int64_t ms = 10; ms < 9'000; ms += 10) ASSERT_EQ(push(ms, 4), 4'000'000) << ms;
+  push(20'000, 4);
+  EXPECT_EQ(push(26'000, 4), 0);
+}
+
 // ---- with a thread of its own
 
 TEST(PipelineWorker, DeliversUntilItIsStopped) {

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <mutex>
 #include <stdexcept>
@@ -150,23 +149,6 @@ TEST(Replay, APackageStartsAfterItsEventsHaveArrived) {
   }
 }
 
-TEST(Replay, ThinsByTheHashAlone) {
-  const Events events = evenly_spaced(20'000, 5);
-  Asap2020 scheme({.rate_bound = 1e4, .first_size = 100});
-  Replay replay(scheme, {}, {.seed = 5});
-  SpanSource source(events);
-  std::uint64_t delivered = 0;
-  replay.run(source, [&](const Package& package) {
-    EXPECT_EQ(package.gamma,
-              static_cast<double>(package.events.size()) / static_cast<double>(package.offered));
-    delivered += package.events.size();
-  });
-  EXPECT_GT(replay.ledger().discarded, 1000u);
-  EXPECT_EQ(replay.ledger().delivered, delivered);
-  EXPECT_TRUE(replay.ledger().balanced());
-  EXPECT_EQ(replay.ledger().pending, 0u);
-}
-
 // Everything that waits, in packages that are to end in time.
 test::ScriptedScheme::Rule all_within(std::int64_t budget_ns) {
   return [=](const Backlog& backlog) {
@@ -175,51 +157,6 @@ test::ScriptedScheme::Rule all_within(std::int64_t budget_ns) {
     decision.event_ns = 2000;
     return decision;
   };
-}
-
-// An algorithm of 2 us per event.
-struct Loop {
-  void operator()(const Package& part) {
-    if (!part.continues) ++packages;
-    ++parts;
-    EXPECT_FALSE(part.events.empty());
-    for (const Event& event : part.events) {
-      EXPECT_GT(static_cast<std::int64_t>(test::number_of(event)), last);
-      last = static_cast<std::int64_t>(test::number_of(event));
-    }
-    delivered += part.events.size();
-    const auto until = Steady::now() + 2us * static_cast<std::int64_t>(part.events.size());
-    while (Steady::now() < until) continue;
-  }
-
-  std::size_t packages = 0;
-  std::size_t parts = 0;
-  std::size_t delivered = 0;
-  std::int64_t last = -1;
-};
-
-TEST(Replay, AnAnytimeAlgorithmGetsPartsAndAWholeOneDoesNot) {
-  const Events events = evenly_spaced(100'000, 1);
-  for (const Execution execution : {Execution::whole, Execution::anytime}) {
-    test::ScriptedScheme scheme(all_within(1'000'000));
-    Replay replay(scheme, {}, {.execution = execution});
-    SpanSource source(events);
-    Loop loop;
-    replay.run(source, std::ref(loop));
-    const Ledger ledger = replay.ledger();
-    EXPECT_EQ(scheme.execution, execution);
-    EXPECT_EQ(loop.packages, replay.log().size());
-    EXPECT_EQ(loop.delivered, ledger.delivered);
-    EXPECT_TRUE(ledger.balanced());
-    EXPECT_EQ(ledger.pending, 0u);
-    if (execution == Execution::whole) {
-      EXPECT_EQ(loop.parts, loop.packages);
-      EXPECT_EQ(ledger.delivered, 100'000u) << "nothing thins a whole package but its keep";
-    } else {
-      EXPECT_GT(loop.parts, loop.packages);
-      EXPECT_GT(ledger.discarded, 10'000u) << "twice as much as the algorithm can do";
-    }
-  }
 }
 
 // A callable that costs 50 us per call would cost 800 us per package in sixteen parts.
@@ -237,27 +174,6 @@ TEST(Replay, ACallableGetsAPackageInOneCallUnlessItAsksForParts) {
     const std::size_t packages = replay.log().size();
     EXPECT_EQ(calls == packages, execution == Execution::whole) << calls << ", " << packages;
   }
-}
-
-TEST(Replay, RunsAsFastAsAsked) {
-  const Events events = evenly_spaced(2000, 50'000);  // 100 seconds
-  Greedy scheme;
-  Replay replay(scheme, {.speed = 500});
-  SpanSource source(events);
-  const auto begin = Steady::now();
-  replay.run(source, [](const Package&) {});
-  const auto elapsed = Steady::now() - begin;
-  EXPECT_GE(elapsed, 199ms);
-  EXPECT_LT(elapsed, 50s);
-  EXPECT_EQ(replay.ledger().delivered, 2000u);
-}
-
-TEST(Replay, OfNothingEndsAtOnce) {
-  Greedy scheme;
-  Replay replay(scheme);
-  SpanSource source({});
-  replay.run(source, [](const Package&) { FAIL(); });
-  EXPECT_EQ(replay.ledger(), Ledger{});
 }
 
 TEST(Replay, CountsWhatItRejects) {
@@ -382,24 +298,6 @@ TEST(Replay, StopsWhileTheSourceIsSilent) {
   EXPECT_TRUE(replay.ledger().balanced());
 }
 
-TEST(Replay, StopsFromAnyPackage) {
-  const Events events = evenly_spaced(20'000, 5);
-  for (int last = 1; last < 40; last += 3) {
-    SingleEvent scheme;
-    Replay replay(scheme);
-    SpanSource source(events);
-    int calls = 0;
-    const int code = trouble_of([&] {
-      replay.run(source, [&](const Package&) {
-        if (++calls == last) throw Trouble{last};
-      });
-    });
-    ASSERT_EQ(code, last);
-    ASSERT_TRUE(replay.ledger().balanced());
-    ASSERT_EQ(replay.ledger().delivered, static_cast<std::uint64_t>(last) - 1);
-  }
-}
-
 TEST(Replay, ASlowAlgorithmDoesNotDelayTheProducer) {
   const Events events = evenly_spaced(5000, 20);  // 100 ms
   SingleEvent scheme;
@@ -421,29 +319,6 @@ TEST(Replay, ASlowAlgorithmDoesNotDelayTheProducer) {
   // What was lost until the first package was done is told with it and the next one.
   const RunLog& log = replay.log();
   EXPECT_EQ(static_cast<std::uint64_t>(log[0].overflow + log[1].overflow), ledger.overflow);
-}
-
-TEST(Replay, TheLedgerIsBalancedFromPollToo) {
-  Events events = evenly_spaced(20'000, 10);
-  for (std::size_t i = 0; i < events.size(); i += 7) events[i].x = 60'000;
-  Asap2020 scheme({.rate_bound = 5e4, .first_size = 100});
-  Replay replay(scheme, {}, {.capacity = 256, .validator = {.width = 50'000}});
-  SpanSource source(events);
-  int polls = 0;
-  std::uint64_t received = 0;
-  replay.run(
-      source, [](const Package&) {},
-      [&] {
-        ++polls;
-        const Ledger ledger = replay.ledger();
-        EXPECT_TRUE(ledger.balanced());
-        EXPECT_GE(ledger.received, received);
-        received = ledger.received;
-      });
-  EXPECT_GE(polls, 1);
-  EXPECT_EQ(replay.ledger().received, 20'000u);
-  EXPECT_GE(replay.ledger().rejected, 20'000u / 7);
-  EXPECT_TRUE(replay.ledger().balanced());
 }
 
 TEST(Replay, PollsWhileTheAlgorithmIsBusyAndWhileNothingComes) {
