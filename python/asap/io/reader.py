@@ -218,8 +218,11 @@ class Reader(Protocol):
     width: int | None  # sensor in px, if the file states it
     height: int | None
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
-        """Read from the start: events in ``EVENT_DTYPE``, order and sensor size not yet checked."""
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
+        """Read events in ``EVENT_DTYPE``, order and sensor size not yet checked.
+
+        From the start or, where the format has one, from a place before the events of `from_us`.
+        """
         ...
 
 

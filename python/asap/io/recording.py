@@ -257,11 +257,8 @@ class Recording:
 
     def _chunks(self, losses: Losses, from_us: int | None) -> Iterator[Events]:
         tolerance_us = self._options.reorder_tolerance_us
-        place = getattr(self._reader, "chunks_from", None)
-        if from_us is None or place is None:
-            chunks = self._reader.chunks(losses)
-        else:
-            chunks = place(losses, from_us - tolerance_us - _SLACK_US)
+        before_us = None if from_us is None else from_us - tolerance_us - _SLACK_US
+        chunks = self._reader.chunks(losses, before_us)
         if tolerance_us and self._options.on_bad != "raise":
             return sorted_within(chunks, tolerance_us, losses.count_sorted)
         return chunks
