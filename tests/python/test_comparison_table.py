@@ -88,17 +88,3 @@ def test_the_verdict_where_nothing_can_be_had(comparison):
     )
     assert "one package takes longer" in str(impossible)
     assert impossible.oracle == 0
-
-
-def test_the_exact_clairvoyant_stands_below_the_oracle_and_in_the_verdict(comparison):
-    exact = round(0.8 * comparison.oracle)
-    known = replace(comparison, exact=exact)
-    share = f"{100 * exact / EVENTS.size:.1f} %"
-    assert text_of.oracle_rows(known)[1][:3] == ("exact clairvoyant", "0.800", share)
-    lines = str(known).splitlines()
-    below = next(i for i, line in enumerate(lines) if line.startswith("oracle"))
-    assert lines[below + 1].split()[:3] == ["exact", "clairvoyant", "0.800"]
-    words = "that knows all arrivals reaches 80.0 % of it (exact clairvoyant)"
-    assert words in verdict(known, row())
-    assert "exact" not in verdict(replace(known, exact=round(comparison.oracle)), row())
-    assert "exact" not in verdict(comparison, row())

@@ -25,11 +25,11 @@ from asap import _stamps
 from asap.events import FIELD_NAMES, Events, columns_by_order
 from asap.io.columns import (
     as_rows,
-    events_of,
     file_columns,
     first_us,
     from_one,
     order_of,
+    pieces_of,
     row_before,
 )
 from asap.io.errors import (
@@ -89,29 +89,22 @@ class Hdf5Reader:
                 file_columns(path, dict.fromkeys(layout.datasets, np.empty(0)), options.order)
         self._options = Options(None, options.time_unit)
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
         """Read steps of some chunks up to the first damaged chunk, hand on in pieces."""
-        return self._from(losses, None)
-
-    def chunks_from(self, losses: Losses, t_us: int) -> Iterator[Events]:
-        """Read it from the chunk on that holds that time."""
-        return self._from(losses, t_us)
-
-    def _from(self, losses: Losses, t_us: int | None) -> Iterator[Events]:
         with self._open() as file:
             with foreign(self._path):
                 sources = self._sources(file)
             longest = max(source.rows_per_chunk for source in sources.values())
             step, most = (max(events // longest, 1) * longest for events in (CHUNK, _STEP))
             start = 0
-            if t_us is not None:
+            if from_us is not None:
                 counted = replace(losses, room=new_room)  # of which nothing is taken
 
                 def time_of(number: int) -> int | None:
                     rows = {role: source.row(number * step) for role, source in sources.items()}
                     return first_us(next(self._pieces(rows, counted, 1)))
 
-                start = row_before(time_of, -(-self._layout.rows // step), t_us) * step
+                start = row_before(time_of, -(-self._layout.rows // step), from_us) * step
             while start < self._layout.rows:
                 stop = min(start + step, self._layout.rows)
                 try:
@@ -134,17 +127,9 @@ class Hdf5Reader:
         elif self._layout.t_offset and not self._adds_later:
             offset = np.asarray(self._layout.t_offset)
             source = rows | {"t": _stamps.shifted(rows["t"], offset)}
-        count = len(next(iter(rows.values())))
         if self._is_matlab and not isinstance(source, np.ndarray):
             source = from_one(source, losses)
-        for start in range(0, count, CHUNK):
-            part = slice(start, start + CHUNK)
-            piece = (
-                source[part]
-                if isinstance(source, np.ndarray)
-                else {role: column[part] for role, column in source.items()}
-            )
-            events = events_of(piece, self._options, losses, first + start)
+        for events in pieces_of(source, self._options, losses, first):
             if self._layout.t_offset and self._adds_later:
                 events["t"] += self._layout.t_offset
             yield events

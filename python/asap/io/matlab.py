@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from asap._checks import named
 from asap.events import FIELD_NAMES, Columns, Events, columns_by_order
-from asap.io.columns import as_rows, events_of, file_columns, from_one, order_of
+from asap.io.columns import as_rows, file_columns, from_one, order_of, pieces_of
 from asap.io.errors import (
     CorruptFile,
     CutFile,
@@ -75,7 +75,7 @@ class MatlabReader:
             raise ValueError(named("order", options.order, words))
         self._cut = cut
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
         """Load the variables of the stream and convert them piece by piece."""
         names = self._found[self._stream]
         with _read(self._path, self._cut):
@@ -89,10 +89,7 @@ class MatlabReader:
         t = columns["t"]
         if unit is None and t.dtype.kind == "f" and bool((t == np.floor(t)).all()):
             unit = losses.guessed_unit = "us"
-        options = Options(None, unit)
-        for start in range(0, len(columns["t"]), CHUNK):
-            piece = {role: column[start : start + CHUNK] for role, column in columns.items()}
-            yield events_of(piece, options, losses, start)
+        yield from pieces_of(columns, Options(None, unit), losses)
         if self._cut is not None:
             losses.truncated(self._cut.offset, self._cut.fault)
 
