@@ -120,16 +120,17 @@ class _Picture:
         """Log a frame: points of the curves, the image, what was found with its trails."""
         cuts = np.flatnonzero(np.diff(rows["t_last"] // _POINT_US)) + 1
         for part in np.split(rows, cuts) if len(rows) else ():
+            self._turn_to(part["t_first"][0], part["t_last"][-1])
             self._log_curves(part)
         if len(events):
-            self._turn_to(events["t"][-1])
+            self._turn_to(events["t"][0], events["t"][-1])
             image = painted(events, (sensor[1] or 0, sensor[0] or 0))
             self._log("scene/events", self._rr.SegmentationImage(image, opacity=1.0))
             self._log_found(outlines_of(found))
 
-    def _turn_to(self, t_us: int) -> None:
-        self._first_us = int(t_us) if self._first_us is None else self._first_us
-        self._now_s = (int(t_us) - self._first_us) * 1e-6
+    def _turn_to(self, first_us: int, last_us: int) -> None:
+        self._first_us = int(first_us) if self._first_us is None else self._first_us
+        self._now_s = (int(last_us) - self._first_us) * 1e-6
         self._recording.set_time("time", duration=self._now_s)
 
     def _log_found(self, found: NDArray[np.void]) -> None:
@@ -154,7 +155,6 @@ class _Picture:
         self._log("scene/tracks", self._rr.LineStrips2D(ways, colors=faint, radii=-1.0))
 
     def _log_curves(self, rows: Rows) -> None:
-        self._turn_to(rows["t_last"][-1])
         before_s, self._curves_s = self._curves_s, self._now_s
         gone = lost(rows[-1])
         thinned = float((rows["size"] / rows["gamma"]).sum())
