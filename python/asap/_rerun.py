@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap.events import Events
-from asap.experiment.telemetry import Rows, lost
+from asap.experiment.telemetry import Rows, summed
 from asap.results.pictures import BRIGHT, COLOURS, outlines_of, painted
 
 PORT = 9876
@@ -35,17 +35,22 @@ _PRIVATE = {
     **dict.fromkeys(("HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY"), "http://127.0.0.1:9"),
 }
 
-_CURVES = {  # panel: its title, and its lines with their colours
-    "size": ("package size [events]", {"mean": (92, 220, 255)}),
-    "rate": ("event rate [Mev/s]", {"entering": (150, 160, 170), "lost": (255, 92, 92)}),
-    "gamma": ("gamma", {"gamma": (255, 209, 82)}),
-    "latency": ("latency [ms]", {"bound": (255, 92, 92), "worst": (94, 230, 166)}),
-    "ring": ("waiting in the ring [events]", {"most": (94, 173, 255)}),
+_RED = (255, 92, 92)
+_CURVES = {  # panel: its title, and its lines: colour, figure of `summed`, and of its unit
+    "size": ("package size [events]", {"mean": ((92, 220, 255), "size", 1.0)}),
+    "rate": (
+        "event rate [Mev/s]",
+        {"entering": ((150, 160, 170), "rate", 1e-6), "lost": (_RED, "lost", 1e-6)},
+    ),
+    "gamma": ("gamma", {"gamma": ((255, 209, 82), "gamma", 1.0)}),
+    "latency": (
+        "latency [ms]",
+        {"bound": (_RED, "bound", 1e-3), "worst": ((94, 230, 166), "latency", 1e-3)},
+    ),
+    "ring": ("waiting in the ring [events]", {"most": ((94, 173, 255), "waiting", 1.0)}),
 }
 _LINES = [
-    (f"loop/{name}/{line}", colour)
-    for name, (_, lines) in _CURVES.items()
-    for line, colour in lines.items()
+    (f"loop/{name}/{line}", *how) for name, (_, all) in _CURVES.items() for line, how in all.items()
 ]
 
 
@@ -83,11 +88,11 @@ class _Picture:
         self._rr, self._recording = rr, recording
         self._trails: dict[int, deque[tuple[float, float, float]]] = {}
         self._first_us: int | None = None
-        self._seen_lost = self._now_s = self._curves_s = 0.0
+        self._lost = self._now_s = self._curves_s = 0.0
 
         classes = [rr.AnnotationInfo(id=n, color=colour) for n, colour in enumerate(COLOURS)]
         self._log("scene", rr.AnnotationContext(classes), static=True)
-        for path, colour in _LINES:
+        for path, colour, *_ in _LINES:
             name = path.rpartition("/")[2]
             style = rr.SeriesLines(colors=[colour], names=[name], widths=[1.5])
             self._log(path, style, static=True)
@@ -120,16 +125,17 @@ class _Picture:
         """Log a frame: points of the curves, the image, what was found with its trails."""
         cuts = np.flatnonzero(np.diff(rows["t_last"] // _POINT_US)) + 1
         for part in np.split(rows, cuts) if len(rows) else ():
+            self._turn_to(part["t_first"][0], part["t_last"][-1])
             self._log_curves(part)
         if len(events):
-            self._turn_to(events["t"][-1])
+            self._turn_to(events["t"][0], events["t"][-1])
             image = painted(events, (sensor[1] or 0, sensor[0] or 0))
             self._log("scene/events", self._rr.SegmentationImage(image, opacity=1.0))
             self._log_found(outlines_of(found))
 
-    def _turn_to(self, t_us: int) -> None:
-        self._first_us = int(t_us) if self._first_us is None else self._first_us
-        self._now_s = (int(t_us) - self._first_us) * 1e-6
+    def _turn_to(self, first_us: int, last_us: int) -> None:
+        self._first_us = int(first_us) if self._first_us is None else self._first_us
+        self._now_s = (int(last_us) - self._first_us) * 1e-6
         self._recording.set_time("time", duration=self._now_s)
 
     def _log_found(self, found: NDArray[np.void]) -> None:
@@ -154,19 +160,10 @@ class _Picture:
         self._log("scene/tracks", self._rr.LineStrips2D(ways, colors=faint, radii=-1.0))
 
     def _log_curves(self, rows: Rows) -> None:
-        self._turn_to(rows["t_last"][-1])
-        before_s, self._curves_s = self._curves_s, self._now_s
-        gone = lost(rows[-1])
-        thinned = float((rows["size"] / rows["gamma"]).sum())
-        figures = (
-            rows["size"].mean(),
-            rows["event_rate"].max() * 1e-6,
-            (gone - self._seen_lost) * 1e-6 / max(self._curves_s - before_s, 1e-3),
-            float(rows["size"].sum()) / thinned,
-            rows["latency_bound_us"][-1] * 1e-3,
-            rows["latency_max_us"].max() * 1e-3,
-            rows["all_pending"].max(),
-        )
-        self._seen_lost = gone
-        for (path, _), figure in zip(_LINES, figures, strict=True):
-            self._log(path, self._rr.Scalars(float(figure)))
+        seconds, self._curves_s = self._now_s - self._curves_s, self._now_s
+        figures = summed(rows, self._lost)
+        self._lost += figures["lost"]
+        figures["lost"] /= max(seconds, 1e-3)
+        figures["bound"] = float(rows["latency_bound_us"][-1])
+        for path, _, name, unit in _LINES:
+            self._log(path, self._rr.Scalars(figures[name] * unit))

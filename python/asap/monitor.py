@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from asap import _checks, _units
-from asap.experiment.telemetry import HEAD, TELEMETRY_DTYPE, Rows, lost
+from asap.experiment.telemetry import HEAD, TELEMETRY_DTYPE, Rows, lost, summed
 from asap.io.errors import library
 
 __all__ = ["EVERY_S", "Screen", "Tail", "follow", "need_terminal", "newest", "shown"]
@@ -42,8 +42,6 @@ _ENDS = {  # where events end, and the colour
     "overflow": "red",
     "rejected": "bright_black",
 }
-_LARGEST = {"rate": "event_rate", "latency": "latency_max_us", "waiting": "all_pending"}
-_FIGURES = ("packages", "size", "thinned", *_LARGEST)
 
 
 class Screen:
@@ -52,33 +50,27 @@ class Screen:
     def __init__(self, title: str) -> None:
         self._title = title
         self._slots: deque[dict[str, float]] = deque(maxlen=_MOST_SLOTS)
-        self._last: Any = None
+        self._number, self._rows = 0, np.empty(0, TELEMETRY_DTYPE)  # of the newest slot
+        self._lost = 0.0  # before it
         self._last_s = time.monotonic()
 
     def add(self, rows: Rows) -> None:
         """Take rows, for the next drawing."""
-        if not len(rows):
-            return
-        slots = (rows["start_us"] // _SLOT_US).astype(np.int64)
-        for slot in dict.fromkeys(slots.tolist()):
-            self._add(slot, rows[slots == slot])
-        self._last, self._last_s = rows[-1], time.monotonic()
+        numbers = (rows["start_us"] // _SLOT_US).astype(np.int64)
+        for part in np.split(rows, np.flatnonzero(np.diff(numbers)) + 1) if len(rows) else ():
+            self._add(int(part["start_us"][0] // _SLOT_US), part)
+            self._last_s = time.monotonic()
 
     def _add(self, number: int, rows: Rows) -> None:
-        slots = self._slots
-        while not slots or slots[-1]["slot"] != number:
-            new = dict.fromkeys(_FIGURES, 0.0) | {"slot": number}
-            if slots and 0 < number - slots[-1]["slot"] < _MOST_SLOTS:  # silence has columns too
-                new["slot"] = slots[-1]["slot"] + 1
-            new["lost"] = new["before"] = slots[-1]["lost"] if slots else lost(rows[0])
-            slots.append(new)
-        slot = slots[-1]
-        slot["packages"] += len(rows)
-        slot["size"] += float(rows["size"].sum())
-        slot["thinned"] += float((rows["size"] / rows["gamma"]).sum())
-        for name, column in _LARGEST.items():
-            slot[name] = max(slot[name], float(rows[column].max()))
-        slot["lost"] = lost(rows[-1])
+        if self._slots and number == self._number:
+            self._slots.pop()
+            rows = np.concatenate([self._rows, rows])
+        else:
+            silent = number - self._number - 1 if self._slots else 0
+            self._slots.extend([summed(rows[:0], 0.0)] * min(silent, _MOST_SLOTS))
+            self._lost = lost(self._rows[-1] if self._slots else rows[0])
+        self._number, self._rows = number, rows
+        self._slots.append(summed(rows, self._lost))
 
     # ---- drawing
 
@@ -93,44 +85,37 @@ class Screen:
         head.append(f"{state} ".rjust(max(width - head.cell_len, 0)))
         head.truncate(width)
         yield head
-        if self._last is None:
+        if not self._slots:
             yield Text("\n  no package yet")
             return
         yield Text(f"{'newest right, a column is 0.5 s':>{width}}", "bright_black")
         slots = list(self._slots)[-max(width - _LEFT - 1, 1) :]
-        for name, value, curve, top, colour, above in _panels(slots, self._last):
-            left = [Text(f" {name}", "bold"), Text(f"  {value}")]
-            for words, line in zip(left, _curve(curve, top), strict=True):
+        bound_us = float(self._rows["latency_bound_us"][-1])
+        for title, name, value, least_top, colour in _panels(slots, bound_us):
+            curve = [slot[name] for slot in slots]
+            above = bound_us if name == "latency" else np.inf
+            left = [Text(f" {title}", "bold"), Text(f"  {value}")]
+            for words, line in zip(left, _curve(curve, max(least_top, *curve)), strict=True):
                 words.pad_right(width - len(slots) - 1 - words.cell_len)
                 reds = [figure > above for figure in curve]
                 for is_red, bars in groupby(zip(reds, line, strict=True), itemgetter(0)):
                     words.append("".join(bar for _, bar in bars), "red" if is_red else colour)
                 yield words
             yield Text()
-        yield from _ledger(self._last, width)
+        yield from _ledger(self._rows[-1], width)
 
 
-def _panels(slots: list[dict[str, float]], last: Any) -> Iterator[tuple[Any, ...]]:
-    """Name, words, curve, upper end of its scale, colour, and the value above which it is red."""
-    bound_us, per_s, none = float(last["latency_bound_us"]), 1e6 / _SLOT_US, float("inf")
-    full = slots[-2:][0]  # the newest is not over yet
-    rate = [slot["rate"] for slot in slots]
-    yield "event rate", _units.rate(full["rate"]), rate, max(rate), "cyan", none
-    size = [slot["size"] / max(slot["packages"], 1) for slot in slots]
-    count = full["packages"]
-    words = f"{full['size'] / max(count, 1):,.0f} ev x {count * per_s:,.0f}/s"
-    yield "package size", words, size, max(size), "cyan", none
-    gamma = [slot["size"] / slot["thinned"] if slot["thinned"] else 0.0 for slot in slots]
-    yield "gamma", _units.share(gamma[-1]), gamma, 1.0, "yellow", none
-    late = [slot["latency"] for slot in slots]
+def _panels(slots: list[dict[str, float]], bound_us: float) -> Iterator[tuple[Any, ...]]:
+    """Title, figure, words, the least upper end of its scale, and colour."""
+    per_s, full = 1e6 / _SLOT_US, slots[-2:][0]  # the newest is not over yet
+    yield "event rate", "rate", _units.rate(full["rate"]), 0.0, "cyan"
+    words = f"{full['size']:,.0f} ev x {full['packages'] * per_s:,.0f}/s"
+    yield "package size", "size", words, 0.0, "cyan"
+    yield "gamma", "gamma", _units.share(slots[-1]["gamma"]), 1.0, "yellow"
     words = f"{_units.duration(full['latency'])} of {_units.duration(bound_us)}"
-    yield "latency, worst", words, late, max(bound_us, *late), "green", bound_us
-    waiting = [slot["waiting"] for slot in slots]
-    words = f"{full['waiting']:,.0f} events"
-    yield "waiting in the ring", words, waiting, max(waiting), "blue", none
-    gone = [slot["lost"] - slot["before"] for slot in slots]
-    words = _units.rate((full["lost"] - full["before"]) * per_s)
-    yield "lost", words, gone, max(gone), "red", none
+    yield "latency, worst", "latency", words, bound_us, "green"
+    yield "waiting in the ring", "waiting", f"{full['waiting']:,.0f} events", 0.0, "blue"
+    yield "lost", "lost", _units.rate(full["lost"] * per_s), 0.0, "red"
 
 
 def _curve(values: list[float], top: float) -> list[str]:

@@ -12,7 +12,6 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from collections.abc import Iterator
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
@@ -25,10 +24,9 @@ from asap._rerun import PORT
 from asap.events import EVENT_DTYPE
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.telemetry import TELEMETRY_DTYPE, Rows, as_rows
-from asap.experiment.tracks import Tracks
 from asap.io.errors import library
 from asap.results import Run
-from asap.results.pictures import found_by, last_of, within
+from asap.results.pictures import found_by, frames
 
 __all__ = ["View", "view"]
 
@@ -82,28 +80,16 @@ def view(
         remedy = "give an asap.Pipeline or a run of asap.run or asap.simulate"
         raise TypeError(_checks.named("pipeline_or_run", pipeline_or_run, remedy))
     run = pipeline_or_run
-    with View(target) as shown:
-        for frame in _frames(run):
-            if not shown.send(*frame):
-                break
-    return shown
-
-
-def _frames(run: Run) -> Iterator[tuple[Any, ...]]:
-    """Cut the log of a finished run into frames, with what `Tracks` has noted."""
+    sensor = run.source["width"], run.source["height"]
     rows = as_rows(run.packages, run.latency_bound_us)
     for name in ("stale", "overflow"):
         rows[f"all_{name}"] = np.cumsum(rows[name])
     rows["all_discarded"] = np.cumsum(np.rint(rows["size"] / rows["gamma"]) - rows["size"])
-    tracks = run.algorithm if isinstance(run.algorithm, Tracks) else None
-    seen = np.empty(0, EVENT_DTYPE) if tracks is None else tracks.seen
-    noted = None if tracks is None else tracks.tracks
-    cuts = np.flatnonzero(np.diff(rows["start_us"] // (_FRAME_S * 1e6))) + 1
-    for part in np.split(rows, cuts) if len(rows) else ():
-        end_us = int(part["t_last"][-1]) + 1
-        time_us = end_us - int(_SHOWN_S * 1e6), end_us
-        found = found_by(None) if noted is None else last_of(within(noted, "t", *time_us))
-        yield part, (run.source["width"], run.source["height"]), within(seen, "t", *time_us), found
+    with View(target) as shown:
+        for _, part, events, found in frames(run, rows):
+            if not shown.send(part, sensor, events, found):
+                break
+    return shown
 
 
 def draw(target: str) -> None:

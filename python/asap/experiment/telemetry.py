@@ -45,11 +45,24 @@ _MOST_ROWS = 500_000  # in a file of 100 MB; then it becomes FILE.1, and a new o
 _PATIENCE_S = 1.0  # for the disk, at the end
 
 
+def summed(rows: Rows, lost_before: float) -> dict[str, float]:
+    """Sum up a stretch of time, before which so many events were lost; none without rows."""
+    size = float(rows["size"].sum())
+    return {
+        "packages": len(rows),
+        "size": size / max(len(rows), 1),
+        "gamma": size / max(float((rows["size"] / rows["gamma"]).sum()), 1.0),
+        "rate": float(rows["event_rate"].max(initial=0.0)),
+        "latency": float(rows["latency_max_us"].max(initial=0.0)),
+        "waiting": float(rows["all_pending"].max(initial=0)),
+        "lost": lost(rows[-1]) - lost_before if len(rows) else 0.0,
+    }
+
+
 def lost(row: Any) -> float:
     """Count the events that were thinned away or lost before this row, the driver's marks too."""
-    return float(
-        row["all_discarded"] + row["all_stale"] + row["all_overflow"] + row["upstream_lost"]
-    )
+    names = ("all_discarded", "all_stale", "all_overflow", "upstream_lost")
+    return float(sum(row[name] for name in names))
 
 
 def as_rows(log: Rows, latency_bound_us: float) -> Rows:
