@@ -593,6 +593,7 @@ class FeatureTracker(_Algorithm):
         window: int = 200,
         radius: int = 5,
         min_neighbours: int = 1,
+        window_us: int = 40000,
         velocity_us: int = 20000,
     ) -> None: ...
     @overload

@@ -13,10 +13,10 @@ using namespace py::literals;
 
 constexpr const char* kFeatureTrackerDoc = R"(Finds corners and follows them, event by event.
 
-A corner event is supported if more than `min_neighbours` of its eight neighbours are among the last
-`window` corner events. It then moves the oldest track within `radius` to itself and ends all others
-there; where there is none it begins a track. A track that took none of the last `window` corner events
-ends with the next supported event.
+A corner event is supported if more than `min_neighbours` of its eight neighbours are remembered: among
+the last `window` corner events, or younger than `window_us`. It then moves the oldest track within
+`radius` to itself and ends all others there; where there is none it begins a track. A track of which no
+event is remembered ends with the next supported event.
 
 $sensor; those at the
     border are never tracked.
@@ -24,11 +24,14 @@ detector : str
     "arc_star", "e_fast", "e_harris" or "fa_harris": asap.ArcStar and so on, with its defaults;
     "every_event" if the events are corners already.
 window : int
-    B, corner events that are remembered, 1 to 65535.
+    B, corner events that are remembered at least, 1 to 65535.
 radius : int
     px, how far a corner moves between two of its events, 0 to 16384: half of the release's search window w.
 min_neighbours : int
     m, 0 to 7.
+window_us : int
+    us, corner events younger than this are remembered too, 0 to 10**9; at most 16384 or `window` of them.
+    So the window grows with the corners: `window` alone leaves no track on texture. 0 is the release.
 velocity_us : int
     us, how far back the velocity looks, 1 to 10**9. Without effect on anything else.
 
@@ -38,7 +41,8 @@ Notes
 -----
 The cost of an event does not depend on the number of tracks. Threads take turns. A stamp that goes back
 counts as the latest one. Source: the authors' release of the event feature tracker of the GRVC
-(grvc_ef_tracker), which the ASAP papers use, with its launch values; ids and velocities are ours.
+(grvc_ef_tracker), which the ASAP papers use, with its launch values; `window_us`, ids and velocities are
+ours.
 )";
 
 constexpr Choices<CornerSource, 5> kDetectors{{{"arc_star", CornerSource::arc_star},
@@ -86,10 +90,11 @@ A new array, not changed by later events.
             sized<Config>({keyword("detector", &Config::detector, kDetectors),
                            keyword("window", &Config::window), keyword("radius", &Config::radius),
                            keyword("min_neighbours", &Config::min_neighbours),
+                           keyword("window_us", &Config::window_time),
                            keyword("velocity_us", &Config::velocity_window)}),
             R"(Tells the fraction of the events that reaches the tracker, 0 <= gamma <= 1.
 
-Checked, without effect: the window counts corner events and so stretches in time by itself.
+`window_us` stretches, so that as many corner events are remembered.
 
 $not_gamma
 )");

@@ -30,7 +30,7 @@ MADE: dict[str, tuple[Make, dict[str, Any]]] = {
     ),
     "features": (
         asap.FeatureTracker,
-        {"detector": "e_fast", "window": 50, "radius": 4, "min_neighbours": 0, "velocity_us": 5000},
+        {"detector": "e_fast", "window": 50, "radius": 4, "min_neighbours": 0, "window_us": 9000},
     ),
     "background_activity": (asap.BackgroundActivityFilter, {"window_us": 700}),
     "hot_pixel_mask": (asap.HotPixelMask, {"pixels": [(3, 4), (0, 9)], "learn_events": 0}),

@@ -14,7 +14,7 @@ WIDTH, HEIGHT = 346, 260
 
 @pytest.mark.parametrize(("min_neighbours", "golden"), [(1, (11, 1973, 972)), (2, (4, 894, 410))])
 def test_golden_vectors(min_neighbours: int, golden: tuple[int, int, int]) -> None:
-    tracker = FeatureTracker(WIDTH, HEIGHT, min_neighbours=min_neighbours)
+    tracker = FeatureTracker(WIDTH, HEIGHT, min_neighbours=min_neighbours, window_us=0)
     tracker.process(golden_stream())
     tracks = tracker.tracks
     assert (len(tracks), tracks["x"].sum(), tracks["y"].sum()) == golden

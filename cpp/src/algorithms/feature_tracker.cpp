@@ -108,6 +108,7 @@ void FeatureTracker::tracks(std::vector<FeatureTrack>& tracks) const { impl_->tr
 
 void FeatureTracker::set_keep(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
+  impl_->tracks.set_keep(gamma);
 }
 
 void FeatureTracker::reset() noexcept {

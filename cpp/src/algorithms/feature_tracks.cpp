@@ -16,16 +16,15 @@ std::int32_t id_of(std::uint64_t created) noexcept {
 }
 
 // Does not overflow, whatever the stamps.
-double distance_us(std::int64_t earlier, std::int64_t later) noexcept {
-  return static_cast<double>(static_cast<std::uint64_t>(later) -
-                             static_cast<std::uint64_t>(earlier));
+std::uint64_t distance_us(std::int64_t earlier, std::int64_t later) noexcept {
+  return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
 }
 
 const FeatureConfig& checked(const FeatureConfig& config) {
   constexpr int kMaxSide = 16384;
   constexpr int kMaxWindow = 65535;  // tracks have numbers of 16 bits
   constexpr int kNeighbours = 8;
-  constexpr std::int64_t kMaxVelocity_us = 1'000'000'000;
+  constexpr std::int64_t kMaxTime_us = 1'000'000'000;
 
   const auto is_side = [](int value) { return 1 <= value && value <= kMaxSide; };
   require(is_side(config.width), "width", config.width, "must be 1 to 16384 px");
@@ -36,9 +35,18 @@ const FeatureConfig& checked(const FeatureConfig& config) {
           "must be 0 to 16384 px");
   require(0 <= config.min_neighbours && config.min_neighbours < kNeighbours, "min_neighbours",
           config.min_neighbours, "must be 0 to 7");
-  require(1 <= config.velocity_window.count() && config.velocity_window.count() <= kMaxVelocity_us,
+  require(0 <= config.window_time.count() && config.window_time.count() <= kMaxTime_us, "window_us",
+          config.window_time.count(), "must be 0 to 1000000000 us");
+  require(1 <= config.velocity_window.count() && config.velocity_window.count() <= kMaxTime_us,
           "velocity_us", config.velocity_window.count(), "must be 1 to 1000000000 us");
   return config;
+}
+
+// Corner events that can be remembered: 40 ms of 400 000 per second.
+std::size_t capacity(const FeatureConfig& config) {
+  constexpr int kMost = 16'384;
+  const bool grows = config.window_time.count() > 0;
+  return static_cast<std::size_t>(grows ? std::max(config.window, kMost) : config.window);
 }
 
 }  // namespace
@@ -49,10 +57,12 @@ FeatureTracks::FeatureTracks(const FeatureConfig& config)
       min_neighbours_(config.min_neighbours),
       velocity_us_(static_cast<double>(config.velocity_window.count())),
       latest_us_(std::size_t{frame_.width()} * frame_.height()),
-      window_us_(static_cast<std::size_t>(config.window)),
+      window_(static_cast<std::size_t>(config.window)),
+      window_time_us_(config.window_time.count()),
+      stamps_us_(capacity(config)),
       grid_(config.width, config.height, config.radius),
-      places_(grid_.size(), window_us_.size()),
-      tracks_(window_us_.size()) {
+      places_(grid_.size(), stamps_us_.size()),
+      tracks_(stamps_us_.size()) {
   free_.reserve(tracks_.size());
   clear();
 }
@@ -78,12 +88,16 @@ std::int32_t FeatureTracks::update(const Event& corner) noexcept {
 std::int64_t FeatureTracks::remember(const Event& corner) noexcept {
   now_us_ = std::max(now_us_, corner.t);
   latest_us_[std::size_t{corner.y} * frame_.width() + corner.x] = now_us_;
-  window_us_[cursor_] = now_us_;
-  if (++cursor_ == window_us_.size()) {
-    cursor_ = 0;
-    full_ = true;
+  const auto forget_oldest = [&] {
+    oldest_stamp_ = oldest_stamp_ + 1 < stamps_us_.size() ? oldest_stamp_ + 1 : 0;
+    --stamps_;
+  };
+  if (stamps_ == stamps_us_.size()) forget_oldest();
+  stamps_us_[(oldest_stamp_ + stamps_++) % stamps_us_.size()] = now_us_;
+  while (stamps_ > window_ && distance_us(stamps_us_[oldest_stamp_], now_us_) >= remembered_us_) {
+    forget_oldest();
   }
-  return window_us_[full_ ? cursor_ : 0];
+  return stamps_us_[oldest_stamp_];
 }
 
 // The release lets the event count itself too and takes one off, also where all stamps that are
@@ -137,7 +151,8 @@ void FeatureTracks::begin(Slot slot, const Event& corner) noexcept {
 
 void FeatureTracks::move(Slot slot, const Event& corner) noexcept {
   Track& track = tracks_[slot];
-  track.motion.add(corner.x, corner.y, distance_us(track.t_last, now_us_), velocity_us_);
+  track.motion.add(corner.x, corner.y, static_cast<double>(distance_us(track.t_last, now_us_)),
+                   velocity_us_);
   track.x = corner.x;
   track.y = corner.y;
   track.t_last = now_us_;
@@ -186,10 +201,17 @@ void FeatureTracks::read(std::vector<FeatureTrack>& tracks) const {
   for (FeatureTrack& track : tracks) track.id = id_of(static_cast<std::uint64_t>(track.id));
 }
 
+void FeatureTracks::set_keep(double gamma) noexcept {
+  constexpr double kMinGamma = 0.01;
+  remembered_us_ =
+      static_cast<std::uint64_t>(static_cast<double>(window_time_us_) / std::max(kMinGamma, gamma));
+}
+
 void FeatureTracks::clear() noexcept {
   std::fill(latest_us_.begin(), latest_us_.end(), kNever_us);
-  cursor_ = 0;
-  full_ = false;
+  set_keep(1);
+  oldest_stamp_ = 0;
+  stamps_ = 0;
   now_us_ = kNever_us;
   places_.clear();
   free_.clear();

@@ -1,7 +1,7 @@
 // FeatureTracks: the rule by which FeatureTracker follows corners; see feature_tracker.hpp, which
 // names the source. One thread. update() is O(1), whatever the number of tracks: no two are within
-// the radius of each other. No allocation after construction. The results are those of the release,
-// which searches linearly.
+// the radius of each other. No allocation after construction. With a window_time of 0 the results
+// are those of the release, which searches linearly.
 #pragma once
 
 #include <cstddef>
@@ -67,6 +67,9 @@ class FeatureTracks {
   // Takes one corner event of the frame. Returns the id of the track that took it, or kNoId.
   std::int32_t update(const Event& corner) noexcept;
 
+  // Stretches the window's time for the kept fraction of the events, in [0, 1].
+  void set_keep(double gamma) noexcept;
+
   // Number of tracks.
   std::size_t size() const noexcept { return tracks_.size() - free_.size(); }
 
@@ -106,9 +109,12 @@ class FeatureTracks {
   int min_neighbours_;
   double velocity_us_;
   std::vector<std::int64_t> latest_us_;  // corner event of each pixel
-  std::vector<std::int64_t> window_us_;  // stamps of the last B corner events, a ring
-  std::size_t cursor_ = 0;
-  bool full_ = false;
+  std::size_t window_;                   // corner events that are remembered at least
+  std::int64_t window_time_us_;          // at gamma = 1
+  std::uint64_t remembered_us_ = 0;      // the same at the gamma in force
+  std::vector<std::int64_t> stamps_us_;  // of those that are remembered, a ring
+  std::size_t oldest_stamp_ = 0;
+  std::size_t stamps_ = 0;
   std::int64_t now_us_ = 0;
 
   CellGrid grid_;

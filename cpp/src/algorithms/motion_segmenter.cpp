@@ -115,19 +115,22 @@ class MotionSegmenter::Impl {
 
  private:
   void advance(std::int64_t t_us) noexcept {
-    if (!has_begun_) {
+    if (!has_begun_) [[unlikely]] {
       has_begun_ = true;
       first_us_ = latest_us_ = t_us;
+      elapsed_us_ = 0;
       next_step_us_ = kStep_us;
     }
-    latest_us_ = std::max(latest_us_, t_us);
+    if (t_us <= latest_us_) return;
+    latest_us_ = t_us;
     elapsed_us_ = between(first_us_, latest_us_);
     while (elapsed_us_ >= next_step_us_) step();
   }
 
   void add(const Event& event, const Flow& found) noexcept {
+    if (!(found.vx == found.vx)) return;  // NaN: no flow
     const float speed = std::sqrt(found.vx * found.vx + found.vy * found.vy);
-    if (!(kSlowest_px_s < speed && speed < kFastest_px_s)) return;  // NaN: no flow
+    if (!(kSlowest_px_s < speed && speed < kFastest_px_s)) return;
     recent_.add({.t = elapsed_us_,
                  .x = event.x,
                  .y = event.y,

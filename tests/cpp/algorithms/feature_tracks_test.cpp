@@ -87,7 +87,10 @@ TEST_P(FeatureTracksGolden, Vector) {
   const Golden& golden = GetParam();
   const auto corners = golden_corners();
   ASSERT_EQ(corners.size(), 7354U);
-  FeatureTracks tracks({.width = 346, .height = 260, .min_neighbours = golden.min_neighbours});
+  FeatureTracks tracks({.width = 346,
+                        .height = 260,
+                        .min_neighbours = golden.min_neighbours,
+                        .window_time = microseconds(0)});
   std::size_t sum_of_sizes = 0;
   std::size_t largest = 0;
   for (const Event& corner : corners) {
@@ -141,12 +144,15 @@ TEST(FeatureTracks, AgreeWithTheDefinition) {
     const auto corners = asap::test::wild_stream(wild, 1500);
     for (const int radius : {0, 2, 5, 12}) {
       for (const int window : {1, 2, 20, 200}) {
-        expect_the_definition({.width = wild.width,
-                               .height = wild.height,
-                               .window = window,
-                               .radius = radius,
-                               .min_neighbours = (radius + window) % 3},
-                              corners);
+        for (const int window_us : {0, 100, 10'000}) {
+          expect_the_definition({.width = wild.width,
+                                 .height = wild.height,
+                                 .window = window,
+                                 .radius = radius,
+                                 .min_neighbours = (radius + window) % 3,
+                                 .window_time = microseconds(window_us)},
+                                corners);
+        }
       }
     }
   }
@@ -211,6 +217,71 @@ TEST(FeatureTracks, FollowACornerAndItsVelocity) {
   EXPECT_GT(read[0].size, 700);
   EXPECT_LE(read[0].t_first, 2'000);
   EXPECT_EQ(read[0].t_last, 299'000);
+}
+
+// 300 corners that move together, one of whose events comes after one of each other: the last 200
+// hold no neighbours.
+std::vector<Event> texture() {
+  std::vector<Event> corners;
+  for (int i = 0; i < 50; ++i) {
+    for (const int dx : {-1, 1, 0}) {
+      for (int k = 0; k < 300; ++k) {
+        corners.push_back({.x = static_cast<std::uint16_t>(10 + 14 * (k % 20) + i + dx),
+                           .y = static_cast<std::uint16_t>(10 + 15 * (k / 20)),
+                           .p = 1,
+                           .t = 10'000 * i + 3'000 * (dx + 1) + k});
+      }
+    }
+  }
+  return corners;
+}
+
+TEST(FeatureTracks, TheWindowGrowsWithTheCorners) {
+  const auto tracks_at = [](std::int64_t window_us) {
+    FeatureTracks tracks({.width = 346, .height = 260, .window_time = microseconds(window_us)});
+    for (const Event& corner : texture()) tracks.update(corner);
+    std::vector<FeatureTrack> read;
+    tracks.read(read);
+    return read;
+  };
+  const auto tracks = tracks_at(FeatureConfig{}.window_time.count());
+  EXPECT_EQ(tracks.size(), 300U);
+  for (const FeatureTrack& track : tracks) EXPECT_NEAR(track.vx, 100, 30);
+  EXPECT_TRUE(tracks_at(0).empty());
+}
+
+// A tenth of the corner events, ten times as long apart.
+TEST(FeatureTracks, TheWindowStretchesWhereFewEventsAreKept) {
+  auto corners = texture();
+  for (Event& corner : corners) corner.t *= 10;
+  FeatureTracks told({.width = 346, .height = 260});
+  told.set_keep(0.1);
+  FeatureTracks other({.width = 346, .height = 260});
+  for (const Event& corner : corners) {
+    told.update(corner);
+    other.update(corner);
+  }
+  EXPECT_EQ(told.size(), 300U);
+  EXPECT_LT(other.size(), 300U);
+}
+
+// The fixed memory holds as many as it can, and no more.
+TEST(FeatureTracks, AWindowOfAnyLengthHoldsSixteenThousand) {
+  const auto tracks_after = [](int lone_corners) {
+    FeatureTracks tracks({.width = 30, .height = 30, .window_time = microseconds(1'000'000'000)});
+    const auto begin_track = [&](int x) {
+      for (const int dx : {-1, 1, 0}) {
+        tracks.update({.x = static_cast<std::uint16_t>(x + dx), .y = 2, .p = 0, .t = x});
+      }
+    };
+    tracks.update({.x = 25, .y = 25, .p = 0, .t = 0});
+    begin_track(2);
+    for (int i = 0; i < lone_corners; ++i) tracks.update({.x = 15, .y = 15, .p = 0, .t = 3});
+    begin_track(20);
+    return tracks.size();
+  };
+  EXPECT_EQ(tracks_after(16'000), 2U);
+  EXPECT_EQ(tracks_after(17'000), 1U);
 }
 
 TEST(FeatureTracks, TheVelocityForgetsByItsMemory) {

@@ -27,7 +27,11 @@ class NaiveFeatures {
     const std::int64_t t = fifo_.empty() ? corner.t : std::max(corner.t, fifo_.back());
     surface_[{corner.x, corner.y}] = t;
     fifo_.push_back(t);
-    if (fifo_.size() > static_cast<std::size_t>(config_.window)) fifo_.pop_front();
+    const auto is_old = [&] {
+      return static_cast<std::uint64_t>(t) - static_cast<std::uint64_t>(fifo_.front()) >=
+             static_cast<std::uint64_t>(config_.window_time.count());
+    };
+    while (fifo_.size() > static_cast<std::size_t>(config_.window) && is_old()) fifo_.pop_front();
     const std::int64_t old = fifo_.front();
     if (corner.x < 1 || corner.x > config_.width - 2 || corner.y < 1 ||
         corner.y > config_.height - 2) {

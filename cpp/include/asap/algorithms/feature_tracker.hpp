@@ -1,12 +1,13 @@
 // FeatureTracker: finds corners in a stream of events and follows them, event by event. A corner
-// event is supported if more than m of its 8 neighbours are among the last B corner events. It then
-// moves the first-created track within the radius to itself and ends the others there; where there
-// is none it begins a track. Tracks that took none of the last B corner events end with the next
-// supported event. One thread at a time. process() is O(1) per event, whatever the number of
+// event is supported if more than m of its 8 neighbours are remembered: among the last B corner
+// events, or younger than the window's time, so that the window grows with the corners of the
+// scene. It then moves the first-created track within the radius to itself and ends the others
+// there; where there is none it begins a track. Tracks of which no event is remembered end with the
+// next supported event. One thread at a time. process() is O(1) per event, whatever the number of
 // tracks, and allocates nothing; all memory is taken in the constructor. A stamp that goes back
 // counts as the latest one.
 // Source: the authors' release of the GRVC event feature tracker (grvc_ef_tracker), which the ASAP
-// papers use, with its launch values; ids and velocities are ours.
+// papers use, with its launch values; the window's time, ids and velocities are ours.
 #pragma once
 
 #include <chrono>
@@ -27,9 +28,12 @@ struct FeatureConfig {
   int width;   // px
   int height;  // px
   CornerSource detector = CornerSource::arc_star;
-  int window = 200;        // B, corner events that are remembered
+  int window = 200;        // B, corner events that are remembered at least
   int radius = 5;          // px, half of w: how far a corner moves between two events
   int min_neighbours = 1;  // m: a corner needs more than these in the 3 x 3 window
+  // Corner events younger than this are remembered too, up to 16384 or `window` of them; over the
+  // kept fraction. 0: the release, whose tracks starve where more corners than B / 2 are in sight.
+  std::chrono::microseconds window_time{40000};
   std::chrono::microseconds velocity_window{20000};  // how far back the velocity looks
 };
 
@@ -59,7 +63,7 @@ class FeatureTracker {
   void process(EventSpan events) noexcept;
 
   // Takes the events, and labels[i] is the id of the track that took events[i]: -1 where it is no
-  // corner, a unsupported corner, or dropped. Throws std::invalid_argument if the sizes differ.
+  // corner, an unsupported corner, or dropped. Throws std::invalid_argument if the sizes differ.
   void process(EventSpan events, std::span<std::int32_t> labels);
 
   // The tracks, first created first.
@@ -68,8 +72,9 @@ class FeatureTracker {
   // The same without allocation once `tracks` has the capacity.
   void tracks(std::vector<FeatureTrack>& tracks) const;
 
-  // The fraction of the events that reaches the tracker, in [0, 1]. Checked, without effect: the
-  // published rule counts corner events and so stretches in time by itself.
+  // Sets the fraction of the events that reaches the tracker, in [0, 1]: the window's time
+  // stretches, so that as many corner events are remembered. Throws std::invalid_argument if gamma
+  // is out of range.
   void set_keep(double gamma);
 
   // Back to the state after construction.

@@ -96,26 +96,39 @@ class BackgroundMotion {
   const MotionFrame& frame() const noexcept { return frame_; }
 
  private:
-  static constexpr std::size_t kBlocks = 4;  // of the frame, in each direction
+  static constexpr std::uint32_t kBlocks = 4;  // of the frame, in each direction
 
   std::size_t cell(const FlowSample& sample) const noexcept {
     return sample.y / kCell_px * columns_ + sample.x / kCell_px;
   }
-  bool iterate(std::span<const FlowSample> samples, bool begins) noexcept;
-  void measure_sigma(std::span<const FlowSample> samples) noexcept;
-  void measure_covariance(std::span<const FlowSample> samples) noexcept;
-  double weight(const FlowSample& sample) const noexcept;
-  double robust_weight(const FlowSample& sample, double residual) const noexcept;
+  // What the steps of a fit read of a sample.
+  struct Equation {
+    Motion row;
+    double speed;
+    double inverse_error;
+    double weight;  // of a sample that fits
+    std::size_t cell;
+  };
+
+  void prepare(std::span<const FlowSample> samples) noexcept;
+  bool iterate(bool begins) noexcept;
+  void measure_sigma() noexcept;
+  void measure_covariance() noexcept;
+  double residual(const Equation& equation) const noexcept {
+    return equation.speed - equation.row.dot(motion_);
+  }
+  double robust_weight(const Equation& equation, double residual) const noexcept;
   bool is_covered(std::span<const FlowSample> samples, double keep, bool is_fitted) const noexcept;
 
   static constexpr std::size_t kCell_px = 16;
 
   MotionFrame frame_;
-  std::size_t width_;
-  std::size_t height_;
+  std::uint32_t width_;  // px
+  std::uint32_t height_;
   std::size_t columns_;
   std::vector<std::uint32_t> counts_;  // samples of each cell
   std::vector<Motion> scores_;         // of each cell: the gradient at the solution
+  std::vector<Equation> equations_;    // of each sample
   std::vector<double> errors_;         // of each sample
   Motion motion_ = Motion::Zero();
   Eigen::Matrix4d normal_ = Eigen::Matrix4d::Zero();

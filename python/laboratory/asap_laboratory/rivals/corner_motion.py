@@ -21,18 +21,10 @@ _LEAST_TRACKS = 12
 
 
 class CornerMotion:
-    """Say which corner tracks move on their own.
+    """Say which corner tracks move on their own."""
 
-    `window`: corner events that the tracker remembers. It must grow with the corners of the scene:
-    200, the tracker's default, leave none on texture.
-    """
-
-    def __init__(
-        self, width: int, height: int, *, window: int = 3000, threshold: float = 3.0
-    ) -> None:
-        self._tracker = _core.FeatureTracker(
-            width, height, detector="e_harris", window=window, radius=4
-        )
+    def __init__(self, width: int, height: int, *, threshold: float = 3.0) -> None:
+        self._tracker = _core.FeatureTracker(width, height, detector="e_harris", radius=4)
         self._middle = 0.5 * np.array([width - 1, height - 1])
         self._threshold = threshold
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -81,6 +82,34 @@ TEST(Objects, ALostObjectIsTheOneThatReappearsOnItsWay) {
   EXPECT_EQ(id_after(600'000, 110), 1);  // half a second is over
 }
 
+TEST(Objects, OfTwoLostObjectsTheNearestReappearsAndOnce) {
+  Layer layer;
+  for (const float x : {50.0F, 66.0F, 80.0F}) layer.add(x, 50, 2);
+  layer.wait(5'000);
+  while (!layer.tracks.active().empty()) layer.tracks.remove(layer.tracks.active().front());
+  const auto found = layer.add(68, 50, 2);
+  const auto beside = layer.add(70, 50, 2);
+  const auto third = layer.add(72, 50, 2);
+  layer.wait(5'000);
+  EXPECT_EQ(layer.id_of(found), 1);
+  EXPECT_EQ(layer.id_of(beside), 2);
+  EXPECT_EQ(layer.id_of(third), 3);  // 0 is too far away
+}
+
+// A starved track coasts, so its place is no news of the object.
+TEST(Objects, ALostObjectIsSoughtFromWhereItHadEvents) {
+  Layer layer;
+  const auto lost = layer.add(50, 50, 2);
+  layer.wait(5'000);
+  layer.tracks[lost].x = 100;
+  layer.tracks.state(lost).starved_s = 0.02F;
+  layer.wait(5'000);
+  layer.tracks.remove(lost);
+  const auto found = layer.add(50, 50, 2);
+  layer.wait(5'000);
+  EXPECT_EQ(layer.id_of(found), 0);
+}
+
 TEST(Objects, WhatBeginsAtALargeObjectIsAPartOfIt) {
   const auto id_beside = [](float sigma_px, float x, std::uint64_t age_us) {
     Layer layer;
@@ -120,6 +149,35 @@ TEST(Objects, APartThatStaysApartBecomesAnObject) {
   layer.tracks[piece].x = 165;
   layer.wait(200'000);
   EXPECT_EQ(layer.id_of(piece), 2);
+}
+
+TEST(Objects, APartThatComesBackInTimeStays) {
+  Layer layer;
+  layer.add(100, 100, 21);
+  layer.wait(200'000);
+  const auto piece = layer.add(165, 100, 3, 20);
+  layer.wait(20'000);
+  for (const float x : {200.0F, 165.0F, 200.0F}) {
+    layer.tracks[piece].x = x;
+    layer.wait(40'000);
+    EXPECT_EQ(layer.id_of(piece), 0);
+  }
+}
+
+TEST(Objects, TheLighterPartLeavesAndMayAdoptAtOnce) {
+  Layer layer;
+  const auto first = layer.add(100, 100, 21);
+  layer.wait(200'000);
+  const auto piece = layer.add(165, 100, 3, 20);
+  layer.wait(20'000);
+  layer.tracks[piece].x = 260;
+  layer.tracks.state(piece).mass = 200;
+  layer.wait(70'000);
+  EXPECT_EQ(layer.id_of(piece), 0);
+  ASSERT_EQ(layer.id_of(first), 2);
+  const auto tip = layer.add(35, 100, 3, 20);  // at the new object of 73 px
+  layer.wait(5'000);
+  EXPECT_EQ(layer.id_of(tip), 2);
 }
 
 // Fills the tiles around (100, 100), where no track takes them, at a rate per pixel.
@@ -178,6 +236,19 @@ TEST(ObjectSum, AnObjectWithoutEventsIsQuiet) {
   EXPECT_TRUE(is_quiet(100, 51'000));
 }
 
+TEST(ObjectSum, OnePartWithEventsIsEnough) {
+  Layer layer;
+  const auto silent = layer.add(100, 100);
+  const auto firing = layer.add(110, 100);
+  const auto now = static_cast<Stamp>(layer.now_us + 100'000);
+  layer.tracks[firing].stamp = layer.tracks.state(firing).last_event = now;
+  ObjectSum sum;
+  for (const auto slot : {firing, silent}) {
+    sum.add(slot, layer.tracks[slot], layer.tracks.state(slot), now);
+  }
+  EXPECT_FALSE(sum.is_quiet());
+}
+
 TEST(ObjectSum, ItsPlaceIsThatOfTheHeaviestPartAndItsBoxThatOfAll) {
   Layer layer;
   const auto light = layer.add(100, 100, 4, 20);
@@ -196,20 +267,27 @@ TEST(ObjectSum, ItsPlaceIsThatOfTheHeaviestPartAndItsBoxThatOfAll) {
   EXPECT_EQ(sum.mass, 70);
 }
 
-// Objects that were lost are forgotten for new ones, the longest lost first.
+// Of twice as many objects as slots, those that were lost first are forgotten for new ones.
 TEST(Objects, TheTableIsNeverFull) {
   Layer layer;
-  for (int round = 0; round < 8; ++round) {
-    std::vector<Tracks::Slot> slots;
-    for (int i = 0; i < 16; ++i) {
-      slots.push_back(layer.add(static_cast<float>(20 * i), static_cast<float>(30 * round), 2));
-    }
+  const auto ids_of_row = [&](float y) {
+    std::vector<std::int64_t> ids;
+    for (int i = 0; i < 16; ++i) layer.add(static_cast<float>(20 * i), y, 2);
     layer.wait(5'000);
-    for (const auto slot : slots) {
-      EXPECT_GE(layer.id_of(slot), 16 * round);
+    while (!layer.tracks.active().empty()) {
+      const Tracks::Slot slot = layer.tracks.active().front();
+      ids.push_back(layer.id_of(slot));
       layer.tracks.remove(slot);
     }
-  }
+    std::sort(ids.begin(), ids.end());
+    return ids;
+  };
+  EXPECT_EQ(ids_of_row(0).front(), 0);
+  const auto second = ids_of_row(60);
+  EXPECT_EQ(second.front(), 16);
+  EXPECT_EQ(ids_of_row(120).front(), 32);
+  EXPECT_EQ(ids_of_row(60), second);
+  EXPECT_EQ(ids_of_row(0).front(), 48);
 }
 
 }  // namespace
