@@ -24,6 +24,8 @@ LatencyHistogram& LatencyHistogram::operator=(const LatencyHistogram& other) noe
   return *this;
 }
 
+std::int64_t LatencyHistogram::bound_ns() const noexcept { return load_relaxed(bound_ns_); }
+
 void LatencyHistogram::set_bound_ns(std::int64_t bound_ns) noexcept {
   store_relaxed(bound_ns_, bound_ns);
 }

@@ -61,7 +61,8 @@ class LatencyHistogram {
 
   std::uint64_t count() const noexcept { return count_; }
   std::uint64_t within_bound() const noexcept { return within_bound_; }
-  std::int64_t bound_ns() const noexcept { return bound_ns_; }
+  // Any thread.
+  std::int64_t bound_ns() const noexcept;
   // Later events are counted within_bound() by this bound.
   void set_bound_ns(std::int64_t bound_ns) noexcept;
   std::int64_t max_ns() const noexcept { return max_ns_; }
