@@ -20,12 +20,12 @@ void print_row(asap::Scheme& scheme, asap::EventSpan events) {
   simulator.feed(events);
   simulator.finish();
 
-  const asap::Telemetry& telemetry = simulator.telemetry();
-  const asap::LatencyHistogram& latency = telemetry.latency;  // per delivered event
+  const asap::RunStats stats = simulator.stats();
+  const asap::LatencyHistogram& latency = stats.latency;  // per delivered event
   const auto percent = [&](std::uint64_t count) {
     return 100.0 * static_cast<double>(count) / static_cast<double>(events.size());
   };
-  std::cout << std::setw(10) << scheme.name() << std::setw(10) << telemetry.log.size();
+  std::cout << std::setw(10) << scheme.name() << std::setw(10) << stats.packages.count;
   for (const double value : {percent(latency.count()), percent(latency.within_bound()),
                              1e-6 * latency.quantile_ns(0.5), 1e-6 * latency.quantile_ns(0.99)}) {
     std::cout << std::setw(11) << value;

@@ -52,7 +52,7 @@ int main() {
   simulator.run(scene);
 
   const asap::Ledger ledger = simulator.ledger();
-  const asap::LatencyHistogram& latency = simulator.telemetry().latency;
+  const asap::LatencyHistogram& latency = simulator.stats().latency;
   std::cout << scheme.name() << ": " << 100 * ledger.delivered / ledger.received
             << " % of the events kept, the latest processed after "
             << static_cast<double>(latency.max_ns()) * 1e-6 << " ms\n";

@@ -5,7 +5,7 @@
 
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

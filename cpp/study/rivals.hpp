@@ -6,11 +6,11 @@
 #include <array>
 #include <chrono>
 
-#include "asap/core/check.hpp"
 #include "asap/runner/simulator.hpp"
-#include "asap/schemes/bounded_scheme.hpp"
 #include "asap/schemes/scheme.hpp"
+#include "core/check.hpp"
 #include "runner/admission.hpp"
+#include "schemes/bounded_scheme.hpp"
 
 namespace asap {
 

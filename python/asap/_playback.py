@@ -145,10 +145,13 @@ def play(speed: float, loop: bool, drop: float, packet_us: int) -> None:
     """Play what comes in, as a camera would; when `_RING` packets wait, the newest are lost."""
     memory = io.BytesIO()
     shutil.copyfileobj(sys.stdin.buffer, memory)
+    count = memory.tell() // EVENT_DTYPE.itemsize
+    if not count:
+        return  # the other side was killed
     waiting: queue.Queue[bytes] = queue.Queue()
     sender = threading.Thread(target=_send, args=(waiting,), daemon=True)
     sender.start()
-    events: Events = np.frombuffer(memory.getbuffer(), EVENT_DTYPE)
+    events: Events = np.frombuffer(memory.getbuffer(), EVENT_DTYPE, count)
     t = events["t"]
     t[:] = np.rint(t / speed)
     slots = t // packet_us

@@ -1,4 +1,4 @@
-"""The process that shows a run in Rerun: frames come in by its standard input, until it ends.
+"""A run in Rerun, as the process of `viewer` shows it.
 
 Whatever it starts is told by the environment to send no usage statistics, and listens and talks on
 127.0.0.1 alone.
@@ -8,25 +8,23 @@ from __future__ import annotations
 
 import os
 import socket
-import struct
 import subprocess
 import sys
 from collections import deque
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
-from typing import Any, BinaryIO
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asap.events import EVENT_DTYPE, Events
-from asap.experiment.telemetry import TELEMETRY_DTYPE, Rows, lost
-from asap.results.pictures import BRIGHT, COLOURS, OUTLINE_DTYPE, painted
+from asap.events import Events
+from asap.experiment.telemetry import Rows, summed
+from asap.results.pictures import BRIGHT, COLOURS, outlines_of, painted
 
 PORT = 9876
 
-_KINDS = (TELEMETRY_DTYPE, EVENT_DTYPE, OUTLINE_DTYPE)  # of a frame
-_HEAD = struct.Struct(f"<{2 + len(_KINDS)}q")
+_POINT_US = 66_000  # of a curve
 _CURVES_S = 15.0
 _TRAIL_S = 0.7
 
@@ -37,42 +35,28 @@ _PRIVATE = {
     **dict.fromkeys(("HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY"), "http://127.0.0.1:9"),
 }
 
-_CURVES = {  # panel: its title, and its lines with their colours
-    "size": ("package size [events]", {"mean": (92, 220, 255)}),
-    "rate": ("event rate [Mev/s]", {"entering": (150, 160, 170), "lost": (255, 92, 92)}),
-    "gamma": ("gamma", {"gamma": (255, 209, 82)}),
-    "latency": ("latency [ms]", {"bound": (255, 92, 92), "worst": (94, 230, 166)}),
-    "ring": ("waiting in the ring [events]", {"most": (94, 173, 255)}),
+_RED = (255, 92, 92)
+_CURVES = {  # panel: its title, and its lines: colour, figure of `summed`, and of its unit
+    "size": ("package size [events]", {"mean": ((92, 220, 255), "size", 1.0)}),
+    "rate": (
+        "event rate [Mev/s]",
+        {"entering": ((150, 160, 170), "rate", 1e-6), "lost": (_RED, "lost", 1e-6)},
+    ),
+    "gamma": ("gamma", {"gamma": ((255, 209, 82), "gamma", 1.0)}),
+    "latency": (
+        "latency [ms]",
+        {"bound": (_RED, "bound", 1e-3), "worst": ((94, 230, 166), "latency", 1e-3)},
+    ),
+    "ring": ("waiting in the ring [events]", {"most": ((94, 173, 255), "waiting", 1.0)}),
 }
 _LINES = [
-    (f"loop/{name}/{line}", colour)
-    for name, (_, lines) in _CURVES.items()
-    for line, colour in lines.items()
+    (f"loop/{name}/{line}", *how) for name, (_, all) in _CURVES.items() for line, how in all.items()
 ]
 
 
-def write_frame(pipe: BinaryIO, sensor: tuple[int, int], frame: Sequence[NDArray[np.void]]) -> None:
-    """Write the size of the sensor, rows, events and outlines."""
-    head: Any = _HEAD.pack(*sensor, *map(len, frame))
-    for part in (head, *(rows.view(np.uint8) for rows in frame)):
-        rest = memoryview(part)
-        while rest:
-            rest = rest[pipe.write(rest) :]
-
-
-def _frames(pipe: BinaryIO) -> Iterator[tuple[Any, ...]]:
-    while len(head := pipe.read(_HEAD.size)) == _HEAD.size:
-        width, height, *counts = _HEAD.unpack(head)
-        sizes = [n * kind.itemsize for n, kind in zip(counts, _KINDS, strict=True)]
-        parts = [pipe.read(size) for size in sizes]
-        if [len(part) for part in parts] != sizes:
-            return  # cut
-        arrays = [np.frombuffer(part, kind) for part, kind in zip(parts, _KINDS, strict=True)]
-        yield (height, width), *arrays
-
-
-def draw(target: str) -> None:
-    """Show what comes in."""
+@contextmanager
+def shown(target: str) -> Iterator[Callable[..., None]]:
+    """Open the target, and give what draws a frame."""
     os.environ.update(_PRIVATE)
     import rerun as rr
 
@@ -83,11 +67,7 @@ def draw(target: str) -> None:
         recording.connect_grpc(f"rerun+http://127.0.0.1:{PORT}/proxy")
     else:
         recording.save(target)
-    picture = _Picture(recording)
-    with suppress(AttributeError):  # Windows has none
-        os.nice(10)  # the run comes first
-    for frame in _frames(sys.stdin.buffer):
-        picture.log(*frame)
+    yield _Picture(recording).log
     recording.flush(timeout_sec=2.0)
     recording.disconnect()
 
@@ -97,7 +77,7 @@ def _open_window() -> None:
         if door.connect_ex(("127.0.0.1", PORT)) == 0:
             return  # one is open
     command = [sys.executable, "-m", "rerun_cli", "--bind", "127.0.0.1", "--port", str(PORT)]
-    subprocess.Popen([*command, "--hide-welcome-screen"], start_new_session=True)
+    subprocess.Popen([*command, "--hide-welcome-screen"])
 
 
 class _Picture:
@@ -107,12 +87,12 @@ class _Picture:
 
         self._rr, self._recording = rr, recording
         self._trails: dict[int, deque[tuple[float, float, float]]] = {}
-        self._first_us: float | None = None
-        self._seen_lost = self._now_s = 0.0
+        self._first_us: int | None = None
+        self._lost = self._now_s = self._curves_s = 0.0
 
         classes = [rr.AnnotationInfo(id=n, color=colour) for n, colour in enumerate(COLOURS)]
         self._log("scene", rr.AnnotationContext(classes), static=True)
-        for path, colour in _LINES:
+        for path, colour, *_ in _LINES:
             name = path.rpartition("/")[2]
             style = rr.SeriesLines(colors=[colour], names=[name], widths=[1.5])
             self._log(path, style, static=True)
@@ -141,21 +121,22 @@ class _Picture:
     def _log(self, *what: Any, static: bool = False) -> None:
         self._rr.log(*what, static=static, recording=self._recording)
 
-    def log(
-        self, size: tuple[int, int], rows: Rows, events: Events, found: NDArray[np.void]
-    ) -> None:
-        """Log a frame: the image, what was found with its trails, a point of each curve."""
-        if len(rows):
-            if self._first_us is None:
-                self._first_us = float(rows["start_us"][0])
-            before_s, self._now_s = self._now_s, float(rows["start_us"][-1] - self._first_us) * 1e-6
-            self._recording.set_time("time", duration=self._now_s)
-            self._log_curves(rows, max(self._now_s - before_s, 1e-3))
-        self._recording.set_time("time", duration=self._now_s)
+    def log(self, rows: Rows, sensor: Any, events: Events, found: NDArray[np.void]) -> None:
+        """Log a frame: points of the curves, the image, what was found with its trails."""
+        cuts = np.flatnonzero(np.diff(rows["t_last"] // _POINT_US)) + 1
+        for part in np.split(rows, cuts) if len(rows) else ():
+            self._turn_to(part["t_first"][0], part["t_last"][-1])
+            self._log_curves(part)
         if len(events):
-            image = painted(events, size)
+            self._turn_to(events["t"][0], events["t"][-1])
+            image = painted(events, (sensor[1] or 0, sensor[0] or 0))
             self._log("scene/events", self._rr.SegmentationImage(image, opacity=1.0))
-        self._log_found(found)
+            self._log_found(outlines_of(found))
+
+    def _turn_to(self, first_us: int, last_us: int) -> None:
+        self._first_us = int(first_us) if self._first_us is None else self._first_us
+        self._now_s = (int(last_us) - self._first_us) * 1e-6
+        self._recording.set_time("time", duration=self._now_s)
 
     def _log_found(self, found: NDArray[np.void]) -> None:
         colours = [BRIGHT[int(one) % len(BRIGHT)] for one in found["id"]]
@@ -178,18 +159,11 @@ class _Picture:
         ways = [[(x, y) for _, x, y in trail] for trail in self._trails.values()]
         self._log("scene/tracks", self._rr.LineStrips2D(ways, colors=faint, radii=-1.0))
 
-    def _log_curves(self, rows: Rows, seconds: float) -> None:
-        gone = lost(rows[-1])
-        thinned = float((rows["size"] / rows["gamma"]).sum())
-        figures = (
-            rows["size"].mean(),
-            rows["event_rate"].max() * 1e-6,
-            (gone - self._seen_lost) * 1e-6 / seconds,
-            float(rows["size"].sum()) / thinned,
-            rows["latency_bound_us"][-1] * 1e-3,
-            rows["latency_max_us"].max() * 1e-3,
-            rows["all_pending"].max(),
-        )
-        self._seen_lost = gone
-        for (path, _), figure in zip(_LINES, figures, strict=True):
-            self._log(path, self._rr.Scalars(float(figure)))
+    def _log_curves(self, rows: Rows) -> None:
+        seconds, self._curves_s = self._now_s - self._curves_s, self._now_s
+        figures = summed(rows, self._lost)
+        self._lost += figures["lost"]
+        figures["lost"] /= max(seconds, 1e-3)
+        figures["bound"] = float(rows["latency_bound_us"][-1])
+        for path, _, name, unit in _LINES:
+            self._log(path, self._rr.Scalars(figures[name] * unit))

@@ -1,6 +1,6 @@
 """The panels of a live run as one screen of text, for a terminal over ssh too.
 
-It shows a run of this process, or the file that ``Pipeline(telemetry=...)`` writes in another.
+The process of `viewer` shows a run, ``asap monitor`` the file of ``Pipeline(telemetry=...)``.
 Needs rich: ``asap-events[monitor]``.
 """
 
@@ -11,7 +11,7 @@ import os
 import sys
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import groupby
 from operator import itemgetter
@@ -21,12 +21,12 @@ from typing import Any
 import numpy as np
 
 from asap import _checks, _units
-from asap.experiment.telemetry import HEAD, TELEMETRY_DTYPE, Rows, lost
+from asap.experiment.telemetry import HEAD, TELEMETRY_DTYPE, Rows, lost, summed
 from asap.io.errors import library
 
-__all__ = ["Screen", "Tail", "follow", "newest", "shown"]
+__all__ = ["EVERY_S", "Screen", "Tail", "follow", "need_terminal", "newest", "shown"]
 
-_EVERY_S = 0.5
+EVERY_S = 0.5
 _SLOT_US = 500_000  # a column of the curves
 _MOST_SLOTS = 400
 _SILENT_S = 2.0
@@ -42,54 +42,35 @@ _ENDS = {  # where events end, and the colour
     "overflow": "red",
     "rejected": "bright_black",
 }
-_LARGEST = {"rate": "event_rate", "latency": "latency_max_us", "waiting": "all_pending"}
-_FIGURES = ("packages", "size", "thinned", *_LARGEST)
 
 
 class Screen:
-    """What the rows of the last minutes say. One thread gives rows, another one draws."""
+    """What the rows of the last minutes say."""
 
     def __init__(self, title: str) -> None:
-        library("rich", "a monitor", "monitor")
         self._title = title
-        self._came: deque[Rows] = deque(maxlen=1000)
         self._slots: deque[dict[str, float]] = deque(maxlen=_MOST_SLOTS)
-        self._last: Any = None
+        self._number, self._rows = 0, np.empty(0, TELEMETRY_DTYPE)  # of the newest slot
+        self._lost = 0.0  # before it
         self._last_s = time.monotonic()
 
-    def __call__(self, rows: Rows) -> None:
+    def add(self, rows: Rows) -> None:
         """Take rows, for the next drawing."""
-        self._came.append(rows)
-
-    def attach(self, pipeline: Any) -> None:
-        """Show this pipeline from now on."""
-        if self not in pipeline._log.watchers:
-            pipeline._log.watchers.append(self)
-
-    def _take(self) -> None:
-        while self._came:
-            if not len(rows := self._came.popleft()):
-                continue
-            slots = (rows["start_us"] // _SLOT_US).astype(np.int64)
-            for slot in dict.fromkeys(slots.tolist()):
-                self._add(slot, rows[slots == slot])
-            self._last, self._last_s = rows[-1], time.monotonic()
+        numbers = (rows["start_us"] // _SLOT_US).astype(np.int64)
+        for part in np.split(rows, np.flatnonzero(np.diff(numbers)) + 1) if len(rows) else ():
+            self._add(int(part["start_us"][0] // _SLOT_US), part)
+            self._last_s = time.monotonic()
 
     def _add(self, number: int, rows: Rows) -> None:
-        slots = self._slots
-        while not slots or slots[-1]["slot"] != number:
-            new = dict.fromkeys(_FIGURES, 0.0) | {"slot": number}
-            if slots and 0 < number - slots[-1]["slot"] < _MOST_SLOTS:  # silence has columns too
-                new["slot"] = slots[-1]["slot"] + 1
-            new["lost"] = new["before"] = slots[-1]["lost"] if slots else lost(rows[0])
-            slots.append(new)
-        slot = slots[-1]
-        slot["packages"] += len(rows)
-        slot["size"] += float(rows["size"].sum())
-        slot["thinned"] += float((rows["size"] / rows["gamma"]).sum())
-        for name, column in _LARGEST.items():
-            slot[name] = max(slot[name], float(rows[column].max()))
-        slot["lost"] = lost(rows[-1])
+        if self._slots and number == self._number:
+            self._slots.pop()
+            rows = np.concatenate([self._rows, rows])
+        else:
+            silent = number - self._number - 1 if self._slots else 0
+            self._slots.extend([summed(rows[:0], 0.0)] * min(silent, _MOST_SLOTS))
+            self._lost = lost(self._rows[-1] if self._slots else rows[0])
+        self._number, self._rows = number, rows
+        self._slots.append(summed(rows, self._lost))
 
     # ---- drawing
 
@@ -97,7 +78,6 @@ class Screen:
         """Draw what there is, in lines of the terminal's width."""
         from rich.text import Text
 
-        self._take()
         width = options.max_width
         silent_s = time.monotonic() - self._last_s
         state = f"silent for {silent_s:.0f} s" if silent_s > _SILENT_S else "running"
@@ -105,44 +85,37 @@ class Screen:
         head.append(f"{state} ".rjust(max(width - head.cell_len, 0)))
         head.truncate(width)
         yield head
-        if self._last is None:
+        if not self._slots:
             yield Text("\n  no package yet")
             return
         yield Text(f"{'newest right, a column is 0.5 s':>{width}}", "bright_black")
         slots = list(self._slots)[-max(width - _LEFT - 1, 1) :]
-        for name, value, curve, top, colour, above in _panels(slots, self._last):
-            left = [Text(f" {name}", "bold"), Text(f"  {value}")]
-            for words, line in zip(left, _curve(curve, top), strict=True):
+        bound_us = float(self._rows["latency_bound_us"][-1])
+        for title, name, value, least_top, colour in _panels(slots, bound_us):
+            curve = [slot[name] for slot in slots]
+            above = bound_us if name == "latency" else np.inf
+            left = [Text(f" {title}", "bold"), Text(f"  {value}")]
+            for words, line in zip(left, _curve(curve, max(least_top, *curve)), strict=True):
                 words.pad_right(width - len(slots) - 1 - words.cell_len)
                 reds = [figure > above for figure in curve]
                 for is_red, bars in groupby(zip(reds, line, strict=True), itemgetter(0)):
                     words.append("".join(bar for _, bar in bars), "red" if is_red else colour)
                 yield words
             yield Text()
-        yield from _ledger(self._last, width)
+        yield from _ledger(self._rows[-1], width)
 
 
-def _panels(slots: list[dict[str, float]], last: Any) -> Iterator[tuple[Any, ...]]:
-    """Name, words, curve, upper end of its scale, colour, and the value above which it is red."""
-    bound_us, per_s, none = float(last["latency_bound_us"]), 1e6 / _SLOT_US, float("inf")
-    full = slots[-2:][0]  # the newest is not over yet
-    rate = [slot["rate"] for slot in slots]
-    yield "event rate", _units.rate(full["rate"]), rate, max(rate), "cyan", none
-    size = [slot["size"] / max(slot["packages"], 1) for slot in slots]
-    count = full["packages"]
-    words = f"{full['size'] / max(count, 1):,.0f} ev x {count * per_s:,.0f}/s"
-    yield "package size", words, size, max(size), "cyan", none
-    gamma = [slot["size"] / slot["thinned"] if slot["thinned"] else 0.0 for slot in slots]
-    yield "gamma", _units.share(gamma[-1]), gamma, 1.0, "yellow", none
-    late = [slot["latency"] for slot in slots]
+def _panels(slots: list[dict[str, float]], bound_us: float) -> Iterator[tuple[Any, ...]]:
+    """Title, figure, words, the least upper end of its scale, and colour."""
+    per_s, full = 1e6 / _SLOT_US, slots[-2:][0]  # the newest is not over yet
+    yield "event rate", "rate", _units.rate(full["rate"]), 0.0, "cyan"
+    words = f"{full['size']:,.0f} ev x {full['packages'] * per_s:,.0f}/s"
+    yield "package size", "size", words, 0.0, "cyan"
+    yield "gamma", "gamma", _units.share(slots[-1]["gamma"]), 1.0, "yellow"
     words = f"{_units.duration(full['latency'])} of {_units.duration(bound_us)}"
-    yield "latency, worst", words, late, max(bound_us, *late), "green", bound_us
-    waiting = [slot["waiting"] for slot in slots]
-    words = f"{full['waiting']:,.0f} events"
-    yield "waiting in the ring", words, waiting, max(waiting), "blue", none
-    gone = [slot["lost"] - slot["before"] for slot in slots]
-    words = _units.rate((full["lost"] - full["before"]) * per_s)
-    yield "lost", words, gone, max(gone), "red", none
+    yield "latency, worst", "latency", words, bound_us, "green"
+    yield "waiting in the ring", "waiting", f"{full['waiting']:,.0f} events", 0.0, "blue"
+    yield "lost", "lost", _units.rate(full["lost"] * per_s), 0.0, "red"
 
 
 def _curve(values: list[float], top: float) -> list[str]:
@@ -176,27 +149,40 @@ def _ledger(last: Any, width: int) -> Iterator[Any]:
 # ---- where it is shown
 
 
-@contextmanager
-def shown(screen: Screen) -> Iterator[None]:
-    """Draw it over the whole terminal, from another thread."""
+def need_terminal() -> None:
+    """Refuse what cannot be drawn on."""
+    library("rich", "a monitor", "monitor")
     if sys.stderr is None or not sys.stderr.isatty():
         raise RuntimeError("monitor: stderr is no terminal; write a file with telemetry= instead")
+
+
+@contextmanager
+def shown(title: str) -> Iterator[Callable[..., None]]:
+    """Take the whole terminal, and give what draws more rows on it."""
     from rich.console import Console
     from rich.live import Live
 
-    with Live(screen, console=Console(stderr=True), screen=True, refresh_per_second=1 / _EVERY_S):
-        yield
+    screen = Screen(title)
+    with Live(screen, console=Console(stderr=True), screen=True, auto_refresh=False) as live:
+
+        def draw(rows: Rows, *_: Any) -> None:
+            screen.add(rows)
+            live.refresh()
+
+        yield draw
 
 
 def follow(path: Path) -> None:
     """Show the file that a pipeline writes, until Ctrl-C."""
-    tail, screen = Tail(path), Screen(str(path))
-    screen(tail.read())
-    with suppress(KeyboardInterrupt), shown(screen):
+    tail = Tail(path)
+    rows = tail.read()
+    need_terminal()
+    with suppress(KeyboardInterrupt), shown(str(path)) as draw:
+        draw(rows)
         while True:
+            time.sleep(EVERY_S)
             with suppress(FileNotFoundError):  # it is being renamed
-                screen(tail.read())
-            time.sleep(_EVERY_S)
+                draw(tail.read())
 
 
 def newest(path: Path) -> dict[str, Any]:

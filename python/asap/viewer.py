@@ -1,33 +1,32 @@
-"""view: a run in Rerun: its events, clusters with tracks, and the curves of the loop.
+"""view: a run in Rerun, or its curves as text on the terminal.
 
-A process of its own draws, see `_rerun`. A thread hands it snapshots, at most 15 a second: if that
-process is stalled or killed, only this thread waits or ends. Needs the extra ``view``.
+A process of its own draws, see `_rerun` and `monitor`. A thread hands it snapshots, at most 15 a
+second: if that process is stalled or killed, only this thread waits or ends.
 """
 
 from __future__ import annotations
 
 import os
+import pickle
 import subprocess
 import sys
 import threading
-import time
 from collections import deque
-from collections.abc import Iterator
+from contextlib import suppress
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from asap import _checks
-from asap._rerun import PORT, write_frame
+from asap import _checks, _rerun, monitor
+from asap._rerun import PORT
 from asap.events import EVENT_DTYPE
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.telemetry import TELEMETRY_DTYPE, Rows, as_rows
-from asap.experiment.tracks import Tracks
 from asap.io.errors import library
 from asap.results import Run
-from asap.results.pictures import found_by, last_of, within
+from asap.results.pictures import found_by, frames
 
 __all__ = ["View", "view"]
 
@@ -48,9 +47,9 @@ def view(
     ----------
     pipeline_or_run : Pipeline or Run
         A run shows its curves and, if its algorithm was an `asap.Tracks`, clusters and events.
-    target : "spawn", "connect" or path
+    target : "spawn", "connect", "terminal" or path
         A new window of Rerun on this machine; one that listens on port 9876 of this machine, which
-        may be the end of an ssh tunnel; or a ``.rrd`` file to write.
+        may be the end of an ssh tunnel; the curves alone, as text; or a ``.rrd`` file to write.
     algorithm : optional
         Whose ``.objects`` or ``.clusters`` are shown; another thread reads them. Default: that of
         the pipeline.
@@ -63,7 +62,7 @@ def view(
     Raises
     ------
     MissingLibrary
-        rerun-sdk is not installed: extra ``view``.
+        rerun-sdk is not installed: extra ``view``; for "terminal" rich: extra ``monitor``.
 
     Examples
     --------
@@ -81,28 +80,28 @@ def view(
         remedy = "give an asap.Pipeline or a run of asap.run or asap.simulate"
         raise TypeError(_checks.named("pipeline_or_run", pipeline_or_run, remedy))
     run = pipeline_or_run
-    with View(target) as shown:
-        for frame in _frames(run):
-            if not shown.send((run.source["width"], run.source["height"]), *frame):
-                break
-    return shown
-
-
-def _frames(run: Run) -> Iterator[tuple[NDArray[np.void], ...]]:
-    """Cut the log of a finished run into frames, with what `Tracks` has noted."""
+    sensor = run.source["width"], run.source["height"]
     rows = as_rows(run.packages, run.latency_bound_us)
     for name in ("stale", "overflow"):
         rows[f"all_{name}"] = np.cumsum(rows[name])
     rows["all_discarded"] = np.cumsum(np.rint(rows["size"] / rows["gamma"]) - rows["size"])
-    tracks = run.algorithm if isinstance(run.algorithm, Tracks) else None
-    seen = np.empty(0, EVENT_DTYPE) if tracks is None else tracks.seen
-    noted = None if tracks is None else tracks.tracks
-    cuts = np.flatnonzero(np.diff(rows["start_us"] // (_FRAME_S * 1e6))) + 1
-    for part in np.split(rows, cuts) if len(rows) else ():
-        end_us = int(part["t_last"][-1]) + 1
-        time_us = end_us - int(_SHOWN_S * 1e6), end_us
-        found = found_by(None) if noted is None else last_of(within(noted, "t", *time_us))
-        yield part, within(seen, "t", *time_us), found
+    with View(target) as shown:
+        for _, part, events, found in frames(run, rows):
+            if not shown.send(part, sensor, events, found):
+                break
+    return shown
+
+
+def draw(target: str) -> None:
+    """Be the process that shows what comes in by its standard input, until it ends."""
+    with suppress(OSError, AttributeError):  # the run comes first, where the system can have it so
+        os.nice(19)
+        Path("/proc/self/autogroup").write_text("19")  # a session has a share of its own
+    is_text = target == "terminal"
+    opened: Any = monitor.shown("asap run") if is_text else _rerun.shown(target)
+    with opened as show, suppress(EOFError, pickle.UnpicklingError):  # at the end, or cut
+        while True:
+            show(*pickle.load(sys.stdin.buffer))
 
 
 def _has_screen() -> bool:
@@ -119,17 +118,20 @@ class View:
                 "view: no screen, DISPLAY is not set; give a file, such as run.rrd, or 'connect' "
                 f"after ssh -R {PORT}:localhost:{PORT} from a machine where rerun is open"
             )
-        if target not in ("spawn", "connect"):
-            path = _checks.new_file("target", target)
-            _checks.ending("target", path, (".rrd",), "give 'spawn', 'connect' or a .rrd file")
-            target = str(path.absolute())
-        if find_spec("rerun") is None:
+        self._is_text = target == "terminal"
+        if self._is_text:
+            monitor.need_terminal()
+        elif find_spec("rerun") is None:
             library("rerun", "a view", "view")
-        code = f"import sys; sys.path[:] = {sys.path!r}; from asap import _rerun"
+        if target not in ("spawn", "connect", "terminal"):
+            path = _checks.new_file("target", target)
+            remedy = "give 'spawn', 'connect', 'terminal' or a .rrd file"
+            _checks.ending("target", path, (".rrd",), remedy)
+            target = str(path.absolute())
+        code = f"import sys; sys.path[:] = {sys.path!r}; from asap import viewer"
         process = subprocess.Popen(
-            [sys.executable, "-c", f"{code}; _rerun.draw({target!r})"],
+            [sys.executable, "-c", f"{code}; viewer.draw({target!r})"],
             stdin=subprocess.PIPE,
-            bufsize=0,
             start_new_session=True,  # Ctrl-C is for the user's process alone
         )
         pipe: Any = process.stdin
@@ -150,24 +152,24 @@ class View:
         came: deque[Rows] = deque(maxlen=100)
         look = came.append
         pipeline._log.watchers.append(look)
-        is_over, next_s = False, 0.0
+        is_over, events, found = False, np.empty(0, EVENT_DTYPE), found_by(None)
         while not is_over:
-            is_over = self._closing.wait(max(next_s - time.monotonic(), 0.0))
-            next_s = time.monotonic() + _FRAME_S
-            pipeline._log.glimpse(more=True)
-            self._closing.wait(_SHOWN_S)
-            events = pipeline._log.glimpse(more=False)
-            found = found_by(algorithm)
+            is_over = self._closing.wait(monitor.EVERY_S if self._is_text else _FRAME_S)
+            if not self._is_text:
+                pipeline._native.glimpse(more=True)
+                self._closing.wait(_SHOWN_S)
+                events, found = pipeline._native.glimpse(more=False), found_by(algorithm)
             parts = [came.popleft() for _ in range(len(came))]
             rows = np.concatenate([np.empty(0, TELEMETRY_DTYPE), *parts])
-            if (len(rows) or len(events)) and not self.send(pipeline._sensor, rows, events, found):
+            if not self.send(rows, pipeline._sensor, events, found):
                 break
         pipeline._log.watchers.remove(look)
 
-    def send(self, sensor: tuple[int | None, int | None], *frame: NDArray[np.void]) -> bool:
-        """Hand rows, events and what was found over; False: the other process has ended."""
+    def send(self, *frame: Any) -> bool:
+        """Hand rows, sensor, events and what was found over; False: that process has ended."""
         try:
-            write_frame(self._pipe, (sensor[0] or 0, sensor[1] or 0), frame)
+            pickle.dump(frame, self._pipe, protocol=5)
+            self._pipe.flush()
         except OSError:
             return False
         return True
@@ -180,7 +182,8 @@ class View:
             if self._thread.is_alive():  # in a write that ends with the process
                 self._process.kill()
                 self._thread.join()
-        self._pipe.close()
+        with suppress(OSError):  # what that process did not take
+            self._pipe.close()
         try:
             self._process.wait(_PATIENCE_S)
         except subprocess.TimeoutExpired:

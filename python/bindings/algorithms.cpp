@@ -10,8 +10,8 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/core/check.hpp"
 #include "cluster_trackers.hpp"
+#include "core/check.hpp"
 #include "layers.hpp"
 #include "per_event.hpp"
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <string>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap::python {
 

@@ -10,9 +10,9 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/core/check.hpp"
 #include "asap/formats/encoder.hpp"
 #include "asap/formats/text.hpp"
+#include "core/check.hpp"
 #include "gil.hpp"
 #include "layers.hpp"
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "asap/core/check.hpp"
 #include "consumer.hpp"
+#include "core/check.hpp"
 #include "gil.hpp"
 
 namespace asap::python {
@@ -280,7 +280,7 @@ py::array LivePipeline::packages() const {
     throw std::runtime_error(
         "packages: a consumer still works; wait for the end of its loop, then read the rows");
   }
-  return rows_of(pipeline.telemetry().log);
+  return rows_of(pipeline.log());
 }
 
 py::array LivePipeline::glimpse(bool more) {

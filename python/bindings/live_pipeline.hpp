@@ -60,7 +60,7 @@ class LivePipeline {
 
   // Those that the log keeps of the rows from number `since` on. The consumer's thread, between
   // two packages.
-  py::array rows(std::size_t since) const { return rows_of(native().telemetry().log, since); }
+  py::array rows(std::size_t since) const { return rows_of(native().log(), since); }
 
   // Some of the events that came to the algorithm since the call before, if that one wanted more.
   py::array glimpse(bool more);

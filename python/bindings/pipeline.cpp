@@ -31,15 +31,14 @@ void bind_stats(py::module_& m) {
           "elapsed_s",
           [](const PipelineStats& stats) { return static_cast<double>(stats.elapsed_ns) * 1e-9; })
       .def_property_readonly("packages",
-                             [](const PipelineStats& stats) { return stats.packages.count.load(); })
-      .def_property_readonly(
-          "to_gamma", [](const PipelineStats& stats) { return stats.packages.to_gamma.load(); })
-      .def_property_readonly("size",
-                             [](const PipelineStats& stats) { return stats.packages.size.load(); })
-      .def_property_readonly(
-          "size_max", [](const PipelineStats& stats) { return stats.packages.size_max.load(); })
-      .def_property_readonly(
-          "gamma_min", [](const PipelineStats& stats) { return stats.packages.gamma_min.load(); })
+                             [](const PipelineStats& stats) { return stats.packages.count; })
+      .def_property_readonly("to_gamma",
+                             [](const PipelineStats& stats) { return stats.packages.to_gamma; })
+      .def_property_readonly("size", [](const PipelineStats& stats) { return stats.packages.size; })
+      .def_property_readonly("size_max",
+                             [](const PipelineStats& stats) { return stats.packages.size_max; })
+      .def_property_readonly("gamma_min",
+                             [](const PipelineStats& stats) { return stats.packages.gamma_min; })
       .def_property_readonly("latency_bound_us",
                              [](const PipelineStats& stats) { return us(stats.latency_bound_ns); })
       .def_property_readonly("sensor_delay_us",
@@ -48,7 +47,7 @@ void bind_stats(py::module_& m) {
           "sensor_delay_max_us",
           [](const PipelineStats& stats) { return us(stats.sensor_delay_max_ns); })
       .def_property_readonly("busy_s", [](const PipelineStats& stats) {
-        return static_cast<double>(stats.packages.processing_ns.load()) * 1e-9;
+        return static_cast<double>(stats.packages.processing_ns) * 1e-9;
       });
 }
 

@@ -12,10 +12,10 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/core/check.hpp"
 #include "asap/runner/replay.hpp"
 #include "asap/runner/simulator.hpp"
 #include "consumer.hpp"
+#include "core/check.hpp"
 #include "front_filter.hpp"
 #include "gil.hpp"
 #include "held.hpp"
@@ -54,14 +54,15 @@ void bind_results(Class& cls) {
           "validator", [](const Runner& runner) { return runner.validator(); },
           "What was rejected or repaired at the door.")
       .def_property_readonly(
-          "packages", [](const Runner& runner) { return rows_of(runner.telemetry().log); },
+          "packages", [](const Runner& runner) { return rows_of(runner.log()); },
           "One row per package, in PACKAGE_DTYPE: a read-only copy.")
       .def_property_readonly(
-          "latency", [](const Runner& runner) { return runner.telemetry().latency; },
+          "latency", [](const Runner& runner) { return runner.stats().latency; },
           "Latency per delivered event (a copy).")
-      .def_property_readonly("gap_us", &Runner::gap_us,
-                             "The longest time between two delivered events in a row of which some "
-                             "between were lost, us.")
+      .def_property_readonly(
+          "gap_us", [](const Runner& runner) { return runner.stats().gap_us; },
+          "The longest time between two delivered events in a row of which some "
+          "between were lost, us.")
       .def_property_readonly(
           "kept_mask", [](const Runner& runner) { return kept_arrays(runner); },
           "With keep_mask: of every received event, delivered or not; of every package, its "

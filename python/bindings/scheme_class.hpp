@@ -6,9 +6,7 @@
 #include <pybind11/stl.h>
 
 #include <tuple>
-#include <type_traits>
 
-#include "asap/schemes/bounded_scheme.hpp"
 #include "asap/schemes/scheme.hpp"
 #include "held.hpp"
 #include "keywords.hpp"
@@ -64,7 +62,7 @@ void bind_scheme(pybind11::module_& m, const char* name, const char* doc) {
       .def("__reduce__", [](const pybind11::object& self) {
         return reduced(self, pybind11::type::of<S>(), self.attr("parameters"));
       });
-  if constexpr (std::is_base_of_v<BoundedScheme, S>) bind_cost(bound);
+  if constexpr (requires(const S& scheme) { scheme.alpha_ns(); }) bind_cost(bound);
 }
 
 }  // namespace asap::python

@@ -7,7 +7,7 @@
 
 #include "arguments.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
-#include "asap/telemetry/telemetry.hpp"
+#include "asap/telemetry/ledger.hpp"
 #include "held.hpp"
 #include "layers.hpp"
 

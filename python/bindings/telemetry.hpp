@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <span>
 
+#include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/run_log.hpp"
-#include "asap/telemetry/telemetry.hpp"
 
 namespace asap::python {
 

@@ -4,7 +4,7 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "filter/stray_stamps.hpp"
 #include "gil.hpp"
 #include "held.hpp"

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "gil.hpp"
 #include "held.hpp"
 #include "native_consumer.hpp"

@@ -13,8 +13,8 @@
 
 #include "algorithms/cluster_streams.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
-#include "asap/core/random.hpp"
 #include "asap/schemes/deadline.hpp"
+#include "core/random.hpp"
 #include "packager/event_times.hpp"
 #include "packager/packager.hpp"
 #include "support/streams.hpp"

@@ -31,7 +31,7 @@ void simulate(benchmark::State& state) {
     }
     simulator.finish();
     delivered = simulator.ledger().delivered;
-    packages = simulator.telemetry().log.size();
+    packages = simulator.log().size();
   }
   asap::bench::report_events(state, kEvents);
   state.counters["delivered"] = static_cast<double>(delivered);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace {
 

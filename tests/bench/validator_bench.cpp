@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace {
 

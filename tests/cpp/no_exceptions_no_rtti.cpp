@@ -4,9 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
-#include "asap/core/random.hpp"
 #include "asap/core/time.hpp"
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/filter/validator.hpp"
@@ -16,7 +14,6 @@
 #include "asap/runner/simulator.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/asap2022.hpp"
-#include "asap/schemes/bounded_scheme.hpp"
 #include "asap/schemes/dead_beat.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
@@ -24,10 +21,11 @@
 #include "asap/schemes/scheme.hpp"
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/run_log.hpp"
-#include "asap/telemetry/telemetry.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"
 #include "buffer/event_buffer.hpp"
+#include "core/check.hpp"
+#include "core/random.hpp"
 #include "oracle/oracle.hpp"
 #include "packager/anytime_plan.hpp"
 #include "packager/packager.hpp"
@@ -38,9 +36,11 @@
 #include "runner/doorbell.hpp"
 #include "runner/push_door.hpp"
 #include "runner/read_ahead.hpp"
+#include "schemes/bounded_scheme.hpp"
 #include "schemes/calibration.hpp"
 #include "study/realtime.hpp"
 #include "telemetry/slot_log.hpp"
+#include "telemetry/telemetry.hpp"
 
 #if defined(__cpp_exceptions) || defined(__cpp_rtti)
 #error "this file is to be compiled with -fno-exceptions -fno-rtti"

@@ -52,15 +52,15 @@ Ledger simulate(Scheme& scheme, const LinearCost& cost, const RunConfig& config,
       fuzz::check(simulator.ledger().balanced());
     }
   } catch (const std::invalid_argument&) {
-    fuzz::check(config.validator.on_bad == OnBad::raise && simulator.rejected().total() == 1);
+    fuzz::check(config.validator.on_bad == OnBad::raise && simulator.stats().rejected.total() == 1);
   }
   fuzz::check(simulator.ledger().balanced());
   simulator.finish();
   const Ledger ledger = simulator.ledger();
   fuzz::check(ledger.balanced() && ledger.pending == 0 && ledger.delivered == algorithm.size);
-  const Telemetry& telemetry = simulator.telemetry();
-  fuzz::check(telemetry.log.size() == algorithm.packages);
-  for (std::size_t i = 0; i < telemetry.log.size(); ++i) check_row(telemetry.log[i]);
+  const RunLog& log = simulator.log();
+  fuzz::check(log.size() == algorithm.packages);
+  for (std::size_t i = 0; i < log.size(); ++i) check_row(log[i]);
   return ledger;
 }
 

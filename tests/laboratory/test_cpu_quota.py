@@ -2,32 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 pytest.importorskip("asap_laboratory")
 
 from asap_laboratory import cpu_quota
-
-
-def test_a_system_without_the_controller_is_named(tmp_path: Path) -> None:
-    with pytest.raises(cpu_quota.NoQuota, match="no controller cpu"):
-        cpu_quota.quota(0.5, tmp_path).__enter__()
-
-
-def test_a_group_that_cannot_be_made_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "cpu").mkdir()
-    (tmp_path / "cpu" / "cpu.shares").touch()
-
-    def refused(**_: object) -> str:
-        raise PermissionError("Permission denied")
-
-    monkeypatch.setattr(cpu_quota.tempfile, "mkdtemp", refused)
-    with pytest.raises(cpu_quota.NoQuota, match=r"no group can be made in .*Permission denied"):
-        cpu_quota.quota(0.5, tmp_path).__enter__()
 
 
 def test_the_process_has_its_share_and_no_more() -> None:

@@ -1,6 +1,5 @@
 """keep_curve: one score after the other, their mean and spread, table and figure."""
 
-import json
 import math
 import re
 
@@ -94,18 +93,6 @@ def test_every_run_gets_a_fresh_algorithm_and_filter_and_every_seed_its_scene():
     assert [one.keeps for one in used] == [[], [0.5], []] * 2
 
 
-def test_json_has_none_for_what_does_not_exist(calls):
-    curve = keep_curve(made, SCENE, gammas=(0.5,), seeds=(0, 1))
-    found = json.loads(json.dumps(curve.summary(), allow_nan=False))
-    assert found["rows"][0] == {
-        "gamma": 0.5,
-        "told": True,
-        "seeds": 2,
-        **{"mota": 0, "mota_sd": pytest.approx(0.5**0.5), "idf1": None, "idf1_sd": None},
-    }
-    assert (found["schema_version"], found["algorithm"], found["before"]) == (2, "made", None)
-
-
 # ---- table and figure -----------------------------------------------------------------------
 
 
@@ -141,59 +128,3 @@ def test_the_table_has_a_line_for_each_row():
     assert "-.350±.071" in lines[6]
     assert lines[4].split()[-2] == "-"  # no velocity
     assert max(map(len, lines)) <= 100
-
-
-def test_the_table_of_a_corner_detector():
-    corners = keep_curve(Silent, Corners([(50, 50, 0, 0)]), gammas=(1,), seeds=(0,))
-    lines = str(corners).splitlines()
-    assert lines[0] == "Silent on Corners, 1 seed"
-    assert lines[2].split() == ["gamma", "precision", "recall", "false", "F", "corners"]
-    assert lines[4].split() == ["1", "-", ".000", ".000", ".000", "0"]
-
-
-class Corners(FakeScene):
-    def vertices(self, t_us):
-        return np.array([(0, 50, 50)], [("id", int), ("x", float), ("y", float)])[
-            : self.labels.size
-        ]
-
-    def __init__(self, objects):
-        super().__init__(objects, noise=[500])
-
-
-def test_the_figure_has_a_line_told_and_one_not_told():
-    page = CURVE.plot()
-    mota = page.axes[0]
-    assert [axes.get_title(loc="left") for axes in page.axes] == [
-        "MOTA",
-        "HOTA",
-        "position error [px]",
-        "id switches",
-    ]
-    lines = [bars.lines[0] for bars in mota.containers]
-    assert [line.get_xdata().tolist() for line in lines] == [[1, 0.2], [1, 0.2]]
-    assert [line.get_ydata().tolist() for line in lines] == [
-        pytest.approx([0.95, 0.85]),
-        pytest.approx([0.95, -0.35]),
-    ]
-    assert [line.get_linestyle() for line in lines] == ["-", "--"]
-    words = [text.get_text() for text in page.legends[0].get_texts()]
-    assert words == ["BAF + fast, told", "BAF + fast, not told"]
-    low, high = mota.get_xlim()
-    assert low > 1 > 0.2 > high  # all events on the left
-    assert mota.get_ylim()[0] < -0.35
-
-
-def test_a_curve_that_was_never_told_is_one_line():
-    page = curve_of([(1.0, None, 0.9), (0.2, False, 0.8)], before=None).plot()
-    assert len(page.axes[0].containers) == 1
-    assert page.axes[0].containers[0].lines[0].get_linestyle() == "-"
-    assert [text.get_text() for text in page.legends[0].get_texts()] == ["fast"]
-
-
-def test_a_page_and_a_notebook_show_the_table(tmp_path):
-    evil = curve_of([(1.0, None, 0.9)], algorithm="<script>")
-    html = evil.report(tmp_path / "curve.html").read_text()
-    for shown in (html, evil._repr_html_()):
-        assert "<table" in shown and "<script" not in shown and "&lt;script&gt;" in shown
-    assert evil.save(tmp_path / "curve.json").is_file()

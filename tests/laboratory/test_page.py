@@ -7,14 +7,9 @@ import pytest
 from asap_laboratory.page import (
     Writer,
     distinct,
-    figure,
-    fixed,
     only,
     over_seeds,
     read_tables,
-    share,
-    short,
-    spread,
     write_tables,
 )
 
@@ -60,42 +55,6 @@ def test_tables_come_back_from_their_files(tmp_path):
         ],
         "more": [],
     }
-
-
-def test_numbers_are_written_as_the_tables_do():
-    assert [fixed(value) for value in (0.9761, -0.05, 12.0, None)] == [
-        ".976",
-        "-.050",
-        "12.000",
-        "-",
-    ]
-    assert [share(value) for value in (1.0, 0.25, 0.002, 4e-5, 0.0)] == [
-        *("1.000", ".250", ".002", "4e-05", "0"),
-    ]
-    assert [short(value) for value in (0.01234, 12.34, 99.6, None)] == ["0.0123", "12.3", "100", ""]
-    cell = spread("mota")
-    assert cell({"mota": 0.5, "mota_sd": 0.01}) == ".500±.010"
-    assert cell({"mota": 0.5, "mota_sd": None}) == ".500" and cell({"mota": None}) == "-"
-
-
-def test_a_pivot_has_a_row_for_each_key_and_leaves_out_what_has_no_cell():
-    writer = Writer({"mota": figure("mota", lambda value: "" if value is None else f"{value:g}")})
-    rows = [
-        *({"scene": "A", "seed": seed, "mota": seed} for seed in (1, 2)),
-        {"scene": "B", "seed": 2, "mota": 5},
-        {"scene": "C", "seed": 2, "mota": None},
-    ]
-    assert writer.pivot(rows, {"scene": ""}, "seed", "mota").splitlines() == [
-        *("|  | 1 | 2 |", "| --- | ---: | ---: |", "| A | 1 | 2 |", "| B |  | 5 |"),
-    ]
-
-
-def test_a_listing_has_a_row_for_each_row():
-    rows = [{"scene": "A", "gamma": 0.5, "mota": None}]
-    lines = Writer({}).listing(
-        rows, {"scene": "scene", "gamma": "g", "mota": "MOTA"}, numbers=False
-    )
-    assert lines.splitlines()[1:] == ["| --- | --- | --- |", "| A | 0.5 |  |"]
 
 
 def test_a_template_that_asks_for_what_is_not_there_is_refused(tmp_path):

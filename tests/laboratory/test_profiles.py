@@ -154,22 +154,6 @@ def test_bad_parameters_are_named(arguments: dict[str, Any], message: str) -> No
 # ---- cost models ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("name", "expected"),
-    [
-        ("fast", (20.0, 20.0, 0.05, 2.0)),
-        ("slow", (100.0, 300.0, 0.05, 10.0)),
-        ("slow_tv", (100.0, 300.0, 0.10, 10.0)),
-        ("slow_ht", (100.0, 300.0, 0.50, 10.0)),
-    ],
-)
-def test_cost_models_are_those_of_the_table(name: str, expected: tuple[float, ...]) -> None:
-    parameters = profiles.cost(name, seed=2).parameters
-    found = (parameters["alpha_us"], parameters["beta_ns"], parameters["noise"])
-    assert (*found, profiles.LATENCY_MS[name]) == expected
-    assert parameters["seed"] == 102
-
-
 def test_costs_drift_and_fail_where_the_table_says_so() -> None:
     drifts, outages = {}, {}
     for name in COSTS:
@@ -204,26 +188,3 @@ def test_outages() -> None:
 
 
 # ---- scenarios ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("profile", "cost_model", "duration_s", "scale", "latency_ms"),
-    [
-        ("bursts", "fast", 5.0, 1.0, 2.0),
-        ("bursts", "slow_ht", 5.0, 1.0, 10.0),
-        ("walk", "fast", 2.0, 15.0, 2.0),
-        ("walk", "slow_tv", 2.0, 1.0, 10.0),
-    ],
-)
-def test_scenario(
-    profile: str, cost_model: str, duration_s: float, scale: float, latency_ms: float
-) -> None:
-    scenario = profiles.scenario(profile, cost_model, seed=3)
-    parameters = scenario.source.parameters
-    assert (parameters["rate"], parameters["duration_s"]) == (profile, duration_s)
-    assert (parameters["scale"], parameters["seed"]) == (scale, 3)
-    assert (
-        scenario.cost.parameters
-        == profiles.cost(cost_model, seed=3, duration_s=duration_s).parameters
-    )
-    assert scenario.latency_ms == latency_ms

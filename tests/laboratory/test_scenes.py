@@ -121,28 +121,6 @@ def test_there_is_no_truth_outside_the_scene(scene: Scene, t_us: float) -> None:
 # ---- the scenes -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", "ABCDEFGHIJK")
-def test_named_scenes_say_what_they_are(name: str) -> None:
-    scene = getattr(scenes, name)(seed=3)
-    assert (scene.name, scene.seed) == (name, 3)
-    objects, width, height, duration_us = {
-        "A": (20, 346, 260, 1_500_000),
-        "B": (20, 346, 260, 1_500_000),
-        "C": (8, 346, 260, 2_000_000),
-        "D": (20, 346, 260, 1_500_000),
-        "E": (8, 240, 180, 2_000_000),
-        "F": (8, 346, 260, 2_000_000),
-        "G": (30, 640, 480, 2_000_000),
-        "H": (6, 240, 180, 2_000_000),
-        "I": (6, 346, 260, 2_000_000),
-        "J": (2, 346, 260, 2_000_000),
-        "K": (3, 240, 180, 1_000_000),
-    }[name]
-    assert (scene.width, scene.height, scene.duration_us) == (width, height, duration_us)
-    assert len(scene.truth(0)) == objects
-    assert f"{name}, seed 3, {width} x {height} px, {objects} objects" in repr(scene)
-
-
 @pytest.mark.parametrize(("kind", "corners"), [("bars", 4), ("angles", 6), ("rings", 0)])
 def test_large_shapes_of_one_kind(kind: Any, corners: int) -> None:
     scene = scenes.H(3, kind=kind)

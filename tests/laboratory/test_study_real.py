@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -115,16 +114,6 @@ def test_the_page_is_one_file_without_script_and_says_what_went_wrong(tmp_path: 
     assert "0.030 s: 0 of 1 hit, 1 missed" in html
 
 
-def test_lanes_show_which_id_carried_an_object(tmp_path: Path) -> None:
-    html = overlays.write(
-        tmp_path / "real.html", [followed(tmp_path, CLUSTERS)], command=""
-    ).read_text()
-    assert 'title="id 7" style="left:0.00%;width:33.33%' in html
-    assert 'title="id 8" style="left:33.33%;width:33.33%' in html
-    assert '<i class="missed" style="left:66.67%;width:33.33%' in html
-    assert '<i class="extra" style="left:33.33%;width:33.33%' in html
-
-
 # ---- folders and the command ----------------------------------------------------------------
 
 
@@ -180,15 +169,6 @@ def test_command_prints_the_table_and_writes_document_and_page(
     text = (out / "real.md").read_text()
     assert f"`asap-study --real {tmp_path.name}`" in text
     assert "**first**\n\n- object 0 is missed at 3 of 3 times, between 0.01 and 0.03 s" in text
-
-
-def test_command_with_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["--json", "--out", str(tmp_path / "out"), "--real", str(folder(tmp_path))]
-    assert main(words) == 0
-    document = json.loads(capsys.readouterr().out)
-    assert document["study"] == "real" and len(document["files"]) == 3
-    (one,) = document["tables"]["real"]
-    assert one["set"] == tmp_path.name and one["hit"] == 0 and one["precision"] is None
 
 
 def test_command_without_recordings_says_what_to_do(

@@ -53,17 +53,6 @@ def test_every_label_makes_a_scheme_of_its_own():
     assert contender("Asap2022").make(10.0, cost).parameters["max_size"] == 29_700
 
 
-def test_wrong_priors_are_wrong_by_a_hundred():
-    cost, names = SMALL.scenario().cost, ("first_alpha_us", "first_beta_ns")
-    normal = contender("Deadline").make(10.0, cost).parameters
-    ratios = set()
-    for label in PRIORS:
-        wrong = contender(label).make(10.0, cost).parameters
-        ratios.add(tuple(round(wrong[name] / normal[name], 6) for name in names))
-        assert {**wrong, **dict.fromkeys(names)} == {**normal, **dict.fromkeys(names)}
-    assert ratios == {(a, b) for a in (100.0, 0.01) for b in (100.0, 0.01)}
-
-
 # ---- measures -------------------------------------------------------------------------------
 
 
@@ -305,18 +294,6 @@ def test_figures_are_drawn_from_tables():
 
 
 # ---- the whole ------------------------------------------------------------------------------
-
-
-def test_quick_form_is_written(tmp_path, monkeypatch):
-    """With made-up rows; test_quick_form_reaches_the_goals measures them."""
-    monkeypatch.setattr(Case, "measure", rows_of)
-    monkeypatch.setattr(SteadyProbe, "measure", lambda _: fake()[-8:-7])
-    monkeypatch.setattr(CapProbe, "measure", lambda _: fake()[-7:-6])
-    study = dataclasses.replace(STUDY, figures=lambda tables: {})
-    found = conduct(study, tmp_path, form="quick", workers=1)
-    assert {row["goal"]: row["holds"] for row in found.tables["goals"]}["G1"] is True
-    text = found.paths[0].read_text()
-    assert all(f"## {model}\n" in text for model in LATENCY_MS) and "None" not in text
 
 
 # What the default gives up for shorter gaps, and gaps longer than wanted where the cost rises:

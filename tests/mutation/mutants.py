@@ -250,7 +250,7 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
-        INCLUDE + "telemetry/latency_histogram.hpp",
+        SOURCE + "telemetry/latency_histogram.cpp",
         "telemetry",
         at_the_bound_is_late=(
             "latency_ns <= bound_ns_ ? count : 0U",
@@ -265,11 +265,11 @@ MUTANTS: list[Mutant] = [
         gap_within_a_package=("extend(longest_us);\n", ";\n"),
     ),
     *in_file(
-        INCLUDE + "filter/gamma_filter.hpp",
+        SOURCE + "filter/gamma_filter.cpp",
         "filter",
         gamma_keeps_what_it_should_discard=(
-            "random_(number) < 2 * threshold",
-            "random_(number) >= 2 * threshold",
+            "kept += random(first + i) < bar",
+            "kept += random(first + i) >= bar",
         ),
     ),
     *in_file(

@@ -89,12 +89,3 @@ def gap(events: Events, at: int, gap_us: int) -> Events:
 def cut_file(path: Path, size: int) -> None:
     """A13: only the first `size` bytes of the file are there."""
     path.write_bytes(path.read_bytes()[:size])
-
-
-def flip_bytes(path: Path, count: int, *, seed: int = 0, first: int = 0) -> None:
-    """A13: `count` random bytes from `first` on are other bytes."""
-    data = bytearray(path.read_bytes())
-    random = np.random.default_rng(seed)
-    for at in random.integers(first, len(data), count):
-        data[at] ^= int(random.integers(1, 256))
-    path.write_bytes(bytes(data))

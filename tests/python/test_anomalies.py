@@ -252,18 +252,3 @@ def test_A15_what_comes_first_is_left_over(tmp_path: Path) -> None:
         assert found.rejected == {"before_start": both.size - warm.size}
         assert found.clock_resets == 0
         assert_equal_events(found.events, warm)
-
-
-# ---- A13: files that are cut or damaged ------------------------------------------------------
-
-
-def test_A13_a_truncated_file_keeps_what_is_good_or_raises(tmp_path: Path) -> None:
-    path = tmp_path / "events.npy"
-    np.save(path, EVENTS)
-    corrupt.cut_file(path, path.stat().st_size - 16 * 1000 - 3)
-    got = Collector()
-    with pytest.warns(asap.io.TruncatedFileWarning, match="byte"):
-        asap.run(path, algorithm=got, speed=10, latency_ms=1000)
-    assert_equal_events(np.concatenate(got), EVENTS[:2999])
-    with pytest.raises(asap.io.CorruptFile, match="byte"):
-        asap.run(path, algorithm=got, on_bad="raise")

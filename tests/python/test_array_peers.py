@@ -150,6 +150,23 @@ EXACT: dict[str, Make] = {
     "read-only": lambda _: EVENTS[:],
     "not aligned": lambda _: np.frombuffer(b"0" + EVENTS.tobytes(), asap.EVENT_DTYPE, offset=1),
     "big endian": lambda _: of_dtype(("t", ">i8"), ("x", ">u2"), ("y", ">u2"), ("p", ">i2")),
+    "event_camera_py": lambda _: of_dtype(
+        ("x", "<u2"), ("y", "<u2"), ("p", "i1"), ("t", "<i4"), names="xypt"
+    ),
+    "dv-processing records": lambda _: of_dtype(
+        ("timestamp", "<i8"), ("x", "<i2"), ("y", "<i2"), ("polarity", "i1")
+    ),
+    "ptyx, other names": lambda _: of_dtype(
+        ("pol", "<i4"), ("time", "<u4"), ("y", "<u4"), ("x", "<i4"), names="ptyx"
+    ),
+    "titles of faery": lambda _: of_dtype(
+        ("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("p", "on"), "?")
+    ),
+    "titles alone": lambda _: of_dtype(
+        (("t", "a"), "<i8"), (("x", "b"), "u2"), (("y", "c"), "u2"), (("p", "d"), "?")
+    ),
+    "half floats": lambda _: of_dtype(("t", "<i8"), ("x", "<f2"), ("y", "<f2"), ("p", "<f2")),
+    "reversed": lambda _: EVENTS[::-1].copy()[::-1],
     "titles": lambda _: of_dtype(
         (("time", "t"), "<i8"), ("x", "<i2"), ("y", "<i2"), (("polarity", "p"), "i1")
     ),
@@ -277,6 +294,10 @@ EXACT: dict[str, Make] = {
 
 OPTIONS: dict[str, tuple[Make, dict[str, Any]]] = {
     "rows": (lambda _: np.stack([EVENTS[role] for role in "txyp"], 1), {"order": "txyp"}),
+    "rows in big endian, by columns": (
+        lambda _: np.stack([EVENTS[n] for n in "xytp"], 1).astype(">f8", "F"),
+        {"order": "xytp", "time_unit": "us"},
+    ),
     "rows of xarray": (
         lambda _: lib("xarray").DataArray(np.stack([EVENTS[role] for role in "xytp"], 1)),
         {"order": "xytp"},

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 import io
 import json
 import os
-import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -20,7 +18,7 @@ import pytest
 import asap
 import corrupt
 import streams
-from asap import _progress, cli, demo
+from asap import _progress, demo
 from asap.cli.algorithms import ALGORITHMS, algorithm_of, chosen
 from event_files import write_csv
 
@@ -29,17 +27,6 @@ SENSOR = ("--width", corrupt.WIDTH, "--height", corrupt.HEIGHT)
 COST = ("--cost", "100us+300ns")
 EVENTS = corrupt.clean_events(2000)
 LINEAR = asap.LinearCost(100, 300)
-
-
-@pytest.fixture
-def call(capsys: pytest.CaptureFixture[str]) -> Call:
-    """Calls the command line: exit code, stdout, stderr."""
-
-    def call(*arguments: object) -> tuple[int, str, str]:
-        code = cli.main([str(argument) for argument in arguments])
-        return (code, *capsys.readouterr())
-
-    return call
 
 
 @pytest.fixture
@@ -94,6 +81,12 @@ def test_version(call: Call) -> None:
         ("info three.csv", "order = None: the lines of three.csv have 3 columns; name each"),
         ("info three.csv --order txq", "order = 'txq': name the columns"),
         ("info whole.csv", "say time_unit='s' or time_unit='us'"),
+        ("convert flight.npy a.xyz", "its suffix names no format; give to, one of npy, npz"),
+        ("convert flight.npy a.es", "Event Stream states its sensor; give width and height in px"),
+        ("convert flight.npy no/a.es", "there is no folder"),
+        ("convert flight.npy flight.npy", "is the recording itself"),
+        ("convert flight.npy a.raw --to evt4", "to = 'evt4'"),
+        ("convert flight.npy .", "a folder; give a file in it"),
         ("check", "required: FILE"),
         ("check f --on-bad drop", "unrecognized arguments: --on-bad drop"),
     ],
@@ -106,24 +99,6 @@ def test_wrong_use_exits_with_2_and_says_what_is_right(
     code, out, err = call(*arguments.split())
     assert (code, out) == (2, "")
     assert words in err
-
-
-def parsers() -> list[argparse.ArgumentParser]:
-    parser = cli._parser()
-    verbs = next(one for one in parser._actions if isinstance(one, argparse._SubParsersAction))
-    return [parser, *verbs.choices.values()]
-
-
-def test_every_argument_has_a_help_text_with_its_default() -> None:
-    for parser in parsers():
-        for one in parser._actions:
-            if isinstance(one, argparse._SubParsersAction):
-                continue
-            words = f"{parser.prog} {one.dest}: {one.help}"
-            assert one.help, words
-            if one.default not in (None, False, [], argparse.SUPPRESS):
-                shown = f"{one.default:g}" if isinstance(one.default, float) else f"{one.default}"
-                assert re.search(rf"default: {shown}\b|default: dropped", one.help), words
 
 
 @pytest.mark.parametrize("verb", ["info", "run --cost 1us+1ns", "compare --cost 1us+1ns", "check"])
@@ -344,28 +319,6 @@ def test_progress_without_tqdm_is_a_line_every_ten_seconds(monkeypatch: pytest.M
         "asap: 10,000 of 50,000 events",
         "asap: 20,000 of 50,000 events",
     ]
-
-
-def test_progress_with_tqdm_is_a_bar_that_goes_away(monkeypatch: pytest.MonkeyPatch) -> None:
-    tqdm = pytest.importorskip("tqdm").tqdm
-    bars = []
-
-    class Bar(tqdm):  # type: ignore[misc]
-        def __init__(self, **options: Any) -> None:
-            super().__init__(**dict(options, delay=0, mininterval=0))
-            bars.append(self)
-
-    monkeypatch.setattr("tqdm.tqdm", Bar)
-    terminal = Terminal()
-    monkeypatch.setattr(sys, "stderr", terminal)
-    with pytest.raises(KeyboardInterrupt), _progress.on_terminal() as on_progress:
-        on_progress(1000, 2000, None)
-        on_progress(1500, 2000, None)
-        raise KeyboardInterrupt
-    assert bars[0].n == 1500
-    assert "1.00k/2.00k" in terminal.getvalue()
-    assert re.search(r"\r +\r$", terminal.getvalue())
-    assert not re.search(r"\x1b\[\d*m", terminal.getvalue())
 
 
 # ---- as a process of its own ----------------------------------------------------------------

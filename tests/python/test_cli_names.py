@@ -65,15 +65,6 @@ async def slow(events):
 
 
 @pytest.fixture
-def asap(capsys: pytest.CaptureFixture[str]) -> Call:
-    def call(*arguments: object) -> tuple[int, str, str]:
-        code = cli.main([str(argument) for argument in arguments])
-        return (code, *capsys.readouterr())
-
-    return call
-
-
-@pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A current directory with a package, and a recording of 100 events."""
     (tmp_path / "pack").mkdir()
@@ -96,20 +87,20 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 RUN = ("run", "few.npy", "--width", 20, "--height", 10, "--cost", "1us+1ns", "--algorithm")
 
 
-def test_a_class_is_made_for_the_sensor(asap: Call, folder: Path) -> None:
-    assert asap(*RUN, "pack.mine:Detector")[0] == 0
+def test_a_class_is_made_for_the_sensor(call: Call, folder: Path) -> None:
+    assert call(*RUN, "pack.mine:Detector")[0] == 0
     mine = sys.modules["pack.mine"]
     assert {size for size, _ in mine.seen} == {(20, 10)}
     assert sum(count for _, count in mine.seen) == 200
-    assert asap(*RUN, "pack.mine:Outer.Inner")[0] == 0
+    assert call(*RUN, "pack.mine:Outer.Inner")[0] == 0
     assert sum(count for _, count in mine.seen) == 400
 
 
-def test_an_object_and_a_callable_are_used_as_they_are(asap: Call, folder: Path) -> None:
-    assert asap(*RUN, "pack.mine:counter")[0] == 0
+def test_an_object_and_a_callable_are_used_as_they_are(call: Call, folder: Path) -> None:
+    assert call(*RUN, "pack.mine:counter")[0] == 0
     mine = sys.modules["pack.mine"]
     assert mine.counter.events == 100
-    code, out, _ = asap(*RUN, "pack.mine:called", "--json")
+    code, out, _ = call(*RUN, "pack.mine:called", "--json")
     assert code == 0
     assert sum(map(len, mine.seen)) == 100
     assert json.loads(out)["ledger"]["delivered"] == 100
@@ -136,34 +127,34 @@ def test_the_current_directory_comes_first(folder: Path) -> None:
     ],
 )
 def test_own_code_fails_with_its_traceback(
-    asap: Call, folder: Path, spec: str, code: int, words: str
+    call: Call, folder: Path, spec: str, code: int, words: str
 ) -> None:
-    got, out, err = asap(*RUN, spec)
+    got, out, err = call(*RUN, spec)
     assert (got, out) == (code, "")
     assert err.startswith(f"asap: error: --algorithm {spec} failed:\nTraceback (most recent call")
     assert words.format(folder=folder) in err
 
 
 @pytest.mark.parametrize("spec", ["pack.mine:", ":Detector", "pack.mine:number", "pack.mine:Empty"])
-def test_what_is_no_algorithm_is_wrong_use(asap: Call, folder: Path, spec: str) -> None:
-    code, out, err = asap(*RUN, spec)
+def test_what_is_no_algorithm_is_wrong_use(call: Call, folder: Path, spec: str) -> None:
+    code, out, err = call(*RUN, spec)
     assert (code, out) == (2, "")
     assert "Traceback" not in err and "algorithm" in err
 
 
-def test_an_error_of_the_recording_stays_one(asap: Call, folder: Path) -> None:
+def test_an_error_of_the_recording_stays_one(call: Call, folder: Path) -> None:
     (folder / "few.npy").write_bytes((folder / "few.npy").read_bytes()[:100])
-    code, _, err = asap(*RUN, "pack.mine:counter")
+    code, _, err = call(*RUN, "pack.mine:counter")
     assert code == 3
     assert "--algorithm" not in err
 
 
-def test_a_class_needs_to_know_the_sensor(asap: Call, folder: Path) -> None:
-    code, _, err = asap("run", "few.npy", "--cost", "1us+1ns", "--algorithm", "pack.mine:Detector")
+def test_a_class_needs_to_know_the_sensor(call: Call, folder: Path) -> None:
+    code, _, err = call("run", "few.npy", "--cost", "1us+1ns", "--algorithm", "pack.mine:Detector")
     assert (code, err.count("\n")) == (2, 1)
     assert "--width and --height" in err
     arguments = ("run", "few.npy", "--cost", "1us+1ns", "--algorithm", "pack.mine:counter")
-    assert asap(*arguments)[0] == 0
+    assert call(*arguments)[0] == 0
 
 
 def verbs() -> dict[str, argparse.ArgumentParser]:
@@ -171,29 +162,29 @@ def verbs() -> dict[str, argparse.ArgumentParser]:
     return next(one for one in actions if isinstance(one, argparse._SubParsersAction)).choices
 
 
-def test_every_verb_has_an_example_that_parses(asap: Call) -> None:
+def test_every_verb_has_an_example_that_parses(call: Call) -> None:
     for verb, parser in verbs().items():
         example = (parser.epilog or "").removeprefix("example: ")
         assert example, verb
         words = shlex.split(example.removeprefix('eval "$(').removesuffix(')"'))
         cli._parser().parse_args(words[1:])
-        assert example in asap(verb, "--help")[1]
+        assert example in call(verb, "--help")[1]
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh"])
-def test_a_script_completes_every_verb_and_option(asap: Call, shell: str) -> None:
+def test_a_script_completes_every_verb_and_option(call: Call, shell: str) -> None:
     pytest.importorskip("shtab")
-    code, script, err = asap("completion", shell)
+    code, script, err = call("completion", shell)
     assert (code, err) == (0, "")
     for verb, parser in verbs().items():
         assert verb in script
         assert [one for one in parser._option_string_actions if one not in script] == []
-    assert json.loads(asap("completion", shell, "--json")[1])["script"] + "\n" == script
+    assert json.loads(call("completion", shell, "--json")[1])["script"] + "\n" == script
     if (program := shutil.which(shell)) is not None:
         subprocess.run([program, "-n"], input=script, text=True, check=True)
 
 
-def test_completion_names_its_extra(asap: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_completion_names_its_extra(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "shtab", None)
-    code, out, err = asap("completion", "bash")
+    code, out, err = call("completion", "bash")
     assert (code, out) == (2, "") and "asap-events[completion]" in err

@@ -20,28 +20,6 @@ def comparison():
     return asap.compare(EVENTS, cost=COST, schemes=schemes)
 
 
-@pytest.fixture(scope="module")
-def page(comparison, tmp_path_factory):
-    path = tmp_path_factory.mktemp("page") / "out.html"
-    comparison.report(path)
-    return path.read_text("utf-8")
-
-
-def titles(axes):
-    return axes.get_title(loc="left"), axes.get_title(loc="right")
-
-
-def test_a_row_of_the_figure_for_each_scheme_best_first(comparison):
-    axes = comparison.plot().axes
-    assert len(axes) == 2 * (1 + 2)
-    first, second = comparison.rows
-    assert titles(axes[2])[0] == first.label == "ours"
-    assert titles(axes[3])[0] == f"score {first.score:.3f}"
-    assert titles(axes[4])[0] == second.label
-    assert "p99" in titles(axes[4])[1] and "kept 100.0 %" in titles(axes[5])[1]
-    assert all(axes[0].get_shared_x_axes().joined(axes[0], other) for other in axes[1:])
-
-
 def test_the_curves_are_those_of_the_slots(comparison):
     axes = plots.comparison_figure(comparison, points=10).axes
     slots = comparison.runs["ours"].slots

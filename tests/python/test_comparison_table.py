@@ -78,21 +78,6 @@ def test_the_verdict_names_the_scheme_that_processes_more_than_the_default(compa
         assert "processes more in time" not in verdict(comparison, *rows)
 
 
-def test_the_verdict_of_a_load_that_is_no_problem(comparison):
-    one, two = row("A", score=1.0, p99_us=500.0), row("B", score=0.9996)
-    words = verdict(comparison, one, two)
-    assert words.startswith(
-        "2 schemes process as many events within 5 ms as the oracle; A has the lowest p99, 0.10 L. "
-        "No event is late with A and B."
-    )
-    light = replace(comparison, oracle=float(comparison.received))
-    assert "do not overload this algorithm; a larger speed does." in verdict(light, one, two)
-    assert "do not overload" not in verdict(replace(light, oracle=0.9 * light.oracle), one, two)
-    assert "keep the bound: as many as the oracle, p99 0.10 L." in verdict(comparison, one)
-    all_but = (row("A", score=0.9994), row("B", score=0.9994))
-    assert "> 99.9 % of the oracle's" in verdict(comparison, *all_but)
-
-
 def test_the_verdict_where_nothing_can_be_had(comparison):
     assert "one package takes longer" in verdict(comparison, row(), oracle=0.0)
     empty = asap.compare(EVENTS[:0], cost=COST, schemes=[asap.Greedy()])
@@ -103,17 +88,3 @@ def test_the_verdict_where_nothing_can_be_had(comparison):
     )
     assert "one package takes longer" in str(impossible)
     assert impossible.oracle == 0
-
-
-def test_the_exact_clairvoyant_stands_below_the_oracle_and_in_the_verdict(comparison):
-    exact = round(0.8 * comparison.oracle)
-    known = replace(comparison, exact=exact)
-    share = f"{100 * exact / EVENTS.size:.1f} %"
-    assert text_of.oracle_rows(known)[1][:3] == ("exact clairvoyant", "0.800", share)
-    lines = str(known).splitlines()
-    below = next(i for i, line in enumerate(lines) if line.startswith("oracle"))
-    assert lines[below + 1].split()[:3] == ["exact", "clairvoyant", "0.800"]
-    words = "that knows all arrivals reaches 80.0 % of it (exact clairvoyant)"
-    assert words in verdict(known, row())
-    assert "exact" not in verdict(replace(known, exact=round(comparison.oracle)), row())
-    assert "exact" not in verdict(comparison, row())

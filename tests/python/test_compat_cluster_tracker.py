@@ -13,22 +13,8 @@ from hypothesis.extra import numpy as hnp
 
 import asap
 from asap import EVENT_DTYPE
+from test_cluster_tracker import FIELDS
 
-CLUSTER_FIELDS = [
-    "id",
-    "x",
-    "y",
-    "vx",
-    "vy",
-    "cxx",
-    "cxy",
-    "cyy",
-    "size",
-    "t_last",
-    "pxx",
-    "pxy",
-    "pyy",
-]
 WIDTH, HEIGHT = 346, 260
 ClusterTracker = partial(asap.ClusterTracker, engine="compat")
 
@@ -73,10 +59,10 @@ def test_clusters_are_a_structured_array_sorted_by_id() -> None:
     assert empty.shape == (0,)
     tracker.process(two_blobs())
     clusters = tracker.clusters
-    assert list(clusters.dtype.names or ()) == CLUSTER_FIELDS
+    assert list(clusters.dtype.names or ()) == FIELDS
     assert empty.dtype == clusters.dtype
     integers = {"id", "size", "t_last"}
-    for name in CLUSTER_FIELDS:
+    for name in FIELDS:
         assert clusters.dtype[name] == (np.int64 if name in integers else np.float64)
     assert np.all(np.diff(clusters["id"]) > 0)
     assert np.all(clusters["size"] >= 15)

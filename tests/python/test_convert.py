@@ -256,42 +256,6 @@ def test_the_verb(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert_equal_events(asap.load(out), EVENTS)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "code", "words"),
-    [
-        (["none.npy", "a.raw"], 3, "none.npy: no such file"),
-        (["a.npy", "a.xyz"], 2, "its suffix names no format; give to, one of npy, npz"),
-        (["a.npy", "a.es"], 2, "Event Stream states its sensor; give width and height in px"),
-        (
-            ["unix.npy", "a.raw"],
-            2,
-            "cannot hold this time; count from the first event (relative)",
-        ),
-        (["a.npy", "no/a.es"], 2, "there is no folder"),
-        (["a.npy", "a.npy"], 2, "is the recording itself"),
-        (["a.npy", "a.raw", "--to", "evt4"], 2, "to = 'evt4'"),
-        (["a.npy", "folder.raw"], 2, "folder.raw: a folder; give a file in it"),
-    ],
-)
-def test_the_verb_refuses(
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    arguments: list[str],
-    code: int,
-    words: str,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    np.save(tmp_path / "a.npy", EVENTS)
-    unix = EVENTS.copy()
-    unix["t"] += UNIX_US
-    np.save(tmp_path / "unix.npy", unix)
-    (tmp_path / "folder.raw").mkdir()
-    assert cli.main(["convert", *arguments]) == code
-    out, err = capsys.readouterr()
-    assert out == "" and words in err
-
-
 def triggers_of(tmp_path: Path) -> Path:
     """Write EVT2 with three events and four triggers, one after a pause of 10 s."""
 

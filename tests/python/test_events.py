@@ -39,57 +39,6 @@ def fake(dtype: Any, roles: str = "txyp") -> np.ndarray:
 ALIGNED_XYPT = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")], align=True)
 ALIGNED_TXYP = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "u1")], align=True)
 
-# formats.md 2.2: name, dtype, roles of the fields
-LAYOUTS = [
-    ("metavision", ALIGNED_XYPT, "xypt"),
-    ("metavision packed", [("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")], "xypt"),
-    ("event_camera_py", [("x", "<u2"), ("y", "<u2"), ("p", "i1"), ("pad", "V3"), ("t", "<i4")], ""),
-    (
-        "dv-processing",
-        np.dtype(
-            [("timestamp", "<i8"), ("x", "<i2"), ("y", "<i2"), ("polarity", "i1")], align=True
-        ),
-        "txyp",
-    ),
-    ("expelliarmus", ALIGNED_TXYP, "txyp"),
-    ("aestream", [("timestamp", "<i8"), ("x", "<i2"), ("y", "<i2"), ("polarity", "i1")], "txyp"),
-    ("faery", [("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("p", "on"), "?")], "txyp"),
-    ("event_stream", [("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("on", "p"), "?")], "txyp"),
-    ("neuromorphic-drivers", [("t", "<u8"), ("x", "<u2"), ("y", "<u2"), ("on", "?")], "txyp"),
-    ("tonic", [("x", "<i2"), ("y", "<i2"), ("t", "<i8"), ("p", "?")], "xytp"),
-    ("tonic, ptyx", [("p", "<i8"), ("t", "<i8"), ("y", "<i8"), ("x", "<i8")], "ptyx"),
-    ("ros names", [("x", "<u2"), ("y", "<u2"), ("ts", "<u8"), ("polarity", "?")], "xytp"),
-    ("time, pol", [("pol", "<i4"), ("time", "<u4"), ("y", "<u4"), ("x", "<i4")], "ptyx"),
-    ("big endian", [("t", ">i8"), ("x", ">u2"), ("y", ">u2"), ("p", ">i2")], "txyp"),
-    (
-        "titles only",
-        [(("t", "a"), "<i8"), (("x", "b"), "u2"), (("y", "c"), "u2"), (("p", "d"), "?")],
-        "txyp",
-    ),
-    ("extra fields", [("id", "<i8"), ("t", "<i8"), ("x", "u2"), ("y", "u2"), ("p", "?")], ""),
-    ("half floats", [("t", "<i8"), ("x", "<f2"), ("y", "<f2"), ("p", "<f2")], "txyp"),
-    ("floating x, y", [("t", "<i8"), ("x", "<f4"), ("y", "<f8"), ("p", "<f4")], "txyp"),
-]  # fmt: skip
-
-
-def filled(dtype: Any, roles: str) -> np.ndarray:
-    if roles:
-        return fake(dtype, roles)
-    array = np.zeros(4, dtype)  # layouts with fields beyond the four
-    for name, column in (("t", T), ("x", X), ("y", Y), ("p", P)):
-        array[name] = column
-    return array
-
-
-@pytest.mark.parametrize(
-    ("dtype", "roles"), [row[1:] for row in LAYOUTS], ids=[r[0] for r in LAYOUTS]
-)
-def test_every_producers_layout_by_field_name(dtype: Any, roles: str) -> None:
-    source = filled(dtype, roles)
-    assert_equal_events(asap.as_events(source), expected())
-    assert_equal_events(asap.as_events(source[::2]), expected()[::2])
-    assert_equal_events(asap.as_events(source[::-1]), expected()[::-1])
-
 
 class TestWithoutACopy:
     def test_own_dtype_is_passed_through(self) -> None:
@@ -170,32 +119,12 @@ class FakeArrow(FakeFrame):
 
 
 class TestColumns:
-    def test_tuple_and_list(self) -> None:
-        assert_equal_events(asap.as_events((T, X, Y, P)), expected())
-        assert_equal_events(asap.as_events([T, X, Y, P]), expected())
-        assert_equal_events(asap.as_events(([5], [1], [2], [0])), expected([5], [1], [2], [0]))
-
     @pytest.mark.parametrize("kind", [dict, FakeFrame, FakeArrow])
     def test_by_name_from_mappings_and_frames(self, kind: Any) -> None:
         assert_equal_events(asap.as_events(kind(y=Y, polarity=P, timestamp=T, x=X)), expected())
 
-    def test_rows_need_an_order(self) -> None:
-        rows = np.stack([X, Y, T, P], axis=1)
-        with pytest.raises(ValueError, match="order = None"):
-            asap.as_events(rows)
-        assert_equal_events(asap.as_events(rows, order="xytp"), expected())
-        assert_equal_events(asap.as_events(np.asfortranarray(rows), order="xytp"), expected())
-        assert_equal_events(asap.as_events(rows.astype(">f8"), order="xytp", time_unit="ms"),
-                            expected(t=T * 1000))  # fmt: skip
-
 
 class TestTime:
-    def test_floating_times_need_their_unit(self) -> None:
-        with pytest.raises(ValueError, match="time_unit = None: t is float64"):
-            asap.as_events((T / 1e6, X, Y, P))
-        said = asap.as_events((T.astype(float), X, Y, P), time_unit="us")
-        assert_equal_events(said, expected())
-
     @pytest.mark.parametrize(
         ("t", "dtype"),
         [(2**53, "m8[s]"), (-(2**53), "m8[s]"), (2**62, "m8[Y]"), ("300000-01-01", "M8[D]")],
@@ -204,12 +133,6 @@ class TestTime:
         columns = (np.array([0, t], dtype), [1, 1], [2, 2], None)
         with pytest.raises(ValueError, match=rf"^t = {t}.* \(event 1\): no time in 64-bit us"):
             asap.as_events(columns)
-
-    @pytest.mark.parametrize("dtype", ["M8[us]", "M8[ms]", "m8[us]", "m8[ns]", ">m8[us]"])
-    def test_datetime_and_timedelta_carry_their_unit(self, dtype: str) -> None:
-        factor = {"us": 1, "ms": 1000, "ns": 1}[dtype[-3:-1]]
-        t = (T * 1000 if "ns" in dtype else T).astype(dtype.lstrip(">")).astype(dtype)
-        assert_equal_events(asap.as_events((t, X, Y, P)), expected(t=T * factor))
 
 
 class OpenGroup(dict[str, Any]):
@@ -264,30 +187,6 @@ class TestValuesThatDoNotFit:
     def test_polarity_nan(self) -> None:
         with pytest.raises(ValueError, match=r"p = nan \(event 2\)"):
             asap.as_events((T, X, Y, [1, 0, np.nan, 1]))
-
-
-class TestWhatIsNoEvents:
-    def test_a_path_names_load(self) -> None:
-        for source in ("file.npy", Path("file.npy"), b"file.npy"):
-            with pytest.raises(TypeError, match="load"):
-                asap.as_events(source)
-
-    def test_missing_field_lists_what_was_found(self) -> None:
-        source = np.zeros(3, [("stamp", "<i8"), ("x", "u2"), ("y", "u2"), ("p", "?")])
-        with pytest.raises(TypeError, match=r"no field for t among: stamp, x, y, p.*timestamp"):
-            asap.as_events(source)
-
-    def test_two_fields_for_one_role(self) -> None:
-        source = np.zeros(3, [("t", "<i8"), ("ts", "<i8"), ("x", "u2"), ("y", "u2"), ("p", "?")])
-        with pytest.raises(TypeError, match=r"two fields \(t, ts\) for t"):
-            asap.as_events(source)
-
-    @pytest.mark.parametrize(
-        "source", [5, object(), [1, 2, 3], np.arange(4), np.zeros((2, 3, 4)), ["a", "b"], {1, 2}]
-    )
-    def test_other_things(self, source: Any) -> None:
-        with pytest.raises(TypeError, match="source"):
-            asap.as_events(source, order="txyp" if isinstance(source, np.ndarray) else None)
 
 
 def test_needs_numpy_alone() -> None:

@@ -10,7 +10,7 @@ import struct
 import tracemalloc
 import warnings
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,8 @@ from hypothesis import strategies as st
 import asap
 import raw_files
 import record_files
+from aedat4_files import write_aedat4
+from asap.events import Events
 from corrupt import clean_events
 from event_files import WRITERS, recording
 from fuzzing import INTERESTING, damaged, effort
@@ -71,7 +73,24 @@ def check_load(path: Path, content: bytes, options: dict[str, Any]) -> None:
 # ---- good files, damaged --------------------------------------------------------------------
 
 
-GOOD = {**WRITERS, **raw_files.WRITERS, **record_files.WRITERS}
+def write_h5(path: Path, events: Events) -> None:
+    pytest.importorskip("h5py")
+    asap.convert(events, path, to="dsec")
+
+
+def write_mat(path: Path, events: Events) -> None:
+    columns = {name: events[name] for name in "txyp"}
+    pytest.importorskip("scipy.io").savemat(path, columns, do_compression=True)
+
+
+GOOD: dict[str, Callable[[Path, Events], object]] = {
+    **WRITERS,
+    **raw_files.WRITERS,
+    **record_files.WRITERS,
+    "aedat4": lambda path, events: write_aedat4(path, [(0, events[:20]), (0, events[20:])]),
+    "h5": write_h5,
+    "mat": write_mat,
+}
 
 
 @pytest.fixture(scope="module", params=GOOD)
@@ -199,6 +218,3 @@ def test_an_npz_of_strange_members(
 ) -> None:
     content = npz((COLUMNS if with_columns else {}) | members, method)
     check_load(folder / "strange.npz", content, {})
-
-
-# ---- text -----------------------------------------------------------------------------------

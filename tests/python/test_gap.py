@@ -8,7 +8,6 @@ import pytest
 import asap
 import streams
 from asap.experiment.comparing import user_schemes
-from asap.results import text as text_of
 
 SCHEMES = [pytest.param(one, id=one.label) for one in user_schemes()]
 SLOW = asap.LinearCost(alpha_us=300, beta_ns=1000, noise=0.3, seed=1)
@@ -90,16 +89,3 @@ def test_live_it_is_of_the_stamps(when_full):
     assert stats["ledger"]["pending"] == 0
     kept = np.isin(events["t"], np.concatenate(got)["t"])
     assert stats["gap_us"] == gap_of(events["t"], kept) > 0
-
-
-def test_the_table_and_the_verdict_tell_a_long_one():
-    events = uneven(2)
-    whole = asap.simulate(events, cost=asap.LinearCost(1, 10), latency_ms=4)
-    assert "  gap        none\n" in str(whole)
-    assert "longest gap" not in text_of.run_verdict(whole)
-    slow = asap.LinearCost(3000, 1000)
-    lossy = asap.simulate(events, cost=slow, scheme=asap.Greedy(), latency_ms=4, capacity=500)
-    assert lossy.gap_us > 2000
-    assert "without a processed event while events came\n" in str(lossy)
-    words = f"({lossy.gap_us / 4000:.2g} L): events came, and none of them was processed."
-    assert words in text_of.run_verdict(lossy)

@@ -7,15 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import asap
 import corrupt
-from asap import _core
 from asap.events import Events
 from asap.io import CorruptFile, TruncatedFileWarning
-from event_files import WRITERS, assert_equal_events, recording
+from event_files import WRITERS, assert_equal_events
 
 EVENTS = corrupt.clean_events(3000)
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
@@ -116,38 +113,3 @@ def test_A13_text_with_torn_lines(tmp_path: Path) -> None:
     rec = asap.read(path)
     assert_equal_events(np.concatenate(list(rec)), np.delete(EVENTS, [0, 700, 1400]))
     assert rec.rejected["bad_record"] == len(rec.bad_offsets) == 3
-
-
-@pytest.mark.parametrize("share", [0.3, 0.6, 0.97])
-def test_A13_half_an_aedat4_keeps_its_packets(tmp_path: Path, share: float) -> None:
-    pytest.importorskip("lz4")
-    whole_path = recording("aedat/office_davis346.aedat4")
-    whole = asap.load(whole_path)
-    path = tmp_path / "half.aedat4"
-    path.write_bytes(whole_path.read_bytes())
-    corrupt.cut_file(path, int(share * path.stat().st_size))
-    with pytest.warns(TruncatedFileWarning, match=r"byte \d+: no whole packet follows"):
-        events = asap.load(path)
-    assert 0.2 * share * len(whole) < len(events) < len(whole)
-    assert_equal_events(events, whole[: len(events)])
-    with pytest.raises(CorruptFile, match="byte"):
-        asap.load(path, on_bad="raise")
-
-
-EVENT = st.tuples(
-    st.integers(0, 400), st.integers(0, 300), st.integers(-3, 3),
-    st.one_of(st.integers(0, 300), st.integers(-(2**63), 2**63 - 1)),
-)  # fmt: skip
-
-
-@given(st.lists(EVENT, max_size=60), st.sampled_from(["drop", "clamp"]), st.integers(0, 50))
-def test_validated_output_never_goes_back_and_the_ledger_is_exact(
-    rows: list[tuple[int, ...]], on_bad: str, tolerance_us: int
-) -> None:
-    events = np.array(rows, asap.EVENT_DTYPE)
-    validator = _core.Validator(**SENSOR, on_bad=on_bad, reorder_tolerance_us=tolerance_us)
-    good = validator.check(events)
-    assert validator.received == len(events) == len(good) + sum(validator.rejected.values())
-    assert (np.diff(good["t"]) >= 0).all()
-    assert (good["x"] < corrupt.WIDTH).all() and (good["y"] < corrupt.HEIGHT).all()
-    assert set(good["p"].tolist()) <= {0, 1}

@@ -80,9 +80,6 @@ def test_a_side_against_that_of_the_file(states_its_sensor: Path, side: str) -> 
             call()
 
 
-# ---- numbers that are written in another way ------------------------------------------------
-
-
 # ---- the wrong unit -------------------------------------------------------------------------
 
 

@@ -9,6 +9,7 @@ import pty
 import re
 import subprocess
 import sys
+from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -46,7 +47,7 @@ def drawn(screen: monitor.Screen, width: int = 80) -> str:
 
 def test_the_panels_say_what_the_rows_say() -> None:
     screen = monitor.Screen("flight")
-    screen(rows_of(500, all_pending=1234))
+    screen.add(rows_of(500, all_pending=1234))
     text = drawn(screen)
     for words in (
         "flight",
@@ -65,15 +66,15 @@ def test_the_panels_say_what_the_rows_say() -> None:
 def test_it_is_one_screen(width: int) -> None:
     screen = monitor.Screen("a long name " * 20)
     for begin in range(0, 30_000, 500):
-        screen(rows_of(500, since=begin, all_rejected=3, all_stale=5, all_filtered=7))
+        screen.add(rows_of(500, since=begin, all_rejected=3, all_stale=5, all_filtered=7))
     lines = drawn(screen, width).rstrip("\n").split("\n")
     assert len(lines) <= 24 and max(map(len, lines)) <= width
 
 
 def test_silence_leaves_empty_columns() -> None:
     screen = monitor.Screen("flight")
-    screen(rows_of(50))
-    screen(rows_of(50, since=500))
+    screen.add(rows_of(50))
+    screen.add(rows_of(50, since=500))
     lines = drawn(screen).split("\n")
     curve = next(below for line, below in pairwise(lines) if "event rate" in line)
     assert curve.endswith("█" + " " * 9 + "█")
@@ -83,7 +84,7 @@ def test_latency_beyond_the_bound_is_red() -> None:
     red = re.escape("\x1b[31m")
     for latency_us, is_red in ((9_999, False), (10_001, True)):
         screen = monitor.Screen("flight")
-        screen(rows_of(50, latency_max_us=latency_us, all_discarded=0, gamma=1.0))
+        screen.add(rows_of(50, latency_max_us=latency_us, all_discarded=0, gamma=1.0))
         out = console.Console(
             width=80, file=io.StringIO(), force_terminal=True, color_system="standard"
         )
@@ -165,25 +166,44 @@ def test_without_rich_the_extra_is_named(
     assert "pip install 'asap-events[monitor]'" in capsys.readouterr().err
 
 
-def test_a_run_is_shown_on_its_terminal_and_ends_as_usual(tmp_path: Path) -> None:
-    np.save(tmp_path / "flight.npy", streams.poisson(2e5, 1.0))
-    command = "run flight.npy --width 346 --height 260 --monitor --json"
+def on_terminal(folder: Path, command: str) -> tuple[subprocess.Popen[bytes], int]:
+    """Begin a verb whose stderr is a terminal, and give the other end of that."""
+    np.save(folder / "flight.npy", streams.poisson(2e5, 1.0))
     ours, theirs = pty.openpty()
     process = subprocess.Popen(
         [sys.executable, "-m", "asap", *command.split()],
         stdout=subprocess.PIPE,
         stderr=theirs,
-        cwd=tmp_path,
+        cwd=folder,
         env={**os.environ, "TERM": "xterm", "COLUMNS": "100", "LINES": "30"},
     )
     os.close(theirs)
+    return process, ours
+
+
+def rest_of(terminal: int) -> str:
     shown = b""
-    while True:
-        try:
-            shown += os.read(ours, 1 << 16)
-        except OSError:  # the terminal is closed
-            break
+    with suppress(OSError):  # it is closed
+        while part := os.read(terminal, 1 << 16):
+            shown += part
+    os.close(terminal)
+    return shown.decode()
+
+
+def test_a_run_is_shown_on_its_terminal_and_ends_as_usual(tmp_path: Path) -> None:
+    command = "run flight.npy --width 346 --height 260 --monitor --json"
+    process, terminal = on_terminal(tmp_path, command)
+    assert "waiting in the ring" in rest_of(terminal)
     out, _ = process.communicate()
-    os.close(ours)
     assert process.returncode == 0 and json.loads(out)["ledger"]["received"] > 100_000
-    assert "waiting in the ring" in shown.decode() and "clusters" in shown.decode()
+
+
+def test_a_run_that_is_killed_gives_the_terminal_back(tmp_path: Path) -> None:
+    command = "run --software-camera flight.npy --width 346 --height 260 --monitor --speed 0.01"
+    process, terminal = on_terminal(tmp_path, command)
+    shown = ""
+    while "no package yet" not in shown and "waiting in" not in shown:
+        shown += os.read(terminal, 1 << 16).decode(errors="replace")
+    process.kill()
+    process.communicate()
+    assert rest_of(terminal).endswith("\x1b[?1049l")  # the other screen

@@ -16,6 +16,7 @@ import pytest
 
 import asap
 import streams
+from test_algorithms import MADE
 
 EVENTS = streams.make(np.arange(2000) * 50, x=np.arange(2000) % 20, y=3)
 COST = asap.LinearCost(100, 300)
@@ -60,26 +61,12 @@ def test_schemes(scheme: asap.Scheme, protocol: int) -> None:
         assert twin.parameters == scheme.parameters
 
 
-ALGORITHMS: list[Callable[[], Any]] = [
-    lambda: asap.ClusterTracker(20, 10, confirm_events=9.0, support="off"),
-    lambda: asap.ClusterTracker(20, 10, engine="compat", window=300, seed=2**63, motion="kalman"),
-    lambda: asap.FeatureTracker(20, 10, detector="e_fast", window=200),
-    lambda: asap.BackgroundActivityFilter(20, 10, window_us=700),
-    lambda: asap.HotPixelMask(20, 10, pixels=[(3, 4), (0, 9)], learn_events=7),
-    lambda: asap.EFast(20, 10),
-    lambda: asap.ArcStar(20, 10, filter_us=9),
-    lambda: asap.EHarris(20, 10, threshold=7.5),
-    lambda: asap.FAHarris(20, 10, filter_us=3, threshold=0.25),
-    lambda: asap.ThresholdOrdinalSurface(20, 10, side=5),
-    lambda: asap.SpeedInvariantTimeSurface(20, 10, radius=3),
-    lambda: asap.PlaneFlow(20, 10, window_us=900, refit=False),
-    lambda: asap.MotionSegmenter(20, 10, window_us=50_000, least_share=0.25),
-    lambda: asap.EventImage(20, 10, count=50, channels=["on", "off"]),
-]
+ALGORITHMS = [partial(kind, 20, 10, **parameters) for kind, parameters in MADE.values()]
+every_algorithm = pytest.mark.parametrize("make", ALGORITHMS, ids=MADE)
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-@pytest.mark.parametrize("make", ALGORITHMS, ids=lambda make: repr(type(make()).__name__))
+@every_algorithm
 def test_a_new_algorithm(make: Callable[[], Any], protocol: int) -> None:
     made = make()
     for twin in (again(made, protocol), copy.deepcopy(made)):
@@ -97,7 +84,7 @@ WORKS: list[Callable[[Any], object]] = [
 
 
 @pytest.mark.parametrize("work", WORKS)
-@pytest.mark.parametrize("make", ALGORITHMS, ids=lambda make: repr(type(make()).__name__))
+@every_algorithm
 def test_an_algorithm_that_has_worked_says_so(
     make: Callable[[], Any], work: Callable[[Any], object]
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 import sys
@@ -14,7 +15,8 @@ import pytest
 import asap
 import streams
 from asap.results.data import Result
-from test_run_report import Page
+from fake_run import fake_run
+from test_fuzz_report import Elements, check_page
 
 EVENTS = streams.poisson(1e5, 0.02)
 COST = asap.LinearCost(100, 300)
@@ -48,6 +50,8 @@ def test_a_summary_is_saved(result: Any, tmp_path: Path) -> None:
     summary = json.loads(json.dumps(result.summary(), allow_nan=False))
     assert saved.items() >= summary.items()
     assert summary["schema_version"] == 1
+    with pytest.raises(ValueError, match=r"out\.txt': give a name that ends in \..*json"):
+        result.save(tmp_path / "out.txt")
 
 
 def test_a_figure_and_a_page(result: Any, tmp_path: Path) -> None:
@@ -56,9 +60,25 @@ def test_a_figure_and_a_page(result: Any, tmp_path: Path) -> None:
     path = result.report(tmp_path / "out.html")
     assert path == tmp_path / "out.html"
     page = path.read_text("utf-8")
-    tags = {tag for tag, _ in Page(page).tags}
-    assert {"table", "img", "template"} <= tags and "script" not in tags
+    check_page(page)
+    assert {"table", "img", "template"} <= Elements(page).names
     assert EVIL not in page
+    assert result.report(tmp_path / "again.html").read_text("utf-8") == page
+    with pytest.raises(ValueError, match=r"out\.pdf': give a name that ends in \.html"):
+        result.report(tmp_path / "out.pdf")
+
+
+def test_the_page_of_two_runs_holds_no_markup_of_theirs_and_is_short(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    from asap.results.page import write_runs
+
+    evil = "<img src=x onerror=alert(1)>&\"'.npy"
+    runs = [fake_run(duration_s=0.1, source=evil) for _ in range(2)]
+    runs[1].algorithm.parameters = {"weights": [0.5] * 10**6, "x" * 10**6: 1}
+    path = write_runs(runs, tmp_path / "out.html", title="</title><script>x</script>")
+    page = path.read_text("utf-8")
+    check_page(page)
+    assert html.escape(evil) in page and len(page) < 1_000_000
 
 
 @pytest.mark.parametrize("method", ["save", "report"])
@@ -82,7 +102,7 @@ def test_a_path_is_checked_before_the_work(
 
 def test_a_notebook_shows_a_table_and_the_verdict(result: Any) -> None:
     shown = result._repr_html_()
-    tags = {tag for tag, _ in Page(shown).tags}
+    tags = Elements(shown).names
     assert "table" in tags and not {"script", "style", "img", "link"} & tags
     assert EVIL not in shown
     verdict = re.findall(r"^(?:Verdict|Bottleneck): (.{0,30})", str(result), re.M)
@@ -99,6 +119,3 @@ def test_no_notebook_needs_matplotlib(monkeypatch: pytest.MonkeyPatch) -> None:
         ):
             monkeypatch.setitem(sys.modules, name, None)
     assert "Verdict" in compared()._repr_html_()
-
-
-# ---- a comparison is a mapping --------------------------------------------------------------

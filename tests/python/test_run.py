@@ -104,6 +104,30 @@ def test_a_slow_algorithm_overflows_and_is_counted():
     assert run.packages["overflow"].sum() <= run.ledger.overflow
 
 
+def test_the_backlog_of_a_stall_does_not_stay():
+    stalled, since = [], []
+
+    def algorithm(events):
+        if stalled:
+            since.append(events.size)
+        elif events["t"][-1] > 100_000:
+            stalled.append(True)
+            time.sleep(0.3)
+
+    def scene():
+        """600 ms, again and again until packages came after the stall: a busy machine drops."""
+        for second in range(100):
+            yield streams.poisson(5e3, 0.6, t0_us=600_000 * second)
+            time.sleep(0.6)
+            if len(since) >= 10:
+                break
+
+    run = asap.run(scene(), algorithm=algorithm, latency_ms=10)
+    assert run.ledger.balanced and run.ledger.pending == run.ledger.overflow == 0
+    assert run.latency.max >= 300_000
+    assert run.packages["latency_max_us"][-len(since) :].min() < 200_000
+
+
 def test_the_producer_is_not_delayed_by_the_algorithm():
     # The algorithm holds the GIL beyond the recording's end; the producer must not care.
     events = streams.poisson(1e5, 0.5)

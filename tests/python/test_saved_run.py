@@ -118,35 +118,12 @@ def test_another_ending_is_refused_before_the_work(
     assert not list(tmp_path.iterdir())
 
 
-def many(run: asap.Run, count: int) -> asap.Run:
-    """A run whose numbers pack as badly as those of a real one."""
-    rng = np.random.default_rng(0)
-    packages = np.zeros(count, np.dtype(run.packages.dtype.descr[:14]))
-    processing_ns = rng.integers(8_000, 40_000, count)
-    start_ns = np.cumsum(processing_ns + rng.integers(0, 3000, count))
-    packages["index"] = np.arange(count)
-    packages["start_us"], packages["processing_us"] = start_ns * 1e-3, processing_ns * 1e-3
-    packages["t_last"] = start_ns // 1000
-    packages["t_first"][1:] = packages["t_last"][:-1] + 1
-    packages["size"] = rng.integers(20, 200, count)
-    packages["offered"] = packages["size"] + rng.integers(0, 100, count)
-    packages["gamma"] = packages["size"] / packages["offered"]
-    span = packages["t_last"] - packages["t_first"]
-    packages["rate"] = packages["size"] * 1e6 / np.maximum(span, 1)
-    packages["event_rate"] = rng.uniform(1e6, 1e7, count)
-    packages["margin_us"] = (processing_ns - 1000 * span) * 1e-3
-    end_ns = start_ns + processing_ns
-    packages["latency_max_us"] = (end_ns - 1000 * packages["t_first"]) * 1e-3
-    return asap.Run(**{**vars(run), "packages": packages})
-
-
-def test_a_long_run_is_small(run: asap.Run, tmp_path: Path) -> None:
-    long = many(run, 75_000)
-    path = tmp_path / "long.npz"
-    long.save(path)
+def test_a_long_run_is_small(tmp_path: Path) -> None:
+    events = streams.poisson(2e6, 0.2, seed=1)
+    long = asap.simulate(events, cost=asap.LinearCost(20, 50, noise=0.3), scheme=asap.Greedy())
+    assert long.packages.size > 5000
+    path = long.save(tmp_path / "long.npz")
     assert path.stat().st_size <= 40 * long.packages.size
-    again = asap.load_run(path)
-    np.testing.assert_array_equal(again.packages, long.packages)
 
 
 # ---- lies -----------------------------------------------------------------------------------

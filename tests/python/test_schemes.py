@@ -1,12 +1,10 @@
-"""The schemes as Python sees them: what all share, Greedy with its cap and Asap2022.
-
-The rules are tested natively.
-"""
+"""The schemes as Python sees them; their laws are tested natively."""
 
 from __future__ import annotations
 
 import inspect
 import itertools
+import re
 
 import numpy as np
 import pytest
@@ -27,33 +25,6 @@ def test_the_signature_has_the_parameters_and_their_defaults(kind):
     assert {one.name: one.default for one in arguments} == kind().parameters
     assert all(one.kind is one.KEYWORD_ONLY for one in arguments)
     assert kind(**kind().parameters).parameters == kind().parameters
-
-
-def test_greedy_has_no_cap_unless_asked():
-    assert asap.Greedy().parameters == {"efficiency": None}
-    assert asap.Greedy(efficiency=None).parameters == {"efficiency": None}
-    assert asap.Greedy(efficiency=0.97).parameters == {"efficiency": 0.97}
-    assert repr(asap.Greedy()) == "Greedy(efficiency=None)"
-    assert repr(asap.Greedy(efficiency=0.5)) == "Greedy(efficiency=0.5)"
-    with pytest.raises(ValueError, match=r"^efficiency = 1: "):
-        asap.Greedy(efficiency=1)
-    with pytest.raises(TypeError):
-        asap.Greedy(0.97)
-
-
-def test_the_cap_shows_in_a_run_and_is_forgotten_between_runs():
-    bursts = np.repeat(1000 * np.arange(100), np.tile([20, 80, 320, 1280], 25))
-    events = streams.make(np.concatenate([np.zeros(5000), bursts + 10_000, np.full(9000, 200_000)]))
-    capped = asap.Greedy(efficiency=0.5)
-    first = asap.simulate(events, cost=COST, scheme=capped, latency_ms=10)
-    # 50 us and 100 ns are assumed at first: 500 events; 100 us and 300 ns are found: 333.
-    assert first.packages["size"][0] == 500
-    assert first.packages["size"][-5:-1] == pytest.approx(333, rel=0.02)
-    assert first.kept == 1.0
-    again = asap.simulate(events, cost=COST, scheme=capped, latency_ms=10)
-    np.testing.assert_array_equal(again.packages, first.packages)
-    free = asap.simulate(events, cost=COST, scheme=asap.Greedy(), latency_ms=10)
-    assert free.packages["size"][-1] == 9000
 
 
 def test_equal_limits_and_no_processing_time_are_refused_or_finite():
@@ -79,3 +50,51 @@ def test_equal_limits_and_no_processing_time_are_refused_or_finite():
                 assert np.isfinite(done.packages[column]).all(), (scheme, column)
             assert ((done.packages["gamma"] > 0) & (done.packages["gamma"] <= 1)).all()
             assert done.ledger.balanced
+
+
+def test_a_preference_is_named_and_a_near_name_is_found():
+    message = 'prefer = "speed": must be "balanced", "events" or "continuity"'
+    with pytest.raises(ValueError, match=re.escape(message)):
+        asap.Deadline(prefer="speed")
+    with pytest.raises(TypeError, match=r"^preffer = 5: .*did you mean prefer\?"):
+        asap.Deadline(preffer=5)
+
+
+@pytest.mark.parametrize("opaque", [False, True])
+def test_continuity_makes_shorter_gaps_and_events_keeps_more(opaque):
+    """Load 3, the bound is 20 fixed costs."""
+    events = streams.poisson(6e4, 0.5)
+    cost = asap.LinearCost(alpha_us=500, beta_ns=50_000)
+    runs = {
+        prefer: asap.simulate(
+            events, cost=cost, opaque=opaque, scheme=asap.Deadline(overhead=0, prefer=prefer)
+        )
+        for prefer in ("continuity", "balanced", "events")
+    }
+    gaps = [run.gap_us for run in runs.values()]
+    kept = [run.latency.within_bound for run in runs.values()]
+    assert gaps[0] < min(gaps[1:])
+    assert kept[0] < kept[2]
+
+
+@pytest.mark.parametrize(("asked", "got"), [(None, 10.0), (3, 3.0)])
+def test_simulate_and_run_take_it_when_nothing_else_is_said(asked, got):
+    events = streams.poisson(1e4, 0.05)
+    for run in (
+        asap.simulate(events, cost=COST, latency_ms=asked),
+        asap.run(events, algorithm=lambda events: None, latency_ms=asked),
+    ):
+        assert type(run.scheme) is asap.Deadline
+        assert run.scheme.parameters == asap.Deadline(latency_ms=got).parameters
+        assert run.latency_bound_us == 1e3 * got
+
+
+@pytest.mark.parametrize("make", [asap.Deadline, asap.DeadBeat])
+def test_two_different_bounds_are_refused(make):
+    events = streams.make([0, 1])
+    differs = r"^latency_[mu]s = \d+: differs from the bound of the scheme; "
+    with pytest.raises(ValueError, match=differs):
+        asap.simulate(events, cost=COST, scheme=make(), latency_ms=5)
+    with pytest.raises(ValueError, match=differs):
+        asap.run(events, algorithm=len, scheme=make(latency_ms=5), latency_ms=10)
+    assert asap.simulate(events, cost=COST, scheme=make(), latency_ms=10).kept == 1

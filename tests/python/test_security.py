@@ -65,8 +65,6 @@ def test_the_demo_opens_no_socket(folder: Path) -> None:
     run([sys.executable, "-c", GUARDED, "demo --quick --out demo"], cwd=folder)
 
 
-# ---- listeners ------------------------------------------------------------------------------
-
 # ---- pickles --------------------------------------------------------------------------------
 
 

@@ -20,6 +20,7 @@ LONG_MS = 1000.0  # a bound that a busy machine keeps
 @pytest.fixture(autouse=True)
 def every_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(telemetry, "_EVERY_S", 0.0)
+    monkeypatch.setattr(telemetry, "_WAITING", 100)
 
 
 def piped(path: Path, algorithm: Any = None, packages: int = 30) -> asap.Pipeline:
@@ -50,6 +51,8 @@ def test_each_package_has_a_row_and_the_ledger(tmp_path: Path, algorithm: Any) -
         np.testing.assert_allclose(rows[name], pipeline.packages[name], rtol=1e-14)
     names = (tmp_path / "rows.csv").read_text().partition("\n")[0].split(",")
     assert tuple(names) == rows.dtype.names
+    ends = sum(rows[f"all_{name}"] for name in pipeline.ledger if name != "received")
+    np.testing.assert_array_equal(rows["all_received"], ends)
     last = rows[-1]
     assert {name: last[f"all_{name}"] for name in pipeline.ledger} == dict(pipeline.ledger)
     assert last["all_rejected"] == 1 and last["latency_bound_us"] == LONG_MS * 1e3

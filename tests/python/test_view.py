@@ -112,6 +112,14 @@ def test_view_of_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[
 # ---- a viewer that is no help
 
 
+def test_the_run_comes_first(tmp_path: Path) -> None:
+    with viewer.View(tmp_path / "run.rrd") as shown:
+        deadline_s = time.monotonic() + 60
+        while os.getpriority(os.PRIO_PROCESS, shown._process.pid) < 19:
+            assert time.monotonic() < deadline_s
+            time.sleep(0.01)
+
+
 @pytest.mark.parametrize("fault", [signal.SIGSTOP, signal.SIGKILL])
 def test_a_viewer_that_stalls_or_dies_is_not_waited_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: signal.Signals

@@ -14,12 +14,12 @@
 #include <utility>
 
 #include "../cpp/support/streams.hpp"
-#include "asap/core/random.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "buffer/arrival_times.hpp"
 #include "buffer/event_buffer.hpp"
+#include "core/random.hpp"
 #include "noise.hpp"
 #include "runner/doorbell.hpp"
 #include "runner/push_door.hpp"

@@ -8,13 +8,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/telemetry/telemetry.hpp"
+#include "asap/telemetry/ledger.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"
 #include "journal.hpp"
 #include "packager/packager.hpp"
 #include "reference_door.hpp"
 #include "shadow.hpp"
+#include "telemetry/telemetry.hpp"
 #include "watched_scheme.hpp"
 #include "world.hpp"
 

@@ -86,7 +86,7 @@ void LiveLife::live_once() {
     shadow_->ended();
   }
   hold_now();
-  shadow_->finish(pipeline_.telemetry());
+  shadow_->finish(pipeline_.stats().latency);
 }
 
 // ---- machine

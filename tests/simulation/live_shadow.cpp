@@ -335,9 +335,9 @@ void LiveShadow::ended() {
                 "ended, though events wait", number(waiting()));
 }
 
-void LiveShadow::finish(const Telemetry& telemetry) {
-  const std::int64_t max_ns = telemetry.latency.max_ns();
-  journal_.equal(Law::ledger, telemetry.latency.count(), delivered_, "latencies");
+void LiveShadow::finish(const LatencyHistogram& latency) {
+  const std::int64_t max_ns = latency.max_ns();
+  journal_.equal(Law::ledger, latency.count(), delivered_, "latencies");
   journal_.hold(Law::age, max_ns >= largest_latency_ns_, "largest latency", number(max_ns),
                 number(largest_latency_ns_));
 }

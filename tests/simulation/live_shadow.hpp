@@ -55,7 +55,7 @@ class LiveShadow {
   void works() noexcept { is_working_ = true; }
   void idles();  // next() has come back without a package
   void ended();
-  void finish(const Telemetry& telemetry);
+  void finish(const LatencyHistogram& latency);
 
   // ---- sleep
   void sleeps(std::int64_t deadline_ns);

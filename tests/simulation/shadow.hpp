@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "asap/telemetry/telemetry.hpp"
+#include "asap/telemetry/ledger.hpp"
 #include "buffer/event_buffer.hpp"
 #include "journal.hpp"
 #include "packager/anytime_plan.hpp"
@@ -17,6 +17,7 @@
 #include "reference_rate.hpp"
 #include "setup.hpp"
 #include "sha256.hpp"
+#include "telemetry/telemetry.hpp"
 
 namespace asap::simulation {
 

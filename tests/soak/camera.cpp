@@ -4,7 +4,7 @@
 #include <chrono>
 #include <thread>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "measure.hpp"
 
 namespace asap::soak {

@@ -4,9 +4,9 @@
 #include <thread>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "camera.hpp"
+#include "core/random.hpp"
 #include "measure.hpp"
 #include "parts.hpp"
 

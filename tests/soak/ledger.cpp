@@ -5,13 +5,13 @@
 #include <memory>
 #include <thread>
 
-#include "asap/core/random.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "camera.hpp"
+#include "core/random.hpp"
 #include "measure.hpp"
 #include "parts.hpp"
 #include "study/realtime.hpp"

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <thread>
 
-#include "asap/core/random.hpp"
 #include "asap/runner/pipeline.hpp"
 #include "camera.hpp"
+#include "core/random.hpp"
 #include "measure.hpp"
 #include "parts.hpp"
 

@@ -5,8 +5,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "asap/core/check.hpp"
-
 namespace asap::ros {
 namespace {
 
@@ -39,6 +37,12 @@ std::string quoted(std::string_view text) {
 
 }  // namespace
 
+std::string to_text(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.12g", value);
+  return text.data();
+}
+
 std::string number(double value) { return std::isfinite(value) ? to_text(value) : "null"; }
 
 std::string number(std::uint64_t value) { return std::to_string(value); }
@@ -53,7 +57,7 @@ Facts facts_of(const PipelineStats& stats) {
   const LatencyHistogram& latency = stats.latency;
   const std::uint64_t count = stats.packages.count, size = stats.packages.size;
   const double elapsed_s = static_cast<double>(stats.elapsed_ns) * 1e-9;
-  const double busy_s = static_cast<double>(stats.packages.processing_ns.load()) * 1e-9;
+  const double busy_s = static_cast<double>(stats.packages.processing_ns) * 1e-9;
   const auto us = [](auto ns) { return number(static_cast<double>(ns) * 1e-3); };
   Facts facts{{"latency_bound_us", us(stats.latency_bound_ns)},
               {"ledger.received", number(ledger.received)}};
@@ -82,9 +86,9 @@ Facts facts_of(const PipelineStats& stats) {
       {"packages.count", number(count)},
       {"packages.per_s", number(per(static_cast<double>(count), elapsed_s))},
       {"packages.size_mean", number(per(static_cast<double>(size), static_cast<double>(count)))},
-      {"packages.size_max", number(stats.packages.size_max.load())},
+      {"packages.size_max", number(stats.packages.size_max)},
       {"gamma.mean", share(size, stats.packages.to_gamma)},
-      {"gamma.min", number(stats.packages.gamma_min.load())},
+      {"gamma.min", number(stats.packages.gamma_min)},
       {"cpu", number(per(busy_s, elapsed_s))}};
   facts.insert(facts.end(), rest.begin(), rest.end());
   return facts;

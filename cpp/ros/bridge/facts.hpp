@@ -22,7 +22,8 @@ struct Fact {
 };
 using Facts = std::vector<Fact>;
 
-std::string number(double value);
+std::string to_text(double value);  // 12 digits at most
+std::string number(double value);   // the same; "null" if it is not finite
 std::string number(std::uint64_t value);
 Fact text(std::string name, std::string_view value);
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "asap/core/check.hpp"
+#include "asap/core/result.hpp"
 
 namespace asap::ros {
 namespace {
@@ -20,7 +20,7 @@ constexpr std::size_t kBlock = 256;                            // events
 }  // namespace
 
 PackageWriter::PackageWriter(std::string_view encoding) : is_mono_(encoding == "mono") {
-  if (!is_mono_ && encoding != "evt3") throw_bad_value("encoding", encoding, "mono or evt3");
+  if (!is_mono_ && encoding != "evt3") throw BadValue("encoding", encoding, {}, "mono or evt3");
 }
 
 PackageWriter::Written PackageWriter::write(EventSpan events, std::vector<std::uint8_t>& bytes) {

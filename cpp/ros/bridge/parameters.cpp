@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "asap/core/check.hpp"
+#include "asap/core/result.hpp"
+#include "ros/bridge/facts.hpp"
 
 namespace asap::ros {
 
@@ -23,7 +24,7 @@ void set(Parameters& parameters, std::string_view name, const std::string& text,
   }
   for (const NumberField& field : kNumbers) {
     if (name != field.name) continue;
-    if (!number) throw_bad_value(name, text, "must be a number");
+    if (!number) throw BadValue(name, text, {}, "must be a number");
     parameters.*field.field = *number;
   }
 }
@@ -31,16 +32,18 @@ void set(Parameters& parameters, std::string_view name, const std::string& text,
 void check(const Parameters& parameters) {
   for (const NumberField& number : kNumbers) {
     const double value = parameters.*number.field;
-    require(value >= number.min && value <= number.max, number.name, value,
-            "must be " + constraint(number));
+    if (value >= number.min && value <= number.max) continue;
+    throw BadValue(number.name, to_text(value), {}, "must be " + constraint(number));
   }
-  require(parameters.feedback == "none" || parameters.feedback_timeout_ms >= parameters.latency_ms,
-          "feedback_timeout_ms", parameters.feedback_timeout_ms,
-          "must be at least latency_ms = " + to_text(parameters.latency_ms));
+  const double timeout_ms = parameters.feedback_timeout_ms;
+  if (parameters.feedback != "none" && timeout_ms < parameters.latency_ms) {
+    throw BadValue("feedback_timeout_ms", to_text(timeout_ms), {},
+                   "must be at least latency_ms = " + to_text(parameters.latency_ms));
+  }
   for (const ChoiceField& choice : kChoices) {
     const std::string_view value = parameters.*choice.field;
     if (std::ranges::find(choice.choices, value) != choice.choices.end()) continue;
-    throw_bad_value(choice.name, value, "must be " + constraint(choice));
+    throw BadValue(choice.name, value, {}, "must be " + constraint(choice));
   }
 }
 

@@ -5,6 +5,7 @@
 // process() is the session's thread's, the rest any thread's.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -12,7 +13,6 @@
 #include <string_view>
 #include <vector>
 
-#include "asap/core/atomics.hpp"
 #include "ros/bridge/feedback_gate.hpp"
 #include "ros/bridge/package_writer.hpp"
 #include "ros/bridge/parameters.hpp"
@@ -58,8 +58,8 @@ class Relay final : public Receiver {
   const bool waits_;  // for feedback
   const Publish publish_;
   const IsHeard is_heard_;
-  Relaxed<double> feedback_timeout_ms_;
-  Relaxed<double> rate_bound_;
+  std::atomic<double> feedback_timeout_ms_;
+  std::atomic<double> rate_bound_;
   FeedbackGate gate_;
   std::optional<PackageWriter> writer_;  // none: the middleware encodes
   Message message_;

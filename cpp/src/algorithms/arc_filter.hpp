@@ -11,8 +11,8 @@
 
 #include "algorithms/recent_times.hpp"
 #include "algorithms/sensor_frame.hpp"
-#include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

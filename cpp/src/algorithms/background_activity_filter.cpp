@@ -3,7 +3,7 @@
 #include "algorithms/int4.hpp"
 #include "algorithms/recent_times.hpp"
 #include "algorithms/sensor_frame.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

@@ -5,7 +5,7 @@
 #include "algorithms/fast/constants.hpp"
 #include "algorithms/fast/engine.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "core/made.hpp"
 
 namespace asap {

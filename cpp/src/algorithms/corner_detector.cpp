@@ -9,7 +9,7 @@
 #include "algorithms/newest_patch.hpp"
 #include "algorithms/order_surface.hpp"
 #include "algorithms/sensor_frame.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

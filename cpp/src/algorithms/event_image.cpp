@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "algorithms/sensor_frame.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

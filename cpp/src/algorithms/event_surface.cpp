@@ -7,7 +7,7 @@
 
 #include "algorithms/padded_plane.hpp"
 #include "algorithms/sensor_frame.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

@@ -9,7 +9,7 @@
 #include "algorithms/feature_tracks.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "asap/algorithms/corner_detector.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

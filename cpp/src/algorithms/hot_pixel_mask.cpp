@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "algorithms/sensor_frame.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

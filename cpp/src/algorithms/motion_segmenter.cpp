@@ -11,7 +11,7 @@
 #include "algorithms/motion/recent_flow.hpp"
 #include "algorithms/motion/region_tracks.hpp"
 #include "asap/algorithms/plane_flow.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

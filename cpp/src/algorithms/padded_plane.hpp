@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "algorithms/sensor_frame.hpp"
-#include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

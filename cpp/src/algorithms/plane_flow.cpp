@@ -4,7 +4,7 @@
 #include "algorithms/recent_times.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "algorithms/trimmed_plane_fit.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "algorithms/cell_grid.hpp"
 #include "algorithms/key_set.hpp"
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace asap {
 

@@ -6,7 +6,7 @@
 
 #include "algorithms/window_clusterer.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

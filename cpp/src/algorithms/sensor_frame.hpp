@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

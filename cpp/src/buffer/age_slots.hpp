@@ -18,9 +18,9 @@
 #include <limits>
 #include <span>
 
-#include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
 #include "asap/core/time.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

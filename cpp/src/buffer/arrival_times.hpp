@@ -22,8 +22,8 @@
 #include <memory>
 #include <span>
 
-#include "asap/core/atomics.hpp"
-#include "asap/core/check.hpp"
+#include "core/atomics.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

@@ -28,10 +28,10 @@
 #include <limits>
 #include <memory>
 
-#include "asap/core/atomics.hpp"
-#include "asap/core/check.hpp"
 #include "asap/core/event.hpp"
 #include "asap/core/nonblocking.hpp"
+#include "core/atomics.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

@@ -1,7 +1,6 @@
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 #include <cstdio>
-#include <stdexcept>
 
 namespace asap {
 

@@ -7,7 +7,6 @@
 #include <new>
 #include <utility>
 
-#include "asap/core/check.hpp"
 #include "asap/core/result.hpp"
 
 namespace asap {

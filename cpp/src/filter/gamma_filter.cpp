@@ -2,9 +2,16 @@
 
 #include <algorithm>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
+#include "core/random.hpp"
 
 namespace asap {
+namespace {
+
+// Precondition: the threshold does not keep all. Then its double has 64 bits, and none is lost.
+std::uint64_t bar_of(KeepThreshold threshold) noexcept { return 2 * threshold.value(); }
+
+}  // namespace
 
 KeepThreshold KeepThreshold::checked(double gamma) {
   require(gamma >= 0.0 && gamma <= 1.0, "gamma", gamma, "must be a number between 0 and 1");
@@ -18,10 +25,12 @@ std::size_t GammaFilter::apply(EventSpan events, KeepThreshold threshold, Event*
     std::copy_n(events.data(), events.size(), out);
     return events.size();
   }
+  const CounterRandom random(seed_);
+  const std::uint64_t bar = bar_of(threshold);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < events.size(); ++i) {
     out[kept] = events[i];
-    kept += keeps(first + i, threshold) ? 1U : 0U;
+    kept += random(first + i) < bar ? 1U : 0U;
   }
   return kept;
 }
@@ -33,15 +42,18 @@ void GammaFilter::mask(EventSpan events, KeepThreshold threshold, std::uint8_t* 
     std::fill_n(kept, events.size(), std::uint8_t{1});
     return;
   }
+  const CounterRandom random(seed_);
+  const std::uint64_t bar = bar_of(threshold);
   for (std::size_t i = 0; i < events.size(); ++i) {
-    kept[i] = keeps(first + i, threshold) ? 1U : 0U;
+    kept[i] = random(first + i) < bar ? 1U : 0U;
   }
 }
 
 KeepThreshold GammaFilter::keeping(std::size_t count, std::size_t events,
                                    std::uint64_t* numbers) const noexcept {
   if (count >= events) return KeepThreshold::all();
-  for (std::size_t i = 0; i < events; ++i) numbers[i] = random_(position_ + i) >> 1;
+  const CounterRandom random(seed_);
+  for (std::size_t i = 0; i < events; ++i) numbers[i] = random(position_ + i) >> 1;
   std::nth_element(numbers, numbers + count, numbers + events);
   return KeepThreshold{numbers[count]};
 }

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <string>
 
-#include "asap/core/check.hpp"
 #include "core/bit_log.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "formats/aedat_header.hpp"
 #include "formats/records.hpp"
 #include "formats/words.hpp"

@@ -1,6 +1,6 @@
 #include "asap/formats/aedat.hpp"
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "formats/aedat_header.hpp"
 #include "formats/records.hpp"
 #include "formats/words.hpp"

@@ -1,6 +1,6 @@
 #include "asap/formats/prophesee.hpp"
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "formats/words.hpp"
 
 namespace asap {

@@ -3,7 +3,7 @@
 #include <charconv>
 #include <string_view>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

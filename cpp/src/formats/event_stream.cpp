@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "formats/records.hpp"
 #include "formats/words.hpp"
 

@@ -14,10 +14,10 @@
 #include <variant>
 #include <vector>
 
-#include "asap/core/check.hpp"
 #include "asap/formats/aedat.hpp"
 #include "asap/formats/atis.hpp"
 #include "asap/formats/prophesee.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace recording {

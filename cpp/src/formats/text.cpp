@@ -7,7 +7,7 @@
 #include <limits>
 #include <string_view>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "formats/decimal.hpp"
 #include "formats/plain_line.hpp"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "asap/core/check.hpp"
 #include "asap/core/time.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

@@ -8,11 +8,11 @@
 
 #include "asap/core/time.hpp"
 #include "asap/packager/package.hpp"
-#include "asap/telemetry/telemetry.hpp"
 #include "buffer/event_buffer.hpp"
 #include "packager/event_times.hpp"
 #include "packager/rate_meter.hpp"
 #include "telemetry/gap_meter.hpp"
+#include "telemetry/telemetry.hpp"
 
 namespace asap {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <utility>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

@@ -21,7 +21,6 @@
 #include "asap/core/time.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/schemes/scheme.hpp"
-#include "asap/telemetry/telemetry.hpp"
 #include "buffer/event_buffer.hpp"
 #include "packager/anytime_plan.hpp"
 #include "packager/books.hpp"
@@ -29,6 +28,7 @@
 #include "packager/kept_mask.hpp"
 #include "packager/thinner.hpp"
 #include "telemetry/gap_meter.hpp"
+#include "telemetry/telemetry.hpp"
 
 namespace asap {
 

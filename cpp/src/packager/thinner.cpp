@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "asap/core/check.hpp"
 #include "asap/core/nonblocking.hpp"
+#include "core/check.hpp"
 #include "packager/anytime_plan.hpp"
 
 namespace asap {

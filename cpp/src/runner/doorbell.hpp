@@ -11,8 +11,8 @@
 #include <atomic>
 #include <cstdint>
 
-#include "asap/core/atomics.hpp"
 #include "asap/core/nonblocking.hpp"
+#include "core/atomics.hpp"
 #include "runner/system.hpp"
 
 namespace asap {

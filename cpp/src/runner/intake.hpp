@@ -18,11 +18,11 @@
 #include <cstdint>
 #include <functional>
 
-#include "asap/core/atomics.hpp"
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/runner/run_config.hpp"
 #include "buffer/arrival_times.hpp"
 #include "buffer/event_buffer.hpp"
+#include "core/atomics.hpp"
 #include "runner/doorbell.hpp"
 #include "telemetry/gap_meter.hpp"
 

@@ -5,7 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
+#include "core/random.hpp"
 
 namespace asap {
 namespace {
@@ -14,8 +15,7 @@ constexpr double kEndOfTimeNs = 9.2e18;  // absurd costs end here
 
 }  // namespace
 
-LinearCost::LinearCost(LinearCostConfig config)
-    : config_(std::move(config)), random_(config_.seed) {
+LinearCost::LinearCost(LinearCostConfig config) : config_(std::move(config)) {
   require(config_.alpha_us >= 0 && config_.alpha_us <= 1e9, "alpha_us", config_.alpha_us,
           "must be between 0 and 1e9 us");
   require(config_.beta_ns >= 0 && config_.beta_ns <= 1e9, "beta_ns", config_.beta_ns,
@@ -80,9 +80,10 @@ std::vector<Outage>::const_iterator LinearCost::outage_after(std::int64_t time_n
 }
 
 double LinearCost::noise_factor(std::uint64_t index) const noexcept {
+  const CounterRandom random(config_.seed);
   // Box-Muller.
-  const double u = 1.0 - random_.uniform(2 * index);  // (0, 1]
-  const double v = random_.uniform(2 * index + 1);
+  const double u = 1.0 - random.uniform(2 * index);  // (0, 1]
+  const double v = random.uniform(2 * index + 1);
   const double normal = std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
   const double factor = std::exp(config_.noise * normal - 0.5 * config_.noise * config_.noise);
   // Math libraries differ in the last bit; a run must not.

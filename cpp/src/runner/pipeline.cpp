@@ -10,8 +10,8 @@
 #include <thread>
 #include <utility>
 
-#include "asap/core/check.hpp"
 #include "asap/schemes/deadline.hpp"
+#include "core/check.hpp"
 #include "core/made.hpp"
 #include "runner/clock.hpp"
 #include "runner/consumer_loop.hpp"
@@ -104,8 +104,10 @@ struct Pipeline::Impl::LiveRun {
   // Once the producer has gone: nothing follows.
   void close() noexcept;
 
-  // Any thread. A snapshot, see Run::ledger; exact after close() and `finished`.
+  // Any thread. Snapshots, see Run::ledger; exact after close() and `finished`.
+  bool is_over() const noexcept;
   Ledger ledger() const noexcept;
+  RunStats stats() const;
   // Any thread. The time since the first arrival, until close().
   std::int64_t elapsed_ns() const noexcept;
 
@@ -116,12 +118,11 @@ struct Pipeline::Impl::LiveRun {
   ConsumerLoop loop;
 
   std::atomic<bool> finished{false};  // no package will be taken or booked any more
-  std::atomic<bool> failed{false};
-  bool begun = false;           // the producer's, like the next two
-  std::int64_t arrival_ns = 0;  // of the newest push
+  bool begun = false;                 // the producer's, like the next two
+  std::int64_t arrival_ns = 0;        // of the newest push
   std::int64_t first_arrival_ns = 0;
   std::int64_t closed_ns = 0;
-  Relaxed<std::uint64_t> clock_resets;
+  std::uint64_t clock_resets = 0;  // the producer's
   SensorDelay sensor_delay;
 };
 
@@ -204,9 +205,17 @@ void Pipeline::Impl::LiveRun::close() noexcept {
   doorbell.wake();
 }
 
+bool Pipeline::Impl::LiveRun::is_over() const noexcept {
+  return finished.load(std::memory_order_acquire) && run.buffer().closed();
+}
+
 Ledger Pipeline::Impl::LiveRun::ledger() const noexcept {
-  const bool is_over = finished.load(std::memory_order_acquire) && run.buffer().closed();
-  return run.ledger(is_over, intake.discarded());
+  return run.ledger(is_over(), intake.discarded());
+}
+
+RunStats Pipeline::Impl::LiveRun::stats() const {
+  const bool is_quiet = is_over();
+  return run.stats(is_quiet, run.ledger(is_quiet, intake.discarded()), run.gap_us(&intake.gap()));
 }
 
 std::int64_t Pipeline::Impl::LiveRun::elapsed_ns() const noexcept {
@@ -261,7 +270,8 @@ Pipeline::~Pipeline() = default;
 PipelineMemory Pipeline::memory(const RunConfig& config) noexcept {
   constexpr std::size_t kThread = 2 * sizeof(void*);  // what std::thread keeps of its function
   PipelineMemory memory = Run::memory(config, config.latency.value_or(kDefaultLatency).count());
-  memory.rest += sizeof(Impl) + sizeof(Impl::LiveRun) + sizeof(Deadline) + kThread;
+  memory.rest +=
+      sizeof(Impl) + sizeof(Impl::LiveRun) + sizeof(Deadline) + Deadline::memory_bytes() + kThread;
   return memory;
 }
 
@@ -356,7 +366,7 @@ void Pipeline::Impl::finish() noexcept {
 }
 
 void Pipeline::Impl::fail() {
-  live->failed.store(true, std::memory_order_relaxed);
+  live->run.fail();
   stop(false);
   finish();
 }
@@ -540,26 +550,20 @@ Ledger Pipeline::ledger() const {
 PipelineStats Pipeline::stats() const {
   const std::lock_guard lock(impl_->control);
   const Impl::LiveRun& live = *impl_->live;
-  const Telemetry& telemetry = live.run.telemetry();
-  return {.ledger = live.ledger(),
-          .rejected = live.run.rejected(),
-          .latency = telemetry.latency,
-          .packages = telemetry.log.totals(),
-          .gap_us = live.run.gap_us(&live.intake.gap()),
-          .elapsed_ns = live.elapsed_ns(),
-          .clock_resets = live.clock_resets,
-          .upstream_marks = impl_->upstream_marks.load(std::memory_order_relaxed),
-          .upstream_packets = impl_->upstream_packets.load(std::memory_order_relaxed),
-          .open = is_open(),
-          .failed = live.failed.load(std::memory_order_relaxed),
-          .stalled = live.loop.stalled(live.run.buffer().size()),
-          .max_waiting = live.intake.max_waiting(),
-          .latency_bound_ns = impl_->latency_bound_ns,
-          .sensor_delay_ns = live.sensor_delay.last_ns(),
-          .sensor_delay_max_ns = live.sensor_delay.max_ns()};
+  PipelineStats stats{live.stats()};
+  stats.elapsed_ns = live.elapsed_ns();
+  stats.upstream_marks = impl_->upstream_marks.load(std::memory_order_relaxed);
+  stats.upstream_packets = impl_->upstream_packets.load(std::memory_order_relaxed);
+  stats.open = is_open();
+  stats.stalled = live.loop.stalled(live.run.buffer().size());
+  stats.max_waiting = live.intake.max_waiting();
+  stats.latency_bound_ns = impl_->latency_bound_ns;
+  stats.sensor_delay_ns = live.sensor_delay.last_ns();
+  stats.sensor_delay_max_ns = live.sensor_delay.max_ns();
+  return stats;
 }
 
-const Telemetry& Pipeline::telemetry() const noexcept { return impl_->live->run.telemetry(); }
+const RunLog& Pipeline::log() const noexcept { return impl_->live->run.telemetry().log; }
 
 // ---- without exceptions
 

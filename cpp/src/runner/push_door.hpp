@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "asap/core/atomics.hpp"
+#include "core/atomics.hpp"
 
 namespace asap {
 

@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <thread>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "runner/clock.hpp"
 #include "runner/consumer_loop.hpp"
 #include "runner/doorbell.hpp"
@@ -56,9 +56,7 @@ class Replay::Impl {
 
   void run(EventSource& source, const Consumer& consumer, const Poll& poll);
   Ledger ledger() const noexcept;
-  std::int64_t gap_us() const noexcept {
-    return std::llround(static_cast<double>(run_.gap_us()) / replay_.speed);
-  }
+  RunStats stats() const;
   const Run& parts() const noexcept { return run_; }
   const LatencyHistogram& lateness() const noexcept { return lateness_; }
 
@@ -89,29 +87,36 @@ void Replay::Impl::run(EventSource& source, const Consumer& consumer, const Poll
     SchemeHold& hold;
     ~Free() { hold.release(); }
   } const free{hold_};
-  std::exception_ptr producer_error;
-  {
-    std::jthread producer([&](const std::stop_token& stop) {
-      sleep_exactly();
-      const std::stop_callback unblock(stop, [&] { source.cancel(); });
-      try {
-        produce(source, stop);
-      } catch (const Stopped&) {
-      } catch (...) {
-        producer_error = std::current_exception();
-      }
-      run_.buffer().close();
-      doorbell_.wake();
-    });
-    loop_.run(consumer, poll);
-  }
-  if (producer_error) std::rethrow_exception(producer_error);
+  run_.guard([&] {
+    std::exception_ptr producer_error;
+    {
+      std::jthread producer([&](const std::stop_token& stop) {
+        sleep_exactly();
+        const std::stop_callback unblock(stop, [&] { source.cancel(); });
+        try {
+          produce(source, stop);
+        } catch (const Stopped&) {
+        } catch (...) {
+          producer_error = std::current_exception();
+        }
+        run_.buffer().close();
+        doorbell_.wake();
+      });
+      loop_.run(consumer, poll);
+    }
+    if (producer_error) std::rethrow_exception(producer_error);
+  });
 }
 
 // Once the producer has closed the ring, what it owned may be read.
 Ledger Replay::Impl::ledger() const noexcept {
   const bool is_quiet = run_.buffer().closed();
   return run_.ledger(is_quiet, 0, is_quiet ? arriving_.size() : 0);
+}
+
+RunStats Replay::Impl::stats() const {
+  const double gap_us = static_cast<double>(run_.gap_us()) / replay_.speed;
+  return run_.stats(run_.buffer().closed(), ledger(), std::llround(gap_us));
 }
 
 void Replay::Impl::produce(EventSource& source, const std::stop_token& stop) {
@@ -168,8 +173,8 @@ void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll
 
 Ledger Replay::ledger() const noexcept { return impl_->ledger(); }
 const Validator& Replay::validator() const noexcept { return impl_->parts().validator(); }
-const Telemetry& Replay::telemetry() const noexcept { return impl_->parts().telemetry(); }
-std::int64_t Replay::gap_us() const noexcept { return impl_->gap_us(); }
+RunStats Replay::stats() const { return impl_->stats(); }
+const RunLog& Replay::log() const noexcept { return impl_->parts().telemetry().log; }
 std::optional<KeptEvents> Replay::kept() const { return impl_->parts().kept(); }
 const LatencyHistogram& Replay::lateness() const noexcept { return impl_->lateness(); }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "packager/event_times.hpp"
 #include "runner/prefault.hpp"
 #include "runner/system.hpp"
@@ -111,6 +111,7 @@ void Run::publish() noexcept {
   rejected_.bad_polarity = counts.bad_polarity;
   rejected_.bad_record = counts.bad_record;
   rejected_.before_start = counts.before_start;
+  clock_resets_ = validator_.clock_resets();
 }
 
 Rejections Run::rejected() const noexcept {
@@ -139,6 +140,16 @@ Ledger Run::ledger(bool is_quiet, std::uint64_t thinned, std::uint64_t outside) 
   ledger.received =
       is_quiet ? validator_.received() : ledger.rejected + thinned + overflow + tail + outside;
   return ledger;
+}
+
+RunStats Run::stats(bool is_quiet, const Ledger& ledger, std::int64_t gap_us) const {
+  return {.ledger = ledger,
+          .rejected = is_quiet ? validator_.rejected() : rejected(),
+          .latency = telemetry_.latency,
+          .packages = telemetry_.log.totals(),
+          .gap_us = gap_us,
+          .clock_resets = is_quiet ? validator_.clock_resets() : clock_resets_.load(),
+          .failed = failed_};
 }
 
 // Each stage measures the gap among the events that reached it; the largest is the gap of the run.

@@ -11,16 +11,16 @@
 #include <memory>
 #include <optional>
 
-#include "asap/core/atomics.hpp"
 #include "asap/core/time.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/runner/run_config.hpp"
-#include "asap/telemetry/telemetry.hpp"
 #include "buffer/age_slots.hpp"
 #include "buffer/arrival_times.hpp"
 #include "buffer/event_buffer.hpp"
+#include "core/atomics.hpp"
 #include "packager/kept_mask.hpp"
 #include "packager/packager.hpp"
+#include "telemetry/telemetry.hpp"
 
 namespace asap {
 
@@ -58,6 +58,21 @@ class Run {
   // own. `thinned`: discarded in front of the ring; `outside`: received, and not yet in the ring.
   Ledger ledger(bool is_quiet, std::uint64_t thinned = 0, std::uint64_t outside = 0) const noexcept;
 
+  // All that is counted. Any thread: a snapshot like the ledger in it.
+  RunStats stats(bool is_quiet, const Ledger& ledger, std::int64_t gap_us) const;
+
+  // Calls what works for this run: where it throws, the run has failed.
+  template <class Work>
+  void guard(const Work& work) {
+    try {
+      work();
+    } catch (...) {
+      fail();
+      throw;
+    }
+  }
+  void fail() noexcept { failed_ = true; }
+
   // The gap (GapMeter) between delivered events, wherever those between them were lost. Any thread.
   // `in_front`: measured where events were thinned before they came to the ring.
   std::int64_t gap_us(const GapMeter* in_front = nullptr) const noexcept;
@@ -91,6 +106,8 @@ class Run {
   struct {
     Relaxed<std::uint64_t> nonmonotonic, out_of_bounds, bad_polarity, bad_record, before_start;
   } rejected_;
+  Relaxed<std::uint64_t> clock_resets_;
+  Relaxed<bool> failed_;
 };
 
 }  // namespace asap

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

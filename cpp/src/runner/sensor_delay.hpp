@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "asap/core/atomics.hpp"
+#include "core/atomics.hpp"
 
 namespace asap {
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "core/made.hpp"
 #include "runner/admission.hpp"
 #include "runner/run.hpp"
@@ -25,14 +25,18 @@ class Simulator::Impl {
 
   void feed(EventSpan events);
   void finish();
+  void run(EventSource& source);
   Ledger ledger() const noexcept;
-  std::int64_t gap_us() const noexcept { return run_.gap_us(gate_ ? &gate_->gap() : nullptr); }
+  RunStats stats() const {
+    return run_.stats(true, ledger(), run_.gap_us(gate_ ? &gate_->gap() : nullptr));
+  }
   const Run& parts() const noexcept { return run_; }
   std::span<const Slot> slots() const noexcept { return slots_.slots(); }
   std::int64_t busy_ns() const noexcept { return busy_ns_; }
 
  private:
   void receive(EventSpan good);
+  void drain();
   void start(const Event& first);
   void look(Arrivals& arrivals);
   // With an admission gate: every event that arrives before this time has been fed.
@@ -81,10 +85,21 @@ Simulator::Impl::Impl(Scheme& scheme, LinearCost cost, const RunConfig& config, 
 }
 
 void Simulator::Impl::feed(EventSpan events) {
-  run_.validator().check(events, [this](EventSpan good) { receive(good); });
+  run_.guard([&] { run_.validator().check(events, [this](EventSpan good) { receive(good); }); });
+}
+
+void Simulator::Impl::run(EventSource& source) {
+  run_.guard([&] {
+    for (EventSpan chunk = source.next(); !chunk.empty(); chunk = source.next()) feed(chunk);
+    finish();
+  });
 }
 
 void Simulator::Impl::finish() {
+  run_.guard([this] { drain(); });
+}
+
+void Simulator::Impl::drain() {
   run_.buffer().close();
   now_ns_ = std::max(now_ns_, known_until_ns_);
   for (;;) {
@@ -243,17 +258,14 @@ Simulator::Simulator(Scheme& scheme, LinearCost cost, RunConfig config, Consumer
 Simulator::~Simulator() = default;
 
 void Simulator::feed(EventSpan events) { impl_->feed(events); }
-void Simulator::run(EventSource& source) {
-  for (EventSpan chunk = source.next(); !chunk.empty(); chunk = source.next()) feed(chunk);
-  finish();
-}
+void Simulator::run(EventSource& source) { impl_->run(source); }
 
 void Simulator::finish() { impl_->finish(); }
 Ledger Simulator::ledger() const noexcept { return impl_->ledger(); }
 const Validator& Simulator::validator() const noexcept { return impl_->parts().validator(); }
-const Telemetry& Simulator::telemetry() const noexcept { return impl_->parts().telemetry(); }
+RunStats Simulator::stats() const { return impl_->stats(); }
+const RunLog& Simulator::log() const noexcept { return impl_->parts().telemetry().log; }
 std::optional<KeptEvents> Simulator::kept() const { return impl_->parts().kept(); }
-std::int64_t Simulator::gap_us() const noexcept { return impl_->gap_us(); }
 std::span<const Slot> Simulator::slots() const noexcept { return impl_->slots(); }
 std::int64_t Simulator::busy_ns() const noexcept { return impl_->busy_ns(); }
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "asap/core/atomics.hpp"
+#include "core/atomics.hpp"
 
 namespace asap {
 

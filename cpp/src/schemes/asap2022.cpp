@@ -1,9 +1,12 @@
 #include "asap/schemes/asap2022.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
+#include "schemes/driver_containers.hpp"
 
 namespace asap {
 namespace {
@@ -22,9 +25,46 @@ double in_ms(std::chrono::nanoseconds time) noexcept {
   return static_cast<double>(time.count()) / 1e6;
 }
 
-}  // namespace
+class Asap2022Law final : public Scheme {
+ public:
+  explicit Asap2022Law(Asap2022Config config);
 
-Asap2022::Asap2022(Config config) : config_(config) {
+  Decision decide(const Backlog& backlog) noexcept override;
+  void observe(const Outcome& outcome) noexcept override;
+  void reset(Execution execution) noexcept override;
+  std::string_view name() const noexcept override { return "asap2022"; }
+  SchemeParameters parameters() const override { return parameters_of(config_); }
+
+ private:
+  static constexpr std::size_t kWindow = 500;  // containers
+
+  void pass_containers(std::int64_t oldest_ns) noexcept;
+  void adapt_gamma(std::int64_t container_ns) noexcept;
+  void adapt_size(double processing_ms) noexcept;
+  double kept_of(double raw) const noexcept;
+  std::size_t raw_for_size() const noexcept;
+
+  const Asap2022Config config_;
+  double scale_;  // S
+
+  double size_;  // a whole number
+  double top_gamma_;
+  double gamma_;       // of the open container
+  double mean_gamma_;  // of the last containers
+  double r_max_;       // containers per second
+  double r_min_;
+
+  DriverContainers containers_;
+  std::array<std::int64_t, kWindow> container_ns_{};
+  std::uint64_t container_count_ = 0;
+
+  // The take that is not yet counted into containers.
+  std::size_t taken_ = 0;
+  std::int64_t asked_oldest_ns_ = 0;
+  std::int64_t asked_now_ns_ = 0;
+};
+
+Asap2022Law::Asap2022Law(Asap2022Config config) : config_(config) {
   using namespace std::chrono_literals;
   require_time(config.min_processing >= 1ns && config.min_processing <= 1'000'000s,
                "min_processing", config.min_processing, TimeUnit::ms,
@@ -49,7 +89,7 @@ Asap2022::Asap2022(Config config) : config_(config) {
   reset(Execution::whole);
 }
 
-void Asap2022::reset(Execution) noexcept {
+void Asap2022Law::reset(Execution) noexcept {
   size_ = static_cast<double>(config_.first_size);
   top_gamma_ = gamma_ = mean_gamma_ = config_.max_gamma;
   r_max_ = r_min_ = kFirstRate;
@@ -58,7 +98,7 @@ void Asap2022::reset(Execution) noexcept {
   taken_ = 0;
 }
 
-Decision Asap2022::decide(const Backlog& backlog) noexcept {
+Decision Asap2022Law::decide(const Backlog& backlog) noexcept {
   pass_containers(backlog.oldest_ns);
   asked_oldest_ns_ = backlog.oldest_ns;
   asked_now_ns_ = backlog.now_ns;
@@ -68,19 +108,19 @@ Decision Asap2022::decide(const Backlog& backlog) noexcept {
   return Decision::take(raw, kept_of(static_cast<double>(raw)) / static_cast<double>(raw));
 }
 
-void Asap2022::observe(const Outcome& outcome) noexcept {
+void Asap2022Law::observe(const Outcome& outcome) noexcept {
   taken_ += outcome.raw;
   if (outcome.size > 0) adapt_size(static_cast<double>(outcome.processing_ns) * 1e-6);
 }
 
 // A push node gives each container its own gamma, however many make up a package. Here a take has
 // one: what the open container's gamma and, beyond it, the mean gamma will keep.
-double Asap2022::kept_of(double raw) const noexcept {
+double Asap2022Law::kept_of(double raw) const noexcept {
   const double open = std::min(raw, static_cast<double>(containers_.left()));
   return open * gamma_ + (raw - open) * mean_gamma_;
 }
 
-std::size_t Asap2022::raw_for_size() const noexcept {
+std::size_t Asap2022Law::raw_for_size() const noexcept {
   const auto open = static_cast<double>(containers_.left());
   const double beyond = size_ - open * gamma_;
   const double raw =
@@ -89,7 +129,7 @@ std::size_t Asap2022::raw_for_size() const noexcept {
 }
 
 // What was taken lies between the oldest event of then and that of now, and had arrived.
-void Asap2022::pass_containers(std::int64_t oldest_ns) noexcept {
+void Asap2022Law::pass_containers(std::int64_t oldest_ns) noexcept {
   if (taken_ == 0) return;
   const std::int64_t until_ns =
       std::clamp(oldest_ns, asked_oldest_ns_, std::max(asked_oldest_ns_, asked_now_ns_));
@@ -98,7 +138,7 @@ void Asap2022::pass_containers(std::int64_t oldest_ns) noexcept {
   taken_ = 0;
 }
 
-void Asap2022::adapt_gamma(std::int64_t container_ns) noexcept {
+void Asap2022Law::adapt_gamma(std::int64_t container_ns) noexcept {
   container_ns_[container_count_ % kWindow] = container_ns;
   ++container_count_;
   if (container_count_ <= kWindow) return;
@@ -112,7 +152,7 @@ void Asap2022::adapt_gamma(std::int64_t container_ns) noexcept {
   mean_gamma_ += (gamma_ - mean_gamma_) / kMeanOf;
 }
 
-void Asap2022::adapt_size(double processing_ms) noexcept {
+void Asap2022Law::adapt_size(double processing_ms) noexcept {
   const double shortest = in_ms(config_.min_processing);
   const double longest = in_ms(config_.max_processing);
   const auto largest = static_cast<double>(config_.max_size);
@@ -124,5 +164,9 @@ void Asap2022::adapt_size(double processing_ms) noexcept {
   top_gamma_ = config_.max_gamma -
                (h - shortest) / (longest - shortest) * (config_.max_gamma - config_.min_gamma);
 }
+
+}  // namespace
+
+Asap2022::Asap2022(Config config) : LearningScheme(std::make_unique<Asap2022Law>(config)) {}
 
 }  // namespace asap

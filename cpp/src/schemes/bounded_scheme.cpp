@@ -1,9 +1,9 @@
-#include "asap/schemes/bounded_scheme.hpp"
+#include "schemes/bounded_scheme.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "schemes/calibration.hpp"
 
 namespace asap {

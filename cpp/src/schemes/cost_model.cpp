@@ -1,11 +1,11 @@
-#include "asap/schemes/bounded_scheme.hpp"
+#include "schemes/bounded_scheme.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

@@ -3,24 +3,45 @@
 #include <algorithm>
 #include <cmath>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
+#include "schemes/bounded_scheme.hpp"
 #include "schemes/calibration.hpp"
 
 namespace asap {
+namespace {
 
-DeadBeat::DeadBeat(Config config) : BoundedScheme(config), config_(config) {
+class DeadBeatLaw final : public BoundedScheme {
+ public:
+  explicit DeadBeatLaw(DeadBeatConfig config);
+
+  Decision decide(const Backlog& backlog) noexcept override;
+  void reset(Execution execution) noexcept override;
+  std::string_view name() const noexcept override { return "dead_beat"; }
+  SchemeParameters parameters() const override { return parameters_in_force(config_); }
+
+ private:
+  double length_ns(std::size_t waiting) noexcept;
+  double size(double budget_ns, double waiting) const noexcept;
+  double caution() const noexcept;  // zeta
+
+  const DeadBeatConfig config_;
+  bool is_overloaded_;  // the knee is in force
+  int calm_;            // decisions in a row with little to do
+};
+
+DeadBeatLaw::DeadBeatLaw(DeadBeatConfig config) : BoundedScheme(config), config_(config) {
   require(config.knee == 0 || (config.knee >= 1 && config.knee <= 1e6), "knee", config.knee,
           "must be 0 (off) or between 1 and 1e6");
   reset(Execution::whole);
 }
 
-void DeadBeat::reset(Execution execution) noexcept {
+void DeadBeatLaw::reset(Execution execution) noexcept {
   BoundedScheme::reset(execution);
   is_overloaded_ = false;
   calm_ = 0;
 }
 
-Decision DeadBeat::decide(const Backlog& backlog) noexcept {
+Decision DeadBeatLaw::decide(const Backlog& backlog) noexcept {
   const auto latency_ns = static_cast<double>(latency_bound_ns_.load());
   if (const auto wait = hold_.wait(backlog, cost_, caution(), latency_ns)) return *wait;
 
@@ -49,7 +70,7 @@ Decision DeadBeat::decide(const Backlog& backlog) noexcept {
   return within(std::max({budget_ns, 1.25 * cost_.alpha_ns(), 1.0}), decision);
 }
 
-double DeadBeat::length_ns(std::size_t waiting) noexcept {
+double DeadBeatLaw::length_ns(std::size_t waiting) noexcept {
   const double work_ns = caution() * cost_.predict_ns(static_cast<double>(waiting));
   const auto latency_ns = static_cast<double>(latency_bound_ns_.load());
   const double cap_ns = latency_ns / 2;
@@ -70,12 +91,23 @@ double DeadBeat::length_ns(std::size_t waiting) noexcept {
   return length_ns;
 }
 
-double DeadBeat::size(double budget_ns, double waiting) const noexcept {
+double DeadBeatLaw::size(double budget_ns, double waiting) const noexcept {
   const double alpha_ns = cost_.alpha_ns();
   double size = std::max(budget_ns - alpha_ns, alpha_ns / 4) / cost_.beta_ns();
   return std::min(waiting, std::max(size, 1.0));
 }
 
-double DeadBeat::caution() const noexcept { return is_whole() ? 1.0 + cost_.sigma() : 1.0; }
+double DeadBeatLaw::caution() const noexcept { return is_whole() ? 1.0 + cost_.sigma() : 1.0; }
+
+}  // namespace
+
+DeadBeat::DeadBeat(Config config) : LearningScheme(std::make_unique<DeadBeatLaw>(config)) {}
+
+double DeadBeat::alpha_ns() const noexcept {
+  return static_cast<const DeadBeatLaw&>(*law_).alpha_ns();
+}
+double DeadBeat::beta_ns() const noexcept {
+  return static_cast<const DeadBeatLaw&>(*law_).beta_ns();
+}
 
 }  // namespace asap

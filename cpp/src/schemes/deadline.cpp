@@ -6,8 +6,10 @@
 #include <limits>
 #include <string>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
+#include "schemes/bounded_scheme.hpp"
 #include "schemes/calibration.hpp"
+#include "schemes/outage_reserve.hpp"
 #include "schemes/work_by_age.hpp"
 
 namespace asap {
@@ -186,7 +188,35 @@ Prefer prefer_of(std::string_view name) {
   return static_cast<Prefer>(found - kPreferences.begin());
 }
 
-Deadline::Deadline(Config config)
+namespace {
+
+class DeadlineLaw final : public BoundedScheme {
+ public:
+  explicit DeadlineLaw(DeadlineConfig config);
+
+  Decision decide(const Backlog& backlog) noexcept override;
+  void observe(const Outcome& outcome) noexcept override;
+  void reset(Execution execution) noexcept override;
+  std::string_view name() const noexcept override { return "deadline"; }
+  SchemeParameters parameters() const override { return parameters_in_force(config_); }
+
+ private:
+  double reachable_ns() const noexcept;
+  double planned_ns() const noexcept;
+  Decision take(const Backlog& backlog, double latency_ns, double length_ns, double size,
+                double stay) noexcept;
+
+  Decision newest_of(const Backlog& backlog, const Decision& slice, double latency_ns) noexcept;
+  bool is_early() const noexcept;
+  double caution() const noexcept;  // zeta, of events
+  double fixed_caution(double latency_ns) const noexcept;
+  double safe_size(double room_ns, double latency_ns, double enough) const noexcept;
+
+  const DeadlineConfig config_;
+  OutageReserve reserve_;
+};
+
+DeadlineLaw::DeadlineLaw(DeadlineConfig config)
     : BoundedScheme(
           config, {.first_alpha_us = config.first_alpha_us, .first_beta_ns = config.first_beta_ns}),
       config_(config) {
@@ -194,12 +224,12 @@ Deadline::Deadline(Config config)
   reset(Execution::whole);
 }
 
-void Deadline::reset(Execution execution) noexcept {
+void DeadlineLaw::reset(Execution execution) noexcept {
   BoundedScheme::reset(execution);
   reserve_ = {};
 }
 
-Decision Deadline::decide(const Backlog& backlog) noexcept {
+Decision DeadlineLaw::decide(const Backlog& backlog) noexcept {
   const double latency_ns = planned_ns();
   const double zeta = caution();
   if (const auto wait = hold_.wait(backlog, cost_, zeta, latency_ns)) return *wait;
@@ -242,8 +272,8 @@ Decision Deadline::decide(const Backlog& backlog) noexcept {
 // for so many that stay, thinned to a size. No more than ends in time however wrong the line of the
 // cost is: of whole packages always, of others, which the clock ends, as long as the first guess is
 // all there is.
-Decision Deadline::take(const Backlog& backlog, double latency_ns, double length_ns, double size,
-                        double stay) noexcept {
+Decision DeadlineLaw::take(const Backlog& backlog, double latency_ns, double length_ns, double size,
+                           double stay) noexcept {
   const double keep_ns = latency_ns - length_ns;
   age_ns_ = age_ns(backlog);
   std::size_t stale = 0;
@@ -272,8 +302,8 @@ Decision Deadline::take(const Backlog& backlog, double latency_ns, double length
 // In place of a first slice that cannot hold what comes while it is processed: the newest events,
 // where few packages fit into a bound while sizes grow. The others would be lost later, and the
 // newest leave the most room to grow.
-Decision Deadline::newest_of(const Backlog& backlog, const Decision& slice,
-                             double latency_ns) noexcept {
+Decision DeadlineLaw::newest_of(const Backlog& backlog, const Decision& slice,
+                                double latency_ns) noexcept {
   if (kGrowth * cost_.recent_cost_ns() < latency_ns) return slice;
   const double young_ns = kNewest * cost_.recent_cost_ns();
   const double safe = safe_size(latency_ns - young_ns, latency_ns, kAll);
@@ -287,18 +317,18 @@ Decision Deadline::newest_of(const Backlog& backlog, const Decision& slice,
 
 // The user's bound, or 2.5 alpha if larger, since no shorter bound is reachable. alpha is ignored
 // while it is a guess.
-double Deadline::reachable_ns() const noexcept {
+double DeadlineLaw::reachable_ns() const noexcept {
   const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
   return is_early() ? bound_ns : std::max(bound_ns, kReach * cost_.alpha_ns());
 }
 
 // The reachable bound less a margin for noise and one for outages.
-double Deadline::planned_ns() const noexcept {
+double DeadlineLaw::planned_ns() const noexcept {
   const double latency_ns = reachable_ns() * (1.0 - 0.05 * std::max(0.0, cost_.sigma() - 0.05));
   return latency_ns - reserve_.ns(latency_ns, cost_.alpha_ns());
 }
 
-void Deadline::observe(const Outcome& outcome) noexcept {
+void DeadlineLaw::observe(const Outcome& outcome) noexcept {
   const bool was_early = is_early();
   BoundedScheme::observe(outcome);
   if (outcome.size == 0 || was_early) return;  // the first guess may be to blame
@@ -306,21 +336,34 @@ void Deadline::observe(const Outcome& outcome) noexcept {
                    static_cast<double>(outcome.span_ns), reachable_ns());
 }
 
-bool Deadline::is_early() const noexcept { return asap::is_early(packages_); }
+bool DeadlineLaw::is_early() const noexcept { return asap::is_early(packages_); }
 
-double Deadline::caution() const noexcept {
+double DeadlineLaw::caution() const noexcept {
   return is_whole() ? 1.0 + kCaution * cost_.sigma() : 1.0;
 }
 
 // Caution with events costs little, as they wait for the next package. Caution with the fixed cost
 // costs events where two packages hardly fit into a bound.
-double Deadline::fixed_caution(double latency_ns) const noexcept {
+double DeadlineLaw::fixed_caution(double latency_ns) const noexcept {
   if (!is_whole()) return 1.0;
   return 1.0 + cost_.sigma() * std::min(kCaution, kSlack * latency_ns / cost_.alpha_ns());
 }
 
-double Deadline::safe_size(double room_ns, double latency_ns, double enough) const noexcept {
+double DeadlineLaw::safe_size(double room_ns, double latency_ns, double enough) const noexcept {
   return cost_.safe_size(room_ns, fixed_caution(latency_ns), caution(), enough);
+}
+
+}  // namespace
+
+Deadline::Deadline(Config config) : LearningScheme(std::make_unique<DeadlineLaw>(config)) {}
+
+std::size_t Deadline::memory_bytes() noexcept { return sizeof(DeadlineLaw); }
+
+double Deadline::alpha_ns() const noexcept {
+  return static_cast<const DeadlineLaw&>(*law_).alpha_ns();
+}
+double Deadline::beta_ns() const noexcept {
+  return static_cast<const DeadlineLaw&>(*law_).beta_ns();
 }
 
 }  // namespace asap

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 FixedSize::FixedSize(Config config) : config_(config) {

@@ -12,6 +12,16 @@
 
 namespace asap {
 
+Decision LearningScheme::decide(const Backlog& backlog) noexcept { return law_->decide(backlog); }
+void LearningScheme::observe(const Outcome& outcome) noexcept { law_->observe(outcome); }
+void LearningScheme::reset(Execution execution) noexcept { law_->reset(execution); }
+std::string_view LearningScheme::name() const noexcept { return law_->name(); }
+SchemeParameters LearningScheme::parameters() const { return law_->parameters(); }
+std::int64_t LearningScheme::latency_bound_ns() const noexcept { return law_->latency_bound_ns(); }
+void LearningScheme::set_latency_bound_ns(std::int64_t bound_ns) noexcept {
+  law_->set_latency_bound_ns(bound_ns);
+}
+
 template <class Made>
 Result<Made> make_scheme(const typename Made::Config& config) noexcept {
   return made<Made>([&] { return std::make_unique<Made>(config); });

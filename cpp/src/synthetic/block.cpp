@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 

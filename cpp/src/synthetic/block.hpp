@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "asap/core/event.hpp"
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace asap {
 

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "synthetic/block.hpp"
 #include "synthetic/plane.hpp"
 

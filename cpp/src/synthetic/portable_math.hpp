@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace asap::synthetic {
 

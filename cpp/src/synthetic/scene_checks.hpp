@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap::synthetic {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <span>
 
-#include "asap/core/check.hpp"
-#include "asap/core/random.hpp"
+#include "core/check.hpp"
+#include "core/random.hpp"
 #include "synthetic/block.hpp"
 #include "synthetic/outline.hpp"
 #include "synthetic/plane.hpp"

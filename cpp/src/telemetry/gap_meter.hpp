@@ -10,9 +10,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "asap/core/atomics.hpp"
 #include "asap/core/event.hpp"
 #include "asap/core/time.hpp"
+#include "core/atomics.hpp"
 
 namespace asap {
 

@@ -2,29 +2,77 @@
 
 #include <cmath>
 
-#include "asap/core/check.hpp"
+#include "core/atomics.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 
+LatencyHistogram::LatencyHistogram(std::int64_t bound_ns) : bound_ns_(bound_ns), bins_(kBins, 0) {}
+
+LatencyHistogram::LatencyHistogram(const LatencyHistogram& other) : bins_(kBins) { *this = other; }
+
+// The other one may be written to.
+LatencyHistogram& LatencyHistogram::operator=(const LatencyHistogram& other) noexcept {
+  const auto copy = [](auto& to, const auto& from) { to = load_relaxed(from); };
+  for (std::size_t bin = 0; bin < kBins; ++bin) copy(bins_[bin], other.bins_[bin]);
+  copy(bound_ns_, other.bound_ns_);
+  copy(count_, other.count_);
+  copy(within_bound_, other.within_bound_);
+  copy(max_ns_, other.max_ns_);
+  copy(sum_low_, other.sum_low_);
+  copy(sum_high_, other.sum_high_);
+  return *this;
+}
+
+std::int64_t LatencyHistogram::bound_ns() const noexcept { return load_relaxed(bound_ns_); }
+
+void LatencyHistogram::set_bound_ns(std::int64_t bound_ns) noexcept {
+  store_relaxed(bound_ns_, bound_ns);
+}
+
+void LatencyHistogram::record(std::int64_t latency_ns, std::size_t count) noexcept {
+  latency_ns = std::max<std::int64_t>(latency_ns, 0);
+  const auto value = static_cast<std::uint64_t>(latency_ns);
+  Batch batch(*this);
+  add(bin_of(value), count);
+  batch.count_ = count;
+  batch.within_bound_ = latency_ns <= bound_ns_ ? count : 0U;
+  batch.max_ns_ = latency_ns;
+  // value * count in 128 bits, from halves of 32
+  const std::uint64_t low = (value & 0xffff'ffffU) * count;  // count < 2^32
+  const std::uint64_t high = (value >> 32) * count;
+  batch.sum_low_ = value * count;
+  batch.sum_high_ = (high + (low >> 32)) >> 32;
+}
+
+void LatencyHistogram::book(const Batch& batch) noexcept {
+  const std::uint64_t sum_low = sum_low_ + batch.sum_low_;
+  const std::uint64_t carry = sum_low < batch.sum_low_ ? 1 : 0;
+  store_relaxed(count_, count_ + batch.count_);
+  store_relaxed(within_bound_, within_bound_ + batch.within_bound_);
+  store_relaxed(max_ns_, std::max(max_ns_, batch.max_ns_));
+  store_relaxed(sum_low_, sum_low);
+  store_relaxed(sum_high_, sum_high_ + batch.sum_high_ + carry);
+}
+
 double LatencyHistogram::mean_ns() const noexcept {
   if (count_ == 0) return 0.0;
-  const double sum =
-      static_cast<double>(sum_high_.load()) * 0x1.0p64 + static_cast<double>(sum_low_.load());
-  return sum / static_cast<double>(count_.load());
+  const double sum = static_cast<double>(sum_high_) * 0x1.0p64 + static_cast<double>(sum_low_);
+  return sum / static_cast<double>(count_);
 }
 
 double LatencyHistogram::quantile_ns(double q) const {
   require(q >= 0.0 && q <= 1.0, "q", q, "must be a number between 0 and 1");
   if (count_ == 0) return 0.0;
-  const double wanted = std::ceil(q * static_cast<double>(count_.load()));
+  const double wanted = std::ceil(q * static_cast<double>(count_));
   const std::uint64_t rank = std::max<std::uint64_t>(static_cast<std::uint64_t>(wanted), 1);
-  if (rank >= count_) return static_cast<double>(max_ns_.load());
+  if (rank >= count_) return static_cast<double>(max_ns_);
   std::uint64_t seen = 0;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     seen += bins_[bin];
-    if (seen >= rank) return std::min(middle_of(bin), static_cast<double>(max_ns_.load()));
+    if (seen >= rank) return std::min(middle_of(bin), static_cast<double>(max_ns_));
   }
-  return static_cast<double>(max_ns_.load());
+  return static_cast<double>(max_ns_);
 }
 
 LatencyHistogram LatencyHistogram::since(const LatencyHistogram& earlier) const {
@@ -32,9 +80,9 @@ LatencyHistogram LatencyHistogram::since(const LatencyHistogram& earlier) const 
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     const std::uint64_t count = bins_[bin] - earlier.bins_[bin];
     if (count == 0) continue;
-    later.bins_.add(bin, count);
+    later.add(bin, count);
     later.count_ += count;
-    later.max_ns_ = std::min(max_of(bin), max_ns_.load());
+    later.max_ns_ = std::min(max_of(bin), max_ns_);
   }
   later.within_bound_ = within_bound_ - earlier.within_bound_;
   later.sum_low_ = sum_low_ - earlier.sum_low_;
@@ -63,7 +111,7 @@ LatencyHistogram LatencyHistogram::restored(const State& state) {
   histogram.sum_high_ = state.sum_high;
   for (const auto& [bin, count] : state.bins) {
     require(bin < kBins, "bin", bin, "does not exist; the file is damaged");
-    histogram.bins_.add(bin, count);
+    histogram.add(bin, count);
     histogram.count_ += count;
   }
   return histogram;

@@ -10,7 +10,7 @@
 
 #include "asap/core/event.hpp"
 #include "asap/core/time.hpp"
-#include "asap/telemetry/telemetry.hpp"
+#include "asap/telemetry/ledger.hpp"
 
 namespace asap {
 

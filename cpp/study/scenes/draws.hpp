@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "study/scenes/rigid_motion.hpp"
 
 namespace asap::scenes {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "study/scenes/draws.hpp"
 
 namespace asap::scenes {

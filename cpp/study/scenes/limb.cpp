@@ -1,6 +1,6 @@
 #include "study/scenes/limb.hpp"
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "asap/core/check.hpp"
-#include "asap/core/random.hpp"
+#include "core/check.hpp"
+#include "core/random.hpp"
 #include "synthetic/portable_math.hpp"
 #include "synthetic/scene_checks.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "synthetic/plane.hpp"
 
 namespace asap {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 #include "study/scenes/draws.hpp"
 
 namespace asap::scenes {

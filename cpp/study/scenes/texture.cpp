@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 namespace {

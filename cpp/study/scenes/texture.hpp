@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "synthetic/plane.hpp"
 
 namespace asap {

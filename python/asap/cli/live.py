@@ -29,6 +29,8 @@ from asap.cli.outcome import (
     usage,
 )
 
+_WINDOWS = ("spawn", "connect", "terminal")
+
 
 def add_cameras(verbs: Any) -> None:
     """Add ``asap cameras``."""
@@ -98,12 +100,6 @@ def _shown(arguments: Any) -> Iterator[Any]:
 
         with viewer.View(arguments.target) as view:
             yield lambda camera: lambda *_: view.attach(camera.pipeline)
-    elif arguments.monitor:
-        from asap import monitor
-
-        screen = monitor.Screen(arguments.algorithm.name if arguments.algorithm else "clusters")
-        with monitor.shown(screen):
-            yield lambda camera: lambda *_: screen.attach(camera.pipeline)
     else:
         with _progress.on_terminal() as on_progress:
             yield lambda _: on_progress
@@ -142,6 +138,6 @@ def run_live(arguments: Any) -> int:
     finally:
         run = asap.last_run()
         if run is not None and run is not before:
-            shown = None if arguments.target in (None, "spawn", "connect") else arguments.target
+            shown = None if arguments.target in (None, *_WINDOWS) else arguments.target
             hand_over(run, arguments, tracks, camera.recorded if camera else None, shown)
     return OK

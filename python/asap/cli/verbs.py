@@ -57,8 +57,7 @@ from asap.io.errors import CutFile
 from asap.results import text
 
 
-def add_demo(verbs: Any) -> None:
-    """Add ``asap demo``."""
+def _add_demo(verbs: Any) -> None:
     verb = add_verb(verbs, "demo", _demo, "the paper's two experiments on synthetic scenes")
     add_out(verb, "asap-demo")
     verb.add_argument("--quick", action="store_true", help="shorter scenes")
@@ -94,23 +93,21 @@ def _demo(arguments: Any) -> int:
     return OK if all(claim.holds for of_run in claims for claim in of_run) else CHECK_FAILED
 
 
-def add_run(verbs: Any) -> None:
-    """Add ``asap run``."""
+def _add_run(verbs: Any) -> None:
     words = "run an algorithm on a recording or a camera, in closed loop"
     verb = add_verb(verbs, "run", _run, words)
     words = "show the panels of the run as text; FILE is then played as by --software-camera"
-    verb.add_argument("--monitor", action="store_true", help=words)
-    verb.set_defaults(target=None)
+    verb.add_argument(
+        "--monitor", action="store_const", const="terminal", dest="target", help=words
+    )
     _add_run_options(verb)
 
 
-def add_view(verbs: Any) -> None:
-    """Add ``asap view``."""
+def _add_view(verbs: Any) -> None:
     words = "watch a run in Rerun: its events, clusters with tracks, and what the loop does"
     verb = add_verb(verbs, "view", _run, words)
     words = "a window, one that listens on port 9876, or a file to write (default: spawn)"
     verb.add_argument("--target", default="spawn", metavar="spawn|connect|OUT.rrd", help=words)
-    verb.set_defaults(monitor=False)
     _add_run_options(verb)
 
 
@@ -185,7 +182,7 @@ def _run(arguments: Any) -> int:
         raise Failure(USAGE, "--every: needs --tracks, the file that it is for")
     if arguments.report:
         need_report()
-    if (arguments.target or arguments.monitor) and len(arguments.file) == 1:
+    if arguments.target and len(arguments.file) == 1:
         arguments.software_camera, arguments.file = arguments.file[0], []
     if is_live(arguments):
         return run_live(arguments)
@@ -217,8 +214,7 @@ def _run(arguments: Any) -> int:
     return OK
 
 
-def add_monitor(verbs: Any) -> None:
-    """Add ``asap monitor``."""
+def _add_monitor(verbs: Any) -> None:
     verb = add_verb(verbs, "monitor", _monitor, "the panels of a run in another process, as text")
     words = "the file that asap.Pipeline(telemetry=PATH) writes"
     verb.add_argument("file", nargs=1, metavar="PATH", help=words)
@@ -236,8 +232,7 @@ def _monitor(arguments: Any) -> int:
     return OK
 
 
-def add_compare(verbs: Any) -> None:
-    """Add ``asap compare``."""
+def _add_compare(verbs: Any) -> None:
     verb = add_verb(verbs, "compare", _compare, "every scheme on the same events, and the oracle")
     add_recording(verb)
     add_simulation(
@@ -277,8 +272,7 @@ def _compare(arguments: Any) -> int:
     return OK
 
 
-def add_info(verbs: Any) -> None:
-    """Add ``asap info``."""
+def _add_info(verbs: Any) -> None:
     verb = add_verb(verbs, "info", _info, "what a recording holds")
     add_recording(verb)
 
@@ -318,8 +312,7 @@ def _info(arguments: Any) -> int:
     return OK
 
 
-def add_check(verbs: Any) -> None:
-    """Add ``asap check``."""
+def _add_check(verbs: Any) -> None:
     verb = add_verb(verbs, "check", _check, "what is wrong with a recording, where, and what helps")
     add_recording(verb, on_bad=False)
     add_report(verb)
@@ -344,8 +337,7 @@ def _as_source(arguments: Any) -> asap.Recording | Path:
         return cut.path  # nothing can be read; the table says so
 
 
-def add_convert(verbs: Any) -> None:
-    """Add ``asap convert``."""
+def _add_convert(verbs: Any) -> None:
     verb = add_verb(verbs, "convert", _convert, "write a recording in another format")
     add_recording(verb, "IN", to_is_time=False)
     verb.add_argument("out", type=writable, metavar="OUT", help="the file to write")
@@ -379,8 +371,7 @@ def _convert(arguments: Any) -> int:
     return OK
 
 
-def add_report_verb(verbs: Any) -> None:
-    """Add ``asap report``."""
+def _add_report_verb(verbs: Any) -> None:
     verb = add_verb(verbs, "report", _report, "one HTML page about saved runs")
     verb.add_argument(
         "runs", nargs="+", type=Path, metavar="RUN.npz", help="of asap run --save; .json: no curves"
@@ -413,8 +404,7 @@ def _report(arguments: Any) -> int:
 _FILES = ("file", "out", "record", "report", "runs", "save", "software_camera", "tracks", "video")
 
 
-def add_completion(verbs: Any) -> None:
-    """Add ``asap completion``."""
+def _add_completion(verbs: Any) -> None:
     verb = add_verb(verbs, "completion", _completion, "a script that completes asap in a shell")
     verb.add_argument("shell", choices=("bash", "zsh"), help="of bash or of zsh")
     verb.set_defaults(verbs=verbs)
@@ -439,15 +429,15 @@ def _completion(arguments: Any) -> int:
 
 
 VERBS = (
-    add_demo,
-    add_run,
-    add_view,
-    add_monitor,
+    _add_demo,
+    _add_run,
+    _add_view,
+    _add_monitor,
     add_cameras,
-    add_compare,
-    add_info,
-    add_check,
-    add_convert,
-    add_report_verb,
-    add_completion,
+    _add_compare,
+    _add_info,
+    _add_check,
+    _add_convert,
+    _add_report_verb,
+    _add_completion,
 )

@@ -266,19 +266,14 @@ def labelled(schemes: Any) -> dict[str, _core.Scheme]:
     A ValueError if there is none, one stands twice (it has one state), or two labels are the same
     text.
     """
-    if isinstance(schemes, str):
-        remedy = "give schemes such as [asap.Greedy()], or leave it out"
-        raise TypeError(_checks.named("schemes", schemes, remedy))
     named = isinstance(schemes, Mapping)
     given = schemes.values() if named else schemes
-    if not isinstance(given, (_core.Scheme, Iterable)):
-        raise TypeError(_checks.named("schemes", given, "give schemes such as [asap.Greedy()]"))
-    listed = [given] if isinstance(given, _core.Scheme) else list(given)
+    is_list = isinstance(given, Iterable) and not isinstance(given, str)
+    listed = list(given) if is_list else [given]
     for scheme in listed:
         if not isinstance(scheme, _core.Scheme):
-            raise TypeError(
-                _checks.named("schemes", scheme, "give schemes such as [asap.Greedy()]")
-            )
+            remedy = "give schemes such as [asap.Greedy()]"
+            raise TypeError(_checks.named("schemes", scheme, remedy))
     if not listed:
         raise ValueError("schemes = []: give at least one, or None for the usual ones")
     if len({id(scheme) for scheme in listed}) < len(listed):

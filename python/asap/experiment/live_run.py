@@ -35,6 +35,7 @@ class CameraRun(Pipeline):
         try:
             with self:
                 self._native.run(self.algorithm, poll)
+                self._log.look(now=True)
         finally:
             run = keep(self._outcome())
         self._camera.raise_error()

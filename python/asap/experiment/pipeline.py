@@ -198,7 +198,7 @@ class Pipeline:
     def _packages(self) -> Iterator[_core.LivePackage]:
         self._in_work = False
         while (package := self._native.next()) is not None:
-            self._log.look_if_due()
+            self._log.look()
             self._in_work = True
             yield package
             self._in_work = False
@@ -234,7 +234,7 @@ class Pipeline:
             )
         self._need_feed("run")
         self._native.run(self.algorithm, self._look)
-        self._look()
+        self._look_at_size()
         self._end()
 
     def _look(self) -> None:
@@ -251,7 +251,7 @@ class Pipeline:
 
     def _end(self) -> None:
         """Finish the telemetry; raise what has ended the camera, now that all is delivered."""
-        self._log.look()
+        self._log.look(now=True)
         if self._telemetry is not None:
             self._telemetry.close()
         if self._camera is not None:

@@ -7,7 +7,7 @@ import queue
 import threading
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Any
 
@@ -15,14 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _checks, _core
-from asap.events import Events
 from asap.results.data import LEDGER_FIELDS
 
 Rows = NDArray[np.void]
 Watcher = Callable[[Rows], object]
 
-# The columns of `run.packages`, and what the pipeline said when the row was read, after it was
-# written by 20 ms at most: the bound, the ledger so far, what the driver and the file have lost.
+# The columns of `run.packages`, and what the pipeline said when it was looked at next, after 250 ms
+# at most: the bound, the ledger, in even steps from look to look, what driver and file have lost.
 TELEMETRY_DTYPE = np.dtype(
     [
         *_core.PACKAGE_DTYPE.descr,
@@ -32,22 +31,38 @@ TELEMETRY_DTYPE = np.dtype(
         ("rows_lost", "<i8"),
     ]
 )
+_ENDS = LEDGER_FIELDS[1:]  # which sum up to `received`
 HEAD = (",".join(TELEMETRY_DTYPE.names or ()) + "\n").encode()
 _FORMATS = {"i": "%d", "f": "%.16g"}
 _KINDS = [TELEMETRY_DTYPE[name].kind for name in TELEMETRY_DTYPE.names or ()]
 _LINE = ",".join(_FORMATS[kind] for kind in _KINDS) + "\n"
 
-_EVERY_S = 0.02
-_WAITING = 100  # looks, thus 2 s, that wait for the disk
+# What the watching costs delays packages, and the 99th percentile of the latency heeds 10 in 1000.
+_EVERY_S = 0.25
+_WRITE_S = 1.0
+_WAITING = 20  # looks that wait for the disk, thus 5 s
 _MOST_ROWS = 500_000  # in a file of 100 MB; then it becomes FILE.1, and a new one begins
 _PATIENCE_S = 1.0  # for the disk, at the end
 
 
+def summed(rows: Rows, lost_before: float) -> dict[str, float]:
+    """Sum up a stretch of time, before which so many events were lost; none without rows."""
+    size = float(rows["size"].sum())
+    return {
+        "packages": len(rows),
+        "size": size / max(len(rows), 1),
+        "gamma": size / max(float((rows["size"] / rows["gamma"]).sum()), 1.0),
+        "rate": float(rows["event_rate"].max(initial=0.0)),
+        "latency": float(rows["latency_max_us"].max(initial=0.0)),
+        "waiting": float(rows["all_pending"].max(initial=0)),
+        "lost": lost(rows[-1]) - lost_before if len(rows) else 0.0,
+    }
+
+
 def lost(row: Any) -> float:
     """Count the events that were thinned away or lost before this row, the driver's marks too."""
-    return float(
-        row["all_discarded"] + row["all_stale"] + row["all_overflow"] + row["upstream_lost"]
-    )
+    names = ("all_discarded", "all_stale", "all_overflow", "upstream_lost")
+    return float(sum(row[name] for name in names))
 
 
 def as_rows(log: Rows, latency_bound_us: float) -> Rows:
@@ -70,29 +85,27 @@ class Log:
     def begin(self) -> None:
         """Begin with row 0, as the log does."""
         self._next, self._due_s = 0, 0.0
+        self._ledger = dict.fromkeys(_ENDS, 0)
 
-    def look(self) -> None:
-        """Give the rows since the look before to the watchers."""
+    def look(self, now: bool = False) -> None:
+        """Give the rows since the look before to the watchers, if that was 250 ms ago."""
+        if not self.watchers or (time.monotonic() < self._due_s and not now):
+            return
         self._due_s = time.monotonic() + _EVERY_S
-        if not self.watchers or not len(log := self._native.rows(self._next)):
+        if not len(log := self._native.rows(self._next)):
             return
         self._next = int(log["index"][-1]) + 1
         stats = self._native.stats()
         rows = as_rows(log, stats.latency_bound_us)
-        for name in LEDGER_FIELDS:
-            rows[f"all_{name}"] = getattr(stats.ledger, name)
+        share = np.arange(1, len(rows) + 1) / len(rows)
+        for name in _ENDS:
+            before, now_is = self._ledger[name], getattr(stats.ledger, name)
+            rows[f"all_{name}"] = before + (now_is - before) * share
+            rows["all_received"] += rows[f"all_{name}"]
+            self._ledger[name] = now_is
         rows["upstream_lost"] = stats.upstream_marks + stats.upstream_packets
         for watch in tuple(self.watchers):
             watch(rows)
-
-    def glimpse(self, more: bool) -> Events:
-        """Return up to 65536 events that came since glimpse(more=True); from any thread."""
-        return self._native.glimpse(more)
-
-    def look_if_due(self) -> None:
-        """Look every 20 ms."""
-        if self.watchers and time.monotonic() >= self._due_s:
-            self.look()
 
 
 class TelemetryFile:
@@ -103,13 +116,15 @@ class TelemetryFile:
         _checks.ending("telemetry", self.path, (".csv",), "give a name that ends in .csv")
         self._written = self._failed = self._in_file = 0  # rows, of the thread
         self._dropped = 0
-        self._queue: queue.Queue[Rows | None] = queue.Queue(_WAITING)
+        self._queue: queue.Queue[Rows] = queue.Queue(_WAITING)
+        self._closing = threading.Event()
         self._thread: threading.Thread | None = None
         self._error: OSError | None = None
 
     def __call__(self, rows: Rows) -> None:
         """Have them written; never wait."""
         if self._thread is None:
+            self._closing.clear()
             self._thread = threading.Thread(target=self._write, name="asap telemetry", daemon=True)
             self._thread.start()
         rows["rows_lost"] = self.lost
@@ -124,18 +139,26 @@ class TelemetryFile:
         return self._dropped + self._failed
 
     def _write(self) -> None:
-        while (rows := self._queue.get()) is not None:
-            try:
-                self._append(rows)
-            except OSError as error:
-                self._error = error
-                self._failed += len(rows)
+        is_over = False
+        while not is_over:
+            is_over = self._closing.wait(_WRITE_S)
+            for rows in self._waiting():
+                try:
+                    self._append(rows)
+                except OSError as error:
+                    self._error = error
+                    self._failed += len(rows)
+
+    def _waiting(self) -> Iterator[Rows]:
+        with suppress(queue.Empty):
+            while True:
+                yield self._queue.get_nowait()
 
     def _append(self, rows: Rows) -> None:
         if self._in_file + len(rows) > _MOST_ROWS:
             self.path.replace(f"{self.path}.1")
             self._in_file = 0
-        lines = "".join(map(_LINE.__mod__, rows.tolist())).encode()
+        lines = b"".join([(_LINE % row.item()).encode() for row in rows])
         with self.path.open("ab" if self._in_file else "wb") as file:
             file.write(lines if self._in_file else HEAD + lines)
         self._in_file += len(rows)
@@ -150,14 +173,10 @@ class TelemetryFile:
         thread, self._thread = self._thread, None
         if thread is None:
             return
-        with suppress(queue.Full):
-            self._queue.put(None, timeout=_PATIENCE_S)
+        self._closing.set()
         thread.join(_PATIENCE_S)
         if thread.is_alive():  # the disk is stalled: what waits is lost
-            with suppress(queue.Empty):
-                while (rows := self._queue.get_nowait()) is not None:
-                    self._dropped += len(rows)
-            self._queue.put(None)
+            self._dropped += sum(map(len, self._waiting()))
         if self._error is not None:
             warnings.warn(
                 f"{self.path}: {self._error.strerror}; telemetry lost {self.lost} rows",

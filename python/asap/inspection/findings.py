@@ -17,9 +17,9 @@ from asap.inspection.meters import (
     MAX_SIDE,
     STUCK_US,
     Door,
-    Gaps,
     Meters,
     PixelMap,
+    Steps,
     Tally,
 )
 from asap.inspection.raw_source import RawSource
@@ -61,7 +61,7 @@ def judge(raw: RawSource, door: Door, meters: Meters) -> Iterator[Finding]:
         "The stamps before and after are of two clocks: split the recording there. A run goes on "
         "1 us after the last event.",
     )
-    yield _gaps(meters.gaps)
+    yield _gaps(meters.steps)
     yield _time_unit(raw, meters)
     yield _found(
         "same_stamp",
@@ -97,8 +97,8 @@ def _found(name: str, tally: Tally, verdict: str, detail: str, remedy: str) -> F
 def _empty(door: Door, meters: Meters, raw: RawSource) -> Finding:
     if meters.events:
         return Finding("empty", 0, OK, f"{_units.count(meters.events)} good events")
-    if door.seen + raw.bad_records + raw.out_of_bounds == 0:
-        if raw.cut_at_byte is not None:
+    if door.seen + raw.losses.bad_record + raw.losses.out_of_bounds == 0:
+        if raw.losses.cut is not None:
             words = "nothing before the end of the file can be read"
             return Finding("empty", 1, WRONG, words, "Copy the file again.")
         return Finding("empty", 1, NOTE, "no events", "Nothing was recorded, or not written.")
@@ -106,12 +106,13 @@ def _empty(door: Door, meters: Meters, raw: RawSource) -> Finding:
 
 
 def _records(raw: RawSource, door: Door) -> Finding:
-    count = raw.bad_records + door.unreadable.count
+    losses = raw.losses
+    count = losses.bad_record + door.unreadable.count
     if count == 0:
         return Finding("bad_records", 0, OK, "")
     detail = "records that are no events, or whose stamps are no times"
     remedy = "Are order and time unit right? Else the file is damaged there."
-    if 2 * raw.between_pixels > count:
+    if 2 * losses.between_pixels > count:
         detail = "x and y lie between pixels"
         remedy = (
             "asap.read(..., on_bad='clamp'), on the command line --on-bad clamp, moves each to the "
@@ -125,12 +126,12 @@ def _records(raw: RawSource, door: Door) -> Finding:
         f"A run drops and counts them. {remedy}",
         door.unreadable.event,
         door.unreadable.t_us,
-        raw.first_bad_byte,
+        next(iter(losses.bad_offsets), None),
     )
 
 
 def _truncated(raw: RawSource) -> Finding:
-    if raw.cut_at_byte is None:
+    if raw.losses.cut is None:
         return Finding("truncated", 0, OK, "")
     return Finding(
         "truncated",
@@ -139,12 +140,12 @@ def _truncated(raw: RawSource) -> Finding:
         "the file ends too early, or breaks",
         "What stands before is read. Copy the file again; a recording that was never closed "
         "lost its end.",
-        byte=raw.cut_at_byte,
+        byte=raw.losses.cut.offset,
     )
 
 
 def _out_of_bounds(raw: RawSource, door: Door, pixels: PixelMap) -> Finding:
-    count = raw.out_of_bounds + door.outside.count
+    count = raw.losses.out_of_bounds + door.outside.count
     known = bool(raw.width and raw.height)
     sensor = f"{raw.width} x {raw.height} px" if known else "sensor unknown: not checked"
     if count:
@@ -190,7 +191,7 @@ def _sorting(door: Door, meters: Meters) -> str:
 
 
 def _lost(raw: RawSource) -> Finding:
-    count = raw.lost_packets
+    count = raw.losses.lost_packets
     if count == 0:
         return Finding("lost_packets", 0, OK, "")
     return Finding(
@@ -211,13 +212,13 @@ def _reset_words(door: Door) -> str:
     return f"{words}, as a counter of {bits[0]} bits wraps" if bits else words
 
 
-def _gaps(gaps: Gaps) -> Finding:
-    verdict = WRONG if gaps.longest_us >= WRONG_GAP_US else NOTE
+def _gaps(steps: Steps) -> Finding:
+    verdict = WRONG if steps.longest_us >= WRONG_GAP_US else NOTE
     return _found(
         "gaps",
-        gaps.tally,
+        steps.gaps,
         verdict,
-        f"longest {_units.duration(gaps.longest_us)}",
+        f"longest {_units.duration(steps.longest_us)}",
         f"No event for {_units.duration(GAP_US)} or more: a still scene behind a noise filter, or "
         "lost data. Compare with the driver's own counters.",
     )
@@ -225,12 +226,11 @@ def _gaps(gaps: Gaps) -> Finding:
 
 def _time_unit(raw: RawSource, meters: Meters) -> Finding:
     steps_us = np.diff(meters.head)
-    doubt = unit_doubt(raw.guessed_unit, meters.events, meters.duration_us, steps_us)
+    doubt = unit_doubt(raw.losses.guessed_unit, meters.events, meters.duration_us, steps_us)
     if doubt is None:
         return Finding("time_unit", 0, OK, "")
     detail, remedy = doubt
-    remedy = f"{remedy[0].upper()}{remedy[1:]}."
-    return Finding("time_unit", 1, NOTE, detail, remedy, 0, meters.first_stamp_us)
+    return Finding("time_unit", 1, NOTE, detail, _sentence(remedy), 0, meters.first_stamp_us)
 
 
 def _banding(meters: Meters) -> Finding:
@@ -276,16 +276,15 @@ def _noise(meters: Meters) -> Finding:
     return Finding("noise", alone.count, NOTE, words, remedy + "thresholds of the camera.")
 
 
-def _sentence(words: list[str]) -> str:
-    text = "; ".join(words)
-    return f"{text[0].upper()}{text[1:]}."
+def _sentence(words: str) -> str:
+    return f"{words[0].upper()}{words[1:]}."
 
 
 def _polarity(raw: RawSource, door: Door, meters: Meters) -> Finding:
     tally, events, on = door.odd_polarity, meters.events, meters.on
     share = f"{_units.share(on / events)} ON" if events else ""
-    if raw.understood:
-        return Finding("polarity", 0, NOTE, share, _sentence(raw.understood))
+    if understood := "; ".join(raw.losses.understood):
+        return Finding("polarity", 0, NOTE, share, _sentence(understood))
     if tally.count == 0 and events >= ENOUGH and on in (0, events):
         return Finding(
             "polarity", 0, NOTE, share, "One polarity only: the other was lost, or never written."

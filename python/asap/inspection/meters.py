@@ -165,22 +165,25 @@ def _largest(values: npt.NDArray[np.int64]) -> int:
     return int(values.max(initial=0))
 
 
-class Gaps:
-    """Times without an event; a gap is told by the event that ends it."""
+class Steps:
+    """Times between events: how many by octaves, and the gaps, told by the event that ends one."""
 
     def __init__(self) -> None:
-        self.tally = Tally()
+        self.counts: Integers = np.zeros(BINS_FROM_US.size, np.int64)
+        self.gaps = Tally()
         self.longest_us = 0
         self._last_us: int | None = None
 
     def add(self, passed: Passed) -> None:
-        """See a block, which is not empty."""
+        """See a block, which is not empty; the first event of all has none before it."""
         t: Integers = passed.events["t"]
-        before = t[0] if self._last_us is None else self._last_us
-        silent_us = np.diff(t, prepend=before)
-        self.longest_us = max(self.longest_us, int(silent_us.max()))
-        ends = np.flatnonzero(silent_us >= GAP_US)
-        self.tally.add(passed.numbers[ends], passed.stamps[ends])
+        steps_us = np.diff(t, prepend=t[0] if self._last_us is None else self._last_us)
+        counted_us = steps_us[1:] if self._last_us is None else steps_us
+        bins = np.searchsorted(BINS_FROM_US, counted_us, side="right") - 1
+        self.counts += np.bincount(bins, minlength=self.counts.size)
+        self.longest_us = max(self.longest_us, int(steps_us.max()))
+        ends = np.flatnonzero(steps_us >= GAP_US)
+        self.gaps.add(passed.numbers[ends], passed.stamps[ends])
         self._last_us = int(t[-1])
 
 
@@ -280,22 +283,6 @@ class Alone:
         """Share of the events that would be alone if they came anywhere at any time."""
         per_pixel = events * ALONE_US / max(duration_us, ALONE_US) / self._pixels
         return float(np.exp(-8 * per_pixel))
-
-
-class Intervals:
-    """Counts by octaves; blocks in time order, however they are cut."""
-
-    def __init__(self) -> None:
-        self.counts: Integers = np.zeros(BINS_FROM_US.size, np.int64)
-        self._last_us: int | None = None
-
-    def add(self, passed: Passed) -> None:
-        """See a block, which is not empty; the first event of all has none before it."""
-        t: Integers = passed.events["t"]
-        times_us = np.diff(t) if self._last_us is None else np.diff(t, prepend=self._last_us)
-        bins = np.searchsorted(BINS_FROM_US, times_us, side="right") - 1
-        self.counts += np.bincount(bins, minlength=self.counts.size)
-        self._last_us = int(t[-1])
 
 
 _BINS = 1 << 14  # windows of the curve; even
@@ -413,8 +400,8 @@ class Meters:
     """All that looks at the good events of a source, and what only needs counting."""
 
     def __init__(self, width: int | None, height: int | None) -> None:
-        self.gaps, self.stamps, self.duplicates = Gaps(), Stamps(), Duplicates()
-        self.intervals, self.pixels = Intervals(), PixelMap(width, height)
+        self.steps, self.stamps, self.duplicates = Steps(), Stamps(), Duplicates()
+        self.pixels = PixelMap(width, height)
         self.curve = RateCurve()
         sides = (width or 0, height or 0)
         self.alone = Alone(*sides) if 0 < min(sides) <= max(sides) <= MAX_SIDE else None
@@ -433,10 +420,9 @@ class Meters:
         self._end_us = int(t[-1])
         self.events += len(t)
         self.on += int(np.count_nonzero(passed.events["p"]))
-        self.gaps.add(passed)
+        self.steps.add(passed)
         self.stamps.add(passed)
         self.duplicates.add(passed)
-        self.intervals.add(passed)
         self.pixels.add(passed)
         if self.alone is not None:
             self.alone.add(passed)

@@ -69,12 +69,10 @@ class Aedat4Reader:
         self.width, self.height = sizes[chosen]
         self._stream = named[chosen]
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
-        """Decode packets, and hand on many at once: some cameras send a few events in each."""
-        return self._decoded(losses, self._first)
-
-    def chunks_from(self, losses: Losses, t_us: int) -> Iterator[Events]:
-        """Decode from a packet before that time; only the headers of those before are read."""
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
+        """Decode packets; of those before `from_us` only the headers are read."""
+        if from_us is None:
+            return self._decoded(losses, self._first)
         places: list[int] = []
         with self._path.open("rb") as file, suppress(CorruptFile):  # told when it is reached
             for at, stream, _ in self._packets(file, self._first):
@@ -86,11 +84,11 @@ class Aedat4Reader:
 
         place = self._first
         with suppress(CorruptFile):  # no packet before the damage is left out
-            place = places[row_before(time_of, len(places), t_us)] if places else place
+            place = places[row_before(time_of, len(places), from_us)] if places else place
         return self._decoded(losses, place)
 
     def _decoded(self, losses: Losses, at: int) -> Iterator[Events]:
-        """Decode the packets from that place on."""
+        """Decode from that place on, and hand on many packets at once: some hold few events."""
         out, filled, count = losses.room(CHUNK), 0, 0
         cut: CorruptFile | None = None
         records = self._records(at)

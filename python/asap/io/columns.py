@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from asap.events import (
     plain_view,
 )
 from asap.io.errors import UnsupportedFormat, unclear_unit
-from asap.io.reader import PLAIN, Losses, Options
+from asap.io.reader import CHUNK, PLAIN, Losses, Options
 
 _MAX_ADDRESS = 65535
 _LOOKS = 32  # rows whose times must ascend before one is sought
@@ -102,6 +102,16 @@ def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
     if found:
         columns = _without(columns, found, losses, first)
     return pack(columns, exponent, normalise=False)
+
+
+def pieces_of(source: Any, options: Options, losses: Losses, first: int = 0) -> Iterator[Events]:
+    """Convert an array or a mapping of columns piece by piece; `first` as in `events_of`."""
+    is_array = isinstance(source, np.ndarray)
+    count = len(source if is_array else next(iter(source.values())))
+    for start in range(0, count, CHUNK):
+        part = slice(start, start + CHUNK)
+        piece = source[part] if is_array else {role: one[part] for role, one in source.items()}
+        yield events_of(piece, options, losses, first + start)
 
 
 def plain_polarity(events: Events, losses: Losses, first: int) -> Events:

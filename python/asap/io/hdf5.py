@@ -25,11 +25,11 @@ from asap import _stamps
 from asap.events import FIELD_NAMES, Events, columns_by_order
 from asap.io.columns import (
     as_rows,
-    events_of,
     file_columns,
     first_us,
     from_one,
     order_of,
+    pieces_of,
     row_before,
 )
 from asap.io.errors import (
@@ -43,6 +43,8 @@ from asap.io.errors import (
 )
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, new_room, size_of
 from asap.io.sniff import first_bytes
+
+h5py = library("h5py", "HDF5", "hdf5")
 
 _FEW = 16  # values, where a size is stated
 _STEP = 4 * CHUNK  # events that are read at once: calls of h5py are dear
@@ -60,7 +62,6 @@ class Hdf5Reader:
     def __init__(self, path: Path, options: Options) -> None:
         self._path = path
         self._is_matlab = first_bytes(path).startswith(b"MATLAB")
-        h5py = library("h5py", "HDF5", "hdf5")
         with self._open() as file:
             with foreign(path):
                 layouts = _find_layouts(path, file, options)
@@ -77,7 +78,7 @@ class Hdf5Reader:
                 narrow = t is not None and t.itemsize <= 4 and t.kind in "iu"
                 is_us = options.time_unit in (None, "us") and abs(layout.t_offset) < 1 << 62
                 self._adds_later = narrow and is_us
-                self.width, self.height = _sensor_of(h5py, file, next(iter(datasets.values())))
+                self.width, self.height = _sensor_of(file, next(iter(datasets.values())))
             self.expected = layout.rows
             self._order = options.order
             if layout.is_matrix:
@@ -88,29 +89,22 @@ class Hdf5Reader:
                 file_columns(path, dict.fromkeys(layout.datasets, np.empty(0)), options.order)
         self._options = Options(None, options.time_unit)
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
         """Read steps of some chunks up to the first damaged chunk, hand on in pieces."""
-        return self._from(losses, None)
-
-    def chunks_from(self, losses: Losses, t_us: int) -> Iterator[Events]:
-        """Read it from the chunk on that holds that time."""
-        return self._from(losses, t_us)
-
-    def _from(self, losses: Losses, t_us: int | None) -> Iterator[Events]:
         with self._open() as file:
             with foreign(self._path):
                 sources = self._sources(file)
             longest = max(source.rows_per_chunk for source in sources.values())
             step, most = (max(events // longest, 1) * longest for events in (CHUNK, _STEP))
             start = 0
-            if t_us is not None:
+            if from_us is not None:
                 counted = replace(losses, room=new_room)  # of which nothing is taken
 
                 def time_of(number: int) -> int | None:
                     rows = {role: source.row(number * step) for role, source in sources.items()}
                     return first_us(next(self._pieces(rows, counted, 1)))
 
-                start = row_before(time_of, -(-self._layout.rows // step), t_us) * step
+                start = row_before(time_of, -(-self._layout.rows // step), from_us) * step
             while start < self._layout.rows:
                 stop = min(start + step, self._layout.rows)
                 try:
@@ -133,17 +127,9 @@ class Hdf5Reader:
         elif self._layout.t_offset and not self._adds_later:
             offset = np.asarray(self._layout.t_offset)
             source = rows | {"t": _stamps.shifted(rows["t"], offset)}
-        count = len(next(iter(rows.values())))
         if self._is_matlab and not isinstance(source, np.ndarray):
             source = from_one(source, losses)
-        for start in range(0, count, CHUNK):
-            part = slice(start, start + CHUNK)
-            piece = (
-                source[part]
-                if isinstance(source, np.ndarray)
-                else {role: column[part] for role, column in source.items()}
-            )
-            events = events_of(piece, self._options, losses, first + start)
+        for events in pieces_of(source, self._options, losses, first):
             if self._layout.t_offset and self._adds_later:
                 events["t"] += self._layout.t_offset
             yield events
@@ -157,7 +143,6 @@ class Hdf5Reader:
 
     @contextmanager
     def _open(self) -> Iterator[Any]:
-        h5py = library("h5py", "HDF5", "hdf5")
         try:
             file = h5py.File(self._path, "r", rdcc_nbytes=0)  # a step takes whole chunks, once
         except OSError as error:
@@ -253,11 +238,10 @@ def _find_layouts(path: Path, file: Any, options: Options) -> dict[str, _Layout]
 
     A matrix whose name says nothing counts where the user names it, or there is nothing else.
     """
-    h5py = library("h5py", "HDF5", "hdf5")
     found: dict[str, _Layout] = {}
     others: dict[str, _Layout] = {}
     links: list[str] = []
-    for group, name, datasets in _groups(h5py, path, file, links):
+    for group, name, datasets in _groups(path, file, links):
         layout = _columns(path, name, group, datasets)
         if layout is not None:
             found[layout.name] = layout
@@ -273,7 +257,7 @@ def _find_layouts(path: Path, file: Any, options: Options) -> dict[str, _Layout]
     if not found:
         led = f"; links that lead elsewhere are not followed: {', '.join(links)}" if links else ""
         raise UnsupportedFormat(
-            f"{path}: no events among {', '.join(_listing(h5py, file)) or 'no datasets'}: needed "
+            f"{path}: no events among {', '.join(_listing(file)) or 'no datasets'}: needed "
             f"are datasets t, x, y, p in one group, records with such fields, or a matrix "
             f"of {len(options.order or 'txyp')} columns, as order names them{led}"
         )
@@ -282,7 +266,6 @@ def _find_layouts(path: Path, file: Any, options: Options) -> dict[str, _Layout]
 
 def _usable(path: Path, dataset: Any) -> None:
     """Refuse what lies in other files, what needs a missing filter and what cannot be so large."""
-    h5py = library("h5py", "HDF5", "hdf5")
     filters = dataset.id.get_create_plist()
     is_virtual = filters.get_layout() == h5py.h5d.VIRTUAL
     if filters.get_external_count() or (
@@ -302,30 +285,28 @@ def _usable(path: Path, dataset: Any) -> None:
     for i in range(filters.get_nfilters()):
         code, _, _, name = filters.get_filter(i)
         if not h5py.h5z.filter_avail(code):
-            _find_filter(h5py, path, dataset.name, code, name.decode("ascii", "replace"))
+            _find_filter(path, dataset.name, code, name.decode("ascii", "replace"))
 
 
-def _sensor_of(h5py: Any, file: Any, dataset: Any) -> tuple[int | None, int | None]:
+def _sensor_of(file: Any, dataset: Any) -> tuple[int | None, int | None]:
     """Width and height, where attributes or datasets beside the events state them."""
     for place in (dataset, dataset.parent, file):
         size = size_of(place.attrs, place.attrs.get)
         if size == (None, None) and place is not dataset:
-            size = size_of(place, partial(_small, h5py, place))
+            size = size_of(place, partial(_small, place))
         if size != (None, None):
             return size
     return None, None
 
 
-def _small(h5py: Any, group: Any, key: str) -> Any:
+def _small(group: Any, key: str) -> Any:
     """Return the few values of a dataset; None if there is none."""
-    if not _is_dataset(h5py, group, key) or group[key].size > _FEW or group[key].external:
+    if not _is_dataset(group, key) or group[key].size > _FEW or group[key].external:
         return None
     return group[key][()]
 
 
-def _groups(
-    h5py: Any, path: Path, file: Any, links: list[str]
-) -> Iterator[tuple[Any, str, dict[str, Any]]]:
+def _groups(path: Path, file: Any, links: list[str]) -> Iterator[tuple[Any, str, dict[str, Any]]]:
     """Every group with its datasets once, however the links run in circles."""
     seen: set[Any] = set()
     waiting = [(file["/"], "")]
@@ -351,7 +332,7 @@ def _groups(
         yield group, name, datasets
 
 
-def _is_dataset(h5py: Any, group: Any, key: str) -> bool:
+def _is_dataset(group: Any, key: str) -> bool:
     hard = isinstance(group.get(key, getlink=True), h5py.HardLink)
     return hard and group.get(key, getclass=True) is h5py.Dataset
 
@@ -389,7 +370,6 @@ def _records_or_matrix(name: str, dataset: Any, order: str | None) -> _Layout | 
 
 def _offset(path: Path, group: Any) -> int:
     """DSEC: times count from t_offset, a dataset or an attribute of the group or its parent."""
-    h5py = library("h5py", "HDF5", "hdf5")
     for place in (group, group.parent):
         link = place.get("t_offset", getlink=True)
         if link is not None and not isinstance(link, h5py.HardLink):
@@ -398,7 +378,7 @@ def _offset(path: Path, group: Any) -> int:
             _usable(path, place["t_offset"])
         elif "t_offset" not in place.attrs:
             continue
-        stated = _small(h5py, place, "t_offset") if link else place.attrs["t_offset"]
+        stated = _small(place, "t_offset") if link else place.attrs["t_offset"]
         offset = np.asarray(stated).reshape(-1)
         if offset.size == 1 and offset.dtype.kind in "iuf":
             us = offset[0].item()
@@ -408,7 +388,7 @@ def _offset(path: Path, group: Any) -> int:
     return 0
 
 
-def _find_filter(h5py: Any, path: Path, dataset: str, code: int, name: str) -> None:
+def _find_filter(path: Path, dataset: str, code: int, name: str) -> None:
     """Let the package hdf5plugin register its filters; say which one is missing then."""
     with suppress(ImportError):
         importlib.import_module("hdf5plugin")
@@ -426,7 +406,7 @@ def _find_filter(h5py: Any, path: Path, dataset: str, code: int, name: str) -> N
     )
 
 
-def _listing(h5py: Any, file: Any) -> list[str]:
+def _listing(file: Any) -> list[str]:
     names: list[str] = []
 
     def note(name: str, item: Any) -> bool | None:

@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from asap._checks import named
 from asap.events import FIELD_NAMES, Columns, Events, columns_by_order
-from asap.io.columns import as_rows, events_of, file_columns, from_one, order_of
+from asap.io.columns import as_rows, file_columns, from_one, order_of, pieces_of
 from asap.io.errors import (
     CorruptFile,
     CutFile,
@@ -30,6 +30,8 @@ from asap.io.errors import (
     refuse_bomb,
 )
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, size_of
+
+scipy_io = library("scipy.io", "MATLAB", "matlab")
 
 _FEW = 16  # values, where a size is stated
 _HEADER = 128
@@ -47,10 +49,9 @@ class MatlabReader:
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path, self._options = path, options
-        self._scipy = library("scipy.io", "MATLAB", "matlab")
         cut = _cut_at(path)
         with _read(path, cut):
-            variables = self._scipy.whosmat(str(path), appendmat=False)
+            variables = scipy_io.whosmat(str(path), appendmat=False)
         self._shapes = {name: (shape, kind) for name, shape, kind in variables}
         size = path.stat().st_size
         for name, (shape, kind) in self._shapes.items():
@@ -74,13 +75,11 @@ class MatlabReader:
             raise ValueError(named("order", options.order, words))
         self._cut = cut
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
         """Load the variables of the stream and convert them piece by piece."""
         names = self._found[self._stream]
         with _read(self._path, self._cut):
-            values = self._scipy.loadmat(
-                str(self._path), variable_names=list(names), appendmat=False
-            )
+            values = self._loaded(*names)
         missing = [name for name in names if name not in values]
         if missing:
             unread = CorruptFile(self._path, 0, f"{missing[0]} cannot be read")
@@ -90,12 +89,15 @@ class MatlabReader:
         t = columns["t"]
         if unit is None and t.dtype.kind == "f" and bool((t == np.floor(t)).all()):
             unit = losses.guessed_unit = "us"
-        options = Options(None, unit)
-        for start in range(0, len(columns["t"]), CHUNK):
-            piece = {role: column[start : start + CHUNK] for role, column in columns.items()}
-            yield events_of(piece, options, losses, start)
+        yield from pieces_of(columns, Options(None, unit), losses)
         if self._cut is not None:
             losses.truncated(self._cut.offset, self._cut.fault)
+
+    def _loaded(self, *names: str) -> Mapping[str, Any]:
+        found: Mapping[str, Any] = scipy_io.loadmat(
+            str(self._path), variable_names=names, appendmat=False
+        )
+        return found
 
     def _few(self, name: str) -> Any:
         """Return the value of a variable of few numbers, if there is one."""
@@ -103,8 +105,7 @@ class MatlabReader:
         if kind not in (*_NUMERIC, "char") or math.prod(map(int, shape)) > _FEW:
             return None
         with _read(self._path, None):
-            values = self._scipy.loadmat(str(self._path), variable_names=[name], appendmat=False)
-        value = values[name]
+            value = self._loaded(name)[name]
         return str(value.item()) if value.dtype.kind == "U" else value
 
     def _find(self) -> dict[str, tuple[str, ...]]:
@@ -126,10 +127,8 @@ class MatlabReader:
         for name, (shape, kind) in self._shapes.items():
             if kind == "struct" and shape == (1, 1):
                 with _read(self._path, None):
-                    value = self._scipy.loadmat(
-                        str(self._path), variable_names=[name], appendmat=False
-                    )
-                for inner, _ in _structs(name, value.get(name)):
+                    value = self._loaded(name).get(name)
+                for inner, _ in _structs(name, value):
                     found[inner] = (name,)
         return found
 

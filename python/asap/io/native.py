@@ -63,15 +63,11 @@ class NativeReader:
         self.width, self.height, self.streams = layout.width, layout.height, layout.streams
         self.expected = expected_of(path, _BYTES_PER_EVENT.get(name, 8))
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
-        """Decode it from the first record."""
-        return self._decoded(losses, self._layout.start)
-
-    def chunks_from(self, losses: Losses, t_us: int) -> Iterator[Events]:
-        """Decode it from a place before that time."""
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
+        """Decode from the first record, or from a place before `from_us`."""
         start, entry = self._layout.start, self._layout.entry
         last = (self._path.stat().st_size - start) // _PIECE
-        if entry is None or last == 0:
+        if from_us is None or entry is None or last == 0:
             return self._decoded(losses, start)
         with self._path.open("rb") as file:
 
@@ -83,7 +79,7 @@ class NativeReader:
                 place = found(piece)
                 return None if place is None else place[1]
 
-            piece = row_before(time_of, last, t_us)
+            piece = row_before(time_of, last, from_us)
             place = found(piece) if piece else None
         return self._decoded(losses, start if place is None else start + piece * _PIECE + place[0])
 

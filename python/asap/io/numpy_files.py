@@ -20,7 +20,15 @@ import numpy.typing as npt
 from numpy.lib import format as npy
 
 from asap.events import FIELD_NAMES, Events
-from asap.io.columns import as_rows, events_of, file_columns, first_us, order_of, row_before
+from asap.io.columns import (
+    as_rows,
+    events_of,
+    file_columns,
+    first_us,
+    order_of,
+    pieces_of,
+    row_before,
+)
 from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, refuse_bomb
 from asap.io.reader import CHUNK, SIZE, Losses, Options, choose_stream, new_room, size_of
 
@@ -85,30 +93,21 @@ class NpyReader:
             self._options = replace(options, order=order)
         file_columns(path, rows, order, first=1)
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
         """Map the file window by window and convert it piece by piece."""
-        return self._from(losses, 0)
+        begin, header = 0, self._header
+        if from_us is not None and not header.is_by_columns:
+            counted = replace(losses, room=new_room)  # of which nothing is taken
 
-    def chunks_from(self, losses: Losses, t_us: int) -> Iterator[Events]:
-        """Map it from the window on that holds that time."""
-        if self._header.is_by_columns:
-            return self.chunks(losses)
+            def time_of(row: int) -> int | None:
+                rows = self._rows(row, row + 1)
+                return first_us(events_of(rows, self._options, counted, row + 1))
 
-        counted = replace(losses, room=new_room)  # of which nothing is taken
-
-        def time_of(row: int) -> int | None:
-            return first_us(events_of(self._rows(row, row + 1), self._options, counted, row + 1))
-
-        return self._from(losses, row_before(time_of, self.expected, t_us) // CHUNK * CHUNK)
-
-    def _from(self, losses: Losses, begin: int) -> Iterator[Events]:
+            begin = row_before(time_of, self.expected, from_us) // CHUNK * CHUNK
         whole = [(0, self.expected)]  # a column does not lie in one window
-        by_rows = windows(begin, self.expected, self._header.row_bytes, CHUNK)
-        for first, stop in whole if self._header.is_by_columns else by_rows:
-            rows = self._rows(first, stop)
-            for start in range(0, len(rows), CHUNK):
-                piece = rows[start : start + CHUNK]
-                yield events_of(piece, self._options, losses, first + start)
+        by_rows = windows(begin, self.expected, header.row_bytes, CHUNK)
+        for first, stop in whole if header.is_by_columns else by_rows:
+            yield from pieces_of(self._rows(first, stop), self._options, losses, first)
         if self.expected < self._promised:
             losses.truncated(self._end, f"{self.expected} of {self._promised} events are there")
 
@@ -148,7 +147,7 @@ class NpzReader:
                 f"{path}: lengths = {lengths}: the columns of events must be equally long"
             )
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
         """Read the arrays side by side and convert them piece by piece."""
         arrays = {key: header.stand_in() for key, header in self._headers.items()}
         whole = arrays if len(arrays) > 1 else arrays.popitem()[1]

@@ -29,7 +29,7 @@ class PartsReader:
         self.streams = getattr(self._readers[0], "streams", ())
         self.expected = sum(getattr(reader, "expected", 0) for reader in self._readers)
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
         """Read the files in the order in which they were given."""
         for path, reader in zip(self._paths, self._readers, strict=True):
             part = Losses(path, losses.on_bad, room=losses.room)

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _units
-from asap._checks import named
+from asap._checks import named, number
 from asap._stamps import time_exponent
 from asap.events import EVENT_DTYPE, Events, check_order
 from asap.io.errors import CorruptFile, LossWarning, TruncatedFileWarning
@@ -29,13 +29,17 @@ _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counte
 
 @dataclass(frozen=True)
 class Options:
-    """What the user says about the file."""
+    """What the user says about the file, and how it is to be read."""
 
     order: str | None
     time_unit: str | None
     width: int | None = None  # sensor, px
     height: int | None = None
     stream: str | None = None
+    on_bad: str = "drop"
+    reorder_tolerance_us: int = 0
+    start: float | None = None  # s from the first event
+    stop: float | None = None
 
     def __post_init__(self) -> None:
         if self.order is not None:
@@ -44,6 +48,16 @@ class Options:
             time_exponent(self.time_unit)
         if self.stream is not None and not isinstance(self.stream, str):
             raise TypeError(f"stream = {self.stream!r}: give the name of one stream of the file")
+        for side, value in (("start", self.start), ("stop", self.stop)):
+            if value is not None:
+                number(side, value, 0.0, 1e9, "give s from the first event")
+        if self.start is not None and self.stop is not None and self.stop <= self.start:
+            raise ValueError(f"stop = {self.stop}: give a later time than start = {self.start}")
+
+    @property
+    def is_window(self) -> bool:
+        """Whether a window of time is to be read."""
+        return self.start is not None or self.stop is not None
 
     def refuse_stated(self, path: Path, file_format: str) -> None:
         """Refuse columns and unit where the format states both, so that none is ignored."""
@@ -59,6 +73,12 @@ Room = Callable[[int], Events]
 def new_room(count: int) -> Events:
     """Memory for so many events."""
     return np.empty(count, EVENT_DTYPE)
+
+
+_SUMS = (
+    *("bad_record", "out_of_bounds", "clamped_positions", "before_start", "between_pixels"),
+    *("lost_packets", "triggers", "trigger_arrays", "bad_offsets"),
+)
 
 
 @dataclass
@@ -90,18 +110,21 @@ class Losses:
 
     def add(self, part: Losses) -> None:
         """Add those of a part of the recording, which is read."""
-        self.bad_record += part.bad_record
-        self.out_of_bounds += part.out_of_bounds
-        self.clamped_positions += part.clamped_positions
-        self.before_start += part.before_start
-        self.between_pixels += part.between_pixels
-        self.lost_packets += part.lost_packets
-        self.triggers += part.triggers
-        self.trigger_arrays += part.trigger_arrays
-        self.bad_offsets += part.bad_offsets
+        for name in _SUMS:
+            setattr(self, name, getattr(self, name) + getattr(part, name))
         self.cut = self.cut or part.cut
         self.guessed_unit = part.guessed_unit
         self.off_on, self.from_one = part.off_on, part.from_one
+
+    @property
+    def rejected(self) -> dict[str, int]:
+        """Events that did not come to the validator, by its reasons."""
+        return {
+            "bad_record": self.bad_record,
+            "out_of_bounds": self.out_of_bounds,
+            "before_start": self.before_start,
+            "nonmonotonic": self.stray,
+        }
 
     @property
     def understood(self) -> Iterator[str]:
@@ -195,8 +218,11 @@ class Reader(Protocol):
     width: int | None  # sensor in px, if the file states it
     height: int | None
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
-        """Read from the start: events in ``EVENT_DTYPE``, order and sensor size not yet checked."""
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
+        """Read events in ``EVENT_DTYPE``, order and sensor size not yet checked.
+
+        From the start or, where the format has one, from a place before the events of `from_us`.
+        """
         ...
 
 

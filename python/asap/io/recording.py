@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -51,16 +51,6 @@ _SLACK_US = 10_000  # disorder that does not mislead the search for a time
 FILE_FORMATS = tuple(_READERS)  # names that `file_format` takes
 
 
-class _Told(NamedTuple):
-    """How a user wants a file to be read."""
-
-    options: Options
-    on_bad: str
-    reorder_tolerance_us: int
-    start: float | None = None  # s from the first event
-    stop: float | None = None
-
-
 Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 
 
@@ -91,27 +81,18 @@ class Recording:
     Made by `read`.
     """
 
-    def __init__(self, path: Paths, file_format: str | None, told: _Told) -> None:
+    def __init__(self, path: Paths, file_format: str | None, options: Options) -> None:
         named = list(path) if isinstance(path, (list, tuple)) else [path]
         paths = [_checks.folder_or_file("path", one) for one in named]
         if not paths:
             raise ValueError("path = []: give one file at least")
         self._path = paths[0]
-        width, height = _checks.sides(told.options.width, told.options.height)
-        self._arguments, self._told = (path, file_format, told), told
-        self._reader = _opened(
-            paths, file_format, replace(told.options, width=width, height=height)
-        )
-        for side, value in (("start", told.start), ("stop", told.stop)):
-            if value is not None:
-                _checks.number(side, value, 0.0, 1e9, "give s from the first event")
-        if told.start is not None and told.stop is not None and told.stop <= told.start:
-            raise ValueError(f"stop = {told.stop}: give a later time than start = {told.start}")
-        if told.options.stream is not None and not self.streams:
-            raise ValueError(
-                f"stream = {told.options.stream!r}: {self._path} is one stream of events; "
-                "leave stream out"
-            )
+        self._arguments, self._options = (path, file_format, options), options
+        width, height = _checks.sides(options.width, options.height)
+        self._reader = _opened(paths, file_format, replace(options, width=width, height=height))
+        if options.stream is not None and not self.streams:
+            remedy = f"{self._path} is one stream of events; leave stream out"
+            raise ValueError(_checks.named("stream", options.stream, remedy))
         self._width, self._height = _checks.sensor(width, height, self._reader, self._path)
         self._room: Room = new_room
         self._window_us: tuple[int, int] | None = None
@@ -149,19 +130,16 @@ class Recording:
     @property
     def received(self) -> int:
         """Events read so far in the latest iteration: those yielded plus all of `rejected`."""
-        losses = self._losses
-        lost = losses.bad_record + losses.out_of_bounds + losses.before_start + losses.stray
-        return self._validator.received + lost
+        return self._validator.received + sum(self._losses.rejected.values())
 
     @property
     def rejected(self) -> dict[str, int]:
         """Events that were dropped so far in the latest iteration, by reason."""
-        reasons = dict(self._validator.rejected)
-        reasons["bad_record"] += self._losses.bad_record
-        reasons["out_of_bounds"] += self._losses.out_of_bounds
-        reasons["before_start"] += self._losses.before_start
-        reasons["nonmonotonic"] += self._losses.stray
-        return reasons
+        before = self._losses.rejected
+        return {
+            reason: count + before.get(reason, 0)
+            for reason, count in self._validator.rejected.items()
+        }
 
     @property
     def lost_packets(self) -> int:
@@ -238,8 +216,8 @@ class Recording:
         return self._losses.triggers if self._window_us is None else len(self.triggers)
 
     def __iter__(self) -> Iterator[Events]:
-        start, stop = self._told.start, self._told.stop
-        if start is None and stop is None:
+        start, stop = self._options.start, self._options.stop
+        if not self._options.is_window:
             yield from self._checked()
             return
         first_us = next((int(chunk["t"][0]) for chunk in self._checked()), 0)
@@ -278,13 +256,10 @@ class Recording:
             warnings.warn(f"{self._path}: {words}", LossWarning, stacklevel=2)
 
     def _chunks(self, losses: Losses, from_us: int | None) -> Iterator[Events]:
-        tolerance_us = self._told.reorder_tolerance_us
-        place = getattr(self._reader, "chunks_from", None)
-        if from_us is None or place is None:
-            chunks = self._reader.chunks(losses)
-        else:
-            chunks = place(losses, from_us - tolerance_us - _SLACK_US)
-        if tolerance_us and self._told.on_bad != "raise":
+        tolerance_us = self._options.reorder_tolerance_us
+        before_us = None if from_us is None else from_us - tolerance_us - _SLACK_US
+        chunks = self._reader.chunks(losses, before_us)
+        if tolerance_us and self._options.on_bad != "raise":
             return sorted_within(chunks, tolerance_us, losses.count_sorted)
         return chunks
 
@@ -300,9 +275,9 @@ class Recording:
         """
         losses, self._validator = Losses(self._path, "drop"), self._books()[1]
         self._losses = losses
-        start, stop, first_us = self._told.start, self._told.stop, None
+        start, stop, first_us = self._options.start, self._options.stop, None
         for events in self._reader.chunks(losses):
-            if len(events) and (start is not None or stop is not None):
+            if len(events) and self._options.is_window:
                 first_us = int(events["t"][0]) if first_us is None else first_us
                 elapsed_us = events["t"] - first_us
                 later = elapsed_us >= 1e6 * (start or 0.0)
@@ -318,10 +293,10 @@ class Recording:
         validator = _core.Validator(
             width=self._width or 0,
             height=self._height or 0,
-            on_bad=self._told.on_bad,
-            reorder_tolerance_us=self._told.reorder_tolerance_us,
+            on_bad=self._options.on_bad,
+            reorder_tolerance_us=self._options.reorder_tolerance_us,
         )
-        return Losses(self._path, self._told.on_bad, room=self._room), validator
+        return Losses(self._path, self._options.on_bad, room=self._room), validator
 
 
 def read(
@@ -402,9 +377,10 @@ def read(
         The file is read as 40-bit events, by its name alone, but does not look like them; or the
         unit of its times was guessed, and no camera sends events so fast or so slowly.
     """
-    options = Options(order, time_unit, width, height, stream)
-    told = _Told(options, on_bad, reorder_tolerance_us, start, stop)
-    return Recording(path, file_format, told)
+    options = Options(
+        order, time_unit, width, height, stream, on_bad, reorder_tolerance_us, start, stop
+    )
+    return Recording(path, file_format, options)
 
 
 def load(
@@ -433,20 +409,10 @@ def load(
     LossWarning
         Events were rejected, and why; the clock was set back.
     """
-    recording = read(
-        path,
-        width=width,
-        height=height,
-        order=order,
-        time_unit=time_unit,
-        on_bad=on_bad,
-        reorder_tolerance_us=reorder_tolerance_us,
-        file_format=file_format,
-        stream=stream,
-        start=start,
-        stop=stop,
+    options = Options(
+        order, time_unit, width, height, stream, on_bad, reorder_tolerance_us, start, stop
     )
-    is_whole = start is None and stop is None
-    events = gathered(recording._read_into, recording.expected if is_whole else 0)
+    recording = Recording(path, file_format, options)
+    events = gathered(recording._read_into, 0 if options.is_window else recording.expected)
     recording._losses.tell(recording.rejected, recording.clock_resets)
     return events

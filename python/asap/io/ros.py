@@ -84,7 +84,7 @@ class RosReader:
                 f"{', '.join(_DECODERS)}"
             )
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
         """Decode message by message; an array goes out when it is full."""
         decoder = self._decoder()
         out, filled, bad_messages = np.empty(CHUNK, EVENT_DTYPE), 0, 0

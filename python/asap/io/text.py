@@ -72,13 +72,11 @@ class TextReader:
         #: Events in the file, about: its lines are seldom shorter than the first.
         self.expected = int((path.stat().st_size - self._layout.start) / self._layout.line_bytes)
 
-    def chunks(self, losses: Losses) -> Iterator[Events]:
-        """Decode in pieces of a quarter of a megabyte."""
-        return self._decoded(losses, self._layout.start)
-
-    def chunks_from(self, losses: Losses, t_us: int) -> Iterator[Events]:
-        """Decode from a line before that time."""
+    def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
+        """Decode from the first line, or from one before `from_us`."""
         start = self._layout.start
+        if from_us is None:
+            return self._decoded(losses, start)
         with self._path.open("rb") as file:
 
             def line_at(piece: int) -> int:
@@ -92,7 +90,7 @@ class TextReader:
                 return first_us(self._decoder(losses, at).decode(file.read(_HEAD)))
 
             pieces = max((self._path.stat().st_size - start) // _PIECE, 1)
-            return self._decoded(losses, line_at(row_before(time_of, pieces, t_us)))
+            return self._decoded(losses, line_at(row_before(time_of, pieces, from_us)))
 
     def _decoder(self, losses: Losses, at: int) -> _core.TextDecoder:
         return _core.TextDecoder(

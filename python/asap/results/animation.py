@@ -19,14 +19,13 @@ import numpy as np
 
 from asap import _checks, _units
 from asap.results.data import Run
-from asap.results.pictures import BRIGHT, COLOURS, last_of, painted, within
+from asap.results.pictures import BRIGHT, COLOURS, FRAME_US, frames, outlines_of, painted
 
 try:
     from PIL import Image, ImageDraw, ImageFont
 except ImportError as error:
     raise ImportError("an animation needs Pillow: install asap-events[report]") from error
 
-_FRAME_US = 40_000
 _TRAIL = 16  # frames
 _WIDE = 600  # px, about
 _STRIP = 34  # px, below the picture
@@ -56,7 +55,7 @@ def _write_gif(frames: Iterator[Any], file: Path) -> None:
     colours = [*COLOURS, *chain.from_iterable(_SHADES)]
     palette.putpalette([part for colour in colours for part in colour])
     few = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
-    next(few).save(file, save_all=True, append_images=few, duration=_FRAME_US // 1000, loop=0)
+    next(few).save(file, save_all=True, append_images=few, duration=FRAME_US // 1000, loop=0)
 
 
 def _write_mp4(frames: Iterator[Any], file: Path) -> None:
@@ -64,7 +63,7 @@ def _write_mp4(frames: Iterator[Any], file: Path) -> None:
         raise RuntimeError("an MP4 needs the program ffmpeg, which is not installed; give a .gif")
     first = next(frames)
     size = f"{first.width}x{first.height}"
-    source = f"-f rawvideo -pix_fmt rgb24 -s {size} -r {10**6 // _FRAME_US} -i -".split()
+    source = f"-f rawvideo -pix_fmt rgb24 -s {size} -r {10**6 // FRAME_US} -i -".split()
     target = ["-pix_fmt", "yuv420p", "-movflags", "+faststart", os.fspath(file.absolute())]
     with subprocess.Popen(
         [program, "-y", "-loglevel", "error", *source, *target], stdin=subprocess.PIPE
@@ -79,23 +78,20 @@ def _write_mp4(frames: Iterator[Any], file: Path) -> None:
 
 def _frames(run: Run) -> Iterator[Any]:
     """Draw a picture for each 40 ms of the recording."""
-    seen, noted = run.algorithm.seen, run.algorithm.tracks
-    begin, end = (int(seen["t"][0]), int(seen["t"][-1]) + 1) if len(seen) else (0, 1)
+    seen = run.algorithm.seen
     width = int(run.source["width"] or seen["x"].max(initial=0) + 1)
     height = int(run.source["height"] or seen["y"].max(initial=0) + 1)
     scale = max(1, round(_WIDE / width))
     size = width * scale // 2 * 2, (height * scale + _STRIP) // 2 * 2  # an MP4 has even sides
     font = ImageFont.load_default(14)
     trails: dict[int, deque[tuple[float, float]]] = {}
-    for start in range(begin, end, _FRAME_US):
-        time_us = start, start + _FRAME_US
-        pixels = np.array(COLOURS, np.uint8)[painted(within(seen, "t", *time_us), (height, width))]
+    for now_s, rows, events, found in frames(run, run.packages):
+        pixels = np.array(COLOURS, np.uint8)[painted(events, (height, width))]
         picture = Image.new("RGB", size, COLOURS[0])
         picture.paste(Image.fromarray(pixels).resize((width * scale, height * scale), 0))
         draw = ImageDraw.Draw(picture)
-        found = last_of(within(noted, "t", *time_us))
         trails = {one: trails.get(one, deque(maxlen=_TRAIL)) for one in found["id"].tolist()}
-        for one, outline in zip(found, found["outline"] * scale, strict=True):
+        for one, outline in zip(found, outlines_of(found)["outline"] * scale, strict=True):
             number, (x, y) = int(one["id"]), (float(one["x"] * scale), float(one["y"] * scale))
             shades = _SHADES[number % len(BRIGHT)]
             trails[number].append((x, y))
@@ -103,18 +99,18 @@ def _frames(run: Run) -> Iterator[Any]:
                 draw.line(way, shades[age * len(shades) // _TRAIL], 2)
             draw.line([tuple(corner) for corner in outline.tolist()], shades[0], 2, "curve")
             draw.text((x + 5, y + 3), str(number), shades[0], font)
-        _write_figures(draw, size, font, (start - begin) * 1e-6, run, time_us)
+        _write_figures(draw, size, font, now_s, rows, run.latency_bound_us)
         yield picture
 
 
 def _write_figures(
-    draw: Any, size: tuple[int, int], font: Any, now_s: float, run: Run, time_us: tuple[int, int]
+    draw: Any, size: tuple[int, int], font: Any, now_s: float, rows: Any, bound_us: float
 ) -> None:
     """Write the time, what enters, what is kept, and the worst latency beside its bound."""
     words = [(f"{now_s:.2f} s", _INK)]
-    if len(rows := within(run.packages, "t_last", *time_us)):
+    if len(rows):
         gamma = rows["size"].sum() / (rows["size"] / rows["gamma"]).sum()
-        worst_us, bound_us = float(rows["latency_max_us"].max()), run.latency_bound_us
+        worst_us = float(rows["latency_max_us"].max())
         latency = f"latency {_units.duration(worst_us)} of {_units.duration(bound_us)}"
         words += [
             (_units.rate(float(rows["event_rate"].mean())), _INK),

@@ -89,11 +89,16 @@ def fit(packages: NDArray[np.void], learned: Cost | None, opaque: bool) -> Cost:
     noise = _noise(off)
     mean_us = float(np.exp(np.median(off) + min(noise, 1.0) ** 2 / 2))
     return Cost(
-        alpha_us=share * mean_us,
-        beta_ns=(1 - share) * mean_us / typical * 1e3,
-        noise=noise,
+        alpha_us=_rounded(share * mean_us),
+        beta_ns=_rounded((1 - share) * mean_us / typical * 1e3),
+        noise=_rounded(noise),
         one_size=None if error <= _SURE else round(typical),
     )
+
+
+def _rounded(value: float) -> float:
+    """Keep the digits that the search for the share finds; the others differ between machines."""
+    return float(f"{value:.7g}")
 
 
 def _fixed_share(

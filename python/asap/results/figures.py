@@ -544,7 +544,7 @@ def _draw_incoming(axes: Axes, windows: _Windows) -> None:
 def _draw_worst_latency(axes: Axes, windows: _Windows, bound_ms: float) -> None:
     low, high = bound_ms / _SPAN, bound_ms * _SPAN
     axes.plot(windows.time_s, np.clip(windows.latency_ms, low, high), color=BLUE)
-    axes.axhline(bound_ms, color=VERMILION, linestyle=(0, (5, 3)), linewidth=1.2, label="bound L")
+    _line(axes, bound_ms, "bound L")
     axes.set(ylabel="latency\n[ms]", yscale="log", ylim=(low / 1.4, high * 1.4))
     axes.yaxis.set_major_locator(LogLocator(numticks=4))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:,g}")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asap import _core
-from asap.events import Events
+from asap.events import EVENT_DTYPE, Events
 
 CORNERS = 24
 OUTLINE_DTYPE = np.dtype(
@@ -22,6 +23,9 @@ COLOURS = [  # of a painted picture: none, OFF and ON, each from older to newer
 ]
 BRIGHT = [(255, 209, 82), (94, 230, 166), (214, 140, 255), (255, 255, 255), (92, 220, 255)]
 
+FRAME_US = 40_000
+
+_NONE = np.empty(0, [("id", "<i8"), ("t", "<i8"), ("x", "<f8"), ("y", "<f8")])  # found
 _TURN = np.linspace(0, 2 * np.pi, CORNERS)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1)
 _BOX = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])[np.arange(CORNERS) // 5]
@@ -42,22 +46,27 @@ def painted(events: Events, size: tuple[int, int]) -> NDArray[np.uint8]:
 
 
 def found_by(algorithm: Any) -> NDArray[np.void]:
-    """Return the objects or the clusters that an algorithm has now, if it has any, in outline."""
+    """Return the objects or the clusters that an algorithm has now, if it has any."""
     for name in ("objects", "clusters"):
         found = getattr(algorithm, name, None)
         if isinstance(found, np.ndarray) and {"id", "x", "y"} <= set(found.dtype.names or ()):
-            return outlines_of(found)
-    return np.empty(0, OUTLINE_DTYPE)
+            return found
+    return _NONE
 
 
-def within(noted: NDArray[np.void], column: str, begin_us: int, end_us: int) -> NDArray[np.void]:
-    """Return the rows of a stretch of time, of rows in the order of time."""
-    return noted[slice(*np.searchsorted(noted[column], (begin_us, end_us)))]
-
-
-def last_of(tracks: NDArray[np.void]) -> NDArray[np.void]:
-    """Return the outlines of the newest note in these rows of `Tracks.tracks`."""
-    return outlines_of(tracks[tracks["t"] == tracks["t"][-1]] if len(tracks) else tracks)
+def frames(run: Any, rows: NDArray[np.void]) -> Iterator[tuple[Any, ...]]:
+    """Cut a run into `FRAME_US`: time, s, rows of its log, events and what `Tracks` found last."""
+    begin, end = (rows["t_first"][0], rows["t_last"][-1] + 1) if len(rows) else (0, 1)
+    seen, noted = np.empty(0, EVENT_DTYPE), _NONE
+    if hasattr(run.algorithm, "seen"):
+        seen, noted = run.algorithm.seen, run.algorithm.tracks
+    for start in range(begin, end, FRAME_US):
+        log, events, found = (
+            some[slice(*np.searchsorted(some[stamp], (start, start + FRAME_US)))]
+            for some, stamp in ((rows, "t_last"), (seen, "t"), (noted, "t"))
+        )
+        found = found[found["t"] == found["t"].max(initial=0)]
+        yield (start - begin) * 1e-6, log, events, found
 
 
 def outlines_of(found: NDArray[np.void]) -> NDArray[np.void]:

@@ -199,36 +199,32 @@ def _facts(document: Any) -> dict[str, Any]:
     return facts | {"ledger": Ledger(**facts["ledger"]), "learned": learned and Cost(**learned)}
 
 
+def _of_kind(kind: type | tuple[type, ...], otherwise: str) -> Check:
+    def check(name: str, value: Any) -> Any:
+        if isinstance(value, bool) or not isinstance(value, kind):
+            raise TypeError(_checks.named(name, value, otherwise))
+        return value
+
+    return check
+
+
+_number = _of_kind((int, float), "no number")
+_whole = _of_kind(int, "no whole number")
+_text = _of_kind(str, "no text")
+_object = _of_kind(dict, "no object")
+
+
 def _real(name: str, value: Any, *, least: float = 0.0, most: float = _FARTHEST) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise TypeError(_checks.named(name, value, "no number"))
-    if not least <= value <= most:
+    if not least <= _number(name, value) <= most:
         raise ValueError(_checks.named(name, value, f"out of reach, {least:g} to {most:g}"))
-    return value
-
-
-def _whole(name: str, value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise TypeError(_checks.named(name, value, "no whole number"))
-    return value
+    real: float = value
+    return real
 
 
 def _count(name: str, value: Any) -> int:
     if not 0 <= _whole(name, value) <= _MOST:
         raise ValueError(_checks.named(name, value, f"out of reach, 0 to {_MOST}"))
     return int(value)
-
-
-def _text(name: str, value: Any) -> str:
-    if not isinstance(value, str):
-        raise TypeError(_checks.named(name, value, "no text"))
-    return value
-
-
-def _object(name: str, value: Any) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise TypeError(_checks.named(name, value, "no object"))
-    return value
 
 
 def _counts(name: str, value: Any) -> dict[str, int]:

@@ -2,19 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <numeric>
-#include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "algorithms/corner_streams.hpp"
-#include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
 namespace event_image_test {
@@ -169,21 +165,6 @@ TEST(EventImage, FlushCompletesWhatHasBegun) {
   EXPECT_EQ(image.process(events), 0U);  // the image begins anew
 }
 
-TEST(EventImage, TheStreamMayBeCutAnywhere) {
-  const auto events = asap::test::golden_corner_stream(10'000);
-  EventImage image({.width = 346, .height = 260, .count = 900, .channels = {on, time}});
-  const auto expected = images_of(image, events);
-  EXPECT_EQ(expected.size(), 11U);
-  image.reset();
-  std::vector<Image> images;
-  for (std::size_t i = 0; i < events.size();) {
-    const std::size_t n = std::min<std::size_t>(i % 997 + 1, events.size() - i);
-    for (auto& one : images_of(image, asap::EventSpan(events).subspan(i, n))) images.push_back(one);
-    i += n;
-  }
-  EXPECT_EQ(images, expected);
-}
-
 TEST(EventImage, BehindADiscarderItHoldsAsMuch) {
   const auto events = asap::test::golden_corner_stream(10'000);
   EventImage image({.width = 346, .height = 260, .count = 1000, .channels = {count}});
@@ -216,26 +197,6 @@ TEST(EventImage, PeriodsStayAsLongBehindADiscarder) {
   EXPECT_EQ(total(images[5].values), 2000);
 }
 
-TEST(EventImage, KeepIsChecked) {
-  EventImage image({.width = 9, .height = 9, .count = 5});
-  for (const double bad : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_THROW(image.set_keep(bad), std::invalid_argument);
-  }
-}
-
-TEST(EventImage, AStampThatGoesBackCountsAsTheLatest) {
-  Events jagged = asap::test::golden_corner_stream(10'000);
-  Events lifted = jagged;
-  for (std::size_t i = 1; i < jagged.size(); i += 3) {
-    jagged[i].t -= 11 + static_cast<std::int64_t>(i);
-    lifted[i].t = lifted[i - 1].t;
-  }
-  EventImage image({.width = 346, .height = 260, .period = microseconds(1000), .channels = {time}});
-  const auto expected = images_of(image, lifted);
-  image.reset();
-  EXPECT_EQ(images_of(image, jagged), expected);
-}
-
 TEST(EventImage, SurvivesAnyStampAndPolarity) {
   const Events events{{.x = 0, .y = 0, .p = -5, .t = kMin},
                       {.x = 0, .y = 0, .p = 300, .t = kMin + 3},
@@ -255,83 +216,14 @@ TEST(EventImage, SurvivesAnyStampAndPolarity) {
   EXPECT_EQ(copy_of(counts.image()), (Image{{4, 1}, kMin, kMax}));
 }
 
-TEST(EventImage, DropsAndCountsEventsOutsideTheFrame) {
-  EventImage image({.width = 9, .height = 5, .count = 1});
-  const Events events{{.x = 9, .y = 0, .p = 0, .t = 1LL << 60},
-                      {.x = 0, .y = 5, .p = 0, .t = 1LL << 60},
-                      {.x = 65535, .y = 65535, .p = 0, .t = 0},
-                      {.x = 8, .y = 4, .p = 1, .t = 6}};
-  const auto images = images_of(image, events);
-  ASSERT_EQ(images.size(), 1U);
-  EXPECT_EQ(images[0].begin_us, 6);
-  EXPECT_EQ(images[0].values[89], 1);
-  EXPECT_EQ(image.rejected(), 3U);
-}
-
-TEST(EventImage, ResetIsANewImage) {
-  const auto events = asap::test::golden_corner_stream(2'500);
-  EventImage image({.width = 346, .height = 260, .count = 1000});
-  const auto expected = images_of(image, events);
-  const Events late{{.x = 346, .y = 0, .p = 0, .t = 0}, {.x = 0, .y = 0, .p = 0, .t = 1 << 30}};
-  image.process(late);
-  image.set_keep(0.1);
-  image.reset();
-  EXPECT_EQ(image.rejected(), 0U);
-  EXPECT_EQ(copy_of(image.image()), (Image{Values(2 * 346 * 260), 0, 0}));
-  EXPECT_FALSE(image.flush());
-  EXPECT_EQ(images_of(image, events), expected);
-}
-
-TEST(EventImage, NamesBadParameters) {
+TEST(EventImage, TakesEitherACountOrAPeriod) {
   using asap::test::error_of;
-  EXPECT_EQ(error_of([] { EventImage({.width = 0, .height = 9, .count = 1}); }),
-            "width = 0: must be 1 to 16384 px");
   EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9}); }),
             "count = 0: give either count or period_us");
   EXPECT_EQ(error_of([] {
               EventImage({.width = 9, .height = 9, .count = 5, .period = microseconds(5)});
             }),
             "count = 5: give either count or period_us");
-  EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .count = -1}); }),
-            "count = -1: must be 0 to 16777216 events");
-  EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .count = 16'777'217}); }),
-            "count = 16777217: must be 0 to 16777216 events");
-  EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .period = microseconds(-1)}); }),
-            "period_us = -1: must be 0 to 10^12 us");
-  EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .period = microseconds(kMax)}); }),
-            "period_us = 9223372036854775807: must be 0 to 10^12 us");
-  EXPECT_EQ(error_of([] { EventImage({.width = 9, .height = 9, .count = 1, .channels = {}}); }),
-            "channels.size() = 0: an image has at least one channel");
-}
-
-TEST(EventImage, ACopyGoesItsOwnWay) {
-  const auto events = asap::test::golden_corner_stream(20'000);
-  const Events first(events.begin(), events.begin() + 10'000);
-  const Events second(events.begin() + 10'000, events.end());
-  EventImage image({.width = 346, .height = 260, .count = 1500});
-  images_of(image, first);
-  EventImage copy = image;
-  EventImage other({.width = 1, .height = 1, .count = 1});
-  other = copy;
-  EventImage moved = std::move(copy);
-  copy = other;  // what was moved from takes a new value
-  const auto expected = images_of(image, second);
-  for (EventImage* each : {&moved, &other, &copy}) {
-    EXPECT_EQ(images_of(*each, second), expected);
-    EXPECT_EQ(each->config().width, 346);
-  }
-}
-
-TEST(EventImage, AllocatesOnlyInTheConstructor) {
-  const auto events = asap::test::golden_corner_stream(20'000);
-  EventImage image(
-      {.width = 346, .height = 260, .count = 1000, .channels = {off, on, count, sum, time}});
-  const std::size_t before = asap::test::allocations();
-  image.process(events);
-  image.set_keep(0.5);
-  image.flush();
-  image.reset();
-  EXPECT_EQ(asap::test::allocations(), before);
 }
 
 }  // namespace

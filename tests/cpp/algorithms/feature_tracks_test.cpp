@@ -12,8 +12,7 @@
 #include "algorithms/corner_streams.hpp"
 #include "algorithms/naive_features.hpp"
 #include "asap/algorithms/corner_detector.hpp"
-#include "asap/core/random.hpp"
-#include "support/allocation_counter.hpp"
+#include "core/random.hpp"
 
 namespace asap::feature_tracks_test {
 namespace {
@@ -23,18 +22,6 @@ using std::chrono::microseconds;
 // ---- DiscountedMotion -----------------------------------------------------------------------
 
 using asap::DiscountedMotion;
-
-TEST(DiscountedMotion, OfALineIsExact) {
-  DiscountedMotion motion;
-  double t = 0;
-  for (int i = 0; i < 10'000; ++i) {
-    const double dt = i % 3 * 1.5;
-    t += dt;
-    motion.add(7 + 0.25 * t, 1000 - 3 * t, dt, 20);
-  }
-  EXPECT_NEAR(motion.velocity().x, 0.25, 1e-9);
-  EXPECT_NEAR(motion.velocity().y, -3, 1e-9);
-}
 
 TEST(DiscountedMotion, IsTheWeightedRegression) {
   constexpr double kMemory = 12;
@@ -68,15 +55,6 @@ TEST(DiscountedMotion, IsTheWeightedRegression) {
   }
   EXPECT_NEAR(motion.velocity().x, xt / tt, 1e-9);
   EXPECT_NEAR(motion.velocity().y, yt / tt, 1e-9);
-}
-
-TEST(DiscountedMotion, IsZeroAtASingleTime) {
-  DiscountedMotion motion;
-  EXPECT_EQ(motion.velocity().x, 0);
-  motion.add(3, 4, 0, 1);
-  motion.add(300, -4, 0, 1);
-  EXPECT_EQ(motion.velocity().x, 0);
-  EXPECT_EQ(motion.velocity().y, 0);
 }
 
 // ---- FeatureTracks --------------------------------------------------------------------------
@@ -208,18 +186,6 @@ TEST(FeatureTracks, AStampThatGoesBackCountsAsTheLatest) {
   expect_the_definition({.width = 40, .height = 30, .window = 50}, jagged);
 }
 
-TEST(FeatureTracks, AMillionEventsOnOneStamp) {
-  FeatureTracks tracks({.width = 40, .height = 30, .min_neighbours = 0});
-  for (std::uint32_t i = 0; i < 1'000'000; ++i) {
-    const Event corner{.x = static_cast<std::uint16_t>(i % 40),
-                       .y = static_cast<std::uint16_t>(i / 40 % 30),
-                       .p = 1,
-                       .t = 5};
-    ASSERT_EQ(tracks.update(corner), FeatureTracks::kNoId);
-  }
-  EXPECT_EQ(tracks.size(), 0U);
-}
-
 // A corner that runs along a line, with company: three pixels at each place.
 std::vector<Event> runner(double vx, double vy, int steps) {
   std::vector<Event> corners;
@@ -336,18 +302,6 @@ TEST(FeatureTracks, TheVelocityForgetsByItsMemory) {
   EXPECT_GT(turning(1'000'000), 200);
 }
 
-TEST(FeatureTracks, ClearStartsAnew) {
-  const auto corners = asap::test::wild_stream({}, 3000);
-  FeatureTracks tracks({.width = 40, .height = 30});
-  std::vector<std::int32_t> first, second;
-  for (const Event& corner : corners) first.push_back(tracks.update(corner));
-  EXPECT_GT(*std::max_element(first.begin(), first.end()), 10);
-  tracks.clear();
-  EXPECT_EQ(tracks.size(), 0U);
-  for (const Event& corner : corners) second.push_back(tracks.update(corner));
-  EXPECT_EQ(first, second);
-}
-
 TEST(FeatureTracks, SurviveAnyStampWithFiniteVelocities) {
   constexpr std::int64_t kLow = std::numeric_limits<std::int64_t>::min();
   constexpr std::int64_t kHigh = std::numeric_limits<std::int64_t>::max();
@@ -367,20 +321,6 @@ TEST(FeatureTracks, SurviveAnyStampWithFiniteVelocities) {
     }
   }
   EXPECT_FALSE(read.empty());
-}
-
-TEST(FeatureTracks, AllocateOnlyInTheConstructor) {
-  const auto corners = asap::test::wild_stream({}, 3000);
-  FeatureTracks tracks({.width = 40, .height = 30});
-  std::vector<FeatureTrack> read;
-  read.reserve(2000);
-  const std::size_t before = asap::test::allocations();
-  for (const Event& corner : corners) {
-    tracks.update(corner);
-    tracks.read(read);
-  }
-  tracks.clear();
-  EXPECT_EQ(asap::test::allocations(), before);
 }
 
 }  // namespace

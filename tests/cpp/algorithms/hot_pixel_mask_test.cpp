@@ -4,13 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "algorithms/corner_streams.hpp"
-#include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 
 namespace hot_pixel_mask_test {
@@ -132,90 +128,12 @@ TEST(HotPixelMask, WhatIsMaskedStaysUntilReset) {
   EXPECT_EQ(mask.pixels(), (Pixels{{1, 1}}));
 }
 
-TEST(HotPixelMask, MayWriteOverItsInput) {
-  Events events = asap::test::wild_stream({}, 2000);
-  HotPixelMask mask({.width = 40, .height = 30, .pixels = {{events[7].x, events[7].y}}});
-  const Events expected = passed(mask, events);
-  EXPECT_LT(expected.size(), events.size());
-  events.resize(mask.process(events, events.data()));
-  EXPECT_EQ(events, expected);
-}
-
-TEST(HotPixelMask, DropsAndCountsEventsOutsideTheFrame) {
-  HotPixelMask mask({.width = 9, .height = 5, .learn_events = 100});
-  EXPECT_TRUE(passed(mask, repeated({{9, 4}, {8, 5}, {65535, 65535}}, 100)).empty());
-  EXPECT_EQ(mask.rejected(), 300U);
-  EXPECT_EQ(mask.learn(repeated({{9, 4}, {8, 5}, {65535, 65535}}, 100)), 0U);
-  EXPECT_EQ(mask.pixels(), (Pixels{}));
-}
-
-TEST(HotPixelMask, OnlyPixelsCount) {
-  Events odd;
-  constexpr std::int64_t kStamps[] = {0, -1, std::numeric_limits<std::int64_t>::max(),
-                                      std::numeric_limits<std::int64_t>::min()};
-  for (const Event& event : asap::test::wild_stream({}, 1000)) {
-    odd.push_back(event);
-    odd.back().t = kStamps[odd.size() % 4];
-    odd.back().p = static_cast<std::int16_t>(odd.size());
-  }
-  HotPixelMask mask({.width = 40, .height = 30, .learn_events = 100});
-  EXPECT_EQ(passed(mask, odd), odd);
-}
-
-TEST(HotPixelMask, KeepIsCheckedAndWithoutEffect) {
-  HotPixelMask mask({.width = 40, .height = 30, .learn_events = 100});
-  mask.set_keep(0.1);
-  passed(mask, repeated({{5, 6}}, 100));
-  EXPECT_EQ(mask.pixels(), (Pixels{{5, 6}}));
-  EXPECT_NO_THROW(mask.set_keep(0));
-  for (const double bad : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_THROW(mask.set_keep(bad), std::invalid_argument);
-  }
-}
-
-TEST(HotPixelMask, NamesBadParameters) {
+TEST(HotPixelMask, RefusesPixelsOutsideTheFrame) {
   using asap::test::error_of;
-  EXPECT_EQ(error_of([] { HotPixelMask({.width = 9, .height = 0}); }),
-            "height = 0: must be 1 to 16384 px");
   EXPECT_EQ(error_of([] { HotPixelMask({.width = 9, .height = 9, .pixels = {{0, 0}, {9, 0}}}); }),
             "pixels: x = 9: must lie in the frame");
   EXPECT_EQ(error_of([] { HotPixelMask({.width = 9, .height = 9, .pixels = {{0, -1}}}); }),
             "pixels: y = -1: must lie in the frame");
-  EXPECT_EQ(error_of([] { HotPixelMask({.width = 9, .height = 9, .learn_events = -1}); }),
-            "learn_events = -1: must be 0 to 10^9 events");
-  EXPECT_EQ(
-      error_of([] { HotPixelMask({.width = 9, .height = 9, .learn_events = 1'000'000'001}); }),
-      "learn_events = 1000000001: must be 0 to 10^9 events");
-}
-
-TEST(HotPixelMask, ACopyGoesItsOwnWay) {
-  const auto events = asap::test::golden_corner_stream(20'000);
-  const Events first(events.begin(), events.begin() + 10'000);
-  const Events second(events.begin() + 10'000, events.end());
-  HotPixelMask mask({.width = 346, .height = 260, .learn_events = 1000});
-  passed(mask, first);
-  HotPixelMask copy = mask;
-  HotPixelMask other({.width = 1, .height = 1});
-  other = copy;
-  HotPixelMask moved = std::move(copy);
-  copy = other;  // what was moved from takes a new value
-  const auto expected = passed(mask, second);
-  for (HotPixelMask* each : {&moved, &other, &copy}) {
-    EXPECT_EQ(passed(*each, second), expected);
-    EXPECT_EQ(each->config().width, 346);
-  }
-}
-
-TEST(HotPixelMask, AllocatesOnlyInTheConstructor) {
-  const Events events = asap::test::golden_corner_stream(20'000);
-  HotPixelMask mask({.width = 346, .height = 260, .learn_events = 1000});
-  Events out(events.size());
-  const std::size_t before = asap::test::allocations();
-  mask.process(events, out.data());
-  mask.learn(events);
-  mask.set_keep(0.5);
-  mask.reset();
-  EXPECT_EQ(asap::test::allocations(), before);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace int4_test {
 namespace {
@@ -15,22 +15,6 @@ using asap::PortableInt4;
 
 constexpr std::int32_t kLow = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t kHigh = std::numeric_limits<std::int32_t>::max();
-
-TEST(Int4, Portable) {
-  const auto lanes = PortableInt4::of(3, -1, kHigh, kLow);
-  EXPECT_EQ(PortableInt4::mask_above(lanes, -1), 0b0101U);
-  EXPECT_EQ(PortableInt4::mask_above(lanes, kLow), 0b0111U);
-  EXPECT_EQ(PortableInt4::largest(lanes), kHigh);
-  // Ages across the wrap: 3 - kHigh is 2^31 - 4 ahead, 3 - kLow that much behind.
-  EXPECT_EQ(PortableInt4::mask_young(lanes, 3, 3), 0b0001U | 0b1100U);
-  EXPECT_EQ(PortableInt4::mask_young(lanes, 3, 4), 0b0011U | 0b1100U);
-  const auto counts = PortableInt4::count_above(PortableInt4::of(1, 2, 3, 4), lanes, -2);
-  EXPECT_EQ(counts, (PortableInt4::Lanes{2, 3, 4, 4}));
-  EXPECT_EQ(PortableInt4::sum(counts), 13);
-  EXPECT_EQ(PortableInt4::add(counts, PortableInt4::of(1, 0, 5, -4)),
-            (PortableInt4::Lanes{3, 3, 9, 0}));
-  EXPECT_EQ(PortableInt4::max(lanes, PortableInt4::zero()), (PortableInt4::Lanes{3, 0, kHigh, 0}));
-}
 
 // All that the type in use says about two rows of numbers and a bar.
 template <class Int4>

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/errors.hpp"
 
 namespace asap::arrival_times_test {

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/errors.hpp"
 #include "support/streams.hpp"
 
@@ -42,46 +42,6 @@ Numbers waiting_in(EventBuffer& buffer) {
 class EventBufferOfSize : public testing::TestWithParam<std::size_t> {};
 INSTANTIATE_TEST_SUITE_P(, EventBufferOfSize,
                          testing::Values(1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 1023, 1024, 1025));
-
-TEST_P(EventBufferOfSize, HoldsExactlyItsCapacity) {
-  const std::size_t capacity = GetParam();
-  EventBuffer buffer(capacity);
-  EXPECT_EQ(buffer.capacity(), capacity);
-  const Events events = evenly_spaced(capacity + 1, 1);
-  for (std::size_t i = 0; i < capacity; ++i) {
-    ASSERT_EQ(buffer.push(EventSpan(events).subspan(i, 1)), 1u);
-    ASSERT_EQ(buffer.size(), i + 1);
-  }
-  EXPECT_EQ(buffer.overflow(), 0u);
-  EXPECT_EQ(buffer.push(EventSpan(events).last(1)), 0u);
-  EXPECT_EQ(buffer.overflow(), 1u);
-  EXPECT_EQ(waiting_in(buffer), numbers_of(EventSpan(events).first(capacity)));
-}
-
-TEST_P(EventBufferOfSize, KeepsTheOldestOfASpanThatIsTooLarge) {
-  const std::size_t capacity = GetParam();
-  EventBuffer buffer(capacity);
-  const Events events = evenly_spaced(3 * capacity + 2, 1);
-  EXPECT_EQ(buffer.push(events), capacity);
-  EXPECT_EQ(buffer.overflow(), 2 * capacity + 2);
-  EXPECT_EQ(waiting_in(buffer), numbers_of(EventSpan(events).first(capacity)));
-}
-
-TEST_P(EventBufferOfSize, ConsumeFreesExactlyThatMany) {
-  const std::size_t capacity = GetParam();
-  EventBuffer buffer(capacity);
-  const Events events = evenly_spaced(2 * capacity, 1);
-  buffer.push(EventSpan(events).first(capacity));
-  for (std::size_t i = 0; i < capacity; ++i) {
-    ASSERT_EQ(waiting_in(buffer), numbers_of(EventSpan(events).subspan(i, capacity)));
-    buffer.consume(1);
-    ASSERT_EQ(buffer.size(), capacity - 1);
-    ASSERT_EQ(buffer.push(EventSpan(events).subspan(capacity + i, 1)), 1u);
-    ASSERT_EQ(buffer.push(EventSpan(events).first(1)), 0u);
-  }
-  EXPECT_EQ(waiting_in(buffer), numbers_of(EventSpan(events).last(capacity)));
-  EXPECT_EQ(buffer.overflow(), capacity);
-}
 
 // The same calls on the ring and on a plain queue; everything that can be seen must agree.
 template <class Buffer>
@@ -152,33 +112,6 @@ TEST(EventBuffer, StaysNearTheFirstSlotWhereTheConsumerKeepsUp) {
   }
   EXPECT_EQ(buffer.push(events), events.size());
   EXPECT_EQ(waiting_in(buffer), numbers_of(events));
-}
-
-TEST(EventBuffer, AgreesWithAQueueOverSixteenMillionEvents) {
-  compare_with_a_queue<EventBuffer>(1000, kNearTheEnd - 1'000'000, std::uint64_t{1} << 24);
-}
-
-TEST(EventBuffer, PeekGivesTwoContiguousPieces) {
-  EventBuffer buffer(4);
-  const Events events = evenly_spaced(8, 1);
-  buffer.push(EventSpan(events).first(4));
-  buffer.peek();
-  buffer.consume(3);
-  buffer.push(EventSpan(events).subspan(4, 3));
-  const EventPieces pieces = buffer.peek();
-  EXPECT_EQ(numbers_of(pieces.first), (Numbers{3}));
-  EXPECT_EQ(numbers_of(pieces.second), (Numbers{4, 5, 6}));
-  EXPECT_EQ(numbers_of(buffer.peek(1).first), (Numbers{3}));
-  EXPECT_TRUE(buffer.peek(1).second.empty());
-  EXPECT_EQ(buffer.peek(0).size(), 0u);
-}
-
-TEST(EventBuffer, TakesAnEmptySpan) {
-  EventBuffer buffer(1);
-  EXPECT_EQ(buffer.push({}), 0u);
-  EXPECT_EQ(buffer.size(), 0u);
-  EXPECT_EQ(buffer.overflow(), 0u);
-  EXPECT_EQ(buffer.peek().size(), 0u);
 }
 
 TEST(EventBuffer, RefusesACapacityThatCannotBe) {
@@ -307,16 +240,6 @@ TEST(EventBuffer, AfterClosedOneMorePeekSeesEverything) {
     ASSERT_EQ(waiting_in(buffer), (Numbers{0, 1, 2}));
   }
   producer.join();
-}
-
-TEST(EventBuffer, PushAfterAFullRingSeesTheFreedPlaces) {
-  EventBuffer buffer(2);
-  const Events events = evenly_spaced(4, 1);
-  EXPECT_EQ(buffer.push(EventSpan(events).first(3)), 2u);
-  buffer.peek();
-  buffer.consume(2);
-  EXPECT_EQ(buffer.push(EventSpan(events).last(2)), 2u);
-  EXPECT_EQ(waiting_in(buffer), (Numbers{2, 3}));
 }
 
 }  // namespace

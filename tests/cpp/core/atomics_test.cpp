@@ -1,4 +1,4 @@
-#include "asap/core/atomics.hpp"
+#include "core/atomics.hpp"
 
 #include <gtest/gtest.h>
 

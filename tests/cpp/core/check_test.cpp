@@ -1,4 +1,4 @@
-#include "asap/core/check.hpp"
+#include "core/check.hpp"
 
 #include <gtest/gtest.h>
 

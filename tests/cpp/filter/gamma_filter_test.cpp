@@ -61,43 +61,6 @@ TEST(GammaFilter, DoesNotDependOnTheCuts) {
   }
 }
 
-TEST(GammaFilter, SmallerGammaKeepsASubset) {
-  for (const std::uint64_t seed : kSeeds) {
-    std::vector<std::uint8_t> larger = mask_of(seed, 1.0, 10'000);
-    for (const double gamma : {0.999, 0.9, 0.5, 0.1, 0.01, 0.0}) {
-      const std::vector<std::uint8_t> smaller = mask_of(seed, gamma, larger.size());
-      std::size_t dropped = 0;
-      for (std::size_t i = 0; i < larger.size(); ++i) {
-        ASSERT_LE(smaller[i], larger[i]);
-        dropped += larger[i] > smaller[i] ? 1U : 0U;
-      }
-      EXPECT_GT(dropped, 0u);
-      larger = smaller;
-    }
-  }
-}
-
-TEST(GammaFilter, GammaOneKeepsEverythingAndGammaZeroNothing) {
-  const Events events = test::random_stream(3, 5000, 1'600'000'000'000'000);
-  GammaFilter filter(9);
-  EXPECT_EQ(apply(filter, events, 1.0), events);
-  EXPECT_EQ(apply(filter, events, 0.0), Events{});
-  EXPECT_EQ(mask_of(9, 1.0, 1000), std::vector<std::uint8_t>(1000, 1));
-  EXPECT_EQ(mask_of(9, 0.0, 1000), std::vector<std::uint8_t>(1000, 0));
-}
-
-TEST(GammaFilter, KeepsTheFieldsAndTheOrder) {
-  const Events events = test::random_stream(4, 5000);
-  GammaFilter filter(9);
-  const Events kept = apply(filter, events, 0.5);
-  const std::vector<std::uint8_t> mask = mask_of(9, 0.5, events.size());
-  Events expected;
-  for (std::size_t i = 0; i < events.size(); ++i) {
-    if (mask[i] == 1) expected.push_back(events[i]);
-  }
-  EXPECT_EQ(kept, expected);
-}
-
 TEST(GammaFilter, RefusesAGammaThatIsNone) {
   const auto error = [](double gamma) {
     return error_of([gamma] { (void)KeepThreshold::checked(gamma); });
@@ -114,12 +77,6 @@ TEST(GammaFilter, ClampsOnTheHotPath) {
   EXPECT_EQ(KeepThreshold::clamped(-0.1).value(), 0u);
   EXPECT_EQ(KeepThreshold::clamped(0.5).value(), std::uint64_t{1} << 62);
   EXPECT_FALSE(KeepThreshold::clamped(std::nextafter(1.0, 0.0)).keeps_all());
-}
-
-TEST(GammaFilter, TheLeastGammaIsNotNone) {
-  EXPECT_EQ(KeepThreshold::checked(0x1.0p-53).value(), 1024u);
-  const std::vector<std::uint8_t> mask = mask_of(0, 0x1.0p-53, 100'000);
-  EXPECT_EQ(mask, std::vector<std::uint8_t>(mask.size(), 0));
 }
 
 TEST(GammaFilter, SkipPassesOverNumbers) {
@@ -174,43 +131,6 @@ TEST(GammaFilter, CountsAreBinomial) {
       EXPECT_LT(std::abs(total), kLimit * std::sqrt(gamma * (1 - gamma) * kDraws))
           << "seed " << seed << ", gamma " << gamma;
       EXPECT_LT(std::abs(squares - blocks), kLimit * std::sqrt(2 * blocks))
-          << "seed " << seed << ", gamma " << gamma;
-    }
-  }
-}
-
-TEST(GammaFilter, GapsAreGeometric) {
-  for (const std::uint64_t seed : kSeeds) {
-    for (const double gamma : kGammas) {
-      const std::vector<std::uint8_t> mask = mask_of(seed, gamma, kDraws);
-      std::vector<double> observed;
-      std::size_t gap = 0;
-      double gaps = 0;
-      for (const std::uint8_t kept : mask) {
-        if (kept == 0) {
-          ++gap;
-          continue;
-        }
-        if (observed.size() <= gap) observed.resize(gap + 1);
-        ++observed[gap];
-        ++gaps;
-        gap = 0;
-      }
-      // Gaps too rare for a chi-square share the last cell.
-      std::size_t cells = 1;
-      while (cells < observed.size() &&
-             gaps * std::pow(1 - gamma, static_cast<double>(cells)) > 20) {
-        ++cells;
-      }
-      std::vector<double> expected(cells);
-      for (std::size_t i = 0; i + 1 < cells; ++i) {
-        expected[i] = gaps * gamma * std::pow(1 - gamma, static_cast<double>(i));
-      }
-      expected.back() = gaps * std::pow(1 - gamma, static_cast<double>(cells - 1));
-      for (std::size_t i = cells; i < observed.size(); ++i) observed[cells - 1] += observed[i];
-      observed.resize(cells);
-      ASSERT_GE(cells, 2u);
-      EXPECT_LT(chi_square_excess(observed, expected), kLimit)
           << "seed " << seed << ", gamma " << gamma;
     }
   }

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "core/bit_log.hpp"
+#include "core/random.hpp"
 
 namespace asap::validator_test {
 namespace {

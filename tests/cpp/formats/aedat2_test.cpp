@@ -135,20 +135,6 @@ TEST(Aedat2Decoder, AddressesBeyondTheSensorStayBeyondIt) {
   EXPECT_GE(events.at(0).y, 260);
 }
 
-TEST(Aedat2Decoder, IsTheSameHoweverTheBytesAreCut) {
-  const CounterRandom random(2);
-  Bytes bytes;
-  for (std::size_t i = 0; i < 800; ++i) {
-    const std::uint64_t no_event = i % 4 == 0 ? 0 : 0x8000'8400;  // by either chip's address
-    append_big(bytes, random(i) & ~(no_event << 32), 8);
-  }
-  for (const Aedat2Config& config : {kDavis346, kDvs128}) {
-    expect_cuts_and_room_make_no_difference(Aedat2Decoder(config), bytes);
-    expect_truncation_gives_a_prefix(Aedat2Decoder(config), bytes);
-    expect_no_allocation(Aedat2Decoder(config), bytes);
-  }
-}
-
 TEST(Aedat2Decoder, RefusesWhatNoSensorIs) {
   EXPECT_THROW(Aedat2Decoder({.chip = Aedat2Chip::unnamed}), std::invalid_argument);
   EXPECT_THROW(Aedat2Decoder({.width = 0}), std::invalid_argument);

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace asap::columns_test {
 namespace {
@@ -223,28 +223,6 @@ TEST(Columns, NormaliseThePolarityOrMarkIt) {
   EXPECT_EQ(one('p', 0.5)->p, 1);
   EXPECT_EQ(one('p', 0.5, 1.0, false)->p, 2);
   EXPECT_FALSE(one('p', std::nan("")));
-}
-
-TEST(Columns, WithoutPolarityEveryEventIsOn) {
-  const Strided<std::uint16_t> zeros(std::vector<std::uint16_t>(600));
-  std::vector<Event> events(600);
-  ASSERT_TRUE(gather({.t = zeros.column(), .x = zeros.column(), .y = zeros.column()}, events));
-  for (const Event& event : events) ASSERT_EQ(event, (Event{0, 0, 1, 0}));
-}
-
-TEST(Columns, OneBadValueInAnyBlockIsSeen) {
-  for (const std::size_t at : {0U, 511U, 512U, 1500U}) {
-    std::vector<std::int32_t> values(1501, 3);
-    values[at] = -1;
-    const Strided<std::int32_t> column(values);
-    std::vector<Event> events(values.size());
-    const NumberColumn source = column.column();
-    EXPECT_FALSE(gather({.t = source, .x = source, .y = source}, events)) << at;
-    EXPECT_TRUE(gather({.t = source,
-                        .x = Strided<std::uint8_t>(std::vector<std::uint8_t>(1501)).column(),
-                        .y = source},
-                       std::span(events).first(at)));
-  }
 }
 
 }  // namespace

@@ -52,18 +52,6 @@ TEST(DatDecoder, TimesUnwrapAndSmallStepsBackStay) {
                                               range + range / 2, 2 * range - 1, 2 * range}));
 }
 
-TEST(DatDecoder, CutsAndRoomMakeNoDifference) {
-  const CounterRandom random(7);
-  Words words;
-  for (std::uint64_t i = 0; i < 2000; ++i) words.push_back(static_cast<std::uint32_t>(random(i)));
-  expect_cuts_and_room_make_no_difference(DatDecoder{}, bytes_of(words));
-  expect_cuts_and_room_make_no_difference(DatDecoder({.version = 1}), bytes_of(words));
-}
-
-TEST(DatDecoder, SaysHowMuchOfAnEventIsThere) {
-  EXPECT_EQ(decode(DatDecoder{}, Bytes(21)).unfinished, 5u);
-}
-
 TEST(DatDecoder, RefusesAnotherVersion) {
   EXPECT_THROW(DatDecoder({.version = 3}), std::invalid_argument);
 }

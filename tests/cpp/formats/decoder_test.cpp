@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 #include <vector>
 
@@ -24,30 +25,50 @@ template <class Decoder>
 Decoder made() {
   if constexpr (std::is_same_v<Decoder, EventStreamDecoder>) {
     return Decoder({.version = 1, .height = 240});  // its shortest events
+  } else if constexpr (std::is_same_v<Decoder, Evt21Decoder>) {
+    return Decoder({.little_endian = true});
   } else {
     return Decoder();
   }
 }
 
-// Words with a type in their upper bits are mostly events, times and vectors; text is digits.
-template <class Decoder>
-Bytes some_bytes() {
+// Words of so many bytes whose upper four bits are one of these types; no types: any.
+Bytes some_words(std::size_t count, int size, const std::vector<std::uint64_t>& types = {}) {
   Bytes bytes;
   const CounterRandom random(5);
-  if constexpr (std::is_same_v<Decoder, TextDecoder>) {
-    for (std::uint64_t i = 0; i < 5000; ++i) decoding::append(bytes, "1,2,3,1\n");
-  } else if constexpr (std::is_same_v<Decoder, Aedat3Decoder>) {
-    constexpr std::uint64_t kEvents = 5000;
-    for (const std::uint64_t field :
-         {std::uint64_t{1} << 16 | 1, std::uint64_t{8}, std::uint64_t{4}, std::uint64_t{0}, kEvents,
-          kEvents, kEvents}) {
-      decoding::append_little(bytes, field, 4);
-    }
-    for (std::uint64_t i = 0; i < kEvents; ++i) decoding::append_little(bytes, i << 32 | 7, 8);
-  } else {
-    for (std::uint64_t i = 0; i < 20'000; ++i) decoding::append_little(bytes, random(i), 2);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::uint64_t bits = random(2 * i);
+    const std::uint64_t type =
+        types.empty() ? random(2 * i + 1) : types[random(2 * i + 1) % types.size()];
+    decoding::append_little(bytes, bits >> 8, size - 1);
+    decoding::append_little(bytes, (bits & 15) | type << 4, 1);
   }
   return bytes;
+}
+
+template <class Decoder>
+Bytes some_bytes(std::size_t count = 5000) {
+  if constexpr (std::is_same_v<Decoder, TextDecoder>) {
+    Bytes bytes;
+    for (std::uint64_t i = 0; i < count; ++i) decoding::append(bytes, "1,2,3,1\n");
+    return bytes;
+  } else if constexpr (std::is_same_v<Decoder, Aedat3Decoder>) {
+    Bytes bytes;
+    for (const std::uint64_t field : {std::uint64_t{1} << 16 | 1, std::uint64_t{8},
+                                      std::uint64_t{4}, std::uint64_t{0}, count, count, count}) {
+      decoding::append_little(bytes, field, 4);
+    }
+    for (std::uint64_t i = 0; i < count; ++i) decoding::append_little(bytes, i << 32 | 7, 8);
+    return bytes;
+  } else if constexpr (std::is_same_v<Decoder, Evt2Decoder>) {
+    return some_words(count, 4, {0, 0, 1, 1, 0, 1, 8, 10, 2});
+  } else if constexpr (std::is_same_v<Decoder, Evt21Decoder>) {
+    return some_words(count, 8, {0, 1, 0, 1, 8, 10, 2});
+  } else if constexpr (std::is_same_v<Decoder, Evt3Decoder>) {
+    return some_words(2 * count, 2, {0, 2, 2, 2, 3, 4, 5, 6, 6, 8, 10, 15});
+  } else {
+    return some_words(count, 8);
+  }
 }
 
 template <class Decoder>
@@ -72,6 +93,16 @@ TYPED_TEST(EveryDecoder, AppendsToAVectorWhatItWritesToASpan) {
   cut.decode(std::span(bytes).first(1001), appended);
   cut.decode(std::span(bytes).subspan(1001), appended);
   EXPECT_EQ(appended, expected);
+}
+
+TYPED_TEST(EveryDecoder, CutsAndRoomMakeNoDifference) {
+  if constexpr (!std::is_same_v<TypeParam, TextDecoder>) {  // which has neither triggers nor a size
+    const Bytes bytes = some_bytes<TypeParam>(700);
+    const auto decoder = made<TypeParam>();
+    decoding::expect_cuts_and_room_make_no_difference(decoder, bytes);
+    decoding::expect_truncation_gives_a_prefix(decoder, Bytes(bytes.begin(), bytes.begin() + 1200));
+    decoding::expect_no_allocation(decoder, bytes);
+  }
 }
 
 TYPED_TEST(EveryDecoder, TellsTheRoomThatIsEnough) {

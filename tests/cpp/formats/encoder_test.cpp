@@ -4,17 +4,15 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
-#include <limits>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/formats/prophesee.hpp"
 #include "asap/formats/text.hpp"
+#include "core/random.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::encoder_test {
@@ -182,16 +180,6 @@ TEST(Encoder, ReadersGetTheSameEvents) {
   }
 }
 
-TEST(Encoder, StampsNeedNotBeginAtZero) {
-  for (const Encoding encoding : kAll) {
-    for (const std::int64_t first : {1LL, 63LL, 4096LL, 274'260'989LL, 3'000'000'000LL}) {
-      const Events events = some_events(100, first);
-      EXPECT_EQ(read(encoding, encode(encoding, events)), events)
-          << static_cast<int>(encoding) << " from " << first;
-    }
-  }
-}
-
 TEST(Encoder, LongGapsAreBridged) {
   for (const std::int64_t gap : {126LL, 127LL, 128LL, 4095LL, 4096LL, (1LL << 22) - 1, 1LL << 22,
                                  (1LL << 24) + 5, 1LL << 31}) {
@@ -213,16 +201,6 @@ TEST(Encoder, TheLargestPixelsFit) {
                                                           : 65535;
     const Events events{event(largest, 0, 1, 9), event(0, largest, 0, 9)};
     EXPECT_EQ(read(encoding, encode(encoding, events)), events);
-  }
-}
-
-TEST(Encoder, AnyPolarityAboveZeroIsOn) {
-  const Events events{{.x = 1, .y = 2, .p = 5, .t = 3}, {.x = 1, .y = 2, .p = -1, .t = 3}};
-  for (const Encoding encoding : kAll) {
-    const Events found = read(encoding, encode(encoding, events));
-    ASSERT_EQ(found.size(), 2u);
-    EXPECT_EQ(found[0].p, 1);
-    EXPECT_EQ(found[1].p, 0);
   }
 }
 
@@ -289,16 +267,6 @@ TEST(Encoder, RefusesAStampThatGoesBack) {
   }
 }
 
-TEST(Encoder, AStepBackMayBeLongerThanATime) {
-  constexpr std::int64_t kEarly = std::numeric_limits<std::int64_t>::min();
-  const Events events{event(1, 2, 1, std::numeric_limits<std::int64_t>::max()),
-                      event(1, 2, 1, kEarly)};
-  EXPECT_EQ(refusal(Encoding::csv, events),
-            "t = " + std::to_string(kEarly) +
-                " (event 1): goes back by 18446744073709551615 us; sort the events, or drop this "
-                "one");
-}
-
 TEST(Encoder, NumbersTheEventsOfAllCalls) {
   Encoder encoder(config(Encoding::dat));
   const Events events = some_events(10, 500);
@@ -356,13 +324,6 @@ TEST(Encoder, HeadersStateTheSensor) {
   const std::string es = Encoder(config(Encoding::event_stream)).header();
   EXPECT_EQ(es, std::string("Event Stream\2\0\0\1\0\5\xd0\2", 20));
   EXPECT_EQ(Encoder({.encoding = Encoding::csv}).header(), "t,x,y,p\n");
-}
-
-TEST(Encoder, HeadersLeaveOutAnUnknownSensor) {
-  const std::string header = Encoder({.encoding = Encoding::evt2}).header();
-  EXPECT_EQ(header, "% evt 2.0\n% format EVT2\n% end\n");
-  EXPECT_EQ(Encoder({.encoding = Encoding::dat, .width = 3}).header(),
-            "% Data file containing CD events.\n% Version 2\n\x0c\x08");
 }
 
 }  // namespace

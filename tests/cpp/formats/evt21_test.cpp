@@ -75,18 +75,5 @@ TEST(Evt21Decoder, StopsBeforeAWordWithoutRoomAndFillsUp) {
   EXPECT_EQ(decoder.decode(bytes, std::span(events)), (Progress{.bytes = 32, .events = 5}));
 }
 
-TEST(Evt21Decoder, CutsAndRoomMakeNoDifference) {
-  const CounterRandom random(7);
-  Words words{high(1)};
-  for (std::uint64_t i = 0; i < 600; ++i) {
-    const std::uint64_t bits = random(i), kind = random(i + 1000) % 16;
-    words.push_back(kind < 11   ? bits & ~(7ull << 61) & (kind < 8 ? ~0xfff7fff7ull : ~0ull)
-                    : kind < 14 ? high(bits >> 40)
-                                : bits);
-  }
-  expect_cuts_and_room_make_no_difference(Evt21Decoder({.little_endian = true}), bytes_of(words));
-  expect_cuts_and_room_make_no_difference(Evt21Decoder{}, bytes_of(words));
-}
-
 }  // namespace
 }  // namespace asap::evt21_test

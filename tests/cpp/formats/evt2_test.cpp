@@ -29,11 +29,6 @@ TEST(Evt2Decoder, DecodesEveryField) {
   EXPECT_EQ(decoded.bad_records, 0u);
 }
 
-TEST(Evt2Decoder, RepeatedTimeHighChangesNothing) {
-  const Decoded decoded = decode_words({high(7), high(7), cd(1, 1, 2, 3), high(7), cd(1, 2, 2, 3)});
-  EXPECT_EQ(decoded.events, (Events{{2, 3, 1, 449}, {2, 3, 1, 450}}));
-}
-
 TEST(Evt2Decoder, SmallFallOfTimeHighGoesBackAndALargeOneUnwraps) {
   const Decoded decoded =
       decode_words({high(0xfffffff), cd(1, 0, 0, 0), high(0xffffffe), cd(1, 0, 0, 0), high(0),
@@ -71,44 +66,6 @@ TEST(Evt2Decoder, PassesOthersAndNotesUnknownTypes) {
   const Decoded decoded = decode_words({high(0), 14u << 28 | 5, 15u << 28 | 7, 2u << 28, 9u << 28});
   EXPECT_EQ(decoded.bad_records, 2u);
   EXPECT_EQ(decoded.noted, (Offsets{112, 116}));
-}
-
-TEST(Evt2Decoder, WordsWithoutEventsNeedNoRoom) {
-  const auto bytes = bytes_of(Words{high(0), cd(1, 0, 1, 1), high(1), high(2)});
-  Evt2Decoder decoder;
-  Events events(1);
-  EXPECT_EQ(decoder.decode(bytes, std::span(events)), (Progress{.bytes = 16, .events = 1}));
-}
-
-TEST(Evt2Decoder, SaysHowMuchOfAWordIsThere) {
-  auto bytes = bytes_of(Words{high(0), cd(1, 0, 1, 1)});
-  bytes.resize(7);
-  EXPECT_EQ(decode(Evt2Decoder{}, bytes).unfinished, 3u);
-  EXPECT_TRUE(decode(Evt2Decoder{}, bytes).events.empty());
-}
-
-TEST(Evt2Decoder, ResetForgetsEverything) {
-  const auto bytes = bytes_of(Words{high(9), 2u << 28, cd(1, 0, 1, 1), trigger(0, 0, 0)});
-  Evt2Decoder decoder;
-  Events events(4);
-  EXPECT_EQ(decoder.decode(std::span(bytes).first(15), std::span(events)).events, 1u);
-  decoder.reset();
-  EXPECT_EQ(decoder.unfinished() + decoder.bad_records() + decoder.triggers(), 0u);
-  EXPECT_EQ(decoder.decode(std::span(bytes).subspan(8), std::span(events)).events, 0u);
-  EXPECT_EQ(decoder.before_start(), 1u);
-}
-
-TEST(Evt2Decoder, CutsAndRoomMakeNoDifference) {
-  const CounterRandom random(7);
-  std::uint64_t at = 0;
-  Words words;
-  for (int i = 0; i < 2000; ++i) {
-    const std::uint64_t bits = random(at++);
-    const auto low = static_cast<std::uint32_t>(bits);
-    const std::uint64_t kind = bits >> 60;
-    words.push_back(kind < 11 ? low & 0x1fffffff : kind < 14 ? high(low >> 6) : low);
-  }
-  expect_cuts_and_room_make_no_difference(Evt2Decoder{}, bytes_of(words));
 }
 
 }  // namespace

@@ -162,10 +162,6 @@ Words some_words() {
   return words;
 }
 
-TEST(Evt3Decoder, CutsAndRoomMakeNoDifference) {
-  expect_cuts_and_room_make_no_difference(Evt3Decoder{}, bytes_of(some_words()));
-}
-
 TEST(Evt3Decoder, TheFastPathGivesWhatThePlainDecoderGives) {
   constexpr std::size_t kNoFastPath = Evt3Decoder::kMaxPerRecord - 1;  // room for events
   const Bytes bytes = bytes_of(some_words());

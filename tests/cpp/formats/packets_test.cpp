@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "formats/decoding.hpp"
 
 namespace asap::packets_test {
@@ -87,21 +86,12 @@ class Packets : public testing::Test {};
 using Decoders = testing::Types<MonoDecoder, LibcaerDecoder, LibcaerCmpDecoder>;
 TYPED_TEST_SUITE(Packets, Decoders);
 
-TYPED_TEST(Packets, CutsAndRoomMakeNoDifference) {
-  decoding::expect_cuts_and_room_make_no_difference(begun<TypeParam>(),
-                                                    random_message<TypeParam>(1, 2500));
-}
-
 TYPED_TEST(Packets, StopsWithoutRoom) {
   const Bytes bytes = random_message<TypeParam>(3, 700);
   auto decoder = begun<TypeParam>();
   Events events(TypeParam::kMaxPerRecord - 1);
   EXPECT_EQ(decoder.decode(bytes, std::span(events)), Progress{});
   EXPECT_EQ(decode(decoder, bytes), decode<TypeParam>(bytes));
-}
-
-TYPED_TEST(Packets, ATruncatedMessageIsAPrefix) {
-  decoding::expect_truncation_gives_a_prefix(begun<TypeParam>(), random_message<TypeParam>(4, 60));
 }
 
 TYPED_TEST(Packets, ARecordCutByTheNextMessageIsBad) {
@@ -117,22 +107,6 @@ TYPED_TEST(Packets, ARecordCutByTheNextMessageIsBad) {
   EXPECT_EQ(decoder.bad_records(), bad + 1);
   EXPECT_EQ(decoder.noted().back(), 100 + bytes.size());
   EXPECT_EQ(decoder.unfinished(), 0u);
-}
-
-TYPED_TEST(Packets, ResetForgetsAll) {
-  const Bytes bytes = random_message<TypeParam>(6, 200);
-  TypeParam fresh({.first_offset = 7}), used({.first_offset = 7});
-  decode(used, bytes);
-  decode(used, Bytes(1));
-  used.reset();
-  EXPECT_EQ(used.unfinished(), 0u);
-  EXPECT_EQ(decode(used, bytes), decode(fresh, bytes));
-  EXPECT_EQ(used.bad_records(), fresh.bad_records());
-  EXPECT_TRUE(std::ranges::equal(used.noted(), fresh.noted()));
-}
-
-TYPED_TEST(Packets, DecodesWithoutAllocation) {
-  decoding::expect_no_allocation(TypeParam{}, random_message<TypeParam>(7, 200));
 }
 
 TEST(MonoDecoder, AddsNanosecondsToTheBase) {

@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
-#include <vector>
 
 #include "asap/formats/encoder.hpp"
 #include "formats/decoding.hpp"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace asap::text_test {
 namespace {

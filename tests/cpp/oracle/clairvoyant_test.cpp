@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/core/time.hpp"
+#include "core/random.hpp"
 #include "oracle/oracle.hpp"
 #include "support/errors.hpp"
 #include "support/streams.hpp"
@@ -148,13 +148,6 @@ TEST(Clairvoyant, WaitsForACheaperMillisecond) {
 
 // ---- simple streams -------------------------------------------------------------------------
 
-TEST(Clairvoyant, ABurstOnOneStampIsOnePackage) {
-  for (const double bin_us : {0.0, 1.0, 10.0}) {
-    EXPECT_EQ(clairvoyant_latency_ns(test::evenly_spaced(300, 0, 77), LinearCost(), bin_us),
-              100'000 + 300 * 300);
-  }
-}
-
 // T4: at a constant rate intervals of T* = alpha/(1 - rho) are the best, and their latency is 2 T*.
 TEST(Clairvoyant, T4_ConstantRate) {
   for (const double rho : {0.2, 0.5, 0.8}) {
@@ -163,18 +156,6 @@ TEST(Clairvoyant, T4_ConstantRate) {
     const auto latency_ns =
         static_cast<double>(clairvoyant_latency_ns(test::evenly_spaced(5000, 1), cost, 1));
     EXPECT_NEAR(latency_ns, expected_ns, 0.03 * expected_ns) << rho;
-  }
-}
-
-TEST(Clairvoyant, WiderBinsAreNoBetter) {
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    const auto [events, config] = random_case(seed, 30, 400);
-    const LinearCost cost(config);
-    const std::int64_t exact_ns = clairvoyant_latency_ns(events, cost, 1);
-    EXPECT_LE(clairvoyant_latency_ns(events, cost, 0), exact_ns);
-    for (const double bin_us : {2.5, 10.0, 100.0}) {
-      EXPECT_GE(clairvoyant_latency_ns(events, cost, bin_us), exact_ns);
-    }
   }
 }
 
@@ -330,35 +311,6 @@ TEST(ExactClairvoyant, LeavesNothingOutThatCouldWin) {
     ASSERT_EQ(exact_clairvoyant(events, cost, 1e3), by_the_whole_table(events, cost, 1e3))
         << "seed " << seed;
   }
-}
-
-TEST(ExactClairvoyant, TheEndOfTheBoundIsInTime) {
-  const LinearCost cost{{.alpha_us = 100, .beta_ns = 10'000}};
-  EXPECT_EQ(exact_clairvoyant(at({5}), cost, 110), 1U);
-  EXPECT_EQ(exact_clairvoyant(at({5}), cost, 109.999), 0U);
-  EXPECT_EQ(exact_clairvoyant(at({5, 5}), cost, 120), 2U);
-  EXPECT_EQ(exact_clairvoyant(at({5, 5}), cost, 119.999), 1U);
-}
-
-TEST(ExactClairvoyant, LiesBelowTheFluidBoundWherePackagesAreFew) {
-  const Events events = poisson(20'000, 1e4 / 300, 1);
-  const double alpha_us = 2'000;  // a fifth of the bound; 1.1 times too many events
-  const LinearCost cost{{.alpha_us = alpha_us, .beta_ns = 1.1 * 8e6 / 300}};
-  Oracle fluid(cost, 1e4, Execution::whole);
-  fluid.feed(events);
-  const double share = static_cast<double>(exact_clairvoyant(events, cost, 1e4)) / fluid.bound();
-  EXPECT_NEAR(share, 0.81, 0.03);
-}
-
-TEST(ExactClairvoyant, StampsThatGoBackCountAsTheOneBefore) {
-  const LinearCost cost{{.alpha_us = 10, .beta_ns = 1'000}};
-  EXPECT_EQ(exact_clairvoyant(at({100, 40, 130}), cost, 20),
-            exact_clairvoyant(at({100, 100, 130}), cost, 20));
-}
-
-TEST(ExactClairvoyant, NothingAndWhatIsNeverInTime) {
-  EXPECT_EQ(exact_clairvoyant({}, LinearCost{}, 10), 0U);
-  EXPECT_EQ(exact_clairvoyant(at({1, 2, 3}), LinearCost{{.alpha_us = 50}}, 10), 0U);
 }
 
 TEST(ExactClairvoyant, RefusesWhatItDoesNotKnowAndWhatIsTooMuch) {

@@ -5,11 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
-#include "support/allocation_counter.hpp"
-#include "support/errors.hpp"
 #include "support/streams.hpp"
 
 namespace asap::oracle_test {
@@ -156,15 +153,6 @@ TEST(Oracle, IsTheBestScheduleOfUnitJobs) {
   EXPECT_GT(discarded, 100);
 }
 
-TEST(Oracle, IsOnePackageOfABurstOnOneStamp) {
-  const test::Events burst = test::evenly_spaced(8, 0);
-  const LinearCost cost({.alpha_us = 4, .beta_ns = 3000});
-  for (const double latency_us : {10.0, 13.0, 16.0, 19.0, 22.0}) {
-    EXPECT_EQ(best_of_all(burst, cost, latency_us), std::lround((latency_us - 4) / 3));
-    EXPECT_NEAR(bound_of(burst, cost, latency_us), (latency_us - 4) / 3, 1e-9);
-  }
-}
-
 // ---- theory ---------------------------------------------------------------------------------
 
 TEST(Oracle, T7_ConstantOverload) {
@@ -174,21 +162,6 @@ TEST(Oracle, T7_ConstantOverload) {
     const double fraction = bound_of(events, cost, 10'000) / 1e6;
     EXPECT_NEAR(fraction, (1 - 100.0 / 10'000) / rho * (1.0 + 0.01), 1e-6) << rho;
   }
-}
-
-TEST(Oracle, AdmitsAllThatOneCanKeepUpWith) {
-  const test::Events events = test::evenly_spaced(100'000, 1);
-  EXPECT_EQ(bound_of(events, LinearCost({.alpha_us = 100, .beta_ns = 980}), 10'000), 100'000);
-}
-
-TEST(Oracle, IsNothingBelowTheFixedCost) {
-  const test::Events events = test::evenly_spaced(100, 1000);
-  for (const double beta_ns : {0.0, 300.0}) {
-    const LinearCost cost({.alpha_us = 100, .beta_ns = beta_ns});
-    EXPECT_EQ(bound_of(events, cost, 50), 0.0);
-    EXPECT_EQ(bound_of(events, cost, 99.999), 0.0);
-  }
-  EXPECT_EQ(bound_of(events, LinearCost({.alpha_us = 100, .beta_ns = 300}), 100), 0.0);
 }
 
 TEST(Oracle, NoScheduleFinishesMoreInTimeWhereAPackageTakesExactlyTheBound) {
@@ -216,13 +189,6 @@ TEST(Oracle, OnlyAnytimeExecutionUsesCheapPackages) {
   EXPECT_GT(bound_of(events, lucky, 10'000), 1.2 * bound_of(events, mean, 10'000));
 }
 
-TEST(Oracle, EventsThatCostNothingAreAllAdmitted) {
-  test::Events events = test::evenly_spaced(100'000, 0);
-  const test::Events later = test::evenly_spaced(1000, 1, 5000);
-  events.insert(events.end(), later.begin(), later.end());
-  EXPECT_EQ(bound_of(events, LinearCost({.beta_ns = 0}), 200), 101'000);
-}
-
 TEST(Oracle, EventsThatCostNothingStillWaitForTheEndOfAnOutage) {
   const test::Events events = test::evenly_spaced(2000, 1);  // 0 .. 1999 us
   const LinearCost cost({.beta_ns = 0, .outages = {{500'000, 1'500'000}}});
@@ -245,11 +211,6 @@ TEST(Oracle, AFreeMillisecondEmptiesTheQueue) {
   const test::Events after = test::evenly_spaced(1000, 0, 2000);
   two.insert(two.end(), after.begin(), after.end());
   EXPECT_DOUBLE_EQ(bound_of(two, cost, 100), 1010);
-}
-
-TEST(Oracle, CostsNextToNothingStayFinite) {
-  const LinearCost cost({.beta_ns = 1e-300, .drift = {1.0, 1e6, 1e-10}});
-  EXPECT_EQ(bound_of(test::evenly_spaced(5000, 1), cost, 1000), 5000);
 }
 
 // ---- streams --------------------------------------------------------------------------------
@@ -282,41 +243,6 @@ TEST(Oracle, RunTimeBeginsAtTheWholeSecondBeforeTheFirstStamp) {
     }
   }
   EXPECT_NEAR(bound_of(test::at_times({0, 5'000'000, 5'000'000}), cost, 50), 1 + 50.0 / 40, 1e-6);
-}
-
-TEST(Oracle, AStampThatGoesBackCountsAsTheOneBefore) {
-  const LinearCost cost({.alpha_us = 0, .beta_ns = 10'000});
-  const test::Events events = test::at_times({500, 500, 900, 100});
-  EXPECT_DOUBLE_EQ(bound_of(events, cost, 15), 1.5 + 1.5);
-}
-
-TEST(Oracle, CountsTheEventsSoFar) {
-  Oracle oracle(LinearCost({.alpha_us = 0, .beta_ns = 4000}), 10, Execution::whole);
-  EXPECT_EQ(oracle.bound(), 0.0);
-  const test::Events burst = test::evenly_spaced(4, 0);
-  for (const double expected : {1.0, 2.0, 2.5, 2.5}) {
-    oracle.feed(EventSpan(burst).first(1));
-    EXPECT_DOUBLE_EQ(oracle.bound(), expected);
-  }
-}
-
-TEST(Oracle, FeedingAllocatesNothing) {
-  const test::Events events = test::random_stream(1, 20'000);
-  Oracle oracle(LinearCost({.drift = {1, 2}, .outages = {{10, 20}}}), 1000, Execution::anytime);
-  const std::size_t before = test::allocations();
-  oracle.feed(events);
-  EXPECT_EQ(test::allocations(), before);
-}
-
-TEST(Oracle, RefusesABoundOutOfRange) {
-  const auto error = [](double latency_us) {
-    return test::error_of([=] { Oracle(LinearCost(), latency_us, Execution::whole); });
-  };
-  EXPECT_EQ(error(9.9), "latency_us = 9.9: must be between 10 and 1e10 us");
-  EXPECT_EQ(error(2e10), "latency_us = 20000000000: must be between 10 and 1e10 us");
-  EXPECT_EQ(error(std::numeric_limits<double>::quiet_NaN()),
-            "latency_us = nan: must be between 10 and 1e10 us");
-  EXPECT_EQ(error(1e10), "nothing was thrown");
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -23,230 +22,26 @@ Decision within(std::int64_t budget_ns, std::size_t raw, double event_ns = 0.0, 
   return decision;
 }
 
-struct Executed {
+// The strata of a package whose events cost nothing.
+std::vector<AnytimePlan::Stratum> strata_of(const Decision& decision) {
+  AnytimePlan plan(decision, 0, kMillisecond);
   std::vector<AnytimePlan::Stratum> strata;
-  std::size_t size = 0;  // events kept
-  std::int64_t end_ns = 0;
-  std::int64_t longest_ns = 0;  // stratum
-};
-
-// An algorithm that needs cost_ns(j) for an event of stratum j; exactly the planned share is kept.
-Executed execute(const Decision& decision, const std::function<double(std::size_t)>& cost_ns,
-                 std::int64_t start_ns = 0, std::int64_t grace_ns = kMillisecond) {
-  AnytimePlan plan(decision, start_ns, grace_ns);
-  Executed run;
-  run.end_ns = start_ns;
-  std::size_t size = 0;
-  for (;;) {
-    const AnytimePlan::Stratum stratum = plan.next(run.end_ns, size);
-    if (stratum.begin == stratum.end) return run;
-    size = static_cast<std::size_t>(
-        std::llround(stratum.keep * static_cast<double>(stratum.end - stratum.begin)));
-    const std::int64_t work_ns =
-        std::llround(cost_ns(run.strata.size()) * static_cast<double>(size));
-    run.strata.push_back(stratum);
-    run.size += size;
-    run.end_ns += work_ns;
-    run.longest_ns = std::max(run.longest_ns, work_ns);
+  for (auto next = plan.next(0, 0); next.begin != next.end; next = plan.next(0, 0)) {
+    strata.push_back(next);
   }
-}
-
-Executed execute(const Decision& decision, double cost_ns) {
-  return execute(decision, [=](std::size_t) { return cost_ns; });
+  return strata;
 }
 
 TEST(AnytimePlan, CutsTheRawEventsIntoStrataOfEqualCount) {
   for (const std::size_t raw :
        {1u, 2u, 63u, 64u, 127u, 128u, 200u, 777u, 1023u, 1024u, 1025u, 9999u, 1'000'003u}) {
-    const Executed run = execute(within(kMillisecond, raw), 0.0);
-    const std::size_t strata = std::clamp<std::size_t>(raw / 64, 1, 16);
-    ASSERT_EQ(run.strata.size(), strata) << raw;
-    for (std::size_t j = 0; j < strata; ++j) {
-      EXPECT_EQ(run.strata[j].begin, raw * j / strata);
-      EXPECT_EQ(run.strata[j].end, raw * (j + 1) / strata);
-    }
-    EXPECT_EQ(run.strata.back().end, raw);
-  }
-}
-
-TEST(AnytimePlan, KeepsAllThatFits) {
-  for (const double expected_ns : {0.0, 100.0, 990.0}) {
-    const Executed run = execute(within(kMillisecond, 1000, expected_ns), 990.0);
-    EXPECT_EQ(run.size, 1000u);
-    for (const auto& stratum : run.strata) EXPECT_EQ(stratum.keep, 1.0);
-  }
-}
-
-TEST(AnytimePlan, EndsOnTimeAtConstantCost) {
-  for (const double cost_ns : {150.0, 1000.0, 3000.0}) {
-    for (const double expected : {0.5, 1.0, 2.0}) {
-      const Executed run = execute(within(kMillisecond, 10'000, expected * cost_ns), cost_ns);
-      EXPECT_LE(std::abs(run.end_ns - kMillisecond), run.longest_ns) << cost_ns;
-      EXPECT_EQ(run.strata.size(), 16u);
-    }
-    const Executed run = execute(within(kMillisecond, 10'000, cost_ns), cost_ns);
-    EXPECT_NEAR(static_cast<double>(run.end_ns), 1e6, 1e4) << cost_ns;
-    EXPECT_NEAR(static_cast<double>(run.size), 1e6 / cost_ns, 1e4 / cost_ns + 1);
-  }
-}
-
-TEST(AnytimePlan, PlansAnewWhenTheCostJumpsInsideThePackage) {
-  constexpr std::int64_t kBudget_ns = kMillisecond;
-  const auto jumps = [](std::size_t j) { return j < 4 ? 200.0 : 2000.0; };
-  const Executed run = execute(within(kBudget_ns, 10'000, 200.0, 0.5), jumps);
-  EXPECT_EQ(run.strata.size(), 16u);
-  // Four sixteenths, ten for the stratum of the jump, the rest at its floor; as planned: 7.75.
-  EXPECT_GT(run.end_ns, kBudget_ns * 15 / 16);
-  EXPECT_LT(run.end_ns, kBudget_ns * 11 / 10);
-
-  const auto falls = [](std::size_t j) { return j < 4 ? 2000.0 : 200.0; };
-  const Executed faster = execute(within(kBudget_ns, 10'000, 2000.0, 0.05), falls);
-  EXPECT_LE(faster.end_ns, kBudget_ns);
-  EXPECT_GT(faster.end_ns, kBudget_ns / 2) << "as planned: 0.325";
-  EXPECT_GT(faster.strata.back().keep, 3 * faster.strata.front().keep);
-}
-
-// k0 = 6400 / 32: the expectation counts as 200 events.
-TEST(AnytimePlan, WeighsTheExpectationAgainstWhatThePackageHasShown) {
-  AnytimePlan plan(within(2 * kMillisecond, 6400, 1000.0), 7, kMillisecond);
-  EXPECT_DOUBLE_EQ(plan.next(7, 0).keep, 2e6 / 16 / 1000 / 400);
-  // 100 events in 300 us.
-  const double b = (200 * 1000.0 + 300'000) / (200 + 100);
-  EXPECT_DOUBLE_EQ(plan.next(300'007, 100).keep, 1.7e6 / 15 / b / 400);
-  // 50 more in 20 us.
-  const double c = (200 * 1000.0 + 320'000) / (200 + 150);
-  EXPECT_DOUBLE_EQ(plan.next(320'007, 50).keep, 1.68e6 / 14 / c / 400);
-}
-
-Decision with_fixed_cost(double fixed_ns, Decision decision) {
-  decision.fixed_ns = fixed_ns;
-  return decision;
-}
-
-TEST(AnytimePlan, TheOnlyStratumLeavesTimeForTheFixedCost) {
-  const Decision decision = with_fixed_cost(940'000, within(kMillisecond, 100, 1000));
-  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(5, 0).keep, 0.6);
-  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(300'005, 0).keep, 0.6) << "partly over";
-  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(950'005, 0).keep, 0.5) << "over";
-}
-
-TEST(AnytimePlan, AFixedCostBeyondTheBudgetLeavesTheLeast) {
-  // If it is true, the package is late anyway; if not, its time tells the cost model so.
-  const Decision decision = with_fixed_cost(1'500'000, within(kMillisecond, 100, 0.1));
-  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(5, 0).keep, 0.02) << "2 % of the plan: 2";
-  const Decision small = with_fixed_cost(1'500'000, within(kMillisecond, 20, 0.1));
-  EXPECT_DOUBLE_EQ(AnytimePlan(small, 5, 0).next(5, 0).keep, 1.0 / 20);
-}
-
-// An event is expected to cost 1 us, which weighs as 200 events; the first stratum, of 100, takes
-// 500 us in all.
-TEST(AnytimePlan, WhatTheFixedCostTakesIsNotTheEvents) {
-  const auto second = [](double fixed_ns) {
-    AnytimePlan plan(with_fixed_cost(fixed_ns, within(2 * kMillisecond, 6400, 1000.0)), 7, 0);
-    EXPECT_DOUBLE_EQ(plan.next(7, 0).keep, 2e6 / 16 / 1000 / 400);
-    return plan.next(500'007, 100).keep;
-  };
-  const auto planned = [](double events_ns) {
-    return 1.5e6 / 15 / ((200'000 + events_ns) / 300) / 400;
-  };
-  EXPECT_DOUBLE_EQ(second(0), planned(500'000));
-  EXPECT_DOUBLE_EQ(second(200'000), planned(300'000));
-  EXPECT_DOUBLE_EQ(second(450'000), planned(100'000)) << "not less than was expected of them";
-  EXPECT_DOUBLE_EQ(second(1e9), planned(100'000));
-}
-
-TEST(AnytimePlan, AFixedCostThatHasPassedBeforeIsNotLookedForAgain) {
-  const auto second = [](std::int64_t first_ns) {
-    AnytimePlan plan(with_fixed_cost(400'000, within(2 * kMillisecond, 6400, 1000.0)), 0, 0);
-    (void)plan.next(first_ns, 0);
-    return plan.next(first_ns + 300'000, 100).keep;
-  };
-  EXPECT_DOUBLE_EQ(second(210'000), 1.49e6 / 15 / (500'000.0 / 300) / 400);
-  EXPECT_DOUBLE_EQ(second(190'000), 1.51e6 / 15 / (300'000.0 / 300) / 400) << "most is to come";
-}
-
-TEST(AnytimePlan, OfTheFirstPartTheEventsTookNoMoreThanAll) {
-  AnytimePlan plan(with_fixed_cost(450'000, within(2 * kMillisecond, 6400, 1000.0)), 0, 0);
-  (void)plan.next(0, 0);
-  EXPECT_DOUBLE_EQ(plan.next(60'000, 100).keep, 1.94e6 / 15 / (260'000.0 / 300) / 400);
-}
-
-TEST(AnytimePlan, OfASmallPlanTheExpectationWeighsAsOneEvent) {
-  AnytimePlan plan(within(10'000, 128, 300.0, 0.1), 0, kMillisecond);
-  (void)plan.next(0, 0);
-  EXPECT_DOUBLE_EQ(plan.next(3000, 2).keep, 7000 / ((300.0 + 3000) / 3) / 64);
-}
-
-// Strata of a package of so many events that need work_ns in all, or may need it.
-std::size_t strata(std::size_t raw, std::int64_t budget_ns, double work_ns, bool may = false) {
-  Decision decision = within(budget_ns, raw, may ? 1.0 : work_ns / static_cast<double>(raw));
-  if (may) decision.max_event_ns = work_ns / static_cast<double>(raw);
-  return execute(decision, 0.0).strata.size();
-}
-
-TEST(AnytimePlan, NoStratumOfDearEventsIsLongerThanItsShareOfTheBudget) {
-  for (const bool may : {false, true}) {
-    EXPECT_EQ(strata(100, 1'600'000, 199'000, may), 1u);
-    EXPECT_EQ(strata(100, 1'600'000, 201'000, may), 2u);
-    EXPECT_EQ(strata(100, 1'600'000, 1'590'000, may), 15u);
-    EXPECT_EQ(strata(100, 1'600'000, 1'610'000, may), 16u);
-    EXPECT_EQ(strata(100, 1'600'000, 1e12, may), may ? 17u : 16u) << "one event before the others";
-    EXPECT_EQ(strata(5, 1'600'000, 1e12, may), 5u) << "one event is the least";
-    EXPECT_EQ(strata(320, 1'600'000, 301'000, may), 5u) << "64 events each are shorter";
-    EXPECT_EQ(strata(100, 9000, 1e12, may), may ? 5u : 4u)
-        << "2 us: reading the clock must cost nothing";
-    EXPECT_EQ(strata(100, 1000, 1e12, may), 1u);
-  }
-}
-
-TEST(AnytimePlan, WhereItMightTakeTooLongTheFirstStratumBeginsWithAFew) {
-  Decision decision = within(1'600'000, 1600, 100.0);  // as expected 10 us a stratum, of 100 us
-  decision.max_event_ns = 10'000;
-  const auto cost_ns = [](std::size_t) { return 10'000.0; };
-  const Executed dear = execute(decision, cost_ns);
-  ASSERT_EQ(dear.strata.size(), 17u);
-  EXPECT_EQ(dear.strata[0].end, 10u);
-  EXPECT_EQ(dear.strata[0].keep, 1.0);
-  EXPECT_EQ(dear.strata[1].begin, 10u);
-  EXPECT_EQ(dear.strata[1].end, 100u);
-  EXPECT_EQ(dear.strata[2].end, 200u);
-  EXPECT_LE(dear.end_ns, 1'900'000) << "without, 2.6 ms";
-  const Executed cheap = execute(decision, 100.0);
-  EXPECT_EQ(cheap.size, 1600u) << "nothing is lost";
-  decision.max_event_ns = kInfinity;
-  EXPECT_EQ(execute(decision, 100.0).strata[0].end, 1u);
-  decision.max_event_ns = 1000;  // then it would fit
-  EXPECT_EQ(execute(decision, 100.0).strata[0].end, 100u);
-  decision.max_event_ns = 10'000;
-  decision.keep = 0.01;  // the clock may allow more than was planned
-  EXPECT_EQ(execute(decision, 100.0).strata[0].end, 10u);
-  decision.event_ns = 10'000;  // no doubt
-  EXPECT_EQ(execute(decision, 100.0).strata[0].end, 100u);
-}
-
-TEST(AnytimePlan, AnExpectationThatIsDoubtedWeighsLess) {
-  Decision decision = within(kMillisecond, 6400, 100.0);
-  const auto second = [&](double max_ns) {
-    decision.max_event_ns = max_ns;
-    AnytimePlan plan(decision, 0, 0);
-    std::int64_t now_ns = 0;
-    AnytimePlan::Stratum stratum = plan.next(0, 0);
-    now_ns += 1000 * static_cast<std::int64_t>(stratum.end);
-    return plan.next(now_ns, stratum.end).keep * 400;  // in strata of 400
-  };
-  const double time_ns = 1e6 - 400e3;
-  EXPECT_DOUBLE_EQ(second(0), time_ns / 15 / ((200 * 100.0 + 400e3) / 600));
-  EXPECT_DOUBLE_EQ(second(125), time_ns / 15 / ((160 * 100.0 + 400e3) / 560));
-}
-
-TEST(AnytimePlan, SaysWhichStratumIsTheLast) {
-  for (const std::size_t raw : {1u, 127u, 128u, 6400u}) {
-    AnytimePlan plan(within(kMillisecond, raw, 1.0), 0, kMillisecond);
-    for (std::size_t end = 0; end < raw;) {
-      const AnytimePlan::Stratum stratum = plan.next(0, 0);
-      end = stratum.end;
-      EXPECT_EQ(stratum.is_last, end == raw);
-      EXPECT_LE(stratum.end - stratum.begin, AnytimePlan::longest_stratum(raw));
+    const auto strata = strata_of(within(kMillisecond, raw));
+    ASSERT_EQ(strata.size(), std::clamp<std::size_t>(raw / 64, 1, 16)) << raw;
+    for (std::size_t j = 0; j < strata.size(); ++j) {
+      EXPECT_EQ(strata[j].begin, raw * j / strata.size());
+      EXPECT_EQ(strata[j].end, raw * (j + 1) / strata.size());
+      EXPECT_EQ(strata[j].is_last, j + 1 == strata.size());
+      EXPECT_LE(strata[j].end - strata[j].begin, AnytimePlan::longest_stratum(raw));
     }
   }
 }
@@ -263,22 +58,6 @@ TEST(AnytimePlan, TellsWhatItWasUntilTheEndOfTheFirstStratum) {
   (void)one.next(0, 0);
   (void)one.next(6000, 60);
   EXPECT_EQ(one.first().size, 0u) << "there are not two sizes";
-}
-
-TEST(AnytimePlan, ALatePackageGoesOnAtItsFloor) {
-  AnytimePlan plan(within(kMillisecond, 6400, 1000.0), 0, kMillisecond);
-  (void)plan.next(0, 0);
-  EXPECT_DOUBLE_EQ(plan.next(kMillisecond + 1, 10).keep, 0.02);
-  EXPECT_DOUBLE_EQ(plan.next(2 * kMillisecond, 8).keep, 0.02);
-}
-
-TEST(AnytimePlan, AnOutageEndsThePackageBeyondItsGrace) {
-  constexpr std::int64_t kStart_ns = 5 * kMillisecond;
-  AnytimePlan on_time(within(kMillisecond, 6400), kStart_ns, 500);
-  EXPECT_EQ(on_time.next(kStart_ns, 0).end, 400u);
-  EXPECT_EQ(on_time.next(kStart_ns + kMillisecond + 500, 1).end, 800u);
-  const AnytimePlan::Stratum none = on_time.next(kStart_ns + kMillisecond + 501, 1);
-  EXPECT_EQ(none.begin, none.end);
 }
 
 // Strata of 100 us each, all of 400 events, on top of which stratum j takes extra_ns(j).
@@ -328,29 +107,22 @@ TEST(AnytimePlan, WhatIsShorterThanTheGraceIsNoOutage) {
   EXPECT_EQ(plan.outage_ns(), 0);
 }
 
-TEST(AnytimePlan, SomethingIsProcessedHoweverLate) {
-  AnytimePlan plan(within(kMillisecond, 6400), 0, 500);
-  EXPECT_EQ(plan.next(3600 * 1000 * kMillisecond, 0).end, 400u);
-  const AnytimePlan::Stratum none = plan.next(3600 * 1000 * kMillisecond, 8);
-  EXPECT_EQ(none.begin, none.end);
-}
-
 TEST(AnytimePlan, AlwaysPlansAFraction) {
   for (const double event_ns : {0.0, 1e-300, 1e300, kInfinity, kNaN, -kInfinity}) {
-    const double fixed_ns = event_ns;
     for (const double max_ns : {0.0, 1.0, kInfinity, kNaN, -kInfinity}) {
       Decision decision = within(kMillisecond, 100, event_ns);
       decision.max_event_ns = max_ns;
-      const Executed run = execute(decision, 10.0);
-      ASSERT_LE(run.strata.size(), 17u);
-      ASSERT_EQ(run.strata.back().end, 100u);
+      const auto strata = strata_of(decision);
+      ASSERT_LE(strata.size(), 17u);
+      ASSERT_EQ(strata.back().end, 100u);
     }
     for (const std::int64_t budget_ns : {kLongAgo, std::int64_t{0}, kMillisecond, kNever}) {
       for (const double keep : {0.0, 1e-300, 1.0}) {
         for (const std::int64_t start_ns : {std::int64_t{-9'200'000'000'000'000'000},
                                             std::int64_t{0}, 9'200'000'000'000'000'000}) {
-          AnytimePlan plan(with_fixed_cost(fixed_ns, within(budget_ns, 6400, event_ns, keep)),
-                           start_ns, kMillisecond);
+          Decision decision = within(budget_ns, 6400, event_ns, keep);
+          decision.fixed_ns = event_ns;
+          AnytimePlan plan(decision, start_ns, kMillisecond);
           for (std::int64_t j = 0; j < 16; ++j) {
             const double fraction = plan.next(start_ns + j % 3, j % 2 == 0 ? 0 : 400).keep;
             ASSERT_GE(fraction, 0.0);

@@ -4,22 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <functional>
-#include <optional>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/telemetry/telemetry.hpp"
+#include "asap/telemetry/ledger.hpp"
+#include "core/random.hpp"
 #include "packager/event_times.hpp"
 #include "packager/packager.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
+#include "telemetry/telemetry.hpp"
 
 namespace asap::anytime_test {
 namespace {
 
-using test::at_times;
 using test::evenly_spaced;
 using test::Events;
 using test::numbers_of;
@@ -31,7 +29,6 @@ using Step = Packager::Step;
 constexpr std::int64_t kMicrosecond = 1000;
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kBound_ns = 10 * kMillisecond;
-constexpr std::int64_t kGrace_ns = kBound_ns / 100;
 
 Decision within(std::int64_t budget_ns, std::size_t raw, double event_ns = 0.0, double keep = 1.0) {
   Decision decision = Decision::take(raw, keep);
@@ -167,28 +164,6 @@ TEST(Anytime, AThinnedStratumMovesThePackageOutOfTheRing) {
   EXPECT_EQ(numbers_of(first), numbers_between(0, 64)) << "what was handed out stays valid";
 }
 
-// ---- early end
-
-TEST(Anytime, AnOutageLeavesTheUntouchedStrataInTheRing) {
-  ScriptedScheme scheme = always(within(kMillisecond, 640, 100.0));
-  Rig rig(scheme, 1024, {.seed = 4});
-  rig.push(evenly_spaced(1000, 1));
-  Package package = rig.open();
-  (void)rig.packager.stratum(package, 0);
-  (void)rig.packager.stratum(package, 10);
-  (void)rig.packager.stratum(package, 20);
-  const std::int64_t late_ns = kMillisecond + kGrace_ns + 1;
-  EXPECT_TRUE(rig.packager.stratum(package, late_ns).empty());
-  EXPECT_EQ(package.raw, 192u);
-  rig.packager.complete(package, late_ns);
-  EXPECT_EQ(rig.buffer.head(), 192u);
-  EXPECT_EQ(rig.telemetry.log[0].offered, 192);
-  EXPECT_EQ(scheme.outcomes[0].raw, 192u);
-  EXPECT_EQ(rig.ledger(), (Ledger{.received = 1000, .delivered = 192, .pending = 808}));
-  Package next = rig.open(late_ns);
-  EXPECT_EQ(rig.run(next, 1.0, late_ns).front(), numbers_between(192, 256));
-}
-
 TEST(Anytime, EventsLeftInTheRingMeetTheSameHash) {
   // Whatever was executed, event number i is decided by random(i).
   int asked = 0;
@@ -210,95 +185,6 @@ TEST(Anytime, EventsLeftInTheRingMeetTheSameHash) {
     if (random(i) >> 63 == 0) expected.push_back(i);
   }
   EXPECT_EQ(numbers_of(rest.events), expected);
-}
-
-// ---- packages of which nothing is kept
-
-TEST(Anytime, APackageOfWhichNothingWasKeptCountsToTheNext) {
-  int asked = 0;
-  ScriptedScheme scheme([&](const Backlog&) {
-    return ++asked <= 2 ? within(-1, 128, 1.0, 0.0) : within(kMillisecond, 100);
-  });
-  Rig rig(scheme, 4096, {.seed = 8});  // chance keeps none of the first strata, where it might
-  rig.push(evenly_spaced(1000, 1));
-  for (int i = 0; i < 2; ++i) {
-    Package none = rig.open(5);
-    EXPECT_EQ(none.index, 0u);
-    EXPECT_TRUE(rig.packager.stratum(none, 5).empty());
-    EXPECT_TRUE(none.events.empty());
-    EXPECT_EQ(none.raw, 128u);
-    rig.packager.complete(none, 12);
-  }
-  EXPECT_EQ(rig.telemetry.log.size(), 0u);
-  EXPECT_EQ(rig.telemetry.discarded, 256u);
-  ASSERT_EQ(scheme.outcomes.size(), 2u);
-  EXPECT_EQ(scheme.outcomes[1].size, 0u);
-  EXPECT_EQ(scheme.outcomes[1].raw, 128u);
-  EXPECT_EQ(scheme.outcomes[1].span_ns, 0);
-  EXPECT_EQ(scheme.outcomes[1].start_ns, 5);
-  EXPECT_EQ(scheme.outcomes[1].processing_ns, 7);
-  Package package = rig.open(12);
-  EXPECT_EQ(package.index, 0u);
-  rig.run(package, 1.0, 12);
-  EXPECT_EQ(package.offered, 356u);
-  EXPECT_EQ(rig.telemetry.log[0].offered, 356);
-  EXPECT_DOUBLE_EQ(rig.telemetry.log[0].gamma, 100.0 / 356);
-  EXPECT_EQ(rig.ledger(),
-            (Ledger{.received = 1000, .discarded = 256, .delivered = 100, .pending = 644}));
-}
-
-TEST(Anytime, StrataOfWhichNothingIsKeptArePassedOver) {
-  // Without time left, of 64 events 1.28 are kept: some strata keep none.
-  ScriptedScheme scheme = always(within(0, 1024, 1.0));
-  Rig rig(scheme, 2048, {.seed = 2});
-  rig.push(evenly_spaced(1024, 1));
-  Package package = rig.open();
-  const std::vector<Numbers> parts = rig.run(package, 0.0);
-  Numbers expected;
-  std::size_t strata = 0;
-  const CounterRandom random(2);
-  const std::uint64_t threshold = KeepThreshold::checked(0.02).value();
-  for (std::uint64_t j = 0; j < 16; ++j) {
-    const std::size_t before = expected.size();
-    for (std::uint64_t i = 64 * j; i < 64 * j + 64; ++i) {
-      if ((random(i) >> 1) < threshold) expected.push_back(i);
-    }
-    if (expected.size() > before) ++strata;
-  }
-  EXPECT_LT(strata, 16u);
-  EXPECT_EQ(parts.size(), strata);
-  EXPECT_EQ(numbers_of(package.events), expected);
-  EXPECT_EQ(package.raw, 1024u);
-}
-
-// ---- gamma and keep
-
-TEST(Anytime, GammaIsAsPlannedAndTheRowAsItWas) {
-  ScriptedScheme scheme = always(within(kMillisecond, 640, 1.0, 0.25));
-  Rig rig(scheme);
-  rig.push(evenly_spaced(1000, 1));
-  Package package = rig.open();
-  EXPECT_EQ(package.gamma, 0.25);
-  EXPECT_EQ(package.keep, 0.25) << "the first package sets it";
-  rig.run(package, 0.0);
-  EXPECT_EQ(rig.telemetry.log[0].gamma, 1.0) << "there was time for all";
-}
-
-// ---- drop, flush
-
-TEST(Anytime, ADropAsksAgainAboutWhatIsLeft) {
-  std::vector<std::size_t> told;
-  ScriptedScheme scheme([&](const Backlog& backlog) {
-    told.push_back(backlog.count);
-    return told.size() <= 2 ? Decision::drop(10) : within(kMillisecond, 5);
-  });
-  Rig rig(scheme);
-  rig.push(evenly_spaced(100, 1));
-  Package package = rig.open();
-  EXPECT_EQ(told, (std::vector<std::size_t>{100, 90, 80}));
-  EXPECT_EQ(package.stale_before, 20u);
-  EXPECT_EQ(rig.run(package, 1.0), (std::vector<Numbers>{numbers_between(20, 25)}));
-  EXPECT_EQ(rig.ledger(), (Ledger{.received = 100, .stale = 20, .delivered = 5, .pending = 75}));
 }
 
 // ---- whatever happens
@@ -361,25 +247,6 @@ TEST(Anytime, LosesNothingAndDoublesNothing) {
     EXPECT_LE(offered, 30'000u);
     EXPECT_EQ(rig.ledger().delivered + rig.ledger().discarded, 30'000u);
   }
-}
-
-TEST(Anytime, WithoutFlushTheBoundForcesNothing) {
-  std::vector<bool> due;
-  ScriptedScheme scheme([&](const Backlog& backlog) {
-    due.push_back(backlog.due);
-    return Decision::wait_for(1000);
-  });
-  Rig rig(scheme, 8, {.flush = false});
-  rig.push(evenly_spaced(7, 1));
-  for (const std::int64_t now_ns : {std::int64_t{0}, kBound_ns, 1000 * kBound_ns}) {
-    const Packager::Next next = rig.packager.next(now_ns);
-    EXPECT_EQ(next.step, Step::wait);
-    EXPECT_EQ(next.until_ns, kNever);
-    EXPECT_EQ(next.until_tail, 8u);
-  }
-  rig.push(evenly_spaced(1, 1, 7));
-  EXPECT_EQ(rig.open(1000 * kBound_ns).events.size(), 8u) << "a full ring still does";
-  EXPECT_EQ(due, (std::vector<bool>{false, false, false, true}));
 }
 
 }  // namespace

@@ -12,10 +12,11 @@
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
-#include "asap/telemetry/telemetry.hpp"
+#include "asap/telemetry/ledger.hpp"
 #include "packager/event_times.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
+#include "telemetry/telemetry.hpp"
 
 namespace asap::packager_test {
 namespace {

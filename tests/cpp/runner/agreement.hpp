@@ -30,7 +30,7 @@ inline void expect_same(const PackageRow& row, const PackageRow& expected) {
 }
 
 inline void expect_agreement(const Simulator& simulator, const NaiveSimulator& naive) {
-  const RunLog& log = simulator.telemetry().log;
+  const RunLog& log = simulator.log();
   for (std::size_t i = 0; i < std::min(log.size(), naive.rows.size()); ++i) {
     SCOPED_TRACE(testing::Message() << "package " << i);
     expect_same(log[i], naive.rows[i]);
@@ -38,7 +38,7 @@ inline void expect_agreement(const Simulator& simulator, const NaiveSimulator& n
   }
   ASSERT_EQ(log.size(), naive.rows.size());
   ASSERT_EQ(simulator.ledger(), naive.ledger);
-  ASSERT_EQ(simulator.gap_us(), gap_us(naive.received, naive.delivered));
+  ASSERT_EQ(simulator.stats().gap_us, gap_us(naive.received, naive.delivered));
   ASSERT_EQ(simulator.busy_ns(), naive.busy_ns);
   ASSERT_EQ(simulator.slots().size(), naive.slots.size());
   for (const Slot& slot : simulator.slots()) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <new>
 #include <string>
 #include <thread>
 #include <utility>
@@ -30,6 +31,16 @@ constexpr std::chrono::minutes kBound{1};  // or a consumer that gets no turn de
 std::uint64_t events_to_run() {
   const char* const asked = std::getenv("ASAP_LONG_TESTS");
   return asked != nullptr && std::string(asked) == "1" ? 100'000'000 : 1'000'000;
+}
+
+// Called by name: clang leaves out a `new` whose memory is not used.
+TEST(LiveAllocations, AreCounted) {
+  const std::uint64_t before = allocations();
+  ::operator delete(::operator new(4));
+  ::operator delete[](::operator new[](400));
+  constexpr std::align_val_t kWide{64};
+  ::operator delete(::operator new(6400, kWide), kWide);
+  EXPECT_EQ(allocations(), before + 3);
 }
 
 // From the first push to stop(): what the thread that pushes has allocated.

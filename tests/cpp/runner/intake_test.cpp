@@ -4,8 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <stdexcept>
-#include <thread>
 
 #include "support/streams.hpp"
 
@@ -33,20 +31,6 @@ struct Rig {
   Doorbell doorbell;
   Intake intake;
 };
-
-TEST(IntakeThin, APushThatLeavesAQuarterFreeGetsInWhole) {
-  Rig rig(1000, WhenFull::thin);
-  rig.intake.take(evenly_spaced(500, 1), 0);
-  rig.intake.take(evenly_spaced(250, 1), 0);
-  EXPECT_EQ(rig.buffer.size(), 750u);
-  rig.consume(750);
-  rig.intake.take(evenly_spaced(750, 1), 1);
-  EXPECT_EQ(rig.buffer.size(), 750u);
-  EXPECT_EQ(rig.intake.discarded(), 0u);
-  rig.consume(1);
-  rig.intake.take(evenly_spaced(400, 1), 1);
-  EXPECT_GT(rig.intake.discarded(), 0u);
-}
 
 // The room r goes to r q^2 / (q^2 + r m), whatever is pushed, and evenly over a push.
 TEST(IntakeThin, APushLargerThanTheRoomIsThinnedOverAllOfItself) {
@@ -92,17 +76,6 @@ TEST(IntakeThin, WhatGetsInDoesNotDependOnTheSizeOfThePushes) {
   }
 }
 
-TEST(IntakeThin, ARingThatIsEmptiedSlowlyNeverOverflows) {
-  Rig rig(10'000, WhenFull::thin);
-  for (int push = 0; push < 10'000; ++push) {
-    rig.intake.take(evenly_spaced(100, 1), push);
-    rig.consume(std::min<std::size_t>(rig.buffer.size(), 5));  // twenty times too slow
-  }
-  EXPECT_EQ(rig.buffer.overflow(), 0u);
-  EXPECT_NEAR(static_cast<double>(rig.buffer.size()), 10'000 - 2500 * std::sqrt(0.05), 60);
-  EXPECT_EQ(rig.accounted(), 1'000'000u);
-}
-
 TEST(IntakeThin, OneFreeSlotIsEnoughForAnyPushNotToOverflow) {
   for (const std::size_t capacity : {1U, 2U, 3U, 4U, 5U, 64U, 255U, 256U, 257U, 1000U, 4096U}) {
     Rig rig(capacity, WhenFull::thin);
@@ -120,18 +93,6 @@ TEST(IntakeThin, OneFreeSlotIsEnoughForAnyPushNotToOverflow) {
   }
 }
 
-TEST(IntakeThin, AStallInOverloadDoesNotOverflow) {
-  Rig rig(16'384, WhenFull::thin);
-  const Events events = evenly_spaced(500, 1);
-  for (int push = 0; push < 500; ++push) {
-    rig.intake.take(events, push);
-    rig.consume(std::min<std::size_t>(rig.buffer.size(), 100));
-  }
-  for (int push = 0; push < 500; ++push) rig.intake.take(events, push);  // nobody is there
-  EXPECT_EQ(rig.buffer.overflow(), 0u);
-  EXPECT_NEAR(static_cast<double>(rig.buffer.size()), 16'384 - 65, 40);
-}
-
 TEST(IntakeThin, ARingThatNobodyEmptiesFillsAndOverflows) {
   Rig rig(100, WhenFull::thin);
   for (int push = 0; push < 10'000; ++push) rig.intake.take(evenly_spaced(10, 1), push);
@@ -139,37 +100,6 @@ TEST(IntakeThin, ARingThatNobodyEmptiesFillsAndOverflows) {
   EXPECT_GT(rig.buffer.overflow(), 90'000u);
   EXPECT_EQ(rig.accounted(), 100'000u);
   EXPECT_EQ(rig.intake.max_waiting(), 100u);
-}
-
-TEST(IntakeThin, KeepsTheSquareOfTheRoom) {
-  Rig rig(100'000, WhenFull::thin);
-  rig.buffer.push(evenly_spaced(87'500, 1));  // half of the last quarter is left: 1/4
-  Events events = evenly_spaced(2000, 1);
-  for (Event& event : events) event.p = 2;  // to know them
-  rig.intake.take(events, 1);
-  const std::size_t kept = rig.buffer.size() - 87'500;
-  EXPECT_EQ(kept + rig.intake.discarded(), 2000u);
-  EXPECT_NEAR(static_cast<double>(kept), 500 - 19, 40) << "and the ring fills meanwhile";
-  // by chance, in order: no run of the same fate is long
-  const EventPieces waiting = rig.buffer.peek();
-  std::uint64_t longest = 0;
-  std::uint64_t last = 0;
-  for (std::size_t i = 87'500; i < waiting.size(); ++i) {
-    ASSERT_EQ(waiting[i].p, 2);
-    longest = std::max(longest, number_of(waiting[i]) - last);
-    last = number_of(waiting[i]);
-  }
-  EXPECT_LT(longest, 40u);
-}
-
-TEST(IntakeThin, OpensAgainAsTheRingEmpties) {
-  Rig rig(1000, WhenFull::thin);
-  for (int push = 0; push < 100; ++push) rig.intake.take(evenly_spaced(50, 1), push);
-  const std::uint64_t before = rig.intake.discarded();
-  ASSERT_GT(before, 0u);
-  rig.consume(500);
-  rig.intake.take(evenly_spaced(50, 1), 100);
-  EXPECT_EQ(rig.intake.discarded(), before);
 }
 
 TEST(IntakeThin, TheTableSaysHowManyAreMissingBefore) {
@@ -180,55 +110,6 @@ TEST(IntakeThin, TheTableSaysHowManyAreMissingBefore) {
   const std::uint64_t at_the_end = rig.arrivals.thinned(rig.buffer.tail() - 1);
   EXPECT_GT(at_the_end, 0u);
   EXPECT_LE(at_the_end, rig.intake.discarded());
-}
-
-TEST(IntakeNewest, DropsWhatDoesNotFit) {
-  Rig rig(100, WhenFull::keep_oldest);
-  for (int push = 0; push < 4; ++push) rig.intake.take(evenly_spaced(40, 1), push);
-  EXPECT_EQ(rig.buffer.size(), 100u);
-  EXPECT_EQ(rig.buffer.overflow(), 60u);
-  EXPECT_EQ(rig.intake.discarded(), 0u);
-}
-
-TEST(IntakeBlock, WaitsForRoomAndLosesNothing) {
-  constexpr std::size_t kEvents = 100'000;
-  for (const std::size_t capacity : {std::size_t{1}, std::size_t{7}, std::size_t{64}}) {
-    Rig rig(capacity, WhenFull::block);
-    const std::size_t count = capacity == 1 ? kEvents / 100 : kEvents;
-    const Events events = evenly_spaced(count, 1);
-    std::jthread producer([&] { rig.intake.take(events, 0); });
-    std::size_t seen = 0;
-    while (seen < count) {
-      const EventPieces waiting = rig.buffer.peek();
-      for (std::size_t i = 0; i < waiting.size(); ++i) ASSERT_EQ(number_of(waiting[i]), seen++);
-      rig.consume(waiting.size());
-    }
-    producer.join();
-    EXPECT_EQ(rig.buffer.overflow(), 0u);
-  }
-}
-
-TEST(IntakeBlock, GivesUpWhenToldToLeave) {
-  Rig rig(10, WhenFull::block);
-  std::jthread producer([&] { rig.intake.take(evenly_spaced(100, 1), 0); });
-  while (rig.buffer.size() < 10) std::this_thread::yield();
-  rig.intake.leave();
-  producer.join();
-  EXPECT_EQ(rig.buffer.overflow(), 90u);
-  rig.intake.take(evenly_spaced(5, 1), 1);
-  EXPECT_EQ(rig.buffer.overflow(), 95u) << "nor does it wait later";
-}
-
-TEST(IntakeBlock, PollEndsTheWaitByThrowing) {
-  Rig rig(10, WhenFull::block);
-  int polled = 0;
-  const auto poll = [&] {
-    EXPECT_EQ(rig.intake.max_waiting(), 10u);
-    if (++polled == 3) throw std::runtime_error("interrupted");
-  };
-  EXPECT_THROW(rig.intake.take(evenly_spaced(100, 1), 0, poll), std::runtime_error);
-  EXPECT_EQ(polled, 3);
-  EXPECT_EQ(rig.accounted(), 100u);
 }
 
 }  // namespace

@@ -16,18 +16,6 @@ namespace {
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kEndOfTimeNs = 9'200'000'000'000'000'000;
 
-TEST(LinearCost, WithoutNoiseIsALine) {
-  const LinearCost cost({.alpha_us = 100, .beta_ns = 300});
-  for (const std::uint64_t index : {0u, 1u, 99u}) {
-    const PackageCost package = cost.package(index, 77);
-    EXPECT_EQ(package.fixed_ns, 100'000);
-    EXPECT_EQ(package.event_ns, 300);
-    EXPECT_EQ(package.of(0), 100'000);
-    EXPECT_EQ(package.of(1), 100'300);
-    EXPECT_EQ(package.of(1'000'000), 300'100'000);
-  }
-}
-
 TEST(LinearCost, TheNoiseHasMeanOne) {
   constexpr int kCount = 200'000;
   for (const double noise : {0.1, 0.5, 1.0}) {
@@ -83,26 +71,6 @@ TEST(LinearCost, DriftsInStepsOfAMillisecond) {
   expect(2 * kMillisecond - 1, 150);
   expect(2 * kMillisecond, 900);
   expect(kEndOfTimeNs, 900);  // the last one stays
-}
-
-TEST(LinearCost, WorkTakesAtLeastANanosecond) {
-  const LinearCost cost;
-  EXPECT_EQ(cost.done_ns(50, 0.0), 51);
-  EXPECT_EQ(cost.done_ns(50, 0.1), 51);
-  EXPECT_EQ(cost.done_ns(50, 1.4), 51);
-  EXPECT_EQ(cost.done_ns(50, 1.6), 52);
-  EXPECT_EQ(cost.done_ns(-50, 80.0), 30);
-}
-
-TEST(LinearCost, AnAlgorithmStartsOutsideOutages) {
-  const LinearCost cost({.outages = {{100, 200}, {250, 300}}});
-  for (const std::int64_t free_ns : {-1, 0, 99, 200, 201, 249, 300, 1000}) {
-    EXPECT_EQ(cost.start_ns(free_ns), free_ns);
-  }
-  EXPECT_EQ(cost.start_ns(100), 200);
-  EXPECT_EQ(cost.start_ns(199), 200);
-  EXPECT_EQ(cost.start_ns(250), 300);
-  EXPECT_EQ(cost.start_ns(299), 300);
 }
 
 // Nanosecond by nanosecond.

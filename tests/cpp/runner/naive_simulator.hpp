@@ -10,15 +10,16 @@
 #include <map>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/filter/gamma_filter.hpp"
 #include "asap/runner/simulator.hpp"
 #include "asap/schemes/scheme.hpp"
+#include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/run_log.hpp"
-#include "asap/telemetry/telemetry.hpp"
+#include "core/random.hpp"
 #include "packager/rate_meter.hpp"
 #include "runner/admission.hpp"
 #include "telemetry/slot_log.hpp"
+#include "telemetry/telemetry.hpp"
 
 namespace asap::test {
 

@@ -13,13 +13,13 @@
 #include <string>
 #include <thread>
 
-#include "asap/core/random.hpp"
 #include "asap/runner/replay.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "buffer/event_buffer.hpp"
+#include "core/random.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/errors.hpp"
 #include "support/gap.hpp"
@@ -349,8 +349,8 @@ TEST(Pipeline, HasASchemeOfItsOwnWhileItRuns) {
   EXPECT_THROW(Replay{scheme}, std::logic_error);
   SpanSource nothing({});
   EXPECT_THROW(replay.run(nothing, [](EventSpan) {}), std::logic_error);
-  Greedy copy = scheme;
-  Pipeline third(copy, kWhole);
+  Greedy another;
+  Pipeline third(another, kWhole);
   EXPECT_EQ(third.next(package, 0ns), Next::idle);
   one.abandon();
   {
@@ -441,12 +441,12 @@ TEST(Pipeline, AgesCountFromTheArrivalWhateverTheStamps) {
   run.push(test::evenly_spaced(100, 1'000'000'000, 77), arrival);  // stamps of 28 hours
   run.push(test::at_times({200'000'000'000}), arrival + 2s);
   deliver_all(run);
-  const LatencyHistogram& latency = run.telemetry().latency;
+  const LatencyHistogram& latency = run.stats().latency;
   EXPECT_EQ(latency.count(), 101u);
   EXPECT_GE(latency.max_ns(), 5'000'000'000);
   EXPECT_LT(latency.max_ns(), 50'000'000'000);
   EXPECT_NEAR(latency.mean_ns(), static_cast<double>(latency.max_ns()) - 2e9 / 101, 1e6);
-  const PackageRow row = run.telemetry().log[0];
+  const PackageRow row = run.log()[0];
   EXPECT_EQ(row.latency_max_us, static_cast<double>(latency.max_ns()) * 1e-3);
   EXPECT_NEAR(row.start_us + row.processing_us - 77, row.latency_max_us, 1.0)
       << "the run's axis begins with the first arrival at its stamp";
@@ -462,7 +462,7 @@ TEST(Pipeline, AShorterBoundTellsArrivalsApartThatALongerOneTakesTogether) {
   run.push(at_times({1}), arrival);
   run.push(at_times({2}), arrival + 500ms);
   deliver_all(run);
-  const LatencyHistogram& latency = run.telemetry().latency;
+  const LatencyHistogram& latency = run.stats().latency;
   EXPECT_NEAR(latency.mean_ns(), static_cast<double>(latency.max_ns()) - 250e6, 1e4);
 }
 
@@ -472,7 +472,7 @@ TEST(Pipeline, AnArrivalInTheFutureIsNowAndOneBeforeTheLastIsThat) {
   run.push(test::at_times({1}), Steady::now() - 1s);
   run.push(test::at_times({2}), Steady::now() - 9s);
   deliver_all(run);
-  EXPECT_LT(run.telemetry().latency.max_ns(), 5'000'000'000);
+  EXPECT_LT(run.stats().latency.max_ns(), 5'000'000'000);
   run.push(test::at_times({3}), Steady::now() + 100s);
   deliver_all(run);
   EXPECT_EQ(run.ledger().delivered, 3u);
@@ -561,8 +561,8 @@ TEST(Pipeline, EveryEventOfAPackageInPartsHasItsOwnAge) {
   run.stop();
   std::size_t parts = 0;
   run.run([&](const Package&) { ++parts; });
-  EXPECT_GT(parts, run.telemetry().log.totals().count);
-  const LatencyHistogram& latency = run.telemetry().latency;
+  EXPECT_GT(parts, run.log().totals().count);
+  const LatencyHistogram& latency = run.stats().latency;
   EXPECT_EQ(latency.count(), 6400u);
   EXPECT_NEAR(latency.mean_ns(), static_cast<double>(latency.max_ns()) - 45e6, 5e6);
 }
@@ -654,8 +654,8 @@ TEST(Pipeline, WithoutALogTheTotalsAreThere) {
   Pipeline run(scheme, config);
   run.push(test::evenly_spaced(50, 0), {});
   deliver_all(run);
-  EXPECT_EQ(run.telemetry().log.totals().size, 50u);
-  EXPECT_EQ(run.telemetry().log.first(), run.telemetry().log.size());
+  EXPECT_EQ(run.log().totals().size, 50u);
+  EXPECT_EQ(run.log().first(), run.log().size());
 }
 
 // ---- under pressure: what gives way, and what may change meanwhile
@@ -923,6 +923,22 @@ TEST(Pipeline, ReportsTheDelayOfTheTransport) {
   EXPECT_EQ(pipeline.stats().sensor_delay_max_ns, 40'000'000);
   pipeline.push(at_times({100}), now);
   EXPECT_EQ(pipeline.stats().sensor_delay_ns, 0) << "a clock that begins anew is another clock";
+}
+
+// Clocks drift apart: what has been the least delay for long becomes the rule.
+TEST(Pipeline, TheLeastDelayOfTheTransportIsRememberedForAWindow) {
+  Greedy scheme;
+  Pipeline pipeline(scheme);
+  const auto begin = std::chrono::steady_clock::now() - 27s;
+  const auto push = [&](std::int64_t stamp_ms, std::int64_t late_ms) {
+    pipeline.push(at_times({1000 * stamp_ms}),
+                  begin + std::chrono::milliseconds(stamp_ms + late_ms));
+    return pipeline.stats().sensor_delay_ns;
+  };
+  push(0, 0);
+  for (std::int64_t ms = 10; ms < 9'000; ms += 10) ASSERT_EQ(push(ms, 4), 4'000'000) << ms;
+  push(20'000, 4);
+  EXPECT_EQ(push(26'000, 4), 0);
 }
 
 // ---- with a thread of its own

@@ -5,9 +5,8 @@
 #include <atomic>
 #include <chrono>
 #include <thread>
-#include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/streams.hpp"
 
 namespace asap::read_ahead_test {
@@ -59,27 +58,6 @@ TEST(ReadAhead, AChunkStaysValidUntilTheCallAfter) {
   source.next();  // gives the first block back
   reader.join();
   EXPECT_TRUE(fed);
-}
-
-TEST(ReadAhead, EndsWhenTheReaderHasFinished) {
-  ReadAhead source;
-  const Events events = evenly_spaced(3, 1);
-  ASSERT_TRUE(source.feed(events));
-  ASSERT_TRUE(source.feed({}));
-  source.finish();
-  EXPECT_EQ(source.next().size(), 3u);
-  EXPECT_TRUE(source.next().empty());
-  EXPECT_TRUE(source.next().empty());
-}
-
-TEST(ReadAhead, CancelLetsAProducerGoThatWaits) {
-  ReadAhead source;
-  std::thread canceller([&] {
-    std::this_thread::sleep_for(5ms);
-    source.cancel();
-  });
-  EXPECT_TRUE(source.next().empty());
-  canceller.join();
 }
 
 TEST(ReadAhead, CancelLetsAReaderGoThatWaits) {

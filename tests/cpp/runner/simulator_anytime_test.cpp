@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/runner/simulator.hpp"
 #include "asap/schemes/greedy.hpp"
+#include "core/random.hpp"
 #include "runner/admission.hpp"
 #include "runner/agreement.hpp"
 #include "runner/naive_simulator.hpp"
@@ -105,7 +105,7 @@ void agree(Scheme& scheme, Scheme& naive_scheme, const LinearCostConfig& cost, E
        .execution = config.execution,
        .flush = config.flush},
       [&](const Package& package) {
-        ASSERT_EQ(package.index, simulator.telemetry().log.size());
+        ASSERT_EQ(package.index, simulator.log().size());
         ASSERT_FALSE(package.continues);
         delivered.insert(delivered.end(), package.events.begin(), package.events.end());
       },
@@ -196,36 +196,6 @@ ScriptedScheme::Rule all_within(std::int64_t budget_ns, double event_ns) {
   };
 }
 
-// Two packages: a single event while `count` others arrive on one stamp, then those.
-PackageRow row_of(std::size_t count, std::int64_t budget_ns, double event_ns,
-                  const LinearCostConfig& cost) {
-  ScriptedScheme scheme(all_within(budget_ns, event_ns));
-  Simulator simulator(scheme, LinearCost(cost),
-                      {.capacity = count + 1, .execution = Execution::anytime});
-  Events events = at_times({0});
-  for (std::size_t i = 0; i < count; ++i) events.push_back(test::numbered(i + 1, 1));
-  simulator.feed(events);
-  simulator.finish();
-  EXPECT_TRUE(simulator.ledger().balanced());
-  EXPECT_GE(simulator.telemetry().log.size(), 2u);
-  return simulator.telemetry().log[1];
-}
-
-TEST(SimulatorAnytime, APackageEndsOnTimeHoweverLowTheExpectation) {
-  const LinearCostConfig cost{.alpha_us = 50, .beta_ns = 1000};
-  for (const double expected_ns : {0.0, 10.0, 100.0, 1000.0, 1200.0}) {
-    const PackageRow row = row_of(25'600, 8 * kMillisecond, expected_ns, cost);
-    EXPECT_LE(row.processing_us, 8000 + 1600) << expected_ns;  // a stratum
-    EXPECT_GE(row.processing_us, 8000 - 1600) << expected_ns;
-  }
-}
-
-TEST(SimulatorAnytime, APackageThatFitsKeepsAll) {
-  const PackageRow row = row_of(6400, 10 * kMillisecond, 1000, {.alpha_us = 50, .beta_ns = 1000});
-  EXPECT_EQ(row.size, 6400);
-  EXPECT_EQ(row.processing_us, 6450);
-}
-
 TEST(SimulatorAnytime, AnOutageEndsAPackageEarlyAndLeavesTheRestInTheRing) {
   // 1600 events at 1 us: 16 strata of 100. The outage begins in the fifth one.
   const LinearCostConfig cost{
@@ -236,7 +206,7 @@ TEST(SimulatorAnytime, AnOutageEndsAPackageEarlyAndLeavesTheRestInTheRing) {
   for (std::size_t i = 0; i < 1600; ++i) events.push_back(test::numbered(i + 1, 1));
   simulator.feed(events);
   simulator.finish();
-  const RunLog& log = simulator.telemetry().log;
+  const RunLog& log = simulator.log();
   ASSERT_EQ(log.size(), 3u);
   EXPECT_EQ(log[1].start_us, 2);
   EXPECT_EQ(log[1].size, 500);
@@ -251,34 +221,6 @@ TEST(SimulatorAnytime, AnOutageEndsAPackageEarlyAndLeavesTheRestInTheRing) {
   EXPECT_EQ(scheme.outcomes[0].outage_ns, 0);
   EXPECT_EQ(scheme.outcomes[1].work_ns(), 501 * kMicrosecond);
   EXPECT_EQ(scheme.outcomes[2].outage_ns, 0);
-}
-
-TEST(SimulatorAnytime, AnAlgorithmThatIsOutStartsLater) {
-  Greedy scheme;
-  Simulator simulator(
-      scheme,
-      LinearCost({.alpha_us = 10,
-                  .beta_ns = 1000,
-                  .outages = {{0, 100 * kMicrosecond}, {105 * kMicrosecond, 200 * kMicrosecond}}}));
-  simulator.feed(at_times({0, 50, 60, 500}));
-  simulator.finish();
-  const RunLog& log = simulator.telemetry().log;
-  ASSERT_EQ(log.size(), 2u);
-  EXPECT_EQ(log[0].start_us, 100);
-  EXPECT_EQ(log[0].size, 3);
-  EXPECT_EQ(log[0].processing_us, 108);  // 13 us of work, 95 us out
-  EXPECT_EQ(log[1].start_us, 500);
-  EXPECT_EQ(simulator.busy_ns(), (108 + 11) * kMicrosecond);
-}
-
-TEST(SimulatorAnytime, WithoutFlushOnlyTheEndForcesAScheme) {
-  ScriptedScheme scheme([](const Backlog&) { return Decision::wait_for(100); });
-  Simulator simulator(scheme, LinearCost({.alpha_us = 10}), {.latency = 100us, .flush = false});
-  simulator.feed(evenly_spaced(50, 1000));
-  EXPECT_EQ(simulator.telemetry().log.size(), 0u);
-  simulator.finish();
-  ASSERT_EQ(simulator.telemetry().log.size(), 1u);
-  EXPECT_EQ(simulator.telemetry().log[0].size, 50);
 }
 
 // ---- admission
@@ -377,7 +319,7 @@ TEST(SimulatorAnytime, AnExceptionLeavesABalancedLedgerBehindAGate) {
       const Ledger ledger = simulator.ledger();
       EXPECT_TRUE(ledger.balanced());
       EXPECT_GT(ledger.pending, 0u);
-      EXPECT_EQ(simulator.telemetry().log.size(), static_cast<std::size_t>(last) - 1);
+      EXPECT_EQ(simulator.log().size(), static_cast<std::size_t>(last) - 1);
     }
   }
 }

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/runner/simulator.hpp"
 #include "asap/schemes/deadline.hpp"
+#include "core/random.hpp"
 #include "support/streams.hpp"
 
 namespace asap::simulator_outages_test {
@@ -46,7 +46,7 @@ Result overloaded(std::chrono::nanoseconds bound, std::vector<Outage> outages) {
       {.execution = Execution::anytime});
   simulator.feed(test::evenly_spaced(2 * kSecondUs, 1));
   simulator.finish();
-  const LatencyHistogram& latency = simulator.telemetry().latency;
+  const LatencyHistogram& latency = simulator.stats().latency;
   const auto received = static_cast<double>(simulator.ledger().received);
   const auto bound_ns = static_cast<double>(bound.count());
   return {.p99 = latency.quantile_ns(0.99) / bound_ns,

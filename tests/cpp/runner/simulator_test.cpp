@@ -3,12 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "asap/schemes/asap2020.hpp"
@@ -18,7 +15,6 @@
 #include "runner/agreement.hpp"
 #include "runner/naive_simulator.hpp"
 #include "support/allocation_counter.hpp"
-#include "support/errors.hpp"
 #include "support/streams.hpp"
 
 namespace asap::simulator_test {
@@ -50,7 +46,7 @@ struct Row {
 
 std::vector<Row> rows_of(const Simulator& simulator) {
   std::vector<Row> rows;
-  const RunLog& log = simulator.telemetry().log;
+  const RunLog& log = simulator.log();
   for (std::size_t i = 0; i < log.size(); ++i) {
     rows.push_back(
         {log[i].start_us, log[i].processing_us, log[i].t_first, log[i].t_last, log[i].size});
@@ -81,54 +77,6 @@ TEST(Simulator, FixedSizeByHand) {
       (std::vector<Row>{{50, 120, 0, 50, 2}, {170, 120, 60, 70, 2}, {900, 120, 500, 900, 2}}));
 }
 
-TEST(Simulator, GreedyByHand) {
-  Greedy scheme;
-  EXPECT_EQ(simulate(scheme, kSmall), (std::vector<Row>{{0, 110, 0, 0, 1},
-                                                        {110, 130, 50, 70, 3},
-                                                        {500, 110, 500, 500, 1},
-                                                        {900, 110, 900, 900, 1}}));
-}
-
-TEST(Simulator, SingleEventByHand) {
-  SingleEvent scheme;
-  EXPECT_EQ(simulate(scheme, kSmall), (std::vector<Row>{{0, 110, 0, 0, 1},
-                                                        {110, 110, 50, 50, 1},
-                                                        {220, 110, 60, 60, 1},
-                                                        {330, 110, 70, 70, 1},
-                                                        {500, 110, 500, 500, 1},
-                                                        {900, 110, 900, 900, 1}}));
-}
-
-TEST(Simulator, FixedTimeByHand) {
-  FixedTime scheme({.period = 100us});
-  EXPECT_EQ(
-      simulate(scheme, kSmall),
-      (std::vector<Row>{{100, 140, 0, 70, 4}, {600, 110, 500, 500, 1}, {900, 110, 900, 900, 1}}));
-}
-
-TEST(Simulator, Asap2020ByHand) {
-  // 120 us for a span of 50: doubled to 4.
-  Asap2020 scheme({.epsilon = 0, .first_size = 2});
-  EXPECT_EQ(simulate(scheme, kSmall),
-            (std::vector<Row>{{50, 120, 0, 50, 2}, {900, 140, 60, 900, 4}}));
-}
-
-TEST(Simulator, FlushesAtTheLatencyBound) {
-  FixedSize scheme({.size = 10});
-  const Events events = at_times({0, 100, 4000, 12'000});
-  EXPECT_EQ(
-      simulate(scheme, events, {.latency = 1000us}),
-      (std::vector<Row>{
-          {1000, 120, 0, 100, 2}, {5000, 110, 4000, 4000, 1}, {12'000, 110, 12'000, 12'000, 1}}));
-}
-
-TEST(Simulator, AnArrivalAtTheEndOfAPackageIsSeenAfterIt) {
-  Greedy scheme;
-  EXPECT_EQ(
-      simulate(scheme, at_times({0, 110, 111})),
-      (std::vector<Row>{{0, 110, 0, 0, 1}, {110, 110, 110, 110, 1}, {220, 110, 111, 111, 1}}));
-}
-
 TEST(Simulator, APackageInWorkHoldsItsPlaceInTheRing) {
   SingleEvent scheme;
   Simulator simulator(scheme, slow(), {.capacity = 2});
@@ -140,7 +88,7 @@ TEST(Simulator, APackageInWorkHoldsItsPlaceInTheRing) {
                                                   {110, 110, 50, 50, 1},
                                                   {220, 110, 200, 200, 1},
                                                   {330, 110, 300, 300, 1}}));
-  EXPECT_EQ(simulator.telemetry().log[1].overflow, 2);
+  EXPECT_EQ(simulator.log()[1].overflow, 2);
   EXPECT_EQ(simulator.ledger(), (Ledger{.received = 6, .overflow = 2, .delivered = 4}));
 }
 
@@ -151,18 +99,6 @@ TEST(Simulator, OfNothingIsNothing) {
   EXPECT_EQ(never_fed.ledger(), Ledger{});
 }
 
-TEST(Simulator, OneEvent) {
-  FixedSize scheme;
-  EXPECT_EQ(simulate(scheme, at_times({7})), (std::vector<Row>{{7, 110, 7, 7, 1}}));
-}
-
-TEST(Simulator, AllOnOneStamp) {
-  FixedSize scheme({.size = 400});
-  EXPECT_EQ(
-      simulate(scheme, evenly_spaced(1000, 0, 5)),
-      (std::vector<Row>{{5, 4100, 5, 5, 400}, {4105, 4100, 5, 5, 400}, {8205, 2100, 5, 5, 200}}));
-}
-
 TEST(Simulator, A10_AHugeGapCostsNothingAndLeavesNoBacklog) {
   FixedSize scheme({.size = 2});
   EXPECT_EQ(
@@ -170,20 +106,6 @@ TEST(Simulator, A10_AHugeGapCostsNothingAndLeavesNoBacklog) {
       (std::vector<Row>{{10, 120, 0, 10, 2},
                         {10'020, 110, 20, 20, 1},
                         {40 + 10.0 * kHour_us, 120, 30 + 10 * kHour_us, 40 + 10 * kHour_us, 2}}));
-}
-
-TEST(Simulator, UnixStampsStayExact) {
-  FixedSize scheme({.size = 2});
-  Events events = kSmall;
-  for (Event& event : events) event.t += kUnix_us;
-  const std::vector<Row> small = simulate(scheme, kSmall);
-  const std::vector<Row> later = simulate(scheme, events);
-  ASSERT_EQ(later.size(), small.size());
-  for (std::size_t i = 0; i < small.size(); ++i) {
-    EXPECT_EQ(later[i].start_us, small[i].start_us + kUnix_us);
-    EXPECT_EQ(later[i].processing_us, small[i].processing_us);
-    EXPECT_EQ(later[i].t_first, small[i].t_first + kUnix_us);
-  }
 }
 
 TEST(Simulator, AbsurdCostsEndAtTheEndOfTime) {
@@ -241,87 +163,7 @@ TEST(Simulator, AgreesWithTheNaiveSimulatorRowByRow) {
   }
 }
 
-// Over the columns of the log: rows have no padding, but a hash of fields says which ones count.
-std::uint64_t hash_of(const RunLog& log) {
-  std::uint64_t hash = 0;
-  const auto add = [&](auto value) {
-    hash = detail::mix(hash ^ std::bit_cast<std::uint64_t>(value));
-  };
-  for (std::size_t i = 0; i < log.size(); ++i) {
-    const PackageRow row = log[i];
-    add(row.index);
-    add(row.start_us);
-    add(row.processing_us);
-    add(row.t_first);
-    add(row.t_last);
-    add(row.offered);
-    add(row.size);
-    add(row.gamma);
-    add(row.event_rate);
-    add(row.rate);
-    add(row.margin_us);
-    add(row.latency_max_us);
-    add(row.stale);
-    add(row.overflow);
-  }
-  return hash;
-}
-
-// Fed in random chunks of up to `largest` events; the delivered events count in the hash too.
-std::uint64_t hash_of_run(Scheme& scheme, EventSpan events, std::size_t largest,
-                          std::uint64_t seed) {
-  std::uint64_t hash = 0;
-  Simulator simulator(
-      scheme, LinearCost({.alpha_us = 100, .beta_ns = 900, .noise = 0.3, .seed = seed}),
-      {.latency = 5000us, .capacity = 512, .seed = seed}, [&](const Package& package) {
-        hash = detail::mix(hash ^ std::bit_cast<std::uint64_t>(package.keep));
-        for (const Event& event : package.events) hash = detail::mix(hash ^ number_of(event));
-      });
-  const CounterRandom random(largest);
-  for (std::size_t at = 0; at < events.size();) {
-    const std::size_t size = std::min(1 + random(at) % largest, events.size() - at);
-    simulator.feed(events.subspan(at, size));
-    simulator.feed({});
-    at += size;
-    EXPECT_TRUE(simulator.ledger().balanced());
-  }
-  simulator.finish();
-  return detail::mix(hash ^ hash_of(simulator.telemetry().log));
-}
-
-TEST(Simulator, GivesTheSameBytesForAnyChunks) {
-  const Events events = test::random_stream(11, 6000);
-  for (std::size_t s = 0; s < kSchemes.size(); ++s) {
-    const auto scheme = kSchemes[s]();
-    const std::uint64_t whole = hash_of_run(*scheme, events, events.size(), 1);
-    for (const std::size_t largest : {1u, 2u, 17u, 500u, 3000u}) {
-      EXPECT_EQ(hash_of_run(*scheme, events, largest, 1), whole)
-          << scheme->name() << ", chunks of up to " << largest;
-    }
-  }
-}
-
-TEST(Simulator, GivesTheSameBytesForTheSameSeed) {
-  const Events events = test::random_stream(12, 6000);
-  Asap2020 scheme({.rate_bound = 2e5, .first_size = 20});
-  const std::uint64_t once = hash_of_run(scheme, events, 1000, 5);
-  EXPECT_EQ(hash_of_run(scheme, events, 1000, 5), once);
-  EXPECT_NE(hash_of_run(scheme, events, 1000, 6), once);
-}
-
 // ---- losses and errors
-
-TEST(Simulator, CountsOverflowExactly) {
-  Greedy scheme;
-  Simulator simulator(scheme, slow(), {.capacity = 10});
-  // One is taken at once and holds its place; of the 99 others nine find one.
-  simulator.feed(at_times({0}));
-  Events burst = evenly_spaced(99, 0, 1);
-  burst.push_back(test::numbered(0, 100'000));
-  simulator.feed(burst);
-  simulator.finish();
-  EXPECT_EQ(simulator.ledger(), (Ledger{.received = 101, .overflow = 90, .delivered = 11}));
-}
 
 struct Trouble {
   int code;
@@ -346,7 +188,8 @@ TEST(Simulator, AnExceptionOfTheConsumerComesOutUnchanged) {
     }
     EXPECT_EQ(code, 7);
     EXPECT_EQ(calls, 4);
-    EXPECT_EQ(simulator.telemetry().log.size(), 3u);
+    EXPECT_EQ(simulator.log().size(), 3u);
+    EXPECT_TRUE(simulator.stats().failed);
     const Ledger ledger = simulator.ledger();
     EXPECT_EQ(ledger.delivered, 30u);
     EXPECT_EQ(ledger.received, fed + chunk);
@@ -355,16 +198,24 @@ TEST(Simulator, AnExceptionOfTheConsumerComesOutUnchanged) {
   }
 }
 
-TEST(Simulator, AValidatorThatRefusesLeavesABalancedLedger) {
+TEST(Simulator, ItsStatsAreThoseOfTheRun) {
   FixedSize scheme({.size = 10});
-  Simulator simulator(scheme, slow(), {.validator = {.on_bad = OnBad::raise}});
+  Simulator simulator(scheme, slow());
   Events events = evenly_spaced(1000, 30);
-  events[700].t = 0;
-  const std::string error = test::error_of([&] { simulator.feed(events); });
-  EXPECT_EQ(error.substr(0, 20), "t = 0 (event 700): g");
-  EXPECT_EQ(simulator.ledger().received, 701u);
-  EXPECT_EQ(simulator.ledger().rejected, 1u);
-  EXPECT_TRUE(simulator.ledger().balanced());
+  for (std::size_t i = 500; i < events.size(); ++i) events[i].t -= 2'000'000;  // a clock set back
+  simulator.feed(events);
+  const RunStats earlier = simulator.stats();
+  simulator.finish();
+  const RunStats stats = simulator.stats();
+  EXPECT_EQ(stats.ledger, simulator.ledger());
+  EXPECT_EQ(stats.packages.count, simulator.log().size());
+  EXPECT_EQ(stats.packages.size, 1000u);
+  EXPECT_EQ(stats.packages.size_max, 10u);
+  EXPECT_EQ(stats.latency.count(), 1000u);
+  EXPECT_EQ(stats.clock_resets, 1u);
+  EXPECT_FALSE(stats.failed);
+  EXPECT_EQ(stats.latency.since(earlier.latency).count(),
+            (stats.ledger - earlier.ledger).delivered);
 }
 
 TEST(Simulator, CountsRejectedEvents) {
@@ -373,7 +224,7 @@ TEST(Simulator, CountsRejectedEvents) {
   simulator.feed(Events{{1, 1, 1, 0}, {10, 1, 1, 1}, {1, 10, 1, 2}, {1, 1, 1, 3}, {1, 1, 1, 2}});
   simulator.finish();
   EXPECT_EQ(simulator.ledger(), (Ledger{.received = 5, .rejected = 3, .delivered = 2}));
-  EXPECT_EQ(simulator.rejected(), (Rejections{.nonmonotonic = 1, .out_of_bounds = 2}));
+  EXPECT_EQ(simulator.stats().rejected, (Rejections{.nonmonotonic = 1, .out_of_bounds = 2}));
 }
 
 // Losses of every kind: rejected, filtered, discarded by gamma, stale, overflow.
@@ -416,7 +267,7 @@ TEST(Simulator, TheMaskLeadsBackToTheEventsThatWereGiven) {
     }
     EXPECT_EQ(kept, delivered);
 
-    const RunLog& log = simulator.telemetry().log;
+    const RunLog& log = simulator.log();
     ASSERT_EQ(reading.first.size(), log.size());
     auto event = delivered.begin();  // of the kept ones, the first of this package
     std::int64_t after = 0;          // the last one of the package before
@@ -460,8 +311,8 @@ TEST(Simulator, KnowsHowManyWereInTime) {
   simulator.feed(kSmall);
   simulator.finish();
   // 0 takes 110 us; 50, 60, 70 are done at 240; 500 and 900 take 110.
-  EXPECT_EQ(simulator.telemetry().latency.within_bound(), 3u);
-  EXPECT_EQ(simulator.telemetry().latency.max_ns(), 190'000);
+  EXPECT_EQ(simulator.stats().latency.within_bound(), 3u);
+  EXPECT_EQ(simulator.stats().latency.max_ns(), 190'000);
 }
 
 TEST(MakeSimulator, GivesAnObjectOrAMessage) {

@@ -4,16 +4,13 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
-#include "asap/core/random.hpp"
-#include "support/errors.hpp"
+#include "core/random.hpp"
 #include "support/fake_backlog.hpp"
 
 namespace asap::asap2020_test {
 namespace {
 
-using test::error_of;
 using test::FakeBacklog;
 
 // What the scheme takes now, from as many as it wants.
@@ -78,26 +75,6 @@ TEST(Asap2020, FollowsTheLawOverRandomOutcomes) {
   }
 }
 
-TEST(Asap2020, SizeFollowsProcessingTimeOverSpan) {
-  Asap2020 scheme({.epsilon = 0.0});
-  EXPECT_EQ(wish(scheme).raw, 1000u);
-  const auto observe = [&](std::size_t size, std::int64_t span_us, std::int64_t processing_us) {
-    scheme.observe({.size = size,
-                    .raw = size,
-                    .span_ns = 1000 * span_us,
-                    .start_ns = 0,
-                    .processing_ns = 1000 * processing_us});
-    return wish(scheme).raw;
-  };
-  EXPECT_EQ(observe(1000, 1000, 1500), 1500u);  // slower than real time: more at once
-  EXPECT_EQ(observe(1500, 1500, 900), 900u);    // faster: sooner
-  EXPECT_EQ(observe(900, 900, 900), 900u);
-  EXPECT_EQ(observe(900, 900, 90'000), 1800u);  // at most doubled
-  EXPECT_EQ(observe(1800, 1800, 1), 900u);      // at most halved
-  EXPECT_EQ(observe(10, 10, 10), 10u);          // from the size that it really had
-  EXPECT_EQ(observe(10, 0, 10), 20u);           // all on one stamp
-}
-
 TEST(Asap2020, GammaFallsAboveTheRateBoundAndRecovers) {
   Asap2020 scheme({.rate_bound = 1e6, .epsilon = 0.0});
   const auto observe_rate = [&](double rate) {
@@ -119,29 +96,6 @@ TEST(Asap2020, GammaFallsAboveTheRateBoundAndRecovers) {
   EXPECT_DOUBLE_EQ(observe_rate(1e5), 1.0);
 }
 
-TEST(Asap2020, StaysWithinItsBoundsForAbsurdOutcomes) {
-  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max() / 2;
-  Asap2020 scheme({.first_size = 100, .max_size = 5000, .min_size = 10});
-  const CounterRandom random(1);
-  const std::int64_t times[] = {0, 1, -1, kMax, -kMax, 1'000'000};
-  const std::size_t sizes[] = {0, 1, 2, 10, std::size_t{1} << 40};
-  for (std::uint64_t k = 0; k < 10'000; ++k) {
-    const std::uint64_t bits = random(k);
-    scheme.observe({.size = sizes[bits % 5],
-                    .raw = sizes[(bits >> 8) % 5],
-                    .span_ns = std::max<std::int64_t>(times[(bits >> 16) % 6], 0),
-                    .start_ns = 0,
-                    .processing_ns = times[(bits >> 24) % 6]});
-    const Decision decision = wish(scheme);
-    ASSERT_GE(decision.keep, 0.02);
-    ASSERT_LE(decision.keep, 1.0);
-    ASSERT_GE(decision.raw, 10u);
-    ASSERT_LE(decision.raw, 5000u * 50);
-    ASSERT_GE(static_cast<double>(decision.raw) * decision.keep, 10.0 - 1e-6);
-    ASSERT_LE(static_cast<double>(decision.raw - 1) * decision.keep, 5000.0);
-  }
-}
-
 TEST(Asap2020, WaitsForItsSizeUnlessDue) {
   Asap2020 scheme({.first_size = 3});
   EXPECT_EQ(scheme.decide(FakeBacklog::of(2).at(0)).takes, false);
@@ -150,57 +104,6 @@ TEST(Asap2020, WaitsForItsSizeUnlessDue) {
   EXPECT_EQ(scheme.decide(FakeBacklog::of(3).at(0)).raw, 3u);
   EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0)).raw, 3u);  // the rest waits
   EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0, true)).raw, 3u);
-}
-
-TEST(Asap2020, ATakeThatKeptNothingLeavesTheSize) {
-  Asap2020 scheme;
-  scheme.observe({.size = 0, .raw = 50, .span_ns = 0, .start_ns = 0, .processing_ns = 0});
-  EXPECT_EQ(wish(scheme).raw, 1000u);
-}
-
-TEST(Asap2020, ResetBringsTheFirstStateBack) {
-  Asap2020 scheme({.rate_bound = 1e6, .first_size = 300});
-  scheme.observe(
-      {.size = 300, .raw = 300, .span_ns = 1000, .start_ns = 0, .processing_ns = 1'000'000});
-  EXPECT_NE(wish(scheme).keep, 1.0);
-  EXPECT_NE(wish(scheme).raw, 300u);
-  scheme.reset(Execution::whole);
-  EXPECT_EQ(wish(scheme).keep, 1.0);
-  EXPECT_EQ(wish(scheme).raw, 300u);
-}
-
-TEST(Asap2020, TellsItsNameAndParameters) {
-  EXPECT_EQ(Asap2020().name(), "asap2020");
-  EXPECT_EQ(Asap2020().parameters(), (SchemeParameters{{"rate_bound", 5e6},
-                                                       {"epsilon", 0.05},
-                                                       {"first_size", std::int64_t{1000}},
-                                                       {"max_size", std::int64_t{50'000}},
-                                                       {"min_size", std::int64_t{1}}}));
-}
-
-TEST(Asap2020, RefusesABadConfigurationByName) {
-  const auto error = [](Asap2020Config config) {
-    return error_of([=] { Asap2020 scheme(config); });
-  };
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const std::string rate = ": must be a positive number of events per second";
-  EXPECT_EQ(error({.rate_bound = 0}), "rate_bound = 0" + rate);
-  EXPECT_EQ(error({.rate_bound = -1}), "rate_bound = -1" + rate);
-  EXPECT_EQ(error({.rate_bound = kNaN}), "rate_bound = nan" + rate);
-  EXPECT_EQ(error({.rate_bound = kInfinity}), "rate_bound = inf" + rate);
-  EXPECT_EQ(error({.epsilon = 1}), "epsilon = 1: must be at least 0 and below 1");
-  EXPECT_EQ(error({.epsilon = -0.1}), "epsilon = -0.1: must be at least 0 and below 1");
-  EXPECT_EQ(error({.epsilon = kNaN}), "epsilon = nan: must be at least 0 and below 1");
-  EXPECT_EQ(error({.min_size = 0}), "min_size = 0: must be at least 1 event");
-  EXPECT_EQ(error({.max_size = 9, .min_size = 10}),
-            "max_size = 9: must be at least min_size and at most 2^40 events");
-  EXPECT_EQ(error({.max_size = (std::size_t{1} << 40) + 1}),
-            "max_size = 1099511627777: must be at least min_size and at most 2^40 events");
-  EXPECT_EQ(error({.first_size = 9, .min_size = 10}),
-            "first_size = 9: must lie between min_size and max_size");
-  EXPECT_EQ(error({.first_size = 60'000}),
-            "first_size = 60000: must lie between min_size and max_size");
 }
 
 }  // namespace

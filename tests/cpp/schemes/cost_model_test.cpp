@@ -1,4 +1,4 @@
-#include "asap/schemes/bounded_scheme.hpp"
+#include "schemes/bounded_scheme.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,14 +8,12 @@
 #include <limits>
 #include <vector>
 
-#include "asap/core/random.hpp"
-#include "support/errors.hpp"
+#include "core/random.hpp"
 #include "support/outcomes.hpp"
 
 namespace asap::cost_model_test {
 namespace {
 
-using test::error_of;
 using test::package;
 
 constexpr double kAlphaNs = 100e3;
@@ -478,35 +476,6 @@ TEST(CostModel, WhatIsNoTimeIsNoUpdate) {
   model.update(package(100, 0));  // an algorithm that returns at once is one
   EXPECT_EQ(model.count(), 1u);
   EXPECT_LT(model.predict_ns(100), 1000);
-}
-
-TEST(CostModel, ResetBringsTheFirstStateBack) {
-  CostModel model({.first_alpha_us = 7, .first_beta_ns = 8});
-  const auto learn = [&] {
-    for (std::size_t k = 0; k < 100; ++k)
-      model.update(package(k * k, 1e5 + 1e3 * static_cast<double>(k)));
-    return std::vector<double>{model.alpha_ns(), model.beta_ns(), model.sigma()};
-  };
-  const auto once = learn();
-  model.reset();
-  EXPECT_EQ(model.count(), 0u);
-  EXPECT_DOUBLE_EQ(model.alpha_ns(), 7000);
-  EXPECT_DOUBLE_EQ(model.beta_ns(), 8);
-  EXPECT_EQ(learn(), once);
-}
-
-TEST(CostModel, RefusesABadFirstGuess) {
-  const auto error = [](CostModelConfig config) {
-    return error_of([=] { CostModel model(config); });
-  };
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const std::string us = ": must be between 0.001 and 1e9 us";
-  const std::string ns = ": must be between 0.001 and 1e9 ns";
-  EXPECT_EQ(error({.first_alpha_us = 0}), "first_alpha_us = 0" + us);
-  EXPECT_EQ(error({.first_alpha_us = -1}), "first_alpha_us = -1" + us);
-  EXPECT_EQ(error({.first_alpha_us = kNaN}), "first_alpha_us = nan" + us);
-  EXPECT_EQ(error({.first_beta_ns = 0}), "first_beta_ns = 0" + ns);
-  EXPECT_EQ(error({.first_beta_ns = 2e9}), "first_beta_ns = 2000000000" + ns);
 }
 
 }  // namespace

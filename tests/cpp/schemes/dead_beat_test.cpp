@@ -2,24 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "schemes/steady_backlog.hpp"
-#include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
-#include "support/outcomes.hpp"
-#include "support/times.hpp"
 
 namespace asap::dead_beat_test {
 namespace {
 
 using namespace std::chrono_literals;
 
-using test::error_of;
 using test::FakeBacklog;
 using test::Law;
 using test::run_steady;
@@ -186,33 +179,6 @@ TEST(DeadBeat, AWholePackageIsNoLargerThanIsSafe) {
   }
 }
 
-// An outage in a part of a package is known; it would pass for a fixed cost.
-TEST(DeadBeat, LearnsWhatTheWorkTakesWithoutOutages) {
-  DeadBeat scheme;
-  scheme.reset(Execution::anytime);
-  for (int k = 0; k < 30; ++k) {
-    Outcome outcome = test::in_parts(1600, 100, kAlphaNs, kBetaNs);
-    if (k % 3 == 0) {
-      outcome.processing_ns += 5 * kMs;
-      outcome.outage_ns = 5 * kMs;
-    }
-    scheme.observe(outcome);
-  }
-  EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 0.001 * kAlphaNs);
-}
-
-TEST(DeadBeat, HoldsForTheOverheadUnlessDue) {
-  DeadBeat scheme = trained({.overhead = 0.25});
-  const FakeBacklog events = evenly(10, 50'000);
-  Backlog backlog = events.at(kNow);
-  backlog.previous_start_ns = kNow - 100'000;
-  const Decision waits = scheme.decide(backlog);
-  EXPECT_FALSE(waits.takes);
-  EXPECT_NEAR(static_cast<double>(waits.until_ns - kNow), 300e3, 1);
-  backlog.due = true;
-  EXPECT_TRUE(scheme.decide(backlog).takes);
-}
-
 TEST(DeadBeat, KeepsTheBoundAndWhatTheoryAllows) {
   const auto slow = [](std::size_t) { return Law{kAlphaNs, kBetaNs}; };
   for (const double rho : {1.5, 3.0, 10.0}) {
@@ -245,83 +211,6 @@ TEST(DeadBeat, LeavesAnOverloadWhereItWaitsForLongerThanTheKnee) {
     const auto run = run_steady(scheme, execution, 1.0 / 69, 10'000 * kMs, cost);
     EXPECT_EQ(run.kept, 1.0);
   }
-}
-
-TEST(DeadBeat, AlwaysDecidesSomethingValid) {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    const CounterRandom random(seed);
-    const auto power = [&](std::uint64_t i, double decades) {
-      return std::pow(10.0, decades * random.uniform(i));
-    };
-    DeadBeat scheme({.latency = test::ms(0.01 * power(1000, 9)),
-                     .knee = seed % 2 == 0 ? 0 : power(1001, 6),
-                     .overhead = random.uniform(1002),
-                     .min_interval = seed % 3 == 0 ? 0ms : test::ms(power(1003, 7))});
-    scheme.reset(seed % 5 == 0 ? Execution::whole : Execution::anytime);
-    for (std::uint64_t k = 0; k < 100; ++k) {
-      const FakeBacklog events = evenly(static_cast<std::size_t>(power(9 * k, 3)),
-                                        static_cast<std::int64_t>(power(9 * k + 1, 11)));
-      Backlog backlog = events.at(kNow, random(9 * k + 2) % 2 == 0);
-      backlog.previous_start_ns = kNow - static_cast<std::int64_t>(power(9 * k + 3, 10));
-      if (random(9 * k + 4) % 16 == 0) backlog.previous_start_ns = kLongAgo;
-      const Decision decision = scheme.decide(backlog);
-      if (decision.takes) {
-        ASSERT_GE(decision.raw + decision.stale, 1u);
-        ASSERT_LE(decision.raw + decision.stale, backlog.count);
-        ASSERT_GE(decision.keep, 0.0);
-        ASSERT_LE(decision.keep, 1.0);
-        ASSERT_GE(decision.budget_ns, 1);
-      } else {
-        ASSERT_FALSE(backlog.due);
-        ASSERT_TRUE(decision.until_ns > kNow);
-      }
-      scheme.observe({.size = static_cast<std::size_t>(power(9 * k + 5, 12)) - 1,
-                      .raw = backlog.count,
-                      .span_ns = 0,
-                      .start_ns = kNow,
-                      .processing_ns = static_cast<std::int64_t>(power(9 * k + 6, 18)) - 1});
-    }
-  }
-}
-
-TEST(DeadBeat, ATakeThatKeptNothingTeachesNothing) {
-  DeadBeat scheme;
-  scheme.observe({.size = 0, .raw = 50, .span_ns = 0, .start_ns = 0, .processing_ns = 0});
-  EXPECT_EQ(scheme.alpha_ns(), 50e3);
-  EXPECT_EQ(scheme.beta_ns(), 100.0);
-  EXPECT_EQ(size_of(decide(scheme, 1000, kMs)), 2);
-}
-
-TEST(DeadBeat, ResetBringsTheFirstStateBack) {
-  DeadBeat scheme = trained({});
-  decide(scheme, 500'000, kMs);
-  EXPECT_NEAR(scheme.alpha_ns(), kAlphaNs, 1);
-  EXPECT_NEAR(scheme.beta_ns(), kBetaNs, 1e-3);
-  scheme.reset(Execution::anytime);
-  EXPECT_EQ(scheme.alpha_ns(), 50e3);
-  const Decision decision = decide(scheme, 500'000, kMs);
-  EXPECT_NEAR(size_of(decision), (5e6 - 50e3) / 100, 1e-6);  // as it is assumed to cost
-  EXPECT_EQ(decision.budget_ns, 5 * kMs);                    // and not the knee
-}
-
-TEST(DeadBeat, TellsItsNameAndParameters) {
-  EXPECT_EQ(DeadBeat().name(), "dead_beat");
-  EXPECT_EQ(DeadBeat().latency_bound_ns(), 10 * kMs);
-  EXPECT_EQ(DeadBeat({.latency = 2500us}).latency_bound_ns(), 2'500'000);
-  EXPECT_EQ(
-      DeadBeat().parameters(),
-      (SchemeParameters{
-          {"latency_ms", 10.0}, {"knee", 33.0}, {"overhead", 0.25}, {"min_interval_ms", 0.0}}));
-}
-
-TEST(DeadBeat, RefusesABadConfigurationByName) {
-  const auto error = [](DeadBeatConfig config) {
-    return error_of([=] { DeadBeat scheme(config); });
-  };
-  EXPECT_EQ(error({.latency = 0ms}), "latency = 0 ms: must be between 0.01 and 1e7 ms");
-  EXPECT_EQ(error({.knee = 0.5}), "knee = 0.5: must be 0 (off) or between 1 and 1e6");
-  EXPECT_EQ(error({.overhead = 2}), "overhead = 2: must be between 0 (no limit) and 1");
-  EXPECT_EQ(error({.min_interval = -1ms}), "min_interval = -1 ms: must be between 0 and 1e7 ms");
 }
 
 }  // namespace

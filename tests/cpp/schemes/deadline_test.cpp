@@ -8,10 +8,11 @@
 #include <limits>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
+#include "schemes/bounded_scheme.hpp"
 #include "schemes/deadline_reference.hpp"
+#include "schemes/outage_reserve.hpp"
 #include "schemes/steady_backlog.hpp"
-#include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 #include "support/outcomes.hpp"
 #include "support/times.hpp"
@@ -72,7 +73,6 @@ TEST(OutageReserve, RareOutagesCostNothing) {
 // ---- Deadline -------------------------------------------------------------------------------
 
 using test::DeadlineReference;
-using test::error_of;
 using test::FakeBacklog;
 using test::Law;
 using test::run_steady;
@@ -141,19 +141,6 @@ double size_of(const Decision& decision) {
 double budget_ms(const Decision& decision) { return static_cast<double>(decision.budget_ns) / 1e6; }
 
 // ---- hold, fit, drop --------------------------------------------------------------------------
-
-TEST(Deadline, HoldsForTheOverheadUnlessDue) {
-  Deadline scheme = trained({.overhead = 0.25});
-  const FakeBacklog events = evenly(10, 50 * kUs);
-  Backlog backlog = events.at(kNow);
-  EXPECT_TRUE(scheme.decide(backlog).takes);  // the first package
-  backlog.previous_start_ns = kNow - 100 * kUs;
-  const Decision waits = scheme.decide(backlog);
-  EXPECT_FALSE(waits.takes);
-  EXPECT_NEAR(static_cast<double>(waits.until_ns - kNow), 300e3, 1);
-  backlog.due = true;
-  EXPECT_TRUE(scheme.decide(backlog).takes);
-}
 
 TEST(Deadline, DoubtsAFixedCostThatRulesTheBoundOut) {
   for (const Execution execution : {Execution::whole, Execution::anytime}) {
@@ -301,14 +288,6 @@ TEST(Deadline, PrefersWhatItIsTold) {
   EXPECT_GT(decision(Prefer::events).stale, 0u);
   EXPECT_GT(size_of(decision(Prefer::events)), 1.2 * size_of(decision(Prefer::continuity)));
   EXPECT_LE(decision(Prefer::balanced).stale, decision(Prefer::events).stale);
-}
-
-TEST(Deadline, ItsPreferencesHaveNames) {
-  for (const Prefer prefer : {Prefer::balanced, Prefer::events, Prefer::continuity}) {
-    EXPECT_EQ(prefer_of(name_of(prefer)), prefer);
-  }
-  EXPECT_EQ(error_of([] { prefer_of("speed"); }),
-            "prefer = \"speed\": must be \"balanced\", \"events\" or \"continuity\"");
 }
 
 // ---- the first packages, noise, impossible bounds ----------------------------------------------
@@ -592,43 +571,6 @@ TEST(Deadline, AnImpossibleBoundIsMetAsWellAsPossible) {
   EXPECT_GT(run.kept, 0.3);
 }
 
-TEST(Deadline, AlwaysDecidesSomethingValid) {
-  for (std::uint64_t seed = 0; seed < 400; ++seed) {
-    const CounterRandom random(seed);
-    const auto power = [&](std::uint64_t i, double decades) {
-      return std::pow(10.0, decades * random.uniform(i));
-    };
-    Deadline scheme({.latency = test::ms(0.01 * power(1000, 9)),
-                     .overhead = random.uniform(1001),
-                     .min_interval = seed % 3 == 0 ? 0ms : test::ms(power(1002, 7)),
-                     .first_alpha_us = 0.001 * power(1005, 12),
-                     .first_beta_ns = 0.001 * power(1006, 12),
-                     .prefer = static_cast<Prefer>(seed % 3)});
-    scheme.reset(seed % 5 == 0 ? Execution::whole : Execution::anytime);
-    for (std::uint64_t k = 0; k < 100; ++k) {
-      const FakeBacklog events = evenly(static_cast<std::size_t>(power(9 * k, 3)),
-                                        static_cast<std::int64_t>(power(9 * k + 1, 11)));
-      Backlog backlog = events.at(kNow, random(9 * k + 2) % 2 == 0);
-      backlog.previous_start_ns = kNow - static_cast<std::int64_t>(power(9 * k + 3, 10));
-      if (random(9 * k + 4) % 16 == 0) backlog.previous_start_ns = kLongAgo;
-      const Decision decision = scheme.decide(backlog);
-      if (decision.takes) {
-        ASSERT_GE(decision.raw + decision.stale, 1u) << seed;
-        ASSERT_LE(decision.raw + decision.stale, backlog.count);
-        ASSERT_GE(decision.keep, 0.0);
-        ASSERT_LE(decision.keep, 1.0);
-        ASSERT_GE(decision.budget_ns, 1);
-        ASSERT_TRUE(std::isfinite(decision.event_ns));
-      } else {
-        ASSERT_FALSE(backlog.due);
-        ASSERT_TRUE(decision.until_ns > kNow);
-      }
-      observe(scheme, static_cast<std::size_t>(power(9 * k + 5, 12)) - 1, backlog.count,
-              power(9 * k + 6, 18) - 1);
-    }
-  }
-}
-
 // ---- the class --------------------------------------------------------------------------------
 
 TEST(Deadline, ATakeThatKeptNothingTeachesNothing) {
@@ -640,52 +582,6 @@ TEST(Deadline, ATakeThatKeptNothingTeachesNothing) {
   EXPECT_EQ(scheme.alpha_ns(), 50e3);
   EXPECT_EQ(scheme.beta_ns(), 100.0);
   EXPECT_EQ(decide(scheme, events).max_event_ns, std::numeric_limits<double>::infinity());
-}
-
-TEST(Deadline, ResetBringsTheFirstStateBack) {
-  const auto decisions = [](Deadline& scheme) {
-    std::vector<double> numbers;
-    for (int k = 0; k < 50; ++k) {
-      const Decision decision = decide(scheme, evenly(50'000, 5 * kMs));
-      numbers.push_back(size_of(decision));
-      numbers.push_back(budget_ms(decision));
-      observe(scheme, 1000 + static_cast<std::size_t>(100 * k), 20'000, 4e5 + 3e4 * k);
-    }
-    return numbers;
-  };
-  Deadline scheme;
-  for (const Execution execution : {Execution::anytime, Execution::whole}) {
-    scheme.reset(execution);
-    const std::vector<double> once = decisions(scheme);
-    scheme.reset(execution);
-    EXPECT_EQ(scheme.alpha_ns(), 50e3);
-    EXPECT_EQ(decisions(scheme), once);
-  }
-}
-
-TEST(Deadline, TellsItsNameAndParameters) {
-  EXPECT_EQ(Deadline().name(), "deadline");
-  EXPECT_EQ(Deadline().latency_bound_ns(), 10 * kMs);
-  EXPECT_EQ(Deadline({.latency = 2500us}).latency_bound_ns(), 2'500'000);
-  EXPECT_EQ(Deadline().parameters(), (SchemeParameters{{"latency_ms", 10.0},
-                                                       {"overhead", 0.5},
-                                                       {"min_interval_ms", 0.0},
-                                                       {"first_alpha_us", 50.0},
-                                                       {"first_beta_ns", 100.0},
-                                                       {"prefer", std::string_view("balanced")}}));
-}
-
-TEST(Deadline, RefusesABadConfigurationByName) {
-  const auto error = [](DeadlineConfig config) {
-    return error_of([=] { Deadline scheme(config); });
-  };
-  EXPECT_EQ(error({.latency = 0ms}), "latency = 0 ms: must be between 0.01 and 1e7 ms");
-  EXPECT_EQ(error({.overhead = 2}), "overhead = 2: must be between 0 (no limit) and 1");
-  EXPECT_EQ(error({.min_interval = -1ms}), "min_interval = -1 ms: must be between 0 and 1e7 ms");
-  EXPECT_EQ(error({.prefer = static_cast<Prefer>(3)}),
-            "prefer = 3: must be one of the named values");
-  EXPECT_EQ(error({.first_alpha_us = 0}), "first_alpha_us = 0: must be between 0.001 and 1e9 us");
-  EXPECT_EQ(error({.first_beta_ns = 0}), "first_beta_ns = 0: must be between 0.001 and 1e9 ns");
 }
 
 }  // namespace

@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <limits>
 
-#include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
 namespace asap::fixed_test {
@@ -41,21 +39,6 @@ TEST(FixedSize, TakesTheOldestAsSoonAsEnoughWait) {
       EXPECT_EQ(decision.until_ns, kNever);
     }
   }
-}
-
-TEST(FixedSize, TellsItsNameAndParameters) {
-  EXPECT_EQ(FixedSize().name(), "fixed_size");
-  EXPECT_EQ(FixedSize().parameters(), (SchemeParameters{{"size", std::int64_t{1000}}}));
-  EXPECT_EQ(FixedSize({.size = 7}).parameters(), (SchemeParameters{{"size", std::int64_t{7}}}));
-  EXPECT_EQ(FixedSize().latency_bound_ns(), 0);
-}
-
-TEST(FixedSize, RefusesPackagesOfNothing) {
-  EXPECT_EQ(test::error_of([] { FixedSize scheme({.size = 0}); }),
-            "size = 0: must be between 1 and 2^40 events");
-  // Found by the fuzzer: such a size read -1 among the parameters.
-  EXPECT_EQ(test::error_of([] { FixedSize scheme({.size = ~std::size_t{0}}); }),
-            "size = 18446744073709551615: must be between 1 and 2^40 events");
 }
 
 // ---- FixedTime ------------------------------------------------------------------------------
@@ -97,22 +80,6 @@ TEST(FixedTime, WhenDueTakesThePartOfThePeriodThatIsThere) {
   EXPECT_EQ(decision.raw, 3u);
 }
 
-TEST(FixedTime, TellsItsNameAndParameters) {
-  EXPECT_EQ(FixedTime().name(), "fixed_time");
-  EXPECT_EQ(FixedTime().parameters(), (SchemeParameters{{"period_ms", 1.0}}));
-  EXPECT_EQ(FixedTime({.period = 100us}).parameters(), (SchemeParameters{{"period_ms", 0.1}}));
-}
-
-TEST(FixedTime, RefusesAPeriodThatIsNone) {
-  const auto error = [](std::chrono::nanoseconds period) {
-    return test::error_of([=] { FixedTime scheme({.period = period}); });
-  };
-  const std::string remedy = ": must be between 0.001 (1 us) and 1e9 ms";
-  EXPECT_EQ(error(0ms), "period = 0 ms" + remedy);
-  EXPECT_EQ(error(-1ms), "period = -1 ms" + remedy);
-  EXPECT_EQ(error(2'000'000s), "period = 2000000000 ms" + remedy);
-}
-
 // ---- SingleEvent ----------------------------------------------------------------------------
 
 TEST(SingleEvent, TakesOneAtOnce) {
@@ -127,11 +94,6 @@ TEST(SingleEvent, TakesOneAtOnce) {
       EXPECT_EQ(decision.stale, 0u);
     }
   }
-}
-
-TEST(SingleEvent, TellsItsName) {
-  EXPECT_EQ(SingleEvent().name(), "single_event");
-  EXPECT_TRUE(SingleEvent().parameters().empty());
 }
 
 }  // namespace

@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
-#include "support/errors.hpp"
 #include "support/fake_backlog.hpp"
 
 namespace asap::greedy_test {
@@ -59,43 +56,6 @@ TEST(Greedy, TheCapIsThatOfTheCostThatItMeets) {
   EXPECT_NEAR(raw, 9 * 200.0 / 0.3, 60.0);
   scheme.reset(Execution::whole);
   EXPECT_EQ(scheme.decide(FakeBacklog::of(50'000).at(0)).raw, 4500u);
-}
-
-TEST(Greedy, TakesAtLeastOneWhateverItMeets) {
-  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
-  Greedy scheme({.efficiency = 1e-6});
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0)).raw, 1u);
-  for (const std::int64_t processing_ns : {std::int64_t{0}, std::int64_t{-1}, kMax, -kMax}) {
-    for (const std::size_t size : {0u, 1u, 1'000'000u}) {
-      for (int k = 0; k < 5; ++k) observe(scheme, size, processing_ns);
-      const std::size_t raw = scheme.decide(FakeBacklog::of(9).at(0)).raw;
-      EXPECT_GE(raw, 1u);
-      EXPECT_LE(raw, 9u);
-    }
-  }
-}
-
-TEST(Greedy, ATakeThatKeptNothingTeachesNothing) {
-  Greedy scheme({.efficiency = 0.5});
-  for (int k = 0; k < 50; ++k) observe(scheme, 0, 0);
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(10'000).at(0)).raw, 500u);
-}
-
-TEST(Greedy, TellsItsNameAndParameters) {
-  EXPECT_EQ(Greedy().name(), "greedy");
-  EXPECT_TRUE(Greedy().parameters().empty());
-  EXPECT_EQ(Greedy({.efficiency = 0.97}).parameters(), (SchemeParameters{{"efficiency", 0.97}}));
-}
-
-TEST(Greedy, RefusesABadEfficiency) {
-  const auto error = [](double efficiency) {
-    return test::error_of([=] { Greedy scheme({.efficiency = efficiency}); });
-  };
-  const std::string remedy = ": must lie between 0 and 1, or be left out for no cap";
-  EXPECT_EQ(error(0.0), "efficiency = 0" + remedy);
-  EXPECT_EQ(error(1.0), "efficiency = 1" + remedy);
-  EXPECT_EQ(error(-0.5), "efficiency = -0.5" + remedy);
-  EXPECT_EQ(error(std::numeric_limits<double>::quiet_NaN()), "efficiency = nan" + remedy);
 }
 
 }  // namespace

@@ -15,7 +15,6 @@ namespace asap::jaer_cluster_tracker_test {
 namespace {
 
 using test::blobs;
-using test::event_at;
 using test::moving;
 using test::repeated;
 

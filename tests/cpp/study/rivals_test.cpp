@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 #include <type_traits>
 #include <vector>
@@ -138,13 +137,6 @@ TEST(GreedyClear, ThenDiscardsWhatIsOlderThanFourMicroseconds) {
   EXPECT_EQ(scheme.decide(FakeBacklog({kNow - 4000, kNow - 10, kNow}).at(kNow)).raw, 3u);
 }
 
-// Or it would throw nothing away, for ever.
-TEST(GreedyClear, WhatIsLateIsNeverFresh) {
-  GreedyClear scheme(10us);  // the shortest bound there is
-  EXPECT_EQ(scheme.decide(FakeBacklog({0, 1}).at(5000)).raw, 2u);
-  EXPECT_EQ(scheme.decide(FakeBacklog({0, 1002}).at(5001)).stale, 1u);
-}
-
 // ---- GreedyPie ------------------------------------------------------------------------------
 
 // gamma when the oldest waiting event is this old.
@@ -190,20 +182,6 @@ TEST(GreedyRateGamma, KeepsWhatTheAlgorithmCanDo) {
   EXPECT_DOUBLE_EQ(gamma_after(scheme, 20'000, 9 * 32), 1.0);
   EXPECT_NEAR(gamma_after(scheme, 20'000, 20 * 32), 9.9 / 20, 1e-9);
   EXPECT_DOUBLE_EQ(gamma_after(scheme, 20'000, 0), 1.0);
-}
-
-TEST(GreedyRateGamma, TheRateIsAnAverageOverFiveMilliseconds) {
-  GreedyRateGamma scheme(10ms);
-  EXPECT_EQ(scheme.period_ns(), 32'000);
-  for (const double time_ms : {3.2, 6.4, 9.6}) {
-    const double rate = 40 * (1 - std::exp(-time_ms / 5));
-    EXPECT_NEAR(gamma_after(scheme, 100, 40 * 32), 9.9 / rate, 1e-9) << time_ms;
-  }
-}
-
-TEST(GreedyRateGamma, AtLeastATwentiethOfTheEventsPerSecond) {
-  GreedyRateGamma scheme(100us);  // 2 alpha = L
-  EXPECT_NEAR(gamma_after(scheme, 20'000, 20 * 32), 0.5 / 20, 1e-9);
 }
 
 TEST(GreedyRateGamma, LearnsTheCost) {
@@ -280,27 +258,6 @@ TEST(JaerTimer, KnowsTheDrawOfEachPackage) {
   EXPECT_NEAR(static_cast<double>(ask(scheme, 10'000'000).raw), (5e6 / factor - 100e3) / 300, 1.0);
 }
 
-TEST(JaerTimer, KnowsTheDrift) {
-  JaerTimer scheme(10ms, LinearCost({.alpha_us = 100, .beta_ns = 300, .drift = {1.0, 2.0}}));
-  EXPECT_EQ(ask(scheme, 100'000, 0).raw, 16'333u);
-  EXPECT_EQ(ask(scheme, 100'000, 1'000'000).raw, 8166u);
-}
-
-TEST(JaerTimer, TakesAtLeastOneEvent) {
-  EXPECT_EQ(JaerTimer(10ms, LinearCost({.alpha_us = 6000, .beta_ns = 300}))
-                .decide(FakeBacklog::of(9).at(0))
-                .raw,
-            1u);
-  EXPECT_EQ(JaerTimer(10ms, LinearCost({.alpha_us = 6000, .beta_ns = 0}))
-                .decide(FakeBacklog::of(9).at(0))
-                .raw,
-            1u);
-  EXPECT_EQ(JaerTimer(10ms, LinearCost({.alpha_us = 0, .beta_ns = 0}))
-                .decide(FakeBacklog::of(9).at(0))
-                .raw,
-            9u);
-}
-
 // ---- SparkPid -------------------------------------------------------------------------------
 
 constexpr std::int64_t kPeriod = 5'000'000;  // T of L = 10 ms
@@ -340,18 +297,6 @@ TEST(SparkPid, ClosesAtMultiplesOfHalfTheBound) {
   EXPECT_EQ(scheme.decide(FakeBacklog({0}).at(0)).until_ns, kPeriod);
 }
 
-TEST(SparkPid, WhenDueTakesWhatThereIs) {
-  SparkPid scheme(10ms);
-  const FakeBacklog backlog({1, 2, 3});
-  EXPECT_FALSE(scheme.decide(backlog.at(10)).takes);
-  EXPECT_EQ(scheme.decide(backlog.at(10, true)).raw, 3u);
-  complete(scheme, 3, 10, 1000);  // before its close: no wait
-  EXPECT_DOUBLE_EQ(ask(scheme, 0, 60'000, kPeriod).keep, 0.003 * kPeriod / 60'000);
-  ask(scheme, 1, 3, kPeriod, true);
-  complete(scheme, 3, kPeriod, 1000);
-  EXPECT_DOUBLE_EQ(ask(scheme, 1, 60'000, 2 * kPeriod).keep, 0.003 * kPeriod / 60'000);
-}
-
 TEST(SparkPid, ThinsToWhatTheAlgorithmAchieved) {
   SparkPid scheme(10ms);
   EXPECT_EQ(ask(scheme, 0, 8000, kPeriod).keep, 1.0);
@@ -382,23 +327,6 @@ TEST(SparkPid, ABatchKnowsOnlyWhatWasKnownWhenItClosed) {
   // Closed at 20 ms, with the second package: 10 / 3 per us after a wait of 1.4 T.
   const double q = 10e3 / 3e6 * (1 - 0.2 * 1.4);
   EXPECT_DOUBLE_EQ(ask(scheme, 3, 40'000, 22'000'000).keep, q * kPeriod / 40'000);
-}
-
-TEST(SparkPid, AQueueLongerThanItsMemoryIsThinnedAllTheSame) {
-  SparkPid scheme(10ms);
-  for (std::int64_t k = 0; k < 1000; ++k) {
-    const std::int64_t now_ns = 1'000'000 * kPeriod + k * 1000;
-    const Decision decision = ask(scheme, k, 10'000, now_ns);
-    ASSERT_TRUE(decision.takes);
-    ASSERT_EQ(decision.keep < 1.0, k >= 256);
-    complete(scheme, 1, now_ns, 1000);
-  }
-}
-
-TEST(SparkPid, NeverStarves) {
-  SparkPid scheme(10ms);
-  complete(scheme, 1, 0, 60'000'000'000);                          // a minute per event
-  EXPECT_EQ(ask(scheme, 20'000, 4, 20'001 * kPeriod).keep, 0.25);  // one event
 }
 
 }  // namespace

@@ -4,9 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
-#include <stdexcept>
-#include <string>
 
 #include "synthetic/scene_checks.hpp"
 
@@ -16,29 +13,8 @@ namespace {
 using std::chrono::microseconds;
 
 using test::all_events;
-using test::expect_well_formed;
 using test::fingerprint;
 using test::rates_hz;
-
-TEST(FlightOverChairs, IsWellFormed) {
-  for (const FlightOverChairsConfig& config :
-       {FlightOverChairsConfig{},
-        FlightOverChairsConfig{.width = 120,
-                               .height = 700,
-                               .duration = microseconds(3'000'001),
-                               .start = microseconds(77),
-                               .chair_px = 60.0,
-                               .seed = 3},
-        FlightOverChairsConfig{.width = 16,
-                               .height = 16,
-                               .duration = microseconds(10'000),
-                               .start = microseconds(-5),
-                               .last_rate_hz = 25'600,
-                               .chair_px = 8.0,
-                               .noise_hz = 1000.0}}) {
-    expect_well_formed(all_events<FlightOverChairs>(config), config);
-  }
-}
 
 TEST(FlightOverChairs, RateGrowsAndStaysBelowThePapersBound) {
   for (const std::uint64_t seed : {0U, 1U, 2U, 3U, 4U}) {
@@ -81,32 +57,6 @@ TEST(FlightOverChairs, FillsTheViewChairByChair) {
   EXPECT_GT(busy_tiles(3'900'000), 150);
 }
 
-TEST(FlightOverChairs, SeedDecidesAndStartShifts) {
-  const FlightOverChairsConfig config{.duration = microseconds(500'000), .seed = 11};
-  const auto events = all_events<FlightOverChairs>(config);
-  EXPECT_EQ(all_events<FlightOverChairs>(config), events);
-  EXPECT_NE(all_events<FlightOverChairs>(
-                FlightOverChairsConfig{.duration = microseconds(500'000), .seed = 12}),
-            events);
-
-  auto later = all_events<FlightOverChairs>(FlightOverChairsConfig{
-      .duration = microseconds(500'000), .start = microseconds(1'000'000'007), .seed = 11});
-  for (Event& event : later) event.t -= 1'000'000'007;
-  EXPECT_EQ(later, events);
-}
-
-TEST(FlightOverChairs, DoesNotDependOnHowItIsRead) {
-  const FlightOverChairsConfig config{};
-  const auto events = all_events<FlightOverChairs>(config);
-  FlightOverChairs stream{config};
-  std::vector<Event> joined;
-  for (auto part = read_events(stream, 1000); !part.empty(); part = read_events(stream, 1000)) {
-    joined.insert(joined.end(), part.begin(), part.end());
-  }
-  EXPECT_EQ(joined, events);
-  EXPECT_TRUE(stream.next().empty());
-}
-
 // The same on every compiler and machine. A change of the stream changes published figures: say so
 // in the changelog.
 TEST(FlightOverChairs, FirstEventsAreGolden) {
@@ -114,27 +64,6 @@ TEST(FlightOverChairs, FirstEventsAreGolden) {
   auto events = read_events(stream, 100'000);
   events.resize(100'000);
   EXPECT_EQ(fingerprint(events), 17972684643795974826U);
-}
-
-TEST(FlightOverChairs, RefusesABadConfiguration) {
-  const auto refused = [](const FlightOverChairsConfig& config, const std::string& field) {
-    try {
-      const FlightOverChairs stream{config};
-      ADD_FAILURE() << "accepted a bad " << field;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_TRUE(std::string(error.what()).starts_with(field + " = ")) << error.what();
-    }
-  };
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  refused({.width = 15}, "width");
-  refused({.height = -1}, "height");
-  refused({.duration = microseconds(9'999)}, "duration_us");
-  refused({.start = microseconds(std::numeric_limits<std::int64_t>::min())}, "t0_us");
-  refused({.last_rate_hz = 0.0}, "last_rate_hz");
-  refused({.last_rate_hz = 9e6}, "last_rate_hz");
-  refused({.chair_px = 7.0}, "chair_px");
-  refused({.chair_px = nan}, "chair_px");
-  refused({.noise_hz = nan}, "noise_hz");
 }
 
 }  // namespace

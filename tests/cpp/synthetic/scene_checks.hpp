@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/core/random.hpp"
 #include "asap/synthetic/streams.hpp"
+#include "core/random.hpp"
 
 namespace asap::test {
 

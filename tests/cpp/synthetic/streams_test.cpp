@@ -4,10 +4,12 @@
 
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
 #include "support/allocation_counter.hpp"
+#include "synthetic/scene_checks.hpp"
 
 namespace asap::streams_test {
 namespace {
@@ -62,6 +64,46 @@ TEST(EventStream, AllocatesNothingAfterConstruction) {
     EXPECT_EQ(test::allocations(), before);
     EXPECT_GT(events, 100'000U);
   }
+}
+
+template <class Stream, class Config>
+void expect_a_function_of_seed_and_start(const Config& config) {
+  const auto events = test::all_events<Stream>(config);
+  test::expect_well_formed(events, config);
+  Stream stream{config};
+  std::vector<Event> joined;
+  for (auto part = read_events(stream, 1000); !part.empty(); part = read_events(stream, 1000)) {
+    joined.insert(joined.end(), part.begin(), part.end());
+  }
+  EXPECT_EQ(joined, events);
+  Config other = config;
+  other.start += microseconds(1'000'000'007);
+  auto later = test::all_events<Stream>(other);
+  for (Event& event : later) event.t -= 1'000'000'007;
+  EXPECT_EQ(later, events);
+  other.seed += 1;
+  EXPECT_NE(test::all_events<Stream>(other).size(), events.size());
+}
+
+TEST(EventStream, FollowsFromSeedAndStart) {
+  expect_a_function_of_seed_and_start<ShakenPattern>(
+      ShakenPatternConfig{.duration = microseconds(200'000)});
+  expect_a_function_of_seed_and_start<ShakenPattern>(
+      ShakenPatternConfig{.width = 16,
+                          .height = 16,
+                          .duration = microseconds(10'000),
+                          .start = microseconds(std::int64_t{1} << 61),
+                          .first_rate_hz = 128'000,
+                          .last_rate_hz = 128'000,
+                          .amplitude_px = 1000.0});
+  expect_a_function_of_seed_and_start<FlightOverChairs>(
+      FlightOverChairsConfig{.duration = microseconds(500'000)});
+  expect_a_function_of_seed_and_start<FlightOverChairs>(
+      FlightOverChairsConfig{.width = 120,
+                             .height = 700,
+                             .duration = microseconds(3'000'001),
+                             .start = microseconds(-77),
+                             .chair_px = 60.0});
 }
 
 // Of two equal streams, one of which is moved between two reads.

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/streams.hpp"
 
 namespace asap::gap_meter_test {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "support/errors.hpp"
 
 namespace asap::latency_histogram_test {

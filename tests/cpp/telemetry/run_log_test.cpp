@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "asap/core/result.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::run_log_test {
@@ -137,23 +138,34 @@ TEST(RunLog, ASpanOfZeroCountsAsOneMicrosecond) {
 // ---- PackageTotals --------------------------------------------------------------------------
 
 TEST(PackageTotals, OfNothing) {
-  const PackageTotals totals;
+  const PackageTotals totals = RunLog().totals();
   EXPECT_EQ(totals.count, 0u);
   EXPECT_EQ(totals.gamma_min, 1.0);
 }
 
-TEST(PackageTotals, AddUp) {
-  PackageTotals totals;
-  totals.add(10, 10, 500);
-  totals.add(40, 10, 300);
-  totals.add(30, 20, 200);
-  const PackageTotals copy = totals;
-  EXPECT_EQ(copy.count, 3u);
-  EXPECT_EQ(copy.to_gamma, 80u);
-  EXPECT_EQ(copy.size, 40u);
-  EXPECT_EQ(copy.size_max, 20u);
-  EXPECT_EQ(copy.processing_ns, 1000);
-  EXPECT_EQ(copy.gamma_min, 0.25);
+TEST(PackageTotals, AreOfAllPackages) {
+  for (const std::size_t rows : {std::size_t{0}, std::size_t{2}, RunLog::kAllRows}) {
+    RunLog log(rows);
+    const auto add = [&log](std::uint64_t to_gamma, std::uint64_t size, std::int64_t ns) {
+      PackageRecord one = record(0);
+      one.offered = to_gamma + 3;
+      one.filtered = 3;
+      one.size = size;
+      one.processing_ns = ns;
+      log.make_room();
+      log.append(one);
+    };
+    add(10, 10, 500);
+    add(40, 10, 300);
+    add(30, 20, 200);
+    const PackageTotals totals = log.totals();
+    EXPECT_EQ(totals.count, 3u);
+    EXPECT_EQ(totals.to_gamma, 80u);
+    EXPECT_EQ(totals.size, 40u);
+    EXPECT_EQ(totals.size_max, 20u);
+    EXPECT_EQ(totals.processing_ns, 1000);
+    EXPECT_EQ(totals.gamma_min, 0.25);
+  }
 }
 
 }  // namespace

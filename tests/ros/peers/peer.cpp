@@ -185,7 +185,7 @@ void virtual_time(const Words& words) {
   executor.add_node(node);
   while (rclcpp::ok() && seen < messages) executor.spin_once(std::chrono::milliseconds(100));
   simulator.finish();
-  const asap::RunLog& log = simulator.telemetry().log;
+  const asap::RunLog& log = simulator.log();
   std::printf("[");
   for (std::size_t i = 0; i < log.size(); ++i) {
     const asap::PackageRow row = log[i];

@@ -1,9 +1,9 @@
 // MotionSegmenter: what moves on its own before a moving camera. Every 10 ms the normal flow of the
 // last 15 ms (PlaneFlow) gives the motion of the background, with four parameters, robustly. Cells
 // whose flow needs a shift beside it are flagged; connected ones are a region, and regions are
-// followed. Where the flow does not cover the frame the answer is "unknown": before a camera at
-// rest, mostly. Depth and motion are not told apart: a
-// thing much nearer than the background moves unlike it. One thread at a time. O(1) per event,
+// followed. Where the flow does not cover the frame, mostly before a camera at rest, the answer is
+// "unknown". Depth and motion are not told apart: a thing much nearer than the background moves
+// unlike it. One thread at a time. O(1) per event,
 // O(flow events of 15 ms + cells) per 10 ms; allocates in the constructor only. A stamp that goes
 // back counts as the latest one. Results do not depend on how the stream is cut into calls.
 // Source: own design; the residual of a global motion as in Vasco et al., "Independent Motion

@@ -39,9 +39,9 @@ class EventSource {
  public:
   virtual ~EventSource() = default;
 
-  // The next chunk, valid until the call after; empty = the end. May block.
+  // Returns the next chunk, valid until the next call; an empty one at the end. May block.
   [[nodiscard]] virtual EventSpan next() = 0;
-  // Any thread: a next() that blocks returns the end, and so do all later ones.
+  // Any thread. Makes a next() that blocks return the end, and all later calls too.
   virtual void cancel() noexcept {}
 };
 

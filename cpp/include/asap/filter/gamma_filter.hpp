@@ -9,7 +9,6 @@
 
 #include "asap/core/event.hpp"
 #include "asap/core/nonblocking.hpp"
-#include "asap/core/random.hpp"
 
 namespace asap {
 
@@ -40,7 +39,7 @@ class KeepThreshold {
 
 class GammaFilter {
  public:
-  explicit GammaFilter(std::uint64_t seed = 0) noexcept : random_(seed) {}
+  explicit GammaFilter(std::uint64_t seed = 0) noexcept : seed_(seed) {}
 
   // Writes the kept events to `out`, which holds at least events.size() (the tail beyond the kept
   // ones is scratch). Returns how many were kept. The position advances by events.size().
@@ -63,12 +62,7 @@ class GammaFilter {
   std::uint64_t position() const noexcept { return position_; }
 
  private:
-  // The threshold does not keep all: its double has 64 bits then, and no bit is shifted out.
-  bool keeps(std::uint64_t number, KeepThreshold threshold) const noexcept {
-    return random_(number) < 2 * threshold.value();
-  }
-
-  CounterRandom random_;
+  std::uint64_t seed_;
   std::uint64_t position_ = 0;
 };
 

@@ -31,7 +31,7 @@ struct Rejections {
   std::uint64_t out_of_bounds = 0;
   std::uint64_t bad_polarity = 0;
   std::uint64_t bad_record = 0;    // unreadable, or a stamp beyond kMaxRawStamp_us
-  std::uint64_t before_start = 0;  // during the warm-up, whatever else is wrong with it
+  std::uint64_t before_start = 0;  // during the warm-up, also if something else is wrong
 
   std::uint64_t total() const noexcept {
     return nonmonotonic + out_of_bounds + bad_polarity + bad_record + before_start;
@@ -96,8 +96,8 @@ class Validator {
     if (events.size() > run) sink(events.subspan(run));
   }
 
-  // For live events, among which a few stamps may be stray. Of a reset whose next events have not
-  // been given to the same check(), the first are dropped.
+  // For live events, among which a few stamps may be stray. The first events of a reset are dropped
+  // if those that confirm it come with a later check().
   void doubt_resets() noexcept { doubts_resets_ = config_.on_bad != OnBad::raise; }
   static constexpr std::size_t kStays = 32;
 

@@ -31,7 +31,8 @@ namespace asap {
 // shows them. A trigger has no number and no edge: id 0, value 1. Every record has a meaning.
 // Source: jAER (SensorsINI/jaer), event extractors of these chips.
 
-// unnamed: no line says it, and the first addresses do not tell. other: it is not decoded.
+// unnamed: neither the header nor the first addresses tell the chip. other: a chip that is not
+// decoded.
 enum class Aedat2Chip : std::uint8_t { unnamed, other, davis, dvs128, dvs640, dvs1280 };
 
 struct Aedat2Header {

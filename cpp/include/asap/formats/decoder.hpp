@@ -1,5 +1,5 @@
-// NativeDecoder: what the decoder of every format offers. How far a call came, the triggers it met,
-// the records that are none, and the bytes of a record that was cut.
+// NativeDecoder: what the decoder of every format offers: how far a call came, the triggers it met,
+// bad records, and the bytes of a record that was cut.
 //
 // One thread. Never throws on bytes, allocates only in a vector that it fills. decode() is
 // O(bytes), the rest O(1).
@@ -36,7 +36,7 @@ struct Trigger {
   friend bool operator==(const Trigger&, const Trigger&) = default;
 };
 
-// Records that are none: how many, and the byte offsets of the first.
+// Bad records: how many, and the byte offsets of the first.
 class BadRecords {
  public:
   static constexpr std::size_t kNoted = 16;
@@ -64,12 +64,8 @@ struct CutRecord {
   std::size_t size = 0;  // < kSize between two calls
 };
 
-// The base of `Decoder`, whose longest record has kRecord bytes. Feed it bytes cut anywhere. Order
-// and sensor size of the events are the Validator's.
-//
-// Decoder has decode_words(first, count, out) where its records are words of kRecord bytes, else
-// decode_bytes(bytes, out); both return how many they consumed. The bodies are in
-// formats/words.hpp.
+// The base of the decoders of this library; the longest record has kRecord bytes. Feed it bytes cut
+// anywhere. The Validator checks order and sensor size of the events.
 template <class Decoder, class Config, std::size_t kRecord>
 class NativeDecoder {
  public:

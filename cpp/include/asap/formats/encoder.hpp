@@ -37,7 +37,7 @@ class Encoder {
 
   // Encodes from the front of `events` until one of them ends. Returns the bytes written and the
   // events consumed. Throws std::invalid_argument that names the event if the format cannot hold
-  // it: its stamp goes back, say. The bytes of that call are then lost.
+  // it, for example because its stamp goes back. The bytes of that call are then lost.
   Progress encode(std::span<const Event> events, std::span<std::byte> bytes);
 
   void reset() noexcept { state_ = {}; }
@@ -49,7 +49,7 @@ class Encoder {
     state_.y = State{}.y;
   }
 
-  // Where a format has come to.
+  // What an encoder remembers between two calls.
   struct State {
     std::int64_t t = 0;  // us, as a reader knows it from the bytes so far
     std::int64_t last_t = std::numeric_limits<std::int64_t>::min();  // stamp of the last event

@@ -38,7 +38,7 @@ class RecordingSource final : public EventSource {
   std::uint16_t width() const noexcept;
   std::uint16_t height() const noexcept;
 
-  // Records that are none, so far.
+  // Bad records so far.
   std::uint64_t bad_records() const noexcept;
   // At the end: the file ends inside a record.
   bool is_cut() const noexcept;

@@ -32,7 +32,7 @@ struct Package {
   operator EventSpan() const noexcept { return events; }
 };
 
-// What a wait for a package has brought: one, none within the time, or none any more.
+// The result of a wait: a package, none within the time, or none any more.
 enum class Next { package, idle, ended };
 
 // A filter in front of the gamma filter, such as BackgroundActivityFilter::process. It sees every

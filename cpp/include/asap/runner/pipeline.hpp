@@ -22,28 +22,19 @@
 
 #include "asap/core/nonblocking.hpp"
 #include "asap/core/result.hpp"
-#include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
-#include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
 
-// A snapshot of a pipeline: its state, and the counts of the run since the last start().
-struct PipelineStats {
-  Ledger ledger;
-  Rejections rejected;
-  LatencyHistogram latency;  // per delivered event, from its arrival to the end of its package
-  PackageTotals packages;
-  // The longest time between two delivered events in a row with a loss between, us of stamps.
-  std::int64_t gap_us = 0;
+// The counts are those of the run since the last start(). An event's latency counts from its
+// arrival.
+struct PipelineStats : RunStats {
   std::int64_t elapsed_ns = 0;  // since the first arrival
-  std::uint64_t clock_resets = 0;
   // Said by the driver; beside the ledger, not in it.
   std::uint64_t upstream_marks = 0;    // "events are missing here"
   std::uint64_t upstream_packets = 0;  // packets known to be lost
   bool open = true;                    // pushes are taken
-  bool failed = false;                 // algorithm, front filter, poll or on_worker_start threw
   bool stalled = false;                // events wait, and the consumer has been away for too long
   std::uint64_t max_waiting = 0;       // events that have been in the ring at once
   std::int64_t latency_bound_ns = 0;   // the consumer applies it when it looks next
@@ -57,26 +48,26 @@ class Pipeline {
   using Arrival = std::optional<std::chrono::steady_clock::time_point>;
   using Poll = std::function<void()>;
 
-  // Takes pushes at once. The scheme outlives the pipeline. A live run uses it from the consumer's
-  // first call until the consumer has seen the end: another one throws std::logic_error meanwhile,
-  // in the constructor, in start() and from its consumer's first call.
+  // Takes pushes at once. The scheme outlives the pipeline and serves one run at a time, from the
+  // consumer's first call until the consumer has seen the end. Meanwhile another run with it throws
+  // std::logic_error from its constructor, its start() or its consumer's first call.
   explicit Pipeline(Scheme& scheme, RunConfig config = {});
   // With a worker: a thread that runs the algorithm until stop(), see join(). Without a scheme
   // under Deadline.
   Pipeline(RunConfig config, Consumer algorithm);
   Pipeline(Scheme& scheme, RunConfig config, Consumer algorithm);
-  // Gives up what still waits, and waits for a push that is inside and for the consumer, worker or
-  // not, to end its package: so not from inside the algorithm, which cannot wait for itself.
+  // Drops what still waits. Blocks until a push under way has returned and the consumer, worker or
+  // not, has ended its package, so the algorithm must not call it.
   ~Pipeline();
 
-  // The heap that Pipeline{config, algorithm} takes for a configuration that it accepts. What the
-  // algorithm holds and the worker's stack are not included.
+  // The heap that Pipeline{config, algorithm} takes for a valid configuration, without what the
+  // algorithm holds and without the worker's stack.
   static PipelineMemory memory(const RunConfig& config) noexcept;
 
   // ---- producer: any thread, one at a time; wait-free, no allocation
 
-  // False, and nothing is counted: after stop(), or while another thread pushes. Where the ring is
-  // full config.when_full decides. `arrival` is clamped to [previous arrival, now]. With
+  // Returns false and counts nothing after stop() or while another thread pushes. If the ring is
+  // full, config.when_full decides. `arrival` is clamped to [previous arrival, now]. With
   // OnBad::raise throws std::invalid_argument.
   bool push(EventSpan events, Arrival arrival = {}) ASAP_NONBLOCKING;
 
@@ -95,57 +86,56 @@ class Pipeline {
 
   // ---- consumer: one thread at a time, else std::logic_error; with a worker the worker alone
 
-  // Waits for a package, at most for `patience` (then idle), and completes the one before. ended:
-  // stopped. Meanwhile `poll` is called every 20 ms; it may throw. For a pipeline whose execution
-  // is `whole`, else std::logic_error.
+  // Completes the package before and waits for one, at most for `patience`: package, idle, or ended
+  // after stop(). Calls `poll` every 20 ms meanwhile; it may throw. Throws std::logic_error unless
+  // config.execution is `whole`.
   Next next(Package& package, std::chrono::nanoseconds patience, const Poll& poll = {});
 
   // The algorithm has finished the package: its cost is measured up to here.
   void complete();
 
-  // Stops without draining; the package in work is given up and stays pending. From any thread: if
-  // another one is inside, that one ends as after stop(false).
+  // Stops without draining; the package in work is given up and stays pending. Any thread may call
+  // it; a consumer that is inside on another thread ends as after stop(false).
   void abandon();
 
-  // Until stop(); completes the package of next(), if one is in work. `poll` is called every 20 ms
-  // or, while the algorithm works, between two packages; it may throw. An exception of either comes
-  // out unchanged, the pipeline stopped and the package in work pending.
+  // Runs the algorithm until stop(), after completing the package of next(), if one is in work.
+  // Calls `poll` every 20 ms or, while the algorithm works, between two packages; it may throw. An
+  // exception of either comes out unchanged, the pipeline stopped and the package in work pending.
   void run(const Consumer& consumer, const Poll& poll = {});
 
   // ---- the worker, if there is one
 
-  // Waits until it has ended: after stop(), or because the algorithm has thrown; then throws that.
-  // std::logic_error from inside the algorithm.
+  // Waits until the worker has ended, after stop() or because the algorithm has thrown, and
+  // rethrows that exception. Throws std::logic_error if the algorithm calls it.
   void join();
 
   // ---- any thread
 
-  // What waits now is due, whatever the scheme waits for.
+  // Makes all events that wait now due, whatever the scheme waits for.
   void flush();
 
-  // No push is taken any more; the consumer gets what waits (drain) or, after the package in work,
-  // nothing more: the rest stays pending. The scheme decides to the end: Deadline drops what has
-  // become stale in the drain too. Waits neither for the consumer nor for a push that is inside:
-  // that one waits for room no longer, and the run ends with it. Again: only drain = false makes a
-  // difference.
+  // Refuses all later pushes. With drain the consumer gets what waits, as the scheme decides:
+  // Deadline still drops stale events. Without, the consumer ends after the package in work and the
+  // rest stays pending. Returns at once: a push under way that waits for room gives up, and the run
+  // ends with it. A second call matters only if it sets drain = false.
   void stop(bool drain = true);
 
-  // After stop(): a new run, with an empty ring and all counts at 0. std::logic_error while a
-  // consumer is inside or a package in work; no event of the run before may be in use. Waits for a
-  // push that is still inside, so not from its poll, and for a worker that still drains, and lets
-  // it begin anew.
+  // Begins a new run after stop(), with an empty ring and all counts at 0; a worker begins anew
+  // too. No event of the run before may be in use. Throws std::logic_error while a consumer is
+  // inside or a package in work. Blocks until a push under way has returned and a worker has
+  // drained, so a push's poll must not call it.
   void start();
 
-  // Another latency bound, from the consumer's next look on and for later runs; for a scheme that
-  // has one, too. The ring keeps its capacity. Throws std::invalid_argument for one out of range.
+  // Sets the latency bound, also of a scheme that has one, from the consumer's next look on and for
+  // later runs. The ring keeps its capacity. Throws std::invalid_argument for one out of range.
   void set_latency(std::chrono::nanoseconds latency);
 
   bool is_open() const noexcept;
   Ledger ledger() const;
   PipelineStats stats() const;
 
-  // The newest rows of the log. After stop(), when the consumer has come to the end.
-  const Telemetry& telemetry() const noexcept;
+  // The newest rows. After stop(), when the consumer has come to the end.
+  const RunLog& log() const noexcept;
 
  private:
   struct Impl;

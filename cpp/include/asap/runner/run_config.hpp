@@ -1,4 +1,4 @@
-// Consumer, WhenFull, RunConfig, PipelineMemory: what the runners have in common.
+// Consumer, WhenFull, RunConfig, RunStats, PipelineMemory: what the runners have in common.
 #pragma once
 
 #include <chrono>
@@ -10,6 +10,9 @@
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/schemes/scheme.hpp"
+#include "asap/telemetry/latency_histogram.hpp"
+#include "asap/telemetry/ledger.hpp"
+#include "asap/telemetry/run_log.hpp"
 
 namespace asap {
 
@@ -18,11 +21,11 @@ namespace asap {
 // per part of it (package.continues from the second on).
 using Consumer = std::function<void(const Package&)>;
 
-// What gives way when live events come faster than they leave the ring.
+// What happens to live events when they come faster than the consumer takes them.
 enum class WhenFull {
   // A ring that is more than three quarters full takes a random part of each push: the fuller it
-  // is, the smaller the part. The rest counts as discarded. Overflow is only what finds the ring
-  // full, because the consumer stands still.
+  // is, the smaller the part. The rest counts as discarded. Events overflow only if the ring is
+  // full, which it becomes when the consumer stands still.
   thin,
   keep_oldest,  // what does not fit is dropped
   keep_newest,  // finding the ring full, the consumer drops the older half
@@ -50,15 +53,29 @@ struct RunConfig {
   // How many rows the log of a live pipeline keeps: the newest, 96 bytes each. 0 keeps totals
   // alone.
   std::size_t log_rows = 16'384;
-  // The most events of a package that is copied, 16 bytes each: one that is thinned or lies across
-  // the ring's end. The rest follows as the next package. 0 means 131,072 in a live pipeline and no
-  // limit for a recording.
+  // The largest package, in events of 16 bytes, that is copied because it is thinned or lies across
+  // the ring's end. What is more follows as the next package. 0 means 131,072 in a live pipeline
+  // and no limit for a recording.
   std::size_t max_copied = 0;
-  // The constructor writes to all memory, so that no page fault happens while events come.
+  // Whether the constructor writes to all memory, so that no page fault happens later.
   bool prefault = false;
   // The worker calls it before its first package, in every run: for its name, its processor, its
   // priority. May be none. What it throws ends the run and comes out of join().
   std::function<void()> on_worker_start{};
+};
+
+// What a run has come to: a snapshot. What happened between two of them: `later.ledger -
+// earlier.ledger`, `later.latency.since(earlier.latency)`.
+struct RunStats {
+  Ledger ledger;
+  Rejections rejected;
+  LatencyHistogram latency;  // per delivered event, to the end of its package
+  PackageTotals packages;
+  // The longest time between two delivered events in a row with a loss between, us: of wall time in
+  // a replay, else of stamps.
+  std::int64_t gap_us = 0;
+  std::uint64_t clock_resets = 0;
+  bool failed = false;  // the run has ended by an exception of the algorithm, the source or a poll
 };
 
 // Bytes that a pipeline with a worker takes from the heap, all of them in its constructor.

@@ -15,12 +15,10 @@
 #include <vector>
 
 #include "asap/core/event.hpp"
-#include "asap/core/random.hpp"
 #include "asap/core/result.hpp"
 #include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
-#include "asap/telemetry/telemetry.hpp"
 
 namespace asap {
 
@@ -80,7 +78,6 @@ class LinearCost {
   std::vector<Outage>::const_iterator outage_after(std::int64_t time_ns) const noexcept;
 
   LinearCostConfig config_;
-  CounterRandom random_;
 };
 
 class Admission;
@@ -102,11 +99,10 @@ class Simulator {
   void run(EventSource& source);
 
   Ledger ledger() const noexcept;
-  const Rejections& rejected() const noexcept { return validator().rejected(); }
   const Validator& validator() const noexcept;
-  const Telemetry& telemetry() const noexcept;
-  // The longest time between two delivered events in a row with a loss between: us of stamps.
-  std::int64_t gap_us() const noexcept;
+  RunStats stats() const;
+  // A row per package. The caller's thread.
+  const RunLog& log() const noexcept;
   // Which events were delivered, if config.keep_mask. After finish().
   std::optional<KeptEvents> kept() const;
   std::span<const Slot> slots() const noexcept;

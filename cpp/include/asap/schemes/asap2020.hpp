@@ -4,14 +4,13 @@
 //   size    the processing time H shall equal the span, less a margin epsilon:
 //           n <- n clip(H / ((1 - epsilon) span), 1/2, 2);  2n where the span is 0;  then clipped
 //           to [min_size, max_size]
-//   gamma   R = n / span is the filtered rate of the package.  R > a: gamma <- gamma a / R, at
-//   least
-//           0.02;  else gamma <- min(1, 1.02 gamma)
+//   gamma   R = n / span is the thinned rate of the package.  R > a: gamma <- gamma a / R, at
+//           least 0.02;  else gamma <- min(1, 1.02 gamma)
 //
-// n counts kept events: n / gamma raw ones are taken, the oldest first, the rest waits. The R of a
-// package of a few events is noise: a fast algorithm, which gets small packages, wants a min_size
-// of 20 or more, or gamma falls now and then without need. Flush: when the oldest event has waited
-// for the latency bound, what waits is taken, however few.
+// n counts kept events: n / gamma raw ones are taken, the oldest first, the rest waits. R is noisy
+// in a package of a few events: give a fast algorithm, which gets small packages, a min_size of 20
+// or more, or gamma falls now and then without need. Flush: when the oldest event has waited for
+// the latency bound, all that waits is taken.
 #pragma once
 
 #include "asap/schemes/scheme.hpp"

@@ -12,7 +12,7 @@
 // Called on the consumer's thread, once or twice per package. O(1), no allocation.
 #pragma once
 
-#include "asap/schemes/bounded_scheme.hpp"
+#include "asap/schemes/scheme.hpp"
 
 namespace asap {
 
@@ -30,25 +30,15 @@ struct DeadBeatConfig {
   };
 };
 
-class DeadBeat final : public BoundedScheme {
+class DeadBeat final : public LearningScheme {
  public:
   using Config = DeadBeatConfig;
 
   explicit DeadBeat(Config config = {});
 
-  Decision decide(const Backlog& backlog) noexcept override;
-  void reset(Execution execution) noexcept override;
-  std::string_view name() const noexcept override { return "dead_beat"; }
-  SchemeParameters parameters() const override { return parameters_in_force(config_); }
-
- private:
-  double length_ns(std::size_t waiting) noexcept;
-  double size(double budget_ns, double waiting) const noexcept;
-  double caution() const noexcept;  // zeta
-
-  const DeadBeatConfig config_;
-  bool is_overloaded_;  // the knee is in force
-  int calm_;            // decisions in a row with little to do
+  // What a package costs, as far as it is known.
+  double alpha_ns() const noexcept;
+  double beta_ns() const noexcept;
 };
 
 }  // namespace asap

@@ -9,7 +9,6 @@
 
 #include <optional>
 
-#include "asap/schemes/bounded_scheme.hpp"
 #include "asap/schemes/scheme.hpp"
 
 namespace asap {
@@ -22,22 +21,11 @@ struct GreedyConfig {
   };
 };
 
-class Greedy final : public Scheme {
+class Greedy final : public LearningScheme {
  public:
   using Config = GreedyConfig;
 
   explicit Greedy(Config config = {});
-
-  Decision decide(const Backlog& backlog) noexcept override;
-  void observe(const Outcome& outcome) noexcept override;
-  void reset(Execution execution) noexcept override;
-  std::string_view name() const noexcept override { return "greedy"; }
-  // Without a cap there is no number to tell.
-  SchemeParameters parameters() const override { return parameters_of(config_); }
-
- private:
-  const GreedyConfig config_;
-  CostModel cost_;
 };
 
 }  // namespace asap

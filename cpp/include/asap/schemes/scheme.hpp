@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -74,8 +75,9 @@ class BacklogCounts {
  public:
   // Waiting raw events with time < time_ns: they are the oldest ones. O(log n).
   virtual std::size_t before(std::int64_t time_ns) const noexcept ASAP_NONBLOCKING = 0;
-  // The same in O(1), from a table of counts by age: off by less than one slot's count, and older
-  // events count in its oldest slot. Never decreases with time_ns, never more than count.
+  // An estimate of it in O(1), from a table of counts by age: off by less than the count of one
+  // slot; events older than the table count in its oldest slot. It never decreases with time_ns and
+  // never exceeds the count.
   virtual std::size_t about_before(std::int64_t time_ns) const noexcept ASAP_NONBLOCKING = 0;
   // The same for many times at once: counts[i] of newest_ns - i * step_ns. O(1) each.
   virtual void about_before_each(std::int64_t newest_ns, std::int64_t step_ns,
@@ -90,7 +92,7 @@ class BacklogCounts {
   ~BacklogCounts() = default;
 };
 
-// What waits when a scheme is asked. count >= 1.
+// The waiting events at the moment when a scheme is asked. count >= 1.
 struct Backlog {
   std::size_t count;  // raw events
   std::int64_t now_ns;
@@ -133,13 +135,13 @@ struct Decision {
   static constexpr Decision take(std::size_t raw, double keep = 1.0) noexcept {
     return {.takes = true, .raw = raw, .keep = keep};
   }
-  // Throw away and be asked again about what is left.
+  // Throws the oldest events away; the scheme is asked again about the rest.
   static constexpr Decision drop(std::size_t stale) noexcept {
     return {.takes = true, .stale = stale};
   }
 };
 
-// What a package really was. size may be 0: all of `raw` were discarded and no algorithm ran.
+// What a package came to. size may be 0: all of `raw` were discarded and no algorithm ran.
 struct Outcome {
   std::size_t size;            // events kept
   std::size_t raw;             // raw events taken; an anytime package may leave some to the next
@@ -184,6 +186,23 @@ class Scheme {
 
     std::atomic<bool> flag{false};
   } in_use_;
+};
+
+// What the schemes of this library that learn have in common: their law stands beside its source.
+class LearningScheme : public Scheme {
+ public:
+  Decision decide(const Backlog& backlog) noexcept final;
+  void observe(const Outcome& outcome) noexcept final;
+  void reset(Execution execution) noexcept final;
+  std::string_view name() const noexcept final;
+  SchemeParameters parameters() const final;
+  std::int64_t latency_bound_ns() const noexcept final;
+  void set_latency_bound_ns(std::int64_t bound_ns) noexcept final;
+
+ protected:
+  explicit LearningScheme(std::unique_ptr<Scheme> law) noexcept : law_(std::move(law)) {}
+
+  std::unique_ptr<Scheme> law_;
 };
 
 // A scheme of this library, for a program without exceptions: make_scheme<Asap2020>({...}).

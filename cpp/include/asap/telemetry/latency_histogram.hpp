@@ -13,34 +13,20 @@
 #include <utility>
 #include <vector>
 
-#include "asap/core/atomics.hpp"
-
 namespace asap {
 
 class LatencyHistogram {
  public:
-  explicit LatencyHistogram(std::int64_t bound_ns = std::numeric_limits<std::int64_t>::max())
-      : bound_ns_(bound_ns) {}
+  explicit LatencyHistogram(std::int64_t bound_ns = std::numeric_limits<std::int64_t>::max());
+  LatencyHistogram(const LatencyHistogram& other);
+  LatencyHistogram& operator=(const LatencyHistogram& other) noexcept;
   static constexpr std::size_t memory_bytes() noexcept { return kBins * sizeof(std::uint64_t); }
 
   // A negative latency (a stamp ahead of the clock) counts as 0.
   void record(std::int64_t latency_ns) noexcept { Batch(*this).record(latency_ns); }
 
   // `count` < 2^32 events of the same latency.
-  void record(std::int64_t latency_ns, std::size_t count) noexcept {
-    latency_ns = std::max<std::int64_t>(latency_ns, 0);
-    const auto value = static_cast<std::uint64_t>(latency_ns);
-    bins_.add(bin_of(value), count);
-    count_ += count;
-    within_bound_ += latency_ns <= bound_ns_ ? count : 0U;
-    max_ns_ = std::max(max_ns_.load(), latency_ns);
-    // value * count in 128 bits, from halves of 32
-    const std::uint64_t low = (value & 0xffff'ffffU) * count;  // count < 2^32
-    const std::uint64_t high = (value >> 32) * count;
-    const std::uint64_t product = value * count;
-    sum_low_ += product;
-    sum_high_ += ((high + (low >> 32)) >> 32) + (sum_low_ < product ? 1U : 0U);
-  }
+  void record(std::int64_t latency_ns, std::size_t count) noexcept;
 
   // Many events of their own latencies: the sums are booked once, when the batch ends.
   class Batch {
@@ -54,7 +40,7 @@ class LatencyHistogram {
     void record(std::int64_t latency_ns) noexcept {
       latency_ns = std::max<std::int64_t>(latency_ns, 0);
       const auto value = static_cast<std::uint64_t>(latency_ns);
-      histogram_.bins_.add(bin_of(value), 1);
+      histogram_.add(bin_of(value), 1);
       ++count_;
       within_bound_ += latency_ns <= bound_ns_ ? 1U : 0U;
       max_ns_ = std::max(max_ns_, latency_ns);
@@ -75,14 +61,15 @@ class LatencyHistogram {
 
   std::uint64_t count() const noexcept { return count_; }
   std::uint64_t within_bound() const noexcept { return within_bound_; }
-  std::int64_t bound_ns() const noexcept { return bound_ns_; }
-  // Another bound: within_bound() goes on with it.
-  void set_bound_ns(std::int64_t bound_ns) noexcept { bound_ns_ = bound_ns; }
+  // Any thread.
+  std::int64_t bound_ns() const noexcept;
+  // Later events are counted within_bound() by this bound.
+  void set_bound_ns(std::int64_t bound_ns) noexcept;
   std::int64_t max_ns() const noexcept { return max_ns_; }
-  // 0 of nothing recorded.
+  // 0 if nothing is recorded.
   double mean_ns() const noexcept;
   // The smallest latency that at least the fraction q of the events do not exceed; never above
-  // max_ns(). 0 of nothing recorded. Throws std::invalid_argument unless 0 <= q <= 1.
+  // max_ns(). 0 if nothing is recorded. Throws std::invalid_argument unless 0 <= q <= 1.
   double quantile_ns(double q) const;
 
   // Returns what was recorded since an earlier copy of this histogram, its max_ns() exact to a bin.
@@ -111,43 +98,20 @@ class LatencyHistogram {
     return static_cast<std::size_t>(octave) * kBinsPerOctave +
            static_cast<std::size_t>(value >> octave);
   }
-  void book(const Batch& batch) noexcept {
-    count_ += batch.count_;
-    within_bound_ += batch.within_bound_;
-    max_ns_ = std::max(max_ns_.load(), batch.max_ns_);
-    sum_low_ += batch.sum_low_;
-    sum_high_ += batch.sum_high_ + (sum_low_ < batch.sum_low_ ? 1U : 0U);
+  void add(std::size_t bin, std::uint64_t count) noexcept {
+    std::atomic_ref(bins_[bin]).store(bins_[bin] + count, std::memory_order_relaxed);
   }
+  void book(const Batch& batch) noexcept;
   static double middle_of(std::size_t bin) noexcept;
   static std::int64_t max_of(std::size_t bin) noexcept;
 
-  Relaxed<std::int64_t> bound_ns_;
-  // Plain numbers, so that a histogram is made and read fast; atomic where two threads meet.
-  class Bins {
-   public:
-    Bins() : counts_(kBins, 0) {}
-    Bins(const Bins& other) : counts_(kBins) { *this = other; }
-    Bins& operator=(const Bins& other) noexcept {
-      for (std::size_t i = 0; i < kBins; ++i) {
-        auto& count = const_cast<std::uint64_t&>(other.counts_[i]);
-        counts_[i] = std::atomic_ref(count).load(std::memory_order_relaxed);
-      }
-      return *this;
-    }
-    void add(std::size_t bin, std::uint64_t count) noexcept {
-      std::atomic_ref(counts_[bin]).store(counts_[bin] + count, std::memory_order_relaxed);
-    }
-    std::uint64_t operator[](std::size_t bin) const noexcept { return counts_[bin]; }
-
-   private:
-    std::vector<std::uint64_t> counts_;
-  };
-  Bins bins_;
-  Relaxed<std::uint64_t> count_;
-  Relaxed<std::uint64_t> within_bound_;
-  Relaxed<std::int64_t> max_ns_;
-  Relaxed<std::uint64_t> sum_low_;
-  Relaxed<std::uint64_t> sum_high_;
+  std::int64_t bound_ns_;
+  std::vector<std::uint64_t> bins_;
+  std::uint64_t count_ = 0;
+  std::uint64_t within_bound_ = 0;
+  std::int64_t max_ns_ = 0;
+  std::uint64_t sum_low_ = 0;
+  std::uint64_t sum_high_ = 0;
 };
 
 }  // namespace asap

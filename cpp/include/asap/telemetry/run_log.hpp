@@ -1,8 +1,8 @@
 // RunLog: one row per package. The hot path appends a PackageRecord of whole numbers; ratios and
 // times on the recording's own axis are made when a row is read. Records live in blocks that are
 // allocated by make_room(), between packages and never on the hot path; append() does not allocate.
-// A bounded log keeps the newest rows, none if its bound is 0, and exact totals of all. One thread
-// writes; read rows when the run is over, size() and totals() at any time.
+// A bounded log keeps the newest rows, none if its bound is 0; its totals are of all. One thread
+// writes, and may read. Other threads may read totals() meanwhile, the rest when the run is over.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,6 @@
 #include <memory>
 #include <vector>
 
-#include "asap/core/atomics.hpp"
-#include "asap/core/check.hpp"
 #include "asap/core/time.hpp"
 
 namespace asap {
@@ -52,26 +50,14 @@ struct PackageRow {
   std::int64_t overflow;
 };
 
-// What all packages of a run come to, exactly, also when the log keeps only the newest rows. One
-// thread adds; a copy may be taken by any thread meanwhile.
+// What all packages of a run come to, exactly, also when the log keeps only the newest rows.
 struct PackageTotals {
-  Relaxed<std::uint64_t> count;     // packages
-  Relaxed<std::uint64_t> to_gamma;  // events that came to the gamma filter
-  Relaxed<std::uint64_t> size;      // events kept
-  Relaxed<std::uint64_t> size_max;
-  Relaxed<std::int64_t> processing_ns;
-  Relaxed<double> gamma_min = 1.0;
-
-  void add(std::uint64_t package_to_gamma, std::uint64_t package_size,
-           std::int64_t package_processing_ns) noexcept {
-    ++count;
-    to_gamma += package_to_gamma;
-    size += package_size;
-    size_max = std::max(size_max.load(), package_size);
-    processing_ns += package_processing_ns;
-    const double gamma = static_cast<double>(package_size) / static_cast<double>(package_to_gamma);
-    gamma_min = std::min(gamma_min.load(), gamma);
-  }
+  std::uint64_t count = 0;     // packages
+  std::uint64_t to_gamma = 0;  // events that came to the gamma filter
+  std::uint64_t size = 0;      // events kept
+  std::uint64_t size_max = 0;
+  std::int64_t processing_ns = 0;
+  double gamma_min = 1.0;
 };
 
 class RunLog {
@@ -97,35 +83,26 @@ class RunLog {
   // Where stamps lie in run time; before a row is read.
   void set_axis(TimeAxis axis) noexcept { axis_ = axis; }
 
-  // Makes sure that the next append() has its place; allocates one block in kBlockRows calls.
+  // Makes room for the next append(); allocates one block in kBlockRows calls.
   void make_room() {
     if (size_ == allocated() && max_rows_ == kAllRows) add_block();
   }
 
   // Precondition: make_room() since the last append().
-  void append(const PackageRecord& record) noexcept {
-    if (max_rows_ > 0) row(size_) = record;
-    if (max_rows_ != kAllRows) {
-      totals_.add(record.offered - record.filtered, record.size, record.processing_ns);
-    }
-    ++size_;
-  }
+  void append(const PackageRecord& record) noexcept;
 
   // Rows [first(), size()) are kept.
   std::size_t first() const noexcept { return size_ > max_rows_ ? size_ - max_rows_ : 0; }
   std::size_t size() const noexcept { return size_; }
   PackageRow operator[](std::size_t i) const noexcept;
 
-  // Totals since the start; a bounded log alone counts them.
-  const PackageTotals& totals() const noexcept { return totals_; }
+  PackageTotals totals() const noexcept;
 
  private:
   using Block = std::unique_ptr<PackageRecord[]>;
 
   std::size_t allocated() const noexcept { return blocks_.size() * block_rows_; }
-  void add_block() {
-    blocks_.push_back(detail::allocate<PackageRecord>(block_rows_, "log_rows", block_rows_));
-  }
+  void add_block();
   // Where the record of this row lies. Precondition: some are kept.
   PackageRecord& row(std::size_t i) const noexcept {
     const std::size_t place = max_rows_ == kAllRows ? i : i % max_rows_;
@@ -135,7 +112,7 @@ class RunLog {
   const std::size_t max_rows_;
   const std::size_t block_rows_;
   std::vector<Block> blocks_;
-  Relaxed<std::size_t> size_;
+  std::size_t size_ = 0;
   PackageTotals totals_;
   TimeAxis axis_;
 };

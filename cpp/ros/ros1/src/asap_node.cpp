@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "asap/core/check.hpp"
+#include "asap/core/result.hpp"
 #include "ros/bridge/relay.hpp"
 #include "ros/bridge/ros1_messages.hpp"
 #include "ros/bridge/session.hpp"
@@ -114,7 +114,7 @@ bridge::Parameters read(const ros::NodeHandle& self, bridge::Parameters paramete
     if (value.getType() == value.TypeDouble) number = static_cast<double>(value);
     const bool is_text = value.getType() == value.TypeString;
     const std::string text = is_text  ? static_cast<std::string>(value)
-                             : number ? asap::to_text(*number)
+                             : number ? bridge::to_text(*number)
                                       : value.toXml();
     bridge::set(parameters, field.name, text, number);
   };

@@ -24,6 +24,8 @@ bool touch(const Track& a, const Track& b, Stamp now) noexcept {
   const Point to = predicted_mean(b, now);
   const float dx = to.x - from.x;
   const float dy = to.y - from.y;
+  const float variances = std::max(2.0F, a.sxx + a.syy) + std::max(2.0F, b.sxx + b.syy);
+  if (dx * dx + dy * dy > 4 * kReach * kReach * variances + 2 * kReach_px * kReach_px) return false;
   const float distance = length(dx, dy);
   const float ux = distance > 0 ? dx / distance : 1;
   const float uy = distance > 0 ? dy / distance : 0;
@@ -41,9 +43,7 @@ void ObjectSum::add(Tracks::Slot slot, const Track& track, const TrackState& sta
   const float half_x = kHalf * std::sqrt(std::max(0.0F, track.sxx));
   const float half_y = kHalf * std::sqrt(std::max(0.0F, track.syy));
   const Box own{mean.x - half_x, mean.y - half_y, mean.x + half_x, mean.y + half_y};
-  box = parts++ == 0 ? own
-                     : Box{std::min(box.left, own.left), std::min(box.top, own.top),
-                           std::max(box.right, own.right), std::max(box.bottom, own.bottom)};
+  box = parts++ == 0 ? own : united(box, own);
   mass += state.mass;
   rate_hz += state.slow_rate_hz;
   const Stamp newest = track.events != state.events ? track.stamp : state.last_event;
@@ -79,7 +79,10 @@ void Objects::clear() noexcept {
 }
 
 std::size_t Objects::object_of(Slot slot, const Track& track) const noexcept {
-  return parts_[slot].generation == track.generation ? parts_[slot].object : kNone;
+  if (parts_[slot].generation != track.generation) return kNone;
+  std::size_t object = parts_[slot].object;
+  while (object != kNone && objects_[object].bond.joined) object = objects_[object].bond.other;
+  return object;
 }
 
 void Objects::update(const Tracks& tracks, const NoiseTiles& noise, std::uint64_t now_us) noexcept {
@@ -91,6 +94,7 @@ void Objects::update(const Tracks& tracks, const NoiseTiles& noise, std::uint64_
   place_new(tracks);
   adopt(tracks);
   leave(tracks, dt_s);
+  join(tracks, dt_s);
   judge(tracks, noise);
   note_ways(tracks);
 }
@@ -186,6 +190,9 @@ std::size_t Objects::begin() noexcept {
 
 void Objects::forget(std::size_t object) noexcept {
   objects_[object].id = -1;
+  for (Object& one : objects_) {
+    if (one.bond.other == object) one.bond = {};
+  }
   for (Part& part : parts_) {
     if (part.object == object) part.object = kNone;
   }
@@ -294,6 +301,125 @@ std::size_t Objects::grow_component(const Tracks& tracks, std::size_t first) noe
     }
   }
   return end;
+}
+
+// ---- which objects are one ----
+
+// JOIN: two objects that touch and keep their relative position over a way are one thing, which is
+// too large or too sparse for one gate. Its pieces keep their ids for when they part.
+void Objects::join(const Tracks& tracks, float dt_s) noexcept {
+  constexpr float kApart_s = 0.04F;
+  inherit();
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    Object& object = objects_[i];
+    Bond& bond = object.bond;
+    if (object.id < 0 || object.sum.parts == 0) continue;
+    if (bond.joined && !has_its_leads(tracks, i)) {
+      begin_bond(tracks, i, bond.other);
+      bond.joined = true;
+    }
+    if (bond.other == kNone) {
+      find_bond(tracks, i);
+    } else if (keeps_bond(tracks, i)) {
+      bond.hold_s += dt_s;
+      bond.apart_s = 0;
+      bond.joined = bond.joined || are_one(tracks, bond);
+    } else {
+      bond.apart_s += dt_s;
+      if (bond.joined && bond.apart_s < kApart_s) continue;
+      object.has_left = object.has_left || bond.joined;
+      bond = {};
+    }
+  }
+}
+
+// An object whose tracks have ended goes on with those of an object that is a part of it.
+void Objects::inherit() noexcept {
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const Bond bond = objects_[i].bond;
+    if (bond.other == kNone) continue;
+    Object& other = objects_[bond.other];
+    if (objects_[i].sum.parts > 0 && other.sum.parts > 0) continue;
+    objects_[i].bond = {};
+    if (!bond.joined || objects_[i].sum.parts == 0) continue;
+    for (Part& part : parts_) {
+      if (part.object == i) part.object = bond.other;
+    }
+    other.sum = objects_[i].sum;
+    other.seen_us = now_us_;
+    forget(i);
+  }
+}
+
+// With the heaviest of the older objects that it touches.
+void Objects::find_bond(const Tracks& tracks, std::size_t object) noexcept {
+  const auto now = static_cast<Stamp>(now_us_);
+  std::size_t best = kNone;
+  for (const Slot slot : listed_) {
+    if (parts_[slot].object != object) continue;
+    for (const Slot other : listed_) {
+      const std::size_t whole = parts_[other].object;
+      if (objects_[whole].id >= objects_[object].id) continue;
+      if (best != kNone && objects_[whole].sum.mass <= objects_[best].sum.mass) continue;
+      if (touch(tracks[slot], tracks[other], now)) best = whole;
+    }
+  }
+  if (best != kNone) begin_bond(tracks, object, best);
+}
+
+void Objects::begin_bond(const Tracks& tracks, std::size_t object, std::size_t other) noexcept {
+  const auto now = static_cast<Stamp>(now_us_);
+  const Slot lead = objects_[object].sum.lead;
+  const Slot other_lead = objects_[other].sum.lead;
+  const Point from = predicted_mean(tracks[lead], now);
+  const Point to = predicted_mean(tracks[other_lead], now);
+  objects_[object].bond = {.other = other,
+                           .lead = lead,
+                           .other_lead = other_lead,
+                           .offset = {to.x - from.x, to.y - from.y},
+                           .start = to};
+}
+
+// Whether the two tracks of its bond are still parts of the two objects.
+bool Objects::has_its_leads(const Tracks& tracks, std::size_t object) const noexcept {
+  const auto is_part = [&](Slot slot, std::size_t whole) {
+    return parts_[slot].object == whole && parts_[slot].generation == tracks[slot].generation;
+  };
+  const Bond& bond = objects_[object].bond;
+  return is_part(bond.lead, object) && is_part(bond.other_lead, bond.other);
+}
+
+// Whether the two touch at the same relative position as before, within what their means wander.
+bool Objects::keeps_bond(const Tracks& tracks, std::size_t object) const noexcept {
+  constexpr float kTolerance_px = 4;
+  constexpr float kPerSide = 0.1F;
+  const Bond& bond = objects_[object].bond;
+  if (!has_its_leads(tracks, object) || !objects_touch(tracks, object, bond.other)) return false;
+  const auto now = static_cast<Stamp>(now_us_);
+  const Point from = predicted_mean(tracks[bond.lead], now);
+  const Point to = predicted_mean(tracks[bond.other_lead], now);
+  const Box box = united(objects_[object].sum.box, objects_[bond.other].sum.box);
+  return length(to.x - from.x - bond.offset.x, to.y - from.y - bond.offset.y) <=
+         kTolerance_px + kPerSide * box.longest_side();
+}
+
+bool Objects::are_one(const Tracks& tracks, const Bond& bond) const noexcept {
+  constexpr float kHold_s = 0.3F;
+  constexpr float kWay_px = 4;  // two objects at rest keep their relative position too
+  if (bond.hold_s < kHold_s) return false;
+  const Point to = predicted_mean(tracks[bond.other_lead], static_cast<Stamp>(now_us_));
+  return length(to.x - bond.start.x, to.y - bond.start.y) >= kWay_px;
+}
+
+bool Objects::objects_touch(const Tracks& tracks, std::size_t a, std::size_t b) const noexcept {
+  const auto now = static_cast<Stamp>(now_us_);
+  for (const Slot slot : listed_) {
+    if (parts_[slot].object != a) continue;
+    for (const Slot other : listed_) {
+      if (parts_[other].object == b && touch(tracks[slot], tracks[other], now)) return true;
+    }
+  }
+  return false;
 }
 
 // ---- which object is noise ----

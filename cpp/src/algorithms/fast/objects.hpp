@@ -2,10 +2,11 @@
 // of it fire apart, and a patch of noise may be a track, so the tracks are grouped every 5 ms.
 // LOST: a new track continues the object that must have reappeared there, else it begins one.
 // ADOPT: what begins at a large object is a part of it. LEAVE: parts that stay apart from the
-// others become an object of their own. NOISE: an object is shown once its tracks fire more than
-// the noise around them explains. QUIET: an object without events is not shown. The layer reads the
-// engine and changes nothing in it. One thread, at the tick. O(n) in n tracks, O(n k) for a young
-// or divided object of k parts; allocates in the constructor only. Source: own design.
+// others become an object of their own. JOIN: objects that touch and move as one for long are one
+// until they do not. NOISE: an object is shown once its tracks fire more than the noise around them
+// explains. QUIET: an object without events is not shown. The layer reads the engine and changes
+// nothing in it. One thread, at the tick. O(n^2) of cheap steps in n tracks; allocates in the
+// constructor only. Source: own design.
 #pragma once
 
 #include <algorithm>
@@ -29,6 +30,12 @@ struct Box {
 
   float longest_side() const noexcept { return std::max(right - left, bottom - top); }
 };
+
+// The box around both.
+inline Box united(const Box& a, const Box& b) noexcept {
+  return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
+          std::max(a.bottom, b.bottom)};
+}
 
 // What the parts of an object add up to. Position and velocity are those of the heaviest part: the
 // centre of the box jumps with every part that comes or goes.
@@ -67,7 +74,8 @@ class Objects {
 
   std::size_t size() const noexcept { return objects_.size(); }
   bool is_shown(std::size_t object) const noexcept {
-    return objects_[object].id >= 0 && !objects_[object].is_noise;
+    const Object& one = objects_[object];
+    return one.id >= 0 && !one.is_noise && !one.bond.joined;
   }
   std::int64_t id(std::size_t object) const noexcept { return objects_[object].id; }
   std::uint64_t born_us(std::size_t object) const noexcept { return objects_[object].born_us; }
@@ -87,6 +95,18 @@ class Objects {
     Point half{};      // px, half the box
   };
 
+  // An older object that it touches, and how both have moved since the bond began.
+  struct Bond {
+    std::size_t other = kNone;
+    Slot lead = Tracks::kNone;  // the two tracks that are compared
+    Slot other_lead = Tracks::kNone;
+    Point offset{};       // px, from the one to the other
+    Point start{};        // where the other was
+    float hold_s = 0;     // time for which they have kept the offset
+    float apart_s = 0;    // once joined: time for which they have not
+    bool joined = false;  // it is a part of the other
+  };
+
   struct Object {
     std::int64_t id = -1;  // none: free
     std::uint64_t born_us = 0;
@@ -96,6 +116,7 @@ class Objects {
     float lone_hz = 0;  // noise in its gates that is more than elsewhere
     ObjectSum sum{};
     Way way{};
+    Bond bond{};
   };
 
   void list(const Tracks& tracks) noexcept;
@@ -113,6 +134,14 @@ class Objects {
   bool divide(const Tracks& tracks, std::size_t object, float dt_s) noexcept;
   std::size_t heaviest_component(const Tracks& tracks) noexcept;
   std::size_t grow_component(const Tracks& tracks, std::size_t first) noexcept;
+  void join(const Tracks& tracks, float dt_s) noexcept;
+  void inherit() noexcept;
+  void find_bond(const Tracks& tracks, std::size_t object) noexcept;
+  void begin_bond(const Tracks& tracks, std::size_t object, std::size_t other) noexcept;
+  bool has_its_leads(const Tracks& tracks, std::size_t object) const noexcept;
+  bool keeps_bond(const Tracks& tracks, std::size_t object) const noexcept;
+  bool are_one(const Tracks& tracks, const Bond& bond) const noexcept;
+  bool objects_touch(const Tracks& tracks, std::size_t a, std::size_t b) const noexcept;
   void judge(const Tracks& tracks, const NoiseTiles& noise) noexcept;
 
   std::vector<Part> parts_;      // by slot

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asap import _checks, _units
-from asap.results import text
-from asap.results.data import Result, without_nan
 from asap_laboratory.page import Row, Rows, over_seeds
 from asap_laboratory.scoring.columns import CELLS, columns_of
 from asap_laboratory.scoring.scene import Scene, check_scene
@@ -26,7 +22,7 @@ _KEYS = ("gamma", "told")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class KeepCurve(Result):
+class KeepCurve:
     """A table: one row for each gamma, told and not told.
 
     Attributes
@@ -61,37 +57,11 @@ class KeepCurve(Result):
     def __len__(self) -> int:
         return len(self.rows)
 
-    def summary(self) -> dict[str, Any]:
-        """Return one JSON object; what does not exist is None."""
-        return {
-            "schema_version": 2,
-            "algorithm": self.algorithm,
-            "scene": self.scene,
-            "before": self.before,
-            "rows": without_nan(self.rows),
-        }
-
     def plot(self) -> Figure:
         """Draw the main scores over gamma, told and not told, with the spread over the seeds."""
         from asap_laboratory.scoring import figure
 
         return figure.figure({self._label: self.rows})
-
-    def report(self, path: str | os.PathLike[str]) -> Path:
-        """Write one self-contained HTML page and return its path; needs matplotlib."""
-        from asap.results import page
-        from asap_laboratory.scoring import figure
-
-        article = page.Article(
-            "keep-curve",
-            self.summary(),
-            self._repr_html_(),
-            figure.figure({self._label: self.rows}, width_inches=8.6),
-            "Scores over the fraction of the events that is kept. Told: the algorithm knew it. "
-            "Bars are standard deviations over the seeds.",
-            {"What the columns say": text.table((), columns_of(self.rows[0]).values())},
-        )
-        return page.write(path, "ASAP accuracy", [article])
 
     @property
     def _label(self) -> str:
@@ -104,27 +74,20 @@ class KeepCurve(Result):
         seeds = "1 seed" if count == 1 else f"{count} seeds: mean ± standard deviation"
         return f"{self.algorithm}{behind} on {self.scene}, {seeds}"
 
-    def _cells(self) -> list[tuple[str, ...]]:
-        rows = self.rows
-        columns = columns_of(rows[0])
-        return [
-            ("gamma", "", *(heading for heading, _ in columns.values())),
-            *(
-                (f"{row['gamma']:g}", *(CELLS[name](row) for name in ("told", *columns)))
-                for row in rows
-            ),
-        ]
-
-    def _repr_html_(self) -> str:
-        head, *rows = self._cells()
-        return text.heading(self._title) + text.table(head, rows)
-
     def __repr__(self) -> str:
         rows = ", ".join(f"{row['gamma']:g}" for row in self.rows)
         return f"<KeepCurve: {self.algorithm} on {self.scene}: gamma {rows}>"
 
     def __str__(self) -> str:
-        (head, *lines), rule = _units.aligned(self._cells(), left=2)
+        columns = columns_of(self.rows[0])
+        cells = [
+            ("gamma", "", *(heading for heading, _ in columns.values())),
+            *(
+                (f"{row['gamma']:g}", *(CELLS[name](row) for name in ("told", *columns)))
+                for row in self.rows
+            ),
+        ]
+        (head, *lines), rule = _units.aligned(cells, left=2)
         return "\n".join([self._title, "", head, rule, *lines])
 
 
@@ -158,7 +121,7 @@ def keep_curve(
     Returns
     -------
     KeepCurve
-        ``print`` it for a table; ``.rows``, ``.summary()``, ``.plot()``, ``.report(path)``.
+        ``print`` it for a table; ``.rows``, ``.plot()``.
 
     Raises
     ------

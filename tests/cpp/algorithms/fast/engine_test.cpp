@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 
 namespace asap::fast::engine_test {
 namespace {

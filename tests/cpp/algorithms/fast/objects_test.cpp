@@ -180,6 +180,59 @@ TEST(Objects, TheLighterPartLeavesAndMayAdoptAtOnce) {
   EXPECT_EQ(layer.id_of(tip), 2);
 }
 
+// Two tracks 40 px apart that touch and move to the right, the second one at its own velocity.
+struct Pair : Layer {
+  Tracks::Slot first = add(50, 50, 8);
+  Tracks::Slot second = add(90, 50, 8, 50);
+
+  void move(float vx, float second_vx) {
+    tracks[first].vx = vx;
+    tracks[second].vx = second_vx;
+  }
+};
+
+TEST(Objects, TwoThatMoveAsOneForLongAreOne) {
+  Pair pair;
+  pair.move(50, 50);
+  pair.wait(250'000);
+  EXPECT_EQ(pair.id_of(pair.second), 1);
+  pair.wait(100'000);
+  EXPECT_EQ(pair.id_of(pair.second), 0);
+  EXPECT_TRUE(pair.shows(pair.first));
+}
+
+TEST(Objects, TwoAtRestOrAtDifferentVelocitiesAreNotOne) {
+  Pair at_rest;
+  at_rest.wait(1'000'000);
+  EXPECT_EQ(at_rest.id_of(at_rest.second), 1);
+
+  Pair apart;
+  apart.move(100, 50);  // 15 px in 300 ms; their tolerance is 11 px
+  apart.wait(1'000'000);
+  EXPECT_EQ(apart.id_of(apart.second), 1);
+}
+
+TEST(Objects, OneThatNoLongerMovesAlongIsItselfAgain) {
+  Pair pair;
+  pair.move(50, 50);
+  pair.wait(400'000);
+  pair.tracks[pair.second].x -= 15;  // they still touch
+  pair.wait(30'000);
+  EXPECT_EQ(pair.id_of(pair.second), 0);
+  pair.wait(20'000);
+  EXPECT_EQ(pair.id_of(pair.second), 1);
+}
+
+TEST(Objects, OneWhoseOwnTracksEndGoesOnWithThoseThatJoined) {
+  Pair pair;
+  pair.move(50, 50);
+  pair.wait(400'000);
+  pair.tracks.remove(pair.first);
+  pair.wait(600'000);  // longer than a lost object is remembered
+  EXPECT_EQ(pair.id_of(pair.second), 0);
+  EXPECT_TRUE(pair.shows(pair.second));
+}
+
 // Fills the tiles around (100, 100), where no track takes them, at a rate per pixel.
 void add_noise(Layer& layer, double rate_hz) {
   const auto events = static_cast<int>(0.2 * 48 * 48 * rate_hz);

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
-#include "asap/core/random.hpp"
+#include "core/random.hpp"
 #include "ros/bridge/package_writer.hpp"
 #include "ros/some_events.hpp"
 

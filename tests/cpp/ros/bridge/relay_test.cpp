@@ -4,9 +4,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstdint>
-#include <limits>
-#include <string>
 #include <thread>
 #include <vector>
 

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <stdexcept>
 
 #include "synthetic/scene_checks.hpp"
 

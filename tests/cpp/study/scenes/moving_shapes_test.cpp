@@ -5,48 +5,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <stdexcept>
 #include <string>
 
-#include "support/allocation_counter.hpp"
 #include "synthetic/scene_checks.hpp"
 
 namespace asap::moving_shapes_test {
 namespace {
-
-// ---- ContrastPixel --------------------------------------------------------------------------
-
-using Change = ContrastPixel::Change;
-
-constexpr std::int32_t kStep_us = 250;
-
-// Level and reference at 0.
-ContrastPixel pixel(double on = 0.2, double off = 0.3) { return {on, off, 0.0, 0.0}; }
-
-TEST(ContrastPixel, FiresWhenItCrossesAThresholdAtTheInterpolatedTime) {
-  auto up = pixel();
-  EXPECT_EQ(up.move_to(0.8, 0, kStep_us), (Change{62, true}));  // 0.2 of 0.8: 62.5 us
-  auto down = pixel();
-  EXPECT_EQ(down.move_to(-0.4, 0, kStep_us), (Change{187, false}));  // 0.3 of 0.4
-}
-
-TEST(ContrastPixel, IsBlindFor300MicrosecondsButTheReferenceMoves) {
-  auto fast = pixel();
-  EXPECT_EQ(fast.move_to(0.3, 0, kStep_us), (Change{166, true}));    // at 0.2
-  EXPECT_EQ(fast.move_to(0.5, 250, kStep_us), std::nullopt);         // at 0.4: lost at 375
-  EXPECT_EQ(fast.move_to(0.5, 500, kStep_us), std::nullopt);         // it was seen
-  EXPECT_EQ(fast.move_to(0.7, 750, kStep_us), (Change{125, true}));  // at 0.6
-}
-
-TEST(ContrastPixel, SeveralThresholdsInAStepAreOneEventAndOneNewReference) {
-  auto jump = pixel();
-  EXPECT_EQ(jump.move_to(1.1, 0, kStep_us), (Change{45, true}));  // the first of five
-  EXPECT_EQ(jump.move_to(0.75, 1000, kStep_us), std::nullopt);    // 1.0 - 0.25
-  EXPECT_EQ(jump.move_to(0.65, 2000, kStep_us), (Change{125, false}));
-}
-
-// ---- MovingShapes ---------------------------------------------------------------------------
 
 using test::all_events;
 using test::expect_well_formed;
@@ -182,19 +147,6 @@ TEST(MovingShapes, NoiseIsLabelledAndChangesNothingElse) {
   EXPECT_NEAR(static_cast<double>(noise), expected, 5.0 * std::sqrt(expected));
 }
 
-TEST(MovingShapes, SeedDecidesAndStartShifts) {
-  auto config = apart(5.0);
-  const auto events = all_events<MovingShapes>(config);
-  EXPECT_EQ(all_events<MovingShapes>(config), events);
-  config.t0_us += 1'000'000'007;
-  auto later = all_events<MovingShapes>(config);
-  for (Event& event : later) event.t -= 1'000'000'007;
-  EXPECT_EQ(later, events);
-  config = apart(5.0);
-  config.seed = 5;
-  EXPECT_NE(all_events<MovingShapes>(config), events);
-}
-
 TEST(MovingShapes, PosesOfTheStreamAreThoseOfTheWholeScene) {
   const auto config = apart(5.0);
   const std::vector<Pose> whole = poses_of(config);
@@ -210,17 +162,6 @@ TEST(MovingShapes, PosesOfTheStreamAreThoseOfTheWholeScene) {
       ASSERT_EQ(stream.poses()[i].axis.x, whole[step * shapes + i].axis.x);
     }
   }
-}
-
-TEST(MovingShapes, ReadingDoesNotAllocate) {
-  MovingShapes stream{apart(5.0)};
-  const std::size_t before = test::allocations();
-  std::size_t events = 0;
-  for (EventSpan block = stream.next(); !block.empty(); block = stream.next()) {
-    events += block.size();
-  }
-  EXPECT_EQ(test::allocations(), before);
-  EXPECT_GT(events, 0U);
 }
 
 TEST(MovingShapes, RefusesABadConfiguration) {

@@ -1,8 +1,8 @@
-#include "asap/telemetry/telemetry.hpp"
+#include "asap/telemetry/ledger.hpp"
 
 #include <gtest/gtest.h>
 
-namespace asap::telemetry_test {
+namespace asap::ledger_test {
 namespace {
 
 TEST(Ledger, IsBalancedWhenEveryEventIsSomewhere) {
@@ -45,4 +45,4 @@ TEST(Ledger, ADifferenceBalances) {
 }
 
 }  // namespace
-}  // namespace asap::telemetry_test
+}  // namespace asap::ledger_test

@@ -1,20 +1,14 @@
-// Ledger: where every event went. Telemetry: what the consumer's side of a run writes down: a row
-// per package, the latency of every event, and where the others went. One thread writes; all but
-// the rows may be read by any thread meanwhile, rows once the run is over.
+// Ledger: where every event went. Slot: what became of the events of one millisecond. Plain
+// numbers.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-
-#include "asap/core/atomics.hpp"
-#include "asap/telemetry/latency_histogram.hpp"
-#include "asap/telemetry/run_log.hpp"
 
 namespace asap {
 
 // Where every event went. At every quiescent point
 //   received = rejected + filtered + discarded + stale + overflow + delivered + pending
-// All counts are events. Counters are written by one thread each; this is their snapshot.
+// All counts are events.
 struct Ledger {
   std::uint64_t received = 0;   // handed to us
   std::uint64_t rejected = 0;   // bad data: back in time, outside the sensor, ...
@@ -51,20 +45,6 @@ struct Slot {
   std::int64_t received;        // events
   std::int64_t delivered;       // events
   std::int64_t latency_max_ns;  // of the delivered ones
-};
-
-struct Telemetry {
-  // max_rows: see RunLog.
-  explicit Telemetry(std::int64_t latency_bound_ns, std::size_t max_rows = RunLog::kAllRows)
-      : log(max_rows), latency(latency_bound_ns) {}
-
-  RunLog log;
-  LatencyHistogram latency;
-  Relaxed<std::uint64_t> filtered;
-  Relaxed<std::uint64_t> discarded;
-  Relaxed<std::uint64_t> stale;
-  Relaxed<std::uint64_t> overflow;  // dropped from a full ring by the consumer's side
-  Relaxed<std::uint64_t> delivered;
 };
 
 }  // namespace asap

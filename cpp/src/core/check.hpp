@@ -1,6 +1,5 @@
-// What a constructor refuses: a value that its configuration must not have, and memory of a size
-// that the user has chosen and that cannot be had. An error names the field, the value and the
-// remedy. The throws are out of line, so headers compile with -fno-exceptions too.
+// Checks of a constructor: its configuration's values, and memory of a size that the user has
+// chosen. The throws are out of line, so headers compile with -fno-exceptions too. Any thread.
 #pragma once
 
 #include <chrono>
@@ -10,22 +9,12 @@
 #include <limits>
 #include <memory>
 #include <new>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
+#include "asap/core/result.hpp"
+
 namespace asap {
-
-// The std::invalid_argument of a field: "<field> = <value> <unit>: <remedy>".
-struct BadValue : std::invalid_argument {
-  BadValue(std::string_view field, std::string_view value, std::string_view unit,
-           std::string_view remedy);
-
-  std::string field;
-  std::string value;
-  std::string unit;  // "us" or "ms" of a time, otherwise empty
-  std::string remedy;
-};
 
 // Throws a BadValue without a unit.
 [[noreturn]] void throw_bad_value(std::string_view field, std::string_view value,
@@ -61,16 +50,6 @@ void require_time(bool ok, std::string_view field, std::chrono::nanoseconds valu
 
 // Returns a latency bound in ns. Throws BadValue for one out of range.
 std::int64_t checked_latency_ns(std::chrono::nanoseconds latency);
-
-// MemoryError in Python.
-class NoMemory : public std::bad_alloc {
- public:
-  explicit NoMemory(const std::string& message) : message_(message) {}
-  const char* what() const noexcept override { return message_.what(); }
-
- private:
-  std::runtime_error message_;  // a string whose copy does not throw
-};
 
 namespace detail {
 

@@ -37,4 +37,14 @@ class Relaxed {
   static_assert(std::atomic<Number>::is_always_lock_free);
 };
 
+// The same of a plain number, which is read as such where nothing writes any more.
+template <class Number>
+Number load_relaxed(const Number& number) noexcept {
+  return std::atomic_ref(const_cast<Number&>(number)).load(std::memory_order_relaxed);
+}
+template <class Number>
+void store_relaxed(Number& number, Number value) noexcept {
+  std::atomic_ref(number).store(value, std::memory_order_relaxed);
+}
+
 }  // namespace asap

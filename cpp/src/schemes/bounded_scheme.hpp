@@ -12,8 +12,8 @@
 #include <limits>
 #include <optional>
 
-#include "asap/core/atomics.hpp"
 #include "asap/schemes/scheme.hpp"
+#include "core/atomics.hpp"
 
 namespace asap {
 

@@ -1,0 +1,277 @@
+// What every algorithm keeps, whatever it finds: the stream may be cut anywhere, events outside the
+// frame change nothing, a stamp that goes back counts as the latest, nothing is allocated after
+// construction.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "algorithms/corner_streams.hpp"
+#include "asap/algorithms/corner_detector.hpp"
+#include "asap/algorithms/event_image.hpp"
+#include "asap/algorithms/event_surface.hpp"
+#include "asap/algorithms/noise_filters.hpp"
+#include "asap/algorithms/plane_flow.hpp"
+#include "asap/algorithms/published_cluster_tracker.hpp"
+#include "support/allocation_counter.hpp"
+
+namespace asap::every_algorithm_test {
+namespace {
+
+constexpr std::size_t kEvents = 20'000;
+constexpr int kWidth = 40;
+constexpr int kHeight = 30;
+
+class FilteredClusterTracker : public PublishedClusterTracker {
+ public:
+  using PublishedClusterTracker::PublishedClusterTracker;
+};
+
+template <class Algorithm>
+Algorithm made(int width = kWidth, int height = kHeight) {
+  typename Algorithm::Config config{.width = width, .height = height};
+  if constexpr (std::is_same_v<Algorithm, EventImage>) config.count = 700;
+  if constexpr (std::is_same_v<Algorithm, HotPixelMask>) config.learn_events = 700;
+  if constexpr (std::is_same_v<Algorithm, FilteredClusterTracker>) {
+    config.motion = PublishedClusterMotion::kKalman;
+  }
+  return Algorithm(config);
+}
+
+// All that an algorithm has said, in memory taken beforehand.
+class Seen {
+ public:
+  Seen() { numbers.reserve(400'000); }
+
+  template <class Surface>
+    requires requires { typename Surface::Value; }
+  void process(Surface& surface, EventSpan events) {
+    surface.process(events);
+    const auto [width, height, unused] = surface.config();
+    numbers.clear();
+    for (std::uint16_t y = 0; y < height; ++y) {
+      for (std::uint16_t x = 0; x < width; ++x) numbers.push_back(surface.at(x, y));
+    }
+  }
+  template <class Rule, class Config>
+  void process(CornerDetector<Rule, Config>& detector, EventSpan events) {
+    detector.process(events, std::span(bytes_).first(events.size()));
+    for (std::size_t i = 0; i < events.size(); ++i) numbers.push_back(bytes_[i]);
+  }
+  void process(PlaneFlow& flow, EventSpan events) {
+    flow.process(events, std::span(flows_).first(events.size()));
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      numbers.push_back(std::isnan(flows_[i].vx) ? 1e30 : flows_[i].vx);
+    }
+  }
+  void process(BackgroundActivityFilter& filter, EventSpan events) { pass(filter, events); }
+  void process(HotPixelMask& mask, EventSpan events) { pass(mask, events); }
+  void process(EventImage& image, EventSpan events) {
+    image.process(events, [this](const ImageView& view) {
+      numbers.insert(numbers.end(), view.values.begin(), view.values.end());
+    });
+  }
+  void process(PublishedClusterTracker& tracker, EventSpan events) {
+    tracker.process(events, std::span(ids_).first(events.size()));
+    for (std::size_t i = 0; i < events.size(); ++i) numbers.push_back(ids_[i]);
+    tracker.clusters_at(std::numeric_limits<std::int64_t>::max(), clusters_);
+    position = clusters_.empty() ? position : std::pair{clusters_[0].x, clusters_[0].vx};
+  }
+
+  friend bool operator==(const Seen& a, const Seen& b) {
+    return a.numbers == b.numbers && a.position == b.position;
+  }
+
+  std::vector<double> numbers;
+  std::pair<double, double> position;  // and velocity, of the first cluster
+
+ private:
+  template <class Filter>
+  void pass(Filter& filter, EventSpan events) {
+    const std::size_t passed = filter.process(events, events_.data());
+    for (std::size_t i = 0; i < passed; ++i) numbers.push_back(events_[i].x + 100 * events_[i].y);
+  }
+
+  std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(kEvents + 10);
+  std::vector<std::int32_t> ids_ = std::vector<std::int32_t>(kEvents + 10);
+  std::vector<Flow> flows_ = std::vector<Flow>(kEvents + 10);
+  std::vector<Event> events_ = std::vector<Event>(kEvents + 10);
+  std::vector<Cluster> clusters_ = std::vector<Cluster>(1000);
+};
+
+template <class Algorithm>
+Seen seen_by(Algorithm& algorithm, EventSpan events) {
+  Seen seen;
+  seen.process(algorithm, events);
+  return seen;
+}
+
+template <class Algorithm>
+class EveryAlgorithm : public testing::Test {
+ protected:
+  const std::vector<Event> events_ = test::wild_stream({}, kEvents);
+  Algorithm algorithm_ = made<Algorithm>();
+  Algorithm other_ = made<Algorithm>();
+};
+
+using Algorithms =
+    testing::Types<EFast, ArcStar, EHarris, FAHarris, BackgroundActivityFilter, HotPixelMask,
+                   EventImage, ThresholdOrdinalSurface, SpeedInvariantTimeSurface, PlaneFlow,
+                   PublishedClusterTracker, FilteredClusterTracker>;
+TYPED_TEST_SUITE(EveryAlgorithm, Algorithms);
+
+TYPED_TEST(EveryAlgorithm, TheStreamMayBeCutAnywhereAndResetIsANewOne) {
+  const Seen whole = seen_by(this->algorithm_, this->events_);
+  const std::vector<Event> outside{{.x = kWidth, .y = 0, .p = 0, .t = 1LL << 60}};
+  seen_by(this->algorithm_, outside);
+  EXPECT_EQ(this->algorithm_.rejected(), 1U);
+  this->algorithm_.reset();
+  EXPECT_EQ(this->algorithm_.rejected(), 0U);
+  Seen parts;
+  for (std::size_t i = 0; i < kEvents;) {
+    const std::size_t n = std::min<std::size_t>(i % 997, kEvents - i) + (i % 997 == 0);
+    parts.process(this->algorithm_, EventSpan(this->events_).subspan(i, n));
+    i += n;
+  }
+  EXPECT_TRUE(parts == whole);
+  const auto [least, most] = std::minmax_element(whole.numbers.begin(), whole.numbers.end());
+  EXPECT_LT(*least, *most) << "it finds something";
+}
+
+TYPED_TEST(EveryAlgorithm, EventsOutsideTheFrameAreCountedAndChangeNothing) {
+  Seen mixed;
+  for (std::size_t i = 0; i < kEvents; i += 1000) {  // far ahead: a stamp that counts would show
+    const std::vector<Event> outside{{.x = kWidth, .y = 9, .p = 1, .t = 1LL << 60},
+                                     {.x = 9, .y = kHeight, .p = 0, .t = 1LL << 60},
+                                     {.x = 65535, .y = 65535, .p = 0, .t = 0}};
+    seen_by(this->algorithm_, outside);
+    mixed.process(this->algorithm_, EventSpan(this->events_).subspan(i, 1000));
+  }
+  EXPECT_EQ(this->algorithm_.rejected(), 3 * kEvents / 1000);
+  Seen alone;
+  for (std::size_t i = 0; i < kEvents; i += 1000) {
+    alone.process(this->other_, EventSpan(this->events_).subspan(i, 1000));
+  }
+  EXPECT_TRUE(mixed == alone);
+}
+
+// The published rule fits its velocity to the stamps as they are.
+TYPED_TEST(EveryAlgorithm, AStampThatGoesBackCountsAsTheLatest) {
+  if constexpr (!std::is_base_of_v<PublishedClusterTracker, TypeParam>) {
+    auto jagged = this->events_;
+    auto lifted = jagged;
+    for (std::size_t i = 1; i < kEvents; i += 3) {
+      jagged[i].t = jagged[i - 1].t - 11 - static_cast<std::int64_t>(i);
+      lifted[i].t = lifted[i - 1].t;
+    }
+    EXPECT_TRUE(seen_by(this->algorithm_, jagged) == seen_by(this->other_, lifted));
+  }
+}
+
+TYPED_TEST(EveryAlgorithm, SurvivesAnyStampAndPolarity) {
+  constexpr std::int64_t kLow = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kHigh = std::numeric_limits<std::int64_t>::max();
+  const CounterRandom random(1);
+  std::vector<Event> events;
+  for (std::uint64_t i = 0; i < kEvents; ++i) {
+    const std::uint64_t bits = random(i);
+    const std::int64_t stamps[] = {kLow, kHigh, 0, -1, static_cast<std::int64_t>(random(~i))};
+    events.push_back({.x = static_cast<std::uint16_t>(bits % (kWidth + 2)),
+                      .y = static_cast<std::uint16_t>((bits >> 8) % (kHeight + 2)),
+                      .p = static_cast<std::int16_t>(bits >> 16),
+                      .t = stamps[(bits >> 32) % (i < kEvents / 2 ? 1 : 5)]});
+  }
+  const Seen seen = seen_by(this->algorithm_, events);
+  for (const double number : seen.numbers) ASSERT_TRUE(std::isfinite(number));
+  EXPECT_TRUE(std::isfinite(seen.position.first) && std::isfinite(seen.position.second));
+  EXPECT_GT(this->algorithm_.rejected(), 0U);
+}
+
+TYPED_TEST(EveryAlgorithm, KeepIsCheckedAndMostlyWithoutEffect) {
+  for (const double bad : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(this->algorithm_.set_keep(bad), std::invalid_argument);
+  }
+  this->algorithm_.set_keep(0);
+  this->algorithm_.set_keep(0.1);
+  const bool is_same =
+      seen_by(this->algorithm_, this->events_) == seen_by(this->other_, this->events_);
+  EXPECT_EQ(is_same, (!std::is_same_v<TypeParam, BackgroundActivityFilter> &&
+                      !std::is_same_v<TypeParam, EventImage>));
+}
+
+TYPED_TEST(EveryAlgorithm, MovesWithItsStateAndACopyGoesItsOwnWay) {
+  const auto first = EventSpan(this->events_).first(kEvents / 2);
+  const auto second = EventSpan(this->events_).subspan(kEvents / 2);
+  seen_by(this->algorithm_, first);
+  seen_by(this->other_, first);
+  TypeParam moved(std::move(this->other_));
+  this->other_ = made<TypeParam>(1, 1);
+  if constexpr (std::is_copy_constructible_v<TypeParam>) {
+    TypeParam copy = moved;
+    this->other_ = copy;
+    seen_by(copy, second);
+    const Seen expected = seen_by(this->algorithm_, second);
+    EXPECT_TRUE(seen_by(this->other_, second) == expected);
+    EXPECT_TRUE(seen_by(moved, second) == expected);
+  } else {
+    this->other_ = std::move(moved);
+    EXPECT_TRUE(seen_by(this->other_, second) == seen_by(this->algorithm_, second));
+  }
+  EXPECT_EQ(this->other_.config().width, kWidth);
+}
+
+TYPED_TEST(EveryAlgorithm, AllocatesOnlyInTheConstructor) {
+  Seen seen;
+  const std::size_t before = test::allocations();
+  seen.process(this->algorithm_, this->events_);
+  this->algorithm_.set_keep(0.5);
+  this->algorithm_.reset();
+  seen.process(this->algorithm_, EventSpan(this->events_).first(kEvents / 2));
+  EXPECT_EQ(test::allocations(), before);
+}
+
+template <class Algorithm, class Answer>
+void refuses_answers_of_another_size() {
+  Algorithm algorithm = made<Algorithm>();
+  const std::vector<Event> events(3, Event{.x = kWidth, .y = 0, .p = 0, .t = 0});
+  std::vector<Answer> answers(2);
+  EXPECT_THROW(algorithm.process(events, std::span(answers)), std::invalid_argument);
+  EXPECT_EQ(algorithm.rejected(), 0U);
+}
+
+TEST(EveryAlgorithm, RefusesAnswersOfAnotherSize) {
+  refuses_answers_of_another_size<EFast, std::uint8_t>();
+  refuses_answers_of_another_size<ArcStar, std::uint8_t>();
+  refuses_answers_of_another_size<EHarris, std::uint8_t>();
+  refuses_answers_of_another_size<FAHarris, std::uint8_t>();
+  refuses_answers_of_another_size<PlaneFlow, Flow>();
+  refuses_answers_of_another_size<PublishedClusterTracker, std::int32_t>();
+}
+
+template <class Filter>
+void may_write_over_its_input(Filter filter) {
+  auto events = test::wild_stream({}, kEvents);
+  const Seen expected = seen_by(filter, events);
+  filter.reset();
+  events.resize(filter.process(events, events.data()));
+  ASSERT_EQ(events.size(), expected.numbers.size());
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    ASSERT_EQ(events[i].x + 100 * events[i].y, expected.numbers[i]);
+  }
+  EXPECT_LT(events.size(), kEvents);
+}
+
+TEST(EveryAlgorithm, AFilterMayWriteOverItsInput) {
+  may_write_over_its_input(made<BackgroundActivityFilter>());
+  may_write_over_its_input(HotPixelMask({.width = kWidth, .height = kHeight, .pixels = {{7, 9}}}));
+}
+
+}  // namespace
+}  // namespace asap::every_algorithm_test
