@@ -12,6 +12,7 @@ import os
 import queue
 import select
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -33,6 +34,21 @@ _WAIT_S = 0.1
 _PIPE_BYTES = 1 << 20
 
 
+def begun(call: str, **pipes: Any) -> subprocess.Popen[bytes]:
+    """Begin a process that calls a function of a module of asap, with a pipe into it.
+
+    Ctrl-C is for the user's process alone. A session of its own would do so too, but have a share
+    of the processor for itself, within which alone a priority counts.
+    """
+    name = call.partition(".")[0]
+    code = f"import sys; sys.path[:] = {sys.path!r}; from asap import {name}; {call}"
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        return subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, **pipes)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+
 class Playback:
     """What an open device of neuromorphic-drivers is: iterate for (status, packet).
 
@@ -46,14 +62,8 @@ class Playback:
 
     def __init__(self, chunks: Iterable[Events], size: tuple[int, int], *how: Any) -> None:
         self.properties = lambda: SimpleNamespace(width=size[0], height=size[1])
-        code = f"import sys; sys.path[:] = {sys.path!r}; from asap import _playback"
-        self.process = subprocess.Popen(
-            [sys.executable, "-c", f"{code}; _playback.play{how!r}"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            bufsize=0,
-            start_new_session=True,  # Ctrl-C is for the user's process alone
-        )
+        call = f"_playback.play{how!r}"
+        self.process = begun(call, stdout=subprocess.PIPE, bufsize=0)
         pipes: tuple[Any, Any] = self.process.stdin, self.process.stdout
         self._in, self._out = pipes
         self._poll = select.poll()

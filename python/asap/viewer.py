@@ -14,12 +14,12 @@ import threading
 from collections import deque
 from contextlib import suppress
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from asap import _checks, _rerun, monitor
+from asap._playback import begun
 from asap._rerun import PORT
 from asap.events import EVENT_DTYPE
 from asap.experiment.pipeline import Pipeline
@@ -94,9 +94,9 @@ def view(
 
 def draw(target: str) -> None:
     """Be the process that shows what comes in by its standard input, until it ends."""
-    with suppress(OSError, AttributeError):  # the run comes first, where the system can have it so
-        os.nice(19)
-        Path("/proc/self/autogroup").write_text("19")  # a session has a share of its own
+    os.nice(19)
+    with suppress(OSError, AttributeError):  # as on Linux: at once, where one of the run wakes up
+        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
     is_text = target == "terminal"
     opened: Any = monitor.shown("asap run") if is_text else _rerun.shown(target)
     with opened as show, suppress(EOFError, pickle.UnpicklingError):  # at the end, or cut
@@ -128,14 +128,8 @@ class View:
             remedy = "give 'spawn', 'connect', 'terminal' or a .rrd file"
             _checks.ending("target", path, (".rrd",), remedy)
             target = str(path.absolute())
-        code = f"import sys; sys.path[:] = {sys.path!r}; from asap import viewer"
-        process = subprocess.Popen(
-            [sys.executable, "-c", f"{code}; viewer.draw({target!r})"],
-            stdin=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C is for the user's process alone
-        )
-        pipe: Any = process.stdin
-        self._process, self._pipe = process, pipe
+        self._process = begun(f"viewer.draw({target!r})")
+        self._pipe: Any = self._process.stdin
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None
 
