@@ -128,32 +128,6 @@ TEST(EventImage, AgreesWithTheDefinition) {
   }
 }
 
-TEST(EventImage, ByCountTheLastEventCompletesIt) {
-  EventImage image({.width = 2, .height = 1, .count = 3});
-  const Events events{{.x = 0, .y = 0, .p = 1, .t = 5},
-                      {.x = 1, .y = 0, .p = 0, .t = 7},
-                      {.x = 0, .y = 0, .p = 1, .t = 9}};
-  EXPECT_EQ(image.process(std::span(events).first(2)), 0U);
-  EXPECT_EQ(copy_of(image.image()), (Image{{0, 0, 0, 0}, 0, 0}));
-  EXPECT_EQ(image.process(std::span(events).last(1)), 1U);
-  EXPECT_EQ(copy_of(image.image()), (Image{{0, 1, 2, 0}, 5, 10}));
-}
-
-TEST(EventImage, ByPeriodTheClockCutsAndSilenceGivesNoImage) {
-  EventImage image(
-      {.width = 1, .height = 1, .period = microseconds(100), .channels = {count, time}});
-  const Events events{{.x = 0, .y = 0, .p = 1, .t = -1},
-                      {.x = 0, .y = 0, .p = 1, .t = 0},
-                      {.x = 0, .y = 0, .p = 1, .t = 99},
-                      {.x = 0, .y = 0, .p = 1, .t = 1'000'000'000'100},
-                      {.x = 0, .y = 0, .p = 1, .t = 1'000'000'000'200}};
-  const auto images = images_of(image, events);
-  ASSERT_EQ(images.size(), 3U);
-  EXPECT_EQ(images[0], (Image{{1, 1}, -100, 0}));
-  EXPECT_EQ(images[1], (Image{{2, 1}, 0, 100}));
-  EXPECT_EQ(images[2], (Image{{1, 0.01F}, 1'000'000'000'100, 1'000'000'000'200}));
-}
-
 TEST(EventImage, FlushCompletesWhatHasBegun) {
   EventImage image({.width = 1, .height = 1, .period = microseconds(100), .channels = {count}});
   EXPECT_FALSE(image.flush());
@@ -184,17 +158,6 @@ TEST(EventImage, BehindADiscarderItHoldsAsMuch) {
   images = images_of(image, std::span(events).first(3));
   EXPECT_EQ(images.size(), 3U);
   EXPECT_EQ(total(images[0].values), 1000);
-}
-
-TEST(EventImage, PeriodsStayAsLongBehindADiscarder) {
-  const auto events = asap::test::golden_corner_stream(10'000);
-  EventImage image(
-      {.width = 346, .height = 260, .period = microseconds(10'000), .channels = {count}});
-  image.set_keep(0.5);
-  const auto images = images_of(image, events);
-  ASSERT_EQ(images.size(), 10U);
-  EXPECT_EQ(images[5].end_us - images[5].begin_us, 10'000);
-  EXPECT_EQ(total(images[5].values), 2000);
 }
 
 TEST(EventImage, SurvivesAnyStampAndPolarity) {

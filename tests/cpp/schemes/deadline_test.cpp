@@ -197,20 +197,6 @@ TEST(Deadline, DropsWhatHasNoChanceAndTakesTheRest) {
   EXPECT_EQ(decision.keep, 1.0);
 }
 
-// The dropped events are exactly those that would be too old when the package ends.
-TEST(Deadline, APackageThatDropsEndsWhenItsOldestIsTooOld) {
-  for (const double load : {1.5, 3.0, 10.0}) {
-    Deadline scheme = trained();
-    const FakeBacklog crowd = evenly(static_cast<std::size_t>(load * 20e6 / kBetaNs), 20 * kMs);
-    const Decision decision = decide(scheme, crowd);
-    const Backlog backlog = crowd.at(kNow);
-    EXPECT_EQ(decision.stale, backlog.counts.before(kNow - 10 * kMs + decision.budget_ns)) << load;
-    EXPECT_GE(decision.raw, 1u);
-    EXPECT_NEAR(size_of(decision), (static_cast<double>(decision.budget_ns) - kAlphaNs) / kBetaNs,
-                1.0);
-  }
-}
-
 TEST(Deadline, NoPackageIsShorterThanTheInterval) {
   for (const double interval_ms : {0.0, 4.0, 40.0}) {
     Deadline scheme = trained({.min_interval = test::ms(interval_ms)});
@@ -256,25 +242,6 @@ TEST(Deadline, TakesTheBestOfItsPlans) {
   }
   EXPECT_GT(drops, 50);
   EXPECT_GT(stays, 50);
-}
-
-// If nothing more came, all that stays behind would be done in time, oldest first.
-TEST(Deadline, WhatStaysBehindCanStillBeFinished) {
-  for (std::size_t count = 30'000; count <= 300'000; count += 10'000) {
-    for (const std::int64_t age : {2 * kMs, 5 * kMs, 9 * kMs}) {
-      Deadline scheme = trained();
-      const FakeBacklog events = evenly(count, age);
-      const Decision decision = decide(scheme, events);
-      const std::size_t stay = count - decision.stale - decision.raw;
-      const auto oldest =
-          static_cast<double>(stay) / static_cast<double>(count) * static_cast<double>(age);
-      const double end = static_cast<double>(decision.budget_ns) + kAlphaNs;
-      for (double share = 0; share <= 1; share += 0.125) {  // of the stay, from the oldest on
-        const double done = end + share * static_cast<double>(stay) * kBetaNs;
-        ASSERT_LE(done + (1 - share) * oldest, 10e6 + 1e3) << count << ", " << age;
-      }
-    }
-  }
 }
 
 // L = 10 alpha, load 3: many events, or no gap. Then nothing is dropped that still can make it.

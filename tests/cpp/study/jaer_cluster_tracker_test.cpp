@@ -4,12 +4,9 @@
 
 #include <cmath>
 #include <cstdint>
-#include <stdexcept>
 #include <vector>
 
 #include "study/blobs.hpp"
-#include "support/allocation_counter.hpp"
-#include "support/errors.hpp"
 
 namespace asap::jaer_cluster_tracker_test {
 namespace {
@@ -141,37 +138,6 @@ TEST(JaerClusterTracker, FollowsAnObjectWithOneId) {
   EXPECT_NEAR(clusters[0].vx, 200, 60);
   EXPECT_NEAR(clusters[0].vy, 100, 60);
   EXPECT_EQ(clusters[0].t_last, events.back().t);
-}
-
-TEST(JaerClusterTracker, DoesNotAllocateNorDependOnTheCut) {
-  const auto events = blobs(0, 100'000, {moving(60, 60, 300, 0), moving(200, 80, -200, 0)});
-  auto whole = tracker_of();
-  auto cut = tracker_of();
-  std::vector<std::int32_t> labels(events.size());
-  std::vector<std::int32_t> single(events.size());
-  const std::size_t before = test::allocations();
-  whole.process(events, labels);
-  for (std::size_t i = 0; i < events.size(); ++i) {
-    cut.process(EventSpan(events).subspan(i, 1), std::span(single).subspan(i, 1));
-  }
-  EXPECT_EQ(test::allocations(), before);
-  EXPECT_EQ(labels, single);
-  whole.reset();
-  whole.process(events, single);
-  EXPECT_EQ(labels, single);
-}
-
-TEST(JaerClusterTracker, BadInput) {
-  auto tracker = tracker_of(64, 48);
-  EXPECT_EQ(give(tracker, 64, 0, 0), -1);
-  EXPECT_EQ(give(tracker, 0, 48, 0), -1);
-  EXPECT_EQ(tracker.rejected(), 2u);
-  give(tracker, 10, 10, 5'000, 12);
-  EXPECT_EQ(give(tracker, 10, 10, 4'000), 0);  // a stamp that goes back
-  EXPECT_EQ(tracker.clusters()[0].size, 13);
-  std::vector<std::int32_t> labels(2);
-  EXPECT_THROW(tracker.process(repeated(1, 1, 0, 1), labels), std::invalid_argument);
-  EXPECT_EQ(test::error_of([] { tracker_of(0); }).substr(0, 11), "width = 0: ");
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-#include <stdexcept>
 #include <string>
 
 #include "synthetic/scene_checks.hpp"
@@ -12,8 +10,6 @@ namespace asap::scenes_test {
 namespace {
 
 using test::fingerprint;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 struct Counts {
   std::size_t events = 0;
@@ -120,41 +116,6 @@ TEST(Scenes, OcclusionHidesTheShapeForTheGap) {
     EXPECT_LE(longest_us, 400'000) << seed;
     EXPECT_GT(last_us, config.duration_us - 20'000);
   }
-}
-
-TEST(Scenes, RefuseABadArgument) {
-  const auto refused = [](auto make, const std::string& field) {
-    try {
-      make();
-      ADD_FAILURE() << "accepted a bad " << field;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_TRUE(std::string(error.what()).starts_with(field + " = ")) << error.what();
-    }
-  };
-  using scenes::FreeShapes;
-  const auto free = [&](const FreeShapes& scene, const std::string& field) {
-    refused([&] { MovingShapes{scenes::free_shapes(scene)}; }, field);
-  };
-  free({.count = -1}, "count");
-  free({.count = 10'001}, "count");
-  free({.width = 1}, "radius_px");
-  free({.height = 100'000}, "height");
-  free({.duration_us = 3}, "duration_us");
-  free({.radius_px{0.5, 4.0}}, "radius_px");
-  free({.radius_px{5.0, 4.0}}, "radius_px");
-  free({.radius_px{5.0, kNan}}, "radius_px");
-  free({.radius_px{5.0, 96.0}}, "radius_px");
-  free({.speed_px_s{-1.0, 4.0}}, "speed_px_s");
-  free({.speed_px_s{5.0, 4.0}}, "speed_px_s");
-  free({.speed_px_s{5.0, 2001.0}}, "speed_px_s");
-  free({.spin_rad_s = kNan}, "spin_rad_s");
-  free({.noise_hz = -1.0}, "noise_hz");
-  refused([] { scenes::named('H'); }, "name");
-  refused([] { scenes::stop_and_go({.gap_us = -1}); }, "gap_us");
-  refused([] { scenes::stop_and_go({.speed_px_s = kNan}); }, "speed_px_s");
-  refused([] { scenes::stop_and_go({.radius_px = 30.0}); }, "radius_px");
-  refused([] { scenes::occlusion({.gap_us = 2'000'000}); }, "gap_us");
-  refused([] { scenes::occlusion({.speed_px_s = 10.0}); }, "speed_px_s");
 }
 
 }  // namespace
