@@ -12,7 +12,7 @@ from asap import _checks
 
 Floats = NDArray[np.float64]
 
-BOUND_KEPT = 1.01  # times the bound: one stratum of a package may run over it
+BOUND_KEPT = 1.01  # times the bound
 LEAST_BOUND = 2.5  # fixed costs
 
 _FITTED = 8192  # packages; of more, so many are drawn at random
@@ -145,10 +145,15 @@ def _noise(off: Floats) -> float:
     return _OF_NORMAL * float(np.median(away)) if away.size else 0.0
 
 
+def keeps(latency_us: float, bound_us: float) -> bool:
+    """Whether a latency is within the bound, but for one stratum of a package."""
+    return latency_us <= BOUND_KEPT * bound_us
+
+
 def bound_needed_us(cost: Cost, bound_us: float, largest_us: float) -> float | None:
     """Return the shortest bound that the cost allows, us, where the bound of the run was shorter.
 
     None where the largest latency kept the bound, or missed it for another reason.
     """
-    kept = largest_us <= BOUND_KEPT * bound_us
-    return None if kept or cost.least_bound_us <= bound_us else cost.least_bound_us
+    is_short = cost.least_bound_us > bound_us and not keeps(largest_us, bound_us)
+    return cost.least_bound_us if is_short else None

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _checks, _core
-from asap.results.cost import BOUND_KEPT, Cost, bound_needed_us, fit
+from asap.results.cost import Cost, bound_needed_us, fit, keeps
 
 SCHEMA_VERSION = 1
 
@@ -263,7 +263,7 @@ class Run(Result):
     @property
     def bound_kept(self) -> bool:
         """Whether no event was delivered later than 1.01 times the bound."""
-        return self.latency.max <= BOUND_KEPT * self.latency_bound_us
+        return keeps(self.latency.max, self.latency_bound_us)
 
     def to_pandas(self) -> Any:
         """Return `packages` as a ``pandas.DataFrame``, a row for each package."""

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from asap import _units
-from asap.results.cost import BOUND_KEPT, LEAST_BOUND, Cost
+from asap.results.cost import BOUND_KEPT, LEAST_BOUND, Cost, keeps
 from asap.results.data import Comparison, Finding, Inspection, Row, Run
 from asap.results.numbers import Diagnosis, diagnose, held_up_us
 
@@ -414,11 +414,6 @@ def oracle_rows(comparison: Comparison) -> list[tuple[str, ...]]:
     ]
 
 
-def exceeds(latency_us: float, latency_ms: float) -> bool:
-    """Whether a latency is above the bound by more than one stratum of a package."""
-    return latency_us > BOUND_KEPT * latency_ms * 1e3
-
-
 def comparison_verdict(comparison: Comparison) -> str:
     """Say which schemes keep the bound, and which of them processes the most in time.
 
@@ -434,15 +429,11 @@ def comparison_verdict(comparison: Comparison) -> str:
             f"No scheme can process an event within {bound}: one package takes longer. Use a "
             "longer bound or a faster algorithm."
         )
-    keepers = [
-        row
-        for row in comparison.rows
-        if row.kept and not exceeds(row.p99_us, comparison.latency_ms)
-    ]
+    keepers = [row for row in comparison.rows if row.kept and keeps(row.p99_us, bound_us)]
     if not keepers:
         none = f"No scheme keeps the bound of {bound} for 99 % of its events."
         return " ".join([none, *_more_than_default(comparison), _READ])
-    late = [row.label for row in keepers if exceeds(row.max_us, comparison.latency_ms)]
+    late = [row.label for row in keepers if not keeps(row.max_us, bound_us)]
     never = [row.label for row in keepers if row.label not in late]
     sentences = [_best(keepers, bound_us), *_more_than_default(comparison)]
     if never:
@@ -490,8 +481,9 @@ def _more_than_default(comparison: Comparison) -> Iterator[str]:
     most = max(comparison.rows, key=lambda row: row.score)
     default = next((row for row in comparison.rows if row.scheme == "deadline"), most)
     if round(most.score, 3) > round(default.score, 3):
-        late = exceeds(most.p99_us, comparison.latency_ms)
-        p99 = f", but its p99 is {_ratio(most.p99_us / (comparison.latency_ms * 1e3))} L" * late
+        bound_us = comparison.latency_ms * 1e3
+        is_late = not keeps(most.p99_us, bound_us)
+        p99 = f", but its p99 is {_ratio(most.p99_us / bound_us)} L" * is_late
         yield (
             f"{most.label} processes more in time than {default.label}: {most.score:.3f} of the "
             f"oracle's events instead of {default.score:.3f}{p99}."
