@@ -6,8 +6,8 @@ second: if that process is stalled or killed, only this thread waits or ends.
 
 from __future__ import annotations
 
+import io
 import os
-import pickle
 import subprocess
 import sys
 import threading
@@ -33,6 +33,7 @@ __all__ = ["View", "view"]
 _FRAME_S = 1 / 15
 _SHOWN_S = 0.02  # of events in a picture
 _PATIENCE_S = 10.0
+_HEAD, _PARTS = 8, 4  # of a frame: bytes of its size, arrays
 
 
 def view(
@@ -99,9 +100,13 @@ def draw(target: str) -> None:
         os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
     is_text = target == "terminal"
     opened: Any = monitor.shown("asap run") if is_text else _rerun.shown(target)
-    with opened as show, suppress(EOFError, pickle.UnpicklingError):  # at the end, or cut
-        while True:
-            show(*pickle.load(sys.stdin.buffer))
+    with opened as show:
+        while head := sys.stdin.buffer.read(_HEAD):
+            size = int.from_bytes(head, "little")
+            frame = io.BytesIO(sys.stdin.buffer.read(size))
+            if len(frame.getbuffer()) < size:
+                break  # cut: the run was killed
+            show(*(np.load(frame, allow_pickle=False) for _ in range(_PARTS)))
 
 
 def _has_screen() -> bool:
@@ -159,10 +164,13 @@ class View:
                 break
         pipeline._log.watchers.remove(look)
 
-    def send(self, *frame: Any) -> bool:
-        """Hand rows, sensor, events and what was found over; False: that process has ended."""
+    def send(self, rows: Rows, sensor: Any, events: Any, found: Any) -> bool:
+        """Hand a frame over; False: that process has ended."""
+        whole = io.BytesIO()
+        for part in (rows, np.array([side or 0 for side in sensor]), events, found):
+            np.save(whole, part, allow_pickle=False)
         try:
-            pickle.dump(frame, self._pipe, protocol=5)
+            self._pipe.write(len(data := whole.getvalue()).to_bytes(_HEAD, "little") + data)
             self._pipe.flush()
         except OSError:
             return False
