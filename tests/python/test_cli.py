@@ -18,7 +18,7 @@ import pytest
 import asap
 import corrupt
 import streams
-from asap import _progress, demo
+from asap import _progress, analysis, demo
 from asap.cli.algorithms import ALGORITHMS, algorithm_of, chosen
 from event_files import write_csv
 
@@ -219,6 +219,29 @@ def test_info_is_info(call: Call, flight: Path) -> None:
     for sides, shown in (((), "unknown"), (SENSOR[:2], "346 x ? px")):
         words = f"  sensor    {shown}: addresses are not checked; events reach x = "
         assert words in call("info", flight, *sides)[1]
+
+
+def test_the_facts(call: Call, flight: Path) -> None:
+    np.savez("a.npz", events=corrupt.outside_sensor(EVENTS, 60), width=346, height=260)
+    found, recording = analysis.describe(asap.read("a.npz")), asap.read("a.npz")
+    facts = asap.info("a.npz")
+    assert facts == {
+        **{"schema_version": 1, "path": "a.npz", "format": "npz", "width": 346, "height": 260},
+        **{"events": 1940, "duration_s": found.duration_s, "on_share": found.on_share},
+        **{"x_max": int(EVENTS["x"].max()), "y_max": int(EVENTS["y"].max())},
+        "rate_hz": {
+            "mean": found.rate_mean_hz,
+            "peak_1ms": found.rate_peak_1ms_hz,
+            "peak_10ms": found.rate_peak_10ms_hz,
+        },
+        "rejected": recording.rejected | {"out_of_bounds": 60},
+        **{"clock_resets": 0, "lost_packets": 0},
+    }
+    assert asap.info(recording) == facts
+    assert "clock" not in call("info", "a.npz")[1]
+    np.save("b.npy", corrupt.clock_reset(EVENTS, 1000))
+    assert asap.info("b.npy")["clock_resets"] == 1
+    assert "\n  clock     set back 1 x by 1 s or more: " in call("info", "b.npy")[1]
 
 
 def test_demo(call: Call, flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import decimal
+import inspect
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -105,6 +106,16 @@ def test_whole_numbers_of_numpy_are_taken() -> None:
         events = next(iter(stream(duration_s=0.01, seed=np.int64(3))))
         assert np.array_equal(events, next(iter(stream(duration_s=0.01, seed=3))))
     assert _core.TextDecoder(first_offset=np.int64(3)).noted == ()
+
+
+CLASSES = [kind for name in asap.__all__ if isinstance(kind := getattr(asap, name), type)]
+MADE_BY_USERS = [kind for kind in CLASSES if kind not in (asap.Scheme, asap.CameraError)]
+
+
+@pytest.mark.parametrize("kind", MADE_BY_USERS, ids=lambda kind: kind.__name__)
+def test_a_signature_names_every_argument_of_a_public_class(kind: type) -> None:
+    kinds = {one.kind for one in inspect.signature(kind).parameters.values()}
+    assert not kinds & {inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD}
 
 
 # ---- one object, several threads ------------------------------------------------------------
