@@ -168,17 +168,7 @@ class ShakenPattern(SyntheticStream):
         noise_hz: float = 0.1,
         t0_us: int = 0,
     ) -> None:
-        super().__init__(
-            duration_s=duration_s,
-            seed=seed,
-            width=width,
-            height=height,
-            first_rate_hz=first_rate_hz,
-            last_rate_hz=last_rate_hz,
-            amplitude_px=amplitude_px,
-            noise_hz=noise_hz,
-            t0_us=t0_us,
-        )
+        SyntheticStream.__init__(**locals())  # self and the parameters, by name
 
 
 class FlightOverChairs(SyntheticStream):
@@ -233,13 +223,4 @@ class FlightOverChairs(SyntheticStream):
         noise_hz: float = 0.1,
         t0_us: int = 0,
     ) -> None:
-        super().__init__(
-            duration_s=duration_s,
-            seed=seed,
-            width=width,
-            height=height,
-            last_rate_hz=last_rate_hz,
-            chair_px=chair_px,
-            noise_hz=noise_hz,
-            t0_us=t0_us,
-        )
+        SyntheticStream.__init__(**locals())  # self and the parameters, by name
