@@ -92,14 +92,6 @@ TEST(RunLog, ABoundedOneKeepsTheNewestRowsAndExactTotals) {
   EXPECT_EQ(log.totals().gamma_min, 5.0 / 80.0) << "of a row that has gone";
 }
 
-TEST(RunLog, ABoundIsAnyNumber) {
-  RunLog log(3);
-  for (std::int64_t i = 0; i < 5; ++i) log.append(record(1000 * i));
-  EXPECT_EQ(log.size(), 5u);
-  EXPECT_EQ(log.first(), 2u);
-  for (std::size_t i = 2; i < 5; ++i) EXPECT_EQ(log[i].start_us, static_cast<double>(i));
-}
-
 TEST(RunLog, ABoundOfNoneKeepsTheTotals) {
   RunLog log(0);
   for (std::int64_t i = 0; i < 5; ++i) log.append(record(1000 * i));
@@ -132,28 +124,6 @@ TEST(RunLog, ASpanOfZeroCountsAsOneMicrosecond) {
   one.t_last = one.t_first;
   log.append(one);
   EXPECT_EQ(log[0].rate, 20e6);
-}
-
-// ---- PackageTotals --------------------------------------------------------------------------
-
-TEST(PackageTotals, OfNothing) {
-  const PackageTotals totals;
-  EXPECT_EQ(totals.count, 0u);
-  EXPECT_EQ(totals.gamma_min, 1.0);
-}
-
-TEST(PackageTotals, AddUp) {
-  PackageTotals totals;
-  totals.add(10, 10, 500);
-  totals.add(40, 10, 300);
-  totals.add(30, 20, 200);
-  const PackageTotals copy = totals;
-  EXPECT_EQ(copy.count, 3u);
-  EXPECT_EQ(copy.to_gamma, 80u);
-  EXPECT_EQ(copy.size, 40u);
-  EXPECT_EQ(copy.size_max, 20u);
-  EXPECT_EQ(copy.processing_ns, 1000);
-  EXPECT_EQ(copy.gamma_min, 0.25);
 }
 
 }  // namespace
