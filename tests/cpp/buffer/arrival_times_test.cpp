@@ -15,68 +15,6 @@ namespace {
 
 constexpr std::size_t kSteps = ArrivalTimes::kSteps;
 
-TEST(ArrivalTimes, KnowsWhenAnEventArrived) {
-  ArrivalTimes times(10);
-  times.note(0, 1000);  // events 0..4
-  times.note(5, 1020);  // 5
-  times.note(6, 1050);  // 6...
-  EXPECT_EQ(times.of(0), 1000);
-  EXPECT_EQ(times.of(4), 1000);
-  EXPECT_EQ(times.of(5), 1020);
-  EXPECT_EQ(times.of(6), 1050);
-  EXPECT_EQ(times.of(1000), 1050);
-  EXPECT_EQ(times.same_until(0, 8), 5u);
-  EXPECT_EQ(times.same_until(2, 4), 4u);
-  EXPECT_EQ(times.same_until(5, 8), 6u);
-  EXPECT_EQ(times.same_until(6, 8), 8u);
-}
-
-TEST(ArrivalTimes, CountsWhatCameBefore) {
-  ArrivalTimes times(10);
-  times.note(0, 1000);
-  times.note(5, 1020);
-  times.note(6, 1050);
-  EXPECT_EQ(times.before(1000, 0, 9), 0u);
-  EXPECT_EQ(times.before(1001, 0, 9), 5u);
-  EXPECT_EQ(times.before(1021, 0, 9), 6u);
-  EXPECT_EQ(times.before(1051, 0, 9), 9u);
-  EXPECT_EQ(times.before(1021, 2, 9), 4u);
-  EXPECT_EQ(times.before(1021, 2, 3), 3u) << "never more than what waits";
-  EXPECT_EQ(times.before(1001, 5, 2), 0u);
-}
-
-TEST(ArrivalTimes, PushesOfOneStepShareTheTimeOfTheFirst) {
-  ArrivalTimes times(10);
-  times.note(0, 1000);
-  times.note(5, 1009);
-  times.note(6, 1010);
-  EXPECT_EQ(times.of(5), 1000);
-  EXPECT_EQ(times.of(6), 1010);
-}
-
-TEST(ArrivalTimes, APushThatTookNothingLeavesNoTrace) {
-  ArrivalTimes times(10);
-  times.note(0, 1000);
-  times.note(5, 1020);  // the ring is full
-  times.note(5, 1070);
-  times.note(6, 1090);
-  EXPECT_EQ(times.of(4), 1000);
-  EXPECT_EQ(times.of(5), 1070);
-  EXPECT_EQ(times.of(6), 1090);
-}
-
-TEST(ArrivalTimes, StayRightWhereverTheyAreReleased) {
-  for (std::uint64_t head = 0; head < 40; ++head) {
-    ArrivalTimes times(10);
-    for (std::uint64_t i = 0; i < 40; i += 4) times.note(i, 1000 + 10 * static_cast<int>(i));
-    times.release(head);
-    for (std::uint64_t i = head; i < 40; ++i) {
-      ASSERT_EQ(times.of(i), 1000 + 10 * static_cast<int>(i / 4 * 4)) << head;
-    }
-    ASSERT_EQ(times.before(1000 + 200, head, 40 - head), head < 20 ? 20 - head : 0u);
-  }
-}
-
 TEST(ArrivalTimes, CountsForManyTimesAtOnceAsForEach) {
   const CounterRandom random(1);
   std::uint64_t draws = 0;
@@ -99,15 +37,6 @@ TEST(ArrivalTimes, CountsForManyTimesAtOnceAsForEach) {
       const std::int64_t time_ns = now_ns - static_cast<std::int64_t>(i) * step_ns;
       ASSERT_EQ(counts[i], times.before(time_ns, head, index - head)) << round << ", " << i;
     }
-  }
-}
-
-TEST(ArrivalTimes, GoesOnForEverWhenReleased) {
-  ArrivalTimes times(10);
-  for (std::uint64_t i = 0; i < 5 * kSteps; ++i) {
-    times.note(3 * i, 1000 + 10 * static_cast<std::int64_t>(i));
-    times.release(3 * i);
-    ASSERT_EQ(times.of(3 * i), 1000 + 10 * static_cast<std::int64_t>(i));
   }
 }
 

@@ -186,43 +186,6 @@ TEST_P(EventBufferOnTwoThreads, NothingIsLostDoubledOrTornWhereItGoesBackToTheFi
   lose_double_and_tear_nothing<RestlessBuffer>(GetParam());
 }
 
-TEST_P(EventBufferOnTwoThreads, EveryEventIsDeliveredOrCounted) {
-  constexpr std::uint64_t kEvents = 200'000;
-  EventBuffer buffer(GetParam());
-  std::thread producer([&] {
-    const CounterRandom random(3);
-    Events batch;
-    for (std::uint64_t next = 0; next < kEvents;) {
-      const std::uint64_t bits = random(next);
-      batch.clear();
-      for (std::uint64_t i = bits % 20; i < 20 && next < kEvents; ++i) {
-        batch.push_back(numbered(next, static_cast<std::int64_t>(next)));
-        ++next;
-      }
-      buffer.push(batch);
-      pause(bits >> 20);
-    }
-    buffer.close();
-  });
-
-  std::uint64_t delivered = 0;
-  std::int64_t last = -1;
-  for (;;) {
-    const bool closed = buffer.closed();
-    const EventPieces pieces = buffer.peek();
-    if (pieces.size() == 0 && closed) break;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      ASSERT_LT(last, pieces[i].t);
-      last = pieces[i].t;
-    }
-    delivered += pieces.size();
-    buffer.consume(pieces.size());
-    if (pieces.size() == 0) std::this_thread::yield();
-  }
-  producer.join();
-  EXPECT_EQ(delivered + buffer.overflow(), kEvents);
-}
-
 TEST(EventBuffer, AfterClosedOneMorePeekSeesEverything) {
   constexpr int kRounds = 20'000;
   const Events events = evenly_spaced(3, 1);

@@ -270,55 +270,5 @@ TEST(TextDecoder, PlainLinesComeOutAsAllOthersDo) {
   }
 }
 
-TEST(TextDecoder, NearlyPlainLinesAreOftenEvents) {
-  const CounterRandom random(1);
-  std::string text;
-  for (std::uint64_t line = 0; line < 10'000; ++line) text += nearly_plain(random, line);
-  EXPECT_GT(decode(text).events.size(), 2'000u);
-}
-
-TEST(TextDecoder, FillsASpanUntilItIsFull) {
-  const std::string text = "1 2 3 1\n# no event\n2 3 4 0\n3 4 5 1\n" + std::string(40, ' ') + "\n";
-  const Decoded whole = decode(text);
-  for (std::size_t room = 1; room < 5; ++room) {
-    TextDecoder decoder;
-    std::vector<Event> events(room);
-    Events found;
-    for (std::size_t at = 0; at < text.size();) {
-      const auto progress =
-          decoder.decode(bytes_of(std::string_view(text).substr(at)), std::span(events));
-      ASSERT_LE(progress.events, room);
-      found.insert(found.end(), events.begin(),
-                   events.begin() + static_cast<std::ptrdiff_t>(progress.events));
-      at += progress.bytes;
-    }
-    EXPECT_EQ(collect(decoder, std::move(found)), whole) << room;
-  }
-}
-
-TEST(TextDecoder, WithoutRoomNothingIsConsumed) {
-  TextDecoder decoder;
-  const auto progress = decoder.decode(bytes_of(std::string_view("1 2 3 1\n")), std::span<Event>{});
-  EXPECT_EQ(progress.bytes, 0u);
-  EXPECT_EQ(progress.events, 0u);
-}
-
-TEST(TextDecoder, WhatFollowsTheLastEventThatFitsIsKept) {
-  TextDecoder decoder;
-  std::vector<Event> events(1);
-  EXPECT_EQ(decoder.decode(bytes_of(std::string_view("1 2 3 1\n4")), std::span(events)).bytes, 9u);
-}
-
-TEST(TextDecoder, EventsNeverFillTheRoomForTheirBytes) {
-  const std::string text = "1,2,3\n4,5,6\n7,8,9\n";
-  for (std::size_t size = 0; size <= text.size(); ++size) {
-    TextDecoder decoder({.order = "txy"});
-    Events events;
-    decoder.decode(bytes_of(std::string_view("1,")), events);
-    decoder.decode(bytes_of(std::string_view(text).substr(0, size)), events);
-    EXPECT_LT(events.size(), decoder.room_for(size));
-  }
-}
-
 }  // namespace
 }  // namespace asap::text_test

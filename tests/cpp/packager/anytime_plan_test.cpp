@@ -46,6 +46,136 @@ TEST(AnytimePlan, CutsTheRawEventsIntoStrataOfEqualCount) {
   }
 }
 
+// k0 = 6400 / 32: the expectation counts as 200 events.
+TEST(AnytimePlan, WeighsTheExpectationAgainstWhatThePackageHasShown) {
+  AnytimePlan plan(within(2 * kMillisecond, 6400, 1000.0), 7, kMillisecond);
+  EXPECT_DOUBLE_EQ(plan.next(7, 0).keep, 2e6 / 16 / 1000 / 400);
+  // 100 events in 300 us.
+  const double b = (200 * 1000.0 + 300'000) / (200 + 100);
+  EXPECT_DOUBLE_EQ(plan.next(300'007, 100).keep, 1.7e6 / 15 / b / 400);
+  // 50 more in 20 us.
+  const double c = (200 * 1000.0 + 320'000) / (200 + 150);
+  EXPECT_DOUBLE_EQ(plan.next(320'007, 50).keep, 1.68e6 / 14 / c / 400);
+}
+
+Decision with_fixed_cost(double fixed_ns, Decision decision) {
+  decision.fixed_ns = fixed_ns;
+  return decision;
+}
+
+TEST(AnytimePlan, TheOnlyStratumLeavesTimeForTheFixedCost) {
+  const Decision decision = with_fixed_cost(940'000, within(kMillisecond, 100, 1000));
+  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(5, 0).keep, 0.6);
+  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(300'005, 0).keep, 0.6) << "partly over";
+  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(950'005, 0).keep, 0.5) << "over";
+}
+
+TEST(AnytimePlan, AFixedCostBeyondTheBudgetLeavesTheLeast) {
+  // If it is true, the package is late anyway; if not, its time tells the cost model so.
+  const Decision decision = with_fixed_cost(1'500'000, within(kMillisecond, 100, 0.1));
+  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(5, 0).keep, 0.02) << "2 % of the plan: 2";
+  const Decision small = with_fixed_cost(1'500'000, within(kMillisecond, 20, 0.1));
+  EXPECT_DOUBLE_EQ(AnytimePlan(small, 5, 0).next(5, 0).keep, 1.0 / 20);
+}
+
+// An event is expected to cost 1 us, which weighs as 200 events; the first stratum, of 100, takes
+// 500 us in all.
+TEST(AnytimePlan, WhatTheFixedCostTakesIsNotTheEvents) {
+  const auto second = [](double fixed_ns) {
+    AnytimePlan plan(with_fixed_cost(fixed_ns, within(2 * kMillisecond, 6400, 1000.0)), 7, 0);
+    EXPECT_DOUBLE_EQ(plan.next(7, 0).keep, 2e6 / 16 / 1000 / 400);
+    return plan.next(500'007, 100).keep;
+  };
+  const auto planned = [](double events_ns) {
+    return 1.5e6 / 15 / ((200'000 + events_ns) / 300) / 400;
+  };
+  EXPECT_DOUBLE_EQ(second(0), planned(500'000));
+  EXPECT_DOUBLE_EQ(second(200'000), planned(300'000));
+  EXPECT_DOUBLE_EQ(second(450'000), planned(100'000)) << "not less than was expected of them";
+  EXPECT_DOUBLE_EQ(second(1e9), planned(100'000));
+}
+
+TEST(AnytimePlan, AFixedCostThatHasPassedBeforeIsNotLookedForAgain) {
+  const auto second = [](std::int64_t first_ns) {
+    AnytimePlan plan(with_fixed_cost(400'000, within(2 * kMillisecond, 6400, 1000.0)), 0, 0);
+    (void)plan.next(first_ns, 0);
+    return plan.next(first_ns + 300'000, 100).keep;
+  };
+  EXPECT_DOUBLE_EQ(second(210'000), 1.49e6 / 15 / (500'000.0 / 300) / 400);
+  EXPECT_DOUBLE_EQ(second(190'000), 1.51e6 / 15 / (300'000.0 / 300) / 400) << "most is to come";
+}
+
+// Strata of a package of so many events that need work_ns in all, or may need it.
+std::size_t strata(std::size_t raw, std::int64_t budget_ns, double work_ns, bool may = false) {
+  Decision decision = within(budget_ns, raw, may ? 1.0 : work_ns / static_cast<double>(raw));
+  if (may) decision.max_event_ns = work_ns / static_cast<double>(raw);
+  return strata_of(decision).size();
+}
+
+TEST(AnytimePlan, NoStratumOfDearEventsIsLongerThanItsShareOfTheBudget) {
+  for (const bool may : {false, true}) {
+    EXPECT_EQ(strata(100, 1'600'000, 199'000, may), 1u);
+    EXPECT_EQ(strata(100, 1'600'000, 201'000, may), 2u);
+    EXPECT_EQ(strata(100, 1'600'000, 1'590'000, may), 15u);
+    EXPECT_EQ(strata(100, 1'600'000, 1'610'000, may), 16u);
+    EXPECT_EQ(strata(100, 1'600'000, 1e12, may), may ? 17u : 16u) << "one event before the others";
+    EXPECT_EQ(strata(5, 1'600'000, 1e12, may), 5u) << "one event is the least";
+    EXPECT_EQ(strata(320, 1'600'000, 301'000, may), 5u) << "64 events each are shorter";
+    EXPECT_EQ(strata(100, 9000, 1e12, may), may ? 5u : 4u)
+        << "2 us: reading the clock must cost nothing";
+    EXPECT_EQ(strata(100, 1000, 1e12, may), 1u);
+  }
+}
+
+TEST(AnytimePlan, AnExpectationThatIsDoubtedWeighsLess) {
+  Decision decision = within(kMillisecond, 6400, 100.0);
+  const auto second = [&](double max_ns) {
+    decision.max_event_ns = max_ns;
+    AnytimePlan plan(decision, 0, 0);
+    std::int64_t now_ns = 0;
+    AnytimePlan::Stratum stratum = plan.next(0, 0);
+    now_ns += 1000 * static_cast<std::int64_t>(stratum.end);
+    return plan.next(now_ns, stratum.end).keep * 400;  // in strata of 400
+  };
+  const double time_ns = 1e6 - 400e3;
+  EXPECT_DOUBLE_EQ(second(0), time_ns / 15 / ((200 * 100.0 + 400e3) / 600));
+  EXPECT_DOUBLE_EQ(second(125), time_ns / 15 / ((160 * 100.0 + 400e3) / 560));
+}
+
+TEST(AnytimePlan, ALatePackageGoesOnAtItsFloor) {
+  AnytimePlan plan(within(kMillisecond, 6400, 1000.0), 0, kMillisecond);
+  (void)plan.next(0, 0);
+  EXPECT_DOUBLE_EQ(plan.next(kMillisecond + 1, 10).keep, 0.02);
+  EXPECT_DOUBLE_EQ(plan.next(2 * kMillisecond, 8).keep, 0.02);
+}
+
+TEST(AnytimePlan, AnOutageEndsThePackageBeyondItsGrace) {
+  constexpr std::int64_t kStart_ns = 5 * kMillisecond;
+  AnytimePlan on_time(within(kMillisecond, 6400), kStart_ns, 500);
+  EXPECT_EQ(on_time.next(kStart_ns, 0).end, 400u);
+  EXPECT_EQ(on_time.next(kStart_ns + kMillisecond + 500, 1).end, 800u);
+  const AnytimePlan::Stratum none = on_time.next(kStart_ns + kMillisecond + 501, 1);
+  EXPECT_EQ(none.begin, none.end);
+}
+
+TEST(AnytimePlan, WhereItMightTakeTooLongTheFirstStratumBeginsWithAFew) {
+  Decision decision = within(1'600'000, 1600, 100.0);  // as expected 10 us a stratum, of 100 us
+  const auto first_end = [&](double max_event_ns) {
+    decision.max_event_ns = max_event_ns;
+    return strata_of(decision)[0].end;
+  };
+  EXPECT_EQ(first_end(10'000), 10u);
+  EXPECT_EQ(strata_of(decision).size(), 17u);
+  EXPECT_EQ(strata_of(decision)[0].keep, 1.0);
+  EXPECT_EQ(strata_of(decision)[1].end, 100u);
+  EXPECT_EQ(first_end(kInfinity), 1u);
+  EXPECT_EQ(first_end(1000), 100u) << "then it would fit";
+  decision.keep = 0.01;
+  EXPECT_EQ(first_end(10'000), 10u) << "the clock may allow more than was planned";
+  decision.event_ns = 10'000;
+  EXPECT_EQ(first_end(10'000), 100u) << "no doubt";
+}
+
 TEST(AnytimePlan, TellsWhatItWasUntilTheEndOfTheFirstStratum) {
   AnytimePlan plan(within(kMillisecond, 6400, 100.0), 7, 0);
   (void)plan.next(1007, 0);  // a fixed cost, paid before
@@ -120,9 +250,8 @@ TEST(AnytimePlan, AlwaysPlansAFraction) {
       for (const double keep : {0.0, 1e-300, 1.0}) {
         for (const std::int64_t start_ns : {std::int64_t{-9'200'000'000'000'000'000},
                                             std::int64_t{0}, 9'200'000'000'000'000'000}) {
-          Decision decision = within(budget_ns, 6400, event_ns, keep);
-          decision.fixed_ns = event_ns;
-          AnytimePlan plan(decision, start_ns, kMillisecond);
+          AnytimePlan plan(with_fixed_cost(event_ns, within(budget_ns, 6400, event_ns, keep)),
+                           start_ns, kMillisecond);
           for (std::int64_t j = 0; j < 16; ++j) {
             const double fraction = plan.next(start_ns + j % 3, j % 2 == 0 ? 0 : 400).keep;
             ASSERT_GE(fraction, 0.0);

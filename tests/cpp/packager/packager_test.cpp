@@ -125,20 +125,6 @@ TEST(Packager, TellsTheSchemeWhatWaits) {
   EXPECT_EQ(counts, (std::vector<std::size_t>{0, 0, 1, 1, 2, 3}));
 }
 
-TEST(Packager, CountsByTimeAcrossTheWrap) {
-  std::size_t before = 0;
-  ScriptedScheme scheme([&](const Backlog& backlog) {
-    before = backlog.counts.before(400 * kMicrosecond);
-    return Decision::take(3);
-  });
-  Rig rig(scheme, 4);
-  rig.push(at_times({0, 1, 2}));
-  rig.deliver(0);
-  rig.push(at_times({100, 200, 300, 400}));
-  rig.deliver(0);
-  EXPECT_EQ(before, 3u);
-}
-
 TEST(Packager, HandsOutAPackageWithItsStory) {
   ScriptedScheme scheme = taking(2);
   Rig rig(scheme, 4);
@@ -159,33 +145,6 @@ TEST(Packager, HandsOutAPackageWithItsStory) {
   EXPECT_EQ(second->overflow_before, 0u);
   rig.push(at_times({80, 90, 91, 92, 93}));
   EXPECT_EQ(rig.deliver(300 * kMicrosecond)->overflow_before, 1u);
-}
-
-TEST(Packager, LogsARowPerPackage) {
-  ScriptedScheme scheme = taking(3);
-  Rig rig(scheme, 4);
-  rig.push(at_times({100, 150, 300, 400, 500, 600}));
-  rig.deliver(1000 * kMicrosecond, 500 * kMicrosecond);
-  ASSERT_EQ(rig.telemetry.log.size(), 1u);
-  const PackageRow row = rig.telemetry.log[0];
-  EXPECT_EQ(row.index, 0);
-  EXPECT_EQ(row.start_us, 1000.0);
-  EXPECT_EQ(row.processing_us, 500.0);
-  EXPECT_EQ(row.t_first, 100);
-  EXPECT_EQ(row.t_last, 300);
-  EXPECT_EQ(row.offered, 3);
-  EXPECT_EQ(row.size, 3);
-  EXPECT_EQ(row.gamma, 1.0);
-  EXPECT_EQ(row.event_rate, 3000.0);     // three in the first millisecond
-  EXPECT_DOUBLE_EQ(row.rate, 15'000.0);  // three in 200 us
-  EXPECT_EQ(row.margin_us, 300.0);
-  EXPECT_EQ(row.latency_max_us, 1400.0);
-  EXPECT_EQ(row.stale, 0);
-  EXPECT_EQ(row.overflow, 2);
-
-  EXPECT_EQ(rig.telemetry.latency.count(), 3u);
-  EXPECT_EQ(rig.telemetry.latency.max_ns(), 1400 * kMicrosecond);
-  EXPECT_DOUBLE_EQ(rig.telemetry.latency.mean_ns(), (1400 + 1350 + 1200) * 1000.0 / 3);
 }
 
 TEST(Packager, FeedsBackWhatAPackageReallyWas) {
@@ -241,134 +200,7 @@ TEST(Packager, AcrossTheWrapAPackageIsOnePiece) {
   EXPECT_EQ(numbers_of(rig.last), (Numbers{6, 7, 8, 9, 10, 11}));
 }
 
-TEST(Packager, KeepsWhatTheHashOfSeedAndNumberSays) {
-  for (const double gamma : {0.02, 0.3, 0.7, 0.999}) {
-    for (const std::uint64_t seed : {std::uint64_t{0}, ~std::uint64_t{0}}) {
-      const CounterRandom sizes(7);
-      std::uint64_t packages = 0;
-      ScriptedScheme scheme(
-          [&](const Backlog&) { return Decision::take(1 + sizes(packages++) % 100, gamma); });
-      Rig rig(scheme, 64, seed);
-      const Events events = evenly_spaced(20'000, 1);
-      Numbers kept;
-      for (std::size_t at = 0; at < events.size(); at += 50) {
-        rig.push(EventSpan(events).subspan(at, 50));
-        while (rig.deliver(0)) {
-          for (const Event& event : rig.last) kept.push_back(number_of(event));
-        }
-      }
-      Numbers expected;
-      const CounterRandom random(seed);
-      const std::uint64_t threshold = KeepThreshold::checked(gamma).value();
-      for (std::uint64_t i = 0; i < events.size(); ++i) {
-        if ((random(i) >> 1) < threshold) expected.push_back(i);
-      }
-      ASSERT_EQ(kept, expected) << "gamma " << gamma;
-      EXPECT_EQ(rig.ledger().discarded, events.size() - expected.size());
-    }
-  }
-}
-
-TEST(Packager, TheKeptSetGoesOnBehindPackagesAtGammaOne) {
-  bool thins = false;
-  ScriptedScheme scheme([&](const Backlog&) { return Decision::take(10, thins ? 0.5 : 1.0); });
-  Rig rig(scheme, 64, 3);
-  rig.push(evenly_spaced(40, 1));
-  rig.deliver(0);
-  thins = true;
-  Numbers kept;
-  while (rig.deliver(0)) {
-    for (const Event& event : rig.last) kept.push_back(number_of(event));
-  }
-  const CounterRandom random(3);
-  Numbers expected;
-  for (std::uint64_t i = 10; i < 40; ++i) {
-    if (random(i) >> 63 == 0) expected.push_back(i);
-  }
-  EXPECT_EQ(kept, expected);
-}
-
-TEST(Packager, TheKeptSetGoesOnBehindLostEvents) {
-  // Events number 2 and 3 are stale: the hash of number 4 decides on the next one.
-  int asked = 0;
-  ScriptedScheme scheme([&](const Backlog&) {
-    Decision decision = Decision::take(2, 0.5);
-    decision.stale = asked++ == 1 ? 2 : 0;
-    return decision;
-  });
-  Rig rig(scheme, 64, 3);
-  rig.push(evenly_spaced(40, 1));
-  Numbers kept;
-  while (rig.deliver(0)) {
-    for (const Event& event : rig.last) kept.push_back(number_of(event));
-  }
-  const CounterRandom random(3);
-  Numbers expected;
-  for (std::uint64_t i = 0; i < 40; ++i) {
-    if (i / 2 != 1 && random(i) >> 63 == 0) expected.push_back(i);
-  }
-  EXPECT_EQ(kept, expected);
-}
-
 // ---- takes that keep nothing, stale events
-
-TEST(Packager, TakesThatKeepNothingCountTowardsTheNextPackage) {
-  int asked = 0;
-  ScriptedScheme scheme(
-      [&](const Backlog&) { return Decision::take(10, ++asked == 4 ? 1.0 : 0.0); });
-  Rig rig(scheme);
-  rig.push(evenly_spaced(60, 1));
-  const auto package = rig.deliver(5);
-  ASSERT_TRUE(package);
-  EXPECT_EQ(package->index, 0u);
-  EXPECT_EQ(package->raw, 10u);
-  EXPECT_EQ(package->offered, 40u);
-  EXPECT_EQ(package->gamma, 0.25);
-  EXPECT_EQ(rig.telemetry.log[0].offered, 40);
-  EXPECT_EQ(rig.ledger().discarded, 30u);
-  ASSERT_EQ(scheme.outcomes.size(), 4u);
-  EXPECT_EQ(scheme.outcomes[0].size, 0u);
-  EXPECT_EQ(scheme.outcomes[0].raw, 10u);
-  EXPECT_EQ(scheme.outcomes[0].start_ns, 5);
-  EXPECT_EQ(rig.next(5).step, Step::wait) << "all 20 that were left kept nothing";
-  EXPECT_EQ(rig.ledger().discarded, 50u);
-  EXPECT_TRUE(rig.ledger().balanced());
-}
-
-TEST(Packager, DropsStaleEventsAndSaysSo) {
-  bool drops = true;
-  ScriptedScheme scheme([&](const Backlog&) {
-    Decision decision = Decision::take(2);
-    decision.stale = drops ? 3 : 0;
-    return decision;
-  });
-  Rig rig(scheme);
-  rig.push(evenly_spaced(10, 1));
-  const auto package = rig.deliver(0);
-  EXPECT_EQ(numbers_of(rig.last), (Numbers{3, 4}));
-  EXPECT_EQ(package->stale_before, 3u);
-  EXPECT_EQ(package->offered, 2u);
-  EXPECT_EQ(rig.telemetry.log[0].stale, 3);
-  EXPECT_EQ(rig.telemetry.log[0].event_rate, 5000.0) << "stale events have entered too";
-  EXPECT_EQ(rig.ledger().stale, 3u);
-  drops = false;
-  EXPECT_EQ(rig.deliver(0)->stale_before, 0u);
-  EXPECT_TRUE(rig.ledger().balanced());
-}
-
-TEST(Packager, MayDropAllThatWaits) {
-  ScriptedScheme scheme([](const Backlog& backlog) {
-    Decision decision = Decision::take(5);
-    decision.stale = backlog.count;
-    return decision;
-  });
-  Rig rig(scheme);
-  rig.push(evenly_spaced(10, 1));
-  EXPECT_EQ(rig.next(0).step, Step::wait);
-  EXPECT_EQ(rig.ledger().stale, 10u);
-  EXPECT_EQ(rig.ledger().pending, 0u);
-  EXPECT_TRUE(scheme.outcomes.empty());
-}
 
 // ---- flush: nothing waits for a count that does not come
 

@@ -38,22 +38,17 @@ TEST(LatencyHistogram, RecordsManyAtOnceAsOneByOne) {
     }
     count = 3 * count + 1;
   }
-  const LatencyHistogram::State a = together.state();
-  const LatencyHistogram::State b = singly.state();
-  EXPECT_EQ(a.bins, b.bins);
-  EXPECT_EQ(a.max_ns, b.max_ns);
-  EXPECT_EQ(a.within_bound, b.within_bound);
-  EXPECT_EQ(a.sum_low, b.sum_low);
-  EXPECT_EQ(a.sum_high, b.sum_high);
-  EXPECT_GT(a.sum_high, 0u);
-  EXPECT_EQ(together.count(), singly.count());
-  const LatencyHistogram::State c = batched.state();
-  EXPECT_EQ(c.bins, b.bins);
-  EXPECT_EQ(c.max_ns, b.max_ns);
-  EXPECT_EQ(c.within_bound, b.within_bound);
-  EXPECT_EQ(c.sum_low, b.sum_low);
-  EXPECT_EQ(c.sum_high, b.sum_high);
-  EXPECT_EQ(batched.count(), singly.count());
+  const LatencyHistogram::State one = singly.state();
+  EXPECT_GT(one.sum_high, 0u);
+  for (const LatencyHistogram* each : {&together, &batched}) {
+    const LatencyHistogram::State state = each->state();
+    EXPECT_EQ(state.bins, one.bins);
+    EXPECT_EQ(state.max_ns, one.max_ns);
+    EXPECT_EQ(state.within_bound, one.within_bound);
+    EXPECT_EQ(state.sum_low, one.sum_low);
+    EXPECT_EQ(state.sum_high, one.sum_high);
+    EXPECT_EQ(each->count(), singly.count());
+  }
 }
 
 TEST(LatencyHistogram, QuantilesAreWithinHalfAPercent) {
@@ -87,22 +82,6 @@ TEST(LatencyHistogram, QuantilesAreWithinHalfAPercent) {
     }
     EXPECT_EQ(histogram.quantile_ns(1.0), static_cast<double>(values.back()));
     EXPECT_EQ(histogram.max_ns(), values.back());
-  }
-}
-
-TEST(LatencyHistogram, EveryBinKeepsItsPromise) {
-  for (int octave = 0; octave < 63; ++octave) {
-    for (std::int64_t step = 0; step < 512; ++step) {
-      const std::int64_t base = std::int64_t{1} << octave;
-      const auto value = base + static_cast<std::int64_t>(static_cast<double>(base) *
-                                                          static_cast<double>(step) / 512);
-      if (value < base) continue;
-      LatencyHistogram histogram;
-      histogram.record(value);
-      histogram.record(kMax);
-      ASSERT_NEAR(histogram.quantile_ns(0.5), static_cast<double>(value),
-                  0.004 * static_cast<double>(value));
-    }
   }
 }
 
@@ -191,15 +170,6 @@ TEST(LatencyHistogram, TellsWhatCameSinceACopy) {
   EXPECT_EQ(since.max_ns(), expected.max_ns());
   EXPECT_EQ(since.quantile_ns(0.5), expected.quantile_ns(0.5));
   EXPECT_EQ(histogram.since(histogram).max_ns(), 0);
-}
-
-TEST(LatencyHistogram, TheMaxSinceACopyIsExactToABin) {
-  LatencyHistogram histogram;
-  histogram.record(std::int64_t{1} << 50);
-  const LatencyHistogram earlier = histogram;
-  histogram.record(1'000'000);
-  EXPECT_GE(histogram.since(earlier).max_ns(), 1'000'000);
-  EXPECT_LE(histogram.since(earlier).max_ns(), 1'008'000);
 }
 
 }  // namespace

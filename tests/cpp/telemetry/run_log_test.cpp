@@ -93,14 +93,6 @@ TEST(RunLog, ABoundedOneKeepsTheNewestRowsAndExactTotals) {
   EXPECT_EQ(log.totals().gamma_min, 5.0 / 80.0) << "of a row that has gone";
 }
 
-TEST(RunLog, ABoundIsAnyNumber) {
-  RunLog log(3);
-  for (std::int64_t i = 0; i < 5; ++i) log.append(record(1000 * i));
-  EXPECT_EQ(log.size(), 5u);
-  EXPECT_EQ(log.first(), 2u);
-  for (std::size_t i = 2; i < 5; ++i) EXPECT_EQ(log[i].start_us, static_cast<double>(i));
-}
-
 TEST(RunLog, ABoundOfNoneKeepsTheTotals) {
   RunLog log(0);
   for (std::int64_t i = 0; i < 5; ++i) log.append(record(1000 * i));
@@ -133,39 +125,6 @@ TEST(RunLog, ASpanOfZeroCountsAsOneMicrosecond) {
   one.t_last = one.t_first;
   log.append(one);
   EXPECT_EQ(log[0].rate, 20e6);
-}
-
-// ---- PackageTotals --------------------------------------------------------------------------
-
-TEST(PackageTotals, OfNothing) {
-  const PackageTotals totals = RunLog().totals();
-  EXPECT_EQ(totals.count, 0u);
-  EXPECT_EQ(totals.gamma_min, 1.0);
-}
-
-TEST(PackageTotals, AreOfAllPackages) {
-  for (const std::size_t rows : {std::size_t{0}, std::size_t{2}, RunLog::kAllRows}) {
-    RunLog log(rows);
-    const auto add = [&log](std::uint64_t to_gamma, std::uint64_t size, std::int64_t ns) {
-      PackageRecord one = record(0);
-      one.offered = to_gamma + 3;
-      one.filtered = 3;
-      one.size = size;
-      one.processing_ns = ns;
-      log.make_room();
-      log.append(one);
-    };
-    add(10, 10, 500);
-    add(40, 10, 300);
-    add(30, 20, 200);
-    const PackageTotals totals = log.totals();
-    EXPECT_EQ(totals.count, 3u);
-    EXPECT_EQ(totals.to_gamma, 80u);
-    EXPECT_EQ(totals.size, 40u);
-    EXPECT_EQ(totals.size_max, 20u);
-    EXPECT_EQ(totals.processing_ns, 1000);
-    EXPECT_EQ(totals.gamma_min, 0.25);
-  }
 }
 
 }  // namespace
