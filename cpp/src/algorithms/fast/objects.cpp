@@ -16,6 +16,9 @@ float seconds_between(std::uint64_t before_us, std::uint64_t after_us) noexcept 
 
 float mass_of(const TrackState& state) noexcept { return 1 + state.mass; }
 
+// Time for which two objects keep their relative position until it is certain that they are one.
+constexpr float kHold_s = 0.3F;
+
 // Whether two tracks lie as close together as parts of one object.
 bool touch(const Track& a, const Track& b, Stamp now) noexcept {
   constexpr float kReach = 2.5F;  // standard deviations along the line of centres ...
@@ -306,7 +309,9 @@ std::size_t Objects::grow_component(const Tracks& tracks, std::size_t first) noe
 // ---- which objects are one ----
 
 // JOIN: two objects that touch and keep their relative position over a way are one thing, which is
-// too large or too sparse for one gate. Its pieces keep their ids for when they part.
+// too large or too sparse for one gate. Two that begin together beside each other are presumed to
+// be one from the start: what appears or starts to move fires at all its edges. Both keep their ids
+// for when they part.
 void Objects::join(const Tracks& tracks, float dt_s) noexcept {
   constexpr float kApart_s = 0.04F;
   inherit();
@@ -320,17 +325,29 @@ void Objects::join(const Tracks& tracks, float dt_s) noexcept {
     }
     if (bond.other == kNone) {
       find_bond(tracks, i);
+      bond.joined = bond.other != kNone && began_together(object, objects_[bond.other]);
     } else if (keeps_bond(tracks, i)) {
       bond.hold_s += dt_s;
       bond.apart_s = 0;
       bond.joined = bond.joined || are_one(tracks, bond);
     } else {
       bond.apart_s += dt_s;
-      if (bond.joined && bond.apart_s < kApart_s) continue;
+      if (bond.joined && bond.apart_s < strictness(bond) * kApart_s) continue;
       object.has_left = object.has_left || bond.joined;
       bond = {};
     }
   }
+}
+
+bool Objects::began_together(const Object& younger, const Object& older) const noexcept {
+  constexpr std::uint64_t kTogether_us = 30'000;
+  return !younger.has_left && now_us_ - younger.born_us < kTogether_us &&
+         younger.born_us - older.born_us < kTogether_us;
+}
+
+// What is presumed is given up sooner.
+float Objects::strictness(const Bond& bond) noexcept {
+  return bond.joined && bond.hold_s < kHold_s ? 0.5F : 1;
 }
 
 // An object whose tracks have ended goes on with those of an object that is a part of it.
@@ -400,11 +417,10 @@ bool Objects::keeps_bond(const Tracks& tracks, std::size_t object) const noexcep
   const Point to = predicted_mean(tracks[bond.other_lead], now);
   const Box box = united(objects_[object].sum.box, objects_[bond.other].sum.box);
   return length(to.x - from.x - bond.offset.x, to.y - from.y - bond.offset.y) <=
-         kTolerance_px + kPerSide * box.longest_side();
+         strictness(bond) * (kTolerance_px + kPerSide * box.longest_side());
 }
 
 bool Objects::are_one(const Tracks& tracks, const Bond& bond) const noexcept {
-  constexpr float kHold_s = 0.3F;
   constexpr float kWay_px = 4;  // two objects at rest keep their relative position too
   if (bond.hold_s < kHold_s) return false;
   const Point to = predicted_mean(tracks[bond.other_lead], static_cast<Stamp>(now_us_));

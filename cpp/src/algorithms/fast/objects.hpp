@@ -2,11 +2,11 @@
 // of it fire apart, and a patch of noise may be a track, so the tracks are grouped every 5 ms.
 // LOST: a new track continues the object that must have reappeared there, else it begins one.
 // ADOPT: what begins at a large object is a part of it. LEAVE: parts that stay apart from the
-// others become an object of their own. JOIN: objects that touch and move as one for long are one
-// until they do not. NOISE: an object is shown once its tracks fire more than the noise around them
-// explains. QUIET: an object without events is not shown. The layer reads the engine and changes
-// nothing in it. One thread, at the tick. O(n^2) of cheap steps in n tracks; allocates in the
-// constructor only. Source: own design.
+// others become an object of their own. JOIN: objects that touch and move as one for long, or begin
+// together, are one until they do not move as one. NOISE: an object is shown once its tracks fire
+// more than the noise around them explains. QUIET: an object without events is not shown. The layer
+// reads the engine and changes nothing in it. One thread, at the tick. O(n^2) of cheap steps in n
+// tracks; allocates in the constructor only. Source: own design.
 #pragma once
 
 #include <algorithm>
@@ -135,6 +135,8 @@ class Objects {
   std::size_t heaviest_component(const Tracks& tracks) noexcept;
   std::size_t grow_component(const Tracks& tracks, std::size_t first) noexcept;
   void join(const Tracks& tracks, float dt_s) noexcept;
+  bool began_together(const Object& younger, const Object& older) const noexcept;
+  static float strictness(const Bond& bond) noexcept;
   void inherit() noexcept;
   void find_bond(const Tracks& tracks, std::size_t object) noexcept;
   void begin_bond(const Tracks& tracks, std::size_t object, std::size_t other) noexcept;

@@ -180,10 +180,15 @@ TEST(Objects, TheLighterPartLeavesAndMayAdoptAtOnce) {
   EXPECT_EQ(layer.id_of(tip), 2);
 }
 
-// Two tracks 40 px apart that touch and move to the right, the second one at its own velocity.
+// Two tracks 40 px apart that touch; the second one begins later.
 struct Pair : Layer {
-  Tracks::Slot first = add(50, 50, 8);
-  Tracks::Slot second = add(90, 50, 8, 50);
+  explicit Pair(std::uint64_t later_us = 50'000) : first(add(50, 50, 8)) {
+    wait(later_us);
+    second = add(90, 50, 8, 50);
+  }
+
+  Tracks::Slot first;
+  Tracks::Slot second;
 
   void move(float vx, float second_vx) {
     tracks[first].vx = vx;
@@ -210,6 +215,17 @@ TEST(Objects, TwoAtRestOrAtDifferentVelocitiesAreNotOne) {
   apart.move(100, 50);  // 15 px in 300 ms; their tolerance is 11 px
   apart.wait(1'000'000);
   EXPECT_EQ(apart.id_of(apart.second), 1);
+}
+
+TEST(Objects, TwoThatBeginTogetherAreOneUntilTheyMoveApart) {
+  Pair pair{20'000};
+  pair.wait(5'000);
+  EXPECT_EQ(pair.id_of(pair.second), 0);
+  pair.move(0, 100);  // beyond 5 px after 50 ms, given up 20 ms later
+  pair.wait(50'000);
+  EXPECT_EQ(pair.id_of(pair.second), 0);
+  pair.wait(40'000);
+  EXPECT_EQ(pair.id_of(pair.second), 1);
 }
 
 TEST(Objects, OneThatNoLongerMovesAlongIsItselfAgain) {
