@@ -32,7 +32,7 @@ Event at(std::uint16_t x, std::uint16_t y, std::int64_t t, std::int16_t p = 0) {
 
 Events passed(BackgroundActivityFilter& filter, const Events& events) {
   Events out(events.size());
-  out.resize(filter.process(events, out.data()));
+  out.resize(filter.process(events, out));
   return out;
 }
 
@@ -50,7 +50,7 @@ std::vector<std::uint8_t> labels_of(BackgroundActivityFilter& filter, const Even
   std::vector<std::uint8_t> labels;
   for (const Event& event : events) {
     Event out;
-    labels.push_back(static_cast<std::uint8_t>(filter.process({&event, 1}, &out)));
+    labels.push_back(static_cast<std::uint8_t>(filter.process({&event, 1}, {&out, 1})));
   }
   return labels;
 }
@@ -116,7 +116,7 @@ TEST(BackgroundActivityFilter, MayWriteOverItsInput) {
   BackgroundActivityFilter filter({.width = 346, .height = 260});
   const auto expected = passed(filter, events);
   filter.reset();
-  events.resize(filter.process(events, events.data()));
+  events.resize(filter.process(events, events));
   EXPECT_EQ(events, expected);
 }
 
@@ -200,7 +200,7 @@ TEST(BackgroundActivityFilter, AllocatesOnlyInTheConstructor) {
   BackgroundActivityFilter filter({.width = 346, .height = 260});
   Events out(events.size());
   const std::size_t before = asap::test::allocations();
-  filter.process(events, out.data());
+  filter.process(events, out);
   filter.set_keep(0.5);
   filter.reset();
   EXPECT_EQ(asap::test::allocations(), before);

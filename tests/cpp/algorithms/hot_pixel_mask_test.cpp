@@ -28,7 +28,7 @@ Event at(int x, int y, std::int64_t t = 0) {
 
 Events passed(HotPixelMask& mask, const Events& events) {
   Events out(events.size());
-  out.resize(mask.process(events, out.data()));
+  out.resize(mask.process(events, out));
   return out;
 }
 
@@ -137,7 +137,7 @@ TEST(HotPixelMask, MayWriteOverItsInput) {
   HotPixelMask mask({.width = 40, .height = 30, .pixels = {{events[7].x, events[7].y}}});
   const Events expected = passed(mask, events);
   EXPECT_LT(expected.size(), events.size());
-  events.resize(mask.process(events, events.data()));
+  events.resize(mask.process(events, events));
   EXPECT_EQ(events, expected);
 }
 
@@ -211,7 +211,7 @@ TEST(HotPixelMask, AllocatesOnlyInTheConstructor) {
   HotPixelMask mask({.width = 346, .height = 260, .learn_events = 1000});
   Events out(events.size());
   const std::size_t before = asap::test::allocations();
-  mask.process(events, out.data());
+  mask.process(events, out);
   mask.learn(events);
   mask.set_keep(0.5);
   mask.reset();
