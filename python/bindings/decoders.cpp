@@ -177,7 +177,7 @@ void bind_packet_decoder(py::module_& m, const char* name) {
 // ---- headers: None, or what they say as a dict ----
 
 // A side of the sensor in px; None where the file does not state it.
-py::object stated(std::uint16_t side) { return side > 0 ? py::object(py::int_(side)) : py::none(); }
+py::object stated(int side) { return side > 0 ? py::object(py::int_(side)) : py::none(); }
 
 // `read` finds the header, `tell` makes the dict of it, to which the sensor's size is added.
 template <class Read, class Tell>

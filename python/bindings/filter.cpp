@@ -42,7 +42,7 @@ py::array apply(SeededFilter& filter, const py::array& events, double gamma) {
   std::vector<Event> kept(span.size());
   {
     const WithoutGil release;  // pure C++: other Python threads may run
-    kept.resize(filter.apply(span, threshold, kept.data()));
+    kept.resize(filter.apply(span, threshold, kept));
   }
   return moved_to_array(std::move(kept));
 }
@@ -54,7 +54,7 @@ py::array_t<bool> mask(SeededFilter& filter, const py::array& events, double gam
   auto* bytes = reinterpret_cast<std::uint8_t*>(kept.mutable_data());
   {
     const WithoutGil release;
-    filter.mask(span, threshold, bytes);
+    filter.mask(span, threshold, {bytes, span.size()});
   }
   return kept;
 }

@@ -31,7 +31,7 @@ std::shared_ptr<PythonFilter> held(py::object filter, py::object process) {
 
 template <class Filter>
 FrontFilter native_front(const py::object& object) {
-  return [filter = object.cast<Held<Filter>>()](EventSpan events, Event* out) {
+  return [filter = object.cast<Held<Filter>>()](EventSpan events, std::span<Event> out) {
     const std::lock_guard turn(filter.turns());
     filter.has_worked() = true;
     return filter->process(events, out);
@@ -39,7 +39,7 @@ FrontFilter native_front(const py::object& object) {
 }
 
 // With the GIL.
-std::size_t pass(PythonFilter& python, EventSpan events, Event* out) {
+std::size_t pass(PythonFilter& python, EventSpan events, std::span<Event> out) {
   const py::object answer = python.process(python.arrays.array_of(events));
   if (!py::isinstance<py::array>(answer)) {
     throw py::type_error("before: process(events) returned " +
@@ -53,7 +53,7 @@ std::size_t pass(PythonFilter& python, EventSpan events, Event* out) {
                           " of " + std::to_string(events.size()) +
                           " events; a filter does not add any");
   }
-  std::copy(passed.begin(), passed.end(), out);
+  std::copy(passed.begin(), passed.end(), out.begin());
   return passed.size();
 }
 
@@ -71,7 +71,7 @@ FrontFilter front_filter_of(const py::object& filter) {
                          py::cast<std::string>(py::repr(filter)));
   }
   const auto python = held(filter, has_process ? filter.attr("process") : filter);
-  return [python](EventSpan events, Event* out) {
+  return [python](EventSpan events, std::span<Event> out) {
     return with_gil([&] { return pass(*python, events, out); });
   };
 }

@@ -71,7 +71,7 @@ void bind_passing(Class<Filter>& type) {
     {
       // Pure C++ on memory that `events` keeps alive: other Python threads may run.
       const WithoutGil release;
-      passed.resize(filter.process(span, passed.data()));
+      passed.resize(filter.process(span, passed));
     }
     return moved_to_array(std::move(passed));
   };

@@ -42,7 +42,7 @@ void BM_BackgroundActivityFilter(benchmark::State& state, Stream stream) {
   Events out(events.size());
   for (auto _ : state) {
     filter.reset();
-    benchmark::DoNotOptimize(filter.process(events, out.data()));
+    benchmark::DoNotOptimize(filter.process(events, out));
     benchmark::ClobberMemory();
   }
   asap::bench::report_events(state, events.size());

@@ -78,7 +78,7 @@ void BM_RivalFilterThenCompat(benchmark::State& state, Stream stream,
   for (auto _ : state) {
     filter.reset();
     tracker.reset();
-    tracker.process({passed.data(), filter.process(events, passed.data())});
+    tracker.process({passed.data(), filter.process(events, passed)});
     benchmark::ClobberMemory();
   }
   set_cost(state, events.size());

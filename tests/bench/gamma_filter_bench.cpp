@@ -27,7 +27,7 @@ void BM_GammaFilter(benchmark::State& state) {
   std::vector<Event> kept(kEvents);
   asap::GammaFilter filter(1);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(filter.apply(events, threshold, kept.data()));
+    benchmark::DoNotOptimize(filter.apply(events, threshold, kept));
     benchmark::ClobberMemory();
   }
   asap::bench::report_events(state, kEvents);

@@ -71,7 +71,7 @@ void run_mask(benchmark::State& state, Stream stream) {
   Events out(events.size());
   for (auto _ : state) {
     mask.reset();
-    benchmark::DoNotOptimize(mask.process(events, out.data()));
+    benchmark::DoNotOptimize(mask.process(events, out));
     benchmark::ClobberMemory();
   }
   asap::bench::report_events(state, events.size());

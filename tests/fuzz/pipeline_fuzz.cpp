@@ -44,7 +44,7 @@ struct Front {
   int keep_every;
   int throws;
 
-  std::size_t operator()(EventSpan events, Event* out) {
+  std::size_t operator()(EventSpan events, std::span<Event> out) {
     if (throws > 0 && --throws % 2 == 0) throw Mine{};
     if (keep_every == 0) return 0;
     std::size_t kept = 0;

@@ -35,13 +35,14 @@ LiveLife::LiveLife(const Setup& setup, const LiveSetup& live, Scheme& scheme, Wo
       scheme_(scheme, *this),
       bound_ns_(setup.latency_ns),
       time_ns_(kBootNs),
-      pipeline_(scheme_,
-                run_config(setup,
-                           live.passing < 1 ? FrontFilter([this](EventSpan events, Event* out) {
-                             return filter(events, out);
-                           })
-                                            : FrontFilter{},
-                           live.when_full)) {
+      pipeline_(
+          scheme_,
+          run_config(setup,
+                     live.passing < 1 ? FrontFilter([this](EventSpan events, std::span<Event> out) {
+                       return filter(events, out);
+                     })
+                                      : FrontFilter{},
+                     live.when_full)) {
   world_.over.resize(world.faults.size(), false);
   world_.tally.odd_package = kNoPackage;
   world_.tally.odd_packages = 0;
@@ -329,7 +330,7 @@ void LiveLife::fail() {
   throw Broken{};
 }
 
-std::size_t LiveLife::filter(EventSpan events, Event* out) {
+std::size_t LiveLife::filter(EventSpan events, std::span<Event> out) {
   std::size_t passed = 0;
   for (const Event& event : events) {
     if (live_.passes(event)) out[passed++] = event;

@@ -55,7 +55,7 @@ class LiveLife final : private SchemeWatcher, private Machine {
   void loop();
   void work(const Package& package);
   [[noreturn]] void fail();
-  std::size_t filter(EventSpan events, Event* out);
+  std::size_t filter(EventSpan events, std::span<Event> out);
 
   const Setup& setup_;
   const LiveSetup& live_;

@@ -83,7 +83,7 @@ BackgroundActivityFilter::BackgroundActivityFilter(BackgroundActivityFilter&&) n
 BackgroundActivityFilter& BackgroundActivityFilter::operator=(BackgroundActivityFilter&&) noexcept =
     default;
 
-std::size_t BackgroundActivityFilter::process(EventSpan events, Event* out) noexcept {
+std::size_t BackgroundActivityFilter::process(EventSpan events, std::span<Event> out) noexcept {
   Impl& impl = *impl_;
   std::size_t passed = 0;
   for (const Event event : events) {

@@ -33,7 +33,7 @@ class HotPixelMask::Impl {
     mask_given();
   }
 
-  std::size_t process(EventSpan events, Event* out) noexcept {
+  std::size_t process(EventSpan events, std::span<Event> out) noexcept {
     const auto learn_events = static_cast<std::uint64_t>(config.learn_events);
     std::size_t passed = 0;
     for (const Event event : events) {
@@ -155,7 +155,7 @@ HotPixelMask& HotPixelMask::operator=(const HotPixelMask& other) {
 HotPixelMask::HotPixelMask(HotPixelMask&&) noexcept = default;
 HotPixelMask& HotPixelMask::operator=(HotPixelMask&&) noexcept = default;
 
-std::size_t HotPixelMask::process(EventSpan events, Event* out) noexcept {
+std::size_t HotPixelMask::process(EventSpan events, std::span<Event> out) noexcept {
   return impl_->process(events, out);
 }
 

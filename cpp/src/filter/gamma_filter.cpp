@@ -18,11 +18,12 @@ KeepThreshold KeepThreshold::checked(double gamma) {
   return clamped(gamma);
 }
 
-std::size_t GammaFilter::apply(EventSpan events, KeepThreshold threshold, Event* out) noexcept {
+std::size_t GammaFilter::apply(EventSpan events, KeepThreshold threshold,
+                               std::span<Event> out) noexcept {
   const std::uint64_t first = position_;
   position_ += events.size();
   if (threshold.keeps_all()) {
-    std::copy_n(events.data(), events.size(), out);
+    std::copy_n(events.data(), events.size(), out.data());
     return events.size();
   }
   const CounterRandom random(seed_);
@@ -35,11 +36,12 @@ std::size_t GammaFilter::apply(EventSpan events, KeepThreshold threshold, Event*
   return kept;
 }
 
-void GammaFilter::mask(EventSpan events, KeepThreshold threshold, std::uint8_t* kept) noexcept {
+void GammaFilter::mask(EventSpan events, KeepThreshold threshold,
+                       std::span<std::uint8_t> kept) noexcept {
   const std::uint64_t first = position_;
   position_ += events.size();
   if (threshold.keeps_all()) {
-    std::fill_n(kept, events.size(), std::uint8_t{1});
+    std::fill_n(kept.begin(), events.size(), std::uint8_t{1});
     return;
   }
   const CounterRandom random(seed_);
@@ -50,11 +52,12 @@ void GammaFilter::mask(EventSpan events, KeepThreshold threshold, std::uint8_t* 
 }
 
 KeepThreshold GammaFilter::keeping(std::size_t count, std::size_t events,
-                                   std::uint64_t* numbers) const noexcept {
+                                   std::span<std::uint64_t> numbers) const noexcept {
   if (count >= events) return KeepThreshold::all();
   const CounterRandom random(seed_);
   for (std::size_t i = 0; i < events; ++i) numbers[i] = random(position_ + i) >> 1;
-  std::nth_element(numbers, numbers + count, numbers + events);
+  const auto at = [&](std::size_t i) { return numbers.data() + i; };
+  std::nth_element(at(0), at(count), at(events));
   return KeepThreshold{numbers[count]};
 }
 

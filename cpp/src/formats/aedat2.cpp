@@ -124,10 +124,8 @@ Aedat2Decoder::Aedat2Decoder(const Aedat2Config& config) : NativeDecoder(config)
           "chip", static_cast<int>(chip), "davis, dvs128, dvs640 or dvs1280");
   require(config.camera <= config.camera_bits >> shift_of(config.camera_bits), "camera",
           config.camera, "a number that camera_bits hold");
-  const std::uint16_t widest = chip == Aedat2Chip::dvs128    ? 128
-                               : chip == Aedat2Chip::dvs1280 ? 2048
-                                                             : 1024;
-  const std::uint16_t highest = chip == Aedat2Chip::dvs128 ? 128 : widest / 2;
+  const int widest = chip == Aedat2Chip::dvs128 ? 128 : chip == Aedat2Chip::dvs1280 ? 2048 : 1024;
+  const int highest = chip == Aedat2Chip::dvs128 ? 128 : widest / 2;
   require(config.width >= 1 && config.width <= widest, "width", config.width,
           "the sensor's, within the bits of an address");
   require(config.height >= 1 && config.height <= highest, "height", config.height,
@@ -141,7 +139,8 @@ std::size_t Aedat2Decoder::decode_bytes(std::span<const std::byte> bytes, Output
     t_ = format.t;
     return used;
   };
-  const std::uint32_t right = config_.width - 1u, bottom = config_.height - 1u;
+  const auto right = static_cast<std::uint32_t>(config_.width - 1);
+  const auto bottom = static_cast<std::uint32_t>(config_.height - 1);
   const std::uint32_t bits = config_.camera_bits, camera = config_.camera << shift_of(bits);
   const auto decode = [&]<class Address>(Address) {
     return run(Aedat2<Address>{right, bottom, bits, camera, triggers_, t_});

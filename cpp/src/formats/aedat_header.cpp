@@ -8,7 +8,7 @@ namespace {
 
 struct NamedSensor {
   std::string_view name;  // small letters
-  std::uint16_t width, height;
+  int width, height;
   Aedat2Chip chip = Aedat2Chip::other;
 };
 

@@ -12,9 +12,9 @@
 namespace asap {
 
 struct AedatSensor {
-  std::uint16_t width, height;  // px; 0 where the name does not say
-  Aedat2Chip chip;              // other: jAER writes its addresses in another way, or it is unknown
-  std::uint32_t camera_bits;    // as in Aedat2Header
+  int width, height;          // px; 0 where the name does not say
+  Aedat2Chip chip;            // other: jAER writes its addresses in another way, or it is unknown
+  std::uint32_t camera_bits;  // as in Aedat2Header
 };
 
 // The sensor whose name stands in `device`, in whatever case, such as "DAVIS FX2" or the name of a

@@ -177,10 +177,14 @@ template <class Format>
 }  // namespace
 
 Encoder::Encoder(const EncoderConfig& config) : config_(config) {
-  if (config.encoding != Encoding::event_stream) return;
-  constexpr std::string_view kRemedy = "an Event Stream states its sensor: give the size in px";
-  require(config.width > 0, "width", config.width, kRemedy);
-  require(config.height > 0, "height", config.height, kRemedy);
+  const bool is_stated = config.encoding == Encoding::event_stream;
+  const auto check = [&](const char* field, int side) {
+    require(!is_stated || side > 0, field, side,
+            "an Event Stream states its sensor: give the size in px");
+    require(side >= 0 && side <= 65'535, field, side, "must be 0 (not known) to 65,535 px");
+  };
+  check("width", config.width);
+  check("height", config.height);
 }
 
 std::string Encoder::header() const {
@@ -202,7 +206,7 @@ std::string Encoder::header() const {
              (known ? "% Height " + height + "\n% Width " + width + "\n" : "") + "\x0c\x08";
     case Encoding::event_stream: {
       std::string bytes("Event Stream\x02\0\0\x01", 16);
-      for (const unsigned side : {unsigned{config_.width}, unsigned{config_.height}}) {
+      for (const int side : {config_.width, config_.height}) {
         bytes += static_cast<char>(side & 0xff);
         bytes += static_cast<char>(side >> 8);
       }

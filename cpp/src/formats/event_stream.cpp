@@ -79,15 +79,18 @@ std::optional<EventStreamHeader> read_event_stream_header(
   if (header.type == dvs || header.type == atis || header.type == color) {
     if (front.size() < kAt + 8) return {};
     header.size = kAt + 8;
-    header.width = static_cast<std::uint16_t>(byte(kAt + 4) | byte(kAt + 5) << 8);
-    header.height = static_cast<std::uint16_t>(byte(kAt + 6) | byte(kAt + 7) << 8);
+    const auto side = [&](std::size_t at) {
+      return static_cast<int>(byte(at) | byte(at + 1) << 8);
+    };
+    header.width = side(kAt + 4);
+    header.height = side(kAt + 6);
   }
   return header;
 }
 
 EventStreamDecoder::EventStreamDecoder(const EventStreamConfig& config) : NativeDecoder(config) {
   require(config.version == 1 || config.version == 2, "version", config.version, "1 or 2");
-  require(config.height > 0, "height", config.height,
+  require(config.height > 0 && config.height <= 65'535, "height", config.height,
           "the sensor's in px: rows count from the bottom");
 }
 
@@ -98,7 +101,7 @@ std::size_t EventStreamDecoder::decode_bytes(std::span<const std::byte> bytes,
     t_ = format.t;
     return used;
   };
-  const std::uint32_t bottom = config_.height - 1u;
+  const auto bottom = static_cast<std::uint32_t>(config_.height - 1);
   return config_.version == 1 ? run(EventStream1{bottom, t_}) : run(EventStream2{bottom, t_});
 }
 

@@ -42,9 +42,9 @@ int whole_or(int otherwise, Text text) noexcept {
   return error == std::errc{} && end == text.data() + text.size() ? value : otherwise;
 }
 
-void read_side(Text text, std::uint16_t& side) noexcept {
+void read_side(Text text, int& side) noexcept {
   const int value = whole_or(0, text);
-  if (value > 0 && value <= 65535) side = static_cast<std::uint16_t>(value);
+  if (value > 0 && value <= 65535) side = value;
 }
 
 void read_words(Text name, RawHeader& header) noexcept {
@@ -67,7 +67,7 @@ void read_format(Text value, RawHeader& header) noexcept {
 }
 
 struct Side {
-  std::uint16_t width, height;
+  int width, height;
 };
 
 // The sensor of a recording that states no geometry.

@@ -28,8 +28,8 @@ using Decoder = std::variant<TextDecoder, Evt2Decoder, Evt21Decoder, Evt3Decoder
 struct Opened {
   Decoder decoder;
   std::size_t header = 0;  // bytes
-  std::uint16_t width = 0;
-  std::uint16_t height = 0;
+  int width = 0;
+  int height = 0;
 };
 
 }  // namespace recording
@@ -79,8 +79,8 @@ std::optional<Opened> open_aedat(const std::filesystem::path& path, Bytes front)
       refuse(path, "is an AEDAT 2.0 file whose header names no sensor that is decoded");
     }
     if (header->camera_bits != 0) refuse(path, "holds several cameras");
-    const std::uint16_t width = is_dvs128 ? 128 : header->width;
-    const std::uint16_t height = is_dvs128 ? 128 : header->height;
+    const int width = is_dvs128 ? 128 : header->width;
+    const int height = is_dvs128 ? 128 : header->height;
     return Opened{
         Aedat2Decoder(Aedat2Config{.chip = header->chip, .width = width, .height = height}),
         header->size, width, height};
@@ -98,7 +98,7 @@ std::optional<Opened> open_event_stream(const std::filesystem::path& path, Bytes
   if (!header) return std::nullopt;
   if (header->type != EventStreamHeader::Type::dvs) refuse(path, "is an Event Stream without DVS");
   constexpr std::uint16_t kRowsOfAnAtis = 240;
-  const std::uint16_t height = header->height > 0 ? header->height : kRowsOfAnAtis;
+  const int height = header->height > 0 ? header->height : kRowsOfAnAtis;
   return Opened{EventStreamDecoder({.version = header->version, .height = height}), header->size,
                 header->width, header->height};
 }
@@ -199,8 +199,8 @@ EventSpan RecordingSource::next() {
 
 void RecordingSource::cancel() noexcept { impl_->cancelled.store(true, std::memory_order_relaxed); }
 
-std::uint16_t RecordingSource::width() const noexcept { return impl_->opened->width; }
-std::uint16_t RecordingSource::height() const noexcept { return impl_->opened->height; }
+int RecordingSource::width() const noexcept { return impl_->opened->width; }
+int RecordingSource::height() const noexcept { return impl_->opened->height; }
 
 std::uint64_t RecordingSource::bad_records() const noexcept {
   return std::visit([](const auto& decoder) { return decoder.bad_records(); },

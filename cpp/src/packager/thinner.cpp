@@ -96,8 +96,8 @@ EventSpan Thinner::thin(std::size_t begin, std::size_t end, Share share) noexcep
     const std::size_t together_until = times_.same_until(head_ + at, head_ + end) - head_;
     const std::size_t until = std::min(together_until, at + (max_copied_ - size));
     const EventPieces together = part_of(raw_, at, until);
-    size += gamma_.apply(together.first, bar, kept_.get() + size);
-    size += gamma_.apply(together.second, bar, kept_.get() + size);
+    size += gamma_.apply(together.first, bar, room_from(size));
+    size += gamma_.apply(together.second, bar, room_from(size));
     if (times_.by_arrival()) kept_times_.note(size, times_.of(raw_[at], head_ + at));
     at = until;
   }
@@ -109,11 +109,11 @@ EventSpan Thinner::thin(std::size_t begin, std::size_t end, Share share) noexcep
 EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share share) {
   const std::size_t before = events_.size();
   end = std::min(end, begin + (max_copied_ - before));
-  Event* const passing = kept_.get() + before;
+  const std::span<Event> passing = room_from(before);
   std::size_t passed = 0;
   const auto pass = [&](EventSpan events) {
     if (events.empty()) return;
-    const std::size_t more = exempt([&] { return before_(events, passing + passed); });
+    const std::size_t more = exempt([&] { return before_(events, passing.subspan(passed)); });
     passed += std::min(more, events.size());
   };
   passed_times_.clear();
@@ -135,7 +135,7 @@ EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share sha
   std::size_t size = before;
   std::size_t at = 0;
   for (const KeptTimes::Run& run : passed_times_.runs()) {
-    size += gamma_.apply({passing + at, run.end - at}, bar, kept_.get() + size);
+    size += gamma_.apply(passing.subspan(at, run.end - at), bar, room_from(size));
     if (times_.by_arrival()) kept_times_.note(size, run.time_ns);
     at = run.end;
   }
@@ -149,7 +149,7 @@ KeepThreshold Thinner::threshold(std::size_t events, Share share) const noexcept
   }
   constexpr double kRounding = 1e-6;
   const double size = share.keep * static_cast<double>(events) + kRounding;
-  return gamma_.keeping(static_cast<std::size_t>(size), events, numbers_.get());
+  return gamma_.keeping(static_cast<std::size_t>(size), events, {numbers_.get(), max_numbers_});
 }
 
 void Thinner::leave_the_ring() noexcept {

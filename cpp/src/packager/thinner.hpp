@@ -68,6 +68,9 @@ class Thinner {
   bool fits(std::size_t more) const noexcept { return events_.size() + more <= max_copied_; }
   bool is_slice() const noexcept { return !events_.empty() && events_.data() != kept_.get(); }
   void leave_the_ring() noexcept;
+  std::span<Event> room_from(std::size_t size) const noexcept {
+    return {kept_.get() + size, max_copied_ - size};
+  }
 
   const EventTimes& times_;
   const FrontFilter before_;

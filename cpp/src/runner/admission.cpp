@@ -22,8 +22,7 @@ void AdmissionGate::pass(EventSpan events, const TimeAxis& axis, const Look& loo
     });
     const EventSpan period(events.begin(), end);
     admitted_.resize(std::max(admitted_.size(), period.size()));
-    const std::size_t size =
-        filter_.apply(period, KeepThreshold::clamped(gamma_), admitted_.data());
+    const std::size_t size = filter_.apply(period, KeepThreshold::clamped(gamma_), admitted_);
     arrived_ += period.size();
     discarded_ += period.size() - size;
     if (!period.empty()) gap_.thinned(period, {admitted_.data(), size});

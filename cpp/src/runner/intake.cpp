@@ -88,7 +88,7 @@ void Intake::thin(EventSpan events, std::int64_t arrival_ns) noexcept {
   while (!events.empty()) {
     const EventSpan block = events.first(std::min(events.size(), kBlock));
     const double share = wanted / static_cast<double>(events.size());
-    const std::size_t kept = filter_.apply(block, bar(share, block.size(), room), scratch_.data());
+    const std::size_t kept = filter_.apply(block, bar(share, block.size(), room), scratch_);
     discarded_ += block.size() - kept;
     gap_.thinned(block, {scratch_.data(), enter({scratch_.data(), kept}, arrival_ns)});
     wanted -= static_cast<double>(kept);
@@ -101,7 +101,7 @@ void Intake::thin(EventSpan events, std::int64_t arrival_ns) noexcept {
 KeepThreshold Intake::bar(double share, std::size_t events, std::size_t room) noexcept {
   const KeepThreshold chance = KeepThreshold::clamped(share);
   if (events <= room) return chance;
-  const KeepThreshold max = filter_.keeping(room, events, numbers_.data());
+  const KeepThreshold max = filter_.keeping(room, events, numbers_);
   return chance.value() < max.value() ? chance : max;
 }
 

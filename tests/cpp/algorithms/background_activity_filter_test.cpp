@@ -27,7 +27,7 @@ Event at(std::uint16_t x, std::uint16_t y, std::int64_t t, std::int16_t p = 0) {
 
 Events passed(BackgroundActivityFilter& filter, const Events& events) {
   Events out(events.size());
-  out.resize(filter.process(events, out.data()));
+  out.resize(filter.process(events, out));
   return out;
 }
 
@@ -45,7 +45,7 @@ std::vector<std::uint8_t> labels_of(BackgroundActivityFilter& filter, const Even
   std::vector<std::uint8_t> labels;
   for (const Event& event : events) {
     Event out;
-    labels.push_back(static_cast<std::uint8_t>(filter.process({&event, 1}, &out)));
+    labels.push_back(static_cast<std::uint8_t>(filter.process({&event, 1}, {&out, 1})));
   }
   return labels;
 }

@@ -24,7 +24,7 @@ Event at(int x, int y, std::int64_t t = 0) {
 
 Events passed(HotPixelMask& mask, const Events& events) {
   Events out(events.size());
-  out.resize(mask.process(events, out.data()));
+  out.resize(mask.process(events, out));
   return out;
 }
 

@@ -261,7 +261,7 @@ TEST(MotionSegmenter, AllocatesNothingAfterConstruction) {
 TEST(MotionSegmenter, ToldTheKeptFractionItKnowsMoreOften) {
   Events kept(moving().size());
   asap::GammaFilter thin(3);
-  kept.resize(thin.apply(moving(), asap::KeepThreshold::clamped(0.2), kept.data()));
+  kept.resize(thin.apply(moving(), asap::KeepThreshold::clamped(0.2), kept));
   std::array<int, 2> known{};
   for (const bool is_told : {false, true}) {
     auto found = segmenter();

@@ -27,7 +27,7 @@ constexpr std::array<double, 5> kGammas{0.02, 0.1, 0.5, 0.75, 0.98};
 
 Events apply(GammaFilter& filter, EventSpan events, double gamma) {
   Events kept(events.size());
-  kept.resize(filter.apply(events, KeepThreshold::checked(gamma), kept.data()));
+  kept.resize(filter.apply(events, KeepThreshold::checked(gamma), kept));
   return kept;
 }
 
@@ -35,7 +35,7 @@ std::vector<std::uint8_t> mask_of(std::uint64_t seed, double gamma, std::size_t 
   GammaFilter filter(seed);
   const Events events(count);
   std::vector<std::uint8_t> mask(count);
-  filter.mask(events, KeepThreshold::checked(gamma), mask.data());
+  filter.mask(events, KeepThreshold::checked(gamma), mask);
   return mask;
 }
 
@@ -165,9 +165,9 @@ TEST(GammaFilter, AThresholdKeepsExactlyAsManyAsAsked) {
     for (const std::size_t count : {0u, 1u, 250u, 499u, 500u, 900u}) {
       GammaFilter filter(3);
       filter.skip(before);
-      const KeepThreshold threshold = filter.keeping(count, events.size(), numbers.data());
+      const KeepThreshold threshold = filter.keeping(count, events.size(), numbers);
       EXPECT_EQ(filter.position(), before);
-      EXPECT_EQ(filter.apply(events, threshold, out.data()), std::min<std::size_t>(count, 500));
+      EXPECT_EQ(filter.apply(events, threshold, out), std::min<std::size_t>(count, 500));
     }
   }
 }

@@ -307,6 +307,8 @@ TEST(Encoder, RefusesTimesThatTheFormatCannotHold) {
 TEST(Encoder, AnEventStreamNeedsItsSensor) {
   EXPECT_THROW(Encoder({.encoding = Encoding::event_stream, .height = 5}), std::invalid_argument);
   EXPECT_THROW(Encoder({.encoding = Encoding::event_stream, .width = 5}), std::invalid_argument);
+  EXPECT_THROW(Encoder({.width = -1}), std::invalid_argument);
+  EXPECT_THROW(Encoder({.height = 65'536}), std::invalid_argument);
 }
 
 // ---- headers --------------------------------------------------------------------------------

@@ -104,8 +104,9 @@ TEST(LiveAllocations, None) {
 // ---- what a pipeline takes ------------------------------------------------------------------
 
 TEST(PipelineMemory, IsWhatIsCounted) {
-  const FrontFilter all = [](EventSpan events, Event* passed) {
-    return static_cast<std::size_t>(std::copy(events.begin(), events.end(), passed) - passed);
+  const FrontFilter all = [](EventSpan events, std::span<Event> passed) {
+    std::ranges::copy(events, passed.begin());
+    return events.size();
   };
   for (const std::size_t capacity : {1UL, 1000UL, 16'384UL, 65'536UL, 1'000'000UL}) {
     const RunConfig configs[] = {

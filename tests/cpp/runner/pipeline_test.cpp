@@ -515,10 +515,10 @@ TEST(Pipeline, WhatTheFilterInFrontDropsIsFilteredAndNothingElse) {
   test::ScriptedScheme scheme(
       [](const Backlog& backlog) { return Decision::take(backlog.count, 0.25); });
   RunConfig config = kWhole;
-  config.front_filter = [](EventSpan events, Event* out) {
-    Event* const end = std::copy_if(events.begin(), events.end(), out,
-                                    [](const Event& event) { return event.p == 0; });
-    return static_cast<std::size_t>(end - out);
+  config.front_filter = [](EventSpan events, std::span<Event> out) {
+    const auto end = std::copy_if(events.begin(), events.end(), out.begin(),
+                                  [](const Event& event) { return event.p == 0; });
+    return static_cast<std::size_t>(end - out.begin());
   };
   Pipeline run(scheme, config);
   run.push(test::evenly_spaced(1000, 10));  // every second one
@@ -537,8 +537,8 @@ TEST(Pipeline, WhatTheFilterInFrontDropsIsFilteredAndNothingElse) {
 TEST(Pipeline, AFilterInFrontThatSaysMoreThanThereIsIsNotBelieved) {
   Greedy scheme;
   RunConfig config = kWhole;
-  config.front_filter = [](EventSpan events, Event* out) {
-    std::copy(events.begin(), events.end(), out);
+  config.front_filter = [](EventSpan events, std::span<Event> out) {
+    std::ranges::copy(events, out.begin());
     return events.size() + 5;
   };
   Pipeline run(scheme, config);

@@ -229,7 +229,7 @@ TEST(Simulator, CountsRejectedEvents) {
 
 // Losses of every kind: rejected, filtered, discarded by gamma, stale, overflow.
 TEST(Simulator, TheMaskLeadsBackToTheEventsThatWereGiven) {
-  const FrontFilter every_fourth_is_noise = [](EventSpan events, Event* out) {
+  const FrontFilter every_fourth_is_noise = [](EventSpan events, std::span<Event> out) {
     std::size_t passed = 0;
     for (const Event& event : events) {
       if (number_of(event) % 4 != 0) out[passed++] = event;

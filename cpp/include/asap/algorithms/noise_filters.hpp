@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "asap/core/event.hpp"
@@ -42,7 +43,7 @@ class BackgroundActivityFilter {
   // Writes the events that pass to `out`, which holds at least events.size() (the tail beyond them
   // is scratch) and may be the events' own memory. Returns how many passed. Events outside the
   // frame do not pass and are counted.
-  std::size_t process(EventSpan events, Event* out) noexcept;
+  std::size_t process(EventSpan events, std::span<Event> out) noexcept;
 
   // The fraction of the events that reaches the filter, in [0, 1]: neighbours become as rare, so
   // it grows to window / gamma, at most 500 s.
@@ -102,7 +103,7 @@ class HotPixelMask {
   // Writes the events that pass to `out`, which holds at least events.size() (the tail beyond them
   // is scratch) and may be the events' own memory. Returns how many passed. Events outside the
   // frame do not pass and are counted.
-  std::size_t process(EventSpan events, Event* out) noexcept;
+  std::size_t process(EventSpan events, std::span<Event> out) noexcept;
 
   // Masks the hot pixels of these events too; returns how many they are. What was being learned on
   // the way starts again.

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "asap/core/event.hpp"
 #include "asap/core/nonblocking.hpp"
@@ -44,16 +45,16 @@ class GammaFilter {
   // Writes the kept events to `out`, which holds at least events.size() (the tail beyond the kept
   // ones is scratch). Returns how many were kept. The position advances by events.size().
   std::size_t apply(EventSpan events, KeepThreshold threshold,
-                    Event* out) noexcept ASAP_NONBLOCKING;
+                    std::span<Event> out) noexcept ASAP_NONBLOCKING;
 
   // One byte per event: 1 = kept. The position advances like in apply.
   void mask(EventSpan events, KeepThreshold threshold,
-            std::uint8_t* kept) noexcept ASAP_NONBLOCKING;
+            std::span<std::uint8_t> kept) noexcept ASAP_NONBLOCKING;
 
   // The threshold that keeps exactly `count` of the next `events` events; the position stays.
   // `numbers` is scratch for as many. O(events).
   KeepThreshold keeping(std::size_t count, std::size_t events,
-                        std::uint64_t* numbers) const noexcept ASAP_NONBLOCKING;
+                        std::span<std::uint64_t> numbers) const noexcept ASAP_NONBLOCKING;
 
   // Passes over events that leave the stream undecided (stale ones).
   void skip(std::size_t count) noexcept ASAP_NONBLOCKING { position_ += count; }

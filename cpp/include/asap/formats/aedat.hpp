@@ -38,8 +38,8 @@ enum class Aedat2Chip : std::uint8_t { unnamed, other, davis, dvs128, dvs640, dv
 struct Aedat2Header {
   std::size_t size;  // bytes; the first record follows
   Aedat2Chip chip;
-  std::uint16_t width, height;  // px; 0 where the header does not say
-  std::uint32_t camera_bits;    // of the addresses, that number several cameras; 0: there is one
+  int width, height;          // px; 0 where the header does not say
+  std::uint32_t camera_bits;  // of the addresses, that number several cameras; 0: there is one
 };
 
 // Nothing where `front` is not AEDAT 2.0 or ends inside a line. Where it ends with a line, more
@@ -48,9 +48,9 @@ std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front)
 
 struct Aedat2Config {
   Aedat2Chip chip = Aedat2Chip::davis;
-  std::uint16_t width = 240, height = 180;  // px of the sensor, in which x and y are mirrored
-  std::uint32_t camera_bits = 0;            // as in the header
-  std::uint32_t camera = 0;                 // the one to decode, where there are several
+  int width = 240, height = 180;  // px of the sensor, in which x and y are mirrored
+  std::uint32_t camera_bits = 0;  // as in the header
+  std::uint32_t camera = 0;       // the one to decode, where there are several
 };
 
 // Feed it what follows the header.
@@ -86,10 +86,10 @@ class Aedat2Decoder : public NativeDecoder<Aedat2Decoder, Aedat2Config, 8> {
 // Source: inivation.com, "AEDAT 3.1"; libcaer, events/.
 
 struct Aedat3Header {
-  std::size_t size;             // bytes; the first packet follows
-  bool raw;                     // "#Format: RAW": the only one that is decoded
-  std::size_t sources;          // cameras in the file
-  std::uint16_t width, height;  // px of the first source; 0 where its name does not say
+  std::size_t size;     // bytes; the first packet follows
+  bool raw;             // "#Format: RAW": the only one that is decoded
+  std::size_t sources;  // cameras in the file
+  int width, height;    // px of the first source; 0 where its name does not say
 };
 
 // Nothing where `front` is not AEDAT 3.1, or ends inside the header.

@@ -29,10 +29,10 @@ namespace asap {
 struct EventStreamHeader {
   enum class Type : std::uint8_t { generic, dvs, atis, display, color, unknown };
 
-  std::size_t size;             // bytes; the first record follows
-  int version;                  // major version
-  Type type;                    // only dvs is decoded
-  std::uint16_t width, height;  // px; 0 where the file does not say
+  std::size_t size;   // bytes; the first record follows
+  int version;        // major version
+  Type type;          // only dvs is decoded
+  int width, height;  // px; 0 where the file does not say
 };
 
 // Nothing where `front` does not begin with a whole header of version 1 or 2.
@@ -40,8 +40,8 @@ std::optional<EventStreamHeader> read_event_stream_header(
     std::span<const std::byte> front) noexcept;
 
 struct EventStreamConfig {
-  int version = 2;           // 1 or 2, as the header says
-  std::uint16_t height = 0;  // rows of the sensor; version 1 does not say it: 240 for an ATIS
+  int version = 2;  // 1 or 2, as the header says
+  int height = 0;   // rows of the sensor; version 1 does not say it: 240 for an ATIS
 };
 
 // Feed it what follows the header. The first event's time counts from 0.

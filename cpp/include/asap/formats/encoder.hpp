@@ -21,8 +21,8 @@ enum class Encoding : std::uint8_t { evt2, evt3, dat, event_stream, csv };
 
 struct EncoderConfig {
   Encoding encoding = Encoding::evt3;
-  std::uint16_t width = 0;  // px; 0: not known, so that the header does not state it
-  std::uint16_t height = 0;
+  int width = 0;  // px; 0: not known, so that the header does not state it
+  int height = 0;
 };
 
 class Encoder {

@@ -33,8 +33,8 @@ struct RawHeader {
   bool little_endian = false;  // said so; EVT2.1 swaps the halves of its words otherwise
   bool is_dat = false;         // "Data file containing ..."
   int version = -1;            // version of a DAT file; -1: not stated
-  std::uint16_t width = 0;     // px; 0: not stated
-  std::uint16_t height = 0;
+  int width = 0;               // px; 0: not stated
+  int height = 0;
 };
 
 // Nothing if `bytes` do not begin with such a line. Give enough bytes: a header that is cut ends
@@ -181,8 +181,8 @@ struct DatHeader {
   int version = 2;       // where it is not stated, the first events decide
   std::uint8_t type = 0;
   std::uint8_t event_size = 0;  // bytes
-  std::uint16_t width = 0;      // px; 0: not stated
-  std::uint16_t height = 0;
+  int width = 0;                // px; 0: not stated
+  int height = 0;
 };
 
 // Nothing if `bytes` do not begin with a header of text lines and two bytes.

@@ -35,8 +35,8 @@ class RecordingSource final : public EventSource {
   void cancel() noexcept override;
 
   // Size of the sensor in px; 0 where the file does not say.
-  std::uint16_t width() const noexcept;
-  std::uint16_t height() const noexcept;
+  int width() const noexcept;
+  int height() const noexcept;
 
   // Bad records so far.
   std::uint64_t bad_records() const noexcept;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "asap/core/event.hpp"
@@ -39,7 +40,7 @@ enum class Next { package, idle, ended };
 // raw event that is not stale, in order, writes those that pass to `out`, which holds at least
 // events.size() and is other memory, and returns their number. Called on the consumer's thread; its
 // time is part of the measured cost.
-using FrontFilter = std::function<std::size_t(EventSpan events, Event* out)>;
+using FrontFilter = std::function<std::size_t(EventSpan events, std::span<Event> out)>;
 
 // What became of the events of a recording (RunConfig::keep_mask).
 struct KeptEvents {
