@@ -84,12 +84,16 @@ TEST(Objects, ALostObjectIsTheOneThatReappearsOnItsWay) {
 
 TEST(Objects, OfTwoLostObjectsTheNearestReappearsAndOnce) {
   Layer layer;
-  for (const float x : {50.0F, 66.0F, 80.0F}) layer.add(x, 50, 2);
+  const auto add_later = [&](float x) {
+    layer.wait(40'000);  // those that begin together would be one
+    return layer.add(x, 50, 2);
+  };
+  for (const float x : {50.0F, 66.0F, 80.0F}) add_later(x);
   layer.wait(5'000);
   while (!layer.tracks.active().empty()) layer.tracks.remove(layer.tracks.active().front());
-  const auto found = layer.add(68, 50, 2);
-  const auto beside = layer.add(70, 50, 2);
-  const auto third = layer.add(72, 50, 2);
+  const auto found = add_later(68);
+  const auto beside = add_later(70);
+  const auto third = add_later(72);
   layer.wait(5'000);
   EXPECT_EQ(layer.id_of(found), 1);
   EXPECT_EQ(layer.id_of(beside), 2);
