@@ -34,8 +34,7 @@ void steady(double seconds, std::uint64_t seed) {
         const double before_s = thread_cpu_s();
         if (seen == 0) begun_s = before_s;
         for (std::size_t at = 0; at < events.size(); at += passed.size()) {
-          filter.process(events.subspan(at, std::min(passed.size(), events.size() - at)),
-                         passed.data());
+          filter.process(events.subspan(at, std::min(passed.size(), events.size() - at)), passed);
         }
         seen += events.size();
         ended_s = thread_cpu_s();
