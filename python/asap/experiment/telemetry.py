@@ -37,7 +37,7 @@ _FORMATS = {"i": "%d", "f": "%.16g"}
 _KINDS = [TELEMETRY_DTYPE[name].kind for name in TELEMETRY_DTYPE.names or ()]
 _LINE = ",".join(_FORMATS[kind] for kind in _KINDS) + "\n"
 
-# What the watching costs delays packages, and the 99th percentile of the latency heeds 10 in 1000.
+# Each look and each writing delays a package or two; 10 of 1000 would move the 99th percentile.
 _EVERY_S = 0.25
 _WRITE_S = 1.0
 _WAITING = 20  # looks that wait for the disk, thus 5 s
