@@ -17,6 +17,16 @@ TEST(StallWatch, AwakeForLongIsStalledUntilItLooksUp) {
   EXPECT_FALSE(watch.stalled(20'000, kBound));
 }
 
+TEST(StallWatch, SleepIsNoStall) {
+  StallWatch watch;
+  watch.on_wake(0, kBound);
+  watch.on_sleep();
+  EXPECT_FALSE(watch.stalled(1'000'000'000, kBound));
+  watch.on_wake(1'000'000'000, kBound);
+  EXPECT_FALSE(watch.stalled(1'000'004'000, kBound));
+  EXPECT_TRUE(watch.stalled(1'000'004'001, kBound));
+}
+
 TEST(StallWatch, LearnsThatPackagesTakeLong) {
   StallWatch watch;
   std::int64_t now = 0;
