@@ -47,7 +47,7 @@ Consumer native_filter(const py::object& algorithm) {
     ours.has_worked() = true;
     if (!package.continues) ours->set_keep(package.keep);
     if (passed.size() < package.events.size()) passed.resize(package.events.size());
-    ours->process(package.events, passed.data());
+    ours->process(package.events, passed);
   };
 }
 
