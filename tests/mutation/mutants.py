@@ -371,7 +371,7 @@ MUTANTS: list[Mutant] = [
         SOURCE + "formats/plain_line.hpp",
         "formats",
         polarity_of_two_digits_cut=("(p_end - y_end == 2)", "(p_end - y_end >= 2)"),
-        separators_may_differ=("(line[x_end] == separator)", "is_separator(line[x_end])"),
+        any_character_separates=("is_separator(separator) & ", ""),
         long_times_cut=("if (count > 8) {", "if (count > 9) {"),
     ),
     *in_file(

@@ -119,11 +119,15 @@ TEST(TextDecoder, CountsLinesThatAreNoEvents) {
   const std::string_view good = "1 2 3 1\n";
   for (const std::string_view bad :
        {"t x y p\n", "1 2 3\n", "1 2 3 1 1\n", "1 2.5 3 1\n", "1 2 3 nan\n", "1 2 3 1x\n",
-        "1-2 3 1\n", "0x1 2 3 1\n", "1 2 3 \x01\n"}) {
-    const Decoded decoded = decode(std::string(good) + std::string(bad) + std::string(good));
-    EXPECT_EQ(decoded.events.size(), 2u) << bad;
-    EXPECT_EQ(decoded.bad_records, 1u) << bad;
-    EXPECT_EQ(decoded.noted, (Offsets{8})) << bad;
+        "1-2 3 1\n", "0x1 2 3 1\n", "1x2x3x1\n", "1 2 3 \x01\n"}) {
+    for (const int exponent : {6, 0}) {  // whole microseconds go a way of their own
+      std::string text = std::string(good) + std::string(bad);
+      for (int i = 0; i < 20; ++i) text += good;  // which needs room behind the line
+      const Decoded decoded = decode(text, {.time_exponent = exponent});
+      EXPECT_EQ(decoded.events.size(), 21u) << bad;
+      EXPECT_EQ(decoded.bad_records, 1u) << bad;
+      EXPECT_EQ(decoded.noted, (Offsets{8})) << bad;
+    }
   }
 }
 
