@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "algorithms/fast/association.hpp"
@@ -126,8 +127,10 @@ class Engine {
   void measure_noise() noexcept;
   void merge_pairs(float dt_s) noexcept;
   void split_next() noexcept;
+  void separate_next() noexcept;
   void split(Slot slot) noexcept;
   void halve(Slot slot) noexcept;
+  void divide(Slot slot, std::span<const Part> halves) noexcept;
   Slot begin_part(Slot parent, const Part& part, float share) noexcept;
   void remove(Slot slot) noexcept;
 
@@ -147,6 +150,7 @@ class Engine {
   HalfFinder halves_;
   Objects objects_;
   std::size_t next_split_ = 0;
+  std::size_t next_separation_ = 0;
   Reciprocals reciprocals_;
   DirectionTable directions_;
   Counters counters_;
