@@ -129,7 +129,7 @@ class _Picture:
             self._log_curves(part)
         if len(events):
             self._turn_to(events["t"][0], events["t"][-1])
-            image = painted(events, (sensor[1] or 0, sensor[0] or 0))
+            image = painted(events, (sensor[1], sensor[0]))
             self._log("scene/events", self._rr.SegmentationImage(image, opacity=1.0))
             self._log_found(outlines_of(found))
 

@@ -6,8 +6,8 @@ second: if that process is stalled or killed, only this thread waits or ends.
 
 from __future__ import annotations
 
+import io
 import os
-import pickle
 import subprocess
 import sys
 import threading
@@ -80,7 +80,7 @@ def view(
         remedy = "give an asap.Pipeline or a run of asap.run or asap.simulate"
         raise TypeError(_checks.named("pipeline_or_run", pipeline_or_run, remedy))
     run = pipeline_or_run
-    sensor = run.source["width"], run.source["height"]
+    sensor = run.source["width"] or 0, run.source["height"] or 0
     rows = as_rows(run.packages, run.latency_bound_us)
     for name in ("stale", "overflow"):
         rows[f"all_{name}"] = np.cumsum(rows[name])
@@ -99,9 +99,11 @@ def draw(target: str) -> None:
         os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
     is_text = target == "terminal"
     opened: Any = monitor.shown("asap run") if is_text else _rerun.shown(target)
-    with opened as show, suppress(EOFError, pickle.UnpicklingError):  # at the end, or cut
-        while True:
-            show(*pickle.load(sys.stdin.buffer))
+    pipe = sys.stdin.buffer
+    with opened as show, suppress(EOFError, ValueError):  # where the last frame is cut
+        while size := int.from_bytes(pipe.read(8), "little"):
+            blob = io.BytesIO(pipe.read(size))
+            show(*(np.load(blob, allow_pickle=False) for _ in range(4)))
 
 
 def _has_screen() -> bool:
@@ -155,14 +157,18 @@ class View:
                 events, found = pipeline._native.glimpse(more=False), found_by(algorithm)
             parts = [came.popleft() for _ in range(len(came))]
             rows = np.concatenate([np.empty(0, TELEMETRY_DTYPE), *parts])
-            if not self.send(rows, pipeline._sensor, events, found):
+            if not self.send(rows, [side or 0 for side in pipeline._sensor], events, found):
                 break
         pipeline._log.watchers.remove(look)
 
     def send(self, *frame: Any) -> bool:
         """Hand rows, sensor, events and what was found over; False: that process has ended."""
+        blob = io.BytesIO()
+        for part in frame:
+            np.save(blob, part, allow_pickle=False)
         try:
-            pickle.dump(frame, self._pipe, protocol=5)
+            self._pipe.write(blob.tell().to_bytes(8, "little"))
+            self._pipe.write(blob.getbuffer())
             self._pipe.flush()
         except OSError:
             return False
