@@ -84,8 +84,10 @@ TEST(Objects, ALostObjectIsTheOneThatReappearsOnItsWay) {
 
 TEST(Objects, OfTwoLostObjectsTheNearestReappearsAndOnce) {
   Layer layer;
-  for (const float x : {50.0F, 66.0F, 80.0F}) layer.add(x, 50, 2);
-  layer.wait(5'000);
+  for (const float x : {50.0F, 66.0F, 80.0F}) {
+    layer.add(x, 50, 2);
+    layer.wait(40'000);  // what begins together is one
+  }
   while (!layer.tracks.active().empty()) layer.tracks.remove(layer.tracks.active().front());
   const auto found = layer.add(68, 50, 2);
   const auto beside = layer.add(70, 50, 2);
@@ -199,7 +201,7 @@ struct Pair : Layer {
 TEST(Objects, TwoThatMoveAsOneForLongAreOne) {
   Pair pair;
   pair.move(50, 50);
-  pair.wait(250'000);
+  pair.wait(350'000);
   EXPECT_EQ(pair.id_of(pair.second), 1);
   pair.wait(100'000);
   EXPECT_EQ(pair.id_of(pair.second), 0);
@@ -212,7 +214,7 @@ TEST(Objects, TwoAtRestOrAtDifferentVelocitiesAreNotOne) {
   EXPECT_EQ(at_rest.id_of(at_rest.second), 1);
 
   Pair apart;
-  apart.move(100, 50);  // 15 px in 300 ms; their tolerance is 11 px
+  apart.move(100, 50);  // 20 px in 400 ms; their tolerance is 11 px
   apart.wait(1'000'000);
   EXPECT_EQ(apart.id_of(apart.second), 1);
 }
@@ -231,7 +233,7 @@ TEST(Objects, TwoThatBeginTogetherAreOneUntilTheyMoveApart) {
 TEST(Objects, OneThatNoLongerMovesAlongIsItselfAgain) {
   Pair pair;
   pair.move(50, 50);
-  pair.wait(400'000);
+  pair.wait(500'000);
   pair.tracks[pair.second].x -= 15;  // they still touch
   pair.wait(30'000);
   EXPECT_EQ(pair.id_of(pair.second), 0);
@@ -242,7 +244,7 @@ TEST(Objects, OneThatNoLongerMovesAlongIsItselfAgain) {
 TEST(Objects, OneWhoseOwnTracksEndGoesOnWithThoseThatJoined) {
   Pair pair;
   pair.move(50, 50);
-  pair.wait(400'000);
+  pair.wait(500'000);
   pair.tracks.remove(pair.first);
   pair.wait(600'000);  // longer than a lost object is remembered
   EXPECT_EQ(pair.id_of(pair.second), 0);
