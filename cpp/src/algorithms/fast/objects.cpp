@@ -17,7 +17,7 @@ float seconds_between(std::uint64_t before_us, std::uint64_t after_us) noexcept 
 float mass_of(const TrackState& state) noexcept { return 1 + state.mass; }
 
 // Time for which two objects keep their relative position until it is certain that they are one.
-constexpr float kHold_s = 0.3F;
+constexpr float kHold_s = 0.4F;
 
 // Whether two tracks lie as close together as parts of one object.
 bool touch(const Track& a, const Track& b, Stamp now) noexcept {

@@ -203,7 +203,7 @@ struct Pair : Layer {
 TEST(Objects, TwoThatMoveAsOneForLongAreOne) {
   Pair pair;
   pair.move(50, 50);
-  pair.wait(250'000);
+  pair.wait(350'000);
   EXPECT_EQ(pair.id_of(pair.second), 1);
   pair.wait(100'000);
   EXPECT_EQ(pair.id_of(pair.second), 0);
@@ -216,7 +216,7 @@ TEST(Objects, TwoAtRestOrAtDifferentVelocitiesAreNotOne) {
   EXPECT_EQ(at_rest.id_of(at_rest.second), 1);
 
   Pair apart;
-  apart.move(100, 50);  // 15 px in 300 ms; their tolerance is 11 px
+  apart.move(100, 50);  // 20 px in 400 ms; their tolerance is 11 px
   apart.wait(1'000'000);
   EXPECT_EQ(apart.id_of(apart.second), 1);
 }
@@ -235,7 +235,7 @@ TEST(Objects, TwoThatBeginTogetherAreOneUntilTheyMoveApart) {
 TEST(Objects, OneThatNoLongerMovesAlongIsItselfAgain) {
   Pair pair;
   pair.move(50, 50);
-  pair.wait(400'000);
+  pair.wait(500'000);
   pair.tracks[pair.second].x -= 15;  // they still touch
   pair.wait(30'000);
   EXPECT_EQ(pair.id_of(pair.second), 0);
@@ -246,7 +246,7 @@ TEST(Objects, OneThatNoLongerMovesAlongIsItselfAgain) {
 TEST(Objects, OneWhoseOwnTracksEndGoesOnWithThoseThatJoined) {
   Pair pair;
   pair.move(50, 50);
-  pair.wait(400'000);
+  pair.wait(500'000);
   pair.tracks.remove(pair.first);
   pair.wait(600'000);  // longer than a lost object is remembered
   EXPECT_EQ(pair.id_of(pair.second), 0);
