@@ -288,6 +288,7 @@ def test_ten_million_events_per_second_for_a_minute() -> None:
             end.start()
             for package in pipeline:
                 package.events["x"].sum()
+        end.join()
     lost = pipeline.stats()["upstream_lost"]
     print(pipeline.stats())
     assert pipeline.ledger.balanced

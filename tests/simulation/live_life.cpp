@@ -87,7 +87,9 @@ void LiveLife::live_once() {
     shadow_->ended();
   }
   hold_now();
+  in_world_ = true;  // this look at the clock is not the consumer's
   shadow_->finish(pipeline_.stats().latency);
+  in_world_ = false;
 }
 
 // ---- machine
