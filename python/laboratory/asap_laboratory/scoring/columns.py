@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from asap_laboratory.page import Cell, Row, fixed, spread
 
 TRACKER = {
-    "mota": ("MOTA", "1 - (misses + false clusters + id switches) / objects; may be negative"),
+    "mota": ("MOTA", "1 - (misses + false ones + id switches) / objects; may be negative"),
     "id_switches": ("switches", "matched objects whose id is another than before, per run"),
     "idf1": ("IDF1", "one assignment of ids to objects for the whole scene"),
     "hota": ("HOTA", "detection and association over all strictnesses of the match"),
