@@ -404,10 +404,7 @@ bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
 
   const float extent2 = largest_variance(track);
   state.extent_px = std::sqrt(extent2);
-  if (track.partners == 0) {
-    record_extent(state, extent2, tick);
-    contour.order = edge_order(track, contour.dipole);
-  }
+  if (track.partners == 0) record_extent(state, extent2, tick);
   update_gate(track, state, settings_.gate, widest_radius_px_, tick.noise_hz);
   const bool unresolved = looks_unresolved(track, contour, state, tick.noise_hz);
   state.unresolved_s = unresolved ? state.unresolved_s + tick.dt_s : 0;
@@ -445,7 +442,6 @@ void Engine::update_pairs_and_noise() noexcept {
   if (now_us - noise_us_ >= kNoisePeriod_us) measure_noise();
   pairs_.find(tracks_, clock_.now(), settings_.gate.birth_radius_px);
   merge_pairs(seconds(elapsed_us));
-  separate_next();
   split_next();
   support_.scrub(clock_.now(), elapsed_us);
   owners_.scrub(clock_.now(), elapsed_us);
@@ -510,22 +506,9 @@ void Engine::split(Slot slot) noexcept {
   restart_at_part(tracks_, slot, *kept, 1 - given, now);
 }
 
-void Engine::separate_next() noexcept {
-  const auto& active = tracks_.active();
-  if (active.empty()) return;
-  next_separation_ = next_separation_ + 1 < active.size() ? next_separation_ + 1 : 0;
-  const Slot slot = active[next_separation_];
-  if (!edges_are_mixed(tracks_[slot], tracks_.contour(slot), tracks_.state(slot))) return;
-  const auto halves = halves_.find_motions(owners_, tracks_, slot, clock_.now());
-  if (two_motions_last(tracks_.state(slot), halves)) divide(slot, halves);
-}
-
 void Engine::halve(Slot slot) noexcept {
   const auto halves = halves_.find(owners_, tracks_, slot, clock_.now());
-  if (distance_has_changed(tracks_.state(slot), halves)) divide(slot, halves);
-}
-
-void Engine::divide(Slot slot, std::span<const Part> halves) noexcept {
+  if (!distance_has_changed(tracks_.state(slot), halves)) return;
   const float share = share_of(halves[1], halves);
   const Slot child = begin_part(slot, halves[1], share);
   if (child == Tracks::kNone) return;

@@ -10,7 +10,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "algorithms/fast/association.hpp"
@@ -127,10 +126,8 @@ class Engine {
   void measure_noise() noexcept;
   void merge_pairs(float dt_s) noexcept;
   void split_next() noexcept;
-  void separate_next() noexcept;
   void split(Slot slot) noexcept;
   void halve(Slot slot) noexcept;
-  void divide(Slot slot, std::span<const Part> halves) noexcept;
   Slot begin_part(Slot parent, const Part& part, float share) noexcept;
   void remove(Slot slot) noexcept;
 
@@ -150,7 +147,6 @@ class Engine {
   HalfFinder halves_;
   Objects objects_;
   std::size_t next_split_ = 0;
-  std::size_t next_separation_ = 0;
   Reciprocals reciprocals_;
   DirectionTable directions_;
   Counters counters_;

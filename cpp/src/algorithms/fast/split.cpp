@@ -130,85 +130,12 @@ HalfFinder::HalfFinder(const CellMap& map) : map_(map) {
 
 std::span<const Part> HalfFinder::find(const OwnerGrid& owners, const Tracks& tracks,
                                        Tracks::Slot slot, Stamp now) noexcept {
+  constexpr float kApart_px = 8;
   gather(owners, tracks, slot, now);
   const auto [first, axis] = cut();
   const std::span<const OwnedCell> cells(owned_cells_);
   if (!has_both_edges(cells.first(first)) || !has_both_edges(cells.subspan(first))) return {};
   if (lies_along(axis, cells.first(first)) && lies_along(axis, cells.subspan(first))) return {};
-  return halves_from(first, tracks, slot, now);
-}
-
-std::span<const Part> HalfFinder::find_motions(const OwnerGrid& owners, const Tracks& tracks,
-                                               Tracks::Slot slot, Stamp now) noexcept {
-  constexpr float kInOrder = 0.5F;
-  constexpr float kElongation = 2.5F;  // of each
-  constexpr float kApart = 1.3F;       // sums of their extents
-  constexpr float kSameWay = 0.5F;     // cosine; the halves of one object lie above it
-  gather(owners, tracks, slot, now);
-  const std::size_t first = group(cut().first);
-  if (first < kMinPartCells || owned_cells_.size() - first < kMinPartCells) return {};
-  const Edges a = edges_of(std::span(owned_cells_).first(first));
-  const Edges b = edges_of(std::span(owned_cells_).subspan(first));
-  if (std::min(a.order, b.order) < kInOrder) return {};
-  if (std::max(a.elongation, b.elongation) > kElongation) return {};
-  if (a.dipole.x * b.dipole.x + a.dipole.y * b.dipole.y >
-      kSameWay * length(a.dipole.x, a.dipole.y) * length(b.dipole.x, b.dipole.y))
-    return {};
-  const auto halves = halves_from(first, tracks, slot, now);
-  if (halves.empty() || halves[0].distance(halves[1]) < kApart * (a.extent_px + b.extent_px))
-    return {};
-  return halves;
-}
-
-// Moves the cells between the first so many and the others, each to the nearer mean. Returns the
-// number of the first.
-std::size_t HalfFinder::group(std::size_t first) noexcept {
-  constexpr int kRounds = 3;
-  for (int round = 0; round < kRounds && first > 0 && first < owned_cells_.size(); ++round) {
-    const Point a = mean_of(std::span(owned_cells_).first(first));
-    const Point b = mean_of(std::span(owned_cells_).subspan(first));
-    const auto middle =
-        std::partition(owned_cells_.begin(), owned_cells_.end(), [&](const OwnedCell& cell) {
-          return length(cell.x - a.x, cell.y - a.y) < length(cell.x - b.x, cell.y - b.y);
-        });
-    first = static_cast<std::size_t>(middle - owned_cells_.begin());
-  }
-  return first;
-}
-
-Point HalfFinder::mean_of(std::span<const OwnedCell> cells) noexcept {
-  Point mean{0, 0};
-  for (const OwnedCell& cell : cells) {
-    mean.x += cell.x / static_cast<float>(cells.size());
-    mean.y += cell.y / static_cast<float>(cells.size());
-  }
-  return mean;
-}
-
-HalfFinder::Edges HalfFinder::edges_of(std::span<const OwnedCell> cells) noexcept {
-  const Point mean = mean_of(cells);
-  const float share = 1 / static_cast<float>(cells.size());
-  Track spread;
-  Point dipole{0, 0};
-  for (const OwnedCell& cell : cells) {
-    const float dx = cell.x - mean.x;
-    const float dy = cell.y - mean.y;
-    dipole.x += share * cell.sign * dx;
-    dipole.y += share * cell.sign * dy;
-    spread.sxx += share * dx * dx;
-    spread.sxy += share * dx * dy;
-    spread.syy += share * dy * dy;
-  }
-  spread.vx = dipole.x;
-  spread.vy = dipole.y;
-  const float largest = largest_variance(spread);
-  return {dipole, edge_order(spread, dipole), std::sqrt(largest),
-          largest / std::max(1.0F, spread.sxx + spread.syy - largest)};
-}
-
-std::span<const Part> HalfFinder::halves_from(std::size_t first, const Tracks& tracks,
-                                              Tracks::Slot slot, Stamp now) noexcept {
-  constexpr float kApart_px = 8;
   cells_.clear();
   for (const OwnedCell& cell : owned_cells_) cells_.push_back(cell.index);
   halves_ = {part_of(0, first), part_of(first, owned_cells_.size() - first)};
@@ -323,28 +250,6 @@ bool distance_has_changed(TrackState& state, std::span<const Part> halves) noexc
   if (std::abs(distance - before) < std::max(kMoved_px, kMovedShare * before)) return false;
   state.unresolved_s = 0;
   state.halves = {};
-  return true;
-}
-
-bool edges_are_mixed(const Track& track, const Contour& contour, const TrackState& state) noexcept {
-  constexpr float kScatter_px2 = 4;
-  constexpr float kInOrder = 0.7F;  // most plain shapes are above .9, a star has .6
-  constexpr float kYoung_s = 0.03F;
-  constexpr std::uint32_t kKnownEvents = kCovarianceEvents;
-  if (track.phase != Phase::kConfirmed || track.partners > 0 || state.starved_s > 0) return false;
-  return state.age_s >= kYoung_s && track.events >= kKnownEvents &&
-         contour.variance >= kScatter_px2 && std::abs(contour.order) <= kInOrder;
-}
-
-bool two_motions_last(TrackState& state, std::span<const Part> halves) noexcept {
-  constexpr float kSure_s = 0.015F;
-  if (halves.empty()) {
-    state.two_motions_s = 0;
-    return false;
-  }
-  if (state.two_motions_s == 0) state.two_motions_s = state.age_s;
-  if (state.age_s - state.two_motions_s < kSure_s) return false;
-  state.two_motions_s = 0;
   return true;
 }
 

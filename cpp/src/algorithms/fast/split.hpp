@@ -1,13 +1,12 @@
-// Split: one track that holds two objects becomes two tracks. There are three cases. A track that
-// has grown may hold objects that separated: its cells are grouped into connected parts, and a part
-// far from the predicted one becomes a track of its own. A track that began with two unresolved
-// objects is long, but its events do not lie on one outline and no other track is near; each half
-// of its cells shows both polarities, as a moving object does and a single edge does not; the
-// halves are not both long, as those of a bar are; and their distance changes, as that of the ends
-// of one long object does not. It is cut across its long axis, and both halves have an id at once:
-// a tentative half would be merged again. A track whose edges are not in order along one velocity
-// is cut, too, where those of each half are in order, but along two. One thread, at the tick.
-// O(cells in a window), allocates in the constructors only.
+// Split: one track that holds two objects becomes two tracks. There are two cases. A track that has
+// grown may hold objects that separated: its cells are grouped into connected parts, and a part far
+// from the predicted one becomes a track of its own. A track that began with two unresolved objects
+// is long, but its events do not lie on one outline and no other track is near; each half of its
+// cells shows both polarities, as a moving object does and a single edge does not; the halves are
+// not both long, as those of a bar are; and their distance changes, as that of the ends of one long
+// object does not. It is cut across its long axis, and both halves have an id at once: a tentative
+// half would be merged again. One thread, at the tick. O(cells in a window), allocates in the
+// constructors only.
 // Source: own design.
 #pragma once
 
@@ -88,11 +87,6 @@ class HalfFinder {
   std::span<const Part> find(const OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot,
                              Stamp now) noexcept;
 
-  // The same, around two means, if the edges of each are in order, but along different directions:
-  // the two move apart, or one is dark and one bright.
-  std::span<const Part> find_motions(const OwnerGrid& owners, const Tracks& tracks,
-                                     Tracks::Slot slot, Stamp now) noexcept;
-
  private:
   static constexpr int kMaxHalf = 24;  // cells
 
@@ -108,22 +102,10 @@ class HalfFinder {
     Point axis;         // the long one, of any length
   };
 
-  struct Edges {
-    Point dipole;     // px
-    float order;      // along the dipole
-    float extent_px;  // largest standard deviation
-    float elongation;
-  };
-
   void gather(const OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot, Stamp now) noexcept;
   Cut cut() noexcept;
-  std::size_t group(std::size_t first) noexcept;
   bool has_both_edges(std::span<const OwnedCell> cells) const noexcept;
-  static Point mean_of(std::span<const OwnedCell> cells) noexcept;
-  static Edges edges_of(std::span<const OwnedCell> cells) noexcept;
   static bool lies_along(Point axis, std::span<const OwnedCell> cells) noexcept;
-  std::span<const Part> halves_from(std::size_t first, const Tracks& tracks, Tracks::Slot slot,
-                                    Stamp now) noexcept;
   Part part_of(std::size_t first, std::size_t count) const noexcept;
 
   CellMap map_;
@@ -135,13 +117,6 @@ class HalfFinder {
 // Whether the distance of the halves, if any, has changed since they were first seen. If it has, or
 // if there are none, the track counts as resolved until it looks unresolved again.
 bool distance_has_changed(TrackState& state, std::span<const Part> halves) noexcept;
-
-// Whether the events of a track that is not in contact do not lie on one outline, and its edges are
-// not in order along its velocity.
-bool edges_are_mixed(const Track& track, const Contour& contour, const TrackState& state) noexcept;
-
-// Whether two motions, if any, have been seen for long enough.
-bool two_motions_last(TrackState& state, std::span<const Part> halves) noexcept;
 
 // ---- splitting ----
 

@@ -26,11 +26,6 @@ namespace asap::fast {
 // allocation.
 // Source: own design.
 
-struct Point {
-  float x;  // px
-  float y;
-};
-
 inline constexpr std::size_t kContourBins = 16;
 
 struct alignas(32) Contour {
@@ -46,8 +41,6 @@ struct alignas(32) Contour {
   float centre_variance = kInitialCentreVariance;
   std::uint32_t mean_events =
       kMeanEvents;  // memory of the mean, by size; here because every event reads it
-  Point dipole{};   // px, mean displacement of the events, that of OFF events taken negative
-  float order = 0;  // of the edges, while no other track is in contact; see edge_order()
 
   bool known(std::size_t bin) const noexcept { return count[bin] >= kKnownContourEvents; }
 
@@ -131,6 +124,11 @@ static_assert(sizeof(Track) == 64);
 
 inline float length(float x, float y) noexcept { return std::sqrt(x * x + y * y); }
 
+struct Point {
+  float x;  // px
+  float y;
+};
+
 inline Point predicted_mean(const Track& track, Stamp now) noexcept {
   const float dt_s = age_s(now, track.stamp);
   return {track.x + track.vx * dt_s, track.y + track.vy * dt_s};
@@ -140,18 +138,6 @@ inline Point predicted_mean(const Track& track, Stamp now) noexcept {
 inline float spread_along(const Track& track, float ux, float uy) noexcept {
   return std::sqrt(
       std::max(1.0F, ux * ux * track.sxx + 2 * ux * uy * track.sxy + uy * uy * track.syy));
-}
-
-// How well the edges lie in order along the velocity: 1 where all ON events are ahead of the OFF
-// events, -1 where they are behind, 0 where they mix. The dipole of an even object is its contrast
-// times its velocity, whatever its shape (divergence theorem), and the order of a disk is .96. It
-// is less for two objects in one track, for a texture and for a single edge.
-inline float edge_order(const Track& track, const Point& dipole) noexcept {
-  const float speed = length(track.vx, track.vy);
-  if (speed == 0) return 0;
-  const float ux = track.vx / speed;
-  const float uy = track.vy / speed;
-  return std::clamp((dipole.x * ux + dipole.y * uy) / spread_along(track, ux, uy), -1.0F, 1.0F);
 }
 
 // An event's position minus the mean that the track predicts for its time.
@@ -209,7 +195,6 @@ struct TrackState {
   float evidence = 0;         // log-likelihood ratio of an object against noise
   float young_radius_px = 0;  // radius of the gate's circle until the track is mature
   float unresolved_s = 0;     // time for which it has looked like two objects
-  float two_motions_s = 0;    // age at which two motions were seen in it first; 0: none
   float extent_px = 0;        // largest standard deviation of the events
   float average_extent2 = 0;  // px^2, slow average of extent_px^2 while no other object is near
   std::uint32_t events = 0;   // the track's at the last tick
@@ -505,8 +490,6 @@ inline void update_mean(Track& track, Contour& contour, const Innovation& nu, St
   track.sxx += spread_gain * ((1 - gain) * nu.dx * nu.dx - track.sxx);
   track.sxy += spread_gain * ((1 - gain) * nu.dx * nu.dy - track.sxy);
   track.syy += spread_gain * ((1 - gain) * nu.dy * nu.dy - track.syy);
-  contour.dipole.x += spread_gain * (sign * nu.dx - contour.dipole.x);
-  contour.dipole.y += spread_gain * (sign * nu.dy - contour.dipole.y);
 }
 
 // Takes an event in contact: moves the mean alone, by the outline's residual.

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <tuple>
 #include <utility>
 
 namespace asap::fast::split_test {
@@ -33,20 +32,7 @@ struct HalfScene {
           static_cast<std::int8_t>(on-- > 0 ? 1 : -1)};
     }
   }
-  // An outline of 3 x 3 cells whose front, in this direction, is ON.
-  void own_object(std::size_t x, std::size_t y, int front_x, int front_y) {
-    for (std::size_t i = 0; i < 9; ++i) {
-      const std::size_t column = i % 3;
-      const std::size_t row = i / 3;
-      const int ahead =
-          (static_cast<int>(column) - 1) * front_x + (static_cast<int>(row) - 1) * front_y;
-      const std::size_t cell = map.cell(x + 4 * column, y + 4 * row);
-      owners[cell] = {kNow, tracks[slot].generation, static_cast<std::uint8_t>(slot),
-                      static_cast<std::int8_t>(ahead > 0 ? 1 : -1)};
-    }
-  }
   auto find() { return halves.find(owners, tracks, slot, kNow); }
-  auto find_motions() { return halves.find_motions(owners, tracks, slot, kNow); }
 };
 
 TEST(HalfFinder, CutsAlongAnyAxis) {
@@ -71,16 +57,6 @@ TEST(HalfFinder, ABarHasNoHalves) {
   for (std::size_t x = 20; x <= 44; x += 8) beside.own(x, 48, 2);
   for (std::size_t y = 36; y <= 60; y += 8) beside.own(64, y, 2);
   EXPECT_EQ(beside.find().size(), 2U);
-}
-
-TEST(HalfFinder, TwoMotionsAreEdgesInOrderAlongTwoDirections) {
-  for (const auto& [front_x, front_y, found] :
-       {std::tuple{1, 0, 0U}, {-1, 0, 2U}, {0, 1, 2U}, {0, 0, 0U}}) {
-    HalfScene frame;
-    frame.own_object(48, 28, 1, 0);
-    frame.own_object(48, 60, front_x, front_y);
-    EXPECT_EQ(frame.find_motions().size(), found) << front_x << ' ' << front_y;
-  }
 }
 
 }  // namespace
