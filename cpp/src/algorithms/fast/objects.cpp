@@ -225,17 +225,25 @@ void Objects::adopt(const Tracks& tracks) noexcept {
   }
 }
 
-std::size_t Objects::find_parent(const Tracks& tracks, std::size_t child) const noexcept {
+// The first object that one of the object's tracks touches, of those that are wanted.
+template <class Wanted>
+std::size_t Objects::find_touched(const Tracks& tracks, std::size_t object,
+                                  Wanted wanted) const noexcept {
   const Stamp now = static_cast<Stamp>(now_us_);
   for (const Slot slot : listed_) {
-    if (parts_[slot].object != child) continue;
+    if (parts_[slot].object != object) continue;
     for (const Slot other : listed_) {
-      const std::size_t object = parts_[other].object;
-      if (object == child || !may_adopt(objects_[object])) continue;
-      if (touch(tracks[slot], tracks[other], now)) return object;
+      const std::size_t whole = parts_[other].object;
+      if (wanted(whole) && touch(tracks[slot], tracks[other], now)) return whole;
     }
   }
   return kNone;
+}
+
+std::size_t Objects::find_parent(const Tracks& tracks, std::size_t child) const noexcept {
+  return find_touched(tracks, child, [&](std::size_t object) {
+    return object != child && may_adopt(objects_[object]);
+  });
 }
 
 bool Objects::may_adopt(const Object& object) const noexcept {
@@ -345,7 +353,7 @@ bool Objects::began_together(const Object& younger, const Object& older) const n
          younger.born_us - older.born_us < kTogether_us;
 }
 
-// What is presumed is given up sooner.
+// Two that are only presumed to be one part sooner.
 float Objects::strictness(const Bond& bond) noexcept {
   return bond.joined && bond.hold_s < kHold_s ? 0.5F : 1;
 }
@@ -370,17 +378,13 @@ void Objects::inherit() noexcept {
 
 // With the heaviest of the older objects that it touches.
 void Objects::find_bond(const Tracks& tracks, std::size_t object) noexcept {
-  const auto now = static_cast<Stamp>(now_us_);
   std::size_t best = kNone;
-  for (const Slot slot : listed_) {
-    if (parts_[slot].object != object) continue;
-    for (const Slot other : listed_) {
-      const std::size_t whole = parts_[other].object;
-      if (objects_[whole].id >= objects_[object].id) continue;
-      if (best != kNone && objects_[whole].sum.mass <= objects_[best].sum.mass) continue;
-      if (touch(tracks[slot], tracks[other], now)) best = whole;
-    }
-  }
+  const auto is_better = [&](std::size_t whole) {
+    return objects_[whole].id < objects_[object].id &&
+           (best == kNone || objects_[whole].sum.mass > objects_[best].sum.mass);
+  };
+  std::size_t next = kNone;
+  while ((next = find_touched(tracks, object, is_better)) != kNone) best = next;
   if (best != kNone) begin_bond(tracks, object, best);
 }
 
@@ -411,7 +415,9 @@ bool Objects::keeps_bond(const Tracks& tracks, std::size_t object) const noexcep
   constexpr float kTolerance_px = 4;
   constexpr float kPerSide = 0.1F;
   const Bond& bond = objects_[object].bond;
-  if (!has_its_leads(tracks, object) || !objects_touch(tracks, object, bond.other)) return false;
+  if (!has_its_leads(tracks, object)) return false;
+  const auto is_other = [&](std::size_t whole) { return whole == bond.other; };
+  if (find_touched(tracks, object, is_other) == kNone) return false;
   const auto now = static_cast<Stamp>(now_us_);
   const Point from = predicted_mean(tracks[bond.lead], now);
   const Point to = predicted_mean(tracks[bond.other_lead], now);
@@ -425,17 +431,6 @@ bool Objects::are_one(const Tracks& tracks, const Bond& bond) const noexcept {
   if (bond.hold_s < kHold_s) return false;
   const Point to = predicted_mean(tracks[bond.other_lead], static_cast<Stamp>(now_us_));
   return length(to.x - bond.start.x, to.y - bond.start.y) >= kWay_px;
-}
-
-bool Objects::objects_touch(const Tracks& tracks, std::size_t a, std::size_t b) const noexcept {
-  const auto now = static_cast<Stamp>(now_us_);
-  for (const Slot slot : listed_) {
-    if (parts_[slot].object != a) continue;
-    for (const Slot other : listed_) {
-      if (parts_[other].object == b && touch(tracks[slot], tracks[other], now)) return true;
-    }
-  }
-  return false;
 }
 
 // ---- which object is noise ----

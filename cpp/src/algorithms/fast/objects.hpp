@@ -128,6 +128,8 @@ class Objects {
   void forget(std::size_t object) noexcept;
   void forget_old() noexcept;
   void adopt(const Tracks& tracks) noexcept;
+  template <class Wanted>
+  std::size_t find_touched(const Tracks& tracks, std::size_t object, Wanted wanted) const noexcept;
   std::size_t find_parent(const Tracks& tracks, std::size_t child) const noexcept;
   bool may_adopt(const Object& object) const noexcept;
   void leave(const Tracks& tracks, float dt_s) noexcept;
@@ -143,7 +145,6 @@ class Objects {
   bool has_its_leads(const Tracks& tracks, std::size_t object) const noexcept;
   bool keeps_bond(const Tracks& tracks, std::size_t object) const noexcept;
   bool are_one(const Tracks& tracks, const Bond& bond) const noexcept;
-  bool objects_touch(const Tracks& tracks, std::size_t a, std::size_t b) const noexcept;
   void judge(const Tracks& tracks, const NoiseTiles& noise) noexcept;
 
   std::vector<Part> parts_;      // by slot
