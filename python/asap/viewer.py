@@ -170,7 +170,8 @@ class View:
         for part in (rows, np.array([side or 0 for side in sensor]), events, found):
             np.save(whole, part, allow_pickle=False)
         try:
-            self._pipe.write(len(data := whole.getvalue()).to_bytes(_HEAD, "little") + data)
+            self._pipe.write(whole.tell().to_bytes(_HEAD, "little"))
+            self._pipe.write(whole.getbuffer())  # no copy
             self._pipe.flush()
         except OSError:
             return False
