@@ -193,7 +193,7 @@ class RunConfig(metaclass=_pybind11_type):
         capacity: int,
         seed: int,
         validator: Validator,
-        anytime: bool = True,
+        execution: str = "anytime",
         flush: bool = True,
         before: Any = None,
         when_full: str = "thin",
@@ -202,7 +202,7 @@ class RunConfig(metaclass=_pybind11_type):
     ) -> None: ...
     def latency_bound_us(self, scheme: Scheme) -> float: ...
     @property
-    def anytime(self) -> bool: ...
+    def execution(self) -> str: ...
 
 class LinearCost(metaclass=_pybind11_type):
     def __init__(
@@ -358,7 +358,7 @@ class LivePipeline(metaclass=_pybind11_type):
 # oracle
 
 class Oracle(metaclass=_pybind11_type):
-    def __init__(self, cost: LinearCost, latency_us: float, opaque: bool = False) -> None: ...
+    def __init__(self, cost: LinearCost, latency_us: float, execution: str = "anytime") -> None: ...
     def feed(self, events: _Events) -> None: ...
     @property
     def bound(self) -> float: ...

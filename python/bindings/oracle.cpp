@@ -1,5 +1,6 @@
 // The layer `oracle`.
 #include "oracle/oracle.hpp"
+#include "arguments.hpp"
 #include "arrays.hpp"
 #include "gil.hpp"
 #include "held.hpp"
@@ -21,13 +22,14 @@ cost : LinearCost
     What the algorithm costs.
 latency_us : float
     The latency bound, us.
-opaque : bool
-    The algorithm takes a package in one call: with noise, cheap packages can't run on.
+execution : {"anytime", "whole"}
+    "whole": the algorithm takes a package in one call: with noise, cheap packages can't run on.
 )")
-      .def(py::init([](const Held<LinearCost>& cost, double latency_us, bool opaque) {
-             return Oracle(*cost, latency_us, opaque ? Execution::whole : Execution::anytime);
-           }),
-           py::arg("cost"), py::arg("latency_us"), py::arg("opaque") = false)
+      .def(py::init(
+               [](const Held<LinearCost>& cost, double latency_us, const std::string& execution) {
+                 return Oracle(*cost, latency_us, execution_from(execution));
+               }),
+           py::arg("cost"), py::arg("latency_us"), py::arg("execution") = "anytime")
       .def(
           "feed",
           [](Oracle& self, const py::array& events) {

@@ -233,15 +233,15 @@ void bind_runner(py::module_& m) {
 
   py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
       .def(py::init([](const py::object& latency_ms, const py::object& capacity,
-                       const py::object& seed, const Validator& validator, bool anytime, bool flush,
-                       const py::object& before, const std::string& when_full, bool keep_mask,
-                       bool long_log) {
+                       const py::object& seed, const Validator& validator,
+                       const std::string& execution, bool flush, const py::object& before,
+                       const std::string& when_full, bool keep_mask, bool long_log) {
              return RunConfig{.latency = value_of<std::optional<std::chrono::nanoseconds>>(
                                   "latency_ms", latency_ms),
                               .capacity = whole_number("capacity", capacity),
                               .seed = whole_number("seed", seed),
                               .validator = validator.config(),
-                              .execution = anytime ? Execution::anytime : Execution::whole,
+                              .execution = execution_from(execution),
                               .flush = flush,
                               .front_filter = front_filter_of(before),
                               .when_full = when_full_from(when_full),
@@ -249,7 +249,7 @@ void bind_runner(py::module_& m) {
                               .log_rows = long_log ? kLongLog : RunConfig{}.log_rows};
            }),
            py::kw_only(), py::arg("latency_ms"), py::arg("capacity"), py::arg("seed"),
-           py::arg("validator"), py::arg("anytime") = true, py::arg("flush") = true,
+           py::arg("validator"), py::arg("execution") = "anytime", py::arg("flush") = true,
            py::arg("before") = py::none(), py::arg("when_full") = "thin",
            py::arg("keep_mask") = false, py::arg("long_log") = false)
       .def(
@@ -258,8 +258,8 @@ void bind_runner(py::module_& m) {
             return static_cast<double>(latency_bound_ns(config, *scheme)) * 1e-3;
           },
           py::arg("scheme"), "The latency bound in force, us.")
-      .def_property_readonly("anytime", [](const RunConfig& config) {
-        return config.execution == Execution::anytime;
+      .def_property_readonly("execution", [](const RunConfig& config) {
+        return config.execution == Execution::anytime ? "anytime" : "whole";
       });
 
   auto simulator =

@@ -94,7 +94,7 @@ def test_a_setting_of_a_faster_stream_is_alike():
 
 def test_tuned_baselines_keep_the_bound_where_the_ring_of_all_does_not():
     events = streams.make(np.arange(20_000), 1, 1, 1)  # 1 Mev/s, of which a tenth can be done
-    found = tried(events, 1.0, 10_000.0, opaque=False)
+    found = tried(events, 1.0, 10_000.0, execution="anytime")
     for name in BASELINES:
         chosen = dataclasses.asdict(best(found, name))
         (merit,) = only(found, **chosen)

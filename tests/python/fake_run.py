@@ -114,7 +114,7 @@ def fake_run(
         },
         speed=speed,
         gap_us=1200,
-        **{"opaque": True, **others},
+        **{"execution": "whole", **others},
     )
 
 

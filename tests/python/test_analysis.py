@@ -225,13 +225,17 @@ def test_the_noise_of_a_cost_is_that_of_a_simulated_one():
 
 
 @pytest.mark.parametrize(
-    ("thinned", "opaque", "expected"),
-    [(True, True, (100, 150)), (False, False, (100, 150)), (True, False, (0, 200))],
+    ("thinned", "execution", "expected"),
+    [
+        (True, "whole", (100, 150)),
+        (False, "anytime", (100, 150)),
+        (True, "anytime", (0, 200)),
+    ],
 )
-def test_what_a_scheme_learned_counts_where_the_clock_ends_packages(thinned, opaque, expected):
+def test_what_a_scheme_learned_counts_where_the_clock_ends_packages(thinned, execution, expected):
     """Elsewhere the packages tell it better, and what was learned may be far off."""
     rates = (12e6, 12e6) if thinned else (0.1e6, 5e6)
-    run = fake_run(rates=rates, duration_s=1.0, learned=analysis.Cost(0, 1e6), opaque=opaque)
+    run = fake_run(rates=rates, duration_s=1.0, learned=analysis.Cost(0, 1e6), execution=execution)
     assert (np.mean(run.packages["size"] < run.packages["offered"]) > 0.5) == thinned
     found = analysis.fit_cost(run)
     assert (found.alpha_us, found.beta_ns) == pytest.approx(expected, rel=0.02)

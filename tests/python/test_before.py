@@ -57,7 +57,7 @@ def test_gamma_thins_what_passed():
         cost=asap.LinearCost(50, 2_000),
         scheme=asap.Asap2020(rate_bound=5e4),
         before=Sparse(),
-        opaque=True,
+        execution="whole",
     )
     assert run.ledger.balanced
     assert run.ledger.discarded > 0

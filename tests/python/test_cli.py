@@ -64,8 +64,6 @@ def test_version(call: Call) -> None:
         ("run f --set latency_ms=fast", "latency_ms = 'fast': give a number"),
         ("run f --scheme asap2022 --set max_size=2.5", "give a whole number"),
         ("run f --scheme asap2020 --set rate_bound=-1", "rate_bound = -1: must be a positive"),
-        ("run f --cost 1us+1ns --speed 10", "--speed: not with --cost"),
-        ("run f --opaque", "--opaque: needs --cost"),
         ("run f --report no/such/out.html", "there is no folder no/such"),
         ("run f --save run.txt", ".npz (log and summary) or .json (the summary alone)"),
         ("run f --save .", "a folder; give a file in it"),
@@ -124,7 +122,9 @@ def test_bad_events_that_raise_are_input_that_cannot_be_read(call: Call, flight:
 def test_run_in_virtual_time_is_simulate(call: Call, flight: Path) -> None:
     run = asap.simulate(flight, cost=LINEAR)
     assert call("run", flight, *COST) == (0, f"{run}\n", "")
-    options = "--latency 5ms --seed 7 --width 300 --on-bad clamp --opaque --scheme asap2020"
+    options = (
+        "--latency 5ms --seed 7 --width 300 --on-bad clamp --execution whole --scheme asap2020"
+    )
     settings = "--set rate_bound=1e6 --set first_size=500 --json"
     code, out, err = call("run", flight, *COST, *options.split(), *settings.split())
     expected = asap.simulate(
@@ -133,7 +133,7 @@ def test_run_in_virtual_time_is_simulate(call: Call, flight: Path) -> None:
         scheme=asap.Asap2020(rate_bound=1e6, first_size=500),
         latency_ms=5,
         seed=7,
-        opaque=True,
+        execution="whole",
         on_bad="clamp",
     )
     assert (code, err, json.loads(out)) == (0, "", plain(expected.summary()))
@@ -161,9 +161,20 @@ def test_algorithms_by_name_are_made_for_the_sensor(name: str) -> None:
 
 
 def test_compare_is_compare(call: Call, flight: Path) -> None:
-    options = ["--latency", "5ms", "--seed", "3", "--speed", "20", "--opaque", "--width", "300"]
+    options = [
+        "--latency",
+        "5ms",
+        "--seed",
+        "3",
+        "--speed",
+        "20",
+        "--execution",
+        "whole",
+        "--width",
+        "300",
+    ]
     read = asap.read(flight, width=300)
-    options_of = {"latency_ms": 5, "seed": 3, "speed": 20, "opaque": True}
+    options_of = {"latency_ms": 5, "seed": 3, "speed": 20, "execution": "whole"}
     expected = asap.compare(read, cost=LINEAR, **options_of)  # type: ignore[arg-type]
     assert call("compare", flight, *COST, *options) == (0, f"{expected}\n", "")
     code, out, _ = call("compare", flight, *COST, *options, "--json", "--report", "out.html")

@@ -38,11 +38,11 @@ def comparison():
 
 
 @pytest.mark.parametrize("label", schemes())
-@pytest.mark.parametrize("opaque", [False, True])
-def test_every_run_is_that_of_simulate(label, opaque):
-    found = asap.compare(EVENTS, cost=COST, schemes=schemes(), seed=7, opaque=opaque)
+@pytest.mark.parametrize("execution", ["anytime", "whole"])
+def test_every_run_is_that_of_simulate(label, execution):
+    found = asap.compare(EVENTS, cost=COST, schemes=schemes(), seed=7, execution=execution)
     alone = asap.simulate(
-        EVENTS, cost=COST, scheme=schemes()[label], latency_ms=5, seed=7, opaque=opaque
+        EVENTS, cost=COST, scheme=schemes()[label], latency_ms=5, seed=7, execution=execution
     )
     run = found.runs[label]
     assert digest(run) == digest(alone)

@@ -17,11 +17,11 @@ PREFERENCES = ("balanced", "events", "continuity")
 START = 10  # packages
 
 
-def greedy_and_deadline(events, *, latency_ms, opaque, prefer="balanced", told=False, **cost):
+def greedy_and_deadline(events, *, latency_ms, execution, prefer="balanced", told=False, **cost):
     first = {f"first_{name}": cost[name] for name in ("alpha_us", "beta_ns") if told}
     cost = asap.LinearCost(**cost)
     return [
-        asap.simulate(events, cost=cost, scheme=scheme, latency_ms=latency_ms, opaque=opaque)
+        asap.simulate(events, cost=cost, scheme=scheme, latency_ms=latency_ms, execution=execution)
         for scheme in (
             asap.Greedy(),
             asap.Deadline(latency_ms=latency_ms, prefer=prefer, **first),
@@ -56,11 +56,11 @@ def scenes(draw):
 
 
 @settings(max_examples=60)
-@given(scenes(), st.sampled_from(PREFERENCES), st.booleans())
-def test_deadline_finishes_what_greedy_finishes(scene, prefer, opaque):
+@given(scenes(), st.sampled_from(PREFERENCES), st.sampled_from(["anytime", "whole"]))
+def test_deadline_finishes_what_greedy_finishes(scene, prefer, execution):
     events, setup = scene
     assume(len(events) > 200)
-    greedy, deadline = greedy_and_deadline(events, prefer=prefer, opaque=opaque, **setup)
+    greedy, deadline = greedy_and_deadline(events, prefer=prefer, execution=execution, **setup)
     assume(greedy.latency.max <= 0.9 * greedy.latency_bound_us)  # by more than luck
     lost = greedy.latency.within_bound - deadline.latency.within_bound
     assert lost <= START * greedy.packages["size"].max()
@@ -84,7 +84,7 @@ def test_a_flat_cost_loses_no_more_than_the_start(per_alpha, load, told, share):
     greedy, deadline = greedy_and_deadline(
         events,
         latency_ms=5 * per_alpha,
-        opaque=True,
+        execution="whole",
         told=told,
         alpha_us=5000,
         beta_ns=1000 * load,
@@ -97,6 +97,6 @@ def test_no_package_is_spent_on_a_fixed_cost_that_is_known():
     """Before, every sixteenth package was a single event where four alpha exceed the bound."""
     events = streams.poisson(1e6, 3, seed=4)
     _, run = greedy_and_deadline(
-        events, latency_ms=15, opaque=True, alpha_us=5000, beta_ns=1, noise=0.1
+        events, latency_ms=15, execution="whole", alpha_us=5000, beta_ns=1, noise=0.1
     )
     assert not (run.packages["size"][20:] == 1).any()

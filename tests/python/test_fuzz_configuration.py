@@ -240,7 +240,7 @@ def test_good_configurations_give_finite_numbers(name: str) -> None:
             a_stream(rng),
             cost=SUBJECTS["LinearCost"].make(**cost),
             scheme=subject.make(**config),
-            opaque=bool(rng.integers(2)),
+            execution=str(rng.choice(["anytime", "whole"])),
             seed=int(rng.integers(2**63)),
             capacity=int(rng.choice((1, 2, 31, 256, 1000))),
         )

@@ -34,9 +34,9 @@ def uneven(seed, duration_s=0.3):
 
 
 @pytest.mark.parametrize("contender", SCHEMES)
-@pytest.mark.parametrize("opaque", [False, True])
+@pytest.mark.parametrize("execution", ["anytime", "whole"])
 @pytest.mark.parametrize("capacity", [None, 500])
-def test_it_is_what_the_mask_shows(contender, opaque, capacity):
+def test_it_is_what_the_mask_shows(contender, execution, capacity):
     for seed in range(4):
         events = uneven(seed)
         run = asap.simulate(
@@ -44,7 +44,7 @@ def test_it_is_what_the_mask_shows(contender, opaque, capacity):
             cost=SLOW,
             scheme=contender.make(4.0, SLOW),
             latency_ms=4.0,
-            opaque=opaque,
+            execution=execution,
             capacity=capacity,
             seed=seed,
             keep_mask=True,

@@ -294,6 +294,22 @@ def test_the_loop_and_run_and_both_clocks_cut_the_same_packages():
     assert sizes == [simulated.packages["size"].tolist()] * 3
 
 
+def test_the_algorithm_of_a_pipeline_takes_packages_as_it_says():
+    events = streams.poisson(1e6, 0.05)
+    for execution, found in {None: "whole", "whole": "whole", "anytime": "anytime"}.items():
+        parts = []
+        with asap.Pipeline(parts.append, execution=execution, **AN_HOUR) as pipeline:
+            pipeline.push(events)
+            pipeline.stop()
+            pipeline.run()
+            sizes = pipeline.packages["size"].tolist()
+        assert np.concatenate(parts).tolist() == events.tolist()
+        assert ([part.size for part in parts] == sizes) == (found == "whole")
+        assert pipeline.stats()["execution"] == found
+    with pytest.raises(ValueError, match="execution = 'anytime': a loop takes whole packages"):
+        asap.Pipeline(execution="anytime")
+
+
 def test_each_form_says_what_the_other_is_for():
     with pytest.raises(RuntimeError, match="call run"):
         iter(asap.Pipeline(lambda events: None))

@@ -69,7 +69,7 @@ def test_summary_is_the_documented_object(run):
     assert set(summary) >= {
         "schema_version", "mode", "source", "scheme", "algorithm", "latency_bound_us", "ledger",
         "kept", "in_time", "latency_us", "packages", "gamma", "cpu", "version", "bound_kept",
-        "bound_needed_us", "learned_cost", "estimated_cost", "opaque",
+        "bound_needed_us", "learned_cost", "estimated_cost", "execution",
     }  # fmt: skip
     assert summary["schema_version"] == 1
     assert summary["mode"] == "virtual"
@@ -116,7 +116,7 @@ def of_cost(alpha_us, scheme=None, **options):
 def test_a_bound_below_the_fixed_cost_is_reported(scheme, tmp_path):
     learns = scheme is not asap.Greedy
     parameters = {"latency_ms": 10} if learns else {"efficiency": 0.97}
-    late = of_cost(11_000, scheme(**parameters), latency_ms=10, opaque=True)
+    late = of_cost(11_000, scheme(**parameters), latency_ms=10, execution="whole")
     summary = late.summary()
     assert late.bound_kept is summary["bound_kept"] is False
     assert late.latency.max > 1.01 * 10_000

@@ -36,6 +36,14 @@ class Collector:
         return np.concatenate([events[name] for events in self.packages])
 
 
+class Slow(Collector):
+    """Lets some hundred events come while it works."""
+
+    def process(self, events):
+        super().process(events)
+        time.sleep(0.002)
+
+
 def test_every_event_arrives_once_and_in_order():
     events = streams.poisson(0.5e6, 0.2, t0_us=1_633_953_690_975_950)
     algorithm = Collector()
@@ -251,3 +259,18 @@ def test_progress_is_reported():
     assert {one[1] for one in seen} == {events.size}
     assert set(seen[-1][2]) == set(asap.last_run().ledger)
     assert all(done == ledger["received"] - ledger["pending"] for done, _, ledger in seen)
+
+
+def test_an_algorithm_takes_packages_as_it_says():
+    events = streams.poisson(1e6, 0.1)
+    for execution, found in {None: "whole", "whole": "whole", "anytime": "anytime"}.items():
+        algorithm = Slow()
+        run = asap.run(events, algorithm=algorithm, execution=execution, latency_ms=60_000)
+        assert run.execution == found
+        sizes = [package.size for package in algorithm.packages]
+        assert (sizes == run.packages["size"].tolist()) == (found == "whole")
+        np.testing.assert_array_equal(algorithm.column("t"), events["t"])
+    filters = {None: "anytime", "whole": "whole", "anytime": "anytime"}
+    for execution, found in filters.items():
+        algorithm = asap.BackgroundActivityFilter(346, 260)
+        assert asap.run(events, algorithm=algorithm, execution=execution).execution == found

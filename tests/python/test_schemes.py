@@ -43,9 +43,11 @@ def test_equal_limits_and_no_processing_time_are_refused_or_finite():
         asap.DeadBeat(),
     )
     one_stamp = streams.make(np.zeros(700_000, np.int64))
-    for scheme, opaque in itertools.product(schemes, (False, True)):
+    for scheme, execution in itertools.product(schemes, ("anytime", "whole")):
         for cost in (asap.LinearCost(0, 0), asap.LinearCost(1e9, 1e9)):
-            done = asap.simulate(one_stamp, cost=cost, scheme=scheme, opaque=opaque, capacity=4096)
+            done = asap.simulate(
+                one_stamp, cost=cost, scheme=scheme, execution=execution, capacity=4096
+            )
             for column in done.packages.dtype.names:
                 assert np.isfinite(done.packages[column]).all(), (scheme, column)
             assert ((done.packages["gamma"] > 0) & (done.packages["gamma"] <= 1)).all()
@@ -60,14 +62,14 @@ def test_a_preference_is_named_and_a_near_name_is_found():
         asap.Deadline(preffer=5)
 
 
-@pytest.mark.parametrize("opaque", [False, True])
-def test_continuity_makes_shorter_gaps_and_events_keeps_more(opaque):
+@pytest.mark.parametrize("execution", ["anytime", "whole"])
+def test_continuity_makes_shorter_gaps_and_events_keeps_more(execution):
     """Load 3, the bound is 20 fixed costs."""
     events = streams.poisson(6e4, 0.5)
     cost = asap.LinearCost(alpha_us=500, beta_ns=50_000)
     runs = {
         prefer: asap.simulate(
-            events, cost=cost, opaque=opaque, scheme=asap.Deadline(overhead=0, prefer=prefer)
+            events, cost=cost, execution=execution, scheme=asap.Deadline(overhead=0, prefer=prefer)
         )
         for prefer in ("continuity", "balanced", "events")
     }

@@ -90,8 +90,8 @@ def test_exception_of_the_algorithm_comes_out_unchanged():
     assert run.ledger.pending > 0
 
 
-@pytest.mark.parametrize("opaque", [False, True])
-def test_the_mask_leads_back_to_the_users_array(opaque):
+@pytest.mark.parametrize("execution", ["anytime", "whole"])
+def test_the_mask_leads_back_to_the_users_array(execution):
     events = streams.poisson(6e6, 0.03, seed=4)
     events["x"] = np.arange(events.size) % 400  # a fifth lies outside the sensor
     got = []
@@ -100,7 +100,7 @@ def test_the_mask_leads_back_to_the_users_array(opaque):
         cost=COST,
         latency_ms=5,
         algorithm=lambda package: got.append(package.copy()),
-        opaque=opaque,
+        execution=execution,
         width=320,
         height=65536,
         keep_mask=True,

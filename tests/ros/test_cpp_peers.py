@@ -49,7 +49,7 @@ def test_virtual_time_makes_the_packages_of_python(make_peer: Callable[..., Peer
         driver.play(messages)
         rows = bridge.result()
     cost = asap.LinearCost(alpha_us=100, beta_ns=3000)
-    run = asap.simulate(DATA / "ros" / BAG, cost=cost, latency_ms=10, opaque=True)
+    run = asap.simulate(DATA / "ros" / BAG, cost=cost, latency_ms=10, execution="whole")
     columns = ("start_us", "t_first", "t_last", "offered", "size")
     assert len(rows) > 1_000
     assert [tuple(row) for row in rows] == run.packages[list(columns)].tolist()

@@ -132,6 +132,7 @@ def run_live(arguments: Any) -> int:
                     latency_ms=latency_ms(arguments),
                     on_bad=arguments.on_bad,
                     seed=arguments.seed,
+                    execution=arguments.execution,
                     duration_s=arguments.duration and arguments.duration / 1e6,
                     on_progress=show(camera),
                 )

@@ -112,7 +112,7 @@ def add_report(parser: argparse.ArgumentParser) -> None:
 
 
 def add_simulation(
-    parser: argparse.ArgumentParser, *, cost: str, opaque: str, latency: str, required: bool = False
+    parser: argparse.ArgumentParser, *, cost: str, latency: str, required: bool = False
 ) -> None:
     """Add the simulated algorithm, the bound and the seed, with these words."""
     parser.add_argument(
@@ -122,7 +122,12 @@ def add_simulation(
         required=required,
         help=cost,
     )
-    parser.add_argument("--opaque", action="store_true", help=opaque)
+    parser.add_argument(
+        "--execution",
+        choices=("whole", "anytime"),
+        help="how the algorithm takes a package: in parts, so that it ends on time, or as a whole "
+        "(default: anytime; whole for an algorithm in Python)",
+    )
     parser.add_argument(
         "--latency", type=typed(_units.parse_duration_us, "latency"), metavar="10ms", help=latency
     )

@@ -148,7 +148,6 @@ def _add_run_options(verb: Any) -> None:
     add_simulation(
         verb,
         cost="virtual time: an algorithm that takes this per package + per event",
-        opaque="with --cost: the algorithm takes a package as a whole, as a Python callback does",
         latency="latency bound (default: the scheme's own, else 10ms)",
     )
     verb.add_argument("--scheme", choices=tuple(SCHEMES), help="default: deadline")
@@ -174,10 +173,6 @@ def _add_run_options(verb: Any) -> None:
 
 
 def _run(arguments: Any) -> int:
-    if arguments.opaque and not arguments.cost:
-        raise Failure(USAGE, "--opaque: needs --cost, the simulated algorithm that it describes")
-    if arguments.cost and arguments.speed != 1.0:
-        raise Failure(USAGE, "--speed: not with --cost; only a replay in real time has a speed")
     if arguments.every and not arguments.tracks:
         raise Failure(USAGE, "--every: needs --tracks, the file that it is for")
     if arguments.report:
@@ -202,13 +197,14 @@ def _run(arguments: Any) -> int:
         "latency_ms": latency_ms(arguments),
         "on_bad": arguments.on_bad,
         "seed": arguments.seed,
+        "execution": arguments.execution,
     }
     with reading(arguments), workers.own, _progress.on_terminal() as on_progress:
         if cost is not None:
-            options["opaque"] = arguments.opaque
+            options["execution"] = arguments.execution or "anytime"
             run = asap.simulate(recording, cost=cost, on_progress=on_progress, **options)
         else:
-            run = asap.run(recording, speed=arguments.speed, on_progress=on_progress, **options)
+            run = asap.run(recording, on_progress=on_progress, **options)
     tell_doubt(recording)
     hand_over(run, arguments, workers.tracks)
     return OK
@@ -239,7 +235,6 @@ def _add_compare(verbs: Any) -> None:
         verb,
         cost="required: what the algorithm takes per package + per event, as asap run estimates it "
         "for yours",
-        opaque="the algorithm takes a package as a whole, as a Python callback does",
         latency="latency bound of all (default: 10ms)",
         required=True,
     )
@@ -263,7 +258,7 @@ def _compare(arguments: Any) -> int:
             cost=cost,
             latency_ms=latency_ms(arguments),
             seed=arguments.seed,
-            opaque=arguments.opaque,
+            execution=arguments.execution or "anytime",
             speed=arguments.speed,
             on_bad=arguments.on_bad,
             on_progress=on_progress,

@@ -11,7 +11,14 @@ from typing import Any, NamedTuple
 
 from asap import _checks, _core
 from asap.events import Events
-from asap.experiment.runners import Progress, check_cost, make_config, remember
+from asap.experiment.runners import (
+    EXECUTIONS,
+    Progress,
+    check_cost,
+    check_execution,
+    make_config,
+    remember,
+)
 from asap.experiment.source import CheckedStream
 from asap.results import Comparison, Row, Run
 from asap.results.cost import Cost
@@ -30,7 +37,7 @@ def compare(
     schemes: Any = None,
     latency_ms: float | None = None,
     seed: int = 0,
-    opaque: bool = False,
+    execution: str = "anytime",
     speed: float = 1.0,
     width: int | None = None,
     height: int | None = None,
@@ -57,8 +64,8 @@ def compare(
         The latency bound of all, ms. Default: the schemes' own, else 10.
     seed : int
         Seed of the gamma filters.
-    opaque : bool
-        As in `simulate`; schemes are then scored against an oracle that does so too.
+    execution : {"anytime", "whole"}
+        As in `simulate`; the oracle's algorithm takes its packages likewise.
     speed : float
         10 compresses the stamps by ten: a quiet recording becomes one that overloads the algorithm.
     width, height, start, stop, on_bad, capacity
@@ -81,13 +88,12 @@ def compare(
     """
     check_cost(cost)
     _require_replayable(source)
-    _checks.flag("opaque", opaque)
+    check_execution(execution)
     _checks.callback("on_progress", on_progress)
     given = {} if schemes is None else labelled(schemes)
     bound_ms = _common_bound_ms(given.values(), latency_ms)
     contenders = user_schemes() if schemes is None else of_schemes(given)
-    if opaque:
-        contenders = [replace(one, opaque=True) for one in contenders]
+    contenders = [replace(one, execution=execution) for one in contenders]
     stream = CheckedStream(
         source,
         width=width,
@@ -106,7 +112,7 @@ def compare(
         capacity=capacity,
         on_progress=on_progress,
     )
-    best = found.opaque_oracle if opaque else found.oracle
+    best = found.oracles[execution]
     runs = {one.label: run for one, run in zip(contenders, found.runs, strict=True)}
     rows = sorted(
         (Row.of(label, run, best) for label, run in runs.items()),
@@ -122,7 +128,7 @@ def compare(
         name=os.path.basename(described["path"] or "") or described["format"],
         cost=cost,
         latency_ms=float(bound_ms),
-        opaque=bool(opaque),
+        execution=execution,
         speed=stream.speed,
         seed=int(seed),
     )
@@ -134,7 +140,7 @@ def oracle(
     cost: _core.LinearCost,
     latency_ms: float,
     exact: bool = False,
-    opaque: bool = False,
+    execution: str = "anytime",
     speed: float = 1.0,
     width: int | None = None,
     height: int | None = None,
@@ -155,10 +161,9 @@ def oracle(
         for whole packages and is therefore reached. It takes the mean cost, without drift and
         outages. 10^5 events at 300 per bound take seconds; the work grows with the events and with
         the square of the events per bound.
-    opaque : bool
-        True: the algorithm takes a package as a whole. OB depends on it where the cost has noise;
-        EC does not.
-    speed, width, height, on_bad
+    execution : {"anytime", "whole"}
+        As in `simulate`. OB depends on it where the cost has noise; EC does not.
+    speed, width, height, start, stop, on_bad
         As in `compare`.
 
     Returns
@@ -178,13 +183,13 @@ def oracle(
     notebooks/theory.md, section 9. With noise OB is a bound in expectation.
     """
     check_cost(cost)
-    for name, value in (("exact", exact), ("opaque", opaque)):
-        _checks.flag(name, value)
+    _checks.flag("exact", exact)
+    check_execution(execution)
     bound_us = _core.checked_latency_ms(latency_ms) * 1e3
     stream = CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed)
     if exact:
         return _core.exact_clairvoyant(joined(list(stream)), cost, bound_us)
-    found = _core.Oracle(cost, bound_us, opaque=opaque)
+    found = _core.Oracle(cost, bound_us, execution)
     for chunk in stream:
         found.feed(chunk)
     return float(found.bound)
@@ -225,7 +230,7 @@ class Contender:
     label: str  #: how it is called in tables
     make: Make  #: a new scheme; the cost is for rivals that know what a package will cost
     flush: bool = True  #: gives out what waits when the oldest event has reached the bound
-    opaque: bool = False  #: the algorithm takes a package as a whole, as a Python callback does
+    execution: str = "anytime"  #: as in `simulate`
 
 
 # Settings by label, where there are more or others than the defaults under the name of the class.
@@ -316,8 +321,7 @@ class SideBySide(NamedTuple):
     """What one pass has found."""
 
     runs: list[Run]  #: in the order of the contenders
-    oracle: float  #: OB(L) for an algorithm whose loop the library owns, events
-    opaque_oracle: float  #: the same for one that takes a package as a whole
+    oracles: Mapping[str, float]  #: OB(L) by execution, events
     exact: int | None  #: EC(L), events; None where it would take long, or the cost drifts
 
 
@@ -343,7 +347,7 @@ def side_by_side(
             latency_ms,
             seed=seed,
             capacity=capacity,
-            anytime=not contender.opaque,
+            execution=contender.execution,
             flush=contender.flush,
         )
         for contender in contenders
@@ -353,8 +357,8 @@ def side_by_side(
         _core.Simulator(scheme, cost, config)
         for scheme, config in zip(schemes, configs, strict=True)
     ]
-    oracles = [_core.Oracle(cost, latency_ms * 1e3, opaque=opaque) for opaque in (False, True)]
-    feeds = [simulator.feed for simulator in simulators] + [oracle.feed for oracle in oracles]
+    oracles = {name: _core.Oracle(cost, latency_ms * 1e3, name) for name in EXECUTIONS}
+    feeds = [one.feed for one in simulators] + [one.feed for one in oracles.values()]
     threads = threads if threads is not None else os.cpu_count() or 1
     held: list[Events] = []
     room = _MOST_HELD
@@ -376,7 +380,7 @@ def side_by_side(
         for simulator, config, scheme in zip(simulators, configs, schemes, strict=True)
     ]
     exact = _exact(joined(held), cost, latency_ms) if room >= 0 else None
-    return SideBySide(runs, oracles[0].bound, oracles[1].bound, exact)
+    return SideBySide(runs, {name: one.bound for name, one in oracles.items()}, exact)
 
 
 def _exact(events: Events, cost: _core.LinearCost, latency_ms: float) -> int | None:

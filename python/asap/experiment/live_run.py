@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from typing import Any
 
-from asap import _checks, _core
+from asap import _checks
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.runners import keep
 from asap.results import Ledger, Run
@@ -67,5 +67,5 @@ class CameraRun(Pipeline):
             },
             clock_resets=stats.clock_resets,
             gap_us=stats.gap_us,
-            opaque=not _core.is_native(self.algorithm),
+            execution=self._config.execution,
         )

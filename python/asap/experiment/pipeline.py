@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from asap import _checks, _core
 from asap.events import events_of_argument
-from asap.experiment.runners import as_scheme, make_config
+from asap.experiment.runners import as_scheme, execution_of, make_config
 from asap.experiment.telemetry import Log, TelemetryFile
 from asap.results import Ledger, Named
 from asap.results.data import SCHEMA_VERSION, latency_us
@@ -40,6 +40,8 @@ class Pipeline:
     ----------
     algorithm : optional
         For `run`, as in `asap.run`. Without one, iterate over the pipeline.
+    execution : {"whole", "anytime"}, optional
+        As in `asap.run`; a loop over the pipeline takes whole packages.
     camera : Camera, optional
         Feeds the pipeline within the ``with`` block, from a thread of its own, and stops it at its
         end: `asap.open_camera` or `asap.SoftwareCamera`.
@@ -95,6 +97,7 @@ class Pipeline:
         camera: Any = None,
         latency_ms: float | None = None,
         scheme: _core.Scheme | None = None,
+        execution: str | None = None,
         before: Any = None,
         width: int | None = None,
         height: int | None = None,
@@ -111,6 +114,10 @@ class Pipeline:
             raise TypeError(_checks.named("algorithm", algorithm, remedy))
         _checks.workers(algorithm=algorithm, before=before)
         self.algorithm = algorithm
+        execution = execution_of(algorithm, execution)
+        if algorithm is None and execution != "whole":
+            remedy = "a loop takes whole packages; give an algorithm"
+            raise ValueError(_checks.named("execution", execution, remedy))
         self.scheme = as_scheme(scheme, latency_ms)
         if camera is not None:
             remedy = "give asap.open_camera() or asap.SoftwareCamera(recording)"
@@ -120,13 +127,13 @@ class Pipeline:
             _checks.require(when_full != "block", "when_full", when_full, remedy)
         self._camera, self._is_fed = camera, False
         self._sensor = _checks.sensor(width, height, camera, camera)
-        config = make_config(
+        self._config = make_config(
             self._sensor,
             latency_ms,
             on_bad,
             seed,
             capacity,
-            _core.is_native(algorithm),
+            execution,
             algorithm,
             before,
             when_full=when_full,
@@ -134,7 +141,7 @@ class Pipeline:
             warmup_discard_us=warmup_discard_us,
             long_log=self._long_log,
         )
-        self._native = _core.LivePipeline(self.scheme, config)
+        self._native = _core.LivePipeline(self.scheme, self._config)
         self._log = Log(self._native)
         self._telemetry = None if telemetry is None else TelemetryFile(telemetry)
         if self._telemetry is not None:
@@ -378,6 +385,7 @@ class Pipeline:
             "scheme": Named.of(self.scheme).as_json(),
             "algorithm": None if self.algorithm is None else Named.of(self.algorithm).as_json(),
             "latency_bound_us": stats.latency_bound_us,
+            "execution": self._config.execution,
             "ledger": dict(ledger),
             "rejected": stats.rejected,
             "clock_resets": stats.clock_resets,

@@ -14,6 +14,8 @@ from asap.results.data import with_first
 
 Progress = Callable[[int, "int | None", dict[str, int]], object]
 
+EXECUTIONS = ("anytime", "whole")  # how an algorithm takes a package
+
 _CHUNK = 1 << 15  # events between two looks at Ctrl-C
 _LEAVE_S = 0.05  # for the reader to end; one whose source waits is left there
 _last: Run | None = None
@@ -37,7 +39,7 @@ def simulate(
     scheme: _core.Scheme | None = None,
     latency_ms: float | None = None,
     algorithm: Any = None,
-    opaque: bool = False,
+    execution: str = "anytime",
     before: Any = None,
     width: int | None = None,
     height: int | None = None,
@@ -65,9 +67,10 @@ def simulate(
         Latency bound, ms. Default: the scheme's own, else 10.
     algorithm : optional
         A real algorithm that gets the packages too, each when it is done; its time is not measured.
-    opaque : bool
-        True: the simulated algorithm takes a package as a whole, as a Python callback does. False:
-        the library owns its loop, looks at the clock inside a package and ends it on time.
+    execution : {"anytime", "whole"}
+        How the simulated algorithm takes a package. "anytime": in up to 16 parts, as those of the
+        library do; the clock is read between them, so a package ends on time. "whole": in one call,
+        as a Python algorithm does unless `run` is told otherwise.
     before : optional
         A filter in front of the scheme's discarding, such as BackgroundActivityFilter: an object
         with process(events) that returns the events that pass, or a callable. Here it costs
@@ -97,14 +100,14 @@ def simulate(
     ValueError
         A bad argument, named with its value and the remedy; bad events with on_bad="raise".
     """
-    check_cost(cost)
-    _checks.flag("opaque", opaque)
+    check_cost(cost, callable_too=True)
+    check_execution(execution)
     _checks.callback("on_progress", on_progress)
     _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad, start=start, stop=stop)
     config = make_config(
-        stream.sensor, latency_ms, on_bad, seed, capacity, not opaque, algorithm, before, keep_mask
+        stream.sensor, latency_ms, on_bad, seed, capacity, execution, algorithm, before, keep_mask
     )
     simulator = _core.Simulator(scheme, cost, config, algorithm)
     try:
@@ -126,6 +129,7 @@ def run(
     algorithm: Any,
     scheme: _core.Scheme | None = None,
     latency_ms: float | None = None,
+    execution: str | None = None,
     speed: float = 1.0,
     before: Any = None,
     width: int | None = None,
@@ -151,8 +155,12 @@ def run(
         clock. Push its events into an `asap.Pipeline` instead.
     algorithm
         One of ours, an object with process(events) and, if it has it, set_keep(gamma), or a
-        callable. Events come as a read-only array in EVENT_DTYPE, valid as long as it is kept. The
-        loop over the events of one of ours belongs to the library, which can end a package on time.
+        callable. Events come as a read-only array in EVENT_DTYPE, valid as long as it is kept.
+    execution : {"whole", "anytime"}, optional
+        "whole": the algorithm gets a package in one call. "anytime": it gets the package in up to
+        16 calls, in time order, so that the package ends on time whatever an event costs. Default:
+        "anytime" for an algorithm of the library, "whole" for one in Python, where a call costs
+        microseconds.
     speed : float
         2 replays twice as fast: stamps are divided by it. t_first, t_last and start_us of the log
         stay on the recording's axis, everything else is wall time.
@@ -191,6 +199,7 @@ def run(
             algorithm=algorithm,
             scheme=scheme,
             latency_ms=latency_ms,
+            execution=execution,
             before=before,
             width=width,
             height=height,
@@ -201,12 +210,12 @@ def run(
         return run_of_camera
     if duration_s is not None:
         raise ValueError(_checks.named("duration_s", duration_s, "leave it out without a camera"))
+    execution = execution_of(algorithm, execution)
     _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
     stream = Source(source, width=width, height=height, on_bad=on_bad, start=start, stop=stop)
-    anytime = _core.is_native(algorithm)
     config = make_config(
-        stream.sensor, latency_ms, on_bad, seed, capacity, anytime, algorithm, before, keep_mask
+        stream.sensor, latency_ms, on_bad, seed, capacity, execution, algorithm, before, keep_mask
     )
     replay = _core.Replay(scheme, config, speed)
 
@@ -265,10 +274,32 @@ def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
     return scheme
 
 
-def check_cost(cost: Any) -> None:
-    """Refuse what is no simulated algorithm."""
-    if not isinstance(cost, _core.LinearCost):
-        raise TypeError(_checks.named("cost", cost, "give asap.LinearCost(alpha_us, beta_ns)"))
+def check_execution(execution: Any) -> None:
+    """Refuse what is no way to take a package."""
+    _checks.choice("execution", execution, EXECUTIONS)
+
+
+def execution_of(algorithm: Any, execution: str | None) -> str:
+    """Return how the algorithm takes a package: as asked, else by whose loop it is."""
+    if execution is None:
+        return "anytime" if _core.is_native(algorithm) else "whole"
+    check_execution(execution)
+    return execution
+
+
+def check_cost(cost: Any, *, callable_too: bool = False) -> None:
+    """Refuse what is no simulated algorithm, and a callable where an oracle has to foresee it."""
+    if isinstance(cost, _core.LinearCost):
+        return
+    if not callable_too:
+        remedy = "give asap.LinearCost(alpha_us, beta_ns)"
+        if callable(cost):
+            remedy += "; the oracle foresees no other cost, asap.simulate takes any"
+        raise TypeError(_checks.named("cost", cost, remedy))
+    if isinstance(cost, type) or not callable(cost):
+        remedy = "give asap.LinearCost(alpha_us, beta_ns) or a callable(n, t_us) that returns us"
+        raise TypeError(_checks.named("cost", cost, remedy))
+    _checks.callback("cost", cost)
 
 
 def _whole(name: str, value: Any) -> int:
@@ -281,7 +312,7 @@ def make_config(
     on_bad: str = "drop",
     seed: int = 0,
     capacity: int | None = None,
-    anytime: bool = True,
+    execution: str = "anytime",
     algorithm: Any = None,
     before: Any = None,
     keep_mask: bool = False,
@@ -310,7 +341,7 @@ def make_config(
         capacity=slots,
         seed=seed,
         validator=validator,
-        anytime=anytime,
+        execution=execution,
         flush=flush,
         before=before,
         when_full=when_full,
@@ -373,7 +404,7 @@ def remember(
         lateness=runner.lateness if isinstance(runner, _core.Replay) else None,
         slots=runner.slots if isinstance(runner, _core.Simulator) else None,
         kept_mask=kept_mask,
-        opaque=not config.anytime,
+        execution=config.execution,
     )
     return keep(run)
 

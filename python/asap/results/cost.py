@@ -60,10 +60,10 @@ class Cost:
         return max(LEAST_BOUND * self.alpha_us, 2 * (self.alpha_us + self.beta_ns / 1e3))
 
 
-def fit(packages: NDArray[np.void], learned: Cost | None, opaque: bool) -> Cost:
+def fit(packages: NDArray[np.void], learned: Cost | None, execution: str) -> Cost:
     """Fit the cost that explains the packages of a run; no packages cost nothing.
 
-    `learned` is what the scheme has learned, `opaque` whether the algorithm took whole packages.
+    `learned` is what the scheme has learned, `execution` how the algorithm took packages.
 
     Notes
     -----
@@ -84,7 +84,9 @@ def fit(packages: NDArray[np.void], learned: Cost | None, opaque: bool) -> Cost:
     typical = float(np.exp(np.log(rows["size"]).mean()))
     size, log_cost = rows["size"] / typical, np.log(rows["processing_us"])
     whole = rows["size"] == rows["offered"]
-    share, error = _fixed_share(None if opaque else learned, size, log_cost, whole, typical)
+    share, error = _fixed_share(
+        None if execution == "whole" else learned, size, log_cost, whole, typical
+    )
     off = log_cost - np.log(share + (1 - share) * size)
     noise = _noise(off)
     mean_us = float(np.exp(np.median(off) + min(noise, 1.0) ** 2 / 2))

@@ -203,8 +203,8 @@ class Run(Result):
         kept. Not saved.
     learned : Cost or None
         What the scheme had learned of the algorithm's cost by the end; None where it learns none.
-    opaque : bool
-        Whether the algorithm took its packages as a whole, as a Python callable does.
+    execution : str
+        How the algorithm took its packages: "whole" or "anytime".
     """
 
     packages: NDArray[np.void]
@@ -223,7 +223,7 @@ class Run(Result):
     slots: NDArray[np.void] | None = None
     kept_mask: NDArray[np.bool_] | None = None
     learned: Cost | None = None
-    opaque: bool = False
+    execution: str = "anytime"
 
     def __post_init__(self) -> None:
         if self.learned is None and hasattr(self.scheme, "alpha_us"):
@@ -285,7 +285,7 @@ class Run(Result):
             "learned_cost": self.learned
             and {name: getattr(self.learned, name) for name in ("alpha_us", "beta_ns")},
             "estimated_cost": log["estimated_cost"] and asdict(log["estimated_cost"]),
-            "opaque": self.opaque,
+            "execution": self.execution,
             "speed": self.speed,
             "ledger": dict(self.ledger),
             "rejected": dict(self.rejected),
@@ -304,7 +304,7 @@ class Run(Result):
         packages = self.packages
         wall_s = self.source["duration_s"] / self.speed
         count = int(packages.size)
-        cost = fit(self.packages, self.learned, self.opaque)
+        cost = fit(self.packages, self.learned, self.execution)
         return {
             "bound_needed_us": bound_needed_us(cost, self.latency_bound_us, self.latency.max),
             "estimated_cost": cost,
@@ -485,8 +485,8 @@ class Comparison(Result, Mapping[str, Row]):
         The simulated algorithm.
     latency_ms : float
         The bound of all.
-    opaque : bool
-        Whether the algorithm took its packages as a whole; the oracle then does too.
+    execution : str
+        How the algorithm, also the oracle's, took its packages: "whole" or "anytime".
     speed : float
         By which the stamps were compressed.
     seed : int
@@ -501,7 +501,7 @@ class Comparison(Result, Mapping[str, Row]):
     name: str
     cost: _core.LinearCost
     latency_ms: float
-    opaque: bool
+    execution: str
     speed: float
     seed: int
 
@@ -532,7 +532,7 @@ class Comparison(Result, Mapping[str, Row]):
             "name": self.name,
             "cost": Named.of(self.cost).as_json(),
             "latency_bound_us": self.latency_ms * 1e3,
-            "opaque": self.opaque,
+            "execution": self.execution,
             "speed": self.speed,
             "seed": self.seed,
             "oracle": self._reached(self.oracle),

@@ -232,7 +232,7 @@ def median_in_windows(run: Run, column: str, window_ms: float) -> tuple[Floats, 
 def fit_cost(run: Run) -> Cost:
     """Fit the cost that explains the packages of a run; a run without packages costs nothing."""
     check_run(run)
-    return fit(run.packages, run.learned, run.opaque)
+    return fit(run.packages, run.learned, run.execution)
 
 
 @dataclass(frozen=True)

@@ -292,7 +292,7 @@ _FACTS = _fields(
     clock_resets=_count,
     gap_us=_or_none(_count),
     learned_cost=_or_none(_fields(alpha_us=_real, beta_ns=_real)),
-    opaque=lambda name, value: value is True,
+    execution=_text,
 )
 _HISTOGRAMS = ("latency_us", "pacing_us")
 _LATENCY = _fields(mean=_real, p50=_real, p99=_real, max=_real)

@@ -354,7 +354,7 @@ def comparison_subtitle(comparison: Comparison) -> str:
     noise = f", noise {cost['noise']:g}" if cost["noise"] else ""
     drift = ", drifting" if "drift" in cost else ""
     outages = ", with outages" if "outages_ms" in cost else ""
-    whole = ", package by package as a whole (opaque)" if comparison.opaque else ""
+    whole = ", package by package as a whole" if comparison.execution == "whole" else ""
     return (
         f"{sensor(source)}, {_units.count(source['events'])} events in "
         f"{source['duration_s']:.3g} s{speed}; "
@@ -398,7 +398,7 @@ def oracle_rows(comparison: Comparison) -> list[tuple[str, ...]]:
 
     One text for each of `COLUMNS`, empty where there is no number.
     """
-    name = "oracle (opaque)" if comparison.opaque else "oracle"
+    name = "oracle (whole)" if comparison.execution == "whole" else "oracle"
     found = [(name, comparison.oracle)]
     if comparison.exact is not None:
         found.append(("exact clairvoyant", comparison.exact))

@@ -82,7 +82,7 @@ class LadderCase:
             latency_ms=self.latency_ms,
             capacity=setting.capacity,
             algorithm=recorder,
-            opaque=rung.opaque,
+            execution=rung.execution,
             seed=self.seed,
         )
         if recorder is None:

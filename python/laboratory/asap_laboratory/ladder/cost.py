@@ -41,7 +41,7 @@ class CostCase:
             rung, rung.make(scene.width, scene.height), scene.events
         )
         begin = scene.events[: np.searchsorted(scene.events["t"], _TUNED_OVER_US)]
-        found = tried(begin, alpha_us * SLOWDOWN, beta_ns * SLOWDOWN, opaque=rung.opaque)
+        found = tried(begin, alpha_us * SLOWDOWN, beta_ns * SLOWDOWN, execution=rung.execution)
         cost = {"kind": "cost", "rung": self.rung, "alpha_us": alpha_us, "beta_ns": beta_ns}
         return [cost, *({"kind": "tried", "rung": self.rung, **row} for row in found)]
 
@@ -59,7 +59,7 @@ def measured(rung: LadderRung, algorithm: Any, events: NDArray[np.void]) -> tupl
         taken_ns: list[int] = []
         while (spent_ns < _TIME_FOR_A_SIZE_NS and len(taken_ns) < 100) or len(taken_ns) < 3:
             if begin + size > events.size:
-                if not rung.opaque:  # a slow one, which costs the same from the start
+                if rung.execution == "anytime":  # a slow one, which costs the same from the start
                     algorithm.reset()
                     algorithm.process(events[:warm_up])
                 begin = warm_up

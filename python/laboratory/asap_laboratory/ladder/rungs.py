@@ -35,9 +35,9 @@ class LadderRung(NamedTuple):
     stated: tuple[float, float] | None = None
 
     @property
-    def opaque(self) -> bool:
-        """Whether it gets a package as a whole, as a Python callback does."""
-        return self.make is naive.make
+    def execution(self) -> str:
+        """How it takes a package: in one call, as a Python algorithm does, or in parts."""
+        return "whole" if self.make is naive.make else "anytime"
 
 
 def _fast(width: int, height: int) -> Any:

@@ -28,7 +28,7 @@ from asap_laboratory.study import Batch, Study
 
 __all__ = ["SCHEMES", "summary"]
 
-_SHARES = ("score", "kept", "overflow", "cpu", "opaque_score")
+_SHARES = ("score", "kept", "overflow", "cpu", "whole_score")
 _TIMES = ("p50_ms", "p99_ms", "max_ms", "gap_ms", "settle_ms", "packages_per_s")
 _DEVIATION = 0.02  # of a score, from which on a cell is named
 _LONG_SILENCE_MS = 60.0

@@ -60,12 +60,12 @@ _BASELINES = [
     Contender("greedy+rate-gamma", lambda latency_ms, cost: _native.GreedyRateGamma(latency_ms)),
 ]
 _OURS = [
-    Contender("opaque DeadBeat", _dead_beat(knee=0.0, overhead=0.0), opaque=True),
+    Contender("whole DeadBeat", _dead_beat(knee=0.0, overhead=0.0), execution="whole"),
     Contender("DeadBeat L/2", _dead_beat(knee=0.0, overhead=0.0)),
     Contender("DeadBeat", _dead_beat(knee=33.0, overhead=0.0)),
     Contender("DeadBeat oh.25", _dead_beat(knee=33.0, overhead=0.25)),
     Contender("DeadBeat 1kHz", _dead_beat(knee=33.0, overhead=0.0, min_interval_ms=1.0)),
-    Contender("opaque Deadline", _deadline(overhead=0.0), opaque=True),
+    Contender("whole Deadline", _deadline(overhead=0.0), execution="whole"),
     Contender("Deadline", _deadline(overhead=0.0)),
     Contender("Deadline oh.25", _deadline(overhead=0.25)),
 ]

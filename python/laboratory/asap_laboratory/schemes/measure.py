@@ -6,7 +6,7 @@ holds an event. Source: notebooks/theory.md, section 10.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,25 +49,23 @@ def measure(
     )
     of_all = {
         "events": found.runs[0].ledger.received,
-        "oracle": found.oracle,
+        "oracle": found.oracles["anytime"],
         "exact": found.exact,
     }
     return [
         {
             "contender": one.label,
-            **figures_of(run, found.oracle, found.opaque_oracle, duration_s, steps),
+            **figures_of(run, found.oracles, duration_s, steps),
             **of_all,
         }
         for one, run in zip(contenders, found.runs, strict=True)
     ]
 
 
-def figures_of(
-    run: Run, oracle: float, opaque_oracle: float, duration_s: float, steps: bool
-) -> Row:
+def figures_of(run: Run, oracles: Mapping[str, float], duration_s: float, steps: bool) -> Row:
     """Return one contender's figures in one scenario; latencies of delivered events, ms.
 
-    The score is in-time events / OB(L), the opaque one that against the oracle which takes a
+    The score is in-time events / OB(L), the whole one that against the oracle which takes a
     package as a whole; in_time, kept and overflow are shares of the input.
     """
     slots = run.slots
@@ -79,8 +77,8 @@ def figures_of(
     recoveries = recovery_ms(slots, down, PHASE_MS, bound_us)
     start = slots["latency_max_us"][slots["slot"] < 100]
     return {
-        "score": in_time / max(oracle, 1.0),
-        "opaque_score": in_time / max(opaque_oracle, 1.0),
+        "score": in_time / max(oracles["anytime"], 1.0),
+        "whole_score": in_time / max(oracles["whole"], 1.0),
         "in_time": run.in_time,
         "kept": run.kept,
         "p50_ms": run.latency.quantile(0.5) / 1e3,

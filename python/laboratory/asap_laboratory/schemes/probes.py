@@ -105,7 +105,7 @@ class FewProbe:
         )
         assert found.exact is not None  # some thousand events
         what = {"kind": "few", "bound": self.bound, "arrivals": self.arrivals, "seed": self.seed}
-        shares = {"EC(L)/OB(L)": found.exact / found.oracle}
+        shares = {"EC(L)/OB(L)": found.exact / found.oracles["anytime"]}
         for label, run in zip(_FEW, found.runs, strict=True):
             shares[label] = run.latency.within_bound / found.exact
         return [{**what, "contender": label, "share": share} for label, share in shares.items()]
@@ -131,7 +131,7 @@ _ARRIVALS: dict[str, _Load] = {
     "bursts of 5 ms, load 6": lambda t: np.where(t % 0.05 < 0.005, 6.0, 0.5),
     "on and off for 20 ms, load 2.5": lambda t: np.where(t % 0.04 < 0.02, 2.5, 0.2),
 }
-_FEW = ("Deadline", "DeadBeat", "opaque Deadline", "opaque DeadBeat")
+_FEW = ("Deadline", "DeadBeat", "whole Deadline", "whole DeadBeat")
 
 Probe = SteadyProbe | CapProbe | FewProbe
 
