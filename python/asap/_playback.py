@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 
 from asap.events import EVENT_DTYPE, Events
+from asap.io.errors import NoGoodEvent
 
 _HEAD = struct.Struct("<dQQQ?")  # came, s of the wall clock; events, backlog, dropped; after a loss
 _RING = 1000  # packets
@@ -88,7 +89,7 @@ class Playback:
             except BrokenPipeError as error:
                 raise self._ended() from error
         if not count:
-            raise ValueError("source: holds no events; give some to play")
+            raise NoGoodEvent("source: holds no events; give some to play")
 
     def name(self) -> str:
         return "SoftwareCamera"

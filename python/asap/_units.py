@@ -58,13 +58,23 @@ def reasons(counts: Mapping[str, int]) -> str:
 
 
 def share(value: float) -> str:
-    """Write a fraction in percent; neither 0 nor 100 % is ever shown for less or more than that."""
+    """Write a fraction in percent, "-" for that of nothing (nan).
+
+    Neither 0 nor 100 % is ever shown for less or more than that.
+    """
+    if math.isnan(value):
+        return "-"
     percent = 100 * value
     if 0 < percent < 0.1:
         return "< 0.1 %"
     if 99.9 < percent < 100:
         return "> 99.9 %"
     return f"{percent:.1f} %"
+
+
+def score(value: float) -> str:
+    """Write a share with three digits, "-" for that of nothing (nan)."""
+    return "-" if math.isnan(value) else f"{value:.3f}"
 
 
 def tied(text: str) -> str:

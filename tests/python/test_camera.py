@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 import os
 import re
 import subprocess
@@ -269,7 +271,16 @@ def test_a_silent_camera_is_named(attach: Callable[..., Driver]) -> None:
     attach()
     with asap.open_camera() as camera, pytest.warns(RuntimeWarning, match="EVK4 .* no event came"):
         run = asap.run(camera, algorithm=len, duration_s=0.2)
-    assert run.ledger.received == 0
+    assert run.ledger.received == 0 and math.isnan(run.in_time)
+
+
+def test_the_command_line_says_that_a_camera_was_silent(
+    attach: Callable[..., Driver], capsys: pytest.CaptureFixture[str]
+) -> None:
+    attach()
+    assert main(["run", "--camera", "--duration", "200ms", "--json"]) == 3
+    out, err = capsys.readouterr()
+    assert json.loads(out)["in_time"] is None and "error: no event was received" in err
 
 
 @pytest.mark.parametrize(

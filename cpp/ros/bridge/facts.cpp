@@ -17,7 +17,7 @@ constexpr std::pair<const char*, std::uint64_t Ledger::*> kLines[] = {
 double per(double amount, double of) { return of > 0 ? amount / of : 0.0; }
 
 std::string share(std::uint64_t part, std::uint64_t whole) {
-  return number(whole == 0 ? 1.0 : static_cast<double>(part) / static_cast<double>(whole));
+  return number(static_cast<double>(part) / static_cast<double>(whole));  // of nothing: null
 }
 
 std::string quoted(std::string_view text) {
@@ -87,7 +87,7 @@ Facts facts_of(const PipelineStats& stats) {
       {"packages.per_s", number(per(static_cast<double>(count), elapsed_s))},
       {"packages.size_mean", number(per(static_cast<double>(size), static_cast<double>(count)))},
       {"packages.size_max", number(stats.packages.size_max)},
-      {"gamma.mean", share(size, stats.packages.to_gamma)},
+      {"gamma.mean", stats.packages.to_gamma == 0 ? "1" : share(size, stats.packages.to_gamma)},
       {"gamma.min", number(stats.packages.gamma_min)},
       {"cpu", number(per(busy_s, elapsed_s))}};
   facts.insert(facts.end(), rest.begin(), rest.end());

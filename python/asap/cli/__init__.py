@@ -1,7 +1,7 @@
 """The command ``asap``.
 
 Results go to stdout, everything else to stderr; ``--json`` prints one object and nothing else. Exit
-codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable or corrupt, 130 interrupted.
+codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable, corrupt or empty, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _EPILOG = """\
 examples:
   {}
 
-exit codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable or corrupt, 130 interrupted
+exit codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable, corrupt or empty, 130 interrupted
 """
 
 

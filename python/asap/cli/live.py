@@ -110,7 +110,7 @@ def run_live(arguments: Any) -> int:
     with usage():
         refuse_to_overwrite(arguments, arguments.software_camera)
         scheme = scheme_of(arguments.scheme, arguments.settings)
-    before, camera, tracks = asap.last_run(), None, None
+    before, camera, tracks, code = asap.last_run(), None, None, OK
     try:
         with (
             reading(arguments),
@@ -140,5 +140,5 @@ def run_live(arguments: Any) -> int:
         run = asap.last_run()
         if run is not None and run is not before:
             shown = None if arguments.target in (None, *_WINDOWS) else arguments.target
-            hand_over(run, arguments, tracks, camera.recorded if camera else None, shown)
-    return OK
+            code = hand_over(run, arguments, tracks, camera.recorded if camera else None, shown)
+    return code

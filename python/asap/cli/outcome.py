@@ -89,8 +89,16 @@ def show(result: Any, arguments: Any, *saved: Path | None) -> None:
         print_written(*saved, arguments.report)
 
 
-def hand_over(run: Any, arguments: Any, tracks: Any, *written: Path | None) -> None:
-    """Write what ``--save`` and ``--tracks`` ask for, and show the run."""
+def code_of(result: Any) -> int:
+    """Return the exit code of a run or a comparison; say so where there was nothing to judge."""
+    if result.source["events"]:
+        return OK
+    say("error: no event was received")
+    return BAD_INPUT
+
+
+def hand_over(run: Any, arguments: Any, tracks: Any, *written: Path | None) -> int:
+    """Write what ``--save`` and ``--tracks`` ask for, show the run and return the exit code."""
     for path, result in ((arguments.save, run), (arguments.tracks, tracks)):
         if path is not None and result is not None:
             with writing(path):
@@ -99,6 +107,7 @@ def hand_over(run: Any, arguments: Any, tracks: Any, *written: Path | None) -> N
         with writing(arguments.video):
             run.animate(arguments.video)
     show(run, arguments, arguments.save, arguments.tracks, arguments.video, *written)
+    return code_of(run)
 
 
 def need_report() -> None:

@@ -43,6 +43,7 @@ from asap.cli.outcome import (
     OK,
     USAGE,
     Failure,
+    code_of,
     hand_over,
     need_report,
     print_json,
@@ -206,8 +207,7 @@ def _run(arguments: Any) -> int:
         else:
             run = asap.run(recording, on_progress=on_progress, **options)
     tell_doubt(recording)
-    hand_over(run, arguments, workers.tracks)
-    return OK
+    return hand_over(run, arguments, workers.tracks)
 
 
 def _add_monitor(verbs: Any) -> None:
@@ -264,7 +264,7 @@ def _compare(arguments: Any) -> int:
             on_progress=on_progress,
         )
     show(comparison, arguments)
-    return OK
+    return code_of(comparison)
 
 
 def _add_info(verbs: Any) -> None:

@@ -393,8 +393,8 @@ class Pipeline:
             "sensor_delay_us": {"last": stats.sensor_delay_us, "max": stats.sensor_delay_max_us},
             "most_waiting": stats.most_waiting,
             "pinned": self._native.pinned,
-            "kept": ledger["delivered"] / received if received else 1.0,
-            "in_time": latency.within_bound / received if received else 1.0,
+            "kept": ledger["delivered"] / received if received else None,
+            "in_time": latency.within_bound / received if received else None,
             "latency_us": latency_us(latency),
             "gap_us": stats.gap_us,
             "packages": {

@@ -224,7 +224,14 @@ class Recording:
         begin_us = first_us + round(1e6 * (start or 0.0))
         end_us = _stamps.MAX if stop is None else first_us + round(1e6 * stop)
         self._window_us = begin_us, end_us
-        yield from within(self._checked(begin_us), begin_us, end_us)
+        is_empty = True
+        for events in within(self._checked(begin_us), begin_us, end_us):
+            is_empty = False
+            yield events
+        if is_empty:
+            until = "its end" if stop is None else f"{stop:g} s"
+            words = f"no event from {start or 0:g} s to {until}; asap.info shows how long it lasts"
+            warnings.warn(f"{self._path}: {words}", stacklevel=2)
 
     def _read_into(self, room: Room) -> Iterator[Events]:
         """Read it once; its chunks are good until the next one."""
@@ -374,8 +381,9 @@ def read(
     TruncatedFileWarning
         While iterating: the file ends too early, or a packet cannot be read; the rest was yielded.
     UserWarning
-        The file is read as 40-bit events, by its name alone, but does not look like them; or the
-        unit of its times was guessed, and no camera sends events so fast or so slowly.
+        The file is read as 40-bit events, by its name alone, but does not look like them; the unit
+        of its times was guessed, and no camera sends events so fast or so slowly; or no event lies
+        between `start` and `stop`.
     """
     options = Options(
         order, time_unit, width, height, stream, on_bad, reorder_tolerance_us, start, stop

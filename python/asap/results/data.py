@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _checks, _core
+from asap import _checks, _core, _units
 from asap.results.cost import Cost, bound_needed_us, fit, keeps
 
 SCHEMA_VERSION = 1
@@ -252,12 +252,12 @@ class Run(Result):
 
     @property
     def kept(self) -> float:
-        """Delivered / received; 1 of nothing."""
+        """Delivered / received; nan of nothing."""
         return _share(self.ledger.delivered, self.ledger.received)
 
     @property
     def in_time(self) -> float:
-        """Delivered within the bound / received; 1 of nothing."""
+        """Delivered within the bound / received; nan of nothing."""
         return _share(self.latency.within_bound, self.ledger.received)
 
     @property
@@ -290,8 +290,8 @@ class Run(Result):
             "ledger": dict(self.ledger),
             "rejected": dict(self.rejected),
             "clock_resets": self.clock_resets,
-            "kept": self.kept,
-            "in_time": self.in_time,
+            "kept": without_nan(self.kept),
+            "in_time": without_nan(self.in_time),
             "latency_us": latency_us(self.latency),
             "gap_us": self.gap_us,
             **{name: log[name] for name in ("packages", "gamma", "cpu")},
@@ -304,6 +304,7 @@ class Run(Result):
         packages = self.packages
         wall_s = self.source["duration_s"] / self.speed
         count = int(packages.size)
+        thinned = _thinned(packages)
         cost = fit(self.packages, self.learned, self.execution)
         return {
             "bound_needed_us": bound_needed_us(cost, self.latency_bound_us, self.latency.max),
@@ -315,7 +316,7 @@ class Run(Result):
                 "size_max": int(packages["size"].max()) if count else 0,
             },
             "gamma": {
-                "mean": _share(int(packages["size"].sum()), _thinned(packages)),
+                "mean": int(packages["size"].sum()) / thinned if thinned else 1.0,
                 "min": float(packages["gamma"].min()) if count else 1.0,
             },
             "cpu": _busy_share(packages, self.speed),
@@ -372,7 +373,7 @@ def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _share(part: int, whole: int) -> float:
-    return part / whole if whole else 1.0
+    return part / whole if whole else math.nan
 
 
 def _thinned(packages: NDArray[np.void]) -> int:
@@ -400,7 +401,8 @@ class Row:
     label, scheme : str
         How the table calls it; the scheme's own name.
     score : float
-        Events finished within the bound, as a share of those that the oracle could finish.
+        Events finished within the bound, as a share of those that the oracle could finish; nan
+        where it could finish none, as the other shares where no event was received.
     kept, in_time : float
         Finished at all, and within the bound, as shares of the events received.
     p50_us, p99_us, max_us : float
@@ -436,14 +438,14 @@ class Row:
         return cls(
             label=label,
             scheme=Named.of(run.scheme).name,
-            score=run.latency.within_bound / oracle if oracle > 0 else 1.0,
+            score=run.latency.within_bound / oracle if oracle > 0 else math.nan,
             kept=run.kept,
             in_time=run.in_time,
             p50_us=run.latency.quantile(0.5),
             p99_us=run.latency.quantile(0.99),
             max_us=run.latency.max,
             gap_us=run.gap_us or 0,
-            overflow=run.ledger.overflow / received if received else 0.0,
+            overflow=_share(run.ledger.overflow, received),
             packages_per_s=run.packages.size / elapsed_s if elapsed_s > 0 else 0.0,
             cpu=float(run.packages["processing_us"].sum()) * 1e-6 / elapsed_s
             if elapsed_s > 0
@@ -538,17 +540,20 @@ class Comparison(Result, Mapping[str, Row]):
             "oracle": self._reached(self.oracle),
             "exact": None if self.exact is None else self._reached(self.exact),
             "schemes": [
-                {**asdict(row), "parameters": Named.of(self.runs[row.label].scheme).parameters}
+                {
+                    **without_nan(asdict(row)),
+                    "parameters": Named.of(self.runs[row.label].scheme).parameters,
+                }
                 for row in self.rows
             ],
             "version": _core.__version__,
         }
 
-    def _reached(self, events: float) -> dict[str, float]:
-        return {"events": events, "in_time": events / self.received if self.received else 1.0}
+    def _reached(self, events: float) -> dict[str, float | None]:
+        return {"events": events, "in_time": events / self.received if self.received else None}
 
     def __repr__(self) -> str:
-        scores = ", ".join(f"{row.label} {row.score:.3f}" for row in self.rows)
+        scores = ", ".join(f"{row.label} {_units.score(row.score)}" for row in self.rows)
         return f"<Comparison: {self.name}, {self.latency_ms:g} ms: {scores}>"
 
 

@@ -435,6 +435,8 @@ def _own_axes(size_inches: tuple[float, float]) -> Axes:
 
 
 def _legend(axes: Axes) -> None:
+    if not axes.get_legend_handles_labels()[0]:  # of nothing
+        return
     # Beside the title, where no curve can be.
     axes.legend(
         loc="lower right",
@@ -545,7 +547,7 @@ def _draw_worst_latency(axes: Axes, windows: _Windows, bound_ms: float) -> None:
     low, high = bound_ms / _SPAN, bound_ms * _SPAN
     axes.plot(windows.time_s, np.clip(windows.latency_ms, low, high), color=BLUE)
     _line(axes, bound_ms, "bound L")
-    axes.set(ylabel="latency\n[ms]", yscale="log", ylim=(low / 1.4, high * 1.4))
+    axes.set(ylabel="latency\n[ms]", ylim=(low / 1.4, high * 1.4), yscale="log")
     axes.yaxis.set_major_locator(LogLocator(numticks=4))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:,g}")
     axes.yaxis.set_minor_locator(NullLocator())
@@ -575,7 +577,7 @@ def _name(latency: Axes, kept: Axes, row: Row) -> None:
     latency.set_title(
         f"p99 {_units.duration(row.p99_us)}, max {_units.duration(row.max_us)}", **plain
     )
-    kept.set_title(f"score {row.score:.3f}")
+    kept.set_title(f"score {_units.score(row.score)}")
     kept.set_title(f"kept {_units.share(row.kept)}", **plain)
 
 

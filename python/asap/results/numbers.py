@@ -249,7 +249,7 @@ class Diagnosis:
         cost"``: the bound was not kept and could not be, whatever the events
         (`Cost.least_bound_us`). These three only where the cost explains at least half of what the
         scheme dropped. ``"scheme"``: the algorithm could have done it. ``"unknown"``:
-        the packages do not tell the cost of an event (`Cost.one_size`).
+        the packages do not tell the cost of an event (`Cost.one_size`), or there was no event.
     cost : Cost
         As the packages of the run explain it (`fit_cost`).
     offered_hz : float
@@ -292,7 +292,9 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     speedup = load + 2 * cost.alpha_us / bound_us
     late_share = _late_share(run)
     in_time = _good_in_time(run)
-    if _bad_data_limit(run, wanted):
+    if run.ledger.received == 0:
+        limit = "unknown"
+    elif _bad_data_limit(run, wanted):
         limit = "data"
     elif bound_needed_us(cost, bound_us, run.latency.max) and _explains(run, cost, rates_hz):
         limit = "fixed cost"

@@ -96,7 +96,8 @@ def _from_json(path: Path, make: Callable[..., AnyRun]) -> AnyRun:
         raise ValueError(f"size = {size} bytes: a summary takes less than {_LONGEST_SUMMARY}")
     document = _parsed(path.read_bytes())
     facts, log = _facts(document), _LOG("", document)
-    counts = facts["ledger"].delivered, round(log.pop("in_time") * facts["ledger"].received)
+    in_time = log.pop("in_time") or 0.0  # None: no event was received
+    counts = facts["ledger"].delivered, round(in_time * facts["ledger"].received)
     latency, lateness = (us and _SummedUp(*counts, **us) for us in map(log.pop, _HISTOGRAMS))
     run = make(
         packages=np.zeros(0, _core.PACKAGE_DTYPE),
@@ -298,7 +299,7 @@ _HISTOGRAMS = ("latency_us", "pacing_us")
 _LATENCY = _fields(mean=_real, p50=_real, p99=_real, max=_real)
 _COST = _fields(alpha_us=_real, beta_ns=_real, noise=_real, one_size=_or_none(_count))
 _LOG = _fields(
-    in_time=_share,
+    in_time=_or_none(_share),
     latency_us=_LATENCY,
     pacing_us=_or_none(_LATENCY),
     bound_needed_us=_or_none(_real),

@@ -61,7 +61,9 @@ def run_figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
         (
             "latency",
             f"p50 {_units.duration(latency['p50'])}, p99 {_units.duration(latency['p99'])}, "
-            f"max {_units.duration(latency['max'])}",
+            f"max {_units.duration(latency['max'])}"
+            if run.ledger.delivered
+            else "-",
         ),
         (
             "packages",
@@ -379,13 +381,13 @@ def _rate_bounds(comparison: Comparison) -> str:
 
 def comparison_cells(row: Row, latency_ms: float) -> tuple[str, ...]:
     """Write a row, one text for each of `COLUMNS`."""
+    latencies = [_units.duration(value_us) for value_us in (row.p50_us, row.p99_us, row.max_us)]
+    latencies.insert(2, _ratio(row.p99_us / (latency_ms * 1e3)))
     return (
         row.label,
-        f"{row.score:.3f}",
+        _units.score(row.score),
         _units.share(row.kept),
-        *(_units.duration(value_us) for value_us in (row.p50_us, row.p99_us)),
-        _ratio(row.p99_us / (latency_ms * 1e3)),
-        _units.duration(row.max_us),
+        *(latencies if row.kept > 0 else "----"),
         _units.duration(row.gap_us) if row.gap_us else "-",
         _units.share(row.overflow) if row.overflow else "-",
         _units.count(row.packages_per_s),
@@ -406,8 +408,8 @@ def oracle_rows(comparison: Comparison) -> list[tuple[str, ...]]:
     return [
         (
             name,
-            f"{_of(events, comparison.oracle):.3f}",
-            _units.share(_of(events, comparison.received)),
+            f"{events / comparison.oracle:.3f}" if comparison.oracle > 0 else "-",
+            _units.share(events / comparison.received) if comparison.received else "-",
             *empty,
         )
         for name, events in found
@@ -488,10 +490,6 @@ def _more_than_default(comparison: Comparison) -> Iterator[str]:
             f"{most.label} processes more in time than {default.label}: {most.score:.3f} of the "
             f"oracle's events instead of {default.score:.3f}{p99}."
         )
-
-
-def _of(events: float, all_events: float) -> float:
-    return events / all_events if all_events else 1.0
 
 
 def _ratio(value: float) -> str:

@@ -35,7 +35,7 @@ _IN_HEAT_MAP = (
     "DeadBeat",
     "Deadline",
 )
-_OURS = ("DeadBeat", "Deadline", "opaque Deadline")
+_OURS = ("DeadBeat", "Deadline", "whole Deadline")
 _IN_SCATTER = (
     "FixedSize 1000",
     "Greedy",
@@ -47,7 +47,7 @@ _IN_SCATTER = (
     "greedy+clear",
     "jAER timer",
     "DeadBeat",
-    "opaque Deadline",
+    "whole Deadline",
     "Deadline",
 )
 _IN_STEP = {

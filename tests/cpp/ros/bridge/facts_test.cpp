@@ -4,6 +4,9 @@
 
 #include <limits>
 
+#include "asap/runner/pipeline.hpp"
+#include "asap/schemes/greedy.hpp"
+
 namespace asap::ros::facts_test {
 namespace {
 
@@ -18,6 +21,14 @@ TEST(Facts, NamesWithADotBecomeObjects) {
       R"({"state": "open", "ledger": {"received": 3, "pending": 0}, "gamma": {"mean": 0.5}, "cpu": null})");
   EXPECT_EQ(to_json({}), "{}");
   EXPECT_EQ(to_json({{"a.b", "1"}}), R"({"a": {"b": 1}})");
+}
+
+TEST(Facts, SharesOfNothingAreUnknown) {
+  Greedy scheme;
+  const std::string json = to_json(facts_of(Pipeline(scheme, {.capacity = 64}).stats()));
+  for (const char* share : {"\"kept\": null", "\"in_time\": null"}) {
+    EXPECT_NE(json.find(share), std::string::npos) << json;
+  }
 }
 
 TEST(Facts, TextsAreQuoted) {
